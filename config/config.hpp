@@ -1,0 +1,166 @@
+// The configuration: one TOML file, read strictly, that every view takes its widths and modes from.
+// docs/configuration.md has a row a key; config/*.toml are the shipped ones, with a comment a key.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "config/format.hpp"
+
+namespace bitspan {
+
+// Bad input of any kind: the text is one line that says where (file, line, key) and what was expected.
+// The command line prints it and exits with 2.
+struct InputError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+enum class FillRule : std::uint8_t { top_left, inclusive };
+enum class EdgeWalk : std::uint8_t { exact, dda };
+enum class DdaUpdate : std::uint8_t { accumulate, multiply };
+enum class Perspective : std::uint8_t { delta_f, const_depth_rows, hyperbolic, affine };
+enum class Numerator : std::uint8_t { pixel_centre, ideal_line };
+enum class SlopeForm : std::uint8_t { divide, reciprocal };
+enum class ReciprocalKind : std::uint8_t { restoring, lut_linear, lut_newton };
+enum class DepthCode : std::uint8_t { inverse, linear, opengl };
+enum class TextureFilter : std::uint8_t { nearest, bilinear };
+enum class TextureWrap : std::uint8_t { cyclic, clamp };
+enum class FogMode : std::uint8_t { none, linear, table };
+
+// One reciprocal unit R; docs/numeric-spec.md, "Reciprocal", defines each kind in the value domain.
+struct Reciprocal {
+  ReciprocalKind kind = ReciprocalKind::restoring;
+  bool normalize = true;   // mantissa and exponent, or one fixed-point number
+  int operand_bits = 0;    // lut kinds: fraction bits kept of the normalised operand
+  int index_bits = 0;      // lut kinds: the table has 2^index_bits entries
+  int table_bits = 0;      // lut kinds: fraction bits of a table entry
+  int internal_bits = 0;   // lut kinds: fraction bits after each step
+  int steps = 0;           // lut_newton: Newton steps
+  int bits_per_cycle = 1;  // restoring: quotient bits a clock makes
+  bool pipelined = true;   // accepts an operand each clock; else one at a time
+  Format output;           // of the mantissa when normalised, of the reciprocal when not
+  bool operator==(const Reciprocal&) const = default;
+};
+
+// A constant added to an accumulator's start value: half an ULP of the format the accumulator is
+// narrowed to, or a number in the accumulator's unit (a multiple of half its ULP).
+struct StartOffset {
+  bool half_ulp = false;
+  double value = 0.0;
+  bool operator==(const StartOffset&) const = default;
+};
+
+struct StartOffsets {
+  StartOffset edge_x, edge_h, edge_f, edge_shade, span_h, span_f, span_shade;
+  bool operator==(const StartOffsets&) const = default;
+};
+
+enum class Stage : std::uint8_t { setup, edge_walk, span_setup, span, depth, texture, fog, merge, count };
+inline constexpr int stage_count = static_cast<int>(Stage::count);
+std::string_view to_string(Stage stage);  // "setup", "edge_walk" ...
+
+// Timed model only. span_setup and span take their latency from the reciprocal units, as the RTL does;
+// for them only `fifo` is read.
+struct StageTiming {
+  int latency = 1;  // clocks from acceptance to delivery
+  int interval = 1; // initiation interval, clocks
+  int fifo = 2;     // capacity of the FIFO in front of the stage, records
+  bool operator==(const StageTiming&) const = default;
+};
+
+struct MemoryTiming {
+  int latency = 20;      // clocks from a read request to its first beat
+  int width_bytes = 8;   // bytes a clock
+  int cache_line_bytes = 64;
+  int cache_sets = 64;
+  int cache_ways = 2;
+  bool operator==(const MemoryTiming&) const = default;
+};
+
+struct Config {
+  std::string name;  // the file's stem; not part of the hash
+
+  // [raster]
+  int subpixel_bits = 4;     // k: vertices snap to 2^-k pixel
+  int coordinate_bits = 16;  // integer bits of a snapped coordinate, sign included
+  FillRule fill_rule = FillRule::top_left;
+  EdgeWalk edge_walk = EdgeWalk::exact;
+  DdaUpdate dda_update = DdaUpdate::accumulate;
+
+  // [perspective]
+  Perspective perspective = Perspective::delta_f;
+  Numerator numerator = Numerator::pixel_centre;
+
+  // [slope]
+  SlopeForm edge_slope = SlopeForm::divide;
+  SlopeForm row_slope = SlopeForm::reciprocal;
+
+  // [reciprocal.edge], [reciprocal.row], [reciprocal.pixel]
+  Reciprocal edge_reciprocal, row_reciprocal, pixel_reciprocal;
+
+  // [start_offset]
+  StartOffsets start_offset;
+
+  // [depth]
+  int depth_bits = 16;
+  DepthCode depth_code = DepthCode::inverse;
+  Rounding depth_rounding = Rounding::trn;
+  Overflow depth_overflow = Overflow::sat;
+
+  // [texture]
+  TextureFilter filter = TextureFilter::nearest;
+  TextureWrap wrap = TextureWrap::cyclic;
+  std::optional<std::array<std::uint8_t, 3>> transparent;  // T4: the reserved texel value
+
+  // [fog]
+  FogMode fog = FogMode::table;
+
+  // [formats]
+  std::array<Format, format_count> formats{};
+
+  // [timing.STAGE], [memory]
+  std::array<StageTiming, stage_count> timing{};
+  MemoryTiming memory;
+
+  const Format& format(FormatId id) const { return formats[static_cast<std::size_t>(id)]; }
+  Format& format(FormatId id) { return formats[static_cast<std::size_t>(id)]; }
+
+  // Snapped coordinates: signed, rounded half up, by contract.
+  Format coordinate_format() const {
+    return {coordinate_bits + subpixel_bits, coordinate_bits, true, Rounding::rnd, Overflow::sat, false};
+  }
+  // The stored depth code: unsigned integers.
+  Format depth_format() const { return {depth_bits, depth_bits, false, depth_rounding, depth_overflow, false}; }
+
+  bool operator==(const Config&) const = default;
+};
+
+// Reads and checks a file. Throws InputError naming file, line, key and what is legal.
+Config load_config(const std::string& path);
+// The same from a text; `origin` stands for the file's name in messages.
+Config parse_config(std::string_view toml, const std::string& origin);
+// The canonical TOML text: parse_config(to_toml(c)) == c.
+std::string to_toml(const Config& config);
+// Rules that hold between keys (a product wider than the engines hold, a mode that needs another key).
+// Called by load and parse; throws InputError with the key's name and what is legal.
+void check_config(const Config& config, const std::string& origin);
+// 16 hexadecimal digits over everything that determines results; the name is left out.
+std::string config_hash(const Config& config);
+
+std::string_view to_string(FillRule v);
+std::string_view to_string(EdgeWalk v);
+std::string_view to_string(DdaUpdate v);
+std::string_view to_string(Perspective v);
+std::string_view to_string(Numerator v);
+std::string_view to_string(SlopeForm v);
+std::string_view to_string(ReciprocalKind v);
+std::string_view to_string(DepthCode v);
+std::string_view to_string(TextureFilter v);
+std::string_view to_string(TextureWrap v);
+std::string_view to_string(FogMode v);
+
+}  // namespace bitspan

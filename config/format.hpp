@@ -1,0 +1,114 @@
+// Fixed-point formats: the one description of a register's width that every view reads.
+//
+// A format follows SystemC's convention: `word` bits in all, `integer` of them left of the binary point
+// (the sign bit included when signed), so the least significant bit weighs 2^-(word - integer).
+// `integer` may be negative or larger than `word`. Raw values are held in int64_t: signed formats take
+// 1..64 bits, unsigned ones 1..63.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace bitspan {
+
+// SystemC's seven quantisation modes (IEEE 1666, 7.10.9.1), by the same names without the prefix.
+enum class Rounding : std::uint8_t {
+  rnd,          // SC_RND: nearest, ties toward plus infinity
+  rnd_zero,     // SC_RND_ZERO: nearest, ties toward zero
+  rnd_min_inf,  // SC_RND_MIN_INF: nearest, ties toward minus infinity
+  rnd_inf,      // SC_RND_INF: nearest, ties away from zero
+  rnd_conv,     // SC_RND_CONV: nearest, ties to even
+  trn,          // SC_TRN: floor
+  trn_zero,     // SC_TRN_ZERO: toward zero
+};
+
+// SystemC's five overflow modes with n_bits = 0 (IEEE 1666, 7.10.9.2).
+enum class Overflow : std::uint8_t {
+  wrap,      // SC_WRAP: keep the low bits
+  sat,       // SC_SAT: clamp to the range
+  sat_zero,  // SC_SAT_ZERO: out of range becomes 0
+  sat_sym,   // SC_SAT_SYM: clamp to [-max, max] when signed
+  wrap_sm,   // SC_WRAP_SM: sign-magnitude wrap, signed formats only
+};
+
+inline constexpr int rounding_modes = 7;
+inline constexpr int overflow_modes = 5;
+
+std::string_view to_string(Rounding mode);  // "SC_RND" ...
+std::string_view to_string(Overflow mode);  // "SC_WRAP" ...
+
+struct Format {
+  int word = 1;
+  int integer = 1;
+  bool is_signed = false;
+  Rounding rounding = Rounding::trn;
+  Overflow overflow = Overflow::sat;
+  // The scene's range may exceed this format on purpose; the range check then keeps silent about it.
+  bool overflow_expected = false;
+
+  constexpr int fraction() const { return word - integer; }
+  constexpr bool operator==(const Format&) const = default;
+};
+
+// Every register of the pipeline that has a configurable format: id, key in the TOML file, unit, meaning.
+// docs/numeric-spec.md says where each one stands. The order here is the order of `bitspan config show`.
+#define BITSPAN_FORMATS(X)                                                                              \
+  X(setup_s, "setup.s", "s / 2^E", "vertex distance along the view axis, normalised by a power of two") \
+  X(setup_b, "setup.b", "depth code", "the constant B of the inverse depth code D1")                    \
+  X(setup_h, "setup.h", "depth code", "vertex depth code h")                                            \
+  X(setup_uv, "setup.uv", "texel", "vertex texture coordinates")                                        \
+  X(setup_shade, "setup.shade", "1", "vertex colour and alpha, 0 to 1")                                 \
+  X(edge_x_step, "edge.x_step", "pixel/row", "slope register of a dda edge")                            \
+  X(edge_x_acc, "edge.x_acc", "pixel", "x accumulator of a dda edge")                                   \
+  X(edge_x, "edge.x", "pixel", "x of an edge at a row's centre, as span setup sees it")                 \
+  X(edge_h_step, "edge.h_step", "depth code/row", "slope of h along an edge")                           \
+  X(edge_h_acc, "edge.h_acc", "depth code", "accumulator of h along an edge")                           \
+  X(edge_h, "edge.h", "depth code", "h of an edge at a row's centre")                                   \
+  X(edge_f_diff, "edge.f_diff", "texel*depth code", "(u2 - u1)(h2 + B) of an edge")                     \
+  X(edge_f_step, "edge.f_step", "texel*depth code/row", "delta-f slope along an edge")                  \
+  X(edge_f, "edge.f", "texel*depth code", "delta-f accumulator along an edge")                          \
+  X(edge_uv, "edge.uv", "texel", "u, v of an edge at a row's centre")                                   \
+  X(edge_shade_step, "edge.shade_step", "1/row", "slope of colour and alpha along an edge")             \
+  X(edge_shade_acc, "edge.shade_acc", "1", "accumulator of colour and alpha along an edge")             \
+  X(edge_shade, "edge.shade", "1", "colour and alpha of an edge at a row's centre")                     \
+  X(plane_g, "plane.g", "texel*depth code", "u (h + B) at a vertex, const_depth_rows")                  \
+  X(plane_h_grad, "plane.h_grad", "depth code/pixel", "screen gradient of h, const_depth_rows")         \
+  X(plane_g_grad, "plane.g_grad", "texel*depth code/pixel", "screen gradient of u (h + B)")             \
+  X(plane_shade_grad, "plane.shade_grad", "1/pixel", "screen gradient of colour and alpha")             \
+  X(plane_k, "plane.k", "pixel/pixel", "slope k of the rows of constant depth, -1 to 1")                \
+  X(span_h_step, "span.h_step", "depth code/pixel", "slope of h along a span")                          \
+  X(span_h, "span.h", "depth code", "accumulator of h along a span, the fragment's h")                  \
+  X(span_f_diff, "span.f_diff", "texel*depth code", "(u_r - u_l)(h_r + B) of a span")                   \
+  X(span_f_step, "span.f_step", "texel*depth code/pixel", "slope of the texture numerator")             \
+  X(span_f, "span.f", "texel*depth code", "accumulator of the texture numerator")                       \
+  X(span_uv_step, "span.uv_step", "texel/pixel", "slope of u, v where they are linear")                 \
+  X(span_uv_acc, "span.uv_acc", "texel", "accumulator of u, v where they are linear")                   \
+  X(span_uv, "span.uv", "texel", "the fragment's texture coordinates xt, yt")                           \
+  X(span_shade_step, "span.shade_step", "1/pixel", "slope of colour and alpha along a span")            \
+  X(span_shade_acc, "span.shade_acc", "1", "accumulator of colour and alpha along a span")              \
+  X(span_shade, "span.shade", "1", "the fragment's colour and alpha factors")                           \
+  X(depth_c1, "depth.c1", "1", "scale constant of the linear depth code H6")                            \
+  X(depth_c0, "depth.c0", "1", "offset constant of the linear depth code H6")                           \
+  X(texture_frac, "texture.frac", "texel", "Ex, Ey of the bilinear filter")                             \
+  X(texture_mix, "texture.mix", "colour code", "V5, V6, V of the bilinear filter")                      \
+  X(texture_color, "texture.color", "colour code", "texel times colour")                                \
+  X(texture_alpha, "texture.alpha", "1", "alpha of texel and fragment, 0 to 1")                         \
+  X(fog_scale, "fog.scale", "depth code", "constant of linear fog")                                     \
+  X(fog_factor, "fog.factor", "1", "share of the object's own colour, 0 to 1; the fog table's entry")   \
+  X(fog_color, "fog.color", "colour code", "colour after fog")                                          \
+  X(merge_color, "merge.color", "colour code", "colour as stored in the frame buffer")
+
+enum class FormatId : std::uint8_t {
+#define BITSPAN_FORMAT_ENUM(id, key, unit, text) id,
+  BITSPAN_FORMATS(BITSPAN_FORMAT_ENUM)
+#undef BITSPAN_FORMAT_ENUM
+      count
+};
+
+inline constexpr int format_count = static_cast<int>(FormatId::count);
+
+std::string_view key_of(FormatId id);   // "setup.s" ...
+std::string_view unit_of(FormatId id);  // "depth code" ...
+std::string_view text_of(FormatId id);  // the meaning, one line
+
+}  // namespace bitspan

@@ -1,0 +1,51 @@
+// A scene as every engine gets it: screen-space triangles in the order of drawing, and their textures.
+// Readers (.tri streams, meshes, the embedded demo) make it; docs/formats.md describes the stream.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace bitspan {
+
+// 8-bit RGBA, rows from the top; alpha is the L-buffer of T5 (0 clear, 255 opaque).
+struct Texture {
+  std::string name;
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgba;
+};
+
+// x, y in pixels (origin top left, pixel centres at .5); s distance along the view axis; u, v in texels
+// (texel centres at .5, v downward); c red, green, blue, alpha in 0..1.
+struct Vertex {
+  double x = 0, y = 0, s = 1, u = 0, v = 0;
+  std::array<double, 4> c{1, 1, 1, 1};
+};
+
+struct Triangle {
+  std::array<Vertex, 3> v;
+  int texture = -1;  // index into Scene::textures, -1 for none
+};
+
+struct Fog {
+  std::array<std::uint8_t, 3> color{};
+  double distance = 1;  // DT, in the unit of s
+};
+
+struct Scene {
+  std::string name;
+  int width = 640;
+  int height = 480;
+  double s_min = 1;
+  double s_max = 1000;
+  double focal = 500;  // F, in pixels
+  std::array<std::uint8_t, 3> background{};
+  std::optional<Fog> fog;
+  std::vector<Texture> textures;
+  std::vector<Triangle> triangles;
+};
+
+}  // namespace bitspan
