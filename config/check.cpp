@@ -1,0 +1,257 @@
+#include "config/check.hpp"
+
+#include <bit>
+#include <cmath>
+#include <string_view>
+
+#include "config/exact.hpp"
+#include "config/names.hpp"
+
+namespace bitspan {
+namespace {
+
+constexpr int kMinPlaces = -32;  // of integer and fraction places of any format
+constexpr int kMaxPlaces = 64;
+
+using Result = std::optional<Violation>;
+
+std::string describe(const Format& f) {
+  return std::string(f.is_signed ? "signed" : "unsigned") + ", word " + std::to_string(f.word) + ", int " +
+         std::to_string(f.integer);
+}
+
+Result in_range(const std::string& key, int value, int lowest, int highest, const std::string& why = "") {
+  if (value >= lowest && value <= highest) return std::nullopt;
+  return Violation{key, "is " + std::to_string(value) + "; legal: " + std::to_string(lowest) + ".." +
+                            std::to_string(highest) + why};
+}
+
+Result power_of_two(const std::string& key, int value, int lowest, int highest) {
+  if (value >= lowest && value <= highest && std::has_single_bit(static_cast<unsigned>(value)))
+    return std::nullopt;
+  return Violation{key, "is " + std::to_string(value) + "; legal: a power of two, " + std::to_string(lowest) +
+                            ".." + std::to_string(highest)};
+}
+
+Result check_format(const std::string& key, const Format& f) {
+  if (auto v = f.is_signed ? in_range(key + ".word", f.word, 1, 64, " for a signed format")
+                           : in_range(key + ".word", f.word, 1, 63, " for an unsigned format")) {
+    return v;
+  }
+  if (auto v = in_range(key + ".int", f.integer, kMinPlaces, kMaxPlaces)) return v;
+  if (auto v = in_range(key + ".int", f.integer, f.word - kMaxPlaces, f.word - kMinPlaces,
+                        ", so that word - int, the fraction, is " + std::to_string(kMinPlaces) + ".." +
+                            std::to_string(kMaxPlaces))) {
+    return v;
+  }
+  if (static_cast<std::size_t>(f.rounding) >= enum_names<Rounding>.size()) {
+    return Violation{key + ".round", "is no rounding mode; legal: the seven of SystemC"};
+  }
+  if (static_cast<std::size_t>(f.overflow) >= enum_names<Overflow>.size()) {
+    return Violation{key + ".overflow", "is no overflow mode; legal: the five of SystemC"};
+  }
+  if (f.overflow == Overflow::wrap_sm && !f.is_signed) {
+    return Violation{
+        key + ".overflow",
+        "is SC_WRAP_SM in an unsigned format; legal: SC_WRAP, SC_SAT, SC_SAT_ZERO, SC_SAT_SYM, or "
+        "signed = true"};
+  }
+  return std::nullopt;
+}
+
+bool holds_one(const Format& f) { return f.integer >= (f.is_signed ? 2 : 1) && f.fraction() >= 0; }
+
+Result check_raster(const Config& c) {
+  if (auto v = in_range("raster.subpixel_bits", c.subpixel_bits, 0, 12)) return v;
+  return in_range("raster.coordinate_bits", c.coordinate_bits, 2, 24);
+}
+
+Result check_reciprocal(const std::string& key, const Reciprocal& r) {
+  const bool lut = r.kind != ReciprocalKind::restoring;
+  const bool newton = r.kind == ReciprocalKind::lut_newton;
+  const std::string unused = " (0 where the kind does not use it)";
+  const auto range = [&](const char* name, int value, bool used, int lowest, int highest) {
+    return in_range(key + "." + name, value, used ? lowest : 0, highest,
+                    used ? " for " + std::string(to_string(r.kind)) : unused);
+  };
+  if (auto v = range("operand_bits", r.operand_bits, lut, 2, 60)) return v;
+  if (auto v = range("index_bits", r.index_bits, lut, 1, 12)) return v;
+  if (auto v = range("table_bits", r.table_bits, lut, 2, 40)) return v;
+  if (auto v = range("internal_bits", r.internal_bits, lut, 2, 60)) return v;
+  if (auto v = range("steps", r.steps, newton, 0, 4)) return v;
+  if (auto v = range("bits_per_cycle", r.bits_per_cycle, !lut, 1, 8)) return v;
+  if (lut && r.index_bits >= r.operand_bits) {
+    return Violation{key + ".index_bits", "is " + std::to_string(r.index_bits) +
+                                              " with operand_bits = " + std::to_string(r.operand_bits) +
+                                              "; legal: index_bits < operand_bits"};
+  }
+  if (auto v = check_format(key + ".output", r.output)) return v;
+  if (r.output.is_signed) {
+    return Violation{key + ".output.signed", "is true, and a reciprocal is never negative; legal: false"};
+  }
+  if (r.output.fraction() < 1) {
+    return Violation{key + ".output", "is " + describe(r.output) + ", with no fraction; legal: int < word"};
+  }
+  const bool saturates = r.output.overflow == Overflow::sat || r.output.overflow == Overflow::sat_sym;
+  if (r.normalize && (r.output.integer < 0 || (r.output.integer == 0 && !saturates))) {
+    return Violation{key + ".output.int",
+                     "is " + std::to_string(r.output.integer) +
+                         ", and a normalised reciprocal is 1/2 to 1; legal: int >= 1, or int = 0 "
+                         "with overflow SC_SAT, SC_SAT_SYM"};
+  }
+  return std::nullopt;
+}
+
+// Half an ulp of `kept`, or a number, added in front of the narrowing to `accumulator`.
+Result check_offset(const std::string& key, const StartOffset& offset, const std::string& accumulator_key,
+                    const Format& accumulator, const std::string& kept_key, const Format& kept) {
+  if (offset.half_ulp) {
+    if (offset.value != 0) return Violation{key, "is half an ulp and a number at once; legal: one of them"};
+    if (kept.fraction() <= accumulator.fraction()) return std::nullopt;
+    return Violation{key, "is half an ulp of " + kept_key + " (fraction " + std::to_string(kept.fraction()) +
+                              "), finer than half an ulp of the accumulator " + accumulator_key +
+                              " (fraction " + std::to_string(accumulator.fraction()) +
+                              "); legal: 0, or an accumulator as fine"};
+  }
+  const std::string half_ulp = "2^" + std::to_string(-accumulator.fraction() - 1);
+  if (!std::isfinite(offset.value)) return Violation{key, "is not finite; legal: a multiple of " + half_ulp};
+  const double halves = std::ldexp(offset.value, accumulator.fraction() + 1);
+  if (halves != std::floor(halves)) {
+    return Violation{key, "is no multiple of half an ulp of the accumulator " + accumulator_key +
+                              "; legal: multiples of " + half_ulp + ", \"half_ulp\""};
+  }
+  if (std::abs(offset.value) > std::ldexp(1.0, accumulator.integer)) {
+    return Violation{key, "is beyond the accumulator " + accumulator_key + "; legal: at most 2^" +
+                              std::to_string(accumulator.integer) + " in size"};
+  }
+  return std::nullopt;
+}
+
+Result check_offsets(const Config& c) {
+  using F = FormatId;
+  const bool linear_uv =
+      c.perspective == Perspective::affine || c.perspective == Perspective::const_depth_rows;
+  const StartOffsets& o = c.start_offset;
+  const auto check = [&c](const char* key, const StartOffset& offset, F accumulator, F kept) {
+    return check_offset(std::string("start_offset.") + key, offset,
+                        "formats." + std::string(key_of(accumulator)), c.format(accumulator),
+                        "formats." + std::string(key_of(kept)), c.format(kept));
+  };
+  if (auto v = check("edge_x", o.edge_x, F::edge_x_acc, F::edge_x)) return v;
+  if (auto v = check("edge_h", o.edge_h, F::edge_h_acc, F::edge_h)) return v;
+  if (auto v = check("edge_f", o.edge_f, F::edge_f, F::edge_f)) return v;
+  if (auto v = check("edge_shade", o.edge_shade, F::edge_shade_acc, F::edge_shade)) return v;
+  if (auto v = check_offset("start_offset.span_h", o.span_h, "formats.span.h", c.format(F::span_h), "depth.z",
+                            c.depth_format())) {
+    return v;
+  }
+  if (auto v = linear_uv ? check("span_f", o.span_f, F::span_uv_acc, F::span_uv)
+                         : check("span_f", o.span_f, F::span_f, F::span_f)) {
+    return v;
+  }
+  return check("span_shade", o.span_shade, F::span_shade_acc, F::span_shade);
+}
+
+Result check_formats(const Config& c) {
+  using F = FormatId;
+  for (int i = 0; i < format_count; ++i) {
+    const auto id = static_cast<F>(i);
+    if (auto v = check_format("formats." + std::string(key_of(id)), c.format(id))) return v;
+  }
+  const Format& color = c.format(F::merge_color);
+  if (color.is_signed || color.word != 8 || color.integer != 8) {
+    return Violation{"formats.merge.color", "is " + describe(color) + "; legal: unsigned, word 8, int 8"};
+  }
+  const Format& frac = c.format(F::texture_frac);
+  if (frac.is_signed || frac.integer != 0) {
+    return Violation{"formats.texture.frac", "is " + describe(frac) + "; legal: unsigned, int 0"};
+  }
+  for (const F id : {F::texture_alpha, F::fog_factor}) {
+    if (!holds_one(c.format(id))) {
+      return Violation{"formats." + std::string(key_of(id)),
+                       "is " + describe(c.format(id)) +
+                           ", which cannot hold 1; legal: int >= 1 (signed: 2) and word >= int"};
+    }
+  }
+  const Format& k = c.format(F::plane_k);
+  if (!k.is_signed || k.integer < 2) {
+    return Violation{"formats.plane.k",
+                     "is " + describe(k) + ", which cannot hold -1..1; legal: signed, int >= 2"};
+  }
+  if (k.fraction() < 1 || k.fraction() > 62) {
+    return Violation{"formats.plane.k",
+                     "has " + std::to_string(k.fraction()) +
+                         " fraction bits, and the phase on the digital line has as many; legal: "
+                         "1..62"};
+  }
+  if (c.format(F::edge_x).fraction() < 1) {
+    return Violation{"formats.edge.x",
+                     "is " + describe(c.format(F::edge_x)) +
+                         ", and pixel centres lie at .5; legal: a fraction of 1 bit or more, int < "
+                         "word"};
+  }
+  return std::nullopt;
+}
+
+Result check_timing(const Config& c) {
+  for (int i = 0; i < stage_count; ++i) {
+    const StageTiming& t = c.timing[static_cast<std::size_t>(i)];
+    const std::string key = "timing." + std::string(to_string(static_cast<Stage>(i)));
+    if (auto v = in_range(key + ".latency", t.latency, 1, 1000, " clocks")) return v;
+    if (auto v = in_range(key + ".interval", t.interval, 1, 1000, " clocks")) return v;
+    if (auto v = in_range(key + ".fifo", t.fifo, 1, 65536, " records")) return v;
+  }
+  const MemoryTiming& m = c.memory;
+  if (auto v = in_range("memory.latency", m.latency, 1, 10000, " clocks")) return v;
+  if (auto v = power_of_two("memory.width_bytes", m.width_bytes, 1, 1024)) return v;
+  if (auto v = power_of_two("memory.cache_line_bytes", m.cache_line_bytes, 4, 4096)) return v;
+  if (m.cache_line_bytes < m.width_bytes) {
+    return Violation{"memory.cache_line_bytes",
+                     "is " + std::to_string(m.cache_line_bytes) +
+                         ", less than one beat of the memory; legal: at least width_bytes, " +
+                         std::to_string(m.width_bytes)};
+  }
+  if (auto v = power_of_two("memory.cache_sets", m.cache_sets, 1, 65536)) return v;
+  return in_range("memory.cache_ways", m.cache_ways, 1, 64);
+}
+
+Result check_exact(const Config& c) {
+  for (const ExactIntermediate& x : exact_intermediates(c)) {
+    if (x.bits <= exact_bits_limit) continue;
+    return Violation{x.key, "stage " + x.stage + ": the exact value of `" + x.expression + "` takes " +
+                                std::to_string(x.bits) + " bits" +
+                                (x.formats.empty() ? "" : " with " + x.formats) + "; legal: at most " +
+                                std::to_string(exact_bits_limit) +
+                                (x.formats.empty() ? " (fewer subpixel_bits or coordinate_bits)" : "")};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result first_violation(const Config& c) {
+  if (auto v = check_raster(c)) return v;
+  if (auto v = check_reciprocal("reciprocal.edge", c.edge_reciprocal)) return v;
+  if (auto v = check_reciprocal("reciprocal.row", c.row_reciprocal)) return v;
+  if (auto v = check_reciprocal("reciprocal.pixel", c.pixel_reciprocal)) return v;
+  if (!c.pixel_reciprocal.pipelined) {
+    return Violation{"reciprocal.pixel.pipelined",
+                     "is false, and the span takes a pixel a clock; legal: true"};
+  }
+  if (auto v = in_range("depth.bits", c.depth_bits, 8, 32)) return v;
+  if (c.depth_overflow == Overflow::wrap_sm) {
+    return Violation{
+        "depth.overflow",
+        "is SC_WRAP_SM, and the code is unsigned; legal: SC_WRAP, SC_SAT, SC_SAT_ZERO, SC_SAT_SYM"};
+  }
+  if (auto v = check_formats(c)) return v;
+  if (auto v = check_offsets(c)) return v;
+  if (auto v = check_timing(c)) return v;
+  return check_exact(c);
+}
+
+void check_config(const Config& config, const std::string& origin) {
+  if (const auto v = first_violation(config)) throw InputError(origin + ": " + v->key + ": " + v->text);
+}
+
+}  // namespace bitspan

@@ -1,0 +1,19 @@
+// The rules between keys, found one at a time; check_config and the reader turn a violation into InputError.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "config/config.hpp"
+
+namespace bitspan {
+
+struct Violation {
+  std::string key;   // full path, such as "reciprocal.pixel.index_bits" or "formats.span.h"
+  std::string text;  // what is wrong, and what is legal
+};
+
+// The first rule that the configuration breaks; none when it is legal.
+std::optional<Violation> first_violation(const Config& config);
+
+}  // namespace bitspan

@@ -1,0 +1,487 @@
+#include "config/exact.hpp"
+
+#include <algorithm>
+#include <initializer_list>
+#include <utility>
+
+namespace bitspan {
+namespace {
+
+// A set of values: multiples of 2^-fraction, in -2^(top-1) .. 2^(top-1), the sign included in `top`.
+struct Grid {
+  int fraction = 0;
+  int top = 1;
+  int bits() const { return fraction + top; }
+};
+
+Grid grid(const Format& f) { return {f.fraction(), f.is_signed ? f.integer : f.integer + 1}; }
+// Integers 0 .. 2^bits - 1.
+Grid unsigned_integer(int bits) { return {0, bits + 1}; }
+Grid operator+(Grid a, Grid b) { return {std::max(a.fraction, b.fraction), std::max(a.top, b.top) + 1}; }
+Grid operator*(Grid a, Grid b) { return {a.fraction + b.fraction, a.top + b.top}; }
+Grid scaled(Grid a, int e) { return {a.fraction + e, a.top - e}; }  // times 2^-e
+
+std::string describe(const Format& f) {
+  return std::string(f.is_signed ? "fixed<" : "ufixed<") + std::to_string(f.word) + "," +
+         std::to_string(f.integer) + ">";
+}
+
+// A reciprocal unit and the grid of its operand.
+struct Unit {
+  std::string name;
+  const Reciprocal& r;
+  Grid operand;
+  Grid mantissa() const { return grid(r.output); }
+  int e_min() const { return r.normalize ? -operand.fraction : 0; }
+  int e_max() const { return r.normalize ? std::max(operand.top - 2, -operand.fraction) : 0; }
+};
+
+class List {
+ public:
+  explicit List(const Config& config) : config_(config) {}
+
+  Grid of(FormatId id) const { return grid(config_.format(id)); }
+
+  // A value narrowed to a register: aligned with it where the register's last place is finer.
+  void value(std::string stage, std::string expression, std::initializer_list<FormatId> made_of, Grid g,
+             FormatId into) {
+    value(std::move(stage), std::move(expression), made_of, g, config_.format(into), key(into));
+  }
+  void value(std::string stage, std::string expression, std::initializer_list<FormatId> made_of, Grid g,
+             const Format& into, std::string into_key) {
+    add({std::move(into_key), std::move(stage), std::move(expression), formats(made_of), aligned(g, into)});
+  }
+
+  // n / d narrowed to a register: n or d scaled so that the quotient ends at the register's last place.
+  void quotient(std::string stage, std::string expression, std::initializer_list<FormatId> made_of, Grid n,
+                Grid d, FormatId into) {
+    const int shift = config_.format(into).fraction() - n.fraction + d.fraction;
+    add({key(into), std::move(stage), std::move(expression), formats(made_of),
+         std::max(n.bits() + std::max(shift, 0), d.bits() + std::max(-shift, 0))});
+  }
+
+  // base + n m 2^-e over every exponent that the unit can deliver; no base where it is null.
+  void product(std::string stage, std::string expression, std::initializer_list<FormatId> made_of,
+               const Grid* base, Grid n, const Unit& unit, FormatId into) {
+    product(std::move(stage), std::move(expression), made_of, base, n, unit, config_.format(into), key(into));
+  }
+  void product(std::string stage, std::string expression, std::initializer_list<FormatId> made_of,
+               const Grid* base, Grid n, const Unit& unit, const Format& into, std::string into_key) {
+    int bits = 0;
+    for (int e = unit.e_min(); e <= unit.e_max(); ++e) {
+      const Grid p = scaled(n * unit.mantissa(), e);
+      bits = std::max(bits, aligned(base == nullptr ? p : *base + p, into));
+    }
+    add({std::move(into_key), std::move(stage), std::move(expression), formats(made_of, &unit), bits});
+  }
+
+  // The one way a slope is formed.
+  void slope(const std::string& stage, const std::string& name, const std::string& numerator,
+             std::initializer_list<FormatId> made_of, Grid n, Grid d, SlopeForm form, const Unit& unit,
+             FormatId into) {
+    if (form == SlopeForm::divide) {
+      quotient(stage, name + " = " + numerator + " / length", made_of, n, d, into);
+    } else {
+      product(stage, name + " = " + numerator + " m 2^-e", made_of, nullptr, n, unit, into);
+    }
+  }
+
+  // What a unit does inside.
+  void unit(const Unit& u) {
+    const Reciprocal& r = u.r;
+    const auto inside = [&](std::string expression, int bits) {
+      add({u.name, u.name, std::move(expression), formats({}, &u), bits});
+    };
+    if (r.kind == ReciprocalKind::restoring) {
+      // 2^k / d, k so that the quotient ends at the output's last place; d holds bits() - 1 magnitude bits.
+      const int out = r.output.fraction();
+      const int k = r.normalize ? out + u.operand.bits() - 2 : out + u.operand.fraction;
+      inside("1 / d", std::max(std::max(k, 0) + 2, u.operand.bits() + std::max(-k, 0)));
+      return;
+    }
+    inside("table entry", r.table_bits + r.index_bits + 3);
+    int fraction = r.internal_bits;
+    if (r.kind == ReciprocalKind::lut_linear) {
+      inside("c(j) - (c(j) - c(j+1)) t",
+             std::max(r.table_bits + r.operand_bits - r.index_bits, r.internal_bits) + 2);
+    } else if (r.steps > 0) {
+      const int widest = std::max(r.table_bits, r.internal_bits);
+      inside("nq y", std::max(r.operand_bits + widest, r.internal_bits) + 3);
+      inside("y (2 - a)", widest + r.internal_bits + 4);
+    } else {
+      fraction = r.table_bits;
+    }
+    const Grid y{fraction, 3};
+    int bits = aligned(y, r.output);
+    if (!r.normalize) {
+      for (int e = -u.operand.fraction; e <= u.operand.top - 2; ++e) {
+        bits = std::max(bits, aligned(scaled(y, e), r.output));
+      }
+    }
+    inside(r.normalize ? "y" : "y 2^-e", bits);
+  }
+
+  std::vector<ExactIntermediate> take() { return std::move(list_); }
+
+ private:
+  static int aligned(Grid g, const Format& into) { return std::max(g.fraction, into.fraction()) + g.top; }
+  static std::string key(FormatId id) { return "formats." + std::string(key_of(id)); }
+
+  std::string formats(std::initializer_list<FormatId> made_of, const Unit* unit = nullptr) const {
+    std::string text;
+    const auto append = [&text](const std::string& name, const Format& f) {
+      if (!text.empty()) text += ", ";
+      text += name + " " + describe(f);
+    };
+    for (const FormatId id : made_of) append(std::string(key_of(id)), config_.format(id));
+    if (unit != nullptr) append(unit->name + ".output", unit->r.output);
+    return text;
+  }
+
+  void add(ExactIntermediate x) { list_.push_back(std::move(x)); }
+
+  const Config& config_;
+  std::vector<ExactIntermediate> list_;
+};
+
+// A start offset lies on the grid of half an ulp of its accumulator.
+Grid with_offset(Grid g, const StartOffset& offset, const Format& accumulator) {
+  if (!offset.half_ulp && offset.value == 0) return g;
+  return g + Grid{accumulator.fraction() + 1, grid(accumulator).top};
+}
+
+void constants(const Config& c, List& list) {
+  using F = FormatId;
+  const Grid hmax = unsigned_integer(c.depth_bits);
+  const Grid s = list.of(F::setup_s);
+  list.quotient("constants", "B = hmax s_min' / (s_max' - s_min')", {F::setup_s, F::setup_b}, hmax * s, s + s,
+                F::setup_b);
+  if (c.depth_code == DepthCode::linear) {
+    list.quotient("constants", "c1 = hmax B s_max' / (s_max' - s_min')",
+                  {F::setup_b, F::setup_s, F::depth_c1}, hmax * list.of(F::setup_b) * s, s + s, F::depth_c1);
+    list.quotient("constants", "c0 = hmax s_min' / (s_max' - s_min')", {F::setup_s, F::depth_c0}, hmax * s,
+                  s + s, F::depth_c0);
+  }
+  list.quotient("setup", "h = B (s_max' - s') / s'", {F::setup_b, F::setup_s, F::setup_h},
+                list.of(F::setup_b) * (s + s), s, F::setup_h);
+}
+
+void setup_edge(const Config& c, List& list, const Unit& edge_unit, Grid coordinate) {
+  using F = FormatId;
+  const Grid dy = coordinate + coordinate;
+  const Grid h = list.of(F::setup_h);
+  const Grid uv = list.of(F::setup_uv);
+  const Grid shade = list.of(F::setup_shade);
+  const bool affine = c.perspective == Perspective::affine;
+  if (c.edge_slope == SlopeForm::reciprocal) list.unit(edge_unit);
+  list.slope("setup.edge", "h_step", "(h2 - h1)", {F::setup_h, F::edge_h_step}, h + h, dy, c.edge_slope,
+             edge_unit, F::edge_h_step);
+  if (c.edge_walk == EdgeWalk::dda) {
+    list.slope("setup.edge", "x_step", "(x2 - x1)", {F::edge_x_step}, dy, dy, c.edge_slope, edge_unit,
+               F::edge_x_step);
+  }
+  if (affine) {
+    list.value("setup.edge", "fu_diff = u2 - u1", {F::setup_uv, F::edge_f_diff}, uv + uv, F::edge_f_diff);
+  } else {
+    list.value("setup.edge", "fu_diff = (u2 - u1)(h2 + B)",
+               {F::setup_uv, F::setup_h, F::setup_b, F::edge_f_diff}, (uv + uv) * (h + list.of(F::setup_b)),
+               F::edge_f_diff);
+  }
+  list.slope("setup.edge", "fu_step", "fu_diff", {F::edge_f_diff, F::edge_f_step}, list.of(F::edge_f_diff),
+             dy, c.edge_slope, edge_unit, F::edge_f_step);
+  list.slope("setup.edge", "r_step", "(r2 - r1)", {F::setup_shade, F::edge_shade_step}, shade + shade, dy,
+             c.edge_slope, edge_unit, F::edge_shade_step);
+}
+
+void edge_walk(const Config& c, List& list, const Unit& pixel_unit, Grid coordinate) {
+  using F = FormatId;
+  // t = y + 1/2 - y1
+  const Grid t = coordinate + Grid{1, coordinate.top};
+  const bool affine = c.perspective == Perspective::affine;
+  list.value("edge_walk", "h_acc = h1 + h_step t0 + offset", {F::setup_h, F::edge_h_step, F::edge_h_acc},
+             with_offset(list.of(F::setup_h) + list.of(F::edge_h_step) * t, c.start_offset.edge_h,
+                         c.format(F::edge_h_acc)),
+             F::edge_h_acc);
+  list.value("edge_walk", "h_acc + h_step", {F::edge_h_acc, F::edge_h_step},
+             list.of(F::edge_h_acc) + list.of(F::edge_h_step), F::edge_h_acc);
+  list.value("edge_walk", "h = h_acc", {F::edge_h_acc, F::edge_h}, list.of(F::edge_h_acc), F::edge_h);
+  Grid f = list.of(F::edge_f_step) * t;
+  if (affine) f = f + list.of(F::setup_uv);
+  list.value("edge_walk", affine ? "fu = u1 + fu_step t0 + offset" : "fu = fu_step t0 + offset",
+             {F::setup_uv, F::edge_f_step, F::edge_f},
+             with_offset(f, c.start_offset.edge_f, c.format(F::edge_f)), F::edge_f);
+  list.value("edge_walk", "fu + fu_step", {F::edge_f, F::edge_f_step},
+             list.of(F::edge_f) + list.of(F::edge_f_step), F::edge_f);
+  list.value("edge_walk", "r_acc = r1 + r_step t0 + offset",
+             {F::setup_shade, F::edge_shade_step, F::edge_shade_acc},
+             with_offset(list.of(F::setup_shade) + list.of(F::edge_shade_step) * t, c.start_offset.edge_shade,
+                         c.format(F::edge_shade_acc)),
+             F::edge_shade_acc);
+  list.value("edge_walk", "r_acc + r_step", {F::edge_shade_acc, F::edge_shade_step},
+             list.of(F::edge_shade_acc) + list.of(F::edge_shade_step), F::edge_shade_acc);
+  list.value("edge_walk", "r = r_acc", {F::edge_shade_acc, F::edge_shade}, list.of(F::edge_shade_acc),
+             F::edge_shade);
+  if (affine) {
+    list.value("edge_walk", "u = fu", {F::edge_f, F::edge_uv}, list.of(F::edge_f), F::edge_uv);
+  } else {
+    list.unit(pixel_unit);
+    const Grid base = list.of(F::setup_uv);
+    list.product("edge_walk", "u = u1 + fu m 2^-e",
+                 {F::setup_uv, F::edge_h, F::setup_b, F::edge_f, F::edge_uv}, &base, list.of(F::edge_f),
+                 pixel_unit, F::edge_uv);
+  }
+  const Grid dx = coordinate + coordinate;
+  if (c.edge_walk == EdgeWalk::exact) {
+    list.quotient("edge_walk", "x = (x1 dy + (x2 - x1) t) / dy", {F::edge_x}, coordinate * dx + dx * t, dx,
+                  F::edge_x);
+  } else {
+    list.value(
+        "edge_walk", "x_acc = x1 + x_step t + offset", {F::edge_x_step, F::edge_x_acc},
+        with_offset(coordinate + list.of(F::edge_x_step) * t, c.start_offset.edge_x, c.format(F::edge_x_acc)),
+        F::edge_x_acc);
+    if (c.dda_update == DdaUpdate::accumulate) {
+      list.value("edge_walk", "x_acc + x_step", {F::edge_x_acc, F::edge_x_step},
+                 list.of(F::edge_x_acc) + list.of(F::edge_x_step), F::edge_x_acc);
+    }
+    list.value("edge_walk", "x = x_acc", {F::edge_x_acc, F::edge_x}, list.of(F::edge_x_acc), F::edge_x);
+  }
+}
+
+void plane_walk(const Config& c, List& list, Grid coordinate) {
+  using F = FormatId;
+  const Grid d = coordinate + coordinate;
+  const Grid area = d * d + d * d;
+  const auto n = [&d](Grid w) { return (w + w) * d + (w + w) * d; };
+  const Grid h = list.of(F::setup_h);
+  const Grid shade = list.of(F::setup_shade);
+  const Grid g = list.of(F::plane_g);
+  const Grid k = list.of(F::plane_k);
+  list.value("plane_walk", "gu_i = u_i (h_i + B)", {F::setup_uv, F::setup_h, F::setup_b, F::plane_g},
+             list.of(F::setup_uv) * (h + list.of(F::setup_b)), F::plane_g);
+  list.quotient("plane_walk", "h_x = nx(h) / area", {F::setup_h, F::plane_h_grad}, n(h), area,
+                F::plane_h_grad);
+  list.quotient("plane_walk", "gu_x = nx(gu) / area", {F::plane_g, F::plane_g_grad}, n(g), area,
+                F::plane_g_grad);
+  list.quotient("plane_walk", "r_x = nx(r) / area", {F::setup_shade, F::plane_shade_grad}, n(shade), area,
+                F::plane_shade_grad);
+  list.quotient("plane_walk", "k = -nx(h) / ny(h)", {F::setup_h, F::plane_k}, n(h), n(h), F::plane_k);
+  const Grid centre = d + Grid{1, d.top};                           // Mc - M0, Np - N0
+  const Grid line = centre + Grid{k.fraction, coordinate.top + 1};  // Nl - N0: |k| <= 1
+  const bool ideal = c.numerator == Numerator::ideal_line;
+  list.value("plane_walk", "h = h0 + h_M (Mc - M0) + h_N (Nl - N0)",
+             {F::setup_h, F::plane_h_grad, F::plane_k, F::span_h},
+             h + list.of(F::plane_h_grad) * centre + list.of(F::plane_h_grad) * line, F::span_h);
+  list.value(
+      "plane_walk",
+      ideal ? "gu = gu0 + gu_M (Mc - M0) + gu_N (Nl - N0)" : "gu = gu0 + gu_M (Mc - M0) + gu_N (Np - N0)",
+      {F::plane_g, F::plane_g_grad, F::plane_k, F::span_f},
+      g + list.of(F::plane_g_grad) * centre + list.of(F::plane_g_grad) * (ideal ? line : centre), F::span_f);
+  const Grid gg = list.of(F::plane_g_grad);
+  list.value("plane_walk", ideal ? "gu_step = gu_M + k gu_N" : "gu_step1 = gu_M + sg gu_N",
+             {F::plane_g_grad, F::plane_k, F::span_f_step}, ideal ? gg + k * gg : gg + gg, F::span_f_step);
+  const Grid sg = list.of(F::plane_shade_grad);
+  list.value(
+      "plane_walk", "r = r0 + r_M (Mc - M0) + r_N (Np - N0) + offset",
+      {F::setup_shade, F::plane_shade_grad, F::span_shade_acc},
+      with_offset(shade + sg * centre + sg * centre, c.start_offset.span_shade, c.format(F::span_shade_acc)),
+      F::span_shade_acc);
+  list.value("plane_walk", "r_step1 = r_M + sg r_N", {F::plane_shade_grad, F::span_shade_step}, sg + sg,
+             F::span_shade_step);
+}
+
+void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordinate) {
+  using F = FormatId;
+  if (c.perspective == Perspective::const_depth_rows) {
+    list.unit(row_unit);
+    const Format& acc = c.format(F::span_uv_acc);
+    const Grid base = with_offset(Grid{0, 1}, c.start_offset.span_f, acc);
+    list.product("span_setup", "fu = gu m 2^-e + offset", {F::span_f, F::span_h, F::setup_b, F::span_uv_acc},
+                 &base, list.of(F::span_f), row_unit, F::span_uv_acc);
+    list.product("span_setup", "fu_step = gu_step m 2^-e",
+                 {F::span_f_step, F::span_h, F::setup_b, F::span_uv_step}, nullptr, list.of(F::span_f_step),
+                 row_unit, F::span_uv_step);
+    return;
+  }
+  const Grid length = list.of(F::edge_x) + list.of(F::edge_x);
+  const Grid p = list.of(F::edge_x) + Grid{1, coordinate.top};
+  if (c.row_slope == SlopeForm::reciprocal) list.unit(row_unit);
+  const Grid h = list.of(F::edge_h);
+  const Grid uv = list.of(F::edge_uv);
+  const Grid shade = list.of(F::edge_shade);
+  list.slope("span_setup", "h_step", "(h_r - h_l)", {F::edge_h, F::edge_x, F::span_h_step}, h + h, length,
+             c.row_slope, row_unit, F::span_h_step);
+  list.value("span_setup", "h = h_l + h_step p + offset", {F::edge_h, F::span_h_step, F::edge_x, F::span_h},
+             with_offset(h + list.of(F::span_h_step) * p, c.start_offset.span_h, c.format(F::span_h)),
+             F::span_h);
+  const Grid q = h + list.of(F::setup_b);
+  if (c.perspective == Perspective::affine) {
+    list.slope("span_setup", "fu_step", "(u_r - u_l)", {F::edge_uv, F::edge_x, F::span_uv_step}, uv + uv,
+               length, c.row_slope, row_unit, F::span_uv_step);
+    list.value(
+        "span_setup", "fu = u_l + fu_step p + offset",
+        {F::edge_uv, F::span_uv_step, F::edge_x, F::span_uv_acc},
+        with_offset(uv + list.of(F::span_uv_step) * p, c.start_offset.span_f, c.format(F::span_uv_acc)),
+        F::span_uv_acc);
+  } else {
+    const bool hyperbolic = c.perspective == Perspective::hyperbolic;
+    const Grid f = list.of(F::span_f_diff);
+    list.value("span_setup", hyperbolic ? "gl = u_l (h_l + B)" : "fu_diff = (u_r - u_l)(h_r + B)",
+               {F::edge_uv, F::edge_h, F::setup_b, F::span_f_diff}, hyperbolic ? uv * q : (uv + uv) * q,
+               F::span_f_diff);
+    list.slope("span_setup", "fu_step", hyperbolic ? "(gr - gl)" : "fu_diff",
+               {F::span_f_diff, F::edge_x, F::span_f_step}, hyperbolic ? f + f : f, length, c.row_slope,
+               row_unit, F::span_f_step);
+    Grid start = list.of(F::span_f_step) * p;
+    if (hyperbolic) start = start + f;
+    list.value("span_setup", hyperbolic ? "fu = gl + fu_step p + offset" : "fu = fu_step p + offset",
+               {F::span_f_diff, F::span_f_step, F::edge_x, F::span_f},
+               with_offset(start, c.start_offset.span_f, c.format(F::span_f)), F::span_f);
+  }
+  list.slope("span_setup", "r_step", "(r_r - r_l)", {F::edge_shade, F::edge_x, F::span_shade_step},
+             shade + shade, length, c.row_slope, row_unit, F::span_shade_step);
+  list.value("span_setup", "r = r_l + r_step p + offset",
+             {F::edge_shade, F::span_shade_step, F::edge_x, F::span_shade_acc},
+             with_offset(shade + list.of(F::span_shade_step) * p, c.start_offset.span_shade,
+                         c.format(F::span_shade_acc)),
+             F::span_shade_acc);
+}
+
+void span(const Config& c, List& list, const Unit& pixel_unit) {
+  using F = FormatId;
+  const Grid q = list.of(F::span_h) + list.of(F::setup_b);
+  switch (c.perspective) {
+    case Perspective::delta_f: {
+      list.unit(pixel_unit);
+      const Grid base = list.of(F::edge_uv);
+      list.product("span", "u = u1 + fu m 2^-e", {F::edge_uv, F::span_h, F::setup_b, F::span_f, F::span_uv},
+                   &base, list.of(F::span_f), pixel_unit, F::span_uv);
+      break;
+    }
+    case Perspective::hyperbolic:
+      list.quotient("span", "u = fu / (h + B)", {F::span_f, F::span_h, F::setup_b, F::span_uv},
+                    list.of(F::span_f), q, F::span_uv);
+      break;
+    case Perspective::affine:
+    case Perspective::const_depth_rows:
+      list.value("span", "u = fu", {F::span_uv_acc, F::span_uv}, list.of(F::span_uv_acc), F::span_uv);
+      break;
+  }
+  const bool linear_uv =
+      c.perspective == Perspective::affine || c.perspective == Perspective::const_depth_rows;
+  const F acc = linear_uv ? F::span_uv_acc : F::span_f;
+  const F step = linear_uv ? F::span_uv_step : F::span_f_step;
+  list.value("span", "h + h_step", {F::span_h, F::span_h_step}, list.of(F::span_h) + list.of(F::span_h_step),
+             F::span_h);
+  list.value("span", "fu + fu_step", {acc, step}, list.of(acc) + list.of(step), acc);
+  list.value("span", "r + r_step", {F::span_shade_acc, F::span_shade_step},
+             list.of(F::span_shade_acc) + list.of(F::span_shade_step), F::span_shade_acc);
+  list.value("span", "r = r register", {F::span_shade_acc, F::span_shade}, list.of(F::span_shade_acc),
+             F::span_shade);
+}
+
+void depth(const Config& c, List& list, const Unit& pixel_unit) {
+  using F = FormatId;
+  const Grid h = list.of(F::span_h);
+  switch (c.depth_code) {
+    case DepthCode::inverse:
+      list.value("depth", "z = h", {F::span_h}, h, c.depth_format(), "depth");
+      break;
+    case DepthCode::opengl:
+      list.value("depth", "z = zmax - h", {F::span_h}, unsigned_integer(c.depth_bits) + h, c.depth_format(),
+                 "depth");
+      break;
+    case DepthCode::linear: {
+      if (c.perspective != Perspective::delta_f) list.unit(pixel_unit);
+      const Grid base = list.of(F::depth_c0);
+      list.product("depth", "z = c1 m 2^-e - c0", {F::depth_c1, F::depth_c0, F::span_h, F::setup_b}, &base,
+                   list.of(F::depth_c1), pixel_unit, c.depth_format(), "depth");
+      break;
+    }
+  }
+}
+
+void texture(const Config& c, List& list) {
+  using F = FormatId;
+  const Grid code = unsigned_integer(8);
+  const Grid mix = list.of(F::texture_mix);
+  const Grid alpha = list.of(F::texture_alpha);
+  list.value("texture", "V = texel", {F::texture_mix}, code, F::texture_mix);
+  list.quotient("texture", "a / 255", {F::texture_alpha}, code, code, F::texture_alpha);
+  if (c.filter == TextureFilter::bilinear) {
+    const Grid e = list.of(F::texture_frac);
+    const Grid rest = Grid{0, 2} + e;
+    list.value("texture", "Ex = u - 1/2 - i'", {F::span_uv, F::texture_frac},
+               list.of(F::span_uv) + Grid{1, 1}, F::texture_frac);
+    list.value("texture", "V5 = V1 (1 - Ex) + V4 Ex", {F::texture_frac, F::texture_mix},
+               code * rest + code * e, F::texture_mix);
+    list.value("texture", "V = V5 (1 - Ey) + V6 Ey", {F::texture_mix, F::texture_frac}, mix * rest + mix * e,
+               F::texture_mix);
+    list.value("texture", "alpha of V = alpha of V5 (1 - Ey) + alpha of V6 Ey",
+               {F::texture_alpha, F::texture_frac}, alpha * rest + alpha * e, F::texture_alpha);
+  }
+  list.value("texture", "r = V_r r", {F::texture_mix, F::span_shade, F::texture_color},
+             mix * list.of(F::span_shade), F::texture_color);
+  list.value("texture", "a = V_a a", {F::texture_alpha, F::span_shade}, alpha * list.of(F::span_shade),
+             F::texture_alpha);
+}
+
+void fog(const Config& c, List& list, const Unit& pixel_unit) {
+  using F = FormatId;
+  const Grid color = list.of(F::texture_color);
+  if (c.fog == FogMode::none) {
+    list.value("fog", "r = r of texture", {F::texture_color, F::fog_color}, color, F::fog_color);
+    return;
+  }
+  if (c.fog == FogMode::linear) {
+    if (c.perspective != Perspective::delta_f && c.depth_code != DepthCode::linear) list.unit(pixel_unit);
+    const Grid base{0, 2};
+    list.product("fog", "factor = 1 - fog_scale m 2^-e", {F::fog_scale, F::span_h, F::setup_b, F::fog_factor},
+                 &base, list.of(F::fog_scale), pixel_unit, F::fog_factor);
+  }
+  const Grid vt = unsigned_integer(8);
+  list.value("fog", "r = VT_r + (r - VT_r) factor", {F::texture_color, F::fog_factor, F::fog_color},
+             vt + (color + vt) * list.of(F::fog_factor), F::fog_color);
+}
+
+void merge(List& list) {
+  using F = FormatId;
+  const Grid dst = unsigned_integer(8);
+  list.value("merge", "r = dst_r + (r - dst_r) a", {F::fog_color, F::texture_alpha, F::merge_color},
+             dst + (list.of(F::fog_color) + dst) * list.of(F::texture_alpha), F::merge_color);
+}
+
+}  // namespace
+
+std::vector<ExactIntermediate> exact_intermediates(const Config& c) {
+  using F = FormatId;
+  List list(c);
+  const Grid coordinate = grid(c.coordinate_format());
+  const bool rows_of_depth = c.perspective == Perspective::const_depth_rows;
+  const Grid dy = coordinate + coordinate;
+  const Grid length = list.of(F::edge_x) + list.of(F::edge_x);
+  const Grid edge_q = list.of(F::edge_h) + list.of(F::setup_b);
+  const Grid span_q = list.of(F::span_h) + list.of(F::setup_b);
+  const Unit edge_unit{"reciprocal.edge", c.edge_reciprocal, dy};
+  const Unit row_unit{"reciprocal.row", c.row_reciprocal, rows_of_depth ? span_q : length};
+  const Unit edge_pixel_unit{"reciprocal.pixel", c.pixel_reciprocal, edge_q};
+  const Unit pixel_unit{"reciprocal.pixel", c.pixel_reciprocal, span_q};
+
+  constants(c, list);
+  list.value("setup", "area = (x1-x0)(y2-y0) - (x2-x0)(y1-y0)", {}, dy * dy + dy * dy, Format{1, 1, true},
+             "raster");
+  if (rows_of_depth) {
+    plane_walk(c, list, coordinate);
+  } else {
+    setup_edge(c, list, edge_unit, coordinate);
+    edge_walk(c, list, edge_pixel_unit, coordinate);
+  }
+  span_setup(c, list, row_unit, coordinate);
+  span(c, list, pixel_unit);
+  depth(c, list, pixel_unit);
+  texture(c, list);
+  fog(c, list, pixel_unit);
+  merge(list);
+  return list.take();
+}
+
+}  // namespace bitspan

@@ -1,0 +1,475 @@
+#include "config/range.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace bitspan {
+namespace {
+
+using F = FormatId;
+using Real = long double;  // 64 significant bits or more: every product below is exact or far off a limit
+
+constexpr int kNoTriangle = -1;
+constexpr int kMostCoordinateBits = 24;
+constexpr int kMostFormatBits = 64;
+constexpr Real kFar = 0x1p+90L;  // stands for any value beyond every format
+
+Real ulp(const Format& f) { return std::ldexp(1.0L, -f.fraction()); }
+
+// In whole ulps, as a real number.
+Real rounded(Real x, const Format& f) {
+  x = std::ldexp(std::clamp(x, -kFar, kFar), f.fraction());
+  const Real down = std::floor(x);
+  const Real rest = x - down;
+  bool up = false;
+  switch (f.rounding) {
+    case Rounding::trn:
+      break;
+    case Rounding::trn_zero:
+      up = x < 0 && rest > 0;
+      break;
+    case Rounding::rnd:
+      up = rest >= 0.5L;
+      break;
+    case Rounding::rnd_min_inf:
+      up = rest > 0.5L;
+      break;
+    case Rounding::rnd_zero:
+      up = rest > 0.5L || (rest == 0.5L && x < 0);
+      break;
+    case Rounding::rnd_inf:
+      up = rest > 0.5L || (rest == 0.5L && x > 0);
+      break;
+    case Rounding::rnd_conv:
+      up = rest > 0.5L || (rest == 0.5L && std::fmod(down, 2.0L) != 0);
+      break;
+  }
+  return up ? down + 1 : down;
+}
+
+Real lowest(const Format& f) {
+  if (!f.is_signed) return 0;
+  const Real half = std::ldexp(1.0L, f.word - 1);
+  return f.overflow == Overflow::sat_sym ? 1 - half : -half;
+}
+Real highest(const Format& f) { return std::ldexp(1.0L, f.is_signed ? f.word - 1 : f.word) - 1; }
+
+bool holds(const Format& f, Real lo, Real hi) {
+  return rounded(lo, f) >= lowest(f) && rounded(hi, f) <= highest(f);
+}
+
+// Q[f](x), so that values which overflow on purpose go on as the register has them.
+Real quantised(Real x, const Format& f) {
+  const Real raw = rounded(x, f);
+  if (raw >= lowest(f) && raw <= highest(f)) return raw * ulp(f);
+  const Real modulus = std::ldexp(1.0L, f.word);
+  switch (f.overflow) {
+    case Overflow::sat:
+    case Overflow::sat_sym:
+      return (raw < 0 ? lowest(f) : highest(f)) * ulp(f);
+    case Overflow::sat_zero:
+      return 0;
+    case Overflow::wrap: {
+      const Real kept = raw - modulus * std::floor(raw / modulus);
+      return (f.is_signed && kept > highest(f) ? kept - modulus : kept) * ulp(f);
+    }
+    case Overflow::wrap_sm: {
+      // The bit above the kept ones becomes the sign; where it differs from the old sign, the rest is
+      // inverted.
+      const Real half = modulus / 2;
+      const Real kept = raw - modulus * std::floor(raw / modulus);
+      const bool above = std::fmod(std::floor(raw / modulus), 2.0L) != 0;
+      const bool old_sign = kept >= half;
+      Real low = old_sign ? kept - half : kept;
+      if (above != old_sign) low = half - 1 - low;
+      return (above ? low - half : low) * ulp(f);
+    }
+  }
+  return 0;
+}
+
+// The same format with another number of integer places; the fraction stays.
+Format with_integer(Format f, int integer) {
+  f.word += integer - f.integer;
+  f.integer = integer;
+  return f;
+}
+
+struct Range {
+  Real lo = std::numeric_limits<Real>::infinity();
+  Real hi = -std::numeric_limits<Real>::infinity();
+  int lo_triangle = kNoTriangle;
+  int hi_triangle = kNoTriangle;
+
+  bool empty() const { return lo > hi; }
+  void add(Real x, int triangle) {
+    if (x < lo) {
+      lo = x;
+      lo_triangle = triangle;
+    }
+    if (x > hi) {
+      hi = x;
+      hi_triangle = triangle;
+    }
+  }
+};
+
+std::string number(Real x) {
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), "%.9Lg", x);
+  return text.data();
+}
+
+struct Interval {
+  Real lo, hi;
+};
+
+Interval operator+(Interval a, Real x) { return {a.lo + x, a.hi + x}; }
+
+class RangeCheck {
+ public:
+  RangeCheck(const Config& config, const Scene& scene) : c_(config), scene_(scene) {}
+
+  void run() {
+    constants();
+    fixed_ranges();
+    for (std::size_t i = 0; i < scene_.triangles.size(); ++i) triangle(static_cast<int>(i));
+    for (int i = 0; i < format_count; ++i) report(static_cast<F>(i));
+  }
+
+ private:
+  const Format& format(F id) const { return c_.format(id); }
+  Real q(F id, Real x) const { return quantised(x, format(id)); }
+  Interval q(F id, Interval x) const { return {q(id, x.lo), q(id, x.hi)}; }
+
+  // A start offset: of half an ulp of `kept`, or a number.
+  static Real offset(const StartOffset& o, const Format& kept) {
+    return o.half_ulp ? ulp(kept) / 2 : static_cast<Real>(o.value);
+  }
+
+  void add(F id, Real x, int triangle) { ranges_[static_cast<std::size_t>(id)].add(x, triangle); }
+  void add(F id, Interval x, int triangle) {
+    add(id, x.lo, triangle);
+    add(id, x.hi, triangle);
+  }
+
+  [[noreturn]] void fail(const std::string& key, const std::string& text) const {
+    throw InputError("scene " + (scene_.name.empty() ? std::string("(unnamed)") : scene_.name) +
+                     ", configuration " + (c_.name.empty() ? std::string("(unnamed)") : c_.name) + ": " +
+                     key + ": " + text);
+  }
+
+  static std::string of_triangle(int triangle) {
+    return triangle == kNoTriangle ? "" : " (triangle " + std::to_string(triangle) + ")";
+  }
+
+  static std::string describe(const Format& f) {
+    return std::string(f.is_signed ? "signed" : "unsigned") + ", word " + std::to_string(f.word) + ", int " +
+           std::to_string(f.integer) + ", holds " + number(lowest(f) * ulp(f)) + ".." +
+           number(highest(f) * ulp(f));
+  }
+
+  // Refuses the field where it does not hold the range that was noted for it.
+  void report(F id) const {
+    const Range& r = ranges_[static_cast<std::size_t>(id)];
+    const Format& f = format(id);
+    if (r.empty() || f.overflow_expected || holds(f, r.lo, r.hi)) return;
+    Format wide = f;
+    wide.is_signed = f.is_signed || rounded(r.lo, f) < 0;
+    int integer = 1 - f.fraction();
+    while (integer < 128 && !holds(with_integer(wide, integer), r.lo, r.hi)) ++integer;
+    const int word = integer + f.fraction();
+    const std::string key = "formats." + std::string(key_of(id));
+    std::string need = wide.is_signed != f.is_signed ? "signed = true, " : "";
+    need +=
+        "int = " + std::to_string(integer) + " (word = " + std::to_string(word) + " with the same fraction";
+    if (word > (wide.is_signed ? kMostFormatBits : kMostFormatBits - 1)) {
+      need += ", more than a format has";
+    }
+    need += ")";
+    fail(key, "too narrow: the scene needs " + number(r.lo) + of_triangle(r.lo_triangle) + " to " +
+                  number(r.hi) + of_triangle(r.hi_triangle) + " " + std::string(unit_of(id)) +
+                  "; the format is " + describe(f) + "; needs " + need +
+                  ", or overflow_expected = true where the overflow is meant");
+  }
+
+  // The fewest fraction places of a field with which `good` holds, in words.
+  template <class Good>
+  static std::string fraction_needed(Format f, Good good) {
+    while (f.fraction() < 64) {
+      ++f.word;
+      if (good(f)) {
+        return "needs a fraction of " + std::to_string(f.fraction()) +
+               " bits (word = " + std::to_string(f.word) + " with int = " + std::to_string(f.integer) + ")";
+      }
+    }
+    return "no fraction of up to 64 bits is enough";
+  }
+
+  void constants() {
+    if (!(std::isfinite(scene_.s_min) && std::isfinite(scene_.s_max) && scene_.s_min > 0 &&
+          scene_.s_min < scene_.s_max)) {
+      fail("s_min, s_max", "are " + number(scene_.s_min) + ", " + number(scene_.s_max) +
+                               "; legal: finite, 0 < s_min < s_max");
+    }
+    int e = 0;
+    if (std::frexp(scene_.s_max, &e) == 0.5) --e;  // the smallest e with s_max <= 2^e
+    exponent_ = e;
+    const Real s_min = std::ldexp(static_cast<Real>(scene_.s_min), -e);
+    const Real s_max = std::ldexp(static_cast<Real>(scene_.s_max), -e);
+    add(F::setup_s, s_min, kNoTriangle);
+    add(F::setup_s, s_max, kNoTriangle);
+    report(F::setup_s);
+    s_min_ = q(F::setup_s, s_min);
+    s_max_ = q(F::setup_s, s_max);
+    if (!(s_min_ > 0 && s_min_ < s_max_)) {
+      fail("formats.setup.s", "too coarse: s_min and s_max, " + number(s_min) + " and " + number(s_max) +
+                                  " of " + "2^" + std::to_string(e) + ", become " + number(s_min_) + " and " +
+                                  number(s_max_) + "; legal: 0 < s_min' < s_max'; " +
+                                  fraction_needed(format(F::setup_s), [&](const Format& f) {
+                                    const Real low = quantised(s_min, f);
+                                    return low > 0 && low < quantised(s_max, f);
+                                  }));
+    }
+    const Real hmax = std::ldexp(1.0L, c_.depth_bits) - 1;
+    const Real b = hmax * s_min_ / (s_max_ - s_min_);
+    add(F::setup_b, b, kNoTriangle);
+    report(F::setup_b);
+    b_ = q(F::setup_b, b);
+    if (!(b_ > 0)) {
+      fail("formats.setup.b",
+           "too coarse: B, " + number(b) + ", becomes " + number(b_) + "; legal: B > 0; " +
+               fraction_needed(format(F::setup_b), [&](const Format& f) { return quantised(b, f) > 0; }));
+    }
+    if (c_.depth_code == DepthCode::linear) {
+      add(F::depth_c1, hmax * b_ * s_max_ / (s_max_ - s_min_), kNoTriangle);
+      add(F::depth_c0, b, kNoTriangle);
+    }
+    if (scene_.fog && c_.fog == FogMode::linear) linear_fog();
+    if (!scene_.fog || c_.fog == FogMode::none) add(F::fog_factor, 1, kNoTriangle);
+  }
+
+  void linear_fog() {
+    if (!(std::isfinite(scene_.fog->distance) && scene_.fog->distance > 0)) {
+      fail("fog distance", "is " + number(scene_.fog->distance) + "; legal: finite, above 0");
+    }
+    const Real distance = std::ldexp(static_cast<Real>(scene_.fog->distance), -exponent_);
+    add(F::fog_scale, b_ * s_max_ / distance, kNoTriangle);
+    // Below 0 the factor is meant to stop at 0, which an unsigned saturating format does.
+    const Format& f = format(F::fog_factor);
+    const bool stops = !f.is_signed && f.overflow != Overflow::wrap;
+    const Real far = 1 - s_max_ / distance;
+    add(F::fog_factor, stops ? std::max(far, Real{0}) : far, kNoTriangle);
+    add(F::fog_factor, std::max(1 - s_min_ / distance, stops ? Real{0} : far), kNoTriangle);
+  }
+
+  // Notes a register of h and gives its values. By the rounding of B, h may pass hmax a little: a saturating
+  // format is meant to stop it there.
+  Interval add_depth(F id, Interval h, Real shift) {
+    const Format& f = format(id);
+    const bool stops = f.overflow == Overflow::sat || f.overflow == Overflow::sat_sym;
+    const Real hmax = std::ldexp(1.0L, c_.depth_bits) - 1;
+    add(id, stops ? Interval{h.lo, std::min(h.hi, hmax + shift)} : h, kNoTriangle);
+    return q(id, h);
+  }
+
+  // Fields whose range does not depend on the triangles.
+  void fixed_ranges() {
+    const Interval h{0, b_ * (s_max_ - s_min_) / s_min_};
+    const Interval setup = add_depth(F::setup_h, h, 0);
+    if (c_.perspective == Perspective::const_depth_rows) {
+      add_depth(F::span_h, setup, 0);
+    } else {
+      const Real shift = offset(c_.start_offset.edge_h, format(F::edge_h));
+      const Interval edge = add_depth(F::edge_h, add_depth(F::edge_h_acc, setup + shift, shift), shift);
+      const Real span_shift = offset(c_.start_offset.span_h, c_.depth_format());
+      add_depth(F::span_h, edge + span_shift, shift + span_shift);
+    }
+    const Interval code{0, 255};
+    add(F::texture_mix, code, kNoTriangle);
+    add(F::texture_color, code, kNoTriangle);
+    add(F::fog_color, code, kNoTriangle);
+    add(F::texture_alpha, Interval{0, 1}, kNoTriangle);
+  }
+
+  struct Point {
+    Real x, y, h;
+    std::array<Real, 2> uv;
+    std::array<Real, 4> c;
+  };
+
+  Point vertex(const Vertex& v, int triangle) {
+    const auto finite = [&](double value, const char* name) {
+      if (!std::isfinite(value))
+        fail(name, "is not finite" + of_triangle(triangle) + "; legal: a finite number");
+      return static_cast<Real>(value);
+    };
+    Point p{};
+    p.x = coordinate(finite(v.x, "x"), "x", triangle);
+    p.y = coordinate(finite(v.y, "y"), "y", triangle);
+    const Real s = std::max(q(F::setup_s, std::ldexp(finite(v.s, "s"), -exponent_)), s_min_);
+    p.h = q(F::setup_h, b_ * (s_max_ - s) / s);
+    p.uv = {finite(v.u, "u"), finite(v.v, "v")};
+    for (std::size_t i = 0; i < v.c.size(); ++i) p.c[i] = finite(v.c[i], "c");
+    return p;
+  }
+
+  Real coordinate(Real x, const char* name, int triangle) const {
+    const Format f = c_.coordinate_format();
+    if (!holds(f, x, x)) {
+      int bits = f.integer;
+      while (bits < 128 && !holds(with_integer(f, bits), x, x)) ++bits;
+      fail("raster.coordinate_bits",
+           "is " + std::to_string(c_.coordinate_bits) + ", too narrow for " + name + " = " + number(x) +
+               of_triangle(triangle) + ", holds " + number(lowest(f) * ulp(f)) + ".." +
+               number(highest(f) * ulp(f)) + "; needs " + std::to_string(bits) +
+               (bits > kMostCoordinateBits ? ", more than the 24 there are: clip the triangle" : ""));
+    }
+    return rounded(x, f) * ulp(f);
+  }
+
+  void triangle(int index) {
+    std::array<Point, 3> p{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      p[i] = vertex(scene_.triangles[static_cast<std::size_t>(index)].v[i], index);
+    }
+    std::ranges::stable_sort(
+        p, [](const Point& a, const Point& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
+    const Real area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
+    if (area == 0) return;  // delivers no record
+    for (Point& v : p) {
+      for (Real& t : v.uv) {
+        add(F::setup_uv, t, index);
+        t = q(F::setup_uv, t);
+      }
+      for (Real& c : v.c) {
+        add(F::setup_shade, c, index);
+        c = q(F::setup_shade, c);
+      }
+    }
+    const bool planes = c_.perspective == Perspective::const_depth_rows;
+    if (planes) {
+      for (const Point& v : p) {
+        for (const Real t : v.uv) add(F::plane_g, t * (v.h + b_), index);
+      }
+    } else {
+      edge(p[0], p[2], index);
+      edge(p[0], p[1], index);
+      edge(p[1], p[2], index);
+    }
+    const auto [left, right] = std::minmax({p[0].x, p[1].x, p[2].x});
+    const bool seen = left < scene_.width && right > 0 && p[0].y < scene_.height && p[2].y > 0;
+    if (!seen) return;
+    for (std::size_t i = 0; i < 2; ++i) planes ? plane_texture(p, i, index) : span_texture(p, i, index);
+    for (std::size_t i = 0; i < 4; ++i) {
+      Interval shade = hull(p, [i](const Point& v) { return v.c[i]; });
+      if (!planes) {
+        shade = q(F::edge_shade_acc, shade + offset(c_.start_offset.edge_shade, format(F::edge_shade)));
+        shade = q(F::edge_shade, shade);
+      }
+      shade = shade + offset(c_.start_offset.span_shade, format(F::span_shade));
+      add(F::span_shade_acc, shade, index);
+      add(F::span_shade, q(F::span_shade_acc, shade), index);
+    }
+  }
+
+  template <class Get>
+  static Interval hull(const std::array<Point, 3>& p, Get get) {
+    const auto [lo, hi] = std::minmax({get(p[0]), get(p[1]), get(p[2])});
+    return {lo, hi};
+  }
+
+  void edge(const Point& a, const Point& b, int index) {
+    if (!(b.y > a.y)) return;
+    const bool affine = c_.perspective == Perspective::affine;
+    // Only the rows of the picture are walked.
+    const Real from = std::max(a.y, Real{0.5L});
+    const Real to = std::min(b.y, static_cast<Real>(scene_.height) - 0.5L);
+    const bool walked = from <= to;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Real diff = (b.uv[i] - a.uv[i]) * (affine ? 1 : b.h + b_);
+      add(F::edge_f_diff, diff, index);
+      if (!walked) continue;
+      const Real start = affine ? a.uv[i] : 0;
+      const Real end = start + q(F::edge_f_diff, diff);
+      const Real shift = offset(c_.start_offset.edge_f, format(F::edge_f));
+      const Interval f = Interval{std::min(start, end), std::max(start, end)} + shift;
+      add(F::edge_f, f, index);
+      const Interval uv{std::min(a.uv[i], b.uv[i]), std::max(a.uv[i], b.uv[i])};
+      add(F::edge_uv, affine ? q(F::edge_f, f) : uv, index);
+    }
+    if (!walked) return;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Interval shade = Interval{std::min(a.c[i], b.c[i]), std::max(a.c[i], b.c[i])} +
+                             offset(c_.start_offset.edge_shade, format(F::edge_shade));
+      add(F::edge_shade_acc, shade, index);
+      add(F::edge_shade, q(F::edge_shade_acc, shade), index);
+    }
+    for (const Real y : {from, to}) {
+      Real x = a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y);
+      if (c_.edge_walk == EdgeWalk::dda) {
+        x += offset(c_.start_offset.edge_x, format(F::edge_x));
+        add(F::edge_x_acc, x, index);
+        x = q(F::edge_x_acc, x);
+      }
+      add(F::edge_x, x, index);
+    }
+  }
+
+  // i: 0 for u, 1 for v.
+  void span_texture(const std::array<Point, 3>& p, std::size_t i, int index) {
+    std::array<Real, 3> t{};
+    std::array<Real, 3> depth{};  // q = h + B at the vertices, as an edge delivers it
+    for (std::size_t n = 0; n < 3; ++n) {
+      t[n] = q(F::edge_uv, p[n].uv[i]);
+      const Real h = q(F::edge_h_acc, p[n].h + offset(c_.start_offset.edge_h, format(F::edge_h)));
+      depth[n] = q(F::edge_h, h) + b_;
+    }
+    const auto [least, most] = std::minmax({t[0], t[1], t[2]});
+    if (c_.perspective == Perspective::affine) {
+      linear_texture({least, most}, index);
+      return;
+    }
+    add(F::span_uv, Interval{least, most}, index);
+    // (u - u_l) q is linear on the screen for any fixed u_l in least..most, so it is extreme at a vertex; u q
+    // too.
+    const bool hyperbolic = c_.perspective == Perspective::hyperbolic;
+    Interval diff{hyperbolic ? t[0] * depth[0] : 0, hyperbolic ? t[0] * depth[0] : 0};
+    for (std::size_t n = 0; n < 3; ++n) {
+      diff.lo = std::min(diff.lo, (hyperbolic ? t[n] : t[n] - most) * depth[n]);
+      diff.hi = std::max(diff.hi, (hyperbolic ? t[n] : t[n] - least) * depth[n]);
+    }
+    add(F::span_f_diff, diff, index);
+    add(F::span_f, q(F::span_f_diff, diff) + offset(c_.start_offset.span_f, format(F::span_f)), index);
+  }
+
+  void plane_texture(const std::array<Point, 3>& p, std::size_t i, int index) {
+    add(F::span_f, hull(p, [&](const Point& v) { return q(F::plane_g, v.uv[i] * (v.h + b_)); }), index);
+    linear_texture(hull(p, [i](const Point& v) { return v.uv[i]; }), index);
+  }
+
+  void linear_texture(Interval uv, int index) {
+    const Interval acc = uv + offset(c_.start_offset.span_f, format(F::span_uv));
+    add(F::span_uv_acc, acc, index);
+    add(F::span_uv, q(F::span_uv_acc, acc), index);
+  }
+
+  const Config& c_;
+  const Scene& scene_;
+  std::array<Range, format_count> ranges_{};
+  int exponent_ = 0;
+  Real s_min_ = 0;
+  Real s_max_ = 0;
+  Real b_ = 0;
+};
+
+}  // namespace
+
+void check_scene_range(const Config& config, const Scene& scene) { RangeCheck(config, scene).run(); }
+
+}  // namespace bitspan

@@ -1,0 +1,17 @@
+// Are the formats wide enough for a scene? Asked once before a run.
+#pragma once
+
+#include "config/config.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan {
+
+// Throws InputError naming the field, the range it has, the range it needs, the integer bits that hold it,
+// and the key that allows the overflow. Checks the fields that the configured modes use, over the values of
+// the ideal surface inside the triangles (vertices quantised, slopes exact). Not checked: slope registers (an
+// edge may be one 2^-subpixel_bits high), and what rounding of slopes, or the half pixel between a row of
+// constant depth and a pixel centre, carries an accumulator past those values. Expects a configuration that
+// check_config accepts and finite vertices with s in [s_min, s_max].
+void check_scene_range(const Config& config, const Scene& scene);
+
+}  // namespace bitspan

@@ -1,0 +1,42 @@
+// What the tests of the configuration share.
+#pragma once
+
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "config/config.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan {
+
+inline constexpr Perspective kPerspectives[] = {Perspective::delta_f, Perspective::const_depth_rows,
+                                                Perspective::hyperbolic, Perspective::affine};
+
+std::string repository_file(const std::string& path);  // its full path
+std::string read_text(const std::string& path);
+std::vector<std::string> lines_of(const std::string& text);
+std::string text_of(const std::vector<std::string>& lines);
+
+std::vector<std::string> shipped_names();  // "depth16" ...
+Config shipped(const std::string& name);
+
+// What the InputError says that `run` throws; "" where it throws none. Fails the test where the text is not
+// one line.
+std::string error_of(const std::function<void()>& run);
+std::string parse_error_of(const std::string& text);  // the origin is "file.toml"
+
+// Any value of every key, mostly legal one by one; the rules between keys may still refuse it.
+Config random_config(std::mt19937_64& random);
+
+// Triangles all over the picture and beyond it, inside the limits given.
+struct SceneLimits {
+  int triangles = 20;
+  double s_ratio = 1000;
+  double xy = 8192;  // |x|, |y| at most
+  double uv = 32768;
+};
+Scene random_scene(std::mt19937_64& random, const SceneLimits& limits);
+
+}  // namespace bitspan

@@ -1,0 +1,55 @@
+// Configurations for tests.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include "config/config.hpp"
+
+namespace bitspan {
+
+// config/NAME.toml of the source tree; the target needs the definition BITSPAN_SOURCE_DIR.
+#ifdef BITSPAN_SOURCE_DIR
+inline Config shipped_config(const std::string& name) {
+  return load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/" + name + ".toml");
+}
+#endif
+
+// Wide registers that keep the small numbers of a worked example exact: 28 integer and 20 fraction bits,
+// signed, SC_RND, SC_SAT, unless the value wants another shape. Slopes are exact quotients, no start offset;
+// delta_f, nearest, no fog, 16-bit inverse depth.
+inline Config plain_config() {
+  Config c;
+  c.name = "plain";
+  c.formats.fill({48, 28, true, Rounding::rnd, Overflow::sat, false});
+  const auto is_unsigned = [&](FormatId id, int word, int integer) {
+    c.format(id) = {word, integer, false, Rounding::rnd, Overflow::sat, false};
+  };
+  is_unsigned(FormatId::setup_s, 40, 1);
+  c.format(FormatId::depth_c1) = {62, 42, true, Rounding::rnd, Overflow::sat, false};  // about hmax^2
+  c.format(FormatId::plane_k) = {22, 2, true, Rounding::rnd, Overflow::sat, false};
+  c.format(FormatId::texture_frac) = {8, 0, false, Rounding::trn, Overflow::sat, false};
+  is_unsigned(FormatId::texture_mix, 12, 8);
+  is_unsigned(FormatId::texture_color, 12, 8);
+  is_unsigned(FormatId::texture_alpha, 11, 1);
+  is_unsigned(FormatId::fog_factor, 11, 1);
+  is_unsigned(FormatId::fog_color, 12, 8);
+  is_unsigned(FormatId::merge_color, 8, 8);
+  c.row_slope = SlopeForm::divide;
+  c.fog = FogMode::none;
+  Reciprocal exact;  // 1 / n to 30 bits
+  exact.output = {31, 1, false, Rounding::rnd, Overflow::sat, false};
+  c.edge_reciprocal = c.row_reciprocal = c.pixel_reciprocal = exact;
+  return c;
+}
+
+// A raw value of a format, and a value as the nearest raw value.
+inline double decoded(std::int64_t raw, const Format& f) {
+  return std::ldexp(static_cast<double>(raw), -f.fraction());
+}
+inline std::int64_t encoded(double value, const Format& f) {
+  return std::llround(std::ldexp(value, f.fraction()));
+}
+
+}  // namespace bitspan
