@@ -1,0 +1,41 @@
+// Files that appear complete or not at all.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace bitspan {
+
+// Bytes go to a temporary file in the target's folder; commit() renames it onto the target. Without commit()
+// the destructor removes it and the target stays as it was. A target that is a device or a pipe is written
+// straight; a symbolic link is followed. All failures are InputError "path: cannot write: reason".
+class AtomicFile {
+ public:
+  explicit AtomicFile(const std::string& path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  void write(std::string_view bytes);
+  void write(std::span<const std::uint8_t> bytes);
+  // All written bytes are under the target's name when it returns. At most once.
+  void commit();
+
+ private:
+  [[noreturn]] void fail(int error_number) const;
+  void write_all(const char* data, std::size_t size);
+  void flush();
+
+  std::string path_;       // as the caller named it
+  std::string target_;     // links resolved
+  std::string temporary_;  // empty: written straight
+  std::string buffer_;
+  int descriptor_ = -1;
+};
+
+void write_file(const std::string& path, std::string_view bytes);
+void write_file(const std::string& path, std::span<const std::uint8_t> bytes);
+
+}  // namespace bitspan

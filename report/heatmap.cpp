@@ -1,0 +1,189 @@
+#include "report/heatmap.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <string_view>
+
+#include "report/png.hpp"
+
+namespace bitspan {
+namespace {
+
+using Rgb = std::array<std::uint8_t, 3>;
+
+constexpr Rgb neutral{128, 128, 128};
+constexpr Rgb paper{255, 255, 255};
+constexpr Rgb ink{32, 32, 32};
+
+constexpr int width_min = 240;
+constexpr int legend_height = 48;
+constexpr int margin = 24;
+constexpr int bar_height = 10;
+constexpr int glyph_width = 5, glyph_height = 7, glyph_pitch = 6;
+
+// 5 x 7 glyphs of the characters ' ' to '~': five columns from the left, bit 0 at the top.
+constexpr std::array<std::array<std::uint8_t, 5>, 95> font{{
+    {0x00, 0x00, 0x00, 0x00, 0x00}, {0x00, 0x00, 0x5f, 0x00, 0x00}, {0x00, 0x07, 0x00, 0x07, 0x00},
+    {0x14, 0x7f, 0x14, 0x7f, 0x14}, {0x24, 0x2a, 0x7f, 0x2a, 0x12}, {0x23, 0x13, 0x08, 0x64, 0x62},
+    {0x36, 0x49, 0x55, 0x22, 0x50}, {0x00, 0x05, 0x03, 0x00, 0x00}, {0x00, 0x1c, 0x22, 0x41, 0x00},
+    {0x00, 0x41, 0x22, 0x1c, 0x00}, {0x14, 0x08, 0x3e, 0x08, 0x14}, {0x08, 0x08, 0x3e, 0x08, 0x08},
+    {0x00, 0x50, 0x30, 0x00, 0x00}, {0x08, 0x08, 0x08, 0x08, 0x08}, {0x00, 0x60, 0x60, 0x00, 0x00},
+    {0x20, 0x10, 0x08, 0x04, 0x02}, {0x3e, 0x51, 0x49, 0x45, 0x3e}, {0x00, 0x42, 0x7f, 0x40, 0x00},
+    {0x42, 0x61, 0x51, 0x49, 0x46}, {0x21, 0x41, 0x45, 0x4b, 0x31}, {0x18, 0x14, 0x12, 0x7f, 0x10},
+    {0x27, 0x45, 0x45, 0x45, 0x39}, {0x3c, 0x4a, 0x49, 0x49, 0x30}, {0x01, 0x71, 0x09, 0x05, 0x03},
+    {0x36, 0x49, 0x49, 0x49, 0x36}, {0x06, 0x49, 0x49, 0x29, 0x1e}, {0x00, 0x36, 0x36, 0x00, 0x00},
+    {0x00, 0x56, 0x36, 0x00, 0x00}, {0x08, 0x14, 0x22, 0x41, 0x00}, {0x14, 0x14, 0x14, 0x14, 0x14},
+    {0x00, 0x41, 0x22, 0x14, 0x08}, {0x02, 0x01, 0x51, 0x09, 0x06}, {0x32, 0x49, 0x79, 0x41, 0x3e},
+    {0x7e, 0x11, 0x11, 0x11, 0x7e}, {0x7f, 0x49, 0x49, 0x49, 0x36}, {0x3e, 0x41, 0x41, 0x41, 0x22},
+    {0x7f, 0x41, 0x41, 0x22, 0x1c}, {0x7f, 0x49, 0x49, 0x49, 0x41}, {0x7f, 0x09, 0x09, 0x09, 0x01},
+    {0x3e, 0x41, 0x49, 0x49, 0x7a}, {0x7f, 0x08, 0x08, 0x08, 0x7f}, {0x00, 0x41, 0x7f, 0x41, 0x00},
+    {0x20, 0x40, 0x41, 0x3f, 0x01}, {0x7f, 0x08, 0x14, 0x22, 0x41}, {0x7f, 0x40, 0x40, 0x40, 0x40},
+    {0x7f, 0x02, 0x0c, 0x02, 0x7f}, {0x7f, 0x04, 0x08, 0x10, 0x7f}, {0x3e, 0x41, 0x41, 0x41, 0x3e},
+    {0x7f, 0x09, 0x09, 0x09, 0x06}, {0x3e, 0x41, 0x51, 0x21, 0x5e}, {0x7f, 0x09, 0x19, 0x29, 0x46},
+    {0x46, 0x49, 0x49, 0x49, 0x31}, {0x01, 0x01, 0x7f, 0x01, 0x01}, {0x3f, 0x40, 0x40, 0x40, 0x3f},
+    {0x1f, 0x20, 0x40, 0x20, 0x1f}, {0x3f, 0x40, 0x38, 0x40, 0x3f}, {0x63, 0x14, 0x08, 0x14, 0x63},
+    {0x07, 0x08, 0x70, 0x08, 0x07}, {0x61, 0x51, 0x49, 0x45, 0x43}, {0x00, 0x7f, 0x41, 0x41, 0x00},
+    {0x02, 0x04, 0x08, 0x10, 0x20}, {0x00, 0x41, 0x41, 0x7f, 0x00}, {0x04, 0x02, 0x01, 0x02, 0x04},
+    {0x40, 0x40, 0x40, 0x40, 0x40}, {0x00, 0x01, 0x02, 0x04, 0x00}, {0x20, 0x54, 0x54, 0x54, 0x78},
+    {0x7f, 0x48, 0x44, 0x44, 0x38}, {0x38, 0x44, 0x44, 0x44, 0x20}, {0x38, 0x44, 0x44, 0x48, 0x7f},
+    {0x38, 0x54, 0x54, 0x54, 0x18}, {0x08, 0x7e, 0x09, 0x01, 0x02}, {0x0c, 0x52, 0x52, 0x52, 0x3e},
+    {0x7f, 0x08, 0x04, 0x04, 0x78}, {0x00, 0x44, 0x7d, 0x40, 0x00}, {0x20, 0x40, 0x44, 0x3d, 0x00},
+    {0x7f, 0x10, 0x28, 0x44, 0x00}, {0x00, 0x41, 0x7f, 0x40, 0x00}, {0x7c, 0x04, 0x18, 0x04, 0x78},
+    {0x7c, 0x08, 0x04, 0x04, 0x78}, {0x38, 0x44, 0x44, 0x44, 0x38}, {0x7c, 0x14, 0x14, 0x14, 0x08},
+    {0x08, 0x14, 0x14, 0x18, 0x7c}, {0x7c, 0x08, 0x04, 0x04, 0x08}, {0x48, 0x54, 0x54, 0x54, 0x20},
+    {0x04, 0x3f, 0x44, 0x40, 0x20}, {0x3c, 0x40, 0x40, 0x20, 0x7c}, {0x1c, 0x20, 0x40, 0x20, 0x1c},
+    {0x3c, 0x40, 0x30, 0x40, 0x3c}, {0x44, 0x28, 0x10, 0x28, 0x44}, {0x0c, 0x50, 0x50, 0x50, 0x3c},
+    {0x44, 0x64, 0x54, 0x4c, 0x44}, {0x00, 0x08, 0x36, 0x41, 0x00}, {0x00, 0x00, 0x7f, 0x00, 0x00},
+    {0x00, 0x41, 0x36, 0x08, 0x00}, {0x08, 0x04, 0x08, 0x10, 0x08},
+}};
+
+void set(HeatMap& map, int x, int y, const Rgb& color) {
+  if (x < 0 || x >= map.width || y < 0 || y >= map.height) return;
+  const std::size_t at =
+      3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(x));
+  std::copy(color.begin(), color.end(), map.rgb.begin() + static_cast<std::ptrdiff_t>(at));
+}
+
+void draw_text(HeatMap& map, int x, int y, std::string_view text) {
+  for (const char letter : text) {
+    const char shown = letter >= ' ' && letter <= '~' ? letter : '?';
+    const auto& glyph = font[static_cast<std::size_t>(shown - ' ')];
+    for (int column = 0; column < glyph_width; ++column) {
+      for (int row = 0; row < glyph_height; ++row) {
+        if ((glyph[static_cast<std::size_t>(column)] >> row & 1) != 0) set(map, x + column, y + row, ink);
+      }
+    }
+    x += glyph_pitch;
+  }
+}
+
+int text_width(std::string_view text) { return static_cast<int>(text.size()) * glyph_pitch - 1; }
+
+std::string shown(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+// The bar's ends and the way from a value to 0..1 along it.
+struct Scale {
+  double low = 0, high = 1;
+  bool logarithmic = false;
+
+  double position(double value) const {
+    if (!logarithmic) return std::clamp((value - low) / (high - low), 0.0, 1.0);
+    return value <= low ? 0 : std::clamp(std::log(value / low) / std::log(high / low), 0.0, 1.0);
+  }
+  double value(double position) const {
+    return logarithmic ? low * std::pow(high / low, position) : low + (high - low) * position;
+  }
+};
+
+Scale make_scale(std::span<const double> values, const HeatMapOptions& options) {
+  double largest = 0, smallest = 0;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    largest = std::max(largest, value);
+    if (value > 0 && (smallest == 0 || value < smallest)) smallest = value;
+  }
+  Scale scale;
+  scale.logarithmic = options.logarithmic;
+  scale.high = options.high.value_or(largest);
+  scale.low = options.low.value_or(options.logarithmic ? std::max(smallest, scale.high / 1e6) : 0);
+  // A field of one value, or of none, still gets a bar.
+  if (options.logarithmic && !(scale.high > 0)) scale.high = 1;
+  if (options.logarithmic && !(scale.low > 0 && scale.low < scale.high)) scale.low = scale.high / 10;
+  if (!(scale.low < scale.high)) scale.high = scale.low + 1;
+  return scale;
+}
+
+void draw_legend(HeatMap& map, int top, const Scale& scale, const HeatMapOptions& options) {
+  const int bar_width = map.width - 2 * margin;
+  draw_text(map, margin, top + 6, options.title);
+  const int bar_top = top + 18;
+  for (int x = 0; x < bar_width; ++x) {
+    const Rgb color = viridis(static_cast<double>(x) / (bar_width - 1));
+    for (int y = 0; y < bar_height; ++y) set(map, margin + x, bar_top + y, color);
+  }
+  constexpr int ticks = 5;
+  for (int i = 0; i < ticks; ++i) {
+    const double position = static_cast<double>(i) / (ticks - 1);
+    const int x = margin + static_cast<int>(std::lround(position * (bar_width - 1)));
+    for (int y = 0; y < 3; ++y) set(map, x, bar_top + bar_height + y, ink);
+    const std::string label = shown(scale.value(position));
+    const int width = text_width(label);
+    draw_text(map, std::clamp(x - width / 2, 1, map.width - width - 1), bar_top + bar_height + 5, label);
+  }
+}
+
+}  // namespace
+
+Rgb viridis(double t) {
+  constexpr std::array<Rgb, 9> anchors{{{68, 1, 84},
+                                        {71, 45, 123},
+                                        {59, 82, 139},
+                                        {44, 114, 142},
+                                        {33, 144, 140},
+                                        {39, 173, 129},
+                                        {93, 200, 99},
+                                        {170, 220, 50},
+                                        {253, 231, 37}}};
+  const double at = std::clamp(t, 0.0, 1.0) * (anchors.size() - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(at), anchors.size() - 2);
+  const double share = at - static_cast<double>(i);
+  Rgb color{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    color[k] =
+        static_cast<std::uint8_t>(std::lround(anchors[i][k] + (anchors[i + 1][k] - anchors[i][k]) * share));
+  }
+  return color;
+}
+
+HeatMap draw_heat_map(int width, int height, std::span<const double> values, const HeatMapOptions& options) {
+  if (width < 1 || height < 1 ||
+      values.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
+    throw std::invalid_argument("draw_heat_map: the size does not match the values");
+  }
+  HeatMap map{std::max(width, width_min), height + legend_height, {}};
+  map.rgb.assign(3 * static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height), paper[0]);
+  const Scale scale = make_scale(values, options);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double value =
+          values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+      set(map, x, y, std::isnan(value) ? neutral : viridis(scale.position(value)));
+    }
+  }
+  draw_legend(map, height, scale, options);
+  return map;
+}
+
+void write_heat_map(const std::string& path, int width, int height, std::span<const double> values,
+                    const HeatMapOptions& options) {
+  const HeatMap map = draw_heat_map(width, height, values, options);
+  write_png(path, map.width, map.height, 3, map.rgb);
+}
+
+}  // namespace bitspan

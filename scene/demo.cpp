@@ -1,0 +1,271 @@
+#include "scene/demo.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "config/config.hpp"
+#include "scene/geometry.hpp"
+#include "scene/project.hpp"
+#include "scene/transform.hpp"
+
+namespace bitspan {
+namespace {
+
+using Rgba = std::array<std::uint8_t, 4>;
+
+constexpr Rgba transparent_code{255, 0, 255, 255};
+
+Texture make_texture(std::string name, int width, int height, const std::function<Rgba(int, int)>& texel) {
+  Texture texture{std::move(name), width, height, {}};
+  texture.rgba.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4);
+  for (int j = 0; j < height; ++j) {
+    for (int i = 0; i < width; ++i) {
+      const Rgba value = texel(i, j);
+      texture.rgba.insert(texture.rgba.end(), value.begin(), value.end());
+    }
+  }
+  return texture;
+}
+
+// A repeatable speckle, -range..range.
+int speckle(int i, int j, int range) {
+  auto h = static_cast<std::uint32_t>(i) * 0x9e3779b1U ^ static_cast<std::uint32_t>(j) * 0x85ebca77U;
+  h ^= h >> 15;
+  h *= 0x2c1b3c6dU;
+  h ^= h >> 13;
+  return static_cast<int>(h % static_cast<std::uint32_t>(2 * range + 1)) - range;
+}
+
+Rgba tone(int r, int g, int b, int change) {
+  const auto code = [change](int c) { return static_cast<std::uint8_t>(std::clamp(c + change, 0, 255)); };
+  return {code(r), code(g), code(b), 255};
+}
+
+Rgba floor_texel(int i, int j) {
+  const bool light = (i / 16 + j / 16) % 2 == 0;
+  const int change = speckle(i, j, 10);
+  return light ? tone(222, 214, 196, change) : tone(70, 84, 96, change);
+}
+
+Rgba brick_texel(int i, int j) {
+  const int course = j / 10;
+  const int along = (i + (course % 2) * 12) % 24;
+  if (j % 10 == 0 || along == 0) return tone(196, 190, 178, speckle(i, j, 6));
+  return tone(164, 74, 52, speckle(i, j, 16) + speckle((i + (course % 2) * 12) / 24, course, 14));
+}
+
+Rgba wood_texel(int i, int j) {
+  const int ring = (i * 5 + (j * j) / 40) % 37;
+  return tone(150 + ring, 104 + ring, 58 + ring / 2, speckle(i, j, 8));
+}
+
+Rgba globe_texel(int i, int j) {
+  if (i % 8 == 0 || j % 8 == 0) return tone(236, 232, 210, 0);
+  return (i / 8 + j / 8) % 2 == 0 ? tone(40, 96, 170, speckle(i, j, 12))
+                                  : tone(58, 142, 96, speckle(i, j, 12));
+}
+
+Rgba grille_texel(int i, int j) {
+  const bool bar = (i + j) % 10 < 3 || (i + 20 - j) % 10 < 3;
+  return bar ? tone(64, 62, 60, speckle(i, j, 14)) : transparent_code;
+}
+
+// The alpha plane runs from clear in the middle of a pane to opaque at its lead frame.
+Rgba glass_texel(int i, int j) {
+  const int x = i % 13, y = j % 12;
+  if (x == 0 || y == 0) return {52, 52, 58, 255};
+  const int pane = (i / 13 + 2 * (j / 12)) % 4;
+  constexpr std::array<Rgba, 4> panes{
+      {{214, 60, 48, 0}, {240, 188, 50, 0}, {52, 110, 204, 0}, {66, 160, 88, 0}}};
+  Rgba value = panes[static_cast<std::size_t>(pane)];
+  value[3] = static_cast<std::uint8_t>(60 + 12 * std::max(std::abs(2 * x - 13), std::abs(2 * y - 12)));
+  return value;
+}
+
+enum DemoTexture { floor_texture, brick_texture, wood_texture, globe_texture, grille_texture, glass_texture };
+
+using Color = std::array<double, 4>;
+constexpr Color white{1, 1, 1, 1};
+
+// To 2^-16 of a unit, so that the last bits of a mathematical library do not show.
+double grid(double x) { return std::round(x * 65536) / 65536; }
+Vec3 grid(const Vec3& p) { return {grid(p.x), grid(p.y), grid(p.z)}; }
+
+// L1 of the lecture notes: Lambert with an ambient share.
+Color lit(const Vec3& normal, const Color& color) {
+  const Vec3 light{0.48, 0.8, 0.36};  // length 1
+  const double n = length(normal);
+  const double shade = grid(0.35 + 0.65 * std::max(0.0, dot(normal, light) / (n > 0 ? n : 1)));
+  return {color[0] * shade, color[1] * shade, color[2] * shade, color[3]};
+}
+
+// p: counter-clockwise seen from outside, beginning with the corner that carries texel (u0, v1): bottom left,
+// bottom right, top right, top left.
+void add_quad(std::vector<Face>& faces, const std::array<Vec3, 4>& p, double u0, double v0, double u1,
+              double v1, const std::array<Color, 4>& c, int texture) {
+  const std::array<Corner, 4> q{
+      {{p[0], u0, v1, c[0]}, {p[1], u1, v1, c[1]}, {p[2], u1, v0, c[2]}, {p[3], u0, v0, c[3]}}};
+  faces.push_back({{q[0], q[1], q[2]}, texture, false});
+  faces.push_back({{q[0], q[2], q[3]}, texture, false});
+}
+
+void add_flat_quad(std::vector<Face>& faces, const std::array<Vec3, 4>& p, double u, double v, int texture) {
+  const Color c = lit(cross(p[1] - p[0], p[2] - p[0]), white);
+  add_quad(faces, p, 0, 0, u, v, {c, c, c, c}, texture);
+}
+
+// A box standing on the floor, turned about its upright axis.
+void add_box(std::vector<Face>& faces, const Vec3& foot, double half_x, double half_z, double height,
+             double turn, double u, double v, int texture) {
+  const double c = std::cos(turn), s = std::sin(turn);
+  const auto at = [&](double x, double y, double z) {
+    return grid(foot + Vec3{c * x + s * z, y, c * z - s * x});
+  };
+  constexpr std::array<std::array<double, 2>, 4> ring{{{-1, 1}, {1, 1}, {1, -1}, {-1, -1}}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto& a = ring[i];
+    const auto& b = ring[(i + 1) % 4];
+    add_flat_quad(faces,
+                  {at(a[0] * half_x, 0, a[1] * half_z), at(b[0] * half_x, 0, b[1] * half_z),
+                   at(b[0] * half_x, height, b[1] * half_z), at(a[0] * half_x, height, a[1] * half_z)},
+                  u, v, texture);
+  }
+  add_flat_quad(faces,
+                {at(-half_x, height, half_z), at(half_x, height, half_z), at(half_x, height, -half_z),
+                 at(-half_x, height, -half_z)},
+                u, u, texture);
+}
+
+void add_pyramid(std::vector<Face>& faces, const Vec3& foot, double half, double height, double turn,
+                 int texture) {
+  const Vec3 apex = foot + Vec3{0, height, 0};
+  std::array<Vec3, 4> base;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double a = turn + std::numbers::pi / 2 * (static_cast<double>(i) + 0.5);
+    base[i] = grid(foot + Vec3{half * std::cos(a), 0, -half * std::sin(a)});
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3& a = base[i];
+    const Vec3& b = base[(i + 1) % 4];
+    const Color c = lit(cross(b - a, apex - a), white);
+    faces.push_back({{{{a, 0, 53, c}, {b, 74, 53, c}, {apex, 37, 0, c}}}, texture, false});
+  }
+}
+
+// A surface of quads over parameters a (columns, around) and b (rows, upward); normal and colour by
+// functions.
+void add_surface(std::vector<Face>& faces, int columns, int rows, double u, double v, int texture,
+                 const std::function<std::pair<Vec3, Vec3>(double, double)>& point_and_normal,
+                 const std::function<Color(double, double)>& color) {
+  const auto corner = [&](int i, int j) {
+    const double a = static_cast<double>(i) / columns, b = static_cast<double>(j) / rows;
+    const auto [position, normal] = point_and_normal(a, b);
+    return Corner{grid(position), u * a, v * (1 - b), lit(normal, color(a, b))};
+  };
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i) {
+      const Corner p0 = corner(i, j), p1 = corner(i + 1, j), p2 = corner(i + 1, j + 1), p3 = corner(i, j + 1);
+      // At the poles of a sphere one half of the quad has no area.
+      if (p0.position != p1.position) faces.push_back({{p0, p1, p2}, texture, false});
+      if (p2.position != p3.position) faces.push_back({{p0, p2, p3}, texture, false});
+    }
+  }
+}
+
+void add_sphere(std::vector<Face>& faces, const Vec3& centre, double radius, int texture) {
+  add_surface(
+      faces, 24, 12, 128, 48, texture,
+      [&](double a, double b) {
+        const double longitude = 2 * std::numbers::pi * a, latitude = std::numbers::pi * (b - 0.5);
+        const Vec3 n{std::cos(latitude) * std::cos(longitude), std::sin(latitude),
+                     -std::cos(latitude) * std::sin(longitude)};
+        return std::pair{centre + n * radius, n};
+      },
+      [](double, double) { return white; });
+}
+
+// Untextured, coloured around both circles.
+void add_torus(std::vector<Face>& faces, const Vec3& centre, double large, double small, double tilt) {
+  add_surface(
+      faces, 28, 14, 0, 0, -1,
+      [&](double a, double b) {
+        const double p = 2 * std::numbers::pi * a, q = 2 * std::numbers::pi * b;
+        const auto turned = [tilt](const Vec3& r) {
+          return Vec3{r.x, r.y * std::cos(tilt) - r.z * std::sin(tilt),
+                      r.y * std::sin(tilt) + r.z * std::cos(tilt)};
+        };
+        const Vec3 out{std::cos(p), 0, -std::sin(p)};
+        const Vec3 n = out * std::cos(q) + Vec3{0, std::sin(q), 0};
+        return std::pair{centre + turned(out * large + n * small), turned(n)};
+      },
+      [](double a, double b) {
+        const auto wave = [](double t) { return grid(0.6 + 0.4 * std::cos(2 * std::numbers::pi * t)); };
+        return Color{wave(a), wave(a + 1.0 / 3), wave(b), 1};
+      });
+}
+
+// A pane standing on the floor, seen from both sides.
+void add_pane(std::vector<Face>& faces, const Vec3& left, const Vec3& right, double height, double u,
+              double v, const Color& color, int texture) {
+  const Vec3 up{0, height, 0};
+  add_quad(faces, {left, right, right + up, left + up}, 0, 0, u, v, {color, color, color, color}, texture);
+}
+
+}  // namespace
+
+Scene demo_scene(int width, int height) {
+  if (width < 1 || height < 1 || width > 16384 || height > 16384 || width > 2.4 * height) {
+    throw InputError("size: " + std::to_string(width) + "x" + std::to_string(height) +
+                     " is not legal for the demo; expected 1..16384 pixels, width at most 2.4 times height");
+  }
+  Scene scene;
+  scene.name = "demo";
+  scene.width = width;
+  scene.height = height;
+  scene.s_min = 1;
+  scene.s_max = 1000;
+  scene.focal = std::max(0.95 * height, 0.65 * width);
+  scene.background = {176, 196, 214};
+  scene.fog = Fog{{176, 196, 214}, 240};
+  scene.textures = {
+      make_texture("floor.png", 32, 32, floor_texel),   make_texture("brick.png", 48, 30, brick_texel),
+      make_texture("wood.png", 37, 53, wood_texel),     make_texture("globe.png", 64, 48, globe_texel),
+      make_texture("grille.png", 20, 20, grille_texel), make_texture("glass.png", 52, 24, glass_texel)};
+
+  View view;
+  view.width = width;
+  view.height = height;
+  view.focal = scene.focal;
+  view.s_min = scene.s_min;
+  view.s_max = scene.s_max;
+  look_at(view, {0, 7, 0}, {0, 4, -24}, {0, 1, 0});
+
+  std::vector<Face> solids;
+  // The floor: one quad from below the viewer to beyond the horizon, 4 texels a unit.
+  const double half = 960, far = -1010;
+  add_quad(solids, {Vec3{-half, 0, 2}, Vec3{half, 0, 2}, Vec3{half, 0, far}, Vec3{-half, 0, far}}, -4 * half,
+           4 * far, 4 * half, 8, {white, white, white, white}, floor_texture);
+  add_box(solids, {-7, 0, -29}, 4, 4, 8, 0.5, 48, 30, brick_texture);
+  add_pyramid(solids, {-4, 0, -26}, 6, 10, 0.2, wood_texture);
+  add_sphere(solids, {7.5, 4.5, -27}, 4.5, globe_texture);
+  add_torus(solids, {7.5, 4.5, -27}, 5.2, 1.4, 0.6);
+  for (const double z : {-50.0, -80.0, -130.0, -210.0, -340.0, -550.0}) {
+    add_box(solids, {-14, 0, z}, 2, 2, 18, 0, 24, 90, brick_texture);
+    add_box(solids, {14, 0, z}, 2, 2, 18, 0, 24, 90, brick_texture);
+  }
+  std::vector<Face> sheets;
+  add_pane(sheets, {-9, 0, -19}, {-1, 0, -15}, 3, 90, 30, white, grille_texture);
+  add_pane(sheets, {2, 0, -17}, {9, 0, -19}, 5.5, 52, 24, {1, 1, 1, 0.875}, glass_texture);
+
+  ProjectReport report;
+  project(solids, view, {.cull = true, .clip_sides = true}, scene.triangles, report);
+  project(sheets, view, {.cull = false, .clip_sides = true}, scene.triangles, report);
+  return scene;
+}
+
+}  // namespace bitspan

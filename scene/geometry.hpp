@@ -1,0 +1,37 @@
+// Geometry before projection: what meshes and the demo are made of.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+namespace bitspan {
+
+struct Vec3 {
+  double x = 0, y = 0, z = 0;
+  bool operator==(const Vec3&) const = default;
+};
+
+inline Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Vec3 operator*(const Vec3& a, double k) { return {a.x * k, a.y * k, a.z * k}; }
+inline double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline double length(const Vec3& a) { return std::hypot(a.x, a.y, a.z); }
+
+// A corner of a face: position in world space, u, v in texels (v downward), colour and alpha in 0..1.
+struct Corner {
+  Vec3 position;
+  double u = 0, v = 0;
+  std::array<double, 4> c{1, 1, 1, 1};
+};
+
+// Corners run counter-clockwise seen from outside.
+struct Face {
+  std::array<Corner, 3> corner;
+  int texture = -1;        // index into the textures that come with the faces, -1 for none
+  bool two_sided = false;  // never removed as a back face
+};
+
+}  // namespace bitspan

@@ -1,0 +1,83 @@
+#include "scene/project.hpp"
+
+#include <algorithm>
+
+#include "scene/clip.hpp"
+#include "scene/exact.hpp"
+
+namespace bitspan {
+namespace {
+
+constexpr double guard_band_pixels = 16384;
+
+// Seen from outside, the corners run counter-clockwise: the volume spanned with the viewer is positive.
+bool faces_viewer(const Face& face, const View& view) {
+  const Vec3 a = face.corner[0].position - view.position;
+  const Vec3 b = face.corner[1].position - view.position;
+  const Vec3 c = face.corner[2].position - view.position;
+  return dot(a, cross(b - a, c - a)) < 0;
+}
+
+Vertex to_screen(const ClipVertex& p, const View& view) {
+  return {view.width / 2.0 * (1 + p.x / p.s),
+          view.height / 2.0 * (1 + p.y / p.s),
+          std::clamp(p.s, view.s_min, view.s_max),
+          p.u,
+          p.v,
+          {std::clamp(p.c[0], 0.0, 1.0), std::clamp(p.c[1], 0.0, 1.0), std::clamp(p.c[2], 0.0, 1.0),
+           std::clamp(p.c[3], 0.0, 1.0)}};
+}
+
+}  // namespace
+
+void project(std::span<const Face> faces, const View& view, const ProjectOptions& options,
+             std::vector<Triangle>& triangles, ProjectReport& report) {
+  ClipVolume volume{1, 1, view.s_min, view.s_max};
+  if (!options.clip_sides) {
+    volume.limit_x = std::max(1.0, 2 * guard_band_pixels / view.width);
+    volume.limit_y = std::max(1.0, 2 * guard_band_pixels / view.height);
+  }
+  std::vector<ClipVertex> polygon;
+  std::vector<Vertex> screen;
+  for (const Face& face : faces) {
+    ++report.faces;
+    if (options.cull && !face.two_sided && !faces_viewer(face, view)) {
+      ++report.culled;
+      continue;
+    }
+    polygon.clear();
+    unsigned any = 0;
+    unsigned all = 63;
+    for (const Corner& corner : face.corner) {
+      polygon.push_back(to_normalised(corner, view));
+      const unsigned code = outcode(polygon.back(), volume);
+      any |= code;
+      all &= code;
+    }
+    if (all != 0) {
+      ++report.outside;
+      continue;
+    }
+    if (any != 0) {
+      clip_polygon(polygon, volume, static_cast<std::uint8_t>(any));
+      if (polygon.size() < 3) {
+        ++report.outside;
+        continue;
+      }
+      ++report.clipped;
+    }
+    screen.clear();
+    for (const ClipVertex& p : polygon) screen.push_back(to_screen(p, view));
+    for (std::size_t i = 2; i < screen.size(); ++i) {
+      const Triangle triangle{{screen[0], screen[i - 1], screen[i]}, face.texture};
+      if (orientation(triangle) == 0) {
+        ++report.dropped;
+        continue;
+      }
+      triangles.push_back(triangle);
+      ++report.triangles;
+    }
+  }
+}
+
+}  // namespace bitspan

@@ -1,0 +1,170 @@
+#include "scene/random.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <string>
+
+#include "scene/exact.hpp"
+
+namespace bitspan {
+
+Random::Random(std::uint64_t seed) {
+  for (std::uint64_t& word : state_) {
+    seed += 0x9e3779b97f4a7c15;
+    std::uint64_t z = seed;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+    word = z ^ (z >> 31);
+  }
+}
+
+std::uint64_t Random::bits() {
+  const std::uint64_t result = std::rotl(state_[1] * 5, 7) * 9;
+  const std::uint64_t t = state_[1] << 17;
+  state_[2] ^= state_[0];
+  state_[3] ^= state_[1];
+  state_[1] ^= state_[2];
+  state_[0] ^= state_[3];
+  state_[2] ^= t;
+  state_[3] = std::rotl(state_[3], 45);
+  return result;
+}
+
+std::int64_t Random::integer(std::int64_t low, std::int64_t high) {
+  const std::uint64_t range = static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low) + 1;
+  if (range == 0) return static_cast<std::int64_t>(bits());
+  // Values beyond the last whole multiple of the range would favour the low results.
+  const std::uint64_t limit = ~std::uint64_t{0} - ~std::uint64_t{0} % range;
+  std::uint64_t draw = bits();
+  while (draw >= limit) draw = bits();
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(low) + draw % range);
+}
+
+double Random::unit() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
+
+double Random::uniform(double low, double high) { return low + (high - low) * unit(); }
+
+double Random::log_uniform(double low, double high) {
+  if (!(low < high)) return low;
+  const int octaves = std::ilogb(high / low);
+  while (true) {
+    const double octave = std::ldexp(low, static_cast<int>(integer(0, octaves)));
+    const double value = octave * (1 + unit());
+    if (value <= high) return value;
+  }
+}
+
+bool Random::chance(double probability) { return unit() < probability; }
+
+namespace {
+
+Texture random_texture(Random& random, int index, int size_max) {
+  Texture texture;
+  texture.name = "random" + std::to_string(index) + ".png";
+  texture.width = static_cast<int>(random.integer(1, size_max));
+  texture.height = static_cast<int>(random.integer(1, size_max));
+  const bool has_alpha = random.chance(0.4);
+  const bool has_holes = random.chance(0.5);
+  const std::size_t texels =
+      static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height);
+  texture.rgba.reserve(texels * 4);
+  for (std::size_t i = 0; i < texels; ++i) {
+    const std::uint64_t draw = random.bits();
+    const bool hole = has_holes && (draw >> 32) % 8 == 0;  // the transparent code T4
+    const auto byte = [draw](unsigned shift) { return static_cast<std::uint8_t>(draw >> shift); };
+    texture.rgba.push_back(hole ? 255 : byte(0));
+    texture.rgba.push_back(hole ? 0 : byte(8));
+    texture.rgba.push_back(hole ? 255 : byte(16));
+    // A fifth of the texels each clear and opaque, the rest between.
+    std::uint8_t alpha = 255;
+    if (has_alpha) {
+      const std::uint64_t kind = (draw >> 40) % 5;
+      alpha = kind == 0 ? std::uint8_t{0} : kind == 1 ? std::uint8_t{255} : byte(24);
+    }
+    texture.rgba.push_back(alpha);
+  }
+  return texture;
+}
+
+// A position on one of several grids: ties of the snap, pixel centres and pixel borders come up often.
+double on_grid(Random& random, double value) {
+  constexpr double grids[] = {0x1p-10, 0x1p-5, 0x1p-4, 0.5, 1};
+  const double grid = random.chance(0.7) ? 0x1p-10 : grids[random.integer(0, 4)];
+  return std::floor(value / grid) * grid;
+}
+
+Triangle random_triangle(Random& random, const Scene& scene, const RandomOptions& options) {
+  Triangle triangle;
+  const double size = random.log_uniform(options.size_min, options.size_max);
+  const double x = random.uniform(-size / 4, scene.width + size / 4);
+  const double y = random.uniform(-size / 4, scene.height + size / 4);
+  const bool same_depth = random.chance(0.15);  // no perspective
+  const bool same_edge = random.chance(0.15);   // a horizontal or vertical edge
+  const bool any_color = random.chance(0.7);
+  const bool translucent = random.chance(options.translucent_probability);
+  const double uv = random.log_uniform(1, options.uv_limit);
+  const double base_s = random.log_uniform(scene.s_min, scene.s_max);
+  const bool local_s = random.chance(0.5);  // like a real surface: depth in proportion to size
+  for (Vertex& v : triangle.v) {
+    v.x = on_grid(random, x + random.uniform(-size / 2, size / 2));
+    v.y = on_grid(random, y + random.uniform(-size / 2, size / 2));
+    v.s = local_s ? base_s * random.uniform(0.75, 1.25) : random.log_uniform(scene.s_min, scene.s_max);
+    if (same_depth) v.s = base_s;
+    if (random.chance(0.03)) v.s = random.chance(0.5) ? scene.s_min : scene.s_max;
+    v.s = std::clamp(v.s, scene.s_min, scene.s_max);
+    v.u = std::floor(random.uniform(-uv, uv) * 0x1p12) * 0x1p-12;
+    v.v = std::floor(random.uniform(-uv, uv) * 0x1p12) * 0x1p-12;
+    if (any_color) {
+      for (std::size_t i = 0; i < 3; ++i) v.c[i] = static_cast<double>(random.integer(0, 1 << 16)) * 0x1p-16;
+    }
+    if (translucent) v.c[3] = static_cast<double>(random.integer(0, 1 << 16)) * 0x1p-16;
+  }
+  if (same_edge) {
+    if (random.chance(0.5)) {
+      triangle.v[1].y = triangle.v[0].y;
+    } else {
+      triangle.v[1].x = triangle.v[0].x;
+    }
+  }
+  if (!scene.textures.empty() && random.chance(0.85)) {
+    triangle.texture =
+        static_cast<int>(random.integer(0, static_cast<std::int64_t>(scene.textures.size()) - 1));
+  }
+  return triangle;
+}
+
+std::array<std::uint8_t, 3> random_color(Random& random) {
+  const std::uint64_t draw = random.bits();
+  return {static_cast<std::uint8_t>(draw), static_cast<std::uint8_t>(draw >> 8),
+          static_cast<std::uint8_t>(draw >> 16)};
+}
+
+}  // namespace
+
+Scene random_scene(std::uint64_t seed, const RandomOptions& options) {
+  Random random(seed);
+  Scene scene;
+  scene.name = "random-" + std::to_string(seed);
+  scene.width = options.width;
+  scene.height = options.height;
+  scene.s_min = random.log_uniform(0x1p-6, 64);
+  scene.s_max =
+      scene.s_min * random.log_uniform(std::min(1.25, options.depth_ratio_max), options.depth_ratio_max);
+  scene.focal = random.uniform(0.5, 2) * options.width;
+  scene.background = random_color(random);
+  if (random.chance(options.fog_probability)) {
+    scene.fog = Fog{random_color(random), random.uniform(0.1, 1) * scene.s_max};
+  }
+  const auto textures = random.integer(0, options.textures);
+  for (int i = 0; i < textures; ++i)
+    scene.textures.push_back(random_texture(random, i, options.texture_size_max));
+  scene.triangles.reserve(static_cast<std::size_t>(options.triangles));
+  while (scene.triangles.size() < static_cast<std::size_t>(options.triangles)) {
+    const Triangle triangle = random_triangle(random, scene, options);
+    if (orientation(triangle) != 0) scene.triangles.push_back(triangle);
+  }
+  return scene;
+}
+
+}  // namespace bitspan

@@ -1,0 +1,46 @@
+// Random numbers and random scenes that are the same for a seed everywhere.
+#pragma once
+
+#include <cstdint>
+
+#include "scene/scene.hpp"
+
+namespace bitspan {
+
+// xoshiro256** seeded by splitmix64. Everything derived is integer arithmetic or exact scaling, so a seed
+// gives the same bits on every platform.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed);
+  std::uint64_t bits();
+  // Uniform over low..high, both included.
+  std::int64_t integer(std::int64_t low, std::int64_t high);
+  // Uniform over [0, 1), a multiple of 2^-53.
+  double unit();
+  double uniform(double low, double high);
+  // low..high, 0 < low <= high: every octave about equally likely.
+  double log_uniform(double low, double high);
+  bool chance(double probability);
+
+ private:
+  std::uint64_t state_[4];
+};
+
+struct RandomOptions {
+  int width = 256, height = 192;  // pixels
+  int triangles = 64;
+  double size_min = 1;  // extent of a triangle, pixels
+  double size_max = 256;
+  double depth_ratio_max = 1000;  // s_max / s_min; each scene draws its own up to this
+  double uv_limit = 1024;         // |u|, |v| of a vertex, texels
+  int textures = 3;               // at most
+  int texture_size_max = 64;      // texels
+  double fog_probability = 0.5;
+  double translucent_probability = 0.3;  // of a triangle to have alpha below 1
+};
+
+// A scene that a stream can hold: no zero areas, s within its range. The same seed and options give the same
+// scene.
+Scene random_scene(std::uint64_t seed, const RandomOptions& options = {});
+
+}  // namespace bitspan

@@ -1,0 +1,34 @@
+#include "scene/transform.hpp"
+
+#include "config/config.hpp"
+
+namespace bitspan {
+
+void look_at(View& view, const Vec3& position, const Vec3& target, const Vec3& up) {
+  const Vec3 line = target - position;
+  const double distance = length(line);
+  if (!(distance > 0) || !std::isfinite(distance)) {
+    throw InputError("camera: position and target coincide; expected two different finite points");
+  }
+  view.position = position;
+  view.forward = line * (1 / distance);
+  const Vec3 side = cross(view.forward, up);
+  const double side_length = length(side);
+  if (!(side_length > 1e-9 * length(up)) || !std::isfinite(side_length)) {
+    throw InputError("camera: the up vector lies along the line of sight; expected another direction");
+  }
+  view.right = side * (1 / side_length);
+  view.down = cross(view.forward, view.right);
+}
+
+ClipVertex to_normalised(const Corner& corner, const View& view) {
+  const Vec3 d = corner.position - view.position;
+  return {dot(view.right, d) * (2 * view.focal / view.width),
+          dot(view.down, d) * (2 * view.focal / view.height),
+          dot(view.forward, d),
+          corner.u,
+          corner.v,
+          corner.c};
+}
+
+}  // namespace bitspan

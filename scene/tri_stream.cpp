@@ -1,0 +1,565 @@
+#include "scene/tri_stream.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <istream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "config/config.hpp"
+#include "report/atomic_file.hpp"
+#include "report/png.hpp"
+#include "scene/exact.hpp"
+#include "scene/texture.hpp"
+
+namespace bitspan {
+namespace {
+
+constexpr std::size_t line_limit_bytes = std::size_t{1} << 20;
+
+struct DuplicateKey : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// nlohmann's parser stores each key through operator[]; a second one of the same name would silently win.
+template <class Key, class T, class Less, class Allocator>
+struct UniqueMap : nlohmann::ordered_map<Key, T, Less, Allocator> {
+  using Base = nlohmann::ordered_map<Key, T, Less, Allocator>;
+  using Base::Base;
+  using key_type = Key;
+  T& operator[](const key_type& key) {
+    const auto [position, inserted] = Base::emplace(key, T{});
+    if (!inserted) throw DuplicateKey(key);
+    return position->second;
+  }
+};
+
+using Json = nlohmann::basic_json<UniqueMap>;
+
+std::string shortest(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  return {text, end};
+}
+
+// Where a message points: file and line; the key comes with the message.
+struct Place {
+  std::string file;
+  long line = 0;
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw InputError(fmt::format("{}:{}: {}", file, line, what));
+  }
+};
+
+// A JSON value as a message shows it: short, on one line.
+std::string shown(const Json& value) {
+  std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
+  if (text.size() > 40) text = text.substr(0, 37) + "...";
+  return text;
+}
+
+// A finite number; `key` is called for its name only when there is something to say.
+template <class Name>
+double number(const Json& value, const Place& place, const Name& key) {
+  if (!value.is_number())
+    place.fail(fmt::format("{}: {} is not a number; expected a finite number", key(), shown(value)));
+  const double result = value.template get<double>();
+  if (!std::isfinite(result)) place.fail(fmt::format("{}: is not finite; expected a finite number", key()));
+  return result;
+}
+
+template <class Name>
+const Json& array(const Json& value, std::size_t size, const Place& place, const Name& key,
+                  const char* expected) {
+  if (!value.is_array() || value.size() != size) {
+    const std::string what =
+        value.is_array() ? fmt::format("has {} elements", value.size()) : shown(value) + " is not an array";
+    place.fail(fmt::format("{}: {}; expected {}", key(), what, expected));
+  }
+  return value;
+}
+
+// Brings colour components into 0..1. `scale` is color_max, or 0 where the header has none.
+template <class Name>
+void normalize(std::span<double> components, int scale, const Place& place, const Name& key) {
+  const double limit = scale == 1 ? 1 : 255;
+  bool codes = scale == 255;
+  for (const double c : components) {
+    if (!(c >= 0 && c <= limit)) {
+      place.fail(fmt::format("{}: component {} is out of range; expected 0..{}", key(), shortest(c), limit));
+    }
+    if (scale == 0 && c > 1) codes = true;
+  }
+  if (!codes) return;
+  for (double& c : components) c /= 255;
+}
+
+std::array<std::uint8_t, 3> color_codes(const Json& value, int scale, const Place& place, const char* name) {
+  const auto key = [&] { return std::string(name); };
+  array(value, 3, place, key, "[red, green, blue]");
+  std::array<double, 3> c{};
+  for (std::size_t i = 0; i < 3; ++i) c[i] = number(value[i], place, key);
+  normalize(c, scale, place, key);
+  std::array<std::uint8_t, 3> codes{};
+  for (std::size_t i = 0; i < 3; ++i) codes[i] = static_cast<std::uint8_t>(std::floor(c[i] * 255 + 0.5));
+  return codes;
+}
+
+void check_keys(const Json& object, std::initializer_list<std::string_view> known, const Place& place,
+                const std::string& inside) {
+  for (const auto& [key, value] : object.items()) {
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    place.fail(
+        fmt::format("{}{}: unknown key; expected {}", inside, shown(Json(key)), fmt::join(known, ", ")));
+  }
+}
+
+const Json& required(const Json& object, const char* key, const Place& place, const char* expected) {
+  const auto found = object.find(key);
+  if (found == object.end()) place.fail(fmt::format("{}: key is missing; expected {}", key, expected));
+  return *found;
+}
+
+int integer(const Json& value, int low, int high, const Place& place, const char* key) {
+  const bool whole = value.is_number_integer() && value >= Json(low) && value <= Json(high);
+  if (!whole)
+    place.fail(
+        fmt::format("{}: {} is not legal; expected a whole number {}..{}", key, shown(value), low, high));
+  return value.get<int>();
+}
+
+double positive(const Json& value, const Place& place, const char* key) {
+  const double result = number(value, place, [&] { return std::string(key); });
+  if (!(result > 0))
+    place.fail(fmt::format("{}: {} is not positive; expected a number above 0", key, shortest(result)));
+  return result;
+}
+
+void check_area(int width, int height, const Place& place) {
+  if (static_cast<long>(width) * height > picture_area_limit) {
+    place.fail(fmt::format("width: the picture of {} x {} pixels is too large; expected at most {} pixels",
+                           width, height, picture_area_limit));
+  }
+}
+
+Scene read_header(const Json& line, const Place& place, const std::filesystem::path& folder, int& color_max) {
+  if (!line.is_object() || !line.contains("bitspan")) {
+    place.fail("bitspan: no header; expected a first line {\"bitspan\": 1, \"width\": ..., ...}");
+  }
+  integer(line["bitspan"], 1, 1, place, "bitspan");
+  check_keys(
+      line,
+      {"bitspan", "width", "height", "s_min", "s_max", "focal", "background", "color_max", "fog", "textures"},
+      place, "");
+  Scene scene;
+  scene.width = integer(required(line, "width", place, "pixels"), 1, picture_size_limit, place, "width");
+  scene.height = integer(required(line, "height", place, "pixels"), 1, picture_size_limit, place, "height");
+  check_area(scene.width, scene.height, place);
+  scene.s_min = positive(required(line, "s_min", place, "a distance"), place, "s_min");
+  scene.s_max = positive(required(line, "s_max", place, "a distance"), place, "s_max");
+  if (!(scene.s_min < scene.s_max)) {
+    place.fail(fmt::format("s_min: {} is not below s_max = {}; expected 0 < s_min < s_max",
+                           shortest(scene.s_min), shortest(scene.s_max)));
+  }
+  scene.focal = positive(required(line, "focal", place, "pixels"), place, "focal");
+  color_max = 0;
+  if (const auto found = line.find("color_max"); found != line.end()) {
+    if (*found != Json(1) && *found != Json(255)) {
+      place.fail(fmt::format("color_max: {} is not legal; expected 1 or 255", shown(*found)));
+    }
+    color_max = found->get<int>();
+  }
+  scene.background =
+      color_codes(required(line, "background", place, "[red, green, blue]"), color_max, place, "background");
+  if (const auto found = line.find("fog"); found != line.end()) {
+    if (!found->is_object())
+      place.fail("fog: " + shown(*found) +
+                 " is not an object; expected {\"color\": [r,g,b], \"distance\": d}");
+    check_keys(*found, {"color", "distance"}, place, "fog.");
+    Fog fog;
+    if (!found->contains("color")) place.fail("fog.color: key is missing; expected [red, green, blue]");
+    if (!found->contains("distance")) place.fail("fog.distance: key is missing; expected a distance above 0");
+    fog.color = color_codes((*found)["color"], color_max, place, "fog.color");
+    fog.distance = positive((*found)["distance"], place, "fog.distance");
+    scene.fog = fog;
+  }
+  if (const auto found = line.find("textures"); found != line.end()) {
+    if (!found->is_array())
+      place.fail("textures: " + shown(*found) + " is not an array; expected a list of PNG file names");
+    for (std::size_t i = 0; i < found->size(); ++i) {
+      const Json& entry = (*found)[i];
+      if (!entry.is_string() || entry.get_ref<const std::string&>().empty()) {
+        place.fail(fmt::format("textures[{}]: {} is not a file name; expected a string", i, shown(entry)));
+      }
+      const auto& name = entry.get_ref<const std::string&>();
+      try {
+        scene.textures.push_back(read_texture((folder / name).string()));
+      } catch (const InputError& error) {
+        place.fail(fmt::format("textures[{}]: {}", i, error.what()));
+      }
+      scene.textures.back().name = name;
+    }
+  }
+  return scene;
+}
+
+// Ranges of one vertex; the same for streams read and scenes written.
+void check_vertex(const Vertex& vertex, std::size_t i, const Scene& scene, const Place& place) {
+  const auto check_coordinate = [&](double value, const char* axis, int index) {
+    if (!(std::fabs(value) <= coordinate_limit)) {
+      place.fail(fmt::format("v[{}][{}]: {} = {} is out of range; expected {}..{} pixels", i, index, axis,
+                             shortest(value), -coordinate_limit, coordinate_limit));
+    }
+  };
+  check_coordinate(vertex.x, "x", 0);
+  check_coordinate(vertex.y, "y", 1);
+  if (!(vertex.s >= scene.s_min && vertex.s <= scene.s_max)) {
+    place.fail(fmt::format("v[{}][2]: s = {} is out of range; expected s_min..s_max, {}..{}", i,
+                           shortest(vertex.s), shortest(scene.s_min), shortest(scene.s_max)));
+  }
+}
+
+void check_shape(const Triangle& triangle, const Place& place) {
+  if (orientation(triangle) == 0) {
+    place.fail("v: the triangle has no area; expected three positions that are not on one line");
+  }
+}
+
+Triangle read_triangle(const Json& line, const Scene& scene, int color_max, const Place& place) {
+  if (!line.is_object())
+    place.fail(shown(line) + " is not an object; expected {\"v\": [...], \"c\": [...], \"tex\": 0}");
+  check_keys(line, {"v", "c", "tex"}, place, "");
+  Triangle triangle;
+  const Json& v = required(line, "v", place, "three vertices [x, y, s, u, v]");
+  array(
+      v, 3, place, [] { return "v"; }, "three vertices [x, y, s, u, v]");
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto key = [&] { return fmt::format("v[{}]", i); };
+    array(v[i], 5, place, key, "[x, y, s, u, v]");
+    std::array<double, 5> value{};
+    for (std::size_t j = 0; j < 5; ++j) {
+      value[j] = number(v[i][j], place, [&] { return fmt::format("v[{}][{}]", i, j); });
+    }
+    Vertex& vertex = triangle.v[i];
+    vertex.x = value[0];
+    vertex.y = value[1];
+    vertex.s = value[2];
+    vertex.u = value[3];
+    vertex.v = value[4];
+    check_vertex(vertex, i, scene, place);
+  }
+  check_shape(triangle, place);
+  if (const auto c = line.find("c"); c != line.end()) {
+    array(
+        *c, 3, place, [] { return "c"; }, "three colours [red, green, blue, alpha]");
+    std::array<double, 12> components{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      array((*c)[i], 4, place, [&] { return fmt::format("c[{}]", i); }, "[red, green, blue, alpha]");
+      for (std::size_t j = 0; j < 4; ++j) {
+        components[4 * i + j] = number((*c)[i][j], place, [&] { return fmt::format("c[{}][{}]", i, j); });
+      }
+    }
+    normalize(components, color_max, place, [] { return "c"; });
+    for (std::size_t i = 0; i < 12; ++i) triangle.v[i / 4].c[i % 4] = components[i];
+  }
+  if (const auto tex = line.find("tex"); tex != line.end()) {
+    if (scene.textures.empty()) place.fail("tex: the header names no textures; expected no \"tex\"");
+    triangle.texture = integer(*tex, 0, static_cast<int>(scene.textures.size()) - 1, place, "tex");
+  }
+  return triangle;
+}
+
+// Lines of a stream, with a bound on their length.
+class LineReader {
+ public:
+  explicit LineReader(std::istream& in) : in_(in), buffer_(std::size_t{1} << 16) {}
+
+  // false at the end. `place.line` is the line's number, from 1.
+  bool next(std::string& line, Place& place) {
+    line.clear();
+    ++place.line;
+    while (true) {
+      if (begin_ == end_) {
+        in_.read(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+        begin_ = 0;
+        end_ = static_cast<std::size_t>(in_.gcount());
+        if (in_.bad()) place.fail("cannot read the file; expected a readable file");
+        if (end_ == 0) return !line.empty();
+      }
+      const char* start = buffer_.data() + begin_;
+      const auto* newline = static_cast<const char*>(std::memchr(start, '\n', end_ - begin_));
+      const std::size_t count = newline ? static_cast<std::size_t>(newline - start) : end_ - begin_;
+      if (line.size() + count > line_limit_bytes) {
+        place.fail(fmt::format("the line is too long; expected JSON Lines of at most {} bytes a line",
+                               line_limit_bytes));
+      }
+      line.append(start, count);
+      begin_ += count + (newline ? 1 : 0);
+      if (newline) return true;
+    }
+  }
+
+ private:
+  std::istream& in_;
+  std::vector<char> buffer_;
+  std::size_t begin_ = 0, end_ = 0;
+};
+
+Json parse_line(const std::string& line, const Place& place) {
+  try {
+    return Json::parse(line);
+  } catch (const Json::parse_error& error) {
+    const bool ended = error.byte > line.size();
+    place.fail(ended ? "the line ends inside its JSON (truncated?); expected one whole JSON object a line"
+                     : fmt::format("not JSON at column {}; expected one JSON object a line", error.byte));
+  } catch (const Json::out_of_range&) {
+    place.fail("a number is too large for double precision; expected finite numbers");
+  } catch (const DuplicateKey& error) {
+    place.fail(fmt::format("{}: the key stands twice; expected it once", shown(Json(error.what()))));
+  }
+}
+
+bool blank(const std::string& line) { return line.find_first_not_of(" \t\r") == std::string::npos; }
+
+void append_number(std::string& out, double value) {
+  if (value == 0 && std::signbit(value)) {
+    out += "-0.0";  // "-0" would come back as the integer 0
+    return;
+  }
+  char text[32];
+  out.append(text, std::to_chars(text, text + sizeof text, value).ptr);
+}
+
+template <class Range>
+void append_array(std::string& out, const Range& values) {
+  char separator = '[';
+  for (const double value : values) {
+    out += separator;
+    append_number(out, value);
+    separator = ',';
+  }
+  out += ']';
+}
+
+std::array<double, 3> fractions(const std::array<std::uint8_t, 3>& codes) {
+  return {codes[0] / 255.0, codes[1] / 255.0, codes[2] / 255.0};
+}
+
+std::string header_text(const Scene& scene, std::span<const std::string> names) {
+  std::string out =
+      fmt::format("{{\"bitspan\":1,\"width\":{},\"height\":{},\"s_min\":", scene.width, scene.height);
+  append_number(out, scene.s_min);
+  out += ",\"s_max\":";
+  append_number(out, scene.s_max);
+  out += ",\"focal\":";
+  append_number(out, scene.focal);
+  out += ",\"color_max\":1,\"background\":";
+  append_array(out, fractions(scene.background));
+  if (scene.fog) {
+    out += ",\"fog\":{\"color\":";
+    append_array(out, fractions(scene.fog->color));
+    out += ",\"distance\":";
+    append_number(out, scene.fog->distance);
+    out += '}';
+  }
+  if (!names.empty()) {
+    out += ",\"textures\":";
+    out += Json(std::vector<std::string>(names.begin(), names.end())).dump();
+  }
+  out += "}\n";
+  return out;
+}
+
+void append_triangle(std::string& out, const Triangle& triangle) {
+  out += "{\"v\":";
+  char separator = '[';
+  for (const Vertex& v : triangle.v) {
+    out += separator;
+    append_array(out, std::array{v.x, v.y, v.s, v.u, v.v});
+    separator = ',';
+  }
+  out += ']';
+  const std::array<double, 4> white{1, 1, 1, 1};
+  if (triangle.v[0].c != white || triangle.v[1].c != white || triangle.v[2].c != white) {
+    out += ",\"c\":";
+    separator = '[';
+    for (const Vertex& v : triangle.v) {
+      out += separator;
+      append_array(out, v.c);
+      separator = ',';
+    }
+    out += ']';
+  }
+  if (triangle.texture >= 0) out += fmt::format(",\"tex\":{}", triangle.texture);
+  out += "}\n";
+}
+
+// Writes through `sink(std::string_view)` in pieces of about 64 KiB.
+template <class Sink>
+void write_stream(const Scene& scene, std::span<const std::string> names, const Sink& sink) {
+  std::string piece = header_text(scene, names);
+  for (const Triangle& triangle : scene.triangles) {
+    append_triangle(piece, triangle);
+    if (piece.size() > (std::size_t{1} << 16)) {
+      sink(piece);
+      piece.clear();
+    }
+  }
+  sink(piece);
+}
+
+}  // namespace
+
+struct TriReader::State {
+  std::ifstream file;
+  Place place;
+  std::optional<LineReader> lines;
+  std::string line;
+  Scene scene;
+  int color_max = 0;
+
+  void open(std::istream& in, const std::string& origin) {
+    namespace fs = std::filesystem;
+    place.file = origin;
+    lines.emplace(in);
+    while (lines->next(line, place)) {
+      if (blank(line)) continue;
+      scene = read_header(parse_line(line, place), place, fs::path(origin).parent_path(), color_max);
+      scene.name = fs::path(origin).stem().string();
+      return;
+    }
+    place.line = 1;
+    place.fail("the file is empty; expected a header {\"bitspan\": 1, ...}");
+  }
+};
+
+TriReader::TriReader(const std::string& path) : state_(std::make_unique<State>()) {
+  if (path == "-") {
+    state_->open(std::cin, "stdin");
+    return;
+  }
+  std::error_code code;
+  if (std::filesystem::is_directory(path, code)) {
+    throw InputError(path + ": cannot read: is a folder; expected a triangle stream (.tri)");
+  }
+  state_->file.open(path, std::ios::binary);
+  if (!state_->file) {
+    throw InputError(path + ": cannot read: " + std::strerror(errno) + "; expected a triangle stream (.tri)");
+  }
+  state_->open(state_->file, path);
+}
+
+TriReader::TriReader(std::istream& in, const std::string& origin) : state_(std::make_unique<State>()) {
+  state_->open(in, origin);
+}
+
+TriReader::~TriReader() = default;
+
+const Scene& TriReader::scene() const { return state_->scene; }
+
+bool TriReader::next(Triangle& triangle) {
+  State& s = *state_;
+  while (s.lines->next(s.line, s.place)) {
+    if (blank(s.line)) continue;
+    triangle = read_triangle(parse_line(s.line, s.place), s.scene, s.color_max, s.place);
+    return true;
+  }
+  return false;
+}
+
+namespace {
+
+Scene read_all(TriReader& reader) {
+  Scene scene = reader.scene();
+  Triangle triangle;
+  while (reader.next(triangle)) scene.triangles.push_back(triangle);
+  return scene;
+}
+
+}  // namespace
+
+Scene read_tri(const std::string& path) {
+  TriReader reader(path);
+  return read_all(reader);
+}
+
+Scene parse_tri(std::string_view text, const std::string& origin) {
+  std::istringstream in{std::string(text)};
+  TriReader reader(in, origin);
+  return read_all(reader);
+}
+
+void check_scene(const Scene& scene, const std::string& origin) {
+  Place place{origin, 1};
+  if (scene.width < 1 || scene.width > picture_size_limit || scene.height < 1 ||
+      scene.height > picture_size_limit) {
+    place.fail(fmt::format("width: {} x {} is not legal; expected 1..{} pixels", scene.width, scene.height,
+                           picture_size_limit));
+  }
+  check_area(scene.width, scene.height, place);
+  const auto positive_finite = [](double x) { return std::isfinite(x) && x > 0; };
+  if (!positive_finite(scene.s_min) || !positive_finite(scene.s_max) || scene.s_min >= scene.s_max) {
+    place.fail(fmt::format("s_min: {} to s_max = {} is not legal; expected 0 < s_min < s_max",
+                           shortest(scene.s_min), shortest(scene.s_max)));
+  }
+  if (!positive_finite(scene.focal)) place.fail("focal: is not legal; expected a number above 0");
+  if (scene.fog && !positive_finite(scene.fog->distance)) {
+    place.fail("fog.distance: is not legal; expected a number above 0");
+  }
+  for (const Triangle& triangle : scene.triangles) {
+    ++place.line;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vertex& v = triangle.v[i];
+      check_vertex(v, i, scene, place);
+      if (!std::isfinite(v.u) || !std::isfinite(v.v)) {
+        place.fail(fmt::format("v[{}]: u, v are not finite; expected finite numbers", i));
+      }
+      for (const double c : v.c) {
+        if (!(c >= 0 && c <= 1))
+          place.fail(fmt::format("c[{}]: component {} is out of range; expected 0..1", i, shortest(c)));
+      }
+    }
+    check_shape(triangle, place);
+    if (triangle.texture < -1 || triangle.texture >= static_cast<int>(scene.textures.size())) {
+      place.fail(fmt::format("tex: {} is out of range; expected an index below {}", triangle.texture,
+                             scene.textures.size()));
+    }
+  }
+}
+
+void write_tri(std::ostream& out, const Scene& scene) {
+  std::vector<std::string> names;
+  for (const Texture& texture : scene.textures) names.push_back(texture.name);
+  write_stream(scene, names, [&](std::string_view piece) {
+    out.write(piece.data(), static_cast<std::streamsize>(piece.size()));
+  });
+}
+
+void write_tri_file(const std::string& path, const Scene& scene) {
+  check_scene(scene, scene.name);
+  namespace fs = std::filesystem;
+  const fs::path target(path);
+  AtomicFile stream(path);
+  std::vector<std::string> names;
+  std::vector<std::unique_ptr<AtomicFile>> pictures;
+  for (const Texture& texture : scene.textures) {
+    names.push_back(fmt::format("{}.{}.png", target.stem().string(), names.size()));
+    pictures.push_back(std::make_unique<AtomicFile>((target.parent_path() / names.back()).string()));
+    pictures.back()->write(encode_png(texture.width, texture.height, 4, texture.rgba));
+  }
+  write_stream(scene, names, [&](std::string_view piece) { stream.write(piece); });
+  for (const auto& picture : pictures) picture->commit();
+  stream.commit();
+}
+
+}  // namespace bitspan

@@ -1,0 +1,52 @@
+// The triangle stream `.tri` (JSON Lines): what testbenches feed. docs/formats.md describes it.
+#pragma once
+
+#include <iosfwd>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "scene/scene.hpp"
+
+namespace bitspan {
+
+inline constexpr int picture_size_limit = 32768;      // width or height, pixels
+inline constexpr long picture_area_limit = 1L << 26;  // width * height, pixels
+inline constexpr double coordinate_limit = 32767;     // |x|, |y| of a vertex, pixels
+
+// Reads a stream a line at a time; memory is bounded by the longest line (1 MiB at most) and the textures.
+// Every failure is an InputError "file:line: key: what; expected ...".
+class TriReader {
+ public:
+  // Reads the header and the textures it names, relative to the file's folder. "-" reads standard input.
+  explicit TriReader(const std::string& path);
+  // Reads from `in`, which must outlive the reader; `origin` stands for the file's name.
+  TriReader(std::istream& in, const std::string& origin);
+  ~TriReader();
+  TriReader(const TriReader&) = delete;
+  TriReader& operator=(const TriReader&) = delete;
+
+  // All of the scene but its triangles.
+  const Scene& scene() const;
+  // The next triangle in the order of drawing; false at the end of the stream.
+  bool next(Triangle& triangle);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// The whole stream at once.
+Scene read_tri(const std::string& path);
+Scene parse_tri(std::string_view text, const std::string& origin);
+
+// Throws InputError where a stream of this scene could not be read back: sizes, ranges, indices, zero areas.
+void check_scene(const Scene& scene, const std::string& origin);
+
+// Writes the stream; numbers are the shortest that read back as the same double. Textures go by their names.
+void write_tri(std::ostream& out, const Scene& scene);
+// Writes `path` and, beside it, each texture as STEM.N.png; complete or not at all. InputError where it
+// cannot.
+void write_tri_file(const std::string& path, const Scene& scene);
+
+}  // namespace bitspan

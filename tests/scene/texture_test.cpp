@@ -1,0 +1,162 @@
+#include "scene/texture.hpp"
+
+#include <gtest/gtest.h>
+#include <png.h>
+#include <zlib.h>
+
+#include <functional>
+
+#include "report/png.hpp"
+#include "tests/scene/temporary_folder.hpp"
+
+namespace bitspan {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+// A PNG of any type; `rows` are packed as the format says.
+Bytes make_png(unsigned width, int depth, int type, const std::vector<Bytes>& rows, bool interlaced = false,
+               const std::function<void(png_structp, png_infop)>& extra = {}) {
+  Bytes bytes;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  png_set_write_fn(
+      png, &bytes,
+      [](png_structp p, png_bytep data, png_size_t count) {
+        auto* out = static_cast<Bytes*>(png_get_io_ptr(p));
+        out->insert(out->end(), data, data + count);
+      },
+      [](png_structp) {});
+  png_set_IHDR(png, info, width, static_cast<png_uint_32>(rows.size()), depth, type,
+               interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  if (extra) extra(png, info);
+  png_write_info(png, info);
+  const int passes = png_set_interlace_handling(png);
+  for (int pass = 0; pass < passes; ++pass) {
+    for (const Bytes& row : rows) png_write_row(png, row.data());
+  }
+  png_write_end(png, nullptr);
+  png_destroy_write_struct(&png, &info);
+  return bytes;
+}
+
+TEST(Texture, EveryColourTypeBecomesRgba8) {
+  EXPECT_EQ(decode_texture(make_png(3, 1, PNG_COLOR_TYPE_GRAY, {{0xa0}}), "t").rgba,
+            (Bytes{255, 255, 255, 255, 0, 0, 0, 255, 255, 255, 255, 255}));
+  EXPECT_EQ(decode_texture(make_png(2, 4, PNG_COLOR_TYPE_GRAY, {{0x3f}}), "t").rgba,
+            (Bytes{51, 51, 51, 255, 255, 255, 255, 255}));
+  EXPECT_EQ(decode_texture(make_png(1, 8, PNG_COLOR_TYPE_GRAY_ALPHA, {{7, 9}}), "t").rgba,
+            (Bytes{7, 7, 7, 9}));
+  EXPECT_EQ(decode_texture(make_png(1, 8, PNG_COLOR_TYPE_RGB, {{1, 2, 3}}), "t").rgba, (Bytes{1, 2, 3, 255}));
+  EXPECT_EQ(decode_texture(make_png(1, 8, PNG_COLOR_TYPE_RGBA, {{1, 2, 3, 0}}), "t").rgba,
+            (Bytes{1, 2, 3, 0}));
+  // 16 bits: 0x0180 = 384 -> 384 / 257 = 1.49 -> 1; 0x0181 -> 1.498 -> 1; 0x8080 -> 128; 0xffff -> 255
+  EXPECT_EQ(decode_texture(
+                make_png(1, 16, PNG_COLOR_TYPE_RGBA, {{0x01, 0x80, 0x80, 0x80, 0xff, 0xff, 0x02, 0x02}}), "t")
+                .rgba,
+            (Bytes{1, 128, 255, 2}));
+}
+
+TEST(Texture, PalettesKeepTheirTransparency) {
+  png_color palette[3] = {{10, 20, 30}, {40, 50, 60}, {255, 0, 255}};
+  png_byte alpha[2] = {0, 77};
+  const Bytes png =
+      make_png(3, 2, PNG_COLOR_TYPE_PALETTE, {{0x18}}, false, [&](png_structp p, png_infop info) {
+        png_set_PLTE(p, info, palette, 3);
+        png_set_tRNS(p, info, alpha, 2, nullptr);
+      });
+  EXPECT_EQ(decode_texture(png, "t").rgba, (Bytes{10, 20, 30, 0, 40, 50, 60, 77, 255, 0, 255, 255}));
+}
+
+TEST(Texture, GammaIsNotApplied) {
+  const Bytes png = make_png(1, 8, PNG_COLOR_TYPE_RGB, {{100, 150, 200}}, false,
+                             [](png_structp p, png_infop info) { png_set_gAMA(p, info, 1.0); });
+  EXPECT_EQ(decode_texture(png, "t").rgba, (Bytes{100, 150, 200, 255}));
+}
+
+TEST(Texture, InterlacedIsTheSamePicture) {
+  std::vector<Bytes> rows;
+  for (int y = 0; y < 13; ++y) {
+    Bytes row;
+    for (int x = 0; x < 11 * 3; ++x) row.push_back(static_cast<std::uint8_t>(x * 7 + y * 19));
+    rows.push_back(row);
+  }
+  const Texture plain = decode_texture(make_png(11, 8, PNG_COLOR_TYPE_RGB, rows), "t");
+  const Texture interlaced = decode_texture(make_png(11, 8, PNG_COLOR_TYPE_RGB, rows, true), "t");
+  EXPECT_EQ(plain.width, 11);
+  EXPECT_EQ(plain.height, 13);
+  EXPECT_EQ(plain.rgba, interlaced.rgba);
+}
+
+TEST(Texture, WrittenPicturesReadBack) {
+  const TemporaryFolder folder;
+  Bytes pixels;
+  for (int i = 0; i < 7 * 5 * 4; ++i) pixels.push_back(static_cast<std::uint8_t>(i * 37));
+  write_png(folder.path("t.png"), 7, 5, 4, pixels);
+  const Texture texture = read_texture(folder.path("t.png"));
+  EXPECT_EQ(texture.width, 7);
+  EXPECT_EQ(texture.height, 5);
+  EXPECT_EQ(texture.rgba, pixels);
+}
+
+TEST(Texture, RefusesMissingAndForeignFiles) {
+  const TemporaryFolder folder;
+  EXPECT_NE(input_error([&] {
+              read_texture(folder.path("none.png"));
+            }).find("none.png: cannot read the texture: No such file"),
+            std::string::npos);
+  EXPECT_NE(input_error([&] { read_texture(folder.path()); }).find("is a folder"), std::string::npos);
+  folder.write("e.png", "");
+  EXPECT_NE(input_error([&] { read_texture(folder.path("e.png")); }).find("not a PNG file"),
+            std::string::npos);
+  folder.write("j.png", "\xff\xd8\xff\xe0 JFIF");
+  EXPECT_NE(input_error([&] { read_texture(folder.path("j.png")); }).find("not a PNG file"),
+            std::string::npos);
+}
+
+TEST(Texture, RefusesEveryTruncationSilently) {
+  Bytes pixels;
+  for (int i = 0; i < 20 * 20 * 4; ++i) pixels.push_back(static_cast<std::uint8_t>(i * i));
+  const Bytes png = encode_png(20, 20, 4, pixels);
+  testing::internal::CaptureStderr();
+  for (std::size_t length = 0; length < png.size(); ++length) {
+    EXPECT_THROW(decode_texture(std::span(png).first(length), "t.png"), InputError) << length;
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(Texture, RefusesFlippedBytesOrReadsThemWithoutAWord) {
+  Bytes pixels(16 * 16 * 3, 90);
+  const Bytes png = encode_png(16, 16, 3, pixels);
+  int refused = 0;
+  testing::internal::CaptureStderr();
+  for (std::size_t at = 0; at < png.size(); ++at) {
+    Bytes broken = png;
+    broken[at] = static_cast<std::uint8_t>(broken[at] ^ 0x5a);
+    try {
+      decode_texture(broken, "t.png");
+    } catch (const InputError&) {
+      ++refused;
+    }
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_GT(refused, static_cast<int>(png.size()) * 9 / 10);
+}
+
+TEST(Texture, RefusesSizesBeyondTheLimitAndHollowOnes) {
+  const Bytes wide = encode_png(16385, 1, 1, Bytes(16385, 3));
+  EXPECT_NE(input_error([&] { decode_texture(wide, "t.png"); }).find("t.png: corrupt PNG: "),
+            std::string::npos);
+  EXPECT_EQ(decode_texture(encode_png(16384, 1, 1, Bytes(16384, 3)), "t.png").width, 16384);
+  // A small file whose header, checksum and all, promises a gigabyte.
+  Bytes hollow = make_png(1, 8, PNG_COLOR_TYPE_RGBA, {{0, 0, 0, 0}});
+  hollow[18] = hollow[22] = 0x40;
+  hollow[19] = hollow[23] = 0;
+  const auto check = static_cast<std::uint32_t>(crc32(0, hollow.data() + 12, 17));
+  for (std::size_t i = 0; i < 4; ++i) hollow[29 + i] = static_cast<std::uint8_t>(check >> (24 - 8 * i));
+  EXPECT_NE(input_error([&] { decode_texture(hollow, "t.png"); }).find("far too short"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace bitspan

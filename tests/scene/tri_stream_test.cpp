@@ -1,0 +1,314 @@
+#include "scene/tri_stream.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <sstream>
+
+#include "report/png.hpp"
+#include "scene/demo.hpp"
+#include "scene/random.hpp"
+#include "tests/scene/temporary_folder.hpp"
+
+namespace bitspan {
+namespace {
+
+const std::string header =
+    R"({"bitspan": 1, "width": 64, "height": 48, "s_min": 1, "s_max": 1000, "focal": 50.5, "background": [0, 0, 0]})"
+    "\n";
+const std::string triangle = R"({"v": [[1, 2, 3, 4, 5], [10.5, 2, 4, 5, 6], [1, 20, 1000, -7, 8e2]]})"
+                             "\n";
+
+std::string error_of(const std::string& text) {
+  return input_error([&] { parse_tri(text, "dir/x.tri"); });
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+void expect_same(const Scene& a, const Scene& b) {
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.height, b.height);
+  EXPECT_TRUE(same_bits(a.s_min, b.s_min) && same_bits(a.s_max, b.s_max) && same_bits(a.focal, b.focal));
+  EXPECT_EQ(a.background, b.background);
+  ASSERT_EQ(a.fog.has_value(), b.fog.has_value());
+  if (a.fog) {
+    EXPECT_EQ(a.fog->color, b.fog->color);
+    EXPECT_TRUE(same_bits(a.fog->distance, b.fog->distance));
+  }
+  ASSERT_EQ(a.textures.size(), b.textures.size());
+  for (std::size_t i = 0; i < a.textures.size(); ++i) {
+    EXPECT_EQ(a.textures[i].width, b.textures[i].width);
+    EXPECT_EQ(a.textures[i].height, b.textures[i].height);
+    EXPECT_EQ(a.textures[i].rgba, b.textures[i].rgba);
+  }
+  ASSERT_EQ(a.triangles.size(), b.triangles.size());
+  for (std::size_t i = 0; i < a.triangles.size(); ++i) {
+    ASSERT_EQ(a.triangles[i].texture, b.triangles[i].texture);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vertex& p = a.triangles[i].v[k];
+      const Vertex& q = b.triangles[i].v[k];
+      ASSERT_TRUE(same_bits(p.x, q.x) && same_bits(p.y, q.y) && same_bits(p.s, q.s) && same_bits(p.u, q.u) &&
+                  same_bits(p.v, q.v))
+          << "triangle " << i << " vertex " << k;
+      for (std::size_t c = 0; c < 4; ++c) ASSERT_TRUE(same_bits(p.c[c], q.c[c])) << "triangle " << i;
+    }
+  }
+}
+
+TEST(TriStream, ReadsHeaderAndTriangles) {
+  const Scene scene = parse_tri(header + triangle + "\n" + triangle, "dir/x.tri");
+  EXPECT_EQ(scene.name, "x");
+  EXPECT_EQ(scene.width, 64);
+  EXPECT_EQ(scene.height, 48);
+  EXPECT_EQ(scene.focal, 50.5);
+  EXPECT_FALSE(scene.fog);
+  ASSERT_EQ(scene.triangles.size(), 2U);
+  const Vertex& v = scene.triangles[1].v[2];
+  EXPECT_EQ(v.x, 1);
+  EXPECT_EQ(v.y, 20);
+  EXPECT_EQ(v.s, 1000);
+  EXPECT_EQ(v.u, -7);
+  EXPECT_EQ(v.v, 800);
+  EXPECT_EQ(v.c, (std::array<double, 4>{1, 1, 1, 1}));
+  EXPECT_EQ(scene.triangles[1].texture, -1);
+}
+
+TEST(TriStream, HeaderAloneIsABackground) { EXPECT_TRUE(parse_tri(header, "x.tri").triangles.empty()); }
+
+TEST(TriStream, LastLineNeedsNoNewlineAndCarriageReturnsAreSpace) {
+  std::string text = header + triangle;
+  text.pop_back();
+  EXPECT_EQ(parse_tri(text, "x.tri").triangles.size(), 1U);
+  text = replaced(header, "\n", "\r\n") + replaced(triangle, "\n", "\r\n");
+  EXPECT_EQ(parse_tri(text, "x.tri").triangles.size(), 1U);
+}
+
+TEST(TriStream, ColoursWithoutScaleSpeakForThemselves) {
+  const Scene codes = parse_tri(replaced(header, "[0, 0, 0]", "[255, 128, 0]"), "x.tri");
+  EXPECT_EQ(codes.background, (std::array<std::uint8_t, 3>{255, 128, 0}));
+  const Scene fractions = parse_tri(replaced(header, "[0, 0, 0]", "[1, 0.5, 0]"), "x.tri");
+  EXPECT_EQ(fractions.background, (std::array<std::uint8_t, 3>{255, 128, 0}));
+  const auto colored = [](const std::string& head, const std::string& c) {
+    return parse_tri(head + replaced(triangle, "}", ", \"c\": " + c + "}"), "x.tri").triangles[0].v;
+  };
+  // One component above 1 makes codes of all twelve.
+  const auto v = colored(header, "[[1, 0, 0, 1], [0, 255, 0, 1], [0, 0, 51, 1]]");
+  EXPECT_EQ(v[0].c, (std::array<double, 4>{1 / 255.0, 0, 0, 1 / 255.0}));
+  EXPECT_EQ(v[1].c[1], 1);
+  EXPECT_EQ(v[2].c[2], 0.2);
+  const auto w = colored(header, "[[1, 0, 0, 1], [0, 0.25, 0, 1], [0, 0, 1, 0.5]]");
+  EXPECT_EQ(w[1].c[1], 0.25);
+  EXPECT_EQ(w[2].c[3], 0.5);
+  const auto x =
+      colored(replaced(header, "}", ", \"color_max\": 255}"), "[[1, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, 1]]");
+  EXPECT_EQ(x[0].c[3], 1 / 255.0);
+}
+
+struct Refusal {
+  const char* from;
+  const char* to;
+  const char* message;
+};
+
+TEST(TriStream, RefusesBadHeaders) {
+  const Refusal cases[] = {
+      {"\"bitspan\": 1", "\"bitspan\": 2", "x.tri:1: bitspan: 2 is not legal; expected a whole number 1..1"},
+      {"\"bitspan\": 1, ", "", "x.tri:1: bitspan: no header"},
+      {"\"width\": 64, ", "", "x.tri:1: width: key is missing"},
+      {"\"height\": 48, ", "", "x.tri:1: height: key is missing"},
+      {"\"focal\": 50.5, ", "", "x.tri:1: focal: key is missing"},
+      {", \"background\": [0, 0, 0]", "", "x.tri:1: background: key is missing"},
+      {"\"width\": 64", "\"width\": 0", "x.tri:1: width: 0 is not legal; expected a whole number 1..32768"},
+      {"\"width\": 64", "\"width\": -64", "x.tri:1: width: -64"},
+      {"\"width\": 64", "\"width\": 32769", "x.tri:1: width: 32769"},
+      {"\"width\": 64", "\"width\": 64.5", "x.tri:1: width: 64.5"},
+      {"\"width\": 64", "\"width\": \"64\"", "x.tri:1: width: \"64\""},
+      {"\"width\": 64", "\"width\": 18446744073709551680", "x.tri:1: width: "},
+      {"\"width\": 64, \"height\": 48", "\"width\": 32768, \"height\": 32768", "x.tri:1: width: the picture"},
+      {"\"s_min\": 1", "\"s_min\": 0", "x.tri:1: s_min: 0 is not positive"},
+      {"\"s_min\": 1", "\"s_min\": -1", "x.tri:1: s_min: -1 is not positive"},
+      {"\"s_min\": 1", "\"s_min\": 1000", "x.tri:1: s_min: 1000 is not below s_max = 1000"},
+      {"\"s_min\": 1", "\"s_min\": null", "x.tri:1: s_min: null is not a number"},
+      {"\"s_max\": 1000", "\"s_max\": 1e999", "x.tri:1: a number is too large"},
+      {"\"s_max\": 1000", "\"s_max\": NaN", "x.tri:1: not JSON at column"},
+      {"\"s_max\": 1000", "\"s_max\": Infinity", "x.tri:1: not JSON at column"},
+      {"\"focal\": 50.5", "\"focal\": 0", "x.tri:1: focal: 0 is not positive"},
+      {"\"focal\": 50.5", "\"focal\": true", "x.tri:1: focal: true is not a number"},
+      {"\"focal\"", "\"fogal\"", "x.tri:1: \"fogal\": unknown key; expected bitspan, width"},
+      {"\"width\": 64", "\"width\": 64, \"width\": 65", "x.tri:1: \"width\": the key stands twice"},
+      {"[0, 0, 0]", "[0, 0]", "x.tri:1: background: has 2 elements"},
+      {"[0, 0, 0]", "[0, 0, 256]", "x.tri:1: background: component 256 is out of range; expected 0..255"},
+      {"[0, 0, 0]", "[0, 0, -1]", "x.tri:1: background: component -1 is out of range"},
+      {"[0, 0, 0]", "7", "x.tri:1: background: 7 is not an array"},
+      {"[0, 0, 0]}", "[0, 0, 0], \"color_max\": 2}", "x.tri:1: color_max: 2 is not legal; expected 1 or 255"},
+      {"[0, 0, 0]}", "[0, 2, 0], \"color_max\": 1}",
+       "x.tri:1: background: component 2 is out of range; expected 0..1"},
+      {"[0, 0, 0]}", "[0, 0, 0], \"fog\": 3}", "x.tri:1: fog: 3 is not an object"},
+      {"[0, 0, 0]}", "[0, 0, 0], \"fog\": {\"color\": [1, 1, 1]}}", "x.tri:1: fog.distance: key is missing"},
+      {"[0, 0, 0]}", "[0, 0, 0], \"fog\": {\"distance\": 1}}", "x.tri:1: fog.color: key is missing"},
+      {"[0, 0, 0]}", "[0, 0, 0], \"fog\": {\"color\": [1, 1, 1], \"distance\": 0}}",
+       "x.tri:1: fog.distance: 0 is not"},
+      {"[0, 0, 0]}", "[0, 0, 0], \"fog\": {\"color\": [1, 1, 1], \"distance\": 1, \"x\": 1}}",
+       "x.tri:1: fog.\"x\": unknown key"},
+      {"[0, 0, 0]}", "[0, 0, 0], \"textures\": \"a.png\"}", "x.tri:1: textures: \"a.png\" is not an array"},
+      {"[0, 0, 0]}", "[0, 0, 0], \"textures\": [7]}", "x.tri:1: textures[0]: 7 is not a file name"},
+      {"[0, 0, 0]}", "[0, 0, 0], \"textures\": [\"none.png\"]}",
+       "x.tri:1: textures[0]: dir/none.png: cannot read"},
+      {"\"focal\": 50.5", "\"focal\": 50.5.5", "x.tri:1: not JSON at column"},
+      {"{\"bitspan\"", "[\"bitspan\"", "x.tri:1: not JSON at column"},
+  };
+  for (const Refusal& c : cases) {
+    EXPECT_EQ(error_of(replaced(header, c.from, c.to)).rfind(std::string("dir/") + c.message, 0), 0U)
+        << c.to << " gave: " << error_of(replaced(header, c.from, c.to));
+  }
+}
+
+TEST(TriStream, RefusesBadTriangles) {
+  const Refusal cases[] = {
+      {"\"v\"", "\"w\"", "x.tri:2: \"w\": unknown key; expected v, c, tex"},
+      {"[1, 2, 3, 4, 5], ", "", "x.tri:2: v: has 2 elements; expected three vertices"},
+      {"[1, 2, 3, 4, 5]", "[1, 2, 3, 4]", "x.tri:2: v[0]: has 4 elements; expected [x, y, s, u, v]"},
+      {"[1, 2, 3, 4, 5]", "{\"x\": 1}", "x.tri:2: v[0]: {\"x\":1} is not an array"},
+      {"[10.5, 2, 4, 5, 6]", "[10.5, null, 4, 5, 6]", "x.tri:2: v[1][1]: null is not a number"},
+      {"[10.5, 2, 4, 5, 6]", "[10.5, \"2\", 4, 5, 6]", "x.tri:2: v[1][1]: \"2\" is not a number"},
+      {"[10.5, 2, 4, 5, 6]", "[10.5, 2, 4, 1e999, 6]", "x.tri:2: a number is too large"},
+      {"[10.5, 2, 4, 5, 6]", "[10.5, 2, 0.5, 5, 6]",
+       "x.tri:2: v[1][2]: s = 0.5 is out of range; expected s_min..s_max, 1..1000"},
+      {"[10.5, 2, 4, 5, 6]", "[10.5, 2, 1000.0001, 5, 6]", "x.tri:2: v[1][2]: s = 1000.0001 is out of range"},
+      {"[10.5, 2, 4, 5, 6]", "[32768, 2, 4, 5, 6]", "x.tri:2: v[1][0]: x = 32768 is out of range"},
+      {"[10.5, 2, 4, 5, 6]", "[0, -4e9, 4, 5, 6]", "x.tri:2: v[1][1]: y = -4e+09 is out of range"},
+      {"[10.5, 2, 4, 5, 6]", "[1, 11, 4, 5, 6]", "x.tri:2: v: the triangle has no area"},
+      {"[10.5, 2, 4, 5, 6]", "[1, 2, 4, 5, 6]", "x.tri:2: v: the triangle has no area"},
+      {"]]}", "]], \"tex\": 0}", "x.tri:2: tex: the header names no textures"},
+      {"]]}", "]], \"c\": [[1, 1, 1, 1], [1, 1, 1, 1]]}", "x.tri:2: c: has 2 elements"},
+      {"]]}", "]], \"c\": [[1, 1, 1], [1, 1, 1, 1], [1, 1, 1, 1]]}",
+       "x.tri:2: c[0]: has 3 elements; expected [red, green"},
+      {"]]}", "]], \"c\": [[1, 1, 1, 1], [1, 1, 1, 1], [1, 1, 1, -0.1]]}",
+       "x.tri:2: c: component -0.1 is out of range"},
+      {"]]}", "]], \"c\": [[1, 1, 1, 1], [1, 1, 1, 1], [1, 1, 1, 256]]}",
+       "x.tri:2: c: component 256 is out of range"},
+      {"]]}", "]], \"v\": 1}", "x.tri:2: \"v\": the key stands twice"},
+      {"]]}", "]", "x.tri:2: the line ends inside its JSON (truncated?)"},
+      {"]]}", "]]}}", "x.tri:2: not JSON at column"},
+      {"{\"v\"", "7 {\"v\"", "x.tri:2: not JSON at column"},
+  };
+  for (const Refusal& c : cases) {
+    const std::string message = error_of(header + replaced(triangle, c.from, c.to));
+    EXPECT_EQ(message.rfind(std::string("dir/") + c.message, 0), 0U) << c.to << " gave: " << message;
+  }
+  EXPECT_EQ(error_of(header + "7\n").rfind("dir/x.tri:2: 7 is not an object", 0), 0U);
+  EXPECT_EQ(error_of(header + triangle + "\n{}\n").rfind("dir/x.tri:4: v: key is missing", 0), 0U);
+  EXPECT_EQ(error_of(header + header).rfind("dir/x.tri:2: \"bitspan\": unknown key", 0), 0U);
+}
+
+TEST(TriStream, RefusesEveryTruncation) {
+  const std::string line = triangle.substr(0, triangle.size() - 1);
+  for (std::size_t length = 1; length < line.size(); ++length) {
+    EXPECT_EQ(
+        error_of(header + line.substr(0, length)).rfind("dir/x.tri:2: the line ends inside its JSON", 0), 0U)
+        << length;
+  }
+}
+
+TEST(TriStream, RefusesFilesThatAreNoStream) {
+  EXPECT_NE(error_of("").find("x.tri:1: the file is empty"), std::string::npos);
+  EXPECT_NE(error_of("\n \n").find("the file is empty"), std::string::npos);
+  EXPECT_NE(error_of(triangle).find("x.tri:1: bitspan: no header"), std::string::npos);
+  EXPECT_NE(error_of(std::string(2000000, 'x')).find("x.tri:1: the line is too long"), std::string::npos);
+  EXPECT_NE(error_of(std::string(300, '\0')).find("x.tri:1: not JSON"), std::string::npos);
+  EXPECT_NE(error_of(header + std::string(900000, '[')).find("x.tri:2: the line ends inside"),
+            std::string::npos);
+  const TemporaryFolder folder;
+  EXPECT_NE(input_error([&] { read_tri(folder.path("none.tri")); }).find("cannot read: No such file"),
+            std::string::npos);
+  EXPECT_NE(input_error([&] { read_tri(folder.path()); }).find("is a folder"), std::string::npos);
+}
+
+TEST(TriStream, TexturesAreRelativeToTheFile) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path("sub"));
+  write_png(folder.path("sub/t.png"), 2, 1, 4, std::vector<std::uint8_t>{1, 2, 3, 4, 5, 6, 7, 8});
+  const std::string head = replaced(header, "}", ", \"textures\": [\"t.png\"]}");
+  const std::string path = folder.write("sub/a.tri", head + replaced(triangle, "]]}", "]], \"tex\": 0}"));
+  const Scene scene = read_tri(path);
+  ASSERT_EQ(scene.textures.size(), 1U);
+  EXPECT_EQ(scene.textures[0].name, "t.png");
+  EXPECT_EQ(scene.textures[0].rgba, (std::vector<std::uint8_t>{1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_EQ(scene.triangles[0].texture, 0);
+
+  folder.write("sub/a.tri", head + replaced(triangle, "]]}", "]], \"tex\": 1}"));
+  EXPECT_NE(
+      input_error([&] { read_tri(path); }).find("a.tri:2: tex: 1 is not legal; expected a whole number 0..0"),
+      std::string::npos);
+  folder.write("sub/a.tri", head + replaced(triangle, "]]}", "]], \"tex\": -1}"));
+  EXPECT_NE(input_error([&] { read_tri(path); }).find("tex: -1 is not legal"), std::string::npos);
+  folder.write("sub/t.png", "no picture");
+  EXPECT_NE(input_error([&] { read_tri(path); }).find("a.tri:1: textures[0]: "), std::string::npos);
+}
+
+TEST(TriStream, ReaderHandsOutOneTriangleAtATime) {
+  std::istringstream in(header + triangle + triangle + "oops\n");
+  TriReader reader(in, "x.tri");
+  EXPECT_EQ(reader.scene().width, 64);
+  Triangle t;
+  EXPECT_TRUE(reader.next(t));
+  EXPECT_TRUE(reader.next(t));
+  EXPECT_THROW(reader.next(t), InputError);
+}
+
+TEST(TriStream, RoundTripsEveryBit) {
+  const TemporaryFolder folder;
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    const Scene scene = random_scene(seed);
+    write_tri_file(folder.path("s.tri"), scene);
+    expect_same(scene, read_tri(folder.path("s.tri")));
+  }
+  const Scene demo = demo_scene(320, 240);
+  write_tri_file(folder.path("demo.tri"), demo);
+  const Scene back = read_tri(folder.path("demo.tri"));
+  expect_same(demo, back);
+  std::ostringstream first, second;
+  write_tri(first, back);
+  write_tri(second, read_tri(folder.path("demo.tri")));
+  EXPECT_EQ(first.str(), second.str());
+  EXPECT_NE(first.str().find("\"color_max\":1"), std::string::npos);
+}
+
+TEST(TriStream, RoundTripsExtremeNumbers) {
+  Scene scene;
+  scene.s_min = 0x1p-1022;
+  scene.s_max = 1.7976931348623157e308;
+  Triangle t;
+  t.v[0] = {-0.0, 0.1, 5e-300, 1e22, -1e-320, {0, 1, 0.1, 1 / 3.0}};
+  t.v[1] = {32767, -32767, 0x1p-1022, 123456789012345680.0, 1e300, {1, 1, 1, 1}};
+  t.v[2] = {1e-310, 3, 1.7976931348623157e308, -0.0, 4.9406564584124654e-324, {1, 1, 1, 1}};
+  scene.triangles.push_back(t);
+  scene.fog = Fog{{1, 2, 254}, 0.1};
+  std::ostringstream out;
+  write_tri(out, scene);
+  expect_same(scene, parse_tri(out.str(), "x.tri"));
+}
+
+TEST(TriStream, WriterRefusesWhatAReaderWould) {
+  const TemporaryFolder folder;
+  Scene scene = random_scene(1);
+  scene.triangles[3].v[1].s = scene.s_max * 2;
+  const std::string message = input_error([&] { write_tri_file(folder.path("s.tri"), scene); });
+  EXPECT_NE(message.find("random-1:5: v[1][2]: s = "), std::string::npos) << message;
+  EXPECT_EQ(folder.files(), 0);
+  EXPECT_NE(
+      input_error([&] { write_tri_file(folder.path("none/s.tri"), random_scene(1)); }).find("cannot write"),
+      std::string::npos);
+}
+
+}  // namespace
+}  // namespace bitspan
