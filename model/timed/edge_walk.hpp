@@ -1,0 +1,34 @@
+// edge_walk, timed: the adapter of the stage function for WalkStage.
+#pragma once
+
+#include "model/timed/run.hpp"
+#include "model/timed/walk.hpp"
+
+namespace bitspan::timed {
+
+class EdgeWalk {
+ public:
+  explicit EdgeWalk(Run& run) : run_(run) {}
+
+  void start(TriangleItem& item) {
+    texture_ = item.triangle->texture;
+    state_ = model::start_edge_walk(run_.pipeline.edge_walk, item.setup, item.edges);
+  }
+  bool finished() const { return model::finished(state_); }
+  bool row(RowItem& item) {
+    if (!model::edge_walk(run_.pipeline.edge_walk, state_, item.row)) return false;
+    item.texture = texture_;
+    item.count = item.row.x_last - item.row.x_first + 1;
+    ++run_.counters.rows;
+    run_.counters.divides_edge += static_cast<std::uint64_t>(run_.pipeline.edge_walk.divides_per_row);
+    if (run_.trace != nullptr) run_.trace->row.push_back(item.row);
+    return true;
+  }
+
+ private:
+  Run& run_;
+  int texture_ = -1;
+  model::EdgeWalkState state_;
+};
+
+}  // namespace bitspan::timed

@@ -1,0 +1,38 @@
+// What travels through the FIFOs of the timed model: an item is a triangle, a row or a fragment with the
+// records made of it so far.
+#pragma once
+
+#include <cstdint>
+
+#include "config/records.hpp"
+#include "model/stages/plane_walk.hpp"
+#include "model/stages/setup.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan::timed {
+
+struct TriangleItem {
+  const Triangle* triangle = nullptr;
+  std::int64_t index = 0;
+  SetupRecord setup;
+  model::Edges edges;
+};
+
+struct RowItem {
+  int texture = -1;               // index into Scene::textures
+  std::int64_t count = 0;         // pixels
+  RowRecord row;                  // edge_walk
+  PlaneRowRecord plane_row;       // plane_walk
+  model::PlaneGeometry geometry;  // plane_walk
+  SpanRecord span;
+};
+
+struct FragmentItem {
+  int texture = -1;
+  FragmentRecord fragment;
+  DepthRecord depth;
+  TextureRecord texel;
+  FogRecord fog;
+};
+
+}  // namespace bitspan::timed

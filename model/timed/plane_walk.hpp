@@ -1,0 +1,36 @@
+// plane_walk, timed: takes edge_walk's place in const_depth_rows.
+#pragma once
+
+#include "model/timed/run.hpp"
+#include "model/timed/walk.hpp"
+
+namespace bitspan::timed {
+
+class PlaneWalk {
+ public:
+  explicit PlaneWalk(Run& run) : run_(run) {}
+
+  void start(TriangleItem& item) {
+    texture_ = item.triangle->texture;
+    model::start_plane_walk(run_.pipeline.plane_walk, item.setup, state_);
+    if (run_.trace != nullptr) run_.trace->plane.push_back(state_.record);
+  }
+  bool finished() const { return model::finished(state_); }
+  bool row(RowItem& item) {
+    if (!model::plane_walk(run_.pipeline.plane_walk, state_, item.plane_row)) return false;
+    item.texture = texture_;
+    item.count = item.plane_row.count;
+    item.geometry = state_.geometry;
+    ++run_.counters.rows;
+    --run_.counters.divides_saved;
+    if (run_.trace != nullptr) run_.trace->plane_row.push_back(item.plane_row);
+    return true;
+  }
+
+ private:
+  Run& run_;
+  int texture_ = -1;
+  model::PlaneWalkState state_;
+};
+
+}  // namespace bitspan::timed

@@ -1,0 +1,48 @@
+// What the stages of one timed run share: the prepared stage functions, the frame, the counters, the trace.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "config/engine.hpp"
+#include "model/pipeline.hpp"
+#include "model/timed/items.hpp"
+#include "model/timed/stage.hpp"
+
+namespace bitspan::timed {
+
+struct Run {
+  Run(const Config& c, const Scene& s)
+      : config(c),
+        scene(s),
+        pipeline(model::make_pipeline(c, s)),
+        frame(model::cleared_frame(pipeline, s)),
+        pixel_free(frame.depth.size()) {}
+
+  const Config& config;
+  const Scene& scene;
+  model::Pipeline pipeline;
+  Frame frame;
+  Counters counters;
+  Trace* trace = nullptr;  // of the draw under way; may be null
+  Pool<TriangleItem> triangles;
+  Pool<RowItem> rows;
+  Pool<FragmentItem> fragments;
+  // First clock on which depth may test a fragment of the pixel: `never` while another one is between depth
+  // and merge. Set by depth, released by the stage where the fragment ends.
+  std::vector<std::uint64_t> pixel_free;
+  static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
+
+  std::size_t pixel(const FragmentRecord& fragment) const {
+    return static_cast<std::size_t>(fragment.y * frame.width + fragment.x);
+  }
+  void release(const FragmentRecord& fragment, std::uint64_t now) { pixel_free[pixel(fragment)] = now + 1; }
+  // Bytes of a depth code in memory: 1, 2 or 4.
+  std::uint64_t depth_bytes() const { return config.depth_bits <= 8 ? 1 : config.depth_bits <= 16 ? 2 : 4; }
+  const StageTiming& timing(Stage stage) const { return config.timing[static_cast<std::size_t>(stage)]; }
+};
+
+inline constexpr std::uint64_t color_bytes = 4;  // of a pixel, and of a texel
+
+}  // namespace bitspan::timed

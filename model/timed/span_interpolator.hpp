@@ -1,0 +1,40 @@
+// span_setup and span, timed: one module as in rtl/span_interpolator.sv, whose clocks SpanInterpolatorTiming
+// keeps; here the values go with them.
+#pragma once
+
+#include <vector>
+
+#include "model/timed/run.hpp"
+#include "model/timed/span_interpolator_timing.hpp"
+
+namespace bitspan::timed {
+
+class SpanInterpolator : public TimedStage {
+ public:
+  // `handshake` null: not recorded.
+  SpanInterpolator(Run& run, Fifo<RowItem*>& in, Fifo<FragmentItem*>& out,
+                   std::vector<HandshakeClock>* handshake);
+
+  void clock(std::uint64_t now) override;
+  bool idle() const override { return timing_.idle(); }
+  std::vector<StageMeter*> meters() override { return {&span_setup_, &span_}; }
+
+ private:
+  void accept(RowItem* item);
+  void issue();
+  void take();
+
+  Run& run_;
+  Fifo<RowItem*>& in_;
+  Fifo<FragmentItem*>& out_;
+  std::vector<HandshakeClock>* handshake_;
+  InterpolatorLatency latency_;
+  SpanInterpolatorTiming timing_;
+  Ring<RowItem*> in_setup_;      // accepted, not yet taken
+  RowItem* loaded_ = nullptr;    // taken, with pixels still to issue
+  model::SpanState state_;       // of the loaded one
+  Ring<FragmentItem*> in_span_;  // issued, not yet delivered
+  StageMeter span_setup_, span_;
+};
+
+}  // namespace bitspan::timed

@@ -1,0 +1,66 @@
+// The clocks of the span interpolator (span_setup followed by span), one call a clock, without values.
+//
+// docs/rtl.md, "Clocks", is the contract: given the same in_valid, counts and out_ready, in_ready and
+// out_valid equal the RTL's on every clock. No SystemC here; the timed model wraps it, tests run it alone.
+#pragma once
+
+#include <cstdint>
+
+#include "config/config.hpp"
+#include "model/timed/ring.hpp"
+
+namespace bitspan {
+
+struct InterpolatorLatency {
+  int span_setup = 1;      // LS: clocks from acceptance to the result register, >= 1
+  bool pipelined = true;   // span_setup accepts a record each clock; else holds one until it is taken
+  int span = 1;            // LP: clocks from issue to output, >= 1
+  int pixel_interval = 1;  // clocks from one pixel's issue to the next, >= 1; 1 wherever there is RTL
+  bool exact = true;       // the RTL has these numbers; else an estimate (docs/timing.md)
+};
+
+// rtl_timing's numbers where the configuration has RTL. hyperbolic counts as delta_f does (its two divides
+// run side by side); affine has delta_f's span_setup and a span of one clock; a pixel unit that is not
+// pipelined issues a pixel each latency of that unit.
+InterpolatorLatency interpolator_latency(const Config& config);
+
+// What happened on one clock; a transfer is valid and ready both 1.
+struct InterpolatorClock {
+  bool in_ready = false;
+  bool out_valid = false;
+  bool accept = false;      // transfer in: a span entered span_setup
+  bool take = false;        // span loaded the span in the result register
+  bool issue = false;       // a pixel of the loaded span entered span's pipeline
+  bool deliver = false;     // transfer out: a pixel left
+  bool res_valid = false;   // the result register held a span
+  bool setup_busy = false;  // a span was inside span_setup
+  bool active = false;      // span had a span loaded
+};
+
+class SpanInterpolatorTiming {
+ public:
+  explicit SpanInterpolatorTiming(const InterpolatorLatency& latency);
+
+  // One rising edge. `count` is the number of pixels (>= 1) of the span offered, read where it is accepted.
+  InterpolatorClock clock(bool in_valid, std::int64_t count, bool out_ready);
+  // Nothing inside: no span and no pixel.
+  bool idle() const { return setup_.empty() && !active_ && pixels_.empty(); }
+
+ private:
+  struct SetupEntry {
+    std::uint64_t due = 0;  // setup_ticks_ at which it stands in the result register
+    std::int64_t count = 0;
+  };
+
+  InterpolatorLatency latency_;
+  // Every stage of a pipeline shifts together, so a record's place is the number of shifts since it entered.
+  timed::Ring<SetupEntry> setup_;
+  std::uint64_t setup_ticks_ = 0;      // shifts of span_setup; clocks where it is not pipelined
+  timed::Ring<std::uint64_t> pixels_;  // pixel_ticks_ at which each pixel in flight is at the output
+  std::uint64_t pixel_ticks_ = 0;      // shifts of span
+  bool active_ = false;
+  std::int64_t remaining_ = 0;         // pixels of the loaded span still to issue
+  std::uint64_t next_issue_tick_ = 0;  // pixel_ticks_ from which the next pixel may be issued
+};
+
+}  // namespace bitspan

@@ -1,0 +1,481 @@
+// The SystemC engine: every record equal to the functional model's under any timing, and what its numbers
+// promise.
+#include "model/timed/engine_systemc.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "config/config.hpp"
+#include "model/engine_model.hpp"
+#include "model/timed/span_interpolator_timing.hpp"
+#include "scene/demo.hpp"
+#include "scene/random.hpp"
+
+namespace bitspan {
+namespace {
+
+Config shipped(const std::string& name) {
+  return load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/" + name + ".toml");
+}
+
+constexpr Perspective all_modes[] = {Perspective::delta_f, Perspective::const_depth_rows,
+                                     Perspective::hyperbolic, Perspective::affine};
+
+// Every FIFO, latency, interval of a configuration alike; the memory too.
+void set_timing(Config& config, int latency, int interval, int fifo, const MemoryTiming& memory) {
+  config.timing.fill({.latency = latency, .interval = interval, .fifo = fifo});
+  config.memory = memory;
+}
+
+Scene small_scene(std::uint64_t seed, int triangles = 24) {
+  return random_scene(seed, {.width = 96, .height = 64, .triangles = triangles, .size_max = 60});
+}
+
+struct Outcome {
+  Trace trace;
+  Frame frame;
+  Counters counters;
+};
+
+Outcome draw_all(Engine& engine, const Scene& scene) {
+  Outcome out;
+  engine.begin(scene);
+  engine.draw(scene.triangles, 0, &out.trace);
+  out.frame = engine.frame();
+  out.counters = engine.counters();
+  return out;
+}
+
+bool same_planes(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
+// All records, the frame and the counters but the cycles; returns the number of records compared.
+std::size_t expect_equal(const Outcome& timed, const Outcome& model) {
+  std::size_t compared = 0;
+#define BITSPAN_EXPECT_EQUAL(Record, LIST, stage, member)                   \
+  EXPECT_EQ(timed.trace.member.size(), model.trace.member.size()) << stage; \
+  EXPECT_TRUE(timed.trace.member == model.trace.member) << stage;           \
+  compared += model.trace.member.size();
+  BITSPAN_RECORDS(BITSPAN_EXPECT_EQUAL)
+#undef BITSPAN_EXPECT_EQUAL
+  EXPECT_EQ(timed.frame.color, model.frame.color);
+  EXPECT_EQ(timed.frame.depth, model.frame.depth);
+  EXPECT_EQ(timed.frame.triangle, model.frame.triangle);
+  EXPECT_TRUE(same_planes(timed.frame.u, model.frame.u));
+  EXPECT_TRUE(same_planes(timed.frame.v, model.frame.v));
+  Counters counters = timed.counters;
+  counters.cycles = model.counters.cycles;
+  EXPECT_TRUE(counters == model.counters);
+  return compared;
+}
+
+void expect_consistent(const TimedReport& report, const Counters& counters) {
+  EXPECT_EQ(report.cycles, counters.cycles);
+  ASSERT_EQ(report.stages.size(), 8U);
+  for (const StageReport& stage : report.stages) {
+    EXPECT_EQ(stage.busy + stage.starved + stage.blocked + stage.memory, report.cycles) << stage.name;
+    EXPECT_LE(stage.fifo_high_water, stage.fifo_capacity) << stage.name;
+    EXPECT_GE(stage.busy, stage.records_out > 0 ? 1U : 0U) << stage.name;
+  }
+  const auto in = [&](std::size_t i) { return report.stages[i].records_in; };
+  const auto out = [&](std::size_t i) { return report.stages[i].records_out; };
+  for (std::size_t i = 0; i + 1 < report.stages.size(); ++i) {
+    EXPECT_EQ(out(i), in(i + 1)) << report.stages[i].name;
+  }
+  EXPECT_EQ(in(0), counters.triangles);
+  EXPECT_EQ(out(0), counters.triangles - counters.degenerate);
+  EXPECT_EQ(out(1), counters.rows);
+  EXPECT_EQ(out(3), counters.fragments);
+  EXPECT_EQ(out(4), counters.depth_passed);
+  EXPECT_EQ(out(5), counters.depth_passed - counters.killed);
+  EXPECT_EQ(out(7), counters.written);
+}
+
+TEST(EngineSystemc, EqualsTheModelInEveryModeUnderManyTimings) {
+  std::size_t compared = 0;
+  std::uint64_t seed = 1;
+  for (const char* name : {"depth16", "depth20", "narrow"}) {
+    for (const Perspective mode : all_modes) {
+      for (const int fifo : {1, 2, 1000}) {
+        Config config = shipped(name);
+        config.perspective = mode;
+        const int latency = 1 + static_cast<int>(seed % 9);
+        const int interval = 1 + static_cast<int>(seed % 4);
+        set_timing(config, latency, interval, fifo,
+                   {.latency = 1 + static_cast<int>(seed * 7 % 50),
+                    .width_bytes = 1 << (seed % 6),
+                    .cache_line_bytes = 32 << (seed % 3),
+                    .cache_sets = 1 << (seed % 5),
+                    .cache_ways = 1 + static_cast<int>(seed % 3)});
+        config.filter = seed % 2 == 0 ? TextureFilter::nearest : TextureFilter::bilinear;
+        config.wrap = seed % 3 == 0 ? TextureWrap::clamp : TextureWrap::cyclic;
+        config.row_reciprocal.pipelined = seed % 2 == 0;
+        config.pixel_reciprocal.pipelined = seed % 5 != 0;
+        const Scene scene = small_scene(seed);
+        SCOPED_TRACE(std::string(name) + " " + std::string(to_string(mode)) + " seed " +
+                     std::to_string(seed));
+        ++seed;
+        const auto model = make_model(config);
+        const auto timed = make_systemc(config);
+        const Outcome outcome = draw_all(*timed, scene);
+        compared += expect_equal(outcome, draw_all(*model, scene));
+        expect_consistent(timed->report(), outcome.counters);
+      }
+    }
+  }
+  EXPECT_GT(compared, 100000U);
+}
+
+TEST(EngineSystemc, EqualsTheModelOnTheDemo) {
+  const Scene scene = demo_scene(160, 120);
+  for (const Perspective mode : all_modes) {
+    Config config = shipped("depth16");
+    config.perspective = mode;
+    SCOPED_TRACE(to_string(mode));
+    const auto model = make_model(config);
+    const auto timed = make_systemc(config);
+    const Outcome outcome = draw_all(*timed, scene);
+    EXPECT_GT(expect_equal(outcome, draw_all(*model, scene)), 50000U);
+    expect_consistent(timed->report(), outcome.counters);
+    EXPECT_EQ(timed->report().interpolator_exact,
+              mode == Perspective::delta_f || mode == Perspective::const_depth_rows);
+  }
+}
+
+// The same pixel drawn over and over: each fragment has to see the depth and the colour of the one before.
+TEST(EngineSystemc, FragmentsOfOnePixelWaitForEachOther) {
+  Scene scene;
+  scene.width = scene.height = 4;
+  scene.s_min = 1;
+  scene.s_max = 100;
+  for (int i = 0; i < 40; ++i) {
+    const double s = 50.0 - i + (i * 7 % 5);  // mostly nearer than the last, not always
+    Triangle t;
+    t.v[0] = {.x = 1.25, .y = 1.25, .s = s, .u = 0, .v = 0, .c = {1, 0.5, i / 40.0, 0.5}};
+    t.v[1] = {.x = 2.25, .y = 1.25, .s = s, .u = 0, .v = 0, .c = {1, 0.5, i / 40.0, 0.5}};
+    t.v[2] = {.x = 1.25, .y = 2.25, .s = s, .u = 0, .v = 0, .c = {1, 0.5, i / 40.0, 0.5}};
+    scene.triangles.push_back(t);
+  }
+  Config config = shipped("depth16");
+  set_timing(config, 9, 1, 8, {.latency = 30, .width_bytes = 8});
+  const auto model = make_model(config);
+  const auto timed = make_systemc(config);
+  const Outcome outcome = draw_all(*timed, scene);
+  expect_equal(outcome, draw_all(*model, scene));
+  EXPECT_GT(outcome.counters.written, 3U);
+  EXPECT_LT(outcome.counters.written, outcome.counters.covered);
+  EXPECT_GT(timed->report().stages[4].memory, 30U);
+}
+
+TEST(EngineSystemc, OneTriangleByHand) {
+  // A square half of 4 rows of 4, 3, 2, 1 pixels: offered at clock 0.
+  Scene scene;
+  scene.width = scene.height = 8;
+  scene.s_min = 1;
+  scene.s_max = 100;
+  Triangle t;
+  t.v[0] = {.x = 0, .y = 0, .s = 2};
+  t.v[1] = {.x = 4.25, .y = 0, .s = 2};
+  t.v[2] = {.x = 0, .y = 4.25, .s = 2};
+  scene.triangles.push_back(t);
+  Config config = shipped("depth16");
+  set_timing(config, 1, 1, 4, {.latency = 1, .width_bytes = 1024});
+  config.row_reciprocal.pipelined = true;
+  const InterpolatorLatency latency = interpolator_latency(config);
+  const auto engine = make_systemc(config);
+  const Outcome outcome = draw_all(*engine, scene);
+  ASSERT_EQ(outcome.counters.rows, 4U);
+  ASSERT_EQ(outcome.counters.written, 10U);
+  // Source pushes at 0, setup accepts at 1 and delivers at 2, edge_walk accepts at 3 and delivers its first
+  // row at 4, span_setup accepts at 5: taken at 5 + LS, the first pixel issued a clock later, the last of ten
+  // nine clocks after that, delivered LP later.
+  const auto last_pixel = std::uint64_t{5} + static_cast<std::uint64_t>(latency.span_setup) + 1 + 9 +
+                          static_cast<std::uint64_t>(latency.span);
+  // Then each of four stages accepts a clock after the delivery and delivers a clock later. The first
+  // fragment asks for the depth word, which the memory takes a clock later and answers at the next: a clock
+  // late, and all behind it too. Merge's first fragment has two writes, and the next waits a clock for the
+  // second. The count is one more than the last clock's number.
+  EXPECT_EQ(outcome.counters.cycles, last_pixel + 8 + 1 + 1 + 1);
+  const TimedReport report = engine->report();
+  EXPECT_EQ(report.stages[2].busy, 4U);
+  EXPECT_EQ(report.stages[3].busy, 10U);
+  EXPECT_EQ(report.memory.reads, 1U);   // the depth word
+  EXPECT_EQ(report.memory.writes, 2U);  // colour and depth words
+}
+
+TEST(EngineSystemc, SlowerIsNeverFaster) {
+  const Scene scene = small_scene(77, 40);
+  const auto cycles = [&](const Config& config) {
+    const auto engine = make_systemc(config);
+    engine->begin(scene);
+    engine->draw(scene.triangles, 0, nullptr);
+    return engine->report().cycles;
+  };
+  Config base = shipped("depth16");
+  // Wide memory: what limits is the stage under test.
+  set_timing(base, 2, 1, 4, {.latency = 4, .width_bytes = 64});
+  const std::uint64_t reference = cycles(base);
+  for (const Stage stage :
+       {Stage::setup, Stage::edge_walk, Stage::depth, Stage::texture, Stage::fog, Stage::merge}) {
+    std::uint64_t previous = reference;
+    for (const int interval : {2, 4, 9}) {
+      Config config = base;
+      config.timing[static_cast<std::size_t>(stage)].interval = interval;
+      const std::uint64_t now = cycles(config);
+      EXPECT_GE(now, previous) << to_string(stage) << " interval " << interval;
+      previous = now;
+    }
+    if (stage != Stage::setup && stage != Stage::edge_walk) {
+      EXPECT_GT(previous, 2 * reference) << to_string(stage);
+    }
+    previous = reference;
+    for (const int latency : {5, 20, 100}) {
+      Config config = base;
+      config.timing[static_cast<std::size_t>(stage)].latency = latency;
+      const std::uint64_t now = cycles(config);
+      EXPECT_GE(now, previous) << to_string(stage) << " latency " << latency;
+      previous = now;
+    }
+  }
+  std::uint64_t previous = reference;
+  for (const int width : {8, 2, 1}) {
+    Config config = base;
+    config.memory.width_bytes = width;
+    const std::uint64_t now = cycles(config);
+    EXPECT_GT(now, previous) << "width " << width;
+    previous = now;
+  }
+  Config one = base;
+  for (StageTiming& timing : one.timing) timing.fifo = 1;
+  EXPECT_GT(cycles(one), reference);
+}
+
+TEST(EngineSystemc, AFrameInOneCallHasNoFlushAndTheClockGoesOn) {
+  const Scene scene = small_scene(5, 30);
+  const Config config = shipped("depth16");
+  const auto whole = make_systemc(config);
+  const auto pieces = make_systemc(config);
+  const Outcome one = draw_all(*whole, scene);
+  Outcome many;
+  pieces->begin(scene);
+  std::uint64_t previous = 0;
+  for (std::size_t i = 0; i < scene.triangles.size(); i += 7) {
+    const std::size_t n = std::min<std::size_t>(7, scene.triangles.size() - i);
+    pieces->draw({scene.triangles.data() + i, n}, static_cast<std::int64_t>(i), &many.trace);
+    EXPECT_GT(pieces->counters().cycles, previous);
+    previous = pieces->counters().cycles;
+  }
+  pieces->draw({}, 30, &many.trace);
+  EXPECT_EQ(pieces->counters().cycles, previous);
+  many.frame = pieces->frame();
+  many.counters = pieces->counters();
+  expect_equal(many, one);
+  EXPECT_GT(many.counters.cycles, one.counters.cycles);
+}
+
+TEST(EngineSystemc, SeveralEnginesTakeTurnsAndBeginStartsAnew) {
+  const Scene a = small_scene(8, 12);
+  const Scene b = small_scene(9, 12);
+  const Config config = shipped("depth16");
+  const auto reference = make_model(config);
+  const Outcome model_a = draw_all(*reference, a);
+  const Outcome model_b = draw_all(*reference, b);
+  const auto first = make_systemc(config);
+  std::uint64_t cycles = 0;
+  {
+    const auto second = make_systemc(config);
+    Outcome of_first;
+    Outcome of_second;
+    first->begin(a);
+    second->begin(b);
+    for (std::size_t i = 0; i < 12; i += 3) {
+      first->draw({a.triangles.data() + i, 3}, static_cast<std::int64_t>(i), &of_first.trace);
+      second->draw({b.triangles.data() + i, 3}, static_cast<std::int64_t>(i), &of_second.trace);
+    }
+    of_first.frame = first->frame();
+    of_first.counters = first->counters();
+    of_second.frame = second->frame();
+    of_second.counters = second->counters();
+    expect_equal(of_first, model_a);
+    expect_equal(of_second, model_b);
+  }
+  for (int i = 0; i < 3; ++i) {
+    const Outcome again = draw_all(*first, i % 2 == 0 ? b : a);
+    expect_equal(again, i % 2 == 0 ? model_b : model_a);
+    if (i == 0) cycles = again.counters.cycles;
+    if (i == 2) {
+      EXPECT_EQ(again.counters.cycles, cycles);
+    }
+  }
+}
+
+TEST(EngineSystemc, TheHandshakeIsTheInterpolatorsOnEveryClock) {
+  for (const Perspective mode : {Perspective::delta_f, Perspective::const_depth_rows}) {
+    Config config = shipped("depth16");
+    config.perspective = mode;
+    set_timing(config, 2, 1, 2, {.latency = 25, .width_bytes = 2});
+    const Scene scene = small_scene(21, 30);
+    const auto engine = make_systemc(config, {.record_handshake = true});
+    const Outcome outcome = draw_all(*engine, scene);
+    const auto& handshake = engine->handshake();
+    ASSERT_EQ(handshake.size(), outcome.counters.cycles);
+    SpanInterpolatorTiming alone(interpolator_latency(config));
+    std::size_t spans = 0;
+    std::uint64_t pixels = 0;
+    std::uint64_t stalls = 0;
+    for (const HandshakeClock& h : handshake) {
+      const std::int64_t count = spans < outcome.trace.span.size() ? outcome.trace.span[spans].count : 0;
+      const InterpolatorClock c = alone.clock(h.in_valid, count, h.out_ready);
+      ASSERT_EQ(c.in_ready, h.in_ready);
+      ASSERT_EQ(c.out_valid, h.out_valid);
+      spans += c.accept ? 1 : 0;
+      pixels += c.deliver ? 1 : 0;
+      stalls += h.out_valid && !h.out_ready ? 1 : 0;
+    }
+    EXPECT_EQ(spans, outcome.counters.rows);
+    EXPECT_EQ(pixels, outcome.counters.fragments);
+    EXPECT_GT(stalls, 100U);
+    EXPECT_EQ(engine->report().stages[3].blocked, stalls);
+  }
+  EXPECT_TRUE(make_systemc(shipped("depth16"))->name() == "systemc");
+}
+
+TEST(EngineSystemc, TheCacheSeesEachTexelAccess) {
+  Config config = shipped("depth16");
+  Scene scene = small_scene(3, 30);
+  scene.textures = {{.name = "grey",
+                     .width = 40,
+                     .height = 30,
+                     .rgba = std::vector<std::uint8_t>(std::size_t{40} * 30 * 4, 128)}};
+  for (Triangle& t : scene.triangles) t.texture = 0;
+  const auto accesses = [&](TextureFilter filter, int lines) {
+    config.filter = filter;
+    config.memory.cache_sets = lines;
+    const auto engine = make_systemc(config);
+    engine->begin(scene);
+    engine->draw(scene.triangles, 0, nullptr);
+    TimedReport report = engine->report();
+    EXPECT_EQ(report.cache_hits + report.cache_misses,
+              engine->counters().depth_passed * (filter == TextureFilter::bilinear ? 4U : 1U));
+    return report;
+  };
+  const TimedReport large = accesses(TextureFilter::nearest, 4096);
+  const TimedReport small = accesses(TextureFilter::nearest, 1);
+  accesses(TextureFilter::bilinear, 64);
+  // Large enough for all: a miss a line at most.
+  const auto lines =
+      (scene.textures[0].rgba.size() + 63) / static_cast<std::size_t>(config.memory.cache_line_bytes) + 1;
+  EXPECT_LE(large.cache_misses, lines);
+  EXPECT_GT(small.cache_misses, large.cache_misses);
+  EXPECT_GE(small.memory.reads, small.cache_misses);
+}
+
+TEST(EngineSystemc, WritesAWaveformOfEveryStage) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "engine_vcd";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  const auto path = folder / "run.vcd";
+  const Scene scene = small_scene(4, 3);
+  const auto engine = make_systemc(shipped("depth16"), {.vcd = path});
+  engine->begin(scene);
+  engine->draw(scene.triangles, 0, nullptr);
+  engine->close_vcd();
+  std::ifstream file(path);
+  const std::string vcd{std::istreambuf_iterator<char>(file), {}};
+  for (const char* name : {"setup", "edge_walk", "span_interpolator", "span_setup", "span", "depth",
+                           "texture", "fog", "merge"}) {
+    EXPECT_NE(vcd.find("$scope module " + std::string(name) + " "), std::string::npos) << name;
+  }
+  // Rising edges of the clock, the last at (cycles - 1) ns.
+  const std::uint64_t last = (engine->report().cycles - 1) * 1000;
+  EXPECT_NE(vcd.find("#" + std::to_string(last) + "\n"), std::string::npos);
+  EXPECT_EQ(vcd.find("#" + std::to_string(last + 1000) + "\n"), std::string::npos);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+}
+
+TEST(EngineSystemc, TheWatchdogTellsTheStateOfEachStage) {
+  Config config = shipped("depth16");
+  config.memory.latency = 20000;
+  const Scene scene = small_scene(4, 5);
+  const auto engine = make_systemc(config, {.watchdog_clocks = 300});
+  engine->begin(scene);
+  std::string message;
+  try {
+    engine->draw(scene.triangles, 0, nullptr);
+  } catch (const std::runtime_error& e) {
+    message = e.what();
+  }
+  EXPECT_NE(message.find("nothing moved for 300 clocks"), std::string::npos) << message;
+  EXPECT_NE(message.find("depth memory"), std::string::npos) << message;
+  for (const char* stage : {"setup", "edge_walk", "span_setup", "span ", "texture", "fog", "merge"}) {
+    EXPECT_NE(message.find(stage), std::string::npos) << stage;
+  }
+  EXPECT_THROW(engine->draw(scene.triangles, 0, nullptr), std::logic_error);
+  // By its own limit it does not bark at all, and begin() makes the engine whole again.
+  const auto patient = make_systemc(config);
+  EXPECT_GT(draw_all(*patient, scene).counters.cycles, 20000U);
+}
+
+TEST(EngineSystemc, NoDeadlockAtTheEndsOfWhatIsLegal) {
+  const Scene scene = small_scene(12, 6);
+  for (const int latency : {1, 300}) {
+    for (const int interval : {1, 50}) {
+      for (const int width : {1, 1024}) {
+        Config config = shipped("depth16");
+        config.filter = TextureFilter::bilinear;
+        set_timing(config, latency, interval, 1,
+                   {.latency = latency,
+                    .width_bytes = width,
+                    .cache_line_bytes = 1024,
+                    .cache_sets = 1,
+                    .cache_ways = 1});
+        const auto engine = make_systemc(config);
+        const Outcome outcome = draw_all(*engine, scene);
+        EXPECT_GT(outcome.counters.written, 0U);
+        expect_consistent(engine->report(), outcome.counters);
+      }
+    }
+  }
+}
+
+TEST(EngineSystemc, RefusesWhatTheModelRefuses) {
+  Scene scene = small_scene(4, 3);
+  scene.triangles[1].v[2].x = std::nan("");
+  const auto engine = make_systemc(shipped("depth16"));
+  EXPECT_THROW(engine->draw(scene.triangles, 0, nullptr), std::logic_error);
+  engine->begin(scene);
+  EXPECT_THROW(engine->draw(scene.triangles, 0, nullptr), InputError);
+  EXPECT_EQ(engine->counters().cycles, 0U);
+  scene.triangles[1].v[2].x = 5;
+  engine->draw(scene.triangles, 0, nullptr);  // nothing had been drawn, so nothing is broken
+  EXPECT_GT(engine->counters().cycles, 0U);
+  EXPECT_THROW(make_systemc(shipped("depth16"), {.vcd = "/nonexistent/folder/run.vcd"})->begin(scene),
+               InputError);
+}
+
+TEST(EngineSystemc, TellsItsProgress) {
+  const Scene scene = demo_scene(320, 240);
+  std::uint64_t told = 0;
+  std::uint64_t last = 0;
+  const auto engine = make_systemc(shipped("depth16"), {.progress = [&](std::uint64_t triangles) {
+                                     ++told;
+                                     EXPECT_GE(triangles, last);
+                                     last = triangles;
+                                   }});
+  engine->begin(scene);
+  engine->draw(scene.triangles, 0, nullptr);
+  EXPECT_EQ(told, engine->report().cycles / 65536);
+  EXPECT_GT(told, 0U);
+  EXPECT_LE(last, scene.triangles.size());
+}
+
+}  // namespace
+}  // namespace bitspan
