@@ -1,0 +1,112 @@
+#include "model/engine_model.hpp"
+
+#include <stdexcept>
+#include <vector>
+
+#include "model/pipeline.hpp"
+
+namespace bitspan {
+namespace {
+
+using model::NoObserve;
+using model::Observe;
+using model::Statistics;
+
+// What make_model and make_observed_model share: everything but the observer.
+struct Run {
+  explicit Run(const Config& c) : config(c) {}
+
+  template <class Watch>
+  void begin(const Scene& s, Watch watch) {
+    pipeline = model::make_pipeline(config, s, watch);
+    scene = &s;
+    counters = {};
+    constants_delivered = false;
+    frame = model::cleared_frame(pipeline, s);
+  }
+
+  template <class Watch>
+  void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace, Watch watch) {
+    if (scene == nullptr) {
+      throw std::logic_error("Engine::draw before begin");
+    }
+    if (trace != nullptr && !constants_delivered) {
+      trace->constants.push_back(pipeline.constants.record);
+      constants_delivered = true;
+    }
+    std::int64_t index = first_index;
+    for (const Triangle& triangle : triangles) {
+      model::check_triangle(*scene, triangle, index);
+      rows.clear();
+      model::triangle_to_rows(pipeline, triangle, index, walk, rows, counters, trace, watch);
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const SpanRecord span = model::row_to_span(pipeline, rows, i, counters, watch);
+        fragments.clear();
+        model::span_to_fragments(pipeline, span, model::geometry_of(rows, i), fragments, counters, watch);
+        if (trace != nullptr) {
+          trace->span.push_back(span);
+          trace->fragment.insert(trace->fragment.end(), fragments.begin(), fragments.end());
+        }
+        model::fragments_to_frame(pipeline, fragments, model::texture_of(*scene, triangle), frame, counters,
+                                  trace, watch);
+      }
+      ++index;
+    }
+  }
+
+  Config config;
+  const Scene* scene = nullptr;
+  model::Pipeline pipeline;
+  Frame frame;
+  Counters counters;
+  bool constants_delivered = false;  // once a scene
+  // Reused from triangle to triangle.
+  model::Rows rows;
+  model::PlaneWalkState walk;
+  std::vector<FragmentRecord> fragments;
+};
+
+class Model final : public Engine {
+ public:
+  explicit Model(const Config& config) : run_(config) {}
+  std::string_view name() const override { return "model"; }
+  void begin(const Scene& scene) override { run_.begin(scene, NoObserve{}); }
+  void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
+    run_.draw(triangles, first_index, trace, NoObserve{});
+  }
+  const Frame& frame() const override { return run_.frame; }
+  const Counters& counters() const override { return run_.counters; }
+
+ private:
+  Run run_;
+};
+
+class ObservedModel final : public ObservedEngine {
+ public:
+  explicit ObservedModel(const Config& config) : run_(config) {}
+  std::string_view name() const override { return "model"; }
+  void begin(const Scene& scene) override {
+    statistics_ = {};
+    run_.begin(scene, Observe{&statistics_});
+  }
+  void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
+    run_.draw(triangles, first_index, trace, Observe{&statistics_});
+  }
+  const Frame& frame() const override { return run_.frame; }
+  const Counters& counters() const override { return run_.counters; }
+  const Statistics& statistics() const override { return statistics_; }
+
+ private:
+  Run run_;
+  Statistics statistics_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_model(const Config& config) { return std::make_unique<Model>(config); }
+
+std::unique_ptr<ObservedEngine> make_observed_model(const Config& config) {
+  return std::make_unique<ObservedModel>(config);
+}
+
+}  // namespace bitspan

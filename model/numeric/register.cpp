@@ -1,0 +1,39 @@
+#include "model/numeric/register.hpp"
+
+namespace bitspan::model {
+
+std::string_view name_of(RegisterId id) {
+  switch (id) {
+    case RegisterId::coordinate:
+      return "coordinate";
+    case RegisterId::depth_z:
+      return "depth.z";
+    case RegisterId::edge_reciprocal:
+      return "reciprocal.edge.output";
+    case RegisterId::row_reciprocal:
+      return "reciprocal.row.output";
+    case RegisterId::pixel_reciprocal:
+      return "reciprocal.pixel.output";
+    default:
+      return key_of(static_cast<FormatId>(id));
+  }
+}
+
+Format format_of(RegisterId id, const Config& config) {
+  switch (id) {
+    case RegisterId::coordinate:
+      return config.coordinate_format();
+    case RegisterId::depth_z:
+      return config.depth_format();
+    case RegisterId::edge_reciprocal:
+      return config.edge_reciprocal.output;
+    case RegisterId::row_reciprocal:
+      return config.row_reciprocal.output;
+    case RegisterId::pixel_reciprocal:
+      return config.pixel_reciprocal.output;
+    default:
+      return config.format(static_cast<FormatId>(id));
+  }
+}
+
+}  // namespace bitspan::model

@@ -1,0 +1,269 @@
+#include "model/pipeline.hpp"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <string>
+
+namespace bitspan::model {
+namespace {
+
+void check_scene(const Scene& scene) {
+  const auto refuse = [&](const std::string& what) {
+    throw InputError("scene '" + scene.name + "': " + what);
+  };
+  constexpr int largest = 1 << 20;
+  if (scene.width < 1 || scene.height < 1 || scene.width > largest || scene.height > largest) {
+    refuse("the picture's size " + std::to_string(scene.width) + "x" + std::to_string(scene.height) +
+           " is not within 1.." + std::to_string(largest));
+  }
+  for (const Texture& t : scene.textures) {
+    const auto pixels = static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height);
+    if (t.width < 1 || t.height < 1 || t.rgba.size() != 4 * pixels) {
+      refuse("texture '" + t.name + "' is empty, or its pixels do not match its size");
+    }
+  }
+}
+
+[[noreturn]] void refuse_vertex(std::int64_t index, std::size_t vertex, const std::string& what) {
+  throw InputError("triangle " + std::to_string(index) + ", vertex " + std::to_string(vertex) + ": " + what);
+}
+
+double decoded(std::int64_t raw, const Register& r) {
+  return std::ldexp(static_cast<double>(raw), -r.fraction);
+}
+
+}  // namespace
+
+template <class Watch>
+Pipeline make_pipeline(const Config& config, const Scene& scene, Watch watch) {
+  check_scene(scene);
+  Pipeline p;
+  p.const_depth_rows = config.perspective == Perspective::const_depth_rows;
+  p.constants = make_constants(config, scene, watch);
+  p.setup = prepare_setup(config, p.constants);
+  p.edge_walk = prepare_edge_walk(config, p.constants, scene.width, scene.height);
+  p.plane_walk = prepare_plane_walk(config, p.constants, scene.width, scene.height);
+  p.span_setup = prepare_span_setup(config, p.constants);
+  p.span = prepare_span(config, p.constants);
+  p.depth = prepare_depth(config, p.constants);
+  p.texture = prepare_texture(config);
+  p.fog = prepare_fog(config, p.constants, scene, watch);
+  p.merge = prepare_merge(config);
+  return p;
+}
+
+void check_triangle(const Scene& scene, const Triangle& triangle, std::int64_t index) {
+  const auto text = [](double v) {
+    std::ostringstream out;
+    out << v;
+    return out.str();
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vertex& v = triangle.v[i];
+    for (const double number : {v.x, v.y, v.u, v.v}) {
+      if (!std::isfinite(number)) {
+        refuse_vertex(index, i, "a coordinate is " + text(number) + ", a finite number is needed");
+      }
+    }
+    if (!(v.s >= scene.s_min && v.s <= scene.s_max)) {
+      refuse_vertex(index, i,
+                    "s " + text(v.s) + " is outside s_min.." + "s_max, " + text(scene.s_min) + ".." +
+                        text(scene.s_max));
+    }
+    for (const double c : v.c) {
+      if (!(c >= 0 && c <= 1)) {
+        refuse_vertex(index, i, "colour or alpha " + text(c) + " is outside 0..1");
+      }
+    }
+  }
+  if (triangle.texture >= static_cast<int>(scene.textures.size())) {
+    throw InputError("triangle " + std::to_string(index) + ": texture " + std::to_string(triangle.texture) +
+                     " does not exist, the scene has " + std::to_string(scene.textures.size()));
+  }
+}
+
+void Rows::clear() {
+  rows.clear();
+  plane_rows.clear();
+  planes.clear();
+  plane_of.clear();
+}
+
+template <class Watch>
+bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::int64_t index,
+                      PlaneWalkState& walk, Rows& out, Counters& counters, Trace* trace, Watch watch) {
+  ++counters.triangles;
+  SetupRecord vertices;
+  if (!setup(pipeline.setup, triangle, index, vertices, watch)) {
+    ++counters.degenerate;
+    return false;
+  }
+  if (trace != nullptr) {
+    trace->setup.push_back(vertices);
+  }
+  if (pipeline.const_depth_rows) {
+    start_plane_walk(pipeline.plane_walk, vertices, walk, watch);
+    if (trace != nullptr) {
+      trace->plane.push_back(walk.record);
+    }
+    const auto plane = static_cast<std::int32_t>(out.planes.size());
+    out.planes.push_back(walk.geometry);
+    PlaneRowRecord row;
+    while (!finished(walk)) {
+      if (plane_walk(pipeline.plane_walk, walk, row, watch)) {
+        out.plane_rows.push_back(row);
+        out.plane_of.push_back(plane);
+        ++counters.rows;
+        --counters.divides_saved;
+        if (trace != nullptr) {
+          trace->plane_row.push_back(row);
+        }
+      }
+    }
+    return true;
+  }
+  const Edges edges = setup_edges(pipeline.setup, vertices, watch);
+  const auto edge_count = static_cast<std::size_t>(edges.count);
+  counters.divides_edge += edge_count * static_cast<std::size_t>(pipeline.setup.divides_per_edge);
+  if (trace != nullptr) {
+    trace->edge.insert(trace->edge.end(), edges.edge.begin(), edges.edge.begin() + edges.count);
+  }
+  EdgeWalkState state = start_edge_walk(pipeline.edge_walk, vertices, edges);
+  RowRecord row;
+  while (!finished(state)) {
+    if (edge_walk(pipeline.edge_walk, state, row, watch)) {
+      out.rows.push_back(row);
+      ++counters.rows;
+      counters.divides_edge += static_cast<std::uint64_t>(pipeline.edge_walk.divides_per_row);
+      if (trace != nullptr) {
+        trace->row.push_back(row);
+      }
+    }
+  }
+  return true;
+}
+
+template <class Watch>
+SpanRecord row_to_span(const Pipeline& pipeline, const Rows& rows, std::size_t i, Counters& counters,
+                       Watch watch) {
+  SpanRecord span;
+  const int divides = pipeline.const_depth_rows ? span_setup(pipeline.span_setup, rows.plane_rows[i],
+                                                             *geometry_of(rows, i), span, watch)
+                                                : span_setup(pipeline.span_setup, rows.rows[i], span, watch);
+  counters.divides_row += static_cast<std::uint64_t>(divides);
+  return span;
+}
+
+const PlaneGeometry* geometry_of(const Rows& rows, std::size_t i) {
+  return rows.plane_of.empty() ? nullptr : &rows.planes[static_cast<std::size_t>(rows.plane_of[i])];
+}
+
+template <class Watch>
+void span_to_fragments(const Pipeline& pipeline, const SpanRecord& span, const PlaneGeometry* geometry,
+                       std::vector<FragmentRecord>& out, Counters& counters, Watch watch) {
+  SpanState state = start_span(span, geometry);
+  auto at = out.size();
+  out.resize(at + static_cast<std::size_t>(span.count));
+  std::int64_t covered = 0;
+  while (!finished(state)) {
+    bitspan::model::span(pipeline.span, state, out[at], watch);
+    covered += out[at].covered;
+    ++at;
+  }
+  const auto count = static_cast<std::uint64_t>(span.count);
+  counters.fragments += count;
+  counters.covered += static_cast<std::uint64_t>(covered);
+  counters.divides_pixel += count * static_cast<std::uint64_t>(pipeline.span.divides_per_fragment);
+  counters.divides_saved += pipeline.const_depth_rows ? covered : 0;
+}
+
+template <class Watch>
+void fragments_to_frame(const Pipeline& pipeline, std::span<const FragmentRecord> fragments,
+                        const Texture* texture_image, Frame& frame, Counters& counters, Trace* trace,
+                        Watch watch) {
+  DepthRecord z;
+  TextureRecord texel;
+  FogRecord fogged;
+  MergeRecord merged;
+  for (const FragmentRecord& fragment : fragments) {
+    if (fragment.covered == 0) {
+      continue;
+    }
+    const auto at = static_cast<std::size_t>(fragment.y * frame.width + fragment.x);
+    const bool passed = depth(pipeline.depth, fragment, frame.depth[at], z, watch);
+    if (trace != nullptr) {
+      trace->depth.push_back(z);
+    }
+    if (!passed) {
+      continue;
+    }
+    ++counters.depth_passed;
+    const bool lives = texture(pipeline.texture, texture_image, fragment, texel, watch);
+    if (trace != nullptr) {
+      trace->texture.push_back(texel);
+    }
+    if (!lives) {
+      ++counters.killed;
+      continue;
+    }
+    fog(pipeline.fog, fragment, texel, fogged, watch);
+    std::uint8_t* color = frame.color.data() + 4 * at;
+    merge(pipeline.merge, z, texel, fogged, {color[0], color[1], color[2]}, merged, watch);
+    ++counters.written;
+    color[0] = static_cast<std::uint8_t>(merged.r);
+    color[1] = static_cast<std::uint8_t>(merged.g);
+    color[2] = static_cast<std::uint8_t>(merged.b);
+    frame.depth[at] = static_cast<std::uint32_t>(merged.z);
+    frame.u[at] = decoded(fragment.u, pipeline.texture.uv);
+    frame.v[at] = decoded(fragment.v, pipeline.texture.uv);
+    frame.triangle[at] = static_cast<std::int32_t>(fragment.triangle);
+    if (trace != nullptr) {
+      trace->fog.push_back(fogged);
+      trace->merge.push_back(merged);
+    }
+  }
+}
+
+Frame cleared_frame(const Pipeline& pipeline, const Scene& scene) {
+  Frame f;
+  f.width = scene.width;
+  f.height = scene.height;
+  const auto pixels = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height);
+  f.color.resize(4 * pixels);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    f.color[4 * i] = scene.background[0];
+    f.color[4 * i + 1] = scene.background[1];
+    f.color[4 * i + 2] = scene.background[2];
+    f.color[4 * i + 3] = 255;
+  }
+  f.depth.assign(pixels, static_cast<std::uint32_t>(pipeline.depth.clear));
+  f.u.assign(pixels, std::numeric_limits<double>::quiet_NaN());
+  f.v = f.u;
+  f.triangle.assign(pixels, -1);
+  return f;
+}
+
+const Texture* texture_of(const Scene& scene, const Triangle& triangle) {
+  return triangle.texture < 0 ? nullptr : &scene.textures[static_cast<std::size_t>(triangle.texture)];
+}
+
+template Pipeline make_pipeline(const Config&, const Scene&, NoObserve);
+template Pipeline make_pipeline(const Config&, const Scene&, Observe);
+template bool triangle_to_rows(const Pipeline&, const Triangle&, std::int64_t, PlaneWalkState&, Rows&,
+                               Counters&, Trace*, NoObserve);
+template bool triangle_to_rows(const Pipeline&, const Triangle&, std::int64_t, PlaneWalkState&, Rows&,
+                               Counters&, Trace*, Observe);
+template SpanRecord row_to_span(const Pipeline&, const Rows&, std::size_t, Counters&, NoObserve);
+template SpanRecord row_to_span(const Pipeline&, const Rows&, std::size_t, Counters&, Observe);
+template void span_to_fragments(const Pipeline&, const SpanRecord&, const PlaneGeometry*,
+                                std::vector<FragmentRecord>&, Counters&, NoObserve);
+template void span_to_fragments(const Pipeline&, const SpanRecord&, const PlaneGeometry*,
+                                std::vector<FragmentRecord>&, Counters&, Observe);
+template void fragments_to_frame(const Pipeline&, std::span<const FragmentRecord>, const Texture*, Frame&,
+                                 Counters&, Trace*, NoObserve);
+template void fragments_to_frame(const Pipeline&, std::span<const FragmentRecord>, const Texture*, Frame&,
+                                 Counters&, Trace*, Observe);
+
+}  // namespace bitspan::model

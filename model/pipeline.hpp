@@ -1,0 +1,94 @@
+// The stages in their order, prepared for one scene, and a draw in three steps that other engines can take
+// apart: triangles to rows, rows to fragments, fragments to the frame.
+//
+// make_model (engine_model.hpp) runs the three after one another. The RTL engine puts its own span unit in
+// place of the second; the timed model calls the stage functions of model/stages/ itself.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "config/config.hpp"
+#include "config/engine.hpp"
+#include "config/records.hpp"
+#include "model/stages/constants.hpp"
+#include "model/stages/depth.hpp"
+#include "model/stages/edge_walk.hpp"
+#include "model/stages/fog.hpp"
+#include "model/stages/merge.hpp"
+#include "model/stages/plane_walk.hpp"
+#include "model/stages/setup.hpp"
+#include "model/stages/span.hpp"
+#include "model/stages/span_setup.hpp"
+#include "model/stages/texture.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan::model {
+
+struct Pipeline {
+  bool const_depth_rows = false;
+  Constants constants;
+  SetupStage setup;
+  EdgeWalkStage edge_walk;
+  PlaneWalkStage plane_walk;
+  SpanSetupStage span_setup;
+  SpanStage span;
+  DepthStage depth;
+  TextureStage texture;
+  FogStage fog;
+  MergeStage merge;
+};
+
+// Throws InputError where the scene does not fit the configuration, has no size, or has a texture whose
+// pixels do not match its size.
+template <class Watch = NoObserve>
+Pipeline make_pipeline(const Config& config, const Scene& scene, Watch watch = {});
+
+// Throws InputError, naming the triangle's input index and the vertex, where a number is not finite, s is
+// outside [s_min, s_max], a colour is outside 0..1, or the texture does not exist.
+void check_triangle(const Scene& scene, const Triangle& triangle, std::int64_t index);
+
+// Rows of one or more triangles with what span_setup and span need of them; one of rows and plane_rows is
+// empty.
+struct Rows {
+  std::vector<RowRecord> rows;
+  std::vector<PlaneRowRecord> plane_rows;
+  std::vector<PlaneGeometry> planes;   // const_depth_rows: one a triangle that has an area
+  std::vector<std::int32_t> plane_of;  // index into planes, one a plane row
+  std::size_t size() const { return rows.size() + plane_rows.size(); }
+  void clear();
+};
+
+// Step one: setup and edge_walk or plane_walk of one triangle. Appends its rows; walk is a buffer to reuse.
+// With a trace, appends the records of setup, setup.edge, edge_walk, plane_walk. False where degenerate.
+// Counts triangles, degenerate, rows, divides_edge, divides_saved.
+template <class Watch = NoObserve>
+bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::int64_t index,
+                      PlaneWalkState& walk, Rows& out, Counters& counters, Trace* trace, Watch watch = {});
+
+// Step two, first half: span_setup of row i. Counts divides_row.
+template <class Watch = NoObserve>
+SpanRecord row_to_span(const Pipeline& pipeline, const Rows& rows, std::size_t i, Counters& counters,
+                       Watch watch = {});
+// The digital line of row i for start_span; null in the other modes.
+const PlaneGeometry* geometry_of(const Rows& rows, std::size_t i);
+// Step two, second half: appends the span's fragments. Counts fragments, covered, divides_pixel,
+// divides_saved.
+template <class Watch = NoObserve>
+void span_to_fragments(const Pipeline& pipeline, const SpanRecord& span, const PlaneGeometry* geometry,
+                       std::vector<FragmentRecord>& out, Counters& counters, Watch watch = {});
+
+// Step three: depth, texture, fog and merge of fragments of one triangle; texture null for none. With a
+// trace, appends the records of these four stages. Counts depth_passed, killed, written.
+template <class Watch = NoObserve>
+void fragments_to_frame(const Pipeline& pipeline, std::span<const FragmentRecord> fragments,
+                        const Texture* texture, Frame& frame, Counters& counters, Trace* trace,
+                        Watch watch = {});
+
+// A frame of the scene's size: background, cleared depth buffer, no triangle.
+Frame cleared_frame(const Pipeline& pipeline, const Scene& scene);
+// The triangle's texture, null for none.
+const Texture* texture_of(const Scene& scene, const Triangle& triangle);
+
+}  // namespace bitspan::model

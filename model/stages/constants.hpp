@@ -1,0 +1,27 @@
+// constants: the depth code's constants, once a scene. docs/numeric-spec.md, "Constants" (D1, H6, F3).
+#pragma once
+
+#include "config/config.hpp"
+#include "config/records.hpp"
+#include "model/numeric/quantize.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan::model {
+
+struct Constants {
+  int exponent = 0;  // E: distances are divided by 2^E
+  ConstantsRecord record;
+};
+
+// Throws InputError where the scene's range does not fit the configuration (s_min' or B not positive,
+// s_min' not below s_max').
+template <class Watch = NoObserve>
+Constants make_constants(const Config& config, const Scene& scene, Watch watch = {});
+
+// A start offset in its accumulator's unit; `kept` is the format that half_ulp refers to.
+Exact offset_value(const StartOffset& offset, const Format& kept);
+
+// B as an exact number.
+Exact b_of(const Config& config, const ConstantsRecord& constants);
+
+}  // namespace bitspan::model

@@ -1,0 +1,203 @@
+#include "model/stages/fog.hpp"
+
+#include <mpfr.h>
+
+#include <algorithm>
+#include <array>
+
+#include "model/numeric/extent.hpp"
+
+namespace bitspan::model {
+namespace {
+
+// MPFR's numbers with an owner; every operation rounds to nearest.
+class Real {
+ public:
+  explicit Real(mpfr_prec_t precision) { mpfr_init2(value_, precision); }
+  ~Real() { mpfr_clear(value_); }
+  Real(const Real&) = delete;
+  Real& operator=(const Real&) = delete;
+  mpfr_ptr get() { return value_; }
+
+ private:
+  mpfr_t value_;
+};
+
+void set(Real& out, Exact x) {  // 0 <= x.raw < 2^64
+  mpfr_set_ui(out.get(), static_cast<unsigned long>(x.raw), MPFR_RNDN);
+  mpfr_mul_2si(out.get(), out.get(), -x.fraction, MPFR_RNDN);
+}
+
+// exp(-D/DT) at a working precision. Its relative error is below 2^(16 - precision) while D/DT < 2^12, a few
+// units of the last place times D/DT; beyond, the entry is far below any register's last place.
+void exact_entry(Real& out, const Config& config, const Constants& constants, const Scene& scene, int hi,
+                 int zone, mpfr_prec_t precision) {
+  Real s(precision);
+  Real t(precision);
+  Real r(precision);
+  // S = B s_max / (hc + B)
+  set(s, b_of(config, constants.record));
+  set(t, Exact{2 * hi + 1, 1});
+  mpfr_mul_2si(t.get(), t.get(), config.depth_bits - fog_depth_bits, MPFR_RNDN);
+  mpfr_add(t.get(), t.get(), s.get(), MPFR_RNDN);
+  mpfr_mul_d(s.get(), s.get(), scene.s_max, MPFR_RNDN);
+  mpfr_div(s.get(), s.get(), t.get(), MPFR_RNDN);
+  // r2 = (zone + 1/2)/16 (W^2 + H^2)/4
+  const auto w = static_cast<unsigned long>(scene.width);
+  const auto h = static_cast<unsigned long>(scene.height);
+  mpfr_set_ui(r.get(), w * w + h * h, MPFR_RNDN);
+  mpfr_mul_ui(r.get(), r.get(), 2 * static_cast<unsigned long>(zone) + 1, MPFR_RNDN);
+  mpfr_div_2ui(r.get(), r.get(), 7, MPFR_RNDN);
+  // D = S sqrt(1 + r2/F^2)
+  mpfr_div_d(r.get(), r.get(), scene.focal, MPFR_RNDN);
+  mpfr_div_d(r.get(), r.get(), scene.focal, MPFR_RNDN);
+  mpfr_add_ui(r.get(), r.get(), 1, MPFR_RNDN);
+  mpfr_sqrt(r.get(), r.get(), MPFR_RNDN);
+  mpfr_mul(s.get(), s.get(), r.get(), MPFR_RNDN);
+  mpfr_div_d(s.get(), s.get(), scene.fog->distance, MPFR_RNDN);
+  mpfr_neg(s.get(), s.get(), MPFR_RNDN);
+  mpfr_exp(out.get(), s.get(), MPFR_RNDN);
+}
+
+// floor(x 2^fraction) where it fits 126 bits; 0 <= x.
+int128 floor_at(Real& x, int fraction) {
+  mpz_t z;
+  mpz_init(z);
+  mpfr_mul_2si(x.get(), x.get(), fraction, MPFR_RNDN);
+  mpfr_get_z(z, x.get(), MPFR_RNDD);
+  std::array<std::uint64_t, 2> words{};
+  std::size_t count = 0;
+  mpz_export(words.data(), &count, -1, sizeof(std::uint64_t), 0, 0, z);
+  mpz_clear(z);
+  return static_cast<int128>(uint128{words[1]} << 64 | words[0]);
+}
+
+// floor(16 n / d) of the distance from the picture's middle, in half pixels squared.
+int zone_of(const FogStage& stage, std::int64_t x, std::int64_t y) {
+  const std::int64_t dx = 2 * x + 1 - stage.width;
+  const std::int64_t dy = 2 * y + 1 - stage.height;
+  const std::int64_t all = stage.width * stage.width + stage.height * stage.height;
+  return static_cast<int>(std::min<std::int64_t>(fog_zones - 1, fog_zones * (dx * dx + dy * dy) / all));
+}
+
+template <class Int, class Watch>
+std::int64_t mixed(const FogStage& stage, std::int64_t own, std::int64_t fog_code, std::int64_t factor,
+                   Watch watch) {
+  const int grid = std::max(0, stage.color_in.fraction);
+  const Int code = static_cast<Int>(fog_code) << grid;
+  const Int difference = (static_cast<Int>(own) << (grid - stage.color_in.fraction)) - code;
+  const int f_grid = std::max(0, stage.factor.fraction);
+  const Int share = static_cast<Int>(factor) << (f_grid - stage.factor.fraction);
+  return quantize((code << f_grid) + difference * share, grid + f_grid, stage.color, watch);
+}
+
+}  // namespace
+
+template <class Watch>
+std::int64_t fog_entry(const Config& config, const Constants& constants, const Scene& scene, int hi, int zone,
+                       Watch watch) {
+  const Register r = make_register(config, FormatId::fog_factor);
+  // The entry is irrational: kept bits, a guard bit, and something below. More precision until the bits down
+  // to the guard are the same at both ends of the error interval.
+  const int fraction = std::max(0, r.fraction + 1);
+  for (mpfr_prec_t precision = 256;; precision *= 2) {
+    std::array<int128, 2> floors{};
+    for (std::size_t end = 0; end < 2; ++end) {
+      Real x(precision);
+      exact_entry(x, config, constants, scene, hi, zone, precision);
+      Real error(precision);
+      mpfr_mul_2si(error.get(), x.get(), 16 - static_cast<long>(precision), MPFR_RNDU);
+      if (end == 0) {
+        mpfr_sub(x.get(), x.get(), error.get(), MPFR_RNDD);
+      } else {
+        mpfr_add(x.get(), x.get(), error.get(), MPFR_RNDU);
+      }
+      floors[end] = floor_at(x, fraction);
+    }
+    if (floors[0] == floors[1]) {
+      return quantize(floors[0] << 1 | 1, fraction + 1, r, watch);
+    }
+  }
+}
+
+template <class Watch>
+FogStage prepare_fog(const Config& config, const Constants& constants, const Scene& scene, Watch watch) {
+  FogStage s;
+  s.mode = scene.fog ? config.fog : FogMode::none;
+  s.width = scene.width;
+  s.height = scene.height;
+  s.depth_bits = config.depth_bits;
+  s.h = make_register(config, FormatId::span_h);
+  s.color_in = make_register(config, FormatId::texture_color);
+  s.factor = make_register(config, FormatId::fog_factor);
+  s.color = make_register(config, FormatId::fog_color);
+  s.q = make_inverse_depth(config, constants);
+  s.reciprocal = ReciprocalUnit(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
+  s.scale = {constants.record.fog_scale, config.format(FormatId::fog_scale).fraction()};
+  const Extent color = sum(extent(config.format(FormatId::texture_color)), extent_of_integer(8));
+  const Extent share = extent(config.format(FormatId::fog_factor));
+  s.narrow = fits_int64(sum(product(color, share), product(extent_of_integer(8), share)));
+  if (scene.fog) {
+    s.fog_color = scene.fog->color;
+  }
+  if (s.mode == FogMode::table) {
+    if (!(scene.fog->distance > 0 && scene.fog->distance <= 1e300 && scene.focal > 0 &&
+          scene.focal <= 1e300)) {
+      throw InputError("scene '" + scene.name +
+                       "': the fog's distance and the focal length must be positive and finite");
+    }
+    s.table.resize(fog_entries);
+    for (int i = 0; i < fog_entries; ++i) {
+      s.table[static_cast<std::size_t>(i)] =
+          fog_entry(config, constants, scene, i / fog_zones, i % fog_zones, watch);
+    }
+  }
+  return s;
+}
+
+template <class Watch>
+void fog(const FogStage& stage, const FragmentRecord& fragment, const TextureRecord& texture, FogRecord& out,
+         Watch watch) {
+  out.triangle = fragment.triangle;
+  out.x = fragment.x;
+  out.y = fragment.y;
+  out.index = -1;
+  out.recip_m = 0;
+  out.recip_e = 0;
+  std::array own{texture.r, texture.g, texture.b};
+  if (stage.mode == FogMode::none) {
+    out.factor = quantize(std::int64_t{1}, 0, stage.factor, watch);
+    for (std::int64_t& c : own) {
+      c = quantize(c, stage.color_in.fraction, stage.color, watch);
+    }
+  } else {
+    if (stage.mode == FogMode::linear) {
+      const Inverse inverse =
+          stage.reciprocal((int128{fragment.h} << stage.q.h_up) + stage.q.b, stage.q.fraction, watch);
+      out.recip_m = inverse.m;
+      out.recip_e = inverse.e;
+      out.factor = quantize(Exact{1, 0} - stage.scale * stage.reciprocal.value(inverse), stage.factor, watch);
+    } else {
+      const auto step = floor_of({fragment.h, stage.h.fraction + stage.depth_bits - fog_depth_bits});
+      const auto hi = std::clamp<int128>(step, 0, (1 << fog_depth_bits) - 1);
+      out.index = fog_zones * static_cast<std::int64_t>(hi) + zone_of(stage, fragment.x, fragment.y);
+      out.factor = stage.table[static_cast<std::size_t>(out.index)];
+    }
+    for (std::size_t c = 0; c < own.size(); ++c) {
+      own[c] = stage.narrow ? mixed<std::int64_t>(stage, own[c], stage.fog_color[c], out.factor, watch)
+                            : mixed<int128>(stage, own[c], stage.fog_color[c], out.factor, watch);
+    }
+  }
+  out.r = own[0];
+  out.g = own[1];
+  out.b = own[2];
+}
+
+template std::int64_t fog_entry(const Config&, const Constants&, const Scene&, int, int, NoObserve);
+template std::int64_t fog_entry(const Config&, const Constants&, const Scene&, int, int, Observe);
+template FogStage prepare_fog(const Config&, const Constants&, const Scene&, NoObserve);
+template FogStage prepare_fog(const Config&, const Constants&, const Scene&, Observe);
+template void fog(const FogStage&, const FragmentRecord&, const TextureRecord&, FogRecord&, NoObserve);
+template void fog(const FogStage&, const FragmentRecord&, const TextureRecord&, FogRecord&, Observe);
+
+}  // namespace bitspan::model

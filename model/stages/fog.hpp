@@ -1,0 +1,49 @@
+// fog: the share of the fragment's own colour, linear (F3) or from the 1024-entry table (F2), and the mix
+// with the fog's colour. docs/numeric-spec.md, "fog".
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "config/config.hpp"
+#include "config/records.hpp"
+#include "model/numeric/reciprocal.hpp"
+#include "model/stages/constants.hpp"
+#include "model/stages/span.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan::model {
+
+inline constexpr int fog_zones = 16;      // of r^2
+inline constexpr int fog_depth_bits = 6;  // top bits of h
+inline constexpr int fog_entries = fog_zones << fog_depth_bits;
+
+struct FogStage {
+  FogMode mode = FogMode::none;  // none also where the scene has no fog
+  bool narrow = false;           // the mix with the fog's colour fits int64
+  std::array<std::uint8_t, 3> fog_color{};
+  std::int64_t width = 0, height = 0;  // of the picture
+  int depth_bits = 16;
+  Register h, color_in, factor, color;
+  InverseDepth q;
+  ReciprocalUnit reciprocal;        // R_pixel
+  Exact scale;                      // fog_scale
+  std::vector<std::int64_t> table;  // raw, fog.factor; table mode only
+};
+// Throws InputError where a table is wanted and the scene's fog distance or focal length is not positive.
+template <class Watch = NoObserve>
+FogStage prepare_fog(const Config& config, const Constants& constants, const Scene& scene, Watch watch = {});
+
+// A fragment that the texture stage let live.
+template <class Watch = NoObserve>
+void fog(const FogStage& stage, const FragmentRecord& fragment, const TextureRecord& texture, FogRecord& out,
+         Watch watch = {});
+
+// Entry of the table for depth step hi (0..63) and zone (0..15): Q[fog.factor](exp(-D/DT)), correctly
+// rounded.
+template <class Watch = NoObserve>
+std::int64_t fog_entry(const Config& config, const Constants& constants, const Scene& scene, int hi, int zone,
+                       Watch watch = {});
+
+}  // namespace bitspan::model

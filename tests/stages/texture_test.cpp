@@ -1,0 +1,176 @@
+#include "model/stages/texture.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/stages/worked.hpp"
+
+namespace bitspan {
+namespace {
+
+// 4 x 2 texels: red 10 i + j, green 100, blue 255, alpha 255; texel (2, 1) is magenta.
+Texture small_image() {
+  Texture t;
+  t.name = "small";
+  t.width = 4;
+  t.height = 2;
+  for (int j = 0; j < t.height; ++j) {
+    for (int i = 0; i < t.width; ++i) {
+      const bool hole = i == 2 && j == 1;
+      for (const int c : {hole ? 255 : 10 * i + j, hole ? 0 : 100, 255, 255}) {
+        t.rgba.push_back(static_cast<std::uint8_t>(c));
+      }
+    }
+  }
+  return t;
+}
+
+struct Lookup {
+  explicit Lookup(const Config& c = plain_config()) : config(c), stage(model::prepare_texture(c)) {}
+  TextureRecord operator()(double u, double v, const Texture* image) const {
+    FragmentRecord f;
+    f.triangle = 1;
+    f.x = 2;
+    f.y = 3;
+    f.u = encoded(u, config.format(FormatId::span_uv));
+    f.v = encoded(v, config.format(FormatId::span_uv));
+    f.r = encoded(shade[0], config.format(FormatId::span_shade));
+    f.g = encoded(shade[1], config.format(FormatId::span_shade));
+    f.b = encoded(shade[2], config.format(FormatId::span_shade));
+    f.a = encoded(shade[3], config.format(FormatId::span_shade));
+    TextureRecord out;
+    const bool lives = model::texture(stage, image, f, out);
+    EXPECT_EQ(out.killed, lives ? 0 : 1);
+    return out;
+  }
+  double red(const TextureRecord& r) const {
+    return decoded(r.texel_r, config.format(FormatId::texture_mix));
+  }
+  Config config;
+  model::TextureStage stage;
+  std::array<double, 4> shade{1, 1, 1, 1};
+};
+
+TEST(Texture, NoneIsWhite) {
+  const Lookup lookup;
+  const TextureRecord r = lookup(3, 4, nullptr);
+  EXPECT_EQ(lookup.red(r), 255);
+  EXPECT_EQ(decoded(r.texel_a, lookup.config.format(FormatId::texture_alpha)), 1);
+  EXPECT_EQ(r.i, 0);
+  EXPECT_EQ(r.ex, 0);
+  EXPECT_EQ(r.killed, 0);
+}
+
+TEST(Texture, NearestCyclicAndClamped) {
+  const Texture image = small_image();
+  const Lookup cyclic;
+  EXPECT_EQ(cyclic.red(cyclic(1.99, 1.0, &image)), 11);
+  EXPECT_EQ(cyclic.red(cyclic(-0.01, 0, &image)), 30);
+  EXPECT_EQ(cyclic(-0.01, 0, &image).i, 3);
+  EXPECT_EQ(cyclic(4.0, 0, &image).i, 0);
+  EXPECT_EQ(cyclic(-7.5, -3, &image).i, 0);
+  EXPECT_EQ(cyclic(-7.5, -3, &image).j, 1);
+  EXPECT_EQ(cyclic(1e6 + 1, 0, &image).i, 1);
+  Config c = plain_config();
+  c.wrap = TextureWrap::clamp;
+  const Lookup clamped(c);
+  EXPECT_EQ(clamped(-0.01, 7, &image).i, 0);
+  EXPECT_EQ(clamped(-0.01, 7, &image).j, 1);
+  EXPECT_EQ(clamped(99, 0, &image).i, 3);
+}
+
+TEST(Texture, BilinearMeetsTexelsAtTheirCentres) {
+  const Texture image = small_image();
+  Config c = plain_config();
+  c.filter = TextureFilter::bilinear;
+  const Lookup lookup(c);
+  const TextureRecord centre = lookup(1.5, 0.5, &image);
+  EXPECT_EQ(lookup.red(centre), 10);
+  EXPECT_EQ(centre.ex, 0);
+  EXPECT_EQ(centre.i, 1);
+  // A quarter to the right and half down: 10 + 10/4, and 11 + ... of the row below with texel (2, 1) = 255.
+  const TextureRecord r = lookup(1.75, 1.0, &image);
+  EXPECT_EQ(r.ex, 64);  // of 256
+  EXPECT_EQ(r.ey, 128);
+  EXPECT_EQ(r.j, 0);
+  EXPECT_EQ(lookup.red(r), (12.5 + (11 * 0.75 + 255 * 0.25)) / 2);
+  // Left of the first centre: the last texel of the row, or the first again.
+  EXPECT_EQ(lookup.red(lookup(0.25, 0.5, &image)), 30 * 0.25);
+  EXPECT_EQ(lookup(0.25, 0.5, &image).i, 3);
+  c.wrap = TextureWrap::clamp;
+  EXPECT_EQ(Lookup(c).red(Lookup(c)(0.25, 0.5, &image)), 0);
+}
+
+// Ex is truncated by its format: 1/3 to a quarter.
+TEST(Texture, FractionIsQuantised) {
+  const Texture image = small_image();
+  Config c = plain_config();
+  c.filter = TextureFilter::bilinear;
+  c.format(FormatId::texture_frac) = {2, 0, false, Rounding::trn, Overflow::sat, false};
+  const Lookup lookup(c);
+  const TextureRecord r = lookup(0.5 + 1.0 / 3, 0.5, &image);
+  EXPECT_EQ(r.ex, 1);
+  EXPECT_EQ(lookup.red(r), 2.5);
+}
+
+TEST(Texture, TransparentCode) {
+  const Texture image = small_image();
+  Config c = plain_config();
+  c.transparent = {255, 0, 255};
+  EXPECT_EQ(Lookup(c)(2.5, 1.5, &image).killed, 1);
+  EXPECT_EQ(Lookup(c)(1.5, 1.5, &image).killed, 0);
+  c.filter = TextureFilter::bilinear;
+  const Lookup lookup(c);
+  EXPECT_EQ(lookup(2.1, 1.5, &image).killed, 1);
+  // The hole's colour does not bleed into its neighbour, which takes its place.
+  const TextureRecord r = lookup(1.9, 1.5, &image);
+  EXPECT_EQ(r.killed, 0);
+  EXPECT_EQ(lookup.red(r), 11);
+  // Without the reserved colour it is one like any other.
+  c.transparent.reset();
+  EXPECT_GT(Lookup(c).red(Lookup(c)(1.9, 1.5, &image)), 100);
+}
+
+TEST(Texture, ColourAndAlphaAreProducts) {
+  Texture image = small_image();
+  image.rgba[3] = 51;  // a fifth
+  Lookup lookup;
+  lookup.shade = {0.5, 0.25, 0, 0.5};
+  TextureRecord r = lookup(0.5, 0.5, &image);
+  EXPECT_EQ(r.r, 0);
+  EXPECT_EQ(decoded(r.g, lookup.config.format(FormatId::texture_color)), 25);
+  EXPECT_EQ(r.b, 0);
+  EXPECT_EQ(r.texel_a, 205);  // 0.2 by 1/1024
+  EXPECT_EQ(r.a, 103);        // 102.5, half up
+  EXPECT_EQ(r.killed, 0);
+  lookup.shade[3] = 0;
+  EXPECT_EQ(lookup(0.5, 0.5, &image).killed, 1);
+  lookup.shade[3] = 1;
+  image.rgba[3] = 0;
+  EXPECT_EQ(lookup(0.5, 0.5, &image).killed, 1);
+}
+
+TEST(Texture, NarrowAndWideAgree) {
+  const Texture image = small_image();
+  Config c = shipped_config("depth16");
+  c.filter = TextureFilter::bilinear;
+  const auto stage = model::prepare_texture(c);
+  ASSERT_TRUE(stage.narrow);
+  auto wide = stage;
+  wide.narrow = false;
+  std::mt19937_64 random(41);
+  for (int i = 0; i < 20000; ++i) {
+    FragmentRecord f;
+    f.u = static_cast<std::int64_t>(random() % (1 << 25)) - (1 << 24);
+    f.v = static_cast<std::int64_t>(random() % (1 << 12)) - (1 << 11);
+    f.r = static_cast<std::int64_t>(random() % (1 << 13));
+    f.g = f.b = f.r / 2;
+    f.a = static_cast<std::int64_t>(random() % (1 << 13));
+    TextureRecord a;
+    TextureRecord b;
+    ASSERT_EQ(model::texture(stage, &image, f, a), model::texture(wide, &image, f, b));
+    ASSERT_EQ(a, b);
+  }
+}
+
+}  // namespace
+}  // namespace bitspan
