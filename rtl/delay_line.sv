@@ -1,0 +1,25 @@
+// d_i, Depth enabled clocks later; Depth 0 is a wire. No reset: it carries data, valid bits go elsewhere.
+module delay_line #(
+    parameter int Width = 8,
+    parameter int Depth = 1
+) (
+    input  logic             clk_i,
+    input  logic             en_i,
+    input  logic [Width-1:0] d_i,
+    output logic [Width-1:0] q_o
+);
+  if (Depth == 0) begin : gen_wire
+    logic unused;
+    assign unused = clk_i ^ en_i;
+    assign q_o = d_i;
+  end else begin : gen_line
+    logic [Width-1:0] line_q[Depth];
+    always_ff @(posedge clk_i) begin
+      if (en_i) begin
+        line_q[0] <= d_i;
+        for (int i = 1; i < Depth; i++) line_q[i] <= line_q[i-1];
+      end
+    end
+    assign q_o = line_q[Depth-1];
+  end
+endmodule

@@ -1,0 +1,10 @@
+quantize.sv
+delay_line.sv
+multiply_add.sv
+restoring_step.sv
+restoring_core.sv
+divide.sv
+reciprocal.sv
+span_setup.sv
+span.sv
+span_interpolator.sv

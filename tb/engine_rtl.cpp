@@ -1,0 +1,175 @@
+#include "tb/engine_rtl.hpp"
+
+#include <stdexcept>
+#include <vector>
+
+#include "model/pipeline.hpp"
+#include "tb/rtl_stream.hpp"
+
+namespace bitspan {
+namespace {
+
+// Rows are collected over triangles until they have this many pixels, and then go through the RTL in one run.
+constexpr std::int64_t pixels_a_run = 1 << 16;
+
+std::int64_t pixels_of(const model::Rows& rows, std::size_t from) {
+  std::int64_t pixels = 0;
+  for (std::size_t i = from; i < rows.rows.size(); ++i)
+    pixels += rows.rows[i].x_last - rows.rows[i].x_first + 1;
+  for (std::size_t i = from; i < rows.plane_rows.size(); ++i) pixels += rows.plane_rows[i].count;
+  return pixels;
+}
+
+class RtlEngine final : public Engine {
+ public:
+  RtlEngine(const Config& config, const RtlOptions& options)
+      : config_(config), options_(options), rtl_(config) {}
+
+  std::string_view name() const override { return "rtl"; }
+
+  void begin(const Scene& scene) override {
+    pipeline_ = model::make_pipeline(config_, scene);
+    scene_ = &scene;
+    counters_ = {};
+    constants_delivered_ = false;
+    frame_ = model::cleared_frame(pipeline_, scene);
+    runs_ = 0;
+    rtl_.reset();
+  }
+
+  void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
+    if (scene_ == nullptr) throw std::logic_error("Engine::draw before begin");
+    if (trace != nullptr && !constants_delivered_) {
+      trace->constants.push_back(pipeline_.constants.record);
+      constants_delivered_ = true;
+    }
+    rows_.clear();
+    textures_.clear();
+    std::int64_t pixels = 0;
+    std::int64_t index = first_index;
+    for (const Triangle& triangle : triangles) {
+      model::check_triangle(*scene_, triangle, index);
+      const std::size_t before = rows_.size();
+      model::triangle_to_rows(pipeline_, triangle, index, walk_, rows_, counters_, trace);
+      textures_.resize(rows_.size(), model::texture_of(*scene_, triangle));
+      pixels += pixels_of(rows_, before);
+      if (pixels >= pixels_a_run) {
+        run(trace);
+        pixels = 0;
+      }
+      ++index;
+    }
+    run(trace);
+  }
+
+  const Frame& frame() const override { return frame_; }
+  const Counters& counters() const override { return counters_; }
+
+ private:
+  // All rows collected through the RTL, and what comes out to the frame.
+  void run(Trace* trace) {
+    if (rows_.size() == 0) return;
+    const std::int64_t b = pipeline_.constants.record.b;
+    inputs_.clear();
+    for (const RowRecord& row : rows_.rows) inputs_.push_back(rtl_inputs(config_, row, b));
+    for (std::size_t i = 0; i < rows_.plane_rows.size(); ++i) {
+      inputs_.push_back(rtl_inputs(config_, rows_.plane_rows[i], model::geometry_of(rows_, i)->k, b));
+    }
+    const RtlStalls stalls{options_.stall_seed + runs_++, options_.in_gap, options_.out_stall};
+    const RtlRun result = run_rtl(rtl_, inputs_, stalls, false);
+    counters_.cycles += result.clocks;
+    if (result.spans.size() != rows_.size())
+      throw std::logic_error("the RTL took another number of spans than given");
+
+    std::size_t pixel = 0;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const model::PlaneGeometry* geometry = model::geometry_of(rows_, i);
+      const SpanRecord modelled = model::row_to_span(pipeline_, rows_, i, counters_);
+      fragments_.clear();
+      model::span_to_fragments(pipeline_, modelled, geometry, fragments_, counters_);
+      if (trace != nullptr) trace->span.push_back(replaced(modelled, result.spans[i], geometry));
+      const std::span pixels = std::span(result.pixels).subspan(pixel, fragments_.size());
+      replace(fragments_, modelled, pixels, geometry);
+      pixel += fragments_.size();
+      if (trace != nullptr)
+        trace->fragment.insert(trace->fragment.end(), fragments_.begin(), fragments_.end());
+      // A wrong position is a difference of the record, not a write outside the frame.
+      std::erase_if(fragments_, [&](const FragmentRecord& f) {
+        return f.x < 0 || f.x >= frame_.width || f.y < 0 || f.y >= frame_.height;
+      });
+      model::fragments_to_frame(pipeline_, fragments_, textures_[i], frame_, counters_, trace);
+    }
+    rows_.clear();
+    textures_.clear();
+  }
+
+  // The RTL's span record with what it does not have.
+  SpanRecord replaced(const SpanRecord& modelled, const RtlSpan& span,
+                      const model::PlaneGeometry* geometry) const {
+    SpanRecord r = span_record(config_, span);
+    r.triangle = modelled.triangle;
+    r.y = modelled.y;
+    if (geometry != nullptr && geometry->along_y) {
+      r.y = r.x;
+      r.x = modelled.x;
+    }
+    r.r = modelled.r;
+    r.g = modelled.g;
+    r.b = modelled.b;
+    r.a = modelled.a;
+    r.r_step0 = modelled.r_step0;
+    r.r_step1 = modelled.r_step1;
+    r.g_step0 = modelled.g_step0;
+    r.g_step1 = modelled.g_step1;
+    r.b_step0 = modelled.b_step0;
+    r.b_step1 = modelled.b_step1;
+    r.a_step0 = modelled.a_step0;
+    r.a_step1 = modelled.a_step1;
+    return r;
+  }
+
+  void replace(std::vector<FragmentRecord>& fragments, const SpanRecord& first,
+               std::span<const RtlPixel> pixels, const model::PlaneGeometry* geometry) const {
+    const bool along_y = geometry != nullptr && geometry->along_y;
+    const std::int64_t side = geometry != nullptr && geometry->k < 0 ? -1 : 1;
+    std::int64_t minor = along_y ? first.x : first.y;
+    for (std::size_t i = 0; i < fragments.size(); ++i) {
+      FragmentRecord& f = fragments[i];
+      FragmentRecord r = fragment_record(config_, pixels[i]);
+      r.triangle = f.triangle;
+      r.covered = f.covered;
+      r.r = f.r;
+      r.g = f.g;
+      r.b = f.b;
+      r.a = f.a;
+      r.y = minor;
+      if (along_y) std::swap(r.x, r.y);
+      if (pixels[i].step != 0) minor += side;
+      f = r;
+    }
+  }
+
+  Config config_;
+  RtlOptions options_;
+  Rtl rtl_;
+  const Scene* scene_ = nullptr;
+  model::Pipeline pipeline_;
+  Frame frame_;
+  Counters counters_;
+  bool constants_delivered_ = false;  // once a scene
+  std::uint64_t runs_ = 0;            // since begin: each has its own stalls
+  // Reused from run to run.
+  model::Rows rows_;
+  model::PlaneWalkState walk_;
+  std::vector<const Texture*> textures_;  // one a row
+  std::vector<RtlInputs> inputs_;
+  std::vector<FragmentRecord> fragments_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_rtl(const Config& config, const RtlOptions& options) {
+  return std::make_unique<RtlEngine>(config, options);
+}
+
+}  // namespace bitspan

@@ -1,0 +1,408 @@
+#include "tb/rtl_build.hpp"
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <random>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include "config/emit_sv.hpp"
+
+extern char** environ;
+
+namespace bitspan {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> verilator_flags = {
+    "--cc",        "--assert", "-Wall",           "-Wno-fatal", "-O3",          "--x-assign",       "fast",
+    "--x-initial", "fast",     "--max-num-width", "1048576",    "--top-module", "span_interpolator"};
+const std::vector<std::string> compiler_flags = {"-std=c++17",
+                                                 "-O1",
+                                                 "-fPIC",
+                                                 "-fvisibility=hidden",
+                                                 "-fno-gnu-unique",
+                                                 "-w",
+                                                 "-DVL_USER_STOP",
+                                                 "-DVL_USER_FATAL",
+                                                 "-DVL_USER_FINISH",
+                                                 "-DVL_TIME_CONTEXT",
+                                                 "-DVL_PRINTF=bitspan_rtl_printf"};
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+std::string read_text(const fs::path& path) {
+  const std::ifstream in(path, std::ios::binary);
+  if (!in)
+    throw InputError(
+        fmt::format("{}: cannot be read; BITSPAN_ROOT names the project's folder", path.string()));
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+void write_text(const fs::path& path, std::string_view text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out)
+    throw InputError(
+        fmt::format("{}: cannot be written; BITSPAN_CACHE names the cache folder", path.string()));
+}
+
+// 128 bits of FNV-1a in two lanes; the texts are separated, so that their borders count.
+class Key {
+ public:
+  void add(std::string_view text) {
+    for (const char c : text) mix(static_cast<unsigned char>(c));
+    mix(0x100);
+  }
+  std::string hex() const { return fmt::format("{:016x}{:016x}", a_, b_); }
+
+ private:
+  void mix(std::uint64_t c) {
+    a_ = (a_ ^ c) * 0x100000001b3;
+    b_ = (b_ ^ (c + 0x9e37)) * 0x10000000233;
+  }
+  std::uint64_t a_ = 0xcbf29ce484222325;
+  std::uint64_t b_ = 0x84222325cbf29ce4;
+};
+
+std::string without_comments(const std::string& text) {
+  std::istringstream in(text);
+  std::string kept;
+  for (std::string line; std::getline(in, line);) {
+    if (!line.starts_with("//")) kept += line + '\n';
+  }
+  return kept;
+}
+
+std::string compiler() {
+  std::string cxx = environment("CXX");
+  return cxx.empty() ? "c++" : cxx;
+}
+
+// The first line of a log that tells what went wrong.
+std::string first_complaint(const fs::path& log) {
+  std::ifstream in(log);
+  std::string first;
+  for (std::string line; std::getline(in, line);) {
+    if (line.find("rror") != std::string::npos || line.starts_with("%Warning")) return line;
+    if (first.empty()) first = line;
+  }
+  return first;
+}
+
+// A folder of this process's own inside the cache, gone when the build is over, unless it is kept for its
+// log.
+class Workshop {
+ public:
+  explicit Workshop(const fs::path& cache) {
+    std::random_device random;
+    path_ = cache / fmt::format("build-{}-{:08x}{:08x}", ::getpid(), random(), random());
+    std::error_code error;
+    fs::create_directories(path_, error);
+    if (error) {
+      throw InputError(fmt::format("{}: cannot be created ({}); BITSPAN_CACHE names the cache folder",
+                                   path_.string(), error.message()));
+    }
+  }
+  ~Workshop() {
+    std::error_code ignored;
+    if (!kept_) fs::remove_all(path_, ignored);
+  }
+  Workshop(const Workshop&) = delete;
+  Workshop& operator=(const Workshop&) = delete;
+  const fs::path& path() const { return path_; }
+  void keep() { kept_ = true; }
+
+ private:
+  fs::path path_;
+  bool kept_ = false;
+};
+
+void run_or_throw(Workshop& workshop, const std::vector<std::string>& command, const std::string& what) {
+  const fs::path log = workshop.path() / (what + ".log");
+  if (run_program(command, log, "the rtl engine") == 0) return;
+  workshop.keep();
+  throw InputError(fmt::format("{} refused the RTL of this configuration: {} (all of it in {})",
+                               command.front(), first_complaint(log), log.string()));
+}
+
+// Moves a finished file to its place; another process may have put the same one there.
+void publish(const fs::path& made, const fs::path& place) {
+  std::error_code error;
+  fs::rename(made, place, error);
+  if (error) throw InputError(fmt::format("{}: cannot be written ({})", place.string(), error.message()));
+}
+
+std::string verilator_include() {
+  std::string root = environment("VERILATOR_ROOT");
+  return (root.empty() ? std::string("/usr/share/verilator") : root) + "/include";
+}
+
+std::vector<std::string> compile_command(const fs::path& root) {
+  std::vector<std::string> command = {compiler()};
+  command.insert(command.end(), compiler_flags.begin(), compiler_flags.end());
+  command.insert(command.end(),
+                 {"-include", (root / "tb/rtl_printf.hpp").string(), "-I" + verilator_include(),
+                  "-I" + verilator_include() + "/vltstd", "-I" + (root / "tb").string()});
+  return command;
+}
+
+// Verilator's own runtime, compiled once for every configuration.
+std::vector<fs::path> build_runtime(const fs::path& cache, const fs::path& root,
+                                    const std::string& flags_text) {
+  std::vector<fs::path> objects;
+  for (const char* part : {"verilated", "verilated_threads"}) {
+    const fs::path source = fs::path(verilator_include()) / (std::string(part) + ".cpp");
+    if (!fs::exists(source)) {
+      throw InputError(
+          fmt::format("{}: not found; the rtl engine needs Verilator (VERILATOR_ROOT names its folder)",
+                      source.string()));
+    }
+    Key key;
+    key.add(flags_text);
+    key.add(read_text(source));
+    const fs::path object = cache / fmt::format("{}-{}.o", part, key.hex());
+    if (!fs::exists(object)) {
+      Workshop workshop(cache);
+      const fs::path made = workshop.path() / "runtime.o";
+      std::vector<std::string> command = compile_command(root);
+      command.insert(command.end(), {"-c", source.string(), "-o", made.string()});
+      run_or_throw(workshop, command, "compile");
+      publish(made, object);
+    }
+    objects.push_back(object);
+  }
+  return objects;
+}
+
+// Keeps the cache small: libraries unused for an hour go when there are too many, the longest unused first,
+// and so do folders of builds that were killed.
+void prune(const fs::path& cache) {
+  constexpr std::size_t kept_libraries = 256;
+  const auto now = fs::file_time_type::clock::now();
+  std::error_code ignored;
+  std::vector<std::pair<fs::file_time_type, fs::path>> libraries;
+  for (const fs::directory_entry& entry : fs::directory_iterator(cache, ignored)) {
+    const auto used = entry.last_write_time(ignored);
+    if (ignored) continue;  // gone meanwhile
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("build-") && now - used > std::chrono::hours(24))
+      fs::remove_all(entry.path(), ignored);
+    if (name.starts_with("rtl-")) libraries.emplace_back(used, entry.path());
+  }
+  if (libraries.size() <= kept_libraries) return;
+  std::sort(libraries.begin(), libraries.end());
+  libraries.resize(libraries.size() - kept_libraries);
+  for (const auto& [used, path] : libraries) {
+    if (now - used > std::chrono::hours(1)) fs::remove(path, ignored);
+  }
+}
+
+// A line on a terminal while a build runs.
+class Progress {
+ public:
+  explicit Progress(const std::string& name) : shown_(::isatty(STDERR_FILENO) != 0) {
+    if (shown_) fmt::print(stderr, "building the RTL of {} ...", name.empty() ? "this configuration" : name);
+    if (shown_) std::fflush(stderr);
+  }
+  ~Progress() {
+    if (shown_) std::fputs("\r\033[K", stderr);
+  }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+ private:
+  bool shown_;
+};
+
+}  // namespace
+
+const std::vector<std::string>& verilator_safe_flags() {
+  // Verilator 5.006 miscompiles some trees of XOR without it.
+  static const std::vector<std::string> flags = {"-fno-const-bit-op-tree"};
+  return flags;
+}
+
+fs::path rtl_root() {
+  const std::string root = environment("BITSPAN_ROOT");
+  return root.empty() ? fs::path(BITSPAN_SOURCE_DIR) : fs::path(root);
+}
+
+std::vector<fs::path> rtl_sources() {
+  const fs::path folder = rtl_root() / "rtl";
+  std::istringstream list(read_text(folder / "span_interpolator.f"));
+  std::vector<fs::path> sources;
+  for (std::string name; std::getline(list, name);) {
+    if (!name.empty()) sources.push_back(folder / name);
+  }
+  return sources;
+}
+
+fs::path rtl_cache_folder() {
+  if (const std::string cache = environment("BITSPAN_CACHE"); !cache.empty()) return fs::absolute(cache);
+  if (const std::string cache = environment("XDG_CACHE_HOME"); !cache.empty())
+    return fs::path(cache) / "bitspan";
+  if (const std::string home = environment("HOME"); !home.empty()) return fs::path(home) / ".cache/bitspan";
+  return fs::temp_directory_path() / fmt::format("bitspan-{}", ::getuid());
+}
+
+int run_program(const std::vector<std::string>& command, const fs::path& log, const std::string& needed_for) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  std::vector<std::string> words = command;
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  pid_t child = 0;
+  const int failed = posix_spawnp(&child, arguments.front(), &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed != 0) {
+    throw InputError(fmt::format("{}: does not start; {} needs it on PATH", command.front(), needed_for));
+  }
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+fs::path build_rtl(const Config& config) {
+  const std::string package = emit_sv(config);
+  const fs::path root = rtl_root();
+  const fs::path cache = rtl_cache_folder();
+  const std::vector<fs::path> sources = rtl_sources();
+
+  Key key;
+  std::string flags_text = compiler() + ' ' + verilator_include();
+  for (const std::string& flag : compiler_flags) flags_text += ' ' + flag;
+  key.add(flags_text);
+  std::vector<std::string> verilator = {"verilator"};
+  verilator.insert(verilator.end(), verilator_safe_flags().begin(), verilator_safe_flags().end());
+  verilator.insert(verilator.end(), verilator_flags.begin(), verilator_flags.end());
+  for (const std::string& flag : verilator) key.add(flag);
+  key.add(without_comments(package));
+  for (const fs::path& source : sources) key.add(read_text(source));
+  for (const char* part : {"tb/rtl_harness.cpp", "tb/rtl_abi.hpp", "tb/rtl_printf.hpp"})
+    key.add(read_text(root / part));
+  const fs::path library = cache / fmt::format("rtl-{}.so", key.hex());
+  std::error_code missing;
+  fs::last_write_time(library, fs::file_time_type::clock::now(), missing);  // used now
+  if (!missing || fs::exists(library)) return library;
+
+  const Progress progress(config.name);
+  const std::vector<fs::path> runtime = build_runtime(cache, root, flags_text);
+  Workshop workshop(cache);
+  const fs::path package_path = workshop.path() / "bitspan_cfg_pkg.sv";
+  const fs::path verilated = workshop.path() / "verilated";
+  write_text(package_path, package);
+  std::vector<std::string> command = verilator;
+  command.insert(command.end(), {"--Mdir", verilated.string(), package_path.string()});
+  for (const fs::path& source : sources) command.push_back(source.string());
+  run_or_throw(workshop, command, "verilator");
+
+  // One translation unit: most of a small one's time goes into the headers.
+  std::string all = fmt::format("#include \"{}\"\n", (root / "tb/rtl_harness.cpp").string());
+  std::vector<std::string> parts;
+  for (const fs::directory_entry& entry : fs::directory_iterator(verilated)) {
+    if (entry.path().extension() == ".cpp") parts.push_back(entry.path().filename().string());
+  }
+  std::sort(parts.begin(), parts.end());
+  for (const std::string& part : parts) all += fmt::format("#include \"{}\"\n", part);
+  write_text(verilated / "all.cpp", all);
+  const fs::path made = workshop.path() / "rtl.so";
+  command = compile_command(root);
+  command.insert(command.end(), {"-I" + verilated.string(), "-shared", (verilated / "all.cpp").string()});
+  for (const fs::path& object : runtime) command.push_back(object.string());
+  command.insert(command.end(), {"-o", made.string(), "-lpthread"});
+  run_or_throw(workshop, command, "compile");
+  publish(made, library);
+  prune(cache);
+  return library;
+}
+
+struct Rtl::Library {
+  explicit Library(const fs::path& path) : handle(::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+    if (handle == nullptr) throw InputError(fmt::format("{}: {}", path.string(), ::dlerror()));
+    load(create, "bitspan_rtl_create");
+    load(destroy, "bitspan_rtl_destroy");
+    load(reset, "bitspan_rtl_reset");
+    load(clock, "bitspan_rtl_clock");
+  }
+  ~Library() { ::dlclose(handle); }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+
+  template <class Function>
+  void load(Function& function, const char* name) {
+    function = reinterpret_cast<Function>(::dlsym(handle, name));
+    if (function == nullptr)
+      throw InputError(fmt::format("the RTL library has no {}; empty the cache folder", name));
+  }
+
+  void* handle;
+  RtlCreate create = nullptr;
+  RtlDestroy destroy = nullptr;
+  RtlReset reset = nullptr;
+  RtlClock clock = nullptr;
+};
+
+namespace {
+
+void throw_on(const char* failed) {
+  if (failed != nullptr) throw std::logic_error(fmt::format("assertion in the RTL: {}", failed));
+}
+
+}  // namespace
+
+Rtl::Rtl(const Config& config)
+    : library_(std::make_shared<Library>(build_rtl(config))), handle_(library_->create(), library_->destroy) {
+  reset();
+}
+Rtl::~Rtl() = default;
+Rtl::Rtl(Rtl&&) noexcept = default;
+Rtl& Rtl::operator=(Rtl&& other) noexcept {
+  handle_ = std::move(other.handle_);  // first: what it held is destroyed by the library it came from
+  library_ = std::move(other.library_);
+  return *this;
+}
+
+void Rtl::reset() { throw_on(library_->reset(handle_.get())); }
+
+void Rtl::clock(const RtlDrive& drive, RtlSample& sample) {
+  throw_on(library_->clock(handle_.get(), &drive, &sample));
+}
+
+std::uint64_t Rtl::to_port(std::int64_t raw, int width) {
+  const auto bits = static_cast<std::uint64_t>(raw);
+  return width >= 64 ? bits : bits & ((std::uint64_t{1} << width) - 1);
+}
+
+std::int64_t Rtl::from_port(std::uint64_t bits, const Format& format) {
+  if (!format.is_signed || format.word >= 64) return static_cast<std::int64_t>(bits);
+  const std::uint64_t sign = std::uint64_t{1} << (format.word - 1);
+  return static_cast<std::int64_t>((bits ^ sign) - sign);
+}
+
+}  // namespace bitspan

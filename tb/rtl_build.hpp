@@ -1,0 +1,66 @@
+// The Verilated span interpolator of any configuration, built when it is first asked for.
+//
+// The package of the configuration (config/emit_sv) and the sources in rtl/ go through Verilator and the C++
+// compiler into one shared library, kept in a cache folder under a key over every text and flag that it is
+// made from: $BITSPAN_CACHE, else $XDG_CACHE_HOME/bitspan, else ~/.cache/bitspan. Libraries appear there
+// complete or not at all, so processes may build the same one at the same time. The sources are those this
+// program was built from, or those under $BITSPAN_ROOT.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "config/config.hpp"
+#include "tb/rtl_abi.hpp"
+
+namespace bitspan {
+
+// The project's folder with rtl/ and tb/ in it.
+std::filesystem::path rtl_root();
+// rtl/span_interpolator.f: the sources below the package, in the order of reading.
+std::vector<std::filesystem::path> rtl_sources();
+std::filesystem::path rtl_cache_folder();
+
+// Flags that every use of Verilator here must have; tests/rtl/verilator_xor_test says why.
+const std::vector<std::string>& verilator_safe_flags();
+
+// Runs a program found on PATH, both its outputs to `log`; returns its exit code. Throws InputError where it
+// does not start; `needed_for` ends the message.
+int run_program(const std::vector<std::string>& command, const std::filesystem::path& log,
+                const std::string& needed_for);
+
+// Builds the library where the cache does not hold it, and returns its path. Throws InputError where the mode
+// has no RTL, a tool is missing or refuses, or the cache folder cannot be written. Writes a line of progress
+// to a terminal.
+std::filesystem::path build_rtl(const Config& config);
+
+// One simulated span interpolator. Values go in and come out as raw integers with their signs, as records
+// hold them.
+class Rtl {
+ public:
+  // Builds or finds the library, loads it and resets. Throws as build_rtl and clock.
+  explicit Rtl(const Config& config);
+  ~Rtl();
+  Rtl(Rtl&&) noexcept;
+  Rtl& operator=(Rtl&&) noexcept;
+  Rtl(const Rtl&) = delete;
+  Rtl& operator=(const Rtl&) = delete;
+
+  // Empty, as after construction; throws as clock.
+  void reset();
+  // One clock. Throws std::logic_error with the text of an assertion in the RTL that failed.
+  void clock(const RtlDrive& drive, RtlSample& sample);
+
+  // A raw value to the bits of a port and back.
+  static std::uint64_t to_port(std::int64_t raw, int width);
+  static std::int64_t from_port(std::uint64_t bits, const Format& format);
+
+ private:
+  struct Library;
+  std::shared_ptr<Library> library_;  // outlives the handle: declared before it
+  std::unique_ptr<void, void (*)(void*)> handle_;
+};
+
+}  // namespace bitspan

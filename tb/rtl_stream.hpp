@@ -1,0 +1,58 @@
+// Records through the Verilated span interpolator: to port values and back, with gaps and stalls.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "config/records.hpp"
+#include "tb/rtl_build.hpp"
+
+namespace bitspan {
+
+// The port values of a row; b is the constants' record value. Throws std::logic_error where a value does not
+// fit its port, which a legal record never has.
+RtlInputs rtl_inputs(const Config& config, const RowRecord& row, std::int64_t b);
+RtlInputs rtl_inputs(const Config& config, const PlaneRowRecord& row, std::int64_t k, std::int64_t b);
+
+// What the RTL knows of a record, with signs; every other field is 0 and its owner's business: triangle, y,
+// shades, covered, and x, y where the major axis is y.
+SpanRecord span_record(const Config& config, const RtlSpan& span);
+FragmentRecord fragment_record(const Config& config, const RtlPixel& pixel);
+
+// Random gaps between records offered, and stalls of the output; each clock on its own, and by seed alone.
+struct RtlStalls {
+  std::uint64_t seed = 1;
+  double in_gap = 0;     // probability that no record is offered on a clock
+  double out_stall = 0;  // probability that out_ready is 0 on a clock
+};
+
+// The handshake of one clock.
+struct RtlHandshake {
+  bool in_valid = false;
+  bool in_ready = false;
+  bool out_valid = false;
+  bool out_ready = false;
+  bool operator==(const RtlHandshake&) const = default;
+};
+
+struct RtlRun {
+  std::vector<RtlSpan> spans;            // in the order they were taken
+  std::vector<RtlPixel> pixels;          // in the order they were delivered
+  std::vector<RtlHandshake> handshakes;  // one a clock, where asked for
+  std::uint64_t clocks = 0;              // from the first one driven to the last pixel's transfer
+  std::vector<std::uint64_t>
+      accepted_at;                      // clock of each record's acceptance, where handshakes were asked for
+  std::vector<std::uint64_t> taken_at;  // ... of each span's take
+  std::vector<std::uint64_t> delivered_at;  // ... of each pixel's transfer
+};
+
+// Feeds the records until all their pixels are delivered. Throws std::logic_error where an assertion in the
+// RTL fails, or where nothing moves although it should.
+RtlRun run_rtl(Rtl& rtl, std::span<const RtlInputs> records, const RtlStalls& stalls, bool keep_handshakes);
+
+// Drives the same in_valid and out_ready, clock for clock, as in `driven` and returns what the RTL answered;
+// records are offered in order, and a clock with in_valid beyond the last one is an error.
+RtlRun replay_rtl(Rtl& rtl, std::span<const RtlInputs> records, std::span<const RtlHandshake> driven);
+
+}  // namespace bitspan

@@ -1,0 +1,128 @@
+// The cache of Verilated libraries: found again, made by two at once, and what is said when it cannot be
+// made.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <thread>
+
+#include "tb/rtl_build.hpp"
+#include "tb/rtl_stream.hpp"
+#include "tests/rtl/simulate.hpp"
+
+namespace bitspan {
+namespace {
+
+// Sets a variable of the environment for its lifetime.
+class Environment {
+ public:
+  Environment(const char* name, const std::string& value) : name_(name) {
+    if (const char* old = std::getenv(name)) {
+      had_ = true;
+      old_ = old;
+    }
+    ::setenv(name, value.c_str(), 1);
+  }
+  ~Environment() {
+    if (had_) {
+      ::setenv(name_, old_.c_str(), 1);
+    } else {
+      ::unsetenv(name_);
+    }
+  }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+ private:
+  const char* name_;
+  bool had_ = false;
+  std::string old_;
+};
+
+Config narrow() { return load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/narrow.toml"); }
+
+std::string message_of(const Config& c) {
+  try {
+    build_rtl(c);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "no InputError";
+}
+
+TEST(Build, TwoAtOnceAndThenFromTheCache) {
+  const TemporaryFolder cache;
+  const Environment environment("BITSPAN_CACHE", cache.path().string());
+  std::filesystem::path a;
+  std::filesystem::path b;
+  std::thread first([&] { a = build_rtl(narrow()); });
+  std::thread second([&] { b = build_rtl(narrow()); });
+  first.join();
+  second.join();
+  EXPECT_EQ(a, b);
+  Rtl rtl(narrow());
+  RtlDrive drive{};
+  RtlSample sample{};
+  rtl.clock(drive, sample);
+  EXPECT_TRUE(sample.in_ready);
+  EXPECT_FALSE(sample.out_valid);
+  // Nothing half-made stays behind; the name of a configuration and what the RTL does not have do not count.
+  for (const auto& entry : std::filesystem::directory_iterator(cache.path()))
+    EXPECT_TRUE(entry.is_regular_file());
+  const Environment no_tools("PATH", "/nonexistent");
+  Config same = narrow();
+  same.name = "other";
+  same.fog = same.fog == FogMode::none ? FogMode::linear : FogMode::none;
+  EXPECT_EQ(build_rtl(same), a);
+}
+
+TEST(Build, SaysWhatIsMissing) {
+  const TemporaryFolder cache;
+  const Environment environment("BITSPAN_CACHE", cache.path().string());
+  {
+    const Environment no_tools("PATH", "/nonexistent");
+    EXPECT_NE(message_of(narrow()).find("needs it on PATH"), std::string::npos) << message_of(narrow());
+  }
+  {
+    const Environment no_compiler("CXX", "no-such-compiler");
+    EXPECT_NE(message_of(narrow()).find("no-such-compiler"), std::string::npos) << message_of(narrow());
+  }
+  {
+    const Environment root("BITSPAN_ROOT", cache.path().string());
+    EXPECT_NE(message_of(narrow()).find("BITSPAN_ROOT"), std::string::npos) << message_of(narrow());
+  }
+  const Environment file("BITSPAN_CACHE", (cache.write("file", "") / "cache").string());
+  EXPECT_NE(message_of(narrow()).find("BITSPAN_CACHE"), std::string::npos) << message_of(narrow());
+}
+
+// RTL whose structure is not what the package says does not run.
+TEST(Build, LatencyThatDiffersFromThePackageIsSeen) {
+  const TemporaryFolder folder;
+  for (const char* part : {"rtl", "tb"}) {
+    std::filesystem::copy(rtl_root() / part, folder.path() / part, std::filesystem::copy_options::recursive);
+  }
+  const auto changed = folder.path() / "rtl/span.sv";
+  std::string text = read_file(changed);
+  const std::string structure = ": 2 + bitspan_cfg_pkg::PixelUnitClocks;";
+  ASSERT_NE(text.find(structure), std::string::npos);
+  text.replace(text.find(structure), structure.size(), ": 3 + bitspan_cfg_pkg::PixelUnitClocks;");
+  ASSERT_EQ(folder.write("rtl/span.sv", text), changed);
+  const Environment root("BITSPAN_ROOT", folder.path().string());
+  const Environment cache("BITSPAN_CACHE", (folder.path() / "cache").string());
+  try {
+    const Rtl rtl(narrow());
+    FAIL() << "no assertion failed";
+  } catch (const std::logic_error& e) {
+    EXPECT_NE(std::string(e.what()).find("span: has"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Build, RecordsThatDoNotFitAreRefused) {
+  const Config c = narrow();
+  RowRecord row;
+  row.x_first = std::int64_t{1} << 40;
+  row.x_last = row.x_first;
+  EXPECT_THROW(rtl_inputs(c, row, 1), std::logic_error);
+}
+
+}  // namespace
+}  // namespace bitspan

@@ -1,0 +1,21 @@
+// Random records of one configuration with what the span interpolator must make of them.
+#pragma once
+
+#include <vector>
+
+#include "tb/rtl_stream.hpp"
+#include "tests/rtl/random_rtl.hpp"
+#include "tests/rtl/reference.hpp"
+
+namespace bitspan {
+
+struct InterpolatorCase {
+  std::vector<RtlInputs> inputs;
+  std::vector<SpanRecord> spans;
+  std::vector<reference::Pixel> pixels;
+};
+
+// Spans of 1 to `longest` pixels.
+InterpolatorCase make_interpolator_case(Random& random, const Config& config, int records, int longest);
+
+}  // namespace bitspan

@@ -1,0 +1,25 @@
+// Random configurations and records for the tests of the RTL; the same seed gives the same ones.
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "config/records.hpp"
+
+namespace bitspan {
+
+using Random = std::mt19937_64;
+
+// Legal, in one of the modes that exist in RTL: random widths, roundings, overflows, reciprocal kinds, slope
+// form and offsets around config/depth16.toml.
+Config random_rtl_config(Random& random);
+
+// Raw values anywhere in the formats, ends of the ranges included; not what a scene would give.
+std::int64_t random_raw(Random& random, const Format& format);
+std::vector<RowRecord> random_rows(Random& random, const Config& config, int count, int longest);
+std::vector<PlaneRowRecord> random_plane_rows(Random& random, const Config& config, int count, int longest);
+// A slope in -1..1 on plane.k, 0, 1 and -1 among them.
+std::int64_t random_k(Random& random, const Config& config);
+
+}  // namespace bitspan

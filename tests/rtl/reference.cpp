@@ -1,0 +1,251 @@
+#include "tests/rtl/reference.hpp"
+
+#include <algorithm>
+
+namespace bitspan::reference {
+namespace {
+
+Rational half() { return Rational(1, 2); }
+
+Rational ulp(const Format& f) { return power_of_two(-f.fraction()); }
+
+// Nearest integer with ties as the mode says; the tie's two candidates are floor and floor + 1.
+Integer round(const Rational& x, Rounding mode) {
+  const Integer low = floor(x);
+  const Rational fraction = x - low;
+  if (mode == Rounding::trn) return low;
+  if (mode == Rounding::trn_zero) return x < 0 && fraction != 0 ? Integer(low + 1) : low;
+  if (fraction < half()) return low;
+  if (fraction > half()) return low + 1;
+  switch (mode) {
+    case Rounding::rnd:
+      return low + 1;
+    case Rounding::rnd_zero:
+      return x < 0 ? Integer(low + 1) : low;
+    case Rounding::rnd_min_inf:
+      return low;
+    case Rounding::rnd_inf:
+      return x < 0 ? low : Integer(low + 1);
+    default:  // rnd_conv
+      return low % 2 == 0 ? low : Integer(low + 1);
+  }
+}
+
+// The kept low bits of a two's complement integer.
+Integer low_bits(const Integer& x, int bits) {
+  const Integer modulus = Integer(1) << bits;
+  const Integer r = x % modulus;
+  return r < 0 ? Integer(r + modulus) : r;
+}
+
+Integer as_signed(const Integer& bits, const Format& f) {
+  return f.is_signed && bits >= (Integer(1) << (f.word - 1)) ? Integer(bits - (Integer(1) << f.word)) : bits;
+}
+
+Integer overflow(const Integer& x, const Format& f) {
+  const Integer highest = (Integer(1) << (f.is_signed ? f.word - 1 : f.word)) - 1;
+  const Integer lowest = f.is_signed ? Integer(-highest - 1) : Integer(0);
+  const bool symmetric = f.overflow == Overflow::sat_sym && f.is_signed;
+  if (x >= (symmetric ? Integer(-highest) : lowest) && x <= highest) return x;
+  switch (f.overflow) {
+    case Overflow::wrap:
+      return as_signed(low_bits(x, f.word), f);
+    case Overflow::sat:
+      return x < 0 ? lowest : highest;
+    case Overflow::sat_zero:
+      return 0;
+    case Overflow::sat_sym:
+      return x < 0 ? (symmetric ? Integer(-highest) : lowest) : highest;
+    case Overflow::wrap_sm:
+      break;
+  }
+  // The bit above the kept ones becomes the sign; where it differs from the old sign the others are inverted.
+  const Integer wide = low_bits(x, f.word + 1);
+  const bool above = boost::multiprecision::bit_test(wide, static_cast<unsigned>(f.word));
+  const bool sign = boost::multiprecision::bit_test(wide, static_cast<unsigned>(f.word - 1));
+  Integer rest = low_bits(wide, f.word - 1);
+  if (above != sign) rest = (Integer(1) << (f.word - 1)) - 1 - rest;
+  return rest - (above ? Integer(Integer(1) << (f.word - 1)) : Integer(0));
+}
+
+Rational offset(const StartOffset& o, const Rational& kept_ulp) {
+  return o.half_ulp ? Rational(kept_ulp / 2) : Rational(o.value);
+}
+
+Rational cut(const Rational& x, int bits) { return floor(x * power_of_two(bits)) * power_of_two(-bits); }
+
+Rational scaled(const MantissaExponent& r, const Reciprocal& unit) {
+  return value(r.m, unit.output) * power_of_two(-r.e);
+}
+
+Rational sum_ulp(const Config& c, FormatId h) {
+  return std::min(ulp(c.format(h)), ulp(c.format(FormatId::setup_b)));
+}
+
+}  // namespace
+
+Rational power_of_two(int exponent) {
+  const Integer p = Integer(1) << std::abs(exponent);
+  return exponent >= 0 ? Rational(p) : Rational(1, p);
+}
+
+Integer floor(const Rational& x) {
+  const Integer n = numerator(x);
+  const Integer d = denominator(x);
+  Integer q = n / d;
+  if (n % d != 0 && n < 0) --q;
+  return q;
+}
+
+Rational value(std::int64_t raw, const Format& format) { return Rational(raw) * ulp(format); }
+
+std::int64_t quantize(const Rational& x, const Format& format) {
+  return static_cast<std::int64_t>(overflow(round(x / ulp(format), format.rounding), format));
+}
+
+MantissaExponent reciprocal(const Rational& d_in, const Rational& ulp, const Reciprocal& unit) {
+  const Rational d = d_in <= 0 ? ulp : d_in;
+  int e = 0;
+  while (d >= power_of_two(e + 1)) ++e;
+  while (d < power_of_two(e)) --e;
+  const Rational n = d * power_of_two(-e);
+  Rational y = 1 / n;
+  if (unit.kind != ReciprocalKind::restoring) {
+    const int p = unit.index_bits;
+    const Rational nq = cut(n, unit.operand_bits);
+    const Rational position = (nq - 1) * power_of_two(p);
+    const Integer j = floor(position);
+    const auto entry = [&](const Rational& x) {  // round(1 / (1 + x / 2^p)) on table_bits
+      return floor(power_of_two(unit.table_bits) / (1 + x * power_of_two(-p)) + half()) *
+             power_of_two(-unit.table_bits);
+    };
+    if (unit.kind == ReciprocalKind::lut_linear) {
+      const Rational t = position - j;
+      const Rational left = entry(Rational(j));
+      const Rational right = entry(Rational(j) + 1);
+      y = cut(left - (left - right) * t, unit.internal_bits);
+    } else {
+      y = entry(Rational(j) + half());
+      for (int step = 0; step < unit.steps; ++step) {
+        const Rational a = cut(nq * y, unit.internal_bits);
+        y = cut(y * (2 - a), unit.internal_bits);
+      }
+    }
+  }
+  if (unit.normalize) return {quantize(y, unit.output), e};
+  return {quantize(y * power_of_two(-e), unit.output), 0};
+}
+
+SpanRecord span_setup(const Config& c, const RowRecord& row, std::int64_t b) {
+  const auto real = [&](std::int64_t raw, FormatId id) { return value(raw, c.format(id)); };
+  const auto q = [&](const Rational& x, FormatId id) { return quantize(x, c.format(id)); };
+  SpanRecord s;
+  s.x = row.x_first;
+  s.count = row.x_last - row.x_first + 1;
+  s.u1 = row.l_u;
+  s.v1 = row.l_v;
+  const Rational length = real(row.r_x, FormatId::edge_x) - real(row.l_x, FormatId::edge_x);
+  const Rational p = row.x_first + half() - real(row.l_x, FormatId::edge_x);
+  const Rational h_l = real(row.l_h, FormatId::edge_h);
+  const Rational h_r = real(row.r_h, FormatId::edge_h);
+  const Rational q_r = h_r + real(b, FormatId::setup_b);
+  s.fu_diff =
+      q((real(row.r_u, FormatId::edge_uv) - real(row.l_u, FormatId::edge_uv)) * q_r, FormatId::span_f_diff);
+  s.fv_diff =
+      q((real(row.r_v, FormatId::edge_uv) - real(row.l_v, FormatId::edge_uv)) * q_r, FormatId::span_f_diff);
+  if (length > 0) {
+    Rational inverse = 1 / length;
+    if (c.row_slope == SlopeForm::reciprocal) {
+      const MantissaExponent r = reciprocal(length, ulp(c.format(FormatId::edge_x)), c.row_reciprocal);
+      s.recip_m = r.m;
+      s.recip_e = r.e;
+      inverse = scaled(r, c.row_reciprocal);
+    }
+    s.h_step = q((h_r - h_l) * inverse, FormatId::span_h_step);
+    s.fu_step0 = q(real(s.fu_diff, FormatId::span_f_diff) * inverse, FormatId::span_f_step);
+    s.fv_step0 = q(real(s.fv_diff, FormatId::span_f_diff) * inverse, FormatId::span_f_step);
+  }
+  s.fu_step1 = s.fu_step0;
+  s.fv_step1 = s.fv_step0;
+  s.h =
+      q(h_l + real(s.h_step, FormatId::span_h_step) * p + offset(c.start_offset.span_h, 1), FormatId::span_h);
+  const Rational f_offset = offset(c.start_offset.span_f, ulp(c.format(FormatId::span_f)));
+  s.fu = q(real(s.fu_step0, FormatId::span_f_step) * p + f_offset, FormatId::span_f);
+  s.fv = q(real(s.fv_step0, FormatId::span_f_step) * p + f_offset, FormatId::span_f);
+  return s;
+}
+
+SpanRecord span_setup(const Config& c, const PlaneRowRecord& row, std::int64_t b) {
+  const auto q = [&](const Rational& x, FormatId id) { return quantize(x, c.format(id)); };
+  SpanRecord s;
+  s.x = row.major_first;
+  s.count = row.count;
+  s.phase = row.phase;
+  s.h = row.h;
+  const Rational d = value(row.h, c.format(FormatId::span_h)) + value(b, c.format(FormatId::setup_b));
+  const MantissaExponent r = reciprocal(d, sum_ulp(c, FormatId::span_h), c.row_reciprocal);
+  s.recip_m = r.m;
+  s.recip_e = r.e;
+  const Rational inverse = scaled(r, c.row_reciprocal);
+  const Rational f_offset = offset(c.start_offset.span_f, ulp(c.format(FormatId::span_uv)));
+  const auto start = [&](std::int64_t g) {
+    return q(value(g, c.format(FormatId::span_f)) * inverse + f_offset, FormatId::span_uv_acc);
+  };
+  const auto step = [&](std::int64_t g) {
+    return q(value(g, c.format(FormatId::span_f_step)) * inverse, FormatId::span_uv_step);
+  };
+  s.fu = start(row.gu);
+  s.fv = start(row.gv);
+  s.fu_step0 = step(row.gu_step0);
+  s.fu_step1 = step(row.gu_step1);
+  s.fv_step0 = step(row.gv_step0);
+  s.fv_step1 = step(row.gv_step1);
+  return s;
+}
+
+std::vector<Pixel> span(const Config& c, const SpanRecord& s, std::int64_t k_raw, std::int64_t b) {
+  const bool rows = c.perspective == Perspective::const_depth_rows;
+  const Format acc = c.format(rows ? FormatId::span_uv_acc : FormatId::span_f);
+  const Format step_format = c.format(rows ? FormatId::span_uv_step : FormatId::span_f_step);
+  const Format& h_format = c.format(FormatId::span_h);
+  const Rational k = value(k_raw, c.format(FormatId::plane_k));
+  const int phase_bits = c.format(FormatId::plane_k).fraction();
+  Rational phase = Rational(s.phase) * power_of_two(-phase_bits);
+  std::int64_t h = s.h;
+  std::int64_t fu = s.fu;
+  std::int64_t fv = s.fv;
+  std::vector<Pixel> pixels;
+  for (std::int64_t i = 0; i < s.count; ++i) {
+    Pixel pixel;
+    FragmentRecord& f = pixel.fragment;
+    f.x = s.x + i;
+    f.last = i + 1 == s.count ? 1 : 0;
+    f.h = h;
+    f.fu = fu;
+    f.fv = fv;
+    Rational u = value(fu, acc);
+    Rational v = value(fv, acc);
+    if (!rows) {
+      const Rational d = value(h, h_format) + value(b, c.format(FormatId::setup_b));
+      const MantissaExponent r = reciprocal(d, sum_ulp(c, FormatId::span_h), c.pixel_reciprocal);
+      f.recip_m = r.m;
+      f.recip_e = r.e;
+      u = value(s.u1, c.format(FormatId::edge_uv)) + u * scaled(r, c.pixel_reciprocal);
+      v = value(s.v1, c.format(FormatId::edge_uv)) + v * scaled(r, c.pixel_reciprocal);
+    }
+    f.u = quantize(u, c.format(FormatId::span_uv));
+    f.v = quantize(v, c.format(FormatId::span_uv));
+    if (rows) {
+      phase += k;
+      pixel.step = k >= 0 ? phase >= 1 : phase < 0;
+      if (pixel.step) phase += k >= 0 ? -1 : 1;
+    }
+    pixels.push_back(pixel);
+    h = quantize(value(h, h_format) + value(s.h_step, c.format(FormatId::span_h_step)), h_format);
+    fu = quantize(value(fu, acc) + value(pixel.step ? s.fu_step1 : s.fu_step0, step_format), acc);
+    fv = quantize(value(fv, acc) + value(pixel.step ? s.fv_step1 : s.fv_step0, step_format), acc);
+  }
+  return pixels;
+}
+
+}  // namespace bitspan::reference

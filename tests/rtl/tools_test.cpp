@@ -1,0 +1,172 @@
+// The same RTL read by all three tools, over shipped and random configurations: Verilator's lint is silent,
+// Icarus computes the same values, Yosys reads and checks the design.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "config/emit_sv.hpp"
+#include "tests/rtl/interpolator_case.hpp"
+#include "tests/rtl/simulate.hpp"
+
+namespace bitspan {
+namespace {
+
+Config depth16(Perspective mode) {
+  Config c = load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/depth16.toml");
+  c.perspective = mode;
+  return c;
+}
+
+std::vector<Config> configs(std::uint64_t seed, int random_ones) {
+  std::vector<Config> all = {depth16(Perspective::delta_f), depth16(Perspective::const_depth_rows)};
+  Random random(seed);
+  for (int i = 0; i < random_ones; ++i) all.push_back(random_rtl_config(random));
+  return all;
+}
+
+TEST(Tools, VerilatorLintIsSilent) {
+  for (const Config& c : configs(100, 20)) {
+    const TemporaryFolder folder;
+    std::vector<std::string> command = {"verilator",    "--lint-only",      "-Wall",
+                                        "--assert",     "--max-num-width",  "1048576",
+                                        "--top-module", "span_interpolator"};
+    command.push_back(folder.write("bitspan_cfg_pkg.sv", emit_sv(c)).string());
+    for (const auto& source : rtl_sources()) command.push_back(source.string());
+    const auto log = folder.path() / "lint.log";
+    EXPECT_EQ(run_program(command, log, "this test"), 0) << to_toml(c);
+    EXPECT_EQ(read_file(log), "") << to_toml(c);
+    if (HasFailure()) return;
+  }
+}
+
+std::string line(const std::initializer_list<std::uint64_t>& values) {
+  std::string text;
+  for (const std::uint64_t v : values) text += fmt::format("{:x} ", v);
+  return text + '\n';
+}
+
+std::string input_lines(const std::vector<RtlInputs>& inputs) {
+  std::string text;
+#define BITSPAN_VALUE(name) in.name,
+  for (const RtlInputs& in : inputs) text += line({BITSPAN_RTL_INPUTS(BITSPAN_VALUE)});
+#undef BITSPAN_VALUE
+  return text;
+}
+
+std::uint64_t bits(std::int64_t raw, const Format& f) { return Rtl::to_port(raw, f.word); }
+std::uint64_t bits(std::int64_t raw, const Config& c, FormatId id) { return bits(raw, c.format(id)); }
+std::uint64_t exponent_bits(std::int64_t e) { return Rtl::to_port(e, 8); }
+
+std::string span_lines(const Config& c, const std::vector<SpanRecord>& spans) {
+  const bool rows = c.perspective == Perspective::const_depth_rows;
+  const FormatId acc = rows ? FormatId::span_uv_acc : FormatId::span_f;
+  const FormatId step = rows ? FormatId::span_uv_step : FormatId::span_f_step;
+  std::string text;
+  for (const SpanRecord& s : spans) {
+    text += line({static_cast<std::uint64_t>(s.x), static_cast<std::uint64_t>(s.count),
+                  bits(s.recip_m, c.row_reciprocal.output), exponent_bits(s.recip_e),
+                  static_cast<std::uint64_t>(s.phase), bits(s.fu_diff, c, FormatId::span_f_diff),
+                  bits(s.fv_diff, c, FormatId::span_f_diff), bits(s.h, c, FormatId::span_h),
+                  bits(s.h_step, c, FormatId::span_h_step), bits(s.u1, c, FormatId::edge_uv),
+                  bits(s.v1, c, FormatId::edge_uv), bits(s.fu, c, acc), bits(s.fv, c, acc),
+                  bits(s.fu_step0, c, step), bits(s.fu_step1, c, step), bits(s.fv_step0, c, step),
+                  bits(s.fv_step1, c, step)});
+  }
+  return text;
+}
+
+std::string pixel_lines(const Config& c, const std::vector<reference::Pixel>& pixels) {
+  const FormatId acc =
+      c.perspective == Perspective::const_depth_rows ? FormatId::span_uv_acc : FormatId::span_f;
+  std::string text;
+  for (const reference::Pixel& p : pixels) {
+    const FragmentRecord& f = p.fragment;
+    text += line({static_cast<std::uint64_t>(f.x), p.step ? 1U : 0U, static_cast<std::uint64_t>(f.last),
+                  bits(f.h, c, FormatId::span_h), bits(f.fu, c, acc), bits(f.fv, c, acc),
+                  bits(f.recip_m, c.pixel_reciprocal.output), exponent_bits(f.recip_e),
+                  bits(f.u, c, FormatId::span_uv), bits(f.v, c, FormatId::span_uv)});
+  }
+  return text;
+}
+
+struct IcarusRun {
+  std::vector<std::filesystem::path> sources;
+  std::vector<std::string> arguments;
+  std::string expected;  // the line of success
+};
+
+IcarusRun prepare_icarus(const TemporaryFolder& folder, const Config& c, const InterpolatorCase& given) {
+  IcarusRun run;
+  run.sources = {folder.write("bitspan_cfg_pkg.sv", emit_sv(c))};
+  for (const auto& source : rtl_sources()) run.sources.push_back(source);
+  run.sources.push_back(rtl_root() / "tb/icarus_tb.sv");
+  run.arguments = {"+inputs=" + folder.write("inputs", input_lines(given.inputs)).string(),
+                   "+spans=" + folder.write("spans", span_lines(c, given.spans)).string(),
+                   "+pixels=" + folder.write("pixels", pixel_lines(c, given.pixels)).string(), "+seed=7"};
+  run.expected = fmt::format("icarus_tb: {} spans, {} pixels, {} values equal", given.spans.size(),
+                             given.pixels.size(), 17 * given.spans.size() + 10 * given.pixels.size());
+  return run;
+}
+
+TEST(Tools, IcarusAgrees) {
+  Random random(5);
+  for (const Config& c : configs(200, 4)) {
+    const InterpolatorCase given = make_interpolator_case(random, c, 150, 10);
+    const TemporaryFolder folder;
+    const IcarusRun run = prepare_icarus(folder, c, given);
+    const std::string printed = run_icarus(run.sources, "icarus_tb", run.arguments);
+    EXPECT_NE(printed.find(run.expected), std::string::npos) << printed << to_toml(c);
+  }
+}
+
+// What Yosys understood, written back as a netlist, computes the same values too.
+TEST(Tools, YosysNetlistAgrees) {
+  Random random(8);
+  for (const Config& c : configs(400, 4)) {
+    const InterpolatorCase given = make_interpolator_case(random, c, 60, 10);
+    const TemporaryFolder folder;
+    IcarusRun run = prepare_icarus(folder, c, given);
+    const std::string netlist = (folder.path() / "netlist.v").string();
+    std::string script = "read_verilog -sv -DSYNTHESIS " + run.sources.front().string();
+    for (const auto& source : rtl_sources()) script += fmt::format(" {}", source.string());
+    script += "; prep -flatten -top span_interpolator; memory_map; write_verilog -noattr " + netlist;
+    const auto log = folder.path() / "yosys.log";
+    ASSERT_EQ(run_program({"yosys", "-q", "-p", script}, log, "this test"), 0)
+        << read_file(log) << to_toml(c);
+    run.sources = {run.sources.front(), netlist, run.sources.back()};
+    const std::string printed = run_icarus(run.sources, "icarus_tb", run.arguments);
+    EXPECT_NE(printed.find(run.expected), std::string::npos) << printed << to_toml(c);
+  }
+}
+
+TEST(Tools, IcarusSeesADifference) {
+  Random random(6);
+  const Config c = depth16(Perspective::delta_f);
+  InterpolatorCase given = make_interpolator_case(random, c, 20, 10);
+  given.pixels[given.pixels.size() / 2].fragment.v ^= 1;
+  const TemporaryFolder folder;
+  const IcarusRun run = prepare_icarus(folder, c, given);
+  EXPECT_THROW(run_icarus(run.sources, "icarus_tb", run.arguments), std::runtime_error);
+}
+
+TEST(Tools, YosysReadsAndChecks) {
+  for (const Config& c : configs(300, 6)) {
+    const TemporaryFolder folder;
+    const std::string package = folder.write("bitspan_cfg_pkg.sv", emit_sv(c)).string();
+    const auto log = folder.path() / "yosys.log";
+    const std::string script = (rtl_root() / "tb/yosys_cells.sh").string();
+    EXPECT_EQ(run_program({"sh", script, package, "check"}, log, "this test"), 0)
+        << read_file(log) << to_toml(c);
+  }
+}
+
+TEST(Tools, YosysScriptRefuses) {
+  const TemporaryFolder folder;
+  const std::string script = (rtl_root() / "tb/yosys_cells.sh").string();
+  const auto log = folder.path() / "yosys.log";
+  EXPECT_EQ(run_program({"sh", script, (folder.path() / "none.sv").string(), "check"}, log, "this test"), 2);
+  const std::string broken = folder.write("broken.sv", "package bitspan_cfg_pkg;\nendpackage\n").string();
+  EXPECT_NE(run_program({"sh", script, broken, "check"}, log, "this test"), 0);
+}
+
+}  // namespace
+}  // namespace bitspan
