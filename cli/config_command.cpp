@@ -1,0 +1,115 @@
+// bitspan config show | check | emit-sv
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/commands.hpp"
+#include "cli/config_store.hpp"
+#include "config/emit_sv.hpp"
+#include "config/rtl_timing.hpp"
+#include "golden/precision.hpp"
+#include "report/atomic_file.hpp"
+#include "report/table.hpp"
+
+namespace bitspan {
+namespace {
+
+struct Options {
+  std::string config{default_config};
+  std::string output;
+  bool toml = false;
+};
+
+int show(const Options& options) {
+  const Config config = find_config(options.config);
+  if (options.toml) {
+    fmt::print("{}", to_toml(config));
+    return exit_held;
+  }
+  fmt::print("{} ({})\n\n", config.name, config_hash(config));
+  std::vector<std::vector<std::string>> rows{
+      {"format", "word", "sign", "integer", "fraction", "rounding", "overflow", "unit", "meaning"}};
+  for (int i = 0; i < format_count; ++i) {
+    const auto id = static_cast<FormatId>(i);
+    const Format& f = config.format(id);
+    rows.push_back({std::string(key_of(id)), fmt::format("{}", f.word), f.is_signed ? "signed" : "unsigned",
+                    fmt::format("{}", f.integer), fmt::format("{}", f.fraction()),
+                    std::string(to_string(f.rounding)), std::string(to_string(f.overflow)),
+                    std::string(unit_of(id)), std::string(text_of(id))});
+  }
+  fmt::print("{}\n", text_table(rows));
+  fmt::print("fill_rule {}, edge_walk {}, edge slopes {}, row slopes {}, perspective {}\n",
+             to_string(config.fill_rule), to_string(config.edge_walk), to_string(config.edge_slope),
+             to_string(config.row_slope), to_string(config.perspective));
+  fmt::print("depth {} bits, {}; filter {}, wrap {}; fog {}\n", config.depth_bits,
+             to_string(config.depth_code), to_string(config.filter), to_string(config.wrap),
+             to_string(config.fog));
+  fmt::print("(`bitspan config show --toml` prints every key)\n");
+  return exit_held;
+}
+
+int check(const Options& options) {
+  const Config config = find_config(options.config);
+  fmt::print("{} ({}): legal\n", config.name, config_hash(config));
+  const golden::Precision precision = golden::choose_precision(config);
+  std::vector<std::vector<std::string>> rows{{"stage", "bits", "golden computes in", "widest exact value"}};
+  for (const golden::PrecisionRow& row : precision.rows) {
+    auto same = std::ranges::find_if(rows, [&](const auto& r) { return r[0] == row.stage; });
+    if (same == rows.end()) {
+      rows.push_back({row.stage, "0", std::string(golden::to_string(row.width)), ""});
+      same = rows.end() - 1;
+    }
+    if (row.bits > std::stoi((*same)[1])) {
+      (*same)[1] = fmt::format("{}", row.bits);
+      (*same)[3] = row.expression;
+    }
+  }
+  fmt::print("{}", text_table(rows));
+  if (has_rtl(config)) {
+    const RtlTiming timing = rtl_timing(config);
+    fmt::print("RTL: span_setup {} clocks, span {} clocks\n", timing.span_setup, timing.span);
+  } else {
+    fmt::print("RTL: none for perspective {}\n", to_string(config.perspective));
+  }
+  return exit_held;
+}
+
+int emit(const Options& options) {
+  const std::string text = emit_sv(find_config(options.config));
+  if (options.output.empty()) {
+    fmt::print("{}", text);
+  } else {
+    write_file(options.output, text);
+  }
+  return exit_held;
+}
+
+CLI::App* add(CLI::App& parent, const std::string& name, const std::string& text,
+              const std::shared_ptr<Options>& o, Action& action, int (*run)(const Options&)) {
+  CLI::App* sub = parent.add_subcommand(name, text);
+  sub->add_option("config", o->config, "shipped name (" + shipped_names() + ") or TOML file")
+      ->capture_default_str();
+  sub->footer("Example:\n  bitspan config " + name + " depth16");
+  sub->callback([o, &action, run] { action = [o, run] { return run(*o); }; });
+  return sub;
+}
+
+}  // namespace
+
+void add_config(CLI::App& app, Action& action) {
+  CLI::App* group = app.add_subcommand("config", "show, check or emit a configuration");
+  group->require_subcommand(1);
+  group->footer("Example:\n  bitspan config show depth16");
+  const auto options = std::make_shared<Options>();
+  add(*group, "show", "the format table and the modes", options, action, show)
+      ->add_flag("--toml", options->toml, "the canonical TOML text instead");
+  add(*group, "check", "read a configuration strictly; exit 2 names what is wrong", options, action, check);
+  add(*group, "emit-sv", "the SystemVerilog package bitspan_cfg_pkg for the RTL", options, action, emit)
+      ->add_option("-o,--output", options->output, "file to write (default: standard output)");
+}
+
+}  // namespace bitspan

@@ -1,0 +1,13 @@
+// The timed model's span interpolator against the RTL, clock for clock.
+#pragma once
+
+#include "cli/verdict.hpp"
+
+namespace bitspan {
+
+// Runs systemc over the scene's first triangles (at most `triangles`), records in_valid and out_ready of its
+// span interpolator on every clock, drives the RTL with the same, and compares in_ready and out_valid on
+// every clock and each value delivered. The configuration must have RTL.
+CycleVerdict compare_cycles(const Config& config, const Scene& scene, std::size_t triangles);
+
+}  // namespace bitspan

@@ -1,0 +1,201 @@
+// bitspan demo: the main job on embedded input, with a report to look at.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/commands.hpp"
+#include "cli/config_store.hpp"
+#include "cli/engines.hpp"
+#include "cli/scene_options.hpp"
+#include "cli/verdict.hpp"
+#include "report/atomic_file.hpp"
+#include "report/heatmap.hpp"
+#include "report/junit.hpp"
+#include "report/png.hpp"
+#include "report/table.hpp"
+
+namespace bitspan {
+namespace {
+
+struct Options {
+  std::string output = "bitspan-demo";
+  std::string config{default_config};
+  std::string engines = "golden,model,systemc,rtl,ideal";
+  SceneOptions view;
+};
+
+struct Picture {
+  std::string file;
+  std::string caption;
+  std::vector<std::uint8_t> png;
+};
+
+std::string base64(const std::vector<std::uint8_t>& bytes) {
+  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t left = bytes.size() - i;
+    const std::uint32_t word = (std::uint32_t{bytes[i]} << 16) |
+                               (left > 1 ? std::uint32_t{bytes[i + 1]} << 8 : 0) |
+                               (left > 2 ? std::uint32_t{bytes[i + 2]} : 0);
+    for (std::size_t d = 0; d < 4; ++d) {
+      out += d <= left ? digits[(word >> (18 - 6 * d)) & 63] : '=';
+    }
+  }
+  return out;
+}
+
+Picture color_picture(std::string file, std::string caption, const Frame& frame) {
+  return {std::move(file), std::move(caption), encode_png(frame.width, frame.height, 4, frame.color)};
+}
+
+Picture field_picture(std::string file, std::string caption, const Frame& frame,
+                      const std::vector<double>& field, const std::string& title, bool logarithmic) {
+  HeatMapOptions options;
+  options.title = title;
+  options.logarithmic = logarithmic;
+  const HeatMap map = draw_heat_map(frame.width, frame.height, field, options);
+  return {std::move(file), std::move(caption), encode_png(map.width, map.height, 3, map.rgb)};
+}
+
+// The pictures of the report: what was drawn, and where it errs. Errors only where the same triangle won.
+std::vector<Picture> pictures_of(const Frame& drawn, const Frame& ideal) {
+  const std::size_t n = drawn.depth.size();
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> depth(n, none);
+  std::vector<double> depth_error(n, none);
+  std::vector<double> uv_error(n, none);
+  std::vector<double> color_error(n, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double d = std::fabs(static_cast<double>(drawn.color[4 * i + c]) -
+                                 static_cast<double>(ideal.color[4 * i + c]));
+      color_error[i] = std::max(color_error[i], d);
+    }
+    if (drawn.triangle[i] >= 0) {
+      depth[i] = drawn.depth[i];
+    }
+    if (drawn.triangle[i] < 0 || drawn.triangle[i] != ideal.triangle[i]) {
+      continue;
+    }
+    depth_error[i] = std::fabs(static_cast<double>(drawn.depth[i]) - static_cast<double>(ideal.depth[i]));
+    uv_error[i] = std::hypot(drawn.u[i] - ideal.u[i], drawn.v[i] - ideal.v[i]);
+  }
+  std::vector<Picture> out;
+  out.push_back(color_picture("color.png", "Colour, as the fixed-point pipeline draws it", drawn));
+  out.push_back(color_picture("ideal.png", "The same scene without quantisation", ideal));
+  out.push_back(field_picture("depth.png", "Depth codes, logarithmic; larger is nearer", drawn, depth,
+                              "depth code", true));
+  out.push_back(field_picture("error_depth.png", "Error of depth against ideal, in codes", drawn, depth_error,
+                              "depth error, codes", false));
+  out.push_back(field_picture("error_uv.png",
+                              "Error of the texture coordinates against ideal, in texels, logarithmic", drawn,
+                              uv_error, "u, v error, texels", true));
+  out.push_back(field_picture("error_color.png", "Error of colour against ideal, largest channel, in codes",
+                              drawn, color_error, "colour error, codes", false));
+  return out;
+}
+
+std::string markdown(const SceneVerdict& v, const std::vector<Picture>& pictures) {
+  std::string out = fmt::format("# bitspan demo: {}\n\n", v.held() ? "all held" : "FAILED");
+  out += fmt::format("Scene {}, configuration {} ({}), bitspan {}.\n\n", v.scene, v.config.name,
+                     config_hash(v.config), BITSPAN_VERSION);
+  for (const std::string& failure : v.failures) {
+    out += "- FAILED: " + failure + "\n";
+  }
+  out += "\n## Engines, record by record\n\n" + markdown_table(comparison_table(v));
+  out += "\n## Error against ideal\n\n" + markdown_table(error_table(v.errors)) + "\n";
+  for (const std::string& line : verdict_lines(v)) {
+    out += "- " + line + "\n";
+  }
+  out += "\n## Pictures\n";
+  for (const Picture& picture : pictures) {
+    out += fmt::format("\n{}:\n\n![{}]({})\n", picture.caption, picture.caption, picture.file);
+  }
+  return out;
+}
+
+std::string html(const SceneVerdict& v, const std::vector<Picture>& pictures) {
+  std::string out =
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>bitspan "
+      "demo</title>\n<style>\n"
+      "body{font:15px/1.45 system-ui,sans-serif;max-width:1340px;margin:2em auto;padding:0 "
+      "1em;color:#1b1f24}\n"
+      "table{border-collapse:collapse;margin:1em 0}th,td{padding:.15em .7em;border-bottom:1px solid #d8dee4;"
+      "text-align:left}.n{text-align:right;font-variant-numeric:tabular-nums}\n"
+      ".held{color:#116329}.failed{color:#a40e26}figure{display:inline-block;margin:0 1em 1em 0;"
+      "vertical-align:top}img{max-width:640px;width:100%}figcaption{color:#57606a}\n</style></head><body>\n";
+  out += fmt::format("<h1>bitspan demo: <span class=\"{}\">{}</span></h1>\n", v.held() ? "held" : "failed",
+                     v.held() ? "all held" : "FAILED");
+  out += fmt::format("<p>Scene {}, configuration {} ({}), bitspan {}.</p>\n", xml_escape(v.scene),
+                     xml_escape(v.config.name), config_hash(v.config), BITSPAN_VERSION);
+  for (const std::string& failure : v.failures) {
+    out += "<p class=\"failed\">" + xml_escape(failure) + "</p>\n";
+  }
+  for (const Picture& picture : pictures) {
+    out += fmt::format(
+        "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
+        xml_escape(picture.caption), base64(picture.png));
+  }
+  out += "<h2>Engines, record by record</h2>\n" + html_table(comparison_table(v));
+  out += "<h2>Error against ideal</h2>\n" + html_table(error_table(v.errors)) + "<ul>\n";
+  for (const std::string& line : verdict_lines(v)) {
+    out += "<li>" + xml_escape(line) + "</li>\n";
+  }
+  return out + "</ul>\n</body></html>\n";
+}
+
+void make_folder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) {
+    throw InputError(fmt::format("{}: cannot write: {}", path, error.message()));
+  }
+}
+
+int demo(const Options& o) {
+  const Config config = find_config(o.config);
+  const Scene scene = load_scene("demo", o.view);
+  VerifyOptions options;
+  options.engines = parse_engines(o.engines);
+  if (std::ranges::find(options.engines, "ideal") == options.engines.end()) {
+    options.engines.emplace_back("ideal");  // the pictures of the errors need it
+  }
+  make_folder(o.output);  // an unwritable place is told before the work
+  const RunLabel label{scene.name, fmt::format("bitspan verify demo --config {} --engines {}{}",
+                                               shell_word(o.config), o.engines, flags_text(o.view))};
+  const SceneRun run = verify_scene(config, scene, options, label);
+  fmt::print("{}", verdict_text(run.verdict));
+  const std::vector<Picture> pictures = pictures_of(run.engines[0]->frame(), run.ideal->frame());
+  const std::filesystem::path folder(o.output);
+  for (const Picture& picture : pictures) {
+    write_file((folder / picture.file).string(), picture.png);
+  }
+  write_file((folder / "report.md").string(), markdown(run.verdict, pictures));
+  write_file((folder / "report.html").string(), html(run.verdict, pictures));
+  fmt::print("report: {}\n", (folder / "report.html").string());
+  return run.verdict.held() ? exit_held : exit_difference;
+}
+
+}  // namespace
+
+void add_demo(CLI::App& app, Action& action) {
+  CLI::App* sub =
+      app.add_subcommand("demo", "render the embedded scene, check that all engines agree, write a report");
+  const auto o = std::make_shared<Options>();
+  sub->add_option("-o,--output", o->output, "folder of the report")->capture_default_str();
+  sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
+  sub->add_option("--engines", o->engines, "compared with the first")->capture_default_str();
+  sub->add_option("--size", o->view.size, "WxH of the picture (default 640x480)");
+  sub->footer("Example:\n  bitspan demo -o bitspan-demo");
+  sub->callback([o, &action] { action = [o] { return demo(*o); }; });
+}
+
+}  // namespace bitspan

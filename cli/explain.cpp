@@ -1,0 +1,277 @@
+// bitspan explain: one pixel, all stages, all engines side by side.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/commands.hpp"
+#include "cli/config_store.hpp"
+#include "cli/engines.hpp"
+#include "cli/progress.hpp"
+#include "cli/scene_options.hpp"
+#include "config/range.hpp"
+#include "report/compare.hpp"
+#include "report/error.hpp"
+#include "report/lockstep.hpp"
+#include "report/table.hpp"
+
+namespace bitspan {
+namespace {
+
+struct Options {
+  std::string scene;
+  std::int64_t x = 0, y = 0;
+  std::string config{default_config};
+  std::string engines = "golden,model,systemc,rtl";
+  bool brief = false;
+  SceneOptions view;
+};
+
+// A fragment that touched the pixel, with all that led to it, in the order of the pipeline.
+struct Touch {
+  std::int64_t triangle = 0;
+  std::vector<RecordCopy> records;
+};
+
+struct Story {
+  std::string engine;
+  std::vector<Touch> touches;
+  std::vector<RecordCopy> constants;
+};
+
+// The records of one batch that touch the pixel.
+void collect(const Trace& trace, std::int64_t x, std::int64_t y, Story& story) {
+  const RecordView fragments = view_of(trace, RecordType::fragment);
+  for (std::size_t i = 0; i < trace.fragment.size(); ++i) {
+    const FragmentRecord& f = trace.fragment[i];
+    if (f.x != x || f.y != y) {
+      continue;
+    }
+    Touch touch;
+    touch.triangle = f.triangle;
+    // Upwards from the fragment: span, row, edges or plane, setup.
+    const auto raw = fragments.record(i);
+    touch.records.push_back({RecordType::fragment, "", {raw.begin(), raw.end()}});
+    auto level = upstream_of(trace, RecordType::fragment, raw, i);
+    while (!level.empty()) {
+      const RecordCopy lowest = level.front();
+      std::optional<std::size_t> ordinal;
+      if (lowest.type == RecordType::span) {
+        // The plane row has the span's place.
+        const RecordView spans = view_of(trace, RecordType::span);
+        for (std::size_t s = 0; s < spans.records && !ordinal; ++s) {
+          if (std::ranges::equal(spans.record(s), lowest.values)) {
+            ordinal = s;
+          }
+        }
+      }
+      touch.records.insert(touch.records.begin(), level.begin(), level.end());
+      level = lowest.type == RecordType::setup ? std::vector<RecordCopy>{}
+                                               : upstream_of(trace, lowest.type, lowest.values, ordinal);
+    }
+    for (const RecordType type :
+         {RecordType::depth, RecordType::texture, RecordType::fog, RecordType::merge}) {
+      const RecordView view = view_of(trace, type);
+      const auto triangle_at = static_cast<std::size_t>(field_index(type, "triangle"));
+      const auto x_at = static_cast<std::size_t>(field_index(type, "x"));
+      const auto y_at = static_cast<std::size_t>(field_index(type, "y"));
+      for (std::size_t r = 0; r < view.records; ++r) {
+        const auto record = view.record(r);
+        if (record[triangle_at] == f.triangle && record[x_at] == x && record[y_at] == y) {
+          touch.records.push_back({type, "", {record.begin(), record.end()}});
+          break;
+        }
+      }
+    }
+    story.touches.push_back(std::move(touch));
+  }
+  for (const ConstantsRecord& c : trace.constants) {
+    const auto raw = raw_values(c);
+    story.constants.push_back({RecordType::constants, "", {raw.begin(), raw.end()}});
+  }
+}
+
+Story run(const std::string& name, const Config& config, const Scene& scene, std::int64_t x, std::int64_t y,
+          Frame* frame) {
+  Story story{name, {}, {}};
+  const auto engine = make_engine(name, config);
+  engine->begin(scene);
+  Progress progress(fmt::format("{} {}", name, scene.name));
+  Trace trace;
+  LockStepOptions steps;
+  for (std::size_t done = 0; done < scene.triangles.size();) {
+    const std::size_t n = next_batch(scene, done, steps);
+    trace.clear();
+    engine->draw({scene.triangles.data() + done, n}, static_cast<std::int64_t>(done), &trace);
+    collect(trace, x, y, story);
+    done += n;
+    progress.update(done, scene.triangles.size());
+  }
+  if (frame != nullptr) {
+    *frame = engine->frame();
+  }
+  return story;
+}
+
+// One record type of all engines: a row a field.
+bool print_record(const std::vector<Story>& stories, const std::vector<const RecordCopy*>& records,
+                  const Config& config, const Scene& scene, const Triangle* triangle) {
+  const RecordCopy* reference = records.front();
+  if (reference == nullptr) {
+    fmt::print("    not delivered by {}\n", stories.front().engine);
+    return std::ranges::all_of(records, [](const RecordCopy* r) { return r == nullptr; });
+  }
+  bool equal = true;
+  std::vector<std::vector<std::string>> rows(1);
+  rows[0] = {"", "field"};
+  for (const Story& story : stories) {
+    rows[0].push_back(story.engine);
+  }
+  for (const char* title : {"value", "ideal", "error", "unit"}) {
+    rows[0].emplace_back(title);
+  }
+  const auto all = fields_of(reference->type);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    std::vector<std::string> row{"", std::string(all[i].name)};
+    const std::int64_t raw = reference->values[i];
+    const bool integer = all[i].kind == FieldKind::integer;
+    for (const RecordCopy* record : records) {
+      if (record == nullptr) {
+        row.emplace_back("none");
+        equal = false;
+        row[0] = "*";
+        continue;
+      }
+      row.push_back(integer ? fmt::format("{}", record->values[i])
+                            : hex_of(record->values[i], all[i], config));
+      if (record->values[i] != raw) {
+        row[0] = "*";
+        equal = false;
+      }
+    }
+    const double value = decode(raw, all[i], config);
+    row.push_back(integer ? "" : fmt::format("{:.10g}", value));
+    std::optional<double> ideal;
+    if (triangle != nullptr) {
+      ideal = ideal_value(reference->type, all[i].name, reference->values, config, scene, *triangle);
+    }
+    row.push_back(ideal ? fmt::format("{:.10g}", *ideal) : "");
+    row.push_back(ideal ? fmt::format("{:.3g}", value - *ideal) : "");
+    row.push_back(unit_of(all[i], config));
+    rows.push_back(std::move(row));
+  }
+  fmt::print("{}", text_table(rows));
+  return equal;
+}
+
+int explain(const Options& o) {
+  const Config config = find_config(o.config);
+  const Scene scene = load_scene(o.scene, o.view);
+  if (o.x < 0 || o.y < 0 || o.x >= scene.width || o.y >= scene.height) {
+    throw InputError(fmt::format("explain: pixel ({}, {}) is outside the picture of {}x{}", o.x, o.y,
+                                 scene.width, scene.height));
+  }
+  check_scene_range(config, scene);
+  std::vector<Story> stories;
+  std::vector<Frame> frames;
+  for (const std::string& name : parse_engines(o.engines)) {
+    if (name == "ideal" || !engine_runs(name, config)) {
+      continue;  // ideal is a column of its own
+    }
+    frames.emplace_back();
+    stories.push_back(run(name, config, scene, o.x, o.y, &frames.back()));
+  }
+  if (stories.empty()) {
+    throw InputError("--engines: name at least one of golden, model, systemc, rtl");
+  }
+  Frame ideal;
+  run("ideal", config, scene, o.x, o.y, &ideal);
+
+  fmt::print("pixel ({}, {}) of {}, configuration {} ({})\n", o.x, o.y, scene.name, config.name,
+             config_hash(config));
+  bool equal = true;
+  std::size_t touches = 0;
+  for (const Story& story : stories) {
+    touches = std::max(touches, story.touches.size());
+  }
+  fmt::print("fragments on it: {}\n", touches);
+  const auto print_type = [&](const std::vector<const RecordCopy*>& records, RecordType type,
+                              const Triangle* triangle) {
+    fmt::print("\n  {}\n", stage_of(type));
+    equal = print_record(stories, records, config, scene, triangle) && equal;
+  };
+  if (touches > 0 && !o.brief) {
+    std::vector<const RecordCopy*> constants;
+    for (const Story& story : stories) {
+      constants.push_back(story.constants.empty() ? nullptr : story.constants.data());
+    }
+    print_type(constants, RecordType::constants, nullptr);
+  }
+  for (std::size_t t = 0; t < touches; ++t) {
+    const Touch* first = nullptr;
+    for (const Story& story : stories) {
+      if (first == nullptr && t < story.touches.size()) {
+        first = &story.touches[t];
+      }
+    }
+    fmt::print("\nfragment {} of {}: triangle {}\n", t + 1, touches, first->triangle);
+    const Triangle& triangle = scene.triangles[static_cast<std::size_t>(first->triangle)];
+    for (std::size_t r = 0; r < first->records.size(); ++r) {
+      const RecordType type = first->records[r].type;
+      if (o.brief && type < RecordType::fragment) {
+        continue;
+      }
+      std::vector<const RecordCopy*> records;
+      for (const Story& story : stories) {
+        const bool has = t < story.touches.size() && r < story.touches[t].records.size() &&
+                         story.touches[t].records[r].type == type;
+        records.push_back(has ? &story.touches[t].records[r] : nullptr);
+      }
+      print_type(records, type, &triangle);
+    }
+  }
+  const std::size_t at =
+      static_cast<std::size_t>(o.y) * static_cast<std::size_t>(scene.width) + static_cast<std::size_t>(o.x);
+  fmt::print("\npicture at ({}, {})\n", o.x, o.y);
+  std::vector<std::vector<std::string>> rows{{"engine", "triangle", "depth", "u", "v", "R", "G", "B"}};
+  const auto add = [&](const std::string& engine, const Frame& f) {
+    const std::uint8_t* c = &f.color[4 * at];
+    rows.push_back({engine, fmt::format("{}", f.triangle[at]), fmt::format("{}", f.depth[at]),
+                    std::isnan(f.u[at]) ? "-" : fmt::format("{:.10g}", f.u[at]),
+                    std::isnan(f.v[at]) ? "-" : fmt::format("{:.10g}", f.v[at]), fmt::format("{}", c[0]),
+                    fmt::format("{}", c[1]), fmt::format("{}", c[2])});
+  };
+  for (std::size_t i = 0; i < stories.size(); ++i) {
+    add(stories[i].engine, frames[i]);
+    equal = equal && frames[i].triangle[at] == frames[0].triangle[at] &&
+            frames[i].depth[at] == frames[0].depth[at] &&
+            std::equal(&frames[i].color[4 * at], &frames[i].color[4 * at] + 4, &frames[0].color[4 * at]);
+  }
+  add("ideal", ideal);
+  fmt::print("{}", text_table(rows));
+  fmt::print("\n{}\n",
+             equal ? "all engines agree on this pixel" : "the engines DIFFER on this pixel (marked *)");
+  return equal ? exit_held : exit_difference;
+}
+
+}  // namespace
+
+void add_explain(CLI::App& app, Action& action) {
+  CLI::App* sub = app.add_subcommand("explain", "one pixel: all stages, all engines side by side");
+  const auto o = std::make_shared<Options>();
+  sub->add_option("scene", o->scene, "stream (.tri), mesh, demo or extreme/NAME")->required();
+  sub->add_option("x", o->x, "pixel column, 0 at the left")->required();
+  sub->add_option("y", o->y, "pixel row, 0 at the top")->required();
+  sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
+  sub->add_option("--engines", o->engines, "columns, in this order")->capture_default_str();
+  sub->add_flag("--brief", o->brief, "from the fragment on; without setup, rows and spans");
+  add_scene_options(*sub, o->view);
+  sub->footer("Example:\n  bitspan explain demo 320 300 --config narrow");
+  sub->callback([o, &action] { action = [o] { return explain(*o); }; });
+}
+
+}  // namespace bitspan

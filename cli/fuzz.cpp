@@ -1,0 +1,428 @@
+// bitspan fuzz: random streams through random configurations, failures shrunk. bitspan replay: one of them
+// again.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/commands.hpp"
+#include "cli/config_store.hpp"
+#include "cli/cycles.hpp"
+#include "cli/engines.hpp"
+#include "cli/progress.hpp"
+#include "cli/scene_options.hpp"
+#include "config/range.hpp"
+#include "config/rtl_timing.hpp"
+#include "golden/precision.hpp"
+#include "report/atomic_file.hpp"
+#include "report/error.hpp"
+#include "report/lockstep.hpp"
+#include "report/random_config.hpp"
+#include "report/replay.hpp"
+#include "scene/random.hpp"
+
+namespace bitspan {
+namespace {
+
+struct Options {
+  std::uint64_t seed = 1;
+  std::uint64_t first = 0;
+  std::uint64_t count = 0;
+  std::uint64_t pixels = 0;
+  std::uint64_t streams_per_config = 16;
+  std::string engines = "golden,model,systemc,rtl";
+  std::vector<std::string> configs;  // empty: random ones
+  std::string out = ".";
+  bool keep_going = false;
+};
+
+constexpr std::uint64_t default_count = 32;
+constexpr std::size_t cycle_triangles = 16;
+constexpr int gentler_draws = 8;
+
+// A seed for (seed, index, purpose): each case can be made alone.
+std::uint64_t derived_seed(std::uint64_t seed, std::uint64_t index, std::uint64_t purpose) {
+  return Random(Random(Random(seed).bits() ^ index).bits() + purpose).bits();
+}
+
+using Engines = std::vector<std::unique_ptr<Engine>>;
+
+Engines make_engines(const std::vector<std::string>& names, const Config& config, std::uint64_t stall_seed) {
+  Engines out;
+  for (const std::string& name : names) {
+    if (engine_runs(name, config)) {
+      out.push_back(make_engine(name, config, stall_seed));
+    }
+  }
+  return out;
+}
+
+bool coverage_is_exact(const Config& config) {
+  return config.edge_walk == EdgeWalk::exact || config.perspective == Perspective::const_depth_rows;
+}
+
+struct CaseResult {
+  std::string failure;  // one line, empty where all held
+  std::string details;
+  std::uint64_t fragments = 0, values = 0, non_trivial = 0;
+};
+
+// What the first pass over a scene has to say. Coverage is checked against the exact test where the
+// configuration promises it.
+CaseResult check_case(const Engines& engines, const Config& config, const Scene& scene,
+                      const RunLabel& label) {
+  CaseResult out;
+  ErrorMeter meter(config, scene);
+  LockStepOptions steps;
+  steps.observe = [&](std::span<const Triangle> triangles, std::int64_t first, const Trace& trace) {
+    meter.add(triangles, first, trace);
+  };
+  LockStepResult run;
+  try {
+    run = run_lock_step(engines, scene, steps);
+  } catch (const InputError& error) {
+    // The first engine takes this scene (see refusal), so all must.
+    out.failure =
+        fmt::format("another engine than {} refuses the scene: {}", engines[0]->name(), error.what());
+    out.details = out.failure + "\n";
+    return out;
+  }
+  out.fragments = engines[0]->counters().fragments;
+  for (const Comparison& pair : run.pairs) {
+    const StageCount total = pair.total();
+    out.values += total.values;
+    out.non_trivial += total.non_trivial;
+    if (!pair.held() && out.failure.empty()) {
+      out.failure = pair.first ? fmt::format("{} against {}: {}", pair.reference, pair.other,
+                                             summary(*pair.first, config))
+                               : fmt::format("{} broke off: {}", pair.other, pair.fault);
+      out.details = pair.first ? describe(*pair.first, config, label) : out.failure + "\n";
+    }
+  }
+  const ErrorReport& errors = meter.report();
+  if (out.failure.empty() && coverage_is_exact(config) && errors.coverage_differences() > 0) {
+    out.failure =
+        fmt::format("coverage of {} differs from the exact test: {} missed, {} surplus, {} drawn twice",
+                    engines[0]->name(), errors.missed, errors.surplus, errors.doubled);
+    out.details = out.failure + "\n";
+  }
+  return out;
+}
+
+// The text of the scene's refusal; empty where the configuration takes it.
+std::string refusal(const Engines& engines, const Config& config, const Scene& scene) {
+  try {
+    check_scene_range(config, scene);
+    engines[0]->begin(scene);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// Drops triangles, then textures and fog, as long as the case still fails.
+Scene shrink(const Engines& engines, const Config& config, Scene scene, const RunLabel& label) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  const auto fails = [&](const Scene& candidate) {
+    return std::chrono::steady_clock::now() < deadline && refusal(engines, config, candidate).empty() &&
+           !check_case(engines, config, candidate, label).failure.empty();
+  };
+  for (std::size_t chunk = std::max<std::size_t>(1, scene.triangles.size() / 2); chunk >= 1; chunk /= 2) {
+    for (std::size_t at = 0; at < scene.triangles.size();) {
+      Scene smaller = scene;
+      const auto from = smaller.triangles.begin() + static_cast<std::ptrdiff_t>(at);
+      const std::size_t n = std::min(chunk, smaller.triangles.size() - at);
+      smaller.triangles.erase(from, from + static_cast<std::ptrdiff_t>(n));
+      if (!smaller.triangles.empty() && fails(smaller)) {
+        scene = std::move(smaller);
+      } else {
+        at += n;
+      }
+    }
+  }
+  Scene plain = scene;
+  plain.fog.reset();
+  if (scene.fog && fails(plain)) {
+    scene = std::move(plain);
+  }
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    Scene bare = scene;
+    bare.triangles[i].texture = -1;
+    if (scene.triangles[i].texture >= 0 && fails(bare)) {
+      scene = std::move(bare);
+    }
+  }
+  // Textures that no triangle names any more.
+  std::vector<int> place(scene.textures.size(), -1);
+  std::vector<Texture> used;
+  for (Triangle& triangle : scene.triangles) {
+    if (triangle.texture < 0) {
+      continue;
+    }
+    int& at = place[static_cast<std::size_t>(triangle.texture)];
+    if (at < 0) {
+      at = static_cast<int>(used.size());
+      used.push_back(scene.textures[static_cast<std::size_t>(triangle.texture)]);
+    }
+    triangle.texture = at;
+  }
+  scene.textures = std::move(used);
+  return scene;
+}
+
+// A scene of case `index`; `gentleness` grows where a configuration refused the ones before.
+Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness) {
+  Random random(derived_seed(seed, index, 2));
+  RandomOptions options;
+  options.width = static_cast<int>(random.integer(1, 400));
+  options.height = static_cast<int>(random.integer(1, 300));
+  options.triangles = static_cast<int>(random.integer(8, 96));
+  options.size_max = random.log_uniform(4, 2000);
+  options.depth_ratio_max = std::max(1.5, 1000 / std::pow(3.0, gentleness));
+  options.uv_limit = std::max(4.0, 1024 / std::pow(2.0, gentleness));
+  Scene scene = random_scene(derived_seed(seed, index, 3 + static_cast<std::uint64_t>(gentleness)), options);
+  scene.name = fmt::format("fuzz seed {} case {}", seed, index);
+  return scene;
+}
+
+std::string reproduce(const Options& o, std::uint64_t index) {
+  std::string out =
+      fmt::format("bitspan fuzz --seed {} --first {} --count 1 --streams-per-config {} --engines {}", o.seed,
+                  index, o.streams_per_config, o.engines);
+  for (const std::string& config : o.configs) {
+    out += " --config " + shell_word(config);
+  }
+  return out;
+}
+
+struct Totals {
+  std::uint64_t cases = 0, refused = 0, configs = 0, fragments = 0, values = 0, non_trivial = 0, failures = 0;
+  std::uint64_t rtl_fragments = 0, cycles_compared = 0;
+};
+
+class Fuzzer {
+ public:
+  explicit Fuzzer(const Options& o) : o_(o), names_(parse_engines(o.engines)) {
+    if (std::ranges::find(names_, "ideal") != names_.end()) {
+      throw InputError("--engines: ideal equals nobody; leave it out of fuzz");
+    }
+    if (names_.size() < 2) {
+      throw InputError("--engines: fuzz compares at least two engines");
+    }
+    if (o.streams_per_config == 0) {
+      throw InputError("--streams-per-config: expected 1 or more");
+    }
+    for (const std::string& name : o.configs) {
+      fixed_.push_back(find_config(name));
+    }
+    for (const ShippedConfig& shipped : shipped_configs()) {
+      bases_.push_back(find_config(std::string(shipped.name)));
+    }
+  }
+
+  int run() {
+    const std::uint64_t count = o_.count != 0 ? o_.count : o_.pixels != 0 ? ~std::uint64_t{0} : default_count;
+    const auto start = std::chrono::steady_clock::now();
+    Progress progress("fuzz");
+    for (std::uint64_t n = 0; n < count; ++n) {
+      if (o_.pixels != 0 && totals_.fragments >= o_.pixels) {
+        break;
+      }
+      one_case(o_.first + n);
+      if (totals_.failures > 0 && !o_.keep_going) {
+        break;
+      }
+      if (o_.pixels != 0 && o_.count == 0) {
+        progress.update(totals_.fragments, o_.pixels);
+      } else {
+        progress.update(n + 1, count);
+      }
+    }
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const Totals& t = totals_;
+    fmt::print("fuzz: seed {}, cases {}..{}, {} configurations, engines {}\n", o_.seed, o_.first,
+               o_.first + t.cases - 1, t.configs, o_.engines);
+    fmt::print(
+        "{} span pixels ({} through rtl), {} values compared, {} non-trivial, {} streams refused, {:.1f} s\n",
+        t.fragments, t.rtl_fragments, t.values, t.non_trivial, t.refused, seconds);
+    if (t.cycles_compared > 0) {
+      fmt::print("{} clocks of the span interpolator equal in systemc and rtl\n", t.cycles_compared);
+    }
+    if (t.failures > 0) {
+      fmt::print("{} failures\n", t.failures);
+      return exit_difference;
+    }
+    if (t.non_trivial == 0) {
+      fmt::print("FAILED: nothing non-trivial was compared\n");
+      return exit_difference;
+    }
+    fmt::print("0 differences\n");
+    return exit_held;
+  }
+
+ private:
+  void take_config(std::uint64_t group) {
+    if (group_ == group) {
+      return;
+    }
+    group_ = group;
+    ++totals_.configs;
+    if (!fixed_.empty()) {
+      config_ = fixed_[group % fixed_.size()];
+    } else {
+      RandomConfigOptions options;
+      // Half of them in a mode that the RTL has, where it takes part: else too many would leave it out.
+      options.rtl_only = std::ranges::find(names_, "rtl") != names_.end() && group % 4 != 3;
+      options.check = [](const Config& config) { static_cast<void>(golden::choose_precision(config)); };
+      config_ = random_config(derived_seed(o_.seed, group, 1), bases_, options);
+    }
+    engines_.clear();
+    engines_ = make_engines(names_, config_, derived_seed(o_.seed, group, 0));
+  }
+
+  bool takes_part(std::string_view name) const {
+    return std::ranges::any_of(engines_, [&](const auto& engine) { return engine->name() == name; });
+  }
+
+  void one_case(std::uint64_t index) {
+    ++totals_.cases;
+    take_config(index / o_.streams_per_config);
+    Scene scene;
+    std::string refused = "-";
+    for (int gentleness = 0; gentleness < gentler_draws && !refused.empty(); ++gentleness) {
+      scene = case_scene(o_.seed, index, gentleness);
+      refused = refusal(engines_, config_, scene);
+    }
+    if (!refused.empty()) {
+      ++totals_.refused;
+      return;
+    }
+    const RunLabel label{scene.name, reproduce(o_, index)};
+    CaseResult result = check_case(engines_, config_, scene, label);
+    totals_.fragments += result.fragments;
+    totals_.values += result.values;
+    totals_.non_trivial += result.non_trivial;
+    if (takes_part("rtl")) {
+      totals_.rtl_fragments += result.fragments;
+    }
+    bool in_cycles = false;
+    if (result.failure.empty() && takes_part("rtl") && takes_part("systemc") &&
+        index % o_.streams_per_config == 0) {
+      const CycleVerdict cycles = compare_cycles(config_, scene, cycle_triangles);
+      totals_.cycles_compared += cycles.clocks;
+      if (cycles.differences > 0) {
+        result.failure = "cycles of the span interpolator, systemc against rtl: " + cycles.first;
+        result.details = result.failure + "\n";
+        in_cycles = true;
+      }
+    }
+    if (!result.failure.empty()) {
+      fail(index, scene, result, label, in_cycles);
+    }
+  }
+
+  void fail(std::uint64_t index, const Scene& scene, const CaseResult& result, const RunLabel& label,
+            bool in_cycles) {
+    ++totals_.failures;
+    fmt::print("case {} (configuration {}, {}): {}\n{}", index, config_.name, config_hash(config_),
+               result.failure, result.details);
+    Replay replay;
+    for (const auto& engine : engines_) {
+      replay.engines.emplace_back(engine->name());
+    }
+    replay.stall_seed = derived_seed(o_.seed, index / o_.streams_per_config, 0);
+    replay.config = config_;
+    replay.found = fmt::format("{}; {}", label.command, result.failure);
+    replay.scene = in_cycles ? scene : shrink(engines_, config_, scene, label);
+    const std::string path = fmt::format("{}/fuzz-{}-{}.replay.json", o_.out, o_.seed, index);
+    write_file(path, replay_json(replay));
+    fmt::print("shrunk from {} to {} triangles; again: bitspan replay {}\n", scene.triangles.size(),
+               replay.scene.triangles.size(), shell_word(path));
+    std::fflush(stdout);
+  }
+
+  Options o_;
+  std::vector<std::string> names_;
+  std::vector<Config> fixed_, bases_;
+  Totals totals_;
+  std::uint64_t group_ = ~std::uint64_t{0};
+  Config config_;
+  Engines engines_;
+};
+
+struct ReplayOptions {
+  std::string file;
+  std::string engines;
+};
+
+int replay(const ReplayOptions& o) {
+  const Replay r = read_replay(o.file);
+  std::string list = o.engines;
+  if (list.empty()) {
+    for (const std::string& name : r.engines) {
+      list += (list.empty() ? "" : ",") + name;
+    }
+  }
+  const Engines engines = make_engines(parse_engines(list), r.config, r.stall_seed);
+  if (engines.size() < 2) {
+    throw InputError(fmt::format("{}: fewer than two engines that run this configuration", o.file));
+  }
+  check_scene_range(r.config, r.scene);
+  const RunLabel label{o.file, "bitspan replay " + shell_word(o.file)};
+  CaseResult result = check_case(engines, r.config, r.scene, label);
+  const auto has = [&](std::string_view name) {
+    return std::ranges::any_of(engines, [&](const auto& engine) { return engine->name() == name; });
+  };
+  if (result.failure.empty() && has("rtl") && has("systemc")) {
+    const CycleVerdict cycles = compare_cycles(r.config, r.scene, cycle_triangles);
+    if (cycles.differences > 0) {
+      result.details = "cycles of the span interpolator, systemc against rtl: " + cycles.first + "\n";
+      result.failure = result.details;
+    }
+  }
+  fmt::print("{}: {} triangles, configuration {} ({}), engines {}\n", o.file, r.scene.triangles.size(),
+             r.config.name, config_hash(r.config), list);
+  if (!result.failure.empty()) {
+    fmt::print("{}still fails\n", result.details);
+    return exit_difference;
+  }
+  fmt::print("{} span pixels, {} values compared, {} non-trivial: no longer fails\n", result.fragments,
+             result.values, result.non_trivial);
+  return exit_held;
+}
+
+}  // namespace
+
+void add_fuzz(CLI::App& app, Action& action) {
+  CLI::App* sub = app.add_subcommand("fuzz", "random streams through random configurations, failures shrunk");
+  const auto o = std::make_shared<Options>();
+  sub->add_option("--seed", o->seed, "every case is made from (seed, index) alone")->capture_default_str();
+  sub->add_option("--first", o->first, "index of the first case")->capture_default_str();
+  sub->add_option("--count", o->count, fmt::format("cases (default {}, or until --pixels)", default_count));
+  sub->add_option("--pixels", o->pixels, "stop when so many span pixels were compared");
+  sub->add_option("--streams-per-config", o->streams_per_config, "cases that share a configuration")
+      ->capture_default_str();
+  sub->add_option("--engines", o->engines, "compared with the first")->capture_default_str();
+  sub->add_option("--config", o->configs, "these configurations in turn, instead of random ones");
+  sub->add_option("-o,--output", o->out, "folder for the replay files")->capture_default_str();
+  sub->add_flag("--keep-going", o->keep_going, "do not stop at the first failure");
+  sub->footer("Example:\n  bitspan fuzz --seed 7 --pixels 1000000 --engines golden,model");
+  sub->callback([o, &action] { action = [o] { return Fuzzer(*o).run(); }; });
+}
+
+void add_replay(CLI::App& app, Action& action) {
+  CLI::App* sub = app.add_subcommand("replay", "run a failure of fuzz again: exit 1 while it fails");
+  const auto o = std::make_shared<ReplayOptions>();
+  sub->add_option("file", o->file, "a .replay.json file")->required();
+  sub->add_option("--engines", o->engines, "instead of the file's");
+  sub->footer("Example:\n  bitspan replay fuzz-7-12.replay.json");
+  sub->callback([o, &action] { action = [o] { return replay(*o); }; });
+}
+
+}  // namespace bitspan

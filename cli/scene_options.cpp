@@ -1,0 +1,254 @@
+#include "cli/scene_options.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "config/config.hpp"
+#include "scene/demo.hpp"
+#include "scene/mesh.hpp"
+#include "scene/tri_stream.hpp"
+
+namespace bitspan {
+namespace {
+
+constexpr std::string_view extreme_prefix = "extreme/";
+
+bool is_stream(const std::string& name) { return name == "-" || name.ends_with(".tri"); }
+
+// `count` finite numbers between commas.
+std::vector<double> parse_numbers(const std::string& text, const std::string& option, std::size_t count,
+                                  const std::string& expected) {
+  std::vector<double> out;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  bool good = true;
+  while (good) {
+    double value = 0;
+    const auto [next, error] = std::from_chars(at, end, value);
+    good = error == std::errc{} && std::isfinite(value);
+    out.push_back(value);
+    at = next;
+    if (!good || at == end) {
+      break;
+    }
+    good = *at++ == ',';
+  }
+  if (!good || out.size() != count) {
+    throw InputError(fmt::format("{}: '{}' is not {}", option, text, expected));
+  }
+  return out;
+}
+
+std::uint8_t color_code(double value, const std::string& option) {
+  if (value < 0 || value > 255 || value != std::floor(value)) {
+    throw InputError(fmt::format("{}: colour codes are integers 0..255", option));
+  }
+  return static_cast<std::uint8_t>(value);
+}
+
+// The camera flags given, for a scene that has a camera of its own.
+void refuse_camera(const std::string& name, const SceneOptions& o) {
+  const auto refuse = [&](bool given, std::string_view flag) {
+    if (given) {
+      throw InputError(fmt::format("{}: {} is for meshes; this scene has its own camera", name, flag));
+    }
+  };
+  refuse(!o.camera.empty(), "--camera");
+  refuse(o.yaw.has_value(), "--yaw");
+  refuse(o.pitch.has_value(), "--pitch");
+  refuse(o.distance.has_value(), "--distance");
+  refuse(o.fov.has_value(), "--fov");
+  refuse(o.near.has_value(), "--near");
+  refuse(o.far.has_value(), "--far");
+  refuse(!o.texture.empty(), "--texture");
+  refuse(!o.fog.empty(), "--fog");
+  refuse(o.no_cull, "--no-cull");
+}
+
+void refuse_size(const std::string& name, const Scene& scene, const SceneOptions& o) {
+  if (o.size.empty()) {
+    return;
+  }
+  const Size size = parse_size(o.size);
+  if (size.width != scene.width || size.height != scene.height) {
+    throw InputError(
+        fmt::format("{}: --size {}: this scene's coordinates are pixels of {}x{}; leave --size out", name,
+                    o.size, scene.width, scene.height));
+  }
+}
+
+Scene load_mesh(const std::string& name, const SceneOptions& o) {
+  MeshOptions options;
+  if (!o.size.empty()) {
+    const Size size = parse_size(o.size);
+    options.width = size.width;
+    options.height = size.height;
+  }
+  Camera& camera = options.camera;
+  camera.yaw_degrees = o.yaw.value_or(camera.yaw_degrees);
+  camera.pitch_degrees = o.pitch.value_or(camera.pitch_degrees);
+  camera.distance = o.distance;
+  if (!o.camera.empty()) {
+    const auto p = parse_numbers(o.camera, "--camera", 3, "a position x,y,z");
+    camera.position = Vec3{p[0], p[1], p[2]};
+  }
+  camera.fov_degrees = o.fov;
+  camera.s_min = o.near;
+  camera.s_max = o.far;
+  if (!o.texture.empty()) {
+    options.texture = o.texture;
+  }
+  if (!o.fog.empty()) {
+    const auto f = parse_numbers(o.fog, "--fog", 4, "a colour and a distance r,g,b,distance");
+    if (f[3] <= 0) {
+      throw InputError("--fog: the distance must be positive");
+    }
+    options.fog =
+        Fog{{color_code(f[0], "--fog"), color_code(f[1], "--fog"), color_code(f[2], "--fog")}, f[3]};
+  }
+  options.project.cull = !o.no_cull;
+  ProjectReport report;
+  Scene scene = mesh_scene(read_mesh(name, options.texture), options, report);
+  check_scene(scene, name);
+  return scene;
+}
+
+}  // namespace
+
+void add_scene_options(CLI::App& command, SceneOptions& o) {
+  const char* group = "Scene";
+  command.add_option("--size", o.size, "WxH of the picture (default 640x480; a stream has its own)")
+      ->group(group);
+  command.add_option("--camera", o.camera, "mesh: x,y,z of the viewer, instead of yaw, pitch, distance")
+      ->group(group);
+  command.add_option("--yaw", o.yaw, "mesh: degrees around the model (default 150)")->group(group);
+  command.add_option("--pitch", o.pitch, "mesh: degrees upward, -89..89 (default 20)")->group(group);
+  command.add_option("--distance", o.distance, "mesh: from the model's centre (default: frames it)")
+      ->group(group);
+  command.add_option("--fov", o.fov, "mesh: degrees of the picture's height, 1..170 (default 40)")
+      ->group(group);
+  command.add_option("--near", o.near, "mesh: s_min (default: just before the model)")->group(group);
+  command.add_option("--far", o.far, "mesh: s_max (default: just behind the model)")->group(group);
+  command.add_option("--texture", o.texture, "mesh: a PNG for every face")->group(group);
+  command.add_option("--fog", o.fog, "mesh: r,g,b,distance of a fog")->group(group);
+  command.add_flag("--no-cull", o.no_cull, "mesh: draw faces seen from behind too")->group(group);
+}
+
+Size parse_size(const std::string& text) {
+  Size size;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, size.width);
+  bool good = first.ec == std::errc{} && first.ptr != end && *first.ptr == 'x';
+  if (good) {
+    const auto second = std::from_chars(first.ptr + 1, end, size.height);
+    good = second.ec == std::errc{} && second.ptr == end;
+  }
+  if (!good) {
+    throw InputError(fmt::format("--size: '{}' is no size; expected WIDTHxHEIGHT, such as 640x480", text));
+  }
+  if (size.width < 1 || size.height < 1 || size.width > picture_size_limit ||
+      size.height > picture_size_limit || static_cast<long>(size.width) * size.height > picture_area_limit) {
+    throw InputError(fmt::format("--size: {} is out of range; expected 1..{} each way and at most {} pixels",
+                                 text, picture_size_limit, picture_area_limit));
+  }
+  return size;
+}
+
+std::vector<Scene> load_scenes(const std::string& name, const SceneOptions& options) {
+  if (name == "demo") {
+    refuse_camera(name, options);
+    const Size size = options.size.empty() ? Size{} : parse_size(options.size);
+    std::vector<Scene> out;
+    out.push_back(demo_scene(size.width, size.height));
+    return out;
+  }
+  if (name == "extreme" || name.starts_with(extreme_prefix)) {
+    refuse_camera(name, options);
+    std::vector<Scene> all = extreme_scenes();
+    if (name != "extreme") {
+      const std::string wanted = name.substr(extreme_prefix.size());
+      std::string names;
+      for (const Scene& scene : all) {
+        names += (names.empty() ? "" : ", ") + scene.name;
+      }
+      std::erase_if(all, [&](const Scene& scene) { return scene.name != wanted; });
+      if (all.empty()) {
+        throw InputError(fmt::format("{}: no such scene; extreme has {}", name, names));
+      }
+    }
+    for (Scene& scene : all) {
+      refuse_size(name, scene, options);
+      scene.name = std::string(extreme_prefix) + scene.name;
+    }
+    return all;
+  }
+  std::vector<Scene> out;
+  if (is_stream(name)) {
+    refuse_camera(name, options);
+    out.push_back(read_tri(name));
+    refuse_size(name, out.back(), options);
+  } else {
+    out.push_back(load_mesh(name, options));
+  }
+  out.back().name = name;
+  return out;
+}
+
+Scene load_scene(const std::string& name, const SceneOptions& options) {
+  std::vector<Scene> all = load_scenes(name, options);
+  if (all.size() != 1) {
+    std::string names;
+    for (const Scene& scene : all) {
+      names += (names.empty() ? "" : ", ") + scene.name;
+    }
+    throw InputError(fmt::format("{}: is several scenes; name one: {}", name, names));
+  }
+  return std::move(all.front());
+}
+
+std::string shell_word(const std::string& word) {
+  const bool plain = !word.empty() && std::ranges::all_of(word, [](unsigned char c) {
+    return std::isalnum(c) != 0 ||
+           std::string_view("_-./,:=+@%").find(static_cast<char>(c)) != std::string_view::npos;
+  });
+  if (plain) {
+    return word;
+  }
+  std::string out = "'";
+  for (const char c : word) {
+    out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  }
+  return out + "'";
+}
+
+std::string flags_text(const SceneOptions& o) {
+  std::string out;
+  const auto text = [&](std::string_view flag, const std::string& value) {
+    if (!value.empty()) {
+      out += fmt::format(" {} {}", flag, shell_word(value));
+    }
+  };
+  const auto number = [&](std::string_view flag, const std::optional<double>& value) {
+    if (value) {
+      out += fmt::format(" {} {}", flag, *value);
+    }
+  };
+  text("--size", o.size);
+  text("--camera", o.camera);
+  number("--yaw", o.yaw);
+  number("--pitch", o.pitch);
+  number("--distance", o.distance);
+  number("--fov", o.fov);
+  number("--near", o.near);
+  number("--far", o.far);
+  text("--texture", o.texture);
+  text("--fog", o.fog);
+  out += o.no_cull ? " --no-cull" : "";
+  return out;
+}
+
+}  // namespace bitspan

@@ -1,0 +1,362 @@
+#include "cli/verdict.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "cli/cycles.hpp"
+#include "cli/engines.hpp"
+#include "cli/progress.hpp"
+#include "config/range.hpp"
+#include "report/table.hpp"
+
+namespace bitspan {
+namespace {
+
+std::string number(std::uint64_t n) { return fmt::format("{}", n); }
+
+bool coverage_is_exact(const Config& config) {
+  return config.edge_walk == EdgeWalk::exact || config.perspective == Perspective::const_depth_rows;
+}
+
+void judge(SceneVerdict& v) {
+  for (const Comparison& pair : v.run.pairs) {
+    if (pair.first) {
+      v.failures.push_back(
+          fmt::format("{} against {}: {}", pair.reference, pair.other, summary(*pair.first, v.config)));
+    }
+    if (!pair.fault.empty()) {
+      v.failures.push_back(fmt::format("{} broke off: {}", pair.other, pair.fault));
+    }
+  }
+  const bool compared =
+      std::ranges::any_of(v.run.pairs, [](const Comparison& pair) { return pair.total().non_trivial > 0; });
+  if (v.run.pairs.empty()) {
+    v.notes.emplace_back("one engine only: nothing was compared");
+    if (!v.has_errors) {
+      v.failures.emplace_back("nothing was compared");
+    }
+  } else if (v.counters.fragments == 0) {
+    if (v.has_errors && v.truth_draws) {
+      v.failures.emplace_back("nothing was drawn, though pixels are covered by the exact test");
+    } else {
+      v.notes.emplace_back("this scene legally draws nothing: no pixel centre is covered");
+    }
+  } else if (!compared) {
+    v.failures.emplace_back("nothing non-trivial was compared");
+  }
+  // A run that stopped early has not drawn all that the exact test covers.
+  if (v.has_errors && coverage_is_exact(v.config) && v.errors.coverage_differences() > 0) {
+    v.failures.push_back(
+        fmt::format("coverage differs from the exact test: {} missed, {} surplus, {} drawn twice",
+                    v.errors.missed, v.errors.surplus, v.errors.doubled));
+  }
+  if (v.cycles && v.cycles->differences > 0) {
+    v.failures.push_back(
+        fmt::format("cycles of the span interpolator, systemc against rtl: {}", v.cycles->first));
+  }
+}
+
+std::string error_number(double x) { return fmt::format("{:.4g}", x); }
+
+}  // namespace
+
+SceneRun verify_scene(const Config& config, const Scene& scene, const VerifyOptions& options,
+                      const RunLabel& label) {
+  check_scene_range(config, scene);
+  SceneRun out;
+  SceneVerdict& v = out.verdict;
+  v.scene = scene.name;
+  v.config = config;
+  v.label = label;
+  bool systemc = false;
+  bool rtl = false;
+  for (const std::string& name : options.engines) {
+    if (!engine_runs(name, config)) {
+      v.notes.push_back(fmt::format("{} left out: it has no {} mode", name, to_string(config.perspective)));
+      continue;
+    }
+    systemc = systemc || name == "systemc";
+    rtl = rtl || name == "rtl";
+    auto engine = make_engine(name, config, options.stall_seed);
+    if (name == "ideal") {
+      out.ideal = std::move(engine);
+    } else {
+      out.engines.push_back(std::move(engine));
+    }
+  }
+  if (out.engines.empty()) {
+    throw InputError(
+        "--engines: no engine left to compare; name at least one of golden, model, systemc, rtl");
+  }
+  ErrorMeter meter(config, scene);
+  Progress progress(scene.name);
+  LockStepOptions steps;
+  steps.progress = [&](std::size_t done, std::size_t total) { progress.update(done, total); };
+  if (out.ideal) {
+    out.ideal->begin(scene);
+    steps.observe = [&](std::span<const Triangle> triangles, std::int64_t first, const Trace& trace) {
+      meter.add(triangles, first, trace);
+      out.ideal->draw(triangles, first, nullptr);
+    };
+  }
+  v.run = run_lock_step(out.engines, scene, steps);
+  v.counters = out.engines[0]->counters();
+  if (out.ideal) {
+    meter.add_pictures(out.engines[0]->frame(), out.ideal->frame());
+    v.errors = meter.report();
+    v.has_errors = true;
+    v.truth_draws = v.errors.covered > 0;
+  }
+  if (options.cycles && systemc && rtl && !v.run.stopped) {
+    v.cycles = compare_cycles(config, scene, options.cycle_triangles);
+  }
+  judge(v);
+  return out;
+}
+
+std::vector<std::vector<std::string>> comparison_table(const SceneVerdict& verdict) {
+  std::vector<std::vector<std::string>> rows{
+      {"stage", "pair", "records", "values", "non-trivial", "differences"}};
+  const auto add = [&](std::string_view stage, const Comparison& pair, const StageCount& count) {
+    rows.push_back({std::string(stage), fmt::format("{} = {}", pair.reference, pair.other),
+                    number(count.records), number(count.values), number(count.non_trivial),
+                    number(count.differences + count.unmatched)});
+  };
+  for (int t = 0; t < record_types; ++t) {
+    const auto type = static_cast<RecordType>(t);
+    for (const Comparison& pair : verdict.run.pairs) {
+      const StageCount& count = pair.stages[static_cast<std::size_t>(t)];
+      if (count.records != 0 || count.unmatched != 0) {
+        add(stage_of(type), pair, count);
+      }
+    }
+  }
+  for (const Comparison& pair : verdict.run.pairs) {
+    add("picture", pair, pair.frame);
+  }
+  for (const Comparison& pair : verdict.run.pairs) {
+    add("counters", pair, pair.counters);
+  }
+  for (const Comparison& pair : verdict.run.pairs) {
+    StageCount all = pair.total();
+    for (const StageCount* more : {&pair.frame, &pair.counters}) {
+      all.records += more->records;
+      all.values += more->values;
+      all.non_trivial += more->non_trivial;
+      all.differences += more->differences;
+      all.unmatched += more->unmatched;
+    }
+    add("all", pair, all);
+  }
+  return rows;
+}
+
+std::vector<std::vector<std::string>> error_table(const ErrorReport& errors) {
+  std::vector<std::vector<std::string>> rows{
+      {"stage", "error of", "unit", "values", "mean", "maximum", "RMS"}};
+  for (const ErrorRow& row : errors.rows) {
+    if (row.stat.count == 0) {
+      continue;
+    }
+    rows.push_back({row.stage, row.quantity, row.unit, number(row.stat.count), error_number(row.stat.mean()),
+                    error_number(row.stat.max), error_number(row.stat.rms())});
+  }
+  return rows;
+}
+
+std::vector<std::string> verdict_lines(const SceneVerdict& v) {
+  std::vector<std::string> lines;
+  const Counters& c = v.counters;
+  lines.push_back(
+      fmt::format("drawn: {} of {} triangles ({} without area), {} rows, {} fragments, {} covered, {} "
+                  "nearer, {} killed, {} written",
+                  v.run.triangles_done, c.triangles, c.degenerate, c.rows, c.fragments, c.covered,
+                  c.depth_passed, c.killed, c.written));
+  lines.push_back(fmt::format("divides: {} edge, {} row, {} pixel, {} saved", c.divides_edge, c.divides_row,
+                              c.divides_pixel, c.divides_saved));
+  if (v.has_errors) {
+    const ErrorReport& e = v.errors;
+    lines.push_back(
+        fmt::format("coverage against the exact test of {} pixel centres: {} differences ({} missed, {} "
+                    "surplus, {} drawn twice)",
+                    e.covered, e.coverage_differences(), e.missed, e.surplus, e.doubled));
+    lines.push_back(
+        fmt::format("picture against ideal: PSNR {}, colour off by {} at most, another triangle won {} of "
+                    "{} drawn pixels",
+                    psnr_text(e.psnr_db), e.color_max, e.wrong_order, e.drawn));
+  }
+  if (v.cycles) {
+    const CycleVerdict& y = *v.cycles;
+    lines.push_back(
+        fmt::format("span interpolator, clock for clock: systemc {} cycles, rtl {} cycles; {} spans, {} "
+                    "pixels, {} differences",
+                    y.model_cycles, y.rtl_cycles, y.spans, y.pixels, y.differences));
+  }
+  for (const std::string& note : v.notes) {
+    lines.push_back("note: " + note);
+  }
+  return lines;
+}
+
+std::string verdict_text(const SceneVerdict& v) {
+  std::string out =
+      fmt::format("scene {}, configuration {} ({})\n\n", v.scene, v.config.name, config_hash(v.config));
+  if (!v.run.pairs.empty()) {
+    out += text_table(comparison_table(v)) + "\n";
+  }
+  if (v.has_errors) {
+    out += "error against ideal\n" + text_table(error_table(v.errors)) + "\n";
+  }
+  for (const std::string& line : verdict_lines(v)) {
+    out += line + "\n";
+  }
+  for (const Comparison& pair : v.run.pairs) {
+    if (pair.first) {
+      out += "\n" + describe(*pair.first, v.config, v.label);
+    }
+  }
+  out += "\n";
+  for (const std::string& failure : v.failures) {
+    out += "FAILED: " + failure + "\n";
+  }
+  if (v.held()) {
+    out += fmt::format("{}: all held\n", v.scene);
+  }
+  return out;
+}
+
+void append_junit(const SceneVerdict& v, std::vector<JunitCase>& cases) {
+  const std::string class_name = fmt::format("{}.{}", v.scene, v.config.name);
+  for (const Comparison& pair : v.run.pairs) {
+    const std::string details = pair.first ? describe(*pair.first, v.config, v.label) : "";
+    const auto add = [&](std::string_view stage, const StageCount& count) {
+      JunitCase one;
+      one.class_name = class_name;
+      one.name = fmt::format("{} {} = {}", stage, pair.reference, pair.other);
+      if (count.differences + count.unmatched > 0) {
+        const bool first_here = pair.first && pair.first->stage == stage;
+        one.failure = first_here ? summary(*pair.first, v.config)
+                                 : fmt::format("{} differences after the first divergence",
+                                               count.differences + count.unmatched);
+        one.details = details;
+      }
+      cases.push_back(std::move(one));
+    };
+    for (int t = 0; t < record_types; ++t) {
+      const StageCount& count = pair.stages[static_cast<std::size_t>(t)];
+      if (count.records != 0 || count.unmatched != 0) {
+        add(stage_of(static_cast<RecordType>(t)), count);
+      }
+    }
+    add("frame", pair.frame);
+    add("counters", pair.counters);
+  }
+  JunitCase bounds;
+  bounds.class_name = class_name;
+  bounds.name = "verdict";
+  bounds.seconds = v.run.seconds;
+  for (const std::string& failure : v.failures) {
+    bounds.failure = bounds.failure.empty() ? failure : bounds.failure;
+    bounds.details += failure + "\n";
+  }
+  cases.push_back(std::move(bounds));
+}
+
+std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::string& version) {
+  using Json = nlohmann::ordered_json;
+  const auto count_json = [](const StageCount& c) {
+    return Json{{"records", c.records},
+                {"values", c.values},
+                {"non_trivial", c.non_trivial},
+                {"differences", c.differences},
+                {"unmatched", c.unmatched}};
+  };
+  Json scenes = Json::array();
+  bool held = true;
+  for (const SceneVerdict& v : verdicts) {
+    held = held && v.held();
+    Json scene;
+    scene["scene"] = v.scene;
+    scene["configuration"] = {{"name", v.config.name}, {"hash", config_hash(v.config)}};
+    scene["held"] = v.held();
+    scene["failures"] = v.failures;
+    scene["notes"] = v.notes;
+    scene["seconds"] = v.run.seconds;
+    const Counters& c = v.counters;
+    scene["counters"] = {{"triangles", c.triangles},
+                         {"degenerate", c.degenerate},
+                         {"rows", c.rows},
+                         {"fragments", c.fragments},
+                         {"covered", c.covered},
+                         {"depth_passed", c.depth_passed},
+                         {"killed", c.killed},
+                         {"written", c.written},
+                         {"divides_edge", c.divides_edge},
+                         {"divides_row", c.divides_row},
+                         {"divides_pixel", c.divides_pixel},
+                         {"divides_saved", c.divides_saved}};
+    Json pairs = Json::array();
+    for (const Comparison& pair : v.run.pairs) {
+      Json one{{"reference", pair.reference}, {"other", pair.other}};
+      for (int t = 0; t < record_types; ++t) {
+        const StageCount& count = pair.stages[static_cast<std::size_t>(t)];
+        if (count.records != 0 || count.unmatched != 0) {
+          one["stages"][std::string(stage_of(static_cast<RecordType>(t)))] = count_json(count);
+        }
+      }
+      one["picture"] = count_json(pair.frame);
+      one["counters"] = count_json(pair.counters);
+      if (!pair.fault.empty()) {
+        one["fault"] = pair.fault;
+      }
+      if (pair.first) {
+        one["first_divergence"] = {{"summary", summary(*pair.first, v.config)},
+                                   {"text", describe(*pair.first, v.config, v.label)}};
+      }
+      pairs.push_back(std::move(one));
+    }
+    scene["pairs"] = std::move(pairs);
+    if (v.has_errors) {
+      Json rows = Json::array();
+      for (const ErrorRow& row : v.errors.rows) {
+        if (row.stat.count > 0) {
+          rows.push_back({{"stage", row.stage},
+                          {"quantity", row.quantity},
+                          {"unit", row.unit},
+                          {"values", row.stat.count},
+                          {"mean", row.stat.mean()},
+                          {"max", row.stat.max},
+                          {"rms", row.stat.rms()}});
+        }
+      }
+      scene["errors"] = std::move(rows);
+      scene["coverage"] = {{"covered", v.errors.covered},
+                           {"missed", v.errors.missed},
+                           {"surplus", v.errors.surplus},
+                           {"doubled", v.errors.doubled}};
+      // JSON has no infinity: equal pictures have a null here.
+      scene["picture"] = {{"psnr_db", v.errors.psnr_db},
+                          {"color_max", v.errors.color_max},
+                          {"drawn", v.errors.drawn},
+                          {"wrong_order", v.errors.wrong_order}};
+    }
+    if (v.cycles) {
+      scene["cycles"] = {{"systemc", v.cycles->model_cycles},
+                         {"rtl", v.cycles->rtl_cycles},
+                         {"spans", v.cycles->spans},
+                         {"pixels", v.cycles->pixels},
+                         {"differences", v.cycles->differences}};
+    }
+    scenes.push_back(std::move(scene));
+  }
+  Json json;
+  json["bitspan"] = version;
+  json["held"] = held;
+  json["scenes"] = std::move(scenes);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace bitspan

@@ -1,0 +1,80 @@
+// bitspan verify: engines over scenes, every record.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/commands.hpp"
+#include "cli/config_store.hpp"
+#include "cli/engines.hpp"
+#include "cli/scene_options.hpp"
+#include "cli/verdict.hpp"
+#include "report/atomic_file.hpp"
+
+namespace bitspan {
+namespace {
+
+struct Options {
+  std::vector<std::string> scenes;
+  std::string config{default_config};
+  std::string engines = "golden,model,systemc,rtl,ideal";
+  std::string junit, json;
+  std::uint64_t seed = 1;
+  bool no_cycles = false;
+  SceneOptions view;
+};
+
+int verify(const Options& o) {
+  const Config config = find_config(o.config);
+  VerifyOptions options;
+  options.engines = parse_engines(o.engines);
+  options.stall_seed = o.seed;
+  options.cycles = !o.no_cycles;
+  std::vector<SceneVerdict> verdicts;
+  bool held = true;
+  for (const std::string& name : o.scenes) {
+    for (const Scene& scene : load_scenes(name, o.view)) {
+      const RunLabel label{scene.name, fmt::format("bitspan verify {} --config {} --engines {} --seed {}{}",
+                                                   shell_word(scene.name), shell_word(o.config), o.engines,
+                                                   o.seed, flags_text(o.view))};
+      SceneRun run = verify_scene(config, scene, options, label);
+      fmt::print("{}{}", verdicts.empty() ? "" : "\n", verdict_text(run.verdict));
+      std::fflush(stdout);
+      held = held && run.verdict.held();
+      verdicts.push_back(std::move(run.verdict));
+    }
+  }
+  if (!o.junit.empty()) {
+    std::vector<JunitCase> cases;
+    for (const SceneVerdict& verdict : verdicts) {
+      append_junit(verdict, cases);
+    }
+    write_file(o.junit, junit_xml("bitspan verify", cases));
+  }
+  if (!o.json.empty()) {
+    write_file(o.json, verdict_json(verdicts, BITSPAN_VERSION));
+  }
+  return held ? exit_held : exit_difference;
+}
+
+}  // namespace
+
+void add_verify(CLI::App& app, Action& action) {
+  CLI::App* sub = app.add_subcommand("verify", "compare engines over scenes, every record of every stage");
+  const auto o = std::make_shared<Options>();
+  sub->add_option("scene", o->scenes, "streams (.tri), meshes, demo, extreme or extreme/NAME")->required();
+  sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
+  sub->add_option("--engines", o->engines, "compared with the first; ideal adds the error table")
+      ->capture_default_str();
+  sub->add_option("--junit", o->junit, "write JUnit XML");
+  sub->add_option("--json", o->json, "write the verdict as JSON");
+  sub->add_option("--seed", o->seed, "of the random stalls of rtl")->capture_default_str();
+  sub->add_flag("--no-cycles", o->no_cycles, "leave out the cycle comparison of systemc and rtl");
+  add_scene_options(*sub, o->view);
+  sub->footer("Example:\n  bitspan verify model.obj --texture skin.png --config depth20 --junit result.xml");
+  sub->callback([o, &action] { action = [o] { return verify(*o); }; });
+}
+
+}  // namespace bitspan

@@ -1,0 +1,649 @@
+#include "report/compare.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+namespace bitspan {
+namespace {
+
+// A lost record is looked for among this many of its successors.
+constexpr std::size_t resync_window = 4096;
+
+bool is_identity(std::string_view name) {
+  return name == "triangle" || name == "edge" || name == "row" || name == "x" || name == "y";
+}
+
+std::vector<int> identity_of(RecordType type) {
+  std::vector<int> out;
+  const auto fields = fields_of(type);
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (fields[i].kind == FieldKind::integer && is_identity(fields[i].name)) {
+      out.push_back(static_cast<int>(i));
+    }
+  }
+  return out;
+}
+
+bool same_identity(std::span<const std::int64_t> a, std::span<const std::int64_t> b,
+                   const std::vector<int>& identity) {
+  return std::ranges::all_of(
+      identity, [&](int i) { return a[static_cast<std::size_t>(i)] == b[static_cast<std::size_t>(i)]; });
+}
+
+// Distance to the first record of `in` at or after `from` with the identity of `record`.
+std::optional<std::size_t> find_ahead(const RecordView& in, std::size_t from,
+                                      std::span<const std::int64_t> record,
+                                      const std::vector<int>& identity) {
+  const std::size_t end = std::min(in.records, from + resync_window);
+  for (std::size_t i = from; i < end; ++i) {
+    if (same_identity(in.record(i), record, identity)) {
+      return i - from;
+    }
+  }
+  return std::nullopt;
+}
+
+RecordCopy copy_of(const RecordView& view, std::size_t i, std::string_view engine) {
+  const auto record = view.record(i);
+  return {view.type, std::string(engine), {record.begin(), record.end()}};
+}
+
+std::optional<std::int64_t> named(const RecordCopy& record, std::string_view field) {
+  const int i = field_index(record.type, field);
+  if (i < 0) {
+    return std::nullopt;
+  }
+  return record.values[static_cast<std::size_t>(i)];
+}
+
+// The first difference of one type, with the place in both traces.
+struct Found {
+  DivergenceKind kind = DivergenceKind::value;
+  RecordType type = RecordType::count;
+  std::size_t reference = 0, other = 0;
+  int field = -1;
+  std::int64_t triangle = -1;  // -1: the constants
+};
+
+std::int64_t triangle_of(const RecordView& view, std::size_t i) {
+  const int at = field_index(view.type, "triangle");
+  return at < 0 ? -1 : view.record(i)[static_cast<std::size_t>(at)];
+}
+
+// Field by field; used only where the vectors are not equal as bytes.
+std::optional<Found> walk(const RecordView& a, const RecordView& b, StageCount& count) {
+  const std::vector<int> identity = identity_of(a.type);
+  std::optional<Found> first;
+  const auto note = [&](DivergenceKind kind, std::size_t i, std::size_t j, int field) {
+    if (!first) {
+      const std::int64_t triangle = kind == DivergenceKind::extra ? triangle_of(b, j) : triangle_of(a, i);
+      first = Found{kind, a.type, i, j, field, triangle};
+    }
+  };
+  std::size_t i = 0;
+  std::size_t j = 0;
+  while (i < a.records && j < b.records) {
+    const auto ra = a.record(i);
+    const auto rb = b.record(j);
+    if (!same_identity(ra, rb, identity)) {
+      const auto extra = find_ahead(b, j, ra, identity);
+      const auto missing = find_ahead(a, i, rb, identity);
+      if (extra && (!missing || *extra <= *missing)) {
+        note(DivergenceKind::extra, i, j, -1);
+        count.unmatched += *extra;
+        j += *extra;
+        continue;
+      }
+      if (missing) {
+        note(DivergenceKind::missing, i, j, -1);
+        count.unmatched += *missing;
+        i += *missing;
+        continue;
+      }
+    }
+    ++count.records;
+    count.values += ra.size();
+    for (std::size_t f = 0; f < ra.size(); ++f) {
+      if (ra[f] != rb[f]) {
+        ++count.differences;
+        note(DivergenceKind::value, i, j, static_cast<int>(f));
+      }
+    }
+    ++i;
+    ++j;
+  }
+  if (i < a.records) {
+    note(DivergenceKind::missing, i, j, -1);
+    count.unmatched += a.records - i;
+  }
+  if (j < b.records) {
+    note(DivergenceKind::extra, i, j, -1);
+    count.unmatched += b.records - j;
+  }
+  return first;
+}
+
+Divergence make_divergence(const Found& found, const Trace& a, const Trace& b, const Comparison& pair) {
+  Divergence d;
+  d.kind = found.kind;
+  d.type = found.type;
+  d.stage = stage_of(found.type);
+  d.reference_engine = pair.reference;
+  d.other_engine = pair.other;
+  const RecordView va = view_of(a, found.type);
+  const RecordView vb = view_of(b, found.type);
+  if (found.kind != DivergenceKind::extra) {
+    d.reference_record = copy_of(va, found.reference, pair.reference);
+  }
+  if (found.kind != DivergenceKind::missing) {
+    d.other_record = copy_of(vb, found.other, pair.other);
+  }
+  const RecordCopy& where = d.reference_record ? *d.reference_record : *d.other_record;
+  d.triangle = named(where, "triangle");
+  d.x = named(where, "x");
+  d.y = named(where, "y");
+  if (!d.x) {
+    d.x = named(where, "x_first");
+  }
+  if (found.kind == DivergenceKind::value) {
+    const auto f = static_cast<std::size_t>(found.field);
+    d.field = fields_of(found.type)[f].name;
+    d.field_number = found.field;
+    d.reference = d.reference_record->values[f];
+    d.other = d.other_record->values[f];
+  }
+  const bool in_reference = d.reference_record.has_value();
+  const Trace& source = in_reference ? a : b;
+  d.upstream = upstream_of(source, found.type, where.values, in_reference ? found.reference : found.other);
+  for (RecordCopy& record : d.upstream) {
+    record.engine = in_reference ? pair.reference : pair.other;
+  }
+  return d;
+}
+
+template <class T>
+bool same_value(T a, T b) {
+  if constexpr (std::is_floating_point_v<T>) {
+    return a == b || (std::isnan(a) && std::isnan(b));
+  } else {
+    return a == b;
+  }
+}
+
+Divergence plain_divergence(DivergenceKind kind, std::string_view field, const Comparison& pair) {
+  Divergence d;
+  d.kind = kind;
+  d.stage = kind == DivergenceKind::frame ? "frame" : "counters";
+  d.field = field;
+  d.reference_engine = pair.reference;
+  d.other_engine = pair.other;
+  return d;
+}
+
+template <class T>
+std::int64_t as_raw(T value) {
+  if constexpr (std::is_floating_point_v<T>) {
+    return std::bit_cast<std::int64_t>(value);
+  } else {
+    return static_cast<std::int64_t>(value);
+  }
+}
+
+template <class T>
+void compare_plane(const std::vector<T>& a, const std::vector<T>& b, std::size_t per_pixel, int width,
+                   std::string_view name, Comparison& into) {
+  const std::size_t size = std::min(a.size(), b.size());
+  into.frame.values += size;
+  if (a.size() != b.size()) {
+    into.frame.unmatched += std::max(a.size(), b.size()) - size;
+  }
+  T before{};
+  for (std::size_t i = 0; i < size; ++i) {
+    if (!same_value(a[i], T{}) && !same_value(a[i], before)) {
+      ++into.frame.non_trivial;
+    }
+    before = a[i];
+    if (same_value(a[i], b[i])) {
+      continue;
+    }
+    ++into.frame.differences;
+    if (!into.first) {
+      const auto pixel = static_cast<std::int64_t>(i / per_pixel);
+      into.first = plain_divergence(DivergenceKind::frame, name, into);
+      into.first->x = pixel % width;
+      into.first->y = pixel / width;
+      into.first->reference = as_raw(a[i]);
+      into.first->other = as_raw(b[i]);
+    }
+  }
+}
+
+}  // namespace
+
+std::string_view stage_of(RecordType type) {
+  switch (type) {
+#define BITSPAN_CASE(Record, LIST, stage, member) \
+  case RecordType::member:                        \
+    return stage_name<Record>;
+    BITSPAN_RECORDS(BITSPAN_CASE)
+#undef BITSPAN_CASE
+    case RecordType::count:
+      break;
+  }
+  return "";
+}
+
+std::span<const Field> fields_of(RecordType type) {
+  switch (type) {
+#define BITSPAN_CASE(Record, LIST, stage, member) \
+  case RecordType::member:                        \
+    return fields<Record>;
+    BITSPAN_RECORDS(BITSPAN_CASE)
+#undef BITSPAN_CASE
+    case RecordType::count:
+      break;
+  }
+  return {};
+}
+
+RecordView view_of(const Trace& trace, RecordType type) {
+  RecordView view;
+  view.type = type;
+  view.stage = stage_of(type);
+  view.fields = fields_of(type);
+  switch (type) {
+#define BITSPAN_CASE(Record, LIST, stage, member)                             \
+  case RecordType::member:                                                    \
+    view.values = reinterpret_cast<const std::int64_t*>(trace.member.data()); \
+    view.records = trace.member.size();                                       \
+    break;
+    BITSPAN_RECORDS(BITSPAN_CASE)
+#undef BITSPAN_CASE
+    case RecordType::count:
+      break;
+  }
+  return view;
+}
+
+int field_index(RecordType type, std::string_view field) {
+  const auto all = fields_of(type);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].name == field) {
+      return static_cast<int>(i);
+    }
+  }
+  return -1;
+}
+
+double decode(std::int64_t raw, const Field& field, const Config& config) {
+  const auto format = format_of(field, config);
+  return format ? std::ldexp(static_cast<double>(raw), -format->fraction()) : static_cast<double>(raw);
+}
+
+std::string hex_of(std::int64_t raw, const Field& field, const Config& config) {
+  const auto format = format_of(field, config);
+  const int word = format ? format->word : 64;
+  auto bits = static_cast<std::uint64_t>(raw);
+  if (word < 64) {
+    bits &= (std::uint64_t{1} << word) - 1;
+  }
+  return format ? fmt::format("0x{:0{}x}", bits, (word + 3) / 4) : fmt::format("{:#x}", bits);
+}
+
+std::string unit_of(const Field& field, const Config& config) {
+  const bool linear =
+      config.perspective == Perspective::affine || config.perspective == Perspective::const_depth_rows;
+  switch (field.kind) {
+    case FieldKind::integer:
+      return "";
+    case FieldKind::format:
+      return std::string(unit_of(field.format));
+    case FieldKind::coordinate:
+      return "pixel";
+    case FieldKind::depth_code:
+      return "depth code";
+    case FieldKind::edge_mantissa:
+    case FieldKind::row_mantissa:
+    case FieldKind::pixel_mantissa:
+      return "1/operand, times 2^e";
+    case FieldKind::phase:
+      return "pixel";
+    case FieldKind::texture_acc:
+      return std::string(unit_of(linear ? FormatId::span_uv_acc : FormatId::span_f));
+    case FieldKind::texture_step:
+      return std::string(unit_of(linear ? FormatId::span_uv_step : FormatId::span_f_step));
+  }
+  return "";
+}
+
+std::uint64_t Comparison::differences() const {
+  const StageCount all = total();
+  return all.differences + all.unmatched + frame.differences + frame.unmatched + counters.differences +
+         static_cast<std::uint64_t>(!fault.empty());
+}
+
+StageCount Comparison::total() const {
+  StageCount sum;
+  for (const StageCount& stage : stages) {
+    sum.records += stage.records;
+    sum.values += stage.values;
+    sum.non_trivial += stage.non_trivial;
+    sum.differences += stage.differences;
+    sum.unmatched += stage.unmatched;
+  }
+  return sum;
+}
+
+std::array<std::uint64_t, record_types> NonTrivial::count(const Trace& trace) {
+  std::array<std::uint64_t, record_types> out{};
+  for (int t = 0; t < record_types; ++t) {
+    const RecordView view = view_of(trace, static_cast<RecordType>(t));
+    if (view.records == 0) {
+      continue;
+    }
+    const std::size_t stride = view.fields.size();
+    auto& previous = previous_[static_cast<std::size_t>(t)];
+    previous.resize(stride, 0);
+    std::uint64_t n = 0;
+    for (std::size_t f = 0; f < stride; ++f) {
+      n += static_cast<std::uint64_t>(view.values[f] != 0 && view.values[f] != previous[f]);
+    }
+    // One flat pass: the value before is one record's width back.
+    const std::int64_t* now = view.values + stride;
+    const std::int64_t* before = view.values;
+    const std::size_t rest = (view.records - 1) * stride;
+    for (std::size_t i = 0; i < rest; ++i) {
+      n += static_cast<std::uint64_t>((now[i] != 0) & (now[i] != before[i]));
+    }
+    const auto last = view.record(view.records - 1);
+    previous.assign(last.begin(), last.end());
+    out[static_cast<std::size_t>(t)] = n;
+  }
+  return out;
+}
+
+void compare_traces(const Trace& reference, const Trace& other,
+                    const std::array<std::uint64_t, record_types>& non_trivial, Comparison& into) {
+  std::optional<Found> first;
+  for (int t = 0; t < record_types; ++t) {
+    const auto type = static_cast<RecordType>(t);
+    const RecordView a = view_of(reference, type);
+    const RecordView b = view_of(other, type);
+    StageCount& count = into.stages[static_cast<std::size_t>(t)];
+    count.non_trivial += non_trivial[static_cast<std::size_t>(t)];
+    const std::size_t values = a.records * a.fields.size();
+    if (a.records == b.records &&
+        (values == 0 || std::memcmp(a.values, b.values, values * sizeof(std::int64_t)) == 0)) {
+      count.records += a.records;
+      count.values += values;
+      continue;
+    }
+    const auto found = walk(a, b, count);
+    if (found && (!first || found->triangle < first->triangle)) {
+      first = found;
+    }
+  }
+  if (first && !into.first) {
+    into.first = make_divergence(*first, reference, other, into);
+  }
+}
+
+void compare_frames(const Frame& reference, const Frame& other, Comparison& into) {
+  const auto pixels = [](const Frame& f) {
+    return static_cast<std::uint64_t>(f.width) * static_cast<std::uint64_t>(f.height);
+  };
+  into.frame.records += std::min(pixels(reference), pixels(other));
+  const int width = std::max(1, reference.width);
+  compare_plane(reference.depth, other.depth, 1, width, "depth", into);
+  compare_plane(reference.triangle, other.triangle, 1, width, "triangle", into);
+  compare_plane(reference.u, other.u, 1, width, "u", into);
+  compare_plane(reference.v, other.v, 1, width, "v", into);
+  compare_plane(reference.color, other.color, 4, width, "color", into);
+}
+
+void compare_counters(const Counters& reference, const Counters& other, Comparison& into) {
+  const auto one = [&](std::string_view name, auto a, auto b) {
+    ++into.counters.values;
+    into.counters.non_trivial += static_cast<std::uint64_t>(a != 0);
+    if (a == b) {
+      return;
+    }
+    ++into.counters.differences;
+    if (!into.first) {
+      into.first = plain_divergence(DivergenceKind::counter, name, into);
+      into.first->reference = static_cast<std::int64_t>(a);
+      into.first->other = static_cast<std::int64_t>(b);
+    }
+  };
+  ++into.counters.records;
+  one("triangles", reference.triangles, other.triangles);
+  one("degenerate", reference.degenerate, other.degenerate);
+  one("rows", reference.rows, other.rows);
+  one("fragments", reference.fragments, other.fragments);
+  one("covered", reference.covered, other.covered);
+  one("depth_passed", reference.depth_passed, other.depth_passed);
+  one("killed", reference.killed, other.killed);
+  one("written", reference.written, other.written);
+  one("divides_edge", reference.divides_edge, other.divides_edge);
+  one("divides_row", reference.divides_row, other.divides_row);
+  one("divides_pixel", reference.divides_pixel, other.divides_pixel);
+  one("divides_saved", reference.divides_saved, other.divides_saved);
+}
+
+std::vector<RecordCopy> upstream_of(const Trace& trace, RecordType type, std::span<const std::int64_t> record,
+                                    std::optional<std::size_t> ordinal) {
+  std::vector<RecordCopy> out;
+  const auto value = [&](std::string_view field) {
+    const int i = field_index(type, field);
+    return i < 0 ? std::int64_t{-1} : record[static_cast<std::size_t>(i)];
+  };
+  const auto add = [&](RecordType of, std::size_t i) { out.push_back(copy_of(view_of(trace, of), i, "")); };
+  // All records of a type whose named fields have these values.
+  const auto add_where = [&](RecordType of,
+                             std::initializer_list<std::pair<std::string_view, std::int64_t>> keys) {
+    const RecordView view = view_of(trace, of);
+    for (std::size_t i = 0; i < view.records; ++i) {
+      const auto r = view.record(i);
+      const bool same = std::ranges::all_of(keys, [&](const auto& key) {
+        const int at = field_index(of, key.first);
+        return at >= 0 && r[static_cast<std::size_t>(at)] == key.second;
+      });
+      if (same) {
+        add(of, i);
+      }
+    }
+  };
+  const std::int64_t triangle = value("triangle");
+  const std::int64_t x = value("x");
+  const std::int64_t y = value("y");
+  switch (type) {
+    case RecordType::constants:
+    case RecordType::count:
+      break;
+    case RecordType::setup:
+      add_where(RecordType::constants, {});
+      break;
+    case RecordType::edge:
+    case RecordType::plane:
+      add_where(RecordType::setup, {{"triangle", triangle}});
+      break;
+    case RecordType::row: {
+      const std::int64_t left = value("l_edge");
+      const std::int64_t right = value("r_edge");
+      add_where(RecordType::edge, {{"triangle", triangle}, {"edge", left}});
+      if (right != left) {
+        add_where(RecordType::edge, {{"triangle", triangle}, {"edge", right}});
+      }
+      break;
+    }
+    case RecordType::plane_row:
+      add_where(RecordType::plane, {{"triangle", triangle}});
+      break;
+    case RecordType::span:
+      if (trace.plane_row.empty()) {
+        add_where(RecordType::row, {{"triangle", triangle}, {"y", y}});
+      } else if (ordinal && *ordinal < trace.plane_row.size()) {
+        add(RecordType::plane_row, *ordinal);  // one span a row, in the same order
+      }
+      break;
+    case RecordType::fragment:
+      if (ordinal) {
+        std::size_t end = 0;
+        for (std::size_t i = 0; i < trace.span.size(); ++i) {
+          end += static_cast<std::size_t>(std::max<std::int64_t>(0, trace.span[i].count));
+          if (*ordinal < end) {
+            add(RecordType::span, i);
+            break;
+          }
+        }
+      } else {
+        add_where(RecordType::span, {{"triangle", triangle}, {"y", y}});
+      }
+      break;
+    case RecordType::depth:
+      add_where(RecordType::fragment, {{"triangle", triangle}, {"x", x}, {"y", y}});
+      break;
+    case RecordType::texture:
+      add_where(RecordType::fragment, {{"triangle", triangle}, {"x", x}, {"y", y}});
+      add_where(RecordType::depth, {{"triangle", triangle}, {"x", x}, {"y", y}});
+      break;
+    case RecordType::fog:
+      add_where(RecordType::fragment, {{"triangle", triangle}, {"x", x}, {"y", y}});
+      add_where(RecordType::texture, {{"triangle", triangle}, {"x", x}, {"y", y}});
+      break;
+    case RecordType::merge:
+      add_where(RecordType::depth, {{"triangle", triangle}, {"x", x}, {"y", y}});
+      add_where(RecordType::texture, {{"triangle", triangle}, {"x", x}, {"y", y}});
+      add_where(RecordType::fog, {{"triangle", triangle}, {"x", x}, {"y", y}});
+      break;
+  }
+  return out;
+}
+
+std::string describe_record(const RecordCopy& record, const Config& config, int indent) {
+  std::string out;
+  const auto all = fields_of(record.type);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::int64_t raw = record.values[i];
+    out += fmt::format("{:{}}{:<12} ", "", indent, all[i].name);
+    if (all[i].kind == FieldKind::integer) {
+      out += fmt::format("{}\n", raw);
+    } else {
+      out += fmt::format("{} = {:.10g} {}\n", hex_of(raw, all[i], config), decode(raw, all[i], config),
+                         unit_of(all[i], config));
+    }
+  }
+  return out;
+}
+
+namespace {
+
+std::string place_of(const Divergence& d) {
+  std::string out;
+  if (d.triangle) {
+    out += fmt::format("triangle {}, ", *d.triangle);
+  }
+  if (d.x && d.y) {
+    out += fmt::format("pixel ({}, {}), ", *d.x, *d.y);
+  } else if (d.y) {
+    out += fmt::format("row {}, ", *d.y);
+  }
+  out += fmt::format("stage {}", d.stage);
+  if (!d.field.empty()) {
+    out += fmt::format(", field {}", d.field);
+  }
+  return out;
+}
+
+std::uint64_t distance(std::int64_t a, std::int64_t b) {
+  const auto ua = static_cast<std::uint64_t>(a);
+  const auto ub = static_cast<std::uint64_t>(b);
+  return a > b ? ua - ub : ub - ua;
+}
+
+std::string value_text(const Divergence& d, std::int64_t raw, const Config& config) {
+  if (d.kind == DivergenceKind::value) {
+    const Field& field = fields_of(d.type)[static_cast<std::size_t>(d.field_number)];
+    if (field.kind == FieldKind::integer) {
+      return fmt::format("{}", raw);
+    }
+    return fmt::format("{} = {:.12g} {}", hex_of(raw, field, config), decode(raw, field, config),
+                       unit_of(field, config));
+  }
+  if (d.kind == DivergenceKind::frame && (d.field == "u" || d.field == "v")) {
+    return fmt::format("{:.12g} texel", std::bit_cast<double>(raw));
+  }
+  return fmt::format("{}", raw);
+}
+
+}  // namespace
+
+std::string summary(const Divergence& d, const Config& config) {
+  switch (d.kind) {
+    case DivergenceKind::missing:
+      return fmt::format("{}: a record of {} that {} did not deliver", place_of(d), d.reference_engine,
+                         d.other_engine);
+    case DivergenceKind::extra:
+      return fmt::format("{}: a record of {} that {} did not deliver", place_of(d), d.other_engine,
+                         d.reference_engine);
+    default:
+      return fmt::format("{}: {} {}, {} {}", place_of(d), d.reference_engine,
+                         value_text(d, d.reference, config), d.other_engine, value_text(d, d.other, config));
+  }
+}
+
+std::string describe(const Divergence& d, const Config& config, const RunLabel& label) {
+  std::string out = fmt::format("first divergence: {} against {}\n", d.reference_engine, d.other_engine);
+  out += fmt::format("  configuration  {} ({})\n", config.name.empty() ? "unnamed" : config.name,
+                     config_hash(config));
+  out += fmt::format("  scene          {}\n", label.scene);
+  out += fmt::format("  at             {}\n", place_of(d));
+  if (d.kind == DivergenceKind::missing || d.kind == DivergenceKind::extra) {
+    const bool missing = d.kind == DivergenceKind::missing;
+    out +=
+        fmt::format("  record         delivered by {} only\n", missing ? d.reference_engine : d.other_engine);
+  } else {
+    out += fmt::format("  {:<14} {}\n", d.reference_engine, value_text(d, d.reference, config));
+    out += fmt::format("  {:<14} {}\n", d.other_engine, value_text(d, d.other, config));
+  }
+  if (d.kind == DivergenceKind::value) {
+    const Field& field = fields_of(d.type)[static_cast<std::size_t>(d.field_number)];
+    const auto format = format_of(field, config);
+    out += format ? fmt::format("  distance       {} ULP (1 ULP = 2^{})\n", distance(d.reference, d.other),
+                                -format->fraction())
+                  : fmt::format("  distance       {}\n", distance(d.reference, d.other));
+  }
+  if (d.reference_record && d.other_record) {
+    const auto all = fields_of(d.type);
+    out +=
+        fmt::format("  record of {}, both sides ({} | {}):\n", d.stage, d.reference_engine, d.other_engine);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const std::int64_t a = d.reference_record->values[i];
+      const std::int64_t b = d.other_record->values[i];
+      const auto text = [&](std::int64_t raw) {
+        return all[i].kind == FieldKind::integer
+                   ? fmt::format("{}", raw)
+                   : fmt::format("{} ({:.10g})", hex_of(raw, all[i], config), decode(raw, all[i], config));
+      };
+      const std::string unit = unit_of(all[i], config);
+      out += fmt::format("  {} {:<12} {} | {}{}{}\n", a == b ? ' ' : '*', all[i].name, text(a), text(b),
+                         unit.empty() ? "" : "  ", unit);
+    }
+  } else if (d.reference_record || d.other_record) {
+    const RecordCopy& only = d.reference_record ? *d.reference_record : *d.other_record;
+    out += fmt::format("  record of {} in {}:\n{}", d.stage, only.engine, describe_record(only, config, 4));
+  }
+  for (const RecordCopy& record : d.upstream) {
+    out += fmt::format("  fed by {} in {}:\n{}", stage_of(record.type), record.engine,
+                       describe_record(record, config, 4));
+  }
+  out += fmt::format("  reproduce      {}\n", label.command);
+  return out;
+}
+
+}  // namespace bitspan

@@ -1,0 +1,131 @@
+// The comparator: what two engines delivered for the same triangles, record by record, field by field.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/engine.hpp"
+
+namespace bitspan {
+
+// The record types of config/records.hpp in the order of the pipeline.
+enum class RecordType : std::uint8_t {
+#define BITSPAN_RECORD_TYPE(Record, LIST, stage, member) member,
+  BITSPAN_RECORDS(BITSPAN_RECORD_TYPE)
+#undef BITSPAN_RECORD_TYPE
+      count
+};
+inline constexpr int record_types = static_cast<int>(RecordType::count);
+
+// All records of one type in a trace, as rows of raw values.
+struct RecordView {
+  RecordType type = RecordType::count;
+  std::string_view stage;  // "setup", "setup.edge", "edge_walk" ...
+  std::span<const Field> fields;
+  const std::int64_t* values = nullptr;
+  std::size_t records = 0;
+
+  std::span<const std::int64_t> record(std::size_t i) const {
+    return {values + i * fields.size(), fields.size()};
+  }
+};
+RecordView view_of(const Trace& trace, RecordType type);
+std::string_view stage_of(RecordType type);
+std::span<const Field> fields_of(RecordType type);
+// Position of a field in its record; -1 where the record has none of that name.
+int field_index(RecordType type, std::string_view field);
+
+// raw on format: the value, the bits as hexadecimal digits of the format's word, the field's unit.
+double decode(std::int64_t raw, const Field& field, const Config& config);
+std::string hex_of(std::int64_t raw, const Field& field, const Config& config);
+std::string unit_of(const Field& field, const Config& config);
+
+// A record with its names, kept for a report.
+struct RecordCopy {
+  RecordType type = RecordType::count;
+  std::string engine;
+  std::vector<std::int64_t> values;
+};
+
+enum class DivergenceKind : std::uint8_t { value, missing, extra, frame, counter };
+
+// The first place where two engines differ: the earliest triangle, and of it the earliest stage.
+struct Divergence {
+  DivergenceKind kind = DivergenceKind::value;
+  std::string stage;
+  std::string field;
+  std::string reference_engine, other_engine;
+  std::optional<std::int64_t> triangle, x, y;
+  RecordType type = RecordType::count;  // of value, missing, extra
+  int field_number = -1;
+  std::int64_t reference = 0, other = 0;  // raw, of value, frame and counter
+  std::optional<RecordCopy> reference_record, other_record;
+  std::vector<RecordCopy> upstream;  // the records that fed the reference's record
+};
+
+struct StageCount {
+  std::uint64_t records = 0;      // pairs of records compared
+  std::uint64_t values = 0;       // pairs of values compared
+  std::uint64_t non_trivial = 0;  // values of the reference that are neither 0 nor those of the record before
+  std::uint64_t differences = 0;  // values that differ
+  std::uint64_t unmatched = 0;    // records that only one side delivered
+};
+
+// What became of one pair of engines, over any number of batches.
+struct Comparison {
+  std::string reference, other;
+  std::array<StageCount, record_types> stages{};
+  StageCount frame;     // planes of the picture; a "record" is a pixel
+  StageCount counters;  // of Counters, all but `cycles`
+  std::optional<Divergence> first;
+  std::string
+      fault;  // what `other` broke off with (an assertion in the RTL, a deadlock), empty where it did not
+
+  bool held() const { return !first && fault.empty(); }
+  std::uint64_t differences() const;  // values and unmatched records together, frame and counters included
+  StageCount total() const;           // of the stages
+};
+
+// Counts non-trivial values over the batches of one engine: a value is non-trivial when it is not 0 and
+// differs from the same field of the record delivered before it (of that type, earlier batches included).
+// So a field that never changes counts once, and a run of black pixels or empty records counts nothing.
+class NonTrivial {
+ public:
+  // Counts of this batch, a record type each.
+  std::array<std::uint64_t, record_types> count(const Trace& trace);
+
+ private:
+  std::array<std::vector<std::int64_t>, record_types> previous_;
+};
+
+// Compares one batch. Records are matched in order; where a record is missing on one side the walk finds its
+// place again by the record's identity (triangle, edge, row, x, y), so that one lost record is one unmatched
+// record and not a difference in each that follows. Equal vectors cost one memcmp.
+void compare_traces(const Trace& reference, const Trace& other,
+                    const std::array<std::uint64_t, record_types>& non_trivial, Comparison& into);
+// Pictures and counters at the end of a scene. NaN equals NaN in u and v.
+void compare_frames(const Frame& reference, const Frame& other, Comparison& into);
+void compare_counters(const Counters& reference, const Counters& other, Comparison& into);
+
+// The records of a trace that fed record i of a type, one level up: a fragment's span, a span's row ...
+std::vector<RecordCopy> upstream_of(const Trace& trace, RecordType type, std::span<const std::int64_t> record,
+                                    std::optional<std::size_t> ordinal = std::nullopt);
+
+// Where a divergence was seen, for its report.
+struct RunLabel {
+  std::string scene;    // file, "demo", or "fuzz seed S case I"
+  std::string command;  // that reproduces it
+};
+// Many lines: where, what, both values in hexadecimal and decoded, distance in ULP, operands, command.
+std::string describe(const Divergence& divergence, const Config& config, const RunLabel& label);
+// One line of it.
+std::string summary(const Divergence& divergence, const Config& config);
+// "field = 0x1f (31.5 texel)" a line, indented.
+std::string describe_record(const RecordCopy& record, const Config& config, int indent);
+
+}  // namespace bitspan

@@ -1,0 +1,28 @@
+// The dump of a run: the planes of the picture as NumPy arrays and a JSON of what made them.
+#pragma once
+
+#include <string>
+
+#include "config/engine.hpp"
+
+namespace bitspan {
+
+struct DumpInfo {
+  std::string version;
+  std::string scene;
+  std::string engine;
+  double wall_seconds = 0;
+};
+
+// color.npy (H, W, 4) uint8, depth.npy (H, W) uint32, u.npy and v.npy (H, W) float64, triangle.npy (H, W)
+// int32, run.json. All files are made in a folder beside `directory` and take their names when every one is
+// complete; files of an existing folder that are no part of a dump stay. InputError where it cannot be
+// written.
+void write_dump(const std::string& directory, const Frame& frame, const Counters& counters,
+                const Config& config, const DumpInfo& info);
+
+// The text of run.json.
+std::string run_json(const Frame& frame, const Counters& counters, const Config& config,
+                     const DumpInfo& info);
+
+}  // namespace bitspan

@@ -1,0 +1,43 @@
+// Several engines over one scene, in step: a batch of triangles through each, compared, then the next batch,
+// so that memory stays bounded whatever the scene's size.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "config/engine.hpp"
+#include "report/compare.hpp"
+
+namespace bitspan {
+
+struct LockStepOptions {
+  // A batch ends when it has this many triangles, or when their bounding boxes reach this many pixels. A
+  // trace takes about half a kilobyte a fragment, and two are held at a time.
+  std::size_t batch_triangles = 4096;
+  std::size_t batch_pixels = 1 << 17;
+  // Called after each batch with triangles done and in all; may be empty.
+  std::function<void(std::size_t, std::size_t)> progress;
+  // Called with every batch's records of the first engine; may be empty.
+  std::function<void(std::span<const Triangle>, std::int64_t first_index, const Trace&)> observe;
+};
+
+struct LockStepResult {
+  std::vector<Comparison> pairs;     // of engine 1, 2 ... with engine 0
+  std::uint64_t records = 0;         // delivered by engine 0
+  std::uint64_t triangles_done = 0;  // fewer than the scene's where a divergence ended the run
+  bool stopped = false;
+  double seconds = 0;
+};
+
+// Number of triangles, from `from` on, that make the next batch: at least one.
+std::size_t next_batch(const Scene& scene, std::size_t from, const LockStepOptions& options);
+
+// Runs all engines to the end, or to the end of the batch with the first divergence. Frames and counters are
+// compared at the end. Throws InputError where the scene does not fit the configuration.
+LockStepResult run_lock_step(std::span<const std::unique_ptr<Engine>> engines, const Scene& scene,
+                             const LockStepOptions& options);
+
+}  // namespace bitspan

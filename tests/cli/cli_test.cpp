@@ -1,0 +1,345 @@
+// The built program from outside: exit codes, messages, files.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <boost/property_tree/xml_parser.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "report/png.hpp"
+
+namespace bitspan {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string read(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream out;
+  out << in.rdbuf();
+  return out.str();
+}
+
+void write(const fs::path& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
+
+struct Result {
+  int code = -1;
+  std::string out, err;
+};
+
+class Cli : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "bitspan-cli-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  // Runs the program in the test's folder, outputs into files, so that no terminal is near.
+  Result run(const std::string& arguments) const {
+    const fs::path out = folder_ / ".out";
+    const fs::path err = folder_ / ".err";
+    const std::string command = "cd '" + folder_.string() + "' && '" + BITSPAN_PROGRAM + "' " + arguments +
+                                " >.out 2>.err </dev/null";
+    const int status = std::system(command.c_str());
+    Result result{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read(out), read(err)};
+    fs::remove(out);
+    fs::remove(err);
+    return result;
+  }
+
+  // Bad input: exit 2, one line on stderr that holds `part`, nothing on stdout, and no file that was not
+  // there before.
+  void refused(const std::string& arguments, const std::string& part) const {
+    const auto before = files();
+    const Result r = run(arguments);
+    EXPECT_EQ(r.code, 2) << arguments << "\n" << r.err;
+    EXPECT_TRUE(r.err.starts_with("bitspan: ")) << r.err;
+    EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << r.err;
+    EXPECT_NE(r.err.find(part), std::string::npos) << arguments << "\n" << r.err;
+    EXPECT_EQ(r.out, "") << arguments;
+    EXPECT_EQ(files(), before) << arguments;
+  }
+
+  std::vector<std::string> files() const {
+    std::vector<std::string> out;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+      out.push_back(entry.path().string());
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+
+  void stream(const std::string& name, const std::string& triangles = good_triangle) const {
+    write(folder_ / name, header + triangles);
+  }
+
+  static constexpr const char* header =
+      "{\"bitspan\": 1, \"width\": 32, \"height\": 24, \"s_min\": 1.0, \"s_max\": 100.0, \"focal\": 30.0, "
+      "\"background\": [1, 2, 3]}\n";
+  static constexpr const char* good_triangle =
+      "{\"v\": [[2, 2, 2, 0, 0], [30, 4, 50, 20, 0], [5, 22, 9, 0, 20]], "
+      "\"c\": [[1, 0.5, 0.2, 1], [0.3, 1, 0.6, 1], [0.1, 0.2, 1, 1]]}\n";
+
+  fs::path folder_;
+};
+
+TEST_F(Cli, EveryCommandHasHelpWithAnExample) {
+  for (const char* command : {"demo", "verify", "render", "explain", "sim", "fuzz", "replay", "config",
+                              "config show", "config check", "config emit-sv"}) {
+    const Result r = run(std::string(command) + " --help");
+    EXPECT_EQ(r.code, 0) << command;
+    EXPECT_NE(r.out.find("Example:\n  bitspan " + std::string(command)), std::string::npos) << r.out;
+    EXPECT_EQ(r.err, "");
+  }
+  EXPECT_NE(run("--help").out.find("Example:"), std::string::npos);
+  EXPECT_TRUE(run("--version").out.starts_with("bitspan 0."));
+}
+
+TEST_F(Cli, BadUsageIsRefused) {
+  refused("", "subcommand");
+  refused("dance", "dance");
+  refused("render", "scene");
+  refused("render demo --no-such-flag -o a.png", "no-such-flag");
+  refused("render demo", "nothing to write");
+  refused("config", "subcommand");
+  refused("explain demo 1", "y");
+  refused("explain demo one 2", "x");
+}
+
+TEST_F(Cli, BadScenesAreRefused) {
+  refused("render none.tri -o a.png", "none.tri");
+  refused("render none.obj -o a.png", "none.obj");
+  refused("verify none.tri", "none.tri");
+  write(folder_ / "empty.tri", "");
+  refused("render empty.tri -o a.png", "empty.tri");
+  stream("nan.tri", "{\"v\": [[NaN, 2, 2, 0, 0], [30, 4, 50, 20, 0], [5, 22, 9, 0, 20]]}\n");
+  refused("render nan.tri -o a.png", "nan.tri:2");
+  stream("huge.tri", "{\"v\": [[1e999, 2, 2, 0, 0], [30, 4, 50, 20, 0], [5, 22, 9, 0, 20]]}\n");
+  refused("render huge.tri -o a.png", "huge.tri:2");
+  stream("cut.tri", std::string(good_triangle).substr(0, 40));
+  refused("render cut.tri -o a.png --dump d", "cut.tri:2");
+  stream("near.tri", "{\"v\": [[2, 2, 0.5, 0, 0], [30, 4, 50, 20, 0], [5, 22, 9, 0, 20]]}\n");
+  refused("verify near.tri --junit j.xml", "near.tri:2");
+  stream("flat.tri", "{\"v\": [[2, 2, 2, 0, 0], [4, 4, 50, 20, 0], [6, 6, 9, 0, 20]]}\n");
+  refused("render flat.tri -o a.png", "flat.tri:2");
+  write(folder_ / "texture.tri",
+        "{\"bitspan\": 1, \"width\": 32, \"height\": 24, \"s_min\": 1.0, \"s_max\": 100.0, \"focal\": 30.0, "
+        "\"background\": [1, 2, 3], \"textures\": [\"t.png\"]}\n");
+  refused("render texture.tri -o a.png", "t.png");
+  const std::vector<std::uint8_t> pixels(4 * 8 * 8, 77);
+  const auto png = encode_png(8, 8, 4, pixels);
+  write(folder_ / "t.png",
+        std::string(png.begin(), png.begin() + static_cast<std::ptrdiff_t>(png.size() / 2)));
+  refused("render texture.tri -o a.png", "t.png");
+  write(folder_ / "t.png", "no picture at all");
+  refused("render texture.tri -o a.png", "t.png");
+  write(folder_ / "bad.obj", "this is no mesh\n");
+  refused("render bad.obj -o a.png", "bad.obj");
+}
+
+TEST_F(Cli, BadOptionsAreRefused) {
+  stream("a.tri");
+  refused("render a.tri -o a.png --size 10x10", "32x24");
+  refused("render demo -o a.png --size 0x10", "--size");
+  refused("render demo -o a.png --size 10", "--size");
+  refused("render demo -o a.png --size 10x10x10", "--size");
+  refused("render demo -o a.png --size 99999x99999", "--size");
+  refused("render a.tri -o a.png --yaw 3", "--yaw");
+  refused("render a.tri -o a.png --engine warp", "warp");
+  refused("verify a.tri --engines golden,golden", "twice");
+  refused("verify a.tri --engines golden,", "''");
+  refused("verify a.tri --engines ideal", "--engines");
+  refused("render a.tri -o a.png --config none", "depth16");
+  refused("explain a.tri 32 0 --engines golden,model", "outside");
+  refused("explain a.tri -- -1 0", "outside");
+  refused("render extreme -o a.png", "name one");
+  refused("render extreme/none -o a.png", "extreme/none");
+  refused("fuzz --engines golden --count 1", "--engines");
+  refused("fuzz --engines golden,model --count 1 --streams-per-config 0", "--streams-per-config");
+  refused("replay none.json", "none.json");
+}
+
+TEST_F(Cli, BadConfigurationsAreRefused) {
+  stream("a.tri");
+  std::string toml = run("config show --toml narrow").out;
+  ASSERT_NE(toml.find("[raster]\n"), std::string::npos);
+  write(folder_ / "unknown.toml", toml + "\n[extra]\nkey = 1\n");
+  refused("config check unknown.toml", "unknown.toml");
+  refused("render a.tri -o a.png --config unknown.toml", "extra");
+  write(folder_ / "broken.toml", "[raster\n");
+  refused("config check broken.toml", "broken.toml");
+  toml.replace(toml.find("subpixel_bits"), 13, "pixel_bits   ");
+  write(folder_ / "renamed.toml", toml);
+  refused("config check renamed.toml", "pixel_bits");
+}
+
+TEST_F(Cli, UnwritableOutputsAreRefused) {
+  stream("a.tri");
+  refused("render a.tri -o no/such/folder/a.png", "no/such/folder");
+  refused("render a.tri --dump no/such/d", "no/such/d");
+  refused("render a.tri --dump a.tri", "a.tri");
+  refused("render a.tri --emit-tri no/such/b.tri", "no/such");
+  write(folder_ / "file", "");
+  refused("demo --engines golden,model -o file/x --size 32x24", "file/x");
+  EXPECT_EQ(run("config show depth16 > /dev/full; exit $?").code, 2);
+}
+
+TEST_F(Cli, ConfigShowsChecksAndEmits) {
+  for (const char* name : {"depth16", "depth20", "narrow"}) {
+    EXPECT_NE(run(std::string("config show ") + name).out.find("span.uv"), std::string::npos);
+    EXPECT_NE(run(std::string("config check ") + name).out.find("legal"), std::string::npos);
+    const Result sv = run(std::string("config emit-sv ") + name + " -o p.sv");
+    EXPECT_EQ(sv.code, 0) << sv.err;
+    EXPECT_NE(read(folder_ / "p.sv").find("package bitspan_cfg_pkg"), std::string::npos);
+  }
+  write(folder_ / "mine.toml", run("config show --toml depth20").out);
+  const auto hash = [](const std::string& text) { return text.substr(text.find('('), 18); };
+  EXPECT_EQ(hash(run("config check mine.toml").out), hash(run("config check depth20").out));
+}
+
+TEST_F(Cli, RenderWritesTheSameEveryTime) {
+  stream("a.tri");
+  const Result r = run("render a.tri -o a.png --dump a.dump --config narrow");
+  ASSERT_EQ(r.code, 0) << r.err;
+  EXPECT_EQ(r.err, "") << "no progress in a pipe";
+  ASSERT_EQ(run("render a.tri -o b.png --dump b.dump/ --config narrow --engine golden").code, 0);
+  EXPECT_EQ(read(folder_ / "a.png"), read(folder_ / "b.png"));
+  EXPECT_TRUE(read(folder_ / "a.png").starts_with("\x89PNG"));
+  for (const char* file : {"color.npy", "depth.npy", "u.npy", "v.npy", "triangle.npy"}) {
+    EXPECT_EQ(read(folder_ / "a.dump" / file), read(folder_ / "b.dump" / file)) << file;
+  }
+  const std::string color = read(folder_ / "a.dump" / "color.npy");
+  EXPECT_NE(color.find("'|u1'"), std::string::npos);
+  EXPECT_NE(color.find("(24, 32, 4)"), std::string::npos);
+  EXPECT_EQ(color.size(), 128U + 24U * 32U * 4U);
+  const std::string depth = read(folder_ / "a.dump" / "depth.npy");
+  EXPECT_NE(depth.find("'<u4'"), std::string::npos);
+  EXPECT_NE(read(folder_ / "a.dump" / "u.npy").find("'<f8'"), std::string::npos);
+  EXPECT_NE(read(folder_ / "a.dump" / "triangle.npy").find("'<i4'"), std::string::npos);
+  const auto json = nlohmann::json::parse(read(folder_ / "a.dump" / "run.json"));
+  EXPECT_EQ(json.at("configuration").at("name"), "narrow");
+  EXPECT_EQ(json.at("counters").at("triangles"), 1);
+  EXPECT_GT(json.at("counters").at("written"), 100);
+}
+
+TEST_F(Cli, AnEmittedStreamDrawsTheSamePicture) {
+  ASSERT_EQ(run("render demo --size 96x72 -o a.png --emit-tri d.tri").code, 0);
+  const Result r = run("render d.tri -o b.png");
+  ASSERT_EQ(r.code, 0) << r.err;
+  EXPECT_EQ(read(folder_ / "a.png"), read(folder_ / "b.png"));
+}
+
+TEST_F(Cli, VerifyHoldsAndWritesItsReports) {
+  stream("a.tri");
+  const Result r = run("verify a.tri --engines golden,model,systemc,ideal --junit j.xml --json v.json");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+  EXPECT_NE(r.out.find("golden = systemc"), std::string::npos);
+  EXPECT_NE(r.out.find("error against ideal"), std::string::npos);
+  EXPECT_NE(r.out.find("0 differences (0 missed"), std::string::npos) << r.out;
+  EXPECT_NE(r.out.find("a.tri: all held"), std::string::npos);
+  std::istringstream in(read(folder_ / "j.xml"));
+  boost::property_tree::ptree tree;
+  ASSERT_NO_THROW(boost::property_tree::read_xml(in, tree));
+  const auto& suite = tree.get_child("testsuites.testsuite");
+  EXPECT_GE(suite.count("testcase"), 20U);
+  EXPECT_EQ(suite.get<int>("<xmlattr>.failures"), 0);
+  const auto json = nlohmann::json::parse(read(folder_ / "v.json"));
+  EXPECT_TRUE(json.at("held"));
+  EXPECT_EQ(json.at("scenes")[0].at("pairs").size(), 2U);
+  EXPECT_GT(json.at("scenes")[0].at("pairs")[0].at("stages").at("span").at("non_trivial"), 1000);
+}
+
+TEST_F(Cli, VerifySaysWhereNothingIsDrawn) {
+  stream("off.tri", "{\"v\": [[-20, 2, 2, 0, 0], [-3, 4, 50, 20, 0], [-5, 22, 9, 0, 20]]}\n");
+  const Result r = run("verify off.tri --engines golden,model,ideal");
+  EXPECT_EQ(r.code, 0) << r.out << r.err;
+  EXPECT_NE(r.out.find("legally draws nothing"), std::string::npos) << r.out;
+}
+
+TEST_F(Cli, VerifyHoldsOnTheExtremes) {
+  const Result r = run("verify extreme --engines golden,model,ideal");
+  EXPECT_EQ(r.code, 0) << r.out << r.err;
+}
+
+TEST_F(Cli, ModesWithoutRtlSaySo) {
+  stream("a.tri");
+  std::string toml = run("config show --toml depth16").out;
+  const auto at = toml.find("\"delta_f\"");
+  ASSERT_NE(at, std::string::npos);
+  toml.replace(at, 9, "\"affine\"");
+  write(folder_ / "affine.toml", toml);
+  const Result r = run("verify a.tri --config affine.toml");
+  EXPECT_EQ(r.code, 0) << r.out << r.err;
+  EXPECT_NE(r.out.find("rtl left out"), std::string::npos) << r.out;
+  refused("render a.tri -o x.png --engine rtl --config affine.toml", "affine");
+}
+
+TEST_F(Cli, ExplainShowsEveryStageOfAPixel) {
+  stream("a.tri");
+  const Result r = run("explain a.tri 8 8 --engines golden,model");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+  for (const char* stage : {"constants", "setup", "setup.edge", "edge_walk", "span_setup", "span", "depth",
+                            "texture", "fog", "merge", "ideal"}) {
+    EXPECT_NE(r.out.find(stage), std::string::npos) << stage;
+  }
+  EXPECT_NE(r.out.find("all engines agree"), std::string::npos);
+  EXPECT_NE(run("explain a.tri 0 0 --engines golden,model").out.find("fragments on it: 0"),
+            std::string::npos);
+}
+
+TEST_F(Cli, SimCountsClocks) {
+  stream("a.tri");
+  const Result r = run("sim a.tri --json s.json --vcd w.vcd");
+  ASSERT_EQ(r.code, 0) << r.err;
+  EXPECT_NE(r.out.find("busy %"), std::string::npos);
+  const auto json = nlohmann::json::parse(read(folder_ / "s.json"));
+  const std::uint64_t cycles = json.at("cycles");
+  EXPECT_GT(cycles, 100U);
+  for (const auto& stage : json.at("stages")) {
+    const std::uint64_t sum =
+        stage.at("busy").get<std::uint64_t>() + stage.at("starved").get<std::uint64_t>() +
+        stage.at("blocked").get<std::uint64_t>() + stage.at("memory").get<std::uint64_t>();
+    EXPECT_EQ(sum, cycles) << stage;
+  }
+  EXPECT_NE(read(folder_ / "w.vcd").find("$enddefinitions"), std::string::npos);
+}
+
+TEST_F(Cli, FuzzHoldsAndACaseStandsAlone) {
+  const Result r = run("fuzz --seed 3 --count 12 --streams-per-config 3 --engines golden,model");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+  EXPECT_NE(r.out.find("seed 3"), std::string::npos);
+  EXPECT_NE(r.out.find("0 differences"), std::string::npos);
+  const auto pixels = [](const std::string& text) {
+    const auto end = text.find(" span pixels");
+    const auto begin = text.rfind('\n', end) + 1;
+    return std::stoull(text.substr(begin, end - begin));
+  };
+  unsigned long long sum = 0;
+  for (int i = 0; i < 12; i += 4) {
+    sum += pixels(run("fuzz --seed 3 --first " + std::to_string(i) +
+                      " --count 4 --streams-per-config 3 --engines golden,model")
+                      .out);
+  }
+  EXPECT_EQ(sum, pixels(r.out));
+}
+
+TEST_F(Cli, DemoWritesItsReport) {
+  const Result r = run("demo --engines golden,model --size 120x90 -o out");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+  for (const char* file : {"color.png", "depth.png", "ideal.png", "error_depth.png", "error_uv.png",
+                           "error_color.png", "report.md", "report.html"}) {
+    EXPECT_GT(read(folder_ / "out" / file).size(), 100U) << file;
+  }
+  const std::string html = read(folder_ / "out" / "report.html");
+  EXPECT_NE(html.find("all held"), std::string::npos);
+  EXPECT_EQ(html.find("src=\"color"), std::string::npos) << "the page needs no other file";
+}
+
+}  // namespace
+}  // namespace bitspan

@@ -1,0 +1,77 @@
+// A replay file holds the whole case, and a bad one is refused with a line.
+#include "report/replay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "scene/random.hpp"
+
+namespace bitspan {
+namespace {
+
+Replay sample() {
+  Replay r;
+  r.engines = {"golden", "model"};
+  r.stall_seed = 42;
+  r.found = "bitspan fuzz";
+  r.config = load_config(BITSPAN_CONFIG_DIR "/narrow.toml");
+  RandomOptions options;
+  options.fog_probability = 1;
+  options.triangles = 9;
+  for (std::uint64_t seed = 0; r.scene.textures.empty(); ++seed) {
+    r.scene = random_scene(seed, options);
+  }
+  return r;
+}
+
+TEST(Replay, ComesBackBitForBit) {
+  const Replay a = sample();
+  const Replay b = parse_replay(replay_json(a), "file");
+  EXPECT_EQ(b.engines, a.engines);
+  EXPECT_EQ(b.stall_seed, a.stall_seed);
+  EXPECT_EQ(config_hash(b.config), config_hash(a.config));
+  EXPECT_EQ(replay_json(b), replay_json(a));
+  ASSERT_EQ(b.scene.triangles.size(), a.scene.triangles.size());
+  for (std::size_t i = 0; i < a.scene.triangles.size(); ++i) {
+    EXPECT_EQ(b.scene.triangles[i].texture, a.scene.triangles[i].texture);
+    for (std::size_t v = 0; v < 3; ++v) {
+      const Vertex& x = a.scene.triangles[i].v[v];
+      const Vertex& y = b.scene.triangles[i].v[v];
+      EXPECT_TRUE(x.x == y.x && x.y == y.y && x.s == y.s && x.u == y.u && x.v == y.v && x.c == y.c);
+    }
+  }
+  ASSERT_EQ(b.scene.textures.size(), a.scene.textures.size());
+  EXPECT_EQ(b.scene.textures[0].rgba, a.scene.textures[0].rgba);
+}
+
+TEST(Replay, BadFilesAreRefusedInOneLine) {
+  const std::string good = replay_json(sample());
+  const auto refused = [](const std::string& text) {
+    try {
+      static_cast<void>(parse_replay(text, "bad.json"));
+    } catch (const InputError& error) {
+      const std::string what = error.what();
+      return what.starts_with("bad.json") && what.find('\n') == std::string::npos;
+    }
+    return false;
+  };
+  EXPECT_TRUE(refused(""));
+  EXPECT_TRUE(refused("[]"));
+  EXPECT_TRUE(refused("{}"));
+  EXPECT_TRUE(refused(good.substr(0, good.size() / 2)));
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+  };
+  EXPECT_TRUE(refused(with("\"bitspan_replay\": 1", "\"bitspan_replay\": 2")));
+  EXPECT_TRUE(refused(with("\"rgba\": \"", "\"rgba\": \"zz")));
+  EXPECT_TRUE(refused(with("[raster]", "[raster]\\nnonsense = 1")));
+  EXPECT_TRUE(refused(with("\"s_max\": ", "\"s_max\": -")));
+  EXPECT_THROW(static_cast<void>(read_replay("/nonexistent/replay.json")), InputError);
+}
+
+}  // namespace
+}  // namespace bitspan

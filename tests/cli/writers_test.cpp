@@ -1,0 +1,115 @@
+// Tables, JUnit and dumps.
+#include <gtest/gtest.h>
+
+#include <boost/property_tree/xml_parser.hpp>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "report/dump.hpp"
+#include "report/junit.hpp"
+#include "report/table.hpp"
+
+namespace bitspan {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Junit, IsWellFormedWhateverTheTextsHold) {
+  std::string wild;
+  for (int c = 1; c < 256; ++c) {
+    wild += static_cast<char>(c);
+  }
+  wild += "]]> <![CDATA[ \xc3\xa4 \xe2\x82\xac \xf0\x9f\x98\x80 \xed\xa0\x80 \xc0\xaf";
+  const std::string xml = junit_xml(
+      wild, {{wild, wild, 1, wild, wild, ""}, {"a", "b", 2, "", "", ""}, {"s", "k", 0, "", "", wild}});
+  std::istringstream in(xml);
+  boost::property_tree::ptree tree;
+  ASSERT_NO_THROW(boost::property_tree::read_xml(in, tree));
+  const auto& suite = tree.get_child("testsuites.testsuite");
+  EXPECT_EQ(suite.get<int>("<xmlattr>.tests"), 3);
+  EXPECT_EQ(suite.get<int>("<xmlattr>.failures"), 1);
+  EXPECT_EQ(suite.get<int>("<xmlattr>.skipped"), 1);
+  EXPECT_EQ(suite.count("testcase"), 3U);
+  for (const char c : xml) {
+    const auto byte = static_cast<unsigned char>(c);
+    EXPECT_TRUE(byte >= 0x20 || c == '\n' || c == '\t' || c == '\r');
+  }
+  EXPECT_NE(xml.find("\xc3\xa4 \xe2\x82\xac \xf0\x9f\x98\x80"), std::string::npos) << "UTF-8 stays as it is";
+}
+
+TEST(Table, NumbersStandRight) {
+  EXPECT_EQ(text_table({{"name", "n"}, {"a", "1"}, {"bc", "100"}}),
+            "name    n\n----  ---\na       1\nbc    100\n");
+  EXPECT_NE(html_table({{"a<b"}, {"&"}}).find("a&lt;b"), std::string::npos);
+}
+
+Frame frame(int width, int height) {
+  Frame f;
+  f.width = width;
+  f.height = height;
+  const auto n = static_cast<std::size_t>(width * height);
+  f.color.assign(4 * n, 255);
+  f.depth.assign(n, 70000);
+  f.u.assign(n, 1.5);
+  f.v.assign(n, std::nan(""));
+  f.triangle.assign(n, -1);
+  return f;
+}
+
+std::string header_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes(128, '\0');
+  in.read(bytes.data(), 128);
+  return bytes;
+}
+
+Config config() { return load_config(BITSPAN_CONFIG_DIR "/depth16.toml"); }
+
+TEST(Dump, HasTheShapesAndTypesOfTheDesign) {
+  const fs::path folder = fs::path(::testing::TempDir()) / "bitspan-dump-test";
+  fs::remove_all(folder);
+  write_dump(folder.string() + "/", frame(5, 3), {}, config(), {"1.2.3", "scene \"x\"", "model", 0.5});
+  const auto has = [&](const char* file, const char* type, const char* shape) {
+    const std::string header = header_of(folder / file);
+    EXPECT_NE(header.find(type), std::string::npos) << file << header;
+    EXPECT_NE(header.find(shape), std::string::npos) << file << header;
+  };
+  has("color.npy", "'|u1'", "(3, 5, 4)");
+  has("depth.npy", "'<u4'", "(3, 5)");
+  has("u.npy", "'<f8'", "(3, 5)");
+  has("v.npy", "'<f8'", "(3, 5)");
+  has("triangle.npy", "'<i4'", "(3, 5)");
+  std::ifstream in(folder / "run.json");
+  const auto json = nlohmann::json::parse(in);
+  EXPECT_EQ(json.at("engine"), "model");
+  EXPECT_EQ(json.at("scene"), "scene \"x\"");
+  EXPECT_EQ(json.at("configuration").at("hash"), config_hash(config()));
+  EXPECT_TRUE(json.at("counters").contains("divides_saved"));
+
+  // An existing folder: the dump's files are replaced, others stay.
+  std::ofstream(folder / "mine.txt") << "keep";
+  write_dump(folder.string(), frame(7, 2), {}, config(), {});
+  has("depth.npy", "'<u4'", "(2, 7)");
+  EXPECT_TRUE(fs::exists(folder / "mine.txt"));
+  std::size_t beside = 0;
+  for (const auto& entry : fs::directory_iterator(folder.parent_path())) {
+    beside += static_cast<std::size_t>(entry.path().filename().string().starts_with(".bitspan-dump-test"));
+  }
+  EXPECT_EQ(beside, 0U) << "the temporary folder is gone";
+  fs::remove_all(folder);
+}
+
+TEST(Dump, RefusesAFileInItsPlaceAndAMissingParent) {
+  const fs::path file = fs::path(::testing::TempDir()) / "bitspan-dump-file";
+  std::ofstream(file) << "x";
+  EXPECT_THROW(write_dump(file.string(), frame(1, 1), {}, config(), {}), InputError);
+  EXPECT_THROW(
+      write_dump((file.parent_path() / "no-such-folder" / "d").string(), frame(1, 1), {}, config(), {}),
+      InputError);
+  fs::remove(file);
+}
+
+}  // namespace
+}  // namespace bitspan
