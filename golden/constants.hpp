@@ -1,0 +1,18 @@
+// Stage `constants`: once a scene.
+#pragma once
+
+#include "config/config.hpp"
+#include "config/records.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan::golden {
+
+struct Constants {
+  ConstantsRecord record;
+  int s_exponent = 0;  // E: s is normalised by 2^-E
+};
+
+// Throws InputError where the scene's range of s, or its fog distance, does not fit the formats.
+Constants make_constants(const Config& config, const Scene& scene);
+
+}  // namespace bitspan::golden

@@ -1,0 +1,130 @@
+#include "golden/fog.hpp"
+
+#include <algorithm>
+
+#include "golden/reciprocal.hpp"
+#include "golden/values.hpp"
+#include "golden/with_real.hpp"
+
+namespace bitspan::golden {
+
+namespace {
+
+template <class Real>
+class Fogging {
+ public:
+  Fogging(const Config& config, const Constants& constants, const Scene& scene)
+      : mode_(scene.fog ? config.fog : FogMode::none),
+        q_h_(config.format(FormatId::span_h)),
+        q_in_(config.format(FormatId::texture_color)),
+        q_factor_(config.format(FormatId::fog_factor)),
+        q_color_(config.format(FormatId::fog_color)),
+        far_factor_(FarBound(config.format(FormatId::fog_factor), {}, 1.0)),
+        b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
+        scale_(Quantizer<Real>(config.format(FormatId::fog_scale)).value(constants.record.fog_scale)),
+        width_(scene.width),
+        height_(scene.height),
+        depth_step_(pow2<Real>(-(config.depth_bits - 6))),
+        unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)) {
+    if (scene.fog) {
+      for (std::size_t i = 0; i < 3; ++i) fog_[i] = Real(scene.fog->color[i]);
+    }
+    if (mode_ == FogMode::table) table_ = fog_table(config, constants, scene);
+  }
+
+  FogRecord operator()(const FragmentRecord& fragment, const TextureRecord& texture) const {
+    FogRecord out;
+    out.triangle = texture.triangle;
+    out.x = texture.x;
+    out.y = texture.y;
+    out.index = -1;
+    const std::array<Real, 3> in{q_in_.value(texture.r), q_in_.value(texture.g), q_in_.value(texture.b)};
+    if (mode_ == FogMode::none) {
+      out.factor = q_factor_.raw(q_factor_(Real(1)));
+      out.r = q_color_.raw(q_color_(in[0]));
+      out.g = q_color_.raw(q_color_(in[1]));
+      out.b = q_color_.raw(q_color_(in[2]));
+      return out;
+    }
+    const Real h = q_h_.value(fragment.h);
+    if (mode_ == FogMode::linear) {
+      const Inverse<Real> inverse = unit_(h + b_);
+      out.recip_m = unit_.raw(inverse.m);
+      out.recip_e = inverse.e;
+      out.factor = q_factor_.raw(q_factor_.sum(Real(1), far_factor_(-inverse.times(scale_))));
+    } else {
+      const Real top = floor_of(h * depth_step_);
+      const std::int64_t hi = top < 0 ? 0 : top >= fog_depth_steps ? fog_depth_steps - 1 : to_integer(top);
+      out.index = fog_zones * hi + zone(fragment.x, fragment.y);
+      out.factor = table_[static_cast<std::size_t>(out.index)];
+    }
+    const Real factor = q_factor_.value(out.factor);
+    const auto toward = [&](std::size_t i) {
+      return q_color_.raw(q_color_.sum(fog_[i], (in[i] - fog_[i]) * factor));
+    };
+    out.r = toward(0);
+    out.g = toward(1);
+    out.b = toward(2);
+    return out;
+  }
+
+ private:
+  std::int64_t zone(std::int64_t x, std::int64_t y) const {
+    const Real dx = Real(2 * x + 1 - width_);
+    const Real dy = Real(2 * y + 1 - height_);
+    const Real r2 = dx * dx + dy * dy;
+    const Real r2_max = Real(width_ * width_ + height_ * height_);
+    return std::min<std::int64_t>(fog_zones - 1, to_integer(whole_of_quotient(r2 * fog_zones, r2_max).whole));
+  }
+
+  FogMode mode_;
+  Quantizer<Real> q_h_, q_in_, q_factor_, q_color_;
+  FarProduct<Real> far_factor_;
+  Real b_, scale_;
+  std::array<Real, 3> fog_{};
+  std::int64_t width_, height_;
+  Real depth_step_;
+  ReciprocalUnit<Real> unit_;
+  std::vector<std::int64_t> table_;
+};
+
+}  // namespace
+
+FogStage make_fog(Arithmetic arithmetic, const Config& config, const Constants& constants,
+                  const Scene& scene) {
+  // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): see with_real.hpp
+  return with_real(arithmetic,
+                   [&]<class Real>() -> FogStage { return Fogging<Real>(config, constants, scene); });
+}
+
+std::vector<std::int64_t> fog_table(const Config& config, const Constants& constants, const Scene& scene) {
+  // The exponential is never on a rounding boundary (it is transcendental), so an enclosure by the error of
+  // the quadruple-precision result decides the rounding; the margin is far above that error for every D / DT
+  // that does not underflow.
+  const Quad margin = pow2<Quad>(-96);
+  const Quantizer<Quad> q(config.format(FormatId::fog_factor));
+  const Quad b = Quantizer<Quad>(config.format(FormatId::setup_b)).value(constants.record.b);
+  const Quad a = b * Quad(scene.s_max);
+  const Quad half_width = Quad(scene.width) / 2;
+  const Quad half_height = Quad(scene.height) / 2;
+  const Quad r2_max = half_width * half_width + half_height * half_height;
+  const Quad focal2 = Quad(scene.focal) * Quad(scene.focal);
+  const Quad depth_step = pow2<Quad>(config.depth_bits - 6);
+  std::vector<std::int64_t> table;
+  table.reserve(std::size_t{fog_depth_steps} * fog_zones);
+  for (int hi = 0; hi < fog_depth_steps; ++hi) {
+    const Quad s = a / ((Quad(hi) + Quad(0.5)) * depth_step + b);
+    for (int zone = 0; zone < fog_zones; ++zone) {
+      const Quad r2 = (Quad(zone) + Quad(0.5)) / fog_zones * r2_max;
+      const Quad t = s * sqrtq(1 + r2 / focal2) / Quad(scene.fog->distance);
+      const Quad factor = expq(-t);
+      const std::int64_t low = q.raw(q(factor * (1 - margin)));
+      const std::int64_t high = q.raw(q(factor * (1 + margin)));
+      if (low != high) throw std::logic_error("golden: a fog table entry is too near a rounding boundary");
+      table.push_back(low);
+    }
+  }
+  return table;
+}
+
+}  // namespace bitspan::golden

@@ -1,0 +1,24 @@
+// Stage `fog`: a fragment's colour toward the fog's. [F2, F3]
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "config/records.hpp"
+#include "golden/arithmetic.hpp"
+#include "golden/constants.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan::golden {
+
+using FogStage = std::function<FogRecord(const FragmentRecord&, const TextureRecord&)>;
+FogStage make_fog(Arithmetic arithmetic, const Config& config, const Constants& constants,
+                  const Scene& scene);
+
+inline constexpr int fog_depth_steps = 64;  // of h, the table's upper 6 index bits
+inline constexpr int fog_zones = 16;        // of r^2, the lower 4
+
+// The fog table's raw entries on fog.factor, index = 16 hi + zone. The scene has fog. [F2]
+std::vector<std::int64_t> fog_table(const Config& config, const Constants& constants, const Scene& scene);
+
+}  // namespace bitspan::golden

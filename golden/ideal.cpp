@@ -1,0 +1,412 @@
+#include "golden/ideal.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "golden/quantize.hpp"
+
+namespace bitspan {
+
+namespace {
+
+using Wide = __int128;  // areas: coordinates have at most 40 bits with the half pixel
+using Corner = IdealTriangle::Corner;
+
+// Points in units of 2^-(subpixel_bits + 1) pixel, in which pixel centres and vertices are both integers.
+struct Point {
+  std::int64_t x = 0, y = 0;
+};
+Point centre_of(const IdealTriangle& t, std::int64_t x, std::int64_t y) {
+  const std::int64_t pixel = std::int64_t{1} << t.subpixel_bits;
+  return {(2 * x + 1) * pixel, (2 * y + 1) * pixel};
+}
+Point point_of(const Corner& c) { return {2 * c.x, 2 * c.y}; }
+
+Wide area_of(Point a, Point b, Point c) {
+  return Wide(b.x - a.x) * (c.y - a.y) - Wide(b.y - a.y) * (c.x - a.x);
+}
+
+// The signed areas opposite to each vertex; they sum up to the triangle's own.
+struct Areas {
+  std::array<Wide, 3> part{};
+  Wide whole = 0;
+};
+Areas areas_at(const IdealTriangle& t, Point p) {
+  const Point a = point_of(t.v[0]);
+  const Point b = point_of(t.v[1]);
+  const Point c = point_of(t.v[2]);
+  return {{area_of(b, c, p), area_of(c, a, p), area_of(a, b, p)}, area_of(a, b, c)};
+}
+
+// Inside by the fill rule, seen from the edge from a to b of a triangle whose area has the sign of `whole`.
+bool on_inner_side(Wide part, Wide whole, Point a, Point b, FillRule rule) {
+  const bool positive = whole > 0;
+  if (part != 0) return (part > 0) == positive;
+  if (rule == FillRule::inclusive) return true;
+  // The centre lies on the edge: inside on a left edge, or on a top one. The distance to the inner side grows
+  // with x by (a.y - b.y) and with y by (b.x - a.x), in a triangle of positive area.
+  const std::int64_t right = positive ? a.y - b.y : b.y - a.y;
+  const std::int64_t down = positive ? b.x - a.x : a.x - b.x;
+  return right > 0 || (right == 0 && down > 0);
+}
+
+bool covers(const IdealTriangle& t, const Areas& areas, FillRule rule) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Point a = point_of(t.v[(i + 1) % 3]);
+    const Point b = point_of(t.v[(i + 2) % 3]);
+    if (!on_inner_side(areas.part[i], areas.whole, a, b, rule)) return false;
+  }
+  return true;
+}
+
+long double h_max(const Config& config) { return std::ldexp(1.0L, config.depth_bits) - 1; }
+
+// h of 1/S = q. [D1]
+long double depth_code(const Config& config, const Scene& scene, long double q) {
+  const long double s_min = scene.s_min;
+  const long double s_max = scene.s_max;
+  return h_max(config) * s_min * (s_max * q - 1) / (s_max - s_min);
+}
+
+IdealPoint blend(const Config& config, const Scene& scene, const IdealTriangle& t,
+                 const std::array<long double, 3>& weight) {
+  long double q = 0;
+  long double u = 0;
+  long double v = 0;
+  std::array<long double, 4> c{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Corner& corner = t.v[i];
+    const long double share = weight[i] / corner.s;
+    q += share;
+    u += share * corner.u;
+    v += share * corner.v;
+    for (std::size_t j = 0; j < 4; ++j) c[j] += weight[i] * corner.c[j];
+  }
+  IdealPoint out;
+  out.h = static_cast<double>(depth_code(config, scene, q));
+  out.s = static_cast<double>(1 / q);
+  out.u = static_cast<double>(u / q);
+  out.v = static_cast<double>(v / q);
+  for (std::size_t j = 0; j < 4; ++j) out.shade[j] = static_cast<double>(c[j]);
+  return out;
+}
+
+IdealPoint point_at_centre(const Config& config, const Scene& scene, const IdealTriangle& t,
+                           const Areas& areas, std::int64_t x, std::int64_t y) {
+  std::array<long double, 3> weight{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    weight[i] = static_cast<long double>(areas.part[i]) / static_cast<long double>(areas.whole);
+  }
+  IdealPoint out = blend(config, scene, t, weight);
+  out.x = static_cast<double>(x) + 0.5;
+  out.y = static_cast<double>(y) + 0.5;
+  return out;
+}
+
+using Texel = std::array<double, 4>;  // colour codes, and alpha 0..1
+
+class Sampler {
+ public:
+  Sampler(const Config& config, const Texture& texture) : config_(config), texture_(texture) {}
+
+  // Gives false where the transparent code kills the fragment.
+  bool sample(double u, double v, Texel& out) const {
+    const std::size_t nearest = at(std::floor(u), std::floor(v));
+    out = texel(nearest);
+    if (config_.filter == TextureFilter::bilinear) {
+      const double left = std::floor(u - 0.5);
+      const double top = std::floor(v - 0.5);
+      const double ex = u - 0.5 - left;
+      const double ey = v - 0.5 - top;
+      const auto visible = [&](double i, double j) {
+        const std::size_t own = at(i, j);
+        return texel(reserved(own) ? nearest : own);
+      };
+      const Texel v1 = visible(left, top);
+      const Texel v2 = visible(left, top + 1);
+      const Texel v3 = visible(left + 1, top + 1);
+      const Texel v4 = visible(left + 1, top);
+      for (std::size_t c = 0; c < out.size(); ++c) {
+        const double v5 = v1[c] * (1 - ex) + v4[c] * ex;
+        const double v6 = v2[c] * (1 - ex) + v3[c] * ex;
+        out[c] = v5 * (1 - ey) + v6 * ey;
+      }
+    }
+    return !reserved(nearest);
+  }
+
+ private:
+  std::size_t wrapped(double i, int size) const {
+    if (config_.wrap == TextureWrap::clamp) return static_cast<std::size_t>(std::clamp(i, 0.0, size - 1.0));
+    const double rest = std::fmod(i, size);
+    return static_cast<std::size_t>(rest < 0 ? rest + size : rest);
+  }
+  // Of the texel's first byte.
+  std::size_t at(double i, double j) const {
+    return 4 * (wrapped(j, texture_.height) * static_cast<std::size_t>(texture_.width) +
+                wrapped(i, texture_.width));
+  }
+  Texel texel(std::size_t i) const {
+    const auto& p = texture_.rgba;
+    return {double(p[i]), double(p[i + 1]), double(p[i + 2]), p[i + 3] / 255.0};
+  }
+  bool reserved(std::size_t i) const {
+    return config_.transparent && std::equal(config_.transparent->begin(), config_.transparent->end(),
+                                             texture_.rgba.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+
+  const Config& config_;
+  const Texture& texture_;
+};
+
+double fog_factor(const Config& config, const Scene& scene, const IdealPoint& p) {
+  if (!scene.fog || config.fog == FogMode::none) return 1;
+  const double distance = scene.fog->distance;
+  if (config.fog == FogMode::linear) return std::clamp(1 - p.s / distance, 0.0, 1.0);
+  const double x = p.x - scene.width / 2.0;
+  const double y = p.y - scene.height / 2.0;
+  return std::exp(-p.s * std::sqrt(1 + (x * x + y * y) / (scene.focal * scene.focal)) / distance);
+}
+
+double configured_code(const Config& config, const Scene& scene, const IdealPoint& p) {
+  const auto z_max = static_cast<double>(h_max(config));
+  switch (config.depth_code) {
+    case DepthCode::inverse:
+      break;
+    case DepthCode::opengl:
+      return z_max - p.h;
+    case DepthCode::linear:
+      return z_max * (p.s - scene.s_min) / (scene.s_max - scene.s_min);
+  }
+  return p.h;
+}
+
+IdealFragment shade(const Config& config, const Scene& scene, const IdealTriangle& t,
+                    const IdealPoint& point) {
+  IdealFragment out;
+  out.point = point;
+  out.z = configured_code(config, scene, point);
+  out.texel = {255, 255, 255, 1};
+  if (t.texture >= 0) {
+    const Texture& texture = scene.textures.at(static_cast<std::size_t>(t.texture));
+    out.killed = !Sampler(config, texture).sample(point.u, point.v, out.texel);
+  }
+  out.alpha = out.texel[3] * point.shade[3];
+  out.killed = out.killed || out.alpha == 0;
+  out.fog_factor = fog_factor(config, scene, point);
+  for (std::size_t c = 0; c < 3; ++c) {
+    out.color[c] = out.texel[c] * point.shade[c];
+    const double fog = scene.fog ? scene.fog->color[c] : 0;
+    out.fogged[c] = fog + (out.color[c] - fog) * out.fog_factor;
+    if (out.fog_factor == 1) out.fogged[c] = out.color[c];
+  }
+  return out;
+}
+
+std::uint8_t nearest_code(double x) {
+  return static_cast<std::uint8_t>(std::clamp(std::floor(x + 0.5), 0.0, 255.0));
+}
+
+class IdealEngine final : public Engine {
+ public:
+  explicit IdealEngine(const Config& config) : config_(config) {}
+
+  std::string_view name() const override { return "ideal"; }
+  const Counters& counters() const override { return counters_; }
+
+  void begin(const Scene& scene) override {
+    scene_ = &scene;
+    counters_ = {};
+    const auto pixels = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    frame_ = {};
+    frame_.width = scene.width;
+    frame_.height = scene.height;
+    frame_.u.assign(pixels, nan);
+    frame_.v.assign(pixels, nan);
+    frame_.triangle.assign(pixels, -1);
+    h_.assign(pixels, 0);
+    z_.assign(pixels, config_.depth_code == DepthCode::inverse ? 0 : static_cast<double>(h_max(config_)));
+    color_.assign(pixels,
+                  {double(scene.background[0]), double(scene.background[1]), double(scene.background[2])});
+    stale_ = true;
+  }
+
+  void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* /*trace*/) override {
+    std::int64_t index = first_index;
+    for (const Triangle& triangle : triangles) {
+      ++counters_.triangles;
+      if (const auto t = ideal_triangle(config_, triangle)) {
+        draw_one(*t, index);
+      } else {
+        ++counters_.degenerate;
+      }
+      ++index;
+    }
+    stale_ = true;
+  }
+
+  // The planes of 8-bit colour and of depth codes are rounded here, and nowhere else.
+  const Frame& frame() const override {
+    if (!stale_) return frame_;
+    frame_.color.resize(4 * color_.size());
+    frame_.depth.resize(z_.size());
+    const auto z_max = static_cast<double>(h_max(config_));
+    for (std::size_t i = 0; i < color_.size(); ++i) {
+      for (std::size_t c = 0; c < 3; ++c) frame_.color[4 * i + c] = nearest_code(color_[i][c]);
+      frame_.color[4 * i + 3] = 255;
+      frame_.depth[i] = static_cast<std::uint32_t>(std::clamp(std::floor(z_[i] + 0.5), 0.0, z_max));
+    }
+    stale_ = false;
+    return frame_;
+  }
+
+ private:
+  void draw_one(const IdealTriangle& t, std::int64_t index) {
+    const auto [left, right] = std::minmax({t.v[0].x, t.v[1].x, t.v[2].x});
+    const std::int64_t x_first = std::max<std::int64_t>(0, left >> t.subpixel_bits);
+    const std::int64_t x_last = std::min<std::int64_t>(frame_.width - 1, right >> t.subpixel_bits);
+    const std::int64_t y_first = std::max<std::int64_t>(0, t.v[0].y >> t.subpixel_bits);
+    const std::int64_t y_last = std::min<std::int64_t>(frame_.height - 1, t.v[2].y >> t.subpixel_bits);
+    if (x_first > x_last || y_first > y_last) return;
+    // The areas are linear in the point, so one pixel to the right adds a constant, exactly.
+    const Areas here = areas_at(t, centre_of(t, 0, 0));
+    const Areas next = areas_at(t, centre_of(t, 1, 0));
+    for (std::int64_t y = y_first; y <= y_last; ++y) {
+      Areas areas = areas_at(t, centre_of(t, x_first, y));
+      bool entered = false;
+      for (std::int64_t x = x_first; x <= x_last; ++x) {
+        if (covers(t, areas, config_.fill_rule)) {
+          entered = true;
+          pixel(t, index, areas, x, y);
+        } else if (entered) {
+          break;  // a triangle is convex
+        }
+        for (std::size_t i = 0; i < 3; ++i) areas.part[i] += next.part[i] - here.part[i];
+      }
+    }
+  }
+
+  void pixel(const IdealTriangle& t, std::int64_t index, const Areas& areas, std::int64_t x, std::int64_t y) {
+    ++counters_.fragments;
+    ++counters_.covered;
+    const auto i = static_cast<std::size_t>(y * frame_.width + x);
+    const IdealPoint point = point_at_centre(config_, *scene_, t, areas, x, y);
+    if (!(point.h > h_[i])) return;
+    ++counters_.depth_passed;
+    const IdealFragment fragment = shade(config_, *scene_, t, point);
+    if (fragment.killed) {
+      ++counters_.killed;
+      return;
+    }
+    ++counters_.written;
+    const double share = std::min(fragment.alpha, 1.0);
+    for (std::size_t c = 0; c < 3; ++c) color_[i][c] += (fragment.fogged[c] - color_[i][c]) * share;
+    if (share == 1) color_[i] = fragment.fogged;
+    h_[i] = point.h;
+    z_[i] = fragment.z;
+    frame_.u[i] = point.u;
+    frame_.v[i] = point.v;
+    frame_.triangle[i] = static_cast<std::int32_t>(index);
+  }
+
+  Config config_;
+  const Scene* scene_ = nullptr;
+  std::vector<double> h_, z_;
+  std::vector<std::array<double, 3>> color_;
+  mutable Frame frame_;
+  mutable bool stale_ = true;
+  Counters counters_;
+};
+
+}  // namespace
+
+std::optional<IdealTriangle> ideal_triangle(const Config& config, const Triangle& triangle) {
+  const golden::Quantizer<long double> snap(config.coordinate_format());
+  IdealTriangle out;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vertex& in = triangle.v[i];
+    Corner& corner = out.v[i];
+    corner.x = snap.raw(snap(in.x));
+    corner.y = snap.raw(snap(in.y));
+    corner.s = in.s;
+    corner.u = in.u;
+    corner.v = in.v;
+    std::copy(in.c.begin(), in.c.end(), corner.c.begin());
+  }
+  std::stable_sort(out.v.begin(), out.v.end(),
+                   [](const Corner& a, const Corner& b) { return a.y < b.y || (a.y == b.y && a.x < b.x); });
+  const Wide area = area_of(point_of(out.v[0]), point_of(out.v[1]), point_of(out.v[2]));
+  if (area == 0) return std::nullopt;
+  out.subpixel_bits = config.subpixel_bits;
+  out.mid_right = area > 0;
+  out.texture = triangle.texture;
+  return out;
+}
+
+bool ideal_covers(const Config& config, const IdealTriangle& triangle, std::int64_t x, std::int64_t y) {
+  return covers(triangle, areas_at(triangle, centre_of(triangle, x, y)), config.fill_rule);
+}
+
+IdealPoint ideal_point(const Config& config, const Scene& scene, const IdealTriangle& triangle, double x,
+                       double y) {
+  using golden::Quad;
+  // Exact in 113 bits for points on a grid of up to 2^-30 pixel.
+  const Quad unit = golden::pow2<Quad>(-triangle.subpixel_bits);
+  const auto part = [&](const Corner& a, const Corner& b) {
+    return (Quad(b.x) - Quad(a.x)) * unit * (Quad(y) - Quad(a.y) * unit) -
+           (Quad(b.y) - Quad(a.y)) * unit * (Quad(x) - Quad(a.x) * unit);
+  };
+  const auto& v = triangle.v;
+  const std::array<Quad, 3> parts{part(v[1], v[2]), part(v[2], v[0]), part(v[0], v[1])};
+  const Quad whole = parts[0] + parts[1] + parts[2];
+  IdealPoint out =
+      blend(config, scene, triangle,
+            {static_cast<long double>(parts[0] / whole), static_cast<long double>(parts[1] / whole),
+             static_cast<long double>(parts[2] / whole)});
+  out.x = x;
+  out.y = y;
+  return out;
+}
+
+IdealPoint ideal_on_edge(const Config& config, const Scene& scene, const IdealTriangle& triangle, int edge,
+                         std::int64_t y) {
+  const std::size_t from = edge == 2 ? 1 : 0;
+  const std::size_t to = edge == 1 ? 1 : 2;
+  const Corner& a = triangle.v[from];
+  const Corner& b = triangle.v[to];
+  const long double unit = std::ldexp(1.0L, -triangle.subpixel_bits);
+  const long double below = static_cast<long double>(y) + 0.5L - static_cast<long double>(a.y) * unit;
+  const long double t = below / (static_cast<long double>(b.y - a.y) * unit);
+  std::array<long double, 3> weight{};
+  weight[from] = 1 - t;
+  weight[to] = t;
+  IdealPoint out = blend(config, scene, triangle, weight);
+  out.x =
+      static_cast<double>((static_cast<long double>(a.x) + static_cast<long double>(b.x - a.x) * t) * unit);
+  out.y = static_cast<double>(y) + 0.5;
+  return out;
+}
+
+IdealPoint ideal_at_vertex(const Config& config, const Scene& scene, const IdealTriangle& triangle,
+                           int vertex) {
+  const auto i = static_cast<std::size_t>(vertex);
+  std::array<long double, 3> weight{};
+  weight.at(i) = 1;
+  IdealPoint out = blend(config, scene, triangle, weight);
+  out.x = std::ldexp(static_cast<double>(triangle.v[i].x), -triangle.subpixel_bits);
+  out.y = std::ldexp(static_cast<double>(triangle.v[i].y), -triangle.subpixel_bits);
+  return out;
+}
+
+IdealFragment ideal_at(const Config& config, const Scene& scene, const IdealTriangle& triangle,
+                       std::int64_t x, std::int64_t y) {
+  const Areas areas = areas_at(triangle, centre_of(triangle, x, y));
+  return shade(config, scene, triangle, point_at_centre(config, scene, triangle, areas, x, y));
+}
+
+std::unique_ptr<Engine> make_ideal(const Config& config) { return std::make_unique<IdealEngine>(config); }
+
+}  // namespace bitspan

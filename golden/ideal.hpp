@@ -1,0 +1,78 @@
+// The truth that errors are measured from: docs/numeric-spec.md, "ideal". Closed form at each point, not
+// incremental; nothing is quantised but the vertices' positions, which are the hardware's input.
+//
+// Of the configuration only the snap (raster), the fill rule, the depth code, the texture's filter, wrap and
+// transparent colour and the fog's mode are read. Perspective is always correct, whatever mode the hardware
+// has. Computed in long double (64 significant bits) from exact integer areas, delivered as double.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "config/config.hpp"
+#include "config/engine.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan {
+
+// A triangle after the snap, its vertices in the order of the edge walk (as in SetupRecord).
+struct IdealTriangle {
+  struct Corner {
+    std::int64_t x = 0, y = 0;  // in units of 2^-subpixel_bits pixel
+    long double s = 1, u = 0, v = 0;
+    std::array<long double, 4> c{};
+  };
+  std::array<Corner, 3> v;
+  int subpixel_bits = 0;
+  bool mid_right = false;  // vertex 1 lies right of the edge from vertex 0 to 2
+  int texture = -1;
+};
+
+// None where the snapped triangle has no area.
+std::optional<IdealTriangle> ideal_triangle(const Config& config, const Triangle& triangle);
+
+// Is the centre of pixel (x, y) inside? Exact, by three signed areas; independent of any walk.
+bool ideal_covers(const Config& config, const IdealTriangle& triangle, std::int64_t x, std::int64_t y);
+
+// The surface's values at a point of the picture.
+struct IdealPoint {
+  double x = 0, y = 0;            // pixels
+  double h = 0;                   // depth code D1, of hmax = 2^depth.bits - 1
+  double s = 0;                   // distance, in the scene's unit
+  double u = 0, v = 0;            // texels
+  std::array<double, 4> shade{};  // red, green, blue, alpha, 0..1
+};
+
+// Anywhere on the triangle's plane in front of the eye.
+IdealPoint ideal_point(const Config& config, const Scene& scene, const IdealTriangle& triangle, double x,
+                       double y);
+// Where edge (0: vertex 0 to 2, 1: 0 to 1, 2: 1 to 2) crosses the centre of row y; the edge has height.
+IdealPoint ideal_on_edge(const Config& config, const Scene& scene, const IdealTriangle& triangle, int edge,
+                         std::int64_t y);
+// At vertex 0, 1 or 2.
+IdealPoint ideal_at_vertex(const Config& config, const Scene& scene, const IdealTriangle& triangle,
+                           int vertex);
+
+// The fragment of pixel (x, y), through texture and fog.
+struct IdealFragment {
+  IdealPoint point;                // at the pixel's centre
+  double z = 0;                    // the configured depth code
+  std::array<double, 4> texel{};   // V: colour codes 0..255, and alpha 0..1
+  std::array<double, 3> color{};   // V times shade, colour codes
+  double alpha = 1;                // of texel and shade
+  double fog_factor = 1;           // share of the object's own colour
+  std::array<double, 3> fogged{};  // colour codes
+  bool killed = false;             // by the transparent code or alpha 0
+};
+
+// The values are those of the triangle's plane; coverage is not asked.
+IdealFragment ideal_at(const Config& config, const Scene& scene, const IdealTriangle& triangle,
+                       std::int64_t x, std::int64_t y);
+
+// Draws with the above. It has no registers, so it appends nothing to a trace, and of the counters it fills
+// triangles, degenerate, fragments, covered, depth_passed, killed and written.
+std::unique_ptr<Engine> make_ideal(const Config& config);
+
+}  // namespace bitspan

@@ -1,0 +1,303 @@
+#include "golden/plane_walk.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "golden/reciprocal.hpp"
+#include "golden/values.hpp"
+#include "golden/with_real.hpp"
+
+namespace bitspan::golden {
+
+namespace {
+
+template <class Real>
+Real magnitude(Real x) {
+  return x < 0 ? -x : x;
+}
+
+template <class Real>
+struct Gradient {
+  Real x = 0, y = 0;
+};
+
+// w(m, n) = w0 + along_major (m - M0) + along_minor (n - N0)
+template <class Real>
+struct Slopes {
+  Real major = 0, minor = 0;
+};
+
+template <class Real>
+class PlaneWalker {
+ public:
+  PlaneWalker(const Config& config, const Constants& constants, int width, int height)
+      : width_(width),
+        height_(height),
+        vertex_(config),
+        q_g_(config.format(FormatId::plane_g)),
+        q_h_grad_(config.format(FormatId::plane_h_grad)),
+        q_g_grad_(config.format(FormatId::plane_g_grad)),
+        q_shade_grad_(config.format(FormatId::plane_shade_grad)),
+        q_k_(config.format(FormatId::plane_k)),
+        q_h_(config.format(FormatId::span_h)),
+        q_f_(config.format(FormatId::span_f)),
+        q_f_step_(config.format(FormatId::span_f_step)),
+        q_shade_acc_(config.format(FormatId::span_shade_acc)),
+        q_shade_step_(config.format(FormatId::span_shade_step)),
+        b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
+        phase_scale_(pow2<Real>(config.format(FormatId::plane_k).fraction())),
+        offset_shade_(
+            start_offset<Real>(config.start_offset.span_shade, config.format(FormatId::span_shade))),
+        inclusive_(config.fill_rule == FillRule::inclusive),
+        ideal_line_(config.numerator == Numerator::ideal_line) {}
+
+  void operator()(const SetupRecord& triangle, PlaneRows& out) const {
+    out.rows.clear();
+    out.covered.clear();
+    const Plane plane = make_plane(triangle);
+    out.plane = record_of(plane);
+    walk(plane, out);
+  }
+
+ private:
+  struct Plane {
+    std::int64_t triangle = 0;
+    std::array<VertexValues<Real>, 3> v;
+    Real area = 0;
+    std::array<Real, 3> gu, gv;
+    Gradient<Real> h, gu_xy, gv_xy;
+    std::array<Gradient<Real>, channels> c;
+    Real k = 0;
+    bool major_is_y = false;
+    std::int64_t major_first = 0;
+
+    Real major_of(const VertexValues<Real>& p) const { return major_is_y ? p.y : p.x; }
+    Real minor_of(const VertexValues<Real>& p) const { return major_is_y ? p.x : p.y; }
+    Slopes<Real> along(const Gradient<Real>& g) const {
+      return major_is_y ? Slopes<Real>{g.y, g.x} : Slopes<Real>{g.x, g.y};
+    }
+    // k (m - m0), the ideal line's height over its anchor.
+    Real line(std::int64_t m) const { return k * Real(m - major_first); }
+    std::int64_t digital_line(std::int64_t m) const { return to_integer(floor_of(line(m) + Real(0.5))); }
+  };
+
+  Plane make_plane(const SetupRecord& triangle) const {
+    Plane p;
+    p.triangle = triangle.triangle;
+    for (int i = 0; i < 3; ++i) p.v[static_cast<std::size_t>(i)] = vertex_.load(triangle, i);
+    const auto& v = p.v;
+    const Real x1 = v[1].x - v[0].x;
+    const Real y1 = v[1].y - v[0].y;
+    const Real x2 = v[2].x - v[0].x;
+    const Real y2 = v[2].y - v[0].y;
+    p.area = x1 * y2 - x2 * y1;
+    for (std::size_t i = 0; i < 3; ++i) {
+      p.gu[i] = q_g_.product(v[i].u, v[i].h + b_);
+      p.gv[i] = q_g_.product(v[i].v, v[i].h + b_);
+    }
+    const auto nx = [&](Real w0, Real w1, Real w2) { return (w1 - w0) * y2 - (w2 - w0) * y1; };
+    const auto ny = [&](Real w0, Real w1, Real w2) { return (w2 - w0) * x1 - (w1 - w0) * x2; };
+    const auto gradient = [&](Real w0, Real w1, Real w2, const Quantizer<Real>& q) {
+      return Gradient<Real>{q.quotient(nx(w0, w1, w2), p.area), q.quotient(ny(w0, w1, w2), p.area)};
+    };
+    p.h = gradient(v[0].h, v[1].h, v[2].h, q_h_grad_);
+    p.gu_xy = gradient(p.gu[0], p.gu[1], p.gu[2], q_g_grad_);
+    p.gv_xy = gradient(p.gv[0], p.gv[1], p.gv[2], q_g_grad_);
+    for (std::size_t i = 0; i < channels; ++i) {
+      p.c[i] = gradient(v[0].c[i], v[1].c[i], v[2].c[i], q_shade_grad_);
+    }
+    const Real h_nx = nx(v[0].h, v[1].h, v[2].h);
+    const Real h_ny = ny(v[0].h, v[1].h, v[2].h);
+    p.major_is_y = magnitude(h_nx) > magnitude(h_ny);
+    if (p.major_is_y) {
+      p.k = q_k_.quotient(-h_ny, h_nx);
+    } else if (h_ny != 0) {
+      p.k = q_k_.quotient(-h_nx, h_ny);
+    }
+    const Real least = std::min({p.major_of(v[0]), p.major_of(v[1]), p.major_of(v[2])});
+    p.major_first = to_integer(ceil_less_half(whole_of(least)));
+    return p;
+  }
+
+  PlaneRecord record_of(const Plane& p) const {
+    PlaneRecord out;
+    out.triangle = p.triangle;
+    out.major = p.major_is_y ? 1 : 0;
+    out.major_first = p.major_first;
+    out.gu0 = q_g_.raw(p.gu[0]);
+    out.gv0 = q_g_.raw(p.gv[0]);
+    out.gu1 = q_g_.raw(p.gu[1]);
+    out.gv1 = q_g_.raw(p.gv[1]);
+    out.gu2 = q_g_.raw(p.gu[2]);
+    out.gv2 = q_g_.raw(p.gv[2]);
+    out.h_x = q_h_grad_.raw(p.h.x);
+    out.h_y = q_h_grad_.raw(p.h.y);
+    out.gu_x = q_g_grad_.raw(p.gu_xy.x);
+    out.gu_y = q_g_grad_.raw(p.gu_xy.y);
+    out.gv_x = q_g_grad_.raw(p.gv_xy.x);
+    out.gv_y = q_g_grad_.raw(p.gv_xy.y);
+    store_shades(q_shade_grad_, {p.c[0].x, p.c[1].x, p.c[2].x, p.c[3].x}, out.r_x, out.g_x, out.b_x, out.a_x);
+    store_shades(q_shade_grad_, {p.c[0].y, p.c[1].y, p.c[2].y, p.c[3].y}, out.r_y, out.g_y, out.b_y, out.a_y);
+    out.k = q_k_.raw(p.k);
+    return out;
+  }
+
+  // The covered pixels of one column m of the major axis: minor coordinates first..last, none where first >
+  // last.
+  struct Column {
+    std::int64_t first = 0;
+    std::int64_t last = std::numeric_limits<std::int64_t>::max();
+    std::int64_t line = 0;  // D(m)
+    void exclude_all() { last = first - 1; }
+  };
+
+  // Keeps the pixels of the column whose centre is on the inner side of the edge from a to b.
+  void clip(const Plane& p, const VertexValues<Real>& a, const VertexValues<Real>& b, std::int64_t m,
+            Column& column) const {
+    // distance(x, y) = dist_x (x - a.x) + dist_y (y - a.y), positive inside
+    const bool positive = p.area > 0;
+    const Real dist_x = positive ? a.y - b.y : b.y - a.y;
+    const Real dist_y = positive ? b.x - a.x : a.x - b.x;
+    const bool takes_zero = inclusive_ || dist_x > 0 || (dist_x == 0 && dist_y > 0);  // left or top edge
+    const Real dist_m = p.major_is_y ? dist_y : dist_x;
+    const Real dist_n = p.major_is_y ? dist_x : dist_y;
+    const Real here = dist_m * (Real(m) + Real(0.5) - p.major_of(a));
+    if (dist_n == 0) {
+      if (here < 0 || (here == 0 && !takes_zero)) column.exclude_all();
+      return;
+    }
+    const Whole<Real> crossing = whole_of_quotient(p.minor_of(a) * dist_n - here, dist_n);
+    if (dist_n > 0) {
+      const Real first = takes_zero ? ceil_less_half(crossing) : floor_less_half(crossing) + 1;
+      column.first = std::max(column.first, to_integer(first));
+    } else {
+      const Real last = takes_zero ? floor_less_half(crossing) : ceil_less_half(crossing) - 1;
+      column.last = std::min(column.last, to_integer(last));
+    }
+  }
+
+  void walk(const Plane& p, PlaneRows& out) const {
+    const std::int64_t major_size = p.major_is_y ? height_ : width_;
+    const std::int64_t minor_size = p.major_is_y ? width_ : height_;
+    const Real greatest = std::max({p.major_of(p.v[0]), p.major_of(p.v[1]), p.major_of(p.v[2])});
+    const std::int64_t m_begin = std::max<std::int64_t>(0, p.major_first);
+    const std::int64_t m_end =
+        std::min<std::int64_t>(major_size - 1, to_integer(floor_less_half(whole_of(greatest)))) + 1;
+    if (m_begin >= m_end) return;
+
+    std::vector<Column> columns;
+    columns.reserve(static_cast<std::size_t>(m_end - m_begin));
+    std::int64_t row_begin = std::numeric_limits<std::int64_t>::max();
+    std::int64_t row_last = std::numeric_limits<std::int64_t>::min();
+    for (std::int64_t m = m_begin; m < m_end; ++m) {
+      Column column;
+      column.last = minor_size - 1;
+      column.line = p.digital_line(m);
+      clip(p, p.v[0], p.v[1], m, column);
+      clip(p, p.v[1], p.v[2], m, column);
+      clip(p, p.v[2], p.v[0], m, column);
+      if (column.first <= column.last) {
+        row_begin = std::min(row_begin, column.first - column.line);
+        row_last = std::max(row_last, column.last - column.line);
+      }
+      columns.push_back(column);
+    }
+    if (row_begin > row_last) return;
+
+    // The first and last column of each row; columns come in order, so the last one seen is the last.
+    struct Extent {
+      std::int64_t first = -1, last = -1;
+    };
+    std::vector<Extent> extents(static_cast<std::size_t>(row_last - row_begin + 1));
+    for (std::int64_t m = m_begin; m < m_end; ++m) {
+      const Column& column = columns[static_cast<std::size_t>(m - m_begin)];
+      for (std::int64_t n = column.first; n <= column.last; ++n) {
+        Extent& extent = extents[static_cast<std::size_t>(n - column.line - row_begin)];
+        if (extent.first < 0) extent.first = m;
+        extent.last = m;
+      }
+    }
+    for (std::size_t i = 0; i < extents.size(); ++i) {
+      const Extent& extent = extents[i];
+      if (extent.first < 0) continue;
+      const std::int64_t row = row_begin + static_cast<std::int64_t>(i);
+      for (std::int64_t m = extent.first; m <= extent.last; ++m) {
+        const Column& column = columns[static_cast<std::size_t>(m - m_begin)];
+        const std::int64_t n = row + column.line;
+        out.covered.push_back(n >= column.first && n <= column.last ? 1 : 0);
+      }
+      const std::int64_t line = columns[static_cast<std::size_t>(extent.first - m_begin)].line;
+      out.rows.push_back(make_row(p, row, extent.first, extent.last, row + line));
+    }
+  }
+
+  PlaneRowRecord make_row(const Plane& p, std::int64_t row, std::int64_t m, std::int64_t m_last,
+                          std::int64_t n) const {
+    PlaneRowRecord out;
+    out.triangle = p.triangle;
+    out.row = row;
+    out.major_first = m;
+    out.minor_first = n;
+    out.count = m_last - m + 1;
+    // The ideal line's position above the pixel centre, -1/2 included to 1/2 excluded, is phase - 1/2.
+    const Real above = p.line(m) - Real(n - row);
+    const Real phase = above + Real(0.5);
+    const Real from_major = Real(m) + Real(0.5) - p.major_of(p.v[0]);
+    const Real from_minor = Real(n) + Real(0.5) - p.minor_of(p.v[0]);
+    out.phase = to_integer(phase * phase_scale_);
+
+    const Slopes<Real> h = p.along(p.h);
+    out.h = q_h_.raw(q_h_.sum(p.v[0].h, exact_product(h.major, from_major),
+                              exact_product(h.minor, from_minor), exact_product(h.minor, above)));
+    const auto numerator = [&](Real g0, const Slopes<Real>& g, std::int64_t& start, std::int64_t& step0,
+                               std::int64_t& step1) {
+      if (ideal_line_) {
+        start = q_f_.raw(q_f_.sum(g0, exact_product(g.major, from_major), exact_product(g.minor, from_minor),
+                                  exact_product(g.minor, above)));
+        step0 = step1 = q_f_step_.raw(q_f_step_.sum(g.major, exact_product(p.k, g.minor)));
+      } else {
+        start =
+            q_f_.raw(q_f_.sum(g0, exact_product(g.major, from_major), exact_product(g.minor, from_minor)));
+        step0 = q_f_step_.raw(q_f_step_(g.major));
+        step1 = q_f_step_.raw(q_f_step_.sum(g.major, p.k < 0 ? -g.minor : g.minor));
+      }
+    };
+    numerator(p.gu[0], p.along(p.gu_xy), out.gu, out.gu_step0, out.gu_step1);
+    numerator(p.gv[0], p.along(p.gv_xy), out.gv, out.gv_step0, out.gv_step1);
+
+    Shades<Real> start;
+    Shades<Real> step0;
+    Shades<Real> step1;
+    for (std::size_t i = 0; i < channels; ++i) {
+      const Slopes<Real> c = p.along(p.c[i]);
+      start[i] = q_shade_acc_.sum(p.v[0].c[i], exact_product(c.major, from_major),
+                                  exact_product(c.minor, from_minor), offset_shade_);
+      step0[i] = q_shade_step_(c.major);
+      step1[i] = q_shade_step_.sum(c.major, p.k < 0 ? -c.minor : c.minor);
+    }
+    store_shades(q_shade_acc_, start, out.r, out.g, out.b, out.a);
+    store_shades(q_shade_step_, step0, out.r_step0, out.g_step0, out.b_step0, out.a_step0);
+    store_shades(q_shade_step_, step1, out.r_step1, out.g_step1, out.b_step1, out.a_step1);
+    return out;
+  }
+
+  std::int64_t width_, height_;
+  VertexFormats<Real> vertex_;
+  Quantizer<Real> q_g_, q_h_grad_, q_g_grad_, q_shade_grad_, q_k_, q_h_, q_f_, q_f_step_, q_shade_acc_,
+      q_shade_step_;
+  Real b_, phase_scale_, offset_shade_;
+  bool inclusive_, ideal_line_;
+};
+
+}  // namespace
+
+PlaneWalkStage make_plane_walk(Arithmetic arithmetic, const Config& config, const Constants& constants,
+                               int width, int height) {
+  // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): see with_real.hpp
+  return with_real(arithmetic, [&]<class Real>() -> PlaneWalkStage {
+    return PlaneWalker<Real>(config, constants, width, height);
+  });
+}
+
+}  // namespace bitspan::golden

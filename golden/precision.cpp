@@ -1,0 +1,565 @@
+#include "golden/precision.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <initializer_list>
+
+#include "golden/quantize.hpp"
+#include "golden/values.hpp"
+
+namespace bitspan::golden {
+
+namespace {
+
+// Every value is a multiple of 2^lo and at most 2^hi in magnitude.
+struct Range {
+  int lo = 0;
+  int hi = 0;
+  int bits() const { return std::max(hi - lo, 1); }
+};
+
+Range product(Range a, Range b) { return {a.lo + b.lo, a.hi + b.hi}; }
+Range sum(Range a, Range b) { return {std::min(a.lo, b.lo), std::max(a.hi, b.hi) + 1}; }
+Range at_most(Range a, int hi) { return {a.lo, std::min(a.hi, hi)}; }
+Range range_of(const Format& f) { return {-f.fraction(), f.is_signed ? f.integer - 1 : f.integer}; }
+
+// A term of a sum: a register, or a product, which is held as two Reals and needs the bits of its wider
+// factor.
+struct Term {
+  Range range;
+  int bits = 0;
+};
+Term term(Range r) { return {r, r.bits()}; }
+Term term(Range a, Range b) { return {product(a, b), std::max(a.bits(), b.bits())}; }
+
+// What a reciprocal unit delivers: m 2^-e.
+struct InverseRange {
+  Range m;
+  int e_min = 0;
+  int e_max = 0;
+  // Scaling by 2^-e costs no bit, wherever e puts the product.
+  Term times(Range x) const {
+    return {{x.lo + m.lo - e_max, x.hi + m.hi - e_min}, std::max(x.bits(), m.bits())};
+  }
+};
+
+class StageNeeds {
+ public:
+  StageNeeds(std::string stage, std::vector<PrecisionRow>& rows)
+      : stage_(std::move(stage)), rows_(rows), first_(rows.size()) {}
+
+  void need(const std::string& expression, int bits) {
+    if (bits > significant_bits(Width::quad)) {
+      throw InputError(stage_ + ": golden would need " + std::to_string(bits) + " significant bits for " +
+                       expression + "; at most 113 are legal, narrow the formats it is made of");
+    }
+    bits_ = std::max(bits_, bits);
+    rows_.push_back({stage_, expression, bits, Width::quad});
+  }
+
+  // A register of the stage. Wrapping a signed one passes through its unsigned value.
+  Range reg(const std::string& name, const Format& f) {
+    need(name, f.is_signed && f.overflow != Overflow::wrap ? f.word - 1 : f.word);
+    return range_of(f);
+  }
+  Range exact(const std::string& expression, Range r) {
+    need(expression, r.bits());
+    return r;
+  }
+  // Q of a sum, whose integer and fractional parts (in ulps) are held apart.
+  void q_sum(const std::string& expression, std::initializer_list<Term> terms, const Format& out) {
+    const int grow = static_cast<int>(std::bit_width(2 * terms.size() - 1));  // a product counts twice
+    int bits = 1;
+    for (const Term& t : terms) {
+      const int integer = t.range.hi + out.fraction() + grow;
+      const int fraction = -t.range.lo - out.fraction() + 1;
+      bits = std::max({bits, t.bits, integer, fraction});
+    }
+    need(expression, bits);
+  }
+
+  // The same, where the product passes through FarProduct.
+  void q_far(const std::string& expression, Term product, std::initializer_list<Term> near, const Format& out,
+             const FarBound& bound) {
+    if (!bound.wraps) product.range.hi = std::min(product.range.hi, bound.exponent);
+    int bits = 1;
+    int lo = product.range.lo;
+    int hi = product.range.hi;
+    for (const Term& t : near) {
+      lo = std::min(lo, t.range.lo);
+      hi = std::max(hi, t.range.hi);
+      bits = std::max(bits, t.bits);
+    }
+    const int grow = static_cast<int>(std::bit_width(near.size() + 1));  // the product counts twice
+    need(expression, std::max({bits, product.bits, hi + out.fraction() + grow, -lo - out.fraction() + 1}));
+  }
+  void q_product(const std::string& expression, Term product, const Format& out) {
+    q_far(expression, product, {}, out, FarBound(out, {}));
+  }
+
+  // Q of n / d: the quotient's candidate times d, and the remainder.
+  void q_quotient(const std::string& expression, Range n, Range d, int fraction) {
+    const int product_bits = std::max(n.hi + fraction, d.hi) + 1 - d.lo;
+    const int rest_bits = d.hi + 1 - std::min(n.lo + fraction, d.lo);
+    need(expression, std::max({n.bits(), d.bits(), product_bits, rest_bits}));
+  }
+
+  // Slope(n, d, form, R, name).
+  void slope(const std::string& expression, Range n, Range d, SlopeForm form, const InverseRange& inverse,
+             const Format& out) {
+    if (form == SlopeForm::divide) {
+      q_quotient(expression + " / d", n, d, out.fraction());
+    } else {
+      q_product(expression + " * m", inverse.times(n), out);
+    }
+  }
+
+  // R(d), d > 0.
+  InverseRange inverse(const std::string& name, const Reciprocal& unit, Range d) {
+    const Range m = reg(name + " m", unit.output);
+    InverseRange out{m, 0, 0};
+    const Range n{d.lo - d.hi, 1};  // normalised at the largest e
+    Range y{-unit.output.fraction(), 1};
+    if (unit.normalize) {
+      out.m = at_most(m, 1);
+      out.e_min = d.lo;
+      out.e_max = d.hi;
+    }
+    if (unit.kind == ReciprocalKind::restoring) {
+      q_quotient(name + " quotient * d", {0, 0}, unit.normalize ? n : d, unit.output.fraction());
+      return out;
+    }
+    const Range nq{-unit.operand_bits, 1};
+    if (unit.kind == ReciprocalKind::lut_linear) {
+      const Range t{-std::max(unit.operand_bits - unit.index_bits, 0), 0};
+      const Range entry{-unit.table_bits, 0};
+      exact(name + " c(j) - (c(j) - c(j+1)) t", sum(entry, product(entry, t)));
+      return out;
+    }
+    y = {-unit.table_bits, 0};
+    for (int step = 0; step < unit.steps; ++step) {
+      exact(name + " nq y", product(nq, y));
+      exact(name + " y (2 - a)", product(y, {-unit.internal_bits, 1}));
+      y = {-unit.internal_bits, 1};
+    }
+    return out;
+  }
+
+  // Ends the stage: the narrowest type that has its bits.
+  Width choose(Width least = Width::f64) {
+    Width width = least;
+    while (significant_bits(width) < bits_) width = width == Width::f64 ? Width::x87 : Width::quad;
+    for (std::size_t i = first_; i < rows_.size(); ++i) rows_[i].width = width;
+    return width;
+  }
+
+ private:
+  std::string stage_;
+  std::vector<PrecisionRow>& rows_;
+  std::size_t first_;
+  int bits_ = 0;
+};
+
+class Chooser {
+ public:
+  explicit Chooser(const Config& config)
+      : c_(config),
+        k_(config.subpixel_bits),
+        xy_(range_of(config.coordinate_format())),
+        d_xy_{-k_, config.coordinate_bits},
+        centre_{-std::max(k_, 1), config.coordinate_bits},
+        b_(range_of(f(FormatId::setup_b))) {}
+
+  Precision operator()() {
+    constants();
+    out_.setup = setup();
+    if (c_.perspective == Perspective::const_depth_rows) {
+      out_.plane_walk = plane_walk();
+      out_.span_setup = plane_span_setup();
+    } else {
+      out_.edge_setup = edge_setup();
+      out_.edge_walk = edge_walk();
+      out_.span_setup = span_setup();
+    }
+    out_.span = span();
+    out_.depth = depth();
+    out_.texture = texture();
+    out_.fog = fog();
+    out_.merge = merge();
+    return out_;
+  }
+
+ private:
+  const Format& f(FormatId id) const { return c_.format(id); }
+  static std::string name(FormatId id) { return std::string(key_of(id)); }
+  Range reg(StageNeeds& s, FormatId id) const { return s.reg(name(id), f(id)); }
+  Range depth_sum(StageNeeds& s, Range h) const { return s.exact("h + B", sum(h, b_)); }
+  bool affine() const { return c_.perspective == Perspective::affine; }
+  bool linear_uv() const { return affine() || c_.perspective == Perspective::const_depth_rows; }
+
+  static Term offset(const StartOffset& o, const Format& kept) {
+    const auto value = start_offset<double>(o, kept);
+    if (value == 0) return term({-kept.fraction(), -kept.fraction()});
+    int hi = 0;
+    double rest = std::frexp(std::fabs(value), &hi);
+    int lo = hi;
+    while (rest != 0) {
+      rest *= 2;
+      --lo;
+      rest -= std::floor(rest);
+    }
+    return term({lo, hi});
+  }
+
+  void pre_step(StageNeeds& s, const std::string& expression, Range from, Range step, Range distance,
+                const StartOffset& o, const Format& kept, const Format& accumulator,
+                const Format& from_format) {
+    const FarBound bound(accumulator, {from_format}, start_offset<double>(o, kept));
+    s.q_far(expression, term(step, distance), {term(from), offset(o, kept)}, accumulator, bound);
+  }
+
+  void constants() {
+    StageNeeds s("constants", out_.rows);
+    const Range normal_s = at_most(reg(s, FormatId::setup_s), 0);
+    const Range hmax{0, c_.depth_bits};
+    const Range b = reg(s, FormatId::setup_b);
+    s.q_quotient("hmax s_min / (s_max - s_min)", product(hmax, normal_s), normal_s,
+                 f(FormatId::setup_b).fraction());
+    if (c_.depth_code == DepthCode::linear) {
+      reg(s, FormatId::depth_c1);
+      reg(s, FormatId::depth_c0);
+      s.q_quotient("hmax B s_max / (s_max - s_min)", product(hmax, product(b, normal_s)), normal_s,
+                   f(FormatId::depth_c1).fraction());
+      s.q_quotient("hmax s_min / (s_max - s_min) as c0", product(hmax, normal_s), normal_s,
+                   f(FormatId::depth_c0).fraction());
+    }
+    if (c_.fog == FogMode::linear) {
+      // The quotient is in range times a distance of 53 significant bits.
+      const Range scale = reg(s, FormatId::fog_scale);
+      s.need("B s_max", product(b, normal_s).bits());
+      s.need("fog.scale * distance", scale.bits() + 53);
+    }
+    s.choose(Width::quad);
+  }
+
+  Width setup() {
+    StageNeeds s("setup", out_.rows);
+    s.reg("coordinate", c_.coordinate_format());
+    const Range normal_s = at_most(reg(s, FormatId::setup_s), 0);
+    reg(s, FormatId::setup_h);
+    reg(s, FormatId::setup_uv);
+    reg(s, FormatId::setup_shade);
+    const Range n = s.exact("B (s_max - s)", product(b_, normal_s));
+    s.q_quotient("B (s_max - s) / s", n, normal_s, f(FormatId::setup_h).fraction());
+    s.exact("area", {-2 * k_, 2 * c_.coordinate_bits + 1});
+    // Not for its bits: an input scaled by a power of two may leave double's exponent range.
+    return s.choose(Width::x87);
+  }
+
+  Width edge_setup() {
+    StageNeeds s("setup.edge", out_.rows);
+    s.reg("coordinate", c_.coordinate_format());
+    const Range h = reg(s, FormatId::setup_h);
+    const Range uv = reg(s, FormatId::setup_uv);
+    const Range shade = reg(s, FormatId::setup_shade);
+    const Range f_diff = reg(s, FormatId::edge_f_diff);
+    reg(s, FormatId::edge_h_step);
+    reg(s, FormatId::edge_f_step);
+    reg(s, FormatId::edge_shade_step);
+    const SlopeForm form = c_.edge_slope;
+    InverseRange inverse;
+    if (form == SlopeForm::reciprocal) inverse = s.inverse("R_edge", c_.edge_reciprocal, d_xy_);
+    if (c_.edge_walk == EdgeWalk::dda) {
+      reg(s, FormatId::edge_x_step);
+      s.slope("(x2 - x1)", d_xy_, d_xy_, form, inverse, f(FormatId::edge_x_step));
+    }
+    const Range d_uv = s.exact("u2 - u1", sum(uv, uv));
+    const Range scale = affine() ? Range{0, 0} : depth_sum(s, h);
+    s.q_product("(u2 - u1)(h2 + B)", term(d_uv, scale), f(FormatId::edge_f_diff));
+    s.slope("(h2 - h1)", s.exact("h2 - h1", sum(h, h)), d_xy_, form, inverse, f(FormatId::edge_h_step));
+    s.slope("fu_diff", f_diff, d_xy_, form, inverse, f(FormatId::edge_f_step));
+    s.slope("(r2 - r1)", s.exact("r2 - r1", sum(shade, shade)), d_xy_, form, inverse,
+            f(FormatId::edge_shade_step));
+    return s.choose();
+  }
+
+  Width edge_walk() {
+    StageNeeds s("edge_walk", out_.rows);
+    s.reg("coordinate", c_.coordinate_format());
+    const Range setup_h = reg(s, FormatId::setup_h);
+    const Range setup_uv = reg(s, FormatId::setup_uv);
+    const Range setup_shade = reg(s, FormatId::setup_shade);
+    const Range h_step = reg(s, FormatId::edge_h_step);
+    const Range h_acc = reg(s, FormatId::edge_h_acc);
+    const Range h = reg(s, FormatId::edge_h);
+    const Range f_step = reg(s, FormatId::edge_f_step);
+    const Range fu = reg(s, FormatId::edge_f);
+    const Range shade_step = reg(s, FormatId::edge_shade_step);
+    const Range shade_acc = reg(s, FormatId::edge_shade_acc);
+    const Range t = centre_;
+    reg(s, FormatId::edge_uv);
+    reg(s, FormatId::edge_shade);
+    reg(s, FormatId::edge_x);
+    reg(s, FormatId::edge_x_acc);
+    if (c_.edge_walk == EdgeWalk::exact) {
+      s.exact("(x2 - x1) t", product(d_xy_, t));
+      const Range n{product(d_xy_, t).lo, xy_.hi + d_xy_.hi};
+      s.q_quotient("X as a pixel", n, d_xy_, 0);
+      s.q_quotient("X for edge.x", n, d_xy_, f(FormatId::edge_x).fraction());
+    } else {
+      const Range x_step = reg(s, FormatId::edge_x_step);
+      const Format& acc = f(FormatId::edge_x_acc);
+      pre_step(s, "x1 + x_step t + offset", xy_, x_step, t, c_.start_offset.edge_x, f(FormatId::edge_x), acc,
+               c_.coordinate_format());
+      s.q_sum("x_acc + x_step", {term(range_of(acc)), term(x_step)}, acc);
+    }
+    pre_step(s, "h1 + h_step t + offset", setup_h, h_step, t, c_.start_offset.edge_h, f(FormatId::edge_h),
+             f(FormatId::edge_h_acc), f(FormatId::setup_h));
+    s.q_sum("h_acc + h_step", {term(h_acc), term(h_step)}, f(FormatId::edge_h_acc));
+    pre_step(s, affine() ? "u1 + fu_step t + offset" : "fu_step t + offset", setup_uv, f_step, t,
+             c_.start_offset.edge_f, f(FormatId::edge_f), f(FormatId::edge_f), f(FormatId::setup_uv));
+    s.q_sum("fu + fu_step", {term(fu), term(f_step)}, f(FormatId::edge_f));
+    pre_step(s, "r1 + r_step t + offset", setup_shade, shade_step, t, c_.start_offset.edge_shade,
+             f(FormatId::edge_shade), f(FormatId::edge_shade_acc), f(FormatId::setup_shade));
+    s.q_sum("r_acc + r_step", {term(shade_acc), term(shade_step)}, f(FormatId::edge_shade_acc));
+    if (!affine()) {
+      const InverseRange inverse = s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, h));
+      s.q_far("u1 + fu m 2^-e", inverse.times(fu), {term(setup_uv)}, f(FormatId::edge_uv),
+              FarBound(f(FormatId::edge_uv), {f(FormatId::setup_uv)}));
+    }
+    return s.choose();
+  }
+
+  Width plane_walk() {
+    StageNeeds s("plane_walk", out_.rows);
+    s.reg("coordinate", c_.coordinate_format());
+    const Range h = reg(s, FormatId::setup_h);
+    const Range uv = reg(s, FormatId::setup_uv);
+    const Range shade = reg(s, FormatId::setup_shade);
+    const Range g = reg(s, FormatId::plane_g);
+    const Range h_grad = reg(s, FormatId::plane_h_grad);
+    const Range g_grad = reg(s, FormatId::plane_g_grad);
+    const Range shade_grad = reg(s, FormatId::plane_shade_grad);
+    const Range k = at_most(reg(s, FormatId::plane_k), 0);
+    reg(s, FormatId::span_h);
+    reg(s, FormatId::span_f);
+    reg(s, FormatId::span_f_step);
+    reg(s, FormatId::span_shade_acc);
+    reg(s, FormatId::span_shade_step);
+
+    s.q_product("u (h + B)", term(uv, depth_sum(s, h)), f(FormatId::plane_g));
+    const Range area = s.exact("area", {-2 * k_, 2 * c_.coordinate_bits + 1});
+    const auto cross = [&](Range w) { return product(sum(w, w), d_xy_); };
+    const auto gradient = [&](const std::string& w, Range values, FormatId out) {
+      const Range n = s.exact("nx(" + w + ")", sum(cross(values), cross(values)));
+      s.q_quotient("nx(" + w + ") / area", n, area, f(out).fraction());
+      return n;
+    };
+    const Range nx_h = gradient("h", h, FormatId::plane_h_grad);
+    gradient("gu", g, FormatId::plane_g_grad);
+    gradient("r", shade, FormatId::plane_shade_grad);
+    s.q_quotient("nx(h) / ny(h)", nx_h, nx_h, f(FormatId::plane_k).fraction());
+
+    const Range crossing =
+        s.exact("distance of a centre from an edge", {-k_ - std::max(k_, 1), 2 * c_.coordinate_bits + 1});
+    s.q_quotient("crossing of an edge", crossing, d_xy_, 0);
+    const Range line = s.exact("k (m - m0) + 1/2", sum(product(k, {0, c_.coordinate_bits}), {-1, -1}));
+    const Range above = {line.lo, 0};
+    s.q_sum("h0 + h_M (Mc - M0) + h_N (Nl - N0)",
+            {term(h), term(h_grad, centre_), term(h_grad, centre_), term(h_grad, above)},
+            f(FormatId::span_h));
+    if (c_.numerator == Numerator::ideal_line) {
+      s.q_sum("gu0 + gu_M (Mc - M0) + gu_N (Nl - N0)",
+              {term(g), term(g_grad, centre_), term(g_grad, centre_), term(g_grad, above)},
+              f(FormatId::span_f));
+      s.q_sum("gu_M + k gu_N", {term(g_grad), term(k, g_grad)}, f(FormatId::span_f_step));
+    } else {
+      s.q_sum("gu0 + gu_M (Mc - M0) + gu_N (Np - N0)",
+              {term(g), term(g_grad, centre_), term(g_grad, centre_)}, f(FormatId::span_f));
+      s.q_sum("gu_M + sg gu_N", {term(g_grad), term(g_grad)}, f(FormatId::span_f_step));
+    }
+    s.q_sum("r0 + r_M (Mc - M0) + r_N (Np - N0) + offset",
+            {term(shade), term(shade_grad, centre_), term(shade_grad, centre_),
+             offset(c_.start_offset.span_shade, f(FormatId::span_shade))},
+            f(FormatId::span_shade_acc));
+    s.q_sum("r_M + sg r_N", {term(shade_grad), term(shade_grad)}, f(FormatId::span_shade_step));
+    return s.choose();
+  }
+
+  Width plane_span_setup() {
+    StageNeeds s("span_setup", out_.rows);
+    const Range h = reg(s, FormatId::span_h);
+    const Range g = reg(s, FormatId::span_f);
+    const Range g_step = reg(s, FormatId::span_f_step);
+    reg(s, FormatId::span_uv_acc);
+    reg(s, FormatId::span_uv_step);
+    const InverseRange inverse = s.inverse("R_row", c_.row_reciprocal, depth_sum(s, h));
+    const Format& acc = f(FormatId::span_uv_acc);
+    const StartOffset& start = c_.start_offset.span_f;
+    s.q_far("gu m 2^-e + offset", inverse.times(g), {offset(start, f(FormatId::span_uv))}, acc,
+            FarBound(acc, {}, start_offset<double>(start, f(FormatId::span_uv))));
+    s.q_product("gu_step m 2^-e", inverse.times(g_step), f(FormatId::span_uv_step));
+    return s.choose();
+  }
+
+  Width span_setup() {
+    StageNeeds s("span_setup", out_.rows);
+    const Range x = reg(s, FormatId::edge_x);
+    const Range h = reg(s, FormatId::edge_h);
+    const Range uv = reg(s, FormatId::edge_uv);
+    const Range shade = reg(s, FormatId::edge_shade);
+    const FormatId step_id = affine() ? FormatId::span_uv_step : FormatId::span_f_step;
+    const FormatId start_id = affine() ? FormatId::span_uv_acc : FormatId::span_f;
+    const Range h_step = reg(s, FormatId::span_h_step);
+    const Range uv_step = reg(s, step_id);
+    const Range shade_step = reg(s, FormatId::span_shade_step);
+    reg(s, FormatId::span_h);
+    reg(s, start_id);
+    reg(s, FormatId::span_shade_acc);
+
+    const Range length = s.exact("L", sum(x, x));
+    const Range pre = s.exact("p", {std::min(x.lo, -1), std::max(xy_.hi, x.hi) + 1});
+    const SlopeForm form = c_.row_slope;
+    InverseRange inverse;
+    if (form == SlopeForm::reciprocal)
+      inverse = s.inverse("R_row", c_.row_reciprocal, at_most(length, x.hi + 1));
+    s.slope("h_r - h_l", s.exact("h_r - h_l", sum(h, h)), length, form, inverse, f(FormatId::span_h_step));
+    pre_step(s, "h_l + h_step p + offset", h, h_step, pre, c_.start_offset.span_h, c_.depth_format(),
+             f(FormatId::span_h), f(FormatId::edge_h));
+    const Range d_uv = s.exact("u_r - u_l", sum(uv, uv));
+    Range numerator = d_uv;
+    FormatId from = FormatId::edge_uv;
+    if (!affine()) {
+      const Range diff = reg(s, FormatId::span_f_diff);
+      const bool hyperbolic = c_.perspective == Perspective::hyperbolic;
+      s.q_product(hyperbolic ? "u_r (h_r + B)" : "(u_r - u_l)(h_r + B)",
+                  term(hyperbolic ? uv : d_uv, depth_sum(s, h)), f(FormatId::span_f_diff));
+      numerator = hyperbolic ? s.exact("gr - gl", sum(diff, diff)) : diff;
+      if (hyperbolic) from = FormatId::span_f_diff;
+    }
+    s.slope("fu_diff", numerator, length, form, inverse, f(step_id));
+    pre_step(s, "start + fu_step p + offset", range_of(f(from)), uv_step, pre, c_.start_offset.span_f,
+             f(affine() ? FormatId::span_uv : FormatId::span_f), f(start_id), f(from));
+    s.slope("r_r - r_l", s.exact("r_r - r_l", sum(shade, shade)), length, form, inverse,
+            f(FormatId::span_shade_step));
+    pre_step(s, "r_l + r_step p + offset", shade, shade_step, pre, c_.start_offset.span_shade,
+             f(FormatId::span_shade), f(FormatId::span_shade_acc), f(FormatId::edge_shade));
+    return s.choose();
+  }
+
+  Width span() {
+    StageNeeds s("span", out_.rows);
+    const FormatId step_id = linear_uv() ? FormatId::span_uv_step : FormatId::span_f_step;
+    const FormatId acc_id = linear_uv() ? FormatId::span_uv_acc : FormatId::span_f;
+    const Range h = reg(s, FormatId::span_h);
+    const Range h_step = reg(s, FormatId::span_h_step);
+    const Range acc = reg(s, acc_id);
+    const Range step = reg(s, step_id);
+    const Range edge_uv = reg(s, FormatId::edge_uv);
+    const Range shade_acc = reg(s, FormatId::span_shade_acc);
+    const Range shade_step = reg(s, FormatId::span_shade_step);
+    reg(s, FormatId::span_uv);
+    reg(s, FormatId::span_shade);
+    s.q_sum("h + h_step", {term(h), term(h_step)}, f(FormatId::span_h));
+    s.q_sum("fu + fu_step", {term(acc), term(step)}, f(acc_id));
+    s.q_sum("r + r_step", {term(shade_acc), term(shade_step)}, f(FormatId::span_shade_acc));
+    if (c_.perspective == Perspective::delta_f) {
+      const InverseRange inverse = s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, h));
+      s.q_far("u1 + fu m 2^-e", inverse.times(acc), {term(edge_uv)}, f(FormatId::span_uv),
+              FarBound(f(FormatId::span_uv), {f(FormatId::edge_uv)}));
+    } else if (c_.perspective == Perspective::hyperbolic) {
+      s.q_quotient("fu / (h + B)", acc, depth_sum(s, h), f(FormatId::span_uv).fraction());
+    } else if (c_.perspective == Perspective::const_depth_rows) {
+      s.exact("phase + k", sum(at_most(reg(s, FormatId::plane_k), 0), {-1, 0}));
+    }
+    return s.choose();
+  }
+
+  Width depth() {
+    StageNeeds s("depth", out_.rows);
+    const Range h = reg(s, FormatId::span_h);
+    s.reg("depth.z", c_.depth_format());
+    if (c_.depth_code == DepthCode::opengl) {
+      s.q_sum("zmax - h", {term({0, c_.depth_bits}), term(h)}, c_.depth_format());
+    } else if (c_.depth_code == DepthCode::linear) {
+      const Range c1 = reg(s, FormatId::depth_c1);
+      const Range c0 = reg(s, FormatId::depth_c0);
+      const InverseRange inverse = s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, h));
+      s.q_far("c1 m 2^-e - c0", inverse.times(c1), {term(c0)}, c_.depth_format(),
+              FarBound(c_.depth_format(), {f(FormatId::depth_c0)}));
+    }
+    return s.choose();
+  }
+
+  Width texture() {
+    StageNeeds s("texture", out_.rows);
+    const Range uv = reg(s, FormatId::span_uv);
+    const Range shade = reg(s, FormatId::span_shade);
+    const Range mix = reg(s, FormatId::texture_mix);
+    const Range alpha = reg(s, FormatId::texture_alpha);
+    const Range code{0, 8};
+    reg(s, FormatId::texture_color);
+    s.q_quotient("a / 255", code, code, f(FormatId::texture_alpha).fraction());
+    s.exact("u - 1/2", sum(uv, {-1, -1}));
+    s.exact("V * shade", product(mix, shade));
+    s.exact("alpha * shade", product(alpha, shade));
+    if (c_.filter == TextureFilter::bilinear) {
+      const Range frac = reg(s, FormatId::texture_frac);
+      const Range rest = s.exact("1 - Ex", sum(frac, {0, 0}));
+      const Range widest_v{std::min(mix.lo, 0), std::max(mix.hi, 8)};
+      s.q_sum("V1 (1-Ex) + V4 Ex", {term(product(widest_v, rest)), term(product(widest_v, frac))},
+              f(FormatId::texture_mix));
+      s.q_sum("alpha1 (1-Ex) + alpha4 Ex", {term(product(alpha, rest)), term(product(alpha, frac))},
+              f(FormatId::texture_alpha));
+    }
+    return s.choose();
+  }
+
+  Width fog() {
+    StageNeeds s("fog", out_.rows);
+    const Range color = reg(s, FormatId::texture_color);
+    const Range factor = reg(s, FormatId::fog_factor);
+    reg(s, FormatId::fog_color);
+    const Range code{0, 8};
+    s.q_sum("VT + (r - VT) factor", {term(code), term(product(s.exact("r - VT", sum(color, code)), factor))},
+            f(FormatId::fog_color));
+    if (c_.fog == FogMode::none) return s.choose();
+    const Range h = reg(s, FormatId::span_h);
+    if (c_.fog == FogMode::linear) {
+      const Range scale = reg(s, FormatId::fog_scale);
+      const InverseRange inverse = s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, h));
+      s.q_far("1 - fog_scale m 2^-e", inverse.times(scale), {term({0, 0})}, f(FormatId::fog_factor),
+              FarBound(f(FormatId::fog_factor), {}, 1.0));
+    } else {
+      // A picture's side is a coordinate.
+      s.exact("16 ((2x+1-W)^2 + (2y+1-H)^2)", {0, 2 * c_.coordinate_bits + 5});
+    }
+    return s.choose();
+  }
+
+  Width merge() {
+    StageNeeds s("merge", out_.rows);
+    const Range color = reg(s, FormatId::fog_color);
+    const Range alpha = reg(s, FormatId::texture_alpha);
+    const Range code{0, 8};
+    reg(s, FormatId::merge_color);
+    s.q_sum("dst + (r - dst) a", {term(code), term(product(s.exact("r - dst", sum(color, code)), alpha))},
+            f(FormatId::merge_color));
+    return s.choose();
+  }
+
+  const Config& c_;
+  int k_;
+  Range xy_;      // a snapped coordinate
+  Range d_xy_;    // a difference of two
+  Range centre_;  // a pixel centre less a coordinate
+  Range b_;
+  Precision out_;
+};
+
+}  // namespace
+
+Precision choose_precision(const Config& config) { return Chooser(config)(); }
+
+}  // namespace bitspan::golden

@@ -1,0 +1,95 @@
+// The reciprocal units R_pixel, R_row, R_edge and the slopes made with them; docs/numeric-spec.md,
+// "Reciprocal".
+#pragma once
+
+#include <vector>
+
+#include "config/config.hpp"
+#include "golden/quantize.hpp"
+
+namespace bitspan::golden {
+
+// Stands for m 2^-e.
+template <class Real>
+struct Inverse {
+  Real m = 0;
+  int e = 0;
+  Product<Real> times(Real x) const { return exact_product(x, m).scaled(pow2<Real>(-e)); }
+};
+
+// Fraction bits of the grid that h + B lies on.
+inline int depth_sum_fraction(const Config& config, FormatId h) {
+  const int a = config.format(h).fraction();
+  const int b = config.format(FormatId::setup_b).fraction();
+  return a > b ? a : b;
+}
+
+template <class Real>
+class ReciprocalUnit {
+ public:
+  // operand_fraction: the operands are multiples of 2^-operand_fraction.
+  ReciprocalUnit(const Reciprocal& unit, int operand_fraction);
+
+  // Any d; d <= 0 stands for the smallest positive operand.
+  Inverse<Real> operator()(Real d) const {
+    if (d <= 0) d = least_;
+    const int e = exponent_of(d);
+    const Real n = d * pow2<Real>(-e);
+    if (kind_ == ReciprocalKind::restoring) {
+      if (normalize_) return {output_.quotient(Real(1), n), e};
+      return {output_.quotient(Real(1), d), 0};
+    }
+    const Real y = kind_ == ReciprocalKind::lut_linear ? linear(n) : newton(n);
+    if (normalize_) return {output_(y), e};
+    return {output_(y * pow2<Real>(-e)), 0};
+  }
+
+  std::int64_t raw(Real m) const { return output_.raw(m); }
+
+ private:
+  Real cut(Real x) const { return floor_of(x * internal_scale_) * internal_ulp_; }
+  Real linear(Real n) const {
+    const Real position = (floor_of(n * operand_scale_) * operand_ulp_ - 1) * index_scale_;
+    const Real j = floor_of(position);
+    const auto index = static_cast<std::size_t>(to_integer(j));
+    const Real from = table_[index];
+    return cut(from - (from - table_[index + 1]) * (position - j));
+  }
+  Real newton(Real n) const {
+    const Real nq = floor_of(n * operand_scale_) * operand_ulp_;
+    Real y = table_[static_cast<std::size_t>(to_integer(floor_of((nq - 1) * index_scale_)))];
+    for (int step = 0; step < steps_; ++step) y = cut(y * (2 - cut(nq * y)));
+    return y;
+  }
+
+  ReciprocalKind kind_;
+  bool normalize_;
+  int steps_;
+  Real least_;
+  Real operand_scale_, operand_ulp_, index_scale_, internal_scale_, internal_ulp_;
+  Quantizer<Real> output_;
+  std::vector<Real> table_;
+};
+
+// The table of a lut kind: 2^index_bits + 1 entries for lut_linear, 2^index_bits for lut_newton, in units of
+// 2^-table_bits; empty for restoring.
+std::vector<std::int64_t> reciprocal_table(const Reciprocal& unit);
+
+// What slopes are divided by: a length, and its reciprocal where that form is configured. docs: "Slope".
+template <class Real>
+struct Divisor {
+  Real length = 1;
+  bool reciprocal = false;
+  Inverse<Real> inverse;
+
+  Divisor() = default;
+  Divisor(Real d, SlopeForm form, const ReciprocalUnit<Real>& unit)
+      : length(d), reciprocal(form == SlopeForm::reciprocal) {
+    if (reciprocal) inverse = unit(d);
+  }
+  Real slope(Real n, const Quantizer<Real>& q) const {
+    return reciprocal ? q.product(inverse.times(n)) : q.quotient(n, length);
+  }
+};
+
+}  // namespace bitspan::golden

@@ -1,0 +1,197 @@
+#include "golden/span_setup.hpp"
+
+#include "golden/reciprocal.hpp"
+#include "golden/values.hpp"
+#include "golden/with_real.hpp"
+
+namespace bitspan::golden {
+
+namespace {
+
+template <class Real>
+class SpanSetup {
+ public:
+  SpanSetup(const Config& config, const Constants& constants)
+      : perspective_(config.perspective),
+        q_x_(config.format(FormatId::edge_x)),
+        q_edge_h_(config.format(FormatId::edge_h)),
+        q_uv_(config.format(FormatId::edge_uv)),
+        q_shade_(config.format(FormatId::edge_shade)),
+        q_h_step_(config.format(FormatId::span_h_step)),
+        q_h_(config.format(FormatId::span_h)),
+        q_f_diff_(config.format(FormatId::span_f_diff)),
+        q_start_(config.format(affine() ? FormatId::span_uv_acc : FormatId::span_f)),
+        q_step_(config.format(affine() ? FormatId::span_uv_step : FormatId::span_f_step)),
+        q_shade_step_(config.format(FormatId::span_shade_step)),
+        q_shade_acc_(config.format(FormatId::span_shade_acc)),
+        b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
+        form_(config.row_slope),
+        unit_(config.row_reciprocal, config.format(FormatId::edge_x).fraction()) {
+    const StartOffsets& offset = config.start_offset;
+    const auto f = [&](FormatId id) { return config.format(id); };
+    const Format from =
+        f(config.perspective == Perspective::hyperbolic ? FormatId::span_f_diff : FormatId::edge_uv);
+    start_h_ = Start(offset.span_h, config.depth_format(), f(FormatId::span_h), f(FormatId::edge_h));
+    start_f_ = affine() ? Start(offset.span_f, f(FormatId::span_uv), f(FormatId::span_uv_acc), from)
+                        : Start(offset.span_f, f(FormatId::span_f), f(FormatId::span_f), from);
+    start_shade_ = Start(offset.span_shade, f(FormatId::span_shade), f(FormatId::span_shade_acc),
+                         f(FormatId::edge_shade));
+  }
+
+  SpanRecord operator()(const RowRecord& row) const {
+    const Real x_l = q_x_.value(row.l_x);
+    const Real length = q_x_.value(row.r_x) - x_l;
+    const Real pre = Real(row.x_first) + Real(0.5) - x_l;
+    const bool sloped = length > 0;
+    const Divisor<Real> pixels = sloped ? Divisor<Real>(length, form_, unit_) : Divisor<Real>();
+    const auto slope = [&](Real n, const Quantizer<Real>& q) {
+      return sloped ? pixels.slope(n, q) : Real(0);
+    };
+
+    SpanRecord out;
+    out.triangle = row.triangle;
+    out.x = row.x_first;
+    out.y = row.y;
+    out.count = row.x_last - row.x_first + 1;
+    if (pixels.reciprocal) {
+      out.recip_m = unit_.raw(pixels.inverse.m);
+      out.recip_e = pixels.inverse.e;
+    }
+
+    const Real h_l = q_edge_h_.value(row.l_h);
+    const Real h_r = q_edge_h_.value(row.r_h);
+    const Real h_step = slope(h_r - h_l, q_h_step_);
+    out.h_step = q_h_step_.raw(h_step);
+    out.h = q_h_.raw(start_h_(q_h_, h_l, h_step, pre));
+
+    const auto texture = [&](std::int64_t raw_l, std::int64_t raw_r, std::int64_t& diff, std::int64_t& base,
+                             std::int64_t& start, std::int64_t& step0, std::int64_t& step1) {
+      const Real l = q_uv_.value(raw_l);
+      const Real r = q_uv_.value(raw_r);
+      Real difference = r - l;
+      Real from = 0;
+      if (perspective_ == Perspective::delta_f) {
+        difference = q_f_diff_.product(difference, h_r + b_);
+        diff = q_f_diff_.raw(difference);
+        base = raw_l;
+      } else if (perspective_ == Perspective::hyperbolic) {
+        from = q_f_diff_.product(l, h_l + b_);
+        const Real to = q_f_diff_.product(r, h_r + b_);
+        difference = to - from;
+        diff = q_f_diff_.raw(to);
+      } else {
+        from = l;
+      }
+      const Real step = slope(difference, q_step_);
+      start = q_start_.raw(start_f_(q_start_, from, step, pre));
+      step0 = step1 = q_step_.raw(step);
+    };
+    texture(row.l_u, row.r_u, out.fu_diff, out.u1, out.fu, out.fu_step0, out.fu_step1);
+    texture(row.l_v, row.r_v, out.fv_diff, out.v1, out.fv, out.fv_step0, out.fv_step1);
+
+    const Shades<Real> c_l = load_shades(q_shade_, row.l_r, row.l_g, row.l_b, row.l_a);
+    const Shades<Real> c_r = load_shades(q_shade_, row.r_r, row.r_g, row.r_b, row.r_a);
+    Shades<Real> step;
+    Shades<Real> start;
+    for (std::size_t i = 0; i < channels; ++i) {
+      step[i] = slope(c_r[i] - c_l[i], q_shade_step_);
+      start[i] = start_shade_(q_shade_acc_, c_l[i], step[i], pre);
+    }
+    store_shades(q_shade_acc_, start, out.r, out.g, out.b, out.a);
+    store_shades(q_shade_step_, step, out.r_step0, out.g_step0, out.b_step0, out.a_step0);
+    store_shades(q_shade_step_, step, out.r_step1, out.g_step1, out.b_step1, out.a_step1);
+    return out;
+  }
+
+ private:
+  using Start = PreStep<Real>;
+
+  bool affine() const { return perspective_ == Perspective::affine; }
+
+  Perspective perspective_;
+  Quantizer<Real> q_x_, q_edge_h_, q_uv_, q_shade_, q_h_step_, q_h_, q_f_diff_, q_start_, q_step_,
+      q_shade_step_, q_shade_acc_;
+  Real b_;
+  SlopeForm form_;
+  ReciprocalUnit<Real> unit_;
+  Start start_h_, start_f_, start_shade_;
+};
+
+template <class Real>
+class PlaneSpanSetup {
+ public:
+  PlaneSpanSetup(const Config& config, const Constants& constants)
+      : q_h_(config.format(FormatId::span_h)),
+        q_f_(config.format(FormatId::span_f)),
+        q_f_step_(config.format(FormatId::span_f_step)),
+        q_uv_acc_(config.format(FormatId::span_uv_acc)),
+        q_uv_step_(config.format(FormatId::span_uv_step)),
+        far_uv_(FarBound(config.format(FormatId::span_uv_acc), {},
+                         start_offset<double>(config.start_offset.span_f, config.format(FormatId::span_uv)))),
+        b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
+        unit_(config.row_reciprocal, depth_sum_fraction(config, FormatId::span_h)),
+        offset_f_(start_offset<Real>(config.start_offset.span_f, config.format(FormatId::span_uv))) {}
+
+  SpanRecord operator()(const PlaneRecord& plane, const PlaneRowRecord& row) const {
+    SpanRecord out;
+    out.triangle = row.triangle;
+    out.x = plane.major == 0 ? row.major_first : row.minor_first;
+    out.y = plane.major == 0 ? row.minor_first : row.major_first;
+    out.count = row.count;
+    const Inverse<Real> inverse = unit_(q_h_.value(row.h) + b_);
+    out.recip_m = unit_.raw(inverse.m);
+    out.recip_e = inverse.e;
+    out.phase = row.phase;
+    out.h = row.h;
+    const auto start = [&](std::int64_t g) {
+      return q_uv_acc_.raw(q_uv_acc_.sum(far_uv_(inverse.times(q_f_.value(g))), offset_f_));
+    };
+    const auto step = [&](std::int64_t g) {
+      return q_uv_step_.raw(q_uv_step_.product(inverse.times(q_f_step_.value(g))));
+    };
+    out.fu = start(row.gu);
+    out.fv = start(row.gv);
+    out.fu_step0 = step(row.gu_step0);
+    out.fu_step1 = step(row.gu_step1);
+    out.fv_step0 = step(row.gv_step0);
+    out.fv_step1 = step(row.gv_step1);
+    out.r = row.r;
+    out.g = row.g;
+    out.b = row.b;
+    out.a = row.a;
+    out.r_step0 = row.r_step0;
+    out.r_step1 = row.r_step1;
+    out.g_step0 = row.g_step0;
+    out.g_step1 = row.g_step1;
+    out.b_step0 = row.b_step0;
+    out.b_step1 = row.b_step1;
+    out.a_step0 = row.a_step0;
+    out.a_step1 = row.a_step1;
+    return out;
+  }
+
+ private:
+  Quantizer<Real> q_h_, q_f_, q_f_step_, q_uv_acc_, q_uv_step_;
+  FarProduct<Real> far_uv_;
+  Real b_;
+  ReciprocalUnit<Real> unit_;
+  Real offset_f_;
+};
+
+}  // namespace
+
+SpanSetupStage make_span_setup(Arithmetic arithmetic, const Config& config, const Constants& constants) {
+  // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): see with_real.hpp
+  return with_real(arithmetic,
+                   [&]<class Real>() -> SpanSetupStage { return SpanSetup<Real>(config, constants); });
+}
+
+PlaneSpanSetupStage make_plane_span_setup(Arithmetic arithmetic, const Config& config,
+                                          const Constants& constants) {
+  // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): see with_real.hpp
+  return with_real(arithmetic, [&]<class Real>() -> PlaneSpanSetupStage {
+    return PlaneSpanSetup<Real>(config, constants);
+  });
+}
+
+}  // namespace bitspan::golden

@@ -1,0 +1,110 @@
+// The reciprocal units against the text of docs/numeric-spec.md on exact rationals.
+#include <gtest/gtest.h>
+
+#include "golden/reciprocal.hpp"
+#include "golden/values.hpp"
+#include "tests/golden/golden_support.hpp"
+
+namespace bitspan::test {
+namespace {
+
+using namespace bitspan::golden;
+
+Rational cut(const Rational& x, int bits) { return scale(Rational(test::floor_of(scale(x, bits))), -bits); }
+
+struct Delivered {
+  Int raw;
+  int e = 0;
+};
+
+Delivered oracle(const Reciprocal& unit, Rational d, int grid) {
+  if (d <= 0) d = scale(Rational(1), -grid);
+  int e = 0;
+  while (scale(Rational(1), e + 1) <= d) ++e;
+  while (scale(Rational(1), e) > d) --e;
+  const Rational n = scale(d, -e);
+  const Rational one(1);
+  Rational y = one / n;
+  if (unit.kind != ReciprocalKind::restoring) {
+    const Rational nq = cut(n, unit.operand_bits);
+    const Rational place = scale(nq - 1, unit.index_bits);
+    const Int j = test::floor_of(place);
+    const auto entry = [&](const Rational& i) {
+      const Rational exact = scale(one, unit.table_bits) / (one + scale(i, -unit.index_bits));
+      return scale(Rational(test::floor_of(exact + Rational(1, 2))), -unit.table_bits);
+    };
+    if (unit.kind == ReciprocalKind::lut_linear) {
+      const Rational t = place - Rational(j);
+      const Rational c0 = entry(Rational(j));
+      const Rational c1 = entry(Rational(j) + 1);
+      y = cut(c0 - (c0 - c1) * t, unit.internal_bits);
+    } else {
+      y = entry(Rational(j) + Rational(1, 2));
+      for (int i = 0; i < unit.steps; ++i) {
+        const Rational a = cut(nq * y, unit.internal_bits);
+        y = cut(y * (2 - a), unit.internal_bits);
+      }
+    }
+  }
+  if (unit.normalize) return {oracle_raw(unit.output, y), e};
+  return {oracle_raw(unit.output, scale(y, -e)), 0};
+}
+
+template <class Real>
+void compare(std::uint64_t seed, int operand_bits) {
+  Draw draw(seed);
+  for (int round = 0; round < 300; ++round) {
+    Reciprocal unit;
+    unit.kind = static_cast<ReciprocalKind>(draw.integer(0, 2));
+    unit.normalize = draw.flip();
+    unit.operand_bits = static_cast<int>(draw.integer(4, 18));
+    unit.index_bits = static_cast<int>(draw.integer(1, 6));
+    unit.table_bits = static_cast<int>(draw.integer(4, 14));
+    unit.internal_bits = static_cast<int>(draw.integer(6, 22));
+    unit.steps = static_cast<int>(draw.integer(1, 3));
+    unit.output.integer = unit.normalize ? 1 : static_cast<int>(draw.integer(1, 6));
+    unit.output.word = unit.output.integer + static_cast<int>(draw.integer(6, 22));
+    unit.output.rounding = static_cast<Rounding>(draw.integer(0, rounding_modes - 1));
+    unit.output.overflow = static_cast<Overflow>(draw.integer(0, 2));
+    const int grid = static_cast<int>(draw.integer(0, 6));
+    const ReciprocalUnit<Real> r(unit, grid);
+    for (int i = 0; i < 60; ++i) {
+      std::int64_t d = draw.integer(-2, std::int64_t{1} << draw.integer(1, operand_bits));
+      if (i < 20) d = (std::int64_t{1} << i) - draw.integer(-1, 1);  // around powers of two
+      const Inverse<Real> got = r(Real(d) * pow2<Real>(-grid));
+      const Delivered want = oracle(unit, scale(Rational(Int(d)), -grid), grid);
+      ASSERT_EQ(Int(r.raw(got.m)), want.raw) << "kind " << static_cast<int>(unit.kind) << " d " << d;
+      ASSERT_EQ(got.e, want.e);
+    }
+  }
+}
+
+TEST(GoldenReciprocal, DoubleEqualsTheSpecification) { compare<Checked<double>>(21, 24); }
+TEST(GoldenReciprocal, LongDoubleEqualsTheSpecification) { compare<Checked<long double>>(22, 34); }
+TEST(GoldenReciprocal, QuadEqualsTheSpecification) { compare<Checked<Quad>>(23, 40); }
+
+TEST(GoldenReciprocal, TableByHand) {
+  Reciprocal unit;
+  unit.index_bits = 1;
+  unit.table_bits = 4;
+  unit.kind = ReciprocalKind::lut_linear;
+  EXPECT_EQ(reciprocal_table(unit), (std::vector<std::int64_t>{16, 11, 8}));  // 16/1, 16/1.5 = 10.67, 16/2
+  unit.kind = ReciprocalKind::lut_newton;
+  EXPECT_EQ(reciprocal_table(unit), (std::vector<std::int64_t>{13, 9}));  // 16/1.25 = 12.8, 16/1.75 = 9.14
+  unit.kind = ReciprocalKind::restoring;
+  EXPECT_TRUE(reciprocal_table(unit).empty());
+}
+
+TEST(GoldenReciprocal, SlopeInBothForms) {
+  const Format steps{20, 10, true, Rounding::trn, Overflow::sat, false};
+  Reciprocal unit;
+  unit.output = {5, 1, false, Rounding::trn, Overflow::sat, false};
+  const ReciprocalUnit<double> r(unit, 4);
+  const Quantizer<double> q(steps);
+  // 7 / 3 = 2.333..: floor(2.333 * 1024) / 1024; by the reciprocal 1/3 = 0.6666 2^-1, cut to 10/16.
+  EXPECT_EQ(q.raw(Divisor<double>(3.0, SlopeForm::divide, r).slope(7.0, q)), 2389);
+  EXPECT_EQ(q.raw(Divisor<double>(3.0, SlopeForm::reciprocal, r).slope(7.0, q)), 7 * 10 * 1024 / 32);
+}
+
+}  // namespace
+}  // namespace bitspan::test
