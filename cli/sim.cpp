@@ -100,19 +100,14 @@ int sim(const Options& o) {
   const Config config = find_config(o.config);
   const Scene scene = load_scene(o.scene, o.view);
   check_scene_range(config, scene);
+  Progress progress(scene.name);
   SystemcOptions options;
   options.vcd = o.vcd;
+  options.progress = [&](std::uint64_t done) { progress.update(done, scene.triangles.size()); };
   const auto engine = make_systemc(config, options);
-  {
-    Progress progress(scene.name);
-    engine->begin(scene);
-    constexpr std::size_t step = 64;
-    for (std::size_t done = 0; done < scene.triangles.size(); done += step) {
-      const std::size_t n = std::min(step, scene.triangles.size() - done);
-      engine->draw({scene.triangles.data() + done, n}, static_cast<std::int64_t>(done), nullptr);
-      progress.update(done + n, scene.triangles.size());
-    }
-  }
+  engine->begin(scene);
+  // One call: between two the pipeline would drain, and those clocks are no frame's.
+  engine->draw(scene.triangles, 0, nullptr);
   engine->close_vcd();
   const TimedReport report = engine->report();
   if (!o.json.empty()) {

@@ -111,7 +111,7 @@ SceneRun verify_scene(const Config& config, const Scene& scene, const VerifyOpti
     v.truth_draws = v.errors.covered > 0;
   }
   if (options.cycles && systemc && rtl && !v.run.stopped) {
-    v.cycles = compare_cycles(config, scene, options.cycle_triangles);
+    v.cycles = compare_cycles(config, scene);
   }
   judge(v);
   return out;

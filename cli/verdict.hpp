@@ -46,7 +46,6 @@ struct VerifyOptions {
   std::vector<std::string> engines;  // the first is the reference; `ideal` adds the error table
   std::uint64_t stall_seed = 1;
   bool cycles = true;
-  std::size_t cycle_triangles = 512;  // of the scene's first ones, for the cycle comparison
 };
 
 struct SceneRun {

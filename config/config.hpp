@@ -63,18 +63,18 @@ enum class Stage : std::uint8_t { setup, edge_walk, span_setup, span, depth, tex
 inline constexpr int stage_count = static_cast<int>(Stage::count);
 std::string_view to_string(Stage stage);  // "setup", "edge_walk" ...
 
-// Timed model only. span_setup and span take their latency from the reciprocal units, as the RTL does;
-// for them only `fifo` is read.
+// Timed model only. span_setup and span take their latency from the reciprocal units, as the RTL does, and
+// between them stands one result register: for span_setup only `fifo` is read, for span nothing.
 struct StageTiming {
-  int latency = 1;  // clocks from acceptance to delivery
-  int interval = 1; // initiation interval, clocks
-  int fifo = 2;     // capacity of the FIFO in front of the stage, records
+  int latency = 1;   // clocks from acceptance to delivery
+  int interval = 1;  // initiation interval, clocks
+  int fifo = 2;      // capacity of the FIFO in front of the stage, records
   bool operator==(const StageTiming&) const = default;
 };
 
 struct MemoryTiming {
-  int latency = 20;      // clocks from a read request to its first beat
-  int width_bytes = 8;   // bytes a clock
+  int latency = 20;     // clocks from a read request to its first beat
+  int width_bytes = 8;  // bytes a clock
   int cache_line_bytes = 64;
   int cache_sets = 64;
   int cache_ways = 2;
@@ -134,7 +134,9 @@ struct Config {
     return {coordinate_bits + subpixel_bits, coordinate_bits, true, Rounding::rnd, Overflow::sat, false};
   }
   // The stored depth code: unsigned integers.
-  Format depth_format() const { return {depth_bits, depth_bits, false, depth_rounding, depth_overflow, false}; }
+  Format depth_format() const {
+    return {depth_bits, depth_bits, false, depth_rounding, depth_overflow, false};
+  }
 
   bool operator==(const Config&) const = default;
 };

@@ -1,6 +1,7 @@
 // What a bitspan engine is to its users: triangles in, records and a picture out.
 //
-// Free of SystemC, Verilator and Python: adapters to them stand behind it (ideal, golden, model, systemc, rtl).
+// Free of SystemC, Verilator and Python: adapters to them stand behind it (ideal, golden, model, systemc,
+// rtl).
 #pragma once
 
 #include <cstdint>
@@ -26,19 +27,19 @@ struct Frame {
 };
 
 struct Counters {
-  std::uint64_t triangles = 0;       // given
-  std::uint64_t degenerate = 0;      // no area after snapping: nothing drawn
-  std::uint64_t rows = 0;            // spans, or rows of constant depth (q)
-  std::uint64_t fragments = 0;       // made by the span stage, uncovered ones included
-  std::uint64_t covered = 0;         // fragments that cover their pixel (T)
-  std::uint64_t depth_passed = 0;    // fragments nearer than the buffer
-  std::uint64_t killed = 0;          // by the transparent code or alpha 0
-  std::uint64_t written = 0;         // merged into the frame
-  std::uint64_t divides_edge = 0;    // reciprocals or divisions made for edges
-  std::uint64_t divides_row = 0;     // ... for rows
-  std::uint64_t divides_pixel = 0;   // ... for pixels, texture coordinates only
-  std::int64_t divides_saved = 0;    // const_depth_rows: T - q
-  std::uint64_t cycles = 0;          // clocks, of the engines that have a clock
+  std::uint64_t triangles = 0;      // given
+  std::uint64_t degenerate = 0;     // no area after snapping: nothing drawn
+  std::uint64_t rows = 0;           // spans, or rows of constant depth (q)
+  std::uint64_t fragments = 0;      // made by the span stage, uncovered ones included
+  std::uint64_t covered = 0;        // fragments that cover their pixel (T)
+  std::uint64_t depth_passed = 0;   // fragments nearer than the buffer
+  std::uint64_t killed = 0;         // by the transparent code or alpha 0
+  std::uint64_t written = 0;        // merged into the frame
+  std::uint64_t divides_edge = 0;   // reciprocals or divisions made for edges
+  std::uint64_t divides_row = 0;    // ... for rows
+  std::uint64_t divides_pixel = 0;  // ... for pixels, texture coordinates only
+  std::int64_t divides_saved = 0;   // const_depth_rows: T - q
+  std::uint64_t cycles = 0;         // clocks, of the engines that have a clock
   bool operator==(const Counters&) const = default;
 };
 
