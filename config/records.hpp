@@ -40,6 +40,9 @@ struct Field {
 // The format a field's raw value is on; none for integers.
 std::optional<Format> format_of(const Field& field, const Config& config);
 
+// The lists read as tables.
+// clang-format off
+
 // The configuration's constants, once a scene; docs/numeric-spec.md, "Constants".
 #define BITSPAN_CONSTANTS_RECORD(F, I, K) \
   F(s_min, setup_s)                       \
@@ -50,119 +53,113 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   F(fog_scale, fog_scale)
 
 // setup: one a triangle that has an area after snapping; vertices in the order of the edge walk.
-#define BITSPAN_VERTEX(n, F, I, K)                                                              \
-  K(x##n, coordinate)                                                                           \
-  K(y##n, coordinate) F(h##n, setup_h) F(u##n, setup_uv) F(v##n, setup_uv) F(r##n, setup_shade) \
-      F(g##n, setup_shade) F(b##n, setup_shade) F(a##n, setup_shade)
-#define BITSPAN_SETUP_RECORD(F, I, K)                                      \
-  I(triangle)                                                              \
-  I(mid_right) /* 1: vertex 1 lies right of the edge from vertex 0 to 2 */ \
+#define BITSPAN_VERTEX(n, F, I, K)                                                                         \
+  K(x##n, coordinate) K(y##n, coordinate) F(h##n, setup_h) F(u##n, setup_uv) F(v##n, setup_uv)             \
+  F(r##n, setup_shade) F(g##n, setup_shade) F(b##n, setup_shade) F(a##n, setup_shade)
+#define BITSPAN_SETUP_RECORD(F, I, K)                                       \
+  I(triangle)                                                               \
+  I(mid_right) /* 1: vertex 1 lies right of the edge from vertex 0 to 2 */  \
   BITSPAN_VERTEX(0, F, I, K) BITSPAN_VERTEX(1, F, I, K) BITSPAN_VERTEX(2, F, I, K)
 
-// setup, second half: one an edge that has height; edge 0 is vertex 0 to 2, edge 1 is 0 to 1, edge 2 is 1
-// to 2.
-#define BITSPAN_EDGE_RECORD(F, I, K)                                                                  \
-  I(triangle)                                                                                         \
-  I(edge) K(recip_m, edge_mantissa) I(recip_e) F(x_step, edge_x_step) F(h_step, edge_h_step)          \
-      F(fu_diff, edge_f_diff) F(fv_diff, edge_f_diff) F(fu_step, edge_f_step) F(fv_step, edge_f_step) \
-          F(r_step, edge_shade_step) F(g_step, edge_shade_step) F(b_step, edge_shade_step)            \
-              F(a_step, edge_shade_step)
+// setup, second half: one an edge that has height; edge 0 is vertex 0 to 2, edge 1 is 0 to 1, edge 2 is 1 to 2.
+#define BITSPAN_EDGE_RECORD(F, I, K)                                                                        \
+  I(triangle) I(edge)                                                                                       \
+  K(recip_m, edge_mantissa) I(recip_e)                                                                      \
+  F(x_step, edge_x_step) F(h_step, edge_h_step) F(fu_diff, edge_f_diff) F(fv_diff, edge_f_diff)             \
+  F(fu_step, edge_f_step) F(fv_step, edge_f_step) F(r_step, edge_shade_step) F(g_step, edge_shade_step)     \
+  F(b_step, edge_shade_step) F(a_step, edge_shade_step)
 
 // edge_walk: one a row that has pixels inside the viewport; l and r are its left and right end.
-#define BITSPAN_ROW_END(p, F, I, K)                                                                       \
-  I(p##_edge)                                                                                             \
-  F(p##_x_acc, edge_x_acc) F(p##_x, edge_x) F(p##_h_acc, edge_h_acc) F(p##_h, edge_h) F(p##_fu, edge_f)   \
-      F(p##_fv, edge_f) K(p##_recip_m, pixel_mantissa) I(p##_recip_e) F(p##_u, edge_uv) F(p##_v, edge_uv) \
-          F(p##_r_acc, edge_shade_acc) F(p##_g_acc, edge_shade_acc) F(p##_b_acc, edge_shade_acc)          \
-              F(p##_a_acc, edge_shade_acc) F(p##_r, edge_shade) F(p##_g, edge_shade) F(p##_b, edge_shade) \
-                  F(p##_a, edge_shade)
-#define BITSPAN_ROW_RECORD(F, I, K) \
-  I(triangle) I(y) I(x_first) I(x_last) BITSPAN_ROW_END(l, F, I, K) BITSPAN_ROW_END(r, F, I, K)
+#define BITSPAN_ROW_END(p, F, I, K)                                                                         \
+  I(p##_edge) F(p##_x_acc, edge_x_acc) F(p##_x, edge_x) F(p##_h_acc, edge_h_acc) F(p##_h, edge_h)           \
+  F(p##_fu, edge_f) F(p##_fv, edge_f) K(p##_recip_m, pixel_mantissa) I(p##_recip_e)                         \
+  F(p##_u, edge_uv) F(p##_v, edge_uv) F(p##_r_acc, edge_shade_acc) F(p##_g_acc, edge_shade_acc)             \
+  F(p##_b_acc, edge_shade_acc) F(p##_a_acc, edge_shade_acc) F(p##_r, edge_shade) F(p##_g, edge_shade)       \
+  F(p##_b, edge_shade) F(p##_a, edge_shade)
+#define BITSPAN_ROW_RECORD(F, I, K)               \
+  I(triangle) I(y) I(x_first) I(x_last)           \
+  BITSPAN_ROW_END(l, F, I, K) BITSPAN_ROW_END(r, F, I, K)
 
 // plane_walk (const_depth_rows only): gradients, one a triangle.
-#define BITSPAN_PLANE_RECORD(F, I, K)                                                                       \
-  I(triangle)                                                                                               \
-  I(major)           /* 0: rows run along x; 1: along y */                                                  \
-      I(major_first) /* m0, the pixel index where every row's step pattern is anchored */                   \
-      F(gu0, plane_g) F(gv0, plane_g) F(gu1, plane_g) F(gv1, plane_g) F(gu2, plane_g) F(gv2, plane_g)       \
-          F(h_x, plane_h_grad) F(h_y, plane_h_grad) F(gu_x, plane_g_grad) F(gu_y, plane_g_grad)             \
-              F(gv_x, plane_g_grad) F(gv_y, plane_g_grad) F(r_x, plane_shade_grad) F(r_y, plane_shade_grad) \
-                  F(g_x, plane_shade_grad) F(g_y, plane_shade_grad) F(b_x, plane_shade_grad)                \
-                      F(b_y, plane_shade_grad) F(a_x, plane_shade_grad) F(a_y, plane_shade_grad)            \
-                          F(k, plane_k)
+#define BITSPAN_PLANE_RECORD(F, I, K)                                                                          \
+  I(triangle) I(major) /* 0: rows run along x; 1: along y */                                                   \
+  I(major_first) /* m0, the pixel index where every row's step pattern is anchored */                          \
+  F(gu0, plane_g) F(gv0, plane_g) F(gu1, plane_g) F(gv1, plane_g) F(gu2, plane_g) F(gv2, plane_g)              \
+  F(h_x, plane_h_grad) F(h_y, plane_h_grad) F(gu_x, plane_g_grad) F(gu_y, plane_g_grad)                        \
+  F(gv_x, plane_g_grad) F(gv_y, plane_g_grad) F(r_x, plane_shade_grad) F(r_y, plane_shade_grad)                \
+  F(g_x, plane_shade_grad) F(g_y, plane_shade_grad) F(b_x, plane_shade_grad) F(b_y, plane_shade_grad)          \
+  F(a_x, plane_shade_grad) F(a_y, plane_shade_grad) F(k, plane_k)
 
 // plane_walk: one a row of constant depth that has covered pixels inside the viewport.
-#define BITSPAN_PLANE_ROW_RECORD(F, I, K)                                                                 \
-  I(triangle)                                                                                             \
-  I(row)                            /* r of Y = r + round(k x), in minor pixels */                        \
-      I(major_first) I(minor_first) /* first covered pixel */                                             \
-      I(count)                      /* pixels from the first to the last covered one */                   \
-      K(phase, phase) F(h, span_h) F(gu, span_f) F(gv, span_f) F(gu_step0, span_f_step)                   \
-          F(gu_step1, span_f_step) F(gv_step0, span_f_step) F(gv_step1, span_f_step) F(r, span_shade_acc) \
-              F(g, span_shade_acc) F(b, span_shade_acc) F(a, span_shade_acc) F(r_step0, span_shade_step)  \
-                  F(r_step1, span_shade_step) F(g_step0, span_shade_step) F(g_step1, span_shade_step)     \
-                      F(b_step0, span_shade_step) F(b_step1, span_shade_step) F(a_step0, span_shade_step) \
-                          F(a_step1, span_shade_step)
+#define BITSPAN_PLANE_ROW_RECORD(F, I, K)                                                                       \
+  I(triangle) I(row) /* r of Y = r + round(k x), in minor pixels */                                             \
+  I(major_first) I(minor_first) /* first covered pixel */                                                       \
+  I(count) /* pixels from the first to the last covered one */                                                  \
+  K(phase, phase) F(h, span_h) F(gu, span_f) F(gv, span_f)                                                      \
+  F(gu_step0, span_f_step) F(gu_step1, span_f_step) F(gv_step0, span_f_step) F(gv_step1, span_f_step)           \
+  F(r, span_shade_acc) F(g, span_shade_acc) F(b, span_shade_acc) F(a, span_shade_acc)                           \
+  F(r_step0, span_shade_step) F(r_step1, span_shade_step) F(g_step0, span_shade_step)                           \
+  F(g_step1, span_shade_step) F(b_step0, span_shade_step) F(b_step1, span_shade_step)                           \
+  F(a_step0, span_shade_step) F(a_step1, span_shade_step)
 
 // span_setup: one a span. In the modes with horizontal rows step1 repeats step0 and phase is 0.
-#define BITSPAN_SPAN_RECORD(F, I, K)                                                                      \
-  I(triangle)                                                                                             \
-  I(x) I(y) /* first pixel */ I(count) K(recip_m, row_mantissa) I(recip_e) K(phase, phase)                \
-      F(fu_diff, span_f_diff) F(fv_diff, span_f_diff) F(h, span_h) F(h_step, span_h_step) F(u1, edge_uv)  \
-          F(v1, edge_uv) K(fu, texture_acc) K(fv, texture_acc) K(fu_step0, texture_step)                  \
-              K(fu_step1, texture_step) K(fv_step0, texture_step) K(fv_step1, texture_step)               \
-                  F(r, span_shade_acc) F(g, span_shade_acc) F(b, span_shade_acc) F(a, span_shade_acc)     \
-                      F(r_step0, span_shade_step) F(r_step1, span_shade_step) F(g_step0, span_shade_step) \
-                          F(g_step1, span_shade_step) F(b_step0, span_shade_step)                         \
-                              F(b_step1, span_shade_step) F(a_step0, span_shade_step)                     \
-                                  F(a_step1, span_shade_step)
+#define BITSPAN_SPAN_RECORD(F, I, K)                                                                        \
+  I(triangle) I(x) I(y) /* first pixel */ I(count)                                                          \
+  K(recip_m, row_mantissa) I(recip_e) K(phase, phase)                                                       \
+  F(fu_diff, span_f_diff) F(fv_diff, span_f_diff)                                                           \
+  F(h, span_h) F(h_step, span_h_step) F(u1, edge_uv) F(v1, edge_uv)                                         \
+  K(fu, texture_acc) K(fv, texture_acc) K(fu_step0, texture_step) K(fu_step1, texture_step)                 \
+  K(fv_step0, texture_step) K(fv_step1, texture_step)                                                       \
+  F(r, span_shade_acc) F(g, span_shade_acc) F(b, span_shade_acc) F(a, span_shade_acc)                       \
+  F(r_step0, span_shade_step) F(r_step1, span_shade_step) F(g_step0, span_shade_step)                       \
+  F(g_step1, span_shade_step) F(b_step0, span_shade_step) F(b_step1, span_shade_step)                       \
+  F(a_step0, span_shade_step) F(a_step1, span_shade_step)
 
 // span: one a pixel of a span.
-#define BITSPAN_FRAGMENT_RECORD(F, I, K)                                                                     \
-  I(triangle)                                                                                                \
-  I(x) I(y) I(covered) I(last) F(h, span_h) K(fu, texture_acc) K(fv, texture_acc) K(recip_m, pixel_mantissa) \
-      I(recip_e) F(u, span_uv) F(v, span_uv) F(r, span_shade) F(g, span_shade) F(b, span_shade)              \
-          F(a, span_shade)
+#define BITSPAN_FRAGMENT_RECORD(F, I, K)                                                                    \
+  I(triangle) I(x) I(y) I(covered) I(last)                                                                  \
+  F(h, span_h) K(fu, texture_acc) K(fv, texture_acc) K(recip_m, pixel_mantissa) I(recip_e)                  \
+  F(u, span_uv) F(v, span_uv) F(r, span_shade) F(g, span_shade) F(b, span_shade) F(a, span_shade)
 
 // depth: one a covered fragment.
-#define BITSPAN_DEPTH_RECORD(F, I, K)                                    \
-  I(triangle)                                                            \
-  I(x) I(y) K(recip_m, pixel_mantissa) I(recip_e) /* linear code only */ \
-      K(z, depth_code) K(stored, depth_code) /* the buffer's code before the test */ I(pass)
+#define BITSPAN_DEPTH_RECORD(F, I, K)                                                  \
+  I(triangle) I(x) I(y) K(recip_m, pixel_mantissa) I(recip_e) /* linear code only */   \
+  K(z, depth_code) K(stored, depth_code) /* the buffer's code before the test */ I(pass)
 
 // texture: one a fragment that passed the depth test.
-#define BITSPAN_TEXTURE_RECORD(F, I, K)                                                             \
-  I(triangle)                                                                                       \
-  I(x) I(y) I(i) I(j) /* nearest texel, or the upper left of four, wrapped */                       \
-      F(ex, texture_frac) F(ey, texture_frac) F(texel_r, texture_mix) F(texel_g, texture_mix)       \
-          F(texel_b, texture_mix) F(texel_a, texture_alpha) F(r, texture_color) F(g, texture_color) \
-              F(b, texture_color) F(a, texture_alpha) I(killed) /* transparent code or alpha 0 */
+#define BITSPAN_TEXTURE_RECORD(F, I, K)                                                                    \
+  I(triangle) I(x) I(y) I(i) I(j) /* nearest texel, or the upper left of four, wrapped */                  \
+  F(ex, texture_frac) F(ey, texture_frac)                                                                  \
+  F(texel_r, texture_mix) F(texel_g, texture_mix) F(texel_b, texture_mix) F(texel_a, texture_alpha)        \
+  F(r, texture_color) F(g, texture_color) F(b, texture_color) F(a, texture_alpha)                          \
+  I(killed) /* transparent code or alpha 0 */
 
 // fog: one a fragment that the texture did not kill.
-#define BITSPAN_FOG_RECORD(F, I, K)                                                   \
-  I(triangle)                                                                         \
-  I(x) I(y) I(index)                        /* of the table, -1 in the other modes */ \
-      K(recip_m, pixel_mantissa) I(recip_e) /* linear fog only */                     \
-      F(factor, fog_factor) F(r, fog_color) F(g, fog_color) F(b, fog_color)
+#define BITSPAN_FOG_RECORD(F, I, K)                                                                        \
+  I(triangle) I(x) I(y) I(index) /* of the table, -1 in the other modes */                                 \
+  K(recip_m, pixel_mantissa) I(recip_e) /* linear fog only */                                              \
+  F(factor, fog_factor) F(r, fog_color) F(g, fog_color) F(b, fog_color)
 
 // merge: one a fragment written.
-#define BITSPAN_MERGE_RECORD(F, I, K) \
+#define BITSPAN_MERGE_RECORD(F, I, K)                                                        \
   I(triangle) I(x) I(y) K(z, depth_code) F(r, merge_color) F(g, merge_color) F(b, merge_color)
 
 // name of the struct, list macro, stage it belongs to, member of Trace
-#define BITSPAN_RECORDS(X)                                                 \
-  X(ConstantsRecord, BITSPAN_CONSTANTS_RECORD, "constants", constants)     \
-  X(SetupRecord, BITSPAN_SETUP_RECORD, "setup", setup)                     \
-  X(EdgeRecord, BITSPAN_EDGE_RECORD, "setup.edge", edge)                   \
-  X(RowRecord, BITSPAN_ROW_RECORD, "edge_walk", row)                       \
-  X(PlaneRecord, BITSPAN_PLANE_RECORD, "plane_walk", plane)                \
-  X(PlaneRowRecord, BITSPAN_PLANE_ROW_RECORD, "plane_walk.row", plane_row) \
-  X(SpanRecord, BITSPAN_SPAN_RECORD, "span_setup", span)                   \
-  X(FragmentRecord, BITSPAN_FRAGMENT_RECORD, "span", fragment)             \
-  X(DepthRecord, BITSPAN_DEPTH_RECORD, "depth", depth)                     \
-  X(TextureRecord, BITSPAN_TEXTURE_RECORD, "texture", texture)             \
-  X(FogRecord, BITSPAN_FOG_RECORD, "fog", fog)                             \
+#define BITSPAN_RECORDS(X)                                                        \
+  X(ConstantsRecord, BITSPAN_CONSTANTS_RECORD, "constants", constants)            \
+  X(SetupRecord, BITSPAN_SETUP_RECORD, "setup", setup)                            \
+  X(EdgeRecord, BITSPAN_EDGE_RECORD, "setup.edge", edge)                          \
+  X(RowRecord, BITSPAN_ROW_RECORD, "edge_walk", row)                              \
+  X(PlaneRecord, BITSPAN_PLANE_RECORD, "plane_walk", plane)                       \
+  X(PlaneRowRecord, BITSPAN_PLANE_ROW_RECORD, "plane_walk.row", plane_row)        \
+  X(SpanRecord, BITSPAN_SPAN_RECORD, "span_setup", span)                          \
+  X(FragmentRecord, BITSPAN_FRAGMENT_RECORD, "span", fragment)                    \
+  X(DepthRecord, BITSPAN_DEPTH_RECORD, "depth", depth)                            \
+  X(TextureRecord, BITSPAN_TEXTURE_RECORD, "texture", texture)                    \
+  X(FogRecord, BITSPAN_FOG_RECORD, "fog", fog)                                    \
   X(MergeRecord, BITSPAN_MERGE_RECORD, "merge", merge)
+
+// clang-format on
 
 #define BITSPAN_MEMBER_F(name, id) std::int64_t name = 0;
 #define BITSPAN_MEMBER_I(name) std::int64_t name = 0;
