@@ -35,7 +35,7 @@ struct Counters {
   std::uint64_t depth_passed = 0;   // fragments nearer than the buffer
   std::uint64_t killed = 0;         // by the transparent code or alpha 0
   std::uint64_t written = 0;        // merged into the frame
-  std::uint64_t divides_edge = 0;   // reciprocals or divisions made for edges
+  std::uint64_t divides_edge = 0;   // reciprocals or divisions made for edges, or planes
   std::uint64_t divides_row = 0;    // ... for rows
   std::uint64_t divides_pixel = 0;  // ... for pixels, texture coordinates only
   std::int64_t divides_saved = 0;   // const_depth_rows: T - q

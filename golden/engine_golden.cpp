@@ -118,6 +118,7 @@ class GoldenEngine final : public Engine {
 
   void draw_planes(const SetupRecord& setup, const Texture* texture, Trace* trace) {
     plane_walk_(setup, planes_);
+    counters_.divides_edge += 15;  // 14 gradients and k
     if (trace != nullptr) trace->plane.push_back(planes_.plane);
     std::span<const std::uint8_t> flags = planes_.covered;
     for (const PlaneRowRecord& row : planes_.rows) {

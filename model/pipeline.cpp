@@ -110,6 +110,7 @@ bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::i
     }
     const auto plane = static_cast<std::int32_t>(out.planes.size());
     out.planes.push_back(walk.geometry);
+    counters.divides_edge += divides_per_plane;
     PlaneRowRecord row;
     while (!finished(walk)) {
       if (plane_walk(pipeline.plane_walk, walk, row, watch)) {

@@ -117,7 +117,8 @@ Scene outside() {
 Scene depth_ends() {
   Scene scene = frame("depth-ends", 200, 150);
   for (int i = 0; i < 27; ++i) {
-    const double x = 8 + 20 * (i % 9), y = 5 + 45 * (i / 9);
+    const int column = i % 9, row = i / 9;
+    const double x = 8 + 20 * column, y = 5 + 45 * row;
     add(scene, {{{x, y}, {x + 18.3, y + 6.1}, {x + 4.4, y + 40.2}}}, i % 2);
     const std::array<double, 3> ends{scene.s_min, std::sqrt(scene.s_min * scene.s_max), scene.s_max};
     int digits = i;

@@ -306,7 +306,7 @@ fs::path build_rtl(const Config& config) {
   for (const fs::path& source : sources) key.add(read_text(source));
   for (const char* part : {"tb/rtl_harness.cpp", "tb/rtl_abi.hpp", "tb/rtl_printf.hpp"})
     key.add(read_text(root / part));
-  const fs::path library = cache / fmt::format("rtl-{}.so", key.hex());
+  fs::path library = cache / fmt::format("rtl-{}.so", key.hex());
   std::error_code missing;
   fs::last_write_time(library, fs::file_time_type::clock::now(), missing);  // used now
   if (!missing || fs::exists(library)) return library;

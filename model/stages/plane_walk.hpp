@@ -13,6 +13,9 @@
 
 namespace bitspan::model {
 
+// Divisions a plane costs: two gradients of h, gu, gv and the four shades, and k.
+inline constexpr std::uint64_t divides_per_plane = 15;
+
 struct PlaneWalkStage {
   std::int64_t width = 0, height = 0;  // of the viewport, pixels
   FillRule fill_rule = FillRule::top_left;

@@ -13,6 +13,7 @@ class PlaneWalk {
   void start(TriangleItem& item) {
     texture_ = item.triangle->texture;
     model::start_plane_walk(run_.pipeline.plane_walk, item.setup, state_);
+    run_.counters.divides_edge += model::divides_per_plane;
     if (run_.trace != nullptr) run_.trace->plane.push_back(state_.record);
   }
   bool finished() const { return model::finished(state_); }

@@ -65,7 +65,7 @@ TEST(Pipeline, CountersMatchRecordsAndFrame) {
     EXPECT_GT(k.killed, 0U);
     const bool planes = mode == Perspective::const_depth_rows;
     if (planes) {
-      EXPECT_EQ(k.divides_edge, 0U);
+      EXPECT_EQ(k.divides_edge, 15 * trace.plane.size());
       EXPECT_EQ(k.divides_row, k.rows);
       EXPECT_EQ(k.divides_saved, static_cast<std::int64_t>(k.covered) - static_cast<std::int64_t>(k.rows));
     } else {
