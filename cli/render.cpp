@@ -4,8 +4,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "cli/commands.hpp"
 #include "cli/config_store.hpp"
@@ -13,9 +15,12 @@
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "config/range.hpp"
+#include "model/engine_model.hpp"
+#include "model/numeric/register.hpp"
 #include "report/dump.hpp"
 #include "report/lockstep.hpp"
 #include "report/png.hpp"
+#include "report/table.hpp"
 #include "scene/tri_stream.hpp"
 
 namespace bitspan {
@@ -26,10 +31,33 @@ struct Options {
   std::string output;
   std::string config{default_config};
   std::string engine = "model";
+  bool statistics = false;
   std::string dump;
   std::string emit_tri;
   SceneOptions view;
 };
+
+// A row a register that saw a value: what it would have needed, and what its narrowing did.
+std::string statistics_text(const Config& config, const model::Statistics& statistics) {
+  std::vector<std::vector<std::string>> rows{{"register", "values", "minimum", "maximum", "bits used", "of",
+                                              "saturated", "wrapped", "mean bias, ULP"}};
+  for (int i = 0; i < model::register_count; ++i) {
+    const auto id = static_cast<model::RegisterId>(i);
+    const model::FieldStatistics& field = statistics.of(id);
+    if (field.count == 0) continue;
+    const Format format = model::format_of(id, config);
+    const auto value = [&](std::int64_t raw) {
+      return fmt::format("{:.8g}", std::ldexp(static_cast<double>(raw), -format.fraction()));
+    };
+    const double bias = std::ldexp(static_cast<double>(field.bias), -model::bias_fraction);
+    rows.push_back({std::string(model::name_of(id)), fmt::format("{}", field.count), value(field.min),
+                    value(field.max), fmt::format("{}", model::used_bits(field, format.is_signed)),
+                    fmt::format("{}", format.word), fmt::format("{}", field.saturations),
+                    fmt::format("{}", field.wraps),
+                    fmt::format("{:.4f}", bias / static_cast<double>(field.count))});
+  }
+  return "\n" + text_table(rows);
+}
 
 int render(const Options& o) {
   if (o.output.empty() && o.dump.empty() && o.emit_tri.empty()) {
@@ -43,10 +71,18 @@ int render(const Options& o) {
   if (!engine_runs(names[0], config)) {
     throw InputError(fmt::format("--engine {}: it has no {} mode", names[0], to_string(config.perspective)));
   }
+  if (o.statistics && names[0] != "model") {
+    throw InputError("--statistics: only the engine model observes its registers");
+  }
+  if (o.statistics && o.output.empty() && o.dump.empty()) {
+    throw InputError("--statistics: of a drawn picture; give -o PICTURE.png or --dump DIR too");
+  }
   const Scene scene = load_scene(o.scene, o.view);
   if (!o.output.empty() || !o.dump.empty()) {
     check_scene_range(config, scene);
-    const auto engine = make_engine(names[0], config);
+    const auto observed = o.statistics ? make_observed_model(config) : nullptr;
+    const auto plain = o.statistics ? nullptr : make_engine(names[0], config);
+    Engine* engine = o.statistics ? observed.get() : plain.get();
     const auto start = std::chrono::steady_clock::now();
     {
       Progress progress(scene.name);
@@ -69,6 +105,9 @@ int render(const Options& o) {
     const Counters& c = engine->counters();
     fmt::print("{}: {}x{}, {} triangles, {} fragments, {} written, {} ({}), {}\n", scene.name, frame.width,
                frame.height, c.triangles, c.fragments, c.written, config.name, config_hash(config), names[0]);
+    if (o.statistics) {
+      fmt::print("{}", statistics_text(config, observed->statistics()));
+    }
   }
   if (!o.emit_tri.empty()) {
     write_tri_file(o.emit_tri, scene);
@@ -85,6 +124,8 @@ void add_render(CLI::App& app, Action& action) {
   sub->add_option("-o,--output", o->output, "the picture, a PNG");
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
   sub->add_option("--engine", o->engine, "golden, model, systemc, rtl or ideal")->capture_default_str();
+  sub->add_flag("--statistics", o->statistics,
+                "range, bits used, saturations, wraps and bias of each register");
   sub->add_option("--dump", o->dump, "folder for color, depth, u, v, triangle (.npy) and run.json");
   sub->add_option("--emit-tri", o->emit_tri, "write the triangles as a stream, textures beside it");
   add_scene_options(*sub, o->view);

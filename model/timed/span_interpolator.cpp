@@ -1,5 +1,8 @@
 #include "model/timed/span_interpolator.hpp"
 
+#include <stdexcept>
+#include <string>
+
 namespace bitspan::timed {
 
 SpanInterpolator::SpanInterpolator(Run& run, Fifo<RowItem*>& in, Fifo<FragmentItem*>& out,
@@ -69,6 +72,11 @@ void SpanInterpolator::accept(RowItem* item) {
 void SpanInterpolator::take() {
   loaded_ = in_setup_.front();
   in_setup_.pop();
+  // The clocks go by the row's pixels, the values by the span's.
+  if (loaded_->span.count != loaded_->count) {
+    throw std::logic_error("span_setup made " + std::to_string(loaded_->span.count) + " pixels of a row of " +
+                           std::to_string(loaded_->count));
+  }
   state_ = model::start_span(loaded_->span, run_.pipeline.const_depth_rows ? &loaded_->geometry : nullptr);
   ++span_setup_.report.records_out;
   ++span_.report.records_in;
