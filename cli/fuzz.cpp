@@ -17,6 +17,7 @@
 #include "cli/engines.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
+#include "cli/verdict.hpp"
 #include "config/range.hpp"
 #include "config/rtl_timing.hpp"
 #include "golden/precision.hpp"
@@ -61,10 +62,6 @@ Engines make_engines(const std::vector<std::string>& names, const Config& config
     }
   }
   return out;
-}
-
-bool coverage_is_exact(const Config& config) {
-  return config.edge_walk == EdgeWalk::exact || config.perspective == Perspective::const_depth_rows;
 }
 
 struct CaseResult {

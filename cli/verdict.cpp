@@ -13,13 +13,14 @@
 #include "report/table.hpp"
 
 namespace bitspan {
-namespace {
-
-std::string number(std::uint64_t n) { return fmt::format("{}", n); }
 
 bool coverage_is_exact(const Config& config) {
   return config.edge_walk == EdgeWalk::exact || config.perspective == Perspective::const_depth_rows;
 }
+
+namespace {
+
+std::string number(std::uint64_t n) { return fmt::format("{}", n); }
 
 void judge(SceneVerdict& v) {
   for (const Comparison& pair : v.run.pairs) {

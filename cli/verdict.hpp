@@ -54,6 +54,9 @@ struct SceneRun {
   std::unique_ptr<Engine> ideal;                 // none where it took no part
 };
 
+// Whether the configuration promises the coverage of the exact test: edge_walk exact, or const_depth_rows.
+bool coverage_is_exact(const Config& config);
+
 // Runs and judges. Fails where a value differs, where the cycles do, where nothing non-trivial was compared
 // though the scene draws, and where coverage that is exact by configuration differs from the exact test.
 // Engines that do not run the configuration are left out with a note. Throws InputError for bad input.

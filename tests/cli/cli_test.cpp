@@ -228,6 +228,19 @@ TEST_F(Cli, RenderWritesTheSameEveryTime) {
   EXPECT_GT(json.at("counters").at("written"), 100);
 }
 
+TEST_F(Cli, StatisticsTellWhatARegisterNeeded) {
+  stream("s.tri");
+  const Result r = run("render s.tri -o a.png --statistics");
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_NE(r.out.find("span.h "), std::string::npos) << r.out;
+  // The picture is the one drawn without observers.
+  EXPECT_EQ(run("render s.tri -o b.png").code, 0);
+  EXPECT_EQ(read(folder_ / "a.png"), read(folder_ / "b.png"));
+  fs::remove(folder_ / "a.png");
+  refused("render s.tri -o a.png --statistics --engine golden", "--statistics");
+  refused("render s.tri --emit-tri e.tri --statistics", "--statistics");
+}
+
 TEST_F(Cli, AnEmittedStreamDrawsTheSamePicture) {
   ASSERT_EQ(run("render demo --size 96x72 -o a.png --emit-tri d.tri").code, 0);
   const Result r = run("render d.tri -o b.png");
