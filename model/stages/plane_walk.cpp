@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "model/channels.hpp"
 #include "model/numeric/ratio.hpp"
-#include "model/stages/channels.hpp"
 #include "model/stages/setup.hpp"
 
 namespace bitspan::model {

@@ -7,9 +7,9 @@
 
 #include "config/config.hpp"
 #include "config/records.hpp"
+#include "model/coverage.hpp"
 #include "model/numeric/quantize.hpp"
 #include "model/stages/constants.hpp"
-#include "model/stages/coverage.hpp"
 
 namespace bitspan::model {
 

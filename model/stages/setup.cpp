@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <tuple>
 
+#include "model/channels.hpp"
 #include "model/numeric/from_double.hpp"
 #include "model/numeric/ratio.hpp"
-#include "model/stages/channels.hpp"
-#include "model/stages/slope.hpp"
+#include "model/numeric/slope.hpp"
 
 namespace bitspan::model {
 namespace {

@@ -1,8 +1,8 @@
 #include "model/stages/span_setup.hpp"
 
-#include "model/stages/channels.hpp"
+#include "model/channels.hpp"
+#include "model/numeric/slope.hpp"
 #include "model/stages/edge_walk.hpp"
-#include "model/stages/slope.hpp"
 
 namespace bitspan::model {
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "model/channels.hpp"
 #include "model/numeric/extent.hpp"
 #include "model/numeric/ratio.hpp"
-#include "model/stages/channels.hpp"
 
 namespace bitspan::model {
 namespace {

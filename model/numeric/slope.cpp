@@ -1,4 +1,4 @@
-#include "model/stages/slope.hpp"
+#include "model/numeric/slope.hpp"
 
 #include "model/numeric/ratio.hpp"
 
