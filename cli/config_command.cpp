@@ -12,6 +12,8 @@
 #include "config/emit_sv.hpp"
 #include "config/rtl_timing.hpp"
 #include "golden/precision.hpp"
+#include "model/paths.hpp"
+#include "model/simd/engine_vector.hpp"
 #include "report/atomic_file.hpp"
 #include "report/table.hpp"
 
@@ -52,6 +54,27 @@ int show(const Options& options) {
   return exit_held;
 }
 
+// Which way the engine model takes, stage by stage.
+std::string paths_text(const Config& config) {
+  std::vector<std::vector<std::string>> rows{{"stage", "bits", "model computes in", "widest exact value"}};
+  for (const model::StagePath& path : model::model_paths(config)) {
+    rows.push_back({path.stage, fmt::format("{}", path.bits), path.path, path.widest});
+  }
+  std::string form;
+  switch (model::chosen_form(config, ModelForm::automatic)) {
+    case ModelForm::specialised:
+      form = "specialised (these formats are compiled in)";
+      break;
+    case ModelForm::vector:
+      form = "vector (formats read at run time)";
+      break;
+    default:
+      form = fmt::format("scalar ({})", model::vector_refusal(config));
+  }
+  return text_table(rows) +
+         fmt::format("model: form {}, vectors for {}\n", form, model::to_string(model::best_target()));
+}
+
 int check(const Options& options) {
   const Config config = find_config(options.config);
   fmt::print("{} ({}): legal\n", config.name, config_hash(config));
@@ -68,7 +91,7 @@ int check(const Options& options) {
       (*same)[3] = row.expression;
     }
   }
-  fmt::print("{}", text_table(rows));
+  fmt::print("{}\n{}", text_table(rows), paths_text(config));
   if (has_rtl(config)) {
     const RtlTiming timing = rtl_timing(config);
     fmt::print("RTL: span_setup {} clocks, span {} clocks\n", timing.span_setup, timing.span);

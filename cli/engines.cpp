@@ -15,7 +15,7 @@
 namespace bitspan {
 namespace {
 
-using Factory = std::unique_ptr<Engine> (*)(const Config&, std::uint64_t stall_seed);
+using Factory = std::unique_ptr<Engine> (*)(const Config&, std::uint64_t stall_seed, const ModelOptions&);
 
 struct Entry {
   std::string_view name;
@@ -23,16 +23,19 @@ struct Entry {
 };
 
 constexpr std::array<Entry, 5> entries{{
-    {"golden", [](const Config& c, std::uint64_t) { return make_golden(c); }},
-    {"model", [](const Config& c, std::uint64_t) { return make_model(c); }},
-    {"systemc", [](const Config& c, std::uint64_t) -> std::unique_ptr<Engine> { return make_systemc(c); }},
+    {"golden", [](const Config& c, std::uint64_t, const ModelOptions&) { return make_golden(c); }},
+    {"model", [](const Config& c, std::uint64_t, const ModelOptions& o) { return make_model(c, o); }},
+    {"systemc",
+     [](const Config& c, std::uint64_t, const ModelOptions&) -> std::unique_ptr<Engine> {
+       return make_systemc(c);
+     }},
     {"rtl",
-     [](const Config& c, std::uint64_t seed) -> std::unique_ptr<Engine> {
+     [](const Config& c, std::uint64_t seed, const ModelOptions&) -> std::unique_ptr<Engine> {
        RtlOptions options;
        options.stall_seed = seed;
        return make_rtl(c, options);
      }},
-    {"ideal", [](const Config& c, std::uint64_t) { return make_ideal(c); }},
+    {"ideal", [](const Config& c, std::uint64_t, const ModelOptions&) { return make_ideal(c); }},
 }};
 
 constexpr auto names = [] {
@@ -77,8 +80,9 @@ std::vector<std::string> parse_engines(const std::string& list) {
 
 bool engine_runs(std::string_view name, const Config& config) { return name != "rtl" || has_rtl(config); }
 
-std::unique_ptr<Engine> make_engine(std::string_view name, const Config& config, std::uint64_t stall_seed) {
-  return find(name).make(config, stall_seed);
+std::unique_ptr<Engine> make_engine(std::string_view name, const Config& config, std::uint64_t stall_seed,
+                                    const ModelOptions& model) {
+  return find(name).make(config, stall_seed, model);
 }
 
 }  // namespace bitspan

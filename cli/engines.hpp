@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "config/engine.hpp"
+#include "model/engine_model.hpp"
 
 namespace bitspan {
 
@@ -21,8 +22,9 @@ std::vector<std::string> parse_engines(const std::string& list);
 // Whether this engine runs this configuration; rtl does not in the modes without RTL.
 bool engine_runs(std::string_view name, const Config& config);
 
-// stall_seed seeds the random stalls of rtl's input and output; the other engines have none.
-std::unique_ptr<Engine> make_engine(std::string_view name, const Config& config,
-                                    std::uint64_t stall_seed = 1);
+// stall_seed seeds the random stalls of rtl's input and output; model: how the engine model computes. The
+// other engines have none of either.
+std::unique_ptr<Engine> make_engine(std::string_view name, const Config& config, std::uint64_t stall_seed = 1,
+                                    const ModelOptions& model = {});
 
 }  // namespace bitspan

@@ -15,6 +15,7 @@
 #include "cli/config_store.hpp"
 #include "cli/cycles.hpp"
 #include "cli/engines.hpp"
+#include "cli/model_options.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/verdict.hpp"
@@ -41,6 +42,7 @@ struct Options {
   std::vector<std::string> configs;  // empty: random ones
   std::string out = ".";
   bool keep_going = false;
+  ModelFlags model;
 };
 
 constexpr std::uint64_t default_count = 32;
@@ -54,11 +56,12 @@ std::uint64_t derived_seed(std::uint64_t seed, std::uint64_t index, std::uint64_
 
 using Engines = std::vector<std::unique_ptr<Engine>>;
 
-Engines make_engines(const std::vector<std::string>& names, const Config& config, std::uint64_t stall_seed) {
+Engines make_engines(const std::vector<std::string>& names, const Config& config, std::uint64_t stall_seed,
+                     const ModelOptions& model) {
   Engines out;
   for (const std::string& name : names) {
     if (engine_runs(name, config)) {
-      out.push_back(make_engine(name, config, stall_seed));
+      out.push_back(make_engine(name, config, stall_seed, model));
     }
   }
   return out;
@@ -195,7 +198,7 @@ std::string reproduce(const Options& o, std::uint64_t index) {
   for (const std::string& config : o.configs) {
     out += " --config " + shell_word(config);
   }
-  return out;
+  return out + flags_text(o.model);
 }
 
 struct Totals {
@@ -205,7 +208,9 @@ struct Totals {
 
 class Fuzzer {
  public:
-  explicit Fuzzer(const Options& o) : o_(o), names_(parse_engines(o.engines)) {
+  explicit Fuzzer(const Options& o)
+      : o_(o), names_(parse_engines(o.engines)), model_(model_options(o.model, 1)) {
+    refuse_without_model(o.model, std::ranges::count(names_, "model") != 0);
     if (std::ranges::find(names_, "ideal") != names_.end()) {
       throw InputError("--engines: ideal equals nobody; leave it out of fuzz");
     }
@@ -280,7 +285,7 @@ class Fuzzer {
       config_ = random_config(derived_seed(o_.seed, group, 1), bases_, options);
     }
     engines_.clear();
-    engines_ = make_engines(names_, config_, derived_seed(o_.seed, group, 0));
+    engines_ = make_engines(names_, config_, derived_seed(o_.seed, group, 0), model_);
   }
 
   bool takes_part(std::string_view name) const {
@@ -346,6 +351,7 @@ class Fuzzer {
 
   Options o_;
   std::vector<std::string> names_;
+  ModelOptions model_;
   std::vector<Config> fixed_, bases_;
   Totals totals_;
   std::uint64_t group_ = ~std::uint64_t{0};
@@ -356,6 +362,7 @@ class Fuzzer {
 struct ReplayOptions {
   std::string file;
   std::string engines;
+  ModelFlags model;
 };
 
 int replay(const ReplayOptions& o) {
@@ -366,12 +373,14 @@ int replay(const ReplayOptions& o) {
       list += (list.empty() ? "" : ",") + name;
     }
   }
-  const Engines engines = make_engines(parse_engines(list), r.config, r.stall_seed);
+  const std::vector<std::string> names = parse_engines(list);
+  refuse_without_model(o.model, std::ranges::count(names, "model") != 0);
+  const Engines engines = make_engines(names, r.config, r.stall_seed, model_options(o.model, 1));
   if (engines.size() < 2) {
     throw InputError(fmt::format("{}: fewer than two engines that run this configuration", o.file));
   }
   check_scene_range(r.config, r.scene);
-  const RunLabel label{o.file, "bitspan replay " + shell_word(o.file)};
+  const RunLabel label{o.file, "bitspan replay " + shell_word(o.file) + flags_text(o.model)};
   CaseResult result = check_case(engines, r.config, r.scene, label);
   const auto has = [&](std::string_view name) {
     return std::ranges::any_of(engines, [&](const auto& engine) { return engine->name() == name; });
@@ -409,6 +418,7 @@ void add_fuzz(CLI::App& app, Action& action) {
   sub->add_option("--config", o->configs, "these configurations in turn, instead of random ones");
   sub->add_option("-o,--output", o->out, "folder for the replay files")->capture_default_str();
   sub->add_flag("--keep-going", o->keep_going, "do not stop at the first failure");
+  add_model_options(*sub, o->model, "1");
   sub->footer("Example:\n  bitspan fuzz --seed 7 --pixels 1000000 --engines golden,model");
   sub->callback([o, &action] { action = [o] { return Fuzzer(*o).run(); }; });
 }
@@ -418,6 +428,7 @@ void add_replay(CLI::App& app, Action& action) {
   const auto o = std::make_shared<ReplayOptions>();
   sub->add_option("file", o->file, "a .replay.json file")->required();
   sub->add_option("--engines", o->engines, "instead of the file's");
+  add_model_options(*sub, o->model, "1");
   sub->footer("Example:\n  bitspan replay fuzz-7-12.replay.json");
   sub->callback([o, &action] { action = [o] { return replay(*o); }; });
 }

@@ -12,11 +12,13 @@
 #include "cli/commands.hpp"
 #include "cli/config_store.hpp"
 #include "cli/engines.hpp"
+#include "cli/model_options.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "config/range.hpp"
 #include "model/engine_model.hpp"
 #include "model/numeric/register.hpp"
+#include "model/paths.hpp"
 #include "report/dump.hpp"
 #include "report/lockstep.hpp"
 #include "report/png.hpp"
@@ -34,6 +36,7 @@ struct Options {
   bool statistics = false;
   std::string dump;
   std::string emit_tri;
+  ModelFlags model;
   SceneOptions view;
 };
 
@@ -77,11 +80,19 @@ int render(const Options& o) {
   if (o.statistics && o.output.empty() && o.dump.empty()) {
     throw InputError("--statistics: of a drawn picture; give -o PICTURE.png or --dump DIR too");
   }
+  const bool is_model = names[0] == "model";
+  refuse_without_model(o.model, is_model);
+  if (o.statistics && o.model.given()) {
+    throw InputError("--statistics: observes the scalar form; leave --form, --target and --threads out");
+  }
+  ModelOptions how = model_options(o.model, 0);
+  how.winners = !o.dump.empty();
+  const ModelForm form = o.statistics ? ModelForm::scalar : model::chosen_form(config, how.form);
   const Scene scene = load_scene(o.scene, o.view);
   if (!o.output.empty() || !o.dump.empty()) {
     check_scene_range(config, scene);
     const auto observed = o.statistics ? make_observed_model(config) : nullptr;
-    const auto plain = o.statistics ? nullptr : make_engine(names[0], config);
+    const auto plain = o.statistics ? nullptr : make_engine(names[0], config, 1, how);
     Engine* engine = o.statistics ? observed.get() : plain.get();
     const auto start = std::chrono::steady_clock::now();
     {
@@ -100,7 +111,15 @@ int render(const Options& o) {
       write_png(o.output, frame.width, frame.height, 4, frame.color);
     }
     if (!o.dump.empty()) {
-      write_dump(o.dump, frame, engine->counters(), config, {BITSPAN_VERSION, scene.name, names[0], seconds});
+      DumpInfo info{BITSPAN_VERSION, scene.name, names[0], seconds, {}};
+      if (is_model) {
+        const bool vectors = form != ModelForm::scalar;
+        const VectorTarget target = how.target == VectorTarget::best ? model::best_target() : how.target;
+        info.model = DumpInfo::Model{std::string(model::to_string(form)),
+                                     vectors ? std::string(model::to_string(target)) : "",
+                                     o.statistics ? 1 : how.threads};
+      }
+      write_dump(o.dump, frame, engine->counters(), config, info);
     }
     const Counters& c = engine->counters();
     fmt::print("{}: {}x{}, {} triangles, {} fragments, {} written, {} ({}), {}\n", scene.name, frame.width,
@@ -128,6 +147,7 @@ void add_render(CLI::App& app, Action& action) {
                 "range, bits used, saturations, wraps and bias of each register");
   sub->add_option("--dump", o->dump, "folder for color, depth, u, v, triangle (.npy) and run.json");
   sub->add_option("--emit-tri", o->emit_tri, "write the triangles as a stream, textures beside it");
+  add_model_options(*sub, o->model, "0");
   add_scene_options(*sub, o->view);
   sub->footer("Example:\n  bitspan render demo -o demo.png --config narrow --dump demo.dump");
   sub->callback([o, &action] { action = [o] { return render(*o); }; });

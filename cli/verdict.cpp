@@ -81,7 +81,7 @@ SceneRun verify_scene(const Config& config, const Scene& scene, const VerifyOpti
     }
     systemc = systemc || name == "systemc";
     rtl = rtl || name == "rtl";
-    auto engine = make_engine(name, config, options.stall_seed);
+    auto engine = make_engine(name, config, options.stall_seed, options.model);
     if (name == "ideal") {
       out.ideal = std::move(engine);
     } else {

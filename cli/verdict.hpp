@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "config/engine.hpp"
+#include "model/engine_model.hpp"
 #include "report/compare.hpp"
 #include "report/error.hpp"
 #include "report/junit.hpp"
@@ -46,6 +47,7 @@ struct VerifyOptions {
   std::vector<std::string> engines;  // the first is the reference; `ideal` adds the error table
   std::uint64_t stall_seed = 1;
   bool cycles = true;
+  ModelOptions model;  // of the engine model
 };
 
 struct SceneRun {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "cli/commands.hpp"
 #include "cli/config_store.hpp"
 #include "cli/engines.hpp"
+#include "cli/model_options.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/verdict.hpp"
 #include "report/atomic_file.hpp"
@@ -23,6 +25,7 @@ struct Options {
   std::string junit, json;
   std::uint64_t seed = 1;
   bool no_cycles = false;
+  ModelFlags model;
   SceneOptions view;
 };
 
@@ -32,13 +35,15 @@ int verify(const Options& o) {
   options.engines = parse_engines(o.engines);
   options.stall_seed = o.seed;
   options.cycles = !o.no_cycles;
+  refuse_without_model(o.model, std::ranges::count(options.engines, "model") != 0);
+  options.model = model_options(o.model, 1);
   std::vector<SceneVerdict> verdicts;
   bool held = true;
   for (const std::string& name : o.scenes) {
     for (const Scene& scene : load_scenes(name, o.view)) {
-      const RunLabel label{scene.name, fmt::format("bitspan verify {} --config {} --engines {} --seed {}{}",
+      const RunLabel label{scene.name, fmt::format("bitspan verify {} --config {} --engines {} --seed {}{}{}",
                                                    shell_word(scene.name), shell_word(o.config), o.engines,
-                                                   o.seed, flags_text(o.view))};
+                                                   o.seed, flags_text(o.model), flags_text(o.view))};
       SceneRun run = verify_scene(config, scene, options, label);
       fmt::print("{}{}", verdicts.empty() ? "" : "\n", verdict_text(run.verdict));
       std::fflush(stdout);
@@ -72,6 +77,7 @@ void add_verify(CLI::App& app, Action& action) {
   sub->add_option("--json", o->json, "write the verdict as JSON");
   sub->add_option("--seed", o->seed, "of the random stalls of rtl")->capture_default_str();
   sub->add_flag("--no-cycles", o->no_cycles, "leave out the cycle comparison of systemc and rtl");
+  add_model_options(*sub, o->model, "1");
   add_scene_options(*sub, o->view);
   sub->footer("Example:\n  bitspan verify model.obj --texture skin.png --config depth20 --junit result.xml");
   sub->callback([o, &action] { action = [o] { return verify(*o); }; });

@@ -126,15 +126,15 @@ struct Config {
   std::array<StageTiming, stage_count> timing{};
   MemoryTiming memory;
 
-  const Format& format(FormatId id) const { return formats[static_cast<std::size_t>(id)]; }
-  Format& format(FormatId id) { return formats[static_cast<std::size_t>(id)]; }
+  constexpr const Format& format(FormatId id) const { return formats[static_cast<std::size_t>(id)]; }
+  constexpr Format& format(FormatId id) { return formats[static_cast<std::size_t>(id)]; }
 
   // Snapped coordinates: signed, rounded half up, by contract.
-  Format coordinate_format() const {
+  constexpr Format coordinate_format() const {
     return {coordinate_bits + subpixel_bits, coordinate_bits, true, Rounding::rnd, Overflow::sat, false};
   }
   // The stored depth code: unsigned integers.
-  Format depth_format() const {
+  constexpr Format depth_format() const {
     return {depth_bits, depth_bits, false, depth_rounding, depth_overflow, false};
   }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "model/pipeline.hpp"
+#include "model/simd/engine_vector.hpp"
 
 namespace bitspan {
 namespace {
@@ -14,7 +15,7 @@ using model::Statistics;
 
 // What make_model and make_observed_model share: everything but the observer.
 struct Run {
-  explicit Run(const Config& c) : config(c) {}
+  Run(const Config& c, bool keep_winners) : config(c), winners(keep_winners) {}
 
   template <class Watch>
   void begin(const Scene& s, Watch watch) {
@@ -22,7 +23,7 @@ struct Run {
     scene = &s;
     counters = {};
     constants_delivered = false;
-    frame = model::cleared_frame(pipeline, s);
+    model::clear_frame(pipeline, s, winners, frame);
   }
 
   template <class Watch>
@@ -55,6 +56,7 @@ struct Run {
   }
 
   Config config;
+  bool winners;
   const Scene* scene = nullptr;
   model::Pipeline pipeline;
   Frame frame;
@@ -68,7 +70,7 @@ struct Run {
 
 class Model final : public Engine {
  public:
-  explicit Model(const Config& config) : run_(config) {}
+  Model(const Config& config, bool winners) : run_(config, winners) {}
   std::string_view name() const override { return "model"; }
   void begin(const Scene& scene) override { run_.begin(scene, NoObserve{}); }
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
@@ -83,7 +85,7 @@ class Model final : public Engine {
 
 class ObservedModel final : public ObservedEngine {
  public:
-  explicit ObservedModel(const Config& config) : run_(config) {}
+  explicit ObservedModel(const Config& config) : run_(config, true) {}
   std::string_view name() const override { return "model"; }
   void begin(const Scene& scene) override {
     statistics_ = {};
@@ -103,7 +105,20 @@ class ObservedModel final : public ObservedEngine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_model(const Config& config) { return std::make_unique<Model>(config); }
+std::unique_ptr<Engine> make_model(const Config& config, const ModelOptions& options) {
+  if (options.threads < 1) {
+    throw InputError("the model needs one thread at least");
+  }
+  const char* refusal = model::vector_refusal(config);
+  const bool in_lanes = options.form != ModelForm::scalar && refusal == nullptr;
+  if (!in_lanes && options.form != ModelForm::scalar && options.form != ModelForm::automatic) {
+    throw InputError("configuration '" + config.name + "' has no vector form: " + refusal);
+  }
+  if (in_lanes) {
+    return model::make_vector_model(config, options);
+  }
+  return std::make_unique<Model>(config, options.winners);
+}
 
 std::unique_ptr<ObservedEngine> make_observed_model(const Config& config) {
   return std::make_unique<ObservedModel>(config);

@@ -2,18 +2,18 @@
 
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <sstream>
 #include <string>
 
 namespace bitspan::model {
-namespace {
 
 void check_scene(const Scene& scene) {
   const auto refuse = [&](const std::string& what) {
     throw InputError("scene '" + scene.name + "': " + what);
   };
-  constexpr int largest = 1 << 20;
+  constexpr std::int64_t largest = 1 << 20;
   if (scene.width < 1 || scene.height < 1 || scene.width > largest || scene.height > largest) {
     refuse("the picture's size " + std::to_string(scene.width) + "x" + std::to_string(scene.height) +
            " is not within 1.." + std::to_string(largest));
@@ -25,6 +25,8 @@ void check_scene(const Scene& scene) {
     }
   }
 }
+
+namespace {
 
 [[noreturn]] void refuse_vertex(std::int64_t index, std::size_t vertex, const std::string& what) {
   throw InputError("triangle " + std::to_string(index) + ", vertex " + std::to_string(vertex) + ": " + what);
@@ -217,9 +219,11 @@ void fragments_to_frame(const Pipeline& pipeline, std::span<const FragmentRecord
     color[1] = static_cast<std::uint8_t>(merged.g);
     color[2] = static_cast<std::uint8_t>(merged.b);
     frame.depth[at] = static_cast<std::uint32_t>(merged.z);
-    frame.u[at] = decoded(fragment.u, pipeline.texture.uv);
-    frame.v[at] = decoded(fragment.v, pipeline.texture.uv);
-    frame.triangle[at] = static_cast<std::int32_t>(fragment.triangle);
+    if (!frame.u.empty()) {
+      frame.u[at] = decoded(fragment.u, pipeline.texture.uv);
+      frame.v[at] = decoded(fragment.v, pipeline.texture.uv);
+      frame.triangle[at] = static_cast<std::int32_t>(fragment.triangle);
+    }
     if (trace != nullptr) {
       trace->fog.push_back(fogged);
       trace->merge.push_back(merged);
@@ -227,23 +231,27 @@ void fragments_to_frame(const Pipeline& pipeline, std::span<const FragmentRecord
   }
 }
 
-Frame cleared_frame(const Pipeline& pipeline, const Scene& scene) {
-  Frame f;
-  f.width = scene.width;
-  f.height = scene.height;
+void clear_frame(const Pipeline& pipeline, const Scene& scene, bool winners, Frame& frame) {
+  frame.width = scene.width;
+  frame.height = scene.height;
   const auto pixels = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height);
-  f.color.resize(4 * pixels);
+  const std::array<std::uint8_t, 4> background{scene.background[0], scene.background[1], scene.background[2],
+                                               255};
+  frame.color.resize(4 * pixels);
   for (std::size_t i = 0; i < pixels; ++i) {
-    f.color[4 * i] = scene.background[0];
-    f.color[4 * i + 1] = scene.background[1];
-    f.color[4 * i + 2] = scene.background[2];
-    f.color[4 * i + 3] = 255;
+    std::memcpy(frame.color.data() + 4 * i, background.data(), 4);
   }
-  f.depth.assign(pixels, static_cast<std::uint32_t>(pipeline.depth.clear));
-  f.u.assign(pixels, std::numeric_limits<double>::quiet_NaN());
-  f.v = f.u;
-  f.triangle.assign(pixels, -1);
-  return f;
+  frame.depth.assign(pixels, static_cast<std::uint32_t>(pipeline.depth.clear));
+  const std::size_t kept = winners ? pixels : 0;
+  frame.u.assign(kept, std::numeric_limits<double>::quiet_NaN());
+  frame.v.assign(kept, std::numeric_limits<double>::quiet_NaN());
+  frame.triangle.assign(kept, -1);
+}
+
+Frame cleared_frame(const Pipeline& pipeline, const Scene& scene) {
+  Frame frame;
+  clear_frame(pipeline, scene, true, frame);
+  return frame;
 }
 
 const Texture* texture_of(const Scene& scene, const Triangle& triangle) {

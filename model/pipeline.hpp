@@ -45,6 +45,9 @@ struct Pipeline {
 template <class Watch = NoObserve>
 Pipeline make_pipeline(const Config& config, const Scene& scene, Watch watch = {});
 
+// Throws InputError where the picture has no size or a texture's pixels do not match its size.
+void check_scene(const Scene& scene);
+
 // Throws InputError, naming the triangle's input index and the vertex, where a number is not finite, s is
 // outside [s_min, s_max], a colour is outside 0..1, or the texture does not exist.
 void check_triangle(const Scene& scene, const Triangle& triangle, std::int64_t index);
@@ -86,7 +89,9 @@ void fragments_to_frame(const Pipeline& pipeline, std::span<const FragmentRecord
                         const Texture* texture, Frame& frame, Counters& counters, Trace* trace,
                         Watch watch = {});
 
-// A frame of the scene's size: background, cleared depth buffer, no triangle.
+// Makes the frame of the scene's size: background, cleared depth buffer, no triangle. winners: with the
+// planes u, v and triangle; else they are empty.
+void clear_frame(const Pipeline& pipeline, const Scene& scene, bool winners, Frame& frame);
 Frame cleared_frame(const Pipeline& pipeline, const Scene& scene);
 // The triangle's texture, null for none.
 const Texture* texture_of(const Scene& scene, const Triangle& triangle);

@@ -58,6 +58,12 @@ std::string run_json(const Frame& frame, const Counters& counters, const Config&
   json["bitspan"] = info.version;
   json["dump_format"] = 1;
   json["engine"] = info.engine;
+  if (info.model) {
+    json["model"] = {{"form", info.model->form}, {"threads", info.model->threads}};
+    if (!info.model->target.empty()) {
+      json["model"]["target"] = info.model->target;
+    }
+  }
   json["scene"] = info.scene;
   json["width"] = frame.width;
   json["height"] = frame.height;

@@ -1,6 +1,7 @@
 // The dump of a run: the planes of the picture as NumPy arrays and a JSON of what made them.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "config/engine.hpp"
@@ -12,6 +13,13 @@ struct DumpInfo {
   std::string scene;
   std::string engine;
   double wall_seconds = 0;
+  // How the engine model computed; none of the other engines.
+  struct Model {
+    std::string form;    // scalar, vector or specialised
+    std::string target;  // of the vectors, empty for scalar
+    int threads = 1;
+  };
+  std::optional<Model> model = std::nullopt;
 };
 
 // color.npy (H, W, 4) uint8, depth.npy (H, W) uint32, u.npy and v.npy (H, W) float64, triangle.npy (H, W)

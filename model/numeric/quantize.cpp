@@ -1,5 +1,7 @@
 #include "model/numeric/quantize.hpp"
 
+#include <algorithm>
+
 namespace bitspan::model {
 
 template <class Watch>
@@ -10,8 +12,10 @@ std::int64_t quantize_far(int128 raw, int fraction, const Register& r, Watch wat
     const bool negative = raw < 0;
     const bool guard = shift == 128 ? ((static_cast<uint128>(raw) >> 127) & 1) != 0 : negative;
     const bool sticky = shift == 128 ? (static_cast<uint128>(raw) << 1) != 0 : raw != 0;
-    const std::int64_t part = negative ? (std::int64_t{1} << bias_fraction) - 1 : 0;
-    return narrow(negative ? int128{-1} : int128{0}, guard, sticky, r, watch, [&] { return part; });
+    return narrow(negative ? int128{-1} : int128{0}, guard, sticky, r, watch, [&] {
+      const auto kept = static_cast<std::int64_t>(raw >> std::min<std::int64_t>(shift - bias_fraction, 127));
+      return kept + (negative ? std::int64_t{1} << bias_fraction : 0);
+    });
   }
   if (shift > 0) {
     return quantize(raw, fraction, r, watch);  // beyond int64's shifts, within int128's

@@ -94,8 +94,9 @@ std::int64_t quantize_ratio(int128 n, int128 d, int scale, const Register& r, Wa
   const int128 below = q.floor & ((int128{1} << (drop - 1)) - 1);
   return narrow(q.floor >> drop, guard, below != 0 || more, r, watch, [&] {
     const auto part = (static_cast<uint128>(guard ? 1U : 0U) << (drop - 1)) | static_cast<uint128>(below);
-    return static_cast<std::int64_t>(drop >= bias_fraction ? part >> (drop - bias_fraction)
-                                                           : part << (bias_fraction - drop));
+    return drop >= bias_fraction
+               ? static_cast<std::int64_t>(part >> (drop - bias_fraction))
+               : static_cast<std::int64_t>(part << (bias_fraction - drop)) + (part_of(q.rest, d) >> drop);
   });
 }
 

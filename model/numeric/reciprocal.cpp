@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "model/numeric/ratio.hpp"
+#include "model/numeric/reciprocal-inl.hpp"
 
 namespace bitspan::model {
 namespace {
@@ -30,69 +31,36 @@ std::vector<std::int64_t> make_table(const Reciprocal& c) {
   return table;
 }
 
-// v 2^-shift, rounded down; shift of either sign.
-template <class Int>
-Int shift_down(Int v, int shift) {
-  return shift >= 0 ? v >> shift : v << -shift;
-}
-
 }  // namespace
 
 ReciprocalUnit::ReciprocalUnit(const Reciprocal& config, RegisterId id)
-    : config_(config),
-      output_(make_register(config.output, id)),
-      table_(std::make_shared<const std::vector<std::int64_t>>(make_table(config))) {
-  // Widest intermediates: the interpolation's product; nq y and y (2 - a) of a Newton step.
-  const int y_bits = std::max(config.table_bits, config.internal_bits);
-  const int t_bits = std::max(0, config.operand_bits - config.index_bits);
-  narrow_ = config.table_bits + t_bits + 2 <= 62 && config.operand_bits + y_bits + 3 <= 62 &&
-            y_bits + config.internal_bits + 3 <= 62;
-}
-
-template <class Int>
-Int ReciprocalUnit::approximate(Int d, int top, int& fraction) const {
-  const int p = config_.index_bits;
-  const int operand = config_.operand_bits;
-  const std::vector<std::int64_t>& table = *table_;
-  const Int nq = shift_down(d, top - operand);
-  const Int rest = nq - (Int{1} << operand);
-  const auto j = static_cast<std::size_t>(shift_down(rest, operand - p));
-  if (config_.kind == ReciprocalKind::lut_linear) {
-    const int t_bits = std::max(0, operand - p);
-    const Int t = rest & ((Int{1} << t_bits) - 1);
-    const Int c = table[j];
-    const Int y = (c << t_bits) - (c - table[j + 1]) * t;
-    fraction = config_.internal_bits;
-    return shift_down(y, config_.table_bits + t_bits - config_.internal_bits);
-  }
-  Int y = table[j];
-  fraction = config_.table_bits;
-  for (int i = 0; i < config_.steps; ++i) {
-    const Int a = shift_down(nq * y, operand + fraction - config_.internal_bits);
-    y = shift_down(y * ((Int{2} << config_.internal_bits) - a), fraction);
-    fraction = config_.internal_bits;
-  }
-  return y;
-}
+    : formats_(reciprocal_formats(config, id)),
+      table_(std::make_shared<const std::vector<std::int64_t>>(make_table(config))) {}
 
 template <class Watch>
-Inverse ReciprocalUnit::operator()(int128 d, int fraction, Watch watch) const {
+Inverse reciprocal(const ReciprocalFormats& formats, const std::int64_t* table, int128 d, int fraction,
+                   Watch watch) {
+  const Reciprocal& config = formats.config;
   d = std::max<int128>(d, 1);
   const int top = bit_length(static_cast<uint128>(d)) - 1;
   const int exponent = top - fraction;
-  if (config_.kind == ReciprocalKind::restoring) {
-    return config_.normalize ? Inverse{quantize_ratio(int128{1} << top, d, 0, output_, watch), exponent}
-                             : Inverse{quantize_ratio(1, d, fraction, output_, watch), 0};
+  if (config.kind == ReciprocalKind::restoring) {
+    return config.normalize ? Inverse{quantize_ratio(int128{1} << top, d, 0, formats.output, watch), exponent}
+                            : Inverse{quantize_ratio(1, d, fraction, formats.output, watch), 0};
   }
   int y_fraction = 0;
-  const bool narrow = narrow_ && top < 62;
-  const int128 y = narrow ? int128{approximate(static_cast<std::int64_t>(d), top, y_fraction)}
-                          : approximate(d, top, y_fraction);
-  return config_.normalize ? Inverse{quantize(y, y_fraction, output_, watch), exponent}
-                           : Inverse{quantize(y, y_fraction + exponent, output_, watch), 0};
+  const auto leading = [&](auto wide) {
+    return HWY_NAMESPACE::shifted_down(wide, top - config.operand_bits);
+  };
+  const int128 y = formats.narrow && top < 62
+                       ? int128{HWY_NAMESPACE::approximate(formats, table,
+                                                           leading(static_cast<std::int64_t>(d)), y_fraction)}
+                       : HWY_NAMESPACE::approximate(formats, table, leading(d), y_fraction);
+  return config.normalize ? Inverse{quantize(y, y_fraction, formats.output, watch), exponent}
+                          : Inverse{quantize(y, y_fraction + exponent, formats.output, watch), 0};
 }
 
-template Inverse ReciprocalUnit::operator()(int128, int, NoObserve) const;
-template Inverse ReciprocalUnit::operator()(int128, int, Observe) const;
+template Inverse reciprocal(const ReciprocalFormats&, const std::int64_t*, int128, int, NoObserve);
+template Inverse reciprocal(const ReciprocalFormats&, const std::int64_t*, int128, int, Observe);
 
 }  // namespace bitspan::model

@@ -19,21 +19,4 @@ std::string_view name_of(RegisterId id) {
   }
 }
 
-Format format_of(RegisterId id, const Config& config) {
-  switch (id) {
-    case RegisterId::coordinate:
-      return config.coordinate_format();
-    case RegisterId::depth_z:
-      return config.depth_format();
-    case RegisterId::edge_reciprocal:
-      return config.edge_reciprocal.output;
-    case RegisterId::row_reciprocal:
-      return config.row_reciprocal.output;
-    case RegisterId::pixel_reciprocal:
-      return config.pixel_reciprocal.output;
-    default:
-      return config.format(static_cast<FormatId>(id));
-  }
-}
-
 }  // namespace bitspan::model

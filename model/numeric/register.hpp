@@ -27,13 +27,29 @@ constexpr RegisterId id_of(FormatId id) { return static_cast<RegisterId>(id); }
 // "span.h" ..., "coordinate", "depth.z", "reciprocal.edge.output" ...
 std::string_view name_of(RegisterId id);
 // The format the configuration gives a register.
-Format format_of(RegisterId id, const Config& config);
+constexpr Format format_of(RegisterId id, const Config& config) {
+  switch (id) {
+    case RegisterId::coordinate:
+      return config.coordinate_format();
+    case RegisterId::depth_z:
+      return config.depth_format();
+    case RegisterId::edge_reciprocal:
+      return config.edge_reciprocal.output;
+    case RegisterId::row_reciprocal:
+      return config.row_reciprocal.output;
+    case RegisterId::pixel_reciprocal:
+      return config.pixel_reciprocal.output;
+    default:
+      return config.format(static_cast<FormatId>(id));
+  }
+}
 
 struct Register {
   std::int64_t min = 0;  // in range where min <= rounded <= max; SC_SAT_SYM excludes the lowest code
   std::int64_t max = 0;
   int fraction = 0;
   std::uint16_t rounding = 0;  // rounding_table of the mode
+  Rounding mode = Rounding::trn;
   Overflow overflow = Overflow::sat;
   RegisterId id = RegisterId::count;
   int word = 1;
@@ -47,6 +63,7 @@ constexpr Register make_register(const Format& f, RegisterId id = RegisterId::co
   r.min = f.is_signed ? (f.overflow == Overflow::sat_sym ? -r.max : -r.max - 1) : 0;
   r.fraction = f.fraction();
   r.rounding = rounding_table(f.rounding);
+  r.mode = f.rounding;
   r.overflow = f.overflow;
   r.id = id;
   r.word = f.word;
@@ -54,7 +71,7 @@ constexpr Register make_register(const Format& f, RegisterId id = RegisterId::co
   return r;
 }
 
-inline Register make_register(const Config& config, FormatId id) {
+constexpr Register make_register(const Config& config, FormatId id) {
   return make_register(config.format(id), id_of(id));
 }
 

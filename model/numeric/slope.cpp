@@ -1,28 +1,32 @@
 #include "model/numeric/slope.hpp"
 
-#include "model/numeric/ratio.hpp"
-
 namespace bitspan::model {
 
-template <class Watch>
-Length make_length(Exact d, SlopeForm form, const ReciprocalUnit& unit, Watch watch) {
-  Length length{d, {}, {}, form};
-  if (form == SlopeForm::reciprocal) {
-    length.inverse = unit(d, watch);
-    length.reciprocal = unit.value(length.inverse);
+LengthForm make_length_form(SlopeForm form, const ReciprocalUnit& unit, Size size) {
+  return {form, unit, size, lanes_hold(size)};
+}
+
+Slope make_slope(const Register& r, Size n, const LengthForm& length) {
+  Slope s;
+  s.r = r;
+  s.lanes = length.lanes && lanes_hold(n);
+  if (length.form == SlopeForm::divide) {
+    s.ratio_scale = length.size.fraction - n.fraction;
+    return s;
   }
-  return length;
+  const Size m = size_of(length.unit.output());
+  const Exponents e = exponents(length.unit.config(), length.size);
+  s.product_fraction = n.fraction + m.fraction;
+  const int low = s.product_fraction + e.low;
+  const int high = s.product_fraction + e.high;
+  // One bit below r's grid at least: what quantize() takes growth to.
+  const int product_bits = m.bits + std::max(low, r.fraction + 1) - low;
+  const int shift = high - r.fraction;
+  if (shift <= term_bits) {
+    s.n_bits = std::min(62, term_bits - product_bits);
+  }
+  s.lanes = s.lanes && product_bits + n.bits <= 126 && shift <= 126;
+  return s;
 }
-
-template <class Watch>
-std::int64_t slope(Exact n, const Length& length, const Register& r, Watch watch) {
-  return length.form == SlopeForm::divide ? quantize_ratio(n, length.d, r, watch)
-                                          : quantize(n * length.reciprocal, r, watch);
-}
-
-template Length make_length(Exact, SlopeForm, const ReciprocalUnit&, NoObserve);
-template Length make_length(Exact, SlopeForm, const ReciprocalUnit&, Observe);
-template std::int64_t slope(Exact, const Length&, const Register&, NoObserve);
-template std::int64_t slope(Exact, const Length&, const Register&, Observe);
 
 }  // namespace bitspan::model

@@ -1,24 +1,29 @@
-// Slope(n, d, form, R, name) of docs/numeric-spec.md: the one way an edge's or a row's slope is formed.
+// Slope(n, d, form, R, name) of docs/numeric-spec.md: the one way an edge's or a row's slope is formed. What
+// it needs of the formats; the arithmetic is in slope-inl.hpp.
 #pragma once
 
 #include "config/config.hpp"
-#include "model/numeric/quantize.hpp"
+#include "model/numeric/forms.hpp"
 #include "model/numeric/reciprocal.hpp"
 
 namespace bitspan::model {
 
-// A length that slopes are divided by, with its reciprocal where the form takes one (m = e = 0 with divide).
-struct Length {
-  Exact d;           // > 0
-  Exact reciprocal;  // m 2^-e
-  Inverse inverse;
+// The length that slopes are divided by.
+struct LengthForm {
   SlopeForm form = SlopeForm::divide;
+  ReciprocalUnit unit;
+  Size size;
+  bool lanes = false;
 };
+LengthForm make_length_form(SlopeForm form, const ReciprocalUnit& unit, Size size);
 
-template <class Watch>
-Length make_length(Exact d, SlopeForm form, const ReciprocalUnit& unit, Watch watch);
-
-template <class Watch>
-std::int64_t slope(Exact n, const Length& length, const Register& r, Watch watch);
+struct Slope {
+  Register r;
+  int ratio_scale = 0;       // divide: of n / d
+  int product_fraction = 0;  // reciprocal: of n m
+  int n_bits = -1;           // reciprocal: |n| < 2^n_bits: n m in 64 bits
+  bool lanes = false;
+};
+Slope make_slope(const Register& r, Size n, const LengthForm& length);
 
 }  // namespace bitspan::model

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "model/stages/edge_walk-inl.hpp"
+
 namespace bitspan::model {
 namespace {
 
@@ -22,37 +24,30 @@ void put_row_end(RowRecord& row, Side side, const RowEnd& end) {
   std::memcpy(reinterpret_cast<char*>(&row) + side_offset(side), &end, sizeof end);
 }
 
-// First row whose centre is at or below y; last row whose centre is at or above it.
-std::int64_t first_row(Exact y) { return static_cast<std::int64_t>(ceil_of(y - Exact{1, 1})); }
-std::int64_t last_row(Exact y) { return static_cast<std::int64_t>(floor_of(y - Exact{1, 1})); }
-
-Exact coordinate(const EdgeWalkStage& stage, std::int64_t raw) { return {raw, stage.subpixel_bits}; }
+using HWY_NAMESPACE::Position;
 
 // y + 1/2 - y1e of the row the walk stands on.
-Exact rows_from_start(const EdgeWalkStage& stage, const EdgeState& e, std::int64_t y) {
-  return Exact{2 * int128{y} + 1, 1} - coordinate(stage, e.start.y);
+std::int64_t rows_from_start(const EdgeWalkStage& stage, const EdgeState& e, std::int64_t y) {
+  return HWY_NAMESPACE::rows_from(stage, y, e.start.y);
 }
 
 template <class Watch>
 void set_dda_x(const EdgeWalkStage& stage, EdgeState& e, std::int64_t y, Watch watch) {
   e.x_acc =
-      quantize(coordinate(stage, e.start.x) +
-                   value_of(e.edge.x_step, stage.x_step) * rows_from_start(stage, e, y) + stage.x_offset,
-               stage.x_acc, watch);
+      HWY_NAMESPACE::line_at(stage.x_start, e.start.x, e.edge.x_step, rows_from_start(stage, e, y), watch);
 }
 
-// x1 + (x2 - x1) t / dy as floor and rest on the walk's grid, and the same of one row's step.
-void start_exact_x(const EdgeWalkStage& stage, EdgeState& e, std::int64_t y) {
-  const Exact t = rows_from_start(stage, e, y);
-  const int128 dx = int128{e.end.x} - e.start.x;
-  const int128 dy = int128{e.end.y} - e.start.y;
-  // Both numerators over dy, on 2^-(t.fraction): the vertices' grid and a half.
-  const int128 at = on_grid(coordinate(stage, e.start.x), t.fraction) * dy + dx * t.raw;
-  const int128 step = dx << t.fraction;
-  const int up = stage.x_fraction - t.fraction;
-  e.x_length = up < 0 ? dy << -up : dy;
-  const auto place = floor_divide(up > 0 ? at << up : at, e.x_length);
-  const auto move = floor_divide(up > 0 ? step << up : step, e.x_length);
+// Floor and rest of X and of one row's step.
+template <class Int>
+void start_exact_x(const EdgeWalkStage& stage, EdgeState& e, std::int64_t t) {
+  const auto divide = [](Int n, Int d) {
+    const Int floor = n / d - (n % d < 0 ? 1 : 0);
+    return FloorQuotient{floor, n - floor * d};
+  };
+  const auto x = HWY_NAMESPACE::exact_x<Int>(stage, e.start, e.end, t);
+  const FloorQuotient place = divide(x.at, x.length);
+  const FloorQuotient move = divide(x.step, x.length);
+  e.x_length = x.length;
   e.x_floor = place.floor;
   e.x_rest = place.rest;
   e.x_step_floor = move.floor;
@@ -61,37 +56,24 @@ void start_exact_x(const EdgeWalkStage& stage, EdgeState& e, std::int64_t y) {
 
 template <class Watch>
 void start_edge(const EdgeWalkStage& stage, EdgeState& e, std::int64_t y, Watch watch) {
-  const Exact t = rows_from_start(stage, e, y);
-  if (stage.walk == EdgeWalk::exact) {
-    start_exact_x(stage, e, y);
-  } else {
+  const std::int64_t t = rows_from_start(stage, e, y);
+  if (stage.walk == EdgeWalk::dda) {
     set_dda_x(stage, e, y, watch);
+  } else if (stage.narrow_x) {
+    start_exact_x<std::int64_t>(stage, e, t);
+  } else {
+    start_exact_x<int128>(stage, e, t);
   }
-  e.h_acc = quantize(
-      value_of(e.start.h, stage.vertex_h) + value_of(e.edge.h_step, stage.h_step) * t + stage.h_offset,
-      stage.h_acc, watch);
-  const auto numerator = [&](std::int64_t texel, std::int64_t step) {
-    Exact f = value_of(step, stage.f_step) * t + stage.f_offset;
-    if (stage.affine) {
-      f = f + value_of(texel, stage.vertex_uv);
-    }
-    return quantize(f, stage.f, watch);
-  };
-  e.fu = numerator(e.start.u, e.edge.fu_step);
-  e.fv = numerator(e.start.v, e.edge.fv_step);
-  const std::array steps{e.edge.r_step, e.edge.g_step, e.edge.b_step, e.edge.a_step};
-  for (std::size_t c = 0; c < steps.size(); ++c) {
-    e.shade_acc[c] = quantize(value_of(e.start.c[c], stage.vertex_shade) +
-                                  value_of(steps[c], stage.shade_step) * t + stage.shade_offset,
-                              stage.shade_acc, watch);
-  }
+  const EdgeRecord& edge = e.edge;
+  e.acc = HWY_NAMESPACE::start_accumulators(stage, e.start, edge.h_step, edge.fu_step, edge.fv_step,
+                                            {edge.r_step, edge.g_step, edge.b_step, edge.a_step}, t, watch);
   e.started = true;
 }
 
 template <class Watch>
 void step_edge(const EdgeWalkStage& stage, EdgeState& e, std::int64_t y, Watch watch) {
-  const auto advance = [&](std::int64_t& acc, const Register& r, std::int64_t step, const Register& step_r) {
-    acc = quantize(value_of(acc, r) + value_of(step, step_r), r, watch);
+  const auto advance = [&](std::int64_t& acc, const Adder& adder, std::int64_t step) {
+    acc = HWY_NAMESPACE::stepped(adder, acc, step, watch);
   };
   if (stage.walk == EdgeWalk::exact) {
     e.x_floor += e.x_step_floor;
@@ -101,66 +83,45 @@ void step_edge(const EdgeWalkStage& stage, EdgeState& e, std::int64_t y, Watch w
       ++e.x_floor;
     }
   } else if (stage.update == DdaUpdate::accumulate) {
-    advance(e.x_acc, stage.x_acc, e.edge.x_step, stage.x_step);
+    advance(e.x_acc, stage.x_acc, e.edge.x_step);
   } else {
     set_dda_x(stage, e, y, watch);
   }
-  advance(e.h_acc, stage.h_acc, e.edge.h_step, stage.h_step);
-  advance(e.fu, stage.f, e.edge.fu_step, stage.f_step);
-  advance(e.fv, stage.f, e.edge.fv_step, stage.f_step);
+  advance(e.acc.h, stage.h_acc, e.edge.h_step);
+  advance(e.acc.fu, stage.f, e.edge.fu_step);
+  advance(e.acc.fv, stage.f, e.edge.fv_step);
   const std::array steps{e.edge.r_step, e.edge.g_step, e.edge.b_step, e.edge.a_step};
   for (std::size_t c = 0; c < steps.size(); ++c) {
-    advance(e.shade_acc[c], stage.shade_acc, steps[c], stage.shade_step);
+    advance(e.acc.shade[c], stage.shade_acc, steps[c]);
   }
 }
 
-// X on a grid, and whether X is above that by less than the grid.
-struct Position {
-  Exact floor;
-  bool more;
-};
-Position position(const EdgeWalkStage& stage, const EdgeState& e) {
-  return stage.walk == EdgeWalk::exact ? Position{{e.x_floor, stage.x_fraction}, e.x_rest != 0}
-                                       : Position{value_of(e.x_acc, stage.x_acc), false};
+Position<int128> position(const EdgeWalkStage& stage, const EdgeState& e) {
+  return stage.walk == EdgeWalk::exact ? Position<int128>{e.x_floor, e.x_rest != 0 ? 1 : 0}
+                                       : Position<int128>{int128{e.x_acc} << stage.x_up, 0};
 }
-
-// ceil(X - 1/2), floor(X - 1/2): the first centre at or right of X, the last at or left of it.
-std::int64_t first_centre(Position x) {
-  const Exact at = x.floor - Exact{1, 1};
-  return static_cast<std::int64_t>(x.more ? floor_of(at) + 1 : ceil_of(at));
-}
-std::int64_t last_centre(Position x) { return static_cast<std::int64_t>(floor_of(x.floor - Exact{1, 1})); }
 
 template <class Watch>
 RowEnd make_end(const EdgeWalkStage& stage, const EdgeState& e, Watch watch) {
   RowEnd out{};
   out.edge = e.edge.edge;
   if (stage.walk == EdgeWalk::exact) {
-    // The lowest bit of x_floor is a guard bit at most, so a rest is one more sticky bit below it.
-    out.x = quantize((e.x_floor << 1) | (e.x_rest != 0 ? 1 : 0), stage.x_fraction + 1, stage.x, watch);
+    out.x = HWY_NAMESPACE::exact_row_x<std::int64_t>(stage, position(stage, e), watch);
   } else {
     out.x_acc = e.x_acc;
-    out.x = quantize(value_of(e.x_acc, stage.x_acc), stage.x, watch);
+    out.x = HWY_NAMESPACE::narrowed<std::int64_t>(stage.x, e.x_acc, watch);
   }
-  out.h_acc = e.h_acc;
-  out.h = quantize(value_of(e.h_acc, stage.h_acc), stage.h, watch);
-  out.fu = e.fu;
-  out.fv = e.fv;
-  if (stage.affine) {
-    out.u = quantize(value_of(e.fu, stage.f), stage.uv, watch);
-    out.v = quantize(value_of(e.fv, stage.f), stage.uv, watch);
-  } else {
-    const Inverse inverse = stage.reciprocal(value_of(out.h, stage.h) + stage.b, watch);
-    const Exact r = stage.reciprocal.value(inverse);
-    out.recip_m = inverse.m;
-    out.recip_e = inverse.e;
-    out.u = quantize(value_of(e.start.u, stage.vertex_uv) + value_of(e.fu, stage.f) * r, stage.uv, watch);
-    out.v = quantize(value_of(e.start.v, stage.vertex_uv) + value_of(e.fv, stage.f) * r, stage.uv, watch);
-  }
-  out.shade_acc = e.shade_acc;
-  for (std::size_t c = 0; c < out.shade.size(); ++c) {
-    out.shade[c] = quantize(value_of(e.shade_acc[c], stage.shade_acc), stage.shade, watch);
-  }
+  const auto end = HWY_NAMESPACE::end_values(stage, e.acc, e.start.u, e.start.v, watch);
+  out.h_acc = e.acc.h;
+  out.h = end.h;
+  out.fu = e.acc.fu;
+  out.fv = e.acc.fv;
+  out.recip_m = end.recip_m;
+  out.recip_e = end.recip_e;
+  out.u = end.u;
+  out.v = end.v;
+  out.shade_acc = e.acc.shade;
+  out.shade = end.shade;
   return out;
 }
 
@@ -168,6 +129,11 @@ RowEnd make_end(const EdgeWalkStage& stage, const EdgeState& e, Watch watch) {
 
 EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants, int width, int height) {
   EdgeWalkStage s;
+  const auto reg = [&](FormatId id) { return make_register(config, id); };
+  const auto adder = [&](FormatId acc, FormatId step) { return make_adder(reg(acc), reg(step)); };
+  const auto offset = [&](const StartOffset& o, FormatId kept) {
+    return offset_value(o, config.format(kept));
+  };
   s.width = width;
   s.height = height;
   s.fill_rule = config.fill_rule;
@@ -175,29 +141,53 @@ EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants
   s.update = config.dda_update;
   s.affine = config.perspective == Perspective::affine;
   s.subpixel_bits = config.subpixel_bits;
-  s.x_fraction = std::max(1, config.format(FormatId::edge_x).fraction() + 1);
-  s.b = b_of(config, constants.record);
+  s.t_fraction = std::max(1, config.subpixel_bits);
+  const Register coordinate = make_register(config.coordinate_format());
+  const Size t = size_of(coordinate) + Size{bit_length(static_cast<std::uint64_t>(height)) + 1, 1};
+  const Register x = reg(FormatId::edge_x);
+  const Size dx = size_of(coordinate) + size_of(coordinate);
+  bool lanes = true;
+  if (s.walk == EdgeWalk::exact) {
+    s.x_fraction = std::max(1, x.fraction + 1);
+    s.x_up = s.x_fraction - s.t_fraction;
+    // at, step and length, and a row past the edge's end.
+    const Size at = size_of(coordinate) * dx + dx * t;
+    s.narrow_x = bits_on(at, at.fraction) + 1 + s.t_fraction + std::max(0, s.x_up) <= term_bits &&
+                 dx.bits + std::max(0, -s.x_up) <= term_bits;
+    s.x = make_narrowing(x, {coordinate.word - s.subpixel_bits + s.x_fraction + 2, s.x_fraction + 1});
+    lanes = s.narrow_x && s.x.fits;
+  } else {
+    s.x_acc = adder(FormatId::edge_x_acc, FormatId::edge_x_step);
+    s.x_fraction = std::max(1, s.x_acc.acc.fraction);
+    s.x_up = s.x_fraction - s.x_acc.acc.fraction;
+    s.x_start = make_line(s.x_acc.acc, &coordinate, reg(FormatId::edge_x_step), t,
+                          offset(config.start_offset.edge_x, FormatId::edge_x));
+    s.x = make_narrowing(x, size_of(s.x_acc.acc));
+    lanes = s.x_start.lanes && s.x.lanes && bits_on(size_of(s.x_acc.acc), s.x_fraction) <= term_bits;
+  }
+  const Register vertex_h = reg(FormatId::setup_h);
+  const Register vertex_uv = reg(FormatId::setup_uv);
+  const Register vertex_shade = reg(FormatId::setup_shade);
+  s.h_acc = adder(FormatId::edge_h_acc, FormatId::edge_h_step);
+  s.f = adder(FormatId::edge_f, FormatId::edge_f_step);
+  s.shade_acc = adder(FormatId::edge_shade_acc, FormatId::edge_shade_step);
+  s.h_start = make_line(s.h_acc.acc, &vertex_h, reg(FormatId::edge_h_step), t,
+                        offset(config.start_offset.edge_h, FormatId::edge_h));
+  s.f_start = make_line(s.f.acc, s.affine ? &vertex_uv : nullptr, reg(FormatId::edge_f_step), t,
+                        offset(config.start_offset.edge_f, FormatId::edge_f));
+  s.shade_start = make_line(s.shade_acc.acc, &vertex_shade, reg(FormatId::edge_shade_step), t,
+                            offset(config.start_offset.edge_shade, FormatId::edge_shade));
+  s.h = make_narrowing(reg(FormatId::edge_h), size_of(s.h_acc.acc));
+  s.shade = make_narrowing(reg(FormatId::edge_shade), size_of(s.shade_acc.acc));
+  s.depth = make_depth_sum(s.h.r, b_of(config, constants.record), config.pixel_reciprocal);
   s.reciprocal = ReciprocalUnit(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
-  s.x_offset = offset_value(config.start_offset.edge_x, config.format(FormatId::edge_x));
-  s.h_offset = offset_value(config.start_offset.edge_h, config.format(FormatId::edge_h));
-  s.f_offset = offset_value(config.start_offset.edge_f, config.format(FormatId::edge_f));
-  s.shade_offset = offset_value(config.start_offset.edge_shade, config.format(FormatId::edge_shade));
-  s.vertex_h = make_register(config, FormatId::setup_h);
-  s.vertex_uv = make_register(config, FormatId::setup_uv);
-  s.vertex_shade = make_register(config, FormatId::setup_shade);
-  s.x_step = make_register(config, FormatId::edge_x_step);
-  s.x_acc = make_register(config, FormatId::edge_x_acc);
-  s.x = make_register(config, FormatId::edge_x);
-  s.h_step = make_register(config, FormatId::edge_h_step);
-  s.h_acc = make_register(config, FormatId::edge_h_acc);
-  s.h = make_register(config, FormatId::edge_h);
-  s.f_step = make_register(config, FormatId::edge_f_step);
-  s.f = make_register(config, FormatId::edge_f);
-  s.uv = make_register(config, FormatId::edge_uv);
-  s.shade_step = make_register(config, FormatId::edge_shade_step);
-  s.shade_acc = make_register(config, FormatId::edge_shade_acc);
-  s.shade = make_register(config, FormatId::edge_shade);
+  const Register uv = reg(FormatId::edge_uv);
+  s.uv = make_perspective_point(uv, vertex_uv, s.f.acc, s.reciprocal.output(), s.depth.e);
+  s.affine_uv = make_narrowing(uv, size_of(s.f.acc));
   s.divides_per_row = s.affine ? 0 : 2;
+  s.lanes = lanes && lanes_hold(t) && s.h_start.lanes && s.f_start.lanes && s.shade_start.lanes &&
+            s.h.lanes && s.shade.lanes &&
+            (s.affine ? s.affine_uv.lanes : lanes_hold(s.depth.size) && s.uv.lanes);
   return s;
 }
 
@@ -206,12 +196,11 @@ EdgeWalkState start_edge_walk(const EdgeWalkStage& stage, const SetupRecord& set
   EdgeWalkState s;
   s.triangle = setup.triangle;
   s.mid_right = setup.mid_right != 0;
-  const Exact top = coordinate(stage, setup.y0);
-  const Exact bottom = coordinate(stage, setup.y2);
-  s.y = std::max<std::int64_t>(0, first_row(top));
-  s.y_end = std::min<std::int64_t>(
-      stage.height, stage.fill_rule == FillRule::inclusive ? last_row(bottom) + 1 : first_row(bottom));
-  s.y_second = first_row(coordinate(stage, setup.y1));
+  s.y = std::max<std::int64_t>(0, HWY_NAMESPACE::first_row(stage, setup.y0));
+  s.y_end = std::min<std::int64_t>(stage.height, stage.fill_rule == FillRule::inclusive
+                                                     ? HWY_NAMESPACE::last_row(stage, setup.y2) + 1
+                                                     : HWY_NAMESPACE::first_row(stage, setup.y2));
+  s.y_second = HWY_NAMESPACE::first_row(stage, setup.y1);
   for (int i = 0; i < edges.count; ++i) {
     const EdgeRecord& record = edges.edge[static_cast<std::size_t>(i)];
     const auto n = static_cast<std::size_t>(record.edge);
@@ -238,18 +227,15 @@ bool edge_walk(const EdgeWalkStage& stage, EdgeWalkState& state, RowRecord& out,
   }
   const EdgeState& left = state.mid_right ? whole : half;
   const EdgeState& right = state.mid_right ? half : whole;
-  const Position x_right = position(stage, right);
-  const std::int64_t first = std::max<std::int64_t>(0, first_centre(position(stage, left)));
-  const std::int64_t last = std::min<std::int64_t>(stage.width - 1, stage.fill_rule == FillRule::inclusive
-                                                                        ? last_centre(x_right)
-                                                                        : first_centre(x_right) - 1);
-  if (first > last) {
+  const auto pixels =
+      HWY_NAMESPACE::pixels_between<std::int64_t>(stage, position(stage, left), position(stage, right));
+  if (pixels.first > pixels.last) {
     return false;
   }
   out.triangle = state.triangle;
   out.y = y;
-  out.x_first = first;
-  out.x_last = last;
+  out.x_first = pixels.first;
+  out.x_last = pixels.last;
   put_row_end(out, Side::left, make_end(stage, left, watch));
   put_row_end(out, Side::right, make_end(stage, right, watch));
   return true;

@@ -8,6 +8,8 @@
 
 #include "config/config.hpp"
 #include "config/records.hpp"
+#include "model/numeric/adder.hpp"
+#include "model/numeric/forms.hpp"
 #include "model/numeric/reciprocal.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/setup.hpp"
@@ -21,15 +23,28 @@ struct EdgeWalkStage {
   DdaUpdate update = DdaUpdate::accumulate;
   bool affine = false;
   int subpixel_bits = 0;
-  int x_fraction = 1;  // of the walked x in `exact`: edge.x's and a guard bit at least
-  Exact b;
+  int t_fraction = 1;     // of t = y + 1/2 - y1e
+  int x_fraction = 1;     // of the walked x: exact: edge.x's and a guard bit at least; dda: edge.x_acc's
+  int x_up = 0;           // exact: from t's grid to the walked x's; dda: from edge.x_acc's fraction
+  bool narrow_x = false;  // exact: numerators fit 64 bits
+  Narrowing x, h, shade;
+  Line x_start, h_start, f_start, shade_start;
+  Adder x_acc, h_acc, f, shade_acc;
+  DepthSum depth;             // h + B
   ReciprocalUnit reciprocal;  // R_pixel
-  Exact x_offset, h_offset, f_offset, shade_offset;
-  Register vertex_h, vertex_uv, vertex_shade;  // formats of the setup record
-  Register x_step, x_acc, x, h_step, h_acc, h, f_step, f, uv, shade_step, shade_acc, shade;
+  PerspectivePoint uv;
+  Narrowing affine_uv;
   int divides_per_row = 0;
+  bool lanes = false;  // no intermediate is wider than lanes hold
 };
 EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants, int width, int height);
+
+// An edge's accumulators, of one edge or of lanes of them.
+template <class Value>
+struct EdgeAccumulators {
+  Value h{}, fu{}, fv{};
+  std::array<Value, 4> shade{};
+};
 
 // An edge's registers on one row. In `exact`, x = (x_floor + x_rest / x_length) 2^-x_fraction.
 struct EdgeState {
@@ -38,8 +53,8 @@ struct EdgeState {
   bool present = false;  // has height
   bool started = false;
   int128 x_floor = 0, x_rest = 0, x_length = 1, x_step_floor = 0, x_step_rest = 0;
-  std::int64_t x_acc = 0, h_acc = 0, fu = 0, fv = 0;
-  std::array<std::int64_t, 4> shade_acc{};
+  std::int64_t x_acc = 0;
+  EdgeAccumulators<std::int64_t> acc;
 };
 
 struct EdgeWalkState {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "model/numeric/extent.hpp"
+#include "model/stages/fog-inl.hpp"
 
 namespace bitspan::model {
 namespace {
@@ -72,26 +72,15 @@ int128 floor_at(Real& x, int fraction) {
   return static_cast<int128>(uint128{words[1]} << 64 | words[0]);
 }
 
-// floor(16 n / d) of the distance from the picture's middle, in half pixels squared.
-int zone_of(const FogStage& stage, std::int64_t x, std::int64_t y) {
+}  // namespace
+
+int fog_zone(const FogStage& stage, std::int64_t x, std::int64_t y) {
+  // In half pixels.
   const std::int64_t dx = 2 * x + 1 - stage.width;
   const std::int64_t dy = 2 * y + 1 - stage.height;
   const std::int64_t all = stage.width * stage.width + stage.height * stage.height;
   return static_cast<int>(std::min<std::int64_t>(fog_zones - 1, fog_zones * (dx * dx + dy * dy) / all));
 }
-
-template <class Int, class Watch>
-std::int64_t mixed(const FogStage& stage, std::int64_t own, std::int64_t fog_code, std::int64_t factor,
-                   Watch watch) {
-  const int grid = std::max(0, stage.color_in.fraction);
-  const Int code = static_cast<Int>(fog_code) << grid;
-  const Int difference = (static_cast<Int>(own) << (grid - stage.color_in.fraction)) - code;
-  const int f_grid = std::max(0, stage.factor.fraction);
-  const Int share = static_cast<Int>(factor) << (f_grid - stage.factor.fraction);
-  return quantize((code << f_grid) + difference * share, grid + f_grid, stage.color, watch);
-}
-
-}  // namespace
 
 template <class Watch>
 std::int64_t fog_entry(const Config& config, const Constants& constants, const Scene& scene, int hi, int zone,
@@ -100,22 +89,17 @@ std::int64_t fog_entry(const Config& config, const Constants& constants, const S
   // The entry is irrational: kept bits, a guard bit, and something below. More precision until the bits down
   // to the guard are the same at both ends of the error interval.
   const int fraction = std::max(0, r.fraction + 1);
-  for (mpfr_prec_t precision = 256;; precision *= 2) {
-    std::array<int128, 2> floors{};
-    for (std::size_t end = 0; end < 2; ++end) {
-      Real x(precision);
-      exact_entry(x, config, constants, scene, hi, zone, precision);
-      Real error(precision);
-      mpfr_mul_2si(error.get(), x.get(), 16 - static_cast<long>(precision), MPFR_RNDU);
-      if (end == 0) {
-        mpfr_sub(x.get(), x.get(), error.get(), MPFR_RNDD);
-      } else {
-        mpfr_add(x.get(), x.get(), error.get(), MPFR_RNDU);
-      }
-      floors[end] = floor_at(x, fraction);
-    }
-    if (floors[0] == floors[1]) {
-      return quantize(floors[0] << 1 | 1, fraction + 1, r, watch);
+  for (mpfr_prec_t precision = 128;; precision *= 2) {
+    Real x(precision);
+    exact_entry(x, config, constants, scene, hi, zone, precision);
+    Real error(precision);
+    mpfr_mul_2si(error.get(), x.get(), 16 - static_cast<long>(precision), MPFR_RNDU);
+    Real low(precision);
+    mpfr_sub(low.get(), x.get(), error.get(), MPFR_RNDD);
+    mpfr_add(x.get(), x.get(), error.get(), MPFR_RNDU);
+    const int128 floor = floor_at(low, fraction);
+    if (floor == floor_at(x, fraction)) {
+      return quantize(floor << 1 | 1, fraction + 1, r, watch);
     }
   }
 }
@@ -128,15 +112,10 @@ FogStage prepare_fog(const Config& config, const Constants& constants, const Sce
   s.height = scene.height;
   s.depth_bits = config.depth_bits;
   s.h = make_register(config, FormatId::span_h);
-  s.color_in = make_register(config, FormatId::texture_color);
-  s.factor = make_register(config, FormatId::fog_factor);
-  s.color = make_register(config, FormatId::fog_color);
+  static_cast<FogFormats&>(s) = fog_formats(config);
   s.q = make_inverse_depth(config, constants);
   s.reciprocal = ReciprocalUnit(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
-  s.scale = {constants.record.fog_scale, config.format(FormatId::fog_scale).fraction()};
-  const Extent color = sum(extent(config.format(FormatId::texture_color)), extent_of_integer(8));
-  const Extent share = extent(config.format(FormatId::fog_factor));
-  s.narrow = fits_int64(sum(product(color, share), product(extent_of_integer(8), share)));
+  s.scale = {constants.record.fog_scale, s.scale_fraction};
   if (scene.fog) {
     s.fog_color = scene.fog->color;
   }
@@ -165,27 +144,29 @@ void fog(const FogStage& stage, const FragmentRecord& fragment, const TextureRec
   out.recip_m = 0;
   out.recip_e = 0;
   std::array own{texture.r, texture.g, texture.b};
+  namespace text = HWY_NAMESPACE;
+  const FogFormats& formats = stage;
   if (stage.mode == FogMode::none) {
-    out.factor = quantize(std::int64_t{1}, 0, stage.factor, watch);
+    out.factor = quantize(std::int64_t{1}, 0, formats.factor, watch);
     for (std::int64_t& c : own) {
-      c = quantize(c, stage.color_in.fraction, stage.color, watch);
+      c = text::unfogged(formats, c, watch);
     }
   } else {
     if (stage.mode == FogMode::linear) {
-      const Inverse inverse =
-          stage.reciprocal((int128{fragment.h} << stage.q.h_up) + stage.q.b, stage.q.fraction, watch);
-      out.recip_m = inverse.m;
-      out.recip_e = inverse.e;
-      out.factor = quantize(Exact{1, 0} - stage.scale * stage.reciprocal.value(inverse), stage.factor, watch);
+      const auto linear = text::linear_fog<int128>(stage, formats, fragment.h, watch);
+      out.recip_m = linear.recip_m;
+      out.recip_e = linear.recip_e;
+      out.factor = linear.factor;
     } else {
       const auto step = floor_of({fragment.h, stage.h.fraction + stage.depth_bits - fog_depth_bits});
-      const auto hi = std::clamp<int128>(step, 0, (1 << fog_depth_bits) - 1);
-      out.index = fog_zones * static_cast<std::int64_t>(hi) + zone_of(stage, fragment.x, fragment.y);
+      const auto hi = static_cast<std::int64_t>(std::clamp<int128>(step, 0, (1 << fog_depth_bits) - 1));
+      out.index = text::fog_index<std::int64_t>(hi, fog_zone(stage, fragment.x, fragment.y));
       out.factor = stage.table[static_cast<std::size_t>(out.index)];
     }
     for (std::size_t c = 0; c < own.size(); ++c) {
-      own[c] = stage.narrow ? mixed<std::int64_t>(stage, own[c], stage.fog_color[c], out.factor, watch)
-                            : mixed<int128>(stage, own[c], stage.fog_color[c], out.factor, watch);
+      own[c] = formats.narrow
+                   ? text::fogged<std::int64_t>(formats, own[c], stage.fog_color[c], out.factor, watch)
+                   : text::fogged<int128>(formats, own[c], stage.fog_color[c], out.factor, watch);
     }
   }
   out.r = own[0];

@@ -8,6 +8,7 @@
 
 #include "config/config.hpp"
 #include "config/records.hpp"
+#include "model/numeric/extent.hpp"
 #include "model/numeric/reciprocal.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/span.hpp"
@@ -19,13 +20,32 @@ inline constexpr int fog_zones = 16;      // of r^2
 inline constexpr int fog_depth_bits = 6;  // top bits of h
 inline constexpr int fog_entries = fog_zones << fog_depth_bits;
 
-struct FogStage {
+// What fog computes by, known from the configuration alone.
+struct FogFormats {
+  bool narrow = false;  // the mix with the fog's colour fits int64
+  int scale_fraction = 0;
+  Register color_in, factor, color;
+  ReciprocalFormats reciprocal;  // R_pixel
+};
+constexpr FogFormats fog_formats(const Config& config) {
+  FogFormats f;
+  f.scale_fraction = config.format(FormatId::fog_scale).fraction();
+  f.color_in = make_register(config, FormatId::texture_color);
+  f.factor = make_register(config, FormatId::fog_factor);
+  f.color = make_register(config, FormatId::fog_color);
+  f.reciprocal = reciprocal_formats(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
+  const Extent color = sum(extent(config.format(FormatId::texture_color)), extent_of_integer(8));
+  const Extent share = extent(config.format(FormatId::fog_factor));
+  f.narrow = fits_int64(sum(product(color, share), product(extent_of_integer(8), share)));
+  return f;
+}
+
+struct FogStage : FogFormats {
   FogMode mode = FogMode::none;  // none also where the scene has no fog
-  bool narrow = false;           // the mix with the fog's colour fits int64
   std::array<std::uint8_t, 3> fog_color{};
   std::int64_t width = 0, height = 0;  // of the picture
   int depth_bits = 16;
-  Register h, color_in, factor, color;
+  Register h;
   InverseDepth q;
   ReciprocalUnit reciprocal;        // R_pixel
   Exact scale;                      // fog_scale
@@ -39,6 +59,9 @@ FogStage prepare_fog(const Config& config, const Constants& constants, const Sce
 template <class Watch = NoObserve>
 void fog(const FogStage& stage, const FragmentRecord& fragment, const TextureRecord& texture, FogRecord& out,
          Watch watch = {});
+
+// The zone of a pixel: floor(16 n / d) of its distance from the picture's middle, at most 15.
+int fog_zone(const FogStage& stage, std::int64_t x, std::int64_t y);
 
 // Entry of the table for depth step hi (0..63) and zone (0..15): Q[fog.factor](exp(-D/DT)), correctly
 // rounded.

@@ -1,12 +1,7 @@
 #include "model/stages/setup.hpp"
 
-#include <algorithm>
-#include <tuple>
-
 #include "model/channels.hpp"
-#include "model/numeric/from_double.hpp"
-#include "model/numeric/ratio.hpp"
-#include "model/numeric/slope.hpp"
+#include "model/stages/setup-inl.hpp"
 
 namespace bitspan::model {
 namespace {
@@ -22,54 +17,46 @@ constexpr std::array<std::array<Member, vertex_fields>, 3> vertex_members{{
      &SetupRecord::r2, &SetupRecord::g2, &SetupRecord::b2, &SetupRecord::a2},
 }};
 
-void put_vertex(SetupRecord& record, std::size_t i, const SetupVertex& v) {
-  const auto& m = vertex_members[i];
-  record.*m[0] = v.x;
-  record.*m[1] = v.y;
-  record.*m[2] = v.h;
-  record.*m[3] = v.u;
-  record.*m[4] = v.v;
-  for (std::size_t c = 0; c < channel_count; ++c) {
-    record.*m[5 + c] = v.c[c];
-  }
-}
-
 template <class Watch>
 SetupVertex quantize_vertex(const SetupStage& stage, const Vertex& in, Watch watch) {
-  SetupVertex v;
-  v.x = quantize(exact_of(in.x), stage.coordinate, watch);
-  v.y = quantize(exact_of(in.y), stage.coordinate, watch);
-  const Exact s = value_of(quantize(scaled(exact_of(in.s), stage.exponent), stage.s, watch), stage.s);
-  v.h = quantize_ratio(stage.b * (stage.s_max - s), s, stage.h, watch);
-  v.u = quantize(exact_of(in.u), stage.uv, watch);
-  v.v = quantize(exact_of(in.v), stage.uv, watch);
-  for (std::size_t c = 0; c < channel_count; ++c) {
-    v.c[c] = quantize(exact_of(in.c[c]), stage.shade, watch);
-  }
-  return v;
+  return HWY_NAMESPACE::setup_vertex<std::int64_t>(
+      stage, HWY_NAMESPACE::RealVertex<double>{in.x, in.y, in.s, in.u, in.v, in.c}, watch);
 }
 
 }  // namespace
 
 SetupStage prepare_setup(const Config& config, const Constants& constants) {
   SetupStage s;
+  const Exact b = b_of(config, constants.record);
+  const auto reg = [&](FormatId id) { return make_register(config, id); };
   s.exponent = constants.exponent;
-  s.b = b_of(config, constants.record);
+  s.b = static_cast<std::int64_t>(b.raw);
   s.perspective = config.perspective;
   s.walk = config.edge_walk;
-  s.form = config.edge_slope;
-  s.reciprocal = ReciprocalUnit(config.edge_reciprocal, RegisterId::edge_reciprocal);
   s.coordinate = make_register(config.coordinate_format(), RegisterId::coordinate);
-  s.s = make_register(config, FormatId::setup_s);
+  s.s = reg(FormatId::setup_s);
   s.s_max = value_of(constants.record.s_max, s.s);
-  s.h = make_register(config, FormatId::setup_h);
-  s.uv = make_register(config, FormatId::setup_uv);
-  s.shade = make_register(config, FormatId::setup_shade);
-  s.x_step = make_register(config, FormatId::edge_x_step);
-  s.h_step = make_register(config, FormatId::edge_h_step);
-  s.f_diff = make_register(config, FormatId::edge_f_diff);
-  s.f_step = make_register(config, FormatId::edge_f_step);
-  s.shade_step = make_register(config, FormatId::edge_shade_step);
+  s.h = reg(FormatId::setup_h);
+  s.uv = reg(FormatId::setup_uv);
+  s.shade = reg(FormatId::setup_shade);
+  s.h_scale = -b.fraction;  // s_max' - s' and s' are on one grid
+  const Size above = size_of(s.s) + size_of(s.s);
+  s.narrow_h = (size_of(b) * above).bits <= term_bits;
+  const Size dy = size_of(s.coordinate) + size_of(s.coordinate);
+  s.narrow_area = 2 * dy.bits + 1 <= term_bits;
+  s.depth = make_depth_sum(s.h, b, config.pixel_reciprocal);
+  s.dy = make_length_form(config.edge_slope,
+                          ReciprocalUnit(config.edge_reciprocal, RegisterId::edge_reciprocal), dy);
+  const Size uv = size_of(s.uv) + size_of(s.uv);
+  s.x_step = make_slope(reg(FormatId::edge_x_step), dy, s.dy);
+  s.h_step = make_slope(reg(FormatId::edge_h_step), size_of(s.h) + size_of(s.h), s.dy);
+  s.f_diff = make_product(reg(FormatId::edge_f_diff), uv,
+                          config.perspective == Perspective::affine ? Size{1, 0} : s.depth.size);
+  s.f_step = make_slope(reg(FormatId::edge_f_step), size_of(s.f_diff.r), s.dy);
+  s.shade_step = make_slope(reg(FormatId::edge_shade_step), size_of(s.shade) + size_of(s.shade), s.dy);
+  s.lanes = lanes_hold(dy) && lanes_hold(above) && lanes_hold(size_of(b)) &&
+            (size_of(b) * above).bits <= 126 && s.h_step.lanes && s.f_diff.lanes && s.f_step.lanes &&
+            s.shade_step.lanes && (s.walk == EdgeWalk::exact || s.x_step.lanes);
   if (config.edge_slope == SlopeForm::reciprocal) {
     s.divides_per_edge = 1;
   } else {
@@ -84,6 +71,18 @@ SetupVertex vertex_of(const SetupRecord& record, int i) {
           record.*m[3], record.*m[4], {record.*m[5], record.*m[6], record.*m[7], record.*m[8]}};
 }
 
+void put_vertex(SetupRecord& record, int i, const SetupVertex& v) {
+  const auto& m = vertex_members[static_cast<std::size_t>(i)];
+  record.*m[0] = v.x;
+  record.*m[1] = v.y;
+  record.*m[2] = v.h;
+  record.*m[3] = v.u;
+  record.*m[4] = v.v;
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    record.*m[5 + c] = v.c[c];
+  }
+}
+
 template <class Watch>
 bool setup(const SetupStage& stage, const Triangle& triangle, std::int64_t index, SetupRecord& out,
            Watch watch) {
@@ -91,18 +90,15 @@ bool setup(const SetupStage& stage, const Triangle& triangle, std::int64_t index
   for (std::size_t i = 0; i < 3; ++i) {
     v[i] = quantize_vertex(stage, triangle.v[i], watch);
   }
-  std::stable_sort(v.begin(), v.end(), [](const SetupVertex& a, const SetupVertex& b) {
-    return std::tie(a.y, a.x) < std::tie(b.y, b.x);
-  });
-  const auto product = [](std::int64_t a, std::int64_t b) { return int128{a} * b; };
-  const int128 area = product(v[1].x - v[0].x, v[2].y - v[0].y) - product(v[2].x - v[0].x, v[1].y - v[0].y);
-  if (area == 0) {
+  HWY_NAMESPACE::sort_vertices(v);
+  const auto turn = HWY_NAMESPACE::turn(stage, v);
+  if (turn.none) {
     return false;
   }
   out.triangle = index;
-  out.mid_right = area > 0 ? 1 : 0;
+  out.mid_right = turn.positive ? 1 : 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    put_vertex(out, i, v[i]);
+    put_vertex(out, static_cast<int>(i), v[i]);
   }
   return true;
 }
@@ -121,23 +117,17 @@ Edges setup_edges(const SetupStage& stage, const SetupRecord& record, Watch watc
     e = {};
     e.triangle = record.triangle;
     e.edge = static_cast<std::int64_t>(i);
-    const Length dy = make_length(value_of(b.y - a.y, stage.coordinate), stage.form, stage.reciprocal, watch);
-    e.recip_m = dy.inverse.m;
-    e.recip_e = dy.inverse.e;
-    if (stage.walk == EdgeWalk::dda) {
-      e.x_step = slope(value_of(b.x - a.x, stage.coordinate), dy, stage.x_step, watch);
-    }
-    e.h_step = slope(value_of(b.h, stage.h) - value_of(a.h, stage.h), dy, stage.h_step, watch);
-    const Exact q = stage.perspective == Perspective::affine ? Exact{1, 0} : value_of(b.h, stage.h) + stage.b;
-    const auto texture = [&](std::int64_t from, std::int64_t to, std::int64_t& diff, std::int64_t& step) {
-      diff = quantize((value_of(to, stage.uv) - value_of(from, stage.uv)) * q, stage.f_diff, watch);
-      step = slope(value_of(diff, stage.f_diff), dy, stage.f_step, watch);
-    };
-    texture(a.u, b.u, e.fu_diff, e.fu_step);
-    texture(a.v, b.v, e.fv_diff, e.fv_step);
+    const auto made = HWY_NAMESPACE::setup_edge(stage, a, b, int128{b.y} - a.y, watch);
+    e.recip_m = made.recip_m;
+    e.recip_e = made.recip_e;
+    e.x_step = made.x_step;
+    e.h_step = made.h_step;
+    e.fu_diff = made.fu_diff;
+    e.fv_diff = made.fv_diff;
+    e.fu_step = made.fu_step;
+    e.fv_step = made.fv_step;
     for (std::size_t c = 0; c < channel_count; ++c) {
-      e.*edge_steps[c] =
-          slope(value_of(b.c[c], stage.shade) - value_of(a.c[c], stage.shade), dy, stage.shade_step, watch);
+      e.*edge_steps[c] = made.shade_step[c];
     }
   }
   return edges;

@@ -7,7 +7,7 @@
 
 #include "config/config.hpp"
 #include "config/records.hpp"
-#include "model/numeric/reciprocal.hpp"
+#include "model/numeric/slope.hpp"
 #include "model/stages/constants.hpp"
 #include "scene/scene.hpp"
 
@@ -15,23 +15,31 @@ namespace bitspan::model {
 
 struct SetupStage {
   int exponent = 0;  // E
-  Exact b, s_max;
+  Exact s_max;
+  std::int64_t b = 0;  // B raw, and how (B (s_max' - s')) / s' is scaled
+  int h_scale = 0;
+  bool narrow_h = false, narrow_area = false;  // in 64 bits
+  DepthSum depth;                              // h + B
   Perspective perspective = Perspective::delta_f;
   EdgeWalk walk = EdgeWalk::exact;
-  SlopeForm form = SlopeForm::divide;
-  ReciprocalUnit reciprocal;  // R_edge
   Register coordinate, s, h, uv, shade;
-  Register x_step, h_step, f_diff, f_step, shade_step;
+  LengthForm dy;  // R_edge
+  Slope x_step, h_step, f_step, shade_step;
+  Product f_diff;
   int divides_per_edge = 0;
+  bool lanes = false;  // no intermediate is wider than lanes hold
 };
 SetupStage prepare_setup(const Config& config, const Constants& constants);
 
-// A vertex of a setup record, raw.
-struct SetupVertex {
-  std::int64_t x = 0, y = 0, h = 0, u = 0, v = 0;
-  std::array<std::int64_t, 4> c{};
+// A vertex, raw, as in the setup record; of one triangle or of lanes of them.
+template <class Value>
+struct VertexOf {
+  Value x{}, y{}, h{}, u{}, v{};
+  std::array<Value, 4> c{};
 };
+using SetupVertex = VertexOf<std::int64_t>;
 SetupVertex vertex_of(const SetupRecord& record, int i);
+void put_vertex(SetupRecord& record, int i, const SetupVertex& v);
 
 // False where the triangle has no area after snapping; then there is no record. Every number of the input is
 // finite and s is within the scene's range (check_triangle in pipeline.hpp).

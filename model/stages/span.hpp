@@ -1,23 +1,18 @@
 // span: along a span, a fragment a call. docs/numeric-spec.md, "span" (T1; N3; N1 and N2).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
 #include "config/config.hpp"
 #include "config/records.hpp"
+#include "model/numeric/adder.hpp"
 #include "model/numeric/reciprocal.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/plane_walk.hpp"
 
 namespace bitspan::model {
-
-// acc = Q(acc + step): how far each is shifted onto the common grid.
-struct Adder {
-  Register acc;
-  int acc_up = 0, step_up = 0, fraction = 0;
-};
-Adder make_adder(const Register& acc, const Register& step);
 
 // h + B on its grid: (h << h_up) + b.
 struct InverseDepth {
@@ -26,14 +21,48 @@ struct InverseDepth {
 };
 InverseDepth make_inverse_depth(const Config& config, const Constants& constants);
 
-struct SpanStage {
+// What the stage computes by, as far as the configuration alone says it.
+struct SpanFormats {
   Perspective perspective = Perspective::delta_f;
-  bool narrow = false;  // every intermediate fits int64
-  InverseDepth q;
-  ReciprocalUnit reciprocal;  // R_pixel
+  int h_up = 0, q_fraction = 0;  // of h + B, as in InverseDepth
+  ReciprocalFormats reciprocal;  // R_pixel
   Adder h, f, shade_acc;
   int u1_fraction = 0;
   Register uv, shade;
+};
+constexpr SpanFormats span_formats(const Config& config) {
+  const bool linear =
+      config.perspective == Perspective::affine || config.perspective == Perspective::const_depth_rows;
+  const auto adder = [&](FormatId acc, FormatId step) {
+    return make_adder(make_register(config, acc), make_register(config, step));
+  };
+  SpanFormats s;
+  s.perspective = config.perspective;
+  const int h_fraction = config.format(FormatId::span_h).fraction();
+  s.q_fraction = std::max(h_fraction, config.format(FormatId::setup_b).fraction());
+  s.h_up = s.q_fraction - h_fraction;
+  s.reciprocal = reciprocal_formats(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
+  s.h = adder(FormatId::span_h, FormatId::span_h_step);
+  s.f = linear ? adder(FormatId::span_uv_acc, FormatId::span_uv_step)
+               : adder(FormatId::span_f, FormatId::span_f_step);
+  s.shade_acc = adder(FormatId::span_shade_acc, FormatId::span_shade_step);
+  s.u1_fraction = config.format(FormatId::edge_uv).fraction();
+  s.uv = make_register(config, FormatId::span_uv);
+  s.shade = make_register(config, FormatId::span_shade);
+  return s;
+}
+
+struct SpanStage {
+  SpanFormats formats;
+  bool narrow = false;  // every intermediate fits 63 bits
+  // delta_f: bits that f m and u1 take beyond their own, on every grid on the way to u (`narrow` asks the
+  // same of the formats; these let it be asked of the values at hand).
+  int product_growth = 0, base_growth = 0;
+  // delta_f: f m 2^-e always has more fraction bits than u1 and u, though not too many for a shift of 64-bit
+  // lanes.
+  bool aligned = false;
+  InverseDepth q;
+  ReciprocalUnit reciprocal;  // R_pixel
   int divides_per_fragment = 0;
 };
 SpanStage prepare_span(const Config& config, const Constants& constants);

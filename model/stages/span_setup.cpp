@@ -1,37 +1,59 @@
 #include "model/stages/span_setup.hpp"
 
+#include <algorithm>
+
 #include "model/channels.hpp"
-#include "model/numeric/slope.hpp"
 #include "model/stages/edge_walk.hpp"
+#include "model/stages/span_setup-inl.hpp"
 
 namespace bitspan::model {
 
 SpanSetupStage prepare_span_setup(const Config& config, const Constants& constants) {
   SpanSetupStage s;
+  const auto reg = [&](FormatId id) { return make_register(config, id); };
+  const bool linear =
+      config.perspective == Perspective::affine || config.perspective == Perspective::const_depth_rows;
   s.perspective = config.perspective;
   s.form = config.row_slope;
   s.b = b_of(config, constants.record);
   s.reciprocal = ReciprocalUnit(config.row_reciprocal, RegisterId::row_reciprocal);
-  const bool linear =
-      config.perspective == Perspective::affine || config.perspective == Perspective::const_depth_rows;
-  s.h_offset = offset_value(config.start_offset.span_h, config.depth_format());
+  const Exact h_offset = offset_value(config.start_offset.span_h, config.depth_format());
   s.f_offset =
       offset_value(config.start_offset.span_f, config.format(linear ? FormatId::span_uv : FormatId::span_f));
-  s.shade_offset = offset_value(config.start_offset.span_shade, config.format(FormatId::span_shade));
-  s.row_x = make_register(config, FormatId::edge_x);
-  s.row_h = make_register(config, FormatId::edge_h);
-  s.row_uv = make_register(config, FormatId::edge_uv);
-  s.row_shade = make_register(config, FormatId::edge_shade);
-  s.plane_h = make_register(config, FormatId::span_h);
-  s.plane_f = make_register(config, FormatId::span_f);
-  s.plane_f_step = make_register(config, FormatId::span_f_step);
-  s.h = make_register(config, FormatId::span_h);
-  s.h_step = make_register(config, FormatId::span_h_step);
-  s.f_diff = make_register(config, FormatId::span_f_diff);
-  s.f = make_register(config, linear ? FormatId::span_uv_acc : FormatId::span_f);
-  s.f_step = make_register(config, linear ? FormatId::span_uv_step : FormatId::span_f_step);
-  s.shade_acc = make_register(config, FormatId::span_shade_acc);
-  s.shade_step = make_register(config, FormatId::span_shade_step);
+  const Exact shade_offset =
+      offset_value(config.start_offset.span_shade, config.format(FormatId::span_shade));
+  s.plane_h = reg(FormatId::span_h);
+  s.plane_f = reg(FormatId::span_f);
+  s.plane_f_step = reg(FormatId::span_f_step);
+  s.f = reg(linear ? FormatId::span_uv_acc : FormatId::span_f);
+  s.uv_step = reg(linear ? FormatId::span_uv_step : FormatId::span_f_step);
+
+  const Register x = reg(FormatId::edge_x);
+  const Register h = reg(FormatId::edge_h);
+  const Register uv = reg(FormatId::edge_uv);
+  const Register shade = reg(FormatId::edge_shade);
+  s.p_fraction = std::max(1, x.fraction);
+  s.x_up = s.p_fraction - x.fraction;
+  const Size p = size_of(x) + Size{21, 1};  // a picture is 2^20 pixels wide at most
+  s.length = make_length_form(config.row_slope, s.reciprocal, size_of(x) + size_of(x));
+  s.depth = make_depth_sum(h, s.b, config.pixel_reciprocal);
+  s.h_step = make_slope(reg(FormatId::span_h_step), size_of(h) + size_of(h), s.length);
+  s.h_start = make_line(reg(FormatId::span_h), &h, s.h_step.r, p, h_offset);
+  const bool hyperbolic = config.perspective == Perspective::hyperbolic;
+  const Size uv_difference = size_of(uv) + size_of(uv);
+  s.f_diff = make_product(reg(FormatId::span_f_diff), hyperbolic ? size_of(uv) : uv_difference, s.depth.size);
+  const Register& diff = s.f_diff.r;
+  s.f_step = make_slope(s.uv_step,
+                        linear       ? uv_difference
+                        : hyperbolic ? size_of(diff) + size_of(diff)
+                                     : size_of(diff),
+                        s.length);
+  s.f_start = make_line(s.f, linear ? &uv : hyperbolic ? &diff : nullptr, s.uv_step, p, s.f_offset);
+  s.shade_step = make_slope(reg(FormatId::span_shade_step), size_of(shade) + size_of(shade), s.length);
+  s.shade_start = make_line(reg(FormatId::span_shade_acc), &shade, s.shade_step.r, p, shade_offset);
+  s.lanes = lanes_hold(p) && s.length.lanes && s.h_step.lanes && s.h_start.lanes && s.f_step.lanes &&
+            s.f_start.lanes && s.shade_step.lanes && s.shade_start.lanes &&
+            (linear || (lanes_hold(s.depth.size) && s.f_diff.lanes));
   return s;
 }
 
@@ -44,61 +66,28 @@ int span_setup(const SpanSetupStage& stage, const RowRecord& row, SpanRecord& ou
   out.x = row.x_first;
   out.y = row.y;
   out.count = row.x_last - row.x_first + 1;
-
-  const Exact x_l = value_of(l.x, stage.row_x);
-  const Exact distance = value_of(r.x, stage.row_x) - x_l;
-  const Exact pre_step = Exact{2 * int128{row.x_first} + 1, 1} - x_l;
-  const bool has_length = distance.raw > 0;
-  Length length;
-  if (has_length) {
-    length = make_length(distance, stage.form, stage.reciprocal, watch);
-    out.recip_m = length.inverse.m;
-    out.recip_e = length.inverse.e;
-  }
-  const auto step_of = [&](Exact n, const Register& step) {
-    return has_length ? slope(n, length, step, watch) : 0;
+  const auto values = [](const RowEnd& e) {
+    return HWY_NAMESPACE::SpanEnd<std::int64_t>{e.x, e.h, e.u, e.v, e.shade};
   };
-
-  const Exact h_l = value_of(l.h, stage.row_h);
-  const Exact h_r = value_of(r.h, stage.row_h);
-  out.h_step = step_of(h_r - h_l, stage.h_step);
-  out.h = quantize(h_l + value_of(out.h_step, stage.h_step) * pre_step + stage.h_offset, stage.h, watch);
-
-  const auto texture = [&](std::int64_t t_l, std::int64_t t_r, std::int64_t& diff, std::int64_t& base,
-                           std::int64_t& start, std::int64_t& step) {
-    const Exact left = value_of(t_l, stage.row_uv);
-    const Exact right = value_of(t_r, stage.row_uv);
-    Exact from;  // of the accumulator at the left end
-    if (stage.perspective == Perspective::delta_f) {
-      diff = quantize((right - left) * (h_r + stage.b), stage.f_diff, watch);
-      base = t_l;
-      step = step_of(value_of(diff, stage.f_diff), stage.f_step);
-    } else if (stage.perspective == Perspective::hyperbolic) {
-      from = value_of(quantize(left * (h_l + stage.b), stage.f_diff, watch), stage.f_diff);
-      diff = quantize(right * (h_r + stage.b), stage.f_diff, watch);
-      step = step_of(value_of(diff, stage.f_diff) - from, stage.f_step);
-    } else {
-      from = left;
-      step = step_of(right - left, stage.f_step);
-    }
-    start = quantize(from + value_of(step, stage.f_step) * pre_step + stage.f_offset, stage.f, watch);
-  };
-  texture(l.u, r.u, out.fu_diff, out.u1, out.fu, out.fu_step0);
-  texture(l.v, r.v, out.fv_diff, out.v1, out.fv, out.fv_step0);
-  out.fu_step1 = out.fu_step0;
-  out.fv_step1 = out.fv_step0;
+  const auto span = HWY_NAMESPACE::start_span_at(stage, values(l), values(r), row.x_first, watch);
+  out.recip_m = span.recip_m;
+  out.recip_e = span.recip_e;
+  out.h = span.h;
+  out.h_step = span.h_step;
+  out.fu_diff = span.u.diff;
+  out.u1 = span.u.base;
+  out.fu = span.u.start;
+  out.fu_step0 = out.fu_step1 = span.u.step;
+  out.fv_diff = span.v.diff;
+  out.v1 = span.v.base;
+  out.fv = span.v.start;
+  out.fv_step0 = out.fv_step1 = span.v.step;
   for (std::size_t c = 0; c < channel_count; ++c) {
-    const Exact left = value_of(l.shade[c], stage.row_shade);
-    const std::int64_t step = step_of(value_of(r.shade[c], stage.row_shade) - left, stage.shade_step);
-    out.*span_steps0[c] = step;
-    out.*span_steps1[c] = step;
-    out.*span_starts[c] = quantize(left + value_of(step, stage.shade_step) * pre_step + stage.shade_offset,
-                                   stage.shade_acc, watch);
+    out.*span_steps0[c] = span.shade_step[c];
+    out.*span_steps1[c] = span.shade_step[c];
+    out.*span_starts[c] = span.shade[c];
   }
-  if (!has_length) {
-    return 0;
-  }
-  return stage.form == SlopeForm::reciprocal ? 1 : 7;
+  return span.has_length ? divides_of(stage) : 0;
 }
 
 template <class Watch>
@@ -119,7 +108,7 @@ int span_setup(const SpanSetupStage& stage, const PlaneRowRecord& row, const Pla
     return quantize(value_of(g, stage.plane_f) * r + stage.f_offset, stage.f, watch);
   };
   const auto step = [&](std::int64_t g) {
-    return quantize(value_of(g, stage.plane_f_step) * r, stage.f_step, watch);
+    return quantize(value_of(g, stage.plane_f_step) * r, stage.uv_step, watch);
   };
   out.fu = start(row.gu);
   out.fv = start(row.gv);

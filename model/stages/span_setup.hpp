@@ -6,7 +6,7 @@
 
 #include "config/config.hpp"
 #include "config/records.hpp"
-#include "model/numeric/reciprocal.hpp"
+#include "model/numeric/slope.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/plane_walk.hpp"
 
@@ -15,17 +15,25 @@ namespace bitspan::model {
 struct SpanSetupStage {
   Perspective perspective = Perspective::delta_f;
   SlopeForm form = SlopeForm::reciprocal;
+  // All modes but const_depth_rows.
+  int p_fraction = 1, x_up = 0;  // p = x_first + 1/2 - x_l, and edge.x's way onto its grid
+  LengthForm length;             // R_row(x_r - x_l)
+  DepthSum depth;                // h + B of a row's end
+  Slope h_step, f_step, shade_step;
+  Product f_diff;
+  Line h_start, f_start, shade_start;
+  bool lanes = false;  // no intermediate is wider than lanes hold
+  // const_depth_rows.
   Exact b;
   ReciprocalUnit reciprocal;  // R_row
-  Exact h_offset, f_offset, shade_offset;
-  Register row_x, row_h, row_uv, row_shade;  // formats of the row record
-  Register plane_h, plane_f, plane_f_step;   // formats of the plane row record
-  Register h, h_step, f_diff;
-  Register f,
-      f_step;  // texture accumulator and step: span.f and span.f_step, or span.uv_acc and span.uv_step
-  Register shade_acc, shade_step;
+  Exact f_offset;
+  Register plane_h, plane_f, plane_f_step;  // formats of the plane row record
+  Register f, uv_step;                      // of the texture accumulator and its step
 };
 SpanSetupStage prepare_span_setup(const Config& config, const Constants& constants);
+
+// Divides of a row that has a length: one reciprocal, or one a slope.
+constexpr int divides_of(const SpanSetupStage& stage) { return stage.form == SlopeForm::reciprocal ? 1 : 7; }
 
 // Both return the divides it took (for divides_row).
 // All modes but const_depth_rows.

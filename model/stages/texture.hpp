@@ -8,6 +8,7 @@
 
 #include "config/config.hpp"
 #include "config/records.hpp"
+#include "model/numeric/extent.hpp"
 #include "model/numeric/quantize.hpp"
 #include "scene/scene.hpp"
 
@@ -21,7 +22,29 @@ struct TextureStage {
   Register uv, shade;   // formats of the fragment
   Register frac, mix, color, alpha;
 };
-TextureStage prepare_texture(const Config& config);
+constexpr TextureStage prepare_texture(const Config& config) {
+  TextureStage s;
+  s.filter = config.filter;
+  s.wrap = config.wrap;
+  s.transparent = config.transparent;
+  s.uv = make_register(config, FormatId::span_uv);
+  s.shade = make_register(config, FormatId::span_shade);
+  s.frac = make_register(config, FormatId::texture_frac);
+  s.mix = make_register(config, FormatId::texture_mix);
+  s.color = make_register(config, FormatId::texture_color);
+  s.alpha = make_register(config, FormatId::texture_alpha);
+  // 1 - Ex has a bit more than Ex; either times a colour, and the sum of two such.
+  const Extent share = sum(extent_of_integer(1), extent(config.format(FormatId::texture_frac)));
+  const auto mixes = [&](Extent v) { return fits_int64(sum(product(v, share), product(v, share))); };
+  const Extent mix = extent(config.format(FormatId::texture_mix));
+  const Extent alpha = extent(config.format(FormatId::texture_alpha));
+  const Extent shade = extent(config.format(FormatId::span_shade));
+  // u - 1/2, and its floor plus one.
+  const Extent below = sum(extent(config.format(FormatId::span_uv)), Extent{1, 1});
+  s.narrow = mixes(extent_of_integer(8)) && mixes(mix) && mixes(alpha) && fits_int64(product(mix, shade)) &&
+             fits_int64(product(alpha, shade)) && fits_int64(below);
+  return s;
+}
 
 // A fragment that passed the depth test; texture null for none. True where it lives (not out.killed).
 template <class Watch = NoObserve>

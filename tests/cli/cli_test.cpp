@@ -193,7 +193,10 @@ TEST_F(Cli, UnwritableOutputsAreRefused) {
 TEST_F(Cli, ConfigShowsChecksAndEmits) {
   for (const char* name : {"depth16", "depth20", "narrow"}) {
     EXPECT_NE(run(std::string("config show ") + name).out.find("span.uv"), std::string::npos);
-    EXPECT_NE(run(std::string("config check ") + name).out.find("legal"), std::string::npos);
+    const std::string check = run(std::string("config check ") + name).out;
+    EXPECT_NE(check.find("legal"), std::string::npos);
+    EXPECT_NE(check.find("model computes in"), std::string::npos) << check;
+    EXPECT_NE(check.find("form specialised (these formats are compiled in)"), std::string::npos) << check;
     const Result sv = run(std::string("config emit-sv ") + name + " -o p.sv");
     EXPECT_EQ(sv.code, 0) << sv.err;
     EXPECT_NE(read(folder_ / "p.sv").find("package bitspan_cfg_pkg"), std::string::npos);
@@ -226,6 +229,70 @@ TEST_F(Cli, RenderWritesTheSameEveryTime) {
   EXPECT_EQ(json.at("configuration").at("name"), "narrow");
   EXPECT_EQ(json.at("counters").at("triangles"), 1);
   EXPECT_GT(json.at("counters").at("written"), 100);
+}
+
+TEST_F(Cli, EveryFormOfTheModelDrawsTheSame) {
+  const std::string scene = "render demo --size 96x72 --config narrow";
+  ASSERT_EQ(run(scene + " -o a.png --dump a --engine golden").code, 0);
+  const auto same = [&](const std::string& flags) {
+    const Result r = run(scene + " -o b.png --dump b " + flags);
+    if (r.code == 2 && r.err.find("no such instructions") != std::string::npos) return nlohmann::json();
+    EXPECT_EQ(r.code, 0) << flags << "\n" << r.err;
+    EXPECT_EQ(read(folder_ / "a.png"), read(folder_ / "b.png")) << flags;
+    for (const char* file : {"depth.npy", "u.npy", "v.npy", "triangle.npy"}) {
+      EXPECT_EQ(read(folder_ / "a" / file), read(folder_ / "b" / file)) << flags << ": " << file;
+    }
+    return nlohmann::json::parse(read(folder_ / "b" / "run.json")).at("model");
+  };
+  EXPECT_EQ(same("--form scalar --threads 1"), (nlohmann::json{{"form", "scalar"}, {"threads", 1}}));
+  int targets = 0;
+  for (const std::string target : {"avx512", "avx2", "baseline"}) {
+    const nlohmann::json vector = same("--form vector --threads 1 --target " + target);
+    if (vector.is_null()) continue;
+    ++targets;
+    EXPECT_EQ(vector, (nlohmann::json{{"form", "vector"}, {"threads", 1}, {"target", target}}));
+    EXPECT_EQ(same("--form specialised --threads 3 --target " + target),
+              (nlohmann::json{{"form", "specialised"}, {"threads", 3}, {"target", target}}));
+  }
+  EXPECT_GE(targets, 1);
+  const nlohmann::json found = same("");
+  EXPECT_EQ(found.at("form"), "specialised");  // narrow is compiled in
+  EXPECT_GE(found.at("threads"), 1);
+  EXPECT_EQ(same("--threads 0").at("threads"), found.at("threads"));
+  EXPECT_FALSE(nlohmann::json::parse(read(folder_ / "a" / "run.json")).contains("model"));
+  // Without a dump the picture is the same.
+  ASSERT_EQ(run(scene + " -o c.png").code, 0);
+  EXPECT_EQ(read(folder_ / "a.png"), read(folder_ / "c.png"));
+}
+
+TEST_F(Cli, FormsThatDoNotExistAreRefused) {
+  stream("a.tri");
+  refused("render a.tri -o a.png --form fast", "legal: auto, scalar, vector, specialised");
+  refused("render a.tri -o a.png --target sse", "legal: best, avx512, avx2, baseline");
+  refused("render a.tri -o a.png --threads=-1", "--threads");
+  refused("render a.tri -o a.png --threads 100000", "1..1024");
+  refused("render a.tri -o a.png --threads many", "--threads");
+  refused("render a.tri -o a.png --engine golden --form vector", "--form: only the engine model");
+  refused("render a.tri -o a.png --statistics --threads 2", "--statistics");
+  refused("verify a.tri --engines golden,systemc --target avx2", "--target: only the engine model");
+  refused("fuzz --engines golden,systemc --count 1 --threads 2", "--threads: only the engine model");
+  std::string toml = run("config show --toml narrow").out;
+  const auto at = toml.find("subpixel_bits = ");
+  ASSERT_NE(at, std::string::npos);
+  toml[at + 16] = '3';
+  write(folder_ / "mine.toml", toml);
+  refused("render a.tri -o a.png --config mine.toml --form specialised", "specialised");
+  EXPECT_EQ(run("render a.tri -o a.png --config mine.toml --form vector").code, 0);
+}
+
+TEST_F(Cli, VerifyAndFuzzTakeForms) {
+  stream("a.tri");
+  for (const char* flags : {"--form scalar", "--form vector --target baseline", "--threads 2"}) {
+    const Result r = run("verify a.tri --engines golden,model " + std::string(flags));
+    EXPECT_EQ(r.code, 0) << flags << r.out << r.err;
+    const Result fuzz = run("fuzz --seed 4 --count 4 --engines golden,model " + std::string(flags));
+    EXPECT_EQ(fuzz.code, 0) << flags << fuzz.out << fuzz.err;
+  }
 }
 
 TEST_F(Cli, StatisticsTellWhatARegisterNeeded) {

@@ -37,7 +37,7 @@ TEST(Docs, EveryKeyHasARow) {
   };
   std::string section;
   int keys = 0;
-  for (const std::string& line : lines_of(to_toml(shipped("depth16")))) {
+  for (const std::string& line : lines_of(to_toml(shipped_file("depth16")))) {
     if (line.starts_with('[')) {
       section = line.substr(1, line.size() - 2);
       if (section.starts_with("timing.")) section = "timing.STAGE";

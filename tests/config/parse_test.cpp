@@ -30,7 +30,7 @@ struct Text {
 
 Text canonical() {
   Text text;
-  text.lines = lines_of(to_toml(shipped("depth16")));
+  text.lines = lines_of(to_toml(shipped_file("depth16")));
   std::string section;
   std::size_t section_line = 0;
   for (std::size_t i = 0; i < text.lines.size(); ++i) {
@@ -233,7 +233,7 @@ TEST(Parse, FormatFieldsAreStrict) {
 }
 
 TEST(Parse, FormatsMayBeDottedButNotGivenTwice) {
-  const Config quoted = shipped("depth16");
+  const Config quoted = shipped_file("depth16");
   std::string dotted = to_toml(quoted);
   for (int i = 0; i < format_count; ++i) {
     const std::string key(key_of(static_cast<FormatId>(i)));
@@ -256,7 +256,7 @@ TEST(Parse, FormatsMayBeDottedButNotGivenTwice) {
 }
 
 TEST(Parse, UnknownFormatsAreRefused) {
-  std::string text = to_toml(shipped("depth16"));
+  std::string text = to_toml(shipped_file("depth16"));
   const auto where = text.find("\"span.h\"");
   text.insert(where, "span.w = { signed = false, word = 1, int = 1 }\n");
   const auto line = static_cast<std::size_t>(
@@ -366,7 +366,7 @@ TEST(Load, NamesTheFileAndTheFault) {
   EXPECT_TRUE(error(path).starts_with(path + ":1: the configuration is empty")) << error(path);
   std::ofstream(path) << std::string(3U << 20U, '#');
   EXPECT_EQ(error(path), path + ": is larger than 1 MiB; expected a configuration file in TOML");
-  std::ofstream(path) << to_toml(shipped("narrow"));
+  std::ofstream(path) << to_toml(shipped_file("narrow"));
   EXPECT_EQ(load_config(path).name, "bitspan_config_test");
   std::remove(path.c_str());
 }

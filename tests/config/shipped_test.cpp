@@ -5,6 +5,7 @@
 
 #include "config/check.hpp"
 #include "config/names.hpp"
+#include "config/shipped_configs.hpp"
 #include "tests/config/support.hpp"
 
 namespace bitspan {
@@ -13,7 +14,7 @@ namespace {
 TEST(Shipped, EachIsLegalWithAnyModeChangedByItsKey) {
   int checked = 0;
   for (const std::string& name : shipped_names()) {
-    const Config file = shipped(name);
+    const Config file = shipped_file(name);
     for (const Perspective mode : kPerspectives) {
       for (const EdgeWalk walk : {EdgeWalk::exact, EdgeWalk::dda}) {
         for (const SlopeForm form : {SlopeForm::divide, SlopeForm::reciprocal}) {
@@ -41,6 +42,23 @@ TEST(Shipped, EachIsLegalWithAnyModeChangedByItsKey) {
   EXPECT_EQ(checked, 3 * 4 * 2 * 2 * 3 * 3 * 2);
 }
 
+TEST(Shipped, ConstantsAreTheFiles) {
+  std::set<std::string> names;
+  for (const shipped::Entry& entry : shipped::all) {
+    Config file = shipped_file(std::string(entry.name));
+    EXPECT_EQ(entry.hash, config_hash(file));
+    file.name.clear();
+    EXPECT_EQ(entry.make(), file) << entry.name;
+    names.emplace(entry.name);
+  }
+  const auto files = shipped_names();
+  EXPECT_EQ(names, (std::set<std::string>(files.begin(), files.end())));
+}
+
+// They serve as constant expressions, text of the transparent colour and start offsets included.
+static_assert(shipped::depth16().format(FormatId::span_h).word > 0);
+static_assert(shipped::depth16() != shipped::depth20() && shipped::depth20() != shipped::narrow());
+
 TEST(Shipped, EveryKeyHasAComment) {
   for (const std::string& name : shipped_names()) {
     int keys = 0;
@@ -57,13 +75,13 @@ TEST(Shipped, EveryKeyHasAComment) {
 }
 
 TEST(Shipped, DepthBitsFiltersAndDividersVary) {
-  EXPECT_EQ(shipped("depth16").depth_bits, 16);
-  EXPECT_EQ(shipped("depth20").depth_bits, 20);
-  EXPECT_EQ(shipped("depth20").filter, TextureFilter::bilinear);
+  EXPECT_EQ(shipped_file("depth16").depth_bits, 16);
+  EXPECT_EQ(shipped_file("depth20").depth_bits, 20);
+  EXPECT_EQ(shipped_file("depth20").filter, TextureFilter::bilinear);
   std::set<ReciprocalKind> kinds;
   std::set<std::string> hashes;
   for (const std::string& name : shipped_names()) {
-    const Config c = shipped(name);
+    const Config c = shipped_file(name);
     EXPECT_EQ(c.name, name);
     EXPECT_EQ(c.transparent, (std::array<std::uint8_t, 3>{255, 0, 255}));
     EXPECT_EQ(c.fog, FogMode::table);
@@ -76,8 +94,8 @@ TEST(Shipped, DepthBitsFiltersAndDividersVary) {
 }
 
 TEST(Shipped, NarrowIsNarrower) {
-  const Config narrow = shipped("narrow");
-  const Config wide = shipped("depth16");
+  const Config narrow = shipped_file("narrow");
+  const Config wide = shipped_file("depth16");
   int fewer = 0;
   for (int i = 0; i < format_count; ++i) {
     const auto n = static_cast<std::size_t>(i);

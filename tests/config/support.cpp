@@ -36,7 +36,9 @@ std::string text_of(const std::vector<std::string>& lines) {
 
 std::vector<std::string> shipped_names() { return {"depth16", "depth20", "narrow"}; }
 
-Config shipped(const std::string& name) { return load_config(repository_file("config/" + name + ".toml")); }
+Config shipped_file(const std::string& name) {
+  return load_config(repository_file("config/" + name + ".toml"));
+}
 
 std::string error_of(const std::function<void()>& run) {
   try {

@@ -20,7 +20,7 @@ std::vector<std::string> lines_of(const std::string& text);
 std::string text_of(const std::vector<std::string>& lines);
 
 std::vector<std::string> shipped_names();  // "depth16" ...
-Config shipped(const std::string& name);
+Config shipped_file(const std::string& name);
 
 // What the InputError says that `run` throws; "" where it throws none. Fails the test where the text is not
 // one line.

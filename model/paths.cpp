@@ -1,0 +1,142 @@
+#include "model/paths.hpp"
+
+#include <algorithm>
+
+#include "config/exact.hpp"
+#include "config/shipped_configs.hpp"
+#include "model/simd/engine_vector.hpp"
+#include "model/simd/shade.hpp"
+#include "model/simd/targets.hpp"
+#include "model/stages/depth.hpp"
+#include "model/stages/edge_walk.hpp"
+#include "model/stages/setup.hpp"
+#include "model/stages/span.hpp"
+#include "model/stages/span_setup.hpp"
+#include "scene/tri_stream.hpp"
+
+namespace bitspan::model {
+
+std::string_view to_string(ModelForm form) {
+  switch (form) {
+    case ModelForm::automatic:
+      return "auto";
+    case ModelForm::scalar:
+      return "scalar";
+    case ModelForm::vector:
+      return "vector";
+    case ModelForm::specialised:
+      return "specialised";
+  }
+  return "";
+}
+
+std::string_view to_string(VectorTarget target) {
+  switch (target) {
+    case VectorTarget::best:
+      return "best";
+    case VectorTarget::avx512:
+      return "avx512";
+    case VectorTarget::avx2:
+      return "avx2";
+    case VectorTarget::baseline:
+      return "baseline";
+  }
+  return "";
+}
+
+VectorTarget best_target() {
+  return supported(VectorTarget::avx512) ? VectorTarget::avx512
+         : supported(VectorTarget::avx2) ? VectorTarget::avx2
+                                         : VectorTarget::baseline;
+}
+
+ModelForm chosen_form(const Config& config, ModelForm asked) {
+  const std::string hash = config_hash(config);
+  const bool is_shipped =
+      std::ranges::any_of(shipped::all, [&](const shipped::Entry& entry) { return entry.hash == hash; });
+  if (asked == ModelForm::specialised && !is_shipped) {
+    throw InputError(
+        "the specialised form is compiled for the shipped configurations only, and this is none of them");
+  }
+  if (asked != ModelForm::automatic) return asked;
+  return vector_refusal(config) != nullptr ? ModelForm::scalar
+         : is_shipped                      ? ModelForm::specialised
+                                           : ModelForm::vector;
+}
+
+namespace {
+
+constexpr const char* scalar = "scalar";
+constexpr const char* lanes32 = "32-bit lanes";
+constexpr const char* lanes64 = "64-bit lanes";
+constexpr const char* lanes128 = "128-bit lanes";
+constexpr const char* lanes_mixed = "64-bit lanes, 128-bit where values are large";
+
+// A scene's B, the only part of a scene that decides: any raw value of setup.b above 0.
+Constants constants_with(std::int64_t b) {
+  Constants constants;
+  constants.record.b = b;
+  return constants;
+}
+
+// The first half is done in lanes altogether or not at all (triangles_in_lanes).
+std::string triangle_path(const Config& config, int bits) {
+  const Constants constants = constants_with(make_register(config, FormatId::setup_b).max);
+  if (!prepare_setup(config, constants).lanes ||
+      !prepare_edge_walk(config, constants, picture_size_limit, picture_size_limit).lanes ||
+      !prepare_span_setup(config, constants).lanes) {
+    return scalar;
+  }
+  return bits <= term_bits + 1 ? lanes64 : lanes_mixed;
+}
+
+// The larger B is, the smaller is the range of the reciprocal's exponents.
+std::string span_path(const Config& config) {
+  const auto narrow = [&](std::int64_t b) { return prepare_span(config, constants_with(b)).narrow; };
+  if (narrow(1)) return lanes64;
+  // Other perspectives do not look at the values.
+  const std::string wide = config.perspective == Perspective::delta_f ? lanes_mixed : lanes128;
+  const Register b = make_register(config, FormatId::setup_b);
+  for (int bits = 1; bits < 63 && std::int64_t{1} << bits <= b.max; ++bits) {
+    if (narrow(std::int64_t{1} << bits)) {
+      const std::string bound = "B < 2^" + std::to_string(bits - b.fraction);
+      return wide + (config.perspective == Perspective::delta_f ? " and " : " where ") + bound;
+    }
+  }
+  return wide;
+}
+
+std::string path_of(const Config& config, std::string_view stage, int bits) {
+  if (vector_refusal(config) != nullptr) return scalar;
+  const bool rows_of_depth = config.perspective == Perspective::const_depth_rows;
+  const bool shading = stage == "texture" || stage == "fog" || stage == "merge";
+  if (shading) {
+    const ShadeLanes lanes = shade_lanes(config, config.fog);
+    return lanes == ShadeLanes::int32 ? lanes32 : lanes == ShadeLanes::int64 ? lanes64 : scalar;
+  }
+  if (rows_of_depth) return scalar;  // up to the depth test
+  if (stage == "span") return span_path(config);
+  if (stage == "depth") return prepare_depth(config, constants_with(1)).narrow ? lanes64 : lanes128;
+  return triangle_path(config, bits);
+}
+
+}  // namespace
+
+std::vector<StagePath> model_paths(const Config& config) {
+  std::vector<StagePath> paths;
+  for (const ExactIntermediate& x : exact_intermediates(config)) {
+    if (x.stage == "constants" || x.stage.starts_with("reciprocal."))
+      continue;  // once a scene; part of others
+    auto path = std::ranges::find(paths, x.stage, &StagePath::stage);
+    if (path == paths.end()) {
+      paths.push_back({x.stage, "", x.expression, x.bits});
+    } else if (x.bits > path->bits) {
+      path->bits = x.bits;
+      path->widest = x.expression;
+    }
+  }
+  for (StagePath& path : paths) path.path = path_of(config, path.stage, path.bits);
+  return paths;
+}
+
+}  // namespace bitspan::model

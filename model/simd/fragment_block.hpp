@@ -1,0 +1,35 @@
+// Fragments that passed the depth test, side by side: what the span half of the vector form hands to texture,
+// fog and merge. All of one texture; from one triangle, or from several where none of them can be killed and
+// all are opaque (then the order of writing is all that matters).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "model/simd/columns.hpp"
+
+namespace bitspan::model {
+
+inline constexpr std::size_t block_size = 512;
+
+// T: std::int32_t where every format of these stages fits it (docs/performance.md), else std::int64_t.
+// Raw values on the formats of FragmentRecord's fields.
+template <class T>
+struct FragmentBlock {
+  static constexpr std::size_t padded = block_size + column_slack;
+  std::size_t size = 0;
+  bool one_shade = false;  // all fragments have the same r, g, b and a, and only the first ones are set
+  alignas(64) std::int32_t pixel[padded];  // y width + x
+  alignas(64) std::int32_t z[padded];      // depth code, to be stored with the colour
+  alignas(64) T u[padded];
+  alignas(64) T v[padded];
+  alignas(64) T r[padded];
+  alignas(64) T g[padded];
+  alignas(64) T b[padded];
+  alignas(64) T a[padded];
+  alignas(64) std::int32_t fog_step[padded];  // top bits of h: 0..63 (fog table)
+  alignas(64) std::int64_t h[padded];         // linear fog only
+  alignas(64) std::int32_t triangle[padded];  // input index
+};
+
+}  // namespace bitspan::model

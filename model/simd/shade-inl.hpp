@@ -1,0 +1,597 @@
+// The kernels of shade.hpp for one target. In three passes over a block: the fog's factors; texture, fog and
+// merge to colour words; the words to the frame. Between them the values stay in columns of a block's length.
+#include <bit>
+#include <cstring>
+
+#include "model/simd/shade.hpp"
+#include "model/stages/fog-inl.hpp"
+#include "model/stages/merge-inl.hpp"
+#include "model/stages/texture-inl.hpp"
+
+#if defined(BITSPAN_MODEL_SIMD_SHADE_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef BITSPAN_MODEL_SIMD_SHADE_INL
+#undef BITSPAN_MODEL_SIMD_SHADE_INL
+#else
+#define BITSPAN_MODEL_SIMD_SHADE_INL
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace bitspan::model::HWY_NAMESPACE {
+
+// ---------------------------------------------------------------- one integer and lanes, by the same names
+
+template <class V>
+inline constexpr std::size_t lanes_in = 1;
+template <class T>
+inline constexpr std::size_t lanes_in<LanesOf<T>> = LanesOf<T>::count;
+
+template <class Int>
+struct ElementOfType {
+  using type = std::int64_t;
+};
+template <class T>
+struct ElementOfType<LanesOf<T>> {
+  using type = T;
+};
+// Of the block whose fragments are computed in Int.
+template <class Int>
+using ElementOf = typename ElementOfType<Int>::type;
+
+template <class V>
+HWY_INLINE V load_as(const std::int64_t* p) requires(std::is_same_v<V, std::int64_t>) {
+  return *p;
+}
+template <class V, class T>
+HWY_INLINE V load_as(const T* p) requires(std::is_same_v<V, LanesOf<T>>) {
+  return V::load(p);
+}
+HWY_INLINE void store_to(std::int64_t x, std::int64_t* p) { *p = x; }
+HWY_INLINE void store_to(Lanes x, std::int64_t* p) { x.store(p); }
+HWY_INLINE void store_to(Lanes32 x, std::int64_t* p) {
+  HWY_ALIGN std::int32_t raw[Lanes32::count];
+  x.store(raw);
+  for (std::size_t i = 0; i < Lanes32::count; ++i) p[i] = raw[i];
+}
+// Values of at most 31 bits, into a column of words.
+HWY_INLINE void store_words(std::int64_t x, std::int32_t* p) { *p = static_cast<std::int32_t>(x); }
+HWY_INLINE void store_words(Lanes x, std::int32_t* p) {
+  HWY_ALIGN std::int64_t raw[Lanes::count];
+  x.store(raw);
+  for (std::size_t i = 0; i < Lanes::count; ++i) p[i] = static_cast<std::int32_t>(raw[i]);
+}
+HWY_INLINE void store_words(Lanes32 x, std::int32_t* p) { x.store(p); }
+HWY_INLINE void load_words(const std::int32_t* p, std::int64_t& x) { x = *p; }
+HWY_INLINE void load_words(const std::int32_t* p, Lanes& x) {
+  x = Lanes::from(hn::PromoteTo(Lanes::Tag(), hn::LoadU(hn::Rebind<std::int32_t, Lanes::Tag>(), p)));
+}
+HWY_INLINE void load_words(const std::int32_t* p, Lanes32& x) { x = Lanes32::load(p); }
+
+HWY_INLINE bool all_of(bool m) { return m; }
+template <class T>
+HWY_INLINE bool all_of(MaskOf<T> m) {
+  return all(m);
+}
+HWY_INLINE std::size_t count_of(bool m) { return m ? 1 : 0; }
+template <class T>
+HWY_INLINE std::size_t count_of(MaskOf<T> m) {
+  return set_in(m);
+}
+template <class V>
+HWY_INLINE Truth<V> first(std::size_t n) {
+  if constexpr (std::is_same_v<V, std::int64_t>) {
+    return n != 0;
+  } else {
+    return first_lanes<typename V::Element>(n);
+  }
+}
+// The observer on fewer lanes.
+template <class V>
+HWY_INLINE NoObserve on(NoObserve watch, const Truth<V>& /*m*/) {
+  return watch;
+}
+template <class V>
+HWY_INLINE Plain on(Plain watch, const Truth<V>& /*m*/) {
+  return watch;
+}
+template <class V>
+HWY_INLINE Observe on(Observe watch, const Truth<V>& /*m*/) {
+  return watch;
+}
+template <class V>
+HWY_INLINE Seen on(Seen watch, const Lanes::Mask& m) {
+  return {watch.statistics, m};
+}
+
+// ---------------------------------------------------------------- texels
+
+// i mod size, 0 <= result < size. Twice a quotient in floating point: the first errs by less than
+// 2^10 / size + 1 (2^12 with 64 bits) and so leaves a rest below that many sizes, the second by at most 1.
+HWY_INLINE Lanes32 modulo(Lanes32 i, std::int32_t size) {
+  const Lanes32 n(size);
+  if (!any((i < Lanes32(0)) | (i >= n))) return i;
+  const hn::ScalableTag<float> d;
+  const auto inverse = hn::Set(d, 1.0F / static_cast<float>(size));
+  for (int pass = 0; pass < 2; ++pass) {
+    const auto q = hn::Floor(hn::Mul(hn::ConvertTo(d, i.v), inverse));
+    i = i - Lanes32::from(hn::ConvertTo(Lanes32::Tag(), q)) * n;
+  }
+  i = i + select(i < Lanes32(0), n, Lanes32(0));
+  return i - select(i >= n, n, Lanes32(0));
+}
+HWY_INLINE Lanes modulo(Lanes i, std::int32_t size) {
+  const Lanes n(size);
+  if (!any((i < Lanes(0)) | (i >= n))) return i;
+  const auto inverse = hn::Set(hn::ScalableTag<double>(), 1.0 / size);
+  for (int pass = 0; pass < 2; ++pass) {
+    i = i - to_int(hn::Floor(hn::Mul(to_double(i), inverse))) * n;
+  }
+  i = i + select(i < Lanes(0), n, Lanes(0));
+  return i - select(i >= n, n, Lanes(0));
+}
+
+// Words at an index, as unsigned numbers where a lane has the room.
+HWY_INLINE Lanes32 word_at(const std::uint32_t* words, Lanes32 index) {
+  return lookup(reinterpret_cast<const std::int32_t*>(words), index);
+}
+HWY_INLINE Lanes pair_at(const std::uint32_t* words, Lanes index) {
+  return Lanes::from(
+      hn::GatherOffset(Lanes::Tag(), reinterpret_cast<const std::int64_t*>(words), (index << 2).v));
+}
+HWY_INLINE Lanes word_at(const std::uint32_t* words, Lanes index) {
+  return pair_at(words, index) & Lanes(0xffffffffLL);
+}
+
+enum class ImageKind : std::uint8_t { none, nearest, bilinear, any };
+
+// A texture of the plan, or none, for the text of texture-inl.hpp; kind other than `any` says what it is.
+template <class V, ImageKind kind>
+struct PlanImage {
+  using T = typename V::Element;
+  const ShadeTexture* image;  // null: none
+  const T* alphas;
+  TextureWrap wrap;
+  const std::uint32_t* words;
+  std::int32_t width, height, border, stride;
+  bool reserved, all_opaque;
+
+  PlanImage(const ShadePlan& plan, const ShadeFormats& formats, int texture)
+      : image(texture < 0 ? nullptr : &plan.textures[static_cast<std::size_t>(texture)]),
+        wrap(formats.texture.wrap) {
+    if constexpr (sizeof(T) == 4) {
+      alphas = plan.alpha32.data();
+    } else {
+      alphas = plan.alpha64.data();
+    }
+    if (image == nullptr) return;
+    words = image->words.data();
+    width = image->width;
+    height = image->height;
+    border = image->border;
+    stride = image->stride;
+    reserved = image->has_reserved;
+    all_opaque = image->opaque;
+  }
+
+  HWY_INLINE bool present() const {
+    return kind == ImageKind::any ? image != nullptr : kind != ImageKind::none;
+  }
+  HWY_INLINE TextureFilter filter(const TextureStage& stage) const {
+    if constexpr (kind == ImageKind::any) {
+      return stage.filter;
+    } else {
+      return kind == ImageKind::bilinear ? TextureFilter::bilinear : TextureFilter::nearest;
+    }
+  }
+  HWY_INLINE bool may_be_reserved() const { return reserved; }
+
+  HWY_INLINE V cyclic(V i, std::int32_t size) const {
+    return (size & (size - 1)) == 0 ? i & V(size - 1) : modulo(i, size);
+  }
+  HWY_INLINE V index(V i, V j) const { return (j + V(border)) * V(stride) + i + V(border); }
+  HWY_INLINE V nearest(V& i, V& j) const {
+    if (wrap == TextureWrap::cyclic) {
+      i = cyclic(i, width);
+      j = cyclic(j, height);
+    } else {
+      i = min(max(i, V(0)), V(width - 1));
+      j = min(max(j, V(0)), V(height - 1));
+    }
+    return word_at(words, index(i, j));
+  }
+  HWY_INLINE Quad<V> quad(V& i, V& j) const {
+    V at;
+    if (wrap == TextureWrap::cyclic) {
+      i = cyclic(i, width);
+      j = cyclic(j, height);
+      at = index(i, j);
+    } else {
+      i = min(max(i, V(-1)), V(width - 1));
+      j = min(max(j, V(-1)), V(height - 1));
+      at = index(i, j);
+      i = max(i, V(0));
+      j = max(j, V(0));
+    }
+    const V below = at + V(stride);
+    if constexpr (sizeof(T) == 4) {
+      return {word_at(words, at), word_at(words, at + V(1)), word_at(words, below),
+              word_at(words, below + V(1))};
+    } else {
+      const V upper = pair_at(words, at);
+      const V lower = pair_at(words, below);
+      const V low(0xffffffffLL);
+      return {upper & low, (upper >> 32) & low, lower & low, (lower >> 32) & low};
+    }
+  }
+  template <class Watch>
+  HWY_INLINE V alpha(const TextureStage& stage, V word, Watch watch) const {
+    if constexpr (Watch::enabled) {
+      return quantize_ratio(code_of(word, 3), V(255), 0, stage.alpha, watch);
+    } else {
+      return all_opaque ? V(alphas[255]) : lookup(alphas, code_of(word, 3));
+    }
+  }
+};
+
+// The image that goes with Int.
+template <class Int, ImageKind kind>
+HWY_INLINE auto image_for(const ShadePlan& plan, const ShadeFormats& formats, int texture) {
+  if constexpr (std::is_same_v<Int, int128>) {
+    return TextureImage{texture < 0 ? nullptr : plan.textures[static_cast<std::size_t>(texture)].source,
+                        formats.texture.wrap};
+  } else {
+    return PlanImage<Int, kind>(plan, formats, texture);
+  }
+}
+
+// ---------------------------------------------------------------- passes
+
+// A shipped configuration's formats as constants, or those of the plan.
+template <const ShadeFormats* fixed>
+HWY_INLINE const ShadeFormats& formats_of(const ShadePlan& plan) {
+  return fixed == nullptr ? plan.formats : *fixed;
+}
+
+// What passes between the passes of a block.
+template <class T>
+struct ShadeColumns {
+  HWY_ALIGN T factor[FragmentBlock<T>::padded];
+  HWY_ALIGN std::int32_t index[FragmentBlock<T>::padded];    // of the fog table
+  HWY_ALIGN std::int64_t recip_m[FragmentBlock<T>::padded];  // linear fog, for records
+  HWY_ALIGN std::int64_t recip_e[FragmentBlock<T>::padded];
+  HWY_ALIGN std::int32_t word[FragmentBlock<T>::padded];  // r + 256 g + 65536 b; -1: not to be written
+};
+
+// Whether pixels i .. i + lanes - 1 of a column follow one another.
+HWY_INLINE bool contiguous(const std::int32_t* pixel) {
+  return all(Lanes32::load(pixel) == Lanes32::iota(pixel[0]));
+}
+
+// The zones of a vector's pixels; 0 past the n-th.
+HWY_INLINE Lanes32 zones_at(const std::uint8_t* zones, const std::int32_t* pixel, std::size_t n) {
+  const hn::Rebind<std::uint8_t, Lanes32::Tag> bytes;
+  if (n >= Lanes32::count && contiguous(pixel)) {
+    return Lanes32::from(hn::PromoteTo(Lanes32::Tag(), hn::LoadU(bytes, zones + pixel[0])));
+  }
+  // A word that starts with the zone's byte.
+  const Lanes32 at = select(first_lanes<std::int32_t>(n), Lanes32::load(pixel), Lanes32(0));
+  return Lanes32::from(hn::GatherOffset(Lanes32::Tag(), reinterpret_cast<const std::int32_t*>(zones), at.v)) &
+         Lanes32(255);
+}
+
+template <class T>
+HWY_INLINE void table_factors(const FogStage& stage, const ShadePlan& plan, const FragmentBlock<T>& block,
+                              ShadeColumns<T>& out) {
+  const std::int32_t* table = plan.fog_table32.data();
+  for (std::size_t i = 0; i < block.size; i += Lanes32::count) {
+    // Lanes past the end hold anything.
+    const Lanes32 step = Lanes32::load(block.fog_step + i);
+    const Lanes32 zone = zones_at(plan.zones.data(), block.pixel + i, block.size - i);
+    const Lanes32 index = fog_index(step, zone) & Lanes32(fog_entries - 1);
+    index.store(out.index + i);
+    if constexpr (sizeof(T) == 4) {
+#if HWY_TARGET == HWY_AVX3
+      // Neighbours mostly share the step: its sixteen entries are one register.
+      static_assert(Lanes32::count == fog_zones);
+      const std::int32_t one = block.fog_step[i];
+      if (all(step == Lanes32(one))) {
+        const Lanes32 entries = Lanes32::load(table + fog_zones * one);
+        const auto which = hn::IndicesFromVec(Lanes32::Tag(), zone.v);
+        Lanes32::from(hn::TableLookupLanes(entries.v, which)).store(out.factor + i);
+        continue;
+      }
+#endif
+      lookup(table, index).store(out.factor + i);
+    }
+  }
+  if constexpr (sizeof(T) == 8) {
+    for (std::size_t i = 0; i < block.size; ++i) {
+      out.factor[i] = stage.table[static_cast<std::size_t>(out.index[i])];
+    }
+  }
+}
+
+// Linear fog for a block of int32: h + B and its reciprocal need 64 bits.
+template <bool traced>
+HWY_INLINE void linear_factors(const FogStage& stage, const FogFormats& formats_in,
+                               const FragmentBlock<std::int32_t>& block, ShadeColumns<std::int32_t>& out) {
+  const FogFormats formats = formats_in;
+  for (std::size_t i = 0; i < block.size; i += Lanes::count) {
+    // Lanes past the end hold anything.
+    const LinearFog<Lanes> linear = linear_fog<Lanes>(stage, formats, Lanes::load(block.h + i), NoObserve{});
+    store_words(linear.factor, out.factor + i);
+    if constexpr (traced) {
+      linear.recip_m.store(out.recip_m + i);
+      linear.recip_e.store(out.recip_e + i);
+    }
+  }
+}
+
+// Fields that only records hold, lane by lane.
+struct ShadeFields {
+  static constexpr std::size_t lanes = Lanes32::count;
+  HWY_ALIGN std::int64_t i[lanes], j[lanes], ex[lanes], ey[lanes], texel[4][lanes], color[4][lanes],
+      killed[lanes], recip_m[lanes], recip_e[lanes], factor[lanes], fogged[3][lanes], merged[3][lanes];
+};
+
+template <class T>
+void append(const ShadeFields& f, const FragmentBlock<T>& block, std::size_t at, std::size_t lanes,
+            const std::int32_t* index, int width, Trace& trace) {
+  for (std::size_t l = 0; l < lanes && at + l < block.size; ++l) {
+    const std::int64_t triangle = block.triangle[at + l];
+    const std::int64_t x = block.pixel[at + l] % width;
+    const std::int64_t y = block.pixel[at + l] / width;
+    trace.texture.push_back({triangle, x, y, f.i[l], f.j[l], f.ex[l], f.ey[l], f.texel[0][l], f.texel[1][l],
+                             f.texel[2][l], f.texel[3][l], f.color[0][l], f.color[1][l], f.color[2][l],
+                             f.color[3][l], f.killed[l]});
+    if (f.killed[l] != 0) continue;
+    trace.fog.push_back({triangle, x, y, index == nullptr ? -1 : index[at + l], f.recip_m[l], f.recip_e[l],
+                         f.factor[l], f.fogged[0][l], f.fogged[1][l], f.fogged[2][l]});
+    trace.merge.push_back({triangle, x, y, static_cast<std::uint32_t>(block.z[at + l]), f.merged[0][l],
+                           f.merged[1][l], f.merged[2][l]});
+  }
+}
+
+// The stored colours of a vector's pixels, 24 bits each; 0 where not active.
+template <class V>
+HWY_INLINE V stored_words(const std::uint8_t* color, const std::int32_t* pixel, std::size_t n) {
+  HWY_ALIGN std::int32_t each[lanes_in<V>] = {};
+  for (std::size_t l = 0; l < lanes_in<V> && l < n; ++l) {
+    const std::uint8_t* p = color + 4 * static_cast<std::size_t>(pixel[l]);
+    each[l] = p[0] | p[1] << 8 | p[2] << 16;
+  }
+  V out;
+  load_words(each, out);
+  return out;
+}
+
+// Texture, fog and merge: from the block to out.word. Linear fog's factor comes from out.factor where Int is
+// Lanes32, and is formed here elsewhere.
+template <class Int, ImageKind image_kind, const ShadeFormats* fixed, class Watch>
+HWY_NOINLINE void shade_lanes(const Pipeline& pipeline, const ShadePlan& plan, FogMode fog, int texture,
+                              const FragmentBlock<ElementOf<Int>>& block, const Frame& frame,
+                              ShadeColumns<ElementOf<Int>>& out, Counters& counters, Trace* trace,
+                              Watch watch_all) {
+  using V = ValueOf<Int>;
+  constexpr std::size_t lanes = lanes_in<V>;
+  const ShadeFormats formats = formats_of<fixed>(plan);  // a copy of our own: no store can change it
+  const auto image = image_for<Int, image_kind>(plan, formats, texture);
+  const std::array<std::uint8_t, 3> fog_color = pipeline.fog.fog_color;
+  const V opaque = V(static_cast<ElementOf<Int>>(opaque_alpha(formats.merge)));
+  // Where all have one shade, always the same vectors.
+  using T = ElementOf<Int>;
+  HWY_ALIGN T one_shade[4][lanes];
+  std::array<const T*, 4> shades{block.r, block.g, block.b, block.a};
+  const std::size_t shade_mask = block.one_shade ? 0 : ~std::size_t{0};
+  if (block.one_shade) {
+    for (std::size_t c = 0; c < 4; ++c) {
+      std::fill_n(one_shade[c], lanes, shades[c][0]);
+      shades[c] = one_shade[c];
+    }
+  }
+  std::size_t killed = 0;
+  for (std::size_t at = 0; at < block.size; at += lanes) {
+    const auto active = first<V>(block.size - at);
+    const auto watch = on<V>(watch_all, active);
+    const std::size_t at_shade = at & shade_mask;
+    const std::array<V, 4> shade{load_as<V>(shades[0] + at_shade), load_as<V>(shades[1] + at_shade),
+                                 load_as<V>(shades[2] + at_shade), load_as<V>(shades[3] + at_shade)};
+    const Textured<V> texel = textured<Int>(formats.texture, image, load_as<V>(block.u + at),
+                                            load_as<V>(block.v + at), shade, watch);
+    const Truth<V> lives = active & !texel.killed;
+    killed += count_of(active & texel.killed);
+    const auto watch_lives = on<V>(watch_all, lives);
+
+    std::array<V, 3> own{texel.color[0], texel.color[1], texel.color[2]};
+    std::array<V, 3> merged = own;
+    LinearFog<V> linear{V(0), V(0), V(0)};
+    if (any(lives)) {
+      if (fog == FogMode::none) {
+        linear.factor = quantize(V(1), 0, formats.fog.factor, watch_lives);
+        for (V& c : own) c = unfogged(formats.fog, c, watch_lives);
+      } else {
+        linear.factor = load_as<V>(out.factor + at);
+        if constexpr (sizeof(ElementOf<Int>) == 8) {
+          if (fog == FogMode::linear) {
+            linear = linear_fog<Int>(pipeline.fog, formats.fog, load_as<V>(block.h + at), watch_lives);
+          }
+        }
+        for (std::size_t c = 0; c < 3; ++c) {
+          own[c] = fogged<Int>(formats.fog, own[c], fog_color[c], linear.factor, watch_lives);
+        }
+      }
+      if (all_of((texel.color[3] >= opaque) | !lives)) {
+        for (std::size_t c = 0; c < 3; ++c) merged[c] = replaced(formats.merge, own[c], watch_lives);
+      } else {
+        const V stored = stored_words<V>(frame.color.data(), block.pixel + at, block.size - at);
+        for (std::size_t c = 0; c < 3; ++c) {
+          merged[c] = blended<Int>(formats.merge, own[c], code_of(stored, static_cast<int>(c)),
+                                   texel.color[3], watch_lives);
+        }
+      }
+    }
+    store_words(select(lives, merged[0] | merged[1] << 8 | merged[2] << 16, V(-1)), out.word + at);
+
+    // The forms for one kind of image are never traced.
+    if (image_kind == ImageKind::any && trace != nullptr) {
+      ShadeFields f;
+      store_to(texel.i, f.i);
+      store_to(texel.j, f.j);
+      store_to(texel.ex, f.ex);
+      store_to(texel.ey, f.ey);
+      for (std::size_t c = 0; c < 4; ++c) {
+        store_to(texel.texel[c], f.texel[c]);
+        store_to(texel.color[c], f.color[c]);
+      }
+      store_to(select(texel.killed, V(1), V(0)), f.killed);
+      if (sizeof(ElementOf<Int>) == 4 && fog == FogMode::linear) {
+        std::memcpy(f.recip_m, out.recip_m + at, lanes * sizeof(std::int64_t));
+        std::memcpy(f.recip_e, out.recip_e + at, lanes * sizeof(std::int64_t));
+      } else {
+        store_to(linear.recip_m, f.recip_m);
+        store_to(linear.recip_e, f.recip_e);
+      }
+      store_to(linear.factor, f.factor);
+      for (std::size_t c = 0; c < 3; ++c) {
+        store_to(own[c], f.fogged[c]);
+        store_to(merged[c], f.merged[c]);
+      }
+      append(f, block, at, lanes, fog == FogMode::table ? out.index : nullptr, frame.width, *trace);
+    }
+  }
+  counters.killed += killed;
+  counters.written += block.size - killed;
+}
+
+// Words to the frame, those that are not negative; `high` is set in each. In the order of the block.
+HWY_INLINE void store_pixels(const std::int32_t* words, const std::int32_t* pixel, std::size_t n,
+                             std::int32_t high, void* plane, const std::int32_t* alive) {
+  auto* to = static_cast<std::uint8_t*>(plane);
+  constexpr std::size_t lanes = Lanes32::count;
+  for (std::size_t i = 0; i < n; i += lanes) {
+    const Lanes32 x = Lanes32::load(words + i) | Lanes32(high);
+    if (i + lanes <= n && contiguous(pixel + i) && all(Lanes32::load(alive + i) >= Lanes32(0))) {
+      x.store(reinterpret_cast<std::int32_t*>(to + 4 * static_cast<std::size_t>(pixel[i])));
+      continue;
+    }
+#if HWY_TARGET == HWY_AVX3
+    const auto wanted =
+        hn::And(first_lanes<std::int32_t>(n - i).m, (Lanes32::load(alive + i) >= Lanes32(0)).m);
+    // Lane by lane, the later ones last.
+    _mm512_mask_i32scatter_epi32(to, wanted.raw, Lanes32::load(pixel + i).v.raw, x.v.raw, 4);
+#else
+    for (std::size_t l = i; l < i + lanes && l < n; ++l) {
+      if (alive[l] < 0) continue;
+      const std::int32_t one = words[l] | high;
+      std::memcpy(to + 4 * static_cast<std::size_t>(pixel[l]), &one, 4);
+    }
+#endif
+  }
+}
+
+template <class T>
+void store_winners(const ShadeColumns<T>& columns, const FragmentBlock<T>& block, const Register& uv,
+                   Frame& frame) {
+  const double ulp = std::ldexp(1.0, -uv.fraction);
+  for (std::size_t i = 0; i < block.size; ++i) {
+    if (columns.word[i] < 0) continue;
+    const auto at = static_cast<std::size_t>(block.pixel[i]);
+    frame.u[at] = static_cast<double>(block.u[i]) * ulp;
+    frame.v[at] = static_cast<double>(block.v[i]) * ulp;
+    frame.triangle[at] = block.triangle[i];
+  }
+}
+
+// ---------------------------------------------------------------- the kernels
+
+template <class T, const ShadeFormats* fixed, class Watch>
+void colours(const Pipeline& pipeline, const ShadePlan& plan, int texture, const FragmentBlock<T>& block,
+             const Frame& frame, ShadeColumns<T>& columns, Counters& counters, Trace* trace, Watch watch) {
+  const ShadeFormats& formats = formats_of<fixed>(plan);
+  const FogMode fog = pipeline.fog.mode;
+  const auto run = [&]<class Int, ImageKind kind>(FogMode mode, auto w) HWY_ATTR {
+    shade_lanes<Int, kind, fixed>(pipeline, plan, mode, texture, block, frame, columns, counters, trace, w);
+  };
+  constexpr bool plain_form = sizeof(T) == 4;
+  if constexpr (sizeof(T) == 8 && !std::is_same_v<Watch, Seen>) {
+    if (plan.lanes == ShadeLanes::scalar) {
+      run.template operator()<int128, ImageKind::any>(fog, watch);
+      return;
+    }
+  }
+  if constexpr (std::is_same_v<Watch, Observe>) {
+    LaneStatistics seen;
+    run.template operator()<Lanes, ImageKind::any>(fog, Seen{&seen, first_lanes<std::int64_t>(Lanes::count)});
+    seen.fold(*watch.statistics);
+  } else if (plain_form && plan.plain && trace == nullptr) {
+    if constexpr (plain_form) {
+      using L = LanesOf<T>;
+      const bool fogless = fog == FogMode::none;
+      if (texture < 0) {
+        fogless ? run.template operator()<L, ImageKind::none>(FogMode::none, Plain{})
+                : run.template operator()<L, ImageKind::none>(FogMode::table, Plain{});
+      } else if (formats.texture.filter == TextureFilter::nearest) {
+        fogless ? run.template operator()<L, ImageKind::nearest>(FogMode::none, Plain{})
+                : run.template operator()<L, ImageKind::nearest>(FogMode::table, Plain{});
+      } else {
+        fogless ? run.template operator()<L, ImageKind::bilinear>(FogMode::none, Plain{})
+                : run.template operator()<L, ImageKind::bilinear>(FogMode::table, Plain{});
+      }
+    }
+  } else {
+    run.template operator()<LanesOf<T>, ImageKind::any>(fog, watch);
+  }
+}
+
+template <class T, const ShadeFormats* fixed, class Watch>
+void shade_watched(const Pipeline& pipeline, const ShadePlan& plan, int texture,
+                   const FragmentBlock<T>& block, bool store_depth, Frame& frame, Counters& counters,
+                   Trace* trace, Watch watch) {
+  ShadeColumns<T> columns;
+  const FogMode fog = pipeline.fog.mode;
+  if (fog == FogMode::table) {
+    table_factors(pipeline.fog, plan, block, columns);
+  }
+  if constexpr (sizeof(T) == 4) {
+    if (fog == FogMode::linear) {
+      trace != nullptr ? linear_factors<true>(pipeline.fog, formats_of<fixed>(plan).fog, block, columns)
+                       : linear_factors<false>(pipeline.fog, formats_of<fixed>(plan).fog, block, columns);
+    }
+  }
+  colours<T, fixed>(pipeline, plan, texture, block, frame, columns, counters, trace, watch);
+  constexpr std::int32_t opaque_byte = static_cast<std::int32_t>(0xff000000U);
+  store_pixels(columns.word, block.pixel, block.size, opaque_byte, frame.color.data(), columns.word);
+  if (store_depth) {
+    store_pixels(block.z, block.pixel, block.size, 0, frame.depth.data(), columns.word);
+  }
+  if (!frame.u.empty()) {
+    store_winners(columns, block, pipeline.texture.uv, frame);
+  }
+}
+
+template <class T, const ShadeFormats* fixed>
+void shade(const Pipeline& pipeline, const ShadePlan& plan, int texture, const FragmentBlock<T>& block,
+           bool store_depth, Frame& frame, Counters& counters, Trace* trace) {
+  shade_watched<T, fixed>(pipeline, plan, texture, block, store_depth, frame, counters, trace, NoObserve{});
+}
+template <class T, const ShadeFormats* fixed>
+void shade_observed(const Pipeline& pipeline, const ShadePlan& plan, int texture,
+                    const FragmentBlock<T>& block, bool store_depth, Frame& frame, Counters& counters,
+                    Trace* trace, Statistics& statistics) {
+  shade_watched<T, fixed>(pipeline, plan, texture, block, store_depth, frame, counters, trace,
+                          Observe{&statistics});
+}
+
+// The kernels; fixed: a shipped configuration's formats, null for those of the plan.
+template <class T, const ShadeFormats* fixed>
+ShadeKernels<T> shade_table() {
+  ShadeKernels<T> out;
+  out.shade = &shade<T, fixed>;
+  if constexpr (sizeof(T) == 8) {
+    out.shade_observed = &shade_observed<T, fixed>;
+  }
+  return out;
+}
+
+}  // namespace bitspan::model::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

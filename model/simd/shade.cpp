@@ -1,0 +1,238 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "model/simd/shade.cpp"
+#include "hwy/foreach_target.h"
+// After foreach_target: each target's own.
+#include "model/simd/shade-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace bitspan::model::HWY_NAMESPACE {
+
+ShadeKernels<std::int32_t> kernels32() { return shade_table<std::int32_t, nullptr>(); }
+ShadeKernels<std::int64_t> kernels64() { return shade_table<std::int64_t, nullptr>(); }
+
+}  // namespace bitspan::model::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/numeric/ratio.hpp"
+#include "model/simd/targets.hpp"
+
+namespace bitspan::model {
+namespace {
+
+HWY_EXPORT(kernels32);
+HWY_EXPORT(kernels64);
+
+// ---------------------------------------------------------------- what lanes hold
+
+// Q of a value of this extent onto the format, in lanes of `bits` bits: the value, on the finer of both
+// grids, with one bit kept back for rounding.
+bool narrows_in(int bits, Extent value, const Format& to) {
+  const int finer = std::max(value.fraction, to.fraction());
+  const int shift = value.fraction - to.fraction();
+  return value.integer + finer <= bits - 1 && std::abs(shift) <= bits - 2;
+}
+bool held_in(int bits, const Format& f) { return f.word + (f.is_signed ? 0 : 1) <= bits; }
+
+bool fits(const Config& c, FogMode fog, int bits) {
+  using F = FormatId;
+  const auto of = [&](F id) { return extent(c.format(id)); };
+  const auto narrows = [&](Extent value, F id) { return narrows_in(bits, value, c.format(id)); };
+  for (const F id : {F::span_uv, F::span_shade, F::texture_frac, F::texture_mix, F::texture_color,
+                     F::texture_alpha, F::fog_factor, F::fog_color, F::merge_color}) {
+    if (!held_in(bits, c.format(id))) return false;
+  }
+  const Extent code = extent_of_integer(8);
+  const Extent uv = of(F::span_uv);
+  // floor(u) and the next integer.
+  if (uv.integer > bits - 2 || std::abs(uv.fraction) > bits - 2) return false;
+  bool fit = narrows(code, F::texture_mix) && narrows(extent_of_integer(1), F::texture_alpha) &&
+             narrows(product(of(F::texture_mix), of(F::span_shade)), F::texture_color) &&
+             narrows(product(of(F::texture_alpha), of(F::span_shade)), F::texture_alpha);
+  if (c.filter == TextureFilter::bilinear) {
+    const Extent below = sum(uv, Extent{1, 1});
+    const Extent share = sum(extent_of_integer(1), of(F::texture_frac));
+    const auto mixes = [&](Extent v, F id) { return narrows(sum(product(v, share), product(v, share)), id); };
+    fit = fit && width(below) <= bits - 1 && narrows(Extent{1, below.fraction}, F::texture_frac) &&
+          mixes(code, F::texture_mix) && mixes(of(F::texture_mix), F::texture_mix) &&
+          mixes(of(F::texture_alpha), F::texture_alpha);
+  }
+  const auto mixes_code = [&](F color, F share, F to) {
+    return narrows(sum(product(sum(of(color), code), of(share)), product(code, of(share))), to);
+  };
+  fit = fit && narrows(extent_of_integer(1), F::fog_factor) && narrows(of(F::texture_color), F::fog_color) &&
+        narrows(of(F::fog_color), F::merge_color) &&
+        mixes_code(F::fog_color, F::texture_alpha, F::merge_color);
+  if (fog != FogMode::none) {
+    fit = fit && mixes_code(F::texture_color, F::fog_factor, F::fog_color);
+  }
+  if (fog == FogMode::linear) {
+    // In lanes of 64 bits whatever the others are.
+    fit = fit && fits_int64(sum(of(F::span_h), of(F::setup_b))) && held_in(64, c.format(F::fog_scale));
+  }
+  return fit;
+}
+
+// ---------------------------------------------------------------- textures and zones
+
+ShadeTexture prepare_image(const TextureStage& stage, const Texture& source) {
+  ShadeTexture t;
+  t.source = &source;
+  t.width = source.width;
+  t.height = source.height;
+  const bool bilinear = stage.filter == TextureFilter::bilinear;
+  // Clamped, i = -1 is a pair of its own: (0, 0).
+  t.border = bilinear && stage.wrap == TextureWrap::clamp ? 1 : 0;
+  const std::int32_t after = bilinear ? 1 : 0;
+  t.stride = t.width + t.border + after;
+  const std::int32_t rows = t.height + t.border + after;
+  t.words.assign(static_cast<std::size_t>(t.stride) * static_cast<std::size_t>(rows) + 2, 0);
+  const auto inside = [&](std::int32_t i, std::int32_t size) {
+    return stage.wrap == TextureWrap::clamp ? std::clamp(i, 0, size - 1) : i % size;
+  };
+  t.opaque = t.never_killed = true;
+  for (std::int32_t y = 0; y < rows; ++y) {
+    const std::int32_t j = inside(y - t.border, t.height);
+    const std::uint8_t* row = source.rgba.data() + 4 * std::size_t(j) * std::size_t(t.width);
+    std::uint32_t* out = t.words.data() + std::size_t(y) * std::size_t(t.stride);
+    for (std::int32_t x = 0; x < t.stride; ++x) {
+      const std::uint8_t* p = row + 4 * std::size_t(inside(x - t.border, t.width));
+      out[x] = p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
+      t.has_reserved =
+          t.has_reserved || (stage.transparent && std::equal(p, p + 3, stage.transparent->begin()));
+      t.opaque = t.opaque && p[3] == 255;
+    }
+  }
+  return t;
+}
+
+// Row by row; the zone grows with the distance from the middle column.
+std::vector<std::uint8_t> zones_of(const FogStage& fog) {
+  const auto width = static_cast<std::size_t>(fog.width);
+  const auto height = static_cast<std::size_t>(fog.height);
+  std::vector<std::uint8_t> zones(width * height + 64);
+  for (std::size_t y = 0; y < height; ++y) {
+    std::uint8_t* row = zones.data() + y * width;
+    if (y > height / 2) {
+      // As far from the middle as the row above it.
+      std::copy_n(zones.data() + (height - 1 - y) * width, width, row);
+      continue;
+    }
+    std::size_t x = 0;
+    while (x < width) {
+      // To the last pixel of the zone, on this half of the row.
+      const int zone = fog_zone(fog, std::int64_t(x), std::int64_t(y));
+      const bool left = x < width / 2;
+      std::size_t low = x;
+      std::size_t high = left ? width / 2 : width;
+      while (high - low > 1) {
+        const std::size_t middle = (low + high) / 2;
+        (fog_zone(fog, std::int64_t(middle), std::int64_t(y)) == zone ? low : high) = middle;
+      }
+      std::fill(row + x, row + high, static_cast<std::uint8_t>(zone));
+      x = high;
+    }
+  }
+  return zones;
+}
+
+bool fits_int32(const std::vector<std::int64_t>& values) {
+  return std::all_of(values.begin(), values.end(), [](std::int64_t v) { return v == std::int32_t(v); });
+}
+
+}  // namespace
+
+ShadeLanes shade_lanes(const Config& config, FogMode fog) {
+  return fits(config, fog, 32)   ? ShadeLanes::int32
+         : fits(config, fog, 64) ? ShadeLanes::int64
+                                 : ShadeLanes::scalar;
+}
+
+ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Scene& scene) {
+  ShadePlan plan;
+  plan.formats = shade_formats(config);
+  const FogMode fog = pipeline.fog.mode;
+  bool small = true;
+  for (const Texture& t : scene.textures) {
+    plan.textures.push_back(prepare_image(plan.formats.texture, t));
+    small = small && plan.textures.back().words.size() < std::size_t{1} << 28;
+  }
+  if (small) {
+    plan.lanes = shade_lanes(config, fog);
+  }
+  const TextureStage& t = plan.formats.texture;
+  using HWY_NAMESPACE::is_plain;
+  plan.plain = t.mix.fraction >= 0 && t.mix.max >= std::int64_t{255} << t.mix.fraction && is_plain(t.frac) &&
+               is_plain(t.mix) && is_plain(t.color) && is_plain(t.alpha) &&
+               is_plain(plan.formats.fog.color) && is_plain(plan.formats.merge.color);
+  for (int a = 0; a < 256; ++a) {
+    plan.alpha64.push_back(quantize_ratio(a, 255, 0, t.alpha, NoObserve{}));
+  }
+  if (fits_int32(plan.alpha64)) {
+    plan.alpha32.assign(plan.alpha64.begin(), plan.alpha64.end());
+  }
+  for (ShadeTexture& image : plan.textures) {
+    image.never_killed = !image.has_reserved &&
+                         std::none_of(image.words.begin(), image.words.end() - 2,
+                                      [&](std::uint32_t word) { return plan.alpha64[word >> 24] == 0; });
+  }
+  if (fog == FogMode::table) {
+    plan.zones = zones_of(pipeline.fog);
+    if (fits_int32(pipeline.fog.table)) {
+      plan.fog_table32.assign(pipeline.fog.table.begin(), pipeline.fog.table.end());
+    }
+  }
+  ShadePlan::ShadeChain& chain = plan.chain;
+  chain.edges = config.perspective != Perspective::const_depth_rows;
+  chain.edge_offset = offset_value(config.start_offset.edge_shade, config.format(FormatId::edge_shade));
+  chain.span_offset = offset_value(config.start_offset.span_shade, config.format(FormatId::span_shade));
+  chain.vertex = make_register(config, FormatId::setup_shade);
+  chain.edge_acc = make_register(config, FormatId::edge_shade_acc);
+  chain.edge = make_register(config, FormatId::edge_shade);
+  chain.span_acc = make_register(config, FormatId::span_shade_acc);
+  chain.span = make_register(config, FormatId::span_shade);
+  return plan;
+}
+
+// Slopes and gradients of equal values are 0, so what is left of the walks is their start and the narrowings.
+std::int64_t constant_shade(const ShadePlan& plan, std::int64_t vertex) {
+  const ShadePlan::ShadeChain& chain = plan.chain;
+  const auto start = [](Exact x, Exact offset, const Register& acc) {
+    return value_of(quantize(x + offset, acc, NoObserve{}), acc);
+  };
+  Exact x = value_of(vertex, chain.vertex);
+  if (chain.edges) {
+    x = value_of(quantize(start(x, chain.edge_offset, chain.edge_acc), chain.edge, NoObserve{}), chain.edge);
+  }
+  return quantize(start(x, chain.span_offset, chain.span_acc), chain.span, NoObserve{});
+}
+
+bool may_show_through(const ShadePlan& plan, int texture, std::int64_t a0, std::int64_t a1, std::int64_t a2) {
+  if (a0 != a1 || a1 != a2) return true;
+  const TextureStage& stage = plan.formats.texture;
+  if (texture >= 0) {
+    const ShadeTexture& image = plan.textures[static_cast<std::size_t>(texture)];
+    if (!image.opaque || !image.never_killed) return true;
+  }
+  // Mixes of equal alphas are that alpha.
+  const Exact one = value_of(plan.alpha64[255], stage.alpha);
+  const std::int64_t a =
+      quantize(one * value_of(constant_shade(plan, a0), stage.shade), stage.alpha, NoObserve{});
+  return a < HWY_STATIC_DISPATCH(opaque_alpha)(plan.formats.merge);
+}
+
+template <>
+ShadeKernels<std::int32_t> shade_kernels(VectorTarget target) {
+  return on_target(target, [] { return HWY_DYNAMIC_DISPATCH(kernels32)(); });
+}
+template <>
+ShadeKernels<std::int64_t> shade_kernels(VectorTarget target) {
+  return on_target(target, [] { return HWY_DYNAMIC_DISPATCH(kernels64)(); });
+}
+
+}  // namespace bitspan::model
+#endif

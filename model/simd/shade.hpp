@@ -1,0 +1,93 @@
+// The vector form's last half: texture, fog, merge and the frame, for blocks of fragments that passed the
+// depth test. The arithmetic is the stages' own text (model/stages/*-inl.hpp).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "config/config.hpp"
+#include "config/engine.hpp"
+#include "config/records.hpp"
+#include "model/engine_model.hpp"
+#include "model/numeric/observe.hpp"
+#include "model/pipeline.hpp"
+#include "model/simd/fragment_block.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan::model {
+
+// What the three stages compute by, known from the configuration alone.
+struct ShadeFormats {
+  TextureStage texture;
+  FogFormats fog;
+  MergeStage merge;
+};
+constexpr ShadeFormats shade_formats(const Config& config) {
+  return {prepare_texture(config), fog_formats(config), prepare_merge(config)};
+}
+
+// In what the three stages compute, every intermediate exact.
+enum class ShadeLanes : std::uint8_t { int32, int64, scalar };
+// By the formats; scenes with a texture of 2^28 texels and more are scalar. fog: none in a scene without fog.
+ShadeLanes shade_lanes(const Config& config, FogMode fog);
+
+// A texture as the kernels read it: words, red in the lowest byte, with a border that repeats what the
+// wrapping gives there, so that the four texels of the bilinear filter are two pairs side by side.
+struct ShadeTexture {
+  std::int32_t width = 0, height = 0;
+  std::int32_t border = 0;           // columns before column 0 and rows before row 0
+  std::int32_t stride = 0;           // words a row
+  bool has_reserved = false;         // some texel has the reserved colour
+  bool opaque = false;               // every texel's alpha is 255
+  bool never_killed = false;         // no texel has the reserved colour or an alpha of 0 on texture.alpha
+  const Texture* source = nullptr;   // of the scene
+  std::vector<std::uint32_t> words;  // padded by two words
+};
+
+// Prepared once a scene, which must outlive it.
+struct ShadePlan {
+  ShadeLanes lanes = ShadeLanes::scalar;
+  bool plain = false;  // every register rounds by adding a constant, and saturates
+  ShadeFormats formats;
+  std::vector<ShadeTexture> textures;  // by the scene's numbers
+  std::vector<std::int32_t> alpha32;   // Q[texture.alpha](a / 255); empty where int32 does not hold it
+  std::vector<std::int64_t> alpha64;
+  std::vector<std::uint8_t> zones;        // of the fog table, one a pixel; padded
+  std::vector<std::int32_t> fog_table32;  // raw, fog.factor; empty where int32 does not hold it
+
+  // Of a channel that is the same at all three vertices: the fragments' value.
+  struct ShadeChain {
+    bool edges = false;  // through the edge walk; const_depth_rows: not
+    Exact edge_offset, span_offset;
+    Register vertex, edge_acc, edge, span_acc, span;
+  } chain;
+};
+ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Scene& scene);
+
+// The value of a colour or alpha channel on every fragment of a triangle whose vertices all have it as
+// `vertex` (raw, setup.shade): raw, span.shade.
+std::int64_t constant_shade(const ShadePlan& plan, std::int64_t vertex);
+
+// False only where every fragment of a triangle is opaque and none can be killed. a0, a1, a2: the vertices'
+// alphas, raw, setup.shade; texture: -1 for none.
+bool may_show_through(const ShadePlan& plan, int texture, std::int64_t a0, std::int64_t a1, std::int64_t a2);
+
+// T: of the block; std::int32_t only where plan.lanes is int32, std::int64_t with any plan.
+template <class T>
+struct ShadeKernels {
+  // Texture, fog, merge, and the frame's colour, of the fragments of a block, all of one texture (-1: none).
+  // Of those that are not killed also the frame's depth where store_depth, and u, v and the triangle where
+  // the frame keeps them (u is not empty). Pixels may repeat in a block only where none of its fragments can
+  // be killed and all are opaque: the later one stays. Counts killed and written. With a trace appends the
+  // records of texture, fog and merge; then no pixel may repeat.
+  void (*shade)(const Pipeline&, const ShadePlan&, int texture, const FragmentBlock<T>&, bool store_depth,
+                Frame&, Counters&, Trace*) = nullptr;
+  // The same with observers; null for std::int32_t.
+  void (*shade_observed)(const Pipeline&, const ShadePlan&, int texture, const FragmentBlock<T>&,
+                         bool store_depth, Frame&, Counters&, Trace*, Statistics&) = nullptr;
+};
+// Throws InputError where the processor lacks the target. T: std::int32_t or std::int64_t.
+template <class T>
+ShadeKernels<T> shade_kernels(VectorTarget target);
+
+}  // namespace bitspan::model

@@ -1,0 +1,20 @@
+// The specialised form: the kernels of spans.hpp and shade.hpp with the formats of the shipped configurations
+// compiled in. The same text; the compiler folds shifts, limits and modes.
+#pragma once
+
+#include <cstdint>
+
+#include "config/config.hpp"
+#include "model/simd/shade.hpp"
+#include "model/simd/spans.hpp"
+
+namespace bitspan::model {
+
+// Which shipped configuration this is, whatever its name; -1 for none.
+int shipped_index(const Config& config);
+
+// Only the kernels that are specialised are set: draw and evaluate, and shade.
+SpanKernels<std::int32_t> shipped_span_kernels(VectorTarget target, int index);
+ShadeKernels<std::int32_t> shipped_shade_kernels(VectorTarget target, int index);
+
+}  // namespace bitspan::model

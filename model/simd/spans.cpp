@@ -1,0 +1,44 @@
+#include "model/simd/spans.hpp"
+
+#include "model/numeric/extent.hpp"
+#include "model/simd/targets.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "model/simd/spans.cpp"
+#include "hwy/foreach_target.h"
+#include "model/simd/spans-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace bitspan::model::HWY_NAMESPACE {
+
+SpanKernels<std::int32_t> span_table32() { return table_of<std::int32_t, nullptr, nullptr>(); }
+SpanKernels<std::int64_t> span_table64() { return table_of<std::int64_t, nullptr, nullptr>(); }
+
+}  // namespace bitspan::model::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace bitspan::model {
+
+HWY_EXPORT(span_table32);
+HWY_EXPORT(span_table64);
+
+template <>
+SpanKernels<std::int32_t> span_kernels(VectorTarget target) {
+  return on_target(target, [&] { return HWY_DYNAMIC_DISPATCH(span_table32)(); });
+}
+template <>
+SpanKernels<std::int64_t> span_kernels(VectorTarget target) {
+  return on_target(target, [&] { return HWY_DYNAMIC_DISPATCH(span_table64)(); });
+}
+
+const char* spans_refusal(const Config& config) {
+  const auto of = [&](FormatId id) { return extent(config.format(id)); };
+  return config.perspective != Perspective::const_depth_rows &&
+                 width(sum(of(FormatId::span_h), of(FormatId::setup_b))) > 63
+             ? "h + B needs more than 63 bits"
+             : nullptr;
+}
+
+}  // namespace bitspan::model
+#endif

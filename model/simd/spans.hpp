@@ -1,0 +1,111 @@
+// The vector form's second half up to the depth test: spans to fragments that passed, in blocks.
+//
+// Depth comes first. A span's h is a ramp, so its depth codes are compared with the buffer a vector at a
+// time, and only fragments that pass get a reciprocal, u, v and shades. Nothing of that changes a bit: a
+// stage's records do not depend on the others' order.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "config/engine.hpp"
+#include "model/engine_model.hpp"
+#include "model/pipeline.hpp"
+#include "model/simd/columns.hpp"
+#include "model/simd/fragment_block.hpp"
+
+namespace bitspan::model {
+
+// One a triangle of a batch.
+struct SpanDraw {
+  std::int32_t texture = -1;
+  // None of its fragments can be killed and all are opaque: they may share a block with other triangles', and
+  // their depth is stored when it is tested.
+  bool shared = false;
+};
+
+// Which rows are drawn: those of this thread. Rows go to threads in bands.
+struct Bands {
+  std::int64_t thread = 0, threads = 1;
+  static constexpr int rows_log2 = 4;
+  bool has(std::int64_t y) const { return threads == 1 || (y >> rows_log2) % threads == thread; }
+};
+
+// Where blocks go: texture, fog and merge. store_depth: false where the depth is stored already.
+template <class T>
+struct BlockSink {
+  virtual ~BlockSink() = default;
+  virtual void operator()(const FragmentBlock<T>& block, int texture, bool store_depth) = 0;
+};
+
+// A span's registers in closed form: value i of a register is start + i increment where every linear[span]
+// says so. In the order h, fu, fv, r, g, b, a.
+struct Ramps {
+  std::array<std::vector<std::int64_t>, 7> increment;
+  std::vector<std::int64_t> linear;  // 0 or 1
+};
+
+// What drawing spans needs from call to call.
+template <class T>
+struct SpanWork {
+  FragmentBlock<T> block;
+  // Of the block's fragments, until it is given away.
+  alignas(64) std::int64_t fu[FragmentBlock<T>::padded];
+  alignas(64) std::int64_t fv[FragmentBlock<T>::padded];
+  alignas(64) std::int64_t u1[FragmentBlock<T>::padded];
+  alignas(64) std::int64_t v1[FragmentBlock<T>::padded];
+  Ramps ramps;
+  std::array<std::vector<std::int64_t>, 7> values;  // registers of a span that are no ramp, one a pixel
+  Columns<FragmentRecord> fragments{0};
+  Columns<DepthRecord> depths{0};
+};
+
+template <class T>
+struct SpanKernels {
+  // Draws spans in order into frame.depth and blocks; all modes but const_depth_rows. triangle column: input
+  // index, first_index the one of draws[0]. Counts fragments, covered, depth_passed, divides_pixel.
+  void (*draw)(const Pipeline&, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
+               std::int64_t first_index, Bands, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&) = nullptr;
+  // The same for every fragment, passed or not, with its records, or with observers at every register.
+  void (*draw_traced)(const Pipeline&, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
+                      std::int64_t first_index, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&, Trace*,
+                      Statistics*) = nullptr;
+  // The span stage alone: fragments of span i into columns h, u, v (and the shades where `shades`).
+  void (*evaluate)(const SpanStage&, const Columns<SpanRecord>& spans, std::size_t i, bool shades,
+                   SpanWork<T>&, Columns<FragmentRecord>&) = nullptr;
+  // The same with statistics of every register.
+  void (*evaluate_observed)(const SpanStage&, const Columns<SpanRecord>& spans, std::size_t i, bool shades,
+                            SpanWork<T>&, Columns<FragmentRecord>&, Statistics&) = nullptr;
+};
+
+// Appends a fragment that passed; pixel: y width + x. There is room.
+template <class T>
+void append(FragmentBlock<T>& block, const FragmentRecord& fragment, const DepthRecord& depth,
+            std::size_t pixel, const FogStage& fog) {
+  const std::size_t to = block.size++;
+  block.pixel[to] = static_cast<std::int32_t>(pixel);
+  block.z[to] = static_cast<std::int32_t>(static_cast<std::uint32_t>(depth.z));
+  block.u[to] = static_cast<T>(fragment.u);
+  block.v[to] = static_cast<T>(fragment.v);
+  block.r[to] = static_cast<T>(fragment.r);
+  block.g[to] = static_cast<T>(fragment.g);
+  block.b[to] = static_cast<T>(fragment.b);
+  block.a[to] = static_cast<T>(fragment.a);
+  block.h[to] = fragment.h;
+  const int128 step = floor_of({fragment.h, fog.h.fraction + fog.depth_bits - fog_depth_bits});
+  block.fog_step[to] = static_cast<std::int32_t>(std::clamp<int128>(step, 0, (1 << fog_depth_bits) - 1));
+  block.triangle[to] = static_cast<std::int32_t>(fragment.triangle);
+}
+
+// Formats read at run time. T = std::int32_t where u, v and shades fit it and every register of a fragment
+// rounds by adding a constant and saturates. Throws InputError where the processor lacks the target.
+template <class T>
+SpanKernels<T> span_kernels(VectorTarget target);
+
+// Why this configuration's spans cannot be drawn in lanes; null where they can.
+const char* spans_refusal(const Config& config);
+
+}  // namespace bitspan::model

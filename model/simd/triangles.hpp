@@ -1,0 +1,57 @@
+// The vector form's first half: triangles to spans. Setup and slopes in lanes of triangles, accumulators as
+// ramps (ramp-inl.hpp), row ends and span starts in lanes of rows of any triangles.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "config/engine.hpp"
+#include "model/engine_model.hpp"
+#include "model/pipeline.hpp"
+#include "model/simd/columns.hpp"
+
+namespace bitspan::model {
+
+// What an end of a row is computed from, beside its accumulators.
+struct RowSource {
+  // X: `exact`: x0 / x1; `dda` multiply: of x0 = x1, x1 = x_step, x2 = y1 of the edge; accumulate: none.
+  std::int64_t l_x0, l_x1, l_x2, l_u1, l_v1;
+  std::int64_t r_x0, r_x1, r_x2, r_u1, r_v1;
+};
+
+// What to_spans needs from call to call.
+struct TriangleBatch {
+  static constexpr std::size_t row_capacity = 512;
+  Columns<RowRecord> rows{row_capacity};
+  Columns<RowSource> sources{row_capacity};
+};
+
+struct TriangleKernels {
+  // Triangles that check_triangle accepts to spans in order: appends to `spans` one a row that has pixels;
+  // all modes but const_depth_rows. first_index: the input index of triangles[0]. Counts triangles,
+  // degenerate, rows, divides_edge, divides_row. Without a trace the span's recip_m, recip_e, phase, fu_diff,
+  // fv_diff and step1 columns are not written; with one, appends the records of setup, setup.edge, edge_walk
+  // and span_setup.
+  void (*to_spans)(const Pipeline&, std::span<const Triangle> triangles, std::int64_t first_index,
+                   TriangleBatch&, Columns<SpanRecord>& spans, Counters&, Trace*);
+  // The same with statistics of every register.
+  void (*to_spans_observed)(const Pipeline&, std::span<const Triangle> triangles, std::int64_t first_index,
+                            TriangleBatch&, Columns<SpanRecord>& spans, Counters&, Trace*, Statistics&);
+};
+
+// Throws InputError where the processor lacks the target.
+TriangleKernels triangle_kernels(VectorTarget target);
+
+// The first stage whose formats are wider than lanes hold (61 bits for a sum of two registers, 126 for what
+// is rounded; forms.hpp); null where there is none. With one, the kernels do a triangle at a time by the
+// scalar stages.
+inline const char* stage_too_wide_for_lanes(const Pipeline& pipeline) {
+  if (!pipeline.setup.lanes) return "setup";
+  if (!pipeline.edge_walk.lanes) return "edge_walk";
+  return pipeline.span_setup.lanes ? nullptr : "span_setup";
+}
+inline bool triangles_in_lanes(const Pipeline& pipeline) {
+  return stage_too_wide_for_lanes(pipeline) == nullptr;
+}
+
+}  // namespace bitspan::model

@@ -1,0 +1,52 @@
+// The depth code's arithmetic, one text for a fragment and for lanes of them.
+#include "model/stages/depth.hpp"
+#include "model/stages/span-inl.hpp"
+
+#if defined(BITSPAN_MODEL_STAGES_DEPTH_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef BITSPAN_MODEL_STAGES_DEPTH_INL
+#undef BITSPAN_MODEL_STAGES_DEPTH_INL
+#else
+#define BITSPAN_MODEL_STAGES_DEPTH_INL
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace bitspan::model::HWY_NAMESPACE {
+
+template <class Value>
+struct DepthPoint {
+  Value z, recip_m, recip_e;
+};
+
+// Int: int128 or WideLanes for the linear code's product, any for the others. scene: B, c1 and c0.
+template <class Int, class Watch>
+HWY_INLINE DepthPoint<ValueOf<Int>> depth_point(const DepthFormats& f, const DepthScene& scene,
+                                                ValueOf<Int> h, Watch watch) {
+  using Value = ValueOf<Int>;
+  const Value none(0);
+  if (f.code == DepthCode::inverse) {
+    return {quantize(h, f.h.fraction, f.z, watch), none, none};
+  }
+  if (f.code == DepthCode::opengl) {
+    const int up = f.h.fraction < 0 ? -f.h.fraction : 0;  // zmax - h on a grid that holds both
+    const Int difference = (Int(Value(f.zmax)) << (f.h.fraction + up)) - (Int(h) << up);
+    return {quantize(difference, f.h.fraction + up, f.z, watch), none, none};
+  }
+  const DepthSum<Int> q = (DepthSum<Int>(h) << f.h_up) + depth_constant<Int>(scene.b);
+  const auto inverse = reciprocal(f.reciprocal, scene.table, q, f.q_fraction, watch);
+  const Value product = inverse.e + Value(f.c1_fraction + f.reciprocal.output.fraction);
+  const Value common = max(product, Value(f.c0_fraction));
+  const Int scaled = shifted_up(times<Int>(Value(scene.c1), inverse.m), common - product);
+  const Value z =
+      quantize(scaled - (Int(Value(scene.c0)) << (common - Value(f.c0_fraction))), common, f.z, watch);
+  return {z, inverse.m, inverse.e};
+}
+
+// Whether z passes against what is stored.
+template <class Value>
+HWY_INLINE auto depth_passes(const DepthFormats& f, Value z, Value stored) {
+  return f.code == DepthCode::inverse ? z > stored : z < stored;
+}
+
+}  // namespace bitspan::model::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

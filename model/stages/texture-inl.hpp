@@ -1,0 +1,195 @@
+// texture: the text that one fragment and lanes of fragments share. docs/numeric-spec.md, "texture".
+//
+// Int: std::int64_t, int128, Lanes32 or Lanes, what products are formed in; every intermediate fits it.
+// Image: how texels are fetched; texels are words, red in the lowest byte, alpha in the fourth:
+//   present()                 false: no texture
+//   filter(stage)             the stage's filter
+//   may_be_reserved()         false: no texel has the reserved colour
+//   nearest(i, j)             wraps both (they come out wrapped) and gives the texel
+//   quad(i, j)                the texels (i, j), (i+1, j), (i, j+1), (i+1, j+1), each wrapped; i, j come out
+//   wrapped alpha(stage, word, watch) Q[texture.alpha](a / 255) of a word
+#include <algorithm>
+#include <array>
+
+#include "model/numeric/quantize-inl.hpp"
+#include "model/stages/texture.hpp"
+
+#if defined(BITSPAN_MODEL_STAGES_TEXTURE_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef BITSPAN_MODEL_STAGES_TEXTURE_INL
+#undef BITSPAN_MODEL_STAGES_TEXTURE_INL
+#else
+#define BITSPAN_MODEL_STAGES_TEXTURE_INL
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace bitspan::model::HWY_NAMESPACE {
+
+template <class V>
+using Truth = decltype(std::declval<V>() == std::declval<V>());
+
+// An intermediate that fits a register.
+template <class Int>
+HWY_INLINE ValueOf<Int> as_value(Int x) {
+  return static_cast<ValueOf<Int>>(x);
+}
+
+template <class V>
+struct Textured {
+  V i, j, ex, ey;
+  std::array<V, 4> texel;  // on texture.mix, alpha on texture.alpha
+  std::array<V, 4> color;  // on texture.color, alpha on texture.alpha
+  Truth<V> killed;
+};
+
+template <class V>
+struct Quad {
+  V v1, v4, v2, v3;
+};
+
+template <class V>
+HWY_INLINE V code_of(V word, int channel) {
+  return (word >> (8 * channel)) & V(255);
+}
+
+// Q of a code 0..255.
+template <class V, class Watch>
+HWY_INLINE V quantize_code(V code, const Register& r, Watch watch) {
+  if constexpr (std::is_same_v<Watch, Plain>) {
+    return code << r.fraction;
+  } else {
+    return quantize(code, 0, r, watch);
+  }
+}
+
+template <class V>
+HWY_INLINE Truth<V> is_reserved(const TextureStage& stage, V word) {
+  const auto& c = *stage.transparent;
+  return (word & V(0xffffff)) == V(c[0] | c[1] << 8 | c[2] << 16);
+}
+
+inline std::int64_t wrapped(std::int64_t i, std::int64_t size, TextureWrap wrap) {
+  if (wrap == TextureWrap::clamp) {
+    return std::clamp<std::int64_t>(i, 0, size - 1);
+  }
+  if (static_cast<std::uint64_t>(i) < static_cast<std::uint64_t>(size)) {
+    return i;
+  }
+  const std::int64_t rest = i % size;
+  return rest < 0 ? rest + size : rest;
+}
+
+// A texture, or none, for one integer.
+struct TextureImage {
+  const Texture* texture;
+  TextureWrap wrap;
+
+  bool present() const { return texture != nullptr; }
+  static TextureFilter filter(const TextureStage& stage) { return stage.filter; }
+  static bool may_be_reserved() { return true; }
+  std::int64_t word(std::int64_t i, std::int64_t j) const {
+    const std::uint8_t* p = texture->rgba.data() + 4 * (j * texture->width + i);
+    return p[0] | p[1] << 8 | p[2] << 16 | std::int64_t{p[3]} << 24;
+  }
+  std::int64_t nearest(std::int64_t& i, std::int64_t& j) const {
+    i = wrapped(i, texture->width, wrap);
+    j = wrapped(j, texture->height, wrap);
+    return word(i, j);
+  }
+  Quad<std::int64_t> quad(std::int64_t& i, std::int64_t& j) const {
+    const std::int64_t i1 = wrapped(i + 1, texture->width, wrap);
+    const std::int64_t j1 = wrapped(j + 1, texture->height, wrap);
+    const std::int64_t first = nearest(i, j);
+    return {first, word(i1, j), word(i, j1), word(i1, j1)};
+  }
+  template <class Watch>
+  static std::int64_t alpha(const TextureStage& stage, std::int64_t word, Watch watch) {
+    return quantize_ratio(word >> 24, 255, 0, stage.alpha, watch);
+  }
+};
+
+// Q(a (1 - e) + b e) on r; a and b have fraction bits of their own.
+template <class Int, class Watch>
+HWY_INLINE ValueOf<Int> blend(ValueOf<Int> a, ValueOf<Int> b, ValueOf<Int> e, int e_fraction, int fraction,
+                              const Register& r, Watch watch) {
+  const Int one = Int(1) << e_fraction;
+  return quantize(Int(a) * (one - Int(e)) + Int(b) * Int(e), fraction + e_fraction, r, watch);
+}
+
+template <class Int, class Image, class Watch>
+HWY_INLINE Textured<ValueOf<Int>> textured(const TextureStage& stage, const Image& image, ValueOf<Int> u,
+                                           ValueOf<Int> v, const std::array<ValueOf<Int>, 4>& shade,
+                                           Watch watch) {
+  using V = ValueOf<Int>;
+  Textured<V> out;
+  out.i = out.j = out.ex = out.ey = V(0);
+  out.killed = V(0) != V(0);
+  if (!image.present()) {
+    const V full = as_value<Int>(quantize(V(255), 0, stage.mix, watch));
+    out.texel = {full, full, full, as_value<Int>(quantize(V(1), 0, stage.alpha, watch))};
+  } else {
+    const int fraction = stage.uv.fraction;
+    const bool reserved = stage.transparent && image.may_be_reserved();
+    const bool bilinear = image.filter(stage) == TextureFilter::bilinear;
+    V nearest_word(0);
+    if (!bilinear || reserved) {
+      const auto floor = [fraction](V x) HWY_ATTR {
+        return as_value<Int>(fraction >= 0 ? Int(x) >> fraction : Int(x) << -fraction);
+      };
+      out.i = floor(u);
+      out.j = floor(v);
+      nearest_word = image.nearest(out.i, out.j);
+      if (reserved) {
+        out.killed = is_reserved(stage, nearest_word);
+      }
+    }
+    if (!bilinear) {
+      for (int c = 0; c < 3; ++c) {
+        out.texel[c] = quantize_code(code_of(nearest_word, c), stage.mix, watch);
+      }
+      out.texel[3] = image.alpha(stage, nearest_word, watch);
+    } else {
+      // u - 1/2 on a grid that has the half.
+      const int grid = fraction > 1 ? fraction : 1;
+      const Int half = Int(1) << (grid - 1);
+      const Int u_low = (Int(u) << (grid - fraction)) - half;
+      const Int v_low = (Int(v) << (grid - fraction)) - half;
+      const Int below = (Int(1) << grid) - Int(1);
+      out.ex = quantize(u_low & below, grid, stage.frac, watch);
+      out.ey = quantize(v_low & below, grid, stage.frac, watch);
+      out.i = as_value<Int>(u_low >> grid);
+      out.j = as_value<Int>(v_low >> grid);
+      Quad<V> quad = image.quad(out.i, out.j);
+      if (reserved) {
+        for (V* word : {&quad.v1, &quad.v4, &quad.v2, &quad.v3}) {
+          *word = select(is_reserved(stage, *word), nearest_word, *word);
+        }
+      }
+      // texture.frac has no integer bits: its fraction is its word, at least 1.
+      const int e_fraction = stage.frac.fraction;
+      const auto mixed = [&](V v1, V v4, V v2, V v3, int f, const Register& r) HWY_ATTR {
+        const V v5 = blend<Int>(v1, v4, out.ex, e_fraction, f, r, watch);
+        const V v6 = blend<Int>(v2, v3, out.ex, e_fraction, f, r, watch);
+        return blend<Int>(v5, v6, out.ey, e_fraction, r.fraction, r, watch);
+      };
+      for (int c = 0; c < 3; ++c) {
+        out.texel[c] = mixed(code_of(quad.v1, c), code_of(quad.v4, c), code_of(quad.v2, c),
+                             code_of(quad.v3, c), 0, stage.mix);
+      }
+      out.texel[3] = mixed(image.alpha(stage, quad.v1, watch), image.alpha(stage, quad.v4, watch),
+                           image.alpha(stage, quad.v2, watch), image.alpha(stage, quad.v3, watch),
+                           stage.alpha.fraction, stage.alpha);
+    }
+  }
+  for (std::size_t c = 0; c < 4; ++c) {
+    const Register& from = c < 3 ? stage.mix : stage.alpha;
+    const Register& to = c < 3 ? stage.color : stage.alpha;
+    out.color[c] =
+        quantize(Int(out.texel[c]) * Int(shade[c]), from.fraction + stage.shade.fraction, to, watch);
+  }
+  out.killed = out.killed | (out.color[3] == V(0));
+  return out;
+}
+
+}  // namespace bitspan::model::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

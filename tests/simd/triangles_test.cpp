@@ -1,0 +1,301 @@
+// Triangles to spans in lanes against the scalar stages: every record, counter and statistic, on every
+// target.
+#include "model/simd/triangles.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "model/simd/targets.hpp"
+#include "report/random_config.hpp"
+#include "scene/demo.hpp"
+#include "scene/random.hpp"
+#include "tests/support/test_config.hpp"
+
+namespace bitspan::model {
+namespace {
+
+constexpr VectorTarget targets[] = {VectorTarget::avx512, VectorTarget::avx2, VectorTarget::baseline};
+
+// What the kernels deliver, by the scalar stages.
+template <class Watch = NoObserve>
+void by_stages(const Pipeline& pipeline, const Scene& scene, std::int64_t first, Trace& trace,
+               Counters& counters, Watch watch = {}) {
+  Rows rows;
+  PlaneWalkState walk;
+  for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
+    rows.clear();
+    triangle_to_rows(pipeline, scene.triangles[t], first + static_cast<std::int64_t>(t), walk, rows, counters,
+                     &trace, watch);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      trace.span.push_back(row_to_span(pipeline, rows, i, counters, watch));
+    }
+  }
+}
+
+std::string text_of(const Counters& c) {
+  return "triangles " + std::to_string(c.triangles) + " degenerate " + std::to_string(c.degenerate) +
+         " rows " + std::to_string(c.rows) + " edge " + std::to_string(c.divides_edge) + " row " +
+         std::to_string(c.divides_row);
+}
+
+template <class R>
+bool same(const std::vector<R>& got, const std::vector<R>& expected, const std::string& where) {
+  for (std::size_t i = 0; i < std::min(got.size(), expected.size()); ++i) {
+    const auto a = raw_values(got[i]);
+    const auto b = raw_values(expected[i]);
+    for (std::size_t f = 0; f < a.size(); ++f) {
+      if (a[f] != b[f]) {
+        ADD_FAILURE() << where << ": " << stage_name<R> << " record " << i << ", triangle " << b[0] << ", "
+                      << fields<R>[f].name << " is " << a[f] << ", not " << b[f];
+        return false;
+      }
+    }
+  }
+  EXPECT_EQ(got.size(), expected.size()) << where << ": " << stage_name<R>;
+  return got.size() == expected.size();
+}
+
+// Everything that the span stage reads: all that is delivered without a trace.
+SpanRecord as_read(SpanRecord s) {
+  s.recip_m = s.recip_e = s.phase = s.fu_diff = s.fv_diff = 0;
+  s.fu_step1 = s.fv_step1 = s.r_step1 = s.g_step1 = s.b_step1 = s.a_step1 = 0;
+  return s;
+}
+
+bool same_statistics(const Statistics& got, const Statistics& expected, const std::string& where) {
+  for (int i = 0; i < register_count; ++i) {
+    const auto id = static_cast<RegisterId>(i);
+    FieldStatistics a = got.of(id);
+    FieldStatistics b = expected.of(id);
+    if (b.count == 0) {
+      a.min = a.max = b.min = b.max = 0;
+    }
+    if (a != b) {
+      ADD_FAILURE() << where << ": " << name_of(id) << " saw " << a.count << " values in " << a.min << ".."
+                    << a.max << ", wraps " << a.wraps << ", saturations " << a.saturations << ", bias "
+                    << a.bias << ", not " << b.count << " in " << b.min << ".." << b.max << ", " << b.wraps
+                    << ", " << b.saturations << ", " << b.bias;
+      return false;
+    }
+  }
+  return true;
+}
+
+// True where everything agrees.
+bool check(const Config& config, const Scene& scene, const std::string& name) {
+  const Pipeline pipeline = make_pipeline(config, scene);
+  constexpr std::int64_t first = 7;
+  Trace expected;
+  Counters counted;
+  Statistics seen;
+  by_stages(pipeline, scene, first, expected, counted, Observe{&seen});
+  bool good = true;
+  for (const VectorTarget target : targets) {
+    if (!supported(target)) {
+      continue;
+    }
+    const std::string where = name + ", target " + std::to_string(static_cast<int>(target));
+    const TriangleKernels kernels = triangle_kernels(target);
+    TriangleBatch batch;
+    for (const bool observed : {false, true}) {
+      Trace trace;
+      Counters counters;
+      Columns<SpanRecord> spans;
+      Statistics statistics;
+      if (observed) {
+        kernels.to_spans_observed(pipeline, scene.triangles, first, batch, spans, counters, &trace,
+                                  statistics);
+        good = good && same_statistics(statistics, seen, where);
+      } else {
+        kernels.to_spans(pipeline, scene.triangles, first, batch, spans, counters, &trace);
+      }
+      good = good && same(trace.setup, expected.setup, where) && same(trace.edge, expected.edge, where) &&
+             same(trace.row, expected.row, where) && same(trace.span, expected.span, where);
+      EXPECT_EQ(text_of(counters), text_of(counted)) << where;
+      good = good && counters == counted;
+    }
+    // In two parts, appended, without a trace.
+    Counters counters;
+    Columns<SpanRecord> spans;
+    const std::span<const Triangle> all = scene.triangles;
+    const std::size_t half = all.size() / 2;
+    kernels.to_spans(pipeline, all.first(half), first, batch, spans, counters, nullptr);
+    kernels.to_spans(pipeline, all.subspan(half), first + static_cast<std::int64_t>(half), batch, spans,
+                     counters, nullptr);
+    EXPECT_EQ(text_of(counters), text_of(counted)) << where;
+    std::vector<SpanRecord> got;
+    std::vector<SpanRecord> wanted;
+    for (std::size_t i = 0; i < spans.size; ++i) got.push_back(as_read(spans.record(i)));
+    for (const SpanRecord& s : expected.span) wanted.push_back(as_read(s));
+    good = good && same(got, wanted, where);
+    if (!good) {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::vector<Config> shipped() {
+  return {shipped_config("depth16"), shipped_config("depth20"), shipped_config("narrow")};
+}
+
+RandomOptions small_scenes() {
+  RandomOptions o;
+  o.width = 200;
+  o.height = 150;
+  o.triangles = 48;
+  o.size_max = 300;
+  return o;
+}
+
+TEST(Triangles, DemoAndExtremeScenes) {
+  for (const Config& config : shipped()) {
+    check(config, demo_scene(160, 120), config.name + ", demo");
+    for (const Scene& scene : extreme_scenes()) {
+      check(config, scene, config.name + ", " + scene.name);
+    }
+  }
+}
+
+TEST(Triangles, RandomScenesInEveryMode) {
+  std::uint64_t seed = 100;
+  for (const Config& base : shipped()) {
+    for (const Perspective perspective :
+         {Perspective::delta_f, Perspective::hyperbolic, Perspective::affine}) {
+      for (const FillRule rule : {FillRule::top_left, FillRule::inclusive}) {
+        for (int walk = 0; walk < 3; ++walk) {
+          for (const SlopeForm form : {SlopeForm::divide, SlopeForm::reciprocal}) {
+            Config c = base;
+            c.perspective = perspective;
+            c.fill_rule = rule;
+            c.edge_walk = walk == 0 ? EdgeWalk::exact : EdgeWalk::dda;
+            c.dda_update = walk == 2 ? DdaUpdate::multiply : DdaUpdate::accumulate;
+            c.edge_slope = form;
+            c.row_slope = form == SlopeForm::divide ? SlopeForm::reciprocal : SlopeForm::divide;
+            ++seed;
+            if (!check(c, random_scene(seed, small_scenes()), "seed " + std::to_string(seed))) {
+              return;
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(Triangles, RandomConfigurations) {
+  const std::vector<Config> bases = shipped();
+  RandomConfigOptions options;
+  options.check = [](const Config& c) {
+    if (c.perspective == Perspective::const_depth_rows) {
+      throw InputError("not walked by rows");
+    }
+  };
+  RandomOptions scenes = small_scenes();
+  scenes.triangles = 24;
+  int in_lanes = 0;
+  constexpr int runs = 150;
+  for (std::uint64_t seed = 1; seed <= runs; ++seed) {
+    const Config config = random_config(seed, bases, options);
+    const Scene scene = random_scene(seed, scenes);
+    const std::string name = "configuration and scene of seed " + std::to_string(seed);
+    try {
+      in_lanes += triangles_in_lanes(make_pipeline(config, scene)) ? 1 : 0;
+    } catch (const InputError&) {
+      continue;  // the scene's range does not fit
+    }
+    if (!check(config, scene, name)) {
+      return;
+    }
+  }
+  // The test is of the lanes, so most must take them.
+  EXPECT_GT(in_lanes, runs * 3 / 4);
+}
+
+// Accumulators coarser than their steps, in every rounding mode, that saturate and wrap on the way.
+TEST(Triangles, CoarseAccumulators) {
+  for (int mode = 0; mode < rounding_modes; ++mode) {
+    for (int overflow = 0; overflow < overflow_modes; ++overflow) {
+      Config c = shipped_config("narrow");
+      c.edge_walk = EdgeWalk::dda;
+      for (const FormatId id :
+           {FormatId::edge_x_acc, FormatId::edge_h_acc, FormatId::edge_f, FormatId::edge_shade_acc}) {
+        Format& f = c.format(id);
+        f.word -= 3;  // fraction bits
+        f.is_signed = true;
+        if (id != FormatId::edge_x_acc) {
+          f.word -= 1;
+          f.integer -= 1;
+        }
+        f.rounding = static_cast<Rounding>(mode);
+        f.overflow = static_cast<Overflow>(overflow);
+      }
+      const auto seed = static_cast<std::uint64_t>(1000 + 10 * mode + overflow);
+      if (!check(c, random_scene(seed, small_scenes()),
+                 "rounding " + std::to_string(mode) + ", overflow " + std::to_string(overflow) + ", seed " +
+                     std::to_string(seed))) {
+        return;
+      }
+    }
+  }
+}
+
+// Triangles of thousands of rows, more than the row buffer holds, and with steps beyond 64 bits of sums.
+TEST(Triangles, TallPictures) {
+  RandomOptions o = small_scenes();
+  o.width = 60;
+  o.height = 3000;
+  o.triangles = 7;
+  o.size_min = 1500;
+  o.size_max = 3000;
+  for (const Config& config : shipped()) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      check(config, random_scene(seed, o), config.name + ", tall, seed " + std::to_string(seed));
+    }
+  }
+}
+
+// Formats at the limits of 127 bits: lanes of 128 bits, and beyond their room the scalar stages.
+TEST(Triangles, WidestFormats) {
+  int in_lanes = 0;
+  for (int extra = 0; extra <= 24; extra += 4) {
+    Config c = shipped_config("depth20");
+    for (const FormatId id :
+         {FormatId::setup_uv, FormatId::edge_f_diff, FormatId::edge_f_step, FormatId::edge_f,
+          FormatId::edge_uv, FormatId::edge_h_step, FormatId::edge_h_acc, FormatId::edge_h,
+          FormatId::span_f_diff, FormatId::span_f_step, FormatId::span_f}) {
+      Format& f = c.format(id);
+      f.word = std::min(f.word + extra, f.is_signed ? 64 : 63);
+    }
+    try {
+      check_config(c, "widest");
+    } catch (const InputError&) {
+      break;
+    }
+    const Scene scene = random_scene(static_cast<std::uint64_t>(40 + extra), small_scenes());
+    in_lanes += triangles_in_lanes(make_pipeline(c, scene)) ? 1 : 0;
+    check(c, scene, "extra " + std::to_string(extra));
+  }
+  EXPECT_GE(in_lanes, 3);
+}
+
+TEST(Triangles, NothingToDo) {
+  const Scene scene = demo_scene(160, 120);
+  const Pipeline pipeline = make_pipeline(shipped_config("depth16"), scene);
+  TriangleBatch batch;
+  Columns<SpanRecord> spans;
+  Counters counters;
+  const Triangle flat{};  // three vertices in one point
+  const TriangleKernels kernels = triangle_kernels(VectorTarget::best);
+  kernels.to_spans(pipeline, {}, 0, batch, spans, counters, nullptr);
+  EXPECT_EQ(counters, Counters{});
+  kernels.to_spans(pipeline, {&flat, 1}, 0, batch, spans, counters, nullptr);
+  EXPECT_EQ(counters.triangles, 1U);
+  EXPECT_EQ(counters.degenerate, 1U);
+  EXPECT_EQ(spans.size, 0U);
+}
+
+}  // namespace
+}  // namespace bitspan::model
