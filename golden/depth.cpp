@@ -1,5 +1,8 @@
 #include "golden/depth.hpp"
 
+#include <algorithm>
+
+#include "golden/lanes.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/with_real.hpp"
 
@@ -14,46 +17,86 @@ class Depth {
       : code_(config.depth_code),
         q_h_(config.format(FormatId::span_h)),
         q_z_(config.depth_format()),
-        far_z_(FarBound(config.depth_format(), {config.format(FormatId::depth_c0)})),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         c1_(Quantizer<Real>(config.format(FormatId::depth_c1)).value(constants.record.c1)),
         c0_(Quantizer<Real>(config.format(FormatId::depth_c0)).value(constants.record.c0)),
         z_max_(pow2<Real>(config.depth_bits) - 1),
-        unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)) {}
+        unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)),
+        quick_z_(config.depth_format()) {}
 
-  DepthRecord operator()(const FragmentRecord& fragment, std::int64_t stored) const {
-    DepthRecord out;
-    out.triangle = fragment.triangle;
-    out.x = fragment.x;
-    out.y = fragment.y;
-    out.stored = stored;
-    const Real h = q_h_.value(fragment.h);
+  void operator()(std::span<const FragmentRecord> fragments, std::span<const std::uint32_t> stored, int width,
+                  std::vector<DepthRecord>& out) const {
+    const std::size_t first = out.size();
+    const auto covered = std::ranges::count(fragments, 1, &FragmentRecord::covered);
+    out.resize(first + static_cast<std::size_t>(covered));
+    std::size_t next = first;
+    for (const FragmentRecord& fragment : fragments) {
+      if (fragment.covered == 0) continue;
+      DepthRecord& record = out[next++];
+      record.triangle = fragment.triangle;
+      record.x = fragment.x;
+      record.y = fragment.y;
+      record.stored = stored[static_cast<std::size_t>(fragment.y * width + fragment.x)];
+      record.z = fragment.h;  // until it is narrowed
+    }
+    for (std::size_t at = first; at < out.size(); at += lanes) {
+      const std::span records = std::span(out).subspan(at, std::min(lanes, out.size() - at));
+      if (!quick(records)) {
+        for (DepthRecord& record : records) code(record);
+      }
+      for (DepthRecord& record : records) {
+        record.pass =
+            code_ == DepthCode::inverse ? passes(record.stored, record.z) : passes(record.z, record.stored);
+      }
+    }
+  }
+
+ private:
+  static std::int64_t passes(std::int64_t below, std::int64_t above) { return above > below ? 1 : 0; }
+
+  // The codes of all, or false with the records as they were.
+  bool quick(std::span<DepthRecord> records) const {
+    if constexpr (std::same_as<Real, double>) {
+      if (!quick_z_.usable || code_ == DepthCode::linear) return false;
+      Column h;  // NOLINT(cppcoreguidelines-pro-type-member-init): the lanes in use are set
+      const std::size_t n = records.size();
+      for (std::size_t i = 0; i < n; ++i) h.at[i] = static_cast<double>(records[i].z);
+      const double scale = q_h_.ulp() / q_z_.ulp();
+      const std::int64_t bad = code_ == DepthCode::inverse
+                                   ? lanes_narrow(h, scale, quick_z_, n, h)
+                                   : lanes_narrow_less(z_max_ / q_z_.ulp(), h, scale, quick_z_, n, h);
+      if (bad != 0) return false;
+      for (std::size_t i = 0; i < n; ++i) records[i].z = static_cast<std::int64_t>(h.at[i]);
+      return true;
+    }
+    return false;
+  }
+
+  // z, of the h that stands in its place.
+  void code(DepthRecord& out) const {
+    const Real h = q_h_.value(out.z);
     switch (code_) {
       case DepthCode::inverse:
         out.z = q_z_.raw(q_z_(h));
-        out.pass = out.z > stored ? 1 : 0;
-        return out;
+        return;
       case DepthCode::opengl:
         out.z = q_z_.raw(q_z_.sum(z_max_, -h));
-        break;
+        return;
       case DepthCode::linear: {
         const Inverse<Real> inverse = unit_(h + b_);
         out.recip_m = unit_.raw(inverse.m);
         out.recip_e = inverse.e;
-        out.z = q_z_.raw(q_z_.sum(far_z_(inverse.times(c1_)), -c0_));
-        break;
+        out.z = q_z_.raw(q_z_.sum(inverse.times(c1_), -c0_));
+        return;
       }
     }
-    out.pass = out.z < stored ? 1 : 0;
-    return out;
   }
 
- private:
   DepthCode code_;
   Quantizer<Real> q_h_, q_z_;
-  FarProduct<Real> far_z_;
   Real b_, c1_, c0_, z_max_;
   ReciprocalUnit<Real> unit_;
+  LaneFormat quick_z_;
 };
 
 }  // namespace

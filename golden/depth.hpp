@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <span>
+#include <vector>
 
 #include "config/records.hpp"
 #include "golden/arithmetic.hpp"
@@ -9,8 +11,10 @@
 
 namespace bitspan::golden {
 
-// (fragment, the code stored at its pixel)
-using DepthStage = std::function<DepthRecord(const FragmentRecord&, std::int64_t)>;
+// Fragments of one triangle, so each at a pixel of its own, and the picture's stored codes, `width` a row.
+// Appends a record for each covered one.
+using DepthStage = std::function<void(std::span<const FragmentRecord>, std::span<const std::uint32_t> stored,
+                                      int width, std::vector<DepthRecord>& out)>;
 DepthStage make_depth(Arithmetic arithmetic, const Config& config, const Constants& constants);
 
 // What the depth buffer holds before the first fragment.

@@ -42,7 +42,6 @@ class EdgeWalker {
         q_shade_step_(config.format(FormatId::edge_shade_step)),
         q_shade_acc_(config.format(FormatId::edge_shade_acc)),
         q_shade_(config.format(FormatId::edge_shade)),
-        far_uv_(FarBound(config.format(FormatId::edge_uv), {config.format(FormatId::setup_uv)})),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         pixel_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::edge_h)),
         dda_(config.edge_walk == EdgeWalk::dda),
@@ -51,11 +50,10 @@ class EdgeWalker {
         inclusive_(config.fill_rule == FillRule::inclusive) {
     const StartOffsets& offset = config.start_offset;
     const auto f = [&](FormatId id) { return config.format(id); };
-    start_x_ = Start(offset.edge_x, f(FormatId::edge_x), f(FormatId::edge_x_acc), config.coordinate_format());
-    start_h_ = Start(offset.edge_h, f(FormatId::edge_h), f(FormatId::edge_h_acc), f(FormatId::setup_h));
-    start_f_ = Start(offset.edge_f, f(FormatId::edge_f), f(FormatId::edge_f), f(FormatId::setup_uv));
-    start_shade_ = Start(offset.edge_shade, f(FormatId::edge_shade), f(FormatId::edge_shade_acc),
-                         f(FormatId::setup_shade));
+    start_x_ = Start(offset.edge_x, f(FormatId::edge_x));
+    start_h_ = Start(offset.edge_h, f(FormatId::edge_h));
+    start_f_ = Start(offset.edge_f, f(FormatId::edge_f));
+    start_shade_ = Start(offset.edge_shade, f(FormatId::edge_shade));
   }
 
   void operator()(const SetupRecord& triangle, std::span<const EdgeRecord> records,
@@ -159,8 +157,8 @@ class EdgeWalker {
       out.v = q_uv_(edge.fv);
     } else {
       out.inverse = pixel_(out.h + b_);
-      out.u = q_uv_.sum(edge.from.u, far_uv_(out.inverse.times(edge.fu)));
-      out.v = q_uv_.sum(edge.from.v, far_uv_(out.inverse.times(edge.fv)));
+      out.u = q_uv_.sum(out.inverse.times(edge.fu), edge.from.u);
+      out.v = q_uv_.sum(out.inverse.times(edge.fv), edge.from.v);
     }
     for (std::size_t i = 0; i < channels; ++i) out.c[i] = q_shade_(edge.acc[i]);
     return out;
@@ -214,7 +212,6 @@ class EdgeWalker {
   VertexFormats<Real> vertex_;
   Quantizer<Real> q_x_step_, q_x_acc_, q_x_, q_h_step_, q_h_acc_, q_h_, q_f_step_, q_f_, q_uv_, q_shade_step_,
       q_shade_acc_, q_shade_;
-  FarProduct<Real> far_uv_;
   Real b_;
   ReciprocalUnit<Real> pixel_;
   bool dda_, multiply_, affine_, inclusive_;

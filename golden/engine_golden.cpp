@@ -6,6 +6,7 @@
 #include "golden/depth.hpp"
 #include "golden/edge_walk.hpp"
 #include "golden/fog.hpp"
+#include "golden/lanes.hpp"
 #include "golden/merge.hpp"
 #include "golden/plane_walk.hpp"
 #include "golden/precision.hpp"
@@ -67,105 +68,157 @@ class GoldenEngine final : public Engine {
   }
 
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
+    Trace& out = trace != nullptr ? *trace : unkept_;
     if (trace != nullptr && !constants_delivered_) {
       trace->constants.push_back(constants_.record);
       constants_delivered_ = true;
     }
     std::int64_t index = first_index;
-    for (const Triangle& triangle : triangles) draw_one(triangle, index++, trace);
+    for (const Triangle& triangle : triangles) {
+      draw_one(triangle, index++, out);
+      unkept_.clear();
+    }
   }
 
  private:
   Arithmetic with(Width width) const { return {width, checked_}; }
   bool by_planes() const { return config_.perspective == Perspective::const_depth_rows; }
 
-  void draw_one(const Triangle& triangle, std::int64_t index, Trace* trace) {
+  void draw_one(const Triangle& triangle, std::int64_t index, Trace& out) {
     ++counters_.triangles;
     const std::optional<SetupRecord> setup = setup_(triangle, index);
     if (!setup) {
       ++counters_.degenerate;
       return;
     }
-    if (trace != nullptr) trace->setup.push_back(*setup);
+    out.setup.push_back(*setup);
     const Texture* texture =
         triangle.texture < 0 ? nullptr : &scene_->textures.at(static_cast<std::size_t>(triangle.texture));
+    first_ = out.fragment.size();
     if (by_planes()) {
-      draw_planes(*setup, texture, trace);
+      draw_planes(*setup, texture, out);
     } else {
-      draw_rows(*setup, texture, trace);
+      draw_rows(*setup, texture, out);
     }
   }
 
-  void draw_rows(const SetupRecord& setup, const Texture* texture, Trace* trace) {
+  void draw_rows(const SetupRecord& setup, const Texture* texture, Trace& out) {
     std::array<EdgeRecord, 3> edges;
     const int edge_count = edge_setup_(setup, edges);
     const std::span<const EdgeRecord> with_height(edges.data(), static_cast<std::size_t>(edge_count));
     const int slopes = config_.edge_walk == EdgeWalk::dda ? 8 : 7;
     counters_.divides_edge +=
         static_cast<std::uint64_t>(edge_count * (config_.edge_slope == SlopeForm::reciprocal ? 1 : slopes));
-    if (trace != nullptr) trace->edge.insert(trace->edge.end(), with_height.begin(), with_height.end());
+    out.edge.insert(out.edge.end(), with_height.begin(), with_height.end());
 
-    rows_.clear();
-    edge_walk_(setup, with_height, rows_);
-    for (const RowRecord& row : rows_) {
+    const std::size_t first_row = out.row.size();
+    edge_walk_(setup, with_height, out.row);
+    const std::size_t first_span = out.span.size();
+    for (std::size_t i = first_row; i < out.row.size(); ++i) {
+      const RowRecord& row = out.row[i];
       ++counters_.rows;
       if (config_.perspective != Perspective::affine) counters_.divides_edge += 2;
       if (row.r_x > row.l_x) counters_.divides_row += config_.row_slope == SlopeForm::reciprocal ? 1 : 7;
-      if (trace != nullptr) trace->row.push_back(row);
-      draw_span(span_setup_(row), nullptr, {}, texture, trace);
+      out.span.push_back(span_setup_(row));
     }
+    draw_spans(first_span, nullptr, texture, out);
   }
 
-  void draw_planes(const SetupRecord& setup, const Texture* texture, Trace* trace) {
+  void draw_planes(const SetupRecord& setup, const Texture* texture, Trace& out) {
     plane_walk_(setup, planes_);
     counters_.divides_edge += 15;  // 14 gradients and k
-    if (trace != nullptr) trace->plane.push_back(planes_.plane);
-    std::span<const std::uint8_t> flags = planes_.covered;
+    out.plane.push_back(planes_.plane);
+    out.plane_row.insert(out.plane_row.end(), planes_.rows.begin(), planes_.rows.end());
+    const std::size_t first_span = out.span.size();
     for (const PlaneRowRecord& row : planes_.rows) {
-      const auto count = static_cast<std::size_t>(row.count);
       ++counters_.rows;
       ++counters_.divides_row;
       --counters_.divides_saved;
-      if (trace != nullptr) trace->plane_row.push_back(row);
-      draw_span(plane_span_setup_(planes_.plane, row), &planes_.plane, flags.first(count), texture, trace);
-      flags = flags.subspan(count);
+      out.span.push_back(plane_span_setup_(planes_.plane, row));
+    }
+    draw_spans(first_span, &planes_.plane, texture, out);
+  }
+
+  // The triangle's spans, those from first_span on, as many at a time as make a batch of fragments.
+  void draw_spans(std::size_t first_span, const PlaneRecord* plane, const Texture* texture, Trace& out) {
+    const std::span spans = std::span<const SpanRecord>(out.span).subspan(first_span);
+    std::span<const std::uint8_t> covered = planes_.covered;
+    std::size_t begin = 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < spans.size(); ++i) {
+      count += static_cast<std::size_t>(spans[i].count);
+      if (count < lanes && i + 1 < spans.size()) continue;
+      const auto flags = plane != nullptr ? covered.first(count) : std::span<const std::uint8_t>();
+      span_(spans.subspan(begin, i + 1 - begin), plane, flags, out.fragment);
+      counters_.fragments += count;
+      if (config_.perspective == Perspective::delta_f) counters_.divides_pixel += count;
+      if (config_.perspective == Perspective::hyperbolic) counters_.divides_pixel += 2 * count;
+      draw_fragments(texture, out);
+      if (plane != nullptr) covered = covered.subspan(count);
+      begin = i + 1;
+      count = 0;
     }
   }
 
-  void draw_span(const SpanRecord& span, const PlaneRecord* plane, std::span<const std::uint8_t> covered,
-                 const Texture* texture, Trace* trace) {
-    if (trace != nullptr) trace->span.push_back(span);
-    fragments_.clear();
-    span_(span, plane, covered, fragments_);
-    if (trace != nullptr) trace->fragment.insert(trace->fragment.end(), fragments_.begin(), fragments_.end());
-    counters_.fragments += fragments_.size();
-    if (config_.perspective == Perspective::delta_f) counters_.divides_pixel += fragments_.size();
-    if (config_.perspective == Perspective::hyperbolic) counters_.divides_pixel += 2 * fragments_.size();
-    for (const FragmentRecord& fragment : fragments_) {
-      if (fragment.covered == 1) draw_fragment(fragment, texture, trace);
+  // Takes the fragments from first_ on to the frame, stage by stage: they are of one triangle, so each lies
+  // at a pixel of its own and their order does not matter to the frame.
+  void draw_fragments(const Texture* texture, Trace& out) {
+    const std::span fragments = std::span<const FragmentRecord>(out.fragment).subspan(first_);
+    const std::size_t first_depth = out.depth.size();
+    depth_(fragments, frame_.depth, frame_.width, out.depth);
+    alive_.clear();
+    depths_.clear();
+    const DepthRecord* depth = out.depth.data() + first_depth;
+    for (const FragmentRecord& fragment : fragments) {
+      if (fragment.covered == 0) continue;
+      if (depth->pass == 1) {
+        alive_.push_back(&fragment);
+        depths_.push_back(depth);
+      }
+      ++depth;
     }
+    const std::size_t covered = out.depth.size() - first_depth;
+    counters_.covered += covered;
+    if (by_planes()) counters_.divides_saved += static_cast<std::int64_t>(covered);
+    counters_.depth_passed += alive_.size();
+
+    const std::size_t first_texture = out.texture.size();
+    texture_(alive_, texture, out.texture);
+    textures_.clear();
+    for (std::size_t i = 0; i < alive_.size(); ++i) {
+      const TextureRecord& textured = out.texture[first_texture + i];
+      if (textured.killed == 1) {
+        ++counters_.killed;
+        continue;
+      }
+      alive_[textures_.size()] = alive_[i];
+      depths_[textures_.size()] = depths_[i];
+      textures_.push_back(&textured);
+    }
+    alive_.resize(textures_.size());
+    depths_.resize(textures_.size());
+    counters_.written += alive_.size();
+
+    const std::size_t first_fog = out.fog.size();
+    fog_(alive_, textures_, out.fog);
+    const std::size_t first_merge = out.merge.size();
+    merge_(std::span<const FogRecord>(out.fog).subspan(first_fog), textures_, depths_, frame_.color,
+           frame_.width, out.merge);
+    for (std::size_t i = 0; i < alive_.size(); ++i) write(*alive_[i], out.merge[first_merge + i]);
+
+    if (&out == &unkept_) {
+      out.fragment.clear();
+      out.depth.clear();
+      out.texture.clear();
+      out.fog.clear();
+      out.merge.clear();
+    }
+    first_ = out.fragment.size();
   }
 
-  void draw_fragment(const FragmentRecord& fragment, const Texture* texture, Trace* trace) {
-    ++counters_.covered;
-    if (by_planes()) ++counters_.divides_saved;
+  void write(const FragmentRecord& fragment, const MergeRecord& merged) {
     const auto at = static_cast<std::size_t>(fragment.y * frame_.width + fragment.x);
-    const DepthRecord depth = depth_(fragment, frame_.depth[at]);
-    if (trace != nullptr) trace->depth.push_back(depth);
-    if (depth.pass == 0) return;
-    ++counters_.depth_passed;
-    const TextureRecord textured = texture_(fragment, texture);
-    if (trace != nullptr) trace->texture.push_back(textured);
-    if (textured.killed == 1) {
-      ++counters_.killed;
-      return;
-    }
-    const FogRecord fogged = fog_(fragment, textured);
-    if (trace != nullptr) trace->fog.push_back(fogged);
     std::uint8_t* color = &frame_.color[4 * at];
-    const MergeRecord merged = merge_(fogged, textured, depth, {color[0], color[1], color[2]});
-    if (trace != nullptr) trace->merge.push_back(merged);
-    ++counters_.written;
     color[0] = static_cast<std::uint8_t>(merged.r);
     color[1] = static_cast<std::uint8_t>(merged.g);
     color[2] = static_cast<std::uint8_t>(merged.b);
@@ -194,9 +247,13 @@ class GoldenEngine final : public Engine {
   FogStage fog_;
   MergeStage merge_;
   // Reused from triangle to triangle.
-  std::vector<RowRecord> rows_;
   PlaneRows planes_;
-  std::vector<FragmentRecord> fragments_;
+  Trace unkept_;           // records of one triangle that nobody asked for
+  std::size_t first_ = 0;  // of the fragments that are not yet in the frame
+  // The fragments of a batch that are alive, and their records.
+  std::vector<const FragmentRecord*> alive_;
+  std::vector<const DepthRecord*> depths_;
+  std::vector<const TextureRecord*> textures_;
   Frame frame_;
   Counters counters_;
 };

@@ -1,7 +1,9 @@
 #include "golden/fog.hpp"
 
 #include <algorithm>
+#include <limits>
 
+#include "golden/lanes.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
@@ -9,6 +11,8 @@
 namespace bitspan::golden {
 
 namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();  // a share that takes the colour as it is
 
 template <class Real>
 class Fogging {
@@ -19,56 +23,100 @@ class Fogging {
         q_in_(config.format(FormatId::texture_color)),
         q_factor_(config.format(FormatId::fog_factor)),
         q_color_(config.format(FormatId::fog_color)),
-        far_factor_(FarBound(config.format(FormatId::fog_factor), {}, 1.0)),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         scale_(Quantizer<Real>(config.format(FormatId::fog_scale)).value(constants.record.fog_scale)),
         width_(scene.width),
         height_(scene.height),
         depth_step_(pow2<Real>(-(config.depth_bits - 6))),
-        unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)) {
+        unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)),
+        quick_color_(config.format(FormatId::fog_color)) {
+    no_fog_ = q_factor_.raw(q_factor_(Real(1)));
     if (scene.fog) {
       for (std::size_t i = 0; i < 3; ++i) fog_[i] = Real(scene.fog->color[i]);
     }
     if (mode_ == FogMode::table) table_ = fog_table(config, constants, scene);
   }
 
-  FogRecord operator()(const FragmentRecord& fragment, const TextureRecord& texture) const {
-    FogRecord out;
-    out.triangle = texture.triangle;
-    out.x = texture.x;
-    out.y = texture.y;
+  void operator()(std::span<const FragmentRecord* const> fragments,
+                  std::span<const TextureRecord* const> textures, std::vector<FogRecord>& out) const {
+    const std::size_t first = out.size();
+    out.resize(first + fragments.size());
+    for (std::size_t i = 0; i < fragments.size(); ++i) {
+      FogRecord& record = out[first + i];
+      record.triangle = fragments[i]->triangle;
+      record.x = fragments[i]->x;
+      record.y = fragments[i]->y;
+      set_factor(*fragments[i], record);
+    }
+    for (std::size_t at = 0; at < textures.size(); at += lanes) {
+      const std::span part = textures.subspan(at, std::min(lanes, textures.size() - at));
+      const std::span records = std::span(out).subspan(first + at, part.size());
+      if (quick(part, records)) continue;
+      for (std::size_t i = 0; i < part.size(); ++i) set_color(*part[i], records[i]);
+    }
+  }
+
+ private:
+  void set_factor(const FragmentRecord& fragment, FogRecord& out) const {
     out.index = -1;
-    const std::array<Real, 3> in{q_in_.value(texture.r), q_in_.value(texture.g), q_in_.value(texture.b)};
     if (mode_ == FogMode::none) {
-      out.factor = q_factor_.raw(q_factor_(Real(1)));
-      out.r = q_color_.raw(q_color_(in[0]));
-      out.g = q_color_.raw(q_color_(in[1]));
-      out.b = q_color_.raw(q_color_(in[2]));
-      return out;
+      out.factor = no_fog_;
+      return;
     }
     const Real h = q_h_.value(fragment.h);
     if (mode_ == FogMode::linear) {
       const Inverse<Real> inverse = unit_(h + b_);
       out.recip_m = unit_.raw(inverse.m);
       out.recip_e = inverse.e;
-      out.factor = q_factor_.raw(q_factor_.sum(Real(1), far_factor_(-inverse.times(scale_))));
+      out.factor = q_factor_.raw(q_factor_.sum(-inverse.times(scale_), Real(1)));
     } else {
       const Real top = floor_of(h * depth_step_);
       const std::int64_t hi = top < 0 ? 0 : top >= fog_depth_steps ? fog_depth_steps - 1 : to_integer(top);
       out.index = fog_zones * hi + zone(fragment.x, fragment.y);
       out.factor = table_[static_cast<std::size_t>(out.index)];
     }
+  }
+
+  void set_color(const TextureRecord& texture, FogRecord& out) const {
+    const std::array<Real, 3> in{q_in_.value(texture.r), q_in_.value(texture.g), q_in_.value(texture.b)};
     const Real factor = q_factor_.value(out.factor);
     const auto toward = [&](std::size_t i) {
+      if (mode_ == FogMode::none) return q_color_.raw(q_color_(in[i]));
       return q_color_.raw(q_color_.sum(fog_[i], (in[i] - fog_[i]) * factor));
     };
     out.r = toward(0);
     out.g = toward(1);
     out.b = toward(2);
-    return out;
   }
 
- private:
+  // The colours of all, or false.
+  bool quick(std::span<const TextureRecord* const> textures, std::span<FogRecord> out) const {
+    if constexpr (std::same_as<Real, double>) {
+      if (!quick_color_.usable) return false;
+      const std::size_t n = out.size();
+      constexpr std::array in{&TextureRecord::r, &TextureRecord::g, &TextureRecord::b};
+      constexpr std::array result{&FogRecord::r, &FogRecord::g, &FogRecord::b};
+      const double scale = 1 / q_color_.ulp();
+      std::array<Column, 3> color;  // NOLINT(cppcoreguidelines-pro-type-member-init): n lanes are set
+      Column base, factor;          // NOLINT(cppcoreguidelines-pro-type-member-init): n lanes are set
+      for (std::size_t i = 0; i < n; ++i) factor.at[i] = static_cast<double>(out[i].factor);
+      for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t i = 0; i < n; ++i) color[c].at[i] = q_in_.value(textures[i]->*in[c]);
+        std::fill_n(static_cast<double*>(base.at), n, fog_[c]);
+        const std::int64_t bad = mode_ == FogMode::none
+                                     ? lanes_narrow(color[c], scale, quick_color_, n, color[c])
+                                     : lanes_narrow_toward(base, color[c], factor, q_factor_.ulp(), never,
+                                                           scale, quick_color_, n, color[c]);
+        if (bad != 0) return false;
+      }
+      for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t i = 0; i < n; ++i) out[i].*result[c] = static_cast<std::int64_t>(color[c].at[i]);
+      }
+      return true;
+    }
+    return false;
+  }
+
   std::int64_t zone(std::int64_t x, std::int64_t y) const {
     const Real dx = Real(2 * x + 1 - width_);
     const Real dy = Real(2 * y + 1 - height_);
@@ -79,13 +127,14 @@ class Fogging {
 
   FogMode mode_;
   Quantizer<Real> q_h_, q_in_, q_factor_, q_color_;
-  FarProduct<Real> far_factor_;
   Real b_, scale_;
   std::array<Real, 3> fog_{};
   std::int64_t width_, height_;
   Real depth_step_;
   ReciprocalUnit<Real> unit_;
   std::vector<std::int64_t> table_;
+  std::int64_t no_fog_ = 0;
+  LaneFormat quick_color_;
 };
 
 }  // namespace

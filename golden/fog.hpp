@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "config/records.hpp"
@@ -11,7 +12,9 @@
 
 namespace bitspan::golden {
 
-using FogStage = std::function<FogRecord(const FragmentRecord&, const TextureRecord&)>;
+// (fragments, the texture stage's record of each); appends a record for each.
+using FogStage = std::function<void(std::span<const FragmentRecord* const>,
+                                    std::span<const TextureRecord* const>, std::vector<FogRecord>& out)>;
 FogStage make_fog(Arithmetic arithmetic, const Config& config, const Constants& constants,
                   const Scene& scene);
 

@@ -1,17 +1,20 @@
 // Stage `merge`: a fragment blended into the stored colour. [T5]
 #pragma once
 
-#include <array>
 #include <functional>
+#include <span>
+#include <vector>
 
 #include "config/records.hpp"
 #include "golden/arithmetic.hpp"
 
 namespace bitspan::golden {
 
-// (fog's colour, texture's alpha, depth's code, the stored colour)
-using MergeStage = std::function<MergeRecord(const FogRecord&, const TextureRecord&, const DepthRecord&,
-                                             const std::array<std::uint8_t, 3>&)>;
+// (fog's colours, texture's alphas, depth's codes, the picture's RGBA, `width` pixels a row). Appends a
+// record for each fragment, all of them of one triangle; the picture stays as it is.
+using MergeStage = std::function<void(
+    std::span<const FogRecord>, std::span<const TextureRecord* const>, std::span<const DepthRecord* const>,
+    std::span<const std::uint8_t> stored, int width, std::vector<MergeRecord>& out)>;
 MergeStage make_merge(Arithmetic arithmetic, const Config& config);
 
 }  // namespace bitspan::golden

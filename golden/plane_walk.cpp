@@ -13,11 +13,6 @@ namespace bitspan::golden {
 namespace {
 
 template <class Real>
-Real magnitude(Real x) {
-  return x < 0 ? -x : x;
-}
-
-template <class Real>
 struct Gradient {
   Real x = 0, y = 0;
 };
@@ -27,6 +22,14 @@ template <class Real>
 struct Slopes {
   Real major = 0, minor = 0;
 };
+
+// |a| > |b|, of Pairs whose high is their sum rounded.
+template <class T>
+bool is_longer(Pair<T> a, Pair<T> b) {
+  if (a.high < 0) a = -a;
+  if (b.high < 0) b = -b;
+  return a.high > b.high || (a.high == b.high && a.low > b.low);
+}
 
 template <class Real>
 class PlaneWalker {
@@ -96,10 +99,16 @@ class PlaneWalker {
       p.gu[i] = q_g_.product(v[i].u, v[i].h + b_);
       p.gv[i] = q_g_.product(v[i].v, v[i].h + b_);
     }
-    const auto nx = [&](Real w0, Real w1, Real w2) { return (w1 - w0) * y2 - (w2 - w0) * y1; };
-    const auto ny = [&](Real w0, Real w1, Real w2) { return (w2 - w0) * x1 - (w1 - w0) * x2; };
+    const auto nx = [&](Real w0, Real w1, Real w2) {
+      return ExactSum(exact_product(w1 - w0, y2)).add(exact_product(w0 - w2, y1)).get();
+    };
+    const auto ny = [&](Real w0, Real w1, Real w2) {
+      return ExactSum(exact_product(w2 - w0, x1)).add(exact_product(w0 - w1, x2)).get();
+    };
+    const PairOf<Real> area{base_of(p.area), 0};
     const auto gradient = [&](Real w0, Real w1, Real w2, const Quantizer<Real>& q) {
-      return Gradient<Real>{q.quotient(nx(w0, w1, w2), p.area), q.quotient(ny(w0, w1, w2), p.area)};
+      if (w0 == w1 && w0 == w2) return Gradient<Real>{};
+      return Gradient<Real>{q.quotient(nx(w0, w1, w2), area), q.quotient(ny(w0, w1, w2), area)};
     };
     p.h = gradient(v[0].h, v[1].h, v[2].h, q_h_grad_);
     p.gu_xy = gradient(p.gu[0], p.gu[1], p.gu[2], q_g_grad_);
@@ -107,12 +116,12 @@ class PlaneWalker {
     for (std::size_t i = 0; i < channels; ++i) {
       p.c[i] = gradient(v[0].c[i], v[1].c[i], v[2].c[i], q_shade_grad_);
     }
-    const Real h_nx = nx(v[0].h, v[1].h, v[2].h);
-    const Real h_ny = ny(v[0].h, v[1].h, v[2].h);
-    p.major_is_y = magnitude(h_nx) > magnitude(h_ny);
+    const PairOf<Real> h_nx = nx(v[0].h, v[1].h, v[2].h);
+    const PairOf<Real> h_ny = ny(v[0].h, v[1].h, v[2].h);
+    p.major_is_y = is_longer(h_nx, h_ny);
     if (p.major_is_y) {
       p.k = q_k_.quotient(-h_ny, h_nx);
-    } else if (h_ny != 0) {
+    } else if (h_ny.high != 0) {
       p.k = q_k_.quotient(-h_nx, h_ny);
     }
     const Real least = std::min({p.major_of(v[0]), p.major_of(v[1]), p.major_of(v[2])});
@@ -143,36 +152,40 @@ class PlaneWalker {
     return out;
   }
 
-  // The covered pixels of one column m of the major axis: minor coordinates first..last, none where first >
-  // last.
-  struct Column {
-    std::int64_t first = 0;
-    std::int64_t last = std::numeric_limits<std::int64_t>::max();
-    std::int64_t line = 0;  // D(m)
-    void exclude_all() { last = first - 1; }
+  // An edge as the columns meet it: a centre at (m, n) is inside where
+  // dist_m (m - M) + dist_n (n - N) > 0, or = 0 where the edge takes zero.
+  struct Edge {
+    Real dist_m = 0, dist_n = 0;
+    Real major = 0;   // M
+    Real offset = 0;  // N dist_n
+    bool takes_zero = false;
   };
-
-  // Keeps the pixels of the column whose centre is on the inner side of the edge from a to b.
-  void clip(const Plane& p, const VertexValues<Real>& a, const VertexValues<Real>& b, std::int64_t m,
-            Column& column) const {
-    // distance(x, y) = dist_x (x - a.x) + dist_y (y - a.y), positive inside
+  Edge make_edge(const Plane& p, const VertexValues<Real>& a, const VertexValues<Real>& b) const {
     const bool positive = p.area > 0;
     const Real dist_x = positive ? a.y - b.y : b.y - a.y;
     const Real dist_y = positive ? b.x - a.x : a.x - b.x;
-    const bool takes_zero = inclusive_ || dist_x > 0 || (dist_x == 0 && dist_y > 0);  // left or top edge
-    const Real dist_m = p.major_is_y ? dist_y : dist_x;
-    const Real dist_n = p.major_is_y ? dist_x : dist_y;
-    const Real here = dist_m * (Real(m) + Real(0.5) - p.major_of(a));
-    if (dist_n == 0) {
-      if (here < 0 || (here == 0 && !takes_zero)) column.exclude_all();
+    Edge out;
+    out.takes_zero = inclusive_ || dist_x > 0 || (dist_x == 0 && dist_y > 0);  // left or top edge
+    out.dist_m = p.major_is_y ? dist_y : dist_x;
+    out.dist_n = p.major_is_y ? dist_x : dist_y;
+    out.major = p.major_of(a);
+    out.offset = p.minor_of(a) * out.dist_n;
+    return out;
+  }
+
+  // Keeps the pixels of the column whose centre is on the inner side of the edge.
+  static void clip(const Edge& edge, std::int64_t m, PlaneRows::Column& column) {
+    const Real here = edge.dist_m * (Real(m) + Real(0.5) - edge.major);
+    if (edge.dist_n == 0) {
+      if (here < 0 || (here == 0 && !edge.takes_zero)) column.last = column.first - 1;
       return;
     }
-    const Whole<Real> crossing = whole_of_quotient(p.minor_of(a) * dist_n - here, dist_n);
-    if (dist_n > 0) {
-      const Real first = takes_zero ? ceil_less_half(crossing) : floor_less_half(crossing) + 1;
+    const Whole<Real> crossing = whole_of_quotient(edge.offset - here, edge.dist_n);
+    if (edge.dist_n > 0) {
+      const Real first = edge.takes_zero ? ceil_less_half(crossing) : floor_less_half(crossing) + 1;
       column.first = std::max(column.first, to_integer(first));
     } else {
-      const Real last = takes_zero ? floor_less_half(crossing) : ceil_less_half(crossing) - 1;
+      const Real last = edge.takes_zero ? floor_less_half(crossing) : ceil_less_half(crossing) - 1;
       column.last = std::min(column.last, to_integer(last));
     }
   }
@@ -186,17 +199,17 @@ class PlaneWalker {
         std::min<std::int64_t>(major_size - 1, to_integer(floor_less_half(whole_of(greatest)))) + 1;
     if (m_begin >= m_end) return;
 
-    std::vector<Column> columns;
-    columns.reserve(static_cast<std::size_t>(m_end - m_begin));
+    const std::array<Edge, 3> edges{make_edge(p, p.v[0], p.v[1]), make_edge(p, p.v[1], p.v[2]),
+                                    make_edge(p, p.v[2], p.v[0])};
+    using Column = PlaneRows::Column;
+    using Extent = PlaneRows::Extent;
+    std::vector<Column>& columns = out.columns;
+    columns.clear();
     std::int64_t row_begin = std::numeric_limits<std::int64_t>::max();
     std::int64_t row_last = std::numeric_limits<std::int64_t>::min();
     for (std::int64_t m = m_begin; m < m_end; ++m) {
-      Column column;
-      column.last = minor_size - 1;
-      column.line = p.digital_line(m);
-      clip(p, p.v[0], p.v[1], m, column);
-      clip(p, p.v[1], p.v[2], m, column);
-      clip(p, p.v[2], p.v[0], m, column);
+      Column column{0, minor_size - 1, p.digital_line(m)};
+      for (const Edge& edge : edges) clip(edge, m, column);
       if (column.first <= column.last) {
         row_begin = std::min(row_begin, column.first - column.line);
         row_last = std::max(row_last, column.last - column.line);
@@ -206,10 +219,8 @@ class PlaneWalker {
     if (row_begin > row_last) return;
 
     // The first and last column of each row; columns come in order, so the last one seen is the last.
-    struct Extent {
-      std::int64_t first = -1, last = -1;
-    };
-    std::vector<Extent> extents(static_cast<std::size_t>(row_last - row_begin + 1));
+    std::vector<Extent>& extents = out.extents;
+    extents.assign(static_cast<std::size_t>(row_last - row_begin + 1), {-1, -1});
     for (std::int64_t m = m_begin; m < m_end; ++m) {
       const Column& column = columns[static_cast<std::size_t>(m - m_begin)];
       for (std::int64_t n = column.first; n <= column.last; ++n) {
@@ -248,17 +259,17 @@ class PlaneWalker {
     out.phase = to_integer(phase * phase_scale_);
 
     const Slopes<Real> h = p.along(p.h);
-    out.h = q_h_.raw(q_h_.sum(p.v[0].h, exact_product(h.major, from_major),
-                              exact_product(h.minor, from_minor), exact_product(h.minor, above)));
+    out.h = q_h_.raw(q_h_.sum(exact_product(h.major, from_major), exact_product(h.minor, from_minor),
+                              exact_product(h.minor, above), p.v[0].h));
     const auto numerator = [&](Real g0, const Slopes<Real>& g, std::int64_t& start, std::int64_t& step0,
                                std::int64_t& step1) {
       if (ideal_line_) {
-        start = q_f_.raw(q_f_.sum(g0, exact_product(g.major, from_major), exact_product(g.minor, from_minor),
-                                  exact_product(g.minor, above)));
-        step0 = step1 = q_f_step_.raw(q_f_step_.sum(g.major, exact_product(p.k, g.minor)));
+        start = q_f_.raw(q_f_.sum(exact_product(g.major, from_major), exact_product(g.minor, from_minor),
+                                  exact_product(g.minor, above), g0));
+        step0 = step1 = q_f_step_.raw(q_f_step_.sum(exact_product(p.k, g.minor), g.major));
       } else {
         start =
-            q_f_.raw(q_f_.sum(g0, exact_product(g.major, from_major), exact_product(g.minor, from_minor)));
+            q_f_.raw(q_f_.sum(exact_product(g.major, from_major), exact_product(g.minor, from_minor), g0));
         step0 = q_f_step_.raw(q_f_step_(g.major));
         step1 = q_f_step_.raw(q_f_step_.sum(g.major, p.k < 0 ? -g.minor : g.minor));
       }
@@ -271,8 +282,8 @@ class PlaneWalker {
     Shades<Real> step1;
     for (std::size_t i = 0; i < channels; ++i) {
       const Slopes<Real> c = p.along(p.c[i]);
-      start[i] = q_shade_acc_.sum(p.v[0].c[i], exact_product(c.major, from_major),
-                                  exact_product(c.minor, from_minor), offset_shade_);
+      start[i] = q_shade_acc_.sum(exact_product(c.major, from_major), exact_product(c.minor, from_minor),
+                                  p.v[0].c[i], offset_shade_);
       step0[i] = q_shade_step_(c.major);
       step1[i] = q_shade_step_.sum(c.major, p.k < 0 ? -c.minor : c.minor);
     }

@@ -14,6 +14,17 @@ struct PlaneRows {
   PlaneRecord plane;
   std::vector<PlaneRowRecord> rows;
   std::vector<std::uint8_t> covered;  // 1 or 0 for each walked pixel, row after row
+
+  // The stage's own, kept from triangle to triangle. The covered pixels of one column of the major axis
+  // (minor coordinates first..last, none where first > last) and the digital line there; a row's columns.
+  struct Column {
+    std::int64_t first, last, line;
+  };
+  struct Extent {
+    std::int64_t first, last;
+  };
+  std::vector<Column> columns;
+  std::vector<Extent> extents;
 };
 
 // Replaces what `out` held.

@@ -24,8 +24,21 @@ Range sum(Range a, Range b) { return {std::min(a.lo, b.lo), std::max(a.hi, b.hi)
 Range at_most(Range a, int hi) { return {a.lo, std::min(a.hi, hi)}; }
 Range range_of(const Format& f) { return {-f.fraction(), f.is_signed ? f.integer - 1 : f.integer}; }
 
-// A term of a sum: a register, or a product, which is held as two Reals and needs the bits of its wider
-// factor.
+// A product that may lie far outside the format `out` that it is summed into, beside terms that lie within
+// the formats `near` and an offset. Where overflow saturates, a product beyond the bound gives the format's
+// limit whatever it is summed with, so that the exact sum needs no bits for the distance.
+struct FarBound {
+  bool wraps = true;
+  int exponent = 0;  // the bound is 2^exponent: 4 times what any of the others holds
+  FarBound(const Format& out, std::initializer_list<Format> near, double offset = 0)
+      : wraps(out.overflow == Overflow::wrap || out.overflow == Overflow::wrap_sm), exponent(out.integer) {
+    for (const Format& format : near) exponent = std::max(exponent, format.integer);
+    if (offset != 0) exponent = std::max(exponent, std::ilogb(offset) + 1);
+    exponent += 2;
+  }
+};
+
+// A term of a sum: a register, or a product, which is held as a Pair and needs the bits of its wider factor.
 struct Term {
   Range range;
   int bits = 0;
@@ -49,13 +62,14 @@ class StageNeeds {
   StageNeeds(std::string stage, std::vector<PrecisionRow>& rows)
       : stage_(std::move(stage)), rows_(rows), first_(rows.size()) {}
 
-  void need(const std::string& expression, int bits) {
+  void need(const std::string& expression, int bits) { need(expression, bits, bits); }
+  void need(const std::string& expression, int bits, int held) {
     if (bits > significant_bits(Width::quad)) {
       throw InputError(stage_ + ": golden would need " + std::to_string(bits) + " significant bits for " +
                        expression + "; at most 113 are legal, narrow the formats it is made of");
     }
-    bits_ = std::max(bits_, bits);
-    rows_.push_back({stage_, expression, bits, Width::quad});
+    held_ = std::max(held_, held);
+    rows_.push_back({stage_, expression, bits, held, Width::quad});
   }
 
   // A register of the stage. Wrapping a signed one passes through its unsigned value.
@@ -67,19 +81,26 @@ class StageNeeds {
     need(expression, r.bits());
     return r;
   }
-  // Q of a sum, whose integer and fractional parts (in ulps) are held apart.
+  // A sum of products as one Pair, without a check: Pairs of p-bit numbers hold 2 p - 2 bits.
+  Range exact_pair(const std::string& expression, Range r, int factor_bits) {
+    need(expression, r.bits(), std::max(factor_bits, (r.bits() + 3) / 2));
+    return r;
+  }
+  // Q of a sum, whose integer and fractional parts (in ulps) fit one number of quadruple precision each.
   void q_sum(const std::string& expression, std::initializer_list<Term> terms, const Format& out) {
     const int grow = static_cast<int>(std::bit_width(2 * terms.size() - 1));  // a product counts twice
     int bits = 1;
+    int held = 1;
     for (const Term& t : terms) {
+      held = std::max(held, t.bits);
       const int integer = t.range.hi + out.fraction() + grow;
       const int fraction = -t.range.lo - out.fraction() + 1;
       bits = std::max({bits, t.bits, integer, fraction});
     }
-    need(expression, bits);
+    need(expression, bits, held);
   }
 
-  // The same, where the product passes through FarProduct.
+  // The same with a product that may be far.
   void q_far(const std::string& expression, Term product, std::initializer_list<Term> near, const Format& out,
              const FarBound& bound) {
     if (!bound.wraps) product.range.hi = std::min(product.range.hi, bound.exponent);
@@ -92,17 +113,28 @@ class StageNeeds {
       bits = std::max(bits, t.bits);
     }
     const int grow = static_cast<int>(std::bit_width(near.size() + 1));  // the product counts twice
-    need(expression, std::max({bits, product.bits, hi + out.fraction() + grow, -lo - out.fraction() + 1}));
+    need(expression, std::max({bits, product.bits, hi + out.fraction() + grow, -lo - out.fraction() + 1}),
+         std::max(bits, product.bits));
   }
   void q_product(const std::string& expression, Term product, const Format& out) {
     q_far(expression, product, {}, out, FarBound(out, {}));
   }
 
-  // Q of n / d: the quotient's candidate times d, and the remainder.
-  void q_quotient(const std::string& expression, Range n, Range d, int fraction) {
+  // n / d: the quotient's candidate times d, and the remainder.
+  static int quotient_bits(Range n, Range d, int fraction) {
     const int product_bits = std::max(n.hi + fraction, d.hi) + 1 - d.lo;
     const int rest_bits = d.hi + 1 - std::min(n.lo + fraction, d.lo);
-    need(expression, std::max({n.bits(), d.bits(), product_bits, rest_bits}));
+    return std::max({n.bits(), d.bits(), product_bits, rest_bits});
+  }
+  void plain_quotient(const std::string& expression, Range n, Range d) {
+    need(expression, quotient_bits(n, d, 0));
+  }
+  // Q of it, by the checked remainder. A Pair for n or d holds what exact_pair says.
+  void q_quotient(const std::string& expression, Range n, Range d, int fraction) {
+    need(expression, quotient_bits(n, d, fraction), std::max(n.bits(), d.bits()));
+  }
+  void q_quotient_of_pairs(const std::string& expression, Range n, Range d, int fraction) {
+    need(expression, quotient_bits(n, d, fraction), 1);
   }
 
   // Slope(n, d, form, R, name).
@@ -134,13 +166,15 @@ class StageNeeds {
     if (unit.kind == ReciprocalKind::lut_linear) {
       const Range t{-std::max(unit.operand_bits - unit.index_bits, 0), 0};
       const Range entry{-unit.table_bits, 0};
-      exact(name + " c(j) - (c(j) - c(j+1)) t", sum(entry, product(entry, t)));
+      exact_pair(name + " c(j) - (c(j) - c(j+1)) t", sum(entry, product(entry, t)),
+                 std::max(entry.bits(), t.bits()));
       return out;
     }
     y = {-unit.table_bits, 0};
+    const Range a{-unit.internal_bits, 1};
     for (int step = 0; step < unit.steps; ++step) {
-      exact(name + " nq y", product(nq, y));
-      exact(name + " y (2 - a)", product(y, {-unit.internal_bits, 1}));
+      need(name + " nq y", product(nq, y).bits(), std::max(nq.bits(), y.bits()));
+      need(name + " y (2 - a)", product(y, a).bits(), std::max(a.bits(), y.bits()));
       y = {-unit.internal_bits, 1};
     }
     return out;
@@ -149,7 +183,7 @@ class StageNeeds {
   // Ends the stage: the narrowest type that has its bits.
   Width choose(Width least = Width::f64) {
     Width width = least;
-    while (significant_bits(width) < bits_) width = width == Width::f64 ? Width::x87 : Width::quad;
+    while (significant_bits(width) < held_) width = width == Width::f64 ? Width::x87 : Width::quad;
     for (std::size_t i = first_; i < rows_.size(); ++i) rows_[i].width = width;
     return width;
   }
@@ -158,7 +192,7 @@ class StageNeeds {
   std::string stage_;
   std::vector<PrecisionRow>& rows_;
   std::size_t first_;
-  int bits_ = 0;
+  int held_ = 0;
 };
 
 class Chooser {
@@ -250,11 +284,11 @@ class Chooser {
     reg(s, FormatId::setup_h);
     reg(s, FormatId::setup_uv);
     reg(s, FormatId::setup_shade);
-    const Range n = s.exact("B (s_max - s)", product(b_, normal_s));
-    s.q_quotient("B (s_max - s) / s", n, normal_s, f(FormatId::setup_h).fraction());
+    const Range n = product(b_, normal_s);
+    s.need("B (s_max - s)", n.bits(), std::max(b_.bits(), normal_s.bits()));
+    s.q_quotient_of_pairs("B (s_max - s) / s", n, normal_s, f(FormatId::setup_h).fraction());
     s.exact("area", {-2 * k_, 2 * c_.coordinate_bits + 1});
-    // Not for its bits: an input scaled by a power of two may leave double's exponent range.
-    return s.choose(Width::x87);
+    return s.choose();
   }
 
   Width edge_setup() {
@@ -305,7 +339,7 @@ class Chooser {
     if (c_.edge_walk == EdgeWalk::exact) {
       s.exact("(x2 - x1) t", product(d_xy_, t));
       const Range n{product(d_xy_, t).lo, xy_.hi + d_xy_.hi};
-      s.q_quotient("X as a pixel", n, d_xy_, 0);
+      s.plain_quotient("X as a pixel", n, d_xy_);
       s.q_quotient("X for edge.x", n, d_xy_, f(FormatId::edge_x).fraction());
     } else {
       const Range x_step = reg(s, FormatId::edge_x_step);
@@ -352,18 +386,19 @@ class Chooser {
     const Range area = s.exact("area", {-2 * k_, 2 * c_.coordinate_bits + 1});
     const auto cross = [&](Range w) { return product(sum(w, w), d_xy_); };
     const auto gradient = [&](const std::string& w, Range values, FormatId out) {
-      const Range n = s.exact("nx(" + w + ")", sum(cross(values), cross(values)));
-      s.q_quotient("nx(" + w + ") / area", n, area, f(out).fraction());
+      const Range n = s.exact_pair("nx(" + w + ")", sum(cross(values), cross(values)),
+                                   std::max(sum(values, values).bits(), d_xy_.bits()));
+      s.q_quotient_of_pairs("nx(" + w + ") / area", n, area, f(out).fraction());
       return n;
     };
     const Range nx_h = gradient("h", h, FormatId::plane_h_grad);
     gradient("gu", g, FormatId::plane_g_grad);
     gradient("r", shade, FormatId::plane_shade_grad);
-    s.q_quotient("nx(h) / ny(h)", nx_h, nx_h, f(FormatId::plane_k).fraction());
+    s.q_quotient_of_pairs("nx(h) / ny(h)", nx_h, nx_h, f(FormatId::plane_k).fraction());
 
     const Range crossing =
         s.exact("distance of a centre from an edge", {-k_ - std::max(k_, 1), 2 * c_.coordinate_bits + 1});
-    s.q_quotient("crossing of an edge", crossing, d_xy_, 0);
+    s.plain_quotient("crossing of an edge", crossing, d_xy_);
     const Range line = s.exact("k (m - m0) + 1/2", sum(product(k, {0, c_.coordinate_bits}), {-1, -1}));
     const Range above = {line.lo, 0};
     s.q_sum("h0 + h_M (Mc - M0) + h_N (Nl - N0)",

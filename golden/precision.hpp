@@ -1,6 +1,13 @@
 // How many significant bits every exact intermediate value of golden needs, and the floating-point type that
 // each stage therefore computes in. From the configuration alone: every register may take any value of its
 // format.
+//
+// Two counts decide. `bits` is what the exact value needs; 113 of them, quadruple precision, are legal.
+// `held` is what one number of the stage's type must hold for it: as much, where the stage writes the value
+// with plain sums and products; the bits of the wider factor, where products and their sums are carried as
+// pairs of numbers whose rounding errors are checked, and taken anew in quadruple precision where a pair
+// loses one (golden/quantize.hpp). So a stage's type is the narrowest with every `held`, and no value is ever
+// rounded in front of its Q.
 #pragma once
 
 #include <string>
@@ -16,6 +23,7 @@ struct PrecisionRow {
   std::string stage;          // as in docs/numeric-spec.md
   std::string expression;     // what is held exactly
   int bits = 0;               // significant bits it needs, at most
+  int held = 0;               // of them, in one number of the stage's type
   Width width = Width::quad;  // what its stage computes in
 };
 

@@ -1,11 +1,14 @@
 // Q of docs/numeric-spec.md on floating point, all rounding and overflow modes.
 //
 // Every value is brought into the form whole + fraction, 0 <= fraction < 1, in ulps of the format; the mode
-// needs to know of the fraction only which Part it is. So a sum is rounded exactly although its terms lie too
-// far apart for one Real, and a quotient although it has no end.
+// needs to know of the fraction only where it lies against 0 and 1/2. What a Quantizer narrows is exact
+// whatever Real is: sums and products come as Pairs, quotients with their exact remainder, and each step that
+// might lose a bit is checked by its rounding error. Where one did, or the value is too large for the quick
+// floor, the operands are taken anew in quadruple precision, which holds them (golden/precision.hpp).
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
@@ -15,30 +18,39 @@
 
 namespace bitspan::golden {
 
-enum class Part : std::uint8_t { zero, below_half, half, above_half };
-
 template <class Real>
 struct Whole {
-  Real whole;  // floor of the value
-  Part part;   // of what is left
+  Real whole;         // floor of the value
+  bool integer;       // nothing is left
+  bool half_or_more;  // at least 1/2 is left
+  bool above_half;    // more than 1/2 is left
 };
-
-template <class Real>
-Part part_of(Real fraction, Real half) {
-  if (fraction == 0) return Part::zero;
-  return fraction < half ? Part::below_half : fraction == half ? Part::half : Part::above_half;
-}
 
 // The comparison with whole + 1/2 stands in for a subtraction that might not be exact.
 template <class Real>
 Whole<Real> whole_of(Real x) {
   const Real whole = floor_of(x);
-  if (whole == x) return {whole, Part::zero};
+  if (whole == x) return {whole, true, false, false};
   const Real middle = whole + Real(0.5);
-  return {whole, x < middle ? Part::below_half : x == middle ? Part::half : Part::above_half};
+  return {whole, false, x >= middle, x > middle};
 }
 
-// n / d, d != 0: the rounded quotient is a candidate that the exact remainder corrects.
+// Of high + low, where low is what rounding to T left out of high.
+template <class T>
+Whole<T> whole_of(const Pair<T>& x) {
+  const T whole = floor_of(x.high);
+  if (whole != x.high) {
+    const T middle = whole + T(0.5);
+    const bool tie = x.high == middle;
+    return {whole, false, x.high > middle || (tie && x.low >= 0), x.high > middle || (tie && x.low > 0)};
+  }
+  const T floor_low = floor_of(x.low);
+  const T rest = x.low - floor_low;
+  return {whole + floor_low, rest == 0, rest >= T(0.5), rest > T(0.5)};
+}
+
+// n / d, d != 0: the rounded quotient is a candidate that the exact remainder corrects. The caller knows that
+// Real holds the products and remainders.
 template <class Real>
 Whole<Real> whole_of_quotient(Real n, Real d) {
   if (d < 0) {
@@ -55,41 +67,18 @@ Whole<Real> whole_of_quotient(Real n, Real d) {
     whole += 1;
     rest -= d;
   }
-  return {whole, part_of(rest + rest, d)};
+  const Real twice = rest + rest;
+  return {whole, rest == 0, twice >= d, twice > d};
 }
-
-// A sum of terms of any sizes: integer and fractional parts are added apart.
-template <class Real>
-class WholeSum {
- public:
-  void add(Real x) {
-    const Real floor = floor_of(x);
-    whole_ += floor;
-    fraction_ += x - floor;
-    if (fraction_ >= 1) {
-      fraction_ -= 1;
-      whole_ += 1;
-    }
-  }
-  void add(const Product<Real>& x) {
-    add(x.high);
-    if (x.low != 0) add(x.low);
-  }
-  Whole<Real> get() const { return {whole_, part_of(fraction_, Real(0.5))}; }
-
- private:
-  Real whole_ = 0;
-  Real fraction_ = 0;
-};
 
 // ceil(x - 1/2) and floor(x - 1/2): the first and last pixel whose centre is at or right, or left, of x.
 template <class Real>
 Real ceil_less_half(const Whole<Real>& x) {
-  return x.part == Part::above_half ? x.whole + 1 : x.whole;
+  return x.above_half ? x.whole + 1 : x.whole;
 }
 template <class Real>
 Real floor_less_half(const Whole<Real>& x) {
-  return x.part == Part::half || x.part == Part::above_half ? x.whole : x.whole - 1;
+  return x.half_or_more ? x.whole : x.whole - 1;
 }
 
 template <class Real>
@@ -98,148 +87,208 @@ bool is_odd(Real integer) {
   return floor_of(half) != half;
 }
 
+// Whether the mode goes to whole + 1.
 template <class Real>
-Real round_whole(const Whole<Real>& x, Rounding mode) {
-  bool up = false;
+[[gnu::always_inline]] inline bool rounds_up(const Whole<Real>& x, Rounding mode) {
   switch (mode) {
     case Rounding::trn:
-      return x.whole;
-    case Rounding::trn_zero:
-      up = x.whole < 0 && x.part != Part::zero;
-      break;
+      return false;
     case Rounding::rnd:
-      up = x.part >= Part::half;
-      break;
+      return x.half_or_more;
+    case Rounding::trn_zero:
+      return x.whole < 0 && !x.integer;
     case Rounding::rnd_min_inf:
-      up = x.part == Part::above_half;
-      break;
+      return x.above_half;
     case Rounding::rnd_zero:
-      up = x.part == Part::above_half || (x.part == Part::half && x.whole < 0);
-      break;
+      return x.whole < 0 ? x.half_or_more : x.above_half;
     case Rounding::rnd_inf:
-      up = x.part == Part::above_half || (x.part == Part::half && x.whole >= 0);
-      break;
+      return x.whole < 0 ? x.above_half : x.half_or_more;
     case Rounding::rnd_conv:
-      up = x.part == Part::above_half || (x.part == Part::half && is_odd(x.whole));
-      break;
+      return x.above_half || (x.half_or_more && is_odd(x.whole));
   }
-  return up ? x.whole + 1 : x.whole;
+  return false;
 }
 
-// A product that may lie far outside the format `out` that it is summed into, beside terms that lie within
-// the formats `near` and an offset. Where overflow saturates it is cut to a bound beyond which the result
-// stays the same, so that its sum with the others needs no bits for the distance; where overflow wraps it
-// stays as it is.
-struct FarBound {
-  bool wraps = true;
-  int exponent = 0;  // the bound is 2^exponent: 4 times what any of the others holds
-  FarBound(const Format& out, std::initializer_list<Format> near, double offset = 0)
-      : wraps(out.overflow == Overflow::wrap || out.overflow == Overflow::wrap_sm), exponent(out.integer) {
-    for (const Format& format : near) exponent = std::max(exponent, format.integer);
-    if (offset != 0) exponent = std::max(exponent, std::ilogb(offset) + 1);
-    exponent += 2;
-  }
-};
-
 template <class Real>
-class FarProduct {
- public:
-  FarProduct() = default;
-  explicit FarProduct(const FarBound& bound) : bound_(pow2<Real>(bound.exponent)), wraps_(bound.wraps) {}
-  Product<Real> operator()(const Product<Real>& x) const {
-    if (wraps_) return x;
-    if (x.high > bound_) return {bound_, 0};
-    if (x.high < -bound_) return {-bound_, 0};
-    return x;
-  }
-
- private:
-  Real bound_ = 0;
-  bool wraps_ = true;
-};
+[[gnu::always_inline]] inline Real round_whole(const Whole<Real>& x, Rounding mode) {
+  return x.whole + (rounds_up(x, mode) ? Real(1) : Real(0));
+}
 
 // One format's Q. Values are in the format's unit; `raw` and `value` carry them to and from records.
 template <class Real>
 class Quantizer {
+  using T = typename RealTraits<Real>::Base;
+
  public:
   Quantizer() = default;
   explicit Quantizer(const Format& format)
-      : scale_(pow2<Real>(format.fraction())),
-        ulp_(pow2<Real>(-format.fraction())),
-        modulus_(pow2<Real>(format.word)),
-        half_modulus_(pow2<Real>(format.word - 1)),
-        rounding_(format.rounding),
-        overflow_(format.overflow),
-        is_signed_(format.is_signed),
-        own_range_(FarBound(format, {})) {
-    using Base = typename RealTraits<Real>::Base;
-    // Rounded where Real does not hold the format: it is then one that the stage never narrows to.
-    too_wide_ = format.word - (is_signed_ ? 1 : 0) > real_bits<Real>;
-    max_ = pow2<Base>(is_signed_ ? format.word - 1 : format.word) - 1;
-    min_ = !is_signed_ ? Real(0) : overflow_ == Overflow::sat_sym ? -max_ : -half_modulus_;
+      : scale_(pow2<T>(format.fraction())),
+        ulp_(pow2<T>(-format.fraction())),
+        // Rounded where T does not hold the format: it is then one that the stage never narrows to.
+        max_(pow2<T>(format.is_signed ? format.word - 1 : format.word) - 1),
+        min_(!format.is_signed                      ? T(0)
+             : format.overflow == Overflow::sat_sym ? -max_
+                                                    : -pow2<T>(format.word - 1)),
+        format_(format) {}
+
+  [[gnu::always_inline]] Real operator()(Real x) const {
+    const T in_ulps = base_of(x) * scale_;
+    return is_small(in_ulps) ? narrow_small({in_ulps, 0}) : anew({pair_of(x)});
   }
 
-  Real operator()(Real x) const { return narrow(whole_of(x * scale_)); }
-
-  template <class... Terms>
-  Real sum(Terms... terms) const {
-    WholeSum<Real> all;
+  // Of the sum of the terms, each a Real or a Pair; quickest with the Pair first.
+  [[gnu::always_inline]] Real sum(Real a, Real b) const {
+    const TwoSum<T> both(base_of(a) * scale_, base_of(b) * scale_);
+    return is_small(both.sum) ? narrow_small({both.sum, both.error}) : anew({pair_of(a), pair_of(b)});
+  }
+  template <class First, class... Terms>
+  Real sum(First first, Terms... terms) const {
+    ExactSum<T> all(scaled(first));
     (all.add(scaled(terms)), ...);
-    return narrow(all.get());
+    const Pair<T> value = all.get();
+    if (is_small(value.high) && all.exact()) [[likely]]
+      return narrow_small(value);
+    return anew({pair_of(first), pair_of(terms)...});
   }
 
-  // Of a b, which one Real need not hold.
-  Real product(Real a, Real b) const { return sum(own_range_(exact_product(a, b))); }
-  Real product(const Product<Real>& x) const { return sum(own_range_(x)); }
+  Real product(Real a, Real b) const { return sum(exact_product(a, b)); }
+  Real product(const PairOf<Real>& x) const {
+    return is_small(x.high * scale_) ? narrow_small(scaled(x)) : anew({x});
+  }
 
-  // Of n / d; n and d may have either sign, d != 0.
-  Real quotient(Real n, Real d) const { return narrow(whole_of_quotient(n * scale_, d)); }
+  // Of n / d, d != 0. The candidate is at most one off, and its remainder is exact or noticed.
+  Real quotient(Real n, Real d) const { return quotient(Pair<T>{base_of(n), 0}, Pair<T>{base_of(d), 0}); }
+  Real quotient(Pair<T> n, Pair<T> d) const {
+    const T sign = d.high < 0 ? T(-1) : T(1);
+    d = d.scaled(sign);
+    n = n.scaled(sign * scale_);
+    const T candidate = n.high / d.high;
+    if (is_small(candidate) && d.low == 0) [[likely]] {
+      T whole = floor_of_small(candidate);
+      const Pair<T> back = exact_product(whole, d.high);
+      const TwoSum<T> high(n.high, -back.high);
+      const TwoSum<T> low(n.low, -back.low);
+      const TwoSum<T> both(high.sum, low.sum);
+      if (high.error == 0 && low.error == 0 && both.error == 0) [[likely]] {
+        T rest = both.sum;
+        // Rounded only where -rest is below half of d (Sterbenz): no comparison below changes.
+        const T step = rest < 0 ? T(-1) : rest >= d.high ? T(1) : T(0);
+        whole += step;
+        rest -= step * d.high;
+        const T twice = rest + rest;
+        return fit(round_whole(Whole<T>{whole, rest == 0, twice >= d.high, twice > d.high},
+                               format_.rounding)) *
+               ulp_;
+      }
+    }
+    return quotient_anew(n, d);
+  }
 
-  std::int64_t raw(Real value) const { return to_integer(value * scale_); }
-  Real value(std::int64_t raw) const { return Real(raw) * ulp_; }
+  // Whether `count` additions of either step to a value of the format stay on its grid and in its range.
+  bool holds_walk(Real value, const std::array<Real, 2>& step, std::int64_t count) const {
+    const T first = base_of(step[0]) * scale_;
+    const T second = base_of(step[1]) * scale_;
+    const T start = base_of(value) * scale_;
+    const T n = static_cast<T>(count);
+    if (floor_of(first) != first || floor_of(second) != second) return false;
+    // In range where both ends are: beyond 2^p a product may be rounded, and is out of range.
+    const T low = start + n * std::min({T(0), first, second});
+    const T high = start + n * std::max({T(0), first, second});
+    return low >= min_ && high <= max_ && max_ < small_limit<T>;
+  }
+
+  std::int64_t raw(Real value) const { return to_integer(base_of(value) * scale_); }
+  Real value(std::int64_t raw) const { return Real(raw) * Real(ulp_); }
   Real ulp() const { return ulp_; }
 
+  // In ulps.
+  T narrow_whole(const Whole<T>& x) const { return fit(round_whole(x, format_.rounding)); }
+  // Whether what lies beyond 4 max may be any such value.
+  bool saturates_at(T x) const {
+    return (format_.overflow == Overflow::sat || format_.overflow == Overflow::sat_sym) &&
+           magnitude(x) > 4 * (max_ + 1);
+  }
+
  private:
-  Real scaled(Real x) const { return x * scale_; }
-  Product<Real> scaled(const Product<Real>& x) const { return x.scaled(scale_); }
-  Real narrow(const Whole<Real>& x) const { return fit(round_whole(x, rounding_)) * ulp_; }
+  static bool is_small(T x) { return magnitude(x) < small_limit<T>; }
+  Pair<T> scaled(const Pair<T>& x) const { return x.scaled(scale_); }
+  T scaled(Real x) const { return base_of(x) * scale_; }
+  static Pair<T> pair_of(Real x) { return {base_of(x), 0}; }
+  static Pair<T> pair_of(const Pair<T>& x) { return x; }
+
+  // x in ulps, |x| < small_limit; without a branch on the value.
+  [[gnu::always_inline]] Real narrow_small(const Pair<T>& x) const {
+    T whole = floor_of_small(x.high);
+    const int no_fraction = whole == x.high;
+    whole -= (no_fraction & (x.low < 0)) != 0 ? T(1) : T(0);
+    const T middle = whole + T(0.5);
+    const int tie = x.high == middle;
+    const int above = x.high > middle;
+    const Whole<T> parts{whole, (no_fraction & (x.low == 0)) != 0, (above | (tie & (x.low >= 0))) != 0,
+                         (above | (tie & (x.low > 0))) != 0};
+    return fit(round_whole(parts, format_.rounding)) * ulp_;
+  }
+
+  // Q of the sum of the terms in quadruple precision.
+  [[gnu::noinline, gnu::cold]] Real anew(std::initializer_list<Pair<T>> terms) const {
+    const Quantizer<Quad> wide(format_);
+    ExactSum<Quad> all(Quad(0));
+    for (const Pair<T>& term : terms) all.add(Pair<Quad>{term.high, term.low});
+    const Pair<Quad> value = all.get().scaled(pow2<Quad>(format_.fraction()));
+    if (!all.exact()) throw_inexact("sum in quadruple precision");
+    if (wide.saturates_at(value.high)) return (value.high < 0 ? min_ : max_) * ulp_;
+    return static_cast<T>(wide.narrow_whole(whole_of(value))) * ulp_;
+  }
+  // n, in ulps, over d.
+  [[gnu::noinline, gnu::cold]] Real quotient_anew(const Pair<T>& n, const Pair<T>& d) const {
+    const Quantizer<Quad> wide(format_);
+    const Checked<Quad> top = Checked<Quad>(Quad(n.high)) + Checked<Quad>(Quad(n.low));
+    const Checked<Quad> bottom = Checked<Quad>(Quad(d.high)) + Checked<Quad>(Quad(d.low));
+    const Quad candidate = top.base() / bottom.base();
+    if (wide.saturates_at(candidate)) return (candidate < 0 ? min_ : max_) * ulp_;
+    const Whole<Checked<Quad>> x = whole_of_quotient(top, bottom);
+    return static_cast<T>(wide.narrow_whole({x.whole.base(), x.integer, x.half_or_more, x.above_half})) *
+           ulp_;
+  }
 
   // n in ulps, an integer.
-  Real fit(Real n) const {
+  T fit(T n) const {
     if constexpr (RealTraits<Real>::checked) {
-      if (too_wide_) throw_inexact("format's limit");
+      if (format_.word - (format_.is_signed ? 1 : 0) > real_bits<Real>) throw_inexact("format's limit");
     }
-    if (n >= min_ && n <= max_) return n;
-    switch (overflow_) {
+    if (n >= min_ && n <= max_) [[likely]]
+      return n;
+    return overflow(n);
+  }
+  [[gnu::noinline]] T overflow(T n) const {
+    const T modulus = pow2<T>(format_.word);
+    const T half_modulus = pow2<T>(format_.word - 1);
+    switch (format_.overflow) {
       case Overflow::sat:
       case Overflow::sat_sym:
         return n < min_ ? min_ : max_;
       case Overflow::sat_zero:
         return 0;
       case Overflow::wrap: {
-        const Real low = modulo(n, modulus_);
-        return is_signed_ && low >= half_modulus_ ? low - modulus_ : low;
+        const T low = modulo(n, format_.word);
+        return format_.is_signed && low >= half_modulus ? low - modulus : low;
       }
       case Overflow::wrap_sm: {
         // The bit above the kept ones becomes the sign; where the old sign bit differs, the rest is inverted.
-        const bool sign = is_odd(floor_of(n * pow2_inverse(modulus_)));
-        const bool old_sign = is_odd(floor_of(n * pow2_inverse(half_modulus_)));
-        Real low = modulo(n, half_modulus_);
-        if (sign != old_sign) low = half_modulus_ - 1 - low;
-        return sign ? low - half_modulus_ : low;
+        const bool sign = is_odd(floor_of(n * pow2<T>(-format_.word)));
+        const bool old_sign = is_odd(floor_of(n * pow2<T>(1 - format_.word)));
+        T low = modulo(n, format_.word - 1);
+        if (sign != old_sign) low = half_modulus - 1 - low;
+        return sign ? low - half_modulus : low;
       }
     }
     return 0;
   }
-  static Real pow2_inverse(Real power) { return pow2<Real>(-exponent_of(power)); }
-  static Real modulo(Real n, Real power) { return n - floor_of(n * pow2_inverse(power)) * power; }
+  // n modulo 2^bits.
+  static T modulo(T n, int bits) { return n - floor_of(n * pow2<T>(-bits)) * pow2<T>(bits); }
 
-  Real scale_ = 1, ulp_ = 1, modulus_ = 2, half_modulus_ = 1, min_ = 0, max_ = 1;
-  Rounding rounding_ = Rounding::trn;
-  Overflow overflow_ = Overflow::sat;
-  bool is_signed_ = false;
-  bool too_wide_ = false;
-  FarProduct<Real> own_range_;
+  T scale_ = 1, ulp_ = 1, max_ = 1, min_ = 0;
+  Format format_;
 };
 
 }  // namespace bitspan::golden

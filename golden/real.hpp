@@ -1,9 +1,11 @@
 // The floating-point types that golden computes in, behind one set of names, so that a stage is written once.
 //
 // Real is double (53 significant bits), long double (x87, 64) or Quad (113), or Checked<T> of one of these,
-// which verifies by error-free transformations that every sum and product it forms is exact. A value is exact
-// or the configuration is refused beforehand (golden/precision.hpp): nothing here rounds, except a division,
-// whose result is a candidate that its user corrects (golden/quantize.hpp).
+// which verifies by error-free transformations that every sum and product it forms is exact. What a stage
+// writes with + - and * is exact, because its type was chosen so (golden/precision.hpp). What one Real may
+// not hold is a Pair or an ExactSum: these carry the rounding error along, so that nothing is lost, and say
+// so where it would be. Only a division rounds: its result is a candidate that its user corrects
+// (golden/quantize.hpp).
 #pragma once
 
 #include <bit>
@@ -37,7 +39,7 @@ struct InexactError : std::logic_error {
 // a b - rounded for a plain T and rounded = a * b: exact (Dekker), by Veltkamp's split of a and b into
 // halves.
 template <class T>
-T product_error(T a, T b, T rounded) {
+[[gnu::always_inline]] inline T product_error(T a, T b, T rounded) {
   constexpr double power = std::same_as<T, double> ? 0x1p27 : std::same_as<T, long double> ? 0x1p32 : 0x1p57;
   constexpr T factor = T(power) + 1;
   const T a_scaled = factor * a;
@@ -48,6 +50,16 @@ T product_error(T a, T b, T rounded) {
   const T b_low = b - b_high;
   return ((a_high * b_high - rounded) + a_high * b_low + a_low * b_high) + a_low * b_low;
 }
+
+// a + b = sum + error, exactly (Knuth), for a plain T.
+template <class T>
+struct TwoSum {
+  T sum, error;
+  TwoSum(T a, T b) : sum(a + b) {
+    const T from_b = sum - a;
+    error = (a - (sum - from_b)) + (b - from_b);
+  }
+};
 
 template <class T>
 class Checked {
@@ -62,11 +74,9 @@ class Checked {
   T base() const { return value_; }
 
   friend Checked operator+(Checked a, Checked b) {
-    const T sum = a.value_ + b.value_;
-    const T from_b = sum - a.value_;  // TwoSum (Knuth): sum + error = a + b
-    const T error = (a.value_ - (sum - from_b)) + (b.value_ - from_b);
-    if (error != 0) throw_inexact("sum");
-    return sum;
+    const TwoSum<T> both(a.value_, b.value_);
+    if (both.error != 0) throw_inexact("sum");
+    return both.sum;
   }
   friend Checked operator-(Checked a) { return -a.value_; }
   friend Checked operator-(Checked a, Checked b) { return a + -b; }
@@ -106,36 +116,90 @@ inline constexpr int real_bits = std::same_as<typename RealTraits<Real>::Base, d
                                  : std::same_as<typename RealTraits<Real>::Base, long double> ? 64
                                                                                               : 113;
 
-// A product that one Real need not hold: a b = high + low.
-template <class Real>
-struct Product {
-  Real high, low;
-  Product scaled(Real power_of_two) const { return {high * power_of_two, low * power_of_two}; }
-  Product operator-() const { return {-high, -low}; }
-};
+// The plain value of a Real.
 template <class T>
-Product<T> exact_product(T a, T b) {
-  const T high = a * b;
-  return {high, product_error(a, b, high)};
+T base_of(T x) {
+  return x;
 }
 template <class T>
-Product<Checked<T>> exact_product(Checked<T> a, Checked<T> b) {
-  const Product<T> plain = exact_product(a.base(), b.base());
-  return {plain.high, plain.low};
+T base_of(Checked<T> x) {
+  return x.base();
 }
 
-// floor, without a library call in the common range: adding 1.5 * 2^(p-1) leaves no room for a fraction.
-inline double floor_of(double x) {
-  if (!(x > -0x1p51 && x < 0x1p51)) return std::floor(x);
+// A value that one plain T need not hold: high + low.
+template <class T>
+struct Pair {
+  T high = 0, low = 0;
+  Pair scaled(T power_of_two) const { return {high * power_of_two, low * power_of_two}; }
+  Pair operator-() const { return {-high, -low}; }
+};
+template <class Real>
+using PairOf = Pair<typename RealTraits<Real>::Base>;
+
+template <class Real>
+[[gnu::always_inline]] inline PairOf<Real> exact_product(Real a, Real b) {
+  const auto high = base_of(a) * base_of(b);
+  return {high, product_error(base_of(a), base_of(b), high)};
+}
+
+// A sum of terms of any sizes as a Pair, with a word on whether the Pair holds all of it.
+template <class T>
+class ExactSum {
+ public:
+  explicit ExactSum(T x) : value_{x, 0} {}
+  explicit ExactSum(const Pair<T>& x) : value_(x) {}
+  [[gnu::always_inline]] ExactSum& add(T x) {
+    const TwoSum<T> high(value_.high, x);
+    const TwoSum<T> low(value_.low, high.error);
+    value_ = {high.sum, low.sum};
+    lost_ |= low.error != 0;
+    return *this;
+  }
+  ExactSum& add(const Pair<T>& x) { return add(x.high).add(x.low); }
+  // high is the sum rounded to T, low what that leaves out.
+  Pair<T> get() const {
+    const TwoSum<T> both(value_.high, value_.low);
+    return {both.sum, both.error};
+  }
+  bool exact() const { return !lost_; }
+
+ private:
+  Pair<T> value_;
+  bool lost_ = false;
+};
+
+// floor of an x that is small enough to have a fraction, |x| < 2^51 for double and 2^62 for long double:
+// adding 1.5 * 2^(p-1) leaves no room for one.
+[[gnu::always_inline]] inline double floor_of_small(double x) {
   constexpr double no_fraction = 0x1.8p52;
   const double nearest = (x + no_fraction) - no_fraction;
-  return nearest > x ? nearest - 1 : nearest;
+  return nearest - (nearest > x ? 1.0 : 0.0);
 }
-inline long double floor_of(long double x) {
-  if (!(x > -0x1p62L && x < 0x1p62L)) return std::floor(x);
+inline long double floor_of_small(long double x) {
   constexpr long double no_fraction = 0x1.8p63L;
   const long double nearest = (x + no_fraction) - no_fraction;
-  return nearest > x ? nearest - 1 : nearest;
+  return nearest - (nearest > x ? 1.0L : 0.0L);
+}
+inline Quad floor_of_small(Quad x) { return floorq(x); }
+// The bound of floor_of_small, and of what Quantizer rounds without a second look.
+template <class T>
+inline constexpr T small_limit = T(0x1p111);
+template <>
+inline constexpr double small_limit<double> = 0x1p51;
+template <>
+inline constexpr long double small_limit<long double> = 0x1p62L;
+
+template <class T>
+T magnitude(T x) {
+  return x < 0 ? -x : x;
+}
+inline double magnitude(double x) { return std::fabs(x); }
+
+[[gnu::always_inline]] inline double floor_of(double x) {
+  return magnitude(x) < small_limit<double> ? floor_of_small(x) : std::floor(x);
+}
+inline long double floor_of(long double x) {
+  return magnitude(x) < small_limit<long double> ? floor_of_small(x) : std::floor(x);
 }
 inline Quad floor_of(Quad x) { return floorq(x); }
 template <class T>
@@ -170,10 +234,12 @@ Real pow2(int e) {
 
 // An integer-valued x as an integer; throws std::logic_error where x is none, or not of 64 bits.
 template <class T>
-std::int64_t to_integer(T x) {
-  if (!(x >= -0x1p63 && x < 0x1p63)) throw_not_raw();
+[[gnu::always_inline]] inline std::int64_t to_integer(T x) {
+  if (!(x >= -0x1p63 && x < 0x1p63)) [[unlikely]]
+    throw_not_raw();
   const auto integer = static_cast<std::int64_t>(x);
-  if (static_cast<T>(integer) != x) throw_not_raw();
+  if (static_cast<T>(integer) != x) [[unlikely]]
+    throw_not_raw();
   return integer;
 }
 // From the significand: the x87 would change its rounding mode twice.

@@ -1,5 +1,7 @@
 #include "golden/reciprocal.hpp"
 
+#include <algorithm>
+
 namespace bitspan::golden {
 
 void throw_inexact(const char* what) {
@@ -21,21 +23,51 @@ std::vector<std::int64_t> reciprocal_table(const Reciprocal& unit) {
   return table;
 }
 
+int lut_product_bits(const Reciprocal& unit) {
+  if (unit.kind == ReciprocalKind::lut_linear) {
+    return unit.table_bits + 1 + std::max(unit.operand_bits - unit.index_bits, 0) + unit.table_bits;
+  }
+  const int y = std::max(unit.table_bits, unit.internal_bits + 1);
+  return y + 1 + std::max(unit.operand_bits, unit.internal_bits);
+}
+
 template <class Real>
 ReciprocalUnit<Real>::ReciprocalUnit(const Reciprocal& unit, int operand_fraction)
     : kind_(unit.kind),
       normalize_(unit.normalize),
       steps_(unit.steps),
+      single_(lut_product_bits(unit) <= real_bits<Real>),
       least_(pow2<Real>(-operand_fraction)),
       operand_scale_(pow2<Real>(unit.operand_bits)),
       operand_ulp_(pow2<Real>(-unit.operand_bits)),
       index_scale_(pow2<Real>(unit.index_bits)),
       internal_scale_(pow2<Real>(unit.internal_bits)),
       internal_ulp_(pow2<Real>(-unit.internal_bits)),
-      output_(unit.output) {
+      output_(unit.output),
+      quick_output_(unit.output) {
   for (const std::int64_t entry : reciprocal_table(unit)) {
     table_.push_back(Real(entry) * pow2<Real>(-unit.table_bits));
   }
+}
+
+template <class Real>
+bool ReciprocalUnit<Real>::quick(const Column& d, std::size_t n, Column& m, Column& inverse_power,
+                                 std::int64_t* e) const requires std::same_as<Real, double> {
+  if (!normalize_ || !single_ || !quick_output_.usable || kind_ == ReciprocalKind::lut_linear) return false;
+  const double to_ulps = 1 / output_.ulp();
+  Column normal;
+  lanes_split(d, n, normal, inverse_power, e);
+  Column y;
+  if (kind_ == ReciprocalKind::restoring) {
+    for (std::size_t i = 0; i < n; ++i) y.at[i] = 1;
+    return lanes_narrow_quotient(y, normal, to_ulps, quick_output_, n, m) == 0;
+  }
+  Column nq;
+  lanes_cut(normal, operand_scale_, operand_ulp_, n, nq);
+  lanes_position(nq, index_scale_, n, normal);
+  for (std::size_t i = 0; i < n; ++i) y.at[i] = table_[static_cast<std::size_t>(normal.at[i])];
+  for (int step = 0; step < steps_; ++step) lanes_newton(nq, internal_scale_, internal_ulp_, n, y);
+  return lanes_narrow(y, to_ulps, quick_output_, n, m) == 0;
 }
 
 template class ReciprocalUnit<double>;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "golden/lanes.hpp"
 #include "golden/quantize.hpp"
 
 namespace bitspan::golden {
@@ -14,7 +15,9 @@ template <class Real>
 struct Inverse {
   Real m = 0;
   int e = 0;
-  Product<Real> times(Real x) const { return exact_product(x, m).scaled(pow2<Real>(-e)); }
+  PairOf<Real> times(Real x) const {
+    return exact_product(x, m).scaled(pow2<typename RealTraits<Real>::Base>(-e));
+  }
 };
 
 // Fraction bits of the grid that h + B lies on.
@@ -46,34 +49,54 @@ class ReciprocalUnit {
 
   std::int64_t raw(Real m) const { return output_.raw(m); }
 
+  // Of a column of normal d > 0: m in ulps, 2^-e and e. False where that has no quick form for this unit, or
+  // for one of these d.
+  bool quick(const Column& d, std::size_t n, Column& m, Column& inverse_power,
+             std::int64_t* e) const requires std::same_as<Real, double>;
+  double ulp() const requires std::same_as<Real, double> { return output_.ulp(); }
+
  private:
   Real cut(Real x) const { return floor_of(x * internal_scale_) * internal_ulp_; }
+  Real cut(const PairOf<Real>& x) const {
+    return Real(whole_of(x.scaled(base_of(internal_scale_))).whole) * internal_ulp_;
+  }
   Real linear(Real n) const {
     const Real position = (floor_of(n * operand_scale_) * operand_ulp_ - 1) * index_scale_;
     const Real j = floor_of(position);
     const auto index = static_cast<std::size_t>(to_integer(j));
     const Real from = table_[index];
-    return cut(from - (from - table_[index + 1]) * (position - j));
+    const Real fall = from - table_[index + 1];
+    const Real t = position - j;
+    if (single_) return cut(from - fall * t);
+    return cut(ExactSum(-exact_product(fall, t)).add(base_of(from)).get());
   }
   Real newton(Real n) const {
     const Real nq = floor_of(n * operand_scale_) * operand_ulp_;
     Real y = table_[static_cast<std::size_t>(to_integer(floor_of((nq - 1) * index_scale_)))];
-    for (int step = 0; step < steps_; ++step) y = cut(y * (2 - cut(nq * y)));
+    for (int step = 0; step < steps_; ++step) {
+      const Real a = single_ ? cut(nq * y) : cut(exact_product(nq, y));
+      y = single_ ? cut(y * (2 - a)) : cut(exact_product(y, 2 - a));
+    }
     return y;
   }
 
   ReciprocalKind kind_;
   bool normalize_;
   int steps_;
+  bool single_;  // one Real holds each product of a lut kind
   Real least_;
   Real operand_scale_, operand_ulp_, index_scale_, internal_scale_, internal_ulp_;
   Quantizer<Real> output_;
+  LaneFormat quick_output_;
   std::vector<Real> table_;
 };
 
 // The table of a lut kind: 2^index_bits + 1 entries for lut_linear, 2^index_bits for lut_newton, in units of
 // 2^-table_bits; empty for restoring.
 std::vector<std::int64_t> reciprocal_table(const Reciprocal& unit);
+
+// Significant bits that hold every product of a lut kind.
+int lut_product_bits(const Reciprocal& unit);
 
 // What slopes are divided by: a length, and its reciprocal where that form is configured. docs: "Slope".
 template <class Real>

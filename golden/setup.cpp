@@ -1,7 +1,6 @@
 #include "golden/setup.hpp"
 
-#include <algorithm>
-#include <tuple>
+#include <cmath>
 
 #include "golden/reciprocal.hpp"
 #include "golden/values.hpp"
@@ -19,13 +18,18 @@ class Setup {
         q_s_(config.format(FormatId::setup_s)),
         s_max_(q_s_.value(constants.record.s_max)),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
-        normalise_(pow2<Real>(-constants.s_exponent)) {}
+        s_exponent_(constants.s_exponent),
+        s_scale_(std::ldexp(1.0, -s_exponent_)) {}
 
   std::optional<SetupRecord> operator()(const Triangle& triangle, std::int64_t index) const {
     std::array<VertexValues<Real>, 3> v;
-    for (std::size_t i = 0; i < 3; ++i) v[i] = quantise(triangle.v[i]);
-    std::stable_sort(v.begin(), v.end(),
-                     [](const auto& a, const auto& b) { return a.y < b.y || (a.y == b.y && a.x < b.x); });
+    for (std::size_t i = 0; i < 3; ++i) {
+      // In its place behind those that do not come after it.
+      const VertexValues<Real> vertex = quantise(triangle.v[i]);
+      std::size_t at = i;
+      for (; at > 0 && comes_before(vertex, v[at - 1]); --at) v[at] = v[at - 1];
+      v[at] = vertex;
+    }
     const Real area = (v[1].x - v[0].x) * (v[2].y - v[0].y) - (v[2].x - v[0].x) * (v[1].y - v[0].y);
     if (area == 0) return std::nullopt;
     SetupRecord out;
@@ -36,22 +40,36 @@ class Setup {
   }
 
  private:
+  static bool comes_before(const VertexValues<Real>& a, const VertexValues<Real>& b) {
+    return a.y < b.y || (a.y == b.y && a.x < b.x);
+  }
+
+  // Of an input below every half ulp only the sign counts: scaling it must not take that away.
+  static Real input(double x) {
+    constexpr double tiny = 0x1p-900;
+    return Real(x != 0 && std::fabs(x) < tiny ? std::copysign(tiny, x) : x);
+  }
+
   VertexValues<Real> quantise(const Vertex& in) const {
     VertexValues<Real> out;
-    out.x = vertex_.xy(Real(in.x));
-    out.y = vertex_.xy(Real(in.y));
-    const Real s = q_s_(Real(in.s) * normalise_);
+    out.x = vertex_.xy(input(in.x));
+    out.y = vertex_.xy(input(in.y));
+    // s > 0: where 2^-E takes it below double's range, it is far below half an ulp.
+    const bool moderate = s_exponent_ > -1000 && s_exponent_ < 1000;
+    const Real s = q_s_(Real(moderate ? in.s * s_scale_ : std::ldexp(in.s, -s_exponent_)));
     if (s <= 0) throw InputError("setup.s: a vertex's s is not above 0 in this format");
-    out.h = vertex_.h.quotient(b_ * (s_max_ - s), s);
-    out.u = vertex_.uv(Real(in.u));
-    out.v = vertex_.uv(Real(in.v));
-    for (std::size_t i = 0; i < channels; ++i) out.c[i] = vertex_.shade(Real(in.c[i]));
+    out.h = vertex_.h.quotient(exact_product(b_, s_max_ - s), PairOf<Real>{base_of(s), 0});
+    out.u = vertex_.uv(input(in.u));
+    out.v = vertex_.uv(input(in.v));
+    for (std::size_t i = 0; i < channels; ++i) out.c[i] = vertex_.shade(input(in.c[i]));
     return out;
   }
 
   VertexFormats<Real> vertex_;
   Quantizer<Real> q_s_;
-  Real s_max_, b_, normalise_;
+  Real s_max_, b_;
+  int s_exponent_;
+  double s_scale_;
 };
 
 template <class Real>
@@ -71,11 +89,13 @@ class EdgeSetup {
         affine_(config.perspective == Perspective::affine) {}
 
   int operator()(const SetupRecord& triangle, std::array<EdgeRecord, 3>& out) const {
-    constexpr std::array<std::array<int, 2>, 3> ends{{{0, 2}, {0, 1}, {1, 2}}};
+    constexpr std::array<std::array<std::size_t, 2>, 3> ends{{{0, 2}, {0, 1}, {1, 2}}};
+    const std::array<VertexValues<Real>, 3> v{vertex_.load(triangle, 0), vertex_.load(triangle, 1),
+                                              vertex_.load(triangle, 2)};
     int count = 0;
     for (std::size_t edge = 0; edge < 3; ++edge) {
-      const VertexValues<Real> from = vertex_.load(triangle, ends[edge][0]);
-      const VertexValues<Real> to = vertex_.load(triangle, ends[edge][1]);
+      const VertexValues<Real>& from = v[ends[edge][0]];
+      const VertexValues<Real>& to = v[ends[edge][1]];
       if (from.y == to.y) continue;
       EdgeRecord& record = out[static_cast<std::size_t>(count++)];
       record = make(from, to);

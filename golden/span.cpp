@@ -1,5 +1,8 @@
 #include "golden/span.hpp"
 
+#include <algorithm>
+
+#include "golden/lanes.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
@@ -7,6 +10,18 @@
 namespace bitspan::golden {
 
 namespace {
+
+constexpr std::size_t walked = 7;  // registers that are stepped: h, fu, fv and the shades
+
+// A register that is stepped, with a step for either move of the digital line.
+template <class Real>
+struct Walked {
+  const Quantizer<Real>* q = nullptr;
+  Real value = 0;
+  std::array<Real, 2> step{};
+
+  void advance(std::size_t move) { value = q->sum(value, step[move]); }
+};
 
 template <class Real>
 class SpanWalker {
@@ -23,50 +38,29 @@ class SpanWalker {
         q_shade_acc_(config.format(FormatId::span_shade_acc)),
         q_shade_(config.format(FormatId::span_shade)),
         q_k_(config.format(FormatId::plane_k)),
-        far_uv_(FarBound(config.format(FormatId::span_uv), {config.format(FormatId::edge_uv)})),
         phase_ulp_(pow2<Real>(-config.format(FormatId::plane_k).fraction())),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         least_(pow2<Real>(-depth_sum_fraction(config, FormatId::span_h))),
-        unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)) {}
+        unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)),
+        quick_uv_(config.format(FormatId::span_uv)),
+        quick_shade_(config.format(FormatId::span_shade)) {}
 
-  void operator()(const SpanRecord& span, const PlaneRecord* plane, std::span<const std::uint8_t> covered,
-                  std::vector<FragmentRecord>& out) const {
-    Real h = q_h_.value(span.h);
-    Real fu = q_acc_.value(span.fu);
-    Real fv = q_acc_.value(span.fv);
-    Shades<Real> c = load_shades(q_shade_acc_, span.r, span.g, span.b, span.a);
-    const Real u1 = q_edge_uv_.value(span.u1);
-    const Real v1 = q_edge_uv_.value(span.v1);
-    const Real h_step = q_h_step_.value(span.h_step);
-    const std::array<Real, 2> fu_step{q_step_.value(span.fu_step0), q_step_.value(span.fu_step1)};
-    const std::array<Real, 2> fv_step{q_step_.value(span.fv_step0), q_step_.value(span.fv_step1)};
-    const std::array<Shades<Real>, 2> c_step{
-        load_shades(q_shade_step_, span.r_step0, span.g_step0, span.b_step0, span.a_step0),
-        load_shades(q_shade_step_, span.r_step1, span.g_step1, span.b_step1, span.a_step1)};
-    Line line(plane, plane != nullptr ? q_k_.value(plane->k) : Real(0), Real(span.phase) * phase_ulp_);
-
-    FragmentRecord fragment;
-    fragment.triangle = span.triangle;
-    fragment.x = span.x;
-    fragment.y = span.y;
-    for (std::int64_t i = 0; i < span.count; ++i) {
-      fragment.covered = plane != nullptr ? covered[static_cast<std::size_t>(i)] : 1;
-      fragment.last = i == span.count - 1 ? 1 : 0;
-      fragment.h = q_h_.raw(h);
-      fragment.fu = q_acc_.raw(fu);
-      fragment.fv = q_acc_.raw(fv);
-      coordinates(h, fu, fv, u1, v1, fragment);
-      fragment.r = q_shade_.raw(q_shade_(c[0]));
-      fragment.g = q_shade_.raw(q_shade_(c[1]));
-      fragment.b = q_shade_.raw(q_shade_(c[2]));
-      fragment.a = q_shade_.raw(q_shade_(c[3]));
-      out.push_back(fragment);
-
-      const std::size_t step = line.advance(fragment.x, fragment.y);
-      h = q_h_.sum(h, h_step);
-      fu = q_acc_.sum(fu, fu_step[step]);
-      fv = q_acc_.sum(fv, fv_step[step]);
-      for (std::size_t j = 0; j < channels; ++j) c[j] = q_shade_acc_.sum(c[j], c_step[step][j]);
+  void operator()(std::span<const SpanRecord> spans, const PlaneRecord* plane,
+                  std::span<const std::uint8_t> covered, std::vector<FragmentRecord>& out) const {
+    const std::size_t first = out.size();
+    std::size_t count = 0;
+    for (const SpanRecord& span : spans) count += static_cast<std::size_t>(span.count);
+    out.resize(first + count);
+    const std::span<FragmentRecord> fragments = std::span(out).subspan(first);
+    std::span<FragmentRecord> rest = fragments;
+    for (const SpanRecord& span : spans) {
+      const auto n = static_cast<std::size_t>(span.count);
+      walk(span, plane, covered, rest.first(n));
+      rest = rest.subspan(n);
+      if (plane != nullptr) covered = covered.subspan(n);
+    }
+    for (std::size_t at = 0; at < count; at += lanes) {
+      finish(fragments.subspan(at, std::min(lanes, count - at)));
     }
   }
 
@@ -105,37 +99,169 @@ class SpanWalker {
     }
   };
 
-  void coordinates(Real h, Real fu, Real fv, Real u1, Real v1, FragmentRecord& out) const {
+  // The registers in front of each pixel. What finish() makes of them stands in their place until then: u1
+  // and v1 in u and v, the shades' accumulators in r, g, b and a.
+  void walk(const SpanRecord& span, const PlaneRecord* plane, std::span<const std::uint8_t> covered,
+            std::span<FragmentRecord> out) const {
+    std::array<Walked<Real>, walked> registers;
+    const auto set = [&](std::size_t i, const Quantizer<Real>& q, std::int64_t start,
+                         const Quantizer<Real>& q_step, std::int64_t step0, std::int64_t step1) {
+      registers[i] = {&q, q.value(start), {q_step.value(step0), q_step.value(step1)}};
+    };
+    set(0, q_h_, span.h, q_h_step_, span.h_step, span.h_step);
+    set(1, q_acc_, span.fu, q_step_, span.fu_step0, span.fu_step1);
+    set(2, q_acc_, span.fv, q_step_, span.fv_step0, span.fv_step1);
+    set(3, q_shade_acc_, span.r, q_shade_step_, span.r_step0, span.r_step1);
+    set(4, q_shade_acc_, span.g, q_shade_step_, span.g_step0, span.g_step1);
+    set(5, q_shade_acc_, span.b, q_shade_step_, span.b_step0, span.b_step1);
+    set(6, q_shade_acc_, span.a, q_shade_step_, span.a_step0, span.a_step1);
+    // Where every sum is on its register's grid and in its range, Q changes none of them: plain additions.
+    bool plain = true;
+    for (const Walked<Real>& r : registers) plain = plain && r.q->holds_walk(r.value, r.step, span.count);
+
+    Line line(plane, plane != nullptr ? q_k_.value(plane->k) : Real(0), Real(span.phase) * phase_ulp_);
+    std::int64_t x = span.x;
+    std::int64_t y = span.y;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      FragmentRecord& f = out[i];
+      f.triangle = span.triangle;
+      f.x = x;
+      f.y = y;
+      f.covered = plane != nullptr ? covered[i] : 1;
+      f.h = q_h_.raw(registers[0].value);
+      f.fu = q_acc_.raw(registers[1].value);
+      f.fv = q_acc_.raw(registers[2].value);
+      f.u = span.u1;
+      f.v = span.v1;
+      f.r = q_shade_acc_.raw(registers[3].value);
+      f.g = q_shade_acc_.raw(registers[4].value);
+      f.b = q_shade_acc_.raw(registers[5].value);
+      f.a = q_shade_acc_.raw(registers[6].value);
+      const std::size_t move = line.advance(x, y);
+      if (plain) {
+        for (Walked<Real>& r : registers) r.value += r.step[move];
+      } else {
+        for (Walked<Real>& r : registers) r.advance(move);
+      }
+    }
+    out.back().last = 1;
+  }
+
+  // At most `lanes` fragments.
+  void finish(std::span<FragmentRecord> fragments) const {
+    if (!quick_coordinates(fragments)) {
+      for (FragmentRecord& f : fragments) coordinates(f);
+    }
+    if (!quick_shades(fragments)) {
+      for (FragmentRecord& f : fragments) {
+        f.r = q_shade_.raw(q_shade_(q_shade_acc_.value(f.r)));
+        f.g = q_shade_.raw(q_shade_(q_shade_acc_.value(f.g)));
+        f.b = q_shade_.raw(q_shade_(q_shade_acc_.value(f.b)));
+        f.a = q_shade_.raw(q_shade_(q_shade_acc_.value(f.a)));
+      }
+    }
+  }
+
+  void coordinates(FragmentRecord& f) const {
+    const Real fu = q_acc_.value(f.fu);
+    const Real fv = q_acc_.value(f.fv);
     switch (perspective_) {
       case Perspective::delta_f: {
-        const Inverse<Real> inverse = unit_(h + b_);
-        out.recip_m = unit_.raw(inverse.m);
-        out.recip_e = inverse.e;
-        out.u = q_uv_.raw(q_uv_.sum(u1, far_uv_(inverse.times(fu))));
-        out.v = q_uv_.raw(q_uv_.sum(v1, far_uv_(inverse.times(fv))));
+        const Inverse<Real> inverse = unit_(q_h_.value(f.h) + b_);
+        f.recip_m = unit_.raw(inverse.m);
+        f.recip_e = inverse.e;
+        f.u = q_uv_.raw(q_uv_.sum(inverse.times(fu), q_edge_uv_.value(f.u)));
+        f.v = q_uv_.raw(q_uv_.sum(inverse.times(fv), q_edge_uv_.value(f.v)));
         return;
       }
       case Perspective::hyperbolic: {
-        Real d = h + b_;
+        Real d = q_h_.value(f.h) + b_;
         if (d <= 0) d = least_;
-        out.u = q_uv_.raw(q_uv_.quotient(fu, d));
-        out.v = q_uv_.raw(q_uv_.quotient(fv, d));
+        f.u = q_uv_.raw(q_uv_.quotient(fu, d));
+        f.v = q_uv_.raw(q_uv_.quotient(fv, d));
         return;
       }
       case Perspective::affine:
       case Perspective::const_depth_rows:
-        out.u = q_uv_.raw(q_uv_(fu));
-        out.v = q_uv_.raw(q_uv_(fv));
+        f.u = q_uv_.raw(q_uv_(fu));
+        f.v = q_uv_.raw(q_uv_(fv));
         return;
     }
+  }
+
+  // The same over columns. False, with the fragments as they were, where that does not hold.
+  bool quick_coordinates(std::span<FragmentRecord> fragments) const {
+    if constexpr (std::same_as<Real, double>) {
+      if (!quick_uv_.usable) return false;
+      const std::size_t n = fragments.size();
+      Column fu, fv, u, v, d, m, inverse_power;  // NOLINT(cppcoreguidelines-pro-type-member-init): n are set
+      std::array<std::int64_t, lanes> e;         // NOLINT(cppcoreguidelines-pro-type-member-init)
+      load(fragments, &FragmentRecord::fu, fu);
+      load(fragments, &FragmentRecord::fv, fv);
+      const double acc_ulp = q_acc_.ulp();
+      const double uv_scale = 1 / q_uv_.ulp();
+      if (linear()) {
+        if (lanes_narrow(fu, acc_ulp * uv_scale, quick_uv_, n, u) != 0) return false;
+        if (lanes_narrow(fv, acc_ulp * uv_scale, quick_uv_, n, v) != 0) return false;
+      } else {
+        load(fragments, &FragmentRecord::h, d);
+        lanes_operand(d, q_h_.ulp(), b_, least_, n, d);
+        if (perspective_ == Perspective::hyperbolic) {
+          if (lanes_narrow_quotient(fu, d, acc_ulp * uv_scale, quick_uv_, n, u) != 0) return false;
+          if (lanes_narrow_quotient(fv, d, acc_ulp * uv_scale, quick_uv_, n, v) != 0) return false;
+        } else {
+          if (!unit_.quick(d, n, m, inverse_power, e.data())) return false;
+          const double scale = acc_ulp * unit_.ulp() * uv_scale;
+          const double base_scale = q_edge_uv_.ulp() * uv_scale;
+          load(fragments, &FragmentRecord::u, u);
+          load(fragments, &FragmentRecord::v, v);
+          if (lanes_narrow_product(fu, m, inverse_power, scale, u, base_scale, quick_uv_, n, u) != 0) {
+            return false;
+          }
+          if (lanes_narrow_product(fv, m, inverse_power, scale, v, base_scale, quick_uv_, n, v) != 0) {
+            return false;
+          }
+          store(m, fragments, &FragmentRecord::recip_m);
+          for (std::size_t i = 0; i < n; ++i) fragments[i].recip_e = e[i];
+        }
+      }
+      store(u, fragments, &FragmentRecord::u);
+      store(v, fragments, &FragmentRecord::v);
+      return true;
+    }
+    return false;
+  }
+
+  bool quick_shades(std::span<FragmentRecord> fragments) const {
+    if constexpr (std::same_as<Real, double>) {
+      if (!quick_shade_.usable) return false;
+      constexpr std::array shades{&FragmentRecord::r, &FragmentRecord::g, &FragmentRecord::b,
+                                  &FragmentRecord::a};
+      std::array<Column, channels> c;  // NOLINT(cppcoreguidelines-pro-type-member-init): n lanes are set
+      const double scale = q_shade_acc_.ulp() / q_shade_.ulp();
+      for (std::size_t i = 0; i < channels; ++i) {
+        load(fragments, shades[i], c[i]);
+        if (lanes_narrow(c[i], scale, quick_shade_, fragments.size(), c[i]) != 0) return false;
+      }
+      for (std::size_t i = 0; i < channels; ++i) store(c[i], fragments, shades[i]);
+      return true;
+    }
+    return false;
+  }
+
+  static void load(std::span<const FragmentRecord> from, std::int64_t FragmentRecord::*field, Column& to) {
+    for (std::size_t i = 0; i < from.size(); ++i) to.at[i] = static_cast<double>(from[i].*field);
+  }
+  static void store(const Column& from, std::span<FragmentRecord> to, std::int64_t FragmentRecord::*field) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i].*field = static_cast<std::int64_t>(from.at[i]);
   }
 
   Perspective perspective_;
   Quantizer<Real> q_h_, q_h_step_, q_acc_, q_step_, q_edge_uv_, q_uv_, q_shade_step_, q_shade_acc_, q_shade_,
       q_k_;
-  FarProduct<Real> far_uv_;
   Real phase_ulp_, b_, least_;
   ReciprocalUnit<Real> unit_;
+  LaneFormat quick_uv_, quick_shade_;
 };
 
 }  // namespace

@@ -29,13 +29,9 @@ class SpanSetup {
         unit_(config.row_reciprocal, config.format(FormatId::edge_x).fraction()) {
     const StartOffsets& offset = config.start_offset;
     const auto f = [&](FormatId id) { return config.format(id); };
-    const Format from =
-        f(config.perspective == Perspective::hyperbolic ? FormatId::span_f_diff : FormatId::edge_uv);
-    start_h_ = Start(offset.span_h, config.depth_format(), f(FormatId::span_h), f(FormatId::edge_h));
-    start_f_ = affine() ? Start(offset.span_f, f(FormatId::span_uv), f(FormatId::span_uv_acc), from)
-                        : Start(offset.span_f, f(FormatId::span_f), f(FormatId::span_f), from);
-    start_shade_ = Start(offset.span_shade, f(FormatId::span_shade), f(FormatId::span_shade_acc),
-                         f(FormatId::edge_shade));
+    start_h_ = Start(offset.span_h, config.depth_format());
+    start_f_ = Start(offset.span_f, f(affine() ? FormatId::span_uv : FormatId::span_f));
+    start_shade_ = Start(offset.span_shade, f(FormatId::span_shade));
   }
 
   SpanRecord operator()(const RowRecord& row) const {
@@ -126,8 +122,6 @@ class PlaneSpanSetup {
         q_f_step_(config.format(FormatId::span_f_step)),
         q_uv_acc_(config.format(FormatId::span_uv_acc)),
         q_uv_step_(config.format(FormatId::span_uv_step)),
-        far_uv_(FarBound(config.format(FormatId::span_uv_acc), {},
-                         start_offset<double>(config.start_offset.span_f, config.format(FormatId::span_uv)))),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         unit_(config.row_reciprocal, depth_sum_fraction(config, FormatId::span_h)),
         offset_f_(start_offset<Real>(config.start_offset.span_f, config.format(FormatId::span_uv))) {}
@@ -144,7 +138,7 @@ class PlaneSpanSetup {
     out.phase = row.phase;
     out.h = row.h;
     const auto start = [&](std::int64_t g) {
-      return q_uv_acc_.raw(q_uv_acc_.sum(far_uv_(inverse.times(q_f_.value(g))), offset_f_));
+      return q_uv_acc_.raw(q_uv_acc_.sum(inverse.times(q_f_.value(g)), offset_f_));
     };
     const auto step = [&](std::int64_t g) {
       return q_uv_step_.raw(q_uv_step_.product(inverse.times(q_f_step_.value(g))));
@@ -172,7 +166,6 @@ class PlaneSpanSetup {
 
  private:
   Quantizer<Real> q_h_, q_f_, q_f_step_, q_uv_acc_, q_uv_step_;
-  FarProduct<Real> far_uv_;
   Real b_;
   ReciprocalUnit<Real> unit_;
   Real offset_f_;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <span>
+#include <vector>
 
 #include "config/records.hpp"
 #include "golden/arithmetic.hpp"
@@ -9,8 +11,9 @@
 
 namespace bitspan::golden {
 
-// (fragment, its texture or null)
-using TextureStage = std::function<TextureRecord(const FragmentRecord&, const Texture*)>;
+// (fragments, their texture or null); appends a record for each.
+using TextureStage = std::function<void(std::span<const FragmentRecord* const>, const Texture*,
+                                        std::vector<TextureRecord>& out)>;
 TextureStage make_texture(Arithmetic arithmetic, const Config& config);
 
 }  // namespace bitspan::golden

@@ -88,16 +88,14 @@ template <class Real>
 class PreStep {
  public:
   PreStep() = default;
-  PreStep(const StartOffset& offset, const Format& kept, const Format& accumulator, const Format& from)
-      : offset_(start_offset<Real>(offset, kept)),
-        far_(FarBound(accumulator, {from}, start_offset<double>(offset, kept))) {}
+  PreStep(const StartOffset& offset, const Format& kept) : offset_(start_offset<Real>(offset, kept)) {}
   Real operator()(const Quantizer<Real>& q, Real from, Real step, Real distance) const {
-    return q.sum(from, offset_, far_(exact_product(step, distance)));
+    const auto product = exact_product(step, distance);
+    return offset_ == 0 ? q.sum(product, from) : q.sum(product, from, offset_);
   }
 
  private:
   Real offset_ = 0;
-  FarProduct<Real> far_;
 };
 
 }  // namespace bitspan::golden

@@ -159,15 +159,45 @@ TEST(Quantize, ProductJustBelowAFloorBoundary) {
   EXPECT_EQ(wide.raw(wide(static_cast<long double>(a) * b)), (1 << 30) - 1);
 }
 
-// With an ulp of 2^60 the remainder 1 - 2^-60 no longer fits 53 bits: the checked type says so.
-TEST(Quantize, RemainderTooFineForItsType) {
+// With an ulp of 2^60 the remainder 1 - 2^-60 does not fit 53 bits, nor do the terms of a sum that spans 150
+// places, nor a quotient of 2^70: all of them are narrowed right nevertheless.
+TEST(Quantize, WhatNoSingleDoubleHolds) {
   const Format f{8, 68, true, Rounding::trn, Overflow::sat, false};
   const double a = 0x1p30 + 1;
   const double b = 0x1p30 - 1;
-  const Quantizer<Checked<double>> narrow(f);
-  EXPECT_THROW(narrow.product(a, b), InexactError);
-  const Quantizer<Checked<long double>> wide(f);
-  EXPECT_EQ(wide.raw(wide.product(static_cast<long double>(a), static_cast<long double>(b))), 0);
+  const Quantizer<double> q(f);
+  EXPECT_EQ(q.raw(q.product(a, b)), 0);
+  EXPECT_EQ(q.raw(q.sum(exact_product(a, b), 1.0)), 1);
+  EXPECT_EQ(q.raw(q.sum(0x1p60, -0x1p-90)), 0);
+  EXPECT_EQ(q.raw(q.sum(exact_product(a, b), 1.0, -0x1p-90)), 0);
+  EXPECT_EQ(q.raw(q.quotient(0x1p70, 1.0)), 127);
+  const Quantizer<double> wrapped(Format{8, 8, false, Rounding::trn, Overflow::wrap, false});
+  EXPECT_EQ(wrapped.raw(wrapped.quotient(0x1p70 + 0x1p20, 3.0)), 0xaa);
+  EXPECT_EQ(wrapped.raw(wrapped.sum(0x1p60, 3.0)), 3);
+  EXPECT_EQ(wrapped.raw(wrapped.sum(exact_product(a, b), -3.0)), 252);  // 2^60 - 4
+}
+
+// Numerators and denominators that are pairs, against exact rationals.
+TEST(Quantize, QuotientsOfPairs) {
+  Draw draw(13);
+  for (int round = 0; round < 2000; ++round) {
+    const auto pair = [&](int bits) {
+      const double x = static_cast<double>(draw.integer(-(std::int64_t{1} << bits), std::int64_t{1} << bits));
+      const double y = static_cast<double>(draw.integer(1, std::int64_t{1} << bits));
+      return exact_product(x, y);
+    };
+    const auto rational = [](const Pair<double>& x) {
+      return test::rational_of(x.high) + test::rational_of(x.low);
+    };
+    const Pair<double> n = pair(static_cast<int>(draw.integer(1, 32)));
+    Pair<double> d = pair(static_cast<int>(draw.integer(1, 32)));
+    if (d.high == 0) d.high = 1;
+    Format f{24, 20, true};
+    f.rounding = static_cast<Rounding>(draw.integer(0, rounding_modes - 1));
+    f.overflow = static_cast<Overflow>(draw.integer(0, overflow_modes - 1));
+    const Quantizer<double> q(f);
+    ASSERT_EQ(Int(q.raw(q.quotient(n, d))), oracle_raw(f, rational(n) / rational(d))) << describe(f);
+  }
 }
 
 TEST(Quantize, CheckedRefusesWhatIsRounded) {

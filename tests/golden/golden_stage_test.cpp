@@ -17,7 +17,35 @@ namespace {
 
 using namespace bitspan::golden;
 
-constexpr Arithmetic checked_double{Width::f64, true};
+constexpr Arithmetic checked_double{Width::f64, true};  // a record at a time
+constexpr Arithmetic plain_double{Width::f64, false};   // in columns
+
+// One fragment through a stage that takes many.
+TextureRecord textured(Arithmetic arithmetic, const Config& c, const FragmentRecord& f, const Texture& t) {
+  const FragmentRecord* one = &f;
+  std::vector<TextureRecord> out;
+  make_texture(arithmetic, c)({&one, 1}, &t, out);
+  return out.at(0);
+}
+FogRecord fogged(Arithmetic arithmetic, const Config& c, const Constants& k, const Scene& scene,
+                 const FragmentRecord& f, const TextureRecord& t) {
+  const FragmentRecord* fragment = &f;
+  const TextureRecord* texture = &t;
+  std::vector<FogRecord> out;
+  make_fog(arithmetic, c, k, scene)({&fragment, 1}, {&texture, 1}, out);
+  return out.at(0);
+}
+MergeRecord merged_onto(const std::array<std::uint8_t, 3>& stored, Arithmetic arithmetic, const Config& c,
+                        const FogRecord& fog, const TextureRecord& t, const DepthRecord& d) {
+  const TextureRecord* texture = &t;
+  const DepthRecord* depth = &d;
+  const std::size_t pixels = static_cast<std::size_t>(fog.x) + 1;
+  std::vector<std::uint8_t> picture(4 * pixels);
+  std::copy(stored.begin(), stored.end(), picture.end() - 4);
+  std::vector<MergeRecord> out;
+  make_merge(arithmetic, c)({&fog, 1}, {&texture, 1}, {&depth, 1}, picture, static_cast<int>(pixels), out);
+  return out.at(0);
+}
 
 Trace trace_of(const Config& c, const Scene& scene, Counters* counters = nullptr) {
   const auto engine = make_golden(c, true);
@@ -246,13 +274,13 @@ FragmentRecord fragment_at(double u, double v, double shade, double alpha) {
   return out;
 }
 
-TEST(GoldenStage, TextureByHand) {
+void texture_by_hand(Arithmetic arithmetic) {
   Config c = unit_config();
   const Texture t{.name = "t",
                   .width = 2,
                   .height = 2,
                   .rgba = {0, 16, 32, 255, 64, 80, 96, 255, 10, 20, 30, 255, 200, 210, 220, 51}};
-  TextureRecord r = make_texture(checked_double, c)(fragment_at(3.25, -0.5, 0.5, 1), &t);
+  TextureRecord r = textured(arithmetic, c, fragment_at(3.25, -0.5, 0.5, 1), t);
   EXPECT_EQ(r.i, 1);  // 3 mod 2
   EXPECT_EQ(r.j, 1);  // -1 mod 2
   EXPECT_EQ(r.texel_r, 200 * 16);
@@ -260,12 +288,12 @@ TEST(GoldenStage, TextureByHand) {
   EXPECT_EQ(r.a, 51);  // 51/255 = 0.2 = 51.2/256
   EXPECT_EQ(r.killed, 0);
   c.wrap = TextureWrap::clamp;
-  r = make_texture(checked_double, c)(fragment_at(3.25, -0.5, 1, 0), &t);
+  r = textured(arithmetic, c, fragment_at(3.25, -0.5, 1, 0), t);
   EXPECT_EQ(r.i, 1);
   EXPECT_EQ(r.j, 0);
   EXPECT_EQ(r.killed, 1);  // alpha 0
   c.filter = TextureFilter::bilinear;
-  r = make_texture(checked_double, c)(fragment_at(0.75, 1.0, 1, 1), &t);
+  r = textured(arithmetic, c, fragment_at(0.75, 1.0, 1, 1), t);
   EXPECT_EQ(r.i, 0);
   EXPECT_EQ(r.j, 0);
   EXPECT_EQ(r.ex, 4);         // 1/4
@@ -273,16 +301,23 @@ TEST(GoldenStage, TextureByHand) {
   EXPECT_EQ(r.texel_r, 588);  // V5 = 0 + 64/4 = 16, V6 = 10 + 190/4 = 57.5, V = 36.75 = 588/16
 }
 
-TEST(GoldenStage, DepthCodesByHand) {
+TEST(GoldenStage, TextureByHand) { texture_by_hand(checked_double); }
+TEST(GoldenStage, TextureByHandInColumns) { texture_by_hand(plain_double); }
+
+void depth_codes_by_hand(Arithmetic arithmetic) {
   Config c = unit_config();
   Constants k;
   k.record.b = 100 * 256;
   FragmentRecord f;
+  f.covered = 1;
   f.h = 1000 * 256 + 128;
   const auto run = [&](DepthCode code, std::int64_t stored) {
     c.depth_code = code;
     c.depth_rounding = Rounding::rnd;
-    return make_depth({Width::x87, true}, c, k)(f, stored);
+    const auto code_stored = static_cast<std::uint32_t>(stored);
+    std::vector<DepthRecord> out;
+    make_depth(arithmetic, c, k)({&f, 1}, {&code_stored, 1}, 1, out);
+    return out.at(0);
   };
   EXPECT_EQ(run(DepthCode::inverse, 1000).z, 1001);
   EXPECT_EQ(run(DepthCode::inverse, 1000).pass, 1);
@@ -294,6 +329,9 @@ TEST(GoldenStage, DepthCodesByHand) {
   c.depth_code = DepthCode::inverse;
   EXPECT_EQ(clear_depth(c), 0);
 }
+
+TEST(GoldenStage, DepthCodesByHand) { depth_codes_by_hand({Width::x87, true}); }
+TEST(GoldenStage, DepthCodesByHandInColumns) { depth_codes_by_hand(plain_double); }
 
 TEST(GoldenStage, FogTableIsMonotone) {
   const Config c = shipped_config("depth16");
@@ -324,7 +362,7 @@ TEST(GoldenStage, FogTableIsMonotone) {
   EXPECT_GT(values.size(), 50U);
 }
 
-TEST(GoldenStage, FogAndMergeByHand) {
+void fog_and_merge_by_hand(Arithmetic fog_arithmetic, Arithmetic merge_arithmetic) {
   Config c = unit_config();
   c.fog = FogMode::linear;
   c.format(FormatId::fog_scale) = {24, 16, false, Rounding::rnd, Overflow::sat, false};
@@ -339,7 +377,7 @@ TEST(GoldenStage, FogAndMergeByHand) {
   TextureRecord texture;
   texture.r = texture.g = texture.b = 20 * 16;
   texture.a = 128;  // one half
-  const FogRecord fog = make_fog({Width::x87, true}, c, k, scene)(fragment, texture);
+  const FogRecord fog = fogged(fog_arithmetic, c, k, scene, fragment, texture);
   EXPECT_EQ(fog.factor, 192);
   EXPECT_EQ(fog.index, -1);
   EXPECT_EQ(fog.r, 40 * 16);  // 100 - 80 * 3/4
@@ -348,21 +386,24 @@ TEST(GoldenStage, FogAndMergeByHand) {
   EXPECT_EQ(fog.recip_e, 10);
   DepthRecord depth;
   depth.z = 77;
-  MergeRecord merged = make_merge(checked_double, c)(fog, texture, depth, {10, 20, 30});
+  MergeRecord merged = merged_onto({10, 20, 30}, merge_arithmetic, c, fog, texture, depth);
   EXPECT_EQ(merged.r, 25);  // 10 + 30/2
   EXPECT_EQ(merged.g, 18);  // 20 - 5/2 = 17.5
   EXPECT_EQ(merged.b, 54);  // 30 + 48.75/2 = 54.375
   EXPECT_EQ(merged.z, 77);
   texture.a = 256;
-  merged = make_merge(checked_double, c)(fog, texture, depth, {10, 20, 30});
+  merged = merged_onto({10, 20, 30}, merge_arithmetic, c, fog, texture, depth);
   EXPECT_EQ(merged.r, 40);
   EXPECT_EQ(merged.b, 79);
   scene.fog.reset();
-  const FogRecord none = make_fog({Width::x87, true}, c, k, scene)(fragment, texture);
+  const FogRecord none = fogged(fog_arithmetic, c, k, scene, fragment, texture);
   EXPECT_EQ(none.factor, 256);
   EXPECT_EQ(none.r, 20 * 16);
   EXPECT_EQ(none.recip_m, 0);
 }
+
+TEST(GoldenStage, FogAndMergeByHand) { fog_and_merge_by_hand({Width::x87, true}, checked_double); }
+TEST(GoldenStage, FogAndMergeByHandInColumns) { fog_and_merge_by_hand(plain_double, plain_double); }
 
 // A batch drawn in pieces gives the same records, frame and counters.
 TEST(GoldenStage, PiecesEqualTheWhole) {
