@@ -1,5 +1,6 @@
 #include "model/timed/cache.hpp"
 
+#include <bit>
 #include <span>
 
 namespace bitspan::timed {
@@ -8,10 +9,11 @@ Cache::Cache(int line_bytes, int sets, int ways)
     : line_bytes_(static_cast<std::uint64_t>(line_bytes)),
       sets_(static_cast<std::uint64_t>(sets)),
       ways_(static_cast<std::uint64_t>(ways)),
+      line_shift_(std::has_single_bit(line_bytes_) ? std::countr_zero(line_bytes_) : -1),
       slots_(sets_ * ways_) {}
 
-bool Cache::access(std::uint64_t address) {
-  const std::uint64_t line = address / line_bytes_;
+bool Cache::access_line(std::uint64_t line) {
+  last_ = line;
   const std::span<Way> set = std::span(slots_).subspan(line % sets_ * ways_, ways_);
   ++time_;
   Way* victim = &set.front();

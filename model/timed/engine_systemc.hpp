@@ -1,4 +1,4 @@
-// The SystemC model behind the Engine interface. Free of SystemC itself; docs/timing.md says what the numbers
+// The timed model behind the Engine interface. Free of SystemC itself; docs/timing.md says what the numbers
 // promise.
 #pragma once
 
@@ -13,7 +13,15 @@
 
 namespace bitspan {
 
+// Two ways to the same numbers: every one of TimedReport, Counters, Frame and Trace is equal.
+enum class TimedMode : std::uint8_t {
+  cycle,  // clock by clock, each stage a SystemC module; shows waveforms and handshakes
+  span,   // from one clock on which something moves to the next, values a span at a time; no SystemC
+};
+
 struct SystemcOptions {
+  TimedMode mode = TimedMode::cycle;
+  // Mode cycle only:
   std::filesystem::path vcd{};    // waveform of the run since begin(); empty for none
   bool record_handshake = false;  // keep the span interpolator's handshake, four bits a clock
   // Clocks without any movement after which the run is given up as a deadlock; 0: more than any legal
@@ -38,7 +46,7 @@ class TimedEngine : public Engine {
   virtual void close_vcd() = 0;
 };
 
-// Throws InputError where the configuration has no timing.
+// Throws InputError where the configuration has no timing, or the mode not what is asked for.
 std::unique_ptr<TimedEngine> make_systemc(const Config& config, const SystemcOptions& options = {});
 
 }  // namespace bitspan

@@ -1,7 +1,7 @@
 // fog, timed.
 #pragma once
 
-#include "model/timed/run.hpp"
+#include "model/timed/values.hpp"
 
 namespace bitspan::timed {
 
@@ -12,8 +12,7 @@ class FogStage : public PipeStage<FragmentItem> {
 
  private:
   bool enters(FragmentItem& item) override {
-    model::fog(run_.pipeline.fog, item.fragment, item.texel, item.fog);
-    if (run_.trace != nullptr) run_.trace->fog.push_back(item.fog);
+    fog_values(run_, item);
     return true;
   }
   Run& run_;

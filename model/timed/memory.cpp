@@ -1,6 +1,7 @@
 #include "model/timed/memory.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace bitspan::timed {
 
@@ -47,13 +48,6 @@ bool Memory::idle() const {
 }
 
 WordRegister::WordRegister(const MemoryTiming& timing, std::uint64_t access_bytes)
-    : word_bytes_(std::max(static_cast<std::uint64_t>(timing.width_bytes), access_bytes)) {}
-
-bool WordRegister::access(std::uint64_t address) {
-  const std::uint64_t next_word = address / word_bytes_ + 1;
-  if (next_word == next_word_) return false;
-  next_word_ = next_word;
-  return true;
-}
+    : word_shift_(std::countr_zero(std::max(static_cast<std::uint64_t>(timing.width_bytes), access_bytes))) {}
 
 }  // namespace bitspan::timed

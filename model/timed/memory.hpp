@@ -55,16 +55,21 @@ class Memory : public Clocked {
 };
 
 // A stage's register of the memory word it touched last: further accesses to that word cost nothing.
-// A word is the bus's width, or one access where that is larger.
+// A word is the bus's width, or one access where that is larger; both are powers of two.
 class WordRegister {
  public:
   WordRegister(const MemoryTiming& timing, std::uint64_t access_bytes);
-  std::uint64_t word_bytes() const { return word_bytes_; }
+  std::uint64_t word_bytes() const { return std::uint64_t{1} << word_shift_; }
   // True where the access has to go to the memory; accesses are aligned to their size.
-  bool access(std::uint64_t address);
+  bool access(std::uint64_t address) {
+    const std::uint64_t next_word = (address >> word_shift_) + 1;
+    if (next_word == next_word_) return false;
+    next_word_ = next_word;
+    return true;
+  }
 
  private:
-  std::uint64_t word_bytes_;
+  int word_shift_;
   std::uint64_t next_word_ = 0;  // word number + 1; 0 for none
 };
 

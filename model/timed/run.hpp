@@ -37,6 +37,10 @@ struct Run {
   std::size_t pixel(const FragmentRecord& fragment) const {
     return static_cast<std::size_t>(fragment.y * frame.width + fragment.x);
   }
+  // The fragment's texture, null for none.
+  const Texture* image(const FragmentItem& item) const {
+    return item.texture < 0 ? nullptr : &scene.textures[static_cast<std::size_t>(item.texture)];
+  }
   void release(const FragmentRecord& fragment, std::uint64_t now) { pixel_free[pixel(fragment)] = now + 1; }
   // Bytes of a depth code in memory: 1, 2 or 4.
   std::uint64_t depth_bytes() const { return config.depth_bits <= 8 ? 1 : config.depth_bits <= 16 ? 2 : 4; }

@@ -1,7 +1,7 @@
 // setup, timed: a triangle in, the same with its vertices and edges out, or nothing where it has no area.
 #pragma once
 
-#include "model/timed/run.hpp"
+#include "model/timed/values.hpp"
 
 namespace bitspan::timed {
 
@@ -11,24 +11,7 @@ class SetupStage : public PipeStage<TriangleItem> {
       : PipeStage("setup", run.timing(Stage::setup), in, &out, run.triangles), run_(run) {}
 
  private:
-  bool enters(TriangleItem& item) override {
-    Counters& counters = run_.counters;
-    ++counters.triangles;
-    if (!model::setup(run_.pipeline.setup, *item.triangle, item.index, item.setup)) {
-      ++counters.degenerate;
-      return false;
-    }
-    if (run_.trace != nullptr) run_.trace->setup.push_back(item.setup);
-    if (run_.pipeline.const_depth_rows) return true;
-    item.edges = model::setup_edges(run_.pipeline.setup, item.setup);
-    counters.divides_edge += static_cast<std::uint64_t>(item.edges.count) *
-                             static_cast<std::uint64_t>(run_.pipeline.setup.divides_per_edge);
-    if (run_.trace != nullptr) {
-      run_.trace->edge.insert(run_.trace->edge.end(), item.edges.edge.begin(),
-                              item.edges.edge.begin() + item.edges.count);
-    }
-    return true;
-  }
+  bool enters(TriangleItem& item) override { return setup_values(run_, item); }
   Run& run_;
 };
 

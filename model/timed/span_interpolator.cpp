@@ -1,7 +1,6 @@
 #include "model/timed/span_interpolator.hpp"
 
-#include <stdexcept>
-#include <string>
+#include "model/timed/values.hpp"
 
 namespace bitspan::timed {
 
@@ -59,12 +58,7 @@ void SpanInterpolator::clock(std::uint64_t now) {
 }
 
 void SpanInterpolator::accept(RowItem* item) {
-  const auto& stage = run_.pipeline.span_setup;
-  const int divides = run_.pipeline.const_depth_rows
-                          ? model::span_setup(stage, item->plane_row, item->geometry, item->span)
-                          : model::span_setup(stage, item->row, item->span);
-  run_.counters.divides_row += static_cast<std::uint64_t>(divides);
-  if (run_.trace != nullptr) run_.trace->span.push_back(item->span);
+  span_setup_values(run_, *item);
   in_setup_.push(item);
   ++span_setup_.report.records_in;
 }
@@ -72,11 +66,6 @@ void SpanInterpolator::accept(RowItem* item) {
 void SpanInterpolator::take() {
   loaded_ = in_setup_.front();
   in_setup_.pop();
-  // The clocks go by the row's pixels, the values by the span's.
-  if (loaded_->span.count != loaded_->count) {
-    throw std::logic_error("span_setup made " + std::to_string(loaded_->span.count) + " pixels of a row of " +
-                           std::to_string(loaded_->count));
-  }
   state_ = model::start_span(loaded_->span, run_.pipeline.const_depth_rows ? &loaded_->geometry : nullptr);
   ++span_setup_.report.records_out;
   ++span_.report.records_in;
@@ -84,15 +73,7 @@ void SpanInterpolator::take() {
 
 void SpanInterpolator::issue() {
   FragmentItem* item = run_.fragments.get();
-  item->texture = loaded_->texture;
-  model::span(run_.pipeline.span, state_, item->fragment);
-  Counters& counters = run_.counters;
-  const auto covered = static_cast<std::uint64_t>(item->fragment.covered);
-  ++counters.fragments;
-  counters.covered += covered;
-  counters.divides_pixel += static_cast<std::uint64_t>(run_.pipeline.span.divides_per_fragment);
-  if (run_.pipeline.const_depth_rows) counters.divides_saved += item->fragment.covered;
-  if (run_.trace != nullptr) run_.trace->fragment.push_back(item->fragment);
+  span_values(run_, *loaded_, state_, *item);
   in_span_.push(item);
   if (model::finished(state_)) {
     run_.rows.put(loaded_);

@@ -22,40 +22,4 @@ InterpolatorLatency interpolator_latency(const Config& config) {
   return latency;
 }
 
-SpanInterpolatorTiming::SpanInterpolatorTiming(const InterpolatorLatency& latency) : latency_(latency) {}
-
-InterpolatorClock SpanInterpolatorTiming::clock(bool in_valid, std::int64_t count, bool out_ready) {
-  InterpolatorClock now;
-  now.out_valid = !pixels_.empty() && pixels_.front() == pixel_ticks_;
-  const bool en_p = !now.out_valid || out_ready;
-  now.deliver = now.out_valid && out_ready;
-  now.issue = active_ && en_p && pixel_ticks_ >= next_issue_tick_;
-  const bool issues_last = now.issue && remaining_ == 1;
-
-  now.res_valid = !setup_.empty() && setup_ticks_ >= setup_.front().due;
-  now.take = now.res_valid && (!active_ || issues_last);
-  const bool en_s = !now.res_valid || now.take;
-  now.in_ready = latency_.pipelined ? en_s : setup_.empty();
-  now.accept = in_valid && now.in_ready;
-  now.setup_busy = !setup_.empty();
-  now.active = active_;
-
-  // The edge itself.
-  if (now.deliver) pixels_.pop();
-  if (now.issue) {
-    pixels_.push(pixel_ticks_ + static_cast<std::uint64_t>(latency_.span));
-    next_issue_tick_ = pixel_ticks_ + static_cast<std::uint64_t>(latency_.pixel_interval);
-    if (--remaining_ == 0) active_ = false;
-  }
-  if (en_p) ++pixel_ticks_;
-  if (now.take) {
-    active_ = true;
-    remaining_ = setup_.front().count;
-    setup_.pop();
-  }
-  if (now.accept) setup_.push({setup_ticks_ + static_cast<std::uint64_t>(latency_.span_setup), count});
-  if (en_s || !latency_.pipelined) ++setup_ticks_;
-  return now;
-}
-
 }  // namespace bitspan

@@ -4,7 +4,9 @@
 // out_valid equal the RTL's on every clock. No SystemC here; the timed model wraps it, tests run it alone.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 
 #include "config/config.hpp"
 #include "model/timed/ring.hpp"
@@ -39,10 +41,20 @@ struct InterpolatorClock {
 
 class SpanInterpolatorTiming {
  public:
-  explicit SpanInterpolatorTiming(const InterpolatorLatency& latency);
+  explicit SpanInterpolatorTiming(const InterpolatorLatency& latency) : latency_(latency) {}
 
   // One rising edge. `count` is the number of pixels (>= 1) of the span offered, read where it is accepted.
   InterpolatorClock clock(bool in_valid, std::int64_t count, bool out_ready);
+  // What the next clock will see of them.
+  bool out_valid() const { return !pixels_.empty() && pixels_.front() == pixel_ticks_; }
+  bool res_valid() const { return !setup_.empty() && setup_ticks_ >= setup_.front().due; }
+  // How many clocks from the next one on are like it and move nothing (no accept, take, issue, deliver), as
+  // long as in_valid and out_ready stay as given; `never` where only these can end that.
+  std::uint64_t rest(bool in_valid, bool out_ready) const;
+  // Lets so many of these clocks pass.
+  void skip(std::uint64_t clocks, bool out_ready);
+  static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
+
   // Nothing inside: no span and no pixel.
   bool idle() const { return setup_.empty() && !active_ && pixels_.empty(); }
 
@@ -62,5 +74,59 @@ class SpanInterpolatorTiming {
   std::int64_t remaining_ = 0;         // pixels of the loaded span still to issue
   std::uint64_t next_issue_tick_ = 0;  // pixel_ticks_ from which the next pixel may be issued
 };
+
+inline InterpolatorClock SpanInterpolatorTiming::clock(bool in_valid, std::int64_t count, bool out_ready) {
+  InterpolatorClock now;
+  now.out_valid = out_valid();
+  const bool en_p = !now.out_valid || out_ready;
+  now.deliver = now.out_valid && out_ready;
+  now.issue = active_ && en_p && pixel_ticks_ >= next_issue_tick_;
+  const bool issues_last = now.issue && remaining_ == 1;
+
+  now.res_valid = res_valid();
+  now.take = now.res_valid && (!active_ || issues_last);
+  const bool en_s = !now.res_valid || now.take;
+  now.in_ready = latency_.pipelined ? en_s : setup_.empty();
+  now.accept = in_valid && now.in_ready;
+  now.setup_busy = !setup_.empty();
+  now.active = active_;
+
+  // The edge itself.
+  if (now.deliver) pixels_.pop();
+  if (now.issue) {
+    pixels_.push(pixel_ticks_ + static_cast<std::uint64_t>(latency_.span));
+    next_issue_tick_ = pixel_ticks_ + static_cast<std::uint64_t>(latency_.pixel_interval);
+    if (--remaining_ == 0) active_ = false;
+  }
+  if (en_p) ++pixel_ticks_;
+  if (now.take) {
+    active_ = true;
+    remaining_ = setup_.front().count;
+    setup_.pop();
+  }
+  if (now.accept) setup_.push({setup_ticks_ + static_cast<std::uint64_t>(latency_.span_setup), count});
+  if (en_s || !latency_.pipelined) ++setup_ticks_;
+  return now;
+}
+
+inline std::uint64_t SpanInterpolatorTiming::rest(bool in_valid, bool out_ready) const {
+  const bool stands = out_valid() && !out_ready;
+  const bool result = res_valid();
+  const bool in_ready = latency_.pipelined ? !result : setup_.empty();
+  if ((out_valid() && out_ready) || (result && !active_) || (in_valid && in_ready)) return 0;
+  std::uint64_t clocks = never;
+  if (!stands && active_) {
+    if (pixel_ticks_ >= next_issue_tick_) return 0;
+    clocks = next_issue_tick_ - pixel_ticks_;
+  }
+  if (!stands && !pixels_.empty()) clocks = std::min(clocks, pixels_.front() - pixel_ticks_);
+  if (!result && !setup_.empty()) clocks = std::min(clocks, setup_.front().due - setup_ticks_);
+  return clocks;
+}
+
+inline void SpanInterpolatorTiming::skip(std::uint64_t clocks, bool out_ready) {
+  if (!out_valid() || out_ready) pixel_ticks_ += clocks;
+  if (!latency_.pipelined || !res_valid()) setup_ticks_ += clocks;
+}
 
 }  // namespace bitspan

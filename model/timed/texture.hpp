@@ -1,26 +1,35 @@
 // texture, timed: looks its texels up in the cache and fetches the lines that are missing.
 #pragma once
 
-#include "model/timed/cache.hpp"
-#include "model/timed/run.hpp"
+#include "model/timed/traffic.hpp"
+#include "model/timed/values.hpp"
 
 namespace bitspan::timed {
 
 class TextureStage : public PipeStage<FragmentItem> {
  public:
-  TextureStage(Run& run, Memory& memory, Fifo<FragmentItem*>& in, Fifo<FragmentItem*>& out);
-  const Cache& cache() const { return cache_; }
+  TextureStage(Run& run, Memory& memory, Fifo<FragmentItem*>& in, Fifo<FragmentItem*>& out)
+      : PipeStage("texture", run.timing(Stage::texture), in, &out, run.fragments, &memory,
+                  Memory::Port::texture, run.config.memory.latency),
+        run_(run),
+        line_bytes_(static_cast<std::uint64_t>(run.config.memory.cache_line_bytes)),
+        traffic_(run) {}
+  const Cache& cache() const { return traffic_.cache(); }
 
  private:
-  bool enters(FragmentItem& item) override;
+  bool enters(FragmentItem& item) override {
+    const bool lives = texture_values(run_, item);
+    for (int n = traffic_.misses(item.texture, item.fragment.u, item.fragment.v); n > 0; --n)
+      ask_read(line_bytes_);
+    return lives;
+  }
   void leaves(FragmentItem& item, bool kept, std::uint64_t now) override {
     if (!kept) run_.release(item.fragment, now);
   }
-  void look_up(int texture, std::int64_t i, std::int64_t j);
 
   Run& run_;
-  Cache cache_;
-  std::vector<std::uint64_t> base_;  // byte address of each texture
+  std::uint64_t line_bytes_;
+  TextureTraffic traffic_;
 };
 
 }  // namespace bitspan::timed

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <random>
 #include <vector>
@@ -84,6 +85,56 @@ TEST(SpanInterpolatorTiming, EqualsTheRegistersOnEveryClock) {
     }
   }
   EXPECT_GT(delivered, 50000U);
+}
+
+// Skipping what rest() promises leaves the same state as clocking it, and on those clocks nothing happens.
+TEST(SpanInterpolatorTiming, RestsAreClocksWithoutMovement) {
+  std::mt19937 random(12);
+  std::uint64_t skipped = 0;
+  std::uint64_t delivered = 0;
+  for (int run = 0; run < 400; ++run) {
+    const InterpolatorLatency latency{.span_setup = 1 + static_cast<int>(random() % 40),
+                                      .pipelined = random() % 2 == 0,
+                                      .span = 1 + static_cast<int>(random() % 30),
+                                      .pixel_interval = 1 + static_cast<int>(random() % 5)};
+    SpanInterpolatorTiming skipping(latency);
+    SpanInterpolatorTiming clocking(latency);
+    const unsigned longest = 1U << (random() % 4);
+    std::int64_t count = 1;
+    std::uint64_t t = 0;
+    while (t < 2000) {
+      // As they stay for a while.
+      const bool in_valid = random() % 2 == 0;
+      const bool out_ready = random() % 2 == 0;
+      const std::uint64_t until = t + 1 + random() % 60;
+      while (t < until) {
+        const InterpolatorClock a = skipping.clock(in_valid, count, out_ready);
+        const InterpolatorClock b = clocking.clock(in_valid, count, out_ready);
+        ++t;
+        ASSERT_EQ(a.accept, b.accept) << "run " << run << " clock " << t;
+        ASSERT_EQ(a.take, b.take) << "run " << run << " clock " << t;
+        ASSERT_EQ(a.issue, b.issue) << "run " << run << " clock " << t;
+        ASSERT_EQ(a.deliver, b.deliver) << "run " << run << " clock " << t;
+        ASSERT_EQ(a.in_ready, b.in_ready) << "run " << run << " clock " << t;
+        ASSERT_EQ(a.out_valid, b.out_valid) << "run " << run << " clock " << t;
+        ASSERT_EQ(a.res_valid, b.res_valid) << "run " << run << " clock " << t;
+        delivered += a.deliver ? 1 : 0;
+        if (a.accept) count = 1 + static_cast<std::int64_t>(random() % longest);
+        const std::uint64_t rest = std::min(skipping.rest(in_valid, out_ready), until - t);
+        for (std::uint64_t i = 0; i < rest; ++i) {
+          const InterpolatorClock c = clocking.clock(in_valid, count, out_ready);
+          ASSERT_FALSE(c.accept || c.take || c.issue || c.deliver) << "run " << run << " clock " << t + i;
+          ASSERT_EQ(c.out_valid, skipping.out_valid()) << "run " << run << " clock " << t + i;
+          ASSERT_EQ(c.res_valid, skipping.res_valid()) << "run " << run << " clock " << t + i;
+        }
+        skipping.skip(rest, out_ready);
+        skipped += rest;
+        t += rest;
+      }
+    }
+  }
+  EXPECT_GT(skipped, 100000U);
+  EXPECT_GT(delivered, 10000U);
 }
 
 TEST(SpanInterpolatorTiming, CountsByHand) {

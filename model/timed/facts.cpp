@@ -1,0 +1,357 @@
+#include "model/timed/facts.hpp"
+
+#include <array>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+
+#include "model/simd/shade.hpp"
+#include "model/simd/spans.hpp"
+#include "model/simd/triangles.hpp"
+#include "model/timed/values.hpp"
+
+namespace bitspan::timed {
+namespace {
+
+using SpanField = std::int64_t SpanRecord::*;
+#define BITSPAN_SPAN_FIELD_F(name, id) &SpanRecord::name,
+#define BITSPAN_SPAN_FIELD_I(name) &SpanRecord::name,
+#define BITSPAN_SPAN_FIELD_K(name, kind) &SpanRecord::name,
+constexpr auto span_fields = std::to_array<SpanField>(
+    {BITSPAN_SPAN_RECORD(BITSPAN_SPAN_FIELD_F, BITSPAN_SPAN_FIELD_I, BITSPAN_SPAN_FIELD_K)});
+#undef BITSPAN_SPAN_FIELD_F
+#undef BITSPAN_SPAN_FIELD_I
+#undef BITSPAN_SPAN_FIELD_K
+
+// A batch of triangles ends after so many of them or of their rows; its fragments are made in slices of whole
+// spans, so that the facts stay in the cache and do not grow with a triangle's size.
+constexpr std::size_t batch_triangles = 256;
+constexpr std::int64_t batch_rows = 2048;
+constexpr std::int64_t slice_pixels = 4096;
+
+}  // namespace
+
+// The values by the vector form's kernels, and the facts out of what passes between these.
+class Facts::Batch final : model::BlockSink<std::int64_t> {
+ public:
+  explicit Batch(Facts& facts)
+      : facts_(facts),
+        run_(facts.run_),
+        plan_(model::prepare_shade(run_.pipeline, run_.config, run_.scene)),
+        triangle_kernels_(model::triangle_kernels(VectorTarget::best)),
+        span_kernels_(model::span_kernels<std::int64_t>(VectorTarget::best)),
+        shade_kernels_(model::shade_kernels<std::int64_t>(VectorTarget::best)) {}
+
+  void start(std::span<const Triangle> triangles, std::int64_t first_index) {
+    to_draw_ = triangles;
+    first_index_ = first_index;
+    draws_.clear();
+  }
+
+  // A triangle set up: whether it has an area, which rows are walked.
+  void set_up(const Triangle& triangle, const SetupRecord& record, bool kept) {
+    Ahead ahead;
+    ahead.kept = kept;
+    ahead.draw.texture = triangle.texture < 0 ? -1 : triangle.texture;
+    if (kept) {
+      ahead.draw.shared =
+          !model::may_show_through(plan_, ahead.draw.texture, record.a0, record.a1, record.a2);
+      const model::EdgeWalkState walk = model::start_edge_walk(run_.pipeline.edge_walk, record, {});
+      ahead.y = walk.y;
+      ahead.y_end = walk.y_end;
+    }
+    ahead_.push(ahead);
+  }
+
+  void make_rows() {
+    if (next_step_ == steps_.size()) make_spans();
+    std::int64_t pixels = 0;
+    const std::size_t first = next_span_;
+    while (next_step_ < steps_.size() && pixels < slice_pixels) {
+      const WalkStep step = steps_[next_step_++];
+      facts_.steps_.push(step);
+      pixels += step.pixels;
+      if (step.pixels > 0) ++next_span_;
+    }
+    if (next_span_ == first) return;
+    if (first == 0 && next_span_ == spans_.size) {
+      draw(spans_);
+      return;
+    }
+    slice_.size = 0;
+    slice_.reserve(next_span_ - first);
+    slice_.size = next_span_ - first;
+    for (const SpanField field : span_fields) {
+      std::memcpy(slice_[field], spans_[field] + first, slice_.size * sizeof(std::int64_t));
+    }
+    draw(slice_);
+  }
+
+ private:
+  struct Ahead {
+    model::SpanDraw draw;
+    bool kept = false;
+    std::int64_t y = 0, y_end = 0;  // as in EdgeWalkState
+  };
+
+  // The next triangles' spans and steps.
+  void make_spans() {
+    first_index_ += static_cast<std::int64_t>(draws_.size());
+    draws_.clear();
+    walks_.clear();
+    std::int64_t rows = 0;
+    while (draws_.size() < batch_triangles && rows < batch_rows && draws_.size() < to_draw_.size()) {
+      if (ahead_.empty()) facts_.set_up();
+      const Ahead& ahead = ahead_.front();
+      draws_.push_back(ahead.draw);
+      walks_.push_back(ahead);
+      rows += ahead.y_end - ahead.y;
+      ahead_.pop();
+    }
+    spans_.size = 0;
+    triangle_kernels_.to_spans(run_.pipeline, to_draw_.first(draws_.size()), first_index_, triangles_, spans_,
+                               run_.counters, nullptr);
+    to_draw_ = to_draw_.subspan(draws_.size());
+
+    steps_.clear();
+    next_step_ = next_span_ = 0;
+    std::size_t s = 0;
+    for (std::size_t i = 0; i < walks_.size(); ++i) {
+      const Ahead& walk = walks_[i];
+      if (!walk.kept) continue;
+      const std::int64_t triangle = first_index_ + static_cast<std::int64_t>(i);
+      for (std::int64_t y = walk.y; y < walk.y_end; ++y) {
+        std::uint32_t pixels = 0;
+        if (s < spans_.size && spans_[&SpanRecord::triangle][s] == triangle &&
+            spans_[&SpanRecord::y][s] == y) {
+          pixels = static_cast<std::uint32_t>(spans_[&SpanRecord::count][s++]);
+        }
+        steps_.push_back({pixels, y + 1 == walk.y_end});
+      }
+      if (walk.y >= walk.y_end) steps_.push_back({0, true});
+    }
+    if (s != spans_.size) throw std::logic_error("the vector form has a span on a row that is not walked");
+  }
+
+  void draw(const model::Columns<SpanRecord>& spans) {
+    drawn_ = &spans;
+    at_span_ = 0;
+    at_pixel_ = 0;
+    span_kernels_.draw(run_.pipeline, spans, draws_, first_index_, {}, work_, run_.frame, run_.counters,
+                       *this);
+    while (at_span_ < spans.size) add_depth(false);
+  }
+
+  // The next fragment of the spans drawn. Returns its pixel.
+  std::size_t add_depth(bool passed) {
+    const model::Columns<SpanRecord>& spans = *drawn_;
+    FragmentFact fact;
+    fact.pixel = static_cast<std::uint64_t>(spans[&SpanRecord::y][at_span_] * run_.frame.width +
+                                            spans[&SpanRecord::x][at_span_] + at_pixel_);
+    fact.asks = facts_.depth_traffic_.access(fact.pixel) ? 1 : 0;
+    fact.covered = true;
+    fact.kept = passed;
+    facts_.depth_.push(fact);
+    if (++at_pixel_ == spans[&SpanRecord::count][at_span_]) {
+      ++at_span_;
+      at_pixel_ = 0;
+    }
+    return fact.pixel;
+  }
+  // The fragments in front of the next one that passed.
+  void add_failed_up_to(std::int64_t triangle, std::int64_t pixel) {
+    const model::Columns<SpanRecord>& spans = *drawn_;
+    while (at_span_ < spans.size) {
+      const std::int64_t from =
+          spans[&SpanRecord::y][at_span_] * run_.frame.width + spans[&SpanRecord::x][at_span_];
+      const std::int64_t end = from + spans[&SpanRecord::count][at_span_];
+      const bool here = spans[&SpanRecord::triangle][at_span_] == triangle && from <= pixel && pixel < end;
+      const std::size_t span = at_span_;
+      if (here) {
+        while (from + at_pixel_ < pixel) add_depth(false);
+        return;
+      }
+      while (at_span_ == span) add_depth(false);
+    }
+    throw std::logic_error("the vector form has a fragment that is in no span");
+  }
+
+  void operator()(const model::FragmentBlock<std::int64_t>& block, int texture, bool store_depth) override {
+    const Texture* image = texture < 0 ? nullptr : &run_.scene.textures[static_cast<std::size_t>(texture)];
+    const auto first = static_cast<std::size_t>(block.triangle[0] - first_index_);
+    const bool shared = block.size > 0 && draws_[first].shared;
+    FragmentRecord fragment;
+    TextureRecord texel;
+    for (std::size_t k = 0; k < block.size; ++k) {
+      add_failed_up_to(block.triangle[k], block.pixel[k]);
+      const std::size_t pixel = add_depth(true);
+      bool lives = true;
+      bool blends = false;
+      if (!shared) {
+        fragment.u = block.u[k];
+        fragment.v = block.v[k];
+        fragment.r = block.r[k];
+        fragment.g = block.g[k];
+        fragment.b = block.b[k];
+        fragment.a = block.a[k];
+        lives = model::texture(run_.pipeline.texture, image, fragment, texel);
+        blends = facts_.merge_traffic_.blends(texel.a);
+      }
+      facts_.add_texture(pixel, texture, block.u[k], block.v[k], lives);
+      if (lives) facts_.add_merge(pixel, blends);
+    }
+    shade_kernels_.shade(run_.pipeline, plan_, texture, block, store_depth, run_.frame, run_.counters,
+                         nullptr);
+  }
+
+  Facts& facts_;
+  Run& run_;
+  model::ShadePlan plan_;
+  model::TriangleKernels triangle_kernels_;
+  model::SpanKernels<std::int64_t> span_kernels_;
+  model::ShadeKernels<std::int64_t> shade_kernels_;
+  std::span<const Triangle> to_draw_;
+  Ring<Ahead> ahead_;  // set up, of to_draw_
+  // The batch under way.
+  std::int64_t first_index_ = 0;
+  std::vector<model::SpanDraw> draws_;
+  std::vector<Ahead> walks_;
+  std::vector<WalkStep> steps_;
+  std::size_t next_step_ = 0, next_span_ = 0;
+  model::TriangleBatch triangles_;
+  model::Columns<SpanRecord> spans_{0}, slice_{0};
+  model::SpanWork<std::int64_t> work_;
+  // The next fragment of the spans being drawn.
+  const model::Columns<SpanRecord>* drawn_ = nullptr;
+  std::size_t at_span_ = 0;
+  std::int64_t at_pixel_ = 0;
+};
+
+Facts::Facts(Run& run)
+    : run_(run),
+      edge_walk_(run),
+      plane_walk_(run),
+      depth_traffic_(run),
+      texture_traffic_(run),
+      merge_traffic_(run) {
+  const bool small = run.frame.depth.size() <= std::numeric_limits<std::int32_t>::max();
+  if (small && !run.pipeline.const_depth_rows && model::spans_refusal(run.config) == nullptr) {
+    batch_ = std::make_unique<Batch>(*this);
+  }
+}
+
+Facts::~Facts() = default;
+
+void Facts::start(std::span<const Triangle> triangles, std::int64_t first_index) {
+  to_set_up_ = triangles;
+  index_ = first_index;
+  batched_ = batch_ != nullptr && run_.trace == nullptr;
+  if (batched_) batch_->start(triangles, first_index);
+}
+
+void Facts::set_up() {
+  const Triangle& triangle = to_set_up_.front();
+  triangle_.triangle = &triangle;
+  triangle_.index = index_++;
+  to_set_up_ = to_set_up_.subspan(1);
+  bool kept = false;
+  if (batched_) {
+    // Counted where its spans are made.
+    kept = model::setup(run_.pipeline.setup, triangle, triangle_.index, triangle_.setup);
+    batch_->set_up(triangle, triangle_.setup, kept);
+  } else {
+    kept = setup_values(run_, triangle_);
+    if (kept) to_walk_.push(triangle_);
+  }
+  triangles_.push(kept ? 1 : 0);
+}
+
+void Facts::make_rows() {
+  if (batched_) {
+    batch_->make_rows();
+  } else if (run_.pipeline.const_depth_rows) {
+    make_rows(plane_walk_);
+  } else {
+    make_rows(edge_walk_);
+  }
+}
+
+// Some rows more: as many as keep the values' code and the clocks' code from evicting each other.
+template <class Walk>
+void Facts::make_rows(Walk& walk) {
+  const std::uint64_t steps_end = steps_.end() + 64;
+  const std::uint64_t depth_end = depth_.end() + 512;
+  while (steps_.end() < steps_end && depth_.end() < depth_end) {
+    if (!walking_) {
+      while (to_walk_.empty()) {
+        if (to_set_up_.empty()) return;
+        set_up();
+      }
+      walk.start(to_walk_.front());
+      to_walk_.pop();
+      if (walk.finished()) {
+        steps_.push({0, true});
+        continue;
+      }
+    }
+    const bool has_record = walk.row(row_);
+    walking_ = !walk.finished();
+    steps_.push({has_record ? static_cast<std::uint32_t>(row_.count) : 0, !walking_});
+    if (has_record) make_fragments();
+  }
+}
+
+void Facts::make_fragments() {
+  span_setup_values(run_, row_);
+  model::SpanState state =
+      model::start_span(row_.span, run_.pipeline.const_depth_rows ? &row_.geometry : nullptr);
+  while (!model::finished(state)) {
+    span_values(run_, row_, state, fragment_);
+    make_fragment(fragment_);
+  }
+}
+
+void Facts::make_fragment(FragmentItem& item) {
+  FragmentFact fact;
+  fact.pixel = run_.pixel(item.fragment);
+  if (item.fragment.covered != 0) {
+    fact.covered = true;
+    fact.asks = depth_traffic_.access(fact.pixel) ? 1 : 0;
+    fact.kept = depth_values(run_, item);
+  }
+  depth_.push(fact);
+  if (!fact.kept) return;
+  const bool lives = texture_values(run_, item);
+  add_texture(fact.pixel, item.texture, item.fragment.u, item.fragment.v, lives);
+  if (!lives) return;
+  fog_values(run_, item);
+  add_merge(fact.pixel, merge_traffic_.blends(item.texel.a));
+  merge_values(run_, item);
+}
+
+void Facts::add_texture(std::size_t pixel, int texture, std::int64_t u, std::int64_t v, bool lives) {
+  FragmentFact fact;
+  fact.pixel = pixel;
+  fact.asks = (1U << texture_traffic_.misses(texture, u, v)) - 1;
+  fact.kept = lives;
+  texture_.push(fact);
+}
+
+void Facts::add_merge(std::size_t pixel, bool blends) {
+  const MergeTraffic::Ask ask = merge_traffic_.access(blends, pixel);
+  FragmentFact fact;
+  fact.pixel = pixel;
+  fact.asks = (ask.color_read ? 1U : 0U) | (ask.color_write ? 2U : 0U) | (ask.depth_write ? 4U : 0U);
+  fact.kept = true;
+  merge_.push(fact);
+}
+
+void Facts::forget(const Read& read) {
+  triangles_.forget(read.triangles);
+  steps_.forget(read.steps);
+  depth_.forget(read.depth);
+  texture_.forget(read.texture);
+  merge_.forget(read.merge);
+}
+
+}  // namespace bitspan::timed

@@ -1,0 +1,124 @@
+// What the clocks of a run have to know of its records, and no more: which triangles, rows and fragments
+// there are, where they end, what they ask of the memory. It follows from the values alone, in the order of
+// the records; so it is made here ahead of the clocks, a span at a time, and read by them at their own pace.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "model/timed/edge_walk.hpp"
+#include "model/timed/plane_walk.hpp"
+#include "model/timed/ring.hpp"
+#include "model/timed/traffic.hpp"
+
+namespace bitspan::timed {
+
+// An unending sequence of which a stretch is kept. Records are numbered from 0 on, since begin().
+template <class T>
+class Stretch {
+ public:
+  void push(const T& item) { kept_.push_back(item); }
+  std::uint64_t end() const { return first_ + kept_.size(); }
+  const T& operator[](std::uint64_t number) const { return kept_[number - first_]; }
+  // Those before `number` are not asked for any more; amortised to nothing.
+  void forget(std::uint64_t number) {
+    const auto gone = static_cast<std::ptrdiff_t>(number - first_);
+    if (2 * static_cast<std::size_t>(gone) < kept_.size()) return;
+    kept_.erase(kept_.begin(), kept_.begin() + gone);
+    first_ = number;
+  }
+
+ private:
+  std::vector<T> kept_;
+  std::uint64_t first_ = 0;
+};
+
+// A step of edge_walk or plane_walk: a row walked, or a triangle without any.
+struct WalkStep {
+  std::uint32_t pixels = 0;  // of the row's record; 0: it has none
+  bool last = false;         // of the triangle
+};
+
+// A fragment in front of depth, texture or merge.
+struct FragmentFact {
+  std::uint64_t pixel = 0;  // index into the frame
+  // Requests to put, bit 0 first. For merge, 0 reads colour, 1 writes colour, 2 writes depth; the others only
+  // read.
+  std::uint32_t asks = 0;
+  bool covered = false;  // before depth: may not enter while its pixel is busy
+  bool kept = false;     // goes on to the next stage
+};
+
+class Facts {
+ public:
+  explicit Facts(Run& run);
+  ~Facts();
+
+  // The next draw call; the last one's triangles have all been walked. Without a trace the values come from
+  // the vector form's kernels (model/simd/) where the configuration has them, else from the stage functions.
+  void start(std::span<const Triangle> triangles, std::int64_t first_index);
+  // Whether triangle `number` goes on from setup; it has been offered.
+  bool triangle_kept(std::uint64_t number) {
+    while (number >= triangles_.end()) set_up();
+    return triangles_[number] != 0;
+  }
+  // Step `number` has been made already.
+  bool has_step(std::uint64_t number) const { return number < steps_.end(); }
+  // Step `number` of all walks; the triangle it belongs to has been offered.
+  const WalkStep& step(std::uint64_t number) {
+    while (number >= steps_.end()) make_rows();
+    return steps_[number];
+  }
+  // Of records that have been walked.
+  const FragmentFact& depth(std::uint64_t number) const { return depth_[number]; }
+  const FragmentFact& texture(std::uint64_t number) const { return texture_[number]; }
+  const FragmentFact& merge(std::uint64_t number) const { return merge_[number]; }
+
+  struct Read {
+    std::uint64_t triangles = 0, steps = 0, depth = 0, texture = 0, merge = 0;
+  };
+  // What each stage has read, for the facts before it to be forgotten.
+  void forget(const Read& read);
+
+  std::uint64_t depth_word_bytes() const { return depth_traffic_.word_bytes(); }
+  std::uint64_t color_word_bytes() const { return merge_traffic_.color_word_bytes(); }
+  const Cache& cache() const { return texture_traffic_.cache(); }
+
+ private:
+  class Batch;
+
+  void set_up();
+  void make_rows();
+  template <class Walk>
+  void make_rows(Walk& walk);
+  void make_fragments();
+  void make_fragment(FragmentItem& item);
+  // Of a fragment that passed the depth test and is in depth_.
+  void add_texture(std::size_t pixel, int texture, std::int64_t u, std::int64_t v, bool lives);
+  void add_merge(std::size_t pixel, bool blends);
+
+  Run& run_;
+  std::span<const Triangle> to_set_up_;
+  std::int64_t index_ = 0;        // of the next one
+  std::unique_ptr<Batch> batch_;  // null where the configuration has no vector form
+  bool batched_ = false;          // this draw call
+  // A record at a time:
+  TriangleItem triangle_;
+  Ring<TriangleItem> to_walk_;  // set up
+  bool walking_ = false;
+  EdgeWalk edge_walk_;
+  PlaneWalk plane_walk_;
+  RowItem row_;
+  FragmentItem fragment_;
+
+  DepthTraffic depth_traffic_;
+  TextureTraffic texture_traffic_;
+  MergeTraffic merge_traffic_;
+  Stretch<std::uint8_t> triangles_;  // kept
+  Stretch<WalkStep> steps_;
+  Stretch<FragmentFact> depth_, texture_, merge_;
+};
+
+}  // namespace bitspan::timed

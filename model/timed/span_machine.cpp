@@ -1,0 +1,624 @@
+// The timed model in span mode: the cycle mode's numbers by arithmetic on the clocks at which something
+// moves.
+//
+// Why the numbers are equal. In cycle mode each part's clock is a function of two things only, both as they
+// were when the clock began: levels (of FIFOs, of what is inside a part, of requests) and comparisons of the
+// clock with times (a record is due, an interval ends, an answer has come, a pixel is free, the bus is free).
+// Levels change only where something moves. So on a clock that no movement went before, and that none of
+// these times falls on, a part does what it did on the clock before: nothing, in the same state. Therefore
+//   - after each clock that it is looked at, a part names the earliest of its times to come (`wake`): the
+//   next
+//     clock where it moved something itself;
+//   - who changes a level wakes its other side for the next clock (`poke`), which is when a register shows
+//   it;
+//   - the clocks in between are added to the state that the part was in, and are not looked at.
+// A time named too early costs a look for nothing. One named too late would be a fault; the tests hold every
+// number against cycle mode's.
+//
+// Within a clock the parts are looked at from the memory and merge upstream to the source, so that a reader
+// does not see its writer's push of the same clock; the writer leaves out its reader's pop (Level::room).
+//
+// What the records are and what they ask of the memory does not depend on the clock: Facts makes both ahead
+// of it, a span at a time.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/timed/facts.hpp"
+#include "model/timed/machine.hpp"
+#include "model/timed/span_interpolator_timing.hpp"
+
+namespace bitspan::timed {
+namespace {
+
+using Clock = std::uint64_t;
+constexpr Clock never = std::numeric_limits<Clock>::max();
+
+struct Part {
+  Clock wake = 0;  // the clock to look at it next
+  Clock poked = 0;
+
+  // What this part sees from the clock after `now` on has changed.
+  void poke(Clock now) {
+    poked = now + 1;
+    wake = std::min(wake, now + 1);
+  }
+  // Has been looked at; by itself it has nothing to do before `next`.
+  void sleep(Clock now, Clock next) { wake = poked == now + 1 ? now + 1 : next; }
+};
+
+// Counters of a stage, up to the clock its state began with.
+struct Meter {
+  std::string name;
+  std::array<std::uint64_t, stage_states> clocks{};
+  StageState state = StageState::starved;
+  Clock since = 0;
+  std::uint64_t in = 0, out = 0;
+
+  void set(StageState next, Clock now) {
+    if (next == state) return;
+    settle(now);
+    state = next;
+  }
+  void settle(Clock now) {
+    clocks[static_cast<std::size_t>(state)] += now - since;
+    since = now;
+  }
+};
+
+// A FIFO without its records: these are numbers in Facts.
+struct Level {
+  std::uint64_t capacity = 1;
+  std::uint64_t pushed = 0;
+  std::uint64_t popped = 0;
+  Clock popped_at = never;
+  std::uint64_t high_water = 0;
+
+  std::uint64_t size() const { return pushed - popped; }
+  // For the reader: only then does its pop change what the writer sees.
+  bool full() const { return size() == capacity; }
+  // For the writer, which is looked at after the reader.
+  bool room(Clock now) const { return size() + (popped_at == now ? 1 : 0) < capacity; }
+  // For the reader: its level at the start of the clock.
+  void see() { high_water = std::max(high_water, size()); }
+  void pop(Clock now) {
+    ++popped;
+    popped_at = now;
+  }
+};
+
+struct Request {
+  std::uint64_t beats = 0;
+  bool is_read = false;
+};
+
+// A record inside a pipe.
+struct Entry {
+  Clock due = 0;
+  Clock answer = 0;           // of its last read, where none is untaken
+  std::uint64_t untaken = 0;  // reads put that the bus has not taken
+  FragmentFact fact;
+};
+
+// setup, depth, texture, fog, merge: PipeStage (stage.hpp) without virtual calls and records.
+struct Pipe : Part {
+  Meter meter;
+  Level in;
+  Clock latency = 1, interval = 1;
+  Clock next_entry = 0;
+  std::uint64_t capacity = 1;  // records inside
+  std::vector<Entry> entries;  // record n at n & mask
+  std::uint64_t mask = 0;
+  std::uint64_t entered = 0, left = 0;
+  std::uint32_t asks = 0;  // of the newest record, still to be put: as in FragmentFact
+  std::array<Request, 4> requests;
+
+  std::uint64_t inside() const { return entered - left; }
+  bool idle() const { return in.size() == 0 && inside() == 0 && asks == 0; }
+};
+
+struct Walk : Part {
+  Meter meter;
+  Level in;
+  Clock latency = 1, interval = 1;
+  Clock next_entry = 0;
+  std::uint64_t capacity = 1;
+  Ring<Clock> due;  // of the rows inside
+  bool has_triangle = false;
+  std::uint64_t steps = 0;
+
+  bool idle() const { return in.size() == 0 && due.empty() && !has_triangle; }
+};
+
+struct Interpolator : Part {
+  explicit Interpolator(const InterpolatorLatency& l) : latency(l), timing(l) {}
+
+  Meter setup, span;
+  Level in;
+  Ring<std::int64_t> pixels;  // of each row from edge_walk on to the acceptance here
+  InterpolatorLatency latency;
+  SpanInterpolatorTiming timing;
+  Clock seen = 0;          // clocks that `timing` has had
+  bool out_ready = false;  // on the last of them
+
+  bool idle() const { return in.size() == 0 && timing.idle(); }
+};
+
+// A port of the memory and its FIFO of two requests.
+struct Port {
+  struct Slot {
+    Request request;
+    Entry* reader = nullptr;
+  };
+  Level level{.capacity = 2};
+  std::array<Slot, 2> slots;  // request n at n & 1
+};
+
+struct Bus : Part {
+  std::array<Port, 3> ports;  // Memory::Port
+  Clock latency = 1;
+  Clock free = 0;  // first clock it is free again
+  MemoryReport report;
+
+  bool waited_for() const {
+    return std::ranges::any_of(ports, [](const Port& p) { return p.level.size() > 0; });
+  }
+};
+
+struct Source : Part {
+  std::uint64_t to_offer = 0;  // triangles
+  std::uint64_t offered = 0;   // since begin()
+};
+
+class SpanMachine final : public Machine {
+ public:
+  SpanMachine(const Config& config, const Scene& scene, const SystemcOptions& options)
+      : Machine(config, scene, options), facts_(run_), interpolator_(interpolator_latency(config)) {
+    prepare(setup_, Stage::setup, 0);
+    prepare(depth_, Stage::depth, config.memory.latency);
+    prepare(texture_, Stage::texture, config.memory.latency);
+    prepare(fog_, Stage::fog, 0);
+    prepare(merge_, Stage::merge, config.memory.latency);
+    const auto width = static_cast<std::uint64_t>(config.memory.width_bytes);
+    const auto beats = [&](std::uint64_t bytes) { return (bytes + width - 1) / width; };
+    const std::uint64_t depth_beats = beats(facts_.depth_word_bytes());
+    const std::uint64_t color_beats = beats(facts_.color_word_bytes());
+    depth_.requests.fill({depth_beats, true});
+    texture_.requests.fill({beats(static_cast<std::uint64_t>(config.memory.cache_line_bytes)), true});
+    merge_.requests = {Request{color_beats, true}, Request{color_beats, false}, Request{depth_beats, false}};
+    // A latency of at least 1 keeps a clock's askers from seeing an answer of that clock.
+    bus_.latency = std::max<Clock>(static_cast<Clock>(config.memory.latency), 1);
+
+    const StageTiming& walk = run_.timing(Stage::edge_walk);
+    walk_.meter.name = run_.pipeline.const_depth_rows ? "plane_walk" : "edge_walk";
+    set_timing(walk_, walk, 0);
+    interpolator_.in.capacity = static_cast<std::uint64_t>(run_.timing(Stage::span_setup).fifo);
+    interpolator_.setup.name = "span_setup";
+    interpolator_.span.name = "span";
+  }
+
+ private:
+  template <class P>
+  static void set_timing(P& p, const StageTiming& timing, int extra) {
+    p.in.capacity = static_cast<std::uint64_t>(timing.fifo);
+    p.latency = static_cast<Clock>(timing.latency);
+    p.interval = static_cast<Clock>(timing.interval);
+    p.capacity = (p.latency + p.interval - 1) / p.interval + static_cast<std::uint64_t>(extra);
+  }
+  void prepare(Pipe& p, Stage stage, int extra) {
+    p.meter.name = bitspan::to_string(stage);
+    set_timing(p, run_.timing(stage), extra);
+    p.entries.resize(std::bit_ceil(p.capacity));
+    p.mask = p.entries.size() - 1;
+  }
+
+  void clock_until_drained(std::span<const Triangle> triangles, std::int64_t first_index) override;
+  std::uint64_t cycles() const override { return cycles_; }
+  void fill(TimedReport& report) const override;
+
+  void clock_bus(Clock now);
+  void clock_source(Clock now);
+  void clock_walk(Clock now);
+  void clock_interpolator(Clock now);
+  template <Stage stage>
+  void clock_pipe(Pipe& p, Clock now);
+  template <Stage stage>
+  FragmentFact fact_of(std::uint64_t number);
+  template <Stage stage>
+  Port& port();
+  Clock next_wake() const;
+  bool drained() const;
+  // Throws where nothing has moved for too long.
+  void watch(Clock cycle) const {
+    if (cycle - last_move_ >= watchdog_clocks_) give_up();
+  }
+  [[noreturn]] void give_up() const;
+
+  Facts facts_;
+  Bus bus_;
+  Source source_;
+  Pipe setup_;
+  Walk walk_;
+  Interpolator interpolator_;
+  Pipe depth_, texture_, fog_, merge_;
+  Clock cycles_ = 0;
+};
+
+void SpanMachine::clock_bus(Clock now) {
+  if (now >= bus_.free) {
+    const std::array<Part*, 3> askers{&merge_, &depth_, &texture_};
+    for (std::size_t i = 0; i < askers.size(); ++i) {
+      Port& port = bus_.ports[i];
+      if (port.level.size() == 0) continue;
+      const Port::Slot& slot = port.slots[port.level.popped & 1];
+      if (slot.request.is_read) {
+        slot.reader->answer = now + bus_.latency + slot.request.beats - 1;
+        --slot.reader->untaken;
+      }
+      port.level.pop(now);
+      askers[i]->poke(now);
+      bus_.free = now + slot.request.beats;
+      bus_.report.beats += slot.request.beats;
+      break;
+    }
+  }
+  bus_.wake = bus_.waited_for() ? bus_.free : never;
+}
+
+void SpanMachine::clock_source(Clock now) {
+  bool moved = false;
+  if (source_.to_offer > 0 && setup_.in.room(now)) {
+    ++setup_.in.pushed;
+    setup_.poke(now);
+    --source_.to_offer;
+    ++source_.offered;
+    moved = true;
+  }
+  source_.sleep(now, moved ? now + 1 : never);
+}
+
+// As WalkStage::clock.
+void SpanMachine::clock_walk(Clock now) {
+  Walk& w = walk_;
+  w.in.see();
+  const bool in_valid = w.in.size() > 0;
+  const bool out_valid = !w.due.empty() && w.due.front() <= now;
+  const bool out_ready = interpolator_.in.room(now);
+  bool moved = false;
+  Clock next = never;
+
+  if (out_valid && out_ready) {
+    w.due.pop();
+    ++interpolator_.in.pushed;
+    interpolator_.poke(now);
+    ++w.meter.out;
+    moved = true;
+  }
+  if (!out_valid && !w.due.empty()) next = w.due.front();
+
+  const bool in_interval = now < w.next_entry;
+  const bool can_walk = w.due.size() < w.capacity && !in_interval;
+  if (in_interval) next = std::min(next, w.next_entry);
+  if (!w.has_triangle && can_walk && in_valid) {
+    w.has_triangle = true;
+    if (w.in.full()) setup_.poke(now);
+    w.in.pop(now);
+    ++w.meter.in;
+  }
+  const bool walked = w.has_triangle && can_walk;
+  if (walked) {
+    w.next_entry = now + w.interval;
+    if (!facts_.has_step(w.steps)) {
+      facts_.forget({.triangles = setup_.in.popped,
+                     .steps = w.steps,
+                     .depth = depth_.in.popped,
+                     .texture = texture_.in.popped,
+                     .merge = merge_.in.popped});
+    }
+    const WalkStep step = facts_.step(w.steps++);
+    if (step.pixels > 0) {
+      w.due.push(now + w.latency);
+      interpolator_.pixels.push(step.pixels);
+    }
+    if (step.last) w.has_triangle = false;
+  }
+
+  if (moved || walked) last_move_ = now + 1;
+  w.meter.set(walked || in_interval        ? StageState::busy
+              : out_valid && !out_ready    ? StageState::blocked
+              : w.has_triangle || in_valid ? StageState::busy
+                                           : StageState::starved,
+              now);
+  w.sleep(now, moved || walked ? now + 1 : next);
+}
+
+// As SpanInterpolator::clock.
+void SpanMachine::clock_interpolator(Clock now) {
+  Interpolator& s = interpolator_;
+  s.in.see();
+  const bool in_valid = s.in.size() > 0;
+  const bool out_ready = depth_.in.room(now);
+  if (now > s.seen) s.timing.skip(now - s.seen, s.out_ready);
+  s.seen = now + 1;
+  s.out_ready = out_ready;
+  const InterpolatorClock c = s.timing.clock(in_valid, in_valid ? s.pixels.front() : 0, out_ready);
+
+  if (c.deliver) {
+    ++depth_.in.pushed;
+    depth_.poke(now);
+    ++s.span.out;
+  }
+  if (c.take) {
+    ++s.setup.out;
+    ++s.span.in;
+  }
+  if (c.accept) {
+    s.pixels.pop();
+    if (s.in.full()) walk_.poke(now);
+    s.in.pop(now);
+    ++s.setup.in;
+  }
+
+  const bool result_stands = c.res_valid && !c.take;
+  const bool holds_one = !s.latency.pipelined && c.setup_busy;
+  s.setup.set(c.accept                  ? StageState::busy
+              : result_stands           ? StageState::blocked
+              : (in_valid || holds_one) ? StageState::busy
+                                        : StageState::starved,
+              now);
+  const bool pixel_stands = c.out_valid && !out_ready;
+  s.span.set(c.issue        ? StageState::busy
+             : pixel_stands ? StageState::blocked
+             : c.active     ? StageState::busy
+                            : StageState::starved,
+             now);
+  const bool moved = c.accept || c.take || c.issue || c.deliver;
+  if (moved) last_move_ = now + 1;
+  if (moved || c.out_valid != s.timing.out_valid() || c.res_valid != s.timing.res_valid()) {
+    s.wake = now + 1;
+    return;
+  }
+  const Clock rest = s.timing.rest(in_valid, out_ready);
+  s.sleep(now, rest == SpanInterpolatorTiming::never ? never : now + 1 + rest);
+}
+
+template <Stage stage>
+FragmentFact SpanMachine::fact_of(std::uint64_t number) {
+  if constexpr (stage == Stage::setup) {
+    FragmentFact fact;
+    fact.kept = facts_.triangle_kept(number);
+    return fact;
+  } else if constexpr (stage == Stage::depth) {
+    return facts_.depth(number);
+  } else if constexpr (stage == Stage::texture) {
+    return facts_.texture(number);
+  } else if constexpr (stage == Stage::fog) {
+    FragmentFact fact;
+    fact.kept = true;
+    return fact;
+  } else {
+    return facts_.merge(number);
+  }
+}
+
+template <Stage stage>
+Port& SpanMachine::port() {
+  constexpr auto number = stage == Stage::merge   ? Memory::Port::merge
+                          : stage == Stage::depth ? Memory::Port::depth
+                                                  : Memory::Port::texture;
+  return bus_.ports[static_cast<std::size_t>(number)];
+}
+
+// As PipeStage::clock, with what DepthStage, TextureStage and MergeStage add.
+template <Stage stage>
+void SpanMachine::clock_pipe(Pipe& p, Clock now) {
+  constexpr bool has_memory = stage == Stage::depth || stage == Stage::texture || stage == Stage::merge;
+  const auto out = [&]() -> Level& {
+    if constexpr (stage == Stage::setup) return walk_.in;
+    if constexpr (stage == Stage::depth) return texture_.in;
+    if constexpr (stage == Stage::texture) return fog_.in;
+    return merge_.in;
+  };
+  const auto reader = [&]() -> Part& {
+    if constexpr (stage == Stage::setup) return walk_;
+    if constexpr (stage == Stage::depth) return texture_;
+    if constexpr (stage == Stage::texture) return fog_;
+    return merge_;
+  };
+  const auto writer = [&]() -> Part& {
+    if constexpr (stage == Stage::setup) return source_;
+    if constexpr (stage == Stage::depth) return interpolator_;
+    if constexpr (stage == Stage::texture) return depth_;
+    if constexpr (stage == Stage::fog) return texture_;
+    return fog_;
+  };
+
+  p.in.see();
+  bool moved = false;
+  bool blocked = false;
+  bool waits = false;
+  Clock next = never;
+
+  const bool requests_out = !has_memory || p.asks == 0 || p.inside() > 1;
+  if (p.inside() > 0) {
+    const Entry& head = p.entries[p.left & p.mask];
+    if (head.due > now) {
+      next = head.due;
+    } else if (has_memory && (!requests_out || head.untaken > 0 || head.answer > now)) {
+      waits = true;
+      if (requests_out && head.untaken == 0) next = head.answer;
+    } else if (stage != Stage::merge && head.fact.kept && !out().room(now)) {
+      blocked = true;
+    } else {
+      if constexpr (stage == Stage::merge || stage == Stage::texture) {
+        if (stage == Stage::merge || !head.fact.kept) {
+          run_.pixel_free[head.fact.pixel] = now + 1;
+          depth_.poke(now);
+        }
+      }
+      if (head.fact.kept) {
+        ++p.meter.out;
+        if constexpr (stage != Stage::merge) {
+          ++out().pushed;
+          reader().poke(now);
+        }
+      }
+      ++p.left;
+      moved = true;
+    }
+  }
+
+  const bool in_valid = p.in.size() > 0;
+  const bool in_interval = now < p.next_entry;
+  if (in_interval) next = std::min(next, p.next_entry);
+  if (has_memory && p.asks != 0) waits = true;
+  bool accepted = false;
+  if (in_valid && p.asks == 0 && p.inside() < p.capacity && !in_interval) {
+    const FragmentFact fact = fact_of<stage>(p.in.popped);
+    // Woken by the release where the pixel is not free.
+    if (stage == Stage::depth && fact.covered && run_.pixel_free[fact.pixel] > now) {
+      waits = true;
+    } else {
+      if (p.in.full()) writer().poke(now);
+      p.in.pop(now);
+      ++p.meter.in;
+      p.next_entry = now + p.interval;
+      p.entries[p.entered++ & p.mask] = {now + p.latency, 0, 0, fact};
+      p.asks = fact.asks;
+      if (stage == Stage::depth && fact.kept) run_.pixel_free[fact.pixel] = Run::never;
+      accepted = true;
+    }
+  }
+  if constexpr (has_memory) {
+    Port& to = port<stage>();
+    if (p.asks != 0 && to.level.room(now)) {
+      const Request request = p.requests[static_cast<std::size_t>(std::countr_zero(p.asks))];
+      p.asks &= p.asks - 1;
+      Entry& newest = p.entries[(p.entered - 1) & p.mask];
+      to.slots[to.level.pushed++ & 1] = {request, &newest};
+      bus_.wake = std::min(bus_.wake, std::max(now + 1, bus_.free));
+      if (request.is_read) {
+        ++newest.untaken;
+        ++bus_.report.reads;
+      } else {
+        ++bus_.report.writes;
+      }
+      moved = true;
+    }
+  }
+
+  p.meter.set(accepted || in_interval ? StageState::busy
+              : blocked               ? StageState::blocked
+              : waits                 ? StageState::memory
+              : in_valid              ? StageState::busy
+                                      : StageState::starved,
+              now);
+  if (moved || accepted) {
+    last_move_ = now + 1;
+    p.wake = now + 1;
+  } else {
+    p.sleep(now, next);
+  }
+}
+
+Clock SpanMachine::next_wake() const {
+  Clock next = bus_.wake;
+  for (const Part* part : {static_cast<const Part*>(&source_), static_cast<const Part*>(&setup_),
+                           static_cast<const Part*>(&walk_), static_cast<const Part*>(&interpolator_),
+                           static_cast<const Part*>(&depth_), static_cast<const Part*>(&texture_),
+                           static_cast<const Part*>(&fog_), static_cast<const Part*>(&merge_)}) {
+    next = std::min(next, part->wake);
+  }
+  return next;
+}
+
+bool SpanMachine::drained() const {
+  return source_.to_offer == 0 && interpolator_.idle() && walk_.idle() && setup_.idle() && depth_.idle() &&
+         texture_.idle() && fog_.idle() && merge_.idle() && !bus_.waited_for();
+}
+
+void SpanMachine::give_up() const {
+  std::string states;
+  const auto tell = [&](const Meter& meter, std::uint64_t occupancy, std::uint64_t capacity) {
+    states += state_text(meter.name, meter.state, occupancy, capacity, "");
+  };
+  tell(setup_.meter, setup_.in.size(), setup_.in.capacity);
+  tell(walk_.meter, walk_.in.size(), walk_.in.capacity);
+  tell(interpolator_.setup, interpolator_.in.size(), interpolator_.in.capacity);
+  tell(interpolator_.span, 0, 0);
+  for (const Pipe* p : {&depth_, &texture_, &fog_, &merge_}) tell(p->meter, p->in.size(), p->in.capacity);
+  nothing_moved(last_move_ + watchdog_clocks_, std::move(states));
+}
+
+void SpanMachine::clock_until_drained(std::span<const Triangle> triangles, std::int64_t first_index) {
+  facts_.start(triangles, first_index);
+  source_.to_offer = triangles.size();
+  Clock now = cycles_;
+  source_.wake = now;
+  Clock tell_at = (now / progress_clocks + 1) * progress_clocks;
+  while (true) {
+    if (bus_.wake <= now) clock_bus(now);
+    if (merge_.wake <= now) clock_pipe<Stage::merge>(merge_, now);
+    if (fog_.wake <= now) clock_pipe<Stage::fog>(fog_, now);
+    if (texture_.wake <= now) clock_pipe<Stage::texture>(texture_, now);
+    if (depth_.wake <= now) clock_pipe<Stage::depth>(depth_, now);
+    if (interpolator_.wake <= now) clock_interpolator(now);
+    if (walk_.wake <= now) clock_walk(now);
+    if (setup_.wake <= now) clock_pipe<Stage::setup>(setup_, now);
+    if (source_.wake <= now) clock_source(now);
+
+    cycles_ = now + 1;
+    watch(cycles_);
+    const bool done = drained();
+    now = done ? cycles_ : next_wake();
+    for (; tell_at <= now; tell_at += progress_clocks) {
+      if (tell_at - last_move_ >= watchdog_clocks_) break;
+      if (progress_) progress_(source_.offered);
+    }
+    if (done) break;
+    watch(now);
+  }
+  // Up to here the clocks have run; each stage's state stands until the next draw call.
+  for (Meter* meter : {&setup_.meter, &walk_.meter, &interpolator_.setup, &interpolator_.span, &depth_.meter,
+                       &texture_.meter, &fog_.meter, &merge_.meter}) {
+    meter->settle(cycles_);
+  }
+}
+
+void SpanMachine::fill(TimedReport& report) const {
+  const auto add = [&](const Meter& m, const Level* fifo) {
+    const auto clocks = [&](StageState state) { return m.clocks[static_cast<std::size_t>(state)]; };
+    report.stages.push_back({.name = m.name,
+                             .busy = clocks(StageState::busy),
+                             .starved = clocks(StageState::starved),
+                             .blocked = clocks(StageState::blocked),
+                             .memory = clocks(StageState::memory),
+                             .records_in = m.in,
+                             .records_out = m.out,
+                             .fifo_capacity = fifo == nullptr ? 0 : fifo->capacity,
+                             .fifo_high_water = fifo == nullptr ? 0 : fifo->high_water});
+  };
+  add(setup_.meter, &setup_.in);
+  add(walk_.meter, &walk_.in);
+  add(interpolator_.setup, &interpolator_.in);
+  add(interpolator_.span, nullptr);
+  for (const Pipe* p : {&depth_, &texture_, &fog_, &merge_}) add(p->meter, &p->in);
+  report.cache_hits = facts_.cache().hits();
+  report.cache_misses = facts_.cache().misses();
+  report.memory = bus_.report;
+}
+
+}  // namespace
+
+std::unique_ptr<Machine> make_span_machine(const Config& config, const Scene& scene,
+                                           const SystemcOptions& options) {
+  return std::make_unique<SpanMachine>(config, scene, options);
+}
+
+}  // namespace bitspan::timed

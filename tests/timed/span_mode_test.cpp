@@ -1,0 +1,380 @@
+// Span mode against cycle mode: every number of the report, every counter, the frame and the trace.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <iostream>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "config/check.hpp"
+#include "config/config.hpp"
+#include "model/timed/engine_systemc.hpp"
+#include "report/random_config.hpp"
+#include "scene/demo.hpp"
+#include "scene/random.hpp"
+
+namespace bitspan {
+namespace {
+
+Config shipped(const std::string& name) {
+  return load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/" + name + ".toml");
+}
+
+constexpr Perspective all_modes[] = {Perspective::delta_f, Perspective::const_depth_rows,
+                                     Perspective::hyperbolic, Perspective::affine};
+
+// What the tests together must have seen, for equality to mean something.
+struct Seen {
+  std::uint64_t runs = 0, cycles = 0, fragments = 0, records = 0;
+  std::uint64_t blocked = 0, memory = 0, misses = 0, full_fifos = 0, killed = 0, uncovered = 0;
+
+  void print() const {
+    std::cout << "equal: " << runs << " runs, " << cycles << " clocks, " << fragments << " fragments, "
+              << records << " records; in them " << blocked << " clocks of a stage blocked, " << memory
+              << " waiting for memory, " << full_fifos << " FIFOs full, " << misses << " cache misses, "
+              << killed << " fragments killed, " << uncovered << " not covered\n";
+  }
+};
+
+bool same_planes(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
+void expect_equal_reports(const TimedReport& span, const TimedReport& cycle, Seen& seen) {
+  EXPECT_EQ(span.cycles, cycle.cycles);
+  EXPECT_EQ(span.cache_hits, cycle.cache_hits);
+  EXPECT_EQ(span.cache_misses, cycle.cache_misses);
+  EXPECT_EQ(span.memory.reads, cycle.memory.reads);
+  EXPECT_EQ(span.memory.writes, cycle.memory.writes);
+  EXPECT_EQ(span.memory.beats, cycle.memory.beats);
+  EXPECT_EQ(span.interpolator_exact, cycle.interpolator_exact);
+  EXPECT_EQ(span.span_setup_latency, cycle.span_setup_latency);
+  EXPECT_EQ(span.span_latency, cycle.span_latency);
+  ASSERT_EQ(span.stages.size(), cycle.stages.size());
+  for (std::size_t i = 0; i < cycle.stages.size(); ++i) {
+    const StageReport& s = span.stages[i];
+    const StageReport& c = cycle.stages[i];
+    EXPECT_EQ(s.name, c.name);
+    EXPECT_EQ(s.busy, c.busy) << c.name;
+    EXPECT_EQ(s.starved, c.starved) << c.name;
+    EXPECT_EQ(s.blocked, c.blocked) << c.name;
+    EXPECT_EQ(s.memory, c.memory) << c.name;
+    EXPECT_EQ(s.records_in, c.records_in) << c.name;
+    EXPECT_EQ(s.records_out, c.records_out) << c.name;
+    EXPECT_EQ(s.fifo_capacity, c.fifo_capacity) << c.name;
+    EXPECT_EQ(s.fifo_high_water, c.fifo_high_water) << c.name;
+    seen.blocked += c.blocked;
+    seen.memory += c.memory;
+    seen.full_fifos += c.fifo_capacity > 0 && c.fifo_high_water == c.fifo_capacity ? 1 : 0;
+  }
+  seen.cycles += cycle.cycles;
+  seen.misses += cycle.cache_misses;
+}
+
+// Draws the scene in both modes, `batch` triangles a call (0: all), and compares after each call. Span mode
+// with a trace, and without: then its values come another way where the configuration has a vector form.
+void expect_equal_modes(const Config& config, const Scene& scene, std::size_t batch, Seen& seen) {
+  const auto cycle = make_systemc(config);
+  const auto span = make_systemc(config, {.mode = TimedMode::span});
+  const auto bare = make_systemc(config, {.mode = TimedMode::span});
+  Trace of_cycle;
+  Trace of_span;
+  cycle->begin(scene);
+  span->begin(scene);
+  bare->begin(scene);
+  const std::span<const Triangle> all = scene.triangles;
+  const std::size_t step = batch == 0 ? all.size() : batch;
+  for (std::size_t i = 0; i < all.size(); i += step) {
+    const auto part = all.subspan(i, std::min(step, all.size() - i));
+    cycle->draw(part, static_cast<std::int64_t>(i), &of_cycle);
+    span->draw(part, static_cast<std::int64_t>(i), &of_span);
+    bare->draw(part, static_cast<std::int64_t>(i), nullptr);
+    expect_equal_reports(span->report(), cycle->report(), seen);
+    SCOPED_TRACE("without a trace");
+    expect_equal_reports(bare->report(), cycle->report(), seen);
+    if (testing::Test::HasFailure()) return;
+  }
+#define BITSPAN_EXPECT_EQUAL(Record, LIST, stage, member)  \
+  EXPECT_TRUE(of_span.member == of_cycle.member) << stage; \
+  seen.records += of_cycle.member.size();
+  BITSPAN_RECORDS(BITSPAN_EXPECT_EQUAL)
+#undef BITSPAN_EXPECT_EQUAL
+  const Frame& c = cycle->frame();
+  for (const Frame* s : {&span->frame(), &bare->frame()}) {
+    EXPECT_EQ(s->color, c.color);
+    EXPECT_EQ(s->depth, c.depth);
+    EXPECT_EQ(s->triangle, c.triangle);
+    EXPECT_TRUE(same_planes(s->u, c.u));
+    EXPECT_TRUE(same_planes(s->v, c.v));
+  }
+  const Counters& counters = cycle->counters();
+  EXPECT_TRUE(span->counters() == counters);
+  EXPECT_TRUE(bare->counters() == counters);
+  ++seen.runs;
+  seen.fragments += counters.fragments;
+  seen.killed += counters.killed;
+  seen.uncovered += counters.fragments - counters.covered;
+}
+
+// Each number of the timing on its own: mostly small, sometimes large.
+void randomize_timing(Config& config, Random& random) {
+  const auto pick = [&](int small, int large) {
+    return static_cast<int>(random.integer(1, random.chance(0.15) ? large : small));
+  };
+  const auto stage = [&] {
+    return StageTiming{.latency = pick(6, 40), .interval = pick(2, 9), .fifo = pick(4, 60)};
+  };
+  for (StageTiming& timing : config.timing) timing = stage();
+  if (random.chance(0.2)) config.timing.fill(stage());
+  if (random.chance(0.2)) {
+    for (StageTiming& timing : config.timing) timing.interval = 1;
+  }
+  MemoryTiming& memory = config.memory;
+  memory.latency = pick(12, 200);
+  memory.width_bytes = 1 << random.integer(0, random.chance(0.2) ? 10 : 5);
+  const int line = 1 << random.integer(2, random.chance(0.2) ? 12 : 7);
+  memory.cache_line_bytes = std::max(memory.width_bytes, line);
+  memory.cache_sets = 1 << random.integer(0, 6);
+  memory.cache_ways = static_cast<int>(random.integer(1, 4));
+  config.row_reciprocal.pipelined = random.chance(0.5);
+  config.pixel_reciprocal.pipelined = random.chance(0.7);
+}
+
+// Triangles over the same few pixels, some translucent, some textured: what has to wait for one another.
+Scene crowded_scene(std::uint64_t seed, int triangles) {
+  Random random(seed);
+  return random_scene(seed, {.width = 40,
+                             .height = 30,
+                             .triangles = triangles,
+                             .size_min = 4,
+                             .size_max = 40,
+                             .texture_size_max = random.chance(0.5) ? 8 : 64,
+                             .translucent_probability = random.unit()});
+}
+
+Scene sparse_scene(std::uint64_t seed, int triangles) {
+  return random_scene(seed, {.width = 160, .height = 120, .triangles = triangles, .size_max = 90});
+}
+
+// Both, in one call or in batches of some triangles.
+void expect_equal_modes_on_a_random_scene(const Config& config, std::uint64_t seed, Random& random,
+                                          Seen& seen) {
+  const Scene scene = random.chance(0.6) ? crowded_scene(seed, 40) : sparse_scene(seed, 12);
+  const std::size_t batch = random.chance(0.5) ? 0 : static_cast<std::size_t>(random.integer(1, 9));
+  expect_equal_modes(config, scene, batch, seen);
+}
+
+TEST(SpanMode, EqualsCycleModeOnTheDemo) {
+  Seen seen;
+  const Scene scene = demo_scene(128, 96);
+  for (const char* name : {"depth16", "depth20", "narrow"}) {
+    for (const Perspective mode : all_modes) {
+      Config config = shipped(name);
+      config.perspective = mode;
+      SCOPED_TRACE(std::string(name) + " " + std::string(to_string(mode)));
+      expect_equal_modes(config, scene, 0, seen);
+    }
+  }
+  EXPECT_GT(seen.fragments, 150000U);
+  EXPECT_GT(seen.uncovered, 20U);
+  EXPECT_GT(seen.misses, 10000U);
+  seen.print();
+}
+
+TEST(SpanMode, EqualsCycleModeUnderRandomTimings) {
+  Seen seen;
+  for (std::uint64_t seed = 1; seed <= 160; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    Config config = shipped(seed % 3 == 0 ? "depth20" : seed % 3 == 1 ? "depth16" : "narrow");
+    config.perspective = all_modes[seed / 3 % 4];
+    config.filter = random.chance(0.5) ? TextureFilter::nearest : TextureFilter::bilinear;
+    config.wrap = random.chance(0.5) ? TextureWrap::cyclic : TextureWrap::clamp;
+    randomize_timing(config, random);
+    expect_equal_modes_on_a_random_scene(config, seed, random, seen);
+    if (HasFailure()) return;
+  }
+  EXPECT_EQ(seen.runs, 160U);
+  EXPECT_GT(seen.records, 400000U);
+  EXPECT_GT(seen.blocked, 1000000U);
+  EXPECT_GT(seen.memory, 1000000U);
+  EXPECT_GT(seen.misses, 10000U);
+  EXPECT_GT(seen.killed, 100U);
+  EXPECT_GT(seen.full_fifos, 500U);
+  EXPECT_GT(seen.uncovered, 200U);
+  seen.print();
+}
+
+TEST(SpanMode, EqualsCycleModeOnRandomConfigurations) {
+  Seen seen;
+  const std::vector<Config> bases{shipped("depth16"), shipped("depth20"), shipped("narrow")};
+  std::uint64_t refused = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    Config config = random_config(seed, bases);
+    randomize_timing(config, random);
+    if (first_violation(config)) {  // a reciprocal of some kinds cannot be one at a time
+      ++refused;
+      continue;
+    }
+    try {
+      expect_equal_modes_on_a_random_scene(config, seed, random, seen);
+    } catch (const InputError&) {
+      ++refused;  // the scene's range is not the configuration's: no engine draws it
+    }
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(seen.runs, 30U);
+  EXPECT_EQ(seen.runs + refused, 60U);
+  seen.print();
+}
+
+TEST(SpanMode, EqualsCycleModeAtTheEndsOfWhatIsLegal) {
+  Seen seen;
+  const Scene scene = crowded_scene(12, 5);
+  for (const int latency : {1, 200}) {
+    for (const int interval : {1, 50}) {
+      for (const int fifo : {1, 65536}) {
+        for (const int width : {1, 1024}) {
+          for (const TextureFilter filter : {TextureFilter::nearest, TextureFilter::bilinear}) {
+            Config config = shipped("depth16");
+            config.filter = filter;
+            config.timing.fill({.latency = latency, .interval = interval, .fifo = fifo});
+            config.memory = {.latency = latency,
+                             .width_bytes = width,
+                             .cache_line_bytes = 1024,
+                             .cache_sets = 1,
+                             .cache_ways = 1};
+            expect_equal_modes(config, scene, 0, seen);
+          }
+        }
+      }
+    }
+  }
+  EXPECT_EQ(seen.runs, 32U);
+}
+
+// Every fragment has to wait for the one before it, in depth and in merge.
+TEST(SpanMode, EqualsCycleModeOnOnePixel) {
+  Scene scene;
+  scene.width = scene.height = 4;
+  scene.s_min = 1;
+  scene.s_max = 100;
+  for (int i = 0; i < 60; ++i) {
+    const double s = 50.0 - i / 2.0 + (i * 7 % 5);  // mostly nearer than the last
+    const double alpha = i % 3 == 0 ? 1 : i % 3 == 1 ? 0.5 : 0;
+    Triangle t;
+    t.v[0] = {.x = 1.25, .y = 1.25, .s = s, .u = 0, .v = 0, .c = {1, 0.5, i / 60.0, alpha}};
+    t.v[1] = {.x = 2.25, .y = 1.25, .s = s, .u = 0, .v = 0, .c = {1, 0.5, i / 60.0, alpha}};
+    t.v[2] = {.x = 1.25, .y = 2.25, .s = s, .u = 0, .v = 0, .c = {1, 0.5, i / 60.0, alpha}};
+    scene.triangles.push_back(t);
+  }
+  Seen seen;
+  for (const int latency : {1, 2, 9}) {
+    for (const int memory : {1, 2, 3, 30, 200}) {
+      Config config = shipped("depth16");
+      config.timing.fill({.latency = latency, .interval = 1, .fifo = 4});
+      config.memory.latency = memory;
+      expect_equal_modes(config, scene, 0, seen);
+      expect_equal_modes(config, scene, 1, seen);
+    }
+  }
+  EXPECT_GT(seen.killed, 100U);
+  EXPECT_GT(seen.memory, 1000U);
+}
+
+TEST(SpanMode, EqualsCycleModeOnExtremeScenes) {
+  Seen seen;
+  for (Scene scene : extreme_scenes()) {
+    if (scene.width > 2048) continue;  // minutes of clocks
+    SCOPED_TRACE(scene.name);
+    if (scene.triangles.size() > 40) scene.triangles.resize(40);
+    for (const Perspective mode : {Perspective::delta_f, Perspective::const_depth_rows}) {
+      Config config = shipped("depth16");
+      config.perspective = mode;
+      expect_equal_modes(config, scene, 0, seen);
+    }
+  }
+  EXPECT_GE(seen.runs, 10U);
+  seen.print();
+}
+
+TEST(SpanMode, TellsAStandstillOfTheSameClock) {
+  Config config = shipped("depth16");
+  config.memory.latency = 10000;
+  const Scene scene = crowded_scene(4, 5);
+  const auto complaint = [&](TimedMode mode) {
+    const auto engine = make_systemc(config, {.mode = mode, .watchdog_clocks = 300});
+    engine->begin(scene);
+    std::string text;
+    try {
+      engine->draw(scene.triangles, 0, nullptr);
+    } catch (const std::runtime_error& e) {
+      text = e.what();
+    }
+    EXPECT_THROW(engine->draw(scene.triangles, 0, nullptr), std::logic_error);
+    return text;
+  };
+  const std::string of_cycle = complaint(TimedMode::cycle);
+  const std::string of_span = complaint(TimedMode::span);
+  const std::string start = of_cycle.substr(0, of_cycle.find(": setup"));
+  EXPECT_NE(start.find("nothing moved for 300 clocks, at clock "), std::string::npos) << of_cycle;
+  EXPECT_EQ(of_span.substr(0, start.size()), start);
+  for (const char* stage :
+       {"setup", "edge_walk", "span_setup", "span ", "depth memory", "texture", "fog", "merge"}) {
+    EXPECT_NE(of_span.find(stage), std::string::npos) << stage << ": " << of_span;
+  }
+  // By its own limit it does not bark, in spite of 10000 clocks without a movement.
+  Seen seen;
+  expect_equal_modes(config, scene, 0, seen);
+}
+
+TEST(SpanMode, TellsItsProgressOnTheSameClocks) {
+  const Scene scene = demo_scene(320, 240);
+  const auto told = [&](TimedMode mode) {
+    std::vector<std::uint64_t> triangles;
+    const auto engine = make_systemc(
+        shipped("depth16"), {.mode = mode, .progress = [&](std::uint64_t n) { triangles.push_back(n); }});
+    engine->begin(scene);
+    engine->draw(scene.triangles, 0, nullptr);
+    return triangles;
+  };
+  const std::vector<std::uint64_t> of_cycle = told(TimedMode::cycle);
+  EXPECT_FALSE(of_cycle.empty());
+  EXPECT_EQ(told(TimedMode::span), of_cycle);
+}
+
+TEST(SpanMode, RefusesWhatItCannotShowAndWhatTheModelRefuses) {
+  const Config config = shipped("depth16");
+  EXPECT_THROW(make_systemc(config, {.mode = TimedMode::span, .vcd = "run.vcd"}), InputError);
+  EXPECT_THROW(make_systemc(config, {.mode = TimedMode::span, .record_handshake = true}), InputError);
+
+  Scene scene = sparse_scene(4, 3);
+  const auto engine = make_systemc(config, {.mode = TimedMode::span});
+  EXPECT_THROW(engine->draw(scene.triangles, 0, nullptr), std::logic_error);
+  const double x = std::exchange(scene.triangles[1].v[2].x, std::nan(""));
+  engine->begin(scene);
+  EXPECT_THROW(engine->draw(scene.triangles, 0, nullptr), InputError);
+  EXPECT_EQ(engine->counters().cycles, 0U);
+  scene.triangles[1].v[2].x = x;
+  engine->draw(scene.triangles, 0, nullptr);  // nothing had been drawn, so nothing is broken
+  const std::uint64_t cycles = engine->counters().cycles;
+  EXPECT_GT(cycles, 0U);
+  engine->draw({}, 3, nullptr);
+  EXPECT_EQ(engine->counters().cycles, cycles);
+  EXPECT_TRUE(engine->handshake().empty());
+  engine->begin(scene);
+  EXPECT_EQ(engine->report().cycles, 0U);
+  engine->draw(scene.triangles, 0, nullptr);
+  EXPECT_EQ(engine->report().cycles, cycles);
+}
+
+}  // namespace
+}  // namespace bitspan
