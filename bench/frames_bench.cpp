@@ -1,0 +1,212 @@
+// Whole frames: bitspan in this process and Mesa's renderers in theirs, turn about.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include "bench/likeness.hpp"
+#include "bench/mesa_process.hpp"
+#include "bench/report.hpp"
+#include "bench/scenes.hpp"
+#include "model/engine_model.hpp"
+
+namespace bitspan::bench {
+namespace {
+
+Config with_filter(Config config, TextureFilter filter) {
+  config.filter = filter;
+  return config;
+}
+
+// depth20 with widths that no shipped configuration has: nothing of it can have been compiled in.
+Config never_seen() {
+  Config c = load_config(BITSPAN_CONFIG_DIR "/depth20.toml");
+  c.name = "depth20, other widths";
+  c.format(FormatId::span_uv).word += 1;  // one bit more below the texel
+  c.format(FormatId::texture_frac).word = 7;
+  c.format(FormatId::texture_mix).word += 1;
+  c.format(FormatId::fog_factor).word += 1;
+  c.pixel_reciprocal.index_bits -= 1;
+  check_config(c, c.name);
+  return c;
+}
+
+// One of bitspan's participants. `same_as`: the participant whose picture it must repeat to the bit.
+struct Ours {
+  std::string name;
+  Config config;
+  ModelOptions options;
+  TextureFilter filter = TextureFilter::nearest;
+  std::unique_ptr<Engine> engine{};
+  Series* series = nullptr;
+  int same_as = -1;
+  double begin_seconds = 0;  // of the last frame: its part before the first triangle
+};
+
+struct Theirs {
+  std::string name;
+  MesaOptions options;
+  std::unique_ptr<MesaProcess> process{};
+  Series* series = nullptr;
+};
+
+bool is_cloud(const std::string& scene) {
+  return std::ranges::any_of(clouds(), [&](const Cloud& c) { return scene.starts_with(c.name); });
+}
+
+// A benchmark of two different pictures, or of a black one, is worth nothing.
+void check_pictures(const std::vector<Ours>& ours, std::vector<Theirs>& theirs, const Scene& scene,
+                    Report& report) {
+  for (const Ours& o : ours) {
+    if (o.same_as < 0 || !o.series->missing.empty()) {
+      continue;
+    }
+    const Ours& other = ours[static_cast<std::size_t>(o.same_as)];
+    if (!other.series->missing.empty()) {
+      continue;
+    }
+    const bool same = o.engine->frame().color == other.engine->frame().color &&
+                      o.engine->frame().depth == other.engine->frame().depth;
+    if (!same) {
+      report.notes.push_back(fmt::format("{}: WRONG: {} and {} differ", scene.name, o.name, other.name));
+      report.sound = false;
+    }
+  }
+  for (Theirs& t : theirs) {
+    if (t.process == nullptr || !t.series->missing.empty()) {
+      continue;
+    }
+    const auto mine = std::ranges::find_if(
+        ours, [&](const Ours& o) { return o.filter == t.options.filter && o.series->missing.empty(); });
+    if (mine == ours.end()) {
+      continue;
+    }
+    const Likeness l = compare(mine->engine->frame().color, t.process->picture(), scene);
+    report.notes.push_back(fmt::format(
+        "{} [{}]: picture {} bitspan's: PSNR {:.1f} dB, {:.1f} % of it drawn on, {:.2f} % by one alone",
+        t.name, t.process->renderer(), alike(l) ? "is" : "IS NOT", l.psnr, 100 * l.drawn, 100 * l.outside));
+    report.sound = report.sound && alike(l);
+  }
+}
+
+}  // namespace
+
+void bench_frames(const std::string& name, const Options& options, Report& report) {
+  const Scene scene = frame_scene(name, options.texture);
+  const std::string title = is_cloud(name) || name == "demo" ? name : "mesh";
+  const Config depth16 = load_config(BITSPAN_CONFIG_DIR "/depth16.toml");
+  const bool with_bilinear = !name.starts_with("small");
+
+  std::vector<Ours> ours;
+  std::vector<Theirs> theirs;
+  for (const TextureFilter filter : {TextureFilter::nearest, TextureFilter::bilinear}) {
+    const bool nearest = filter == TextureFilter::nearest;
+    if (!nearest && !with_bilinear) {
+      continue;
+    }
+    const std::string prefix = fmt::format("{}, {}: ", title, to_string(filter));
+    const Config config = with_filter(depth16, filter);
+    const int first = static_cast<int>(ours.size());
+    const auto add = [&](const std::string& form, const ModelOptions& o, const Config& c, int same_as) {
+      ours.push_back({prefix + form, c, o, filter, nullptr, nullptr, same_as, 0});
+    };
+    const ModelOptions one{.winners = false};
+    const ModelOptions two{.threads = 2, .winners = false};
+    add("bitspan", one, config, -1);
+    add("bitspan, run-time formats", {.form = ModelForm::vector, .winners = false}, config, first);
+    add("bitspan, two threads", two, config, first);
+    theirs.push_back({prefix + "llvmpipe", {"llvmpipe", 0, filter, 16}});
+    theirs.push_back({prefix + "llvmpipe, two threads", {"llvmpipe", 2, filter, 16}});
+    if (nearest) {
+      add("bitspan, scalar", {.form = ModelForm::scalar, .winners = false}, config, first);
+      theirs.push_back({prefix + "softpipe", {"softpipe", 0, filter, 16}});
+      if (name.starts_with("big")) {
+        add("bitspan, 20-bit depth never seen", {.form = ModelForm::vector, .winners = false}, never_seen(),
+            -1);
+      }
+    }
+  }
+
+  // Fragments as the model counts them are the work of a frame, whoever draws it.
+  std::vector<Turn> turns;
+  double work = 0;
+  for (Ours& o : ours) {
+    o.series = &report.add(o.name, 0);
+    try {
+      o.engine = make_model(o.config, o.options);
+    } catch (const InputError& e) {
+      o.series->missing = e.what();
+      continue;
+    }
+    turns.push_back({o.series, [&o, &scene] {
+                       const double start = now_seconds();
+                       o.engine->begin(scene);
+                       o.begin_seconds = now_seconds() - start;
+                       o.engine->draw(scene.triangles, 0, nullptr);
+                       return now_seconds() - start;
+                     }});
+    if (work == 0) {
+      turns.back().sample();
+      const Counters& c = o.engine->counters();
+      work = static_cast<double>(c.fragments) / 1e6;
+      report.notes.push_back(fmt::format(
+          "{}: {} triangles, {:.2f} M fragments, {:.0f} % of them pass the depth test", title, c.triangles,
+          work, 100 * static_cast<double>(c.depth_passed) / static_cast<double>(c.fragments)));
+    }
+  }
+  for (Theirs& t : theirs) {
+    t.series = &report.add(t.name, 0);
+    try {
+      t.process = std::make_unique<MesaProcess>(name, options.texture, t.options);
+      turns.push_back({t.series, [&t] { return t.process->draw(); }});
+    } catch (const InputError& e) {
+      t.series->missing = e.what();
+    }
+  }
+  for (Ours& o : ours) {
+    o.series->work = work;
+  }
+  for (Theirs& t : theirs) {
+    t.series->work = work;
+  }
+  take_turns(title, turns, options.rounds);
+  if (const Ours& first = ours.front(); first.series->missing.empty()) {
+    report.notes.push_back(
+        fmt::format("{}: begin() took {:.2f} ms of the last frame", first.name, 1e3 * first.begin_seconds));
+  }
+  check_pictures(ours, theirs, scene, report);
+
+  const auto of = [&](std::string_view filter, std::string_view who) {
+    const std::string wanted = fmt::format("{}, {}: {}", title, filter, who);
+    return &*std::ranges::find(report.series, wanted, &Series::name);
+  };
+  const double target = !is_cloud(name) ? 0 : name.starts_with("small") ? 3.0 : 2.0;
+  for (const std::string filter : {"nearest", "bilinear"}) {
+    if (filter == "bilinear" && !with_bilinear) {
+      continue;
+    }
+    const std::string work_name = fmt::format("frame {}, {}", title, filter);
+    report.goals.push_back(
+        {work_name, "llvmpipe, one thread", of(filter, "bitspan"), of(filter, "llvmpipe"), target});
+    report.goals.push_back({work_name + ", run-time formats", "llvmpipe, one thread",
+                            of(filter, "bitspan, run-time formats"), of(filter, "llvmpipe"), 0});
+    report.goals.push_back({work_name + ", two threads", "bitspan, one thread",
+                            of(filter, "bitspan, two threads"), of(filter, "bitspan"),
+                            is_cloud(name) && target < 3 ? 1.7 : 0.0});
+    report.goals.push_back({work_name + ", two threads", "llvmpipe, two threads",
+                            of(filter, "bitspan, two threads"), of(filter, "llvmpipe, two threads"), 0});
+  }
+  report.goals.push_back({fmt::format("frame {}, nearest", title), "softpipe", of("nearest", "bitspan"),
+                          of("nearest", "softpipe"), 0});
+  report.goals.push_back({fmt::format("frame {}, nearest", title), "bitspan, scalar",
+                          of("nearest", "bitspan"), of("nearest", "bitspan, scalar"), 0});
+  if (name.starts_with("big")) {
+    report.goals.push_back({fmt::format("frame {}, 20-bit depth, run-time formats never seen", title),
+                            "llvmpipe, one thread, 16-bit depth",
+                            of("nearest", "bitspan, 20-bit depth never seen"), of("nearest", "llvmpipe"),
+                            1.5});
+  }
+}
+
+}  // namespace bitspan::bench

@@ -1,0 +1,15 @@
+// The span kernel as one writes it by hand for one configuration: int64, every width a constant.
+#pragma once
+
+#include "bench/span_case.hpp"
+
+namespace bitspan::bench {
+
+// For depth16, with its own pixel reciprocal or with a restoring one of the same output. Right where h + B is
+// 1/2 and more. Throws InputError for other configurations.
+SpanKernel make_plain(const SpanCase& c);
+
+// depth16 with a restoring pixel reciprocal: one integer division a pixel.
+Config restoring_of(Config depth16);
+
+}  // namespace bitspan::bench
