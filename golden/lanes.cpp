@@ -15,7 +15,11 @@ namespace {
 #else
 #define BITSPAN_LANES
 #endif
-// `ivdep` before each of them: a lane reads its own place only, so `out` may be one of the operands.
+// `ivdep` before each of them: a lane reads its own place only, so `out` may be one of the operands. Clang
+// does not know the pragma.
+#ifdef __clang__
+#pragma clang diagnostic ignored "-Wunknown-pragmas"
+#endif
 
 struct Rounded {
   double whole;

@@ -70,11 +70,14 @@ bool ReciprocalUnit<Real>::quick(const Column& d, std::size_t n, Column& m, Colu
   return lanes_narrow(y, to_ulps, quick_output_, n, m) == 0;
 }
 
-template class ReciprocalUnit<double>;
-template class ReciprocalUnit<long double>;
-template class ReciprocalUnit<Quad>;
-template class ReciprocalUnit<Checked<double>>;
-template class ReciprocalUnit<Checked<long double>>;
-template class ReciprocalUnit<Checked<Quad>>;
+// Member by member: clang 14 would take the whole class to include what Real excludes.
+template ReciprocalUnit<double>::ReciprocalUnit(const Reciprocal&, int);
+template ReciprocalUnit<long double>::ReciprocalUnit(const Reciprocal&, int);
+template ReciprocalUnit<Quad>::ReciprocalUnit(const Reciprocal&, int);
+template ReciprocalUnit<Checked<double>>::ReciprocalUnit(const Reciprocal&, int);
+template ReciprocalUnit<Checked<long double>>::ReciprocalUnit(const Reciprocal&, int);
+template ReciprocalUnit<Checked<Quad>>::ReciprocalUnit(const Reciprocal&, int);
+template bool ReciprocalUnit<double>::quick(const Column&, std::size_t, Column&, Column&,
+                                            std::int64_t*) const;
 
 }  // namespace bitspan::golden

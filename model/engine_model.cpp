@@ -120,7 +120,10 @@ std::unique_ptr<Engine> make_model(const Config& config, const ModelOptions& opt
   return std::make_unique<Model>(config, options.winners);
 }
 
-std::unique_ptr<ObservedEngine> make_observed_model(const Config& config) {
+std::unique_ptr<ObservedEngine> make_observed_model(const Config& config, ModelForm form) {
+  if (form != ModelForm::scalar && model::vector_refusal(config) == nullptr) {
+    return model::make_observed_vector_model(config, VectorTarget::best);
+  }
   return std::make_unique<ObservedModel>(config);
 }
 

@@ -32,12 +32,14 @@ struct ModelOptions {
 // Throws InputError where the processor lacks the target, or no compiled-in configuration is this one.
 std::unique_ptr<Engine> make_model(const Config& config, const ModelOptions& options = {});
 
-// The scalar form with an observer at every register; equal in every value, and slower.
+// The model with an observer at every register; equal in every value, and slower.
 class ObservedEngine : public Engine {
  public:
   // Since the last begin().
   virtual const model::Statistics& statistics() const = 0;
 };
-std::unique_ptr<ObservedEngine> make_observed_model(const Config& config);
+// form: scalar, or automatic for vectors where the configuration has that form.
+std::unique_ptr<ObservedEngine> make_observed_model(const Config& config,
+                                                    ModelForm form = ModelForm::automatic);
 
 }  // namespace bitspan

@@ -6,6 +6,7 @@
 #include "config/shipped_configs.hpp"
 #include "model/simd/engine_vector.hpp"
 #include "model/simd/shade.hpp"
+#include "model/simd/spans.hpp"
 #include "model/simd/targets.hpp"
 #include "model/stages/depth.hpp"
 #include "model/stages/edge_walk.hpp"
@@ -95,7 +96,7 @@ std::string span_path(const Config& config) {
   const auto narrow = [&](std::int64_t b) { return prepare_span(config, constants_with(b)).narrow; };
   if (narrow(1)) return lanes64;
   // Other perspectives do not look at the values.
-  const std::string wide = config.perspective == Perspective::delta_f ? lanes_mixed : lanes128;
+  std::string wide = config.perspective == Perspective::delta_f ? lanes_mixed : lanes128;
   const Register b = make_register(config, FormatId::setup_b);
   for (int bits = 1; bits < 63 && std::int64_t{1} << bits <= b.max; ++bits) {
     if (narrow(std::int64_t{1} << bits)) {
@@ -112,7 +113,10 @@ std::string path_of(const Config& config, std::string_view stage, int bits) {
   const bool shading = stage == "texture" || stage == "fog" || stage == "merge";
   if (shading) {
     const ShadeLanes lanes = shade_lanes(config, config.fog);
-    return lanes == ShadeLanes::int32 ? lanes32 : lanes == ShadeLanes::int64 ? lanes64 : scalar;
+    // Blocks of 32 bits are for configurations whose fragments fit them all the way.
+    const bool blocks32 = lanes == ShadeLanes::int32 && plain_shade(shade_formats(config)) &&
+                          spans_fit_int32(span_formats(config));
+    return blocks32 ? lanes32 : lanes != ShadeLanes::scalar ? lanes64 : scalar;
   }
   if (rows_of_depth) return scalar;  // up to the depth test
   if (stage == "span") return span_path(config);

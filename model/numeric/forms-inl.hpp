@@ -127,6 +127,12 @@ template <class Value, class Watch>
 HWY_INLINE Value perspective_point(const PerspectivePoint& p, Value base, Value f, InverseOf<Value> inverse,
                                    Watch watch) {
   if (below(f, p.f_bits)) [[likely]] {
+    if (p.aligned) {
+      using Int = typename WidthsOf<Value>::Narrow;
+      const Value fraction = inverse.e + Value(p.product_fraction);
+      const Int sum = (Int(base) << (fraction - Value(p.base_fraction))) + times<Int>(f, inverse.m);
+      return quantize_down(sum, fraction, p.r, watch);
+    }
     return perspective_point_in<typename WidthsOf<Value>::Narrow>(p, base, f, inverse, watch);
   }
   return perspective_point_in<typename WidthsOf<Value>::Wide>(p, base, f, inverse, watch);
@@ -182,7 +188,30 @@ HWY_INLINE Lanes quantize_real(Doubles x, int exponent, const Register& r, Watch
   return into_range(rounded, r);
 }
 
+// Branch-free but for sizes that take another way.
+HWY_INLINE Lanes quantize_real(Doubles x, int exponent, const Register& r, Plain /*watch*/) {
+  const hn::ScalableTag<double> d;
+  const int up = r.fraction - exponent;
+  if (up < 0 || up > 500) [[unlikely]] {
+    return quantize_real(x, exponent, r, NoObserve{});
+  }
+  const auto y = hn::Mul(x, hn::Set(d, power_of_two(up)));
+  if (!hn::AllTrue(d, hn::Lt(hn::Abs(y), hn::Set(d, 0x1p51)))) [[unlikely]] {
+    return quantize_real(x, exponent, r, NoObserve{});
+  }
+  const auto whole = hn::Floor(y);
+  const auto rest = hn::Sub(y, whole);  // exact, but where y is just below 0: then it is above half still
+  const auto half = hn::Set(d, 0.5);
+  const auto one = hn::Set(d, 1.0);
+  const auto rounded = r.mode == Rounding::trn ? whole
+                       : r.mode == Rounding::rnd
+                           ? hn::Add(whole, hn::IfThenElseZero(hn::Ge(rest, half), one))
+                           : hn::Add(whole, hn::IfThenElseZero(hn::Gt(rest, half), one));
+  return min(max(to_int(rounded), Lanes(r.min)), Lanes(r.max));
+}
+
 // The observer of the lanes in m alone.
+HWY_INLINE Plain only(Plain watch, Lanes::Mask /*m*/) { return watch; }
 HWY_INLINE NoObserve only(NoObserve watch, Lanes::Mask /*m*/) { return watch; }
 HWY_INLINE Seen only(Seen watch, Lanes::Mask m) { return {watch.statistics, watch.active & m}; }
 

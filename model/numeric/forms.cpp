@@ -90,6 +90,7 @@ PerspectivePoint make_perspective_point(const Register& r, const Register& base,
   if (base_bits <= term_bits && shift <= term_bits) {
     p.f_bits = std::min(62, term_bits - product_bits);
   }
+  p.aligned = low >= base.fraction && low > r.fraction && shift <= term_bits;
   p.lanes =
       base_bits + 2 <= wide_bits && product_bits + size_of(f).bits + 2 <= wide_bits && shift <= lane_shift;
   return p;

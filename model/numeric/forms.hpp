@@ -80,7 +80,8 @@ Narrowing make_narrowing(const Register& r, Size from);
 struct PerspectivePoint {
   Register r;
   int base_fraction = 0, product_fraction = 0;
-  int f_bits = -1;  // |f| < 2^f_bits: in 64 bits
+  int f_bits = -1;       // |f| < 2^f_bits: in 64 bits
+  bool aligned = false;  // f m 2^-e always has more fraction bits than base and r, by 60 at most
   bool lanes = false;
 };
 PerspectivePoint make_perspective_point(const Register& r, const Register& base, const Register& f,

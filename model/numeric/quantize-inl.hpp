@@ -32,6 +32,7 @@ struct LaneHistory {
   HWY_ALIGN std::int64_t min[Lanes::count];
   HWY_ALIGN std::int64_t max[Lanes::count];
   HWY_ALIGN std::int64_t bias[Lanes::count] = {};
+  std::int64_t vectors = 0;           // seen with every lane active; count has the others
   Overflow overflow = Overflow::sat;  // the register's, known once something was outside
   LaneHistory() {
     for (std::size_t i = 0; i < Lanes::count; ++i) {
@@ -48,10 +49,11 @@ struct LaneStatistics {
       FieldStatistics& to = into.fields[i];
       std::uint64_t outside = 0;
       for (std::size_t l = 0; l < Lanes::count; ++l) {
-        if (of[i].count[l] == 0) continue;
+        const std::int64_t seen = of[i].count[l] + of[i].vectors;
+        if (seen == 0) continue;
         to.min = to.count == 0 ? of[i].min[l] : std::min(to.min, of[i].min[l]);
         to.max = to.count == 0 ? of[i].max[l] : std::max(to.max, of[i].max[l]);
-        to.count += static_cast<std::uint64_t>(of[i].count[l]);
+        to.count += static_cast<std::uint64_t>(seen);
         to.bias += of[i].bias[l];
         outside += static_cast<std::uint64_t>(of[i].outside[l]);
       }
@@ -62,7 +64,6 @@ struct LaneStatistics {
       of[i] = LaneHistory();
     }
   }
-  void fold(const Config& /*config*/, Statistics& into) { fold(into); }
 };
 
 // The observer of lanes: where to note, and which lanes hold something.
@@ -70,16 +71,24 @@ struct Seen {
   static constexpr bool enabled = true;
   LaneStatistics* statistics;
   Lanes::Mask active;
+  bool whole = false;  // true: all lanes are active
 
   // rounded: before overflow, clamped to int64; error: rounded - exact in 2^-32 ulp.
   HWY_INLINE void note(const Register& r, Lanes rounded, Lanes::Mask outside, Lanes error) const {
     LaneHistory& h = statistics->of[static_cast<std::size_t>(r.id)];
     const auto add = [this](std::int64_t* at, Lanes x)
                          HWY_ATTR { (Lanes::load(at) + select(active, x, Lanes(0))).store(at); };
-    add(h.count, Lanes(1));
-    add(h.bias, error);
-    min(Lanes::load(h.min), select(active, rounded, Lanes(INT64_MAX))).store(h.min);
-    max(Lanes::load(h.max), select(active, rounded, Lanes(INT64_MIN))).store(h.max);
+    if (whole) {
+      ++h.vectors;
+      (Lanes::load(h.bias) + error).store(h.bias);
+      min(Lanes::load(h.min), rounded).store(h.min);
+      max(Lanes::load(h.max), rounded).store(h.max);
+    } else {
+      add(h.count, Lanes(1));
+      add(h.bias, error);
+      min(Lanes::load(h.min), select(active, rounded, Lanes(INT64_MAX))).store(h.min);
+      max(Lanes::load(h.max), select(active, rounded, Lanes(INT64_MIN))).store(h.max);
+    }
     if (any(outside & active)) [[unlikely]] {
       add(h.outside, one_where(outside));
       h.overflow = r.overflow;
@@ -521,11 +530,77 @@ inline Lanes quantize_ratio(Int n, Lanes d, int scale, const Register& r,
   const Lanes rounded = floor + add;
   if constexpr (Watch::enabled) {
     // rest / d in 2^-32 ulp, rounded down, by the same division.
-    const FloorQuotientLanes part = quotient(numerator(WideLanes(q.rest) << bias_fraction), q.d, 0);
+    const FloorQuotientLanes part = quotient(
+        {q.rest << bias_fraction,
+         hn::Mul(to_double(q.rest), hn::Set(hn::ScalableTag<double>(), power_of_two(bias_fraction)))},
+        q.d, 0);
     watch.note(r, rounded, (rounded < Lanes(r.min)) | (rounded > Lanes(r.max)),
                (add << bias_fraction) - part.floor);
   }
   return into_range(rounded, r);
+}
+
+// A divisor of several quotients: 0 < d, near its nearest double, inverse the double nearest to 1 / near.
+struct Divisor {
+  Lanes d;
+  Doubles near, inverse;
+};
+HWY_INLINE Divisor make_divisor(Lanes d) {
+  const auto near = to_double(d);
+  return {d, near, hn::Div(hn::Set(hn::ScalableTag<double>(), 1.0), near)};
+}
+
+// (n / d) 2^scale to the nearest integer or the one beside it, off by less than 0.8, and the rest
+// n 2^scale - whole d, both times 2^-scale where scale < 0. With fused multiply-adds all is exact: a rest of
+// less than near in size is an integer below 2^53. Why 0.8: n and d are doubles themselves, so that the
+// quotient before rounding to `whole` is off by 2^-52.9 of itself, and it is below 2^50.
+struct NearQuotient {
+  Doubles whole, rest, near;
+  bool ok;  // on every lane; or it has to be done by other means
+};
+inline constexpr bool has_fused = HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX2;
+HWY_INLINE NearQuotient near_quotient(Lanes n, const Divisor& d, int scale) {
+  const hn::ScalableTag<double> tag;
+  constexpr int most_scale = 500;
+  const int up = scale > 0 ? std::min(scale, most_scale) : 0;
+  const int down = scale < 0 ? std::min(-scale, most_scale) : 0;
+  const auto exact = hn::Set(tag, 0x1p53);
+  const auto n_near = to_double(n);
+  const auto n_up = hn::Mul(n_near, hn::Set(tag, power_of_two(up)));
+  const auto d_up = hn::Mul(d.near, hn::Set(tag, power_of_two(down)));
+  const auto ratio = hn::Mul(hn::Mul(n_up, d.inverse), hn::Set(tag, power_of_two(-down)));
+  const auto whole = hn::Round(ratio);
+  const auto ok = hn::And(hn::And(hn::Lt(hn::Abs(n_near), exact), hn::Lt(d_up, exact)),
+                          hn::Lt(hn::Abs(ratio), hn::Set(tag, 0x1p50)));
+  return {whole, hn::NegMulAdd(whole, d_up, n_up), d_up,
+          has_fused && scale <= most_scale && scale >= -most_scale && hn::AllTrue(tag, ok)};
+}
+
+// quantize_ratio() of a prepared divisor.
+template <class Watch>
+HWY_INLINE Lanes quantize_ratio(Lanes n, const Divisor& d, int scale, const Register& r, Watch watch) {
+  return quantize_ratio(n, d.d, scale, r, watch);
+}
+HWY_INLINE Lanes quantize_ratio(Lanes n, const Divisor& d, int scale, const Register& r, Plain /*watch*/) {
+  const NearQuotient q = near_quotient(n, d, r.fraction + scale);
+  if (!q.ok) [[unlikely]] {
+    return quantize_ratio_rare(n, d.d, scale, r, NoObserve{});
+  }
+  const hn::ScalableTag<double> tag;
+  const auto zero = hn::Zero(tag);
+  const auto one = hn::Set(tag, 1.0);
+  const auto twice = hn::Add(q.rest, q.rest);
+  auto rounded = q.whole;
+  if (r.mode == Rounding::trn) {
+    rounded = hn::Sub(rounded, hn::IfThenElseZero(hn::Lt(q.rest, zero), one));
+  } else if (r.mode == Rounding::rnd) {
+    rounded = hn::Add(rounded, hn::IfThenElseZero(hn::Ge(twice, q.near), one));
+    rounded = hn::Sub(rounded, hn::IfThenElseZero(hn::Lt(twice, hn::Neg(q.near)), one));
+  } else {
+    rounded = hn::Add(rounded, hn::IfThenElseZero(hn::Gt(twice, q.near), one));
+    rounded = hn::Sub(rounded, hn::IfThenElseZero(hn::Le(twice, hn::Neg(q.near)), one));
+  }
+  return min(max(to_int(rounded), Lanes(r.min)), Lanes(r.max));
 }
 
 }  // namespace bitspan::model::HWY_NAMESPACE

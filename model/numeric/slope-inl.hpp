@@ -17,14 +17,31 @@ template <class Value>
 struct LengthOf {
   SumOf<Value> d;
   InverseOf<Value> inverse;
+  HWY_INLINE SumOf<Value> divisor() const { return d; }
 };
+template <>
+struct LengthOf<Lanes> {
+  Lanes d;
+  InverseOf<Lanes> inverse;
+  Divisor prepared;  // with divide
+  HWY_INLINE const Divisor& divisor() const { return prepared; }
+};
+template <class Value>
+HWY_INLINE LengthOf<Value> length_of(SumOf<Value> d, InverseOf<Value> inverse) {
+  if constexpr (std::is_same_v<Value, Lanes>) {
+    return {d, inverse, make_divisor(d)};
+  } else {
+    return {d, inverse};
+  }
+}
 
 template <class Value, class Watch>
 HWY_INLINE LengthOf<Value> make_length(const LengthForm& f, SumOf<Value> d, Watch watch) {
   if (f.form == SlopeForm::reciprocal) {
-    return {d, HWY_NAMESPACE::reciprocal(f.unit.formats(), f.unit.table().data(), d, f.size.fraction, watch)};
+    return length_of<Value>(
+        d, HWY_NAMESPACE::reciprocal(f.unit.formats(), f.unit.table().data(), d, f.size.fraction, watch));
   }
-  return {d, {Value(0), Value(0)}};
+  return length_of<Value>(d, {Value(0), Value(0)});
 }
 
 // The same where m; elsewhere d = 1, m = e = 0.
@@ -36,7 +53,7 @@ template <class Value, class Watch>
 HWY_INLINE LengthOf<Value> length_where(Lanes::Mask m, const LengthForm& f, Lanes d, Watch watch) {
   const LengthOf<Value> all = make_length<Value>(f, max(d, Lanes(1)), only(watch, m));
   const Lanes none(0);
-  return {all.d, {select(m, all.inverse.m, none), select(m, all.inverse.e, none)}};
+  return {all.d, {select(m, all.inverse.m, none), select(m, all.inverse.e, none)}, all.prepared};
 }
 
 template <class Value, class Watch>
@@ -44,11 +61,12 @@ HWY_INLINE Value slope(const Slope& s, const LengthForm& f, SumOf<Value> n, cons
                        Watch watch) {
   using Widths = WidthsOf<Value>;
   if (f.form == SlopeForm::divide) {
-    return quantize_ratio(n, length.d, s.ratio_scale, s.r, watch);
+    return quantize_ratio(n, length.divisor(), s.ratio_scale, s.r, watch);
   }
   const Value fraction = length.inverse.e + Value(s.product_fraction);
   if (below(n, s.n_bits)) [[likely]] {
-    return quantize(product_in<typename Widths::Narrow>(n, length.inverse.m), fraction, s.r, watch);
+    const auto whole = product_in<typename Widths::Narrow>(n, length.inverse.m);
+    return s.down ? quantize_down(whole, fraction, s.r, watch) : quantize(whole, fraction, s.r, watch);
   }
   return quantize(product_in<typename Widths::Wide>(n, length.inverse.m), fraction, s.r, watch);
 }

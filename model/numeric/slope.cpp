@@ -25,6 +25,7 @@ Slope make_slope(const Register& r, Size n, const LengthForm& length) {
   if (shift <= term_bits) {
     s.n_bits = std::min(62, term_bits - product_bits);
   }
+  s.down = low > r.fraction && shift <= term_bits;
   s.lanes = s.lanes && product_bits + n.bits <= 126 && shift <= 126;
   return s;
 }

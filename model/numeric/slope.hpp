@@ -22,6 +22,7 @@ struct Slope {
   int ratio_scale = 0;       // divide: of n / d
   int product_fraction = 0;  // reciprocal: of n m
   int n_bits = -1;           // reciprocal: |n| < 2^n_bits: n m in 64 bits
+  bool down = false;         // reciprocal: the product always has bits below r's, 60 at most
   bool lanes = false;
 };
 Slope make_slope(const Register& r, Size n, const LengthForm& length);

@@ -21,8 +21,8 @@ namespace bitspan::model {
 namespace {
 
 // A batch ends after so many triangles, or rows: its spans stay in the second level cache.
-constexpr std::size_t batch_triangles = 256;
-constexpr std::int64_t batch_rows = 2048;
+constexpr std::size_t batch_triangles = 64;
+constexpr std::int64_t batch_rows = 512;
 
 // True where nothing is wrong with a triangle; false: check_triangle finds what, or nothing.
 bool plainly_good(const Scene& scene, const Triangle& triangle) {
@@ -298,10 +298,8 @@ class VectorModel {
     counters_ = {};
     constants_delivered_ = false;
     clear_frame(pipeline_, scene, options_.winners, frame_);
-    const SpanFormats& f = pipeline_.span.formats;
-    const auto fits = [](const Register& r) { return r.word <= 31 && is_plain(r); };
-    const bool small = plan_.lanes == ShadeLanes::int32 && plan_.plain && fits(f.uv) && fits(f.shade) &&
-                       is_plain(f.reciprocal.output) && is_plain(pipeline_.depth.formats.z) &&
+    const bool small = plan_.lanes == ShadeLanes::int32 && plan_.plain &&
+                       spans_fit_int32(pipeline_.span.formats) && is_plain(pipeline_.depth.formats.z) &&
                        statistics == nullptr;
     if (small) {
       drawing_.template emplace<std::unique_ptr<Drawing<std::int32_t>>>(

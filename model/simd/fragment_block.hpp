@@ -10,7 +10,7 @@
 
 namespace bitspan::model {
 
-inline constexpr std::size_t block_size = 512;
+inline constexpr std::size_t block_size = 256;
 
 // T: std::int32_t where every format of these stages fits it (docs/performance.md), else std::int64_t.
 // Raw values on the formats of FragmentRecord's fields.

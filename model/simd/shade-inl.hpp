@@ -424,8 +424,7 @@ HWY_NOINLINE void shade_lanes(const Pipeline& pipeline, const ShadePlan& plan, F
       } else {
         const V stored = stored_words<V>(frame.color.data(), block.pixel + at, block.size - at);
         for (std::size_t c = 0; c < 3; ++c) {
-          merged[c] = blended<Int>(formats.merge, own[c], code_of(stored, static_cast<int>(c)),
-                                   texel.color[3], watch_lives);
+          merged[c] = blended<Int>(formats.merge, own[c], code_of(stored, c), texel.color[3], watch_lives);
         }
       }
     }

@@ -152,6 +152,14 @@ ShadeLanes shade_lanes(const Config& config, FogMode fog) {
                                  : ShadeLanes::scalar;
 }
 
+bool plain_shade(const ShadeFormats& formats) {
+  using HWY_NAMESPACE::is_plain;
+  const TextureStage& t = formats.texture;
+  return t.mix.fraction >= 0 && t.mix.max >= std::int64_t{255} << t.mix.fraction && is_plain(t.frac) &&
+         is_plain(t.mix) && is_plain(t.color) && is_plain(t.alpha) && is_plain(formats.fog.color) &&
+         is_plain(formats.merge.color);
+}
+
 ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Scene& scene) {
   ShadePlan plan;
   plan.formats = shade_formats(config);
@@ -165,10 +173,7 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
     plan.lanes = shade_lanes(config, fog);
   }
   const TextureStage& t = plan.formats.texture;
-  using HWY_NAMESPACE::is_plain;
-  plan.plain = t.mix.fraction >= 0 && t.mix.max >= std::int64_t{255} << t.mix.fraction && is_plain(t.frac) &&
-               is_plain(t.mix) && is_plain(t.color) && is_plain(t.alpha) &&
-               is_plain(plan.formats.fog.color) && is_plain(plan.formats.merge.color);
+  plan.plain = plain_shade(plan.formats);
   for (int a = 0; a < 256; ++a) {
     plan.alpha64.push_back(quantize_ratio(a, 255, 0, t.alpha, NoObserve{}));
   }

@@ -62,6 +62,8 @@ struct ShadePlan {
     Register vertex, edge_acc, edge, span_acc, span;
   } chain;
 };
+// Whether every register of the three stages rounds by adding a constant, and saturates.
+bool plain_shade(const ShadeFormats& formats);
 ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Scene& scene);
 
 // The value of a colour or alpha channel on every fragment of a triangle whose vertices all have it as

@@ -41,7 +41,7 @@ ShadeKernels<std::int32_t> shades_of(int index, std::index_sequence<i...> /*all*
    ...);
   return out;
 }
-using Each = std::make_index_sequence<shipped::all.size()>;
+using Each = std::make_index_sequence<specialises ? shipped::all.size() : 0>;
 
 }  // namespace
 
@@ -58,6 +58,7 @@ HWY_EXPORT(shipped_spans);
 HWY_EXPORT(shipped_shades);
 
 int shipped_index(const Config& config) {
+  if (!specialises) return -1;
   const std::string hash = config_hash(config);
   for (std::size_t i = 0; i < shipped::all.size(); ++i) {
     if (shipped::all[i].hash == hash) return static_cast<int>(i);

@@ -35,7 +35,7 @@ const Adder& adder_of(const SpanFormats& f, std::size_t i) {
 // ---------------------------------------------------------------- ramps
 
 // Every span's increments, and whether all of its registers are ramps.
-void find_ramps(const SpanFormats& f, const Columns<SpanRecord>& spans, Ramps& out) {
+[[maybe_unused]] void find_ramps(const SpanFormats& f, const Columns<SpanRecord>& spans, Ramps& out) {
   const std::size_t padded = spans.size + column_slack;
   if (out.linear.size() < padded) {
     out.linear.resize(padded);
@@ -326,8 +326,16 @@ class Filler {
   std::int64_t triangle_ = -1;
 };
 
-constexpr std::size_t prefetch_distance = 16;  // spans
-constexpr std::int64_t pixels_a_line = 16;     // of the cache, depth codes or colours
+constexpr std::int64_t pixels_a_line = 16;  // of the cache, depth codes or colours
+
+// Small triangles lie anywhere in the buffers, and a span would wait for its depth codes longer than all else
+// takes: they are fetched while earlier spans are drawn. All at once would be more than can be under way.
+constexpr std::size_t spans_ahead = 16;
+HWY_INLINE void fetch_depth(const Frame& frame, std::int64_t pixel, std::int64_t count) {
+  const std::uint32_t* const codes = frame.depth.data() + pixel;
+  for (std::int64_t k = 0; k < count; k += pixels_a_line) __builtin_prefetch(codes + k, 1);
+  __builtin_prefetch(codes + count - 1, 1);
+}
 
 // Tests pixels from .. to of a span, writes the places of those that pass to `passing` and, unless they are
 // stored right away, their codes. Returns how many passed.
@@ -358,6 +366,12 @@ HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f
     Lanes32::Mask pass = larger_passes ? (z ^ flip) > (old ^ flip) : (z ^ flip) < (old ^ flip);
     if (!whole) pass = pass & Lanes32::Mask{inside};
     if (!any(pass)) continue;
+    if (whole && all(pass)) {  // most often where any does
+      Lanes32::iota(static_cast<std::int32_t>(k)).store(passing + n);
+      z.store(store ? buffer + k : codes + n);
+      n += Lanes32::count;
+      continue;
+    }
     packed(Lanes32::iota(static_cast<std::int32_t>(k)), pass).store(passing + n);
     if constexpr (store) {
       hn::BlendedStore(z.v, pass.m, d, buffer + k);
@@ -390,17 +404,9 @@ void draw(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<
   std::uint64_t passed = 0;
   Sequences s;
   for (std::size_t i = 0; i < spans.size; ++i) {
-    // Small triangles lie anywhere in the buffers: without this each span waits for the depth codes.
-    const std::size_t ahead = i + prefetch_distance;
-    if (ahead < spans.size) {
-      const std::int64_t pixel = rows[ahead] * frame.width + columns[ahead];
-      const std::int64_t end = pixel + counts[ahead];
-      for (std::int64_t p = pixel; p < end; p += pixels_a_line) {
-        __builtin_prefetch(frame.depth.data() + p, 1);
-        __builtin_prefetch(frame.color.data() + 4 * p, 1);
-      }
-      __builtin_prefetch(frame.depth.data() + end - 1, 1);
-      __builtin_prefetch(frame.color.data() + 4 * (end - 1), 1);
+    const std::size_t ahead = i + spans_ahead;
+    if (ahead < spans.size && bands.has(rows[ahead])) {
+      fetch_depth(frame, rows[ahead] * frame.width + columns[ahead], counts[ahead]);
     }
     if (!bands.has(rows[i])) continue;
     const SpanDraw draw = draws[static_cast<std::size_t>(triangles[i] - first_index)];
@@ -420,6 +426,9 @@ void draw(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<
               : test_depth<false, true, Watch>(pipeline.depth, df, s[0], stored, from, to, passing, codes);
       if (n == 0) continue;
       passed += n;
+      for (std::size_t k = 0; k < n; k += static_cast<std::size_t>(pixels_a_line)) {
+        __builtin_prefetch(frame.color.data() + 4 * (first_pixel + passing[k]), 1);
+      }
       Lanes32(0).store(passing + n);  // vectors look past the end
       filler.need(n);
       if (draw.shared && !is_ramp(s[0])) {
@@ -469,7 +478,8 @@ HWY_NOINLINE void fragments_in(const SpanStage& stage, const Sequences& s, const
     const Lanes index = Lanes::iota(static_cast<std::int64_t>(k));
     const auto watch = [&]() HWY_ATTR {
       if constexpr (std::is_same_v<Watch, Seen>) {
-        return Seen{statistics, first_lanes<std::int64_t>(std::min(count - k, Lanes::count))};
+        return Seen{statistics, first_lanes<std::int64_t>(std::min(count - k, Lanes::count)),
+                    count - k >= Lanes::count};
       } else {
         return Watch{};
       }
@@ -539,11 +549,6 @@ void observed_registers(const SpanStage& stage, const Columns<SpanRecord>& spans
   }
 }
 
-// Whether every register that a span's fragments pass rounds by adding a constant, and saturates.
-bool plain_span(const SpanFormats& f) {
-  return is_plain(f.uv) && is_plain(f.shade) && is_plain(f.reciprocal.output);
-}
-
 template <class T, const SpanFormats* fixed>
 void evaluate_span(const SpanStage& stage, const Columns<SpanRecord>& spans, std::size_t i, bool shades,
                    SpanWork<T>& work, Columns<FragmentRecord>& out) {
@@ -577,7 +582,8 @@ HWY_NOINLINE void codes_of(const DepthStage& stage, const Columns<FragmentRecord
   for (std::size_t k = 0; k < fragments.size; k += Lanes::count) {
     const auto watch = [&]() HWY_ATTR {
       if constexpr (std::is_same_v<Watch, Seen>) {
-        return Seen{statistics, first_lanes<std::int64_t>(std::min(fragments.size - k, Lanes::count))};
+        return Seen{statistics, first_lanes<std::int64_t>(std::min(fragments.size - k, Lanes::count)),
+                    fragments.size - k >= Lanes::count};
       } else {
         return Watch{};
       }

@@ -105,6 +105,25 @@ void append(FragmentBlock<T>& block, const FragmentRecord& fragment, const Depth
 template <class T>
 SpanKernels<T> span_kernels(VectorTarget target);
 
+// Whether every register that a fragment passes in the span stage rounds by adding a constant, and saturates,
+// and no shift on the way takes more than a lane has.
+constexpr bool plain_span(const SpanFormats& f) {
+  const auto plain = [](const Register& r) {
+    return (r.mode == Rounding::trn || r.mode == Rounding::rnd || r.mode == Rounding::rnd_min_inf) &&
+           (r.overflow == Overflow::sat || r.overflow == Overflow::sat_sym);
+  };
+  const int reciprocal_fraction = std::max(f.reciprocal.config.table_bits, f.reciprocal.config.internal_bits);
+  return plain(f.uv) && plain(f.shade) && plain(f.reciprocal.output) &&
+         reciprocal_fraction - f.reciprocal.output.fraction <= 62 && f.f.acc.fraction - f.uv.fraction <= 62 &&
+         f.shade_acc.acc.fraction - f.shade.fraction <= 62;
+}
+// Whether u, v and shades fit blocks of std::int32_t, shades through 32-bit lanes with a bit to round by.
+constexpr bool spans_fit_int32(const SpanFormats& f) {
+  return plain_span(f) && f.uv.word <= 31 && f.shade.word <= 30 && f.shade_acc.acc.word <= 30 &&
+         f.shade_acc.acc.fraction - f.shade.fraction <= 30 &&
+         f.shade_acc.acc.word + std::max(0, f.shade.fraction - f.shade_acc.acc.fraction) <= 30;
+}
+
 // Why this configuration's spans cannot be drawn in lanes; null where they can.
 const char* spans_refusal(const Config& config);
 

@@ -32,7 +32,7 @@ std::int64_t mask_of(VectorTarget target) {
 
 bool supported(VectorTarget target) {
   return target == VectorTarget::best || target == VectorTarget::baseline ||
-         (hwy::SupportedTargets() & mask_of(target)) != 0;
+         (hwy::SupportedTargets() & HWY_TARGETS & mask_of(target)) != 0;
 }
 
 TargetScope::TargetScope(VectorTarget target) {

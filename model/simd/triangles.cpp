@@ -23,9 +23,11 @@ constexpr std::size_t lane_count = Lanes::count;
 
 // ---------------------------------------------------------------- observers
 
+// Watch: NoObserve, or Plain where every register is.
+template <class Watch>
 struct Unwatched {
   static constexpr bool enabled = false;
-  HWY_INLINE NoObserve on(Lanes::Mask /*active*/) const { return {}; }
+  HWY_INLINE Watch on(Lanes::Mask /*active*/) const { return {}; }
 };
 struct Watched {
   static constexpr bool enabled = true;
@@ -33,6 +35,61 @@ struct Watched {
   Statistics* statistics;
   HWY_INLINE Seen on(Lanes::Mask active) const { return {lanes, active}; }
 };
+
+// ---------------------------------------------------------------- stages
+
+struct Stages {
+  const SetupStage& setup;
+  const EdgeWalkStage& walk;
+  const SpanSetupStage& span;
+};
+
+// Whether every register that setup, edge_walk and span_setup quantise into rounds by adding a constant, and
+// saturates.
+bool all_plain(const Pipeline& pipeline) {
+  const SetupStage& a = pipeline.setup;
+  const EdgeWalkStage& b = pipeline.edge_walk;
+  const SpanSetupStage& c = pipeline.span_setup;
+  const Register* const registers[] = {
+      &a.coordinate,
+      &a.s,
+      &a.h,
+      &a.uv,
+      &a.shade,
+      &a.dy.unit.output(),
+      &a.x_step.r,
+      &a.h_step.r,
+      &a.f_step.r,
+      &a.shade_step.r,
+      &a.f_diff.r,
+      &b.x_start.r,
+      &b.h_start.r,
+      &b.f_start.r,
+      &b.shade_start.r,
+      &b.x.r,
+      &b.h.r,
+      &b.shade.r,
+      &b.reciprocal.output(),
+      &b.uv.r,
+      &b.affine_uv.r,
+      &c.length.unit.output(),
+      &c.h_step.r,
+      &c.f_step.r,
+      &c.shade_step.r,
+      &c.f_diff.r,
+      &c.h_start.r,
+      &c.f_start.r,
+      &c.shade_start.r,
+  };
+  // What Plain shifts a unit's result by.
+  const auto shifts = [](const ReciprocalUnit& unit) {
+    const Reciprocal& r = unit.config();
+    return std::max(r.table_bits, r.internal_bits) - unit.output().fraction <= 62;
+  };
+  if (!shifts(a.dy.unit) || !shifts(b.reciprocal) || !shifts(c.length.unit)) return false;
+  return std::all_of(std::begin(registers), std::end(registers),
+                     [](const Register* r) { return is_plain(*r); });
+}
 
 // ---------------------------------------------------------------- columns of row ends
 
@@ -232,15 +289,18 @@ HWY_INLINE void start_edges(const EdgeWalkStage& stage, const Adders& adders, co
 
 // Setup of up to a vector of triangles, n of them.
 template <class Observer>
-HWY_INLINE void set_up(const Pipeline& pipeline, const Adders& adders, const Triangle* triangles,
-                       std::size_t n, std::int64_t first_index, TriangleGroup& out, Counters& counters,
-                       Trace* trace, const Observer& observer) {
-  const SetupStage& setup = pipeline.setup;
-  const EdgeWalkStage& walk = pipeline.edge_walk;
+HWY_INLINE void set_up(const Stages& stages, const Adders& adders, const Triangle* triangles, std::size_t n,
+                       std::int64_t first_index, TriangleGroup& out, Counters& counters, Trace* trace,
+                       const Observer& observer) {
+  const SetupStage& setup = stages.setup;
+  const EdgeWalkStage& walk = stages.walk;
   const auto given = first_lanes<std::int64_t>(n);
   const std::array<RealVertex<Doubles>, 3> in = load_vertices(triangles, n);
-  std::array<VertexOf<Lanes>, 3> v;
-  for (std::size_t k = 0; k < 3; ++k) v[k] = setup_vertex<Lanes>(setup, in[k], observer.on(given));
+  // Out of line: the compiler has three times the text to look at otherwise, and clears v first.
+  const auto vertex = [&](std::size_t k) HWY_ATTR __attribute__((noinline)) {
+    return setup_vertex<Lanes>(setup, in[k], observer.on(given));
+  };
+  std::array<VertexOf<Lanes>, 3> v{vertex(0), vertex(1), vertex(2)};
   sort_vertices(v);
   const Turn<Lanes> area = turn(setup, v);
   const auto active = given & !area.none;
@@ -293,16 +353,13 @@ struct RowColumns {
   std::int64_t* triangle;
   std::int64_t* y;
   Side left, right;
-  // Those that the second pass and the trace read.
-  std::array<std::int64_t*, 24> kept{};
-  std::size_t kept_count = 0;
 };
 RowColumns row_columns(const EdgeWalkStage& stage, TriangleBatch& batch, bool trace) {
   const bool accumulates = stage.walk == EdgeWalk::dda && stage.update == DdaUpdate::accumulate;
   const auto side_of = [&](const SideColumns& c) {
     RowColumns::Side side;
     for (std::size_t s = 0; s < accumulators; ++s) side.sequence[s] = batch.rows[c.acc[s]];
-    side.sequence[accumulators] = accumulates ? batch.rows[c.x_acc] : batch.sources[c.x0];
+    side.sequence[accumulators] = stage.walk == EdgeWalk::dda ? batch.rows[c.x_acc] : batch.sources[c.x0];
     side.constant = {stage.affine ? nullptr : batch.sources[c.u1],
                      stage.affine ? nullptr : batch.sources[c.v1],
                      accumulates ? nullptr : batch.sources[c.x1],
@@ -310,23 +367,8 @@ RowColumns row_columns(const EdgeWalkStage& stage, TriangleBatch& batch, bool tr
     side.edge = trace ? batch.rows[c.edge] : nullptr;
     return side;
   };
-  RowColumns columns{batch.rows[&RowRecord::triangle], batch.rows[&RowRecord::y], side_of(left_columns),
-                     side_of(right_columns)};
-  const auto keep = [&](std::int64_t* column) { columns.kept[columns.kept_count++] = column; };
-  keep(columns.triangle);
-  keep(columns.y);
-  for (const SideColumns* side : {&left_columns, &right_columns}) {
-    for (const auto acc : side->acc) keep(batch.rows[acc]);
-    if (!stage.affine) {
-      keep(batch.sources[side->u1]);
-      keep(batch.sources[side->v1]);
-    }
-    if (trace) {
-      keep(batch.rows[side->edge]);
-      if (stage.walk == EdgeWalk::dda) keep(batch.rows[side->x_acc]);
-    }
-  }
-  return columns;
+  return {batch.rows[&RowRecord::triangle], batch.rows[&RowRecord::y], side_of(left_columns),
+          side_of(right_columns)};
 }
 
 // n values from start on, and past them to the end of a vector.
@@ -419,29 +461,38 @@ HWY_INLINE void append_rows(const Adders& adders, TriangleGroup& group, std::siz
 // ---------------------------------------------------------------- rows to spans
 
 // floor(x0 / x1) and whether there is a rest.
-HWY_INLINE Position<Lanes> exact_position(Lanes at, Lanes length) {
+HWY_NOINLINE Position<Lanes> exact_position_rare(Lanes at, Lanes length) {
   const FloorQuotientLanes q = quotient(numerator(at), length, 0);
-  if (all(q.ok)) [[likely]] {
-    return {q.floor, one_where(q.rest != Lanes(0))};
-  }
+  if (all(q.ok)) return {q.floor, one_where(q.rest != Lanes(0))};
   const Lanes floor = by_lane([&](std::size_t i) {
     return static_cast<std::int64_t>(floor_divide(lane(at, i), lane(length, i)).floor);
   });
   return {floor, one_where(floor * length != at)};
 }
+HWY_INLINE Position<Lanes> exact_position(Lanes at, Lanes length) {
+  const NearQuotient q = near_quotient(at, make_divisor(length), 0);
+  if (!q.ok) [[unlikely]] {
+    return exact_position_rare(at, length);
+  }
+  const hn::ScalableTag<double> d;
+  const auto mask = [](auto m) HWY_ATTR { return Lanes::Mask{hn::RebindMask(Lanes::Tag(), m)}; };
+  const auto zero = hn::Zero(d);
+  return {to_int(q.whole) - one_where(mask(hn::Lt(q.rest, zero))), one_where(!mask(hn::Eq(q.rest, zero)))};
+}
 
 template <class Observer>
-HWY_INLINE Position<Lanes> position_at(const EdgeWalkStage& stage, const SideColumns& side,
-                                       TriangleBatch& batch, std::size_t i, Lanes y, Lanes::Mask active,
-                                       const Observer& observer) {
-  const auto source = [&](Member<RowSource> m) HWY_ATTR { return Lanes::load(batch.sources[m] + i); };
-  if (stage.walk == EdgeWalk::exact) return exact_position(source(side.x0), source(side.x1));
-  std::int64_t* acc = batch.rows[side.x_acc] + i;
+HWY_INLINE Position<Lanes> position_at(const EdgeWalkStage& stage, const RowColumns::Side& side,
+                                       std::size_t i, Lanes y, Lanes::Mask active, const Observer& observer) {
+  std::int64_t* const x = side.sequence[accumulators] + i;
+  const auto source = [&](std::size_t c) HWY_ATTR { return Lanes::load(side.constant[c] + i); };
+  if (stage.walk == EdgeWalk::exact) return exact_position(Lanes::load(x), source(2));
+  Lanes acc = Lanes::load(x);
   if (stage.update == DdaUpdate::multiply) {
-    const Lanes t = rows_from(stage, y, source(side.x2));
-    line_at(stage.x_start, source(side.x0), source(side.x1), t, observer.on(active)).store(acc);
+    const Lanes t = rows_from(stage, y, source(3));
+    acc = line_at(stage.x_start, acc, source(2), t, observer.on(active));
+    acc.store(x);
   }
-  return {Lanes::load(acc) << stage.x_up, Lanes(0)};
+  return {acc << stage.x_up, Lanes(0)};
 }
 
 // Moves the lanes of a mask side by side. Highway 1.0's Compress copies its table to the stack each time.
@@ -476,97 +527,92 @@ struct Packing {
 };
 #endif
 
-// First pass: which pixels a row has; rows that have none are dropped.
-template <class Observer>
-HWY_INLINE void find_pixels(const EdgeWalkStage& stage, const RowColumns& columns, TriangleBatch& batch,
-                            const Observer& observer) {
-  Columns<RowRecord>& rows = batch.rows;
-  const std::size_t n = rows.size;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < n; i += lane_count) {
-    const auto active = first_lanes<std::int64_t>(std::min(lane_count, n - i));
-    const Lanes y = Lanes::load(rows[&RowRecord::y] + i);
-    const Position<Lanes> l = position_at(stage, left_columns, batch, i, y, active, observer);
-    const Position<Lanes> r = position_at(stage, right_columns, batch, i, y, active, observer);
-    const PixelsOf<Lanes> pixels = pixels_between<Lanes>(stage, l, r);
-    const auto some = active & (pixels.first <= pixels.last);
-    const auto x_of = [&](const SideColumns& side, const Position<Lanes>& p) HWY_ATTR {
-      return stage.walk == EdgeWalk::exact
-                 ? exact_row_x<Lanes>(stage, p, observer.on(some))
-                 : narrowed<Lanes>(stage.x, Lanes::load(rows[side.x_acc] + i), observer.on(some));
-    };
-    const Lanes l_x = x_of(left_columns, l);
-    const Lanes r_x = x_of(right_columns, r);
-    const Packing pack(some);
-    pack(pixels.first).store(rows[&RowRecord::x_first] + kept);
-    pack(pixels.last).store(rows[&RowRecord::x_last] + kept);
-    pack(l_x).store(rows[&RowRecord::l_x] + kept);
-    pack(r_x).store(rows[&RowRecord::r_x] + kept);
-    const std::size_t found = set_in(some);
-    if (kept != i || found != std::min(lane_count, n - i)) {
-      for (std::size_t c = 0; c < columns.kept_count; ++c) {
-        std::int64_t* column = columns.kept[c];
-        pack(Lanes::load(column + i)).store(column + kept);
-      }
-    }
-    kept += found;
-  }
-  rows.size = kept;
-}
-
-void trace_row(TriangleBatch& batch, const EdgeWalkStage& stage, std::size_t i, Trace& trace) {
-  RowRecord row = batch.rows.record(i);
-  if (stage.walk == EdgeWalk::exact) row.l_x_acc = row.r_x_acc = 0;
-  trace.row.push_back(row);
-}
-
-HWY_INLINE EndOf<Lanes> row_end_at(const EdgeWalkStage& stage, const SideColumns& side, TriangleBatch& batch,
-                                   std::size_t i, bool trace, auto watch) {
-  Columns<RowRecord>& rows = batch.rows;
-  const auto acc_at = [&](std::size_t s) HWY_ATTR { return Lanes::load(rows[side.acc[s]] + i); };
+HWY_INLINE EndOf<Lanes> row_end_at(const EdgeWalkStage& stage, const RowColumns::Side& side, std::size_t i,
+                                   auto watch) {
+  const auto acc_at = [&](std::size_t s) HWY_ATTR { return Lanes::load(side.sequence[s] + i); };
   const EdgeAccumulators<Lanes> acc{
       acc_at(0), acc_at(1), acc_at(2), {acc_at(3), acc_at(4), acc_at(5), acc_at(6)}};
-  const Lanes u1 = stage.affine ? Lanes(0) : Lanes::load(batch.sources[side.u1] + i);
-  const Lanes v1 = stage.affine ? Lanes(0) : Lanes::load(batch.sources[side.v1] + i);
-  const EndOf<Lanes> end = end_values(stage, acc, u1, v1, watch);
-  if (trace) {
-    end.h.store(rows[side.h] + i);
-    end.recip_m.store(rows[side.recip_m] + i);
-    end.recip_e.store(rows[side.recip_e] + i);
-    end.u.store(rows[side.u] + i);
-    end.v.store(rows[side.v] + i);
-    for (std::size_t c = 0; c < channel_count; ++c) end.shade[c].store(rows[side.shade[c]] + i);
-  }
-  return end;
+  const Lanes u1 = stage.affine ? Lanes(0) : Lanes::load(side.constant[0] + i);
+  const Lanes v1 = stage.affine ? Lanes(0) : Lanes::load(side.constant[1] + i);
+  return end_values(stage, acc, u1, v1, watch);
 }
 
-// Second pass: row ends and span starts of the rows that are left.
+// What only the trace reads of a row.
+void keep_end(const SideColumns& side, const EndOf<Lanes>& end, Columns<RowRecord>& rows, std::size_t i) {
+  end.h.store(rows[side.h] + i);
+  end.recip_m.store(rows[side.recip_m] + i);
+  end.recip_e.store(rows[side.recip_e] + i);
+  end.u.store(rows[side.u] + i);
+  end.v.store(rows[side.v] + i);
+  for (std::size_t c = 0; c < channel_count; ++c) end.shade[c].store(rows[side.shade[c]] + i);
+}
+// Of the lanes in `some`: their rows from i on, their spans from `to` on.
+void trace_rows(const EdgeWalkStage& stage, const Columns<RowRecord>& rows, const Columns<SpanRecord>& spans,
+                std::size_t i, Lanes::Mask some, std::size_t to, Trace& trace) {
+  const Lanes drawn = one_where(some);
+  for (std::size_t k = 0; k < lane_count; ++k) {
+    if (lane(drawn, k) == 0) continue;
+    RowRecord row = rows.record(i + k);
+    if (stage.walk == EdgeWalk::exact) row.l_x_acc = row.r_x_acc = 0;
+    trace.row.push_back(row);
+    trace.span.push_back(spans.record(to++));
+  }
+}
+
+// Lanes past a column's end hold what its last row holds: numbers that the formats allow.
+HWY_INLINE void pad(std::int64_t* column, std::size_t n) { Lanes(column[n - 1]).store(column + n); }
+
+// Rows to spans; rows that have no pixel are dropped.
 template <class Observer>
-HWY_INLINE void start_spans(const Pipeline& pipeline, TriangleBatch& batch, Columns<SpanRecord>& spans,
-                            Counters& counters, Trace* trace, const Observer& observer) {
+HWY_NOINLINE void finish_rows(const Stages& stages, const RowColumns& columns, std::size_t n,
+                              TriangleBatch& batch, Columns<SpanRecord>& spans, Counters& counters,
+                              Trace* trace, const Observer& observer) {
+  if (n == 0) return;
+  const EdgeWalkStage walk = stages.walk;  // copies: no store can change them
+  const SpanSetupStage stage = stages.span;
   Columns<RowRecord>& rows = batch.rows;
-  const EdgeWalkStage& walk = pipeline.edge_walk;
-  const SpanSetupStage& stage = pipeline.span_setup;
-  const std::size_t n = rows.size;
+  pad(columns.triangle, n);
+  pad(columns.y, n);
+  for (const RowColumns::Side* side : {&columns.left, &columns.right}) {
+    for (std::int64_t* sequence : side->sequence) pad(sequence, n);
+    for (std::int64_t* constant : side->constant) {
+      if (constant != nullptr) pad(constant, n);
+    }
+  }
   if (spans.size + n > spans.capacity()) spans.reserve(std::max(2 * spans.capacity(), spans.size + n));
+  const std::size_t had = spans.size;
+  std::size_t to = had;
+  std::uint64_t lengths = 0;
   for (std::size_t i = 0; i < n; i += lane_count) {
     const auto active = first_lanes<std::int64_t>(std::min(lane_count, n - i));
-    const auto watch = observer.on(active);
-    const auto row = [&](Member<RowRecord> m) HWY_ATTR { return Lanes::load(rows[m] + i); };
-    const EndOf<Lanes> l = row_end_at(walk, left_columns, batch, i, trace != nullptr, watch);
-    const EndOf<Lanes> r = row_end_at(walk, right_columns, batch, i, trace != nullptr, watch);
-    const Lanes x_first = row(&RowRecord::x_first);
+    const Lanes y = Lanes::load(columns.y + i);
+    const Position<Lanes> l_at = position_at(walk, columns.left, i, y, active, observer);
+    const Position<Lanes> r_at = position_at(walk, columns.right, i, y, active, observer);
+    const PixelsOf<Lanes> pixels = pixels_between<Lanes>(walk, l_at, r_at);
+    const auto some = active & (pixels.first <= pixels.last);
+    const std::size_t found = set_in(some);
+    if (found == 0) continue;
+    const auto watch = observer.on(some);
+    const auto x_of = [&](const RowColumns::Side& side, const Position<Lanes>& p) HWY_ATTR {
+      return walk.walk == EdgeWalk::exact
+                 ? exact_row_x<Lanes>(walk, p, watch)
+                 : narrowed<Lanes>(walk.x, Lanes::load(side.sequence[accumulators] + i), watch);
+    };
+    const Lanes l_x = x_of(columns.left, l_at);
+    const Lanes r_x = x_of(columns.right, r_at);
+    const EndOf<Lanes> l = row_end_at(walk, columns.left, i, watch);
+    const EndOf<Lanes> r = row_end_at(walk, columns.right, i, watch);
     const SpanStart<Lanes> s =
-        start_span_at(stage, SpanEnd<Lanes>{row(&RowRecord::l_x), l.h, l.u, l.v, l.shade},
-                      SpanEnd<Lanes>{row(&RowRecord::r_x), r.h, r.u, r.v, r.shade}, x_first, watch);
-    counters.divides_row += set_in(s.has_length & active) * static_cast<std::uint64_t>(divides_of(stage));
+        start_span_at(stage, SpanEnd<Lanes>{l_x, l.h, l.u, l.v, l.shade},
+                      SpanEnd<Lanes>{r_x, r.h, r.u, r.v, r.shade}, pixels.first, watch);
+    lengths += set_in(s.has_length & some);
 
-    const std::size_t at = spans.size + i;
-    const auto put = [&](Member<SpanRecord> m, Lanes x) HWY_ATTR { x.store(spans[m] + at); };
-    put(&SpanRecord::triangle, row(&RowRecord::triangle));
-    put(&SpanRecord::x, x_first);
-    put(&SpanRecord::y, row(&RowRecord::y));
-    put(&SpanRecord::count, row(&RowRecord::x_last) - x_first + Lanes(1));
+    const Packing pack(some);
+    const auto put = [&](Member<SpanRecord> m, Lanes x) HWY_ATTR { pack(x).store(spans[m] + to); };
+    put(&SpanRecord::triangle, Lanes::load(columns.triangle + i));
+    put(&SpanRecord::x, pixels.first);
+    put(&SpanRecord::y, y);
+    put(&SpanRecord::count, pixels.last - pixels.first + Lanes(1));
     put(&SpanRecord::h, s.h);
     put(&SpanRecord::h_step, s.h_step);
     put(&SpanRecord::u1, s.u.base);
@@ -588,46 +634,20 @@ HWY_INLINE void start_spans(const Pipeline& pipeline, TriangleBatch& batch, Colu
       put(&SpanRecord::fu_step1, s.u.step);
       put(&SpanRecord::fv_step1, s.v.step);
       for (std::size_t c = 0; c < channel_count; ++c) put(span_steps1[c], s.shade_step[c]);
+      pixels.first.store(rows[&RowRecord::x_first] + i);
+      pixels.last.store(rows[&RowRecord::x_last] + i);
+      l_x.store(rows[&RowRecord::l_x] + i);
+      r_x.store(rows[&RowRecord::r_x] + i);
+      keep_end(left_columns, l, rows, i);
+      keep_end(right_columns, r, rows, i);
+      trace_rows(walk, rows, spans, i, some, to, *trace);
     }
+    to += found;
   }
-  if (trace != nullptr) {
-    for (std::size_t i = 0; i < n; ++i) {
-      trace_row(batch, walk, i, *trace);
-      trace->span.push_back(spans.record(spans.size + i));
-    }
-  }
-  spans.size += n;
-  counters.rows += n;
-  counters.divides_edge += n * static_cast<std::uint64_t>(walk.divides_per_row);
-}
-
-// Lanes past a column's end hold what its last row holds: numbers that the formats allow.
-HWY_INLINE void pad(std::int64_t* column, std::size_t n) { Lanes(column[n - 1]).store(column + n); }
-
-template <class Observer>
-HWY_NOINLINE void finish_rows(const Pipeline& pipeline, const RowColumns& columns, TriangleBatch& batch,
-                              Columns<SpanRecord>& spans, Counters& counters, Trace* trace,
-                              const Observer& observer) {
-  const std::size_t n = batch.rows.size;
-  if (n != 0) {
-    pad(columns.y, n);
-    for (const RowColumns::Side* side : {&columns.left, &columns.right}) {
-      pad(side->sequence[accumulators], n);
-      for (std::int64_t* constant : side->constant) {
-        if (constant != nullptr) pad(constant, n);
-      }
-    }
-    find_pixels(pipeline.edge_walk, columns, batch, observer);
-  }
-  const std::size_t kept = batch.rows.size;
-  if (kept != 0) {
-    for (std::size_t c = 0; c < columns.kept_count; ++c) pad(columns.kept[c], kept);
-    for (const auto m : {&RowRecord::x_first, &RowRecord::x_last, &RowRecord::l_x, &RowRecord::r_x}) {
-      pad(batch.rows[m], kept);
-    }
-    start_spans(pipeline, batch, spans, counters, trace, observer);
-  }
-  batch.rows.size = 0;
+  spans.size = to;
+  counters.rows += to - had;
+  counters.divides_row += lengths * static_cast<std::uint64_t>(divides_of(stage));
+  counters.divides_edge += (to - had) * static_cast<std::uint64_t>(walk.divides_per_row);
 }
 
 // ---------------------------------------------------------------- the kernels
@@ -636,34 +656,39 @@ template <class Observer>
 HWY_NOINLINE void in_lanes(const Pipeline& pipeline, std::span<const Triangle> triangles,
                            std::int64_t first_index, TriangleBatch& batch, Columns<SpanRecord>& spans,
                            Counters& counters, Trace* trace, const Observer& observer) {
-  const Adders adders = adders_of(pipeline.edge_walk);
-  const RowColumns columns = row_columns(pipeline.edge_walk, batch, trace != nullptr);
+  const SetupStage setup = pipeline.setup;  // copies: no store can change them
+  const EdgeWalkStage walk = pipeline.edge_walk;
+  const Stages stages{setup, walk, pipeline.span_setup};
+  const Adders adders = adders_of(walk);
+  const RowColumns columns = row_columns(walk, batch, trace != nullptr);
   constexpr auto capacity = static_cast<std::int64_t>(TriangleBatch::row_capacity);
   TriangleGroup group;
+  std::int64_t size = 0;  // rows
+  const auto finish = [&] {
+    finish_rows(stages, columns, static_cast<std::size_t>(size), batch, spans, counters, trace, observer);
+    size = 0;
+  };
   for (std::size_t first = 0; first < triangles.size(); first += lane_count) {
     const std::size_t n = std::min(lane_count, triangles.size() - first);
     const std::int64_t index = first_index + static_cast<std::int64_t>(first);
-    set_up(pipeline, adders, triangles.data() + first, n, index, group, counters, trace, observer);
+    set_up(stages, adders, triangles.data() + first, n, index, group, counters, trace, observer);
     for (std::size_t j = 0; j < n; ++j) {
-      if (group.rows[j] == 0) continue;
+      const std::int64_t rows = group.rows[j];
+      if (rows == 0) continue;
       if constexpr (Observer::enabled) {
         for (const EdgeGroup& e : group.edges) note_ramps(adders, e, j, *observer.statistics);
       }
-      for (std::int64_t done = 0; done < group.rows[j];) {
-        const std::int64_t room = capacity - static_cast<std::int64_t>(batch.rows.size);
-        if (room == 0) {
-          finish_rows(pipeline, columns, batch, spans, counters, trace, observer);
-          continue;
-        }
-        const std::int64_t some = std::min(room, group.rows[j] - done);
+      for (std::int64_t done = 0; done < rows;) {
+        if (size == capacity) finish();
+        const std::int64_t some = std::min(capacity - size, rows - done);
         append_rows(adders, group, j, index + static_cast<std::int64_t>(j), done, some, columns,
-                    batch.rows.size, observer);
-        batch.rows.size += static_cast<std::size_t>(some);
+                    static_cast<std::size_t>(size), observer);
+        size += some;
         done += some;
       }
     }
   }
-  finish_rows(pipeline, columns, batch, spans, counters, trace, observer);
+  finish();
 }
 
 void append(Columns<SpanRecord>& spans, const SpanRecord& span) {
@@ -696,7 +721,11 @@ void one_by_one(const Pipeline& pipeline, std::span<const Triangle> triangles, s
 void to_spans(const Pipeline& pipeline, std::span<const Triangle> triangles, std::int64_t first_index,
               TriangleBatch& batch, Columns<SpanRecord>& spans, Counters& counters, Trace* trace) {
   if (triangles_in_lanes(pipeline)) {
-    in_lanes(pipeline, triangles, first_index, batch, spans, counters, trace, Unwatched{});
+    if (all_plain(pipeline)) {
+      in_lanes(pipeline, triangles, first_index, batch, spans, counters, trace, Unwatched<Plain>{});
+    } else {
+      in_lanes(pipeline, triangles, first_index, batch, spans, counters, trace, Unwatched<NoObserve>{});
+    }
   } else {
     one_by_one(pipeline, triangles, first_index, spans, counters, trace, NoObserve{});
   }

@@ -57,15 +57,14 @@ HWY_INLINE EdgeAccumulators<Value> start_accumulators(const EdgeWalkStage& stage
                                                       Value fu_step, Value fv_step,
                                                       const std::array<Value, 4>& shade_step, Value t,
                                                       Watch watch) {
-  EdgeAccumulators<Value> acc;
-  acc.h = line_at(stage.h_start, start.h, h_step, t, watch);
   const Value none(0);
-  acc.fu = line_at(stage.f_start, stage.affine ? start.u : none, fu_step, t, watch);
-  acc.fv = line_at(stage.f_start, stage.affine ? start.v : none, fv_step, t, watch);
-  for (std::size_t c = 0; c < shade_step.size(); ++c) {
-    acc.shade[c] = line_at(stage.shade_start, start.c[c], shade_step[c], t, watch);
-  }
-  return acc;
+  const auto shade = [&](std::size_t c) HWY_ATTR __attribute__((always_inline)) {
+    return line_at(stage.shade_start, start.c[c], shade_step[c], t, watch);
+  };
+  return {line_at(stage.h_start, start.h, h_step, t, watch),
+          line_at(stage.f_start, stage.affine ? start.u : none, fu_step, t, watch),
+          line_at(stage.f_start, stage.affine ? start.v : none, fv_step, t, watch),
+          {shade(0), shade(1), shade(2), shade(3)}};
 }
 
 // X: at 2^-x_fraction, and more (1 where there is more, by less than one, else 0); x_fraction >= 1. Sum: what

@@ -22,21 +22,25 @@ struct RealVertex {
 template <class Value, class Real, class Watch>
 HWY_INLINE VertexOf<Value> setup_vertex(const SetupStage& stage, const RealVertex<Real>& in, Watch watch) {
   using Widths = WidthsOf<Value>;
-  VertexOf<Value> v;
-  v.x = quantize_real(in.x, 0, stage.coordinate, watch);
-  v.y = quantize_real(in.y, 0, stage.coordinate, watch);
-  const Value s = quantize_real(in.s, stage.exponent, stage.s, watch);
+  const auto real = [&](Real x, int exponent, const Register& r) HWY_ATTR __attribute__((always_inline)) {
+    return quantize_real(x, exponent, r, watch);
+  };
+  const Value x = real(in.x, 0, stage.coordinate);
+  const Value y = real(in.y, 0, stage.coordinate);
+  const Value s = real(in.s, stage.exponent, stage.s);
   const auto above = difference(Value(static_cast<std::int64_t>(stage.s_max.raw)), s);
   const SumOf<Value> b(stage.b);
-  v.h = stage.narrow_h
-            ? quantize_ratio(product_in<typename Widths::Narrow>(b, above), s, stage.h_scale, stage.h, watch)
-            : quantize_ratio(product_in<typename Widths::Wide>(b, above), s, stage.h_scale, stage.h, watch);
-  v.u = quantize_real(in.u, 0, stage.uv, watch);
-  v.v = quantize_real(in.v, 0, stage.uv, watch);
-  for (std::size_t c = 0; c < v.c.size(); ++c) {
-    v.c[c] = quantize_real(in.c[c], 0, stage.shade, watch);
-  }
-  return v;
+  const Value h =
+      stage.narrow_h
+          ? quantize_ratio(product_in<typename Widths::Narrow>(b, above), s, stage.h_scale, stage.h, watch)
+          : quantize_ratio(product_in<typename Widths::Wide>(b, above), s, stage.h_scale, stage.h, watch);
+  return {x,
+          y,
+          h,
+          real(in.u, 0, stage.uv),
+          real(in.v, 0, stage.uv),
+          {real(in.c[0], 0, stage.shade), real(in.c[1], 0, stage.shade), real(in.c[2], 0, stage.shade),
+           real(in.c[3], 0, stage.shade)}};
 }
 
 // Swaps where b stands before a in the order (y, x): neighbours only, so equal ones keep theirs.
@@ -101,8 +105,9 @@ HWY_INLINE EdgeOf<Value> setup_edge(const SetupStage& stage, const VertexOf<Valu
                                     const VertexOf<Value>& b, SumOf<Value> height, Watch watch) {
   EdgeOf<Value> e;
   const LengthOf<Value> dy = make_length<Value>(stage.dy, height, watch);
-  const auto step = [&](const Slope& s, SumOf<Value> n)
-                        HWY_ATTR { return slope<Value>(s, stage.dy, n, dy, watch); };
+  const auto step = [&](const Slope& s, SumOf<Value> n) HWY_ATTR __attribute__((always_inline)) {
+    return slope<Value>(s, stage.dy, n, dy, watch);
+  };
   e.recip_m = dy.inverse.m;
   e.recip_e = dy.inverse.e;
   e.x_step = stage.walk == EdgeWalk::dda ? step(stage.x_step, difference(b.x, a.x)) : Value(0);

@@ -45,14 +45,16 @@ HWY_INLINE SpanStart<Value> start_span_at(const SpanSetupStage& stage, const Spa
   out.recip_e = length.inverse.e;
   const SumOf<Value> p =
       (SumOf<Value>((x_first << 1) + Value(1)) << (stage.p_fraction - 1)) - (SumOf<Value>(l.x) << stage.x_up);
-  const auto step_of = [&](const Slope& s, SumOf<Value> n) HWY_ATTR {
-    return where(has_length, watch,
-                 [&](auto seen) HWY_ATTR { return slope<Value>(s, stage.length, n, length, seen); });
+  const auto step_of = [&](const Slope& s, SumOf<Value> n) HWY_ATTR __attribute__((always_inline)) {
+    return where(
+        has_length, watch, [&](auto seen) HWY_ATTR __attribute__((always_inline)) {
+          return slope<Value>(s, stage.length, n, length, seen);
+        });
   };
 
   out.h_step = step_of(stage.h_step, difference(r.h, l.h));
   out.h = line_at(stage.h_start, l.h, out.h_step, p, watch);
-  const auto texture = [&](Value left, Value right) HWY_ATTR {
+  const auto texture = [&](Value left, Value right) HWY_ATTR __attribute__((always_inline)) {
     SpanTexture<Value> t;
     t.diff = t.base = none;
     Value from = none;  // of the accumulator at the left end
@@ -74,10 +76,11 @@ HWY_INLINE SpanStart<Value> start_span_at(const SpanSetupStage& stage, const Spa
   out.u = texture(l.u, r.u);
   out.v = texture(l.v, r.v);
   for (std::size_t c = 0; c < l.shade.size(); ++c) {
-    out.shade_step[c] = where(has_length, watch, [&](auto seen) HWY_ATTR {
-      return slope_or_none<Value>(stage.shade_step, stage.length, difference(r.shade[c], l.shade[c]), length,
-                                  seen);
-    });
+    out.shade_step[c] = where(
+        has_length, watch, [&](auto seen) HWY_ATTR __attribute__((always_inline)) {
+          return slope_or_none<Value>(stage.shade_step, stage.length, difference(r.shade[c], l.shade[c]),
+                                      length, seen);
+        });
     out.shade[c] = line_at(stage.shade_start, l.shade[c], out.shade_step[c], p, watch);
   }
   return out;

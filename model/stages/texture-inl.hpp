@@ -47,8 +47,8 @@ struct Quad {
 };
 
 template <class V>
-HWY_INLINE V code_of(V word, int channel) {
-  return (word >> (8 * channel)) & V(255);
+HWY_INLINE V code_of(V word, std::size_t channel) {
+  return (word >> static_cast<int>(8 * channel)) & V(255);
 }
 
 // Q of a code 0..255.
@@ -143,7 +143,7 @@ HWY_INLINE Textured<ValueOf<Int>> textured(const TextureStage& stage, const Imag
       }
     }
     if (!bilinear) {
-      for (int c = 0; c < 3; ++c) {
+      for (std::size_t c = 0; c < 3; ++c) {
         out.texel[c] = quantize_code(code_of(nearest_word, c), stage.mix, watch);
       }
       out.texel[3] = image.alpha(stage, nearest_word, watch);
@@ -171,7 +171,7 @@ HWY_INLINE Textured<ValueOf<Int>> textured(const TextureStage& stage, const Imag
         const V v6 = blend<Int>(v2, v3, out.ex, e_fraction, f, r, watch);
         return blend<Int>(v5, v6, out.ey, e_fraction, r.fraction, r, watch);
       };
-      for (int c = 0; c < 3; ++c) {
+      for (std::size_t c = 0; c < 3; ++c) {
         out.texel[c] = mixed(code_of(quad.v1, c), code_of(quad.v4, c), code_of(quad.v2, c),
                              code_of(quad.v3, c), 0, stage.mix);
       }

@@ -44,7 +44,7 @@ void observed(std::size_t n, Watching w, F f) {
         [&](std::size_t l) HWY_ATTR { return std::int64_t{l < some && w.active[i + l] != 0 ? 1 : 0}; });
     f(i, some, Seen{seen.get(), active != Lanes(0)});
   }
-  seen->fold(*w.config, *w.statistics);
+  seen->fold(*w.statistics);
 }
 
 void quantize32(const std::int32_t* raw, std::size_t n, int fraction, const Register& r, std::int32_t* out) {

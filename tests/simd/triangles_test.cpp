@@ -214,6 +214,41 @@ TEST(Triangles, RandomConfigurations) {
   EXPECT_GT(in_lanes, runs * 3 / 4);
 }
 
+// Registers that all round by adding a constant and saturate: these have a text of their own.
+TEST(Triangles, RandomConfigurationsOfPlainRegisters) {
+  const std::vector<Config> bases = shipped();
+  RandomConfigOptions options;
+  options.check = [](const Config& c) {
+    if (c.perspective == Perspective::const_depth_rows) {
+      throw InputError("not walked by rows");
+    }
+  };
+  RandomOptions scenes = small_scenes();
+  scenes.triangles = 24;
+  constexpr Rounding modes[] = {Rounding::trn, Rounding::rnd, Rounding::rnd_min_inf};
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    Config config = random_config(seed, bases, options);
+    Random random(seed);
+    const auto make_plain = [&](Format& f) {
+      f.rounding = modes[random.integer(0, 2)];
+      f.overflow = random.chance(0.5) ? Overflow::sat : Overflow::sat_sym;
+    };
+    for (Format& f : config.formats) make_plain(f);
+    for (Reciprocal* r : {&config.edge_reciprocal, &config.row_reciprocal, &config.pixel_reciprocal}) {
+      make_plain(r->output);
+    }
+    const Scene scene = random_scene(seed, scenes);
+    try {
+      make_pipeline(config, scene);
+    } catch (const InputError&) {
+      continue;  // the scene's range does not fit
+    }
+    if (!check(config, scene, "plain registers, seed " + std::to_string(seed))) {
+      return;
+    }
+  }
+}
+
 // Accumulators coarser than their steps, in every rounding mode, that saturate and wrap on the way.
 TEST(Triangles, CoarseAccumulators) {
   for (int mode = 0; mode < rounding_modes; ++mode) {

@@ -1,0 +1,235 @@
+// The vector and specialised forms of the engine against the scalar one: frames, counters, records and
+// statistics, on every target and with several threads.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "model/engine_model.hpp"
+#include "model/simd/engine_vector.hpp"
+#include "model/simd/shipped.hpp"
+#include "model/simd/targets.hpp"
+#include "report/random_config.hpp"
+#include "scene/demo.hpp"
+#include "scene/random.hpp"
+#include "tests/support/test_config.hpp"
+
+namespace bitspan::model {
+namespace {
+
+constexpr VectorTarget targets[] = {VectorTarget::avx512, VectorTarget::avx2, VectorTarget::baseline};
+
+std::vector<Config> shipped_bases() {
+  return {shipped_config("depth16"), shipped_config("depth20"), shipped_config("narrow")};
+}
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+void expect_same(const Engine& got, const Engine& expected, const std::string& where) {
+  const Frame& a = got.frame();
+  const Frame& b = expected.frame();
+  EXPECT_EQ(a.color, b.color) << where;
+  EXPECT_EQ(a.depth, b.depth) << where;
+  if (!a.u.empty()) {
+    EXPECT_EQ(a.triangle, b.triangle) << where;
+    EXPECT_TRUE(same_bits(a.u, b.u)) << where;
+    EXPECT_TRUE(same_bits(a.v, b.v)) << where;
+  }
+  EXPECT_EQ(got.counters(), expected.counters()) << where;
+}
+
+std::unique_ptr<Engine> drawn(const Config& config, const Scene& scene, const ModelOptions& options,
+                              std::size_t at_once) {
+  std::unique_ptr<Engine> engine = make_model(config, options);
+  engine->begin(scene);
+  for (std::size_t i = 0; i < scene.triangles.size(); i += at_once) {
+    const std::size_t n = std::min(at_once, scene.triangles.size() - i);
+    engine->draw(std::span(scene.triangles).subspan(i, n), static_cast<std::int64_t>(i), nullptr);
+  }
+  return engine;
+}
+
+// Every form against the scalar one. Returns the fragments that were written, 0 where the scene does not fit.
+std::uint64_t compare_forms(const Config& config, const Scene& scene, const std::string& name) {
+  std::unique_ptr<Engine> scalar;
+  try {
+    scalar = drawn(config, scene, {.form = ModelForm::scalar}, scene.triangles.size());
+  } catch (const InputError&) {
+    return 0;
+  }
+  for (const VectorTarget target : targets) {
+    if (!supported(target)) continue;
+    for (const ModelForm form : {ModelForm::vector, ModelForm::specialised}) {
+      if (form == ModelForm::specialised && shipped_index(config) < 0) continue;
+      for (const int threads : {1, 3}) {
+        const ModelOptions options{.form = form, .target = target, .threads = threads};
+        const std::string where = name + ", target " + std::to_string(static_cast<int>(target)) + ", form " +
+                                  std::to_string(static_cast<int>(form)) + ", threads " +
+                                  std::to_string(threads);
+        expect_same(*drawn(config, scene, options, threads == 1 ? scene.triangles.size() : 7), *scalar,
+                    where);
+      }
+    }
+    ModelOptions bare{.form = ModelForm::vector, .target = target};
+    bare.winners = false;
+    const std::unique_ptr<Engine> picture = drawn(config, scene, bare, scene.triangles.size());
+    EXPECT_TRUE(picture->frame().u.empty());
+    expect_same(*picture, *scalar, name + ", picture alone");
+  }
+  return scalar->counters().written;
+}
+
+RandomOptions small_scenes() {
+  RandomOptions o;
+  o.width = 150;
+  o.height = 110;
+  o.triangles = 40;
+  o.size_max = 200;
+  return o;
+}
+
+TEST(Forms, ShippedConfigurationsInEveryMode) {
+  std::uint64_t written = 0;
+  std::uint64_t seed = 10;
+  for (const Config& base : shipped_bases()) {
+    compare_forms(base, demo_scene(160, 120), base.name + ", demo");
+    for (const Perspective perspective : {Perspective::delta_f, Perspective::hyperbolic, Perspective::affine,
+                                          Perspective::const_depth_rows}) {
+      for (const DepthCode code : {DepthCode::inverse, DepthCode::linear, DepthCode::opengl}) {
+        for (const FogMode fog : {FogMode::table, FogMode::linear}) {
+          Config c = base;
+          c.perspective = perspective;
+          c.depth_code = code;
+          c.fog = fog;
+          ++seed;
+          written += compare_forms(c, random_scene(seed, small_scenes()),
+                                   base.name + ", seed " + std::to_string(seed));
+        }
+      }
+    }
+  }
+  EXPECT_GT(written, 100000U);
+}
+
+TEST(Forms, RandomConfigurations) {
+  const std::vector<Config> bases = shipped_bases();
+  std::uint64_t written = 0;
+  int drawn_scenes = 0;
+  for (std::uint64_t seed = 1; seed <= 80; ++seed) {
+    const Config config = random_config(seed, bases);
+    const std::uint64_t n = vector_refusal(config) != nullptr
+                                ? 0
+                                : compare_forms(config, random_scene(seed, small_scenes()),
+                                                "configuration and scene of seed " + std::to_string(seed));
+    written += n;
+    drawn_scenes += n != 0 ? 1 : 0;
+  }
+  EXPECT_GT(drawn_scenes, 30);
+  EXPECT_GT(written, 100000U);
+}
+
+// Depth codes that fill all 32 bits of the buffer, where signed and unsigned order differ.
+TEST(Forms, WidestDepthBuffer) {
+  for (const DepthCode code : {DepthCode::inverse, DepthCode::opengl}) {
+    Config c = shipped_config("depth20");
+    c.depth_bits = 32;
+    c.depth_code = code;
+    for (const FormatId id : {FormatId::setup_h, FormatId::setup_b, FormatId::edge_h, FormatId::edge_h_acc,
+                              FormatId::edge_h_step, FormatId::span_h, FormatId::span_h_step}) {
+      Format& f = c.format(id);
+      f.integer += 12;
+      f.word = std::min(f.word + 4, 60);
+    }
+    check_config(c, "32 bits of depth");
+    EXPECT_GT(compare_forms(c, random_scene(5, small_scenes()), "32 bits of depth"), 0U);
+  }
+}
+
+// Statistics and records of the vector form, register by register, record by record.
+TEST(Forms, StatisticsAndRecords) {
+  const std::vector<Config> bases = shipped_bases();
+  std::uint64_t values = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const Config config = seed <= 3 ? bases[seed - 1] : random_config(seed, bases);
+    const Scene scene = random_scene(seed, small_scenes());
+    if (vector_refusal(config) != nullptr) continue;
+    const std::unique_ptr<ObservedEngine> scalar = make_observed_model(config, ModelForm::scalar);
+    Trace expected;
+    try {
+      scalar->begin(scene);
+    } catch (const InputError&) {
+      continue;
+    }
+    scalar->draw(scene.triangles, 0, &expected);
+    for (const VectorTarget target : targets) {
+      if (!supported(target)) continue;
+      const std::string where =
+          "seed " + std::to_string(seed) + ", target " + std::to_string(static_cast<int>(target));
+      const std::unique_ptr<ObservedEngine> observed = make_observed_vector_model(config, target);
+      Trace trace;
+      observed->begin(scene);
+      observed->draw(scene.triangles, 0, &trace);
+      expect_same(*observed, *scalar, where);
+      for (int i = 0; i < register_count; ++i) {
+        const auto id = static_cast<RegisterId>(i);
+        FieldStatistics a = observed->statistics().of(id);
+        const FieldStatistics& b = scalar->statistics().of(id);
+        if (b.count == 0) a.min = b.min, a.max = b.max;
+        EXPECT_EQ(a, b) << where << ": " << name_of(id);
+        values += b.count;
+      }
+      const std::unique_ptr<Engine> traced =
+          make_model(config, {.form = ModelForm::vector, .target = target});
+      Trace records;
+      traced->begin(scene);
+      traced->draw(scene.triangles, 0, &records);
+      for (const Trace* got : {&trace, &records}) {
+#define BITSPAN_SAME(Record, LIST, stage, member) \
+  EXPECT_TRUE(got->member == expected.member) << where << ": " stage;
+        BITSPAN_RECORDS(BITSPAN_SAME)
+#undef BITSPAN_SAME
+      }
+      if (HasFailure()) return;
+    }
+  }
+  EXPECT_GT(values, 1000000U);
+}
+
+// A bad triangle in the middle: what came before it is drawn, the error names it, as in the scalar form.
+TEST(Forms, BadTriangleInABatch) {
+  Scene scene = random_scene(3, small_scenes());
+  scene.triangles[20].v[1].s = scene.s_max * 2;
+  std::string text[2];
+  std::vector<std::uint8_t> color[2];
+  int at = 0;
+  for (const ModelForm form : {ModelForm::scalar, ModelForm::vector}) {
+    const std::unique_ptr<Engine> engine = make_model(shipped_config("depth16"), {.form = form});
+    engine->begin(scene);
+    try {
+      engine->draw(scene.triangles, 100, nullptr);
+      ADD_FAILURE() << "accepted";
+    } catch (const InputError& e) {
+      text[at] = e.what();
+    }
+    color[at++] = engine->frame().color;
+  }
+  EXPECT_EQ(text[0], text[1]);
+  EXPECT_NE(text[0].find("triangle 120, vertex 1"), std::string::npos) << text[0];
+  EXPECT_EQ(color[0], color[1]);
+}
+
+TEST(Forms, Refusals) {
+  Config c = shipped_config("depth16");
+  c.format(FormatId::span_uv).word = 24;
+  EXPECT_THROW(make_model(c, {.form = ModelForm::specialised}), InputError);
+  EXPECT_THROW(make_model(c, {.threads = 0}), InputError);
+  EXPECT_NO_THROW(make_model(c, {.form = ModelForm::automatic}));
+}
+
+}  // namespace
+}  // namespace bitspan::model
