@@ -102,7 +102,7 @@ class Drawing {
         workers_(static_cast<std::size_t>(options.threads)),
         arena_(options.threads) {
     if constexpr (sizeof(T) == sizeof(std::int32_t)) {
-      if (shipped >= 0) {
+      if (specialises && shipped >= 0) {
         const SpanKernels<T> spans = shipped_span_kernels(options.target, shipped);
         spans_.draw = spans.draw;
         spans_.evaluate = spans.evaluate;
