@@ -113,8 +113,8 @@ class Drawing {
   }
 
   // Triangles of one batch a worker, in order.
-  void draw(const std::vector<std::span<const Triangle>>& batches, std::int64_t first_index,
-            const Scene& scene, Frame& frame, Counters& counters, Trace* trace, Statistics* statistics) {
+  void draw(const std::vector<std::span<const Triangle>>& batches, std::int64_t first_index, Frame& frame,
+            Counters& counters, Trace* trace, Statistics* statistics) {
     for (auto& worker : workers_) {
       worker->counters = {};
       worker->pipeline = &pipeline_;
@@ -133,12 +133,12 @@ class Drawing {
       draws_.resize(1);
       Worker<T>& worker = *workers_[0];
       for (std::size_t i = 0; i < batches.size(); ++i) {
-        draw_planes(worker, batches[i], firsts_[i], scene, trace, statistics);
+        draw_planes(worker, batches[i], firsts_[i], trace, statistics);
       }
     } else {
       draws_.resize(batches.size());
       in_parallel(batches.size(), [&](std::size_t i) {
-        find_draws(batches[i], scene, draws_[i]);
+        find_draws(batches[i], draws_[i]);
         Worker<T>& worker = *workers_[i];
         worker.spans.size = 0;
         if (statistics != nullptr) {
@@ -178,7 +178,7 @@ class Drawing {
     arena_.execute([&] { tbb::parallel_for(std::size_t{0}, n, body, tbb::simple_partitioner()); });
   }
 
-  void find_draws(std::span<const Triangle> triangles, const Scene& scene, std::vector<SpanDraw>& out) const {
+  void find_draws(std::span<const Triangle> triangles, std::vector<SpanDraw>& out) const {
     out.resize(triangles.size());
     const Register& shade = pipeline_.setup.shade;
     const auto alpha = [&](double a) { return quantize(exact_of(a), shade, NoObserve{}); };
@@ -199,25 +199,23 @@ class Drawing {
                                              alpha(t.v[2].c[3]))};
       }
     }
-    static_cast<void>(scene);
   }
 
   // const_depth_rows: the scalar stages up to the fragments.
-  void draw_planes(Worker<T>& worker, std::span<const Triangle> triangles, std::int64_t index,
-                   const Scene& scene, Trace* trace, Statistics* statistics) {
+  void draw_planes(Worker<T>& worker, std::span<const Triangle> triangles, std::int64_t index, Trace* trace,
+                   Statistics* statistics) {
     for (const Triangle& triangle : triangles) {
       if (statistics != nullptr) {
-        draw_plane(worker, triangle, index, scene, trace, Observe{statistics});
+        draw_plane(worker, triangle, index, trace, Observe{statistics});
       } else {
-        draw_plane(worker, triangle, index, scene, trace, NoObserve{});
+        draw_plane(worker, triangle, index, trace, NoObserve{});
       }
       ++index;
     }
   }
   template <class Watch>
-  void draw_plane(Worker<T>& worker, const Triangle& triangle, std::int64_t index, const Scene& scene,
-                  Trace* trace, Watch watch) {
-    static_cast<void>(scene);
+  void draw_plane(Worker<T>& worker, const Triangle& triangle, std::int64_t index, Trace* trace,
+                  Watch watch) {
     Counters& counters = worker.counters;
     FragmentBlock<T>& block = worker.work.block;
     block.size = 0;
@@ -342,8 +340,8 @@ class VectorModel {
       }
       std::visit(
           [&](auto& drawing) {
-            drawing->draw(batches, first_index + static_cast<std::int64_t>(begin), *scene_, frame_, counters_,
-                          trace, statistics);
+            drawing->draw(batches, first_index + static_cast<std::int64_t>(begin), frame_, counters_, trace,
+                          statistics);
           },
           drawing_);
       if (bad != triangles.size()) {
@@ -352,8 +350,8 @@ class VectorModel {
         batches.assign(1, triangles.subspan(bad, 1));
         std::visit(
             [&](auto& drawing) {
-              drawing->draw(batches, first_index + static_cast<std::int64_t>(bad), *scene_, frame_, counters_,
-                            trace, statistics);
+              drawing->draw(batches, first_index + static_cast<std::int64_t>(bad), frame_, counters_, trace,
+                            statistics);
             },
             drawing_);
         at = bad + 1;
