@@ -27,36 +27,25 @@ constexpr char command_picture = 'p';
 // The first answer: this and the renderer's name, or a reason alone.
 constexpr char ready = '+';
 
-bool write_all(int to, const void* data, std::size_t size) {
-  const char* at = static_cast<const char*>(data);
-  while (size > 0) {
-    const ssize_t n = ::write(to, at, size);
-    if (n <= 0) {
-      if (n < 0 && errno == EINTR) {
-        continue;
-      }
-      return false;
-    }
-    at += n;
-    size -= static_cast<std::size_t>(n);
+// All of size bytes, by calls that move some: call(bytes done, bytes left) as read and write answer.
+template <class Call>
+bool move_all(std::size_t size, Call call) {
+  std::size_t done = 0;
+  while (done < size) {
+    const ssize_t n = call(done, size - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    done += static_cast<std::size_t>(n);
   }
   return true;
 }
-
+bool write_all(int to, const void* data, std::size_t size) {
+  const auto* const at = static_cast<const char*>(data);
+  return move_all(size, [&](std::size_t done, std::size_t left) { return ::write(to, at + done, left); });
+}
 bool read_all(int from, void* data, std::size_t size) {
-  char* at = static_cast<char*>(data);
-  while (size > 0) {
-    const ssize_t n = ::read(from, at, size);
-    if (n <= 0) {
-      if (n < 0 && errno == EINTR) {
-        continue;
-      }
-      return false;
-    }
-    at += n;
-    size -= static_cast<std::size_t>(n);
-  }
-  return true;
+  auto* const at = static_cast<char*>(data);
+  return move_all(size, [&](std::size_t done, std::size_t left) { return ::read(from, at + done, left); });
 }
 
 bool answer(int to, const void* data, std::size_t size) {
