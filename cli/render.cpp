@@ -98,7 +98,8 @@ int render(const Options& o) {
     {
       Progress progress(scene.name);
       engine->begin(scene);
-      constexpr std::size_t step = 1024;
+      // Vectors sort what they are given into bands: the more, the better.
+      const std::size_t step = form == ModelForm::scalar ? 1024 : 16384;
       for (std::size_t done = 0; done < scene.triangles.size(); done += step) {
         const std::size_t n = std::min(step, scene.triangles.size() - done);
         engine->draw({scene.triangles.data() + done, n}, static_cast<std::int64_t>(done), nullptr);

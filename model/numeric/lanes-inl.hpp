@@ -58,8 +58,8 @@ struct LanesOf {
     return out;
   }
   static HWY_INLINE LanesOf load(const T* p) { return from(hn::LoadU(Tag(), p)); }
-  // first, first + 1, ...
-  static HWY_INLINE LanesOf iota(T first) { return from(hn::Iota(Tag(), first)); }
+  // first, first + 1, ... Highway's Iota of what is no constant goes through memory, a lane at a time.
+  static HWY_INLINE LanesOf iota(T first) { return LanesOf(first) + from(hn::Iota(Tag(), T{0})); }
   HWY_INLINE void store(T* p) const { hn::StoreU(v, Tag(), p); }
 
   friend HWY_INLINE LanesOf operator+(LanesOf a, LanesOf b) { return from(hn::Add(a.v, b.v)); }

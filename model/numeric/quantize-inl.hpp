@@ -107,12 +107,8 @@ struct Seen {
   }
 };
 
-// For registers that round by adding a constant and saturate: the same without a choice per value.
+// For registers that are plain (is_plain): the same without a choice per value.
 struct Plain : NoObserve {};
-inline bool is_plain(const Register& r) {
-  return (r.mode == Rounding::trn || r.mode == Rounding::rnd || r.mode == Rounding::rnd_min_inf) &&
-         (r.overflow == Overflow::sat || r.overflow == Overflow::sat_sym);
-}
 
 // ---------------------------------------------------------------- rounding
 

@@ -75,6 +75,12 @@ constexpr Register make_register(const Config& config, FormatId id) {
   return make_register(config.format(id), id_of(id));
 }
 
+// Rounds by adding a constant, and saturates.
+constexpr bool is_plain(const Register& r) {
+  return (r.mode == Rounding::trn || r.mode == Rounding::rnd || r.mode == Rounding::rnd_min_inf) &&
+         (r.overflow == Overflow::sat || r.overflow == Overflow::sat_sym);
+}
+
 // The raw value of a register as an exact number.
 constexpr Exact value_of(std::int64_t raw, const Register& r) { return {raw, r.fraction}; }
 

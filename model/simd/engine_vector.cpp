@@ -20,9 +20,12 @@
 namespace bitspan::model {
 namespace {
 
-// A batch ends after so many triangles, or rows: its spans stay in the second level cache.
-constexpr std::size_t batch_triangles = 64;
-constexpr std::int64_t batch_rows = 512;
+// So many triangles are sorted into bands of rows at once: memory does not grow with the scene.
+constexpr std::size_t chunk_triangles = 65536;
+// Of a band's pixels, which stay in the second-level cache while its triangles are drawn.
+constexpr std::int64_t band_bytes = 384 * 1024;
+constexpr std::int64_t pixel_bytes = 8;  // depth code and colour
+constexpr std::int64_t band_rows_min = 8;
 
 // True where nothing is wrong with a triangle; false: check_triangle finds what, or nothing.
 bool plainly_good(const Scene& scene, const Triangle& triangle) {
@@ -36,13 +39,51 @@ bool plainly_good(const Scene& scene, const Triangle& triangle) {
   return good && std::isfinite(sum);
 }
 
-// Rows that a triangle can have at most.
-std::int64_t rows_at_most(const Triangle& t, int height) {
-  const double low = std::min({t.v[0].y, t.v[1].y, t.v[2].y});
-  const double high = std::max({t.v[0].y, t.v[1].y, t.v[2].y});
-  const double rows = std::min(high, static_cast<double>(height)) - std::max(low, 0.0);
-  return rows > 0 ? static_cast<std::int64_t>(rows) + 2 : 2;
-}
+// Bands of rows, from top to bottom, and which triangles of a chunk touch which.
+class Bands {
+ public:
+  // coordinate: of the vertices.
+  Bands(const Register& coordinate, std::int64_t height, std::int64_t rows)
+      : height_(height),
+        rows_(rows),
+        margin_(2 + std::ldexp(1.0, -coordinate.fraction)),
+        low_(std::ldexp(static_cast<double>(coordinate.min), -coordinate.fraction)),
+        high_(std::ldexp(static_cast<double>(coordinate.max), -coordinate.fraction)),
+        triangles_(static_cast<std::size_t>((height + rows - 1) / rows)) {}
+
+  std::size_t size() const { return triangles_.size(); }
+  void clear() {
+    for (auto& band : triangles_) band.clear();
+  }
+  void add(const Triangle& t, std::size_t place) {
+    const double low = std::min({t.v[0].y, t.v[1].y, t.v[2].y});
+    const double high = std::max({t.v[0].y, t.v[1].y, t.v[2].y});
+    // A coordinate beyond its format may end anywhere.
+    const bool held = low >= low_ && high <= high_;
+    std::size_t band = held ? band_of(low - margin_) : 0;
+    const std::size_t last = held ? band_of(high + margin_) : triangles_.size() - 1;
+    auto which = static_cast<std::uint32_t>(place);
+    for (; band <= last; ++band) {
+      triangles_[band].push_back(which);
+      which |= TriangleRows::counted;
+    }
+  }
+  // Of band i; triangles and first_index: the chunk's.
+  TriangleRows rows(std::size_t i, std::span<const Triangle> triangles, std::int64_t first_index) const {
+    const auto first = static_cast<std::int64_t>(i) * rows_;
+    return {triangles.data(), first_index, triangles_[i], first, first + rows_};
+  }
+
+ private:
+  std::size_t band_of(double y) const {
+    return static_cast<std::size_t>(std::clamp(y, 0.0, static_cast<double>(height_ - 1))) /
+           static_cast<std::size_t>(rows_);
+  }
+  std::int64_t height_;
+  std::int64_t rows_;
+  double margin_, low_, high_;
+  std::vector<std::vector<std::uint32_t>> triangles_;
+};
 
 // What one thread draws with.
 template <class T>
@@ -89,6 +130,19 @@ void add(Counters& to, const Counters& c) {
   to.divides_saved += c.divides_saved;
 }
 
+std::int64_t band_rows(const Pipeline& pipeline, int threads) {
+  const std::int64_t height = pipeline.edge_walk.height;
+  // The scalar stages walk an edge from its start in every band.
+  std::int64_t bands = threads;
+  if (triangles_in_lanes(pipeline)) {
+    bands = (pipeline.edge_walk.width * height * pixel_bytes + band_bytes - 1) / band_bytes;
+    // Enough for every thread to have some at its end.
+    if (threads > 1) bands = std::max<std::int64_t>(bands, 4 * threads);
+  }
+  const std::int64_t rows = (height + bands - 1) / bands;
+  return std::min(height, std::max(rows, band_rows_min));
+}
+
 // A configuration prepared for a scene, with blocks of T.
 template <class T>
 class Drawing {
@@ -100,6 +154,8 @@ class Drawing {
         spans_(span_kernels<T>(options.target)),
         shade_(shade_kernels<T>(options.target)),
         workers_(static_cast<std::size_t>(options.threads)),
+        bands_(pipeline.setup.coordinate, pipeline.edge_walk.height, band_rows(pipeline, options.threads)),
+        whole_(pipeline.setup.coordinate, pipeline.edge_walk.height, pipeline.edge_walk.height),
         arena_(options.threads) {
     if constexpr (sizeof(T) == sizeof(std::int32_t)) {
       if (specialises && shipped >= 0) {
@@ -112,9 +168,9 @@ class Drawing {
     for (auto& worker : workers_) worker = std::make_unique<Worker<T>>();
   }
 
-  // Triangles of one batch a worker, in order.
-  void draw(const std::vector<std::span<const Triangle>>& batches, std::int64_t first_index, Frame& frame,
-            Counters& counters, Trace* trace, Statistics* statistics) {
+  // Triangles that check_triangle accepts, in order; their number is not larger than a chunk.
+  void draw(std::span<const Triangle> triangles, std::int64_t first_index, Frame& frame, Counters& counters,
+            Trace* trace, Statistics* statistics) {
     for (auto& worker : workers_) {
       worker->counters = {};
       worker->pipeline = &pipeline_;
@@ -124,45 +180,17 @@ class Drawing {
       worker->trace = trace;
       worker->statistics = statistics;
     }
-    firsts_.clear();
-    for (const auto& batch : batches) {
-      firsts_.push_back(first_index);
-      first_index += static_cast<std::int64_t>(batch.size());
-    }
     if (pipeline_.const_depth_rows) {
-      draws_.resize(1);
-      Worker<T>& worker = *workers_[0];
-      for (std::size_t i = 0; i < batches.size(); ++i) {
-        draw_planes(worker, batches[i], firsts_[i], trace, statistics);
-      }
+      draw_planes(*workers_[0], triangles, first_index, trace, statistics);
     } else {
-      draws_.resize(batches.size());
-      in_parallel(batches.size(), [&](std::size_t i) {
-        find_draws(batches[i], draws_[i]);
-        Worker<T>& worker = *workers_[i];
-        worker.spans.size = 0;
-        if (statistics != nullptr) {
-          triangles_.to_spans_observed(pipeline_, batches[i], firsts_[i], worker.triangles, worker.spans,
-                                       worker.counters, trace, *statistics);
-        } else {
-          triangles_.to_spans(pipeline_, batches[i], firsts_[i], worker.triangles, worker.spans,
-                              worker.counters, trace);
-        }
-      });
-      // Records and statistics come from one worker, in order.
+      find_draws(triangles);
+      // Records and statistics come in the order of the triangles.
       const bool watched = trace != nullptr || statistics != nullptr;
-      in_parallel(watched ? 1 : workers_.size(), [&](std::size_t thread) {
-        Worker<T>& worker = *workers_[thread];
-        for (std::size_t i = 0; i < batches.size(); ++i) {
-          if (watched) {
-            spans_.draw_traced(pipeline_, workers_[i]->spans, draws_[i], firsts_[i], worker.work, frame,
-                               worker.counters, worker, trace, statistics);
-          } else {
-            spans_.draw(pipeline_, workers_[i]->spans, draws_[i], firsts_[i],
-                        {static_cast<std::int64_t>(thread), static_cast<std::int64_t>(workers_.size())},
-                        worker.work, frame, worker.counters, worker);
-          }
-        }
+      Bands& bands = watched ? whole_ : bands_;
+      bands.clear();
+      for (std::size_t i = 0; i < triangles.size(); ++i) bands.add(triangles[i], i);
+      in_parallel(bands.size(), [&](Worker<T>& worker, std::size_t i) {
+        draw_rows(worker, bands.rows(i, triangles, first_index));
       });
     }
     for (const auto& worker : workers_) add(counters, worker->counters);
@@ -171,15 +199,44 @@ class Drawing {
  private:
   template <class Body>
   void in_parallel(std::size_t n, Body body) {
-    if (n < 2) {
-      if (n == 1) body(0);
+    if (workers_.size() == 1 || n == 1) {
+      for (std::size_t i = 0; i < n; ++i) body(*workers_[0], i);
       return;
     }
-    arena_.execute([&] { tbb::parallel_for(std::size_t{0}, n, body, tbb::simple_partitioner()); });
+    arena_.execute([&] {
+      tbb::parallel_for(
+          std::size_t{0}, n,
+          [&](std::size_t i) {
+            body(*workers_[static_cast<std::size_t>(tbb::this_task_arena::current_thread_index())], i);
+          },
+          tbb::simple_partitioner());
+    });
   }
 
-  void find_draws(std::span<const Triangle> triangles, std::vector<SpanDraw>& out) const {
-    out.resize(triangles.size());
+  void draw_rows(Worker<T>& worker, TriangleRows rest) {
+    Trace* const trace = worker.trace;
+    while (!rest.which.empty()) {
+      worker.spans.size = 0;
+      std::size_t done = 0;
+      if (worker.statistics != nullptr) {
+        done = triangles_.to_spans_observed(pipeline_, rest, worker.triangles, worker.spans, worker.counters,
+                                            trace, *worker.statistics);
+      } else {
+        done = triangles_.to_spans(pipeline_, rest, worker.triangles, worker.spans, worker.counters, trace);
+      }
+      rest.which = rest.which.subspan(done);
+      if (trace != nullptr || worker.statistics != nullptr) {
+        spans_.draw_traced(pipeline_, worker.spans, draws_, rest.first_index, worker.work, *worker.frame,
+                           worker.counters, worker, trace, worker.statistics);
+      } else {
+        spans_.draw(pipeline_, worker.spans, draws_, rest.first_index, worker.work, *worker.frame,
+                    worker.counters, worker);
+      }
+    }
+  }
+
+  void find_draws(std::span<const Triangle> triangles) {
+    draws_.resize(triangles.size());
     const Register& shade = pipeline_.setup.shade;
     const auto alpha = [&](double a) { return quantize(exact_of(a), shade, NoObserve{}); };
     const std::int64_t full = alpha(1.0);
@@ -193,10 +250,10 @@ class Drawing {
           last = !may_show_through(plan_, texture, full, full, full);
           last_texture = texture;
         }
-        out[i] = {texture, last};
+        draws_[i] = {texture, last};
       } else {
-        out[i] = {texture, !may_show_through(plan_, texture, alpha(t.v[0].c[3]), alpha(t.v[1].c[3]),
-                                             alpha(t.v[2].c[3]))};
+        draws_[i] = {texture, !may_show_through(plan_, texture, alpha(t.v[0].c[3]), alpha(t.v[1].c[3]),
+                                                alpha(t.v[2].c[3]))};
       }
     }
   }
@@ -255,15 +312,11 @@ class Drawing {
   SpanKernels<T> spans_;
   ShadeKernels<T> shade_;
   std::vector<std::unique_ptr<Worker<T>>> workers_;
-  std::vector<std::vector<SpanDraw>> draws_;
-  std::vector<std::int64_t> firsts_;
+  std::vector<SpanDraw> draws_;  // of the chunk
+  Bands bands_;
+  Bands whole_;
   tbb::task_arena arena_;
 };
-
-bool is_plain(const Register& r) {
-  return (r.mode == Rounding::trn || r.mode == Rounding::rnd || r.mode == Rounding::rnd_min_inf) &&
-         (r.overflow == Overflow::sat || r.overflow == Overflow::sat_sym);
-}
 
 class VectorModel {
  public:
@@ -317,45 +370,26 @@ class VectorModel {
       trace->constants.push_back(pipeline_.constants.record);
       constants_delivered_ = true;
     }
-    const bool alone = trace != nullptr || statistics != nullptr || pipeline_.const_depth_rows;
-    const std::size_t at_once = alone ? 1 : static_cast<std::size_t>(options_.threads);
-    std::size_t at = 0;
-    while (at < triangles.size()) {
-      std::vector<std::span<const Triangle>>& batches = batches_;
-      batches.clear();
-      const std::size_t begin = at;
-      std::size_t bad = triangles.size();
-      while (batches.size() < at_once && at < triangles.size() && bad == triangles.size()) {
-        const std::size_t from = at;
-        std::int64_t rows = 0;
-        while (at < triangles.size() && at - from < batch_triangles && rows < batch_rows) {
-          if (!plainly_good(*scene_, triangles[at])) {
-            bad = at;
-            break;
-          }
-          rows += rows_at_most(triangles[at], scene_->height);
-          ++at;
-        }
-        if (at > from) batches.push_back(triangles.subspan(from, at - from));
-      }
+    const auto draw_chunk = [&](std::size_t at, std::size_t n) {
       std::visit(
           [&](auto& drawing) {
-            drawing->draw(batches, first_index + static_cast<std::int64_t>(begin), frame_, counters_, trace,
-                          statistics);
+            drawing->draw(triangles.subspan(at, n), first_index + static_cast<std::int64_t>(at), frame_,
+                          counters_, trace, statistics);
           },
           drawing_);
-      if (bad != triangles.size()) {
-        check_triangle(*scene_, triangles[bad], first_index + static_cast<std::int64_t>(bad));
-        // Only large numbers, whose sum was not finite: drawn on its own.
-        batches.assign(1, triangles.subspan(bad, 1));
-        std::visit(
-            [&](auto& drawing) {
-              drawing->draw(batches, first_index + static_cast<std::int64_t>(bad), frame_, counters_, trace,
-                            statistics);
-            },
-            drawing_);
-        at = bad + 1;
-      }
+    };
+    std::size_t at = 0;
+    while (at < triangles.size()) {
+      const std::size_t most = std::min(triangles.size() - at, chunk_triangles);
+      std::size_t good = 0;
+      while (good < most && plainly_good(*scene_, triangles[at + good])) ++good;
+      draw_chunk(at, good);
+      at += good;
+      if (good == most) continue;
+      check_triangle(*scene_, triangles[at], first_index + static_cast<std::int64_t>(at));
+      // Only large numbers, whose sum was not finite: drawn on its own.
+      draw_chunk(at, 1);
+      ++at;
     }
   }
 
@@ -383,7 +417,6 @@ class VectorModel {
   Frame frame_;
   Counters counters_;
   bool constants_delivered_ = false;
-  std::vector<std::span<const Triangle>> batches_;
   std::variant<std::unique_ptr<Drawing<std::int32_t>>, std::unique_ptr<Drawing<std::int64_t>>> drawing_;
 };
 

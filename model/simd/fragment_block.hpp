@@ -18,7 +18,6 @@ template <class T>
 struct FragmentBlock {
   static constexpr std::size_t padded = block_size + column_slack;
   std::size_t size = 0;
-  bool one_shade = false;  // all fragments have the same r, g, b and a, and only the first ones are set
   alignas(64) std::int32_t pixel[padded];  // y width + x
   alignas(64) std::int32_t z[padded];      // depth code, to be stored with the colour
   alignas(64) T u[padded];

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 
+#include "model/simd/fixed.hpp"
 #include "model/simd/shade.hpp"
 #include "model/stages/fog-inl.hpp"
 #include "model/stages/merge-inl.hpp"
@@ -245,12 +246,6 @@ HWY_INLINE auto image_for(const ShadePlan& plan, const ShadeFormats& formats, in
 
 // ---------------------------------------------------------------- passes
 
-// A shipped configuration's formats as constants, or those of the plan.
-template <const ShadeFormats* fixed>
-HWY_INLINE const ShadeFormats& formats_of(const ShadePlan& plan) {
-  return fixed == nullptr ? plan.formats : *fixed;
-}
-
 // What passes between the passes of a block.
 template <class T>
 struct ShadeColumns {
@@ -373,28 +368,17 @@ HWY_NOINLINE void shade_lanes(const Pipeline& pipeline, const ShadePlan& plan, F
                               Watch watch_all) {
   using V = ValueOf<Int>;
   constexpr std::size_t lanes = lanes_in<V>;
-  const ShadeFormats formats = formats_of<fixed>(plan);  // a copy of our own: no store can change it
+  const Local<ShadeFormats, fixed> local(plan.formats);
+  const ShadeFormats& formats = *local;
   const auto image = image_for<Int, image_kind>(plan, formats, texture);
   const std::array<std::uint8_t, 3> fog_color = pipeline.fog.fog_color;
   const V opaque = V(static_cast<ElementOf<Int>>(opaque_alpha(formats.merge)));
-  // Where all have one shade, always the same vectors.
-  using T = ElementOf<Int>;
-  HWY_ALIGN T one_shade[4][lanes];
-  std::array<const T*, 4> shades{block.r, block.g, block.b, block.a};
-  const std::size_t shade_mask = block.one_shade ? 0 : ~std::size_t{0};
-  if (block.one_shade) {
-    for (std::size_t c = 0; c < 4; ++c) {
-      std::fill_n(one_shade[c], lanes, shades[c][0]);
-      shades[c] = one_shade[c];
-    }
-  }
   std::size_t killed = 0;
   for (std::size_t at = 0; at < block.size; at += lanes) {
     const auto active = first<V>(block.size - at);
     const auto watch = on<V>(watch_all, active);
-    const std::size_t at_shade = at & shade_mask;
-    const std::array<V, 4> shade{load_as<V>(shades[0] + at_shade), load_as<V>(shades[1] + at_shade),
-                                 load_as<V>(shades[2] + at_shade), load_as<V>(shades[3] + at_shade)};
+    const std::array<V, 4> shade{load_as<V>(block.r + at), load_as<V>(block.g + at), load_as<V>(block.b + at),
+                                 load_as<V>(block.a + at)};
     const Textured<V> texel = textured<Int>(formats.texture, image, load_as<V>(block.u + at),
                                             load_as<V>(block.v + at), shade, watch);
     const Truth<V> lives = active & !texel.killed;
@@ -505,7 +489,8 @@ void store_winners(const ShadeColumns<T>& columns, const FragmentBlock<T>& block
 template <class T, const ShadeFormats* fixed, class Watch>
 void colours(const Pipeline& pipeline, const ShadePlan& plan, int texture, const FragmentBlock<T>& block,
              const Frame& frame, ShadeColumns<T>& columns, Counters& counters, Trace* trace, Watch watch) {
-  const ShadeFormats& formats = formats_of<fixed>(plan);
+  const Local<ShadeFormats, fixed> local(plan.formats);
+  const ShadeFormats& formats = *local;
   const FogMode fog = pipeline.fog.mode;
   const auto run = [&]<class Int, ImageKind kind>(FogMode mode, auto w) HWY_ATTR {
     shade_lanes<Int, kind, fixed>(pipeline, plan, mode, texture, block, frame, columns, counters, trace, w);
@@ -552,8 +537,9 @@ void shade_watched(const Pipeline& pipeline, const ShadePlan& plan, int texture,
   }
   if constexpr (sizeof(T) == 4) {
     if (fog == FogMode::linear) {
-      trace != nullptr ? linear_factors<true>(pipeline.fog, formats_of<fixed>(plan).fog, block, columns)
-                       : linear_factors<false>(pipeline.fog, formats_of<fixed>(plan).fog, block, columns);
+      const Local<ShadeFormats, fixed> formats(plan.formats);
+      trace != nullptr ? linear_factors<true>(pipeline.fog, (*formats).fog, block, columns)
+                       : linear_factors<false>(pipeline.fog, (*formats).fog, block, columns);
     }
   }
   colours<T, fixed>(pipeline, plan, texture, block, frame, columns, counters, trace, watch);

@@ -153,7 +153,6 @@ ShadeLanes shade_lanes(const Config& config, FogMode fog) {
 }
 
 bool plain_shade(const ShadeFormats& formats) {
-  using HWY_NAMESPACE::is_plain;
   const TextureStage& t = formats.texture;
   return t.mix.fraction >= 0 && t.mix.max >= std::int64_t{255} << t.mix.fraction && is_plain(t.frac) &&
          is_plain(t.mix) && is_plain(t.color) && is_plain(t.alpha) && is_plain(formats.fog.color) &&

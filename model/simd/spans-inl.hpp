@@ -5,6 +5,7 @@
 
 #include "model/channels.hpp"
 #include "model/numeric/ramp-inl.hpp"
+#include "model/simd/fixed.hpp"
 #include "model/simd/spans.hpp"
 #include "model/stages/depth-inl.hpp"
 #include "model/stages/span-inl.hpp"
@@ -35,7 +36,10 @@ const Adder& adder_of(const SpanFormats& f, std::size_t i) {
 // ---------------------------------------------------------------- ramps
 
 // Every span's increments, and whether all of its registers are ramps.
-[[maybe_unused]] void find_ramps(const SpanFormats& f, const Columns<SpanRecord>& spans, Ramps& out) {
+template <const SpanFormats* fixed>
+void find_ramps(const SpanFormats& given, const Columns<SpanRecord>& spans, Ramps& out) {
+  const Local<SpanFormats, fixed> formats(given);
+  const SpanFormats& f = *formats;
   const std::size_t padded = spans.size + column_slack;
   if (out.linear.size() < padded) {
     out.linear.resize(padded);
@@ -151,23 +155,6 @@ HWY_INLINE Lanes widened(HalfVector x) { return Lanes::from(hn::PromoteTo(Lanes:
 HWY_INLINE void store_as(std::int64_t* at, Lanes x) { x.store(at); }
 HWY_INLINE void store_as(std::int32_t* at, Lanes x) { hn::StoreU(low_half(x), Half(), at); }
 
-template <const SpanFormats* fixed>
-HWY_INLINE const SpanFormats& formats_of(const SpanStage& stage) {
-  if constexpr (fixed != nullptr) {
-    return *fixed;
-  } else {
-    return stage.formats;
-  }
-}
-template <const DepthFormats* fixed>
-HWY_INLINE const DepthFormats& formats_of(const DepthStage& stage) {
-  if constexpr (fixed != nullptr) {
-    return *fixed;
-  } else {
-    return stage.formats;
-  }
-}
-
 template <class Watch>
 HWY_NOINLINE DepthPoint<Lanes> code_by_reciprocal(const DepthFormats& f, const DepthScene& scene, Lanes h,
                                                   Watch watch) {
@@ -245,8 +232,9 @@ class Filler {
   // Fragments at index[0 .. n) of a span. There is room.
   HWY_INLINE void put(const Sequences& s, std::int64_t u1, std::int64_t v1, std::int64_t first_pixel,
                       const std::int32_t* index, std::size_t n) {
-    const Register shade = formats_of<fixed>(pipeline_.span).shade;
-    const int shade_fraction = formats_of<fixed>(pipeline_.span).shade_acc.acc.fraction;
+    const Local<SpanFormats, fixed> f(pipeline_.span.formats);
+    const Register& shade = (*f).shade;
+    const int shade_fraction = (*f).shade_acc.acc.fraction;
     const std::array<T*, 4> shades{block_.r, block_.g, block_.b, block_.a};
     const auto triangle = static_cast<std::int32_t>(triangle_);
     for (std::size_t k = 0; k < n; k += Lanes::count) {
@@ -278,6 +266,7 @@ class Filler {
     block_.size += n;
   }
   FragmentBlock<T>& block() { return block_; }
+  bool shared() const { return shared_; }
 
  private:
   // A ramp of a register of at most 31 bits, in whose range all its values are.
@@ -297,7 +286,8 @@ class Filler {
   template <class Int>
   HWY_INLINE void evaluate() {
     const SpanStage& stage = pipeline_.span;
-    const SpanFormats f = formats_of<fixed>(stage);  // a copy: no store can change it
+    const Local<SpanFormats, fixed> formats(stage.formats);
+    const SpanFormats& f = *formats;
     const bool aligned = stage.aligned;
     const std::int64_t* table = stage.reciprocal.table().data();
     const Lanes b(static_cast<std::int64_t>(stage.q.b));
@@ -331,15 +321,26 @@ constexpr std::int64_t pixels_a_line = 16;  // of the cache, depth codes or colo
 // Small triangles lie anywhere in the buffers, and a span would wait for its depth codes longer than all else
 // takes: they are fetched while earlier spans are drawn. All at once would be more than can be under way.
 constexpr std::size_t spans_ahead = 16;
+constexpr std::size_t few_pixels = 64;
 HWY_INLINE void fetch_depth(const Frame& frame, std::int64_t pixel, std::int64_t count) {
   const std::uint32_t* const codes = frame.depth.data() + pixel;
-  for (std::int64_t k = 0; k < count; k += pixels_a_line) __builtin_prefetch(codes + k, 1);
+  __builtin_prefetch(codes, 1);
   __builtin_prefetch(codes + count - 1, 1);
+  for (std::int64_t k = pixels_a_line; k + pixels_a_line < count; k += pixels_a_line) {
+    __builtin_prefetch(codes + k, 1);
+  }
 }
+
+// How a span's pixels are tested.
+enum class Test : std::uint8_t {
+  few,    // without branches: what passes is as good as random where spans are short
+  many,   // whole vectors pass, or none of their pixels
+  walked  // h is no ramp
+};
 
 // Tests pixels from .. to of a span, writes the places of those that pass to `passing` and, unless they are
 // stored right away, their codes. Returns how many passed.
-template <bool store, bool ramp, class Watch>
+template <bool store, Test how, class Watch>
 HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f, const Sequence& h,
                                   std::uint32_t* stored, std::size_t from, std::size_t to,
                                   std::int32_t* passing, std::int32_t* codes) {
@@ -353,24 +354,26 @@ HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f
   Lanes second = first + Lanes(h.increment * static_cast<std::int64_t>(Lanes::count));
   std::size_t n = 0;
   for (std::size_t k = from; k < to; k += Lanes32::count) {
-    if constexpr (!ramp) {
+    if constexpr (how == Test::walked) {
       first = at(h, Lanes::iota(static_cast<std::int64_t>(k)));
       second = at(h, Lanes::iota(static_cast<std::int64_t>(std::min(k + Lanes::count, to))));
     }
     const Lanes32 z = low_halves(code_of(stage, f, first, Watch{}).z, code_of(stage, f, second, Watch{}).z);
     first = first + advance;
     second = second + advance;
-    const bool whole = k + Lanes32::count <= to;
+    const bool whole = how != Test::few && k + Lanes32::count <= to;
     const auto inside = hn::FirstN(d, to - k);
     const auto old = Lanes32::from(whole ? hn::LoadU(d, buffer + k) : hn::MaskedLoad(inside, d, buffer + k));
     Lanes32::Mask pass = larger_passes ? (z ^ flip) > (old ^ flip) : (z ^ flip) < (old ^ flip);
     if (!whole) pass = pass & Lanes32::Mask{inside};
-    if (!any(pass)) continue;
-    if (whole && all(pass)) {  // most often where any does
-      Lanes32::iota(static_cast<std::int32_t>(k)).store(passing + n);
-      z.store(store ? buffer + k : codes + n);
-      n += Lanes32::count;
-      continue;
+    if constexpr (how != Test::few) {
+      if (!any(pass)) continue;
+      if (whole && all(pass)) {  // most often where any does
+        Lanes32::iota(static_cast<std::int32_t>(k)).store(passing + n);
+        z.store(store ? buffer + k : codes + n);
+        n += Lanes32::count;
+        continue;
+      }
     }
     packed(Lanes32::iota(static_cast<std::int32_t>(k)), pass).store(passing + n);
     if constexpr (store) {
@@ -383,14 +386,29 @@ HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f
   return n;
 }
 
+// Pixels of spans that passed, until they are put into blocks.
+struct Passed {
+  static constexpr std::size_t capacity = 4 * block_size;
+  struct Piece {
+    std::int32_t span, n;
+  };
+  std::size_t pieces = 0, size = 0;
+  Piece piece[capacity];
+  HWY_ALIGN std::int32_t place[capacity + column_slack];  // in the span
+  HWY_ALIGN std::int32_t code[capacity + column_slack];
+};
+
+// First all depth tests of some spans, then what passed: each half is a short loop whose branches are as
+// a span's, not a pixel's.
 template <class T, const SpanFormats* fixed, const DepthFormats* fixed_depth>
 void draw(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
-          std::int64_t first_index, Bands bands, SpanWork<T>& work, Frame& frame, Counters& counters,
-          BlockSink<T>& sink) {
+          std::int64_t first_index, SpanWork<T>& work, Frame& frame, Counters& counters, BlockSink<T>& sink) {
   // int32 blocks go with registers that are all plain.
   using Watch = std::conditional_t<sizeof(T) == 4, Plain, NoObserve>;
-  const DepthFormats df = formats_of<fixed_depth>(pipeline.depth);  // copies: no store can change them
-  find_ramps(formats_of<fixed>(pipeline.span), spans, work.ramps);
+  const DepthStage& stage = pipeline.depth;
+  const Local<DepthFormats, fixed_depth> depth_formats(stage.formats);
+  const DepthFormats& df = *depth_formats;
+  find_ramps<fixed>(pipeline.span.formats, spans, work.ramps);
   Filler<T, Watch, fixed> filler(pipeline, work, sink);
   const std::int64_t* rows = spans[&SpanRecord::y];
   const std::int64_t* columns = spans[&SpanRecord::x];
@@ -398,52 +416,86 @@ void draw(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<
   const std::int64_t* triangles = spans[&SpanRecord::triangle];
   const std::int64_t* u1 = spans[&SpanRecord::u1];
   const std::int64_t* v1 = spans[&SpanRecord::v1];
-  HWY_ALIGN std::int32_t passing[block_size + column_slack];
-  HWY_ALIGN std::int32_t codes[block_size + column_slack];
-  std::uint64_t drawn = 0;
-  std::uint64_t passed = 0;
+  const std::int64_t* h_starts = spans[starts[0]];
+  const std::int64_t* h_increments = work.ramps.increment[0].data();
+  const std::int64_t* linear = work.ramps.linear.data();
+  Passed passed;
+  std::uint64_t tested = 0;
+  std::uint64_t fragments = 0;
   Sequences s;
+  const auto put = [&]() HWY_ATTR {
+    fragments += passed.size;
+    std::size_t at = 0;
+    for (std::size_t p = 0; p < passed.pieces; ++p) {
+      const auto i = static_cast<std::size_t>(passed.piece[p].span);
+      const auto n = static_cast<std::size_t>(passed.piece[p].n);
+      const std::int64_t first_pixel = rows[i] * frame.width + columns[i];
+      // Vectors look past the end, where the next span's places are: those of this one are taken there.
+      HWY_ALIGN std::int32_t place[block_size + column_slack];
+      for (std::size_t k = 0; k < n; k += Lanes32::count) {
+        Lanes32::load(passed.place + at + k).store(place + k);
+        __builtin_prefetch(frame.color.data() + 4 * (first_pixel + place[k]), 1);
+      }
+      Lanes32(0).store(place + n);
+      filler.join(draws[static_cast<std::size_t>(triangles[i] - first_index)], triangles[i]);
+      filler.need(n);
+      registers_of(pipeline.span, spans, i, work, s);
+      if (!filler.shared()) {
+        std::memcpy(filler.block().z + filler.block().size, passed.code + at, n * sizeof(std::int32_t));
+      }
+      filler.put(s, u1[i], v1[i], first_pixel, place, n);
+      at += n;
+    }
+    passed.pieces = passed.size = 0;
+  };
+  std::int64_t last_triangle = -1;
+  bool last_shared = true;
   for (std::size_t i = 0; i < spans.size; ++i) {
     const std::size_t ahead = i + spans_ahead;
-    if (ahead < spans.size && bands.has(rows[ahead])) {
+    if (ahead < spans.size) {
       fetch_depth(frame, rows[ahead] * frame.width + columns[ahead], counts[ahead]);
+      __builtin_prefetch(&draws[static_cast<std::size_t>(triangles[ahead] - first_index)]);
     }
-    if (!bands.has(rows[i])) continue;
-    const SpanDraw draw = draws[static_cast<std::size_t>(triangles[i] - first_index)];
-    filler.join(draw, triangles[i]);
-    registers_of(pipeline.span, spans, i, work, s);
+    const bool shared = draws[static_cast<std::size_t>(triangles[i] - first_index)].shared;
+    // What is not shared stores its depth when its block is shaded.
+    if (!(shared && last_shared) && triangles[i] != last_triangle) {
+      put();
+      filler.flush();
+    }
+    last_triangle = triangles[i];
+    last_shared = shared;
     const auto count = static_cast<std::size_t>(counts[i]);
-    const std::int64_t first_pixel = rows[i] * frame.width + columns[i];
-    std::uint32_t* const stored = frame.depth.data() + first_pixel;
-    drawn += count;
+    std::uint32_t* const stored = frame.depth.data() + rows[i] * frame.width + columns[i];
+    tested += count;
+    const Sequence ramp{h_starts[i], h_increments[i], nullptr};
     for (std::size_t from = 0; from < count; from += block_size) {
+      if (passed.size + block_size > Passed::capacity) put();
       const std::size_t to = std::min(count, from + block_size);
-      const std::size_t n =
-          !is_ramp(s[0])
-              ? test_depth<false, false, Watch>(pipeline.depth, df, s[0], stored, from, to, passing, codes)
-          : draw.shared
-              ? test_depth<true, true, Watch>(pipeline.depth, df, s[0], stored, from, to, passing, codes)
-              : test_depth<false, true, Watch>(pipeline.depth, df, s[0], stored, from, to, passing, codes);
-      if (n == 0) continue;
-      passed += n;
-      for (std::size_t k = 0; k < n; k += static_cast<std::size_t>(pixels_a_line)) {
-        __builtin_prefetch(frame.color.data() + 4 * (first_pixel + passing[k]), 1);
+      std::int32_t* const place = passed.place + passed.size;
+      std::int32_t* const code = passed.code + passed.size;
+      std::size_t n = 0;
+      if (linear[i] == 0) [[unlikely]] {
+        registers_of(pipeline.span, spans, i, work, s);
+        n = test_depth<false, Test::walked, Watch>(stage, df, s[0], stored, from, to, place, code);
+        for (std::size_t k = 0; shared && k < n; ++k) stored[place[k]] = static_cast<std::uint32_t>(code[k]);
+      } else if (!shared) {
+        n = test_depth<false, Test::many, Watch>(stage, df, ramp, stored, from, to, place, code);
+      } else if (count > few_pixels) {
+        n = test_depth<true, Test::many, Watch>(stage, df, ramp, stored, from, to, place, code);
+      } else {
+        n = test_depth<true, Test::few, Watch>(stage, df, ramp, stored, from, to, place, code);
       }
-      Lanes32(0).store(passing + n);  // vectors look past the end
-      filler.need(n);
-      if (draw.shared && !is_ramp(s[0])) {
-        for (std::size_t k = 0; k < n; ++k) stored[passing[k]] = static_cast<std::uint32_t>(codes[k]);
-      } else if (!draw.shared) {
-        std::memcpy(filler.block().z + filler.block().size, codes, n * sizeof(std::int32_t));
-      }
-      filler.put(s, u1[i], v1[i], first_pixel, passing, n);
+      passed.piece[passed.pieces] = {static_cast<std::int32_t>(i), static_cast<std::int32_t>(n)};
+      passed.pieces += n != 0 ? 1 : 0;
+      passed.size += n;
     }
   }
+  put();
   filler.flush();
-  counters.fragments += drawn;
-  counters.covered += drawn;
-  counters.depth_passed += passed;
-  counters.divides_pixel += drawn * static_cast<std::uint64_t>(pipeline.span.divides_per_fragment);
+  counters.fragments += tested;
+  counters.covered += tested;
+  counters.depth_passed += fragments;
+  counters.divides_pixel += tested * static_cast<std::uint64_t>(pipeline.span.divides_per_fragment);
 }
 
 // ---------------------------------------------------------------- every fragment
@@ -453,7 +505,8 @@ template <class Int, const SpanFormats* fixed, class Watch>
 HWY_NOINLINE void fragments_in(const SpanStage& stage, const Sequences& s, const Columns<SpanRecord>& spans,
                                std::size_t i, bool shades, bool all, Columns<FragmentRecord>& out,
                                LaneStatistics* statistics) {
-  const SpanFormats f = formats_of<fixed>(stage);  // a copy: no store can change it
+  const Local<SpanFormats, fixed> formats(stage.formats);
+  const SpanFormats& f = *formats;
   const bool aligned = stage.aligned;
   const std::int64_t* table = stage.reciprocal.table().data();
   const Lanes b(static_cast<std::int64_t>(stage.q.b));
@@ -552,7 +605,7 @@ void observed_registers(const SpanStage& stage, const Columns<SpanRecord>& spans
 template <class T, const SpanFormats* fixed>
 void evaluate_span(const SpanStage& stage, const Columns<SpanRecord>& spans, std::size_t i, bool shades,
                    SpanWork<T>& work, Columns<FragmentRecord>& out) {
-  if (i == 0) find_ramps(formats_of<fixed>(stage), spans, work.ramps);
+  if (i == 0) find_ramps<fixed>(stage.formats, spans, work.ramps);
   Sequences s;
   registers_of(stage, spans, i, work, s);
   if (fixed != nullptr || plain_span(stage.formats)) {
@@ -566,7 +619,7 @@ template <class T>
 void evaluate_span_observed(const SpanStage& stage, const Columns<SpanRecord>& spans, std::size_t i,
                             bool shades, SpanWork<T>& work, Columns<FragmentRecord>& out,
                             Statistics& statistics) {
-  if (i == 0) find_ramps(stage.formats, spans, work.ramps);
+  if (i == 0) find_ramps<nullptr>(stage.formats, spans, work.ramps);
   Sequences s;
   LaneStatistics seen;
   observed_registers(stage, spans, i, work, s, statistics);
@@ -601,7 +654,7 @@ template <class T>
 void draw_every(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
                 std::int64_t first_index, SpanWork<T>& work, Frame& frame, Counters& counters,
                 BlockSink<T>& sink, Trace* trace, Statistics* statistics, LaneStatistics* seen) {
-  find_ramps(pipeline.span.formats, spans, work.ramps);
+  find_ramps<nullptr>(pipeline.span.formats, spans, work.ramps);
   FragmentBlock<T>& block = work.block;
   block.size = 0;
   std::int32_t texture = -1;

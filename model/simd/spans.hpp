@@ -27,13 +27,6 @@ struct SpanDraw {
   bool shared = false;
 };
 
-// Which rows are drawn: those of this thread. Rows go to threads in bands.
-struct Bands {
-  std::int64_t thread = 0, threads = 1;
-  static constexpr int rows_log2 = 4;
-  bool has(std::int64_t y) const { return threads == 1 || (y >> rows_log2) % threads == thread; }
-};
-
 // Where blocks go: texture, fog and merge. store_depth: false where the depth is stored already.
 template <class T>
 struct BlockSink {
@@ -68,7 +61,7 @@ struct SpanKernels {
   // Draws spans in order into frame.depth and blocks; all modes but const_depth_rows. triangle column: input
   // index, first_index the one of draws[0]. Counts fragments, covered, depth_passed, divides_pixel.
   void (*draw)(const Pipeline&, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
-               std::int64_t first_index, Bands, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&) = nullptr;
+               std::int64_t first_index, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&) = nullptr;
   // The same for every fragment, passed or not, with its records, or with observers at every register.
   void (*draw_traced)(const Pipeline&, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
                       std::int64_t first_index, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&, Trace*,
@@ -108,12 +101,8 @@ SpanKernels<T> span_kernels(VectorTarget target);
 // Whether every register that a fragment passes in the span stage rounds by adding a constant, and saturates,
 // and no shift on the way takes more than a lane has.
 constexpr bool plain_span(const SpanFormats& f) {
-  const auto plain = [](const Register& r) {
-    return (r.mode == Rounding::trn || r.mode == Rounding::rnd || r.mode == Rounding::rnd_min_inf) &&
-           (r.overflow == Overflow::sat || r.overflow == Overflow::sat_sym);
-  };
   const int reciprocal_fraction = std::max(f.reciprocal.config.table_bits, f.reciprocal.config.internal_bits);
-  return plain(f.uv) && plain(f.shade) && plain(f.reciprocal.output) &&
+  return is_plain(f.uv) && is_plain(f.shade) && is_plain(f.reciprocal.output) &&
          reciprocal_fraction - f.reciprocal.output.fraction <= 62 && f.f.acc.fraction - f.uv.fraction <= 62 &&
          f.shade_acc.acc.fraction - f.shade.fraction <= 62;
 }

@@ -154,8 +154,10 @@ struct EdgeGroup {
 };
 struct TriangleGroup {
   std::array<EdgeGroup, 3> edges;
+  std::int64_t index[lane_count];           // of the input
   HWY_ALIGN std::int64_t y[lane_count];     // first row
-  HWY_ALIGN std::int64_t rows[lane_count];  // 0 where nothing is drawn
+  HWY_ALIGN std::int64_t skip[lane_count];  // rows before the first that is wanted
+  HWY_ALIGN std::int64_t rows[lane_count];  // up to the last that is wanted; 0 where nothing is drawn
   HWY_ALIGN std::int64_t mid_right[lane_count];
 };
 
@@ -167,17 +169,23 @@ Adders adders_of(const EdgeWalkStage& stage) {
           &stage.shade_acc, &stage.shade_acc, &stage.shade_acc, walks_x ? &stage.x_acc : nullptr};
 }
 
-HWY_INLINE std::array<RealVertex<Doubles>, 3> load_vertices(const Triangle* triangles, std::size_t n) {
+HWY_INLINE const Triangle& triangle_at(const TriangleRows& from, std::size_t i) {
+  return from.triangles[from.which[i] & ~TriangleRows::counted];
+}
+// Triangles `first` and up of the selection, n of them.
+HWY_INLINE std::array<RealVertex<Doubles>, 3> load_vertices(const TriangleRows& from, std::size_t first,
+                                                            std::size_t n) {
   constexpr std::size_t fields = 9;
   constexpr std::size_t line = 64;
-  // The group after the next one; an address past the end does no harm.
-  const auto ahead = reinterpret_cast<std::uintptr_t>(triangles) + 2 * lane_count * sizeof(Triangle);
-  for (std::size_t at = 0; at < lane_count * sizeof(Triangle); at += line) {
-    __builtin_prefetch(reinterpret_cast<const void*>(ahead + at));  // NOLINT(performance-no-int-to-ptr)
+  // The group after the next one.
+  const std::size_t ahead = first + 2 * lane_count;
+  for (std::size_t i = ahead; i < std::min(ahead + lane_count, from.which.size()); ++i) {
+    const auto* const bytes = reinterpret_cast<const char*>(&triangle_at(from, i));
+    for (std::size_t at = 0; at < sizeof(Triangle); at += line) __builtin_prefetch(bytes + at);
   }
   HWY_ALIGN double columns[3][fields][lane_count];
   for (std::size_t i = 0; i < lane_count; ++i) {
-    const Triangle& t = triangles[std::min(i, n - 1)];
+    const Triangle& t = triangle_at(from, first + std::min(i, n - 1));
     for (std::size_t k = 0; k < 3; ++k) {
       const Vertex& v = t.v[k];
       columns[k][0][i] = v.x;
@@ -198,12 +206,12 @@ HWY_INLINE std::array<RealVertex<Doubles>, 3> load_vertices(const Triangle* tria
 }
 
 void trace_setup(const std::array<VertexOf<Lanes>, 3>& v, Lanes::Mask active, Lanes mid_right,
-                 std::int64_t first_index, Trace& trace) {
+                 const std::int64_t* index, Trace& trace) {
   const Lanes drawn = one_where(active);
   for (std::size_t i = 0; i < lane_count; ++i) {
     if (lane(drawn, i) == 0) continue;
     SetupRecord r;
-    r.triangle = first_index + static_cast<std::int64_t>(i);
+    r.triangle = index[i];
     r.mid_right = lane(mid_right, i);
     for (std::size_t k = 0; k < 3; ++k) {
       const auto& c = v[k].c;
@@ -220,13 +228,13 @@ void trace_setup(const std::array<VertexOf<Lanes>, 3>& v, Lanes::Mask active, La
 }
 
 void trace_edges(const std::array<EdgeOf<Lanes>, 3>& edges, const std::array<Lanes::Mask, 3>& has,
-                 std::int64_t first_index, Trace& trace) {
+                 const std::int64_t* index, Trace& trace) {
   for (std::size_t i = 0; i < lane_count; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
       if (lane(one_where(has[k]), i) == 0) continue;
       const EdgeOf<Lanes>& e = edges[k];
       EdgeRecord r;
-      r.triangle = first_index + static_cast<std::int64_t>(i);
+      r.triangle = index[i];
       r.edge = static_cast<std::int64_t>(k);
       r.recip_m = lane(e.recip_m, i);
       r.recip_e = lane(e.recip_e, i);
@@ -287,15 +295,22 @@ HWY_INLINE void start_edges(const EdgeWalkStage& stage, const Adders& adders, co
   x2.store(out.constant[3]);
 }
 
-// Setup of up to a vector of triangles, n of them.
+// Setup of up to a vector of triangles: `first` and up of the selection, n of them.
 template <class Observer>
-HWY_INLINE void set_up(const Stages& stages, const Adders& adders, const Triangle* triangles, std::size_t n,
-                       std::int64_t first_index, TriangleGroup& out, Counters& counters, Trace* trace,
+HWY_INLINE void set_up(const Stages& stages, const Adders& adders, const TriangleRows& from,
+                       std::size_t first, std::size_t n, TriangleGroup& out, Counters& counters, Trace* trace,
                        const Observer& observer) {
   const SetupStage& setup = stages.setup;
   const EdgeWalkStage& walk = stages.walk;
   const auto given = first_lanes<std::int64_t>(n);
-  const std::array<RealVertex<Doubles>, 3> in = load_vertices(triangles, n);
+  const std::array<RealVertex<Doubles>, 3> in = load_vertices(from, first, n);
+  HWY_ALIGN std::int64_t own[lane_count] = {};
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint32_t which = from.which[first + i];
+    out.index[i] = from.first_index + static_cast<std::int64_t>(which & ~TriangleRows::counted);
+    own[i] = (which & TriangleRows::counted) == 0 ? 1 : 0;
+  }
+  const auto counts = Lanes::load(own) > Lanes(0);
   // Out of line: the compiler has three times the text to look at otherwise, and clears v first.
   const auto vertex = [&](std::size_t k) HWY_ATTR __attribute__((noinline)) {
     return setup_vertex<Lanes>(setup, in[k], observer.on(given));
@@ -306,8 +321,8 @@ HWY_INLINE void set_up(const Stages& stages, const Adders& adders, const Triangl
   const auto active = given & !area.none;
   const Lanes mid_right = one_where(area.positive);
   mid_right.store(out.mid_right);
-  counters.triangles += n;
-  counters.degenerate += n - set_in(active);
+  counters.triangles += set_in(counts);
+  counters.degenerate += set_in(counts & given & area.none);
 
   const Lanes y = max(first_row(walk, v[0].y), Lanes(0));
   const Lanes end =
@@ -315,7 +330,8 @@ HWY_INLINE void set_up(const Stages& stages, const Adders& adders, const Triangl
           Lanes(walk.height));
   const Lanes rows = select(active, max(end - y, Lanes(0)), Lanes(0));
   y.store(out.y);
-  rows.store(out.rows);
+  max(Lanes(from.first_row) - y, Lanes(0)).store(out.skip);
+  min(rows, Lanes(from.end_row) - y).store(out.rows);
   // Where edge 2 takes over from edge 1.
   const Lanes second = select(v[2].y > v[1].y, min(max(first_row(walk, v[1].y) - y, Lanes(0)), rows), rows);
 
@@ -330,14 +346,14 @@ HWY_INLINE void set_up(const Stages& stages, const Adders& adders, const Triangl
     const Lanes height = b.y - a.y;
     has[k] = active & (height > Lanes(0));
     edges[k] = setup_edge(setup, a, b, max(height, Lanes(1)), observer.on(has[k]));
-    counters.divides_edge += set_in(has[k]) * static_cast<std::uint64_t>(setup.divides_per_edge);
+    counters.divides_edge += set_in(has[k] & counts) * static_cast<std::uint64_t>(setup.divides_per_edge);
     firsts[k].store(out.edges[k].first);
     lasts[k].store(out.edges[k].end);
     start_edges(walk, adders, a, b, edges[k], y + firsts[k], lasts[k] - firsts[k], out.edges[k], observer);
   }
   if (trace != nullptr) {
-    trace_setup(v, active, mid_right, first_index, *trace);
-    trace_edges(edges, has, first_index, *trace);
+    trace_setup(v, active, mid_right, out.index, *trace);
+    trace_edges(edges, has, out.index, *trace);
   }
 }
 
@@ -387,19 +403,24 @@ HWY_INLINE void fill(std::int64_t* to, std::int64_t value, std::size_t n) {
   for (std::size_t i = lane_count; i < n; i += lane_count) x.store(to + i);
 }
 
+template <class Observer>
+HWY_INLINE std::int64_t next_row(const Adder& adder, std::int64_t value, std::int64_t step,
+                                 const Observer& observer) {
+  if constexpr (Observer::enabled) {
+    return stepped(adder, value, step, Observe{observer.statistics});
+  } else {
+    static_cast<void>(observer);
+    return stepped(adder, value, step, NoObserve{});
+  }
+}
+
 // One by one, as the scalar stage does it; start is what the row before was left with.
 template <class Observer>
 HWY_NOINLINE void walk(const Adder& adder, EdgeGroup& e, std::size_t s, std::size_t j, std::int64_t first,
                        std::size_t n, std::int64_t* to, const Observer& observer) {
   std::int64_t value = e.start[s][j];
   for (std::size_t i = 0; i < n; ++i) {
-    if (first != 0 || i != 0) {
-      if constexpr (Observer::enabled) {
-        value = stepped(adder, value, e.step[s][j], Observe{observer.statistics});
-      } else {
-        value = stepped(adder, value, e.step[s][j], NoObserve{});
-      }
-    }
+    if (first != 0 || i != 0) value = next_row(adder, value, e.step[s][j], observer);
     to[i] = value;
   }
   e.start[s][j] = value;
@@ -425,6 +446,18 @@ HWY_INLINE void emit(const Adders& adders, EdgeGroup& e, std::size_t j, std::int
   }
   for (std::size_t c = 0; c < EdgeGroup::constants; ++c) {
     if (side.constant[c] != nullptr) fill(side.constant[c] + to, e.constant[c][j], n);
+  }
+}
+
+// What is no ramp, up to the row before `first`, which is not the first.
+template <class Observer>
+void skip_rows(const Adders& adders, EdgeGroup& e, std::size_t j, std::int64_t first,
+               const Observer& observer) {
+  for (std::size_t s = 0; s < EdgeGroup::sequences; ++s) {
+    if ((e.walked[j] >> s & 1) == 0) continue;
+    for (std::int64_t i = 1; i < first; ++i) {
+      e.start[s][j] = next_row(*adders[s], e.start[s][j], e.step[s][j], observer);
+    }
   }
 }
 
@@ -653,9 +686,9 @@ HWY_NOINLINE void finish_rows(const Stages& stages, const RowColumns& columns, s
 // ---------------------------------------------------------------- the kernels
 
 template <class Observer>
-HWY_NOINLINE void in_lanes(const Pipeline& pipeline, std::span<const Triangle> triangles,
-                           std::int64_t first_index, TriangleBatch& batch, Columns<SpanRecord>& spans,
-                           Counters& counters, Trace* trace, const Observer& observer) {
+HWY_NOINLINE std::size_t in_lanes(const Pipeline& pipeline, const TriangleRows& from, TriangleBatch& batch,
+                                  Columns<SpanRecord>& spans, Counters& counters, Trace* trace,
+                                  const Observer& observer) {
   const SetupStage setup = pipeline.setup;  // copies: no store can change them
   const EdgeWalkStage walk = pipeline.edge_walk;
   const Stages stages{setup, walk, pipeline.span_setup};
@@ -663,32 +696,38 @@ HWY_NOINLINE void in_lanes(const Pipeline& pipeline, std::span<const Triangle> t
   const RowColumns columns = row_columns(walk, batch, trace != nullptr);
   constexpr auto capacity = static_cast<std::int64_t>(TriangleBatch::row_capacity);
   TriangleGroup group;
-  std::int64_t size = 0;  // rows
+  std::int64_t size = 0;  // rows waiting
+  std::int64_t all = 0;
   const auto finish = [&] {
     finish_rows(stages, columns, static_cast<std::size_t>(size), batch, spans, counters, trace, observer);
     size = 0;
   };
-  for (std::size_t first = 0; first < triangles.size(); first += lane_count) {
-    const std::size_t n = std::min(lane_count, triangles.size() - first);
-    const std::int64_t index = first_index + static_cast<std::int64_t>(first);
-    set_up(stages, adders, triangles.data() + first, n, index, group, counters, trace, observer);
+  std::size_t first = 0;
+  for (std::size_t n; first < from.which.size() && all < capacity; first += n) {
+    n = std::min(lane_count, from.which.size() - first);
+    set_up(stages, adders, from, first, n, group, counters, trace, observer);
     for (std::size_t j = 0; j < n; ++j) {
       const std::int64_t rows = group.rows[j];
-      if (rows == 0) continue;
-      if constexpr (Observer::enabled) {
-        for (const EdgeGroup& e : group.edges) note_ramps(adders, e, j, *observer.statistics);
+      if (rows <= group.skip[j]) continue;
+      for (EdgeGroup& e : group.edges) {
+        if constexpr (Observer::enabled) note_ramps(adders, e, j, *observer.statistics);
+        if (e.walked[j] != 0) [[unlikely]] {
+          skip_rows(adders, e, j, std::min(group.skip[j], e.end[j]) - e.first[j], observer);
+        }
       }
-      for (std::int64_t done = 0; done < rows;) {
+      all += rows - group.skip[j];
+      for (std::int64_t done = group.skip[j]; done < rows;) {
         if (size == capacity) finish();
         const std::int64_t some = std::min(capacity - size, rows - done);
-        append_rows(adders, group, j, index + static_cast<std::int64_t>(j), done, some, columns,
-                    static_cast<std::size_t>(size), observer);
+        append_rows(adders, group, j, group.index[j], done, some, columns, static_cast<std::size_t>(size),
+                    observer);
         size += some;
         done += some;
       }
     }
   }
   finish();
+  return first;
 }
 
 void append(Columns<SpanRecord>& spans, const SpanRecord& span) {
@@ -702,45 +741,49 @@ void append(Columns<SpanRecord>& spans, const SpanRecord& span) {
 
 // The scalar stages, where lanes have no room.
 template <class Watch>
-void one_by_one(const Pipeline& pipeline, std::span<const Triangle> triangles, std::int64_t first_index,
-                Columns<SpanRecord>& spans, Counters& counters, Trace* trace, Watch watch) {
+std::size_t one_by_one(const Pipeline& pipeline, const TriangleRows& from, Columns<SpanRecord>& spans,
+                       Counters& counters, Trace* trace, Watch watch) {
   Rows rows;
   PlaneWalkState walk;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
+  Counters elsewhere;
+  std::size_t at = 0;
+  for (const std::size_t had = spans.size;
+       at < from.which.size() && spans.size - had < TriangleBatch::row_capacity; ++at) {
+    const bool counted = (from.which[at] & TriangleRows::counted) != 0;
+    const std::int64_t index = from.first_index + (from.which[at] & ~TriangleRows::counted);
     rows.clear();
-    triangle_to_rows(pipeline, triangles[t], first_index + static_cast<std::int64_t>(t), walk, rows, counters,
+    triangle_to_rows(pipeline, triangle_at(from, at), index, walk, rows, counted ? elsewhere : counters,
                      trace, watch);
     for (std::size_t i = 0; i < rows.size(); ++i) {
+      const std::int64_t y = rows.rows[i].y;
+      if (y < from.first_row || y >= from.end_row) continue;
       const SpanRecord span = row_to_span(pipeline, rows, i, counters, watch);
       append(spans, span);
       if (trace != nullptr) trace->span.push_back(span);
     }
   }
+  return at;
 }
 
-void to_spans(const Pipeline& pipeline, std::span<const Triangle> triangles, std::int64_t first_index,
-              TriangleBatch& batch, Columns<SpanRecord>& spans, Counters& counters, Trace* trace) {
-  if (triangles_in_lanes(pipeline)) {
-    if (all_plain(pipeline)) {
-      in_lanes(pipeline, triangles, first_index, batch, spans, counters, trace, Unwatched<Plain>{});
-    } else {
-      in_lanes(pipeline, triangles, first_index, batch, spans, counters, trace, Unwatched<NoObserve>{});
-    }
-  } else {
-    one_by_one(pipeline, triangles, first_index, spans, counters, trace, NoObserve{});
-  }
+std::size_t to_spans(const Pipeline& pipeline, const TriangleRows& from, TriangleBatch& batch,
+                     Columns<SpanRecord>& spans, Counters& counters, Trace* trace) {
+  if (!triangles_in_lanes(pipeline)) return one_by_one(pipeline, from, spans, counters, trace, NoObserve{});
+  return all_plain(pipeline)
+             ? in_lanes(pipeline, from, batch, spans, counters, trace, Unwatched<Plain>{})
+             : in_lanes(pipeline, from, batch, spans, counters, trace, Unwatched<NoObserve>{});
 }
 
-void to_spans_observed(const Pipeline& pipeline, std::span<const Triangle> triangles,
-                       std::int64_t first_index, TriangleBatch& batch, Columns<SpanRecord>& spans,
-                       Counters& counters, Trace* trace, Statistics& statistics) {
-  if (triangles_in_lanes(pipeline)) {
-    LaneStatistics lanes;
-    in_lanes(pipeline, triangles, first_index, batch, spans, counters, trace, Watched{&lanes, &statistics});
-    lanes.fold(statistics);
-  } else {
-    one_by_one(pipeline, triangles, first_index, spans, counters, trace, Observe{&statistics});
+std::size_t to_spans_observed(const Pipeline& pipeline, const TriangleRows& from, TriangleBatch& batch,
+                              Columns<SpanRecord>& spans, Counters& counters, Trace* trace,
+                              Statistics& statistics) {
+  if (!triangles_in_lanes(pipeline)) {
+    return one_by_one(pipeline, from, spans, counters, trace, Observe{&statistics});
   }
+  LaneStatistics lanes;
+  const std::size_t done =
+      in_lanes(pipeline, from, batch, spans, counters, trace, Watched{&lanes, &statistics});
+  lanes.fold(statistics);
+  return done;
 }
 
 }  // namespace

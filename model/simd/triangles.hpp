@@ -26,17 +26,29 @@ struct TriangleBatch {
   Columns<RowSource> sources{row_capacity};
 };
 
+// Some of a list of triangles, in order, and which of their rows.
+struct TriangleRows {
+  // Set where another selection counts the triangle: one that crosses bands of rows is in several.
+  static constexpr std::uint32_t counted = std::uint32_t{1} << 31;
+
+  const Triangle* triangles = nullptr;     // of the list
+  std::int64_t first_index = 0;            // input index of triangles[0]
+  std::span<const std::uint32_t> which{};  // places in the list, some `counted`
+  std::int64_t first_row = 0;
+  std::int64_t end_row = INT64_MAX;
+};
+
 struct TriangleKernels {
-  // Triangles that check_triangle accepts to spans in order: appends to `spans` one a row that has pixels;
-  // all modes but const_depth_rows. first_index: the input index of triangles[0]. Counts triangles,
-  // degenerate, rows, divides_edge, divides_row. Without a trace the span's recip_m, recip_e, phase, fu_diff,
-  // fv_diff and step1 columns are not written; with one, appends the records of setup, setup.edge, edge_walk
-  // and span_setup.
-  void (*to_spans)(const Pipeline&, std::span<const Triangle> triangles, std::int64_t first_index,
-                   TriangleBatch&, Columns<SpanRecord>& spans, Counters&, Trace*);
+  // Triangles that check_triangle accepts to spans in order: appends to `spans` one a row that has pixels,
+  // until about row_capacity rows are done, and returns how many triangles that took; all modes but
+  // const_depth_rows. Counts triangles, degenerate, rows, divides_edge, divides_row. Without a trace the
+  // span's recip_m, recip_e, phase, fu_diff, fv_diff and step1 columns are not written; with one, appends the
+  // records of setup, setup.edge, edge_walk and span_setup (of triangles with all their rows).
+  std::size_t (*to_spans)(const Pipeline&, const TriangleRows&, TriangleBatch&, Columns<SpanRecord>& spans,
+                          Counters&, Trace*);
   // The same with statistics of every register.
-  void (*to_spans_observed)(const Pipeline&, std::span<const Triangle> triangles, std::int64_t first_index,
-                            TriangleBatch&, Columns<SpanRecord>& spans, Counters&, Trace*, Statistics&);
+  std::size_t (*to_spans_observed)(const Pipeline&, const TriangleRows&, TriangleBatch&,
+                                   Columns<SpanRecord>& spans, Counters&, Trace*, Statistics&);
 };
 
 // Throws InputError where the processor lacks the target.

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 #include "model/simd/shade.hpp"
@@ -109,8 +110,13 @@ class Facts::Batch final : model::BlockSink<std::int64_t> {
       ahead_.pop();
     }
     spans_.size = 0;
-    triangle_kernels_.to_spans(run_.pipeline, to_draw_.first(draws_.size()), first_index_, triangles_, spans_,
-                               run_.counters, nullptr);
+    which_.resize(draws_.size());
+    std::iota(which_.begin(), which_.end(), 0U);
+    model::TriangleRows rest{to_draw_.data(), first_index_, which_};
+    while (!rest.which.empty()) {
+      rest.which = rest.which.subspan(
+          triangle_kernels_.to_spans(run_.pipeline, rest, triangles_, spans_, run_.counters, nullptr));
+    }
     to_draw_ = to_draw_.subspan(draws_.size());
 
     steps_.clear();
@@ -137,8 +143,7 @@ class Facts::Batch final : model::BlockSink<std::int64_t> {
     drawn_ = &spans;
     at_span_ = 0;
     at_pixel_ = 0;
-    span_kernels_.draw(run_.pipeline, spans, draws_, first_index_, {}, work_, run_.frame, run_.counters,
-                       *this);
+    span_kernels_.draw(run_.pipeline, spans, draws_, first_index_, work_, run_.frame, run_.counters, *this);
     while (at_span_ < spans.size) add_depth(false);
   }
 
@@ -215,6 +220,7 @@ class Facts::Batch final : model::BlockSink<std::int64_t> {
   // The batch under way.
   std::int64_t first_index_ = 0;
   std::vector<model::SpanDraw> draws_;
+  std::vector<std::uint32_t> which_;  // 0, 1, ...
   std::vector<Ahead> walks_;
   std::vector<WalkStep> steps_;
   std::size_t next_step_ = 0, next_span_ = 0;

@@ -144,10 +144,6 @@ std::unique_ptr<FragmentBlock<T>> block_of(const Case& c, const std::vector<Frag
   auto block = std::make_unique<FragmentBlock<T>>();
   std::memset(static_cast<void*>(block.get()), 0x7b, sizeof *block);  // what lies past the end is anything
   block->size = 0;
-  const auto shade_of = [](const FragmentRecord& f) { return std::array{f.r, f.g, f.b, f.a}; };
-  block->one_shade = std::all_of(fragments.begin(), fragments.end(), [&](const FragmentRecord& f) {
-    return shade_of(f) == shade_of(fragments.front());
-  });
   std::vector<std::uint32_t> stored = frame.depth;
   for (const FragmentRecord& f : fragments) {
     const auto at = static_cast<std::size_t>(f.y * c.scene.width + f.x);
@@ -160,12 +156,10 @@ std::unique_ptr<FragmentBlock<T>> block_of(const Case& c, const std::vector<Frag
     block->z[i] = static_cast<std::int32_t>(z.z);
     block->u[i] = static_cast<T>(f.u);
     block->v[i] = static_cast<T>(f.v);
-    if (i == 0 || !block->one_shade) {
-      block->r[i] = static_cast<T>(f.r);
-      block->g[i] = static_cast<T>(f.g);
-      block->b[i] = static_cast<T>(f.b);
-      block->a[i] = static_cast<T>(f.a);
-    }
+    block->r[i] = static_cast<T>(f.r);
+    block->g[i] = static_cast<T>(f.g);
+    block->b[i] = static_cast<T>(f.b);
+    block->a[i] = static_cast<T>(f.a);
     block->fog_step[i] = static_cast<std::int32_t>(std::clamp<int128>(step, 0, 63));
     block->h[i] = f.h;
     block->triangle[i] = static_cast<std::int32_t>(f.triangle);
@@ -239,11 +233,10 @@ void check_block(const Case& c, const std::vector<FragmentRecord>& fragments, in
       f.y = block64->pixel[i] / c.scene.width;
       f.u = block64->u[i];
       f.v = block64->v[i];
-      const std::size_t shade = block64->one_shade ? 0 : i;
-      f.r = block64->r[shade];
-      f.g = block64->g[shade];
-      f.b = block64->b[shade];
-      f.a = block64->a[shade];
+      f.r = block64->r[i];
+      f.g = block64->g[i];
+      f.b = block64->b[i];
+      f.a = block64->a[i];
       f.h = block64->h[i];
       TextureRecord texel;
       if (!model::texture(c.pipeline.texture, image, f, texel, observe)) continue;

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -83,6 +85,54 @@ bool same_statistics(const Statistics& got, const Statistics& expected, const st
   return true;
 }
 
+// All of a list's triangles, or a part of them, and all of their rows.
+struct Selection {
+  std::vector<std::uint32_t> which;
+  TriangleRows rows;
+  Selection(std::span<const Triangle> triangles, std::int64_t first_index) : which(triangles.size()) {
+    std::iota(which.begin(), which.end(), 0U);
+    rows = {triangles.data(), first_index, which};
+  }
+};
+
+// Until all is done.
+void all_to_spans(const TriangleKernels& kernels, const Pipeline& pipeline, TriangleRows from,
+                  TriangleBatch& batch, Columns<SpanRecord>& spans, Counters& counters, Trace* trace,
+                  Statistics* statistics = nullptr) {
+  while (!from.which.empty()) {
+    const std::size_t done =
+        statistics != nullptr
+            ? kernels.to_spans_observed(pipeline, from, batch, spans, counters, trace, *statistics)
+            : kernels.to_spans(pipeline, from, batch, spans, counters, trace);
+    ASSERT_GT(done, 0U);
+    from.which = from.which.subspan(done);
+  }
+}
+
+// The same triangles by bands of rows, counted in the first one: every span once, and every count.
+bool check_bands(const TriangleKernels& kernels, const Pipeline& pipeline, const Scene& scene,
+                 std::int64_t first, std::int64_t band, const Trace& expected, const Counters& counted,
+                 const std::string& where) {
+  Selection all(scene.triangles, first);
+  TriangleBatch batch;
+  Counters counters;
+  Columns<SpanRecord> spans;
+  for (std::int64_t y = 0; y < scene.height; y += band) {
+    all.rows.first_row = y;
+    all.rows.end_row = y + band;
+    all_to_spans(kernels, pipeline, all.rows, batch, spans, counters, nullptr);
+    for (std::uint32_t& w : all.which) w |= TriangleRows::counted;
+  }
+  EXPECT_EQ(text_of(counters), text_of(counted)) << where;
+  std::vector<SpanRecord> got;
+  for (std::size_t i = 0; i < spans.size; ++i) got.push_back(as_read(spans.record(i)));
+  std::vector<SpanRecord> wanted;
+  for (const SpanRecord& s : expected.span) wanted.push_back(as_read(s));
+  const auto in_bands = [&](const SpanRecord& a, const SpanRecord& b) { return a.y / band < b.y / band; };
+  std::stable_sort(wanted.begin(), wanted.end(), in_bands);
+  return same(got, wanted, where) && counters == counted;
+}
+
 // True where everything agrees.
 bool check(const Config& config, const Scene& scene, const std::string& name) {
   const Pipeline pipeline = make_pipeline(config, scene);
@@ -104,13 +154,9 @@ bool check(const Config& config, const Scene& scene, const std::string& name) {
       Counters counters;
       Columns<SpanRecord> spans;
       Statistics statistics;
-      if (observed) {
-        kernels.to_spans_observed(pipeline, scene.triangles, first, batch, spans, counters, &trace,
-                                  statistics);
-        good = good && same_statistics(statistics, seen, where);
-      } else {
-        kernels.to_spans(pipeline, scene.triangles, first, batch, spans, counters, &trace);
-      }
+      all_to_spans(kernels, pipeline, Selection(scene.triangles, first).rows, batch, spans, counters, &trace,
+                   observed ? &statistics : nullptr);
+      if (observed) good = good && same_statistics(statistics, seen, where);
       good = good && same(trace.setup, expected.setup, where) && same(trace.edge, expected.edge, where) &&
              same(trace.row, expected.row, where) && same(trace.span, expected.span, where);
       EXPECT_EQ(text_of(counters), text_of(counted)) << where;
@@ -121,15 +167,20 @@ bool check(const Config& config, const Scene& scene, const std::string& name) {
     Columns<SpanRecord> spans;
     const std::span<const Triangle> all = scene.triangles;
     const std::size_t half = all.size() / 2;
-    kernels.to_spans(pipeline, all.first(half), first, batch, spans, counters, nullptr);
-    kernels.to_spans(pipeline, all.subspan(half), first + static_cast<std::int64_t>(half), batch, spans,
-                     counters, nullptr);
+    all_to_spans(kernels, pipeline, Selection(all.first(half), first).rows, batch, spans, counters, nullptr);
+    all_to_spans(kernels, pipeline,
+                 Selection(all.subspan(half), first + static_cast<std::int64_t>(half)).rows, batch, spans,
+                 counters, nullptr);
     EXPECT_EQ(text_of(counters), text_of(counted)) << where;
     std::vector<SpanRecord> got;
     std::vector<SpanRecord> wanted;
     for (std::size_t i = 0; i < spans.size; ++i) got.push_back(as_read(spans.record(i)));
     for (const SpanRecord& s : expected.span) wanted.push_back(as_read(s));
     good = good && same(got, wanted, where);
+    for (const std::int64_t band : {1, 7, 64}) {
+      good = good && check_bands(kernels, pipeline, scene, first, band, expected, counted,
+                                 where + ", bands of " + std::to_string(band));
+    }
     if (!good) {
       return false;
     }
@@ -324,9 +375,9 @@ TEST(Triangles, NothingToDo) {
   Counters counters;
   const Triangle flat{};  // three vertices in one point
   const TriangleKernels kernels = triangle_kernels(VectorTarget::best);
-  kernels.to_spans(pipeline, {}, 0, batch, spans, counters, nullptr);
+  kernels.to_spans(pipeline, {}, batch, spans, counters, nullptr);
   EXPECT_EQ(counters, Counters{});
-  kernels.to_spans(pipeline, {&flat, 1}, 0, batch, spans, counters, nullptr);
+  kernels.to_spans(pipeline, Selection({&flat, 1}, 0).rows, batch, spans, counters, nullptr);
   EXPECT_EQ(counters.triangles, 1U);
   EXPECT_EQ(counters.degenerate, 1U);
   EXPECT_EQ(spans.size, 0U);
