@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -57,6 +58,13 @@ constexpr std::array<std::array<const char*, 3>, row_count> row_names{{
     {"picture", "u", "texel"},
     {"picture", "v", "texel"},
 }};
+
+// Of colour codes; infinite where equal.
+double psnr_of(const ErrorStat& color) {
+  return color.squares == 0
+             ? std::numeric_limits<double>::infinity()
+             : 10 * std::log10(255.0 * 255.0 * static_cast<double>(color.count) / color.squares);
+}
 
 double ulp(const Format& format) { return std::ldexp(1.0, -format.fraction()); }
 
@@ -142,59 +150,127 @@ std::optional<double> ideal_value(RecordType type, std::string_view field,
   return std::nullopt;  // what merge stores depends on what was there before
 }
 
+void ErrorStat::add(double measured, double ideal) {
+  const double error = measured - ideal;
+  const double size = std::fabs(error);
+  ++count;
+  sum += error;
+  magnitude += size;
+  squares += error * error;
+  power += ideal * ideal;
+  max = std::max(max, size);
+  // Exponent and leading fraction bits of the double are the bin, from 2^lowest_octave on.
+  constexpr std::int64_t first = std::int64_t{1023 + lowest_octave} << bins_an_octave_log2;
+  const std::int64_t bin =
+      static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(size) >> (52 - bins_an_octave_log2)) - first;
+  ++bins[static_cast<std::size_t>(std::clamp<std::int64_t>(bin, 0, bin_count - 1))];
+}
+
+void ErrorStat::add(const ErrorStat& other) {
+  count += other.count;
+  sum += other.sum;
+  magnitude += other.magnitude;
+  squares += other.squares;
+  power += other.power;
+  max = std::max(max, other.max);
+  for (std::size_t i = 0; i < bins.size(); ++i) bins[i] += other.bins[i];
+}
+
+double ErrorStat::quantile(double share) const {
+  const double wanted = share * static_cast<double>(count);
+  std::uint64_t below = 0;
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    below += bins[i];
+    if (static_cast<double>(below) >= wanted) {
+      if (i == 0) return 0;
+      constexpr std::size_t per_octave = std::size_t{1} << bins_an_octave_log2;
+      const double fraction = 1 + static_cast<double>(i % per_octave + 1) / static_cast<double>(per_octave);
+      return std::min(max, std::ldexp(fraction, lowest_octave + static_cast<int>(i / per_octave)));
+    }
+  }
+  return max;
+}
+
+double ErrorStat::sqnr_db() const {
+  return squares == 0 ? std::numeric_limits<double>::infinity() : 10 * std::log10(power / squares);
+}
+
+void ErrorReport::add(const ErrorReport& other) {
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].stat.add(other.rows[i].stat);
+  covered += other.covered;
+  missed += other.missed;
+  surplus += other.surplus;
+  doubled += other.doubled;
+  has_picture = has_picture || other.has_picture;
+  pixels += other.pixels;
+  drawn += other.drawn;
+  wrong_order += other.wrong_order;
+  textured += other.textured;
+  wrong_texel += other.wrong_texel;
+  color_max = std::max(color_max, other.color_max);
+  psnr_db = psnr_of(rows[row_merge_color].stat);
+}
+
 ErrorMeter::ErrorMeter(const Config& config, const Scene& scene) : config_(config), scene_(&scene) {
-  for (const auto& name : row_names) {
-    report_.rows.push_back({name[0], name[1], name[2], {}});
+  using F = FormatId;
+  const std::array<std::optional<F>, row_count> formats{
+      F::setup_h,   F::setup_uv, F::setup_uv, F::edge_x,     F::edge_h, F::edge_uv,       F::edge_uv,
+      F::span_h,    F::span_uv,  F::span_uv,  F::span_shade, {},        F::texture_color, F::fog_factor,
+      F::fog_color, {},          {},          F::span_uv,    F::span_uv};
+  for (std::size_t i = 0; i < row_count; ++i) {
+    const auto& name = row_names[i];
+    // Depth and colour codes are integers.
+    report_.rows.push_back({name[0], name[1], name[2], formats[i] ? ulp(config.format(*formats[i])) : 1, {}});
   }
 }
 
 // Each pixel of the triangle's box against the fill rule.
-void ErrorMeter::coverage(const IdealTriangle& t, const Trace& trace, std::size_t begin, std::size_t end) {
-  const int k = config_.subpixel_bits;
-  const auto box = [&](std::int64_t a, std::int64_t b, std::int64_t c, int size) {
-    return std::pair{std::clamp<std::int64_t>((std::min({a, b, c}) >> k) - 1, 0, size),
-                     std::clamp<std::int64_t>((std::max({a, b, c}) >> k) + 2, 0, size)};
-  };
-  const auto [x0, x1] = box(t.v[0].x, t.v[1].x, t.v[2].x, scene_->width);
-  const auto [y0, y1] = box(t.v[0].y, t.v[1].y, t.v[2].y, scene_->height);
-  const auto wide = static_cast<std::size_t>(x1 - x0);
+void ErrorMeter::coverage(const Truth& truth, std::size_t triangle,
+                          std::span<const FragmentRecord> fragments) {
+  const auto [y0, y1] = truth.rows(triangle);
+  std::int64_t x0 = scene_->width;
+  std::int64_t x1 = 0;
+  for (std::int64_t y = y0; y < y1; ++y) {
+    const Truth::Pixels row = truth.covered(triangle, y);
+    if (row.first >= row.end) continue;
+    x0 = std::min(x0, row.first);
+    x1 = std::max(x1, row.end);
+  }
+  const auto wide = static_cast<std::size_t>(std::max<std::int64_t>(0, x1 - x0));
   hits_.assign(wide * static_cast<std::size_t>(y1 - y0), 0);
-  for (std::size_t i = begin; i < end; ++i) {
-    const FragmentRecord& f = trace.fragment[i];
-    if (f.covered == 0) {
-      continue;
-    }
+  std::uint64_t inside = 0;
+  for (const FragmentRecord& f : fragments) {
+    if (f.covered == 0) continue;
+    const Truth::Pixels row = truth.covered(triangle, f.y);
     if (f.x < x0 || f.x >= x1 || f.y < y0 || f.y >= y1) {
       ++report_.surplus;
       continue;
     }
     std::uint8_t& hit = hits_[static_cast<std::size_t>(f.y - y0) * wide + static_cast<std::size_t>(f.x - x0)];
     report_.doubled += hit;
+    const bool covered = f.x >= row.first && f.x < row.end;
+    report_.surplus += static_cast<std::uint64_t>(hit == 0 && !covered);
+    inside += static_cast<std::uint64_t>(hit == 0 && covered);
     hit = 1;
   }
+  std::uint64_t all = 0;
   for (std::int64_t y = y0; y < y1; ++y) {
-    for (std::int64_t x = x0; x < x1; ++x) {
-      const bool inside = ideal_covers(config_, t, x, y);
-      const bool hit = hits_[static_cast<std::size_t>(y - y0) * wide + static_cast<std::size_t>(x - x0)] != 0;
-      report_.covered += static_cast<std::uint64_t>(inside);
-      report_.missed += static_cast<std::uint64_t>(inside && !hit);
-      report_.surplus += static_cast<std::uint64_t>(!inside && hit);
-    }
+    const Truth::Pixels row = truth.covered(triangle, y);
+    all += static_cast<std::uint64_t>(std::max<std::int64_t>(0, row.end - row.first));
   }
+  report_.covered += all;
+  report_.missed += all - inside;
 }
 
 void ErrorMeter::add(std::span<const Triangle> triangles, std::int64_t first_index, const Trace& trace) {
-  const double setup_h = ulp(config_.format(FormatId::setup_h));
-  const double setup_uv = ulp(config_.format(FormatId::setup_uv));
-  const double edge_x = ulp(config_.format(FormatId::edge_x));
-  const double edge_h = ulp(config_.format(FormatId::edge_h));
-  const double edge_uv = ulp(config_.format(FormatId::edge_uv));
-  const double span_h = ulp(config_.format(FormatId::span_h));
-  const double span_uv = ulp(config_.format(FormatId::span_uv));
-  const double span_shade = ulp(config_.format(FormatId::span_shade));
-  const double texture_color = ulp(config_.format(FormatId::texture_color));
-  const double fog_factor = ulp(config_.format(FormatId::fog_factor));
-  const double fog_color = ulp(config_.format(FormatId::fog_color));
+  add(Truth(config_, *scene_, triangles), first_index, trace);
+}
+
+void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& trace) {
+  const auto note = [&](int row, std::int64_t raw, double ideal) {
+    ErrorRow& r = report_.rows[static_cast<std::size_t>(row)];
+    r.stat.add(static_cast<double>(raw) * r.ulp, ideal);
+  };
   const bool fogged = scene_->fog.has_value() && config_.fog != FogMode::none;
 
   std::size_t setup = 0;
@@ -204,34 +280,32 @@ void ErrorMeter::add(std::span<const Triangle> triangles, std::int64_t first_ind
   std::size_t texture = 0;
   std::size_t fog = 0;
   // Records stand in the order of the triangles: one cursor a type.
-  for (std::size_t n = 0; n < triangles.size(); ++n) {
+  for (std::size_t n = 0; n < truth.size(); ++n) {
     const std::int64_t index = first_index + static_cast<std::int64_t>(n);
-    const auto ideal = ideal_triangle(config_, triangles[n]);
-    if (!ideal) {
+    if (!truth.triangle(n)) {
       continue;
     }
-    const IdealTriangle& t = *ideal;
     for (; setup < trace.setup.size() && trace.setup[setup].triangle == index; ++setup) {
       const SetupRecord& r = trace.setup[setup];
       const std::array<std::array<std::int64_t, 3>, 3> huv{
           {{r.h0, r.u0, r.v0}, {r.h1, r.u1, r.v1}, {r.h2, r.u2, r.v2}}};
       for (int i = 0; i < 3; ++i) {
-        const IdealPoint p = ideal_at_vertex(config_, *scene_, t, i);
+        const IdealPoint& p = truth.vertex(n, i);
         const auto& raw = huv[static_cast<std::size_t>(i)];
-        stat(row_setup_h).add(static_cast<double>(raw[0]) * setup_h - p.h);
-        stat(row_setup_u).add(static_cast<double>(raw[1]) * setup_uv - p.u);
-        stat(row_setup_v).add(static_cast<double>(raw[2]) * setup_uv - p.v);
+        note(row_setup_h, raw[0], p.h);
+        note(row_setup_u, raw[1], p.u);
+        note(row_setup_v, raw[2], p.v);
       }
     }
     for (; row < trace.row.size() && trace.row[row].triangle == index; ++row) {
       const RowRecord& r = trace.row[row];
       const auto end = [&](std::int64_t edge, std::int64_t x, std::int64_t h, std::int64_t u,
                            std::int64_t v) {
-        const IdealPoint p = ideal_on_edge(config_, *scene_, t, static_cast<int>(edge), r.y);
-        stat(row_edge_x).add(static_cast<double>(x) * edge_x - p.x);
-        stat(row_edge_h).add(static_cast<double>(h) * edge_h - p.h);
-        stat(row_edge_u).add(static_cast<double>(u) * edge_uv - p.u);
-        stat(row_edge_v).add(static_cast<double>(v) * edge_uv - p.v);
+        const IdealPoint p = truth.on_edge(n, static_cast<int>(edge), r.y);
+        note(row_edge_x, x, p.x);
+        note(row_edge_h, h, p.h);
+        note(row_edge_u, u, p.u);
+        note(row_edge_v, v, p.v);
       };
       end(r.l_edge, r.l_x, r.l_h, r.l_u, r.l_v);
       end(r.r_edge, r.r_x, r.r_h, r.r_u, r.r_v);
@@ -242,55 +316,49 @@ void ErrorMeter::add(std::span<const Triangle> triangles, std::int64_t first_ind
       if (r.covered == 0) {
         continue;
       }
-      const IdealPoint p =
-          ideal_point(config_, *scene_, t, static_cast<double>(r.x) + 0.5, static_cast<double>(r.y) + 0.5);
-      stat(row_span_h).add(static_cast<double>(r.h) * span_h - p.h);
-      stat(row_span_u).add(static_cast<double>(r.u) * span_uv - p.u);
-      stat(row_span_v).add(static_cast<double>(r.v) * span_uv - p.v);
+      const IdealPoint p = truth.at(n, r.x, r.y).point;
+      note(row_span_h, r.h, p.h);
+      note(row_span_u, r.u, p.u);
+      note(row_span_v, r.v, p.v);
       const std::array<std::int64_t, 4> shade{r.r, r.g, r.b, r.a};
-      for (std::size_t i = 0; i < 4; ++i) {
-        stat(row_span_shade).add(static_cast<double>(shade[i]) * span_shade - p.shade[i]);
-      }
+      for (std::size_t i = 0; i < 4; ++i) note(row_span_shade, shade[i], p.shade[i]);
     }
-    coverage(t, trace, begin, fragment);
+    coverage(truth, n, std::span(trace.fragment).subspan(begin, fragment - begin));
     for (; depth < trace.depth.size() && trace.depth[depth].triangle == index; ++depth) {
       const DepthRecord& r = trace.depth[depth];
-      stat(row_depth_z).add(static_cast<double>(r.z) - ideal_at(config_, *scene_, t, r.x, r.y).z);
+      note(row_depth_z, r.z, truth.at(n, r.x, r.y).z);
     }
     for (; texture < trace.texture.size() && trace.texture[texture].triangle == index; ++texture) {
       const TextureRecord& r = trace.texture[texture];
-      const IdealFragment f = ideal_at(config_, *scene_, t, r.x, r.y);
+      const IdealFragment f = truth.at(n, r.x, r.y);
       if (r.killed != 0 || f.killed) {
         continue;
       }
       const std::array<std::int64_t, 3> rgb{r.r, r.g, r.b};
-      for (std::size_t i = 0; i < 3; ++i) {
-        stat(row_texture_color).add(static_cast<double>(rgb[i]) * texture_color - f.color[i]);
-      }
+      for (std::size_t i = 0; i < 3; ++i) note(row_texture_color, rgb[i], f.color[i]);
     }
     for (; fog < trace.fog.size() && trace.fog[fog].triangle == index; ++fog) {
       const FogRecord& r = trace.fog[fog];
-      const IdealFragment f = ideal_at(config_, *scene_, t, r.x, r.y);
+      const IdealFragment f = truth.at(n, r.x, r.y);
       if (!fogged || f.killed) {
         continue;
       }
-      stat(row_fog_factor).add(static_cast<double>(r.factor) * fog_factor - f.fog_factor);
+      note(row_fog_factor, r.factor, f.fog_factor);
       const std::array<std::int64_t, 3> rgb{r.r, r.g, r.b};
-      for (std::size_t i = 0; i < 3; ++i) {
-        stat(row_fog_color).add(static_cast<double>(rgb[i]) * fog_color - f.fogged[i]);
-      }
+      for (std::size_t i = 0; i < 3; ++i) note(row_fog_color, rgb[i], f.fogged[i]);
     }
   }
 }
 
 void ErrorMeter::add_pictures(const Frame& engine, const Frame& ideal) {
   report_.has_picture = true;
+  const bool nearest = config_.filter == TextureFilter::nearest;
   const std::size_t pixels = std::min(engine.depth.size(), ideal.depth.size());
   report_.pixels += pixels;
   for (std::size_t i = 0; i < pixels; ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
       const int d = static_cast<int>(engine.color[4 * i + c]) - static_cast<int>(ideal.color[4 * i + c]);
-      stat(row_merge_color).add(d);
+      stat(row_merge_color).add(engine.color[4 * i + c], ideal.color[4 * i + c]);
       report_.color_max = std::max(report_.color_max, std::abs(d));
     }
     if (engine.triangle[i] < 0 && ideal.triangle[i] < 0) {
@@ -301,14 +369,16 @@ void ErrorMeter::add_pictures(const Frame& engine, const Frame& ideal) {
       ++report_.wrong_order;
       continue;
     }
-    stat(row_frame_depth).add(static_cast<double>(engine.depth[i]) - static_cast<double>(ideal.depth[i]));
-    stat(row_frame_u).add(engine.u[i] - ideal.u[i]);
-    stat(row_frame_v).add(engine.v[i] - ideal.v[i]);
+    stat(row_frame_depth).add(engine.depth[i], ideal.depth[i]);
+    stat(row_frame_u).add(engine.u[i], ideal.u[i]);
+    stat(row_frame_v).add(engine.v[i], ideal.v[i]);
+    if (nearest && scene_->triangles[static_cast<std::size_t>(engine.triangle[i])].texture >= 0) {
+      ++report_.textured;
+      report_.wrong_texel += static_cast<std::uint64_t>(std::floor(engine.u[i]) != std::floor(ideal.u[i]) ||
+                                                        std::floor(engine.v[i]) != std::floor(ideal.v[i]));
+    }
   }
-  const ErrorStat& color = stat(row_merge_color);
-  report_.psnr_db = color.squares == 0
-                        ? std::numeric_limits<double>::infinity()
-                        : 10 * std::log10(255.0 * 255.0 * static_cast<double>(color.count) / color.squares);
+  report_.psnr_db = psnr_of(stat(row_merge_color));
 }
 
 std::string psnr_text(double psnr_db) {

@@ -13,26 +13,39 @@
 #include "config/engine.hpp"
 #include "golden/ideal.hpp"
 #include "report/compare.hpp"
+#include "report/truth.hpp"
 
 namespace bitspan {
 
 struct ErrorStat {
+  // Eight bins an octave of the error's magnitude, 2^-80 to 2^48; smaller ones in the first, larger in the
+  // last.
+  static constexpr int bins_an_octave_log2 = 3;
+  static constexpr int lowest_octave = -80;
+  static constexpr std::size_t bin_count = std::size_t{128} << bins_an_octave_log2;
+
   std::uint64_t count = 0;
-  double sum = 0;      // of engine - ideal
-  double squares = 0;  // of its square
-  double max = 0;      // of its magnitude
-  void add(double error) {
-    ++count;
-    sum += error;
-    squares += error * error;
-    max = std::max(max, std::fabs(error));
-  }
+  double sum = 0;        // of engine - ideal
+  double magnitude = 0;  // sum of its magnitude
+  double squares = 0;    // sum of its square
+  double power = 0;      // sum of the ideal values' squares
+  double max = 0;        // of the magnitude
+  std::vector<std::uint64_t> bins = std::vector<std::uint64_t>(bin_count);
+  void add(double measured, double ideal);
+  void add(const ErrorStat& other);
   double mean() const { return count == 0 ? 0 : sum / static_cast<double>(count); }
+  double mean_magnitude() const { return count == 0 ? 0 : magnitude / static_cast<double>(count); }
   double rms() const { return count == 0 ? 0 : std::sqrt(squares / static_cast<double>(count)); }
+  // A magnitude that at least `share` of the errors do not exceed: the upper edge of a bin, at most max; 0
+  // where that is in the first bin.
+  double quantile(double share) const;
+  // Signal to quantisation noise; infinite without error.
+  double sqnr_db() const;
 };
 
 struct ErrorRow {
   std::string stage, quantity, unit;
+  double ulp = 0;  // of the format that holds it, in the unit
   ErrorStat stat;
 };
 
@@ -48,8 +61,12 @@ struct ErrorReport {
   std::uint64_t pixels = 0;
   std::uint64_t drawn = 0;        // pixels that hold a triangle in either picture
   std::uint64_t wrong_order = 0;  // of them, those where another triangle won
+  std::uint64_t textured = 0;     // pixels on which the same textured triangle won, with the nearest filter
+  std::uint64_t wrong_texel = 0;  // of them, those that show another texel
   double psnr_db = 0;             // over R, G, B of all pixels; infinite where equal
   int color_max = 0;              // largest difference of a channel, codes
+  // The same of several scenes together.
+  void add(const ErrorReport& other);
 };
 
 class ErrorMeter {
@@ -58,12 +75,15 @@ class ErrorMeter {
   ErrorMeter(const Config& config, const Scene& scene);
   // Records of triangles[0..] as an engine delivered them, first_index as in Engine::draw.
   void add(std::span<const Triangle> triangles, std::int64_t first_index, const Trace& trace);
+  // The same against what is known already; truth: of these triangles and a configuration of equal
+  // truth_config.
+  void add(const Truth& truth, std::int64_t first_index, const Trace& trace);
   // The finished pictures of the engine and of `ideal`.
   void add_pictures(const Frame& engine, const Frame& ideal);
   const ErrorReport& report() const { return report_; }
 
  private:
-  void coverage(const IdealTriangle& t, const Trace& trace, std::size_t begin, std::size_t end);
+  void coverage(const Truth& truth, std::size_t triangle, std::span<const FragmentRecord> fragments);
   ErrorStat& stat(int row) { return report_.rows[static_cast<std::size_t>(row)].stat; }
 
   Config config_;
