@@ -28,6 +28,7 @@ Config never_seen() {
   c.format(FormatId::texture_mix).word += 1;
   c.format(FormatId::fog_factor).word += 1;
   c.pixel_reciprocal.index_bits -= 1;
+  c.filter = TextureFilter::nearest;  // as the renderer that it is compared with
   check_config(c, c.name);
   return c;
 }
