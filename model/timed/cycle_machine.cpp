@@ -79,6 +79,7 @@ class CycleMachine final : public Machine {
     for (TimedStage* stage : stages_) {
       for (StageMeter* meter : stage->meters()) meters_.push_back(meter);
     }
+    run_.pixel_free.resize(run_.frame.depth.size());
     kernel_ = std::make_unique<Kernel>(parts(), options.vcd);
   }
 

@@ -142,43 +142,41 @@ class Facts::Batch final : model::BlockSink<std::int64_t> {
   void draw(const model::Columns<SpanRecord>& spans) {
     drawn_ = &spans;
     at_span_ = 0;
-    at_pixel_ = 0;
+    enter_span();
     span_kernels_.draw(run_.pipeline, spans, draws_, first_index_, work_, run_.frame, run_.counters, *this);
     while (at_span_ < spans.size) add_depth(false);
   }
 
-  // The next fragment of the spans drawn. Returns its pixel.
-  std::size_t add_depth(bool passed) {
+  // at_span_ is another one.
+  void enter_span() {
     const model::Columns<SpanRecord>& spans = *drawn_;
+    if (at_span_ == spans.size) {
+      at_triangle_ = -1;
+      return;
+    }
+    at_triangle_ = spans[&SpanRecord::triangle][at_span_];
+    at_pixel_ = spans[&SpanRecord::y][at_span_] * run_.frame.width + spans[&SpanRecord::x][at_span_];
+    end_pixel_ = at_pixel_ + spans[&SpanRecord::count][at_span_];
+  }
+  // The next fragment of the spans drawn.
+  void add_depth(bool passed) {
     FragmentFact fact;
-    fact.pixel = static_cast<std::uint64_t>(spans[&SpanRecord::y][at_span_] * run_.frame.width +
-                                            spans[&SpanRecord::x][at_span_] + at_pixel_);
+    fact.pixel = static_cast<std::uint32_t>(at_pixel_);
     fact.asks = facts_.depth_traffic_.access(fact.pixel) ? 1 : 0;
     fact.covered = true;
     fact.kept = passed;
     facts_.depth_.push(fact);
-    if (++at_pixel_ == spans[&SpanRecord::count][at_span_]) {
+    if (++at_pixel_ == end_pixel_) {
       ++at_span_;
-      at_pixel_ = 0;
+      enter_span();
     }
-    return fact.pixel;
   }
   // The fragments in front of the next one that passed.
   void add_failed_up_to(std::int64_t triangle, std::int64_t pixel) {
-    const model::Columns<SpanRecord>& spans = *drawn_;
-    while (at_span_ < spans.size) {
-      const std::int64_t from =
-          spans[&SpanRecord::y][at_span_] * run_.frame.width + spans[&SpanRecord::x][at_span_];
-      const std::int64_t end = from + spans[&SpanRecord::count][at_span_];
-      const bool here = spans[&SpanRecord::triangle][at_span_] == triangle && from <= pixel && pixel < end;
-      const std::size_t span = at_span_;
-      if (here) {
-        while (from + at_pixel_ < pixel) add_depth(false);
-        return;
-      }
-      while (at_span_ == span) add_depth(false);
+    while (at_pixel_ != pixel || at_triangle_ != triangle) {
+      if (at_triangle_ < 0) throw std::logic_error("the vector form has a fragment that is in no span");
+      add_depth(false);
     }
-    throw std::logic_error("the vector form has a fragment that is in no span");
   }
 
   void operator()(const model::FragmentBlock<std::int64_t>& block, int texture, bool store_depth) override {
@@ -189,7 +187,8 @@ class Facts::Batch final : model::BlockSink<std::int64_t> {
     TextureRecord texel;
     for (std::size_t k = 0; k < block.size; ++k) {
       add_failed_up_to(block.triangle[k], block.pixel[k]);
-      const std::size_t pixel = add_depth(true);
+      add_depth(true);
+      const auto pixel = static_cast<std::size_t>(block.pixel[k]);
       bool lives = true;
       bool blends = false;
       if (!shared) {
@@ -230,7 +229,8 @@ class Facts::Batch final : model::BlockSink<std::int64_t> {
   // The next fragment of the spans being drawn.
   const model::Columns<SpanRecord>* drawn_ = nullptr;
   std::size_t at_span_ = 0;
-  std::int64_t at_pixel_ = 0;
+  std::int64_t at_triangle_ = -1;  // that span's; -1: there is none any more
+  std::int64_t at_pixel_ = 0, end_pixel_ = 0;
 };
 
 Facts::Facts(Run& run)
@@ -319,7 +319,7 @@ void Facts::make_fragments() {
 
 void Facts::make_fragment(FragmentItem& item) {
   FragmentFact fact;
-  fact.pixel = run_.pixel(item.fragment);
+  fact.pixel = static_cast<std::uint32_t>(run_.pixel(item.fragment));
   if (item.fragment.covered != 0) {
     fact.covered = true;
     fact.asks = depth_traffic_.access(fact.pixel) ? 1 : 0;
@@ -337,8 +337,8 @@ void Facts::make_fragment(FragmentItem& item) {
 
 void Facts::add_texture(std::size_t pixel, int texture, std::int64_t u, std::int64_t v, bool lives) {
   FragmentFact fact;
-  fact.pixel = pixel;
-  fact.asks = (1U << texture_traffic_.misses(texture, u, v)) - 1;
+  fact.pixel = static_cast<std::uint32_t>(pixel);
+  fact.asks = static_cast<std::uint8_t>((1U << texture_traffic_.misses(texture, u, v)) - 1);
   fact.kept = lives;
   texture_.push(fact);
 }
@@ -346,8 +346,9 @@ void Facts::add_texture(std::size_t pixel, int texture, std::int64_t u, std::int
 void Facts::add_merge(std::size_t pixel, bool blends) {
   const MergeTraffic::Ask ask = merge_traffic_.access(blends, pixel);
   FragmentFact fact;
-  fact.pixel = pixel;
-  fact.asks = (ask.color_read ? 1U : 0U) | (ask.color_write ? 2U : 0U) | (ask.depth_write ? 4U : 0U);
+  fact.pixel = static_cast<std::uint32_t>(pixel);
+  fact.asks = static_cast<std::uint8_t>((ask.color_read ? 1U : 0U) | (ask.color_write ? 2U : 0U) |
+                                        (ask.depth_write ? 4U : 0U));
   fact.kept = true;
   merge_.push(fact);
 }

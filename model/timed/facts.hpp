@@ -43,10 +43,10 @@ struct WalkStep {
 
 // A fragment in front of depth, texture or merge.
 struct FragmentFact {
-  std::uint64_t pixel = 0;  // index into the frame
+  std::uint32_t pixel = 0;  // index into the frame
   // Requests to put, bit 0 first. For merge, 0 reads colour, 1 writes colour, 2 writes depth; the others only
   // read.
-  std::uint32_t asks = 0;
+  std::uint8_t asks = 0;
   bool covered = false;  // before depth: may not enter while its pixel is busy
   bool kept = false;     // goes on to the next stage
 };

@@ -16,25 +16,27 @@ class Ring {
   T& front() { return slots_[head_]; }
   const T& front() const { return slots_[head_]; }
   void pop() {
-    head_ = (head_ + 1) & (slots_.size() - 1);
+    head_ = (head_ + 1) & mask_;
     --size_;
   }
   void push(T value) { push_slot() = std::move(value); }
   // Appends a slot with a stale value in it, for the caller to fill in place.
   T& push_slot() {
-    if (size_ == slots_.size()) grow();
-    return slots_[(head_ + size_++) & (slots_.size() - 1)];
+    if (size_ > mask_) grow();
+    return slots_[(head_ + size_++) & mask_];
   }
 
  private:
   void grow() {
-    std::vector<T> larger(slots_.empty() ? 4 : 2 * slots_.size());
-    for (std::size_t i = 0; i < size_; ++i) larger[i] = std::move(slots_[(head_ + i) & (slots_.size() - 1)]);
+    std::vector<T> larger(2 * slots_.size());
+    for (std::size_t i = 0; i < size_; ++i) larger[i] = std::move(slots_[(head_ + i) & mask_]);
     slots_.swap(larger);
+    mask_ = slots_.size() - 1;
     head_ = 0;
   }
 
-  std::vector<T> slots_;  // a power of two of them
+  std::vector<T> slots_ = std::vector<T>(4);  // a power of two of them
+  std::size_t mask_ = 3;                      // their number - 1
   std::size_t head_ = 0;
   std::size_t size_ = 0;
 };

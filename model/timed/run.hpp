@@ -14,11 +14,7 @@ namespace bitspan::timed {
 
 struct Run {
   Run(const Config& c, const Scene& s)
-      : config(c),
-        scene(s),
-        pipeline(model::make_pipeline(c, s)),
-        frame(model::cleared_frame(pipeline, s)),
-        pixel_free(frame.depth.size()) {}
+      : config(c), scene(s), pipeline(model::make_pipeline(c, s)), frame(model::cleared_frame(pipeline, s)) {}
 
   const Config& config;
   const Scene& scene;
@@ -29,8 +25,8 @@ struct Run {
   Pool<TriangleItem> triangles;
   Pool<RowItem> rows;
   Pool<FragmentItem> fragments;
-  // First clock on which depth may test a fragment of the pixel: `never` while another one is between depth
-  // and merge. Set by depth, released by the stage where the fragment ends.
+  // Mode cycle: first clock on which depth may test a fragment of the pixel: `never` while another one is
+  // between depth and merge. Set by depth, released by the stage where the fragment ends.
   std::vector<std::uint64_t> pixel_free;
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
 

@@ -48,6 +48,8 @@ class SpanInterpolatorTiming {
   // What the next clock will see of them.
   bool out_valid() const { return !pixels_.empty() && pixels_.front() == pixel_ticks_; }
   bool res_valid() const { return !setup_.empty() && setup_ticks_ >= setup_.front().due; }
+  bool setup_busy() const { return !setup_.empty(); }
+  bool active() const { return active_; }
   // How many clocks from the next one on are like it and move nothing (no accept, take, issue, deliver), as
   // long as in_valid and out_ready stay as given; `never` where only these can end that.
   std::uint64_t rest(bool in_valid, bool out_ready) const;
@@ -110,10 +112,11 @@ inline InterpolatorClock SpanInterpolatorTiming::clock(bool in_valid, std::int64
 }
 
 inline std::uint64_t SpanInterpolatorTiming::rest(bool in_valid, bool out_ready) const {
-  const bool stands = out_valid() && !out_ready;
+  const bool stands = out_valid();
+  if (stands && out_ready) return 0;
   const bool result = res_valid();
   const bool in_ready = latency_.pipelined ? !result : setup_.empty();
-  if ((out_valid() && out_ready) || (result && !active_) || (in_valid && in_ready)) return 0;
+  if ((result && !active_) || (in_valid && in_ready)) return 0;
   std::uint64_t clocks = never;
   if (!stands && active_) {
     if (pixel_ticks_ >= next_issue_tick_) return 0;

@@ -6,11 +6,10 @@
 // clock with times (a record is due, an interval ends, an answer has come, a pixel is free, the bus is free).
 // Levels change only where something moves. So on a clock that no movement went before, and that none of
 // these times falls on, a part does what it did on the clock before: nothing, in the same state. Therefore
-//   - after each clock that it is looked at, a part names the earliest of its times to come (`wake`): the
-//   next
-//     clock where it moved something itself;
-//   - who changes a level wakes its other side for the next clock (`poke`), which is when a register shows
-//   it;
+//   - after each clock that it is looked at, a part names the earliest of its times to come: the next clock
+//     where it moved something itself;
+//   - who changes what another part waits for has it looked at on the next clock, which is when a register
+//     shows it: a push where the FIFO was empty, a pop where it was full, the release of a pixel;
 //   - the clocks in between are added to the state that the part was in, and are not looked at.
 // A time named too early costs a look for nothing. One named too late would be a fault; the tests hold every
 // number against cycle mode's.
@@ -44,11 +43,13 @@ struct Part {
   Clock wake = 0;  // the clock to look at it next
   Clock poked = 0;
 
-  // What this part sees from the clock after `now` on has changed.
+  // What this part waits for has changed; it sees that from the clock after `now` on.
   void poke(Clock now) {
     poked = now + 1;
     wake = std::min(wake, now + 1);
   }
+  // Something becomes true for it at `clock`.
+  void look(Clock clock) { wake = std::min(wake, clock); }
   // Has been looked at; by itself it has nothing to do before `next`.
   void sleep(Clock now, Clock next) { wake = poked == now + 1 ? now + 1 : next; }
 };
@@ -62,8 +63,7 @@ struct Meter {
   std::uint64_t in = 0, out = 0;
 
   void set(StageState next, Clock now) {
-    if (next == state) return;
-    settle(now);
+    settle(now);  // whether it changes or not: cheaper than a branch that nothing predicts
     state = next;
   }
   void settle(Clock now) {
@@ -85,8 +85,13 @@ struct Level {
   bool full() const { return size() == capacity; }
   // For the writer, which is looked at after the reader.
   bool room(Clock now) const { return size() + (popped_at == now ? 1 : 0) < capacity; }
-  // For the reader: its level at the start of the clock.
-  void see() { high_water = std::max(high_water, size()); }
+  // At most one a clock, after the reader's pop: so the next clock begins with this level. True where the
+  // reader has to be looked at for it.
+  bool push() {
+    ++pushed;
+    high_water = std::max(high_water, size());
+    return size() == 1;
+  }
   void pop(Clock now) {
     ++popped;
     popped_at = now;
@@ -100,10 +105,17 @@ struct Request {
 
 // A record inside a pipe.
 struct Entry {
-  Clock due = 0;
-  Clock answer = 0;           // of its last read, where none is untaken
-  std::uint64_t untaken = 0;  // reads put that the bus has not taken
-  FragmentFact fact;
+  Clock due = never;       // through the stage; `never` where there is no record
+  Clock ready = never;     // to leave: due and answered; `never` as long as the answers' clocks are not known
+  Clock answer = 0;        // of the last read that the bus has taken
+  std::uint32_t open = 0;  // of its asks: reads that the bus has not taken, writes that have not been put
+  std::uint32_t pixel = 0;  // as in FragmentFact
+  bool kept = false;
+
+  // For the memory.
+  bool waits(Clock now) const { return due <= now && ready > now; }
+  // The clock from `now` on from which it stands otherwise.
+  Clock next(Clock now) const { return due > now ? due : ready; }
 };
 
 // setup, depth, texture, fog, merge: PipeStage (stage.hpp) without virtual calls and records.
@@ -121,6 +133,7 @@ struct Pipe : Part {
 
   std::uint64_t inside() const { return entered - left; }
   bool idle() const { return in.size() == 0 && inside() == 0 && asks == 0; }
+  const Entry& head() const { return entries[left & mask]; }
 };
 
 struct Walk : Part {
@@ -145,16 +158,21 @@ struct Interpolator : Part {
   InterpolatorLatency latency;
   SpanInterpolatorTiming timing;
   Clock seen = 0;          // clocks that `timing` has had
-  bool out_ready = false;  // on the last of them
+  bool out_ready = false;  // on those after
 
   bool idle() const { return in.size() == 0 && timing.idle(); }
+  // Of the half that did not start on a record: stands: what it has made is not taken; has_one: to work on.
+  static StageState held(bool stands, bool has_one) {
+    return stands ? StageState::blocked : has_one ? StageState::busy : StageState::starved;
+  }
 };
 
 // A port of the memory and its FIFO of two requests.
 struct Port {
   struct Slot {
-    Request request;
-    Entry* reader = nullptr;
+    const Request* request = nullptr;
+    std::uint32_t ask = 0;  // its bit
+    Entry* entry = nullptr;
   };
   Level level{.capacity = 2};
   std::array<Slot, 2> slots;  // request n at n & 1
@@ -179,7 +197,10 @@ struct Source : Part {
 class SpanMachine final : public Machine {
  public:
   SpanMachine(const Config& config, const Scene& scene, const SystemcOptions& options)
-      : Machine(config, scene, options), facts_(run_), interpolator_(interpolator_latency(config)) {
+      : Machine(config, scene, options),
+        facts_(run_),
+        in_flight_(run_.frame.depth.size()),
+        interpolator_(interpolator_latency(config)) {
     prepare(setup_, Stage::setup, 0);
     prepare(depth_, Stage::depth, config.memory.latency);
     prepare(texture_, Stage::texture, config.memory.latency);
@@ -229,7 +250,7 @@ class SpanMachine final : public Machine {
   template <Stage stage>
   void clock_pipe(Pipe& p, Clock now);
   template <Stage stage>
-  FragmentFact fact_of(std::uint64_t number);
+  const FragmentFact& fact_of(std::uint64_t number);
   template <Stage stage>
   Port& port();
   Clock next_wake() const;
@@ -241,6 +262,10 @@ class SpanMachine final : public Machine {
   [[noreturn]] void give_up() const;
 
   Facts facts_;
+  std::vector<std::uint8_t> in_flight_;      // a pixel: whether depth has to wait for it
+  std::array<std::uint32_t, 2> released_{};  // by merge and texture on the clock before
+  std::size_t releases_ = 0;                 // how many
+  std::uint32_t awaited_pixel_ = 0;          // the one depth has waited for last
   Bus bus_;
   Source source_;
   Pipe setup_;
@@ -251,42 +276,43 @@ class SpanMachine final : public Machine {
 };
 
 void SpanMachine::clock_bus(Clock now) {
-  if (now >= bus_.free) {
-    const std::array<Part*, 3> askers{&merge_, &depth_, &texture_};
-    for (std::size_t i = 0; i < askers.size(); ++i) {
-      Port& port = bus_.ports[i];
-      if (port.level.size() == 0) continue;
-      const Port::Slot& slot = port.slots[port.level.popped & 1];
-      if (slot.request.is_read) {
-        slot.reader->answer = now + bus_.latency + slot.request.beats - 1;
-        --slot.reader->untaken;
+  const std::array<Part*, 3> askers{&merge_, &depth_, &texture_};
+  for (std::size_t i = 0; i < askers.size() && now >= bus_.free; ++i) {
+    Port& port = bus_.ports[i];
+    if (port.level.size() == 0) continue;
+    const Port::Slot& slot = port.slots[port.level.popped & 1];
+    const Request& request = *slot.request;
+    if (request.is_read) {
+      Entry& reader = *slot.entry;
+      reader.answer = now + bus_.latency + request.beats - 1;
+      reader.open &= ~slot.ask;
+      if (reader.open == 0) {
+        reader.ready = std::max(reader.due, reader.answer);
+        askers[i]->look(reader.ready);
       }
-      port.level.pop(now);
-      askers[i]->poke(now);
-      bus_.free = now + slot.request.beats;
-      bus_.report.beats += slot.request.beats;
-      break;
     }
+    if (port.level.full()) askers[i]->poke(now);
+    port.level.pop(now);
+    bus_.free = now + request.beats;
+    bus_.report.beats += request.beats;
   }
   bus_.wake = bus_.waited_for() ? bus_.free : never;
 }
 
 void SpanMachine::clock_source(Clock now) {
-  bool moved = false;
-  if (source_.to_offer > 0 && setup_.in.room(now)) {
-    ++setup_.in.pushed;
-    setup_.poke(now);
-    --source_.to_offer;
-    ++source_.offered;
-    moved = true;
+  if (source_.to_offer == 0 || !setup_.in.room(now)) {
+    source_.sleep(now, never);
+    return;
   }
-  source_.sleep(now, moved ? now + 1 : never);
+  if (setup_.in.push()) setup_.poke(now);
+  --source_.to_offer;
+  ++source_.offered;
+  source_.sleep(now, now + 1);
 }
 
 // As WalkStage::clock.
 void SpanMachine::clock_walk(Clock now) {
   Walk& w = walk_;
-  w.in.see();
   const bool in_valid = w.in.size() > 0;
   const bool out_valid = !w.due.empty() && w.due.front() <= now;
   const bool out_ready = interpolator_.in.room(now);
@@ -295,8 +321,7 @@ void SpanMachine::clock_walk(Clock now) {
 
   if (out_valid && out_ready) {
     w.due.pop();
-    ++interpolator_.in.pushed;
-    interpolator_.poke(now);
+    if (interpolator_.in.push()) interpolator_.poke(now);
     ++w.meter.out;
     moved = true;
   }
@@ -341,17 +366,14 @@ void SpanMachine::clock_walk(Clock now) {
 // As SpanInterpolator::clock.
 void SpanMachine::clock_interpolator(Clock now) {
   Interpolator& s = interpolator_;
-  s.in.see();
   const bool in_valid = s.in.size() > 0;
   const bool out_ready = depth_.in.room(now);
   if (now > s.seen) s.timing.skip(now - s.seen, s.out_ready);
   s.seen = now + 1;
-  s.out_ready = out_ready;
   const InterpolatorClock c = s.timing.clock(in_valid, in_valid ? s.pixels.front() : 0, out_ready);
 
   if (c.deliver) {
-    ++depth_.in.pushed;
-    depth_.poke(now);
+    if (depth_.in.push()) depth_.poke(now);
     ++s.span.out;
   }
   if (c.take) {
@@ -365,43 +387,37 @@ void SpanMachine::clock_interpolator(Clock now) {
     ++s.setup.in;
   }
 
-  const bool result_stands = c.res_valid && !c.take;
+  if (c.accept || c.take || c.issue || c.deliver) last_move_ = now + 1;
   const bool holds_one = !s.latency.pipelined && c.setup_busy;
-  s.setup.set(c.accept                  ? StageState::busy
-              : result_stands           ? StageState::blocked
-              : (in_valid || holds_one) ? StageState::busy
-                                        : StageState::starved,
+  s.setup.set(c.accept ? StageState::busy : Interpolator::held(c.res_valid && !c.take, in_valid || holds_one),
               now);
-  const bool pixel_stands = c.out_valid && !out_ready;
-  s.span.set(c.issue        ? StageState::busy
-             : pixel_stands ? StageState::blocked
-             : c.active     ? StageState::busy
-                            : StageState::starved,
-             now);
-  const bool moved = c.accept || c.take || c.issue || c.deliver;
-  if (moved) last_move_ = now + 1;
-  if (moved || c.out_valid != s.timing.out_valid() || c.res_valid != s.timing.res_valid()) {
+  s.span.set(c.issue ? StageState::busy : Interpolator::held(c.out_valid && !out_ready, c.active), now);
+
+  // The next clock, as far as this part alone can tell.
+  const bool next_valid = s.in.size() > 0;
+  s.out_ready = depth_.in.room(now + 1);
+  const std::uint64_t rest = s.timing.rest(next_valid, s.out_ready);
+  if (rest == 0) {
     s.wake = now + 1;
     return;
   }
-  const Clock rest = s.timing.rest(in_valid, out_ready);
+  const bool will_hold_one = !s.latency.pipelined && s.timing.setup_busy();
+  s.setup.set(Interpolator::held(s.timing.res_valid(), next_valid || will_hold_one), now + 1);
+  s.span.set(Interpolator::held(s.timing.out_valid() && !s.out_ready, s.timing.active()), now + 1);
   s.sleep(now, rest == SpanInterpolatorTiming::never ? never : now + 1 + rest);
 }
 
 template <Stage stage>
-FragmentFact SpanMachine::fact_of(std::uint64_t number) {
+const FragmentFact& SpanMachine::fact_of(std::uint64_t number) {
+  static constexpr FragmentFact goes_on{.kept = true}, ends{.kept = false};
   if constexpr (stage == Stage::setup) {
-    FragmentFact fact;
-    fact.kept = facts_.triangle_kept(number);
-    return fact;
+    return facts_.triangle_kept(number) ? goes_on : ends;
   } else if constexpr (stage == Stage::depth) {
     return facts_.depth(number);
   } else if constexpr (stage == Stage::texture) {
     return facts_.texture(number);
   } else if constexpr (stage == Stage::fog) {
-    FragmentFact fact;
-    fact.kept = true;
-    return fact;
+    return goes_on;
   } else {
     return facts_.merge(number);
   }
@@ -439,36 +455,30 @@ void SpanMachine::clock_pipe(Pipe& p, Clock now) {
     return fog_;
   };
 
-  p.in.see();
   bool moved = false;
   bool blocked = false;
-  bool waits = false;
+  Entry& head = p.entries[p.left & p.mask];
+  bool waits = has_memory && head.waits(now);
   Clock next = never;
 
-  const bool requests_out = !has_memory || p.asks == 0 || p.inside() > 1;
-  if (p.inside() > 0) {
-    const Entry& head = p.entries[p.left & p.mask];
-    if (head.due > now) {
-      next = head.due;
-    } else if (has_memory && (!requests_out || head.untaken > 0 || head.answer > now)) {
-      waits = true;
-      if (requests_out && head.untaken == 0) next = head.answer;
-    } else if (stage != Stage::merge && head.fact.kept && !out().room(now)) {
+  if (head.ready > now) {
+    next = head.next(now);
+  } else {
+    if (stage != Stage::merge && head.kept && !out().room(now)) {
       blocked = true;
     } else {
       if constexpr (stage == Stage::merge || stage == Stage::texture) {
-        if (stage == Stage::merge || !head.fact.kept) {
-          run_.pixel_free[head.fact.pixel] = now + 1;
-          depth_.poke(now);
+        if (stage == Stage::merge || !head.kept) {
+          released_[releases_++] = head.pixel;
         }
       }
-      if (head.fact.kept) {
+      if (head.kept) {
         ++p.meter.out;
         if constexpr (stage != Stage::merge) {
-          ++out().pushed;
-          reader().poke(now);
+          if (out().push()) reader().poke(now);
         }
       }
+      head.due = head.ready = never;
       ++p.left;
       moved = true;
     }
@@ -480,34 +490,43 @@ void SpanMachine::clock_pipe(Pipe& p, Clock now) {
   if (has_memory && p.asks != 0) waits = true;
   bool accepted = false;
   if (in_valid && p.asks == 0 && p.inside() < p.capacity && !in_interval) {
-    const FragmentFact fact = fact_of<stage>(p.in.popped);
-    // Woken by the release where the pixel is not free.
-    if (stage == Stage::depth && fact.covered && run_.pixel_free[fact.pixel] > now) {
+    const FragmentFact& fact = fact_of<stage>(p.in.popped);
+    if (stage == Stage::depth && fact.covered && in_flight_[fact.pixel] != 0) {
       waits = true;
+      awaited_pixel_ = fact.pixel;
     } else {
       if (p.in.full()) writer().poke(now);
       p.in.pop(now);
       ++p.meter.in;
       p.next_entry = now + p.interval;
-      p.entries[p.entered++ & p.mask] = {now + p.latency, 0, 0, fact};
-      p.asks = fact.asks;
-      if (stage == Stage::depth && fact.kept) run_.pixel_free[fact.pixel] = Run::never;
+      Entry& entry = p.entries[p.entered++ & p.mask];
+      entry.due = now + p.latency;
+      entry.ready = fact.asks == 0 ? entry.due : never;
+      entry.open = p.asks = fact.asks;
+      entry.pixel = fact.pixel;
+      entry.kept = fact.kept;
+      if (stage == Stage::depth && fact.kept) in_flight_[fact.pixel] = 1;
       accepted = true;
     }
   }
   if constexpr (has_memory) {
     Port& to = port<stage>();
     if (p.asks != 0 && to.level.room(now)) {
-      const Request request = p.requests[static_cast<std::size_t>(std::countr_zero(p.asks))];
-      p.asks &= p.asks - 1;
+      const Request& request = p.requests[static_cast<std::size_t>(std::countr_zero(p.asks))];
+      const std::uint32_t ask = p.asks & (~p.asks + 1);  // the lowest
+      p.asks &= ~ask;
       Entry& newest = p.entries[(p.entered - 1) & p.mask];
-      to.slots[to.level.pushed++ & 1] = {request, &newest};
-      bus_.wake = std::min(bus_.wake, std::max(now + 1, bus_.free));
+      Port::Slot& slot = to.slots[to.level.pushed++ & 1];
+      slot.request = &request;
+      slot.ask = ask;
+      slot.entry = &newest;
+      bus_.look(std::max(now + 1, bus_.free));
       if (request.is_read) {
-        ++newest.untaken;
         ++bus_.report.reads;
       } else {
         ++bus_.report.writes;
+        newest.open &= ~ask;
+        if (newest.open == 0) newest.ready = std::max({newest.due, newest.answer, now + 1});
       }
       moved = true;
     }
@@ -519,11 +538,23 @@ void SpanMachine::clock_pipe(Pipe& p, Clock now) {
               : in_valid              ? StageState::busy
                                       : StageState::starved,
               now);
-  if (moved || accepted) {
-    last_move_ = now + 1;
-    p.wake = now + 1;
-  } else {
+  if (!moved && !accepted) {
     p.sleep(now, next);
+    return;
+  }
+  last_move_ = now + 1;
+  // Where nothing can enter or be put on the next clock either, what becomes of that shows already, and a
+  // look for nothing is saved.
+  const Entry& then = p.head();
+  const bool entry_rests = p.asks == 0 ? p.in.size() == 0 : !port<stage>().level.room(now + 1);
+  if (!entry_rests || then.ready <= now + 1) {
+    p.sleep(now, now + 1);
+  } else if (now + 1 < p.next_entry) {
+    p.meter.set(StageState::busy, now + 1);
+    p.sleep(now, std::min(then.next(now + 1), p.next_entry));
+  } else {
+    p.meter.set(then.waits(now + 1) || p.asks != 0 ? StageState::memory : StageState::starved, now + 1);
+    p.sleep(now, then.next(now + 1));
   }
 }
 
@@ -563,6 +594,11 @@ void SpanMachine::clock_until_drained(std::span<const Triangle> triangles, std::
   source_.wake = now;
   Clock tell_at = (now / progress_clocks + 1) * progress_clocks;
   while (true) {
+    while (releases_ > 0) {
+      const std::uint32_t pixel = released_[--releases_];
+      in_flight_[pixel] = 0;
+      if (pixel == awaited_pixel_) depth_.look(now);
+    }
     if (bus_.wake <= now) clock_bus(now);
     if (merge_.wake <= now) clock_pipe<Stage::merge>(merge_, now);
     if (fog_.wake <= now) clock_pipe<Stage::fog>(fog_, now);
@@ -576,7 +612,7 @@ void SpanMachine::clock_until_drained(std::span<const Triangle> triangles, std::
     cycles_ = now + 1;
     watch(cycles_);
     const bool done = drained();
-    now = done ? cycles_ : next_wake();
+    now = done || last_move_ == cycles_ ? cycles_ : next_wake();
     for (; tell_at <= now; tell_at += progress_clocks) {
       if (tell_at - last_move_ >= watchdog_clocks_) break;
       if (progress_) progress_(source_.offered);

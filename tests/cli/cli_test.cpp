@@ -390,6 +390,29 @@ TEST_F(Cli, SimCountsClocks) {
   EXPECT_NE(read(folder_ / "w.vcd").find("$enddefinitions"), std::string::npos);
 }
 
+TEST_F(Cli, SimCountsTheSameClocksInBothModes) {
+  const auto numbers = [&](const std::string& mode) {
+    const Result r = run("sim demo --size 48x36 --mode " + mode + " --json " + mode + ".json");
+    EXPECT_EQ(r.code, 0) << r.err;
+    auto json = nlohmann::json::parse(read(folder_ / (mode + ".json")));
+    EXPECT_EQ(json.at("mode"), mode);
+    EXPECT_NE(r.out.find("mode " + mode + "\n"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("cycles: " + json.at("cycles").dump() + "\n"), std::string::npos) << r.out;
+    json.erase("mode");
+    return json;
+  };
+  const auto cycle = numbers("cycle");
+  EXPECT_GT(cycle.at("cycles").get<std::uint64_t>(), 1000U);
+  EXPECT_GT(cycle.at("fragments").get<std::uint64_t>(), 1000U);
+  EXPECT_EQ(numbers("span"), cycle);
+}
+
+TEST_F(Cli, SimRefusesWhatNoModeCanDo) {
+  refused("sim demo --size 48x36 --mode spin", "--mode: spin not in {cycle,span}");
+  refused("sim demo --size 48x36 --mode ''", "--mode");
+  refused("sim demo --size 48x36 --mode span --vcd w.vcd", "mode span has no waveform");
+}
+
 TEST_F(Cli, FuzzHoldsAndACaseStandsAlone) {
   const Result r = run("fuzz --seed 3 --count 12 --streams-per-config 3 --engines golden,model");
   ASSERT_EQ(r.code, 0) << r.out << r.err;
