@@ -1,0 +1,51 @@
+"""python3 -m bitspan_report DATABASE OUT_DIR [--study NAME]"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import sys
+
+from . import ReportError
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="bitspan_report",
+        description="Writes OUT_DIR/report.html, one file that needs nothing else, and its plots "
+        "as SVG and PNG beside it, from the database that `bitspan study` writes.",
+        epilog="example: python3 -m bitspan_report dividers.db out/dividers",
+        allow_abbrev=False,
+    )
+    parser.add_argument("database", metavar="DATABASE", help="the study's SQLite file")
+    parser.add_argument("folder", metavar="OUT_DIR", help="made where it is missing")
+    parser.add_argument("--study", metavar="NAME", help="which study, where the database holds several")
+    return parser.parse_args()
+
+
+def _check_libraries() -> None:
+    missing = [name for name in ("matplotlib", "numpy", "plotly") if importlib.util.find_spec(name) is None]
+    if missing:
+        packages = ", ".join(f"python3-{name}" for name in missing)
+        raise ReportError(f"{sys.executable} has no module {', '.join(missing)}; Debian's python3 has it by {packages}")
+
+
+def main() -> int:
+    """0: written; 2: bad input or nowhere to write, with one line that says what."""
+    arguments = _arguments()
+    try:
+        _check_libraries()
+        from .database import load_study  # these need the libraries
+
+        study = load_study(arguments.database, arguments.study)
+        from .report import write_report  # and this takes a second to load: bad input is told before
+
+        write_report(study, arguments.folder)
+    except ReportError as error:
+        print(f"bitspan_report: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,323 @@
+"""The numbers behind the plots: fronts, curves against a width, knees, shares of the error budget."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .study import BudgetRow, Study, key_value
+
+Floats = NDArray[np.float64]
+
+KNEE_DEFINITION = (
+    "The knee is the value farthest below the straight line from the first to the last value of a curve, with errors in "
+    "octaves (log2; decibels divided by 6.02), and values that span a factor of 100 too: up to there a step of the key pays well, beyond it little. Where no value "
+    "lies half an octave below that line, there is no knee."
+)
+KNEE_DEPTH = 0.5  # octaves below the line that make a knee
+COSTS = ("cost.", "area.", "estimate.")  # how metrics of cost begin
+MOST_METRICS = 400  # of the menu
+
+
+def higher_is_better(metric: str) -> bool:
+    """Signal-to-noise ratios, clock rates and unused bits; everything else is to be low."""
+    return metric.endswith(("_db", "fmax_mhz"))
+
+
+def unit_of(metric: str, units: dict[str, str]) -> str:
+    """The unit a metric is in, by its name; `units` are those of the fields, "span.u": "texel"."""
+    head, _, last = metric.rpartition(".")
+    if last.endswith("_ulp"):
+        return "ULP"
+    if last.endswith("_db"):
+        return "dB"
+    if head in units and last in ("max", "mean", "bias", "rms", "p999"):
+        return units[head]
+    known = {
+        "cost.register_bits": "bits",
+        "cost.product_bits": "bit × bit",
+        "cost.table_bits": "bits",
+        "picture.drawn": "pixels",
+        "picture.color_max": "colour code",
+        "picture.wrong_order": "pixels",
+        "picture.wrong_texel": "pixels",
+        "picture.coverage_differences": "pixels",
+        "picture.wrong_order_rate": "of the pixels",
+        "picture.wrong_texel_rate": "of the pixels",
+    }
+    by_ending = {
+        "luts": "LUTs",
+        "ffs": "flip-flops",
+        "multipliers": "multipliers",
+        "memory_bits": "bits",
+        "fmax_mhz": "MHz",
+        "wraps": "values",
+        "saturations": "values",
+        "used_bits": "bits",
+        "headroom": "bits",
+    }
+    return known.get(metric, by_ending.get(last, ""))
+
+
+def axis_title(metric: str, units: dict[str, str]) -> str:
+    """The metric with its unit in brackets."""
+    unit = unit_of(metric, units)
+    return f"{metric} [{unit}]" if unit else metric
+
+
+def pareto_front(costs: Floats, errors: Floats) -> list[int]:
+    """Indices of the points that no other point beats or equals in both (n,) arrays, by rising cost.
+
+    Both are to be low. Of points equal in both, the first stands for all. NaN and infinite points are never on it.
+    """
+    usable = np.flatnonzero(np.isfinite(costs) & np.isfinite(errors))
+    order = usable[np.lexsort((usable, errors[usable], costs[usable]))]
+    front: list[int] = []
+    lowest = math.inf
+    for i in order:
+        if errors[i] < lowest:
+            front.append(int(i))
+            lowest = float(errors[i])
+    return front
+
+
+def to_minimise(metric: str, values: Floats) -> Floats:
+    """The values, negated where more is better."""
+    return -values if higher_is_better(metric) else values
+
+
+def octaves(metric: str, values: Floats) -> Floats:
+    """(n,) losses in octaves, low is good: log2 of errors, decibels / 6.02.
+
+    A zero counts as half of the smallest positive error of the curve; all zeros are one level.
+    """
+    if metric.endswith("_db"):
+        return -np.nan_to_num(values, posinf=400.0) / (20 * math.log10(2))
+    positive = np.abs(values)[values != 0]
+    floor = positive.min() / 2 if positive.size else 1.0
+    return np.asarray(np.log2(np.maximum(np.abs(values), floor)), dtype=np.float64)
+
+
+def knee(widths: Floats, losses: Floats) -> int | None:
+    """The index of the knee (KNEE_DEFINITION) of a curve of rising (n,) widths and its (n,) losses in octaves."""
+    if len(widths) < 3 or not np.all(np.isfinite(losses)):
+        return None
+    line = losses[0] + (losses[-1] - losses[0]) * (widths - widths[0]) / (widths[-1] - widths[0])
+    depth = line - losses
+    deepest = int(np.argmax(depth))
+    return deepest if depth[deepest] >= KNEE_DEPTH else None
+
+
+@dataclass
+class Axis:
+    """Keys that were set together, and what stands for their values at each point: one of them that tells all sets of
+    values apart, or all of them as text."""
+
+    keys: list[str]
+    shown: str  # the key whose values these are; several, joined, where they are text
+    values: list[Any]  # (points,); None: unknown there
+    numeric: bool
+    slice: list[int]  # the points that differ from the base in these keys alone
+
+    @property
+    def label(self) -> str:
+        if self.shown not in self.keys:
+            return self.shown
+        others = [key for key in self.keys if key != self.shown]
+        more = f" and {len(others) - 1} more" if len(others) > 1 else ""
+        return self.shown + (f" with {others[0]}{more}" if others else "")
+
+
+@dataclass
+class Curve:
+    """A metric over the values of an axis: (value, metric, index of the point), by rising value."""
+
+    samples: list[tuple[Any, float, int]]
+    knee: int | None  # index into samples
+    one_at_a_time: bool  # samples differ from the base in the axis alone; else: the best of all with that value
+
+
+def base_settings(study: Study) -> dict[str, Any]:
+    """The base's values of all keys that vary; None where the base was not measured."""
+    config = tomllib.loads(study.points[study.base].config) if study.base is not None else {}
+    return {key: key_value(config, key) for axis in study.axes for key in axis}
+
+
+def read_axes(study: Study) -> list[Axis]:
+    """The axes along which the measured points of a study really differ."""
+    base = base_settings(study)
+    axes = []
+    for keys in study.axes:
+        sets = [tuple(point.settings.get(key, base[key]) for key in keys) for point in study.points]
+        known = [not point.refused and None not in values for point, values in zip(study.points, sets)]
+        distinct = {values for values, ok in zip(sets, known) if ok}
+        if len(distinct) < 2:
+            continue
+        others = [key for key in base if key not in keys]
+        alone = [
+            i
+            for i, point in enumerate(study.points)
+            if known[i] and all(point.settings.get(key, base[key]) == base[key] for key in others)
+        ]
+        telling = [k for k in range(len(keys)) if len({values[k] for values in distinct}) == len(distinct)]
+        if telling:
+            column = [values[telling[0]] if ok else None for values, ok in zip(sets, known)]
+            numeric = all(_is_number(value) for value in column if value is not None)
+            axes.append(Axis(keys, keys[telling[0]], column, numeric, alone))
+        else:
+            texts = [" ".join(map(str, values)) if ok else None for values, ok in zip(sets, known)]
+            axes.append(Axis(keys, _together(keys), texts, False, alone))
+    return axes
+
+
+def _together(keys: list[str]) -> str:
+    """Several keys, what they share said once: "reciprocal.pixel: kind, steps"."""
+    parts = [key.split(".") for key in keys]
+    shared = 0
+    while all(len(p) > shared + 1 and p[shared] == parts[0][shared] for p in parts):
+        shared += 1
+    prefix = ".".join(parts[0][:shared])
+    return (f"{prefix}: " if prefix else "") + ", ".join(".".join(p[shared:]) for p in parts)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def spans_decades(values: Sequence[float]) -> bool:
+    """Whether a key's values want a logarithmic axis: positive, and a factor of 100 or more."""
+    return len(values) > 0 and min(values) > 0 and max(values) >= 100 * min(values)
+
+
+def curve(axis: Axis, metric: str, column: Floats) -> Curve:
+    """The metric's curve over an axis; column is (points,).
+
+    Through the base where at least three values were tried with all else as in the base; otherwise the best point of
+    each value, whatever else it has.
+    """
+    one_at_a_time = len({axis.values[i] for i in axis.slice}) >= 3
+    candidates = axis.slice if one_at_a_time else range(len(axis.values))
+    best: dict[Any, int] = {}
+    keys = to_minimise(metric, column)
+    for i in candidates:
+        value = axis.values[i]
+        if value is None or math.isnan(column[i]):
+            continue
+        if value not in best or keys[i] < keys[best[value]]:
+            best[value] = i
+    ordered = sorted(best) if axis.numeric else list(best)
+    samples = [(value, float(column[best[value]]), best[value]) for value in ordered]
+    at = None
+    if axis.numeric:
+        positions = np.array(ordered, dtype=np.float64)
+        at = knee(
+            np.log2(positions) if spans_decades(ordered) else positions,
+            octaves(metric, np.array([s[1] for s in samples])),
+        )
+    return Curve(samples, at, one_at_a_time)
+
+
+def _varies(column: Sequence[float]) -> bool:
+    finite = [v for v in column if not math.isnan(v)]
+    return len(finite) > 0 and (len(column) < 2 or min(finite) != max(finite))
+
+
+def cost_metrics(study: Study) -> list[str]:
+    """What a point costs, of those with values: the search's cost first."""
+    names = [n for n in study.metrics if n.startswith(COSTS)]
+    names.sort(
+        key=lambda n: (n != study.cost_metric, COSTS.index(n.partition(".")[0] + "."), n != "cost.register_bits", n)
+    )
+    return names or list(study.metrics)[:1]
+
+
+def error_metrics(study: Study) -> list[str]:
+    """The errors worth a menu: those of the plan and its constraints; without any, all that differ between points."""
+    named = [*study.chosen_metrics, *(c.metric for c in study.constraints)]
+    named = [n for n in dict.fromkeys(named) if n in study.metrics and not n.startswith(COSTS)]
+    if study.chosen_metrics and named:
+        return named
+
+    def of_interest(name: str) -> bool:
+        return not name.startswith((*COSTS, "register.")) and not name.endswith("_ulp")
+
+    rest = [n for n, column in study.metrics.items() if of_interest(n) and _varies(column)]
+    rest.sort(key=lambda n: (n != "span.u.p999", not n.startswith("span."), not n.endswith(".p999"), n))
+    return list(dict.fromkeys([*named, *rest]))[:MOST_METRICS] or list(study.metrics)[:1]
+
+
+def column_of(study: Study, metric: str) -> Floats:
+    """(points,) values of a metric."""
+    return np.array(study.metrics[metric], dtype=np.float64)
+
+
+def noted_points(study: Study, most: int = 40) -> list[str]:
+    """Hashes of the points that a reader looks at: what is recommended, the base, the front of the first two metrics."""
+    hashes = [found.hash for found in study.recommended]
+    hashes += [study.points[study.base].hash] if study.base is not None else []
+    for x, y in zip(cost_metrics(study)[:1], error_metrics(study)[:1]):
+        front = pareto_front(to_minimise(x, column_of(study, x)), to_minimise(y, column_of(study, y)))
+        hashes += [study.points[i].hash for i in front]
+    return list(dict.fromkeys(hashes))[:most]
+
+
+def told_metrics(study: Study) -> list[str]:
+    """The metrics of the page's tables: where the plan names some, those, its constraints and all costs."""
+    if not study.chosen_metrics:
+        return list(study.metrics)
+    wanted = {*error_metrics(study), *cost_metrics(study)}
+    return [n for n in study.metrics if n in wanted]
+
+
+@dataclass
+class Stack:
+    """A metric's error budget: what each quantisation contributes on its own, as a fraction of the whole error.
+
+    `common` is what even the smallest of them leaves alone: the rounding of the output, the snap of the input.
+    """
+
+    metric: str
+    base: float
+    powers: bool  # an RMS: squares, which add where the causes are independent
+    shares: list[tuple[str, float]]  # quantisation, fraction of base (of its square) beyond common; the largest first
+    common: float
+
+
+def budget_stacks(rows: list[BudgetRow]) -> list[Stack]:
+    """The stacks of a configuration's budget. Metrics without error and those that are better high are left out."""
+    stacks = []
+    for metric in dict.fromkeys(row.metric for row in rows):
+        of_metric = [row for row in rows if row.metric == metric and math.isfinite(row.alone)]
+        if not of_metric or higher_is_better(metric):
+            continue
+        base = of_metric[0].base
+        if not math.isfinite(base) or base <= 0:
+            continue
+        powers = metric.endswith((".rms", ".rms_ulp"))
+        alone = [(row.quantisation, (row.alone / base) ** (2 if powers else 1)) for row in of_metric]
+        common = min(share for _, share in alone)
+        shares = [(name, share - common) for name, share in alone]
+        stacks.append(Stack(metric, base, powers, sorted(shares, key=lambda share: -share[1]), common))
+    return stacks
+
+
+def log_floor(values: Floats) -> float | None:
+    """Where zeros go on a logarithmic axis: half a decade below the smallest positive value.
+
+    None where the axis is better linear: values below 0, none above, or all within three octaves and no zero.
+    """
+    finite = values[np.isfinite(values)]
+    positive = finite[finite > 0]
+    if positive.size == 0 or (finite < 0).any():
+        return None
+    if positive.max() / positive.min() < 8 and positive.size == finite.size:
+        return None
+    if positive.max() / positive.min() < 4:  # counts such as 0, 1, 2
+        return None
+    return float(positive.min() / math.sqrt(10))

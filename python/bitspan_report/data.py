@@ -1,0 +1,158 @@
+"""What the page's script draws from, as plain JSON values."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from . import analysis, figures
+from .study import Area, BudgetRow, Register, Study
+
+
+def plain(value: float) -> float | str | None:
+    """A number for JSON: five digits, whole numbers whole, NaN as null, infinities as text."""
+    if math.isnan(value):
+        return None
+    if math.isinf(value):
+        return "inf" if value > 0 else "-inf"
+    return int(value) if value.is_integer() and abs(value) < 1e12 else float(f"{value:.5g}")
+
+
+def plain_column(values: list[float]) -> Any:
+    """A column of the metrics' table; a single number where all points agree."""
+    column = [plain(v) for v in values]
+    if column and isinstance(column[0], (int, float)) and all(v == column[0] for v in column):
+        return column[0]
+    return column
+
+
+def config_delta(base: list[str], config: str) -> Any:
+    """A configuration as {line number: text} against the base's lines; as its whole text where lines moved."""
+    lines = config.split("\n")
+    if len(lines) != len(base):
+        return config
+    return {str(i): line for i, (line, old) in enumerate(zip(lines, base)) if line != old}
+
+
+def shown_hashes(study: Study, tables: dict[str, Any]) -> list[str]:
+    """The points with rows in a table by hash: recommended ones first, then the base, then the others."""
+    order = [r.hash for r in study.recommended]
+    order += [study.points[study.base].hash] if study.base is not None else []
+    order += [point.hash for point in study.points]
+    return [h for h in dict.fromkeys(order) if h in tables]
+
+
+def point_name(study: Study, point_hash: str) -> str:
+    """How a point is called in menus: what it is to the study, and its hash."""
+    roles = ["recommended"] if any(r.hash == point_hash for r in study.recommended) else []
+    if study.base is not None and study.points[study.base].hash == point_hash:
+        roles.append("base")
+    return f"{' and '.join(roles) or 'point'} {point_hash[:12]}"
+
+
+def page_data(study: Study) -> dict[str, Any]:
+    """Everything the script draws. Points are referred to by their index."""
+    x_names, y_names = analysis.cost_metrics(study), analysis.error_metrics(study)
+    columns = {n: analysis.column_of(study, n) for n in dict.fromkeys([*x_names, *y_names])}
+    lows = {n: analysis.to_minimise(n, column) for n, column in columns.items()}
+    axes = analysis.read_axes(study)
+    base_lines = study.points[study.base if study.base is not None else 0].config.split("\n") if study.points else []
+    return {
+        "database": study.database,
+        "study": study.name,
+        "points": [
+            {
+                "hash": p.hash,
+                "number": p.number,
+                "refused": p.refused,
+                "message": p.message,
+                "settings": p.settings,
+                "holds": p.holds,
+                "seconds": plain(p.seconds),
+                "config": config_delta(base_lines, p.config),
+                "areas": [_area(a) for a in study.areas.get(p.config_hash, [])],
+            }
+            for p in study.points
+        ],
+        "baseConfig": base_lines,
+        "base": study.base,
+        "recommended": [i for r in study.recommended if (i := study.index_of(r.hash)) is not None],
+        "metrics": {n: plain_column(study.metrics[n]) for n in analysis.told_metrics(study)},
+        "units": {n: analysis.unit_of(n, study.units) for n in study.metrics},
+        "limits": [{"metric": c.metric, "atMost": c.at_most, "atLeast": c.at_least} for c in study.constraints],
+        "x": x_names,
+        "y": y_names,
+        "fronts": {x: {y: analysis.pareto_front(lows[x], lows[y]) for y in y_names} for x in x_names},
+        "axes": [{"label": a.label, "shown": a.shown, "keys": a.keys, "numeric": a.numeric} for a in axes],
+        "curves": {y: [_curve(analysis.curve(a, y, columns[y])) for a in axes] for y in y_names},
+        "registers": {h: [_register(r) for r in study.registers[h]] for h in shown_hashes(study, study.registers)},
+        "budget": {h: _budget(rows) for h, rows in study.budget.items()},
+        "bounds": {
+            h: [
+                [
+                    f"{b.place} [{b.unit}]" if b.unit else b.place,
+                    plain(b.bound),
+                    plain(b.observed),
+                    plain(b.ratio),
+                    b.broken,
+                ]
+                for b in rows
+            ]
+            for h, rows in study.bounds.items()
+        },
+        "steps": [[s.number, plain(s.cost), s.holds, study.index_of(s.hash)] for s in study.steps],
+        "best": figures.best_so_far(study.steps),
+        "costTitle": analysis.axis_title(study.cost_metric, study.units),
+    }
+
+
+def _area(area: Area) -> dict[str, Any]:
+    return {
+        "family": area.family,
+        "placed": area.placed,
+        "status": area.status,
+        "message": area.message,
+        "values": {n: plain(v) for n, v in area.values.items() if not math.isnan(v)},
+    }
+
+
+def _curve(curve: analysis.Curve) -> dict[str, Any]:
+    return {
+        "samples": [[value, plain(y), i] for value, y, i in curve.samples],
+        "knee": curve.knee,
+        "oneAtATime": curve.one_at_a_time,
+    }
+
+
+def _register(r: Register) -> dict[str, Any]:
+    low, high = r.range_log2
+    return {
+        "name": r.name,
+        "format": r.format,
+        "low": low,
+        "high": high,
+        "headroom": r.headroom,
+        "zeros": r.zeros,
+        "count": r.count,
+        "min": plain(r.min),
+        "max": plain(r.max),
+        "wraps": r.wraps,
+        "saturations": r.saturations,
+        "bars": [[e, count, round(height, 3)] for e, count, height in figures.octave_bars(r)],
+    }
+
+
+def _budget(rows: list[BudgetRow]) -> dict[str, Any]:
+    stacks = analysis.budget_stacks(rows)
+    return {
+        "names": figures.stack_names(stacks),
+        "stacks": [
+            {
+                "metric": s.metric,
+                "powers": s.powers,
+                "common": plain(s.common),
+                "shares": [[n, plain(v)] for n, v in s.shares if v],
+            }
+            for s in stacks
+        ],
+    }

@@ -1,0 +1,350 @@
+"""Reads one study out of a study database (SQLite, schema 1)."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import pathlib
+import re
+import sqlite3
+import tomllib
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import closing
+from typing import Any
+
+from . import ReportError, analysis
+from .study import (
+    Area,
+    Bound,
+    BudgetRow,
+    Cause,
+    CertificateRow,
+    Constraint,
+    FieldError,
+    Point,
+    Recommendation,
+    Register,
+    SearchStep,
+    Study,
+    key_value,
+)
+
+SCHEMA = "1"
+
+# The points that a study refers to anywhere; :s is its name.
+_POINTS = """(SELECT hash FROM study_points WHERE study = :s UNION SELECT hash FROM search_steps WHERE study = :s
+  UNION SELECT hash FROM certificate WHERE study = :s UNION SELECT hash FROM recommended WHERE study = :s
+  UNION SELECT base_hash FROM studies WHERE name = :s)"""
+
+
+class _Reader:
+    """Queries of one study, in one transaction: a study that runs on meanwhile does not mix two states."""
+
+    def __init__(self, connection: sqlite3.Connection, study: str) -> None:
+        self._connection = connection
+        self._study = study
+
+    def rows(self, query: str, **values: str) -> Iterator[tuple[Any, ...]]:
+        """Of a query in which :s is the study's name."""
+        return iter(self._connection.execute(query, {"s": self._study, **values}))
+
+
+def number(value: Any) -> float:
+    """A stored number: NULL is NaN, infinities are text."""
+    return math.nan if value is None else float(value)
+
+
+def load_study(path: str, name: str | None) -> Study:
+    """The study of that name; without a name, the only one there is. Throws ReportError."""
+    if not pathlib.Path(path).is_file():
+        raise ReportError(f"{path}: no such file")
+    try:
+        with closing(
+            sqlite3.connect(_uri_of(pathlib.Path(path).absolute()), uri=True, timeout=5, isolation_level=None)
+        ) as connection:
+            connection.execute("PRAGMA temp_store = MEMORY")  # reading needs no room on any disk
+            connection.execute("BEGIN")
+            version = _check_schema(path, connection)
+            study = _select_study(path, connection, name)
+            return _read(path, version, _Reader(connection, study), study)
+    except sqlite3.Error as error:
+        raise ReportError(f"{path}: cannot be read as a study database: {error}") from None
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        raise ReportError(f"{path}: holds a value that no study writes: {error}") from None
+
+
+def _uri_of(path: pathlib.Path) -> str:
+    """For reading alone. SQLite wants to put a file beside one with a write-ahead log, but does without in a folder where
+    it cannot; no log, no writer: nothing changes meanwhile."""
+    still = not os.access(path.parent, os.W_OK) and not pathlib.Path(f"{path}-wal").exists()
+    return path.as_uri() + ("?mode=ro&immutable=1" if still else "?mode=ro")
+
+
+def _check_schema(path: str, connection: sqlite3.Connection) -> str:
+    tables = {row[0] for row in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
+    if not {"meta", "studies", "points"} <= tables:
+        raise ReportError(f"{path}: not a study database: it has no tables meta, studies, points")
+    meta = dict(connection.execute("SELECT key, value FROM meta"))
+    if str(meta.get("schema")) != SCHEMA:
+        raise ReportError(f"{path}: schema {meta.get('schema')}; expected {SCHEMA}")
+    return str(meta.get("version", ""))
+
+
+def _select_study(path: str, connection: sqlite3.Connection, name: str | None) -> str:
+    names = [row[0] for row in connection.execute("SELECT name FROM studies ORDER BY name")]
+    listed = ", ".join(names) or "none"
+    if name is not None and name not in names:
+        raise ReportError(f'{path}: no study "{name}"; it has: {listed}')
+    if name is None and len(names) != 1:
+        raise ReportError(f"{path}: {len(names)} studies; name one with --study, of: {listed}")
+    return name if name is not None else names[0]
+
+
+def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
+    plan, kind, base_hash = next(reader.rows("SELECT plan, kind, base_hash FROM studies WHERE name = :s"))
+    try:
+        planned = tomllib.loads(plan)
+    except tomllib.TOMLDecodeError as error:
+        raise ReportError(f'{path}: the plan of study "{name}" is no TOML: {error}') from None
+    points = _read_points(reader)
+    base = next((p for p in points if p.hash == base_hash), None)
+    axes = _planned_axes(planned, points)
+    _add_settings(points, base, axes)
+    indices = {point.hash: i for i, point in enumerate(points)}
+    study = Study(
+        database=pathlib.Path(path).name,
+        version=version,
+        name=name,
+        kind=kind,
+        plan=plan,
+        points=points,
+        base=indices.get(base_hash),
+        metrics=_read_metrics(reader, indices),
+        units=_read_units(reader),
+        axes=axes,
+        constraints=_planned_constraints(planned),
+        chosen_metrics=list(planned.get("study", {}).get("metrics", [])),
+        cost_metric=planned["search"].get("cost", "cost.register_bits") if "search" in planned else "",
+        errors=_read_errors(reader),
+        registers={},
+        budget=_read_budget(reader),
+        bounds=_read_bounds(reader),
+        pictures=_read_pictures(reader),
+        causes=_read_causes(reader),
+        areas=_read_areas(reader),
+        steps=[
+            SearchStep(i, h, number(cost), bool(holds), bool(best))
+            for i, h, cost, holds, best in reader.rows(
+                "SELECT i, hash, cost, holds, best FROM search_steps WHERE study = :s ORDER BY i"
+            )
+        ],
+        certificate=[
+            CertificateRow(*(str(v or "") for v in row))
+            for row in reader.rows(
+                "SELECT key, from_value, to_value, hash, failed FROM certificate WHERE study = :s ORDER BY rowid"
+            )
+        ],
+        recommended=[
+            Recommendation(h, reason or "", verified or "")
+            for h, reason, verified in reader.rows(
+                "SELECT hash, reason, verified FROM recommended WHERE study = :s ORDER BY rowid"
+            )
+        ],
+    )
+    _add_area_metrics(study)
+    study.registers = _read_registers(reader, analysis.noted_points(study))
+    return study
+
+
+def _read_points(reader: _Reader) -> list[Point]:
+    points: dict[str, Point] = {}
+    for h, config_hash, config, scenes, status, message, seconds in reader.rows(
+        "SELECT hash, config_hash, config, scenes, status, message, seconds FROM points "
+        f"WHERE hash IN {_POINTS} ORDER BY rowid"
+    ):
+        points[h] = Point(h, config_hash, config, scenes or "", status != "ok", message or "", number(seconds))
+    for i, h, settings, holds in reader.rows(
+        "SELECT i, hash, settings, holds FROM study_points WHERE study = :s ORDER BY i"
+    ):
+        point = points.get(h)
+        if point is None or point.number is not None:  # not computed yet, or the same configuration again
+            continue
+        point.number, point.settings = i, dict(json.loads(settings))
+        point.holds = None if holds is None else bool(holds)
+    for h, holds in reader.rows("SELECT hash, holds FROM search_steps WHERE study = :s"):
+        if h in points and points[h].holds is None:
+            points[h].holds = bool(holds)
+    return sorted(points.values(), key=lambda point: math.inf if point.number is None else point.number)
+
+
+def _read_metrics(reader: _Reader, indices: dict[str, int]) -> dict[str, list[float]]:
+    columns: dict[str, list[float]] = defaultdict(lambda: [math.nan] * len(indices))
+    for h, name, value in reader.rows(f"SELECT hash, name, value FROM metrics WHERE hash IN {_POINTS}"):
+        if h in indices:
+            columns[name][indices[h]] = number(value)
+    return dict(sorted(columns.items()))
+
+
+def _read_units(reader: _Reader) -> dict[str, str]:
+    return {
+        f"{stage}.{quantity}": unit
+        for stage, quantity, unit in reader.rows(
+            f"SELECT DISTINCT stage, quantity, unit FROM fields WHERE hash IN {_POINTS}"
+        )
+    }
+
+
+def _read_errors(reader: _Reader) -> dict[str, list[FieldError]]:
+    errors: dict[str, list[FieldError]] = defaultdict(list)
+    for h, stage, quantity, unit, ulp, count, *numbers in reader.rows(
+        "SELECT hash, stage, quantity, unit, ulp, count, max, mean, bias, rms, p999, sqnr_db FROM fields "
+        "WHERE hash IN (SELECT hash FROM recommended WHERE study = :s UNION "
+        "SELECT base_hash FROM studies WHERE name = :s) ORDER BY rowid"
+    ):
+        errors[h].append(FieldError(stage, quantity, unit or "", number(ulp), count, *map(number, numbers)))
+    return dict(errors)
+
+
+def _read_registers(reader: _Reader, hashes: list[str]) -> dict[str, list[Register]]:
+    registers: dict[str, list[Register]] = {}
+    for h in hashes:
+        found = [
+            _register(*row)
+            for row in reader.rows(
+                'SELECT name, format, word, "int", signed, count, min, max, used_bits, headroom, wraps, '
+                "saturations, zeros, octaves "
+                "FROM registers WHERE hash = :h ORDER BY rowid",
+                h=h,
+            )
+        ]
+        if found:
+            registers[h] = found
+    return registers
+
+
+def _register(
+    name: str,
+    text: str,
+    word: int,
+    integer: int,
+    signed: int,
+    count: int,
+    low: Any,
+    high: Any,
+    used: int,
+    headroom: int,
+    wraps: int,
+    saturations: int,
+    zeros: int,
+    octaves: str,
+) -> Register:
+    counts = [int(c) for c in json.loads(octaves)]
+    if len(counts) != 128:
+        raise ValueError(f"octaves of register {name}: {len(counts)} counts; expected 128")
+    return Register(
+        name,
+        text,
+        word,
+        integer,
+        bool(signed),
+        count,
+        number(low),
+        number(high),
+        used,
+        headroom,
+        wraps,
+        saturations,
+        zeros,
+        counts,
+    )
+
+
+def _read_budget(reader: _Reader) -> dict[str, list[BudgetRow]]:
+    budget: dict[str, list[BudgetRow]] = defaultdict(list)
+    for h, quantisation, metric, base, without, alone in reader.rows(
+        f"SELECT hash, quantisation, metric, base, without, alone FROM budget WHERE hash IN {_POINTS} ORDER BY rowid"
+    ):
+        budget[h].append(BudgetRow(quantisation, metric, number(base), number(without), number(alone)))
+    return dict(budget)
+
+
+def _read_bounds(reader: _Reader) -> dict[str, list[Bound]]:
+    bounds: dict[str, list[Bound]] = defaultdict(list)
+    for h, place, unit, bound, observed in reader.rows(
+        f"SELECT hash, place, unit, bound, observed FROM bounds WHERE hash IN {_POINTS} ORDER BY rowid"
+    ):
+        bounds[h].append(Bound(place, unit or "", number(bound), number(observed)))
+    return dict(bounds)
+
+
+def _read_pictures(reader: _Reader) -> dict[str, dict[str, dict[str, bytes]]]:
+    pictures: dict[str, dict[str, dict[str, bytes]]] = {}
+    for h, scene, name, png in reader.rows(
+        f"SELECT hash, scene, name, png FROM pictures WHERE hash IN {_POINTS} ORDER BY rowid"
+    ):
+        if not isinstance(png, bytes) or not png.startswith(b"\x89PNG\r\n\x1a\n"):
+            raise ValueError(f'picture "{name}" of scene "{scene}" is no PNG')
+        pictures.setdefault(h, {}).setdefault(scene, {})[name] = png
+    return pictures
+
+
+def _read_causes(reader: _Reader) -> dict[str, dict[str, list[Cause]]]:
+    causes: dict[str, dict[str, list[Cause]]] = {}
+    for h, scene, name, colour, pixels in reader.rows(
+        f"SELECT hash, scene, name, color, pixels FROM causes WHERE hash IN {_POINTS} ORDER BY hash, scene, i"
+    ):
+        if not re.fullmatch(r"#[0-9a-f]{6}", colour):
+            raise ValueError(f"colour of cause {name}: {colour}; expected #rrggbb")
+        causes.setdefault(h, {}).setdefault(scene, []).append(Cause(name, colour, pixels))
+    return causes
+
+
+_AREA_COLUMNS = ("luts", "ffs", "multipliers", "memory_bits", "fmax_mhz")
+
+
+def _read_areas(reader: _Reader) -> dict[str, list[Area]]:
+    areas: dict[str, list[Area]] = defaultdict(list)
+    for config_hash, family, placed, status, message, tools, *values in reader.rows(
+        "SELECT config_hash, family, placed, status, message, tools, luts, ffs, multipliers, memory_bits, fmax_mhz "
+        f"FROM areas WHERE config_hash IN (SELECT config_hash FROM points WHERE hash IN {_POINTS}) "
+        "ORDER BY family, placed"
+    ):
+        areas[config_hash].append(
+            Area(
+                family, bool(placed), status, message or "", dict(zip(_AREA_COLUMNS, map(number, values))), tools or ""
+            )
+        )
+    return dict(areas)
+
+
+def _add_area_metrics(study: Study) -> None:
+    """Synthesis results as metrics: area.FAMILY.luts ...; where both were run, those after placement."""
+    for i, point in enumerate(study.points):
+        for area in study.areas.get(point.config_hash, []):
+            for column, value in area.values.items():
+                if area.status == "ok" and not math.isnan(value):
+                    name = f"area.{area.family}.{column}"
+                    study.metrics.setdefault(name, [math.nan] * len(study.points))[i] = value
+
+
+def _planned_axes(plan: dict[str, Any], points: list[Point]) -> list[list[str]]:
+    """Keys that vary, those set together in one list; one axis a key for keys that no [[vary]] names."""
+    axes = [list(axis["keys"]) for axis in plan.get("vary", [])]
+    named = {key for axis in axes for key in axis}
+    axes += [[key] for key in dict.fromkeys(key for point in points for key in point.settings) if key not in named]
+    return axes
+
+
+def _add_settings(points: list[Point], base: Point | None, axes: list[list[str]]) -> None:
+    """Of points that only a search met: what their configurations say of the keys that vary."""
+    for point in points:
+        if point.number is None and point is not base and point.config:
+            config = tomllib.loads(point.config)
+            values = {key: key_value(config, key) for axis in axes for key in axis}
+            point.settings = {key: value for key, value in values.items() if value is not None}
+
+
+def _planned_constraints(plan: dict[str, Any]) -> list[Constraint]:
+    return [Constraint(c["metric"], c.get("at_most"), c.get("at_least")) for c in plan.get("constraint", [])]

@@ -1,0 +1,226 @@
+"use strict";
+// The page's data, menus, and the panel that shows one configuration. Text from the database enters the page only
+// as text nodes, or through escaped() into what plotly.js reads as its subset of HTML.
+
+const data = JSON.parse(document.getElementById("data").textContent);
+const byId = (id) => document.getElementById(id);
+const shown = { point: null, x: data.x[0], y: data.y[0] };
+
+function make(tag, properties = {}, ...children) {
+  const element = Object.assign(document.createElement(tag), properties);
+  element.append(...children);
+  return element;
+}
+
+function escaped(text) {
+  return String(text).replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
+}
+
+// A stored number: null is NaN, infinities are text.
+function toNumber(value) {
+  if (value === "inf") return Infinity;
+  if (value === "-inf") return -Infinity;
+  return value === null ? NaN : value;
+}
+
+function columnOf(metric) {
+  const column = data.metrics[metric];
+  return Array.isArray(column) ? column.map(toNumber) : data.points.map(() => column);
+}
+
+function metricAt(metric, index) {
+  const column = data.metrics[metric];
+  return toNumber(Array.isArray(column) ? column[index] : column);
+}
+
+function textOf(value) {
+  if (typeof value !== "number") return String(value);
+  if (Number.isNaN(value)) return "–";
+  if (!Number.isFinite(value)) return value > 0 ? "∞" : "−∞";
+  return Number.isInteger(value) && Math.abs(value) < 1e7 ? String(value) : String(Number(value.toPrecision(4)));
+}
+
+const titleOf = (metric) => (data.units[metric] ? `${metric} [${data.units[metric]}]` : metric);
+
+function settingsText(point, separator = ", ") {
+  const entries = Object.entries(point.settings).map(([key, value]) => `${key} = ${value}`);
+  return entries.join(separator);
+}
+
+function configOf(index) {
+  const delta = data.points[index].config;
+  if (typeof delta === "string") return delta;
+  return data.baseConfig.map((line, i) => (i in delta ? delta[i] : line)).join("\n");
+}
+
+const quoted = (text) => (/^[\w./-]+$/.test(text) ? text : `'${text.replace(/'/g, "'\\''")}'`);
+const replayOf = (index) => `bitspan study --db ${quoted(data.database)} --replay ${data.points[index].hash}`;
+
+// The clipboard needs a permission that a page opened as a file may lack.
+async function copy(text, button) {
+  let done = true;
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    const area = make("textarea", { value: text });
+    document.body.append(area);
+    area.select();
+    done = document.execCommand("copy");
+    area.remove();
+  }
+  const mark = make("span", { className: "copied", textContent: done ? "copied" : "not permitted: select the text" });
+  button.after(mark);
+  setTimeout(() => mark.remove(), 1800);
+}
+
+function tableOf(head, rows) {
+  const numeric = head.map((_, i) => rows.length > 0 && rows.every((row) => typeof row[i] === "number"));
+  const cell = (tag, value, i) => make(tag, { className: numeric[i] ? "n" : "long", textContent: textOf(value) });
+  return make("table", {}, make("thead", {}, make("tr", {}, ...head.map((h, i) => cell("th", h, i)))),
+    make("tbody", {}, ...rows.map((row) => make("tr", {}, ...row.map((value, i) => cell("td", value, i))))));
+}
+
+function copyButton(label, kind, index) {
+  const button = make("button", { textContent: label });
+  button.dataset.copy = kind;
+  button.dataset.index = index;
+  return button;
+}
+
+function metricsPart(index) {
+  const names = Object.keys(data.metrics).filter((name) => !Number.isNaN(metricAt(name, index)));
+  const box = make("div", { className: "scroll", tabIndex: 0 });
+  const filter = make("input", { type: "search", placeholder: "filter, e.g. span.u", ariaLabel: "filter metrics" });
+  const first = [shown.y, shown.x].filter((name) => names.includes(name));
+  const ordered = [...first, ...names.filter((name) => !first.includes(name))];
+  const fill = () => {
+    const matching = ordered.filter((name) => name.includes(filter.value.trim()));
+    box.replaceChildren(tableOf(["metric", "value", "unit"],
+      matching.map((name) => [name, metricAt(name, index), data.units[name] || ""])));
+  };
+  filter.addEventListener("input", fill);
+  fill();
+  return [make("h3", { textContent: `Metrics (${names.length})` }), filter, make("div", { style: "height:6px" }), box];
+}
+
+function areaPart(areas) {
+  const describe = (a) => (a.status === "ok"
+    ? Object.entries(a.values).map(([name, value]) => `${textOf(value)} ${name.replace("_", " ")}`).join(", ")
+    : `${a.status.replace(/_/g, " ")}${a.message ? ": " + a.message : ""}`);
+  const rows = areas.map((a) => [`${a.family}, ${a.placed ? "placed" : "synthesised"}`, describe(a)]);
+  return [make("h3", { textContent: "Area" }), tableOf(["family", "result"], rows)];
+}
+
+// Settings, metrics, TOML and replay command of a point, beside the Pareto plot.
+function showPoint(index) {
+  const panel = byId("detail");
+  if (!panel) return;
+  const point = data.points[index];
+  shown.point = index;
+  const names = [data.recommended.includes(index) && "recommended", index === data.base && "base",
+    point.number !== null && `point ${point.number}`].filter(Boolean);
+  const parts = [make("h3", {}, `${names.join(", ") || "point"} `, make("code", { textContent: point.hash.slice(0, 12) })),
+    copyButton("Copy TOML", "toml", index), " ", copyButton("Copy replay command", "replay", index)];
+  if (point.refused) parts.push(make("p", { className: "bad", textContent: `refused: ${point.message}` }));
+  if (point.holds !== null && !point.refused) {
+    parts.push(make("p", { className: point.holds ? "ok" : "bad",
+      textContent: point.holds ? "holds all constraints" : "fails a constraint" }));
+  }
+  const same = point.refused ? [index] : pointsAtPlace(index);
+  if (same.length > 1) {
+    parts.push(make("p", { className: "note",
+      textContent: `${same.indexOf(index) + 1} of ${same.length} points at this place of the plot; click it again for the next.` }));
+  }
+  const settings = Object.entries(point.settings);
+  if (settings.length) parts.push(tableOf(["setting", "value"], settings.map(([key, value]) => [key, String(value)])));
+  else parts.push(make("p", { className: "note", textContent: "as the base" }));
+  if (!point.refused) parts.push(...metricsPart(index));
+  if (point.areas.length) parts.push(...areaPart(point.areas));
+  parts.push(make("h3", { textContent: "Runs it again" }), make("pre", { className: "replay", textContent: replayOf(index) }),
+    make("h3", { textContent: "TOML" }), make("pre", { className: "toml", textContent: configOf(index) }));
+  panel.replaceChildren(...parts);
+  panel.dataset.hash = point.hash;
+  markPoint();
+}
+
+function fillMenu(menu, names, chosen) {
+  menu.replaceChildren(...names.map((name) => make("option", { value: name, textContent: titleOf(name) })));
+  menu.value = chosen;
+}
+
+// The next (1) or previous (-1) point of the front, from the shown one.
+function stepAlongFront(direction) {
+  const front = data.fronts[shown.x][shown.y];
+  if (!front.length) return;
+  const at = front.indexOf(shown.point);
+  const next = at < 0 ? (direction > 0 ? 0 : front.length - 1) : Math.min(Math.max(at + direction, 0), front.length - 1);
+  showPoint(front[next]);
+}
+
+function startParetoMenus() {
+  if (!byId("pareto-plot")) return;
+  for (const [id, names, which] of [["pareto-x", data.x, "x"], ["pareto-y", data.y, "y"]]) {
+    fillMenu(byId(id), names, names[0]);
+    byId(id).addEventListener("change", (event) => {
+      shown[which] = event.target.value;
+      drawPareto();
+      if (shown.point !== null) showPoint(shown.point);
+    });
+  }
+  byId("pareto-previous").addEventListener("click", () => stepAlongFront(-1));
+  byId("pareto-next").addEventListener("click", () => stepAlongFront(1));
+}
+
+function startWidthsMenu() {
+  if (!byId("widths-y")) return;
+  fillMenu(byId("widths-y"), data.y, data.y[0]);
+  byId("widths-y").addEventListener("change", drawWidths);
+}
+
+// Menus that show one of several blocks.
+function startVariants() {
+  for (const menu of document.querySelectorAll("select.variants")) {
+    menu.addEventListener("change", () => {
+      for (const block of menu.closest("section").querySelectorAll(".variant")) {
+        block.hidden = block.dataset.hash !== menu.value;
+      }
+      drawVariants();
+      refreshViewers();
+    });
+  }
+}
+
+function startClicks() {
+  document.addEventListener("click", (event) => {
+    const button = event.target.closest("button");
+    if (!button) return;
+    if (button.dataset.copy) {
+      const index = Number(button.dataset.index);
+      copy(button.dataset.copy === "toml" ? configOf(index) : replayOf(index), button);
+    } else if (button.dataset.point !== undefined) {
+      showPoint(Number(button.dataset.point));
+      if (byId("pareto")) byId("pareto").scrollIntoView();
+    }
+  });
+}
+
+function drawAll() {
+  drawPareto();
+  drawWidths();
+  drawSearch();
+  for (const plot of document.querySelectorAll("[data-plot]")) delete plot.dataset.drawn;
+  drawVariants();
+  markPoint();
+}
+
+window.addEventListener("DOMContentLoaded", () => {
+  startParetoMenus();
+  startWidthsMenu();
+  startVariants();
+  startClicks();
+  startViewers();
+  drawAll();
+  const first = data.recommended.length ? data.recommended[0] : data.base;
+  if (first !== null) showPoint(first);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
+});

@@ -1,0 +1,561 @@
+"""The report as one HTML file that needs nothing else: text and tables here, plots by page.js with plotly.js."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import math
+import pathlib
+from collections.abc import Iterable, Sequence
+from html import escape
+from typing import Any
+
+from . import analysis, data
+from .study import Area, Study
+
+_HERE = pathlib.Path(__file__).resolve().parent
+
+PICTURE_TITLES = {
+    "ideal": "ideal",
+    "model": "this configuration",
+    "difference": "difference, brightened",
+    "u_error": "texture error",
+    "depth_error": "depth error",
+    "dominant": "dominant cause of the error",
+}
+
+
+def text_of(value: Any) -> str:
+    """A value for people, not yet escaped: four significant digits, names of what is no number."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        if math.isnan(value):
+            return "–"
+        if math.isinf(value):
+            return "∞" if value > 0 else "−∞"
+        return str(int(value)) if value.is_integer() and abs(value) < 1e7 else f"{value:.4g}"
+    return str(value)
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[Any]], scroll: bool = False) -> str:
+    """An HTML table; numbers are right-aligned, all cells escaped but those that are Html."""
+    body, right = [], [True] * len(head)
+    for row in rows:
+        cells = []
+        for i, cell in enumerate(row):
+            numeric = isinstance(cell, (int, float)) and not isinstance(cell, bool)
+            right[i] = right[i] and numeric
+            kind = "n" if numeric else "long"
+            content = cell.markup if isinstance(cell, Html) else escape(text_of(cell))
+            cells.append(f'<td class="{kind}">{content}</td>')
+        body.append("<tr>" + "".join(cells) + "</tr>")
+    header = "".join(f"<th{' class=n' if r and body else ''}>{escape(h)}</th>" for h, r in zip(head, right))
+    whole = f"<table><thead><tr>{header}</tr></thead><tbody>{''.join(body)}</tbody></table>"
+    return f'<div class="scroll" tabindex="0">{whole}</div>' if scroll else whole
+
+
+class Html:
+    """Markup that is already safe."""
+
+    def __init__(self, markup: str) -> None:
+        self.markup = markup
+
+
+def point_link(study: Study, point_hash: str) -> Html:
+    """A button that shows the point beside the Pareto plot; plain text for points that the page does not hold."""
+    short = escape(point_hash[:12])
+    index = study.index_of(point_hash)
+    if index is None:
+        return Html(f"<code>{short}</code>")
+    return Html(f'<button class="plain-link mono" data-point="{index}">{short}</button>')
+
+
+def note(text: str) -> str:
+    return f'<p class="note">{escape(text)}</p>'
+
+
+def section(identity: str, title: str, content: str) -> str:
+    return f'<section id="{identity}"><h2>{escape(title)}</h2>{content}</section>'
+
+
+def empty_section(identity: str, title: str, why: str) -> str:
+    """A section that has nothing to show, in one line."""
+    return f'<section id="{identity}" class="empty"><h2>{escape(title)}</h2>{note(why)}</section>'
+
+
+def variants(study: Study, hashes: Sequence[str], contents: dict[str, str]) -> str:
+    """One block a configuration, and a menu that shows one of them; by {hash: markup}."""
+    blocks = "".join(
+        f'<div class="variant" data-hash="{escape(h)}"{"" if h == hashes[0] else " hidden"}>{contents[h]}</div>'
+        for h in hashes
+    )
+    options = "".join(f'<option value="{escape(h)}">{escape(data.point_name(study, h))}</option>' for h in hashes)
+    return (
+        f'<div class="controls"><label>Configuration <select class="variants">{options}</select></label></div>{blocks}'
+    )
+
+
+def _scene_names(study: Study) -> str:
+    """The names of the scenes with the start of their content hashes."""
+    stored = next((p.scenes for p in study.points if p.scenes), "")
+    try:
+        scenes = json.loads(stored)
+    except ValueError:
+        return stored
+    if isinstance(scenes, dict):
+        scenes = [{"name": name, "hash": value} for name, value in scenes.items()]
+    if not isinstance(scenes, list):
+        return stored
+    return ", ".join(
+        f"{s['name']} ({str(s.get('hash', ''))[:8]})" if isinstance(s, dict) and "name" in s else str(s) for s in scenes
+    )
+
+
+def studied(study: Study) -> str:
+    """What was varied, on what, how many points came of it."""
+    refused = sum(p.refused for p in study.points)
+    held = sum(p.holds is True for p in study.points)
+    seconds = sum(p.seconds for p in study.points if not math.isnan(p.seconds))
+    base = study.points[study.base] if study.base is not None else None
+    axes = [", ".join(keys) for keys in study.axes]
+    facts: list[tuple[str, str]] = [
+        ("kind", escape(study.kind)),
+        (
+            "base",
+            f"configuration <code>{escape(base.config_hash[:16])}</code>, {point_link(study, base.hash).markup}"
+            if base
+            else "not measured",
+        ),
+        ("scenes", escape(_scene_names(study)) or "–"),
+        ("varied", "<br>".join(escape(a) for a in axes) or "nothing"),
+        ("constraints", "<br>".join(escape(str(c)) for c in study.constraints) or "none"),
+        (
+            "points",
+            f"{len(study.points)} measured or tried, {refused} refused"
+            + (f", {held} hold all constraints" if study.constraints else ""),
+        ),
+        ("computed in", f"{seconds:.3g} s of one core's time" if seconds else "–"),
+        ("database", f"<code>{escape(study.database)}</code>, written by bitspan {escape(study.version) or '?'}"),
+    ]
+    listed = "".join(f"<dt>{escape(k)}</dt><dd>{v}</dd>" for k, v in facts)
+    return section(
+        "studied",
+        "What was studied",
+        f"<dl class=facts>{listed}</dl><details><summary>The plan</summary><pre>{escape(study.plan)}</pre></details>",
+    )
+
+
+def recommended(study: Study) -> str:
+    """A card for each recommended configuration: why, verified how, what it sets, its TOML."""
+    if not study.recommended:
+        return empty_section("recommended", "Recommended configurations", "This study recommends none.")
+    cards, base_values = [], analysis.base_settings(study)
+    for found in study.recommended:
+        index = study.index_of(found.hash)
+        verified = (
+            f'<span class="{"ok" if found.verified.startswith("equal") else "bad"}">{escape(found.verified)}</span>'
+            if found.verified
+            else '<span class="bad">not verified</span>'
+        )
+        parts = [
+            f"<h3>{point_link(study, found.hash).markup} {escape(found.reason)}</h3><p>Verification: {verified}</p>"
+        ]
+        if index is None:
+            cards.append(f'<div class="card">{"".join(parts)}{note("Its point is not in the database.")}</div>')
+            continue
+        names = [
+            *analysis.cost_metrics(study),
+            *(c.metric for c in study.constraints),
+            *analysis.error_metrics(study)[:6],
+        ]
+        values = [
+            (
+                n,
+                study.metrics[n][index],
+                analysis.unit_of(n, study.units),
+                study.metrics[n][study.base] if study.base is not None else math.nan,
+            )
+            for n in dict.fromkeys(names)
+            if n in study.metrics
+        ]
+        settings = [(key, value, _or_dash(base_values.get(key))) for key, value in study.points[index].settings.items()]
+        tables = [table(["metric", "value", "unit", "of the base"], values)]
+        if settings:
+            tables.insert(0, table(["setting", "value", "of the base"], settings))
+        parts.append('<div class="beside">' + "".join(f"<div>{t}</div>" for t in tables) + "</div>")
+        parts.append(
+            f'<p style="margin-top:10px"><button data-copy="toml" data-index="{index}">Copy TOML</button> '
+            f'<button data-copy="replay" data-index="{index}">Copy replay command</button></p>'
+            f"<details><summary>TOML</summary><pre>{escape(study.points[index].config)}</pre></details>"
+        )
+        cards.append(f'<div class="card">{"".join(parts)}</div>')
+    return section("recommended", "Recommended configurations", "".join(cards))
+
+
+def _or_dash(value: Any) -> Any:
+    return "–" if value is None else value
+
+
+def errors(study: Study) -> str:
+    """The error of every field of every stage, of the configurations that matter."""
+    hashes = data.shown_hashes(study, study.errors)
+    if not hashes:
+        return empty_section("errors", "Errors by stage", "Neither the base nor a recommended point was measured.")
+    head = [
+        "stage",
+        "quantity",
+        "unit",
+        "values",
+        "maximum",
+        "mean",
+        "bias",
+        "RMS",
+        "99.9 %",
+        "SQNR [dB]",
+        "maximum [ULP]",
+    ]
+    blocks = {}
+    for h in hashes:
+        rows = [
+            (
+                e.stage,
+                e.quantity,
+                e.unit,
+                e.count,
+                e.max,
+                e.mean,
+                e.bias,
+                e.rms,
+                e.p999,
+                e.sqnr_db,
+                e.max / e.ulp if e.ulp else math.nan,
+            )
+            for e in study.errors[h]
+        ]
+        blocks[h] = table(head, rows, scroll=len(rows) > 14)
+    return section(
+        "errors",
+        "Errors by stage",
+        note("Against the unquantised truth, over all scenes.") + variants(study, hashes, blocks),
+    )
+
+
+def pareto(study: Study) -> str:
+    """The plot of error against cost, and the place where a clicked configuration is shown."""
+    if not any(not p.refused for p in study.points) or not study.metrics:
+        return empty_section("pareto", "Error against cost", "No point was measured.")
+    return section(
+        "pareto",
+        "Error against cost",
+        (
+            '<div class="controls"><label>error <select id="pareto-y"></select></label>'
+            '<label>cost <select id="pareto-x"></select></label>'
+            '<button id="pareto-previous" title="previous point of the front">◀ front</button>'
+            '<button id="pareto-next" title="next point of the front">front ▶</button></div>'
+            '<div class="pareto"><div><div id="pareto-plot" class="chart"></div>'
+            '<p class="note">The line is the Pareto front: no point has less of both. A dashed line is a constraint. '
+            "Click a point to see its configuration.</p></div>"
+            '<div id="detail" class="detail" aria-live="polite"><p class="note">Click a point of the plot: its settings, '
+            "its metrics, its TOML and the command that runs it again appear here.</p></div></div>"
+        ),
+    )
+
+
+def curves(study: Study, axes: Sequence[analysis.Axis]) -> str:
+    """The place of the plots of error against each varied key."""
+    if not axes:
+        return empty_section("widths", "Error against each key", "No key took two values among the measured points.")
+    return section(
+        "widths",
+        "Error against each key",
+        (
+            '<div class="controls"><label>error <select id="widths-y"></select></label></div>'
+            f'<div id="widths-plots" class="grid"></div>{note(analysis.KNEE_DEFINITION)}'
+            + note(
+                "“one at a time”: all other keys as in the base. “best of all”: the best point with that value, whatever "
+                "its other keys."
+            )
+        ),
+    )
+
+
+def registers(study: Study) -> str:
+    """Histograms and a table of what each register held."""
+    hashes = data.shown_hashes(study, study.registers)
+    if not hashes:
+        return empty_section("registers", "What the registers held", "No register was observed.")
+    head = ["register", "format", "min", "max", "used bits", "head-room", "wraps", "saturations", "values", "zeros"]
+    blocks = {}
+    for h in hashes:
+        rows = [
+            (r.name, r.format, r.min, r.max, r.used_bits, r.headroom, r.wraps, r.saturations, r.count, r.zeros)
+            for r in study.registers[h]
+        ]
+        blocks[h] = (
+            f'<div class="chart" data-plot="registers" data-hash="{escape(h)}"></div>'
+            f"<details><summary>As a table</summary>{table(head, rows, scroll=True)}</details>"
+        )
+    return section(
+        "registers",
+        "What the registers held",
+        (
+            '<p class="note">Values by magnitude, an octave a bar, heights by the logarithm of their count; behind them '
+            "what the format can hold, from its last place to its range; the hatched part was never used. Used bits and "
+            "head-room count integer bits.</p>" + variants(study, hashes, blocks)
+        ),
+    )
+
+
+def budget(study: Study) -> str:
+    """The error budget as stacked bars and as a table."""
+    hashes = data.shown_hashes(study, study.budget)
+    if not hashes:
+        return empty_section(
+            "budget", "Error budget", "This study has no error budget; [report] budget = true in its plan adds it."
+        )
+    blocks = {}
+    for h in hashes:
+        rows = [(b.metric, b.quantisation, b.base, b.without, b.alone) for b in study.budget[h]]
+        head = ["metric", "quantisation", "whole error", "without it", "it alone"]
+        blocks[h] = (
+            f'<div class="chart" data-plot="budget" data-hash="{escape(h)}"></div>'
+            f"<details><summary>As a table</summary>{table(head, rows, scroll=True)}</details>"
+        )
+    return section(
+        "budget",
+        "Error budget",
+        (
+            '<p class="note">Each quantisation alone, all others exact, as a part of the whole error; of an RMS its '
+            "square, since squares of independent errors add. What even the smallest leaves alone, such as the rounding "
+            "of the output, is common to all. A bar that ends short of 100 % or beyond it says that the causes do not "
+            "simply add.</p>" + variants(study, hashes, blocks)
+        ),
+    )
+
+
+def bounds(study: Study) -> str:
+    """Proved bounds beside what was observed."""
+    hashes = data.shown_hashes(study, study.bounds)
+    if not hashes:
+        return empty_section(
+            "bounds", "Proved bounds", "This study has no proved bounds; [report] bounds = true in its plan adds them."
+        )
+    blocks = {}
+    for h in hashes:
+        rows = [
+            (
+                b.place,
+                b.unit,
+                b.bound,
+                b.observed,
+                Html('<span class="bad">observed above the bound</span>') if b.broken else b.ratio,
+            )
+            for b in study.bounds[h]
+        ]
+        blocks[h] = f'<div class="chart" data-plot="bounds" data-hash="{escape(h)}"></div>' + table(
+            ["place", "unit", "proved bound", "largest observed", "ratio"], rows, scroll=len(rows) > 14
+        )
+    return section(
+        "bounds",
+        "Proved bounds",
+        (
+            '<p class="note">An error that no input in the configured ranges exceeds, beside the largest observed on the '
+            "scenes. A ratio of 1 would be a bound that is reached.</p>" + variants(study, hashes, blocks)
+        ),
+    )
+
+
+def _said_once(outcome: str) -> str:
+    """The outcome's text without its kind in front where that says the same."""
+    kind, _, text = outcome.partition(": ")
+    return text if kind == text else outcome
+
+
+def search(study: Study) -> str:
+    """Progress of the search, and the certificate of what it found."""
+    if not study.steps and not study.certificate:
+        return empty_section("search", "Search", "This study did not search.")
+    parts = []
+    if study.steps:
+        parts.append(
+            '<div id="search-plot" class="chart"></div>'
+            f'<p class="note">{len(study.steps)} evaluations; click one to see its configuration.</p>'
+        )
+    parts.append("<h3>Certificate</h3>")
+    if study.certificate:
+        parts.append(note("Each way to lower the found point by one step, and why it is not taken."))
+        parts.append(
+            table(
+                ["key", "from", "to", "outcome", "point"],
+                [
+                    (c.key, c.from_value, c.to_value, _said_once(c.failed), point_link(study, c.hash))
+                    for c in study.certificate
+                ],
+                scroll=len(study.certificate) > 14,
+            )
+        )
+    else:
+        parts.append(note("No point was certified."))
+    return section("search", "Search", "".join(parts))
+
+
+def pictures(study: Study) -> str:
+    """Ideal, chosen and difference side by side, and the heat maps, zoomed together."""
+    hashes = data.shown_hashes(study, study.pictures)
+    if not hashes:
+        return empty_section("pictures", "Pictures", "No picture was kept.")
+    blocks = {}
+    for h in hashes:
+        scenes = study.pictures[h]
+        options = "".join(f"<option>{escape(scene)}</option>" for scene in scenes)
+        viewers = []
+        for number, (scene, shots) in enumerate(scenes.items()):
+            figures = "".join(
+                f'<figure><figcaption><span>{escape(PICTURE_TITLES.get(name, name))}</span><span class="mono"></span>'
+                f'</figcaption><canvas data-name="{escape(name)}" data-png="{base64.b64encode(png).decode()}"></canvas></figure>'
+                for name, png in _in_order(shots)
+            )
+            viewers.append(
+                f'<div class="viewer" data-scene="{escape(scene)}"{" hidden" if number else ""}>'
+                f'<div class="views">{figures}</div>{_legend(study, h, scene)}</div>'
+            )
+        blocks[h] = (
+            f'<div class="controls"><label>scene <select class="scenes">{options}</select></label>'
+            '<button class="zoom-in">zoom in</button><button class="zoom-out">zoom out</button>'
+            '<button class="zoom-reset">whole picture</button>'
+            f"<span>wheel: zoom, drag: move, all together</span></div>{''.join(viewers)}"
+        )
+    return section("pictures", "Pictures", variants(study, hashes, blocks))
+
+
+def _legend(study: Study, point_hash: str, scene: str) -> str:
+    """What the colours of the map of dominant causes mean, the most frequent first; grey ones as one."""
+    causes = study.causes.get(point_hash, {}).get(scene, [])
+    total = sum(cause.pixels for cause in causes)
+    if total == 0:
+        return ""
+    pixels: dict[str, list[Any]] = {}  # by colour: names, count
+    for cause in causes:
+        entry = pixels.setdefault(cause.colour, [[], 0])
+        entry[0].append(cause.name)
+        entry[1] += cause.pixels
+    items = "".join(
+        f'<li><i style="background:{colour}"></i>{escape(", ".join(names))} {100 * count / total:.3g} %</li>'
+        for colour, (names, count) in pixels.items()
+    )
+    heading = '<p class="note" style="margin-top:8px">Dominant cause, of the pixels that err:</p>'
+    return f'{heading}<ul class="legend">{items}</ul>'
+
+
+def _in_order(shots: dict[str, bytes]) -> list[tuple[str, bytes]]:
+    """Pictures of a scene in the order people compare them; unknown names last."""
+    order = list(PICTURE_TITLES)
+    return sorted(shots.items(), key=lambda shot: order.index(shot[0]) if shot[0] in order else len(order))
+
+
+def areas(study: Study) -> str:
+    """What synthesis and placement said."""
+    rows = [
+        (
+            point_link(study, p.hash),
+            a.family,
+            "placed" if a.placed else "synthesised",
+            _area_status(a),
+            *(a.values.get(c, math.nan) for c in ("luts", "ffs", "multipliers", "memory_bits", "fmax_mhz")),
+        )
+        for p in study.points
+        for a in study.areas.get(p.config_hash, [])
+    ]
+    if not rows:
+        return empty_section("areas", "Area and clock", "Nothing was synthesised; [area] in the plan adds it.")
+    tools = sorted({a.tools for found in study.areas.values() for a in found if a.tools})
+    head = ["point", "family", "to", "result", "LUTs", "flip-flops", "multipliers", "memory bits", "Fmax [MHz]"]
+    return section(
+        "areas",
+        "Area and clock",
+        table(head, rows, scroll=len(rows) > 14) + (note("By " + "; ".join(tools)) if tools else ""),
+    )
+
+
+def _area_status(area: Area) -> Any:
+    if area.status == "ok":
+        return "fits" if area.placed else "ok"
+    words = area.status.replace("_", " ")
+    return Html(f'<span class="bad">{escape(words)}</span>{": " + escape(area.message) if area.message else ""}')
+
+
+def refused(study: Study) -> str:
+    """The configurations that could not be measured, each with its reason."""
+    rows = [
+        (point_link(study, p.hash), ", ".join(f"{k} = {v}" for k, v in p.settings.items()) or "–", p.message)
+        for p in study.points
+        if p.refused
+    ]
+    if not rows:
+        return empty_section("refused", "Refused points", "None: every point was measured.")
+    return section("refused", "Refused points", table(["point", "settings", "reason"], rows, scroll=len(rows) > 12))
+
+
+def embedded_json(value: Any) -> str:
+    """JSON that may stand inside a script element."""
+    text = json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _script_hash(script: str) -> str:
+    return "'sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() + "'"
+
+
+_SECTIONS = (studied, recommended, pareto, None, errors, registers, budget, bounds, search, areas, pictures, refused)
+_NAVIGATION = (
+    ("studied", "Study"),
+    ("recommended", "Recommended"),
+    ("pareto", "Error against cost"),
+    ("widths", "Widths"),
+    ("errors", "Errors"),
+    ("registers", "Registers"),
+    ("budget", "Budget"),
+    ("bounds", "Bounds"),
+    ("search", "Search"),
+    ("areas", "Area"),
+    ("pictures", "Pictures"),
+    ("refused", "Refused"),
+)
+
+
+def page(study: Study, plotly: str) -> str:
+    """The whole report; plotly is the library's source. The policy in its head lets no other script run."""
+    axes = analysis.read_axes(study)
+    content = "".join(curves(study, axes) if part is None else part(study) for part in _SECTIONS)
+    navigation = "".join(f'<a href="#{i}">{escape(text)}</a>' for i, text in _NAVIGATION)
+    script = "\n".join((_HERE / name).read_text("utf-8") for name in ("page.js", "plots.js", "viewer.js"))
+    plotly, script = plotly.replace("\r", ""), f"\n{script}"
+    policy = (
+        f"default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; "
+        f"script-src {_script_hash(plotly)} {_script_hash(script)}"
+    )
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{escape(study.name)}: bitspan study</title>
+<link rel="icon" href="data:,">
+<style>
+{(_HERE / "page.css").read_text("utf-8")}</style>
+</head>
+<body>
+<header><h1>{escape(study.name)}<small>bit-width study, {len(study.points)} points</small></h1></header>
+<nav>{navigation}</nav>
+<main>{content}</main>
+<footer>Drawn with plotly.js (MIT licence), which this file holds; it loads nothing. The same plots stand beside it as
+SVG and PNG.</footer>
+<script type="application/json" id="data">{embedded_json(data.page_data(study))}</script>
+<script>{plotly}</script>
+<script>{script}</script>
+</body>
+</html>
+"""

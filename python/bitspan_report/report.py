@@ -1,0 +1,97 @@
+"""The report's files: the page, the plots, the pictures."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from plotly.offline import get_plotlyjs
+
+from . import analysis, data, figures, files
+from .page import page
+from .study import Study
+
+
+def write_report(study: Study, folder: str) -> None:
+    """Writes the report of a study into the folder, report.html last. Throws ReportError."""
+    content = {**plots(study), **pictures(study)}
+    content["report.html"] = page(study, get_plotlyjs()).encode("utf-8")
+    files.write_all(folder, content)
+
+
+def _file_name(*parts: str) -> str:
+    """The parts as a file name of letters, digits, dots, dashes."""
+    return "-".join(re.sub(r"[^A-Za-z0-9._]+", "_", part).strip("._") or "_" for part in parts)
+
+
+def _both(name: str, figure: Figure) -> dict[str, bytes]:
+    return {f"{name}.{kind}": content for kind, content in figures.render(figure).items()}
+
+
+def plots(study: Study) -> dict[str, bytes]:
+    """{file name: bytes} of every plot, SVG and PNG; those of one configuration carry its hash in the name."""
+    content: dict[str, bytes] = {}
+    costs, errors = analysis.cost_metrics(study), analysis.error_metrics(study)
+    if any(not p.refused for p in study.points) and costs and errors:
+        content |= _pareto(study, costs[0], errors[0])
+        content |= _curves(study, errors[0])
+    if study.steps:
+        content |= _both("search", figures.search(study.steps, analysis.axis_title(study.cost_metric, study.units)))
+    for h in _drawn(study, study.registers):
+        content |= _both(_file_name("registers", h[:12]), figures.histograms(study.registers[h]))
+    for h in _drawn(study, study.budget):
+        stacks = analysis.budget_stacks(study.budget[h])
+        if stacks:
+            content |= _both(_file_name("budget", h[:12]), figures.budget(stacks))
+    for h in _drawn(study, study.bounds):
+        content |= _both(_file_name("bounds", h[:12]), figures.bounds(study.bounds[h]))
+    return content
+
+
+def _drawn(study: Study, tables: dict[str, Any]) -> list[str]:
+    """The configurations that get files: what is recommended, the base; without either, the first."""
+    wanted = {r.hash for r in study.recommended}
+    if study.base is not None:
+        wanted.add(study.points[study.base].hash)
+    with_rows = data.shown_hashes(study, tables)
+    return [h for h in with_rows if h in wanted] or with_rows[:1]
+
+
+def _pareto(study: Study, x: str, y: str) -> dict[str, bytes]:
+    cost, error = analysis.column_of(study, x), analysis.column_of(study, y)
+    front = analysis.pareto_front(analysis.to_minimise(x, cost), analysis.to_minimise(y, error))
+    recommended = [i for r in study.recommended if (i := study.index_of(r.hash)) is not None]
+    figure = figures.pareto(
+        analysis.axis_title(x, study.units),
+        analysis.axis_title(y, study.units),
+        cost,
+        error,
+        [p.holds for p in study.points],
+        front,
+        study.base,
+        recommended,
+        y,
+        study.constraints,
+    )
+    return _both("pareto", figure)
+
+
+def _curves(study: Study, metric: str) -> dict[str, bytes]:
+    column = analysis.column_of(study, metric)
+    drawn = [(axis, analysis.curve(axis, metric, column)) for axis in analysis.read_axes(study)]
+    drawn = [(axis, found) for axis, found in drawn if np.isfinite([s[1] for s in found.samples]).any()]
+    if not drawn:
+        return {}
+    return _both("widths", figures.curves(drawn, metric, analysis.axis_title(metric, study.units), study.constraints))
+
+
+def pictures(study: Study) -> dict[str, bytes]:
+    """{file name: PNG} of every stored picture."""
+    return {
+        _file_name("picture", h[:12], scene, name) + ".png": png
+        for h, scenes in study.pictures.items()
+        for scene, shots in scenes.items()
+        for name, png in shots.items()
+    }

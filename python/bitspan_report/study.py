@@ -1,0 +1,213 @@
+"""What a study found: the contents of its database, as the report uses them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+FIRST_OCTAVE = -64  # octaves[i] of a register counts 2^(i + FIRST_OCTAVE) <= |x| < 2^(i + 1 + FIRST_OCTAVE)
+
+
+@dataclass
+class Point:
+    """One configuration on the study's scenes."""
+
+    hash: str
+    config_hash: str
+    config: str  # TOML
+    scenes: str
+    refused: bool
+    message: str  # why it was refused
+    seconds: float
+    number: int | None = None  # its place in the study; None for points that only the search met
+    settings: dict[str, Any] = field(default_factory=dict)  # key of the configuration: value
+    holds: bool | None = None  # every constraint; None where nothing says
+
+
+@dataclass
+class Register:
+    """What a register held. min and max are in its own unit."""
+
+    name: str
+    format: str
+    word: int
+    integer: int  # integer bits, sign included
+    signed: bool
+    count: int
+    min: float
+    max: float
+    used_bits: int
+    headroom: int
+    wraps: int
+    saturations: int
+    zeros: int
+    octaves: list[int]  # (128,) counts
+
+    @property
+    def range_log2(self) -> tuple[int, int]:
+        """log2 of the smallest step and of the magnitude that no value reaches (a signed format's most negative does)."""
+        return self.integer - self.word, self.integer - int(self.signed)
+
+
+@dataclass
+class FieldError:
+    """A stage's error of one quantity, in `unit`; ulp is that of its format in the same unit, 0 where it has none."""
+
+    stage: str
+    quantity: str
+    unit: str
+    ulp: float
+    count: int
+    max: float
+    mean: float
+    bias: float
+    rms: float
+    p999: float
+    sqnr_db: float
+
+
+@dataclass
+class BudgetRow:
+    """A metric's value: of the configuration, with this quantisation exact, and with all others exact."""
+
+    quantisation: str
+    metric: str
+    base: float
+    without: float
+    alone: float
+
+
+@dataclass
+class Bound:
+    """A proved bound of an error beside the largest one observed, both in `unit`."""
+
+    place: str
+    unit: str
+    bound: float
+    observed: float
+
+    @property
+    def ratio(self) -> float:
+        """Bound over observed, at least 1 where the bound holds; infinite where nothing was observed."""
+        if self.observed == 0:
+            return math.inf
+        return self.bound / self.observed
+
+    @property
+    def broken(self) -> bool:
+        return self.observed > self.bound
+
+
+@dataclass
+class Cause:
+    """A colour of the map of dominant causes."""
+
+    name: str
+    colour: str  # "#rrggbb"
+    pixels: int
+
+
+@dataclass
+class Area:
+    family: str
+    placed: bool
+    status: str  # ok | does_not_fit | failed
+    message: str
+    values: dict[str, float]  # luts, ffs, multipliers, memory_bits, fmax_mhz
+    tools: str
+
+
+@dataclass
+class SearchStep:
+    number: int
+    hash: str
+    cost: float
+    holds: bool
+    best: bool
+
+
+@dataclass
+class CertificateRow:
+    key: str
+    from_value: str
+    to_value: str
+    hash: str
+    failed: str
+
+
+@dataclass
+class Recommendation:
+    hash: str
+    reason: str
+    verified: str
+
+
+@dataclass
+class Constraint:
+    metric: str
+    at_most: float | None
+    at_least: float | None
+
+    def __str__(self) -> str:
+        limits = [("at least", self.at_least), ("at most", self.at_most)]
+        return f"{self.metric} " + " and ".join(f"{word} {limit:g}" for word, limit in limits if limit is not None)
+
+
+@dataclass
+class Study:
+    """Everything of one study. `metrics` holds (len(points),) columns, NaN where a point has no value."""
+
+    database: str
+    version: str
+    name: str
+    kind: str
+    plan: str
+    points: list[Point]
+    base: int | None  # index into points
+    metrics: dict[str, list[float]]
+    units: dict[str, str]  # "span.u": "texel"
+    axes: list[list[str]]  # keys that were set together
+    constraints: list[Constraint]
+    chosen_metrics: list[str]  # of the plan; empty: all
+    cost_metric: str  # what the search lowered; empty without a search
+    errors: dict[str, list[FieldError]]  # by point hash, as all below; of the base and what is recommended
+    registers: dict[str, list[Register]]
+    budget: dict[str, list[BudgetRow]]
+    bounds: dict[str, list[Bound]]
+    pictures: dict[str, dict[str, dict[str, bytes]]]  # hash, scene, name: PNG
+    causes: dict[str, dict[str, list[Cause]]]  # hash, scene
+    areas: dict[str, list[Area]]  # by configuration hash
+    steps: list[SearchStep]
+    certificate: list[CertificateRow]
+    recommended: list[Recommendation]
+
+    def index_of(self, point_hash: str) -> int | None:
+        """Index into points."""
+        return self._indices.get(point_hash)
+
+    def __post_init__(self) -> None:
+        self._indices = {point.hash: i for i, point in enumerate(self.points)}
+
+
+def key_value(config: dict[str, Any], path: str) -> Any:
+    """The value at "formats.span.h.word" of a parsed configuration, whose keys may hold dots; None where none is.
+
+    "fraction" of a format, which plans may name, is word - int.
+    """
+    head, _, last = path.rpartition(".")
+    if last == "fraction":
+        word, integer = key_value(config, head + ".word"), key_value(config, head + ".int")
+        return None if word is None or integer is None else word - integer
+    parts = path.split(".")
+    for end in range(len(parts), 0, -1):
+        child = config.get(".".join(parts[:end]))
+        if child is None:
+            continue
+        if end == len(parts):
+            return child
+        if isinstance(child, dict):
+            found = key_value(child, ".".join(parts[end:]))
+            if found is not None:
+                return found
+    return None

@@ -1,0 +1,277 @@
+"""The numbers behind the report's plots."""
+
+import dataclasses
+import math
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+from bitspan_report import analysis, data, figures
+from bitspan_report.database import load_study
+from bitspan_report.study import Bound, BudgetRow, Point, Register, SearchStep, key_value
+from make_database import BASE, write_database
+
+
+def dominated(costs, errors, i):
+    """By the definition, one point at a time: the slow and plain way."""
+    for j in range(len(costs)):
+        no_worse = costs[j] <= costs[i] and errors[j] <= errors[i]
+        if no_worse and (costs[j] < costs[i] or errors[j] < errors[i] or j < i):
+            return True
+    return False
+
+
+class ParetoFront(unittest.TestCase):
+    def test_a_small_one_by_hand(self):
+        costs = np.array([3.0, 1.0, 2.0, 2.0, 4.0, 1.0])
+        errors = np.array([1.0, 5.0, 3.0, 2.0, 1.0, 6.0])
+        self.assertEqual(analysis.pareto_front(costs, errors), [1, 3, 0])
+
+    def test_equals_the_definition_on_random_points(self):
+        rng = np.random.default_rng(1)
+        for _ in range(50):
+            costs = rng.integers(0, 12, 40).astype(float)  # with ties
+            errors = rng.integers(0, 12, 40).astype(float)
+            front = analysis.pareto_front(costs, errors)
+            self.assertEqual(sorted(front), [i for i in range(40) if not dominated(costs, errors, i)])
+            self.assertTrue(all(costs[a] < costs[b] and errors[a] > errors[b] for a, b in zip(front, front[1:])))
+
+    def test_points_without_a_value_are_never_on_it(self):
+        costs = np.array([1.0, 2.0, math.nan, 0.0])
+        errors = np.array([math.nan, 3.0, 0.0, math.inf])
+        self.assertEqual(analysis.pareto_front(costs, errors), [1])
+        self.assertEqual(analysis.pareto_front(np.array([]), np.array([])), [])
+
+    def test_decibels_are_to_be_high(self):
+        values = np.array([40.0, 60.0])
+        costs = np.array([1.0, 2.0])
+        self.assertEqual(analysis.pareto_front(costs, analysis.to_minimise("span.u.sqnr_db", values)), [0, 1])
+        self.assertEqual(analysis.pareto_front(costs, analysis.to_minimise("span.u.rms", values)), [0])
+
+
+class Knee(unittest.TestCase):
+    WIDTHS = np.arange(16.0, 29.0)
+
+    def test_is_where_the_floor_begins(self):
+        for floor_at in (18, 21, 25):
+            errors = np.maximum(2.0**-self.WIDTHS, 2.0**-floor_at)
+            at = analysis.knee(self.WIDTHS, analysis.octaves("span.u.max", errors))
+            self.assertEqual(self.WIDTHS[at], floor_at)
+
+    def test_a_straight_line_has_none(self):
+        self.assertIsNone(analysis.knee(self.WIDTHS, analysis.octaves("span.u.max", 2.0**-self.WIDTHS)))
+        self.assertIsNone(analysis.knee(self.WIDTHS, analysis.octaves("span.u.max", np.zeros(13))))
+
+    def test_a_shallow_bend_has_none(self):
+        self.assertIsNone(analysis.knee(np.array([1.0, 2.0, 3.0]), np.array([2.0, 0.51, 0.0])))
+        self.assertEqual(analysis.knee(np.array([1.0, 2.0, 3.0]), np.array([2.0, 0.49, 0.0])), 1)
+
+    def test_two_points_have_none(self):
+        self.assertIsNone(analysis.knee(np.array([1.0, 2.0]), np.array([2.0, 0.0])))
+
+    def test_is_the_same_in_decibels(self):
+        errors = np.maximum(2.0**-self.WIDTHS, 2.0**-20.0)
+        decibels = -20 * np.log10(errors)
+        by_errors = analysis.octaves("span.u.max", errors)
+        by_decibels = analysis.octaves("span.u.sqnr_db", decibels)
+        np.testing.assert_allclose(by_decibels, by_errors, atol=1e-9)
+
+    def test_a_zero_is_half_the_smallest_error(self):
+        np.testing.assert_allclose(analysis.octaves("picture.wrong_order", np.array([8.0, 2.0, 0.0])), [3, 1, 0])
+
+
+class Scales(unittest.TestCase):
+    def test_logarithmic_only_where_it_helps(self):
+        floor = analysis.log_floor
+        self.assertIsNone(floor(np.array([1.0, 2.0, 7.0])))
+        self.assertIsNone(floor(np.array([-1.0, 2.0, 2000.0])))
+        self.assertIsNone(floor(np.array([0.0, 0.0])))
+        self.assertIsNone(floor(np.array([0.0, 1.0, 2.0])))
+        self.assertAlmostEqual(floor(np.array([0.01, 2.0, math.nan, math.inf])), 0.01 / math.sqrt(10))
+        self.assertAlmostEqual(floor(np.array([0.0, 1.0, 16.0])), 1 / math.sqrt(10))
+
+    def test_units(self):
+        units = {"span.u": "texel"}
+        for metric, unit in (
+            ("span.u.p999", "texel"),
+            ("span.u.max_ulp", "ULP"),
+            ("span.u.sqnr_db", "dB"),
+            ("cost.register_bits", "bits"),
+            ("area.ice40.luts", "LUTs"),
+            ("span.x.max", ""),
+            ("picture.wrong_order_rate", "of the pixels"),
+        ):
+            self.assertEqual(analysis.unit_of(metric, units), unit, metric)
+        self.assertEqual(analysis.axis_title("span.u.rms", units), "span.u.rms [texel]")
+
+
+class Registers(unittest.TestCase):
+    def register(self, word, integer, signed, octaves):
+        counts = [0] * 128
+        for exponent, count in octaves.items():
+            counts[exponent + 64] = count
+        return Register("r", "", word, integer, signed, sum(counts), 0, 0, 0, 0, 0, 0, 0, counts)
+
+    def test_range_of_a_format(self):
+        self.assertEqual(self.register(16, 16, False, {}).range_log2, (0, 16))  # 1 .. 65535
+        self.assertEqual(self.register(25, 17, True, {}).range_log2, (-8, 16))  # 2^-8 .. 2^16
+        self.assertEqual(self.register(8, 0, False, {}).range_log2, (-8, 0))  # 2^-8 .. 1
+
+    def test_bars_stand_at_their_octaves(self):
+        bars = list(figures.octave_bars(self.register(16, 16, False, {-64: 1, 3: 9, 63: 99})))
+        self.assertEqual([(e, c) for e, c, _ in bars], [(-64, 1), (3, 9), (63, 99)])
+        self.assertAlmostEqual(bars[2][2], 1)
+        self.assertAlmostEqual(bars[1][2], 0.5)  # log(10) / log(100)
+        self.assertEqual(list(figures.octave_bars(self.register(16, 16, False, {}))), [])
+
+
+class Budget(unittest.TestCase):
+    def test_powers_of_independent_errors_fill_the_bar(self):
+        rows = [
+            BudgetRow("a", "span.u.rms", 5, 4, 3),
+            BudgetRow("b", "span.u.rms", 5, 3, 4),
+            BudgetRow("nothing", "span.u.rms", 5, 5, 0),
+            BudgetRow("a", "span.u.max", 10, 4, 6),
+            BudgetRow("b", "span.u.max", 10, 9, 1),
+            BudgetRow("a", "span.u.sqnr_db", 50, 60, 55),
+            BudgetRow("a", "span.v.max", 0, 0, 0),
+            BudgetRow("a", "span.v.rms", 1, 1, math.nan),
+        ]
+        power, largest = analysis.budget_stacks(rows)
+        self.assertEqual((power.metric, power.powers, power.common), ("span.u.rms", True, 0))
+        self.assertEqual([name for name, _ in power.shares], ["b", "a", "nothing"])
+        self.assertAlmostEqual(sum(share for _, share in power.shares), 1)
+        self.assertEqual((largest.metric, largest.powers, largest.common), ("span.u.max", False, 0.1))
+        self.assertEqual(largest.shares, [("a", 0.5), ("b", 0)])
+
+    def test_what_all_have_in_common_is_told_once(self):
+        # 40 registers of which two matter, above an output rounding of 3: power 9 + 16 + 11 = 36.
+        alone = [math.sqrt(9 + 16), math.sqrt(9 + 11), *[3.0] * 38]
+        rows = [BudgetRow(f"r{i}", "picture.colour.rms", 6, 6, value) for i, value in enumerate(alone)]
+        (stack,) = analysis.budget_stacks(rows)
+        self.assertAlmostEqual(stack.common, 9 / 36)
+        self.assertAlmostEqual(stack.common + sum(share for _, share in stack.shares), 1)
+
+    def test_names_are_the_heaviest(self):
+        stack = analysis.Stack("m", 1, False, [(name, 0.1 * i) for i, name in enumerate("abcdefgh")], 0)
+        self.assertEqual(figures.stack_names([stack]), list("hgfedc"))
+
+
+class BoundsAndSearch(unittest.TestCase):
+    def test_ratio(self):
+        self.assertAlmostEqual(Bound("p", "u", 3, 1.5).ratio, 2)
+        self.assertEqual(Bound("p", "u", 3, 0).ratio, math.inf)
+        self.assertFalse(Bound("p", "u", 3, 3).broken)
+        self.assertTrue(Bound("p", "u", 3, 3.1).broken)
+
+    def test_best_so_far_ignores_what_fails_and_what_costs_more(self):
+        steps = [
+            SearchStep(i, "", cost, holds, False)
+            for i, (cost, holds) in enumerate(
+                [(9, False), (8, True), (3, False), (8.5, True), (6, True), (math.nan, False), (7, True)]
+            )
+        ]
+        self.assertEqual(figures.best_so_far(steps), [(1, 8), (4, 6), (6, 6)])
+        self.assertEqual(figures.best_so_far(steps[:1]), [])
+
+
+class Curves(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        write_database(Path(folder.name) / "t.db")
+        cls.study = load_study(str(Path(folder.name) / "t.db"), "spans")
+
+    def test_a_key_is_found_whatever_its_dots(self):
+        config = {"formats": {"span.h": {"word": 34}}, "depth": {"bits": 16}, "a": {"b": {"c": 1}, "b.c": 2}}
+        self.assertEqual(key_value(config, "formats.span.h.word"), 34)
+        self.assertEqual(key_value(config, "depth.bits"), 16)
+        self.assertEqual(key_value(config, "a.b.c"), 2)
+        self.assertIsNone(key_value(config, "formats.span.v.word"))
+
+    def test_axes_are_those_of_the_plan(self):
+        axes = analysis.read_axes(self.study)
+        self.assertEqual([axis.keys[0] for axis in axes], list(BASE))
+        self.assertEqual([axis.values[self.study.base] for axis in axes], list(BASE.values()))
+        self.assertEqual(axes[1].keys, ["formats.span.uv.word", "formats.edge.uv.word"])
+        self.assertEqual(axes[1].label, "formats.span.uv.word with formats.edge.uv.word")
+        refused = [p.hash for p in self.study.points if p.refused]
+        self.assertTrue(refused)
+        self.assertFalse(any(self.study.points[i].refused for axis in axes for i in axis.slice))
+
+    def test_linked_keys_show_what_tells_their_values_apart(self):
+        def axes_of(*settings):
+            points = [
+                Point(str(i), "", "", "", False, "", 0, i, dict(zip("ab", values))) for i, values in enumerate(settings)
+            ]
+            return analysis.read_axes(dataclasses.replace(self.study, points=points, base=None, axes=[["a", "b"]]))
+
+        (axis,) = axes_of((1, 5), (2, 5), (3, 6))
+        self.assertEqual((axis.shown, axis.values, axis.numeric, axis.label), ("a", [1, 2, 3], True, "a with b"))
+        (axis,) = axes_of(("lut", 5), ("lut", 6), ("exact", 0))
+        self.assertEqual((axis.shown, axis.values, axis.numeric, axis.label), ("b", [5, 6, 0], True, "b with a"))
+        (axis,) = axes_of(("lut", 5), ("lut", 6), ("newton", 6))
+        self.assertEqual((axis.shown, axis.values, axis.numeric), ("a, b", ["lut 5", "lut 6", "newton 6"], False))
+        self.assertEqual(axes_of((1, 5), (1, 5)), [])
+
+    def test_keys_that_share_a_prefix_say_it_once(self):
+        together = analysis._together
+        self.assertEqual(together(["reciprocal.pixel.kind", "reciprocal.pixel.steps"]), "reciprocal.pixel: kind, steps")
+        self.assertEqual(together(["depth.bits", "fog.mode"]), "depth.bits, fog.mode")
+        self.assertEqual(together(["a.b", "a.b.c"]), "a: b, b.c")
+
+    def test_fraction_is_what_the_integer_bits_leave(self):
+        config = {"formats": {"span.h": {"word": 34, "int": 16}}}
+        self.assertEqual(key_value(config, "formats.span.h.fraction"), 18)
+        self.assertIsNone(key_value(config, "formats.span.v.fraction"))
+
+    def test_the_best_of_all_is_the_lower_edge(self):
+        axis = analysis.read_axes(self.study)[0]
+        column = analysis.column_of(self.study, "span.u.p999")
+        curve = analysis.curve(axis, "span.u.p999", column)
+        self.assertFalse(curve.one_at_a_time)
+        self.assertEqual([value for value, _, _ in curve.samples], [26, 28, 30, 32, 34, 36])
+        for value, error, index in curve.samples:
+            same = [column[i] for i, v in enumerate(axis.values) if v == value and not math.isnan(column[i])]
+            self.assertEqual(error, min(same))
+            self.assertEqual(error, column[index])
+        self.assertEqual(curve.samples[curve.knee][0], 32)
+
+    def test_one_at_a_time_keeps_all_else_as_in_the_base(self):
+        axis = analysis.Axis(["k"], "k", [1, 2, 3, 3], True, [0, 1, 2])
+        curve = analysis.curve(axis, "e.max", np.array([4.0, 2.0, 1.0, 0.5]))
+        self.assertTrue(curve.one_at_a_time)
+        self.assertEqual([error for _, error, _ in curve.samples], [4, 2, 1])  # the fourth point differs elsewhere too
+
+    def test_names_as_values_have_no_knee(self):
+        axis = analysis.Axis(["kind"], "kind", ["lut", "restoring", "lut_newton"], False, [])
+        curve = analysis.curve(axis, "e.max", np.array([9.0, 1.0, 1.0]))
+        self.assertEqual([value for value, _, _ in curve.samples], ["lut", "restoring", "lut_newton"])
+        self.assertIsNone(curve.knee)
+
+    def test_numbers_that_are_none_survive(self):
+        self.assertTrue(all(math.isnan(v) for v in self.study.metrics["span.b.rms"]))
+        self.assertIn(math.inf, self.study.metrics["picture.psnr_db"])
+        self.assertEqual(
+            [data.plain(v) for v in (math.nan, math.inf, -math.inf, 1 / 3)], [None, "inf", "-inf", 0.33333]
+        )
+
+    def test_a_configuration_comes_back_from_its_difference(self):
+        base, other = self.study.points[self.study.base].config, self.study.points[50].config
+        lines = base.split("\n")
+        delta = data.config_delta(lines, other)
+        self.assertNotEqual(base, other)
+        self.assertEqual("\n".join(delta.get(str(i), line) for i, line in enumerate(lines)), other)
+        self.assertEqual(data.config_delta(lines, other + "\nmore"), other + "\nmore")
+
+    def test_placed_areas_replace_synthesised_ones(self):
+        found = self.study.index_of(self.study.recommended[0].hash)
+        self.assertEqual(self.study.metrics["area.ice40.fmax_mhz"][found], 38.4)
+        self.assertTrue(math.isnan(self.study.metrics["area.ice40.fmax_mhz"][self.study.base]))
+        self.assertEqual(self.study.metrics["area.ice40.luts"][self.study.base], 8810)
+
+
+if __name__ == "__main__":
+    unittest.main()
