@@ -1,0 +1,392 @@
+#include "study/cost.hpp"
+
+#include <algorithm>
+
+#include "config/rtl_timing.hpp"
+
+namespace bitspan {
+namespace {
+
+using F = FormatId;
+
+bool always(const Config&) { return true; }
+bool plane_rows(const Config& c) { return c.perspective == Perspective::const_depth_rows; }
+bool horizontal(const Config& c) { return !plane_rows(c); }
+bool affine(const Config& c) { return c.perspective == Perspective::affine; }
+bool delta_f(const Config& c) { return c.perspective == Perspective::delta_f; }
+bool hyperbolic(const Config& c) { return c.perspective == Perspective::hyperbolic; }
+bool perspective_ends(const Config& c) { return delta_f(c) || hyperbolic(c); }
+bool dda(const Config& c) { return horizontal(c) && c.edge_walk == EdgeWalk::dda; }
+bool edge_unit(const Config& c) { return horizontal(c) && c.edge_slope == SlopeForm::reciprocal; }
+bool row_unit(const Config& c) { return plane_rows(c) || c.row_slope == SlopeForm::reciprocal; }
+bool linear_depth(const Config& c) { return c.depth_code == DepthCode::linear; }
+bool linear_fog(const Config& c) { return c.fog == FogMode::linear; }
+bool any_fog(const Config& c) { return c.fog != FogMode::none; }
+// The three users at a pixel take the reciprocal of the same h + B: one unit.
+bool pixel_unit(const Config& c) { return delta_f(c) || linear_depth(c) || linear_fog(c); }
+bool bilinear(const Config& c) { return c.filter == TextureFilter::bilinear; }
+bool nearest(const Config& c) { return !bilinear(c); }
+
+constexpr std::string_view kAlways = "always";
+constexpr std::string_view kHorizontal = "all modes but const_depth_rows";
+constexpr std::string_view kDda = "edge_walk = dda, all modes but const_depth_rows";
+constexpr std::string_view kPlane = "const_depth_rows";
+constexpr std::string_view kEnds = "delta_f, hyperbolic";
+
+template <F id>
+int word(const Config& c) {
+  return c.format(id).word;
+}
+int coordinate_word(const Config& c) { return c.coordinate_format().word; }
+int depth_word(const Config& c) { return c.depth_bits; }
+int phase_word(const Config& c) { return c.format(F::plane_k).fraction(); }
+int edge_output(const Config& c) { return c.edge_reciprocal.output.word; }
+int row_output(const Config& c) { return c.row_reciprocal.output.word; }
+int pixel_output(const Config& c) { return c.pixel_reciprocal.output.word; }
+
+template <F id>
+RegisterRule rule(std::string_view stage, int times, std::string_view condition,
+                  bool (*used)(const Config&)) {
+  return {stage, key_of(id), times, condition, used, word<id>};
+}
+
+std::vector<RegisterRule> make_rules() {
+  return {
+      // s_min' and s_max'
+      rule<F::setup_s>("constants", 2, kAlways, always),
+      rule<F::setup_b>("constants", 1, kAlways, always),
+      rule<F::depth_c1>("constants", 1, "depth.code = linear", linear_depth),
+      rule<F::depth_c0>("constants", 1, "depth.code = linear", linear_depth),
+      rule<F::fog_scale>("constants", 1, "fog.mode = linear", linear_fog),
+
+      // Three vertices wait for one another; s is done with where h is formed.
+      {"setup", "coordinate", 6, kAlways, always, coordinate_word},
+      rule<F::setup_s>("setup", 1, kAlways, always),
+      rule<F::setup_h>("setup", 3, kAlways, always),
+      rule<F::setup_uv>("setup", 6, kAlways, always),
+      rule<F::setup_shade>("setup", 12, kAlways, always),
+
+      // Three edges' slopes are held while the triangle is walked; the rest passes through.
+      {"setup.edge", "reciprocal.edge.output", 1, "slope.edge = reciprocal, all modes but const_depth_rows",
+       edge_unit, edge_output},
+      rule<F::edge_x_step>("setup.edge", 3, kDda, dda),
+      rule<F::edge_h_step>("setup.edge", 3, kHorizontal, horizontal),
+      rule<F::edge_f_diff>("setup.edge", 2, kHorizontal, horizontal),
+      rule<F::edge_f_step>("setup.edge", 6, kHorizontal, horizontal),
+      rule<F::edge_shade_step>("setup.edge", 12, kHorizontal, horizontal),
+
+      // Two ends.
+      rule<F::edge_x_acc>("edge_walk", 2, kDda, dda),
+      rule<F::edge_x>("edge_walk", 2, kHorizontal, horizontal),
+      rule<F::edge_h_acc>("edge_walk", 2, kHorizontal, horizontal),
+      rule<F::edge_h>("edge_walk", 2, kHorizontal, horizontal),
+      rule<F::edge_f>("edge_walk", 4, kHorizontal, horizontal),
+      {"edge_walk", "reciprocal.pixel.output", 1, kEnds, perspective_ends, pixel_output},
+      rule<F::edge_uv>("edge_walk", 4, kHorizontal, horizontal),
+      rule<F::edge_shade_acc>("edge_walk", 8, kHorizontal, horizontal),
+      rule<F::edge_shade>("edge_walk", 8, kHorizontal, horizontal),
+
+      // gu and gv at three vertices; two gradients each; the row's two steps each.
+      rule<F::plane_g>("plane_walk", 6, kPlane, plane_rows),
+      rule<F::plane_h_grad>("plane_walk", 2, kPlane, plane_rows),
+      rule<F::plane_g_grad>("plane_walk", 4, kPlane, plane_rows),
+      rule<F::plane_shade_grad>("plane_walk", 8, kPlane, plane_rows),
+      rule<F::plane_k>("plane_walk", 1, kPlane, plane_rows),
+      rule<F::span_f>("plane_walk", 2, kPlane, plane_rows),
+      rule<F::span_f_step>("plane_walk", 4, kPlane, plane_rows),
+
+      {"span_setup", "reciprocal.row.output", 1, "slope.row = reciprocal, or const_depth_rows", row_unit,
+       row_output},
+      rule<F::span_h_step>("span_setup", 1, kHorizontal, horizontal),
+      rule<F::span_f_diff>("span_setup", 2, "delta_f", delta_f),
+      rule<F::span_f_diff>("span_setup", 4, "hyperbolic", hyperbolic),
+      rule<F::span_f_step>("span_setup", 2, kEnds, perspective_ends),
+      rule<F::span_uv_step>("span_setup", 2, "affine", affine),
+      rule<F::span_uv_step>("span_setup", 4, kPlane, plane_rows),
+      rule<F::span_shade_step>("span_setup", 4, kHorizontal, horizontal),
+      rule<F::span_shade_step>("span_setup", 8, kPlane, plane_rows),
+
+      // The accumulators, which span_setup loads.
+      rule<F::span_h>("span", 1, kAlways, always),
+      rule<F::span_f>("span", 2, kEnds, perspective_ends),
+      rule<F::span_uv_acc>("span", 2, "affine, const_depth_rows",
+                           [](const Config& c) { return affine(c) || plane_rows(c); }),
+      rule<F::span_shade_acc>("span", 4, kAlways, always),
+      {"span", "phase", 1, kPlane, plane_rows, phase_word},
+      {"span", "reciprocal.pixel.output", 1, "delta_f, or depth.code = linear, or fog.mode = linear",
+       pixel_unit, pixel_output},
+      rule<F::span_uv>("span", 2, kAlways, always),
+      rule<F::span_shade>("span", 4, kAlways, always),
+
+      {"depth", "depth.z", 1, kAlways, always, depth_word},
+
+      // Three colours, and alpha beside them: the texel; V1..V4, V5, V6, V of the filter; the fragment's own.
+      rule<F::texture_frac>("texture", 2, "texture.filter = bilinear", bilinear),
+      rule<F::texture_mix>("texture", 3, "texture.filter = nearest", nearest),
+      rule<F::texture_mix>("texture", 9, "texture.filter = bilinear", bilinear),
+      rule<F::texture_color>("texture", 3, kAlways, always),
+      rule<F::texture_alpha>("texture", 2, "texture.filter = nearest", nearest),
+      rule<F::texture_alpha>("texture", 8, "texture.filter = bilinear", bilinear),
+
+      rule<F::fog_factor>("fog", 1, "fog.mode = linear, table", any_fog),
+      rule<F::fog_color>("fog", 3, kAlways, always),
+      rule<F::merge_color>("merge", 3, kAlways, always),
+  };
+}
+
+// The reciprocal units that stand in the pipeline, by the stage that has them.
+struct Unit {
+  std::string stage, name;
+  const Reciprocal* r;
+};
+
+std::vector<Unit> units(const Config& c) {
+  std::vector<Unit> list;
+  if (edge_unit(c)) list.push_back({"setup.edge", "reciprocal.edge", &c.edge_reciprocal});
+  if (perspective_ends(c)) list.push_back({"edge_walk", "reciprocal.pixel", &c.pixel_reciprocal});
+  if (row_unit(c)) list.push_back({"span_setup", "reciprocal.row", &c.row_reciprocal});
+  if (pixel_unit(c)) list.push_back({"span", "reciprocal.pixel", &c.pixel_reciprocal});
+  return list;
+}
+
+// A number as an operand: `integer` places without the sign.
+struct Operand {
+  int integer = 0;
+  int fraction = 0;
+  bool is_signed = false;
+  int width() const { return integer + fraction + (is_signed ? 1 : 0); }
+};
+
+Operand of(const Format& f) { return {f.is_signed ? f.integer - 1 : f.integer, f.fraction(), f.is_signed}; }
+
+// Exact; two numbers that are never negative differ by no more than the larger.
+Operand operator-(Operand a, Operand b) {
+  const bool grows = a.is_signed || b.is_signed;
+  return {std::max(a.integer, b.integer) + (grows ? 1 : 0), std::max(a.fraction, b.fraction), true};
+}
+
+constexpr Operand kCode{8, 0, false};  // texels, frame buffer, fog colour
+
+class Products {
+ public:
+  explicit Products(const Config& config) : c_(config) {}
+
+  std::vector<Multiplier> take() && {
+    setup();
+    if (plane_rows(c_)) {
+      plane_walk();
+      plane_span_setup();
+    } else {
+      setup_edge();
+      edge_walk();
+      span_setup();
+    }
+    pixel();
+    return std::move(list_);
+  }
+
+ private:
+  Operand at(F id) const { return of(c_.format(id)); }
+  Operand coordinate() const { return of(c_.coordinate_format()); }
+  Operand between_coordinates() const { return coordinate() - coordinate(); }
+  // y + 1/2 - y1, from an edge's start to a row's centre: not negative.
+  Operand rows_down() const { return {c_.coordinate_bits, std::max(c_.subpixel_bits, 1), false}; }
+  // A pixel's centre from a vertex.
+  Operand from_vertex() const { return {c_.coordinate_bits, std::max(c_.subpixel_bits, 1), true}; }
+  Operand depth_sum_of(F h) const {
+    const OperandGrid g = depth_sum(c_, h);
+    return {g.word - g.fraction, g.fraction, false};
+  }
+
+  void add(std::string stage, std::string product, Operand a, Operand b, int times) {
+    list_.push_back({std::move(stage), std::move(product), a.width(), b.width(), times});
+  }
+
+  void inside(const std::string& stage, const std::string& name, const Reciprocal& r) {
+    const Operand nq{1, r.operand_bits, false};
+    if (r.kind == ReciprocalKind::lut_linear) {
+      const Operand entry{1, r.table_bits, false};
+      add(stage, name + ": (c(j) - c(j+1)) t", entry, {0, r.operand_bits - r.index_bits, false}, 1);
+    } else if (r.kind == ReciprocalKind::lut_newton) {
+      for (int step = 0; step < r.steps; ++step) {
+        const Operand y{1, step == 0 ? r.table_bits : r.internal_bits, false};
+        add(stage, name + ": nq y", nq, y, 1);
+        add(stage, name + ": y (2 - a)", y, {2, r.internal_bits, false}, 1);
+      }
+    }
+  }
+
+  void setup() {
+    add("setup", "area", between_coordinates(), between_coordinates(), 2);
+    add("setup", "B (s_max' - s')", at(F::setup_b), at(F::setup_s), 1);
+  }
+
+  void setup_edge() {
+    const Operand h = at(F::setup_h), uv = at(F::setup_uv), shade = at(F::setup_shade);
+    if (!affine(c_)) add("setup.edge", "(u2 - u1)(h2 + B)", uv - uv, depth_sum_of(F::setup_h), 2);
+    if (!edge_unit(c_)) return;
+    inside("setup.edge", "reciprocal.edge", c_.edge_reciprocal);
+    const Operand m = of(c_.edge_reciprocal.output);
+    if (dda(c_)) add("setup.edge", "(x2 - x1) m", between_coordinates(), m, 1);
+    add("setup.edge", "(h2 - h1) m", h - h, m, 1);
+    add("setup.edge", "fu_diff m", at(F::edge_f_diff), m, 2);
+    add("setup.edge", "(r2 - r1) m", shade - shade, m, 4);
+  }
+
+  void edge_walk() {
+    if (dda(c_)) {
+      add("edge_walk", "x_step t", at(F::edge_x_step), rows_down(), 1);
+    } else {
+      add("edge_walk", "(x2 - x1) t", between_coordinates(), rows_down(), 1);
+    }
+    add("edge_walk", "h_step t0", at(F::edge_h_step), rows_down(), 1);
+    add("edge_walk", "fu_step t0", at(F::edge_f_step), rows_down(), 2);
+    add("edge_walk", "r_step t0", at(F::edge_shade_step), rows_down(), 4);
+    if (!perspective_ends(c_)) return;
+    inside("edge_walk", "reciprocal.pixel", c_.pixel_reciprocal);
+    add("edge_walk", "fu m", at(F::edge_f), of(c_.pixel_reciprocal.output), 2);
+  }
+
+  void span_setup() {
+    const Operand h = at(F::edge_h), uv = at(F::edge_uv), shade = at(F::edge_shade), f = at(F::span_f_diff);
+    const Operand x = at(F::edge_x);
+    if (delta_f(c_)) add("span_setup", "(u_r - u_l)(h_r + B)", uv - uv, depth_sum_of(F::edge_h), 2);
+    if (hyperbolic(c_)) add("span_setup", "u (h + B)", uv, depth_sum_of(F::edge_h), 4);
+    if (row_unit(c_)) {
+      inside("span_setup", "reciprocal.row", c_.row_reciprocal);
+      const Operand m = of(c_.row_reciprocal.output);
+      add("span_setup", "(h_r - h_l) m", h - h, m, 1);
+      if (delta_f(c_)) add("span_setup", "fu_diff m", f, m, 2);
+      if (hyperbolic(c_)) add("span_setup", "(gr - gl) m", f - f, m, 2);
+      if (affine(c_)) add("span_setup", "(u_r - u_l) m", uv - uv, m, 2);
+      add("span_setup", "(r_r - r_l) m", shade - shade, m, 4);
+    }
+    // p = x_first + 1/2 - x_l
+    const Operand p = Operand{pixel_index_bits(c_) - 1, 1, false} - x;
+    add("span_setup", "h_step p", at(F::span_h_step), p, 1);
+    add("span_setup", "fu_step p", at(affine(c_) ? F::span_uv_step : F::span_f_step), p, 2);
+    add("span_setup", "r_step p", at(F::span_shade_step), p, 4);
+  }
+
+  void plane_walk() {
+    const Operand h = at(F::setup_h), shade = at(F::setup_shade), g = at(F::plane_g);
+    const Operand k = at(F::plane_k), pixel = {c_.coordinate_bits, 0, false};
+    const Operand d = between_coordinates();
+    add("plane_walk", "u (h + B)", at(F::setup_uv), depth_sum_of(F::setup_h), 2);
+    // Two products in nx and two in ny.
+    add("plane_walk", "nx(h), ny(h)", h - h, d, 4);
+    add("plane_walk", "nx(gu), ny(gu)", g - g, d, 8);
+    add("plane_walk", "nx(r), ny(r)", shade - shade, d, 16);
+    // The row's ideal line, with the fraction of k.
+    add("plane_walk", "k (m_first - m0)", k, pixel, 1);
+    const Operand line{c_.coordinate_bits + 1, std::max(from_vertex().fraction, k.fraction), true};
+    const bool ideal = c_.numerator == Numerator::ideal_line;
+    add("plane_walk", "h_M (Mc - M0)", at(F::plane_h_grad), from_vertex(), 1);
+    add("plane_walk", "h_N (Nl - N0)", at(F::plane_h_grad), line, 1);
+    add("plane_walk", "gu_M (Mc - M0)", at(F::plane_g_grad), from_vertex(), 2);
+    if (ideal) {
+      add("plane_walk", "gu_N (Nl - N0)", at(F::plane_g_grad), line, 2);
+      add("plane_walk", "k gu_N", k, at(F::plane_g_grad), 2);
+    } else {
+      add("plane_walk", "gu_N (Np - N0)", at(F::plane_g_grad), from_vertex(), 2);
+    }
+    add("plane_walk", "r_M (Mc - M0), r_N (Np - N0)", at(F::plane_shade_grad), from_vertex(), 8);
+  }
+
+  void plane_span_setup() {
+    inside("span_setup", "reciprocal.row", c_.row_reciprocal);
+    const Operand m = of(c_.row_reciprocal.output);
+    add("span_setup", "gu m", at(F::span_f), m, 2);
+    add("span_setup", "gu_step0 m, gu_step1 m", at(F::span_f_step), m, 4);
+  }
+
+  void pixel() {
+    const Operand m = of(c_.pixel_reciprocal.output);
+    const Operand mix = at(F::texture_mix), alpha = at(F::texture_alpha), frac = at(F::texture_frac);
+    const Operand shade = at(F::span_shade), color = at(F::texture_color);
+    if (pixel_unit(c_)) inside("span", "reciprocal.pixel", c_.pixel_reciprocal);
+    if (delta_f(c_)) add("span", "fu m", at(F::span_f), m, 2);
+    if (linear_depth(c_)) add("depth", "c1 m", at(F::depth_c1), m, 1);
+    if (bilinear(c_)) {
+      // a (1 - E) + b E = a + (b - a) E: one product each for V5, V6 and V.
+      add("texture", "(V4 - V1) Ex, (V3 - V2) Ex", kCode - kCode, frac, 6);
+      add("texture", "(V6 - V5) Ey", mix - mix, frac, 3);
+      add("texture", "the same for alpha", alpha - alpha, frac, 3);
+    }
+    add("texture", "V shade", mix, shade, 3);
+    add("texture", "V_a shade a", alpha, shade, 1);
+    if (linear_fog(c_)) add("fog", "fog_scale m", at(F::fog_scale), m, 1);
+    if (any_fog(c_)) add("fog", "(r - VT_r) factor", color - kCode, at(F::fog_factor), 3);
+    add("merge", "(r - dst_r) a", at(F::fog_color) - kCode, alpha, 3);
+  }
+
+  const Config& c_;
+  std::vector<Multiplier> list_;
+};
+
+}  // namespace
+
+const std::vector<RegisterRule>& register_rules() {
+  static const std::vector<RegisterRule> rules = make_rules();
+  return rules;
+}
+
+std::vector<RegisterPlace> register_places(const Config& config) {
+  std::vector<RegisterPlace> places;
+  for (const RegisterRule& r : register_rules()) {
+    if (r.used(config))
+      places.push_back({std::string(r.stage), std::string(r.name), r.word(config), r.times});
+  }
+  for (const Unit& u : units(config)) {
+    const Reciprocal& r = *u.r;
+    if (r.kind == ReciprocalKind::restoring) continue;
+    const auto add = [&](const char* name, int word, int times) {
+      places.push_back({u.stage, u.name + "." + name, word, times});
+    };
+    add("nq", 1 + r.operand_bits, 1);
+    if (r.kind == ReciprocalKind::lut_linear) {
+      add("c", 1 + r.table_bits, 2);
+      add("y", 1 + r.internal_bits, 1);
+    } else {
+      add("y(0)", 1 + r.table_bits, 1);
+      if (r.steps > 0) add("a", 2 + r.internal_bits, r.steps);
+      if (r.steps > 0) add("y", 1 + r.internal_bits, r.steps);
+    }
+  }
+  return places;
+}
+
+std::vector<Multiplier> multipliers(const Config& config) { return Products(config).take(); }
+
+double register_bits(const Config& config) {
+  std::int64_t bits = 0;
+  for (const RegisterPlace& p : register_places(config)) bits += std::int64_t{p.word} * p.times;
+  return static_cast<double>(bits);
+}
+
+double product_bits(const Config& config) {
+  std::int64_t bits = 0;
+  for (const Multiplier& m : multipliers(config)) bits += std::int64_t{m.a} * m.b * m.times;
+  return static_cast<double>(bits);
+}
+
+double table_bits(const Config& config) {
+  std::int64_t bits = 0;
+  for (const Unit& u : units(config)) {
+    if (u.r->kind == ReciprocalKind::restoring) continue;
+    const std::int64_t entries =
+        (std::int64_t{1} << u.r->index_bits) + (u.r->kind == ReciprocalKind::lut_linear);
+    bits += entries * (1 + u.r->table_bits);
+  }
+  // 64 depths by 16 zones.
+  if (config.fog == FogMode::table) bits += std::int64_t{1024} * config.format(F::fog_factor).word;
+  return static_cast<double>(bits);
+}
+
+void add_costs(const Config& config, std::map<std::string, double, std::less<>>& metrics) {
+  metrics["cost.register_bits"] = register_bits(config);
+  metrics["cost.product_bits"] = product_bits(config);
+  metrics["cost.table_bits"] = table_bits(config);
+}
+
+}  // namespace bitspan

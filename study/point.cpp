@@ -1,0 +1,279 @@
+#include "study/point.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <future>
+#include <limits>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "config/range.hpp"
+#include "config/records.hpp"
+#include "golden/ideal.hpp"
+#include "model/engine_model.hpp"
+#include "report/compare.hpp"
+#include "report/error.hpp"
+#include "report/truth.hpp"
+#include "study/cost.hpp"
+
+namespace bitspan {
+namespace {
+
+// Triangles that are drawn, and compared, at once: their records stay in the cache.
+constexpr std::size_t batch = 64;
+
+// One scene's truth under one truth_config.
+struct SceneTruth {
+  std::vector<Truth> batches;
+  Frame frame;
+};
+
+SceneTruth make_truth(const Config& config, const Scene& scene) {
+  SceneTruth out;
+  const std::span<const Triangle> all = scene.triangles;
+  for (std::size_t at = 0; at < all.size(); at += batch) {
+    out.batches.emplace_back(config, scene, all.subspan(at, std::min(batch, all.size() - at)));
+  }
+  const auto ideal = make_ideal(config);
+  ideal->begin(scene);
+  ideal->draw(all, 0, nullptr);
+  out.frame = ideal->frame();
+  return out;
+}
+
+// The register that a field's values come from; none for integers.
+std::optional<model::RegisterId> register_of(const Field& field, const Config& config) {
+  using model::RegisterId;
+  const bool linear =
+      config.perspective == Perspective::affine || config.perspective == Perspective::const_depth_rows;
+  switch (field.kind) {
+    case FieldKind::format:
+      return model::id_of(field.format);
+    case FieldKind::coordinate:
+      return RegisterId::coordinate;
+    case FieldKind::depth_code:
+      return RegisterId::depth_z;
+    case FieldKind::edge_mantissa:
+      return RegisterId::edge_reciprocal;
+    case FieldKind::row_mantissa:
+      return RegisterId::row_reciprocal;
+    case FieldKind::pixel_mantissa:
+      return RegisterId::pixel_reciprocal;
+    case FieldKind::texture_acc:
+      return model::id_of(linear ? FormatId::span_uv_acc : FormatId::span_f);
+    case FieldKind::texture_step:
+      return model::id_of(linear ? FormatId::span_uv_step : FormatId::span_f_step);
+    case FieldKind::integer:
+    case FieldKind::phase:
+      break;
+  }
+  return std::nullopt;
+}
+
+// Counts the values of a trace by octave.
+void note_octaves(const Trace& trace, const Config& config, std::vector<RegisterUse>& registers) {
+  struct Shown {
+    std::size_t field;
+    RegisterUse* use;
+    int place;  // of an ulp in octave[i] = 2^(i - 64)
+  };
+  std::vector<Shown> shown;
+  for (int t = 0; t < record_types; ++t) {
+    const RecordView view = view_of(trace, static_cast<RecordType>(t));
+    if (view.records == 0) continue;
+    shown.clear();
+    for (std::size_t f = 0; f < view.fields.size(); ++f) {
+      if (const auto id = register_of(view.fields[f], config)) {
+        RegisterUse& use = registers[static_cast<std::size_t>(*id)];
+        shown.push_back({f, &use, 64 - use.format.fraction()});
+      }
+    }
+    for (std::size_t i = 0; i < view.records; ++i) {
+      const std::int64_t* const record = view.values + i * view.fields.size();
+      for (const Shown& s : shown) {
+        const std::int64_t raw = record[s.field];
+        if (raw == 0) {
+          ++s.use->zeros;
+          continue;
+        }
+        const auto size = static_cast<std::uint64_t>(raw < 0 ? -raw : raw);
+        const int octave = static_cast<int>(std::bit_width(size)) - 1 + s.place;
+        ++s.use->octave[static_cast<std::size_t>(std::clamp(octave, 0, 127))];
+      }
+    }
+  }
+}
+
+void merge(model::FieldStatistics& to, const model::FieldStatistics& s) {
+  if (s.count == 0) return;
+  to.min = to.count == 0 ? s.min : std::min(to.min, s.min);
+  to.max = to.count == 0 ? s.max : std::max(to.max, s.max);
+  to.count += s.count;
+  to.wraps += s.wraps;
+  to.saturations += s.saturations;
+}
+
+void finish(RegisterUse& use, const model::FieldStatistics& s) {
+  use.count = s.count;
+  use.wraps = s.wraps;
+  use.saturations = s.saturations;
+  if (s.count == 0) return;
+  use.min = std::ldexp(static_cast<double>(s.min), -use.format.fraction());
+  use.max = std::ldexp(static_cast<double>(s.max), -use.format.fraction());
+  use.used_bits = model::used_bits(s, use.format.is_signed) - use.format.fraction();
+  use.headroom = use.format.integer - use.used_bits;
+}
+
+FieldError field_error(const ErrorRow& row) {
+  const ErrorStat& s = row.stat;
+  return {row.stage,          row.quantity, row.unit, row.ulp,           s.count,    s.max,
+          s.mean_magnitude(), s.mean(),     s.rms(),  s.quantile(0.999), s.sqnr_db()};
+}
+
+using Metrics = std::map<std::string, double, std::less<>>;
+
+void add_field(const FieldError& f, Metrics& out) {
+  const std::string name = f.stage + "." + f.quantity;
+  const std::pair<const char*, double> numbers[] = {
+      {"max", f.max}, {"mean", f.mean}, {"bias", f.bias}, {"rms", f.rms}, {"p999", f.p999}};
+  for (const auto& [stat, value] : numbers) {
+    out[name + "." + stat] = value;
+    out[name + "." + stat + "_ulp"] = value / f.ulp;
+  }
+  out[name + ".sqnr_db"] = f.sqnr_db;
+}
+
+void add_pictures(const ErrorReport& r, Metrics& out) {
+  out["picture.psnr_db"] = r.psnr_db;
+  out["picture.color_max"] = r.color_max;
+  out["picture.drawn"] = static_cast<double>(r.drawn);
+  out["picture.wrong_order"] = static_cast<double>(r.wrong_order);
+  out["picture.wrong_order_rate"] = static_cast<double>(r.wrong_order) / static_cast<double>(r.drawn);
+  if (r.textured != 0) {
+    out["picture.wrong_texel"] = static_cast<double>(r.wrong_texel);
+    out["picture.wrong_texel_rate"] = static_cast<double>(r.wrong_texel) / static_cast<double>(r.textured);
+  }
+  out["picture.coverage_differences"] = static_cast<double>(r.coverage_differences());
+}
+
+}  // namespace
+
+// The truths of the configurations measured last.
+struct PointMeter::Truths {
+  using Known = std::shared_future<std::shared_ptr<const std::vector<SceneTruth>>>;
+  static constexpr std::size_t kept = 4;  // tens of megabytes each
+  std::mutex mutex;
+  std::list<std::pair<Config, Known>> known;
+};
+
+PointMeter::PointMeter(std::vector<Scene> scenes)
+    : scenes_(std::move(scenes)), truths_(std::make_unique<Truths>()) {
+  if (scenes_.empty()) throw InputError("a study without scenes: name at least one");
+}
+PointMeter::~PointMeter() = default;
+
+PointResult PointMeter::measure(const Config& config, bool histograms) const {
+  check_config(config, config.name);
+  for (const Scene& scene : scenes_) check_scene_range(config, scene);
+
+  // Whoever comes first computes; others wait for it.
+  const Config key = truth_config(config);
+  Truths::Known known;
+  std::promise<std::shared_ptr<const std::vector<SceneTruth>>> promise;
+  bool mine = false;
+  {
+    const std::lock_guard lock(truths_->mutex);
+    auto& list = truths_->known;
+    auto found = std::find_if(list.begin(), list.end(), [&](const auto& k) { return k.first == key; });
+    mine = found == list.end();
+    if (mine) {
+      list.emplace_front(key, promise.get_future().share());
+      if (list.size() > Truths::kept) list.pop_back();
+    } else {
+      list.splice(list.begin(), list, found);
+    }
+    known = list.front().second;
+  }
+  if (mine) {
+    try {
+      auto made = std::make_shared<std::vector<SceneTruth>>();
+      for (const Scene& scene : scenes_) made->push_back(make_truth(config, scene));
+      promise.set_value(std::move(made));
+    } catch (...) {
+      promise.set_exception(std::current_exception());
+    }
+  }
+  const auto truths = known.get();
+
+  PointResult out;
+  std::vector<RegisterUse> registers(model::register_count);
+  std::vector<model::FieldStatistics> seen(model::register_count);
+  for (int i = 0; i < model::register_count; ++i) {
+    const auto id = static_cast<model::RegisterId>(i);
+    RegisterUse& use = registers[static_cast<std::size_t>(i)];
+    use.name = model::name_of(id);
+    use.format = model::format_of(id, config);
+  }
+  ErrorReport errors;
+  const auto engine = make_observed_model(config);
+  Trace trace;
+  for (std::size_t s = 0; s < scenes_.size(); ++s) {
+    const Scene& scene = scenes_[s];
+    const SceneTruth& truth = (*truths)[s];
+    ErrorMeter meter(config, scene);
+    engine->begin(scene);
+    const std::span<const Triangle> all = scene.triangles;
+    for (std::size_t b = 0; b < truth.batches.size(); ++b) {
+      const std::size_t at = b * batch;
+      trace.clear();
+      engine->draw(all.subspan(at, truth.batches[b].size()), static_cast<std::int64_t>(at), &trace);
+      meter.add(truth.batches[b], static_cast<std::int64_t>(at), trace);
+      if (histograms) note_octaves(trace, config, registers);
+    }
+    meter.add_pictures(engine->frame(), truth.frame);
+    if (s == 0) {
+      errors = meter.report();
+    } else {
+      errors.add(meter.report());
+    }
+    for (int i = 0; i < model::register_count; ++i) {
+      merge(seen[static_cast<std::size_t>(i)], engine->statistics().of(static_cast<model::RegisterId>(i)));
+    }
+  }
+  if (errors.drawn == 0) {
+    throw InputError(config.name +
+                     ": nothing is drawn in any of the scenes, so there is no error to measure");
+  }
+  for (const ErrorRow& row : errors.rows) {
+    if (row.stat.count == 0) continue;
+    out.fields.push_back(field_error(row));
+    add_field(out.fields.back(), out.metrics);
+  }
+  add_pictures(errors, out.metrics);
+  double wraps = 0;
+  double saturations = 0;
+  for (std::size_t i = 0; i < registers.size(); ++i) {
+    RegisterUse& use = registers[i];
+    finish(use, seen[i]);
+    if (use.count == 0) continue;
+    wraps += static_cast<double>(use.wraps);
+    saturations += static_cast<double>(use.saturations);
+    const std::string name = "register." + use.name;
+    out.metrics[name + ".used_bits"] = use.used_bits;
+    out.metrics[name + ".headroom"] = use.headroom;
+    out.metrics[name + ".wraps"] = static_cast<double>(use.wraps);
+    out.metrics[name + ".saturations"] = static_cast<double>(use.saturations);
+    out.registers.push_back(std::move(use));
+  }
+  out.metrics["registers.wraps"] = wraps;
+  out.metrics["registers.saturations"] = saturations;
+  add_costs(config, out.metrics);
+  return out;
+}
+
+}  // namespace bitspan

@@ -1,0 +1,75 @@
+// One point of a study: a configuration measured on scenes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "config/config.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan {
+
+// The error of one quantity of a stage against the unquantised truth (docs/numeric-spec.md, "ideal"), over
+// all records of all scenes.
+struct FieldError {
+  std::string stage, quantity, unit;  // "span", "u", "texel"
+  double ulp = 0;                     // of the format it is held in, in that unit; 0 where none is
+  std::uint64_t count = 0;
+  double max = 0;   // of the magnitude
+  double mean = 0;  // of the magnitude
+  double bias = 0;  // mean of measured - ideal
+  double rms = 0;
+  double p999 = 0;     // 99.9 % of the magnitudes are not above it (an upper edge of 1/8 octave)
+  double sqnr_db = 0;  // of the ideal values' power over the error's; infinite without error
+};
+
+// What a register held, over all scenes.
+struct RegisterUse {
+  std::string name;  // as in the configuration's formats: "span.h"
+  Format format;
+  std::uint64_t count = 0;
+  double min = 0, max = 0;  // in its unit
+  int used_bits = 0;        // integer bits, sign included, that min and max need
+  int headroom = 0;         // integer bits of the format beyond them
+  std::uint64_t wraps = 0, saturations = 0;
+  // Values by magnitude: octave[i] counts 2^(i-64) <= |value| < 2^(i-63); zero apart.
+  std::uint64_t zeros = 0;
+  std::array<std::uint64_t, 128> octave{};
+};
+
+struct PointResult {
+  std::vector<FieldError> fields;
+  std::vector<RegisterUse> registers;
+  // Every number above and of the pictures by name, for constraints, tables and plots. What does not apply
+  // (no fog, no texture) is absent.
+  std::map<std::string, double, std::less<>> metrics;
+};
+
+// Metric names:
+//   STAGE.QUANTITY.{max,mean,bias,rms,p999,sqnr_db} and the first five again as ..._ulp
+//   picture.{psnr_db,color_max,drawn,wrong_order,wrong_order_rate,coverage_differences}
+//   picture.{wrong_texel,wrong_texel_rate}: with the nearest filter, of textured pixels
+//   registers.{wraps,saturations}; register.NAME.{used_bits,headroom,wraps,saturations}
+//   cost.{register_bits,product_bits} (study/cost.hpp)
+class PointMeter {
+ public:
+  // Scenes are kept; what depends on them alone is computed once. Throws InputError where there is none.
+  explicit PointMeter(std::vector<Scene> scenes);
+  ~PointMeter();
+  // May be called from several threads. Throws InputError where the configuration is illegal, too narrow for
+  // a scene (check_scene_range), or draws nothing of all of them. Without histograms RegisterUse::zeros and
+  // octave stay 0.
+  PointResult measure(const Config& config, bool histograms = true) const;
+  const std::vector<Scene>& scenes() const { return scenes_; }
+
+ private:
+  struct Truths;
+  std::vector<Scene> scenes_;
+  std::unique_ptr<Truths> truths_;
+};
+
+}  // namespace bitspan

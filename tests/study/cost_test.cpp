@@ -1,0 +1,248 @@
+// The two analytic costs against hand counts, the model's own registers and docs/search.md.
+#include "study/cost.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <set>
+#include <span>
+
+#include "config/check.hpp"
+#include "model/engine_model.hpp"
+#include "scene/demo.hpp"
+#include "tests/support/test_config.hpp"
+
+namespace bitspan {
+namespace {
+
+// Every combination of the modes that decide which registers exist.
+std::vector<Config> all_modes(const Config& base) {
+  std::vector<Config> list;
+  for (const auto perspective :
+       {Perspective::delta_f, Perspective::const_depth_rows, Perspective::hyperbolic, Perspective::affine}) {
+    for (const auto walk : {EdgeWalk::exact, EdgeWalk::dda}) {
+      for (const auto edge : {SlopeForm::divide, SlopeForm::reciprocal}) {
+        for (const auto row : {SlopeForm::divide, SlopeForm::reciprocal}) {
+          for (const auto code : {DepthCode::inverse, DepthCode::linear, DepthCode::opengl}) {
+            for (const auto filter : {TextureFilter::nearest, TextureFilter::bilinear}) {
+              for (const auto fog : {FogMode::none, FogMode::linear, FogMode::table}) {
+                Config c = base;
+                c.perspective = perspective;
+                c.edge_walk = walk;
+                c.edge_slope = edge;
+                c.row_slope = row;
+                c.depth_code = code;
+                c.filter = filter;
+                c.fog = fog;
+                if (!first_violation(c)) list.push_back(c);
+              }
+            }
+          }
+        }
+      }
+    }
+  }
+  return list;
+}
+
+double bits_of(const std::vector<RegisterPlace>& places, std::string_view stage) {
+  double bits = 0;
+  for (const RegisterPlace& p : places) bits += p.stage == stage ? p.word * p.times : 0;
+  return bits;
+}
+
+double bits_of(const std::vector<Multiplier>& products, std::string_view stage) {
+  double bits = 0;
+  for (const Multiplier& m : products) bits += m.stage == stage ? m.a * m.b * m.times : 0;
+  return bits;
+}
+
+// Counted by hand from config/depth16.toml and docs/numeric-spec.md.
+TEST(Cost, Depth16ByHand) {
+  const Config c = shipped_config("depth16");
+  const std::vector<RegisterPlace> places = register_places(c);
+  EXPECT_EQ(bits_of(places, "constants"), 2 * 36 + 38);
+  EXPECT_EQ(bits_of(places, "setup"), 6 * 20 + 36 + 3 * 34 + 6 * 25 + 12 * 13);
+  EXPECT_EQ(bits_of(places, "setup.edge"), 3 * 41 + 2 * 42 + 6 * 48 + 12 * 24);
+  const int newton = 23 + 13 + 26 + 25;  // nq, y(0), a, y
+  EXPECT_EQ(bits_of(places, "edge_walk"),
+            2 * 28 + 2 * 36 + 2 * 34 + 4 * 44 + 19 + 4 * 25 + 8 * 19 + 8 * 13 + newton);
+  EXPECT_EQ(bits_of(places, "span_setup"), 21 + 38 + 2 * 40 + 2 * 42 + 4 * 24);
+  EXPECT_EQ(bits_of(places, "span"), 34 + 2 * 42 + 4 * 19 + 19 + 2 * 25 + 4 * 13 + newton);
+  EXPECT_EQ(bits_of(places, "depth"), 16);
+  EXPECT_EQ(bits_of(places, "texture"), 3 * 12 + 3 * 12 + 2 * 11);
+  EXPECT_EQ(bits_of(places, "fog"), 10 + 3 * 12);
+  EXPECT_EQ(bits_of(places, "merge"), 3 * 8);
+  EXPECT_EQ(register_bits(c), 3192);
+
+  const std::vector<Multiplier> products = multipliers(c);
+  const int unit = 23 * 13 + 13 * 26;
+  EXPECT_EQ(bits_of(products, "setup"), 2 * 21 * 21 + 38 * 36);
+  EXPECT_EQ(bits_of(products, "setup.edge"), 2 * 26 * 39);
+  EXPECT_EQ(bits_of(products, "edge_walk"),
+            21 * 20 + 41 * 20 + 2 * 48 * 20 + 4 * 24 * 20 + unit + 2 * 44 * 19);
+  EXPECT_EQ(bits_of(products, "span_setup"),
+            2 * 26 * 39 + 35 * 21 + 2 * 40 * 21 + 4 * 14 * 21 + 38 * 29 + 2 * 42 * 29 + 4 * 24 * 29);
+  EXPECT_EQ(bits_of(products, "span"), unit + 2 * 42 * 19);
+  EXPECT_EQ(bits_of(products, "depth"), 0);
+  EXPECT_EQ(bits_of(products, "texture"), 3 * 12 * 13 + 11 * 13);
+  EXPECT_EQ(bits_of(products, "fog"), 3 * 13 * 10);
+  EXPECT_EQ(bits_of(products, "merge"), 3 * 13 * 11);
+  EXPECT_EQ(product_bits(c), 27271);
+
+  EXPECT_EQ(table_bits(c), 2 * 512 * 13 + 1024 * 10);
+
+  std::map<std::string, double, std::less<>> metrics{{"other", 1.0}};
+  add_costs(c, metrics);
+  EXPECT_EQ(metrics, (std::map<std::string, double, std::less<>>{{"other", 1.0},
+                                                                 {"cost.register_bits", 3192.0},
+                                                                 {"cost.product_bits", 27271.0},
+                                                                 {"cost.table_bits", 23552.0}}));
+}
+
+// The stages that other modes have, by hand from the same widths.
+TEST(Cost, OtherModesByHand) {
+  Config c = shipped_config("depth16");
+  c.perspective = Perspective::const_depth_rows;
+  c.depth_code = DepthCode::linear;
+  c.filter = TextureFilter::bilinear;
+  c.fog = FogMode::linear;
+  const int newton = 23 + 13 + 26 + 25;
+  EXPECT_EQ(bits_of(register_places(c), "constants"), 2 * 36 + 38 + 50 + 30 + 40);
+  EXPECT_EQ(bits_of(register_places(c), "setup.edge"), 0);
+  EXPECT_EQ(bits_of(register_places(c), "edge_walk"), 0);
+  EXPECT_EQ(bits_of(register_places(c), "plane_walk"),
+            6 * 42 + 2 * 41 + 4 * 50 + 8 * 26 + 22 + 2 * 42 + 4 * 42);
+  EXPECT_EQ(bits_of(register_places(c), "span_setup"), 21 + 4 * 34 + 8 * 24);
+  EXPECT_EQ(bits_of(register_places(c), "span"), 34 + 2 * 33 + 4 * 19 + 20 + 19 + 2 * 25 + 4 * 13 + newton);
+  EXPECT_EQ(bits_of(register_places(c), "texture"), 2 * 8 + 9 * 12 + 3 * 12 + 8 * 11);
+
+  const int unit = 23 * 13 + 13 * 26;
+  const int d = 21, centre = 21, line = 17 + 20 + 1;
+  EXPECT_EQ(bits_of(multipliers(c), "plane_walk"), 2 * 25 * 39 + 4 * 35 * d + 8 * 43 * d + 16 * 14 * d +
+                                                       22 * 16 + 41 * centre + 41 * line + 4 * 50 * centre +
+                                                       8 * 26 * centre);
+  EXPECT_EQ(bits_of(multipliers(c), "span_setup"), 2 * 42 * 21 + 4 * 42 * 21);
+  EXPECT_EQ(bits_of(multipliers(c), "span"), unit);
+  EXPECT_EQ(bits_of(multipliers(c), "depth"), 50 * 19);
+  EXPECT_EQ(bits_of(multipliers(c), "texture"), 6 * 9 * 8 + 3 * 13 * 8 + 3 * 12 * 8 + 3 * 12 * 13 + 11 * 13);
+  EXPECT_EQ(bits_of(multipliers(c), "fog"), 40 * 19 + 3 * 13 * 10);
+  EXPECT_EQ(table_bits(c), 512 * 13);
+
+  // ideal_line: gu along the ideal line too, and k gu_N.
+  const double before = bits_of(multipliers(c), "plane_walk");
+  c.numerator = Numerator::ideal_line;
+  EXPECT_EQ(bits_of(multipliers(c), "plane_walk") - before, 2 * 50 * (line - centre) + 2 * 22 * 50);
+
+  // Edges by a dda and a table reciprocal.
+  Config e = shipped_config("depth16");
+  e.edge_walk = EdgeWalk::dda;
+  e.edge_slope = SlopeForm::reciprocal;
+  e.edge_reciprocal.kind = ReciprocalKind::lut_linear;
+  e.edge_reciprocal.operand_bits = 20;
+  e.edge_reciprocal.index_bits = 8;
+  e.edge_reciprocal.table_bits = 22;
+  e.edge_reciprocal.internal_bits = 24;
+  const Config plain = shipped_config("depth16");
+  EXPECT_EQ(register_bits(e) - register_bits(plain), 23 + 3 * 36 + 2 * 34 + 21 + 2 * 23 + 25);
+  EXPECT_EQ(product_bits(e) - product_bits(plain),
+            23 * 12 + 21 * 23 + 35 * 23 + 2 * 42 * 23 + 4 * 14 * 23 + 36 * 20 - 21 * 20);
+  EXPECT_EQ(table_bits(e) - table_bits(plain), 257 * 23);
+
+  // gl and gr; no reciprocal at a pixel; a row's dividers have no multiplier.
+  Config h = plain;
+  h.perspective = Perspective::hyperbolic;
+  EXPECT_EQ(bits_of(multipliers(h), "span"), 0);
+  EXPECT_EQ(bits_of(multipliers(h), "span_setup") - bits_of(multipliers(plain), "span_setup"),
+            4 * 25 * 39 - 2 * 26 * 39 + 2 * 21);
+  EXPECT_EQ(register_bits(h) - register_bits(plain), 2 * 40 - 19 - newton);
+  h.row_slope = SlopeForm::divide;
+  EXPECT_EQ(bits_of(multipliers(h), "span_setup"), 4 * 25 * 39 + 38 * 29 + 2 * 42 * 29 + 4 * 24 * 29);
+
+  Config a = plain;
+  a.perspective = Perspective::affine;
+  EXPECT_EQ(bits_of(multipliers(a), "setup.edge"), 0);
+  EXPECT_EQ(bits_of(multipliers(a), "span_setup"),
+            35 * 21 + 2 * 26 * 21 + 4 * 14 * 21 + 38 * 29 + 2 * 34 * 29 + 4 * 24 * 29);
+}
+
+// What the model writes to in a run is what is counted, in every mode.
+TEST(Cost, TheRegistersCountedAreThoseThatTheModelUses) {
+  const Scene scene = demo_scene(64, 48);
+  std::size_t modes = 0;
+  for (const Config& c : all_modes(shipped_config("depth16"))) {
+    const auto engine = make_observed_model(c);
+    engine->begin(scene);
+    engine->draw(std::span(scene.triangles), 0, nullptr);
+    std::set<std::string> observed, counted;
+    for (int i = 0; i < model::register_count; ++i) {
+      const auto id = static_cast<model::RegisterId>(i);
+      if (engine->statistics().of(id).count > 0) observed.emplace(model::name_of(id));
+    }
+    for (const RegisterRule& r : register_rules()) {
+      // The phase is exact: no quantisation, nothing observed.
+      if (r.used(c) && r.name != "phase") counted.emplace(r.name);
+    }
+    // Without fog the factor is the constant 1, which the model quantises for its record all the same.
+    if (c.fog == FogMode::none) observed.erase("fog.factor");
+    EXPECT_EQ(observed, counted) << to_toml(c);
+    ++modes;
+    if (HasFailure()) break;
+  }
+  EXPECT_GT(modes, 400U);
+}
+
+// A bit more in a register that is used costs its places; in one that is not, nothing.
+TEST(Cost, ABitCostsWhatItsPlacesSay) {
+  for (const Config& c : all_modes(shipped_config("depth16"))) {
+    for (int i = 0; i < format_count; ++i) {
+      const auto id = static_cast<FormatId>(i);
+      int times = 0;
+      for (const RegisterRule& r : register_rules()) {
+        if (r.used(c) && r.name == key_of(id)) times += r.times;
+      }
+      Config wider = c;
+      ++wider.format(id).word;  // one fraction bit
+      if (id == FormatId::plane_k && c.perspective == Perspective::const_depth_rows) ++times;  // phase
+      EXPECT_EQ(register_bits(wider) - register_bits(c), times) << key_of(id);
+      if (times == 0) {
+        EXPECT_EQ(product_bits(wider), product_bits(c)) << key_of(id);
+      } else {
+        EXPECT_GE(product_bits(wider), product_bits(c)) << key_of(id);
+      }
+    }
+    if (HasFailure()) break;
+  }
+}
+
+TEST(Cost, ProductsHaveOperands) {
+  for (const std::string name : {"depth16", "depth20", "narrow"}) {
+    for (const Config& c : all_modes(shipped_config(name))) {
+      for (const Multiplier& m : multipliers(c)) {
+        EXPECT_GT(m.a, 0) << m.product;
+        EXPECT_GT(m.b, 0) << m.product;
+        EXPECT_GT(m.times, 0) << m.product;
+      }
+      for (const RegisterPlace& p : register_places(c)) EXPECT_GT(p.word * p.times, 0) << p.name;
+    }
+  }
+}
+
+TEST(Cost, TheTableOfRegistersIsTheOneOfTheCode) {
+  std::vector<std::string> expected, found;
+  for (const RegisterRule& r : register_rules()) {
+    expected.push_back("| " + std::string(r.stage) + " | `" + std::string(r.name) + "` | " +
+                       std::to_string(r.times) + " | " + std::string(r.condition) + " |");
+  }
+  std::ifstream page(std::string(BITSPAN_SOURCE_DIR) + "/docs/search.md");
+  bool inside = false;
+  for (std::string line; std::getline(page, line);) {
+    if (line == "<!-- registers -->") inside = true;
+    if (line == "<!-- end of registers -->") inside = false;
+    if (inside && line.starts_with("| ") && line.find('`') != std::string::npos) found.push_back(line);
+  }
+  EXPECT_EQ(found, expected);
+}
+
+}  // namespace
+}  // namespace bitspan

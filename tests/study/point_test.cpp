@@ -1,0 +1,121 @@
+// One point of a study: its numbers against the meters they come from, and what is no point.
+#include "study/point.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <thread>
+
+#include "model/engine_model.hpp"
+#include "report/error.hpp"
+#include "scene/demo.hpp"
+#include "scene/random.hpp"
+
+namespace bitspan {
+namespace {
+
+Config shipped(const std::string& name) { return load_config(BITSPAN_CONFIG_DIR "/" + name + ".toml"); }
+
+const FieldError& field(const PointResult& point, std::string_view stage, std::string_view quantity) {
+  for (const FieldError& f : point.fields) {
+    if (f.stage == stage && f.quantity == quantity) return f;
+  }
+  throw std::out_of_range("field");
+}
+const RegisterUse& use_of(const PointResult& point, std::string_view name) {
+  for (const RegisterUse& r : point.registers) {
+    if (r.name == name) return r;
+  }
+  throw std::out_of_range("register");
+}
+
+TEST(Point, AgreesWithTheErrorMeter) {
+  const Scene scene = demo_scene(160, 120);
+  const Config config = shipped("depth16");
+  const PointResult point = PointMeter({scene}).measure(config);
+  const auto engine = make_model(config, {.form = ModelForm::scalar});
+  engine->begin(scene);
+  Trace trace;
+  engine->draw(scene.triangles, 0, &trace);
+  ErrorMeter meter(config, scene);
+  meter.add(scene.triangles, 0, trace);
+  for (const ErrorRow& row : meter.report().rows) {
+    if (row.stat.count == 0 || row.stage == "picture") continue;
+    const FieldError& f = field(point, row.stage, row.quantity);
+    EXPECT_EQ(f.count, row.stat.count) << row.stage << ' ' << row.quantity;
+    EXPECT_EQ(f.max, row.stat.max);
+    EXPECT_NEAR(f.rms, row.stat.rms(), 1e-9 * row.stat.rms());
+    EXPECT_EQ(point.metrics.at(row.stage + "." + row.quantity + ".max"), f.max);
+    EXPECT_LE(f.mean, f.rms);
+    EXPECT_LE(f.rms, f.max);
+    EXPECT_LE(f.p999, f.max);
+    EXPECT_LE(std::fabs(f.bias), f.mean);
+  }
+}
+
+TEST(Point, RegistersSayWhatTheyHeld) {
+  const PointResult point = PointMeter({demo_scene(160, 120)}).measure(shipped("depth16"));
+  for (const RegisterUse& r : point.registers) {
+    EXPECT_LE(r.min, r.max) << r.name;
+    EXPECT_EQ(r.used_bits + r.headroom, r.format.integer) << r.name;
+    const auto values = std::accumulate(r.octave.begin(), r.octave.end(), r.zeros);
+    EXPECT_GT(values, 0U) << r.name << " was seen, and stands in some record";
+  }
+  // Values of 2^12 to 2^13: the octave that holds the largest magnitude is the last one used.
+  const RegisterUse& h = use_of(point, "span.h");
+  const auto top = static_cast<std::size_t>(std::floor(std::log2(h.max))) + 64;
+  EXPECT_GT(h.octave[top], 0U);
+  EXPECT_EQ(std::accumulate(h.octave.begin() + static_cast<std::ptrdiff_t>(top) + 1, h.octave.end(), 0U), 0U);
+  const PointResult plain = PointMeter({demo_scene(160, 120)}).measure(shipped("depth16"), false);
+  EXPECT_EQ(use_of(plain, "span.h").zeros, 0U);
+  EXPECT_EQ(plain.metrics, point.metrics);
+}
+
+TEST(Point, ABitMoreIsNotWorseAndOneThatIsMissingIsSeen) {
+  const PointMeter meter({demo_scene(160, 120)});
+  Config config = shipped("depth16");
+  const double base = meter.measure(config, false).metrics.at("span.u.rms");
+  config.format(FormatId::span_uv).word += 6;
+  EXPECT_LT(meter.measure(config, false).metrics.at("span.u.rms"), base);
+  config.format(FormatId::span_uv).word -= 9;
+  EXPECT_GT(meter.measure(config, false).metrics.at("span.u.rms"), 2 * base);
+}
+
+TEST(Point, IsTheSameFromEveryThread) {
+  const PointMeter meter({demo_scene(120, 90)});
+  const Config config = shipped("depth20");
+  std::array<PointResult, 4> results;
+  std::vector<std::jthread> threads;
+  for (PointResult& result : results) {
+    threads.emplace_back([&] { result = meter.measure(config); });
+  }
+  threads.clear();
+  for (const PointResult& result : results) EXPECT_EQ(result.metrics, results[0].metrics);
+}
+
+TEST(Point, WhatDrawsNothingIsNoPerfectScore) {
+  EXPECT_THROW(PointMeter({}), InputError);
+  Scene empty = demo_scene(64, 48);
+  empty.triangles.clear();
+  try {
+    PointMeter({empty}).measure(shipped("depth16"));
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("nothing is drawn"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Point, RefusesWhatTheConfigurationCannotHold) {
+  const PointMeter meter({demo_scene(64, 48)});
+  Config config = shipped("depth16");
+  config.format(FormatId::setup_uv).integer -= 6;
+  config.format(FormatId::setup_uv).word -= 6;
+  EXPECT_THROW(meter.measure(config), InputError);
+  config = shipped("depth16");
+  config.format(FormatId::span_uv).word = 99;
+  EXPECT_THROW(meter.measure(config), InputError);
+}
+
+}  // namespace
+}  // namespace bitspan
