@@ -1,0 +1,696 @@
+#include "study/plan.hpp"
+
+#define TOML_HEADER_ONLY 1
+#define TOML_ENABLE_FORMATTERS 0
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <limits>
+#include <set>
+#include <span>
+#include <system_error>
+
+#include "config/names.hpp"
+#include "scene/tri_stream.hpp"
+
+namespace bitspan {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t file_limit = std::size_t{1} << 20;
+constexpr std::size_t axis_limit = 100'000;  // values of one axis
+// A value is tried in at most so many points.
+constexpr std::size_t tries_limit = 5000;
+
+constexpr auto arrangements = std::to_array<std::string_view>({"grid", "one_at_a_time", "list"});
+constexpr auto algorithms = std::to_array<std::string_view>({"min+1", "max-1", "greedy", "annealing"});
+constexpr auto families = std::to_array<std::string_view>({"ice40", "ecp5"});
+
+std::string join(std::span<const std::string_view> names) {
+  std::string out;
+  for (const auto name : names) out.append(out.empty() ? "" : ", ").append(name);
+  return out;
+}
+
+std::string one_line(std::string text) {
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return c < 0x20; }, ' ');
+  return text;
+}
+
+int line_of(const toml::source_region& region) {
+  return region.begin.line > 0 ? static_cast<int>(region.begin.line) : 1;
+}
+
+std::string_view type_name(const toml::node& node) {
+  if (node.is_table()) return "a table";
+  if (node.is_array()) return "an array";
+  if (node.is_string()) return "a string";
+  if (node.is_integer()) return "an integer";
+  if (node.is_floating_point()) return "a float";
+  if (node.is_boolean()) return "a boolean";
+  return "a date or time";
+}
+
+// One table of the file; the constructor refuses unknown keys.
+class Section {
+ public:
+  Section(const toml::table& table, std::string path, int line, const std::string& origin,
+          std::initializer_list<std::string_view> legal)
+      : table_(table), path_(std::move(path)), line_(line), origin_(origin) {
+    for (const auto& [key, node] : table_) {
+      if (std::ranges::find(legal, key.str()) != legal.end()) continue;
+      fail(line_of(key.source()), path_of(one_line(std::string(key.str()))),
+           std::string(node.is_table() ? "unknown table" : "unknown key") +
+               "; legal: " + join({legal.begin(), legal.size()}));
+    }
+  }
+
+  bool has(std::string_view key) const { return table_.contains(key); }
+
+  const toml::node& need(std::string_view key, const std::string& legal) const {
+    const toml::node* node = table_.get(key);
+    if (node == nullptr) fail(line_, path_of(key), "missing; legal: " + legal);
+    return *node;
+  }
+
+  std::string text(std::string_view key, const std::string& legal) const {
+    const toml::node& node = need(key, legal);
+    if (!node.is_string()) wrong_type(key, node, legal);
+    if (node.as_string()->get().empty()) fail(key, "is empty; legal: " + legal);
+    return node.as_string()->get();
+  }
+
+  bool boolean(std::string_view key) const {
+    const toml::node& node = need(key, "true, false");
+    if (!node.is_boolean()) wrong_type(key, node, "true, false");
+    return node.as_boolean()->get();
+  }
+
+  std::int64_t integer(std::string_view key, std::int64_t lowest, std::int64_t highest) const {
+    const std::string legal = "an integer, " + std::to_string(lowest) + ".." + std::to_string(highest);
+    const toml::node& node = need(key, legal);
+    if (!node.is_integer()) wrong_type(key, node, legal);
+    const std::int64_t value = node.as_integer()->get();
+    if (value < lowest || value > highest) fail(key, "is " + std::to_string(value) + "; legal: " + legal);
+    return value;
+  }
+
+  double real(std::string_view key) const {
+    constexpr const char* legal = "a finite number";
+    const toml::node& node = need(key, legal);
+    if (node.is_integer()) return static_cast<double>(node.as_integer()->get());
+    if (!node.is_floating_point()) wrong_type(key, node, legal);
+    const double value = node.as_floating_point()->get();
+    if (!std::isfinite(value)) fail(key, std::string("is not finite; legal: ") + legal);
+    return value;
+  }
+
+  const toml::array& array(std::string_view key, const std::string& legal) const {
+    const toml::node& node = need(key, legal);
+    if (!node.is_array()) wrong_type(key, node, legal);
+    if (node.as_array()->empty()) fail(key, "is empty; legal: " + legal);
+    return *node.as_array();
+  }
+
+  // Strings, at least one, none of them twice.
+  std::vector<std::string> texts(std::string_view key, const std::string& legal) const {
+    std::vector<std::string> out;
+    for (const toml::node& node : array(key, legal)) {
+      if (!node.is_string() || node.as_string()->get().empty()) {
+        fail(line_of(node.source()), path_of(key),
+             "has " + (node.is_string() ? std::string("an empty string") : std::string(type_name(node))) +
+                 "; legal: " + legal);
+      }
+      const std::string& name = node.as_string()->get();
+      if (std::ranges::find(out, name) != out.end()) {
+        fail(line_of(node.source()), path_of(key), "has \"" + one_line(name) + "\" twice; legal: once");
+      }
+      out.push_back(name);
+    }
+    return out;
+  }
+
+  std::size_t one_of(std::string_view key, std::span<const std::string_view> names) const {
+    const std::string name = text(key, join(names));
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) {
+      fail(key, '"' + one_line(name) + "\" is no value of this key; legal: " + join(names));
+    }
+    return static_cast<std::size_t>(found - names.begin());
+  }
+
+  int line() const { return line_; }
+  int line(std::string_view key) const {
+    const auto found = table_.find(key);
+    return found == table_.end() ? line_ : line_of(found->first.source());
+  }
+  std::string path_of(std::string_view key) const {
+    return path_.empty() ? std::string(key) : path_ + "." + std::string(key);
+  }
+  [[noreturn]] void fail(int at, const std::string& key, const std::string& what) const {
+    throw InputError(origin_ + ":" + std::to_string(at) + ": " + key + ": " + what);
+  }
+  [[noreturn]] void fail(std::string_view key, const std::string& what) const {
+    fail(line(key), path_of(key), what);
+  }
+  [[noreturn]] void wrong_type(std::string_view key, const toml::node& node, std::string_view legal) const {
+    fail(key, "is " + std::string(type_name(node)) + "; legal: " + std::string(legal));
+  }
+
+ private:
+  const toml::table& table_;
+  std::string path_;
+  int line_;
+  const std::string& origin_;
+};
+
+// The tables of [[name]], each as a section.
+std::vector<Section> sections(const toml::table& root, const std::string& name, const std::string& origin,
+                              std::initializer_list<std::string_view> legal) {
+  std::vector<Section> out;
+  const toml::node* node = root.get(name);
+  if (node == nullptr) return out;
+  const toml::array* array = node->as_array();
+  if (array == nullptr || array->empty() || !array->is_homogeneous(toml::node_type::table)) {
+    throw InputError(origin + ":" + std::to_string(line_of(root.find(name)->first.source())) + ": " + name +
+                     ": is " + std::string(type_name(*node)) + "; legal: tables headed [[" + name + "]]");
+  }
+  for (const toml::node& item : *array) {
+    out.emplace_back(*item.as_table(), name + "[" + std::to_string(out.size() + 1) + "]",
+                     line_of(item.source()), origin, legal);
+  }
+  return out;
+}
+
+std::optional<Section> section(const toml::table& root, const std::string& name, const std::string& origin,
+                               std::initializer_list<std::string_view> legal) {
+  const toml::node* node = root.get(name);
+  if (node == nullptr) return std::nullopt;
+  const int line = line_of(root.find(name)->first.source());
+  if (!node->is_table()) {
+    throw InputError(origin + ":" + std::to_string(line) + ": " + name + ": is " +
+                     std::string(type_name(*node)) + "; legal: a table with the keys " +
+                     join({legal.begin(), legal.size()}));
+  }
+  return Section(*node->as_table(), name, line, origin, legal);
+}
+
+// What is wrong with the spelling of a metric, as far as that can be known before a point is measured.
+std::optional<std::string> metric_violation(const std::string& name) {
+  constexpr auto stats =
+      std::to_array<std::string_view>({"max", "mean", "bias", "rms", "p999", "max_ulp", "mean_ulp",
+                                       "bias_ulp", "rms_ulp", "p999_ulp", "sqnr_db"});
+  constexpr auto uses = std::to_array<std::string_view>({"used_bits", "headroom", "wraps", "saturations"});
+  const std::string_view all(name);
+  const std::string_view head = all.substr(0, all.find('.'));
+  const std::string_view rest = head.size() < all.size() ? all.substr(head.size() + 1) : "";
+  const std::string_view last = all.substr(all.rfind('.') + 1);
+  const auto ends_in = [&](std::span<const std::string_view> legal) {
+    return std::ranges::find(legal, last) != legal.end() && rest.size() > last.size() + 1;
+  };
+  if (std::ranges::find(enum_names<Stage>, head) != enum_names<Stage>.end()) {
+    if (ends_in(stats)) return std::nullopt;
+    return "legal: " + std::string(head) + ".QUANTITY.STAT with STAT one of " + join(stats);
+  }
+  if (head == "register") {
+    if (ends_in(uses)) return std::nullopt;
+    return "legal: register.NAME.USE with USE one of " + join(uses);
+  }
+  if (head == "registers") {
+    if (rest == "wraps" || rest == "saturations") return std::nullopt;
+    return "legal: registers.wraps, registers.saturations";
+  }
+  // Which of these there are shows with the first point.
+  if ((head == "picture" || head == "cost" || head == "estimate" || head == "timing" || head == "area") &&
+      !rest.empty()) {
+    return std::nullopt;
+  }
+  return "legal: STAGE.QUANTITY.STAT (" + join(enum_names<Stage>) +
+         "), picture.NAME, registers.NAME, register.NAME.USE, cost.NAME, estimate.NAME, timing.NAME, "
+         "area.NAME";
+}
+
+void check_metric(const Section& s, std::string_view key, const std::string& name) {
+  if (const auto wrong = metric_violation(name)) {
+    s.fail(key, '"' + one_line(name) + "\" is no metric; " + *wrong);
+  }
+}
+
+KeyValue key_value(const Section& s, const toml::node& node, const std::string& legal) {
+  if (node.is_boolean()) return node.as_boolean()->get();
+  if (node.is_integer()) return node.as_integer()->get();
+  if (node.is_floating_point()) return node.as_floating_point()->get();
+  if (node.is_string()) return node.as_string()->get();
+  s.fail(line_of(node.source()), s.path_of("values"),
+         "has " + std::string(type_name(node)) + "; legal: " + legal);
+}
+
+std::vector<std::vector<KeyValue>> listed_values(const Section& s, std::size_t keys) {
+  const std::string legal = keys == 1 ? "an array of values"
+                                      : "an array of values, which all " + std::to_string(keys) +
+                                            " keys take; or of arrays with " + std::to_string(keys) +
+                                            " values each";
+  std::vector<std::vector<KeyValue>> out;
+  const toml::array& array = s.array("values", legal);
+  const bool linked = keys > 1 && array.front().is_array();
+  for (const toml::node& node : array) {
+    std::vector<KeyValue> values;
+    if (linked) {
+      if (!node.is_array() || node.as_array()->size() != keys) {
+        s.fail(line_of(node.source()), s.path_of("values"),
+               "item " + std::to_string(out.size() + 1) + " is " +
+                   (node.is_array() ? "an array of " + std::to_string(node.as_array()->size())
+                                    : std::string(type_name(node))) +
+                   "; legal: " + legal);
+      }
+      for (const toml::node& inner : *node.as_array()) values.push_back(key_value(s, inner, legal));
+    } else {
+      values.assign(keys, key_value(s, node, legal));
+    }
+    if (std::ranges::find(out, values) != out.end()) {
+      s.fail(line_of(node.source()), s.path_of("values"),
+             "item " + std::to_string(out.size() + 1) + " is there twice; legal: once");
+    }
+    out.push_back(std::move(values));
+  }
+  return out;
+}
+
+std::vector<std::vector<KeyValue>> counted_values(const Section& s, std::size_t keys) {
+  constexpr std::int64_t most = 1'000'000'000;
+  const std::int64_t from = s.integer("from", -most, most);
+  const std::int64_t to = s.integer("to", -most, most);
+  const std::int64_t step = s.has("step") ? s.integer("step", 1, most) : 1;
+  if (from > to) {
+    s.fail("to", "is " + std::to_string(to) + ", and from is " + std::to_string(from) +
+                     ": no value at all; legal: to >= from");
+  }
+  if (static_cast<std::size_t>((to - from) / step) >= axis_limit) {
+    s.fail("to", "makes more than " + std::to_string(axis_limit) + " values; legal: fewer");
+  }
+  std::vector<std::vector<KeyValue>> out;
+  for (std::int64_t v = from; v <= to; v += step) out.emplace_back(keys, KeyValue(v));
+  return out;
+}
+
+Axis read_axis(const Section& s, const Config& base) {
+  Axis axis;
+  axis.keys =
+      s.texts("keys", "an array of keys of the configuration, or [\"" + std::string(s_ratio_key) + "\"]");
+  for (const std::string& key : axis.keys) {
+    if (key == s_ratio_key) continue;
+    try {
+      static_cast<void>(value_of_key(base, key));
+    } catch (const InputError& error) {
+      s.fail("keys", one_line(error.what()));
+    }
+  }
+  const bool counted = s.has("from") || s.has("to") || s.has("step");
+  if (s.has("values") == counted) {
+    s.fail(s.line(), s.path_of("values"),
+           std::string(counted ? "is given together with from, to, step" : "missing") +
+               "; legal: values = [...], or from and to, and step");
+  }
+  axis.values = counted ? counted_values(s, axis.keys.size()) : listed_values(s, axis.keys.size());
+  return axis;
+}
+
+// A key is in one axis only, and a format's word is not varied beside its fraction.
+void check_disjoint(const std::vector<Section>& all, const std::vector<Axis>& axes) {
+  std::set<std::string, std::less<>> seen;
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    for (const std::string& key : axes[a].keys) {
+      if (!seen.insert(key).second) all[a].fail("keys", key + " varies in another axis too; legal: in one");
+    }
+  }
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    for (const std::string& key : axes[a].keys) {
+      const auto dot = key.rfind('.');
+      if (key.substr(dot + 1) != "fraction" || !seen.contains(key.substr(0, dot) + ".word")) continue;
+      all[a].fail("keys", key + " varies, and so does its word; legal: one of them");
+    }
+  }
+}
+
+std::vector<KeySetting> settings_at(const Axis& axis, std::size_t i) {
+  std::vector<KeySetting> out;
+  for (std::size_t k = 0; k < axis.keys.size(); ++k) out.push_back({axis.keys[k], axis.values[i][k]});
+  return out;
+}
+
+std::optional<std::string> s_ratio_violation(const KeyValue& value) {
+  const auto* integer = std::get_if<std::int64_t>(&value);
+  const auto* real = std::get_if<double>(&value);
+  const double ratio = integer != nullptr ? static_cast<double>(*integer) : real != nullptr ? *real : 0;
+  if (ratio > 1 && ratio <= s_ratio_limit) return std::nullopt;  // a NaN fails
+  return std::string(s_ratio_key) + ": is " + one_line(to_string(value)) +
+         "; legal: a number above 1, up to " + to_string(KeyValue(s_ratio_limit));
+}
+
+// Why the settings have no legal configuration; none where they have one.
+std::optional<std::string> violation(const Config& base, std::vector<KeySetting> settings) {
+  for (const KeySetting& s : settings) {
+    if (s.path != s_ratio_key) continue;
+    if (auto wrong = s_ratio_violation(s.value)) return wrong;
+  }
+  std::erase_if(settings, [](const KeySetting& s) { return s.path == s_ratio_key; });
+  try {
+    static_cast<void>(with_keys(base, settings));
+  } catch (const InputError& error) {
+    return one_line(error.what());
+  }
+  return std::nullopt;
+}
+
+bool contains(const std::vector<KeySetting>& point, const std::vector<KeySetting>& settings) {
+  return std::ranges::all_of(settings,
+                             [&](const KeySetting& s) { return std::ranges::find(point, s) != point.end(); });
+}
+
+// Why no point with these settings is legal; none where one is. What is wrong with them alone on the base
+// says most, where anything is.
+std::optional<std::string> violation_in_all(const Config& base,
+                                            const std::vector<std::vector<KeySetting>>& points,
+                                            const std::vector<KeySetting>& settings) {
+  std::optional<std::string> first;
+  std::size_t tries = 0;
+  for (const auto& point : points) {
+    if (!contains(point, settings)) continue;
+    const auto wrong = violation(base, point);
+    if (!wrong || ++tries == tries_limit) return std::nullopt;
+    if (!first) first = wrong;
+  }
+  auto alone = violation(base, settings);
+  return alone ? alone : first;
+}
+
+// Each value must be legal in some point.
+void check_values(const std::vector<Section>& all, const StudyPlan& plan) {
+  const auto points = points_of(plan);
+  for (std::size_t a = 0; a < plan.axes.size(); ++a) {
+    for (std::size_t i = 0; i < plan.axes[a].values.size(); ++i) {
+      if (const auto wrong = violation_in_all(plan.base, points, settings_at(plan.axes[a], i))) {
+        all[a].fail(all[a].has("values") ? "values" : "from", "no point can have this: " + *wrong);
+      }
+    }
+  }
+}
+
+// A search finds out where its widths end, but each needs one that is legal on the base.
+void check_search_values(const std::vector<Section>& all, const StudyPlan& plan) {
+  for (std::size_t a = 0; a < plan.axes.size(); ++a) {
+    std::optional<std::string> first;
+    bool legal = false;
+    for (std::size_t i = 0; i < plan.axes[a].values.size() && !legal; ++i) {
+      const auto wrong = violation(plan.base, settings_at(plan.axes[a], i));
+      legal = !wrong;
+      if (wrong && !first) first = wrong;
+    }
+    if (!legal) all[a].fail(all[a].has("values") ? "values" : "from", "no value is legal: " + *first);
+  }
+}
+
+void check_points(const Section& study, const std::vector<Section>& all, const StudyPlan& plan) {
+  if (plan.arrangement == Arrangement::list) {
+    for (std::size_t a = 1; a < plan.axes.size(); ++a) {
+      if (plan.axes[a].values.size() == plan.axes[0].values.size()) continue;
+      all[a].fail(all[a].line(), all[a].path_of("values"),
+                  "has " + std::to_string(plan.axes[a].values.size()) + " values, and vary[1] has " +
+                      std::to_string(plan.axes[0].values.size()) +
+                      "; legal with arrangement = \"list\": the same number in each");
+    }
+  }
+  std::size_t points = 1;
+  for (const Axis& axis : plan.axes) {
+    points =
+        plan.arrangement == Arrangement::grid ? points * axis.values.size() : points + axis.values.size();
+    if (points <= points_limit) continue;
+    study.fail(study.line("arrangement"), "study",
+               "the axes make more than " + std::to_string(points_limit) + " points; legal: fewer");
+  }
+}
+
+// "640x480"
+void read_size(const Section& study, StudyPlan& plan) {
+  const std::string legal = "\"WIDTHxHEIGHT\", such as \"640x480\", 1.." +
+                            std::to_string(picture_size_limit) + " each way and at most " +
+                            std::to_string(picture_area_limit) + " pixels";
+  const std::string size = study.text("size", legal);
+  const char* const end = size.data() + size.size();
+  const auto first = std::from_chars(size.data(), end, plan.width);
+  bool good = first.ec == std::errc{} && first.ptr != end && *first.ptr == 'x';
+  if (good) {
+    const auto second = std::from_chars(first.ptr + 1, end, plan.height);
+    good = second.ec == std::errc{} && second.ptr == end;
+  }
+  if (!good || plan.width < 1 || plan.height < 1 || plan.width > picture_size_limit ||
+      plan.height > picture_size_limit || static_cast<long>(plan.width) * plan.height > picture_area_limit) {
+    study.fail("size", "is \"" + one_line(size) + "\"; legal: " + legal);
+  }
+}
+
+// Files stand beside the study, wherever the program is started.
+std::string file_beside(const std::string& path, const std::string& name) {
+  std::error_code ignored;
+  const fs::path file = fs::path(path).parent_path() / name;
+  const fs::path whole = fs::absolute(file, ignored);
+  return (ignored ? file : whole).lexically_normal().string();
+}
+
+void read_scenes(const Section& study, const std::string& path, StudyPlan& plan) {
+  const std::string legal = "an array of scenes: demo, extreme, extreme/NAME, streams (.tri), meshes";
+  for (const std::string& name : study.texts("scenes", legal)) {
+    if (name == "-")
+      study.fail("scenes", "standard input is read once, and a study goes on later; legal: files");
+    const bool embedded = name == "demo" || name == "extreme" || name.starts_with("extreme/");
+    std::string scene = embedded ? name : file_beside(path, name);
+    std::error_code ignored;
+    if (!embedded && !fs::exists(scene, ignored)) {
+      study.fail("scenes", one_line(scene) + ": no such file; legal: " + legal);
+    }
+    plan.scenes.push_back(std::move(scene));
+  }
+}
+
+void read_study(const Section& study, const std::string& path, const ConfigFinder& find, StudyPlan& plan) {
+  plan.name = study.text("name", "a word of letters, digits, - and _");
+  if (plan.name.size() > 100 || !std::ranges::all_of(plan.name, [](unsigned char c) {
+        return std::isalnum(c) != 0 || c == '-' || c == '_';
+      })) {
+    study.fail("name", "is \"" + one_line(plan.name) + "\"; legal: a word of letters, digits, - and _");
+  }
+  const std::string base =
+      study.text("base", "the name of a shipped configuration, or a file beside the study");
+  try {
+    plan.base = base.ends_with(".toml") ? load_config(file_beside(path, base)) : find(base);
+  } catch (const InputError& error) {
+    study.fail("base", one_line(error.what()));
+  }
+  if (study.has("scenes")) read_scenes(study, path, plan);
+  if (study.has("size")) read_size(study, plan);
+  if (study.has("arrangement")) {
+    plan.arrangement = static_cast<Arrangement>(study.one_of("arrangement", arrangements));
+  }
+  if (study.has("metrics")) {
+    plan.metrics = study.texts("metrics", "an array of metrics");
+    for (const std::string& metric : plan.metrics) check_metric(study, "metrics", metric);
+  }
+}
+
+Constraint read_constraint(const Section& s) {
+  Constraint c;
+  c.metric = s.text("metric", "a metric, such as \"span.u.p999\"");
+  check_metric(s, "metric", c.metric);
+  if (s.has("at_most")) c.at_most = s.real("at_most");
+  if (s.has("at_least")) c.at_least = s.real("at_least");
+  if (!c.at_most && !c.at_least) {
+    s.fail(s.line(), s.path_of("at_most"), "missing; legal: at_most, at_least or both");
+  }
+  if (c.at_most && c.at_least && *c.at_most < *c.at_least) {
+    s.fail("at_most", "is below at_least: nothing holds it; legal: at_most >= at_least");
+  }
+  return c;
+}
+
+SearchPlan read_search(const Section& s, const std::vector<Section>& all, const StudyPlan& plan) {
+  SearchPlan search;
+  if (s.has("algorithm")) {
+    search.algorithm = static_cast<SearchAlgorithm>(s.one_of("algorithm", algorithms));
+  }
+  if (s.has("cost")) {
+    search.cost = s.text("cost", "a metric that is to be low");
+    check_metric(s, "cost", search.cost);
+  }
+  if (s.has("evaluations")) {
+    search.evaluations = static_cast<int>(s.integer("evaluations", 1, 100'000'000));
+  }
+  if (s.has("seconds")) {
+    search.seconds = s.real("seconds");
+    if (search.seconds <= 0) s.fail("seconds", "is not above 0; legal: a number above 0");
+  }
+  if (s.has("seed")) {
+    search.seed = static_cast<std::uint64_t>(s.integer("seed", 0, std::numeric_limits<std::int64_t>::max()));
+  }
+  if (plan.constraints.empty()) {
+    s.fail(s.line(), "constraint",
+           "missing: nothing would keep the search from cutting everything; legal: one or more");
+  }
+  for (std::size_t a = 0; a < plan.axes.size(); ++a) {
+    const Axis& axis = plan.axes[a];
+    if (std::ranges::find(axis.keys, s_ratio_key) != axis.keys.end()) {
+      all[a].fail("keys",
+                  std::string(s_ratio_key) + " is no width; legal in a search: keys of the configuration");
+    }
+    for (const auto& values : axis.values) {
+      if (std::ranges::all_of(values,
+                              [](const KeyValue& v) { return std::holds_alternative<std::int64_t>(v); })) {
+        continue;
+      }
+      all[a].fail("values", "are no integers; legal in a search: integers");
+    }
+  }
+  return search;
+}
+
+AreaPlan read_area(const Section& s) {
+  AreaPlan area;
+  const std::string legal = "an array of " + join(families);
+  area.families = s.texts("families", legal);
+  for (const std::string& family : area.families) {
+    if (std::ranges::find(families, family) == families.end()) {
+      s.fail("families", '"' + one_line(family) + "\" is no family; legal: " + join(families));
+    }
+  }
+  if (s.has("place")) area.place = s.boolean("place");
+  return area;
+}
+
+}  // namespace
+
+StudyPlan parse_study(std::string_view text, const std::string& path, const ConfigFinder& find) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
+    throw InputError(path + ":1: the study is empty; legal: a TOML file with a table [study]");
+  }
+  toml::table table;
+  try {
+    table = toml::parse(text, path);
+  } catch (const toml::parse_error& error) {
+    throw InputError(path + ":" + std::to_string(line_of(error.source())) +
+                     ": does not parse as TOML: " + one_line(std::string(error.description())));
+  }
+  const Section root(table, "", 1, path, {"study", "vary", "constraint", "search", "area", "report"});
+  StudyPlan plan;
+  plan.text = text;
+  const auto study =
+      section(table, "study", path, {"name", "base", "scenes", "size", "arrangement", "metrics"});
+  if (!study) root.fail(1, "study", "missing; legal: a table with name and base");
+  read_study(*study, path, find, plan);
+
+  const auto vary = sections(table, "vary", path, {"keys", "values", "from", "to", "step"});
+  if (vary.empty()) root.fail(1, "vary", "missing: nothing varies; legal: one [[vary]] or more");
+  for (const Section& s : vary) plan.axes.push_back(read_axis(s, plan.base));
+  check_disjoint(vary, plan.axes);
+  for (const Section& s : sections(table, "constraint", path, {"metric", "at_most", "at_least"})) {
+    plan.constraints.push_back(read_constraint(s));
+  }
+  if (const auto s =
+          section(table, "search", path, {"algorithm", "cost", "evaluations", "seconds", "seed"})) {
+    plan.search = read_search(*s, vary, plan);
+    if (study->has("arrangement")) {
+      study->fail("arrangement", "is given, and a search goes its own way; legal: leave it out");
+    }
+    check_search_values(vary, plan);
+  } else {
+    check_points(*study, vary, plan);
+    check_values(vary, plan);
+  }
+  if (const auto s = section(table, "area", path, {"families", "place"})) plan.area = read_area(*s);
+  if (const auto s = section(table, "report", path, {"budget", "bounds"})) {
+    plan.budget = s->has("budget") && s->boolean("budget");
+    plan.bounds = s->has("bounds") && s->boolean("bounds");
+  }
+  return plan;
+}
+
+StudyPlan load_study(const std::string& path, const ConfigFinder& find) {
+  std::error_code error;
+  if (!fs::exists(path, error)) throw InputError(path + ": no such study");
+  if (fs::is_directory(path, error)) throw InputError(path + ": is a directory; expected a study in TOML");
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::string text(file_limit + 1, '\0');
+  if (file) file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!file.is_open() || file.bad()) {
+    throw InputError(path + ": cannot be read: " + std::strerror(errno == 0 ? EIO : errno));
+  }
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() > file_limit) throw InputError(path + ": is larger than 1 MiB; expected a study in TOML");
+  return parse_study(text, path, find);
+}
+
+std::vector<std::vector<KeySetting>> points_of(const StudyPlan& plan) {
+  std::vector<std::vector<KeySetting>> out;
+  const auto& axes = plan.axes;
+  switch (plan.arrangement) {
+    case Arrangement::grid: {
+      out.emplace_back();
+      for (const Axis& axis : axes) {
+        std::vector<std::vector<KeySetting>> wider;
+        wider.reserve(out.size() * axis.values.size());
+        for (const auto& point : out) {
+          for (std::size_t i = 0; i < axis.values.size(); ++i) {
+            wider.push_back(point);
+            std::ranges::copy(settings_at(axis, i), std::back_inserter(wider.back()));
+          }
+        }
+        out = std::move(wider);
+      }
+      break;
+    }
+    case Arrangement::one_at_a_time:
+      out.emplace_back();
+      for (const Axis& axis : axes) {
+        for (std::size_t i = 0; i < axis.values.size(); ++i) out.push_back(settings_at(axis, i));
+      }
+      break;
+    case Arrangement::list:
+      for (std::size_t i = 0; !axes.empty() && i < axes.front().values.size(); ++i) {
+        out.emplace_back();
+        for (const Axis& axis : axes) std::ranges::copy(settings_at(axis, i), std::back_inserter(out.back()));
+      }
+      break;
+  }
+  return out;
+}
+
+void check_metrics(const StudyPlan& plan, const std::map<std::string, double, std::less<>>& metrics) {
+  std::vector<std::string> named = plan.metrics;
+  for (const Constraint& c : plan.constraints) named.push_back(c.metric);
+  for (const std::string& name : named) {
+    if (metrics.contains(name)) continue;
+    std::vector<std::string> known;
+    for (const auto& [metric, value] : metrics) known.push_back(metric);
+    throw InputError(plan.name + ": " + name +
+                     ": the scenes give no such metric; nearest: " + comma_list(nearest_names(name, known)));
+  }
+}
+
+bool all_hold(const std::vector<Constraint>& constraints,
+              const std::map<std::string, double, std::less<>>& metrics) {
+  return std::ranges::all_of(constraints, [&](const Constraint& c) {
+    const auto found = metrics.find(c.metric);
+    return found != metrics.end() && c.holds(found->second);
+  });
+}
+
+}  // namespace bitspan

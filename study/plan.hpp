@@ -1,0 +1,91 @@
+// STUDY.toml, read strictly: what is varied, on which scenes, by which metrics and constraints.
+// docs/study.md has a row a key.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/config.hpp"
+#include "study/keys.hpp"
+
+namespace bitspan {
+
+// Keys that are set together, and the sets of values they take in turn.
+struct Axis {
+  std::vector<std::string> keys;
+  std::vector<std::vector<KeyValue>> values;  // values[i][k]: of keys[k]
+};
+
+struct Constraint {
+  std::string metric;
+  std::optional<double> at_most, at_least;
+  bool holds(double value) const {  // a NaN holds nothing
+    return (!at_most || value <= *at_most) && (!at_least || value >= *at_least);
+  }
+};
+
+enum class Arrangement { grid, one_at_a_time, list };
+enum class SearchAlgorithm { min_plus_1, max_minus_1, greedy, annealing };
+
+struct SearchPlan {
+  SearchAlgorithm algorithm = SearchAlgorithm::greedy;
+  std::string cost = "cost.register_bits";  // a metric, to be as low as possible
+  int evaluations = 1000;                   // at most
+  double seconds = 600;                     // at most
+  std::uint64_t seed = 1;
+};
+
+struct AreaPlan {
+  std::vector<std::string> families;  // "ice40", "ecp5"
+  bool place = false;                 // place and route for Fmax
+};
+
+struct StudyPlan {
+  std::string name;
+  std::string text;  // the file
+  Config base;
+  std::vector<std::string> scenes;  // as the command line names them, files by their whole path; empty: the
+                                    // embedded set
+  int width = 640, height = 480;    // of the scenes that have no size of their own
+  Arrangement arrangement = Arrangement::grid;
+  std::vector<Axis> axes;            // of a search: the widths that may change
+  std::vector<std::string> metrics;  // of tables and plots; empty: all
+  std::vector<Constraint> constraints;
+  std::optional<SearchPlan> search;
+  std::optional<AreaPlan> area;
+  bool budget = false;  // the error budget of the base and of what is recommended
+  bool bounds = false;  // proved bounds beside what was observed
+};
+
+// The one key that belongs to the scenes and not to the configuration: s_max / s_min, to which every scene is
+// stretched (with_s_ratio). A real number above 1.
+inline constexpr std::string_view s_ratio_key = "scene.s_ratio";
+inline constexpr double s_ratio_limit = 1e6;
+
+inline constexpr std::size_t points_limit = 1'000'000;  // of a plan
+
+// A shipped configuration by its name; throws InputError where there is none.
+using ConfigFinder = std::function<Config(const std::string&)>;
+
+// Throws InputError: file, line, key and what is legal. Unknown keys of the configuration, empty lists and
+// values that no point can have are found here. `find` serves a base that is no .toml file; files are taken
+// from the folder of the study.
+StudyPlan load_study(const std::string& path, const ConfigFinder& find);
+StudyPlan parse_study(std::string_view text, const std::string& path, const ConfigFinder& find);
+// The points in their order: what is set on the base for each. Of a grid, the last axis changes fastest; a
+// list takes the i-th value of every axis; one_at_a_time starts with the base itself. Not of a search.
+std::vector<std::vector<KeySetting>> points_of(const StudyPlan& plan);
+
+// Throws InputError, with the nearest that exist, where a metric that the plan names is not there.
+void check_metrics(const StudyPlan& plan, const std::map<std::string, double, std::less<>>& metrics);
+// Whether all constraints hold; a metric that is not there holds nothing.
+bool all_hold(const std::vector<Constraint>& constraints,
+              const std::map<std::string, double, std::less<>>& metrics);
+
+}  // namespace bitspan

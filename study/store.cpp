@@ -1,0 +1,380 @@
+#include "study/store.hpp"
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <span>
+
+namespace bitspan {
+namespace {
+
+// WITHOUT ROWID where the key is all that is asked by; the others keep the order of their writing.
+constexpr auto tables = std::to_array<const char*>({
+    "CREATE TABLE IF NOT EXISTS meta(key TEXT PRIMARY KEY, value TEXT)",
+    "CREATE TABLE IF NOT EXISTS points(hash TEXT PRIMARY KEY, config_hash TEXT, config TEXT, scenes TEXT, "
+    "status TEXT, message TEXT, seconds REAL)",
+    "CREATE TABLE IF NOT EXISTS metrics(hash TEXT, name TEXT, value REAL, PRIMARY KEY(hash, name)) WITHOUT "
+    "ROWID",
+    "CREATE TABLE IF NOT EXISTS fields(hash TEXT, stage TEXT, quantity TEXT, unit TEXT, ulp REAL, count "
+    "INTEGER, "
+    "max REAL, mean REAL, bias REAL, rms REAL, p999 REAL, sqnr_db REAL)",
+    "CREATE INDEX IF NOT EXISTS fields_hash ON fields(hash)",
+    "CREATE TABLE IF NOT EXISTS registers(hash TEXT, name TEXT, format TEXT, word INTEGER, int INTEGER, "
+    "signed INTEGER, count INTEGER, min REAL, max REAL, used_bits INTEGER, headroom INTEGER, wraps INTEGER, "
+    "saturations INTEGER, zeros INTEGER, octaves TEXT)",
+    "CREATE INDEX IF NOT EXISTS registers_hash ON registers(hash)",
+    "CREATE TABLE IF NOT EXISTS studies(name TEXT PRIMARY KEY, plan TEXT, kind TEXT, base_hash TEXT)",
+    "CREATE TABLE IF NOT EXISTS study_points(study TEXT, i INTEGER, hash TEXT, settings TEXT, holds INTEGER, "
+    "PRIMARY KEY(study, i))",
+    "CREATE TABLE IF NOT EXISTS search_steps(study TEXT, i INTEGER, hash TEXT, cost REAL, holds INTEGER, "
+    "best INTEGER)",
+    "CREATE TABLE IF NOT EXISTS certificate(study TEXT, key TEXT, from_value TEXT, to_value TEXT, hash TEXT, "
+    "failed TEXT)",
+    "CREATE TABLE IF NOT EXISTS recommended(study TEXT, hash TEXT, reason TEXT, verified TEXT)",
+    "CREATE TABLE IF NOT EXISTS budget(hash TEXT, quantisation TEXT, metric TEXT, base REAL, without REAL, "
+    "alone REAL)",
+    "CREATE TABLE IF NOT EXISTS bounds(hash TEXT, place TEXT, unit TEXT, bound REAL, observed REAL)",
+    "CREATE TABLE IF NOT EXISTS areas(config_hash TEXT, area_key TEXT, family TEXT, placed INTEGER, status "
+    "TEXT, message "
+    "TEXT, "
+    "tools TEXT, luts INTEGER, ffs INTEGER, multipliers INTEGER, memory_bits INTEGER, fmax_mhz REAL, "
+    "seconds REAL, PRIMARY KEY(config_hash, family, placed))",
+    "CREATE TABLE IF NOT EXISTS pictures(hash TEXT, scene TEXT, name TEXT, png BLOB, "
+    "PRIMARY KEY(hash, scene, name))",
+    "CREATE TABLE IF NOT EXISTS causes(hash TEXT, scene TEXT, i INTEGER, name TEXT, color TEXT, pixels "
+    "INTEGER)",
+});
+
+// Every double that SQLite would change on its way: NaN and infinities. (A zero loses its sign, which
+// equals.)
+Cell stored(double value) {
+  if (std::isnan(value)) return std::monostate{};
+  if (std::isinf(value)) return std::string(value < 0 ? "-inf" : "inf");
+  return value;
+}
+
+Cell stored(std::uint64_t count) { return static_cast<std::int64_t>(count); }
+Cell stored(int value) { return static_cast<std::int64_t>(value); }
+
+std::string format_text(const Format& f) {
+  return fmt::format("{}{}.{} {} {}", f.is_signed ? 's' : 'u', f.integer, f.fraction(), to_string(f.rounding),
+                     to_string(f.overflow));
+}
+
+std::string list_text(std::span<const std::uint64_t> counts) {
+  return fmt::format("[{}]", fmt::join(counts, ","));
+}
+
+}  // namespace
+
+double number_of(const Cell& cell) {
+  if (const auto* integer = std::get_if<std::int64_t>(&cell)) return static_cast<double>(*integer);
+  if (const auto* real = std::get_if<double>(&cell)) return *real;
+  if (const auto* text = std::get_if<std::string>(&cell)) {
+    if (*text == "inf") return std::numeric_limits<double>::infinity();
+    if (*text == "-inf") return -std::numeric_limits<double>::infinity();
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+std::int64_t integer_of(const Cell& cell) {
+  const auto* integer = std::get_if<std::int64_t>(&cell);
+  return integer == nullptr ? 0 : *integer;
+}
+
+std::string text_of(const Cell& cell) {
+  const auto* text = std::get_if<std::string>(&cell);
+  return text == nullptr ? std::string() : *text;
+}
+
+ResultRows rows_of(const PointResult& result) {
+  ResultRows out;
+  for (const auto& [name, value] : result.metrics) out.metrics.push_back({name, stored(value)});
+  for (const FieldError& f : result.fields) {
+    out.fields.push_back({f.stage, f.quantity, f.unit, stored(f.ulp), stored(f.count), stored(f.max),
+                          stored(f.mean), stored(f.bias), stored(f.rms), stored(f.p999), stored(f.sqnr_db)});
+  }
+  for (const RegisterUse& r : result.registers) {
+    out.registers.push_back({r.name, format_text(r.format), stored(r.format.word), stored(r.format.integer),
+                             stored(r.format.is_signed ? 1 : 0), stored(r.count), stored(r.min),
+                             stored(r.max), stored(r.used_bits), stored(r.headroom), stored(r.wraps),
+                             stored(r.saturations), stored(r.zeros), list_text(r.octave)});
+  }
+  return out;
+}
+
+void Store::Close::operator()(sqlite3* db) const { sqlite3_close_v2(db); }
+void Store::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+
+void Store::fail(int code) const {
+  const std::string text = db_ ? sqlite3_errmsg(db_.get()) : sqlite3_errstr(code);
+  switch (code & 0xff) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      throw InputError(
+          fmt::format("{}: is locked by another program, and was for {} s; nothing in it was changed: wait "
+                      "for the other, "
+                      "or use another --db",
+                      path_, std::chrono::duration<double>(wait_).count()));
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      throw InputError(
+          fmt::format("{}: is damaged, or no SQLite database ({}); it was left as it is: use another --db, "
+                      "or move it away",
+                      path_, text));
+    case SQLITE_FULL:
+      throw InputError(fmt::format(
+          "{}: the disk is full ({}); all points finished before are kept, and the same command goes on from "
+          "them",
+          path_, text));
+    case SQLITE_CANTOPEN: {
+      const int error_number = db_ ? sqlite3_system_errno(db_.get()) : 0;
+      throw InputError(fmt::format("{}: cannot be opened as a database: {}", path_,
+                                   error_number != 0 ? std::strerror(error_number) : text.c_str()));
+    }
+    case SQLITE_READONLY:
+      throw InputError(
+          fmt::format("{}: cannot be written ({}); expected a file and a folder that can be", path_, text));
+    case SQLITE_IOERR: {
+      const int error_number = db_ ? sqlite3_system_errno(db_.get()) : 0;
+      throw InputError(fmt::format(
+          "{}: reading or writing failed ({}{}{}); all points finished before are kept, and the same command "
+          "goes on from them",
+          path_, text, error_number != 0 ? ": " : "", error_number != 0 ? std::strerror(error_number) : ""));
+    }
+    default:
+      throw InputError(fmt::format("{}: {}", path_, text));
+  }
+}
+
+Store::Store(const std::string& path, std::string_view version, Mode mode, std::chrono::milliseconds wait)
+    : path_(path), wait_(wait) {
+  std::error_code error;
+  if (path.empty()) throw InputError("a database needs a name");
+  if (std::filesystem::is_directory(path, error)) {
+    throw InputError(path + ": is a directory; expected a database");
+  }
+  if (mode == Mode::existing && !std::filesystem::exists(path, error)) {
+    throw InputError(path + ": no such database");
+  }
+  sqlite3* db = nullptr;
+  const int flags = SQLITE_OPEN_READWRITE | (mode == Mode::create ? SQLITE_OPEN_CREATE : 0);
+  const int code = sqlite3_open_v2(path.c_str(), &db, flags, nullptr);
+  db_.reset(db);  // even a failed one is to be closed
+  if (code != SQLITE_OK) fail(code);
+  sqlite3_busy_timeout(db, static_cast<int>(wait.count()));
+  check_file(version, mode);
+}
+
+Store::~Store() { statements_.clear(); }
+
+// What is there is looked at before anything is written.
+void Store::check_file(std::string_view version, Mode mode) {
+  const auto check = rows("PRAGMA quick_check(1)");
+  if (const std::string result = text_of(check.at(0).at(0)); result != "ok") {
+    throw InputError(
+        fmt::format("{}: is damaged ({}); it was left as it is: use another --db, or move it away", path_,
+                    result.substr(0, result.find('\n'))));
+  }
+  const auto known = rows("SELECT name FROM sqlite_master WHERE type = 'table'");
+  const auto has = [&](const char* name) {
+    return std::ranges::any_of(known, [&](const Row& row) { return text_of(row[0]) == name; });
+  };
+  if (!known.empty() && !has("meta")) {
+    throw InputError(path_ + ": is a database, but not of studies; use another --db");
+  }
+  if (known.empty() && mode == Mode::existing) throw InputError(path_ + ": holds no study");
+  if (!known.empty()) {
+    const auto found = rows("SELECT value FROM meta WHERE key = 'schema'");
+    const std::string value = found.empty() ? "none" : text_of(found[0][0]);
+    if (value != std::to_string(schema)) {
+      throw InputError(fmt::format(
+          "{}: has schema {}, made by another version of bitspan; this one reads schema {}: use another --db",
+          path_, value, schema));
+    }
+  }
+  // A log beside the file: readers see finished points while others are written, and a kill leaves the log,
+  // from which the next opening goes on.
+  static_cast<void>(rows("PRAGMA journal_mode = WAL"));
+  run("PRAGMA synchronous = NORMAL");
+  if (mode == Mode::existing) return;
+  transaction([&] {
+    for (const char* sql : tables) run(sql);
+    run("INSERT OR IGNORE INTO meta VALUES('schema', ?)", {std::to_string(schema)});
+    run("INSERT OR REPLACE INTO meta VALUES('version', ?)", {std::string(version)});
+  });
+}
+
+sqlite3_stmt* Store::bound(std::string_view sql, const Row& values) {
+  auto& statement = statements_[std::string(sql)];
+  if (!statement) {
+    sqlite3_stmt* made = nullptr;
+    const int code = sqlite3_prepare_v2(db_.get(), sql.data(), static_cast<int>(sql.size()), &made, nullptr);
+    if (code != SQLITE_OK) fail(code);
+    statement.reset(made);
+  }
+  sqlite3_stmt* s = statement.get();
+  sqlite3_reset(s);  // reports again what the last use reported
+  int at = 0;
+  for (const Cell& value : values) {
+    ++at;
+    int code = SQLITE_OK;
+    // The row outlives the use of the statement.
+    if (const auto* integer = std::get_if<std::int64_t>(&value)) {
+      code = sqlite3_bind_int64(s, at, *integer);
+    } else if (const auto* real = std::get_if<double>(&value)) {
+      code = sqlite3_bind_double(s, at, *real);
+    } else if (const auto* text = std::get_if<std::string>(&value)) {
+      code = sqlite3_bind_text64(s, at, text->data(), text->size(), SQLITE_STATIC, SQLITE_UTF8);
+    } else if (const auto* blob = std::get_if<std::vector<std::uint8_t>>(&value)) {
+      code = sqlite3_bind_blob64(s, at, blob->empty() ? "" : static_cast<const void*>(blob->data()),
+                                 blob->size(), SQLITE_STATIC);
+    } else {
+      code = sqlite3_bind_null(s, at);
+    }
+    if (code != SQLITE_OK) fail(code);
+  }
+  return s;
+}
+
+std::vector<Row> Store::rows(std::string_view sql, const Row& values) {
+  Row bindable = values;
+  for (Cell& cell : bindable) {
+    if (const auto* real = std::get_if<double>(&cell)) cell = stored(*real);
+  }
+  sqlite3_stmt* s = bound(sql, bindable);
+  std::vector<Row> out;
+  int code = SQLITE_ROW;
+  while ((code = sqlite3_step(s)) == SQLITE_ROW) {
+    Row row;
+    for (int c = 0; c < sqlite3_column_count(s); ++c) {
+      switch (sqlite3_column_type(s, c)) {
+        case SQLITE_INTEGER:
+          row.emplace_back(static_cast<std::int64_t>(sqlite3_column_int64(s, c)));
+          break;
+        case SQLITE_FLOAT:
+          row.emplace_back(sqlite3_column_double(s, c));
+          break;
+        case SQLITE_TEXT: {
+          const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(s, c));
+          row.emplace_back(std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(s, c))));
+          break;
+        }
+        case SQLITE_BLOB: {
+          const auto* bytes = static_cast<const std::uint8_t*>(sqlite3_column_blob(s, c));
+          row.emplace_back(std::vector<std::uint8_t>(bytes, bytes + sqlite3_column_bytes(s, c)));
+          break;
+        }
+        default:
+          row.emplace_back(std::monostate{});
+      }
+    }
+    out.push_back(std::move(row));
+  }
+  if (code != SQLITE_DONE) {
+    // Resetting forgets the error's text.
+    try {
+      fail(code);
+    } catch (...) {
+      sqlite3_reset(s);
+      throw;
+    }
+  }
+  sqlite3_reset(s);
+  sqlite3_clear_bindings(s);
+  return out;
+}
+
+void Store::run(std::string_view sql, const Row& values) { static_cast<void>(rows(sql, values)); }
+
+void Store::transaction(const std::function<void()>& body) {
+  if (depth_ > 0) {
+    body();
+    return;
+  }
+  run("BEGIN IMMEDIATE");  // the lock at once, where waiting for it is safe
+  ++depth_;
+  try {
+    body();
+    run("COMMIT");
+    --depth_;
+  } catch (...) {
+    --depth_;
+    // Some errors have rolled back already.
+    if (sqlite3_get_autocommit(db_.get()) == 0)
+      sqlite3_exec(db_.get(), "ROLLBACK", nullptr, nullptr, nullptr);
+    throw;
+  }
+}
+
+std::optional<PointRow> Store::point(std::string_view hash) {
+  const auto found =
+      rows("SELECT config_hash, config, scenes, status, message, seconds FROM points WHERE hash = ?",
+           {std::string(hash)});
+  if (found.empty()) return std::nullopt;
+  const Row& r = found[0];
+  return PointRow{std::string(hash),     text_of(r[0]), text_of(r[1]),  text_of(r[2]),
+                  text_of(r[3]) == "ok", text_of(r[4]), number_of(r[5])};
+}
+
+std::vector<std::string> Store::points_like(std::string_view prefix) {
+  std::vector<std::string> out;
+  for (const Row& row : rows("SELECT hash FROM points WHERE substr(hash, 1, ?) = ? ORDER BY hash",
+                             {static_cast<std::int64_t>(prefix.size()), std::string(prefix)})) {
+    out.push_back(text_of(row[0]));
+  }
+  return out;
+}
+
+void Store::put_point(const PointRow& p, const PointResult* result) {
+  const ResultRows all = result == nullptr ? ResultRows{} : rows_of(*result);
+  transaction([&] {
+    for (const char* sql : {"DELETE FROM metrics WHERE hash = ?", "DELETE FROM fields WHERE hash = ?",
+                            "DELETE FROM registers WHERE hash = ?"}) {
+      run(sql, {p.hash});
+    }
+    run("INSERT OR REPLACE INTO points VALUES(?, ?, ?, ?, ?, ?, ?)",
+        {p.hash, p.config_hash, p.config, p.scenes, std::string(p.ok ? "ok" : "refused"), p.message,
+         p.seconds});
+    const auto insert = [&](const char* sql, const std::vector<Row>& table) {
+      for (const Row& row : table) {
+        Row values{p.hash};
+        values.insert(values.end(), row.begin(), row.end());
+        run(sql, values);
+      }
+    };
+    insert("INSERT INTO metrics VALUES(?, ?, ?)", all.metrics);
+    insert("INSERT INTO fields VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", all.fields);
+    insert("INSERT INTO registers VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", all.registers);
+  });
+}
+
+ResultRows Store::result_rows(std::string_view hash) {
+  const Row key{std::string(hash)};
+  return {
+      rows("SELECT name, value FROM metrics WHERE hash = ? ORDER BY name", key),
+      rows("SELECT stage, quantity, unit, ulp, count, max, mean, bias, rms, p999, sqnr_db FROM fields "
+           "WHERE hash = ? ORDER BY rowid",
+           key),
+      rows(
+          "SELECT name, format, word, int, signed, count, min, max, used_bits, headroom, wraps, saturations, "
+          "zeros, octaves FROM registers WHERE hash = ? ORDER BY rowid",
+          key)};
+}
+
+std::map<std::string, double, std::less<>> Store::metrics(std::string_view hash) {
+  std::map<std::string, double, std::less<>> out;
+  for (const Row& row : rows("SELECT name, value FROM metrics WHERE hash = ?", {std::string(hash)})) {
+    out[text_of(row[0])] = number_of(row[1]);
+  }
+  return out;
+}
+
+}  // namespace bitspan

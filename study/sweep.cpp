@@ -1,0 +1,452 @@
+#include "study/sweep.hpp"
+
+#include <fmt/format.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <type_traits>
+
+namespace bitspan {
+namespace {
+
+// FNV-1a, 128 bits, over bytes in an order that is the same on every machine.
+class Hash {
+ public:
+  void byte(std::uint8_t value) {
+    state_ ^= value;
+    state_ *= (static_cast<unsigned __int128>(1) << 88) + 0x13b;
+  }
+  void number(std::uint64_t value) {
+    for (int i = 0; i < 8; ++i) byte(static_cast<std::uint8_t>(value >> (8 * i)));
+  }
+  void number(int value) { number(static_cast<std::uint64_t>(value)); }
+  void number(double value) { number(std::bit_cast<std::uint64_t>(value)); }
+  void text(std::string_view text) {
+    number(static_cast<std::uint64_t>(text.size()));
+    for (const char c : text) byte(static_cast<std::uint8_t>(c));
+  }
+  std::string hex() const {
+    return fmt::format("{:016x}{:016x}", static_cast<std::uint64_t>(state_ >> 64),
+                       static_cast<std::uint64_t>(state_));
+  }
+
+ private:
+  unsigned __int128 state_ =
+      (static_cast<unsigned __int128>(0x6c62272e07bb0142U) << 64) | 0x62b821756295c58dU;
+};
+
+// Of a point, all but its configuration.
+std::string digest_of(const std::vector<Scene>& scenes, std::string_view version) {
+  Hash h;
+  h.text("bitspan point");
+  h.text(version);
+  h.number(measurement_version);
+  h.number(static_cast<std::uint64_t>(scenes.size()));
+  for (const Scene& scene : scenes) h.text(scene_hash(scene));
+  return h.hex();
+}
+
+std::string hash_of(std::string_view digest, std::string_view what, std::string_view text) {
+  Hash h;
+  h.text(digest);
+  h.text(what);
+  h.text(text);
+  return h.hex();
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::string csv_cell(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"') out += '"';
+    out += c;
+  }
+  return out + '"';
+}
+
+std::string csv_number(double value) { return std::isnan(value) ? "" : fmt::format("{}", value); }
+
+std::string cell_text(const Cell& cell) {
+  if (std::holds_alternative<std::monostate>(cell)) return "nothing";
+  if (const auto* text = std::get_if<std::string>(&cell)) return *text;
+  return fmt::format("{}", number_of(cell));
+}
+
+}  // namespace
+
+std::string settings_json(const std::vector<KeySetting>& settings) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (const KeySetting& s : settings) {
+    std::visit([&](const auto& value) { json[s.path] = value; }, s.value);
+  }
+  return json.dump();
+}
+
+std::string scene_hash(const Scene& scene) {
+  Hash h;
+  h.number(scene.width);
+  h.number(scene.height);
+  h.number(scene.s_min);
+  h.number(scene.s_max);
+  h.number(scene.focal);
+  for (const std::uint8_t code : scene.background) h.byte(code);
+  h.byte(scene.fog ? 1 : 0);
+  if (scene.fog) {
+    for (const std::uint8_t code : scene.fog->color) h.byte(code);
+    h.number(scene.fog->distance);
+  }
+  h.number(static_cast<std::uint64_t>(scene.textures.size()));
+  for (const Texture& texture : scene.textures) {
+    h.number(texture.width);
+    h.number(texture.height);
+    for (const std::uint8_t code : texture.rgba) h.byte(code);
+  }
+  h.number(static_cast<std::uint64_t>(scene.triangles.size()));
+  for (const Triangle& triangle : scene.triangles) {
+    h.number(triangle.texture);
+    for (const Vertex& v : triangle.v) {
+      for (const double value : {v.x, v.y, v.s, v.u, v.v}) h.number(value);
+      for (const double value : v.c) h.number(value);
+    }
+  }
+  return h.hex();
+}
+
+Scene with_s_ratio(Scene scene, double ratio) {
+  if (ratio == scene.s_max / scene.s_min) return scene;
+  const double power = std::log(ratio) / std::log(scene.s_max / scene.s_min);
+  const double s_max = scene.s_min * ratio;
+  const auto stretched = [&](double s) { return scene.s_min * std::pow(s / scene.s_min, power); };
+  for (Triangle& triangle : scene.triangles) {
+    for (Vertex& v : triangle.v) v.s = std::clamp(stretched(v.s), scene.s_min, s_max);
+  }
+  if (scene.fog) scene.fog->distance = stretched(scene.fog->distance);
+  scene.s_max = s_max;
+  return scene;
+}
+
+std::string scenes_json(const std::vector<Scene>& scenes, std::optional<double> s_ratio) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const Scene& scene : scenes) {
+    nlohmann::ordered_json one{
+        {"name", scene.name}, {"width", scene.width}, {"height", scene.height}, {"hash", scene_hash(scene)}};
+    if (s_ratio) one["s_ratio"] = *s_ratio;
+    out.push_back(std::move(one));
+  }
+  return out.dump();
+}
+
+std::optional<double> s_ratio_of(std::string_view scenes_json) {
+  try {
+    const auto scenes = nlohmann::json::parse(scenes_json);
+    if (scenes.at(0).contains("s_ratio")) return scenes[0]["s_ratio"].get<double>();
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(std::string("a point's scenes are unreadable: ") + error.what());
+  }
+  return std::nullopt;
+}
+
+std::string point_hash(const Config& config, const std::vector<Scene>& scenes, std::string_view version) {
+  return hash_of(digest_of(scenes, version), "configuration", config_hash(config));
+}
+
+PointRunner::PointRunner(Config base, std::vector<Scene> scenes, MakeMeter make_meter, Store& store,
+                         std::string version)
+    : base_(std::move(base)),
+      make_meter_(std::move(make_meter)),
+      store_(store),
+      version_(std::move(version)) {
+  if (scenes.empty()) throw InputError("a study without scenes: name at least one");
+  Stretched& own = stretched_[std::nullopt];
+  own.digest = digest_of(scenes, version_);
+  own.json = scenes_json(scenes, std::nullopt);
+  own.scenes = std::move(scenes);
+}
+
+PointRunner::Stretched& PointRunner::stretched(std::optional<double> s_ratio) {
+  const auto found = stretched_.find(s_ratio);
+  if (found != stretched_.end()) return found->second;
+  Stretched made;
+  for (const Scene& scene : stretched_.at(std::nullopt).scenes) {
+    made.scenes.push_back(with_s_ratio(scene, *s_ratio));
+  }
+  made.digest = digest_of(made.scenes, version_);
+  made.json = scenes_json(made.scenes, s_ratio);
+  return stretched_.emplace(s_ratio, std::move(made)).first->second;
+}
+
+const Measure& PointRunner::meter_of(std::optional<double> s_ratio) {
+  if (!meter_ || meter_ratio_ != s_ratio) {
+    meter_ = nullptr;  // the room of the one before first
+    meter_ = make_meter_(stretched(s_ratio).scenes);
+    meter_ratio_ = s_ratio;
+  }
+  return meter_;
+}
+
+Point PointRunner::prepare(const std::vector<KeySetting>& settings) {
+  Point out;
+  std::vector<KeySetting> of_config;
+  for (const KeySetting& s : settings) {
+    if (s.path != s_ratio_key) {
+      of_config.push_back(s);
+    } else if (const auto* integer = std::get_if<std::int64_t>(&s.value)) {
+      out.s_ratio = static_cast<double>(*integer);
+    } else {
+      out.s_ratio = std::get<double>(s.value);
+    }
+  }
+  const std::string& digest = stretched(out.s_ratio).digest;
+  try {
+    out.config = with_keys(base_, of_config);
+    out.hash = hash_of(digest, "configuration", config_hash(*out.config));
+  } catch (const InputError& error) {
+    out.refusal = error.what();
+    out.hash = hash_of(digest, "settings of " + config_hash(base_), settings_json(of_config));
+  }
+  return out;
+}
+
+std::vector<Evaluated> PointRunner::run(const std::vector<Point>& points, const RunOptions& options,
+                                        const std::function<void(std::size_t, const Evaluated&)>& finished) {
+  std::vector<Evaluated> out(points.size());
+  const auto finish = [&](std::size_t i, Evaluated result) {
+    out[i] = std::move(result);
+    if (finished) finished(i, out[i]);
+  };
+  // By hash, the indices that wait for it; in the order of their first, and stretched alike together.
+  std::map<std::string, std::vector<std::size_t>, std::less<>> waiting;
+  std::vector<std::size_t> todo;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Point& p = points[i];
+    if (const auto found = waiting.find(p.hash); found != waiting.end()) {
+      found->second.push_back(i);
+    } else if (const auto row = store_.point(p.hash)) {
+      finish(i, {row->ok ? PointState::ok : PointState::refused, true, row->message});
+    } else {
+      waiting[p.hash].push_back(i);
+      todo.push_back(i);
+    }
+  }
+  std::ranges::stable_sort(todo, {}, [&](std::size_t i) { return points[i].s_ratio; });
+  todo.resize(std::min(todo.size(), options.limit));
+
+  std::mutex mutex;  // of the database, `finished` and progress
+  std::size_t done = 0;
+  const auto keep = [&](std::size_t i, const PointRow& row, const PointResult* result) {
+    const std::lock_guard lock(mutex);
+    store_.put_point(row, result);
+    for (const std::size_t same : waiting.at(row.hash)) {
+      finish(same, {row.ok ? PointState::ok : PointState::refused, same != i, row.message});
+    }
+    ++done;
+    if (options.progress) options.progress(done, todo.size());
+  };
+  std::atomic<bool> failed{false};
+  const auto measure = [&](std::size_t i, const Measure& meter, const std::string& json) {
+    const Point& p = points[i];
+    PointRow row{p.hash, "", "", json, false, p.refusal, 0};
+    if (!p.config) {
+      keep(i, row, nullptr);
+      return;
+    }
+    row.config_hash = config_hash(*p.config);
+    row.config = to_toml(*p.config);
+    const auto start = std::chrono::steady_clock::now();
+    try {
+      const PointResult result = meter(*p.config);
+      row.ok = true;
+      row.seconds = seconds_since(start);
+      keep(i, row, &result);
+    } catch (const InputError& error) {
+      if (row.ok) throw;  // of the database
+      row.message = error.what();
+      row.seconds = seconds_since(start);
+      keep(i, row, nullptr);
+    }
+  };
+
+  const int threads = options.threads > 0 ? options.threads : tbb::info::default_concurrency();
+  tbb::task_arena arena(threads);
+  for (auto first = todo.begin(); first != todo.end() && !options.stop.stop_requested();) {
+    const auto s_ratio = points[*first].s_ratio;
+    const auto last =
+        std::find_if(first, todo.end(), [&](std::size_t i) { return points[i].s_ratio != s_ratio; });
+    const std::string& json = stretched(s_ratio).json;
+    const Measure& meter = meter_of(s_ratio);
+    // Each worker takes the next point: in their order, so that a run that is stopped leaves the rest.
+    std::atomic<std::ptrdiff_t> next{0};
+    arena.execute([&] {
+      tbb::parallel_for(0, threads, [&](int) {
+        while (!failed && !options.stop.stop_requested()) {
+          const std::ptrdiff_t at = next++;
+          if (at >= last - first) break;
+          try {
+            // A point that waits inside for tasks of its own must not take another's meanwhile.
+            tbb::this_task_arena::isolate([&] { measure(first[at], meter, json); });
+          } catch (...) {
+            failed = true;
+            throw;
+          }
+        }
+      });
+    });
+    first = last;
+  }
+  return out;
+}
+
+SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options) {
+  const auto settings = points_of(plan);
+  std::vector<Point> points;
+  points.reserve(settings.size() + 1);
+  for (const auto& s : settings) points.push_back(runner.prepare(s));
+  const std::size_t count = points.size();
+  points.push_back(runner.prepare({}));
+
+  store.transaction([&] {
+    store.run("DELETE FROM study_points WHERE study = ?", {plan.name});
+    store.run("INSERT OR REPLACE INTO studies VALUES(?, ?, 'sweep', ?)",
+              {plan.name, plan.text, points[count].hash});
+    for (std::size_t i = 0; i < count; ++i) {
+      store.run("INSERT INTO study_points VALUES(?, ?, ?, ?, NULL)",
+                {plan.name, static_cast<std::int64_t>(i), points[i].hash, settings_json(settings[i])});
+    }
+  });
+
+  SweepResult out;
+  out.points = count;
+  bool checked = false;  // the metrics' names, on the first point; what a later one lacks has no value there
+  std::string refusal;
+  const auto finished = [&](std::size_t i, const Evaluated& e) {
+    bool holds = false;
+    if (e.state == PointState::ok && i < count) {
+      const auto metrics = store.metrics(points[i].hash);
+      if (!checked) check_metrics(plan, metrics);
+      checked = true;
+      holds = all_hold(plan.constraints, metrics);
+    }
+    if (!e.known) ++out.measured;
+    if (i == count) return;  // the base
+    if (e.known) ++out.known;
+    if (e.state == PointState::refused && refusal.empty()) refusal = e.message;
+    out.refused += e.state == PointState::refused ? 1 : 0;
+    out.holding += holds ? 1 : 0;
+    store.run("UPDATE study_points SET holds = ? WHERE study = ? AND i = ?",
+              {static_cast<std::int64_t>(holds ? 1 : 0), plan.name, static_cast<std::int64_t>(i)});
+  };
+  const auto evaluated = runner.run(points, options, finished);
+  out.missing = static_cast<std::size_t>(
+      std::count_if(evaluated.begin(), evaluated.begin() + static_cast<std::ptrdiff_t>(count),
+                    [](const Evaluated& e) { return e.state == PointState::missing; }));
+  if (out.refused == count) {
+    throw InputError(
+        fmt::format("{}: not one of {} points can be measured; the first: {}", plan.name, count, refusal));
+  }
+  return out;
+}
+
+void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
+               const std::function<void(std::string_view)>& write) {
+  const auto settings = points_of(plan);
+  const auto rows = store.rows(
+      "SELECT i, holds, hash, status, message, seconds, config_hash FROM study_points JOIN points USING "
+      "(hash) "
+      "WHERE study = ? ORDER BY i",
+      {plan.name});
+  std::vector<std::string> metrics = plan.metrics;
+  if (metrics.empty()) {
+    for (const Row& row : store.rows("SELECT DISTINCT name FROM study_points JOIN metrics USING (hash) "
+                                     "WHERE study = ? ORDER BY name",
+                                     {plan.name})) {
+      metrics.push_back(text_of(row[0]));
+    }
+  }
+  const auto line = [&](const std::vector<std::string>& cells) {
+    std::string text;
+    for (const std::string& cell : cells) text.append(text.empty() ? "" : ",").append(csv_cell(cell));
+    write(text.append("\r\n"));
+  };
+  std::vector<std::string> cells{"i"};
+  std::map<std::string, std::string, std::less<>> base;  // of the keys that vary
+  for (const Axis& axis : plan.axes) {
+    for (const std::string& key : axis.keys) {
+      cells.push_back(key);
+      base[key] = key == s_ratio_key ? "" : to_string(value_of_key(plan.base, key));
+    }
+  }
+  cells.insert(cells.end(), {"status", "holds"});
+  cells.insert(cells.end(), metrics.begin(), metrics.end());
+  cells.insert(cells.end(), {"seconds", "config_hash", "hash", "message", "replay"});
+  line(cells);
+  for (const Row& row : rows) {
+    const std::int64_t i = integer_of(row[0]);
+    auto values = base;
+    for (const KeySetting& s : settings.at(static_cast<std::size_t>(i))) values[s.path] = to_string(s.value);
+    cells = {std::to_string(i)};
+    for (const Axis& axis : plan.axes) {
+      for (const std::string& key : axis.keys) cells.push_back(values[key]);
+    }
+    cells.insert(cells.end(), {text_of(row[3]), std::to_string(integer_of(row[1]))});
+    const std::string hash = text_of(row[2]);
+    const auto measured = store.metrics(hash);
+    for (const std::string& metric : metrics) {
+      const auto found = measured.find(metric);
+      cells.push_back(found == measured.end() ? std::string() : csv_number(found->second));
+    }
+    cells.insert(cells.end(), {csv_number(number_of(row[5])), text_of(row[6]), hash, text_of(row[4]),
+                               fmt::format("{} {}", replay, hash)});
+    line(cells);
+  }
+}
+
+std::vector<std::string> differences(const ResultRows& stored, const ResultRows& measured) {
+  std::vector<std::string> out;
+  const auto compare = [&](const std::vector<Row>& a, const std::vector<Row>& b, std::size_t keys,
+                           const char* what, std::initializer_list<const char*> columns) {
+    const auto name_of = [&](const Row& row) {
+      std::string name = what;
+      for (std::size_t k = 0; k < keys; ++k) name += fmt::format("{}{}", k == 0 ? " " : ".", text_of(row[k]));
+      return name;
+    };
+    std::map<std::string, std::pair<const Row*, const Row*>> pairs;
+    for (const Row& row : a) pairs[name_of(row)].first = &row;
+    for (const Row& row : b) pairs[name_of(row)].second = &row;
+    for (const auto& [name, pair] : pairs) {
+      if (pair.first == nullptr || pair.second == nullptr) {
+        out.push_back(name + ": only " + (pair.first == nullptr ? "measured" : "stored"));
+        continue;
+      }
+      for (std::size_t c = keys; c < pair.first->size(); ++c) {
+        const Cell& x = (*pair.first)[c];
+        const Cell& y = (*pair.second)[c];
+        if (x == y) continue;
+        const std::string column = columns.begin()[c - keys];
+        out.push_back(fmt::format("{}{}: stored {}, measured {}", name, column.empty() ? "" : " " + column,
+                                  cell_text(x), cell_text(y)));
+      }
+    }
+  };
+  compare(stored.metrics, measured.metrics, 1, "metric", {""});
+  compare(stored.fields, measured.fields, 2, "field",
+          {"unit", "ulp", "count", "max", "mean", "bias", "rms", "p999", "sqnr_db"});
+  compare(stored.registers, measured.registers, 1, "register",
+          {"format", "word", "int", "signed", "count", "min", "max", "used_bits", "headroom", "wraps",
+           "saturations", "zeros", "octaves"});
+  return out;
+}
+
+}  // namespace bitspan

@@ -1,0 +1,133 @@
+// Points measured on all cores, each kept in the database as soon as it is done; and the sweep over a plan's.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene/scene.hpp"
+#include "study/plan.hpp"
+#include "study/store.hpp"
+
+namespace bitspan {
+
+// Part of every point's hash: to be raised whenever a metric changes its meaning or its value.
+inline constexpr int measurement_version = 1;
+
+// 32 hexadecimal digits (FNV-1a of 128 bits) over everything of a scene that determines a picture; its name
+// and its textures' names are left out.
+std::string scene_hash(const Scene& scene);
+
+// The scene with all distances s between s_min and s_max stretched, evenly in log s, to s_min .. s_min *
+// ratio; the fog's distance with them. What is seen where stays, only its depths spread out or close up: the
+// same picture for any ratio, up to where triangles cross. ratio > 1.
+Scene with_s_ratio(Scene scene, double ratio);
+
+// Scenes as a point's row tells them: [{"name": "demo", "width": 640, "height": 480, "hash": ...}], with
+// "s_ratio" where they were stretched.
+std::string scenes_json(const std::vector<Scene>& scenes, std::optional<double> s_ratio);
+
+// The ratio of such a text; none where the scenes were left as they are. Throws InputError where it is
+// unreadable.
+std::optional<double> s_ratio_of(std::string_view scenes_json);
+
+// {"formats.span.h.word": 34, ...}, in their order.
+std::string settings_json(const std::vector<KeySetting>& settings);
+
+// 32 hexadecimal digits over all that determines what is measured.
+std::string point_hash(const Config& config, const std::vector<Scene>& scenes, std::string_view version);
+
+// Measures a configuration on the scenes it was made for; called from several threads. What it throws as
+// InputError is a refusal of the point.
+using Measure = std::function<PointResult(const Config&)>;
+using MakeMeter = std::function<Measure(std::vector<Scene>)>;
+
+struct Point {
+  std::string hash;
+  std::optional<Config> config;  // none: the settings make no legal one
+  std::string refusal;           // then why
+  std::optional<double> s_ratio;
+};
+
+enum class PointState {
+  ok,
+  refused,
+  missing,  // not reached: stopped, or beyond the limit
+};
+
+struct Evaluated {
+  PointState state = PointState::missing;
+  bool known = false;   // it was in the database
+  std::string message;  // of a refusal
+};
+
+struct RunOptions {
+  int threads = 0;                                                         // 0: all cores
+  std::size_t limit = std::numeric_limits<std::size_t>::max();             // of points measured anew
+  std::stop_token stop = {};                                               // what runs is finished
+  std::function<void(std::size_t done, std::size_t total)> progress = {};  // of the points measured anew
+};
+
+class PointRunner {
+ public:
+  // The version is bitspan's. A meter is made where the first point needs it, and kept for the scenes of the
+  // latest points only.
+  PointRunner(Config base, std::vector<Scene> scenes, MakeMeter make_meter, Store& store,
+              std::string version);
+
+  Point prepare(const std::vector<KeySetting>& settings);
+  // Points that the database has are not measured, nor is one twice. `finished` gets each index once, never
+  // two at a time, what is known first; what it throws ends the run, as does what the database throws: the
+  // points committed until then stay.
+  std::vector<Evaluated> run(const std::vector<Point>& points, const RunOptions& options,
+                             const std::function<void(std::size_t, const Evaluated&)>& finished = {});
+
+ private:
+  const Measure& meter_of(std::optional<double> s_ratio);
+
+  Config base_;
+  MakeMeter make_meter_;
+  Store& store_;
+  std::string version_;
+  struct Stretched {
+    std::vector<Scene> scenes;
+    std::string digest;  // point_hash, but for the configuration
+    std::string json;
+  };
+  Stretched& stretched(std::optional<double> s_ratio);
+  std::map<std::optional<double>, Stretched> stretched_;
+  std::optional<double> meter_ratio_;
+  Measure meter_;
+};
+
+struct SweepResult {
+  std::size_t points = 0;
+  std::size_t known = 0;     // of them, in the database before
+  std::size_t refused = 0;   // of those reached
+  std::size_t missing = 0;   // not reached
+  std::size_t holding = 0;   // measured, all constraints hold
+  std::size_t measured = 0;  // in this run, refused ones included
+  bool finished() const { return missing == 0; }
+};
+
+// All points of the plan, and its base. The study's rows in the database are written anew; no point of it is
+// measured twice. Throws InputError where every point is refused, and where the points lack a metric that the
+// plan names.
+SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options);
+
+// A line for the header and one for each point of the study that is in the database, as CSV (RFC 4180): i,
+// the keys that vary, status, holds, the metrics of the plan (or all), seconds, config_hash, hash, message
+// and the command that measures the point again: `replay`, a blank, its hash.
+void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
+               const std::function<void(std::string_view)>& write);
+
+// What differs, one line each: "metric span.u.max: stored 0.25, measured 0.5".
+std::vector<std::string> differences(const ResultRows& stored, const ResultRows& measured);
+
+}  // namespace bitspan

@@ -1,0 +1,337 @@
+#include "study/plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "tests/scene/temporary_folder.hpp"
+#include "tests/support/test_config.hpp"
+
+namespace bitspan {
+namespace {
+
+KeyValue integer(std::int64_t v) { return v; }
+KeyValue text(const char* v) { return std::string(v); }
+
+Config find(const std::string& name) {
+  if (name == "depth16" || name == "depth20" || name == "narrow") return shipped_config(name);
+  throw InputError(name + ": no such configuration; shipped names: depth16, depth20, narrow");
+}
+
+StudyPlan parse(const std::string& toml) { return parse_study(toml, "s.toml", find); }
+
+const std::string head = "[study]\nname = \"s\"\nbase = \"depth16\"\n";
+const std::string vary = "[[vary]]\nkeys = [\"formats.span.h.word\"]\nvalues = [30, 32]\n";
+
+void refused(const std::string& toml, const std::string& part) {
+  const std::string message = input_error([&] { parse(toml); });
+  EXPECT_NE(message.find(part), std::string::npos) << toml << "\n" << message;
+  EXPECT_TRUE(message.starts_with("s.toml:")) << message;
+}
+
+TEST(Plan, ReadsEveryKey) {
+  const std::string toml =
+      "[study]\nname = \"all-1\"\nbase = \"depth20\"\nscenes = [\"demo\", \"extreme/slivers\"]\n"
+      "size = \"64x48\"\narrangement = \"one_at_a_time\"\nmetrics = [\"span.u.p999\", \"picture.psnr_db\"]\n"
+      "[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 30\nto = 36\nstep = 3\n"
+      "[[vary]]\nkeys = [\"depth.bits\", \"formats.setup.h.int\"]\nvalues = [[16, 18], [20, 20]]\n"
+      "[[vary]]\nkeys = [\"formats.edge.uv.word\", \"formats.span.uv.word\"]\nvalues = [24, 25]\n"
+      "[[vary]]\nkeys = [\"depth.code\"]\nvalues = [\"inverse\", \"linear\"]\n"
+      "[[vary]]\nkeys = [\"scene.s_ratio\"]\nvalues = [10, 2.5]\n"
+      "[[constraint]]\nmetric = \"span.u.p999_ulp\"\nat_most = 1\n"
+      "[[constraint]]\nmetric = \"picture.psnr_db\"\nat_least = 30.5\nat_most = 99\n"
+      "[area]\nfamilies = [\"ice40\", \"ecp5\"]\nplace = true\n"
+      "[report]\nbudget = true\nbounds = true\n";
+  const StudyPlan plan = parse(toml);
+  EXPECT_EQ(plan.name, "all-1");
+  EXPECT_EQ(plan.text, toml);
+  EXPECT_EQ(plan.base, shipped_config("depth20"));
+  EXPECT_EQ(plan.scenes, (std::vector<std::string>{"demo", "extreme/slivers"}));
+  EXPECT_EQ(plan.width, 64);
+  EXPECT_EQ(plan.height, 48);
+  EXPECT_EQ(plan.arrangement, Arrangement::one_at_a_time);
+  EXPECT_EQ(plan.metrics, (std::vector<std::string>{"span.u.p999", "picture.psnr_db"}));
+  ASSERT_EQ(plan.axes.size(), 5U);
+  EXPECT_EQ(plan.axes[0].values,
+            (std::vector<std::vector<KeyValue>>{{integer(30)}, {integer(33)}, {integer(36)}}));
+  EXPECT_EQ(plan.axes[1].values,
+            (std::vector<std::vector<KeyValue>>{{integer(16), integer(18)}, {integer(20), integer(20)}}));
+  EXPECT_EQ(plan.axes[2].values,
+            (std::vector<std::vector<KeyValue>>{{integer(24), integer(24)}, {integer(25), integer(25)}}));
+  EXPECT_EQ(plan.axes[3].values, (std::vector<std::vector<KeyValue>>{{text("inverse")}, {text("linear")}}));
+  EXPECT_EQ(plan.axes[4].values, (std::vector<std::vector<KeyValue>>{{integer(10)}, {KeyValue(2.5)}}));
+  ASSERT_EQ(plan.constraints.size(), 2U);
+  EXPECT_EQ(plan.constraints[0].at_most, 1.0);
+  EXPECT_FALSE(plan.constraints[0].at_least);
+  EXPECT_EQ(plan.constraints[1].at_least, 30.5);
+  ASSERT_TRUE(plan.area);
+  EXPECT_EQ(plan.area->families, (std::vector<std::string>{"ice40", "ecp5"}));
+  EXPECT_TRUE(plan.area->place);
+  EXPECT_TRUE(plan.budget);
+  EXPECT_TRUE(plan.bounds);
+  EXPECT_FALSE(plan.search);
+
+  const StudyPlan search =
+      parse(head + vary +
+            "[[constraint]]\nmetric = \"registers.wraps\"\nat_most = 0\n[search]\nalgorithm = \"max-1\"\n"
+            "cost = \"cost.product_bits\"\nevaluations = 7\nseconds = 1.5\nseed = 9\n");
+  ASSERT_TRUE(search.search);
+  EXPECT_EQ(search.search->algorithm, SearchAlgorithm::max_minus_1);
+  EXPECT_EQ(search.search->cost, "cost.product_bits");
+  EXPECT_EQ(search.search->evaluations, 7);
+  EXPECT_EQ(search.search->seconds, 1.5);
+  EXPECT_EQ(search.search->seed, 9U);
+}
+
+TEST(Plan, DefaultsAreTheEmbeddedSetAndAGrid) {
+  const StudyPlan plan = parse(head + vary);
+  EXPECT_TRUE(plan.scenes.empty());
+  EXPECT_EQ(plan.width, 640);
+  EXPECT_EQ(plan.height, 480);
+  EXPECT_EQ(plan.arrangement, Arrangement::grid);
+  EXPECT_TRUE(plan.metrics.empty() && plan.constraints.empty() && !plan.area && !plan.budget && !plan.bounds);
+}
+
+TEST(Plan, PointsOfEachArrangement) {
+  const std::string two = vary + "[[vary]]\nkeys = [\"depth.round\"]\nvalues = [\"SC_RND\", \"SC_TRN\"]\n";
+  const KeySetting w30{"formats.span.h.word", integer(30)};
+  const KeySetting w32{"formats.span.h.word", integer(32)};
+  const KeySetting rnd{"depth.round", text("SC_RND")};
+  const KeySetting trn{"depth.round", text("SC_TRN")};
+  using Points = std::vector<std::vector<KeySetting>>;
+  EXPECT_EQ(points_of(parse(head + two)), (Points{{w30, rnd}, {w30, trn}, {w32, rnd}, {w32, trn}}));
+  EXPECT_EQ(points_of(parse(head + "arrangement = \"list\"\n" + two)), (Points{{w30, rnd}, {w32, trn}}));
+  EXPECT_EQ(points_of(parse(head + "arrangement = \"one_at_a_time\"\n" + two)),
+            (Points{{}, {w30}, {w32}, {rnd}, {trn}}));
+}
+
+TEST(Plan, TextThatIsNoStudyIsRefused) {
+  refused("", "s.toml:1: the study is empty");
+  refused("  \n\n", "is empty");
+  refused("[study\n", "s.toml:1: does not parse as TOML");
+  refused("[study]\nname = \"a\"\nname = \"b\"\n", "s.toml:3: does not parse");
+  refused(vary, "study: missing");
+  refused("study = 3\n", "study: is an integer; legal: a table");
+  refused(head + vary + "[extra]\nx = 1\n", "s.toml:7: extra: unknown table; legal: study, vary");
+  refused(head + "colour = 1\n" + vary, "s.toml:4: study.colour: unknown key; legal: name, base");
+  EXPECT_NE(input_error([] { load_study("none.toml", find); }).find("none.toml: no such study"),
+            std::string::npos);
+  EXPECT_NE(input_error([] { load_study("/", find); }).find("is a directory"), std::string::npos);
+}
+
+TEST(Plan, BadStudyTablesAreRefused) {
+  const std::string base = "base = \"depth16\"\n";
+  refused("[study]\n" + base + vary, "s.toml:1: study.name: missing");
+  refused("[study]\nname = \"\"\n" + base + vary, "study.name: is empty");
+  refused("[study]\nname = \"../x\"\n" + base + vary, "study.name: is \"../x\"");
+  refused("[study]\nname = 3\n" + base + vary, "study.name: is an integer");
+  refused("[study]\nname = \"s\"\n" + vary, "study.base: missing");
+  refused("[study]\nname = \"s\"\nbase = \"depht16\"\n" + vary, "s.toml:3: study.base: depht16: no such");
+  refused("[study]\nname = \"s\"\nbase = \"none.toml\"\n" + vary, "none.toml: no such configuration file");
+  refused(head + "scenes = []\n" + vary, "study.scenes: is empty");
+  refused(head + "scenes = \"demo\"\n" + vary, "study.scenes: is a string");
+  refused(head + "scenes = [\"demo\", 3]\n" + vary, "study.scenes: has an integer");
+  refused(head + "scenes = [\"demo\", \"demo\"]\n" + vary, "\"demo\" twice");
+  refused(head + "scenes = [\"-\"]\n" + vary, "standard input");
+  refused(head + "scenes = [\"none.tri\"]\n" + vary, "none.tri: no such file");
+  for (const char* size : {"640", "640x", "x480", "0x10", "640x480x2", "-1x5", "99999x1", "640 x 480"}) {
+    refused(head + "size = \"" + size + "\"\n" + vary, std::string("study.size: is \"") + size);
+  }
+  refused(head + "arrangement = \"cube\"\n" + vary, "legal: grid, one_at_a_time, list");
+  refused(head + "metrics = []\n" + vary, "study.metrics: is empty");
+}
+
+TEST(Plan, BadAxesAreRefused) {
+  const auto axis = [](const std::string& keys, const std::string& rest) {
+    return head + "[[vary]]\nkeys = " + keys + "\n" + rest + "\n";
+  };
+  refused(head, "vary: missing: nothing varies");
+  refused(head + "vary = 3\n", "study.vary: unknown key");
+  refused("vary = []\n" + head, "vary: is an array; legal: tables headed [[vary]]");
+  refused("vary = 3\n" + head, "vary: is an integer; legal: tables headed [[vary]]");
+  refused("[vary]\n" + head, "vary: is a table; legal: tables headed [[vary]]");
+  refused(head + "[[vary]]\nvalues = [1]\n", "vary[1].keys: missing");
+  refused(axis("[]", "values = [1]"), "vary[1].keys: is empty");
+  refused(axis("\"depth.bits\"", "values = [1]"), "vary[1].keys: is a string");
+  refused(axis("[\"depth.bits\"]", ""), "vary[1].values: missing");
+  refused(axis("[\"depth.bits\"]", "values = []"), "s.toml:6: vary[1].values: is empty");
+  refused(axis("[\"depth.bits\"]", "values = 16"), "vary[1].values: is an integer");
+  refused(axis("[\"depth.bits\"]", "values = [16, 16]"), "item 2 is there twice");
+  refused(axis("[\"depth.bits\"]", "values = [[16]]"), "vary[1].values: has an array");
+  refused(axis("[\"depth.bits\"]", "values = [1979-05-27]"), "has a date or time");
+  refused(axis("[\"depth.bits\"]", "values = [16]\nfrom = 3"), "is given together with from");
+  refused(axis("[\"depth.bits\"]", "from = 3"), "vary[1].to: missing");
+  refused(axis("[\"depth.bits\"]", "from = 20\nto = 10"),
+          "vary[1].to: is 10, and from is 20: no value at all");
+  refused(axis("[\"depth.bits\"]", "from = 10\nto = 20\nstep = 0"),
+          "vary[1].step: is 0; legal: an integer, 1..");
+  refused(axis("[\"depth.bits\"]", "from = 1.5\nto = 20"), "vary[1].from: is a float");
+  refused(axis("[\"depth.bits\"]", "from = 0\nto = 1000000000"), "more than 100000 values");
+  refused(axis("[\"depht.bits\"]", "values = [16]"),
+          "s.toml:5: vary[1].keys: depht.bits: no such key of a configuration; nearest: depth.bits");
+  refused(axis("[\"depth.bits\", \"depth.code\"]", "values = [[16, \"linear\"], [20]]"),
+          "item 2 is an array of 1; legal: an array of values, which all 2 keys take");
+  refused(axis("[\"depth.bits\", \"depth.code\"]", "values = [[16, \"linear\"], 20]"),
+          "item 2 is an integer");
+  refused(axis("[\"depth.bits\", \"depth.bits\"]", "values = [16]"), "\"depth.bits\" twice");
+  refused(axis("[\"depth.bits\"]", "values = [16]\nstap = 1"), "vary[1].stap: unknown key");
+  refused(axis("[\"depth.bits\"]", "values = [16]") + "[[vary]]\nkeys = [\"depth.bits\"]\nvalues = [20]\n",
+          "vary[2].keys: depth.bits varies in another axis too");
+  refused(axis("[\"formats.span.h.word\"]", "values = [34]") +
+              "[[vary]]\nkeys = [\"formats.span.h.fraction\"]\nvalues = [18]\n",
+          "vary[2].keys: formats.span.h.fraction varies, and so does its word");
+  refused(head + "arrangement = \"list\"\n" + vary + "[[vary]]\nkeys = [\"depth.bits\"]\nvalues = [16]\n",
+          "vary[2].values: has 1 values, and vary[1] has 2");
+  std::string huge = head;
+  for (const char* key : {"span.h", "span.f", "edge.h", "edge.f", "edge.x"}) {
+    huge += std::string("[[vary]]\nkeys = [\"formats.") + key + ".word\"]\nfrom = 1\nto = 64\n";
+  }
+  refused(huge, "more than 1000000 points");
+}
+
+TEST(Plan, ValuesThatNoPointCanHaveAreRefused) {
+  const auto axis = [](const std::string& keys, const std::string& values) {
+    return "[[vary]]\nkeys = [\"" + keys + "\"]\nvalues = " + values + "\n";
+  };
+  refused(head + axis("formats.span.h.word", "[30, 99]"),
+          "s.toml:6: vary[1].values: no point can have this: formats.span.h.word: is 99; legal: 1..63");
+  refused(head + axis("reciprocal.pixel.kind", "[\"magic\"]"), "no value of this key");
+  refused(head + axis("depth.bits", "[16.0]"), "depth.bits: is a float");
+  refused(head + axis("scene.s_ratio", "[1]"), "scene.s_ratio: is 1; legal: a number above 1");
+  refused(head + axis("scene.s_ratio", "[nan]"), "scene.s_ratio: is nan");
+  refused(head + axis("scene.s_ratio", "[\"far\"]"), "scene.s_ratio: is far");
+  // Legal alone on the base, which has 22 operand bits, but in no point.
+  const std::string bits = axis("reciprocal.pixel.index_bits", "[9, 11]");
+  refused(head + axis("reciprocal.pixel.operand_bits", "[10]") + bits,
+          "index_bits: is 11 with operand_bits = 10");
+  // Illegal in one point and legal in another: kept.
+  EXPECT_EQ(points_of(parse(head + axis("reciprocal.pixel.operand_bits", "[10, 22]") + bits)).size(), 4U);
+  // Illegal alone, since the base has 9 index bits, and legal with the first of another axis: kept.
+  EXPECT_EQ(points_of(parse(head + axis("reciprocal.pixel.operand_bits", "[9, 22]") +
+                            axis("reciprocal.pixel.index_bits", "[8, 9]")))
+                .size(),
+            4U);
+  // A search finds out where its widths end, but needs one value that is legal.
+  const std::string search = "[[constraint]]\nmetric = \"registers.wraps\"\nat_most = 0\n[search]\n";
+  EXPECT_EQ(parse(head + axis("formats.span.h.word", "[30, 99]") + search).axes[0].values.size(), 2U);
+  refused(head + axis("formats.span.h.word", "[98, 99]") + search, "no value is legal");
+}
+
+TEST(Plan, BadMetricsAndConstraintsAreRefused) {
+  const auto constraint = [](const std::string& rest) {
+    return head + vary + "[[constraint]]\n" + rest + "\n";
+  };
+  for (const char* name : {"span", "span.u", "span.u.p99", "spam.u.max", "registers.h.wraps",
+                           "register.wraps", "register.span.h.max", "cost", "picture", "", "..."}) {
+    refused(constraint(std::string("metric = \"") + name + "\"\nat_most = 1"), "constraint[1].metric");
+  }
+  for (const char* name :
+       {"span.u.p999", "span.u.bias_ulp", "texture.r.sqnr_db", "registers.wraps", "register.span.h.headroom",
+        "cost.product_bits", "cost.table_bits", "estimate.ice40.luts", "picture.wrong_order_rate"}) {
+    EXPECT_EQ(parse(constraint(std::string("metric = \"") + name + "\"\nat_most = 1")).constraints[0].metric,
+              name);
+  }
+  refused(constraint("at_most = 1"), "constraint[1].metric: missing");
+  refused(constraint("metric = \"span.u.max\""), "constraint[1].at_most: missing; legal: at_most, at_least");
+  refused(constraint("metric = \"span.u.max\"\nat_most = nan"), "is not finite");
+  refused(constraint("metric = \"span.u.max\"\nat_most = \"1\""), "is a string");
+  refused(constraint("metric = \"span.u.max\"\nat_most = 1\nat_least = 2"), "nothing holds it");
+  refused(head + "metrics = [\"span.u.p99\"]\n" + vary, "study.metrics: \"span.u.p99\" is no metric");
+}
+
+TEST(Plan, BadSearchAreaAndReportAreRefused) {
+  const std::string constraint = "[[constraint]]\nmetric = \"registers.wraps\"\nat_most = 0\n";
+  const std::string good = head + vary + constraint;
+  refused(head + vary + "[search]\n", "constraint: missing: nothing would keep the search");
+  refused(good + "[search]\nalgorithm = \"magic\"\n", "legal: min+1, max-1, greedy, annealing");
+  refused(good + "[search]\ncost = \"bits\"\n", "search.cost: \"bits\" is no metric");
+  refused(good + "[search]\nevaluations = 0\n", "search.evaluations: is 0");
+  refused(good + "[search]\nseconds = 0\n", "search.seconds: is not above 0");
+  refused(good + "[search]\nseed = -1\n", "search.seed: is -1");
+  refused(head + "arrangement = \"grid\"\n" + vary + constraint + "[search]\n",
+          "study.arrangement: is given");
+  refused(head + "[[vary]]\nkeys = [\"depth.code\"]\nvalues = [\"linear\"]\n" + constraint + "[search]\n",
+          "legal in a search: integers");
+  refused(head + "[[vary]]\nkeys = [\"scene.s_ratio\"]\nvalues = [10]\n" + constraint + "[search]\n",
+          "is no width");
+  refused(head + vary + "[area]\n", "area.families: missing");
+  refused(head + vary + "[area]\nfamilies = [\"xc7\"]\n", "\"xc7\" is no family; legal: ice40, ecp5");
+  refused(head + vary + "[area]\nfamilies = [\"ice40\"]\nplace = 1\n", "area.place: is an integer");
+  refused(head + vary + "[report]\nbudget = \"yes\"\n", "report.budget: is a string");
+}
+
+TEST(Plan, FilesStandBesideTheStudy) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path("sub"));
+  folder.write("sub/scene.tri", "");
+  folder.write("sub/mine.toml", to_toml(shipped_config("narrow")));
+  const std::string study = folder.write(
+      "sub/s.toml",
+      "[study]\nname = \"s\"\nbase = \"mine.toml\"\nscenes = [\"scene.tri\", \"demo\"]\n" + vary);
+  const StudyPlan plan = load_study(study, find);
+  EXPECT_EQ(plan.scenes, (std::vector<std::string>{folder.path("sub/scene.tri"), "demo"}));
+  EXPECT_EQ(config_hash(plan.base), config_hash(shipped_config("narrow")));
+  EXPECT_EQ(plan.base.name, "mine");
+}
+
+TEST(Plan, ShippedStudiesAreLegal) {
+  int studies = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(BITSPAN_SOURCE_DIR "/config/studies")) {
+    if (entry.path().extension() != ".toml") continue;
+    const StudyPlan plan = load_study(entry.path().string(), find);
+    EXPECT_EQ(plan.name, entry.path().stem().string());
+    ++studies;
+    EXPECT_FALSE(plan.metrics.empty() || plan.constraints.empty());
+    if (plan.search) continue;
+    const auto points = points_of(plan);
+    EXPECT_GE(points.size(), 50U);
+    for (auto settings : points) {
+      std::erase_if(settings, [](const KeySetting& s) { return s.path == s_ratio_key; });
+      EXPECT_NO_THROW(with_keys(plan.base, settings));
+    }
+  }
+  EXPECT_GE(studies, 3);
+}
+
+TEST(Plan, TheExampleOfTheDocumentIsLegal) {
+  std::ostringstream text;
+  text << std::ifstream(BITSPAN_SOURCE_DIR "/docs/study.md").rdbuf();
+  const std::string page = text.str();
+  const auto from = page.find("```toml\n");
+  ASSERT_NE(from, std::string::npos);
+  const TemporaryFolder folder;
+  folder.write("mine.tri", "");
+  const std::string path =
+      folder.write("s.toml", page.substr(from + 8, page.find("```\n", from + 8) - from - 8));
+  const StudyPlan plan = load_study(path, find);
+  EXPECT_EQ(points_of(plan).size(), 3U * 5 * 2);
+  EXPECT_EQ(plan.scenes.back(), folder.path("mine.tri"));
+}
+
+TEST(Plan, MetricsAreHeldAgainstAPoint) {
+  const std::map<std::string, double, std::less<>> metrics{
+      {"span.u.max", 0.5}, {"span.v.max", std::numeric_limits<double>::quiet_NaN()}};
+  StudyPlan plan;
+  plan.name = "s";
+  plan.metrics = {"span.u.max"};
+  plan.constraints = {{"span.u.max", 0.5, std::nullopt}};
+  check_metrics(plan, metrics);
+  EXPECT_TRUE(all_hold(plan.constraints, metrics));
+  plan.constraints[0].at_most = 0.49;
+  EXPECT_FALSE(all_hold(plan.constraints, metrics));
+  plan.constraints = {{"span.v.max", 0.5, std::nullopt}};
+  EXPECT_FALSE(all_hold(plan.constraints, metrics)) << "a NaN holds nothing";
+  plan.constraints = {{"span.w.max", 0.5, std::nullopt}};
+  EXPECT_FALSE(all_hold(plan.constraints, metrics));
+  EXPECT_NE(input_error([&] {
+              check_metrics(plan, metrics);
+            }).find("s: span.w.max: the scenes give no such metric; nearest: span.u.max, span.v.max"),
+            std::string::npos);
+  EXPECT_TRUE(all_hold({}, metrics));
+}
+
+}  // namespace
+}  // namespace bitspan
