@@ -1,0 +1,116 @@
+// Word-length search: the cheapest point of a set of axes on which every constraint holds, by the standard
+// algorithms, and a certificate that no single step further down holds. docs/search.md says what each does.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "study/plan.hpp"
+
+namespace bitspan {
+
+// A value of each axis, as an index into Axis::values: 0 has the fewest bits.
+using SearchPoint = std::vector<std::size_t>;
+// What a point sets on the base configuration, in the order of the axes and their keys.
+std::vector<KeySetting> settings_of(const std::vector<Axis>& axes, const SearchPoint& point);
+
+// What the caller found at a point.
+struct Evaluation {
+  bool refused = false;     // no configuration, or too narrow for a scene
+  std::string reason = {};  // of the refusal
+  std::map<std::string, double, std::less<>> metrics = {};
+  bool missing = false;  // the caller was stopped before this point: as if it had never been asked for
+};
+// A batch at once, results in its order; the caller runs it on all cores. The search asks for no point twice.
+// What it throws passes through search().
+using Evaluate = std::function<std::vector<Evaluation>(const std::vector<std::vector<KeySetting>>&)>;
+
+struct SearchStep {  // an evaluated point, in the order of evaluation
+  SearchPoint point;
+  double cost = 0;  // NaN where refused
+  bool holds = false;
+  bool best = false;  // the cheapest point so far that holds
+};
+
+enum class ReductionOutcome {
+  fails,        // refused, or a constraint does not hold
+  at_smallest,  // the axis has no smaller value
+  costs_more,   // holds, at a higher cost than the point: no reason to go there
+  passes,       // holds and costs no more: the point is not minimal. Never in the result of a finished search
+  not_evaluated,  // a limit came first
+};
+
+struct Reduction {  // one axis, one value down, all others as they are
+  std::size_t axis = 0;
+  std::string key;         // of linked keys: joined by ", "
+  std::string from_value;  // the same
+  std::string to_value;    // "" at the smallest
+  SearchPoint point;       // the reduced point; the point itself at the smallest
+  ReductionOutcome outcome = ReductionOutcome::not_evaluated;
+  std::string
+      text;  // what failed, "span.u.max is 0.31, at most 0.25", the refusal, or what else there is to say
+};
+
+struct Certificate {
+  bool point_holds = false;
+  std::vector<Reduction> reductions;  // one an axis, in their order
+  std::vector<std::string> missing;   // what a limit left out, one line each; empty where complete
+  bool complete() const { return missing.empty(); }
+  // The point holds and none of its reductions does at the same cost or less: all of it evaluated.
+  bool minimal() const;
+};
+
+enum class StoppedBy { done, evaluations, seconds, interrupt };
+std::string_view to_string(StoppedBy reason);
+std::string_view to_string(ReductionOutcome outcome);
+
+struct SearchResult {
+  bool found = false;
+  SearchPoint point;              // the best so far where a limit stopped the search; empty where not found
+  double cost = 0;                // of the point
+  std::size_t evaluations = 0;    // points asked for
+  std::vector<SearchStep> steps;  // one an evaluation
+  std::vector<std::string> failing;  // why nothing was found: what fails at the widest point
+  Certificate certificate;           // of the point; empty where not found
+  StoppedBy stopped_by = StoppedBy::done;
+};
+
+struct SearchProgress {
+  std::string_view phase;  // "widest", "remove", "exchange", ...
+  std::size_t evaluations = 0;
+  double seconds = 0;
+  bool found = false;
+  double cost = 0;  // of the best so far, where found
+};
+
+// The start is the widest point. A point holds where it is not refused, every constraint's metric has a value
+// within its limits (a NaN has none), and the cost is finite. Constraints need not be monotone in the widths.
+// A finished search ends on a point whose every single-step reduction fails, or costs more, and no point that
+// it evaluated is better: lower cost, then fewer steps above the smallest, then the earlier axes narrower.
+// The same plan and evaluations give the same result, whatever the number of cores.
+//
+// Limits: plan.evaluations is never passed. A batch that, by the slowest seen so far, would end after
+// plan.seconds is not begun. On either, and on a stop request, the best so far is the answer.
+//
+// Throws InputError where the axes, constraints or limits make no search, and where a metric does not exist
+// (at the first point that is not refused; one that is missing only later has no value there).
+SearchResult search(const SearchPlan& plan, const std::vector<Axis>& axes,
+                    const std::vector<Constraint>& constraints, const Evaluate& evaluate,
+                    std::stop_token stop = {},
+                    const std::function<void(const SearchProgress&)>& progress = {});
+
+// The certificate of any point, evaluated anew: to check a result, or a point from elsewhere. Throws
+// InputError as search() does, and for a point that is none of the axes'.
+Certificate certify(const std::string& cost_metric, const std::vector<Axis>& axes,
+                    const std::vector<Constraint>& constraints, const SearchPoint& point,
+                    const Evaluate& evaluate);
+
+// As lines of text, for the command line and the report.
+std::string to_text(const Certificate& certificate);
+
+}  // namespace bitspan
