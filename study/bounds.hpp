@@ -1,0 +1,95 @@
+// Proved upper bounds for the error of h, 1/(h + B), u and v against the unquantised truth
+// (docs/numeric-spec.md, "ideal"), from a configuration and the ranges of the input alone. docs/bounds.md has
+// the argument of each place.
+//
+// Every number is computed in intervals with outward rounding (study/interval.hpp), in formulas of its own:
+// no arithmetic of model/ or golden/ is used.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/config.hpp"
+#include "scene/scene.hpp"
+#include "study/input_range.hpp"
+#include "study/interval.hpp"
+#include "study/point.hpp"
+
+namespace bitspan {
+
+struct BoundTerm {
+  std::string source;  // the quantisation: a format's key, a reciprocal unit, a start offset
+  Interval error;      // what it adds, in the unit of the bound
+};
+
+struct Bound {
+  std::string place;      // the register: "span.uv"; or "reciprocal.pixel (span)"
+  std::string stage;      // as in FieldError: "span", "edge_walk" ...
+  std::string quantity;   // "h", "1/(h+B)", "u", "v", "fu", "fv", "x", "z"
+  std::string unit;       // 1/(h+B): "relative"
+  double bound = 0;       // |register - truth| <= bound; infinite where nothing finite holds
+  double resolution = 0;  // how exactly `ideal` itself is computed: an observed error may exceed by this much
+  std::string dominant;   // the largest term and its share
+  std::string why;        // the argument in words, with the worst legal case
+  std::vector<BoundTerm> terms;
+};
+
+// Throws InputError naming the key where no bound is known for a mode (only perspective.mode = delta_f with
+// depth.code = inverse or opengl has one), or where a range is empty or not finite. The places and their
+// order are those of the configuration, whatever the range.
+std::vector<Bound> error_bounds(const Config& config, const InputRange& range);
+// The same over the triangles of a scene: for each place the largest of the triangles' own bounds. Narrower
+// than error_bounds of the scene's hull, for a triangle that is large or steep or far is seldom all of them.
+std::vector<Bound> error_bounds(const Config& config, const Scene& scene);
+// Whether error_bounds has an answer for the modes.
+bool has_bounds(const Config& config);
+
+// Of an edge's x at a row's centre, pixels: what a dda's coverage may be off by.
+std::function<double(const InputRange&)> edge_position_error(const Config& config);
+
+struct BoundCheck {
+  std::string place, stage, quantity, unit;
+  double bound = 0, observed = 0;
+  double ratio = 0;  // observed / bound; 0 where both are 0
+  bool holds = false;
+};
+
+// Pairs each observed maximum with the last place of its stage and quantity. Observed errors without a bound
+// are left out.
+std::vector<BoundCheck> check_bounds(std::span<const Bound> bounds, std::span<const FieldError> observed);
+bool all_hold(std::span<const BoundCheck> checks);
+
+// What the bounds of edge_walk or of span are made of, for study/gappa.hpp: a line from one end to another,
+// along which h and f are accumulated and u is divided out.
+struct StageHypotheses {
+  int additions = 0;                   // at most
+  double distance = 0;                 // walked, at most, pixels
+  double shortest = 0, longest = 0;    // of the line
+  Interval slope_error;                // relative, of the reciprocal in front of a slope; 0 where it divides
+  Interval h_change;                   // far end's h minus near end's
+  Interval h_carried;                  // error of the line through the ends, and of what follows the register
+  Interval h_walk;                     // error that the registers of h add to that line
+  Interval q;                          // h + B on the line
+  Interval q_register;                 // and of the registers
+  Interval pixel_error;                // relative, of reciprocal.pixel
+  std::array<Interval, 2> uv_change;   // far end's u, v minus near end's
+  std::array<Interval, 2> uv_carried;  // error of the surface through the ends
+  std::array<Interval, 2> f_change;    // (u2 - u1) q2
+  std::array<Interval, 2> f_walk;      // error that the registers of f add to its line
+  double h_offset = 0, f_offset = 0;   // start offsets
+  // Nothing saturates or wraps on the way, and ends may differ enough for a slope to be rounded by its half
+  // ulp; else the sums of the above are not what the bounds are.
+  bool plain = true;
+};
+struct Hypotheses {
+  StageHypotheses edge, span;
+};
+// Throws as error_bounds.
+Hypotheses bound_hypotheses(const Config& config, const InputRange& range);
+
+}  // namespace bitspan

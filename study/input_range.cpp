@@ -1,0 +1,265 @@
+#include "study/input_range.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include "study/bounds.hpp"
+#include "study/format_range.hpp"
+
+namespace bitspan {
+namespace {
+
+using bounds::quantised;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+struct Corner {
+  __int128 x, y;  // in 2^-subpixel_bits pixel
+  double s;
+  std::array<double, 2> uv;
+};
+
+Interval real(__int128 x) {
+  const auto rounded = static_cast<double>(x);  // to nearest
+  return static_cast<__int128>(rounded) == x ? Interval(rounded)
+                                             : Interval(next_down(rounded), next_up(rounded));
+}
+
+// The largest |N| / s^-2 on the line between two corners, on which N and 1/s are linear. In pieces of equal
+// ratio of 1/s; however the pieces are cut, each is bounded by its own ends.
+double steepest_on_edge(Interval n_from, Interval n_to, Interval inverse_from, Interval inverse_to) {
+  constexpr int pieces = 48;
+  const double ratio = inverse_to.lo / inverse_from.lo;
+  double most = 0;
+  double from = 0;
+  for (int i = 1; i <= pieces; ++i) {
+    const double share = static_cast<double>(i) / pieces;
+    const double grown = std::pow(ratio, share);
+    double to = std::fabs(ratio - 1) < 1e-3 ? share : (grown - 1) / (ratio - 1);
+    to = i == pieces ? 1 : std::clamp(to, from, 1.0);
+    const auto between = [&](Interval a, Interval b, double t) { return a * (Interval(1) - t) + b * t; };
+    const Interval n = hull(between(n_from, n_to, from), between(n_from, n_to, to));
+    const Interval inverse =
+        hull(between(inverse_from, inverse_to, from), between(inverse_from, inverse_to, to));
+    most = std::max(most, (Interval(n.mag()) / square(inverse)).hi);
+    from = to;
+  }
+  return most;
+}
+
+__int128 floor_ratio(__int128 n, __int128 d) {  // d > 0
+  const __int128 q = n / d;
+  return q * d > n ? q - 1 : q;
+}
+
+// A row's centre between its two edges, in units of 2^-(subpixel_bits + 1) pixel: X = n / d.
+struct Crossing {
+  __int128 n, d;
+};
+Crossing crossing(const Corner& a, const Corner& b, __int128 y) {
+  const __int128 d = b.y - a.y;
+  return {2 * a.x * d + (b.x - a.x) * (y - 2 * a.y), d};
+}
+
+// Quantities that are linear on the screen, by their values at the corners.
+struct Surface {
+  std::array<Interval, 3> inverse;           // 1/s
+  Interval inverse_x;                        // its change a pixel to the right
+  std::array<std::array<Interval, 3>, 2> n;  // du/dx = N s^2, dv/dx the same; N is constant along a row
+};
+
+Surface surface_of(const std::array<Corner, 3>& v, __int128 area, double unit) {
+  Surface out;
+  // d/dx of w is the sum of w_i (y_i+1 - y_i+2) / area; the heights sum up to 0.
+  std::array<Interval, 3> weight;
+  for (std::size_t i = 0; i < 3; ++i) {
+    weight[i] = real(v[(i + 1) % 3].y - v[(i + 2) % 3].y) / (real(area) * unit);
+    out.inverse[i] = Interval(1) / v[i].s;
+  }
+  out.inverse_x =
+      weight[1] * (out.inverse[1] - out.inverse[0]) + weight[2] * (out.inverse[2] - out.inverse[0]);
+  // N = (u/s)' / s - (u/s) (1/s)', at corner i the sum of w_j (u_j - u_i) / s_j, times 1/s_i.
+  for (std::size_t k = 0; k < 2; ++k) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      Interval sum = 0;
+      for (std::size_t j = 0; j < 3; ++j) {
+        sum += weight[j] * out.inverse[j] * (Interval(v[j].uv[k]) - v[i].uv[k]);
+      }
+      out.n[k][i] = sum * out.inverse[i];
+    }
+  }
+  return out;
+}
+
+// Of any point inside. On a row the steepest is where 1/s is least, at an end of it: on an edge.
+double steepest_inside(const Surface& surface, std::size_t k) {
+  double most = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    most = std::max(
+        most, steepest_on_edge(surface.n[k][i], surface.n[k][j], surface.inverse[i], surface.inverse[j]));
+  }
+  return most;
+}
+
+// Fraction bits of a margin, in units of 2^-(subpixel_bits + 1) pixel.
+constexpr int margin_bits = 20;
+
+// The rows with centres that are covered, or would be with the edges `margin` further out, and what of them
+// is in the picture; v in the order of the edge walk.
+void measure_rows(const Config& config, const std::array<Corner, 3>& v, __int128 area, const Surface& surface,
+                  double margin, InputRange& r) {
+  const __int128 one = __int128{1} << config.subpixel_bits;  // half a pixel
+  const auto out =
+      static_cast<__int128>(std::ceil(std::ldexp(margin, config.subpixel_bits + 1 + margin_bits)));
+  const bool inclusive = config.fill_rule == FillRule::inclusive;
+  const auto row_at = [&](__int128 y, bool below) {  // the first centre at or below y, the last at or above
+    return below ? -floor_ratio(one - 2 * y, 2 * one) : floor_ratio(2 * y - one, 2 * one);
+  };
+  const __int128 first_row = std::max<__int128>(0, row_at(v[0].y, true));
+  const __int128 last_row =
+      std::min<__int128>(r.height - 1, inclusive ? row_at(v[2].y, false) : row_at(v[2].y, true) - 1);
+  const double unit = std::ldexp(1.0, -config.subpixel_bits - 1);
+  r.covers = false;
+  r.shortest_row = infinite;
+  r.longest_row = r.u_gradient = r.v_gradient = 0;
+  for (__int128 row = first_row; row <= last_row; ++row) {
+    const __int128 y = (2 * row + 1) * one;
+    const bool lower = y >= 2 * v[1].y && v[2].y != v[1].y;
+    const std::size_t from = lower ? 1 : 0;
+    const std::size_t to = lower ? 2 : 1;
+    const Crossing long_edge = crossing(v[0], v[2], y);
+    const Crossing short_edge = crossing(v[from], v[to], y);
+    const Crossing& left = area > 0 ? long_edge : short_edge;
+    const Crossing& right = area > 0 ? short_edge : long_edge;
+    const __int128 first =
+        std::max<__int128>(0, -floor_ratio(((one * left.d - left.n) << margin_bits) + out * left.d,
+                                           (2 * one * left.d) << margin_bits));
+    const __int128 last_edge = ((right.n - one * right.d) << margin_bits) + out * right.d;
+    const __int128 pixel = (2 * one * right.d) << margin_bits;
+    const __int128 end = inclusive ? floor_ratio(last_edge, pixel) + 1 : -floor_ratio(-last_edge, pixel);
+    if (first >= std::min<__int128>(r.width, end)) continue;
+    r.covers = true;
+    const Interval length =
+        real(right.n * left.d - left.n * right.d) / real(left.d) / real(right.d) * Interval(unit);
+    r.shortest_row = std::min(r.shortest_row, std::max(0.0, length.lo));
+    r.longest_row = std::max(r.longest_row, length.hi);
+
+    // A pixel in the picture and the point of the row that it stands for: no further outside than a pixel.
+    const Interval t = real(y - 2 * v[0].y) / real(2 * (v[2].y - v[0].y));
+    const auto at = [&](const std::array<Interval, 3>& w) { return w[0] + (w[2] - w[0]) * t; };
+    const Interval on_long = at(surface.inverse);
+    const Interval to_right =
+        area > 0 ? surface.inverse_x * length : -(surface.inverse_x * length);  // from the long edge
+    const Interval on_short = on_long + to_right;
+    const auto clipped = [&](const Crossing& end_of_row, Interval inverse) {
+      const Interval x = real(end_of_row.n) / real(end_of_row.d) * Interval(unit);
+      const Interval inside(std::clamp(x.lo, -1.0, r.width + 1.0), std::clamp(x.hi, -1.0, r.width + 1.0));
+      return inside == x ? inverse : inverse + surface.inverse_x * (inside - x);
+    };
+    const Interval inverse = hull(clipped(long_edge, on_long), clipped(short_edge, on_short));
+    // Nowhere below the least of the corners, whatever the intervals above lose on a sliver.
+    const double least = std::max(inverse.lo, (Interval(1) / r.s.hi).lo);
+    r.u_gradient = std::max(r.u_gradient, (Interval(at(surface.n[0]).mag()) / square(Interval(least))).hi);
+    r.v_gradient = std::max(r.v_gradient, (Interval(at(surface.n[1]).mag()) / square(Interval(least))).hi);
+  }
+}
+
+// position_error: of a dda's edges; none where x is exact.
+std::optional<InputRange> triangle_range(const Config& config, const Scene& scene, const Triangle& triangle,
+                                         const std::function<double(const InputRange&)>& position_error) {
+  const Format snap = config.coordinate_format();
+  std::array<Corner, 3> v{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vertex& in = triangle.v[i];
+    const auto raw = [&](double x) {
+      return static_cast<__int128>(std::ldexp(quantised(x, snap), config.subpixel_bits));
+    };
+    v[i] = {raw(in.x), raw(in.y), in.s, {in.u, in.v}};
+  }
+  std::stable_sort(v.begin(), v.end(),
+                   [](const Corner& a, const Corner& b) { return a.y < b.y || (a.y == b.y && a.x < b.x); });
+  const __int128 area = (v[1].x - v[0].x) * (v[2].y - v[0].y) - (v[2].x - v[0].x) * (v[1].y - v[0].y);
+  if (area == 0) return std::nullopt;
+  const double unit = std::ldexp(1.0, -config.subpixel_bits);
+  const auto pixels = [unit](__int128 x) { return static_cast<double>(x) * unit; };  // 36 bits at most: exact
+  InputRange r;
+  r.width = scene.width;
+  r.height = scene.height;
+  r.s_min = scene.s_min;
+  r.s_max = scene.s_max;
+  const auto range_of = [&v](auto value) {
+    Interval out = value(v[0]);
+    for (const Corner& corner : v) out = hull(out, value(corner));
+    return out;
+  };
+  r.x = range_of([&](const Corner& c) { return Interval(pixels(c.x)); });
+  r.y = range_of([&](const Corner& c) { return Interval(pixels(c.y)); });
+  r.s = range_of([](const Corner& c) { return Interval(c.s); });
+  r.u = range_of([](const Corner& c) { return Interval(c.uv[0]); });
+  r.v = range_of([](const Corner& c) { return Interval(c.uv[1]); });
+  r.shortest_edge = infinite;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const __int128 height = v[(i + 1) % 3].y - v[i].y;
+    if (height != 0) r.shortest_edge = std::min(r.shortest_edge, pixels(height < 0 ? -height : height));
+  }
+
+  const Surface surface = surface_of(v, area, unit);
+  r.inverse_s_gradient = surface.inverse_x.mag();
+  // Widest at vertex 1.
+  r.longest_row = (real(area < 0 ? -area : area) / real(v[2].y - v[0].y) * unit).hi;
+  r.u_gradient = steepest_inside(surface, 0);
+  r.v_gradient = steepest_inside(surface, 1);
+  const double margin = position_error ? position_error(r) : 0;
+  // Beyond half a pixel, what is outside of the picture could count too.
+  if (margin <= 0.5) measure_rows(config, v, area, surface, margin, r);
+  return r;
+}
+
+}  // namespace
+
+std::vector<InputRange> triangle_ranges(const Config& config, const Scene& scene) {
+  std::vector<InputRange> out;
+  std::function<double(const InputRange&)> position_error;
+  if (config.edge_walk == EdgeWalk::dda) position_error = edge_position_error(config);
+  for (const Triangle& triangle : scene.triangles) {
+    if (const auto r = triangle_range(config, scene, triangle, position_error)) out.push_back(*r);
+  }
+  return out;
+}
+
+InputRange input_range(const Config& config, const Scene& scene) {
+  const std::vector<InputRange> triangles = triangle_ranges(config, scene);
+  if (triangles.empty()) {
+    InputRange none;
+    none.width = scene.width;
+    none.height = scene.height;
+    none.s_min = scene.s_min;
+    none.s_max = scene.s_max;
+    none.s = {scene.s_min, scene.s_max};
+    none.x = {0, static_cast<double>(scene.width)};
+    none.y = {0, static_cast<double>(scene.height)};
+    return none;
+  }
+  InputRange all = triangles.front();
+  for (const InputRange& r : triangles) {
+    all.s = hull(all.s, r.s);
+    all.x = hull(all.x, r.x);
+    all.y = hull(all.y, r.y);
+    all.u = hull(all.u, r.u);
+    all.v = hull(all.v, r.v);
+    all.shortest_edge = std::min(all.shortest_edge, r.shortest_edge);
+    all.shortest_row = std::min(all.shortest_row, r.shortest_row);
+    all.longest_row = std::max(all.longest_row, r.longest_row);
+    all.covers = all.covers || r.covers;
+    all.inverse_s_gradient = std::max(all.inverse_s_gradient, r.inverse_s_gradient);
+    all.u_gradient = std::max(all.u_gradient, r.u_gradient);
+    all.v_gradient = std::max(all.v_gradient, r.v_gradient);
+  }
+  return all;
+}
+
+}  // namespace bitspan

@@ -1,0 +1,107 @@
+#include "study/unit_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "study/format_range.hpp"
+
+namespace bitspan::bounds {
+namespace {
+
+constexpr std::int64_t runs = 16;
+
+std::int64_t table_entry(int table_bits, std::int64_t numerator, std::int64_t denominator) {
+  // floor(2^table_bits numerator / denominator + 1/2); at most 40 + 13 + 2 bits.
+  const __int128 twice = (static_cast<__int128>(numerator) << (table_bits + 1)) + denominator;
+  return static_cast<std::int64_t>(twice / (2 * static_cast<__int128>(denominator)));
+}
+
+}  // namespace
+
+Unit::Unit(const Reciprocal& r) : r_(r) {
+  if (r.kind == ReciprocalKind::restoring) {
+    parts_ = {{Interval(1, 2), 0, 0}};
+    return;
+  }
+  fraction_ = r.kind == ReciprocalKind::lut_newton && r.steps == 0 ? r.table_bits : r.internal_bits;
+  const std::int64_t entries = std::int64_t{1} << r.index_bits;
+  const std::int64_t run = std::max<std::int64_t>(1, entries / runs);
+  for (std::int64_t first = 0; first < entries; first += run) {
+    Interval table;
+    for (std::int64_t j = first; j < first + run; ++j) {
+      const Interval own = r.kind == ReciprocalKind::lut_linear ? line(entries, j) : entry(entries, j);
+      table = j == first ? own : hull(table, own);
+    }
+    const double step = 1.0 / static_cast<double>(entries);
+    const Interval nq(1 + static_cast<double>(first) * step, 1 + static_cast<double>(first + run) * step);
+    // n is less than 2^-operand_bits above nq, and below the run's end.
+    parts_.push_back({nq, table, with_rest(computed(nq, table))});
+  }
+}
+
+UnitError Unit::error(Interval d) const {
+  const Interval range = values(r_.output);
+  UnitError out;
+  bool first = true;
+  double most = 0;  // of y, or of y 2^-e
+  const auto join = [&](Interval e) {
+    out.relative = first ? e : hull(out.relative, e);
+    first = false;
+  };
+  for (const TablePart& part : parts_) {
+    const Interval y = (1 + part.relative) / part.operand;
+    most = std::max(most, r_.normalize ? y.hi : ((1 + part.relative) / d.lo).hi);
+    const Interval step = r_.normalize ? rounding(r_.output, fraction_) : rounding(r_.output);
+    join(part.relative + step * (r_.normalize ? part.operand : d));
+  }
+  // Rounding is monotone: it leads past the largest value only what is beyond it.
+  if (most <= range.hi) return out;
+  if (!saturates(r_.output)) {
+    out.any = true;
+    return out;
+  }
+  out.relative = hull(out.relative, Interval(range.hi) * (r_.normalize ? 1 : d.lo) - 1);
+  return out;
+}
+
+// y(t) = c - slope t between two entries; y nq - 1 is a parabola in t that opens downward.
+Interval Unit::line(std::int64_t entries, std::int64_t j) const {
+  const double unit = std::ldexp(1.0, -r_.table_bits);
+  const double step = 1.0 / static_cast<double>(entries);
+  const double c = static_cast<double>(table_entry(r_.table_bits, entries, entries + j)) * unit;
+  const double next = static_cast<double>(table_entry(r_.table_bits, entries, entries + j + 1)) * unit;
+  const Interval slope = Interval(c) - next;
+  const double a = 1 + static_cast<double>(j) * step;
+  const auto product = [&](double t) { return (c - slope * t) * (a + Interval(step) * t) - 1; };
+  const auto growth = [&](double t) { return (c - slope * t) * step - slope * (a + Interval(step) * t); };
+  Interval relative = hull(product(0), product(1));
+  // Below each of its tangents; the one near the top is level, so any guess of the top proves a bound.
+  const double top = slope.hi > 0 ? std::clamp((c * step / slope.hi - a) / (2 * step), 0.0, 1.0) : 0.0;
+  const Interval tangent = product(top) + growth(top) * Interval(-top, 1 - top);
+  relative.hi = std::max(relative.hi, tangent.hi);
+  return relative;
+}
+
+Interval Unit::entry(std::int64_t entries, std::int64_t j) const {
+  const double y = std::ldexp(
+      static_cast<double>(table_entry(r_.table_bits, 2 * entries, 2 * entries + 2 * j + 1)), -r_.table_bits);
+  const double step = 1.0 / static_cast<double>(entries);
+  const double a = 1 + static_cast<double>(j) * step;
+  return Interval(a, a + step) * y - 1;
+}
+
+// y nq - 1 after the truncations. With e = nq y - 1, a Newton step gives -e^2 + (1 + e) r1 - nq r2, where
+// a = nq y - r1 and y' = y (2 - a) - r2 are its two truncations.
+Interval Unit::computed(Interval nq, Interval e) const {
+  const Interval lost(0, std::ldexp(1.0, -r_.internal_bits));
+  if (r_.kind == ReciprocalKind::lut_linear) return e - nq * lost;
+  for (int i = 0; i < r_.steps; ++i) e = (1 + e) * lost - square(e) - nq * lost;
+  return e;
+}
+
+// y nq - 1 to y n - 1: n / nq is 1 to 1 + 2^-operand_bits.
+Interval Unit::with_rest(Interval e) const {
+  return e + (1 + e) * Interval(0, std::ldexp(1.0, -r_.operand_bits));
+}
+
+}  // namespace bitspan::bounds

@@ -1,0 +1,45 @@
+// How far a reciprocal unit's m 2^-e is from 1 / d, proved from its formats and its table.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "config/config.hpp"
+#include "study/interval.hpp"
+
+namespace bitspan::bounds {
+
+// m 2^-e = (1 + relative) / d.
+struct UnitError {
+  Interval relative = 0;
+  bool any = false;  // m may be anything its format holds
+};
+
+// A run of a table's entries; of `restoring`, all operands.
+struct TablePart {
+  Interval operand;   // n, within 1..2
+  Interval table;     // y nq - 1 as the table has it (lut_linear: as the line between two entries)
+  Interval relative;  // y n - 1 in front of the output's rounding
+};
+
+class Unit {
+ public:
+  explicit Unit(const Reciprocal& unit);
+  // At most 16 runs, in the order of n.
+  const std::vector<TablePart>& parts() const { return parts_; }
+  // d: the operands there are, above 0.
+  UnitError error(Interval d) const;
+
+ private:
+  Interval line(std::int64_t entries, std::int64_t j) const;
+  Interval entry(std::int64_t entries, std::int64_t j) const;
+  Interval computed(Interval nq, Interval e) const;
+  Interval with_rest(Interval e) const;
+
+  Reciprocal r_;
+  std::vector<TablePart> parts_;
+  std::optional<int> fraction_;  // of y, before the output's rounding
+};
+
+}  // namespace bitspan::bounds
