@@ -1,0 +1,100 @@
+// span_interpolator as the next stage uses it, for docs/area.md to count; not part of the design. The tap, and the
+// pixel's registers that only comparisons with the model read (fu, fv, the reciprocal), stay open, so that what nobody
+// reads is not counted. The inputs of the other mode are 0.
+module area_top #(
+    parameter int EndsW = 2 * bitspan_cfg_pkg::EdgeXW + 2 * bitspan_cfg_pkg::EdgeHW + 4 * bitspan_cfg_pkg::EdgeUvW,
+    parameter int PlaneW = bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + bitspan_cfg_pkg::SpanHW +
+        2 * bitspan_cfg_pkg::SpanFW + 4 * bitspan_cfg_pkg::SpanFStepW,
+    parameter int RowW = (bitspan_cfg_pkg::ConstDepthRows != 0) ? PlaneW : EndsW
+) (
+    input  logic clk_i,
+    input  logic rst_ni,
+    input  logic [bitspan_cfg_pkg::SetupBW-1:0] b_i,
+    input  logic in_valid_i,
+    output logic in_ready_o,
+    input  logic [bitspan_cfg_pkg::PixelIndexW-1:0] x_first_i,
+    input  logic [bitspan_cfg_pkg::PixelIndexW-1:0] count_i,
+    // The row's ends in delta_f, the plane row in const_depth_rows.
+    input  logic [RowW-1:0] row_i,
+    output logic out_valid_o,
+    input  logic out_ready_i,
+    output logic [bitspan_cfg_pkg::PixelIndexW-1:0] x_o,
+    output logic step_o,
+    output logic last_o,
+    output logic [bitspan_cfg_pkg::SpanHW-1:0] h_o,
+    output logic [bitspan_cfg_pkg::SpanUvW-1:0] u_o,
+    output logic [bitspan_cfg_pkg::SpanUvW-1:0] v_o
+);
+  logic [EndsW-1:0] ends;
+  logic [PlaneW-1:0] plane;
+  assign ends = (bitspan_cfg_pkg::ConstDepthRows != 0) ? '0 : EndsW'(row_i);
+  assign plane = (bitspan_cfg_pkg::ConstDepthRows != 0) ? PlaneW'(row_i) : '0;
+
+  logic [bitspan_cfg_pkg::EdgeXW-1:0] x_l, x_r;
+  logic [bitspan_cfg_pkg::EdgeHW-1:0] h_l, h_r;
+  logic [bitspan_cfg_pkg::EdgeUvW-1:0] u_l, u_r, v_l, v_r;
+  logic [bitspan_cfg_pkg::PhaseW-1:0] phase;
+  logic [bitspan_cfg_pkg::PlaneKW-1:0] k;
+  logic [bitspan_cfg_pkg::SpanHW-1:0] h;
+  logic [bitspan_cfg_pkg::SpanFW-1:0] gu, gv;
+  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gu_step0, gu_step1, gv_step0, gv_step1;
+  assign {x_l, x_r, h_l, h_r, u_l, u_r, v_l, v_r} = ends;
+  assign {phase, k, h, gu, gv, gu_step0, gu_step1, gv_step0, gv_step1} = plane;
+
+  span_interpolator u_span_interpolator (
+      .clk_i,
+      .rst_ni,
+      .b_i,
+      .in_valid_i,
+      .in_ready_o,
+      .x_first_i,
+      .count_i,
+      .x_l_i(x_l),
+      .x_r_i(x_r),
+      .h_l_i(h_l),
+      .h_r_i(h_r),
+      .u_l_i(u_l),
+      .u_r_i(u_r),
+      .v_l_i(v_l),
+      .v_r_i(v_r),
+      .phase_i(phase),
+      .k_i(k),
+      .h_i(h),
+      .gu_i(gu),
+      .gv_i(gv),
+      .gu_step0_i(gu_step0),
+      .gu_step1_i(gu_step1),
+      .gv_step0_i(gv_step0),
+      .gv_step1_i(gv_step1),
+      .out_valid_o,
+      .out_ready_i,
+      .x_o,
+      .step_o,
+      .last_o,
+      .h_o,
+      .fu_o(),
+      .fv_o(),
+      .recip_m_o(),
+      .recip_e_o(),
+      .u_o,
+      .v_o,
+      .span_take_o(),
+      .span_x_o(),
+      .span_count_o(),
+      .span_recip_m_o(),
+      .span_recip_e_o(),
+      .span_phase_o(),
+      .span_fu_diff_o(),
+      .span_fv_diff_o(),
+      .span_h_o(),
+      .span_h_step_o(),
+      .span_u1_o(),
+      .span_v1_o(),
+      .span_fu_o(),
+      .span_fv_o(),
+      .span_fu_step0_o(),
+      .span_fu_step1_o(),
+      .span_fv_step0_o(),
+      .span_fv_step1_o()
+  );
+endmodule

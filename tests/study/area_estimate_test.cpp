@@ -1,0 +1,169 @@
+// The estimate of areas: its coefficients against a fit of the runs they come from, its errors, and the runs
+// themselves, one of them measured again.
+#include "study/area_estimate.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace bitspan {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path csv() { return fs::path(BITSPAN_SOURCE_DIR) / "config/studies/area_fit.csv"; }
+
+Config shipped(const std::string& name) {
+  return load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/" + name + ".toml");
+}
+
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::string& text = "") {
+    std::string name = (fs::temp_directory_path() / "bitspan-test-XXXXXX").string();
+    const int file = ::mkstemp(name.data());
+    if (file < 0) throw std::runtime_error("no temporary file");
+    ::close(file);
+    path_ = name;
+    std::ofstream(path_) << text;
+  }
+  ~TemporaryFile() { fs::remove(path_); }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+class AreaEstimateOf : public testing::TestWithParam<Family> {};
+INSTANTIATE_TEST_SUITE_P(Families, AreaEstimateOf, testing::Values(Family::ice40, Family::ecp5),
+                         [](const auto& info) { return std::string(to_string(info.param)); });
+
+TEST_P(AreaEstimateOf, HasTheCoefficientsOfItsRuns) {
+  const std::vector<AreaRun> runs = load_area_runs(csv());
+  EXPECT_GE(std::ranges::count(runs, GetParam(), &AreaRun::family), 12);
+  const AreaFit fitted = fit_area(runs, GetParam());
+  const AreaFit& used = area_fit(GetParam());
+  ASSERT_EQ(used.luts.size(), fitted.luts.size());
+  for (std::size_t i = 0; i < fitted.luts.size(); ++i) EXPECT_NEAR(used.luts[i], fitted.luts[i], 5e-5) << i;
+  EXPECT_NEAR(used.ffs, fitted.ffs, 5e-5);
+  for (const double coefficient : used.luts) EXPECT_GT(coefficient, 0);
+}
+
+// docs/area.md states these.
+TEST_P(AreaEstimateOf, ErrsAsDocumented) {
+  const AreaFitErrors errors = area_fit_errors(load_area_runs(csv()), GetParam());
+  const bool ice40 = GetParam() == Family::ice40;
+  EXPECT_NEAR(errors.luts.rms, ice40 ? 1.1 : 3.0, 0.05);
+  EXPECT_NEAR(errors.luts.max, ice40 ? 2.2 : 10.1, 0.05);
+  EXPECT_NEAR(errors.luts_left_out.rms, ice40 ? 1.5 : 3.6, 0.05);
+  EXPECT_NEAR(errors.luts_left_out.max, ice40 ? 3.0 : 12.7, 0.05);
+  EXPECT_NEAR(errors.ffs.rms, ice40 ? 0.8 : 0.9, 0.05);
+  EXPECT_NEAR(errors.ffs.max, ice40 ? 2.7 : 3.0, 0.05);
+  EXPECT_NEAR(errors.ffs_left_out.rms, 0.9, 0.05);
+  EXPECT_NEAR(errors.ffs_left_out.max, ice40 ? 2.9 : 3.1, 0.05);
+  EXPECT_EQ(errors.multipliers.max, 0);
+}
+
+TEST_P(AreaEstimateOf, GrowsWithEveryWidth) {
+  const Config base = shipped("depth16");
+  const AreaEstimate before = estimate_area(base, GetParam());
+  EXPECT_GT(before.luts, 1000);
+  EXPECT_EQ(before.multipliers, GetParam() == Family::ice40 ? 0 : 62);
+  for (const FormatId id :
+       {FormatId::edge_x, FormatId::edge_h, FormatId::edge_uv, FormatId::span_f_diff, FormatId::span_h_step,
+        FormatId::span_h, FormatId::span_f_step, FormatId::span_f, FormatId::span_uv}) {
+    Config wider = base;
+    wider.format(id).word += 1;
+    const AreaEstimate after = estimate_area(wider, GetParam());
+    EXPECT_GT(after.luts, before.luts) << key_of(id);
+    EXPECT_GT(after.ffs, before.ffs) << key_of(id);
+    EXPECT_GE(after.multipliers, before.multipliers) << key_of(id);
+  }
+}
+
+TEST(AreaEstimate, KnowsTheKindsOfReciprocal) {
+  // Each against depth16's lut_newton of one step.
+  const Config base = shipped("depth16");
+  const AreaShape newton = area_shape(base);
+  Config config = base;
+  config.pixel_reciprocal.kind = ReciprocalKind::restoring;
+  const AreaShape restoring = area_shape(config);
+  EXPECT_EQ(restoring.table, 0);
+  EXPECT_GT(restoring.steps, newton.steps);
+  EXPECT_GT(restoring.registers, newton.registers);
+  EXPECT_LT(restoring.products, newton.products);
+  config = base;
+  config.pixel_reciprocal.steps = 2;
+  EXPECT_GT(area_shape(config).blocks, newton.blocks);
+  config = base;
+  config.row_slope = SlopeForm::divide;
+  EXPECT_LT(area_shape(config).blocks, newton.blocks);
+  EXPECT_GT(area_shape(config).steps, newton.steps);
+}
+
+TEST(AreaEstimate, RefusesAModeWithoutRtl) {
+  Config config = shipped("depth16");
+  config.perspective = Perspective::hyperbolic;
+  EXPECT_THROW(estimate_area(config, Family::ecp5), InputError);
+}
+
+TEST(AreaRuns, AreWrittenAsTheyAreRead) {
+  const std::vector<AreaRun> runs = load_area_runs(csv());
+  const TemporaryFile copy;
+  write_area_runs(copy.path(), runs);
+  std::ifstream a(csv());
+  std::ifstream b(copy.path());
+  const std::string expected((std::istreambuf_iterator<char>(a)), {});
+  const std::string written((std::istreambuf_iterator<char>(b)), {});
+  EXPECT_EQ(written, expected);
+}
+
+TEST(AreaRuns, NameABadLine) {
+  const std::string header = "base,settings,family,luts,ffs,multipliers,memory_bits,tools\n";
+  const auto message = [](const std::string& text) -> std::string {
+    const TemporaryFile file(text);
+    try {
+      load_area_runs(file.path());
+    } catch (const InputError& error) {
+      return std::string(error.what()).substr(file.path().string().size());
+    }
+    return "no InputError";
+  };
+  EXPECT_EQ(message(header + "narrow,,ice40,1,2,3,4,Yosys\nnarrow,,ice40,1,2,3\n"),
+            ":3: expected the 8 columns base,settings,family,luts,ffs,multipliers,memory_bits,tools");
+  EXPECT_EQ(message(header + "narrow,,ice40,1,many,3,4,Yosys\n"), ":2: 'many' is no count");
+  EXPECT_EQ(message(header + "narrow,,ice40,1,-2,3,4,Yosys\n"), ":2: '-2' is no count");
+  EXPECT_EQ(message(header + "narrow,depth.bits,ice40,1,2,3,4,Yosys\n"), ":2: 'depth.bits' sets no key");
+  EXPECT_EQ(message(header + "narrow,,xc7,1,2,3,4,Yosys\n"), ":2: 'xc7' is no family; legal: ice40, ecp5");
+  EXPECT_EQ(message("something\n").substr(0, 16), ": cannot be read");
+  EXPECT_THROW(fit_area({}, Family::ice40), InputError);
+}
+
+// Is the file what the tools say? The smallest run, again; the whole file with BITSPAN_AREA_FIT=new.csv.
+TEST(AreaRuns, AreWhatTheToolsSay) {
+  const std::vector<AreaRun> runs = load_area_runs(csv());
+  std::vector<AreaRun> again;
+  const char* whole = std::getenv("BITSPAN_AREA_FIT");
+  if (whole != nullptr) {
+    again = runs;
+  } else {
+    again.push_back(*std::ranges::min_element(runs, {}, [](const AreaRun& run) { return run.counts.luts; }));
+  }
+  const std::vector<AreaRun> recorded = again;
+  measure_area_runs(again, {});
+  if (whole != nullptr) write_area_runs(whole, again);
+  for (std::size_t i = 0; i < again.size(); ++i) {
+    if (again[i].tools != recorded[i].tools)
+      GTEST_SKIP() << again[i].tools << " is not " << recorded[i].tools;
+    EXPECT_EQ(again[i].counts, recorded[i].counts) << recorded[i].base;
+  }
+}
+
+}  // namespace
+}  // namespace bitspan

@@ -1,0 +1,281 @@
+// Measured areas: a small configuration through the tools, what does not fit, and what is said when a tool is
+// missing, refuses, takes too long or is cancelled.
+#include "study/area.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "study/keys.hpp"
+
+namespace bitspan {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Sets a variable of the environment for its lifetime.
+class Environment {
+ public:
+  Environment(const char* name, const std::string& value) : name_(name) {
+    if (const char* old = std::getenv(name)) {
+      had_ = true;
+      old_ = old;
+    }
+    ::setenv(name, value.c_str(), 1);
+  }
+  ~Environment() {
+    if (had_) {
+      ::setenv(name_, old_.c_str(), 1);
+    } else {
+      ::unsetenv(name_);
+    }
+  }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+ private:
+  const char* name_;
+  bool had_ = false;
+  std::string old_;
+};
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "bitspan-test-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }
+  // A shell script under that name.
+  fs::path program(const std::string& name, const std::string& text) const {
+    fs::path path = path_ / name;
+    std::ofstream(path) << "#!/bin/sh\n" << text;
+    fs::permissions(path, fs::perms::owner_all);
+    return path;
+  }
+
+ private:
+  fs::path path_;
+};
+
+Config shipped(const std::string& name) {
+  return load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/" + name + ".toml");
+}
+
+// Constant-depth rows with as few bits as make a small netlist: nothing that anybody would draw with.
+Config tiny() {
+  return with_keys(shipped("narrow"), {{"perspective.mode", std::string("const_depth_rows")},
+                                       {"raster.coordinate_bits", std::int64_t{8}},
+                                       {"formats.setup.b.word", std::int64_t{6}},
+                                       {"formats.setup.b.int", std::int64_t{6}},
+                                       {"formats.span.h.word", std::int64_t{6}},
+                                       {"formats.span.h.int", std::int64_t{6}},
+                                       {"formats.span.f.word", std::int64_t{8}},
+                                       {"formats.span.f.int", std::int64_t{8}},
+                                       {"formats.span.f_step.word", std::int64_t{8}},
+                                       {"formats.span.f_step.int", std::int64_t{8}},
+                                       {"formats.span.uv_step.word", std::int64_t{8}},
+                                       {"formats.span.uv_step.int", std::int64_t{7}},
+                                       {"formats.span.uv_acc.word", std::int64_t{8}},
+                                       {"formats.span.uv_acc.int", std::int64_t{7}},
+                                       {"formats.span.uv.word", std::int64_t{7}},
+                                       {"formats.span.uv.int", std::int64_t{7}},
+                                       {"formats.plane.k.word", std::int64_t{6}},
+                                       {"reciprocal.row.output.word", std::int64_t{4}}});
+}
+
+template <class Function>
+std::string message_of(const Function& function) {
+  try {
+    function();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "no InputError";
+}
+
+TEST(Area, ReadsTheStatisticsOfYosys) {
+  // As `stat -json` of 0.23 writes it, with what else may stand around it.
+  const std::string ecp5 = R"json(Warning: something.
+{
+   "creator": "Yosys 0.23 (git sha1 7ce5011c24b)",
+                    "modules" : {"\\area_top" : {"num_cells" : 99}}, "design" : {
+    "num_cells" : 4811, "num_cells_by_type" : {
+      "CCU2C" : 900, "DP16KD" : 1, "L6MUX21" : 225, "LUT4" : 3481, "MULT18X18D" : 37, "PFUMX" : 571,
+          "TRELLIS_DPR16X4" : 3, "TRELLIS_FF" : 2230
+    }
+  }
+}
+End of script.
+)json";
+  EXPECT_EQ(parse_yosys_stat(ecp5, Family::ecp5), (AreaCounts{3481 + 2 * 900 + 4 * 3, 2230, 37, 18432}));
+  const std::string ice40 =
+      R"({"design": {"num_cells_by_type": {"SB_CARRY": 1351, "SB_DFFE": 2274, "SB_DFFER": 30,
+      "SB_DFFESR": 209, "SB_DFFESS": 36, "SB_LUT4": 23664, "SB_RAM40_4K": 2, "SB_RAM40_4KNR": 1}}})";
+  EXPECT_EQ(parse_yosys_stat(ice40, Family::ice40),
+            (AreaCounts{23664, 2274 + 30 + 209 + 36, 0, std::int64_t{3} * 4096}));
+}
+
+TEST(Area, RefusesStatisticsThatItWouldMiscount) {
+  const auto parse = [](const std::string& text) {
+    return message_of([&] { parse_yosys_stat(text, Family::ice40); });
+  };
+  EXPECT_EQ(parse(R"({"design": {"num_cells_by_type": {"SB_LUT4": 3, "$mul": 1}}})"),
+            "yosys: $mul has no known size in ice40");
+  EXPECT_EQ(parse(R"({"design": {"num_cells_by_type": {"SB_LUT4": "many"}}})"),
+            "yosys: SB_LUT4 has no known size in ice40");
+  for (const char* text : {"", "}{", "{", "{}", R"({"design": 3})", R"({"design": {"num_cells": 3}})", "[1]"})
+    EXPECT_EQ(parse(text), "yosys: its statistics cannot be read") << text;
+}
+
+TEST(Area, NamesItsFamilies) {
+  for (const Family family : {Family::ice40, Family::ecp5})
+    EXPECT_EQ(family_named(to_string(family)), family);
+  EXPECT_EQ(message_of([] { family_named("xc7"); }), "'xc7' is no family; legal: ice40, ecp5");
+}
+
+TEST(Area, TheKeyHoldsWhatTheRtlHas) {
+  const Config narrow = shipped("narrow");
+  const std::string key = area_key(narrow);
+  EXPECT_EQ(key.size(), 32U);
+  Config same = narrow;
+  same.name = "other";
+  same.fog = same.fog == FogMode::none ? FogMode::linear : FogMode::none;
+  same.format(FormatId::merge_color).rounding = Rounding::trn;
+  EXPECT_EQ(area_key(same), key);
+  Config wider = narrow;
+  wider.format(FormatId::span_uv).word += 1;
+  EXPECT_NE(area_key(wider), key);
+  Config rounds = narrow;
+  rounds.format(FormatId::span_uv).rounding = Rounding::trn;
+  EXPECT_NE(area_key(rounds), key);
+}
+
+TEST(Area, MeasuresASmallConfiguration) {
+  const TemporaryFolder folder;
+  const Environment temporary("TMPDIR", folder.path().string());
+  const AreaResult ecp5 = measure_area(tiny(), Family::ecp5, false);
+  EXPECT_EQ(ecp5.status, AreaStatus::ok) << ecp5.message;
+  EXPECT_EQ(ecp5.message, "");
+  EXPECT_EQ(ecp5.counts.multipliers, 6);  // two start values and four slopes, each one block
+  EXPECT_GT(ecp5.counts.luts, 300);
+  EXPECT_LT(ecp5.counts.luts, 3000);
+  EXPECT_GT(ecp5.counts.ffs, 200);
+  EXPECT_LT(ecp5.counts.ffs, 1000);
+  EXPECT_TRUE(std::isnan(ecp5.fmax_mhz));
+  EXPECT_GT(ecp5.seconds, 0);
+  EXPECT_TRUE(ecp5.tools.starts_with("Yosys 0.")) << ecp5.tools;
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(Area, PlacesWhatFits) {
+  const AreaResult result = measure_area(tiny(), Family::ice40, true);
+  EXPECT_EQ(result.status, AreaStatus::ok) << result.message;
+  EXPECT_EQ(result.counts.multipliers, 0);
+  EXPECT_GT(result.counts.luts, 500);
+  EXPECT_LT(result.counts.luts, 7680);
+  EXPECT_GT(result.fmax_mhz, 5);
+  EXPECT_LT(result.fmax_mhz, 300);
+  EXPECT_NE(result.tools.find("nextpnr-ice40"), std::string::npos) << result.tools;
+}
+
+TEST(Area, SaysWhatDoesNotFit) {
+  Config config = tiny();
+  config.format(FormatId::span_f) = {21, 21, true, Rounding::trn, Overflow::sat, false};
+  config.format(FormatId::span_f_step) = config.format(FormatId::span_f);
+  config.row_reciprocal.output.word = 20;
+  const AreaResult result = measure_area(config, Family::ice40, true);
+  EXPECT_EQ(result.status, AreaStatus::does_not_fit) << result.message;
+  EXPECT_GT(result.counts.luts, 7680);
+  EXPECT_EQ(result.message, std::to_string(result.counts.luts) + " of 7680 LUTs in iCE40 HX8K");
+  EXPECT_TRUE(std::isnan(result.fmax_mhz));
+}
+
+// A nextpnr whose words are those of 0.4 for a device that is too small, after a netlist that was worth
+// trying.
+TEST(Area, BelievesThePlacerThatItDoesNotFit) {
+  const TemporaryFolder folder;
+  const fs::path placer = folder.program(
+      "placer",
+      "[ \"$1\" = --version ] && echo 'it (Version 7)' && exit 0\n"
+      "echo \"ERROR: Unable to place cell 'x', no BELs remaining to implement cell type 'ICESTORM_LC'\"\n"
+      "exit 255\n");
+  const Environment nextpnr("BITSPAN_NEXTPNR_ICE40", placer.string());
+  const AreaResult result = measure_area(tiny(), Family::ice40, true);
+  EXPECT_EQ(result.status, AreaStatus::does_not_fit);
+  EXPECT_EQ(
+      result.message,
+      "iCE40 HX8K: placer refused: ERROR: Unable to place cell 'x', no BELs remaining to implement cell type "
+      "'ICESTORM_LC'");
+  EXPECT_NE(result.tools.find("placer 7"), std::string::npos) << result.tools;
+  EXPECT_GT(result.counts.luts, 0);
+}
+
+TEST(Area, FailsWithTheToolsWords) {
+  const TemporaryFolder folder;
+  folder.program("yosys", "[ \"$1\" = -V ] && echo 'Yosys 9' && exit 0\necho 'ERROR: no.'\nexit 1\n");
+  const Environment path("PATH", folder.path().string() + ":" + std::getenv("PATH"));
+  const AreaResult result = measure_area(tiny(), Family::ecp5, false);
+  EXPECT_EQ(result.status, AreaStatus::failed);
+  EXPECT_EQ(result.message, "yosys refused: ERROR: no.");
+  EXPECT_EQ(result.counts, AreaCounts{});
+  EXPECT_EQ(result.tools, "Yosys 9");
+}
+
+TEST(Area, NamesAMissingTool) {
+  {
+    const Environment path("PATH", "/nonexistent");
+    EXPECT_EQ(message_of([] { measure_area(tiny(), Family::ecp5, false); }),
+              "yosys: does not start; areas need it on PATH");
+  }
+  const Environment nextpnr("BITSPAN_NEXTPNR_ECP5", "/nonexistent/nextpnr");
+  EXPECT_EQ(message_of([] { measure_area(tiny(), Family::ecp5, true); }),
+            "/nonexistent/nextpnr: does not start; placing in ecp5 needs it on PATH, or "
+            "$BITSPAN_NEXTPNR_ECP5 to name "
+            "it");
+}
+
+TEST(Area, SaysWhereNothingCanBeWritten) {
+  const Environment temporary("TMPDIR", "/nonexistent");
+  const std::string message = message_of([] { measure_area(tiny(), Family::ecp5, false); });
+  EXPECT_NE(message.find("TMPDIR"), std::string::npos) << message;
+}
+
+TEST(Area, RefusesAModeWithoutRtl) {
+  Config config = shipped("narrow");
+  config.perspective = Perspective::affine;
+  EXPECT_NE(message_of([&] { measure_area(config, Family::ecp5, false); }).find("has no RTL"),
+            std::string::npos);
+  EXPECT_NE(message_of([&] { area_key(config); }).find("has no RTL"), std::string::npos);
+}
+
+TEST(Area, StopsAtTheTimeLimit) {
+  const TemporaryFolder folder;
+  folder.program("yosys", "[ \"$1\" = -V ] && echo 'Yosys 9' && exit 0\nsleep 100 &\nwait\n");
+  const Environment path("PATH", folder.path().string() + ":" + std::getenv("PATH"));
+  const AreaResult result = measure_area(tiny(), Family::ecp5, false, {.seconds = 1});
+  EXPECT_EQ(result.status, AreaStatus::failed);
+  EXPECT_EQ(result.message, "yosys was killed at the time limit of 1 s");
+  EXPECT_LT(result.seconds, 30);
+}
+
+TEST(Area, CanBeCancelled) {
+  const std::atomic<bool> cancelled = true;
+  EXPECT_THROW(measure_area(shipped("depth16"), Family::ice40, false, {.cancelled = &cancelled}),
+               AreaCancelled);
+}
+
+}  // namespace
+}  // namespace bitspan
