@@ -22,6 +22,7 @@ void add_explain(CLI::App& app, Action& action);
 void add_sim(CLI::App& app, Action& action);
 void add_fuzz(CLI::App& app, Action& action);
 void add_replay(CLI::App& app, Action& action);
+void add_study(CLI::App& app, Action& action);
 void add_config(CLI::App& app, Action& action);
 
 }  // namespace bitspan

@@ -39,6 +39,7 @@ int run(int argc, char** argv) {
   add_sim(app, action);
   add_fuzz(app, action);
   add_replay(app, action);
+  add_study(app, action);
   add_config(app, action);
   const auto commands = app.get_subcommands([](CLI::App*) { return true; });
   const auto named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };

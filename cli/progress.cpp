@@ -6,11 +6,23 @@
 #include <cstdio>
 
 namespace bitspan {
+namespace {
+
+// "50 s", "4 min", "2.5 h"
+std::string duration_text(double seconds) {
+  if (seconds < 100) {
+    return fmt::format("{:.0f} s", seconds);
+  }
+  return seconds < 6000 ? fmt::format("{:.0f} min", seconds / 60) : fmt::format("{:.1f} h", seconds / 3600);
+}
+
+}  // namespace
 
 Progress::Progress(std::string label)
     : label_(std::move(label)),
       terminal_(isatty(STDERR_FILENO) == 1),
-      next_(std::chrono::steady_clock::now()) {}
+      start_(std::chrono::steady_clock::now()),
+      next_(start_) {}
 
 Progress::~Progress() {
   if (shown_) {
@@ -25,7 +37,13 @@ void Progress::update(std::size_t done, std::size_t total) {
   }
   next_ = now + std::chrono::milliseconds(100);
   shown_ = true;
-  fmt::print(stderr, "\r\x1b[K{}: {} of {}", label_, done, total);
+  const double seconds = std::chrono::duration<double>(now - start_).count();
+  std::string left;
+  if (done > 0 && done < total && seconds > 2) {
+    left = ", " + duration_text(seconds / static_cast<double>(done) * static_cast<double>(total - done)) +
+           " left";
+  }
+  fmt::print(stderr, "\r\x1b[K{}: {} of {}{}", label_, done, total, left);
   std::fflush(stderr);
 }
 

@@ -1,4 +1,4 @@
-// Progress of long work: one line on a terminal, nothing in a pipe.
+// Progress of long work: one line on a terminal, with the time left once that can be told; nothing in a pipe.
 #pragma once
 
 #include <chrono>
@@ -19,7 +19,7 @@ class Progress {
   std::string label_;
   bool terminal_;
   bool shown_ = false;
-  std::chrono::steady_clock::time_point next_;
+  std::chrono::steady_clock::time_point start_, next_;
 };
 
 }  // namespace bitspan

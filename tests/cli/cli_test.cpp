@@ -91,7 +91,7 @@ class Cli : public ::testing::Test {
 
 TEST_F(Cli, EveryCommandHasHelpWithAnExample) {
   for (const char* command : {"demo", "verify", "render", "explain", "sim", "fuzz", "replay", "config",
-                              "config show", "config check", "config emit-sv"}) {
+                              "study", "config show", "config check", "config emit-sv"}) {
     const Result r = run(std::string(command) + " --help");
     EXPECT_EQ(r.code, 0) << command;
     EXPECT_NE(r.out.find("Example:\n  bitspan " + std::string(command)), std::string::npos) << r.out;

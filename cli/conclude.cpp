@@ -1,0 +1,82 @@
+#include "cli/conclude.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "study/conduct.hpp"
+#include "tb/rtl_build.hpp"
+
+namespace bitspan {
+namespace {
+
+std::string settings_text(const std::vector<KeySetting>& settings) {
+  std::string out;
+  for (const KeySetting& s : settings) out += fmt::format("  {} = {}\n", s.path, to_string(s.value));
+  return out;
+}
+
+// A status line on standard error, gone again when the next one comes.
+void tell(const std::string& what) {
+  if (::isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\r\033[K{}", what.empty() ? "" : what + " ...");
+}
+
+}  // namespace
+
+std::string search_text(const StudyPlan& plan, const SearchResult& result) {
+  std::string out;
+  if (!result.found) {
+    out = fmt::format("{}: nothing found in {} evaluations; the widest point fails:\n", plan.name,
+                      result.evaluations);
+    for (const std::string& line : result.failing) out += "  " + line + "\n";
+    return out;
+  }
+  out = fmt::format("{}: {} = {:.6g} after {} evaluations ({}):\n{}", plan.name, plan.search->cost,
+                    result.cost, result.evaluations, to_string(result.stopped_by),
+                    settings_text(settings_of(plan.axes, result.point)));
+  return out + "certificate:\n" + to_text(result.certificate);
+}
+
+bool conclude(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store, std::stop_token stop) {
+  const auto recommended = recommendations(plan, store);
+  if (recommended.empty()) {
+    fmt::print("nothing to recommend\n");
+    return true;
+  }
+  bool held = true;
+  for (const Recommendation& point : recommended) {
+    if (stop.stop_requested()) break;
+    const Examination found = examine(plan, point, scenes, store, tell, stop);
+    tell("");
+    fmt::print("recommended {}: {}\n", point.hash, point.reason);
+    for (const std::string& line : found.lines) fmt::print("  {}\n", line);
+    held = held && found.held;
+  }
+  return held;
+}
+
+void write_study_report(const std::string& database, const std::string& study, const std::string& folder) {
+  namespace fs = std::filesystem;
+  const std::string python = (rtl_root() / "python").string();
+  ::setenv("PYTHONPATH", python.c_str(), 1);
+  const fs::path log = fs::temp_directory_path() / fmt::format("bitspan-report-{}.log", ::getpid());
+  // Debian's own interpreter: the first on PATH may not see Debian's packages.
+  const int code =
+      run_program({"/usr/bin/python3", "-B", "-m", "bitspan_report", database, folder, "--study", study}, log,
+                  "--report");
+  std::ostringstream said;
+  said << std::ifstream(log).rdbuf();
+  std::error_code ignored;
+  fs::remove(log, ignored);
+  std::string text = said.str();
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  if (code != 0) throw InputError("--report: " + (text.empty() ? "no word" : text));
+  fmt::print("report: {}\n", (fs::path(folder) / "report.html").string());
+}
+
+}  // namespace bitspan

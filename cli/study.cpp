@@ -1,0 +1,382 @@
+// bitspan study: many points of a configuration, their errors and costs, in a database.
+#include <fmt/format.h>
+#include <malloc.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "cli/commands.hpp"
+#include "cli/conclude.hpp"
+#include "cli/config_store.hpp"
+#include "cli/interrupt.hpp"
+#include "cli/model_options.hpp"
+#include "cli/progress.hpp"
+#include "cli/scene_options.hpp"
+#include "report/atomic_file.hpp"
+#include "report/table.hpp"
+#include "study/conduct.hpp"
+#include "study/point.hpp"
+#include "study/sweep.hpp"
+
+namespace bitspan {
+namespace {
+
+struct Options {
+  std::vector<std::string> inputs;  // the study; scenes of --point
+  std::string db, csv, report, point, replay, size;
+  int threads = 0;
+  std::optional<std::size_t> points;
+};
+
+constexpr std::size_t table_rows = 40;
+
+using Table = std::vector<std::vector<std::string>>;
+
+std::string number_text(double value) { return std::isnan(value) ? "-" : fmt::format("{:.6g}", value); }
+
+// Whether a size may be asked for; streams and the extreme scenes have their own.
+bool takes_size(const std::string& name) {
+  return !name.ends_with(".tri") && name != "extreme" && !name.starts_with("extreme/");
+}
+
+// Without names the embedded set.
+std::vector<Scene> scenes_of(std::vector<std::string> names, int width, int height) {
+  if (names.empty()) names = {"demo", "extreme"};
+  std::vector<Scene> out;
+  for (const std::string& name : names) {
+    SceneOptions options;
+    if (takes_size(name)) options.size = fmt::format("{}x{}", width, height);
+    for (Scene& scene : load_scenes(name, options)) out.push_back(std::move(scene));
+  }
+  return out;
+}
+
+Measure make_meter(std::vector<Scene> scenes) {
+  return [meter = std::make_shared<PointMeter>(std::move(scenes))](const Config& config) {
+    PointResult result = meter->measure(config);
+    add_estimates(config, result.metrics);
+    return result;
+  };
+}
+
+// Beside the output, or here.
+std::string database_of(const Options& o, const StudyPlan& plan) {
+  if (!o.db.empty()) return o.db;
+  return (std::filesystem::path(o.csv).parent_path() / (plan.name + ".db")).string();
+}
+
+std::string replay_command(const std::string& db) {
+  return fmt::format("bitspan study --db {} --replay", shell_word(db));
+}
+
+// What of the metrics a table for the eye shows.
+std::vector<std::string> shown_metrics(const StudyPlan& plan) {
+  std::vector<std::string> out = plan.metrics;
+  for (const Constraint& c : plan.constraints) {
+    if (std::ranges::find(out, c.metric) == out.end()) out.push_back(c.metric);
+  }
+  if (out.empty()) {
+    out = {"span.u.p999", "span.v.p999", "picture.wrong_order_rate", "picture.psnr_db", "cost.register_bits"};
+  }
+  return out;
+}
+
+// Linked keys side by side, without what the first one has told already; many, by the first alone.
+constexpr std::size_t shown_keys = 4;
+
+std::string axis_name(const Axis& axis) {
+  std::string out = axis.keys[0];
+  if (axis.keys.size() > shown_keys) return fmt::format("{} +{}", out, axis.keys.size() - 1);
+  for (std::size_t k = 1; k < axis.keys.size(); ++k) {
+    out += ", " + axis.keys[k].substr(axis.keys[k].rfind('.') + 1);
+  }
+  return out;
+}
+
+std::string axis_value(const Axis& axis, const std::vector<KeySetting>& point) {
+  const std::size_t shown = axis.keys.size() > shown_keys ? 1 : axis.keys.size();
+  std::string out;
+  for (std::size_t k = 0; k < shown; ++k) {
+    const auto set = std::ranges::find(point, axis.keys[k], &KeySetting::path);
+    if (set == point.end()) return "";
+    out += (k == 0 ? "" : ", ") + to_string(set->value);
+  }
+  return out;
+}
+
+std::string points_text(const StudyPlan& plan, Store& store) {
+  const auto metrics = shown_metrics(plan);
+  const auto settings = points_of(plan);
+  Table rows{{"i"}};
+  for (const Axis& axis : plan.axes) rows[0].push_back(axis_name(axis));
+  std::ranges::copy(metrics, std::back_inserter(rows[0]));
+  rows[0].emplace_back("holds");
+  std::size_t count = 0;
+  for (const Row& row : store.rows("SELECT i, holds, hash, status FROM study_points JOIN points USING (hash) "
+                                   "WHERE study = ? ORDER BY i",
+                                   {plan.name})) {
+    if (++count > table_rows) continue;
+    std::vector<std::string> line{fmt::format("{}", integer_of(row[0]))};
+    for (const Axis& axis : plan.axes) {
+      line.push_back(axis_value(axis, settings.at(static_cast<std::size_t>(integer_of(row[0])))));
+    }
+    const auto measured = store.metrics(text_of(row[2]));
+    for (const std::string& metric : metrics) {
+      const auto found = measured.find(metric);
+      line.push_back(found == measured.end() ? "-" : number_text(found->second));
+    }
+    line.emplace_back(text_of(row[3]) != "ok" ? "refused" : integer_of(row[1]) != 0 ? "yes" : "no");
+    rows.push_back(std::move(line));
+  }
+  std::string out = text_table(rows);
+  if (count > table_rows) out += fmt::format("... and {} more: --csv FILE has all\n", count - table_rows);
+  return out;
+}
+
+void export_csv(const Options& o, const StudyPlan& plan, Store& store) {
+  if (o.csv.empty()) return;
+  AtomicFile file(o.csv);
+  write_csv(plan, store, replay_command(store.path()), [&](std::string_view text) { file.write(text); });
+  file.commit();
+}
+
+// The command that goes on where this one ended.
+std::string same_command(const Options& o, const std::string& db) {
+  return fmt::format("bitspan study {} --db {}{}{}", shell_word(o.inputs[0]), shell_word(db),
+                     o.csv.empty() ? "" : " --csv " + shell_word(o.csv),
+                     o.report.empty() ? "" : " --report " + shell_word(o.report));
+}
+
+// What comes after the points of a study that is whole: 0, or 1 where something that is recommended does not
+// hold.
+int end_study(const Options& o, const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
+              const Interrupt& interrupt) {
+  const bool held = conclude(plan, scenes, store, interrupt.token());
+  if (interrupt.exit_code() != 0) {
+    fmt::print("stopped; go on with: {}\n", same_command(o, store.path()));
+    return interrupt.exit_code();
+  }
+  if (!o.report.empty()) write_study_report(store.path(), plan.name, o.report);
+  return held ? exit_held : exit_difference;
+}
+
+int run_and_tell_search(const Options& o, const StudyPlan& plan, PointRunner& runner, Store& store,
+                        const RunOptions& options, const std::vector<Scene>& scenes,
+                        const Interrupt& interrupt) {
+  SearchResult result;
+  {
+    Progress progress(plan.name);
+    result = run_search(plan, runner, store, options, [&](const SearchProgress& p) {
+      progress.update(p.evaluations, static_cast<std::size_t>(plan.search->evaluations));
+    });
+  }
+  fmt::print("{}", search_text(plan, result));
+  if (interrupt.exit_code() != 0) {
+    fmt::print("stopped; go on with: {}\n", same_command(o, store.path()));
+    return interrupt.exit_code();
+  }
+  const int end = end_study(o, plan, scenes, store, interrupt);
+  return result.found ? end : exit_difference;
+}
+
+int sweep(const Options& o, const StudyPlan& plan, PointRunner& runner, Store& store, RunOptions options,
+          const std::vector<Scene>& scenes, const Interrupt& interrupt) {
+  const auto start = std::chrono::steady_clock::now();
+  SweepResult result;
+  {
+    Progress progress(plan.name);
+    options.progress = [&](std::size_t done, std::size_t total) { progress.update(done, total); };
+    result = run_sweep(plan, runner, store, options);
+  }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  export_csv(o, plan, store);
+  if (interrupt.exit_code() == 0) fmt::print("{}\n", points_text(plan, store));
+  fmt::print("{}: {} points: {} of them known, {} refused, {} hold{}; {} measured in {:.1f} s\n", plan.name,
+             result.points, result.known, result.refused, result.holding,
+             plan.constraints.empty() ? " (there is no constraint)" : "", result.measured, seconds);
+  fmt::print("one point again: {} HASH\n", replay_command(store.path()));
+  if (!result.finished()) {
+    fmt::print("{}: {} of {} points are in {}; go on with: {}\n",
+               interrupt.exit_code() != 0 ? "stopped" : "not finished", result.points - result.missing,
+               result.points, store.path(), same_command(o, store.path()));
+    return interrupt.exit_code();
+  }
+  const int end = end_study(o, plan, scenes, store, interrupt);
+  return result.holding == 0 ? exit_difference : end;
+}
+
+int run_study(const Options& o) {
+  const Interrupt interrupt;
+  if (o.inputs.size() != 1)
+    throw InputError("study: one STUDY.toml; scenes on the command line go with --point");
+  const StudyPlan plan = load_study(o.inputs[0], find_config);
+  const std::vector<Scene> scenes = scenes_of(plan.scenes, plan.width, plan.height);
+  Store store(database_of(o, plan), BITSPAN_VERSION);
+  PointRunner runner(plan.base, scenes, make_meter, store, BITSPAN_VERSION);
+  RunOptions options;
+  options.threads = o.threads;
+  options.stop = interrupt.token();
+  if (o.points) options.limit = *o.points;
+  return plan.search ? run_and_tell_search(o, plan, runner, store, options, scenes, interrupt)
+                     : sweep(o, plan, runner, store, options, scenes, interrupt);
+}
+
+std::string result_text(const PointResult& result) {
+  Table fields{{"stage", "quantity", "unit", "max", "mean", "bias", "RMS", "99.9 %", "max, ULP", "SQNR, dB"}};
+  for (const FieldError& f : result.fields) {
+    fields.push_back({f.stage, f.quantity, f.unit, number_text(f.max), number_text(f.mean),
+                      number_text(f.bias), number_text(f.rms), number_text(f.p999),
+                      f.ulp > 0 ? number_text(f.max / f.ulp) : "-", number_text(f.sqnr_db)});
+  }
+  Table registers{
+      {"register", "word", "int", "minimum", "maximum", "used int", "head-room", "wraps", "saturations"}};
+  for (const RegisterUse& r : result.registers) {
+    registers.push_back({r.name, fmt::format("{}", r.format.word), fmt::format("{}", r.format.integer),
+                         number_text(r.min), number_text(r.max), fmt::format("{}", r.used_bits),
+                         fmt::format("{}", r.headroom), fmt::format("{}", r.wraps),
+                         fmt::format("{}", r.saturations)});
+  }
+  Table metrics{{"metric", "value"}};
+  for (const auto& [name, value] : result.metrics) {
+    if (name.starts_with("picture.") || name.starts_with("registers.") || name.starts_with("cost.")) {
+      metrics.push_back({name, number_text(value)});
+    }
+  }
+  return text_table(fields) + "\n" + text_table(registers) + "\n" + text_table(metrics);
+}
+
+int measure_point(const Options& o) {
+  const Config config = find_config(o.point);
+  const Size size = o.size.empty() ? Size{} : parse_size(o.size);
+  const std::vector<Scene> scenes = scenes_of(o.inputs, size.width, size.height);
+  const auto start = std::chrono::steady_clock::now();
+  const PointResult result = make_meter(scenes)(config);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  fmt::print("{}\n{} ({}) on {} scenes: {:.2f} s\n", result_text(result), config.name, config_hash(config),
+             scenes.size(), seconds);
+  if (!o.db.empty()) {
+    Store store(o.db, BITSPAN_VERSION);
+    const std::string hash = point_hash(config, scenes, BITSPAN_VERSION);
+    store.put_point(
+        {hash, config_hash(config), to_toml(config), scenes_json(scenes, std::nullopt), true, "", seconds},
+        &result);
+    fmt::print("again: {} {}\n", replay_command(o.db), hash);
+  }
+  return exit_held;
+}
+
+// The scenes of a stored point, as they were.
+std::vector<Scene> stored_scenes(const PointRow& point, const std::string& db) {
+  std::vector<Scene> out;
+  try {
+    for (const auto& one : nlohmann::json::parse(point.scenes)) {
+      const std::string name = one.at("name");
+      std::vector<Scene> loaded = scenes_of({name}, one.at("width"), one.at("height"));
+      if (loaded.size() != 1) throw InputError(fmt::format("{}: is {} scenes", name, loaded.size()));
+      Scene scene = std::move(loaded[0]);
+      if (one.contains("s_ratio")) scene = with_s_ratio(std::move(scene), one.at("s_ratio"));
+      if (scene_hash(scene) != one.at("hash").get<std::string>()) {
+        throw InputError(
+            fmt::format("{}: the scene is not what it was when {} was measured", name, point.hash));
+      }
+      out.push_back(std::move(scene));
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(fmt::format("{}: {}: its scenes are unreadable: {}", db, point.hash, error.what()));
+  }
+  return out;
+}
+
+// A hash may be cut short where that names one point.
+PointRow find_point(Store& store, const std::string& prefix) {
+  const auto hashes = store.points_like(prefix);
+  if (hashes.size() != 1) {
+    throw InputError(fmt::format("--replay {}: {} of {}", prefix,
+                                 hashes.empty() ? "no point" : fmt::format("begins {} points", hashes.size()),
+                                 store.path()));
+  }
+  return *store.point(hashes[0]);
+}
+
+int replay(const Options& o) {
+  if (o.db.empty()) throw InputError("--replay: of which database? give --db FILE");
+  if (!o.inputs.empty())
+    throw InputError("--replay: takes scenes and configuration from the database; leave them out");
+  Store store(o.db, BITSPAN_VERSION, Store::Mode::existing);
+  const PointRow point = find_point(store, o.replay);
+  if (point.config.empty()) {
+    throw InputError(
+        fmt::format("{}: its settings make no legal configuration: {}", point.hash, point.message));
+  }
+  const Config config = parse_config(point.config, "stored");
+  const std::vector<Scene> scenes = stored_scenes(point, o.db);
+  if (point_hash(config, scenes, BITSPAN_VERSION) != point.hash) {
+    fmt::print("{}: was measured by another version of bitspan\n", point.hash);
+  }
+  std::vector<std::string> different;
+  try {
+    const PointResult result = make_meter(scenes)(config);
+    fmt::print("{}\n", result_text(result));
+    different = point.ok
+                    ? differences(store.result_rows(point.hash), rows_of(result))
+                    : std::vector<std::string>{"refused when stored: " + point.message + "; measured now"};
+  } catch (const InputError& error) {
+    fmt::print("refused: {}\n", error.what());
+    if (point.ok) different.push_back("measured when stored; refused now");
+  }
+  for (const std::string& line : different) fmt::print("{}\n", line);
+  fmt::print("{}: {}\n", point.hash,
+             different.empty() ? "the same, bit for bit" : fmt::format("{} differences", different.size()));
+  return different.empty() ? exit_held : exit_difference;
+}
+
+int study(const Options& o) {
+  // A point takes a hundred megabytes and gives them back: to the heap, not to the system, which would clear
+  // each page anew (a third of a point's time).
+  ::mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+  if (o.threads < 0 || o.threads > threads_limit) {
+    throw InputError(
+        fmt::format("--threads: {}; expected 1..{}, or 0 for one on each core", o.threads, threads_limit));
+  }
+  if (!o.point.empty() && !o.replay.empty()) throw InputError("--point and --replay: one of them");
+  if (!o.size.empty() && o.point.empty()) throw InputError("--size: goes with --point; a study has its own");
+  if (!o.replay.empty()) return replay(o);
+  return o.point.empty() ? run_study(o) : measure_point(o);
+}
+
+}  // namespace
+
+void add_study(CLI::App& app, Action& action) {
+  CLI::App* sub = app.add_subcommand("study", "which widths may be cut, and what each bit buys");
+  const auto o = std::make_shared<Options>();
+  sub->add_option("study", o->inputs, "STUDY.toml; with --point: scenes (default: demo and extreme)");
+  sub->add_option("--db", o->db, "the database (default: NAME.db beside the CSV file, or here)");
+  sub->add_option("--csv", o->csv, "write all points as CSV");
+  sub->add_option("--report", o->report, "write an HTML report and its plots into this folder");
+  sub->add_option("--threads", o->threads, "points measured at once (0: one on each core)")
+      ->capture_default_str();
+  sub->add_option("--points", o->points,
+                  "measure so many points anew at most; the same command goes on later");
+  sub->add_option("--point", o->point, "measure one configuration, a shipped name or TOML file");
+  sub->add_option("--size", o->size, "with --point: WxH of demo and meshes (default 640x480)");
+  sub->add_option("--replay", o->replay, "measure a point of the database again and compare bit for bit");
+  sub->footer(
+      "Ctrl-C stops after the points that run; the same command goes on from there.\n"
+      "Exit: 0 a point holds all constraints, 1 none does (--replay: it differs), 2 bad input, 130 stopped.\n"
+      "Example:\n  bitspan study config/studies/dividers.toml --csv dividers.csv\n"
+      "  bitspan study config/studies/uv_bits.toml --report out/uv_bits\n"
+      "  bitspan study --point depth16 demo\n"
+      "  bitspan study --db dividers.db --replay 1f0c");
+  sub->callback([o, &action] { action = [o] { return study(*o); }; });
+}
+
+}  // namespace bitspan

@@ -1,0 +1,420 @@
+#include "study/conduct.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "config/rtl_timing.hpp"
+#include "study/area.hpp"
+#include "study/area_estimate.hpp"
+#include "study/bounds.hpp"
+#include "study/budget.hpp"
+#include "study/check_point.hpp"
+#include "study/pictures.hpp"
+
+namespace bitspan {
+namespace {
+
+using Metrics = std::map<std::string, double, std::less<>>;
+
+constexpr std::array families{Family::ice40, Family::ecp5};
+constexpr std::string_view area_prefix = "area.";
+
+Row row_of(const std::string& hash, const std::string& key, Family family, bool placed, const AreaResult& a) {
+  return {hash,
+          key,
+          std::string(to_string(family)),
+          std::int64_t{placed ? 1 : 0},
+          std::string(to_string(a.status)),
+          a.message,
+          a.tools,
+          a.counts.luts,
+          a.counts.ffs,
+          a.counts.multipliers,
+          a.counts.memory_bits,
+          a.fmax_mhz,
+          a.seconds};
+}
+
+// Measured once for all configurations that have the same RTL.
+AreaResult known_area(const Config& config, Family family, bool place, Store& store, std::stop_token stop) {
+  const std::string hash = config_hash(config);
+  const std::string key = area_key(config);
+  const std::string name(to_string(family));
+  const auto found = store.rows(
+      "SELECT status, message, tools, luts, ffs, multipliers, memory_bits, fmax_mhz, seconds FROM areas "
+      "WHERE "
+      "area_key = ? AND family = ? AND placed >= ? AND status <> 'failed' ORDER BY placed LIMIT 1",
+      {key, name, std::int64_t{place ? 1 : 0}});
+  AreaResult out;
+  if (!found.empty()) {
+    const Row& r = found[0];
+    for (const AreaStatus s : {AreaStatus::ok, AreaStatus::does_not_fit}) {
+      if (text_of(r[0]) == to_string(s)) out.status = s;
+    }
+    out.message = text_of(r[1]);
+    out.tools = text_of(r[2]);
+    out.counts = {integer_of(r[3]), integer_of(r[4]), integer_of(r[5]), integer_of(r[6])};
+    out.fmax_mhz = number_of(r[7]);
+    out.seconds = number_of(r[8]);
+  } else {
+    std::atomic<bool> cancelled = stop.stop_requested();
+    const std::stop_callback cancel(stop, [&] { cancelled = true; });
+    AreaLimits limits;
+    limits.cancelled = &cancelled;
+    out = measure_area(config, family, place, limits);
+  }
+  store.run(
+      "INSERT OR REPLACE INTO areas(config_hash, area_key, family, placed, status, message, tools, luts, "
+      "ffs, multipliers, memory_bits, fmax_mhz, seconds) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      row_of(hash, key, family, place, out));
+  return out;
+}
+
+// "area.ice40.luts" -> the number.
+void add_area(const std::string& metric, const Config& config, Store& store, std::stop_token stop,
+              Metrics& metrics) {
+  const std::size_t dot = metric.find('.', area_prefix.size());
+  const Family family =
+      family_named(std::string_view(metric).substr(area_prefix.size(), dot - area_prefix.size()));
+  const AreaResult a = known_area(config, family, false, store, stop);
+  if (a.status == AreaStatus::failed) return;
+  const std::string prefix = metric.substr(0, dot + 1);
+  metrics[prefix + "luts"] = static_cast<double>(a.counts.luts);
+  metrics[prefix + "ffs"] = static_cast<double>(a.counts.ffs);
+  metrics[prefix + "multipliers"] = static_cast<double>(a.counts.multipliers);
+  metrics[prefix + "memory_bits"] = static_cast<double>(a.counts.memory_bits);
+}
+
+void write_search(const StudyPlan& plan, const SearchResult& result, PointRunner& runner, Store& store) {
+  const auto hash_of = [&](const SearchPoint& point) {
+    return runner.prepare(settings_of(plan.axes, point)).hash;
+  };
+  store.transaction([&] {
+    store.run("INSERT OR REPLACE INTO studies VALUES(?, ?, 'search', ?)",
+              {plan.name, plan.text, runner.prepare({}).hash});
+    for (const char* table : {"study_points", "search_steps", "certificate"}) {
+      store.run(fmt::format("DELETE FROM {} WHERE study = ?", table), {plan.name});
+    }
+    std::int64_t i = 0;
+    for (const SearchStep& step : result.steps) {
+      store.run("INSERT INTO study_points VALUES(?, ?, ?, ?, ?)",
+                {plan.name, i, hash_of(step.point), settings_json(settings_of(plan.axes, step.point)),
+                 std::int64_t{step.holds ? 1 : 0}});
+      store.run("INSERT INTO search_steps VALUES(?, ?, ?, ?, ?, ?)",
+                {plan.name, i++, hash_of(step.point), step.cost, std::int64_t{step.holds ? 1 : 0},
+                 std::int64_t{step.best ? 1 : 0}});
+    }
+    for (const Reduction& r : result.certificate.reductions) {
+      store.run("INSERT INTO certificate VALUES(?, ?, ?, ?, ?, ?)",
+                {plan.name, r.key, r.from_value, r.to_value, hash_of(r.point),
+                 fmt::format("{}: {}", to_string(r.outcome), r.text)});
+    }
+  });
+}
+
+void write_budget(const std::string& hash, const Budget& budget, Store& store) {
+  store.transaction([&] {
+    store.run("DELETE FROM budget WHERE hash = ?", {hash});
+    for (const BudgetRow& row : budget.rows) {
+      for (const std::string& metric : budget.metrics) {
+        store.run("INSERT INTO budget VALUES(?, ?, ?, ?, ?, ?)",
+                  {hash, row.quantisation.name, metric, budget.base.at(metric), row.without.at(metric),
+                   row.alone.at(metric)});
+      }
+    }
+  });
+}
+
+void write_causes(const std::string& hash, const Budget& budget, Store& store) {
+  store.transaction([&] {
+    store.run("DELETE FROM causes WHERE hash = ?", {hash});
+    for (const DominantMap& map : budget.maps) {
+      std::int64_t i = 0;
+      for (const CauseColor& c : cause_legend(budget, map)) {
+        store.run(
+            "INSERT INTO causes VALUES(?, ?, ?, ?, ?, ?)",
+            {hash, map.scene, i++, c.name, fmt::format("#{:02x}{:02x}{:02x}", c.rgb[0], c.rgb[1], c.rgb[2]),
+             static_cast<std::int64_t>(c.pixels)});
+      }
+    }
+  });
+}
+
+// What a study without metrics of its own is budgeted by.
+std::vector<std::string> budget_metrics(const StudyPlan& plan, const Metrics& has) {
+  std::vector<std::string> out;
+  for (const std::string& metric : plan.metrics) {
+    if (metric.ends_with(".rms")) out.push_back(metric);
+  }
+  for (const char* metric : {"span.h.rms", "span.u.rms", "span.v.rms", "picture.colour.rms"}) {
+    if (has.contains(metric) && std::find(out.begin(), out.end(), metric) == out.end()) out.push_back(metric);
+  }
+  return out;
+}
+
+std::vector<FieldError> fields_of_point(const std::string& hash, Store& store) {
+  std::vector<FieldError> out;
+  for (const Row& r :
+       store.rows("SELECT stage, quantity, unit, ulp, count, max FROM fields WHERE hash = ?", {hash})) {
+    FieldError f;
+    f.stage = text_of(r[0]);
+    f.quantity = text_of(r[1]);
+    f.unit = text_of(r[2]);
+    f.ulp = number_of(r[3]);
+    f.count = static_cast<std::uint64_t>(integer_of(r[4]));
+    f.max = number_of(r[5]);
+    out.push_back(std::move(f));
+  }
+  return out;
+}
+
+// The largest bound of the scenes each, against what was observed on all of them.
+void examine_bounds(const Config& config, const std::string& hash, const std::vector<Scene>& scenes,
+                    Store& store, Examination& out) {
+  if (!has_bounds(config)) {
+    out.lines.emplace_back("bounds: this mode has none");
+    return;
+  }
+  std::vector<Bound> all;
+  for (const Scene& scene : scenes) {
+    const std::vector<Bound> of = error_bounds(config, scene);
+    if (all.empty()) {
+      all = of;
+      continue;
+    }
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      if (of[i].bound > all[i].bound) all[i] = of[i];
+    }
+  }
+  const auto checks = check_bounds(all, fields_of_point(hash, store));
+  store.transaction([&] {
+    store.run("DELETE FROM bounds WHERE hash = ?", {hash});
+    for (const BoundCheck& c : checks) {
+      store.run("INSERT INTO bounds VALUES(?, ?, ?, ?, ?)",
+                {hash, fmt::format("{} ({})", c.place, c.quantity), c.unit, c.bound, c.observed});
+    }
+  });
+  for (const BoundCheck& c : checks) {
+    out.lines.push_back(fmt::format("bound {} ({}): {:.4g} {}, observed {:.4g}, {:.1f} %{}", c.place,
+                                    c.quantity, c.bound, c.unit, c.observed, 100 * c.ratio,
+                                    c.holds ? "" : "  ABOVE ITS BOUND"));
+    out.held = out.held && c.holds;
+  }
+}
+
+void write_pictures(const std::string& hash, const std::vector<PointPicture>& pictures, Store& store) {
+  store.transaction([&] {
+    for (const PointPicture& p : pictures) {
+      store.run("INSERT OR REPLACE INTO pictures VALUES(?, ?, ?, ?)", {hash, p.scene, p.name, p.png});
+    }
+  });
+}
+
+}  // namespace
+
+void add_estimates(const Config& config, Metrics& metrics) {
+  if (!has_rtl(config)) return;
+  const RtlTiming timing = rtl_timing(config);
+  metrics["timing.pixel_unit"] = timing.pixel_unit;
+  metrics["timing.row_unit"] = timing.row_unit;
+  metrics["timing.span"] = timing.span;
+  for (const Family family : families) {
+    const AreaEstimate e = estimate_area(config, family);
+    const std::string prefix = fmt::format("estimate.{}.", to_string(family));
+    metrics[prefix + "luts"] = e.luts;
+    metrics[prefix + "ffs"] = e.ffs;
+    metrics[prefix + "multipliers"] = e.multipliers;
+  }
+}
+
+SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options,
+                        const std::function<void(const SearchProgress&)>& progress) {
+  const bool synthesised = plan.search->cost.starts_with(area_prefix);
+  RunOptions batch = options;
+  batch.progress = {};
+  const Evaluate evaluate = [&](const std::vector<std::vector<KeySetting>>& settings) {
+    std::vector<Point> points;
+    points.reserve(settings.size());
+    for (const auto& s : settings) points.push_back(runner.prepare(s));
+    const std::vector<Evaluated> states = runner.run(points, batch);
+    std::vector<Evaluation> out(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      out[i].missing = states[i].state == PointState::missing;
+      out[i].refused = states[i].state == PointState::refused;
+      out[i].reason = states[i].message;
+      if (states[i].state != PointState::ok) continue;
+      out[i].metrics = store.metrics(points[i].hash);
+      if (synthesised && all_hold(plan.constraints, out[i].metrics)) {
+        try {
+          add_area(plan.search->cost, *points[i].config, store, options.stop, out[i].metrics);
+        } catch (const AreaCancelled&) {
+          out[i].missing = true;
+        }
+      }
+    }
+    return out;
+  };
+  runner.run({runner.prepare({})}, batch);  // the base, to be compared with
+  SearchResult result = search(*plan.search, plan.axes, plan.constraints, evaluate, options.stop, progress);
+  write_search(plan, result, runner, store);
+  return result;
+}
+
+std::string error_metric(const StudyPlan& plan) {
+  return plan.metrics.empty() ? "span.u.p999" : plan.metrics.front();
+}
+std::string cost_metric(const StudyPlan& plan) {
+  return plan.search ? plan.search->cost : "cost.register_bits";
+}
+
+std::optional<std::size_t> knee(const std::vector<std::pair<double, double>>& points) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto [x, y] = points[i];
+    if (x > 0 && y > 0 && std::isfinite(x) && std::isfinite(y)) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return points[a] < points[b]; });
+  std::vector<std::size_t> front;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const std::size_t i : order) {
+    if (points[i].second < lowest) {
+      lowest = points[i].second;
+      front.push_back(i);
+    }
+  }
+  if (front.size() < 3) return std::nullopt;
+  const auto place = [&](std::size_t i) {
+    return std::pair(std::log(points[i].first), std::log(points[i].second));
+  };
+  const auto [x0, y0] = place(front.front());
+  const auto [x1, y1] = place(front.back());
+  std::optional<std::size_t> best;
+  double farthest = 0;
+  for (const std::size_t i : front) {
+    const auto [x, y] = place(i);
+    const double below = (y0 - y) / (y0 - y1) - (x - x0) / (x1 - x0);
+    if (below > farthest) {
+      farthest = below;
+      best = i;
+    }
+  }
+  return best;
+}
+
+std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store) {
+  std::vector<Recommendation> out;
+  const std::string cost = cost_metric(plan);
+  if (plan.search) {
+    const auto best =
+        store.rows("SELECT hash, cost FROM search_steps WHERE study = ? AND best = 1 ORDER BY i DESC LIMIT 1",
+                   {plan.name});
+    if (!best.empty()) {
+      out.push_back({text_of(best[0][0]),
+                     fmt::format("found by the search: {} = {:.6g}", cost, number_of(best[0][1]))});
+    }
+    return out;
+  }
+  const std::string error = error_metric(plan);
+  // A configuration on scenes of several depth ranges holds where it does on all, and errs as on the worst.
+  struct Group {
+    std::string hash;
+    double cost = 0, error = 0;
+    bool holds = true;
+  };
+  std::vector<Group> groups;
+  std::map<std::string, std::size_t> group_of;
+  for (const Row& row : store.rows(
+           "SELECT s.hash, p.config_hash, s.holds, c.value, e.value FROM study_points s JOIN points p ON "
+           "p.hash = s.hash LEFT JOIN metrics c ON c.hash = s.hash AND c.name = ? LEFT JOIN metrics e ON "
+           "e.hash = s.hash AND e.name = ? WHERE s.study = ? ORDER BY s.i",
+           {cost, error, plan.name})) {
+    const auto [at, fresh] = group_of.try_emplace(text_of(row[1]), groups.size());
+    if (fresh) groups.push_back({text_of(row[0]), number_of(row[3]), number_of(row[4]), true});
+    Group& group = groups[at->second];
+    group.holds = group.holds && row[2] == Cell(std::int64_t{1});
+    if (number_of(row[4]) > group.error) {
+      group.error = number_of(row[4]);
+      group.hash = text_of(row[0]);
+    }
+  }
+  std::vector<std::string> hashes;
+  std::vector<std::pair<double, double>> places;
+  for (const Group& group : groups) {
+    if (!group.holds) continue;
+    hashes.push_back(group.hash);
+    places.emplace_back(group.cost, group.error);
+  }
+  if (hashes.empty()) return out;
+  if (!plan.constraints.empty()) {
+    const auto cheapest = std::min_element(places.begin(), places.end());
+    out.push_back(
+        {hashes[static_cast<std::size_t>(cheapest - places.begin())],
+         fmt::format("the cheapest that holds all constraints: {} = {:.6g}", cost, cheapest->first)});
+  }
+  if (const auto at = knee(places); at && (out.empty() || hashes[*at] != out[0].hash)) {
+    out.push_back({hashes[*at], fmt::format("knee of {} against {}: {:.4g} at {:.6g}", error, cost,
+                                            places[*at].second, places[*at].first)});
+  }
+  return out;
+}
+
+Examination examine(const StudyPlan& plan, const Recommendation& point, std::vector<Scene> scenes,
+                    Store& store, const std::function<void(const std::string&)>& told, std::stop_token stop) {
+  Examination out;
+  const auto row = store.point(point.hash);
+  if (!row || !row->ok) throw InputError("no measured point " + point.hash);
+  const Config config = parse_config(row->config, "point " + point.hash);
+  if (const auto ratio = s_ratio_of(row->scenes)) {
+    for (Scene& scene : scenes) scene = with_s_ratio(std::move(scene), *ratio);
+  }
+
+  told("checking golden = model = RTL");
+  const PointCheck check = check_point(config, scenes);
+  out.held = check.held;
+  out.lines.push_back(check.text);
+  store.transaction([&] {
+    store.run("DELETE FROM recommended WHERE study = ? AND hash = ?", {plan.name, point.hash});
+    store.run("INSERT INTO recommended VALUES(?, ?, ?, ?)",
+              {plan.name, point.hash, point.reason, (check.held ? "equal: " : "DIFFERS: ") + check.text});
+  });
+
+  std::optional<Budget> budget;
+  if (plan.budget && !stop.stop_requested()) {
+    told("error budget");
+    const PointMeter meter(scenes);
+    budget = error_budget(meter, config, budget_metrics(plan, store.metrics(point.hash)));
+    write_budget(point.hash, *budget, store);
+    write_causes(point.hash, *budget, store);
+  }
+  if (plan.bounds && !stop.stop_requested()) {
+    told("bounds");
+    examine_bounds(config, point.hash, scenes, store, out);
+  }
+  if (plan.area && has_rtl(config)) {
+    for (const std::string& family : plan.area->families) {
+      if (stop.stop_requested()) break;
+      told("area, " + family);
+      const AreaResult a = known_area(config, family_named(family), plan.area->place, store, stop);
+      out.lines.push_back(fmt::format(
+          "area {}: {}, {} LUTs, {} flip-flops, {} multipliers, {} memory bits{}{}", family,
+          to_string(a.status), a.counts.luts, a.counts.ffs, a.counts.multipliers, a.counts.memory_bits,
+          std::isnan(a.fmax_mhz) ? "" : fmt::format(", {:.1f} MHz", a.fmax_mhz),
+          a.message.empty() ? "" : ": " + a.message));
+    }
+  }
+  told("pictures");
+  for (std::size_t s = 0; s < scenes.size() && !stop.stop_requested(); ++s) {
+    const DominantMap* dominant = budget ? &budget->maps[s] : nullptr;
+    write_pictures(point.hash, pictures_of(config, scenes[s], budget ? &*budget : nullptr, dominant), store);
+  }
+  return out;
+}
+
+}  // namespace bitspan

@@ -1,0 +1,113 @@
+#include "study/pictures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "golden/ideal.hpp"
+#include "model/engine_model.hpp"
+#include "report/heatmap.hpp"
+#include "report/png.hpp"
+
+namespace bitspan {
+namespace {
+
+Frame drawn(Engine& engine, const Scene& scene) {
+  engine.begin(scene);
+  engine.draw(scene.triangles, 0, nullptr);
+  return engine.frame();
+}
+
+std::vector<std::uint8_t> difference(const Frame& a, const Frame& b) {
+  std::vector<int> all(a.color.size());
+  int largest = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i % 4 == 3) continue;
+    all[i] = std::abs(static_cast<int>(a.color[i]) - static_cast<int>(b.color[i]));
+    largest = std::max(largest, all[i]);
+  }
+  std::vector<std::uint8_t> out(a.color.size(), 255);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i % 4 != 3) out[i] = static_cast<std::uint8_t>(largest == 0 ? 0 : all[i] * 255 / largest);
+  }
+  return out;
+}
+
+std::vector<std::uint8_t> heat(int width, int height, const std::vector<double>& values, std::string title) {
+  HeatMapOptions options;
+  options.title = std::move(title);
+  const HeatMap map = draw_heat_map(width, height, values, options);
+  return encode_png(map.width, map.height, 3, map.rgb);
+}
+
+// The causes that are most frequent have the colours that are easiest told apart (Okabe and Ito); the rest is
+// grey.
+constexpr std::array<std::array<std::uint8_t, 3>, 7> cause_colors{{{230, 159, 0},
+                                                                   {86, 180, 233},
+                                                                   {0, 158, 115},
+                                                                   {240, 228, 66},
+                                                                   {0, 114, 178},
+                                                                   {213, 94, 0},
+                                                                   {204, 121, 167}}};
+constexpr std::array<std::uint8_t, 3> other_color{128, 128, 128};
+
+}  // namespace
+
+std::vector<CauseColor> cause_legend(const Budget& budget, const DominantMap& map) {
+  std::map<std::int16_t, std::size_t> counts;
+  for (const std::int16_t cause : map.cause) {
+    if (cause >= 0) ++counts[cause];
+  }
+  std::vector<std::pair<std::int16_t, std::size_t>> order(counts.begin(), counts.end());
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::vector<CauseColor> out;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    out.push_back({order[i].first, budget.rows[static_cast<std::size_t>(order[i].first)].quantisation.name,
+                   i < cause_colors.size() ? cause_colors[i] : other_color, order[i].second});
+  }
+  return out;
+}
+
+std::vector<PointPicture> pictures_of(const Config& config, const Scene& scene, const Budget* budget,
+                                      const DominantMap* dominant) {
+  const Frame ideal = drawn(*make_ideal(config), scene);
+  const Frame model = drawn(*make_model(config), scene);
+  const int w = scene.width;
+  const int h = scene.height;
+  const std::size_t pixels = model.depth.size();
+  std::vector<double> texture(pixels, std::numeric_limits<double>::quiet_NaN());
+  std::vector<double> depth = texture;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    if (model.triangle[i] < 0 || model.triangle[i] != ideal.triangle[i]) continue;
+    texture[i] = std::hypot(model.u[i] - ideal.u[i], model.v[i] - ideal.v[i]);
+    depth[i] = std::fabs(static_cast<double>(model.depth[i]) - static_cast<double>(ideal.depth[i]));
+  }
+  std::vector<PointPicture> out;
+  const auto add = [&](const char* name, std::vector<std::uint8_t> png) {
+    out.push_back({scene.name, name, std::move(png)});
+  };
+  add("ideal", encode_png(w, h, 4, ideal.color));
+  add("model", encode_png(w, h, 4, model.color));
+  add("difference", encode_png(w, h, 4, difference(model, ideal)));
+  add("u_error", heat(w, h, texture, "error of u, v: texels"));
+  add("depth_error", heat(w, h, depth, "error of depth: codes"));
+  if (budget != nullptr && dominant != nullptr) {
+    std::vector<std::uint8_t> rgb(3 * dominant->cause.size());
+    std::map<std::int16_t, std::array<std::uint8_t, 3>> colors;
+    for (const CauseColor& c : cause_legend(*budget, *dominant)) colors[c.cause] = c.rgb;
+    for (std::size_t i = 0; i < dominant->cause.size(); ++i) {
+      if (dominant->cause[i] < 0) continue;
+      const auto& c = colors[dominant->cause[i]];
+      std::copy(c.begin(), c.end(), rgb.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    }
+    add("dominant", encode_png(w, h, 3, rgb));
+  }
+  return out;
+}
+
+}  // namespace bitspan

@@ -1,0 +1,40 @@
+// A recommended point is checked for what it is: equal in golden, model and RTL.
+#include "study/check_point.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "scene/demo.hpp"
+
+namespace bitspan {
+namespace {
+
+Config shipped(const std::string& name) { return load_config(BITSPAN_CONFIG_DIR "/" + name + ".toml"); }
+
+TEST(CheckPoint, AWidthThatNobodyShippedIsEqualInAllViews) {
+  Config config = shipped("narrow");
+  config.format(FormatId::span_uv).word += 1;
+  const std::array scenes{demo_scene(96, 72)};
+  const PointCheck check = check_point(config, scenes);
+  EXPECT_TRUE(check.held) << check.text;
+  EXPECT_NE(check.text.find("model = golden: "), std::string::npos) << check.text;
+  EXPECT_NE(check.text.find("model = rtl: "), std::string::npos) << check.text;
+}
+
+TEST(CheckPoint, SaysWhereThereIsNoRtl) {
+  Config config = shipped("depth16");
+  config.perspective = Perspective::hyperbolic;
+  const std::array scenes{demo_scene(64, 48)};
+  const PointCheck check = check_point(config, scenes);
+  EXPECT_TRUE(check.held) << check.text;
+  EXPECT_NE(check.text.find("no RTL"), std::string::npos) << check.text;
+}
+
+TEST(CheckPoint, NothingComparedIsNotHeld) {
+  const PointCheck check = check_point(shipped("narrow"), {});
+  EXPECT_FALSE(check.held) << check.text;
+}
+
+}  // namespace
+}  // namespace bitspan

@@ -1,0 +1,175 @@
+// What follows a study's points: the search in the database, what is recommended, and its examination.
+#include "study/conduct.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "scene/demo.hpp"
+#include "tests/scene/temporary_folder.hpp"
+#include "tests/support/test_config.hpp"
+
+namespace bitspan {
+namespace {
+
+StudyPlan plan_of(const std::string& text) {
+  return parse_study(text, "test.toml", [](const std::string& name) { return shipped_config(name); });
+}
+
+// Costs the width of span.h; its error is half an ulp; 18 bits and fewer are refused.
+MakeMeter fake_meter() {
+  return [](std::vector<Scene>) -> Measure {
+    return [](const Config& config) {
+      const Format& f = config.format(FormatId::span_h);
+      if (f.word < 19) throw InputError("fake: too narrow");
+      PointResult r;
+      r.metrics["span.u.p999"] = std::ldexp(0.5, -f.fraction());
+      r.metrics["cost.register_bits"] = f.word;
+      return r;
+    };
+  };
+}
+
+struct Bench {
+  TemporaryFolder folder;
+  Store store{folder.path("study.db"), "test"};
+  StudyPlan plan;
+  PointRunner runner;
+  explicit Bench(const std::string& text)
+      : plan(plan_of(text)), runner(plan.base, {demo_scene(64, 48)}, fake_meter(), store, "test") {}
+};
+
+const std::string search_text = R"(
+[study]
+name = "widths"
+base = "depth16"
+[[vary]]
+keys = ["formats.span.h.word"]
+from = 18
+to = 26
+[[constraint]]
+metric = "span.u.p999"
+at_most = 0.01
+[search]
+algorithm = "max-1"
+)";
+
+TEST(Conduct, TheSearchLeavesItsStepsAndItsCertificate) {
+  Bench b(search_text);
+  const SearchResult result = run_search(b.plan, b.runner, b.store, {}, {});
+  ASSERT_TRUE(result.found);
+  // 16 integer bits: 2^-(f + 1) <= 0.01 from f = 6 on.
+  EXPECT_EQ(result.cost, 22);
+  const auto steps = b.store.rows("SELECT hash, cost, holds, best FROM search_steps WHERE study = 'widths'");
+  EXPECT_EQ(steps.size(), result.evaluations);
+  for (const Row& step : steps) EXPECT_TRUE(b.store.point(text_of(step[0])).has_value());
+  const auto certificate = b.store.rows("SELECT key, from_value, to_value, failed FROM certificate");
+  ASSERT_EQ(certificate.size(), 1U);
+  EXPECT_EQ(text_of(certificate[0][0]), "formats.span.h.word");
+  EXPECT_EQ(text_of(certificate[0][1]), "22");
+  EXPECT_EQ(text_of(certificate[0][2]), "21");
+  EXPECT_NE(text_of(certificate[0][3]).find("span.u.p999"), std::string::npos) << text_of(certificate[0][3]);
+  const auto recommended = recommendations(b.plan, b.store);
+  ASSERT_EQ(recommended.size(), 1U);
+  const auto point = b.store.point(recommended[0].hash);
+  EXPECT_EQ(parse_config(point->config, "").format(FormatId::span_h).word, 22);
+
+  // Again: the same, and nothing measured.
+  PointRunner again(
+      b.plan.base, {demo_scene(64, 48)},
+      [](std::vector<Scene>) -> Measure {
+        return [](const Config&) -> PointResult { throw std::logic_error("measured again"); };
+      },
+      b.store, "test");
+  EXPECT_EQ(run_search(b.plan, again, b.store, {}, {}).point, result.point);
+}
+
+TEST(Conduct, WhatHoldsNowhereIsNotRecommended) {
+  std::string text = search_text;
+  text.replace(text.find("0.01"), 4, "1e-9");
+  Bench b(text);
+  const SearchResult result = run_search(b.plan, b.runner, b.store, {}, {});
+  EXPECT_FALSE(result.found);
+  EXPECT_FALSE(result.failing.empty());
+  EXPECT_TRUE(recommendations(b.plan, b.store).empty());
+}
+
+TEST(Conduct, ASweepRecommendsTheCheapestThatHoldsAndTheKnee) {
+  std::string text = search_text.substr(0, search_text.find("[search]"));
+  Bench b(text);
+  const SweepResult result = run_sweep(b.plan, b.runner, b.store, {});
+  EXPECT_EQ(result.points, 9U);
+  EXPECT_EQ(result.refused, 1U);
+  const auto recommended = recommendations(b.plan, b.store);
+  ASSERT_GE(recommended.size(), 1U);
+  EXPECT_EQ(parse_config(b.store.point(recommended[0].hash)->config, "").format(FormatId::span_h).word, 22);
+  EXPECT_NE(recommended[0].reason.find("cheapest"), std::string::npos);
+}
+
+TEST(Conduct, TheKneeIsTheBendOfTheFront) {
+  // The last two are dominated; the third bends most.
+  const std::vector<std::pair<double, double>> points{{1, 1},      {2, 0.5}, {2.2, 0.01}, {8, 0.008},
+                                                      {16, 0.007}, {4, 2},   {3, 0.4}};
+  EXPECT_EQ(knee(points), std::optional<std::size_t>(2));
+  EXPECT_EQ(knee({{1, 1}, {2, 0.5}}), std::nullopt);
+  EXPECT_EQ(knee({{1, 0}, {2, -1}, {3, std::nan("")}, {4, 1}}), std::nullopt);
+}
+
+TEST(Conduct, EstimatesAreMetrics) {
+  std::map<std::string, double, std::less<>> metrics;
+  add_estimates(shipped_config("narrow"), metrics);
+  EXPECT_GT(metrics.at("estimate.ice40.luts"), 100);
+  EXPECT_GT(metrics.at("estimate.ecp5.multipliers"), 0);
+  std::map<std::string, double, std::less<>> none;
+  Config config = shipped_config("depth16");
+  config.perspective = Perspective::hyperbolic;
+  add_estimates(config, none);
+  EXPECT_TRUE(none.empty());
+}
+
+TEST(Conduct, ARecommendedPointIsExaminedWhole) {
+  TemporaryFolder folder;
+  Store store(folder.path("study.db"), "test");
+  const StudyPlan plan = plan_of(R"(
+[study]
+name = "examined"
+base = "narrow"
+metrics = ["span.u.rms"]
+[[vary]]
+keys = ["formats.span.uv.word"]
+values = [22]
+[report]
+budget = true
+bounds = true
+)");
+  const std::vector<Scene> scenes{demo_scene(96, 72)};
+  PointRunner runner(
+      plan.base, scenes,
+      [](std::vector<Scene> s) -> Measure {
+        return [meter = std::make_shared<PointMeter>(std::move(s))](const Config& c) {
+          return meter->measure(c);
+        };
+      },
+      store, "test");
+  const Point base = runner.prepare({});
+  runner.run({base}, {});
+  std::vector<std::string> told;
+  const Examination e = examine(plan, {base.hash, "the base"}, scenes, store,
+                                [&](const std::string& what) { told.push_back(what); }, {});
+  EXPECT_TRUE(e.held) << (e.lines.empty() ? "" : e.lines[0]);
+  EXPECT_GE(told.size(), 3U);
+  const auto count = [&](const std::string& table) {
+    return integer_of(store.rows("SELECT count(*) FROM " + table)[0][0]);
+  };
+  EXPECT_EQ(count("recommended"), 1);
+  EXPECT_GT(count("budget"), 20);
+  EXPECT_GT(count("causes"), 1);
+  EXPECT_EQ(count("pictures"), 6);
+  EXPECT_EQ(count("bounds WHERE observed > bound"), 0);
+  EXPECT_GT(count("bounds WHERE observed > 0"), 3);
+  EXPECT_THROW(examine(plan, {"0123", ""}, scenes, store, [](const std::string&) {}, {}), InputError);
+}
+
+}  // namespace
+}  // namespace bitspan
