@@ -42,7 +42,8 @@ std::string search_text(const StudyPlan& plan, const SearchResult& result) {
   return out + "certificate:\n" + to_text(result.certificate);
 }
 
-bool conclude(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store, std::stop_token stop) {
+bool conclude(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
+              const std::stop_token& stop) {
   const auto recommended = recommendations(plan, store);
   if (recommended.empty()) {
     fmt::print("nothing to recommend\n");

@@ -42,7 +42,8 @@ Row row_of(const std::string& hash, const std::string& key, Family family, bool 
 }
 
 // Measured once for all configurations that have the same RTL.
-AreaResult known_area(const Config& config, Family family, bool place, Store& store, std::stop_token stop) {
+AreaResult known_area(const Config& config, Family family, bool place, Store& store,
+                      const std::stop_token& stop) {
   const std::string hash = config_hash(config);
   const std::string key = area_key(config);
   const std::string name(to_string(family));
@@ -77,7 +78,7 @@ AreaResult known_area(const Config& config, Family family, bool place, Store& st
 }
 
 // "area.ice40.luts" -> the number.
-void add_area(const std::string& metric, const Config& config, Store& store, std::stop_token stop,
+void add_area(const std::string& metric, const Config& config, Store& store, const std::stop_token& stop,
               Metrics& metrics) {
   const std::size_t dot = metric.find('.', area_prefix.size());
   const Family family =
@@ -366,7 +367,8 @@ std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store)
 }
 
 Examination examine(const StudyPlan& plan, const Recommendation& point, std::vector<Scene> scenes,
-                    Store& store, const std::function<void(const std::string&)>& told, std::stop_token stop) {
+                    Store& store, const std::function<void(const std::string&)>& told,
+                    const std::stop_token& stop) {
   Examination out;
   const auto row = store.point(point.hash);
   if (!row || !row->ok) throw InputError("no measured point " + point.hash);

@@ -51,6 +51,7 @@ struct Examination {
 // what is under way. Not held: a view differs, or an observed error is above its bound. Throws InputError as
 // what it calls.
 Examination examine(const StudyPlan& plan, const Recommendation& point, std::vector<Scene> scenes,
-                    Store& store, const std::function<void(const std::string&)>& told, std::stop_token stop);
+                    Store& store, const std::function<void(const std::string&)>& told,
+                    const std::stop_token& stop);
 
 }  // namespace bitspan

@@ -23,7 +23,7 @@ namespace {
 // So many triangles are sorted into bands of rows at once: memory does not grow with the scene.
 constexpr std::size_t chunk_triangles = 65536;
 // Of a band's pixels, which stay in the second-level cache while its triangles are drawn.
-constexpr std::int64_t band_bytes = 384 * 1024;
+constexpr std::int64_t band_bytes = std::int64_t{384} * 1024;
 constexpr std::int64_t pixel_bytes = 8;  // depth code and colour
 constexpr std::int64_t band_rows_min = 8;
 
@@ -137,7 +137,7 @@ std::int64_t band_rows(const Pipeline& pipeline, int threads) {
   if (triangles_in_lanes(pipeline)) {
     bands = (pipeline.edge_walk.width * height * pixel_bytes + band_bytes - 1) / band_bytes;
     // Enough for every thread to have some at its end.
-    if (threads > 1) bands = std::max<std::int64_t>(bands, 4 * threads);
+    if (threads > 1) bands = std::max(bands, std::int64_t{4} * threads);
   }
   const std::int64_t rows = (height + bands - 1) / bands;
   return std::min(height, std::max(rows, band_rows_min));

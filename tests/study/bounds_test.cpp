@@ -358,6 +358,36 @@ TEST(Bounds, ASaturatedSlopeLosesTheRestOfTheWay) {
   largest({{corner(1, 1, 1), corner(61, 1, 1), corner(1, 61, 2)}, -1}, FormatId::edge_h_step, "edge.h");
 }
 
+// A picture wider than edge.x holds: a pixel no longer lies between the registers of its row's ends.
+TEST(Bounds, AnEdgePositionThatDoesNotFitIsTheRangeOfTheRegisters) {
+  Config config = plain_config();
+  Format& x = config.format(FormatId::edge_x);
+  x = {18, 6, true, Rounding::rnd, Overflow::sat, true};  // to 32 pixels
+  Scene scene;
+  scene.name = "wide";
+  scene.width = 64;
+  scene.height = 16;
+  scene.s_min = 1;
+  scene.s_max = 2;
+  Vertex a;
+  Vertex b;
+  Vertex c;
+  a.x = 20;
+  b.x = 63;
+  c.x = 25;
+  c.y = 15;
+  a.s = c.s = 2;
+  b.s = 1.01;
+  a.u = 10;
+  b.u = 50;
+  scene.triangles = {{{a, b, c}, -1}};
+  const auto checks = expect_bounds_hold(config, scene, false);
+  EXPECT_TRUE(std::any_of(checks.begin(), checks.end(), [](const BoundCheck& check) {
+    return check.place == "span.h" && check.observed > 20000;
+  })) << "else there was nothing to bound";
+  EXPECT_GT(bound_of(error_bounds(config, scene), "span.h", "h").bound, 1e8) << "28 integer bits";
+}
+
 TEST(Bounds, AWiderFormatNeverRaisesABound) {
   using F = FormatId;
   // Not setup.b and setup.s: B is one number a scene, and its two roundings may cancel by luck.
