@@ -130,6 +130,7 @@ FogStage prepare_fog(const Config& config, const Constants& constants, const Sce
       s.table[static_cast<std::size_t>(i)] =
           fog_entry(config, constants, scene, i / fog_zones, i % fog_zones, watch);
     }
+    mpfr_free_cache2(MPFR_FREE_LOCAL_CACHE);  // the thread may end after this
   }
   return s;
 }
