@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "study/conduct.hpp"
+#include "tb/programs.hpp"
 #include "tb/rtl_build.hpp"
 
 namespace bitspan {

@@ -1,31 +1,20 @@
 #include "study/area.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
-#include <csignal>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <random>
 #include <sstream>
 #include <stdexcept>
-#include <system_error>
-#include <thread>
 #include <vector>
 
 #include "config/emit_sv.hpp"
+#include "config/fnv.hpp"
+#include "tb/programs.hpp"
 #include "tb/rtl_build.hpp"
-
-extern char** environ;
 
 namespace bitspan {
 namespace {
@@ -53,54 +42,6 @@ const Device& device_of(Family family) {
   return family == Family::ice40 ? ice40 : ecp5;
 }
 
-std::string environment(const char* name) {
-  const char* value = std::getenv(name);
-  return value == nullptr ? "" : value;
-}
-
-std::string read_text(const fs::path& path) {
-  const std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(fmt::format("{}: cannot be read", path.string()));
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-void write_text(const fs::path& path, std::string_view text) {
-  std::ofstream out(path, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out)
-    throw InputError(fmt::format("{}: cannot be written; TMPDIR names the folder for it", path.string()));
-}
-
-// A folder of this run's own, gone with it.
-class Workshop {
- public:
-  Workshop() {
-    std::random_device random;
-    std::error_code error;
-    path_ = fs::temp_directory_path(error) /
-            fmt::format("bitspan-area-{}-{:08x}{:08x}", ::getpid(), random(), random());
-    if (!error) fs::create_directories(path_, error);
-    if (error) {
-      throw InputError(fmt::format("{}: cannot be created ({}); TMPDIR names the folder for it",
-                                   path_.string(), error.message()));
-    }
-  }
-  ~Workshop() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Workshop(const Workshop&) = delete;
-  Workshop& operator=(const Workshop&) = delete;
-  fs::path operator/(std::string_view name) const { return path_ / name; }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 // When all tools together must be done.
 struct Deadline {
   Clock::time_point start = Clock::now();
@@ -119,54 +60,29 @@ struct ToolFailure : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-int wait_for(pid_t child, const std::string& tool, const Deadline& deadline) {
-  int status = 0;
-  for (;;) {
-    const pid_t done = ::waitpid(child, &status, WNOHANG);
-    if (done == child) return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    if (done < 0 && errno != EINTR) throw std::runtime_error(fmt::format("waitpid of {} fails", tool));
-    const bool cancelled = deadline.limits.cancelled != nullptr && deadline.limits.cancelled->load();
-    const bool late = deadline.elapsed() > deadline.limits.seconds;
-    if (!cancelled && !late) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      continue;
-    }
-    ::kill(-child, SIGKILL);  // its group: Yosys runs ABC
-    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    if (cancelled) throw AreaCancelled(tool + " was cancelled");
-    throw ToolFailure(
-        fmt::format("{} was killed at the time limit of {:g} s", tool, deadline.limits.seconds));
-  }
-}
-
 // Exit code of a program run in the workshop with both outputs in its file `log`; nothing where there is no
 // such program.
 std::optional<int> run(const std::vector<std::string>& command, const fs::path& log, const Job& job) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, job.folder.path().c_str());
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  std::vector<std::string> words = command;
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  pid_t child = 0;
-  const int failed =
-      ::posix_spawnp(&child, arguments.front(), &actions, &attributes, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  posix_spawnattr_destroy(&attributes);
-  if (failed == ENOENT || failed == EACCES || failed == ENOTDIR) return std::nullopt;
-  if (failed != 0)
-    throw InputError(
-        fmt::format("{}: does not start: {}", command.front(), std::generic_category().message(failed)));
-  return wait_for(child, fs::path(command.front()).filename().string(), job.deadline);
+  ProgramOptions options;
+  options.log = log;
+  options.folder = job.folder.path();
+  options.seconds = job.deadline.limits.seconds - job.deadline.elapsed();
+  options.cancelled = job.deadline.limits.cancelled;
+  options.group = true;  // Yosys runs ABC
+  const ProgramEnd end = run_program(command, options);
+  const std::string tool = fs::path(command.front()).filename().string();
+  switch (end.how) {
+    case ProgramEnd::How::missing:
+      return std::nullopt;
+    case ProgramEnd::How::cancelled:
+      throw AreaCancelled(tool + " was cancelled");
+    case ProgramEnd::How::late:
+      throw ToolFailure(
+          fmt::format("{} was killed at the time limit of {:g} s", tool, job.deadline.limits.seconds));
+    case ProgramEnd::How::exited:
+      break;
+  }
+  return end.code;
 }
 
 // The line of a log that says what went wrong.
@@ -358,31 +274,15 @@ bool is_cell(const Cell& cell, std::string_view type) {
   return type.starts_with(cell.name.substr(0, cell.name.size() - 1));
 }
 
-std::string without_comments(const std::string& text) {
-  std::istringstream in(text);
-  std::string kept;
-  for (std::string line; std::getline(in, line);) {
-    if (!line.starts_with("//")) kept += line + '\n';
-  }
-  return kept;
-}
-
-// 64 bits of FNV-1a; two of them with different starts make a key.
-std::uint64_t hash(std::string_view text, std::uint64_t start) {
-  std::uint64_t h = start;
-  for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  return h;
-}
-
 }  // namespace
 
-std::string_view to_string(Family family) { return family == Family::ice40 ? "ice40" : "ecp5"; }
+std::string_view to_string(Family family) { return family_names[static_cast<std::size_t>(family)]; }
 
 Family family_named(std::string_view name) {
-  for (const Family family : {Family::ice40, Family::ecp5}) {
-    if (to_string(family) == name) return family;
-  }
-  throw InputError(fmt::format("'{}' is no family; legal: ice40, ecp5", name));
+  const auto found = std::ranges::find(family_names, name);
+  if (found == family_names.end())
+    throw InputError(fmt::format("'{}' is no family; legal: ice40, ecp5", name));
+  return families[static_cast<std::size_t>(found - family_names.begin())];
 }
 
 std::string_view to_string(AreaStatus status) {
@@ -421,16 +321,20 @@ AreaCounts parse_yosys_stat(std::string_view text, Family family) {
 }
 
 std::string area_key(const Config& config) {
-  std::string text = without_comments(emit_sv(config));
-  for (const fs::path& source : area_sources()) text += '\0' + read_text(source);
-  for (const Family family : {Family::ice40, Family::ecp5})
-    text += '\0' + synthesis_script(family, "") + pins_script(family, "");
-  return fmt::format("{:016x}{:016x}", hash(text, 0xcbf29ce484222325), hash(text, 0x84222325cbf29ce4));
+  Fnv128 key;
+  key.text(without_comments(emit_sv(config)));
+  for (const fs::path& source : area_sources()) key.text(read_text(source));
+  for (const Family family : families) {
+    key.text(synthesis_script(family, ""));
+    key.text(pins_script(family, ""));
+  }
+  return key.hex();
 }
 
 AreaResult measure_area(const Config& config, Family family, bool place_it, const AreaLimits& limits) {
   const std::string package = emit_sv(config);
-  const Job job{.folder = {}, .deadline = {.start = Clock::now(), .limits = limits}};
+  const Job job{.folder = temporary_workshop("bitspan-area"),
+                .deadline = {.start = Clock::now(), .limits = limits}};
   AreaResult result;
   result.tools = yosys_version(job);
   Tool nextpnr;
@@ -439,10 +343,10 @@ AreaResult measure_area(const Config& config, Family family, bool place_it, cons
     result.tools += "; " + nextpnr.version;
   }
   const std::string read = read_rtl();
-  write_text(job.folder / "bitspan_cfg_pkg.sv", package);
+  write_text(job.folder / "bitspan_cfg_pkg.sv", package, temporary_hint);
   std::string script = synthesis_script(family, read);
   if (place_it) script += pins_script(family, read);
-  write_text(job.folder / "area.ys", script);
+  write_text(job.folder / "area.ys", script, temporary_hint);
   try {
     run_or_fail({"yosys", "-q", "-s", "area.ys"}, job.folder / "yosys.log", job);
     result.counts = read_counts(job.folder / "stat.json", family);

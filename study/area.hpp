@@ -2,6 +2,7 @@
 // says what is counted and what biases it.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <limits>
@@ -17,7 +18,9 @@ enum class Family : std::uint8_t {
   ice40,  // LUT4s, no multipliers; placed in the largest: HX8K
   ecp5,   // LUT4s, 18x18 multipliers, block memory; placed in the LFE5U-85F, speed 6
 };
-std::string_view to_string(Family family);   // "ice40", "ecp5"
+inline constexpr std::array families{Family::ice40, Family::ecp5};
+inline constexpr auto family_names = std::to_array<std::string_view>({"ice40", "ecp5"});  // in their order
+std::string_view to_string(Family family);
 Family family_named(std::string_view name);  // throws InputError naming those that exist
 
 enum class AreaStatus : std::uint8_t { ok, does_not_fit, failed };

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -22,7 +21,6 @@ namespace {
 
 using Metrics = std::map<std::string, double, std::less<>>;
 
-constexpr std::array families{Family::ice40, Family::ecp5};
 constexpr std::string_view area_prefix = "area.";
 
 Row row_of(const std::string& hash, const std::string& key, Family family, bool placed, const AreaResult& a) {

@@ -1,27 +1,15 @@
 #include "study/gappa.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <chrono>
 #include <cmath>
-#include <csignal>
-#include <cstdio>
-#include <cstring>
-#include <memory>
 
 #include "study/bounds.hpp"
 #include "study/format_range.hpp"
 #include "study/unit_error.hpp"
-
-extern char** environ;
+#include "tb/programs.hpp"
 
 namespace bitspan {
 namespace {
@@ -247,59 +235,11 @@ std::size_t coordinate_of(const StageHypotheses& stage, const std::vector<Bound>
   return place.ends_with(".uv") && bound_at(bounds, place).quantity == "v" ? 1 : 0;
 }
 
-// ---- The child process ----
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() { close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-  void close() {
-    if (fd_ >= 0) ::close(fd_);
-    fd_ = -1;
-  }
-
- private:
-  int fd_;
-};
-
 [[noreturn]] void fail(const std::string& what) { throw InputError("gappa: " + what); }
-
-// A temporary file without a name, holding the script: gappa may read at its own pace.
-Descriptor script_file(const std::string& script) {
-  std::FILE* file = std::tmpfile();
-  if (file == nullptr) fail(std::string("no temporary file: ") + std::strerror(errno));
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> closer(file, &std::fclose);
-  if (std::fwrite(script.data(), 1, script.size(), file) != script.size() || std::fflush(file) != 0) {
-    fail(std::string("cannot write a temporary file: ") + std::strerror(errno));
-  }
-  std::rewind(file);
-  const int own = ::fcntl(::fileno(file), F_DUPFD_CLOEXEC, 0);
-  if (own < 0) fail(std::strerror(errno));
-  return Descriptor(own);
-}
 
 // What gappa says of a claim that it cannot prove.
 constexpr std::array<std::string_view, 3> refusals{"some properties were not satisfied",
                                                    "no contradiction was found", "no path was found"};
-
-pid_t start(int input, int output) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
-  std::string name = "gappa";
-  const std::array<char*, 2> arguments{name.data(), nullptr};
-  pid_t pid = 0;
-  const int error = posix_spawnp(&pid, name.c_str(), &actions, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error == ENOENT) fail("is not installed, or not in PATH (Debian's package is gappa)");
-  if (error != 0) fail(std::string("cannot be run: ") + std::strerror(error));
-  return pid;
-}
 
 }  // namespace
 
@@ -367,38 +307,18 @@ GappaVerdict prove_with_gappa(const Config& config, const InputRange& range, std
 }
 
 GappaVerdict check_with_gappa(const std::string& script) {
-  using Clock = std::chrono::steady_clock;
-  constexpr std::chrono::seconds patience(60);
-  const Descriptor input = script_file(script);
-  std::array<int, 2> pipe{};
-  if (::pipe2(pipe.data(), O_CLOEXEC) != 0) fail(std::string("no pipe: ") + std::strerror(errno));
-  const Descriptor reading(pipe[0]);
-  Descriptor writing(pipe[1]);
-  const pid_t child = start(input.get(), writing.get());
-  writing.close();
-
-  GappaVerdict verdict;
-  const Clock::time_point end = Clock::now() + patience;
-  bool late = false;
-  while (true) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
-    pollfd event{reading.get(), POLLIN, 0};
-    const int ready = ::poll(&event, 1, static_cast<int>(std::max<std::int64_t>(0, left)));
-    if (ready < 0 && errno == EINTR) continue;
-    late = ready == 0;
-    if (late) ::kill(child, SIGKILL);
-    if (ready <= 0) break;
-    std::array<char, 4096> buffer{};
-    const ssize_t got = ::read(reading.get(), buffer.data(), buffer.size());
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) break;
-    verdict.output.append(buffer.data(), static_cast<std::size_t>(got));
+  const Workshop folder = temporary_workshop("bitspan-gappa");
+  write_text(folder / "script", script, temporary_hint);
+  ProgramOptions options;
+  options.input = folder / "script";
+  options.log = folder / "log";
+  options.seconds = 60;
+  const ProgramEnd end = run_program({"gappa"}, options);
+  if (end.how == ProgramEnd::How::missing) {
+    fail("is not installed, or not in PATH (Debian's package is gappa)");
   }
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (late) fail("no answer within a minute");
-  verdict.proved = WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  if (end.how == ProgramEnd::How::late) fail("no answer within a minute");
+  GappaVerdict verdict{end.code == 0, read_text(options.log)};
   const bool refused = std::ranges::any_of(
       refusals, [&](std::string_view text) { return verdict.output.find(text) != std::string::npos; });
   if (!verdict.proved && !refused) {

@@ -20,6 +20,7 @@
 
 #include "config/names.hpp"
 #include "scene/tri_stream.hpp"
+#include "study/area.hpp"
 
 namespace bitspan {
 namespace {
@@ -33,7 +34,6 @@ constexpr std::size_t tries_limit = 5000;
 
 constexpr auto arrangements = std::to_array<std::string_view>({"grid", "one_at_a_time", "list"});
 constexpr auto algorithms = std::to_array<std::string_view>({"min+1", "max-1", "greedy", "annealing"});
-constexpr auto families = std::to_array<std::string_view>({"ice40", "ecp5"});
 
 std::string join(std::span<const std::string_view> names) {
   std::string out;
@@ -564,11 +564,11 @@ SearchPlan read_search(const Section& s, const std::vector<Section>& all, const 
 
 AreaPlan read_area(const Section& s) {
   AreaPlan area;
-  const std::string legal = "an array of " + join(families);
+  const std::string legal = "an array of " + join(family_names);
   area.families = s.texts("families", legal);
   for (const std::string& family : area.families) {
-    if (std::ranges::find(families, family) == families.end()) {
-      s.fail("families", '"' + one_line(family) + "\" is no family; legal: " + join(families));
+    if (std::ranges::find(family_names, family) == family_names.end()) {
+      s.fail("families", '"' + one_line(family) + "\" is no family; legal: " + join(family_names));
     }
   }
   if (s.has("place")) area.place = s.boolean("place");

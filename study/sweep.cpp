@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <chrono>
 #include <cmath>
 #include <mutex>
@@ -15,38 +14,14 @@
 #include <set>
 #include <type_traits>
 
+#include "config/fnv.hpp"
+
 namespace bitspan {
 namespace {
 
-// FNV-1a, 128 bits, over bytes in an order that is the same on every machine.
-class Hash {
- public:
-  void byte(std::uint8_t value) {
-    state_ ^= value;
-    state_ *= (static_cast<unsigned __int128>(1) << 88) + 0x13b;
-  }
-  void number(std::uint64_t value) {
-    for (int i = 0; i < 8; ++i) byte(static_cast<std::uint8_t>(value >> (8 * i)));
-  }
-  void number(int value) { number(static_cast<std::uint64_t>(value)); }
-  void number(double value) { number(std::bit_cast<std::uint64_t>(value)); }
-  void text(std::string_view text) {
-    number(static_cast<std::uint64_t>(text.size()));
-    for (const char c : text) byte(static_cast<std::uint8_t>(c));
-  }
-  std::string hex() const {
-    return fmt::format("{:016x}{:016x}", static_cast<std::uint64_t>(state_ >> 64),
-                       static_cast<std::uint64_t>(state_));
-  }
-
- private:
-  unsigned __int128 state_ =
-      (static_cast<unsigned __int128>(0x6c62272e07bb0142U) << 64) | 0x62b821756295c58dU;
-};
-
 // Of a point, all but its configuration.
 std::string digest_of(const std::vector<Scene>& scenes, std::string_view version) {
-  Hash h;
+  Fnv128 h;
   h.text("bitspan point");
   h.text(version);
   h.number(measurement_version);
@@ -56,7 +31,7 @@ std::string digest_of(const std::vector<Scene>& scenes, std::string_view version
 }
 
 std::string hash_of(std::string_view digest, std::string_view what, std::string_view text) {
-  Hash h;
+  Fnv128 h;
   h.text(digest);
   h.text(what);
   h.text(text);
@@ -96,7 +71,7 @@ std::string settings_json(const std::vector<KeySetting>& settings) {
 }
 
 std::string scene_hash(const Scene& scene) {
-  Hash h;
+  Fnv128 h;
   h.number(scene.width);
   h.number(scene.height);
   h.number(scene.s_min);

@@ -1,27 +1,21 @@
 #include "tb/rtl_build.hpp"
 
 #include <dlfcn.h>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
-#include <random>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
 #include "config/emit_sv.hpp"
-
-extern char** environ;
+#include "config/fnv.hpp"
+#include "tb/programs.hpp"
 
 namespace bitspan {
 namespace {
@@ -43,56 +37,8 @@ const std::vector<std::string> compiler_flags = {"-std=c++17",
                                                  "-DVL_TIME_CONTEXT",
                                                  "-DVL_PRINTF=bitspan_rtl_printf"};
 
-std::string environment(const char* name) {
-  const char* value = std::getenv(name);
-  return value == nullptr ? "" : value;
-}
-
-std::string read_text(const fs::path& path) {
-  const std::ifstream in(path, std::ios::binary);
-  if (!in)
-    throw InputError(
-        fmt::format("{}: cannot be read; BITSPAN_ROOT names the project's folder", path.string()));
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-void write_text(const fs::path& path, std::string_view text) {
-  std::ofstream out(path, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out)
-    throw InputError(
-        fmt::format("{}: cannot be written; BITSPAN_CACHE names the cache folder", path.string()));
-}
-
-// 128 bits of FNV-1a in two lanes; the texts are separated, so that their borders count.
-class Key {
- public:
-  void add(std::string_view text) {
-    for (const char c : text) mix(static_cast<unsigned char>(c));
-    mix(0x100);
-  }
-  std::string hex() const { return fmt::format("{:016x}{:016x}", a_, b_); }
-
- private:
-  void mix(std::uint64_t c) {
-    a_ = (a_ ^ c) * 0x100000001b3;
-    b_ = (b_ ^ (c + 0x9e37)) * 0x10000000233;
-  }
-  std::uint64_t a_ = 0xcbf29ce484222325;
-  std::uint64_t b_ = 0x84222325cbf29ce4;
-};
-
-std::string without_comments(const std::string& text) {
-  std::istringstream in(text);
-  std::string kept;
-  for (std::string line; std::getline(in, line);) {
-    if (!line.starts_with("//")) kept += line + '\n';
-  }
-  return kept;
-}
+constexpr std::string_view root_hint = "BITSPAN_ROOT names the project's folder";
+constexpr std::string_view cache_hint = "BITSPAN_CACHE names the cache folder";
 
 std::string compiler() {
   std::string cxx = environment("CXX");
@@ -110,33 +56,8 @@ std::string first_complaint(const fs::path& log) {
   return first;
 }
 
-// A folder of this process's own inside the cache, gone when the build is over, unless it is kept for its
-// log.
-class Workshop {
- public:
-  explicit Workshop(const fs::path& cache) {
-    std::random_device random;
-    path_ = cache / fmt::format("build-{}-{:08x}{:08x}", ::getpid(), random(), random());
-    std::error_code error;
-    fs::create_directories(path_, error);
-    if (error) {
-      throw InputError(fmt::format("{}: cannot be created ({}); BITSPAN_CACHE names the cache folder",
-                                   path_.string(), error.message()));
-    }
-  }
-  ~Workshop() {
-    std::error_code ignored;
-    if (!kept_) fs::remove_all(path_, ignored);
-  }
-  Workshop(const Workshop&) = delete;
-  Workshop& operator=(const Workshop&) = delete;
-  const fs::path& path() const { return path_; }
-  void keep() { kept_ = true; }
-
- private:
-  fs::path path_;
-  bool kept_ = false;
-};
+// Inside the cache, gone when the build is over, unless it is kept for its log.
+Workshop build_folder(const fs::path& cache) { return {cache, "build", cache_hint}; }
 
 void run_or_throw(Workshop& workshop, const std::vector<std::string>& command, const std::string& what) {
   const fs::path log = workshop.path() / (what + ".log");
@@ -178,12 +99,12 @@ std::vector<fs::path> build_runtime(const fs::path& cache, const fs::path& root,
           fmt::format("{}: not found; the rtl engine needs Verilator (VERILATOR_ROOT names its folder)",
                       source.string()));
     }
-    Key key;
-    key.add(flags_text);
-    key.add(read_text(source));
+    Fnv128 key;
+    key.text(flags_text);
+    key.text(read_text(source, root_hint));
     const fs::path object = cache / fmt::format("{}-{}.o", part, key.hex());
     if (!fs::exists(object)) {
-      Workshop workshop(cache);
+      Workshop workshop = build_folder(cache);
       const fs::path made = workshop.path() / "runtime.o";
       std::vector<std::string> command = compile_command(root);
       command.insert(command.end(), {"-c", source.string(), "-o", made.string()});
@@ -250,7 +171,7 @@ fs::path rtl_root() {
 
 std::vector<fs::path> rtl_sources() {
   const fs::path folder = rtl_root() / "rtl";
-  std::istringstream list(read_text(folder / "span_interpolator.f"));
+  std::istringstream list(read_text(folder / "span_interpolator.f", root_hint));
   std::vector<fs::path> sources;
   for (std::string name; std::getline(list, name);) {
     if (!name.empty()) sources.push_back(folder / name);
@@ -266,26 +187,13 @@ fs::path rtl_cache_folder() {
   return fs::temp_directory_path() / fmt::format("bitspan-{}", ::getuid());
 }
 
-int run_program(const std::vector<std::string>& command, const fs::path& log, const std::string& needed_for) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  std::vector<std::string> words = command;
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  pid_t child = 0;
-  const int failed = posix_spawnp(&child, arguments.front(), &actions, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) {
-    throw InputError(fmt::format("{}: does not start; {} needs it on PATH", command.front(), needed_for));
+std::string without_comments(const std::string& package) {
+  std::istringstream in(package);
+  std::string kept;
+  for (std::string line; std::getline(in, line);) {
+    if (!line.starts_with("//")) kept += line + '\n';
   }
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+  return kept;
 }
 
 fs::path build_rtl(const Config& config) {
@@ -294,18 +202,18 @@ fs::path build_rtl(const Config& config) {
   const fs::path cache = rtl_cache_folder();
   const std::vector<fs::path> sources = rtl_sources();
 
-  Key key;
+  Fnv128 key;
   std::string flags_text = compiler() + ' ' + verilator_include();
   for (const std::string& flag : compiler_flags) flags_text += ' ' + flag;
-  key.add(flags_text);
+  key.text(flags_text);
   std::vector<std::string> verilator = {"verilator"};
   verilator.insert(verilator.end(), verilator_safe_flags().begin(), verilator_safe_flags().end());
   verilator.insert(verilator.end(), verilator_flags.begin(), verilator_flags.end());
-  for (const std::string& flag : verilator) key.add(flag);
-  key.add(without_comments(package));
-  for (const fs::path& source : sources) key.add(read_text(source));
+  for (const std::string& flag : verilator) key.text(flag);
+  key.text(without_comments(package));
+  for (const fs::path& source : sources) key.text(read_text(source, root_hint));
   for (const char* part : {"tb/rtl_harness.cpp", "tb/rtl_abi.hpp", "tb/rtl_printf.hpp"})
-    key.add(read_text(root / part));
+    key.text(read_text(root / part, root_hint));
   fs::path library = cache / fmt::format("rtl-{}.so", key.hex());
   std::error_code missing;
   fs::last_write_time(library, fs::file_time_type::clock::now(), missing);  // used now
@@ -313,10 +221,10 @@ fs::path build_rtl(const Config& config) {
 
   const Progress progress(config.name);
   const std::vector<fs::path> runtime = build_runtime(cache, root, flags_text);
-  Workshop workshop(cache);
+  Workshop workshop = build_folder(cache);
   const fs::path package_path = workshop.path() / "bitspan_cfg_pkg.sv";
   const fs::path verilated = workshop.path() / "verilated";
-  write_text(package_path, package);
+  write_text(package_path, package, cache_hint);
   std::vector<std::string> command = verilator;
   command.insert(command.end(), {"--Mdir", verilated.string(), package_path.string()});
   for (const fs::path& source : sources) command.push_back(source.string());
@@ -330,7 +238,7 @@ fs::path build_rtl(const Config& config) {
   }
   std::sort(parts.begin(), parts.end());
   for (const std::string& part : parts) all += fmt::format("#include \"{}\"\n", part);
-  write_text(verilated / "all.cpp", all);
+  write_text(verilated / "all.cpp", all, cache_hint);
   const fs::path made = workshop.path() / "rtl.so";
   command = compile_command(root);
   command.insert(command.end(), {"-I" + verilated.string(), "-shared", (verilated / "all.cpp").string()});

@@ -26,10 +26,8 @@ std::filesystem::path rtl_cache_folder();
 // Flags that every use of Verilator here must have; tests/rtl/verilator_xor_test says why.
 const std::vector<std::string>& verilator_safe_flags();
 
-// Runs a program found on PATH, both its outputs to `log`; returns its exit code. Throws InputError where it
-// does not start; `needed_for` ends the message.
-int run_program(const std::vector<std::string>& command, const std::filesystem::path& log,
-                const std::string& needed_for);
+// A package (config/emit_sv) without its comment, which names the configuration.
+std::string without_comments(const std::string& package);
 
 // Builds the library where the cache does not hold it, and returns its path. Throws InputError where the mode
 // has no RTL, a tool is missing or refuses, or the cache folder cannot be written. Writes a line of progress

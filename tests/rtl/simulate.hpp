@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tb/programs.hpp"
 #include "tb/rtl_build.hpp"
 
 namespace bitspan {

@@ -1,0 +1,65 @@
+// Other people's programs as child processes, and the files that pass between them and us.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace bitspan {
+
+// Of the environment; empty where it is not set.
+std::string environment(const char* name);
+
+// Whole files. Throw InputError "path: cannot be read; HINT".
+std::string read_text(const std::filesystem::path& path, std::string_view hint = {});
+void write_text(const std::filesystem::path& path, std::string_view text, std::string_view hint = {});
+
+// A folder of this process's own below `parent`, gone with it unless it is kept for what is in it. `name`
+// begins its name. Throws InputError where it cannot be made; `hint` ends the message.
+class Workshop {
+ public:
+  Workshop(const std::filesystem::path& parent, std::string_view name, std::string_view hint);
+  ~Workshop();
+  Workshop(const Workshop&) = delete;
+  Workshop& operator=(const Workshop&) = delete;
+  std::filesystem::path operator/(std::string_view name) const { return path_ / name; }
+  const std::filesystem::path& path() const { return path_; }
+  void keep() { kept_ = true; }
+
+ private:
+  std::filesystem::path path_;
+  bool kept_ = false;
+};
+// In the folder for temporary files.
+inline constexpr std::string_view temporary_hint = "TMPDIR names the folder for it";
+Workshop temporary_workshop(std::string_view name);
+
+struct ProgramOptions {
+  std::filesystem::path log;  // gets both outputs
+  std::filesystem::path input =
+      "/dev/null";                     // from the folder, as the log is, where they are not whole paths
+  std::filesystem::path folder = ".";  // where it runs
+  double seconds = std::numeric_limits<double>::infinity();  // past them it is killed
+  const std::atomic<bool>* cancelled = nullptr;              // it is killed once this is set
+  bool group = false;  // a process group of its own, killed as a whole: for programs that start others
+};
+
+struct ProgramEnd {
+  enum class How { exited, missing, late, cancelled };
+  How how = How::exited;
+  int code = 0;  // exit code; 128 and the signal's number where one ended it
+};
+
+// Runs a program found on PATH. `missing`: there is none of this name. Throws InputError where it does not
+// start for any other reason.
+ProgramEnd run_program(const std::vector<std::string>& command, const ProgramOptions& options);
+
+// The same, its exit code alone. Throws InputError where it does not start, too; `needed_for` ends the
+// message.
+int run_program(const std::vector<std::string>& command, const std::filesystem::path& log,
+                const std::string& needed_for);
+
+}  // namespace bitspan
