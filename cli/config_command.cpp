@@ -47,9 +47,12 @@ int show(const Options& options) {
   fmt::print("fill_rule {}, edge_walk {}, edge slopes {}, row slopes {}, perspective {}\n",
              to_string(config.fill_rule), to_string(config.edge_walk), to_string(config.edge_slope),
              to_string(config.row_slope), to_string(config.perspective));
-  fmt::print("depth {} bits, {}; filter {}, wrap {}; fog {}\n", config.depth_bits,
-             to_string(config.depth_code), to_string(config.filter), to_string(config.wrap),
-             to_string(config.fog));
+  fmt::print("depth {} bits, {}; filter {}, wrap {}; fog {}", config.depth_bits, to_string(config.depth_code),
+             to_string(config.filter), to_string(config.wrap), to_string(config.fog));
+  if (config.fog == FogMode::table) {
+    fmt::print(" by {} bits of depth and {} of the zone", config.fog_depth_bits, config.fog_zone_bits);
+  }
+  fmt::print("\n");
   fmt::print("(`bitspan config show --toml` prints every key)\n");
   return exit_held;
 }

@@ -1,5 +1,6 @@
 #include "config/check.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <string_view>
@@ -193,6 +194,16 @@ Result check_formats(const Config& c) {
   return std::nullopt;
 }
 
+Result check_fog(const Config& c) {
+  if (auto v = in_range("fog.depth_bits", c.fog_depth_bits, 1, std::min(c.depth_bits, max_fog_index_bits),
+                        ", and at most depth.bits")) {
+    return v;
+  }
+  return in_range("fog.zone_bits", c.fog_zone_bits, 0, std::min(8, max_fog_index_bits - c.fog_depth_bits),
+                  " beside " + std::to_string(c.fog_depth_bits) +
+                      " depth_bits, so that the index has at most " + std::to_string(max_fog_index_bits));
+}
+
 Result check_timing(const Config& c) {
   for (int i = 0; i < stage_count; ++i) {
     const StageTiming& t = c.timing[static_cast<std::size_t>(i)];
@@ -244,6 +255,7 @@ Result first_violation(const Config& c) {
         "depth.overflow",
         "is SC_WRAP_SM, and the code is unsigned; legal: SC_WRAP, SC_SAT, SC_SAT_ZERO, SC_SAT_SYM"};
   }
+  if (auto v = check_fog(c)) return v;
   if (auto v = check_formats(c)) return v;
   if (auto v = check_offsets(c)) return v;
   if (auto v = check_timing(c)) return v;

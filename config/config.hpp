@@ -81,6 +81,8 @@ struct MemoryTiming {
   bool operator==(const MemoryTiming&) const = default;
 };
 
+inline constexpr int max_fog_index_bits = 12;
+
 struct Config {
   std::string name;  // the file's stem; not part of the hash
 
@@ -118,6 +120,8 @@ struct Config {
 
   // [fog]
   FogMode fog = FogMode::table;
+  int fog_depth_bits = 6;  // of the table's index: top bits of h
+  int fog_zone_bits = 4;   // and the zone of r^2
 
   // [formats]
   std::array<Format, format_count> formats{};
@@ -128,6 +132,8 @@ struct Config {
 
   constexpr const Format& format(FormatId id) const { return formats[static_cast<std::size_t>(id)]; }
   constexpr Format& format(FormatId id) { return formats[static_cast<std::size_t>(id)]; }
+
+  constexpr int fog_index_bits() const { return fog_depth_bits + fog_zone_bits; }
 
   // Snapped coordinates: signed, rounded half up, by contract.
   constexpr Format coordinate_format() const {

@@ -341,7 +341,10 @@ Config read_config(const toml::table& table, const std::string& origin, Lines& l
   c.wrap = texture.name<TextureWrap>("wrap");
   c.transparent = texture.color("transparent");
 
-  c.fog = root.section("fog", {"mode"}).name<FogMode>("mode");
+  const Section fog = root.section("fog", {"mode", "depth_bits", "zone_bits"});
+  c.fog = fog.name<FogMode>("mode");
+  if (fog.has("depth_bits")) c.fog_depth_bits = fog.integer("depth_bits");
+  if (fog.has("zone_bits")) c.fog_zone_bits = fog.integer("zone_bits");
 
   read_formats(root, c);
 

@@ -63,6 +63,8 @@ std::string function(const std::string& name, const Config& c) {
     set("transparent", fmt::format("std::array<std::uint8_t, 3>{{{}, {}, {}}}", t[0], t[1], t[2]));
   }
   set("fog", text("FogMode", c.fog));
+  set("fog_depth_bits", c.fog_depth_bits);
+  set("fog_zone_bits", c.fog_zone_bits);
   for (std::size_t i = 0; i < c.formats.size(); ++i) {
     out += fmt::format("  c.formats[{}] = {};  // {}\n", i, text(c.formats[i]),
                        key_of(static_cast<FormatId>(i)));

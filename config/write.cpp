@@ -125,6 +125,8 @@ std::string to_toml(const Config& c) {
 
   w.table("fog");
   w.key("mode", c.fog);
+  w.key("depth_bits", c.fog_depth_bits);
+  w.key("zone_bits", c.fog_zone_bits);
 
   w.table("formats");
   for (int i = 0; i < format_count; ++i) {
@@ -154,6 +156,10 @@ std::string config_hash(const Config& config) {
   used.edge_reciprocal = used_part(config.edge_reciprocal);
   used.row_reciprocal = used_part(config.row_reciprocal);
   used.pixel_reciprocal = used_part(config.pixel_reciprocal);
+  if (config.fog != FogMode::table) {
+    used.fog_depth_bits = Config().fog_depth_bits;
+    used.fog_zone_bits = Config().fog_zone_bits;
+  }
   // FNV-1a, 64 bits: the same on every machine.
   std::uint64_t hash = 0xcbf29ce484222325U;
   for (const char ch : to_toml(used)) {

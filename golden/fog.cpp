@@ -27,7 +27,9 @@ class Fogging {
         scale_(Quantizer<Real>(config.format(FormatId::fog_scale)).value(constants.record.fog_scale)),
         width_(scene.width),
         height_(scene.height),
-        depth_step_(pow2<Real>(-(config.depth_bits - 6))),
+        depth_steps_(1 << config.fog_depth_bits),
+        zones_(1 << config.fog_zone_bits),
+        depth_step_(pow2<Real>(-(config.depth_bits - config.fog_depth_bits))),
         unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)),
         quick_color_(config.format(FormatId::fog_color)) {
     no_fog_ = q_factor_.raw(q_factor_(Real(1)));
@@ -71,8 +73,8 @@ class Fogging {
       out.factor = q_factor_.raw(q_factor_.sum(-inverse.times(scale_), Real(1)));
     } else {
       const Real top = floor_of(h * depth_step_);
-      const std::int64_t hi = top < 0 ? 0 : top >= fog_depth_steps ? fog_depth_steps - 1 : to_integer(top);
-      out.index = fog_zones * hi + zone(fragment.x, fragment.y);
+      const std::int64_t hi = top < 0 ? 0 : top >= depth_steps_ ? depth_steps_ - 1 : to_integer(top);
+      out.index = hi * zones_ + zone(fragment.x, fragment.y);
       out.factor = table_[static_cast<std::size_t>(out.index)];
     }
   }
@@ -122,7 +124,7 @@ class Fogging {
     const Real dy = Real(2 * y + 1 - height_);
     const Real r2 = dx * dx + dy * dy;
     const Real r2_max = Real(width_ * width_ + height_ * height_);
-    return std::min<std::int64_t>(fog_zones - 1, to_integer(whole_of_quotient(r2 * fog_zones, r2_max).whole));
+    return std::min<std::int64_t>(zones_ - 1, to_integer(whole_of_quotient(r2 * zones_, r2_max).whole));
   }
 
   FogMode mode_;
@@ -130,6 +132,7 @@ class Fogging {
   Real b_, scale_;
   std::array<Real, 3> fog_{};
   std::int64_t width_, height_;
+  int depth_steps_, zones_;
   Real depth_step_;
   ReciprocalUnit<Real> unit_;
   std::vector<std::int64_t> table_;
@@ -158,13 +161,15 @@ std::vector<std::int64_t> fog_table(const Config& config, const Constants& const
   const Quad half_height = Quad(scene.height) / 2;
   const Quad r2_max = half_width * half_width + half_height * half_height;
   const Quad focal2 = Quad(scene.focal) * Quad(scene.focal);
-  const Quad depth_step = pow2<Quad>(config.depth_bits - 6);
+  const int depth_steps = 1 << config.fog_depth_bits;
+  const int zones = 1 << config.fog_zone_bits;
+  const Quad depth_step = pow2<Quad>(config.depth_bits) / depth_steps;
   std::vector<std::int64_t> table;
-  table.reserve(std::size_t{fog_depth_steps} * fog_zones);
-  for (int hi = 0; hi < fog_depth_steps; ++hi) {
+  table.reserve(static_cast<std::size_t>(depth_steps) * static_cast<std::size_t>(zones));
+  for (int hi = 0; hi < depth_steps; ++hi) {
     const Quad s = a / ((Quad(hi) + Quad(0.5)) * depth_step + b);
-    for (int zone = 0; zone < fog_zones; ++zone) {
-      const Quad r2 = (Quad(zone) + Quad(0.5)) / fog_zones * r2_max;
+    for (int zone = 0; zone < zones; ++zone) {
+      const Quad r2 = (Quad(zone) + Quad(0.5)) / zones * r2_max;
       const Quad t = s * sqrtq(1 + r2 / focal2) / Quad(scene.fog->distance);
       const Quad factor = expq(-t);
       const std::int64_t low = q.raw(q(factor * (1 - margin)));

@@ -18,10 +18,7 @@ using FogStage = std::function<void(std::span<const FragmentRecord* const>,
 FogStage make_fog(Arithmetic arithmetic, const Config& config, const Constants& constants,
                   const Scene& scene);
 
-inline constexpr int fog_depth_steps = 64;  // of h, the table's upper 6 index bits
-inline constexpr int fog_zones = 16;        // of r^2, the lower 4
-
-// The fog table's raw entries on fog.factor, index = 16 hi + zone. The scene has fog. [F2]
+// The fog table's raw entries on fog.factor, those of a depth step side by side. The scene has fog. [F2]
 std::vector<std::int64_t> fog_table(const Config& config, const Constants& constants, const Scene& scene);
 
 }  // namespace bitspan::golden

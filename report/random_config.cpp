@@ -153,6 +153,10 @@ Config draw(Random& random, std::span<const Config> bases) {
   const bool linear = c.perspective == Perspective::affine || c.perspective == Perspective::const_depth_rows;
   change_offset(random, c.start_offset.span_f, c.format(linear ? FormatId::span_uv_acc : FormatId::span_f));
   change_offset(random, c.start_offset.span_shade, c.format(FormatId::span_shade_acc));
+  if (random.chance(0.5)) {
+    c.fog_depth_bits = between(random, 1, std::min(c.depth_bits, max_fog_index_bits));
+    c.fog_zone_bits = between(random, 0, std::min(8, max_fog_index_bits - c.fog_depth_bits));
+  }
   return c;
 }
 

@@ -378,8 +378,9 @@ double table_bits(const Config& config) {
         (std::int64_t{1} << u.r->index_bits) + (u.r->kind == ReciprocalKind::lut_linear);
     bits += entries * (1 + u.r->table_bits);
   }
-  // 64 depths by 16 zones.
-  if (config.fog == FogMode::table) bits += std::int64_t{1024} * config.format(F::fog_factor).word;
+  if (config.fog == FogMode::table) {
+    bits += (std::int64_t{1} << config.fog_index_bits()) * config.format(F::fog_factor).word;
+  }
   return static_cast<double>(bits);
 }
 

@@ -277,19 +277,20 @@ template <class T>
 HWY_INLINE void table_factors(const FogStage& stage, const ShadePlan& plan, const FragmentBlock<T>& block,
                               ShadeColumns<T>& out) {
   const std::int32_t* table = plan.fog_table32.data();
+  const Lanes32 last(static_cast<std::int32_t>(stage.table.size() - 1));
   for (std::size_t i = 0; i < block.size; i += Lanes32::count) {
     // Lanes past the end hold anything.
     const Lanes32 step = Lanes32::load(block.fog_step + i);
     const Lanes32 zone = zones_at(plan.zones.data(), block.pixel + i, block.size - i);
-    const Lanes32 index = fog_index(step, zone) & Lanes32(fog_entries - 1);
+    const Lanes32 index = fog_index(stage, step, zone) & last;
     index.store(out.index + i);
     if constexpr (sizeof(T) == 4) {
 #if HWY_TARGET == HWY_AVX3
-      // Neighbours mostly share the step: its sixteen entries are one register.
-      static_assert(Lanes32::count == fog_zones);
+      // Neighbours mostly share the step: its entries are one register, where they are sixteen or fewer.
+      static_assert(Lanes32::count == 16);
       const std::int32_t one = block.fog_step[i];
-      if (all(step == Lanes32(one))) {
-        const Lanes32 entries = Lanes32::load(table + fog_zones * one);
+      if (stage.zone_bits <= 4 && all(step == Lanes32(one))) {
+        const Lanes32 entries = Lanes32::load(table + (one << stage.zone_bits));
         const auto which = hn::IndicesFromVec(Lanes32::Tag(), zone.v);
         Lanes32::from(hn::TableLookupLanes(entries.v, which)).store(out.factor + i);
         continue;

@@ -188,6 +188,7 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
     plan.zones = zones_of(pipeline.fog);
     if (fits_int32(pipeline.fog.table)) {
       plan.fog_table32.assign(pipeline.fog.table.begin(), pipeline.fog.table.end());
+      plan.fog_table32.resize(plan.fog_table32.size() + 16);
     }
   }
   ShadePlan::ShadeChain& chain = plan.chain;

@@ -53,7 +53,7 @@ struct ShadePlan {
   std::vector<std::int32_t> alpha32;   // Q[texture.alpha](a / 255); empty where int32 does not hold it
   std::vector<std::int64_t> alpha64;
   std::vector<std::uint8_t> zones;        // of the fog table, one a pixel; padded
-  std::vector<std::int32_t> fog_table32;  // raw, fog.factor; empty where int32 does not hold it
+  std::vector<std::int32_t> fog_table32;  // raw, fog.factor, padded; empty where int32 does not hold it
 
   // Of a channel that is the same at all three vertices: the fragments' value.
   struct ShadeChain {

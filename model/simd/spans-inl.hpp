@@ -8,6 +8,7 @@
 #include "model/simd/fixed.hpp"
 #include "model/simd/spans.hpp"
 #include "model/stages/depth-inl.hpp"
+#include "model/stages/fog-inl.hpp"
 #include "model/stages/span-inl.hpp"
 
 #if defined(BITSPAN_MODEL_SIMD_SPANS_INL) == defined(HWY_TARGET_TOGGLE)
@@ -299,10 +300,8 @@ class Filler {
       store_as(block_.v + k, point.v);
     }
     if (pipeline_.fog.mode == FogMode::table) {
-      const int shift = pipeline_.fog.h.fraction + pipeline_.fog.depth_bits - fog_depth_bits;
       for (std::size_t k = 0; k < block_.size; k += Lanes::count) {
-        const Lanes step = shifted_down(Lanes::load(block_.h + k), shift);
-        store_as(block_.fog_step + k, min(max(step, Lanes(0)), Lanes((1 << fog_depth_bits) - 1)));
+        store_as(block_.fog_step + k, fog_step(pipeline_.fog, Lanes::load(block_.h + k)));
       }
     }
   }

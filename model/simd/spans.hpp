@@ -88,8 +88,7 @@ void append(FragmentBlock<T>& block, const FragmentRecord& fragment, const Depth
   block.b[to] = static_cast<T>(fragment.b);
   block.a[to] = static_cast<T>(fragment.a);
   block.h[to] = fragment.h;
-  const int128 step = floor_of({fragment.h, fog.h.fraction + fog.depth_bits - fog_depth_bits});
-  block.fog_step[to] = static_cast<std::int32_t>(std::clamp<int128>(step, 0, (1 << fog_depth_bits) - 1));
+  block.fog_step[to] = static_cast<std::int32_t>(fog_step(fog, fragment.h));
   block.triangle[to] = static_cast<std::int32_t>(fragment.triangle);
 }
 

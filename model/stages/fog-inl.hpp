@@ -68,10 +68,19 @@ HWY_INLINE LinearFog<ValueOf<Int>> linear_fog(const FogStage& stage, const FogFo
   return {inverse.m, V(inverse.e), quantize(rest, fraction + up, formats.factor, watch)};
 }
 
-// The entry of the table; step: the top bits of h.
+// The step of depth of h: its top bits, within the table.
 template <class V>
-HWY_INLINE V fog_index(V step, V zone) {
-  return step * V(fog_zones) + zone;
+HWY_INLINE V fog_step(const FogStage& stage, V h) {
+  const V last(stage.last_step);
+  const V held = max(h, V(0));
+  if (stage.step_shift >= 0) return min(held >> stage.step_shift, last);
+  return min(min(held, last) << -stage.step_shift, last);
+}
+
+// The entry of the table.
+template <class V>
+HWY_INLINE V fog_index(const FogStage& stage, V step, V zone) {
+  return (step << stage.zone_bits) + zone;
 }
 
 }  // namespace bitspan::model::HWY_NAMESPACE

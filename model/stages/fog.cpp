@@ -38,16 +38,16 @@ void exact_entry(Real& out, const Config& config, const Constants& constants, co
   // S = B s_max / (hc + B)
   set(s, b_of(config, constants.record));
   set(t, Exact{2 * hi + 1, 1});
-  mpfr_mul_2si(t.get(), t.get(), config.depth_bits - fog_depth_bits, MPFR_RNDN);
+  mpfr_mul_2si(t.get(), t.get(), config.depth_bits - config.fog_depth_bits, MPFR_RNDN);
   mpfr_add(t.get(), t.get(), s.get(), MPFR_RNDN);
   mpfr_mul_d(s.get(), s.get(), scene.s_max, MPFR_RNDN);
   mpfr_div(s.get(), s.get(), t.get(), MPFR_RNDN);
-  // r2 = (zone + 1/2)/16 (W^2 + H^2)/4
+  // r2 = (zone + 1/2) / 2^zone_bits (W^2 + H^2)/4
   const auto w = static_cast<unsigned long>(scene.width);
   const auto h = static_cast<unsigned long>(scene.height);
   mpfr_set_ui(r.get(), w * w + h * h, MPFR_RNDN);
   mpfr_mul_ui(r.get(), r.get(), 2 * static_cast<unsigned long>(zone) + 1, MPFR_RNDN);
-  mpfr_div_2ui(r.get(), r.get(), 7, MPFR_RNDN);
+  mpfr_div_2ui(r.get(), r.get(), static_cast<unsigned long>(config.fog_zone_bits) + 3, MPFR_RNDN);
   // D = S sqrt(1 + r2/F^2)
   mpfr_div_d(r.get(), r.get(), scene.focal, MPFR_RNDN);
   mpfr_div_d(r.get(), r.get(), scene.focal, MPFR_RNDN);
@@ -74,12 +74,15 @@ int128 floor_at(Real& x, int fraction) {
 
 }  // namespace
 
+std::int64_t fog_step(const FogStage& stage, std::int64_t h) { return HWY_NAMESPACE::fog_step(stage, h); }
+
 int fog_zone(const FogStage& stage, std::int64_t x, std::int64_t y) {
   // In half pixels.
   const std::int64_t dx = 2 * x + 1 - stage.width;
   const std::int64_t dy = 2 * y + 1 - stage.height;
   const std::int64_t all = stage.width * stage.width + stage.height * stage.height;
-  return static_cast<int>(std::min<std::int64_t>(fog_zones - 1, fog_zones * (dx * dx + dy * dy) / all));
+  const std::int64_t zones = std::int64_t{1} << stage.zone_bits;
+  return static_cast<int>(std::min(zones - 1, zones * (dx * dx + dy * dy) / all));
 }
 
 template <class Watch>
@@ -110,8 +113,11 @@ FogStage prepare_fog(const Config& config, const Constants& constants, const Sce
   s.mode = scene.fog ? config.fog : FogMode::none;
   s.width = scene.width;
   s.height = scene.height;
-  s.depth_bits = config.depth_bits;
-  s.h = make_register(config, FormatId::span_h);
+  s.zone_bits = config.fog_zone_bits;
+  s.last_step = (std::int64_t{1} << config.fog_depth_bits) - 1;
+  // Farther, no bit of h is left, or every h but 0 is past the last step.
+  s.step_shift = std::clamp(
+      config.format(FormatId::span_h).fraction() + config.depth_bits - config.fog_depth_bits, -40, 63);
   static_cast<FogFormats&>(s) = fog_formats(config);
   s.q = make_inverse_depth(config, constants);
   s.reciprocal = ReciprocalUnit(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
@@ -125,10 +131,11 @@ FogStage prepare_fog(const Config& config, const Constants& constants, const Sce
       throw InputError("scene '" + scene.name +
                        "': the fog's distance and the focal length must be positive and finite");
     }
-    s.table.resize(fog_entries);
-    for (int i = 0; i < fog_entries; ++i) {
-      s.table[static_cast<std::size_t>(i)] =
-          fog_entry(config, constants, scene, i / fog_zones, i % fog_zones, watch);
+    s.table.reserve(std::size_t{1} << config.fog_index_bits());
+    for (int hi = 0; hi <= s.last_step; ++hi) {
+      for (int zone = 0; zone < 1 << s.zone_bits; ++zone) {
+        s.table.push_back(fog_entry(config, constants, scene, hi, zone, watch));
+      }
     }
     mpfr_free_cache2(MPFR_FREE_LOCAL_CACHE);  // the thread may end after this
   }
@@ -159,9 +166,8 @@ void fog(const FogStage& stage, const FragmentRecord& fragment, const TextureRec
       out.recip_e = linear.recip_e;
       out.factor = linear.factor;
     } else {
-      const auto step = floor_of({fragment.h, stage.h.fraction + stage.depth_bits - fog_depth_bits});
-      const auto hi = static_cast<std::int64_t>(std::clamp<int128>(step, 0, (1 << fog_depth_bits) - 1));
-      out.index = text::fog_index<std::int64_t>(hi, fog_zone(stage, fragment.x, fragment.y));
+      out.index = text::fog_index<std::int64_t>(stage, fog_step(stage, fragment.h),
+                                                fog_zone(stage, fragment.x, fragment.y));
       out.factor = stage.table[static_cast<std::size_t>(out.index)];
     }
     for (std::size_t c = 0; c < own.size(); ++c) {

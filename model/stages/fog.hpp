@@ -1,4 +1,4 @@
-// fog: the share of the fragment's own colour, linear (F3) or from the 1024-entry table (F2), and the mix
+// fog: the share of the fragment's own colour, linear (F3) or from a table (F2), and the mix
 // with the fog's colour. docs/numeric-spec.md, "fog".
 #pragma once
 
@@ -15,10 +15,6 @@
 #include "scene/scene.hpp"
 
 namespace bitspan::model {
-
-inline constexpr int fog_zones = 16;      // of r^2
-inline constexpr int fog_depth_bits = 6;  // top bits of h
-inline constexpr int fog_entries = fog_zones << fog_depth_bits;
 
 // What fog computes by, known from the configuration alone.
 struct FogFormats {
@@ -44,8 +40,9 @@ struct FogStage : FogFormats {
   FogMode mode = FogMode::none;  // none also where the scene has no fog
   std::array<std::uint8_t, 3> fog_color{};
   std::int64_t width = 0, height = 0;  // of the picture
-  int depth_bits = 16;
-  Register h;
+  int zone_bits = 4;
+  std::int64_t last_step = 63;  // of depth
+  int step_shift = 10;          // bits of h below a step; negative where a step is finer than h
   InverseDepth q;
   ReciprocalUnit reciprocal;        // R_pixel
   Exact scale;                      // fog_scale
@@ -60,11 +57,13 @@ template <class Watch = NoObserve>
 void fog(const FogStage& stage, const FragmentRecord& fragment, const TextureRecord& texture, FogRecord& out,
          Watch watch = {});
 
-// The zone of a pixel: floor(16 n / d) of its distance from the picture's middle, at most 15.
+// The step of depth of h (raw, span.h): its top bits.
+std::int64_t fog_step(const FogStage& stage, std::int64_t h);
+
+// The zone of a pixel, by the square of its distance from the picture's middle.
 int fog_zone(const FogStage& stage, std::int64_t x, std::int64_t y);
 
-// Entry of the table for depth step hi (0..63) and zone (0..15): Q[fog.factor](exp(-D/DT)), correctly
-// rounded.
+// Entry of the table for a step of depth and a zone: Q[fog.factor](exp(-D/DT)), correctly rounded.
 template <class Watch = NoObserve>
 std::int64_t fog_entry(const Config& config, const Constants& constants, const Scene& scene, int hi, int zone,
                        Watch watch = {});

@@ -43,6 +43,19 @@ TEST(Check, RangesOfPlainKeys) {
   expect_range("raster.subpixel_bits", 0, 12, [](Config& c, int v) { c.subpixel_bits = v; });
   expect_range("raster.coordinate_bits", 2, 24, [](Config& c, int v) { c.coordinate_bits = v; });
   expect_range("depth.bits", 8, 32, [](Config& c, int v) { c.depth_bits = v; });
+  expect_range("fog.depth_bits", 1, 8, [](Config& c, int v) {
+    c.depth_bits = 8;
+    c.fog_depth_bits = v;
+  });
+  expect_range("fog.depth_bits", 1, 12, [](Config& c, int v) {
+    c.fog_depth_bits = v;
+    c.fog_zone_bits = 0;
+  });
+  expect_range("fog.zone_bits", 0, 6, [](Config& c, int v) { c.fog_zone_bits = v; });
+  expect_range("fog.zone_bits", 0, 8, [](Config& c, int v) {
+    c.fog_depth_bits = 2;
+    c.fog_zone_bits = v;
+  });
   expect_range("reciprocal.pixel.operand_bits", 7, 60, [](Config& c, int v) {
     c.pixel_reciprocal.operand_bits = v;
     if (v < 7) c.pixel_reciprocal.operand_bits = 1;

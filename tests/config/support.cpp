@@ -140,6 +140,8 @@ Config random_config(std::mt19937_64& random) {
     for (std::uint8_t& code : *c.transparent) code = static_cast<std::uint8_t>(pick.integer(0, 255));
   }
   c.fog = pick.name<FogMode>();
+  c.fog_depth_bits = pick.integer(1, 8);
+  c.fog_zone_bits = pick.integer(0, 4);
   for (Format& f : c.formats) f = pick.format();
   c.format(F::merge_color) = {8, 8, false, pick.name<Rounding>(), Overflow::sat, false};
   c.format(F::texture_frac) = {pick.integer(1, 20), 0, false, Rounding::trn, Overflow::sat, false};

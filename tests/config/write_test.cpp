@@ -53,7 +53,7 @@ TEST(Write, TheHashIsTheSameOnEveryMachine) {
   // Of the built-in defaults, computed once; a change of the canonical text changes it on purpose.
   const Config c;
   EXPECT_EQ(config_hash(c).size(), 16U);
-  EXPECT_EQ(config_hash(c), "263698f942e1baa1");
+  EXPECT_EQ(config_hash(c), "50fcfbff116739e6");
 }
 
 TEST(Write, TheHashLeavesOutTheNameAndUnusedKeys) {
@@ -68,6 +68,14 @@ TEST(Write, TheHashLeavesOutTheNameAndUnusedKeys) {
   EXPECT_EQ(config_hash(d), config_hash(c));
   d.row_reciprocal.bits_per_cycle = 1;
   EXPECT_NE(config_hash(d), config_hash(c));
+  d = c;
+  d.fog_depth_bits = 7;
+  d.fog_zone_bits = 3;
+  EXPECT_NE(config_hash(d), config_hash(c));  // the fog is a table's
+  d.fog = FogMode::linear;
+  const std::string linear = config_hash(d);
+  d.fog_depth_bits = 5;
+  EXPECT_EQ(config_hash(d), linear);
 }
 
 TEST(Write, TheHashSeesEveryKey) {

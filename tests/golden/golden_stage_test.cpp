@@ -333,33 +333,44 @@ void depth_codes_by_hand(Arithmetic arithmetic) {
 TEST(GoldenStage, DepthCodesByHand) { depth_codes_by_hand({Width::x87, true}); }
 TEST(GoldenStage, DepthCodesByHandInColumns) { depth_codes_by_hand(plain_double); }
 
-TEST(GoldenStage, FogTableIsMonotone) {
-  const Config c = shipped_config("depth16");
+void fog_table_is_monotone(int depth_bits, int zone_bits) {
+  Config c = shipped_config("depth16");
+  c.fog_depth_bits = depth_bits;
+  c.fog_zone_bits = zone_bits;
+  const int depth_steps = 1 << depth_bits;
+  const int zones = 1 << zone_bits;
   const Scene scene = test_scene();
   const Constants k = make_constants(c, scene);
   const auto table = fog_table(c, k, scene);
-  ASSERT_EQ(table.size(), 1024U);
+  ASSERT_EQ(table.size(), static_cast<std::size_t>(depth_steps * zones));
   std::set<std::int64_t> values;
-  for (int hi = 0; hi < fog_depth_steps; ++hi) {
-    for (int zone = 0; zone < fog_zones; ++zone) {
-      const auto at = static_cast<std::size_t>(fog_zones * hi + zone);
+  for (int hi = 0; hi < depth_steps; ++hi) {
+    for (int zone = 0; zone < zones; ++zone) {
+      const auto at = static_cast<std::size_t>(zones * hi + zone);
       values.insert(table[at]);
       if (zone > 0) {
         EXPECT_LE(table[at], table[at - 1]);  // farther from the axis: more fog
       }
       if (hi > 0) {
-        EXPECT_GE(table[at], table[at - fog_zones]);  // nearer: less fog
+        EXPECT_GE(table[at], table[at - static_cast<std::size_t>(zones)]);  // nearer: less fog
       }
       const double b =
           static_cast<double>(k.record.b) * std::ldexp(1.0, -c.format(FormatId::setup_b).fraction());
-      const double s = b * scene.s_max / ((hi + 0.5) * 1024 + b);
-      const double r2 = (zone + 0.5) / 16 * (48.0 * 48 + 40 * 40);
+      const double s = b * scene.s_max / ((hi + 0.5) * 65536 / depth_steps + b);
+      const double r2 = (zone + 0.5) / zones * (48.0 * 48 + 40 * 40);
       const double factor = std::exp(-s * std::sqrt(1 + r2 / (70.0 * 70)) / 60);
       EXPECT_NEAR(static_cast<double>(table[at]),
                   factor * std::ldexp(1.0, c.format(FormatId::fog_factor).fraction()), 0.5 + 1e-9);
     }
   }
   EXPECT_GT(values.size(), 50U);
+}
+
+TEST(GoldenStage, FogTableIsMonotone) {
+  fog_table_is_monotone(6, 4);
+  fog_table_is_monotone(7, 3);
+  fog_table_is_monotone(8, 2);
+  fog_table_is_monotone(5, 5);
 }
 
 void fog_and_merge_by_hand(Arithmetic fog_arithmetic, Arithmetic merge_arithmetic) {

@@ -133,6 +133,21 @@ TEST(Forms, RandomConfigurations) {
   EXPECT_GT(written, 100000U);
 }
 
+TEST(Forms, SplitsOfTheFogTable) {
+  std::uint64_t seed = 300;
+  for (const Config& base : shipped_bases()) {
+    for (const auto& [depth_bits, zone_bits] : {std::pair(7, 3), {8, 2}, {5, 5}, {12, 0}, {1, 8}}) {
+      Config c = base;
+      c.fog_depth_bits = depth_bits;
+      c.fog_zone_bits = zone_bits;
+      compare_forms(c, demo_scene(160, 120),
+                    base.name + ", " + std::to_string(depth_bits) + " + " + std::to_string(zone_bits));
+      ++seed;
+      compare_forms(c, random_scene(seed, small_scenes()), base.name + ", seed " + std::to_string(seed));
+    }
+  }
+}
+
 // Depth codes that fill all 32 bits of the buffer, where signed and unsigned order differ.
 TEST(Forms, WidestDepthBuffer) {
   for (const DepthCode code : {DepthCode::inverse, DepthCode::opengl}) {

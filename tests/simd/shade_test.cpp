@@ -123,7 +123,7 @@ std::vector<FragmentRecord> random_fragments(Random& random, const Case& c, Pixe
       f.x = at % c.scene.width;
       f.y = at / c.scene.width;
       f.covered = 1;
-      f.h = random_raw(random, c.pipeline.fog.h);
+      f.h = random_raw(random, make_register(c.config, FormatId::span_h));
       f.u = random_raw(random, t.uv);
       f.v = random_raw(random, t.uv);
       for (const auto shade :
@@ -151,7 +151,6 @@ std::unique_ptr<FragmentBlock<T>> block_of(const Case& c, const std::vector<Frag
     if (!depth(c.pipeline.depth, f, stored[at], z)) continue;
     stored[at] = static_cast<std::uint32_t>(z.z);
     const std::size_t i = block->size++;
-    const auto step = floor_of({f.h, c.pipeline.fog.h.fraction + c.config.depth_bits - fog_depth_bits});
     block->pixel[i] = static_cast<std::int32_t>(at);
     block->z[i] = static_cast<std::int32_t>(z.z);
     block->u[i] = static_cast<T>(f.u);
@@ -160,7 +159,7 @@ std::unique_ptr<FragmentBlock<T>> block_of(const Case& c, const std::vector<Frag
     block->g[i] = static_cast<T>(f.g);
     block->b[i] = static_cast<T>(f.b);
     block->a[i] = static_cast<T>(f.a);
-    block->fog_step[i] = static_cast<std::int32_t>(std::clamp<int128>(step, 0, 63));
+    block->fog_step[i] = static_cast<std::int32_t>(fog_step(c.pipeline.fog, f.h));
     block->h[i] = f.h;
     block->triangle[i] = static_cast<std::int32_t>(f.triangle);
   }
@@ -452,22 +451,23 @@ TEST(Shade, ConstantShadeIsWhatTheWalksDeliver) {
 }
 
 TEST(Shade, ZonesAreThoseOfTheFogStage) {
-  const Config config = shipped_config("depth16");
-  for (const auto& [w, h] : std::initializer_list<std::pair<int, int>>{
-           {1, 1}, {2, 1}, {1, 7}, {3, 2}, {64, 48}, {65, 49}, {100, 3}, {5, 90}}) {
-    Scene scene;
-    scene.width = w;
-    scene.height = h;
-    scene.fog.emplace();
-    const Pipeline pipeline = make_pipeline(config, scene);
-    const ShadePlan plan = prepare_shade(pipeline, config, scene);
-    for (int y = 0; y < h; ++y) {
-      for (int x = 0; x < w; ++x) {
-        ASSERT_EQ(plan.zones[static_cast<std::size_t>(y * w + x)], fog_zone(pipeline.fog, x, y))
-            << w << "x" << h << ", " << x << ", " << y;
+  Config config = shipped_config("depth16");
+  for (config.fog_zone_bits = 0; config.fog_zone_bits <= 6; config.fog_zone_bits += 2)
+    for (const auto& [w, h] : std::initializer_list<std::pair<int, int>>{
+             {1, 1}, {2, 1}, {1, 7}, {3, 2}, {64, 48}, {65, 49}, {100, 3}, {5, 90}}) {
+      Scene scene;
+      scene.width = w;
+      scene.height = h;
+      scene.fog.emplace();
+      const Pipeline pipeline = make_pipeline(config, scene);
+      const ShadePlan plan = prepare_shade(pipeline, config, scene);
+      for (int y = 0; y < h; ++y) {
+        for (int x = 0; x < w; ++x) {
+          ASSERT_EQ(plan.zones[static_cast<std::size_t>(y * w + x)], fog_zone(pipeline.fog, x, y))
+              << w << "x" << h << ", " << x << ", " << y;
+        }
       }
     }
-  }
 }
 
 TEST(Shade, WhatMayShowThrough) {

@@ -60,7 +60,7 @@ TEST(Fog, LinearByDistance) {
   EXPECT_EQ(decoded(thick(0, 0, 0).r, fog.config.format(FormatId::fog_color)), 200);
 }
 
-TEST(Fog, IndexIsSixBitsOfDepthAndFourOfRadius) {
+TEST(Fog, IndexIsSixBitsOfDepthAndFourOfTheZone) {
   const Foggy fog(FogMode::table);
   ASSERT_EQ(fog.stage.table.size(), 1024U);
   EXPECT_EQ(fog(0, 32, 24).index, 0);  // next to the middle
@@ -76,24 +76,79 @@ TEST(Fog, IndexIsSixBitsOfDepthAndFourOfRadius) {
   EXPECT_EQ(fog.factor(fog(0, 47, 24)), decoded(fog.stage.table[2], fog.config.format(FormatId::fog_factor)));
 }
 
+TEST(Fog, IndexOfOtherSplits) {
+  Foggy fog(FogMode::table);
+  const auto split = [&fog](int depth_bits, int zone_bits) {
+    fog.config.fog_depth_bits = depth_bits;
+    fog.config.fog_zone_bits = zone_bits;
+    fog.prepare();
+  };
+  split(8, 2);
+  ASSERT_EQ(fog.stage.table.size(), 1024U);
+  EXPECT_EQ(fog(255.9, 32, 24).index, 0);
+  EXPECT_EQ(fog(256, 32, 24).index, 4);
+  EXPECT_EQ(fog(70000, 0, 0).index, 255 * 4 + 3);
+  EXPECT_EQ(fog(0, 47, 24).index, 0);  // 4 * 0.15
+  EXPECT_EQ(fog(0, 60, 24).index, 2);  // (57^2 + 1) / 6400 = 0.508
+  split(5, 5);
+  EXPECT_EQ(fog(2047.9, 32, 24).index, 0);
+  EXPECT_EQ(fog(2048, 32, 24).index, 32);
+  EXPECT_EQ(fog(0, 47, 24).index, 4);  // 32 * 0.15 = 4.8
+  split(12, 0);
+  ASSERT_EQ(fog.stage.table.size(), 4096U);
+  EXPECT_EQ(fog(15.9, 0, 0).index, 0);
+  EXPECT_EQ(fog(16, 0, 0).index, 1);
+  split(1, 8);
+  ASSERT_EQ(fog.stage.table.size(), 512U);
+  EXPECT_EQ(fog(32768, 47, 24).index, 256 + 38);  // 256 * 0.1503
+}
+
+// A span.h so coarse that a step of depth is finer than its last place, and so fine that no step is left.
+TEST(Fog, IndexWhereTheStepIsNotWithinH) {
+  Foggy fog(FogMode::table);
+  fog.config.depth_bits = 8;
+  fog.config.fog_depth_bits = 8;
+  fog.config.format(FormatId::span_h) = {12, 14, true, Rounding::trn, Overflow::sat, false};
+  fog.prepare();
+  EXPECT_EQ(fog(4, 32, 24).index, 4 * 16);
+  EXPECT_EQ(fog(252, 32, 24).index, 252 * 16);
+  EXPECT_EQ(fog(256, 32, 24).index, 255 * 16);
+  EXPECT_EQ(fog(8188, 32, 24).index, 255 * 16);
+  EXPECT_EQ(fog(-4, 32, 24).index, 0);
+  fog.config.depth_bits = 32;
+  fog.config.fog_depth_bits = 1;
+  fog.config.format(FormatId::span_h) = {40, -20, true, Rounding::trn, Overflow::sat, false};
+  fog.prepare();
+  EXPECT_EQ(fog(1e-7, 32, 24).index, 0);
+}
+
 // The entries against exp and sqrt in long double; the register's last place is far above its error.
 TEST(Fog, TableIsCorrectlyRounded) {
   Foggy fog(FogMode::table, 1.3);
-  for (const Rounding mode : {Rounding::rnd, Rounding::trn, Rounding::rnd_conv}) {
+  const auto expect_rounded = [&fog](int depth_bits, int zone_bits, Rounding mode) {
+    fog.config.fog_depth_bits = depth_bits;
+    fog.config.fog_zone_bits = zone_bits;
     fog.config.format(FormatId::fog_factor) = {26, 1, false, mode, Overflow::sat, false};
     fog.prepare();
-    for (int hi = 0; hi < 64; ++hi) {
-      for (int zone = 0; zone < 16; ++zone) {
-        const long double s = 65535.0L * 2 / ((hi + 0.5L) * 1024 + 65535);
-        const long double r2 = (zone + 0.5L) / 16 * (32.0L * 32 + 24 * 24);
+    const int steps = 1 << depth_bits;
+    const int zones = 1 << zone_bits;
+    ASSERT_EQ(fog.stage.table.size(), static_cast<std::size_t>(steps * zones));
+    for (int hi = 0; hi < steps; ++hi) {
+      for (int zone = 0; zone < zones; ++zone) {
+        const long double s = 65535.0L * 2 / ((hi + 0.5L) * (65536.0L / steps) + 65535);
+        const long double r2 = (zone + 0.5L) / zones * (32.0L * 32 + 24 * 24);
         const long double d = s * sqrtl(1 + r2 / (50.0L * 50));
         const long double entry = std::ldexp(expl(-d / 1.3), 25);
         const long double nearest = mode == Rounding::trn ? floorl(entry) : floorl(entry + 0.5L);
-        ASSERT_EQ(fog.stage.table[static_cast<std::size_t>(16 * hi + zone)],
+        ASSERT_EQ(fog.stage.table[static_cast<std::size_t>(zones * hi + zone)],
                   static_cast<std::int64_t>(nearest))
             << hi << ", " << zone;
       }
     }
+  };
+  for (const Rounding mode : {Rounding::rnd, Rounding::trn, Rounding::rnd_conv}) expect_rounded(6, 4, mode);
+  for (const auto& [depth_bits, zone_bits] : {std::pair(7, 3), {8, 2}, {5, 5}, {12, 0}, {1, 8}}) {
+    expect_rounded(depth_bits, zone_bits, Rounding::rnd);
   }
 }
 
