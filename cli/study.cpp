@@ -114,20 +114,18 @@ std::string axis_value(const Axis& axis, const std::vector<KeySetting>& point) {
 
 std::string points_text(const StudyPlan& plan, Store& store) {
   const auto metrics = shown_metrics(plan);
-  const auto settings = points_of(plan);
   Table rows{{"i"}};
   for (const Axis& axis : plan.axes) rows[0].push_back(axis_name(axis));
   std::ranges::copy(metrics, std::back_inserter(rows[0]));
   rows[0].emplace_back("holds");
   std::size_t count = 0;
-  for (const Row& row : store.rows("SELECT i, holds, hash, status FROM study_points JOIN points USING (hash) "
-                                   "WHERE study = ? ORDER BY i",
+  for (const Row& row : store.rows("SELECT i, holds, hash, status, settings FROM study_points JOIN points "
+                                   "USING (hash) WHERE study = ? ORDER BY i",
                                    {plan.name})) {
     if (++count > table_rows) continue;
     std::vector<std::string> line{fmt::format("{}", integer_of(row[0]))};
-    for (const Axis& axis : plan.axes) {
-      line.push_back(axis_value(axis, settings.at(static_cast<std::size_t>(integer_of(row[0])))));
-    }
+    const auto settings = parse_settings(text_of(row[4]));
+    for (const Axis& axis : plan.axes) line.push_back(axis_value(axis, settings));
     const auto measured = store.metrics(text_of(row[2]));
     for (const std::string& metric : metrics) {
       const auto found = measured.find(metric);
@@ -178,6 +176,7 @@ int run_and_tell_search(const Options& o, const StudyPlan& plan, PointRunner& ru
       progress.update(p.evaluations, static_cast<std::size_t>(plan.search->evaluations));
     });
   }
+  export_csv(o, plan, store);
   fmt::print("{}", search_text(plan, result));
   if (interrupt.exit_code() != 0) {
     fmt::print("stopped; go on with: {}\n", same_command(o, store.path()));

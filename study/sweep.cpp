@@ -70,6 +70,27 @@ std::string settings_json(const std::vector<KeySetting>& settings) {
   return json.dump();
 }
 
+std::vector<KeySetting> parse_settings(std::string_view settings_json) {
+  std::vector<KeySetting> out;
+  try {
+    const auto json = nlohmann::ordered_json::parse(settings_json);
+    for (const auto& [path, value] : json.items()) {
+      if (value.is_boolean()) {
+        out.push_back({path, value.get<bool>()});
+      } else if (value.is_number_integer()) {
+        out.push_back({path, value.get<std::int64_t>()});
+      } else if (value.is_number()) {
+        out.push_back({path, value.get<double>()});
+      } else {
+        out.push_back({path, value.get<std::string>()});
+      }
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(std::string("a point's settings are unreadable: ") + error.what());
+  }
+  return out;
+}
+
 std::string scene_hash(const Scene& scene) {
   Fnv128 h;
   h.number(scene.width);
@@ -336,11 +357,9 @@ SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, 
 
 void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
                const std::function<void(std::string_view)>& write) {
-  const auto settings = points_of(plan);
   const auto rows = store.rows(
-      "SELECT i, holds, hash, status, message, seconds, config_hash FROM study_points JOIN points USING "
-      "(hash) "
-      "WHERE study = ? ORDER BY i",
+      "SELECT i, holds, hash, status, message, seconds, config_hash, settings FROM study_points JOIN points "
+      "USING (hash) WHERE study = ? ORDER BY i",
       {plan.name});
   std::vector<std::string> metrics = plan.metrics;
   if (metrics.empty()) {
@@ -368,10 +387,9 @@ void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
   cells.insert(cells.end(), {"seconds", "config_hash", "hash", "message", "replay"});
   line(cells);
   for (const Row& row : rows) {
-    const std::int64_t i = integer_of(row[0]);
     auto values = base;
-    for (const KeySetting& s : settings.at(static_cast<std::size_t>(i))) values[s.path] = to_string(s.value);
-    cells = {std::to_string(i)};
+    for (const KeySetting& s : parse_settings(text_of(row[7]))) values[s.path] = to_string(s.value);
+    cells = {std::to_string(integer_of(row[0]))};
     for (const Axis& axis : plan.axes) {
       for (const std::string& key : axis.keys) cells.push_back(values[key]);
     }

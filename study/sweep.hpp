@@ -37,8 +37,9 @@ std::string scenes_json(const std::vector<Scene>& scenes, std::optional<double> 
 // unreadable.
 std::optional<double> s_ratio_of(std::string_view scenes_json);
 
-// {"formats.span.h.word": 34, ...}, in their order.
+// {"formats.span.h.word": 34, ...}, in their order; and back. Throws InputError where it is unreadable.
 std::string settings_json(const std::vector<KeySetting>& settings);
+std::vector<KeySetting> parse_settings(std::string_view settings_json);
 
 // 32 hexadecimal digits over all that determines what is measured.
 std::string point_hash(const Config& config, const std::vector<Scene>& scenes, std::string_view version);
@@ -121,9 +122,9 @@ struct SweepResult {
 // plan names.
 SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options);
 
-// A line for the header and one for each point of the study that is in the database, as CSV (RFC 4180): i,
-// the keys that vary, status, holds, the metrics of the plan (or all), seconds, config_hash, hash, message
-// and the command that measures the point again: `replay`, a blank, its hash.
+// A line for the header and one for each point of the study that is in the database, of a sweep or a search,
+// as CSV (RFC 4180): i, the keys that vary, status, holds, the metrics of the plan (or all), seconds,
+// config_hash, hash, message and the command that measures the point again: `replay`, a blank, its hash.
 void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
                const std::function<void(std::string_view)>& write);
 

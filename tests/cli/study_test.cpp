@@ -47,6 +47,23 @@ class Study : public ::testing::Test {
     const int status = std::system(command(arguments).c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read(".out"), read(".err")};
   }
+  // Ctrl-C as soon as three points are in s.db.
+  Result interrupted(const std::string& arguments) const {
+    const pid_t child = fork();
+    if (child < 0) return {};
+    if (child == 0) {
+      signal(SIGINT, SIG_DFL);  // whatever started the test
+      const std::string text = command(arguments);
+      execl("/bin/sh", "sh", "-c", text.c_str(), nullptr);
+      _exit(127);
+    }
+    for (int i = 0; i < 600 && number("s.db", "SELECT count(*) FROM points") < 3; ++i)
+      std::this_thread::sleep_for(50ms);
+    kill(child, SIGINT);
+    int status = 0;
+    waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read(".out"), read(".err")};
+  }
   // Exit 2 and one line that holds `part`.
   void refused(const std::string& arguments, const std::string& part) const {
     const Result r = run(arguments);
@@ -141,6 +158,31 @@ TEST_F(Study, MeasuresOnceExportsAndReplays) {
   EXPECT_EQ(differs.code, 1) << differs.err;
   EXPECT_NE(differs.out.find("metric span.u.max: stored 1"), std::string::npos) << differs.out;
   EXPECT_NE(differs.out.find("1 differences"), std::string::npos) << differs.out;
+}
+
+// Four widths; the error is far below the limit, so that the search has far to go.
+std::string search_study(const std::string& limits) {
+  std::string out = "[study]\nname = \"s\"\nbase = \"depth16\"\nscenes = [\"a.tri\"]\n";
+  for (const char* key : {"span.h", "span.uv", "edge.h", "edge.uv"}) {
+    out += std::string("[[vary]]\nkeys = [\"formats.") + key + ".fraction\"]\nfrom = 1\nto = 18\n";
+  }
+  return out + "[[constraint]]\nmetric = \"span.u.p999\"\nat_most = 4\n[search]\n" + limits;
+}
+
+TEST_F(Study, ASearchExportsItsEvaluations) {
+  write("s.toml", search_study("algorithm = \"greedy\"\nevaluations = 30\n"));
+  const Result first = run("s.toml --csv out.csv");
+  EXPECT_EQ(first.code, 0) << first.out << first.err;
+  const std::string csv = read("out.csv");
+  EXPECT_TRUE(
+      csv.starts_with("i,formats.span.h.fraction,formats.span.uv.fraction,formats.edge.h.fraction,"
+                      "formats.edge.uv.fraction,status,holds,"))
+      << csv.substr(0, 300);
+  EXPECT_NE(csv.find("\r\n0,18,18,18,18,ok,1,"), std::string::npos);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 31);
+  const Result again = run("s.toml --csv again.csv --db s.db");
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(read("again.csv"), csv);
 }
 
 TEST_F(Study, ExitsByItsConstraints) {
@@ -244,33 +286,32 @@ TEST_F(Study, InterruptStopsAndTheSameCommandGoesOn) {
         "[study]\nname = \"s\"\nbase = \"depth16\"\nscenes = [\"a.tri\"]\n"
         "[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 25\nto = 44\n"
         "[[vary]]\nkeys = [\"formats.span.uv.word\"]\nfrom = 20\nto = 39\n");
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    signal(SIGINT, SIG_DFL);  // whatever started the test
-    const std::string text = command("s.toml --threads 1");
-    execl("/bin/sh", "sh", "-c", text.c_str(), nullptr);
-    _exit(127);
-  }
-  for (int i = 0; i < 600 && number("s.db", "SELECT count(*) FROM points") < 3; ++i)
-    std::this_thread::sleep_for(50ms);
-  kill(child, SIGINT);
-  int status = 0;
-  waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 130) << read(".out") << read(".err");
+  const Result stopped = interrupted("s.toml --threads 1");
+  EXPECT_EQ(stopped.code, 130) << stopped.out << stopped.err;
   const std::int64_t kept = number("s.db", "SELECT count(*) FROM points");
   EXPECT_GE(kept, 3);
   EXPECT_LT(kept, 400);
-  const std::string told = read(".out");
-  EXPECT_NE(told.find("stopped: "), std::string::npos) << told;
-  EXPECT_NE(told.find(" of 400 points are in s.db; go on with: bitspan study s.toml --db s.db"),
+  EXPECT_NE(stopped.out.find("stopped: " + std::to_string(kept) +
+                             " of 400 points are in s.db; go on with: bitspan study s.toml --db s.db\n"),
             std::string::npos)
-      << told;
+      << stopped.out;
   const Result limited = run("s.toml --points 5");
   EXPECT_EQ(limited.code, 0) << limited.err;
   EXPECT_NE(limited.out.find("not finished: "), std::string::npos) << limited.out;
   EXPECT_EQ(number("s.db", "SELECT count(*) FROM points"), kept + 5);
+}
+
+TEST_F(Study, AnInterruptedSearchExportsWhatIsThere) {
+  write("s.toml", search_study("algorithm = \"annealing\"\nevaluations = 100000\n"));
+  const Result stopped = interrupted("s.toml --threads 1 --csv out.csv");
+  EXPECT_EQ(stopped.code, 130) << stopped.out << stopped.err;
+  const std::string csv = read("out.csv");
+  EXPECT_NE(csv.find("\r\n0,18,18,18,18,ok,1,"), std::string::npos) << csv.substr(0, 300);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'),
+            1 + number("s.db", "SELECT count(*) FROM study_points"));
+  const std::string told = "stopped; go on with: bitspan study s.toml --db s.db --csv out.csv\n";
+  EXPECT_TRUE(stopped.out.ends_with(told)) << stopped.out;
+  EXPECT_EQ(stopped.out.find("go on with"), stopped.out.rfind("go on with")) << stopped.out;
 }
 
 }  // namespace

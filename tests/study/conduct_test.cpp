@@ -1,8 +1,10 @@
 // What follows a study's points: the search in the database, what is recommended, and its examination.
 #include "study/conduct.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -83,6 +85,58 @@ TEST(Conduct, TheSearchLeavesItsStepsAndItsCertificate) {
       },
       b.store, "test");
   EXPECT_EQ(run_search(b.plan, again, b.store, {}, {}).point, result.point);
+}
+
+std::string csv_of(const StudyPlan& plan, Store& store) {
+  std::string out;
+  write_csv(plan, store, "again", [&](std::string_view text) { out += text; });
+  return out;
+}
+
+TEST(Conduct, TheCsvOfASearchHasARowAnEvaluation) {
+  Bench b(search_text);
+  const SearchResult result = run_search(b.plan, b.runner, b.store, {}, {});
+  const std::string csv = csv_of(b.plan, b.store);
+  std::string expected =
+      "i,formats.span.h.word,status,holds,cost.register_bits,span.u.p999,seconds,config_hash,hash,message,"
+      "replay\r\n";
+  std::size_t at = 0;
+  ASSERT_EQ(csv.substr(0, expected.size()), expected);
+  for (std::size_t i = 0; i < result.steps.size(); ++i) {
+    at = csv.find("\r\n", at) + 2;
+    const SearchStep& step = result.steps[i];
+    const std::size_t word = 18 + step.point[0];
+    expected = fmt::format("{},{},ok,{},{},{},", i, word, step.holds ? 1 : 0, word,
+                           std::ldexp(0.5, 16 - static_cast<int>(word)));
+    EXPECT_EQ(csv.substr(at, expected.size()), expected);
+  }
+  EXPECT_EQ(csv.find("\r\n", at) + 2, csv.size());
+  // The same where every point was known.
+  run_search(b.plan, b.runner, b.store, {}, {});
+  EXPECT_EQ(csv_of(b.plan, b.store), csv);
+}
+
+TEST(Conduct, ASearchCutShortExportsWhatIsThere) {
+  Bench b(search_text);
+  std::stop_source stop;
+  int calls = 0;
+  PointRunner runner(
+      b.plan.base, {demo_scene(64, 48)},
+      [&](const std::vector<Scene>& scenes) -> Measure {
+        return [&, measure = fake_meter()(scenes)](const Config& config) {
+          if (++calls == 4) stop.request_stop();  // the base, and three of the search
+          return measure(config);
+        };
+      },
+      b.store, "test");
+  RunOptions options;
+  options.stop = stop.get_token();
+  const SearchResult result = run_search(b.plan, runner, b.store, options, {});
+  EXPECT_EQ(result.stopped_by, StoppedBy::interrupt);
+  EXPECT_EQ(result.steps.size(), 3U);
+  const std::string csv = csv_of(b.plan, b.store);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
+  EXPECT_NE(csv.find("\r\n2,24,ok,1,24,"), std::string::npos) << csv;
 }
 
 TEST(Conduct, WhatHoldsNowhereIsNotRecommended) {

@@ -329,6 +329,18 @@ TEST(Sweep, StretchesScenesAndMakesOneMeterForEach) {
   EXPECT_TRUE(names(text_of(rows[1][1]), "\"s_ratio\":1000.5"));
 }
 
+TEST(Sweep, SettingsComeBackFromTheirText) {
+  const std::vector<KeySetting> settings{{"z", std::int64_t{-34}},
+                                         {"a", true},
+                                         {"scene.s_ratio", 0.1 + 0.2},
+                                         {"whole", 1000.0},
+                                         {"texture.transparent", std::string("[255, 0, 255]")}};
+  EXPECT_EQ(parse_settings(settings_json(settings)), settings);
+  EXPECT_TRUE(parse_settings("{}").empty());
+  EXPECT_TRUE(names(input_error([] { parse_settings("{\"a\":"); }), "unreadable"));
+  EXPECT_TRUE(names(input_error([] { parse_settings("{\"a\":null}"); }), "unreadable"));
+}
+
 TEST(Sweep, ScenesTellTheirRatio) {
   EXPECT_EQ(s_ratio_of(scenes_json({small_scene()}, std::nullopt)), std::nullopt);
   EXPECT_EQ(s_ratio_of(scenes_json({small_scene(), small_scene()}, 0.1 + 0.2)), 0.1 + 0.2);
