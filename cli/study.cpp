@@ -146,24 +146,23 @@ void export_csv(const Options& o, const StudyPlan& plan, Store& store) {
   file.commit();
 }
 
-// The command that goes on where this one ended.
-std::string same_command(const Options& o, const std::string& db) {
-  return fmt::format("bitspan study {} --db {}{}{}", shell_word(o.inputs[0]), shell_word(db),
-                     o.csv.empty() ? "" : " --csv " + shell_word(o.csv),
-                     o.report.empty() ? "" : " --report " + shell_word(o.report));
+// Of a study that is not whole: the command that goes on where this one ended; the exit code.
+int cut_short(const Options& o, const std::string& so_far, const Store& store, const Interrupt& interrupt) {
+  fmt::print("{}{}; go on with: bitspan study {} --db {}{}{}\n",
+             interrupt.exit_code() != 0 ? "stopped" : "not finished", so_far, shell_word(o.inputs[0]),
+             shell_word(store.path()), o.csv.empty() ? "" : " --csv " + shell_word(o.csv),
+             o.report.empty() ? "" : " --report " + shell_word(o.report));
+  return interrupt.exit_code();
 }
 
-// What comes after the points of a study that is whole: 0, or 1 where something that is recommended does not
-// hold.
+// What comes after the points of a study, where nothing stopped it: 0, or 1 where no point holds, or
+// something that is recommended does not.
 int end_study(const Options& o, const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
-              const Interrupt& interrupt) {
-  const bool held = conclude(plan, scenes, store, interrupt.token());
-  if (interrupt.exit_code() != 0) {
-    fmt::print("stopped; go on with: {}\n", same_command(o, store.path()));
-    return interrupt.exit_code();
-  }
+              const Interrupt& interrupt, bool any_holds) {
+  const bool held = interrupt.exit_code() == 0 && conclude(plan, scenes, store, interrupt.token());
+  if (interrupt.exit_code() != 0) return cut_short(o, "", store, interrupt);
   if (!o.report.empty()) write_study_report(store.path(), plan.name, o.report);
-  return held ? exit_held : exit_difference;
+  return any_holds && held ? exit_held : exit_difference;
 }
 
 int run_and_tell_search(const Options& o, const StudyPlan& plan, PointRunner& runner, Store& store,
@@ -178,12 +177,7 @@ int run_and_tell_search(const Options& o, const StudyPlan& plan, PointRunner& ru
   }
   export_csv(o, plan, store);
   fmt::print("{}", search_text(plan, result));
-  if (interrupt.exit_code() != 0) {
-    fmt::print("stopped; go on with: {}\n", same_command(o, store.path()));
-    return interrupt.exit_code();
-  }
-  const int end = end_study(o, plan, scenes, store, interrupt);
-  return result.found ? end : exit_difference;
+  return end_study(o, plan, scenes, store, interrupt, result.found);
 }
 
 int sweep(const Options& o, const StudyPlan& plan, PointRunner& runner, Store& store, RunOptions options,
@@ -203,13 +197,11 @@ int sweep(const Options& o, const StudyPlan& plan, PointRunner& runner, Store& s
              plan.constraints.empty() ? " (there is no constraint)" : "", result.measured, seconds);
   fmt::print("one point again: {} HASH\n", replay_command(store.path()));
   if (!result.finished()) {
-    fmt::print("{}: {} of {} points are in {}; go on with: {}\n",
-               interrupt.exit_code() != 0 ? "stopped" : "not finished", result.points - result.missing,
-               result.points, store.path(), same_command(o, store.path()));
-    return interrupt.exit_code();
+    const std::string so_far = fmt::format(": {} of {} points are in {}", result.points - result.missing,
+                                           result.points, store.path());
+    return cut_short(o, so_far, store, interrupt);
   }
-  const int end = end_study(o, plan, scenes, store, interrupt);
-  return result.holding == 0 ? exit_difference : end;
+  return end_study(o, plan, scenes, store, interrupt, result.holding != 0);
 }
 
 int run_study(const Options& o) {
