@@ -90,28 +90,27 @@ void add_area(const std::string& metric, const Config& config, Store& store, con
   metrics[prefix + "memory_bits"] = static_cast<double>(a.counts.memory_bits);
 }
 
-void write_search(const StudyPlan& plan, const SearchResult& result, PointRunner& runner, Store& store) {
-  const auto hash_of = [&](const SearchPoint& point) {
-    return runner.prepare(settings_of(plan.axes, point)).hash;
-  };
+// hashes: of the points evaluated, by the text of their settings.
+void write_search(const StudyPlan& plan, const SearchResult& result, const std::string& base_hash,
+                  const std::map<std::string, std::string>& hashes, Store& store) {
   store.transaction([&] {
-    store.run("INSERT OR REPLACE INTO studies VALUES(?, ?, 'search', ?)",
-              {plan.name, plan.text, runner.prepare({}).hash});
+    store.run("INSERT OR REPLACE INTO studies VALUES(?, ?, 'search', ?)", {plan.name, plan.text, base_hash});
     for (const char* table : {"study_points", "search_steps", "certificate"}) {
       store.run(fmt::format("DELETE FROM {} WHERE study = ?", table), {plan.name});
     }
     std::int64_t i = 0;
     for (const SearchStep& step : result.steps) {
-      store.run("INSERT INTO study_points VALUES(?, ?, ?, ?, ?)",
-                {plan.name, i, hash_of(step.point), settings_json(settings_of(plan.axes, step.point)),
-                 std::int64_t{step.holds ? 1 : 0}});
+      const std::string settings = settings_json(settings_of(plan.axes, step.point));
+      const std::string& hash = hashes.at(settings);
+      const std::int64_t holds = step.holds ? 1 : 0;
+      store.run("INSERT INTO study_points VALUES(?, ?, ?, ?, ?)", {plan.name, i, hash, settings, holds});
       store.run("INSERT INTO search_steps VALUES(?, ?, ?, ?, ?, ?)",
-                {plan.name, i++, hash_of(step.point), step.cost, std::int64_t{step.holds ? 1 : 0},
-                 std::int64_t{step.best ? 1 : 0}});
+                {plan.name, i++, hash, step.cost, holds, std::int64_t{step.best ? 1 : 0}});
     }
     for (const Reduction& r : result.certificate.reductions) {
+      const auto hash = hashes.find(settings_json(settings_of(plan.axes, r.point)));
       store.run("INSERT INTO certificate VALUES(?, ?, ?, ?, ?, ?)",
-                {plan.name, r.key, r.from_value, r.to_value, hash_of(r.point),
+                {plan.name, r.key, r.from_value, r.to_value, hash == hashes.end() ? "" : hash->second,
                  fmt::format("{}: {}", to_string(r.outcome), r.text)});
     }
   });
@@ -237,10 +236,14 @@ SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store
   const bool synthesised = plan.search->cost.starts_with(area_prefix);
   RunOptions batch = options;
   batch.progress = {};
+  std::map<std::string, std::string> hashes;
   const Evaluate evaluate = [&](const std::vector<std::vector<KeySetting>>& settings) {
     std::vector<Point> points;
     points.reserve(settings.size());
-    for (const auto& s : settings) points.push_back(runner.prepare(s));
+    for (const auto& s : settings) {
+      points.push_back(runner.prepare(s));
+      hashes[settings_json(s)] = points.back().hash;
+    }
     const std::vector<Evaluated> states = runner.run(points, batch);
     std::vector<Evaluation> out(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -259,9 +262,10 @@ SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store
     }
     return out;
   };
-  runner.run({runner.prepare({})}, batch);  // the base, to be compared with
+  const Point base = runner.prepare({});
+  runner.run({base}, batch);  // to be compared with
   SearchResult result = search(*plan.search, plan.axes, plan.constraints, evaluate, options.stop, progress);
-  write_search(plan, result, runner, store);
+  write_search(plan, result, base.hash, hashes, store);
   return result;
 }
 

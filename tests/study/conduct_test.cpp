@@ -64,14 +64,21 @@ TEST(Conduct, TheSearchLeavesItsStepsAndItsCertificate) {
   // 16 integer bits: 2^-(f + 1) <= 0.01 from f = 6 on.
   EXPECT_EQ(result.cost, 22);
   const auto steps = b.store.rows("SELECT hash, cost, holds, best FROM search_steps WHERE study = 'widths'");
-  EXPECT_EQ(steps.size(), result.evaluations);
-  for (const Row& step : steps) EXPECT_TRUE(b.store.point(text_of(step[0])).has_value());
-  const auto certificate = b.store.rows("SELECT key, from_value, to_value, failed FROM certificate");
+  ASSERT_EQ(steps.size(), result.evaluations);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const auto point = b.store.point(text_of(steps[i][0]));
+    ASSERT_TRUE(point.has_value());
+    EXPECT_EQ(parse_config(point->config, "").format(FormatId::span_h).word,
+              18 + static_cast<int>(result.steps[i].point[0]));
+  }
+  EXPECT_EQ(text_of(b.store.rows("SELECT base_hash FROM studies")[0][0]), b.runner.prepare({}).hash);
+  const auto certificate = b.store.rows("SELECT key, from_value, to_value, failed, hash FROM certificate");
   ASSERT_EQ(certificate.size(), 1U);
   EXPECT_EQ(text_of(certificate[0][0]), "formats.span.h.word");
   EXPECT_EQ(text_of(certificate[0][1]), "22");
   EXPECT_EQ(text_of(certificate[0][2]), "21");
   EXPECT_NE(text_of(certificate[0][3]).find("span.u.p999"), std::string::npos) << text_of(certificate[0][3]);
+  EXPECT_EQ(text_of(certificate[0][4]), b.runner.prepare({{"formats.span.h.word", std::int64_t{21}}}).hash);
   const auto recommended = recommendations(b.plan, b.store);
   ASSERT_EQ(recommended.size(), 1U);
   const auto point = b.store.point(recommended[0].hash);
@@ -137,6 +144,11 @@ TEST(Conduct, ASearchCutShortExportsWhatIsThere) {
   const std::string csv = csv_of(b.plan, b.store);
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
   EXPECT_NE(csv.find("\r\n2,24,ok,1,24,"), std::string::npos) << csv;
+  const auto certificate = b.store.rows("SELECT to_value, hash, failed FROM certificate");
+  ASSERT_EQ(certificate.size(), 1U);
+  EXPECT_EQ(text_of(certificate[0][0]), "23");
+  EXPECT_EQ(text_of(certificate[0][1]), "");
+  EXPECT_TRUE(text_of(certificate[0][2]).starts_with("not evaluated")) << text_of(certificate[0][2]);
 }
 
 TEST(Conduct, WhatHoldsNowhereIsNotRecommended) {
