@@ -15,6 +15,7 @@
 #include "cli/scene_options.hpp"
 #include "cli/verdict.hpp"
 #include "report/atomic_file.hpp"
+#include "report/error.hpp"
 #include "report/heatmap.hpp"
 #include "report/junit.hpp"
 #include "report/png.hpp"
@@ -65,13 +66,11 @@ Picture field_picture(std::string file, std::string caption, const Frame& frame,
   return {std::move(file), std::move(caption), encode_png(map.width, map.height, 3, map.rgb)};
 }
 
-// The pictures of the report: what was drawn, and where it errs. Errors only where the same triangle won.
+// The pictures of the report: what was drawn, and where it errs.
 std::vector<Picture> pictures_of(const Frame& drawn, const Frame& ideal) {
   const std::size_t n = drawn.depth.size();
-  const double none = std::numeric_limits<double>::quiet_NaN();
-  std::vector<double> depth(n, none);
-  std::vector<double> depth_error(n, none);
-  std::vector<double> uv_error(n, none);
+  const PictureErrors errors = picture_errors(drawn, ideal);
+  std::vector<double> depth(n, std::numeric_limits<double>::quiet_NaN());
   std::vector<double> color_error(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -79,25 +78,18 @@ std::vector<Picture> pictures_of(const Frame& drawn, const Frame& ideal) {
                                  static_cast<double>(ideal.color[4 * i + c]));
       color_error[i] = std::max(color_error[i], d);
     }
-    if (drawn.triangle[i] >= 0) {
-      depth[i] = drawn.depth[i];
-    }
-    if (drawn.triangle[i] < 0 || drawn.triangle[i] != ideal.triangle[i]) {
-      continue;
-    }
-    depth_error[i] = std::fabs(static_cast<double>(drawn.depth[i]) - static_cast<double>(ideal.depth[i]));
-    uv_error[i] = std::hypot(drawn.u[i] - ideal.u[i], drawn.v[i] - ideal.v[i]);
+    if (drawn.triangle[i] >= 0) depth[i] = drawn.depth[i];
   }
   std::vector<Picture> out;
   out.push_back(color_picture("color.png", "Colour, as the fixed-point pipeline draws it", drawn));
   out.push_back(color_picture("ideal.png", "The same scene without quantisation", ideal));
   out.push_back(field_picture("depth.png", "Depth codes, logarithmic; larger is nearer", drawn, depth,
                               "depth code", true));
-  out.push_back(field_picture("error_depth.png", "Error of depth against ideal, in codes", drawn, depth_error,
-                              "depth error, codes", false));
+  out.push_back(field_picture("error_depth.png", "Error of depth against ideal, in codes", drawn,
+                              errors.depth, "depth error, codes", false));
   out.push_back(field_picture("error_uv.png",
                               "Error of the texture coordinates against ideal, in texels, logarithmic", drawn,
-                              uv_error, "u, v error, texels", true));
+                              errors.texture, "u, v error, texels", true));
   out.push_back(field_picture("error_color.png", "Error of colour against ideal, largest channel, in codes",
                               drawn, color_error, "colour error, codes", false));
   return out;

@@ -381,6 +381,18 @@ void ErrorMeter::add_pictures(const Frame& engine, const Frame& ideal) {
   report_.psnr_db = psnr_of(stat(row_merge_color));
 }
 
+PictureErrors picture_errors(const Frame& engine, const Frame& ideal) {
+  const std::size_t pixels = engine.depth.size();
+  const std::vector<double> none(pixels, std::numeric_limits<double>::quiet_NaN());
+  PictureErrors out{none, none};
+  for (std::size_t i = 0; i < pixels; ++i) {
+    if (engine.triangle[i] < 0 || engine.triangle[i] != ideal.triangle[i]) continue;
+    out.depth[i] = std::fabs(static_cast<double>(engine.depth[i]) - static_cast<double>(ideal.depth[i]));
+    out.texture[i] = std::hypot(engine.u[i] - ideal.u[i], engine.v[i] - ideal.v[i]);
+  }
+  return out;
+}
+
 std::string psnr_text(double psnr_db) {
   return std::isinf(psnr_db) ? "infinite (equal)" : fmt::format("{:.2f} dB", psnr_db);
 }

@@ -92,6 +92,13 @@ class ErrorMeter {
   std::vector<std::uint8_t> hits_;  // of one triangle's box
 };
 
+// The size of the error of each pixel on which the same triangle won; NaN elsewhere.
+struct PictureErrors {
+  std::vector<double> depth;    // codes
+  std::vector<double> texture;  // of u and v together, texels
+};
+PictureErrors picture_errors(const Frame& engine, const Frame& ideal);
+
 // What a field of a record of `triangle` would hold without any quantisation; none for fields that the truth
 // has no value for (slopes, reciprocals, accumulators, indices).
 std::optional<double> ideal_value(RecordType type, std::string_view field,

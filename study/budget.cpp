@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <mutex>
 #include <utility>
 
 #include "config/check.hpp"
-#include "golden/ideal.hpp"
 #include "model/engine_model.hpp"
 #include "model/numeric/register.hpp"
+#include "report/error.hpp"
 
 namespace bitspan {
 namespace {
@@ -89,35 +88,21 @@ Metrics chosen(const Metrics& all, const std::vector<std::string>& names) {
   return out;
 }
 
-// Error of u and v, texels, where the same triangle won; else negative.
-std::vector<double> texture_errors(const Config& config, const Scene& scene, const Frame& ideal) {
-  const auto engine = make_model(config);
-  engine->begin(scene);
-  engine->draw(scene.triangles, 0, nullptr);
-  const Frame& frame = engine->frame();
-  std::vector<double> out(frame.depth.size(), -1.0);
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    if (frame.triangle[i] >= 0 && frame.triangle[i] == ideal.triangle[i]) {
-      out[i] = std::hypot(frame.u[i] - ideal.u[i], frame.v[i] - ideal.v[i]);
-    }
-  }
-  return out;
-}
-
-DominantMap dominant(const Scene& scene, const Config& config, const std::vector<Quantisation>& all) {
-  const auto ideal = make_ideal(config);
-  ideal->begin(scene);
-  ideal->draw(scene.triangles, 0, nullptr);
+DominantMap dominant(const Scene& scene, const Frame& ideal, const Config& config,
+                     const std::vector<Quantisation>& all) {
   std::vector<std::vector<double>> errors(all.size());
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t q) {
-    errors[q] = texture_errors(with_exact(config, all_but(all, q)), scene, ideal->frame());
+    const auto engine = make_model(with_exact(config, all_but(all, q)));
+    engine->begin(scene);
+    engine->draw(scene.triangles, 0, nullptr);
+    errors[q] = picture_errors(engine->frame(), ideal).texture;
   });
   DominantMap map{scene.name, scene.width, scene.height, {}};
-  map.cause.assign(ideal->frame().depth.size(), -1);
+  map.cause.assign(ideal.depth.size(), -1);
   for (std::size_t i = 0; i < map.cause.size(); ++i) {
     double largest = 0;
     for (std::size_t q = 0; q < all.size(); ++q) {
-      if (errors[q][i] > largest) {
+      if (errors[q][i] > largest) {  // no NaN is
         largest = errors[q][i];
         map.cause[i] = static_cast<std::int16_t>(q);
       }
@@ -196,7 +181,9 @@ Budget error_budget(const PointMeter& meter, const Config& config, const std::ve
         }
       },
       tbb::simple_partitioner());
-  for (const Scene& scene : meter.scenes()) out.maps.push_back(dominant(scene, config, all));
+  for (std::size_t s = 0; s < meter.scenes().size(); ++s) {
+    out.maps.push_back(dominant(meter.scenes()[s], *meter.ideal(config, s), config, all));
+  }
   return out;
 }
 

@@ -389,10 +389,10 @@ Examination examine(const StudyPlan& plan, const Recommendation& point, std::vec
               {plan.name, point.hash, point.reason, (check.held ? "equal: " : "DIFFERS: ") + check.text});
   });
 
+  const PointMeter meter(scenes);
   std::optional<Budget> budget;
   if (plan.budget && !stop.stop_requested()) {
     told("error budget");
-    const PointMeter meter(scenes);
     budget = error_budget(meter, config, budget_metrics(plan, store.metrics(point.hash)));
     write_budget(point.hash, *budget, store);
     write_causes(point.hash, *budget, store);
@@ -416,7 +416,10 @@ Examination examine(const StudyPlan& plan, const Recommendation& point, std::vec
   told("pictures");
   for (std::size_t s = 0; s < scenes.size() && !stop.stop_requested(); ++s) {
     const DominantMap* dominant = budget ? &budget->maps[s] : nullptr;
-    write_pictures(point.hash, pictures_of(config, scenes[s], budget ? &*budget : nullptr, dominant), store);
+    write_pictures(
+        point.hash,
+        pictures_of(config, scenes[s], *meter.ideal(config, s), budget ? &*budget : nullptr, dominant),
+        store);
   }
   return out;
 }

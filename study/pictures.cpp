@@ -2,25 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <map>
 #include <utility>
 
-#include "golden/ideal.hpp"
 #include "model/engine_model.hpp"
+#include "report/error.hpp"
 #include "report/heatmap.hpp"
 #include "report/png.hpp"
 
 namespace bitspan {
 namespace {
-
-Frame drawn(Engine& engine, const Scene& scene) {
-  engine.begin(scene);
-  engine.draw(scene.triangles, 0, nullptr);
-  return engine.frame();
-}
 
 std::vector<std::uint8_t> difference(const Frame& a, const Frame& b) {
   std::vector<int> all(a.color.size());
@@ -73,20 +65,15 @@ std::vector<CauseColor> cause_legend(const Budget& budget, const DominantMap& ma
   return out;
 }
 
-std::vector<PointPicture> pictures_of(const Config& config, const Scene& scene, const Budget* budget,
-                                      const DominantMap* dominant) {
-  const Frame ideal = drawn(*make_ideal(config), scene);
-  const Frame model = drawn(*make_model(config), scene);
+std::vector<PointPicture> pictures_of(const Config& config, const Scene& scene, const Frame& ideal,
+                                      const Budget* budget, const DominantMap* dominant) {
+  const auto engine = make_model(config);
+  engine->begin(scene);
+  engine->draw(scene.triangles, 0, nullptr);
+  const Frame& model = engine->frame();
+  const PictureErrors errors = picture_errors(model, ideal);
   const int w = scene.width;
   const int h = scene.height;
-  const std::size_t pixels = model.depth.size();
-  std::vector<double> texture(pixels, std::numeric_limits<double>::quiet_NaN());
-  std::vector<double> depth = texture;
-  for (std::size_t i = 0; i < pixels; ++i) {
-    if (model.triangle[i] < 0 || model.triangle[i] != ideal.triangle[i]) continue;
-    texture[i] = std::hypot(model.u[i] - ideal.u[i], model.v[i] - ideal.v[i]);
-    depth[i] = std::fabs(static_cast<double>(model.depth[i]) - static_cast<double>(ideal.depth[i]));
-  }
   std::vector<PointPicture> out;
   const auto add = [&](const char* name, std::vector<std::uint8_t> png) {
     out.push_back({scene.name, name, std::move(png)});
@@ -94,8 +81,8 @@ std::vector<PointPicture> pictures_of(const Config& config, const Scene& scene, 
   add("ideal", encode_png(w, h, 4, ideal.color));
   add("model", encode_png(w, h, 4, model.color));
   add("difference", encode_png(w, h, 4, difference(model, ideal)));
-  add("u_error", heat(w, h, texture, "error of u, v: texels"));
-  add("depth_error", heat(w, h, depth, "error of depth: codes"));
+  add("u_error", heat(w, h, errors.texture, "error of u, v: texels"));
+  add("depth_error", heat(w, h, errors.depth, "error of depth: codes"));
   if (budget != nullptr && dominant != nullptr) {
     std::vector<std::uint8_t> rgb(3 * dominant->cause.size());
     std::map<std::int16_t, std::array<std::uint8_t, 3>> colors;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "config/engine.hpp"
 #include "scene/scene.hpp"
 #include "study/budget.hpp"
 
@@ -29,8 +30,9 @@ struct CauseColor {
 };
 std::vector<CauseColor> cause_legend(const Budget& budget, const DominantMap& map);
 
-// All of them for one scene. dominant: of the scene, with the budget that its indices count; null: left out.
-std::vector<PointPicture> pictures_of(const Config& config, const Scene& scene, const Budget* budget,
-                                      const DominantMap* dominant);
+// All of them for one scene. ideal: its picture. dominant: of the scene, with the budget that its indices
+// count; null: left out.
+std::vector<PointPicture> pictures_of(const Config& config, const Scene& scene, const Frame& ideal,
+                                      const Budget* budget, const DominantMap* dominant);
 
 }  // namespace bitspan

@@ -33,16 +33,20 @@ struct SceneTruth {
   Frame frame;
 };
 
+Frame draw_ideal(const Config& config, const Scene& scene) {
+  const auto ideal = make_ideal(config);
+  ideal->begin(scene);
+  ideal->draw(scene.triangles, 0, nullptr);
+  return ideal->frame();
+}
+
 SceneTruth make_truth(const Config& config, const Scene& scene) {
   SceneTruth out;
   const std::span<const Triangle> all = scene.triangles;
   for (std::size_t at = 0; at < all.size(); at += batch) {
     out.batches.emplace_back(config, scene, all.subspan(at, std::min(batch, all.size() - at)));
   }
-  const auto ideal = make_ideal(config);
-  ideal->begin(scene);
-  ideal->draw(all, 0, nullptr);
-  out.frame = ideal->frame();
+  out.frame = draw_ideal(config, scene);
   return out;
 }
 
@@ -169,6 +173,10 @@ struct PointMeter::Truths {
   static constexpr std::size_t kept = 4;  // tens of megabytes each
   std::mutex mutex;
   std::list<std::pair<Config, Known>> known;
+
+  auto find(const Config& key) {
+    return std::find_if(known.begin(), known.end(), [&](const auto& k) { return k.first == key; });
+  }
 };
 
 PointMeter::PointMeter(std::vector<Scene> scenes)
@@ -176,6 +184,18 @@ PointMeter::PointMeter(std::vector<Scene> scenes)
   if (scenes_.empty()) throw InputError("a study without scenes: name at least one");
 }
 PointMeter::~PointMeter() = default;
+
+std::shared_ptr<const Frame> PointMeter::ideal(const Config& config, std::size_t scene) const {
+  Truths::Known known;
+  {
+    const std::lock_guard lock(truths_->mutex);
+    const auto found = truths_->find(truth_config(config));
+    if (found != truths_->known.end()) known = found->second;
+  }
+  if (!known.valid()) return std::make_shared<const Frame>(draw_ideal(config, scenes_.at(scene)));
+  const auto truths = known.get();
+  return {truths, &truths->at(scene).frame};  // keeps them all
+}
 
 PointResult PointMeter::measure(const Config& config, bool histograms) const {
   check_config(config, config.name);
@@ -189,7 +209,7 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
   {
     const std::lock_guard lock(truths_->mutex);
     auto& list = truths_->known;
-    auto found = std::find_if(list.begin(), list.end(), [&](const auto& k) { return k.first == key; });
+    const auto found = truths_->find(key);
     mine = found == list.end();
     if (mine) {
       list.emplace_front(key, promise.get_future().share());

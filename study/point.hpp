@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "config/engine.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan {
@@ -64,6 +65,8 @@ class PointMeter {
   // a scene (check_scene_range), or draws nothing of all of them. Without histograms RegisterUse::zeros and
   // octave stay 0.
   PointResult measure(const Config& config, bool histograms = true) const;
+  // The picture that `ideal` draws of a scene; drawn here only where no measurement has drawn it already.
+  std::shared_ptr<const Frame> ideal(const Config& config, std::size_t scene) const;
   const std::vector<Scene>& scenes() const { return scenes_; }
 
  private:

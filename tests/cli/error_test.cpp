@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "model/engine_model.hpp"
 
@@ -118,6 +119,24 @@ TEST(Error, PicturesGivePsnrOrderAndMaximum) {
   EXPECT_EQ(meter.report().wrong_order, 1U);
   EXPECT_EQ(meter.report().drawn, 2U);
   EXPECT_NEAR(meter.report().psnr_db, 10 * std::log10(255.0 * 255.0 * 6 / 9), 1e-9);
+}
+
+TEST(Error, PicturesErrWhereTheSameTriangleWon) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  // Same triangle twice, another one, none in one, none in both.
+  const Frame engine{5, 1, {}, {10, 9, 7, 0, 0}, {1, 2, 3, nan, nan}, {5, 6, 7, nan, nan}, {0, 3, 2, -1, -1}};
+  const Frame ideal{5, 1, {}, {13, 9, 5, 4, 0}, {4, 2, 3, 8, nan}, {1, 6.5, 7, 9, nan}, {0, 3, 1, 1, -1}};
+  const PictureErrors errors = picture_errors(engine, ideal);
+  ASSERT_EQ(errors.depth.size(), 5U);
+  ASSERT_EQ(errors.texture.size(), 5U);
+  EXPECT_EQ(errors.depth[0], 3);
+  EXPECT_EQ(errors.texture[0], 5);
+  EXPECT_EQ(errors.depth[1], 0);
+  EXPECT_EQ(errors.texture[1], 0.5);
+  for (std::size_t i = 2; i < 5; ++i) {
+    EXPECT_TRUE(std::isnan(errors.depth[i])) << i;
+    EXPECT_TRUE(std::isnan(errors.texture[i])) << i;
+  }
 }
 
 TEST(Error, TheIdealOfARecordIsTheSurfaceAtItsPixel) {

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <thread>
 
+#include "golden/ideal.hpp"
 #include "model/engine_model.hpp"
 #include "report/error.hpp"
 #include "scene/demo.hpp"
@@ -80,6 +82,31 @@ TEST(Point, ABitMoreIsNotWorseAndOneThatIsMissingIsSeen) {
   EXPECT_LT(meter.measure(config, false).metrics.at("span.u.rms"), base);
   config.format(FormatId::span_uv).word -= 9;
   EXPECT_GT(meter.measure(config, false).metrics.at("span.u.rms"), 2 * base);
+}
+
+TEST(Point, TheIdealPictureIsDrawnOnce) {
+  const std::vector<Scene> scenes{demo_scene(64, 48), demo_scene(48, 64)};
+  const auto same = [&](const Frame& frame, const Config& config, std::size_t scene) {
+    const auto ideal = make_ideal(config);
+    ideal->begin(scenes[scene]);
+    ideal->draw(scenes[scene].triangles, 0, nullptr);
+    const Frame& expected = ideal->frame();
+    return frame.width == expected.width && frame.color == expected.color && frame.depth == expected.depth &&
+           frame.triangle == expected.triangle;
+  };
+  auto meter = std::make_unique<PointMeter>(scenes);
+  Config config = shipped("depth16");
+  EXPECT_TRUE(same(*meter->ideal(config, 1), config, 1));  // nothing is measured yet
+  meter->measure(config, false);
+  const auto kept = meter->ideal(config, 1);
+  EXPECT_TRUE(same(*kept, config, 1));
+  EXPECT_TRUE(same(*meter->ideal(config, 0), config, 0));
+  config.format(FormatId::span_uv).word += 6;  // has the same truth
+  EXPECT_EQ(meter->ideal(config, 1), kept);
+  const Config other = shipped("depth20");
+  EXPECT_TRUE(same(*meter->ideal(other, 1), other, 1));
+  meter.reset();
+  EXPECT_TRUE(same(*kept, config, 1));
 }
 
 TEST(Point, IsTheSameFromEveryThread) {
