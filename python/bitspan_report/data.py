@@ -93,7 +93,7 @@ def page_data(study: Study) -> dict[str, Any]:
                     f"{b.place} [{b.unit}]" if b.unit else b.place,
                     plain(b.bound),
                     plain(b.observed),
-                    plain(b.ratio),
+                    b.reached,
                     b.broken,
                 ]
                 for b in rows

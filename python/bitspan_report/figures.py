@@ -330,7 +330,7 @@ def budget(stacks: Sequence[Stack]) -> Figure:
 
 
 def bounds(rows: Sequence[Bound]) -> Figure:
-    """Proved bounds beside the largest errors observed; the ratio at the right."""
+    """Proved bounds beside the largest errors observed; how much of them was reached at the right."""
     figure, (axes,) = _figure(7.6, 0.9 + 0.26 * len(rows))
     y = np.arange(len(rows))[::-1]
     bound = np.array([row.bound for row in rows])
@@ -340,7 +340,7 @@ def bounds(rows: Sequence[Bound]) -> Figure:
     axes.plot(low, y, "o", color=BLUE, markersize=5, label="observed")
     axes.plot(high, y, "|", color="black", markersize=11, markeredgewidth=2, label="proved bound")
     for at, row in zip(y, rows):
-        text = "ABOVE ITS BOUND" if row.broken else f"{row.ratio:.3g}"
+        text = "ABOVE ITS BOUND" if row.broken else row.reached
         axes.annotate(
             text,
             (1.01, at),
@@ -351,7 +351,7 @@ def bounds(rows: Sequence[Bound]) -> Figure:
         )
     axes.set_yticks(y, [f"{row.place} [{row.unit}]" if row.unit else row.place for row in rows], fontsize=7)
     axes.grid(False, axis="y")
-    axes.set_xlabel("error, each place in its own unit; at the right: bound / observed")
+    axes.set_xlabel("error, each place in its own unit; at the right: observed / bound")
     _legend_above(axes)
     return figure
 

@@ -350,19 +350,19 @@ def bounds(study: Study) -> str:
                 b.unit,
                 b.bound,
                 b.observed,
-                Html('<span class="bad">observed above the bound</span>') if b.broken else b.ratio,
+                Html(f'<span class="bad">{b.reached}: observed above the bound</span>') if b.broken else b.reached,
             )
             for b in study.bounds[h]
         ]
         blocks[h] = f'<div class="chart" data-plot="bounds" data-hash="{escape(h)}"></div>' + table(
-            ["place", "unit", "proved bound", "largest observed", "ratio"], rows, scroll=len(rows) > 14
+            ["place", "unit", "proved bound", "largest observed", "observed / bound"], rows, scroll=len(rows) > 14
         )
     return section(
         "bounds",
         "Proved bounds",
         (
             '<p class="note">An error that no input in the configured ranges exceeds, beside the largest observed on the '
-            "scenes. A ratio of 1 would be a bound that is reached.</p>" + variants(study, hashes, blocks)
+            "scenes. Up to 100 % of it, the bound holds.</p>" + variants(study, hashes, blocks)
         ),
     )
 

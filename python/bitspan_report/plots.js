@@ -278,7 +278,7 @@ function drawBounds(element, rows) {
   const between = { type: "scatter", mode: "lines", x: [], y: [], line: { color: colour("fail"), width: 2 }, hoverinfo: "skip", showlegend: false };
   rows.forEach((_, i) => { between.x.push(observed[i], bound[i], null); between.y.push(names[i], names[i], null); });
   const text = rows.map((r) => `<b>${escaped(r[0])}</b><br>observed ${textOf(toNumber(r[2]))}<br>bound ${textOf(toNumber(r[1]))}` +
-    (r[4] ? "<br>observed above the bound" : `<br>ratio ${textOf(toNumber(r[3]))}`));
+    `<br>${r[3]}${r[4] ? ": observed above the bound" : " of the bound"}`);
   const marks = (name, x, marker) => ({ name, type: "scatter", mode: "markers", x, y: names, text, marker,
     hovertemplate: "%{text}<extra></extra>" });
   drawPlot(element, [between,

@@ -88,11 +88,11 @@ class Bound:
     observed: float
 
     @property
-    def ratio(self) -> float:
-        """Bound over observed, at least 1 where the bound holds; infinite where nothing was observed."""
+    def reached(self) -> str:
+        """How much of the bound was observed, in the words of `bitspan study`; up to 100 % it holds."""
         if self.observed == 0:
-            return math.inf
-        return self.bound / self.observed
+            return "0.0 %"
+        return f"{100 * self.observed / self.bound if self.bound else math.inf:.1f} %"
 
     @property
     def broken(self) -> bool:

@@ -159,9 +159,14 @@ class Budget(unittest.TestCase):
 
 
 class BoundsAndSearch(unittest.TestCase):
-    def test_ratio(self):
-        self.assertAlmostEqual(Bound("p", "u", 3, 1.5).ratio, 2)
-        self.assertEqual(Bound("p", "u", 3, 0).ratio, math.inf)
+    def test_what_was_reached_is_told_as_the_command_line_does(self):
+        self.assertEqual(Bound("p", "u", 3, 1.5).reached, "50.0 %")
+        self.assertEqual(Bound("p", "u", 3, 4).reached, "133.3 %")
+        self.assertEqual(Bound("p", "u", 3, 0).reached, "0.0 %")
+        self.assertEqual(Bound("p", "u", 0, 0).reached, "0.0 %")
+        self.assertEqual(Bound("p", "u", 0, 1).reached, "inf %")
+        (axes,) = figures.bounds([Bound("p", "u", 3, 1.5), Bound("q", "u", 3, 4)]).axes
+        self.assertEqual([text.get_text() for text in axes.texts], ["50.0 %", "ABOVE ITS BOUND"])
         self.assertFalse(Bound("p", "u", 3, 3).broken)
         self.assertTrue(Bound("p", "u", 3, 3.1).broken)
 

@@ -206,6 +206,12 @@ class Page(Browsing):
         )
         self.assertEqual(names, ["picture.psnr_db", "picture.wrong_order", "picture.wrong_texel_rate"])
 
+    def test_bounds_tell_how_much_of_them_was_reached(self):
+        texts = self.script(
+            "return document.querySelector('.variant:not([hidden]) > [data-plot=bounds]').data[1].text"
+        )
+        self.assertEqual(texts[0], "<b>span.h [depth code]</b><br>observed 0.0207<br>bound 0.0419<br>49.4 % of the bound")
+
     def test_copied_toml_is_the_configuration(self):
         self.script(
             "window.copied = null; navigator.clipboard.writeText = (text) => { window.copied = text; return Promise.resolve(); }"

@@ -132,12 +132,18 @@ class Files(InFolder):
             self.assertIn(line, text)
         self.assertEqual([path.name for path in out.iterdir()], ["report.html"])
 
+    def test_each_bound_tells_how_much_of_it_was_reached(self):
+        text = page(load_study(str(self.database), "spans"), "")
+        row = '<tr><td class="long">span.h</td><td class="long">depth code</td>'
+        self.assertIn("49.4 %", text[text.index(row) :].partition("</tr>")[0])
+        self.assertTrue('["span.h [depth code]",0.0419,0.0207,"49.4 %",false]' in text)  # for the plot
+
     def test_a_bound_that_is_passed_is_shouted(self):
         def text_of(database):
             return page(load_study(str(database), "spans"), "")
 
         path = self.changed("broken.db", "UPDATE bounds SET observed = 1.0 WHERE place = 'span.u'")
-        self.assertIn("observed above the bound</span>", text_of(path))
+        self.assertIn("322.6 %: observed above the bound</span>", text_of(path))
         self.assertNotIn("observed above the bound</span>", text_of(self.database))
 
 

@@ -234,6 +234,14 @@ bounds = true
   EXPECT_EQ(count("pictures"), 6);
   EXPECT_EQ(count("bounds WHERE observed > bound"), 0);
   EXPECT_GT(count("bounds WHERE observed > 0"), 3);
+  for (const Row& row : store.rows("SELECT place, bound, observed FROM bounds")) {
+    const std::string place = fmt::format("bound {}: ", text_of(row[0]));
+    const auto line =
+        std::ranges::find_if(e.lines, [&](const std::string& l) { return l.starts_with(place); });
+    ASSERT_NE(line, e.lines.end()) << place;
+    EXPECT_TRUE(line->ends_with(fmt::format(", {:.1f} %", 100 * number_of(row[2]) / number_of(row[1]))))
+        << *line;
+  }
   EXPECT_THROW(examine(plan, {"0123", ""}, scenes, store, [](const std::string&) {}, {}), InputError);
 }
 
