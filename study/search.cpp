@@ -436,12 +436,10 @@ class Search {
 
   // ---- min+1 bit
 
-  // Sung and Kum, "Simulation-based word-length optimization method for fixed-point digital signal processing
-  // systems" (IEEE TSP 1995), start from the least value of each axis with all others at their widest; as
-  // "min+1 bit" in Cantin, Savaria and Lavoie, "A comparison of automatic word length optimization
-  // procedures" (ISCAS 2002), all those minima together, which is too little as a rule, then get one bit at a
-  // time, where it takes most off the error, until the constraints hold. Here the minima are found by
-  // bisection, all axes in the same batches.
+  // Sung and Kum (docs/search.md has the titles) start from the least value of each axis with all others at
+  // their widest; all those minima together, which is too little as a rule, then get one bit at a time, where
+  // it takes most off the error, until the constraints hold. Here the minima are found by bisection, all axes
+  // in the same batches.
   SearchPoint min_plus_1() {
     enter("minimum of each");
     SearchPoint least = top_;
@@ -514,8 +512,8 @@ class Search {
 
   // ---- max-1 bit
 
-  // "max-1 bit" of the same comparison: from the widest, one bit at a time where it adds least to the error,
-  // until no bit can go. The cost decides only between equals.
+  // From the widest, one bit at a time where it adds least to the error, until no bit can go. The cost
+  // decides only between equals.
   SearchPoint max_minus_1() {
     enter("remove");
     return descend(top_, Pick::error, Costs::any, 1);
@@ -523,13 +521,11 @@ class Search {
 
   // ---- greedy
 
-  // The gradient-guided searches: Han and Evans, "Optimum wordlength search using sensitivity information"
-  // (EURASIP JASP 2006), take the step by a measure of complexity and distortion together; Constantinides,
-  // Cheung and Luk, "Wordlength optimization for linear digital signal processing" (IEEE TCAD 2003), the one
-  // that saves most area while the error stays within its limit. Here: remove what saves most for the share
-  // of the remaining slack that it uses, in strides of 8, 4, 2 values while there is much slack, then one at
-  // a time. Then the way back up: one bit more in one place, where it lets go of bits that cost more in
-  // others.
+  // The guided searches: Han and Evans take the step by the sensitivity of complexity and error together;
+  // Constantinides, Cheung and Luk the one that saves most area while the error stays within its limit. Here:
+  // remove what saves most for the share of the remaining slack that it uses, in strides of 8, 4, 2 values
+  // while there is much slack, then one at a time. Then the way back up: one bit more in one place, where it
+  // lets go of bits that cost more in others.
   SearchPoint greedy() {
     SearchPoint p = finish(coarse_descent(), Pick::ratio);
     for (;;) {
@@ -598,12 +594,11 @@ class Search {
 
   // ---- simulated annealing
 
-  // Kirkpatrick, Gelatt, Vecchi (Science 1983); for word lengths in the comparison by Cantin, Savaria and
-  // Lavoie. From where the coarse descent ends. A move is one axis up or down by one or two values, or two
-  // axes in opposite directions. The energy is the cost, in units of a typical step's, and for points that do
-  // not hold a penalty by their violation, so that ways around a wall exist. Moves are drawn ahead and
-  // evaluated in one batch while they are being rejected; the first that is accepted counts, so the outcome
-  // is that of one at a time.
+  // Kirkpatrick, Gelatt and Vecchi, from where the coarse descent ends. A move is one axis up or down by one
+  // or two values, or two axes in opposite directions. The energy is the cost, in units of a typical step's,
+  // and for points that do not hold a penalty by their violation, so that ways around a wall exist. Moves are
+  // drawn ahead and evaluated in one batch while they are being rejected; the first that is accepted counts,
+  // so the outcome is that of one at a time.
   SearchPoint annealing() {
     SearchPoint p = coarse_descent();
     enter("anneal");
