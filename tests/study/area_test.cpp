@@ -11,38 +11,12 @@
 #include <filesystem>
 #include <fstream>
 
-#include "study/keys.hpp"
+#include "tests/study/area_support.hpp"
 
 namespace bitspan {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Sets a variable of the environment for its lifetime.
-class Environment {
- public:
-  Environment(const char* name, const std::string& value) : name_(name) {
-    if (const char* old = std::getenv(name)) {
-      had_ = true;
-      old_ = old;
-    }
-    ::setenv(name, value.c_str(), 1);
-  }
-  ~Environment() {
-    if (had_) {
-      ::setenv(name_, old_.c_str(), 1);
-    } else {
-      ::unsetenv(name_);
-    }
-  }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
-
- private:
-  const char* name_;
-  bool had_ = false;
-  std::string old_;
-};
 
 class TemporaryFolder {
  public:
@@ -69,32 +43,6 @@ class TemporaryFolder {
  private:
   fs::path path_;
 };
-
-Config shipped(const std::string& name) {
-  return load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/" + name + ".toml");
-}
-
-// Constant-depth rows with as few bits as make a small netlist: nothing that anybody would draw with.
-Config tiny() {
-  return with_keys(shipped("narrow"), {{"perspective.mode", std::string("const_depth_rows")},
-                                       {"raster.coordinate_bits", std::int64_t{8}},
-                                       {"formats.setup.b.word", std::int64_t{6}},
-                                       {"formats.setup.b.int", std::int64_t{6}},
-                                       {"formats.span.h.word", std::int64_t{6}},
-                                       {"formats.span.h.int", std::int64_t{6}},
-                                       {"formats.span.f.word", std::int64_t{8}},
-                                       {"formats.span.f.int", std::int64_t{8}},
-                                       {"formats.span.f_step.word", std::int64_t{8}},
-                                       {"formats.span.f_step.int", std::int64_t{8}},
-                                       {"formats.span.uv_step.word", std::int64_t{8}},
-                                       {"formats.span.uv_step.int", std::int64_t{7}},
-                                       {"formats.span.uv_acc.word", std::int64_t{8}},
-                                       {"formats.span.uv_acc.int", std::int64_t{7}},
-                                       {"formats.span.uv.word", std::int64_t{7}},
-                                       {"formats.span.uv.int", std::int64_t{7}},
-                                       {"formats.plane.k.word", std::int64_t{6}},
-                                       {"reciprocal.row.output.word", std::int64_t{4}}});
-}
 
 template <class Function>
 std::string message_of(const Function& function) {
@@ -147,7 +95,7 @@ TEST(Area, NamesItsFamilies) {
 }
 
 TEST(Area, TheKeyHoldsWhatTheRtlHas) {
-  const Config narrow = shipped("narrow");
+  const Config narrow = shipped_config("narrow");
   const std::string key = area_key(narrow);
   EXPECT_EQ(key.size(), 32U);
   Config same = narrow;
@@ -166,7 +114,7 @@ TEST(Area, TheKeyHoldsWhatTheRtlHas) {
 TEST(Area, MeasuresASmallConfiguration) {
   const TemporaryFolder folder;
   const Environment temporary("TMPDIR", folder.path().string());
-  const AreaResult ecp5 = measure_area(tiny(), Family::ecp5, false);
+  const AreaResult ecp5 = measure_area(tiny_config(), Family::ecp5, false);
   EXPECT_EQ(ecp5.status, AreaStatus::ok) << ecp5.message;
   EXPECT_EQ(ecp5.message, "");
   EXPECT_EQ(ecp5.counts.multipliers, 6);  // two start values and four slopes, each one block
@@ -181,7 +129,7 @@ TEST(Area, MeasuresASmallConfiguration) {
 }
 
 TEST(Area, PlacesWhatFits) {
-  const AreaResult result = measure_area(tiny(), Family::ice40, true);
+  const AreaResult result = measure_area(tiny_config(), Family::ice40, true);
   EXPECT_EQ(result.status, AreaStatus::ok) << result.message;
   EXPECT_EQ(result.counts.multipliers, 0);
   EXPECT_GT(result.counts.luts, 500);
@@ -192,7 +140,7 @@ TEST(Area, PlacesWhatFits) {
 }
 
 TEST(Area, SaysWhatDoesNotFit) {
-  Config config = tiny();
+  Config config = tiny_config();
   config.format(FormatId::span_f) = {21, 21, true, Rounding::trn, Overflow::sat, false};
   config.format(FormatId::span_f_step) = config.format(FormatId::span_f);
   config.row_reciprocal.output.word = 20;
@@ -213,7 +161,7 @@ TEST(Area, BelievesThePlacerThatItDoesNotFit) {
       "echo \"ERROR: Unable to place cell 'x', no BELs remaining to implement cell type 'ICESTORM_LC'\"\n"
       "exit 255\n");
   const Environment nextpnr("BITSPAN_NEXTPNR_ICE40", placer.string());
-  const AreaResult result = measure_area(tiny(), Family::ice40, true);
+  const AreaResult result = measure_area(tiny_config(), Family::ice40, true);
   EXPECT_EQ(result.status, AreaStatus::does_not_fit);
   EXPECT_EQ(
       result.message,
@@ -227,7 +175,7 @@ TEST(Area, FailsWithTheToolsWords) {
   const TemporaryFolder folder;
   folder.program("yosys", "[ \"$1\" = -V ] && echo 'Yosys 9' && exit 0\necho 'ERROR: no.'\nexit 1\n");
   const Environment path("PATH", folder.path().string() + ":" + std::getenv("PATH"));
-  const AreaResult result = measure_area(tiny(), Family::ecp5, false);
+  const AreaResult result = measure_area(tiny_config(), Family::ecp5, false);
   EXPECT_EQ(result.status, AreaStatus::failed);
   EXPECT_EQ(result.message, "yosys refused: ERROR: no.");
   EXPECT_EQ(result.counts, AreaCounts{});
@@ -237,11 +185,11 @@ TEST(Area, FailsWithTheToolsWords) {
 TEST(Area, NamesAMissingTool) {
   {
     const Environment path("PATH", "/nonexistent");
-    EXPECT_EQ(message_of([] { measure_area(tiny(), Family::ecp5, false); }),
+    EXPECT_EQ(message_of([] { measure_area(tiny_config(), Family::ecp5, false); }),
               "yosys: does not start; areas need it on PATH");
   }
   const Environment nextpnr("BITSPAN_NEXTPNR_ECP5", "/nonexistent/nextpnr");
-  EXPECT_EQ(message_of([] { measure_area(tiny(), Family::ecp5, true); }),
+  EXPECT_EQ(message_of([] { measure_area(tiny_config(), Family::ecp5, true); }),
             "/nonexistent/nextpnr: does not start; placing in ecp5 needs it on PATH, or "
             "$BITSPAN_NEXTPNR_ECP5 to name "
             "it");
@@ -249,12 +197,12 @@ TEST(Area, NamesAMissingTool) {
 
 TEST(Area, SaysWhereNothingCanBeWritten) {
   const Environment temporary("TMPDIR", "/nonexistent");
-  const std::string message = message_of([] { measure_area(tiny(), Family::ecp5, false); });
+  const std::string message = message_of([] { measure_area(tiny_config(), Family::ecp5, false); });
   EXPECT_NE(message.find("TMPDIR"), std::string::npos) << message;
 }
 
 TEST(Area, RefusesAModeWithoutRtl) {
-  Config config = shipped("narrow");
+  Config config = shipped_config("narrow");
   config.perspective = Perspective::affine;
   EXPECT_NE(message_of([&] { measure_area(config, Family::ecp5, false); }).find("has no RTL"),
             std::string::npos);
@@ -265,7 +213,7 @@ TEST(Area, StopsAtTheTimeLimit) {
   const TemporaryFolder folder;
   folder.program("yosys", "[ \"$1\" = -V ] && echo 'Yosys 9' && exit 0\nsleep 100 &\nwait\n");
   const Environment path("PATH", folder.path().string() + ":" + std::getenv("PATH"));
-  const AreaResult result = measure_area(tiny(), Family::ecp5, false, {.seconds = 1});
+  const AreaResult result = measure_area(tiny_config(), Family::ecp5, false, {.seconds = 1});
   EXPECT_EQ(result.status, AreaStatus::failed);
   EXPECT_EQ(result.message, "yosys was killed at the time limit of 1 s");
   EXPECT_LT(result.seconds, 30);
@@ -273,7 +221,7 @@ TEST(Area, StopsAtTheTimeLimit) {
 
 TEST(Area, CanBeCancelled) {
   const std::atomic<bool> cancelled = true;
-  EXPECT_THROW(measure_area(shipped("depth16"), Family::ice40, false, {.cancelled = &cancelled}),
+  EXPECT_THROW(measure_area(shipped_config("depth16"), Family::ice40, false, {.cancelled = &cancelled}),
                AreaCancelled);
 }
 

@@ -9,22 +9,27 @@
 #include <memory>
 
 #include "scene/demo.hpp"
+#include "study/area.hpp"
 #include "tests/scene/temporary_folder.hpp"
-#include "tests/support/test_config.hpp"
+#include "tests/study/area_support.hpp"
 
 namespace bitspan {
 namespace {
 
+// "tiny" has room for two fraction bits of u and v.
 StudyPlan plan_of(const std::string& text) {
-  return parse_study(text, "test.toml", [](const std::string& name) { return shipped_config(name); });
+  return parse_study(text, "test.toml", [](const std::string& name) {
+    return name == "tiny" ? with_keys(tiny_config(), {{"formats.span.uv_acc.word", std::int64_t{10}}})
+                          : shipped_config(name);
+  });
 }
 
-// Costs the width of span.h; its error is half an ulp; 18 bits and fewer are refused.
-MakeMeter fake_meter() {
-  return [](std::vector<Scene>) -> Measure {
-    return [](const Config& config) {
-      const Format& f = config.format(FormatId::span_h);
-      if (f.word < 19) throw InputError("fake: too narrow");
+// Costs the width of a format; its error is half an ulp; below `narrowest` bits it is refused.
+MakeMeter fake_meter(FormatId id, int narrowest) {
+  return [=](std::vector<Scene>) -> Measure {
+    return [=](const Config& config) {
+      const Format& f = config.format(id);
+      if (f.word < narrowest) throw InputError("fake: too narrow");
       PointResult r;
       r.metrics["span.u.p999"] = std::ldexp(0.5, -f.fraction());
       r.metrics["cost.register_bits"] = f.word;
@@ -38,9 +43,18 @@ struct Bench {
   Store store{folder.path("study.db"), "test"};
   StudyPlan plan;
   PointRunner runner;
-  explicit Bench(const std::string& text)
-      : plan(plan_of(text)), runner(plan.base, {demo_scene(64, 48)}, fake_meter(), store, "test") {}
+  explicit Bench(const std::string& text, FormatId id = FormatId::span_h, int narrowest = 19)
+      : plan(plan_of(text)),
+        runner(plan.base, {demo_scene(64, 48)}, fake_meter(id, narrowest), store, "test") {}
 };
+
+// A known area of synthesis, other counts than its LUTs being 1.
+void plant_area(Store& store, const Config& config, const std::string& family, std::int64_t luts) {
+  store.run(
+      "INSERT INTO areas(config_hash, area_key, family, placed, status, message, tools, luts, ffs, "
+      "multipliers, memory_bits) VALUES(?, ?, ?, 0, 'ok', '', '', ?, 1, 1, 1)",
+      {config_hash(config), area_key(config), family, luts});
+}
 
 const std::string search_text = R"(
 [study]
@@ -159,6 +173,58 @@ TEST(Conduct, WhatHoldsNowhereIsNotRecommended) {
   EXPECT_FALSE(result.found);
   EXPECT_FALSE(result.failing.empty());
   EXPECT_TRUE(recommendations(b.plan, b.store).empty());
+}
+
+// The narrowest errs too much.
+const std::string area_search_text = R"(
+[study]
+name = "areas"
+base = "tiny"
+[[vary]]
+keys = ["formats.span.uv.word"]
+values = [7, 8, 9]
+[[constraint]]
+metric = "span.u.p999"
+at_most = 0.3
+[search]
+algorithm = "max-1"
+cost = "area.ecp5.luts"
+)";
+
+struct AreaBench : Bench {
+  AreaBench() : Bench(area_search_text, FormatId::span_uv, 7) {}
+  Config at(std::int64_t word) const { return with_keys(plan.base, {{"formats.span.uv.word", word}}); }
+};
+
+TEST(Conduct, ASearchIsForTheSynthesisedArea) {
+  AreaBench b;
+  const SearchResult result = run_search(b.plan, b.runner, b.store, {}, {});
+  ASSERT_TRUE(result.found);
+  EXPECT_EQ(b.plan.axes[0].values[result.point[0]][0], KeyValue(std::int64_t{8}));
+  const AreaResult area = measure_area(b.at(8), Family::ecp5, false);
+  EXPECT_EQ(area.status, AreaStatus::ok) << area.message;
+  EXPECT_EQ(result.cost, static_cast<double>(area.counts.luts));
+  // Of the points that hold, and in this family alone.
+  const auto rows = b.store.rows("SELECT area_key, family, placed, luts FROM areas ORDER BY luts");
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0], (Row{area_key(b.at(8)), "ecp5", std::int64_t{0}, area.counts.luts}));
+  EXPECT_EQ(rows[1][0], Cell(area_key(b.at(9))));
+}
+
+// Areas that no tool would find: the narrower point is the larger in ECP5, and in nothing else.
+TEST(Conduct, ASearchTakesKnownAreasAndStaysWhereTheyAreSmallest) {
+  AreaBench b;
+  plant_area(b.store, b.at(8), "ice40", 10);
+  plant_area(b.store, b.at(9), "ice40", 20);
+  plant_area(b.store, b.at(8), "ecp5", 2000);
+  plant_area(b.store, b.at(9), "ecp5", 1000);
+  const Environment path("PATH", "/nonexistent");  // no Yosys
+  const SearchResult result = run_search(b.plan, b.runner, b.store, {}, {});
+  ASSERT_TRUE(result.found);
+  EXPECT_EQ(result.cost, 1000);
+  ASSERT_EQ(result.certificate.reductions.size(), 1U);
+  EXPECT_EQ(result.certificate.reductions[0].outcome, ReductionOutcome::costs_more);
+  EXPECT_EQ(result.certificate.reductions[0].to_value, "8");
 }
 
 TEST(Conduct, ASweepRecommendsTheCheapestThatHoldsAndTheKnee) {

@@ -1,0 +1,61 @@
+// For tests that run the tools of synthesis: what they find in the environment, and little for them to do.
+#pragma once
+
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "study/keys.hpp"
+#include "tests/support/test_config.hpp"
+
+namespace bitspan {
+
+// Sets a variable of the environment for its lifetime.
+class Environment {
+ public:
+  Environment(const char* name, const std::string& value) : name_(name) {
+    if (const char* old = std::getenv(name)) {
+      had_ = true;
+      old_ = old;
+    }
+    ::setenv(name, value.c_str(), 1);
+  }
+  ~Environment() {
+    if (had_) {
+      ::setenv(name_, old_.c_str(), 1);
+    } else {
+      ::unsetenv(name_);
+    }
+  }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+ private:
+  const char* name_;
+  bool had_ = false;
+  std::string old_;
+};
+
+// Constant-depth rows with as few bits as make a small netlist: nothing that anybody would draw with.
+inline Config tiny_config() {
+  return with_keys(shipped_config("narrow"), {{"perspective.mode", std::string("const_depth_rows")},
+                                              {"raster.coordinate_bits", std::int64_t{8}},
+                                              {"formats.setup.b.word", std::int64_t{6}},
+                                              {"formats.setup.b.int", std::int64_t{6}},
+                                              {"formats.span.h.word", std::int64_t{6}},
+                                              {"formats.span.h.int", std::int64_t{6}},
+                                              {"formats.span.f.word", std::int64_t{8}},
+                                              {"formats.span.f.int", std::int64_t{8}},
+                                              {"formats.span.f_step.word", std::int64_t{8}},
+                                              {"formats.span.f_step.int", std::int64_t{8}},
+                                              {"formats.span.uv_step.word", std::int64_t{8}},
+                                              {"formats.span.uv_step.int", std::int64_t{7}},
+                                              {"formats.span.uv_acc.word", std::int64_t{8}},
+                                              {"formats.span.uv_acc.int", std::int64_t{7}},
+                                              {"formats.span.uv.word", std::int64_t{7}},
+                                              {"formats.span.uv.int", std::int64_t{7}},
+                                              {"formats.plane.k.word", std::int64_t{6}},
+                                              {"reciprocal.row.output.word", std::int64_t{4}}});
+}
+
+}  // namespace bitspan
