@@ -98,7 +98,7 @@ std::string complaint(const fs::path& log) {
 
 void run_or_fail(const std::vector<std::string>& command, const fs::path& log, const Job& job) {
   const std::optional<int> code = run(command, log, job);
-  if (!code) throw InputError(command.front() + ": does not start; areas need it on PATH");
+  if (!code) throw InputError(command.front() + ": does not start");
   if (*code == 0) return;
   throw ToolFailure(
       fmt::format("{} refused: {}", fs::path(command.front()).filename().string(), complaint(log)));
@@ -107,7 +107,8 @@ void run_or_fail(const std::vector<std::string>& command, const fs::path& log, c
 std::string yosys_version(const Job& job) {
   const fs::path log = job.folder / "version.log";
   const std::optional<int> code = run({"yosys", "-V"}, log, job);
-  if (!code || *code != 0) throw InputError("yosys: does not start; areas need it on PATH");
+  if (!code || *code != 0)
+    throw InputError("yosys: does not start; areas need it on PATH; ./dev setup installs it");
   std::istringstream words(read_text(log));
   std::string name;
   std::string version;
@@ -143,10 +144,9 @@ Tool find_nextpnr(Family family, const Job& job) {
       version = text.substr(at + before.size(), end - at - before.size());
     return {name, fs::path(name).filename().string() + ' ' + version};
   }
-  std::string tried = names.front();
-  for (std::size_t i = 1; i < names.size(); ++i) tried += " nor " + names[i];
-  throw InputError(fmt::format("{}: does not start; placing in {} needs it on PATH, or ${} to name it", tried,
-                               to_string(family), variable));
+  throw MissingPlacer(
+      fmt::format("no clock in {}: cannot start {}; ./dev setup installs it for ./dev run, ${} names another",
+                  to_string(family), fmt::join(names, " or "), variable));
 }
 
 std::vector<fs::path> area_sources() {

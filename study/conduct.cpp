@@ -66,13 +66,34 @@ AreaResult known_area(const Config& config, Family family, bool place, Store& st
     const std::stop_callback cancel(stop, [&] { cancelled = true; });
     AreaLimits limits;
     limits.cancelled = &cancelled;
-    out = measure_area(config, family, place, limits);
+    try {
+      out = measure_area(config, family, place, limits);
+    } catch (const MissingPlacer& missing) {
+      // The counts stand; a failure is not taken for known, so the clock is tried for again the next time.
+      out = known_area(config, family, false, store, stop);
+      if (out.status != AreaStatus::failed) out.message = missing.what();
+      out.status = AreaStatus::failed;
+    }
   }
   store.run(
       "INSERT OR REPLACE INTO areas(config_hash, area_key, family, placed, status, message, tools, luts, "
       "ffs, multipliers, memory_bits, fmax_mhz, seconds) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       row_of(hash, key, family, place, out));
   return out;
+}
+
+std::string area_text(const AreaResult& a) {
+  std::vector<std::string> parts;
+  if (a.counts != AreaCounts{}) {
+    parts.push_back(fmt::format("{} LUTs, {} flip-flops, {} multipliers, {} memory bits", a.counts.luts,
+                                a.counts.ffs, a.counts.multipliers, a.counts.memory_bits));
+  }
+  if (!std::isnan(a.fmax_mhz)) parts.push_back(fmt::format("{:.1f} MHz", a.fmax_mhz));
+  if (!a.message.empty()) {
+    parts.push_back(
+        fmt::format("{}: {}", a.status == AreaStatus::failed ? "failed" : "does not fit", a.message));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
 }
 
 // "area.ice40.luts" -> the number.
@@ -404,13 +425,9 @@ Examination examine(const StudyPlan& plan, const Recommendation& point, std::vec
   if (plan.area && has_rtl(config)) {
     for (const std::string& family : plan.area->families) {
       if (stop.stop_requested()) break;
-      told("area, " + family);
+      told(fmt::format("area{} in {}", plan.area->place ? " and clock" : "", family));
       const AreaResult a = known_area(config, family_named(family), plan.area->place, store, stop);
-      out.lines.push_back(fmt::format(
-          "area {}: {}, {} LUTs, {} flip-flops, {} multipliers, {} memory bits{}{}", family,
-          to_string(a.status), a.counts.luts, a.counts.ffs, a.counts.multipliers, a.counts.memory_bits,
-          std::isnan(a.fmax_mhz) ? "" : fmt::format(", {:.1f} MHz", a.fmax_mhz),
-          a.message.empty() ? "" : ": " + a.message));
+      out.lines.push_back(fmt::format("area {}: {}", family, area_text(a)));
     }
   }
   told("pictures");

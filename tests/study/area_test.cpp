@@ -186,13 +186,12 @@ TEST(Area, NamesAMissingTool) {
   {
     const Environment path("PATH", "/nonexistent");
     EXPECT_EQ(message_of([] { measure_area(tiny_config(), Family::ecp5, false); }),
-              "yosys: does not start; areas need it on PATH");
+              "yosys: does not start; areas need it on PATH; ./dev setup installs it");
   }
   const Environment nextpnr("BITSPAN_NEXTPNR_ECP5", "/nonexistent/nextpnr");
   EXPECT_EQ(message_of([] { measure_area(tiny_config(), Family::ecp5, true); }),
-            "/nonexistent/nextpnr: does not start; placing in ecp5 needs it on PATH, or "
-            "$BITSPAN_NEXTPNR_ECP5 to name "
-            "it");
+            "no clock in ecp5: cannot start /nonexistent/nextpnr; ./dev setup installs it for ./dev run, "
+            "$BITSPAN_NEXTPNR_ECP5 names another");
 }
 
 TEST(Area, SaysWhereNothingCanBeWritten) {

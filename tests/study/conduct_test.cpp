@@ -271,10 +271,16 @@ metrics = ["span.u.rms"]
 [[vary]]
 keys = ["formats.span.uv.word"]
 values = [22]
+[area]
+families = ["ecp5"]
+place = true
 [report]
 budget = true
 bounds = true
 )");
+  // Known counts, and no nextpnr for the clock.
+  const Environment nextpnr("BITSPAN_NEXTPNR_ECP5", "/nonexistent/nextpnr");
+  plant_area(store, plan.base, "ecp5", 5281);
   const std::vector<Scene> scenes{demo_scene(96, 72)};
   PointRunner runner(
       plan.base, scenes,
@@ -308,6 +314,12 @@ bounds = true
     EXPECT_TRUE(line->ends_with(fmt::format(", {:.1f} %", 100 * number_of(row[2]) / number_of(row[1]))))
         << *line;
   }
+  // The clock is missed, and tried for the next time; the rest is as it is with one.
+  EXPECT_EQ(e.lines.back(),
+            "area ecp5: 5281 LUTs, 1 flip-flops, 1 multipliers, 1 memory bits, failed: no clock in "
+            "ecp5: cannot start /nonexistent/nextpnr; ./dev setup installs it for ./dev run, "
+            "$BITSPAN_NEXTPNR_ECP5 names another");
+  EXPECT_EQ(count("areas WHERE placed = 1 AND status = 'failed' AND luts = 5281"), 1);
   EXPECT_THROW(examine(plan, {"0123", ""}, scenes, store, [](const std::string&) {}, {}), InputError);
 }
 
