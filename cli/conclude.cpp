@@ -47,7 +47,14 @@ bool conclude(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& st
               const std::stop_token& stop) {
   const auto recommended = recommendations(plan, store);
   if (recommended.empty()) {
-    fmt::print("nothing to recommend\n");
+    fmt::print("nothing to recommend: {}{}\n",
+               plan.search || !plan.constraints.empty()
+                   ? "no point holds all constraints"
+                   : fmt::format("there is no constraint, and {} against {} has no knee", error_metric(plan),
+                                 cost_metric(plan)),
+               plan.area || plan.budget || plan.bounds
+                   ? "; areas, budgets and bounds are of what is recommended"
+                   : "");
     return true;
   }
   bool held = true;

@@ -313,7 +313,9 @@ def budget(study: Study) -> str:
     hashes = data.shown_hashes(study, study.budget)
     if not hashes:
         return empty_section(
-            "budget", "Error budget", "This study has no error budget; [report] budget = true in its plan adds it."
+            "budget",
+            "Error budget",
+            "This study has no error budget; [report] budget = true in its plan adds that of what is recommended.",
         )
     blocks = {}
     for h in hashes:
@@ -340,7 +342,9 @@ def bounds(study: Study) -> str:
     hashes = data.shown_hashes(study, study.bounds)
     if not hashes:
         return empty_section(
-            "bounds", "Proved bounds", "This study has no proved bounds; [report] bounds = true in its plan adds them."
+            "bounds",
+            "Proved bounds",
+            "This study has no proved bounds; [report] bounds = true in its plan adds those of what is recommended.",
         )
     blocks = {}
     for h in hashes:
@@ -469,8 +473,12 @@ def areas(study: Study) -> str:
         for a in study.areas.get(p.config_hash, [])
     ]
     if not rows:
-        return empty_section("areas", "Area and clock", "Nothing was synthesised; [area] in the plan adds it.")
-    tools = sorted({a.tools for found in study.areas.values() for a in found if a.tools})
+        return empty_section(
+            "areas",
+            "Area and clock",
+            "Nothing was synthesised; [area] in the plan synthesises what is recommended.",
+        )
+    tools = sorted({tool for found in study.areas.values() for a in found if a.tools for tool in a.tools.split("; ")})
     head = ["point", "family", "to", "result", "LUTs", "flip-flops", "multipliers", "memory bits", "Fmax [MHz]"]
     return section(
         "areas",

@@ -195,6 +195,17 @@ TEST_F(Study, ExitsByItsConstraints) {
   const Result none = run("s.toml");
   EXPECT_EQ(none.code, 1) << none.err;
   EXPECT_NE(none.out.find("0 hold"), std::string::npos);
+  EXPECT_NE(none.out.find("nothing to recommend: no point holds all constraints\n"), std::string::npos)
+      << none.out;
+  // Who asks for areas and gets none is told why.
+  write("s.toml", study("[30, 34]", "[area]\nfamilies = [\"ecp5\"]\n"));
+  const Result level = run("s.toml");
+  EXPECT_EQ(level.code, 0) << level.err;
+  EXPECT_NE(level.out.find("nothing to recommend: there is no constraint, and span.u.max against "
+                           "cost.register_bits has no knee; areas, budgets and bounds are of what is "
+                           "recommended\n"),
+            std::string::npos)
+      << level.out;
 }
 
 TEST_F(Study, MeasuresOnePoint) {
