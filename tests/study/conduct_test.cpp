@@ -25,7 +25,7 @@ StudyPlan plan_of(const std::string& text) {
 }
 
 // Costs the width of a format; its error is half an ulp; below `narrowest` bits it is refused.
-MakeMeter fake_meter(FormatId id, int narrowest) {
+MakeMeter fake_meter(FormatId id = FormatId::span_h, int narrowest = 19) {
   return [=](std::vector<Scene>) -> Measure {
     return [=](const Config& config) {
       const Format& f = config.format(id);
