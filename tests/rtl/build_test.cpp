@@ -2,41 +2,15 @@
 // made.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <thread>
 
 #include "tb/rtl_build.hpp"
 #include "tb/rtl_stream.hpp"
 #include "tests/rtl/simulate.hpp"
+#include "tests/support/environment.hpp"
 
 namespace bitspan {
 namespace {
-
-// Sets a variable of the environment for its lifetime.
-class Environment {
- public:
-  Environment(const char* name, const std::string& value) : name_(name) {
-    if (const char* old = std::getenv(name)) {
-      had_ = true;
-      old_ = old;
-    }
-    ::setenv(name, value.c_str(), 1);
-  }
-  ~Environment() {
-    if (had_) {
-      ::setenv(name_, old_.c_str(), 1);
-    } else {
-      ::unsetenv(name_);
-    }
-  }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
-
- private:
-  const char* name_;
-  bool had_ = false;
-  std::string old_;
-};
 
 Config narrow() { return load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/narrow.toml"); }
 

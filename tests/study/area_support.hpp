@@ -2,39 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 
 #include "study/keys.hpp"
+#include "tests/support/environment.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
-
-// Sets a variable of the environment for its lifetime.
-class Environment {
- public:
-  Environment(const char* name, const std::string& value) : name_(name) {
-    if (const char* old = std::getenv(name)) {
-      had_ = true;
-      old_ = old;
-    }
-    ::setenv(name, value.c_str(), 1);
-  }
-  ~Environment() {
-    if (had_) {
-      ::setenv(name_, old_.c_str(), 1);
-    } else {
-      ::unsetenv(name_);
-    }
-  }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
-
- private:
-  const char* name_;
-  bool had_ = false;
-  std::string old_;
-};
 
 // Constant-depth rows with as few bits as make a small netlist: nothing that anybody would draw with.
 inline Config tiny_config() {

@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cstdlib>
 #include <string>
 
 #include "scene/demo.hpp"
 #include "study/bounds.hpp"
+#include "tests/support/environment.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -174,12 +174,8 @@ TEST(Gappa, WhatGappaDoesNotAcceptOrCannotBeRunIsAnError) {
   const GappaVerdict wrong = check_with_gappa("{ x in [0,1] -> x + 1 in [1,1.5] }");
   EXPECT_FALSE(wrong.proved);
   EXPECT_NE(wrong.output.find("not satisfied"), std::string::npos);
-  const char* const known = std::getenv("PATH");
-  ASSERT_NE(known, nullptr);
-  const std::string path(known);
-  ASSERT_EQ(setenv("PATH", "/nonexistent", 1), 0);
+  const Environment path("PATH", "/nonexistent");
   expect_refusal([] { check_with_gappa("{ x in [0,1] -> x in [0,1] }"); }, "gappa: is not installed");
-  ASSERT_EQ(setenv("PATH", path.c_str(), 1), 0);
 }
 
 }  // namespace
