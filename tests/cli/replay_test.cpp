@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "scene/random.hpp"
 
 namespace bitspan {

@@ -2,19 +2,16 @@
 #include <gtest/gtest.h>
 
 #include <boost/property_tree/xml_parser.hpp>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "report/dump.hpp"
 #include "report/junit.hpp"
 #include "report/table.hpp"
+#include "tests/support/files.hpp"
 
 namespace bitspan {
 namespace {
-
-namespace fs = std::filesystem;
 
 TEST(Junit, IsWellFormedWhateverTheTextsHold) {
   std::string wild;
@@ -58,21 +55,13 @@ Frame frame(int width, int height) {
   return f;
 }
 
-std::string header_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string bytes(128, '\0');
-  in.read(bytes.data(), 128);
-  return bytes;
-}
-
 Config config() { return load_config(BITSPAN_CONFIG_DIR "/depth16.toml"); }
 
 TEST(Dump, HasTheShapesAndTypesOfTheDesign) {
-  const fs::path folder = fs::path(::testing::TempDir()) / "bitspan-dump-test";
-  fs::remove_all(folder);
-  write_dump(folder.string() + "/", frame(5, 3), {}, config(), {"1.2.3", "scene \"x\"", "model", 0.5});
+  const TemporaryFolder folder;
+  write_dump(folder.path("dump/"), frame(5, 3), {}, config(), {"1.2.3", "scene \"x\"", "model", 0.5});
   const auto has = [&](const char* file, const char* type, const char* shape) {
-    const std::string header = header_of(folder / file);
+    const std::string header = folder.read(std::string("dump/") + file).substr(0, 128);
     EXPECT_NE(header.find(type), std::string::npos) << file << header;
     EXPECT_NE(header.find(shape), std::string::npos) << file << header;
   };
@@ -81,34 +70,24 @@ TEST(Dump, HasTheShapesAndTypesOfTheDesign) {
   has("u.npy", "'<f8'", "(3, 5)");
   has("v.npy", "'<f8'", "(3, 5)");
   has("triangle.npy", "'<i4'", "(3, 5)");
-  std::ifstream in(folder / "run.json");
-  const auto json = nlohmann::json::parse(in);
+  const auto json = nlohmann::json::parse(folder.read("dump/run.json"));
   EXPECT_EQ(json.at("engine"), "model");
   EXPECT_EQ(json.at("scene"), "scene \"x\"");
   EXPECT_EQ(json.at("configuration").at("hash"), config_hash(config()));
   EXPECT_TRUE(json.at("counters").contains("divides_saved"));
 
   // An existing folder: the dump's files are replaced, others stay.
-  std::ofstream(folder / "mine.txt") << "keep";
-  write_dump(folder.string(), frame(7, 2), {}, config(), {});
+  folder.write("dump/mine.txt", "keep");
+  write_dump(folder.path("dump"), frame(7, 2), {}, config(), {});
   has("depth.npy", "'<u4'", "(2, 7)");
-  EXPECT_TRUE(fs::exists(folder / "mine.txt"));
-  std::size_t beside = 0;
-  for (const auto& entry : fs::directory_iterator(folder.parent_path())) {
-    beside += static_cast<std::size_t>(entry.path().filename().string().starts_with(".bitspan-dump-test"));
-  }
-  EXPECT_EQ(beside, 0U) << "the temporary folder is gone";
-  fs::remove_all(folder);
+  EXPECT_EQ(folder.read("dump/mine.txt"), "keep");
+  EXPECT_EQ(folder.files(), 1) << "the temporary folder is gone";
 }
 
 TEST(Dump, RefusesAFileInItsPlaceAndAMissingParent) {
-  const fs::path file = fs::path(::testing::TempDir()) / "bitspan-dump-file";
-  std::ofstream(file) << "x";
-  EXPECT_THROW(write_dump(file.string(), frame(1, 1), {}, config(), {}), InputError);
-  EXPECT_THROW(
-      write_dump((file.parent_path() / "no-such-folder" / "d").string(), frame(1, 1), {}, config(), {}),
-      InputError);
-  fs::remove(file);
+  const TemporaryFolder folder;
+  EXPECT_THROW(write_dump(folder.write("file", "x"), frame(1, 1), {}, config(), {}), InputError);
+  EXPECT_THROW(write_dump(folder.path("no-such-folder/d"), frame(1, 1), {}, config(), {}), InputError);
 }
 
 }  // namespace

@@ -5,11 +5,12 @@
 
 #include "config/names.hpp"
 #include "tests/config/support.hpp"
+#include "tests/support/files.hpp"
 
 namespace bitspan {
 namespace {
 
-std::vector<std::string> page() { return lines_of(read_text(repository_file("docs/configuration.md"))); }
+std::vector<std::string> page() { return lines_of(read_file(repository_file("docs/configuration.md"))); }
 
 TEST(Docs, TheFormatTableIsTheOneOfTheCode) {
   std::vector<std::string> expected;
@@ -57,7 +58,7 @@ TEST(Docs, EveryKeyHasARow) {
 }
 
 TEST(Docs, EveryNameOfAModeIsThere) {
-  const std::string text = read_text(repository_file("docs/configuration.md"));
+  const std::string text = read_file(repository_file("docs/configuration.md"));
   const auto expect_all = [&text](const auto& names) {
     for (const auto name : names) {
       EXPECT_NE(text.find(std::string("`").append(name).append("`")), std::string::npos) << name;

@@ -2,12 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 
 #include "config/names.hpp"
 #include "tests/config/support.hpp"
+#include "tests/support/files.hpp"
 
 namespace bitspan {
 namespace {
@@ -341,7 +339,7 @@ TEST(Parse, WhatIsNoTomlIsRefused) {
 }
 
 TEST(Parse, TruncatedAndDamagedTextNeverPassesSilentlyOrCrashes) {
-  const std::string text = read_text(repository_file("config/depth16.toml"));
+  const std::string text = read_file(repository_file("config/depth16.toml"));
   const std::size_t last_key = text.rfind("cache_ways");
   for (std::size_t size = 0; size < last_key; size += 97) {
     EXPECT_NE(parse_error_of(text.substr(0, size)), "") << size;
@@ -359,17 +357,16 @@ TEST(Parse, TruncatedAndDamagedTextNeverPassesSilentlyOrCrashes) {
 TEST(Load, NamesTheFileAndTheFault) {
   const auto error = [](const std::string& path) { return error_of([&path] { (void)load_config(path); }); };
   EXPECT_EQ(error("no/such.toml"), "no/such.toml: no such configuration file");
-  const std::string folder = std::filesystem::temp_directory_path().string();
-  EXPECT_TRUE(error(folder).starts_with(folder + ": is a directory")) << error(folder);
+  const TemporaryFolder folder;
+  const std::string path = folder.path("test.toml");
+  EXPECT_EQ(error(folder.path()), folder.path() + ": is a directory; expected a configuration file in TOML");
 
-  const std::string path = testing::TempDir() + "bitspan_config_test.toml";
-  std::ofstream(path).close();
+  folder.write("test.toml", "");
   EXPECT_TRUE(error(path).starts_with(path + ":1: the configuration is empty")) << error(path);
-  std::ofstream(path) << std::string(3U << 20U, '#');
+  folder.write("test.toml", std::string(3U << 20U, '#'));
   EXPECT_EQ(error(path), path + ": is larger than 1 MiB; expected a configuration file in TOML");
-  std::ofstream(path) << to_toml(shipped_file("narrow"));
-  EXPECT_EQ(load_config(path).name, "bitspan_config_test");
-  std::remove(path.c_str());
+  folder.write("test.toml", to_toml(shipped_file("narrow")));
+  EXPECT_EQ(load_config(path).name, "test");
 }
 
 }  // namespace

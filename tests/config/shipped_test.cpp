@@ -7,6 +7,7 @@
 #include "config/names.hpp"
 #include "config/shipped_configs.hpp"
 #include "tests/config/support.hpp"
+#include "tests/support/files.hpp"
 
 namespace bitspan {
 namespace {
@@ -62,7 +63,7 @@ static_assert(shipped::depth16() != shipped::depth20() && shipped::depth20() != 
 TEST(Shipped, EveryKeyHasAComment) {
   for (const std::string& name : shipped_names()) {
     int keys = 0;
-    for (const std::string& line : lines_of(read_text(repository_file("config/" + name + ".toml")))) {
+    for (const std::string& line : lines_of(read_file(repository_file("config/" + name + ".toml")))) {
       if (line.empty() || line.starts_with('#') || line.starts_with('[')) continue;
       const auto comment = line.find("  # ");
       const auto tight = line.find(" # ");

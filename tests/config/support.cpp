@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 
 #include "config/names.hpp"
@@ -12,14 +11,6 @@
 namespace bitspan {
 
 std::string repository_file(const std::string& path) { return std::string(BITSPAN_REPOSITORY) + "/" + path; }
-
-std::string read_text(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  EXPECT_TRUE(file) << path;
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;

@@ -15,7 +15,6 @@ inline constexpr Perspective kPerspectives[] = {Perspective::delta_f, Perspectiv
                                                 Perspective::hyperbolic, Perspective::affine};
 
 std::string repository_file(const std::string& path);  // its full path
-std::string read_text(const std::string& path);
 std::vector<std::string> lines_of(const std::string& text);
 std::string text_of(const std::vector<std::string>& lines);
 

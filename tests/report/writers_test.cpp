@@ -15,7 +15,8 @@
 #include "report/npy.hpp"
 #include "report/png.hpp"
 #include "scene/texture.hpp"
-#include "tests/scene/temporary_folder.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/input_error.hpp"
 
 namespace bitspan {
 namespace {

@@ -8,6 +8,7 @@
 #include "tb/rtl_stream.hpp"
 #include "tests/rtl/simulate.hpp"
 #include "tests/support/environment.hpp"
+#include "tests/support/files.hpp"
 
 namespace bitspan {
 namespace {
@@ -25,7 +26,7 @@ std::string message_of(const Config& c) {
 
 TEST(Build, TwoAtOnceAndThenFromTheCache) {
   const TemporaryFolder cache;
-  const Environment environment("BITSPAN_CACHE", cache.path().string());
+  const Environment environment("BITSPAN_CACHE", cache.path());
   std::filesystem::path a;
   std::filesystem::path b;
   std::thread first([&] { a = build_rtl(narrow()); });
@@ -51,7 +52,7 @@ TEST(Build, TwoAtOnceAndThenFromTheCache) {
 
 TEST(Build, SaysWhatIsMissing) {
   const TemporaryFolder cache;
-  const Environment environment("BITSPAN_CACHE", cache.path().string());
+  const Environment environment("BITSPAN_CACHE", cache.path());
   {
     const Environment no_tools("PATH", "/nonexistent");
     EXPECT_NE(message_of(narrow()).find("needs it on PATH"), std::string::npos) << message_of(narrow());
@@ -61,10 +62,10 @@ TEST(Build, SaysWhatIsMissing) {
     EXPECT_NE(message_of(narrow()).find("no-such-compiler"), std::string::npos) << message_of(narrow());
   }
   {
-    const Environment root("BITSPAN_ROOT", cache.path().string());
+    const Environment root("BITSPAN_ROOT", cache.path());
     EXPECT_NE(message_of(narrow()).find("BITSPAN_ROOT"), std::string::npos) << message_of(narrow());
   }
-  const Environment file("BITSPAN_CACHE", (cache.write("file", "") / "cache").string());
+  const Environment file("BITSPAN_CACHE", cache.write("file", "") + "/cache");
   EXPECT_NE(message_of(narrow()).find("BITSPAN_CACHE"), std::string::npos) << message_of(narrow());
 }
 
@@ -72,16 +73,16 @@ TEST(Build, SaysWhatIsMissing) {
 TEST(Build, LatencyThatDiffersFromThePackageIsSeen) {
   const TemporaryFolder folder;
   for (const char* part : {"rtl", "tb"}) {
-    std::filesystem::copy(rtl_root() / part, folder.path() / part, std::filesystem::copy_options::recursive);
+    std::filesystem::copy(rtl_root() / part, folder.path(part), std::filesystem::copy_options::recursive);
   }
-  const auto changed = folder.path() / "rtl/span.sv";
-  std::string text = read_file(changed);
+  const std::string changed = "rtl/span.sv";
+  std::string text = folder.read(changed);
   const std::string structure = ": 2 + bitspan_cfg_pkg::PixelUnitClocks;";
   ASSERT_NE(text.find(structure), std::string::npos);
   text.replace(text.find(structure), structure.size(), ": 3 + bitspan_cfg_pkg::PixelUnitClocks;");
-  ASSERT_EQ(folder.write("rtl/span.sv", text), changed);
-  const Environment root("BITSPAN_ROOT", folder.path().string());
-  const Environment cache("BITSPAN_CACHE", (folder.path() / "cache").string());
+  folder.write(changed, text);
+  const Environment root("BITSPAN_ROOT", folder.path());
+  const Environment cache("BITSPAN_CACHE", folder.path("cache"));
   try {
     const Rtl rtl(narrow());
     FAIL() << "no assertion failed";

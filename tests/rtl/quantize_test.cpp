@@ -7,6 +7,7 @@
 
 #include "tests/rtl/reference.hpp"
 #include "tests/rtl/simulate.hpp"
+#include "tests/support/files.hpp"
 
 namespace bitspan {
 namespace {

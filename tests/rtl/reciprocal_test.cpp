@@ -12,6 +12,7 @@
 #include "tests/rtl/random_rtl.hpp"
 #include "tests/rtl/reference.hpp"
 #include "tests/rtl/simulate.hpp"
+#include "tests/support/files.hpp"
 
 namespace bitspan {
 namespace {

@@ -6,6 +6,7 @@
 #include "config/emit_sv.hpp"
 #include "tests/rtl/interpolator_case.hpp"
 #include "tests/rtl/simulate.hpp"
+#include "tests/support/files.hpp"
 
 namespace bitspan {
 namespace {
@@ -29,9 +30,9 @@ TEST(Tools, VerilatorLintIsSilent) {
     std::vector<std::string> command = {"verilator",    "--lint-only",      "-Wall",
                                         "--assert",     "--max-num-width",  "1048576",
                                         "--top-module", "span_interpolator"};
-    command.push_back(folder.write("bitspan_cfg_pkg.sv", emit_sv(c)).string());
+    command.push_back(folder.write("bitspan_cfg_pkg.sv", emit_sv(c)));
     for (const auto& source : rtl_sources()) command.push_back(source.string());
-    const auto log = folder.path() / "lint.log";
+    const auto log = folder.path("lint.log");
     EXPECT_EQ(run_program(command, log, "this test"), 0) << to_toml(c);
     EXPECT_EQ(read_file(log), "") << to_toml(c);
     if (HasFailure()) return;
@@ -99,9 +100,9 @@ IcarusRun prepare_icarus(const TemporaryFolder& folder, const Config& c, const I
   run.sources = {folder.write("bitspan_cfg_pkg.sv", emit_sv(c))};
   for (const auto& source : rtl_sources()) run.sources.push_back(source);
   run.sources.push_back(rtl_root() / "tb/icarus_tb.sv");
-  run.arguments = {"+inputs=" + folder.write("inputs", input_lines(given.inputs)).string(),
-                   "+spans=" + folder.write("spans", span_lines(c, given.spans)).string(),
-                   "+pixels=" + folder.write("pixels", pixel_lines(c, given.pixels)).string(), "+seed=7"};
+  run.arguments = {"+inputs=" + folder.write("inputs", input_lines(given.inputs)),
+                   "+spans=" + folder.write("spans", span_lines(c, given.spans)),
+                   "+pixels=" + folder.write("pixels", pixel_lines(c, given.pixels)), "+seed=7"};
   run.expected = fmt::format("icarus_tb: {} spans, {} pixels, {} values equal", given.spans.size(),
                              given.pixels.size(), 17 * given.spans.size() + 10 * given.pixels.size());
   return run;
@@ -125,11 +126,11 @@ TEST(Tools, YosysNetlistAgrees) {
     const InterpolatorCase given = make_interpolator_case(random, c, 60, 10);
     const TemporaryFolder folder;
     IcarusRun run = prepare_icarus(folder, c, given);
-    const std::string netlist = (folder.path() / "netlist.v").string();
+    const std::string netlist = folder.path("netlist.v");
     std::string script = "read_verilog -sv -DSYNTHESIS " + run.sources.front().string();
     for (const auto& source : rtl_sources()) script += fmt::format(" {}", source.string());
     script += "; prep -flatten -top span_interpolator; memory_map; write_verilog -noattr " + netlist;
-    const auto log = folder.path() / "yosys.log";
+    const auto log = folder.path("yosys.log");
     ASSERT_EQ(run_program({"yosys", "-q", "-p", script}, log, "this test"), 0)
         << read_file(log) << to_toml(c);
     run.sources = {run.sources.front(), netlist, run.sources.back()};
@@ -151,8 +152,8 @@ TEST(Tools, IcarusSeesADifference) {
 TEST(Tools, YosysReadsAndChecks) {
   for (const Config& c : configs(300, 6)) {
     const TemporaryFolder folder;
-    const std::string package = folder.write("bitspan_cfg_pkg.sv", emit_sv(c)).string();
-    const auto log = folder.path() / "yosys.log";
+    const std::string package = folder.write("bitspan_cfg_pkg.sv", emit_sv(c));
+    const auto log = folder.path("yosys.log");
     const std::string script = (rtl_root() / "tb/yosys_cells.sh").string();
     EXPECT_EQ(run_program({"sh", script, package, "check"}, log, "this test"), 0)
         << read_file(log) << to_toml(c);
@@ -162,9 +163,9 @@ TEST(Tools, YosysReadsAndChecks) {
 TEST(Tools, YosysScriptRefuses) {
   const TemporaryFolder folder;
   const std::string script = (rtl_root() / "tb/yosys_cells.sh").string();
-  const auto log = folder.path() / "yosys.log";
-  EXPECT_EQ(run_program({"sh", script, (folder.path() / "none.sv").string(), "check"}, log, "this test"), 2);
-  const std::string broken = folder.write("broken.sv", "package bitspan_cfg_pkg;\nendpackage\n").string();
+  const auto log = folder.path("yosys.log");
+  EXPECT_EQ(run_program({"sh", script, folder.path("none.sv"), "check"}, log, "this test"), 2);
+  const std::string broken = folder.write("broken.sv", "package bitspan_cfg_pkg;\nendpackage\n");
   EXPECT_NE(run_program({"sh", script, broken, "check"}, log, "this test"), 0);
 }
 

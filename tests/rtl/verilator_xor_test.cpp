@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/rtl/simulate.hpp"
+#include "tests/support/files.hpp"
 
 namespace bitspan {
 namespace {

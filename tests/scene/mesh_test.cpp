@@ -8,7 +8,8 @@
 #include "report/png.hpp"
 #include "scene/ply_check.hpp"
 #include "scene/tri_stream.hpp"
-#include "tests/scene/temporary_folder.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/input_error.hpp"
 
 namespace bitspan {
 namespace {

@@ -7,7 +7,8 @@
 #include <functional>
 
 #include "report/png.hpp"
-#include "tests/scene/temporary_folder.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/input_error.hpp"
 
 namespace bitspan {
 namespace {

@@ -9,7 +9,8 @@
 #include "report/png.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
-#include "tests/scene/temporary_folder.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/input_error.hpp"
 
 namespace bitspan {
 namespace {

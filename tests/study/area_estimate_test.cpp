@@ -3,12 +3,13 @@
 #include "study/area_estimate.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
+
+#include "tests/support/files.hpp"
+#include "tests/support/input_error.hpp"
 
 namespace bitspan {
 namespace {
@@ -20,25 +21,6 @@ fs::path csv() { return fs::path(BITSPAN_SOURCE_DIR) / "config/studies/area_fit.
 Config shipped(const std::string& name) {
   return load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/" + name + ".toml");
 }
-
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const std::string& text = "") {
-    std::string name = (fs::temp_directory_path() / "bitspan-test-XXXXXX").string();
-    const int file = ::mkstemp(name.data());
-    if (file < 0) throw std::runtime_error("no temporary file");
-    ::close(file);
-    path_ = name;
-    std::ofstream(path_) << text;
-  }
-  ~TemporaryFile() { fs::remove(path_); }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 class AreaEstimateOf : public testing::TestWithParam<Family> {};
 INSTANTIATE_TEST_SUITE_P(Families, AreaEstimateOf, testing::Values(Family::ice40, Family::ecp5),
@@ -115,25 +97,17 @@ TEST(AreaEstimate, RefusesAModeWithoutRtl) {
 
 TEST(AreaRuns, AreWrittenAsTheyAreRead) {
   const std::vector<AreaRun> runs = load_area_runs(csv());
-  const TemporaryFile copy;
-  write_area_runs(copy.path(), runs);
-  std::ifstream a(csv());
-  std::ifstream b(copy.path());
-  const std::string expected((std::istreambuf_iterator<char>(a)), {});
-  const std::string written((std::istreambuf_iterator<char>(b)), {});
-  EXPECT_EQ(written, expected);
+  const TemporaryFolder folder;
+  write_area_runs(folder.path("copy.csv"), runs);
+  EXPECT_EQ(folder.read("copy.csv"), read_file(csv()));
 }
 
 TEST(AreaRuns, NameABadLine) {
   const std::string header = "base,settings,family,luts,ffs,multipliers,memory_bits,tools\n";
-  const auto message = [](const std::string& text) -> std::string {
-    const TemporaryFile file(text);
-    try {
-      load_area_runs(file.path());
-    } catch (const InputError& error) {
-      return std::string(error.what()).substr(file.path().string().size());
-    }
-    return "no InputError";
+  const TemporaryFolder folder;
+  const auto message = [&folder](const std::string& text) {
+    const std::string path = folder.write("bad.csv", text);
+    return input_error([&path] { load_area_runs(path); }).substr(path.size());
   };
   EXPECT_EQ(message(header + "narrow,,ice40,1,2,3,4,Yosys\nnarrow,,ice40,1,2,3\n"),
             ":3: expected the 8 columns base,settings,family,luts,ffs,multipliers,memory_bits,tools");

@@ -3,46 +3,26 @@
 #include "study/area.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
 #include "tests/study/area_support.hpp"
+#include "tests/support/files.hpp"
 
 namespace bitspan {
 namespace {
 
 namespace fs = std::filesystem;
 
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "bitspan-test-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-  // A shell script under that name.
-  fs::path program(const std::string& name, const std::string& text) const {
-    fs::path path = path_ / name;
-    std::ofstream(path) << "#!/bin/sh\n" << text;
-    fs::permissions(path, fs::perms::owner_all);
-    return path;
-  }
-
- private:
-  fs::path path_;
-};
+// A shell script under that name; returns its path.
+std::string program(const TemporaryFolder& folder, const std::string& name, const std::string& text) {
+  const std::string path = folder.write(name, "#!/bin/sh\n" + text);
+  fs::permissions(path, fs::perms::owner_all);
+  return path;
+}
 
 bool starts(const std::string& command) { return std::system((command + " >/dev/null 2>&1").c_str()) == 0; }
 
@@ -115,7 +95,7 @@ TEST(Area, TheKeyHoldsWhatTheRtlHas) {
 
 TEST(Area, MeasuresASmallConfiguration) {
   const TemporaryFolder folder;
-  const Environment temporary("TMPDIR", folder.path().string());
+  const Environment temporary("TMPDIR", folder.path());
   const AreaResult ecp5 = measure_area(tiny_config(), Family::ecp5, false);
   EXPECT_EQ(ecp5.status, AreaStatus::ok) << ecp5.message;
   EXPECT_EQ(ecp5.message, "");
@@ -127,7 +107,7 @@ TEST(Area, MeasuresASmallConfiguration) {
   EXPECT_TRUE(std::isnan(ecp5.fmax_mhz));
   EXPECT_GT(ecp5.seconds, 0);
   EXPECT_TRUE(ecp5.tools.starts_with("Yosys 0.")) << ecp5.tools;
-  EXPECT_TRUE(fs::is_empty(folder.path()));
+  EXPECT_EQ(folder.files(), 0);
 }
 
 TEST(Area, PlacesWhatFits) {
@@ -171,12 +151,12 @@ TEST(Area, SaysWhatDoesNotFit) {
 // trying.
 TEST(Area, BelievesThePlacerThatItDoesNotFit) {
   const TemporaryFolder folder;
-  const fs::path placer = folder.program(
-      "placer",
+  const std::string placer = program(
+      folder, "placer",
       "[ \"$1\" = --version ] && echo 'it (Version 7)' && exit 0\n"
       "echo \"ERROR: Unable to place cell 'x', no BELs remaining to implement cell type 'ICESTORM_LC'\"\n"
       "exit 255\n");
-  const Environment nextpnr("BITSPAN_NEXTPNR_ICE40", placer.string());
+  const Environment nextpnr("BITSPAN_NEXTPNR_ICE40", placer);
   const AreaResult result = measure_area(tiny_config(), Family::ice40, true);
   EXPECT_EQ(result.status, AreaStatus::does_not_fit);
   EXPECT_EQ(
@@ -189,8 +169,8 @@ TEST(Area, BelievesThePlacerThatItDoesNotFit) {
 
 TEST(Area, FailsWithTheToolsWords) {
   const TemporaryFolder folder;
-  folder.program("yosys", "[ \"$1\" = -V ] && echo 'Yosys 9' && exit 0\necho 'ERROR: no.'\nexit 1\n");
-  const Environment path("PATH", folder.path().string() + ":" + std::getenv("PATH"));
+  program(folder, "yosys", "[ \"$1\" = -V ] && echo 'Yosys 9' && exit 0\necho 'ERROR: no.'\nexit 1\n");
+  const Environment path("PATH", folder.path() + ":" + std::getenv("PATH"));
   const AreaResult result = measure_area(tiny_config(), Family::ecp5, false);
   EXPECT_EQ(result.status, AreaStatus::failed);
   EXPECT_EQ(result.message, "yosys refused: ERROR: no.");
@@ -226,8 +206,8 @@ TEST(Area, RefusesAModeWithoutRtl) {
 
 TEST(Area, StopsAtTheTimeLimit) {
   const TemporaryFolder folder;
-  folder.program("yosys", "[ \"$1\" = -V ] && echo 'Yosys 9' && exit 0\nsleep 100 &\nwait\n");
-  const Environment path("PATH", folder.path().string() + ":" + std::getenv("PATH"));
+  program(folder, "yosys", "[ \"$1\" = -V ] && echo 'Yosys 9' && exit 0\nsleep 100 &\nwait\n");
+  const Environment path("PATH", folder.path() + ":" + std::getenv("PATH"));
   const AreaResult result = measure_area(tiny_config(), Family::ecp5, false, {.seconds = 1});
   EXPECT_EQ(result.status, AreaStatus::failed);
   EXPECT_EQ(result.message, "yosys was killed at the time limit of 1 s");

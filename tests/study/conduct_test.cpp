@@ -10,8 +10,8 @@
 
 #include "scene/demo.hpp"
 #include "study/area.hpp"
-#include "tests/scene/temporary_folder.hpp"
 #include "tests/study/area_support.hpp"
+#include "tests/support/files.hpp"
 
 namespace bitspan {
 namespace {

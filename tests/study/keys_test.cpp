@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tests/scene/temporary_folder.hpp"
+#include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {

@@ -3,11 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
-#include "tests/scene/temporary_folder.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -297,9 +296,7 @@ TEST(Plan, ShippedStudiesAreLegal) {
 }
 
 TEST(Plan, TheExampleOfTheDocumentIsLegal) {
-  std::ostringstream text;
-  text << std::ifstream(BITSPAN_SOURCE_DIR "/docs/study.md").rdbuf();
-  const std::string page = text.str();
+  const std::string page = read_file(BITSPAN_SOURCE_DIR "/docs/study.md");
   const auto from = page.find("```toml\n");
   ASSERT_NE(from, std::string::npos);
   const TemporaryFolder folder;

@@ -12,7 +12,8 @@
 #include <thread>
 
 #include "scene/demo.hpp"
-#include "tests/scene/temporary_folder.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {

@@ -7,9 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "config/config.hpp"
@@ -17,6 +14,7 @@
 #include "model/timed/span_interpolator_timing.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
+#include "tests/support/files.hpp"
 
 namespace bitspan {
 namespace {
@@ -379,17 +377,13 @@ TEST(EngineSystemc, TheCacheSeesEachTexelAccess) {
 }
 
 TEST(EngineSystemc, WritesAWaveformOfEveryStage) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "engine_vcd";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  const auto path = folder / "run.vcd";
+  const TemporaryFolder folder;
   const Scene scene = small_scene(4, 3);
-  const auto engine = make_systemc(shipped("depth16"), {.vcd = path});
+  const auto engine = make_systemc(shipped("depth16"), {.vcd = folder.path("run.vcd")});
   engine->begin(scene);
   engine->draw(scene.triangles, 0, nullptr);
   engine->close_vcd();
-  std::ifstream file(path);
-  const std::string vcd{std::istreambuf_iterator<char>(file), {}};
+  const std::string vcd = folder.read("run.vcd");
   for (const char* name : {"setup", "edge_walk", "span_interpolator", "span_setup", "span", "depth",
                            "texture", "fog", "merge"}) {
     EXPECT_NE(vcd.find("$scope module " + std::string(name) + " "), std::string::npos) << name;
@@ -398,7 +392,7 @@ TEST(EngineSystemc, WritesAWaveformOfEveryStage) {
   const std::uint64_t last = (engine->report().cycles - 1) * 1000;
   EXPECT_NE(vcd.find("#" + std::to_string(last) + "\n"), std::string::npos);
   EXPECT_EQ(vcd.find("#" + std::to_string(last + 1000) + "\n"), std::string::npos);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  EXPECT_EQ(folder.files(), 1);
 }
 
 TEST(EngineSystemc, TheWatchdogTellsTheStateOfEachStage) {

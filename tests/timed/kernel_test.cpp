@@ -5,13 +5,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "config/config.hpp"
+#include "tests/support/files.hpp"
 
 namespace bitspan::timed {
 namespace {
@@ -30,18 +29,6 @@ struct Counting : Clocked {
 void run_clocks(Kernel& kernel, std::uint64_t n) {
   const std::uint64_t end = kernel.cycles() + n;
   kernel.run([&] { return kernel.cycles() >= end; });
-}
-
-std::string contents(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-std::filesystem::path fresh_folder(const std::string& name) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / name;
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
 }
 
 TEST(Kernel, ManyOneAfterAnotherAndTakingTurns) {
@@ -67,20 +54,20 @@ TEST(Kernel, ManyOneAfterAnotherAndTakingTurns) {
 }
 
 TEST(Kernel, AnErrorInAClockComesOutOfRunAndLeavesNoWaveform) {
-  const auto folder = fresh_folder("kernel_error");
+  const TemporaryFolder folder;
   Counting a;
   a.throws_at = 4;
   {
-    Kernel kernel({{"a", &a, {{"", &a.signals}}}}, folder / "run.vcd");
+    Kernel kernel({{"a", &a, {{"", &a.signals}}}}, folder.path("run.vcd"));
     EXPECT_THROW(run_clocks(kernel, 100), std::runtime_error);
   }
   EXPECT_EQ(a.seen.size(), 4U);
-  EXPECT_TRUE(std::filesystem::is_empty(folder));
+  EXPECT_EQ(folder.files(), 0);
 }
 
 TEST(Kernel, TheWaveformAppearsComplete) {
-  const auto folder = fresh_folder("kernel_vcd");
-  const auto path = folder / "run.vcd";
+  const TemporaryFolder folder;
+  const std::string path = folder.path("run.vcd");
   Counting a;
   {
     Kernel kernel({{"a", &a, {{"", &a.signals}, {"inner", &a.signals}}}}, path);
@@ -90,8 +77,8 @@ TEST(Kernel, TheWaveformAppearsComplete) {
     EXPECT_TRUE(std::filesystem::exists(path));
     run_clocks(kernel, 1);  // untraced
   }
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
-  const std::string vcd = contents(path);
+  EXPECT_EQ(folder.files(), 1);
+  const std::string vcd = read_file(path);
   for (const char* name : {"clk", "in_valid", "in_ready", "out_valid", "out_ready", "occupancy", "state"}) {
     EXPECT_NE(vcd.find(std::string("  ") + name), std::string::npos) << name;
   }
@@ -102,14 +89,15 @@ TEST(Kernel, TheWaveformAppearsComplete) {
 
 TEST(Kernel, AWaveformThatCannotBeWrittenIsAnInputError) {
   Counting a;
-  EXPECT_THROW(Kernel({{"a", &a, {}}}, fresh_folder("kernel_bad") / "missing" / "run.vcd"), InputError);
+  const TemporaryFolder folder;
+  EXPECT_THROW(Kernel({{"a", &a, {}}}, folder.path("missing/run.vcd")), InputError);
 }
 
 TEST(Kernel, NoClocksNoWaveform) {
-  const auto folder = fresh_folder("kernel_none");
+  const TemporaryFolder folder;
   Counting a;
-  { Kernel kernel({{"a", &a, {{"", &a.signals}}}}, folder / "run.vcd"); }
-  EXPECT_TRUE(std::filesystem::is_empty(folder));
+  { Kernel kernel({{"a", &a, {{"", &a.signals}}}}, folder.path("run.vcd")); }
+  EXPECT_EQ(folder.files(), 0);
 }
 
 }  // namespace

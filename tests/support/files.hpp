@@ -1,18 +1,24 @@
-// A folder of a test's own, gone afterwards.
+// Files of tests: whole texts, and a folder of a test's own.
 #pragma once
-
-#include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
-#include "config/config.hpp"
-
 namespace bitspan {
 
+inline std::string read_file(const std::filesystem::path& path) {
+  const std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error("cannot read " + path.string());
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+// Gone with the object.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -29,15 +35,12 @@ class TemporaryFolder {
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
   std::string path(std::string_view name = "") const { return (path_ / name).string(); }
+  // Returns the file's path.
   std::string write(std::string_view name, std::string_view text) const {
     std::ofstream(path_ / name, std::ios::binary) << text;
     return path(name);
   }
-  std::string read(std::string_view name) const {
-    std::ostringstream text;
-    text << std::ifstream(path_ / name, std::ios::binary).rdbuf();
-    return text.str();
-  }
+  std::string read(std::string_view name) const { return read_file(path_ / name); }
   int files() const {
     int count = 0;
     for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(path_)) ++count;
@@ -47,19 +50,5 @@ class TemporaryFolder {
  private:
   std::filesystem::path path_;
 };
-
-// The text of the InputError that `call` throws; a test failure where it throws none, or more than one line.
-template <class Call>
-std::string input_error(const Call& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    const std::string text = error.what();
-    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-    return text;
-  }
-  ADD_FAILURE() << "no InputError";
-  return "";
-}
 
 }  // namespace bitspan
