@@ -1,92 +1,35 @@
 // The built program from outside: exit codes, messages, files.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
+#include <algorithm>
 #include <boost/property_tree/xml_parser.hpp>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "report/png.hpp"
+#include "tests/cli/program.hpp"
 
 namespace bitspan {
 namespace {
 
-namespace fs = std::filesystem;
-
-std::string read(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream out;
-  out << in.rdbuf();
-  return out.str();
-}
-
-void write(const fs::path& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
-
-struct Result {
-  int code = -1;
-  std::string out, err;
-};
-
-class Cli : public ::testing::Test {
+class Cli : public Program {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "bitspan-cli-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  // Runs the program in the test's folder, outputs into files, so that no terminal is near.
-  Result run(const std::string& arguments) const {
-    const fs::path out = folder_ / ".out";
-    const fs::path err = folder_ / ".err";
-    const std::string command = "cd '" + folder_.string() + "' && '" + BITSPAN_PROGRAM + "' " + arguments +
-                                " >.out 2>.err </dev/null";
-    const int status = std::system(command.c_str());
-    Result result{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read(out), read(err)};
-    fs::remove(out);
-    fs::remove(err);
-    return result;
-  }
-
-  // Bad input: exit 2, one line on stderr that holds `part`, nothing on stdout, and no file that was not
-  // there before.
+  // Besides, nothing on stdout, and no file that was not there before.
   void refused(const std::string& arguments, const std::string& part) const {
     const auto before = files();
-    const Result r = run(arguments);
-    EXPECT_EQ(r.code, 2) << arguments << "\n" << r.err;
-    EXPECT_TRUE(r.err.starts_with("bitspan: ")) << r.err;
-    EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << r.err;
-    EXPECT_NE(r.err.find(part), std::string::npos) << arguments << "\n" << r.err;
-    EXPECT_EQ(r.out, "") << arguments;
+    EXPECT_EQ(Program::refused(arguments, part).out, "") << arguments;
     EXPECT_EQ(files(), before) << arguments;
   }
 
   std::vector<std::string> files() const {
     std::vector<std::string> out;
-    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path())) {
       out.push_back(entry.path().string());
     }
     std::sort(out.begin(), out.end());
     return out;
   }
-
-  void stream(const std::string& name, const std::string& triangles = good_triangle) const {
-    write(folder_ / name, header + triangles);
-  }
-
-  static constexpr const char* header =
-      "{\"bitspan\": 1, \"width\": 32, \"height\": 24, \"s_min\": 1.0, \"s_max\": 100.0, \"focal\": 30.0, "
-      "\"background\": [1, 2, 3]}\n";
-  static constexpr const char* good_triangle =
-      "{\"v\": [[2, 2, 2, 0, 0], [30, 4, 50, 20, 0], [5, 22, 9, 0, 20]], "
-      "\"c\": [[1, 0.5, 0.2, 1], [0.3, 1, 0.6, 1], [0.1, 0.2, 1, 1]]}\n";
-
-  fs::path folder_;
 };
 
 TEST_F(Cli, EveryCommandHasHelpWithAnExample) {
@@ -116,7 +59,7 @@ TEST_F(Cli, BadScenesAreRefused) {
   refused("render none.tri -o a.png", "none.tri");
   refused("render none.obj -o a.png", "none.obj");
   refused("verify none.tri", "none.tri");
-  write(folder_ / "empty.tri", "");
+  folder.write("empty.tri", "");
   refused("render empty.tri -o a.png", "empty.tri");
   stream("nan.tri", "{\"v\": [[NaN, 2, 2, 0, 0], [30, 4, 50, 20, 0], [5, 22, 9, 0, 20]]}\n");
   refused("render nan.tri -o a.png", "nan.tri:2");
@@ -128,18 +71,18 @@ TEST_F(Cli, BadScenesAreRefused) {
   refused("verify near.tri --junit j.xml", "near.tri:2");
   stream("flat.tri", "{\"v\": [[2, 2, 2, 0, 0], [4, 4, 50, 20, 0], [6, 6, 9, 0, 20]]}\n");
   refused("render flat.tri -o a.png", "flat.tri:2");
-  write(folder_ / "texture.tri",
-        "{\"bitspan\": 1, \"width\": 32, \"height\": 24, \"s_min\": 1.0, \"s_max\": 100.0, \"focal\": 30.0, "
-        "\"background\": [1, 2, 3], \"textures\": [\"t.png\"]}\n");
+  folder.write(
+      "texture.tri",
+      "{\"bitspan\": 1, \"width\": 32, \"height\": 24, \"s_min\": 1.0, \"s_max\": 100.0, \"focal\": 30.0, "
+      "\"background\": [1, 2, 3], \"textures\": [\"t.png\"]}\n");
   refused("render texture.tri -o a.png", "t.png");
   const std::vector<std::uint8_t> pixels(4 * 8 * 8, 77);
   const auto png = encode_png(8, 8, 4, pixels);
-  write(folder_ / "t.png",
-        std::string(png.begin(), png.begin() + static_cast<std::ptrdiff_t>(png.size() / 2)));
+  folder.write("t.png", std::string(png.begin(), png.begin() + static_cast<std::ptrdiff_t>(png.size() / 2)));
   refused("render texture.tri -o a.png", "t.png");
-  write(folder_ / "t.png", "no picture at all");
+  folder.write("t.png", "no picture at all");
   refused("render texture.tri -o a.png", "t.png");
-  write(folder_ / "bad.obj", "this is no mesh\n");
+  folder.write("bad.obj", "this is no mesh\n");
   refused("render bad.obj -o a.png", "bad.obj");
 }
 
@@ -169,13 +112,13 @@ TEST_F(Cli, BadConfigurationsAreRefused) {
   stream("a.tri");
   std::string toml = run("config show --toml narrow").out;
   ASSERT_NE(toml.find("[raster]\n"), std::string::npos);
-  write(folder_ / "unknown.toml", toml + "\n[extra]\nkey = 1\n");
+  folder.write("unknown.toml", toml + "\n[extra]\nkey = 1\n");
   refused("config check unknown.toml", "unknown.toml");
   refused("render a.tri -o a.png --config unknown.toml", "extra");
-  write(folder_ / "broken.toml", "[raster\n");
+  folder.write("broken.toml", "[raster\n");
   refused("config check broken.toml", "broken.toml");
   toml.replace(toml.find("subpixel_bits"), 13, "pixel_bits   ");
-  write(folder_ / "renamed.toml", toml);
+  folder.write("renamed.toml", toml);
   refused("config check renamed.toml", "pixel_bits");
 }
 
@@ -185,9 +128,9 @@ TEST_F(Cli, UnwritableOutputsAreRefused) {
   refused("render a.tri --dump no/such/d", "no/such/d");
   refused("render a.tri --dump a.tri", "a.tri");
   refused("render a.tri --emit-tri no/such/b.tri", "no/such");
-  write(folder_ / "file", "");
+  folder.write("file", "");
   refused("demo --engines golden,model -o file/x --size 32x24", "file/x");
-  EXPECT_EQ(run("config show depth16 > /dev/full; exit $?").code, 2);
+  EXPECT_EQ(WEXITSTATUS(std::system("'" BITSPAN_PROGRAM "' config show depth16 >/dev/full 2>/dev/null")), 2);
 }
 
 TEST_F(Cli, ConfigShowsChecksAndEmits) {
@@ -199,9 +142,9 @@ TEST_F(Cli, ConfigShowsChecksAndEmits) {
     EXPECT_NE(check.find("form specialised (these formats are compiled in)"), std::string::npos) << check;
     const Result sv = run(std::string("config emit-sv ") + name + " -o p.sv");
     EXPECT_EQ(sv.code, 0) << sv.err;
-    EXPECT_NE(read(folder_ / "p.sv").find("package bitspan_cfg_pkg"), std::string::npos);
+    EXPECT_NE(folder.read("p.sv").find("package bitspan_cfg_pkg"), std::string::npos);
   }
-  write(folder_ / "mine.toml", run("config show --toml depth20").out);
+  folder.write("mine.toml", run("config show --toml depth20").out);
   const auto hash = [](const std::string& text) { return text.substr(text.find('('), 18); };
   EXPECT_EQ(hash(run("config check mine.toml").out), hash(run("config check depth20").out));
 }
@@ -212,20 +155,20 @@ TEST_F(Cli, RenderWritesTheSameEveryTime) {
   ASSERT_EQ(r.code, 0) << r.err;
   EXPECT_EQ(r.err, "") << "no progress in a pipe";
   ASSERT_EQ(run("render a.tri -o b.png --dump b.dump/ --config narrow --engine golden").code, 0);
-  EXPECT_EQ(read(folder_ / "a.png"), read(folder_ / "b.png"));
-  EXPECT_TRUE(read(folder_ / "a.png").starts_with("\x89PNG"));
+  EXPECT_EQ(folder.read("a.png"), folder.read("b.png"));
+  EXPECT_TRUE(folder.read("a.png").starts_with("\x89PNG"));
   for (const char* file : {"color.npy", "depth.npy", "u.npy", "v.npy", "triangle.npy"}) {
-    EXPECT_EQ(read(folder_ / "a.dump" / file), read(folder_ / "b.dump" / file)) << file;
+    EXPECT_EQ(folder.read(std::string("a.dump/") + file), folder.read(std::string("b.dump/") + file)) << file;
   }
-  const std::string color = read(folder_ / "a.dump" / "color.npy");
+  const std::string color = folder.read("a.dump/color.npy");
   EXPECT_NE(color.find("'|u1'"), std::string::npos);
   EXPECT_NE(color.find("(24, 32, 4)"), std::string::npos);
   EXPECT_EQ(color.size(), 128U + 24U * 32U * 4U);
-  const std::string depth = read(folder_ / "a.dump" / "depth.npy");
+  const std::string depth = folder.read("a.dump/depth.npy");
   EXPECT_NE(depth.find("'<u4'"), std::string::npos);
-  EXPECT_NE(read(folder_ / "a.dump" / "u.npy").find("'<f8'"), std::string::npos);
-  EXPECT_NE(read(folder_ / "a.dump" / "triangle.npy").find("'<i4'"), std::string::npos);
-  const auto json = nlohmann::json::parse(read(folder_ / "a.dump" / "run.json"));
+  EXPECT_NE(folder.read("a.dump/u.npy").find("'<f8'"), std::string::npos);
+  EXPECT_NE(folder.read("a.dump/triangle.npy").find("'<i4'"), std::string::npos);
+  const auto json = nlohmann::json::parse(folder.read("a.dump/run.json"));
   EXPECT_EQ(json.at("configuration").at("name"), "narrow");
   EXPECT_EQ(json.at("counters").at("triangles"), 1);
   EXPECT_GT(json.at("counters").at("written"), 100);
@@ -238,11 +181,12 @@ TEST_F(Cli, EveryFormOfTheModelDrawsTheSame) {
     const Result r = run(scene + " -o b.png --dump b " + flags);
     if (r.code == 2 && r.err.find("no such instructions") != std::string::npos) return nlohmann::json();
     EXPECT_EQ(r.code, 0) << flags << "\n" << r.err;
-    EXPECT_EQ(read(folder_ / "a.png"), read(folder_ / "b.png")) << flags;
+    EXPECT_EQ(folder.read("a.png"), folder.read("b.png")) << flags;
     for (const char* file : {"depth.npy", "u.npy", "v.npy", "triangle.npy"}) {
-      EXPECT_EQ(read(folder_ / "a" / file), read(folder_ / "b" / file)) << flags << ": " << file;
+      EXPECT_EQ(folder.read(std::string("a/") + file), folder.read(std::string("b/") + file))
+          << flags << ": " << file;
     }
-    return nlohmann::json::parse(read(folder_ / "b" / "run.json")).at("model");
+    return nlohmann::json::parse(folder.read("b/run.json")).at("model");
   };
   EXPECT_EQ(same("--form scalar --threads 1"), (nlohmann::json{{"form", "scalar"}, {"threads", 1}}));
   int targets = 0;
@@ -259,10 +203,10 @@ TEST_F(Cli, EveryFormOfTheModelDrawsTheSame) {
   EXPECT_EQ(found.at("form"), "specialised");  // narrow is compiled in
   EXPECT_GE(found.at("threads"), 1);
   EXPECT_EQ(same("--threads 0").at("threads"), found.at("threads"));
-  EXPECT_FALSE(nlohmann::json::parse(read(folder_ / "a" / "run.json")).contains("model"));
+  EXPECT_FALSE(nlohmann::json::parse(folder.read("a/run.json")).contains("model"));
   // Without a dump the picture is the same.
   ASSERT_EQ(run(scene + " -o c.png").code, 0);
-  EXPECT_EQ(read(folder_ / "a.png"), read(folder_ / "c.png"));
+  EXPECT_EQ(folder.read("a.png"), folder.read("c.png"));
 }
 
 TEST_F(Cli, FormsThatDoNotExistAreRefused) {
@@ -280,7 +224,7 @@ TEST_F(Cli, FormsThatDoNotExistAreRefused) {
   const auto at = toml.find("subpixel_bits = ");
   ASSERT_NE(at, std::string::npos);
   toml[at + 16] = '3';
-  write(folder_ / "mine.toml", toml);
+  folder.write("mine.toml", toml);
   refused("render a.tri -o a.png --config mine.toml --form specialised", "specialised");
   EXPECT_EQ(run("render a.tri -o a.png --config mine.toml --form vector").code, 0);
 }
@@ -302,8 +246,8 @@ TEST_F(Cli, StatisticsTellWhatARegisterNeeded) {
   EXPECT_NE(r.out.find("span.h "), std::string::npos) << r.out;
   // The picture is the one drawn without observers.
   EXPECT_EQ(run("render s.tri -o b.png").code, 0);
-  EXPECT_EQ(read(folder_ / "a.png"), read(folder_ / "b.png"));
-  fs::remove(folder_ / "a.png");
+  EXPECT_EQ(folder.read("a.png"), folder.read("b.png"));
+  std::filesystem::remove(folder.path("a.png"));
   refused("render s.tri -o a.png --statistics --engine golden", "--statistics");
   refused("render s.tri --emit-tri e.tri --statistics", "--statistics");
 }
@@ -312,7 +256,7 @@ TEST_F(Cli, AnEmittedStreamDrawsTheSamePicture) {
   ASSERT_EQ(run("render demo --size 96x72 -o a.png --emit-tri d.tri").code, 0);
   const Result r = run("render d.tri -o b.png");
   ASSERT_EQ(r.code, 0) << r.err;
-  EXPECT_EQ(read(folder_ / "a.png"), read(folder_ / "b.png"));
+  EXPECT_EQ(folder.read("a.png"), folder.read("b.png"));
 }
 
 TEST_F(Cli, VerifyHoldsAndWritesItsReports) {
@@ -323,13 +267,13 @@ TEST_F(Cli, VerifyHoldsAndWritesItsReports) {
   EXPECT_NE(r.out.find("error against ideal"), std::string::npos);
   EXPECT_NE(r.out.find("0 differences (0 missed"), std::string::npos) << r.out;
   EXPECT_NE(r.out.find("a.tri: all held"), std::string::npos);
-  std::istringstream in(read(folder_ / "j.xml"));
+  std::istringstream in(folder.read("j.xml"));
   boost::property_tree::ptree tree;
   ASSERT_NO_THROW(boost::property_tree::read_xml(in, tree));
   const auto& suite = tree.get_child("testsuites.testsuite");
   EXPECT_GE(suite.count("testcase"), 20U);
   EXPECT_EQ(suite.get<int>("<xmlattr>.failures"), 0);
-  const auto json = nlohmann::json::parse(read(folder_ / "v.json"));
+  const auto json = nlohmann::json::parse(folder.read("v.json"));
   EXPECT_TRUE(json.at("held"));
   EXPECT_EQ(json.at("scenes")[0].at("pairs").size(), 2U);
   EXPECT_GT(json.at("scenes")[0].at("pairs")[0].at("stages").at("span").at("non_trivial"), 1000);
@@ -353,7 +297,7 @@ TEST_F(Cli, ModesWithoutRtlSaySo) {
   const auto at = toml.find("\"delta_f\"");
   ASSERT_NE(at, std::string::npos);
   toml.replace(at, 9, "\"affine\"");
-  write(folder_ / "affine.toml", toml);
+  folder.write("affine.toml", toml);
   const Result r = run("verify a.tri --config affine.toml");
   EXPECT_EQ(r.code, 0) << r.out << r.err;
   EXPECT_NE(r.out.find("rtl left out"), std::string::npos) << r.out;
@@ -378,7 +322,7 @@ TEST_F(Cli, SimCountsClocks) {
   const Result r = run("sim a.tri --json s.json --vcd w.vcd");
   ASSERT_EQ(r.code, 0) << r.err;
   EXPECT_NE(r.out.find("busy %"), std::string::npos);
-  const auto json = nlohmann::json::parse(read(folder_ / "s.json"));
+  const auto json = nlohmann::json::parse(folder.read("s.json"));
   const std::uint64_t cycles = json.at("cycles");
   EXPECT_GT(cycles, 100U);
   for (const auto& stage : json.at("stages")) {
@@ -387,14 +331,14 @@ TEST_F(Cli, SimCountsClocks) {
         stage.at("blocked").get<std::uint64_t>() + stage.at("memory").get<std::uint64_t>();
     EXPECT_EQ(sum, cycles) << stage;
   }
-  EXPECT_NE(read(folder_ / "w.vcd").find("$enddefinitions"), std::string::npos);
+  EXPECT_NE(folder.read("w.vcd").find("$enddefinitions"), std::string::npos);
 }
 
 TEST_F(Cli, SimCountsTheSameClocksInBothModes) {
   const auto numbers = [&](const std::string& mode) {
     const Result r = run("sim demo --size 48x36 --mode " + mode + " --json " + mode + ".json");
     EXPECT_EQ(r.code, 0) << r.err;
-    auto json = nlohmann::json::parse(read(folder_ / (mode + ".json")));
+    auto json = nlohmann::json::parse(folder.read(mode + ".json"));
     EXPECT_EQ(json.at("mode"), mode);
     EXPECT_NE(r.out.find("mode " + mode + "\n"), std::string::npos) << r.out;
     EXPECT_NE(r.out.find("cycles: " + json.at("cycles").dump() + "\n"), std::string::npos) << r.out;
@@ -437,9 +381,9 @@ TEST_F(Cli, DemoWritesItsReport) {
   ASSERT_EQ(r.code, 0) << r.out << r.err;
   for (const char* file : {"color.png", "depth.png", "ideal.png", "error_depth.png", "error_uv.png",
                            "error_color.png", "report.md", "report.html"}) {
-    EXPECT_GT(read(folder_ / "out" / file).size(), 100U) << file;
+    EXPECT_GT(folder.read(std::string("out/") + file).size(), 100U) << file;
   }
-  const std::string html = read(folder_ / "out" / "report.html");
+  const std::string html = folder.read("out/report.html");
   EXPECT_NE(html.find("all held"), std::string::npos);
   EXPECT_EQ(html.find("src=\"color"), std::string::npos) << "the page needs no other file";
 }

@@ -9,78 +9,29 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <thread>
-#include <vector>
+
+#include "tests/cli/program.hpp"
 
 namespace bitspan {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-struct Result {
-  int code = -1;
-  std::string out, err;
-};
-
-class Study : public ::testing::Test {
+class Study : public Program {
  protected:
   void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "bitspan-study-XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-    write("a.tri", std::string(header) +
-                       "{\"v\": [[2, 2, 2, 0, 0], [30, 4, 50, 20, 0], [5, 22, 9, 0, 20]], "
-                       "\"c\": [[1, 0.5, 0.2, 1], [0.3, 1, 0.6, 1], [0.1, 0.2, 1, 1]]}\n");
-    write("s.toml", study("[30, 32, 34]"));
+    stream("a.tri");
+    folder.write("s.toml", study("[30, 32, 34]"));
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
-  std::string command(const std::string& arguments) const {
-    return "cd '" + folder_.string() + "' && exec '" + BITSPAN_PROGRAM + "' study " + arguments +
-           " >.out 2>.err </dev/null";
+  std::string command(const std::string& arguments) const { return Program::command("study " + arguments); }
+  Result run(const std::string& arguments) const { return Program::run("study " + arguments); }
+  Result refused(const std::string& arguments, const std::string& part) const {
+    return Program::refused("study " + arguments, part);
   }
-  Result run(const std::string& arguments) const {
-    const int status = std::system(command(arguments).c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read(".out"), read(".err")};
-  }
-  // Ctrl-C as soon as three points are in s.db.
-  Result interrupted(const std::string& arguments) const {
-    const pid_t child = fork();
-    if (child < 0) return {};
-    if (child == 0) {
-      signal(SIGINT, SIG_DFL);  // whatever started the test
-      const std::string text = command(arguments);
-      execl("/bin/sh", "sh", "-c", text.c_str(), nullptr);
-      _exit(127);
-    }
-    for (int i = 0; i < 600 && number("s.db", "SELECT count(*) FROM points") < 3; ++i)
-      std::this_thread::sleep_for(50ms);
-    kill(child, SIGINT);
-    int status = 0;
-    waitpid(child, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read(".out"), read(".err")};
-  }
-  // Exit 2 and one line that holds `part`.
-  void refused(const std::string& arguments, const std::string& part) const {
-    const Result r = run(arguments);
-    EXPECT_EQ(r.code, 2) << arguments << "\n" << r.err;
-    EXPECT_TRUE(r.err.starts_with("bitspan: ")) << r.err;
-    EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << r.err;
-    EXPECT_NE(r.err.find(part), std::string::npos) << arguments << "\n" << r.err;
-  }
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-  }
-  std::string read(const std::string& name) const {
-    std::ostringstream out;
-    out << std::ifstream(folder_ / name, std::ios::binary).rdbuf();
-    return out.str();
-  }
-  bool exists(const std::string& name) const { return fs::exists(folder_ / name); }
+  bool exists(const std::string& name) const { return std::filesystem::exists(folder.path(name)); }
 
   static std::string study(const std::string& words, const std::string& rest = "",
                            const std::string& scene = "a.tri") {
@@ -93,7 +44,7 @@ class Study : public ::testing::Test {
   std::int64_t number(const std::string& db, const std::string& sql) const {
     sqlite3* handle = nullptr;
     std::int64_t out = -1;
-    if (sqlite3_open_v2((folder_ / db).c_str(), &handle, SQLITE_OPEN_READONLY, nullptr) == SQLITE_OK) {
+    if (sqlite3_open_v2(folder.path(db).c_str(), &handle, SQLITE_OPEN_READONLY, nullptr) == SQLITE_OK) {
       sqlite3_busy_timeout(handle, 1000);
       sqlite3_stmt* statement = nullptr;
       sqlite3_prepare_v2(handle, sql.c_str(), -1, &statement, nullptr);
@@ -106,7 +57,7 @@ class Study : public ::testing::Test {
   std::string hash(const std::string& db) const {
     sqlite3* handle = nullptr;
     std::string out;
-    sqlite3_open((folder_ / db).c_str(), &handle);
+    sqlite3_open(folder.path(db).c_str(), &handle);
     sqlite3_stmt* statement = nullptr;
     sqlite3_prepare_v2(handle, "SELECT hash FROM points WHERE status = 'ok'", -1, &statement, nullptr);
     if (sqlite3_step(statement) == SQLITE_ROW) {
@@ -116,12 +67,6 @@ class Study : public ::testing::Test {
     sqlite3_close(handle);
     return out;
   }
-
-  static constexpr const char* header =
-      "{\"bitspan\": 1, \"width\": 32, \"height\": 24, \"s_min\": 1.0, \"s_max\": 100.0, \"focal\": 30.0, "
-      "\"background\": [1, 2, 3]}\n";
-
-  fs::path folder_;
 };
 
 TEST_F(Study, MeasuresOnceExportsAndReplays) {
@@ -131,7 +76,7 @@ TEST_F(Study, MeasuresOnceExportsAndReplays) {
       << first.out;
   EXPECT_EQ(number("s.db", "SELECT count(*) FROM points"), 3);
   EXPECT_EQ(number("s.db", "SELECT count(*) FROM metrics WHERE name = 'span.u.max'"), 3);
-  const std::string csv = read("out.csv");
+  const std::string csv = folder.read("out.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
   EXPECT_TRUE(csv.starts_with("i,formats.span.h.word,status,holds,span.u.max,seconds,")) << csv;
   EXPECT_NE(csv.find("bitspan study --db s.db --replay "), std::string::npos);
@@ -149,7 +94,7 @@ TEST_F(Study, MeasuresOnceExportsAndReplays) {
   EXPECT_NE(replay.out.find(point + ": the same, bit for bit"), std::string::npos) << replay.out;
   // A stored number that is not what is measured.
   sqlite3* handle = nullptr;
-  ASSERT_EQ(sqlite3_open((folder_ / "s.db").c_str(), &handle), SQLITE_OK);
+  ASSERT_EQ(sqlite3_open(folder.path("s.db").c_str(), &handle), SQLITE_OK);
   EXPECT_EQ(sqlite3_exec(handle, "UPDATE metrics SET value = value + 1 WHERE name = 'span.u.max'", nullptr,
                          nullptr, nullptr),
             SQLITE_OK);
@@ -189,9 +134,9 @@ TEST_F(Study, ExitsByItsConstraints) {
   const auto constraint = [](const char* at_most) {
     return std::string("[[constraint]]\nmetric = \"span.u.max\"\nat_most = ") + at_most + "\n";
   };
-  write("s.toml", study("[30, 34]", constraint("100")));
+  folder.write("s.toml", study("[30, 34]", constraint("100")));
   EXPECT_EQ(run("s.toml").code, 0);
-  write("s.toml", study("[30, 34]", constraint("0")));
+  folder.write("s.toml", study("[30, 34]", constraint("0")));
   const Result none = run("s.toml");
   EXPECT_EQ(none.code, 1) << none.err;
   EXPECT_NE(none.out.find("0 hold"), std::string::npos);
@@ -223,19 +168,19 @@ TEST_F(Study, BadStudiesAreRefusedAndLeaveNothing) {
   refused("", "one STUDY.toml");
   refused("s.toml s.toml", "one STUDY.toml");
   refused("none.toml", "none.toml: no such study");
-  write("key.toml", study("[3]") + "[[vary]]\nkeys = [\"depht.bits\"]\nvalues = [16]\n");
+  folder.write("key.toml", study("[3]") + "[[vary]]\nkeys = [\"depht.bits\"]\nvalues = [16]\n");
   refused("key.toml",
           "key.toml:10: vary[2].keys: depht.bits: no such key of a configuration; nearest: depth.bits");
-  write("empty.toml", study("[]"));
+  folder.write("empty.toml", study("[]"));
   refused("empty.toml", "empty.toml:8: vary[1].values: is empty");
-  write("base.toml", "[study]\nname = \"b\"\nbase = \"depht16\"\n");
+  folder.write("base.toml", "[study]\nname = \"b\"\nbase = \"depht16\"\n");
   refused("base.toml", "shipped names: depth16");
-  write("scene.toml", study("[30]", "", "none.tri"));
+  folder.write("scene.toml", study("[30]", "", "none.tri"));
   refused("scene.toml", "none.tri: no such file");
-  write("bad.tri", "no scene\n");
-  write("bad.toml", study("[30]", "", "bad.tri"));
+  folder.write("bad.tri", "no scene\n");
+  folder.write("bad.toml", study("[30]", "", "bad.tri"));
   refused("bad.toml", "bad.tri:1");
-  write("extreme.toml", study("[30]", "", "extreme/none"));
+  folder.write("extreme.toml", study("[30]", "", "extreme/none"));
   refused("extreme.toml", "extreme/none: no such scene");
   refused("s.toml --threads -1", "--threads");
   refused("s.toml --size 3x3", "--size");
@@ -251,22 +196,21 @@ TEST_F(Study, BadStudiesAreRefusedAndLeaveNothing) {
 }
 
 TEST_F(Study, SceneThatDrawsNothingIsAnError) {
-  write("away.tri",
-        std::string(header) + "{\"v\": [[-20, 2, 2, 0, 0], [-3, 4, 50, 20, 0], [-15, 22, 9, 0, 20]]}\n");
+  stream("away.tri", "{\"v\": [[-20, 2, 2, 0, 0], [-3, 4, 50, 20, 0], [-15, 22, 9, 0, 20]]}\n");
   refused("--point depth16 away.tri", "nothing is drawn");
-  write("away.toml", study("[30, 34]", "", "away.tri"));
+  folder.write("away.toml", study("[30, 34]", "", "away.tri"));
   refused("away.toml", "not one of 2 points can be measured; the first: ");
 }
 
 TEST_F(Study, DamagedAndLockedDatabasesAreRefusedAndKept) {
-  write("junk.db", std::string(3000, 'j'));
+  folder.write("junk.db", std::string(3000, 'j'));
   refused("s.toml --db junk.db", "junk.db: is damaged, or no SQLite database");
-  EXPECT_EQ(read("junk.db"), std::string(3000, 'j'));
+  EXPECT_EQ(folder.read("junk.db"), std::string(3000, 'j'));
   refused("s.toml --db no/such/x.db", "no/such/x.db: cannot be opened as a database");
   refused("s.toml --csv no/such/x.csv --db s.db", "no/such/x.csv: cannot write");
   EXPECT_EQ(number("s.db", "SELECT count(*) FROM points"), 3);  // measured all the same
   sqlite3* handle = nullptr;
-  ASSERT_EQ(sqlite3_open((folder_ / "s.db").c_str(), &handle), SQLITE_OK);
+  ASSERT_EQ(sqlite3_open(folder.path("s.db").c_str(), &handle), SQLITE_OK);
   ASSERT_EQ(sqlite3_exec(handle, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr), SQLITE_OK);
   refused("s.toml", "s.db: is locked by another program, and was for 5 s");
   sqlite3_close(handle);
@@ -276,13 +220,14 @@ TEST_F(Study, DamagedAndLockedDatabasesAreRefusedAndKept) {
 TEST_F(Study, FullDiskLosesNothing) {
   std::string words = "[20";
   for (int w = 21; w < 50; ++w) words += ", " + std::to_string(w);
-  write("s.toml", study(words + "]"));
+  folder.write("s.toml", study(words + "]"));
   // No file may pass 400 KiB: what a full disk is to a database.
   const std::string limited = "trap '' XFSZ; ulimit -f 400; " + command("s.toml");
   const int status = std::system(("bash -c \"" + limited + "\"").c_str());
   ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 2) << read(".out");
-  EXPECT_NE(read(".err").find("all points finished before are kept"), std::string::npos) << read(".err");
+  EXPECT_EQ(WEXITSTATUS(status), 2) << folder.read(".out");
+  EXPECT_NE(folder.read(".err").find("all points finished before are kept"), std::string::npos)
+      << folder.read(".err");
   const std::int64_t kept = number("s.db", "SELECT count(*) FROM points");
   EXPECT_GT(kept, 0);
   EXPECT_LT(kept, 30);
@@ -293,17 +238,31 @@ TEST_F(Study, FullDiskLosesNothing) {
 }
 
 TEST_F(Study, InterruptStopsAndTheSameCommandGoesOn) {
-  write("s.toml",
-        "[study]\nname = \"s\"\nbase = \"depth16\"\nscenes = [\"a.tri\"]\n"
-        "[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 25\nto = 44\n"
-        "[[vary]]\nkeys = [\"formats.span.uv.word\"]\nfrom = 20\nto = 39\n");
-  const Result stopped = interrupted("s.toml --threads 1");
-  EXPECT_EQ(stopped.code, 130) << stopped.out << stopped.err;
+  folder.write("s.toml",
+               "[study]\nname = \"s\"\nbase = \"depth16\"\nscenes = [\"a.tri\"]\n"
+               "[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 25\nto = 44\n"
+               "[[vary]]\nkeys = [\"formats.span.uv.word\"]\nfrom = 20\nto = 39\n");
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    signal(SIGINT, SIG_DFL);  // whatever started the test
+    const std::string text = command("s.toml --threads 1");
+    execl("/bin/sh", "sh", "-c", text.c_str(), nullptr);
+    _exit(127);
+  }
+  for (int i = 0; i < 600 && number("s.db", "SELECT count(*) FROM points") < 3; ++i)
+    std::this_thread::sleep_for(50ms);
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130) << folder.read(".out") << folder.read(".err");
   const std::int64_t kept = number("s.db", "SELECT count(*) FROM points");
   EXPECT_GE(kept, 3);
   EXPECT_LT(kept, 400);
-  EXPECT_NE(stopped.out.find("stopped: " + std::to_string(kept) +
-                             " of 400 points are in s.db; go on with: bitspan study s.toml --db s.db\n"),
+  const std::string told = folder.read(".out");
+  EXPECT_NE(told.find("stopped: "), std::string::npos) << told;
+  EXPECT_NE(told.find(" of 400 points are in s.db; go on with: bitspan study s.toml --db s.db"),
             std::string::npos)
       << stopped.out;
   const Result limited = run("s.toml --points 5");
