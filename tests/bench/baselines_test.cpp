@@ -10,11 +10,10 @@
 #include "bench/mesa_process.hpp"
 #include "bench/scenes.hpp"
 #include "model/engine_model.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan::bench {
 namespace {
-
-Config depth16() { return load_config(BITSPAN_CONFIG_DIR "/depth16.toml"); }
 
 std::vector<std::uint8_t> by_model(const Config& config, const Scene& scene) {
   const auto engine = make_model(config);
@@ -71,7 +70,7 @@ TEST(Scenes, BackGoesFromFarToNear) {
 TEST(Mesa, DrawsTheModelsPicture) {
   const Scene scene = few_triangles();
   for (const TextureFilter filter : {TextureFilter::nearest, TextureFilter::bilinear}) {
-    Config config = depth16();
+    Config config = shipped_config("depth16");
     config.filter = filter;
     Mesa mesa(scene, filter, 16);
     mesa.draw();
@@ -90,7 +89,7 @@ TEST(Mesa, LikenessSeesMissingWork) {
   Mesa mesa(scene, TextureFilter::nearest, 16);
   mesa.draw();
   const auto differs = [&](const Scene& other) {
-    const Likeness l = compare(by_model(depth16(), other), mesa.picture(), scene);
+    const Likeness l = compare(by_model(shipped_config("depth16"), other), mesa.picture(), scene);
     return !alike(l);
   };
   EXPECT_FALSE(differs(scene));

@@ -8,6 +8,7 @@
 
 #include "bench/plain_kernel.hpp"
 #include "model/simd/shipped.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan::bench {
 namespace {
@@ -62,13 +63,11 @@ void compare_all(const Config& config) {
   }
 }
 
-Config depth16() { return load_config(BITSPAN_CONFIG_DIR "/depth16.toml"); }
-
-TEST(SpanKernels, Depth16) { compare_all(depth16()); }
-TEST(SpanKernels, Depth16Restoring) { compare_all(restoring_of(depth16())); }
+TEST(SpanKernels, Depth16) { compare_all(shipped_config("depth16")); }
+TEST(SpanKernels, Depth16Restoring) { compare_all(restoring_of(shipped_config("depth16"))); }
 
 TEST(SpanKernels, PlainRefusesOtherWidths) {
-  Config config = depth16();
+  Config config = shipped_config("depth16");
   config.format(FormatId::span_uv).word = 24;
   const SpanCase c = make_span_case(config, 1, 8, 8);
   EXPECT_THROW(make_plain(c), InputError);

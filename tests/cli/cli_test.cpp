@@ -9,6 +9,7 @@
 
 #include "report/png.hpp"
 #include "tests/cli/program.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
@@ -134,7 +135,7 @@ TEST_F(Cli, UnwritableOutputsAreRefused) {
 }
 
 TEST_F(Cli, ConfigShowsChecksAndEmits) {
-  for (const char* name : {"depth16", "depth20", "narrow"}) {
+  for (const std::string& name : shipped_names) {
     EXPECT_NE(run(std::string("config show ") + name).out.find("span.uv"), std::string::npos);
     const std::string check = run(std::string("config check ") + name).out;
     EXPECT_NE(check.find("legal"), std::string::npos);

@@ -7,11 +7,12 @@
 #include <limits>
 
 #include "model/engine_model.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
 
-Config config() { return load_config(BITSPAN_CONFIG_DIR "/depth16.toml"); }
+Config config() { return shipped_config("depth16"); }
 
 // A quad of two triangles that share their diagonal, in perspective, on a textured plane.
 Scene scene() {

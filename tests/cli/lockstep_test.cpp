@@ -7,6 +7,7 @@
 
 #include "model/engine_model.hpp"
 #include "scene/random.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
@@ -47,7 +48,7 @@ class BrokenEngine : public Engine {
   Fault fault_;
 };
 
-Config config() { return load_config(BITSPAN_CONFIG_DIR "/depth16.toml"); }
+Config config() { return shipped_config("depth16"); }
 
 Scene scene() {
   RandomOptions options;

@@ -7,17 +7,10 @@
 
 #include "config/rtl_timing.hpp"
 #include "golden/precision.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
-
-std::vector<Config> bases() {
-  std::vector<Config> out;
-  for (const char* name : {"depth16", "depth20", "narrow"}) {
-    out.push_back(load_config(std::string(BITSPAN_CONFIG_DIR "/") + name + ".toml"));
-  }
-  return out;
-}
 
 RandomConfigOptions options() {
   RandomConfigOptions o;
@@ -26,7 +19,7 @@ RandomConfigOptions options() {
 }
 
 TEST(RandomConfig, IsLegalAndReadsBack) {
-  const auto from = bases();
+  const auto from = shipped_configs();
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     const Config c = random_config(seed, from, options());
     ASSERT_NO_THROW(check_config(c, "random")) << seed;
@@ -35,13 +28,13 @@ TEST(RandomConfig, IsLegalAndReadsBack) {
 }
 
 TEST(RandomConfig, TheSameSeedGivesTheSame) {
-  const auto from = bases();
+  const auto from = shipped_configs();
   EXPECT_EQ(random_config(5, from, options()), random_config(5, from, options()));
   EXPECT_NE(config_hash(random_config(5, from, options())), config_hash(random_config(6, from, options())));
 }
 
 TEST(RandomConfig, ReachesEveryMode) {
-  const auto from = bases();
+  const auto from = shipped_configs();
   std::set<int> perspective, pixel_kind, row_kind, edge_kind, depth, fog, rounding, overflow, fill, walk,
       filter, form;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
@@ -76,7 +69,7 @@ TEST(RandomConfig, ReachesEveryMode) {
 }
 
 TEST(RandomConfig, RtlOnlyMeansThatTheRtlHasIt) {
-  const auto from = bases();
+  const auto from = shipped_configs();
   RandomConfigOptions o = options();
   o.rtl_only = true;
   for (std::uint64_t seed = 0; seed < 50; ++seed) {

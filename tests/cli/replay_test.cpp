@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "scene/random.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
@@ -13,7 +14,7 @@ Replay sample() {
   r.engines = {"golden", "model"};
   r.stall_seed = 42;
   r.found = "bitspan fuzz";
-  r.config = load_config(BITSPAN_CONFIG_DIR "/narrow.toml");
+  r.config = shipped_config("narrow");
   RandomOptions options;
   options.fog_probability = 1;
   options.triangles = 9;

@@ -9,6 +9,7 @@
 #include "report/junit.hpp"
 #include "report/table.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
@@ -55,7 +56,7 @@ Frame frame(int width, int height) {
   return f;
 }
 
-Config config() { return load_config(BITSPAN_CONFIG_DIR "/depth16.toml"); }
+Config config() { return shipped_config("depth16"); }
 
 TEST(Dump, HasTheShapesAndTypesOfTheDesign) {
   const TemporaryFolder folder;

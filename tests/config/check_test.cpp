@@ -16,8 +16,8 @@ using F = FormatId;
 using Change = std::function<void(Config&)>;
 
 std::string violation_of(const Change& change, const std::string& base = "depth16") {
-  static const Config depth16 = shipped_file("depth16");
-  static const Config depth20 = shipped_file("depth20");
+  static const Config depth16 = shipped_config("depth16");
+  static const Config depth20 = shipped_config("depth20");
   Config c = base == "depth16" ? depth16 : depth20;
   change(c);
   const auto v = first_violation(c);

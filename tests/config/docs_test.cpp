@@ -10,7 +10,7 @@
 namespace bitspan {
 namespace {
 
-std::vector<std::string> page() { return lines_of(read_file(repository_file("docs/configuration.md"))); }
+std::vector<std::string> page() { return lines_of(read_file(BITSPAN_SOURCE_DIR "/docs/configuration.md")); }
 
 TEST(Docs, TheFormatTableIsTheOneOfTheCode) {
   std::vector<std::string> expected;
@@ -38,7 +38,7 @@ TEST(Docs, EveryKeyHasARow) {
   };
   std::string section;
   int keys = 0;
-  for (const std::string& line : lines_of(to_toml(shipped_file("depth16")))) {
+  for (const std::string& line : lines_of(to_toml(shipped_config("depth16")))) {
     if (line.starts_with('[')) {
       section = line.substr(1, line.size() - 2);
       if (section.starts_with("timing.")) section = "timing.STAGE";
@@ -58,7 +58,7 @@ TEST(Docs, EveryKeyHasARow) {
 }
 
 TEST(Docs, EveryNameOfAModeIsThere) {
-  const std::string text = read_file(repository_file("docs/configuration.md"));
+  const std::string text = read_file(BITSPAN_SOURCE_DIR "/docs/configuration.md");
   const auto expect_all = [&text](const auto& names) {
     for (const auto name : names) {
       EXPECT_NE(text.find(std::string("`").append(name).append("`")), std::string::npos) << name;

@@ -41,7 +41,7 @@ long double least(const Format& f) { return f.is_signed ? -std::ldexp(1.0L, f.in
 
 // Small formats, so that extremes are exact in a long double.
 Config small() {
-  Config c = shipped_file("depth16");
+  Config c = shipped_config("depth16");
   c.format(F::setup_uv) = {12, 9, true};
   c.format(F::edge_uv) = {12, 9, true};
   c.format(F::setup_h) = {14, 8, false};
@@ -98,7 +98,7 @@ TEST(Exact, CoversThePixelProductOverAllExponents) {
 }
 
 TEST(Exact, QuotientsAreScaledToTheLastKeptPlace) {
-  Config c = shipped_file("depth16");
+  Config c = shipped_config("depth16");
   c.perspective = Perspective::hyperbolic;
   // fu 42 bits with fraction 8; h + B has fraction 20; span.uv fraction 8: the numerator is shifted by 8 - 8
   // + 20.
@@ -107,7 +107,7 @@ TEST(Exact, QuotientsAreScaledToTheLastKeptPlace) {
 
 TEST(Exact, ListsTheStagesOfTheMode) {
   for (const Perspective mode : kPerspectives) {
-    Config c = shipped_file("depth16");
+    Config c = shipped_config("depth16");
     c.perspective = mode;
     std::set<std::string> stages;
     for (const ExactIntermediate& x : exact_intermediates(c)) {
@@ -127,7 +127,7 @@ TEST(Exact, ListsTheStagesOfTheMode) {
 }
 
 TEST(Exact, TooWideIsRefusedNamingStageExpressionAndFormats) {
-  Config c = shipped_file("depth16");
+  Config c = shipped_config("depth16");
   c.format(F::span_f) = {64, 40, true};
   c.format(F::edge_uv) = {60, 50, true};
   c.pixel_reciprocal.output = {40, 1, false, Rounding::rnd, Overflow::sat, false};
@@ -145,7 +145,7 @@ TEST(Exact, TheLimitIsSharp) {
   // Widens one format a bit at a time: accepted as long as, and only as long as, the list stays within the
   // limit.
   for (const F id : {F::setup_b, F::setup_s, F::edge_f_step, F::span_f, F::span_h_step, F::edge_uv}) {
-    Config c = shipped_file("depth20");
+    Config c = shipped_config("depth20");
     const int most_word = c.format(id).is_signed ? 64 : 63;
     for (; c.format(id).word <= most_word; ++c.format(id).word) {
       const auto list = exact_intermediates(c);
@@ -153,14 +153,14 @@ TEST(Exact, TheLimitIsSharp) {
       EXPECT_EQ(!first_violation(c).has_value(), fits) << key_of(id) << " " << c.format(id).word;
     }
   }
-  Config c = shipped_file("depth20");
+  Config c = shipped_config("depth20");
   c.format(F::setup_b) = {63, 20, false, Rounding::rnd, Overflow::sat, false};
   c.format(F::setup_s) = {63, 1, false, Rounding::rnd, Overflow::sat, false};
   EXPECT_TRUE(first_violation(c).has_value());
 }
 
 TEST(Exact, ReciprocalUnitsAreCounted) {
-  Config c = shipped_file("depth20");
+  Config c = shipped_config("depth20");
   c.pixel_reciprocal.operand_bits = 60;
   c.pixel_reciprocal.internal_bits = 60;
   const int nq = find(exact_intermediates(c), "reciprocal.pixel", "nq y").bits;

@@ -59,7 +59,7 @@ const Field& field(std::string_view name) {
 }
 
 TEST(Format, RecordFieldsDecodeOnTheirFormats) {
-  Config c = shipped_file("depth16");
+  Config c = shipped_config("depth16");
   EXPECT_EQ(format_of(field<SpanRecord>("count"), c), std::nullopt);
   EXPECT_EQ(format_of(field<SpanRecord>("h"), c), c.format(FormatId::span_h));
   EXPECT_EQ(format_of(field<SetupRecord>("x0"), c), c.coordinate_format());

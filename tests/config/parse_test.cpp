@@ -28,7 +28,7 @@ struct Text {
 
 Text canonical() {
   Text text;
-  text.lines = lines_of(to_toml(shipped_file("depth16")));
+  text.lines = lines_of(to_toml(shipped_config("depth16")));
   std::string section;
   std::size_t section_line = 0;
   for (std::size_t i = 0; i < text.lines.size(); ++i) {
@@ -232,7 +232,7 @@ TEST(Parse, FormatFieldsAreStrict) {
 }
 
 TEST(Parse, FormatsMayBeDottedButNotGivenTwice) {
-  const Config quoted = shipped_file("depth16");
+  const Config quoted = shipped_config("depth16");
   std::string dotted = to_toml(quoted);
   for (int i = 0; i < format_count; ++i) {
     const std::string key(key_of(static_cast<FormatId>(i)));
@@ -255,7 +255,7 @@ TEST(Parse, FormatsMayBeDottedButNotGivenTwice) {
 }
 
 TEST(Parse, UnknownFormatsAreRefused) {
-  std::string text = to_toml(shipped_file("depth16"));
+  std::string text = to_toml(shipped_config("depth16"));
   const auto where = text.find("\"span.h\"");
   text.insert(where, "span.w = { signed = false, word = 1, int = 1 }\n");
   const auto line = static_cast<std::size_t>(
@@ -339,7 +339,7 @@ TEST(Parse, WhatIsNoTomlIsRefused) {
 }
 
 TEST(Parse, TruncatedAndDamagedTextNeverPassesSilentlyOrCrashes) {
-  const std::string text = read_file(repository_file("config/depth16.toml"));
+  const std::string text = read_file(BITSPAN_SOURCE_DIR "/config/depth16.toml");
   const std::size_t last_key = text.rfind("cache_ways");
   for (std::size_t size = 0; size < last_key; size += 97) {
     EXPECT_NE(parse_error_of(text.substr(0, size)), "") << size;
@@ -365,7 +365,7 @@ TEST(Load, NamesTheFileAndTheFault) {
   EXPECT_TRUE(error(path).starts_with(path + ":1: the configuration is empty")) << error(path);
   folder.write("test.toml", std::string(3U << 20U, '#'));
   EXPECT_EQ(error(path), path + ": is larger than 1 MiB; expected a configuration file in TOML");
-  folder.write("test.toml", to_toml(shipped_file("narrow")));
+  folder.write("test.toml", to_toml(shipped_config("narrow")));
   EXPECT_EQ(load_config(path).name, "test");
 }
 

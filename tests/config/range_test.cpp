@@ -32,7 +32,7 @@ int number_after(const std::string& text, const std::string& word) {
 
 // As a configuration whose formats all hold anything.
 Config roomy(Perspective mode) {
-  Config c = shipped_file("depth20");
+  Config c = shipped_config("depth20");
   c.perspective = mode;
   c.depth_code = DepthCode::linear;
   c.fog = FogMode::linear;
@@ -105,7 +105,7 @@ TEST(Range, TheBitsNamedAreTheFewestThatPass) {
 }
 
 TEST(Range, AnUnsignedFormatUnderANegativeRangeIsToldToBeSigned) {
-  Config c = shipped_file("depth16");
+  Config c = shipped_config("depth16");
   Scene scene;
   scene.triangles.resize(1);
   scene.triangles[0].v = {Vertex{1, 1, 2, -5, 0}, Vertex{90, 5, 2, 3, 0}, Vertex{5, 80, 2, 0, 3}};
@@ -121,7 +121,7 @@ TEST(Range, AnUnsignedFormatUnderANegativeRangeIsToldToBeSigned) {
 }
 
 TEST(Range, LimitsAreThoseOfTheFormatToTheLastPlace) {
-  Config c = shipped_file("depth16");
+  Config c = shipped_config("depth16");
   Scene scene;
   scene.triangles.resize(1);
   const auto with_u = [&](double u) {
@@ -146,7 +146,7 @@ TEST(Range, LimitsAreThoseOfTheFormatToTheLastPlace) {
 }
 
 TEST(Range, CoordinatesNameTheBitsTheyNeed) {
-  Config c = shipped_file("depth16");
+  Config c = shipped_config("depth16");
   for (const int bits : {10, 12, 16, 20}) {
     c.coordinate_bits = bits;
     const double most = std::ldexp(1.0, bits - 1);
@@ -176,7 +176,7 @@ TEST(Range, CoordinatesNameTheBitsTheyNeed) {
 }
 
 TEST(Range, DepthRangesThatRoundTogetherNameTheFractionTheyNeed) {
-  Config c = shipped_file("depth16");
+  Config c = shipped_config("depth16");
   Scene scene;
   scene.s_min = 1;
   scene.s_max = 100000;
@@ -189,12 +189,12 @@ TEST(Range, DepthRangesThatRoundTogetherNameTheFractionTheyNeed) {
   c.format(F::setup_s).word = needed;
   EXPECT_NE(refusal(c, scene), "");
 
-  c = shipped_file("depth16");
+  c = shipped_config("depth16");
   scene.s_max = 1.0000001;  // s_min' and s_max' become one
   c.format(F::setup_s) = {12, 1, false, Rounding::rnd, Overflow::sat, false};
   EXPECT_NE(refusal(c, scene).find("formats.setup.s: too coarse: "), std::string::npos);
 
-  c = shipped_file("depth16");
+  c = shipped_config("depth16");
   scene.s_max = 1e9;
   c.format(F::setup_s) = {60, 1, false, Rounding::rnd, Overflow::sat, false};
   c.format(F::setup_b) = {20, 18, false, Rounding::rnd, Overflow::sat, false};
@@ -212,7 +212,7 @@ TEST(Range, DepthRangesThatRoundTogetherNameTheFractionTheyNeed) {
                                     {1.0, std::numeric_limits<double>::infinity()}}) {
     scene.s_min = least;
     scene.s_max = most;
-    EXPECT_NE(refusal(shipped_file("depth16"), scene).find("legal: finite, 0 < s_min < s_max"),
+    EXPECT_NE(refusal(shipped_config("depth16"), scene).find("legal: finite, 0 < s_min < s_max"),
               std::string::npos);
   }
 }
@@ -296,7 +296,7 @@ TEST(Range, AsksForWhatSampledPointsNeed) {
 
 TEST(Range, IntendedOverflowGoesOnAsTheRegisterHasIt) {
   // u wraps to -128..127 in setup.uv; the registers behind need no more than that.
-  Config c = shipped_file("depth16");
+  Config c = shipped_config("depth16");
   c.format(F::setup_uv) = {16, 8, true, Rounding::rnd, Overflow::wrap, true};
   c.format(F::edge_uv) = {16, 8, true, Rounding::rnd, Overflow::sat, false};
   c.format(F::span_uv) = {16, 8, true, Rounding::rnd, Overflow::sat, false};
@@ -312,7 +312,7 @@ TEST(Range, IntendedOverflowGoesOnAsTheRegisterHasIt) {
 }
 
 TEST(Range, LinearFogStopsAtZeroOnlyWhereItSaturates) {
-  Config c = shipped_file("depth16");
+  Config c = shipped_config("depth16");
   c.fog = FogMode::linear;
   std::mt19937_64 random(4);
   Scene scene = random_scene(random, {3, 100, 500, 100});
@@ -326,7 +326,7 @@ TEST(Range, LinearFogStopsAtZeroOnlyWhereItSaturates) {
 }
 
 TEST(Range, DegenerateAndInvisibleTrianglesAskForNothingTheyDoNotUse) {
-  Config c = shipped_file("depth16");
+  Config c = shipped_config("depth16");
   Scene scene;
   scene.triangles.resize(1);
   scene.triangles[0].v = {Vertex{1, 1, 2, 1e9, 0}, Vertex{2, 2, 2, 0, 0}, Vertex{3, 3, 2, 0, 0}};
@@ -342,8 +342,8 @@ TEST(Range, DegenerateAndInvisibleTrianglesAskForNothingTheyDoNotUse) {
 
 TEST(Range, ShippedConfigurationsTakeUsualScenes) {
   std::mt19937_64 random(6);
-  for (const std::string& name : shipped_names()) {
-    const Config file = shipped_file(name);
+  for (const std::string& name : shipped_names) {
+    const Config file = shipped_config(name);
     for (const double ratio : {1.25, 2.0, 10.0, 1000.0, 20000.0, 100000.0}) {
       for (const Perspective mode : kPerspectives) {
         for (const DepthCode code : {DepthCode::inverse, DepthCode::linear, DepthCode::opengl}) {

@@ -14,8 +14,8 @@ namespace {
 
 TEST(Shipped, EachIsLegalWithAnyModeChangedByItsKey) {
   int checked = 0;
-  for (const std::string& name : shipped_names()) {
-    const Config file = shipped_file(name);
+  for (const std::string& name : shipped_names) {
+    const Config file = shipped_config(name);
     for (const Perspective mode : kPerspectives) {
       for (const EdgeWalk walk : {EdgeWalk::exact, EdgeWalk::dda}) {
         for (const SlopeForm form : {SlopeForm::divide, SlopeForm::reciprocal}) {
@@ -46,14 +46,13 @@ TEST(Shipped, EachIsLegalWithAnyModeChangedByItsKey) {
 TEST(Shipped, ConstantsAreTheFiles) {
   std::set<std::string> names;
   for (const shipped::Entry& entry : shipped::all) {
-    Config file = shipped_file(std::string(entry.name));
+    Config file = shipped_config(std::string(entry.name));
     EXPECT_EQ(entry.hash, config_hash(file));
     file.name.clear();
     EXPECT_EQ(entry.make(), file) << entry.name;
     names.emplace(entry.name);
   }
-  const auto files = shipped_names();
-  EXPECT_EQ(names, (std::set<std::string>(files.begin(), files.end())));
+  EXPECT_EQ(names, (std::set<std::string>(shipped_names.begin(), shipped_names.end())));
 }
 
 // They serve as constant expressions, text of the transparent colour and start offsets included.
@@ -61,9 +60,10 @@ static_assert(shipped::depth16().format(FormatId::span_h).word > 0);
 static_assert(shipped::depth16() != shipped::depth20() && shipped::depth20() != shipped::narrow());
 
 TEST(Shipped, EveryKeyHasAComment) {
-  for (const std::string& name : shipped_names()) {
+  for (const std::string& name : shipped_names) {
     int keys = 0;
-    for (const std::string& line : lines_of(read_file(repository_file("config/" + name + ".toml")))) {
+    for (const std::string& line :
+         lines_of(read_file(std::string(BITSPAN_SOURCE_DIR) + "/config/" + name + ".toml"))) {
       if (line.empty() || line.starts_with('#') || line.starts_with('[')) continue;
       const auto comment = line.find("  # ");
       const auto tight = line.find(" # ");
@@ -76,13 +76,13 @@ TEST(Shipped, EveryKeyHasAComment) {
 }
 
 TEST(Shipped, DepthBitsFiltersAndDividersVary) {
-  EXPECT_EQ(shipped_file("depth16").depth_bits, 16);
-  EXPECT_EQ(shipped_file("depth20").depth_bits, 20);
-  EXPECT_EQ(shipped_file("depth20").filter, TextureFilter::bilinear);
+  EXPECT_EQ(shipped_config("depth16").depth_bits, 16);
+  EXPECT_EQ(shipped_config("depth20").depth_bits, 20);
+  EXPECT_EQ(shipped_config("depth20").filter, TextureFilter::bilinear);
   std::set<ReciprocalKind> kinds;
   std::set<std::string> hashes;
-  for (const std::string& name : shipped_names()) {
-    const Config c = shipped_file(name);
+  for (const std::string& name : shipped_names) {
+    const Config c = shipped_config(name);
     EXPECT_EQ(c.name, name);
     EXPECT_EQ(c.transparent, (std::array<std::uint8_t, 3>{255, 0, 255}));
     EXPECT_EQ(c.fog, FogMode::table);
@@ -95,8 +95,8 @@ TEST(Shipped, DepthBitsFiltersAndDividersVary) {
 }
 
 TEST(Shipped, NarrowIsNarrower) {
-  const Config narrow = shipped_file("narrow");
-  const Config wide = shipped_file("depth16");
+  const Config narrow = shipped_config("narrow");
+  const Config wide = shipped_config("depth16");
   int fewer = 0;
   for (int i = 0; i < format_count; ++i) {
     const auto n = static_cast<std::size_t>(i);

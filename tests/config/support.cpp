@@ -10,8 +10,6 @@
 
 namespace bitspan {
 
-std::string repository_file(const std::string& path) { return std::string(BITSPAN_REPOSITORY) + "/" + path; }
-
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream stream(text);
@@ -23,12 +21,6 @@ std::string text_of(const std::vector<std::string>& lines) {
   std::string text;
   for (const std::string& line : lines) text.append(line).append("\n");
   return text;
-}
-
-std::vector<std::string> shipped_names() { return {"depth16", "depth20", "narrow"}; }
-
-Config shipped_file(const std::string& name) {
-  return load_config(repository_file("config/" + name + ".toml"));
 }
 
 std::string error_of(const std::function<void()>& run) {

@@ -8,18 +8,15 @@
 
 #include "config/config.hpp"
 #include "scene/scene.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 
 inline constexpr Perspective kPerspectives[] = {Perspective::delta_f, Perspective::const_depth_rows,
                                                 Perspective::hyperbolic, Perspective::affine};
 
-std::string repository_file(const std::string& path);  // its full path
 std::vector<std::string> lines_of(const std::string& text);
 std::string text_of(const std::vector<std::string>& lines);
-
-std::vector<std::string> shipped_names();  // "depth16" ...
-Config shipped_file(const std::string& name);
 
 // What the InputError says that `run` throws; "" where it throws none. Fails the test where the text is not
 // one line.

@@ -11,8 +11,8 @@ namespace bitspan {
 namespace {
 
 TEST(Write, ShippedFilesRoundTrip) {
-  for (const std::string& name : shipped_names()) {
-    const Config c = shipped_file(name);
+  for (const std::string& name : shipped_names) {
+    const Config c = shipped_config(name);
     Config back = parse_config(to_toml(c), "canonical.toml");
     EXPECT_EQ(back.name, "canonical");
     back.name = c.name;
@@ -39,7 +39,7 @@ TEST(Write, RandomConfigurationsRoundTrip) {
 }
 
 TEST(Write, OffsetsRoundTripToTheLastBit) {
-  Config c = shipped_file("depth16");
+  Config c = shipped_config("depth16");
   c.format(FormatId::edge_x_acc) = {64, 0, true, Rounding::trn, Overflow::sat, true};
   for (const double value : {0x1.fffffffffffffp-2, -0x1.0000000000001p-12, 0x1p-65, 1.0, -0.25}) {
     c.start_offset.edge_x = {false, value};
@@ -57,7 +57,7 @@ TEST(Write, TheHashIsTheSameOnEveryMachine) {
 }
 
 TEST(Write, TheHashLeavesOutTheNameAndUnusedKeys) {
-  const Config c = shipped_file("depth16");
+  const Config c = shipped_config("depth16");
   Config d = c;
   d.name = "another";
   EXPECT_EQ(config_hash(d), config_hash(c));
@@ -79,7 +79,7 @@ TEST(Write, TheHashLeavesOutTheNameAndUnusedKeys) {
 }
 
 TEST(Write, TheHashSeesEveryKey) {
-  const Config c = shipped_file("depth20");
+  const Config c = shipped_config("depth20");
   const std::vector<std::string> lines = lines_of(to_toml(c));
   std::set<std::string> hashes{config_hash(c)};
   // Each integer of the text one higher, where that is legal; each boolean inverted.

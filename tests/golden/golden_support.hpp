@@ -185,8 +185,7 @@ inline Triangle random_triangle(Draw& draw, const Scene& scene) {
 // A shipped configuration with its modes drawn anew, and with formats narrowed and re-rounded. It may be one
 // that a scene is refused with.
 inline Config random_config(Draw& draw) {
-  const std::array<std::string, 3> names{"depth16", "depth20", "narrow"};
-  Config c = shipped_config(names[static_cast<std::size_t>(draw.integer(0, 2))]);
+  Config c = shipped_config(shipped_names[static_cast<std::size_t>(draw.integer(0, 2))]);
   const auto pick = [&](auto& key, int count) {
     key = static_cast<std::remove_reference_t<decltype(key)>>(draw.integer(0, count - 1));
   };

@@ -51,7 +51,7 @@ Trace trace_of(Engine& engine, const Scene& scene) {
 }
 
 TEST(Precision, ShippedConfigurationsKeepPixelsOffQuad) {
-  for (const char* name : {"depth16", "depth20", "narrow"}) {
+  for (const std::string& name : shipped_names) {
     Config c = shipped_config(name);
     for (int mode = 0; mode < 4; ++mode) {
       c.perspective = static_cast<Perspective>(mode);

@@ -9,11 +9,12 @@
 #include "tests/rtl/simulate.hpp"
 #include "tests/support/environment.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
 
-Config narrow() { return load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/narrow.toml"); }
+Config narrow() { return shipped_config("narrow"); }
 
 std::string message_of(const Config& c) {
   try {

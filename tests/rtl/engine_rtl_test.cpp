@@ -8,6 +8,7 @@
 
 #include "model/engine_model.hpp"
 #include "tests/rtl/random_rtl.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
@@ -80,10 +81,10 @@ void compare(const Config& config, const Scene& scene) {
 }
 
 TEST(EngineRtl, EqualsTheModel) {
-  for (const char* name : {"depth16", "depth20", "narrow"}) {
+  for (const std::string& name : shipped_names) {
     for (const Perspective mode : {Perspective::delta_f, Perspective::const_depth_rows}) {
-      SCOPED_TRACE(std::string(name) + ", " + std::string(to_string(mode)));
-      Config c = load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/" + name + ".toml");
+      SCOPED_TRACE(name + ", " + std::string(to_string(mode)));
+      Config c = shipped_config(name);
       c.perspective = mode;
       compare(c, random_scene(3, 120));
     }

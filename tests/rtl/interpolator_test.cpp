@@ -7,6 +7,7 @@
 #include "config/rtl_timing.hpp"
 #include "tb/rtl_stream.hpp"
 #include "tests/rtl/interpolator_case.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
@@ -101,11 +102,11 @@ TEST(Interpolator, RandomConfigurations) {
 
 TEST(Interpolator, Depth16) {
   Random random(16);
-  check_config_on(random, load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/depth16.toml"), 200);
+  check_config_on(random, shipped_config("depth16"), 200);
 }
 
 TEST(Interpolator, AssertionsSpeak) {
-  const Config c = load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/depth16.toml");
+  const Config c = shipped_config("depth16");
   Rtl rtl(c);
   RtlDrive drive{};
   drive.in_valid = true;
@@ -115,7 +116,7 @@ TEST(Interpolator, AssertionsSpeak) {
 }
 
 TEST(Interpolator, RefusesModesWithoutRtl) {
-  Config c = load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/depth16.toml");
+  Config c = shipped_config("depth16");
   for (const Perspective p : {Perspective::hyperbolic, Perspective::affine}) {
     c.perspective = p;
     EXPECT_THROW(build_rtl(c), InputError);

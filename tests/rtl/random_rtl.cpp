@@ -5,6 +5,7 @@
 
 #include "config/check.hpp"
 #include "config/rtl_timing.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
@@ -52,7 +53,7 @@ StartOffset random_offset(Random& random, const Format& accumulator) {
 }  // namespace
 
 Config random_rtl_config(Random& random) {
-  const Config base = load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/depth16.toml");
+  const Config base = shipped_config("depth16");
   for (;;) {
     Config c = base;
     c.name = "random";

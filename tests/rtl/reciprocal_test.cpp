@@ -13,6 +13,7 @@
 #include "tests/rtl/reference.hpp"
 #include "tests/rtl/simulate.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
@@ -26,7 +27,7 @@ std::vector<Config> unit_configs() {
   for (int kind = 0; kind < 3; ++kind) {
     for (const bool normalize : {true, false}) {
       for (const bool pipelined : {true, false}) {
-        Config c = load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/depth16.toml");
+        Config c = shipped_config("depth16");
         c.perspective = Perspective::delta_f;
         c.row_slope = SlopeForm::reciprocal;
         const int fraction = static_cast<int>(random() % 6);

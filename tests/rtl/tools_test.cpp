@@ -7,12 +7,13 @@
 #include "tests/rtl/interpolator_case.hpp"
 #include "tests/rtl/simulate.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
 
 Config depth16(Perspective mode) {
-  Config c = load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/depth16.toml");
+  Config c = shipped_config("depth16");
   c.perspective = mode;
   return c;
 }

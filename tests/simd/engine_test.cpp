@@ -21,10 +21,6 @@ namespace {
 
 constexpr VectorTarget targets[] = {VectorTarget::avx512, VectorTarget::avx2, VectorTarget::baseline};
 
-std::vector<Config> shipped_bases() {
-  return {shipped_config("depth16"), shipped_config("depth20"), shipped_config("narrow")};
-}
-
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
@@ -96,7 +92,7 @@ RandomOptions small_scenes() {
 TEST(Forms, ShippedConfigurationsInEveryMode) {
   std::uint64_t written = 0;
   std::uint64_t seed = 10;
-  for (const Config& base : shipped_bases()) {
+  for (const Config& base : shipped_configs()) {
     compare_forms(base, demo_scene(160, 120), base.name + ", demo");
     for (const Perspective perspective : {Perspective::delta_f, Perspective::hyperbolic, Perspective::affine,
                                           Perspective::const_depth_rows}) {
@@ -117,7 +113,7 @@ TEST(Forms, ShippedConfigurationsInEveryMode) {
 }
 
 TEST(Forms, RandomConfigurations) {
-  const std::vector<Config> bases = shipped_bases();
+  const std::vector<Config> bases = shipped_configs();
   std::uint64_t written = 0;
   int drawn_scenes = 0;
   for (std::uint64_t seed = 1; seed <= 80; ++seed) {
@@ -167,7 +163,7 @@ TEST(Forms, WidestDepthBuffer) {
 
 // Statistics and records of the vector form, register by register, record by record.
 TEST(Forms, StatisticsAndRecords) {
-  const std::vector<Config> bases = shipped_bases();
+  const std::vector<Config> bases = shipped_configs();
   std::uint64_t values = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const Config config = seed <= 3 ? bases[seed - 1] : random_config(seed, bases);

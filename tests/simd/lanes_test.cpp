@@ -646,7 +646,7 @@ TEST_P(LanesTest, ReciprocalOfEveryKind) {
 }
 
 TEST_P(LanesTest, ReciprocalsAsShipped) {
-  for (const char* name : {"depth16", "depth20", "narrow"}) {
+  for (const std::string& name : shipped_names) {
     const Config config = shipped_config(name);
     for (const Reciprocal& unit : {config.edge_reciprocal, config.row_reciprocal, config.pixel_reciprocal}) {
       for (const int fraction : {0, 4, 8, 22, 41}) check_reciprocal(kernels(), unit, fraction);

@@ -295,7 +295,7 @@ void check_block(const Case& c, const std::vector<FragmentRecord>& fragments, in
 }
 
 std::vector<Config> bases() {
-  std::vector<Config> out{shipped_config("depth16"), shipped_config("depth20"), shipped_config("narrow")};
+  std::vector<Config> out = shipped_configs();
   Config wide = plain_config();
   wide.fog = FogMode::table;
   out.push_back(wide);

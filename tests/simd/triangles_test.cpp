@@ -188,10 +188,6 @@ bool check(const Config& config, const Scene& scene, const std::string& name) {
   return true;
 }
 
-std::vector<Config> shipped() {
-  return {shipped_config("depth16"), shipped_config("depth20"), shipped_config("narrow")};
-}
-
 RandomOptions small_scenes() {
   RandomOptions o;
   o.width = 200;
@@ -202,7 +198,7 @@ RandomOptions small_scenes() {
 }
 
 TEST(Triangles, DemoAndExtremeScenes) {
-  for (const Config& config : shipped()) {
+  for (const Config& config : shipped_configs()) {
     check(config, demo_scene(160, 120), config.name + ", demo");
     for (const Scene& scene : extreme_scenes()) {
       check(config, scene, config.name + ", " + scene.name);
@@ -212,7 +208,7 @@ TEST(Triangles, DemoAndExtremeScenes) {
 
 TEST(Triangles, RandomScenesInEveryMode) {
   std::uint64_t seed = 100;
-  for (const Config& base : shipped()) {
+  for (const Config& base : shipped_configs()) {
     for (const Perspective perspective :
          {Perspective::delta_f, Perspective::hyperbolic, Perspective::affine}) {
       for (const FillRule rule : {FillRule::top_left, FillRule::inclusive}) {
@@ -237,7 +233,7 @@ TEST(Triangles, RandomScenesInEveryMode) {
 }
 
 TEST(Triangles, RandomConfigurations) {
-  const std::vector<Config> bases = shipped();
+  const std::vector<Config> bases = shipped_configs();
   RandomConfigOptions options;
   options.check = [](const Config& c) {
     if (c.perspective == Perspective::const_depth_rows) {
@@ -267,7 +263,7 @@ TEST(Triangles, RandomConfigurations) {
 
 // Registers that all round by adding a constant and saturate: these have a text of their own.
 TEST(Triangles, RandomConfigurationsOfPlainRegisters) {
-  const std::vector<Config> bases = shipped();
+  const std::vector<Config> bases = shipped_configs();
   RandomConfigOptions options;
   options.check = [](const Config& c) {
     if (c.perspective == Perspective::const_depth_rows) {
@@ -336,7 +332,7 @@ TEST(Triangles, TallPictures) {
   o.triangles = 7;
   o.size_min = 1500;
   o.size_max = 3000;
-  for (const Config& config : shipped()) {
+  for (const Config& config : shipped_configs()) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       check(config, random_scene(seed, o), config.name + ", tall, seed " + std::to_string(seed));
     }

@@ -10,6 +10,7 @@
 
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
@@ -17,10 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path csv() { return fs::path(BITSPAN_SOURCE_DIR) / "config/studies/area_fit.csv"; }
-
-Config shipped(const std::string& name) {
-  return load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/" + name + ".toml");
-}
 
 class AreaEstimateOf : public testing::TestWithParam<Family> {};
 INSTANTIATE_TEST_SUITE_P(Families, AreaEstimateOf, testing::Values(Family::ice40, Family::ecp5),
@@ -53,7 +50,7 @@ TEST_P(AreaEstimateOf, ErrsAsDocumented) {
 }
 
 TEST_P(AreaEstimateOf, GrowsWithEveryWidth) {
-  const Config base = shipped("depth16");
+  const Config base = shipped_config("depth16");
   const AreaEstimate before = estimate_area(base, GetParam());
   EXPECT_GT(before.luts, 1000);
   EXPECT_EQ(before.multipliers, GetParam() == Family::ice40 ? 0 : 62);
@@ -71,7 +68,7 @@ TEST_P(AreaEstimateOf, GrowsWithEveryWidth) {
 
 TEST(AreaEstimate, KnowsTheKindsOfReciprocal) {
   // Each against depth16's lut_newton of one step.
-  const Config base = shipped("depth16");
+  const Config base = shipped_config("depth16");
   const AreaShape newton = area_shape(base);
   Config config = base;
   config.pixel_reciprocal.kind = ReciprocalKind::restoring;
@@ -90,7 +87,7 @@ TEST(AreaEstimate, KnowsTheKindsOfReciprocal) {
 }
 
 TEST(AreaEstimate, RefusesAModeWithoutRtl) {
-  Config config = shipped("depth16");
+  Config config = shipped_config("depth16");
   config.perspective = Perspective::hyperbolic;
   EXPECT_THROW(estimate_area(config, Family::ecp5), InputError);
 }

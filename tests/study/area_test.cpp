@@ -11,6 +11,7 @@
 
 #include "tests/study/area_support.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
@@ -24,7 +25,27 @@ std::string program(const TemporaryFolder& folder, const std::string& name, cons
   return path;
 }
 
-bool starts(const std::string& command) { return std::system((command + " >/dev/null 2>&1").c_str()) == 0; }
+// Constant-depth rows with as few bits as make a small netlist: nothing that anybody would draw with.
+Config tiny_config() {
+  return with_keys(shipped_config("narrow"), {{"perspective.mode", std::string("const_depth_rows")},
+                                              {"raster.coordinate_bits", std::int64_t{8}},
+                                              {"formats.setup.b.word", std::int64_t{6}},
+                                              {"formats.setup.b.int", std::int64_t{6}},
+                                              {"formats.span.h.word", std::int64_t{6}},
+                                              {"formats.span.h.int", std::int64_t{6}},
+                                              {"formats.span.f.word", std::int64_t{8}},
+                                              {"formats.span.f.int", std::int64_t{8}},
+                                              {"formats.span.f_step.word", std::int64_t{8}},
+                                              {"formats.span.f_step.int", std::int64_t{8}},
+                                              {"formats.span.uv_step.word", std::int64_t{8}},
+                                              {"formats.span.uv_step.int", std::int64_t{7}},
+                                              {"formats.span.uv_acc.word", std::int64_t{8}},
+                                              {"formats.span.uv_acc.int", std::int64_t{7}},
+                                              {"formats.span.uv.word", std::int64_t{7}},
+                                              {"formats.span.uv.int", std::int64_t{7}},
+                                              {"formats.plane.k.word", std::int64_t{6}},
+                                              {"reciprocal.row.output.word", std::int64_t{4}}});
+}
 
 template <class Function>
 std::string message_of(const Function& function) {

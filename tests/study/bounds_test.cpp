@@ -23,8 +23,6 @@
 namespace bitspan {
 namespace {
 
-const std::array<std::string, 3> shipped{"depth16", "depth20", "narrow"};
-
 std::vector<Scene> embedded_scenes() {
   std::vector<Scene> scenes = extreme_scenes();
   scenes.push_back(demo_scene(320, 240));
@@ -188,7 +186,7 @@ const std::map<std::string, double> least_ratio{
 };
 
 TEST_P(ShippedBounds, HoldOnTheEmbeddedScenesAndAreNotLoose) {
-  const Config config = shipped_config(shipped[static_cast<std::size_t>(GetParam())]);
+  const Config config = shipped_config(shipped_names[static_cast<std::size_t>(GetParam())]);
   std::map<std::string, double> largest;
   for (const Scene& scene : embedded_scenes()) {
     for (const BoundCheck& c : expect_bounds_hold(config, scene)) {
@@ -204,7 +202,7 @@ TEST_P(ShippedBounds, HoldOnTheEmbeddedScenesAndAreNotLoose) {
 }
 
 TEST_P(ShippedBounds, HoldOnRandomScenesInBothEdgeWalks) {
-  Config config = shipped_config(shipped[static_cast<std::size_t>(GetParam())]);
+  Config config = shipped_config(shipped_names[static_cast<std::size_t>(GetParam())]);
   for (const Scene& scene : random_scenes(4)) {
     expect_bounds_hold(config, scene);
     config.edge_walk = EdgeWalk::dda;
@@ -217,7 +215,7 @@ TEST_P(ShippedBounds, HoldOnRandomScenesInBothEdgeWalks) {
 }
 
 TEST_P(ShippedBounds, HoldInTheOtherFormsOfSlopesAndCoverage) {
-  Config config = shipped_config(shipped[static_cast<std::size_t>(GetParam())]);
+  Config config = shipped_config(shipped_names[static_cast<std::size_t>(GetParam())]);
   config.edge_slope = SlopeForm::reciprocal;
   config.row_slope = SlopeForm::divide;
   config.fill_rule = FillRule::inclusive;
@@ -229,14 +227,14 @@ TEST_P(ShippedBounds, HoldInTheOtherFormsOfSlopesAndCoverage) {
   for (const Scene& scene : embedded_scenes()) expect_bounds_hold(config, scene);
 }
 
-INSTANTIATE_TEST_SUITE_P(Configurations, ShippedBounds, testing::Range(0, 3),
-                         [](const auto& info) { return shipped[static_cast<std::size_t>(info.param)]; });
+INSTANTIATE_TEST_SUITE_P(Configurations, ShippedBounds, testing::Range(0, 3), [](const auto& info) {
+  return shipped_names[static_cast<std::size_t>(info.param)];
+});
 
 // Widths, roundings, overflow modes, reciprocal units and start offsets at random: registers wrap and
 // saturate.
 TEST(Bounds, HoldForRandomLegalConfigurations) {
-  std::vector<Config> bases;
-  for (const std::string& name : shipped) bases.push_back(shipped_config(name));
+  const std::vector<Config> bases = shipped_configs();
   RandomConfigOptions options;
   options.check = [](const Config& c) {
     if (!has_bounds(c)) throw InputError("no bound");
@@ -411,7 +409,7 @@ TEST(Bounds, AWiderFormatNeverRaisesABound) {
                                            {F::edge_x_step, F::edge_x_acc}};
   const Scene scene = random_scenes(2).back();
   int shrunk = 0;
-  for (const std::string& name : shipped) {
+  for (const std::string& name : shipped_names) {
     for (const EdgeWalk walk : {EdgeWalk::exact, EdgeWalk::dda}) {
       Config base = shipped_config(name);
       base.edge_walk = walk;
@@ -475,7 +473,7 @@ TEST(Bounds, ABiasCountsWithItsSign) {
 
 // No triangle is left out: any legal one, however thin, has a bound, by what lies between its ends.
 TEST(Bounds, AreFiniteForAnyLegalTriangleOfExactCoverage) {
-  for (const std::string& name : shipped) {
+  for (const std::string& name : shipped_names) {
     InputRange any;
     any.u = any.v = {-100, 100};
     for (const Bound& b : error_bounds(shipped_config(name), any)) {

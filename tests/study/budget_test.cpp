@@ -6,16 +6,15 @@
 #include <cmath>
 
 #include "scene/demo.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
 
-Config shipped(const std::string& name) { return load_config(BITSPAN_CONFIG_DIR "/" + name + ".toml"); }
-
 TEST(Budget, PartsMakeUpTheWhole) {
   const PointMeter meter({demo_scene(160, 120)});
   std::size_t told = 0;
-  const Budget b = error_budget(meter, shipped("depth16"), {"span.u.rms", "span.h.rms"},
+  const Budget b = error_budget(meter, shipped_config("depth16"), {"span.u.rms", "span.h.rms"},
                                 [&](std::size_t done, std::size_t total) {
                                   told = std::max(told, done);
                                   EXPECT_LE(done, total);
@@ -46,19 +45,19 @@ TEST(Budget, PartsMakeUpTheWhole) {
 }
 
 TEST(Budget, EveryShippedConfigurationHasExactForms) {
-  for (const char* name : {"depth16", "depth20", "narrow"}) {
-    const Config exact = with_exact(shipped(name), {{"span.uv", 8}, {"reciprocal.pixel.output", 4}});
+  for (const std::string& name : shipped_names) {
+    const Config exact = with_exact(shipped_config(name), {{"span.uv", 8}, {"reciprocal.pixel.output", 4}});
     EXPECT_NO_THROW(check_config(exact, name));
     EXPECT_EQ(exact.format(FormatId::span_uv).fraction(),
-              shipped(name).format(FormatId::span_uv).fraction() + 8);
+              shipped_config(name).format(FormatId::span_uv).fraction() + 8);
     EXPECT_EQ(exact.pixel_reciprocal.kind, ReciprocalKind::restoring);
   }
 }
 
 TEST(Budget, WrongNamesAreRefused) {
   const PointMeter meter({demo_scene(64, 48)});
-  EXPECT_THROW(error_budget(meter, shipped("depth16"), {"span.u.nonsense"}), InputError);
-  EXPECT_THROW(with_exact(shipped("depth16"), {{"span.nonsense", 4}}), InputError);
+  EXPECT_THROW(error_budget(meter, shipped_config("depth16"), {"span.u.nonsense"}), InputError);
+  EXPECT_THROW(with_exact(shipped_config("depth16"), {{"span.nonsense", 4}}), InputError);
 }
 
 }  // namespace

@@ -6,14 +6,13 @@
 #include <array>
 
 #include "scene/demo.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
 
-Config shipped(const std::string& name) { return load_config(BITSPAN_CONFIG_DIR "/" + name + ".toml"); }
-
 TEST(CheckPoint, AWidthThatNobodyShippedIsEqualInAllViews) {
-  Config config = shipped("narrow");
+  Config config = shipped_config("narrow");
   config.format(FormatId::span_uv).word += 1;
   const std::array scenes{demo_scene(96, 72)};
   const PointCheck check = check_point(config, scenes);
@@ -23,7 +22,7 @@ TEST(CheckPoint, AWidthThatNobodyShippedIsEqualInAllViews) {
 }
 
 TEST(CheckPoint, SaysWhereThereIsNoRtl) {
-  Config config = shipped("depth16");
+  Config config = shipped_config("depth16");
   config.perspective = Perspective::hyperbolic;
   const std::array scenes{demo_scene(64, 48)};
   const PointCheck check = check_point(config, scenes);
@@ -32,7 +31,7 @@ TEST(CheckPoint, SaysWhereThereIsNoRtl) {
 }
 
 TEST(CheckPoint, NothingComparedIsNotHeld) {
-  const PointCheck check = check_point(shipped("narrow"), {});
+  const PointCheck check = check_point(shipped_config("narrow"), {});
   EXPECT_FALSE(check.held) << check.text;
 }
 

@@ -216,7 +216,7 @@ TEST(Cost, ABitCostsWhatItsPlacesSay) {
 }
 
 TEST(Cost, ProductsHaveOperands) {
-  for (const std::string name : {"depth16", "depth20", "narrow"}) {
+  for (const std::string& name : shipped_names) {
     for (const Config& c : all_modes(shipped_config(name))) {
       for (const Multiplier& m : multipliers(c)) {
         EXPECT_GT(m.a, 0) << m.product;

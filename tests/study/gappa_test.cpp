@@ -14,8 +14,6 @@
 namespace bitspan {
 namespace {
 
-const std::array<std::string, 3> shipped{"depth16", "depth20", "narrow"};
-
 // Triangles without slivers: nothing saturates.
 InputRange calm_range() {
   InputRange r;
@@ -49,15 +47,16 @@ void expect_proved(const Config& config, const InputRange& range, std::string_vi
 class ShippedProofs : public testing::TestWithParam<std::tuple<int, std::string_view>> {};
 
 TEST_P(ShippedProofs, OfTheStatedBoundAndNotOfHalf) {
-  const Config config = shipped_config(shipped[static_cast<std::size_t>(std::get<0>(GetParam()))]);
+  const Config config = shipped_config(shipped_names[static_cast<std::size_t>(std::get<0>(GetParam()))]);
   expect_proved(config, calm_range(), std::get<1>(GetParam()));
 }
 
 INSTANTIATE_TEST_SUITE_P(Places, ShippedProofs,
                          testing::Combine(testing::Range(0, 3), testing::ValuesIn(gappa_places())),
                          [](const auto& info) {
-                           std::string name = shipped[static_cast<std::size_t>(std::get<0>(info.param))] +
-                                              "_" + std::string(std::get<1>(info.param));
+                           std::string name =
+                               shipped_names[static_cast<std::size_t>(std::get<0>(info.param))] + "_" +
+                               std::string(std::get<1>(info.param));
                            for (char& c : name) {
                              if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
                            }

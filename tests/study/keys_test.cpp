@@ -20,7 +20,7 @@ bool names(const std::string& message, std::string_view part) {
 }
 
 TEST(Keys, EveryKeyReadsAndWritesBack) {
-  for (const char* name : {"depth16", "depth20", "narrow"}) {
+  for (const std::string& name : shipped_names) {
     const Config base = shipped_config(name);
     Settings all;
     for (const std::string& key : all_keys(base)) {

@@ -13,11 +13,10 @@
 #include "report/error.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
-
-Config shipped(const std::string& name) { return load_config(BITSPAN_CONFIG_DIR "/" + name + ".toml"); }
 
 const FieldError& field(const PointResult& point, std::string_view stage, std::string_view quantity) {
   for (const FieldError& f : point.fields) {
@@ -34,7 +33,7 @@ const RegisterUse& use_of(const PointResult& point, std::string_view name) {
 
 TEST(Point, AgreesWithTheErrorMeter) {
   const Scene scene = demo_scene(160, 120);
-  const Config config = shipped("depth16");
+  const Config config = shipped_config("depth16");
   const PointResult point = PointMeter({scene}).measure(config);
   const auto engine = make_model(config, {.form = ModelForm::scalar});
   engine->begin(scene);
@@ -57,7 +56,7 @@ TEST(Point, AgreesWithTheErrorMeter) {
 }
 
 TEST(Point, RegistersSayWhatTheyHeld) {
-  const PointResult point = PointMeter({demo_scene(160, 120)}).measure(shipped("depth16"));
+  const PointResult point = PointMeter({demo_scene(160, 120)}).measure(shipped_config("depth16"));
   for (const RegisterUse& r : point.registers) {
     EXPECT_LE(r.min, r.max) << r.name;
     EXPECT_EQ(r.used_bits + r.headroom, r.format.integer) << r.name;
@@ -69,14 +68,14 @@ TEST(Point, RegistersSayWhatTheyHeld) {
   const auto top = static_cast<std::size_t>(std::floor(std::log2(h.max))) + 64;
   EXPECT_GT(h.octave[top], 0U);
   EXPECT_EQ(std::accumulate(h.octave.begin() + static_cast<std::ptrdiff_t>(top) + 1, h.octave.end(), 0U), 0U);
-  const PointResult plain = PointMeter({demo_scene(160, 120)}).measure(shipped("depth16"), false);
+  const PointResult plain = PointMeter({demo_scene(160, 120)}).measure(shipped_config("depth16"), false);
   EXPECT_EQ(use_of(plain, "span.h").zeros, 0U);
   EXPECT_EQ(plain.metrics, point.metrics);
 }
 
 TEST(Point, ABitMoreIsNotWorseAndOneThatIsMissingIsSeen) {
   const PointMeter meter({demo_scene(160, 120)});
-  Config config = shipped("depth16");
+  Config config = shipped_config("depth16");
   const double base = meter.measure(config, false).metrics.at("span.u.rms");
   config.format(FormatId::span_uv).word += 6;
   EXPECT_LT(meter.measure(config, false).metrics.at("span.u.rms"), base);
@@ -111,7 +110,7 @@ TEST(Point, TheIdealPictureIsDrawnOnce) {
 
 TEST(Point, IsTheSameFromEveryThread) {
   const PointMeter meter({demo_scene(120, 90)});
-  const Config config = shipped("depth20");
+  const Config config = shipped_config("depth20");
   std::array<PointResult, 4> results;
   std::vector<std::jthread> threads;
   for (PointResult& result : results) {
@@ -126,7 +125,7 @@ TEST(Point, WhatDrawsNothingIsNoPerfectScore) {
   Scene empty = demo_scene(64, 48);
   empty.triangles.clear();
   try {
-    PointMeter({empty}).measure(shipped("depth16"));
+    PointMeter({empty}).measure(shipped_config("depth16"));
     FAIL();
   } catch (const InputError& e) {
     EXPECT_NE(std::string(e.what()).find("nothing is drawn"), std::string::npos) << e.what();
@@ -135,11 +134,11 @@ TEST(Point, WhatDrawsNothingIsNoPerfectScore) {
 
 TEST(Point, RefusesWhatTheConfigurationCannotHold) {
   const PointMeter meter({demo_scene(64, 48)});
-  Config config = shipped("depth16");
+  Config config = shipped_config("depth16");
   config.format(FormatId::setup_uv).integer -= 6;
   config.format(FormatId::setup_uv).word -= 6;
   EXPECT_THROW(meter.measure(config), InputError);
-  config = shipped("depth16");
+  config = shipped_config("depth16");
   config.format(FormatId::span_uv).word = 99;
   EXPECT_THROW(meter.measure(config), InputError);
 }

@@ -5,11 +5,10 @@
 
 #include "report/random_config.hpp"
 #include "scene/random.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
-
-Config shipped(const std::string& name) { return load_config(BITSPAN_CONFIG_DIR "/" + name + ".toml"); }
 
 void expect_same(const IdealPoint& a, const IdealPoint& b) {
   EXPECT_EQ(a.x, b.x);
@@ -20,7 +19,7 @@ void expect_same(const IdealPoint& a, const IdealPoint& b) {
 }
 
 TEST(Truth, IsIdealOfAnyConfiguration) {
-  const std::vector<Config> bases{shipped("depth16"), shipped("depth20"), shipped("narrow")};
+  const std::vector<Config> bases = shipped_configs();
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const Config config = random_config(seed, bases);
     RandomOptions options;

@@ -1,20 +1,26 @@
 // Configurations for tests.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "config/config.hpp"
 
 namespace bitspan {
 
-// config/NAME.toml of the source tree; the target needs the definition BITSPAN_SOURCE_DIR.
-#ifdef BITSPAN_SOURCE_DIR
+// The configurations config/NAME.toml of the source tree.
+inline const std::array<std::string, 3> shipped_names{"depth16", "depth20", "narrow"};
 inline Config shipped_config(const std::string& name) {
   return load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/" + name + ".toml");
 }
-#endif
+inline std::vector<Config> shipped_configs() {
+  std::vector<Config> out;
+  for (const std::string& name : shipped_names) out.push_back(shipped_config(name));
+  return out;
+}
 
 // Wide registers that keep the small numbers of a worked example exact: 28 integer and 20 fraction bits,
 // signed, SC_RND, SC_SAT, unless the value wants another shape. Slopes are exact quotients, no start offset;

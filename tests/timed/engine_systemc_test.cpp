@@ -15,13 +15,10 @@
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
-
-Config shipped(const std::string& name) {
-  return load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/" + name + ".toml");
-}
 
 constexpr Perspective all_modes[] = {Perspective::delta_f, Perspective::const_depth_rows,
                                      Perspective::hyperbolic, Perspective::affine};
@@ -100,10 +97,10 @@ void expect_consistent(const TimedReport& report, const Counters& counters) {
 TEST(EngineSystemc, EqualsTheModelInEveryModeUnderManyTimings) {
   std::size_t compared = 0;
   std::uint64_t seed = 1;
-  for (const char* name : {"depth16", "depth20", "narrow"}) {
+  for (const std::string& name : shipped_names) {
     for (const Perspective mode : all_modes) {
       for (const int fifo : {1, 2, 1000}) {
-        Config config = shipped(name);
+        Config config = shipped_config(name);
         config.perspective = mode;
         const int latency = 1 + static_cast<int>(seed % 9);
         const int interval = 1 + static_cast<int>(seed % 4);
@@ -135,7 +132,7 @@ TEST(EngineSystemc, EqualsTheModelInEveryModeUnderManyTimings) {
 TEST(EngineSystemc, EqualsTheModelOnTheDemo) {
   const Scene scene = demo_scene(160, 120);
   for (const Perspective mode : all_modes) {
-    Config config = shipped("depth16");
+    Config config = shipped_config("depth16");
     config.perspective = mode;
     SCOPED_TRACE(to_string(mode));
     const auto model = make_model(config);
@@ -162,7 +159,7 @@ TEST(EngineSystemc, FragmentsOfOnePixelWaitForEachOther) {
     t.v[2] = {.x = 1.25, .y = 2.25, .s = s, .u = 0, .v = 0, .c = {1, 0.5, i / 40.0, 0.5}};
     scene.triangles.push_back(t);
   }
-  Config config = shipped("depth16");
+  Config config = shipped_config("depth16");
   set_timing(config, 9, 1, 8, {.latency = 30, .width_bytes = 8});
   const auto model = make_model(config);
   const auto timed = make_systemc(config);
@@ -184,7 +181,7 @@ TEST(EngineSystemc, OneTriangleByHand) {
   t.v[1] = {.x = 4.25, .y = 0, .s = 2};
   t.v[2] = {.x = 0, .y = 4.25, .s = 2};
   scene.triangles.push_back(t);
-  Config config = shipped("depth16");
+  Config config = shipped_config("depth16");
   set_timing(config, 1, 1, 4, {.latency = 1, .width_bytes = 1024});
   config.row_reciprocal.pipelined = true;
   const InterpolatorLatency latency = interpolator_latency(config);
@@ -217,7 +214,7 @@ TEST(EngineSystemc, SlowerIsNeverFaster) {
     engine->draw(scene.triangles, 0, nullptr);
     return engine->report().cycles;
   };
-  Config base = shipped("depth16");
+  Config base = shipped_config("depth16");
   // Wide memory: what limits is the stage under test.
   set_timing(base, 2, 1, 4, {.latency = 4, .width_bytes = 64});
   const std::uint64_t reference = cycles(base);
@@ -258,7 +255,7 @@ TEST(EngineSystemc, SlowerIsNeverFaster) {
 
 TEST(EngineSystemc, AFrameInOneCallHasNoFlushAndTheClockGoesOn) {
   const Scene scene = small_scene(5, 30);
-  const Config config = shipped("depth16");
+  const Config config = shipped_config("depth16");
   const auto whole = make_systemc(config);
   const auto pieces = make_systemc(config);
   const Outcome one = draw_all(*whole, scene);
@@ -282,7 +279,7 @@ TEST(EngineSystemc, AFrameInOneCallHasNoFlushAndTheClockGoesOn) {
 TEST(EngineSystemc, SeveralEnginesTakeTurnsAndBeginStartsAnew) {
   const Scene a = small_scene(8, 12);
   const Scene b = small_scene(9, 12);
-  const Config config = shipped("depth16");
+  const Config config = shipped_config("depth16");
   const auto reference = make_model(config);
   const Outcome model_a = draw_all(*reference, a);
   const Outcome model_b = draw_all(*reference, b);
@@ -317,7 +314,7 @@ TEST(EngineSystemc, SeveralEnginesTakeTurnsAndBeginStartsAnew) {
 
 TEST(EngineSystemc, TheHandshakeIsTheInterpolatorsOnEveryClock) {
   for (const Perspective mode : {Perspective::delta_f, Perspective::const_depth_rows}) {
-    Config config = shipped("depth16");
+    Config config = shipped_config("depth16");
     config.perspective = mode;
     set_timing(config, 2, 1, 2, {.latency = 25, .width_bytes = 2});
     const Scene scene = small_scene(21, 30);
@@ -343,11 +340,11 @@ TEST(EngineSystemc, TheHandshakeIsTheInterpolatorsOnEveryClock) {
     EXPECT_GT(stalls, 100U);
     EXPECT_EQ(engine->report().stages[3].blocked, stalls);
   }
-  EXPECT_TRUE(make_systemc(shipped("depth16"))->name() == "systemc");
+  EXPECT_TRUE(make_systemc(shipped_config("depth16"))->name() == "systemc");
 }
 
 TEST(EngineSystemc, TheCacheSeesEachTexelAccess) {
-  Config config = shipped("depth16");
+  Config config = shipped_config("depth16");
   Scene scene = small_scene(3, 30);
   scene.textures = {{.name = "grey",
                      .width = 40,
@@ -379,7 +376,7 @@ TEST(EngineSystemc, TheCacheSeesEachTexelAccess) {
 TEST(EngineSystemc, WritesAWaveformOfEveryStage) {
   const TemporaryFolder folder;
   const Scene scene = small_scene(4, 3);
-  const auto engine = make_systemc(shipped("depth16"), {.vcd = folder.path("run.vcd")});
+  const auto engine = make_systemc(shipped_config("depth16"), {.vcd = folder.path("run.vcd")});
   engine->begin(scene);
   engine->draw(scene.triangles, 0, nullptr);
   engine->close_vcd();
@@ -396,7 +393,7 @@ TEST(EngineSystemc, WritesAWaveformOfEveryStage) {
 }
 
 TEST(EngineSystemc, TheWatchdogTellsTheStateOfEachStage) {
-  Config config = shipped("depth16");
+  Config config = shipped_config("depth16");
   config.memory.latency = 20000;
   const Scene scene = small_scene(4, 5);
   const auto engine = make_systemc(config, {.watchdog_clocks = 300});
@@ -423,7 +420,7 @@ TEST(EngineSystemc, NoDeadlockAtTheEndsOfWhatIsLegal) {
   for (const int latency : {1, 300}) {
     for (const int interval : {1, 50}) {
       for (const int width : {1, 1024}) {
-        Config config = shipped("depth16");
+        Config config = shipped_config("depth16");
         config.filter = TextureFilter::bilinear;
         set_timing(config, latency, interval, 1,
                    {.latency = latency,
@@ -443,7 +440,7 @@ TEST(EngineSystemc, NoDeadlockAtTheEndsOfWhatIsLegal) {
 TEST(EngineSystemc, RefusesWhatTheModelRefuses) {
   Scene scene = small_scene(4, 3);
   scene.triangles[1].v[2].x = std::nan("");
-  const auto engine = make_systemc(shipped("depth16"));
+  const auto engine = make_systemc(shipped_config("depth16"));
   EXPECT_THROW(engine->draw(scene.triangles, 0, nullptr), std::logic_error);
   engine->begin(scene);
   EXPECT_THROW(engine->draw(scene.triangles, 0, nullptr), InputError);
@@ -451,7 +448,7 @@ TEST(EngineSystemc, RefusesWhatTheModelRefuses) {
   scene.triangles[1].v[2].x = 5;
   engine->draw(scene.triangles, 0, nullptr);  // nothing had been drawn, so nothing is broken
   EXPECT_GT(engine->counters().cycles, 0U);
-  EXPECT_THROW(make_systemc(shipped("depth16"), {.vcd = "/nonexistent/folder/run.vcd"})->begin(scene),
+  EXPECT_THROW(make_systemc(shipped_config("depth16"), {.vcd = "/nonexistent/folder/run.vcd"})->begin(scene),
                InputError);
 }
 
@@ -459,7 +456,7 @@ TEST(EngineSystemc, TellsItsProgress) {
   const Scene scene = demo_scene(320, 240);
   std::uint64_t told = 0;
   std::uint64_t last = 0;
-  const auto engine = make_systemc(shipped("depth16"), {.progress = [&](std::uint64_t triangles) {
+  const auto engine = make_systemc(shipped_config("depth16"), {.progress = [&](std::uint64_t triangles) {
                                      ++told;
                                      EXPECT_GE(triangles, last);
                                      last = triangles;

@@ -12,6 +12,7 @@
 #include "model/timed/span_interpolator_timing.hpp"
 #include "scene/random.hpp"
 #include "tb/rtl_stream.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
@@ -28,7 +29,7 @@ struct Case {
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 Config make_config(const Case& c) {
-  Config config = load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/" + c.base + ".toml");
+  Config config = shipped_config(c.base);
   config.perspective = c.mode;
   config.row_slope = c.row_slope;
   config.row_reciprocal.pipelined = c.pipelined;

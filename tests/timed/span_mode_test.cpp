@@ -18,13 +18,10 @@
 #include "report/random_config.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
-
-Config shipped(const std::string& name) {
-  return load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/" + name + ".toml");
-}
 
 constexpr Perspective all_modes[] = {Perspective::delta_f, Perspective::const_depth_rows,
                                      Perspective::hyperbolic, Perspective::affine};
@@ -173,11 +170,11 @@ void expect_equal_modes_on_a_random_scene(const Config& config, std::uint64_t se
 TEST(SpanMode, EqualsCycleModeOnTheDemo) {
   Seen seen;
   const Scene scene = demo_scene(128, 96);
-  for (const char* name : {"depth16", "depth20", "narrow"}) {
+  for (const std::string& name : shipped_names) {
     for (const Perspective mode : all_modes) {
-      Config config = shipped(name);
+      Config config = shipped_config(name);
       config.perspective = mode;
-      SCOPED_TRACE(std::string(name) + " " + std::string(to_string(mode)));
+      SCOPED_TRACE(name + " " + std::string(to_string(mode)));
       expect_equal_modes(config, scene, 0, seen);
     }
   }
@@ -192,7 +189,7 @@ TEST(SpanMode, EqualsCycleModeUnderRandomTimings) {
   for (std::uint64_t seed = 1; seed <= 160; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
-    Config config = shipped(seed % 3 == 0 ? "depth20" : seed % 3 == 1 ? "depth16" : "narrow");
+    Config config = shipped_config(seed % 3 == 0 ? "depth20" : seed % 3 == 1 ? "depth16" : "narrow");
     config.perspective = all_modes[seed / 3 % 4];
     config.filter = random.chance(0.5) ? TextureFilter::nearest : TextureFilter::bilinear;
     config.wrap = random.chance(0.5) ? TextureWrap::cyclic : TextureWrap::clamp;
@@ -213,7 +210,7 @@ TEST(SpanMode, EqualsCycleModeUnderRandomTimings) {
 
 TEST(SpanMode, EqualsCycleModeOnRandomConfigurations) {
   Seen seen;
-  const std::vector<Config> bases{shipped("depth16"), shipped("depth20"), shipped("narrow")};
+  const std::vector<Config> bases = shipped_configs();
   std::uint64_t refused = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -244,7 +241,7 @@ TEST(SpanMode, EqualsCycleModeAtTheEndsOfWhatIsLegal) {
       for (const int fifo : {1, 65536}) {
         for (const int width : {1, 1024}) {
           for (const TextureFilter filter : {TextureFilter::nearest, TextureFilter::bilinear}) {
-            Config config = shipped("depth16");
+            Config config = shipped_config("depth16");
             config.filter = filter;
             config.timing.fill({.latency = latency, .interval = interval, .fifo = fifo});
             config.memory = {.latency = latency,
@@ -279,7 +276,7 @@ TEST(SpanMode, EqualsCycleModeOnOnePixel) {
   Seen seen;
   for (const int latency : {1, 2, 9}) {
     for (const int memory : {1, 2, 3, 30, 200}) {
-      Config config = shipped("depth16");
+      Config config = shipped_config("depth16");
       config.timing.fill({.latency = latency, .interval = 1, .fifo = 4});
       config.memory.latency = memory;
       expect_equal_modes(config, scene, 0, seen);
@@ -297,7 +294,7 @@ TEST(SpanMode, EqualsCycleModeOnExtremeScenes) {
     SCOPED_TRACE(scene.name);
     if (scene.triangles.size() > 40) scene.triangles.resize(40);
     for (const Perspective mode : {Perspective::delta_f, Perspective::const_depth_rows}) {
-      Config config = shipped("depth16");
+      Config config = shipped_config("depth16");
       config.perspective = mode;
       expect_equal_modes(config, scene, 0, seen);
     }
@@ -307,7 +304,7 @@ TEST(SpanMode, EqualsCycleModeOnExtremeScenes) {
 }
 
 TEST(SpanMode, TellsAStandstillOfTheSameClock) {
-  Config config = shipped("depth16");
+  Config config = shipped_config("depth16");
   config.memory.latency = 10000;
   const Scene scene = crowded_scene(4, 5);
   const auto complaint = [&](TimedMode mode) {
@@ -340,8 +337,9 @@ TEST(SpanMode, TellsItsProgressOnTheSameClocks) {
   const Scene scene = demo_scene(320, 240);
   const auto told = [&](TimedMode mode) {
     std::vector<std::uint64_t> triangles;
-    const auto engine = make_systemc(
-        shipped("depth16"), {.mode = mode, .progress = [&](std::uint64_t n) { triangles.push_back(n); }});
+    const auto engine =
+        make_systemc(shipped_config("depth16"),
+                     {.mode = mode, .progress = [&](std::uint64_t n) { triangles.push_back(n); }});
     engine->begin(scene);
     engine->draw(scene.triangles, 0, nullptr);
     return triangles;
@@ -352,7 +350,7 @@ TEST(SpanMode, TellsItsProgressOnTheSameClocks) {
 }
 
 TEST(SpanMode, RefusesWhatItCannotShowAndWhatTheModelRefuses) {
-  const Config config = shipped("depth16");
+  const Config config = shipped_config("depth16");
   EXPECT_THROW(make_systemc(config, {.mode = TimedMode::span, .vcd = "run.vcd"}), InputError);
   EXPECT_THROW(make_systemc(config, {.mode = TimedMode::span, .record_handshake = true}), InputError);
 

@@ -6,6 +6,7 @@
 #include "model/engine_model.hpp"
 #include "model/timed/engine_systemc.hpp"
 #include "scene/random.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
@@ -34,7 +35,7 @@ struct Bench : sc_core::sc_module {
 };
 
 TEST(UserBench, DrawsFromWithinAThreadOfItsOwnSimulation) {
-  const Config config = load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/depth16.toml");
+  const Config config = shipped_config("depth16");
   const Scene scene = random_scene(3, {.width = 64, .height = 48, .triangles = 5, .size_max = 30});
   const auto engine = make_systemc(config);
   Bench bench("bench", engine.get(), &scene);
