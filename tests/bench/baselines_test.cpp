@@ -10,6 +10,7 @@
 #include "bench/mesa_process.hpp"
 #include "bench/scenes.hpp"
 #include "model/engine_model.hpp"
+#include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan::bench {
@@ -129,12 +130,7 @@ TEST(MesaProcess, DrawsInTurnWithAnother) {
 }
 
 TEST(MesaProcess, TellsWhyItCannot) {
-  try {
-    MesaProcess("no such mesh.obj", "", {});
-    FAIL() << "nothing thrown";
-  } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find("no such mesh.obj"), std::string::npos) << e.what();
-  }
+  expect_refusal([] { MesaProcess("no such mesh.obj", "", {}); }, "no such mesh.obj");
 }
 
 TEST(Measure, SummaryAndRatios) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "scene/random.hpp"
+#include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -47,13 +48,8 @@ TEST(Replay, ComesBackBitForBit) {
 TEST(Replay, BadFilesAreRefusedInOneLine) {
   const std::string good = replay_json(sample());
   const auto refused = [](const std::string& text) {
-    try {
-      static_cast<void>(parse_replay(text, "bad.json"));
-    } catch (const InputError& error) {
-      const std::string what = error.what();
-      return what.starts_with("bad.json") && what.find('\n') == std::string::npos;
-    }
-    return false;
+    return input_error([&text] { static_cast<void>(parse_replay(text, "bad.json")); })
+        .starts_with("bad.json");
   };
   EXPECT_TRUE(refused(""));
   EXPECT_TRUE(refused("[]"));

@@ -23,18 +23,6 @@ std::string text_of(const std::vector<std::string>& lines) {
   return text;
 }
 
-std::string error_of(const std::function<void()>& run) {
-  try {
-    run();
-  } catch (const InputError& error) {
-    std::string text = error.what();
-    EXPECT_FALSE(text.empty());
-    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-    return text;
-  }
-  return "";
-}
-
 std::string parse_error_of(const std::string& text) {
   return error_of([&text] { (void)parse_config(text, "file.toml"); });
 }

@@ -1,13 +1,13 @@
 // What the tests of the configuration share.
 #pragma once
 
-#include <functional>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "config/config.hpp"
 #include "scene/scene.hpp"
+#include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -18,10 +18,8 @@ inline constexpr Perspective kPerspectives[] = {Perspective::delta_f, Perspectiv
 std::vector<std::string> lines_of(const std::string& text);
 std::string text_of(const std::vector<std::string>& lines);
 
-// What the InputError says that `run` throws; "" where it throws none. Fails the test where the text is not
-// one line.
-std::string error_of(const std::function<void()>& run);
-std::string parse_error_of(const std::string& text);  // the origin is "file.toml"
+// "" where it is legal; the origin is "file.toml".
+std::string parse_error_of(const std::string& text);
 
 // Any value of every key, mostly legal one by one; the rules between keys may still refuse it.
 Config random_config(std::mt19937_64& random);

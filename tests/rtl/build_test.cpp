@@ -9,6 +9,7 @@
 #include "tests/rtl/simulate.hpp"
 #include "tests/support/environment.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -17,12 +18,7 @@ namespace {
 Config narrow() { return shipped_config("narrow"); }
 
 std::string message_of(const Config& c) {
-  try {
-    build_rtl(c);
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "no InputError";
+  return input_error([&c] { build_rtl(c); });
 }
 
 TEST(Build, TwoAtOnceAndThenFromTheCache) {

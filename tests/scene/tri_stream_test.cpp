@@ -21,7 +21,7 @@ const std::string header =
 const std::string triangle = R"({"v": [[1, 2, 3, 4, 5], [10.5, 2, 4, 5, 6], [1, 20, 1000, -7, 8e2]]})"
                              "\n";
 
-std::string error_of(const std::string& text) {
+std::string parse_error(const std::string& text) {
   return input_error([&] { parse_tri(text, "dir/x.tri"); });
 }
 
@@ -168,8 +168,8 @@ TEST(TriStream, RefusesBadHeaders) {
       {"{\"bitspan\"", "[\"bitspan\"", "x.tri:1: not JSON at column"},
   };
   for (const Refusal& c : cases) {
-    EXPECT_EQ(error_of(replaced(header, c.from, c.to)).rfind(std::string("dir/") + c.message, 0), 0U)
-        << c.to << " gave: " << error_of(replaced(header, c.from, c.to));
+    EXPECT_EQ(parse_error(replaced(header, c.from, c.to)).rfind(std::string("dir/") + c.message, 0), 0U)
+        << c.to << " gave: " << parse_error(replaced(header, c.from, c.to));
   }
 }
 
@@ -203,30 +203,31 @@ TEST(TriStream, RefusesBadTriangles) {
       {"{\"v\"", "7 {\"v\"", "x.tri:2: not JSON at column"},
   };
   for (const Refusal& c : cases) {
-    const std::string message = error_of(header + replaced(triangle, c.from, c.to));
+    const std::string message = parse_error(header + replaced(triangle, c.from, c.to));
     EXPECT_EQ(message.rfind(std::string("dir/") + c.message, 0), 0U) << c.to << " gave: " << message;
   }
-  EXPECT_EQ(error_of(header + "7\n").rfind("dir/x.tri:2: 7 is not an object", 0), 0U);
-  EXPECT_EQ(error_of(header + triangle + "\n{}\n").rfind("dir/x.tri:4: v: key is missing", 0), 0U);
-  EXPECT_EQ(error_of(header + header).rfind("dir/x.tri:2: \"bitspan\": unknown key", 0), 0U);
+  EXPECT_EQ(parse_error(header + "7\n").rfind("dir/x.tri:2: 7 is not an object", 0), 0U);
+  EXPECT_EQ(parse_error(header + triangle + "\n{}\n").rfind("dir/x.tri:4: v: key is missing", 0), 0U);
+  EXPECT_EQ(parse_error(header + header).rfind("dir/x.tri:2: \"bitspan\": unknown key", 0), 0U);
 }
 
 TEST(TriStream, RefusesEveryTruncation) {
   const std::string line = triangle.substr(0, triangle.size() - 1);
   for (std::size_t length = 1; length < line.size(); ++length) {
     EXPECT_EQ(
-        error_of(header + line.substr(0, length)).rfind("dir/x.tri:2: the line ends inside its JSON", 0), 0U)
+        parse_error(header + line.substr(0, length)).rfind("dir/x.tri:2: the line ends inside its JSON", 0),
+        0U)
         << length;
   }
 }
 
 TEST(TriStream, RefusesFilesThatAreNoStream) {
-  EXPECT_NE(error_of("").find("x.tri:1: the file is empty"), std::string::npos);
-  EXPECT_NE(error_of("\n \n").find("the file is empty"), std::string::npos);
-  EXPECT_NE(error_of(triangle).find("x.tri:1: bitspan: no header"), std::string::npos);
-  EXPECT_NE(error_of(std::string(2000000, 'x')).find("x.tri:1: the line is too long"), std::string::npos);
-  EXPECT_NE(error_of(std::string(300, '\0')).find("x.tri:1: not JSON"), std::string::npos);
-  EXPECT_NE(error_of(header + std::string(900000, '[')).find("x.tri:2: the line ends inside"),
+  EXPECT_NE(parse_error("").find("x.tri:1: the file is empty"), std::string::npos);
+  EXPECT_NE(parse_error("\n \n").find("the file is empty"), std::string::npos);
+  EXPECT_NE(parse_error(triangle).find("x.tri:1: bitspan: no header"), std::string::npos);
+  EXPECT_NE(parse_error(std::string(2000000, 'x')).find("x.tri:1: the line is too long"), std::string::npos);
+  EXPECT_NE(parse_error(std::string(300, '\0')).find("x.tri:1: not JSON"), std::string::npos);
+  EXPECT_NE(parse_error(header + std::string(900000, '[')).find("x.tri:2: the line ends inside"),
             std::string::npos);
   const TemporaryFolder folder;
   EXPECT_NE(input_error([&] { read_tri(folder.path("none.tri")); }).find("cannot read: No such file"),

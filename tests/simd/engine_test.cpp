@@ -2,7 +2,6 @@
 // statistics, on every target and with several threads.
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,17 +13,13 @@
 #include "report/random_config.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
+#include "tests/support/same_bits.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan::model {
 namespace {
 
 constexpr VectorTarget targets[] = {VectorTarget::avx512, VectorTarget::avx2, VectorTarget::baseline};
-
-template <class T>
-bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
 
 void expect_same(const Engine& got, const Engine& expected, const std::string& where) {
   const Frame& a = got.frame();

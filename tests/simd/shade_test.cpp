@@ -13,6 +13,7 @@
 #include "model/simd/targets.hpp"
 #include "report/random_config.hpp"
 #include "scene/random.hpp"
+#include "tests/support/same_bits.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan::model {
@@ -166,10 +167,6 @@ std::unique_ptr<FragmentBlock<T>> block_of(const Case& c, const std::vector<Frag
   return block;
 }
 
-template <class V>
-bool same_bits(const std::vector<V>& a, const std::vector<V>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(V)) == 0;
-}
 ::testing::AssertionResult same_frame(const Frame& a, const Frame& b) {
   if (!same_bits(a.color, b.color)) return ::testing::AssertionFailure() << "colour differs";
   if (!same_bits(a.depth, b.depth)) return ::testing::AssertionFailure() << "depth differs";

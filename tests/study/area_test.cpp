@@ -11,6 +11,7 @@
 
 #include "tests/study/area_support.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -47,16 +48,6 @@ Config tiny_config() {
                                               {"reciprocal.row.output.word", std::int64_t{4}}});
 }
 
-template <class Function>
-std::string message_of(const Function& function) {
-  try {
-    function();
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return "no InputError";
-}
-
 TEST(Area, ReadsTheStatisticsOfYosys) {
   // As `stat -json` of 0.23 writes it, with what else may stand around it.
   const std::string ecp5 = R"json(Warning: something.
@@ -81,7 +72,7 @@ End of script.
 
 TEST(Area, RefusesStatisticsThatItWouldMiscount) {
   const auto parse = [](const std::string& text) {
-    return message_of([&] { parse_yosys_stat(text, Family::ice40); });
+    return input_error([&] { parse_yosys_stat(text, Family::ice40); });
   };
   EXPECT_EQ(parse(R"({"design": {"num_cells_by_type": {"SB_LUT4": 3, "$mul": 1}}})"),
             "yosys: $mul has no known size in ice40");
@@ -94,7 +85,7 @@ TEST(Area, RefusesStatisticsThatItWouldMiscount) {
 TEST(Area, NamesItsFamilies) {
   for (const Family family : {Family::ice40, Family::ecp5})
     EXPECT_EQ(family_named(to_string(family)), family);
-  EXPECT_EQ(message_of([] { family_named("xc7"); }), "'xc7' is no family; legal: ice40, ecp5");
+  EXPECT_EQ(input_error([] { family_named("xc7"); }), "'xc7' is no family; legal: ice40, ecp5");
 }
 
 TEST(Area, TheKeyHoldsWhatTheRtlHas) {
@@ -202,27 +193,28 @@ TEST(Area, FailsWithTheToolsWords) {
 TEST(Area, NamesAMissingTool) {
   {
     const Environment path("PATH", "/nonexistent");
-    EXPECT_EQ(message_of([] { measure_area(tiny_config(), Family::ecp5, false); }),
-              "yosys: does not start; areas need it on PATH; ./dev setup installs it");
+    EXPECT_EQ(input_error([] { measure_area(tiny_config(), Family::ecp5, false); }),
+              "yosys: does not start; areas need it on PATH");
   }
   const Environment nextpnr("BITSPAN_NEXTPNR_ECP5", "/nonexistent/nextpnr");
-  EXPECT_EQ(message_of([] { measure_area(tiny_config(), Family::ecp5, true); }),
-            "no clock in ecp5: cannot start /nonexistent/nextpnr; ./dev setup installs it for ./dev run, "
-            "$BITSPAN_NEXTPNR_ECP5 names another");
+  EXPECT_EQ(input_error([] { measure_area(tiny_config(), Family::ecp5, true); }),
+            "/nonexistent/nextpnr: does not start; placing in ecp5 needs it on PATH, or "
+            "$BITSPAN_NEXTPNR_ECP5 to name "
+            "it");
 }
 
 TEST(Area, SaysWhereNothingCanBeWritten) {
   const Environment temporary("TMPDIR", "/nonexistent");
-  const std::string message = message_of([] { measure_area(tiny_config(), Family::ecp5, false); });
+  const std::string message = input_error([] { measure_area(tiny_config(), Family::ecp5, false); });
   EXPECT_NE(message.find("TMPDIR"), std::string::npos) << message;
 }
 
 TEST(Area, RefusesAModeWithoutRtl) {
   Config config = shipped_config("narrow");
   config.perspective = Perspective::affine;
-  EXPECT_NE(message_of([&] { measure_area(config, Family::ecp5, false); }).find("has no RTL"),
+  EXPECT_NE(input_error([&] { measure_area(config, Family::ecp5, false); }).find("has no RTL"),
             std::string::npos);
-  EXPECT_NE(message_of([&] { area_key(config); }).find("has no RTL"), std::string::npos);
+  EXPECT_NE(input_error([&] { area_key(config); }).find("has no RTL"), std::string::npos);
 }
 
 TEST(Area, StopsAtTheTimeLimit) {

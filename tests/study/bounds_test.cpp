@@ -18,6 +18,7 @@
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
 #include "study/format_range.hpp"
+#include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -550,16 +551,6 @@ TEST(Bounds, ANarrowerModelBreaksThem) {
     EXPECT_TRUE(std::any_of(checks.begin(), checks.end(), [&](const BoundCheck& c) {
       return !c.holds && c.place == cut.place;
     })) << cut.place;
-  }
-}
-
-template <class Call>
-void expect_refusal(Call call, const std::string& text) {
-  try {
-    call();
-    FAIL() << "not refused: " << text;
-  } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << e.what();
   }
 }
 

@@ -9,6 +9,7 @@
 #include "scene/demo.hpp"
 #include "study/bounds.hpp"
 #include "tests/support/environment.hpp"
+#include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -138,17 +139,6 @@ TEST(Gappa, RefusesTheBoundOfAWiderConfiguration) {
   EXPECT_FALSE(prove_with_gappa(narrow, calm_range(), "reciprocal.pixel",
                                 gappa_claim(wide, calm_range(), "reciprocal.pixel"))
                    .proved);
-}
-
-template <class Call>
-void expect_refusal(Call call, const std::string& text) {
-  try {
-    call();
-    FAIL() << "not refused: " << text;
-  } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << e.what();
-    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
-  }
 }
 
 TEST(Gappa, SaysWhatItHasNoScriptFor) {

@@ -15,10 +15,6 @@ using Settings = std::vector<KeySetting>;
 KeyValue integer(std::int64_t v) { return v; }
 KeyValue text(const char* v) { return std::string(v); }
 
-bool names(const std::string& message, std::string_view part) {
-  return message.find(part) != std::string::npos;
-}
-
 TEST(Keys, EveryKeyReadsAndWritesBack) {
   for (const std::string& name : shipped_names) {
     const Config base = shipped_config(name);

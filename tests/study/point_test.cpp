@@ -13,6 +13,7 @@
 #include "report/error.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
+#include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -124,12 +125,7 @@ TEST(Point, WhatDrawsNothingIsNoPerfectScore) {
   EXPECT_THROW(PointMeter({}), InputError);
   Scene empty = demo_scene(64, 48);
   empty.triangles.clear();
-  try {
-    PointMeter({empty}).measure(shipped_config("depth16"));
-    FAIL();
-  } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find("nothing is drawn"), std::string::npos) << e.what();
-  }
+  expect_refusal([&] { PointMeter({empty}).measure(shipped_config("depth16")); }, "nothing is drawn");
 }
 
 TEST(Point, RefusesWhatTheConfigurationCannotHold) {

@@ -13,6 +13,8 @@
 #include <set>
 #include <thread>
 
+#include "tests/support/input_error.hpp"
+
 namespace bitspan {
 namespace {
 
@@ -362,16 +364,6 @@ Problem small() {
   Problem p{axes_of(2, 1, 4), {at_most("error", 0.375)}, {}};
   p.model = [](const Bits& b) { return metrics(std::exp2(-b[0]) + std::exp2(-b[1]), b[0] + 2 * b[1]); };
   return p;
-}
-
-std::string error_of(const std::function<void()>& run) {
-  try {
-    run();
-  } catch (const InputError& e) {
-    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
-    return e.what();
-  }
-  return "";
 }
 
 TEST(Search, TheCertificateNamesWhatFails) {

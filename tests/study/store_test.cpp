@@ -60,10 +60,6 @@ std::string refused(const std::string& path, Store::Mode mode = Store::Mode::cre
   return input_error([&] { Store(path, "1.2.3", mode, 50ms); });
 }
 
-bool names(const std::string& message, std::string_view part) {
-  return message.find(part) != std::string::npos;
-}
-
 TEST(Store, KeepsAPointWithEveryBit) {
   const TemporaryFolder folder;
   const PointResult result = some_result(0.1);

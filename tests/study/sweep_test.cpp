@@ -21,10 +21,6 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-bool names(const std::string& message, std::string_view part) {
-  return message.find(part) != std::string::npos;
-}
-
 Scene small_scene() {
   Scene scene;
   scene.name = "small";

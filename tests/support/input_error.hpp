@@ -4,23 +4,41 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <string_view>
 
 #include "config/config.hpp"
 
 namespace bitspan {
 
-// The text of the InputError that `call` throws; a test failure where it throws none, or more than one line.
+// The text of the InputError that `call` throws, "" where it throws none; a test failure where it is more
+// than one line.
 template <class Call>
-std::string input_error(const Call& call) {
+std::string error_of(const Call& call) {
   try {
     call();
   } catch (const InputError& error) {
-    const std::string text = error.what();
+    std::string text = error.what();
+    EXPECT_FALSE(text.empty());
     EXPECT_EQ(text.find('\n'), std::string::npos) << text;
     return text;
   }
-  ADD_FAILURE() << "no InputError";
   return "";
+}
+// The same where one must be thrown.
+template <class Call>
+std::string input_error(const Call& call) {
+  std::string text = error_of(call);
+  EXPECT_NE(text, "") << "no InputError";
+  return text;
+}
+
+inline bool names(const std::string& message, std::string_view part) {
+  return message.find(part) != std::string::npos;
+}
+template <class Call>
+void expect_refusal(const Call& call, std::string_view part) {
+  const std::string message = input_error(call);
+  EXPECT_TRUE(names(message, part)) << message;
 }
 
 }  // namespace bitspan

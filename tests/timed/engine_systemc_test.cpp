@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <string>
 
 #include "config/config.hpp"
@@ -15,6 +14,7 @@
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/same_bits.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -48,10 +48,6 @@ Outcome draw_all(Engine& engine, const Scene& scene) {
   return out;
 }
 
-bool same_planes(const std::vector<double>& a, const std::vector<double>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
-}
-
 // All records, the frame and the counters but the cycles; returns the number of records compared.
 std::size_t expect_equal(const Outcome& timed, const Outcome& model) {
   std::size_t compared = 0;
@@ -64,8 +60,8 @@ std::size_t expect_equal(const Outcome& timed, const Outcome& model) {
   EXPECT_EQ(timed.frame.color, model.frame.color);
   EXPECT_EQ(timed.frame.depth, model.frame.depth);
   EXPECT_EQ(timed.frame.triangle, model.frame.triangle);
-  EXPECT_TRUE(same_planes(timed.frame.u, model.frame.u));
-  EXPECT_TRUE(same_planes(timed.frame.v, model.frame.v));
+  EXPECT_TRUE(same_bits(timed.frame.u, model.frame.u));
+  EXPECT_TRUE(same_bits(timed.frame.v, model.frame.v));
   Counters counters = timed.counters;
   counters.cycles = model.counters.cycles;
   EXPECT_TRUE(counters == model.counters);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <iostream>
 #include <span>
 #include <stdexcept>
@@ -18,6 +17,7 @@
 #include "report/random_config.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
+#include "tests/support/same_bits.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -38,10 +38,6 @@ struct Seen {
               << killed << " fragments killed, " << uncovered << " not covered\n";
   }
 };
-
-bool same_planes(const std::vector<double>& a, const std::vector<double>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
-}
 
 void expect_equal_reports(const TimedReport& span, const TimedReport& cycle, Seen& seen) {
   EXPECT_EQ(span.cycles, cycle.cycles);
@@ -107,8 +103,8 @@ void expect_equal_modes(const Config& config, const Scene& scene, std::size_t ba
     EXPECT_EQ(s->color, c.color);
     EXPECT_EQ(s->depth, c.depth);
     EXPECT_EQ(s->triangle, c.triangle);
-    EXPECT_TRUE(same_planes(s->u, c.u));
-    EXPECT_TRUE(same_planes(s->v, c.v));
+    EXPECT_TRUE(same_bits(s->u, c.u));
+    EXPECT_TRUE(same_bits(s->v, c.v));
   }
   const Counters& counters = cycle->counters();
   EXPECT_TRUE(span->counters() == counters);
