@@ -34,9 +34,10 @@ std::string join(std::span<const std::string_view> names) {
   return text;
 }
 
+// What a file holds may stand in a message, which is one line whatever it is.
 std::string one_line(std::string text) {
-  std::ranges::replace(text, '\n', ' ');
-  std::ranges::replace(text, '\r', ' ');
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return c < 0x20; }, ' ');
   return text;
 }
 
@@ -112,8 +113,7 @@ class Section {
     const std::string& text = node.as_string()->get();
     const auto found = std::ranges::find(enum_names<E>, text);
     if (found == enum_names<E>.end()) {
-      fail(line(key), path_of(key),
-           '"' + one_line(text) + "\" is no value of this key; legal: " + join(enum_names<E>));
+      fail(line(key), path_of(key), '"' + text + "\" is no value of this key; legal: " + join(enum_names<E>));
     }
     return static_cast<E>(found - enum_names<E>.begin());
   }
@@ -124,9 +124,8 @@ class Section {
     StartOffset result;
     if (node.is_string()) {
       if (node.as_string()->get() != "half_ulp") {
-        fail(
-            line(key), path_of(key),
-            '"' + one_line(node.as_string()->get()) + "\" is no start offset; legal: " + std::string(kLegal));
+        fail(line(key), path_of(key),
+             '"' + node.as_string()->get() + "\" is no start offset; legal: " + std::string(kLegal));
       }
       result.half_ulp = true;
     } else if (node.is_integer()) {
@@ -172,7 +171,7 @@ class Section {
   }
 
   [[noreturn]] void fail(int at, const std::string& key, const std::string& text) const {
-    throw InputError(origin_ + ":" + std::to_string(at) + ": " + key + ": " + text);
+    throw InputError(origin_ + ":" + std::to_string(at) + ": " + one_line(key + ": " + text));
   }
   [[noreturn]] void wrong_type(std::string_view key, const toml::node& node, std::string_view legal) const {
     fail(line(key), path_of(key), "is " + std::string(type_name(node)) + "; legal: " + std::string(legal));

@@ -327,6 +327,21 @@ TEST(Parse, RulesBetweenKeysNameTheLine) {
   }
 }
 
+TEST(Parse, WhateverAKeyOrAValueHoldsTheRefusalIsOneLine) {
+  EXPECT_TRUE(
+      parse_error_of("\"a\\nb\" = 1\n").starts_with("file.toml:1: a b: unknown key; legal: raster, "));
+  const std::string text = to_toml(shipped_config("depth16"));
+  const auto with = [&text](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    return changed.replace(changed.find(from), from.size(), to);
+  };
+  const std::string key = parse_error_of(with("\"span.h\"", "\"span\\n.h\""));
+  EXPECT_NE(key.find("formats.span .h: unknown key; "), std::string::npos) << key;
+  const std::string value = parse_error_of(with("\"top_left\"", "\"top\\u001b\\tleft\""));
+  EXPECT_NE(value.find("raster.fill_rule: \"top  left\" is no value of this key; "), std::string::npos)
+      << value;
+}
+
 TEST(Parse, WhatIsNoTomlIsRefused) {
   EXPECT_NE(parse_error_of("").find("file.toml:1: the configuration is empty"), std::string::npos);
   EXPECT_NE(parse_error_of(" \n\t\r\n").find("empty"), std::string::npos);
