@@ -1,200 +1,60 @@
 // The strict reader: every key is known, given once, of its type, and, unless it is said to be optional,
 // given.
-#define TOML_HEADER_ONLY 1
-#define TOML_ENABLE_FORMATTERS 0
-#include <toml++/toml.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <initializer_list>
-#include <limits>
 #include <map>
-#include <span>
-#include <system_error>
 #include <utility>
 
 #include "config/check.hpp"
-#include "config/names.hpp"
+#include "config/toml_section.hpp"
 
 namespace bitspan {
 namespace {
 
-constexpr std::size_t kMaxFileBytes = std::size_t{1} << 20;
-
-std::string join(std::span<const std::string_view> names) {
-  std::string text;
-  for (const auto name : names) {
-    if (!text.empty()) text += ", ";
-    text += name;
-  }
-  return text;
-}
-
-// What a file holds may stand in a message, which is one line whatever it is.
-std::string one_line(std::string text) {
-  std::ranges::replace_if(
-      text, [](unsigned char c) { return c < 0x20; }, ' ');
-  return text;
-}
-
-std::string_view type_name(const toml::node& node) {
-  if (node.is_table()) return "a table";
-  if (node.is_array()) return "an array";
-  if (node.is_string()) return "a string";
-  if (node.is_integer()) return "an integer";
-  if (node.is_floating_point()) return "a float";
-  if (node.is_boolean()) return "a boolean";
-  return "a date or time";
-}
-
-int line_of(const toml::source_region& region) {
-  return region.begin.line > 0 ? static_cast<int>(region.begin.line) : 1;
-}
-
-// Where each key stands, so that a rule between keys can name a line.
-using Lines = std::map<std::string, int, std::less<>>;
-
-// One table of the file. The constructor refuses unknown keys; the readers refuse missing and mistyped ones.
-class Section {
- public:
-  Section(const toml::table& table, std::string path, int line, const std::string& origin, Lines& lines,
-          std::span<const std::string_view> legal)
-      : table_(table), path_(std::move(path)), line_(line), origin_(origin), lines_(lines) {
-    lines_.emplace(path_, line_);
-    for (const auto& [key, node] : table_) {
-      const int at = line_of(key.source());
-      if (std::ranges::find(legal, key.str()) == legal.end()) {
-        fail(at, path_of(key.str()),
-             std::string(node.is_table() ? "unknown table" : "unknown key") + "; legal: " + join(legal));
-      }
-      lines_.emplace(path_of(key.str()), at);
+StartOffset read_offset(const Section& s, std::string_view key) {
+  constexpr std::string_view kLegal = "a finite number, \"half_ulp\"";
+  const toml::node& node = s.need(key, std::string(kLegal));
+  StartOffset result;
+  if (node.is_string()) {
+    if (node.as_string()->get() != "half_ulp") {
+      s.fail(key, '"' + node.as_string()->get() + "\" is no start offset; legal: " + std::string(kLegal));
     }
-  }
-  Section(const toml::table& table, std::string path, int line, const std::string& origin, Lines& lines,
-          std::initializer_list<std::string_view> legal)
-      : Section(table, std::move(path), line, origin, lines, std::span(legal.begin(), legal.size())) {}
-
-  bool has(std::string_view key) const { return table_.contains(key); }
-
-  Section section(std::string_view key, std::span<const std::string_view> legal) const {
-    const toml::node& node = need(key, "a table with the keys " + join(legal));
-    if (!node.is_table()) wrong_type(key, node, "a table with the keys " + join(legal));
-    return Section(*node.as_table(), path_of(key), line(key), origin_, lines_, legal);
-  }
-  Section section(std::string_view key, std::initializer_list<std::string_view> legal) const {
-    return section(key, std::span(legal.begin(), legal.size()));
-  }
-
-  int integer(std::string_view key) const {
-    const toml::node& node = need(key, "an integer");
-    if (!node.is_integer()) wrong_type(key, node, "an integer");
+    result.half_ulp = true;
+  } else if (node.is_integer()) {
     const std::int64_t value = node.as_integer()->get();
-    if (value < std::numeric_limits<int>::min() || value > std::numeric_limits<int>::max()) {
-      fail(line(key), path_of(key),
-           std::to_string(value) + " is far out of range; legal: an integer of 32 bits");
+    result.value = static_cast<double>(value);
+    if (std::abs(result.value) > 0x1p53) {
+      s.fail(key, "an integer beyond 2^53; legal: " + std::string(kLegal));
     }
-    return static_cast<int>(value);
-  }
-
-  bool boolean(std::string_view key) const {
-    const toml::node& node = need(key, "true, false");
-    if (!node.is_boolean()) wrong_type(key, node, "true, false");
-    return node.as_boolean()->get();
-  }
-
-  template <class E>
-  E name(std::string_view key) const {
-    const toml::node& node = need(key, join(enum_names<E>));
-    if (!node.is_string()) wrong_type(key, node, "a string, one of " + join(enum_names<E>));
-    const std::string& text = node.as_string()->get();
-    const auto found = std::ranges::find(enum_names<E>, text);
-    if (found == enum_names<E>.end()) {
-      fail(line(key), path_of(key), '"' + text + "\" is no value of this key; legal: " + join(enum_names<E>));
+  } else if (node.is_floating_point()) {
+    result.value = node.as_floating_point()->get();
+    if (!std::isfinite(result.value)) {
+      s.fail(key, "is not a finite number; legal: " + std::string(kLegal));
     }
-    return static_cast<E>(found - enum_names<E>.begin());
+  } else {
+    s.wrong_type(key, node, kLegal);
   }
+  if (result.value == 0) result.value = 0;  // no negative zero
+  return result;
+}
 
-  StartOffset offset(std::string_view key) const {
-    constexpr std::string_view kLegal = "a finite number, \"half_ulp\"";
-    const toml::node& node = need(key, std::string(kLegal));
-    StartOffset result;
-    if (node.is_string()) {
-      if (node.as_string()->get() != "half_ulp") {
-        fail(line(key), path_of(key),
-             '"' + node.as_string()->get() + "\" is no start offset; legal: " + std::string(kLegal));
-      }
-      result.half_ulp = true;
-    } else if (node.is_integer()) {
-      const std::int64_t value = node.as_integer()->get();
-      result.value = static_cast<double>(value);
-      if (std::abs(result.value) > 0x1p53) {
-        fail(line(key), path_of(key), "an integer beyond 2^53; legal: " + std::string(kLegal));
-      }
-    } else if (node.is_floating_point()) {
-      result.value = node.as_floating_point()->get();
-      if (!std::isfinite(result.value)) {
-        fail(line(key), path_of(key), "is not a finite number; legal: " + std::string(kLegal));
-      }
-    } else {
-      wrong_type(key, node, kLegal);
-    }
-    if (result.value == 0) result.value = 0;  // no negative zero
-    return result;
+std::optional<std::array<std::uint8_t, 3>> read_color(const Section& s, std::string_view key) {
+  constexpr std::string_view kLegal = "\"none\", an array of three integers 0..255";
+  const toml::node& node = s.need(key, std::string(kLegal));
+  if (node.is_string() && node.as_string()->get() == "none") return std::nullopt;
+  const toml::array* array = node.as_array();
+  if (array == nullptr && !node.is_string()) s.wrong_type(key, node, kLegal);
+  std::array<std::uint8_t, 3> result{};
+  bool good = array != nullptr && array->size() == result.size();
+  for (std::size_t i = 0; good && i < result.size(); ++i) {
+    const auto* value = array->get(i)->as_integer();
+    good = value != nullptr && value->get() >= 0 && value->get() <= 255;
+    if (good) result[i] = static_cast<std::uint8_t>(value->get());
   }
-
-  std::optional<std::array<std::uint8_t, 3>> color(std::string_view key) const {
-    constexpr std::string_view kLegal = "\"none\", an array of three integers 0..255";
-    const toml::node& node = need(key, std::string(kLegal));
-    if (node.is_string() && node.as_string()->get() == "none") return std::nullopt;
-    const toml::array* array = node.as_array();
-    if (array == nullptr && !node.is_string()) wrong_type(key, node, kLegal);
-    std::array<std::uint8_t, 3> result{};
-    bool good = array != nullptr && array->size() == result.size();
-    for (std::size_t i = 0; good && i < result.size(); ++i) {
-      const auto* value = array->get(i)->as_integer();
-      good = value != nullptr && value->get() >= 0 && value->get() <= 255;
-      if (good) result[i] = static_cast<std::uint8_t>(value->get());
-    }
-    if (!good) fail(line(key), path_of(key), "is no colour; legal: " + std::string(kLegal));
-    return result;
-  }
-
-  // The node of a key, missing keys refused.
-  const toml::node& need(std::string_view key, const std::string& legal) const {
-    const toml::node* node = table_.get(key);
-    if (node == nullptr) fail(line_, path_of(key), "missing; legal: " + legal);
-    return *node;
-  }
-
-  [[noreturn]] void fail(int at, const std::string& key, const std::string& text) const {
-    throw InputError(origin_ + ":" + std::to_string(at) + ": " + one_line(key + ": " + text));
-  }
-  [[noreturn]] void wrong_type(std::string_view key, const toml::node& node, std::string_view legal) const {
-    fail(line(key), path_of(key), "is " + std::string(type_name(node)) + "; legal: " + std::string(legal));
-  }
-
-  std::string path_of(std::string_view key) const {
-    return path_.empty() ? std::string(key) : path_ + "." + std::string(key);
-  }
-  int line(std::string_view key) const {
-    const auto found = lines_.find(path_of(key));
-    return found == lines_.end() ? line_ : found->second;
-  }
-  const toml::table& table() const { return table_; }
-  const std::string& origin() const { return origin_; }
-  Lines& lines() const { return lines_; }
-
- private:
-  const toml::table& table_;
-  std::string path_;
-  int line_;
-  const std::string& origin_;
-  Lines& lines_;
-};
+  if (!good) s.fail(key, "is no colour; legal: " + std::string(kLegal));
+  return result;
+}
 
 Format read_format(const Section& s) {
   Format f;
@@ -282,13 +142,12 @@ void read_formats(const Section& root, Config& config) {
           at, path,
           "is " + std::string(type_name(*value)) + "; legal: a format, a table with " + join(kFormatFields));
     }
-    config.format(id) =
-        read_format(Section(*value->as_table(), path, at, root.origin(), root.lines(), kFormatFields));
+    config.format(id) = read_format(Section(*value->as_table(), path, at, root.origin(), kFormatFields));
   }
 }
 
-Config read_config(const toml::table& table, const std::string& origin, Lines& lines) {
-  const Section root(table, "", 1, origin, lines,
+Config read_config(const toml::table& table, const std::string& origin) {
+  const Section root(table, "", 1, origin,
                      {"raster", "perspective", "slope", "reciprocal", "start_offset", "depth", "texture",
                       "fog", "formats", "timing", "memory"});
   Config c;
@@ -321,13 +180,13 @@ Config read_config(const toml::table& table, const std::string& origin, Lines& l
 
   const Section offset = root.section(
       "start_offset", {"edge_x", "edge_h", "edge_f", "edge_shade", "span_h", "span_f", "span_shade"});
-  c.start_offset.edge_x = offset.offset("edge_x");
-  c.start_offset.edge_h = offset.offset("edge_h");
-  c.start_offset.edge_f = offset.offset("edge_f");
-  c.start_offset.edge_shade = offset.offset("edge_shade");
-  c.start_offset.span_h = offset.offset("span_h");
-  c.start_offset.span_f = offset.offset("span_f");
-  c.start_offset.span_shade = offset.offset("span_shade");
+  c.start_offset.edge_x = read_offset(offset, "edge_x");
+  c.start_offset.edge_h = read_offset(offset, "edge_h");
+  c.start_offset.edge_f = read_offset(offset, "edge_f");
+  c.start_offset.edge_shade = read_offset(offset, "edge_shade");
+  c.start_offset.span_h = read_offset(offset, "span_h");
+  c.start_offset.span_f = read_offset(offset, "span_f");
+  c.start_offset.span_shade = read_offset(offset, "span_shade");
 
   const Section depth = root.section("depth", {"bits", "code", "round", "overflow"});
   c.depth_bits = depth.integer("bits");
@@ -338,7 +197,7 @@ Config read_config(const toml::table& table, const std::string& origin, Lines& l
   const Section texture = root.section("texture", {"filter", "wrap", "transparent"});
   c.filter = texture.name<TextureFilter>("filter");
   c.wrap = texture.name<TextureWrap>("wrap");
-  c.transparent = texture.color("transparent");
+  c.transparent = read_color(texture, "transparent");
 
   const Section fog = root.section("fog", {"mode", "depth_bits", "zone_bits"});
   c.fog = fog.name<FogMode>("mode");
@@ -369,57 +228,35 @@ Config read_config(const toml::table& table, const std::string& origin, Lines& l
   return c;
 }
 
-// The line of a key, or of the nearest table around it.
-int line_near(const Lines& lines, std::string key) {
-  while (true) {
-    if (const auto found = lines.find(key); found != lines.end()) return found->second;
-    const auto dot = key.rfind('.');
-    if (dot == std::string::npos) return 1;
-    key.resize(dot);
+// The line of a key, or of the nearest table around it, which stands at `line`. A format's name has a dot in
+// it and may be one key or two.
+int line_near(const toml::table& table, std::string_view key, int line) {
+  for (std::string_view head = key;; head = head.substr(0, head.rfind('.'))) {
+    if (const auto found = table.find(head); found != table.end()) {
+      const int at = line_of(found->first.source());
+      const toml::table* inner = found->second.as_table();
+      return inner == nullptr || head == key ? at : line_near(*inner, key.substr(head.size() + 1), at);
+    }
+    if (head.find('.') == std::string_view::npos) return line;
   }
 }
 
 }  // namespace
 
 Config parse_config(std::string_view text, const std::string& origin) {
-  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
-    throw InputError(origin +
-                     ":1: the configuration is empty; legal: a TOML file, such as config/depth16.toml");
-  }
-  toml::table table;
-  try {
-    table = toml::parse(text, origin);
-  } catch (const toml::parse_error& error) {
-    throw InputError(origin + ":" + std::to_string(line_of(error.source())) +
-                     ": does not parse as TOML: " + one_line(std::string(error.description())));
-  }
-  Lines lines;
-  Config config = read_config(table, origin, lines);
+  const toml::table table =
+      parse_toml(text, origin, "the configuration is empty; legal: a TOML file, such as config/depth16.toml");
+  Config config = read_config(table, origin);
   config.name = std::filesystem::path(origin).stem().string();
   if (const auto violation = first_violation(config)) {
-    throw InputError(origin + ":" + std::to_string(line_near(lines, violation->key)) + ": " + violation->key +
-                     ": " + violation->text);
+    throw InputError(origin + ":" + std::to_string(line_near(table, violation->key, 1)) + ": " +
+                     violation->key + ": " + violation->text);
   }
   return config;
 }
 
 Config load_config(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw InputError(path + ": no such configuration file");
-  if (std::filesystem::is_directory(path, error)) {
-    throw InputError(path + ": is a directory; expected a configuration file in TOML");
-  }
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw InputError(path + ": cannot be read: " + std::strerror(errno == 0 ? EIO : errno));
-  std::string text(kMaxFileBytes + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) throw InputError(path + ": cannot be read: " + std::strerror(errno == 0 ? EIO : errno));
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() > kMaxFileBytes) {
-    throw InputError(path + ": is larger than 1 MiB; expected a configuration file in TOML");
-  }
-  return parse_config(text, path);
+  return parse_config(read_toml_file(path, "configuration file"), path);
 }
 
 }  // namespace bitspan

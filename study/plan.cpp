@@ -1,24 +1,15 @@
 #include "study/plan.hpp"
 
-#define TOML_HEADER_ONLY 1
-#define TOML_ENABLE_FORMATTERS 0
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
-#include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <initializer_list>
 #include <limits>
 #include <set>
 #include <span>
 #include <system_error>
 
-#include "config/names.hpp"
+#include "config/toml_section.hpp"
 #include "scene/tri_stream.hpp"
 #include "study/area.hpp"
 
@@ -27,183 +18,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t file_limit = std::size_t{1} << 20;
 constexpr std::size_t axis_limit = 100'000;  // values of one axis
 // A value is tried in at most so many points.
 constexpr std::size_t tries_limit = 5000;
 
 constexpr auto arrangements = std::to_array<std::string_view>({"grid", "one_at_a_time", "list"});
 constexpr auto algorithms = std::to_array<std::string_view>({"min+1", "max-1", "greedy", "annealing"});
-
-std::string join(std::span<const std::string_view> names) {
-  std::string out;
-  for (const auto name : names) out.append(out.empty() ? "" : ", ").append(name);
-  return out;
-}
-
-std::string one_line(std::string text) {
-  std::ranges::replace_if(
-      text, [](unsigned char c) { return c < 0x20; }, ' ');
-  return text;
-}
-
-int line_of(const toml::source_region& region) {
-  return region.begin.line > 0 ? static_cast<int>(region.begin.line) : 1;
-}
-
-std::string_view type_name(const toml::node& node) {
-  if (node.is_table()) return "a table";
-  if (node.is_array()) return "an array";
-  if (node.is_string()) return "a string";
-  if (node.is_integer()) return "an integer";
-  if (node.is_floating_point()) return "a float";
-  if (node.is_boolean()) return "a boolean";
-  return "a date or time";
-}
-
-// One table of the file; the constructor refuses unknown keys.
-class Section {
- public:
-  Section(const toml::table& table, std::string path, int line, const std::string& origin,
-          std::initializer_list<std::string_view> legal)
-      : table_(table), path_(std::move(path)), line_(line), origin_(origin) {
-    for (const auto& [key, node] : table_) {
-      if (std::ranges::find(legal, key.str()) != legal.end()) continue;
-      fail(line_of(key.source()), path_of(one_line(std::string(key.str()))),
-           std::string(node.is_table() ? "unknown table" : "unknown key") +
-               "; legal: " + join({legal.begin(), legal.size()}));
-    }
-  }
-
-  bool has(std::string_view key) const { return table_.contains(key); }
-
-  const toml::node& need(std::string_view key, const std::string& legal) const {
-    const toml::node* node = table_.get(key);
-    if (node == nullptr) fail(line_, path_of(key), "missing; legal: " + legal);
-    return *node;
-  }
-
-  std::string text(std::string_view key, const std::string& legal) const {
-    const toml::node& node = need(key, legal);
-    if (!node.is_string()) wrong_type(key, node, legal);
-    if (node.as_string()->get().empty()) fail(key, "is empty; legal: " + legal);
-    return node.as_string()->get();
-  }
-
-  bool boolean(std::string_view key) const {
-    const toml::node& node = need(key, "true, false");
-    if (!node.is_boolean()) wrong_type(key, node, "true, false");
-    return node.as_boolean()->get();
-  }
-
-  std::int64_t integer(std::string_view key, std::int64_t lowest, std::int64_t highest) const {
-    const std::string legal = "an integer, " + std::to_string(lowest) + ".." + std::to_string(highest);
-    const toml::node& node = need(key, legal);
-    if (!node.is_integer()) wrong_type(key, node, legal);
-    const std::int64_t value = node.as_integer()->get();
-    if (value < lowest || value > highest) fail(key, "is " + std::to_string(value) + "; legal: " + legal);
-    return value;
-  }
-
-  double real(std::string_view key) const {
-    constexpr const char* legal = "a finite number";
-    const toml::node& node = need(key, legal);
-    if (node.is_integer()) return static_cast<double>(node.as_integer()->get());
-    if (!node.is_floating_point()) wrong_type(key, node, legal);
-    const double value = node.as_floating_point()->get();
-    if (!std::isfinite(value)) fail(key, std::string("is not finite; legal: ") + legal);
-    return value;
-  }
-
-  const toml::array& array(std::string_view key, const std::string& legal) const {
-    const toml::node& node = need(key, legal);
-    if (!node.is_array()) wrong_type(key, node, legal);
-    if (node.as_array()->empty()) fail(key, "is empty; legal: " + legal);
-    return *node.as_array();
-  }
-
-  // Strings, at least one, none of them twice.
-  std::vector<std::string> texts(std::string_view key, const std::string& legal) const {
-    std::vector<std::string> out;
-    for (const toml::node& node : array(key, legal)) {
-      if (!node.is_string() || node.as_string()->get().empty()) {
-        fail(line_of(node.source()), path_of(key),
-             "has " + (node.is_string() ? std::string("an empty string") : std::string(type_name(node))) +
-                 "; legal: " + legal);
-      }
-      const std::string& name = node.as_string()->get();
-      if (std::ranges::find(out, name) != out.end()) {
-        fail(line_of(node.source()), path_of(key), "has \"" + one_line(name) + "\" twice; legal: once");
-      }
-      out.push_back(name);
-    }
-    return out;
-  }
-
-  std::size_t one_of(std::string_view key, std::span<const std::string_view> names) const {
-    const std::string name = text(key, join(names));
-    const auto found = std::ranges::find(names, name);
-    if (found == names.end()) {
-      fail(key, '"' + one_line(name) + "\" is no value of this key; legal: " + join(names));
-    }
-    return static_cast<std::size_t>(found - names.begin());
-  }
-
-  int line() const { return line_; }
-  int line(std::string_view key) const {
-    const auto found = table_.find(key);
-    return found == table_.end() ? line_ : line_of(found->first.source());
-  }
-  std::string path_of(std::string_view key) const {
-    return path_.empty() ? std::string(key) : path_ + "." + std::string(key);
-  }
-  [[noreturn]] void fail(int at, const std::string& key, const std::string& what) const {
-    throw InputError(origin_ + ":" + std::to_string(at) + ": " + key + ": " + what);
-  }
-  [[noreturn]] void fail(std::string_view key, const std::string& what) const {
-    fail(line(key), path_of(key), what);
-  }
-  [[noreturn]] void wrong_type(std::string_view key, const toml::node& node, std::string_view legal) const {
-    fail(key, "is " + std::string(type_name(node)) + "; legal: " + std::string(legal));
-  }
-
- private:
-  const toml::table& table_;
-  std::string path_;
-  int line_;
-  const std::string& origin_;
-};
-
-// The tables of [[name]], each as a section.
-std::vector<Section> sections(const toml::table& root, const std::string& name, const std::string& origin,
-                              std::initializer_list<std::string_view> legal) {
-  std::vector<Section> out;
-  const toml::node* node = root.get(name);
-  if (node == nullptr) return out;
-  const toml::array* array = node->as_array();
-  if (array == nullptr || array->empty() || !array->is_homogeneous(toml::node_type::table)) {
-    throw InputError(origin + ":" + std::to_string(line_of(root.find(name)->first.source())) + ": " + name +
-                     ": is " + std::string(type_name(*node)) + "; legal: tables headed [[" + name + "]]");
-  }
-  for (const toml::node& item : *array) {
-    out.emplace_back(*item.as_table(), name + "[" + std::to_string(out.size() + 1) + "]",
-                     line_of(item.source()), origin, legal);
-  }
-  return out;
-}
-
-std::optional<Section> section(const toml::table& root, const std::string& name, const std::string& origin,
-                               std::initializer_list<std::string_view> legal) {
-  const toml::node* node = root.get(name);
-  if (node == nullptr) return std::nullopt;
-  const int line = line_of(root.find(name)->first.source());
-  if (!node->is_table()) {
-    throw InputError(origin + ":" + std::to_string(line) + ": " + name + ": is " +
-                     std::string(type_name(*node)) + "; legal: a table with the keys " +
-                     join({legal.begin(), legal.size()}));
-  }
-  return Section(*node->as_table(), name, line, origin, legal);
-}
 
 // What is wrong with the spelling of a metric, as far as that can be known before a point is measured.
 std::optional<std::string> metric_violation(const std::string& name) {
@@ -242,7 +62,7 @@ std::optional<std::string> metric_violation(const std::string& name) {
 
 void check_metric(const Section& s, std::string_view key, const std::string& name) {
   if (const auto wrong = metric_violation(name)) {
-    s.fail(key, '"' + one_line(name) + "\" is no metric; " + *wrong);
+    s.fail(key, '"' + name + "\" is no metric; " + *wrong);
   }
 }
 
@@ -312,7 +132,7 @@ Axis read_axis(const Section& s, const Config& base) {
     try {
       static_cast<void>(value_of_key(base, key));
     } catch (const InputError& error) {
-      s.fail("keys", one_line(error.what()));
+      s.fail("keys", error.what());
     }
   }
   const bool counted = s.has("from") || s.has("to") || s.has("step");
@@ -353,8 +173,8 @@ std::optional<std::string> s_ratio_violation(const KeyValue& value) {
   const auto* real = std::get_if<double>(&value);
   const double ratio = integer != nullptr ? static_cast<double>(*integer) : real != nullptr ? *real : 0;
   if (ratio > 1 && ratio <= s_ratio_limit) return std::nullopt;  // a NaN fails
-  return std::string(s_ratio_key) + ": is " + one_line(to_string(value)) +
-         "; legal: a number above 1, up to " + to_string(KeyValue(s_ratio_limit));
+  return std::string(s_ratio_key) + ": is " + to_string(value) + "; legal: a number above 1, up to " +
+         to_string(KeyValue(s_ratio_limit));
 }
 
 // Why the settings have no legal configuration; none where they have one.
@@ -367,7 +187,7 @@ std::optional<std::string> violation(const Config& base, std::vector<KeySetting>
   try {
     static_cast<void>(with_keys(base, settings));
   } catch (const InputError& error) {
-    return one_line(error.what());
+    return error.what();
   }
   return std::nullopt;
 }
@@ -455,7 +275,7 @@ void read_size(const Section& study, StudyPlan& plan) {
   }
   if (!good || plan.width < 1 || plan.height < 1 || plan.width > picture_size_limit ||
       plan.height > picture_size_limit || static_cast<long>(plan.width) * plan.height > picture_area_limit) {
-    study.fail("size", "is \"" + one_line(size) + "\"; legal: " + legal);
+    study.fail("size", "is \"" + size + "\"; legal: " + legal);
   }
 }
 
@@ -476,7 +296,7 @@ void read_scenes(const Section& study, const std::string& path, StudyPlan& plan)
     std::string scene = embedded ? name : file_beside(path, name);
     std::error_code ignored;
     if (!embedded && !fs::exists(scene, ignored)) {
-      study.fail("scenes", one_line(scene) + ": no such file; legal: " + legal);
+      study.fail("scenes", scene + ": no such file; legal: " + legal);
     }
     plan.scenes.push_back(std::move(scene));
   }
@@ -487,14 +307,14 @@ void read_study(const Section& study, const std::string& path, const ConfigFinde
   if (plan.name.size() > 100 || !std::ranges::all_of(plan.name, [](unsigned char c) {
         return std::isalnum(c) != 0 || c == '-' || c == '_';
       })) {
-    study.fail("name", "is \"" + one_line(plan.name) + "\"; legal: a word of letters, digits, - and _");
+    study.fail("name", "is \"" + plan.name + "\"; legal: a word of letters, digits, - and _");
   }
   const std::string base =
       study.text("base", "the name of a shipped configuration, or a file beside the study");
   try {
     plan.base = base.ends_with(".toml") ? load_config(file_beside(path, base)) : find(base);
   } catch (const InputError& error) {
-    study.fail("base", one_line(error.what()));
+    study.fail("base", error.what());
   }
   if (study.has("scenes")) read_scenes(study, path, plan);
   if (study.has("size")) read_size(study, plan);
@@ -568,7 +388,7 @@ AreaPlan read_area(const Section& s) {
   area.families = s.texts("families", legal);
   for (const std::string& family : area.families) {
     if (std::ranges::find(family_names, family) == family_names.end()) {
-      s.fail("families", '"' + one_line(family) + "\" is no family; legal: " + join(family_names));
+      s.fail("families", '"' + family + "\" is no family; legal: " + join(family_names));
     }
   }
   if (s.has("place")) area.place = s.boolean("place");
@@ -578,64 +398,44 @@ AreaPlan read_area(const Section& s) {
 }  // namespace
 
 StudyPlan parse_study(std::string_view text, const std::string& path, const ConfigFinder& find) {
-  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
-    throw InputError(path + ":1: the study is empty; legal: a TOML file with a table [study]");
-  }
-  toml::table table;
-  try {
-    table = toml::parse(text, path);
-  } catch (const toml::parse_error& error) {
-    throw InputError(path + ":" + std::to_string(line_of(error.source())) +
-                     ": does not parse as TOML: " + one_line(std::string(error.description())));
-  }
+  const toml::table table =
+      parse_toml(text, path, "the study is empty; legal: a TOML file with a table [study]");
   const Section root(table, "", 1, path, {"study", "vary", "constraint", "search", "area", "report"});
   StudyPlan plan;
   plan.text = text;
-  const auto study =
-      section(table, "study", path, {"name", "base", "scenes", "size", "arrangement", "metrics"});
-  if (!study) root.fail(1, "study", "missing; legal: a table with name and base");
-  read_study(*study, path, find, plan);
+  if (!root.has("study")) root.fail(1, "study", "missing; legal: a table with name and base");
+  const Section study = root.section("study", {"name", "base", "scenes", "size", "arrangement", "metrics"});
+  read_study(study, path, find, plan);
 
-  const auto vary = sections(table, "vary", path, {"keys", "values", "from", "to", "step"});
+  const auto vary = root.sections("vary", {"keys", "values", "from", "to", "step"});
   if (vary.empty()) root.fail(1, "vary", "missing: nothing varies; legal: one [[vary]] or more");
   for (const Section& s : vary) plan.axes.push_back(read_axis(s, plan.base));
   check_disjoint(vary, plan.axes);
-  for (const Section& s : sections(table, "constraint", path, {"metric", "at_most", "at_least"})) {
+  for (const Section& s : root.sections("constraint", {"metric", "at_most", "at_least"})) {
     plan.constraints.push_back(read_constraint(s));
   }
-  if (const auto s =
-          section(table, "search", path, {"algorithm", "cost", "evaluations", "seconds", "seed"})) {
-    plan.search = read_search(*s, vary, plan);
-    if (study->has("arrangement")) {
-      study->fail("arrangement", "is given, and a search goes its own way; legal: leave it out");
+  if (root.has("search")) {
+    plan.search = read_search(root.section("search", {"algorithm", "cost", "evaluations", "seconds", "seed"}),
+                              vary, plan);
+    if (study.has("arrangement")) {
+      study.fail("arrangement", "is given, and a search goes its own way; legal: leave it out");
     }
     check_search_values(vary, plan);
   } else {
-    check_points(*study, vary, plan);
+    check_points(study, vary, plan);
     check_values(vary, plan);
   }
-  if (const auto s = section(table, "area", path, {"families", "place"})) plan.area = read_area(*s);
-  if (const auto s = section(table, "report", path, {"budget", "bounds"})) {
-    plan.budget = s->has("budget") && s->boolean("budget");
-    plan.bounds = s->has("bounds") && s->boolean("bounds");
+  if (root.has("area")) plan.area = read_area(root.section("area", {"families", "place"}));
+  if (root.has("report")) {
+    const Section report = root.section("report", {"budget", "bounds"});
+    plan.budget = report.has("budget") && report.boolean("budget");
+    plan.bounds = report.has("bounds") && report.boolean("bounds");
   }
   return plan;
 }
 
 StudyPlan load_study(const std::string& path, const ConfigFinder& find) {
-  std::error_code error;
-  if (!fs::exists(path, error)) throw InputError(path + ": no such study");
-  if (fs::is_directory(path, error)) throw InputError(path + ": is a directory; expected a study in TOML");
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  std::string text(file_limit + 1, '\0');
-  if (file) file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!file.is_open() || file.bad()) {
-    throw InputError(path + ": cannot be read: " + std::strerror(errno == 0 ? EIO : errno));
-  }
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() > file_limit) throw InputError(path + ": is larger than 1 MiB; expected a study in TOML");
-  return parse_study(text, path, find);
+  return parse_study(read_toml_file(path, "study"), path, find);
 }
 
 std::vector<std::vector<KeySetting>> points_of(const StudyPlan& plan) {
