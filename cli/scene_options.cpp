@@ -73,7 +73,7 @@ void refuse_size(const std::string& name, const Scene& scene, const SceneOptions
   if (o.size.empty()) {
     return;
   }
-  const Size size = parse_size(o.size);
+  const Size size = picture_size(o.size);
   if (size.width != scene.width || size.height != scene.height) {
     throw InputError(
         fmt::format("{}: --size {}: this scene's coordinates are pixels of {}x{}; leave --size out", name,
@@ -83,11 +83,9 @@ void refuse_size(const std::string& name, const Scene& scene, const SceneOptions
 
 Scene load_mesh(const std::string& name, const SceneOptions& o) {
   MeshOptions options;
-  if (!o.size.empty()) {
-    const Size size = parse_size(o.size);
-    options.width = size.width;
-    options.height = size.height;
-  }
+  const Size size = picture_size(o.size);
+  options.width = size.width;
+  options.height = size.height;
   Camera& camera = options.camera;
   camera.yaw_degrees = o.yaw.value_or(camera.yaw_degrees);
   camera.pitch_degrees = o.pitch.value_or(camera.pitch_degrees);
@@ -138,30 +136,25 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
   command.add_flag("--no-cull", o.no_cull, "mesh: draw faces seen from behind too")->group(group);
 }
 
-Size parse_size(const std::string& text) {
-  Size size;
-  const char* const end = text.data() + text.size();
-  const auto first = std::from_chars(text.data(), end, size.width);
-  bool good = first.ec == std::errc{} && first.ptr != end && *first.ptr == 'x';
-  if (good) {
-    const auto second = std::from_chars(first.ptr + 1, end, size.height);
-    good = second.ec == std::errc{} && second.ptr == end;
+Size picture_size(const std::string& text) {
+  if (text.empty()) {
+    return {};
   }
-  if (!good) {
+  const std::optional<Size> size = parse_size(text);
+  if (!size) {
     throw InputError(fmt::format("--size: '{}' is no size; expected WIDTHxHEIGHT, such as 640x480", text));
   }
-  if (size.width < 1 || size.height < 1 || size.width > picture_size_limit ||
-      size.height > picture_size_limit || static_cast<long>(size.width) * size.height > picture_area_limit) {
+  if (!is_legal(*size)) {
     throw InputError(fmt::format("--size: {} is out of range; expected 1..{} each way and at most {} pixels",
                                  text, picture_size_limit, picture_area_limit));
   }
-  return size;
+  return *size;
 }
 
 std::vector<Scene> load_scenes(const std::string& name, const SceneOptions& options) {
   if (name == "demo") {
     refuse_camera(name, options);
-    const Size size = options.size.empty() ? Size{} : parse_size(options.size);
+    const Size size = picture_size(options.size);
     std::vector<Scene> out;
     out.push_back(demo_scene(size.width, size.height));
     return out;

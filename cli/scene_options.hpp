@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/picture_size.hpp"
 #include "scene/scene.hpp"
 
 namespace CLI {
@@ -24,12 +25,9 @@ struct SceneOptions {
 
 void add_scene_options(CLI::App& command, SceneOptions& options);
 
-struct Size {
-  int width = 640;
-  int height = 480;
-};
-// "640x480"; throws InputError where it is none or beyond what a stream may have.
-Size parse_size(const std::string& text);
+// What --size says, 640x480 where it is empty; throws InputError where it is no size or beyond what a stream
+// may have.
+Size picture_size(const std::string& text);
 
 // The scenes that a name stands for: `demo`; `extreme`, which is several, or one of them as `extreme/NAME`; a
 // triangle stream (.tri, or - for standard input); or else a mesh. A stream's coordinates are pixels, so its

@@ -246,7 +246,7 @@ std::string result_text(const PointResult& result) {
 
 int measure_point(const Options& o) {
   const Config config = find_config(o.point);
-  const Size size = o.size.empty() ? Size{} : parse_size(o.size);
+  const Size size = picture_size(o.size);
   const std::vector<Scene> scenes = scenes_of(o.inputs, size.width, size.height);
   const auto start = std::chrono::steady_clock::now();
   const PointResult result = make_meter(scenes)(config);

@@ -6,13 +6,12 @@
 #include <string>
 #include <string_view>
 
+#include "scene/picture_size.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan {
 
-inline constexpr int picture_size_limit = 32768;      // width or height, pixels
-inline constexpr long picture_area_limit = 1L << 26;  // width * height, pixels
-inline constexpr double coordinate_limit = 32767;     // |x|, |y| of a vertex, pixels
+inline constexpr double coordinate_limit = 32767;  // |x|, |y| of a vertex, pixels
 
 // Reads a stream a line at a time; memory is bounded by the longest line (1 MiB at most) and the textures.
 // Every failure is an InputError "file:line: key: what; expected ...".

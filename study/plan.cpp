@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <filesystem>
 #include <limits>
 #include <set>
@@ -10,7 +9,7 @@
 #include <system_error>
 
 #include "config/toml_section.hpp"
-#include "scene/tri_stream.hpp"
+#include "scene/picture_size.hpp"
 #include "study/area.hpp"
 
 namespace bitspan {
@@ -260,23 +259,15 @@ void check_points(const Section& study, const std::vector<Section>& all, const S
   }
 }
 
-// "640x480"
 void read_size(const Section& study, StudyPlan& plan) {
   const std::string legal = "\"WIDTHxHEIGHT\", such as \"640x480\", 1.." +
                             std::to_string(picture_size_limit) + " each way and at most " +
                             std::to_string(picture_area_limit) + " pixels";
-  const std::string size = study.text("size", legal);
-  const char* const end = size.data() + size.size();
-  const auto first = std::from_chars(size.data(), end, plan.width);
-  bool good = first.ec == std::errc{} && first.ptr != end && *first.ptr == 'x';
-  if (good) {
-    const auto second = std::from_chars(first.ptr + 1, end, plan.height);
-    good = second.ec == std::errc{} && second.ptr == end;
-  }
-  if (!good || plan.width < 1 || plan.height < 1 || plan.width > picture_size_limit ||
-      plan.height > picture_size_limit || static_cast<long>(plan.width) * plan.height > picture_area_limit) {
-    study.fail("size", "is \"" + size + "\"; legal: " + legal);
-  }
+  const std::string text = study.text("size", legal);
+  const std::optional<Size> size = parse_size(text);
+  if (!size || !is_legal(*size)) study.fail("size", "is \"" + text + "\"; legal: " + legal);
+  plan.width = size->width;
+  plan.height = size->height;
 }
 
 // Files stand beside the study, wherever the program is started.

@@ -90,10 +90,14 @@ TEST_F(Cli, BadScenesAreRefused) {
 TEST_F(Cli, BadOptionsAreRefused) {
   stream("a.tri");
   refused("render a.tri -o a.png --size 10x10", "32x24");
-  refused("render demo -o a.png --size 0x10", "--size");
-  refused("render demo -o a.png --size 10", "--size");
-  refused("render demo -o a.png --size 10x10x10", "--size");
-  refused("render demo -o a.png --size 99999x99999", "--size");
+  for (const std::string size : {"10", "10x10x10"}) {
+    refused("render demo -o a.png --size " + size,
+            "--size: '" + size + "' is no size; expected WIDTHxHEIGHT, such as 640x480");
+  }
+  for (const std::string size : {"0x10", "99999x99999", "30000x30000"}) {
+    refused("render demo -o a.png --size " + size,
+            "--size: " + size + " is out of range; expected 1..32768 each way and at most 67108864 pixels");
+  }
   refused("render a.tri -o a.png --yaw 3", "--yaw");
   refused("render a.tri -o a.png --engine warp", "warp");
   refused("verify a.tri --engines golden,golden", "twice");

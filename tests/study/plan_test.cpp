@@ -136,7 +136,8 @@ TEST(Plan, BadStudyTablesAreRefused) {
   refused(head + "scenes = [\"demo\", \"demo\"]\n" + vary, "\"demo\" twice");
   refused(head + "scenes = [\"-\"]\n" + vary, "standard input");
   refused(head + "scenes = [\"none.tri\"]\n" + vary, "none.tri: no such file");
-  for (const char* size : {"640", "640x", "x480", "0x10", "640x480x2", "-1x5", "99999x1", "640 x 480"}) {
+  for (const char* size :
+       {"640", "640x", "x480", "0x10", "640x480x2", "-1x5", "99999x1", "30000x30000", "640 x 480"}) {
     refused(head + "size = \"" + size + "\"\n" + vary, std::string("study.size: is \"") + size);
   }
   refused(head + "arrangement = \"cube\"\n" + vary, "legal: grid, one_at_a_time, list");
