@@ -31,6 +31,24 @@ class Study : public Program {
   Result refused(const std::string& arguments, const std::string& part) const {
     return Program::refused("study " + arguments, part);
   }
+  // Ctrl-C as soon as three points are in s.db.
+  Result interrupted(const std::string& arguments) const {
+    const pid_t child = fork();
+    if (child < 0) return {};
+    if (child == 0) {
+      signal(SIGINT, SIG_DFL);  // whatever started the test
+      const std::string text = command(arguments);
+      execl("/bin/sh", "sh", "-c", text.c_str(), nullptr);
+      _exit(127);
+    }
+    for (int i = 0; i < 600 && number("s.db", "SELECT count(*) FROM points") < 3; ++i)
+      std::this_thread::sleep_for(50ms);
+    kill(child, SIGINT);
+    int status = 0;
+    waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), folder.read(".out"),
+            folder.read(".err")};
+  }
   bool exists(const std::string& name) const { return std::filesystem::exists(folder.path(name)); }
 
   static std::string study(const std::string& words, const std::string& rest = "",
@@ -115,10 +133,10 @@ std::string search_study(const std::string& limits) {
 }
 
 TEST_F(Study, ASearchExportsItsEvaluations) {
-  write("s.toml", search_study("algorithm = \"greedy\"\nevaluations = 30\n"));
+  folder.write("s.toml", search_study("algorithm = \"greedy\"\nevaluations = 30\n"));
   const Result first = run("s.toml --csv out.csv");
   EXPECT_EQ(first.code, 0) << first.out << first.err;
-  const std::string csv = read("out.csv");
+  const std::string csv = folder.read("out.csv");
   EXPECT_TRUE(
       csv.starts_with("i,formats.span.h.fraction,formats.span.uv.fraction,formats.edge.h.fraction,"
                       "formats.edge.uv.fraction,status,holds,"))
@@ -127,7 +145,7 @@ TEST_F(Study, ASearchExportsItsEvaluations) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 31);
   const Result again = run("s.toml --csv again.csv --db s.db");
   EXPECT_EQ(again.code, 0) << again.err;
-  EXPECT_EQ(read("again.csv"), csv);
+  EXPECT_EQ(folder.read("again.csv"), csv);
 }
 
 TEST_F(Study, ExitsByItsConstraints) {
@@ -143,7 +161,7 @@ TEST_F(Study, ExitsByItsConstraints) {
   EXPECT_NE(none.out.find("nothing to recommend: no point holds all constraints\n"), std::string::npos)
       << none.out;
   // Who asks for areas and gets none is told why.
-  write("s.toml", study("[30, 34]", "[area]\nfamilies = [\"ecp5\"]\n"));
+  folder.write("s.toml", study("[30, 34]", "[area]\nfamilies = [\"ecp5\"]\n"));
   const Result level = run("s.toml");
   EXPECT_EQ(level.code, 0) << level.err;
   EXPECT_NE(level.out.find("nothing to recommend: there is no constraint, and span.u.max against "
@@ -242,27 +260,13 @@ TEST_F(Study, InterruptStopsAndTheSameCommandGoesOn) {
                "[study]\nname = \"s\"\nbase = \"depth16\"\nscenes = [\"a.tri\"]\n"
                "[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 25\nto = 44\n"
                "[[vary]]\nkeys = [\"formats.span.uv.word\"]\nfrom = 20\nto = 39\n");
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    signal(SIGINT, SIG_DFL);  // whatever started the test
-    const std::string text = command("s.toml --threads 1");
-    execl("/bin/sh", "sh", "-c", text.c_str(), nullptr);
-    _exit(127);
-  }
-  for (int i = 0; i < 600 && number("s.db", "SELECT count(*) FROM points") < 3; ++i)
-    std::this_thread::sleep_for(50ms);
-  kill(child, SIGINT);
-  int status = 0;
-  waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 130) << folder.read(".out") << folder.read(".err");
+  const Result stopped = interrupted("s.toml --threads 1");
+  EXPECT_EQ(stopped.code, 130) << stopped.out << stopped.err;
   const std::int64_t kept = number("s.db", "SELECT count(*) FROM points");
   EXPECT_GE(kept, 3);
   EXPECT_LT(kept, 400);
-  const std::string told = folder.read(".out");
-  EXPECT_NE(told.find("stopped: "), std::string::npos) << told;
-  EXPECT_NE(told.find(" of 400 points are in s.db; go on with: bitspan study s.toml --db s.db"),
+  EXPECT_NE(stopped.out.find("stopped: " + std::to_string(kept) +
+                             " of 400 points are in s.db; go on with: bitspan study s.toml --db s.db\n"),
             std::string::npos)
       << stopped.out;
   const Result limited = run("s.toml --points 5");
@@ -272,10 +276,10 @@ TEST_F(Study, InterruptStopsAndTheSameCommandGoesOn) {
 }
 
 TEST_F(Study, AnInterruptedSearchExportsWhatIsThere) {
-  write("s.toml", search_study("algorithm = \"annealing\"\nevaluations = 100000\n"));
+  folder.write("s.toml", search_study("algorithm = \"annealing\"\nevaluations = 100000\n"));
   const Result stopped = interrupted("s.toml --threads 1 --csv out.csv");
   EXPECT_EQ(stopped.code, 130) << stopped.out << stopped.err;
-  const std::string csv = read("out.csv");
+  const std::string csv = folder.read("out.csv");
   EXPECT_NE(csv.find("\r\n0,18,18,18,18,ok,1,"), std::string::npos) << csv.substr(0, 300);
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'),
             1 + number("s.db", "SELECT count(*) FROM study_points"));

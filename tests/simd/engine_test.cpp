@@ -126,7 +126,7 @@ TEST(Forms, RandomConfigurations) {
 
 TEST(Forms, SplitsOfTheFogTable) {
   std::uint64_t seed = 300;
-  for (const Config& base : shipped_bases()) {
+  for (const Config& base : shipped_configs()) {
     for (const auto& [depth_bits, zone_bits] : {std::pair(7, 3), {8, 2}, {5, 5}, {12, 0}, {1, 8}}) {
       Config c = base;
       c.fog_depth_bits = depth_bits;

@@ -12,7 +12,6 @@
 #include "tests/study/area_support.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
-#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
@@ -26,27 +25,7 @@ std::string program(const TemporaryFolder& folder, const std::string& name, cons
   return path;
 }
 
-// Constant-depth rows with as few bits as make a small netlist: nothing that anybody would draw with.
-Config tiny_config() {
-  return with_keys(shipped_config("narrow"), {{"perspective.mode", std::string("const_depth_rows")},
-                                              {"raster.coordinate_bits", std::int64_t{8}},
-                                              {"formats.setup.b.word", std::int64_t{6}},
-                                              {"formats.setup.b.int", std::int64_t{6}},
-                                              {"formats.span.h.word", std::int64_t{6}},
-                                              {"formats.span.h.int", std::int64_t{6}},
-                                              {"formats.span.f.word", std::int64_t{8}},
-                                              {"formats.span.f.int", std::int64_t{8}},
-                                              {"formats.span.f_step.word", std::int64_t{8}},
-                                              {"formats.span.f_step.int", std::int64_t{8}},
-                                              {"formats.span.uv_step.word", std::int64_t{8}},
-                                              {"formats.span.uv_step.int", std::int64_t{7}},
-                                              {"formats.span.uv_acc.word", std::int64_t{8}},
-                                              {"formats.span.uv_acc.int", std::int64_t{7}},
-                                              {"formats.span.uv.word", std::int64_t{7}},
-                                              {"formats.span.uv.int", std::int64_t{7}},
-                                              {"formats.plane.k.word", std::int64_t{6}},
-                                              {"reciprocal.row.output.word", std::int64_t{4}}});
-}
+bool starts(const std::string& command) { return std::system((command + " >/dev/null 2>&1").c_str()) == 0; }
 
 TEST(Area, ReadsTheStatisticsOfYosys) {
   // As `stat -json` of 0.23 writes it, with what else may stand around it.
@@ -194,13 +173,12 @@ TEST(Area, NamesAMissingTool) {
   {
     const Environment path("PATH", "/nonexistent");
     EXPECT_EQ(input_error([] { measure_area(tiny_config(), Family::ecp5, false); }),
-              "yosys: does not start; areas need it on PATH");
+              "yosys: does not start; areas need it on PATH; ./dev setup installs it");
   }
   const Environment nextpnr("BITSPAN_NEXTPNR_ECP5", "/nonexistent/nextpnr");
   EXPECT_EQ(input_error([] { measure_area(tiny_config(), Family::ecp5, true); }),
-            "/nonexistent/nextpnr: does not start; placing in ecp5 needs it on PATH, or "
-            "$BITSPAN_NEXTPNR_ECP5 to name "
-            "it");
+            "no clock in ecp5: cannot start /nonexistent/nextpnr; ./dev setup installs it for ./dev run, "
+            "$BITSPAN_NEXTPNR_ECP5 names another");
 }
 
 TEST(Area, SaysWhereNothingCanBeWritten) {

@@ -95,7 +95,7 @@ TEST(Point, TheIdealPictureIsDrawnOnce) {
            frame.triangle == expected.triangle;
   };
   auto meter = std::make_unique<PointMeter>(scenes);
-  Config config = shipped("depth16");
+  Config config = shipped_config("depth16");
   EXPECT_TRUE(same(*meter->ideal(config, 1), config, 1));  // nothing is measured yet
   meter->measure(config, false);
   const auto kept = meter->ideal(config, 1);
@@ -103,7 +103,7 @@ TEST(Point, TheIdealPictureIsDrawnOnce) {
   EXPECT_TRUE(same(*meter->ideal(config, 0), config, 0));
   config.format(FormatId::span_uv).word += 6;  // has the same truth
   EXPECT_EQ(meter->ideal(config, 1), kept);
-  const Config other = shipped("depth20");
+  const Config other = shipped_config("depth20");
   EXPECT_TRUE(same(*meter->ideal(other, 1), other, 1));
   meter.reset();
   EXPECT_TRUE(same(*kept, config, 1));
