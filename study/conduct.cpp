@@ -347,6 +347,9 @@ std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store)
   }
   const std::string error = error_metric(plan);
   // A configuration on scenes of several depth ranges holds where it does on all, and errs as on the worst.
+  const bool ranges = std::ranges::any_of(plan.axes, [](const Axis& axis) {
+    return std::ranges::find(axis.keys, s_ratio_key) != axis.keys.end();
+  });
   struct Group {
     std::string hash;
     double cost = 0, error = 0;
@@ -380,7 +383,8 @@ std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store)
     const auto cheapest = std::min_element(places.begin(), places.end());
     out.push_back(
         {hashes[static_cast<std::size_t>(cheapest - places.begin())],
-         fmt::format("the cheapest that holds all constraints: {} = {:.6g}", cost, cheapest->first)});
+         fmt::format("the cheapest that holds all constraints{}: {} = {:.6g}",
+                     ranges ? fmt::format(" at every {}", s_ratio_key) : "", cost, cheapest->first)});
   }
   if (const auto at = knee(places); at && (out.empty() || hashes[*at] != out[0].hash)) {
     out.push_back({hashes[*at], fmt::format("knee of {} against {}: {:.4g} at {:.6g}", error, cost,

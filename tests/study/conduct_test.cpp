@@ -239,6 +239,32 @@ TEST(Conduct, ASweepRecommendsTheCheapestThatHoldsAndTheKnee) {
   EXPECT_NE(recommended[0].reason.find("cheapest"), std::string::npos);
 }
 
+TEST(Conduct, WhatIsRecommendedHoldsAtEveryDepthRange) {
+  std::string text = search_text.substr(0, search_text.find("[search]"));
+  text += "[[vary]]\nkeys = [\"scene.s_ratio\"]\nvalues = [80, 20, 40]\n";
+  Bench b(text);
+  PointRunner runner(
+      b.plan.base, {demo_scene(64, 48)},
+      [](const std::vector<Scene>& scenes) -> Measure {
+        return [measure = fake_meter()(scenes), ratio = scenes[0].s_max / scenes[0].s_min](const Config& c) {
+          PointResult r = measure(c);
+          r.metrics["span.u.p999"] *= ratio / 20;  // 22 bits hold at 20 alone
+          return r;
+        };
+      },
+      b.store, "test");
+  run_sweep(b.plan, runner, b.store, {});
+  const auto recommended = recommendations(b.plan, b.store);
+  ASSERT_GE(recommended.size(), 1U);
+  EXPECT_EQ(parse_config(b.store.point(recommended[0].hash)->config, "").format(FormatId::span_h).word, 24);
+  EXPECT_EQ(recommended[0].reason,
+            "the cheapest that holds all constraints at every scene.s_ratio: cost.register_bits = 24");
+  // Of its three points the one that errs most.
+  const auto settings =
+      b.store.rows("SELECT settings FROM study_points WHERE hash = ?", {recommended[0].hash});
+  EXPECT_NE(text_of(settings.at(0).at(0)).find("80"), std::string::npos) << text_of(settings.at(0).at(0));
+}
+
 TEST(Conduct, TheKneeIsTheBendOfTheFront) {
   // The last two are dominated; the third bends most.
   const std::vector<std::pair<double, double>> points{{1, 1},      {2, 0.5}, {2.2, 0.01}, {8, 0.008},
