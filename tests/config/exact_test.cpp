@@ -106,7 +106,7 @@ TEST(Exact, QuotientsAreScaledToTheLastKeptPlace) {
 }
 
 TEST(Exact, ListsTheStagesOfTheMode) {
-  for (const Perspective mode : kPerspectives) {
+  for (const Perspective mode : all_perspectives) {
     Config c = shipped_config("depth16");
     c.perspective = mode;
     std::set<std::string> stages;

@@ -72,7 +72,7 @@ TEST(Format, RecordFieldsDecodeOnTheirFormats) {
   EXPECT_EQ(phase->fraction(), c.format(FormatId::plane_k).fraction());
   EXPECT_EQ(phase->integer, 0);
   EXPECT_FALSE(phase->is_signed);
-  for (const Perspective mode : kPerspectives) {
+  for (const Perspective mode : all_perspectives) {
     c.perspective = mode;
     const bool linear = mode == Perspective::affine || mode == Perspective::const_depth_rows;
     EXPECT_EQ(format_of(field<SpanRecord>("fu"), c),

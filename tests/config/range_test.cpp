@@ -64,7 +64,7 @@ std::set<F> fields_of(Perspective mode, EdgeWalk walk) {
 TEST(Range, TheBitsNamedAreTheFewestThatPass) {
   std::mt19937_64 random(3);
   int narrowed = 0;
-  for (const Perspective mode : kPerspectives) {
+  for (const Perspective mode : all_perspectives) {
     for (const EdgeWalk walk : {EdgeWalk::exact, EdgeWalk::dda}) {
       const std::set<F> used = fields_of(mode, walk);
       for (int i = 0; i < format_count; ++i) {
@@ -345,7 +345,7 @@ TEST(Range, ShippedConfigurationsTakeUsualScenes) {
   for (const std::string& name : shipped_names) {
     const Config file = shipped_config(name);
     for (const double ratio : {1.25, 2.0, 10.0, 1000.0, 20000.0, 100000.0}) {
-      for (const Perspective mode : kPerspectives) {
+      for (const Perspective mode : all_perspectives) {
         for (const DepthCode code : {DepthCode::inverse, DepthCode::linear, DepthCode::opengl}) {
           Config c = file;
           c.perspective = mode;

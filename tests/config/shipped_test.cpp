@@ -16,7 +16,7 @@ TEST(Shipped, EachIsLegalWithAnyModeChangedByItsKey) {
   int checked = 0;
   for (const std::string& name : shipped_names) {
     const Config file = shipped_config(name);
-    for (const Perspective mode : kPerspectives) {
+    for (const Perspective mode : all_perspectives) {
       for (const EdgeWalk walk : {EdgeWalk::exact, EdgeWalk::dda}) {
         for (const SlopeForm form : {SlopeForm::divide, SlopeForm::reciprocal}) {
           for (const DepthCode code : {DepthCode::inverse, DepthCode::linear, DepthCode::opengl}) {

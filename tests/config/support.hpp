@@ -12,9 +12,6 @@
 
 namespace bitspan {
 
-inline constexpr Perspective kPerspectives[] = {Perspective::delta_f, Perspective::const_depth_rows,
-                                                Perspective::hyperbolic, Perspective::affine};
-
 std::vector<std::string> lines_of(const std::string& text);
 std::string text_of(const std::vector<std::string>& lines);
 

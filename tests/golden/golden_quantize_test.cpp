@@ -3,6 +3,7 @@
 
 #include "golden/quantize.hpp"
 #include "tests/golden/golden_support.hpp"
+#include "tests/numeric/modes.hpp"
 
 namespace bitspan::test {
 namespace {
@@ -20,18 +21,6 @@ template <class Real>
 class QuantizeTest : public testing::Test {};
 using Reals = testing::Types<double, long double, Quad, Checked<double>, Checked<long double>, Checked<Quad>>;
 TYPED_TEST_SUITE(QuantizeTest, Reals);
-
-template <class Action>
-void for_all_modes(Format f, const Action& action) {
-  for (int rounding = 0; rounding < rounding_modes; ++rounding) {
-    for (int overflow = 0; overflow < overflow_modes; ++overflow) {
-      f.rounding = static_cast<Rounding>(rounding);
-      f.overflow = static_cast<Overflow>(overflow);
-      if (f.overflow == Overflow::wrap_sm && !f.is_signed) continue;
-      action(f);
-    }
-  }
-}
 
 std::string describe(const Format& f) {
   return (f.is_signed ? "signed " : "unsigned ") + std::to_string(f.word) + "." + std::to_string(f.integer) +
@@ -65,7 +54,7 @@ TYPED_TEST(QuantizeTest, ExhaustiveAtSmallWidths) {
   for (const bool is_signed : {false, true}) {
     for (int word = is_signed ? 2 : 1; word <= 5; ++word) {
       for (const int integer : {-2, 0, word, word + 2}) {
-        for_all_modes({word, integer, is_signed}, [&](const Format& f) {
+        for_all_modes(word, integer, is_signed, [&](const Format& f) {
           const Quantizer<TypeParam> q(f);
           const int e = -f.fraction() - 2;
           for (int n = -(16 << word); n <= 16 << word; ++n) {
@@ -84,9 +73,9 @@ TYPED_TEST(QuantizeTest, RandomValuesSumsProductsAndQuotients) {
   int compared = 0;
   for (int round = 0; round < 120; ++round) {
     const bool is_signed = draw.flip();
-    Format base{static_cast<int>(draw.integer(2, std::min(bits - 2, 62))), 0, is_signed};
-    base.integer = static_cast<int>(draw.integer(-4, base.word + 4));
-    for_all_modes(base, [&](const Format& f) {
+    const int word = static_cast<int>(draw.integer(2, std::min(bits - 2, 62)));
+    const int integer = static_cast<int>(draw.integer(-4, word + 4));
+    for_all_modes(word, integer, is_signed, [&](const Format& f) {
       const Quantizer<TypeParam> q(f);
       const auto expect = [&](TypeParam got, const Rational& x, const char* what) {
         ++compared;
@@ -134,7 +123,7 @@ TYPED_TEST(QuantizeTest, QuotientsAtTheBoundary) {
   for (int round = 0; round < 400; ++round) {
     const std::int64_t d = draw.integer(1, 1 << 20);
     const std::int64_t q2 = draw.integer(-(1 << 20), 1 << 20);  // twice the quotient
-    for_all_modes({24, 24, true}, [&](const Format& f) {
+    for_all_modes(24, 24, true, [&](const Format& f) {
       const Quantizer<TypeParam> q(f);
       for (const int beside : {-1, 0, 1}) {
         const std::int64_t n = q2 * d + beside;  // over 2 d

@@ -36,12 +36,9 @@ Scene random_scene_of(int triangles, std::uint64_t seed) {
   return s;
 }
 
-constexpr std::array all_modes{Perspective::delta_f, Perspective::const_depth_rows, Perspective::hyperbolic,
-                               Perspective::affine};
-
 TEST(Pipeline, CountersMatchRecordsAndFrame) {
   const Scene scene = random_scene_of(200, 1);
-  for (const Perspective mode : all_modes) {
+  for (const Perspective mode : all_perspectives) {
     Config c = shipped_config("depth16");
     c.perspective = mode;
     c.edge_slope = SlopeForm::reciprocal;
@@ -97,7 +94,7 @@ TEST(Pipeline, CountersMatchRecordsAndFrame) {
 // Batches of any size, with a trace or without, again after begin: the same.
 TEST(Pipeline, BatchesDoNotMatter) {
   const Scene scene = random_scene_of(60, 2);
-  for (const Perspective mode : all_modes) {
+  for (const Perspective mode : all_perspectives) {
     Config c = shipped_config("depth16");
     c.perspective = mode;
     const auto engine = make_model(c);
@@ -127,7 +124,7 @@ TEST(Pipeline, BatchesDoNotMatter) {
 
 TEST(Pipeline, ObserversChangeNothingAndSeeEverything) {
   const Scene scene = random_scene_of(60, 3);
-  for (const Perspective mode : all_modes) {
+  for (const Perspective mode : all_perspectives) {
     Config c = shipped_config("depth16");
     c.perspective = mode;
     const auto plain = make_model(c);

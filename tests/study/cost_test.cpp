@@ -18,8 +18,7 @@ namespace {
 // Every combination of the modes that decide which registers exist.
 std::vector<Config> all_modes(const Config& base) {
   std::vector<Config> list;
-  for (const auto perspective :
-       {Perspective::delta_f, Perspective::const_depth_rows, Perspective::hyperbolic, Perspective::affine}) {
+  for (const Perspective perspective : all_perspectives) {
     for (const auto walk : {EdgeWalk::exact, EdgeWalk::dda}) {
       for (const auto edge : {SlopeForm::divide, SlopeForm::reciprocal}) {
         for (const auto row : {SlopeForm::divide, SlopeForm::reciprocal}) {

@@ -22,6 +22,9 @@ inline std::vector<Config> shipped_configs() {
   return out;
 }
 
+inline constexpr std::array all_perspectives{Perspective::delta_f, Perspective::const_depth_rows,
+                                             Perspective::hyperbolic, Perspective::affine};
+
 // Wide registers that keep the small numbers of a worked example exact: 28 integer and 20 fraction bits,
 // signed, SC_RND, SC_SAT, unless the value wants another shape. Slopes are exact quotients, no start offset;
 // delta_f, nearest, no fog, 16-bit inverse depth.

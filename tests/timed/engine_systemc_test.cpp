@@ -20,9 +20,6 @@
 namespace bitspan {
 namespace {
 
-constexpr Perspective all_modes[] = {Perspective::delta_f, Perspective::const_depth_rows,
-                                     Perspective::hyperbolic, Perspective::affine};
-
 // Every FIFO, latency, interval of a configuration alike; the memory too.
 void set_timing(Config& config, int latency, int interval, int fifo, const MemoryTiming& memory) {
   config.timing.fill({.latency = latency, .interval = interval, .fifo = fifo});
@@ -94,7 +91,7 @@ TEST(EngineSystemc, EqualsTheModelInEveryModeUnderManyTimings) {
   std::size_t compared = 0;
   std::uint64_t seed = 1;
   for (const std::string& name : shipped_names) {
-    for (const Perspective mode : all_modes) {
+    for (const Perspective mode : all_perspectives) {
       for (const int fifo : {1, 2, 1000}) {
         Config config = shipped_config(name);
         config.perspective = mode;
@@ -127,7 +124,7 @@ TEST(EngineSystemc, EqualsTheModelInEveryModeUnderManyTimings) {
 
 TEST(EngineSystemc, EqualsTheModelOnTheDemo) {
   const Scene scene = demo_scene(160, 120);
-  for (const Perspective mode : all_modes) {
+  for (const Perspective mode : all_perspectives) {
     Config config = shipped_config("depth16");
     config.perspective = mode;
     SCOPED_TRACE(to_string(mode));

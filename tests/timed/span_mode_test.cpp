@@ -23,9 +23,6 @@
 namespace bitspan {
 namespace {
 
-constexpr Perspective all_modes[] = {Perspective::delta_f, Perspective::const_depth_rows,
-                                     Perspective::hyperbolic, Perspective::affine};
-
 // What the tests together must have seen, for equality to mean something.
 struct Seen {
   std::uint64_t runs = 0, cycles = 0, fragments = 0, records = 0;
@@ -167,7 +164,7 @@ TEST(SpanMode, EqualsCycleModeOnTheDemo) {
   Seen seen;
   const Scene scene = demo_scene(128, 96);
   for (const std::string& name : shipped_names) {
-    for (const Perspective mode : all_modes) {
+    for (const Perspective mode : all_perspectives) {
       Config config = shipped_config(name);
       config.perspective = mode;
       SCOPED_TRACE(name + " " + std::string(to_string(mode)));
@@ -186,7 +183,7 @@ TEST(SpanMode, EqualsCycleModeUnderRandomTimings) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
     Config config = shipped_config(seed % 3 == 0 ? "depth20" : seed % 3 == 1 ? "depth16" : "narrow");
-    config.perspective = all_modes[seed / 3 % 4];
+    config.perspective = all_perspectives[seed / 3 % 4];
     config.filter = random.chance(0.5) ? TextureFilter::nearest : TextureFilter::bilinear;
     config.wrap = random.chance(0.5) ? TextureWrap::cyclic : TextureWrap::clamp;
     randomize_timing(config, random);
