@@ -293,9 +293,7 @@ SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store
 std::string error_metric(const StudyPlan& plan) {
   return plan.metrics.empty() ? "span.u.p999" : plan.metrics.front();
 }
-std::string cost_metric(const StudyPlan& plan) {
-  return plan.search ? plan.search->cost : "cost.register_bits";
-}
+std::string cost_metric(const StudyPlan& plan) { return plan.search ? plan.search->cost : plan.cost; }
 
 std::optional<std::size_t> knee(const std::vector<std::pair<double, double>>& points) {
   std::vector<std::size_t> order;
@@ -374,7 +372,7 @@ std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store)
   std::vector<std::string> hashes;
   std::vector<std::pair<double, double>> places;
   for (const Group& group : groups) {
-    if (!group.holds) continue;
+    if (!group.holds || std::isnan(group.cost)) continue;
     hashes.push_back(group.hash);
     places.emplace_back(group.cost, group.error);
   }

@@ -32,8 +32,7 @@ struct Recommendation {
 // Of a sweep: the cheapest point on which all constraints hold, and the knee of error against cost, where the
 // points have one. Of a search: what it found. None where nothing holds.
 std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store);
-// The metrics that a study is judged by: the first of the plan's, or span.u.p999; and the search's cost, or
-// cost.register_bits.
+// The metrics that a study is judged by: the first of the plan's, or span.u.p999; and its cost.
 std::string error_metric(const StudyPlan& plan);
 std::string cost_metric(const StudyPlan& plan);
 

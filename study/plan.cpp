@@ -65,6 +65,12 @@ void check_metric(const Section& s, std::string_view key, const std::string& nam
   }
 }
 
+std::string read_cost(const Section& s) {
+  std::string cost = s.text("cost", "a metric that is to be low");
+  check_metric(s, "cost", cost);
+  return cost;
+}
+
 KeyValue key_value(const Section& s, const toml::node& node, const std::string& legal) {
   if (node.is_boolean()) return node.as_boolean()->get();
   if (node.is_integer()) return node.as_integer()->get();
@@ -316,6 +322,7 @@ void read_study(const Section& study, const std::string& path, const ConfigFinde
     plan.metrics = study.texts("metrics", "an array of metrics");
     for (const std::string& metric : plan.metrics) check_metric(study, "metrics", metric);
   }
+  if (study.has("cost")) plan.cost = read_cost(study);
 }
 
 Constraint read_constraint(const Section& s) {
@@ -338,10 +345,7 @@ SearchPlan read_search(const Section& s, const std::vector<Section>& all, const 
   if (s.has("algorithm")) {
     search.algorithm = static_cast<SearchAlgorithm>(s.one_of("algorithm", algorithms));
   }
-  if (s.has("cost")) {
-    search.cost = s.text("cost", "a metric that is to be low");
-    check_metric(s, "cost", search.cost);
-  }
+  if (s.has("cost")) search.cost = read_cost(s);
   if (s.has("evaluations")) {
     search.evaluations = static_cast<int>(s.integer("evaluations", 1, 100'000'000));
   }
@@ -395,7 +399,8 @@ StudyPlan parse_study(std::string_view text, const std::string& path, const Conf
   StudyPlan plan;
   plan.text = text;
   if (!root.has("study")) root.fail(1, "study", "missing; legal: a table with name and base");
-  const Section study = root.section("study", {"name", "base", "scenes", "size", "arrangement", "metrics"});
+  const Section study =
+      root.section("study", {"name", "base", "scenes", "size", "arrangement", "metrics", "cost"});
   read_study(study, path, find, plan);
 
   const auto vary = root.sections("vary", {"keys", "values", "from", "to", "step"});
@@ -411,6 +416,7 @@ StudyPlan parse_study(std::string_view text, const std::string& path, const Conf
     if (study.has("arrangement")) {
       study.fail("arrangement", "is given, and a search goes its own way; legal: leave it out");
     }
+    if (study.has("cost")) study.fail("cost", "is given beside a search; legal: search.cost");
     check_search_values(vary, plan);
   } else {
     check_points(study, vary, plan);
@@ -467,6 +473,7 @@ std::vector<std::vector<KeySetting>> points_of(const StudyPlan& plan) {
 void check_metrics(const StudyPlan& plan, const std::map<std::string, double, std::less<>>& metrics) {
   std::vector<std::string> named = plan.metrics;
   for (const Constraint& c : plan.constraints) named.push_back(c.metric);
+  if (!plan.search) named.push_back(plan.cost);
   for (const std::string& name : named) {
     if (metrics.contains(name)) continue;
     std::vector<std::string> known;

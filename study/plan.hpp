@@ -54,8 +54,9 @@ struct StudyPlan {
                                     // embedded set
   int width = 640, height = 480;    // of the scenes that have no size of their own
   Arrangement arrangement = Arrangement::grid;
-  std::vector<Axis> axes;            // of a search: the widths that may change
-  std::vector<std::string> metrics;  // of tables and plots; empty: all
+  std::vector<Axis> axes;                   // of a search: the widths that may change
+  std::vector<std::string> metrics;         // of tables and plots; empty: all
+  std::string cost = "cost.register_bits";  // of a sweep: a metric that what is recommended has little of
   std::vector<Constraint> constraints;
   std::optional<SearchPlan> search;
   std::optional<AreaPlan> area;

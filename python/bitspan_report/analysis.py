@@ -229,7 +229,7 @@ def _varies(column: Sequence[float]) -> bool:
 
 
 def cost_metrics(study: Study) -> list[str]:
-    """What a point costs, of those with values: the search's cost first."""
+    """What a point costs, of those with values: the study's cost first."""
     names = [n for n in study.metrics if n.startswith(COSTS)]
     names.sort(
         key=lambda n: (n != study.cost_metric, COSTS.index(n.partition(".")[0] + "."), n != "cost.register_bits", n)

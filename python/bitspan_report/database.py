@@ -126,7 +126,7 @@ def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
         axes=axes,
         constraints=_planned_constraints(planned),
         chosen_metrics=list(planned.get("study", {}).get("metrics", [])),
-        cost_metric=planned["search"].get("cost", "cost.register_bits") if "search" in planned else "",
+        cost_metric=planned.get("search", planned.get("study", {})).get("cost", "cost.register_bits"),
         errors=_read_errors(reader),
         registers={},
         budget=_read_budget(reader),

@@ -170,7 +170,7 @@ class Study:
     axes: list[list[str]]  # keys that were set together
     constraints: list[Constraint]
     chosen_metrics: list[str]  # of the plan; empty: all
-    cost_metric: str  # what the search lowered; empty without a search
+    cost_metric: str  # what the search lowered, or what a sweep recommends by
     errors: dict[str, list[FieldError]]  # by point hash, as all below; of the base and what is recommended
     registers: dict[str, list[Register]]
     budget: dict[str, list[BudgetRow]]

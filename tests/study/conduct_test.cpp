@@ -239,6 +239,28 @@ TEST(Conduct, ASweepRecommendsTheCheapestThatHoldsAndTheKnee) {
   EXPECT_NE(recommended[0].reason.find("cheapest"), std::string::npos);
 }
 
+// Cheapest by what the study says, which here falls with the width; a point without it is not recommended.
+TEST(Conduct, TheCostIsTheStudys) {
+  std::string text = search_text.substr(0, search_text.find("[search]"));
+  text.replace(text.find("[[vary]]"), 0, "cost = \"cost.table_bits\"\n");
+  Bench b(text);
+  PointRunner runner(
+      b.plan.base, {demo_scene(64, 48)},
+      [](const std::vector<Scene>& scenes) -> Measure {
+        return [measure = fake_meter()(scenes)](const Config& c) {
+          PointResult r = measure(c);
+          const int word = c.format(FormatId::span_h).word;
+          r.metrics["cost.table_bits"] = word == 26 ? std::nan("") : 100 - word;
+          return r;
+        };
+      },
+      b.store, "test");
+  run_sweep(b.plan, runner, b.store, {});
+  const auto recommended = recommendations(b.plan, b.store);
+  ASSERT_GE(recommended.size(), 1U);
+  EXPECT_EQ(recommended[0].reason, "the cheapest that holds all constraints: cost.table_bits = 75");
+}
+
 TEST(Conduct, WhatIsRecommendedHoldsAtEveryDepthRange) {
   std::string text = search_text.substr(0, search_text.find("[search]"));
   text += "[[vary]]\nkeys = [\"scene.s_ratio\"]\nvalues = [80, 20, 40]\n";

@@ -35,6 +35,7 @@ TEST(Plan, ReadsEveryKey) {
   const std::string toml =
       "[study]\nname = \"all-1\"\nbase = \"depth20\"\nscenes = [\"demo\", \"extreme/slivers\"]\n"
       "size = \"64x48\"\narrangement = \"one_at_a_time\"\nmetrics = [\"span.u.p999\", \"picture.psnr_db\"]\n"
+      "cost = \"estimate.ecp5.luts\"\n"
       "[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 30\nto = 36\nstep = 3\n"
       "[[vary]]\nkeys = [\"depth.bits\", \"formats.setup.h.int\"]\nvalues = [[16, 18], [20, 20]]\n"
       "[[vary]]\nkeys = [\"formats.edge.uv.word\", \"formats.span.uv.word\"]\nvalues = [24, 25]\n"
@@ -53,6 +54,7 @@ TEST(Plan, ReadsEveryKey) {
   EXPECT_EQ(plan.height, 48);
   EXPECT_EQ(plan.arrangement, Arrangement::one_at_a_time);
   EXPECT_EQ(plan.metrics, (std::vector<std::string>{"span.u.p999", "picture.psnr_db"}));
+  EXPECT_EQ(plan.cost, "estimate.ecp5.luts");
   ASSERT_EQ(plan.axes.size(), 5U);
   EXPECT_EQ(plan.axes[0].values,
             (std::vector<std::vector<KeyValue>>{{integer(30)}, {integer(33)}, {integer(36)}}));
@@ -251,6 +253,9 @@ TEST(Plan, BadSearchAreaAndReportAreRefused) {
   refused(good + "[search]\nevaluations = 0\n", "search.evaluations: is 0");
   refused(good + "[search]\nseconds = 0\n", "search.seconds: is not above 0");
   refused(good + "[search]\nseed = -1\n", "search.seed: is -1");
+  refused(head + "cost = \"cost.table_bits\"\n" + vary + constraint + "[search]\n",
+          "study.cost: is given beside a search; legal: search.cost");
+  refused(head + "cost = \"bits\"\n" + vary, "study.cost: \"bits\" is no metric");
   refused(head + "arrangement = \"grid\"\n" + vary + constraint + "[search]\n",
           "study.arrangement: is given");
   refused(head + "[[vary]]\nkeys = [\"depth.code\"]\nvalues = [\"linear\"]\n" + constraint + "[search]\n",
@@ -311,7 +316,9 @@ TEST(Plan, TheExampleOfTheDocumentIsLegal) {
 
 TEST(Plan, MetricsAreHeldAgainstAPoint) {
   const std::map<std::string, double, std::less<>> metrics{
-      {"span.u.max", 0.5}, {"span.v.max", std::numeric_limits<double>::quiet_NaN()}};
+      {"span.u.max", 0.5},
+      {"span.v.max", std::numeric_limits<double>::quiet_NaN()},
+      {"cost.register_bits", 3000}};
   StudyPlan plan;
   plan.name = "s";
   plan.metrics = {"span.u.max"};
@@ -329,6 +336,12 @@ TEST(Plan, MetricsAreHeldAgainstAPoint) {
             }).find("s: span.w.max: the scenes give no such metric; nearest: span.u.max, span.v.max"),
             std::string::npos);
   EXPECT_TRUE(all_hold({}, metrics));
+  plan.constraints.clear();
+  plan.cost = "area.ecp5.luts";  // of a search only
+  EXPECT_NE(input_error([&] {
+              check_metrics(plan, metrics);
+            }).find("s: area.ecp5.luts: the scenes give no such metric"),
+            std::string::npos);
 }
 
 }  // namespace
