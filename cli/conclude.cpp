@@ -6,8 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "study/conduct.hpp"
 #include "tb/programs.hpp"
@@ -73,16 +71,13 @@ void write_study_report(const std::string& database, const std::string& study, c
   namespace fs = std::filesystem;
   const std::string python = (rtl_root() / "python").string();
   ::setenv("PYTHONPATH", python.c_str(), 1);
-  const fs::path log = fs::temp_directory_path() / fmt::format("bitspan-report-{}.log", ::getpid());
+  const Workshop workshop = temporary_workshop("bitspan-report");
+  const fs::path log = workshop / "log";
   // Debian's own interpreter: the first on PATH may not see Debian's packages.
   const int code =
       run_program({"/usr/bin/python3", "-B", "-m", "bitspan_report", database, folder, "--study", study}, log,
                   "--report");
-  std::ostringstream said;
-  said << std::ifstream(log).rdbuf();
-  std::error_code ignored;
-  fs::remove(log, ignored);
-  std::string text = said.str();
+  std::string text = read_text(log);
   while (!text.empty() && text.back() == '\n') text.pop_back();
   if (code != 0) throw InputError("--report: " + (text.empty() ? "no word" : text));
   fmt::print("report: {}\n", (fs::path(folder) / "report.html").string());

@@ -195,11 +195,11 @@ Result check_formats(const Config& c) {
 }
 
 Result check_fog(const Config& c) {
-  if (auto v = in_range("fog.depth_bits", c.fog_depth_bits, 1, std::min(c.depth_bits, max_fog_index_bits),
+  if (auto v = in_range("fog.depth_bits", c.fog_depth_bits, 1, most_fog_depth_bits(c),
                         ", and at most depth.bits")) {
     return v;
   }
-  return in_range("fog.zone_bits", c.fog_zone_bits, 0, std::min(8, max_fog_index_bits - c.fog_depth_bits),
+  return in_range("fog.zone_bits", c.fog_zone_bits, 0, most_fog_zone_bits(c),
                   " beside " + std::to_string(c.fog_depth_bits) +
                       " depth_bits, so that the index has at most " + std::to_string(max_fog_index_bits));
 }
@@ -239,6 +239,9 @@ Result check_exact(const Config& c) {
 }
 
 }  // namespace
+
+int most_fog_depth_bits(const Config& c) { return std::min(c.depth_bits, max_fog_index_bits); }
+int most_fog_zone_bits(const Config& c) { return std::min(8, max_fog_index_bits - c.fog_depth_bits); }
 
 Result first_violation(const Config& c) {
   if (auto v = check_raster(c)) return v;

@@ -16,4 +16,8 @@ struct Violation {
 // The first rule that the configuration breaks; none when it is legal.
 std::optional<Violation> first_violation(const Config& config);
 
+// The most bits that fog.depth_bits may have, and fog.zone_bits beside them.
+int most_fog_depth_bits(const Config& config);
+int most_fog_zone_bits(const Config& config);
+
 }  // namespace bitspan

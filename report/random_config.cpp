@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "config/check.hpp"
 #include "config/emit_sv.hpp"
 #include "config/rtl_timing.hpp"
 #include "scene/random.hpp"
@@ -154,8 +155,8 @@ Config draw(Random& random, std::span<const Config> bases) {
   change_offset(random, c.start_offset.span_f, c.format(linear ? FormatId::span_uv_acc : FormatId::span_f));
   change_offset(random, c.start_offset.span_shade, c.format(FormatId::span_shade_acc));
   if (random.chance(0.5)) {
-    c.fog_depth_bits = between(random, 1, std::min(c.depth_bits, max_fog_index_bits));
-    c.fog_zone_bits = between(random, 0, std::min(8, max_fog_index_bits - c.fog_depth_bits));
+    c.fog_depth_bits = between(random, 1, most_fog_depth_bits(c));
+    c.fog_zone_bits = between(random, 0, most_fog_zone_bits(c));
   }
   return c;
 }

@@ -92,10 +92,8 @@ DominantMap dominant(const Scene& scene, const Frame& ideal, const Config& confi
                      const std::vector<Quantisation>& all) {
   std::vector<std::vector<double>> errors(all.size());
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t q) {
-    const auto engine = make_model(with_exact(config, all_but(all, q)));
-    engine->begin(scene);
-    engine->draw(scene.triangles, 0, nullptr);
-    errors[q] = picture_errors(engine->frame(), ideal).texture;
+    const Frame frame = drawn(*make_model(with_exact(config, all_but(all, q))), scene);
+    errors[q] = picture_errors(frame, ideal).texture;
   });
   DominantMap map{scene.name, scene.width, scene.height, {}};
   map.cause.assign(ideal.depth.size(), -1);

@@ -345,9 +345,7 @@ std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store)
   }
   const std::string error = error_metric(plan);
   // A configuration on scenes of several depth ranges holds where it does on all, and errs as on the worst.
-  const bool ranges = std::ranges::any_of(plan.axes, [](const Axis& axis) {
-    return std::ranges::find(axis.keys, s_ratio_key) != axis.keys.end();
-  });
+  const bool ranges = std::ranges::any_of(plan.axes, varies_scenes);
   struct Group {
     std::string hash;
     double cost = 0, error = 0;

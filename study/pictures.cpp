@@ -67,10 +67,7 @@ std::vector<CauseColor> cause_legend(const Budget& budget, const DominantMap& ma
 
 std::vector<PointPicture> pictures_of(const Config& config, const Scene& scene, const Frame& ideal,
                                       const Budget* budget, const DominantMap* dominant) {
-  const auto engine = make_model(config);
-  engine->begin(scene);
-  engine->draw(scene.triangles, 0, nullptr);
-  const Frame& model = engine->frame();
+  const Frame model = drawn(*make_model(config), scene);
   const PictureErrors errors = picture_errors(model, ideal);
   const int w = scene.width;
   const int h = scene.height;

@@ -362,7 +362,7 @@ SearchPlan read_search(const Section& s, const std::vector<Section>& all, const 
   }
   for (std::size_t a = 0; a < plan.axes.size(); ++a) {
     const Axis& axis = plan.axes[a];
-    if (std::ranges::find(axis.keys, s_ratio_key) != axis.keys.end()) {
+    if (varies_scenes(axis)) {
       all[a].fail("keys",
                   std::string(s_ratio_key) + " is no width; legal in a search: keys of the configuration");
     }
@@ -469,6 +469,8 @@ std::vector<std::vector<KeySetting>> points_of(const StudyPlan& plan) {
   }
   return out;
 }
+
+bool varies_scenes(const Axis& axis) { return std::ranges::find(axis.keys, s_ratio_key) != axis.keys.end(); }
 
 void check_metrics(const StudyPlan& plan, const std::map<std::string, double, std::less<>>& metrics) {
   std::vector<std::string> named = plan.metrics;

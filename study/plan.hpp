@@ -33,11 +33,13 @@ struct Constraint {
 enum class Arrangement { grid, one_at_a_time, list };
 enum class SearchAlgorithm { min_plus_1, max_minus_1, greedy, annealing };
 
+inline constexpr const char* default_cost = "cost.register_bits";
+
 struct SearchPlan {
   SearchAlgorithm algorithm = SearchAlgorithm::greedy;
-  std::string cost = "cost.register_bits";  // a metric, to be as low as possible
-  int evaluations = 1000;                   // at most
-  double seconds = 600;                     // at most
+  std::string cost = default_cost;  // a metric, to be as low as possible
+  int evaluations = 1000;           // at most
+  double seconds = 600;             // at most
   std::uint64_t seed = 1;
 };
 
@@ -54,9 +56,9 @@ struct StudyPlan {
                                     // embedded set
   int width = 640, height = 480;    // of the scenes that have no size of their own
   Arrangement arrangement = Arrangement::grid;
-  std::vector<Axis> axes;                   // of a search: the widths that may change
-  std::vector<std::string> metrics;         // of tables and plots; empty: all
-  std::string cost = "cost.register_bits";  // of a sweep: a metric that what is recommended has little of
+  std::vector<Axis> axes;            // of a search: the widths that may change
+  std::vector<std::string> metrics;  // of tables and plots; empty: all
+  std::string cost = default_cost;   // of a sweep: a metric that what is recommended has little of
   std::vector<Constraint> constraints;
   std::optional<SearchPlan> search;
   std::optional<AreaPlan> area;
@@ -68,6 +70,7 @@ struct StudyPlan {
 // stretched (with_s_ratio). A real number above 1.
 inline constexpr std::string_view s_ratio_key = "scene.s_ratio";
 inline constexpr double s_ratio_limit = 1e6;
+bool varies_scenes(const Axis& axis);  // whether it sets that key
 
 inline constexpr std::size_t points_limit = 1'000'000;  // of a plan
 

@@ -33,20 +33,13 @@ struct SceneTruth {
   Frame frame;
 };
 
-Frame draw_ideal(const Config& config, const Scene& scene) {
-  const auto ideal = make_ideal(config);
-  ideal->begin(scene);
-  ideal->draw(scene.triangles, 0, nullptr);
-  return ideal->frame();
-}
-
 SceneTruth make_truth(const Config& config, const Scene& scene) {
   SceneTruth out;
   const std::span<const Triangle> all = scene.triangles;
   for (std::size_t at = 0; at < all.size(); at += batch) {
     out.batches.emplace_back(config, scene, all.subspan(at, std::min(batch, all.size() - at)));
   }
-  out.frame = draw_ideal(config, scene);
+  out.frame = drawn(*make_ideal(config), scene);
   return out;
 }
 
@@ -167,6 +160,12 @@ void add_pictures(const ErrorReport& r, Metrics& out) {
 
 }  // namespace
 
+Frame drawn(Engine& engine, const Scene& scene) {
+  engine.begin(scene);
+  engine.draw(scene.triangles, 0, nullptr);
+  return engine.frame();
+}
+
 // The truths of the configurations measured last.
 struct PointMeter::Truths {
   using Known = std::shared_future<std::shared_ptr<const std::vector<SceneTruth>>>;
@@ -192,7 +191,7 @@ std::shared_ptr<const Frame> PointMeter::ideal(const Config& config, std::size_t
     const auto found = truths_->find(truth_config(config));
     if (found != truths_->known.end()) known = found->second;
   }
-  if (!known.valid()) return std::make_shared<const Frame>(draw_ideal(config, scenes_.at(scene)));
+  if (!known.valid()) return std::make_shared<const Frame>(drawn(*make_ideal(config), scenes_.at(scene)));
   const auto truths = known.get();
   return {truths, &truths->at(scene).frame};  // keeps them all
 }

@@ -1,11 +1,10 @@
-// For tests that run the tools of synthesis: what they find in the environment, and little for them to do.
+// A configuration for tests that run the tools of synthesis.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
 #include "study/keys.hpp"
-#include "tests/support/environment.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {

@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "tests/study/area_support.hpp"
+#include "tests/support/environment.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
 

@@ -11,6 +11,7 @@
 #include "scene/demo.hpp"
 #include "study/area.hpp"
 #include "tests/study/area_support.hpp"
+#include "tests/support/environment.hpp"
 #include "tests/support/files.hpp"
 
 namespace bitspan {

@@ -1,6 +1,7 @@
 // Files of tests: whole texts, and a folder of a test's own.
 #pragma once
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
