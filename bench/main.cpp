@@ -11,7 +11,7 @@
 #include "bench/report.hpp"
 #include "bench/scenes.hpp"
 #include "config/config.hpp"
-#include "report/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 
 namespace bitspan::bench {
 namespace {

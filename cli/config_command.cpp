@@ -9,12 +9,12 @@
 
 #include "cli/commands.hpp"
 #include "cli/config_store.hpp"
-#include "config/emit_sv.hpp"
 #include "config/rtl_timing.hpp"
+#include "engine/emit_sv.hpp"
 #include "golden/precision.hpp"
+#include "io/atomic_file.hpp"
 #include "model/paths.hpp"
 #include "model/simd/engine_vector.hpp"
-#include "report/atomic_file.hpp"
 #include "report/table.hpp"
 
 namespace bitspan {

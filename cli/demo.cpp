@@ -14,11 +14,11 @@
 #include "cli/engines.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/verdict.hpp"
-#include "report/atomic_file.hpp"
+#include "io/atomic_file.hpp"
+#include "io/png.hpp"
 #include "report/error.hpp"
 #include "report/heatmap.hpp"
 #include "report/junit.hpp"
-#include "report/png.hpp"
 #include "report/table.hpp"
 
 namespace bitspan {

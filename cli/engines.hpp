@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "config/engine.hpp"
+#include "engine/engine.hpp"
 #include "model/engine_model.hpp"
 
 namespace bitspan {

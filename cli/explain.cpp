@@ -13,7 +13,7 @@
 #include "cli/engines.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
-#include "config/range.hpp"
+#include "engine/range.hpp"
 #include "report/compare.hpp"
 #include "report/error.hpp"
 #include "report/lockstep.hpp"

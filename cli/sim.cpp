@@ -14,9 +14,9 @@
 #include "cli/config_store.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
-#include "config/range.hpp"
+#include "engine/range.hpp"
+#include "io/atomic_file.hpp"
 #include "model/timed/engine_systemc.hpp"
-#include "report/atomic_file.hpp"
 #include "report/table.hpp"
 
 namespace bitspan {

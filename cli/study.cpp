@@ -20,7 +20,7 @@
 #include "cli/model_options.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
-#include "report/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 #include "report/table.hpp"
 #include "study/conduct.hpp"
 #include "study/point.hpp"

@@ -9,7 +9,7 @@
 #include "cli/cycles.hpp"
 #include "cli/engines.hpp"
 #include "cli/progress.hpp"
-#include "config/range.hpp"
+#include "engine/range.hpp"
 #include "report/table.hpp"
 
 namespace bitspan {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "config/engine.hpp"
+#include "engine/engine.hpp"
 #include "model/engine_model.hpp"
 #include "report/compare.hpp"
 #include "report/error.hpp"

@@ -13,7 +13,7 @@
 #include "cli/model_options.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/verdict.hpp"
-#include "report/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 
 namespace bitspan {
 namespace {

@@ -1,6 +1,6 @@
 // Clocks and internal widths of the RTL span interpolator, as a pure function of the configuration.
 //
-// config/emit_sv writes these numbers into the package that the RTL is built from, the RTL asserts that its
+// engine/emit_sv writes these numbers into the package that the RTL is built from, the RTL asserts that its
 // structure has them, and the timed model counts with them. docs/rtl.md, "Clocks", says what each clock does.
 #pragma once
 

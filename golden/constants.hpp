@@ -2,7 +2,7 @@
 #pragma once
 
 #include "config/config.hpp"
-#include "config/records.hpp"
+#include "engine/records.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan::golden {

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "config/engine.hpp"
+#include "engine/engine.hpp"
 #include "golden/precision.hpp"
 
 namespace bitspan {

@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "config/config.hpp"
-#include "config/engine.hpp"
+#include "engine/engine.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan {

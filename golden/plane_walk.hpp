@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "config/records.hpp"
+#include "engine/records.hpp"
 #include "golden/arithmetic.hpp"
 #include "golden/constants.hpp"
 

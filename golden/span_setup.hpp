@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "config/records.hpp"
+#include "engine/records.hpp"
 #include "golden/arithmetic.hpp"
 #include "golden/constants.hpp"
 

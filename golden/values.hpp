@@ -5,7 +5,7 @@
 #include <array>
 #include <span>
 
-#include "config/records.hpp"
+#include "engine/records.hpp"
 #include "golden/quantize.hpp"
 
 namespace bitspan::golden {

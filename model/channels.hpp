@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "config/records.hpp"
+#include "engine/records.hpp"
 
 namespace bitspan::model {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "config/config.hpp"
-#include "config/records.hpp"
+#include "engine/records.hpp"
 #include "model/numeric/exact.hpp"
 
 namespace bitspan::model {

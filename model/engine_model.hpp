@@ -5,7 +5,7 @@
 #include <memory>
 #include <string_view>
 
-#include "config/engine.hpp"
+#include "engine/engine.hpp"
 #include "model/numeric/observe.hpp"
 
 namespace bitspan {

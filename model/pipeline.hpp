@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "config/config.hpp"
-#include "config/engine.hpp"
-#include "config/records.hpp"
+#include "engine/engine.hpp"
+#include "engine/records.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/depth.hpp"
 #include "model/stages/edge_walk.hpp"

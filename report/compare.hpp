@@ -9,11 +9,11 @@
 #include <string_view>
 #include <vector>
 
-#include "config/engine.hpp"
+#include "engine/engine.hpp"
 
 namespace bitspan {
 
-// The record types of config/records.hpp in the order of the pipeline.
+// The record types of engine/records.hpp in the order of the pipeline.
 enum class RecordType : std::uint8_t {
 #define BITSPAN_RECORD_TYPE(Record, LIST, stage, member) member,
   BITSPAN_RECORDS(BITSPAN_RECORD_TYPE)

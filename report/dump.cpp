@@ -12,8 +12,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "report/atomic_file.hpp"
-#include "report/npy.hpp"
+#include "io/atomic_file.hpp"
+#include "io/npy.hpp"
 
 namespace bitspan {
 namespace {

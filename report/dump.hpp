@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "config/engine.hpp"
+#include "engine/engine.hpp"
 
 namespace bitspan {
 

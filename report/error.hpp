@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "config/engine.hpp"
+#include "engine/engine.hpp"
 #include "golden/ideal.hpp"
 #include "report/compare.hpp"
 #include "report/truth.hpp"

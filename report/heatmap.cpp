@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "report/png.hpp"
+#include "io/png.hpp"
 
 namespace bitspan {
 namespace {

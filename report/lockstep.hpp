@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "config/engine.hpp"
+#include "engine/engine.hpp"
 #include "report/compare.hpp"
 
 namespace bitspan {

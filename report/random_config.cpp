@@ -6,8 +6,8 @@
 #include <string>
 
 #include "config/check.hpp"
-#include "config/emit_sv.hpp"
 #include "config/rtl_timing.hpp"
+#include "engine/emit_sv.hpp"
 #include "scene/random.hpp"
 
 namespace bitspan {

@@ -16,8 +16,8 @@
 #include <utility>
 
 #include "config/config.hpp"
-#include "report/atomic_file.hpp"
-#include "report/png.hpp"
+#include "io/atomic_file.hpp"
+#include "io/png.hpp"
 #include "scene/exact.hpp"
 #include "scene/texture.hpp"
 

@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "config/emit_sv.hpp"
 #include "config/fnv.hpp"
+#include "engine/emit_sv.hpp"
 #include "tb/programs.hpp"
 #include "tb/rtl_build.hpp"
 

@@ -6,10 +6,10 @@
 #include <map>
 #include <utility>
 
+#include "io/png.hpp"
 #include "model/engine_model.hpp"
 #include "report/error.hpp"
 #include "report/heatmap.hpp"
-#include "report/png.hpp"
 
 namespace bitspan {
 namespace {

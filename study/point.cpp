@@ -12,8 +12,8 @@
 #include <span>
 #include <utility>
 
-#include "config/range.hpp"
-#include "config/records.hpp"
+#include "engine/range.hpp"
+#include "engine/records.hpp"
 #include "golden/ideal.hpp"
 #include "model/engine_model.hpp"
 #include "report/compare.hpp"

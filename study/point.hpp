@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "config/config.hpp"
-#include "config/engine.hpp"
+#include "engine/engine.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan {

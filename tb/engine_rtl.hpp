@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "config/engine.hpp"
+#include "engine/engine.hpp"
 
 namespace bitspan {
 

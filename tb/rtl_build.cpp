@@ -13,8 +13,8 @@
 #include <string_view>
 #include <utility>
 
-#include "config/emit_sv.hpp"
 #include "config/fnv.hpp"
+#include "engine/emit_sv.hpp"
 #include "tb/programs.hpp"
 
 namespace bitspan {

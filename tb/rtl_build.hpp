@@ -1,6 +1,6 @@
 // The Verilated span interpolator of any configuration, built when it is first asked for.
 //
-// The package of the configuration (config/emit_sv) and the sources in rtl/ go through Verilator and the C++
+// The package of the configuration (engine/emit_sv) and the sources in rtl/ go through Verilator and the C++
 // compiler into one shared library, kept in a cache folder under a key over every text and flag that it is
 // made from: $BITSPAN_CACHE, else $XDG_CACHE_HOME/bitspan, else ~/.cache/bitspan. Libraries appear there
 // complete or not at all, so processes may build the same one at the same time. The sources are those this
@@ -26,7 +26,7 @@ std::filesystem::path rtl_cache_folder();
 // Flags that every use of Verilator here must have; tests/rtl/verilator_xor_test says why.
 const std::vector<std::string>& verilator_safe_flags();
 
-// A package (config/emit_sv) without its comment, which names the configuration.
+// A package (engine/emit_sv) without its comment, which names the configuration.
 std::string without_comments(const std::string& package);
 
 // Builds the library where the cache does not hold it, and returns its path. Throws InputError where the mode

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "config/records.hpp"
+#include "engine/records.hpp"
 #include "tb/rtl_build.hpp"
 
 namespace bitspan {

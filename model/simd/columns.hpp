@@ -1,5 +1,5 @@
 // A batch of records as columns, a field an array: how records pass between the vector form's stages. The
-// names are the records' own (config/records.hpp).
+// names are the records' own (engine/records.hpp).
 #pragma once
 
 #include <bit>
@@ -10,7 +10,7 @@
 #include <new>
 #include <vector>
 
-#include "config/records.hpp"
+#include "engine/records.hpp"
 
 namespace bitspan::model {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "config/config.hpp"
-#include "config/engine.hpp"
-#include "config/records.hpp"
+#include "engine/engine.hpp"
+#include "engine/records.hpp"
 #include "model/engine_model.hpp"
 #include "model/numeric/observe.hpp"
 #include "model/pipeline.hpp"

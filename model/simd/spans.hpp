@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "config/engine.hpp"
+#include "engine/engine.hpp"
 #include "model/engine_model.hpp"
 #include "model/pipeline.hpp"
 #include "model/simd/columns.hpp"

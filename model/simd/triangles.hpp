@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "config/engine.hpp"
+#include "engine/engine.hpp"
 #include "model/engine_model.hpp"
 #include "model/pipeline.hpp"
 #include "model/simd/columns.hpp"

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "config/config.hpp"
-#include "config/records.hpp"
+#include "engine/records.hpp"
 #include "model/numeric/reciprocal.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/span.hpp"

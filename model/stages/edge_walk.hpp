@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "config/config.hpp"
-#include "config/records.hpp"
+#include "engine/records.hpp"
 #include "model/numeric/adder.hpp"
 #include "model/numeric/forms.hpp"
 #include "model/numeric/reciprocal.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "config/config.hpp"
-#include "config/records.hpp"
+#include "engine/records.hpp"
 #include "model/numeric/extent.hpp"
 #include "model/numeric/reciprocal.hpp"
 #include "model/stages/constants.hpp"

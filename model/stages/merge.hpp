@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "config/config.hpp"
-#include "config/records.hpp"
+#include "engine/records.hpp"
 #include "model/numeric/extent.hpp"
 #include "model/numeric/quantize.hpp"
 

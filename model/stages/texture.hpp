@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "config/config.hpp"
-#include "config/records.hpp"
+#include "engine/records.hpp"
 #include "model/numeric/extent.hpp"
 #include "model/numeric/quantize.hpp"
 #include "scene/scene.hpp"

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "config/engine.hpp"
+#include "engine/engine.hpp"
 #include "model/timed/timed_report.hpp"
 
 namespace bitspan {

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "config/records.hpp"
+#include "engine/records.hpp"
 #include "model/stages/plane_walk.hpp"
 #include "model/stages/setup.hpp"
 #include "scene/scene.hpp"

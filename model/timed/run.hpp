@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "config/engine.hpp"
+#include "engine/engine.hpp"
 #include "model/pipeline.hpp"
 #include "model/timed/items.hpp"
 #include "model/timed/stage.hpp"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "report/png.hpp"
+#include "io/png.hpp"
 #include "tests/cli/program.hpp"
 #include "tests/support/test_config.hpp"
 

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "config/names.hpp"
-#include "config/records.hpp"
+#include "engine/records.hpp"
 #include "tests/config/support.hpp"
 
 namespace bitspan {

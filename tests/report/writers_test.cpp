@@ -1,243 +1,94 @@
-// The writers of pictures, arrays and whole-or-nothing files.
-#include <fcntl.h>
+// Tables, JUnit and dumps.
 #include <gtest/gtest.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <cmath>
-#include <cstring>
-#include <limits>
-#include <numeric>
-#include <set>
+#include <boost/property_tree/xml_parser.hpp>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
-#include "report/atomic_file.hpp"
-#include "report/heatmap.hpp"
-#include "report/npy.hpp"
-#include "report/png.hpp"
-#include "scene/texture.hpp"
+#include "report/dump.hpp"
+#include "report/junit.hpp"
+#include "report/table.hpp"
 #include "tests/support/files.hpp"
-#include "tests/support/input_error.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
-
-TEST(AtomicFile, AppearsOnCommitOnly) {
-  const TemporaryFolder folder;
-  {
-    AtomicFile file(folder.path("a.txt"));
-    file.write("half");
-    EXPECT_FALSE(std::filesystem::exists(folder.path("a.txt")));
-    file.write(" whole");
-    file.commit();
-    EXPECT_EQ(folder.read("a.txt"), "half whole");
+TEST(Junit, IsWellFormedWhateverTheTextsHold) {
+  std::string wild;
+  for (int c = 1; c < 256; ++c) {
+    wild += static_cast<char>(c);
   }
-  EXPECT_EQ(folder.files(), 1);
-  {
-    AtomicFile file(folder.path("a.txt"));
-    file.write(std::string(1 << 20, 'x'));
-  }  // abandoned
-  EXPECT_EQ(folder.read("a.txt"), "half whole") << "the old content stays";
-  EXPECT_EQ(folder.files(), 1) << "nothing is left behind";
-}
-
-TEST(AtomicFile, KeepsOrderAcrossItsBuffer) {
-  const TemporaryFolder folder;
-  std::string expected;
-  AtomicFile file(folder.path("a.bin"));
-  for (std::size_t size : {1U, 65535U, 3U, 65536U, 70000U, 10U, 200000U, 0U, 7U}) {
-    const std::string piece(size, static_cast<char>('a' + size % 26));
-    file.write(piece);
-    expected += piece;
+  wild += "]]> <![CDATA[ \xc3\xa4 \xe2\x82\xac \xf0\x9f\x98\x80 \xed\xa0\x80 \xc0\xaf";
+  const std::string xml = junit_xml(
+      wild, {{wild, wild, 1, wild, wild, ""}, {"a", "b", 2, "", "", ""}, {"s", "k", 0, "", "", wild}});
+  std::istringstream in(xml);
+  boost::property_tree::ptree tree;
+  ASSERT_NO_THROW(boost::property_tree::read_xml(in, tree));
+  const auto& suite = tree.get_child("testsuites.testsuite");
+  EXPECT_EQ(suite.get<int>("<xmlattr>.tests"), 3);
+  EXPECT_EQ(suite.get<int>("<xmlattr>.failures"), 1);
+  EXPECT_EQ(suite.get<int>("<xmlattr>.skipped"), 1);
+  EXPECT_EQ(suite.count("testcase"), 3U);
+  for (const char c : xml) {
+    const auto byte = static_cast<unsigned char>(c);
+    EXPECT_TRUE(byte >= 0x20 || c == '\n' || c == '\t' || c == '\r');
   }
-  file.commit();
-  EXPECT_EQ(folder.read("a.bin"), expected);
+  EXPECT_NE(xml.find("\xc3\xa4 \xe2\x82\xac \xf0\x9f\x98\x80"), std::string::npos) << "UTF-8 stays as it is";
 }
 
-TEST(AtomicFile, KeepsModeAndLinks) {
+TEST(Table, NumbersStandRight) {
+  EXPECT_EQ(text_table({{"name", "n"}, {"a", "1"}, {"bc", "100"}}),
+            "name    n\n----  ---\na       1\nbc    100\n");
+  EXPECT_NE(html_table({{"a<b"}, {"&"}}).find("a&lt;b"), std::string::npos);
+}
+
+Frame frame(int width, int height) {
+  Frame f;
+  f.width = width;
+  f.height = height;
+  const auto n = static_cast<std::size_t>(width * height);
+  f.color.assign(4 * n, 255);
+  f.depth.assign(n, 70000);
+  f.u.assign(n, 1.5);
+  f.v.assign(n, std::nan(""));
+  f.triangle.assign(n, -1);
+  return f;
+}
+
+Config config() { return shipped_config("depth16"); }
+
+TEST(Dump, HasTheShapesAndTypesOfTheDesign) {
   const TemporaryFolder folder;
-  folder.write("real.txt", "old");
-  ::chmod(folder.path("real.txt").c_str(), 0640);
-  std::filesystem::create_symlink("real.txt", folder.path("link.txt"));
-  write_file(folder.path("link.txt"), "new");
-  EXPECT_TRUE(std::filesystem::is_symlink(folder.path("link.txt")));
-  EXPECT_EQ(folder.read("real.txt"), "new");
-  struct stat info {};
-  ::stat(folder.path("real.txt").c_str(), &info);
-  EXPECT_EQ(info.st_mode & 0777U, 0640U);
-  const mode_t mask = ::umask(022);
-  ::umask(mask);
-  write_file(folder.path("fresh.txt"), "x");
-  ::stat(folder.path("fresh.txt").c_str(), &info);
-  EXPECT_EQ(info.st_mode & 0777U, 0666U & ~mask);
+  write_dump(folder.path("dump/"), frame(5, 3), {}, config(), {"1.2.3", "scene \"x\"", "model", 0.5});
+  const auto has = [&](const char* file, const char* type, const char* shape) {
+    const std::string header = folder.read(std::string("dump/") + file).substr(0, 128);
+    EXPECT_NE(header.find(type), std::string::npos) << file << header;
+    EXPECT_NE(header.find(shape), std::string::npos) << file << header;
+  };
+  has("color.npy", "'|u1'", "(3, 5, 4)");
+  has("depth.npy", "'<u4'", "(3, 5)");
+  has("u.npy", "'<f8'", "(3, 5)");
+  has("v.npy", "'<f8'", "(3, 5)");
+  has("triangle.npy", "'<i4'", "(3, 5)");
+  const auto json = nlohmann::json::parse(folder.read("dump/run.json"));
+  EXPECT_EQ(json.at("engine"), "model");
+  EXPECT_EQ(json.at("scene"), "scene \"x\"");
+  EXPECT_EQ(json.at("configuration").at("hash"), config_hash(config()));
+  EXPECT_TRUE(json.at("counters").contains("divides_saved"));
+
+  // An existing folder: the dump's files are replaced, others stay.
+  folder.write("dump/mine.txt", "keep");
+  write_dump(folder.path("dump"), frame(7, 2), {}, config(), {});
+  has("depth.npy", "'<u4'", "(2, 7)");
+  EXPECT_EQ(folder.read("dump/mine.txt"), "keep");
+  EXPECT_EQ(folder.files(), 1) << "the temporary folder is gone";
 }
 
-TEST(AtomicFile, RefusesWhatCannotBeWritten) {
+TEST(Dump, RefusesAFileInItsPlaceAndAMissingParent) {
   const TemporaryFolder folder;
-  EXPECT_NE(input_error([&] {
-              write_file(folder.path("none/a.txt"), "x");
-            }).find("none/a.txt: cannot write: No such"),
-            std::string::npos);
-  EXPECT_NE(input_error([&] { write_file(folder.path(), "x"); }).find("cannot write: Is a directory"),
-            std::string::npos);
-  EXPECT_NE(input_error([&] { write_file("", "x"); }).find("cannot write"), std::string::npos);
-  folder.write("file", "");
-  EXPECT_NE(
-      input_error([&] { write_file(folder.path("file/a.txt"), "x"); }).find("cannot write: Not a directory"),
-      std::string::npos);
-  EXPECT_NE(input_error([&] {
-              write_file(folder.path(std::string(300, 'n')), "x");
-            }).find("cannot write: File name too long"),
-            std::string::npos);
-  EXPECT_EQ(folder.files(), 1);
-}
-
-TEST(AtomicFile, FullDiskShows) {
-  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
-  EXPECT_NE(input_error([&] { write_file("/dev/full", "x"); }).find("/dev/full: cannot write: No space left"),
-            std::string::npos);
-  EXPECT_TRUE(std::filesystem::is_character_file("/dev/full")) << "a device is written to, not replaced";
-}
-
-TEST(Png, ReadsBackInEveryLayout) {
-  for (int channels = 1; channels <= 4; ++channels) {
-    Bytes pixels(static_cast<std::size_t>(9 * 5 * channels));
-    std::iota(pixels.begin(), pixels.end(), std::uint8_t{3});
-    const Texture texture = decode_texture(encode_png(9, 5, channels, pixels), "p");
-    ASSERT_EQ(texture.width, 9);
-    ASSERT_EQ(texture.height, 5);
-    const std::size_t n = static_cast<std::size_t>(channels);
-    for (std::size_t i = 0; i < 45; ++i) {
-      const bool grey = channels < 3;
-      for (std::size_t k = 0; k < 3; ++k) ASSERT_EQ(texture.rgba[4 * i + k], pixels[n * i + (grey ? 0 : k)]);
-      ASSERT_EQ(texture.rgba[4 * i + 3], channels % 2 == 0 ? pixels[n * i + n - 1] : 255);
-    }
-  }
-}
-
-TEST(Png, SamePixelsSameBytes) {
-  const Bytes pixels(300, 7);
-  EXPECT_EQ(encode_png(10, 10, 3, pixels), encode_png(10, 10, 3, pixels));
-  EXPECT_THROW(encode_png(10, 11, 3, pixels), std::invalid_argument);
-  EXPECT_THROW(encode_png(0, 10, 3, {}), std::invalid_argument);
-}
-
-TEST(Png, UnwritableIsInputError) {
-  const TemporaryFolder folder;
-  EXPECT_NE(
-      input_error([&] { write_png(folder.path("x/p.png"), 1, 1, 1, Bytes{0}); }).find("p.png: cannot write"),
-      std::string::npos);
-}
-
-// Header text and data of a version 1.0 file.
-std::pair<std::string, std::string> split_npy(const std::string& file) {
-  EXPECT_EQ(file.substr(0, 8), std::string("\x93NUMPY\x01\x00", 8));
-  const std::size_t length = static_cast<std::uint8_t>(file[8]) + 256U * static_cast<std::uint8_t>(file[9]);
-  EXPECT_EQ((10 + length) % 64, 0U);
-  EXPECT_EQ(file[9 + length], '\n');
-  std::string header = file.substr(10, length);
-  header.erase(header.find_last_not_of(" \n") + 1);
-  return {header, file.substr(10 + length)};
-}
-
-template <class T>
-void expect_npy(const std::vector<T>& values, std::initializer_list<std::size_t> shape,
-                const std::string& header) {
-  const TemporaryFolder folder;
-  write_npy(folder.path("a.npy"), shape, std::span<const T>(values));
-  const auto [text, data] = split_npy(folder.read("a.npy"));
-  EXPECT_EQ(text, header);
-  ASSERT_EQ(data.size(), values.size() * sizeof(T));
-  if (!values.empty()) {
-    EXPECT_EQ(std::memcmp(data.data(), values.data(), data.size()), 0);
-  }
-}
-
-TEST(Npy, HeadersAndData) {
-  expect_npy<std::uint8_t>({1, 2, 3, 4, 5, 6, 7, 8}, {1, 2, 4},
-                           "{'descr': '|u1', 'fortran_order': False, 'shape': (1, 2, 4), }");
-  expect_npy<std::uint32_t>({1, 4000000000, 3, 4, 5, 6}, {2, 3},
-                            "{'descr': '<u4', 'fortran_order': False, 'shape': (2, 3), }");
-  expect_npy<std::int32_t>({-1, 7}, {2}, "{'descr': '<i4', 'fortran_order': False, 'shape': (2,), }");
-  expect_npy<double>({0.1, std::nan(""), -0.0, 1e300}, {2, 2},
-                     "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 2), }");
-  expect_npy<double>({}, {0, 5}, "{'descr': '<f8', 'fortran_order': False, 'shape': (0, 5), }");
-  EXPECT_THROW(write_npy("a.npy", {2, 2}, std::span<const double>()), std::invalid_argument);
-}
-
-std::array<std::uint8_t, 3> pixel(const HeatMap& map, int x, int y) {
-  const std::size_t at = 3 * static_cast<std::size_t>(y * map.width + x);
-  return {map.rgb[at], map.rgb[at + 1], map.rgb[at + 2]};
-}
-
-TEST(HeatMap, ColoursRunFromDarkToLight) {
-  EXPECT_EQ(viridis(0), (std::array<std::uint8_t, 3>{68, 1, 84}));
-  EXPECT_EQ(viridis(1), (std::array<std::uint8_t, 3>{253, 231, 37}));
-  EXPECT_EQ(viridis(-3), viridis(0));
-  EXPECT_EQ(viridis(7), viridis(1));
-  double before = 0;
-  for (int i = 0; i <= 100; ++i) {
-    const auto c = viridis(i / 100.0);
-    const double light = 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
-    EXPECT_GT(light, before) << i;
-    before = light;
-  }
-}
-
-TEST(HeatMap, FieldStandsPixelForPixel) {
-  const double inf = std::numeric_limits<double>::infinity();
-  const std::vector<double> values{0, 5, 10, std::nan(""), inf, -inf};
-  const HeatMap map =
-      draw_heat_map(3, 2, values, {.title = "t", .logarithmic = false, .low = {}, .high = {}});
-  EXPECT_EQ(map.rgb.size(), static_cast<std::size_t>(map.width * map.height * 3));
-  EXPECT_EQ(pixel(map, 0, 0), viridis(0));
-  EXPECT_EQ(pixel(map, 1, 0), viridis(0.5));
-  EXPECT_EQ(pixel(map, 2, 0), viridis(1));
-  EXPECT_EQ(pixel(map, 0, 1), (std::array<std::uint8_t, 3>{128, 128, 128}));
-  EXPECT_EQ(pixel(map, 1, 1), viridis(1));
-  EXPECT_EQ(pixel(map, 2, 1), viridis(0));
-}
-
-TEST(HeatMap, LogarithmicScaleAndZeros) {
-  const std::vector<double> values{0, 0.001, 0.1, 10};
-  const HeatMap map = draw_heat_map(4, 1, values, {.title = "", .logarithmic = true, .low = {}, .high = {}});
-  EXPECT_EQ(pixel(map, 0, 0), viridis(0));
-  EXPECT_EQ(pixel(map, 1, 0), viridis(0));
-  EXPECT_EQ(pixel(map, 2, 0), viridis(0.5));
-  EXPECT_EQ(pixel(map, 3, 0), viridis(1));
-}
-
-TEST(HeatMap, BarHasColoursAndNumbers) {
-  const HeatMap map = draw_heat_map(300, 10, std::vector<double>(3000, 1),
-                                    {.title = "u", .logarithmic = false, .low = 0, .high = 8});
-  std::set<std::array<std::uint8_t, 3>> colors;
-  int ink = 0;
-  for (int y = 10; y < map.height; ++y) {
-    for (int x = 0; x < map.width; ++x) {
-      colors.insert(pixel(map, x, y));
-      ink += pixel(map, x, y) == std::array<std::uint8_t, 3>{32, 32, 32};
-    }
-  }
-  EXPECT_GT(colors.size(), 150U);
-  EXPECT_GT(ink, 60);
-  // The numbers say the range.
-  const HeatMap other = draw_heat_map(300, 10, std::vector<double>(3000, 1),
-                                      {.title = "u", .logarithmic = false, .low = 0, .high = 9});
-  EXPECT_NE(map.rgb, other.rgb);
-}
-
-TEST(HeatMap, EmptyAndConstantFields) {
-  for (const double value : {0.0, std::nan(""), -3.0, 5.0}) {
-    for (const bool logarithmic : {false, true}) {
-      EXPECT_NO_THROW(draw_heat_map(2, 2, std::vector<double>(4, value),
-                                    {.title = "", .logarithmic = logarithmic, .low = {}, .high = {}}));
-    }
-  }
-  EXPECT_THROW(draw_heat_map(2, 3, std::vector<double>(4), {}), std::invalid_argument);
-  const TemporaryFolder folder;
-  write_heat_map(folder.path("h.png"), 2, 2, std::vector<double>(4, 1), {});
-  EXPECT_EQ(read_texture(folder.path("h.png")).width, 240);
+  EXPECT_THROW(write_dump(folder.write("file", "x"), frame(1, 1), {}, config(), {}), InputError);
+  EXPECT_THROW(write_dump(folder.path("no-such-folder/d"), frame(1, 1), {}, config(), {}), InputError);
 }
 
 }  // namespace

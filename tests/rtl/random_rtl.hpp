@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "config/records.hpp"
+#include "engine/records.hpp"
 
 namespace bitspan {
 

@@ -6,8 +6,8 @@
 #include <regex>
 #include <sstream>
 
-#include "config/emit_sv.hpp"
 #include "config/rtl_timing.hpp"
+#include "engine/emit_sv.hpp"
 #include "tb/rtl_build.hpp"
 #include "tests/rtl/random_rtl.hpp"
 #include "tests/rtl/reference.hpp"

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "config/records.hpp"
+#include "engine/records.hpp"
 
 namespace bitspan::reference {
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "config/emit_sv.hpp"
+#include "engine/emit_sv.hpp"
 #include "tests/rtl/interpolator_case.hpp"
 #include "tests/rtl/simulate.hpp"
 #include "tests/support/files.hpp"

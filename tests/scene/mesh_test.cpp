@@ -5,7 +5,7 @@
 #include <cstring>
 #include <sstream>
 
-#include "report/png.hpp"
+#include "io/png.hpp"
 #include "scene/ply_check.hpp"
 #include "scene/tri_stream.hpp"
 #include "tests/support/files.hpp"

@@ -6,7 +6,7 @@
 
 #include <functional>
 
-#include "report/png.hpp"
+#include "io/png.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "report/png.hpp"
+#include "io/png.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
 #include "tests/support/files.hpp"

@@ -1,4 +1,4 @@
-#include "config/records.hpp"
+#include "engine/records.hpp"
 
 namespace bitspan {
 

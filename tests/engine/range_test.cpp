@@ -1,6 +1,6 @@
 // The range check: sharp (the bits named are the fewest that pass), sound (what sampled points of the ideal
 // surface need, it asks for), and silent on usual scenes with the shipped configurations.
-#include "config/range.hpp"
+#include "engine/range.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "report/png.hpp"
+#include "io/png.hpp"
 
 #include <png.h>
 
@@ -6,7 +6,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "report/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 
 namespace bitspan {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "config/config.hpp"
-#include "config/records.hpp"
+#include "engine/records.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan {

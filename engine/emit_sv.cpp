@@ -1,4 +1,4 @@
-#include "config/emit_sv.hpp"
+#include "engine/emit_sv.hpp"
 
 #include <algorithm>
 #include <bit>

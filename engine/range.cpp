@@ -1,4 +1,4 @@
-#include "config/range.hpp"
+#include "engine/range.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,10 @@
-#include "report/npy.hpp"
+#include "io/npy.hpp"
 
 #include <bit>
 #include <stdexcept>
 #include <string_view>
 
-#include "report/atomic_file.hpp"
+#include "io/atomic_file.hpp"
 
 namespace bitspan {
 namespace {

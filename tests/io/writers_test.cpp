@@ -1,0 +1,169 @@
+// The writers of pictures, arrays and whole-or-nothing files.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <set>
+
+#include "io/atomic_file.hpp"
+#include "io/npy.hpp"
+#include "io/png.hpp"
+#include "scene/texture.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/input_error.hpp"
+
+namespace bitspan {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+TEST(AtomicFile, AppearsOnCommitOnly) {
+  const TemporaryFolder folder;
+  {
+    AtomicFile file(folder.path("a.txt"));
+    file.write("half");
+    EXPECT_FALSE(std::filesystem::exists(folder.path("a.txt")));
+    file.write(" whole");
+    file.commit();
+    EXPECT_EQ(folder.read("a.txt"), "half whole");
+  }
+  EXPECT_EQ(folder.files(), 1);
+  {
+    AtomicFile file(folder.path("a.txt"));
+    file.write(std::string(1 << 20, 'x'));
+  }  // abandoned
+  EXPECT_EQ(folder.read("a.txt"), "half whole") << "the old content stays";
+  EXPECT_EQ(folder.files(), 1) << "nothing is left behind";
+}
+
+TEST(AtomicFile, KeepsOrderAcrossItsBuffer) {
+  const TemporaryFolder folder;
+  std::string expected;
+  AtomicFile file(folder.path("a.bin"));
+  for (std::size_t size : {1U, 65535U, 3U, 65536U, 70000U, 10U, 200000U, 0U, 7U}) {
+    const std::string piece(size, static_cast<char>('a' + size % 26));
+    file.write(piece);
+    expected += piece;
+  }
+  file.commit();
+  EXPECT_EQ(folder.read("a.bin"), expected);
+}
+
+TEST(AtomicFile, KeepsModeAndLinks) {
+  const TemporaryFolder folder;
+  folder.write("real.txt", "old");
+  ::chmod(folder.path("real.txt").c_str(), 0640);
+  std::filesystem::create_symlink("real.txt", folder.path("link.txt"));
+  write_file(folder.path("link.txt"), "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.path("link.txt")));
+  EXPECT_EQ(folder.read("real.txt"), "new");
+  struct stat info {};
+  ::stat(folder.path("real.txt").c_str(), &info);
+  EXPECT_EQ(info.st_mode & 0777U, 0640U);
+  const mode_t mask = ::umask(022);
+  ::umask(mask);
+  write_file(folder.path("fresh.txt"), "x");
+  ::stat(folder.path("fresh.txt").c_str(), &info);
+  EXPECT_EQ(info.st_mode & 0777U, 0666U & ~mask);
+}
+
+TEST(AtomicFile, RefusesWhatCannotBeWritten) {
+  const TemporaryFolder folder;
+  EXPECT_NE(input_error([&] {
+              write_file(folder.path("none/a.txt"), "x");
+            }).find("none/a.txt: cannot write: No such"),
+            std::string::npos);
+  EXPECT_NE(input_error([&] { write_file(folder.path(), "x"); }).find("cannot write: Is a directory"),
+            std::string::npos);
+  EXPECT_NE(input_error([&] { write_file("", "x"); }).find("cannot write"), std::string::npos);
+  folder.write("file", "");
+  EXPECT_NE(
+      input_error([&] { write_file(folder.path("file/a.txt"), "x"); }).find("cannot write: Not a directory"),
+      std::string::npos);
+  EXPECT_NE(input_error([&] {
+              write_file(folder.path(std::string(300, 'n')), "x");
+            }).find("cannot write: File name too long"),
+            std::string::npos);
+  EXPECT_EQ(folder.files(), 1);
+}
+
+TEST(AtomicFile, FullDiskShows) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  EXPECT_NE(input_error([&] { write_file("/dev/full", "x"); }).find("/dev/full: cannot write: No space left"),
+            std::string::npos);
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/full")) << "a device is written to, not replaced";
+}
+
+TEST(Png, ReadsBackInEveryLayout) {
+  for (int channels = 1; channels <= 4; ++channels) {
+    Bytes pixels(static_cast<std::size_t>(9 * 5 * channels));
+    std::iota(pixels.begin(), pixels.end(), std::uint8_t{3});
+    const Texture texture = decode_texture(encode_png(9, 5, channels, pixels), "p");
+    ASSERT_EQ(texture.width, 9);
+    ASSERT_EQ(texture.height, 5);
+    const std::size_t n = static_cast<std::size_t>(channels);
+    for (std::size_t i = 0; i < 45; ++i) {
+      const bool grey = channels < 3;
+      for (std::size_t k = 0; k < 3; ++k) ASSERT_EQ(texture.rgba[4 * i + k], pixels[n * i + (grey ? 0 : k)]);
+      ASSERT_EQ(texture.rgba[4 * i + 3], channels % 2 == 0 ? pixels[n * i + n - 1] : 255);
+    }
+  }
+}
+
+TEST(Png, SamePixelsSameBytes) {
+  const Bytes pixels(300, 7);
+  EXPECT_EQ(encode_png(10, 10, 3, pixels), encode_png(10, 10, 3, pixels));
+  EXPECT_THROW(encode_png(10, 11, 3, pixels), std::invalid_argument);
+  EXPECT_THROW(encode_png(0, 10, 3, {}), std::invalid_argument);
+}
+
+TEST(Png, UnwritableIsInputError) {
+  const TemporaryFolder folder;
+  EXPECT_NE(
+      input_error([&] { write_png(folder.path("x/p.png"), 1, 1, 1, Bytes{0}); }).find("p.png: cannot write"),
+      std::string::npos);
+}
+
+// Header text and data of a version 1.0 file.
+std::pair<std::string, std::string> split_npy(const std::string& file) {
+  EXPECT_EQ(file.substr(0, 8), std::string("\x93NUMPY\x01\x00", 8));
+  const std::size_t length = static_cast<std::uint8_t>(file[8]) + 256U * static_cast<std::uint8_t>(file[9]);
+  EXPECT_EQ((10 + length) % 64, 0U);
+  EXPECT_EQ(file[9 + length], '\n');
+  std::string header = file.substr(10, length);
+  header.erase(header.find_last_not_of(" \n") + 1);
+  return {header, file.substr(10 + length)};
+}
+
+template <class T>
+void expect_npy(const std::vector<T>& values, std::initializer_list<std::size_t> shape,
+                const std::string& header) {
+  const TemporaryFolder folder;
+  write_npy(folder.path("a.npy"), shape, std::span<const T>(values));
+  const auto [text, data] = split_npy(folder.read("a.npy"));
+  EXPECT_EQ(text, header);
+  ASSERT_EQ(data.size(), values.size() * sizeof(T));
+  if (!values.empty()) {
+    EXPECT_EQ(std::memcmp(data.data(), values.data(), data.size()), 0);
+  }
+}
+
+TEST(Npy, HeadersAndData) {
+  expect_npy<std::uint8_t>({1, 2, 3, 4, 5, 6, 7, 8}, {1, 2, 4},
+                           "{'descr': '|u1', 'fortran_order': False, 'shape': (1, 2, 4), }");
+  expect_npy<std::uint32_t>({1, 4000000000, 3, 4, 5, 6}, {2, 3},
+                            "{'descr': '<u4', 'fortran_order': False, 'shape': (2, 3), }");
+  expect_npy<std::int32_t>({-1, 7}, {2}, "{'descr': '<i4', 'fortran_order': False, 'shape': (2,), }");
+  expect_npy<double>({0.1, std::nan(""), -0.0, 1e300}, {2, 2},
+                     "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 2), }");
+  expect_npy<double>({}, {0, 5}, "{'descr': '<f8', 'fortran_order': False, 'shape': (0, 5), }");
+  EXPECT_THROW(write_npy("a.npy", {2, 2}, std::span<const double>()), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace bitspan
