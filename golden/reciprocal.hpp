@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "config/modes.hpp"
 #include "golden/lanes.hpp"
 #include "golden/quantize.hpp"
 
@@ -38,13 +39,20 @@ class ReciprocalUnit {
     if (d <= 0) d = least_;
     const int e = exponent_of(d);
     const Real n = d * pow2<Real>(-e);
-    if (kind_ == ReciprocalKind::restoring) {
-      if (normalize_) return {output_.quotient(Real(1), n), e};
-      return {output_.quotient(Real(1), d), 0};
+    const auto narrowed = [&](Real y) -> Inverse<Real> {
+      if (normalize_) return {output_(y), e};
+      return {output_(y * pow2<Real>(-e)), 0};
+    };
+    switch (kind_) {
+      case ReciprocalKind::restoring:
+        if (normalize_) return {output_.quotient(Real(1), n), e};
+        return {output_.quotient(Real(1), d), 0};
+      case ReciprocalKind::lut_linear:
+        return narrowed(linear(n));
+      case ReciprocalKind::lut_newton:
+        return narrowed(newton(n));
     }
-    const Real y = kind_ == ReciprocalKind::lut_linear ? linear(n) : newton(n);
-    if (normalize_) return {output_(y), e};
-    return {output_(y * pow2<Real>(-e)), 0};
+    unreachable();
   }
 
   std::int64_t raw(Real m) const { return output_.raw(m); }
@@ -107,7 +115,7 @@ struct Divisor {
 
   Divisor() = default;
   Divisor(Real d, SlopeForm form, const ReciprocalUnit<Real>& unit)
-      : length(d), reciprocal(form == SlopeForm::reciprocal) {
+      : length(d), reciprocal(shares_reciprocal(form)) {
     if (reciprocal) inverse = unit(d);
   }
   Real slope(Real n, const Quantizer<Real>& q) const {
