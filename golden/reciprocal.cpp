@@ -66,6 +66,42 @@ ReciprocalUnit<Real>::ReciprocalUnit(const Reciprocal& unit, int operand_fractio
 }
 
 template <class Real>
+Real ReciprocalUnit<Real>::linear(Real n) const {
+  const Real position = (floor_of(n * operand_scale_) * operand_ulp_ - 1) * index_scale_;
+  const Real j = floor_of(position);
+  const auto index = static_cast<std::size_t>(to_integer(j));
+  const Real from = table_[index];
+  const Real fall = from - table_[index + 1];
+  const Real t = position - j;
+  if (single_) return cut(from - fall * t);
+  return cut(ExactSum(-exact_product(fall, t)).add(base_of(from)).get());
+}
+
+template <class Real>
+Real ReciprocalUnit<Real>::newton(Real n) const {
+  const Real nq = floor_of(n * operand_scale_) * operand_ulp_;
+  Real y = table_[static_cast<std::size_t>(to_integer(floor_of((nq - 1) * index_scale_)))];
+  for (int step = 0; step < steps_; ++step) {
+    const Real a = single_ ? cut(nq * y) : cut(exact_product(nq, y));
+    y = single_ ? cut(y * (2 - a)) : cut(exact_product(y, 2 - a));
+  }
+  return y;
+}
+
+template <class Real>
+Real ReciprocalUnit<Real>::by_table(Real n) const {
+  switch (kind_) {
+    case ReciprocalKind::restoring:  // has no table
+      break;
+    case ReciprocalKind::lut_linear:
+      return linear(n);
+    case ReciprocalKind::lut_newton:
+      return newton(n);
+  }
+  unreachable();
+}
+
+template <class Real>
 bool ReciprocalUnit<Real>::quick(const Column& d, std::size_t n, Column& m, Column& inverse_power,
                                  std::int64_t* e) const requires std::same_as<Real, double> {
   if (!normalize_ || !single_ || !quick_output_.usable) return false;
@@ -93,11 +129,17 @@ bool ReciprocalUnit<Real>::quick(const Column& d, std::size_t n, Column& m, Colu
 
 // Member by member: clang 14 would take the whole class to include what Real excludes.
 template ReciprocalUnit<double>::ReciprocalUnit(const Reciprocal&, int);
+template double ReciprocalUnit<double>::by_table(double) const;
 template ReciprocalUnit<long double>::ReciprocalUnit(const Reciprocal&, int);
+template long double ReciprocalUnit<long double>::by_table(long double) const;
 template ReciprocalUnit<Quad>::ReciprocalUnit(const Reciprocal&, int);
+template Quad ReciprocalUnit<Quad>::by_table(Quad) const;
 template ReciprocalUnit<Checked<double>>::ReciprocalUnit(const Reciprocal&, int);
+template Checked<double> ReciprocalUnit<Checked<double>>::by_table(Checked<double>) const;
 template ReciprocalUnit<Checked<long double>>::ReciprocalUnit(const Reciprocal&, int);
+template Checked<long double> ReciprocalUnit<Checked<long double>>::by_table(Checked<long double>) const;
 template ReciprocalUnit<Checked<Quad>>::ReciprocalUnit(const Reciprocal&, int);
+template Checked<Quad> ReciprocalUnit<Checked<Quad>>::by_table(Checked<Quad>) const;
 template bool ReciprocalUnit<double>::quick(const Column&, std::size_t, Column&, Column&,
                                             std::int64_t*) const;
 

@@ -199,10 +199,6 @@ class SpanWalker {
       load(fragments, &FragmentRecord::fv, fv);
       const double acc_ulp = q_acc_.ulp();
       const double uv_scale = 1 / q_uv_.ulp();
-      const auto load_operand = [&] {
-        load(fragments, &FragmentRecord::h, d);
-        lanes_operand(d, q_h_.ulp(), b_, least_, n, d);
-      };
       switch (perspective_) {
         case Perspective::affine:
         case Perspective::const_depth_rows:
@@ -210,12 +206,14 @@ class SpanWalker {
           if (lanes_narrow(fv, acc_ulp * uv_scale, quick_uv_, n, v) != 0) return false;
           break;
         case Perspective::hyperbolic:
-          load_operand();
+          load(fragments, &FragmentRecord::h, d);
+          lanes_operand(d, q_h_.ulp(), b_, least_, n, d);
           if (lanes_narrow_quotient(fu, d, acc_ulp * uv_scale, quick_uv_, n, u) != 0) return false;
           if (lanes_narrow_quotient(fv, d, acc_ulp * uv_scale, quick_uv_, n, v) != 0) return false;
           break;
         case Perspective::delta_f: {
-          load_operand();
+          load(fragments, &FragmentRecord::h, d);
+          lanes_operand(d, q_h_.ulp(), b_, least_, n, d);
           if (!unit_.quick(d, n, m, inverse_power, e.data())) return false;
           const double scale = acc_ulp * unit_.ulp() * uv_scale;
           const double base_scale = q_edge_uv_.ulp() * uv_scale;
