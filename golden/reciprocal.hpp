@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "config/modes.hpp"
 #include "golden/lanes.hpp"
 #include "golden/quantize.hpp"
 
@@ -38,11 +39,11 @@ class ReciprocalUnit {
     if (d <= 0) d = least_;
     const int e = exponent_of(d);
     const Real n = d * pow2<Real>(-e);
-    if (kind_ == ReciprocalKind::restoring) {
+    if (!has_table(kind_)) {
       if (normalize_) return {output_.quotient(Real(1), n), e};
       return {output_.quotient(Real(1), d), 0};
     }
-    const Real y = kind_ == ReciprocalKind::lut_linear ? linear(n) : newton(n);
+    const Real y = by_table(n);
     if (normalize_) return {output_(y), e};
     return {output_(y * pow2<Real>(-e)), 0};
   }
@@ -60,25 +61,10 @@ class ReciprocalUnit {
   Real cut(const PairOf<Real>& x) const {
     return Real(whole_of(x.scaled(base_of(internal_scale_))).whole) * internal_ulp_;
   }
-  Real linear(Real n) const {
-    const Real position = (floor_of(n * operand_scale_) * operand_ulp_ - 1) * index_scale_;
-    const Real j = floor_of(position);
-    const auto index = static_cast<std::size_t>(to_integer(j));
-    const Real from = table_[index];
-    const Real fall = from - table_[index + 1];
-    const Real t = position - j;
-    if (single_) return cut(from - fall * t);
-    return cut(ExactSum(-exact_product(fall, t)).add(base_of(from)).get());
-  }
-  Real newton(Real n) const {
-    const Real nq = floor_of(n * operand_scale_) * operand_ulp_;
-    Real y = table_[static_cast<std::size_t>(to_integer(floor_of((nq - 1) * index_scale_)))];
-    for (int step = 0; step < steps_; ++step) {
-      const Real a = single_ ? cut(nq * y) : cut(exact_product(nq, y));
-      y = single_ ? cut(y * (2 - a)) : cut(exact_product(y, 2 - a));
-    }
-    return y;
-  }
+  // 1 / n as a kind with a table has it, before it is narrowed.
+  Real by_table(Real n) const;
+  Real linear(Real n) const;
+  Real newton(Real n) const;
 
   ReciprocalKind kind_;
   bool normalize_;
@@ -108,7 +94,7 @@ struct Divisor {
 
   Divisor() = default;
   Divisor(Real d, SlopeForm form, const ReciprocalUnit<Real>& unit)
-      : length(d), reciprocal(form == SlopeForm::reciprocal) {
+      : length(d), reciprocal(shares_reciprocal(form)) {
     if (reciprocal) inverse = unit(d);
   }
   Real slope(Real n, const Quantizer<Real>& q) const {
