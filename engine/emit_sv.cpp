@@ -54,11 +54,11 @@ std::vector<std::uint64_t> reciprocal_table(const Reciprocal& unit) {
   return table;
 }
 
-void reciprocal(Writer& w, const std::string& name, const Reciprocal& unit, const OperandGrid& operand) {
+void reciprocal(Writer& w, const std::string& name, const Reciprocal& unit, Grid operand) {
   w.line("");
   w.integer(name + "Kind", static_cast<int>(unit.kind));
   w.integer(name + "Normalize", unit.normalize ? 1 : 0);
-  w.integer(name + "OpW", operand.word);
+  w.integer(name + "OpW", operand.bits());
   w.integer(name + "OpFrac", operand.fraction);
   w.integer(name + "OperandBits", unit.operand_bits);
   w.integer(name + "IndexBits", unit.index_bits);
@@ -72,8 +72,9 @@ void reciprocal(Writer& w, const std::string& name, const Reciprocal& unit, cons
   w.integer(name + "Iterations", shape.iterations);
   w.integer(name + "QuotientFrac", shape.fraction);
   // The exponent's range as it is delivered.
-  w.integer(name + "EMin", unit.normalize ? -operand.fraction : 0);
-  w.integer(name + "EMax", unit.normalize ? operand.word - 1 - operand.fraction : 0);
+  const Exponents exponents = exponents_of(unit, operand);
+  w.integer(name + "EMin", exponents.low);
+  w.integer(name + "EMax", exponents.high);
   const std::vector<std::uint64_t> table = reciprocal_table(unit);
   const int entries = std::max<int>(1, static_cast<int>(table.size()));
   const int bits = unit.table_bits + 1;
@@ -119,10 +120,10 @@ void offset(Writer& w, const std::string& name, const StartOffset& offset, int k
   w.integer(name + "Frac", fraction);
 }
 
-void check_operand(const OperandGrid& g, std::string_view what) {
+void check_operand(Grid g, std::string_view what) {
   constexpr int limit = 1 << (exponent_bits - 1);
-  if (g.fraction >= limit || g.word - 1 - g.fraction >= limit || g.word > limit) {
-    throw InputError(std::string(what) + ": the operand needs " + std::to_string(g.word) + " bits, " +
+  if (g.fraction >= limit || exponents_on(g).high >= limit || g.bits() > limit) {
+    throw InputError(std::string(what) + ": the operand needs " + std::to_string(g.bits()) + " bits, " +
                      std::to_string(g.fraction) + " of them fraction bits; the RTL holds fewer than " +
                      std::to_string(limit));
   }
@@ -132,8 +133,8 @@ void check_operand(const OperandGrid& g, std::string_view what) {
 
 std::string emit_sv(const Config& config) {
   const RtlTiming timing = rtl_timing(config);
-  const OperandGrid pixel = pixel_operand(config);
-  const OperandGrid row = row_operand(config);
+  const Grid pixel = pixel_operand(config);
+  const Grid row = row_operand(config);
   check_operand(pixel, "reciprocal.pixel");
   check_operand(row, "reciprocal.row");
   const bool const_rows = config.perspective == Perspective::const_depth_rows;
@@ -180,10 +181,10 @@ std::string emit_sv(const Config& config) {
   w.integer("PhaseW", std::max(1, config.format(FormatId::plane_k).fraction()));
 
   w.line("  // h + B as a signed number, h an edge's or a span's.");
-  const OperandGrid edge_sum = depth_sum(config, FormatId::edge_h);
-  w.integer("EdgeSumW", edge_sum.word + 1);
+  const Grid edge_sum = depth_sum(config, FormatId::edge_h);
+  w.integer("EdgeSumW", as_signed(edge_sum).bits());
   w.integer("EdgeSumFrac", edge_sum.fraction);
-  w.integer("SpanSumW", pixel.word + 1);
+  w.integer("SpanSumW", as_signed(pixel).bits());
   w.integer("SpanSumFrac", pixel.fraction);
 
   w.line("");

@@ -38,8 +38,8 @@ HWY_INLINE LengthOf<Value> length_of(SumOf<Value> d, InverseOf<Value> inverse) {
 template <class Value, class Watch>
 HWY_INLINE LengthOf<Value> make_length(const LengthForm& f, SumOf<Value> d, Watch watch) {
   if (f.form == SlopeForm::reciprocal) {
-    return length_of<Value>(
-        d, HWY_NAMESPACE::reciprocal(f.unit.formats(), f.unit.table().data(), d, f.size.fraction, watch));
+    return length_of<Value>(d, HWY_NAMESPACE::reciprocal(f.unit.formats(), f.unit.table().data(), d,
+                                                         f.magnitude.fraction, watch));
   }
   return length_of<Value>(d, {Value(0), Value(0)});
 }

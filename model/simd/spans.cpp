@@ -1,6 +1,6 @@
 #include "model/simd/spans.hpp"
 
-#include "model/numeric/extent.hpp"
+#include "model/numeric/integers.hpp"
 #include "model/simd/targets.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -33,9 +33,9 @@ SpanKernels<std::int64_t> span_kernels(VectorTarget target) {
 }
 
 const char* spans_refusal(const Config& config) {
-  const auto of = [&](FormatId id) { return extent(config.format(id)); };
+  const auto of = [&](FormatId id) { return signed_grid(config.format(id)); };
   return config.perspective != Perspective::const_depth_rows &&
-                 width(sum(of(FormatId::span_h), of(FormatId::setup_b))) > 63
+                 (of(FormatId::span_h) + of(FormatId::setup_b)).bits() > 63
              ? "h + B needs more than 63 bits"
              : nullptr;
 }
