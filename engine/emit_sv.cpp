@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "config/reciprocal_table.hpp"
 #include "config/rtl_timing.hpp"
 
 namespace bitspan {
@@ -33,27 +34,6 @@ struct Writer {
   }
 };
 
-// floor(2^table_bits / (1 + x) + 1/2) for the table's points x, as spec section "Reciprocal" has them.
-std::vector<std::uint64_t> reciprocal_table(const Reciprocal& unit) {
-  using Wide = unsigned __int128;
-  const int p = unit.index_bits;
-  const std::uint64_t entries = std::uint64_t{1} << p;
-  std::vector<std::uint64_t> table;
-  const auto rounded_quotient = [](Wide n, Wide d) {
-    return static_cast<std::uint64_t>((2 * n + d) / (2 * d));
-  };
-  if (unit.kind == ReciprocalKind::lut_linear) {
-    for (std::uint64_t i = 0; i <= entries; ++i) {  // x = i / 2^p
-      table.push_back(rounded_quotient(Wide{1} << (unit.table_bits + p), entries + i));
-    }
-  } else if (unit.kind == ReciprocalKind::lut_newton) {
-    for (std::uint64_t i = 0; i < entries; ++i) {  // x = (i + 1/2) / 2^p
-      table.push_back(rounded_quotient(Wide{1} << (unit.table_bits + p + 1), 2 * entries + 2 * i + 1));
-    }
-  }
-  return table;
-}
-
 void reciprocal(Writer& w, const std::string& name, const Reciprocal& unit, Grid operand) {
   w.line("");
   w.integer(name + "Kind", static_cast<int>(unit.kind));
@@ -75,7 +55,7 @@ void reciprocal(Writer& w, const std::string& name, const Reciprocal& unit, Grid
   const Exponents exponents = exponents_of(unit, operand);
   w.integer(name + "EMin", exponents.low);
   w.integer(name + "EMax", exponents.high);
-  const std::vector<std::uint64_t> table = reciprocal_table(unit);
+  const std::vector<std::int64_t> table = reciprocal_table(unit);
   const int entries = std::max<int>(1, static_cast<int>(table.size()));
   const int bits = unit.table_bits + 1;
   w.integer(name + "TableEntries", entries);

@@ -2,40 +2,14 @@
 
 #include <algorithm>
 
+#include "config/reciprocal_table.hpp"
 #include "model/numeric/ratio.hpp"
 #include "model/numeric/reciprocal-inl.hpp"
 
 namespace bitspan::model {
-namespace {
-
-// floor(2^table_bits n / d + 1/2)
-std::int64_t entry(int128 n, int128 d, int table_bits) {
-  return static_cast<std::int64_t>(floor_divide((n << (table_bits + 1)) + d, 2 * d).floor);
-}
-
-std::vector<std::int64_t> make_table(const Reciprocal& c) {
-  std::vector<std::int64_t> table;
-  if (c.kind == ReciprocalKind::restoring) {
-    return table;
-  }
-  const int128 size = int128{1} << c.index_bits;
-  if (c.kind == ReciprocalKind::lut_linear) {
-    for (int128 i = 0; i <= size; ++i) {
-      table.push_back(entry(size, size + i, c.table_bits));
-    }
-  } else {
-    for (int128 j = 0; j < size; ++j) {
-      table.push_back(entry(2 * size, 2 * size + 2 * j + 1, c.table_bits));
-    }
-  }
-  return table;
-}
-
-}  // namespace
-
 ReciprocalUnit::ReciprocalUnit(const Reciprocal& config, RegisterId id)
     : formats_(reciprocal_formats(config, id)),
-      table_(std::make_shared<const std::vector<std::int64_t>>(make_table(config))) {}
+      table_(std::make_shared<const std::vector<std::int64_t>>(reciprocal_table(config))) {}
 
 template <class Watch>
 Inverse reciprocal(const ReciprocalFormats& formats, const std::int64_t* table, int128 d, int fraction,
