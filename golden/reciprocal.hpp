@@ -20,7 +20,7 @@ struct Inverse {
   }
 };
 
-// Fraction bits of the grid that h + B lies on.
+// Returns the fraction bits of the grid that h + B lies on.
 inline int depth_sum_fraction(const Config& config, FormatId h) {
   const int a = config.format(h).fraction();
   const int b = config.format(FormatId::setup_b).fraction();
@@ -33,7 +33,7 @@ class ReciprocalUnit {
   // operand_fraction: the operands are multiples of 2^-operand_fraction.
   ReciprocalUnit(const Reciprocal& unit, int operand_fraction);
 
-  // Any d; d <= 0 stands for the smallest positive operand.
+  // Takes any d; d <= 0 stands for the smallest positive operand.
   Inverse<Real> operator()(Real d) const {
     if (d <= 0) d = least_;
     const int e = exponent_of(d);
@@ -49,8 +49,8 @@ class ReciprocalUnit {
 
   std::int64_t raw(Real m) const { return output_.raw(m); }
 
-  // Of a column of normal d > 0: m in ulps, 2^-e and e. False where that has no quick form for this unit, or
-  // for one of these d.
+  // Gives m in ulps, 2^-e and e for a column of normal d > 0. Returns false where this unit, or one of these
+  // d, has no quick form.
   bool quick(const Column& d, std::size_t n, Column& m, Column& inverse_power,
              std::int64_t* e) const requires std::same_as<Real, double>;
   double ulp() const requires std::same_as<Real, double> { return output_.ulp(); }
@@ -91,14 +91,15 @@ class ReciprocalUnit {
   std::vector<Real> table_;
 };
 
-// The table of a lut kind: 2^index_bits + 1 entries for lut_linear, 2^index_bits for lut_newton, in units of
-// 2^-table_bits; empty for restoring.
+// Returns the table of a lut kind in units of 2^-table_bits: 2^index_bits + 1 entries for lut_linear,
+// 2^index_bits for lut_newton; empty for restoring.
 std::vector<std::int64_t> reciprocal_table(const Reciprocal& unit);
 
-// Significant bits that hold every product of a lut kind.
+// Returns the significant bits that hold every product of a lut kind.
 int lut_product_bits(const Reciprocal& unit);
 
-// What slopes are divided by: a length, and its reciprocal where that form is configured. docs: "Slope".
+// What slopes are divided by: a length, and its reciprocal where that form is configured;
+// docs/numeric-spec.md, "Slope".
 template <class Real>
 struct Divisor {
   Real length = 1;
