@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "config/names.hpp"
 #include "config/reciprocal_table.hpp"
 #include "config/rtl_timing.hpp"
 
@@ -14,6 +15,15 @@ namespace {
 
 // Width of the exponent ports, signed; reciprocal exponents are asserted to fit.
 constexpr int exponent_bits = 8;
+
+// "0 restoring, 1 lut_linear ...": what the numbers of an enumeration stand for.
+template <class E>
+std::string numbered_names() {
+  std::string text;
+  for (std::size_t i = 0; i < enum_names<E>.size(); ++i)
+    text += (i == 0 ? "" : ", ") + std::to_string(i) + " " + std::string(enum_names<E>[i]);
+  return text;
+}
 
 struct Writer {
   std::string text;
@@ -174,9 +184,8 @@ std::string emit_sv(const Config& config) {
   offset(w, "OffsetF", config.start_offset.span_f, config.format(kept).fraction());
 
   w.line("");
-  w.line(
-      "  // Reciprocal units. Kind: 0 restoring, 1 lut_linear, 2 lut_newton. Operands are unsigned, OpW "
-      "bits.");
+  w.line("  // Reciprocal units. Kind: " + numbered_names<ReciprocalKind>() +
+         ". Operands are unsigned, OpW bits.");
   reciprocal(w, "RowRecip", config.row_reciprocal, row);
   reciprocal(w, "PixelRecip", config.pixel_reciprocal, pixel);
 
