@@ -42,8 +42,8 @@ HWY_INLINE LengthOf<Value> make_length(const LengthForm& f, SumOf<Value> d, Watc
     case SlopeForm::divide:
       return length_of<Value>(d, {Value(0), Value(0)});
     case SlopeForm::reciprocal:
-      return length_of<Value>(
-          d, HWY_NAMESPACE::reciprocal(f.unit.formats(), f.unit.table().data(), d, f.size.fraction, watch));
+      return length_of<Value>(d, HWY_NAMESPACE::reciprocal(f.unit.formats(), f.unit.table().data(), d,
+                                                           f.magnitude.fraction, watch));
   }
   unreachable();
 }

@@ -12,10 +12,10 @@ namespace bitspan::model {
 struct LengthForm {
   SlopeForm form = SlopeForm::divide;
   ReciprocalUnit unit;
-  Size size;
+  Grid magnitude;
   bool lanes = false;
 };
-LengthForm make_length_form(SlopeForm form, const ReciprocalUnit& unit, Size size);
+LengthForm make_length_form(SlopeForm form, const ReciprocalUnit& unit, Grid magnitude);
 
 struct Slope {
   Register r;
@@ -25,6 +25,6 @@ struct Slope {
   bool down = false;         // reciprocal: the product always has bits below r's, 60 at most
   bool lanes = false;
 };
-Slope make_slope(const Register& r, Size n, const LengthForm& length);
+Slope make_slope(const Register& r, Grid n, const LengthForm& length);
 
 }  // namespace bitspan::model
