@@ -43,8 +43,8 @@ Line make_line(const Register& r, const Register* base, const Register& step, Si
       grid - line.fraction <= term_bits) {
     line.t_bits = std::min(62, term_bits - product_bits);
   }
-  line.lanes = std::max({base_bits, offset_bits, product_bits + t.bits}) + 2 <= wide_bits &&
-               shift <= lane_shift && lanes_hold(t);
+  line.fits_lanes = std::max({base_bits, offset_bits, product_bits + t.bits}) + 2 <= wide_bits &&
+                    shift <= lane_shift && lanes_hold(t);
   return line;
 }
 
@@ -57,7 +57,7 @@ Product make_product(const Register& r, Size a, Size b) {
   if (shift <= term_bits) {
     p.a_bits = std::min(62, term_bits - bits_on({b.bits, p.fraction}, grid));
   }
-  p.lanes = lanes_hold(a) && lanes_hold(b) && bits_on(a * b, grid) <= wide_bits && shift <= lane_shift;
+  p.fits_lanes = lanes_hold(a) && lanes_hold(b) && bits_on(a * b, grid) <= wide_bits && shift <= lane_shift;
   return p;
 }
 
@@ -68,7 +68,7 @@ Narrowing make_narrowing(const Register& r, Size from) {
   const int shift = n.fraction - r.fraction;
   const int bits = bits_on(from, std::max(n.fraction, r.fraction));
   n.fits = bits <= term_bits && shift <= term_bits;
-  n.lanes = bits <= wide_bits && shift <= lane_shift;
+  n.fits_lanes = bits <= wide_bits && shift <= lane_shift;
   return n;
 }
 
@@ -91,7 +91,7 @@ PerspectivePoint make_perspective_point(const Register& r, const Register& base,
     p.f_bits = std::min(62, term_bits - product_bits);
   }
   p.aligned = low >= base.fraction && low > r.fraction && shift <= term_bits;
-  p.lanes =
+  p.fits_lanes =
       base_bits + 2 <= wide_bits && product_bits + size_of(f).bits + 2 <= wide_bits && shift <= lane_shift;
   return p;
 }

@@ -53,7 +53,7 @@ struct Line {
   int base_up = 0, product_up = 0, fraction = 0;
   int128 offset = 0;
   int t_bits = -1;  // |t| < 2^t_bits: in 64 bits
-  bool lanes = false;
+  bool fits_lanes = false;
 };
 // base: a register, or null for none.
 Line make_line(const Register& r, const Register* base, const Register& step, Size t, Exact offset);
@@ -63,7 +63,7 @@ struct Product {
   Register r;
   int fraction = 0;
   int a_bits = -1;  // |a| < 2^a_bits: in 64 bits
-  bool lanes = false;
+  bool fits_lanes = false;
 };
 Product make_product(const Register& r, Size a, Size b);
 
@@ -72,7 +72,7 @@ struct Narrowing {
   Register r;
   int fraction = 0;
   bool fits = false;  // 64 bits, on r's grid too
-  bool lanes = false;
+  bool fits_lanes = false;
 };
 Narrowing make_narrowing(const Register& r, Size from);
 
@@ -82,7 +82,7 @@ struct PerspectivePoint {
   int base_fraction = 0, product_fraction = 0;
   int f_bits = -1;       // |f| < 2^f_bits: in 64 bits
   bool aligned = false;  // f m 2^-e always has more fraction bits than base and r, by 60 at most
-  bool lanes = false;
+  bool fits_lanes = false;
 };
 PerspectivePoint make_perspective_point(const Register& r, const Register& base, const Register& f,
                                         const Register& m, Exponents e);

@@ -18,7 +18,7 @@ namespace bitspan::model {
 
 // What fog computes by, known from the configuration alone.
 struct FogFormats {
-  bool narrow = false;  // the mix with the fog's colour fits int64
+  bool fits_int64 = false;  // the mix with the fog's colour fits int64
   int scale_fraction = 0;
   Register color_in, factor, color;
   ReciprocalFormats reciprocal;  // R_pixel
@@ -32,7 +32,7 @@ constexpr FogFormats fog_formats(const Config& config) {
   f.reciprocal = reciprocal_formats(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
   const Extent color = sum(extent(config.format(FormatId::texture_color)), extent_of_integer(8));
   const Extent share = extent(config.format(FormatId::fog_factor));
-  f.narrow = fits_int64(sum(product(color, share), product(extent_of_integer(8), share)));
+  f.fits_int64 = fits_int64(sum(product(color, share), product(extent_of_integer(8), share)));
   return f;
 }
 

@@ -12,7 +12,7 @@
 namespace bitspan::model {
 
 struct MergeStage {
-  bool narrow = false;  // the blend fits int64
+  bool fits_int64 = false;  // the blend fits int64
   Register color_in, alpha, color;
 };
 constexpr MergeStage prepare_merge(const Config& config) {
@@ -22,7 +22,7 @@ constexpr MergeStage prepare_merge(const Config& config) {
   s.color = make_register(config, FormatId::merge_color);
   const Extent color = sum(extent(config.format(FormatId::fog_color)), extent_of_integer(8));
   const Extent share = extent(config.format(FormatId::texture_alpha));
-  s.narrow = fits_int64(sum(product(color, share), product(extent_of_integer(8), share)));
+  s.fits_int64 = fits_int64(sum(product(color, share), product(extent_of_integer(8), share)));
   return s;
 }
 

@@ -18,8 +18,8 @@ struct TextureStage {
   TextureFilter filter = TextureFilter::nearest;
   TextureWrap wrap = TextureWrap::cyclic;
   std::optional<std::array<std::uint8_t, 3>> transparent;
-  bool narrow = false;  // every intermediate fits int64
-  Register uv, shade;   // formats of the fragment
+  bool fits_int64 = false;  // every intermediate fits int64
+  Register uv, shade;       // formats of the fragment
   Register frac, mix, color, alpha;
 };
 constexpr TextureStage prepare_texture(const Config& config) {
@@ -41,8 +41,8 @@ constexpr TextureStage prepare_texture(const Config& config) {
   const Extent shade = extent(config.format(FormatId::span_shade));
   // u - 1/2, and its floor plus one.
   const Extent below = sum(extent(config.format(FormatId::span_uv)), Extent{1, 1});
-  s.narrow = mixes(extent_of_integer(8)) && mixes(mix) && mixes(alpha) && fits_int64(product(mix, shade)) &&
-             fits_int64(product(alpha, shade)) && fits_int64(below);
+  s.fits_int64 = mixes(extent_of_integer(8)) && mixes(mix) && mixes(alpha) &&
+                 fits_int64(product(mix, shade)) && fits_int64(product(alpha, shade)) && fits_int64(below);
   return s;
 }
 
