@@ -193,8 +193,9 @@ class SpanWalker {
     if constexpr (std::same_as<Real, double>) {
       if (!quick_uv_.usable) return false;
       const std::size_t n = fragments.size();
-      Column fu, fv, u, v, d, m, inverse_power;  // NOLINT(cppcoreguidelines-pro-type-member-init): n are set
-      std::array<std::int64_t, lanes> e;         // NOLINT(cppcoreguidelines-pro-type-member-init)
+      Column fu, fv, u, v, m, inverse_power;  // NOLINT(cppcoreguidelines-pro-type-member-init): n are set
+      std::array<std::int64_t, lanes> e;      // NOLINT(cppcoreguidelines-pro-type-member-init)
+      Column d{};                             // the compiler does not see that a mode that reads it sets it
       load(fragments, &FragmentRecord::fu, fu);
       load(fragments, &FragmentRecord::fv, fv);
       const double acc_ulp = q_acc_.ulp();
