@@ -43,8 +43,8 @@ Line make_line(const Register& r, const Register* base, const Register& step, Gr
       grid - line.fraction <= term_bits) {
     line.t_bits = std::min(62, term_bits - product_bits);
   }
-  line.lanes = std::max({base_bits, offset_bits, product_bits + t.bits()}) + 2 <= wide_bits &&
-               shift <= lane_shift && lanes_hold(t);
+  line.fits_lanes = std::max({base_bits, offset_bits, product_bits + t.bits()}) + 2 <= wide_bits &&
+                    shift <= lane_shift && lanes_hold(t);
   return line;
 }
 
@@ -57,7 +57,8 @@ Product make_product(const Register& r, Grid a, Grid b) {
   if (shift <= term_bits) {
     p.a_bits = std::min(62, term_bits - b.bits() - (grid - p.fraction));
   }
-  p.lanes = lanes_hold(a) && lanes_hold(b) && aligned(a * b, grid).bits() <= wide_bits && shift <= lane_shift;
+  p.fits_lanes =
+      lanes_hold(a) && lanes_hold(b) && aligned(a * b, grid).bits() <= wide_bits && shift <= lane_shift;
   return p;
 }
 
@@ -68,7 +69,7 @@ Narrowing make_narrowing(const Register& r, Grid from) {
   const int shift = n.fraction - r.fraction;
   const int bits = aligned(from, r.fraction).bits();
   n.fits = bits <= term_bits && shift <= term_bits;
-  n.lanes = bits <= wide_bits && shift <= lane_shift;
+  n.fits_lanes = bits <= wide_bits && shift <= lane_shift;
   return n;
 }
 
@@ -91,8 +92,8 @@ PerspectivePoint make_perspective_point(const Register& r, const Register& base,
     p.f_bits = std::min(62, term_bits - product_bits);
   }
   p.aligned = low >= base.fraction && low > r.fraction && shift <= term_bits;
-  p.lanes = base_bits + 2 <= wide_bits && product_bits + magnitude_of(f).bits() + 2 <= wide_bits &&
-            shift <= lane_shift;
+  p.fits_lanes = base_bits + 2 <= wide_bits && product_bits + magnitude_of(f).bits() + 2 <= wide_bits &&
+                 shift <= lane_shift;
   return p;
 }
 

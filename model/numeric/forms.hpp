@@ -24,7 +24,7 @@ struct Line {
   int base_up = 0, product_up = 0, fraction = 0;
   int128 offset = 0;
   int t_bits = -1;  // |t| < 2^t_bits: in 64 bits
-  bool lanes = false;
+  bool fits_lanes = false;
 };
 // base: a register, or null for none. t, and the operands below: bounds of magnitudes.
 Line make_line(const Register& r, const Register* base, const Register& step, Grid t, Exact offset);
@@ -34,7 +34,7 @@ struct Product {
   Register r;
   int fraction = 0;
   int a_bits = -1;  // |a| < 2^a_bits: in 64 bits
-  bool lanes = false;
+  bool fits_lanes = false;
 };
 Product make_product(const Register& r, Grid a, Grid b);
 
@@ -43,7 +43,7 @@ struct Narrowing {
   Register r;
   int fraction = 0;
   bool fits = false;  // 64 bits, on r's grid too
-  bool lanes = false;
+  bool fits_lanes = false;
 };
 Narrowing make_narrowing(const Register& r, Grid from);
 
@@ -53,7 +53,7 @@ struct PerspectivePoint {
   int base_fraction = 0, product_fraction = 0;
   int f_bits = -1;       // |f| < 2^f_bits: in 64 bits
   bool aligned = false;  // f m 2^-e always has more fraction bits than base and r, by 60 at most
-  bool lanes = false;
+  bool fits_lanes = false;
 };
 PerspectivePoint make_perspective_point(const Register& r, const Register& base, const Register& f,
                                         const Register& m, Exponents e);

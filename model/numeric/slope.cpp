@@ -11,7 +11,7 @@ LengthForm make_length_form(SlopeForm form, const ReciprocalUnit& unit, Grid mag
 Slope make_slope(const Register& r, Grid n, const LengthForm& length) {
   Slope s;
   s.r = r;
-  s.lanes = length.lanes && lanes_hold(n);
+  s.fits_lanes = length.fits_lanes && lanes_hold(n);
   if (!shares_reciprocal(length.form)) {
     s.ratio_scale = length.magnitude.fraction - n.fraction;
     return s;
@@ -30,7 +30,7 @@ Slope make_slope(const Register& r, Grid n, const LengthForm& length) {
     s.n_bits = std::min(62, term_bits - product_bits);
   }
   s.down = low > r.fraction && shift <= term_bits;
-  s.lanes = s.lanes && product_bits + n.bits() <= 126 && shift <= 126;
+  s.fits_lanes = s.fits_lanes && product_bits + n.bits() <= 126 && shift <= 126;
   return s;
 }
 

@@ -13,7 +13,7 @@ struct LengthForm {
   SlopeForm form = SlopeForm::divide;
   ReciprocalUnit unit;
   Grid magnitude;
-  bool lanes = false;
+  bool fits_lanes = false;
 };
 LengthForm make_length_form(SlopeForm form, const ReciprocalUnit& unit, Grid magnitude);
 
@@ -23,7 +23,7 @@ struct Slope {
   int product_fraction = 0;  // reciprocal: of n m
   int n_bits = -1;           // reciprocal: |n| < 2^n_bits: n m in 64 bits
   bool down = false;         // reciprocal: the product always has bits below r's, 60 at most
-  bool lanes = false;
+  bool fits_lanes = false;
 };
 Slope make_slope(const Register& r, Grid n, const LengthForm& length);
 

@@ -147,7 +147,7 @@ bool fits_int32(const std::vector<std::int64_t>& values) {
 
 }  // namespace
 
-ShadeLanes shade_lanes(const Config& config, FogMode fog) {
+ShadeLanes lanes_for_shading(const Config& config, FogMode fog) {
   return fits(config, fog, 32)   ? ShadeLanes::int32
          : fits(config, fog, 64) ? ShadeLanes::int64
                                  : ShadeLanes::scalar;
@@ -170,7 +170,7 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
     small = small && plan.textures.back().words.size() < std::size_t{1} << 28;
   }
   if (small) {
-    plan.lanes = shade_lanes(config, fog);
+    plan.held_in = lanes_for_shading(config, fog);
   }
   const TextureStage& t = plan.formats.texture;
   plan.plain = plain_shade(plan.formats);

@@ -60,7 +60,7 @@ void start_edge(const EdgeWalkStage& stage, EdgeState& e, std::int64_t y, Watch 
   const std::int64_t t = rows_from_start(stage, e, y);
   switch (stage.edge_x) {
     case EdgeX::quotient:
-      stage.narrow_x ? start_exact_x<std::int64_t>(stage, e, t) : start_exact_x<int128>(stage, e, t);
+      stage.x_fits_int64 ? start_exact_x<std::int64_t>(stage, e, t) : start_exact_x<int128>(stage, e, t);
       break;
     case EdgeX::summed:
     case EdgeX::multiplied:
@@ -162,17 +162,17 @@ EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants
   const Grid t = magnitude_of(coordinate) + Grid{bit_length(static_cast<std::uint64_t>(height)), 1};
   const Register x = reg(FormatId::edge_x);
   const Grid dx = magnitude_of(coordinate) + magnitude_of(coordinate);
-  bool lanes = true;
+  bool x_fits_lanes = true;
   switch (s.edge_x) {
     case EdgeX::quotient: {
       s.x_fraction = std::max(1, x.fraction + 1);
       s.x_up = s.x_fraction - s.t_fraction;
       // at, step and length, and a row past the edge's end.
       const Grid at = magnitude_of(coordinate) * dx + dx * t;
-      s.narrow_x = at.bits() + 1 + s.t_fraction + std::max(0, s.x_up) <= term_bits &&
-                   dx.bits() + std::max(0, -s.x_up) <= term_bits;
+      s.x_fits_int64 = at.bits() + 1 + s.t_fraction + std::max(0, s.x_up) <= term_bits &&
+                       dx.bits() + std::max(0, -s.x_up) <= term_bits;
       s.x = make_narrowing(x, {coordinate.word - s.subpixel_bits + 1, s.x_fraction + 1});
-      lanes = s.narrow_x && s.x.fits;
+      x_fits_lanes = s.x_fits_int64 && s.x.fits;
       break;
     }
     case EdgeX::summed:
@@ -183,8 +183,8 @@ EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants
       s.x_start = make_line(s.x_acc.acc, &coordinate, reg(FormatId::edge_x_step), t,
                             offset(config.start_offset.edge_x, FormatId::edge_x));
       s.x = make_narrowing(x, magnitude_of(s.x_acc.acc));
-      lanes = s.x_start.lanes && s.x.lanes &&
-              aligned(magnitude_of(s.x_acc.acc), s.x_fraction).bits() <= term_bits;
+      x_fits_lanes = s.x_start.fits_lanes && s.x.fits_lanes &&
+                     aligned(magnitude_of(s.x_acc.acc), s.x_fraction).bits() <= term_bits;
       break;
   }
   const Register vertex_h = reg(FormatId::setup_h);
@@ -207,9 +207,9 @@ EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants
   s.uv = make_perspective_point(uv, vertex_uv, s.f.acc, s.reciprocal.output(), s.depth.e);
   s.linear_uv = make_narrowing(uv, magnitude_of(s.f.acc));
   s.divides_per_row = s.linear_edges ? 0 : 2;
-  s.lanes = lanes && lanes_hold(t) && s.h_start.lanes && s.f_start.lanes && s.shade_start.lanes &&
-            s.h.lanes && s.shade.lanes &&
-            (s.linear_edges ? s.linear_uv.lanes : lanes_hold(s.depth.magnitude) && s.uv.lanes);
+  s.fits_lanes = x_fits_lanes && lanes_hold(t) && s.h_start.fits_lanes && s.f_start.fits_lanes &&
+                 s.shade_start.fits_lanes && s.h.fits_lanes && s.shade.fits_lanes &&
+                 (s.linear_edges ? s.linear_uv.fits_lanes : lanes_hold(s.depth.magnitude) && s.uv.fits_lanes);
   return s;
 }
 

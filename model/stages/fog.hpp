@@ -18,7 +18,7 @@ namespace bitspan::model {
 
 // What fog computes by, known from the configuration alone.
 struct FogFormats {
-  bool narrow = false;  // the mix with the fog's colour fits int64
+  bool fits_int64 = false;  // the mix with the fog's colour fits int64
   int scale_fraction = 0;
   Register color_in, factor, color;
   ReciprocalFormats reciprocal;  // R_pixel
@@ -33,7 +33,7 @@ constexpr FogFormats fog_formats(const Config& config) {
   const Grid code = integer_grid(8);
   const Grid color = signed_grid(config.format(FormatId::texture_color)) - code;
   const Grid share = signed_grid(config.format(FormatId::fog_factor));
-  f.narrow = fits_int64(color * share + code * share);
+  f.fits_int64 = fits_int64(color * share + code * share);
   return f;
 }
 

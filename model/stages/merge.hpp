@@ -12,7 +12,7 @@
 namespace bitspan::model {
 
 struct MergeStage {
-  bool narrow = false;  // the blend fits int64
+  bool fits_int64 = false;  // the blend fits int64
   Register color_in, alpha, color;
 };
 constexpr MergeStage prepare_merge(const Config& config) {
@@ -23,7 +23,7 @@ constexpr MergeStage prepare_merge(const Config& config) {
   const Grid code = integer_grid(8);
   const Grid color = signed_grid(config.format(FormatId::fog_color)) - code;
   const Grid share = signed_grid(config.format(FormatId::texture_alpha));
-  s.narrow = fits_int64(color * share + code * share);
+  s.fits_int64 = fits_int64(color * share + code * share);
   return s;
 }
 

@@ -114,7 +114,7 @@ SpanStage prepare_span(const Config& config, const Constants& constants) {
   s.divides_per_fragment = has_pixel_reciprocal(config.perspective)  ? 1
                            : has_pixel_quotients(config.perspective) ? 2
                                                                      : 0;
-  s.narrow = all_fit(config, s);
+  s.fits_int64 = all_fit(config, s);
   const SpanFormats& f = s.formats;
   const Exponents e = pixel_exponents(config, s.q);
   const int product = f.f.acc.fraction + f.reciprocal.output.fraction;
@@ -159,7 +159,7 @@ SpanState start_span(const SpanRecord& span, const PlaneGeometry* geometry) {
 
 template <class Watch>
 void span(const SpanStage& stage, SpanState& state, FragmentRecord& out, Watch watch) {
-  if (stage.narrow) {
+  if (stage.fits_int64) {
     span_on<std::int64_t>(stage, state, out, watch);
   } else {
     span_on<int128>(stage, state, out, watch);

@@ -53,9 +53,10 @@ SpanSetupStage prepare_span_setup(const Config& config, const Constants& constan
   s.shade_step =
       make_slope(reg(FormatId::span_shade_step), magnitude_of(shade) + magnitude_of(shade), s.length);
   s.shade_start = make_line(reg(FormatId::span_shade_acc), &shade, s.shade_step.r, p, shade_offset);
-  s.lanes = lanes_hold(p) && s.length.lanes && s.h_step.lanes && s.h_start.lanes && s.f_step.lanes &&
-            s.f_start.lanes && s.shade_step.lanes && s.shade_start.lanes &&
-            (linear || (lanes_hold(s.depth.magnitude) && s.f_diff.lanes));
+  s.fits_lanes = lanes_hold(p) && s.length.fits_lanes && s.h_step.fits_lanes && s.h_start.fits_lanes &&
+                 s.f_step.fits_lanes && s.f_start.fits_lanes && s.shade_step.fits_lanes &&
+                 s.shade_start.fits_lanes &&
+                 (linear || (lanes_hold(s.depth.magnitude) && s.f_diff.fits_lanes));
   return s;
 }
 

@@ -18,8 +18,8 @@ struct TextureStage {
   TextureFilter filter = TextureFilter::nearest;
   TextureWrap wrap = TextureWrap::cyclic;
   std::optional<std::array<std::uint8_t, 3>> transparent;
-  bool narrow = false;  // every intermediate fits int64
-  Register uv, shade;   // formats of the fragment
+  bool fits_int64 = false;  // every intermediate fits int64
+  Register uv, shade;       // formats of the fragment
   Register frac, mix, color, alpha;
 };
 constexpr TextureStage prepare_texture(const Config& config) {
@@ -41,8 +41,8 @@ constexpr TextureStage prepare_texture(const Config& config) {
   const Grid shade = signed_grid(config.format(FormatId::span_shade));
   // u - 1/2, and its floor plus one.
   const Grid below = signed_grid(config.format(FormatId::span_uv)) - Grid{0, 1, true};
-  s.narrow = mixes(integer_grid(8)) && mixes(mix) && mixes(alpha) && fits_int64(mix * shade) &&
-             fits_int64(alpha * shade) && fits_int64(below);
+  s.fits_int64 = mixes(integer_grid(8)) && mixes(mix) && mixes(alpha) && fits_int64(mix * shade) &&
+                 fits_int64(alpha * shade) && fits_int64(below);
   return s;
 }
 
