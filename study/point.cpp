@@ -18,6 +18,7 @@
 #include "model/engine_model.hpp"
 #include "report/compare.hpp"
 #include "report/error.hpp"
+#include "report/metrics.hpp"
 #include "report/truth.hpp"
 #include "study/cost.hpp"
 
@@ -126,36 +127,21 @@ void finish(RegisterUse& use, const model::FieldStatistics& s) {
   use.headroom = use.format.integer - use.used_bits;
 }
 
-FieldError field_error(const ErrorRow& row) {
-  const ErrorStat& s = row.stat;
-  return {row.stage,          row.quantity, row.unit, row.ulp,           s.count,    s.max,
-          s.mean_magnitude(), s.mean(),     s.rms(),  s.quantile(0.999), s.sqnr_db()};
-}
-
 using Metrics = std::map<std::string, double, std::less<>>;
 
-void add_field(const FieldError& f, Metrics& out) {
-  const std::string name = f.stage + "." + f.quantity;
-  const std::pair<const char*, double> numbers[] = {
-      {"max", f.max}, {"mean", f.mean}, {"bias", f.bias}, {"rms", f.rms}, {"p999", f.p999}};
-  for (const auto& [stat, value] : numbers) {
-    out[name + "." + stat] = value;
-    out[name + "." + stat + "_ulp"] = value / f.ulp;
+void add_field(const ErrorRow& row, Metrics& out) {
+  for (const FieldStatistic& s : field_statistics()) {
+    const std::string name = row.stage + "." + row.quantity + "." + std::string(s.name);
+    const double value = s.value(row.stat);
+    out[name] = value;
+    if (s.unit.empty()) out[name + "_ulp"] = value / row.ulp;
   }
-  out[name + ".sqnr_db"] = f.sqnr_db;
 }
 
-void add_pictures(const ErrorReport& r, Metrics& out) {
-  out["picture.psnr_db"] = r.psnr_db;
-  out["picture.color_max"] = r.color_max;
-  out["picture.drawn"] = static_cast<double>(r.drawn);
-  out["picture.wrong_order"] = static_cast<double>(r.wrong_order);
-  out["picture.wrong_order_rate"] = static_cast<double>(r.wrong_order) / static_cast<double>(r.drawn);
-  if (r.textured != 0) {
-    out["picture.wrong_texel"] = static_cast<double>(r.wrong_texel);
-    out["picture.wrong_texel_rate"] = static_cast<double>(r.wrong_texel) / static_cast<double>(r.textured);
+void add_pictures(const ErrorReport& report, Metrics& out) {
+  for (const PictureMetric& metric : picture_metrics()) {
+    if (const auto value = value_of(metric, report)) out[std::string(metric.name)] = *value;
   }
-  out["picture.coverage_differences"] = static_cast<double>(r.coverage_differences());
 }
 
 }  // namespace
@@ -264,14 +250,14 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
       merge(seen[static_cast<std::size_t>(i)], engine->statistics().of(static_cast<model::RegisterId>(i)));
     }
   }
-  if (errors.drawn == 0) {
+  if (picture_value(errors, "picture.drawn").value_or(0) == 0) {
     throw InputError(config.name +
                      ": nothing is drawn in any of the scenes, so there is no error to measure");
   }
   for (const ErrorRow& row : errors.rows) {
     if (row.stat.count == 0) continue;
-    out.fields.push_back(field_error(row));
-    add_field(out.fields.back(), out.metrics);
+    out.fields.push_back({row.stage, row.quantity, row.unit, row.ulp, row.stat.count, row.stat.max});
+    add_field(row, out.metrics);
   }
   add_pictures(errors, out.metrics);
   double wraps = 0;
