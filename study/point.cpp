@@ -14,13 +14,13 @@
 
 #include "engine/range.hpp"
 #include "engine/records.hpp"
-#include "golden/ideal.hpp"
 #include "model/engine_model.hpp"
 #include "report/compare.hpp"
 #include "report/error.hpp"
 #include "report/metrics.hpp"
 #include "report/truth.hpp"
 #include "study/cost.hpp"
+#include "study/engines.hpp"
 
 namespace bitspan {
 namespace {
@@ -40,7 +40,7 @@ SceneTruth make_truth(const Config& config, const Scene& scene) {
   for (std::size_t at = 0; at < all.size(); at += batch) {
     out.batches.emplace_back(config, scene, all.subspan(at, std::min(batch, all.size() - at)));
   }
-  out.frame = drawn(*make_ideal(config), scene);
+  out.frame = drawn("ideal", config, scene);
   return out;
 }
 
@@ -75,25 +75,25 @@ std::optional<model::RegisterId> register_of(const Field& field, const Config& c
 
 // Counts the values of a trace by octave.
 void note_octaves(const Trace& trace, const Config& config, std::vector<RegisterUse>& registers) {
-  struct Shown {
+  struct ObservedField {
     std::size_t field;
     RegisterUse* use;
     int place;  // of an ulp in octave[i] = 2^(i - 64)
   };
-  std::vector<Shown> shown;
+  std::vector<ObservedField> observed;
   for (int t = 0; t < record_types; ++t) {
     const RecordView view = view_of(trace, static_cast<RecordType>(t));
     if (view.records == 0) continue;
-    shown.clear();
+    observed.clear();
     for (std::size_t f = 0; f < view.fields.size(); ++f) {
       if (const auto id = register_of(view.fields[f], config)) {
         RegisterUse& use = registers[static_cast<std::size_t>(*id)];
-        shown.push_back({f, &use, 64 - use.format.fraction()});
+        observed.push_back({f, &use, 64 - use.format.fraction()});
       }
     }
     for (std::size_t i = 0; i < view.records; ++i) {
       const std::int64_t* const record = view.values + i * view.fields.size();
-      for (const Shown& s : shown) {
+      for (const ObservedField& s : observed) {
         const std::int64_t raw = record[s.field];
         if (raw == 0) {
           ++s.use->zeros;
@@ -146,12 +146,6 @@ void add_pictures(const ErrorReport& report, Metrics& out) {
 
 }  // namespace
 
-Frame drawn(Engine& engine, const Scene& scene) {
-  engine.begin(scene);
-  engine.draw(scene.triangles, 0, nullptr);
-  return engine.frame();
-}
-
 // The truths of the configurations measured last.
 struct PointMeter::Truths {
   using Known = std::shared_future<std::shared_ptr<const std::vector<SceneTruth>>>;
@@ -177,7 +171,7 @@ std::shared_ptr<const Frame> PointMeter::ideal(const Config& config, std::size_t
     const auto found = truths_->find(truth_config(config));
     if (found != truths_->known.end()) known = found->second;
   }
-  if (!known.valid()) return std::make_shared<const Frame>(drawn(*make_ideal(config), scenes_.at(scene)));
+  if (!known.valid()) return std::make_shared<const Frame>(drawn("ideal", config, scenes_.at(scene)));
   const auto truths = known.get();
   return {truths, &truths->at(scene).frame};  // keeps them all
 }

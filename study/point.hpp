@@ -14,9 +14,6 @@
 
 namespace bitspan {
 
-// What an engine draws of a scene.
-Frame drawn(Engine& engine, const Scene& scene);
-
 // The error of one quantity of a stage against the unquantised truth (docs/numeric-spec.md, "ideal"), over
 // all records of all scenes.
 struct FieldError {

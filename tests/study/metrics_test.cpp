@@ -5,8 +5,8 @@
 #include <set>
 
 #include "scene/demo.hpp"
-#include "study/conduct.hpp"
 #include "study/point.hpp"
+#include "study/recommend.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/test_config.hpp"
 

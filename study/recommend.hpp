@@ -10,7 +10,7 @@
 #include "scene/scene.hpp"
 #include "study/plan.hpp"
 #include "study/point.hpp"
-#include "study/search.hpp"
+#include "study/search/search.hpp"
 #include "study/store.hpp"
 #include "study/sweep.hpp"
 

@@ -1,9 +1,9 @@
-#include "study/unit_error.hpp"
+#include "study/bounds/unit_error.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "study/format_range.hpp"
+#include "study/bounds/format_range.hpp"
 
 namespace bitspan::bounds {
 namespace {

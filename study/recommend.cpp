@@ -1,4 +1,4 @@
-#include "study/conduct.hpp"
+#include "study/recommend.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "config/rtl_timing.hpp"
 #include "study/area.hpp"
 #include "study/area_estimate.hpp"
-#include "study/bounds.hpp"
+#include "study/bounds/bounds.hpp"
 #include "study/budget.hpp"
 #include "study/check_point.hpp"
 #include "study/metrics.hpp"
