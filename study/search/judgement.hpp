@@ -23,7 +23,7 @@ struct Judged {
 };
 
 Judged judge(const Evaluation& e, const std::string& cost_metric, const std::vector<Constraint>& constraints);
-// A metric that does not exist at all is a slip of the pen, not a constraint that fails.
+// Throws InputError for a metric that does not exist at all; that is no constraint that fails.
 void require_metrics(const Evaluation& e, const std::string& cost_metric,
                      const std::vector<Constraint>& constraints);
 

@@ -21,7 +21,7 @@ namespace bitspan::searching {
 
 inline constexpr std::size_t no_axis = std::numeric_limits<std::size_t>::max();
 
-// A limit ends the search from wherever it is.
+// Thrown where a limit ends the search.
 struct Halt {
   StoppedBy reason;
 };
@@ -32,7 +32,7 @@ enum class Pick {
   ratio,  // the one that saves most for the slack it uses
 };
 
-// Synthesised area goes up with a bit fewer now and then. On the long way down that is no reason to stop.
+// Whether a step down may raise the cost: synthesised area sometimes rises where a bit goes.
 enum class Costs { any, falling };
 
 class Searcher {
@@ -44,72 +44,78 @@ class Searcher {
   Certificate certificate_for(const SearchPoint& p);
 
  private:
-  // ---- points, and what is known of them
+  // ---- Points, and what is known of them
+
   bool known(const SearchPoint& p) const { return memo_.contains(p); }
   const Judged& at(const SearchPoint& p) const { return memo_.at(p); }
-  // Lower cost; at the same cost, closer to the smallest values; then in order, so that there is one best
-  // point of those evaluated. Both hold.
+  // Whether a is better than b; both hold. The lower cost decides, then the fewer steps above the smallest
+  // values, then the order of the axes: exactly one evaluated point is the best.
   bool better(const SearchPoint& a, const SearchPoint& b) const;
-  // Each axis one value down; none for an axis at its smallest.
+  // Returns the points with one axis one value down; none for an axis at its smallest.
   std::vector<SearchPoint> reductions_of(const SearchPoint& p) const;
   static SearchPoint moved(SearchPoint p, std::size_t axis, std::ptrdiff_t by);
   void enter(std::string_view phase) { phase_ = phase; }
   double elapsed() const;
-  // How many points may be begun now, of those that are wanted.
+  // Returns how many of the wanted points may begin now. Throws Halt where a limit is reached.
   std::size_t allowed(std::size_t wanted) const;
-  // Afterwards all of them are known, or Halt has been thrown.
+  // Evaluates those of the points that are not known yet. Throws Halt where a limit comes first.
   void evaluate(const std::vector<SearchPoint>& points);
   void record(const SearchPoint& p, const Evaluation& e);
 
-  // ---- steps that the algorithms share
-  // Is the step from p to `a` to be taken rather than the one to `b`?
+  // ---- Steps that the algorithms share
+
+  // Whether the step from p to `a` is to be taken rather than the one to `b`.
   bool prefer(const SearchPoint& p, const SearchPoint& a, const SearchPoint& b, Pick pick) const;
-  // Down by `stride` values of one axis at a time until none holds, or, with Costs::falling, none without a
-  // higher cost. An axis that failed once is left out from then on: with the others lower still it seldom
-  // holds again. finish() asks once more.
+  // Goes down by `stride` values of one axis at a time until no step holds (with Costs::falling: none without
+  // a higher cost). An axis that failed once is left out, because with the others lower still it seldom holds
+  // again; finish() asks once more.
   SearchPoint descend(SearchPoint p, Pick pick, Costs costs, std::size_t stride,
                       std::size_t frozen = no_axis);
-  // From a point that holds to one none of whose single steps down holds at the same cost or less, and that
-  // no evaluated point is better than: such a step would be one.
+  // Goes from a point that holds to one whose single steps down all fail or cost more. No evaluated point is
+  // better than the result.
   SearchPoint finish(SearchPoint p, Pick pick);
 
   // ---- min+1 bit
+
   // Sung and Kum (docs/search.md has the titles) start from the least value of each axis with all others at
-  // their widest; all those minima together, which is too little as a rule, then get one bit at a time, where
-  // it takes most off the error, until the constraints hold. Here the minima are found by bisection, all axes
-  // in the same batches.
+  // their widest. All those minima together are too little as a rule. They get one bit at a time, where it
+  // takes most off the error, until the constraints hold. Bisection finds the minima here, all axes in the
+  // same batches.
   SearchPoint min_plus_1();
-  // The step up that holds and costs least; where none holds, the one that takes most off the violation. On a
-  // plateau, where no single value more of anything helps, steps of 2, 4, 8 ... values; where none of those
-  // helps, one value more of everything. So it ends at the widest point at the latest, which holds.
+  // Returns the step up that holds and costs least; where none holds, the one that takes most off the
+  // violation. On a plateau, where no single value more helps, it tries steps of 2, 4, 8 ... values. Where
+  // none of those helps, it takes one value more of everything. It ends at the widest point at the latest.
   SearchPoint raised(const SearchPoint& p);
-  // Of two steps up: the one that holds, then lower cost where both do and less violation where neither does.
+  // Whether step up `a` is better than `b`: the one that holds is. Where both hold, the cost decides; where
+  // neither does, the violation.
   bool above(const SearchPoint& a, const SearchPoint& b) const;
 
   // ---- max-1 bit
-  // From the widest, one bit at a time where it adds least to the error, until no bit can go. The cost
-  // decides only between equals.
+
+  // Goes from the widest point down, one bit at a time where it adds least to the error, until no bit can go.
+  // The cost decides only between equals.
   SearchPoint max_minus_1();
 
-  // ---- greedy
-  // The guided searches: Han and Evans take the step by the sensitivity of complexity and error together;
-  // Constantinides, Cheung and Luk the one that saves most area while the error stays within its limit. Here:
-  // remove what saves most for the share of the remaining slack that it uses, in strides of 8, 4, 2 values
-  // while there is much slack, then one at a time. Then the way back up: one bit more in one place, where it
-  // lets go of bits that cost more in others.
+  // ---- Greedy
+
+  // Han and Evans take the step by the sensitivity of complexity and error together; Constantinides, Cheung
+  // and Luk take the one that saves most area within the error's limit. This search removes what saves most
+  // for the share of the remaining slack that it uses, in strides of 8, 4, 2 values and then one at a time.
+  // Exchanges follow: one bit more in one place, where it lets go of bits that cost more in others.
   SearchPoint greedy();
   SearchPoint coarse_descent();
-  // Looks for a point better than p, whose reductions are all known, until one is the best: p with one axis
-  // up and another down, or one axis down by two (past a value that fails by bad luck); then where a descent
-  // from one axis up, held there, passes.
+  // Looks for a point better than p, whose reductions are all known. It tries p with one axis up and another
+  // down, and p with one axis down by two, past a value that fails by bad luck. Then it tries descents from p
+  // with one axis held one value up.
   void exchange(const SearchPoint& p);
 
-  // ---- simulated annealing
-  // Kirkpatrick, Gelatt and Vecchi, from where the coarse descent ends. A move is one axis up or down by one
-  // or two values, or two axes in opposite directions. The energy is the cost, in units of a typical step's,
-  // and for points that do not hold a penalty by their violation, so that ways around a wall exist. Moves are
-  // drawn ahead and evaluated in one batch while they are being rejected; the first that is accepted counts,
-  // so the outcome is that of one at a time.
+  // ---- Simulated annealing
+
+  // Follows Kirkpatrick, Gelatt and Vecchi, from where the coarse descent ends. A move is one axis up or down
+  // by one or two values, or two axes in opposite directions. The energy is the cost in units of a typical
+  // step. Points that do not hold pay a penalty by their violation, so that ways around a wall exist. While
+  // moves are rejected, several are drawn ahead and evaluated in one batch; the first accepted one counts, so
+  // the outcome is that of one at a time.
   SearchPoint annealing();
   // The mean change of cost among the known steps down from p; 1 where there is none.
   double typical_step(const SearchPoint& p) const;
@@ -117,9 +123,11 @@ class Searcher {
                           Random& random) const;
   void shift(SearchPoint& p, std::size_t axis, bool down, std::size_t by) const;
 
-  // ---- the certificate, of what is known
+  // ---- The certificate, from what is known
+
   Certificate certificate_of(const SearchPoint& p) const;
   void judge_reduction(const SearchPoint& p, Reduction& r) const;
+
   const SearchPlan& plan_;
   const std::vector<Axis>& axes_;
   const std::vector<Constraint>& constraints_;
