@@ -14,16 +14,17 @@
 #include <vector>
 
 #include "cli/commands.hpp"
-#include "cli/conclude.hpp"
 #include "cli/config_store.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/model_options.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
+#include "cli/study_results.hpp"
 #include "io/atomic_file.hpp"
 #include "report/table.hpp"
-#include "study/conduct.hpp"
+#include "study/metrics.hpp"
 #include "study/point.hpp"
+#include "study/recommend.hpp"
 #include "study/sweep.hpp"
 
 namespace bitspan {
@@ -159,7 +160,7 @@ int cut_short(const Options& o, const std::string& so_far, const Store& store, c
 // something that is recommended does not.
 int end_study(const Options& o, const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
               const Interrupt& interrupt, bool any_holds) {
-  const bool held = interrupt.exit_code() == 0 && conclude(plan, scenes, store, interrupt.token());
+  const bool held = interrupt.exit_code() == 0 && examine_recommended(plan, scenes, store, interrupt.token());
   if (interrupt.exit_code() != 0) return cut_short(o, "", store, interrupt);
   if (!o.report.empty()) write_study_report(store.path(), plan.name, o.report);
   return any_holds && held ? exit_held : exit_difference;
@@ -221,11 +222,14 @@ int run_study(const Options& o) {
 }
 
 std::string result_text(const PointResult& result) {
-  Table fields{{"stage", "quantity", "unit", "max", "mean", "bias", "RMS", "99.9 %", "max, ULP", "SQNR, dB"}};
+  Table fields{{"stage", "quantity", "unit"}};
+  for (const StatisticColumn& c : statistic_columns()) fields[0].push_back(c.label);
   for (const FieldError& f : result.fields) {
-    fields.push_back({f.stage, f.quantity, f.unit, number_text(f.max), number_text(f.mean),
-                      number_text(f.bias), number_text(f.rms), number_text(f.p999),
-                      f.ulp > 0 ? number_text(f.max / f.ulp) : "-", number_text(f.sqnr_db)});
+    fields.push_back({f.stage, f.quantity, f.unit});
+    for (const StatisticColumn& c : statistic_columns()) {
+      fields.back().push_back(
+          number_text(result.metrics.at(fmt::format("{}.{}.{}", f.stage, f.quantity, c.ending))));
+    }
   }
   Table registers{
       {"register", "word", "int", "minimum", "maximum", "used int", "head-room", "wraps", "saturations"}};
@@ -235,11 +239,11 @@ std::string result_text(const PointResult& result) {
                          fmt::format("{}", r.headroom), fmt::format("{}", r.wraps),
                          fmt::format("{}", r.saturations)});
   }
-  Table metrics{{"metric", "value"}};
+  Table metrics{{"metric", "value", "unit"}};
   for (const auto& [name, value] : result.metrics) {
-    if (name.starts_with("picture.") || name.starts_with("registers.") || name.starts_with("cost.")) {
-      metrics.push_back({name, number_text(value)});
-    }
+    const Metric* const metric = find_metric(name);
+    if (metric == nullptr || !metric->field.empty() || metric->role == MetricRole::detail) continue;
+    metrics.push_back({name, number_text(value), metric->unit});
   }
   return text_table(fields) + "\n" + text_table(registers) + "\n" + text_table(metrics);
 }

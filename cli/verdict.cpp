@@ -11,6 +11,7 @@
 #include "cli/progress.hpp"
 #include "config/modes.hpp"
 #include "engine/range.hpp"
+#include "report/metrics.hpp"
 #include "report/table.hpp"
 
 namespace bitspan {
@@ -157,14 +158,18 @@ std::vector<std::vector<std::string>> comparison_table(const SceneVerdict& verdi
 }
 
 std::vector<std::vector<std::string>> error_table(const ErrorReport& errors) {
-  std::vector<std::vector<std::string>> rows{
-      {"stage", "error of", "unit", "values", "mean", "maximum", "RMS"}};
+  std::vector<std::vector<std::string>> rows{{"stage", "error of", "unit", "values"}};
+  for (const FieldStatistic& f : field_statistics()) {
+    if (f.in_verdict) rows[0].emplace_back(f.label);
+  }
   for (const ErrorRow& row : errors.rows) {
     if (row.stat.count == 0) {
       continue;
     }
-    rows.push_back({row.stage, row.quantity, row.unit, number(row.stat.count), error_number(row.stat.mean()),
-                    error_number(row.stat.max), error_number(row.stat.rms())});
+    rows.push_back({row.stage, row.quantity, row.unit, number(row.stat.count)});
+    for (const FieldStatistic& f : field_statistics()) {
+      if (f.in_verdict) rows.back().push_back(error_number(f.value(row.stat)));
+    }
   }
   return rows;
 }
@@ -185,10 +190,7 @@ std::vector<std::string> verdict_lines(const SceneVerdict& v) {
         fmt::format("coverage against the exact test of {} pixel centres: {} differences ({} missed, {} "
                     "surplus, {} drawn twice)",
                     e.covered, e.coverage_differences(), e.missed, e.surplus, e.doubled));
-    lines.push_back(
-        fmt::format("picture against ideal: PSNR {}, colour off by {} at most, another triangle won {} of "
-                    "{} drawn pixels",
-                    psnr_text(e.psnr_db), e.color_max, e.wrong_order, e.drawn));
+    lines.push_back("picture against ideal: " + picture_words(e));
   }
   if (v.cycles) {
     const CycleVerdict& y = *v.cycles;
@@ -325,13 +327,14 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
       Json rows = Json::array();
       for (const ErrorRow& row : v.errors.rows) {
         if (row.stat.count > 0) {
-          rows.push_back({{"stage", row.stage},
-                          {"quantity", row.quantity},
-                          {"unit", row.unit},
-                          {"values", row.stat.count},
-                          {"mean", row.stat.mean()},
-                          {"max", row.stat.max},
-                          {"rms", row.stat.rms()}});
+          Json one{{"stage", row.stage},
+                   {"quantity", row.quantity},
+                   {"unit", row.unit},
+                   {"values", row.stat.count}};
+          for (const FieldStatistic& f : field_statistics()) {
+            if (f.in_verdict) one[std::string(f.name)] = f.value(row.stat);
+          }
+          rows.push_back(std::move(one));
         }
       }
       scene["errors"] = std::move(rows);
@@ -340,10 +343,11 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
                            {"surplus", v.errors.surplus},
                            {"doubled", v.errors.doubled}};
       // JSON has no infinity: equal pictures have a null here.
-      scene["picture"] = {{"psnr_db", v.errors.psnr_db},
-                          {"color_max", v.errors.color_max},
-                          {"drawn", v.errors.drawn},
-                          {"wrong_order", v.errors.wrong_order}};
+      for (const PictureMetric& metric : picture_metrics()) {
+        if (const auto value = value_of(metric, v.errors)) {
+          scene["picture"][std::string(metric.name.substr(metric.name.find('.') + 1))] = *value;
+        }
+      }
     }
     if (v.cycles) {
       scene["cycles"] = {{"systemc", v.cycles->model_cycles},

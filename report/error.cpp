@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "config/modes.hpp"
+#include "report/metrics.hpp"
 
 namespace bitspan {
 namespace {
@@ -32,14 +33,14 @@ enum Row {
   row_texture_color,
   row_fog_factor,
   row_fog_color,
-  row_merge_color,
-  row_frame_depth,
-  row_frame_u,
-  row_frame_v,
+  row_picture_color,
+  row_picture_depth,
+  row_picture_u,
+  row_picture_v,
   row_count
 };
 
-constexpr std::array<std::array<const char*, 3>, row_count> row_names{{
+constexpr std::array<FieldQuantity, row_count> quantities{{
     {"setup", "h", "depth code"},
     {"setup", "u", "texel"},
     {"setup", "v", "texel"},
@@ -61,11 +62,14 @@ constexpr std::array<std::array<const char*, 3>, row_count> row_names{{
     {"picture", "v", "texel"},
 }};
 
-// Of colour codes; infinite where equal.
-double psnr_of(const ErrorStat& color) {
-  return color.squares == 0
-             ? std::numeric_limits<double>::infinity()
-             : 10 * std::log10(255.0 * 255.0 * static_cast<double>(color.count) / color.squares);
+void add_tallies(const std::vector<PictureTally>& from, std::vector<PictureTally>& to) {
+  const auto metrics = picture_metrics();
+  to.resize(std::max(to.size(), from.size()));
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const bool sum = metrics[i].over_scenes == OverScenes::sum;
+    to[i].counted = sum ? to[i].counted + from[i].counted : std::max(to[i].counted, from[i].counted);
+    to[i].base += from[i].base;
+  }
 }
 
 double ulp(const Format& format) { return std::ldexp(1.0, -format.fraction()); }
@@ -162,9 +166,9 @@ void ErrorStat::add(double measured, double ideal) {
   power += ideal * ideal;
   max = std::max(max, size);
   // Exponent and leading fraction bits of the double are the bin, from 2^lowest_octave on.
-  constexpr std::int64_t first = std::int64_t{1023 + lowest_octave} << bins_an_octave_log2;
+  constexpr std::int64_t first = std::int64_t{1023 + lowest_octave} << bins_per_octave_log2;
   const std::int64_t bin =
-      static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(size) >> (52 - bins_an_octave_log2)) - first;
+      static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(size) >> (52 - bins_per_octave_log2)) - first;
   ++bins[static_cast<std::size_t>(std::clamp<std::int64_t>(bin, 0, bin_count - 1))];
 }
 
@@ -185,7 +189,7 @@ double ErrorStat::quantile(double share) const {
     below += bins[i];
     if (static_cast<double>(below) >= wanted) {
       if (i == 0) return 0;
-      constexpr std::size_t per_octave = std::size_t{1} << bins_an_octave_log2;
+      constexpr std::size_t per_octave = std::size_t{1} << bins_per_octave_log2;
       const double fraction = 1 + static_cast<double>(i % per_octave + 1) / static_cast<double>(per_octave);
       return std::min(max, std::ldexp(fraction, lowest_octave + static_cast<int>(i / per_octave)));
     }
@@ -203,15 +207,10 @@ void ErrorReport::add(const ErrorReport& other) {
   missed += other.missed;
   surplus += other.surplus;
   doubled += other.doubled;
-  has_picture = has_picture || other.has_picture;
-  pixels += other.pixels;
-  drawn += other.drawn;
-  wrong_order += other.wrong_order;
-  textured += other.textured;
-  wrong_texel += other.wrong_texel;
-  color_max = std::max(color_max, other.color_max);
-  psnr_db = psnr_of(rows[row_merge_color].stat);
+  add_tallies(other.picture, picture);
 }
+
+std::span<const FieldQuantity> field_quantities() { return quantities; }
 
 ErrorMeter::ErrorMeter(const Config& config, const Scene& scene) : config_(config), scene_(&scene) {
   using F = FormatId;
@@ -220,9 +219,13 @@ ErrorMeter::ErrorMeter(const Config& config, const Scene& scene) : config_(confi
       F::span_h,    F::span_uv,  F::span_uv,  F::span_shade, {},        F::texture_color, F::fog_factor,
       F::fog_color, {},          {},          F::span_uv,    F::span_uv};
   for (std::size_t i = 0; i < row_count; ++i) {
-    const auto& name = row_names[i];
+    const FieldQuantity& q = quantities[i];
     // Depth and colour codes are integers.
-    report_.rows.push_back({name[0], name[1], name[2], formats[i] ? ulp(config.format(*formats[i])) : 1, {}});
+    report_.rows.push_back({std::string(q.stage),
+                            std::string(q.quantity),
+                            std::string(q.unit),
+                            formats[i] ? ulp(config.format(*formats[i])) : 1,
+                            {}});
   }
 }
 
@@ -281,7 +284,7 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
   std::size_t depth = 0;
   std::size_t texture = 0;
   std::size_t fog = 0;
-  // Records stand in the order of the triangles: one cursor a type.
+  // Records stand in the order of the triangles: one cursor per type.
   for (std::size_t n = 0; n < truth.size(); ++n) {
     const std::int64_t index = first_index + static_cast<std::int64_t>(n);
     if (!truth.triangle(n)) {
@@ -353,34 +356,19 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
 }
 
 void ErrorMeter::add_pictures(const Frame& engine, const Frame& ideal) {
-  report_.has_picture = true;
-  const bool nearest = !weighs_texels(config_.filter);
-  const std::size_t pixels = std::min(engine.depth.size(), ideal.depth.size());
-  report_.pixels += pixels;
-  for (std::size_t i = 0; i < pixels; ++i) {
+  const PicturePair pair{engine, ideal, *scene_, config_.filter};
+  std::vector<PictureTally> tallies;
+  for (const PictureMetric& metric : picture_metrics()) tallies.push_back(metric.tally(pair));
+  add_tallies(tallies, report_.picture);
+  for (std::size_t i = 0; i < pair.pixels(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
-      const int d = static_cast<int>(engine.color[4 * i + c]) - static_cast<int>(ideal.color[4 * i + c]);
-      stat(row_merge_color).add(engine.color[4 * i + c], ideal.color[4 * i + c]);
-      report_.color_max = std::max(report_.color_max, std::abs(d));
+      stat(row_picture_color).add(engine.color[4 * i + c], ideal.color[4 * i + c]);
     }
-    if (engine.triangle[i] < 0 && ideal.triangle[i] < 0) {
-      continue;
-    }
-    ++report_.drawn;
-    if (engine.triangle[i] != ideal.triangle[i]) {
-      ++report_.wrong_order;
-      continue;
-    }
-    stat(row_frame_depth).add(engine.depth[i], ideal.depth[i]);
-    stat(row_frame_u).add(engine.u[i], ideal.u[i]);
-    stat(row_frame_v).add(engine.v[i], ideal.v[i]);
-    if (nearest && scene_->triangles[static_cast<std::size_t>(engine.triangle[i])].texture >= 0) {
-      ++report_.textured;
-      report_.wrong_texel += static_cast<std::uint64_t>(std::floor(engine.u[i]) != std::floor(ideal.u[i]) ||
-                                                        std::floor(engine.v[i]) != std::floor(ideal.v[i]));
-    }
+    if (engine.triangle[i] < 0 || engine.triangle[i] != ideal.triangle[i]) continue;
+    stat(row_picture_depth).add(engine.depth[i], ideal.depth[i]);
+    stat(row_picture_u).add(engine.u[i], ideal.u[i]);
+    stat(row_picture_v).add(engine.v[i], ideal.v[i]);
   }
-  report_.psnr_db = psnr_of(stat(row_merge_color));
 }
 
 PictureErrors picture_errors(const Frame& engine, const Frame& ideal) {

@@ -18,11 +18,11 @@
 namespace bitspan {
 
 struct ErrorStat {
-  // Eight bins an octave of the error's magnitude, 2^-80 to 2^48; smaller ones in the first, larger in the
-  // last.
-  static constexpr int bins_an_octave_log2 = 3;
+  // The error's magnitude is counted in eight bins per octave, from 2^-80 to 2^48. The first bin takes
+  // smaller errors too, the last one larger ones.
+  static constexpr int bins_per_octave_log2 = 3;
   static constexpr int lowest_octave = -80;
-  static constexpr std::size_t bin_count = std::size_t{128} << bins_an_octave_log2;
+  static constexpr std::size_t bin_count = std::size_t{128} << bins_per_octave_log2;
 
   std::uint64_t count = 0;
   double sum = 0;        // of engine - ideal
@@ -49,6 +49,11 @@ struct ErrorRow {
   ErrorStat stat;
 };
 
+// What a metric of the picture counted, and of how many it counted it.
+struct PictureTally {
+  double counted = 0, base = 0;
+};
+
 struct ErrorReport {
   std::vector<ErrorRow> rows;
   // Pixels of all triangles that the exact test of the pixel centre covers and the engine does not, or the
@@ -56,18 +61,18 @@ struct ErrorReport {
   std::uint64_t covered = 0;  // by the exact test
   std::uint64_t missed = 0, surplus = 0, doubled = 0;
   std::uint64_t coverage_differences() const { return missed + surplus + doubled; }
-  // Of the finished pictures.
-  bool has_picture = false;
-  std::uint64_t pixels = 0;
-  std::uint64_t drawn = 0;        // pixels that hold a triangle in either picture
-  std::uint64_t wrong_order = 0;  // of them, those where another triangle won
-  std::uint64_t textured = 0;     // pixels on which the same textured triangle won, with the nearest filter
-  std::uint64_t wrong_texel = 0;  // of them, those that show another texel
-  double psnr_db = 0;             // over R, G, B of all pixels; infinite where equal
-  int color_max = 0;              // largest difference of a channel, codes
-  // The same of several scenes together.
+  // One tally per row of picture_metrics() (report/metrics.hpp); empty without pictures.
+  std::vector<PictureTally> picture;
+  bool has_picture() const { return !picture.empty(); }
+  // Adds the errors of another scene, drawn under the same configuration.
   void add(const ErrorReport& other);
 };
+
+// The quantities whose errors are measured, in the order of ErrorReport::rows.
+struct FieldQuantity {
+  std::string_view stage, quantity, unit;  // "span", "u", "texel"
+};
+std::span<const FieldQuantity> field_quantities();
 
 class ErrorMeter {
  public:

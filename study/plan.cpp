@@ -11,6 +11,7 @@
 #include "config/toml_section.hpp"
 #include "scene/picture_size.hpp"
 #include "study/area.hpp"
+#include "study/metrics.hpp"
 
 namespace bitspan {
 namespace {
@@ -24,45 +25,12 @@ constexpr std::size_t tries_limit = 5000;
 constexpr auto arrangements = std::to_array<std::string_view>({"grid", "one_at_a_time", "list"});
 constexpr auto algorithms = std::to_array<std::string_view>({"min+1", "max-1", "greedy", "annealing"});
 
-// What is wrong with the spelling of a metric, as far as that can be known before a point is measured.
-std::optional<std::string> metric_violation(const std::string& name) {
-  constexpr auto stats =
-      std::to_array<std::string_view>({"max", "mean", "bias", "rms", "p999", "max_ulp", "mean_ulp",
-                                       "bias_ulp", "rms_ulp", "p999_ulp", "sqnr_db"});
-  constexpr auto uses = std::to_array<std::string_view>({"used_bits", "headroom", "wraps", "saturations"});
-  const std::string_view all(name);
-  const std::string_view head = all.substr(0, all.find('.'));
-  const std::string_view rest = head.size() < all.size() ? all.substr(head.size() + 1) : "";
-  const std::string_view last = all.substr(all.rfind('.') + 1);
-  const auto ends_in = [&](std::span<const std::string_view> legal) {
-    return std::ranges::find(legal, last) != legal.end() && rest.size() > last.size() + 1;
-  };
-  if (std::ranges::find(enum_names<Stage>, head) != enum_names<Stage>.end()) {
-    if (ends_in(stats)) return std::nullopt;
-    return "legal: " + std::string(head) + ".QUANTITY.STAT with STAT one of " + join(stats);
-  }
-  if (head == "register") {
-    if (ends_in(uses)) return std::nullopt;
-    return "legal: register.NAME.USE with USE one of " + join(uses);
-  }
-  if (head == "registers") {
-    if (rest == "wraps" || rest == "saturations") return std::nullopt;
-    return "legal: registers.wraps, registers.saturations";
-  }
-  // Which of these there are shows with the first point.
-  if ((head == "picture" || head == "cost" || head == "estimate" || head == "timing" || head == "area") &&
-      !rest.empty()) {
-    return std::nullopt;
-  }
-  return "legal: STAGE.QUANTITY.STAT (" + join(enum_names<Stage>) +
-         "), picture.NAME, registers.NAME, register.NAME.USE, cost.NAME, estimate.NAME, timing.NAME, "
-         "area.NAME";
-}
-
 void check_metric(const Section& s, std::string_view key, const std::string& name) {
-  if (const auto wrong = metric_violation(name)) {
-    s.fail(key, '"' + name + "\" is no metric; " + *wrong);
-  }
+  if (find_metric(name) != nullptr) return;
+  std::vector<std::string> known;
+  for (const Metric& metric : known_metrics()) known.push_back(metric.name);
+  s.fail(key, '"' + name + "\" is no metric; legal: those of docs/study.md, nearest: " +
+                  comma_list(nearest_names(name, known)));
 }
 
 std::string read_cost(const Section& s) {

@@ -15,12 +15,13 @@
 #include "config/modes.hpp"
 #include "engine/range.hpp"
 #include "engine/records.hpp"
-#include "golden/ideal.hpp"
 #include "model/engine_model.hpp"
 #include "report/compare.hpp"
 #include "report/error.hpp"
+#include "report/metrics.hpp"
 #include "report/truth.hpp"
 #include "study/cost.hpp"
+#include "study/engines.hpp"
 
 namespace bitspan {
 namespace {
@@ -40,7 +41,7 @@ SceneTruth make_truth(const Config& config, const Scene& scene) {
   for (std::size_t at = 0; at < all.size(); at += batch) {
     out.batches.emplace_back(config, scene, all.subspan(at, std::min(batch, all.size() - at)));
   }
-  out.frame = drawn(*make_ideal(config), scene);
+  out.frame = drawn("ideal", config, scene);
   return out;
 }
 
@@ -74,25 +75,25 @@ std::optional<model::RegisterId> register_of(const Field& field, const Config& c
 
 // Counts the values of a trace by octave.
 void note_octaves(const Trace& trace, const Config& config, std::vector<RegisterUse>& registers) {
-  struct Shown {
+  struct ObservedField {
     std::size_t field;
     RegisterUse* use;
     int place;  // of an ulp in octave[i] = 2^(i - 64)
   };
-  std::vector<Shown> shown;
+  std::vector<ObservedField> observed;
   for (int t = 0; t < record_types; ++t) {
     const RecordView view = view_of(trace, static_cast<RecordType>(t));
     if (view.records == 0) continue;
-    shown.clear();
+    observed.clear();
     for (std::size_t f = 0; f < view.fields.size(); ++f) {
       if (const auto id = register_of(view.fields[f], config)) {
         RegisterUse& use = registers[static_cast<std::size_t>(*id)];
-        shown.push_back({f, &use, 64 - use.format.fraction()});
+        observed.push_back({f, &use, 64 - use.format.fraction()});
       }
     }
     for (std::size_t i = 0; i < view.records; ++i) {
       const std::int64_t* const record = view.values + i * view.fields.size();
-      for (const Shown& s : shown) {
+      for (const ObservedField& s : observed) {
         const std::int64_t raw = record[s.field];
         if (raw == 0) {
           ++s.use->zeros;
@@ -126,45 +127,24 @@ void finish(RegisterUse& use, const model::FieldStatistics& s) {
   use.headroom = use.format.integer - use.used_bits;
 }
 
-FieldError field_error(const ErrorRow& row) {
-  const ErrorStat& s = row.stat;
-  return {row.stage,          row.quantity, row.unit, row.ulp,           s.count,    s.max,
-          s.mean_magnitude(), s.mean(),     s.rms(),  s.quantile(0.999), s.sqnr_db()};
-}
-
 using Metrics = std::map<std::string, double, std::less<>>;
 
-void add_field(const FieldError& f, Metrics& out) {
-  const std::string name = f.stage + "." + f.quantity;
-  const std::pair<const char*, double> numbers[] = {
-      {"max", f.max}, {"mean", f.mean}, {"bias", f.bias}, {"rms", f.rms}, {"p999", f.p999}};
-  for (const auto& [stat, value] : numbers) {
-    out[name + "." + stat] = value;
-    out[name + "." + stat + "_ulp"] = value / f.ulp;
+void add_field(const ErrorRow& row, Metrics& out) {
+  for (const FieldStatistic& s : field_statistics()) {
+    const std::string name = row.stage + "." + row.quantity + "." + std::string(s.name);
+    const double value = s.value(row.stat);
+    out[name] = value;
+    if (s.unit.empty()) out[name + "_ulp"] = value / row.ulp;
   }
-  out[name + ".sqnr_db"] = f.sqnr_db;
 }
 
-void add_pictures(const ErrorReport& r, Metrics& out) {
-  out["picture.psnr_db"] = r.psnr_db;
-  out["picture.color_max"] = r.color_max;
-  out["picture.drawn"] = static_cast<double>(r.drawn);
-  out["picture.wrong_order"] = static_cast<double>(r.wrong_order);
-  out["picture.wrong_order_rate"] = static_cast<double>(r.wrong_order) / static_cast<double>(r.drawn);
-  if (r.textured != 0) {
-    out["picture.wrong_texel"] = static_cast<double>(r.wrong_texel);
-    out["picture.wrong_texel_rate"] = static_cast<double>(r.wrong_texel) / static_cast<double>(r.textured);
+void add_pictures(const ErrorReport& report, Metrics& out) {
+  for (const PictureMetric& metric : picture_metrics()) {
+    if (const auto value = value_of(metric, report)) out[std::string(metric.name)] = *value;
   }
-  out["picture.coverage_differences"] = static_cast<double>(r.coverage_differences());
 }
 
 }  // namespace
-
-Frame drawn(Engine& engine, const Scene& scene) {
-  engine.begin(scene);
-  engine.draw(scene.triangles, 0, nullptr);
-  return engine.frame();
-}
 
 // The truths of the configurations measured last.
 struct PointMeter::Truths {
@@ -191,7 +171,7 @@ std::shared_ptr<const Frame> PointMeter::ideal(const Config& config, std::size_t
     const auto found = truths_->find(truth_config(config));
     if (found != truths_->known.end()) known = found->second;
   }
-  if (!known.valid()) return std::make_shared<const Frame>(drawn(*make_ideal(config), scenes_.at(scene)));
+  if (!known.valid()) return std::make_shared<const Frame>(drawn("ideal", config, scenes_.at(scene)));
   const auto truths = known.get();
   return {truths, &truths->at(scene).frame};  // keeps them all
 }
@@ -264,14 +244,14 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
       merge(seen[static_cast<std::size_t>(i)], engine->statistics().of(static_cast<model::RegisterId>(i)));
     }
   }
-  if (errors.drawn == 0) {
+  if (picture_value(errors, "picture.drawn").value_or(0) == 0) {
     throw InputError(config.name +
                      ": nothing is drawn in any of the scenes, so there is no error to measure");
   }
   for (const ErrorRow& row : errors.rows) {
     if (row.stat.count == 0) continue;
-    out.fields.push_back(field_error(row));
-    add_field(out.fields.back(), out.metrics);
+    out.fields.push_back({row.stage, row.quantity, row.unit, row.ulp, row.stat.count, row.stat.max});
+    add_field(row, out.metrics);
   }
   add_pictures(errors, out.metrics);
   double wraps = 0;

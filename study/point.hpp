@@ -14,21 +14,13 @@
 
 namespace bitspan {
 
-// What an engine draws of a scene.
-Frame drawn(Engine& engine, const Scene& scene);
-
 // The error of one quantity of a stage against the unquantised truth (docs/numeric-spec.md, "ideal"), over
 // all records of all scenes.
 struct FieldError {
   std::string stage, quantity, unit;  // "span", "u", "texel"
   double ulp = 0;                     // of the format it is held in, in that unit; 0 where none is
   std::uint64_t count = 0;
-  double max = 0;   // of the magnitude
-  double mean = 0;  // of the magnitude
-  double bias = 0;  // mean of measured - ideal
-  double rms = 0;
-  double p999 = 0;     // 99.9 % of the magnitudes are not above it (an upper edge of 1/8 octave)
-  double sqnr_db = 0;  // of the ideal values' power over the error's; infinite without error
+  double max = 0;  // the largest magnitude; the other statistics are among the metrics
 };
 
 // What a register held, over all scenes.
@@ -48,17 +40,10 @@ struct RegisterUse {
 struct PointResult {
   std::vector<FieldError> fields;
   std::vector<RegisterUse> registers;
-  // Every number above and of the pictures by name, for constraints, tables and plots. What does not apply
-  // (no fog, no texture) is absent.
+  // By the names of known_metrics() (study/metrics.hpp). What does not apply (no fog, no texture) is absent.
   std::map<std::string, double, std::less<>> metrics;
 };
 
-// Metric names:
-//   STAGE.QUANTITY.{max,mean,bias,rms,p999,sqnr_db} and the first five again as ..._ulp
-//   picture.{psnr_db,color_max,drawn,wrong_order,wrong_order_rate,coverage_differences}
-//   picture.{wrong_texel,wrong_texel_rate}: with the nearest filter, of textured pixels
-//   registers.{wraps,saturations}; register.NAME.{used_bits,headroom,wraps,saturations}
-//   cost.{register_bits,product_bits} (study/cost.hpp)
 class PointMeter {
  public:
   // Scenes are kept; what depends on them alone is computed once. Throws InputError where there is none.

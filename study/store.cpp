@@ -12,6 +12,8 @@
 #include <limits>
 #include <span>
 
+#include "study/metrics.hpp"
+
 namespace bitspan {
 namespace {
 
@@ -22,9 +24,11 @@ constexpr auto tables = std::to_array<const char*>({
     "status TEXT, message TEXT, seconds REAL)",
     "CREATE TABLE IF NOT EXISTS metrics(hash TEXT, name TEXT, value REAL, PRIMARY KEY(hash, name)) WITHOUT "
     "ROWID",
+    "CREATE TABLE IF NOT EXISTS known_metrics(name TEXT PRIMARY KEY, i INTEGER, field TEXT, label TEXT, unit "
+    "TEXT, "
+    "better TEXT, role TEXT, squares_add INTEGER, meaning TEXT)",
     "CREATE TABLE IF NOT EXISTS fields(hash TEXT, stage TEXT, quantity TEXT, unit TEXT, ulp REAL, count "
-    "INTEGER, "
-    "max REAL, mean REAL, bias REAL, rms REAL, p999 REAL, sqnr_db REAL)",
+    "INTEGER)",
     "CREATE INDEX IF NOT EXISTS fields_hash ON fields(hash)",
     "CREATE TABLE IF NOT EXISTS registers(hash TEXT, name TEXT, format TEXT, word INTEGER, int INTEGER, "
     "signed INTEGER, count INTEGER, min REAL, max REAL, used_bits INTEGER, headroom INTEGER, wraps INTEGER, "
@@ -98,8 +102,7 @@ ResultRows rows_of(const PointResult& result) {
   ResultRows out;
   for (const auto& [name, value] : result.metrics) out.metrics.push_back({name, stored(value)});
   for (const FieldError& f : result.fields) {
-    out.fields.push_back({f.stage, f.quantity, f.unit, stored(f.ulp), stored(f.count), stored(f.max),
-                          stored(f.mean), stored(f.bias), stored(f.rms), stored(f.p999), stored(f.sqnr_db)});
+    out.fields.push_back({f.stage, f.quantity, f.unit, stored(f.ulp), stored(f.count)});
   }
   for (const RegisterUse& r : result.registers) {
     out.registers.push_back({r.name, format_text(r.format), stored(r.format.word), stored(r.format.integer),
@@ -209,7 +212,18 @@ void Store::check_file(std::string_view version, Mode mode) {
     for (const char* sql : tables) run(sql);
     run("INSERT OR IGNORE INTO meta VALUES('schema', ?)", {std::to_string(schema)});
     run("INSERT OR REPLACE INTO meta VALUES('version', ?)", {std::string(version)});
+    write_known_metrics();
   });
+}
+
+void Store::write_known_metrics() {
+  run("DELETE FROM known_metrics");
+  std::int64_t i = 0;
+  for (const Metric& m : known_metrics()) {
+    run("INSERT INTO known_metrics VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        {m.name, i++, m.field, m.label, m.unit, std::string(to_string(m.better)),
+         std::string(to_string(m.role)), stored(m.squares_add ? 1 : 0), m.meaning});
+  }
 }
 
 sqlite3_stmt* Store::bound(std::string_view sql, const Row& values) {
@@ -351,7 +365,7 @@ void Store::put_point(const PointRow& p, const PointResult* result) {
       }
     };
     insert("INSERT INTO metrics VALUES(?, ?, ?)", all.metrics);
-    insert("INSERT INTO fields VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", all.fields);
+    insert("INSERT INTO fields VALUES(?, ?, ?, ?, ?, ?)", all.fields);
     insert("INSERT INTO registers VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", all.registers);
   });
 }
@@ -360,9 +374,7 @@ ResultRows Store::result_rows(std::string_view hash) {
   const Row key{std::string(hash)};
   return {
       rows("SELECT name, value FROM metrics WHERE hash = ? ORDER BY name", key),
-      rows("SELECT stage, quantity, unit, ulp, count, max, mean, bias, rms, p999, sqnr_db FROM fields "
-           "WHERE hash = ? ORDER BY rowid",
-           key),
+      rows("SELECT stage, quantity, unit, ulp, count FROM fields WHERE hash = ? ORDER BY rowid", key),
       rows(
           "SELECT name, format, word, int, signed, count, min, max, used_bits, headroom, wraps, saturations, "
           "zeros, octaves FROM registers WHERE hash = ? ORDER BY rowid",

@@ -49,7 +49,7 @@ ResultRows rows_of(const PointResult& result);
 class Store {
  public:
   enum class Mode { create, existing };
-  static constexpr int schema = 1;
+  static constexpr int schema = 2;
 
   // Opens the file, or makes it (create). Throws InputError where it is absent (existing), no database of
   // studies, damaged, of another schema, or cannot be written; and, as all below, where another program keeps
@@ -64,7 +64,7 @@ class Store {
   // One statement, its `?` bound to the values in turn. Calls come from one thread at a time.
   void run(std::string_view sql, const Row& values = {});
   std::vector<Row> rows(std::string_view sql, const Row& values = {});
-  // All of it or, where it throws, nothing. May be nested: the outermost counts.
+  // Keeps all that `body` writes or, where it throws, nothing. Of nested calls the outermost counts.
   void transaction(const std::function<void()>& body);
 
   std::optional<PointRow> point(std::string_view hash);
@@ -80,6 +80,7 @@ class Store {
  private:
   sqlite3_stmt* bound(std::string_view sql, const Row& values);
   void check_file(std::string_view version, Mode mode);
+  void write_known_metrics();
   [[noreturn]] void fail(int code) const;
 
   struct Close {

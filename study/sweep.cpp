@@ -15,6 +15,7 @@
 #include <type_traits>
 
 #include "config/fnv.hpp"
+#include "study/metrics.hpp"
 
 namespace bitspan {
 namespace {
@@ -25,6 +26,8 @@ std::string digest_of(const std::vector<Scene>& scenes, std::string_view version
   h.text("bitspan point");
   h.text(version);
   h.number(measurement_version);
+  // A point measured before a metric was declared is measured again.
+  for (const Metric& metric : known_metrics()) h.text(metric.name);
   h.number(static_cast<std::uint64_t>(scenes.size()));
   for (const Scene& scene : scenes) h.text(scene_hash(scene));
   return h.hex();
@@ -434,8 +437,7 @@ std::vector<std::string> differences(const ResultRows& stored, const ResultRows&
     }
   };
   compare(stored.metrics, measured.metrics, 1, "metric", {""});
-  compare(stored.fields, measured.fields, 2, "field",
-          {"unit", "ulp", "count", "max", "mean", "bias", "rms", "p999", "sqnr_db"});
+  compare(stored.fields, measured.fields, 2, "field", {"unit", "ulp", "count"});
   compare(stored.registers, measured.registers, 1, "register",
           {"format", "word", "int", "signed", "count", "min", "max", "used_bits", "headroom", "wraps",
            "saturations", "zeros", "octaves"});

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .study import BudgetRow, Study, key_value
+from .study import BudgetRow, Metric, Study, key_value
 
 Floats = NDArray[np.float64]
 
@@ -21,54 +21,12 @@ KNEE_DEFINITION = (
     "lies half an octave below that line, there is no knee."
 )
 KNEE_DEPTH = 0.5  # octaves below the line that make a knee
-COSTS = ("cost.", "area.", "estimate.")  # how metrics of cost begin
 MOST_METRICS = 400  # of the menu
 
 
-def higher_is_better(metric: str) -> bool:
-    """Signal-to-noise ratios, clock rates and unused bits; everything else is to be low."""
-    return metric.endswith(("_db", "fmax_mhz"))
-
-
-def unit_of(metric: str, units: dict[str, str]) -> str:
-    """The unit a metric is in, by its name; `units` are those of the fields, "span.u": "texel"."""
-    head, _, last = metric.rpartition(".")
-    if last.endswith("_ulp"):
-        return "ULP"
-    if last.endswith("_db"):
-        return "dB"
-    if head in units and last in ("max", "mean", "bias", "rms", "p999"):
-        return units[head]
-    known = {
-        "cost.register_bits": "bits",
-        "cost.product_bits": "bit × bit",
-        "cost.table_bits": "bits",
-        "picture.drawn": "pixels",
-        "picture.color_max": "colour code",
-        "picture.wrong_order": "pixels",
-        "picture.wrong_texel": "pixels",
-        "picture.coverage_differences": "pixels",
-        "picture.wrong_order_rate": "of the pixels",
-        "picture.wrong_texel_rate": "of the pixels",
-    }
-    by_ending = {
-        "luts": "LUTs",
-        "ffs": "flip-flops",
-        "multipliers": "multipliers",
-        "memory_bits": "bits",
-        "fmax_mhz": "MHz",
-        "wraps": "values",
-        "saturations": "values",
-        "used_bits": "bits",
-        "headroom": "bits",
-    }
-    return known.get(metric, by_ending.get(last, ""))
-
-
-def axis_title(metric: str, units: dict[str, str]) -> str:
+def axis_title(metric: Metric) -> str:
     """The metric with its unit in brackets."""
-    unit = unit_of(metric, units)
-    return f"{metric} [{unit}]" if unit else metric
+    return f"{metric.name} [{metric.unit}]" if metric.unit else metric.name
 
 
 def pareto_front(costs: Floats, errors: Floats) -> list[int]:
@@ -87,17 +45,17 @@ def pareto_front(costs: Floats, errors: Floats) -> list[int]:
     return front
 
 
-def to_minimise(metric: str, values: Floats) -> Floats:
+def to_minimise(metric: Metric, values: Floats) -> Floats:
     """The values, negated where more is better."""
-    return -values if higher_is_better(metric) else values
+    return -values if metric.high else values
 
 
-def octaves(metric: str, values: Floats) -> Floats:
+def octaves(metric: Metric, values: Floats) -> Floats:
     """(n,) losses in octaves, low is good: log2 of errors, decibels / 6.02.
 
     A zero counts as half of the smallest positive error of the curve; all zeros are one level.
     """
-    if metric.endswith("_db"):
+    if metric.unit == "dB":
         return -np.nan_to_num(values, posinf=400.0) / (20 * math.log10(2))
     positive = np.abs(values)[values != 0]
     floor = positive.min() / 2 if positive.size else 1.0
@@ -195,7 +153,7 @@ def spans_decades(values: Sequence[float]) -> bool:
     return len(values) > 0 and min(values) > 0 and max(values) >= 100 * min(values)
 
 
-def curve(axis: Axis, metric: str, column: Floats) -> Curve:
+def curve(axis: Axis, metric: Metric, column: Floats) -> Curve:
     """The metric's curve over an axis; column is (points,).
 
     Through the base where at least three values were tried with all else as in the base; otherwise the best point of
@@ -228,26 +186,24 @@ def _varies(column: Sequence[float]) -> bool:
     return len(finite) > 0 and (len(column) < 2 or min(finite) != max(finite))
 
 
+def _is_cost(study: Study, name: str) -> bool:
+    return study.metric(name).role == "cost"
+
+
 def cost_metrics(study: Study) -> list[str]:
-    """What a point costs, of those with values: the study's cost first."""
-    names = [n for n in study.metrics if n.startswith(COSTS)]
-    names.sort(
-        key=lambda n: (n != study.cost_metric, COSTS.index(n.partition(".")[0] + "."), n != "cost.register_bits", n)
-    )
+    """What a point costs, of those with values: the study's cost first, then in the order of the known metrics."""
+    names = [n for n in study.known if n in study.metrics and _is_cost(study, n)]
+    names.sort(key=lambda n: n != study.cost_metric)
     return names or list(study.metrics)[:1]
 
 
 def error_metrics(study: Study) -> list[str]:
     """The errors worth a menu: those of the plan and its constraints; without any, all that differ between points."""
     named = [*study.chosen_metrics, *(c.metric for c in study.constraints)]
-    named = [n for n in dict.fromkeys(named) if n in study.metrics and not n.startswith(COSTS)]
+    named = [n for n in dict.fromkeys(named) if n in study.metrics and not _is_cost(study, n)]
     if study.chosen_metrics and named:
         return named
-
-    def of_interest(name: str) -> bool:
-        return not name.startswith((*COSTS, "register.")) and not name.endswith("_ulp")
-
-    rest = [n for n, column in study.metrics.items() if of_interest(n) and _varies(column)]
+    rest = [n for n, column in study.metrics.items() if study.metric(n).role == "result" and _varies(column)]
     rest.sort(key=lambda n: (n != "span.u.p999", not n.startswith("span."), not n.endswith(".p999"), n))
     return list(dict.fromkeys([*named, *rest]))[:MOST_METRICS] or list(study.metrics)[:1]
 
@@ -257,12 +213,17 @@ def column_of(study: Study, metric: str) -> Floats:
     return np.array(study.metrics[metric], dtype=np.float64)
 
 
+def column_to_minimise(study: Study, metric: str) -> Floats:
+    """(points,) values of a metric, negated where more is better."""
+    return to_minimise(study.metric(metric), column_of(study, metric))
+
+
 def noted_points(study: Study, most: int = 40) -> list[str]:
     """Hashes of the points that a reader looks at: what is recommended, the base, the front of the first two metrics."""
     hashes = [found.hash for found in study.recommended]
     hashes += [study.points[study.base].hash] if study.base is not None else []
     for x, y in zip(cost_metrics(study)[:1], error_metrics(study)[:1]):
-        front = pareto_front(to_minimise(x, column_of(study, x)), to_minimise(y, column_of(study, y)))
+        front = pareto_front(column_to_minimise(study, x), column_to_minimise(study, y))
         hashes += [study.points[i].hash for i in front]
     return list(dict.fromkeys(hashes))[:most]
 
@@ -289,17 +250,17 @@ class Stack:
     common: float
 
 
-def budget_stacks(rows: list[BudgetRow]) -> list[Stack]:
+def budget_stacks(metric_of: Callable[[str], Metric], rows: list[BudgetRow]) -> list[Stack]:
     """The stacks of a configuration's budget. Metrics without error and those that are better high are left out."""
     stacks = []
     for metric in dict.fromkeys(row.metric for row in rows):
         of_metric = [row for row in rows if row.metric == metric and math.isfinite(row.alone)]
-        if not of_metric or higher_is_better(metric):
+        if not of_metric or metric_of(metric).high:
             continue
         base = of_metric[0].base
         if not math.isfinite(base) or base <= 0:
             continue
-        powers = metric.endswith((".rms", ".rms_ulp"))
+        powers = metric_of(metric).squares_add
         alone = [(row.quantisation, (row.alone / base) ** (2 if powers else 1)) for row in of_metric]
         common = min(share for _, share in alone)
         shares = [(name, share - common) for name, share in alone]

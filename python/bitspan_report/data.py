@@ -54,7 +54,7 @@ def page_data(study: Study) -> dict[str, Any]:
     """Everything the script draws. Points are referred to by their index."""
     x_names, y_names = analysis.cost_metrics(study), analysis.error_metrics(study)
     columns = {n: analysis.column_of(study, n) for n in dict.fromkeys([*x_names, *y_names])}
-    lows = {n: analysis.to_minimise(n, column) for n, column in columns.items()}
+    lows = {n: analysis.column_to_minimise(study, n) for n in columns}
     axes = analysis.read_axes(study)
     base_lines = study.points[study.base if study.base is not None else 0].config.split("\n") if study.points else []
     return {
@@ -78,15 +78,15 @@ def page_data(study: Study) -> dict[str, Any]:
         "base": study.base,
         "recommended": [i for r in study.recommended if (i := study.index_of(r.hash)) is not None],
         "metrics": {n: plain_column(study.metrics[n]) for n in analysis.told_metrics(study)},
-        "units": {n: analysis.unit_of(n, study.units) for n in study.metrics},
+        "units": {n: study.unit_of(n) for n in study.metrics},
         "limits": [{"metric": c.metric, "atMost": c.at_most, "atLeast": c.at_least} for c in study.constraints],
         "x": x_names,
         "y": y_names,
         "fronts": {x: {y: analysis.pareto_front(lows[x], lows[y]) for y in y_names} for x in x_names},
         "axes": [{"label": a.label, "shown": a.shown, "keys": a.keys, "numeric": a.numeric} for a in axes],
-        "curves": {y: [_curve(analysis.curve(a, y, columns[y])) for a in axes] for y in y_names},
+        "curves": {y: [_curve(analysis.curve(a, study.metric(y), columns[y])) for a in axes] for y in y_names},
         "registers": {h: [_register(r) for r in study.registers[h]] for h in shown_hashes(study, study.registers)},
-        "budget": {h: _budget(rows) for h, rows in study.budget.items()},
+        "budget": {h: _budget(study, rows) for h, rows in study.budget.items()},
         "bounds": {
             h: [
                 [
@@ -102,7 +102,7 @@ def page_data(study: Study) -> dict[str, Any]:
         },
         "steps": [[s.number, plain(s.cost), s.holds, study.index_of(s.hash)] for s in study.steps],
         "best": figures.best_so_far(study.steps),
-        "costTitle": analysis.axis_title(study.cost_metric, study.units),
+        "costTitle": analysis.axis_title(study.metric(study.cost_metric)),
     }
 
 
@@ -142,8 +142,8 @@ def _register(r: Register) -> dict[str, Any]:
     }
 
 
-def _budget(rows: list[BudgetRow]) -> dict[str, Any]:
-    stacks = analysis.budget_stacks(rows)
+def _budget(study: Study, rows: list[BudgetRow]) -> dict[str, Any]:
+    stacks = analysis.budget_stacks(study.metric, rows)
     return {
         "names": figures.stack_names(stacks),
         "stacks": [

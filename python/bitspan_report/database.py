@@ -1,4 +1,4 @@
-"""Reads one study out of a study database (SQLite, schema 1)."""
+"""Reads one study out of a study database (SQLite, schema 2)."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from .study import (
     CertificateRow,
     Constraint,
     FieldError,
+    Metric,
     Point,
     Recommendation,
     Register,
@@ -31,7 +32,7 @@ from .study import (
     key_value,
 )
 
-SCHEMA = "1"
+SCHEMA = "2"
 
 # The points that a study refers to anywhere; :s is its name.
 _POINTS = """(SELECT hash FROM study_points WHERE study = :s UNION SELECT hash FROM search_steps WHERE study = :s
@@ -122,7 +123,7 @@ def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
         points=points,
         base=indices.get(base_hash),
         metrics=_read_metrics(reader, indices),
-        units=_read_units(reader),
+        known=_read_known_metrics(reader),
         axes=axes,
         constraints=_planned_constraints(planned),
         chosen_metrics=list(planned.get("study", {}).get("metrics", [])),
@@ -187,23 +188,23 @@ def _read_metrics(reader: _Reader, indices: dict[str, int]) -> dict[str, list[fl
     return dict(sorted(columns.items()))
 
 
-def _read_units(reader: _Reader) -> dict[str, str]:
+def _read_known_metrics(reader: _Reader) -> dict[str, Metric]:
     return {
-        f"{stage}.{quantity}": unit
-        for stage, quantity, unit in reader.rows(
-            f"SELECT DISTINCT stage, quantity, unit FROM fields WHERE hash IN {_POINTS}"
+        name: Metric(name, field, label, unit, better == "high", role, bool(squares_add), meaning)
+        for name, field, label, unit, better, role, squares_add, meaning in reader.rows(
+            "SELECT name, field, label, unit, better, role, squares_add, meaning FROM known_metrics ORDER BY i"
         )
     }
 
 
 def _read_errors(reader: _Reader) -> dict[str, list[FieldError]]:
     errors: dict[str, list[FieldError]] = defaultdict(list)
-    for h, stage, quantity, unit, ulp, count, *numbers in reader.rows(
-        "SELECT hash, stage, quantity, unit, ulp, count, max, mean, bias, rms, p999, sqnr_db FROM fields "
+    for h, stage, quantity, unit, ulp, count in reader.rows(
+        "SELECT hash, stage, quantity, unit, ulp, count FROM fields "
         "WHERE hash IN (SELECT hash FROM recommended WHERE study = :s UNION "
         "SELECT base_hash FROM studies WHERE name = :s) ORDER BY rowid"
     ):
-        errors[h].append(FieldError(stage, quantity, unit or "", number(ulp), count, *map(number, numbers)))
+        errors[h].append(FieldError(stage, quantity, unit or "", number(ulp), count))
     return dict(errors)
 
 

@@ -174,7 +174,7 @@ def recommended(study: Study) -> str:
             (
                 n,
                 study.metrics[n][index],
-                analysis.unit_of(n, study.units),
+                study.unit_of(n),
                 study.metrics[n][study.base] if study.base is not None else math.nan,
             )
             for n in dict.fromkeys(names)
@@ -203,36 +203,19 @@ def errors(study: Study) -> str:
     hashes = data.shown_hashes(study, study.errors)
     if not hashes:
         return empty_section("errors", "Errors by stage", "Neither the base nor a recommended point was measured.")
-    head = [
-        "stage",
-        "quantity",
-        "unit",
-        "values",
-        "maximum",
-        "mean",
-        "bias",
-        "RMS",
-        "99.9 %",
-        "SQNR [dB]",
-        "maximum [ULP]",
-    ]
+    labels = dict.fromkeys(m.label for m in study.known.values() if m.label)
+    head = ["stage", "quantity", "unit", "values", *labels]
+    names = {(m.field, m.label): m.name for m in study.known.values()}
     blocks = {}
     for h in hashes:
+        index = study.index_of(h)
+
+        def value(field: str, label: str) -> float:
+            column = study.metrics.get(names.get((field, label), ""))
+            return math.nan if column is None or index is None else column[index]
+
         rows = [
-            (
-                e.stage,
-                e.quantity,
-                e.unit,
-                e.count,
-                e.max,
-                e.mean,
-                e.bias,
-                e.rms,
-                e.p999,
-                e.sqnr_db,
-                e.max / e.ulp if e.ulp else math.nan,
-            )
-            for e in study.errors[h]
+            (e.stage, e.quantity, e.unit, e.count, *(value(e.name, label) for label in labels)) for e in study.errors[h]
         ]
         blocks[h] = table(head, rows, scroll=len(rows) > 14)
     return section(

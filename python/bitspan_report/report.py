@@ -38,11 +38,11 @@ def plots(study: Study) -> dict[str, bytes]:
         content |= _pareto(study, costs[0], errors[0])
         content |= _curves(study, errors[0])
     if study.steps:
-        content |= _both("search", figures.search(study.steps, analysis.axis_title(study.cost_metric, study.units)))
+        content |= _both("search", figures.search(study.steps, analysis.axis_title(study.metric(study.cost_metric))))
     for h in _drawn(study, study.registers):
         content |= _both(_file_name("registers", h[:12]), figures.histograms(study.registers[h]))
     for h in _drawn(study, study.budget):
-        stacks = analysis.budget_stacks(study.budget[h])
+        stacks = analysis.budget_stacks(study.metric, study.budget[h])
         if stacks:
             content |= _both(_file_name("budget", h[:12]), figures.budget(stacks))
     for h in _drawn(study, study.bounds):
@@ -61,11 +61,11 @@ def _drawn(study: Study, tables: dict[str, Any]) -> list[str]:
 
 def _pareto(study: Study, x: str, y: str) -> dict[str, bytes]:
     cost, error = analysis.column_of(study, x), analysis.column_of(study, y)
-    front = analysis.pareto_front(analysis.to_minimise(x, cost), analysis.to_minimise(y, error))
+    front = analysis.pareto_front(analysis.column_to_minimise(study, x), analysis.column_to_minimise(study, y))
     recommended = [i for r in study.recommended if (i := study.index_of(r.hash)) is not None]
     figure = figures.pareto(
-        analysis.axis_title(x, study.units),
-        analysis.axis_title(y, study.units),
+        analysis.axis_title(study.metric(x)),
+        analysis.axis_title(study.metric(y)),
         cost,
         error,
         [p.holds for p in study.points],
@@ -80,11 +80,12 @@ def _pareto(study: Study, x: str, y: str) -> dict[str, bytes]:
 
 def _curves(study: Study, metric: str) -> dict[str, bytes]:
     column = analysis.column_of(study, metric)
-    drawn = [(axis, analysis.curve(axis, metric, column)) for axis in analysis.read_axes(study)]
+    drawn = [(axis, analysis.curve(axis, study.metric(metric), column)) for axis in analysis.read_axes(study)]
     drawn = [(axis, found) for axis, found in drawn if np.isfinite([s[1] for s in found.samples]).any()]
     if not drawn:
         return {}
-    return _both("widths", figures.curves(drawn, metric, analysis.axis_title(metric, study.units), study.constraints))
+    title = analysis.axis_title(study.metric(metric))
+    return _both("widths", figures.curves(drawn, metric, title, study.constraints))
 
 
 def pictures(study: Study) -> dict[str, bytes]:

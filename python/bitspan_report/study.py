@@ -52,19 +52,32 @@ class Register:
 
 @dataclass
 class FieldError:
-    """A stage's error of one quantity, in `unit`; ulp is that of its format in the same unit, 0 where it has none."""
+    """A field whose error was measured, in `unit`; ulp is that of its format in the same unit. The statistics of the
+    error are metrics."""
 
     stage: str
     quantity: str
     unit: str
     ulp: float
     count: int
-    max: float
-    mean: float
-    bias: float
-    rms: float
-    p999: float
-    sqnr_db: float
+
+    @property
+    def name(self) -> str:
+        return f"{self.stage}.{self.quantity}"
+
+
+@dataclass
+class Metric:
+    """What the database says of a metric. `field` and `label` are empty but for statistics of a field's error."""
+
+    name: str
+    field: str  # "span.u"
+    label: str  # the head of its column in a table of fields
+    unit: str
+    high: bool  # more is better
+    role: str  # result | cost | detail
+    squares_add: bool  # for independent causes, the squares add up
+    meaning: str
 
 
 @dataclass
@@ -166,7 +179,7 @@ class Study:
     points: list[Point]
     base: int | None  # index into points
     metrics: dict[str, list[float]]
-    units: dict[str, str]  # "span.u": "texel"
+    known: dict[str, Metric]  # every metric that a study can have, in the order of tables
     axes: list[list[str]]  # keys that were set together
     constraints: list[Constraint]
     chosen_metrics: list[str]  # of the plan; empty: all
@@ -181,6 +194,13 @@ class Study:
     steps: list[SearchStep]
     certificate: list[CertificateRow]
     recommended: list[Recommendation]
+
+    def metric(self, name: str) -> Metric:
+        """What is known of a metric; of a name that the database does not explain, only the name."""
+        return self.known.get(name) or Metric(name, "", "", "", False, "detail", False, "")
+
+    def unit_of(self, name: str) -> str:
+        return self.metric(name).unit
 
     def index_of(self, point_hash: str) -> int | None:
         """Index into points."""

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "model/engine_model.hpp"
+#include "report/metrics.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -110,16 +111,17 @@ TEST(Error, PicturesGivePsnrOrderAndMaximum) {
   a.triangle = {0, 1};
   ErrorMeter equal(config(), s);
   equal.add_pictures(a, a);
-  EXPECT_TRUE(std::isinf(equal.report().psnr_db));
+  EXPECT_TRUE(std::isinf(*picture_value(equal.report(), "picture.psnr_db")));
   Frame b = a;
   b.color[0] = 13;
   b.triangle[1] = 0;
   ErrorMeter meter(config(), s);
   meter.add_pictures(a, b);
-  EXPECT_EQ(meter.report().color_max, 3);
-  EXPECT_EQ(meter.report().wrong_order, 1U);
-  EXPECT_EQ(meter.report().drawn, 2U);
-  EXPECT_NEAR(meter.report().psnr_db, 10 * std::log10(255.0 * 255.0 * 6 / 9), 1e-9);
+  EXPECT_EQ(picture_value(meter.report(), "picture.color_max"), 3);
+  EXPECT_EQ(picture_value(meter.report(), "picture.wrong_order"), 1);
+  EXPECT_EQ(picture_value(meter.report(), "picture.drawn"), 2);
+  EXPECT_NEAR(*picture_value(meter.report(), "picture.psnr_db"), 10 * std::log10(255.0 * 255.0 * 6 / 9),
+              1e-9);
 }
 
 TEST(Error, PicturesErrWhereTheSameTriangleWon) {

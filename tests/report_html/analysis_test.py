@@ -9,8 +9,17 @@ from pathlib import Path
 import numpy as np
 from bitspan_report import analysis, data, figures
 from bitspan_report.database import load_study
-from bitspan_report.study import Bound, BudgetRow, Point, Register, SearchStep, key_value
+from bitspan_report.study import Bound, BudgetRow, Metric, Point, Register, SearchStep, key_value
 from make_database import BASE, write_database
+
+ERROR = Metric("span.u.max", "span.u", "maximum", "texel", False, "result", False, "")
+DECIBELS = Metric("span.u.sqnr_db", "span.u", "SQNR [dB]", "dB", True, "result", False, "")
+
+
+def metric_named(name):
+    if name.endswith("_db"):
+        return DECIBELS
+    return dataclasses.replace(ERROR, name=name, squares_add=name.endswith(".rms"))
 
 
 def dominated(costs, errors, i):
@@ -46,8 +55,8 @@ class ParetoFront(unittest.TestCase):
     def test_decibels_are_to_be_high(self):
         values = np.array([40.0, 60.0])
         costs = np.array([1.0, 2.0])
-        self.assertEqual(analysis.pareto_front(costs, analysis.to_minimise("span.u.sqnr_db", values)), [0, 1])
-        self.assertEqual(analysis.pareto_front(costs, analysis.to_minimise("span.u.rms", values)), [0])
+        self.assertEqual(analysis.pareto_front(costs, analysis.to_minimise(DECIBELS, values)), [0, 1])
+        self.assertEqual(analysis.pareto_front(costs, analysis.to_minimise(ERROR, values)), [0])
 
 
 class Knee(unittest.TestCase):
@@ -56,12 +65,12 @@ class Knee(unittest.TestCase):
     def test_is_where_the_floor_begins(self):
         for floor_at in (18, 21, 25):
             errors = np.maximum(2.0**-self.WIDTHS, 2.0**-floor_at)
-            at = analysis.knee(self.WIDTHS, analysis.octaves("span.u.max", errors))
+            at = analysis.knee(self.WIDTHS, analysis.octaves(ERROR, errors))
             self.assertEqual(self.WIDTHS[at], floor_at)
 
     def test_a_straight_line_has_none(self):
-        self.assertIsNone(analysis.knee(self.WIDTHS, analysis.octaves("span.u.max", 2.0**-self.WIDTHS)))
-        self.assertIsNone(analysis.knee(self.WIDTHS, analysis.octaves("span.u.max", np.zeros(13))))
+        self.assertIsNone(analysis.knee(self.WIDTHS, analysis.octaves(ERROR, 2.0**-self.WIDTHS)))
+        self.assertIsNone(analysis.knee(self.WIDTHS, analysis.octaves(ERROR, np.zeros(13))))
 
     def test_a_shallow_bend_has_none(self):
         self.assertIsNone(analysis.knee(np.array([1.0, 2.0, 3.0]), np.array([2.0, 0.51, 0.0])))
@@ -73,12 +82,12 @@ class Knee(unittest.TestCase):
     def test_is_the_same_in_decibels(self):
         errors = np.maximum(2.0**-self.WIDTHS, 2.0**-20.0)
         decibels = -20 * np.log10(errors)
-        by_errors = analysis.octaves("span.u.max", errors)
-        by_decibels = analysis.octaves("span.u.sqnr_db", decibels)
+        by_errors = analysis.octaves(ERROR, errors)
+        by_decibels = analysis.octaves(DECIBELS, decibels)
         np.testing.assert_allclose(by_decibels, by_errors, atol=1e-9)
 
     def test_a_zero_is_half_the_smallest_error(self):
-        np.testing.assert_allclose(analysis.octaves("picture.wrong_order", np.array([8.0, 2.0, 0.0])), [3, 1, 0])
+        np.testing.assert_allclose(analysis.octaves(ERROR, np.array([8.0, 2.0, 0.0])), [3, 1, 0])
 
 
 class Scales(unittest.TestCase):
@@ -90,20 +99,6 @@ class Scales(unittest.TestCase):
         self.assertIsNone(floor(np.array([0.0, 1.0, 2.0])))
         self.assertAlmostEqual(floor(np.array([0.01, 2.0, math.nan, math.inf])), 0.01 / math.sqrt(10))
         self.assertAlmostEqual(floor(np.array([0.0, 1.0, 16.0])), 1 / math.sqrt(10))
-
-    def test_units(self):
-        units = {"span.u": "texel"}
-        for metric, unit in (
-            ("span.u.p999", "texel"),
-            ("span.u.max_ulp", "ULP"),
-            ("span.u.sqnr_db", "dB"),
-            ("cost.register_bits", "bits"),
-            ("area.ice40.luts", "LUTs"),
-            ("span.x.max", ""),
-            ("picture.wrong_order_rate", "of the pixels"),
-        ):
-            self.assertEqual(analysis.unit_of(metric, units), unit, metric)
-        self.assertEqual(analysis.axis_title("span.u.rms", units), "span.u.rms [texel]")
 
 
 class Registers(unittest.TestCase):
@@ -138,7 +133,7 @@ class Budget(unittest.TestCase):
             BudgetRow("a", "span.v.max", 0, 0, 0),
             BudgetRow("a", "span.v.rms", 1, 1, math.nan),
         ]
-        power, largest = analysis.budget_stacks(rows)
+        power, largest = analysis.budget_stacks(metric_named, rows)
         self.assertEqual((power.metric, power.powers, power.common), ("span.u.rms", True, 0))
         self.assertEqual([name for name, _ in power.shares], ["b", "a", "nothing"])
         self.assertAlmostEqual(sum(share for _, share in power.shares), 1)
@@ -149,7 +144,7 @@ class Budget(unittest.TestCase):
         # 40 registers of which two matter, above an output rounding of 3: power 9 + 16 + 11 = 36.
         alone = [math.sqrt(9 + 16), math.sqrt(9 + 11), *[3.0] * 38]
         rows = [BudgetRow(f"r{i}", "picture.colour.rms", 6, 6, value) for i, value in enumerate(alone)]
-        (stack,) = analysis.budget_stacks(rows)
+        (stack,) = analysis.budget_stacks(metric_named, rows)
         self.assertAlmostEqual(stack.common, 9 / 36)
         self.assertAlmostEqual(stack.common + sum(share for _, share in stack.shares), 1)
 
@@ -196,6 +191,19 @@ class Curves(unittest.TestCase):
         self.assertEqual(key_value(config, "a.b.c"), 2)
         self.assertIsNone(key_value(config, "formats.span.v.word"))
 
+    def test_units_are_those_of_the_database(self):
+        for metric, unit in (
+            ("span.u.p999", "texel"),
+            ("span.u.max_ulp", "ULP"),
+            ("span.u.sqnr_db", "dB"),
+            ("cost.register_bits", "bits"),
+            ("area.ice40.luts", "LUTs"),
+            ("span.x.max", ""),
+            ("picture.wrong_texel_rate", "of the pixels"),
+        ):
+            self.assertEqual(self.study.unit_of(metric), unit, metric)
+        self.assertEqual(analysis.axis_title(self.study.metric("span.u.rms")), "span.u.rms [texel]")
+
     def test_axes_are_those_of_the_plan(self):
         axes = analysis.read_axes(self.study)
         self.assertEqual([axis.keys[0] for axis in axes], list(BASE))
@@ -235,7 +243,7 @@ class Curves(unittest.TestCase):
     def test_the_best_of_all_is_the_lower_edge(self):
         axis = analysis.read_axes(self.study)[0]
         column = analysis.column_of(self.study, "span.u.p999")
-        curve = analysis.curve(axis, "span.u.p999", column)
+        curve = analysis.curve(axis, self.study.metric("span.u.p999"), column)
         self.assertFalse(curve.one_at_a_time)
         self.assertEqual([value for value, _, _ in curve.samples], [26, 28, 30, 32, 34, 36])
         for value, error, index in curve.samples:
@@ -246,13 +254,13 @@ class Curves(unittest.TestCase):
 
     def test_one_at_a_time_keeps_all_else_as_in_the_base(self):
         axis = analysis.Axis(["k"], "k", [1, 2, 3, 3], True, [0, 1, 2])
-        curve = analysis.curve(axis, "e.max", np.array([4.0, 2.0, 1.0, 0.5]))
+        curve = analysis.curve(axis, ERROR, np.array([4.0, 2.0, 1.0, 0.5]))
         self.assertTrue(curve.one_at_a_time)
         self.assertEqual([error for _, error, _ in curve.samples], [4, 2, 1])  # the fourth point differs elsewhere too
 
     def test_names_as_values_have_no_knee(self):
         axis = analysis.Axis(["kind"], "kind", ["lut", "restoring", "lut_newton"], False, [])
-        curve = analysis.curve(axis, "e.max", np.array([9.0, 1.0, 1.0]))
+        curve = analysis.curve(axis, ERROR, np.array([9.0, 1.0, 1.0]))
         self.assertEqual([value for value, _, _ in curve.samples], ["lut", "restoring", "lut_newton"])
         self.assertIsNone(curve.knee)
 

@@ -69,8 +69,9 @@ CREATE TABLE meta(key TEXT PRIMARY KEY, value TEXT);
 CREATE TABLE points(hash TEXT PRIMARY KEY, config_hash TEXT, config TEXT, scenes TEXT, status TEXT, message TEXT,
   seconds REAL);
 CREATE TABLE metrics(hash TEXT, name TEXT, value REAL, PRIMARY KEY(hash, name));
-CREATE TABLE fields(hash TEXT, stage TEXT, quantity TEXT, unit TEXT, ulp REAL, count INTEGER, max REAL, mean REAL,
-  bias REAL, rms REAL, p999 REAL, sqnr_db REAL);
+CREATE TABLE known_metrics(name TEXT PRIMARY KEY, i INTEGER, field TEXT, label TEXT, unit TEXT, better TEXT, role TEXT,
+  squares_add INTEGER, meaning TEXT);
+CREATE TABLE fields(hash TEXT, stage TEXT, quantity TEXT, unit TEXT, ulp REAL, count INTEGER);
 CREATE TABLE registers(hash TEXT, name TEXT, format TEXT, word INTEGER, int INTEGER, signed INTEGER, count INTEGER,
   min REAL, max REAL, used_bits INTEGER, headroom INTEGER, wraps INTEGER, saturations INTEGER, zeros INTEGER,
   octaves TEXT);
@@ -87,6 +88,47 @@ CREATE TABLE areas(config_hash TEXT, area_key TEXT, family TEXT, placed INTEGER,
   PRIMARY KEY(config_hash, family, placed));
 CREATE TABLE pictures(hash TEXT, scene TEXT, name TEXT, png BLOB, PRIMARY KEY(hash, scene, name));
 """
+
+# name, i, field, label, unit, better, role, squares_add, meaning
+KNOWN_METRICS = [
+    (name, i, *rest, "what it means")
+    for i, (name, *rest) in enumerate(
+        [
+            (f"span.{quantity}.{ending}", f"span.{quantity}", label, *how)
+            for quantity, unit in (("h", "depth code"), ("u", "texel"))
+            for ending, label, *how in (
+                ("max", "maximum", unit, "low", "result", 0),
+                ("max_ulp", "maximum [ULP]", "ULP", "low", "detail", 0),
+                ("rms", "RMS", unit, "low", "result", 1),
+                ("p999", "99.9 %", unit, "low", "result", 0),
+                ("sqnr_db", "SQNR [dB]", "dB", "high", "result", 0),
+            )
+        ]
+        + [
+            (name, "", "", *how, 0)
+            for name, *how in (
+                ("picture.psnr_db", "dB", "high", "result"),
+                ("picture.wrong_order", "pixels", "low", "result"),
+                ("picture.wrong_texel_rate", "of the pixels", "low", "result"),
+                ("registers.wraps", "values", "low", "result"),
+                ("register.span.h.headroom", "bits", "high", "detail"),
+                ("cost.register_bits", "bits", "low", "cost"),
+                ("cost.product_bits", "bit × bit", "low", "cost"),
+                *(
+                    (f"area.{family}.{column}", unit, better, "cost")
+                    for family in ("ice40", "ecp5")
+                    for column, unit, better in (
+                        ("luts", "LUTs", "low"),
+                        ("ffs", "flip-flops", "low"),
+                        ("multipliers", "multipliers", "low"),
+                        ("memory_bits", "bits", "low"),
+                        ("fmax_mhz", "MHz", "high"),
+                    )
+                ),
+            )
+        ]
+    )
+]
 
 
 def digest(*parts: object) -> str:
@@ -299,8 +341,7 @@ class Writer:
         metrics = metrics_of(merged)
         self.insert("metrics", *((h, name, stored(value)) for name, value in metrics.items()))
         for quantity, unit in (("u", "texel"), ("h", "depth code")):
-            e = [metrics[f"span.{quantity}.{name}"] for name in ("max", "rms", "p999")]
-            self.insert("fields", (h, "span", quantity, unit, 2.0**-8, 329826, e[0], e[1] / 2, 0.0, e[1], e[2], 60.0))
+            self.insert("fields", (h, "span", quantity, unit, 2.0**-8, 329826))
         self.insert("registers", *((h, *row) for row in registers_of(merged)))
 
 
@@ -391,7 +432,8 @@ def write_database(path: str | pathlib.Path) -> None:
     connection = sqlite3.connect(path)
     connection.executescript(TABLES)
     writer = Writer(connection, "spans")
-    writer.insert("meta", ("schema", "1"), ("version", "0.1.0"))
+    writer.insert("meta", ("schema", "2"), ("version", "0.1.0"))
+    writer.insert("known_metrics", *KNOWN_METRICS)
     base = writer.point({})
     for values in itertools.product(*WIDTHS.values()):
         writer.point(settings_with(*values))

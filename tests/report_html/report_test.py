@@ -181,8 +181,8 @@ class BadInput(InFolder):
         self.expect(run(path, self.root / "o", "--study", "spans"), "corrupt.db")
 
     def test_another_schema(self):
-        path = self.changed("schema.db", "UPDATE meta SET value = '2' WHERE key = 'schema'")
-        self.expect(run(path, self.root / "o"), "schema 2; expected 1")
+        path = self.changed("schema.db", "UPDATE meta SET value = '3' WHERE key = 'schema'")
+        self.expect(run(path, self.root / "o"), "schema 3; expected 2")
         path = self.changed("table.db", "DROP TABLE budget")
         self.expect(run(path, self.root / "o", "--study", "spans"), "no such table: budget")
 

@@ -1,6 +1,6 @@
 // The proved bounds against what the model does: on the embedded scenes, on random scenes, with the shipped
 // and with random configurations.
-#include "study/bounds.hpp"
+#include "study/bounds/bounds.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@
 #include "report/random_config.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
-#include "study/format_range.hpp"
+#include "study/bounds/format_range.hpp"
 #include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 

@@ -1,5 +1,5 @@
 // Gappa proves the bounds that study/bounds.hpp states, and refuses half of them.
-#include "study/gappa.hpp"
+#include "study/bounds/gappa.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 
 #include "scene/demo.hpp"
-#include "study/bounds.hpp"
+#include "study/bounds/bounds.hpp"
 #include "tests/support/environment.hpp"
 #include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
@@ -111,7 +111,7 @@ TEST(Gappa, ProvesTheBoundOfATriangleOfTheDemo) {
   int proved = 0;
   for (const InputRange& range : triangle_ranges(config, demo_scene(320, 240))) {
     if (!range.covers || range.longest_row < 40 || range.inverse_s_gradient < 1e-4) continue;
-    if (!bound_hypotheses(config, range).span.plain) continue;
+    if (!bound_hypotheses(config, range).span.adds_up) continue;
     expect_proved(config, range, "span.h");
     expect_proved(config, range, "span.uv");
     if (++proved == 2) return;

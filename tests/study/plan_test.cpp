@@ -227,12 +227,13 @@ TEST(Plan, BadMetricsAndConstraintsAreRefused) {
     return head + vary + "[[constraint]]\n" + rest + "\n";
   };
   for (const char* name : {"span", "span.u", "span.u.p99", "spam.u.max", "registers.h.wraps",
-                           "register.wraps", "register.span.h.max", "cost", "picture", "", "..."}) {
+                           "register.wraps", "register.span.h.max", "cost", "picture", "picture.wrong_ordre",
+                           "texture.r.sqnr_db", "cost.bits", "", "..."}) {
     refused(constraint(std::string("metric = \"") + name + "\"\nat_most = 1"), "constraint[1].metric");
   }
-  for (const char* name :
-       {"span.u.p999", "span.u.bias_ulp", "texture.r.sqnr_db", "registers.wraps", "register.span.h.headroom",
-        "cost.product_bits", "cost.table_bits", "estimate.ice40.luts", "picture.wrong_order_rate"}) {
+  for (const char* name : {"span.u.p999", "span.u.bias_ulp", "texture.colour.sqnr_db", "registers.wraps",
+                           "register.span.h.headroom", "cost.product_bits", "cost.table_bits",
+                           "estimate.ice40.luts", "picture.wrong_order_rate"}) {
     EXPECT_EQ(parse(constraint(std::string("metric = \"") + name + "\"\nat_most = 1")).constraints[0].metric,
               name);
   }
@@ -241,7 +242,8 @@ TEST(Plan, BadMetricsAndConstraintsAreRefused) {
   refused(constraint("metric = \"span.u.max\"\nat_most = nan"), "is not finite");
   refused(constraint("metric = \"span.u.max\"\nat_most = \"1\""), "is a string");
   refused(constraint("metric = \"span.u.max\"\nat_most = 1\nat_least = 2"), "nothing holds it");
-  refused(head + "metrics = [\"span.u.p99\"]\n" + vary, "study.metrics: \"span.u.p99\" is no metric");
+  refused(head + "metrics = [\"span.u.p99\"]\n" + vary,
+          "study.metrics: \"span.u.p99\" is no metric; legal: those of docs/study.md, nearest: span.u.p999");
 }
 
 TEST(Plan, BadSearchAreaAndReportAreRefused) {

@@ -1,5 +1,5 @@
 // Word-length search on made-up error models whose optimum is known by brute force.
-#include "study/search.hpp"
+#include "study/search/search.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

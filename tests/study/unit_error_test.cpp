@@ -1,5 +1,5 @@
 // The proved error of reciprocal units against what they give.
-#include "study/unit_error.hpp"
+#include "study/bounds/unit_error.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 
 #include "model/numeric/reciprocal.hpp"
 #include "scene/random.hpp"
-#include "study/format_range.hpp"
 #include "tests/support/reciprocal_definition.hpp"
+#include "study/bounds/format_range.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {

@@ -16,8 +16,8 @@
 
 #include "config/config.hpp"
 #include "scene/scene.hpp"
-#include "study/input_range.hpp"
-#include "study/interval.hpp"
+#include "study/bounds/input_range.hpp"
+#include "study/bounds/interval.hpp"
 #include "study/point.hpp"
 
 namespace bitspan {
@@ -84,7 +84,7 @@ struct StageHypotheses {
   double h_offset = 0, f_offset = 0;   // start offsets
   // Nothing saturates or wraps on the way, and ends may differ enough for a slope to be rounded by its half
   // ulp; else the sums of the above are not what the bounds are.
-  bool plain = true;
+  bool adds_up = true;
 };
 struct Hypotheses {
   StageHypotheses edge, span;

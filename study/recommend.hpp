@@ -10,14 +10,13 @@
 #include "scene/scene.hpp"
 #include "study/plan.hpp"
 #include "study/point.hpp"
-#include "study/search.hpp"
+#include "study/search/search.hpp"
 #include "study/store.hpp"
 #include "study/sweep.hpp"
 
 namespace bitspan {
 
-// Metrics that come from a configuration alone, beside those of the scenes, where the mode has RTL:
-// "estimate.FAMILY.luts", ".ffs", ".multipliers"; "timing.pixel_unit", ".row_unit", ".span", clocks.
+// Adds the metrics that come from the configuration alone, estimate.* and timing.*, where the mode has RTL.
 void add_estimates(const Config& config, std::map<std::string, double, std::less<>>& metrics);
 
 // Runs the plan's search over points that `runner` measures and keeps, and writes its steps and certificate.
@@ -29,15 +28,15 @@ SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store
 struct Recommendation {
   std::string hash, reason;
 };
-// Of a sweep: the cheapest point on which all constraints hold, and the knee of error against cost, where the
-// points have one. Of a search: what it found. None where nothing holds.
+// A sweep recommends the cheapest point on which all constraints hold, and the knee of error against cost
+// where the points have one. A search recommends what it found. Empty where nothing holds.
 std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store);
 // The metrics that a study is judged by: the first of the plan's, or span.u.p999; and its cost.
 std::string error_metric(const StudyPlan& plan);
 std::string cost_metric(const StudyPlan& plan);
 
-// One of some points (x: cost, y: error, both positive): the end of the largest bend of the lower left front,
-// as the farthest point below the line between its ends, on logarithmic axes. None where the front has fewer
+// Returns the point (x: cost, y: error, both positive) at the largest bend of the lower left front: the
+// farthest one below the line between the front's ends, on logarithmic axes. None where the front has fewer
 // than three points.
 std::optional<std::size_t> knee(const std::vector<std::pair<double, double>>& points);
 
@@ -45,10 +44,10 @@ struct Examination {
   bool held = true;
   std::vector<std::string> lines;  // what was found, for the command line
 };
-// Of a recommended point, on the study's scenes (stretched as the point's were): model = golden = RTL; the
-// error budget, proved bounds and areas where the plan asks; its pictures. All of it into the database. told:
-// what is under way. Not held: a view differs, or an observed error is above its bound. Throws InputError as
-// what it calls.
+// Examines a recommended point on the study's scenes, stretched as the point's were, and writes what it finds
+// into the database: whether model = golden = RTL; its pictures; the error budget, proved bounds and areas
+// where the plan asks for them. `told` hears what is under way. The point is not held where a view differs,
+// or an observed error is above its bound. Throws InputError as the functions that it calls do.
 Examination examine(const StudyPlan& plan, const Recommendation& point, std::vector<Scene> scenes,
                     Store& store, const std::function<void(const std::string&)>& told,
                     const std::stop_token& stop);

@@ -1,4 +1,4 @@
-#include "cli/conclude.hpp"
+#include "cli/study_results.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "study/conduct.hpp"
+#include "study/recommend.hpp"
 #include "tb/programs.hpp"
 #include "tb/rtl_build.hpp"
 
@@ -41,8 +41,8 @@ std::string search_text(const StudyPlan& plan, const SearchResult& result) {
   return out + "certificate:\n" + to_text(result.certificate);
 }
 
-bool conclude(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
-              const std::stop_token& stop) {
+bool examine_recommended(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
+                         const std::stop_token& stop) {
   const auto recommended = recommendations(plan, store);
   if (recommended.empty()) {
     fmt::print("nothing to recommend: {}{}\n",

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "config/format.hpp"
-#include "study/interval.hpp"
+#include "study/bounds/interval.hpp"
 
 namespace bitspan::bounds {
 

@@ -1,4 +1,4 @@
-#include "study/gappa.hpp"
+#include "study/bounds/gappa.hpp"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "config/modes.hpp"
-#include "study/bounds.hpp"
-#include "study/format_range.hpp"
-#include "study/unit_error.hpp"
+#include "study/bounds/bounds.hpp"
+#include "study/bounds/format_range.hpp"
+#include "study/bounds/unit_error.hpp"
 #include "tb/programs.hpp"
 
 namespace bitspan {
@@ -286,7 +286,7 @@ std::vector<std::string> gappa_scripts(const Config& config, const InputRange& r
   const Hypotheses all = bound_hypotheses(config, range);
   const bool is_edge = place.starts_with("edge");
   const StageHypotheses& stage = is_edge ? all.edge : all.span;
-  if (!stage.plain) {
+  if (!stage.adds_up) {
     throw InputError(
         fmt::format("gappa: {}: in this range a register may saturate or wrap, or the ends of a line are so "
                     "near each other that "

@@ -1,5 +1,5 @@
 // What follows a study's points: the search in the database, what is recommended, and its examination.
-#include "study/conduct.hpp"
+#include "study/recommend.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ at_most = 0.01
 algorithm = "max-1"
 )";
 
-TEST(Conduct, TheSearchLeavesItsStepsAndItsCertificate) {
+TEST(Recommend, TheSearchLeavesItsStepsAndItsCertificate) {
   Bench b(search_text);
   const SearchResult result = run_search(b.plan, b.runner, b.store, {}, {});
   ASSERT_TRUE(result.found);
@@ -115,7 +115,7 @@ std::string csv_of(const StudyPlan& plan, Store& store) {
   return out;
 }
 
-TEST(Conduct, TheCsvOfASearchHasARowAnEvaluation) {
+TEST(Recommend, TheCsvOfASearchHasARowAnEvaluation) {
   Bench b(search_text);
   const SearchResult result = run_search(b.plan, b.runner, b.store, {}, {});
   const std::string csv = csv_of(b.plan, b.store);
@@ -138,7 +138,7 @@ TEST(Conduct, TheCsvOfASearchHasARowAnEvaluation) {
   EXPECT_EQ(csv_of(b.plan, b.store), csv);
 }
 
-TEST(Conduct, ASearchCutShortExportsWhatIsThere) {
+TEST(Recommend, ASearchCutShortExportsWhatIsThere) {
   Bench b(search_text);
   std::stop_source stop;
   int calls = 0;
@@ -166,7 +166,7 @@ TEST(Conduct, ASearchCutShortExportsWhatIsThere) {
   EXPECT_TRUE(text_of(certificate[0][2]).starts_with("not evaluated")) << text_of(certificate[0][2]);
 }
 
-TEST(Conduct, WhatHoldsNowhereIsNotRecommended) {
+TEST(Recommend, WhatHoldsNowhereIsNotRecommended) {
   std::string text = search_text;
   text.replace(text.find("0.01"), 4, "1e-9");
   Bench b(text);
@@ -197,7 +197,7 @@ struct AreaBench : Bench {
   Config at(std::int64_t word) const { return with_keys(plan.base, {{"formats.span.uv.word", word}}); }
 };
 
-TEST(Conduct, ASearchIsForTheSynthesisedArea) {
+TEST(Recommend, ASearchIsForTheSynthesisedArea) {
   AreaBench b;
   const SearchResult result = run_search(b.plan, b.runner, b.store, {}, {});
   ASSERT_TRUE(result.found);
@@ -213,7 +213,7 @@ TEST(Conduct, ASearchIsForTheSynthesisedArea) {
 }
 
 // Areas that no tool would find: the narrower point is the larger in ECP5, and in nothing else.
-TEST(Conduct, ASearchTakesKnownAreasAndStaysWhereTheyAreSmallest) {
+TEST(Recommend, ASearchTakesKnownAreasAndStaysWhereTheyAreSmallest) {
   AreaBench b;
   plant_area(b.store, b.at(8), "ice40", 10);
   plant_area(b.store, b.at(9), "ice40", 20);
@@ -228,7 +228,7 @@ TEST(Conduct, ASearchTakesKnownAreasAndStaysWhereTheyAreSmallest) {
   EXPECT_EQ(result.certificate.reductions[0].to_value, "8");
 }
 
-TEST(Conduct, ASweepRecommendsTheCheapestThatHoldsAndTheKnee) {
+TEST(Recommend, ASweepRecommendsTheCheapestThatHoldsAndTheKnee) {
   std::string text = search_text.substr(0, search_text.find("[search]"));
   Bench b(text);
   const SweepResult result = run_sweep(b.plan, b.runner, b.store, {});
@@ -241,7 +241,7 @@ TEST(Conduct, ASweepRecommendsTheCheapestThatHoldsAndTheKnee) {
 }
 
 // Cheapest by what the study says, which here falls with the width; a point without it is not recommended.
-TEST(Conduct, TheCostIsTheStudys) {
+TEST(Recommend, TheCostIsTheStudys) {
   std::string text = search_text.substr(0, search_text.find("[search]"));
   text.replace(text.find("[[vary]]"), 0, "cost = \"cost.table_bits\"\n");
   Bench b(text);
@@ -262,7 +262,7 @@ TEST(Conduct, TheCostIsTheStudys) {
   EXPECT_EQ(recommended[0].reason, "the cheapest that holds all constraints: cost.table_bits = 75");
 }
 
-TEST(Conduct, WhatIsRecommendedHoldsAtEveryDepthRange) {
+TEST(Recommend, WhatIsRecommendedHoldsAtEveryDepthRange) {
   std::string text = search_text.substr(0, search_text.find("[search]"));
   text += "[[vary]]\nkeys = [\"scene.s_ratio\"]\nvalues = [80, 20, 40]\n";
   Bench b(text);
@@ -288,7 +288,7 @@ TEST(Conduct, WhatIsRecommendedHoldsAtEveryDepthRange) {
   EXPECT_NE(text_of(settings.at(0).at(0)).find("80"), std::string::npos) << text_of(settings.at(0).at(0));
 }
 
-TEST(Conduct, TheKneeIsTheBendOfTheFront) {
+TEST(Recommend, TheKneeIsTheBendOfTheFront) {
   // The last two are dominated; the third bends most.
   const std::vector<std::pair<double, double>> points{{1, 1},      {2, 0.5}, {2.2, 0.01}, {8, 0.008},
                                                       {16, 0.007}, {4, 2},   {3, 0.4}};
@@ -297,7 +297,7 @@ TEST(Conduct, TheKneeIsTheBendOfTheFront) {
   EXPECT_EQ(knee({{1, 0}, {2, -1}, {3, std::nan("")}, {4, 1}}), std::nullopt);
 }
 
-TEST(Conduct, EstimatesAreMetrics) {
+TEST(Recommend, EstimatesAreMetrics) {
   std::map<std::string, double, std::less<>> metrics;
   add_estimates(shipped_config("narrow"), metrics);
   EXPECT_GT(metrics.at("estimate.ice40.luts"), 100);
@@ -309,7 +309,7 @@ TEST(Conduct, EstimatesAreMetrics) {
   EXPECT_TRUE(none.empty());
 }
 
-TEST(Conduct, ARecommendedPointIsExaminedWhole) {
+TEST(Recommend, ARecommendedPointIsExaminedWhole) {
   TemporaryFolder folder;
   Store store(folder.path("study.db"), "test");
   const StudyPlan plan = plan_of(R"(

@@ -1,4 +1,4 @@
-#include "study/unit_error.hpp"
+#include "study/bounds/unit_error.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "config/modes.hpp"
 #include "config/reciprocal_table.hpp"
-#include "study/format_range.hpp"
+#include "study/bounds/format_range.hpp"
 
 namespace bitspan::bounds {
 namespace {

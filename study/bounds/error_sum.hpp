@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "study/format_range.hpp"
-#include "study/interval.hpp"
+#include "study/bounds/format_range.hpp"
+#include "study/bounds/interval.hpp"
 
 namespace bitspan::bounds {
 

@@ -6,7 +6,7 @@
 
 #include "config/config.hpp"
 #include "scene/scene.hpp"
-#include "study/interval.hpp"
+#include "study/bounds/interval.hpp"
 
 namespace bitspan {
 

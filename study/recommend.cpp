@@ -1,4 +1,4 @@
-#include "study/conduct.hpp"
+#include "study/recommend.hpp"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,10 @@
 #include "config/rtl_timing.hpp"
 #include "study/area.hpp"
 #include "study/area_estimate.hpp"
-#include "study/bounds.hpp"
+#include "study/bounds/bounds.hpp"
 #include "study/budget.hpp"
 #include "study/check_point.hpp"
+#include "study/metrics.hpp"
 #include "study/pictures.hpp"
 
 namespace bitspan {
@@ -168,8 +169,9 @@ void write_causes(const std::string& hash, const Budget& budget, Store& store) {
 // What a study without metrics of its own is budgeted by.
 std::vector<std::string> budget_metrics(const StudyPlan& plan, const Metrics& has) {
   std::vector<std::string> out;
-  for (const std::string& metric : plan.metrics) {
-    if (metric.ends_with(".rms")) out.push_back(metric);
+  for (const std::string& name : plan.metrics) {
+    const Metric* const metric = find_metric(name);
+    if (metric != nullptr && metric->squares_add && metric->role == MetricRole::result) out.push_back(name);
   }
   for (const char* metric : {"span.h.rms", "span.u.rms", "span.v.rms", "picture.colour.rms"}) {
     if (has.contains(metric) && std::find(out.begin(), out.end(), metric) == out.end()) out.push_back(metric);
@@ -179,8 +181,10 @@ std::vector<std::string> budget_metrics(const StudyPlan& plan, const Metrics& ha
 
 std::vector<FieldError> fields_of_point(const std::string& hash, Store& store) {
   std::vector<FieldError> out;
-  for (const Row& r :
-       store.rows("SELECT stage, quantity, unit, ulp, count, max FROM fields WHERE hash = ?", {hash})) {
+  for (const Row& r : store.rows("SELECT stage, quantity, unit, ulp, count, value FROM fields JOIN metrics "
+                                 "USING (hash) WHERE hash = ? "
+                                 "AND name = stage || '.' || quantity || '.max' ORDER BY fields.rowid",
+                                 {hash})) {
     FieldError f;
     f.stage = text_of(r[0]);
     f.quantity = text_of(r[1]);

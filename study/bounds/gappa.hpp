@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "config/config.hpp"
-#include "study/input_range.hpp"
+#include "study/bounds/input_range.hpp"
 
 namespace bitspan {
 

@@ -1,4 +1,4 @@
-#include "study/input_range.hpp"
+#include "study/bounds/input_range.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "config/modes.hpp"
-#include "study/bounds.hpp"
-#include "study/format_range.hpp"
+#include "study/bounds/bounds.hpp"
+#include "study/bounds/format_range.hpp"
 
 namespace bitspan {
 namespace {

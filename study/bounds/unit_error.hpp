@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "config/config.hpp"
-#include "study/interval.hpp"
+#include "study/bounds/interval.hpp"
 
 namespace bitspan::bounds {
 

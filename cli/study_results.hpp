@@ -8,7 +8,7 @@
 
 #include "scene/scene.hpp"
 #include "study/plan.hpp"
-#include "study/search.hpp"
+#include "study/search/search.hpp"
 #include "study/store.hpp"
 
 namespace bitspan {
@@ -18,8 +18,8 @@ std::string search_text(const StudyPlan& plan, const SearchResult& result);
 
 // Examines what the study recommends and tells it. True where all views agree and no error is above its
 // bound; true too where nothing is recommended, which it says.
-bool conclude(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
-              const std::stop_token& stop);
+bool examine_recommended(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
+                         const std::stop_token& stop);
 
 // The HTML report with its plots in a folder, by python/bitspan_report. Throws InputError with what it said
 // where it fails.

@@ -1,0 +1,168 @@
+#include "report/metrics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <vector>
+
+#include "config/modes.hpp"
+
+namespace bitspan {
+namespace {
+
+// Whether a pixel holds a triangle in either picture.
+bool drawn(const PicturePair& p, std::size_t i) {
+  return p.engine.triangle[i] >= 0 || p.ideal.triangle[i] >= 0;
+}
+
+bool wrong_order(const PicturePair& p, std::size_t i) { return p.engine.triangle[i] != p.ideal.triangle[i]; }
+
+// Whether the same textured triangle won, with the nearest filter.
+bool textured(const PicturePair& p, std::size_t i) {
+  return !weighs_texels(p.filter) && p.engine.triangle[i] >= 0 && !wrong_order(p, i) &&
+         p.scene.triangles[static_cast<std::size_t>(p.engine.triangle[i])].texture >= 0;
+}
+
+bool wrong_texel(const PicturePair& p, std::size_t i) {
+  return std::floor(p.engine.u[i]) != std::floor(p.ideal.u[i]) ||
+         std::floor(p.engine.v[i]) != std::floor(p.ideal.v[i]);
+}
+
+// engine - ideal of a channel (0 to 2: R, G, B) of a pixel, codes.
+int colour_difference(const PicturePair& p, std::size_t i, std::size_t channel) {
+  return static_cast<int>(p.engine.color[4 * i + channel]) - static_cast<int>(p.ideal.color[4 * i + channel]);
+}
+
+template <class Test>
+double pixels_where(const PicturePair& p, Test test) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < p.pixels(); ++i) count += static_cast<std::size_t>(test(p, i));
+  return static_cast<double>(count);
+}
+
+PictureTally tally_squares(const PicturePair& p) {
+  std::int64_t squares = 0;
+  for (std::size_t i = 0; i < p.pixels(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::int64_t d = colour_difference(p, i, c);
+      squares += d * d;
+    }
+  }
+  return {static_cast<double>(squares), 3 * static_cast<double>(p.pixels())};
+}
+
+PictureTally tally_largest_difference(const PicturePair& p) {
+  int largest = 0;
+  for (std::size_t i = 0; i < p.pixels(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) largest = std::max(largest, std::abs(colour_difference(p, i, c)));
+  }
+  return {static_cast<double>(largest), static_cast<double>(p.pixels())};
+}
+
+PictureTally tally_drawn(const PicturePair& p) {
+  return {pixels_where(p, drawn), static_cast<double>(p.pixels())};
+}
+
+PictureTally tally_wrong_order(const PicturePair& p) {
+  return {pixels_where(p, wrong_order), pixels_where(p, drawn)};
+}
+
+PictureTally tally_wrong_texel(const PicturePair& p) {
+  return {pixels_where(
+              p, [](const PicturePair& q, std::size_t i) { return textured(q, i) && wrong_texel(q, i); }),
+          pixels_where(p, textured)};
+}
+
+PictureTally tally_nothing(const PicturePair& p) { return {0, static_cast<double>(p.pixels())}; }
+
+double counted(const PictureTally& t, const ErrorReport& /*report*/) { return t.counted; }
+double share(const PictureTally& t, const ErrorReport& /*report*/) { return t.counted / t.base; }
+
+double psnr(const PictureTally& t) {
+  return t.counted == 0 ? std::numeric_limits<double>::infinity()
+                        : 10 * std::log10(255.0 * 255.0 * t.base / t.counted);
+}
+
+constexpr auto pictures = std::to_array<PictureMetric>({
+    {"picture.psnr_db", "dB",
+     "peak signal to noise over R, G, B of all pixels; infinite where the pictures are equal", Better::high,
+     OverScenes::sum, tally_squares,
+     [](const PictureTally& t, const ErrorReport& /*report*/) { return psnr(t); },
+     [](const PictureTally& t) { return "PSNR " + psnr_text(psnr(t)); }},
+    {"picture.color_max", "colour code", "the largest difference of a channel", Better::low,
+     OverScenes::largest, tally_largest_difference, counted,
+     [](const PictureTally& t) { return fmt::format("colour off by {:.0f} at most", t.counted); }},
+    {"picture.drawn", "pixels", "pixels that hold a triangle in either picture", Better::low, OverScenes::sum,
+     tally_drawn, counted, nullptr},
+    {"picture.wrong_order", "pixels", "drawn pixels on which another triangle won", Better::low,
+     OverScenes::sum, tally_wrong_order, counted,
+     [](const PictureTally& t) {
+       return fmt::format("another triangle won {:.0f} of {:.0f} drawn pixels", t.counted, t.base);
+     }},
+    {"picture.wrong_order_rate", "of the pixels", "their share of the drawn pixels", Better::low,
+     OverScenes::sum, tally_wrong_order, share, nullptr},
+    {"picture.wrong_texel", "pixels",
+     "pixels that show another texel, of those on which the same textured triangle won, with the nearest "
+     "filter",
+     Better::low, OverScenes::sum, tally_wrong_texel, counted, nullptr},
+    {"picture.wrong_texel_rate", "of the pixels", "their share of those pixels", Better::low, OverScenes::sum,
+     tally_wrong_texel, share, nullptr},
+    {"picture.coverage_differences", "pixels",
+     "pixels of all triangles whose coverage differs from the exact test of the pixel's centre", Better::low,
+     OverScenes::sum, tally_nothing,
+     [](const PictureTally& /*tally*/, const ErrorReport& r) {
+       return static_cast<double>(r.coverage_differences());
+     },
+     nullptr},
+});
+
+constexpr auto statistics = std::to_array<FieldStatistic>({
+    {"bias", "bias", "", "", "mean of engine - ideal, with its sign", Better::low, false, true,
+     [](const ErrorStat& s) { return s.mean(); }},
+    {"max", "maximum", "maximum [ULP]", "", "largest magnitude", Better::low, false, true,
+     [](const ErrorStat& s) { return s.max; }},
+    {"mean", "mean", "", "", "mean of the magnitude", Better::low, false, false,
+     [](const ErrorStat& s) { return s.mean_magnitude(); }},
+    {"rms", "RMS", "", "", "root of the mean square", Better::low, true, true,
+     [](const ErrorStat& s) { return s.rms(); }},
+    {"p999", "99.9 %", "", "", "99.9 % of the magnitudes are not above it; the upper edge of 1/8 octave",
+     Better::low, false, false, [](const ErrorStat& s) { return s.quantile(0.999); }},
+    {"sqnr_db", "SQNR [dB]", "", "dB",
+     "power of the ideal values over the power of the error; infinite without error", Better::high, false,
+     false, [](const ErrorStat& s) { return s.sqnr_db(); }},
+});
+
+}  // namespace
+
+std::size_t PicturePair::pixels() const { return std::min(engine.depth.size(), ideal.depth.size()); }
+
+std::span<const PictureMetric> picture_metrics() { return pictures; }
+
+std::span<const FieldStatistic> field_statistics() { return statistics; }
+
+std::optional<double> value_of(const PictureMetric& metric, const ErrorReport& report) {
+  if (!report.has_picture()) return std::nullopt;
+  const PictureTally& tally = report.picture[static_cast<std::size_t>(&metric - pictures.data())];
+  if (tally.base == 0) return std::nullopt;
+  return metric.value(tally, report);
+}
+
+std::optional<double> picture_value(const ErrorReport& report, std::string_view name) {
+  const auto found = std::ranges::find(pictures, name, &PictureMetric::name);
+  if (found == pictures.end()) throw InputError(fmt::format("{}: is no metric of the picture", name));
+  return value_of(*found, report);
+}
+
+std::string picture_words(const ErrorReport& report) {
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < report.picture.size(); ++i) {
+    if (pictures[i].words != nullptr) parts.push_back(pictures[i].words(report.picture[i]));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+}  // namespace bitspan

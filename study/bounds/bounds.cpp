@@ -1,0 +1,155 @@
+#include "study/bounds/bounds.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "config/modes.hpp"
+#include "study/bounds/error_analysis.hpp"
+#include "study/bounds/texts.hpp"
+
+namespace bitspan {
+
+using bounds::ErrorAnalysis;
+using bounds::explained;
+using bounds::place_count;
+using bounds::PlaceError;
+using bounds::PlaceErrors;
+using bounds::WorstCase;
+
+namespace {
+
+bool is_bounded(Perspective p) {
+  switch (p) {
+    case Perspective::delta_f:
+      return true;
+    case Perspective::const_depth_rows:
+    case Perspective::hyperbolic:
+    case Perspective::affine:
+      return false;
+  }
+  unreachable();
+}
+bool is_bounded(DepthCode code) {
+  switch (code) {
+    case DepthCode::inverse:
+    case DepthCode::opengl:
+      return true;
+    case DepthCode::linear:
+      return false;
+  }
+  unreachable();
+}
+void check_modes(const Config& config) {
+  const auto refuse = [](std::string_view key, std::string_view value, std::string_view legal) {
+    throw InputError(fmt::format("{}: no bound is known for {}; legal for bounds: {}", key, value, legal));
+  };
+  if (!is_bounded(config.perspective)) {
+    refuse("perspective.mode", to_string(config.perspective), "delta_f");
+  }
+  if (!is_bounded(config.depth_code)) refuse("depth.code", to_string(config.depth_code), "inverse, opengl");
+}
+
+void check_range(const InputRange& r) {
+  const auto refuse = [](const char* name, const std::string& text) {
+    throw InputError(fmt::format("input range: {}: {}", name, text));
+  };
+  if (r.width < 1 || r.height < 1) refuse("width, height", "legal: 1 and more");
+  if (!(std::isfinite(r.s_max) && r.s_min > 0 && r.s_min < r.s_max)) {
+    refuse("s_min, s_max", "legal: finite, 0 < s_min < s_max");
+  }
+  const auto interval = [&](const char* name, Interval i) {
+    if (!(std::isfinite(i.lo) && std::isfinite(i.hi) && i.lo <= i.hi))
+      refuse(name, "legal: finite, lo <= hi");
+  };
+  interval("s", r.s);
+  interval("x", r.x);
+  interval("y", r.y);
+  interval("u", r.u);
+  interval("v", r.v);
+  if (!(r.s_min <= r.s.lo && r.s.hi <= r.s_max)) refuse("s", "legal: within s_min..s_max");
+  for (const double g :
+       {r.shortest_edge, r.shortest_row, r.longest_row, r.inverse_s_gradient, r.u_gradient, r.v_gradient}) {
+    if (!(g >= 0)) refuse("shortest_edge, gradients", "legal: 0 and more");
+  }
+}
+
+}  // namespace
+
+bool has_bounds(const Config& config) {
+  return is_bounded(config.perspective) && is_bounded(config.depth_code);
+}
+
+std::vector<Bound> error_bounds(const Config& config, const InputRange& range) {
+  check_modes(config);
+  check_range(range);
+  const PlaceErrors analysis = ErrorAnalysis(config).run(range);
+  std::array<WorstCase, place_count> worst;
+  worst.fill(analysis.worst);
+  return explained(config, analysis.places, worst);
+}
+
+std::function<double(const InputRange&)> edge_position_error(const Config& config) {
+  check_modes(config);
+  return [analyser = std::make_shared<ErrorAnalysis>(config)](const InputRange& range) {
+    check_range(range);
+    return analyser->run(range).places[bounds::edge_x].bound();
+  };
+}
+
+std::vector<Bound> error_bounds(const Config& config, const Scene& scene) {
+  check_modes(config);
+  std::vector<InputRange> triangles = triangle_ranges(config, scene);
+  if (triangles.empty()) triangles.push_back(input_range(config, scene));
+  ErrorAnalysis analysis(config);
+  std::array<PlaceError, place_count> places;
+  std::array<WorstCase, place_count> worst;
+  for (const InputRange& r : triangles) {
+    check_range(r);
+    PlaceErrors own = analysis.run(r);
+    for (std::size_t p = 0; p < place_count; ++p) {
+      if (!own.places[p].used) continue;
+      const double resolution = std::max(places[p].resolution, own.places[p].resolution);
+      if (!places[p].used || own.places[p].bound() > places[p].bound()) {
+        places[p] = std::move(own.places[p]);
+        worst[p] = own.worst;
+      }
+      places[p].resolution = resolution;
+    }
+  }
+  return explained(config, places, worst);
+}
+
+Hypotheses bound_hypotheses(const Config& config, const InputRange& range) {
+  check_modes(config);
+  check_range(range);
+  return ErrorAnalysis(config).run(range).hypotheses;
+}
+
+std::vector<BoundCheck> check_bounds(std::span<const Bound> bounds, std::span<const FieldError> observed) {
+  std::vector<BoundCheck> out;
+  for (const FieldError& field : observed) {
+    const Bound* found = nullptr;
+    for (const Bound& b : bounds) {
+      if (b.stage == field.stage && b.quantity == field.quantity) found = &b;
+    }
+    if (found == nullptr || field.count == 0) continue;
+    BoundCheck check{found->place, field.stage, field.quantity, found->unit, found->bound,
+                     field.max,    0,           false};
+    check.ratio = field.max == 0 ? 0 : field.max / found->bound;
+    check.holds = field.max <= found->bound + found->resolution;  // false for a NaN
+    out.push_back(std::move(check));
+  }
+  return out;
+}
+
+bool all_hold(std::span<const BoundCheck> checks) {
+  return std::all_of(checks.begin(), checks.end(), [](const BoundCheck& c) { return c.holds; });
+}
+
+}  // namespace bitspan

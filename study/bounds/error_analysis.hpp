@@ -1,0 +1,123 @@
+// The errors of all registers for one range of the input, stage by stage: constants.cpp, setup.cpp,
+// edge_walk.cpp, span.cpp. docs/bounds.md has the argument of each place.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "config/config.hpp"
+#include "study/bounds/bounds.hpp"
+#include "study/bounds/error_sum.hpp"
+#include "study/bounds/input_range.hpp"
+#include "study/bounds/interval.hpp"
+#include "study/bounds/places.hpp"
+#include "study/bounds/unit_error.hpp"
+#include "study/bounds/walk.hpp"
+
+namespace bitspan::bounds {
+
+struct PlaceErrors {
+  std::array<PlaceError, place_count> places;
+  WorstCase worst;
+  Hypotheses hypotheses;
+};
+
+// u or v on its way.
+struct Coordinate {
+  Interval range;
+  double gradient;
+};
+
+class ErrorAnalysis {
+ public:
+  explicit ErrorAnalysis(const Config& config)
+      : c_(config),
+        pixel_(config.pixel_reciprocal),
+        row_(config.row_reciprocal),
+        edge_(config.edge_reciprocal) {}
+  PlaceErrors run(const InputRange& in);
+
+ private:
+  const Format& format(FormatId id) const { return c_.format(id); }
+  static double offset(const StartOffset& o, const Format& kept);
+  PlaceError& place(Place p);
+  // truth: the range of what the register is compared with, and id its format. Neither leaves its range.
+  void deliver(Place p, ErrorSum e, FormatId id, Interval truth);
+  void deliver(Place p, ErrorSum e, double largest, bool unbounded = false);
+  // B, and scale_ = (q as the registers would hold it without further rounding) / (ideal's h + B).
+  void constants();
+  // What the rounding of B and s_max' does to the surface's h, on the triangle and `beyond` outside its h:
+  // linear in h, so the ends bound what is between.
+  Interval drift_over(double beyond) const;
+  // The steepest surface of the range, in codes and texels a pixel.
+  void gradients();
+  // Errors of h up to the last step are against B' / B times ideal's h + B, minus B': the rounding of B then
+  // shifts the whole surface, and not u and v.
+  ErrorSum with_drift(ErrorSum e) const;
+  void setup();
+  // Of the registers' q against the truth at the same place, relative: e is the error of h.
+  Interval relative_error(const ErrorSum& e) const;
+  // By how much the weight w of the far end is off where the two ends' q err by `relative`: the odds
+  // w / (1 - w) change by a factor e^d, and w by at most tanh(d / 4) <= d / 4 <= (e^d - 1) / 4.
+  static double weight_error(Interval relative);
+  // q / q' and 1 / q' of q' = q + walk: q on the line through registers, walk what the accumulator adds.
+  // range: of h, the lowest that it is held at and the lowest it may be stopped at from above.
+  struct Divided {
+    Interval ratio, inverse, operand;
+    bool none = false;  // q' may be 0
+  };
+  Divided divided(Interval q, const WalkError& walk, const ErrorSum& total, Interval range) const;
+  // u1 + f (m 2^-e): f stands for change w q on the way.
+  struct Quotient {
+    std::string_view h_name, slope_unit;
+    double change;  // |u2 - u1| of the registers
+    const WalkError& f;
+    const ErrorSum& f_error;  // of f, the slope's relative error and what saturation loses apart
+    const Divided& q;
+    const UnitError& unit;
+  };
+  // Adds to e what the division and f add. False where nothing finite holds.
+  static bool add_quotient(ErrorSum& e, const Quotient& d);
+  // 1 / (h + B) as the unit gives it, against ideal's. h: its error on the scaled surface, at a point that is
+  // `moved` in h away from where the truth is taken.
+  void reciprocal_place(Place p, const ErrorSum& h, double moved, const Divided& d, const UnitError& unit,
+                        std::string_view h_name);
+  void edge();
+  static Interval positive(Interval q);
+  // Where nothing finite is known before the register, its range is.
+  static void finish_uv(ErrorSum& e, bool finite, const Format& f, Interval truth);
+  void edge_position(int t_grid, double distance, int additions, const Slopes& slopes);
+  // Of a walk along a line whose ends are `change` apart.
+  ErrorSum line_error(const WalkError& w, double change, std::string_view unit);
+  // Values that a register has are in its range.
+  Interval within(Interval x, FormatId id) const;
+  // settle() of a walk's accumulator.
+  bool overflow(ErrorSum& e, const WalkError& w, FormatId acc, Interval truth, int times) const;
+  // Of f's register, against (1 + slope error) (the way made of the change): its own roundings and that of
+  // the difference it starts from.
+  ErrorSum f_walk_error(FormatId diff, FormatId acc, WalkError& w, double change, int additions, int grid);
+  // f's register against (u - u1) (h + B) of ideal. position: what the centre's distance from the row's point
+  // adds.
+  void f_place(Place p, const WalkError& w, const ErrorSum& f_error, double change, const ErrorSum& ends_uv,
+               Interval ends_q, Interval uv, double position, std::string_view unit);
+  void span();
+  void span_coordinate(std::size_t i, const Slopes& slopes, const Divided& q, const UnitError& unit,
+                       Interval ends, Interval line_q, double distance, int additions, int p_grid,
+                       double away, double wide, Interval centre_q);
+  // beyond: how far outside 0..hmax the truth may be.
+  void depth_places(const ErrorSum& h, double beyond);
+  Config c_;
+  Unit pixel_, row_, edge_;
+  InputRange in_;
+  PlaceErrors out_;
+  int exponent_ = 0;
+  double hmax_ = 0, s_near_ = 0;
+  Interval b_, ideal_b_, far_scale_, scale_, ideal_q_, q_, h_, drift_, s_error_;
+  double h_gradient_ = 0;
+  bool x_any_ = false;
+  std::array<Coordinate, 2> uv_{};
+  ErrorSum vertex_h_, edge_h_, position_;
+  std::array<ErrorSum, 2> vertex_uv_, edge_uv_;
+};
+
+}  // namespace bitspan::bounds

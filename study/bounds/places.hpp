@@ -1,0 +1,89 @@
+// The registers that have a bound, and the error of each.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+
+#include "study/bounds/error_sum.hpp"
+
+namespace bitspan::bounds {
+
+enum Place : std::size_t {
+  setup_b,
+  setup_h,
+  setup_u,
+  setup_v,
+  edge_x_acc,
+  edge_x,
+  edge_h_acc,
+  edge_h,
+  edge_fu,
+  edge_fv,
+  edge_reciprocal,
+  edge_u,
+  edge_v,
+  span_h,
+  span_fu,
+  span_fv,
+  span_reciprocal,
+  span_u,
+  span_v,
+  depth_z,
+  picture_depth,
+  picture_u,
+  picture_v,
+  place_count
+};
+
+struct PlaceName {
+  const char *place, *stage, *quantity, *unit;
+};
+constexpr std::array<PlaceName, place_count> place_names{{
+    {"setup.b", "constants", "B", "depth code"},
+    {"setup.h", "setup", "h", "depth code"},
+    {"setup.uv", "setup", "u", "texel"},
+    {"setup.uv", "setup", "v", "texel"},
+    {"edge.x_acc", "edge_walk", "x", "pixel"},
+    {"edge.x", "edge_walk", "x", "pixel"},
+    {"edge.h_acc", "edge_walk", "h", "depth code"},
+    {"edge.h", "edge_walk", "h", "depth code"},
+    {"edge.f", "edge_walk", "fu", "texel*depth code"},
+    {"edge.f", "edge_walk", "fv", "texel*depth code"},
+    {"reciprocal.pixel (edge_walk)", "edge_walk", "1/(h+B)", "relative"},
+    {"edge.uv", "edge_walk", "u", "texel"},
+    {"edge.uv", "edge_walk", "v", "texel"},
+    {"span.h", "span", "h", "depth code"},
+    {"span.f", "span", "fu", "texel*depth code"},
+    {"span.f", "span", "fv", "texel*depth code"},
+    {"reciprocal.pixel (span)", "span", "1/(h+B)", "relative"},
+    {"span.uv", "span", "u", "texel"},
+    {"span.uv", "span", "v", "texel"},
+    {"depth.z", "depth", "z", "depth code"},
+    {"depth buffer", "picture", "depth", "depth code"},
+    {"picture u", "picture", "u", "texel"},
+    {"picture v", "picture", "v", "texel"},
+}};
+
+struct PlaceError {
+  ErrorSum error;
+  bool used = false;
+  bool unbounded = false;
+  double resolution = 0;
+  // Rounded up to 32 bits: readable, and with room for whoever adds the terms up again.
+  double bound() const;
+};
+
+// The legal case behind the bounds, as Bound::why tells it.
+struct WorstCase {
+  double edge_distance = 0, span_distance = 0;
+  int rows = 0, pixels = 0;
+  double q_least = 0;
+  double x_error = 0;
+  double h_gradient = 0;
+  std::array<double, 2> uv_gradient{};
+  bool position_capped = false;
+  bool slope_saturates = false;
+};
+
+}  // namespace bitspan::bounds

@@ -1,0 +1,125 @@
+#include "study/bounds/texts.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "config/modes.hpp"
+
+namespace bitspan::bounds {
+
+namespace {
+
+std::string number(double x) { return std::isinf(x) ? "infinite" : fmt::format("{:.4g}", x); }
+
+std::string dominant_of(const PlaceError& place) {
+  if (place.unbounded) return "no finite bound";
+  double sum = 0;
+  const std::pair<std::string_view, Interval>* largest = nullptr;
+  for (const auto& term : place.error.terms()) {
+    sum += term.second.mag();
+    if (largest == nullptr || term.second.mag() > largest->second.mag()) largest = &term;
+  }
+  if (largest == nullptr) return "exact";
+  return fmt::format("{}: {} ({:.0f} % of the sum)", largest->first, number(largest->second.mag()),
+                     100 * largest->second.mag() / sum);
+}
+
+std::string why_of(std::size_t p, const Config& c, const WorstCase& f) {
+  const auto walked = [&](const char* what, double distance, int additions) {
+    return fmt::format(
+        "{} ways of up to {} pixels, {} additions: a step's rounding counts by the way, an "
+        "addition's where the accumulator is coarser than the step",
+        what, number(distance), additions);
+  };
+  const bool divides = !shares_reciprocal(c.edge_slope);
+  switch (p) {
+    case setup_b:
+      return "rounding of B and of s_min', s_max'; it scales the whole surface, and leaves u and v alone";
+    case setup_h:
+      return "rounding of s' counts by q (s / s' - 1), most at the nearest vertex; then the register's "
+             "rounding";
+    case setup_u:
+    case setup_v:
+      return "one rounding";
+    case edge_x_acc:
+    case edge_x:
+      return !has_x_step(c) ? "x is exact before the rounding" : walked("edges are", f.edge_distance, f.rows);
+    case edge_h_acc:
+    case edge_h:
+      return walked("edges are", f.edge_distance, f.rows) +
+             "; an edge of height d is left after d rows at most, so the rounding of its " +
+             (divides ? "slope" : "slope and the reciprocal's error") +
+             " cannot add up further however steep it is" +
+             (f.slope_saturates
+                  ? "; a slope beyond its register stops short of the far end and adds what is missing"
+                  : "");
+    case edge_fu:
+    case edge_fv:
+    case span_fu:
+    case span_fv:
+      return "against (u - u1)(h + B) of the truth: errors of the ends times the largest q, and the walk's "
+             "own";
+    case edge_reciprocal:
+    case span_reciprocal:
+      return fmt::format(
+          "relative; error of h over the least h + B, {}, and the unit's own error over its whole "
+          "table",
+          number(f.q_least));
+    case edge_u:
+    case edge_v:
+      return fmt::format(
+          "u is between the vertices' u by weights w = t q2 / q: their h errs relative to q >= {}; f "
+          "and 1/(h + B) count on the change of u only",
+          number(f.q_least));
+    case span_h:
+    case depth_z:
+    case picture_depth:
+      return walked("rows are", f.span_distance, f.pixels) +
+             fmt::format("; x of the ends errs by {} pixel, times {} codes a pixel", number(f.x_error),
+                         number(f.h_gradient)) +
+             (f.position_capped
+                  ? "; capped by the change between the ends, for a covered centre lies between them: "
+                    "a sliver's chord may be shorter than an ulp of edge.x"
+                  : "") +
+             (f.slope_saturates ? "; a slope beyond its register stops short of the far end" : "");
+    case span_u:
+    case span_v:
+    case picture_u:
+    case picture_v:
+    default:
+      return fmt::format(
+          "as edge.uv along a row: {} pixels, q >= {}, x of the ends errs by {} pixel, times {} texels "
+          "a pixel, capped in exact coverage by the change between the ends",
+          f.pixels, number(f.q_least), number(f.x_error),
+          number(p == span_u || p == picture_u ? f.uv_gradient[0] : f.uv_gradient[1]));
+  }
+}
+
+}  // namespace
+
+std::vector<Bound> explained(const Config& config, const std::array<PlaceError, place_count>& places,
+                             const std::array<WorstCase, place_count>& worst) {
+  std::vector<Bound> out;
+  for (std::size_t p = 0; p < place_count; ++p) {
+    if (p == edge_x_acc && !has_x_step(config)) continue;
+    const PlaceName& name = place_names[p];
+    Bound b{name.place,
+            name.stage,
+            name.quantity,
+            name.unit,
+            places[p].bound(),
+            places[p].resolution,
+            dominant_of(places[p]),
+            places[p].used ? why_of(p, config, worst[p]) : "never computed: no pixel's centre is covered",
+            {}};
+    for (const auto& term : places[p].error.terms())
+      b.terms.push_back({std::string(term.first), term.second});
+    out.push_back(std::move(b));
+  }
+  return out;
+}
+
+}  // namespace bitspan::bounds

@@ -1,0 +1,157 @@
+#include "study/metrics.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <map>
+
+#include "model/numeric/register.hpp"
+#include "study/area.hpp"
+
+namespace bitspan {
+namespace {
+
+// FAMILY in a name stands for each of family_names, REGISTER for each register of the model.
+struct MetricRow {
+  std::string_view name, unit, meaning;
+  Better better = Better::low;
+  MetricRole role = MetricRole::result;
+};
+
+constexpr auto other_metrics = std::to_array<MetricRow>({
+    {"registers.wraps", "values", "values that wrapped, over all registers"},
+    {"registers.saturations", "values", "values that saturated, over all registers"},
+    {"register.REGISTER.used_bits", "bits", "integer bits that the values need, the sign included",
+     Better::low, MetricRole::detail},
+    {"register.REGISTER.headroom", "bits", "integer bits of the format beyond those", Better::high,
+     MetricRole::detail},
+    {"register.REGISTER.wraps", "values", "values that wrapped", Better::low, MetricRole::detail},
+    {"register.REGISTER.saturations", "values", "values that saturated", Better::low, MetricRole::detail},
+    {"timing.pixel_unit", "clocks", "latency of the RTL's reciprocal unit per pixel"},
+    {"timing.row_unit", "clocks", "latency of the RTL's reciprocal unit per row"},
+    {"timing.span", "clocks", "latency of the RTL's span stage"},
+    {"cost.register_bits", "bits", "bits of all registers", Better::low, MetricRole::cost},
+    {"cost.product_bits", "bit × bit", "products of both operands' widths, over all multipliers", Better::low,
+     MetricRole::cost},
+    {"cost.table_bits", "bits", "bits of all tables", Better::low, MetricRole::cost},
+    {"area.FAMILY.luts", "LUTs", "synthesised, of a search's points on which the constraints hold",
+     Better::low, MetricRole::cost},
+    {"area.FAMILY.ffs", "flip-flops", "synthesised", Better::low, MetricRole::cost},
+    {"area.FAMILY.multipliers", "multipliers", "synthesised", Better::low, MetricRole::cost},
+    {"area.FAMILY.memory_bits", "bits", "synthesised", Better::low, MetricRole::cost},
+    {"area.FAMILY.fmax_mhz", "MHz", "clock rate after placing and routing; in the report only", Better::high,
+     MetricRole::cost},
+    {"estimate.FAMILY.luts", "LUTs", "by the fitted estimate, where the mode has RTL", Better::low,
+     MetricRole::cost},
+    {"estimate.FAMILY.ffs", "flip-flops", "by the fitted estimate", Better::low, MetricRole::cost},
+    {"estimate.FAMILY.multipliers", "multipliers", "by the fitted estimate", Better::low, MetricRole::cost},
+});
+
+std::vector<std::string> values_of(std::string_view placeholder) {
+  std::vector<std::string> out;
+  if (placeholder == "FAMILY") {
+    out.assign(family_names.begin(), family_names.end());
+  } else {
+    for (int i = 0; i < model::register_count; ++i)
+      out.emplace_back(name_of(static_cast<model::RegisterId>(i)));
+  }
+  return out;
+}
+
+void add_field_metrics(const FieldQuantity& q, std::vector<Metric>& out) {
+  const std::string field = fmt::format("{}.{}", q.stage, q.quantity);
+  for (const FieldStatistic& s : field_statistics()) {
+    const std::string name = fmt::format("{}.{}", field, s.name);
+    const std::string unit(s.unit.empty() ? q.unit : s.unit);
+    out.push_back({name, field, std::string(s.label), unit, std::string(s.meaning), s.better,
+                   MetricRole::result, s.squares_add});
+    if (s.unit.empty()) {
+      out.push_back({name + "_ulp", field, std::string(s.ulp_label), "ULP", std::string(s.meaning), s.better,
+                     MetricRole::detail, s.squares_add});
+    }
+  }
+}
+
+std::vector<Metric> all_metrics() {
+  std::vector<Metric> out;
+  for (const FieldQuantity& q : field_quantities()) add_field_metrics(q, out);
+  for (const PictureMetric& p : picture_metrics()) {
+    out.push_back({std::string(p.name), "", "", std::string(p.unit), std::string(p.meaning), p.better});
+  }
+  const auto add = [&](const MetricRow& row, std::string name) {
+    out.push_back(
+        {std::move(name), "", "", std::string(row.unit), std::string(row.meaning), row.better, row.role});
+  };
+  for (const MetricRow& row : other_metrics) {
+    const std::string name(row.name);
+    bool expanded = false;
+    for (const std::string_view placeholder : {"FAMILY", "REGISTER"}) {
+      const auto at = name.find(placeholder);
+      if (at == std::string::npos) continue;
+      expanded = true;
+      for (const std::string& value : values_of(placeholder)) {
+        add(row, std::string(name).replace(at, placeholder.size(), value));
+      }
+    }
+    if (!expanded) add(row, name);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string_view to_string(MetricRole role) {
+  switch (role) {
+    case MetricRole::result:
+      return "result";
+    case MetricRole::cost:
+      return "cost";
+    case MetricRole::detail:
+      return "detail";
+  }
+  return "?";
+}
+
+std::string_view to_string(Better better) { return better == Better::high ? "high" : "low"; }
+
+const std::vector<Metric>& known_metrics() {
+  static const std::vector<Metric> metrics = all_metrics();
+  return metrics;
+}
+
+const Metric* find_metric(std::string_view name) {
+  static const auto by_name = [] {
+    std::map<std::string_view, const Metric*> out;
+    for (const Metric& metric : known_metrics()) out.emplace(metric.name, &metric);
+    return out;
+  }();
+  const auto found = by_name.find(name);
+  return found == by_name.end() ? nullptr : found->second;
+}
+
+std::vector<StatisticColumn> statistic_columns() {
+  std::vector<StatisticColumn> out;
+  for (const FieldStatistic& s : field_statistics()) {
+    out.push_back({std::string(s.label), std::string(s.name)});
+    if (!s.ulp_label.empty()) out.push_back({std::string(s.ulp_label), std::string(s.name) + "_ulp"});
+  }
+  return out;
+}
+
+std::string metrics_markdown() {
+  std::string out = "| metric | unit | better | meaning |\n|---|---|---|---|\n";
+  const auto line = [&out](const std::string& name, std::string_view unit, Better better,
+                           std::string_view meaning) {
+    out += fmt::format("| `{}` | {} | {} | {} |\n", name, unit, to_string(better), meaning);
+  };
+  for (const FieldStatistic& s : field_statistics()) {
+    const std::string name = fmt::format("STAGE.QUANTITY.{}", s.name);
+    line(name + (s.unit.empty() ? "`, `..._ulp" : ""), s.unit.empty() ? "the quantity's, or ULP" : s.unit,
+         s.better, s.meaning);
+  }
+  for (const PictureMetric& p : picture_metrics()) line(std::string(p.name), p.unit, p.better, p.meaning);
+  for (const MetricRow& row : other_metrics) line(std::string(row.name), row.unit, row.better, row.meaning);
+  return out;
+}
+
+}  // namespace bitspan

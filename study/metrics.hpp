@@ -1,0 +1,45 @@
+// Every metric that a study can have: those of report/metrics.hpp, and the registers', costs and clocks of
+// study/metrics.cpp. Plans are checked against this list, the database carries it for the report, and
+// docs/study.md shows it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "report/metrics.hpp"
+
+namespace bitspan {
+
+enum class MetricRole : std::uint8_t {
+  result,  // the vertical axis of the report's plots
+  cost,    // the horizontal axis
+  detail,  // a number for tables alone
+};
+std::string_view to_string(MetricRole role);
+std::string_view to_string(Better better);
+
+struct Metric {
+  std::string name;   // "span.u.p999"
+  std::string field;  // "span.u" where it is a statistic of that field's error; else empty
+  std::string label;  // the head of its column in a table of fields; empty: no column there
+  std::string unit, meaning;
+  Better better = Better::low;
+  MetricRole role = MetricRole::result;
+  bool squares_add = false;  // for independent causes, the squares of this metric add up
+};
+
+// In the order in which tables show them; null where no metric has that name.
+const std::vector<Metric>& known_metrics();
+const Metric* find_metric(std::string_view name);
+// The columns of a table of field errors, in their order: label, and the end of the metric's name ("p999").
+struct StatisticColumn {
+  std::string label, ending;
+};
+std::vector<StatisticColumn> statistic_columns();
+
+// The table of docs/study.md, as Markdown.
+std::string metrics_markdown();
+
+}  // namespace bitspan

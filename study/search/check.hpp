@@ -1,0 +1,14 @@
+// What makes no search: each function throws InputError and names the key.
+#pragma once
+
+#include <vector>
+
+#include "study/plan.hpp"
+
+namespace bitspan::searching {
+
+void check_axes(const std::vector<Axis>& axes);
+void check_constraints(const std::vector<Constraint>& constraints);
+void check_plan(const SearchPlan& plan);
+
+}  // namespace bitspan::searching

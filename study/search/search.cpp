@@ -1,0 +1,109 @@
+#include "study/search/search.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "study/search/check.hpp"
+#include "study/search/searcher.hpp"
+#include "study/search/texts.hpp"
+
+namespace bitspan {
+
+std::vector<KeySetting> settings_of(const std::vector<Axis>& axes, const SearchPoint& point) {
+  std::vector<KeySetting> settings;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    for (std::size_t k = 0; k < axes[i].keys.size(); ++k) {
+      settings.push_back({axes[i].keys[k], axes[i].values[point[i]][k]});
+    }
+  }
+  return settings;
+}
+
+bool Certificate::minimal() const {
+  return point_holds && complete() && std::ranges::none_of(reductions, [](const Reduction& r) {
+           return r.outcome == ReductionOutcome::passes || r.outcome == ReductionOutcome::not_evaluated;
+         });
+}
+
+std::string_view to_string(StoppedBy reason) {
+  switch (reason) {
+    case StoppedBy::done:
+      return "done";
+    case StoppedBy::evaluations:
+      return "evaluations";
+    case StoppedBy::seconds:
+      return "seconds";
+    case StoppedBy::interrupt:
+      return "interrupt";
+  }
+  return "?";
+}
+
+std::string_view to_string(ReductionOutcome outcome) {
+  switch (outcome) {
+    case ReductionOutcome::fails:
+      return "fails";
+    case ReductionOutcome::at_smallest:
+      return "at its smallest";
+    case ReductionOutcome::costs_more:
+      return "costs more";
+    case ReductionOutcome::passes:
+      return "passes";
+    case ReductionOutcome::not_evaluated:
+      return "not evaluated";
+  }
+  return "?";
+}
+
+SearchResult search(const SearchPlan& plan, const std::vector<Axis>& axes,
+                    const std::vector<Constraint>& constraints, const Evaluate& evaluate,
+                    std::stop_token stop, const std::function<void(const SearchProgress&)>& progress) {
+  searching::check_plan(plan);
+  searching::check_axes(axes);
+  searching::check_constraints(constraints);
+  return searching::Searcher(plan, axes, constraints, evaluate, std::move(stop), progress).run();
+}
+
+Certificate certify(const std::string& cost_metric, const std::vector<Axis>& axes,
+                    const std::vector<Constraint>& constraints, const SearchPoint& point,
+                    const Evaluate& evaluate) {
+  searching::check_axes(axes);
+  searching::check_constraints(constraints);
+  if (point.size() != axes.size()) {
+    throw InputError(fmt::format("certificate: a point of {} values for {} axes", point.size(), axes.size()));
+  }
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (point[i] < axes[i].values.size()) continue;
+    throw InputError(fmt::format("certificate: {}: value {} of {}", searching::key_text(axes[i]),
+                                 point[i] + 1, axes[i].values.size()));
+  }
+  SearchPlan plan;
+  plan.cost = cost_metric;
+  plan.evaluations = std::numeric_limits<int>::max();
+  plan.seconds = searching::infinity;
+  const std::function<void(const SearchProgress&)> silent;
+  return searching::Searcher(plan, axes, constraints, evaluate, {}, silent).certificate_for(point);
+}
+
+std::string to_text(const Certificate& certificate) {
+  std::string text;
+  if (certificate.minimal()) {
+    text = "the point holds, and none of its single steps down does\n";
+  } else if (!certificate.point_holds) {
+    text = "the point does not hold\n";
+  } else if (!certificate.complete()) {
+    text = fmt::format("incomplete: {} of {} single steps down were not evaluated\n",
+                       certificate.missing.size(), certificate.reductions.size());
+  } else {
+    text = "not minimal: a single step down holds\n";
+  }
+  for (const Reduction& r : certificate.reductions) {
+    const std::string from_to = r.to_value.empty() ? r.from_value : r.from_value + " -> " + r.to_value;
+    text += fmt::format("  {} {}: {}\n", r.key, from_to, r.text);
+  }
+  return text;
+}
+
+}  // namespace bitspan

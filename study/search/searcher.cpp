@@ -1,0 +1,205 @@
+#include "study/search/searcher.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <stdexcept>
+#include <thread>
+
+namespace bitspan::searching {
+
+namespace {
+
+std::size_t height_of(const SearchPoint& p) { return std::accumulate(p.begin(), p.end(), std::size_t{0}); }
+
+}  // namespace
+
+Searcher::Searcher(const SearchPlan& plan, const std::vector<Axis>& axes,
+                   const std::vector<Constraint>& constraints, const Evaluate& evaluate, std::stop_token stop,
+                   const std::function<void(const SearchProgress&)>& progress)
+    : plan_(plan),
+      axes_(axes),
+      constraints_(constraints),
+      evaluate_(evaluate),
+      stop_(std::move(stop)),
+      progress_(progress),
+      cores_(std::max<std::size_t>(1, std::thread::hardware_concurrency())) {
+  for (const Axis& axis : axes) top_.push_back(axis.values.size() - 1);
+}
+
+SearchResult Searcher::run() {
+  SearchResult result;
+  try {
+    enter("widest");
+    evaluate({top_});
+    if (at(top_).holds) {
+      SearchPoint p = top_;
+      switch (plan_.algorithm) {
+        case SearchAlgorithm::min_plus_1:
+          p = finish(min_plus_1(), Pick::error);
+          break;
+        case SearchAlgorithm::max_minus_1:
+          p = finish(max_minus_1(), Pick::error);
+          break;
+        case SearchAlgorithm::greedy:
+          p = greedy();
+          break;
+        case SearchAlgorithm::annealing:
+          p = finish(annealing(), Pick::ratio);
+          break;
+      }
+      best_ = p;
+      result.stopped_by = cut_short_;
+    }
+  } catch (const Halt& halt) {
+    result.stopped_by = halt.reason;
+  }
+  result.found = best_.has_value();
+  if (result.found) {
+    result.point = *best_;
+    result.cost = at(*best_).cost;
+    result.certificate = certificate_of(*best_);
+  } else if (known(top_)) {
+    result.failing.push_back("the widest point does not hold: " + at(top_).failure);
+  } else {
+    result.failing.emplace_back("stopped before the widest point was evaluated");
+  }
+  result.evaluations = steps_.size();
+  result.steps = std::move(steps_);
+  return result;
+}
+
+bool Searcher::better(const SearchPoint& a, const SearchPoint& b) const {
+  const double cost_a = at(a).cost, cost_b = at(b).cost;
+  if (cost_a != cost_b) return cost_a < cost_b;
+  const std::size_t height_a = height_of(a), height_b = height_of(b);
+  return height_a != height_b ? height_a < height_b : a < b;
+}
+
+std::vector<SearchPoint> Searcher::reductions_of(const SearchPoint& p) const {
+  std::vector<SearchPoint> list;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    if (p[i] > 0) list.push_back(moved(p, i, -1));
+  }
+  return list;
+}
+
+SearchPoint Searcher::moved(SearchPoint p, std::size_t axis, std::ptrdiff_t by) {
+  p[axis] = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(p[axis]) + by);
+  return p;
+}
+
+double Searcher::elapsed() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+std::size_t Searcher::allowed(std::size_t wanted) const {
+  if (stop_.stop_requested()) throw Halt{StoppedBy::interrupt};
+  const auto limit = static_cast<std::size_t>(plan_.evaluations);
+  if (steps_.size() >= limit) throw Halt{StoppedBy::evaluations};
+  std::size_t count = std::min(wanted, limit - steps_.size());
+  const double left = plan_.seconds - elapsed();
+  if (left <= 0) throw Halt{StoppedBy::seconds};
+  if (slowest_round_ > 0) {
+    const double rounds = std::floor(left / slowest_round_);
+    if (rounds < 1) throw Halt{StoppedBy::seconds};
+    const double most = rounds * static_cast<double>(cores_);
+    if (most < static_cast<double>(count)) count = static_cast<std::size_t>(most);
+  }
+  return count;
+}
+
+void Searcher::evaluate(const std::vector<SearchPoint>& points) {
+  std::vector<SearchPoint> todo;
+  std::set<SearchPoint> listed;
+  for (const SearchPoint& p : points) {
+    if (!known(p) && listed.insert(p).second) todo.push_back(p);
+  }
+  for (std::size_t first = 0; first < todo.size();) {
+    const std::size_t count = allowed(todo.size() - first);
+    std::vector<std::vector<KeySetting>> settings;
+    for (std::size_t i = first; i < first + count; ++i) settings.push_back(settings_of(axes_, todo[i]));
+    const double before = elapsed();
+    const std::vector<Evaluation> found = evaluate_(settings);
+    if (found.size() != count) {
+      throw std::logic_error(fmt::format("evaluate: {} results for {} points", found.size(), count));
+    }
+    bool missing = false;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (found[i].missing) {
+        missing = true;
+      } else {
+        record(todo[first + i], found[i]);
+      }
+    }
+    const std::size_t rounds = (count + cores_ - 1) / cores_;
+    slowest_round_ = std::max(slowest_round_, (elapsed() - before) / static_cast<double>(rounds));
+    if (progress_) {
+      progress_({phase_, steps_.size(), elapsed(), best_.has_value(), best_ ? at(*best_).cost : nan});
+    }
+    if (missing) throw Halt{StoppedBy::interrupt};
+    first += count;
+  }
+}
+
+void Searcher::record(const SearchPoint& p, const Evaluation& e) {
+  if (!metrics_exist_ && !e.refused) {
+    require_metrics(e, plan_.cost, constraints_);
+    metrics_exist_ = true;
+  }
+  const Judged& j = memo_.emplace(p, judge(e, plan_.cost, constraints_)).first->second;
+  const bool best = j.holds && (!best_ || better(p, *best_));
+  if (best) best_ = p;
+  steps_.push_back({p, j.cost, j.holds, best});
+}
+
+bool Searcher::prefer(const SearchPoint& p, const SearchPoint& a, const SearchPoint& b, Pick pick) const {
+  const double gain_a = at(p).cost - at(a).cost, gain_b = at(p).cost - at(b).cost;
+  const double used_a = slack_used(at(p), at(a), constraints_),
+               used_b = slack_used(at(p), at(b), constraints_);
+  if (pick == Pick::error) return used_a != used_b ? used_a < used_b : gain_a > gain_b;
+  // Free steps come first, the largest gain among them before the others.
+  constexpr double least = 1e-9;
+  const double ratio_a = gain_a / std::max(used_a, least), ratio_b = gain_b / std::max(used_b, least);
+  return ratio_a != ratio_b ? ratio_a > ratio_b : used_a < used_b;
+}
+
+SearchPoint Searcher::descend(SearchPoint p, Pick pick, Costs costs, std::size_t stride, std::size_t frozen) {
+  std::vector<bool> open(p.size(), true);
+  if (frozen != no_axis) open[frozen] = false;
+  for (;;) {
+    std::vector<std::pair<std::size_t, SearchPoint>> steps;
+    std::vector<SearchPoint> points;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      if (!open[i] || p[i] == 0) continue;
+      points.push_back(moved(p, i, -static_cast<std::ptrdiff_t>(std::min(stride, p[i]))));
+      steps.emplace_back(i, points.back());
+    }
+    evaluate(points);
+    const SearchPoint* chosen = nullptr;
+    for (const auto& [axis, q] : steps) {
+      if (!at(q).holds || (costs == Costs::falling && at(q).cost > at(p).cost)) {
+        open[axis] = false;
+      } else if (chosen == nullptr || prefer(p, q, *chosen, pick)) {
+        chosen = &q;
+      }
+    }
+    if (chosen == nullptr) return p;
+    p = SearchPoint(*chosen);
+  }
+}
+
+SearchPoint Searcher::finish(SearchPoint p, Pick pick) {
+  enter("certificate");
+  for (;;) {
+    p = descend(std::move(p), pick, Costs::falling, 1);
+    evaluate(reductions_of(p));
+    if (!better(*best_, p)) return p;
+    p = *best_;
+  }
+}
+
+}  // namespace bitspan::searching

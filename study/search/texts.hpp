@@ -1,0 +1,17 @@
+// How a search names its keys, values and limits.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "study/plan.hpp"
+
+namespace bitspan::searching {
+
+std::string joined(const std::vector<std::string>& parts, std::string_view separator);
+std::string key_text(const Axis& axis);
+std::string value_text(const Axis& axis, std::size_t i);
+std::string limits_text(const Constraint& c);
+
+}  // namespace bitspan::searching
