@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "cli/commands.hpp"
-#include "cli/conclude.hpp"
+#include "cli/recommendations.hpp"
 #include "cli/config_store.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/model_options.hpp"
@@ -159,7 +159,7 @@ int cut_short(const Options& o, const std::string& so_far, const Store& store, c
 // something that is recommended does not.
 int end_study(const Options& o, const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
               const Interrupt& interrupt, bool any_holds) {
-  const bool held = interrupt.exit_code() == 0 && conclude(plan, scenes, store, interrupt.token());
+  const bool held = interrupt.exit_code() == 0 && examine_recommendations(plan, scenes, store, interrupt.token());
   if (interrupt.exit_code() != 0) return cut_short(o, "", store, interrupt);
   if (!o.report.empty()) write_study_report(store.path(), plan.name, o.report);
   return any_holds && held ? exit_held : exit_difference;
