@@ -42,7 +42,7 @@ std::string search_text(const StudyPlan& plan, const SearchResult& result) {
 }
 
 bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
-              const std::stop_token& stop) {
+                             const std::stop_token& stop) {
   const auto recommended = recommendations(plan, store);
   if (recommended.empty()) {
     fmt::print("nothing to recommend: {}{}\n",

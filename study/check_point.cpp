@@ -19,10 +19,11 @@ namespace {
 
 using Make = std::function<std::unique_ptr<Engine>()>;
 
-// Appends to the text. Equal, and something was compared?
+// Appends to the text. Returns whether all is equal and values were compared that are not trivial.
 bool compare(const Make& reference, const Make& other, std::string_view what, std::span<const Scene> scenes,
              std::string& text) {
   std::uint64_t values = 0;
+  std::uint64_t non_trivial = 0;
   text += fmt::format("{}{}: ", text.empty() ? "" : "; ", what);
   for (const Scene& scene : scenes) {
     std::vector<std::unique_ptr<Engine>> engines;
@@ -38,9 +39,11 @@ bool compare(const Make& reference, const Make& other, std::string_view what, st
       return false;
     }
     values += pair.total().values + pair.frame.values + pair.counters.values;
+    if (engines[0]->counters().covered != 0) non_trivial += pair.total().non_trivial;
   }
   text += fmt::format("{} values equal", values);
-  return values != 0;
+  if (non_trivial == 0) text += ", none of them of a pixel: this says nothing";
+  return non_trivial != 0;
 }
 
 }  // namespace

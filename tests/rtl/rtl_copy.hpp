@@ -41,6 +41,7 @@ class RtlCopy {
             "logic en, last, take, active_q, again_q;\n"
             "  always_ff @(posedge clk_i) if (take) again_q <= 1'b0; else if (en && last) again_q <= 1'b1;");
   }
+  std::string path() const { return folder_.path(); }
 
  private:
   TemporaryFolder folder_;
