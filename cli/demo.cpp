@@ -146,14 +146,6 @@ std::string html(const SceneVerdict& v, const std::vector<Picture>& pictures) {
   return out + "</ul>\n</body></html>\n";
 }
 
-void make_folder(const std::string& path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (error) {
-    throw InputError(fmt::format("{}: cannot write: {}", path, error.message()));
-  }
-}
-
 int demo(const Options& o) {
   const Config config = find_config(o.config);
   const LoadedScene loaded = load_scene("demo", o.view);
@@ -165,8 +157,7 @@ int demo(const Options& o) {
   options.engines_named = o.engines_named;
   options.allow_missing = o.allow_missing;
   options.allow_empty = o.view.allow_empty;
-  make_folder(o.output);  // an unwritable place is told before the work
-  check_writable((std::filesystem::path(o.output) / "report.md").string());
+  make_writable_folder(o.output);  // a place that cannot be written is told before the work
   const RunLabel label{
       loaded.scene.name,
       fmt::format("{}bitspan verify demo --config {}{}{}", command_environment(), shell_word(o.config),

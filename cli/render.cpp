@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -63,6 +64,14 @@ std::string statistics_text(const Config& config, const model::Statistics& stati
   return "\n" + text_table(rows);
 }
 
+// Before the work: the folder of a dump can be written, or made.
+void check_dump(const std::string& folder) {
+  if (folder.empty()) return;
+  const std::filesystem::path path(folder);
+  const bool exists = std::filesystem::is_directory(path);
+  check_writable((exists ? path / "run.json" : path.has_filename() ? path : path.parent_path()).string());
+}
+
 int render(const Options& o) {
   if (o.output.empty() && o.dump.empty() && o.emit_tri.empty()) {
     throw InputError("render: nothing to write; give -o PICTURE.png, --dump DIR or --emit-tri FILE.tri");
@@ -91,6 +100,7 @@ int render(const Options& o) {
   const ModelForm form = o.statistics ? ModelForm::scalar : model::chosen_form(config, how.form);
   check_writable(o.output);
   check_writable(o.emit_tri);
+  check_dump(o.dump);
   const LoadedScene loaded = load_scene(o.scene, o.view);
   const Scene& scene = loaded.scene;
   if (!o.output.empty() || !o.dump.empty()) {

@@ -216,6 +216,7 @@ int run_study(const Options& o) {
     throw InputError("study: one STUDY.toml; scenes on the command line go with --point");
   const StudyPlan plan = load_study(o.inputs[0], find_config);
   check_writable(o.csv);
+  if (!o.report.empty()) make_writable_folder(o.report);
   const std::vector<Scene> scenes = scenes_of(plan.scenes, plan.width, plan.height, o.allow_empty);
   Store store(database_of(o, plan), BITSPAN_VERSION);
   PointRunner runner(plan.base, scenes, make_meter, store, BITSPAN_VERSION);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "cli/cycles.hpp"
 #include "cli/engines.hpp"
@@ -94,6 +95,19 @@ void judge_emptiness(SceneVerdict& v, const VerifyOptions& options) {
 
 std::string error_number(double x) { return fmt::format("{:.4g}", x); }
 
+// An RTL whose assertions fail at reset is a failed check and no internal error: null then, and the failure
+// is told.
+std::unique_ptr<Engine> make_guarded(const std::string& name, const Config& config,
+                                     const VerifyOptions& options, SceneVerdict& v) {
+  try {
+    return make_engine(name, config, options.stall_seed, options.model);
+  } catch (const std::logic_error& error) {
+    if (name != "rtl") throw;
+    v.failures.push_back(fmt::format("{} broke off: {}", name, error.what()));
+    return nullptr;
+  }
+}
+
 // Adds up a pair's stages, picture and the counters together.
 StageCount total_of(const Comparison& pair) {
   StageCount all = pair.total();
@@ -141,9 +155,10 @@ SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const Ver
           fmt::format("{} left out: it has no {} mode", name, to_string(config.perspective)));
       continue;
     }
+    auto engine = make_guarded(name, config, options, v);
+    if (engine == nullptr) continue;
     systemc = systemc || name == "systemc";
     rtl = rtl || name == "rtl";
-    auto engine = make_engine(name, config, options.stall_seed, options.model);
     if (name == "ideal") {
       out.ideal = std::move(engine);
     } else {

@@ -118,6 +118,14 @@ void check_writable(const std::string& path) {
   const AtomicFile file(path);
 }
 
+void make_writable_folder(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) throw InputError(path + ": cannot write: " + error.message() + "; expected a folder");
+  check_writable((fs::path(path) / "written").string());
+}
+
 void write_file(const std::string& path, std::span<const std::uint8_t> bytes) {
   write_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }

@@ -157,6 +157,7 @@ TEST_F(Cli, UnwritableOutputsAreRefused) {
   refused("verify none.tri --engines golden,model --json no/v.json", "no/v.json");
   refused("sim none.tri --json no/s.json", "no/s.json");
   refused("render none.tri -o no/a.png", "no/a.png");
+  refused("render none.tri --dump no/d", "no/d");
   refused("fuzz --engines golden,model --count 1000000 -o no", "no/fuzz-1-0.replay.json");
   EXPECT_EQ(WEXITSTATUS(std::system("'" BITSPAN_PROGRAM "' config show depth16 >/dev/full 2>/dev/null")), 2);
 }
@@ -436,6 +437,16 @@ TEST_F(Cli, AFailureOfAnRtlReplaysWithThatRtlOnly) {
   const Result mended = run("replay --changed-rtl fuzz-1-0.replay.json");
   EXPECT_EQ(mended.code, 0) << mended.out << mended.err;
   EXPECT_NE(mended.out.find("no longer fails"), std::string::npos) << mended.out;
+}
+
+TEST_F(Cli, AnRtlThatIsNotWhatThePackageSaysIsADifference) {
+  stream("a.tri");
+  const RtlCopy copy;
+  copy.replace("rtl/span.sv", ": 2 + bitspan_cfg_pkg::PixelUnitClocks;",
+               ": 3 + bitspan_cfg_pkg::PixelUnitClocks;");
+  const Result r = run("verify a.tri --engines model,golden,rtl");
+  EXPECT_EQ(r.code, 1) << r.out << r.err;
+  EXPECT_NE(r.out.find("FAILED: rtl broke off: assertion in the RTL"), std::string::npos) << r.out;
 }
 
 TEST_F(Cli, AReplayThatDrawsNothingSaysNothing) {

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "engine/emit_sv.hpp"
 #include "tests/rtl/icarus_case.hpp"
 #include "tests/rtl/interpolator_case.hpp"
@@ -91,6 +93,31 @@ TEST(Tools, YosysReadsAndChecks) {
     EXPECT_EQ(run_program({"sh", script, package, "check"}, log, "this test"), 0)
         << read_file(log) << to_toml(c);
   }
+}
+
+// "58,312" in the last column of the README's row of `narrow`.
+std::string cells_in_readme() {
+  std::istringstream in(read_file(BITSPAN_SOURCE_DIR "/README.md"));
+  for (std::string row; std::getline(in, row);) {
+    if (!row.starts_with("| `narrow` |")) continue;
+    std::string cells;
+    for (std::size_t i = row.rfind('|', row.size() - 2); i < row.size(); ++i) {
+      if (row[i] >= '0' && row[i] <= '9') cells += row[i];
+    }
+    return cells;
+  }
+  return "no row";
+}
+
+TEST(Tools, TheReadmeHasTheCellsOfThisRtl) {
+  const TemporaryFolder folder;
+  const std::string package = folder.write("bitspan_cfg_pkg.sv", emit_sv(shipped_config("narrow")));
+  const auto log = folder.path("yosys.log");
+  ASSERT_EQ(run_program({"sh", (rtl_root() / "tb/yosys_cells.sh").string(), package}, log, "this test"), 0);
+  const std::string text = read_file(log);
+  const std::string label = "Number of cells:";
+  ASSERT_NE(text.find(label), std::string::npos) << text;
+  EXPECT_EQ(std::to_string(std::stol(text.substr(text.find(label) + label.size()))), cells_in_readme());
 }
 
 TEST(Tools, YosysScriptRefuses) {
