@@ -1,7 +1,11 @@
 // The sub-commands. Each adds itself with its options and leaves what is to be run in `action`.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <functional>
+#include <string>
+#include <string_view>
 
 namespace CLI {
 class App;
@@ -12,6 +16,17 @@ namespace bitspan {
 inline constexpr int exit_held = 0;        // all held
 inline constexpr int exit_difference = 1;  // a difference, or a bound that failed
 inline constexpr int exit_bad_input = 2;   // bad input or usage
+inline constexpr int exit_broken = 3;      // a tool that is missing or broke, or an internal error
+
+// What a command's --help ends with: its exit codes, and examples, one per line. `held` and `difference` say
+// what 0 and 1 mean; the command has no 1 where `difference` is empty.
+inline std::string help_footer(std::string_view held, std::string_view difference,
+                               std::string_view examples) {
+  return fmt::format(
+      "Exit: 0 {}{}{}; 2 bad input or usage; 3 a missing or broken tool, or an internal error.\n"
+      "Example:\n  {}",
+      held, difference.empty() ? "" : "; 1 ", difference, examples);
+}
 
 using Action = std::function<int()>;
 

@@ -120,7 +120,7 @@ CLI::App* add(CLI::App& parent, const std::string& name, const std::string& text
   CLI::App* sub = parent.add_subcommand(name, text);
   sub->add_option("config", o->config, "shipped name (" + shipped_names() + ") or TOML file")
       ->capture_default_str();
-  sub->footer("Example:\n  bitspan config " + name + " depth16");
+  sub->footer(help_footer("the configuration is legal", "", "bitspan config " + name + " depth16"));
   sub->callback([o, &action, run] { action = [o, run] { return run(*o); }; });
   return sub;
 }
@@ -130,7 +130,7 @@ CLI::App* add(CLI::App& parent, const std::string& name, const std::string& text
 void add_config(CLI::App& app, Action& action) {
   CLI::App* group = app.add_subcommand("config", "show, check or emit a configuration");
   group->require_subcommand(1);
-  group->footer("Example:\n  bitspan config show depth16");
+  group->footer(help_footer("the configuration is legal", "", "bitspan config show depth16"));
   const auto options = std::make_shared<Options>();
   add(*group, "show", "the format table and the modes", options, action, show)
       ->add_flag("--toml", options->toml, "the canonical TOML text instead");

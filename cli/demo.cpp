@@ -28,6 +28,8 @@ struct Options {
   std::string output = "bitspan-demo";
   std::string config{default_config};
   std::string engines = "golden,model,systemc,rtl,ideal";
+  bool engines_named = false;  // by the user
+  bool allow_missing = false;
   SceneOptions view;
 };
 
@@ -96,7 +98,7 @@ std::vector<Picture> pictures_of(const Frame& drawn, const Frame& ideal) {
 }
 
 std::string markdown(const SceneVerdict& v, const std::vector<Picture>& pictures) {
-  std::string out = fmt::format("# bitspan demo: {}\n\n", v.held() ? "all held" : "FAILED");
+  std::string out = fmt::format("# bitspan demo: {}\n\n", v.outcome());
   out += fmt::format("Scene {}, configuration {} ({}), bitspan {}.\n\n", v.scene, v.config.name,
                      config_hash(v.config), BITSPAN_VERSION);
   for (const std::string& failure : v.failures) {
@@ -125,7 +127,7 @@ std::string html(const SceneVerdict& v, const std::vector<Picture>& pictures) {
       ".held{color:#116329}.failed{color:#a40e26}figure{display:inline-block;margin:0 1em 1em 0;"
       "vertical-align:top}img{max-width:640px;width:100%}figcaption{color:#57606a}\n</style></head><body>\n";
   out += fmt::format("<h1>bitspan demo: <span class=\"{}\">{}</span></h1>\n", v.held() ? "held" : "failed",
-                     v.held() ? "all held" : "FAILED");
+                     v.outcome());
   out += fmt::format("<p>Scene {}, configuration {} ({}), bitspan {}.</p>\n", xml_escape(v.scene),
                      xml_escape(v.config.name), config_hash(v.config), BITSPAN_VERSION);
   for (const std::string& failure : v.failures) {
@@ -144,26 +146,23 @@ std::string html(const SceneVerdict& v, const std::vector<Picture>& pictures) {
   return out + "</ul>\n</body></html>\n";
 }
 
-void make_folder(const std::string& path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (error) {
-    throw InputError(fmt::format("{}: cannot write: {}", path, error.message()));
-  }
-}
-
 int demo(const Options& o) {
   const Config config = find_config(o.config);
-  const Scene scene = load_scene("demo", o.view);
+  const LoadedScene loaded = load_scene("demo", o.view);
   VerifyOptions options;
   options.engines = parse_engines(o.engines);
   if (std::ranges::find(options.engines, "ideal") == options.engines.end()) {
     options.engines.emplace_back("ideal");  // the pictures of the errors need it
   }
-  make_folder(o.output);  // an unwritable place is told before the work
-  const RunLabel label{scene.name, fmt::format("bitspan verify demo --config {} --engines {}{}",
-                                               shell_word(o.config), o.engines, flags_text(o.view))};
-  const SceneRun run = verify_scene(config, scene, options, label);
+  options.engines_named = o.engines_named;
+  options.allow_missing = o.allow_missing;
+  options.allow_empty = o.view.allow_empty;
+  make_writable_folder(o.output);  // a place that cannot be written is told before the work
+  const RunLabel label{
+      loaded.scene.name,
+      fmt::format("{}bitspan verify demo --config {}{}{}", command_environment(), shell_word(o.config),
+                  o.engines_named ? " --engines " + o.engines : "", flags_text(o.view))};
+  const SceneRun run = verify_scene(config, loaded, options, label);
   fmt::print("{}", verdict_text(run.verdict));
   const std::vector<Picture> pictures = pictures_of(run.engines[0]->frame(), run.ideal->frame());
   const std::filesystem::path folder(o.output);
@@ -186,8 +185,16 @@ void add_demo(CLI::App& app, Action& action) {
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
   sub->add_option("--engines", o->engines, "compared with the first")->capture_default_str();
   sub->add_option("--size", o->view.size, "WxH of the picture (default 640x480)");
-  sub->footer("Example:\n  bitspan demo -o bitspan-demo");
-  sub->callback([o, &action] { action = [o] { return demo(*o); }; });
+  sub->add_flag("--allow-missing", o->allow_missing,
+                "an engine of --engines may be left out, and no pair may be left to compare");
+  add_allow_empty(*sub, o->view);
+  sub->footer(help_footer("all held",
+                          "a difference, nothing compared, an engine named left out, or nothing drawn",
+                          "bitspan demo -o bitspan-demo"));
+  sub->callback([o, sub, &action] {
+    o->engines_named = sub->count("--engines") > 0;
+    action = [o] { return demo(*o); };
+  });
 }
 
 }  // namespace bitspan

@@ -13,7 +13,7 @@
 
 namespace bitspan {
 
-// golden, model, systemc, rtl, ideal: in the order of trust, ideal apart, since it equals nobody.
+// golden, model, systemc, rtl, ideal: in the order of trust, ideal apart, since it is not quantised.
 std::span<const std::string_view> engine_names();
 
 // "golden,model" -> names, each known and named once. Throws InputError otherwise.

@@ -27,6 +27,8 @@ struct Options {
   std::int64_t x = 0, y = 0;
   std::string config{default_config};
   std::string engines = "golden,model,systemc,rtl";
+  bool engines_named = false;  // by the user
+  bool allow_missing = false;
   bool brief = false;
   SceneOptions view;
 };
@@ -170,7 +172,8 @@ bool print_record(const std::vector<Story>& stories, const std::vector<const Rec
 
 int explain(const Options& o) {
   const Config config = find_config(o.config);
-  const Scene scene = load_scene(o.scene, o.view);
+  const LoadedScene loaded = load_scene(o.scene, o.view);
+  const Scene& scene = loaded.scene;
   if (o.x < 0 || o.y < 0 || o.x >= scene.width || o.y >= scene.height) {
     throw InputError(fmt::format("explain: pixel ({}, {}) is outside the picture of {}x{}", o.x, o.y,
                                  scene.width, scene.height));
@@ -178,9 +181,12 @@ int explain(const Options& o) {
   check_scene_range(config, scene);
   std::vector<Story> stories;
   std::vector<Frame> frames;
+  std::vector<std::string> left_out;
   for (const std::string& name : parse_engines(o.engines)) {
-    if (name == "ideal" || !engine_runs(name, config)) {
-      continue;  // ideal is a column of its own
+    if (name == "ideal") continue;  // a column of its own
+    if (!engine_runs(name, config)) {
+      left_out.push_back(fmt::format("{} left out: it has no {} mode", name, to_string(config.perspective)));
+      continue;
     }
     frames.emplace_back();
     stories.push_back(run(name, config, scene, o.x, o.y, &frames.back()));
@@ -193,6 +199,7 @@ int explain(const Options& o) {
 
   fmt::print("pixel ({}, {}) of {}, configuration {} ({})\n", o.x, o.y, scene.name, config.name,
              config_hash(config));
+  fmt::print("{}", faces_line(loaded));
   bool equal = true;
   std::size_t touches = 0;
   for (const Story& story : stories) {
@@ -253,9 +260,13 @@ int explain(const Options& o) {
   }
   add("ideal", ideal);
   fmt::print("{}", text_table(rows));
-  fmt::print("\n{}\n",
-             equal ? "all engines agree on this pixel" : "the engines DIFFER on this pixel (marked *)");
-  return equal ? exit_held : exit_difference;
+  fmt::print("\n");
+  const bool missing = o.engines_named && !o.allow_missing && !left_out.empty();
+  for (const std::string& text : left_out) fmt::print("{}: {}\n", missing ? "FAILED" : "note", text);
+  fmt::print("{}\n", !equal                ? "the engines DIFFER on this pixel (marked *)"
+                     : stories.size() == 1 ? "one engine: nothing was compared"
+                                           : "all engines agree on this pixel");
+  return equal && !missing ? exit_held : exit_difference;
 }
 
 }  // namespace
@@ -270,8 +281,14 @@ void add_explain(CLI::App& app, Action& action) {
   sub->add_option("--engines", o->engines, "columns, in this order")->capture_default_str();
   sub->add_flag("--brief", o->brief, "from the fragment on; without setup, rows and spans");
   add_scene_options(*sub, o->view);
-  sub->footer("Example:\n  bitspan explain demo 320 300 --config narrow");
-  sub->callback([o, &action] { action = [o] { return explain(*o); }; });
+  sub->add_flag("--allow-missing", o->allow_missing, "an engine of --engines may be left out");
+  sub->footer(help_footer("the engines agree on the pixel, or one is shown alone",
+                          "they differ there, an engine named is left out, or no face of a mesh is drawn",
+                          "bitspan explain demo 320 300 --config narrow"));
+  sub->callback([o, sub, &action] {
+    o->engines_named = sub->count("--engines") > 0;
+    action = [o] { return explain(*o); };
+  });
 }
 
 }  // namespace bitspan

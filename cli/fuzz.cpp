@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@
 #include "report/random_config.hpp"
 #include "report/replay.hpp"
 #include "scene/random.hpp"
+#include "tb/rtl_build.hpp"
 
 namespace bitspan {
 namespace {
@@ -35,10 +37,10 @@ namespace {
 struct Options {
   std::uint64_t seed = 1;
   std::uint64_t first = 0;
-  std::uint64_t count = 0;
-  std::uint64_t pixels = 0;
+  std::optional<std::uint64_t> count, pixels;
   std::uint64_t streams_per_config = 16;
   std::string engines = "golden,model,systemc,rtl";
+  bool engines_named = false;        // by the user: all of them take part in every case
   std::vector<std::string> configs;  // empty: random ones
   std::string out = ".";
   bool keep_going = false;
@@ -47,7 +49,7 @@ struct Options {
 
 constexpr std::uint64_t default_count = 32;
 constexpr std::size_t cycle_triangles = 16;
-constexpr int gentler_draws = 8;
+constexpr int draws_per_case = 8;
 
 // A seed for (seed, index, purpose): each case can be made alone.
 std::uint64_t derived_seed(std::uint64_t seed, std::uint64_t index, std::uint64_t purpose) {
@@ -70,7 +72,8 @@ Engines make_engines(const std::vector<std::string>& names, const Config& config
 struct CaseResult {
   std::string failure;  // one line, empty where all held
   std::string details;
-  std::uint64_t fragments = 0, values = 0, non_trivial = 0;
+  std::uint64_t fragments = 0, covered = 0, values = 0, non_trivial = 0;
+  std::vector<std::string> compared;  // engines that were compared in values that are not trivial
 };
 
 // What the first pass over a scene has to say. Coverage is checked against the exact test where the
@@ -94,10 +97,12 @@ CaseResult check_case(const Engines& engines, const Config& config, const Scene&
     return out;
   }
   out.fragments = engines[0]->counters().fragments;
+  out.covered = engines[0]->counters().covered;
   for (const Comparison& pair : run.pairs) {
     const StageCount total = pair.total();
     out.values += total.values;
     out.non_trivial += total.non_trivial;
+    if (total.non_trivial > 0) out.compared.push_back(pair.other);
     if (!pair.held() && out.failure.empty()) {
       out.failure = pair.first ? fmt::format("{} against {}: {}", pair.reference, pair.other,
                                              summary(*pair.first, config))
@@ -176,7 +181,7 @@ Scene shrink(const Engines& engines, const Config& config, Scene scene, const Ru
   return scene;
 }
 
-// A scene of case `index`; `gentleness` grows where a configuration refused the ones before.
+// A scene of case `index`; `gentleness` grows where the ones before were refused or covered no pixel.
 Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness) {
   Random random(derived_seed(seed, index, 2));
   RandomOptions options;
@@ -192,9 +197,9 @@ Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness) {
 }
 
 std::string reproduce(const Options& o, std::uint64_t index) {
-  std::string out =
-      fmt::format("bitspan fuzz --seed {} --first {} --count 1 --streams-per-config {} --engines {}", o.seed,
-                  index, o.streams_per_config, o.engines);
+  std::string out = fmt::format("{}bitspan fuzz --seed {} --first {} --count 1 --streams-per-config {}{}",
+                                command_environment(), o.seed, index, o.streams_per_config,
+                                o.engines_named ? " --engines " + o.engines : "");
   for (const std::string& config : o.configs) {
     out += " --config " + shell_word(config);
   }
@@ -202,9 +207,15 @@ std::string reproduce(const Options& o, std::uint64_t index) {
 }
 
 struct Totals {
-  std::uint64_t cases = 0, refused = 0, configs = 0, fragments = 0, values = 0, non_trivial = 0, failures = 0;
+  std::uint64_t cases = 0, refused = 0, empty = 0, configs = 0, failures = 0;
+  std::uint64_t fragments = 0, values = 0, non_trivial = 0;  // compared
   std::uint64_t rtl_fragments = 0, cycles_compared = 0;
+  std::set<std::string> compared;  // engines, in values that are not trivial
 };
+
+std::string replay_path(const Options& o, std::uint64_t index) {
+  return fmt::format("{}/fuzz-{}-{}.replay.json", o.out, o.seed, index);
+}
 
 class Fuzzer {
  public:
@@ -212,7 +223,7 @@ class Fuzzer {
       : o_(o), names_(parse_engines(o.engines)), model_(model_options(o.model, 1)) {
     refuse_without_model(o.model, std::ranges::count(names_, "model") != 0);
     if (std::ranges::find(names_, "ideal") != names_.end()) {
-      throw InputError("--engines: ideal equals nobody; leave it out of fuzz");
+      throw InputError("--engines: ideal is not quantised and equals no engine; leave it out of fuzz");
     }
     if (names_.size() < 2) {
       throw InputError("--engines: fuzz compares at least two engines");
@@ -220,28 +231,37 @@ class Fuzzer {
     if (o.streams_per_config == 0) {
       throw InputError("--streams-per-config: expected 1 or more");
     }
+    if (o.count == 0U) throw InputError("--count: expected 1 or more");
+    if (o.pixels == 0U) throw InputError("--pixels: expected 1 or more");
     for (const std::string& name : o.configs) {
       fixed_.push_back(find_config(name));
+      for (const std::string& engine : names_) {
+        if (o.engines_named && !engine_runs(engine, fixed_.back())) {
+          throw InputError(fmt::format("--engines: {} has no {} mode, which --config {} has", engine,
+                                       to_string(fixed_.back().perspective), name));
+        }
+      }
     }
+    check_writable(replay_path(o, o.first));  // before the work, so that no failure is lost
     for (const ShippedConfig& shipped : shipped_configs()) {
       bases_.push_back(find_config(std::string(shipped.name)));
     }
   }
 
   int run() {
-    const std::uint64_t count = o_.count != 0 ? o_.count : o_.pixels != 0 ? ~std::uint64_t{0} : default_count;
+    const std::uint64_t count = o_.count.value_or(o_.pixels ? ~std::uint64_t{0} : default_count);
     const auto start = std::chrono::steady_clock::now();
     Progress progress("fuzz");
     for (std::uint64_t n = 0; n < count; ++n) {
-      if (o_.pixels != 0 && totals_.fragments >= o_.pixels) {
+      if (o_.pixels && totals_.fragments >= *o_.pixels) {
         break;
       }
       one_case(o_.first + n);
       if (totals_.failures > 0 && !o_.keep_going) {
         break;
       }
-      if (o_.pixels != 0 && o_.count == 0) {
-        progress.update(totals_.fragments, o_.pixels);
+      if (o_.pixels && !o_.count) {
+        progress.update(totals_.fragments, *o_.pixels);
       } else {
         progress.update(n + 1, count);
       }
@@ -251,8 +271,9 @@ class Fuzzer {
     fmt::print("fuzz: seed {}, cases {}..{}, {} configurations, engines {}\n", o_.seed, o_.first,
                o_.first + t.cases - 1, t.configs, o_.engines);
     fmt::print(
-        "{} span pixels ({} through rtl), {} values compared, {} non-trivial, {} streams refused, {:.1f} s\n",
-        t.fragments, t.rtl_fragments, t.values, t.non_trivial, t.refused, seconds);
+        "{} span pixels ({} through rtl), {} values compared, {} non-trivial, {} streams refused, {} empty, "
+        "{:.1f} s\n",
+        t.fragments, t.rtl_fragments, t.values, t.non_trivial, t.refused, t.empty, seconds);
     if (t.cycles_compared > 0) {
       fmt::print("{} clocks of the span interpolator equal in systemc and rtl\n", t.cycles_compared);
     }
@@ -260,10 +281,14 @@ class Fuzzer {
       fmt::print("{} failures\n", t.failures);
       return exit_difference;
     }
-    if (t.non_trivial == 0) {
-      fmt::print("FAILED: nothing non-trivial was compared\n");
-      return exit_difference;
+    bool missing = t.compared.empty();
+    if (missing) fmt::print("FAILED: nothing non-trivial was compared\n");
+    for (std::size_t i = 1; i < names_.size() && !t.compared.empty(); ++i) {
+      if (t.compared.contains(names_[i])) continue;
+      fmt::print("{}: {} took no part\n", o_.engines_named ? "FAILED" : "note", names_[i]);
+      missing = missing || o_.engines_named;
     }
+    if (missing) return exit_difference;
     fmt::print("0 differences\n");
     return exit_held;
   }
@@ -279,8 +304,9 @@ class Fuzzer {
       config_ = fixed_[group % fixed_.size()];
     } else {
       RandomConfigOptions options;
-      // Half of them in a mode that the RTL has, where it takes part: else too many would leave it out.
-      options.rtl_only = std::ranges::find(names_, "rtl") != names_.end() && group % 4 != 3;
+      // Only modes that the RTL has, where the user named it; else a quarter goes without it.
+      options.rtl_only =
+          std::ranges::find(names_, "rtl") != names_.end() && (o_.engines_named || group % 4 != 3);
       options.check = [](const Config& config) { static_cast<void>(golden::choose_precision(config)); };
       config_ = random_config(derived_seed(o_.seed, group, 1), bases_, options);
     }
@@ -295,18 +321,22 @@ class Fuzzer {
   void one_case(std::uint64_t index) {
     ++totals_.cases;
     take_config(index / o_.streams_per_config);
-    Scene scene;
-    std::string refused = "-";
-    for (int gentleness = 0; gentleness < gentler_draws && !refused.empty(); ++gentleness) {
-      scene = case_scene(o_.seed, index, gentleness);
-      refused = refusal(engines_, config_, scene);
-    }
-    if (!refused.empty()) {
-      ++totals_.refused;
+    bool taken = false;
+    for (int draw = 0; draw < draws_per_case; ++draw) {
+      const Scene scene = case_scene(o_.seed, index, draw);
+      if (!refusal(engines_, config_, scene).empty()) continue;
+      taken = true;
+      const RunLabel label{scene.name, reproduce(o_, index)};
+      const CaseResult result = check_case(engines_, config_, scene, label);
+      if (result.failure.empty() && result.covered == 0) continue;
+      count_case(index, scene, result, label);
       return;
     }
-    const RunLabel label{scene.name, reproduce(o_, index)};
-    CaseResult result = check_case(engines_, config_, scene, label);
+    ++(taken ? totals_.empty : totals_.refused);
+  }
+
+  void count_case(std::uint64_t index, const Scene& scene, CaseResult result, const RunLabel& label) {
+    totals_.compared.insert(result.compared.begin(), result.compared.end());
     totals_.fragments += result.fragments;
     totals_.values += result.values;
     totals_.non_trivial += result.non_trivial;
@@ -339,13 +369,14 @@ class Fuzzer {
       replay.engines.emplace_back(engine->name());
     }
     replay.stall_seed = derived_seed(o_.seed, index / o_.streams_per_config, 0);
+    if (takes_part("rtl")) replay.rtl = rtl_sources_hash();
     replay.config = config_;
     replay.found = fmt::format("{}; {}", label.command, result.failure);
     replay.scene = in_cycles ? scene : shrink(engines_, config_, scene, label);
-    const std::string path = fmt::format("{}/fuzz-{}-{}.replay.json", o_.out, o_.seed, index);
+    const std::string path = replay_path(o_, index);
     write_file(path, replay_json(replay));
-    fmt::print("shrunk from {} to {} triangles; again: bitspan replay {}\n", scene.triangles.size(),
-               replay.scene.triangles.size(), shell_word(path));
+    fmt::print("shrunk from {} to {} triangles; again: {}bitspan replay {}\n", scene.triangles.size(),
+               replay.scene.triangles.size(), command_environment(), shell_word(path));
     std::fflush(stdout);
   }
 
@@ -362,8 +393,19 @@ class Fuzzer {
 struct ReplayOptions {
   std::string file;
   std::string engines;
+  bool changed_rtl = false;
   ModelFlags model;
 };
+
+// The RTL under test must be the one that failed, unless the user wants to know whether a change mended it.
+void check_rtl(const ReplayOptions& o, const Replay& r) {
+  const std::string hash = rtl_sources_hash();
+  if (o.changed_rtl || r.rtl.empty() || r.rtl == hash) return;
+  throw InputError(
+      fmt::format("{}: found with RTL {}, but {} has RTL {}; BITSPAN_ROOT names another folder, "
+                  "--changed-rtl runs it anyway",
+                  o.file, r.rtl, (rtl_root() / "rtl").string(), hash));
+}
 
 int replay(const ReplayOptions& o) {
   const Replay r = read_replay(o.file);
@@ -375,31 +417,42 @@ int replay(const ReplayOptions& o) {
   }
   const std::vector<std::string> names = parse_engines(list);
   refuse_without_model(o.model, std::ranges::count(names, "model") != 0);
-  const Engines engines = make_engines(names, r.config, r.stall_seed, model_options(o.model, 1));
-  if (engines.size() < 2) {
-    throw InputError(fmt::format("{}: fewer than two engines that run this configuration", o.file));
+  for (const std::string& name : names) {
+    if (!engine_runs(name, r.config)) {
+      throw InputError(fmt::format("{}: {} has no {} mode", o.file, name, to_string(r.config.perspective)));
+    }
   }
+  if (names.size() < 2) throw InputError(fmt::format("{}: fewer than two engines to compare", o.file));
+  const bool with_rtl = std::ranges::count(names, "rtl") != 0;
+  if (with_rtl) check_rtl(o, r);
+  const Engines engines = make_engines(names, r.config, r.stall_seed, model_options(o.model, 1));
   check_scene_range(r.config, r.scene);
-  const RunLabel label{o.file, "bitspan replay " + shell_word(o.file) + flags_text(o.model)};
+  const RunLabel label{o.file,
+                       fmt::format("{}bitspan replay {}{}{}", command_environment(), shell_word(o.file),
+                                   o.changed_rtl ? " --changed-rtl" : "", flags_text(o.model))};
   CaseResult result = check_case(engines, r.config, r.scene, label);
-  const auto has = [&](std::string_view name) {
-    return std::ranges::any_of(engines, [&](const auto& engine) { return engine->name() == name; });
-  };
-  if (result.failure.empty() && has("rtl") && has("systemc")) {
+  if (result.failure.empty() && with_rtl && std::ranges::count(names, "systemc") != 0) {
     const CycleVerdict cycles = compare_cycles(r.config, r.scene, cycle_triangles);
     if (cycles.differences > 0) {
       result.details = "cycles of the span interpolator, systemc against rtl: " + cycles.first + "\n";
       result.failure = result.details;
     }
   }
-  fmt::print("{}: {} triangles, configuration {} ({}), engines {}\n", o.file, r.scene.triangles.size(),
-             r.config.name, config_hash(r.config), list);
+  fmt::print("{}: {} triangles, configuration {} ({}), engines {}{}\n", o.file, r.scene.triangles.size(),
+             r.config.name, config_hash(r.config), list, with_rtl ? ", RTL " + rtl_sources_hash() : "");
   if (!result.failure.empty()) {
     fmt::print("{}still fails\n", result.details);
     return exit_difference;
   }
-  fmt::print("{} span pixels, {} values compared, {} non-trivial: no longer fails\n", result.fragments,
-             result.values, result.non_trivial);
+  fmt::print("{} span pixels, {} values compared, {} non-trivial: ", result.fragments, result.values,
+             result.non_trivial);
+  if (result.covered == 0 || result.compared.size() + 1 < engines.size()) {
+    fmt::print("FAILED, this says nothing: {}\n", result.covered == 0
+                                                      ? "the scene covers no pixel centre"
+                                                      : "a pair compared nothing non-trivial");
+    return exit_difference;
+  }
+  fmt::print("no longer fails\n");
   return exit_held;
 }
 
@@ -414,13 +467,19 @@ void add_fuzz(CLI::App& app, Action& action) {
   sub->add_option("--pixels", o->pixels, "stop when so many span pixels were compared");
   sub->add_option("--streams-per-config", o->streams_per_config, "cases that share a configuration")
       ->capture_default_str();
-  sub->add_option("--engines", o->engines, "compared with the first")->capture_default_str();
+  sub->add_option("--engines", o->engines,
+                  "compared with the first; where named, only configurations that all of them run are drawn")
+      ->capture_default_str();
   sub->add_option("--config", o->configs, "these configurations in turn, instead of random ones");
   sub->add_option("-o,--output", o->out, "folder for the replay files")->capture_default_str();
   sub->add_flag("--keep-going", o->keep_going, "do not stop at the first failure");
   add_model_options(*sub, o->model, "1");
-  sub->footer("Example:\n  bitspan fuzz --seed 7 --pixels 1000000 --engines golden,model");
-  sub->callback([o, &action] { action = [o] { return Fuzzer(*o).run(); }; });
+  sub->footer(help_footer("0 differences", "a difference, or nothing compared",
+                          "bitspan fuzz --seed 7 --pixels 1000000 --engines golden,model"));
+  sub->callback([o, sub, &action] {
+    o->engines_named = sub->count("--engines") > 0;
+    action = [o] { return Fuzzer(*o).run(); };
+  });
 }
 
 void add_replay(CLI::App& app, Action& action) {
@@ -429,7 +488,9 @@ void add_replay(CLI::App& app, Action& action) {
   sub->add_option("file", o->file, "a .replay.json file")->required();
   sub->add_option("--engines", o->engines, "instead of the file's");
   add_model_options(*sub, o->model, "1");
-  sub->footer("Example:\n  bitspan replay fuzz-7-12.replay.json");
+  sub->add_flag("--changed-rtl", o->changed_rtl, "run it though the RTL is not the one that failed");
+  sub->footer(help_footer("it no longer fails", "it fails, or nothing was compared",
+                          "bitspan replay fuzz-7-12.replay.json"));
   sub->callback([o, &action] { action = [o] { return replay(*o); }; });
 }
 

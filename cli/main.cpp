@@ -1,4 +1,5 @@
-// bitspan: the command line. Exit 0: all held; 1: a difference or a failed bound; 2: bad input or usage.
+// bitspan: the command line. Exit 0: all held; 1: a difference, a failed bound or an empty verdict; 2: bad
+// input or usage; 3: a missing or broken tool, or an internal error.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -10,16 +11,18 @@
 #include <system_error>
 
 #include "cli/commands.hpp"
+#include "cli/scene_options.hpp"
 #include "config/config.hpp"
+#include "tb/programs.hpp"
 
 namespace bitspan {
 namespace {
 
-// One line on stderr, whatever the message holds.
-int refuse(std::string message) {
+// One line on stderr, whatever the message holds; returns the code.
+int refuse(std::string message, int code = exit_bad_input) {
   std::replace(message.begin(), message.end(), '\n', ' ');
   fmt::print(stderr, "bitspan: {}\n", message);
-  return exit_bad_input;
+  return code;
 }
 
 int run(int argc, char** argv) {
@@ -29,8 +32,9 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "SCENE is a triangle stream (.tri), a mesh (OBJ, PLY, glTF ...), `demo` or `extreme`.\n"
-      "Exit: 0 all held, 1 a difference or a failed bound, 2 bad input or usage.\n"
-      "Example:\n  bitspan verify demo --config depth16");
+      "Each command has --help.\n" +
+      help_footer("all held", "a difference, a failed bound, or nothing compared or drawn",
+                  "bitspan verify demo --config depth16"));
   Action action;
   add_demo(app, action);
   add_verify(app, action);
@@ -67,12 +71,16 @@ int guarded(int argc, char** argv) {
     return code;
   } catch (const InputError& error) {
     return refuse(error.what());
+  } catch (const NothingDrawn& empty) {
+    return refuse(empty.what(), exit_difference);
+  } catch (const ToolError& error) {
+    return refuse(error.what(), exit_broken);
   } catch (const std::bad_alloc&) {
-    return refuse("out of memory");
+    return refuse("out of memory", exit_broken);
   } catch (const std::system_error& error) {
     return refuse(error.what());  // a full or closed standard output
   } catch (const std::exception& error) {
-    return refuse(fmt::format("internal error: {}", error.what()));
+    return refuse(fmt::format("internal error: {}", error.what()), exit_broken);
   }
 }
 

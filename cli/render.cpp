@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "engine/range.hpp"
+#include "io/atomic_file.hpp"
 #include "io/png.hpp"
 #include "model/engine_model.hpp"
 #include "model/numeric/register.hpp"
@@ -62,6 +64,14 @@ std::string statistics_text(const Config& config, const model::Statistics& stati
   return "\n" + text_table(rows);
 }
 
+// Before the work: the folder of a dump can be written, or made.
+void check_dump(const std::string& folder) {
+  if (folder.empty()) return;
+  const std::filesystem::path path(folder);
+  const bool exists = std::filesystem::is_directory(path);
+  check_writable((exists ? path / "run.json" : path.has_filename() ? path : path.parent_path()).string());
+}
+
 int render(const Options& o) {
   if (o.output.empty() && o.dump.empty() && o.emit_tri.empty()) {
     throw InputError("render: nothing to write; give -o PICTURE.png, --dump DIR or --emit-tri FILE.tri");
@@ -88,7 +98,11 @@ int render(const Options& o) {
   ModelOptions how = model_options(o.model, 0);
   how.winners = !o.dump.empty();
   const ModelForm form = o.statistics ? ModelForm::scalar : model::chosen_form(config, how.form);
-  const Scene scene = load_scene(o.scene, o.view);
+  check_writable(o.output);
+  check_writable(o.emit_tri);
+  check_dump(o.dump);
+  const LoadedScene loaded = load_scene(o.scene, o.view);
+  const Scene& scene = loaded.scene;
   if (!o.output.empty() || !o.dump.empty()) {
     check_scene_range(config, scene);
     const auto observed = o.statistics ? make_observed_model(config) : nullptr;
@@ -125,6 +139,7 @@ int render(const Options& o) {
     const Counters& c = engine->counters();
     fmt::print("{}: {}x{}, {} triangles, {} fragments, {} written, {} ({}), {}\n", scene.name, frame.width,
                frame.height, c.triangles, c.fragments, c.written, config.name, config_hash(config), names[0]);
+    fmt::print("{}", faces_line(loaded));
     if (o.statistics) {
       fmt::print("{}", statistics_text(config, observed->statistics()));
     }
@@ -150,7 +165,9 @@ void add_render(CLI::App& app, Action& action) {
   sub->add_option("--emit-tri", o->emit_tri, "write the triangles as a stream, textures beside it");
   add_model_options(*sub, o->model, "0");
   add_scene_options(*sub, o->view);
-  sub->footer("Example:\n  bitspan render demo -o demo.png --config narrow --dump demo.dump");
+  sub->footer(help_footer("the picture is written, also where a stream covers no pixel",
+                          "no face of a mesh is drawn (--allow-empty accepts this)",
+                          "bitspan render demo -o demo.png --config narrow --dump demo.dump"));
   sub->callback([o, &action] { action = [o] { return render(*o); }; });
 }
 

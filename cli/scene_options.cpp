@@ -11,6 +11,7 @@
 #include "scene/demo.hpp"
 #include "scene/mesh.hpp"
 #include "scene/tri_stream.hpp"
+#include "tb/programs.hpp"
 
 namespace bitspan {
 namespace {
@@ -81,7 +82,7 @@ void refuse_size(const std::string& name, const Scene& scene, const SceneOptions
   }
 }
 
-Scene load_mesh(const std::string& name, const SceneOptions& o) {
+LoadedScene load_mesh(const std::string& name, const SceneOptions& o) {
   MeshOptions options;
   const Size size = picture_size(o.size);
   options.width = size.width;
@@ -109,10 +110,10 @@ Scene load_mesh(const std::string& name, const SceneOptions& o) {
         Fog{{color_code(f[0], "--fog"), color_code(f[1], "--fog"), color_code(f[2], "--fog")}, f[3]};
   }
   options.project.cull = !o.no_cull;
-  ProjectReport report;
-  Scene scene = mesh_scene(read_mesh(name, options.texture), options, report);
+  ProjectReport faces;
+  Scene scene = mesh_scene(read_mesh(name, options.texture), options, faces);
   check_scene(scene, name);
-  return scene;
+  return {std::move(scene), faces};
 }
 
 }  // namespace
@@ -134,6 +135,27 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
   command.add_option("--texture", o.texture, "mesh: a PNG for every face")->group(group);
   command.add_option("--fog", o.fog, "mesh: r,g,b,distance of a fog")->group(group);
   command.add_flag("--no-cull", o.no_cull, "mesh: draw faces seen from behind too")->group(group);
+  add_allow_empty(command, o);
+}
+
+void add_allow_empty(CLI::App& command, SceneOptions& o) {
+  command.add_flag("--allow-empty", o.allow_empty, "a scene that draws nothing is no failure")
+      ->group("Scene");
+}
+
+std::string faces_text(const ProjectReport& faces) {
+  return fmt::format("faces: {} read, {} culled, {} outside, {} drawn", faces.faces, faces.culled,
+                     faces.outside, faces.drawn);
+}
+
+std::string faces_line(const LoadedScene& loaded) {
+  return loaded.faces ? faces_text(*loaded.faces) + "\n" : "";
+}
+
+void refuse_without_faces(const LoadedScene& loaded, const SceneOptions& options) {
+  if (!loaded.draws_no_face() || options.allow_empty) return;
+  throw NothingDrawn(fmt::format("{}: no face is drawn; {} (--allow-empty accepts this)", loaded.scene.name,
+                                 faces_text(*loaded.faces)));
 }
 
 Size picture_size(const std::string& text) {
@@ -151,12 +173,12 @@ Size picture_size(const std::string& text) {
   return *size;
 }
 
-std::vector<Scene> load_scenes(const std::string& name, const SceneOptions& options) {
+std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions& options) {
+  std::vector<LoadedScene> out;
   if (name == "demo") {
     refuse_camera(name, options);
     const Size size = picture_size(options.size);
-    std::vector<Scene> out;
-    out.push_back(demo_scene(size.width, size.height));
+    out.push_back({demo_scene(size.width, size.height), std::nullopt});
     return out;
   }
   if (name == "extreme" || name.starts_with(extreme_prefix)) {
@@ -176,30 +198,31 @@ std::vector<Scene> load_scenes(const std::string& name, const SceneOptions& opti
     for (Scene& scene : all) {
       refuse_size(name, scene, options);
       scene.name = std::string(extreme_prefix) + scene.name;
+      out.push_back({std::move(scene), std::nullopt});
     }
-    return all;
+    return out;
   }
-  std::vector<Scene> out;
   if (is_stream(name)) {
     refuse_camera(name, options);
-    out.push_back(read_tri(name));
-    refuse_size(name, out.back(), options);
+    out.push_back({read_tri(name), std::nullopt});
+    refuse_size(name, out.back().scene, options);
   } else {
     out.push_back(load_mesh(name, options));
   }
-  out.back().name = name;
+  out.back().scene.name = name;
   return out;
 }
 
-Scene load_scene(const std::string& name, const SceneOptions& options) {
-  std::vector<Scene> all = load_scenes(name, options);
+LoadedScene load_scene(const std::string& name, const SceneOptions& options) {
+  std::vector<LoadedScene> all = load_scenes(name, options);
   if (all.size() != 1) {
     std::string names;
-    for (const Scene& scene : all) {
-      names += (names.empty() ? "" : ", ") + scene.name;
+    for (const LoadedScene& loaded : all) {
+      names += (names.empty() ? "" : ", ") + loaded.scene.name;
     }
     throw InputError(fmt::format("{}: is several scenes; name one: {}", name, names));
   }
+  refuse_without_faces(all.front(), options);
   return std::move(all.front());
 }
 
@@ -216,6 +239,11 @@ std::string shell_word(const std::string& word) {
     out += c == '\'' ? std::string("'\\''") : std::string(1, c);
   }
   return out + "'";
+}
+
+std::string command_environment() {
+  const std::string root = environment("BITSPAN_ROOT");
+  return root.empty() ? "" : "BITSPAN_ROOT=" + shell_word(root) + " ";
 }
 
 std::string flags_text(const SceneOptions& o) {
@@ -241,6 +269,7 @@ std::string flags_text(const SceneOptions& o) {
   text("--texture", o.texture);
   text("--fog", o.fog);
   out += o.no_cull ? " --no-cull" : "";
+  out += o.allow_empty ? " --allow-empty" : "";
   return out;
 }
 

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "scene/picture_size.hpp"
+#include "scene/project.hpp"
 #include "scene/scene.hpp"
 
 namespace CLI {
@@ -21,9 +23,30 @@ struct SceneOptions {
   std::string texture;
   std::string fog;  // "r,g,b,distance"
   bool no_cull = false;
+  bool allow_empty = false;  // a scene that draws nothing is no failure
 };
 
+struct LoadedScene {
+  Scene scene;
+  std::optional<ProjectReport> faces;  // what became of a mesh's faces
+
+  bool draws_no_face() const { return faces && faces->drawn == 0; }
+};
+// "faces: 12 read, 6 culled, 0 outside, 6 drawn", without the end of the line.
+std::string faces_text(const ProjectReport& faces);
+// The same with the end of the line, for what a command prints; empty for a scene that is no mesh.
+std::string faces_line(const LoadedScene& loaded);
+
+// A mesh of which no face is drawn, and --allow-empty is not given. The command line prints the text, one
+// line, and exits with 1.
+struct NothingDrawn : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+void refuse_without_faces(const LoadedScene& loaded, const SceneOptions& options);
+
 void add_scene_options(CLI::App& command, SceneOptions& options);
+// --allow-empty alone, which add_scene_options has too.
+void add_allow_empty(CLI::App& command, SceneOptions& options);
 
 // What --size says, 640x480 where it is empty; throws InputError where it is no size or beyond what a stream
 // may have.
@@ -31,14 +54,17 @@ Size picture_size(const std::string& text);
 
 // The scenes that a name stands for: `demo`; `extreme`, which is several, or one of them as `extreme/NAME`; a
 // triangle stream (.tri, or - for standard input); or else a mesh. A stream's coordinates are pixels, so its
-// size is its own: another --size is refused, and so are camera flags. Throws InputError.
-std::vector<Scene> load_scenes(const std::string& name, const SceneOptions& options);
-// The same where one picture is wanted.
-Scene load_scene(const std::string& name, const SceneOptions& options);
+// size is its own: another --size is refused, and so are camera flags. A mesh may come without a triangle
+// where no face is drawn. Throws InputError.
+std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions& options);
+// The same where one picture is wanted. Throws NothingDrawn too, as refuse_without_faces.
+LoadedScene load_scene(const std::string& name, const SceneOptions& options);
 
 // The flags as they would be typed, each with a space in front; for commands that reproduce.
 std::string flags_text(const SceneOptions& options);
 // A word for the shell, quoted where it must be.
 std::string shell_word(const std::string& word);
+// "BITSPAN_ROOT=FOLDER " where the environment names the RTL under test, for the front of such commands.
+std::string command_environment();
 
 }  // namespace bitspan

@@ -111,7 +111,10 @@ std::string sim_json(const Scene& scene, const Config& config, TimedMode mode, c
 
 int sim(const Options& o) {
   const Config config = find_config(o.config);
-  const Scene scene = load_scene(o.scene, o.view);
+  check_writable(o.json);
+  check_writable(o.vcd);
+  const LoadedScene loaded = load_scene(o.scene, o.view);
+  const Scene& scene = loaded.scene;
   check_scene_range(config, scene);
   Progress progress(scene.name);
   SystemcOptions options;
@@ -127,6 +130,7 @@ int sim(const Options& o) {
   if (!o.json.empty()) {
     write_file(o.json, sim_json(scene, config, options.mode, report, engine->counters()));
   }
+  fmt::print("{}", faces_line(loaded));
   fmt::print("{}", sim_text(scene, config, options.mode, report, engine->counters()));
   return exit_held;
 }
@@ -145,7 +149,8 @@ void add_sim(CLI::App& app, Action& action) {
   sub->add_option("--vcd", o->vcd, "write a waveform; mode cycle only");
   sub->add_option("--json", o->json, "write the numbers as JSON");
   add_scene_options(*sub, o->view);
-  sub->footer("Example:\n  bitspan sim demo --size 160x120 --vcd demo.vcd");
+  sub->footer(help_footer("the clocks are counted", "no face of a mesh is drawn (--allow-empty accepts this)",
+                          "bitspan sim demo --size 160x120 --vcd demo.vcd"));
   sub->callback([o, &action] { action = [o] { return sim(*o); }; });
 }
 

@@ -35,6 +35,7 @@ struct Options {
   std::string db, csv, report, point, replay, size;
   int threads = 0;
   std::optional<std::size_t> points;
+  bool allow_empty = false;
 };
 
 constexpr std::size_t table_rows = 40;
@@ -49,13 +50,17 @@ bool takes_size(const std::string& name) {
 }
 
 // Without names the embedded set.
-std::vector<Scene> scenes_of(std::vector<std::string> names, int width, int height) {
+std::vector<Scene> scenes_of(std::vector<std::string> names, int width, int height, bool allow_empty) {
   if (names.empty()) names = {"demo", "extreme"};
   std::vector<Scene> out;
   for (const std::string& name : names) {
     SceneOptions options;
     if (takes_size(name)) options.size = fmt::format("{}x{}", width, height);
-    for (Scene& scene : load_scenes(name, options)) out.push_back(std::move(scene));
+    options.allow_empty = allow_empty;
+    for (LoadedScene& loaded : load_scenes(name, options)) {
+      refuse_without_faces(loaded, options);
+      out.push_back(std::move(loaded.scene));
+    }
   }
   return out;
 }
@@ -160,7 +165,8 @@ int cut_short(const Options& o, const std::string& so_far, const Store& store, c
 // something that is recommended does not.
 int end_study(const Options& o, const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
               const Interrupt& interrupt, bool any_holds) {
-  const bool held = interrupt.exit_code() == 0 && examine_recommended(plan, scenes, store, interrupt.token());
+  const bool held =
+      interrupt.exit_code() == 0 && examine_recommendations(plan, scenes, store, interrupt.token());
   if (interrupt.exit_code() != 0) return cut_short(o, "", store, interrupt);
   if (!o.report.empty()) write_study_report(store.path(), plan.name, o.report);
   return any_holds && held ? exit_held : exit_difference;
@@ -210,7 +216,9 @@ int run_study(const Options& o) {
   if (o.inputs.size() != 1)
     throw InputError("study: one STUDY.toml; scenes on the command line go with --point");
   const StudyPlan plan = load_study(o.inputs[0], find_config);
-  const std::vector<Scene> scenes = scenes_of(plan.scenes, plan.width, plan.height);
+  check_writable(o.csv);
+  if (!o.report.empty()) make_writable_folder(o.report);
+  const std::vector<Scene> scenes = scenes_of(plan.scenes, plan.width, plan.height, o.allow_empty);
   Store store(database_of(o, plan), BITSPAN_VERSION);
   PointRunner runner(plan.base, scenes, make_meter, store, BITSPAN_VERSION);
   RunOptions options;
@@ -251,7 +259,7 @@ std::string result_text(const PointResult& result) {
 int measure_point(const Options& o) {
   const Config config = find_config(o.point);
   const Size size = picture_size(o.size);
-  const std::vector<Scene> scenes = scenes_of(o.inputs, size.width, size.height);
+  const std::vector<Scene> scenes = scenes_of(o.inputs, size.width, size.height, o.allow_empty);
   const auto start = std::chrono::steady_clock::now();
   const PointResult result = make_meter(scenes)(config);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -274,7 +282,7 @@ std::vector<Scene> stored_scenes(const PointRow& point, const std::string& db) {
   try {
     for (const auto& one : nlohmann::json::parse(point.scenes)) {
       const std::string name = one.at("name");
-      std::vector<Scene> loaded = scenes_of({name}, one.at("width"), one.at("height"));
+      std::vector<Scene> loaded = scenes_of({name}, one.at("width"), one.at("height"), true);
       if (loaded.size() != 1) throw InputError(fmt::format("{}: is {} scenes", name, loaded.size()));
       Scene scene = std::move(loaded[0]);
       if (one.contains("s_ratio")) scene = with_s_ratio(std::move(scene), one.at("s_ratio"));
@@ -364,13 +372,16 @@ void add_study(CLI::App& app, Action& action) {
   sub->add_option("--point", o->point, "measure one configuration, a shipped name or TOML file");
   sub->add_option("--size", o->size, "with --point: WxH of demo and meshes (default 640x480)");
   sub->add_option("--replay", o->replay, "measure a point of the database again and compare bit for bit");
+  sub->add_flag("--allow-empty", o->allow_empty, "a mesh of which no face is drawn is no failure");
   sub->footer(
       "Ctrl-C stops after the points that run; the same command goes on from there.\n"
-      "Exit: 0 a point holds all constraints, 1 none does (--replay: it differs), 2 bad input, 130 stopped.\n"
-      "Example:\n  bitspan study config/studies/dividers.toml --csv dividers.csv\n"
-      "  bitspan study config/studies/uv_bits.toml --report out/uv_bits\n"
-      "  bitspan study --point depth16 demo\n"
-      "  bitspan study --db dividers.db --replay 1f0c");
+      "It then exits with 130.\n" +
+      help_footer("a point holds all constraints",
+                  "none does, what is recommended fails, or --replay differs",
+                  "bitspan study config/studies/dividers.toml --csv dividers.csv\n"
+                  "  bitspan study config/studies/uv_bits.toml --report out/uv_bits\n"
+                  "  bitspan study --point depth16 demo\n"
+                  "  bitspan study --db dividers.db --replay 1f0c"));
   sub->callback([o, &action] { action = [o] { return study(*o); }; });
 }
 

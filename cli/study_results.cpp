@@ -41,8 +41,8 @@ std::string search_text(const StudyPlan& plan, const SearchResult& result) {
   return out + "certificate:\n" + to_text(result.certificate);
 }
 
-bool examine_recommended(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
-                         const std::stop_token& stop) {
+bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
+                             const std::stop_token& stop) {
   const auto recommended = recommendations(plan, store);
   if (recommended.empty()) {
     fmt::print("nothing to recommend: {}{}\n",
@@ -71,15 +71,15 @@ void write_study_report(const std::string& database, const std::string& study, c
   namespace fs = std::filesystem;
   const std::string python = (rtl_root() / "python").string();
   ::setenv("PYTHONPATH", python.c_str(), 1);
-  const Workshop workshop = temporary_workshop("bitspan-report");
-  const fs::path log = workshop / "log";
+  const ScratchFolder scratch = temporary_scratch_folder("bitspan-report");
+  const fs::path log = scratch / "log";
   // Debian's own interpreter: the first on PATH may not see Debian's packages.
   const int code =
       run_program({"/usr/bin/python3", "-B", "-m", "bitspan_report", database, folder, "--study", study}, log,
                   "--report");
   std::string text = read_text(log);
   while (!text.empty() && text.back() == '\n') text.pop_back();
-  if (code != 0) throw InputError("--report: " + (text.empty() ? "no word" : text));
+  if (code != 0) throw ToolError("--report: " + (text.empty() ? "no word" : text));
   fmt::print("report: {}\n", (fs::path(folder) / "report.html").string());
 }
 

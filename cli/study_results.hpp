@@ -18,10 +18,10 @@ std::string search_text(const StudyPlan& plan, const SearchResult& result);
 
 // Examines what the study recommends and tells it. True where all views agree and no error is above its
 // bound; true too where nothing is recommended, which it says.
-bool examine_recommended(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
-                         const std::stop_token& stop);
+bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
+                             const std::stop_token& stop);
 
-// The HTML report with its plots in a folder, by python/bitspan_report. Throws InputError with what it said
+// The HTML report with its plots in a folder, by python/bitspan_report. Throws ToolError with what it said
 // where it fails.
 void write_study_report(const std::string& database, const std::string& study, const std::string& folder);
 

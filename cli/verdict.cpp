@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "cli/cycles.hpp"
 #include "cli/engines.hpp"
+#include "cli/own_values.hpp"
 #include "cli/progress.hpp"
 #include "config/modes.hpp"
 #include "engine/range.hpp"
@@ -24,7 +26,10 @@ namespace {
 
 std::string number(std::uint64_t n) { return fmt::format("{}", n); }
 
-void judge(SceneVerdict& v) {
+// Whether a pair's records hold values that could have differed.
+bool is_trivial(const Comparison& pair) { return pair.total().non_trivial == 0; }
+
+void judge_differences(SceneVerdict& v) {
   for (const Comparison& pair : v.run.pairs) {
     if (pair.first) {
       v.failures.push_back(
@@ -33,22 +38,6 @@ void judge(SceneVerdict& v) {
     if (!pair.fault.empty()) {
       v.failures.push_back(fmt::format("{} broke off: {}", pair.other, pair.fault));
     }
-  }
-  const bool compared =
-      std::ranges::any_of(v.run.pairs, [](const Comparison& pair) { return pair.total().non_trivial > 0; });
-  if (v.run.pairs.empty()) {
-    v.notes.emplace_back("one engine only: nothing was compared");
-    if (!v.has_errors) {
-      v.failures.emplace_back("nothing was compared");
-    }
-  } else if (v.counters.fragments == 0) {
-    if (v.has_errors && v.truth_draws) {
-      v.failures.emplace_back("nothing was drawn, though pixels are covered by the exact test");
-    } else {
-      v.notes.emplace_back("this scene legally draws nothing: no pixel centre is covered");
-    }
-  } else if (!compared) {
-    v.failures.emplace_back("nothing non-trivial was compared");
   }
   // A run that stopped early has not drawn all that the exact test covers.
   if (v.has_errors && coverage_is_exact(v.config) && v.errors.coverage_differences() > 0) {
@@ -62,28 +51,116 @@ void judge(SceneVerdict& v) {
   }
 }
 
+// What the scene does not draw, in one line; empty where it covers a pixel.
+std::string emptiness(const SceneVerdict& v) {
+  if (v.counters.covered != 0) return "";
+  if (v.faces && v.faces->drawn == 0) return "no face of the mesh is drawn";
+  return "the scene covers no pixel centre: nothing is drawn";
+}
+
+void judge_emptiness(SceneVerdict& v, const VerifyOptions& options) {
+  const auto fail_unless = [&](bool allowed, std::string_view flag, const std::string& text) {
+    if (allowed) {
+      v.notes.push_back(text);
+    } else {
+      v.failures.push_back(fmt::format("{} ({} accepts this)", text, flag));
+    }
+  };
+  if (v.faces && v.faces->drawn == 0 && !options.allow_empty) {
+    fail_unless(false, "--allow-empty", emptiness(v));
+    return;
+  }
+  for (const std::string& text : v.left_out) {
+    fail_unless(options.allow_missing || !options.engines_named, "--allow-missing", text);
+  }
+  if (v.run.pairs.empty()) {
+    fail_unless(options.allow_missing, "--allow-missing", "nothing was compared");
+  }
+  if (const std::string text = emptiness(v); !text.empty()) {
+    if (v.has_errors && v.truth_draws) {
+      v.failures.emplace_back("nothing was drawn, though pixels are covered by the exact test");
+    } else {
+      fail_unless(options.allow_empty, "--allow-empty", text);
+    }
+    return;
+  }
+  for (const Comparison& pair : v.run.pairs) {
+    if (is_trivial(pair)) {
+      v.failures.push_back(
+          fmt::format("{} against {}: nothing non-trivial was compared", pair.reference, pair.other));
+    }
+  }
+  if (v.cycles && v.cycles->pixels == 0) {
+    v.failures.emplace_back("cycles of the span interpolator: no pixel was compared");
+  }
+}
+
 std::string error_number(double x) { return fmt::format("{:.4g}", x); }
+
+// An RTL whose assertions fail at reset is a failed check and no internal error: null then, and the failure
+// is told.
+std::unique_ptr<Engine> make_guarded(const std::string& name, const Config& config,
+                                     const VerifyOptions& options, SceneVerdict& v) {
+  try {
+    return make_engine(name, config, options.stall_seed, options.model);
+  } catch (const std::logic_error& error) {
+    if (name != "rtl") throw;
+    v.failures.push_back(fmt::format("{} broke off: {}", name, error.what()));
+    return nullptr;
+  }
+}
+
+// Adds up a pair's stages, picture and the counters together.
+StageCount total_of(const Comparison& pair) {
+  StageCount all = pair.total();
+  for (const StageCount* more : {&pair.frame, &pair.counters}) {
+    all.records += more->records;
+    all.values += more->values;
+    all.non_trivial += more->non_trivial;
+    all.differences += more->differences;
+    all.unmatched += more->unmatched;
+  }
+  return all;
+}
 
 }  // namespace
 
-SceneRun verify_scene(const Config& config, const Scene& scene, const VerifyOptions& options,
+bool SceneVerdict::compared() const {
+  return !run.pairs.empty() && counters.covered != 0 && std::ranges::none_of(run.pairs, is_trivial);
+}
+
+std::string_view SceneVerdict::outcome() const {
+  if (!held()) return "FAILED";
+  return compared() ? "all held" : "nothing was compared, as allowed";
+}
+
+SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const VerifyOptions& options,
                       const RunLabel& label) {
-  check_scene_range(config, scene);
+  const Scene& scene = loaded.scene;
   SceneRun out;
   SceneVerdict& v = out.verdict;
   v.scene = scene.name;
   v.config = config;
   v.label = label;
+  v.faces = loaded.faces;
+  if (loaded.draws_no_face() && !options.allow_empty) {
+    // Whether the configuration takes such a scene is not the question.
+    judge_emptiness(v, options);
+    return out;
+  }
+  check_scene_range(config, scene);
   bool systemc = false;
   bool rtl = false;
   for (const std::string& name : options.engines) {
     if (!engine_runs(name, config)) {
-      v.notes.push_back(fmt::format("{} left out: it has no {} mode", name, to_string(config.perspective)));
+      v.left_out.push_back(
+          fmt::format("{} left out: it has no {} mode", name, to_string(config.perspective)));
       continue;
     }
+    auto engine = make_guarded(name, config, options, v);
+    if (engine == nullptr) continue;
     systemc = systemc || name == "systemc";
     rtl = rtl || name == "rtl";
-    auto engine = make_engine(name, config, options.stall_seed, options.model);
     if (name == "ideal") {
       out.ideal = std::move(engine);
     } else {
@@ -116,16 +193,18 @@ SceneRun verify_scene(const Config& config, const Scene& scene, const VerifyOpti
   if (options.cycles && systemc && rtl && !v.run.stopped) {
     v.cycles = compare_cycles(config, scene);
   }
-  judge(v);
+  judge_differences(v);
+  judge_emptiness(v, options);
   return out;
 }
 
 std::vector<std::vector<std::string>> comparison_table(const SceneVerdict& verdict) {
   std::vector<std::vector<std::string>> rows{
-      {"stage", "pair", "records", "values", "non-trivial", "differences"}};
-  const auto add = [&](std::string_view stage, const Comparison& pair, const StageCount& count) {
+      {"stage", "pair", "records", "values", "own", "non-trivial", "differences"}};
+  const auto add = [&](std::string_view stage, const Comparison& pair, const StageCount& count,
+                       std::uint64_t own) {
     rows.push_back({std::string(stage), fmt::format("{} = {}", pair.reference, pair.other),
-                    number(count.records), number(count.values), number(count.non_trivial),
+                    number(count.records), number(count.values), number(own), number(count.non_trivial),
                     number(count.differences + count.unmatched)});
   };
   for (int t = 0; t < record_types; ++t) {
@@ -133,26 +212,19 @@ std::vector<std::vector<std::string>> comparison_table(const SceneVerdict& verdi
     for (const Comparison& pair : verdict.run.pairs) {
       const StageCount& count = pair.stages[static_cast<std::size_t>(t)];
       if (count.records != 0 || count.unmatched != 0) {
-        add(stage_of(type), pair, count);
+        add(stage_of(type), pair, count,
+            own_values(pair, verdict.config).stages[static_cast<std::size_t>(t)]);
       }
     }
   }
   for (const Comparison& pair : verdict.run.pairs) {
-    add("picture", pair, pair.frame);
+    add("picture", pair, pair.frame, own_values(pair, verdict.config).frame);
   }
   for (const Comparison& pair : verdict.run.pairs) {
-    add("counters", pair, pair.counters);
+    add("counters", pair, pair.counters, own_values(pair, verdict.config).counters);
   }
   for (const Comparison& pair : verdict.run.pairs) {
-    StageCount all = pair.total();
-    for (const StageCount* more : {&pair.frame, &pair.counters}) {
-      all.records += more->records;
-      all.values += more->values;
-      all.non_trivial += more->non_trivial;
-      all.differences += more->differences;
-      all.unmatched += more->unmatched;
-    }
-    add("all", pair, all);
+    add("all", pair, total_of(pair), own_values(pair, verdict.config).total());
   }
   return rows;
 }
@@ -176,6 +248,7 @@ std::vector<std::vector<std::string>> error_table(const ErrorReport& errors) {
 
 std::vector<std::string> verdict_lines(const SceneVerdict& v) {
   std::vector<std::string> lines;
+  if (v.faces) lines.push_back(faces_text(*v.faces));
   const Counters& c = v.counters;
   lines.push_back(
       fmt::format("drawn: {} of {} triangles ({} without area), {} rows, {} fragments, {} covered, {} "
@@ -227,7 +300,7 @@ std::string verdict_text(const SceneVerdict& v) {
     out += "FAILED: " + failure + "\n";
   }
   if (v.held()) {
-    out += fmt::format("{}: all held\n", v.scene);
+    out += fmt::format("{}: {}\n", v.scene, v.outcome());
   }
   return out;
 }
@@ -258,25 +331,30 @@ void append_junit(const SceneVerdict& v, std::vector<JunitCase>& cases) {
     add("frame", pair.frame);
     add("counters", pair.counters);
   }
-  JunitCase bounds;
-  bounds.class_name = class_name;
-  bounds.name = "verdict";
-  bounds.seconds = v.run.seconds;
-  for (const std::string& failure : v.failures) {
-    bounds.failure = bounds.failure.empty() ? failure : bounds.failure;
-    bounds.details += failure + "\n";
+  for (const std::string& text : v.left_out) {
+    JunitCase one;
+    one.class_name = class_name;
+    one.name = text.substr(0, text.find(':'));
+    one.skipped = text;
+    cases.push_back(std::move(one));
   }
-  cases.push_back(std::move(bounds));
+  JunitCase verdict;
+  verdict.class_name = class_name;
+  verdict.name = "verdict";
+  verdict.seconds = v.run.seconds;
+  for (const std::string& failure : v.failures) {
+    verdict.failure = verdict.failure.empty() ? failure : verdict.failure;
+    verdict.details += failure + "\n";
+  }
+  if (v.held() && !v.compared()) verdict.skipped = v.outcome();
+  cases.push_back(std::move(verdict));
 }
 
 std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::string& version) {
   using Json = nlohmann::ordered_json;
-  const auto count_json = [](const StageCount& c) {
-    return Json{{"records", c.records},
-                {"values", c.values},
-                {"non_trivial", c.non_trivial},
-                {"differences", c.differences},
-                {"unmatched", c.unmatched}};
+  const auto count_json = [](const StageCount& c, std::uint64_t own) {
+    return Json{{"records", c.records},         {"values", c.values},           {"own", own},
+                {"non_trivial", c.non_trivial}, {"differences", c.differences}, {"unmatched", c.unmatched}};
   };
   Json scenes = Json::array();
   bool held = true;
@@ -286,9 +364,17 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
     scene["scene"] = v.scene;
     scene["configuration"] = {{"name", v.config.name}, {"hash", config_hash(v.config)}};
     scene["held"] = v.held();
+    scene["compared"] = v.compared();
     scene["failures"] = v.failures;
     scene["notes"] = v.notes;
+    scene["left_out"] = v.left_out;
     scene["seconds"] = v.run.seconds;
+    if (v.faces) {
+      scene["faces"] = {{"read", v.faces->faces},
+                        {"culled", v.faces->culled},
+                        {"outside", v.faces->outside},
+                        {"drawn", v.faces->drawn}};
+    }
     const Counters& c = v.counters;
     scene["counters"] = {{"triangles", c.triangles},
                          {"degenerate", c.degenerate},
@@ -304,15 +390,18 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
                          {"divides_saved", c.divides_saved}};
     Json pairs = Json::array();
     for (const Comparison& pair : v.run.pairs) {
+      const OwnValues own = own_values(pair, v.config);
       Json one{{"reference", pair.reference}, {"other", pair.other}};
       for (int t = 0; t < record_types; ++t) {
         const StageCount& count = pair.stages[static_cast<std::size_t>(t)];
         if (count.records != 0 || count.unmatched != 0) {
-          one["stages"][std::string(stage_of(static_cast<RecordType>(t)))] = count_json(count);
+          one["stages"][std::string(stage_of(static_cast<RecordType>(t)))] =
+              count_json(count, own.stages[static_cast<std::size_t>(t)]);
         }
       }
-      one["picture"] = count_json(pair.frame);
-      one["counters"] = count_json(pair.counters);
+      one["picture"] = count_json(pair.frame, own.frame);
+      one["counters"] = count_json(pair.counters, own.counters);
+      one["all"] = count_json(total_of(pair), own.total());
       if (!pair.fault.empty()) {
         one["fault"] = pair.fault;
       }

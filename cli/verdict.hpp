@@ -6,14 +6,17 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "cli/scene_options.hpp"
 #include "engine/engine.hpp"
 #include "model/engine_model.hpp"
 #include "report/compare.hpp"
 #include "report/error.hpp"
 #include "report/junit.hpp"
 #include "report/lockstep.hpp"
+#include "scene/project.hpp"
 
 namespace bitspan {
 
@@ -37,15 +40,24 @@ struct SceneVerdict {
   bool has_errors = false;   // `ideal` took part
   bool truth_draws = false;  // by the exact test, some pixel is covered
   std::optional<CycleVerdict> cycles;
-  std::vector<std::string> notes;     // what was left out and why
-  std::vector<std::string> failures;  // one line each; empty: all held
+  std::optional<ProjectReport> faces;  // of a mesh
+  std::vector<std::string> left_out;   // one line per engine that was asked for and does not run this
+  std::vector<std::string> notes;      // what was left out or empty, and is allowed to be
+  std::vector<std::string> failures;   // one line each; empty: all held
 
   bool held() const { return failures.empty(); }
+  // Whether there is a pair, and every pair compared values that are not trivial, of a scene that draws.
+  bool compared() const;
+  // "all held", "FAILED", or what --allow-missing or --allow-empty let pass without a comparison.
+  std::string_view outcome() const;
 };
 
 struct VerifyOptions {
   std::vector<std::string> engines;  // the first is the reference; `ideal` adds the error table
   std::uint64_t stall_seed = 1;
+  bool engines_named = false;  // by the user: leaving one out is a failure
+  bool allow_missing = false;  // an engine may be left out, and no pair may be left
+  bool allow_empty = false;    // the scene may cover no pixel
   bool cycles = true;
   ModelOptions model;  // of the engine model
 };
@@ -59,20 +71,22 @@ struct SceneRun {
 // Whether the configuration promises the coverage of the exact test: edge_walk exact, or const_depth_rows.
 bool coverage_is_exact(const Config& config);
 
-// Runs and judges. Fails where a value differs, where the cycles do, where nothing non-trivial was compared
-// though the scene draws, and where coverage that is exact by configuration differs from the exact test.
-// Engines that do not run the configuration are left out with a note. Throws InputError for bad input.
-SceneRun verify_scene(const Config& config, const Scene& scene, const VerifyOptions& options,
+// Runs and judges. Fails where a value differs, where the cycles do, and where coverage that is exact by
+// configuration differs from the exact test. Fails too where the verdict would be empty: no pair of engines,
+// an engine named that does not run the configuration, a pair without non-trivial values, a scene that covers
+// no pixel. Throws InputError for bad input.
+SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const VerifyOptions& options,
                       const RunLabel& label);
 
-// Rows for report/table: records, values, non-trivial, differences of each stage and pair.
+// Rows for report/table: records, values, own, non-trivial, differences of each stage and pair.
 std::vector<std::vector<std::string>> comparison_table(const SceneVerdict& verdict);
 std::vector<std::vector<std::string>> error_table(const ErrorReport& errors);
 // Lines under the tables: coverage, PSNR, order, cycles, counters, notes.
 std::vector<std::string> verdict_lines(const SceneVerdict& verdict);
 // All of it as text, with the first divergence of each pair in full.
 std::string verdict_text(const SceneVerdict& verdict);
-// A testcase each stage and pair, and one each for the picture, the counters, the cycles and the bounds.
+// One testcase per stage and pair, picture and counters included; one per engine left out, skipped; and one
+// for the verdict.
 void append_junit(const SceneVerdict& verdict, std::vector<JunitCase>& cases);
 std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::string& version);
 

@@ -24,6 +24,8 @@ struct Options {
   std::string engines = "golden,model,systemc,rtl,ideal";
   std::string junit, json;
   std::uint64_t seed = 1;
+  bool engines_named = false;  // by the user
+  bool allow_missing = false;
   bool no_cycles = false;
   ModelFlags model;
   SceneOptions view;
@@ -35,16 +37,25 @@ int verify(const Options& o) {
   options.engines = parse_engines(o.engines);
   options.stall_seed = o.seed;
   options.cycles = !o.no_cycles;
+  options.engines_named = o.engines_named;
+  options.allow_missing = o.allow_missing;
+  options.allow_empty = o.view.allow_empty;
   refuse_without_model(o.model, std::ranges::count(options.engines, "model") != 0);
   options.model = model_options(o.model, 1);
+  check_writable(o.junit);
+  check_writable(o.json);
   std::vector<SceneVerdict> verdicts;
   bool held = true;
   for (const std::string& name : o.scenes) {
-    for (const Scene& scene : load_scenes(name, o.view)) {
-      const RunLabel label{scene.name, fmt::format("bitspan verify {} --config {} --engines {} --seed {}{}{}",
-                                                   shell_word(scene.name), shell_word(o.config), o.engines,
-                                                   o.seed, flags_text(o.model), flags_text(o.view))};
-      SceneRun run = verify_scene(config, scene, options, label);
+    for (const LoadedScene& loaded : load_scenes(name, o.view)) {
+      const std::string& scene = loaded.scene.name;
+      const RunLabel label{
+          scene, fmt::format("{}bitspan verify {} --config {}{} --seed {}{}{}{}{}", command_environment(),
+                             shell_word(scene), shell_word(o.config),
+                             o.engines_named ? " --engines " + o.engines : "", o.seed,
+                             o.allow_missing ? " --allow-missing" : "", o.no_cycles ? " --no-cycles" : "",
+                             flags_text(o.model), flags_text(o.view))};
+      SceneRun run = verify_scene(config, loaded, options, label);
       fmt::print("{}{}", verdicts.empty() ? "" : "\n", verdict_text(run.verdict));
       std::fflush(stdout);
       held = held && run.verdict.held();
@@ -77,10 +88,17 @@ void add_verify(CLI::App& app, Action& action) {
   sub->add_option("--json", o->json, "write the verdict as JSON");
   sub->add_option("--seed", o->seed, "of the random stalls of rtl")->capture_default_str();
   sub->add_flag("--no-cycles", o->no_cycles, "leave out the cycle comparison of systemc and rtl");
+  sub->add_flag("--allow-missing", o->allow_missing,
+                "an engine of --engines may be left out, and no pair may be left to compare");
   add_model_options(*sub, o->model, "1");
   add_scene_options(*sub, o->view);
-  sub->footer("Example:\n  bitspan verify model.obj --texture skin.png --config depth20 --junit result.xml");
-  sub->callback([o, &action] { action = [o] { return verify(*o); }; });
+  sub->footer(help_footer("all held",
+                          "a difference, nothing compared, an engine named left out, or nothing drawn",
+                          "bitspan verify model.obj --texture skin.png --config depth20 --junit result.xml"));
+  sub->callback([o, sub, &action] {
+    o->engines_named = sub->count("--engines") > 0;
+    action = [o] { return verify(*o); };
+  });
 }
 
 }  // namespace bitspan

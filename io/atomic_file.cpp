@@ -110,6 +110,22 @@ void write_file(const std::string& path, std::string_view bytes) {
   file.commit();
 }
 
+void check_writable(const std::string& path) {
+  struct stat info {};
+  const bool special = ::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode);
+  // A pipe's reader would see its end.
+  if (path.empty() || (special && ::access(path.c_str(), W_OK) == 0)) return;
+  const AtomicFile file(path);
+}
+
+void make_writable_folder(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) throw InputError(path + ": cannot write: " + error.message() + "; expected a folder");
+  check_writable((fs::path(path) / "written").string());
+}
+
 void write_file(const std::string& path, std::span<const std::uint8_t> bytes) {
   write_file(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }

@@ -36,6 +36,11 @@ class AtomicFile {
 };
 
 void write_file(const std::string& path, std::string_view bytes);
+// Throws InputError where an AtomicFile of this path could not be made now, and leaves nothing behind: for a
+// command to refuse a bad output before its work. An empty path is no output.
+void check_writable(const std::string& path);
+// Creates the folder where it is not there. Throws InputError where no file can be written into it.
+void make_writable_folder(const std::string& path);
 void write_file(const std::string& path, std::span<const std::uint8_t> bytes);
 
 }  // namespace bitspan

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 
 namespace bitspan {
 namespace {
@@ -69,6 +70,7 @@ std::string xml_escape(const std::string& text) {
 }
 
 std::string junit_xml(const std::string& suite, const std::vector<JunitCase>& cases) {
+  if (cases.empty()) throw std::logic_error("a JUnit report without a case");
   const auto failures = std::ranges::count_if(cases, [](const JunitCase& c) { return !c.failure.empty(); });
   const auto skipped = std::ranges::count_if(cases, [](const JunitCase& c) { return !c.skipped.empty(); });
   double seconds = 0;

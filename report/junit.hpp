@@ -17,6 +17,7 @@ struct JunitCase {
 
 // Well-formed XML 1.0 in UTF-8 whatever bytes the texts hold: markup is escaped, characters that XML cannot
 // hold and bytes that are no UTF-8 become U+FFFD.
+// Throws std::logic_error without a case: a suite of none would pass.
 std::string junit_xml(const std::string& suite, const std::vector<JunitCase>& cases);
 std::string xml_escape(const std::string& text);
 

@@ -12,6 +12,7 @@ namespace bitspan {
 struct Replay {
   std::vector<std::string> engines;  // the first is the reference
   std::uint64_t stall_seed = 1;
+  std::string rtl;    // rtl_sources_hash() of the RTL under test; empty where none took part
   std::string found;  // where it came from and what was seen, for people
   Config config;
   Scene scene;

@@ -68,6 +68,7 @@ void project(std::span<const Face> faces, const View& view, const ProjectOptions
     }
     screen.clear();
     for (const ClipVertex& p : polygon) screen.push_back(to_screen(p, view));
+    const std::uint64_t before = report.triangles;
     for (std::size_t i = 2; i < screen.size(); ++i) {
       const Triangle triangle{{screen[0], screen[i - 1], screen[i]}, face.texture};
       if (orientation(triangle) == 0) {
@@ -77,6 +78,7 @@ void project(std::span<const Face> faces, const View& view, const ProjectOptions
       triangles.push_back(triangle);
       ++report.triangles;
     }
+    if (report.triangles > before) ++report.drawn;
   }
 }
 

@@ -51,7 +51,7 @@ struct Deadline {
 
 // Tools run in the folder, with their files by name: Yosys takes some names as they stand, quotes included.
 struct Job {
-  Workshop folder;
+  ScratchFolder folder;
   Deadline deadline;
 };
 
@@ -60,7 +60,7 @@ struct ToolFailure : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Exit code of a program run in the workshop with both outputs in its file `log`; nothing where there is no
+// Exit code of a program run in the scratch with both outputs in its file `log`; nothing where there is no
 // such program.
 std::optional<int> run(const std::vector<std::string>& command, const fs::path& log, const Job& job) {
   ProgramOptions options;
@@ -98,7 +98,7 @@ std::string complaint(const fs::path& log) {
 
 void run_or_fail(const std::vector<std::string>& command, const fs::path& log, const Job& job) {
   const std::optional<int> code = run(command, log, job);
-  if (!code) throw InputError(command.front() + ": does not start");
+  if (!code) throw ToolError(command.front() + ": does not start");
   if (*code == 0) return;
   throw ToolFailure(
       fmt::format("{} refused: {}", fs::path(command.front()).filename().string(), complaint(log)));
@@ -108,7 +108,7 @@ std::string yosys_version(const Job& job) {
   const fs::path log = job.folder / "version.log";
   const std::optional<int> code = run({"yosys", "-V"}, log, job);
   if (!code || *code != 0)
-    throw InputError("yosys: does not start; areas need it on PATH; ./dev setup installs it");
+    throw ToolError("yosys: does not start; areas need it on PATH; ./dev setup installs it");
   std::istringstream words(read_text(log));
   std::string name;
   std::string version;
@@ -333,7 +333,7 @@ std::string area_key(const Config& config) {
 
 AreaResult measure_area(const Config& config, Family family, bool place_it, const AreaLimits& limits) {
   const std::string package = emit_sv(config);
-  const Job job{.folder = temporary_workshop("bitspan-area"),
+  const Job job{.folder = temporary_scratch_folder("bitspan-area"),
                 .deadline = {.start = Clock::now(), .limits = limits}};
   AreaResult result;
   result.tools = yosys_version(job);

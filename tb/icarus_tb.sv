@@ -2,10 +2,13 @@
 //
 //   vvp icarus_tb.vvp +inputs=FILE +spans=FILE +pixels=FILE [+seed=N]
 //
-// A line a record, its fields in hexadecimal in the order of tb/rtl_abi.hpp. Ends with $fatal where a value differs, a
-// file is not as expected or nothing moves, and else prints how many values were compared.
+// One line per record, its fields in hexadecimal in the order of tb/rtl_abi.hpp. After the last pixel it runs on until the
+// interpolator must be empty. It ends with $fatal where a value differs, a span or pixel comes that no file has, a file is
+// not as expected or nothing moves, and else prints how many values were compared.
 module icarus_tb;
   localparam int PatienceClocks = 20000;
+  // From the acceptance of a record of one pixel to that pixel's transfer: nothing is inside for longer.
+  localparam int ClocksUntilEmpty = bitspan_cfg_pkg::SpanSetupClocks + 1 + bitspan_cfg_pkg::SpanClocks + 1;
 
   logic clk, rst_n;
   logic in_valid, in_ready, out_valid, out_ready, span_take;
@@ -155,6 +158,15 @@ module icarus_tb;
     if (open == 0) $fatal(1, "icarus_tb: %s cannot be read", name);
   endfunction
 
+  // Whether a file has no further record.
+  function logic at_end(input integer file);
+    integer next;
+    next = $fgetc(file);
+    while (next == 10 || next == 13 || next == 32) next = $fgetc(file);
+    at_end = next == -1;
+    if (!at_end) next = $ungetc(next, file);
+  endfunction
+
   initial begin
     inputs_file = open("inputs");
     spans_file = open("spans");
@@ -228,10 +240,7 @@ module icarus_tb;
         if (pixel_u !== want_pixel_u) $fatal(1, "pixel %0d: u is %h, expected %h", pixels, pixel_u, want_pixel_u);
         if (pixel_v !== want_pixel_v) $fatal(1, "pixel %0d: v is %h, expected %h", pixels, pixel_v, want_pixel_v);
         pixels = pixels + 1;
-        got = $fgetc(pixels_file);
-        while (got == 10 || got == 13 || got == 32) got = $fgetc(pixels_file);
-        if (got == -1) more = 1'b0;
-        else got = $ungetc(got, pixels_file);
+        more = !at_end(pixels_file);
       end
       if (idle > PatienceClocks) $fatal(1, "icarus_tb: stands still after %0d spans, %0d pixels", spans, pixels);
       got = in_ready;
@@ -240,6 +249,17 @@ module icarus_tb;
       if (got != 0) in_valid = 1'b0;
     end
     if (records != spans) $fatal(1, "icarus_tb: %0d records, %0d spans", records, spans);
+    if (!at_end(inputs_file)) $fatal(1, "icarus_tb: inputs: more than %0d records", records);
+    if (!at_end(spans_file)) $fatal(1, "icarus_tb: spans: more than %0d records", spans);
+    in_valid = 1'b0;
+    out_ready = 1'b1;
+    repeat (ClocksUntilEmpty) begin
+      #1;
+      if (span_take) $fatal(1, "icarus_tb: a span after the last of %0d", spans);
+      if (out_valid) $fatal(1, "icarus_tb: a pixel after the last of %0d", pixels);
+      #1 clk = 1'b1;
+      #1 clk = 1'b0;
+    end
     $display("icarus_tb: %0d spans, %0d pixels, %0d values equal", spans, pixels, 17 * spans + 10 * pixels);
     $finish;
   end

@@ -84,7 +84,7 @@ void write_text(const fs::path& path, std::string_view text, std::string_view hi
   if (!out) throw InputError(with_hint(path.string() + ": cannot be written", hint));
 }
 
-Workshop::Workshop(const fs::path& parent, std::string_view name, std::string_view hint) {
+ScratchFolder::ScratchFolder(const fs::path& parent, std::string_view name, std::string_view hint) {
   std::random_device random;
   path_ = parent / fmt::format("{}-{}-{:08x}{:08x}", name, ::getpid(), random(), random());
   std::error_code error;
@@ -94,12 +94,12 @@ Workshop::Workshop(const fs::path& parent, std::string_view name, std::string_vi
         with_hint(fmt::format("{}: cannot be created ({})", path_.string(), error.message()), hint));
   }
 }
-Workshop::~Workshop() {
+ScratchFolder::~ScratchFolder() {
   std::error_code ignored;
   if (!kept_) fs::remove_all(path_, ignored);
 }
 
-Workshop temporary_workshop(std::string_view name) {
+ScratchFolder temporary_scratch_folder(std::string_view name) {
   std::error_code error;
   const fs::path parent = fs::temp_directory_path(error);
   if (error) {
@@ -134,7 +134,7 @@ ProgramEnd run_program(const std::vector<std::string>& command, const ProgramOpt
   posix_spawnattr_destroy(&attributes);
   if (failed == ENOENT || failed == EACCES || failed == ENOTDIR) return {ProgramEnd::How::missing, 0};
   if (failed != 0) {
-    throw InputError(
+    throw ToolError(
         fmt::format("{}: does not start: {}", command.front(), std::generic_category().message(failed)));
   }
   const bool watched =
@@ -147,7 +147,7 @@ int run_program(const std::vector<std::string>& command, const fs::path& log, co
   options.log = log;
   const ProgramEnd end = run_program(command, options);
   if (end.how == ProgramEnd::How::missing) {
-    throw InputError(fmt::format("{}: does not start; {} needs it on PATH", command.front(), needed_for));
+    throw ToolError(fmt::format("{}: does not start; {} needs it on PATH", command.front(), needed_for));
   }
   return end.code;
 }

@@ -4,27 +4,34 @@
 #include <atomic>
 #include <filesystem>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace bitspan {
 
-// Of the environment; empty where it is not set.
+// A program that we need is missing, or broke on what we gave it: nothing that the user's input could mend.
+// The text is one line. The command line prints it and exits with 3.
+struct ToolError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// A variable of the environment; empty where it is not set.
 std::string environment(const char* name);
 
 // Whole files. Throw InputError "path: cannot be read; HINT".
 std::string read_text(const std::filesystem::path& path, std::string_view hint = {});
 void write_text(const std::filesystem::path& path, std::string_view text, std::string_view hint = {});
 
-// A folder of this process's own below `parent`, gone with it unless it is kept for what is in it. `name`
-// begins its name. Throws InputError where it cannot be made; `hint` ends the message.
-class Workshop {
+// A folder for intermediate files below `parent`, removed by the destructor unless it is kept for its logs.
+// `name` begins its name. Throws InputError where it cannot be made; `hint` ends the message.
+class ScratchFolder {
  public:
-  Workshop(const std::filesystem::path& parent, std::string_view name, std::string_view hint);
-  ~Workshop();
-  Workshop(const Workshop&) = delete;
-  Workshop& operator=(const Workshop&) = delete;
+  ScratchFolder(const std::filesystem::path& parent, std::string_view name, std::string_view hint);
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
   std::filesystem::path operator/(std::string_view name) const { return path_ / name; }
   const std::filesystem::path& path() const { return path_; }
   void keep() { kept_ = true; }
@@ -33,9 +40,9 @@ class Workshop {
   std::filesystem::path path_;
   bool kept_ = false;
 };
-// In the folder for temporary files.
 inline constexpr std::string_view temporary_hint = "TMPDIR names the folder for it";
-Workshop temporary_workshop(std::string_view name);
+// Makes one in the folder for temporary files.
+ScratchFolder temporary_scratch_folder(std::string_view name);
 
 struct ProgramOptions {
   std::filesystem::path log;  // gets both outputs
@@ -53,11 +60,11 @@ struct ProgramEnd {
   int code = 0;  // exit code; 128 and the signal's number where one ended it
 };
 
-// Runs a program found on PATH. `missing`: there is none of this name. Throws InputError where it does not
+// Runs a program found on PATH. `missing`: there is none of this name. Throws ToolError where it does not
 // start for any other reason.
 ProgramEnd run_program(const std::vector<std::string>& command, const ProgramOptions& options);
 
-// The same, its exit code alone. Throws InputError where it does not start, too; `needed_for` ends the
+// The same, its exit code alone. Throws ToolError where the program is missing, too; `needed_for` ends the
 // message.
 int run_program(const std::vector<std::string>& command, const std::filesystem::path& log,
                 const std::string& needed_for);

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "config/fnv.hpp"
+#include "config/rtl_timing.hpp"
 #include "engine/emit_sv.hpp"
 #include "tb/programs.hpp"
 
@@ -57,14 +58,17 @@ std::string first_complaint(const fs::path& log) {
 }
 
 // Inside the cache, gone when the build is over, unless it is kept for its log.
-Workshop build_folder(const fs::path& cache) { return {cache, "build", cache_hint}; }
+ScratchFolder build_folder(const fs::path& cache) { return {cache, "build", cache_hint}; }
 
-void run_or_throw(Workshop& workshop, const std::vector<std::string>& command, const std::string& what) {
-  const fs::path log = workshop.path() / (what + ".log");
+void run_or_throw(ScratchFolder& scratch, const std::vector<std::string>& command, const std::string& what) {
+  const fs::path log = scratch.path() / (what + ".log");
   if (run_program(command, log, "the rtl engine") == 0) return;
-  workshop.keep();
-  throw InputError(fmt::format("{} refused the RTL of this configuration: {} (all of it in {})",
-                               command.front(), first_complaint(log), log.string()));
+  scratch.keep();
+  const std::string text = fmt::format("{} refused the RTL of this configuration: {} (all of it in {})",
+                                       command.front(), first_complaint(log), log.string());
+  // Sources that the user named may be at fault; those that belong to this program are not the user's.
+  if (what == "verilator" && !environment("BITSPAN_ROOT").empty()) throw InputError(text);
+  throw ToolError(text);
 }
 
 // Moves a finished file to its place; another process may have put the same one there.
@@ -95,7 +99,7 @@ std::vector<fs::path> build_runtime(const fs::path& cache, const fs::path& root,
   for (const char* part : {"verilated", "verilated_threads"}) {
     const fs::path source = fs::path(verilator_include()) / (std::string(part) + ".cpp");
     if (!fs::exists(source)) {
-      throw InputError(
+      throw ToolError(
           fmt::format("{}: not found; the rtl engine needs Verilator (VERILATOR_ROOT names its folder)",
                       source.string()));
     }
@@ -104,11 +108,11 @@ std::vector<fs::path> build_runtime(const fs::path& cache, const fs::path& root,
     key.text(read_text(source, root_hint));
     const fs::path object = cache / fmt::format("{}-{}.o", part, key.hex());
     if (!fs::exists(object)) {
-      Workshop workshop = build_folder(cache);
-      const fs::path made = workshop.path() / "runtime.o";
+      ScratchFolder scratch = build_folder(cache);
+      const fs::path made = scratch.path() / "runtime.o";
       std::vector<std::string> command = compile_command(root);
       command.insert(command.end(), {"-c", source.string(), "-o", made.string()});
-      run_or_throw(workshop, command, "compile");
+      run_or_throw(scratch, command, "compile");
       publish(made, object);
     }
     objects.push_back(object);
@@ -179,6 +183,15 @@ std::vector<fs::path> rtl_sources() {
   return sources;
 }
 
+std::string rtl_sources_hash() {
+  Fnv128 hash;
+  for (const fs::path& source : rtl_sources()) {
+    hash.text(source.filename().string());
+    hash.text(read_text(source, root_hint));
+  }
+  return hash.hex();
+}
+
 fs::path rtl_cache_folder() {
   if (const std::string cache = environment("BITSPAN_CACHE"); !cache.empty()) return fs::absolute(cache);
   if (const std::string cache = environment("XDG_CACHE_HOME"); !cache.empty())
@@ -221,14 +234,14 @@ fs::path build_rtl(const Config& config) {
 
   const Progress progress(config.name);
   const std::vector<fs::path> runtime = build_runtime(cache, root, flags_text);
-  Workshop workshop = build_folder(cache);
-  const fs::path package_path = workshop.path() / "bitspan_cfg_pkg.sv";
-  const fs::path verilated = workshop.path() / "verilated";
+  ScratchFolder scratch = build_folder(cache);
+  const fs::path package_path = scratch.path() / "bitspan_cfg_pkg.sv";
+  const fs::path verilated = scratch.path() / "verilated";
   write_text(package_path, package, cache_hint);
   std::vector<std::string> command = verilator;
   command.insert(command.end(), {"--Mdir", verilated.string(), package_path.string()});
   for (const fs::path& source : sources) command.push_back(source.string());
-  run_or_throw(workshop, command, "verilator");
+  run_or_throw(scratch, command, "verilator");
 
   // One translation unit: most of a small one's time goes into the headers.
   std::string all = fmt::format("#include \"{}\"\n", (root / "tb/rtl_harness.cpp").string());
@@ -239,12 +252,12 @@ fs::path build_rtl(const Config& config) {
   std::sort(parts.begin(), parts.end());
   for (const std::string& part : parts) all += fmt::format("#include \"{}\"\n", part);
   write_text(verilated / "all.cpp", all, cache_hint);
-  const fs::path made = workshop.path() / "rtl.so";
+  const fs::path made = scratch.path() / "rtl.so";
   command = compile_command(root);
   command.insert(command.end(), {"-I" + verilated.string(), "-shared", (verilated / "all.cpp").string()});
   for (const fs::path& object : runtime) command.push_back(object.string());
   command.insert(command.end(), {"-o", made.string(), "-lpthread"});
-  run_or_throw(workshop, command, "compile");
+  run_or_throw(scratch, command, "compile");
   publish(made, library);
   prune(cache);
   return library;
@@ -252,7 +265,7 @@ fs::path build_rtl(const Config& config) {
 
 struct Rtl::Library {
   explicit Library(const fs::path& path) : handle(::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) {
-    if (handle == nullptr) throw InputError(fmt::format("{}: {}", path.string(), ::dlerror()));
+    if (handle == nullptr) throw ToolError(fmt::format("{}: {}", path.string(), ::dlerror()));
     load(create, "bitspan_rtl_create");
     load(destroy, "bitspan_rtl_destroy");
     load(reset, "bitspan_rtl_reset");
@@ -266,7 +279,7 @@ struct Rtl::Library {
   void load(Function& function, const char* name) {
     function = reinterpret_cast<Function>(::dlsym(handle, name));
     if (function == nullptr)
-      throw InputError(fmt::format("the RTL library has no {}; empty the cache folder", name));
+      throw ToolError(fmt::format("the RTL library has no {}; empty the cache folder", name));
   }
 
   void* handle;
@@ -286,6 +299,8 @@ void throw_on(const char* failed) {
 
 Rtl::Rtl(const Config& config)
     : library_(std::make_shared<Library>(build_rtl(config))), handle_(library_->create(), library_->destroy) {
+  const RtlTiming timing = rtl_timing(config);
+  clocks_until_empty_ = timing.span_setup + 1 + timing.span + 1;
   reset();
 }
 Rtl::~Rtl() = default;
@@ -293,6 +308,7 @@ Rtl::Rtl(Rtl&&) noexcept = default;
 Rtl& Rtl::operator=(Rtl&& other) noexcept {
   handle_ = std::move(other.handle_);  // first: what it held is destroyed by the library it came from
   library_ = std::move(other.library_);
+  clocks_until_empty_ = other.clocks_until_empty_;
   return *this;
 }
 

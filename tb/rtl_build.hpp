@@ -21,6 +21,9 @@ namespace bitspan {
 std::filesystem::path rtl_root();
 // rtl/span_interpolator.f: the sources below the package, in the order of reading.
 std::vector<std::filesystem::path> rtl_sources();
+// 32 hexadecimal digits over the names and texts of rtl_sources(): which RTL is under test. Throws InputError
+// where a source cannot be read.
+std::string rtl_sources_hash();
 std::filesystem::path rtl_cache_folder();
 
 // Flags that every use of Verilator here must have; tests/rtl/verilator_xor_test says why.
@@ -30,8 +33,8 @@ const std::vector<std::string>& verilator_safe_flags();
 std::string without_comments(const std::string& package);
 
 // Builds the library where the cache does not hold it, and returns its path. Throws InputError where the mode
-// has no RTL, a tool is missing or refuses, or the cache folder cannot be written. Writes a line of progress
-// to a terminal.
+// has no RTL, Verilator refuses sources under $BITSPAN_ROOT, or the cache folder cannot be written; ToolError
+// where a tool is missing or refuses otherwise. Writes a line of progress to a terminal.
 std::filesystem::path build_rtl(const Config& config);
 
 // One simulated span interpolator. Values go in and come out as raw integers with their signs, as records
@@ -51,6 +54,10 @@ class Rtl {
   // One clock. Throws std::logic_error with the text of an assertion in the RTL that failed.
   void clock(const RtlDrive& drive, RtlSample& sample);
 
+  // With no record offered and out_ready at 1, whatever was accepted or issued has left after this many
+  // clocks: the longest way is from the acceptance of a record of one pixel to that pixel's transfer.
+  int clocks_until_empty() const { return clocks_until_empty_; }
+
   // A raw value to the bits of a port and back.
   static std::uint64_t to_port(std::int64_t raw, int width);
   static std::int64_t from_port(std::uint64_t bits, const Format& format);
@@ -59,6 +66,7 @@ class Rtl {
   struct Library;
   std::shared_ptr<Library> library_;  // outlives the handle: declared before it
   std::unique_ptr<void, void (*)(void*)> handle_;
+  int clocks_until_empty_ = 0;
 };
 
 }  // namespace bitspan

@@ -69,6 +69,18 @@ struct Driver {
   }
 };
 
+// Runs on until the RTL must be empty, and keeps what still comes out; `drive` holds the ports' last values.
+void drain(Rtl& rtl, RtlRun& run, RtlDrive drive) {
+  RtlSample sample{};
+  drive.in_valid = false;
+  drive.out_ready = true;
+  for (int clock = 0; clock < rtl.clocks_until_empty(); ++clock) {
+    rtl.clock(drive, sample);
+    if (sample.span_take) run.spans.push_back(sample.span);
+    if (sample.out_valid) run.pixels.push_back(sample.pixel);
+  }
+}
+
 // A double in [0, 1) is compared as 32 bits; 1 stands for always.
 std::uint64_t threshold(double probability) {
   return static_cast<std::uint64_t>(std::clamp(probability, 0.0, 1.0) * 4294967296.0);
@@ -160,7 +172,7 @@ RtlRun run_rtl(Rtl& rtl, std::span<const RtlInputs> records, const RtlStalls& st
 
   Driver driver{rtl, records, keep_handshakes};
   bool offered = false;  // once offered, a record stays
-  while (driver.run.pixels.size() < pixels) {
+  while (driver.next < records.size() || driver.run.pixels.size() < pixels) {
     const std::uint64_t draw = random();
     if (!offered) offered = driver.next < records.size() && (draw & 0xffffffff) >= gap;
     const bool ready = (draw >> 32) >= stall;
@@ -176,6 +188,7 @@ RtlRun run_rtl(Rtl& rtl, std::span<const RtlInputs> records, const RtlStalls& st
                       driver.run.clocks, driver.next, records.size(), driver.run.pixels.size(), pixels));
     }
   }
+  drain(rtl, driver.run, driver.drive);
   return std::move(driver.run);
 }
 
@@ -187,6 +200,7 @@ RtlRun replay_rtl(Rtl& rtl, std::span<const RtlInputs> records, std::span<const 
     }
     driver.clock(h.in_valid, h.out_ready);
   }
+  drain(rtl, driver.run, driver.drive);
   return std::move(driver.run);
 }
 

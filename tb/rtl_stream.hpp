@@ -37,8 +37,8 @@ struct RtlHandshake {
 };
 
 struct RtlRun {
-  std::vector<RtlSpan> spans;            // in the order they were taken
-  std::vector<RtlPixel> pixels;          // in the order they were delivered
+  std::vector<RtlSpan> spans;            // in the order they were taken, surplus ones at the end
+  std::vector<RtlPixel> pixels;          // in the order they were delivered, surplus ones at the end
   std::vector<RtlHandshake> handshakes;  // one a clock, where asked for
   std::uint64_t clocks = 0;              // from the first one driven to the last pixel's transfer
   std::vector<std::uint64_t>
@@ -47,12 +47,14 @@ struct RtlRun {
   std::vector<std::uint64_t> delivered_at;  // ... of each pixel's transfer
 };
 
-// Feeds the records until all their pixels are delivered. Throws std::logic_error where an assertion in the
-// RTL fails, or where nothing moves although it should.
+// Feeds the records until all are accepted and all their pixels delivered, and runs on until the RTL must be
+// empty. Of those last clocks only what they deliver is kept: spans and pixels that no record asked for.
+// Throws std::logic_error where an assertion in the RTL fails, or where nothing moves although it should.
 RtlRun run_rtl(Rtl& rtl, std::span<const RtlInputs> records, const RtlStalls& stalls, bool keep_handshakes);
 
 // Drives the same in_valid and out_ready, clock for clock, as in `driven` and returns what the RTL answered;
-// records are offered in order, and a clock with in_valid beyond the last one is an error.
+// records are offered in order, and a clock with in_valid beyond the last one is an error. Then runs on as
+// run_rtl does.
 RtlRun replay_rtl(Rtl& rtl, std::span<const RtlInputs> records, std::span<const RtlHandshake> driven);
 
 }  // namespace bitspan

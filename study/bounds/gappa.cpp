@@ -246,7 +246,7 @@ std::size_t coordinate_of(const StageHypotheses& stage, const std::vector<Bound>
   return place.ends_with(".uv") && bound_at(bounds, place).quantity == "v" ? 1 : 0;
 }
 
-[[noreturn]] void fail(const std::string& what) { throw InputError("gappa: " + what); }
+[[noreturn]] void fail(const std::string& what) { throw ToolError("gappa: " + what); }
 
 // What gappa says of a claim that it cannot prove.
 constexpr std::array<std::string_view, 3> refusals{"some properties were not satisfied",
@@ -318,7 +318,7 @@ GappaVerdict prove_with_gappa(const Config& config, const InputRange& range, std
 }
 
 GappaVerdict check_with_gappa(const std::string& script) {
-  const Workshop folder = temporary_workshop("bitspan-gappa");
+  const ScratchFolder folder = temporary_scratch_folder("bitspan-gappa");
   write_text(folder / "script", script, temporary_hint);
   ProgramOptions options;
   options.input = folder / "script";

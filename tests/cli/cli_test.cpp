@@ -5,10 +5,13 @@
 #include <boost/property_tree/xml_parser.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "io/png.hpp"
+#include "report/replay.hpp"
 #include "tests/cli/program.hpp"
+#include "tests/rtl/rtl_copy.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -21,6 +24,15 @@ class Cli : public Program {
     const auto before = files();
     EXPECT_EQ(Program::refused(arguments, part).out, "") << arguments;
     EXPECT_EQ(files(), before) << arguments;
+  }
+
+  // depth16 in a mode without RTL.
+  void affine(const std::string& name) const {
+    std::string toml = run("config show --toml depth16").out;
+    const auto at = toml.find("\"delta_f\"");
+    ASSERT_NE(at, std::string::npos);
+    toml.replace(at, 9, "\"affine\"");
+    folder.write(name, toml);
   }
 
   std::vector<std::string> files() const {
@@ -39,9 +51,12 @@ TEST_F(Cli, EveryCommandHasHelpWithAnExample) {
     const Result r = run(std::string(command) + " --help");
     EXPECT_EQ(r.code, 0) << command;
     EXPECT_NE(r.out.find("Example:\n  bitspan " + std::string(command)), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("Exit: 0 "), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("; 2 bad input or usage; 3 a missing or broken tool"), std::string::npos) << r.out;
     EXPECT_EQ(r.err, "");
   }
   EXPECT_NE(run("--help").out.find("Example:"), std::string::npos);
+  EXPECT_NE(run("--help").out.find("Exit: 0 all held; 1 a difference"), std::string::npos);
   EXPECT_TRUE(run("--version").out.starts_with("bitspan 0."));
 }
 
@@ -110,6 +125,8 @@ TEST_F(Cli, BadOptionsAreRefused) {
   refused("render extreme/none -o a.png", "extreme/none");
   refused("fuzz --engines golden --count 1", "--engines");
   refused("fuzz --engines golden,model --count 1 --streams-per-config 0", "--streams-per-config");
+  refused("fuzz --engines golden,model --count 0", "--count");
+  refused("fuzz --engines golden,model --pixels 0", "--pixels");
   refused("replay none.json", "none.json");
 }
 
@@ -135,6 +152,13 @@ TEST_F(Cli, UnwritableOutputsAreRefused) {
   refused("render a.tri --emit-tri no/such/b.tri", "no/such");
   folder.write("file", "");
   refused("demo --engines golden,model -o file/x --size 32x24", "file/x");
+  // Before the work: the scene is not even read.
+  refused("verify none.tri --engines golden,model --junit no/j.xml", "no/j.xml");
+  refused("verify none.tri --engines golden,model --json no/v.json", "no/v.json");
+  refused("sim none.tri --json no/s.json", "no/s.json");
+  refused("render none.tri -o no/a.png", "no/a.png");
+  refused("render none.tri --dump no/d", "no/d");
+  refused("fuzz --engines golden,model --count 1000000 -o no", "no/fuzz-1-0.replay.json");
   EXPECT_EQ(WEXITSTATUS(std::system("'" BITSPAN_PROGRAM "' config show depth16 >/dev/full 2>/dev/null")), 2);
 }
 
@@ -286,9 +310,193 @@ TEST_F(Cli, VerifyHoldsAndWritesItsReports) {
 
 TEST_F(Cli, VerifySaysWhereNothingIsDrawn) {
   stream("off.tri", "{\"v\": [[-20, 2, 2, 0, 0], [-3, 4, 50, 20, 0], [-5, 22, 9, 0, 20]]}\n");
-  const Result r = run("verify off.tri --engines golden,model,ideal");
-  EXPECT_EQ(r.code, 0) << r.out << r.err;
-  EXPECT_NE(r.out.find("legally draws nothing"), std::string::npos) << r.out;
+  const Result r = run("verify off.tri --engines golden,model,ideal --junit j.xml");
+  EXPECT_EQ(r.code, 1) << r.out << r.err;
+  EXPECT_NE(r.out.find("FAILED: the scene covers no pixel centre"), std::string::npos) << r.out;
+  EXPECT_NE(folder.read("j.xml").find("failures=\"1\""), std::string::npos) << folder.read("j.xml");
+  const Result allowed = run("verify off.tri --engines golden,model,ideal --allow-empty --json v.json");
+  EXPECT_EQ(allowed.code, 0) << allowed.out << allowed.err;
+  EXPECT_NE(allowed.out.find("note: the scene covers no pixel centre"), std::string::npos) << allowed.out;
+  EXPECT_NE(allowed.out.find("off.tri: nothing was compared, as allowed"), std::string::npos) << allowed.out;
+  EXPECT_EQ(allowed.out.find("all held"), std::string::npos) << allowed.out;
+  const auto json = nlohmann::json::parse(folder.read("v.json"));
+  EXPECT_TRUE(json.at("held"));
+  EXPECT_FALSE(json.at("scenes")[0].at("compared"));
+  // render draws the background.
+  EXPECT_EQ(run("render off.tri -o off.png").code, 0);
+}
+
+TEST_F(Cli, AMeshWithoutAFaceInSightIsNoSuccess) {
+  folder.write("tilted.obj", "v 0 0 0\nv 1 0 0.5\nv 0 1 -0.5\nf 1 2 3\n");
+  const Result seen = run("verify tilted.obj --yaw 0 --size 64x48 --engines golden,model --json v.json");
+  EXPECT_EQ(seen.code, 0) << seen.out << seen.err;
+  EXPECT_NE(seen.out.find("faces: 1 read, 0 culled, 0 outside, 1 drawn"), std::string::npos) << seen.out;
+  EXPECT_EQ(nlohmann::json::parse(folder.read("v.json")).at("scenes")[0].at("faces").at("drawn"), 1);
+  const std::string culled = "tilted.obj --yaw 180 --size 64x48 ";
+  const auto before = files();
+  const std::vector<std::string> commands = {"render " + culled + "-o a.png", "sim " + culled,
+                                             "explain tilted.obj 3 3 --yaw 180 --size 64x48"};
+  for (const std::string& command : commands) {
+    const Result r = run(command);
+    EXPECT_EQ(r.code, 1) << command << r.err;
+    EXPECT_NE(r.err.find("no face is drawn; faces: 1 read, 1 culled, 0 outside, 0 drawn"), std::string::npos)
+        << r.err;
+    EXPECT_EQ(r.out, "");
+  }
+  EXPECT_EQ(files(), before);
+  const Result verify = run("verify " + culled + "--engines golden,model");
+  EXPECT_EQ(verify.code, 1) << verify.out << verify.err;
+  EXPECT_NE(verify.out.find("FAILED: no face of the mesh is drawn"), std::string::npos) << verify.out;
+  EXPECT_EQ(run("verify " + culled + "--engines golden,model --allow-empty").code, 0);
+  for (const std::string& command : commands) {
+    EXPECT_EQ(run(command + " --allow-empty").code, 0) << command;
+  }
+}
+
+TEST_F(Cli, NothingComparedIsNoSuccess) {
+  const Result one = run("demo --engines golden --size 64x48");
+  EXPECT_EQ(one.code, 1) << one.out << one.err;
+  EXPECT_NE(one.out.find("FAILED: nothing was compared"), std::string::npos) << one.out;
+  EXPECT_EQ(folder.read("bitspan-demo/report.html").find("all held"), std::string::npos);
+  EXPECT_EQ(run("demo --engines golden --size 64x48 --allow-missing").code, 0);
+  stream("a.tri");
+  EXPECT_EQ(run("verify a.tri --engines golden,ideal").code, 1);
+  const Result allowed = run("verify a.tri --engines golden,ideal --allow-missing");
+  EXPECT_EQ(allowed.code, 0);
+  EXPECT_NE(allowed.out.find("a.tri: nothing was compared, as allowed"), std::string::npos) << allowed.out;
+  const Result explained = run("explain a.tri 8 8 --engines golden");
+  EXPECT_EQ(explained.code, 0);
+  EXPECT_NE(explained.out.find("one engine: nothing was compared"), std::string::npos) << explained.out;
+}
+
+TEST_F(Cli, AnEngineNamedAndLeftOutIsNoSuccess) {
+  stream("a.tri");
+  affine("affine.toml");
+  const std::string named = "verify a.tri --config affine.toml --engines golden,model,rtl --junit j.xml";
+  const Result r = run(named);
+  EXPECT_EQ(r.code, 1) << r.out << r.err;
+  EXPECT_NE(r.out.find("FAILED: rtl left out: it has no affine mode"), std::string::npos) << r.out;
+  EXPECT_NE(folder.read("j.xml").find("skipped=\"1\""), std::string::npos) << folder.read("j.xml");
+  const Result allowed = run(named + " --allow-missing");
+  EXPECT_EQ(allowed.code, 0) << allowed.out << allowed.err;
+  EXPECT_NE(allowed.out.find("a.tri: all held"), std::string::npos) << allowed.out;
+  EXPECT_EQ(run("explain a.tri 8 8 --config affine.toml --engines golden,rtl").code, 1);
+  EXPECT_EQ(run("explain a.tri 8 8 --config affine.toml --engines golden,rtl --allow-missing").code, 0);
+  EXPECT_EQ(run("explain a.tri 8 8 --config affine.toml").code, 0);
+  refused("fuzz --engines golden,rtl --config affine.toml", "rtl has no affine mode");
+}
+
+TEST_F(Cli, OwnValuesAreThoseOfTheEngineItself) {
+  stream("a.tri");
+  const Result r = run("verify a.tri --engines golden,model,systemc,rtl --json v.json");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+  const auto pairs = nlohmann::json::parse(folder.read("v.json")).at("scenes")[0].at("pairs");
+  const auto& model = pairs.at(0);
+  const auto& systemc = pairs.at(1);
+  const auto& rtl = pairs.at(2);
+  EXPECT_EQ(model.at("all").at("own"), model.at("all").at("values"));
+  EXPECT_EQ(systemc.at("stages").at("span").at("own"), 0);
+  EXPECT_EQ(systemc.at("all").at("own"), systemc.at("counters").at("values"));
+  const std::uint64_t spans = rtl.at("stages").at("span_setup").at("records");
+  const std::uint64_t fragments = rtl.at("stages").at("span").at("records");
+  EXPECT_GT(fragments, 100U);
+  EXPECT_EQ(rtl.at("stages").at("span_setup").at("own"), 17 * spans);
+  EXPECT_EQ(rtl.at("stages").at("span").at("own"), 9 * fragments);
+  EXPECT_EQ(rtl.at("stages").at("depth").at("own"), 0);
+  EXPECT_EQ(rtl.at("picture").at("own"), 0);
+  EXPECT_EQ(rtl.at("all").at("own"), 17 * spans + 9 * fragments);
+}
+
+// What a tool does wrong is not the user's fault.
+TEST_F(Cli, ABrokenToolExitsWith3) {
+  stream("a.tri");
+  const Environment cache("BITSPAN_CACHE", folder.path("cache"));
+  const Environment no_tools("PATH", "/nonexistent");
+  const Result r = run("render a.tri --engine rtl -o a.png");
+  EXPECT_EQ(r.code, 3) << r.err;
+  EXPECT_EQ(std::ranges::count(r.err, '\n'), 1) << r.err;
+  EXPECT_NE(r.err.find("needs it on PATH"), std::string::npos) << r.err;
+  EXPECT_EQ(r.out, "");
+}
+
+TEST_F(Cli, AFailureOfAnRtlReplaysWithThatRtlOnly) {
+  {
+    const RtlCopy copy;
+    copy.plant_doubled_pixel();
+    const Result r = run("fuzz --seed 1 --count 1 --config depth16 --engines model,rtl");
+    ASSERT_EQ(r.code, 1) << r.out << r.err;
+    EXPECT_NE(r.out.find("BITSPAN_ROOT=" + copy.path() + " bitspan fuzz --seed 1"), std::string::npos)
+        << r.out;
+    EXPECT_NE(r.out.find("BITSPAN_ROOT=" + copy.path() + " bitspan replay"), std::string::npos) << r.out;
+    EXPECT_EQ(nlohmann::json::parse(folder.read("fuzz-1-0.replay.json")).at("rtl"), rtl_sources_hash());
+    const Result again = run("replay fuzz-1-0.replay.json");
+    EXPECT_EQ(again.code, 1) << again.out << again.err;
+    EXPECT_NE(again.out.find("RTL " + rtl_sources_hash()), std::string::npos) << again.out;
+  }
+  refused("replay fuzz-1-0.replay.json", "BITSPAN_ROOT names another folder");
+  const Result mended = run("replay --changed-rtl fuzz-1-0.replay.json");
+  EXPECT_EQ(mended.code, 0) << mended.out << mended.err;
+  EXPECT_NE(mended.out.find("no longer fails"), std::string::npos) << mended.out;
+}
+
+TEST_F(Cli, AnRtlThatIsNotWhatThePackageSaysIsADifference) {
+  stream("a.tri");
+  const RtlCopy copy;
+  copy.replace("rtl/span.sv", ": 2 + bitspan_cfg_pkg::PixelUnitClocks;",
+               ": 3 + bitspan_cfg_pkg::PixelUnitClocks;");
+  const Result r = run("verify a.tri --engines model,golden,rtl");
+  EXPECT_EQ(r.code, 1) << r.out << r.err;
+  EXPECT_NE(r.out.find("FAILED: rtl broke off: assertion in the RTL"), std::string::npos) << r.out;
+}
+
+TEST_F(Cli, AReplayThatDrawsNothingSaysNothing) {
+  Replay empty;
+  empty.engines = {"golden", "model"};
+  empty.config = shipped_config("depth16");
+  Triangle off;
+  off.v[0] = {-20, 2, 2, 0, 0, {1, 1, 1, 1}};
+  off.v[1] = {-3, 4, 50, 20, 0, {1, 1, 1, 1}};
+  off.v[2] = {-5, 22, 9, 0, 20, {1, 1, 1, 1}};
+  empty.scene.triangles = {off};
+  folder.write("empty.json", replay_json(empty));
+  const Result r = run("replay empty.json");
+  EXPECT_EQ(r.code, 1) << r.out << r.err;
+  EXPECT_NE(r.out.find("this says nothing: the scene covers no pixel centre"), std::string::npos) << r.out;
+  EXPECT_EQ(r.out.find("no longer fails"), std::string::npos) << r.out;
+}
+
+// Two tables' rows are equal whatever they are drawn with.
+std::string cells(const std::string& line) {
+  std::string out;
+  for (const char c : line) {
+    if (c != '|' && (c != ' ' || (!out.empty() && out.back() != ' '))) out += c;
+  }
+  while (out.ends_with(' ')) out.pop_back();
+  return out;
+}
+
+TEST_F(Cli, TheReadmeQuotesWhatTheDemoPrints) {
+  const std::string readme = read_file(BITSPAN_SOURCE_DIR "/README.md");
+  const Result r = run("demo");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+  std::set<std::string> reported;
+  std::istringstream report(folder.read("bitspan-demo/report.md"));
+  for (std::string line; std::getline(report, line);) reported.insert(cells(line));
+  const std::string prompt = "    $ ./dev demo\n";
+  ASSERT_NE(readme.find(prompt), std::string::npos);
+  std::istringstream quoted(readme.substr(readme.find(prompt) + prompt.size()));
+  std::size_t at = 0;
+  int rows = 0;
+  for (std::string line; std::getline(quoted, line) && (line.empty() || line.starts_with("    "));) {
+    const std::string text = line.empty() ? "" : line.substr(4);
+    if (text.empty() || text == "...") continue;
+    at = r.out.find(text + "\n", at);
+    ASSERT_NE(at, std::string::npos) << "the demo does not print, or not in this order: " << text;
+    if (text.find(" golden = ") == std::string::npos) continue;
+    ++rows;
+    EXPECT_TRUE(reported.contains(cells(text))) << text;
+  }
+  EXPECT_GE(rows, 6);
 }
 
 TEST_F(Cli, VerifyHoldsOnTheExtremes) {
@@ -298,11 +506,7 @@ TEST_F(Cli, VerifyHoldsOnTheExtremes) {
 
 TEST_F(Cli, ModesWithoutRtlSaySo) {
   stream("a.tri");
-  std::string toml = run("config show --toml depth16").out;
-  const auto at = toml.find("\"delta_f\"");
-  ASSERT_NE(at, std::string::npos);
-  toml.replace(at, 9, "\"affine\"");
-  folder.write("affine.toml", toml);
+  affine("affine.toml");
   const Result r = run("verify a.tri --config affine.toml");
   EXPECT_EQ(r.code, 0) << r.out << r.err;
   EXPECT_NE(r.out.find("rtl left out"), std::string::npos) << r.out;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -151,6 +152,24 @@ void expect_npy(const std::vector<T>& values, std::initializer_list<std::size_t>
   if (!values.empty()) {
     EXPECT_EQ(std::memcmp(data.data(), values.data(), data.size()), 0);
   }
+}
+
+TEST(CheckWritable, RefusesWhatCannotBeWrittenAndLeavesNothing) {
+  const TemporaryFolder folder;
+  check_writable("");
+  check_writable(folder.path("new"));
+  EXPECT_EQ(folder.files(), 0);
+  const std::string old = folder.write("old", "text");
+  check_writable(old);
+  EXPECT_EQ(folder.read("old"), "text");
+  EXPECT_EQ(folder.files(), 1);
+  check_writable("/dev/null");
+  EXPECT_THROW(check_writable(folder.path("no/such")), InputError);
+  EXPECT_THROW(check_writable(folder.path()), InputError);
+  EXPECT_THROW(check_writable(old + "/below"), InputError);
+  EXPECT_THROW(make_writable_folder(old), InputError);
+  make_writable_folder(folder.path("made/here"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path("made/here")));
 }
 
 TEST(Npy, HeadersAndData) {

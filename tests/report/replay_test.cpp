@@ -14,6 +14,7 @@ Replay sample() {
   Replay r;
   r.engines = {"golden", "model"};
   r.stall_seed = 42;
+  r.rtl = "0123456789abcdef";
   r.found = "bitspan fuzz";
   r.config = shipped_config("narrow");
   RandomOptions options;
@@ -30,6 +31,7 @@ TEST(Replay, ComesBackBitForBit) {
   const Replay b = parse_replay(replay_json(a), "file");
   EXPECT_EQ(b.engines, a.engines);
   EXPECT_EQ(b.stall_seed, a.stall_seed);
+  EXPECT_EQ(b.rtl, a.rtl);
   EXPECT_EQ(config_hash(b.config), config_hash(a.config));
   EXPECT_EQ(replay_json(b), replay_json(a));
   ASSERT_EQ(b.scene.triangles.size(), a.scene.triangles.size());
@@ -43,6 +45,13 @@ TEST(Replay, ComesBackBitForBit) {
   }
   ASSERT_EQ(b.scene.textures.size(), a.scene.textures.size());
   EXPECT_EQ(b.scene.textures[0].rgba, a.scene.textures[0].rgba);
+}
+
+TEST(Replay, WithoutAnRtlNoHashIsWritten) {
+  Replay a = sample();
+  a.rtl.clear();
+  EXPECT_EQ(replay_json(a).find("\"rtl\""), std::string::npos);
+  EXPECT_EQ(parse_replay(replay_json(a), "file").rtl, "");
 }
 
 TEST(Replay, BadFilesAreRefusedInOneLine) {

@@ -58,6 +58,8 @@ Frame frame(int width, int height) {
 
 Config config() { return shipped_config("depth16"); }
 
+TEST(Junit, ASuiteWithoutACaseIsNone) { EXPECT_THROW(junit_xml("suite", {}), std::logic_error); }
+
 TEST(Dump, HasTheShapesAndTypesOfTheDesign) {
   const TemporaryFolder folder;
   write_dump(folder.path("dump/"), frame(5, 3), {}, config(), {"1.2.3", "scene \"x\"", "model", 0.5});

@@ -6,11 +6,13 @@
 
 #include "tb/rtl_build.hpp"
 #include "tb/rtl_stream.hpp"
+#include "tests/rtl/rtl_copy.hpp"
 #include "tests/rtl/simulate.hpp"
 #include "tests/support/environment.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
+#include "tests/support/tool_error.hpp"
 
 namespace bitspan {
 namespace {
@@ -52,11 +54,13 @@ TEST(Build, SaysWhatIsMissing) {
   const Environment environment("BITSPAN_CACHE", cache.path());
   {
     const Environment no_tools("PATH", "/nonexistent");
-    EXPECT_NE(message_of(narrow()).find("needs it on PATH"), std::string::npos) << message_of(narrow());
+    const std::string message = tool_error([] { build_rtl(narrow()); });
+    EXPECT_NE(message.find("needs it on PATH"), std::string::npos) << message;
   }
   {
     const Environment no_compiler("CXX", "no-such-compiler");
-    EXPECT_NE(message_of(narrow()).find("no-such-compiler"), std::string::npos) << message_of(narrow());
+    const std::string message = tool_error([] { build_rtl(narrow()); });
+    EXPECT_NE(message.find("no-such-compiler"), std::string::npos) << message;
   }
   {
     const Environment root("BITSPAN_ROOT", cache.path());
@@ -66,20 +70,28 @@ TEST(Build, SaysWhatIsMissing) {
   EXPECT_NE(message_of(narrow()).find("BITSPAN_CACHE"), std::string::npos) << message_of(narrow());
 }
 
+// Verilator's refusal of sources that the user named is the user's affair: InputError, and the log stays.
+TEST(Build, RefusesSourcesThatVerilatorRefuses) {
+  const RtlCopy copy;
+  copy.replace("rtl/span.sv", "endmodule", "endmodul");
+  const std::string message = message_of(narrow());
+  EXPECT_NE(message.find("verilator refused"), std::string::npos) << message;
+}
+
+TEST(Build, TheHashOfTheSourcesTellsThemApart) {
+  const std::string own = rtl_sources_hash();
+  EXPECT_EQ(own.size(), 32U);
+  const RtlCopy copy;
+  EXPECT_EQ(rtl_sources_hash(), own);
+  copy.replace("rtl/span.sv", "endmodule", "endmodule ");
+  EXPECT_NE(rtl_sources_hash(), own);
+}
+
 // RTL whose structure is not what the package says does not run.
 TEST(Build, LatencyThatDiffersFromThePackageIsSeen) {
-  const TemporaryFolder folder;
-  for (const char* part : {"rtl", "tb"}) {
-    std::filesystem::copy(rtl_root() / part, folder.path(part), std::filesystem::copy_options::recursive);
-  }
-  const std::string changed = "rtl/span.sv";
-  std::string text = folder.read(changed);
-  const std::string structure = ": 2 + bitspan_cfg_pkg::PixelUnitClocks;";
-  ASSERT_NE(text.find(structure), std::string::npos);
-  text.replace(text.find(structure), structure.size(), ": 3 + bitspan_cfg_pkg::PixelUnitClocks;");
-  folder.write(changed, text);
-  const Environment root("BITSPAN_ROOT", folder.path());
-  const Environment cache("BITSPAN_CACHE", folder.path("cache"));
+  const RtlCopy copy;
+  copy.replace("rtl/span.sv", ": 2 + bitspan_cfg_pkg::PixelUnitClocks;",
+               ": 3 + bitspan_cfg_pkg::PixelUnitClocks;");
   try {
     const Rtl rtl(narrow());
     FAIL() << "no assertion failed";

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "engine/emit_sv.hpp"
+#include "tests/rtl/icarus_case.hpp"
 #include "tests/rtl/interpolator_case.hpp"
 #include "tests/rtl/simulate.hpp"
 #include "tests/support/files.hpp"
@@ -38,75 +41,6 @@ TEST(Tools, VerilatorLintIsSilent) {
     EXPECT_EQ(read_file(log), "") << to_toml(c);
     if (HasFailure()) return;
   }
-}
-
-std::string line(const std::initializer_list<std::uint64_t>& values) {
-  std::string text;
-  for (const std::uint64_t v : values) text += fmt::format("{:x} ", v);
-  return text + '\n';
-}
-
-std::string input_lines(const std::vector<RtlInputs>& inputs) {
-  std::string text;
-#define BITSPAN_VALUE(name) in.name,
-  for (const RtlInputs& in : inputs) text += line({BITSPAN_RTL_INPUTS(BITSPAN_VALUE)});
-#undef BITSPAN_VALUE
-  return text;
-}
-
-std::uint64_t bits(std::int64_t raw, const Format& f) { return Rtl::to_port(raw, f.word); }
-std::uint64_t bits(std::int64_t raw, const Config& c, FormatId id) { return bits(raw, c.format(id)); }
-std::uint64_t exponent_bits(std::int64_t e) { return Rtl::to_port(e, 8); }
-
-std::string span_lines(const Config& c, const std::vector<SpanRecord>& spans) {
-  const bool rows = c.perspective == Perspective::const_depth_rows;
-  const FormatId acc = rows ? FormatId::span_uv_acc : FormatId::span_f;
-  const FormatId step = rows ? FormatId::span_uv_step : FormatId::span_f_step;
-  std::string text;
-  for (const SpanRecord& s : spans) {
-    text += line({static_cast<std::uint64_t>(s.x), static_cast<std::uint64_t>(s.count),
-                  bits(s.recip_m, c.row_reciprocal.output), exponent_bits(s.recip_e),
-                  static_cast<std::uint64_t>(s.phase), bits(s.fu_diff, c, FormatId::span_f_diff),
-                  bits(s.fv_diff, c, FormatId::span_f_diff), bits(s.h, c, FormatId::span_h),
-                  bits(s.h_step, c, FormatId::span_h_step), bits(s.u1, c, FormatId::edge_uv),
-                  bits(s.v1, c, FormatId::edge_uv), bits(s.fu, c, acc), bits(s.fv, c, acc),
-                  bits(s.fu_step0, c, step), bits(s.fu_step1, c, step), bits(s.fv_step0, c, step),
-                  bits(s.fv_step1, c, step)});
-  }
-  return text;
-}
-
-std::string pixel_lines(const Config& c, const std::vector<reference::Pixel>& pixels) {
-  const FormatId acc =
-      c.perspective == Perspective::const_depth_rows ? FormatId::span_uv_acc : FormatId::span_f;
-  std::string text;
-  for (const reference::Pixel& p : pixels) {
-    const FragmentRecord& f = p.fragment;
-    text += line({static_cast<std::uint64_t>(f.x), p.step ? 1U : 0U, static_cast<std::uint64_t>(f.last),
-                  bits(f.h, c, FormatId::span_h), bits(f.fu, c, acc), bits(f.fv, c, acc),
-                  bits(f.recip_m, c.pixel_reciprocal.output), exponent_bits(f.recip_e),
-                  bits(f.u, c, FormatId::span_uv), bits(f.v, c, FormatId::span_uv)});
-  }
-  return text;
-}
-
-struct IcarusRun {
-  std::vector<std::filesystem::path> sources;
-  std::vector<std::string> arguments;
-  std::string expected;  // the line of success
-};
-
-IcarusRun prepare_icarus(const TemporaryFolder& folder, const Config& c, const InterpolatorCase& given) {
-  IcarusRun run;
-  run.sources = {folder.write("bitspan_cfg_pkg.sv", emit_sv(c))};
-  for (const auto& source : rtl_sources()) run.sources.push_back(source);
-  run.sources.push_back(rtl_root() / "tb/icarus_tb.sv");
-  run.arguments = {"+inputs=" + folder.write("inputs", input_lines(given.inputs)),
-                   "+spans=" + folder.write("spans", span_lines(c, given.spans)),
-                   "+pixels=" + folder.write("pixels", pixel_lines(c, given.pixels)), "+seed=7"};
-  run.expected = fmt::format("icarus_tb: {} spans, {} pixels, {} values equal", given.spans.size(),
-                             given.pixels.size(), 17 * given.spans.size() + 10 * given.pixels.size());
-  return run;
 }
 
 TEST(Tools, IcarusAgrees) {
@@ -159,6 +93,31 @@ TEST(Tools, YosysReadsAndChecks) {
     EXPECT_EQ(run_program({"sh", script, package, "check"}, log, "this test"), 0)
         << read_file(log) << to_toml(c);
   }
+}
+
+// "58,312" in the last column of the README's row of `narrow`.
+std::string cells_in_readme() {
+  std::istringstream in(read_file(BITSPAN_SOURCE_DIR "/README.md"));
+  for (std::string row; std::getline(in, row);) {
+    if (!row.starts_with("| `narrow` |")) continue;
+    std::string cells;
+    for (std::size_t i = row.rfind('|', row.size() - 2); i < row.size(); ++i) {
+      if (row[i] >= '0' && row[i] <= '9') cells += row[i];
+    }
+    return cells;
+  }
+  return "no row";
+}
+
+TEST(Tools, TheReadmeHasTheCellsOfThisRtl) {
+  const TemporaryFolder folder;
+  const std::string package = folder.write("bitspan_cfg_pkg.sv", emit_sv(shipped_config("narrow")));
+  const auto log = folder.path("yosys.log");
+  ASSERT_EQ(run_program({"sh", (rtl_root() / "tb/yosys_cells.sh").string(), package}, log, "this test"), 0);
+  const std::string text = read_file(log);
+  const std::string label = "Number of cells:";
+  ASSERT_NE(text.find(label), std::string::npos) << text;
+  EXPECT_EQ(std::to_string(std::stol(text.substr(text.find(label) + label.size()))), cells_in_readme());
 }
 
 TEST(Tools, YosysScriptRefuses) {

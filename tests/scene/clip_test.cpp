@@ -188,6 +188,7 @@ TEST(Project, CullsBackFacesOnly) {
   EXPECT_EQ(projected({front, back, sheet, edge_on}, {.cull = false, .clip_sides = true}, all).size(), 3U);
   EXPECT_EQ(all.culled, 0U);
   EXPECT_EQ(all.dropped, 1U) << "edge on: no area on the screen";
+  EXPECT_EQ(all.drawn, 3U);
 }
 
 TEST(Project, CountsAndBounds) {

@@ -208,6 +208,7 @@ TEST(Mesh, NearPlaneCutsAndCounts) {
   ProjectReport report;
   const Scene scene = load(folder.write("cube.obj", cube_obj), options, report);
   EXPECT_EQ(report.culled, 10U) << "all but the near face";
+  EXPECT_EQ(report.drawn, 0U);
   EXPECT_EQ(report.outside, 2U) << "that one is before s_min";
   EXPECT_TRUE(scene.triangles.empty());
   options.project.cull = false;

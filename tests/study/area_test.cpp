@@ -13,6 +13,7 @@
 #include "tests/support/environment.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
+#include "tests/support/tool_error.hpp"
 
 namespace bitspan {
 namespace {
@@ -173,11 +174,11 @@ TEST(Area, FailsWithTheToolsWords) {
 TEST(Area, NamesAMissingTool) {
   {
     const Environment path("PATH", "/nonexistent");
-    EXPECT_EQ(input_error([] { measure_area(tiny_config(), Family::ecp5, false); }),
+    EXPECT_EQ(tool_error([] { measure_area(tiny_config(), Family::ecp5, false); }),
               "yosys: does not start; areas need it on PATH; ./dev setup installs it");
   }
   const Environment nextpnr("BITSPAN_NEXTPNR_ECP5", "/nonexistent/nextpnr");
-  EXPECT_EQ(input_error([] { measure_area(tiny_config(), Family::ecp5, true); }),
+  EXPECT_EQ(tool_error([] { measure_area(tiny_config(), Family::ecp5, true); }),
             "no clock in ecp5: cannot start /nonexistent/nextpnr; ./dev setup installs it for ./dev run, "
             "$BITSPAN_NEXTPNR_ECP5 names another");
 }

@@ -35,5 +35,13 @@ TEST(CheckPoint, NothingComparedIsNotHeld) {
   EXPECT_FALSE(check.held) << check.text;
 }
 
+TEST(CheckPoint, ASceneThatDrawsNothingIsNotHeld) {
+  std::array scenes{demo_scene(64, 48)};
+  scenes[0].triangles.clear();
+  const PointCheck check = check_point(shipped_config("narrow"), scenes);
+  EXPECT_FALSE(check.held) << check.text;
+  EXPECT_NE(check.text.find("this says nothing"), std::string::npos) << check.text;
+}
+
 }  // namespace
 }  // namespace bitspan

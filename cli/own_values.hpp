@@ -1,0 +1,25 @@
+// How many of the values compared come from the engine under test itself, and not from stages that it takes
+// from the model.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "config/config.hpp"
+#include "report/compare.hpp"
+
+namespace bitspan {
+
+struct OwnValues {
+  std::array<std::uint64_t, record_types> stages{};
+  std::uint64_t frame = 0, counters = 0;
+
+  std::uint64_t total() const;
+};
+
+// Counts the values of the pair's second engine, `other`. golden, model and ideal compute every value. rtl
+// computes what comes out of the Verilated ports: parts of the span and fragment records. systemc calls the
+// model's stage functions for every record, and so computes none; it counts its counters itself.
+OwnValues own_values(const Comparison& pair, const Config& config);
+
+}  // namespace bitspan

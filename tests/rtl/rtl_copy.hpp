@@ -1,0 +1,51 @@
+// A copy of the RTL and its benches that a test may change: the RTL under test while the object lives.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "tb/rtl_build.hpp"
+#include "tests/support/environment.hpp"
+#include "tests/support/files.hpp"
+
+namespace bitspan {
+
+class RtlCopy {
+ public:
+  RtlCopy() {
+    for (const char* part : {"rtl", "tb"}) {
+      std::filesystem::copy(rtl_root() / part, folder_.path(part), std::filesystem::copy_options::recursive);
+    }
+    root_.emplace("BITSPAN_ROOT", folder_.path());
+    cache_.emplace("BITSPAN_CACHE", folder_.path("cache"));
+  }
+  // Replaces the only occurrence of `from`.
+  void replace(const std::string& file, std::string_view from, std::string_view to) const {
+    std::string text = folder_.read(file);
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << file << " has no '" << from << "'";
+    ASSERT_EQ(text.find(from, at + 1), std::string::npos) << file << " has '" << from << "' twice";
+    text.replace(at, from.size(), to);
+    folder_.write(file, text);
+  }
+  // A span that no other one follows at once delivers its last pixel twice.
+  void plant_doubled_pixel() const {
+    replace("rtl/span.sv", "else if (en && last) active_q <= 1'b0;",
+            "else if (en && last && again_q) active_q <= 1'b0;");
+    replace("rtl/span.sv", "left_q <= left_q - IndexW'(1);", "if (!last) left_q <= left_q - IndexW'(1);");
+    replace("rtl/span.sv", "logic en, last, take, active_q;",
+            "logic en, last, take, active_q, again_q;\n"
+            "  always_ff @(posedge clk_i) if (take) again_q <= 1'b0; else if (en && last) again_q <= 1'b1;");
+  }
+  std::string path() const { return folder_.path(); }
+
+ private:
+  TemporaryFolder folder_;
+  std::optional<Environment> root_, cache_;
+};
+
+}  // namespace bitspan
