@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/cycles.hpp"
-#include "cli/engines.hpp"
 #include "cli/progress.hpp"
 #include "engine/range.hpp"
 #include "report/table.hpp"
@@ -81,7 +80,7 @@ SceneRun verify_scene(const Config& config, const Scene& scene, const VerifyOpti
     }
     systemc = systemc || name == "systemc";
     rtl = rtl || name == "rtl";
-    auto engine = make_engine(name, config, options.stall_seed, options.model);
+    auto engine = make_engine(name, config, options.engine);
     if (name == "ideal") {
       out.ideal = std::move(engine);
     } else {
@@ -286,19 +285,9 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
     scene["failures"] = v.failures;
     scene["notes"] = v.notes;
     scene["seconds"] = v.run.seconds;
-    const Counters& c = v.counters;
-    scene["counters"] = {{"triangles", c.triangles},
-                         {"degenerate", c.degenerate},
-                         {"rows", c.rows},
-                         {"fragments", c.fragments},
-                         {"covered", c.covered},
-                         {"depth_passed", c.depth_passed},
-                         {"killed", c.killed},
-                         {"written", c.written},
-                         {"divides_edge", c.divides_edge},
-                         {"divides_row", c.divides_row},
-                         {"divides_pixel", c.divides_pixel},
-                         {"divides_saved", c.divides_saved}};
+    for_each_counter([&](const CounterInfo& info, auto member) {
+      if (info.compared) scene["counters"][std::string(info.name)] = v.counters.*member;
+    });
     Json pairs = Json::array();
     for (const Comparison& pair : v.run.pairs) {
       Json one{{"reference", pair.reference}, {"other", pair.other}};

@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/engine.hpp"
-#include "model/engine_model.hpp"
+#include "engine/registry.hpp"
 #include "report/compare.hpp"
 #include "report/error.hpp"
 #include "report/junit.hpp"
@@ -45,9 +44,8 @@ struct SceneVerdict {
 
 struct VerifyOptions {
   std::vector<std::string> engines;  // the first is the reference; `ideal` adds the error table
-  std::uint64_t stall_seed = 1;
   bool cycles = true;
-  ModelOptions model;  // of the engine model
+  EngineOptions engine;
 };
 
 struct SceneRun {

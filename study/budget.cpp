@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "config/check.hpp"
-#include "model/engine_model.hpp"
+#include "engine/registry.hpp"
 #include "model/numeric/register.hpp"
 #include "report/error.hpp"
 
@@ -92,7 +92,7 @@ DominantMap dominant(const Scene& scene, const Frame& ideal, const Config& confi
                      const std::vector<Quantisation>& all) {
   std::vector<std::vector<double>> errors(all.size());
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t q) {
-    const Frame frame = drawn(*make_model(with_exact(config, all_but(all, q))), scene);
+    const Frame frame = drawn(*make_engine("model", with_exact(config, all_but(all, q))), scene);
     errors[q] = picture_errors(frame, ideal).texture;
   });
   DominantMap map{scene.name, scene.width, scene.height, {}};

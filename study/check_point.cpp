@@ -2,32 +2,26 @@
 
 #include <fmt/format.h>
 
-#include <functional>
 #include <memory>
 #include <string_view>
 #include <vector>
 
-#include "config/rtl_timing.hpp"
-#include "golden/engine_golden.hpp"
-#include "model/engine_model.hpp"
+#include "engine/registry.hpp"
 #include "report/compare.hpp"
 #include "report/lockstep.hpp"
-#include "tb/engine_rtl.hpp"
 
 namespace bitspan {
 namespace {
 
-using Make = std::function<std::unique_ptr<Engine>()>;
-
 // Appends to the text. Equal, and something was compared?
-bool compare(const Make& reference, const Make& other, std::string_view what, std::span<const Scene> scenes,
-             std::string& text) {
+bool compare(const Config& config, std::string_view reference, std::string_view other, std::string_view what,
+             std::span<const Scene> scenes, std::string& text) {
   std::uint64_t values = 0;
   text += fmt::format("{}{}: ", text.empty() ? "" : "; ", what);
   for (const Scene& scene : scenes) {
     std::vector<std::unique_ptr<Engine>> engines;
-    engines.push_back(reference());
-    engines.push_back(other());
+    engines.push_back(make_engine(reference, config));
+    engines.push_back(make_engine(other, config));
     const LockStepResult run = run_lock_step(engines, scene, {});
     const Comparison& pair = run.pairs[0];
     if (!pair.held()) {
@@ -47,15 +41,12 @@ bool compare(const Make& reference, const Make& other, std::string_view what, st
 
 PointCheck check_point(const Config& config, std::span<const Scene> scenes) {
   PointCheck out;
-  const Make model = [&] { return make_model(config); };
-  out.held = compare([&] { return make_golden(config); }, model, "model = golden", scenes, out.text);
-  if (!has_rtl(config)) {
+  out.held = compare(config, "golden", "model", "model = golden", scenes, out.text);
+  if (!engine_runs("rtl", config)) {
     out.text += "; no RTL of this mode";
     return out;
   }
-  out.held = compare(
-                 model, [&] { return make_rtl(config); }, "model = rtl", scenes, out.text) &&
-             out.held;
+  out.held = compare(config, "model", "rtl", "model = rtl", scenes, out.text) && out.held;
   return out;
 }
 

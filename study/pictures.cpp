@@ -6,8 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "engine/registry.hpp"
 #include "io/png.hpp"
-#include "model/engine_model.hpp"
 #include "report/error.hpp"
 #include "report/heatmap.hpp"
 
@@ -67,7 +67,7 @@ std::vector<CauseColor> cause_legend(const Budget& budget, const DominantMap& ma
 
 std::vector<PointPicture> pictures_of(const Config& config, const Scene& scene, const Frame& ideal,
                                       const Budget* budget, const DominantMap* dominant) {
-  const Frame model = drawn(*make_model(config), scene);
+  const Frame model = drawn(*make_engine("model", config), scene);
   const PictureErrors errors = picture_errors(model, ideal);
   const int w = scene.width;
   const int h = scene.height;

@@ -14,7 +14,7 @@
 
 #include "engine/range.hpp"
 #include "engine/records.hpp"
-#include "golden/ideal.hpp"
+#include "engine/registry.hpp"
 #include "model/engine_model.hpp"
 #include "report/compare.hpp"
 #include "report/error.hpp"
@@ -39,7 +39,7 @@ SceneTruth make_truth(const Config& config, const Scene& scene) {
   for (std::size_t at = 0; at < all.size(); at += batch) {
     out.batches.emplace_back(config, scene, all.subspan(at, std::min(batch, all.size() - at)));
   }
-  out.frame = drawn(*make_ideal(config), scene);
+  out.frame = drawn(*make_engine("ideal", config), scene);
   return out;
 }
 
@@ -191,7 +191,8 @@ std::shared_ptr<const Frame> PointMeter::ideal(const Config& config, std::size_t
     const auto found = truths_->find(truth_config(config));
     if (found != truths_->known.end()) known = found->second;
   }
-  if (!known.valid()) return std::make_shared<const Frame>(drawn(*make_ideal(config), scenes_.at(scene)));
+  if (!known.valid())
+    return std::make_shared<const Frame>(drawn(*make_engine("ideal", config), scenes_.at(scene)));
   const auto truths = known.get();
   return {truths, &truths->at(scene).frame};  // keeps them all
 }

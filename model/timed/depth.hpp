@@ -10,8 +10,8 @@ namespace bitspan::timed {
 class DepthStage : public PipeStage<FragmentItem> {
  public:
   DepthStage(Run& run, Memory& memory, Fifo<FragmentItem*>& in, Fifo<FragmentItem*>& out)
-      : PipeStage("depth", run.timing(Stage::depth), in, &out, run.fragments, &memory, Memory::Port::depth,
-                  run.config.memory.latency),
+      : PipeStage(to_string(Stage::depth), run.timing(Stage::depth), in, &out, run.fragments, &memory,
+                  Memory::Port::depth, run.config.memory.latency),
         run_(run),
         traffic_(run) {}
 

@@ -8,7 +8,7 @@ namespace bitspan::timed {
 class FogStage : public PipeStage<FragmentItem> {
  public:
   FogStage(Run& run, Fifo<FragmentItem*>& in, Fifo<FragmentItem*>& out)
-      : PipeStage("fog", run.timing(Stage::fog), in, &out, run.fragments), run_(run) {}
+      : PipeStage(to_string(Stage::fog), run.timing(Stage::fog), in, &out, run.fragments), run_(run) {}
 
  private:
   bool enters(FragmentItem& item) override {

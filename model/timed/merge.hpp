@@ -9,8 +9,8 @@ namespace bitspan::timed {
 class MergeStage : public PipeStage<FragmentItem> {
  public:
   MergeStage(Run& run, Memory& memory, Fifo<FragmentItem*>& in)
-      : PipeStage("merge", run.timing(Stage::merge), in, nullptr, run.fragments, &memory, Memory::Port::merge,
-                  run.config.memory.latency),
+      : PipeStage(to_string(Stage::merge), run.timing(Stage::merge), in, nullptr, run.fragments, &memory,
+                  Memory::Port::merge, run.config.memory.latency),
         run_(run),
         traffic_(run) {}
 

@@ -8,7 +8,7 @@ namespace bitspan::timed {
 class SetupStage : public PipeStage<TriangleItem> {
  public:
   SetupStage(Run& run, Fifo<TriangleItem*>& in, Fifo<TriangleItem*>& out)
-      : PipeStage("setup", run.timing(Stage::setup), in, &out, run.triangles), run_(run) {}
+      : PipeStage(to_string(Stage::setup), run.timing(Stage::setup), in, &out, run.triangles), run_(run) {}
 
  private:
   bool enters(TriangleItem& item) override { return setup_values(run_, item); }

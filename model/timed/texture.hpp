@@ -9,7 +9,7 @@ namespace bitspan::timed {
 class TextureStage : public PipeStage<FragmentItem> {
  public:
   TextureStage(Run& run, Memory& memory, Fifo<FragmentItem*>& in, Fifo<FragmentItem*>& out)
-      : PipeStage("texture", run.timing(Stage::texture), in, &out, run.fragments, &memory,
+      : PipeStage(to_string(Stage::texture), run.timing(Stage::texture), in, &out, run.fragments, &memory,
                   Memory::Port::texture, run.config.memory.latency),
         run_(run),
         line_bytes_(static_cast<std::uint64_t>(run.config.memory.cache_line_bytes)),
