@@ -80,6 +80,7 @@ TEST(Layers, NoFolderIncludesAgainstTheOrder) {
       if (extension != ".hpp" && extension != ".cpp" && extension != ".h" && extension != ".in") continue;
       std::ifstream text(entry.path());
       for (const std::string& included : included_folders(text)) {
+        if (!fs::exists(fs::path(BITSPAN_SOURCE_DIR) / included)) continue;  // a library's
         ++includes;
         ASSERT_GE(layer_of(included), 0)
             << entry.path() << " includes " << included << ", which has no layer";
