@@ -2,10 +2,19 @@
 // fragment back while an earlier one of its pixel is on its way to merge.
 #pragma once
 
+#include "model/timed/run.hpp"
 #include "model/timed/traffic.hpp"
-#include "model/timed/values.hpp"
 
 namespace bitspan::timed {
+
+// The values of depth for a covered fragment, for both modes; false where it is behind.
+inline bool depth_values(Run& run, FragmentItem& item) {
+  const std::uint32_t stored = run.frame.depth[run.pixel(item.fragment)];
+  const bool passed = model::depth(run.pipeline.depth, item.fragment, stored, item.depth);
+  deliver(run.trace, item.depth);
+  if (passed) ++run.counters.depth_passed;
+  return passed;
+}
 
 class DepthStage : public PipeStage<FragmentItem> {
  public:

@@ -1,9 +1,15 @@
 // fog, timed.
 #pragma once
 
-#include "model/timed/values.hpp"
+#include "model/timed/run.hpp"
 
 namespace bitspan::timed {
+
+// The values of fog, for both modes.
+inline void fog_values(Run& run, FragmentItem& item) {
+  model::fog(run.pipeline.fog, item.fragment, item.texel, item.fog);
+  deliver(run.trace, item.fog);
+}
 
 class FogStage : public PipeStage<FragmentItem> {
  public:

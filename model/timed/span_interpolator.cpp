@@ -1,6 +1,6 @@
 #include "model/timed/span_interpolator.hpp"
 
-#include "model/timed/values.hpp"
+#include "model/timed/span_values.hpp"
 
 namespace bitspan::timed {
 

@@ -369,11 +369,11 @@ void SpanMachine::clock_walk(Clock now) {
   if (walked) {
     w.next_entry = now + w.interval;
     if (!workload_.has_step(w.steps)) {
-      workload_.forget({.triangles = setup_.in.popped,
-                        .steps = w.steps,
-                        .depth = pipe<Stage::depth>().in.popped,
-                        .texture = pipe<Stage::texture>().in.popped,
-                        .merge = pipe<Stage::merge>().in.popped});
+      Workload::Read read{.triangles = setup_.in.popped, .steps = w.steps, .fragments = {}};
+      for (std::size_t i = 0; i < fragment_stages; ++i) {
+        read.fragments[static_cast<std::size_t>(fragment_stage(i))] = fragment_pipes_[i].in.popped;
+      }
+      workload_.forget(read);
     }
     const WalkStep step = workload_.step(w.steps++);
     if (step.pixels > 0) {
@@ -442,14 +442,10 @@ const FragmentWork& SpanMachine::work_of(std::uint64_t number) {
   static constexpr FragmentWork goes_on{.kept = true}, ends{.kept = false};
   if constexpr (stage == Stage::setup) {
     return workload_.triangle_kept(number) ? goes_on : ends;
-  } else if constexpr (stage == Stage::depth) {
-    return workload_.depth(number);
-  } else if constexpr (stage == Stage::texture) {
-    return workload_.texture(number);
-  } else if constexpr (stage == Stage::merge) {
-    return workload_.merge(number);
-  } else {
+  } else if constexpr (stage == Stage::fog) {
     return goes_on;
+  } else {
+    return workload_.fragment(stage, number);
   }
 }
 

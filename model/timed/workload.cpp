@@ -9,7 +9,12 @@
 #include "model/simd/shade.hpp"
 #include "model/simd/spans.hpp"
 #include "model/simd/triangles.hpp"
-#include "model/timed/values.hpp"
+#include "model/timed/depth.hpp"
+#include "model/timed/fog.hpp"
+#include "model/timed/merge.hpp"
+#include "model/timed/setup.hpp"
+#include "model/timed/span_values.hpp"
+#include "model/timed/texture.hpp"
 
 namespace bitspan::timed {
 namespace {
@@ -164,7 +169,7 @@ class Workload::Batch final : model::BlockSink<std::int64_t> {
     work.asks = workload_.depth_traffic_.access(work.pixel) ? 1 : 0;
     work.covered = true;
     work.kept = passed;
-    workload_.depth_.push(work);
+    workload_.of(Stage::depth).push(work);
     if (++at_pixel_ == end_pixel_) {
       ++at_span_;
       enter_span();
@@ -285,8 +290,8 @@ void Workload::make_rows() {
 template <class Walk>
 void Workload::make_rows(Walk& walk) {
   const std::uint64_t steps_end = steps_.end() + 64;
-  const std::uint64_t depth_end = depth_.end() + 512;
-  while (steps_.end() < steps_end && depth_.end() < depth_end) {
+  const std::uint64_t depth_end = of(Stage::depth).end() + 512;
+  while (steps_.end() < steps_end && of(Stage::depth).end() < depth_end) {
     if (!walking_) {
       while (to_walk_.empty()) {
         if (to_set_up_.empty()) return;
@@ -324,7 +329,7 @@ void Workload::make_fragment(FragmentItem& item) {
     work.asks = depth_traffic_.access(work.pixel) ? 1 : 0;
     work.kept = depth_values(run_, item);
   }
-  depth_.push(work);
+  of(Stage::depth).push(work);
   if (!work.kept) return;
   const bool lives = texture_values(run_, item);
   add_texture(work.pixel, item.texture, item.fragment.u, item.fragment.v, lives);
@@ -339,7 +344,7 @@ void Workload::add_texture(std::size_t pixel, int texture, std::int64_t u, std::
   work.pixel = static_cast<std::uint32_t>(pixel);
   work.asks = static_cast<std::uint8_t>((1U << texture_traffic_.misses(texture, u, v)) - 1);
   work.kept = lives;
-  texture_.push(work);
+  of(Stage::texture).push(work);
 }
 
 void Workload::add_merge(std::size_t pixel, bool blends) {
@@ -349,15 +354,15 @@ void Workload::add_merge(std::size_t pixel, bool blends) {
   work.asks = static_cast<std::uint8_t>((ask.color_read ? 1U : 0U) | (ask.color_write ? 2U : 0U) |
                                         (ask.depth_write ? 4U : 0U));
   work.kept = true;
-  merge_.push(work);
+  of(Stage::merge).push(work);
 }
 
 void Workload::forget(const Read& read) {
   triangles_.forget(read.triangles);
   steps_.forget(read.steps);
-  depth_.forget(read.depth);
-  texture_.forget(read.texture);
-  merge_.forget(read.merge);
+  for (std::size_t i = 0; i < fragments_.size(); ++i) {
+    if (fragments_[i].end() > 0) fragments_[i].forget(read.fragments[i]);
+  }
 }
 
 }  // namespace bitspan::timed

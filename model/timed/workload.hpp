@@ -3,6 +3,8 @@
 // from the values alone, in the order of the records; so it is made ahead of the clocks, a span at a time.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -71,13 +73,13 @@ class Workload {
     while (number >= steps_.end()) make_rows();
     return steps_[number];
   }
-  // Of records that have been walked.
-  const FragmentWork& depth(std::uint64_t number) const { return depth_[number]; }
-  const FragmentWork& texture(std::uint64_t number) const { return texture_[number]; }
-  const FragmentWork& merge(std::uint64_t number) const { return merge_[number]; }
+  // Fragment `number` in front of a stage behind span; it has been walked. Where a stage takes every fragment
+  // and asks nothing of the memory (fog), nothing is kept, and there is no such number.
+  const FragmentWork& fragment(Stage stage, std::uint64_t number) const { return of(stage)[number]; }
 
   struct Read {
-    std::uint64_t triangles = 0, steps = 0, depth = 0, texture = 0, merge = 0;
+    std::uint64_t triangles = 0, steps = 0;
+    std::array<std::uint64_t, stage_count> fragments{};  // of each stage behind span
   };
   // Forgets the work in front of what each stage has read.
   void forget(const Read& read);
@@ -88,6 +90,9 @@ class Workload {
 
  private:
   class Batch;
+
+  Window<FragmentWork>& of(Stage stage) { return fragments_[static_cast<std::size_t>(stage)]; }
+  const Window<FragmentWork>& of(Stage stage) const { return fragments_[static_cast<std::size_t>(stage)]; }
 
   void set_up();
   void make_rows();
@@ -118,7 +123,7 @@ class Workload {
   MergeTraffic merge_traffic_;
   Window<std::uint8_t> triangles_;  // kept
   Window<WalkStep> steps_;
-  Window<FragmentWork> depth_, texture_, merge_;
+  std::array<Window<FragmentWork>, stage_count> fragments_;  // of the stages behind span
 };
 
 }  // namespace bitspan::timed
