@@ -56,7 +56,7 @@ bool is_cloud(const std::string& scene) {
   return std::ranges::any_of(clouds(), [&](const Cloud& c) { return scene.starts_with(c.name); });
 }
 
-// A benchmark of two different pictures, or of a black one, is worth nothing.
+// A ratio of two different pictures, or of a black one, means nothing.
 void check_pictures(const std::vector<Ours>& ours, std::vector<Theirs>& theirs, const Scene& scene,
                     Report& report) {
   for (const Ours& o : ours) {
@@ -129,7 +129,7 @@ void bench_frames(const std::string& name, const Options& options, Report& repor
     }
   }
 
-  // Fragments as the model counts them are the work of a frame, whoever draws it.
+  // The work of a frame is the number of fragments as the model counts them, whichever renderer draws it.
   std::vector<Turn> turns;
   double work = 0;
   for (Ours& o : ours) {

@@ -17,7 +17,7 @@
 namespace bitspan::bench {
 namespace {
 
-// The largest resident size since the last reset, MiB; 0 where the system does not tell.
+// Returns the largest resident size since the last reset, MiB; 0 where the system does not tell.
 double peak_mib() {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);) {
@@ -33,8 +33,8 @@ void reset_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 struct Point {
   std::int64_t triangles = 0;
   std::uint64_t fragments = 0;
-  std::uint64_t passed = 0;  // of them the depth test
-  double begin = 0;          // seconds of begin(): once a picture
+  std::uint64_t passed = 0;  // fragments that passed the depth test
+  double begin = 0;          // seconds of begin(), once per picture
   double seconds = 0;        // of draw(); making the triangles is left out
   double peak = 0;           // MiB
 };
@@ -72,7 +72,7 @@ Point draw_stream(const Config& config, std::int64_t triangles, double pixels) {
 }  // namespace
 
 Growth bench_growth(double pixels_limit, double triangles_limit) {
-  constexpr double large = 1000, little = 16;  // pixels of a triangle
+  constexpr double large = 1000, little = 16;  // pixels per triangle
   const Config config = load_config(BITSPAN_CONFIG_DIR "/depth16.toml");
   nlohmann::ordered_json json;
   Growth out;

@@ -14,10 +14,11 @@ struct Likeness {
   double outside = 0;  // share of the pixels where only one of the two has
 };
 
-// Both RGBA of the scene's size. All zero where they are not of one size.
+// Compares two RGBA pictures of the scene's size. All numbers are zero where the sizes differ.
 Likeness compare(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b, const Scene& scene);
 
-// The same scene drawn by bitspan and by a renderer in floating point: alike to the eye, and not empty.
+// Says whether these can be the same scene, drawn by bitspan and by a renderer in floating point: alike to
+// the eye, and not empty.
 bool alike(const Likeness& likeness);
 
 }  // namespace bitspan::bench

@@ -1,4 +1,4 @@
-// bitspan_bench: everything as ratios against something run in turn with it. docs/benchmarks.md.
+// bitspan_bench measures everything as ratios against something run in turn with it; docs/benchmarks.md.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

@@ -30,7 +30,7 @@ std::string number(double x) {
   return x >= 10 ? fmt::format("{:.1f}", x) : fmt::format("{:.2f}", x);
 }
 
-// Half of what lies between the lowest and the highest, in per cent of the median.
+// Returns half of the difference between the lowest and the highest, in per cent of the median.
 std::string spread(const Summary& s) {
   return s.samples < 2 ? "" : fmt::format("{:.0f} %", 50 * (s.high - s.low) / s.median);
 }

@@ -1,7 +1,7 @@
 // Mesa's software renderers through OSMesa: the same triangles, texture, depth test and fog in OpenGL.
 //
-// GALLIUM_DRIVER (llvmpipe, softpipe) and LP_NUM_THREADS choose the renderer, and Mesa reads them once a
-// process; bench/mesa_process.hpp starts a process each.
+// GALLIUM_DRIVER (llvmpipe, softpipe) and LP_NUM_THREADS choose the renderer. Mesa reads them once per
+// process, so bench/mesa_process.hpp starts one process per renderer.
 #pragma once
 
 #include <cstdint>
@@ -25,9 +25,9 @@ class Mesa {
 
   // Clears, draws every triangle and waits until the picture is there.
   void draw();
-  // RGBA, rows from the top, of the last draw().
+  // Returns the picture of the last draw(): RGBA, rows from the top.
   const std::vector<std::uint8_t>& picture() const;
-  // Mesa's own name of the renderer, such as "llvmpipe (LLVM 15.0.6, 512 bits)".
+  // Returns Mesa's own name of the renderer, such as "llvmpipe (LLVM 15.0.6, 512 bits)".
   std::string renderer() const;
 
  private:

@@ -21,13 +21,13 @@
 namespace bitspan::bench {
 namespace {
 
-// What passes over the pipes: commands of one byte; answers of a length and that many bytes.
+// Commands of one byte pass over the pipes, and answers of a length and that many bytes.
 constexpr char command_draw = 'd';
 constexpr char command_picture = 'p';
 // The first answer: this and the renderer's name, or a reason alone.
 constexpr char ready = '+';
 
-// All of size bytes, by calls that move some: call(bytes done, bytes left) as read and write answer.
+// Moves all of size bytes, by calls that move some: call(bytes done, bytes left) as read and write answer.
 template <class Call>
 bool move_all(std::size_t size, Call call) {
   std::size_t done = 0;

@@ -25,9 +25,9 @@ class MesaProcess {
   MesaProcess(const MesaProcess&) = delete;
   MesaProcess& operator=(const MesaProcess&) = delete;
 
-  // Seconds that one frame took, from the clear to the finished picture, by the child's clock.
+  // Returns the seconds that one frame took, from the clear to the finished picture, by the child's clock.
   double draw();
-  // Of the last draw(): RGBA, rows from the top.
+  // Returns the picture of the last draw(): RGBA, rows from the top.
   std::vector<std::uint8_t> picture();
   const std::string& renderer() const { return renderer_; }
 

@@ -5,11 +5,11 @@
 
 namespace bitspan::bench {
 
-// For depth16, with its own pixel reciprocal or with a restoring one of the same output. Right where h + B is
-// 1/2 and more. Throws InputError for other configurations.
+// Makes the kernel for depth16, with its own pixel reciprocal or with a restoring one of the same output. Its
+// values are right where h + B is 1/2 or more. Throws InputError for other configurations.
 SpanKernel make_plain(const SpanCase& c);
 
-// depth16 with a restoring pixel reciprocal: one integer division a pixel.
+// Returns depth16 with a restoring pixel reciprocal: one integer division per pixel.
 Config restoring_of(Config depth16);
 
 }  // namespace bitspan::bench

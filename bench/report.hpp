@@ -13,7 +13,7 @@ namespace bitspan::bench {
 
 struct Options {
   int rounds = 11;         // samples of everything quick enough
-  double kernel_time = 0;  // seconds of a kernel's sample
+  double kernel_time = 0;  // seconds per sample of a kernel
   std::string mesh, texture;
   std::vector<std::string> only;  // sections; empty: all
   bool wants(std::string_view section) const;
@@ -26,7 +26,7 @@ struct Report {
   bool sound = true;  // pictures and records agreed wherever they were compared
 
   Series& add(std::string name, double work, std::string unit = "Mpixel/s");
-  // Every row of the report; from: the first series to take.
+  // Returns every row of the report from the series `from` on.
   std::vector<const Series*> since(std::size_t from) const;
 };
 
@@ -35,9 +35,9 @@ struct Turn {
   Series* series;
   std::function<double()> sample;
 };
-// Everybody once to warm up, then `rounds` rounds, each beginning with another participant. Those that took
-// longer than a second take part in few of them. An InputError ends a participant's part and is kept as
-// the reason.
+// Runs every participant once to warm up, then `rounds` rounds, each beginning with another participant.
+// Participants that took longer than a second take part in few rounds. An InputError ends a participant's
+// part and is kept as the reason.
 void take_turns(const std::string& label, std::vector<Turn>& turns, int rounds);
 
 // The sections, each adding its series and goals.
@@ -45,7 +45,7 @@ void bench_kernels(const Options& options, Report& report);
 void bench_frames(const std::string& scene, const Options& options, Report& report);
 void bench_engines(const Options& options, Report& report);
 
-// Time and memory against the number of pixels and of triangles; a text and a JSON object.
+// Time and memory against the number of pixels and of triangles, as a text and a JSON object.
 struct Growth {
   std::string text, json;
 };

@@ -12,23 +12,24 @@
 
 namespace bitspan::bench {
 
-// Triangles of one size, anywhere in the picture: every fragment of them lies inside it.
+// Triangles of one size, anywhere in the picture. Every fragment of them lies inside the picture.
 struct Cloud {
   std::string_view name;
   std::int64_t triangles = 0;
   double pixels = 0;  // area of each
 };
 
-// big, medium, small: 8 M fragments each over 1024x768.
+// Returns big, medium and small: 8 M fragments each over 1024x768.
 std::span<const Cloud> clouds();
 
-// A picture with a 256x256 texture and exponential fog, and no triangle yet. The viewer is so far behind the
-// picture that distance to the eye and distance along the axis agree: the fog of bitspan goes by the first,
-// that of OpenGL by the second.
+// Returns a picture with a 256x256 texture and exponential fog, and no triangle yet. The viewer is so far
+// behind the picture that distance to the eye and distance along the axis agree: bitspan's fog goes by the
+// first, OpenGL's by the second.
 Scene empty_scene(std::string_view name, int width, int height);
 
-// Triangles of `pixels` area in empty_scene's picture, one after another. Depths are random planes, so that
-// triangles cut through one another; s varies by up to two within a triangle; about a texel a pixel.
+// Gives triangles of `pixels` area in empty_scene's picture, one after another. Depths are random planes, so
+// that triangles cut through one another. s varies by up to two within a triangle; there is about one texel
+// per pixel.
 class CloudStream {
  public:
   CloudStream(std::uint64_t seed, const Scene& scene, double pixels);
@@ -39,9 +40,10 @@ class CloudStream {
   double width_, height_, s_min_, s_max_, pixels_;
 };
 
-// `big`, `medium` or `small`: a third of the fragments pass the depth test. `big-back` and so on: the same
-// triangles from the farthest to the nearest, nearly every fragment passes. `demo`, the embedded scene. Or
-// else a mesh file, in `texture` where one is named. Throws InputError.
+// Returns a scene by name. `big`, `medium` and `small` have random depths, so that most fragments fail the
+// depth test. `big-back` and so on have the same triangles from the farthest to the nearest, and nearly every
+// fragment passes. `demo` is the embedded scene. Any other name is a mesh file, in `texture` where one is
+// named. Throws InputError.
 Scene frame_scene(const std::string& name, const std::string& texture = {});
 
 }  // namespace bitspan::bench

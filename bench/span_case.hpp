@@ -16,12 +16,12 @@ struct SpanCase {
   Config config;
   Scene scene;
   model::Pipeline pipeline;
-  std::vector<RowRecord> rows;    // what the RTL is fed with
-  std::vector<SpanRecord> spans;  // what everything else is
+  std::vector<RowRecord> rows;    // the RTL takes these
+  std::vector<SpanRecord> spans;  // every other kernel takes these
   std::int64_t pixels = 0;        // of all spans
 };
 
-// Spans of random triangles, cut to shortest..longest pixels.
+// Makes spans of random triangles, cut to shortest..longest pixels.
 SpanCase make_span_case(const Config& config, int spans, int shortest, int longest);
 
 // Raw values on span.h and span.uv, span after span.

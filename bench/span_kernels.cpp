@@ -13,7 +13,7 @@
 namespace bitspan::bench {
 namespace {
 
-// The model's stage functions, a record at a time.
+// The model's stage functions, one record at a time.
 template <class Watch>
 void run_scalar(const SpanCase& c, std::vector<FragmentRecord>& fragments, Watch watch) {
   Counters counters;

@@ -5,11 +5,12 @@
 
 namespace bitspan::bench {
 
-// sc_fix and sc_ufix, any configuration of delta_f with a restoring reciprocal or lut_newton.
+// Uses sc_fix and sc_ufix; takes any configuration of delta_f with a restoring reciprocal or lut_newton.
 SpanKernel make_sc_fix(const SpanCase& c);
-// The same in sc_fix_fast: doubles underneath, so products beyond 53 bits may round early.
+// Does the same in sc_fix_fast: it has doubles underneath, so products beyond 53 bits may round early.
 SpanKernel make_sc_fix_fast(const SpanCase& c);
-// sc_fixed_fast, its widths the template arguments; depth16's alone. Throws InputError for others.
+// Uses sc_fixed_fast with widths as template arguments, for depth16 alone. Throws InputError for other
+// configurations.
 SpanKernel make_sc_fixed_fast(const SpanCase& c);
 
 }  // namespace bitspan::bench

@@ -5,11 +5,11 @@
 
 namespace bitspan::bench {
 
-// Formats read at run time; throws InputError where the configuration has no vector form.
+// Reads formats at run time; throws InputError where the configuration has no vector form.
 SpanKernel make_vector(const SpanCase& c);
-// The same with statistics of every register.
+// Does the same with statistics of every register.
 SpanKernel make_vector_observed(const SpanCase& c);
-// Formats compiled in; throws InputError where the configuration is not a shipped one.
+// Has formats compiled in; throws InputError where the configuration is not a shipped one.
 SpanKernel make_specialised(const SpanCase& c);
 
 }  // namespace bitspan::bench

@@ -9,6 +9,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/config_store.hpp"
+#include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 #include "engine/emit_sv.hpp"
 #include "golden/precision.hpp"
@@ -49,7 +50,7 @@ int show(const Options& options) {
              to_string(config.row_slope), to_string(config.perspective));
   fmt::print("depth {} bits, {}; filter {}, wrap {}; fog {}", config.depth_bits, to_string(config.depth_code),
              to_string(config.filter), to_string(config.wrap), to_string(config.fog));
-  if (config.fog == FogMode::table) {
+  if (has_fog_table(config.fog)) {
     fmt::print(" by {} bits of depth and {} of the zone", config.fog_depth_bits, config.fog_zone_bits);
   }
   fmt::print("\n");

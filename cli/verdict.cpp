@@ -8,13 +8,14 @@
 
 #include "cli/cycles.hpp"
 #include "cli/progress.hpp"
+#include "config/modes.hpp"
 #include "engine/range.hpp"
 #include "report/table.hpp"
 
 namespace bitspan {
 
 bool coverage_is_exact(const Config& config) {
-  return config.edge_walk == EdgeWalk::exact || config.perspective == Perspective::const_depth_rows;
+  return !has_x_step(config) || has_plane_rows(config.perspective);
 }
 
 namespace {

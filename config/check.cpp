@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "config/exact.hpp"
+#include "config/modes.hpp"
 #include "config/names.hpp"
 
 namespace bitspan {
@@ -68,8 +69,8 @@ Result check_raster(const Config& c) {
 }
 
 Result check_reciprocal(const std::string& key, const Reciprocal& r) {
-  const bool lut = r.kind != ReciprocalKind::restoring;
-  const bool newton = r.kind == ReciprocalKind::lut_newton;
+  const bool lut = has_table(r.kind);
+  const bool newton = has_newton_steps(r.kind);
   const std::string unused = " (0 where the kind does not use it)";
   const auto range = [&](const char* name, int value, bool used, int lowest, int highest) {
     return in_range(key + "." + name, value, used ? lowest : 0, highest,
@@ -130,8 +131,7 @@ Result check_offset(const std::string& key, const StartOffset& offset, const std
 
 Result check_offsets(const Config& c) {
   using F = FormatId;
-  const bool linear_uv =
-      c.perspective == Perspective::affine || c.perspective == Perspective::const_depth_rows;
+  const bool linear_uv = has_linear_texture(c.perspective);
   const StartOffsets& o = c.start_offset;
   const auto check = [&c](const char* key, const StartOffset& offset, F accumulator, F kept) {
     return check_offset(std::string("start_offset.") + key, offset,

@@ -4,6 +4,8 @@
 #include <initializer_list>
 #include <utility>
 
+#include "config/modes.hpp"
+
 namespace bitspan {
 namespace {
 
@@ -79,7 +81,7 @@ class List {
   void slope(const std::string& stage, const std::string& name, const std::string& numerator,
              std::initializer_list<FormatId> made_of, Grid n, Grid d, SlopeForm form, const Unit& unit,
              FormatId into) {
-    if (form == SlopeForm::divide) {
+    if (!shares_reciprocal(form)) {
       quotient(stage, name + " = " + numerator + " / length", made_of, n, d, into);
     } else {
       product(stage, name + " = " + numerator + " m 2^-e", made_of, nullptr, n, unit, into);
@@ -92,7 +94,7 @@ class List {
     const auto inside = [&](std::string expression, int bits) {
       add({u.name, u.name, std::move(expression), formats({}, &u), bits});
     };
-    if (r.kind == ReciprocalKind::restoring) {
+    if (!has_table(r.kind)) {
       // 2^k / d, k so that the quotient ends at the output's last place; d holds bits() - 1 magnitude bits.
       const int out = r.output.fraction();
       const int k = r.normalize ? out + u.operand.bits() - 2 : out + u.operand.fraction;
@@ -101,15 +103,23 @@ class List {
     }
     inside("table entry", r.table_bits + r.index_bits + 3);
     int fraction = r.internal_bits;
-    if (r.kind == ReciprocalKind::lut_linear) {
-      inside("c(j) - (c(j) - c(j+1)) t",
-             std::max(r.table_bits + r.operand_bits - r.index_bits, r.internal_bits) + 2);
-    } else if (r.steps > 0) {
-      const int widest = std::max(r.table_bits, r.internal_bits);
-      inside("nq y", std::max(r.operand_bits + widest, r.internal_bits) + 3);
-      inside("y (2 - a)", widest + r.internal_bits + 4);
-    } else {
-      fraction = r.table_bits;
+    switch (r.kind) {
+      case ReciprocalKind::restoring:
+        unreachable();
+      case ReciprocalKind::lut_linear:
+        inside("c(j) - (c(j) - c(j+1)) t",
+               std::max(r.table_bits + r.operand_bits - r.index_bits, r.internal_bits) + 2);
+        break;
+      case ReciprocalKind::lut_newton: {
+        if (r.steps == 0) {
+          fraction = r.table_bits;
+          break;
+        }
+        const int widest = std::max(r.table_bits, r.internal_bits);
+        inside("nq y", std::max(r.operand_bits + widest, r.internal_bits) + 3);
+        inside("y (2 - a)", widest + r.internal_bits + 4);
+        break;
+      }
     }
     const Grid y{fraction, 3};
     int bits = aligned(y, r.output);
@@ -156,7 +166,7 @@ void constants(const Config& c, List& list) {
   const Grid s = list.of(F::setup_s);
   list.quotient("constants", "B = hmax s_min' / (s_max' - s_min')", {F::setup_s, F::setup_b}, hmax * s, s + s,
                 F::setup_b);
-  if (c.depth_code == DepthCode::linear) {
+  if (is_linear_in_distance(c.depth_code)) {
     list.quotient("constants", "c1 = hmax B s_max' / (s_max' - s_min')",
                   {F::setup_b, F::setup_s, F::depth_c1}, hmax * list.of(F::setup_b) * s, s + s, F::depth_c1);
     list.quotient("constants", "c0 = hmax s_min' / (s_max' - s_min')", {F::setup_s, F::depth_c0}, hmax * s,
@@ -172,11 +182,11 @@ void setup_edge(const Config& c, List& list, const Unit& edge_unit, Grid coordin
   const Grid h = list.of(F::setup_h);
   const Grid uv = list.of(F::setup_uv);
   const Grid shade = list.of(F::setup_shade);
-  const bool affine = c.perspective == Perspective::affine;
-  if (c.edge_slope == SlopeForm::reciprocal) list.unit(edge_unit);
+  const bool affine = has_linear_edges(c.perspective);
+  if (shares_reciprocal(c.edge_slope)) list.unit(edge_unit);
   list.slope("setup.edge", "h_step", "(h2 - h1)", {F::setup_h, F::edge_h_step}, h + h, dy, c.edge_slope,
              edge_unit, F::edge_h_step);
-  if (c.edge_walk == EdgeWalk::dda) {
+  if (has_x_step(c)) {
     list.slope("setup.edge", "x_step", "(x2 - x1)", {F::edge_x_step}, dy, dy, c.edge_slope, edge_unit,
                F::edge_x_step);
   }
@@ -197,7 +207,7 @@ void edge_walk(const Config& c, List& list, const Unit& pixel_unit, Grid coordin
   using F = FormatId;
   // t = y + 1/2 - y1
   const Grid t = coordinate + Grid{1, coordinate.top};
-  const bool affine = c.perspective == Perspective::affine;
+  const bool affine = has_linear_edges(c.perspective);
   list.value("edge_walk", "h_acc = h1 + h_step t0 + offset", {F::setup_h, F::edge_h_step, F::edge_h_acc},
              with_offset(list.of(F::setup_h) + list.of(F::edge_h_step) * t, c.start_offset.edge_h,
                          c.format(F::edge_h_acc)),
@@ -231,20 +241,25 @@ void edge_walk(const Config& c, List& list, const Unit& pixel_unit, Grid coordin
                  pixel_unit, F::edge_uv);
   }
   const Grid dx = coordinate + coordinate;
-  if (c.edge_walk == EdgeWalk::exact) {
+  if (!has_x_step(c)) {
     list.quotient("edge_walk", "x = (x1 dy + (x2 - x1) t) / dy", {F::edge_x}, coordinate * dx + dx * t, dx,
                   F::edge_x);
-  } else {
-    list.value(
-        "edge_walk", "x_acc = x1 + x_step t + offset", {F::edge_x_step, F::edge_x_acc},
-        with_offset(coordinate + list.of(F::edge_x_step) * t, c.start_offset.edge_x, c.format(F::edge_x_acc)),
-        F::edge_x_acc);
-    if (c.dda_update == DdaUpdate::accumulate) {
+    return;
+  }
+  list.value(
+      "edge_walk", "x_acc = x1 + x_step t + offset", {F::edge_x_step, F::edge_x_acc},
+      with_offset(coordinate + list.of(F::edge_x_step) * t, c.start_offset.edge_x, c.format(F::edge_x_acc)),
+      F::edge_x_acc);
+  switch (edge_x_of(c)) {
+    case EdgeX::summed:
       list.value("edge_walk", "x_acc + x_step", {F::edge_x_acc, F::edge_x_step},
                  list.of(F::edge_x_acc) + list.of(F::edge_x_step), F::edge_x_acc);
-    }
-    list.value("edge_walk", "x = x_acc", {F::edge_x_acc, F::edge_x}, list.of(F::edge_x_acc), F::edge_x);
+      break;
+    case EdgeX::quotient:
+    case EdgeX::multiplied:
+      break;
   }
+  list.value("edge_walk", "x = x_acc", {F::edge_x_acc, F::edge_x}, list.of(F::edge_x_acc), F::edge_x);
 }
 
 void plane_walk(const Config& c, List& list, Grid coordinate) {
@@ -267,7 +282,7 @@ void plane_walk(const Config& c, List& list, Grid coordinate) {
   list.quotient("plane_walk", "k = -nx(h) / ny(h)", {F::setup_h, F::plane_k}, n(h), n(h), F::plane_k);
   const Grid centre = d + Grid{1, d.top};                           // Mc - M0, Np - N0
   const Grid line = centre + Grid{k.fraction, coordinate.top + 1};  // Nl - N0: |k| <= 1
-  const bool ideal = c.numerator == Numerator::ideal_line;
+  const bool ideal = is_on_ideal_line(c.numerator);
   list.value("plane_walk", "h = h0 + h_M (Mc - M0) + h_N (Nl - N0)",
              {F::setup_h, F::plane_h_grad, F::plane_k, F::span_h},
              h + list.of(F::plane_h_grad) * centre + list.of(F::plane_h_grad) * line, F::span_h);
@@ -291,7 +306,7 @@ void plane_walk(const Config& c, List& list, Grid coordinate) {
 
 void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordinate) {
   using F = FormatId;
-  if (c.perspective == Perspective::const_depth_rows) {
+  if (has_plane_rows(c.perspective)) {
     list.unit(row_unit);
     const Format& acc = c.format(F::span_uv_acc);
     const Grid base = with_offset(Grid{0, 1}, c.start_offset.span_f, acc);
@@ -304,7 +319,7 @@ void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordina
   }
   const Grid length = list.of(F::edge_x) + list.of(F::edge_x);
   const Grid p = list.of(F::edge_x) + Grid{1, coordinate.top};
-  if (c.row_slope == SlopeForm::reciprocal) list.unit(row_unit);
+  if (shares_reciprocal(c.row_slope)) list.unit(row_unit);
   const Grid h = list.of(F::edge_h);
   const Grid uv = list.of(F::edge_uv);
   const Grid shade = list.of(F::edge_shade);
@@ -314,7 +329,7 @@ void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordina
              with_offset(h + list.of(F::span_h_step) * p, c.start_offset.span_h, c.format(F::span_h)),
              F::span_h);
   const Grid q = h + list.of(F::setup_b);
-  if (c.perspective == Perspective::affine) {
+  if (has_linear_edges(c.perspective)) {
     list.slope("span_setup", "fu_step", "(u_r - u_l)", {F::edge_uv, F::edge_x, F::span_uv_step}, uv + uv,
                length, c.row_slope, row_unit, F::span_uv_step);
     list.value(
@@ -323,7 +338,7 @@ void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordina
         with_offset(uv + list.of(F::span_uv_step) * p, c.start_offset.span_f, c.format(F::span_uv_acc)),
         F::span_uv_acc);
   } else {
-    const bool hyperbolic = c.perspective == Perspective::hyperbolic;
+    const bool hyperbolic = has_pixel_quotients(c.perspective);
     const Grid f = list.of(F::span_f_diff);
     list.value("span_setup", hyperbolic ? "gl = u_l (h_l + B)" : "fu_diff = (u_r - u_l)(h_r + B)",
                {F::edge_uv, F::edge_h, F::setup_b, F::span_f_diff}, hyperbolic ? uv * q : (uv + uv) * q,
@@ -366,8 +381,7 @@ void span(const Config& c, List& list, const Unit& pixel_unit) {
       list.value("span", "u = fu", {F::span_uv_acc, F::span_uv}, list.of(F::span_uv_acc), F::span_uv);
       break;
   }
-  const bool linear_uv =
-      c.perspective == Perspective::affine || c.perspective == Perspective::const_depth_rows;
+  const bool linear_uv = has_linear_texture(c.perspective);
   const F acc = linear_uv ? F::span_uv_acc : F::span_f;
   const F step = linear_uv ? F::span_uv_step : F::span_f_step;
   list.value("span", "h + h_step", {F::span_h, F::span_h_step}, list.of(F::span_h) + list.of(F::span_h_step),
@@ -391,7 +405,7 @@ void depth(const Config& c, List& list, const Unit& pixel_unit) {
                  "depth");
       break;
     case DepthCode::linear: {
-      if (c.perspective != Perspective::delta_f) list.unit(pixel_unit);
+      if (!has_pixel_reciprocal(c.perspective)) list.unit(pixel_unit);
       const Grid base = list.of(F::depth_c0);
       list.product("depth", "z = c1 m 2^-e - c0", {F::depth_c1, F::depth_c0, F::span_h, F::setup_b}, &base,
                    list.of(F::depth_c1), pixel_unit, c.depth_format(), "depth");
@@ -407,7 +421,7 @@ void texture(const Config& c, List& list) {
   const Grid alpha = list.of(F::texture_alpha);
   list.value("texture", "V = texel", {F::texture_mix}, code, F::texture_mix);
   list.quotient("texture", "a / 255", {F::texture_alpha}, code, code, F::texture_alpha);
-  if (c.filter == TextureFilter::bilinear) {
+  if (weighs_texels(c.filter)) {
     const Grid e = list.of(F::texture_frac);
     const Grid rest = Grid{0, 2} + e;
     list.value("texture", "Ex = u - 1/2 - i'", {F::span_uv, F::texture_frac},
@@ -428,12 +442,12 @@ void texture(const Config& c, List& list) {
 void fog(const Config& c, List& list, const Unit& pixel_unit) {
   using F = FormatId;
   const Grid color = list.of(F::texture_color);
-  if (c.fog == FogMode::none) {
+  if (!has_fog(c.fog)) {
     list.value("fog", "r = r of texture", {F::texture_color, F::fog_color}, color, F::fog_color);
     return;
   }
-  if (c.fog == FogMode::linear) {
-    if (c.perspective != Perspective::delta_f && c.depth_code != DepthCode::linear) list.unit(pixel_unit);
+  if (is_linear_in_distance(c.fog)) {
+    if (!has_pixel_reciprocal(c.perspective) && !is_linear_in_distance(c.depth_code)) list.unit(pixel_unit);
     const Grid base{0, 2};
     list.product("fog", "factor = 1 - fog_scale m 2^-e", {F::fog_scale, F::span_h, F::setup_b, F::fog_factor},
                  &base, list.of(F::fog_scale), pixel_unit, F::fog_factor);
@@ -456,7 +470,7 @@ std::vector<ExactIntermediate> exact_intermediates(const Config& c) {
   using F = FormatId;
   List list(c);
   const Grid coordinate = grid(c.coordinate_format());
-  const bool rows_of_depth = c.perspective == Perspective::const_depth_rows;
+  const bool rows_of_depth = has_plane_rows(c.perspective);
   const Grid dy = coordinate + coordinate;
   const Grid length = list.of(F::edge_x) + list.of(F::edge_x);
   const Grid edge_q = list.of(F::edge_h) + list.of(F::setup_b);

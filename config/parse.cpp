@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "config/check.hpp"
+#include "config/modes.hpp"
 #include "config/toml_section.hpp"
 
 namespace bitspan {
@@ -75,7 +76,7 @@ Reciprocal read_reciprocal(const Section& s) {
   r.kind = s.name<ReciprocalKind>("kind");
   r.normalize = s.boolean("normalize");
   r.pipelined = s.boolean("pipelined");
-  const bool lut = r.kind != ReciprocalKind::restoring;
+  const bool lut = has_table(r.kind);
   // A key that the kind does not use may be left out, so that files stay short, or be given, so that the
   // kind can be changed by one key.
   const auto integer = [&s](std::string_view key, bool needed, int absent) {
@@ -85,7 +86,7 @@ Reciprocal read_reciprocal(const Section& s) {
   r.index_bits = integer("index_bits", lut, r.index_bits);
   r.table_bits = integer("table_bits", lut, r.table_bits);
   r.internal_bits = integer("internal_bits", lut, r.internal_bits);
-  r.steps = integer("steps", r.kind == ReciprocalKind::lut_newton, r.steps);
+  r.steps = integer("steps", has_newton_steps(r.kind), r.steps);
   r.bits_per_cycle = integer("bits_per_cycle", !lut, r.bits_per_cycle);
   r.output = read_format(s.section("output", kFormatFields));
   return r;

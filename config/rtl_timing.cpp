@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "config/modes.hpp"
+
 namespace bitspan {
 namespace {
 
@@ -15,7 +17,7 @@ int bits_per_cycle(const Reciprocal& unit) { return std::max(1, unit.bits_per_cy
 int magnitude_bits(const Format& f) { return f.integer - (f.is_signed ? 1 : 0); }
 
 bool row_divides(const Config& c) {
-  return c.perspective == Perspective::delta_f && c.row_slope == SlopeForm::divide;
+  return has_pixel_reciprocal(c.perspective) && !shares_reciprocal(c.row_slope);
 }
 
 int reciprocal_latency(const Reciprocal& unit, const OperandGrid& operand) {
@@ -27,19 +29,27 @@ int reciprocal_latency(const Reciprocal& unit, const OperandGrid& operand) {
     case ReciprocalKind::lut_newton:  // normalise, table, two products a step, Q
       return 3 + 2 * unit.steps;
   }
-  return 0;
+  unreachable();
 }
 
 }  // namespace
 
 bool has_rtl(const Config& config) {
-  return config.perspective == Perspective::delta_f || config.perspective == Perspective::const_depth_rows;
+  switch (config.perspective) {
+    case Perspective::delta_f:
+    case Perspective::const_depth_rows:
+      return true;
+    case Perspective::hyperbolic:
+    case Perspective::affine:
+      return false;
+  }
+  unreachable();
 }
 
 int pixel_index_bits(const Config& config) {
   // Pixels lie inside the coordinate range or, a dda edge's accumulator being free, inside that one's.
   int bits = config.coordinate_bits;
-  if (config.edge_walk == EdgeWalk::dda) bits = std::max(bits, config.format(FormatId::edge_x_acc).integer);
+  if (has_x_step(config)) bits = std::max(bits, config.format(FormatId::edge_x_acc).integer);
   return std::clamp(bits, 2, 31);
 }
 
@@ -53,7 +63,7 @@ OperandGrid depth_sum(const Config& config, FormatId h) {
 OperandGrid pixel_operand(const Config& config) { return depth_sum(config, FormatId::span_h); }
 
 OperandGrid row_operand(const Config& config) {
-  if (config.perspective == Perspective::const_depth_rows) return pixel_operand(config);
+  if (has_plane_rows(config.perspective)) return pixel_operand(config);
   // x_r - x_l > 0 needs as many bits as x has, signed or not.
   const Format& x = config.format(FormatId::edge_x);
   return {x.word, x.fraction()};
@@ -96,7 +106,7 @@ RtlTiming rtl_timing(const Config& config) {
   t.row_unit = row_divides(config) ? 1 + row_divide_shape(config).iterations  // magnitude, quotient bits
                                    : reciprocal_latency(config.row_reciprocal, row_operand(config));
   t.span_setup = 1 + t.row_unit + 1 + 1;
-  if (config.perspective == Perspective::delta_f) {
+  if (has_pixel_reciprocal(config.perspective)) {
     if (!config.pixel_reciprocal.pipelined) {
       throw InputError(
           config.name +

@@ -2,6 +2,7 @@
 #include <charconv>
 #include <cstdio>
 
+#include "config/modes.hpp"
 #include "config/names.hpp"
 
 namespace bitspan {
@@ -65,12 +66,12 @@ class Writer {
 
 // Unused keys of a reciprocal's kind do not determine results.
 Reciprocal used_part(Reciprocal r) {
-  if (r.kind == ReciprocalKind::restoring) {
+  if (!has_table(r.kind)) {
     r.operand_bits = r.index_bits = r.table_bits = r.internal_bits = 0;
   } else {
     r.bits_per_cycle = 0;
   }
-  if (r.kind != ReciprocalKind::lut_newton) r.steps = 0;
+  if (!has_newton_steps(r.kind)) r.steps = 0;
   return r;
 }
 
@@ -156,7 +157,7 @@ std::string config_hash(const Config& config) {
   used.edge_reciprocal = used_part(config.edge_reciprocal);
   used.row_reciprocal = used_part(config.row_reciprocal);
   used.pixel_reciprocal = used_part(config.pixel_reciprocal);
-  if (config.fog != FogMode::table) {
+  if (!has_fog_table(config.fog)) {
     used.fog_depth_bits = Config().fog_depth_bits;
     used.fog_zone_bits = Config().fog_zone_bits;
   }

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 
 namespace bitspan {
@@ -42,14 +43,19 @@ std::vector<std::uint64_t> reciprocal_table(const Reciprocal& unit) {
   const auto rounded_quotient = [](Wide n, Wide d) {
     return static_cast<std::uint64_t>((2 * n + d) / (2 * d));
   };
-  if (unit.kind == ReciprocalKind::lut_linear) {
-    for (std::uint64_t i = 0; i <= entries; ++i) {  // x = i / 2^p
-      table.push_back(rounded_quotient(Wide{1} << (unit.table_bits + p), entries + i));
-    }
-  } else if (unit.kind == ReciprocalKind::lut_newton) {
-    for (std::uint64_t i = 0; i < entries; ++i) {  // x = (i + 1/2) / 2^p
-      table.push_back(rounded_quotient(Wide{1} << (unit.table_bits + p + 1), 2 * entries + 2 * i + 1));
-    }
+  switch (unit.kind) {
+    case ReciprocalKind::restoring:
+      break;
+    case ReciprocalKind::lut_linear:
+      for (std::uint64_t i = 0; i <= entries; ++i) {  // x = i / 2^p
+        table.push_back(rounded_quotient(Wide{1} << (unit.table_bits + p), entries + i));
+      }
+      break;
+    case ReciprocalKind::lut_newton:
+      for (std::uint64_t i = 0; i < entries; ++i) {  // x = (i + 1/2) / 2^p
+        table.push_back(rounded_quotient(Wide{1} << (unit.table_bits + p + 1), 2 * entries + 2 * i + 1));
+      }
+      break;
   }
   return table;
 }
@@ -136,7 +142,7 @@ std::string emit_sv(const Config& config) {
   const OperandGrid row = row_operand(config);
   check_operand(pixel, "reciprocal.pixel");
   check_operand(row, "reciprocal.row");
-  const bool const_rows = config.perspective == Perspective::const_depth_rows;
+  const bool const_rows = has_plane_rows(config.perspective);
   if (const_rows && config.format(FormatId::plane_k).fraction() < 1) {
     throw InputError("formats.plane.k: needs at least 1 fraction bit in the RTL");
   }
@@ -152,7 +158,7 @@ std::string emit_sv(const Config& config) {
   w.line("/* verilator lint_off UNUSED */");
   w.line("package bitspan_cfg_pkg;");
   w.integer("ConstDepthRows", const_rows ? 1 : 0);
-  w.integer("RowSlopeDivide", !const_rows && config.row_slope == SlopeForm::divide ? 1 : 0);
+  w.integer("RowSlopeDivide", !const_rows && !shares_reciprocal(config.row_slope) ? 1 : 0);
   w.integer("PixelIndexW", pixel_index_bits(config));
   w.integer("ExponentW", exponent_bits);
 

@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "config/modes.hpp"
+
 namespace bitspan {
 namespace {
 
@@ -246,12 +248,12 @@ class RangeCheck {
            "too coarse: B, " + number(b) + ", becomes " + number(b_) + "; legal: B > 0; " +
                fraction_needed(format(F::setup_b), [&](const Format& f) { return quantised(b, f) > 0; }));
     }
-    if (c_.depth_code == DepthCode::linear) {
+    if (is_linear_in_distance(c_.depth_code)) {
       add(F::depth_c1, hmax * b_ * s_max_ / (s_max_ - s_min_), kNoTriangle);
       add(F::depth_c0, b, kNoTriangle);
     }
-    if (scene_.fog && c_.fog == FogMode::linear) linear_fog();
-    if (!scene_.fog || c_.fog == FogMode::none) add(F::fog_factor, 1, kNoTriangle);
+    if (scene_.fog && is_linear_in_distance(c_.fog)) linear_fog();
+    if (!scene_.fog || !has_fog(c_.fog)) add(F::fog_factor, 1, kNoTriangle);
   }
 
   void linear_fog() {
@@ -282,7 +284,7 @@ class RangeCheck {
   void fixed_ranges() {
     const Interval h{0, b_ * (s_max_ - s_min_) / s_min_};
     const Interval setup = add_depth(F::setup_h, h, 0);
-    if (c_.perspective == Perspective::const_depth_rows) {
+    if (has_plane_rows(c_.perspective)) {
       add_depth(F::span_h, setup, 0);
     } else {
       const Real shift = offset(c_.start_offset.edge_h, format(F::edge_h));
@@ -352,7 +354,7 @@ class RangeCheck {
         c = q(F::setup_shade, c);
       }
     }
-    const bool planes = c_.perspective == Perspective::const_depth_rows;
+    const bool planes = has_plane_rows(c_.perspective);
     if (planes) {
       for (const Point& v : p) {
         for (const Real t : v.uv) add(F::plane_g, t * (v.h + b_), index);
@@ -386,7 +388,7 @@ class RangeCheck {
 
   void edge(const Point& a, const Point& b, int index) {
     if (!(b.y > a.y)) return;
-    const bool affine = c_.perspective == Perspective::affine;
+    const bool affine = has_linear_edges(c_.perspective);
     // Only the rows of the picture are walked.
     const Real from = std::max(a.y, Real{0.5L});
     const Real to = std::min(b.y, static_cast<Real>(scene_.height) - 0.5L);
@@ -412,7 +414,7 @@ class RangeCheck {
     }
     for (const Real y : {from, to}) {
       Real x = a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y);
-      if (c_.edge_walk == EdgeWalk::dda) {
+      if (has_x_step(c_)) {
         x += offset(c_.start_offset.edge_x, format(F::edge_x));
         add(F::edge_x_acc, x, index);
         x = q(F::edge_x_acc, x);
@@ -431,14 +433,14 @@ class RangeCheck {
       depth[n] = q(F::edge_h, h) + b_;
     }
     const auto [least, most] = std::minmax({t[0], t[1], t[2]});
-    if (c_.perspective == Perspective::affine) {
+    if (has_linear_edges(c_.perspective)) {
       linear_texture({least, most}, index);
       return;
     }
     add(F::span_uv, Interval{least, most}, index);
     // (u - u_l) q is linear on the screen for any fixed u_l in least..most, so it is extreme at a vertex; u q
     // too.
-    const bool hyperbolic = c_.perspective == Perspective::hyperbolic;
+    const bool hyperbolic = has_pixel_quotients(c_.perspective);
     Interval diff{hyperbolic ? t[0] * depth[0] : 0, hyperbolic ? t[0] * depth[0] : 0};
     for (std::size_t n = 0; n < 3; ++n) {
       diff.lo = std::min(diff.lo, (hyperbolic ? t[n] : t[n] - most) * depth[n]);

@@ -1,10 +1,11 @@
 #include "engine/records.hpp"
 
+#include "config/modes.hpp"
+
 namespace bitspan {
 
 std::optional<Format> format_of(const Field& field, const Config& config) {
-  const bool linear_uv =
-      config.perspective == Perspective::affine || config.perspective == Perspective::const_depth_rows;
+  const bool linear_uv = has_linear_texture(config.perspective);
   switch (field.kind) {
     case FieldKind::integer:
       return std::nullopt;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "config/modes.hpp"
 #include "golden/quantize.hpp"
 
 namespace bitspan::golden {
@@ -42,11 +43,11 @@ Constants make_constants(const Config& config, const Scene& scene) {
   Real c1 = 0;
   Real c0 = 0;
   Real fog_scale = 0;
-  if (config.depth_code == DepthCode::linear) {
+  if (is_linear_in_distance(config.depth_code)) {
     c1 = q_c1.quotient(hmax * b * s_max, range);
     c0 = q_c0.quotient(hmax * s_min, range);
   }
-  if (config.fog == FogMode::linear && scene.fog) {
+  if (is_linear_in_distance(config.fog) && scene.fog) {
     try {
       fog_scale = q_fog.quotient(b * s_max, Real(Quad(scene.fog->distance)) * normalise);
     } catch (const InexactError&) {

@@ -1,4 +1,4 @@
-// Stage `constants`: once a scene.
+// Stage `constants`: computed once per scene.
 #pragma once
 
 #include "config/config.hpp"

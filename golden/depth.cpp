@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "config/modes.hpp"
 #include "golden/lanes.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/with_real.hpp"
@@ -44,27 +45,44 @@ class Depth {
       if (!quick(records)) {
         for (DepthRecord& record : records) code(record);
       }
-      for (DepthRecord& record : records) {
-        record.pass =
-            code_ == DepthCode::inverse ? passes(record.stored, record.z) : passes(record.z, record.stored);
-      }
+      for (DepthRecord& record : records) record.pass = passes(record.z, record.stored) ? 1 : 0;
     }
   }
 
  private:
-  static std::int64_t passes(std::int64_t below, std::int64_t above) { return above > below ? 1 : 0; }
+  // Whether the code z belongs to a nearer point than `other`.
+  bool nearer(std::int64_t z, std::int64_t other) const {
+    switch (code_) {
+      case DepthCode::inverse:
+        return z > other;
+      case DepthCode::linear:
+      case DepthCode::opengl:
+        return z < other;
+    }
+    unreachable();
+  }
+  // The depth comparison.
+  bool passes(std::int64_t z, std::int64_t stored) const { return nearer(z, stored); }
 
   // The codes of all, or false with the records as they were.
   bool quick(std::span<DepthRecord> records) const {
     if constexpr (std::same_as<Real, double>) {
-      if (!quick_z_.usable || code_ == DepthCode::linear) return false;
+      if (!quick_z_.usable) return false;
       Column h;  // NOLINT(cppcoreguidelines-pro-type-member-init): the lanes in use are set
       const std::size_t n = records.size();
       for (std::size_t i = 0; i < n; ++i) h.at[i] = static_cast<double>(records[i].z);
       const double scale = q_h_.ulp() / q_z_.ulp();
-      const std::int64_t bad = code_ == DepthCode::inverse
-                                   ? lanes_narrow(h, scale, quick_z_, n, h)
-                                   : lanes_narrow_less(z_max_ / q_z_.ulp(), h, scale, quick_z_, n, h);
+      std::int64_t bad = 0;
+      switch (code_) {
+        case DepthCode::inverse:
+          bad = lanes_narrow(h, scale, quick_z_, n, h);
+          break;
+        case DepthCode::opengl:
+          bad = lanes_narrow_less(z_max_ / q_z_.ulp(), h, scale, quick_z_, n, h);
+          break;
+        case DepthCode::linear:
+          return false;
+      }
       if (bad != 0) return false;
       for (std::size_t i = 0; i < n; ++i) records[i].z = static_cast<std::int64_t>(h.at[i]);
       return true;
@@ -107,7 +125,14 @@ DepthStage make_depth(Arithmetic arithmetic, const Config& config, const Constan
 }
 
 std::int64_t clear_depth(const Config& config) {
-  return config.depth_code == DepthCode::inverse ? 0 : (std::int64_t{1} << config.depth_bits) - 1;
+  switch (config.depth_code) {
+    case DepthCode::inverse:
+      return 0;
+    case DepthCode::linear:
+    case DepthCode::opengl:
+      return (std::int64_t{1} << config.depth_bits) - 1;
+  }
+  unreachable();
 }
 
 }  // namespace bitspan::golden

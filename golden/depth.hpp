@@ -11,13 +11,13 @@
 
 namespace bitspan::golden {
 
-// Fragments of one triangle, so each at a pixel of its own, and the picture's stored codes, `width` a row.
-// Appends a record for each covered one.
+// Takes fragments of one triangle, so each at a pixel of its own, and the picture's stored codes, `width` per
+// row. Appends a record for each covered fragment.
 using DepthStage = std::function<void(std::span<const FragmentRecord>, std::span<const std::uint32_t> stored,
                                       int width, std::vector<DepthRecord>& out)>;
 DepthStage make_depth(Arithmetic arithmetic, const Config& config, const Constants& constants);
 
-// What the depth buffer holds before the first fragment.
+// Returns the code that the depth buffer holds before the first fragment.
 std::int64_t clear_depth(const Config& config);
 
 }  // namespace bitspan::golden

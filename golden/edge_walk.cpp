@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "config/modes.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
@@ -44,10 +45,9 @@ class EdgeWalker {
         q_shade_(config.format(FormatId::edge_shade)),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         pixel_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::edge_h)),
-        dda_(config.edge_walk == EdgeWalk::dda),
-        multiply_(config.dda_update == DdaUpdate::multiply),
-        affine_(config.perspective == Perspective::affine),
-        inclusive_(config.fill_rule == FillRule::inclusive) {
+        edge_x_(edge_x_of(config)),
+        linear_(has_linear_edges(config.perspective)),
+        fill_rule_(config.fill_rule) {
     const StartOffsets& offset = config.start_offset;
     const auto f = [&](FormatId id) { return config.format(id); };
     start_x_ = Start(offset.edge_x, f(FormatId::edge_x));
@@ -62,8 +62,7 @@ class EdgeWalker {
                                               vertex_.load(triangle, 2)};
     const std::int64_t first = first_row(v[0].y);
     const Whole<Real> end = whole_of(v[2].y);
-    const Real below = inclusive_ ? floor_less_half(end) : ceil_less_half(end) - 1;
-    const std::int64_t last = std::min<std::int64_t>(height_ - 1, to_integer(below));
+    const std::int64_t last = std::min<std::int64_t>(height_ - 1, to_integer(last_before(end)));
     if (first > last) return;
 
     std::array<Edge<Real>, 3> edges;
@@ -97,6 +96,16 @@ class EdgeWalker {
   static std::int64_t first_row(Real y) {
     return std::max<std::int64_t>(0, to_integer(ceil_less_half(whole_of(y))));
   }
+  // The last row or pixel whose centre is covered in front of an edge at `end`.
+  Real last_before(const Whole<Real>& end) const {
+    switch (fill_rule_) {
+      case FillRule::top_left:
+        return ceil_less_half(end) - 1;
+      case FillRule::inclusive:
+        return floor_less_half(end);
+    }
+    unreachable();
+  }
   static Real below(const Edge<Real>& edge, std::int64_t y) { return (Real(y) + Real(0.5)) - edge.from.y; }
 
   Edge<Real> load(const EdgeRecord& record, const VertexValues<Real>& from,
@@ -117,12 +126,12 @@ class EdgeWalker {
   void begin(Edge<Real>& edge, std::int64_t y) const {
     const Real t = below(edge, y);
     edge.h_acc = start_h_(q_h_acc_, edge.from.h, edge.h_step, t);
-    edge.fu = start_f_(q_f_, affine_ ? edge.from.u : Real(0), edge.fu_step, t);
-    edge.fv = start_f_(q_f_, affine_ ? edge.from.v : Real(0), edge.fv_step, t);
+    edge.fu = start_f_(q_f_, linear_ ? edge.from.u : Real(0), edge.fu_step, t);
+    edge.fv = start_f_(q_f_, linear_ ? edge.from.v : Real(0), edge.fv_step, t);
     for (std::size_t i = 0; i < channels; ++i) {
       edge.acc[i] = start_shade_(q_shade_acc_, edge.from.c[i], edge.step[i], t);
     }
-    if (dda_) edge.x_acc = start_x_(q_x_acc_, edge.from.x, edge.x_step, t);
+    if (has_x_step(edge_x_)) edge.x_acc = start_x_(q_x_acc_, edge.from.x, edge.x_step, t);
   }
 
   void step(Edge<Real>& edge, std::int64_t y) const {
@@ -130,9 +139,16 @@ class EdgeWalker {
     edge.fu = q_f_.sum(edge.fu, edge.fu_step);
     edge.fv = q_f_.sum(edge.fv, edge.fv_step);
     for (std::size_t i = 0; i < channels; ++i) edge.acc[i] = q_shade_acc_.sum(edge.acc[i], edge.step[i]);
-    if (!dda_) return;
-    edge.x_acc = multiply_ ? start_x_(q_x_acc_, edge.from.x, edge.x_step, below(edge, y))
-                           : q_x_acc_.sum(edge.x_acc, edge.x_step);
+    switch (edge_x_) {
+      case EdgeX::quotient:
+        break;
+      case EdgeX::summed:
+        edge.x_acc = q_x_acc_.sum(edge.x_acc, edge.x_step);
+        break;
+      case EdgeX::multiplied:
+        edge.x_acc = start_x_(q_x_acc_, edge.from.x, edge.x_step, below(edge, y));
+        break;
+    }
   }
 
   // X dy of an exact edge: X is this over dy.
@@ -140,7 +156,7 @@ class EdgeWalker {
     return edge.from.x * edge.dy + edge.dx * below(edge, y);
   }
   Whole<Real> position(const Edge<Real>& edge, std::int64_t y) const {
-    return dda_ ? whole_of(edge.x_acc) : whole_of_quotient(exact_numerator(edge, y), edge.dy);
+    return has_x_step(edge_x_) ? whole_of(edge.x_acc) : whole_of_quotient(exact_numerator(edge, y), edge.dy);
   }
 
   struct EndValues {
@@ -150,9 +166,9 @@ class EdgeWalker {
   };
   EndValues end_values(const Edge<Real>& edge, std::int64_t y) const {
     EndValues out;
-    out.x = dda_ ? q_x_(edge.x_acc) : q_x_.quotient(exact_numerator(edge, y), edge.dy);
+    out.x = has_x_step(edge_x_) ? q_x_(edge.x_acc) : q_x_.quotient(exact_numerator(edge, y), edge.dy);
     out.h = q_h_(edge.h_acc);
-    if (affine_) {
+    if (linear_) {
       out.u = q_uv_(edge.fu);
       out.v = q_uv_(edge.fv);
     } else {
@@ -166,8 +182,7 @@ class EdgeWalker {
 
   void row(std::int64_t triangle, std::int64_t y, const Edge<Real>& left, const Edge<Real>& right,
            std::vector<RowRecord>& rows) const {
-    const Whole<Real> right_end = position(right, y);
-    const Real last = inclusive_ ? floor_less_half(right_end) : ceil_less_half(right_end) - 1;
+    const Real last = last_before(position(right, y));
     const std::int64_t x_first = std::max<std::int64_t>(0, to_integer(ceil_less_half(position(left, y))));
     const std::int64_t x_last = std::min<std::int64_t>(width_ - 1, to_integer(last));
     if (x_first > x_last) return;
@@ -214,7 +229,9 @@ class EdgeWalker {
       q_shade_acc_, q_shade_;
   Real b_;
   ReciprocalUnit<Real> pixel_;
-  bool dda_, multiply_, affine_, inclusive_;
+  EdgeX edge_x_;
+  bool linear_;  // edges carry u and v themselves
+  FillRule fill_rule_;
   Start start_x_, start_h_, start_f_, start_shade_;
 };
 

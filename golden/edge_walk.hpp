@@ -1,4 +1,4 @@
-// Stage `edge_walk`: a triangle's edges to its rows; the modes with horizontal rows.
+// Stage `edge_walk`: makes rows from a triangle's edges, in the modes with horizontal rows.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace bitspan::golden {
 
-// (triangle, its edges that have height, where its rows are appended)
+// Takes a triangle and its edges that have height; appends the rows to the last argument.
 using EdgeWalkStage =
     std::function<void(const SetupRecord&, std::span<const EdgeRecord>, std::vector<RowRecord>&)>;
 EdgeWalkStage make_edge_walk(Arithmetic arithmetic, const Config& config, const Constants& constants,

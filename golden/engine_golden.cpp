@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "config/modes.hpp"
 #include "golden/depth.hpp"
 #include "golden/edge_walk.hpp"
 #include "golden/fog.hpp"
@@ -71,7 +72,7 @@ class GoldenEngine final : public Engine {
 
  private:
   Arithmetic with(Width width) const { return {width, checked_}; }
-  bool by_planes() const { return config_.perspective == Perspective::const_depth_rows; }
+  bool by_planes() const { return has_plane_rows(config_.perspective); }
 
   void draw_one(const Triangle& triangle, std::int64_t index, Trace& out) {
     ++counters_.triangles;
@@ -95,9 +96,9 @@ class GoldenEngine final : public Engine {
     std::array<EdgeRecord, 3> edges;
     const int edge_count = edge_setup_(setup, edges);
     const std::span<const EdgeRecord> with_height(edges.data(), static_cast<std::size_t>(edge_count));
-    const int slopes = config_.edge_walk == EdgeWalk::dda ? 8 : 7;
+    const int slopes = has_x_step(config_) ? 8 : 7;
     counters_.divides_edge +=
-        static_cast<std::uint64_t>(edge_count * (config_.edge_slope == SlopeForm::reciprocal ? 1 : slopes));
+        static_cast<std::uint64_t>(edge_count * (shares_reciprocal(config_.edge_slope) ? 1 : slopes));
     out.edge.insert(out.edge.end(), with_height.begin(), with_height.end());
 
     const std::size_t first_row = out.row.size();
@@ -106,8 +107,8 @@ class GoldenEngine final : public Engine {
     for (std::size_t i = first_row; i < out.row.size(); ++i) {
       const RowRecord& row = out.row[i];
       ++counters_.rows;
-      if (config_.perspective != Perspective::affine) counters_.divides_edge += 2;
-      if (row.r_x > row.l_x) counters_.divides_row += config_.row_slope == SlopeForm::reciprocal ? 1 : 7;
+      if (!has_linear_edges(config_.perspective)) counters_.divides_edge += 2;
+      if (row.r_x > row.l_x) counters_.divides_row += shares_reciprocal(config_.row_slope) ? 1 : 7;
       out.span.push_back(span_setup_(row));
     }
     draw_spans(first_span, nullptr, texture, out);
@@ -140,8 +141,8 @@ class GoldenEngine final : public Engine {
       const auto flags = plane != nullptr ? covered.first(count) : std::span<const std::uint8_t>();
       span_(spans.subspan(begin, i + 1 - begin), plane, flags, out.fragment);
       counters_.fragments += count;
-      if (config_.perspective == Perspective::delta_f) counters_.divides_pixel += count;
-      if (config_.perspective == Perspective::hyperbolic) counters_.divides_pixel += 2 * count;
+      if (has_pixel_reciprocal(config_.perspective)) counters_.divides_pixel += count;
+      if (has_pixel_quotients(config_.perspective)) counters_.divides_pixel += 2 * count;
       draw_fragments(texture, out);
       if (plane != nullptr) covered = covered.subspan(count);
       begin = i + 1;

@@ -8,16 +8,16 @@
 
 namespace bitspan {
 
-// Whether make_golden verifies every sum and product: in builds with assertions and under a sanitizer.
+// Says whether make_golden verifies every sum and product: in builds with assertions and under a sanitizer.
 bool golden_checks_by_default();
 
 // Throws InputError where the configuration asks for more than 113 significant bits.
 std::unique_ptr<Engine> make_golden(const Config& config);
 
-// The same, verifying every sum and product (slow), or not.
+// Does the same, and verifies every sum and product (slow) where `checked` is set.
 std::unique_ptr<Engine> make_golden(const Config& config, bool checked);
 
-// The same with types of the caller's choice, to show what they do; exact only where they have the bits.
+// Does the same with types of the caller's choice, to show what they do; exact only where they have the bits.
 std::unique_ptr<Engine> make_golden(const Config& config, const golden::Precision& precision, bool checked);
 
 }  // namespace bitspan

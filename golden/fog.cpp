@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "config/modes.hpp"
 #include "golden/lanes.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/values.hpp"
@@ -36,7 +37,7 @@ class Fogging {
     if (scene.fog) {
       for (std::size_t i = 0; i < 3; ++i) fog_[i] = Real(scene.fog->color[i]);
     }
-    if (mode_ == FogMode::table) table_ = fog_table(config, constants, scene);
+    if (has_fog_table(mode_)) table_ = fog_table(config, constants, scene);
   }
 
   void operator()(std::span<const FragmentRecord* const> fragments,
@@ -61,21 +62,25 @@ class Fogging {
  private:
   void set_factor(const FragmentRecord& fragment, FogRecord& out) const {
     out.index = -1;
-    if (mode_ == FogMode::none) {
-      out.factor = no_fog_;
-      return;
-    }
     const Real h = q_h_.value(fragment.h);
-    if (mode_ == FogMode::linear) {
-      const Inverse<Real> inverse = unit_(h + b_);
-      out.recip_m = unit_.raw(inverse.m);
-      out.recip_e = inverse.e;
-      out.factor = q_factor_.raw(q_factor_.sum(-inverse.times(scale_), Real(1)));
-    } else {
-      const Real top = floor_of(h * depth_step_);
-      const std::int64_t hi = top < 0 ? 0 : top >= depth_steps_ ? depth_steps_ - 1 : to_integer(top);
-      out.index = hi * zones_ + zone(fragment.x, fragment.y);
-      out.factor = table_[static_cast<std::size_t>(out.index)];
+    switch (mode_) {
+      case FogMode::none:
+        out.factor = no_fog_;
+        break;
+      case FogMode::linear: {
+        const Inverse<Real> inverse = unit_(h + b_);
+        out.recip_m = unit_.raw(inverse.m);
+        out.recip_e = inverse.e;
+        out.factor = q_factor_.raw(q_factor_.sum(-inverse.times(scale_), Real(1)));
+        break;
+      }
+      case FogMode::table: {
+        const Real top = floor_of(h * depth_step_);
+        const std::int64_t hi = top < 0 ? 0 : top >= depth_steps_ ? depth_steps_ - 1 : to_integer(top);
+        out.index = hi * zones_ + zone(fragment.x, fragment.y);
+        out.factor = table_[static_cast<std::size_t>(out.index)];
+        break;
+      }
     }
   }
 
@@ -83,7 +88,7 @@ class Fogging {
     const std::array<Real, 3> in{q_in_.value(texture.r), q_in_.value(texture.g), q_in_.value(texture.b)};
     const Real factor = q_factor_.value(out.factor);
     const auto toward = [&](std::size_t i) {
-      if (mode_ == FogMode::none) return q_color_.raw(q_color_(in[i]));
+      if (!has_fog(mode_)) return q_color_.raw(q_color_(in[i]));
       return q_color_.raw(q_color_.sum(fog_[i], (in[i] - fog_[i]) * factor));
     };
     out.r = toward(0);
@@ -105,10 +110,9 @@ class Fogging {
       for (std::size_t c = 0; c < 3; ++c) {
         for (std::size_t i = 0; i < n; ++i) color[c].at[i] = q_in_.value(textures[i]->*in[c]);
         std::fill_n(static_cast<double*>(base.at), n, fog_[c]);
-        const std::int64_t bad = mode_ == FogMode::none
-                                     ? lanes_narrow(color[c], scale, quick_color_, n, color[c])
-                                     : lanes_narrow_toward(base, color[c], factor, q_factor_.ulp(), never,
-                                                           scale, quick_color_, n, color[c]);
+        const std::int64_t bad = has_fog(mode_) ? lanes_narrow_toward(base, color[c], factor, q_factor_.ulp(),
+                                                                      never, scale, quick_color_, n, color[c])
+                                                : lanes_narrow(color[c], scale, quick_color_, n, color[c]);
         if (bad != 0) return false;
       }
       for (std::size_t c = 0; c < 3; ++c) {

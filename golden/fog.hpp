@@ -1,4 +1,4 @@
-// Stage `fog`: a fragment's colour toward the fog's. [F2, F3]
+// Stage `fog`: moves a fragment's colour toward the fog's. [F2, F3]
 #pragma once
 
 #include <functional>
@@ -12,13 +12,14 @@
 
 namespace bitspan::golden {
 
-// (fragments, the texture stage's record of each); appends a record for each.
+// Takes fragments and the texture stage's record of each; appends a record for each.
 using FogStage = std::function<void(std::span<const FragmentRecord* const>,
                                     std::span<const TextureRecord* const>, std::vector<FogRecord>& out)>;
 FogStage make_fog(Arithmetic arithmetic, const Config& config, const Constants& constants,
                   const Scene& scene);
 
-// The fog table's raw entries on fog.factor, those of a depth step side by side. The scene has fog. [F2]
+// Returns the fog table's raw entries on fog.factor; the entries of one depth step are adjacent. The scene
+// has fog. [F2]
 std::vector<std::int64_t> fog_table(const Config& config, const Constants& constants, const Scene& scene);
 
 }  // namespace bitspan::golden

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "config/modes.hpp"
 #include "golden/quantize.hpp"
 
 namespace bitspan {
@@ -43,7 +44,7 @@ Areas areas_at(const IdealTriangle& t, Point p) {
 bool on_inner_side(Wide part, Wide whole, Point a, Point b, FillRule rule) {
   const bool positive = whole > 0;
   if (part != 0) return (part > 0) == positive;
-  if (rule == FillRule::inclusive) return true;
+  if (owns_every_edge(rule)) return true;
   // The centre lies on the edge: inside on a left edge, or on a top one. The distance to the inner side grows
   // with x by (a.y - b.y) and with y by (b.x - a.x), in a triangle of positive area.
   const std::int64_t right = positive ? a.y - b.y : b.y - a.y;
@@ -113,24 +114,29 @@ class Sampler {
   // Gives false where the transparent code kills the fragment.
   bool sample(double u, double v, Texel& out) const {
     const std::size_t nearest = at(std::floor(u), std::floor(v));
-    out = texel(nearest);
-    if (config_.filter == TextureFilter::bilinear) {
-      const double left = std::floor(u - 0.5);
-      const double top = std::floor(v - 0.5);
-      const double ex = u - 0.5 - left;
-      const double ey = v - 0.5 - top;
-      const auto visible = [&](double i, double j) {
-        const std::size_t own = at(i, j);
-        return texel(reserved(own) ? nearest : own);
-      };
-      const Texel v1 = visible(left, top);
-      const Texel v2 = visible(left, top + 1);
-      const Texel v3 = visible(left + 1, top + 1);
-      const Texel v4 = visible(left + 1, top);
-      for (std::size_t c = 0; c < out.size(); ++c) {
-        const double v5 = v1[c] * (1 - ex) + v4[c] * ex;
-        const double v6 = v2[c] * (1 - ex) + v3[c] * ex;
-        out[c] = v5 * (1 - ey) + v6 * ey;
+    switch (config_.filter) {
+      case TextureFilter::nearest:
+        out = texel(nearest);
+        break;
+      case TextureFilter::bilinear: {
+        const double left = std::floor(u - 0.5);
+        const double top = std::floor(v - 0.5);
+        const double ex = u - 0.5 - left;
+        const double ey = v - 0.5 - top;
+        const auto visible = [&](double i, double j) {
+          const std::size_t own = at(i, j);
+          return texel(reserved(own) ? nearest : own);
+        };
+        const Texel v1 = visible(left, top);
+        const Texel v2 = visible(left, top + 1);
+        const Texel v3 = visible(left + 1, top + 1);
+        const Texel v4 = visible(left + 1, top);
+        for (std::size_t c = 0; c < out.size(); ++c) {
+          const double v5 = v1[c] * (1 - ex) + v4[c] * ex;
+          const double v6 = v2[c] * (1 - ex) + v3[c] * ex;
+          out[c] = v5 * (1 - ey) + v6 * ey;
+        }
+        break;
       }
     }
     return !reserved(nearest);
@@ -138,9 +144,15 @@ class Sampler {
 
  private:
   std::size_t wrapped(double i, int size) const {
-    if (config_.wrap == TextureWrap::clamp) return static_cast<std::size_t>(std::clamp(i, 0.0, size - 1.0));
-    const double rest = std::fmod(i, size);
-    return static_cast<std::size_t>(rest < 0 ? rest + size : rest);
+    switch (config_.wrap) {
+      case TextureWrap::clamp:
+        return static_cast<std::size_t>(std::clamp(i, 0.0, size - 1.0));
+      case TextureWrap::cyclic: {
+        const double rest = std::fmod(i, size);
+        return static_cast<std::size_t>(rest < 0 ? rest + size : rest);
+      }
+    }
+    unreachable();
   }
   // Of the texel's first byte.
   std::size_t at(double i, double j) const {
@@ -161,32 +173,44 @@ class Sampler {
 };
 
 double fog_factor(const Config& config, const Scene& scene, const IdealPoint& p) {
-  if (!scene.fog || config.fog == FogMode::none) return 1;
+  if (!scene.fog) return 1;
   const double distance = scene.fog->distance;
-  if (config.fog == FogMode::linear) return std::clamp(1 - p.s / distance, 0.0, 1.0);
-  const double x = p.x - scene.width / 2.0;
-  const double y = p.y - scene.height / 2.0;
-  return std::exp(-p.s * std::sqrt(1 + (x * x + y * y) / (scene.focal * scene.focal)) / distance);
+  switch (config.fog) {
+    case FogMode::none:
+      return 1;
+    case FogMode::linear:
+      return std::clamp(1 - p.s / distance, 0.0, 1.0);
+    case FogMode::table: {
+      const double x = p.x - scene.width / 2.0;
+      const double y = p.y - scene.height / 2.0;
+      return std::exp(-p.s * std::sqrt(1 + (x * x + y * y) / (scene.focal * scene.focal)) / distance);
+    }
+  }
+  unreachable();
 }
 
-double configured_code(const Config& config, const Scene& scene, const IdealPoint& p) {
+// The code of h at distance s, before rounding.
+double configured_code(const Config& config, const Scene& scene, double h, double s) {
   const auto z_max = static_cast<double>(h_max(config));
   switch (config.depth_code) {
     case DepthCode::inverse:
-      break;
+      return h;
     case DepthCode::opengl:
-      return z_max - p.h;
+      return z_max - h;
     case DepthCode::linear:
-      return z_max * (p.s - scene.s_min) / (scene.s_max - scene.s_min);
+      return z_max * (s - scene.s_min) / (scene.s_max - scene.s_min);
   }
-  return p.h;
+  unreachable();
 }
+
+// The depth comparison. h falls with distance, whatever the depth code is.
+bool passes(double h, double stored_h) { return h > stored_h; }
 
 IdealFragment shade(const Config& config, const Scene& scene, const IdealTriangle& t,
                     const IdealPoint& point) {
   IdealFragment out;
   out.point = point;
-  out.z = configured_code(config, scene, point);
+  out.z = configured_code(config, scene, point.h, point.s);
   out.texel = {255, 255, 255, 1};
   if (t.texture >= 0) {
     const Texture& texture = scene.textures.at(static_cast<std::size_t>(t.texture));
@@ -221,7 +245,7 @@ class IdealEngine final : public Engine {
     const auto pixels = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height);
     clear_frame(frame_, scene.width, scene.height, scene.background, 0);
     h_.assign(pixels, 0);
-    z_.assign(pixels, config_.depth_code == DepthCode::inverse ? 0 : static_cast<double>(h_max(config_)));
+    z_.assign(pixels, configured_code(config_, scene, 0, scene.s_max));
     color_.assign(pixels,
                   {double(scene.background[0]), double(scene.background[1]), double(scene.background[2])});
     stale_ = true;
@@ -287,7 +311,7 @@ class IdealEngine final : public Engine {
     ++counters_.covered;
     const auto i = static_cast<std::size_t>(y * frame_.width + x);
     const IdealPoint point = point_at_centre(config_, *scene_, t, areas, x, y);
-    if (!(point.h > h_[i])) return;
+    if (!passes(point.h, h_[i])) return;
     ++counters_.depth_passed;
     const IdealFragment fragment = shade(config_, *scene_, t, point);
     if (fragment.killed) {

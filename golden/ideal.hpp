@@ -1,9 +1,10 @@
-// The truth that errors are measured from: docs/numeric-spec.md, "ideal". Closed form at each point, not
-// incremental; nothing is quantised but the vertices' positions, which are the hardware's input.
+// The truth that errors are measured from; docs/numeric-spec.md, "ideal". It is a closed form at each point,
+// not incremental. Only the vertices' positions are quantised, since they are the hardware's input.
 //
-// Of the configuration only the snap (raster), the fill rule, the depth code, the texture's filter, wrap and
-// transparent colour and the fog's mode are read. Perspective is always correct, whatever mode the hardware
-// has. Computed in long double (64 significant bits) from exact integer areas, delivered as double.
+// The configuration decides only the snap (raster), the fill rule, the depth code, the texture's filter, wrap
+// and transparent colour, and the fog's mode. Perspective is always correct, whatever mode the hardware has.
+// The values are computed in long double (64 significant bits) from exact integer areas, and delivered as
+// double.
 #pragma once
 
 #include <array>
@@ -30,10 +31,10 @@ struct IdealTriangle {
   int texture = -1;
 };
 
-// None where the snapped triangle has no area.
+// Returns none where the snapped triangle has no area.
 std::optional<IdealTriangle> ideal_triangle(const Config& config, const Triangle& triangle);
 
-// Is the centre of pixel (x, y) inside? Exact, by three signed areas; independent of any walk.
+// Says whether the centre of pixel (x, y) is inside. Exact, by three signed areas; independent of any walk.
 bool ideal_covers(const Config& config, const IdealTriangle& triangle, std::int64_t x, std::int64_t y);
 
 // The surface's values at a point of the picture.
@@ -45,13 +46,14 @@ struct IdealPoint {
   std::array<double, 4> shade{};  // red, green, blue, alpha, 0..1
 };
 
-// Anywhere on the triangle's plane in front of the eye.
+// Returns the values anywhere on the triangle's plane in front of the eye.
 IdealPoint ideal_point(const Config& config, const Scene& scene, const IdealTriangle& triangle, double x,
                        double y);
-// Where edge (0: vertex 0 to 2, 1: 0 to 1, 2: 1 to 2) crosses the centre of row y; the edge has height.
+// Returns the values where edge (0: vertex 0 to 2, 1: 0 to 1, 2: 1 to 2) crosses the centre of row y; the
+// edge has height.
 IdealPoint ideal_on_edge(const Config& config, const Scene& scene, const IdealTriangle& triangle, int edge,
                          std::int64_t y);
-// At vertex 0, 1 or 2.
+// Returns the values at vertex 0, 1 or 2.
 IdealPoint ideal_at_vertex(const Config& config, const Scene& scene, const IdealTriangle& triangle,
                            int vertex);
 
@@ -67,12 +69,12 @@ struct IdealFragment {
   bool killed = false;             // by the transparent code or alpha 0
 };
 
-// The values are those of the triangle's plane; coverage is not asked.
+// Returns the values of the triangle's plane at pixel (x, y), whether the triangle covers it or not.
 IdealFragment ideal_at(const Config& config, const Scene& scene, const IdealTriangle& triangle,
                        std::int64_t x, std::int64_t y);
 
-// Draws with the above. It has no registers, so it appends nothing to a trace, and of the counters it fills
-// triangles, degenerate, fragments, covered, depth_passed, killed and written.
+// Makes an engine that draws with the functions above. It has no registers, so it appends nothing to a trace.
+// It fills these counters: triangles, degenerate, fragments, covered, depth_passed, killed and written.
 std::unique_ptr<Engine> make_ideal(const Config& config);
 
 }  // namespace bitspan

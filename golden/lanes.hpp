@@ -1,10 +1,10 @@
 // Q over columns of values, in double: the quick form of what Quantizer<double> does to one value at a time.
 //
 // Each function is one loop without a branch, so that the compiler makes vectors of it. It computes what
-// Quantizer would, by the same error-free sums and products, and counts the lanes where that does not hold
-// (a lost bit, a value beyond the quick floor, an overflow that is not a saturation); where it counts any,
-// the caller takes the batch through Quantizer. So a column is exact or not used, and nothing here decides
-// what a configuration may be.
+// Quantizer would, by the same error-free sums and products. It counts the lanes where that does not hold: a
+// lost bit, a value beyond the quick floor, an overflow that is not a saturation. Where it counts any, the
+// caller takes the batch through Quantizer. So a column is exact or not used, and nothing here decides what a
+// configuration may be.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace bitspan::golden {
 
-inline constexpr std::size_t lanes = 256;  // of a column
+inline constexpr std::size_t lanes = 256;  // values per column
 
 struct alignas(64) Column {
   double at[lanes];
@@ -31,8 +31,8 @@ struct LaneFormat {
   explicit LaneFormat(const Format& format);
 };
 
-// The functions below write out[0..n), n <= lanes, and return the number of lanes that do not hold. Results
-// are in ulps, integers. Scales are powers of two that bring the operand to ulps.
+// The functions below write out[0..n), n <= lanes, and return the number of lanes that do not hold. The
+// results are integers, in ulps. Scales are powers of two that bring the operand to ulps.
 
 // Q(x scale)
 std::int64_t lanes_narrow(const Column& x, double scale, const LaneFormat& q, std::size_t n, Column& out);
@@ -58,7 +58,7 @@ std::int64_t lanes_narrow_quotient(const Column& a, const Column& d, double scal
 
 // x = x slope + constant, exactly; what is not above 0 becomes least.
 void lanes_operand(const Column& x, double slope, double constant, double least, std::size_t n, Column& out);
-// d = m 2^e, 1 <= m < 2, of normal d > 0: m, 2^-e and e.
+// Splits normal d > 0 as d = m 2^e, 1 <= m < 2, into m, 2^-e and e.
 void lanes_split(const Column& d, std::size_t n, Column& m, Column& inverse_power, std::int64_t* e);
 // floor(x scale) ulp
 void lanes_cut(const Column& x, double scale, double ulp, std::size_t n, Column& out);

@@ -1,4 +1,4 @@
-// Stage `merge`: a fragment blended into the stored colour. [T5]
+// Stage `merge`: blends a fragment into the stored colour. [T5]
 #pragma once
 
 #include <functional>
@@ -10,8 +10,8 @@
 
 namespace bitspan::golden {
 
-// (fog's colours, texture's alphas, depth's codes, the picture's RGBA, `width` pixels a row). Appends a
-// record for each fragment, all of them of one triangle; the picture stays as it is.
+// Takes the colours of fog, the alphas of texture, the codes of depth and the picture's RGBA, `width` pixels
+// per row. Appends a record for each fragment, all of them of one triangle. The picture stays as it is.
 using MergeStage = std::function<void(
     std::span<const FogRecord>, std::span<const TextureRecord* const>, std::span<const DepthRecord* const>,
     std::span<const std::uint8_t> stored, int width, std::vector<MergeRecord>& out)>;

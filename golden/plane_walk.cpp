@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "config/modes.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
@@ -52,8 +53,8 @@ class PlaneWalker {
         phase_scale_(pow2<Real>(config.format(FormatId::plane_k).fraction())),
         offset_shade_(
             start_offset<Real>(config.start_offset.span_shade, config.format(FormatId::span_shade))),
-        inclusive_(config.fill_rule == FillRule::inclusive),
-        ideal_line_(config.numerator == Numerator::ideal_line) {}
+        inclusive_(owns_every_edge(config.fill_rule)),
+        ideal_line_(is_on_ideal_line(config.numerator)) {}
 
   void operator()(const SetupRecord& triangle, PlaneRows& out) const {
     out.rows.clear();

@@ -1,4 +1,4 @@
-// Stage `plane_walk`: a triangle to its rows of constant depth; const_depth_rows only. [N1, N2]
+// Stage `plane_walk`: makes rows of constant depth from a triangle; const_depth_rows only. [N1, N2]
 #pragma once
 
 #include <functional>
@@ -15,8 +15,9 @@ struct PlaneRows {
   std::vector<PlaneRowRecord> rows;
   std::vector<std::uint8_t> covered;  // 1 or 0 for each walked pixel, row after row
 
-  // The stage's own, kept from triangle to triangle. The covered pixels of one column of the major axis
-  // (minor coordinates first..last, none where first > last) and the digital line there; a row's columns.
+  // The stage works in these and keeps them from triangle to triangle. A Column holds the covered pixels of
+  // one column of the major axis (minor coordinates first..last, none where first > last) and the digital
+  // line there. An Extent holds the first and last column of a row.
   struct Column {
     std::int64_t first, last, line;
   };
@@ -27,7 +28,7 @@ struct PlaneRows {
   std::vector<Extent> extents;
 };
 
-// Replaces what `out` held.
+// Takes a triangle and replaces what `out` held.
 using PlaneWalkStage = std::function<void(const SetupRecord&, PlaneRows& out)>;
 PlaneWalkStage make_plane_walk(Arithmetic arithmetic, const Config& config, const Constants& constants,
                                int width, int height);

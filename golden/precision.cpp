@@ -5,6 +5,7 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "config/modes.hpp"
 #include "golden/quantize.hpp"
 #include "golden/values.hpp"
 
@@ -140,10 +141,13 @@ class StageNeeds {
   // Slope(n, d, form, R, name).
   void slope(const std::string& expression, Range n, Range d, SlopeForm form, const InverseRange& inverse,
              const Format& out) {
-    if (form == SlopeForm::divide) {
-      q_quotient(expression + " / d", n, d, out.fraction());
-    } else {
-      q_product(expression + " * m", inverse.times(n), out);
+    switch (form) {
+      case SlopeForm::divide:
+        q_quotient(expression + " / d", n, d, out.fraction());
+        break;
+      case SlopeForm::reciprocal:
+        q_product(expression + " * m", inverse.times(n), out);
+        break;
     }
   }
 
@@ -152,30 +156,33 @@ class StageNeeds {
     const Range m = reg(name + " m", unit.output);
     InverseRange out{m, 0, 0};
     const Range n{d.lo - d.hi, 1};  // normalised at the largest e
-    Range y{-unit.output.fraction(), 1};
     if (unit.normalize) {
       out.m = at_most(m, 1);
       out.e_min = d.lo;
       out.e_max = d.hi;
     }
-    if (unit.kind == ReciprocalKind::restoring) {
-      q_quotient(name + " quotient * d", {0, 0}, unit.normalize ? n : d, unit.output.fraction());
-      return out;
-    }
     const Range nq{-unit.operand_bits, 1};
-    if (unit.kind == ReciprocalKind::lut_linear) {
-      const Range t{-std::max(unit.operand_bits - unit.index_bits, 0), 0};
-      const Range entry{-unit.table_bits, 0};
-      exact_pair(name + " c(j) - (c(j) - c(j+1)) t", sum(entry, product(entry, t)),
-                 std::max(entry.bits(), t.bits()));
-      return out;
-    }
-    y = {-unit.table_bits, 0};
-    const Range a{-unit.internal_bits, 1};
-    for (int step = 0; step < unit.steps; ++step) {
-      need(name + " nq y", product(nq, y).bits(), std::max(nq.bits(), y.bits()));
-      need(name + " y (2 - a)", product(y, a).bits(), std::max(a.bits(), y.bits()));
-      y = {-unit.internal_bits, 1};
+    switch (unit.kind) {
+      case ReciprocalKind::restoring:
+        q_quotient(name + " quotient * d", {0, 0}, unit.normalize ? n : d, unit.output.fraction());
+        break;
+      case ReciprocalKind::lut_linear: {
+        const Range t{-std::max(unit.operand_bits - unit.index_bits, 0), 0};
+        const Range entry{-unit.table_bits, 0};
+        exact_pair(name + " c(j) - (c(j) - c(j+1)) t", sum(entry, product(entry, t)),
+                   std::max(entry.bits(), t.bits()));
+        break;
+      }
+      case ReciprocalKind::lut_newton: {
+        Range y{-unit.table_bits, 0};
+        const Range a{-unit.internal_bits, 1};
+        for (int step = 0; step < unit.steps; ++step) {
+          need(name + " nq y", product(nq, y).bits(), std::max(nq.bits(), y.bits()));
+          need(name + " y (2 - a)", product(y, a).bits(), std::max(a.bits(), y.bits()));
+          y = {-unit.internal_bits, 1};
+        }
+        break;
+      }
     }
     return out;
   }
@@ -208,7 +215,7 @@ class Chooser {
   Precision operator()() {
     constants();
     out_.setup = setup();
-    if (c_.perspective == Perspective::const_depth_rows) {
+    if (has_plane_rows(c_.perspective)) {
       out_.plane_walk = plane_walk();
       out_.span_setup = plane_span_setup();
     } else {
@@ -229,8 +236,8 @@ class Chooser {
   static std::string name(FormatId id) { return std::string(key_of(id)); }
   Range reg(StageNeeds& s, FormatId id) const { return s.reg(name(id), f(id)); }
   Range depth_sum(StageNeeds& s, Range h) const { return s.exact("h + B", sum(h, b_)); }
-  bool affine() const { return c_.perspective == Perspective::affine; }
-  bool linear_uv() const { return affine() || c_.perspective == Perspective::const_depth_rows; }
+  bool linear_edges() const { return has_linear_edges(c_.perspective); }
+  bool linear_uv() const { return has_linear_texture(c_.perspective); }
 
   static Term offset(const StartOffset& o, const Format& kept) {
     const auto value = start_offset<double>(o, kept);
@@ -260,7 +267,7 @@ class Chooser {
     const Range b = reg(s, FormatId::setup_b);
     s.q_quotient("hmax s_min / (s_max - s_min)", product(hmax, normal_s), normal_s,
                  f(FormatId::setup_b).fraction());
-    if (c_.depth_code == DepthCode::linear) {
+    if (is_linear_in_distance(c_.depth_code)) {
       reg(s, FormatId::depth_c1);
       reg(s, FormatId::depth_c0);
       s.q_quotient("hmax B s_max / (s_max - s_min)", product(hmax, product(b, normal_s)), normal_s,
@@ -268,7 +275,7 @@ class Chooser {
       s.q_quotient("hmax s_min / (s_max - s_min) as c0", product(hmax, normal_s), normal_s,
                    f(FormatId::depth_c0).fraction());
     }
-    if (c_.fog == FogMode::linear) {
+    if (is_linear_in_distance(c_.fog)) {
       // The quotient is in range times a distance of 53 significant bits.
       const Range scale = reg(s, FormatId::fog_scale);
       s.need("B s_max", product(b, normal_s).bits());
@@ -303,13 +310,13 @@ class Chooser {
     reg(s, FormatId::edge_shade_step);
     const SlopeForm form = c_.edge_slope;
     InverseRange inverse;
-    if (form == SlopeForm::reciprocal) inverse = s.inverse("R_edge", c_.edge_reciprocal, d_xy_);
-    if (c_.edge_walk == EdgeWalk::dda) {
+    if (shares_reciprocal(form)) inverse = s.inverse("R_edge", c_.edge_reciprocal, d_xy_);
+    if (has_x_step(c_)) {
       reg(s, FormatId::edge_x_step);
       s.slope("(x2 - x1)", d_xy_, d_xy_, form, inverse, f(FormatId::edge_x_step));
     }
     const Range d_uv = s.exact("u2 - u1", sum(uv, uv));
-    const Range scale = affine() ? Range{0, 0} : depth_sum(s, h);
+    const Range scale = linear_edges() ? Range{0, 0} : depth_sum(s, h);
     s.q_product("(u2 - u1)(h2 + B)", term(d_uv, scale), f(FormatId::edge_f_diff));
     s.slope("(h2 - h1)", s.exact("h2 - h1", sum(h, h)), d_xy_, form, inverse, f(FormatId::edge_h_step));
     s.slope("fu_diff", f_diff, d_xy_, form, inverse, f(FormatId::edge_f_step));
@@ -336,7 +343,7 @@ class Chooser {
     reg(s, FormatId::edge_shade);
     reg(s, FormatId::edge_x);
     reg(s, FormatId::edge_x_acc);
-    if (c_.edge_walk == EdgeWalk::exact) {
+    if (!has_x_step(c_)) {
       s.exact("(x2 - x1) t", product(d_xy_, t));
       const Range n{product(d_xy_, t).lo, xy_.hi + d_xy_.hi};
       s.plain_quotient("X as a pixel", n, d_xy_);
@@ -351,13 +358,13 @@ class Chooser {
     pre_step(s, "h1 + h_step t + offset", setup_h, h_step, t, c_.start_offset.edge_h, f(FormatId::edge_h),
              f(FormatId::edge_h_acc), f(FormatId::setup_h));
     s.q_sum("h_acc + h_step", {term(h_acc), term(h_step)}, f(FormatId::edge_h_acc));
-    pre_step(s, affine() ? "u1 + fu_step t + offset" : "fu_step t + offset", setup_uv, f_step, t,
+    pre_step(s, linear_edges() ? "u1 + fu_step t + offset" : "fu_step t + offset", setup_uv, f_step, t,
              c_.start_offset.edge_f, f(FormatId::edge_f), f(FormatId::edge_f), f(FormatId::setup_uv));
     s.q_sum("fu + fu_step", {term(fu), term(f_step)}, f(FormatId::edge_f));
     pre_step(s, "r1 + r_step t + offset", setup_shade, shade_step, t, c_.start_offset.edge_shade,
              f(FormatId::edge_shade), f(FormatId::edge_shade_acc), f(FormatId::setup_shade));
     s.q_sum("r_acc + r_step", {term(shade_acc), term(shade_step)}, f(FormatId::edge_shade_acc));
-    if (!affine()) {
+    if (!linear_edges()) {
       const InverseRange inverse = s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, h));
       s.q_far("u1 + fu m 2^-e", inverse.times(fu), {term(setup_uv)}, f(FormatId::edge_uv),
               FarBound(f(FormatId::edge_uv), {f(FormatId::setup_uv)}));
@@ -404,7 +411,7 @@ class Chooser {
     s.q_sum("h0 + h_M (Mc - M0) + h_N (Nl - N0)",
             {term(h), term(h_grad, centre_), term(h_grad, centre_), term(h_grad, above)},
             f(FormatId::span_h));
-    if (c_.numerator == Numerator::ideal_line) {
+    if (is_on_ideal_line(c_.numerator)) {
       s.q_sum("gu0 + gu_M (Mc - M0) + gu_N (Nl - N0)",
               {term(g), term(g_grad, centre_), term(g_grad, centre_), term(g_grad, above)},
               f(FormatId::span_f));
@@ -444,8 +451,8 @@ class Chooser {
     const Range h = reg(s, FormatId::edge_h);
     const Range uv = reg(s, FormatId::edge_uv);
     const Range shade = reg(s, FormatId::edge_shade);
-    const FormatId step_id = affine() ? FormatId::span_uv_step : FormatId::span_f_step;
-    const FormatId start_id = affine() ? FormatId::span_uv_acc : FormatId::span_f;
+    const FormatId step_id = linear_edges() ? FormatId::span_uv_step : FormatId::span_f_step;
+    const FormatId start_id = linear_edges() ? FormatId::span_uv_acc : FormatId::span_f;
     const Range h_step = reg(s, FormatId::span_h_step);
     const Range uv_step = reg(s, step_id);
     const Range shade_step = reg(s, FormatId::span_shade_step);
@@ -457,17 +464,16 @@ class Chooser {
     const Range pre = s.exact("p", {std::min(x.lo, -1), std::max(xy_.hi, x.hi) + 1});
     const SlopeForm form = c_.row_slope;
     InverseRange inverse;
-    if (form == SlopeForm::reciprocal)
-      inverse = s.inverse("R_row", c_.row_reciprocal, at_most(length, x.hi + 1));
+    if (shares_reciprocal(form)) inverse = s.inverse("R_row", c_.row_reciprocal, at_most(length, x.hi + 1));
     s.slope("h_r - h_l", s.exact("h_r - h_l", sum(h, h)), length, form, inverse, f(FormatId::span_h_step));
     pre_step(s, "h_l + h_step p + offset", h, h_step, pre, c_.start_offset.span_h, c_.depth_format(),
              f(FormatId::span_h), f(FormatId::edge_h));
     const Range d_uv = s.exact("u_r - u_l", sum(uv, uv));
     Range numerator = d_uv;
     FormatId from = FormatId::edge_uv;
-    if (!affine()) {
+    if (!linear_edges()) {
       const Range diff = reg(s, FormatId::span_f_diff);
-      const bool hyperbolic = c_.perspective == Perspective::hyperbolic;
+      const bool hyperbolic = has_pixel_quotients(c_.perspective);
       s.q_product(hyperbolic ? "u_r (h_r + B)" : "(u_r - u_l)(h_r + B)",
                   term(hyperbolic ? uv : d_uv, depth_sum(s, h)), f(FormatId::span_f_diff));
       numerator = hyperbolic ? s.exact("gr - gl", sum(diff, diff)) : diff;
@@ -475,7 +481,7 @@ class Chooser {
     }
     s.slope("fu_diff", numerator, length, form, inverse, f(step_id));
     pre_step(s, "start + fu_step p + offset", range_of(f(from)), uv_step, pre, c_.start_offset.span_f,
-             f(affine() ? FormatId::span_uv : FormatId::span_f), f(start_id), f(from));
+             f(linear_edges() ? FormatId::span_uv : FormatId::span_f), f(start_id), f(from));
     s.slope("r_r - r_l", s.exact("r_r - r_l", sum(shade, shade)), length, form, inverse,
             f(FormatId::span_shade_step));
     pre_step(s, "r_l + r_step p + offset", shade, shade_step, pre, c_.start_offset.span_shade,
@@ -499,14 +505,21 @@ class Chooser {
     s.q_sum("h + h_step", {term(h), term(h_step)}, f(FormatId::span_h));
     s.q_sum("fu + fu_step", {term(acc), term(step)}, f(acc_id));
     s.q_sum("r + r_step", {term(shade_acc), term(shade_step)}, f(FormatId::span_shade_acc));
-    if (c_.perspective == Perspective::delta_f) {
-      const InverseRange inverse = s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, h));
-      s.q_far("u1 + fu m 2^-e", inverse.times(acc), {term(edge_uv)}, f(FormatId::span_uv),
-              FarBound(f(FormatId::span_uv), {f(FormatId::edge_uv)}));
-    } else if (c_.perspective == Perspective::hyperbolic) {
-      s.q_quotient("fu / (h + B)", acc, depth_sum(s, h), f(FormatId::span_uv).fraction());
-    } else if (c_.perspective == Perspective::const_depth_rows) {
-      s.exact("phase + k", sum(at_most(reg(s, FormatId::plane_k), 0), {-1, 0}));
+    switch (c_.perspective) {
+      case Perspective::delta_f: {
+        const InverseRange inverse = s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, h));
+        s.q_far("u1 + fu m 2^-e", inverse.times(acc), {term(edge_uv)}, f(FormatId::span_uv),
+                FarBound(f(FormatId::span_uv), {f(FormatId::edge_uv)}));
+        break;
+      }
+      case Perspective::hyperbolic:
+        s.q_quotient("fu / (h + B)", acc, depth_sum(s, h), f(FormatId::span_uv).fraction());
+        break;
+      case Perspective::const_depth_rows:
+        s.exact("phase + k", sum(at_most(reg(s, FormatId::plane_k), 0), {-1, 0}));
+        break;
+      case Perspective::affine:
+        break;
     }
     return s.choose();
   }
@@ -515,14 +528,20 @@ class Chooser {
     StageNeeds s("depth", out_.rows);
     const Range h = reg(s, FormatId::span_h);
     s.reg("depth.z", c_.depth_format());
-    if (c_.depth_code == DepthCode::opengl) {
-      s.q_sum("zmax - h", {term({0, c_.depth_bits}), term(h)}, c_.depth_format());
-    } else if (c_.depth_code == DepthCode::linear) {
-      const Range c1 = reg(s, FormatId::depth_c1);
-      const Range c0 = reg(s, FormatId::depth_c0);
-      const InverseRange inverse = s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, h));
-      s.q_far("c1 m 2^-e - c0", inverse.times(c1), {term(c0)}, c_.depth_format(),
-              FarBound(c_.depth_format(), {f(FormatId::depth_c0)}));
+    switch (c_.depth_code) {
+      case DepthCode::inverse:
+        break;
+      case DepthCode::opengl:
+        s.q_sum("zmax - h", {term({0, c_.depth_bits}), term(h)}, c_.depth_format());
+        break;
+      case DepthCode::linear: {
+        const Range c1 = reg(s, FormatId::depth_c1);
+        const Range c0 = reg(s, FormatId::depth_c0);
+        const InverseRange inverse = s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, h));
+        s.q_far("c1 m 2^-e - c0", inverse.times(c1), {term(c0)}, c_.depth_format(),
+                FarBound(c_.depth_format(), {f(FormatId::depth_c0)}));
+        break;
+      }
     }
     return s.choose();
   }
@@ -539,7 +558,7 @@ class Chooser {
     s.exact("u - 1/2", sum(uv, {-1, -1}));
     s.exact("V * shade", product(mix, shade));
     s.exact("alpha * shade", product(alpha, shade));
-    if (c_.filter == TextureFilter::bilinear) {
+    if (weighs_texels(c_.filter)) {
       const Range frac = reg(s, FormatId::texture_frac);
       const Range rest = s.exact("1 - Ex", sum(frac, {0, 0}));
       const Range widest_v{std::min(mix.lo, 0), std::max(mix.hi, 8)};
@@ -559,16 +578,22 @@ class Chooser {
     const Range code{0, 8};
     s.q_sum("VT + (r - VT) factor", {term(code), term(product(s.exact("r - VT", sum(color, code)), factor))},
             f(FormatId::fog_color));
-    if (c_.fog == FogMode::none) return s.choose();
+    if (!has_fog(c_.fog)) return s.choose();
     const Range h = reg(s, FormatId::span_h);
-    if (c_.fog == FogMode::linear) {
-      const Range scale = reg(s, FormatId::fog_scale);
-      const InverseRange inverse = s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, h));
-      s.q_far("1 - fog_scale m 2^-e", inverse.times(scale), {term({0, 0})}, f(FormatId::fog_factor),
-              FarBound(f(FormatId::fog_factor), {}, 1.0));
-    } else {
-      // A picture's side is a coordinate.
-      s.exact("16 ((2x+1-W)^2 + (2y+1-H)^2)", {0, 2 * c_.coordinate_bits + 5});
+    switch (c_.fog) {
+      case FogMode::none:
+        break;
+      case FogMode::linear: {
+        const Range scale = reg(s, FormatId::fog_scale);
+        const InverseRange inverse = s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, h));
+        s.q_far("1 - fog_scale m 2^-e", inverse.times(scale), {term({0, 0})}, f(FormatId::fog_factor),
+                FarBound(f(FormatId::fog_factor), {}, 1.0));
+        break;
+      }
+      case FogMode::table:
+        // A picture's side is a coordinate.
+        s.exact("16 ((2x+1-W)^2 + (2y+1-H)^2)", {0, 2 * c_.coordinate_bits + 5});
+        break;
     }
     return s.choose();
   }

@@ -1,13 +1,13 @@
 // How many significant bits every exact intermediate value of golden needs, and the floating-point type that
-// each stage therefore computes in. From the configuration alone: every register may take any value of its
-// format.
+// each stage therefore computes in. Both follow from the configuration alone: every register may take any
+// value of its format.
 //
-// Two counts decide. `bits` is what the exact value needs; 113 of them, quadruple precision, are legal.
-// `held` is what one number of the stage's type must hold for it: as much, where the stage writes the value
-// with plain sums and products; the bits of the wider factor, where products and their sums are carried as
-// pairs of numbers whose rounding errors are checked, and taken anew in quadruple precision where a pair
-// loses one (golden/quantize.hpp). So a stage's type is the narrowest with every `held`, and no value is ever
-// rounded in front of its Q.
+// Two counts decide. `bits` is what the exact value needs; at most 113, which quadruple precision has, are
+// legal. `held` is what one number of the stage's type must hold of it. Where the stage writes the value with
+// plain sums and products, `held` is as much as `bits`. Where products and their sums are carried as pairs of
+// numbers, it is the bits of the wider factor: the rounding errors of a pair are checked, and a pair that
+// loses a bit is taken anew in quadruple precision (golden/quantize.hpp). So a stage's type is the narrowest
+// with every `held`, and no value is ever rounded in front of its Q.
 #pragma once
 
 #include <string>
@@ -41,7 +41,7 @@ struct Precision {
   Width merge = Width::quad;
 };
 
-// Throws InputError naming stage and expression where 113 bits do not do.
+// Throws InputError that names stage and expression where 113 bits are not enough.
 Precision choose_precision(const Config& config);
 
 }  // namespace bitspan::golden

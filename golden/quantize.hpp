@@ -1,10 +1,10 @@
-// Q of docs/numeric-spec.md on floating point, all rounding and overflow modes.
+// Q of docs/numeric-spec.md on floating point, with all rounding and overflow modes.
 //
-// Every value is brought into the form whole + fraction, 0 <= fraction < 1, in ulps of the format; the mode
-// needs to know of the fraction only where it lies against 0 and 1/2. What a Quantizer narrows is exact
-// whatever Real is: sums and products come as Pairs, quotients with their exact remainder, and each step that
-// might lose a bit is checked by its rounding error. Where one did, or the value is too large for the quick
-// floor, the operands are taken anew in quadruple precision, which holds them (golden/precision.hpp).
+// Every value is brought into the form whole + fraction, 0 <= fraction < 1, in ulps of the format. The mode
+// needs to know only how the fraction compares with 0 and 1/2. What a Quantizer narrows is exact whatever
+// Real is: sums and products come as Pairs, quotients with their exact remainder, and each step that might
+// lose a bit is checked by its rounding error. Where a step did lose one, or the value is too large for the
+// quick floor, the operands are taken anew in quadruple precision, which holds them (golden/precision.hpp).
 #pragma once
 
 #include <algorithm>
@@ -35,7 +35,7 @@ Whole<Real> whole_of(Real x) {
   return {whole, false, x >= middle, x > middle};
 }
 
-// Of high + low, where low is what rounding to T left out of high.
+// Takes high + low, where low is what rounding to T left out of high.
 template <class T>
 Whole<T> whole_of(const Pair<T>& x) {
   const T whole = floor_of(x.high);
@@ -49,8 +49,8 @@ Whole<T> whole_of(const Pair<T>& x) {
   return {whole + floor_low, rest == 0, rest >= T(0.5), rest > T(0.5)};
 }
 
-// n / d, d != 0: the rounded quotient is a candidate that the exact remainder corrects. The caller knows that
-// Real holds the products and remainders.
+// Takes n / d, d != 0. The rounded quotient is a candidate that the exact remainder corrects. The caller
+// knows that Real holds the products and remainders.
 template <class Real>
 Whole<Real> whole_of_quotient(Real n, Real d) {
   if (d < 0) {
@@ -87,7 +87,7 @@ bool is_odd(Real integer) {
   return floor_of(half) != half;
 }
 
-// Whether the mode goes to whole + 1.
+// Says whether the mode goes to whole + 1.
 template <class Real>
 [[gnu::always_inline]] inline bool rounds_up(const Whole<Real>& x, Rounding mode) {
   switch (mode) {
@@ -136,7 +136,7 @@ class Quantizer {
     return is_small(in_ulps) ? narrow_small({in_ulps, 0}) : anew({pair_of(x)});
   }
 
-  // Of the sum of the terms, each a Real or a Pair; quickest with the Pair first.
+  // Returns Q of the sum of the terms, each a Real or a Pair; quickest with the Pair first.
   [[gnu::always_inline]] Real sum(Real a, Real b) const {
     const TwoSum<T> both(base_of(a) * scale_, base_of(b) * scale_);
     return is_small(both.sum) ? narrow_small({both.sum, both.error}) : anew({pair_of(a), pair_of(b)});
@@ -156,7 +156,7 @@ class Quantizer {
     return is_small(x.high * scale_) ? narrow_small(scaled(x)) : anew({x});
   }
 
-  // Of n / d, d != 0. The candidate is at most one off, and its remainder is exact or noticed.
+  // Returns Q of n / d, d != 0. The candidate is at most one off, and its remainder is exact or noticed.
   Real quotient(Real n, Real d) const { return quotient(Pair<T>{base_of(n), 0}, Pair<T>{base_of(d), 0}); }
   Real quotient(Pair<T> n, Pair<T> d) const {
     const T sign = d.high < 0 ? T(-1) : T(1);
@@ -184,7 +184,7 @@ class Quantizer {
     return quotient_anew(n, d);
   }
 
-  // Whether `count` additions of either step to a value of the format stay on its grid and in its range.
+  // Says whether `count` additions of either step to a value of the format stay on its grid and in its range.
   bool holds_walk(Real value, const std::array<Real, 2>& step, std::int64_t count) const {
     const T first = base_of(step[0]) * scale_;
     const T second = base_of(step[1]) * scale_;
@@ -229,7 +229,7 @@ class Quantizer {
     return fit(round_whole(parts, format_.rounding)) * ulp_;
   }
 
-  // Q of the sum of the terms in quadruple precision.
+  // Returns Q of the sum of the terms, taken in quadruple precision.
   [[gnu::noinline, gnu::cold]] Real anew(std::initializer_list<Pair<T>> terms) const {
     const Quantizer<Quad> wide(format_);
     ExactSum<Quad> all(Quad(0));
@@ -239,7 +239,7 @@ class Quantizer {
     if (wide.saturates_at(value.high)) return (value.high < 0 ? min_ : max_) * ulp_;
     return static_cast<T>(wide.narrow_whole(whole_of(value))) * ulp_;
   }
-  // n, in ulps, over d.
+  // Returns Q of n / d in quadruple precision; n is in ulps.
   [[gnu::noinline, gnu::cold]] Real quotient_anew(const Pair<T>& n, const Pair<T>& d) const {
     const Quantizer<Quad> wide(format_);
     const Checked<Quad> top = Checked<Quad>(Quad(n.high)) + Checked<Quad>(Quad(n.low));
@@ -251,7 +251,7 @@ class Quantizer {
            ulp_;
   }
 
-  // n in ulps, an integer.
+  // Brings an integer n, in ulps, into the range.
   T fit(T n) const {
     if constexpr (RealTraits<Real>::checked) {
       if (format_.word - (format_.is_signed ? 1 : 0) > real_bits<Real>) throw_inexact("format's limit");
@@ -284,7 +284,7 @@ class Quantizer {
     }
     return 0;
   }
-  // n modulo 2^bits.
+  // Returns n modulo 2^bits.
   static T modulo(T n, int bits) { return n - floor_of(n * pow2<T>(-bits)) * pow2<T>(bits); }
 
   T scale_ = 1, ulp_ = 1, max_ = 1, min_ = 0;

@@ -16,8 +16,8 @@
 #include <limits>
 #include <stdexcept>
 
-// Of libquadmath, GCC's; declared here because its header is in GCC's own folder, which other tools do not
-// search.
+// These are functions of GCC's libquadmath. They are declared here because its header is in GCC's own folder,
+// which other tools do not search.
 extern "C" {
 __float128 floorq(__float128 x);
 __float128 scalbnq(__float128 x, int e);
@@ -242,7 +242,7 @@ template <class T>
     throw_not_raw();
   return integer;
 }
-// From the significand: the x87 would change its rounding mode twice.
+// Reads the significand: the x87 would change its rounding mode twice.
 inline std::int64_t to_integer(long double x) {
   std::uint64_t significand = 0;
   std::memcpy(&significand, &x, sizeof significand);

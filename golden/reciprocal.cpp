@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "config/modes.hpp"
+
 namespace bitspan::golden {
 
 void throw_inexact(const char* what) {
@@ -10,25 +12,38 @@ void throw_inexact(const char* what) {
 void throw_not_raw() { throw std::logic_error("golden: a value is not on its format's grid"); }
 
 std::vector<std::int64_t> reciprocal_table(const Reciprocal& unit) {
-  if (unit.kind == ReciprocalKind::restoring) return {};
-  const bool linear = unit.kind == ReciprocalKind::lut_linear;
   const std::int64_t segments = std::int64_t{1} << unit.index_bits;
   std::vector<std::int64_t> table;
-  for (std::int64_t i = 0; i < segments + (linear ? 1 : 0); ++i) {
-    const Quad at = Quad(i) + (linear ? Quad(0) : Quad(0.5));
+  // 1 / (1 + at / segments)
+  const auto add = [&](Quad at) {
     const Quad d = 1 + at * pow2<Quad>(-unit.index_bits);
     table.push_back(
         to_integer(round_whole(whole_of_quotient(pow2<Quad>(unit.table_bits), d), Rounding::rnd)));
+  };
+  switch (unit.kind) {
+    case ReciprocalKind::restoring:
+      break;
+    case ReciprocalKind::lut_linear:  // at both ends of each segment
+      for (std::int64_t i = 0; i <= segments; ++i) add(Quad(i));
+      break;
+    case ReciprocalKind::lut_newton:  // in the middle of each segment
+      for (std::int64_t i = 0; i < segments; ++i) add(Quad(i) + Quad(0.5));
+      break;
   }
   return table;
 }
 
 int lut_product_bits(const Reciprocal& unit) {
-  if (unit.kind == ReciprocalKind::lut_linear) {
-    return unit.table_bits + 1 + std::max(unit.operand_bits - unit.index_bits, 0) + unit.table_bits;
+  switch (unit.kind) {
+    case ReciprocalKind::restoring:
+      return 0;
+    case ReciprocalKind::lut_linear:
+      return unit.table_bits + 1 + std::max(unit.operand_bits - unit.index_bits, 0) + unit.table_bits;
+    case ReciprocalKind::lut_newton:
+      return std::max(unit.table_bits, unit.internal_bits + 1) + 1 +
+             std::max(unit.operand_bits, unit.internal_bits);
   }
-  const int y = std::max(unit.table_bits, unit.internal_bits + 1);
-  return y + 1 + std::max(unit.operand_bits, unit.internal_bits);
+  unreachable();
 }
 
 template <class Real>
@@ -51,32 +66,80 @@ ReciprocalUnit<Real>::ReciprocalUnit(const Reciprocal& unit, int operand_fractio
 }
 
 template <class Real>
+Real ReciprocalUnit<Real>::linear(Real n) const {
+  const Real position = (floor_of(n * operand_scale_) * operand_ulp_ - 1) * index_scale_;
+  const Real j = floor_of(position);
+  const auto index = static_cast<std::size_t>(to_integer(j));
+  const Real from = table_[index];
+  const Real fall = from - table_[index + 1];
+  const Real t = position - j;
+  if (single_) return cut(from - fall * t);
+  return cut(ExactSum(-exact_product(fall, t)).add(base_of(from)).get());
+}
+
+template <class Real>
+Real ReciprocalUnit<Real>::newton(Real n) const {
+  const Real nq = floor_of(n * operand_scale_) * operand_ulp_;
+  Real y = table_[static_cast<std::size_t>(to_integer(floor_of((nq - 1) * index_scale_)))];
+  for (int step = 0; step < steps_; ++step) {
+    const Real a = single_ ? cut(nq * y) : cut(exact_product(nq, y));
+    y = single_ ? cut(y * (2 - a)) : cut(exact_product(y, 2 - a));
+  }
+  return y;
+}
+
+template <class Real>
+Real ReciprocalUnit<Real>::by_table(Real n) const {
+  switch (kind_) {
+    case ReciprocalKind::restoring:  // has no table
+      break;
+    case ReciprocalKind::lut_linear:
+      return linear(n);
+    case ReciprocalKind::lut_newton:
+      return newton(n);
+  }
+  unreachable();
+}
+
+template <class Real>
 bool ReciprocalUnit<Real>::quick(const Column& d, std::size_t n, Column& m, Column& inverse_power,
                                  std::int64_t* e) const requires std::same_as<Real, double> {
-  if (!normalize_ || !single_ || !quick_output_.usable || kind_ == ReciprocalKind::lut_linear) return false;
+  if (!normalize_ || !single_ || !quick_output_.usable) return false;
   const double to_ulps = 1 / output_.ulp();
   Column normal;
   lanes_split(d, n, normal, inverse_power, e);
   Column y;
-  if (kind_ == ReciprocalKind::restoring) {
-    for (std::size_t i = 0; i < n; ++i) y.at[i] = 1;
-    return lanes_narrow_quotient(y, normal, to_ulps, quick_output_, n, m) == 0;
+  switch (kind_) {
+    case ReciprocalKind::restoring:
+      for (std::size_t i = 0; i < n; ++i) y.at[i] = 1;
+      return lanes_narrow_quotient(y, normal, to_ulps, quick_output_, n, m) == 0;
+    case ReciprocalKind::lut_linear:
+      return false;
+    case ReciprocalKind::lut_newton: {
+      Column nq;
+      lanes_cut(normal, operand_scale_, operand_ulp_, n, nq);
+      lanes_position(nq, index_scale_, n, normal);
+      for (std::size_t i = 0; i < n; ++i) y.at[i] = table_[static_cast<std::size_t>(normal.at[i])];
+      for (int step = 0; step < steps_; ++step) lanes_newton(nq, internal_scale_, internal_ulp_, n, y);
+      return lanes_narrow(y, to_ulps, quick_output_, n, m) == 0;
+    }
   }
-  Column nq;
-  lanes_cut(normal, operand_scale_, operand_ulp_, n, nq);
-  lanes_position(nq, index_scale_, n, normal);
-  for (std::size_t i = 0; i < n; ++i) y.at[i] = table_[static_cast<std::size_t>(normal.at[i])];
-  for (int step = 0; step < steps_; ++step) lanes_newton(nq, internal_scale_, internal_ulp_, n, y);
-  return lanes_narrow(y, to_ulps, quick_output_, n, m) == 0;
+  unreachable();
 }
 
 // Member by member: clang 14 would take the whole class to include what Real excludes.
 template ReciprocalUnit<double>::ReciprocalUnit(const Reciprocal&, int);
+template double ReciprocalUnit<double>::by_table(double) const;
 template ReciprocalUnit<long double>::ReciprocalUnit(const Reciprocal&, int);
+template long double ReciprocalUnit<long double>::by_table(long double) const;
 template ReciprocalUnit<Quad>::ReciprocalUnit(const Reciprocal&, int);
+template Quad ReciprocalUnit<Quad>::by_table(Quad) const;
 template ReciprocalUnit<Checked<double>>::ReciprocalUnit(const Reciprocal&, int);
+template Checked<double> ReciprocalUnit<Checked<double>>::by_table(Checked<double>) const;
 template ReciprocalUnit<Checked<long double>>::ReciprocalUnit(const Reciprocal&, int);
+template Checked<long double> ReciprocalUnit<Checked<long double>>::by_table(Checked<long double>) const;
 template ReciprocalUnit<Checked<Quad>>::ReciprocalUnit(const Reciprocal&, int);
+template Checked<Quad> ReciprocalUnit<Checked<Quad>>::by_table(Checked<Quad>) const;
 template bool ReciprocalUnit<double>::quick(const Column&, std::size_t, Column&, Column&,
                                             std::int64_t*) const;
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "config/modes.hpp"
 #include "golden/lanes.hpp"
 #include "golden/quantize.hpp"
 
@@ -20,7 +21,7 @@ struct Inverse {
   }
 };
 
-// Fraction bits of the grid that h + B lies on.
+// Returns the fraction bits of the grid that h + B lies on.
 inline int depth_sum_fraction(const Config& config, FormatId h) {
   const int a = config.format(h).fraction();
   const int b = config.format(FormatId::setup_b).fraction();
@@ -33,24 +34,24 @@ class ReciprocalUnit {
   // operand_fraction: the operands are multiples of 2^-operand_fraction.
   ReciprocalUnit(const Reciprocal& unit, int operand_fraction);
 
-  // Any d; d <= 0 stands for the smallest positive operand.
+  // Takes any d; d <= 0 stands for the smallest positive operand.
   Inverse<Real> operator()(Real d) const {
     if (d <= 0) d = least_;
     const int e = exponent_of(d);
     const Real n = d * pow2<Real>(-e);
-    if (kind_ == ReciprocalKind::restoring) {
+    if (!has_table(kind_)) {
       if (normalize_) return {output_.quotient(Real(1), n), e};
       return {output_.quotient(Real(1), d), 0};
     }
-    const Real y = kind_ == ReciprocalKind::lut_linear ? linear(n) : newton(n);
+    const Real y = by_table(n);
     if (normalize_) return {output_(y), e};
     return {output_(y * pow2<Real>(-e)), 0};
   }
 
   std::int64_t raw(Real m) const { return output_.raw(m); }
 
-  // Of a column of normal d > 0: m in ulps, 2^-e and e. False where that has no quick form for this unit, or
-  // for one of these d.
+  // Gives m in ulps, 2^-e and e for a column of normal d > 0. Returns false where this unit, or one of these
+  // d, has no quick form.
   bool quick(const Column& d, std::size_t n, Column& m, Column& inverse_power,
              std::int64_t* e) const requires std::same_as<Real, double>;
   double ulp() const requires std::same_as<Real, double> { return output_.ulp(); }
@@ -60,25 +61,10 @@ class ReciprocalUnit {
   Real cut(const PairOf<Real>& x) const {
     return Real(whole_of(x.scaled(base_of(internal_scale_))).whole) * internal_ulp_;
   }
-  Real linear(Real n) const {
-    const Real position = (floor_of(n * operand_scale_) * operand_ulp_ - 1) * index_scale_;
-    const Real j = floor_of(position);
-    const auto index = static_cast<std::size_t>(to_integer(j));
-    const Real from = table_[index];
-    const Real fall = from - table_[index + 1];
-    const Real t = position - j;
-    if (single_) return cut(from - fall * t);
-    return cut(ExactSum(-exact_product(fall, t)).add(base_of(from)).get());
-  }
-  Real newton(Real n) const {
-    const Real nq = floor_of(n * operand_scale_) * operand_ulp_;
-    Real y = table_[static_cast<std::size_t>(to_integer(floor_of((nq - 1) * index_scale_)))];
-    for (int step = 0; step < steps_; ++step) {
-      const Real a = single_ ? cut(nq * y) : cut(exact_product(nq, y));
-      y = single_ ? cut(y * (2 - a)) : cut(exact_product(y, 2 - a));
-    }
-    return y;
-  }
+  // 1 / n as a kind with a table has it, before it is narrowed.
+  Real by_table(Real n) const;
+  Real linear(Real n) const;
+  Real newton(Real n) const;
 
   ReciprocalKind kind_;
   bool normalize_;
@@ -91,14 +77,15 @@ class ReciprocalUnit {
   std::vector<Real> table_;
 };
 
-// The table of a lut kind: 2^index_bits + 1 entries for lut_linear, 2^index_bits for lut_newton, in units of
-// 2^-table_bits; empty for restoring.
+// Returns the table of a lut kind in units of 2^-table_bits: 2^index_bits + 1 entries for lut_linear,
+// 2^index_bits for lut_newton; empty for restoring.
 std::vector<std::int64_t> reciprocal_table(const Reciprocal& unit);
 
-// Significant bits that hold every product of a lut kind.
+// Returns the significant bits that hold every product of a lut kind.
 int lut_product_bits(const Reciprocal& unit);
 
-// What slopes are divided by: a length, and its reciprocal where that form is configured. docs: "Slope".
+// What slopes are divided by: a length, and its reciprocal where that form is configured;
+// docs/numeric-spec.md, "Slope".
 template <class Real>
 struct Divisor {
   Real length = 1;
@@ -107,7 +94,7 @@ struct Divisor {
 
   Divisor() = default;
   Divisor(Real d, SlopeForm form, const ReciprocalUnit<Real>& unit)
-      : length(d), reciprocal(form == SlopeForm::reciprocal) {
+      : length(d), reciprocal(shares_reciprocal(form)) {
     if (reciprocal) inverse = unit(d);
   }
   Real slope(Real n, const Quantizer<Real>& q) const {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "config/modes.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
@@ -85,8 +86,8 @@ class EdgeSetup {
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         form_(config.edge_slope),
         unit_(config.edge_reciprocal, config.subpixel_bits),
-        dda_(config.edge_walk == EdgeWalk::dda),
-        affine_(config.perspective == Perspective::affine) {}
+        has_x_step_(has_x_step(config)),
+        linear_(has_linear_edges(config.perspective)) {}
 
   int operator()(const SetupRecord& triangle, std::array<EdgeRecord, 3>& out) const {
     constexpr std::array<std::array<std::size_t, 2>, 3> ends{{{0, 2}, {0, 1}, {1, 2}}};
@@ -108,7 +109,7 @@ class EdgeSetup {
  private:
   EdgeRecord make(const VertexValues<Real>& from, const VertexValues<Real>& to) const {
     const Divisor<Real> rows(to.y - from.y, form_, unit_);
-    const Real scale = affine_ ? Real(1) : to.h + b_;
+    const Real scale = linear_ ? Real(1) : to.h + b_;
     const Real fu_diff = q_f_diff_.product(to.u - from.u, scale);
     const Real fv_diff = q_f_diff_.product(to.v - from.v, scale);
     EdgeRecord out;
@@ -116,7 +117,7 @@ class EdgeSetup {
       out.recip_m = unit_.raw(rows.inverse.m);
       out.recip_e = rows.inverse.e;
     }
-    if (dda_) out.x_step = q_x_step_.raw(rows.slope(to.x - from.x, q_x_step_));
+    if (has_x_step_) out.x_step = q_x_step_.raw(rows.slope(to.x - from.x, q_x_step_));
     out.h_step = q_h_step_.raw(rows.slope(to.h - from.h, q_h_step_));
     out.fu_diff = q_f_diff_.raw(fu_diff);
     out.fv_diff = q_f_diff_.raw(fv_diff);
@@ -133,7 +134,7 @@ class EdgeSetup {
   Real b_;
   SlopeForm form_;
   ReciprocalUnit<Real> unit_;
-  bool dda_, affine_;
+  bool has_x_step_, linear_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Stage `setup`: a triangle to its quantised, sorted vertices, and those to its edges' increments.
+// Stage `setup`: makes quantised, sorted vertices from a triangle, and the edges' increments from those.
 #pragma once
 
 #include <array>
@@ -12,11 +12,13 @@
 
 namespace bitspan::golden {
 
-// (triangle, its input index): none where the snapped triangle has no area. s in s_min..s_max, all finite.
+// Takes a triangle and its input index; returns none where the snapped triangle has no area. s is in
+// s_min..s_max, and all numbers are finite.
 using SetupStage = std::function<std::optional<SetupRecord>(const Triangle&, std::int64_t)>;
 SetupStage make_setup(Arithmetic arithmetic, const Config& config, const Constants& constants);
 
-// The edges that have height, in the order 0, 1, 2; modes with horizontal rows. Gives their number.
+// Writes the edges that have height, in the order 0, 1, 2, and returns their number; modes with horizontal
+// rows.
 using EdgeSetupStage = std::function<int(const SetupRecord&, std::array<EdgeRecord, 3>&)>;
 EdgeSetupStage make_edge_setup(Arithmetic arithmetic, const Config& config, const Constants& constants);
 

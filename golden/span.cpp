@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "config/modes.hpp"
 #include "golden/lanes.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/values.hpp"
@@ -65,9 +66,7 @@ class SpanWalker {
   }
 
  private:
-  bool linear() const {
-    return perspective_ == Perspective::affine || perspective_ == Perspective::const_depth_rows;
-  }
+  bool linear() const { return has_linear_texture(perspective_); }
 
   // The digital line that the pixels follow; horizontal without a plane.
   struct Line {
@@ -200,16 +199,21 @@ class SpanWalker {
       load(fragments, &FragmentRecord::fv, fv);
       const double acc_ulp = q_acc_.ulp();
       const double uv_scale = 1 / q_uv_.ulp();
-      if (linear()) {
-        if (lanes_narrow(fu, acc_ulp * uv_scale, quick_uv_, n, u) != 0) return false;
-        if (lanes_narrow(fv, acc_ulp * uv_scale, quick_uv_, n, v) != 0) return false;
-      } else {
-        load(fragments, &FragmentRecord::h, d);
-        lanes_operand(d, q_h_.ulp(), b_, least_, n, d);
-        if (perspective_ == Perspective::hyperbolic) {
+      switch (perspective_) {
+        case Perspective::affine:
+        case Perspective::const_depth_rows:
+          if (lanes_narrow(fu, acc_ulp * uv_scale, quick_uv_, n, u) != 0) return false;
+          if (lanes_narrow(fv, acc_ulp * uv_scale, quick_uv_, n, v) != 0) return false;
+          break;
+        case Perspective::hyperbolic:
+          load(fragments, &FragmentRecord::h, d);
+          lanes_operand(d, q_h_.ulp(), b_, least_, n, d);
           if (lanes_narrow_quotient(fu, d, acc_ulp * uv_scale, quick_uv_, n, u) != 0) return false;
           if (lanes_narrow_quotient(fv, d, acc_ulp * uv_scale, quick_uv_, n, v) != 0) return false;
-        } else {
+          break;
+        case Perspective::delta_f: {
+          load(fragments, &FragmentRecord::h, d);
+          lanes_operand(d, q_h_.ulp(), b_, least_, n, d);
           if (!unit_.quick(d, n, m, inverse_power, e.data())) return false;
           const double scale = acc_ulp * unit_.ulp() * uv_scale;
           const double base_scale = q_edge_uv_.ulp() * uv_scale;
@@ -223,6 +227,7 @@ class SpanWalker {
           }
           store(m, fragments, &FragmentRecord::recip_m);
           for (std::size_t i = 0; i < n; ++i) fragments[i].recip_e = e[i];
+          break;
         }
       }
       store(u, fragments, &FragmentRecord::u);

@@ -1,4 +1,4 @@
-// Stage `span`: a span to its fragments, one a pixel.
+// Stage `span`: makes fragments from a span, one per pixel.
 #pragma once
 
 #include <functional>
@@ -11,8 +11,8 @@
 
 namespace bitspan::golden {
 
-// (spans of a triangle, its plane, the covered flags of their pixels, where their fragments are appended).
-// The plane is null and the flags are empty in the modes with horizontal rows.
+// Takes spans of a triangle, its plane and the covered flags of their pixels; appends the fragments to the
+// last argument. The plane is null and the flags are empty in the modes with horizontal rows.
 using SpanStage = std::function<void(std::span<const SpanRecord>, const PlaneRecord*,
                                      std::span<const std::uint8_t>, std::vector<FragmentRecord>&)>;
 SpanStage make_span(Arithmetic arithmetic, const Config& config, const Constants& constants);

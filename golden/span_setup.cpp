@@ -1,5 +1,6 @@
 #include "golden/span_setup.hpp"
 
+#include "config/modes.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
@@ -20,8 +21,8 @@ class SpanSetup {
         q_h_step_(config.format(FormatId::span_h_step)),
         q_h_(config.format(FormatId::span_h)),
         q_f_diff_(config.format(FormatId::span_f_diff)),
-        q_start_(config.format(affine() ? FormatId::span_uv_acc : FormatId::span_f)),
-        q_step_(config.format(affine() ? FormatId::span_uv_step : FormatId::span_f_step)),
+        q_start_(config.format(linear() ? FormatId::span_uv_acc : FormatId::span_f)),
+        q_step_(config.format(linear() ? FormatId::span_uv_step : FormatId::span_f_step)),
         q_shade_step_(config.format(FormatId::span_shade_step)),
         q_shade_acc_(config.format(FormatId::span_shade_acc)),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
@@ -30,7 +31,7 @@ class SpanSetup {
     const StartOffsets& offset = config.start_offset;
     const auto f = [&](FormatId id) { return config.format(id); };
     start_h_ = Start(offset.span_h, config.depth_format());
-    start_f_ = Start(offset.span_f, f(affine() ? FormatId::span_uv : FormatId::span_f));
+    start_f_ = Start(offset.span_f, f(linear() ? FormatId::span_uv : FormatId::span_f));
     start_shade_ = Start(offset.span_shade, f(FormatId::span_shade));
   }
 
@@ -66,17 +67,24 @@ class SpanSetup {
       const Real r = q_uv_.value(raw_r);
       Real difference = r - l;
       Real from = 0;
-      if (perspective_ == Perspective::delta_f) {
-        difference = q_f_diff_.product(difference, h_r + b_);
-        diff = q_f_diff_.raw(difference);
-        base = raw_l;
-      } else if (perspective_ == Perspective::hyperbolic) {
-        from = q_f_diff_.product(l, h_l + b_);
-        const Real to = q_f_diff_.product(r, h_r + b_);
-        difference = to - from;
-        diff = q_f_diff_.raw(to);
-      } else {
-        from = l;
+      switch (perspective_) {
+        case Perspective::delta_f:
+          difference = q_f_diff_.product(difference, h_r + b_);
+          diff = q_f_diff_.raw(difference);
+          base = raw_l;
+          break;
+        case Perspective::hyperbolic: {
+          from = q_f_diff_.product(l, h_l + b_);
+          const Real to = q_f_diff_.product(r, h_r + b_);
+          difference = to - from;
+          diff = q_f_diff_.raw(to);
+          break;
+        }
+        case Perspective::affine:
+          from = l;
+          break;
+        case Perspective::const_depth_rows:  // has no horizontal rows
+          unreachable();
       }
       const Real step = slope(difference, q_step_);
       start = q_start_.raw(start_f_(q_start_, from, step, pre));
@@ -102,7 +110,7 @@ class SpanSetup {
  private:
   using Start = PreStep<Real>;
 
-  bool affine() const { return perspective_ == Perspective::affine; }
+  bool linear() const { return has_linear_texture(perspective_); }
 
   Perspective perspective_;
   Quantizer<Real> q_x_, q_edge_h_, q_uv_, q_shade_, q_h_step_, q_h_, q_f_diff_, q_start_, q_step_,

@@ -1,4 +1,4 @@
-// Stage `span_setup`: a row to the increments of its span, with the per-row divide.
+// Stage `span_setup`: makes the start values and increments of a span from a row, with the divide per row.
 #pragma once
 
 #include <functional>
@@ -9,11 +9,11 @@
 
 namespace bitspan::golden {
 
-// The modes with horizontal rows.
+// For the modes with horizontal rows.
 using SpanSetupStage = std::function<SpanRecord(const RowRecord&)>;
 SpanSetupStage make_span_setup(Arithmetic arithmetic, const Config& config, const Constants& constants);
 
-// const_depth_rows.
+// For const_depth_rows.
 using PlaneSpanSetupStage = std::function<SpanRecord(const PlaneRecord&, const PlaneRowRecord&)>;
 PlaneSpanSetupStage make_plane_span_setup(Arithmetic arithmetic, const Config& config,
                                           const Constants& constants);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "config/modes.hpp"
 #include "golden/lanes.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
@@ -17,7 +18,7 @@ template <class Real>
 class Texturing {
  public:
   explicit Texturing(const Config& config)
-      : bilinear_(config.filter == TextureFilter::bilinear),
+      : filter_(config.filter),
         wrap_(config.wrap),
         transparent_(config.transparent),
         q_uv_(config.format(FormatId::span_uv)),
@@ -69,7 +70,7 @@ class Texturing {
       const Place place = look_up(*texture, q_uv_.value(fragment.u), q_uv_.value(fragment.v));
       out.i = place.i;
       out.j = place.j;
-      if (bilinear_) {
+      if (weighs_texels(filter_)) {
         out.ex = q_frac_.raw(place.ex);
         out.ey = q_frac_.raw(place.ey);
       }
@@ -133,23 +134,39 @@ class Texturing {
   bool quick_sample(std::span<const FragmentRecord* const> fragments, const Texture& texture,
                     std::span<TextureRecord> out, std::array<std::uint8_t, lanes>& dead,
                     std::array<Column, channels>& v) const requires std::same_as<Real, double> {
+    switch (filter_) {
+      case TextureFilter::nearest:
+        return quick_nearest(fragments, texture, out, dead, v);
+      case TextureFilter::bilinear:
+        return quick_bilinear(fragments, texture, out, dead, v);
+    }
+    unreachable();
+  }
+  bool quick_nearest(std::span<const FragmentRecord* const> fragments, const Texture& texture,
+                     std::span<TextureRecord> out, std::array<std::uint8_t, lanes>& dead,
+                     std::array<Column, channels>& v) const requires std::same_as<Real, double> {
     const std::size_t n = fragments.size();
     const double alpha_scale = 1 / q_alpha_.ulp();
     const double mix_scale = 1 / q_mix_.ulp();
-    if (!bilinear_) {
-      for (std::size_t i = 0; i < n; ++i) {
-        const Place place = look_up(texture, q_uv_.value(fragments[i]->u), q_uv_.value(fragments[i]->v));
-        out[i].i = place.i;
-        out[i].j = place.j;
-        dead[i] = place.killed ? 1 : 0;
-        for (std::size_t c = 0; c < 3; ++c) v[c].at[i] = place.texel[0][c];
-        v[3].at[i] = alpha_[place.texel[0][3]];
-      }
-      for (std::size_t c = 0; c < 3; ++c) {
-        if (lanes_narrow(v[c], mix_scale, quick_mix_, n, v[c]) != 0) return false;
-      }
-      return lanes_narrow(v[3], alpha_scale, quick_alpha_, n, v[3]) == 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Place place = look_up(texture, q_uv_.value(fragments[i]->u), q_uv_.value(fragments[i]->v));
+      out[i].i = place.i;
+      out[i].j = place.j;
+      dead[i] = place.killed ? 1 : 0;
+      for (std::size_t c = 0; c < 3; ++c) v[c].at[i] = place.texel[0][c];
+      v[3].at[i] = alpha_[place.texel[0][3]];
     }
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (lanes_narrow(v[c], mix_scale, quick_mix_, n, v[c]) != 0) return false;
+    }
+    return lanes_narrow(v[3], alpha_scale, quick_alpha_, n, v[3]) == 0;
+  }
+  bool quick_bilinear(std::span<const FragmentRecord* const> fragments, const Texture& texture,
+                      std::span<TextureRecord> out, std::array<std::uint8_t, lanes>& dead,
+                      std::array<Column, channels>& v) const requires std::same_as<Real, double> {
+    const std::size_t n = fragments.size();
+    const double alpha_scale = 1 / q_alpha_.ulp();
+    const double mix_scale = 1 / q_mix_.ulp();
     // The texels in units of 1; V5 and V6 come out in ulps.
     std::array<std::array<Column, channels>, 4> texel;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     Column ex, ey;                                      // NOLINT(cppcoreguidelines-pro-type-member-init)
@@ -181,10 +198,16 @@ class Texturing {
 
   std::int64_t wrapped(std::int64_t i, std::int64_t size) const {
     if (i >= 0 && i < size) return i;
-    if (wrap_ == TextureWrap::clamp) return std::clamp<std::int64_t>(i, 0, size - 1);
-    if ((size & (size - 1)) == 0) return i & (size - 1);
-    const std::int64_t rest = i % size;
-    return rest < 0 ? rest + size : rest;
+    switch (wrap_) {
+      case TextureWrap::clamp:
+        return std::clamp<std::int64_t>(i, 0, size - 1);
+      case TextureWrap::cyclic: {
+        if ((size & (size - 1)) == 0) return i & (size - 1);
+        const std::int64_t rest = i % size;
+        return rest < 0 ? rest + size : rest;
+      }
+    }
+    unreachable();
   }
   // i and j are wrapped.
   static Texel fetch(const Texture& texture, std::int64_t i, std::int64_t j) {
@@ -202,51 +225,63 @@ class Texturing {
     const std::int64_t nearest_j = wrapped(to_integer(floor_of(v)), texture.height);
     const Texel nearest = fetch(texture, nearest_i, nearest_j);
     out.killed = reserved(nearest);
-    if (!bilinear_) {
-      out.i = nearest_i;
-      out.j = nearest_j;
-      out.texel[0] = nearest;
-      return out;
+    switch (filter_) {
+      case TextureFilter::nearest:
+        out.i = nearest_i;
+        out.j = nearest_j;
+        out.texel[0] = nearest;
+        break;
+      case TextureFilter::bilinear: {
+        const Real left = floor_of(u - Real(0.5));
+        const Real top = floor_of(v - Real(0.5));
+        out.ex = q_frac_(u - Real(0.5) - left);
+        out.ey = q_frac_(v - Real(0.5) - top);
+        const std::int64_t i = to_integer(left);
+        const std::int64_t j = to_integer(top);
+        out.i = wrapped(i, texture.width);
+        out.j = wrapped(j, texture.height);
+        const std::int64_t right = wrapped(i + 1, texture.width);
+        const std::int64_t below = wrapped(j + 1, texture.height);
+        const auto texel = [&](std::int64_t column, std::int64_t row) {
+          const Texel own = fetch(texture, column, row);
+          return reserved(own) ? nearest : own;
+        };
+        out.texel = {texel(out.i, out.j), texel(out.i, below), texel(right, below), texel(right, out.j)};
+        break;
+      }
     }
-    const Real left = floor_of(u - Real(0.5));
-    const Real top = floor_of(v - Real(0.5));
-    out.ex = q_frac_(u - Real(0.5) - left);
-    out.ey = q_frac_(v - Real(0.5) - top);
-    const std::int64_t i = to_integer(left);
-    const std::int64_t j = to_integer(top);
-    out.i = wrapped(i, texture.width);
-    out.j = wrapped(j, texture.height);
-    const std::int64_t right = wrapped(i + 1, texture.width);
-    const std::int64_t below = wrapped(j + 1, texture.height);
-    const auto texel = [&](std::int64_t column, std::int64_t row) {
-      const Texel own = fetch(texture, column, row);
-      return reserved(own) ? nearest : own;
-    };
-    out.texel = {texel(out.i, out.j), texel(out.i, below), texel(right, below), texel(right, out.j)};
     return out;
   }
 
   Shades<Real> sample(const Place& place) const {
-    const auto& [v1, v2, v3, v4] = place.texel;
-    if (!bilinear_) {
-      return {q_mix_(Real(v1[0])), q_mix_(Real(v1[1])), q_mix_(Real(v1[2])), alpha_[v1[3]]};
+    switch (filter_) {
+      case TextureFilter::nearest: {
+        const Texel& t = place.texel[0];
+        return {q_mix_(Real(t[0])), q_mix_(Real(t[1])), q_mix_(Real(t[2])), alpha_[t[3]]};
+      }
+      case TextureFilter::bilinear:
+        return mixed(place);
     }
+    unreachable();
+  }
+  Shades<Real> mixed(const Place& place) const {
+    const auto& [v1, v2, v3, v4] = place.texel;
     const auto mix = [](const Quantizer<Real>& q, Real from, Real to, Real share) {
       return q.sum(from * (1 - share), to * share);
     };
-    Shades<Real> mixed;
+    Shades<Real> out;
     for (std::size_t c = 0; c < channels; ++c) {
       const bool is_alpha = c == channels - 1;
       const Quantizer<Real>& q = is_alpha ? q_alpha_ : q_mix_;
       const auto value = [&](const Texel& t) { return is_alpha ? alpha_[t[c]] : Real(t[c]); };
       const Real v5 = mix(q, value(v1), value(v4), place.ex);
       const Real v6 = mix(q, value(v2), value(v3), place.ex);
-      mixed[c] = mix(q, v5, v6, place.ey);
+      out[c] = mix(q, v5, v6, place.ey);
     }
-    return mixed;
+    return out;
   }
 
-  bool bilinear_;
+  TextureFilter filter_;
   TextureWrap wrap_;
   std::optional<std::array<std::uint8_t, 3>> transparent_;
   Quantizer<Real> q_uv_, q_shade_, q_frac_, q_mix_, q_color_, q_alpha_;

@@ -1,4 +1,4 @@
-// Stage `texture`: a fragment's texel, its colour and alpha. [T3, T4, T5]
+// Stage `texture`: finds a fragment's texel, and makes its colour and alpha. [T3, T4, T5]
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace bitspan::golden {
 
-// (fragments, their texture or null); appends a record for each.
+// Takes fragments and their texture or null; appends a record for each.
 using TextureStage = std::function<void(std::span<const FragmentRecord* const>, const Texture*,
                                         std::vector<TextureRecord>& out)>;
 TextureStage make_texture(Arithmetic arithmetic, const Config& config);

@@ -77,13 +77,14 @@ void store_shades(const Quantizer<Real>& q, const Shades<Real>& c, std::int64_t&
   a = q.raw(c[3]);
 }
 
-// A start offset as a value; `kept` is the format whose half ulp it may be.
+// Returns a start offset as a value; `kept` is the format whose half ulp it may be.
 template <class Real>
 Real start_offset(const StartOffset& offset, const Format& kept) {
   return offset.half_ulp ? pow2<Real>(-kept.fraction() - 1) : Real(offset.value);
 }
 
-// The start value of an accumulator: Q(from + step distance + offset), the one way all of them are formed.
+// Returns the start value of an accumulator, Q(from + step distance + offset); all of them are formed by this
+// class.
 template <class Real>
 class PreStep {
  public:

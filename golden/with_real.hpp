@@ -1,5 +1,6 @@
-// From a run-time Arithmetic to a Real, for the stages' make functions. Clang's analyser loses a stage that
-// is returned inside std::function and takes it for a leak; the address sanitizer, which knows, finds none.
+// Gives the stages' make functions the Real that a run-time Arithmetic names. Clang's analyser loses a stage
+// that is returned inside std::function and reports a leak; the address sanitizer, which sees the run, finds
+// none.
 #pragma once
 
 #include "golden/arithmetic.hpp"

@@ -35,7 +35,7 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
     if (descriptor_ < 0) fail(errno);
     return;
   }
-  // Rename would replace a file that the user protected from writing.
+  // Renaming would replace a file that the user protected from writing.
   if (exists && ::access(target_.c_str(), W_OK) != 0) fail(errno);
   static std::atomic<unsigned> serial{0};
   while (descriptor_ < 0) {

@@ -8,9 +8,9 @@
 
 namespace bitspan {
 
-// Bytes go to a temporary file in the target's folder; commit() renames it onto the target. Without commit()
-// the destructor removes it and the target stays as it was. A target that is a device or a pipe is written
-// straight; a symbolic link is followed. All failures are InputError "path: cannot write: reason".
+// Writes bytes to a temporary file in the target's folder; commit() renames it onto the target. Without
+// commit() the destructor removes it, and the target stays as it was. A target that is a device or a pipe is
+// written directly. A symbolic link is followed. All failures are InputError "path: cannot write: reason".
 class AtomicFile {
  public:
   explicit AtomicFile(const std::string& path);
@@ -20,7 +20,7 @@ class AtomicFile {
 
   void write(std::string_view bytes);
   void write(std::span<const std::uint8_t> bytes);
-  // All written bytes are under the target's name when it returns. At most once.
+  // Puts all written bytes under the target's name before it returns. Call it at most once.
   void commit();
 
  private:
@@ -30,7 +30,7 @@ class AtomicFile {
 
   std::string path_;       // as the caller named it
   std::string target_;     // links resolved
-  std::string temporary_;  // empty: written straight
+  std::string temporary_;  // empty: the target is written directly
   std::string buffer_;
   int descriptor_ = -1;
 };

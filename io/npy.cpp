@@ -11,7 +11,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the arrays are written as they lie in memory");
 
-// The part in front of the data: magic, version, length, description, padded to a multiple of 64 bytes.
+// Returns the part in front of the data: magic, version, length and description, padded to a multiple of 64
+// bytes.
 std::string header(std::string_view dtype, std::initializer_list<std::size_t> shape) {
   std::string text = "{'descr': '" + std::string(dtype) + "', 'fortran_order': False, 'shape': (";
   for (const std::size_t extent : shape) text += std::to_string(extent) + ", ";

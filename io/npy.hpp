@@ -8,8 +8,9 @@
 
 namespace bitspan {
 
-// dtypes |u1, <u4, <i4, <f8. `shape` names the extents, slowest first; their product is the number of values.
-// The file appears whole or not at all; InputError where it cannot be written.
+// Each of these writes an array whole or not at all, of dtype |u1, <u4, <i4 or <f8. `shape` names the
+// extents, slowest first; their product is the number of values. Throws InputError where the file cannot be
+// written.
 void write_npy(const std::string& path, std::initializer_list<std::size_t> shape,
                std::span<const std::uint8_t> values);
 void write_npy(const std::string& path, std::initializer_list<std::size_t> shape,

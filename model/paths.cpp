@@ -4,6 +4,7 @@
 #include <array>
 
 #include "config/exact.hpp"
+#include "config/modes.hpp"
 #include "config/shipped_configs.hpp"
 #include "model/simd/engine_vector.hpp"
 #include "model/simd/shade.hpp"
@@ -133,12 +134,12 @@ std::string span_path(const Config& config) {
   const auto narrow = [&](std::int64_t b) { return prepare_span(config, constants_with(b)).narrow; };
   if (narrow(1)) return lanes64;
   // Other perspectives do not look at the values.
-  std::string wide = config.perspective == Perspective::delta_f ? lanes_mixed : lanes128;
+  std::string wide = has_pixel_reciprocal(config.perspective) ? lanes_mixed : lanes128;
   const Register b = make_register(config, FormatId::setup_b);
   for (int bits = 1; bits < 63 && std::int64_t{1} << bits <= b.max; ++bits) {
     if (narrow(std::int64_t{1} << bits)) {
       const std::string bound = "B < 2^" + std::to_string(bits - b.fraction);
-      return wide + (config.perspective == Perspective::delta_f ? " and " : " where ") + bound;
+      return wide + (has_pixel_reciprocal(config.perspective) ? " and " : " where ") + bound;
     }
   }
   return wide;
@@ -146,7 +147,7 @@ std::string span_path(const Config& config) {
 
 std::string path_of(const Config& config, std::string_view stage, int bits) {
   if (vector_refusal(config) != nullptr) return scalar;
-  const bool rows_of_depth = config.perspective == Perspective::const_depth_rows;
+  const bool rows_of_depth = has_plane_rows(config.perspective);
   const bool shading = stage == "texture" || stage == "fog" || stage == "merge";
   if (shading) {
     const ShadeLanes lanes = shade_lanes(config, config.fog);

@@ -4,6 +4,8 @@
 #include <sstream>
 #include <string>
 
+#include "config/modes.hpp"
+
 namespace bitspan::model {
 
 void check_scene(const Scene& scene) {
@@ -35,7 +37,7 @@ template <class Watch>
 Pipeline make_pipeline(const Config& config, const Scene& scene, Watch watch) {
   check_scene(scene);
   Pipeline p;
-  p.const_depth_rows = config.perspective == Perspective::const_depth_rows;
+  p.const_depth_rows = has_plane_rows(config.perspective);
   p.constants = make_constants(config, scene, watch);
   p.setup = prepare_setup(config, p.constants);
   p.edge_walk = prepare_edge_walk(config, p.constants, scene.width, scene.height);

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <utility>
 
+#include "config/modes.hpp"
+
 namespace bitspan {
 namespace {
 
@@ -260,8 +262,7 @@ std::string hex_of(std::int64_t raw, const Field& field, const Config& config) {
 }
 
 std::string unit_of(const Field& field, const Config& config) {
-  const bool linear =
-      config.perspective == Perspective::affine || config.perspective == Perspective::const_depth_rows;
+  const bool linear = has_linear_texture(config.perspective);
   switch (field.kind) {
     case FieldKind::integer:
       return "";

@@ -11,6 +11,8 @@
 #include <optional>
 #include <utility>
 
+#include "config/modes.hpp"
+
 namespace bitspan {
 namespace {
 
@@ -271,7 +273,7 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
     ErrorRow& r = report_.rows[static_cast<std::size_t>(row)];
     r.stat.add(static_cast<double>(raw) * r.ulp, ideal);
   };
-  const bool fogged = scene_->fog.has_value() && config_.fog != FogMode::none;
+  const bool fogged = scene_->fog.has_value() && has_fog(config_.fog);
 
   std::size_t setup = 0;
   std::size_t row = 0;
@@ -352,7 +354,7 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
 
 void ErrorMeter::add_pictures(const Frame& engine, const Frame& ideal) {
   report_.has_picture = true;
-  const bool nearest = config_.filter == TextureFilter::nearest;
+  const bool nearest = !weighs_texels(config_.filter);
   const std::size_t pixels = std::min(engine.depth.size(), ideal.depth.size());
   report_.pixels += pixels;
   for (std::size_t i = 0; i < pixels; ++i) {

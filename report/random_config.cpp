@@ -6,6 +6,7 @@
 #include <string>
 
 #include "config/check.hpp"
+#include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 #include "engine/emit_sv.hpp"
 #include "scene/random.hpp"
@@ -74,12 +75,12 @@ void change_format(Random& random, FormatId id, Format& f) {
 void change_unit(Random& random, Reciprocal& unit, bool may_denormalise) {
   unit.kind = static_cast<ReciprocalKind>(random.integer(0, 2));
   unit.normalize = !may_denormalise || random.chance(0.75);
-  const bool lut = unit.kind != ReciprocalKind::restoring;
+  const bool lut = has_table(unit.kind);
   unit.index_bits = lut ? between(random, 2, 9) : 0;
   unit.operand_bits = lut ? unit.index_bits + between(random, 1, 12) : 0;
   unit.table_bits = lut ? between(random, 6, 22) : 0;
   unit.internal_bits = lut ? between(random, 8, 26) : 0;
-  unit.steps = unit.kind == ReciprocalKind::lut_newton ? between(random, 0, 3) : 0;
+  unit.steps = has_newton_steps(unit.kind) ? between(random, 0, 3) : 0;
   unit.bits_per_cycle = lut ? 1 : between(random, 1, 4);
   unit.pipelined = random.chance(0.7);
   unit.output.is_signed = false;
@@ -151,7 +152,7 @@ Config draw(Random& random, std::span<const Config> bases) {
   change_offset(random, c.start_offset.edge_f, c.format(FormatId::edge_f));
   change_offset(random, c.start_offset.edge_shade, c.format(FormatId::edge_shade_acc));
   change_offset(random, c.start_offset.span_h, c.format(FormatId::span_h));
-  const bool linear = c.perspective == Perspective::affine || c.perspective == Perspective::const_depth_rows;
+  const bool linear = has_linear_texture(c.perspective);
   change_offset(random, c.start_offset.span_f, c.format(linear ? FormatId::span_uv_acc : FormatId::span_f));
   change_offset(random, c.start_offset.span_shade, c.format(FormatId::span_shade_acc));
   if (random.chance(0.5)) {

@@ -1,6 +1,7 @@
-// area_top between registers that seven pins reach: inputs come out of a shift register, outputs are folded by XOR, four
-// bits a clock and level. Both ends of every path of area_top are therefore registers. The netlist of area_top goes in
-// as it was counted; this costs an input bit a flip-flop and an output bit 4/3 flip-flops and 1/3 LUT more.
+// Puts area_top between registers that seven pins reach. Inputs come out of a shift register, and outputs are folded by
+// XOR, four bits per clock and level. Both ends of every path of area_top are therefore registers. The netlist of
+// area_top goes in as it was counted. This costs one more flip-flop per input bit, and 4/3 flip-flops and 1/3 LUT per
+// output bit.
 module area_pins (
     input  logic clk_i,
     input  logic rst_ni,

@@ -1,6 +1,6 @@
-// span_interpolator as the next stage uses it, for docs/area.md to count; not part of the design. The tap, and the
-// pixel's registers that only comparisons with the model read (fu, fv, the reciprocal), stay open, so that what nobody
-// reads is not counted. The inputs of the other mode are 0.
+// Connects span_interpolator as the next stage uses it, for docs/area.md to count; this is not part of the design. The
+// tap stays open, and so do the pixel's registers that only comparisons with the model read (fu, fv, the reciprocal),
+// so that what nobody reads is not counted. The inputs of the other mode are 0.
 module area_top #(
     parameter int EndsW = 2 * bitspan_cfg_pkg::EdgeXW + 2 * bitspan_cfg_pkg::EdgeHW + 4 * bitspan_cfg_pkg::EdgeUvW,
     parameter int PlaneW = bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + bitspan_cfg_pkg::SpanHW +

@@ -1,4 +1,5 @@
-// d_i, Depth enabled clocks later; Depth 0 is a wire. No reset: it carries data, valid bits go elsewhere.
+// q_o is d_i, Depth enabled clocks later; Depth 0 is a wire. There is no reset: the line carries data, and valid bits
+// are kept elsewhere.
 module delay_line #(
     parameter int Width = 8,
     parameter int Depth = 1

@@ -1,9 +1,9 @@
-// Signed quotient n / d, d > 0, by restoring division; the slope form `divide`.
+// Signed quotient n / d, d > 0, by restoring division, for the slope form `divide`.
 //
 //   q_o       floor of the quotient with n extended by Iterations * BitsPerCycle - NW zero bits on the right
 //   sticky_o  the quotient lies strictly above q_o
 //
-// Latency: 1 + Iterations enabled clocks; Pipelined and start_i as in restoring_core.
+// Latency: 1 + Iterations enabled clocks. Pipelined and start_i are as in restoring_core.
 module divide #(
     parameter int NW           = 8,
     parameter int DW           = 8,

@@ -1,4 +1,4 @@
-// Q[format](a b 2^-e + c + offset): exact up to the one quantisation. Combinational.
+// Q[format](a b 2^-e + c + offset), exact up to the one quantisation. Combinational.
 //
 //   a_i, b_i, c_i  signed raw values on AFrac, BFrac, CFrac fraction bits
 //   e_i            signed, EMin..EMax; ignored where EMin = EMax = 0

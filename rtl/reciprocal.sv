@@ -4,12 +4,12 @@
 //   m_o  raw bits on the output format
 //   e_o  Normalize: floor(log2 d), else 0
 //
-// Latency: Clocks enabled clocks. A pipelined unit takes an operand on each of them. An iterative one (Pipelined 0)
-// takes one with start_i and needs it stable until its result is used, which stays until the next start.
+// Latency: Clocks enabled clocks. A pipelined unit takes an operand on each of them. An iterative unit (Pipelined 0)
+// takes an operand with start_i and needs it stable until its result is used. The result stays until the next start.
 //
 // Clocks:  1 normalise | restoring: Iterations           | 1 Q
 //                      | lut_linear: 1 table, 1 product  |
-//                      | lut_newton: 1 table, 2 a step   |
+//                      | lut_newton: 1 table, 2 per step |
 module reciprocal #(
     parameter int Kind         = 0,
     parameter int Normalize    = 1,

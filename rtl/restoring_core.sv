@@ -1,11 +1,11 @@
-// Restoring long division of unsigned integers, BitsPerCycle quotient bits a clock.
+// Restoring long division of unsigned integers, BitsPerCycle quotient bits per clock.
 //
 //   numerator: rem_i followed by the bits of num_i, rem_i < d_i; d_i > 0
 //   q_o       = floor((rem_i 2^Bits + num_i) / d_i), Bits = Iterations * BitsPerCycle
 //   sticky_o  = the remainder is not zero
 //
-// Latency: Iterations enabled clocks. Pipelined: takes operands on each of them. Otherwise start_i marks the clock of
-// the operands, and the result stays until the next start.
+// Latency: Iterations enabled clocks. With Pipelined, operands are taken on each of them. Otherwise start_i marks the
+// clock of the operands, and the result stays until the next start.
 module restoring_core #(
     parameter int DW           = 8,
     parameter int Iterations   = 8,

@@ -1,4 +1,4 @@
-// `Steps` quotient bits of restoring_core, combinational.
+// Forms `Steps` quotient bits of restoring_core, combinationally.
 //
 //   state: {remainder [DW-1:0], numerator | quotient [Bits-1:0]}, the remainder below d_i
 module restoring_step #(

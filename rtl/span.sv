@@ -1,10 +1,10 @@
-// span of docs/numeric-spec.md: walks a span record's pixels, one issued a clock.
+// span of docs/numeric-spec.md: walks a span record's pixels and issues one per clock.
 //
 //   delta_f            issue: h, fu, fv | h + B | R_pixel(h + B) | u = u1 + fu / (h + B), v
 //   const_depth_rows   issue: fu, fv    |       |                | u = fu, v = fv
 //
-// A record is taken while no span is active, or on the clock that issues the last pixel of one. Behind the issue
-// everything shifts together on en: unless a pixel at the output waits.
+// A record is taken while no span is active, or on the clock that issues the last pixel of one. Behind the issue,
+// everything shifts together on en, which is low while a pixel waits at the output.
 module span (
     input  logic clk_i,
     input  logic rst_ni,
@@ -26,7 +26,7 @@ module span (
     input  logic [bitspan_cfg_pkg::TexStepW-1:0] res_fu_step1_i,
     input  logic [bitspan_cfg_pkg::TexStepW-1:0] res_fv_step0_i,
     input  logic [bitspan_cfg_pkg::TexStepW-1:0] res_fv_step1_i,
-    // One a pixel; x is the major coordinate, step: the digital line steps after this pixel.
+    // One transfer per pixel. x is the major coordinate; step says that the digital line steps after this pixel.
     output logic out_valid_o,
     input  logic out_ready_i,
     output logic [bitspan_cfg_pkg::PixelIndexW-1:0] x_o,
@@ -71,7 +71,7 @@ module span (
     end
   end
 
-  // The digital line: a pixel to the side where the phase leaves 0..1.
+  // The digital line moves a pixel to the side where the phase leaves 0..1.
   logic step;
   if (bitspan_cfg_pkg::ConstDepthRows != 0) begin : gen_line
     // phase + k; k has KInt integer bits, and one more holds the sum.

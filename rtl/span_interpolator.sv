@@ -1,4 +1,4 @@
-// span_setup followed by span: rows in, pixels out. docs/rtl.md has the ports and the clocks.
+// span_setup followed by span: takes rows and delivers pixels. docs/rtl.md has the ports and the clocks.
 module span_interpolator (
     input  logic clk_i,
     input  logic rst_ni,
@@ -28,7 +28,7 @@ module span_interpolator (
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gu_step1_i,
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step0_i,
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step1_i,
-    // One a pixel; x is the major coordinate, step: the digital line steps after this pixel.
+    // One transfer per pixel. x is the major coordinate; step says that the digital line steps after this pixel.
     output logic out_valid_o,
     input  logic out_ready_i,
     output logic [bitspan_cfg_pkg::PixelIndexW-1:0] x_o,

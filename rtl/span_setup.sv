@@ -1,10 +1,11 @@
-// span_setup of docs/numeric-spec.md: a row's ends (delta_f) or a plane row (const_depth_rows) in, a span record out.
+// span_setup of docs/numeric-spec.md: takes a row's ends (delta_f) or a plane row (const_depth_rows), delivers a span
+// record.
 //
 //   delta_f            L = x_r - x_l, differences | row unit: R_row(L), or dividers | slopes | start values
 //   const_depth_rows   h + B                      | row unit: R_row(h + B)          | u, v   | -
 //   clocks             1                            RowUnitClocks                     1        1
 //
-// Row unit pipelined: everything shifts together on en. Otherwise one record is inside at a time, from its
+// With a pipelined row unit, everything shifts together on en. Otherwise one record is inside at a time, from its
 // acceptance until its result is taken, and the first register holds it all the while.
 module span_setup (
     input  logic clk_i,

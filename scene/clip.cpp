@@ -9,7 +9,7 @@ namespace {
 constexpr std::array<ClipBit, 6> all_planes{clip_near,  clip_far, clip_left,
                                             clip_right, clip_top, clip_bottom};
 
-// Positive inside, zero on the plane, negative beyond.
+// Returns how far the vertex is inside the plane: positive inside, zero on the plane, negative beyond.
 double distance(const ClipVertex& p, const ClipVolume& volume, ClipBit plane) {
   switch (plane) {
     case clip_left:
@@ -28,7 +28,7 @@ double distance(const ClipVertex& p, const ClipVolume& volume, ClipBit plane) {
   return 0;
 }
 
-// The point of the edge on the plane; t runs from the inner vertex in both directions of walking.
+// Returns the point of the edge on the plane. t runs from the inner vertex, whichever way the edge is walked.
 ClipVertex cut(const ClipVertex& inner, const ClipVertex& outer, const ClipVolume& volume, ClipBit plane) {
   const double inside = distance(inner, volume, plane);
   const double t = inside / (inside - distance(outer, volume, plane));

@@ -24,12 +24,12 @@ enum ClipBit : std::uint8_t {
   clip_far = 32,
 };
 
-// One bit for each plane that the vertex lies beyond; 0: inside or on the boundary.
+// Returns one bit per plane that the vertex lies beyond; 0 says that it is inside or on the boundary.
 std::uint8_t outcode(const ClipVertex& vertex, const ClipVolume& volume);
 
-// Sutherland-Hodgman over the planes named in `planes`: replaces the polygon by its part inside. New vertices
-// interpolate u, v and colour linearly in space. An edge is cut at the same point, bit for bit, from
-// whichever side it is walked, so that neighbours stay neighbours. The polygon may become empty.
+// Replaces the polygon by its part inside the planes named in `planes` (Sutherland-Hodgman); it may become
+// empty. New vertices interpolate u, v and colour linearly in space. An edge is cut at the same point, bit
+// for bit, from whichever side it is walked, so that neighbours stay neighbours.
 void clip_polygon(std::vector<ClipVertex>& polygon, const ClipVolume& volume, std::uint8_t planes);
 
 }  // namespace bitspan

@@ -32,7 +32,7 @@ Texture make_texture(std::string name, int width, int height, const std::functio
   return texture;
 }
 
-// A repeatable speckle, -range..range.
+// Returns a repeatable speckle in -range..range.
 int speckle(int i, int j, int range) {
   auto h = static_cast<std::uint32_t>(i) * 0x9e3779b1U ^ static_cast<std::uint32_t>(j) * 0x85ebca77U;
   h ^= h >> 15;
@@ -92,7 +92,7 @@ enum DemoTexture { floor_texture, brick_texture, wood_texture, globe_texture, gr
 using Color = std::array<double, 4>;
 constexpr Color white{1, 1, 1, 1};
 
-// To 2^-16 of a unit, so that the last bits of a mathematical library do not show.
+// Rounds to 2^-16 of a unit, so that the last bits of a mathematical library do not show.
 double grid(double x) { return std::round(x * 65536) / 65536; }
 Vec3 grid(const Vec3& p) { return {grid(p.x), grid(p.y), grid(p.z)}; }
 
@@ -246,7 +246,7 @@ Scene demo_scene(int width, int height) {
   look_at(view, {0, 7, 0}, {0, 4, -24}, {0, 1, 0});
 
   std::vector<Face> solids;
-  // The floor: one quad from below the viewer to beyond the horizon, 4 texels a unit.
+  // The floor is one quad from below the viewer to beyond the horizon, with 4 texels per unit.
   const double half = 960, far = -1010;
   add_quad(solids, {Vec3{-half, 0, 2}, Vec3{half, 0, 2}, Vec3{half, 0, far}, Vec3{-half, 0, far}}, -4 * half,
            4 * far, 4 * half, 8, {white, white, white, white}, floor_texture);

@@ -7,15 +7,16 @@
 
 namespace bitspan {
 
-// The demo: a checkered floor running to the horizon (s from 1 to 1000, |u| and |v| below 4096), a box and a
-// pyramid crossing one another, a sphere and a Gouraud coloured torus crossing one another, a grille with the
-// transparent code (255, 0, 255), columns fading into the fog, and a pane of stained glass, drawn last.
-// Deterministic. width and height: 1 to 16384, and no wider than 2.4 times the height.
+// Returns the demo: a checkered floor running to the horizon (s from 1 to 1000, |u| and |v| below 4096), a
+// box and a pyramid crossing one another, a sphere and a Gouraud coloured torus crossing one another, a
+// grille with the transparent code (255, 0, 255), columns fading into the fog, and a pane of stained glass,
+// drawn last. The scene is the same in every call. width and height: 1 to 16384, and the width at most 2.4
+// times the height.
 Scene demo_scene(int width, int height);
 
-// Legal but extreme triangles, one theme a scene, named after it: slivers, one-pixel triangles, outside the
-// screen, touching s_min and s_max, 16384 pixels wide, closed fans that share edges, both windings, flat tops
-// and bottoms, vertices on pixel centres.
+// Returns legal but extreme triangles. Each scene has one theme and is named after it: slivers, one-pixel
+// triangles, outside the screen, touching s_min and s_max, 16384 pixels wide, closed fans that share edges,
+// both windings, flat tops and bottoms, vertices on pixel centres.
 std::vector<Scene> extreme_scenes();
 
 }  // namespace bitspan

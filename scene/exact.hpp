@@ -5,8 +5,8 @@
 
 namespace bitspan {
 
-// Sign of (b - a) x (c - a), exactly, for any finite doubles: +1 where a, b, c run clockwise on the screen
-// (y downward), -1 counter-clockwise, 0 where they lie on one line.
+// Returns the sign of (b - a) x (c - a), exactly, for any finite doubles: +1 where a, b, c run clockwise on
+// the screen (y downward), -1 where they run counter-clockwise, 0 where they lie on one line.
 int orientation(double ax, double ay, double bx, double by, double cx, double cy);
 
 inline int orientation(const Triangle& t) {

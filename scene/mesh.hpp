@@ -19,7 +19,7 @@ struct Mesh {
   std::vector<Texture> textures;
 };
 
-// Where the viewer is. Everything left out is chosen so that the whole model is in the picture.
+// Where the viewer is. The defaults put the whole model into the picture.
 struct Camera {
   // Orbit around the target: yaw 0 looks along -z, growing yaw carries the viewer toward +x, growing pitch
   // upward.
@@ -45,17 +45,17 @@ struct MeshOptions {
   std::optional<Fog> fog;
 };
 
-// Reads a mesh: nodes flattened, polygons triangulated, points and lines left out. Colour is vertex colour
-// times the material's diffuse colour and opacity; a material the file does not define counts as white.
-// Texture files are relative to the mesh; embedded PNGs work too. u, v become texels of the face's texture, v
-// turned to run downward. Throws InputError, one line: unreadable, no triangles, numbers that are not finite,
-// a bad texture.
+// Reads a mesh. Nodes are flattened, polygons are triangulated, points and lines are left out. The colour is
+// the vertex colour times the material's diffuse colour and opacity; a material that the file does not define
+// counts as white. Texture files are relative to the mesh; embedded PNGs work too. u, v become texels of the
+// face's texture, with v turned to run downward. Throws InputError with one line where the file is unreadable
+// or has no triangles, a number is not finite, or a texture is bad.
 Mesh read_mesh(const std::string& path, const std::optional<std::string>& texture = std::nullopt);
 
-// Places the viewer. Throws InputError for an impossible camera.
+// Returns the view of the camera. Throws InputError where the camera is impossible.
 View make_view(const Mesh& mesh, const Camera& camera, int width, int height);
 
-// The picture's scene; `report` says what became of the faces.
+// Returns the picture's scene; `report` says what became of the faces.
 Scene mesh_scene(Mesh mesh, const MeshOptions& options, ProjectReport& report);
 
 }  // namespace bitspan

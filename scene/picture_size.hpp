@@ -14,7 +14,7 @@ struct Size {
   int height = 480;
 };
 
-// "640x480", legal or not; none where the text is no size.
+// Reads a size such as "640x480", legal or not; returns none where the text is no size.
 std::optional<Size> parse_size(std::string_view text);
 bool is_legal(const Size& size);
 

@@ -15,7 +15,7 @@ namespace bitspan {
 namespace {
 
 struct Property {
-  int count_bytes = 0;  // of a list's length; 0: one value
+  int count_bytes = 0;  // bytes of a list's length; 0: one value
   int value_bytes = 0;
 };
 
@@ -31,7 +31,7 @@ struct Header {
   std::vector<Element> elements;
 };
 
-// 0 for a name that is no type.
+// Returns 0 for a name that is no type.
 int bytes_of(std::string_view type) {
   struct Type {
     std::string_view name;
@@ -59,7 +59,7 @@ int bytes_of(std::string_view type) {
   return 0;
 }
 
-// One header line; false: not a legal one.
+// Reads one header line; returns false where it is not a legal one.
 bool read_line(const std::string& line, Header& header) {
   std::istringstream words(line);
   std::string word;
@@ -115,7 +115,7 @@ class Data {
  public:
   Data(std::istream& file, Encoding encoding) : file_(file), encoding_(encoding) {}
 
-  // false: the file ends here.
+  // Returns false where the file ends here.
   bool skip(int bytes, std::uint64_t times) {
     if (encoding_ != Encoding::ascii) {
       const std::uint64_t size = static_cast<std::uint64_t>(bytes) * times;
@@ -166,7 +166,7 @@ bool skip_instance(Data& data, const Element& element) {
   for (const Property& property : element.properties) {
     std::uint64_t count = 1;
     if (property.count_bytes != 0 && !data.read_count(property.count_bytes, count)) return false;
-    // Beyond this no file goes, and the product with a value's size stays in range.
+    // No file goes beyond this, and the product with the size of a value stays in range.
     if (count > std::uint64_t{1} << 40 || !data.skip(property.value_bytes, count)) return false;
   }
   return true;

@@ -7,8 +7,8 @@
 
 namespace bitspan {
 
-// Reads a PLY file, `file` at its first byte, and throws InputError where its header is no PLY header or its
-// data ends before all elements that the header promises.
+// Reads a PLY file, whose first byte `file` stands at. Throws InputError where its header is no PLY header,
+// or where its data ends before all elements that the header promises.
 void check_ply(std::istream& file, const std::string& path);
 
 }  // namespace bitspan

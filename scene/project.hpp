@@ -27,8 +27,8 @@ struct ProjectReport {
   std::uint64_t triangles = 0;  // made
 };
 
-// Appends the triangles to `triangles` in the order of the faces; a clipped face becomes a fan. s lies in
-// [s_min, s_max]. `report` is added to.
+// Appends the triangles to `triangles` in the order of the faces; a clipped face becomes a fan. Every s lies
+// in [s_min, s_max]. Adds the counts to `report`.
 void project(std::span<const Face> faces, const View& view, const ProjectOptions& options,
              std::vector<Triangle>& triangles, ProjectReport& report);
 

@@ -1,4 +1,4 @@
-// Random numbers and random scenes that are the same for a seed everywhere.
+// Random numbers and random scenes; a seed gives the same ones on every machine.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace bitspan {
 
-// xoshiro256** seeded by splitmix64. Everything derived is integer arithmetic or exact scaling, so a seed
-// gives the same bits on every platform.
+// xoshiro256** seeded by splitmix64. All derived numbers come from integer arithmetic or exact scaling, so a
+// seed gives the same bits on every platform.
 class Random {
  public:
   explicit Random(std::uint64_t seed);
@@ -18,7 +18,7 @@ class Random {
   // Uniform over [0, 1), a multiple of 2^-53.
   double unit();
   double uniform(double low, double high);
-  // low..high, 0 < low <= high: every octave about equally likely.
+  // In low..high, 0 < low <= high; every octave is about equally likely.
   double log_uniform(double low, double high);
   bool chance(double probability);
 
@@ -39,8 +39,8 @@ struct RandomOptions {
   double translucent_probability = 0.3;  // of a triangle to have alpha below 1
 };
 
-// A scene that a stream can hold: no zero areas, s within its range. The same seed and options give the same
-// scene.
+// Returns a scene that a stream can hold: no triangle has zero area, and s is within its range. The same seed
+// and options give the same scene.
 Scene random_scene(std::uint64_t seed, const RandomOptions& options = {});
 
 }  // namespace bitspan

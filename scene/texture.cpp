@@ -44,7 +44,7 @@ void read_bytes(png_structp png, png_bytep out, std::size_t count) {
 
 void on_warning(png_structp, png_const_charp) {}
 
-// false: decoder.error says why.
+// Returns false where it failed; decoder.error says why.
 bool decode(Decoder& decoder) {
   if (setjmp(png_jmpbuf(decoder.png))) return false;
   png_structp png = decoder.png;

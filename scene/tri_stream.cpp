@@ -279,12 +279,12 @@ Triangle read_triangle(const Json& line, const Scene& scene, int color_max, cons
   return triangle;
 }
 
-// Lines of a stream, with a bound on their length.
+// The lines of a stream, whose length is bounded.
 class LineReader {
  public:
   explicit LineReader(std::istream& in) : in_(in), buffer_(std::size_t{1} << 16) {}
 
-  // false at the end. `place.line` is the line's number, from 1.
+  // Returns false at the end. `place.line` is the line's number, from 1.
   bool next(std::string& line, Place& place) {
     line.clear();
     ++place.line;

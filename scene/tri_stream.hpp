@@ -1,4 +1,4 @@
-// The triangle stream `.tri` (JSON Lines): what testbenches feed. docs/formats.md describes it.
+// The triangle stream `.tri` (JSON Lines), the format that test benches feed. docs/formats.md describes it.
 #pragma once
 
 #include <iosfwd>
@@ -13,7 +13,7 @@ namespace bitspan {
 
 inline constexpr double coordinate_limit = 32767;  // |x|, |y| of a vertex, pixels
 
-// Reads a stream a line at a time; memory is bounded by the longest line (1 MiB at most) and the textures.
+// Reads a stream line by line. Its memory is bounded by the longest line (1 MiB at most) and the textures.
 // Every failure is an InputError "file:line: key: what; expected ...".
 class TriReader {
  public:
@@ -25,9 +25,9 @@ class TriReader {
   TriReader(const TriReader&) = delete;
   TriReader& operator=(const TriReader&) = delete;
 
-  // All of the scene but its triangles.
+  // Returns the scene without its triangles.
   const Scene& scene() const;
-  // The next triangle in the order of drawing; false at the end of the stream.
+  // Gives the next triangle in the order of drawing; returns false at the end of the stream.
   bool next(Triangle& triangle);
 
  private:
@@ -35,17 +35,18 @@ class TriReader {
   std::unique_ptr<State> state_;
 };
 
-// The whole stream at once.
+// Reads the whole stream at once.
 Scene read_tri(const std::string& path);
 Scene parse_tri(std::string_view text, const std::string& origin);
 
 // Throws InputError where a stream of this scene could not be read back: sizes, ranges, indices, zero areas.
 void check_scene(const Scene& scene, const std::string& origin);
 
-// Writes the stream; numbers are the shortest that read back as the same double. Textures go by their names.
+// Writes the stream. Each number is the shortest that reads back as the same double. Textures go by their
+// names.
 void write_tri(std::ostream& out, const Scene& scene);
-// Writes `path` and, beside it, each texture as STEM.N.png; complete or not at all. InputError where it
-// cannot.
+// Writes `path` and, beside it, each texture as STEM.N.png; the files appear complete or not at all. Throws
+// InputError where they cannot be written.
 void write_tri_file(const std::string& path, const Scene& scene);
 
 }  // namespace bitspan

@@ -14,6 +14,7 @@
 #include <tuple>
 #include <utility>
 
+#include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 #include "tb/rtl_build.hpp"
 
@@ -46,7 +47,7 @@ class Counter {
  public:
   explicit Counter(const Config& config) : c_(config), timing_(rtl_timing(config)) {}
   AreaShape count() {
-    if (c_.perspective == Perspective::const_depth_rows) {
+    if (has_plane_rows(c_.perspective)) {
       const_depth_setup();
       const_depth_span();
     } else {
@@ -131,14 +132,26 @@ class Counter {
     }
   }
 
+  // Clocks between the normalised operand and y.
+  static int core_clocks(const Reciprocal& unit, const RestoringShape& restoring_is) {
+    switch (unit.kind) {
+      case ReciprocalKind::restoring:
+        return restoring_is.iterations;
+      case ReciprocalKind::lut_linear:
+        return 2;
+      case ReciprocalKind::lut_newton:
+        return 1 + 2 * unit.steps;
+    }
+    unreachable();
+  }
+
   // rtl/reciprocal.sv.
   Exponents reciprocal(const Reciprocal& unit, const OperandGrid& operand) {
     const int op = operand.word;
     const int shift = bits_of(op);
-    const bool lut = unit.kind != ReciprocalKind::restoring;
+    const bool lut = has_table(unit.kind);
     const RestoringShape restoring_is = restoring_shape(unit, operand);
-    const int core =
-        !lut ? restoring_is.iterations : (unit.kind == ReciprocalKind::lut_linear ? 2 : 1 + 2 * unit.steps);
+    const int core = core_clocks(unit, restoring_is);
     const int nq_fraction = std::max(unit.operand_bits, unit.index_bits);
     int y_bits = 0;
     int y_fraction = 0;
@@ -156,27 +169,34 @@ class Counter {
       y_fraction = restoring_is.fraction;
     } else {
       const int entry = unit.table_bits + 1;
-      const bool linear = unit.kind == ReciprocalKind::lut_linear;
-      shape_.table += std::ldexp(entry, unit.index_bits) * (linear ? 2 : 1);
-      y_fraction = linear || unit.steps > 0 ? unit.internal_bits : unit.table_bits;
-      y_bits = y_fraction + 1;
-      if (linear) {
-        const int t = nq_fraction - unit.index_bits;
-        add_registers(2 * entry + t + y_bits);
-        shape_.sums += entry + entry + t;
-        multiply(entry, t + 1);
-      } else {
-        add_registers(entry + nq_fraction);
-        for (int s = 0; s < unit.steps; ++s) {
-          const int in = (s == 0 ? unit.table_bits : unit.internal_bits) + 1;
-          const bool last = s + 1 == unit.steps;
-          add_registers(unit.internal_bits + 2 + in + unit.internal_bits + 1);
-          add_registers(nq_fraction, last ? 0 : 2);
-          multiply(nq_fraction + 1, in);
-          multiply(in, unit.internal_bits + 2);
-          shape_.sums += unit.internal_bits + 2;
+      switch (unit.kind) {
+        case ReciprocalKind::restoring:
+          break;
+        case ReciprocalKind::lut_linear: {
+          shape_.table += std::ldexp(entry, unit.index_bits) * 2;
+          y_fraction = unit.internal_bits;
+          const int t = nq_fraction - unit.index_bits;
+          add_registers(2 * entry + t + y_fraction + 1);
+          shape_.sums += entry + entry + t;
+          multiply(entry, t + 1);
+          break;
         }
+        case ReciprocalKind::lut_newton:
+          shape_.table += std::ldexp(entry, unit.index_bits);
+          y_fraction = unit.steps > 0 ? unit.internal_bits : unit.table_bits;
+          add_registers(entry + nq_fraction);
+          for (int s = 0; s < unit.steps; ++s) {
+            const int in = (s == 0 ? unit.table_bits : unit.internal_bits) + 1;
+            const bool last = s + 1 == unit.steps;
+            add_registers(unit.internal_bits + 2 + in + unit.internal_bits + 1);
+            add_registers(nq_fraction, last ? 0 : 2);
+            multiply(nq_fraction + 1, in);
+            multiply(in, unit.internal_bits + 2);
+            shape_.sums += unit.internal_bits + 2;
+          }
+          break;
       }
+      y_bits = y_fraction + 1;
       if (!unit.normalize) {
         shape_.selects += double(shift) * (y_bits + op - 1);
         y_bits += op - 1;
@@ -208,7 +228,7 @@ class Counter {
     const Format& f_step = format(FormatId::span_f_step);
     const int p_fraction = std::max(1, x.fraction());
     const Word p = {std::max(index, x.integer) + 2 + p_fraction, p_fraction};
-    const bool divides = c_.row_slope == SlopeForm::divide;
+    const bool divides = !shares_reciprocal(c_.row_slope);
     add_registers(timing_.span_setup);
 
     // 1: differences.

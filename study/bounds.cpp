@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "config/modes.hpp"
 #include "study/error_sum.hpp"
 #include "study/format_range.hpp"
 #include "study/unit_error.hpp"
@@ -65,7 +66,7 @@ WalkError walk_error(const Config& c, const Line& line, const Slopes& slopes) {
   const Format& step = c.format(line.step);
   const Format& acc = c.format(line.acc);
   WalkError out;
-  const bool by_unit = slopes.form == SlopeForm::reciprocal;
+  const bool by_unit = shares_reciprocal(slopes.form);
   if (by_unit) {
     out.slope_error = slopes.unit.relative;
     out.any = slopes.unit.any;
@@ -568,10 +569,9 @@ class Analyser {
 
   void edge_position(int t_grid, double distance, int additions, const Slopes& slopes) {
     position_ = {};
-    if (c_.edge_walk == EdgeWalk::dda) {
+    if (has_x_step(c_)) {
       const double change = next_up(in_.x.hi - in_.x.lo);
-      const bool accumulates = c_.dda_update == DdaUpdate::accumulate;
-      const int steps = accumulates ? additions : 0;
+      const int steps = sums_x_steps(c_.dda_update) ? additions : 0;
       const WalkError x = walk_error(
           c_,
           {F::edge_x_step, F::edge_x_acc, c_.subpixel_bits, t_grid, "start_offset.edge_x",
@@ -581,9 +581,9 @@ class Analyser {
       overflow(position_, x, F::edge_x_acc, in_.x, steps + 1);
       deliver(edge_x_acc, position_, in_.x.mag());
     }
-    position_.add("edge.x", rounding(format(F::edge_x), c_.edge_walk == EdgeWalk::dda
-                                                            ? std::optional(format(F::edge_x_acc).fraction())
-                                                            : std::nullopt));
+    position_.add("edge.x",
+                  rounding(format(F::edge_x),
+                           has_x_step(c_) ? std::optional(format(F::edge_x_acc).fraction()) : std::nullopt));
     // Where x and the pixel centres are values of edge.x, rounding, being monotone, leaves a covered centre
     // between the row's ends. Else nothing is known of the way from the left end.
     const Interval x_values = values(format(F::edge_x));
@@ -651,7 +651,7 @@ class Analyser {
     const Format& x_format = format(F::edge_x);
     const double unit_x = ulp(x_format);
     const Interval off = position_.total();
-    const bool exact = c_.edge_walk == EdgeWalk::exact;
+    const bool exact = !has_x_step(c_);
     const double wide = std::min(in_.longest_row, std::max(0.0, next_up(in_.x.hi - in_.x.lo)));
     const double longest = std::max(unit_x, next_up(wide + off.width()));
     const double distance =
@@ -728,7 +728,7 @@ class Analyser {
   void span_coordinate(std::size_t i, const Slopes& slopes, const Divided& q, const UnitError& unit,
                        Interval ends, Interval line_q, double distance, int additions, int p_grid,
                        double away, double wide, Interval centre_q) {
-    const bool exact = c_.edge_walk == EdgeWalk::exact;
+    const bool exact = !has_x_step(c_);
     const Interval uv = uv_[i].range;
     const Interval off = position_.total();
     const double end_width = edge_uv_[i].total().width();
@@ -786,7 +786,7 @@ class Analyser {
   // beyond: how far outside 0..hmax the truth may be.
   void depth_places(const Error& h, double beyond) {
     const Format z = c_.depth_format();
-    const bool reversed = c_.depth_code == DepthCode::opengl;
+    const bool reversed = is_complement_of_h(c_.depth_code);
     Error e;
     e.add(h, reversed ? Interval(-1) : Interval(1));
     e.add("depth.round", rounding(z, format(F::span_h).fraction()));
@@ -835,7 +835,7 @@ std::string why_of(std::size_t p, const Config& c, const Facts& f) {
         "addition's where the accumulator is coarser than the step",
         what, number(distance), additions);
   };
-  const bool divides = c.edge_slope == SlopeForm::divide;
+  const bool divides = !shares_reciprocal(c.edge_slope);
   switch (p) {
     case setup_b:
       return "rounding of B and of s_min', s_max'; it scales the whole surface, and leaves u and v alone";
@@ -847,8 +847,7 @@ std::string why_of(std::size_t p, const Config& c, const Facts& f) {
       return "one rounding";
     case edge_x_acc:
     case edge_x:
-      return c.edge_walk == EdgeWalk::exact ? "x is exact before the rounding"
-                                            : walked("edges are", f.edge_distance, f.rows);
+      return !has_x_step(c) ? "x is exact before the rounding" : walked("edges are", f.edge_distance, f.rows);
     case edge_h_acc:
     case edge_h:
       return walked("edges are", f.edge_distance, f.rows) +
@@ -905,7 +904,7 @@ std::vector<Bound> texts(const Config& config, const std::array<PlaceError, plac
   std::vector<Bound> out;
   // The same places for every range of a configuration, also where no pixel is covered.
   for (std::size_t p = 0; p < place_count; ++p) {
-    if (p == edge_x_acc && config.edge_walk == EdgeWalk::exact) continue;
+    if (p == edge_x_acc && !has_x_step(config)) continue;
     const PlaceName& name = place_names[p];
     Bound b{name.place,
             name.stage,
@@ -923,15 +922,35 @@ std::vector<Bound> texts(const Config& config, const std::array<PlaceError, plac
   return out;
 }
 
+bool is_bounded(Perspective p) {
+  switch (p) {
+    case Perspective::delta_f:
+      return true;
+    case Perspective::const_depth_rows:
+    case Perspective::hyperbolic:
+    case Perspective::affine:
+      return false;
+  }
+  unreachable();
+}
+bool is_bounded(DepthCode code) {
+  switch (code) {
+    case DepthCode::inverse:
+    case DepthCode::opengl:
+      return true;
+    case DepthCode::linear:
+      return false;
+  }
+  unreachable();
+}
 void check_modes(const Config& config) {
   const auto refuse = [](std::string_view key, std::string_view value, std::string_view legal) {
     throw InputError(fmt::format("{}: no bound is known for {}; legal for bounds: {}", key, value, legal));
   };
-  if (config.perspective != Perspective::delta_f) {
+  if (!is_bounded(config.perspective)) {
     refuse("perspective.mode", to_string(config.perspective), "delta_f");
   }
-  if (config.depth_code == DepthCode::linear)
-    refuse("depth.code", to_string(config.depth_code), "inverse, opengl");
+  if (!is_bounded(config.depth_code)) refuse("depth.code", to_string(config.depth_code), "inverse, opengl");
 }
 
 void check_range(const InputRange& r) {
@@ -961,7 +980,7 @@ void check_range(const InputRange& r) {
 }  // namespace
 
 bool has_bounds(const Config& config) {
-  return config.perspective == Perspective::delta_f && config.depth_code != DepthCode::linear;
+  return is_bounded(config.perspective) && is_bounded(config.depth_code);
 }
 
 std::vector<Bound> error_bounds(const Config& config, const InputRange& range) {

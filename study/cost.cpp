@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 
 namespace bitspan {
@@ -10,22 +11,38 @@ namespace {
 using F = FormatId;
 
 bool always(const Config&) { return true; }
-bool plane_rows(const Config& c) { return c.perspective == Perspective::const_depth_rows; }
+bool plane_rows(const Config& c) { return has_plane_rows(c.perspective); }
 bool horizontal(const Config& c) { return !plane_rows(c); }
-bool affine(const Config& c) { return c.perspective == Perspective::affine; }
-bool delta_f(const Config& c) { return c.perspective == Perspective::delta_f; }
-bool hyperbolic(const Config& c) { return c.perspective == Perspective::hyperbolic; }
+bool affine(const Config& c) { return has_linear_edges(c.perspective); }
+bool delta_f(const Config& c) { return has_pixel_reciprocal(c.perspective); }
+bool hyperbolic(const Config& c) { return has_pixel_quotients(c.perspective); }
 bool perspective_ends(const Config& c) { return delta_f(c) || hyperbolic(c); }
-bool dda(const Config& c) { return horizontal(c) && c.edge_walk == EdgeWalk::dda; }
-bool edge_unit(const Config& c) { return horizontal(c) && c.edge_slope == SlopeForm::reciprocal; }
-bool row_unit(const Config& c) { return plane_rows(c) || c.row_slope == SlopeForm::reciprocal; }
-bool linear_depth(const Config& c) { return c.depth_code == DepthCode::linear; }
-bool linear_fog(const Config& c) { return c.fog == FogMode::linear; }
-bool any_fog(const Config& c) { return c.fog != FogMode::none; }
+bool dda(const Config& c) { return horizontal(c) && has_x_step(c); }
+bool edge_unit(const Config& c) { return horizontal(c) && shares_reciprocal(c.edge_slope); }
+bool row_unit(const Config& c) { return plane_rows(c) || shares_reciprocal(c.row_slope); }
+bool linear_depth(const Config& c) { return is_linear_in_distance(c.depth_code); }
+bool linear_fog(const Config& c) { return is_linear_in_distance(c.fog); }
+bool any_fog(const Config& c) { return has_fog(c.fog); }
 // The three users at a pixel take the reciprocal of the same h + B: one unit.
 bool pixel_unit(const Config& c) { return delta_f(c) || linear_depth(c) || linear_fog(c); }
-bool bilinear(const Config& c) { return c.filter == TextureFilter::bilinear; }
-bool nearest(const Config& c) { return !bilinear(c); }
+bool bilinear(const Config& c) {
+  switch (c.filter) {
+    case TextureFilter::nearest:
+      return false;
+    case TextureFilter::bilinear:
+      return true;
+  }
+  unreachable();
+}
+bool nearest(const Config& c) {
+  switch (c.filter) {
+    case TextureFilter::nearest:
+      return true;
+    case TextureFilter::bilinear:
+      return false;
+  }
+  unreachable();
+}
 
 constexpr std::string_view kAlways = "always";
 constexpr std::string_view kHorizontal = "all modes but const_depth_rows";
@@ -204,15 +221,21 @@ class Products {
 
   void inside(const std::string& stage, const std::string& name, const Reciprocal& r) {
     const Operand nq{1, r.operand_bits, false};
-    if (r.kind == ReciprocalKind::lut_linear) {
-      const Operand entry{1, r.table_bits, false};
-      add(stage, name + ": (c(j) - c(j+1)) t", entry, {0, r.operand_bits - r.index_bits, false}, 1);
-    } else if (r.kind == ReciprocalKind::lut_newton) {
-      for (int step = 0; step < r.steps; ++step) {
-        const Operand y{1, step == 0 ? r.table_bits : r.internal_bits, false};
-        add(stage, name + ": nq y", nq, y, 1);
-        add(stage, name + ": y (2 - a)", y, {2, r.internal_bits, false}, 1);
+    switch (r.kind) {
+      case ReciprocalKind::restoring:
+        break;
+      case ReciprocalKind::lut_linear: {
+        const Operand entry{1, r.table_bits, false};
+        add(stage, name + ": (c(j) - c(j+1)) t", entry, {0, r.operand_bits - r.index_bits, false}, 1);
+        break;
       }
+      case ReciprocalKind::lut_newton:
+        for (int step = 0; step < r.steps; ++step) {
+          const Operand y{1, step == 0 ? r.table_bits : r.internal_bits, false};
+          add(stage, name + ": nq y", nq, y, 1);
+          add(stage, name + ": y (2 - a)", y, {2, r.internal_bits, false}, 1);
+        }
+        break;
     }
   }
 
@@ -280,7 +303,7 @@ class Products {
     // The row's ideal line, with the fraction of k.
     add("plane_walk", "k (m_first - m0)", k, pixel, 1);
     const Operand line{c_.coordinate_bits + 1, std::max(from_vertex().fraction, k.fraction), true};
-    const bool ideal = c_.numerator == Numerator::ideal_line;
+    const bool ideal = is_on_ideal_line(c_.numerator);
     add("plane_walk", "h_M (Mc - M0)", at(F::plane_h_grad), from_vertex(), 1);
     add("plane_walk", "h_N (Nl - N0)", at(F::plane_h_grad), line, 1);
     add("plane_walk", "gu_M (Mc - M0)", at(F::plane_g_grad), from_vertex(), 2);
@@ -339,18 +362,22 @@ std::vector<RegisterPlace> register_places(const Config& config) {
   }
   for (const Unit& u : units(config)) {
     const Reciprocal& r = *u.r;
-    if (r.kind == ReciprocalKind::restoring) continue;
     const auto add = [&](const char* name, int word, int times) {
       places.push_back({u.stage, u.name + "." + name, word, times});
     };
-    add("nq", 1 + r.operand_bits, 1);
-    if (r.kind == ReciprocalKind::lut_linear) {
-      add("c", 1 + r.table_bits, 2);
-      add("y", 1 + r.internal_bits, 1);
-    } else {
-      add("y(0)", 1 + r.table_bits, 1);
-      if (r.steps > 0) add("a", 2 + r.internal_bits, r.steps);
-      if (r.steps > 0) add("y", 1 + r.internal_bits, r.steps);
+    if (has_table(r.kind)) add("nq", 1 + r.operand_bits, 1);
+    switch (r.kind) {
+      case ReciprocalKind::restoring:
+        break;
+      case ReciprocalKind::lut_linear:
+        add("c", 1 + r.table_bits, 2);
+        add("y", 1 + r.internal_bits, 1);
+        break;
+      case ReciprocalKind::lut_newton:
+        add("y(0)", 1 + r.table_bits, 1);
+        if (r.steps > 0) add("a", 2 + r.internal_bits, r.steps);
+        if (r.steps > 0) add("y", 1 + r.internal_bits, r.steps);
+        break;
     }
   }
   return places;
@@ -373,12 +400,9 @@ double product_bits(const Config& config) {
 double table_bits(const Config& config) {
   std::int64_t bits = 0;
   for (const Unit& u : units(config)) {
-    if (u.r->kind == ReciprocalKind::restoring) continue;
-    const std::int64_t entries =
-        (std::int64_t{1} << u.r->index_bits) + (u.r->kind == ReciprocalKind::lut_linear);
-    bits += entries * (1 + u.r->table_bits);
+    bits += table_entries(*u.r) * (1 + u.r->table_bits);
   }
-  if (config.fog == FogMode::table) {
+  if (has_fog_table(config.fog)) {
     bits += (std::int64_t{1} << config.fog_index_bits()) * config.format(F::fog_factor).word;
   }
   return static_cast<double>(bits);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "config/modes.hpp"
 #include "study/bounds.hpp"
 #include "study/format_range.hpp"
 #include "study/unit_error.hpp"
@@ -165,39 +166,49 @@ void uv_script(Script& s, double claim, std::size_t k) {
 
 // The claim for one run of table entries.
 std::string reciprocal_script(const Reciprocal& unit, const TablePart& part, double claim) {
-  const bool newton = unit.kind == ReciprocalKind::lut_newton;
   const std::string goal = fmt::format("m * n - 1 {}", in(Interval::plus_minus(claim)));
   std::string text = operator_of("out", unit.output);
-  if (unit.kind == ReciprocalKind::restoring) {
+  if (!has_table(unit.kind)) {
     return text +
            fmt::format("m = out(1 / n);\n{{\n  n {} -> {}\n}}\nm * n - 1 -> (m - 1 / n) * n {{ n <> 0 }};\n",
                        in({1, 2}), goal);
+  }
+  std::string what;  // y0 is of the table
+  std::string grid;  // that y0 is on
+  std::string steps;
+  std::string hints;
+  int last = 0;
+  switch (unit.kind) {
+    case ReciprocalKind::restoring:
+      unreachable();
+    case ReciprocalKind::lut_linear:
+      what = "line between two entries";
+      last = 1;
+      steps = "y1 = cut(y0);\ne1 = nq * y1 - 1;\n";
+      hints = "e1 -> e0 + nq * (y1 - y0);\n";
+      break;
+    case ReciprocalKind::lut_newton:
+      what = "entry";
+      grid = fmt::format(" /\\ @FIX(y0,{})", -unit.table_bits);
+      for (; last < unit.steps; ++last) {
+        steps +=
+            fmt::format("a{0} = cut(nq * y{0});\ny{1} = cut(y{0} * (2 - a{0}));\ne{1} = nq * y{1} - 1;\n",
+                        last, last + 1);
+        hints += fmt::format(
+            "e{1} -> -(e{0} * e{0}) - (1 + e{0}) * (a{0} - nq * y{0}) + nq * (y{1} - y{0} * (2 - a{0}));\n",
+            last, last + 1);
+      }
+      break;
   }
   text += fmt::format(
       "@cut = fixed<{},dn>;\n"
       "# n: the operand, nq: its leading bits, y0: the table's {}, e0: its error times nq, enumerated.\n"
       "e0 = nq * y0 - 1;\nt = (n - nq) / nq;\n",
-      -unit.internal_bits, newton ? "entry" : "line between two entries");
-  std::string hints;
-  int last = 0;
-  if (newton) {
-    for (; last < unit.steps; ++last) {
-      text += fmt::format("a{0} = cut(nq * y{0});\ny{1} = cut(y{0} * (2 - a{0}));\ne{1} = nq * y{1} - 1;\n",
-                          last, last + 1);
-      hints += fmt::format(
-          "e{1} -> -(e{0} * e{0}) - (1 + e{0}) * (a{0} - nq * y{0}) + nq * (y{1} - y{0} * (2 - a{0}));\n",
-          last, last + 1);
-    }
-  } else {
-    last = 1;
-    text += "y1 = cut(y0);\ne1 = nq * y1 - 1;\n";
-    hints += "e1 -> e0 + nq * (y1 - y0);\n";
-  }
+      -unit.internal_bits, what);
+  text += steps;
   text += fmt::format("m = out(y{});\n{{\n", last);
   hints += fmt::format("m * n - 1 -> (m - y{0}) * n + (e{0} + (1 + e{0}) * t) {{ nq <> 0 }};\n", last);
   const Interval rest(0, std::ldexp(1.0, -unit.operand_bits));
-  // What is read of the table is on its grid.
-  const std::string grid = newton ? fmt::format(" /\\ @FIX(y0,{})", -unit.table_bits) : "";
   text += fmt::format("  nq {} /\\ e0 {} /\\ t {} /\\ n {}{} -> {}", in(part.operand), in(part.table),
                       in(rest), in(part.operand), grid, goal);
   return text + "\n}\n" + hints;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 
+#include "config/modes.hpp"
 #include "study/bounds.hpp"
 #include "study/format_range.hpp"
 
@@ -115,7 +116,7 @@ void measure_rows(const Config& config, const std::array<Corner, 3>& v, __int128
   const __int128 one = __int128{1} << config.subpixel_bits;  // half a pixel
   const auto out =
       static_cast<__int128>(std::ceil(std::ldexp(margin, config.subpixel_bits + 1 + margin_bits)));
-  const bool inclusive = config.fill_rule == FillRule::inclusive;
+  const bool inclusive = owns_every_edge(config.fill_rule);
   const auto row_at = [&](__int128 y, bool below) {  // the first centre at or below y, the last at or above
     return below ? -floor_ratio(one - 2 * y, 2 * one) : floor_ratio(2 * y - one, 2 * one);
   };
@@ -224,7 +225,7 @@ std::optional<InputRange> triangle_range(const Config& config, const Scene& scen
 std::vector<InputRange> triangle_ranges(const Config& config, const Scene& scene) {
   std::vector<InputRange> out;
   std::function<double(const InputRange&)> position_error;
-  if (config.edge_walk == EdgeWalk::dda) position_error = edge_position_error(config);
+  if (has_x_step(config)) position_error = edge_position_error(config);
   for (const Triangle& triangle : scene.triangles) {
     if (const auto r = triangle_range(config, scene, triangle, position_error)) out.push_back(*r);
   }

@@ -12,6 +12,7 @@
 #include <span>
 #include <utility>
 
+#include "config/modes.hpp"
 #include "engine/range.hpp"
 #include "engine/records.hpp"
 #include "engine/registry.hpp"
@@ -46,8 +47,7 @@ SceneTruth make_truth(const Config& config, const Scene& scene) {
 // The register that a field's values come from; none for integers.
 std::optional<model::RegisterId> register_of(const Field& field, const Config& config) {
   using model::RegisterId;
-  const bool linear =
-      config.perspective == Perspective::affine || config.perspective == Perspective::const_depth_rows;
+  const bool linear = has_linear_texture(config.perspective);
   switch (field.kind) {
     case FieldKind::format:
       return model::id_of(field.format);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "config/modes.hpp"
 #include "study/format_range.hpp"
 
 namespace bitspan::bounds {
@@ -16,20 +17,23 @@ std::int64_t table_entry(int table_bits, std::int64_t numerator, std::int64_t de
   return static_cast<std::int64_t>(twice / (2 * static_cast<__int128>(denominator)));
 }
 
+// y is an entry of the table as it stands, never cut to internal_bits.
+bool is_bare_table(const Reciprocal& r) { return has_newton_steps(r.kind) && r.steps == 0; }
+
 }  // namespace
 
 Unit::Unit(const Reciprocal& r) : r_(r) {
-  if (r.kind == ReciprocalKind::restoring) {
+  if (!has_table(r.kind)) {
     parts_ = {{Interval(1, 2), 0, 0}};
     return;
   }
-  fraction_ = r.kind == ReciprocalKind::lut_newton && r.steps == 0 ? r.table_bits : r.internal_bits;
+  fraction_ = is_bare_table(r) ? r.table_bits : r.internal_bits;
   const std::int64_t entries = std::int64_t{1} << r.index_bits;
   const std::int64_t run = std::max<std::int64_t>(1, entries / runs);
   for (std::int64_t first = 0; first < entries; first += run) {
     Interval table;
     for (std::int64_t j = first; j < first + run; ++j) {
-      const Interval own = r.kind == ReciprocalKind::lut_linear ? line(entries, j) : entry(entries, j);
+      const Interval own = segment(entries, j);
       table = j == first ? own : hull(table, own);
     }
     const double step = 1.0 / static_cast<double>(entries);
@@ -64,6 +68,19 @@ UnitError Unit::error(Interval d) const {
   return out;
 }
 
+// y nq - 1 over segment j, as it is read of the table.
+Interval Unit::segment(std::int64_t entries, std::int64_t j) const {
+  switch (r_.kind) {
+    case ReciprocalKind::restoring:  // has no table
+      break;
+    case ReciprocalKind::lut_linear:
+      return line(entries, j);
+    case ReciprocalKind::lut_newton:
+      return entry(entries, j);
+  }
+  unreachable();
+}
+
 // y(t) = c - slope t between two entries; y nq - 1 is a parabola in t that opens downward.
 Interval Unit::line(std::int64_t entries, std::int64_t j) const {
   const double unit = std::ldexp(1.0, -r_.table_bits);
@@ -94,9 +111,16 @@ Interval Unit::entry(std::int64_t entries, std::int64_t j) const {
 // a = nq y - r1 and y' = y (2 - a) - r2 are its two truncations.
 Interval Unit::computed(Interval nq, Interval e) const {
   const Interval lost(0, std::ldexp(1.0, -r_.internal_bits));
-  if (r_.kind == ReciprocalKind::lut_linear) return e - nq * lost;
-  for (int i = 0; i < r_.steps; ++i) e = (1 + e) * lost - square(e) - nq * lost;
-  return e;
+  switch (r_.kind) {
+    case ReciprocalKind::restoring:  // has no table
+      break;
+    case ReciprocalKind::lut_linear:
+      return e - nq * lost;
+    case ReciprocalKind::lut_newton:
+      for (int i = 0; i < r_.steps; ++i) e = (1 + e) * lost - square(e) - nq * lost;
+      return e;
+  }
+  unreachable();
 }
 
 // y nq - 1 to y n - 1: n / nq is 1 to 1 + 2^-operand_bits.

@@ -32,6 +32,7 @@ class Unit {
   UnitError error(Interval d) const;
 
  private:
+  Interval segment(std::int64_t entries, std::int64_t j) const;
   Interval line(std::int64_t entries, std::int64_t j) const;
   Interval entry(std::int64_t entries, std::int64_t j) const;
   Interval computed(Interval nq, Interval e) const;

@@ -1,9 +1,9 @@
 // What crosses the border between bitspan and a Verilated span interpolator: plain C structs of raw port
 // values.
 //
-// The ports are those of rtl/span_interpolator.sv, by name. A value is the port's bits, zero-extended; signs
-// are the business of tb/rtl_build. Both sides are compiled from this header, whose text is part of the
-// cache's key.
+// The ports are those of rtl/span_interpolator.sv, by name. A value is the port's bits, zero-extended;
+// tb/rtl_build handles the signs. Both sides are compiled from this header, whose text is part of the cache's
+// key.
 #pragma once
 
 #include <cstdint>

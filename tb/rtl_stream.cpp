@@ -6,6 +6,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 
 namespace bitspan {
@@ -30,10 +31,10 @@ std::int64_t value(const Config& config, FormatId id, std::uint64_t bits) {
 std::int64_t exponent(std::uint64_t bits) { return static_cast<std::int8_t>(bits); }
 
 FormatId texture_acc(const Config& config) {
-  return config.perspective == Perspective::delta_f ? FormatId::span_f : FormatId::span_uv_acc;
+  return has_linear_texture(config.perspective) ? FormatId::span_uv_acc : FormatId::span_f;
 }
 FormatId texture_step(const Config& config) {
-  return config.perspective == Perspective::delta_f ? FormatId::span_f_step : FormatId::span_uv_step;
+  return has_linear_texture(config.perspective) ? FormatId::span_uv_step : FormatId::span_f_step;
 }
 
 // What happens on one clock, seen from outside.

@@ -1,4 +1,5 @@
 // The reciprocal units' arithmetic: one text for an integer and for lanes of them.
+#include "config/modes.hpp"
 #include "model/numeric/quantize-inl.hpp"
 #include "model/numeric/reciprocal.hpp"
 
@@ -31,22 +32,29 @@ HWY_INLINE Int approximate(const ReciprocalFormats& f, const std::int64_t* table
   const int operand = f.config.operand_bits;
   const Int rest = nq - (Int(1) << operand);
   const Int j = shifted_down(rest, operand - f.config.index_bits);
-  if (f.config.kind == ReciprocalKind::lut_linear) {
-    const int t_bits = f.config.operand_bits > f.config.index_bits ? operand - f.config.index_bits : 0;
-    const Int t = rest & ((Int(1) << t_bits) - Int(1));
-    const Int c = entry_of(table, j);
-    const Int y = (c << t_bits) - (c - Int(entry_of(table, j + Int(1)))) * t;
-    fraction = f.config.internal_bits;
-    return shifted_down(y, f.config.table_bits + t_bits - f.config.internal_bits);
+  switch (f.config.kind) {
+    case ReciprocalKind::restoring:  // has no table
+      unreachable();
+    case ReciprocalKind::lut_linear: {
+      const int t_bits = f.config.operand_bits > f.config.index_bits ? operand - f.config.index_bits : 0;
+      const Int t = rest & ((Int(1) << t_bits) - Int(1));
+      const Int c = entry_of(table, j);
+      const Int y = (c << t_bits) - (c - Int(entry_of(table, j + Int(1)))) * t;
+      fraction = f.config.internal_bits;
+      return shifted_down(y, f.config.table_bits + t_bits - f.config.internal_bits);
+    }
+    case ReciprocalKind::lut_newton: {
+      Int y = entry_of(table, j);
+      fraction = f.config.table_bits;
+      for (int i = 0; i < f.config.steps; ++i) {
+        const Int a = shifted_down(nq * y, operand + fraction - f.config.internal_bits);
+        y = shifted_down(y * ((Int(2) << f.config.internal_bits) - a), fraction);
+        fraction = f.config.internal_bits;
+      }
+      return y;
+    }
   }
-  Int y = entry_of(table, j);
-  fraction = f.config.table_bits;
-  for (int i = 0; i < f.config.steps; ++i) {
-    const Int a = shifted_down(nq * y, operand + fraction - f.config.internal_bits);
-    y = shifted_down(y * ((Int(2) << f.config.internal_bits) - a), fraction);
-    fraction = f.config.internal_bits;
-  }
-  return y;
+  unreachable();
 }
 
 // Stands for m 2^-e.
@@ -72,7 +80,7 @@ HWY_INLINE InverseOf<Lanes> reciprocal(const ReciprocalFormats& f, const std::in
   d = max(d, Lanes(1));
   const Lanes top = top_bit(d);
   const Lanes exponent = top - Lanes(fraction);
-  if (f.config.kind == ReciprocalKind::restoring) {
+  if (!has_table(f.config.kind)) {
     return f.config.normalize
                ? InverseOf<Lanes>{quantize_ratio(Lanes(1) << top, d, 0, f.output, watch), exponent}
                : InverseOf<Lanes>{quantize_ratio(Lanes(1), d, fraction, f.output, watch), Lanes(0)};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "config/modes.hpp"
 #include "model/numeric/ratio.hpp"
 #include "model/numeric/reciprocal-inl.hpp"
 
@@ -15,18 +16,20 @@ std::int64_t entry(int128 n, int128 d, int table_bits) {
 
 std::vector<std::int64_t> make_table(const Reciprocal& c) {
   std::vector<std::int64_t> table;
-  if (c.kind == ReciprocalKind::restoring) {
-    return table;
-  }
   const int128 size = int128{1} << c.index_bits;
-  if (c.kind == ReciprocalKind::lut_linear) {
-    for (int128 i = 0; i <= size; ++i) {
-      table.push_back(entry(size, size + i, c.table_bits));
-    }
-  } else {
-    for (int128 j = 0; j < size; ++j) {
-      table.push_back(entry(2 * size, 2 * size + 2 * j + 1, c.table_bits));
-    }
+  switch (c.kind) {
+    case ReciprocalKind::restoring:
+      break;
+    case ReciprocalKind::lut_linear:
+      for (int128 i = 0; i <= size; ++i) {
+        table.push_back(entry(size, size + i, c.table_bits));
+      }
+      break;
+    case ReciprocalKind::lut_newton:
+      for (int128 j = 0; j < size; ++j) {
+        table.push_back(entry(2 * size, 2 * size + 2 * j + 1, c.table_bits));
+      }
+      break;
   }
   return table;
 }
@@ -44,7 +47,7 @@ Inverse reciprocal(const ReciprocalFormats& formats, const std::int64_t* table, 
   d = std::max<int128>(d, 1);
   const int top = bit_length(static_cast<uint128>(d)) - 1;
   const int exponent = top - fraction;
-  if (config.kind == ReciprocalKind::restoring) {
+  if (!has_table(config.kind)) {
     return config.normalize ? Inverse{quantize_ratio(int128{1} << top, d, 0, formats.output, watch), exponent}
                             : Inverse{quantize_ratio(1, d, fraction, formats.output, watch), 0};
   }

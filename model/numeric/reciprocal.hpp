@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "config/modes.hpp"
 #include "model/numeric/quantize.hpp"
 
 namespace bitspan::model {
@@ -23,13 +24,20 @@ struct ReciprocalFormats {
   Register output;
   bool narrow = false;  // every intermediate of approximate() fits 62 bits
 };
+// Bits of the widest intermediate of a unit with a table, and of its result.
+constexpr int widest_bits(const Reciprocal& c) {
+  switch (c.kind) {
+    case ReciprocalKind::restoring:
+      return 0;
+    case ReciprocalKind::lut_linear:  // the interpolation's product
+      return std::max(c.table_bits + std::max(0, c.operand_bits - c.index_bits), c.internal_bits) + 2;
+    case ReciprocalKind::lut_newton:  // nq y and y (2 - a) of a step
+      return std::max(c.table_bits, c.internal_bits) + std::max(c.operand_bits, c.internal_bits) + 3;
+  }
+  unreachable();
+}
 constexpr ReciprocalFormats reciprocal_formats(const Reciprocal& c, RegisterId id) {
-  // Widest intermediates: the interpolation's product; nq y and y (2 - a) of a Newton step.
-  const int y_bits = std::max(c.table_bits, c.internal_bits);
-  const int t_bits = std::max(0, c.operand_bits - c.index_bits);
-  return {c, make_register(c.output, id),
-          c.table_bits + t_bits + 2 <= 62 && c.operand_bits + y_bits + 3 <= 62 &&
-              y_bits + c.internal_bits + 3 <= 62};
+  return {c, make_register(c.output, id), widest_bits(c) <= 62};
 }
 
 // 1 / (d 2^-fraction). d <= 0 is taken as 1, one ulp of the operand's grid. table: of ReciprocalUnit.

@@ -1,4 +1,5 @@
 // Slopes, one text for an integer and for lanes of them.
+#include "config/modes.hpp"
 #include "model/numeric/forms-inl.hpp"
 #include "model/numeric/slope.hpp"
 
@@ -37,11 +38,14 @@ HWY_INLINE LengthOf<Value> length_of(SumOf<Value> d, InverseOf<Value> inverse) {
 
 template <class Value, class Watch>
 HWY_INLINE LengthOf<Value> make_length(const LengthForm& f, SumOf<Value> d, Watch watch) {
-  if (f.form == SlopeForm::reciprocal) {
-    return length_of<Value>(
-        d, HWY_NAMESPACE::reciprocal(f.unit.formats(), f.unit.table().data(), d, f.size.fraction, watch));
+  switch (f.form) {
+    case SlopeForm::divide:
+      return length_of<Value>(d, {Value(0), Value(0)});
+    case SlopeForm::reciprocal:
+      return length_of<Value>(
+          d, HWY_NAMESPACE::reciprocal(f.unit.formats(), f.unit.table().data(), d, f.size.fraction, watch));
   }
-  return length_of<Value>(d, {Value(0), Value(0)});
+  unreachable();
 }
 
 // The same where m; elsewhere d = 1, m = e = 0.
@@ -60,15 +64,19 @@ template <class Value, class Watch>
 HWY_INLINE Value slope(const Slope& s, const LengthForm& f, SumOf<Value> n, const LengthOf<Value>& length,
                        Watch watch) {
   using Widths = WidthsOf<Value>;
-  if (f.form == SlopeForm::divide) {
-    return quantize_ratio(n, length.divisor(), s.ratio_scale, s.r, watch);
+  switch (f.form) {
+    case SlopeForm::divide:
+      return quantize_ratio(n, length.divisor(), s.ratio_scale, s.r, watch);
+    case SlopeForm::reciprocal: {
+      const Value fraction = length.inverse.e + Value(s.product_fraction);
+      if (below(n, s.n_bits)) [[likely]] {
+        const auto whole = product_in<typename Widths::Narrow>(n, length.inverse.m);
+        return s.down ? quantize_down(whole, fraction, s.r, watch) : quantize(whole, fraction, s.r, watch);
+      }
+      return quantize(product_in<typename Widths::Wide>(n, length.inverse.m), fraction, s.r, watch);
+    }
   }
-  const Value fraction = length.inverse.e + Value(s.product_fraction);
-  if (below(n, s.n_bits)) [[likely]] {
-    const auto whole = product_in<typename Widths::Narrow>(n, length.inverse.m);
-    return s.down ? quantize_down(whole, fraction, s.r, watch) : quantize(whole, fraction, s.r, watch);
-  }
-  return quantize(product_in<typename Widths::Wide>(n, length.inverse.m), fraction, s.r, watch);
+  unreachable();
 }
 
 // The same where n is often 0, as of a colour that does not change: Q(0) is 0 in every mode.

@@ -1,5 +1,7 @@
 #include "model/numeric/slope.hpp"
 
+#include "config/modes.hpp"
+
 namespace bitspan::model {
 
 LengthForm make_length_form(SlopeForm form, const ReciprocalUnit& unit, Size size) {
@@ -10,7 +12,7 @@ Slope make_slope(const Register& r, Size n, const LengthForm& length) {
   Slope s;
   s.r = r;
   s.lanes = length.lanes && lanes_hold(n);
-  if (length.form == SlopeForm::divide) {
+  if (!shares_reciprocal(length.form)) {
     s.ratio_scale = length.size.fraction - n.fraction;
     return s;
   }

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 
+#include "config/modes.hpp"
 #include "model/simd/fixed.hpp"
 #include "model/simd/shade.hpp"
 #include "model/stages/fog-inl.hpp"
@@ -190,27 +191,33 @@ struct PlanImage {
   }
   HWY_INLINE V index(V i, V j) const { return (j + V(border)) * V(stride) + i + V(border); }
   HWY_INLINE V nearest(V& i, V& j) const {
-    if (wrap == TextureWrap::cyclic) {
-      i = cyclic(i, width);
-      j = cyclic(j, height);
-    } else {
-      i = min(max(i, V(0)), V(width - 1));
-      j = min(max(j, V(0)), V(height - 1));
+    switch (wrap) {
+      case TextureWrap::cyclic:
+        i = cyclic(i, width);
+        j = cyclic(j, height);
+        break;
+      case TextureWrap::clamp:
+        i = min(max(i, V(0)), V(width - 1));
+        j = min(max(j, V(0)), V(height - 1));
+        break;
     }
     return word_at(words, index(i, j));
   }
   HWY_INLINE Quad<V> quad(V& i, V& j) const {
     V at;
-    if (wrap == TextureWrap::cyclic) {
-      i = cyclic(i, width);
-      j = cyclic(j, height);
-      at = index(i, j);
-    } else {
-      i = min(max(i, V(-1)), V(width - 1));
-      j = min(max(j, V(-1)), V(height - 1));
-      at = index(i, j);
-      i = max(i, V(0));
-      j = max(j, V(0));
+    switch (wrap) {
+      case TextureWrap::cyclic:
+        i = cyclic(i, width);
+        j = cyclic(j, height);
+        at = index(i, j);
+        break;
+      case TextureWrap::clamp:
+        i = min(max(i, V(-1)), V(width - 1));
+        j = min(max(j, V(-1)), V(height - 1));
+        at = index(i, j);
+        i = max(i, V(0));
+        j = max(j, V(0));
+        break;
     }
     const V below = at + V(stride);
     if constexpr (sizeof(T) == 4) {
@@ -390,13 +397,13 @@ HWY_NOINLINE void shade_lanes(const Pipeline& pipeline, const ShadePlan& plan, F
     std::array<V, 3> merged = own;
     LinearFog<V> linear{V(0), V(0), V(0)};
     if (any(lives)) {
-      if (fog == FogMode::none) {
+      if (!has_fog(fog)) {
         linear.factor = quantize(V(1), 0, formats.fog.factor, watch_lives);
         for (V& c : own) c = unfogged(formats.fog, c, watch_lives);
       } else {
         linear.factor = load_as<V>(out.factor + at);
         if constexpr (sizeof(ElementOf<Int>) == 8) {
-          if (fog == FogMode::linear) {
+          if (is_linear_in_distance(fog)) {
             linear = linear_fog<Int>(pipeline.fog, formats.fog, load_as<V>(block.h + at), watch_lives);
           }
         }
@@ -427,7 +434,7 @@ HWY_NOINLINE void shade_lanes(const Pipeline& pipeline, const ShadePlan& plan, F
         store_to(texel.color[c], f.color[c]);
       }
       store_to(select(texel.killed, V(1), V(0)), f.killed);
-      if (sizeof(ElementOf<Int>) == 4 && fog == FogMode::linear) {
+      if (sizeof(ElementOf<Int>) == 4 && is_linear_in_distance(fog)) {
         std::memcpy(f.recip_m, out.recip_m + at, lanes * sizeof(std::int64_t));
         std::memcpy(f.recip_e, out.recip_e + at, lanes * sizeof(std::int64_t));
       } else {
@@ -439,7 +446,7 @@ HWY_NOINLINE void shade_lanes(const Pipeline& pipeline, const ShadePlan& plan, F
         store_to(own[c], f.fogged[c]);
         store_to(merged[c], f.merged[c]);
       }
-      append(f, block, at, lanes, fog == FogMode::table ? out.index : nullptr, frame.width, *trace);
+      append(f, block, at, lanes, has_fog_table(fog) ? out.index : nullptr, frame.width, *trace);
     }
   }
   counters.killed += killed;
@@ -508,16 +515,22 @@ void colours(const Pipeline& pipeline, const ShadePlan& plan, int texture, const
   } else if (plain_form && plan.plain && trace == nullptr) {
     if constexpr (plain_form) {
       using L = LanesOf<T>;
-      const bool fogless = fog == FogMode::none;
+      // Whatever forms the fog's factors, a form without a trace reads them from their column.
+      const auto run_kind = [&]<ImageKind kind>() HWY_ATTR {
+        has_fog(fog) ? run.template operator()<L, kind>(FogMode::table, Plain{})
+                     : run.template operator()<L, kind>(FogMode::none, Plain{});
+      };
       if (texture < 0) {
-        fogless ? run.template operator()<L, ImageKind::none>(FogMode::none, Plain{})
-                : run.template operator()<L, ImageKind::none>(FogMode::table, Plain{});
-      } else if (formats.texture.filter == TextureFilter::nearest) {
-        fogless ? run.template operator()<L, ImageKind::nearest>(FogMode::none, Plain{})
-                : run.template operator()<L, ImageKind::nearest>(FogMode::table, Plain{});
-      } else {
-        fogless ? run.template operator()<L, ImageKind::bilinear>(FogMode::none, Plain{})
-                : run.template operator()<L, ImageKind::bilinear>(FogMode::table, Plain{});
+        run_kind.template operator()<ImageKind::none>();
+        return;
+      }
+      switch (formats.texture.filter) {
+        case TextureFilter::nearest:
+          run_kind.template operator()<ImageKind::nearest>();
+          break;
+        case TextureFilter::bilinear:
+          run_kind.template operator()<ImageKind::bilinear>();
+          break;
       }
     }
   } else {
@@ -531,11 +544,11 @@ void shade_watched(const Pipeline& pipeline, const ShadePlan& plan, int texture,
                    Trace* trace, Watch watch) {
   ShadeColumns<T> columns;
   const FogMode fog = pipeline.fog.mode;
-  if (fog == FogMode::table) {
+  if (has_fog_table(fog)) {
     table_factors(pipeline.fog, plan, block, columns);
   }
   if constexpr (sizeof(T) == 4) {
-    if (fog == FogMode::linear) {
+    if (is_linear_in_distance(fog)) {
       const Local<ShadeFormats, fixed> formats(plan.formats);
       trace != nullptr ? linear_factors<true>(pipeline.fog, (*formats).fog, block, columns)
                        : linear_factors<false>(pipeline.fog, (*formats).fog, block, columns);

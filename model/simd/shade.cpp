@@ -1,5 +1,6 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "model/simd/shade.cpp"
+#include "config/modes.hpp"
 #include "hwy/foreach_target.h"
 // After foreach_target: each target's own.
 #include "model/simd/shade-inl.hpp"
@@ -53,7 +54,7 @@ bool fits(const Config& c, FogMode fog, int bits) {
   bool fit = narrows(code, F::texture_mix) && narrows(extent_of_integer(1), F::texture_alpha) &&
              narrows(product(of(F::texture_mix), of(F::span_shade)), F::texture_color) &&
              narrows(product(of(F::texture_alpha), of(F::span_shade)), F::texture_alpha);
-  if (c.filter == TextureFilter::bilinear) {
+  if (weighs_texels(c.filter)) {
     const Extent below = sum(uv, Extent{1, 1});
     const Extent share = sum(extent_of_integer(1), of(F::texture_frac));
     const auto mixes = [&](Extent v, F id) { return narrows(sum(product(v, share), product(v, share)), id); };
@@ -67,10 +68,10 @@ bool fits(const Config& c, FogMode fog, int bits) {
   fit = fit && narrows(extent_of_integer(1), F::fog_factor) && narrows(of(F::texture_color), F::fog_color) &&
         narrows(of(F::fog_color), F::merge_color) &&
         mixes_code(F::fog_color, F::texture_alpha, F::merge_color);
-  if (fog != FogMode::none) {
+  if (has_fog(fog)) {
     fit = fit && mixes_code(F::texture_color, F::fog_factor, F::fog_color);
   }
-  if (fog == FogMode::linear) {
+  if (is_linear_in_distance(fog)) {
     // In lanes of 64 bits whatever the others are.
     fit = fit && fits_int64(sum(of(F::span_h), of(F::setup_b))) && held_in(64, c.format(F::fog_scale));
   }
@@ -84,15 +85,16 @@ ShadeTexture prepare_image(const TextureStage& stage, const Texture& source) {
   t.source = &source;
   t.width = source.width;
   t.height = source.height;
-  const bool bilinear = stage.filter == TextureFilter::bilinear;
+  const bool pairs = weighs_texels(stage.filter);
+  const bool clamps = clamps_to_border(stage.wrap);
   // Clamped, i = -1 is a pair of its own: (0, 0).
-  t.border = bilinear && stage.wrap == TextureWrap::clamp ? 1 : 0;
-  const std::int32_t after = bilinear ? 1 : 0;
+  t.border = pairs && clamps ? 1 : 0;
+  const std::int32_t after = pairs ? 1 : 0;
   t.stride = t.width + t.border + after;
   const std::int32_t rows = t.height + t.border + after;
   t.words.assign(static_cast<std::size_t>(t.stride) * static_cast<std::size_t>(rows) + 2, 0);
   const auto inside = [&](std::int32_t i, std::int32_t size) {
-    return stage.wrap == TextureWrap::clamp ? std::clamp(i, 0, size - 1) : i % size;
+    return clamps ? std::clamp(i, 0, size - 1) : i % size;
   };
   t.opaque = t.never_killed = true;
   for (std::int32_t y = 0; y < rows; ++y) {
@@ -184,7 +186,7 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
                          std::none_of(image.words.begin(), image.words.end() - 2,
                                       [&](std::uint32_t word) { return plan.alpha64[word >> 24] == 0; });
   }
-  if (fog == FogMode::table) {
+  if (has_fog_table(fog)) {
     plan.zones = zones_of(pipeline.fog);
     if (fits_int32(pipeline.fog.table)) {
       plan.fog_table32.assign(pipeline.fog.table.begin(), pipeline.fog.table.end());
@@ -192,7 +194,7 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
     }
   }
   ShadePlan::ShadeChain& chain = plan.chain;
-  chain.edges = config.perspective != Perspective::const_depth_rows;
+  chain.edges = !has_plane_rows(config.perspective);
   chain.edge_offset = offset_value(config.start_offset.edge_shade, config.format(FormatId::edge_shade));
   chain.span_offset = offset_value(config.start_offset.span_shade, config.format(FormatId::span_shade));
   chain.vertex = make_register(config, FormatId::setup_shade);

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 
+#include "config/modes.hpp"
 #include "model/channels.hpp"
 #include "model/numeric/ramp-inl.hpp"
 #include "model/simd/fixed.hpp"
@@ -166,9 +167,6 @@ HWY_INLINE DepthPoint<Lanes> code_of(const DepthStage& stage, const DepthFormats
   if (!stage.narrow) [[unlikely]] {
     return code_by_reciprocal(f, stage.scene, h, watch);
   }
-  if (f.code == DepthCode::inverse) {
-    return {quantize(h, f.h.fraction, f.z, watch), Lanes(0), Lanes(0)};
-  }
   return depth_point<Lanes>(f, stage.scene, h, watch);
 }
 
@@ -186,7 +184,7 @@ HWY_INLINE Lanes magnitude(Lanes x) { return x ^ (x >> 63); }
 // would allow.
 bool fits_lanes(const SpanStage& stage, Lanes numerators, Lanes bases) {
   return stage.narrow ||
-         (stage.formats.perspective == Perspective::delta_f &&
+         (has_pixel_reciprocal(stage.formats.perspective) &&
           bits_of(numerators) + stage.product_growth <= 61 && bits_of(bases) + stage.base_growth <= 61);
 }
 
@@ -299,7 +297,7 @@ class Filler {
       store_as(block_.u + k, point.u);
       store_as(block_.v + k, point.v);
     }
-    if (pipeline_.fog.mode == FogMode::table) {
+    if (has_fog_table(pipeline_.fog.mode)) {
       for (std::size_t k = 0; k < block_.size; k += Lanes::count) {
         store_as(block_.fog_step + k, fog_step(pipeline_.fog, Lanes::load(block_.h + k)));
       }
@@ -347,7 +345,6 @@ HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f
   auto* const buffer = reinterpret_cast<std::int32_t*>(stored);
   // Unsigned order by signed comparison.
   const Lanes32 flip(f.z.word > 31 ? INT32_MIN : 0);
-  const bool larger_passes = f.code == DepthCode::inverse;
   const Lanes advance(h.increment * static_cast<std::int64_t>(Lanes32::count));
   Lanes first = at(h, Lanes::iota(static_cast<std::int64_t>(from)));
   Lanes second = first + Lanes(h.increment * static_cast<std::int64_t>(Lanes::count));
@@ -363,7 +360,7 @@ HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f
     const bool whole = how != Test::few && k + Lanes32::count <= to;
     const auto inside = hn::FirstN(d, to - k);
     const auto old = Lanes32::from(whole ? hn::LoadU(d, buffer + k) : hn::MaskedLoad(inside, d, buffer + k));
-    Lanes32::Mask pass = larger_passes ? (z ^ flip) > (old ^ flip) : (z ^ flip) < (old ^ flip);
+    Lanes32::Mask pass = depth_passes(f, z ^ flip, old ^ flip);
     if (!whole) pass = pass & Lanes32::Mask{inside};
     if constexpr (how != Test::few) {
       if (!any(pass)) continue;

@@ -1,5 +1,6 @@
 #include "model/simd/spans.hpp"
 
+#include "config/modes.hpp"
 #include "model/numeric/extent.hpp"
 #include "model/simd/targets.hpp"
 
@@ -34,8 +35,7 @@ SpanKernels<std::int64_t> span_kernels(VectorTarget target) {
 
 const char* spans_refusal(const Config& config) {
   const auto of = [&](FormatId id) { return extent(config.format(id)); };
-  return config.perspective != Perspective::const_depth_rows &&
-                 width(sum(of(FormatId::span_h), of(FormatId::setup_b))) > 63
+  return !has_plane_rows(config.perspective) && width(sum(of(FormatId::span_h), of(FormatId::setup_b))) > 63
              ? "h + B needs more than 63 bits"
              : nullptr;
 }

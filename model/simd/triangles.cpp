@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 
+#include "config/modes.hpp"
 #include "model/channels.hpp"
 #include "model/simd/targets.hpp"
 
@@ -71,7 +72,7 @@ bool all_plain(const Pipeline& pipeline) {
       &b.shade.r,
       &b.reciprocal.output(),
       &b.uv.r,
-      &b.affine_uv.r,
+      &b.linear_uv.r,
       &c.length.unit.output(),
       &c.h_step.r,
       &c.f_step.r,
@@ -164,9 +165,18 @@ struct TriangleGroup {
 // What walks a sequence; null where it is an exact ramp.
 using Adders = std::array<const Adder*, EdgeGroup::sequences>;
 Adders adders_of(const EdgeWalkStage& stage) {
-  const bool walks_x = stage.walk == EdgeWalk::dda && stage.update == DdaUpdate::accumulate;
+  const auto x_adder = [&]() -> const Adder* {
+    switch (stage.edge_x) {
+      case EdgeX::summed:
+        return &stage.x_acc;
+      case EdgeX::quotient:
+      case EdgeX::multiplied:
+        return nullptr;
+    }
+    unreachable();
+  };
   return {&stage.h_acc,     &stage.f,         &stage.f,         &stage.shade_acc,
-          &stage.shade_acc, &stage.shade_acc, &stage.shade_acc, walks_x ? &stage.x_acc : nullptr};
+          &stage.shade_acc, &stage.shade_acc, &stage.shade_acc, x_adder()};
 }
 
 HWY_INLINE const Triangle& triangle_at(const TriangleRows& from, std::size_t i) {
@@ -275,18 +285,23 @@ HWY_INLINE void start_edges(const EdgeWalkStage& stage, const Adders& adders, co
   for (std::size_t c = 0; c < channel_count; ++c) put(3 + c, acc.shade[c], edge.shade_step[c]);
   Lanes x1(0);
   Lanes x2(0);
-  if (stage.walk == EdgeWalk::exact) {
-    const ExactX<Lanes> x = exact_x<Lanes>(stage, from, to, t);
-    x.at.store(out.start[accumulators]);
-    x.step.store(out.increment[accumulators]);
-    x1 = max(x.length, Lanes(1));
-  } else if (stage.update == DdaUpdate::accumulate) {
-    put(accumulators, line_at(stage.x_start, from.x, edge.x_step, t, watch), edge.x_step);
-  } else {
-    from.x.store(out.start[accumulators]);
-    Lanes(0).store(out.increment[accumulators]);
-    x1 = edge.x_step;
-    x2 = from.y;
+  switch (stage.edge_x) {
+    case EdgeX::quotient: {
+      const ExactX<Lanes> x = exact_x<Lanes>(stage, from, to, t);
+      x.at.store(out.start[accumulators]);
+      x.step.store(out.increment[accumulators]);
+      x1 = max(x.length, Lanes(1));
+      break;
+    }
+    case EdgeX::summed:
+      put(accumulators, line_at(stage.x_start, from.x, edge.x_step, t, watch), edge.x_step);
+      break;
+    case EdgeX::multiplied:
+      from.x.store(out.start[accumulators]);
+      Lanes(0).store(out.increment[accumulators]);
+      x1 = edge.x_step;
+      x2 = from.y;
+      break;
   }
   walked.store(out.walked);
   from.u.store(out.constant[0]);
@@ -325,9 +340,7 @@ HWY_INLINE void set_up(const Stages& stages, const Adders& adders, const Triangl
   counters.degenerate += set_in(counts & given & area.none);
 
   const Lanes y = max(first_row(walk, v[0].y), Lanes(0));
-  const Lanes end =
-      min(walk.fill_rule == FillRule::inclusive ? last_row(walk, v[2].y) + Lanes(1) : first_row(walk, v[2].y),
-          Lanes(walk.height));
+  const Lanes end = min(end_row(walk, v[2].y), Lanes(walk.height));
   const Lanes rows = select(active, max(end - y, Lanes(0)), Lanes(0));
   y.store(out.y);
   max(Lanes(from.first_row) - y, Lanes(0)).store(out.skip);
@@ -371,15 +384,23 @@ struct RowColumns {
   Side left, right;
 };
 RowColumns row_columns(const EdgeWalkStage& stage, TriangleBatch& batch, bool trace) {
-  const bool accumulates = stage.walk == EdgeWalk::dda && stage.update == DdaUpdate::accumulate;
   const auto side_of = [&](const SideColumns& c) {
     RowColumns::Side side;
     for (std::size_t s = 0; s < accumulators; ++s) side.sequence[s] = batch.rows[c.acc[s]];
-    side.sequence[accumulators] = stage.walk == EdgeWalk::dda ? batch.rows[c.x_acc] : batch.sources[c.x0];
-    side.constant = {stage.affine ? nullptr : batch.sources[c.u1],
-                     stage.affine ? nullptr : batch.sources[c.v1],
-                     accumulates ? nullptr : batch.sources[c.x1],
-                     stage.walk == EdgeWalk::exact || accumulates ? nullptr : batch.sources[c.x2]};
+    side.sequence[accumulators] = has_x_step(stage.edge_x) ? batch.rows[c.x_acc] : batch.sources[c.x0];
+    side.constant = {stage.linear_edges ? nullptr : batch.sources[c.u1],
+                     stage.linear_edges ? nullptr : batch.sources[c.v1], nullptr, nullptr};
+    switch (stage.edge_x) {
+      case EdgeX::quotient:
+        side.constant[2] = batch.sources[c.x1];
+        break;
+      case EdgeX::summed:
+        break;
+      case EdgeX::multiplied:
+        side.constant[2] = batch.sources[c.x1];
+        side.constant[3] = batch.sources[c.x2];
+        break;
+    }
     side.edge = trace ? batch.rows[c.edge] : nullptr;
     return side;
   };
@@ -518,12 +539,16 @@ HWY_INLINE Position<Lanes> position_at(const EdgeWalkStage& stage, const RowColu
                                        std::size_t i, Lanes y, Lanes::Mask active, const Observer& observer) {
   std::int64_t* const x = side.sequence[accumulators] + i;
   const auto source = [&](std::size_t c) HWY_ATTR { return Lanes::load(side.constant[c] + i); };
-  if (stage.walk == EdgeWalk::exact) return exact_position(Lanes::load(x), source(2));
   Lanes acc = Lanes::load(x);
-  if (stage.update == DdaUpdate::multiply) {
-    const Lanes t = rows_from(stage, y, source(3));
-    acc = line_at(stage.x_start, acc, source(2), t, observer.on(active));
-    acc.store(x);
+  switch (stage.edge_x) {
+    case EdgeX::quotient:
+      return exact_position(acc, source(2));
+    case EdgeX::summed:
+      break;
+    case EdgeX::multiplied:
+      acc = line_at(stage.x_start, acc, source(2), rows_from(stage, y, source(3)), observer.on(active));
+      acc.store(x);
+      break;
   }
   return {acc << stage.x_up, Lanes(0)};
 }
@@ -565,8 +590,8 @@ HWY_INLINE EndOf<Lanes> row_end_at(const EdgeWalkStage& stage, const RowColumns:
   const auto acc_at = [&](std::size_t s) HWY_ATTR { return Lanes::load(side.sequence[s] + i); };
   const EdgeAccumulators<Lanes> acc{
       acc_at(0), acc_at(1), acc_at(2), {acc_at(3), acc_at(4), acc_at(5), acc_at(6)}};
-  const Lanes u1 = stage.affine ? Lanes(0) : Lanes::load(side.constant[0] + i);
-  const Lanes v1 = stage.affine ? Lanes(0) : Lanes::load(side.constant[1] + i);
+  const Lanes u1 = stage.linear_edges ? Lanes(0) : Lanes::load(side.constant[0] + i);
+  const Lanes v1 = stage.linear_edges ? Lanes(0) : Lanes::load(side.constant[1] + i);
   return end_values(stage, acc, u1, v1, watch);
 }
 
@@ -586,7 +611,7 @@ void trace_rows(const EdgeWalkStage& stage, const Columns<RowRecord>& rows, cons
   for (std::size_t k = 0; k < lane_count; ++k) {
     if (lane(drawn, k) == 0) continue;
     RowRecord row = rows.record(i + k);
-    if (stage.walk == EdgeWalk::exact) row.l_x_acc = row.r_x_acc = 0;
+    if (!has_x_step(stage.edge_x)) row.l_x_acc = row.r_x_acc = 0;
     trace.row.push_back(row);
     trace.span.push_back(spans.record(to++));
   }
@@ -627,9 +652,14 @@ HWY_NOINLINE void finish_rows(const Stages& stages, const RowColumns& columns, s
     if (found == 0) continue;
     const auto watch = observer.on(some);
     const auto x_of = [&](const RowColumns::Side& side, const Position<Lanes>& p) HWY_ATTR {
-      return walk.walk == EdgeWalk::exact
-                 ? exact_row_x<Lanes>(walk, p, watch)
-                 : narrowed<Lanes>(walk.x, Lanes::load(side.sequence[accumulators] + i), watch);
+      switch (walk.edge_x) {
+        case EdgeX::quotient:
+          return exact_row_x<Lanes>(walk, p, watch);
+        case EdgeX::summed:
+        case EdgeX::multiplied:
+          return narrowed<Lanes>(walk.x, Lanes::load(side.sequence[accumulators] + i), watch);
+      }
+      unreachable();
     };
     const Lanes l_x = x_of(columns.left, l_at);
     const Lanes r_x = x_of(columns.right, r_at);

@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include "config/modes.hpp"
 #include "model/numeric/from_double.hpp"
 #include "model/numeric/ratio.hpp"
 
@@ -45,11 +46,11 @@ Constants make_constants(const Config& config, const Scene& scene, Watch watch) 
     refuse(config, scene, "B is 0 in setup.b; it needs more fraction bits");
   }
   const Exact b_exact = value_of(r.b, b);
-  if (config.depth_code == DepthCode::linear) {
+  if (is_linear_in_distance(config.depth_code)) {
     r.c1 = quantize_ratio(hmax * b_exact * s_max, range, register_of(FormatId::depth_c1), watch);
     r.c0 = quantize_ratio(hmax * s_min, range, register_of(FormatId::depth_c0), watch);
   }
-  if (config.fog == FogMode::linear && scene.fog) {
+  if (is_linear_in_distance(config.fog) && scene.fog) {
     if (!(scene.fog->distance > 0 && scene.fog->distance <= 1e300)) {
       throw InputError("scene '" + scene.name + "': the fog's distance must be positive and finite");
     }

@@ -1,4 +1,5 @@
 // The depth code's arithmetic, one text for a fragment and for lanes of them.
+#include "config/modes.hpp"
 #include "model/stages/depth.hpp"
 #include "model/stages/span-inl.hpp"
 
@@ -23,28 +24,38 @@ HWY_INLINE DepthPoint<ValueOf<Int>> depth_point(const DepthFormats& f, const Dep
                                                 ValueOf<Int> h, Watch watch) {
   using Value = ValueOf<Int>;
   const Value none(0);
-  if (f.code == DepthCode::inverse) {
-    return {quantize(h, f.h.fraction, f.z, watch), none, none};
+  switch (f.code) {
+    case DepthCode::inverse:
+      return {quantize(h, f.h.fraction, f.z, watch), none, none};
+    case DepthCode::opengl: {
+      const int up = f.h.fraction < 0 ? -f.h.fraction : 0;  // zmax - h on a grid that holds both
+      const Int difference = (Int(Value(f.zmax)) << (f.h.fraction + up)) - (Int(h) << up);
+      return {quantize(difference, f.h.fraction + up, f.z, watch), none, none};
+    }
+    case DepthCode::linear: {
+      const DepthSum<Int> q = (DepthSum<Int>(h) << f.h_up) + depth_constant<Int>(scene.b);
+      const auto inverse = reciprocal(f.reciprocal, scene.table, q, f.q_fraction, watch);
+      const Value product = inverse.e + Value(f.c1_fraction + f.reciprocal.output.fraction);
+      const Value common = max(product, Value(f.c0_fraction));
+      const Int scaled = shifted_up(times<Int>(Value(scene.c1), inverse.m), common - product);
+      const Value z =
+          quantize(scaled - (Int(Value(scene.c0)) << (common - Value(f.c0_fraction))), common, f.z, watch);
+      return {z, inverse.m, inverse.e};
+    }
   }
-  if (f.code == DepthCode::opengl) {
-    const int up = f.h.fraction < 0 ? -f.h.fraction : 0;  // zmax - h on a grid that holds both
-    const Int difference = (Int(Value(f.zmax)) << (f.h.fraction + up)) - (Int(h) << up);
-    return {quantize(difference, f.h.fraction + up, f.z, watch), none, none};
-  }
-  const DepthSum<Int> q = (DepthSum<Int>(h) << f.h_up) + depth_constant<Int>(scene.b);
-  const auto inverse = reciprocal(f.reciprocal, scene.table, q, f.q_fraction, watch);
-  const Value product = inverse.e + Value(f.c1_fraction + f.reciprocal.output.fraction);
-  const Value common = max(product, Value(f.c0_fraction));
-  const Int scaled = shifted_up(times<Int>(Value(scene.c1), inverse.m), common - product);
-  const Value z =
-      quantize(scaled - (Int(Value(scene.c0)) << (common - Value(f.c0_fraction))), common, f.z, watch);
-  return {z, inverse.m, inverse.e};
+  unreachable();
 }
 
-// Whether z passes against what is stored.
+// Whether a point of code `a` is nearer than one of code `b`, both in the order of Value.
+template <class Value>
+HWY_INLINE auto is_nearer(const DepthFormats& f, Value a, Value b) {
+  return f.nearer_is_larger ? a > b : a < b;
+}
+
+// The depth comparison: whether z passes against what is stored, both in the order of Value.
 template <class Value>
 HWY_INLINE auto depth_passes(const DepthFormats& f, Value z, Value stored) {
-  return f.code == DepthCode::inverse ? z > stored : z < stored;
+  return is_nearer(f, z, stored);
 }
 
 }  // namespace bitspan::model::HWY_NAMESPACE

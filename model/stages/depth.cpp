@@ -1,5 +1,6 @@
 #include "model/stages/depth.hpp"
 
+#include "config/modes.hpp"
 #include "model/numeric/extent.hpp"
 #include "model/stages/depth-inl.hpp"
 
@@ -8,12 +9,12 @@ namespace bitspan::model {
 DepthStage prepare_depth(const Config& config, const Constants& constants) {
   DepthStage s;
   s.formats = depth_formats(config);
-  s.clear = config.depth_code == DepthCode::inverse ? 0 : s.formats.zmax;
+  s.clear = s.formats.nearer_is_larger ? 0 : s.formats.zmax;  // the farthest
   s.reciprocal = ReciprocalUnit(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
   s.scene = {make_inverse_depth(config, constants).b, s.reciprocal.table().data(), constants.record.c1,
              constants.record.c0};
   const Extent difference = sum(extent(config.format(FormatId::span_h)), extent(config.depth_format()));
-  s.narrow = config.depth_code != DepthCode::linear &&
+  s.narrow = !is_linear_in_distance(config.depth_code) &&
              fits_int64({difference.integer, std::max(difference.fraction, 1)});
   return s;
 }

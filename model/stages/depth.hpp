@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "config/config.hpp"
+#include "config/modes.hpp"
 #include "engine/records.hpp"
 #include "model/numeric/reciprocal.hpp"
 #include "model/stages/constants.hpp"
@@ -15,6 +16,7 @@ namespace bitspan::model {
 // What the stage computes by, as far as the configuration alone says it.
 struct DepthFormats {
   DepthCode code = DepthCode::inverse;
+  bool nearer_is_larger = true;  // among codes
   std::int64_t zmax = 0;
   Register h, z;
   int h_up = 0, q_fraction = 0;  // of h + B, as in InverseDepth
@@ -24,6 +26,7 @@ struct DepthFormats {
 constexpr DepthFormats depth_formats(const Config& config) {
   DepthFormats s;
   s.code = config.depth_code;
+  s.nearer_is_larger = nearer_is_larger(config.depth_code);
   s.zmax = (std::int64_t{1} << config.depth_bits) - 1;
   s.h = make_register(config, FormatId::span_h);
   s.z = make_register(config.depth_format(), RegisterId::depth_z);

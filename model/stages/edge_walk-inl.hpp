@@ -20,19 +20,25 @@ HWY_INLINE Value rows_from(const EdgeWalkStage& stage, Value y, Value start_y) {
          (start_y << (stage.t_fraction - stage.subpixel_bits));
 }
 
-// First row whose centre is at or below y; last row whose centre is at or above it.
+// First row whose centre is at or below y.
 template <class Value>
 HWY_INLINE Value first_row(const EdgeWalkStage& stage, Value y) {
   const Value below_half((std::int64_t{1} << (stage.t_fraction - 1)) - 1);
   return ((y << (stage.t_fraction - stage.subpixel_bits)) + below_half) >> stage.t_fraction;
 }
+// Last row whose centre is at or above y.
 template <class Value>
 HWY_INLINE Value last_row(const EdgeWalkStage& stage, Value y) {
   const Value half(std::int64_t{1} << (stage.t_fraction - 1));
   return ((y << (stage.t_fraction - stage.subpixel_bits)) - half) >> stage.t_fraction;
 }
+// One past the last row of a triangle whose lowest vertex is at y.
+template <class Value>
+HWY_INLINE Value end_row(const EdgeWalkStage& stage, Value y) {
+  return stage.owns_every_edge ? last_row(stage, y) + Value(1) : first_row(stage, y);
+}
 
-// `exact`: X on row t as at / length, and one row's step over the same length; on 2^-x_fraction.
+// EdgeX::quotient: X on row t as at / length, and one row's step over the same length; on 2^-x_fraction.
 template <class Int>
 struct ExactX {
   Int at, step, length;
@@ -62,8 +68,8 @@ HWY_INLINE EdgeAccumulators<Value> start_accumulators(const EdgeWalkStage& stage
     return line_at(stage.shade_start, start.c[c], shade_step[c], t, watch);
   };
   return {line_at(stage.h_start, start.h, h_step, t, watch),
-          line_at(stage.f_start, stage.affine ? start.u : none, fu_step, t, watch),
-          line_at(stage.f_start, stage.affine ? start.v : none, fv_step, t, watch),
+          line_at(stage.f_start, stage.linear_edges ? start.u : none, fu_step, t, watch),
+          line_at(stage.f_start, stage.linear_edges ? start.v : none, fv_step, t, watch),
           {shade(0), shade(1), shade(2), shade(3)}};
 }
 
@@ -92,13 +98,13 @@ struct PixelsOf {
 template <class Value>
 HWY_INLINE PixelsOf<Value> pixels_between(const EdgeWalkStage& stage, const Position<SumOf<Value>>& left,
                                           const Position<SumOf<Value>>& right) {
-  const auto end = stage.fill_rule == FillRule::inclusive ? last_centre(stage, right)
-                                                          : first_centre(stage, right) - SumOf<Value>(1);
+  const auto end =
+      stage.owns_every_edge ? last_centre(stage, right) : first_centre(stage, right) - SumOf<Value>(1);
   return {max(Value(0), static_cast<Value>(first_centre(stage, left))),
           min(Value(stage.width - 1), static_cast<Value>(end))};
 }
 
-// Q[edge.x](X), x in `exact`: its lowest bit is a guard bit at most, so `more` is a sticky bit below it.
+// EdgeX::quotient: Q[edge.x](X). Its lowest bit is a guard bit at most, so `more` is a sticky bit below it.
 template <class Value, class Watch>
 HWY_INLINE Value exact_row_x(const EdgeWalkStage& stage, const Position<SumOf<Value>>& x, Watch watch) {
   return narrowed<Value>(stage.x, (x.at << 1) | x.more, watch);
@@ -116,10 +122,10 @@ HWY_INLINE EndOf<Value> end_values(const EdgeWalkStage& stage, const EdgeAccumul
                                    Value v1, Watch watch) {
   EndOf<Value> out;
   out.h = narrowed<Value>(stage.h, acc.h, watch);
-  if (stage.affine) {
+  if (stage.linear_edges) {
     out.recip_m = out.recip_e = Value(0);
-    out.u = narrowed<Value>(stage.affine_uv, acc.fu, watch);
-    out.v = narrowed<Value>(stage.affine_uv, acc.fv, watch);
+    out.u = narrowed<Value>(stage.linear_uv, acc.fu, watch);
+    out.v = narrowed<Value>(stage.linear_uv, acc.fv, watch);
   } else {
     const InverseOf<Value> inverse =
         HWY_NAMESPACE::reciprocal(stage.reciprocal.formats(), stage.reciprocal.table().data(),

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include "config/modes.hpp"
 #include "model/stages/edge_walk-inl.hpp"
 
 namespace bitspan::model {
@@ -57,12 +58,14 @@ void start_exact_x(const EdgeWalkStage& stage, EdgeState& e, std::int64_t t) {
 template <class Watch>
 void start_edge(const EdgeWalkStage& stage, EdgeState& e, std::int64_t y, Watch watch) {
   const std::int64_t t = rows_from_start(stage, e, y);
-  if (stage.walk == EdgeWalk::dda) {
-    set_dda_x(stage, e, y, watch);
-  } else if (stage.narrow_x) {
-    start_exact_x<std::int64_t>(stage, e, t);
-  } else {
-    start_exact_x<int128>(stage, e, t);
+  switch (stage.edge_x) {
+    case EdgeX::quotient:
+      stage.narrow_x ? start_exact_x<std::int64_t>(stage, e, t) : start_exact_x<int128>(stage, e, t);
+      break;
+    case EdgeX::summed:
+    case EdgeX::multiplied:
+      set_dda_x(stage, e, y, watch);
+      break;
   }
   const EdgeRecord& edge = e.edge;
   e.acc = HWY_NAMESPACE::start_accumulators(stage, e.start, edge.h_step, edge.fu_step, edge.fv_step,
@@ -75,17 +78,21 @@ void step_edge(const EdgeWalkStage& stage, EdgeState& e, std::int64_t y, Watch w
   const auto advance = [&](std::int64_t& acc, const Adder& adder, std::int64_t step) {
     acc = HWY_NAMESPACE::stepped(adder, acc, step, watch);
   };
-  if (stage.walk == EdgeWalk::exact) {
-    e.x_floor += e.x_step_floor;
-    e.x_rest += e.x_step_rest;
-    if (e.x_rest >= e.x_length) {
-      e.x_rest -= e.x_length;
-      ++e.x_floor;
-    }
-  } else if (stage.update == DdaUpdate::accumulate) {
-    advance(e.x_acc, stage.x_acc, e.edge.x_step);
-  } else {
-    set_dda_x(stage, e, y, watch);
+  switch (stage.edge_x) {
+    case EdgeX::quotient:
+      e.x_floor += e.x_step_floor;
+      e.x_rest += e.x_step_rest;
+      if (e.x_rest >= e.x_length) {
+        e.x_rest -= e.x_length;
+        ++e.x_floor;
+      }
+      break;
+    case EdgeX::summed:
+      advance(e.x_acc, stage.x_acc, e.edge.x_step);
+      break;
+    case EdgeX::multiplied:
+      set_dda_x(stage, e, y, watch);
+      break;
   }
   advance(e.acc.h, stage.h_acc, e.edge.h_step);
   advance(e.acc.fu, stage.f, e.edge.fu_step);
@@ -97,19 +104,29 @@ void step_edge(const EdgeWalkStage& stage, EdgeState& e, std::int64_t y, Watch w
 }
 
 Position<int128> position(const EdgeWalkStage& stage, const EdgeState& e) {
-  return stage.walk == EdgeWalk::exact ? Position<int128>{e.x_floor, e.x_rest != 0 ? 1 : 0}
-                                       : Position<int128>{int128{e.x_acc} << stage.x_up, 0};
+  switch (stage.edge_x) {
+    case EdgeX::quotient:
+      return {e.x_floor, e.x_rest != 0 ? 1 : 0};
+    case EdgeX::summed:
+    case EdgeX::multiplied:
+      return {int128{e.x_acc} << stage.x_up, 0};
+  }
+  unreachable();
 }
 
 template <class Watch>
 RowEnd make_end(const EdgeWalkStage& stage, const EdgeState& e, Watch watch) {
   RowEnd out{};
   out.edge = e.edge.edge;
-  if (stage.walk == EdgeWalk::exact) {
-    out.x = HWY_NAMESPACE::exact_row_x<std::int64_t>(stage, position(stage, e), watch);
-  } else {
-    out.x_acc = e.x_acc;
-    out.x = HWY_NAMESPACE::narrowed<std::int64_t>(stage.x, e.x_acc, watch);
+  switch (stage.edge_x) {
+    case EdgeX::quotient:
+      out.x = HWY_NAMESPACE::exact_row_x<std::int64_t>(stage, position(stage, e), watch);
+      break;
+    case EdgeX::summed:
+    case EdgeX::multiplied:
+      out.x_acc = e.x_acc;
+      out.x = HWY_NAMESPACE::narrowed<std::int64_t>(stage.x, e.x_acc, watch);
+      break;
   }
   const auto end = HWY_NAMESPACE::end_values(stage, e.acc, e.start.u, e.start.v, watch);
   out.h_acc = e.acc.h;
@@ -136,10 +153,9 @@ EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants
   };
   s.width = width;
   s.height = height;
-  s.fill_rule = config.fill_rule;
-  s.walk = config.edge_walk;
-  s.update = config.dda_update;
-  s.affine = config.perspective == Perspective::affine;
+  s.owns_every_edge = owns_every_edge(config.fill_rule);
+  s.edge_x = edge_x_of(config);
+  s.linear_edges = has_linear_edges(config.perspective);
   s.subpixel_bits = config.subpixel_bits;
   s.t_fraction = std::max(1, config.subpixel_bits);
   const Register coordinate = make_register(config.coordinate_format());
@@ -147,23 +163,28 @@ EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants
   const Register x = reg(FormatId::edge_x);
   const Size dx = size_of(coordinate) + size_of(coordinate);
   bool lanes = true;
-  if (s.walk == EdgeWalk::exact) {
-    s.x_fraction = std::max(1, x.fraction + 1);
-    s.x_up = s.x_fraction - s.t_fraction;
-    // at, step and length, and a row past the edge's end.
-    const Size at = size_of(coordinate) * dx + dx * t;
-    s.narrow_x = bits_on(at, at.fraction) + 1 + s.t_fraction + std::max(0, s.x_up) <= term_bits &&
-                 dx.bits + std::max(0, -s.x_up) <= term_bits;
-    s.x = make_narrowing(x, {coordinate.word - s.subpixel_bits + s.x_fraction + 2, s.x_fraction + 1});
-    lanes = s.narrow_x && s.x.fits;
-  } else {
-    s.x_acc = adder(FormatId::edge_x_acc, FormatId::edge_x_step);
-    s.x_fraction = std::max(1, s.x_acc.acc.fraction);
-    s.x_up = s.x_fraction - s.x_acc.acc.fraction;
-    s.x_start = make_line(s.x_acc.acc, &coordinate, reg(FormatId::edge_x_step), t,
-                          offset(config.start_offset.edge_x, FormatId::edge_x));
-    s.x = make_narrowing(x, size_of(s.x_acc.acc));
-    lanes = s.x_start.lanes && s.x.lanes && bits_on(size_of(s.x_acc.acc), s.x_fraction) <= term_bits;
+  switch (s.edge_x) {
+    case EdgeX::quotient: {
+      s.x_fraction = std::max(1, x.fraction + 1);
+      s.x_up = s.x_fraction - s.t_fraction;
+      // at, step and length, and a row past the edge's end.
+      const Size at = size_of(coordinate) * dx + dx * t;
+      s.narrow_x = bits_on(at, at.fraction) + 1 + s.t_fraction + std::max(0, s.x_up) <= term_bits &&
+                   dx.bits + std::max(0, -s.x_up) <= term_bits;
+      s.x = make_narrowing(x, {coordinate.word - s.subpixel_bits + s.x_fraction + 2, s.x_fraction + 1});
+      lanes = s.narrow_x && s.x.fits;
+      break;
+    }
+    case EdgeX::summed:
+    case EdgeX::multiplied:
+      s.x_acc = adder(FormatId::edge_x_acc, FormatId::edge_x_step);
+      s.x_fraction = std::max(1, s.x_acc.acc.fraction);
+      s.x_up = s.x_fraction - s.x_acc.acc.fraction;
+      s.x_start = make_line(s.x_acc.acc, &coordinate, reg(FormatId::edge_x_step), t,
+                            offset(config.start_offset.edge_x, FormatId::edge_x));
+      s.x = make_narrowing(x, size_of(s.x_acc.acc));
+      lanes = s.x_start.lanes && s.x.lanes && bits_on(size_of(s.x_acc.acc), s.x_fraction) <= term_bits;
+      break;
   }
   const Register vertex_h = reg(FormatId::setup_h);
   const Register vertex_uv = reg(FormatId::setup_uv);
@@ -173,7 +194,7 @@ EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants
   s.shade_acc = adder(FormatId::edge_shade_acc, FormatId::edge_shade_step);
   s.h_start = make_line(s.h_acc.acc, &vertex_h, reg(FormatId::edge_h_step), t,
                         offset(config.start_offset.edge_h, FormatId::edge_h));
-  s.f_start = make_line(s.f.acc, s.affine ? &vertex_uv : nullptr, reg(FormatId::edge_f_step), t,
+  s.f_start = make_line(s.f.acc, s.linear_edges ? &vertex_uv : nullptr, reg(FormatId::edge_f_step), t,
                         offset(config.start_offset.edge_f, FormatId::edge_f));
   s.shade_start = make_line(s.shade_acc.acc, &vertex_shade, reg(FormatId::edge_shade_step), t,
                             offset(config.start_offset.edge_shade, FormatId::edge_shade));
@@ -183,11 +204,11 @@ EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants
   s.reciprocal = ReciprocalUnit(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
   const Register uv = reg(FormatId::edge_uv);
   s.uv = make_perspective_point(uv, vertex_uv, s.f.acc, s.reciprocal.output(), s.depth.e);
-  s.affine_uv = make_narrowing(uv, size_of(s.f.acc));
-  s.divides_per_row = s.affine ? 0 : 2;
+  s.linear_uv = make_narrowing(uv, size_of(s.f.acc));
+  s.divides_per_row = s.linear_edges ? 0 : 2;
   s.lanes = lanes && lanes_hold(t) && s.h_start.lanes && s.f_start.lanes && s.shade_start.lanes &&
             s.h.lanes && s.shade.lanes &&
-            (s.affine ? s.affine_uv.lanes : lanes_hold(s.depth.size) && s.uv.lanes);
+            (s.linear_edges ? s.linear_uv.lanes : lanes_hold(s.depth.size) && s.uv.lanes);
   return s;
 }
 
@@ -197,9 +218,7 @@ EdgeWalkState start_edge_walk(const EdgeWalkStage& stage, const SetupRecord& set
   s.triangle = setup.triangle;
   s.mid_right = setup.mid_right != 0;
   s.y = std::max<std::int64_t>(0, HWY_NAMESPACE::first_row(stage, setup.y0));
-  s.y_end = std::min<std::int64_t>(stage.height, stage.fill_rule == FillRule::inclusive
-                                                     ? HWY_NAMESPACE::last_row(stage, setup.y2) + 1
-                                                     : HWY_NAMESPACE::first_row(stage, setup.y2));
+  s.y_end = std::min<std::int64_t>(stage.height, HWY_NAMESPACE::end_row(stage, setup.y2));
   s.y_second = HWY_NAMESPACE::first_row(stage, setup.y1);
   for (int i = 0; i < edges.count; ++i) {
     const EdgeRecord& record = edges.edge[static_cast<std::size_t>(i)];

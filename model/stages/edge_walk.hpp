@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "config/config.hpp"
+#include "config/modes.hpp"
 #include "engine/records.hpp"
 #include "model/numeric/adder.hpp"
 #include "model/numeric/forms.hpp"
@@ -18,22 +19,22 @@ namespace bitspan::model {
 
 struct EdgeWalkStage {
   std::int64_t width = 0, height = 0;  // of the viewport, pixels
-  FillRule fill_rule = FillRule::top_left;
-  EdgeWalk walk = EdgeWalk::exact;
-  DdaUpdate update = DdaUpdate::accumulate;
-  bool affine = false;
+  bool owns_every_edge = false;
+  EdgeX edge_x = EdgeX::quotient;
+  bool linear_edges = false;  // edges carry u and v themselves
   int subpixel_bits = 0;
-  int t_fraction = 1;     // of t = y + 1/2 - y1e
-  int x_fraction = 1;     // of the walked x: exact: edge.x's and a guard bit at least; dda: edge.x_acc's
-  int x_up = 0;           // exact: from t's grid to the walked x's; dda: from edge.x_acc's fraction
-  bool narrow_x = false;  // exact: numerators fit 64 bits
+  int t_fraction = 1;  // of t = y + 1/2 - y1e
+  // Fraction bits of the walked x. quotient: edge.x's and a guard bit at least; elsewhere edge.x_acc's.
+  int x_fraction = 1;
+  int x_up = 0;           // quotient: from t's grid to the walked x's; elsewhere from edge.x_acc's fraction
+  bool narrow_x = false;  // quotient: numerators fit 64 bits
   Narrowing x, h, shade;
   Line x_start, h_start, f_start, shade_start;
   Adder x_acc, h_acc, f, shade_acc;
   DepthSum depth;             // h + B
   ReciprocalUnit reciprocal;  // R_pixel
   PerspectivePoint uv;
-  Narrowing affine_uv;
+  Narrowing linear_uv;
   int divides_per_row = 0;
   bool lanes = false;  // no intermediate is wider than lanes hold
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "config/modes.hpp"
 #include "model/stages/fog-inl.hpp"
 
 namespace bitspan::model {
@@ -125,7 +126,7 @@ FogStage prepare_fog(const Config& config, const Constants& constants, const Sce
   if (scene.fog) {
     s.fog_color = scene.fog->color;
   }
-  if (s.mode == FogMode::table) {
+  if (has_fog_table(s.mode)) {
     if (!(scene.fog->distance > 0 && scene.fog->distance <= 1e300 && scene.focal > 0 &&
           scene.focal <= 1e300)) {
       throw InputError("scene '" + scene.name +
@@ -154,26 +155,30 @@ void fog(const FogStage& stage, const FragmentRecord& fragment, const TextureRec
   std::array own{texture.r, texture.g, texture.b};
   namespace text = HWY_NAMESPACE;
   const FogFormats& formats = stage;
-  if (stage.mode == FogMode::none) {
-    out.factor = quantize(std::int64_t{1}, 0, formats.factor, watch);
-    for (std::int64_t& c : own) {
-      c = text::unfogged(formats, c, watch);
-    }
-  } else {
-    if (stage.mode == FogMode::linear) {
+  switch (stage.mode) {
+    case FogMode::none:
+      out.factor = quantize(std::int64_t{1}, 0, formats.factor, watch);
+      break;
+    case FogMode::linear: {
       const auto linear = text::linear_fog<int128>(stage, formats, fragment.h, watch);
       out.recip_m = linear.recip_m;
       out.recip_e = linear.recip_e;
       out.factor = linear.factor;
-    } else {
+      break;
+    }
+    case FogMode::table:
       out.index = text::fog_index<std::int64_t>(stage, fog_step(stage, fragment.h),
                                                 fog_zone(stage, fragment.x, fragment.y));
       out.factor = stage.table[static_cast<std::size_t>(out.index)];
-    }
-    for (std::size_t c = 0; c < own.size(); ++c) {
-      own[c] = formats.narrow
-                   ? text::fogged<std::int64_t>(formats, own[c], stage.fog_color[c], out.factor, watch)
-                   : text::fogged<int128>(formats, own[c], stage.fog_color[c], out.factor, watch);
+      break;
+  }
+  for (std::size_t c = 0; c < own.size(); ++c) {
+    if (!has_fog(stage.mode)) {
+      own[c] = text::unfogged(formats, own[c], watch);
+    } else if (formats.narrow) {
+      own[c] = text::fogged<std::int64_t>(formats, own[c], stage.fog_color[c], out.factor, watch);
+    } else {
+      own[c] = text::fogged<int128>(formats, own[c], stage.fog_color[c], out.factor, watch);
     }
   }
   out.r = own[0];

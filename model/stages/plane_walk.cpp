@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "config/modes.hpp"
 #include "model/channels.hpp"
 #include "model/numeric/ratio.hpp"
 #include "model/stages/setup.hpp"
@@ -131,7 +132,7 @@ Coverage make_coverage(const SetupRecord& setup, int subpixel_bits, FillRule fil
     const int128 b = sign * (to.x - from.x);
     const int128 c = -(a * from.x + b * from.y);
     // The centre (x + 1/2, y + 1/2) in half units of the snapped grid: (2x + 1) 2^subpixel_bits.
-    const bool owns = fill_rule == FillRule::inclusive || a > 0 || (a == 0 && b > 0);
+    const bool owns = owns_every_edge(fill_rule) || a > 0 || (a == 0 && b > 0);
     coverage.sides[i] = {a << (subpixel_bits + 1), b << (subpixel_bits + 1),
                          2 * c + ((a + b) << subpixel_bits) - (owns ? 0 : 1)};
   }
@@ -143,7 +144,7 @@ PlaneWalkStage prepare_plane_walk(const Config& config, const Constants& constan
   s.width = width;
   s.height = height;
   s.fill_rule = config.fill_rule;
-  s.ideal_line = config.numerator == Numerator::ideal_line;
+  s.ideal_line = is_on_ideal_line(config.numerator);
   s.subpixel_bits = config.subpixel_bits;
   s.b = b_of(config, constants.record);
   s.shade_offset = offset_value(config.start_offset.span_shade, config.format(FormatId::span_shade));

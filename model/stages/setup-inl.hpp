@@ -110,10 +110,9 @@ HWY_INLINE EdgeOf<Value> setup_edge(const SetupStage& stage, const VertexOf<Valu
   };
   e.recip_m = dy.inverse.m;
   e.recip_e = dy.inverse.e;
-  e.x_step = stage.walk == EdgeWalk::dda ? step(stage.x_step, difference(b.x, a.x)) : Value(0);
+  e.x_step = stage.has_x_step ? step(stage.x_step, difference(b.x, a.x)) : Value(0);
   e.h_step = step(stage.h_step, difference(b.h, a.h));
-  const SumOf<Value> q =
-      stage.perspective == Perspective::affine ? SumOf<Value>(1) : depth_sum(stage.depth, b.h);
+  const SumOf<Value> q = stage.linear_edges ? SumOf<Value>(1) : depth_sum(stage.depth, b.h);
   e.fu_diff = product<Value>(stage.f_diff, difference(b.u, a.u), q, watch);
   e.fu_step = step(stage.f_step, e.fu_diff);
   e.fv_diff = product<Value>(stage.f_diff, difference(b.v, a.v), q, watch);

@@ -1,5 +1,6 @@
 #include "model/stages/setup.hpp"
 
+#include "config/modes.hpp"
 #include "model/channels.hpp"
 #include "model/stages/setup-inl.hpp"
 
@@ -31,8 +32,8 @@ SetupStage prepare_setup(const Config& config, const Constants& constants) {
   const auto reg = [&](FormatId id) { return make_register(config, id); };
   s.exponent = constants.exponent;
   s.b = static_cast<std::int64_t>(b.raw);
-  s.perspective = config.perspective;
-  s.walk = config.edge_walk;
+  s.linear_edges = has_linear_edges(config.perspective);
+  s.has_x_step = has_x_step(config);
   s.coordinate = make_register(config.coordinate_format(), RegisterId::coordinate);
   s.s = reg(FormatId::setup_s);
   s.s_max = value_of(constants.record.s_max, s.s);
@@ -50,18 +51,14 @@ SetupStage prepare_setup(const Config& config, const Constants& constants) {
   const Size uv = size_of(s.uv) + size_of(s.uv);
   s.x_step = make_slope(reg(FormatId::edge_x_step), dy, s.dy);
   s.h_step = make_slope(reg(FormatId::edge_h_step), size_of(s.h) + size_of(s.h), s.dy);
-  s.f_diff = make_product(reg(FormatId::edge_f_diff), uv,
-                          config.perspective == Perspective::affine ? Size{1, 0} : s.depth.size);
+  s.f_diff = make_product(reg(FormatId::edge_f_diff), uv, s.linear_edges ? Size{1, 0} : s.depth.size);
   s.f_step = make_slope(reg(FormatId::edge_f_step), size_of(s.f_diff.r), s.dy);
   s.shade_step = make_slope(reg(FormatId::edge_shade_step), size_of(s.shade) + size_of(s.shade), s.dy);
   s.lanes = lanes_hold(dy) && lanes_hold(above) && lanes_hold(size_of(b)) &&
             (size_of(b) * above).bits <= 126 && s.h_step.lanes && s.f_diff.lanes && s.f_step.lanes &&
-            s.shade_step.lanes && (s.walk == EdgeWalk::exact || s.x_step.lanes);
-  if (config.edge_slope == SlopeForm::reciprocal) {
-    s.divides_per_edge = 1;
-  } else {
-    s.divides_per_edge = config.edge_walk == EdgeWalk::dda ? 8 : 7;
-  }
+            s.shade_step.lanes && (!s.has_x_step || s.x_step.lanes);
+  const int slopes = s.has_x_step ? 8 : 7;
+  s.divides_per_edge = shares_reciprocal(config.edge_slope) ? 1 : slopes;
   return s;
 }
 

@@ -20,8 +20,8 @@ struct SetupStage {
   int h_scale = 0;
   bool narrow_h = false, narrow_area = false;  // in 64 bits
   DepthSum depth;                              // h + B
-  Perspective perspective = Perspective::delta_f;
-  EdgeWalk walk = EdgeWalk::exact;
+  bool linear_edges = false;                   // u and v are interpolated, not u (h + B) and v (h + B)
+  bool has_x_step = false;
   Register coordinate, s, h, uv, shade;
   LengthForm dy;  // R_edge
   Slope x_step, h_step, f_step, shade_step;

@@ -1,5 +1,6 @@
 // The span stage's arithmetic, one text for a fragment and for lanes of them. Int: what intermediates are
 // held in (std::int64_t, int128, Lanes, WideLanes); registers hold ValueOf<Int>.
+#include "config/modes.hpp"
 #include "model/numeric/reciprocal-inl.hpp"
 #include "model/stages/span.hpp"
 
@@ -56,32 +57,38 @@ HWY_INLINE TexturePoint<ValueOf<Int>> texture_point(const SpanFormats& f, DepthS
                                                     ValueOf<Int> v1, bool aligned, Watch watch) {
   using Value = ValueOf<Int>;
   const Value none(0);
-  if (f.perspective == Perspective::delta_f) {
-    const DepthSum<Int> q = (DepthSum<Int>(h) << f.h_up) + b;
-    const auto inverse = reciprocal(f.reciprocal, table, q, f.q_fraction, watch);
-    // Of f m 2^-e, and of the sum with u1.
-    const Value product = inverse.e + Value(f.f.acc.fraction + f.reciprocal.output.fraction);
-    const Value common = aligned ? product : max(product, Value(f.u1_fraction));
-    const auto coordinate = [&](Value base, Value numerator) HWY_ATTR {
-      if (aligned) {
-        const Int sum = (Int(base) << (common - Value(f.u1_fraction))) + times<Int>(numerator, inverse.m);
-        return quantize_down(sum, common, f.uv, watch);
-      }
-      const Int sum = (Int(base) << (common - Value(f.u1_fraction))) +
-                      shifted_up(times<Int>(numerator, inverse.m), common - product);
-      return quantize(sum, common, f.uv, watch);
-    };
-    const Value u = coordinate(u1, fu);
-    return {u, coordinate(v1, fv), inverse.m, inverse.e};
+  switch (f.perspective) {
+    case Perspective::delta_f: {
+      const DepthSum<Int> q = (DepthSum<Int>(h) << f.h_up) + b;
+      const auto inverse = reciprocal(f.reciprocal, table, q, f.q_fraction, watch);
+      // Fractions of f m 2^-e, and of the sum with u1.
+      const Value product = inverse.e + Value(f.f.acc.fraction + f.reciprocal.output.fraction);
+      const Value common = aligned ? product : max(product, Value(f.u1_fraction));
+      const auto coordinate = [&](Value base, Value numerator) HWY_ATTR {
+        if (aligned) {
+          const Int sum = (Int(base) << (common - Value(f.u1_fraction))) + times<Int>(numerator, inverse.m);
+          return quantize_down(sum, common, f.uv, watch);
+        }
+        const Int sum = (Int(base) << (common - Value(f.u1_fraction))) +
+                        shifted_up(times<Int>(numerator, inverse.m), common - product);
+        return quantize(sum, common, f.uv, watch);
+      };
+      const Value u = coordinate(u1, fu);
+      return {u, coordinate(v1, fv), inverse.m, inverse.e};
+    }
+    case Perspective::hyperbolic: {
+      const DepthSum<Int> q = at_least_one((DepthSum<Int>(h) << f.h_up) + b);
+      const int scale = f.q_fraction - f.f.acc.fraction;
+      const Value u = quantize_ratio(fu, q, scale, f.uv, watch);
+      return {u, quantize_ratio(fv, q, scale, f.uv, watch), none, none};
+    }
+    case Perspective::affine:
+    case Perspective::const_depth_rows: {
+      const Value u = quantize(fu, f.f.acc.fraction, f.uv, watch);
+      return {u, quantize(fv, f.f.acc.fraction, f.uv, watch), none, none};
+    }
   }
-  if (f.perspective == Perspective::hyperbolic) {
-    const DepthSum<Int> q = at_least_one((DepthSum<Int>(h) << f.h_up) + b);
-    const int scale = f.q_fraction - f.f.acc.fraction;
-    const Value u = quantize_ratio(fu, q, scale, f.uv, watch);
-    return {u, quantize_ratio(fv, q, scale, f.uv, watch), none, none};
-  }
-  const Value u = quantize(fu, f.f.acc.fraction, f.uv, watch);
-  return {u, quantize(fv, f.f.acc.fraction, f.uv, watch), none, none};
+  unreachable();
 }
 
 }  // namespace bitspan::model::HWY_NAMESPACE

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "config/modes.hpp"
 #include "model/channels.hpp"
 #include "model/numeric/extent.hpp"
 #include "model/stages/span-inl.hpp"
@@ -77,8 +78,7 @@ Exponents exponents_of(const Config& config, const InverseDepth& q) {
 // reciprocal can deliver.
 bool all_fit(const Config& config, const SpanStage& s) {
   const auto of = [&](FormatId id) { return extent(config.format(id)); };
-  const bool linear =
-      config.perspective == Perspective::affine || config.perspective == Perspective::const_depth_rows;
+  const bool linear = has_linear_texture(config.perspective);
   const auto fits_on = [](Extent a, Extent grid) {
     return fits_int64({a.integer, std::max(a.fraction, grid.fraction + 1)});
   };
@@ -91,7 +91,7 @@ bool all_fit(const Config& config, const SpanStage& s) {
   bool fit = fits_on(sum(h, of(FormatId::span_h_step)), h) && fits_on(sum(f, f_step), f) &&
              fits_on(sum(shade, of(FormatId::span_shade_step)), of(FormatId::span_shade)) && fits_int64(q) &&
              fits_on(f, uv);
-  if (config.perspective == Perspective::delta_f) {
+  if (has_pixel_reciprocal(config.perspective)) {
     const Extent u1 = of(FormatId::edge_uv);
     const Extent change = product(f, extent(config.pixel_reciprocal.output));
     const Exponents e = exponents_of(config, s.q);
@@ -115,11 +115,9 @@ SpanStage prepare_span(const Config& config, const Constants& constants) {
   s.formats = span_formats(config);
   s.q = make_inverse_depth(config, constants);
   s.reciprocal = ReciprocalUnit(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
-  if (config.perspective == Perspective::delta_f) {
-    s.divides_per_fragment = 1;
-  } else if (config.perspective == Perspective::hyperbolic) {
-    s.divides_per_fragment = 2;
-  }
+  s.divides_per_fragment = has_pixel_reciprocal(config.perspective)  ? 1
+                           : has_pixel_quotients(config.perspective) ? 2
+                                                                     : 0;
   s.narrow = all_fit(config, s);
   const SpanFormats& f = s.formats;
   const Exponents e = exponents_of(config, s.q);
@@ -128,7 +126,7 @@ SpanStage prepare_span(const Config& config, const Constants& constants) {
   const int growth = std::max(0, f.uv.fraction + 1 - std::max(product + e.lowest, f.u1_fraction));
   s.product_growth = f.reciprocal.output.word + std::max(0, f.u1_fraction - product - e.lowest) + growth;
   s.base_growth = finest - f.u1_fraction + growth;
-  s.aligned = config.perspective == Perspective::delta_f &&
+  s.aligned = has_pixel_reciprocal(config.perspective) &&
               product + e.lowest >= std::max(f.u1_fraction, f.uv.fraction + 1) &&
               product + e.highest <= f.uv.fraction + 62;
   return s;

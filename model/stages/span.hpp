@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "config/config.hpp"
+#include "config/modes.hpp"
 #include "engine/records.hpp"
 #include "model/numeric/adder.hpp"
 #include "model/numeric/reciprocal.hpp"
@@ -31,8 +32,7 @@ struct SpanFormats {
   Register uv, shade;
 };
 constexpr SpanFormats span_formats(const Config& config) {
-  const bool linear =
-      config.perspective == Perspective::affine || config.perspective == Perspective::const_depth_rows;
+  const bool linear = has_linear_texture(config.perspective);
   const auto adder = [&](FormatId acc, FormatId step) {
     return make_adder(make_register(config, acc), make_register(config, step));
   };

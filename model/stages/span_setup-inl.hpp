@@ -1,5 +1,6 @@
 // span_setup's arithmetic for horizontal rows, one text for a row and for lanes of them. Value: what
 // registers hold, std::int64_t or Lanes.
+#include "config/modes.hpp"
 #include "model/numeric/slope-inl.hpp"
 #include "model/stages/span_setup.hpp"
 
@@ -58,17 +59,23 @@ HWY_INLINE SpanStart<Value> start_span_at(const SpanSetupStage& stage, const Spa
     SpanTexture<Value> t;
     t.diff = t.base = none;
     Value from = none;  // of the accumulator at the left end
-    if (stage.perspective == Perspective::delta_f) {
-      t.diff = product<Value>(stage.f_diff, difference(right, left), depth_sum(stage.depth, r.h), watch);
-      t.base = left;
-      t.step = step_of(stage.f_step, t.diff);
-    } else if (stage.perspective == Perspective::hyperbolic) {
-      from = product<Value>(stage.f_diff, left, depth_sum(stage.depth, l.h), watch);
-      t.diff = product<Value>(stage.f_diff, right, depth_sum(stage.depth, r.h), watch);
-      t.step = step_of(stage.f_step, difference(t.diff, from));
-    } else {
-      from = left;
-      t.step = step_of(stage.f_step, difference(right, left));
+    switch (stage.perspective) {
+      case Perspective::delta_f:
+        t.diff = product<Value>(stage.f_diff, difference(right, left), depth_sum(stage.depth, r.h), watch);
+        t.base = left;
+        t.step = step_of(stage.f_step, t.diff);
+        break;
+      case Perspective::hyperbolic:
+        from = product<Value>(stage.f_diff, left, depth_sum(stage.depth, l.h), watch);
+        t.diff = product<Value>(stage.f_diff, right, depth_sum(stage.depth, r.h), watch);
+        t.step = step_of(stage.f_step, difference(t.diff, from));
+        break;
+      case Perspective::affine:
+        from = left;
+        t.step = step_of(stage.f_step, difference(right, left));
+        break;
+      case Perspective::const_depth_rows:  // has no horizontal rows
+        unreachable();
     }
     t.start = line_at(stage.f_start, from, t.step, p, watch);
     return t;

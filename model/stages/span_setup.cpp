@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "config/modes.hpp"
 #include "model/channels.hpp"
 #include "model/stages/edge_walk.hpp"
 #include "model/stages/span_setup-inl.hpp"
@@ -11,8 +12,7 @@ namespace bitspan::model {
 SpanSetupStage prepare_span_setup(const Config& config, const Constants& constants) {
   SpanSetupStage s;
   const auto reg = [&](FormatId id) { return make_register(config, id); };
-  const bool linear =
-      config.perspective == Perspective::affine || config.perspective == Perspective::const_depth_rows;
+  const bool linear = has_linear_texture(config.perspective);
   s.perspective = config.perspective;
   s.form = config.row_slope;
   s.b = b_of(config, constants.record);
@@ -39,7 +39,7 @@ SpanSetupStage prepare_span_setup(const Config& config, const Constants& constan
   s.depth = make_depth_sum(h, s.b, config.pixel_reciprocal);
   s.h_step = make_slope(reg(FormatId::span_h_step), size_of(h) + size_of(h), s.length);
   s.h_start = make_line(reg(FormatId::span_h), &h, s.h_step.r, p, h_offset);
-  const bool hyperbolic = config.perspective == Perspective::hyperbolic;
+  const bool hyperbolic = has_pixel_quotients(config.perspective);
   const Size uv_difference = size_of(uv) + size_of(uv);
   s.f_diff = make_product(reg(FormatId::span_f_diff), hyperbolic ? size_of(uv) : uv_difference, s.depth.size);
   const Register& diff = s.f_diff.r;

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "config/config.hpp"
+#include "config/modes.hpp"
 #include "engine/records.hpp"
 #include "model/numeric/slope.hpp"
 #include "model/stages/constants.hpp"
@@ -33,7 +34,7 @@ struct SpanSetupStage {
 SpanSetupStage prepare_span_setup(const Config& config, const Constants& constants);
 
 // Divides of a row that has a length: one reciprocal, or one a slope.
-constexpr int divides_of(const SpanSetupStage& stage) { return stage.form == SlopeForm::reciprocal ? 1 : 7; }
+constexpr int divides_of(const SpanSetupStage& stage) { return shares_reciprocal(stage.form) ? 1 : 7; }
 
 // Both return the divides it took (for divides_row).
 // All modes but const_depth_rows.

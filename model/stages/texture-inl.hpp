@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 
+#include "config/modes.hpp"
 #include "model/numeric/quantize-inl.hpp"
 #include "model/stages/texture.hpp"
 
@@ -68,14 +69,18 @@ HWY_INLINE Truth<V> is_reserved(const TextureStage& stage, V word) {
 }
 
 inline std::int64_t wrapped(std::int64_t i, std::int64_t size, TextureWrap wrap) {
-  if (wrap == TextureWrap::clamp) {
-    return std::clamp<std::int64_t>(i, 0, size - 1);
+  switch (wrap) {
+    case TextureWrap::clamp:
+      return std::clamp<std::int64_t>(i, 0, size - 1);
+    case TextureWrap::cyclic: {
+      if (static_cast<std::uint64_t>(i) < static_cast<std::uint64_t>(size)) {
+        return i;
+      }
+      const std::int64_t rest = i % size;
+      return rest < 0 ? rest + size : rest;
+    }
   }
-  if (static_cast<std::uint64_t>(i) < static_cast<std::uint64_t>(size)) {
-    return i;
-  }
-  const std::int64_t rest = i % size;
-  return rest < 0 ? rest + size : rest;
+  unreachable();
 }
 
 // A texture, or none, for one integer.
@@ -129,9 +134,9 @@ HWY_INLINE Textured<ValueOf<Int>> textured(const TextureStage& stage, const Imag
   } else {
     const int fraction = stage.uv.fraction;
     const bool reserved = stage.transparent && image.may_be_reserved();
-    const bool bilinear = image.filter(stage) == TextureFilter::bilinear;
+    const TextureFilter filter = image.filter(stage);
     V nearest_word(0);
-    if (!bilinear || reserved) {
+    if (!weighs_texels(filter) || reserved) {
       const auto floor = [fraction](V x) HWY_ATTR {
         return as_value<Int>(fraction >= 0 ? Int(x) >> fraction : Int(x) << -fraction);
       };
@@ -142,42 +147,46 @@ HWY_INLINE Textured<ValueOf<Int>> textured(const TextureStage& stage, const Imag
         out.killed = is_reserved(stage, nearest_word);
       }
     }
-    if (!bilinear) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        out.texel[c] = quantize_code(code_of(nearest_word, c), stage.mix, watch);
-      }
-      out.texel[3] = image.alpha(stage, nearest_word, watch);
-    } else {
-      // u - 1/2 on a grid that has the half.
-      const int grid = fraction > 1 ? fraction : 1;
-      const Int half = Int(1) << (grid - 1);
-      const Int u_low = (Int(u) << (grid - fraction)) - half;
-      const Int v_low = (Int(v) << (grid - fraction)) - half;
-      const Int below = (Int(1) << grid) - Int(1);
-      out.ex = quantize(u_low & below, grid, stage.frac, watch);
-      out.ey = quantize(v_low & below, grid, stage.frac, watch);
-      out.i = as_value<Int>(u_low >> grid);
-      out.j = as_value<Int>(v_low >> grid);
-      Quad<V> quad = image.quad(out.i, out.j);
-      if (reserved) {
-        for (V* word : {&quad.v1, &quad.v4, &quad.v2, &quad.v3}) {
-          *word = select(is_reserved(stage, *word), nearest_word, *word);
+    switch (filter) {
+      case TextureFilter::nearest:
+        for (std::size_t c = 0; c < 3; ++c) {
+          out.texel[c] = quantize_code(code_of(nearest_word, c), stage.mix, watch);
         }
+        out.texel[3] = image.alpha(stage, nearest_word, watch);
+        break;
+      case TextureFilter::bilinear: {
+        // u - 1/2 on a grid that has the half.
+        const int grid = fraction > 1 ? fraction : 1;
+        const Int half = Int(1) << (grid - 1);
+        const Int u_low = (Int(u) << (grid - fraction)) - half;
+        const Int v_low = (Int(v) << (grid - fraction)) - half;
+        const Int below = (Int(1) << grid) - Int(1);
+        out.ex = quantize(u_low & below, grid, stage.frac, watch);
+        out.ey = quantize(v_low & below, grid, stage.frac, watch);
+        out.i = as_value<Int>(u_low >> grid);
+        out.j = as_value<Int>(v_low >> grid);
+        Quad<V> quad = image.quad(out.i, out.j);
+        if (reserved) {
+          for (V* word : {&quad.v1, &quad.v4, &quad.v2, &quad.v3}) {
+            *word = select(is_reserved(stage, *word), nearest_word, *word);
+          }
+        }
+        // texture.frac has no integer bits: its fraction is its word, at least 1.
+        const int e_fraction = stage.frac.fraction;
+        const auto mixed = [&](V v1, V v4, V v2, V v3, int f, const Register& r) HWY_ATTR {
+          const V v5 = blend<Int>(v1, v4, out.ex, e_fraction, f, r, watch);
+          const V v6 = blend<Int>(v2, v3, out.ex, e_fraction, f, r, watch);
+          return blend<Int>(v5, v6, out.ey, e_fraction, r.fraction, r, watch);
+        };
+        for (std::size_t c = 0; c < 3; ++c) {
+          out.texel[c] = mixed(code_of(quad.v1, c), code_of(quad.v4, c), code_of(quad.v2, c),
+                               code_of(quad.v3, c), 0, stage.mix);
+        }
+        out.texel[3] = mixed(image.alpha(stage, quad.v1, watch), image.alpha(stage, quad.v4, watch),
+                             image.alpha(stage, quad.v2, watch), image.alpha(stage, quad.v3, watch),
+                             stage.alpha.fraction, stage.alpha);
+        break;
       }
-      // texture.frac has no integer bits: its fraction is its word, at least 1.
-      const int e_fraction = stage.frac.fraction;
-      const auto mixed = [&](V v1, V v4, V v2, V v3, int f, const Register& r) HWY_ATTR {
-        const V v5 = blend<Int>(v1, v4, out.ex, e_fraction, f, r, watch);
-        const V v6 = blend<Int>(v2, v3, out.ex, e_fraction, f, r, watch);
-        return blend<Int>(v5, v6, out.ey, e_fraction, r.fraction, r, watch);
-      };
-      for (std::size_t c = 0; c < 3; ++c) {
-        out.texel[c] = mixed(code_of(quad.v1, c), code_of(quad.v4, c), code_of(quad.v2, c),
-                             code_of(quad.v3, c), 0, stage.mix);
-      }
-      out.texel[3] = mixed(image.alpha(stage, quad.v1, watch), image.alpha(stage, quad.v4, watch),
-                           image.alpha(stage, quad.v2, watch), image.alpha(stage, quad.v3, watch),
-                           stage.alpha.fraction, stage.alpha);
     }
   }
   for (std::size_t c = 0; c < 4; ++c) {

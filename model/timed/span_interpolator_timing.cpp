@@ -1,5 +1,6 @@
 #include "model/timed/span_interpolator_timing.hpp"
 
+#include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 
 namespace bitspan {
@@ -13,9 +14,9 @@ InterpolatorLatency interpolator_latency(const Config& config) {
   InterpolatorLatency latency;
   latency.span_setup = rtl.span_setup;
   latency.pipelined = rtl.row_unit_pipelined;
-  latency.span = config.perspective == Perspective::affine ? 1 : rtl.span;
+  latency.span = has_linear_edges(config.perspective) ? 1 : rtl.span;
   const bool pixel_divides =
-      config.perspective == Perspective::delta_f || config.perspective == Perspective::hyperbolic;
+      has_pixel_reciprocal(config.perspective) || has_pixel_quotients(config.perspective);
   const bool waits_for_pixel_unit = pixel_divides && !config.pixel_reciprocal.pipelined;
   if (waits_for_pixel_unit) latency.pixel_interval = rtl.pixel_unit;
   latency.exact = has_rtl(config) && !waits_for_pixel_unit;

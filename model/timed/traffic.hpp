@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "config/modes.hpp"
 #include "model/numeric/exact.hpp"
 #include "model/timed/cache.hpp"
 #include "model/timed/memory.hpp"
@@ -54,14 +55,14 @@ class TextureTraffic {
   bool misses(const Image& image, std::int64_t i, std::int64_t j) {
     return !cache_.access(image.base + static_cast<std::uint64_t>(j * image.across.size + i) * color_bytes);
   }
-  // floor(raw 2^-fraction - 1/2) where bilinear, else floor(raw 2^-fraction)
+  // floor(raw 2^-fraction - 1/2) where the filter weighs texels, else floor(raw 2^-fraction)
   std::int64_t texel(std::int64_t raw) const {
     if (shift_ >= 0) return (raw - half_) >> shift_;
     return static_cast<std::int64_t>(
-        model::floor_of(model::Exact{raw, fraction_} - model::Exact{bilinear_ ? 1 : 0, 1}));
+        model::floor_of(model::Exact{raw, fraction_} - model::Exact{weighs_texels(filter_) ? 1 : 0, 1}));
   }
 
-  bool bilinear_;
+  TextureFilter filter_;
   int fraction_;
   int shift_ = -1;  // fraction_, where 64 bits are enough
   std::int64_t half_ = 0;

@@ -1,0 +1,294 @@
+// What the modes of a configuration imply. Every function is an exhaustive switch: a new enumerator does not
+// compile (-Wswitch) until each of them has decided. Nothing else compares a mode with an enumerator
+// (tests/config/modes_test.cpp): it asks one of these, or is an exhaustive switch of its own.
+#pragma once
+
+#include <cstdint>
+
+#include "config/config.hpp"
+
+namespace bitspan {
+
+// Stands after an exhaustive switch whose cases all return.
+[[noreturn]] constexpr void unreachable() { __builtin_unreachable(); }
+
+// ---------------------------------------------------------------- raster
+
+// A pixel centre on any edge is covered; elsewhere only on a left or a top edge.
+constexpr bool owns_every_edge(FillRule rule) {
+  switch (rule) {
+    case FillRule::top_left:
+      return false;
+    case FillRule::inclusive:
+      return true;
+  }
+  unreachable();
+}
+
+// How x of an edge is formed on a row.
+enum class EdgeX : std::uint8_t {
+  quotient,   // exactly, as a quotient per row
+  summed,     // the step x_step is added to x of the row before
+  multiplied  // the step x_step is multiplied by the distance from the edge's start
+};
+// Whether the rows of an edge add up its steps.
+constexpr bool sums_x_steps(DdaUpdate update) {
+  switch (update) {
+    case DdaUpdate::accumulate:
+      return true;
+    case DdaUpdate::multiply:
+      return false;
+  }
+  unreachable();
+}
+constexpr EdgeX edge_x_of(const Config& config) {
+  switch (config.edge_walk) {
+    case EdgeWalk::exact:
+      return EdgeX::quotient;
+    case EdgeWalk::dda:
+      return sums_x_steps(config.dda_update) ? EdgeX::summed : EdgeX::multiplied;
+  }
+  unreachable();
+}
+
+// An edge has the register edge.x_step, and with it edge.x_acc.
+constexpr bool has_x_step(EdgeX x) {
+  switch (x) {
+    case EdgeX::quotient:
+      return false;
+    case EdgeX::summed:
+    case EdgeX::multiplied:
+      return true;
+  }
+  unreachable();
+}
+constexpr bool has_x_step(const Config& config) { return has_x_step(edge_x_of(config)); }
+
+// ---------------------------------------------------------------- perspective
+
+// Triangles are walked along rows of constant depth; elsewhere along horizontal rows between two edges.
+constexpr bool has_plane_rows(Perspective p) {
+  switch (p) {
+    case Perspective::const_depth_rows:
+      return true;
+    case Perspective::delta_f:
+    case Perspective::hyperbolic:
+    case Perspective::affine:
+      return false;
+  }
+  unreachable();
+}
+
+// u and v themselves are interpolated along a row, so that a pixel takes no division.
+constexpr bool has_linear_texture(Perspective p) {
+  switch (p) {
+    case Perspective::affine:
+    case Perspective::const_depth_rows:
+      return true;
+    case Perspective::delta_f:
+    case Perspective::hyperbolic:
+      return false;
+  }
+  unreachable();
+}
+
+// u and v themselves are interpolated along an edge, so that a row's end takes no division.
+constexpr bool has_linear_edges(Perspective p) {
+  switch (p) {
+    case Perspective::affine:
+      return true;
+    case Perspective::delta_f:
+    case Perspective::const_depth_rows:
+    case Perspective::hyperbolic:
+      return false;
+  }
+  unreachable();
+}
+
+// u and v of a pixel are u1, v1 of its row plus a numerator f times R_pixel(h + B).
+constexpr bool has_pixel_reciprocal(Perspective p) {
+  switch (p) {
+    case Perspective::delta_f:
+      return true;
+    case Perspective::const_depth_rows:
+    case Perspective::hyperbolic:
+    case Perspective::affine:
+      return false;
+  }
+  unreachable();
+}
+
+// u and v of a pixel are two quotients: u q / q and v q / q.
+constexpr bool has_pixel_quotients(Perspective p) {
+  switch (p) {
+    case Perspective::hyperbolic:
+      return true;
+    case Perspective::delta_f:
+    case Perspective::const_depth_rows:
+    case Perspective::affine:
+      return false;
+  }
+  unreachable();
+}
+
+// Values of a plane row belong to the ideal line; elsewhere to the pixel's centre.
+constexpr bool is_on_ideal_line(Numerator n) {
+  switch (n) {
+    case Numerator::pixel_centre:
+      return false;
+    case Numerator::ideal_line:
+      return true;
+  }
+  unreachable();
+}
+
+// ---------------------------------------------------------------- divisions
+
+// Slopes over one length share its reciprocal; elsewhere each is a quotient.
+constexpr bool shares_reciprocal(SlopeForm form) {
+  switch (form) {
+    case SlopeForm::divide:
+      return false;
+    case SlopeForm::reciprocal:
+      return true;
+  }
+  unreachable();
+}
+
+// The unit has a table, and with it operand_bits, index_bits, table_bits and internal_bits.
+constexpr bool has_table(ReciprocalKind kind) {
+  switch (kind) {
+    case ReciprocalKind::restoring:
+      return false;
+    case ReciprocalKind::lut_linear:
+    case ReciprocalKind::lut_newton:
+      return true;
+  }
+  unreachable();
+}
+
+// A table's entry is followed by Newton steps.
+constexpr bool has_newton_steps(ReciprocalKind kind) {
+  switch (kind) {
+    case ReciprocalKind::lut_newton:
+      return true;
+    case ReciprocalKind::restoring:
+    case ReciprocalKind::lut_linear:
+      return false;
+  }
+  unreachable();
+}
+
+// Entries of a unit's table: one per segment, and one more where segments have an entry at both ends.
+constexpr std::int64_t table_entries(const Reciprocal& unit) {
+  const std::int64_t segments = std::int64_t{1} << unit.index_bits;
+  switch (unit.kind) {
+    case ReciprocalKind::restoring:
+      return 0;
+    case ReciprocalKind::lut_linear:
+      return segments + 1;
+    case ReciprocalKind::lut_newton:
+      return segments;
+  }
+  unreachable();
+}
+
+// ---------------------------------------------------------------- depth
+
+// A nearer point has the larger code.
+constexpr bool nearer_is_larger(DepthCode code) {
+  switch (code) {
+    case DepthCode::inverse:
+      return true;
+    case DepthCode::linear:
+    case DepthCode::opengl:
+      return false;
+  }
+  unreachable();
+}
+
+// The code is linear in the distance, which R_pixel forms of h + B.
+constexpr bool is_linear_in_distance(DepthCode code) {
+  switch (code) {
+    case DepthCode::linear:
+      return true;
+    case DepthCode::inverse:
+    case DepthCode::opengl:
+      return false;
+  }
+  unreachable();
+}
+
+// The code is the largest one minus h.
+constexpr bool is_complement_of_h(DepthCode code) {
+  switch (code) {
+    case DepthCode::opengl:
+      return true;
+    case DepthCode::inverse:
+    case DepthCode::linear:
+      return false;
+  }
+  unreachable();
+}
+
+// ---------------------------------------------------------------- texture and fog
+
+// A texel is weighed with its neighbours by texture.frac.
+constexpr bool weighs_texels(TextureFilter filter) {
+  switch (filter) {
+    case TextureFilter::nearest:
+      return false;
+    case TextureFilter::bilinear:
+      return true;
+  }
+  unreachable();
+}
+
+// Texels outside of the texture are those of its border; elsewhere the texture repeats.
+constexpr bool clamps_to_border(TextureWrap wrap) {
+  switch (wrap) {
+    case TextureWrap::cyclic:
+      return false;
+    case TextureWrap::clamp:
+      return true;
+  }
+  unreachable();
+}
+
+// Colours are mixed with the fog's.
+constexpr bool has_fog(FogMode mode) {
+  switch (mode) {
+    case FogMode::none:
+      return false;
+    case FogMode::linear:
+    case FogMode::table:
+      return true;
+  }
+  unreachable();
+}
+
+// The fog's factor is read from a table by depth and zone.
+constexpr bool has_fog_table(FogMode mode) {
+  switch (mode) {
+    case FogMode::table:
+      return true;
+    case FogMode::none:
+    case FogMode::linear:
+      return false;
+  }
+  unreachable();
+}
+
+// The fog's factor is linear in the distance, which R_pixel forms of h + B.
+constexpr bool is_linear_in_distance(FogMode mode) {
+  switch (mode) {
+    case FogMode::linear:
+      return true;
+    case FogMode::none:
+    case FogMode::table:
+      return false;
+  }
+  unreachable();
+}
+
+}  // namespace bitspan

@@ -1,0 +1,436 @@
+#include "tests/frozen/cases.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "engine/range.hpp"
+#include "golden/precision.hpp"
+#include "model/engine_model.hpp"
+#include "report/random_config.hpp"
+#include "scene/demo.hpp"
+#include "scene/mesh.hpp"
+#include "scene/random.hpp"
+#include "tests/support/test_config.hpp"
+
+namespace bitspan::frozen {
+namespace {
+
+using Change = std::function<void(Config&)>;
+
+// Collects legal variants of depth16.
+class Variants {
+ public:
+  void add(const std::string& name, const Change& change) {
+    Config config = base_;
+    change(config);
+    config.name = name;
+    check_config(config, name);
+    list_.push_back(std::move(config));
+  }
+  std::vector<Config> take() { return std::move(list_); }
+
+ private:
+  Config base_ = shipped_config("depth16");
+  std::vector<Config> list_;
+};
+
+template <class T>
+std::string text(T value) {
+  return std::string(to_string(value));
+}
+
+constexpr std::array fill_rules{FillRule::top_left, FillRule::inclusive};
+constexpr std::array numerators{Numerator::pixel_centre, Numerator::ideal_line};
+constexpr std::array slope_forms{SlopeForm::divide, SlopeForm::reciprocal};
+constexpr std::array reciprocal_kinds{ReciprocalKind::restoring, ReciprocalKind::lut_linear,
+                                      ReciprocalKind::lut_newton};
+constexpr std::array depth_codes{DepthCode::inverse, DepthCode::linear, DepthCode::opengl};
+
+struct Walk {
+  EdgeWalk edge_walk;
+  DdaUpdate dda_update;
+};
+constexpr std::array walks{Walk{EdgeWalk::exact, DdaUpdate::accumulate},
+                           Walk{EdgeWalk::dda, DdaUpdate::accumulate},
+                           Walk{EdgeWalk::dda, DdaUpdate::multiply}};
+
+void set_kind(Reciprocal& unit, ReciprocalKind kind) {
+  unit.kind = kind;
+  unit.operand_bits = 22;
+  unit.index_bits = kind == ReciprocalKind::lut_linear ? 9 : 7;
+  unit.table_bits = 20;
+  unit.internal_bits = 26;
+  unit.steps = kind == ReciprocalKind::lut_newton ? 2 : 0;
+}
+
+void set_fixed_point(Reciprocal& unit, int integer_bits) {
+  unit.normalize = false;
+  unit.output.integer = integer_bits;
+  unit.output.word = integer_bits + 27;
+  unit.output.overflow_expected = true;
+}
+
+// Adds variants of one reciprocal unit; `use` makes the configuration use the unit. integer_bits hold the
+// largest value that it delivers where it is not normalised.
+class UnitVariants {
+ public:
+  UnitVariants(std::string name, Reciprocal Config::*unit, int integer_bits, Change use)
+      : name_(std::move(name)), unit_(unit), integer_bits_(integer_bits), use_(std::move(use)) {}
+
+  void add_kinds(Variants& to) const {
+    for (const ReciprocalKind kind : reciprocal_kinds) {
+      add(to, text(kind) + " normalised", kind, [](Reciprocal&) {});
+      add(to, text(kind) + " fixed point", kind, [&](Reciprocal& r) { set_fixed_point(r, integer_bits_); });
+    }
+    for (const int steps : {0, 1, 3}) {
+      add(to, "lut_newton steps " + std::to_string(steps), ReciprocalKind::lut_newton,
+          [&](Reciprocal& r) { r.steps = steps; });
+    }
+  }
+  void add_bits_per_cycle(Variants& to) const {
+    for (const int bits : {3, 8}) {
+      add(to, "restoring bits_per_cycle " + std::to_string(bits), ReciprocalKind::restoring,
+          [&](Reciprocal& r) { r.bits_per_cycle = bits; });
+    }
+  }
+  void add_pipelined(Variants& to) const {
+    for (const ReciprocalKind kind : reciprocal_kinds)
+      add(to, text(kind) + " pipelined", kind, [](Reciprocal& r) { r.pipelined = true; });
+  }
+
+ private:
+  void add(Variants& to, const std::string& what, ReciprocalKind kind,
+           const std::function<void(Reciprocal&)>& change) const {
+    to.add(name_ + ", " + what, [&](Config& c) {
+      use_(c);
+      set_kind(c.*unit_, kind);
+      change(c.*unit_);
+    });
+  }
+
+  std::string name_;
+  Reciprocal Config::*unit_;
+  int integer_bits_;
+  Change use_;
+};
+
+}  // namespace
+
+std::vector<Config> coverage_variants() {
+  Variants variants;
+  for (const Perspective perspective : all_perspectives) {
+    for (const Numerator numerator : numerators) {
+      if (perspective != Perspective::const_depth_rows && numerator != Numerator::pixel_centre) continue;
+      for (const FillRule fill_rule : fill_rules) {
+        for (const Walk& walk : walks) {
+          if (perspective == Perspective::const_depth_rows && walk.edge_walk != EdgeWalk::exact) continue;
+          variants.add(text(perspective) + " " + text(numerator) + " " + text(fill_rule) + " " +
+                           text(walk.edge_walk) + " " + text(walk.dda_update),
+                       [&](Config& c) {
+                         c.perspective = perspective;
+                         c.numerator = numerator;
+                         c.fill_rule = fill_rule;
+                         c.edge_walk = walk.edge_walk;
+                         c.dda_update = walk.dda_update;
+                       });
+        }
+      }
+    }
+  }
+  for (const int bits : {0, 1, 8, 12}) {
+    variants.add("subpixel_bits " + std::to_string(bits), [&](Config& c) { c.subpixel_bits = bits; });
+  }
+  for (const Perspective perspective : all_perspectives) {
+    for (const bool half_ulp : {false, true}) {
+      variants.add(text(perspective) + " dda, start offsets " + (half_ulp ? "half_ulp" : "0"),
+                   [&](Config& c) {
+                     c.perspective = perspective;
+                     c.edge_walk = EdgeWalk::dda;
+                     const StartOffset offset{half_ulp, 0.0};
+                     c.start_offset = {offset, offset, offset, offset, offset, offset, offset};
+                   });
+    }
+  }
+  return variants.take();
+}
+
+std::vector<Config> slope_variants() {
+  Variants variants;
+  for (const Perspective perspective : all_perspectives) {
+    for (const SlopeForm edge : slope_forms) {
+      for (const SlopeForm row : slope_forms) {
+        const bool has_slopes = perspective != Perspective::const_depth_rows;
+        if (!has_slopes && (edge != SlopeForm::divide || row != SlopeForm::divide)) continue;
+        variants.add(text(perspective) + ", edge " + text(edge) + ", row " + text(row), [&](Config& c) {
+          c.perspective = perspective;
+          c.edge_slope = edge;
+          c.row_slope = row;
+        });
+      }
+    }
+  }
+  return variants.take();
+}
+
+std::vector<Config> edge_reciprocal_variants() {
+  Variants variants;
+  UnitVariants("edge unit", &Config::edge_reciprocal, 5, [](Config& c) {
+    c.edge_slope = SlopeForm::reciprocal;
+  }).add_kinds(variants);
+  return variants.take();
+}
+
+std::vector<Config> row_reciprocal_variants() {
+  Variants variants;
+  for (const Perspective perspective : {Perspective::delta_f, Perspective::const_depth_rows}) {
+    const UnitVariants unit("row unit in " + text(perspective), &Config::row_reciprocal, 13,
+                            [&](Config& c) { c.perspective = perspective; });
+    unit.add_kinds(variants);
+    unit.add_bits_per_cycle(variants);
+    unit.add_pipelined(variants);
+  }
+  return variants.take();
+}
+
+std::vector<Config> pixel_reciprocal_variants() {
+  Variants variants;
+  const UnitVariants unit("pixel unit", &Config::pixel_reciprocal, 2, [](Config&) {});
+  unit.add_kinds(variants);
+  unit.add_bits_per_cycle(variants);
+  const UnitVariants everywhere("pixel unit of spans, depth and fog", &Config::pixel_reciprocal, 2,
+                                [](Config& c) {
+                                  c.depth_code = DepthCode::linear;
+                                  c.fog = FogMode::linear;
+                                });
+  everywhere.add_kinds(variants);
+  return variants.take();
+}
+
+std::vector<Config> depth_variants() {
+  Variants variants;
+  for (const Perspective perspective : all_perspectives) {
+    for (const DepthCode code : depth_codes) {
+      variants.add(text(perspective) + ", depth code " + text(code), [&](Config& c) {
+        c.perspective = perspective;
+        c.depth_code = code;
+      });
+    }
+  }
+  for (const DepthCode code : {DepthCode::inverse, DepthCode::opengl}) {
+    for (int i = 0; i < rounding_modes; ++i) {
+      const auto rounding = static_cast<Rounding>(i);
+      variants.add("depth code " + text(code) + " " + text(rounding), [&](Config& c) {
+        c.depth_code = code;
+        c.depth_rounding = rounding;
+        c.format(FormatId::span_h) = {17, 16, false, Rounding::trn, Overflow::sat, true};  // ties are common
+      });
+    }
+  }
+  for (const DepthCode code : depth_codes) {
+    for (const Overflow overflow : {Overflow::wrap, Overflow::sat, Overflow::sat_zero, Overflow::sat_sym}) {
+      variants.add("depth code " + text(code) + " " + text(overflow), [&](Config& c) {
+        c.depth_code = code;
+        c.depth_overflow = overflow;
+        c.format(FormatId::span_h).word += 1;  // h passes hmax
+        c.format(FormatId::span_h).integer += 1;
+        c.start_offset.span_h = {false, 9000.0};
+      });
+    }
+  }
+  for (const int bits : {8, 12}) {
+    variants.add("depth bits " + std::to_string(bits), [&](Config& c) { c.depth_bits = bits; });
+  }
+  return variants.take();
+}
+
+std::vector<Config> shading_variants() {
+  Variants variants;
+  for (const TextureFilter filter : {TextureFilter::nearest, TextureFilter::bilinear}) {
+    for (const TextureWrap wrap : {TextureWrap::cyclic, TextureWrap::clamp}) {
+      for (const bool transparent : {false, true}) {
+        variants.add(text(filter) + " " + text(wrap) + (transparent ? " transparent" : " opaque"),
+                     [&](Config& c) {
+                       c.filter = filter;
+                       c.wrap = wrap;
+                       if (!transparent) c.transparent.reset();
+                     });
+      }
+    }
+  }
+  for (const FogMode fog : {FogMode::none, FogMode::linear, FogMode::table}) {
+    for (const DepthCode code : depth_codes) {
+      variants.add("fog " + text(fog) + ", depth code " + text(code), [&](Config& c) {
+        c.fog = fog;
+        c.depth_code = code;
+      });
+    }
+  }
+  for (const auto& [depth_bits, zone_bits] : {std::pair{1, 0}, {4, 8}, {12, 0}}) {
+    variants.add("fog table " + std::to_string(depth_bits) + "+" + std::to_string(zone_bits) + " bits",
+                 [&](Config& c) {
+                   c.fog_depth_bits = depth_bits;
+                   c.fog_zone_bits = zone_bits;
+                 });
+  }
+  return variants.take();
+}
+
+std::vector<Config> format_variants() {
+  Variants variants;
+  for (const Perspective perspective : {Perspective::delta_f, Perspective::const_depth_rows}) {
+    const std::string prefix = text(perspective) + ", all formats ";
+    for (int i = 0; i < rounding_modes; ++i) {
+      const auto rounding = static_cast<Rounding>(i);
+      variants.add(prefix + text(rounding), [&](Config& c) {
+        c.perspective = perspective;
+        for (Format& f : c.formats) f.rounding = rounding;
+      });
+    }
+    // A bit less than depth16 has, so that some values overflow.
+    for (int i = 0; i < overflow_modes; ++i) {
+      const auto overflow = static_cast<Overflow>(i);
+      variants.add(prefix + text(overflow), [&](Config& c) {
+        c.perspective = perspective;
+        for (const FormatId id : {FormatId::span_h, FormatId::span_f, FormatId::span_uv_acc,
+                                  FormatId::span_uv, FormatId::edge_f, FormatId::setup_uv}) {
+          c.format(id).word -= 8;
+          c.format(id).integer -= 8;
+        }
+        for (Format& f : c.formats) {
+          f.overflow = overflow == Overflow::wrap_sm && !f.is_signed ? Overflow::wrap : overflow;
+          f.overflow_expected = true;
+        }
+      });
+    }
+  }
+  return variants.take();
+}
+
+std::vector<Config> timing_variants() {
+  Variants variants;
+  for (int i = 0; i < stage_count; ++i) {
+    const auto stage = static_cast<Stage>(i);
+    if (stage == Stage::span_setup || stage == Stage::span) continue;
+    variants.add("slow " + text(stage), [&](Config& c) {
+      c.timing[static_cast<std::size_t>(i)] = {.latency = 30, .interval = 7, .fifo = 3};
+    });
+  }
+  variants.add("all FIFOs 1", [](Config& c) {
+    for (StageTiming& timing : c.timing) timing.fifo = 1;
+  });
+  variants.add("all FIFOs 1000", [](Config& c) {
+    for (StageTiming& timing : c.timing) timing.fifo = 1000;
+  });
+  variants.add("all stages fast", [](Config& c) { c.timing.fill({.latency = 1, .interval = 1, .fifo = 4}); });
+  variants.add("row unit pipelined", [](Config& c) { c.row_reciprocal.pipelined = true; });
+  variants.add("memory latency 200", [](Config& c) { c.memory.latency = 200; });
+  variants.add("memory latency 1", [](Config& c) { c.memory.latency = 1; });
+  variants.add("memory 1 byte wide", [](Config& c) { c.memory.width_bytes = 1; });
+  variants.add("memory 64 bytes wide", [](Config& c) { c.memory.width_bytes = 64; });
+  variants.add("cache lines of 16 bytes", [](Config& c) { c.memory.cache_line_bytes = 16; });
+  variants.add("cache of one set", [](Config& c) { c.memory.cache_sets = 1; });
+  variants.add("cache of 1024 sets of 4 ways", [](Config& c) {
+    c.memory.cache_sets = 1024;
+    c.memory.cache_ways = 4;
+  });
+  variants.add("bilinear, cache of 4 sets of 1 way", [](Config& c) {
+    c.filter = TextureFilter::bilinear;
+    c.memory.cache_sets = 4;
+    c.memory.cache_ways = 1;
+  });
+  for (const Perspective perspective : all_perspectives) {
+    variants.add(text(perspective) + ", fast memory", [&](Config& c) {
+      c.perspective = perspective;
+      c.memory = {.latency = 4, .width_bytes = 64};
+    });
+  }
+  return variants.take();
+}
+
+namespace {
+
+std::string random_config_path(int number) {
+  std::string digits = std::to_string(number);
+  digits.insert(0, 3 - digits.size(), '0');
+  return BITSPAN_SOURCE_DIR "/tests/frozen/configs/" + digits + ".toml";
+}
+
+}  // namespace
+
+Config random_config_file(int number) { return load_config(random_config_path(number)); }
+
+void draw_random_configs(int first, int last) {
+  const std::vector<Config> bases = shipped_configs();
+  RandomConfigOptions options;
+  options.check = [](const Config& config) { static_cast<void>(golden::choose_precision(config)); };
+  for (int number = first; number <= last; ++number) {
+    const Config config = random_config(static_cast<std::uint64_t>(number) + 1, bases, options);
+    std::ofstream file(random_config_path(number), std::ios::binary);
+    file << to_toml(config);
+    if (!file.flush()) throw std::runtime_error("cannot write " + random_config_path(number));
+  }
+}
+
+Scene spot_scene(int width, int height) {
+  const std::string folder = BITSPAN_SOURCE_DIR "/tests/data/";
+  MeshOptions options;
+  options.width = width;
+  options.height = height;
+  // No angles: sines need not have the same last bit on every machine.
+  options.camera.position = Vec3{1.5, 1.25, -2.5};
+  options.camera.target = Vec3{0, 0.125, 0.25};
+  options.camera.focal = 1.375 * height;
+  options.camera.s_min = 2;
+  options.camera.s_max = 5;
+  options.background = {30, 40, 60};
+  options.fog = Fog{{120, 130, 140}, 6};
+  ProjectReport report;
+  Scene scene = mesh_scene(read_mesh(folder + "spot.obj", folder + "spot.png"), options, report);
+  scene.name = "spot";
+  return scene;
+}
+
+Scene small_extreme_scene() {
+  constexpr std::size_t kept = 30;  // at either end of a scene
+  Scene all;
+  for (const Scene& scene : extreme_scenes()) {
+    if (scene.width > 1000) continue;
+    std::vector<Triangle> triangles = std::move(all.triangles);
+    for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+      if (i < kept || i + kept >= scene.triangles.size()) triangles.push_back(scene.triangles[i]);
+    }
+    all = scene;
+    all.triangles = std::move(triangles);
+  }
+  all.name = "extreme";
+  all.width = 96;
+  all.height = 72;
+  all.fog = Fog{{200, 180, 160}, 40};
+  return all;
+}
+
+Scene random_stream(const Config& config, int number) {
+  constexpr int draws = 8;
+  RandomOptions options{.width = 96, .height = 72, .triangles = 40, .size_max = 120};
+  for (int i = 0; i < draws; ++i) {
+    Scene scene = random_scene(static_cast<std::uint64_t>(number), options);
+    try {
+      check_scene_range(config, scene);
+      make_model(config)->begin(scene);
+      scene.name = "stream";
+      return scene;
+    } catch (const InputError&) {
+      options.depth_ratio_max = 1.5 + (options.depth_ratio_max - 1.5) / 4;
+      options.uv_limit /= 2;
+    }
+  }
+  throw std::runtime_error(config.name + " takes none of its random streams");
+}
+
+}  // namespace bitspan::frozen

@@ -1,0 +1,35 @@
+// The configurations and scenes whose results are frozen.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "config/config.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan::frozen {
+
+// Variants of depth16, each named after what it changes.
+std::vector<Config> coverage_variants();  // perspective, numerator, fill rule, edge walk, start offsets
+std::vector<Config> slope_variants();     // slope forms
+std::vector<Config> edge_reciprocal_variants();  // kinds and shapes of the units
+std::vector<Config> row_reciprocal_variants();
+std::vector<Config> pixel_reciprocal_variants();
+std::vector<Config> depth_variants();    // codes, widths, rounding and overflow of the depth buffer
+std::vector<Config> shading_variants();  // texture and fog
+std::vector<Config> format_variants();   // rounding and overflow of every format
+std::vector<Config> timing_variants();   // latencies, intervals, FIFOs and memory: clocks only
+
+// Reads configs/NNN.toml.
+Config random_config_file(int number);
+// Draws the files of these numbers anew, from the shipped configurations by seed NNN + 1.
+void draw_random_configs(int first, int last);
+
+// Spot, seen from the side in fog.
+Scene spot_scene(int width, int height);
+// Triangles of all extreme scenes but the widest, in one small picture.
+Scene small_extreme_scene();
+// A random stream that the configuration takes. Where it refuses the first, narrower ranges follow.
+Scene random_stream(const Config& config, int number);
+
+}  // namespace bitspan::frozen

@@ -1,0 +1,131 @@
+// Computes what the program makes of many configurations and scenes, and compares it with digests/.
+//
+// Where results are meant to change, write the digests anew, and look at what changed before it is committed:
+//
+//   BITSPAN_FREEZE=1 build/release/tests/frozen/frozen_test && git diff --stat tests/frozen/digests
+//
+// With --gtest_filter only the files of those tests are written. BITSPAN_FREEZE=configs also draws the random
+// configurations in configs/ anew.
+#include <gtest/gtest.h>
+
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "engine/records.hpp"
+#include "scene/demo.hpp"
+#include "tests/frozen/cases.hpp"
+#include "tests/frozen/digest_file.hpp"
+#include "tests/frozen/quantities.hpp"
+#include "tests/support/test_config.hpp"
+
+namespace bitspan::frozen {
+namespace {
+
+enum class What { all, clocks };
+
+void check_config_section(DigestFile& file, const Config& config) {
+  file.check("configuration " + config.name, config_quantities(config));
+}
+
+void check_scene_section(DigestFile& file, const Scene& scene) {
+  file.check("scene " + scene.name, scene_quantities(scene));
+}
+
+void check_case(DigestFile& file, const Config& config, const Scene& scene, ClockedBy by,
+                What what = What::all) {
+  Computed computed;
+  try {
+    if (what == What::all) computed = value_quantities(config, scene);
+    const Computed clocks = clock_quantities(config, scene, by);
+    computed.quantities.insert(computed.quantities.end(), clocks.quantities.begin(), clocks.quantities.end());
+    computed.disagreements.insert(computed.disagreements.end(), clocks.disagreements.begin(),
+                                  clocks.disagreements.end());
+  } catch (const std::exception& error) {
+    computed.disagreements.push_back(std::string("an engine threw: ") + error.what());
+  }
+  file.check(config.name + " on " + scene.name, computed);
+}
+
+// The shipped configurations, on pictures of the usual size.
+void check_shipped(const std::string& file_name, const std::vector<Scene>& scenes) {
+  DigestFile file(file_name);
+  for (const Scene& scene : scenes) check_scene_section(file, scene);
+  for (const Config& config : shipped_configs()) {
+    check_config_section(file, config);
+    for (const Scene& scene : scenes) check_case(file, config, scene, ClockedBy::span);
+  }
+  file.finish();
+}
+
+// Variants of depth16, on small pictures.
+void check_variants(const std::string& file_name, const std::vector<Config>& variants,
+                    What what = What::all) {
+  DigestFile file(file_name);
+  std::vector<Scene> scenes;
+  scenes.push_back(demo_scene(96, 72));
+  scenes.push_back(small_extreme_scene());
+  scenes.push_back(spot_scene(96, 72));
+  for (const Scene& scene : scenes) check_scene_section(file, scene);
+  for (const Config& config : variants) {
+    check_config_section(file, config);
+    for (const Scene& scene : scenes) check_case(file, config, scene, ClockedBy::both, what);
+  }
+  file.finish();
+}
+
+void check_random(const std::string& file_name, int first, int last) {
+  if (drawing_configs()) draw_random_configs(first, last);
+  DigestFile file(file_name);
+  for (int number = first; number <= last; ++number) {
+    const Config config = random_config_file(number);
+    check_config_section(file, config);
+    const Scene scene = random_stream(config, number);
+    file.check("stream of " + config.name, scene_quantities(scene));
+    check_case(file, config, scene, ClockedBy::both);
+  }
+  file.finish();
+}
+
+TEST(Frozen, ShippedOnDemo) { check_shipped("shipped_demo", {demo_scene(640, 480)}); }
+TEST(Frozen, ShippedOnExtreme) { check_shipped("shipped_extreme", extreme_scenes()); }
+TEST(Frozen, ShippedOnSpot) { check_shipped("shipped_spot", {spot_scene(640, 480)}); }
+
+TEST(Frozen, Coverage) { check_variants("coverage", coverage_variants()); }
+TEST(Frozen, Slope) { check_variants("slope", slope_variants()); }
+TEST(Frozen, EdgeReciprocal) { check_variants("edge_reciprocal", edge_reciprocal_variants()); }
+TEST(Frozen, RowReciprocal) { check_variants("row_reciprocal", row_reciprocal_variants()); }
+TEST(Frozen, PixelReciprocal) { check_variants("pixel_reciprocal", pixel_reciprocal_variants()); }
+TEST(Frozen, Depth) { check_variants("depth", depth_variants()); }
+TEST(Frozen, Shading) { check_variants("shading", shading_variants()); }
+TEST(Frozen, Formats) { check_variants("formats", format_variants()); }
+TEST(Frozen, Timing) { check_variants("timing", timing_variants(), What::clocks); }
+
+TEST(Frozen, Random000To099) { check_random("random_000", 0, 99); }
+TEST(Frozen, Random100To199) { check_random("random_100", 100, 199); }
+
+// A file frozen by a program that draws nothing would be equal to itself.
+TEST(Frozen, FilesHaveEveryRecordAndCounter) {
+  std::map<std::string, bool> seen;  // whether a case had any of it
+#define BITSPAN_NOT_SEEN(Record, LIST, stage, member) seen.emplace(std::string("record ") + stage, false);
+  BITSPAN_RECORDS(BITSPAN_NOT_SEEN)
+#undef BITSPAN_NOT_SEEN
+  for (const auto& entry : std::filesystem::directory_iterator(digest_folder())) {
+    std::ifstream file(entry.path());
+    for (std::string line; std::getline(file, line);) {
+      const auto colon = line.find(": ");
+      if (colon == std::string::npos || (!line.starts_with("record ") && !line.starts_with("counter ")))
+        continue;
+      bool& any = seen[line.substr(0, colon)];
+      any = any || line[colon + 2] != '0';
+    }
+  }
+  EXPECT_EQ(seen.size(), 24U);
+  for (const auto& [name, any] : seen) EXPECT_TRUE(any) << name;
+}
+
+}  // namespace
+}  // namespace bitspan::frozen
