@@ -10,10 +10,10 @@
 
 #include "cli/commands.hpp"
 #include "cli/config_store.hpp"
-#include "cli/engines.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "engine/range.hpp"
+#include "engine/registry.hpp"
 #include "report/compare.hpp"
 #include "report/error.hpp"
 #include "report/lockstep.hpp"
@@ -45,6 +45,15 @@ struct Story {
   std::vector<RecordCopy> constants;
 };
 
+// A record's place among those of its type: a span's says which row of constant depth it comes from.
+std::optional<std::size_t> place_of(const Trace& trace, const RecordCopy& record) {
+  const RecordView view = view_of(trace, record.type);
+  for (std::size_t i = 0; i < view.records; ++i) {
+    if (std::ranges::equal(view.record(i), record.values)) return i;
+  }
+  return std::nullopt;
+}
+
 // The records of one batch that touch the pixel.
 void collect(const Trace& trace, std::int64_t x, std::int64_t y, Story& story) {
   const RecordView fragments = view_of(trace, RecordType::fragment);
@@ -59,32 +68,21 @@ void collect(const Trace& trace, std::int64_t x, std::int64_t y, Story& story) {
     const auto raw = fragments.record(i);
     touch.records.push_back({RecordType::fragment, "", {raw.begin(), raw.end()}});
     auto level = upstream_of(trace, RecordType::fragment, raw, i);
-    while (!level.empty()) {
+    while (!level.empty() && row_of(level.front().type).per != Per::scene) {
       const RecordCopy lowest = level.front();
-      std::optional<std::size_t> ordinal;
-      if (lowest.type == RecordType::span) {
-        // The plane row has the span's place.
-        const RecordView spans = view_of(trace, RecordType::span);
-        for (std::size_t s = 0; s < spans.records && !ordinal; ++s) {
-          if (std::ranges::equal(spans.record(s), lowest.values)) {
-            ordinal = s;
-          }
-        }
-      }
       touch.records.insert(touch.records.begin(), level.begin(), level.end());
-      level = lowest.type == RecordType::setup ? std::vector<RecordCopy>{}
-                                               : upstream_of(trace, lowest.type, lowest.values, ordinal);
+      level = upstream_of(trace, lowest.type, lowest.values, place_of(trace, lowest));
     }
-    for (const RecordType type :
-         {RecordType::depth, RecordType::texture, RecordType::fog, RecordType::merge}) {
-      const RecordView view = view_of(trace, type);
-      const auto triangle_at = static_cast<std::size_t>(field_index(type, "triangle"));
-      const auto x_at = static_cast<std::size_t>(field_index(type, "x"));
-      const auto y_at = static_cast<std::size_t>(field_index(type, "y"));
+    for (const StageRow& stage : stage_table) {
+      if (stage.per != Per::pixel || stage.type <= RecordType::fragment) continue;
+      const RecordView view = view_of(trace, stage.type);
+      const auto triangle_at = static_cast<std::size_t>(field_index(stage.type, "triangle"));
+      const auto x_at = static_cast<std::size_t>(field_index(stage.type, "x"));
+      const auto y_at = static_cast<std::size_t>(field_index(stage.type, "y"));
       for (std::size_t r = 0; r < view.records; ++r) {
         const auto record = view.record(r);
         if (record[triangle_at] == f.triangle && record[x_at] == x && record[y_at] == y) {
-          touch.records.push_back({type, "", {record.begin(), record.end()}});
+          touch.records.push_back({stage.type, "", {record.begin(), record.end()}});
           break;
         }
       }
@@ -183,7 +181,7 @@ int explain(const Options& o) {
   std::vector<Frame> frames;
   std::vector<std::string> left_out;
   for (const std::string& name : parse_engines(o.engines)) {
-    if (name == "ideal") continue;  // a column of its own
+    if (!find_engine(name).compared) continue;  // ideal is a column of its own
     if (!engine_runs(name, config)) {
       left_out.push_back(fmt::format("{} left out: it has no {} mode", name, to_string(config.perspective)));
       continue;
@@ -229,7 +227,7 @@ int explain(const Options& o) {
     const Triangle& triangle = scene.triangles[static_cast<std::size_t>(first->triangle)];
     for (std::size_t r = 0; r < first->records.size(); ++r) {
       const RecordType type = first->records[r].type;
-      if (o.brief && type < RecordType::fragment) {
+      if (o.brief && row_of(type).per != Per::pixel) {
         continue;
       }
       std::vector<const RecordCopy*> records;

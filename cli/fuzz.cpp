@@ -15,13 +15,13 @@
 #include "cli/commands.hpp"
 #include "cli/config_store.hpp"
 #include "cli/cycles.hpp"
-#include "cli/engines.hpp"
 #include "cli/model_options.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/verdict.hpp"
 #include "config/rtl_timing.hpp"
 #include "engine/range.hpp"
+#include "engine/registry.hpp"
 #include "golden/precision.hpp"
 #include "io/atomic_file.hpp"
 #include "report/error.hpp"
@@ -59,11 +59,12 @@ std::uint64_t derived_seed(std::uint64_t seed, std::uint64_t index, std::uint64_
 using Engines = std::vector<std::unique_ptr<Engine>>;
 
 Engines make_engines(const std::vector<std::string>& names, const Config& config, std::uint64_t stall_seed,
-                     const ModelOptions& model) {
+                     EngineOptions options) {
+  options.stall_seed = stall_seed;
   Engines out;
   for (const std::string& name : names) {
     if (engine_runs(name, config)) {
-      out.push_back(make_engine(name, config, stall_seed, model));
+      out.push_back(make_engine(name, config, options));
     }
   }
   return out;
@@ -220,7 +221,7 @@ std::string replay_path(const Options& o, std::uint64_t index) {
 class Fuzzer {
  public:
   explicit Fuzzer(const Options& o)
-      : o_(o), names_(parse_engines(o.engines)), model_(model_options(o.model, 1)) {
+      : o_(o), names_(parse_engines(o.engines)), engine_options_(engine_options(o.model, 1)) {
     refuse_without_model(o.model, std::ranges::count(names_, "model") != 0);
     if (std::ranges::find(names_, "ideal") != names_.end()) {
       throw InputError("--engines: ideal is not quantised and equals no engine; leave it out of fuzz");
@@ -311,7 +312,7 @@ class Fuzzer {
       config_ = random_config(derived_seed(o_.seed, group, 1), bases_, options);
     }
     engines_.clear();
-    engines_ = make_engines(names_, config_, derived_seed(o_.seed, group, 0), model_);
+    engines_ = make_engines(names_, config_, derived_seed(o_.seed, group, 0), engine_options_);
   }
 
   bool takes_part(std::string_view name) const {
@@ -382,7 +383,7 @@ class Fuzzer {
 
   Options o_;
   std::vector<std::string> names_;
-  ModelOptions model_;
+  EngineOptions engine_options_;
   std::vector<Config> fixed_, bases_;
   Totals totals_;
   std::uint64_t group_ = ~std::uint64_t{0};
@@ -425,7 +426,7 @@ int replay(const ReplayOptions& o) {
   if (names.size() < 2) throw InputError(fmt::format("{}: fewer than two engines to compare", o.file));
   const bool with_rtl = std::ranges::count(names, "rtl") != 0;
   if (with_rtl) check_rtl(o, r);
-  const Engines engines = make_engines(names, r.config, r.stall_seed, model_options(o.model, 1));
+  const Engines engines = make_engines(names, r.config, r.stall_seed, engine_options(o.model, 1));
   check_scene_range(r.config, r.scene);
   const RunLabel label{o.file,
                        fmt::format("{}bitspan replay {}{}{}", command_environment(), shell_word(o.file),

@@ -4,30 +4,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <thread>
 
 #include "config/config.hpp"
-#include "model/paths.hpp"
-#include "model/simd/targets.hpp"
 
 namespace bitspan {
-namespace {
-
-// The value of that name, one of `legal`, each of which to_string names.
-template <class T, std::size_t n>
-T named(const std::string& flag, const std::string& name, const std::array<T, n>& legal) {
-  const auto* const at =
-      std::ranges::find_if(legal, [&](T value) { return model::to_string(value) == name; });
-  if (at != legal.end()) return *at;
-  std::string names;
-  for (const T value : legal)
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", model::to_string(value));
-  throw InputError(fmt::format("{}: '{}' is unknown; legal: {}", flag, name, names));
-}
-
-}  // namespace
-
 void add_model_options(CLI::App& command, ModelFlags& flags, const std::string& default_threads) {
   const char* group = "Engine model";
   command
@@ -45,22 +26,10 @@ void add_model_options(CLI::App& command, ModelFlags& flags, const std::string& 
       ->group(group);
 }
 
-ModelOptions model_options(const ModelFlags& flags, int threads) {
-  ModelOptions out;
-  if (!flags.form.empty()) {
-    out.form =
-        named("--form", flags.form,
-              std::array{ModelForm::automatic, ModelForm::scalar, ModelForm::vector, ModelForm::specialised});
-  }
-  if (!flags.target.empty()) {
-    out.target = named(
-        "--target", flags.target,
-        std::array{VectorTarget::best, VectorTarget::avx512, VectorTarget::avx2, VectorTarget::baseline});
-    if (!model::supported(out.target)) {
-      throw InputError(fmt::format("--target {}: this processor has no such instructions; best takes {}",
-                                   flags.target, model::to_string(model::best_target())));
-    }
-  }
+EngineOptions engine_options(const ModelFlags& flags, int threads) {
+  EngineOptions out;
+  out.form = flags.form;
+  out.target = flags.target;
   out.threads = flags.threads.value_or(threads);
   if (out.threads < 0 || out.threads > threads_limit) {
     throw InputError(fmt::format("--threads: {} is out of range; expected 1..{}, or 0 for one each processor",
@@ -69,6 +38,7 @@ ModelOptions model_options(const ModelFlags& flags, int threads) {
   if (out.threads == 0) {
     out.threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, threads_limit);
   }
+  find_engine("model").check(out);
   return out;
 }
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "model/engine_model.hpp"
+#include "engine/registry.hpp"
 
 namespace CLI {
 class App;
@@ -26,7 +26,7 @@ void add_model_options(CLI::App& command, ModelFlags& flags, const std::string& 
 
 // Throws InputError, naming the flag, where a name is unknown, the processor lacks the target, or the number
 // of threads is none. threads: where --threads is not given; 0, there and as a flag: one for each processor.
-ModelOptions model_options(const ModelFlags& flags, int threads);
+EngineOptions engine_options(const ModelFlags& flags, int threads);
 
 // Throws InputError naming a flag given, where model is not among the engines.
 void refuse_without_model(const ModelFlags& flags, bool model_takes_part);

@@ -12,11 +12,11 @@
 
 #include "cli/commands.hpp"
 #include "cli/config_store.hpp"
-#include "cli/engines.hpp"
 #include "cli/model_options.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "engine/range.hpp"
+#include "engine/registry.hpp"
 #include "io/atomic_file.hpp"
 #include "io/png.hpp"
 #include "model/engine_model.hpp"
@@ -95,9 +95,10 @@ int render(const Options& o) {
   if (o.statistics && o.model.given()) {
     throw InputError("--statistics: observes the scalar form; leave --form, --target and --threads out");
   }
-  ModelOptions how = model_options(o.model, 0);
+  EngineOptions how = engine_options(o.model, 0);
   how.winners = !o.dump.empty();
-  const ModelForm form = o.statistics ? ModelForm::scalar : model::chosen_form(config, how.form);
+  const ModelOptions as_model = model::model_options(how);
+  const ModelForm form = o.statistics ? ModelForm::scalar : model::chosen_form(config, as_model.form);
   check_writable(o.output);
   check_writable(o.emit_tri);
   check_dump(o.dump);
@@ -106,7 +107,7 @@ int render(const Options& o) {
   if (!o.output.empty() || !o.dump.empty()) {
     check_scene_range(config, scene);
     const auto observed = o.statistics ? make_observed_model(config) : nullptr;
-    const auto plain = o.statistics ? nullptr : make_engine(names[0], config, 1, how);
+    const auto plain = o.statistics ? nullptr : make_engine(names[0], config, how);
     Engine* engine = o.statistics ? observed.get() : plain.get();
     const auto start = std::chrono::steady_clock::now();
     {
@@ -129,7 +130,8 @@ int render(const Options& o) {
       DumpInfo info{BITSPAN_VERSION, scene.name, names[0], seconds, {}};
       if (is_model) {
         const bool vectors = form != ModelForm::scalar;
-        const VectorTarget target = how.target == VectorTarget::best ? model::best_target() : how.target;
+        const VectorTarget target =
+            as_model.target == VectorTarget::best ? model::best_target() : as_model.target;
         info.model = DumpInfo::Model{std::string(model::to_string(form)),
                                      vectors ? std::string(model::to_string(target)) : "",
                                      o.statistics ? 1 : how.threads};

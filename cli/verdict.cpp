@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "cli/cycles.hpp"
-#include "cli/engines.hpp"
 #include "cli/own_values.hpp"
 #include "cli/progress.hpp"
 #include "config/modes.hpp"
@@ -102,7 +101,7 @@ std::string error_number(double x) { return fmt::format("{:.4g}", x); }
 std::unique_ptr<Engine> make_guarded(const std::string& name, const Config& config,
                                      const VerifyOptions& options, SceneVerdict& v) {
   try {
-    return make_engine(name, config, options.stall_seed, options.model);
+    return make_engine(name, config, options.engine);
   } catch (const std::logic_error& error) {
     if (name != "rtl") throw;
     v.failures.push_back(fmt::format("{} broke off: {}", name, error.what()));
@@ -375,19 +374,9 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
                         {"outside", v.faces->outside},
                         {"drawn", v.faces->drawn}};
     }
-    const Counters& c = v.counters;
-    scene["counters"] = {{"triangles", c.triangles},
-                         {"degenerate", c.degenerate},
-                         {"rows", c.rows},
-                         {"fragments", c.fragments},
-                         {"covered", c.covered},
-                         {"depth_passed", c.depth_passed},
-                         {"killed", c.killed},
-                         {"written", c.written},
-                         {"divides_edge", c.divides_edge},
-                         {"divides_row", c.divides_row},
-                         {"divides_pixel", c.divides_pixel},
-                         {"divides_saved", c.divides_saved}};
+    for_each_counter([&](const CounterInfo& info, auto member) {
+      if (info.compared) scene["counters"][std::string(info.name)] = v.counters.*member;
+    });
     Json pairs = Json::array();
     for (const Comparison& pair : v.run.pairs) {
       const OwnValues own = own_values(pair, v.config);

@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "cli/scene_options.hpp"
-#include "engine/engine.hpp"
-#include "model/engine_model.hpp"
+#include "engine/registry.hpp"
 #include "report/compare.hpp"
 #include "report/error.hpp"
 #include "report/junit.hpp"
@@ -54,12 +53,11 @@ struct SceneVerdict {
 
 struct VerifyOptions {
   std::vector<std::string> engines;  // the first is the reference; `ideal` adds the error table
-  std::uint64_t stall_seed = 1;
   bool engines_named = false;  // by the user: leaving one out is a failure
   bool allow_missing = false;  // an engine may be left out, and no pair may be left
   bool allow_empty = false;    // the scene may cover no pixel
   bool cycles = true;
-  ModelOptions model;  // of the engine model
+  EngineOptions engine;
 };
 
 struct SceneRun {

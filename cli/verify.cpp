@@ -9,10 +9,10 @@
 
 #include "cli/commands.hpp"
 #include "cli/config_store.hpp"
-#include "cli/engines.hpp"
 #include "cli/model_options.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/verdict.hpp"
+#include "engine/registry.hpp"
 #include "io/atomic_file.hpp"
 
 namespace bitspan {
@@ -35,15 +35,15 @@ int verify(const Options& o) {
   const Config config = find_config(o.config);
   VerifyOptions options;
   options.engines = parse_engines(o.engines);
-  options.stall_seed = o.seed;
   options.cycles = !o.no_cycles;
   options.engines_named = o.engines_named;
   options.allow_missing = o.allow_missing;
   options.allow_empty = o.view.allow_empty;
   refuse_without_model(o.model, std::ranges::count(options.engines, "model") != 0);
-  options.model = model_options(o.model, 1);
   check_writable(o.junit);
   check_writable(o.json);
+  options.engine = engine_options(o.model, 1);
+  options.engine.stall_seed = o.seed;
   std::vector<SceneVerdict> verdicts;
   bool held = true;
   for (const std::string& name : o.scenes) {

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "config/format.hpp"
+#include "config/stages.hpp"
 
 namespace bitspan {
 
@@ -58,10 +59,6 @@ struct StartOffsets {
   StartOffset edge_x, edge_h, edge_f, edge_shade, span_h, span_f, span_shade;
   bool operator==(const StartOffsets&) const = default;
 };
-
-enum class Stage : std::uint8_t { setup, edge_walk, span_setup, span, depth, texture, fog, merge, count };
-inline constexpr int stage_count = static_cast<int>(Stage::count);
-std::string_view to_string(Stage stage);  // "setup", "edge_walk" ...
 
 // Timed model only. span_setup and span take their latency from the reciprocal units, as the RTL does, and
 // between them stands one result register: for span_setup only `fifo` is read, for span nothing.

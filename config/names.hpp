@@ -45,9 +45,7 @@ inline constexpr auto enum_names<TextureWrap> = std::to_array<std::string_view>(
 template <>
 inline constexpr auto enum_names<FogMode> = std::to_array<std::string_view>({"none", "linear", "table"});
 template <>
-inline constexpr auto enum_names<Stage> = std::to_array<std::string_view>({"setup", "edge_walk", "span_setup",
-                                                                           "span", "depth", "texture", "fog",
-                                                                           "merge"});
+inline constexpr auto enum_names<Stage> = stage_names;
 
 // "?" for a value that is no enumerator.
 template <class E>

@@ -32,4 +32,50 @@ std::optional<Format> format_of(const Field& field, const Config& config) {
   return std::nullopt;
 }
 
+std::string_view stage_of(RecordType type) {
+  return type == RecordType::count ? std::string_view() : row_of(type).name;
+}
+
+std::span<const Field> fields_of(RecordType type) {
+  switch (type) {
+#define BITSPAN_CASE(Record, LIST, name, member) \
+  case RecordType::member:                       \
+    return fields<Record>;
+    BITSPAN_RECORDS(BITSPAN_CASE)
+#undef BITSPAN_CASE
+    case RecordType::count:
+      break;
+  }
+  return {};
+}
+
+RecordView view_of(const Trace& trace, RecordType type) {
+  RecordView view;
+  view.type = type;
+  view.stage = stage_of(type);
+  view.fields = fields_of(type);
+  switch (type) {
+#define BITSPAN_CASE(Record, LIST, name, member)                              \
+  case RecordType::member:                                                    \
+    view.values = reinterpret_cast<const std::int64_t*>(trace.member.data()); \
+    view.records = trace.member.size();                                       \
+    break;
+    BITSPAN_RECORDS(BITSPAN_CASE)
+#undef BITSPAN_CASE
+    case RecordType::count:
+      break;
+  }
+  return view;
+}
+
+int field_index(RecordType type, std::string_view field) {
+  const auto all = fields_of(type);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].name == field) {
+      return static_cast<int>(i);
+    }
+  }
+  return -1;
+}
+
 }  // namespace bitspan

@@ -1,4 +1,5 @@
-// The records that pass between stages: names and formats, no arithmetic.
+// The records that pass between stages: names and formats, no arithmetic. engine/stages.hpp has the table of
+// them.
 //
 // Golden, model, SystemC and RTL all deliver these, as raw integers on the field's format, and so can be
 // compared bit for bit. A record is a plain struct of int64_t fields only; `fields<R>` names each of them and
@@ -9,11 +10,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <ranges>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "config/config.hpp"
+#include "engine/stages.hpp"
 
 namespace bitspan {
 
@@ -43,7 +46,7 @@ std::optional<Format> format_of(const Field& field, const Config& config);
 // The lists read as tables.
 // clang-format off
 
-// The configuration's constants, once a scene; docs/numeric-spec.md, "Constants".
+// The configuration's constants, one record per scene; docs/numeric-spec.md, "Constants".
 #define BITSPAN_CONSTANTS_RECORD(F, I, K) \
   F(s_min, setup_s)                       \
   F(s_max, setup_s)                       \
@@ -52,7 +55,7 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   F(c0, depth_c0)                         \
   F(fog_scale, fog_scale)
 
-// setup: one a triangle that has an area after snapping; vertices in the order of the edge walk.
+// setup: one per triangle that has an area after snapping; vertices in the order of the edge walk.
 #define BITSPAN_VERTEX(n, F, I, K)                                                                         \
   K(x##n, coordinate) K(y##n, coordinate) F(h##n, setup_h) F(u##n, setup_uv) F(v##n, setup_uv)             \
   F(r##n, setup_shade) F(g##n, setup_shade) F(b##n, setup_shade) F(a##n, setup_shade)
@@ -61,7 +64,7 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   I(mid_right) /* 1: vertex 1 lies right of the edge from vertex 0 to 2 */  \
   BITSPAN_VERTEX(0, F, I, K) BITSPAN_VERTEX(1, F, I, K) BITSPAN_VERTEX(2, F, I, K)
 
-// setup, second half: one an edge that has height; edge 0 is vertex 0 to 2, edge 1 is 0 to 1, edge 2 is 1 to 2.
+// setup, second half: one per edge that has height; edge 0 is vertex 0 to 2, edge 1 is 0 to 1, edge 2 is 1 to 2.
 #define BITSPAN_EDGE_RECORD(F, I, K)                                                                        \
   I(triangle) I(edge)                                                                                       \
   K(recip_m, edge_mantissa) I(recip_e)                                                                      \
@@ -69,7 +72,7 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   F(fu_step, edge_f_step) F(fv_step, edge_f_step) F(r_step, edge_shade_step) F(g_step, edge_shade_step)     \
   F(b_step, edge_shade_step) F(a_step, edge_shade_step)
 
-// edge_walk: one a row that has pixels inside the viewport; l and r are its left and right end.
+// edge_walk: one per row that has pixels inside the viewport; l and r are its left and right end.
 #define BITSPAN_ROW_END(p, F, I, K)                                                                         \
   I(p##_edge) F(p##_x_acc, edge_x_acc) F(p##_x, edge_x) F(p##_h_acc, edge_h_acc) F(p##_h, edge_h)           \
   F(p##_fu, edge_f) F(p##_fv, edge_f) K(p##_recip_m, pixel_mantissa) I(p##_recip_e)                         \
@@ -80,7 +83,7 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   I(triangle) I(y) I(x_first) I(x_last)           \
   BITSPAN_ROW_END(l, F, I, K) BITSPAN_ROW_END(r, F, I, K)
 
-// plane_walk (const_depth_rows only): gradients, one a triangle.
+// plane_walk (const_depth_rows only): gradients, one per triangle.
 #define BITSPAN_PLANE_RECORD(F, I, K)                                                                          \
   I(triangle) I(major) /* 0: rows run along x; 1: along y */                                                   \
   I(major_first) /* m0, the pixel index where every row's step pattern is anchored */                          \
@@ -90,7 +93,7 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   F(g_x, plane_shade_grad) F(g_y, plane_shade_grad) F(b_x, plane_shade_grad) F(b_y, plane_shade_grad)          \
   F(a_x, plane_shade_grad) F(a_y, plane_shade_grad) F(k, plane_k)
 
-// plane_walk: one a row of constant depth that has covered pixels inside the viewport.
+// plane_walk: one per row of constant depth that has covered pixels inside the viewport.
 #define BITSPAN_PLANE_ROW_RECORD(F, I, K)                                                                       \
   I(triangle) I(row) /* r of Y = r + round(k x), in minor pixels */                                             \
   I(major_first) I(minor_first) /* first covered pixel */                                                       \
@@ -102,7 +105,7 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   F(g_step1, span_shade_step) F(b_step0, span_shade_step) F(b_step1, span_shade_step)                           \
   F(a_step0, span_shade_step) F(a_step1, span_shade_step)
 
-// span_setup: one a span. In the modes with horizontal rows step1 repeats step0 and phase is 0.
+// span_setup: one per span. In the modes with horizontal rows step1 repeats step0 and phase is 0.
 #define BITSPAN_SPAN_RECORD(F, I, K)                                                                        \
   I(triangle) I(x) I(y) /* first pixel */ I(count)                                                          \
   K(recip_m, row_mantissa) I(recip_e) K(phase, phase)                                                       \
@@ -115,18 +118,18 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   F(g_step1, span_shade_step) F(b_step0, span_shade_step) F(b_step1, span_shade_step)                       \
   F(a_step0, span_shade_step) F(a_step1, span_shade_step)
 
-// span: one a pixel of a span.
+// span: one per pixel of a span.
 #define BITSPAN_FRAGMENT_RECORD(F, I, K)                                                                    \
   I(triangle) I(x) I(y) I(covered) I(last)                                                                  \
   F(h, span_h) K(fu, texture_acc) K(fv, texture_acc) K(recip_m, pixel_mantissa) I(recip_e)                  \
   F(u, span_uv) F(v, span_uv) F(r, span_shade) F(g, span_shade) F(b, span_shade) F(a, span_shade)
 
-// depth: one a covered fragment.
+// depth: one per covered fragment.
 #define BITSPAN_DEPTH_RECORD(F, I, K)                                                  \
   I(triangle) I(x) I(y) K(recip_m, pixel_mantissa) I(recip_e) /* linear code only */   \
   K(z, depth_code) K(stored, depth_code) /* the buffer's code before the test */ I(pass)
 
-// texture: one a fragment that passed the depth test.
+// texture: one per fragment that passed the depth test.
 #define BITSPAN_TEXTURE_RECORD(F, I, K)                                                                    \
   I(triangle) I(x) I(y) I(i) I(j) /* nearest texel, or the upper left of four, wrapped */                  \
   F(ex, texture_frac) F(ey, texture_frac)                                                                  \
@@ -134,37 +137,22 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   F(r, texture_color) F(g, texture_color) F(b, texture_color) F(a, texture_alpha)                          \
   I(killed) /* transparent code or alpha 0 */
 
-// fog: one a fragment that the texture did not kill.
+// fog: one per fragment that the texture did not kill.
 #define BITSPAN_FOG_RECORD(F, I, K)                                                                        \
   I(triangle) I(x) I(y) I(index) /* of the table, -1 in the other modes */                                 \
   K(recip_m, pixel_mantissa) I(recip_e) /* linear fog only */                                              \
   F(factor, fog_factor) F(r, fog_color) F(g, fog_color) F(b, fog_color)
 
-// merge: one a fragment written.
+// merge: one per fragment written.
 #define BITSPAN_MERGE_RECORD(F, I, K)                                                        \
   I(triangle) I(x) I(y) K(z, depth_code) F(r, merge_color) F(g, merge_color) F(b, merge_color)
-
-// name of the struct, list macro, stage it belongs to, member of Trace
-#define BITSPAN_RECORDS(X)                                                        \
-  X(ConstantsRecord, BITSPAN_CONSTANTS_RECORD, "constants", constants)            \
-  X(SetupRecord, BITSPAN_SETUP_RECORD, "setup", setup)                            \
-  X(EdgeRecord, BITSPAN_EDGE_RECORD, "setup.edge", edge)                          \
-  X(RowRecord, BITSPAN_ROW_RECORD, "edge_walk", row)                              \
-  X(PlaneRecord, BITSPAN_PLANE_RECORD, "plane_walk", plane)                       \
-  X(PlaneRowRecord, BITSPAN_PLANE_ROW_RECORD, "plane_walk.row", plane_row)        \
-  X(SpanRecord, BITSPAN_SPAN_RECORD, "span_setup", span)                          \
-  X(FragmentRecord, BITSPAN_FRAGMENT_RECORD, "span", fragment)                    \
-  X(DepthRecord, BITSPAN_DEPTH_RECORD, "depth", depth)                            \
-  X(TextureRecord, BITSPAN_TEXTURE_RECORD, "texture", texture)                    \
-  X(FogRecord, BITSPAN_FOG_RECORD, "fog", fog)                                    \
-  X(MergeRecord, BITSPAN_MERGE_RECORD, "merge", merge)
 
 // clang-format on
 
 #define BITSPAN_MEMBER_F(name, id) std::int64_t name = 0;
 #define BITSPAN_MEMBER_I(name) std::int64_t name = 0;
 #define BITSPAN_MEMBER_K(name, kind) std::int64_t name = 0;
-#define BITSPAN_DECLARE(Record, LIST, stage, member)           \
+#define BITSPAN_DECLARE(Record, LIST, name, member)            \
   struct Record {                                              \
     LIST(BITSPAN_MEMBER_F, BITSPAN_MEMBER_I, BITSPAN_MEMBER_K) \
     bool operator==(const Record&) const = default;            \
@@ -175,21 +163,26 @@ BITSPAN_RECORDS(BITSPAN_DECLARE)
 #undef BITSPAN_MEMBER_I
 #undef BITSPAN_MEMBER_K
 
-// fields<R>: one Field a member, in the order of declaration; stage_name<R>: the stage that delivers it.
+// fields<R>: one Field per member, in the order of declaration. stage_name<R> and record_type<R>: its row in
+// the table of stages.
 template <class R>
 inline constexpr int fields = 0;
 template <class R>
 inline constexpr std::string_view stage_name = "";
+template <class R>
+inline constexpr RecordType record_type = RecordType::count;
 
 #define BITSPAN_FIELD_F(name, id) Field{#name, FieldKind::format, FormatId::id},
 #define BITSPAN_FIELD_I(name) Field{#name, FieldKind::integer, FormatId::count},
 #define BITSPAN_FIELD_K(name, kind) Field{#name, FieldKind::kind, FormatId::count},
-#define BITSPAN_DESCRIBE(Record, LIST, stage, member)                                  \
+#define BITSPAN_DESCRIBE(Record, LIST, name, member)                                   \
   template <>                                                                          \
   inline constexpr auto fields<Record> =                                               \
       std::to_array<Field>({LIST(BITSPAN_FIELD_F, BITSPAN_FIELD_I, BITSPAN_FIELD_K)}); \
   template <>                                                                          \
-  inline constexpr std::string_view stage_name<Record> = stage;                        \
+  inline constexpr std::string_view stage_name<Record> = name;                         \
+  template <>                                                                          \
+  inline constexpr RecordType record_type<Record> = RecordType::member;                \
   static_assert(sizeof(Record) == sizeof(std::int64_t) * fields<Record>.size());
 BITSPAN_RECORDS(BITSPAN_DESCRIBE)
 #undef BITSPAN_DESCRIBE
@@ -205,14 +198,69 @@ std::span<const std::int64_t> raw_values(const R& record) {
 
 // Everything an engine delivered for a batch of triangles, each stage in its order of delivery.
 struct Trace {
-#define BITSPAN_TRACE_MEMBER(Record, LIST, stage, member) std::vector<Record> member;
+#define BITSPAN_TRACE_MEMBER(Record, LIST, name, member) std::vector<Record> member;
   BITSPAN_RECORDS(BITSPAN_TRACE_MEMBER)
 #undef BITSPAN_TRACE_MEMBER
   void clear() {
-#define BITSPAN_TRACE_CLEAR(Record, LIST, stage, member) member.clear();
+#define BITSPAN_TRACE_CLEAR(Record, LIST, name, member) member.clear();
+    BITSPAN_RECORDS(BITSPAN_TRACE_CLEAR)
+#undef BITSPAN_TRACE_CLEAR
+  }
+  // The records of which there is one per pixel.
+  void reserve_pixels(std::size_t pixels) {
+#define BITSPAN_TRACE_RESERVE(Record, LIST, name, member) \
+  if constexpr (row_of(RecordType::member).per == Per::pixel) member.reserve(pixels);
+    BITSPAN_RECORDS(BITSPAN_TRACE_RESERVE)
+#undef BITSPAN_TRACE_RESERVE
+  }
+  void clear_pixels() {
+#define BITSPAN_TRACE_CLEAR(Record, LIST, name, member) \
+  if constexpr (row_of(RecordType::member).per == Per::pixel) member.clear();
     BITSPAN_RECORDS(BITSPAN_TRACE_CLEAR)
 #undef BITSPAN_TRACE_CLEAR
   }
 };
+
+// The records of one type in a trace.
+template <class R>
+std::vector<R>& records_of(Trace& trace);
+#define BITSPAN_RECORDS_OF(Record, LIST, name, member)   \
+  template <>                                            \
+  inline std::vector<Record>& records_of(Trace& trace) { \
+    return trace.member;                                 \
+  }
+BITSPAN_RECORDS(BITSPAN_RECORDS_OF)
+#undef BITSPAN_RECORDS_OF
+
+// Appends a record to the trace, where there is one.
+template <class R>
+void deliver(Trace* trace, const R& record) {
+  if (trace != nullptr) records_of<R>(*trace).push_back(record);
+}
+template <class R>
+void deliver_all(Trace* trace, const R& records) {
+  if (trace == nullptr) return;
+  auto& to = records_of<std::ranges::range_value_t<R>>(*trace);
+  to.insert(to.end(), records.begin(), records.end());
+}
+
+// All records of one type in a trace, as rows of raw values.
+struct RecordView {
+  RecordType type = RecordType::count;
+  std::string_view stage;  // "setup", "setup.edge", "edge_walk" ...
+  std::span<const Field> fields;
+  const std::int64_t* values = nullptr;
+  std::size_t records = 0;
+
+  std::span<const std::int64_t> record(std::size_t i) const {
+    return {values + i * fields.size(), fields.size()};
+  }
+};
+RecordView view_of(const Trace& trace, RecordType type);
+// The name in the table of stages; empty for RecordType::count.
+std::string_view stage_of(RecordType type);
+std::span<const Field> fields_of(RecordType type);
+// Position of a field in its record; -1 where the record has none of that name.
+int field_index(RecordType type, std::string_view field);
 
 }  // namespace bitspan

@@ -1,7 +1,6 @@
 #include "golden/engine_golden.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "config/modes.hpp"
 #include "golden/depth.hpp"
@@ -54,18 +53,8 @@ class GoldenEngine final : public Engine {
 
     constants_delivered_ = false;
     counters_ = {};
-    const auto pixels = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height);
-    frame_.width = scene.width;
-    frame_.height = scene.height;
-    frame_.depth.assign(pixels, static_cast<std::uint32_t>(clear_depth(config_)));
-    frame_.u.assign(pixels, std::numeric_limits<double>::quiet_NaN());
-    frame_.v.assign(pixels, std::numeric_limits<double>::quiet_NaN());
-    frame_.triangle.assign(pixels, -1);
-    frame_.color.resize(4 * pixels);
-    for (std::size_t i = 0; i < pixels; ++i) {
-      for (std::size_t c = 0; c < 3; ++c) frame_.color[4 * i + c] = scene.background[c];
-      frame_.color[4 * i + 3] = 255;
-    }
+    clear_frame(frame_, scene.width, scene.height, scene.background,
+                static_cast<std::uint32_t>(clear_depth(config_)));
   }
 
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
@@ -205,28 +194,12 @@ class GoldenEngine final : public Engine {
     const std::size_t first_merge = out.merge.size();
     merge_(std::span<const FogRecord>(out.fog).subspan(first_fog), textures_, depths_, frame_.color,
            frame_.width, out.merge);
-    for (std::size_t i = 0; i < alive_.size(); ++i) write(*alive_[i], out.merge[first_merge + i]);
-
-    if (&out == &unkept_) {
-      out.fragment.clear();
-      out.depth.clear();
-      out.texture.clear();
-      out.fog.clear();
-      out.merge.clear();
+    for (std::size_t i = 0; i < alive_.size(); ++i) {
+      write_fragment(frame_, *alive_[i], out.merge[first_merge + i], uv_ulp_);
     }
-    first_ = out.fragment.size();
-  }
 
-  void write(const FragmentRecord& fragment, const MergeRecord& merged) {
-    const auto at = static_cast<std::size_t>(fragment.y * frame_.width + fragment.x);
-    std::uint8_t* color = &frame_.color[4 * at];
-    color[0] = static_cast<std::uint8_t>(merged.r);
-    color[1] = static_cast<std::uint8_t>(merged.g);
-    color[2] = static_cast<std::uint8_t>(merged.b);
-    frame_.depth[at] = static_cast<std::uint32_t>(merged.z);
-    frame_.u[at] = static_cast<double>(fragment.u) * uv_ulp_;
-    frame_.v[at] = static_cast<double>(fragment.v) * uv_ulp_;
-    frame_.triangle[at] = static_cast<std::int32_t>(fragment.triangle);
+    if (&out == &unkept_) out.clear_pixels();
+    first_ = out.fragment.size();
   }
 
   Config config_;

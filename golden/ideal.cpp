@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "config/modes.hpp"
@@ -244,13 +243,7 @@ class IdealEngine final : public Engine {
     scene_ = &scene;
     counters_ = {};
     const auto pixels = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height);
-    const double nan = std::numeric_limits<double>::quiet_NaN();
-    frame_ = {};
-    frame_.width = scene.width;
-    frame_.height = scene.height;
-    frame_.u.assign(pixels, nan);
-    frame_.v.assign(pixels, nan);
-    frame_.triangle.assign(pixels, -1);
+    clear_frame(frame_, scene.width, scene.height, scene.background, 0);
     h_.assign(pixels, 0);
     z_.assign(pixels, configured_code(config_, scene, 0, scene.s_max));
     color_.assign(pixels,

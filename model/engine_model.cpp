@@ -44,10 +44,8 @@ struct Run {
         const SpanRecord span = model::row_to_span(pipeline, rows, i, counters, watch);
         fragments.clear();
         model::span_to_fragments(pipeline, span, model::geometry_of(rows, i), fragments, counters, watch);
-        if (trace != nullptr) {
-          trace->span.push_back(span);
-          trace->fragment.insert(trace->fragment.end(), fragments.begin(), fragments.end());
-        }
+        deliver(trace, span);
+        deliver_all(trace, fragments);
         model::fragments_to_frame(pipeline, fragments, model::texture_of(*scene, triangle), frame, counters,
                                   trace, watch);
       }

@@ -1,6 +1,7 @@
 #include "model/paths.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "config/exact.hpp"
 #include "config/modes.hpp"
@@ -44,6 +45,42 @@ std::string_view to_string(VectorTarget target) {
       return "baseline";
   }
   return "";
+}
+
+namespace {
+
+// The value of that name, one of `legal`, each of which to_string names.
+template <class T, std::size_t n>
+T named(const std::string& flag, const std::string& name, const std::array<T, n>& legal) {
+  const auto* const at = std::ranges::find_if(legal, [&](T value) { return to_string(value) == name; });
+  if (at != legal.end()) return *at;
+  std::string names;
+  for (const T value : legal) names += (names.empty() ? "" : ", ") + std::string(to_string(value));
+  throw InputError(flag + ": '" + name + "' is unknown; legal: " + names);
+}
+
+}  // namespace
+
+ModelOptions model_options(const EngineOptions& options) {
+  ModelOptions out;
+  if (!options.form.empty()) {
+    out.form =
+        named("--form", options.form,
+              std::array{ModelForm::automatic, ModelForm::scalar, ModelForm::vector, ModelForm::specialised});
+  }
+  if (!options.target.empty()) {
+    out.target = named(
+        "--target", options.target,
+        std::array{VectorTarget::best, VectorTarget::avx512, VectorTarget::avx2, VectorTarget::baseline});
+    if (!supported(out.target)) {
+      throw InputError("--target " + options.target +
+                       ": this processor has no such instructions; best takes " +
+                       std::string(to_string(best_target())));
+    }
+  }
+  out.threads = options.threads;
+  out.winners = options.winners;
+  return out;
 }
 
 VectorTarget best_target() {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "engine/registry.hpp"
 #include "model/engine_model.hpp"
 
 namespace bitspan::model {
@@ -15,6 +16,10 @@ namespace bitspan::model {
 // them.
 std::string_view to_string(ModelForm form);
 std::string_view to_string(VectorTarget target);
+
+// Throws InputError, naming the command line's flag, where a name is unknown or this processor lacks the
+// target.
+ModelOptions model_options(const EngineOptions& options);
 
 // What `best` stands for on this processor.
 VectorTarget best_target();

@@ -1,9 +1,6 @@
 #include "model/pipeline.hpp"
 
-#include <array>
 #include <cmath>
-#include <cstring>
-#include <limits>
 #include <sstream>
 #include <string>
 
@@ -32,10 +29,6 @@ namespace {
 
 [[noreturn]] void refuse_vertex(std::int64_t index, std::size_t vertex, const std::string& what) {
   throw InputError("triangle " + std::to_string(index) + ", vertex " + std::to_string(vertex) + ": " + what);
-}
-
-double decoded(std::int64_t raw, const Register& r) {
-  return std::ldexp(static_cast<double>(raw), -r.fraction);
 }
 
 }  // namespace
@@ -104,14 +97,10 @@ bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::i
     ++counters.degenerate;
     return false;
   }
-  if (trace != nullptr) {
-    trace->setup.push_back(vertices);
-  }
+  deliver(trace, vertices);
   if (pipeline.const_depth_rows) {
     start_plane_walk(pipeline.plane_walk, vertices, walk, watch);
-    if (trace != nullptr) {
-      trace->plane.push_back(walk.record);
-    }
+    deliver(trace, walk.record);
     const auto plane = static_cast<std::int32_t>(out.planes.size());
     out.planes.push_back(walk.geometry);
     counters.divides_edge += divides_per_plane;
@@ -122,9 +111,7 @@ bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::i
         out.plane_of.push_back(plane);
         ++counters.rows;
         --counters.divides_saved;
-        if (trace != nullptr) {
-          trace->plane_row.push_back(row);
-        }
+        deliver(trace, row);
       }
     }
     return true;
@@ -132,9 +119,7 @@ bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::i
   const Edges edges = setup_edges(pipeline.setup, vertices, watch);
   const auto edge_count = static_cast<std::size_t>(edges.count);
   counters.divides_edge += edge_count * static_cast<std::size_t>(pipeline.setup.divides_per_edge);
-  if (trace != nullptr) {
-    trace->edge.insert(trace->edge.end(), edges.edge.begin(), edges.edge.begin() + edges.count);
-  }
+  deliver_all(trace, std::span(edges.edge).first(edge_count));
   EdgeWalkState state = start_edge_walk(pipeline.edge_walk, vertices, edges);
   RowRecord row;
   while (!finished(state)) {
@@ -142,9 +127,7 @@ bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::i
       out.rows.push_back(row);
       ++counters.rows;
       counters.divides_edge += static_cast<std::uint64_t>(pipeline.edge_walk.divides_per_row);
-      if (trace != nullptr) {
-        trace->row.push_back(row);
-      }
+      deliver(trace, row);
     }
   }
   return true;
@@ -192,62 +175,37 @@ void fragments_to_frame(const Pipeline& pipeline, std::span<const FragmentRecord
   TextureRecord texel;
   FogRecord fogged;
   MergeRecord merged;
+  const double uv_ulp = std::ldexp(1.0, -pipeline.texture.uv.fraction);
   for (const FragmentRecord& fragment : fragments) {
     if (fragment.covered == 0) {
       continue;
     }
-    const auto at = static_cast<std::size_t>(fragment.y * frame.width + fragment.x);
+    const std::size_t at = pixel_of(frame, fragment);
     const bool passed = depth(pipeline.depth, fragment, frame.depth[at], z, watch);
-    if (trace != nullptr) {
-      trace->depth.push_back(z);
-    }
+    deliver(trace, z);
     if (!passed) {
       continue;
     }
     ++counters.depth_passed;
     const bool lives = texture(pipeline.texture, texture_image, fragment, texel, watch);
-    if (trace != nullptr) {
-      trace->texture.push_back(texel);
-    }
+    deliver(trace, texel);
     if (!lives) {
       ++counters.killed;
       continue;
     }
     fog(pipeline.fog, fragment, texel, fogged, watch);
-    std::uint8_t* color = frame.color.data() + 4 * at;
+    deliver(trace, fogged);
+    const std::uint8_t* color = frame.color.data() + 4 * at;
     merge(pipeline.merge, z, texel, fogged, {color[0], color[1], color[2]}, merged, watch);
+    deliver(trace, merged);
     ++counters.written;
-    color[0] = static_cast<std::uint8_t>(merged.r);
-    color[1] = static_cast<std::uint8_t>(merged.g);
-    color[2] = static_cast<std::uint8_t>(merged.b);
-    frame.depth[at] = static_cast<std::uint32_t>(merged.z);
-    if (!frame.u.empty()) {
-      frame.u[at] = decoded(fragment.u, pipeline.texture.uv);
-      frame.v[at] = decoded(fragment.v, pipeline.texture.uv);
-      frame.triangle[at] = static_cast<std::int32_t>(fragment.triangle);
-    }
-    if (trace != nullptr) {
-      trace->fog.push_back(fogged);
-      trace->merge.push_back(merged);
-    }
+    write_fragment(frame, fragment, merged, uv_ulp);
   }
 }
 
 void clear_frame(const Pipeline& pipeline, const Scene& scene, bool winners, Frame& frame) {
-  frame.width = scene.width;
-  frame.height = scene.height;
-  const auto pixels = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height);
-  const std::array<std::uint8_t, 4> background{scene.background[0], scene.background[1], scene.background[2],
-                                               255};
-  frame.color.resize(4 * pixels);
-  for (std::size_t i = 0; i < pixels; ++i) {
-    std::memcpy(frame.color.data() + 4 * i, background.data(), 4);
-  }
-  frame.depth.assign(pixels, static_cast<std::uint32_t>(pipeline.depth.clear));
-  const std::size_t kept = winners ? pixels : 0;
-  frame.u.assign(kept, std::numeric_limits<double>::quiet_NaN());
-  frame.v.assign(kept, std::numeric_limits<double>::quiet_NaN());
-  frame.triangle.assign(kept, -1);
+  bitspan::clear_frame(frame, scene.width, scene.height, scene.background,
+                       static_cast<std::uint32_t>(pipeline.depth.clear), winners);
 }
 
 Frame cleared_frame(const Pipeline& pipeline, const Scene& scene) {

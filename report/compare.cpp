@@ -246,61 +246,6 @@ void compare_plane(const std::vector<T>& a, const std::vector<T>& b, std::size_t
 
 }  // namespace
 
-std::string_view stage_of(RecordType type) {
-  switch (type) {
-#define BITSPAN_CASE(Record, LIST, stage, member) \
-  case RecordType::member:                        \
-    return stage_name<Record>;
-    BITSPAN_RECORDS(BITSPAN_CASE)
-#undef BITSPAN_CASE
-    case RecordType::count:
-      break;
-  }
-  return "";
-}
-
-std::span<const Field> fields_of(RecordType type) {
-  switch (type) {
-#define BITSPAN_CASE(Record, LIST, stage, member) \
-  case RecordType::member:                        \
-    return fields<Record>;
-    BITSPAN_RECORDS(BITSPAN_CASE)
-#undef BITSPAN_CASE
-    case RecordType::count:
-      break;
-  }
-  return {};
-}
-
-RecordView view_of(const Trace& trace, RecordType type) {
-  RecordView view;
-  view.type = type;
-  view.stage = stage_of(type);
-  view.fields = fields_of(type);
-  switch (type) {
-#define BITSPAN_CASE(Record, LIST, stage, member)                             \
-  case RecordType::member:                                                    \
-    view.values = reinterpret_cast<const std::int64_t*>(trace.member.data()); \
-    view.records = trace.member.size();                                       \
-    break;
-    BITSPAN_RECORDS(BITSPAN_CASE)
-#undef BITSPAN_CASE
-    case RecordType::count:
-      break;
-  }
-  return view;
-}
-
-int field_index(RecordType type, std::string_view field) {
-  const auto all = fields_of(type);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (all[i].name == field) {
-      return static_cast<int>(i);
-    }
-  }
-  return -1;
-}
-
 double decode(std::int64_t raw, const Field& field, const Config& config) {
   const auto format = format_of(field, config);
   return format ? std::ldexp(static_cast<double>(raw), -format->fraction()) : static_cast<double>(raw);
@@ -454,106 +399,105 @@ void compare_counters(const Counters& reference, const Counters& other, Comparis
     }
   };
   ++into.counters.records;
-  one("triangles", reference.triangles, other.triangles);
-  one("degenerate", reference.degenerate, other.degenerate);
-  one("rows", reference.rows, other.rows);
-  one("fragments", reference.fragments, other.fragments);
-  one("covered", reference.covered, other.covered);
-  one("depth_passed", reference.depth_passed, other.depth_passed);
-  one("killed", reference.killed, other.killed);
-  one("written", reference.written, other.written);
-  one("divides_edge", reference.divides_edge, other.divides_edge);
-  one("divides_row", reference.divides_row, other.divides_row);
-  one("divides_pixel", reference.divides_pixel, other.divides_pixel);
-  one("divides_saved", reference.divides_saved, other.divides_saved);
+  for_each_counter([&](const CounterInfo& info, auto member) {
+    if (info.compared) one(info.name, reference.*member, other.*member);
+  });
 }
+
+namespace {
+
+// A record whose feeders are sought, with its place among those of its type where that is known.
+struct Fed {
+  RecordType type;
+  std::span<const std::int64_t> record;
+  std::optional<std::size_t> ordinal;
+
+  // -1 where it has no field of that name.
+  std::int64_t value(std::string_view field) const {
+    const int i = field_index(type, field);
+    return i < 0 ? -1 : record[static_cast<std::size_t>(i)];
+  }
+};
+
+// The places of the records of `feeders` in which each field named has the value of the same field of `fed`.
+std::vector<std::size_t> with_same(const RecordView& feeders, const Fed& fed,
+                                   std::initializer_list<std::string_view> fields) {
+  std::vector<std::pair<std::size_t, std::int64_t>> wanted;
+  for (const std::string_view field : fields) {
+    const int at = field_index(feeders.type, field);
+    if (at < 0) return {};
+    wanted.emplace_back(at, fed.value(field));
+  }
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < feeders.records; ++i) {
+    const auto record = feeders.record(i);
+    if (std::ranges::all_of(wanted, [&](const auto& w) { return record[w.first] == w.second; })) {
+      out.push_back(i);
+    }
+  }
+  return out;
+}
+
+// An edge_walk record's edges: the left one, and the right one where that is another.
+std::vector<std::size_t> edges_of_row(const RecordView& edges, const Fed& row) {
+  std::vector<std::size_t> out;
+  const std::vector<std::size_t> of_triangle = with_same(edges, row, {"triangle"});
+  const int at = field_index(edges.type, "edge");
+  const auto add = [&](std::int64_t edge) {
+    for (const std::size_t i : of_triangle) {
+      if (edges.record(i)[static_cast<std::size_t>(at)] == edge) out.push_back(i);
+    }
+  };
+  const std::int64_t left = row.value("l_edge");
+  const std::int64_t right = row.value("r_edge");
+  add(left);
+  if (right != left) add(right);
+  return out;
+}
+
+// The span that made the fragment of this ordinal.
+std::vector<std::size_t> span_of_fragment(const Trace& trace, std::size_t ordinal) {
+  std::size_t end = 0;
+  for (std::size_t i = 0; i < trace.span.size(); ++i) {
+    end += static_cast<std::size_t>(std::max<std::int64_t>(0, trace.span[i].count));
+    if (ordinal < end) return {i};
+  }
+  return {};
+}
+
+// The places of the records of one type that feed `fed`.
+std::vector<std::size_t> feeders_of(const Trace& trace, const RecordView& feeders, const Fed& fed) {
+  switch (row_of(feeders.type).per) {
+    case Per::scene:
+      return with_same(feeders, fed, {});
+    case Per::triangle:
+      return with_same(feeders, fed, {"triangle"});
+    case Per::edge:
+      return edges_of_row(feeders, fed);
+    case Per::row:
+      // A row of constant depth may run along y: it is found by its place, one span per row in their order.
+      if (feeders.type == RecordType::plane_row) {
+        const bool known = fed.ordinal && *fed.ordinal < feeders.records;
+        return known ? std::vector{*fed.ordinal} : std::vector<std::size_t>{};
+      }
+      if (feeders.type == RecordType::span && fed.ordinal) return span_of_fragment(trace, *fed.ordinal);
+      return with_same(feeders, fed, {"triangle", "y"});
+    case Per::pixel:
+      return with_same(feeders, fed, {"triangle", "x", "y"});
+  }
+  return {};
+}
+
+}  // namespace
 
 std::vector<RecordCopy> upstream_of(const Trace& trace, RecordType type, std::span<const std::int64_t> record,
                                     std::optional<std::size_t> ordinal) {
   std::vector<RecordCopy> out;
-  const auto value = [&](std::string_view field) {
-    const int i = field_index(type, field);
-    return i < 0 ? std::int64_t{-1} : record[static_cast<std::size_t>(i)];
-  };
-  const auto add = [&](RecordType of, std::size_t i) { out.push_back(copy_of(view_of(trace, of), i, "")); };
-  // All records of a type whose named fields have these values.
-  const auto add_where = [&](RecordType of,
-                             std::initializer_list<std::pair<std::string_view, std::int64_t>> keys) {
-    const RecordView view = view_of(trace, of);
-    for (std::size_t i = 0; i < view.records; ++i) {
-      const auto r = view.record(i);
-      const bool same = std::ranges::all_of(keys, [&](const auto& key) {
-        const int at = field_index(of, key.first);
-        return at >= 0 && r[static_cast<std::size_t>(at)] == key.second;
-      });
-      if (same) {
-        add(of, i);
-      }
+  for (const RecordType feeder : row_of(type).made_from) {
+    const RecordView feeders = view_of(trace, feeder);
+    for (const std::size_t i : feeders_of(trace, feeders, {type, record, ordinal})) {
+      out.push_back(copy_of(feeders, i, ""));
     }
-  };
-  const std::int64_t triangle = value("triangle");
-  const std::int64_t x = value("x");
-  const std::int64_t y = value("y");
-  switch (type) {
-    case RecordType::constants:
-    case RecordType::count:
-      break;
-    case RecordType::setup:
-      add_where(RecordType::constants, {});
-      break;
-    case RecordType::edge:
-    case RecordType::plane:
-      add_where(RecordType::setup, {{"triangle", triangle}});
-      break;
-    case RecordType::row: {
-      const std::int64_t left = value("l_edge");
-      const std::int64_t right = value("r_edge");
-      add_where(RecordType::edge, {{"triangle", triangle}, {"edge", left}});
-      if (right != left) {
-        add_where(RecordType::edge, {{"triangle", triangle}, {"edge", right}});
-      }
-      break;
-    }
-    case RecordType::plane_row:
-      add_where(RecordType::plane, {{"triangle", triangle}});
-      break;
-    case RecordType::span:
-      if (trace.plane_row.empty()) {
-        add_where(RecordType::row, {{"triangle", triangle}, {"y", y}});
-      } else if (ordinal && *ordinal < trace.plane_row.size()) {
-        add(RecordType::plane_row, *ordinal);  // one span a row, in the same order
-      }
-      break;
-    case RecordType::fragment:
-      if (ordinal) {
-        std::size_t end = 0;
-        for (std::size_t i = 0; i < trace.span.size(); ++i) {
-          end += static_cast<std::size_t>(std::max<std::int64_t>(0, trace.span[i].count));
-          if (*ordinal < end) {
-            add(RecordType::span, i);
-            break;
-          }
-        }
-      } else {
-        add_where(RecordType::span, {{"triangle", triangle}, {"y", y}});
-      }
-      break;
-    case RecordType::depth:
-      add_where(RecordType::fragment, {{"triangle", triangle}, {"x", x}, {"y", y}});
-      break;
-    case RecordType::texture:
-      add_where(RecordType::fragment, {{"triangle", triangle}, {"x", x}, {"y", y}});
-      add_where(RecordType::depth, {{"triangle", triangle}, {"x", x}, {"y", y}});
-      break;
-    case RecordType::fog:
-      add_where(RecordType::fragment, {{"triangle", triangle}, {"x", x}, {"y", y}});
-      add_where(RecordType::texture, {{"triangle", triangle}, {"x", x}, {"y", y}});
-      break;
-    case RecordType::merge:
-      add_where(RecordType::depth, {{"triangle", triangle}, {"x", x}, {"y", y}});
-      add_where(RecordType::texture, {{"triangle", triangle}, {"x", x}, {"y", y}});
-      add_where(RecordType::fog, {{"triangle", triangle}, {"x", x}, {"y", y}});
-      break;
   }
   return out;
 }

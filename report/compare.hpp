@@ -13,33 +13,6 @@
 
 namespace bitspan {
 
-// The record types of engine/records.hpp in the order of the pipeline.
-enum class RecordType : std::uint8_t {
-#define BITSPAN_RECORD_TYPE(Record, LIST, stage, member) member,
-  BITSPAN_RECORDS(BITSPAN_RECORD_TYPE)
-#undef BITSPAN_RECORD_TYPE
-      count
-};
-inline constexpr int record_types = static_cast<int>(RecordType::count);
-
-// All records of one type in a trace, as rows of raw values.
-struct RecordView {
-  RecordType type = RecordType::count;
-  std::string_view stage;  // "setup", "setup.edge", "edge_walk" ...
-  std::span<const Field> fields;
-  const std::int64_t* values = nullptr;
-  std::size_t records = 0;
-
-  std::span<const std::int64_t> record(std::size_t i) const {
-    return {values + i * fields.size(), fields.size()};
-  }
-};
-RecordView view_of(const Trace& trace, RecordType type);
-std::string_view stage_of(RecordType type);
-std::span<const Field> fields_of(RecordType type);
-// Position of a field in its record; -1 where the record has none of that name.
-int field_index(RecordType type, std::string_view field);
-
 // raw on format: the value, the bits as hexadecimal digits of the format's word, the field's unit.
 double decode(std::int64_t raw, const Field& field, const Config& config);
 std::string hex_of(std::int64_t raw, const Field& field, const Config& config);

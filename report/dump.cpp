@@ -68,19 +68,9 @@ std::string run_json(const Frame& frame, const Counters& counters, const Config&
   json["width"] = frame.width;
   json["height"] = frame.height;
   json["configuration"] = {{"name", config.name}, {"hash", config_hash(config)}, {"toml", to_toml(config)}};
-  json["counters"] = {{"triangles", counters.triangles},
-                      {"degenerate", counters.degenerate},
-                      {"rows", counters.rows},
-                      {"fragments", counters.fragments},
-                      {"covered", counters.covered},
-                      {"depth_passed", counters.depth_passed},
-                      {"killed", counters.killed},
-                      {"written", counters.written},
-                      {"divides_edge", counters.divides_edge},
-                      {"divides_row", counters.divides_row},
-                      {"divides_pixel", counters.divides_pixel},
-                      {"divides_saved", counters.divides_saved},
-                      {"cycles", counters.cycles}};
+  for_each_counter([&](const CounterInfo& info, auto member) {
+    json["counters"][std::string(info.name)] = counters.*member;
+  });
   json["wall_seconds"] = info.wall_seconds;
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }

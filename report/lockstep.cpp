@@ -26,16 +26,6 @@ double box_pixels(const Triangle& triangle, const Scene& scene) {
   return std::max(0.0, w) * std::max(0.0, h);
 }
 
-// Room for the records of as many fragments: the largest kinds would otherwise be moved each time they grow,
-// and a page that is not written costs nothing.
-void make_room(Trace& trace, std::size_t fragments) {
-  trace.fragment.reserve(fragments);
-  trace.depth.reserve(fragments);
-  trace.texture.reserve(fragments);
-  trace.fog.reserve(fragments);
-  trace.merge.reserve(fragments);
-}
-
 // The text of what the engine threw; empty where it did not.
 std::string draw_guarded(Engine& engine, std::span<const Triangle> batch, std::int64_t first, Trace& trace) {
   try {
@@ -89,8 +79,10 @@ LockStepResult run_lock_step(std::span<const std::unique_ptr<Engine>> engines, c
     for (std::size_t i = done; i < done + n; ++i) {
       pixels += box_pixels(scene.triangles[i], scene);
     }
-    make_room(reference, static_cast<std::size_t>(pixels));
-    make_room(other, static_cast<std::size_t>(pixels));
+    // The largest kinds of record would otherwise be moved each time they grow; a page that is not written
+    // costs nothing.
+    reference.reserve_pixels(static_cast<std::size_t>(pixels));
+    other.reserve_pixels(static_cast<std::size_t>(pixels));
     const std::span<const Triangle> batch{scene.triangles.data() + done, n};
     const auto first = static_cast<std::int64_t>(done);
     reference.clear();

@@ -6,11 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "config/rtl_timing.hpp"
+#include "engine/registry.hpp"
 #include "report/compare.hpp"
 #include "report/lockstep.hpp"
-#include "study/engines.hpp"
-#include "tb/engine_rtl.hpp"
 
 namespace bitspan {
 namespace {
@@ -23,7 +21,7 @@ bool compare(std::string_view reference, std::string_view other, std::string_vie
   text += fmt::format("{}{}: ", text.empty() ? "" : "; ", what);
   for (const Scene& scene : scenes) {
     std::vector<std::unique_ptr<Engine>> engines;
-    for (const std::string_view name : {reference, other}) engines.push_back(engine_named(name, config));
+    for (const std::string_view name : {reference, other}) engines.push_back(make_engine(name, config));
     const LockStepResult run = run_lock_step(engines, scene, {});
     const Comparison& pair = run.pairs[0];
     if (!pair.held()) {
@@ -46,7 +44,7 @@ bool compare(std::string_view reference, std::string_view other, std::string_vie
 PointCheck check_point(const Config& config, std::span<const Scene> scenes) {
   PointCheck out;
   out.held = compare("golden", "model", "model = golden", config, scenes, out.text);
-  if (!has_rtl(config)) {
+  if (!engine_runs("rtl", config)) {
     out.text += "; no RTL of this mode";
     return out;
   }

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "engine/registry.hpp"
 #include "io/png.hpp"
 #include "report/error.hpp"
 #include "report/heatmap.hpp"

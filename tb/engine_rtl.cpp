@@ -88,13 +88,11 @@ class RtlEngine final : public Engine {
       const SpanRecord modelled = model::row_to_span(pipeline_, rows_, i, counters_);
       fragments_.clear();
       model::span_to_fragments(pipeline_, modelled, geometry, fragments_, counters_);
-      if (trace != nullptr && i < result.spans.size())
-        trace->span.push_back(replaced(modelled, result.spans[i], geometry));
+      if (i < result.spans.size()) deliver(trace, replaced(modelled, result.spans[i], geometry));
       const std::span pixels = std::span(result.pixels).subspan(pixel, fragments_.size());
       replace(fragments_, modelled, pixels, geometry);
       pixel += fragments_.size();
-      if (trace != nullptr)
-        trace->fragment.insert(trace->fragment.end(), fragments_.begin(), fragments_.end());
+      deliver_all(trace, fragments_);
       // A wrong position is a difference of the record, not a write outside the frame.
       std::erase_if(fragments_, [&](const FragmentRecord& f) {
         return f.x < 0 || f.x >= frame_.width || f.y < 0 || f.y >= frame_.height;

@@ -115,21 +115,6 @@ struct Worker final : BlockSink<T> {
   }
 };
 
-void add(Counters& to, const Counters& c) {
-  to.triangles += c.triangles;
-  to.degenerate += c.degenerate;
-  to.rows += c.rows;
-  to.fragments += c.fragments;
-  to.covered += c.covered;
-  to.depth_passed += c.depth_passed;
-  to.killed += c.killed;
-  to.written += c.written;
-  to.divides_edge += c.divides_edge;
-  to.divides_row += c.divides_row;
-  to.divides_pixel += c.divides_pixel;
-  to.divides_saved += c.divides_saved;
-}
-
 std::int64_t band_rows(const Pipeline& pipeline, int threads) {
   const std::int64_t height = pipeline.edge_walk.height;
   // The scalar stages walk an edge from its start in every band.
@@ -193,7 +178,7 @@ class Drawing {
         draw_rows(worker, bands.rows(i, triangles, first_index));
       });
     }
-    for (const auto& worker : workers_) add(counters, worker->counters);
+    for (const auto& worker : workers_) counters += worker->counters;
   }
 
  private:
@@ -288,15 +273,13 @@ class Drawing {
       const SpanRecord span = row_to_span(pipeline_, worker.rows, i, counters, watch);
       worker.fragments.clear();
       span_to_fragments(pipeline_, span, geometry_of(worker.rows, i), worker.fragments, counters, watch);
-      if (trace != nullptr) {
-        trace->span.push_back(span);
-        trace->fragment.insert(trace->fragment.end(), worker.fragments.begin(), worker.fragments.end());
-      }
+      deliver(trace, span);
+      deliver_all(trace, worker.fragments);
       for (const FragmentRecord& fragment : worker.fragments) {
         if (fragment.covered == 0) continue;
-        const auto pixel = static_cast<std::size_t>(fragment.y * worker.frame->width + fragment.x);
+        const std::size_t pixel = pixel_of(*worker.frame, fragment);
         const bool passed = depth(pipeline_.depth, fragment, worker.frame->depth[pixel], z, watch);
-        if (trace != nullptr) trace->depth.push_back(z);
+        deliver(trace, z);
         if (!passed) continue;
         ++counters.depth_passed;
         if (block.size == block_size) flush();

@@ -485,10 +485,8 @@ void store_winners(const ShadeColumns<T>& columns, const FragmentBlock<T>& block
   const double ulp = std::ldexp(1.0, -uv.fraction);
   for (std::size_t i = 0; i < block.size; ++i) {
     if (columns.word[i] < 0) continue;
-    const auto at = static_cast<std::size_t>(block.pixel[i]);
-    frame.u[at] = static_cast<double>(block.u[i]) * ulp;
-    frame.v[at] = static_cast<double>(block.v[i]) * ulp;
-    frame.triangle[at] = block.triangle[i];
+    write_winner(frame, static_cast<std::size_t>(block.pixel[i]), block.u[i], block.v[i], block.triangle[i],
+                 ulp);
   }
 }
 

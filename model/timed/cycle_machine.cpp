@@ -48,10 +48,10 @@ class Source : public Clocked {
 std::unique_ptr<TimedStage> make_walk(Run& run, Fifo<TriangleItem*>& in, Fifo<RowItem*>& out) {
   const StageTiming& timing = run.timing(Stage::edge_walk);
   if (run.pipeline.const_depth_rows) {
-    return std::make_unique<WalkStage<PlaneWalk>>("plane_walk", timing, in, out, run.triangles, run.rows,
+    return std::make_unique<WalkStage<PlaneWalk>>(run.walk_name(), timing, in, out, run.triangles, run.rows,
                                                   PlaneWalk(run));
   }
-  return std::make_unique<WalkStage<EdgeWalk>>("edge_walk", timing, in, out, run.triangles, run.rows,
+  return std::make_unique<WalkStage<EdgeWalk>>(run.walk_name(), timing, in, out, run.triangles, run.rows,
                                                EdgeWalk(run));
 }
 

@@ -2,16 +2,25 @@
 // fragment back while an earlier one of its pixel is on its way to merge.
 #pragma once
 
+#include "model/timed/run.hpp"
 #include "model/timed/traffic.hpp"
-#include "model/timed/values.hpp"
 
 namespace bitspan::timed {
+
+// The values of depth for a covered fragment, for both modes; false where it is behind.
+inline bool depth_values(Run& run, FragmentItem& item) {
+  const std::uint32_t stored = run.frame.depth[run.pixel(item.fragment)];
+  const bool passed = model::depth(run.pipeline.depth, item.fragment, stored, item.depth);
+  deliver(run.trace, item.depth);
+  if (passed) ++run.counters.depth_passed;
+  return passed;
+}
 
 class DepthStage : public PipeStage<FragmentItem> {
  public:
   DepthStage(Run& run, Memory& memory, Fifo<FragmentItem*>& in, Fifo<FragmentItem*>& out)
-      : PipeStage("depth", run.timing(Stage::depth), in, &out, run.fragments, &memory, Memory::Port::depth,
-                  run.config.memory.latency),
+      : PipeStage(to_string(Stage::depth), run.timing(Stage::depth), in, &out, run.fragments, &memory,
+                  Memory::Port::depth, run.config.memory.latency),
         run_(run),
         traffic_(run) {}
 

@@ -21,7 +21,7 @@ class EdgeWalk {
     item.count = item.row.x_last - item.row.x_first + 1;
     ++run_.counters.rows;
     run_.counters.divides_edge += static_cast<std::uint64_t>(run_.pipeline.edge_walk.divides_per_row);
-    if (run_.trace != nullptr) run_.trace->row.push_back(item.row);
+    deliver(run_.trace, item.row);
     return true;
   }
 

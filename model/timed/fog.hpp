@@ -1,14 +1,20 @@
 // fog, timed.
 #pragma once
 
-#include "model/timed/values.hpp"
+#include "model/timed/run.hpp"
 
 namespace bitspan::timed {
+
+// The values of fog, for both modes.
+inline void fog_values(Run& run, FragmentItem& item) {
+  model::fog(run.pipeline.fog, item.fragment, item.texel, item.fog);
+  deliver(run.trace, item.fog);
+}
 
 class FogStage : public PipeStage<FragmentItem> {
  public:
   FogStage(Run& run, Fifo<FragmentItem*>& in, Fifo<FragmentItem*>& out)
-      : PipeStage("fog", run.timing(Stage::fog), in, &out, run.fragments), run_(run) {}
+      : PipeStage(to_string(Stage::fog), run.timing(Stage::fog), in, &out, run.fragments), run_(run) {}
 
  private:
   bool enters(FragmentItem& item) override {

@@ -1,16 +1,26 @@
 // merge, timed: reads the stored colour where it blends, writes colour and depth code.
 #pragma once
 
+#include "model/timed/run.hpp"
 #include "model/timed/traffic.hpp"
-#include "model/timed/values.hpp"
 
 namespace bitspan::timed {
+
+// The values of merge, for both modes; writes the frame.
+inline void merge_values(Run& run, FragmentItem& item) {
+  const std::uint8_t* color = run.frame.color.data() + 4 * run.pixel(item.fragment);
+  MergeRecord merged;
+  model::merge(run.pipeline.merge, item.depth, item.texel, item.fog, {color[0], color[1], color[2]}, merged);
+  write_fragment(run.frame, item.fragment, merged, run.uv_ulp);
+  ++run.counters.written;
+  deliver(run.trace, merged);
+}
 
 class MergeStage : public PipeStage<FragmentItem> {
  public:
   MergeStage(Run& run, Memory& memory, Fifo<FragmentItem*>& in)
-      : PipeStage("merge", run.timing(Stage::merge), in, nullptr, run.fragments, &memory, Memory::Port::merge,
-                  run.config.memory.latency),
+      : PipeStage(to_string(Stage::merge), run.timing(Stage::merge), in, nullptr, run.fragments, &memory,
+                  Memory::Port::merge, run.config.memory.latency),
         run_(run),
         traffic_(run) {}
 

@@ -14,7 +14,7 @@ class PlaneWalk {
     texture_ = item.triangle->texture;
     model::start_plane_walk(run_.pipeline.plane_walk, item.setup, state_);
     run_.counters.divides_edge += model::divides_per_plane;
-    if (run_.trace != nullptr) run_.trace->plane.push_back(state_.record);
+    deliver(run_.trace, state_.record);
   }
   bool finished() const { return model::finished(state_); }
   bool row(RowItem& item) {
@@ -24,7 +24,7 @@ class PlaneWalk {
     item.geometry = state_.geometry;
     ++run_.counters.rows;
     --run_.counters.divides_saved;
-    if (run_.trace != nullptr) run_.trace->plane_row.push_back(item.plane_row);
+    deliver(run_.trace, item.plane_row);
     return true;
   }
 

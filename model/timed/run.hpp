@@ -1,8 +1,10 @@
 // What the stages of one timed run share: the prepared stage functions, the frame, the counters, the trace.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string_view>
 #include <vector>
 
 #include "engine/engine.hpp"
@@ -14,12 +16,17 @@ namespace bitspan::timed {
 
 struct Run {
   Run(const Config& c, const Scene& s)
-      : config(c), scene(s), pipeline(model::make_pipeline(c, s)), frame(model::cleared_frame(pipeline, s)) {}
+      : config(c),
+        scene(s),
+        pipeline(model::make_pipeline(c, s)),
+        frame(model::cleared_frame(pipeline, s)),
+        uv_ulp(std::ldexp(1.0, -pipeline.texture.uv.fraction)) {}
 
   const Config& config;
   const Scene& scene;
   model::Pipeline pipeline;
   Frame frame;
+  double uv_ulp;  // the value of 1 in a fragment's u and v
   Counters counters;
   Trace* trace = nullptr;  // of the draw under way; may be null
   Pool<TriangleItem> triangles;
@@ -30,9 +37,7 @@ struct Run {
   std::vector<std::uint64_t> pixel_free;
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
 
-  std::size_t pixel(const FragmentRecord& fragment) const {
-    return static_cast<std::size_t>(fragment.y * frame.width + fragment.x);
-  }
+  std::size_t pixel(const FragmentRecord& fragment) const { return pixel_of(frame, fragment); }
   // The fragment's texture, null for none.
   const Texture* image(const FragmentItem& item) const {
     return item.texture < 0 ? nullptr : &scene.textures[static_cast<std::size_t>(item.texture)];
@@ -40,6 +45,10 @@ struct Run {
   void release(const FragmentRecord& fragment, std::uint64_t now) { pixel_free[pixel(fragment)] = now + 1; }
   // Bytes of a depth code in memory: 1, 2 or 4.
   std::uint64_t depth_bytes() const { return config.depth_bits <= 8 ? 1 : config.depth_bits <= 16 ? 2 : 4; }
+  // Of the stage that walks a triangle's rows in this mode.
+  std::string_view walk_name() const {
+    return pipeline.const_depth_rows ? stage_name<PlaneRecord> : stage_name<RowRecord>;
+  }
   const StageTiming& timing(Stage stage) const { return config.timing[static_cast<std::size_t>(stage)]; }
 };
 

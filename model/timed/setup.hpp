@@ -1,14 +1,33 @@
 // setup, timed: a triangle in, the same with its vertices and edges out, or nothing where it has no area.
 #pragma once
 
-#include "model/timed/values.hpp"
+#include <span>
+
+#include "model/timed/run.hpp"
 
 namespace bitspan::timed {
+
+// The values of setup, for both modes; false where the triangle has no area.
+inline bool setup_values(Run& run, TriangleItem& item) {
+  Counters& counters = run.counters;
+  ++counters.triangles;
+  if (!model::setup(run.pipeline.setup, *item.triangle, item.index, item.setup)) {
+    ++counters.degenerate;
+    return false;
+  }
+  deliver(run.trace, item.setup);
+  if (run.pipeline.const_depth_rows) return true;
+  item.edges = model::setup_edges(run.pipeline.setup, item.setup);
+  counters.divides_edge += static_cast<std::uint64_t>(item.edges.count) *
+                           static_cast<std::uint64_t>(run.pipeline.setup.divides_per_edge);
+  deliver_all(run.trace, std::span(item.edges.edge).first(static_cast<std::size_t>(item.edges.count)));
+  return true;
+}
 
 class SetupStage : public PipeStage<TriangleItem> {
  public:
   SetupStage(Run& run, Fifo<TriangleItem*>& in, Fifo<TriangleItem*>& out)
-      : PipeStage("setup", run.timing(Stage::setup), in, &out, run.triangles), run_(run) {}
+      : PipeStage(to_string(Stage::setup), run.timing(Stage::setup), in, &out, run.triangles), run_(run) {}
 
  private:
   bool enters(TriangleItem& item) override { return setup_values(run_, item); }

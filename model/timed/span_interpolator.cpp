@@ -1,6 +1,6 @@
 #include "model/timed/span_interpolator.hpp"
 
-#include "model/timed/values.hpp"
+#include "model/timed/span_values.hpp"
 
 namespace bitspan::timed {
 
@@ -12,9 +12,9 @@ SpanInterpolator::SpanInterpolator(Run& run, Fifo<RowItem*>& in, Fifo<FragmentIt
       handshake_(handshake),
       latency_(interpolator_latency(run.config)),
       timing_(latency_) {
-  span_setup_.report.name = "span_setup";
+  span_setup_.report.name = to_string(Stage::span_setup);
   span_setup_.report.fifo_capacity = in.capacity();
-  span_.report.name = "span";
+  span_.report.name = to_string(Stage::span);
 }
 
 void SpanInterpolator::clock(std::uint64_t now) {

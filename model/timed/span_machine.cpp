@@ -17,8 +17,8 @@
 // Within a clock the parts are looked at from the memory and merge upstream to the source, so that a reader
 // does not see its writer's push of the same clock; the writer leaves out its reader's pop (Level::room).
 //
-// What the records are and what they ask of the memory does not depend on the clock: Facts makes both ahead
-// of it, a span at a time.
+// What the records are and what they ask of the memory does not depend on the clock: Workload makes both
+// ahead of it, a span at a time.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -29,9 +29,9 @@
 #include <utility>
 #include <vector>
 
-#include "model/timed/facts.hpp"
 #include "model/timed/machine.hpp"
 #include "model/timed/span_interpolator_timing.hpp"
+#include "model/timed/workload.hpp"
 
 namespace bitspan::timed {
 namespace {
@@ -72,7 +72,7 @@ struct Meter {
   }
 };
 
-// A FIFO without its records: these are numbers in Facts.
+// A FIFO without its records: these are numbers in Workload.
 struct Level {
   std::uint64_t capacity = 1;
   std::uint64_t pushed = 0;
@@ -109,7 +109,7 @@ struct Entry {
   Clock ready = never;     // to leave: due and answered; `never` as long as the answers' clocks are not known
   Clock answer = 0;        // of the last read that the bus has taken
   std::uint32_t open = 0;  // of its asks: reads that the bus has not taken, writes that have not been put
-  std::uint32_t pixel = 0;  // as in FragmentFact
+  std::uint32_t pixel = 0;  // as in FragmentWork
   bool kept = false;
 
   // For the memory.
@@ -128,7 +128,7 @@ struct Pipe : Part {
   std::vector<Entry> entries;  // record n at n & mask
   std::uint64_t mask = 0;
   std::uint64_t entered = 0, left = 0;
-  std::uint32_t asks = 0;  // of the newest record, still to be put: as in FragmentFact
+  std::uint32_t asks = 0;  // of the newest record, still to be put: as in FragmentWork
   std::array<Request, 4> requests;
 
   std::uint64_t inside() const { return entered - left; }
@@ -194,34 +194,47 @@ struct Source : Part {
   std::uint64_t offered = 0;   // since begin()
 };
 
+// The stages behind span, each a pipe of fragments.
+constexpr Stage before(Stage stage) { return static_cast<Stage>(static_cast<int>(stage) - 1); }
+constexpr Stage after(Stage stage) { return static_cast<Stage>(static_cast<int>(stage) + 1); }
+constexpr Stage first_fragment_stage = after(Stage::span);
+constexpr Stage last_stage = before(Stage::count);
+constexpr std::size_t fragment_stages =
+    static_cast<std::size_t>(Stage::count) - static_cast<std::size_t>(first_fragment_stage);
+constexpr Stage fragment_stage(std::size_t i) {
+  return static_cast<Stage>(static_cast<std::size_t>(first_fragment_stage) + i);
+}
+constexpr bool has_memory(Stage stage) {
+  return stage == Stage::depth || stage == Stage::texture || stage == Stage::merge;
+}
+
 class SpanMachine final : public Machine {
  public:
   SpanMachine(const Config& config, const Scene& scene, const SystemcOptions& options)
       : Machine(config, scene, options),
-        facts_(run_),
+        workload_(run_),
         in_flight_(run_.frame.depth.size()),
         interpolator_(interpolator_latency(config)) {
-    prepare(setup_, Stage::setup, 0);
-    prepare(depth_, Stage::depth, config.memory.latency);
-    prepare(texture_, Stage::texture, config.memory.latency);
-    prepare(fog_, Stage::fog, 0);
-    prepare(merge_, Stage::merge, config.memory.latency);
+    prepare(setup_, Stage::setup);
+    for (std::size_t i = 0; i < fragment_stages; ++i) prepare(fragment_pipes_[i], fragment_stage(i));
     const auto width = static_cast<std::uint64_t>(config.memory.width_bytes);
     const auto beats = [&](std::uint64_t bytes) { return (bytes + width - 1) / width; };
-    const std::uint64_t depth_beats = beats(facts_.depth_word_bytes());
-    const std::uint64_t color_beats = beats(facts_.color_word_bytes());
-    depth_.requests.fill({depth_beats, true});
-    texture_.requests.fill({beats(static_cast<std::uint64_t>(config.memory.cache_line_bytes)), true});
-    merge_.requests = {Request{color_beats, true}, Request{color_beats, false}, Request{depth_beats, false}};
+    const std::uint64_t depth_beats = beats(workload_.depth_word_bytes());
+    const std::uint64_t color_beats = beats(workload_.color_word_bytes());
+    pipe<Stage::depth>().requests.fill({depth_beats, true});
+    pipe<Stage::texture>().requests.fill(
+        {beats(static_cast<std::uint64_t>(config.memory.cache_line_bytes)), true});
+    pipe<Stage::merge>().requests = {Request{color_beats, true}, Request{color_beats, false},
+                                     Request{depth_beats, false}};
     // A latency of at least 1 keeps a clock's askers from seeing an answer of that clock.
     bus_.latency = std::max<Clock>(static_cast<Clock>(config.memory.latency), 1);
 
     const StageTiming& walk = run_.timing(Stage::edge_walk);
-    walk_.meter.name = run_.pipeline.const_depth_rows ? "plane_walk" : "edge_walk";
+    walk_.meter.name = run_.walk_name();
     set_timing(walk_, walk, 0);
     interpolator_.in.capacity = static_cast<std::uint64_t>(run_.timing(Stage::span_setup).fifo);
-    interpolator_.setup.name = "span_setup";
-    interpolator_.span.name = "span";
+    interpolator_.setup.name = to_string(Stage::span_setup);
+    interpolator_.span.name = to_string(Stage::span);
   }
 
  private:
@@ -232,9 +245,9 @@ class SpanMachine final : public Machine {
     p.interval = static_cast<Clock>(timing.interval);
     p.capacity = (p.latency + p.interval - 1) / p.interval + static_cast<std::uint64_t>(extra);
   }
-  void prepare(Pipe& p, Stage stage, int extra) {
-    p.meter.name = bitspan::to_string(stage);
-    set_timing(p, run_.timing(stage), extra);
+  void prepare(Pipe& p, Stage stage) {
+    p.meter.name = to_string(stage);
+    set_timing(p, run_.timing(stage), has_memory(stage) ? run_.config.memory.latency : 0);
     p.entries.resize(std::bit_ceil(p.capacity));
     p.mask = p.entries.size() - 1;
   }
@@ -250,9 +263,25 @@ class SpanMachine final : public Machine {
   template <Stage stage>
   void clock_pipe(Pipe& p, Clock now);
   template <Stage stage>
-  const FragmentFact& fact_of(std::uint64_t number);
+  const FragmentWork& work_of(std::uint64_t number);
   template <Stage stage>
   Port& port();
+  template <Stage stage>
+  Pipe& pipe() {
+    if constexpr (stage == Stage::setup) {
+      return setup_;
+    } else {
+      return fragment_pipes_[static_cast<std::size_t>(stage) -
+                             static_cast<std::size_t>(first_fragment_stage)];
+    }
+  }
+  // The pipes of fragments that are due at `now`, from merge upstream.
+  template <Stage stage = last_stage>
+  void clock_fragment_pipes(Clock now) {
+    Pipe& p = pipe<stage>();
+    if (p.wake <= now) clock_pipe<stage>(p, now);
+    if constexpr (stage != first_fragment_stage) clock_fragment_pipes<before(stage)>(now);
+  }
   Clock next_wake() const;
   bool drained() const;
   // Throws where nothing has moved for too long.
@@ -261,22 +290,22 @@ class SpanMachine final : public Machine {
   }
   [[noreturn]] void give_up() const;
 
-  Facts facts_;
-  std::vector<std::uint8_t> in_flight_;      // a pixel: whether depth has to wait for it
-  std::array<std::uint32_t, 2> released_{};  // by merge and texture on the clock before
-  std::size_t releases_ = 0;                 // how many
-  std::uint32_t awaited_pixel_ = 0;          // the one depth has waited for last
+  Workload workload_;
+  std::vector<std::uint8_t> in_flight_;                    // a pixel: whether depth has to wait for it
+  std::array<std::uint32_t, fragment_stages> released_{};  // by the stages behind depth on the clock before
+  std::size_t releases_ = 0;                               // how many
+  std::uint32_t awaited_pixel_ = 0;                        // the one depth has waited for last
   Bus bus_;
   Source source_;
   Pipe setup_;
   Walk walk_;
   Interpolator interpolator_;
-  Pipe depth_, texture_, fog_, merge_;
+  std::array<Pipe, fragment_stages> fragment_pipes_;
   Clock cycles_ = 0;
 };
 
 void SpanMachine::clock_bus(Clock now) {
-  const std::array<Part*, 3> askers{&merge_, &depth_, &texture_};
+  const std::array<Part*, 3> askers{&pipe<Stage::merge>(), &pipe<Stage::depth>(), &pipe<Stage::texture>()};
   for (std::size_t i = 0; i < askers.size() && now >= bus_.free; ++i) {
     Port& port = bus_.ports[i];
     if (port.level.size() == 0) continue;
@@ -339,14 +368,14 @@ void SpanMachine::clock_walk(Clock now) {
   const bool walked = w.has_triangle && can_walk;
   if (walked) {
     w.next_entry = now + w.interval;
-    if (!facts_.has_step(w.steps)) {
-      facts_.forget({.triangles = setup_.in.popped,
-                     .steps = w.steps,
-                     .depth = depth_.in.popped,
-                     .texture = texture_.in.popped,
-                     .merge = merge_.in.popped});
+    if (!workload_.has_step(w.steps)) {
+      Workload::Read read{.triangles = setup_.in.popped, .steps = w.steps, .fragments = {}};
+      for (std::size_t i = 0; i < fragment_stages; ++i) {
+        read.fragments[static_cast<std::size_t>(fragment_stage(i))] = fragment_pipes_[i].in.popped;
+      }
+      workload_.forget(read);
     }
-    const WalkStep step = facts_.step(w.steps++);
+    const WalkStep step = workload_.step(w.steps++);
     if (step.pixels > 0) {
       w.due.push(now + w.latency);
       interpolator_.pixels.push(step.pixels);
@@ -367,13 +396,14 @@ void SpanMachine::clock_walk(Clock now) {
 void SpanMachine::clock_interpolator(Clock now) {
   Interpolator& s = interpolator_;
   const bool in_valid = s.in.size() > 0;
-  const bool out_ready = depth_.in.room(now);
+  Pipe& next_pipe = pipe<first_fragment_stage>();
+  const bool out_ready = next_pipe.in.room(now);
   if (now > s.seen) s.timing.skip(now - s.seen, s.out_ready);
   s.seen = now + 1;
   const InterpolatorClock c = s.timing.clock(in_valid, in_valid ? s.pixels.front() : 0, out_ready);
 
   if (c.deliver) {
-    if (depth_.in.push()) depth_.poke(now);
+    if (next_pipe.in.push()) next_pipe.poke(now);
     ++s.span.out;
   }
   if (c.take) {
@@ -395,7 +425,7 @@ void SpanMachine::clock_interpolator(Clock now) {
 
   // The next clock, as far as this part alone can tell.
   const bool next_valid = s.in.size() > 0;
-  s.out_ready = depth_.in.room(now + 1);
+  s.out_ready = next_pipe.in.room(now + 1);
   const std::uint64_t rest = s.timing.rest(next_valid, s.out_ready);
   if (rest == 0) {
     s.wake = now + 1;
@@ -408,18 +438,14 @@ void SpanMachine::clock_interpolator(Clock now) {
 }
 
 template <Stage stage>
-const FragmentFact& SpanMachine::fact_of(std::uint64_t number) {
-  static constexpr FragmentFact goes_on{.kept = true}, ends{.kept = false};
+const FragmentWork& SpanMachine::work_of(std::uint64_t number) {
+  static constexpr FragmentWork goes_on{.kept = true}, ends{.kept = false};
   if constexpr (stage == Stage::setup) {
-    return facts_.triangle_kept(number) ? goes_on : ends;
-  } else if constexpr (stage == Stage::depth) {
-    return facts_.depth(number);
-  } else if constexpr (stage == Stage::texture) {
-    return facts_.texture(number);
+    return workload_.triangle_kept(number) ? goes_on : ends;
   } else if constexpr (stage == Stage::fog) {
     return goes_on;
   } else {
-    return facts_.merge(number);
+    return workload_.fragment(stage, number);
   }
 }
 
@@ -434,48 +460,48 @@ Port& SpanMachine::port() {
 // As PipeStage::clock, with what DepthStage, TextureStage and MergeStage add.
 template <Stage stage>
 void SpanMachine::clock_pipe(Pipe& p, Clock now) {
-  constexpr bool has_memory = stage == Stage::depth || stage == Stage::texture || stage == Stage::merge;
-  const auto out = [&]() -> Level& {
-    if constexpr (stage == Stage::setup) return walk_.in;
-    if constexpr (stage == Stage::depth) return texture_.in;
-    if constexpr (stage == Stage::texture) return fog_.in;
-    return merge_.in;
-  };
-  const auto reader = [&]() -> Part& {
-    if constexpr (stage == Stage::setup) return walk_;
-    if constexpr (stage == Stage::depth) return texture_;
-    if constexpr (stage == Stage::texture) return fog_;
-    return merge_;
+  constexpr bool asks_memory = has_memory(stage);
+  // The part that takes this one's records, its FIFO in `in`.
+  const auto reader = [&]() -> auto& {
+    if constexpr (stage == Stage::setup) {
+      return walk_;
+    } else {
+      return pipe<after(stage)>();
+    }
   };
   const auto writer = [&]() -> Part& {
-    if constexpr (stage == Stage::setup) return source_;
-    if constexpr (stage == Stage::depth) return interpolator_;
-    if constexpr (stage == Stage::texture) return depth_;
-    if constexpr (stage == Stage::fog) return texture_;
-    return fog_;
+    if constexpr (stage == Stage::setup) {
+      return source_;
+    } else if constexpr (stage == first_fragment_stage) {
+      return interpolator_;
+    } else {
+      return pipe<before(stage)>();
+    }
   };
 
   bool moved = false;
   bool blocked = false;
   Entry& head = p.entries[p.left & p.mask];
-  bool waits = has_memory && head.waits(now);
+  bool waits = asks_memory && head.waits(now);
   Clock next = never;
 
   if (head.ready > now) {
     next = head.next(now);
   } else {
-    if (stage != Stage::merge && head.kept && !out().room(now)) {
+    bool has_room = true;
+    if constexpr (stage != last_stage) has_room = !head.kept || reader().in.room(now);
+    if (!has_room) {
       blocked = true;
     } else {
-      if constexpr (stage == Stage::merge || stage == Stage::texture) {
-        if (stage == Stage::merge || !head.kept) {
+      if constexpr (stage > Stage::depth) {
+        if (stage == last_stage || !head.kept) {
           released_[releases_++] = head.pixel;
         }
       }
       if (head.kept) {
         ++p.meter.out;
-        if constexpr (stage != Stage::merge) {
-          if (out().push()) reader().poke(now);
+        if constexpr (stage != last_stage) {
+          if (reader().in.push()) reader().poke(now);
         }
       }
       head.due = head.ready = never;
@@ -487,13 +513,13 @@ void SpanMachine::clock_pipe(Pipe& p, Clock now) {
   const bool in_valid = p.in.size() > 0;
   const bool in_interval = now < p.next_entry;
   if (in_interval) next = std::min(next, p.next_entry);
-  if (has_memory && p.asks != 0) waits = true;
+  if (asks_memory && p.asks != 0) waits = true;
   bool accepted = false;
   if (in_valid && p.asks == 0 && p.inside() < p.capacity && !in_interval) {
-    const FragmentFact& fact = fact_of<stage>(p.in.popped);
-    if (stage == Stage::depth && fact.covered && in_flight_[fact.pixel] != 0) {
+    const FragmentWork& work = work_of<stage>(p.in.popped);
+    if (stage == Stage::depth && work.covered && in_flight_[work.pixel] != 0) {
       waits = true;
-      awaited_pixel_ = fact.pixel;
+      awaited_pixel_ = work.pixel;
     } else {
       if (p.in.full()) writer().poke(now);
       p.in.pop(now);
@@ -501,15 +527,15 @@ void SpanMachine::clock_pipe(Pipe& p, Clock now) {
       p.next_entry = now + p.interval;
       Entry& entry = p.entries[p.entered++ & p.mask];
       entry.due = now + p.latency;
-      entry.ready = fact.asks == 0 ? entry.due : never;
-      entry.open = p.asks = fact.asks;
-      entry.pixel = fact.pixel;
-      entry.kept = fact.kept;
-      if (stage == Stage::depth && fact.kept) in_flight_[fact.pixel] = 1;
+      entry.ready = work.asks == 0 ? entry.due : never;
+      entry.open = p.asks = work.asks;
+      entry.pixel = work.pixel;
+      entry.kept = work.kept;
+      if (stage == Stage::depth && work.kept) in_flight_[work.pixel] = 1;
       accepted = true;
     }
   }
-  if constexpr (has_memory) {
+  if constexpr (asks_memory) {
     Port& to = port<stage>();
     if (p.asks != 0 && to.level.room(now)) {
       const Request& request = p.requests[static_cast<std::size_t>(std::countr_zero(p.asks))];
@@ -559,19 +585,14 @@ void SpanMachine::clock_pipe(Pipe& p, Clock now) {
 }
 
 Clock SpanMachine::next_wake() const {
-  Clock next = bus_.wake;
-  for (const Part* part : {static_cast<const Part*>(&source_), static_cast<const Part*>(&setup_),
-                           static_cast<const Part*>(&walk_), static_cast<const Part*>(&interpolator_),
-                           static_cast<const Part*>(&depth_), static_cast<const Part*>(&texture_),
-                           static_cast<const Part*>(&fog_), static_cast<const Part*>(&merge_)}) {
-    next = std::min(next, part->wake);
-  }
+  Clock next = std::min({bus_.wake, source_.wake, setup_.wake, walk_.wake, interpolator_.wake});
+  for (const Pipe& p : fragment_pipes_) next = std::min(next, p.wake);
   return next;
 }
 
 bool SpanMachine::drained() const {
-  return source_.to_offer == 0 && interpolator_.idle() && walk_.idle() && setup_.idle() && depth_.idle() &&
-         texture_.idle() && fog_.idle() && merge_.idle() && !bus_.waited_for();
+  return source_.to_offer == 0 && interpolator_.idle() && walk_.idle() && setup_.idle() &&
+         std::ranges::all_of(fragment_pipes_, &Pipe::idle) && !bus_.waited_for();
 }
 
 void SpanMachine::give_up() const {
@@ -583,12 +604,12 @@ void SpanMachine::give_up() const {
   tell(walk_.meter, walk_.in.size(), walk_.in.capacity);
   tell(interpolator_.setup, interpolator_.in.size(), interpolator_.in.capacity);
   tell(interpolator_.span, 0, 0);
-  for (const Pipe* p : {&depth_, &texture_, &fog_, &merge_}) tell(p->meter, p->in.size(), p->in.capacity);
+  for (const Pipe& p : fragment_pipes_) tell(p.meter, p.in.size(), p.in.capacity);
   nothing_moved(last_move_ + watchdog_clocks_, std::move(states));
 }
 
 void SpanMachine::clock_until_drained(std::span<const Triangle> triangles, std::int64_t first_index) {
-  facts_.start(triangles, first_index);
+  workload_.start(triangles, first_index);
   source_.to_offer = triangles.size();
   Clock now = cycles_;
   source_.wake = now;
@@ -597,13 +618,10 @@ void SpanMachine::clock_until_drained(std::span<const Triangle> triangles, std::
     while (releases_ > 0) {
       const std::uint32_t pixel = released_[--releases_];
       in_flight_[pixel] = 0;
-      if (pixel == awaited_pixel_) depth_.look(now);
+      if (pixel == awaited_pixel_) pipe<Stage::depth>().look(now);
     }
     if (bus_.wake <= now) clock_bus(now);
-    if (merge_.wake <= now) clock_pipe<Stage::merge>(merge_, now);
-    if (fog_.wake <= now) clock_pipe<Stage::fog>(fog_, now);
-    if (texture_.wake <= now) clock_pipe<Stage::texture>(texture_, now);
-    if (depth_.wake <= now) clock_pipe<Stage::depth>(depth_, now);
+    clock_fragment_pipes(now);
     if (interpolator_.wake <= now) clock_interpolator(now);
     if (walk_.wake <= now) clock_walk(now);
     if (setup_.wake <= now) clock_pipe<Stage::setup>(setup_, now);
@@ -621,10 +639,10 @@ void SpanMachine::clock_until_drained(std::span<const Triangle> triangles, std::
     watch(now);
   }
   // Up to here the clocks have run; each stage's state stands until the next draw call.
-  for (Meter* meter : {&setup_.meter, &walk_.meter, &interpolator_.setup, &interpolator_.span, &depth_.meter,
-                       &texture_.meter, &fog_.meter, &merge_.meter}) {
+  for (Meter* meter : {&setup_.meter, &walk_.meter, &interpolator_.setup, &interpolator_.span}) {
     meter->settle(cycles_);
   }
+  for (Pipe& p : fragment_pipes_) p.meter.settle(cycles_);
 }
 
 void SpanMachine::fill(TimedReport& report) const {
@@ -644,9 +662,9 @@ void SpanMachine::fill(TimedReport& report) const {
   add(walk_.meter, &walk_.in);
   add(interpolator_.setup, &interpolator_.in);
   add(interpolator_.span, nullptr);
-  for (const Pipe* p : {&depth_, &texture_, &fog_, &merge_}) add(p->meter, &p->in);
-  report.cache_hits = facts_.cache().hits();
-  report.cache_misses = facts_.cache().misses();
+  for (const Pipe& p : fragment_pipes_) add(p.meter, &p.in);
+  report.cache_hits = workload_.cache().hits();
+  report.cache_misses = workload_.cache().misses();
   report.memory = bus_.report;
 }
 

@@ -1,15 +1,23 @@
 // texture, timed: looks its texels up in the cache and fetches the lines that are missing.
 #pragma once
 
+#include "model/timed/run.hpp"
 #include "model/timed/traffic.hpp"
-#include "model/timed/values.hpp"
 
 namespace bitspan::timed {
+
+// The values of texture, for both modes; false where the fragment is killed.
+inline bool texture_values(Run& run, FragmentItem& item) {
+  const bool lives = model::texture(run.pipeline.texture, run.image(item), item.fragment, item.texel);
+  deliver(run.trace, item.texel);
+  if (!lives) ++run.counters.killed;
+  return lives;
+}
 
 class TextureStage : public PipeStage<FragmentItem> {
  public:
   TextureStage(Run& run, Memory& memory, Fifo<FragmentItem*>& in, Fifo<FragmentItem*>& out)
-      : PipeStage("texture", run.timing(Stage::texture), in, &out, run.fragments, &memory,
+      : PipeStage(to_string(Stage::texture), run.timing(Stage::texture), in, &out, run.fragments, &memory,
                   Memory::Port::texture, run.config.memory.latency),
         run_(run),
         line_bytes_(static_cast<std::uint64_t>(run.config.memory.cache_line_bytes)),

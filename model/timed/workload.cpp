@@ -1,4 +1,4 @@
-#include "model/timed/facts.hpp"
+#include "model/timed/workload.hpp"
 
 #include <array>
 #include <cstring>
@@ -9,7 +9,12 @@
 #include "model/simd/shade.hpp"
 #include "model/simd/spans.hpp"
 #include "model/simd/triangles.hpp"
-#include "model/timed/values.hpp"
+#include "model/timed/depth.hpp"
+#include "model/timed/fog.hpp"
+#include "model/timed/merge.hpp"
+#include "model/timed/setup.hpp"
+#include "model/timed/span_values.hpp"
+#include "model/timed/texture.hpp"
 
 namespace bitspan::timed {
 namespace {
@@ -25,19 +30,19 @@ constexpr auto span_fields = std::to_array<SpanField>(
 #undef BITSPAN_SPAN_FIELD_K
 
 // A batch of triangles ends after so many of them or of their rows; its fragments are made in slices of whole
-// spans, so that the facts stay in the cache and do not grow with a triangle's size.
+// spans, so that the workload stays in the cache and does not grow with a triangle's size.
 constexpr std::size_t batch_triangles = 256;
 constexpr std::int64_t batch_rows = 2048;
 constexpr std::int64_t slice_pixels = 4096;
 
 }  // namespace
 
-// The values by the vector form's kernels, and the facts out of what passes between these.
-class Facts::Batch final : model::BlockSink<std::int64_t> {
+// Makes the values by the vector form's kernels, and the workload from what passes between these.
+class Workload::Batch final : model::BlockSink<std::int64_t> {
  public:
-  explicit Batch(Facts& facts)
-      : facts_(facts),
-        run_(facts.run_),
+  explicit Batch(Workload& workload)
+      : workload_(workload),
+        run_(workload.run_),
         plan_(model::prepare_shade(run_.pipeline, run_.config, run_.scene)),
         triangle_kernels_(model::triangle_kernels(VectorTarget::best)),
         span_kernels_(model::span_kernels<std::int64_t>(VectorTarget::best)),
@@ -51,17 +56,16 @@ class Facts::Batch final : model::BlockSink<std::int64_t> {
 
   // A triangle set up: whether it has an area, which rows are walked.
   void set_up(const Triangle& triangle, const SetupRecord& record, bool kept) {
-    Ahead ahead;
-    ahead.kept = kept;
-    ahead.draw.texture = triangle.texture < 0 ? -1 : triangle.texture;
+    SetUpTriangle next;
+    next.kept = kept;
+    next.draw.texture = triangle.texture < 0 ? -1 : triangle.texture;
     if (kept) {
-      ahead.draw.shared =
-          !model::may_show_through(plan_, ahead.draw.texture, record.a0, record.a1, record.a2);
+      next.draw.shared = !model::may_show_through(plan_, next.draw.texture, record.a0, record.a1, record.a2);
       const model::EdgeWalkState walk = model::start_edge_walk(run_.pipeline.edge_walk, record, {});
-      ahead.y = walk.y;
-      ahead.y_end = walk.y_end;
+      next.y = walk.y;
+      next.y_end = walk.y_end;
     }
-    ahead_.push(ahead);
+    waiting_.push(next);
   }
 
   void make_rows() {
@@ -70,7 +74,7 @@ class Facts::Batch final : model::BlockSink<std::int64_t> {
     const std::size_t first = next_span_;
     while (next_step_ < steps_.size() && pixels < slice_pixels) {
       const WalkStep step = steps_[next_step_++];
-      facts_.steps_.push(step);
+      workload_.steps_.push(step);
       pixels += step.pixels;
       if (step.pixels > 0) ++next_span_;
     }
@@ -89,7 +93,7 @@ class Facts::Batch final : model::BlockSink<std::int64_t> {
   }
 
  private:
-  struct Ahead {
+  struct SetUpTriangle {
     model::SpanDraw draw;
     bool kept = false;
     std::int64_t y = 0, y_end = 0;  // as in EdgeWalkState
@@ -102,12 +106,12 @@ class Facts::Batch final : model::BlockSink<std::int64_t> {
     walks_.clear();
     std::int64_t rows = 0;
     while (draws_.size() < batch_triangles && rows < batch_rows && draws_.size() < to_draw_.size()) {
-      if (ahead_.empty()) facts_.set_up();
-      const Ahead& ahead = ahead_.front();
-      draws_.push_back(ahead.draw);
-      walks_.push_back(ahead);
-      rows += ahead.y_end - ahead.y;
-      ahead_.pop();
+      if (waiting_.empty()) workload_.set_up();
+      const SetUpTriangle& next = waiting_.front();
+      draws_.push_back(next.draw);
+      walks_.push_back(next);
+      rows += next.y_end - next.y;
+      waiting_.pop();
     }
     spans_.size = 0;
     which_.resize(draws_.size());
@@ -123,7 +127,7 @@ class Facts::Batch final : model::BlockSink<std::int64_t> {
     next_step_ = next_span_ = 0;
     std::size_t s = 0;
     for (std::size_t i = 0; i < walks_.size(); ++i) {
-      const Ahead& walk = walks_[i];
+      const SetUpTriangle& walk = walks_[i];
       if (!walk.kept) continue;
       const std::int64_t triangle = first_index_ + static_cast<std::int64_t>(i);
       for (std::int64_t y = walk.y; y < walk.y_end; ++y) {
@@ -160,12 +164,12 @@ class Facts::Batch final : model::BlockSink<std::int64_t> {
   }
   // The next fragment of the spans drawn.
   void add_depth(bool passed) {
-    FragmentFact fact;
-    fact.pixel = static_cast<std::uint32_t>(at_pixel_);
-    fact.asks = facts_.depth_traffic_.access(fact.pixel) ? 1 : 0;
-    fact.covered = true;
-    fact.kept = passed;
-    facts_.depth_.push(fact);
+    FragmentWork work;
+    work.pixel = static_cast<std::uint32_t>(at_pixel_);
+    work.asks = workload_.depth_traffic_.access(work.pixel) ? 1 : 0;
+    work.covered = true;
+    work.kept = passed;
+    workload_.of(Stage::depth).push(work);
     if (++at_pixel_ == end_pixel_) {
       ++at_span_;
       enter_span();
@@ -199,28 +203,28 @@ class Facts::Batch final : model::BlockSink<std::int64_t> {
         fragment.b = block.b[k];
         fragment.a = block.a[k];
         lives = model::texture(run_.pipeline.texture, image, fragment, texel);
-        blends = facts_.merge_traffic_.blends(texel.a);
+        blends = workload_.merge_traffic_.blends(texel.a);
       }
-      facts_.add_texture(pixel, texture, block.u[k], block.v[k], lives);
-      if (lives) facts_.add_merge(pixel, blends);
+      workload_.add_texture(pixel, texture, block.u[k], block.v[k], lives);
+      if (lives) workload_.add_merge(pixel, blends);
     }
     shade_kernels_.shade(run_.pipeline, plan_, texture, block, store_depth, run_.frame, run_.counters,
                          nullptr);
   }
 
-  Facts& facts_;
+  Workload& workload_;
   Run& run_;
   model::ShadePlan plan_;
   model::TriangleKernels triangle_kernels_;
   model::SpanKernels<std::int64_t> span_kernels_;
   model::ShadeKernels<std::int64_t> shade_kernels_;
   std::span<const Triangle> to_draw_;
-  Ring<Ahead> ahead_;  // set up, of to_draw_
+  Ring<SetUpTriangle> waiting_;  // of to_draw_
   // The batch under way.
   std::int64_t first_index_ = 0;
   std::vector<model::SpanDraw> draws_;
   std::vector<std::uint32_t> which_;  // 0, 1, ...
-  std::vector<Ahead> walks_;
+  std::vector<SetUpTriangle> walks_;
   std::vector<WalkStep> steps_;
   std::size_t next_step_ = 0, next_span_ = 0;
   model::TriangleBatch triangles_;
@@ -233,7 +237,7 @@ class Facts::Batch final : model::BlockSink<std::int64_t> {
   std::int64_t at_pixel_ = 0, end_pixel_ = 0;
 };
 
-Facts::Facts(Run& run)
+Workload::Workload(Run& run)
     : run_(run),
       edge_walk_(run),
       plane_walk_(run),
@@ -246,16 +250,16 @@ Facts::Facts(Run& run)
   }
 }
 
-Facts::~Facts() = default;
+Workload::~Workload() = default;
 
-void Facts::start(std::span<const Triangle> triangles, std::int64_t first_index) {
+void Workload::start(std::span<const Triangle> triangles, std::int64_t first_index) {
   to_set_up_ = triangles;
   index_ = first_index;
   batched_ = batch_ != nullptr && run_.trace == nullptr;
   if (batched_) batch_->start(triangles, first_index);
 }
 
-void Facts::set_up() {
+void Workload::set_up() {
   const Triangle& triangle = to_set_up_.front();
   triangle_.triangle = &triangle;
   triangle_.index = index_++;
@@ -272,7 +276,7 @@ void Facts::set_up() {
   triangles_.push(kept ? 1 : 0);
 }
 
-void Facts::make_rows() {
+void Workload::make_rows() {
   if (batched_) {
     batch_->make_rows();
   } else if (run_.pipeline.const_depth_rows) {
@@ -284,10 +288,10 @@ void Facts::make_rows() {
 
 // Some rows more: as many as keep the values' code and the clocks' code from evicting each other.
 template <class Walk>
-void Facts::make_rows(Walk& walk) {
+void Workload::make_rows(Walk& walk) {
   const std::uint64_t steps_end = steps_.end() + 64;
-  const std::uint64_t depth_end = depth_.end() + 512;
-  while (steps_.end() < steps_end && depth_.end() < depth_end) {
+  const std::uint64_t depth_end = of(Stage::depth).end() + 512;
+  while (steps_.end() < steps_end && of(Stage::depth).end() < depth_end) {
     if (!walking_) {
       while (to_walk_.empty()) {
         if (to_set_up_.empty()) return;
@@ -307,7 +311,7 @@ void Facts::make_rows(Walk& walk) {
   }
 }
 
-void Facts::make_fragments() {
+void Workload::make_fragments() {
   span_setup_values(run_, row_);
   model::SpanState state =
       model::start_span(row_.span, run_.pipeline.const_depth_rows ? &row_.geometry : nullptr);
@@ -317,48 +321,48 @@ void Facts::make_fragments() {
   }
 }
 
-void Facts::make_fragment(FragmentItem& item) {
-  FragmentFact fact;
-  fact.pixel = static_cast<std::uint32_t>(run_.pixel(item.fragment));
+void Workload::make_fragment(FragmentItem& item) {
+  FragmentWork work;
+  work.pixel = static_cast<std::uint32_t>(run_.pixel(item.fragment));
   if (item.fragment.covered != 0) {
-    fact.covered = true;
-    fact.asks = depth_traffic_.access(fact.pixel) ? 1 : 0;
-    fact.kept = depth_values(run_, item);
+    work.covered = true;
+    work.asks = depth_traffic_.access(work.pixel) ? 1 : 0;
+    work.kept = depth_values(run_, item);
   }
-  depth_.push(fact);
-  if (!fact.kept) return;
+  of(Stage::depth).push(work);
+  if (!work.kept) return;
   const bool lives = texture_values(run_, item);
-  add_texture(fact.pixel, item.texture, item.fragment.u, item.fragment.v, lives);
+  add_texture(work.pixel, item.texture, item.fragment.u, item.fragment.v, lives);
   if (!lives) return;
   fog_values(run_, item);
-  add_merge(fact.pixel, merge_traffic_.blends(item.texel.a));
+  add_merge(work.pixel, merge_traffic_.blends(item.texel.a));
   merge_values(run_, item);
 }
 
-void Facts::add_texture(std::size_t pixel, int texture, std::int64_t u, std::int64_t v, bool lives) {
-  FragmentFact fact;
-  fact.pixel = static_cast<std::uint32_t>(pixel);
-  fact.asks = static_cast<std::uint8_t>((1U << texture_traffic_.misses(texture, u, v)) - 1);
-  fact.kept = lives;
-  texture_.push(fact);
+void Workload::add_texture(std::size_t pixel, int texture, std::int64_t u, std::int64_t v, bool lives) {
+  FragmentWork work;
+  work.pixel = static_cast<std::uint32_t>(pixel);
+  work.asks = static_cast<std::uint8_t>((1U << texture_traffic_.misses(texture, u, v)) - 1);
+  work.kept = lives;
+  of(Stage::texture).push(work);
 }
 
-void Facts::add_merge(std::size_t pixel, bool blends) {
+void Workload::add_merge(std::size_t pixel, bool blends) {
   const MergeTraffic::Ask ask = merge_traffic_.access(blends, pixel);
-  FragmentFact fact;
-  fact.pixel = static_cast<std::uint32_t>(pixel);
-  fact.asks = static_cast<std::uint8_t>((ask.color_read ? 1U : 0U) | (ask.color_write ? 2U : 0U) |
+  FragmentWork work;
+  work.pixel = static_cast<std::uint32_t>(pixel);
+  work.asks = static_cast<std::uint8_t>((ask.color_read ? 1U : 0U) | (ask.color_write ? 2U : 0U) |
                                         (ask.depth_write ? 4U : 0U));
-  fact.kept = true;
-  merge_.push(fact);
+  work.kept = true;
+  of(Stage::merge).push(work);
 }
 
-void Facts::forget(const Read& read) {
+void Workload::forget(const Read& read) {
   triangles_.forget(read.triangles);
   steps_.forget(read.steps);
-  depth_.forget(read.depth);
-  texture_.forget(read.texture);
-  merge_.forget(read.merge);
+  for (std::size_t i = 0; i < fragments_.size(); ++i) {
+    if (fragments_[i].end() > 0) fragments_[i].forget(read.fragments[i]);
+  }
 }
 
 }  // namespace bitspan::timed

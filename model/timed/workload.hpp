@@ -1,8 +1,10 @@
-// What the clocks of a run have to know of its records, and no more: which triangles, rows and fragments
-// there are, where they end, what they ask of the memory. It follows from the values alone, in the order of
-// the records; so it is made here ahead of the clocks, a span at a time, and read by them at their own pace.
+// The work that the records of a run are to the stages: which triangles, rows and fragments there are, where
+// they end, what they ask of the memory. Span mode's clocks know no more of the records. The workload follows
+// from the values alone, in the order of the records; so it is made ahead of the clocks, a span at a time.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -15,9 +17,9 @@
 
 namespace bitspan::timed {
 
-// An unending sequence of which a stretch is kept. Records are numbered from 0 on, since begin().
+// An unending sequence of which a window is kept. Records are numbered from 0 on, since begin().
 template <class T>
-class Stretch {
+class Window {
  public:
   void push(const T& item) { kept_.push_back(item); }
   std::uint64_t end() const { return first_ + kept_.size(); }
@@ -42,7 +44,7 @@ struct WalkStep {
 };
 
 // A fragment in front of depth, texture or merge.
-struct FragmentFact {
+struct FragmentWork {
   std::uint32_t pixel = 0;  // index into the frame
   // Requests to put, bit 0 first. For merge, 0 reads colour, 1 writes colour, 2 writes depth; the others only
   // read.
@@ -51,10 +53,10 @@ struct FragmentFact {
   bool kept = false;     // goes on to the next stage
 };
 
-class Facts {
+class Workload {
  public:
-  explicit Facts(Run& run);
-  ~Facts();
+  explicit Workload(Run& run);
+  ~Workload();
 
   // The next draw call; the last one's triangles have all been walked. Without a trace the values come from
   // the vector form's kernels (model/simd/) where the configuration has them, else from the stage functions.
@@ -71,15 +73,15 @@ class Facts {
     while (number >= steps_.end()) make_rows();
     return steps_[number];
   }
-  // Of records that have been walked.
-  const FragmentFact& depth(std::uint64_t number) const { return depth_[number]; }
-  const FragmentFact& texture(std::uint64_t number) const { return texture_[number]; }
-  const FragmentFact& merge(std::uint64_t number) const { return merge_[number]; }
+  // Fragment `number` in front of a stage behind span; it has been walked. Where a stage takes every fragment
+  // and asks nothing of the memory (fog), nothing is kept, and there is no such number.
+  const FragmentWork& fragment(Stage stage, std::uint64_t number) const { return of(stage)[number]; }
 
   struct Read {
-    std::uint64_t triangles = 0, steps = 0, depth = 0, texture = 0, merge = 0;
+    std::uint64_t triangles = 0, steps = 0;
+    std::array<std::uint64_t, stage_count> fragments{};  // of each stage behind span
   };
-  // What each stage has read, for the facts before it to be forgotten.
+  // Forgets the work in front of what each stage has read.
   void forget(const Read& read);
 
   std::uint64_t depth_word_bytes() const { return depth_traffic_.word_bytes(); }
@@ -88,6 +90,9 @@ class Facts {
 
  private:
   class Batch;
+
+  Window<FragmentWork>& of(Stage stage) { return fragments_[static_cast<std::size_t>(stage)]; }
+  const Window<FragmentWork>& of(Stage stage) const { return fragments_[static_cast<std::size_t>(stage)]; }
 
   void set_up();
   void make_rows();
@@ -116,9 +121,9 @@ class Facts {
   DepthTraffic depth_traffic_;
   TextureTraffic texture_traffic_;
   MergeTraffic merge_traffic_;
-  Stretch<std::uint8_t> triangles_;  // kept
-  Stretch<WalkStep> steps_;
-  Stretch<FragmentFact> depth_, texture_, merge_;
+  Window<std::uint8_t> triangles_;  // kept
+  Window<WalkStep> steps_;
+  std::array<Window<FragmentWork>, stage_count> fragments_;  // of the stages behind span
 };
 
 }  // namespace bitspan::timed

@@ -1,0 +1,65 @@
+#include "engine/registry.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace bitspan {
+namespace {
+
+std::vector<EngineEntry>& entries() {
+  static std::vector<EngineEntry> list;  // filled before main()
+  return list;
+}
+
+}  // namespace
+
+RegisterEngine::RegisterEngine(const EngineEntry& entry) {
+  auto& list = entries();
+  if (std::ranges::find(list, entry.name, &EngineEntry::name) != list.end()) {
+    throw std::logic_error("two engines are named '" + std::string(entry.name) + "'");
+  }
+  list.insert(std::ranges::upper_bound(list, entry.order, {}, &EngineEntry::order), entry);
+}
+
+std::span<const EngineEntry> engines() { return entries(); }
+
+std::vector<std::string_view> engine_names() {
+  std::vector<std::string_view> names;
+  for (const EngineEntry& entry : entries()) names.push_back(entry.name);
+  return names;
+}
+
+const EngineEntry& find_engine(std::string_view name) {
+  const auto at = std::ranges::find(entries(), name, &EngineEntry::name);
+  if (at != entries().end()) return *at;
+  std::string legal;
+  for (const EngineEntry& entry : entries()) {
+    legal += (legal.empty() ? "" : ", ") + std::string(entry.name);
+  }
+  throw InputError("--engines: '" + std::string(name) + "' is no engine; legal: " + legal);
+}
+
+std::vector<std::string> parse_engines(const std::string& list) {
+  std::vector<std::string> out;
+  std::size_t from = 0;
+  while (true) {
+    const std::size_t comma = list.find(',', from);
+    const std::string name = list.substr(from, comma == std::string::npos ? comma : comma - from);
+    static_cast<void>(find_engine(name));
+    if (std::ranges::find(out, name) != out.end()) {
+      throw InputError("--engines: '" + name + "' is named twice");
+    }
+    out.push_back(name);
+    if (comma == std::string::npos) return out;
+    from = comma + 1;
+  }
+}
+
+bool engine_runs(std::string_view name, const Config& config) { return find_engine(name).runs(config); }
+
+std::unique_ptr<Engine> make_engine(std::string_view name, const Config& config,
+                                    const EngineOptions& options) {
+  return find_engine(name).make(config, options);
+}
+
+}  // namespace bitspan

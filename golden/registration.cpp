@@ -1,0 +1,25 @@
+// Makes golden and ideal known.
+#include "engine/registry.hpp"
+#include "golden/engine_golden.hpp"
+#include "golden/ideal.hpp"
+
+namespace bitspan {
+namespace {
+
+bool any(const Config& /*config*/) { return true; }
+
+const RegisterEngine golden_engine{
+    {.name = "golden",
+     .order = 1,
+     .compared = true,
+     .runs = any,
+     .make = [](const Config& c, const EngineOptions&) { return make_golden(c); }}};
+const RegisterEngine ideal_engine{
+    {.name = "ideal",
+     .order = 5,
+     .compared = false,
+     .runs = any,
+     .make = [](const Config& c, const EngineOptions&) { return make_ideal(c); }}};
+
+}  // namespace
+}  // namespace bitspan

@@ -1,0 +1,18 @@
+// Makes the engine `systemc` known.
+#include "engine/registry.hpp"
+#include "model/timed/engine_systemc.hpp"
+
+namespace bitspan {
+namespace {
+
+const RegisterEngine systemc_engine{
+    {.name = "systemc",
+     .order = 3,
+     .compared = true,
+     .runs = [](const Config&) { return true; },
+     .make = [](const Config& c, const EngineOptions&) -> std::unique_ptr<Engine> {
+       return make_systemc(c);
+     }}};
+
+}  // namespace
+}  // namespace bitspan

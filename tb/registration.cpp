@@ -1,0 +1,21 @@
+// Makes the engine `rtl` known.
+#include "config/rtl_timing.hpp"
+#include "engine/registry.hpp"
+#include "tb/engine_rtl.hpp"
+
+namespace bitspan {
+namespace {
+
+const RegisterEngine rtl_engine{
+    {.name = "rtl",
+     .order = 4,
+     .compared = true,
+     .runs = [](const Config& c) { return has_rtl(c); },
+     .make = [](const Config& c, const EngineOptions& o) -> std::unique_ptr<Engine> {
+       RtlOptions options;
+       options.stall_seed = o.stall_seed;
+       return make_rtl(c, options);
+     }}};
+
+}  // namespace
+}  // namespace bitspan

@@ -1,0 +1,139 @@
+// The table of stages against what the engines deliver: one record per what the table says, made from what it
+// says.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "engine/registry.hpp"
+#include "report/compare.hpp"
+#include "scene/random.hpp"
+#include "tests/support/test_config.hpp"
+
+namespace bitspan {
+namespace {
+
+// "model in affine": each engine that delivers records, in each mode.
+struct DrawnRun {
+  std::string name;
+  Trace trace;
+  Counters counters;
+};
+
+std::vector<DrawnRun> runs() {
+  RandomOptions options;
+  options.triangles = 25;
+  options.size_max = 60;
+  const Scene scene = random_scene(11, options);
+  std::vector<DrawnRun> out;
+  for (const EngineEntry& entry : engines()) {
+    if (!entry.compared) continue;
+    for (const Perspective mode : all_perspectives) {
+      Config config = shipped_config("depth16");
+      config.perspective = mode;
+      const auto engine = entry.make(config, {});
+      DrawnRun& run = out.emplace_back();
+      run.name = std::string(entry.name) + " in " + std::string(to_string(mode));
+      engine->begin(scene);
+      engine->draw(scene.triangles, 0, &run.trace);
+      run.counters = engine->counters();
+    }
+  }
+  return out;
+}
+
+// What tells the records of one type apart, by what there is one of them for.
+std::vector<std::string_view> identity(const StageRow& row) {
+  switch (row.per) {
+    case Per::scene:
+      return {};
+    case Per::triangle:
+      return {"triangle"};
+    case Per::edge:
+      return {"triangle", "edge"};
+    case Per::row:
+      // Rows of constant depth may run along y.
+      if (row.type == RecordType::plane_row) return {"triangle", "row"};
+      return row.type == RecordType::span ? std::vector<std::string_view>{"triangle", "x", "y"}
+                                          : std::vector<std::string_view>{"triangle", "y"};
+    case Per::pixel:
+      return {"triangle", "x", "y"};
+  }
+  return {};
+}
+
+TEST(StageTable, EnginesOfThisProgramAreKnownInTheirOrder) {
+  EXPECT_EQ(engine_names(), (std::vector<std::string_view>{"golden", "model", "systemc", "ideal"}));
+  EXPECT_FALSE(find_engine("ideal").compared);
+}
+
+TEST(StageTable, ThereIsOneRecordPerWhatItSays) {
+  for (const DrawnRun& run : runs()) {
+    for (const StageRow& row : stage_table) {
+      const RecordView view = view_of(run.trace, row.type);
+      std::set<std::vector<std::int64_t>> seen;
+      for (std::size_t i = 0; i < view.records; ++i) {
+        std::vector<std::int64_t> key;
+        for (const std::string_view field : identity(row)) {
+          const int at = field_index(row.type, field);
+          ASSERT_GE(at, 0) << row.name << " has no " << field;
+          key.push_back(view.record(i)[static_cast<std::size_t>(at)]);
+        }
+        EXPECT_TRUE(seen.insert(key).second)
+            << run.name << ": two records of " << row.name << ", the second " << i;
+      }
+    }
+    const Counters& c = run.counters;
+    const Trace& t = run.trace;
+    EXPECT_EQ(t.constants.size(), 1U);
+    EXPECT_EQ(t.setup.size(), c.triangles - c.degenerate) << run.name;
+    EXPECT_EQ(t.row.size() + t.plane_row.size(), c.rows) << run.name;
+    EXPECT_EQ(t.span.size(), c.rows) << run.name;
+    EXPECT_EQ(t.fragment.size(), c.fragments) << run.name;
+    EXPECT_EQ(t.depth.size(), c.covered) << run.name;
+    EXPECT_EQ(t.texture.size(), c.depth_passed) << run.name;
+    EXPECT_EQ(t.fog.size(), c.depth_passed - c.killed) << run.name;
+    EXPECT_EQ(t.merge.size(), c.written) << run.name;
+    EXPECT_GT(c.written, 100U) << run.name;
+  }
+}
+
+// Of every record, upstream_of finds what the table says: one record per type that the mode has, of the same
+// triangle and pixel; of edge_walk the one or two edges that the row names.
+TEST(StageTable, EachRecordIsMadeFromOnesThatThereAre) {
+  std::set<RecordType> fed;
+  for (const DrawnRun& run : runs()) {
+    for (const StageRow& row : stage_table) {
+      const RecordView view = view_of(run.trace, row.type);
+      const std::size_t step = std::max<std::size_t>(1, view.records / 40);
+      for (std::size_t i = 0; i < view.records; i += step) {
+        const auto upstream = upstream_of(run.trace, row.type, view.record(i), i);
+        for (const RecordType type : row.made_from) {
+          if (view_of(run.trace, type).records == 0) continue;  // another mode's
+          const auto n = std::ranges::count(upstream, type, &RecordCopy::type);
+          EXPECT_TRUE(n == 1 || (n == 2 && type == RecordType::edge))
+              << run.name << ": record " << i << " of " << row.name << " is made from " << n << " of "
+              << row_of(type).name;
+          if (n > 0) fed.insert(row.type);
+        }
+        for (const RecordCopy& from : upstream) {
+          for (const std::string_view field : {"triangle", "x", "y"}) {
+            const int at = field_index(row.type, field);
+            const int there = field_index(from.type, field);
+            const bool along = row_of(from.type).per == Per::row && field != "triangle";
+            if (at < 0 || there < 0 || along) continue;
+            EXPECT_EQ(view.record(i)[static_cast<std::size_t>(at)],
+                      from.values[static_cast<std::size_t>(there)]);
+          }
+        }
+      }
+    }
+  }
+  EXPECT_EQ(fed.size(), static_cast<std::size_t>(record_types) - 1) << "constants alone are made from none";
+}
+
+}  // namespace
+}  // namespace bitspan
