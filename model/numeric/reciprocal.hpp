@@ -22,6 +22,7 @@ struct ReciprocalFormats {
   Reciprocal config;
   Register output;
   bool narrow = false;  // every intermediate of approximate() fits 62 bits
+  bool operator==(const ReciprocalFormats&) const = default;
 };
 constexpr ReciprocalFormats reciprocal_formats(const Reciprocal& c, RegisterId id) {
   // Widest intermediates: the interpolation's product; nq y and y (2 - a) of a Newton step.
