@@ -101,7 +101,7 @@ void bench_kernels(const Options& options, Report& report) {
     const std::string kernel = fmt::format("span kernel, {}", config.name);
     const Series* vector = of("model, vector");
     report.goals.push_back({kernel + ", run-time formats", "plain int64, constants", vector, plain, 1.8});
-    if (model::shipped_index(config) >= 0) {
+    if (model::shipped_index(config).spans >= 0) {
       report.goals.push_back(
           {kernel + ", specialised", "plain int64, constants", of("model, specialised"), plain, 2.4});
     }

@@ -29,11 +29,11 @@ std::shared_ptr<Forms> forms_of(const SpanCase& c, bool specialised) {
   auto f = std::make_shared<Forms>();
   f->kernels = model::span_kernels<Lane>(VectorTarget::best);
   if (specialised) {
-    if (model::shipped_index(c.config) < 0) {
+    if (model::shipped_index(c.config).spans < 0) {
       throw InputError("specialised for the shipped configurations only");
     }
     f->kernels.evaluate =
-        model::shipped_span_kernels(VectorTarget::best, model::shipped_index(c.config)).evaluate;
+        model::shipped_span_kernels(VectorTarget::best, model::shipped_index(c.config).spans).evaluate;
   }
   f->spans.reserve(c.spans.size());
   f->spans.size = c.spans.size();

@@ -16,6 +16,7 @@
 #include "io/atomic_file.hpp"
 #include "model/paths.hpp"
 #include "model/simd/engine_vector.hpp"
+#include "model/simd/shipped.hpp"
 #include "report/table.hpp"
 
 namespace bitspan {
@@ -58,6 +59,14 @@ int show(const Options& options) {
   return exit_held;
 }
 
+std::string specialised_text(const Config& config) {
+  const model::ShippedIndex index = model::shipped_index(config);
+  if (index.spans >= 0 && index.shades >= 0) return "specialised (these formats are compiled in)";
+  return index.spans >= 0
+             ? "specialised (span and depth are compiled in; texture, fog and merge read formats)"
+             : "specialised (texture, fog and merge are compiled in; span and depth read formats)";
+}
+
 // Which way the engine model takes, stage by stage.
 std::string paths_text(const Config& config) {
   std::vector<std::vector<std::string>> rows{{"stage", "bits", "model computes in", "widest exact value"}};
@@ -67,7 +76,7 @@ std::string paths_text(const Config& config) {
   std::string form;
   switch (model::chosen_form(config, ModelForm::automatic)) {
     case ModelForm::specialised:
-      form = "specialised (these formats are compiled in)";
+      form = specialised_text(config);
       break;
     case ModelForm::vector:
       form = "vector (formats read at run time)";

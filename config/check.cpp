@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "config/exact.hpp"
+#include "config/keys.hpp"
 #include "config/modes.hpp"
 #include "config/names.hpp"
 
@@ -28,11 +29,29 @@ Result in_range(const std::string& key, int value, int lowest, int highest, cons
                             std::to_string(highest) + why};
 }
 
-Result power_of_two(const std::string& key, int value, int lowest, int highest) {
-  if (value >= lowest && value <= highest && std::has_single_bit(static_cast<unsigned>(value)))
+// What the table of keys says of each value alone. The limits of a format's fields hang on its sign.
+Result check_value(const Config& c, const Key& key) {
+  const Place at = place(c, key);
+  if (const auto* choice = std::get_if<Choice>(&at); choice != nullptr) {
+    if (*choice->number < choice->names.size()) return std::nullopt;
+    return Violation{key.path, "is no value of this key; legal: " + legal_values(key)};
+  }
+  if (!std::holds_alternative<int*>(at) || key.field != nullptr) return std::nullopt;
+  const Limits& limits = key.row->limits;
+  const int value = *std::get<int*>(at);
+  const int highest = limits.highest_of == nullptr ? limits.highest : limits.highest_of(c);
+  const bool zero = key.row->use.unused == Unused::zero && !is_used(c, key);
+  const int lowest = zero ? 0 : limits.lowest;
+  if (value >= lowest && value <= highest &&
+      (!limits.power_of_two || std::has_single_bit(static_cast<unsigned>(value)))) {
     return std::nullopt;
-  return Violation{key, "is " + std::to_string(value) + "; legal: a power of two, " + std::to_string(lowest) +
-                            ".." + std::to_string(highest)};
+  }
+  return Violation{key.path, "is " + std::to_string(value) + "; legal: " +
+                                 (limits.power_of_two ? "a power of two, " : "") + std::to_string(lowest) +
+                                 ".." + std::to_string(highest) + std::string(limits.unit) +
+                                 (zero                             ? " (0 where the kind does not use it)"
+                                  : key.row->use.reason == nullptr ? ""
+                                                                   : key.row->use.reason(c, key.i))};
 }
 
 Result check_format(const std::string& key, const Format& f) {
@@ -46,12 +65,6 @@ Result check_format(const std::string& key, const Format& f) {
                             std::to_string(kMaxPlaces))) {
     return v;
   }
-  if (static_cast<std::size_t>(f.rounding) >= enum_names<Rounding>.size()) {
-    return Violation{key + ".round", "is no rounding mode; legal: the seven of SystemC"};
-  }
-  if (static_cast<std::size_t>(f.overflow) >= enum_names<Overflow>.size()) {
-    return Violation{key + ".overflow", "is no overflow mode; legal: the five of SystemC"};
-  }
   if (f.overflow == Overflow::wrap_sm && !f.is_signed) {
     return Violation{
         key + ".overflow",
@@ -63,25 +76,8 @@ Result check_format(const std::string& key, const Format& f) {
 
 bool holds_one(const Format& f) { return f.integer >= (f.is_signed ? 2 : 1) && f.fraction() >= 0; }
 
-Result check_raster(const Config& c) {
-  if (auto v = in_range("raster.subpixel_bits", c.subpixel_bits, 0, 12)) return v;
-  return in_range("raster.coordinate_bits", c.coordinate_bits, 2, 24);
-}
-
 Result check_reciprocal(const std::string& key, const Reciprocal& r) {
   const bool lut = has_table(r.kind);
-  const bool newton = has_newton_steps(r.kind);
-  const std::string unused = " (0 where the kind does not use it)";
-  const auto range = [&](const char* name, int value, bool used, int lowest, int highest) {
-    return in_range(key + "." + name, value, used ? lowest : 0, highest,
-                    used ? " for " + std::string(to_string(r.kind)) : unused);
-  };
-  if (auto v = range("operand_bits", r.operand_bits, lut, 2, 60)) return v;
-  if (auto v = range("index_bits", r.index_bits, lut, 1, 12)) return v;
-  if (auto v = range("table_bits", r.table_bits, lut, 2, 40)) return v;
-  if (auto v = range("internal_bits", r.internal_bits, lut, 2, 60)) return v;
-  if (auto v = range("steps", r.steps, newton, 0, 4)) return v;
-  if (auto v = range("bits_per_cycle", r.bits_per_cycle, !lut, 1, 8)) return v;
   if (lut && r.index_bits >= r.operand_bits) {
     return Violation{key + ".index_bits", "is " + std::to_string(r.index_bits) +
                                               " with operand_bits = " + std::to_string(r.operand_bits) +
@@ -130,27 +126,15 @@ Result check_offset(const std::string& key, const StartOffset& offset, const std
 }
 
 Result check_offsets(const Config& c) {
-  using F = FormatId;
-  const bool linear_uv = has_linear_texture(c.perspective);
-  const StartOffsets& o = c.start_offset;
-  const auto check = [&c](const char* key, const StartOffset& offset, F accumulator, F kept) {
-    return check_offset(std::string("start_offset.") + key, offset,
-                        "formats." + std::string(key_of(accumulator)), c.format(accumulator),
-                        "formats." + std::string(key_of(kept)), c.format(kept));
-  };
-  if (auto v = check("edge_x", o.edge_x, F::edge_x_acc, F::edge_x)) return v;
-  if (auto v = check("edge_h", o.edge_h, F::edge_h_acc, F::edge_h)) return v;
-  if (auto v = check("edge_f", o.edge_f, F::edge_f, F::edge_f)) return v;
-  if (auto v = check("edge_shade", o.edge_shade, F::edge_shade_acc, F::edge_shade)) return v;
-  if (auto v = check_offset("start_offset.span_h", o.span_h, "formats.span.h", c.format(F::span_h), "depth.z",
-                            c.depth_format())) {
-    return v;
+  for (const OffsetRule& rule : offset_rules(c)) {
+    const std::string kept = rule.kept ? "formats." + std::string(key_of(*rule.kept)) : "depth.z";
+    if (auto v = check_offset(std::string("start_offset.") + rule.key, c.start_offset.*rule.member,
+                              "formats." + std::string(key_of(rule.accumulator)), c.format(rule.accumulator),
+                              kept, rule.kept ? c.format(*rule.kept) : c.depth_format())) {
+      return v;
+    }
   }
-  if (auto v = linear_uv ? check("span_f", o.span_f, F::span_uv_acc, F::span_uv)
-                         : check("span_f", o.span_f, F::span_f, F::span_f)) {
-    return v;
-  }
-  return check("span_shade", o.span_shade, F::span_shade_acc, F::span_shade);
+  return std::nullopt;
 }
 
 Result check_formats(const Config& c) {
@@ -194,36 +178,13 @@ Result check_formats(const Config& c) {
   return std::nullopt;
 }
 
-Result check_fog(const Config& c) {
-  if (auto v = in_range("fog.depth_bits", c.fog_depth_bits, 1, most_fog_depth_bits(c),
-                        ", and at most depth.bits")) {
-    return v;
-  }
-  return in_range("fog.zone_bits", c.fog_zone_bits, 0, most_fog_zone_bits(c),
-                  " beside " + std::to_string(c.fog_depth_bits) +
-                      " depth_bits, so that the index has at most " + std::to_string(max_fog_index_bits));
-}
-
-Result check_timing(const Config& c) {
-  for (int i = 0; i < stage_count; ++i) {
-    const StageTiming& t = c.timing[static_cast<std::size_t>(i)];
-    const std::string key = "timing." + std::string(to_string(static_cast<Stage>(i)));
-    if (auto v = in_range(key + ".latency", t.latency, 1, 1000, " clocks")) return v;
-    if (auto v = in_range(key + ".interval", t.interval, 1, 1000, " clocks")) return v;
-    if (auto v = in_range(key + ".fifo", t.fifo, 1, 65536, " records")) return v;
-  }
+Result check_memory(const Config& c) {
   const MemoryTiming& m = c.memory;
-  if (auto v = in_range("memory.latency", m.latency, 1, 10000, " clocks")) return v;
-  if (auto v = power_of_two("memory.width_bytes", m.width_bytes, 1, 1024)) return v;
-  if (auto v = power_of_two("memory.cache_line_bytes", m.cache_line_bytes, 4, 4096)) return v;
-  if (m.cache_line_bytes < m.width_bytes) {
-    return Violation{"memory.cache_line_bytes",
-                     "is " + std::to_string(m.cache_line_bytes) +
-                         ", less than one beat of the memory; legal: at least width_bytes, " +
-                         std::to_string(m.width_bytes)};
-  }
-  if (auto v = power_of_two("memory.cache_sets", m.cache_sets, 1, 65536)) return v;
-  return in_range("memory.cache_ways", m.cache_ways, 1, 64);
+  if (m.cache_line_bytes >= m.width_bytes) return std::nullopt;
+  return Violation{"memory.cache_line_bytes",
+                   "is " + std::to_string(m.cache_line_bytes) +
+                       ", less than one beat of the memory; legal: at least width_bytes, " +
+                       std::to_string(m.width_bytes)};
 }
 
 Result check_exact(const Config& c) {
@@ -240,11 +201,26 @@ Result check_exact(const Config& c) {
 
 }  // namespace
 
+std::array<OffsetRule, 7> offset_rules(const Config& c) {
+  using F = FormatId;
+  using O = StartOffsets;
+  const bool linear_uv = has_linear_texture(c.perspective);
+  return {{{"edge_x", &O::edge_x, F::edge_x_acc, F::edge_x},
+           {"edge_h", &O::edge_h, F::edge_h_acc, F::edge_h},
+           {"edge_f", &O::edge_f, F::edge_f, F::edge_f},
+           {"edge_shade", &O::edge_shade, F::edge_shade_acc, F::edge_shade},
+           {"span_h", &O::span_h, F::span_h, std::nullopt},
+           {"span_f", &O::span_f, linear_uv ? F::span_uv_acc : F::span_f, linear_uv ? F::span_uv : F::span_f},
+           {"span_shade", &O::span_shade, F::span_shade_acc, F::span_shade}}};
+}
+
 int most_fog_depth_bits(const Config& c) { return std::min(c.depth_bits, max_fog_index_bits); }
 int most_fog_zone_bits(const Config& c) { return std::min(8, max_fog_index_bits - c.fog_depth_bits); }
 
 Result first_violation(const Config& c) {
-  if (auto v = check_raster(c)) return v;
+  for (const Key& key : keys()) {
+    if (auto v = check_value(c, key)) return v;
+  }
   if (auto v = check_reciprocal("reciprocal.edge", c.edge_reciprocal)) return v;
   if (auto v = check_reciprocal("reciprocal.row", c.row_reciprocal)) return v;
   if (auto v = check_reciprocal("reciprocal.pixel", c.pixel_reciprocal)) return v;
@@ -252,16 +228,14 @@ Result first_violation(const Config& c) {
     return Violation{"reciprocal.pixel.pipelined",
                      "is false, and the span takes a pixel a clock; legal: true"};
   }
-  if (auto v = in_range("depth.bits", c.depth_bits, 8, 32)) return v;
   if (c.depth_overflow == Overflow::wrap_sm) {
     return Violation{
         "depth.overflow",
         "is SC_WRAP_SM, and the code is unsigned; legal: SC_WRAP, SC_SAT, SC_SAT_ZERO, SC_SAT_SYM"};
   }
-  if (auto v = check_fog(c)) return v;
   if (auto v = check_formats(c)) return v;
   if (auto v = check_offsets(c)) return v;
-  if (auto v = check_timing(c)) return v;
+  if (auto v = check_memory(c)) return v;
   return check_exact(c);
 }
 

@@ -1,6 +1,7 @@
 // The rules between keys, found one at a time; check_config and the reader turn a violation into InputError.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
@@ -15,6 +16,15 @@ struct Violation {
 
 // The first rule that the configuration breaks; none when it is legal.
 std::optional<Violation> first_violation(const Config& config);
+
+// What a start offset is added to, and the register that half an ulp refers to; none for the depth code.
+struct OffsetRule {
+  const char* key;
+  StartOffset StartOffsets::*member;
+  FormatId accumulator;
+  std::optional<FormatId> kept;
+};
+std::array<OffsetRule, 7> offset_rules(const Config& config);
 
 // The most bits that fog.depth_bits may have, and fog.zone_bits beside them.
 int most_fog_depth_bits(const Config& config);

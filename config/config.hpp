@@ -1,5 +1,6 @@
 // The configuration: one TOML file, read strictly, that every view takes its widths and modes from.
-// docs/configuration.md has a row a key; config/*.toml are the shipped ones, with a comment a key.
+// config/keys.cpp is the table of its keys, from which reader, writer, hash, checks and documentation follow;
+// config/*.toml are the shipped ones, with one comment per key.
 #pragma once
 
 #include <array>
@@ -10,6 +11,7 @@
 #include <string_view>
 
 #include "config/format.hpp"
+#include "config/names.hpp"
 #include "config/stages.hpp"
 
 namespace bitspan {
@@ -20,17 +22,17 @@ struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-enum class FillRule : std::uint8_t { top_left, inclusive };
-enum class EdgeWalk : std::uint8_t { exact, dda };
-enum class DdaUpdate : std::uint8_t { accumulate, multiply };
-enum class Perspective : std::uint8_t { delta_f, const_depth_rows, hyperbolic, affine };
-enum class Numerator : std::uint8_t { pixel_centre, ideal_line };
-enum class SlopeForm : std::uint8_t { divide, reciprocal };
-enum class ReciprocalKind : std::uint8_t { restoring, lut_linear, lut_newton };
-enum class DepthCode : std::uint8_t { inverse, linear, opengl };
-enum class TextureFilter : std::uint8_t { nearest, bilinear };
-enum class TextureWrap : std::uint8_t { cyclic, clamp };
-enum class FogMode : std::uint8_t { none, linear, table };
+BITSPAN_ENUM(FillRule, top_left, inclusive);
+BITSPAN_ENUM(EdgeWalk, exact, dda);
+BITSPAN_ENUM(DdaUpdate, accumulate, multiply);
+BITSPAN_ENUM(Perspective, delta_f, const_depth_rows, hyperbolic, affine);
+BITSPAN_ENUM(Numerator, pixel_centre, ideal_line);
+BITSPAN_ENUM(SlopeForm, divide, reciprocal);
+BITSPAN_ENUM(ReciprocalKind, restoring, lut_linear, lut_newton);
+BITSPAN_ENUM(DepthCode, inverse, linear, opengl);
+BITSPAN_ENUM(TextureFilter, nearest, bilinear);
+BITSPAN_ENUM(TextureWrap, cyclic, clamp);
+BITSPAN_ENUM(FogMode, none, linear, table);
 
 // One reciprocal unit R; docs/numeric-spec.md, "Reciprocal", defines each kind in the value domain.
 struct Reciprocal {
@@ -78,8 +80,12 @@ struct MemoryTiming {
   bool operator==(const MemoryTiming&) const = default;
 };
 
+// Red, green, blue; or none.
+using Color = std::optional<std::array<std::uint8_t, 3>>;
+
 inline constexpr int max_fog_index_bits = 12;
 
+// A member is no key yet: config/keys.cpp has one row per key.
 struct Config {
   std::string name;  // the file's stem; not part of the hash
 
@@ -113,7 +119,7 @@ struct Config {
   // [texture]
   TextureFilter filter = TextureFilter::nearest;
   TextureWrap wrap = TextureWrap::cyclic;
-  std::optional<std::array<std::uint8_t, 3>> transparent;  // T4: the reserved texel value
+  Color transparent;  // T4: the reserved texel value
 
   // [fog]
   FogMode fog = FogMode::table;
@@ -155,17 +161,5 @@ std::string to_toml(const Config& config);
 void check_config(const Config& config, const std::string& origin);
 // 16 hexadecimal digits over everything that determines results; the name is left out.
 std::string config_hash(const Config& config);
-
-std::string_view to_string(FillRule v);
-std::string_view to_string(EdgeWalk v);
-std::string_view to_string(DdaUpdate v);
-std::string_view to_string(Perspective v);
-std::string_view to_string(Numerator v);
-std::string_view to_string(SlopeForm v);
-std::string_view to_string(ReciprocalKind v);
-std::string_view to_string(DepthCode v);
-std::string_view to_string(TextureFilter v);
-std::string_view to_string(TextureWrap v);
-std::string_view to_string(FogMode v);
 
 }  // namespace bitspan

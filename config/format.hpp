@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "config/names.hpp"
+
 namespace bitspan {
 
 // SystemC's seven quantisation modes (IEEE 1666, 7.10.9.1), by the same names without the prefix.
@@ -31,11 +33,17 @@ enum class Overflow : std::uint8_t {
   wrap_sm,   // SC_WRAP_SM: sign-magnitude wrap, signed formats only
 };
 
-inline constexpr int rounding_modes = 7;
-inline constexpr int overflow_modes = 5;
+template <>
+inline constexpr auto enum_names<Rounding> = std::to_array<std::string_view>(
+    {"SC_RND", "SC_RND_ZERO", "SC_RND_MIN_INF", "SC_RND_INF", "SC_RND_CONV", "SC_TRN", "SC_TRN_ZERO"});
+template <>
+inline constexpr auto enum_names<Overflow> =
+    std::to_array<std::string_view>({"SC_WRAP", "SC_SAT", "SC_SAT_ZERO", "SC_SAT_SYM", "SC_WRAP_SM"});
 
-std::string_view to_string(Rounding mode);  // "SC_RND" ...
-std::string_view to_string(Overflow mode);  // "SC_WRAP" ...
+inline constexpr int rounding_modes = static_cast<int>(enum_names<Rounding>.size());
+inline constexpr int overflow_modes = static_cast<int>(enum_names<Overflow>.size());
+static_assert(rounding_modes == static_cast<int>(Rounding::trn_zero) + 1);
+static_assert(overflow_modes == static_cast<int>(Overflow::wrap_sm) + 1);
 
 struct Format {
   int word = 1;

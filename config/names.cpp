@@ -1,21 +1,6 @@
-#include "config/names.hpp"
+#include "config/format.hpp"
 
 namespace bitspan {
-
-std::string_view to_string(Rounding mode) { return enum_name(mode); }
-std::string_view to_string(Overflow mode) { return enum_name(mode); }
-std::string_view to_string(FillRule v) { return enum_name(v); }
-std::string_view to_string(EdgeWalk v) { return enum_name(v); }
-std::string_view to_string(DdaUpdate v) { return enum_name(v); }
-std::string_view to_string(Perspective v) { return enum_name(v); }
-std::string_view to_string(Numerator v) { return enum_name(v); }
-std::string_view to_string(SlopeForm v) { return enum_name(v); }
-std::string_view to_string(ReciprocalKind v) { return enum_name(v); }
-std::string_view to_string(DepthCode v) { return enum_name(v); }
-std::string_view to_string(TextureFilter v) { return enum_name(v); }
-std::string_view to_string(TextureWrap v) { return enum_name(v); }
-std::string_view to_string(FogMode v) { return enum_name(v); }
-std::string_view to_string(Stage stage) { return enum_name(stage); }
 
 namespace {
 

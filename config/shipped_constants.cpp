@@ -6,76 +6,41 @@
 #include <cstdio>
 #include <exception>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "config/config.hpp"
+#include "config/keys.hpp"
 
 namespace bitspan {
 namespace {
 
-std::string text(bool x) { return x ? "true" : "false"; }
-template <class Enum>
-std::string text(const char* type, Enum x) {
-  return fmt::format("{}{{{}}}", type, static_cast<int>(x));
+std::string truth(bool x) { return x ? "true" : "false"; }
+
+std::string text(const std::string& /*member*/, const int* v) { return fmt::format("{}", *v); }
+std::string text(const std::string& /*member*/, const bool* v) { return truth(*v); }
+std::string text(const std::string& member, const Choice& v) {
+  return fmt::format("decltype({}){{{}}}", member, *v.number);
 }
-std::string text(const Format& f) {
-  return fmt::format("Format{{{}, {}, {}, {}, {}, {}}}", f.word, f.integer, text(f.is_signed),
-                     text("Rounding", f.rounding), text("Overflow", f.overflow), text(f.overflow_expected));
+std::string text(const std::string& /*member*/, const StartOffset* v) {
+  return fmt::format("{{{}, {:a}}}", truth(v->half_ulp), v->value);
 }
-std::string text(const Reciprocal& r) {
-  return fmt::format("{{{}, {}, {}, {}, {}, {}, {}, {}, {}, {}}}", text("ReciprocalKind", r.kind),
-                     text(r.normalize), r.operand_bits, r.index_bits, r.table_bits, r.internal_bits, r.steps,
-                     r.bits_per_cycle, text(r.pipelined), text(r.output));
+std::string text(const std::string& /*member*/, const Color* v) {
+  if (!*v) return "std::nullopt";
+  return fmt::format("std::array<std::uint8_t, 3>{{{}, {}, {}}}", (**v)[0], (**v)[1], (**v)[2]);
 }
-std::string text(const StartOffset& o) { return fmt::format("{{{}, {:a}}}", text(o.half_ulp), o.value); }
+std::string text(const std::string& /*member*/, const Format* /*v*/) {
+  throw std::logic_error("a format is written by its fields");
+}
 
 // A function that returns the configuration without its name.
 std::string function(const std::string& name, const Config& c) {
   std::string out = fmt::format("constexpr Config {}() {{\n  Config c;\n", name);
-  const auto set = [&out](const char* member, const auto& value) {
-    out += fmt::format("  c.{} = {};\n", member, value);
-  };
-  set("subpixel_bits", c.subpixel_bits);
-  set("coordinate_bits", c.coordinate_bits);
-  set("fill_rule", text("FillRule", c.fill_rule));
-  set("edge_walk", text("EdgeWalk", c.edge_walk));
-  set("dda_update", text("DdaUpdate", c.dda_update));
-  set("perspective", text("Perspective", c.perspective));
-  set("numerator", text("Numerator", c.numerator));
-  set("edge_slope", text("SlopeForm", c.edge_slope));
-  set("row_slope", text("SlopeForm", c.row_slope));
-  set("edge_reciprocal", text(c.edge_reciprocal));
-  set("row_reciprocal", text(c.row_reciprocal));
-  set("pixel_reciprocal", text(c.pixel_reciprocal));
-  const StartOffsets& o = c.start_offset;
-  set("start_offset",
-      fmt::format("{{{}, {}, {}, {}, {}, {}, {}}}", text(o.edge_x), text(o.edge_h), text(o.edge_f),
-                  text(o.edge_shade), text(o.span_h), text(o.span_f), text(o.span_shade)));
-  set("depth_bits", c.depth_bits);
-  set("depth_code", text("DepthCode", c.depth_code));
-  set("depth_rounding", text("Rounding", c.depth_rounding));
-  set("depth_overflow", text("Overflow", c.depth_overflow));
-  set("filter", text("TextureFilter", c.filter));
-  set("wrap", text("TextureWrap", c.wrap));
-  if (c.transparent) {
-    const auto& t = *c.transparent;
-    set("transparent", fmt::format("std::array<std::uint8_t, 3>{{{}, {}, {}}}", t[0], t[1], t[2]));
+  for (const Key& key : keys()) {
+    const std::string member = "c." + member_of(key);
+    const std::string value = std::visit([&](const auto& v) { return text(member, v); }, place(c, key));
+    out += fmt::format("  {} = {};  // {}\n", member, value, key.path);
   }
-  set("fog", text("FogMode", c.fog));
-  set("fog_depth_bits", c.fog_depth_bits);
-  set("fog_zone_bits", c.fog_zone_bits);
-  for (std::size_t i = 0; i < c.formats.size(); ++i) {
-    out += fmt::format("  c.formats[{}] = {};  // {}\n", i, text(c.formats[i]),
-                       key_of(static_cast<FormatId>(i)));
-  }
-  for (std::size_t i = 0; i < c.timing.size(); ++i) {
-    const StageTiming& t = c.timing[i];
-    out += fmt::format("  c.timing[{}] = {{{}, {}, {}}};\n", i, t.latency, t.interval, t.fifo);
-  }
-  const MemoryTiming& m = c.memory;
-  set("memory", fmt::format("{{{}, {}, {}, {}, {}}}", m.latency, m.width_bytes, m.cache_line_bytes,
-                            m.cache_sets, m.cache_ways));
   return out + "  return c;\n}\n\n";
 }
 

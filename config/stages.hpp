@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "config/names.hpp"
+
 namespace bitspan {
 
 // Each has a section [timing.STAGE]. plane_walk takes the place of edge_walk in const_depth_rows, and its
@@ -17,9 +19,9 @@ namespace bitspan {
 enum class Stage : std::uint8_t { BITSPAN_STAGES(BITSPAN_STAGE_ENUMERATOR) count };
 inline constexpr int stage_count = static_cast<int>(Stage::count);
 inline constexpr std::array<std::string_view, stage_count> stage_names{BITSPAN_STAGES(BITSPAN_STAGE_NAME)};
+template <>
+inline constexpr auto enum_names<Stage> = stage_names;
 #undef BITSPAN_STAGE_ENUMERATOR
 #undef BITSPAN_STAGE_NAME
-
-std::string_view to_string(Stage stage);  // "setup", "edge_walk" ...
 
 }  // namespace bitspan

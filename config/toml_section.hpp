@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "config/names.hpp"
+#include "config/config.hpp"
 
 namespace bitspan {
 
@@ -54,14 +54,6 @@ class Section {
   // Strings, at least one, none of them empty or twice.
   std::vector<std::string> texts(std::string_view key, const std::string& legal) const;
   std::size_t one_of(std::string_view key, std::span<const std::string_view> names) const;
-  template <class E>
-  E name(std::string_view key) const {
-    const std::string legal = join(enum_names<E>);
-    const toml::node& node = need(key, legal);
-    if (!node.is_string()) wrong_type(key, node, "a string, one of " + legal);
-    return static_cast<E>(index_of(key, node.as_string()->get(), enum_names<E>));
-  }
-
   // The node of a key, missing keys refused.
   const toml::node& need(std::string_view key, const std::string& legal) const;
 

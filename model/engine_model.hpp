@@ -12,7 +12,7 @@ namespace bitspan {
 
 // How the model computes.
 enum class ModelForm : std::uint8_t {
-  automatic,    // specialised where a shipped configuration matches, else vector
+  automatic,    // specialised where a shipped configuration's formats match, else vector
   scalar,       // a record at a time, in the stage functions alone: the reference of the other forms
   vector,       // batches of rows and fragments, formats read at run time
   specialised,  // the same with the formats of a shipped configuration compiled in

@@ -8,6 +8,7 @@
 #include "config/shipped_configs.hpp"
 #include "model/simd/engine_vector.hpp"
 #include "model/simd/shade.hpp"
+#include "model/simd/shipped.hpp"
 #include "model/simd/spans.hpp"
 #include "model/simd/targets.hpp"
 #include "model/stages/depth.hpp"
@@ -90,12 +91,12 @@ VectorTarget best_target() {
 }
 
 ModelForm chosen_form(const Config& config, ModelForm asked) {
-  const std::string hash = config_hash(config);
-  const bool is_shipped =
-      std::ranges::any_of(shipped::all, [&](const shipped::Entry& entry) { return entry.hash == hash; });
+  const bool is_shipped = shipped_index(config).any();
   if (asked == ModelForm::specialised && !is_shipped) {
     throw InputError(
-        "the specialised form is compiled for the shipped configurations only, and this is none of them");
+        "the specialised form is compiled for the formats of the shipped configurations, and these are none "
+        "of "
+        "them");
   }
   if (asked != ModelForm::automatic) return asked;
   return vector_refusal(config) != nullptr ? ModelForm::scalar

@@ -25,7 +25,7 @@ ModelOptions model_options(const EngineOptions& options);
 VectorTarget best_target();
 
 // The form that make_model takes for the one asked for. Throws InputError where `specialised` is asked for
-// and the configuration is no shipped one.
+// and the configuration has the formats of no shipped one.
 ModelForm chosen_form(const Config& config, ModelForm asked);
 
 struct StagePath {

@@ -1,11 +1,14 @@
 #include "report/random_config.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <variant>
 
 #include "config/check.hpp"
+#include "config/keys.hpp"
 #include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 #include "engine/emit_sv.hpp"
@@ -15,13 +18,50 @@ namespace bitspan {
 namespace {
 
 constexpr int attempts = 2000;
+// Of a key to take any legal value, however seldom a scene can be drawn with it.
+constexpr double any_value = 1.0 / 16;
+// Of a key with a wide range to be at its highest: a timed run may take long then.
+constexpr double highest_value = 1.0 / 256;
 
 int between(Random& random, int low, int high) { return static_cast<int>(random.integer(low, high)); }
 
-Rounding any_rounding(Random& random) { return static_cast<Rounding>(random.integer(0, rounding_modes - 1)); }
+template <class E>
+E any_name(Random& random) {
+  return static_cast<E>(random.integer(0, static_cast<std::int64_t>(enum_names<E>.size()) - 1));
+}
 
 Overflow any_overflow(Random& random, bool is_signed) {
-  return static_cast<Overflow>(random.integer(0, overflow_modes - (is_signed ? 1 : 2)));
+  const auto overflow = any_name<Overflow>(random);
+  return !is_signed && overflow == Overflow::wrap_sm ? Overflow::wrap : overflow;
+}
+
+// Any value of the row. Wide ranges: mostly of their first 64 values, and both ends.
+int any_integer(Random& random, const Config& c, const Limits& limits) {
+  const int highest = limits.highest_of == nullptr ? limits.highest : limits.highest_of(c);
+  if (limits.power_of_two) {
+    return 1 << between(random, std::countr_zero(static_cast<unsigned>(limits.lowest)),
+                        std::countr_zero(static_cast<unsigned>(highest)));
+  }
+  if (highest - limits.lowest < 64) return between(random, limits.lowest, highest);
+  if (random.chance(highest_value)) return highest;
+  return limits.lowest - 1 + static_cast<int>(random.log_uniform(1, 64));
+}
+
+// What the table alone says; formats are drawn when all else is known.
+void draw_value(Random& random, const Config& c, const Key& key, const Place& to) {
+  if (const auto* integer = std::get_if<int*>(&to)) {
+    **integer = any_integer(random, c, key.row->limits);
+  } else if (const auto* truth = std::get_if<bool*>(&to)) {
+    **truth = random.chance(0.5);
+  } else if (const auto* choice = std::get_if<Choice>(&to)) {
+    *choice->number =
+        static_cast<std::uint8_t>(random.integer(0, static_cast<std::int64_t>(choice->names.size()) - 1));
+  } else if (const auto* offset = std::get_if<StartOffset*>(&to)) {
+    **offset = {random.chance(0.25), 0.0};
+  } else if (const auto* color = std::get_if<Color*>(&to)) {
+    **color = std::nullopt;
+    if (random.chance(0.5)) **color = {{255, 0, 255}};
+  }
 }
 
 // Formats whose width follows from others or which a scene must fit for it to be drawn at all.
@@ -36,128 +76,125 @@ bool keeps_integer(FormatId id) {
          id == FormatId::plane_k;
 }
 
-// Whether a format's unit has depth codes in it: its integer bits follow depth.bits.
-bool follows_depth(FormatId id) {
-  return unit_of(id).find("depth code") != std::string_view::npos || id == FormatId::depth_c1 ||
-         id == FormatId::depth_c0;
+// How many of the bits of depth.bits a format's integer bits hold.
+int depth_powers(FormatId id) {
+  if (id == FormatId::depth_c1) return 2;
+  return unit_of(id).find("depth code") != std::string_view::npos || id == FormatId::depth_c0 ? 1 : 0;
 }
 
-void change_format(Random& random, FormatId id, Format& f) {
+// wider: bits that depth.bits has more than the base; dropped: fraction bits that go in return, which keeps
+// the precision of h + B.
+void follow_depth(FormatId id, Format& f, int wider, int dropped) {
+  const int powers = depth_powers(id);
+  const int most = f.is_signed ? 64 : 63;
+  f.integer = std::min(f.integer + powers * wider, 63);
+  f.word = std::clamp(f.word + powers * (wider - dropped), std::max(1, f.integer - 62), most);
+}
+
+void change_format(Random& random, FormatId id, Format& f, bool for_scenes) {
   if (id == FormatId::merge_color) {
-    f.rounding = any_rounding(random);
+    f.rounding = any_name<Rounding>(random);
     return;
   }
-  if (random.chance(0.6)) {
-    const int delta = between(random, keeps_range(id) ? 0 : -4, 3);
-    if (f.word + delta >= 1) {
-      f.word += delta;  // fraction bits
-    }
-  }
-  if (random.chance(0.6)) {
-    f.rounding = any_rounding(random);
-  }
-  if (keeps_range(id)) {
+  if (random.chance(any_value / 16)) {  // any shape
+    f.is_signed = random.chance(0.5);
+    f.integer = between(random, -32, 64);
+    f.word = between(random, 1, f.is_signed ? 64 : 63);
+    if (random.chance(0.5)) f.word = random.chance(0.5) ? 1 : f.is_signed ? 64 : 63;
+    if (random.chance(0.5)) f.integer = std::clamp(random.chance(0.5) ? -32 : 64, f.word - 64, f.word + 32);
+    if (!f.is_signed && f.overflow == Overflow::wrap_sm) f.overflow = Overflow::wrap;
+    f.overflow_expected = true;
     return;
   }
+  const bool keeps = for_scenes && keeps_range(id);
+  if (random.chance(0.6)) {
+    const int delta = between(random, keeps ? 0 : -4, 3);  // fraction bits
+    if (f.word + delta >= 1) f.word = std::min(f.word + delta, f.is_signed ? 64 : 63);
+  }
+  if (random.chance(0.6)) f.rounding = any_name<Rounding>(random);
+  if (keeps) return;
   f.overflow_expected = true;
-  if (!keeps_integer(id) && random.chance(0.25)) {
-    const int delta = between(random, -2, 2);
-    if (f.word + delta >= 1) {
+  if (!for_scenes && id != FormatId::setup_b && !keeps_integer(id) && random.chance(0.2)) {
+    f.is_signed = !f.is_signed;
+    f.overflow = any_overflow(random, f.is_signed);
+  }
+  if (!keeps_integer(id) && random.chance(for_scenes ? 0.25 : 0.7)) {
+    const int delta = between(random, for_scenes ? -2 : -3, 2);
+    if (f.word + delta >= 1 && f.word + delta <= 63) {
       f.word += delta;
       f.integer += delta;
     }
   }
-  if (random.chance(0.4)) {
-    f.overflow = any_overflow(random, f.is_signed);
-  }
+  if (random.chance(0.4)) f.overflow = any_overflow(random, f.is_signed);
 }
 
-void change_unit(Random& random, Reciprocal& unit, bool may_denormalise) {
-  unit.kind = static_cast<ReciprocalKind>(random.integer(0, 2));
-  unit.normalize = !may_denormalise || random.chance(0.75);
-  const bool lut = has_table(unit.kind);
-  unit.index_bits = lut ? between(random, 2, 9) : 0;
-  unit.operand_bits = lut ? unit.index_bits + between(random, 1, 12) : 0;
-  unit.table_bits = lut ? between(random, 6, 22) : 0;
-  unit.internal_bits = lut ? between(random, 8, 26) : 0;
-  unit.steps = has_newton_steps(unit.kind) ? between(random, 0, 3) : 0;
-  unit.bits_per_cycle = lut ? 1 : between(random, 1, 4);
-  unit.pipelined = random.chance(0.7);
+// The kind, normalisation, steps and so on are drawn; these are the widths that go together.
+void change_unit(Random& random, Reciprocal& unit) {
+  if (!random.chance(any_value)) {
+    unit.index_bits = between(random, 2, 9);
+    unit.operand_bits = unit.index_bits + between(random, 1, 12);
+    unit.table_bits = between(random, 6, 22);
+    unit.internal_bits = between(random, 8, 26);
+  } else {
+    unit.operand_bits = between(random, 2, 60);
+    if (random.chance(0.25)) unit.operand_bits = random.chance(0.5) ? 2 : 60;
+    unit.index_bits = std::min(unit.index_bits, unit.operand_bits - 1);
+    unit.table_bits = between(random, 2, 40);
+    unit.internal_bits = between(random, 2, 60);
+    if (random.chance(0.25)) unit.internal_bits = random.chance(0.5) ? 2 : 60;
+  }
+  if (random.chance(0.5)) unit.normalize = true;
   unit.output.is_signed = false;
   if (unit.normalize) {
-    const int fraction = between(random, 8, 24);
     unit.output.integer = 1;
-    unit.output.word = 1 + fraction;
+    unit.output.word = 1 + between(random, 8, 24);
   } else {
     unit.output.integer = between(random, 0, 2);
     unit.output.word = unit.output.integer + between(random, 18, 34);
   }
-  unit.output.rounding = any_rounding(random);
+  if (random.chance(any_value)) unit.output.word = unit.output.integer + between(random, 1, 62);
+  unit.output.rounding = any_name<Rounding>(random);
   unit.output.overflow = any_overflow(random, false);
   unit.output.overflow_expected = true;
 }
 
 // A number is a multiple of half an ulp of the accumulator it is added to.
 void change_offset(Random& random, StartOffset& offset, const Format& accumulator) {
-  const double half_ulp = std::ldexp(0.5, -accumulator.fraction());
-  switch (random.integer(0, 3)) {
-    case 0:
-      offset = {true, 0.0};
-      break;
-    case 1:
-      offset = {false, half_ulp * static_cast<double>(random.integer(-9, 9))};
-      break;
-    default:
-      offset = {};
-  }
+  if (offset.half_ulp || random.chance(0.6)) return;
+  offset.value = std::ldexp(static_cast<double>(random.integer(-9, 9)), -accumulator.fraction() - 1);
 }
 
-Config draw(Random& random, std::span<const Config> bases) {
+Config draw(Random& random, std::span<const Config> bases, const RandomConfigOptions& options) {
   Config c = bases[static_cast<std::size_t>(random.integer(0, static_cast<std::int64_t>(bases.size()) - 1))];
-  c.subpixel_bits = between(random, 0, 8);
-  c.fill_rule = random.chance(0.7) ? FillRule::top_left : FillRule::inclusive;
-  c.edge_walk = random.chance(0.6) ? EdgeWalk::exact : EdgeWalk::dda;
-  c.dda_update = random.chance(0.5) ? DdaUpdate::accumulate : DdaUpdate::multiply;
-  c.perspective = static_cast<Perspective>(random.integer(0, 3));
-  c.numerator = random.chance(0.5) ? Numerator::pixel_centre : Numerator::ideal_line;
-  c.edge_slope = random.chance(0.5) ? SlopeForm::divide : SlopeForm::reciprocal;
-  c.row_slope = random.chance(0.3) ? SlopeForm::divide : SlopeForm::reciprocal;
-  const int depth_before = c.depth_bits;
-  c.depth_bits = between(random, 8, 24);
-  c.depth_code = static_cast<DepthCode>(random.integer(0, 2));
-  c.depth_rounding = any_rounding(random);
-  c.depth_overflow = any_overflow(random, false);
-  c.filter = random.chance(0.5) ? TextureFilter::nearest : TextureFilter::bilinear;
-  c.wrap = random.chance(0.5) ? TextureWrap::cyclic : TextureWrap::clamp;
-  c.transparent.reset();
-  if (random.chance(0.5)) {
-    c.transparent = {255, 0, 255};
+  const int base_depth_bits = c.depth_bits;
+  for (const Key& key : entries()) draw_value(random, c, key, place(c, key));
+
+  // What must fit something else, or seldom can be drawn.
+  if (c.coordinate_bits < options.least_coordinate_bits) {
+    c.coordinate_bits = between(random, options.least_coordinate_bits, 24);
   }
-  c.fog = static_cast<FogMode>(random.integer(0, 2));
+  if (options.rtl_only) {
+    c.perspective = random.chance(0.6) ? Perspective::delta_f : Perspective::const_depth_rows;
+  }
+  if (c.depth_overflow == Overflow::wrap_sm) c.depth_overflow = Overflow::wrap;
+  if (random.chance(0.5)) {
+    c.depth_bits = between(random, 8, 24);
+    c.fog_depth_bits = std::min(c.fog_depth_bits, c.depth_bits);
+  }
+  c.memory.cache_line_bytes = std::max(c.memory.cache_line_bytes, c.memory.width_bytes);
+  const int wider = c.depth_bits - base_depth_bits;
+  const int dropped = wider <= 0 ? 0 : between(random, c.depth_bits > 24 ? wider / 2 : 0, wider);
   for (int i = 0; i < format_count; ++i) {
     const auto id = static_cast<FormatId>(i);
-    Format& f = c.format(id);
-    if (follows_depth(id)) {
-      f.integer += c.depth_bits - depth_before;
-      f.word += c.depth_bits - depth_before;
-    }
-    change_format(random, id, f);
+    follow_depth(id, c.format(id), wider, dropped);
+    change_format(random, id, c.format(id), options.for_scenes);
   }
-  change_unit(random, c.edge_reciprocal, true);
-  change_unit(random, c.row_reciprocal, true);
-  change_unit(random, c.pixel_reciprocal, true);
+  for (Reciprocal* unit : {&c.edge_reciprocal, &c.row_reciprocal, &c.pixel_reciprocal}) {
+    change_unit(random, *unit);
+  }
   c.pixel_reciprocal.pipelined = true;
-  change_offset(random, c.start_offset.edge_x, c.format(FormatId::edge_x_acc));
-  change_offset(random, c.start_offset.edge_h, c.format(FormatId::edge_h_acc));
-  change_offset(random, c.start_offset.edge_f, c.format(FormatId::edge_f));
-  change_offset(random, c.start_offset.edge_shade, c.format(FormatId::edge_shade_acc));
-  change_offset(random, c.start_offset.span_h, c.format(FormatId::span_h));
-  const bool linear = has_linear_texture(c.perspective);
-  change_offset(random, c.start_offset.span_f, c.format(linear ? FormatId::span_uv_acc : FormatId::span_f));
-  change_offset(random, c.start_offset.span_shade, c.format(FormatId::span_shade_acc));
-  if (random.chance(0.5)) {
-    c.fog_depth_bits = between(random, 1, most_fog_depth_bits(c));
-    c.fog_zone_bits = between(random, 0, most_fog_zone_bits(c));
+  for (const OffsetRule& rule : offset_rules(c)) {
+    change_offset(random, c.start_offset.*rule.member, c.format(rule.accumulator));
   }
   return c;
 }
@@ -182,10 +219,15 @@ bool is_legal(const Config& config, const RandomConfigOptions& options) {
 
 }  // namespace
 
+Config draw_config(std::uint64_t seed, std::span<const Config> bases, const RandomConfigOptions& options) {
+  Random random(seed);
+  return draw(random, bases, options);
+}
+
 Config random_config(std::uint64_t seed, std::span<const Config> bases, const RandomConfigOptions& options) {
   Random random(seed);
   for (int i = 0; i < attempts; ++i) {
-    Config config = draw(random, bases);
+    Config config = draw(random, bases, options);
     if (is_legal(config, options)) {
       config.name = "random-" + std::to_string(seed);
       return config;

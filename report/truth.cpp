@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "config/keys.hpp"
+
 namespace bitspan {
 namespace {
 
@@ -18,15 +20,9 @@ bool edge_near(const IdealTriangle& t, int edge, std::int64_t y) {
 
 Config truth_config(const Config& config) {
   Config out;
-  out.subpixel_bits = config.subpixel_bits;
-  out.coordinate_bits = config.coordinate_bits;
-  out.fill_rule = config.fill_rule;
-  out.depth_bits = config.depth_bits;
-  out.depth_code = config.depth_code;
-  out.filter = config.filter;
-  out.wrap = config.wrap;
-  out.transparent = config.transparent;
-  out.fog = config.fog;
+  for (const Key& key : keys()) {
+    if ((affected(key) & affects::ideal) != 0) copy_value(config, out, key);
+  }
   return out;
 }
 

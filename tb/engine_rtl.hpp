@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "config/modes.hpp"
 #include "engine/engine.hpp"
 #include "tb/rtl_abi.hpp"
 
@@ -21,7 +22,7 @@ inline constexpr std::uint64_t rtl_span_fields = 0 BITSPAN_RTL_SPAN(BITSPAN_COUN
 // In delta_f step_o is always 0, and a fragment's y is its row's.
 inline std::uint64_t rtl_fragment_fields(const Config& config) {
   constexpr std::uint64_t ports = 0 BITSPAN_RTL_PIXEL(BITSPAN_COUNT_PORT);
-  return config.perspective == Perspective::const_depth_rows ? ports : ports - 1;
+  return has_plane_rows(config.perspective) ? ports : ports - 1;
 }
 #undef BITSPAN_COUNT_PORT
 

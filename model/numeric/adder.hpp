@@ -11,6 +11,7 @@ struct Adder {
   Register acc;
   int acc_up = 0, step_up = 0, fraction = 0;
   bool fits_int64 = false;  // the sum fits 64 bits
+  bool operator==(const Adder&) const = default;
 };
 constexpr Adder make_adder(const Register& acc, const Register& step) {
   const int fraction = std::max(acc.fraction, step.fraction);

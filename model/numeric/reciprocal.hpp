@@ -23,6 +23,7 @@ struct ReciprocalFormats {
   Reciprocal config;
   Register output;
   bool fits_int64 = false;  // every intermediate of approximate() fits 62 bits
+  bool operator==(const ReciprocalFormats&) const = default;
 };
 // Bits of the widest intermediate of a unit with a table, and of its result.
 constexpr int widest_bits(const Reciprocal& c) {

@@ -54,6 +54,7 @@ struct Register {
   RegisterId id = RegisterId::count;
   int word = 1;
   bool is_signed = false;
+  bool operator==(const Register&) const = default;
 };
 
 constexpr Register make_register(const Format& f, RegisterId id = RegisterId::count) {

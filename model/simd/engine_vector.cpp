@@ -132,7 +132,7 @@ std::int64_t band_rows(const Pipeline& pipeline, int threads) {
 template <class T>
 class Drawing {
  public:
-  Drawing(const Pipeline& pipeline, const ShadePlan& plan, const ModelOptions& options, int shipped)
+  Drawing(const Pipeline& pipeline, const ShadePlan& plan, const ModelOptions& options, ShippedIndex shipped)
       : pipeline_(pipeline),
         plan_(plan),
         triangles_(triangle_kernels(options.target)),
@@ -143,11 +143,13 @@ class Drawing {
         whole_(pipeline.setup.coordinate, pipeline.edge_walk.height, pipeline.edge_walk.height),
         arena_(options.threads) {
     if constexpr (sizeof(T) == sizeof(std::int32_t)) {
-      if (specialises && shipped >= 0) {
-        const SpanKernels<T> spans = shipped_span_kernels(options.target, shipped);
+      if (specialises && shipped.spans >= 0) {
+        const SpanKernels<T> spans = shipped_span_kernels(options.target, shipped.spans);
         spans_.draw = spans.draw;
         spans_.evaluate = spans.evaluate;
-        shade_.shade = shipped_shade_kernels(options.target, shipped).shade;
+      }
+      if (specialises && shipped.shades >= 0) {
+        shade_.shade = shipped_shade_kernels(options.target, shipped.shades).shade;
       }
     }
     for (auto& worker : workers_) worker = std::make_unique<Worker<T>>();
@@ -306,11 +308,12 @@ class VectorModel {
   VectorModel(const Config& config, const ModelOptions& options)
       : config_(config),
         options_(options),
-        shipped_(options.form == ModelForm::vector ? -1 : shipped_index(config)) {
-    if (options.form == ModelForm::specialised && shipped_ < 0) {
+        shipped_(options.form == ModelForm::vector ? ShippedIndex{} : shipped_index(config)) {
+    if (options.form == ModelForm::specialised && !shipped_.any()) {
       throw InputError(
           "configuration '" + config.name +
-          "': only the shipped configurations have a specialised form, and this is none of them");
+          "': the specialised form is compiled for the formats of the shipped configurations, and these are "
+          "none of them");
     }
   }
 
@@ -340,7 +343,7 @@ class VectorModel {
           std::make_unique<Drawing<std::int32_t>>(pipeline_, plan_, options_, shipped_));
     } else {
       drawing_.template emplace<std::unique_ptr<Drawing<std::int64_t>>>(
-          std::make_unique<Drawing<std::int64_t>>(pipeline_, plan_, options_, -1));
+          std::make_unique<Drawing<std::int64_t>>(pipeline_, plan_, options_, ShippedIndex{}));
     }
   }
 
@@ -392,7 +395,7 @@ class VectorModel {
 
   Config config_;
   ModelOptions options_;
-  int shipped_;
+  ShippedIndex shipped_;
   const Scene* scene_ = nullptr;
   std::optional<SceneKey> key_;
   Pipeline pipeline_;

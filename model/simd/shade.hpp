@@ -21,6 +21,7 @@ struct ShadeFormats {
   TextureStage texture;
   FogFormats fog;
   MergeStage merge;
+  bool operator==(const ShadeFormats&) const = default;
 };
 constexpr ShadeFormats shade_formats(const Config& config) {
   return {prepare_texture(config), fog_formats(config), prepare_merge(config)};

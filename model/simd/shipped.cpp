@@ -1,8 +1,8 @@
 #include "model/simd/shipped.hpp"
 
-#include <string>
 #include <utility>
 
+#include "config/keys.hpp"
 #include "config/shipped_configs.hpp"
 #include "model/simd/targets.hpp"
 
@@ -57,12 +57,18 @@ namespace bitspan::model {
 HWY_EXPORT(shipped_spans);
 HWY_EXPORT(shipped_shades);
 
-int shipped_index(const Config& config) {
-  const std::string hash = config_hash(config);
+ShippedIndex shipped_index(const Config& config) {
+  // No kernel reads a value that its kind of reciprocal does not use.
+  const Config used = used_part(config);
+  ShippedIndex out;
   for (std::size_t i = 0; i < shipped::all.size(); ++i) {
-    if (shipped::all[i].hash == hash) return static_cast<int>(i);
+    const Config candidate = used_part(shipped::all[i].make());
+    if (span_formats(candidate) == span_formats(used) && depth_formats(candidate) == depth_formats(used)) {
+      out.spans = static_cast<int>(i);
+    }
+    if (shade_formats(candidate) == shade_formats(used)) out.shades = static_cast<int>(i);
   }
-  return -1;
+  return out;
 }
 
 SpanKernels<std::int32_t> shipped_span_kernels(VectorTarget target, int index) {

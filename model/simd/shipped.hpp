@@ -17,8 +17,13 @@ inline constexpr bool specialises = false;
 inline constexpr bool specialises = true;
 #endif
 
-// Which shipped configuration this is, whatever its name; -1 for none.
-int shipped_index(const Config& config);
+// The shipped configurations whose compiled-in kernels compute as this configuration asks; -1 for none. The
+// formats that are compiled in are compared, and nothing else: a kernel reads all the rest at run time.
+struct ShippedIndex {
+  int spans = -1, shades = -1;
+  bool any() const { return spans >= 0 || shades >= 0; }
+};
+ShippedIndex shipped_index(const Config& config);
 
 // Only the kernels that are specialised are set: draw and evaluate, and shade.
 SpanKernels<std::int32_t> shipped_span_kernels(VectorTarget target, int index);

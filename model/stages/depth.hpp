@@ -22,6 +22,7 @@ struct DepthFormats {
   int h_up = 0, q_fraction = 0;  // of h + B, as in InverseDepth
   ReciprocalFormats reciprocal;  // R_pixel
   int c1_fraction = 0, c0_fraction = 0;
+  bool operator==(const DepthFormats&) const = default;
 };
 constexpr DepthFormats depth_formats(const Config& config) {
   DepthFormats s;

@@ -22,6 +22,7 @@ struct FogFormats {
   int scale_fraction = 0;
   Register color_in, factor, color;
   ReciprocalFormats reciprocal;  // R_pixel
+  bool operator==(const FogFormats&) const = default;
 };
 constexpr FogFormats fog_formats(const Config& config) {
   FogFormats f;

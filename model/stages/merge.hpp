@@ -14,6 +14,7 @@ namespace bitspan::model {
 struct MergeStage {
   bool fits_int64 = false;  // the blend fits int64
   Register color_in, alpha, color;
+  bool operator==(const MergeStage&) const = default;
 };
 constexpr MergeStage prepare_merge(const Config& config) {
   MergeStage s;

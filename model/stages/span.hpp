@@ -30,6 +30,7 @@ struct SpanFormats {
   Adder h, f, shade_acc;
   int u1_fraction = 0;
   Register uv, shade;
+  bool operator==(const SpanFormats&) const = default;
 };
 constexpr SpanFormats span_formats(const Config& config) {
   const bool linear = has_linear_texture(config.perspective);

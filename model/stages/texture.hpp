@@ -21,6 +21,7 @@ struct TextureStage {
   bool fits_int64 = false;  // every intermediate fits int64
   Register uv, shade;       // formats of the fragment
   Register frac, mix, color, alpha;
+  bool operator==(const TextureStage&) const = default;
 };
 constexpr TextureStage prepare_texture(const Config& config) {
   TextureStage s;

@@ -2,82 +2,155 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <set>
 
-#include "config/names.hpp"
+#include "config/keys.hpp"
 #include "tests/config/support.hpp"
 #include "tests/support/files.hpp"
 
 namespace bitspan {
 namespace {
 
-std::vector<std::string> page() { return lines_of(read_file(BITSPAN_SOURCE_DIR "/docs/configuration.md")); }
+constexpr const char* page = BITSPAN_SOURCE_DIR "/docs/configuration.md";
 
-TEST(Docs, TheFormatTableIsTheOneOfTheCode) {
-  std::vector<std::string> expected;
+using Rows = std::vector<std::string>;
+
+std::string row_of(const std::vector<std::string>& cells) {
+  std::string out = "|";
+  for (const std::string& cell : cells) out.append(" ").append(cell).append(" |");
+  return out;
+}
+std::string code(std::string_view text) { return std::string("`").append(text).append("`"); }
+
+std::string names_text(std::span<const std::string_view> names) {
+  if (names.data() == enum_names<Rounding>.data()) return "a rounding mode";
+  if (names.data() == enum_names<Overflow>.data()) return "an overflow mode";
+  std::string out;
+  for (const std::string_view name : names) out.append(out.empty() ? "" : ", ").append(code(name));
+  return out;
+}
+
+std::string legal_text(const KeyRow& row) {
+  Config initial;
+  const Place at = row.place(initial, 0);
+  std::string out;
+  std::string by_default;
+  if (const auto* number = std::get_if<int*>(&at)) {
+    const Limits& limits = row.limits;
+    out = (limits.power_of_two ? "a power of two, " : "") + std::to_string(limits.lowest) + ".." +
+          std::to_string(limits.highest);
+    by_default = std::to_string(**number);
+  } else if (const auto* truth = std::get_if<bool*>(&at)) {
+    out = "true, false";
+    by_default = **truth ? "true" : "false";
+  } else if (const auto* choice = std::get_if<Choice>(&at)) {
+    out = names_text(choice->names);
+    by_default = code(choice->names[*choice->number]);
+  } else if (std::holds_alternative<StartOffset*>(at)) {
+    out = "a number, `\"half_ulp\"`";
+    by_default = "0";
+  } else if (std::holds_alternative<Color*>(at)) {
+    out = "`\"none\"`, `[r, g, b]`";
+    by_default = "`\"none\"`";
+  } else {
+    out = "a format";
+  }
+  out += row.rule;
+  switch (row.use.presence) {
+    case Presence::always:
+      return out;
+    case Presence::where_used:
+      return out + ", *optional* for " + std::string(row.use.unused_for);
+    case Presence::optional:
+    case Presence::later:
+      return out + ", *optional*: " + by_default;
+  }
+  return out;
+}
+
+std::string effects_text(const KeyRow& row) {
+  const auto text = [](unsigned bits) {
+    std::string out;
+    for (const auto& [bit, name] : {std::pair(affects::ideal, "ideal"),
+                                    {affects::values, "values"},
+                                    {affects::clocks, "clocks"},
+                                    {affects::rtl, "RTL"}}) {
+      if ((bits & bit) != 0) out.append(out.empty() ? "" : ", ").append(name);
+    }
+    return out;
+  };
+  constexpr unsigned hardware = affects::clocks | affects::rtl;
+  if (row.use.in_rtl == nullptr) return text(row.affects);
+  const std::string everywhere = text(row.affects & ~hardware);
+  return everywhere + (everywhere.empty() ? "" : "; ") + "row, pixel: " + text(row.affects & hardware);
+}
+
+Rows key_table() {
+  Rows out{"| key | legal | affects | meaning |", "|---|---|---|---|"};
+  for (const KeyRow& row : key_rows()) {
+    if (row.text.empty()) continue;  // the formats, which have a table of their own
+    out.push_back(row_of({code(row.path), legal_text(row), effects_text(row), std::string(row.text)}));
+  }
+  return out;
+}
+
+Rows field_table() {
+  Rows out{"| field | legal | meaning |", "|---|---|---|"};
+  for (const FieldRow& field : field_rows()) {
+    Format any;
+    const Place at = field.place(any);
+    std::string legal;
+    if (const auto* choice = std::get_if<Choice>(&at)) {
+      for (const std::string_view name : choice->names) legal += (legal.empty() ? "" : ", ") + code(name);
+    }
+    legal += field.legal;
+    if (field.presence == Presence::later) legal += ", *optional*: false";
+    out.push_back(row_of({code(field.name), legal, std::string(field.text)}));
+  }
+  return out;
+}
+
+Rows format_table() {
+  Rows out{"| key | unit | meaning |", "|---|---|---|"};
   for (int i = 0; i < format_count; ++i) {
     const auto id = static_cast<FormatId>(i);
-    std::string row = "| `";
-    row.append(key_of(id)).append("` | ").append(unit_of(id)).append(" | ").append(text_of(id)).append(" |");
-    expected.push_back(row);
+    out.push_back(row_of({code(key_of(id)), std::string(unit_of(id)), std::string(text_of(id))}));
   }
-  std::vector<std::string> found;
-  bool inside = false;
-  for (const std::string& line : page()) {
-    if (line == "<!-- formats -->") inside = true;
-    if (line == "<!-- end of formats -->") inside = false;
-    if (inside && line.starts_with("| `")) found.push_back(line);
-  }
-  EXPECT_EQ(found, expected);
+  return out;
 }
 
-TEST(Docs, EveryKeyHasARow) {
-  const std::vector<std::string> lines = page();
-  const auto has_row = [&lines](const std::string& key) {
-    const std::string start = std::string("| `").append(key).append("` |");
-    return std::ranges::any_of(lines, [&](const std::string& l) { return l.starts_with(start); });
-  };
-  std::string section;
-  int keys = 0;
-  for (const std::string& line : lines_of(to_toml(shipped_config("depth16")))) {
-    if (line.starts_with('[')) {
-      section = line.substr(1, line.size() - 2);
-      if (section.starts_with("timing.")) section = "timing.STAGE";
-      if (section.starts_with("reciprocal.")) section = "reciprocal.UNIT";
-      continue;
-    }
-    const auto equals = line.find(" = ");
-    if (equals == std::string::npos || section == "formats") continue;
-    const std::string key = section + "." + line.substr(0, equals);
-    EXPECT_TRUE(has_row(key)) << key;
-    ++keys;
+// The page's lines between <!-- NAME --> and <!-- end of NAME --> are the table. BITSPAN_UPDATE_DOCS=1 writes
+// the page anew.
+void expect_table(const std::string& name, const Rows& expected) {
+  Rows lines = lines_of(read_file(page));
+  const auto begin = std::ranges::find(lines, "<!-- " + name + " -->");
+  const auto end = std::ranges::find(lines, "<!-- end of " + name + " -->");
+  ASSERT_TRUE(begin < end && end != lines.end()) << name;
+  if (std::getenv("BITSPAN_UPDATE_DOCS") != nullptr) {
+    const auto at = lines.erase(begin + 1, end);
+    lines.insert(at, expected.begin(), expected.end());
+    std::ofstream(page) << text_of(lines);
+    return;
   }
-  for (const char* key : {"signed", "word", "int", "round", "overflow", "overflow_expected"}) {
-    EXPECT_TRUE(has_row(key)) << key;
-  }
-  EXPECT_GT(keys, 30);
+  EXPECT_EQ(Rows(begin + 1, end), expected) << "BITSPAN_UPDATE_DOCS=1 writes it anew";
 }
 
-TEST(Docs, EveryNameOfAModeIsThere) {
-  const std::string text = read_file(BITSPAN_SOURCE_DIR "/docs/configuration.md");
-  const auto expect_all = [&text](const auto& names) {
-    for (const auto name : names) {
-      EXPECT_NE(text.find(std::string("`").append(name).append("`")), std::string::npos) << name;
-    }
-  };
-  expect_all(enum_names<Rounding>);
-  expect_all(enum_names<Overflow>);
-  expect_all(enum_names<FillRule>);
-  expect_all(enum_names<EdgeWalk>);
-  expect_all(enum_names<DdaUpdate>);
-  expect_all(enum_names<Perspective>);
-  expect_all(enum_names<Numerator>);
-  expect_all(enum_names<SlopeForm>);
-  expect_all(enum_names<ReciprocalKind>);
-  expect_all(enum_names<DepthCode>);
-  expect_all(enum_names<TextureFilter>);
-  expect_all(enum_names<TextureWrap>);
-  expect_all(enum_names<FogMode>);
-  expect_all(enum_names<Stage>);
+TEST(Docs, TheTablesAreThoseOfTheCode) {
+  expect_table("keys", key_table());
+  expect_table("fields", field_table());
+  expect_table("formats", format_table());
+}
+
+TEST(Docs, EveryKeyHasAMeaning) {
+  std::set<std::string_view> paths;
+  for (const KeyRow& row : key_rows()) {
+    EXPECT_TRUE(paths.insert(row.path).second) << row.path;
+    EXPECT_TRUE(row.text.size() > 2 || row.path == "formats.FORMAT") << row.path;
+    EXPECT_NE(row.affects, 0U) << row.path;
+  }
+  EXPECT_GT(paths.size(), 40U);
 }
 
 }  // namespace

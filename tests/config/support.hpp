@@ -18,8 +18,8 @@ std::string text_of(const std::vector<std::string>& lines);
 // "" where it is legal; the origin is "file.toml".
 std::string parse_error_of(const std::string& text);
 
-// Any value of every key, mostly legal one by one; the rules between keys may still refuse it.
-Config random_config(std::mt19937_64& random);
+// Any value of every key, legal one by one; the rules between keys may still refuse it.
+Config any_config(std::uint64_t seed);
 
 // Triangles all over the picture and beyond it, inside the limits given.
 struct SceneLimits {

@@ -22,10 +22,9 @@ TEST(Write, ShippedFilesRoundTrip) {
 }
 
 TEST(Write, RandomConfigurationsRoundTrip) {
-  std::mt19937_64 random(7);
   int legal = 0;
   for (int i = 0; i < 2000; ++i) {
-    const Config c = random_config(random);
+    const Config c = any_config(static_cast<std::uint64_t>(i));
     if (first_violation(c)) {
       EXPECT_NE(parse_error_of(to_toml(c)), "");
       continue;

@@ -182,49 +182,4 @@ inline Triangle random_triangle(Draw& draw, const Scene& scene) {
   return out;
 }
 
-// A shipped configuration with its modes drawn anew, and with formats narrowed and re-rounded. It may be one
-// that a scene is refused with.
-inline Config random_config(Draw& draw) {
-  Config c = shipped_config(shipped_names[static_cast<std::size_t>(draw.integer(0, 2))]);
-  const auto pick = [&](auto& key, int count) {
-    key = static_cast<std::remove_reference_t<decltype(key)>>(draw.integer(0, count - 1));
-  };
-  pick(c.fill_rule, 2);
-  pick(c.edge_walk, 2);
-  pick(c.dda_update, 2);
-  pick(c.perspective, 4);
-  pick(c.numerator, 2);
-  pick(c.edge_slope, 2);
-  pick(c.row_slope, 2);
-  pick(c.depth_code, 3);
-  pick(c.filter, 2);
-  pick(c.wrap, 2);
-  pick(c.fog, 3);
-  pick(c.depth_rounding, rounding_modes);
-  for (Reciprocal* unit : {&c.edge_reciprocal, &c.row_reciprocal, &c.pixel_reciprocal}) {
-    pick(unit->kind, 3);
-    unit->normalize = draw.integer(0, 3) != 0;
-    unit->operand_bits = static_cast<int>(draw.integer(12, 22));
-    unit->index_bits = static_cast<int>(draw.integer(4, 9));
-    unit->table_bits = static_cast<int>(draw.integer(8, 16));
-    unit->internal_bits = static_cast<int>(draw.integer(14, 24));
-    unit->steps = static_cast<int>(draw.integer(1, 2));
-    pick(unit->output.rounding, rounding_modes);
-    if (!unit->normalize) {
-      unit->output.integer = static_cast<int>(draw.integer(1, 8));
-      unit->output.word = unit->output.integer + static_cast<int>(draw.integer(14, 26));
-    }
-  }
-  for (int i = 0; i < format_count; ++i) {
-    Format& f = c.formats[static_cast<std::size_t>(i)];
-    if (f == c.format(FormatId::merge_color)) continue;
-    if (draw.integer(0, 2) == 0) pick(f.rounding, rounding_modes);
-    if (draw.integer(0, 3) == 0) pick(f.overflow, f.is_signed ? overflow_modes : overflow_modes - 1);
-    const auto id = static_cast<FormatId>(i);
-    const bool keep = id == FormatId::setup_s || id == FormatId::setup_b || id == FormatId::plane_k;
-    if (!keep && f.fraction() > 4) f.word -= static_cast<int>(draw.integer(0, 3));
-  }
-  return c;
-}
-
 }  // namespace bitspan::test

@@ -8,6 +8,7 @@
 #include "golden/engine_golden.hpp"
 #include "golden/setup.hpp"
 #include "golden/span_setup.hpp"
+#include "report/random_config.hpp"
 #include "tests/golden/golden_support.hpp"
 #include "tests/support/input_error.hpp"
 
@@ -222,8 +223,11 @@ TEST(Precision, ChosenTypesAreExactOverRandomConfigurations) {
   int run = 0;
   std::size_t fragments = 0;
   std::array<int, 4> modes{};
+  const std::vector<Config> bases = shipped_configs();
+  RandomConfigOptions options;
+  options.check = [](const Config& c) { static_cast<void>(choose_precision(c)); };
   for (int i = 0; i < 150; ++i) {
-    const Config c = random_config(draw);
+    const Config c = random_config(static_cast<std::uint64_t>(i), bases, options);
     Scene scene = test_scene();
     for (int j = 0; j < 6; ++j) scene.triangles.push_back(random_triangle(draw, scene));
     Trace chosen;

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 
+#include "config/check.hpp"
+#include "config/keys.hpp"
 #include "config/rtl_timing.hpp"
 #include "golden/precision.hpp"
 #include "tests/support/test_config.hpp"
@@ -33,39 +36,89 @@ TEST(RandomConfig, TheSameSeedGivesTheSame) {
   EXPECT_NE(config_hash(random_config(5, from, options())), config_hash(random_config(6, from, options())));
 }
 
-TEST(RandomConfig, ReachesEveryMode) {
+// Values that no legal configuration has, and the rule that says so (config/check.cpp).
+struct Impossible {
+  std::string key, value, rule;
+};
+const std::vector<Impossible>& impossible() {
+  static const std::vector<Impossible> all{
+      {"reciprocal.pixel.pipelined", "false", "the span takes a pixel a clock"},
+      {"depth.overflow", "SC_WRAP_SM", "the code is unsigned"},
+  };
+  return all;
+}
+
+// The values of a key that a long run must draw: every name and integer, or the ends of a wide range.
+std::vector<std::string> values_to_draw(const Key& key) {
+  const Config any;
+  const Place at = place(any, key);
+  std::vector<std::string> out;
+  if (std::holds_alternative<bool*>(at)) return {"true", "false"};
+  if (std::holds_alternative<StartOffset*>(at)) return {"half_ulp", "0", "a number"};
+  if (std::holds_alternative<Color*>(at)) return {"none", "a colour"};
+  if (const auto* choice = std::get_if<Choice>(&at)) {
+    for (const std::string_view name : choice->names) out.emplace_back(name);
+    return out;
+  }
+  const Limits& limits = key.row->limits;
+  for (int v = limits.lowest; v <= limits.highest; v = limits.power_of_two ? 2 * v : v + 1) {
+    const bool narrow = limits.power_of_two || limits.highest - limits.lowest <= 32;
+    if (narrow || v == limits.lowest || v == limits.highest) out.push_back(std::to_string(v));
+  }
+  return out;
+}
+
+// A value as values_to_draw has it.
+std::string drawn_value(const Config& c, const Key& key) {
+  const Place at = place(c, key);
+  const std::string value = to_string(value_of(c, key));
+  if (std::holds_alternative<StartOffset*>(at))
+    return value == "half_ulp" || value == "0" ? value : "a number";
+  if (std::holds_alternative<Color*>(at)) return value == "none" ? value : "a colour";
+  return value;
+}
+
+// Every value of every key. A format's fields are asked for once for all registers, once for all units.
+TEST(RandomConfig, ALongRunDrawsEveryValue) {
   const auto from = shipped_configs();
-  std::set<int> perspective, pixel_kind, row_kind, edge_kind, depth, fog, rounding, overflow, fill, walk,
-      filter, form;
-  for (std::uint64_t seed = 0; seed < 300; ++seed) {
-    const Config c = random_config(seed, from, options());
-    perspective.insert(static_cast<int>(c.perspective));
-    pixel_kind.insert(static_cast<int>(c.pixel_reciprocal.kind));
-    row_kind.insert(static_cast<int>(c.row_reciprocal.kind));
-    edge_kind.insert(static_cast<int>(c.edge_reciprocal.kind));
-    depth.insert(static_cast<int>(c.depth_code));
-    fog.insert(static_cast<int>(c.fog));
-    fill.insert(static_cast<int>(c.fill_rule));
-    walk.insert(2 * static_cast<int>(c.edge_walk) + static_cast<int>(c.dda_update));
-    filter.insert(2 * static_cast<int>(c.filter) + static_cast<int>(c.wrap));
-    form.insert(2 * static_cast<int>(c.edge_slope) + static_cast<int>(c.row_slope));
-    for (const Format& f : c.formats) {
-      rounding.insert(static_cast<int>(f.rounding));
-      overflow.insert(static_cast<int>(f.overflow));
+  RandomConfigOptions o;
+  o.least_coordinate_bits = 2;
+  const auto name_of = [](const Key& key) {
+    return key.field == nullptr ? key.path : std::string(key.row->path) + "." + std::string(key.field->name);
+  };
+  std::map<std::string, std::set<std::string>> drawn;
+  for (std::uint64_t seed = 0; seed < 8000; ++seed) {
+    const Config c = random_config(seed, from, o);
+    for (const Key& key : keys()) {
+      if (is_used(c, key) || key.row->use.unused == Unused::value)
+        drawn[name_of(key)].insert(drawn_value(c, key));
     }
   }
-  EXPECT_EQ(perspective.size(), 4U);
-  EXPECT_EQ(pixel_kind.size(), 3U);
-  EXPECT_EQ(row_kind.size(), 3U);
-  EXPECT_EQ(edge_kind.size(), 3U);
-  EXPECT_EQ(depth.size(), 3U);
-  EXPECT_EQ(fog.size(), 3U);
-  EXPECT_EQ(rounding.size(), 7U);
-  EXPECT_EQ(overflow.size(), 5U);
-  EXPECT_EQ(fill.size(), 2U);
-  EXPECT_EQ(walk.size(), 4U);
-  EXPECT_EQ(filter.size(), 4U);
-  EXPECT_EQ(form.size(), 4U);
+  std::map<std::string, std::vector<std::string>> expected;
+  for (const Key& key : keys()) {
+    if (key.field == nullptr) expected[key.path] = values_to_draw(key);
+  }
+  expected["formats.FORMAT.signed"] = {"true", "false"};
+  expected["formats.FORMAT.word"] = {"1", "63", "64"};
+  expected["formats.FORMAT.int"] = {"-32", "64"};
+  for (const char* row : {"formats.FORMAT", "reciprocal.UNIT.output"}) {
+    const std::string field(row);
+    for (const std::string_view name : enum_names<Rounding>) expected[field + ".round"].emplace_back(name);
+    for (const std::string_view name : enum_names<Overflow>) expected[field + ".overflow"].emplace_back(name);
+  }
+  std::erase(expected["reciprocal.UNIT.output.overflow"], "SC_WRAP_SM");  // the output is unsigned
+  for (const Impossible& x : impossible()) {
+    EXPECT_EQ(drawn[x.key].count(x.value), 0U) << x.key << " = " << x.value << " is drawn: " << x.rule;
+    EXPECT_EQ(std::erase(expected[x.key], x.value), 1U) << x.key;
+  }
+  int values = 0;
+  for (const auto& [key, all] : expected) {
+    for (const std::string& value : all) {
+      EXPECT_TRUE(drawn[key].contains(value)) << key << " = " << value << " is never drawn";
+      ++values;
+    }
+  }
+  EXPECT_GT(values, 350);
 }
 
 TEST(RandomConfig, RtlOnlyMeansThatTheRtlHasIt) {

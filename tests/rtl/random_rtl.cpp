@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "config/check.hpp"
 #include "config/rtl_timing.hpp"
+#include "report/random_config.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -15,65 +15,11 @@ int between(Random& random, int lowest, int highest) {
 }
 bool chance(Random& random, double p) { return std::bernoulli_distribution(p)(random); }
 
-void randomize(Random& random, Format& f, bool keep_sign) {
-  const int fraction = f.fraction() + between(random, -5, 3);
-  f.integer += between(random, -3, 2);
-  f.word = std::clamp(f.integer + fraction, 1, 50);
-  if (!keep_sign && chance(random, 0.2)) f.is_signed = !f.is_signed;
-  f.rounding = static_cast<Rounding>(between(random, 0, rounding_modes - 1));
-  f.overflow = static_cast<Overflow>(between(random, 0, overflow_modes - (f.is_signed ? 1 : 2)));
-}
-
-void randomize(Random& random, Reciprocal& r) {
-  r.kind = static_cast<ReciprocalKind>(between(random, 0, 2));
-  r.normalize = chance(random, 0.7);
-  const bool lut = r.kind != ReciprocalKind::restoring;
-  r.operand_bits = lut ? between(random, 4, 24) : 0;
-  r.index_bits = lut ? between(random, 1, std::min(8, r.operand_bits - 1)) : 0;
-  r.table_bits = lut ? between(random, 3, 20) : 0;
-  r.internal_bits = lut ? between(random, 4, 26) : 0;
-  r.steps = r.kind == ReciprocalKind::lut_newton ? between(random, 0, 3) : 0;
-  r.bits_per_cycle = lut ? between(random, 0, 2) : between(random, 1, 4);
-  r.pipelined = chance(random, 0.5);
-  randomize(random, r.output, true);
-  if (r.normalize) r.output.integer = std::max(1, r.output.integer);
-  r.output.word = std::max(r.output.word, r.output.integer + 1);
-}
-
-StartOffset random_offset(Random& random, const Format& accumulator) {
-  StartOffset o;
-  if (chance(random, 0.3)) {
-    o.half_ulp = true;
-  } else if (chance(random, 0.5)) {
-    o.value = std::ldexp(between(random, -40, 40), -accumulator.fraction() - 1);
-  }
-  return o;
-}
-
 }  // namespace
 
 Config random_rtl_config(Random& random) {
-  const Config base = shipped_config("depth16");
-  for (;;) {
-    Config c = base;
-    c.name = "random";
-    c.perspective = chance(random, 0.6) ? Perspective::delta_f : Perspective::const_depth_rows;
-    c.row_slope = chance(random, 0.4) ? SlopeForm::divide : SlopeForm::reciprocal;
-    for (const FormatId id :
-         {FormatId::setup_b, FormatId::edge_x, FormatId::edge_h, FormatId::edge_uv, FormatId::span_h_step,
-          FormatId::span_h, FormatId::span_f_diff, FormatId::span_f_step, FormatId::span_f,
-          FormatId::span_uv_step, FormatId::span_uv_acc, FormatId::span_uv}) {
-      if (chance(random, 0.8)) randomize(random, c.format(id), id == FormatId::setup_b);
-    }
-    if (chance(random, 0.5)) randomize(random, c.format(FormatId::plane_k), true);
-    if (chance(random, 0.9)) randomize(random, c.row_reciprocal);
-    if (chance(random, 0.9)) randomize(random, c.pixel_reciprocal);
-    c.pixel_reciprocal.pipelined = true;
-    const bool rows = c.perspective == Perspective::const_depth_rows;
-    c.start_offset.span_h = random_offset(random, c.format(FormatId::span_h));
-    c.start_offset.span_f = random_offset(random, c.format(rows ? FormatId::span_uv_acc : FormatId::span_f));
-    if (!first_violation(c)) return c;
-  }
+  const std::vector<Config> bases{shipped_config("depth16")};
+  return random_config(random(), bases, {.rtl_only = true, .for_scenes = false, .check = {}});
 }
 
 std::int64_t random_raw(Random& random, const Format& f) {

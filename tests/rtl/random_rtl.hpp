@@ -11,8 +11,7 @@ namespace bitspan {
 
 using Random = std::mt19937_64;
 
-// Legal, in one of the modes that exist in RTL: random widths, roundings, overflows, reciprocal kinds, slope
-// form and offsets around config/depth16.toml.
+// Legal, in one of the modes that exist in RTL, around config/depth16.toml; formats of any sign.
 Config random_rtl_config(Random& random);
 
 // Raw values anywhere in the formats, ends of the ranges included; not what a scene would give.

@@ -56,7 +56,7 @@ std::uint64_t compare_forms(const Config& config, const Scene& scene, const std:
   for (const VectorTarget target : targets) {
     if (!supported(target)) continue;
     for (const ModelForm form : {ModelForm::vector, ModelForm::specialised}) {
-      if (form == ModelForm::specialised && shipped_index(config) < 0) continue;
+      if (form == ModelForm::specialised && !shipped_index(config).any()) continue;
       for (const int threads : {1, 3}) {
         const ModelOptions options{.form = form, .target = target, .threads = threads};
         const std::string where = name + ", target " + std::to_string(static_cast<int>(target)) + ", form " +

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "model/simd/engine_vector.hpp"
+#include "model/simd/shipped.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -38,6 +39,29 @@ TEST(Paths, WiderFormatsTakeWiderLanes) {
   EXPECT_TRUE(path(c, "span").path.starts_with("64-bit lanes, 128-bit where values are large"));
   EXPECT_EQ(model::chosen_form(c, ModelForm::automatic), ModelForm::vector);
   EXPECT_THROW(model::chosen_form(c, ModelForm::specialised), InputError);
+}
+
+// A kernel stays compiled in where only keys change that it does not read.
+TEST(Paths, KernelsCompareWhatTheyRead) {
+  const Config depth16 = shipped_config("depth16");
+  const model::ShippedIndex both = model::shipped_index(depth16);
+  ASSERT_TRUE(both.spans >= 0 && both.shades >= 0);
+  const auto index = [&](void (*change)(Config&)) {
+    Config c = depth16;
+    change(c);
+    const model::ShippedIndex found = model::shipped_index(c);
+    return std::pair(found.spans == both.spans, found.shades == both.shades);
+  };
+  using Kept = std::pair<bool, bool>;
+  EXPECT_EQ(index([](Config& c) { c.timing[0].fifo += 1; }), Kept(true, true));
+  EXPECT_EQ(index([](Config& c) { c.memory.latency += 1; }), Kept(true, true));
+  EXPECT_EQ(index([](Config& c) { c.subpixel_bits -= 1; }), Kept(true, true));
+  EXPECT_EQ(index([](Config& c) { c.fog_depth_bits -= 1; }), Kept(true, true));
+  EXPECT_EQ(index([](Config& c) { c.pixel_reciprocal.bits_per_cycle += 1; }), Kept(true, true));
+  EXPECT_EQ(index([](Config& c) { c.filter = TextureFilter::bilinear; }), Kept(true, false));
+  EXPECT_EQ(index([](Config& c) { c.format(FormatId::span_f).word += 1; }), Kept(false, true));
+  EXPECT_EQ(index([](Config& c) { c.depth_code = DepthCode::linear; }), Kept(false, true));
+  EXPECT_EQ(index([](Config& c) { c.format(FormatId::span_uv).word -= 1; }), Kept(false, false));
 }
 
 TEST(Paths, WhatLanesCannotHoldIsScalar) {

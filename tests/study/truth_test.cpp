@@ -25,7 +25,7 @@ TEST(Truth, IsIdealOfAnyConfiguration) {
     RandomOptions options;
     options.width = 64;
     options.height = 48;
-    options.triangles = 12;
+    options.triangles = 16;
     options.size_max = 60;
     const Scene scene = random_scene(seed, options);
     const Truth truth(config, scene, scene.triangles);
