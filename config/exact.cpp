@@ -4,45 +4,30 @@
 #include <initializer_list>
 #include <utility>
 
+#include "config/grid.hpp"
 #include "config/modes.hpp"
 
 namespace bitspan {
 namespace {
-
-// A set of values: multiples of 2^-fraction, in -2^(top-1) .. 2^(top-1), the sign included in `top`.
-struct Grid {
-  int fraction = 0;
-  int top = 1;
-  int bits() const { return fraction + top; }
-};
-
-Grid grid(const Format& f) { return {f.fraction(), f.is_signed ? f.integer : f.integer + 1}; }
-// Integers 0 .. 2^bits - 1.
-Grid unsigned_integer(int bits) { return {0, bits + 1}; }
-Grid operator+(Grid a, Grid b) { return {std::max(a.fraction, b.fraction), std::max(a.top, b.top) + 1}; }
-Grid operator*(Grid a, Grid b) { return {a.fraction + b.fraction, a.top + b.top}; }
-Grid scaled(Grid a, int e) { return {a.fraction + e, a.top - e}; }  // times 2^-e
 
 std::string describe(const Format& f) {
   return std::string(f.is_signed ? "fixed<" : "ufixed<") + std::to_string(f.word) + "," +
          std::to_string(f.integer) + ">";
 }
 
-// A reciprocal unit and the grid of its operand.
+// A reciprocal unit and the grid of its operand, which is positive.
 struct Unit {
   std::string name;
   const Reciprocal& r;
   Grid operand;
-  Grid mantissa() const { return grid(r.output); }
-  int e_min() const { return r.normalize ? -operand.fraction : 0; }
-  int e_max() const { return r.normalize ? std::max(operand.top - 2, -operand.fraction) : 0; }
 };
 
+// The table of one configuration. Every width is that of a signed integer.
 class List {
  public:
   explicit List(const Config& config) : config_(config) {}
 
-  Grid of(FormatId id) const { return grid(config_.format(id)); }
+  Grid of(FormatId id) const { return signed_grid(config_.format(id)); }
 
   // A value narrowed to a register: aligned with it where the register's last place is finer.
   void value(std::string stage, std::string expression, std::initializer_list<FormatId> made_of, Grid g,
@@ -51,7 +36,7 @@ class List {
   }
   void value(std::string stage, std::string expression, std::initializer_list<FormatId> made_of, Grid g,
              const Format& into, std::string into_key) {
-    add({std::move(into_key), std::move(stage), std::move(expression), formats(made_of), aligned(g, into)});
+    add({std::move(into_key), std::move(stage), std::move(expression), formats(made_of), bits_for(g, into)});
   }
 
   // n / d narrowed to a register: n or d scaled so that the quotient ends at the register's last place.
@@ -70,9 +55,10 @@ class List {
   void product(std::string stage, std::string expression, std::initializer_list<FormatId> made_of,
                const Grid* base, Grid n, const Unit& unit, const Format& into, std::string into_key) {
     int bits = 0;
-    for (int e = unit.e_min(); e <= unit.e_max(); ++e) {
-      const Grid p = scaled(n * unit.mantissa(), e);
-      bits = std::max(bits, aligned(base == nullptr ? p : *base + p, into));
+    const Exponents exponents = exponents_of(unit.r, unit.operand);
+    for (int e = exponents.low; e <= exponents.high; ++e) {
+      const Grid p = scaled(n * signed_grid(unit.r.output), e);
+      bits = std::max(bits, bits_for(base == nullptr ? p : *base + p, into));
     }
     add({std::move(into_key), std::move(stage), std::move(expression), formats(made_of, &unit), bits});
   }
@@ -94,39 +80,38 @@ class List {
     const auto inside = [&](std::string expression, int bits) {
       add({u.name, u.name, std::move(expression), formats({}, &u), bits});
     };
-    if (!has_table(r.kind)) {
-      // 2^k / d, k so that the quotient ends at the output's last place; d holds bits() - 1 magnitude bits.
-      const int out = r.output.fraction();
-      const int k = r.normalize ? out + u.operand.bits() - 2 : out + u.operand.fraction;
-      inside("1 / d", std::max(std::max(k, 0) + 2, u.operand.bits() + std::max(-k, 0)));
-      return;
-    }
-    inside("table entry", r.table_bits + r.index_bits + 3);
-    int fraction = r.internal_bits;
+    int fraction = 0;  // of y
     switch (r.kind) {
-      case ReciprocalKind::restoring:
-        unreachable();
+      case ReciprocalKind::restoring: {
+        // 2^k / d, k so that the quotient ends at the output's last place.
+        const int out = r.output.fraction();
+        const int k = r.normalize ? out + u.operand.bits() - 1 : out + u.operand.fraction;
+        inside("1 / d", std::max(std::max(k, 0) + 2, as_signed(u.operand).bits() + std::max(-k, 0)));
+        return;
+      }
       case ReciprocalKind::lut_linear:
+        inside("table entry", r.table_bits + r.index_bits + 3);
         inside("c(j) - (c(j) - c(j+1)) t",
                std::max(r.table_bits + r.operand_bits - r.index_bits, r.internal_bits) + 2);
+        fraction = r.internal_bits;
         break;
       case ReciprocalKind::lut_newton: {
-        if (r.steps == 0) {
-          fraction = r.table_bits;
-          break;
-        }
+        inside("table entry", r.table_bits + r.index_bits + 3);
+        fraction = r.table_bits;
+        if (r.steps == 0) break;
         const int widest = std::max(r.table_bits, r.internal_bits);
         inside("nq y", std::max(r.operand_bits + widest, r.internal_bits) + 3);
         inside("y (2 - a)", widest + r.internal_bits + 4);
+        fraction = r.internal_bits;
         break;
       }
     }
-    const Grid y{fraction, 3};
-    int bits = aligned(y, r.output);
+    const Grid y{2, fraction, true};
+    int bits = bits_for(y, r.output);
     if (!r.normalize) {
-      for (int e = -u.operand.fraction; e <= u.operand.top - 2; ++e) {
-        bits = std::max(bits, aligned(scaled(y, e), r.output));
-      }
+      const Exponents exponents = exponents_on(u.operand);
+      for (int e = exponents.low; e <= exponents.high; ++e)
+        bits = std::max(bits, bits_for(scaled(y, e), r.output));
     }
     inside(r.normalize ? "y" : "y 2^-e", bits);
   }
@@ -134,7 +119,8 @@ class List {
   std::vector<ExactIntermediate> take() { return std::move(list_); }
 
  private:
-  static int aligned(Grid g, const Format& into) { return std::max(g.fraction, into.fraction()) + g.top; }
+  // On the grid of the register, too, where that one is finer.
+  static int bits_for(Grid g, const Format& into) { return aligned(g, into.fraction()).bits(); }
   static std::string key(FormatId id) { return "formats." + std::string(key_of(id)); }
 
   std::string formats(std::initializer_list<FormatId> made_of, const Unit* unit = nullptr) const {
@@ -157,56 +143,56 @@ class List {
 // A start offset lies on the grid of half an ulp of its accumulator.
 Grid with_offset(Grid g, const StartOffset& offset, const Format& accumulator) {
   if (!offset.half_ulp && offset.value == 0) return g;
-  return g + Grid{accumulator.fraction() + 1, grid(accumulator).top};
+  return g + aligned(signed_grid(accumulator), accumulator.fraction() + 1);
 }
 
 void constants(const Config& c, List& list) {
   using F = FormatId;
-  const Grid hmax = unsigned_integer(c.depth_bits);
+  const Grid hmax{c.depth_bits, 0, true};
   const Grid s = list.of(F::setup_s);
-  list.quotient("constants", "B = hmax s_min' / (s_max' - s_min')", {F::setup_s, F::setup_b}, hmax * s, s + s,
+  list.quotient("constants", "B = hmax s_min' / (s_max' - s_min')", {F::setup_s, F::setup_b}, hmax * s, s - s,
                 F::setup_b);
   if (is_linear_in_distance(c.depth_code)) {
     list.quotient("constants", "c1 = hmax B s_max' / (s_max' - s_min')",
-                  {F::setup_b, F::setup_s, F::depth_c1}, hmax * list.of(F::setup_b) * s, s + s, F::depth_c1);
+                  {F::setup_b, F::setup_s, F::depth_c1}, hmax * list.of(F::setup_b) * s, s - s, F::depth_c1);
     list.quotient("constants", "c0 = hmax s_min' / (s_max' - s_min')", {F::setup_s, F::depth_c0}, hmax * s,
-                  s + s, F::depth_c0);
+                  s - s, F::depth_c0);
   }
   list.quotient("setup", "h = B (s_max' - s') / s'", {F::setup_b, F::setup_s, F::setup_h},
-                list.of(F::setup_b) * (s + s), s, F::setup_h);
+                list.of(F::setup_b) * (s - s), s, F::setup_h);
 }
 
 void setup_edge(const Config& c, List& list, const Unit& edge_unit, Grid coordinate) {
   using F = FormatId;
-  const Grid dy = coordinate + coordinate;
+  const Grid dy = coordinate - coordinate;
   const Grid h = list.of(F::setup_h);
   const Grid uv = list.of(F::setup_uv);
   const Grid shade = list.of(F::setup_shade);
   const bool affine = has_linear_edges(c.perspective);
   if (shares_reciprocal(c.edge_slope)) list.unit(edge_unit);
-  list.slope("setup.edge", "h_step", "(h2 - h1)", {F::setup_h, F::edge_h_step}, h + h, dy, c.edge_slope,
+  list.slope("setup.edge", "h_step", "(h2 - h1)", {F::setup_h, F::edge_h_step}, h - h, dy, c.edge_slope,
              edge_unit, F::edge_h_step);
   if (has_x_step(c)) {
     list.slope("setup.edge", "x_step", "(x2 - x1)", {F::edge_x_step}, dy, dy, c.edge_slope, edge_unit,
                F::edge_x_step);
   }
   if (affine) {
-    list.value("setup.edge", "fu_diff = u2 - u1", {F::setup_uv, F::edge_f_diff}, uv + uv, F::edge_f_diff);
+    list.value("setup.edge", "fu_diff = u2 - u1", {F::setup_uv, F::edge_f_diff}, uv - uv, F::edge_f_diff);
   } else {
     list.value("setup.edge", "fu_diff = (u2 - u1)(h2 + B)",
-               {F::setup_uv, F::setup_h, F::setup_b, F::edge_f_diff}, (uv + uv) * (h + list.of(F::setup_b)),
+               {F::setup_uv, F::setup_h, F::setup_b, F::edge_f_diff}, (uv - uv) * (h + list.of(F::setup_b)),
                F::edge_f_diff);
   }
   list.slope("setup.edge", "fu_step", "fu_diff", {F::edge_f_diff, F::edge_f_step}, list.of(F::edge_f_diff),
              dy, c.edge_slope, edge_unit, F::edge_f_step);
-  list.slope("setup.edge", "r_step", "(r2 - r1)", {F::setup_shade, F::edge_shade_step}, shade + shade, dy,
+  list.slope("setup.edge", "r_step", "(r2 - r1)", {F::setup_shade, F::edge_shade_step}, shade - shade, dy,
              c.edge_slope, edge_unit, F::edge_shade_step);
 }
 
 void edge_walk(const Config& c, List& list, const Unit& pixel_unit, Grid coordinate) {
   using F = FormatId;
   // t = y + 1/2 - y1
-  const Grid t = coordinate + Grid{1, coordinate.top};
+  const Grid t = Grid{coordinate.integer, 1, true} - coordinate;
   const bool affine = has_linear_edges(c.perspective);
   list.value("edge_walk", "h_acc = h1 + h_step t0 + offset", {F::setup_h, F::edge_h_step, F::edge_h_acc},
              with_offset(list.of(F::setup_h) + list.of(F::edge_h_step) * t, c.start_offset.edge_h,
@@ -240,7 +226,7 @@ void edge_walk(const Config& c, List& list, const Unit& pixel_unit, Grid coordin
                  {F::setup_uv, F::edge_h, F::setup_b, F::edge_f, F::edge_uv}, &base, list.of(F::edge_f),
                  pixel_unit, F::edge_uv);
   }
-  const Grid dx = coordinate + coordinate;
+  const Grid dx = coordinate - coordinate;
   if (!has_x_step(c)) {
     list.quotient("edge_walk", "x = (x1 dy + (x2 - x1) t) / dy", {F::edge_x}, coordinate * dx + dx * t, dx,
                   F::edge_x);
@@ -264,9 +250,9 @@ void edge_walk(const Config& c, List& list, const Unit& pixel_unit, Grid coordin
 
 void plane_walk(const Config& c, List& list, Grid coordinate) {
   using F = FormatId;
-  const Grid d = coordinate + coordinate;
-  const Grid area = d * d + d * d;
-  const auto n = [&d](Grid w) { return (w + w) * d + (w + w) * d; };
+  const Grid d = coordinate - coordinate;
+  const Grid area = d * d - d * d;
+  const auto n = [&d](Grid w) { return (w - w) * d - (w - w) * d; };
   const Grid h = list.of(F::setup_h);
   const Grid shade = list.of(F::setup_shade);
   const Grid g = list.of(F::plane_g);
@@ -280,8 +266,8 @@ void plane_walk(const Config& c, List& list, Grid coordinate) {
   list.quotient("plane_walk", "r_x = nx(r) / area", {F::setup_shade, F::plane_shade_grad}, n(shade), area,
                 F::plane_shade_grad);
   list.quotient("plane_walk", "k = -nx(h) / ny(h)", {F::setup_h, F::plane_k}, n(h), n(h), F::plane_k);
-  const Grid centre = d + Grid{1, d.top};                           // Mc - M0, Np - N0
-  const Grid line = centre + Grid{k.fraction, coordinate.top + 1};  // Nl - N0: |k| <= 1
+  const Grid centre = d + Grid{d.integer, 1, true};                           // Mc - M0, Np - N0
+  const Grid line = centre + Grid{coordinate.integer + 1, k.fraction, true};  // Nl - N0: |k| <= 1
   const bool ideal = is_on_ideal_line(c.numerator);
   list.value("plane_walk", "h = h0 + h_M (Mc - M0) + h_N (Nl - N0)",
              {F::setup_h, F::plane_h_grad, F::plane_k, F::span_h},
@@ -309,7 +295,7 @@ void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordina
   if (has_plane_rows(c.perspective)) {
     list.unit(row_unit);
     const Format& acc = c.format(F::span_uv_acc);
-    const Grid base = with_offset(Grid{0, 1}, c.start_offset.span_f, acc);
+    const Grid base = with_offset(Grid{0, 0, true}, c.start_offset.span_f, acc);
     list.product("span_setup", "fu = gu m 2^-e + offset", {F::span_f, F::span_h, F::setup_b, F::span_uv_acc},
                  &base, list.of(F::span_f), row_unit, F::span_uv_acc);
     list.product("span_setup", "fu_step = gu_step m 2^-e",
@@ -317,20 +303,20 @@ void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordina
                  row_unit, F::span_uv_step);
     return;
   }
-  const Grid length = list.of(F::edge_x) + list.of(F::edge_x);
-  const Grid p = list.of(F::edge_x) + Grid{1, coordinate.top};
+  const Grid length = list.of(F::edge_x) - list.of(F::edge_x);
+  const Grid p = Grid{coordinate.integer, 1, true} - list.of(F::edge_x);
   if (shares_reciprocal(c.row_slope)) list.unit(row_unit);
   const Grid h = list.of(F::edge_h);
   const Grid uv = list.of(F::edge_uv);
   const Grid shade = list.of(F::edge_shade);
-  list.slope("span_setup", "h_step", "(h_r - h_l)", {F::edge_h, F::edge_x, F::span_h_step}, h + h, length,
+  list.slope("span_setup", "h_step", "(h_r - h_l)", {F::edge_h, F::edge_x, F::span_h_step}, h - h, length,
              c.row_slope, row_unit, F::span_h_step);
   list.value("span_setup", "h = h_l + h_step p + offset", {F::edge_h, F::span_h_step, F::edge_x, F::span_h},
              with_offset(h + list.of(F::span_h_step) * p, c.start_offset.span_h, c.format(F::span_h)),
              F::span_h);
   const Grid q = h + list.of(F::setup_b);
   if (has_linear_edges(c.perspective)) {
-    list.slope("span_setup", "fu_step", "(u_r - u_l)", {F::edge_uv, F::edge_x, F::span_uv_step}, uv + uv,
+    list.slope("span_setup", "fu_step", "(u_r - u_l)", {F::edge_uv, F::edge_x, F::span_uv_step}, uv - uv,
                length, c.row_slope, row_unit, F::span_uv_step);
     list.value(
         "span_setup", "fu = u_l + fu_step p + offset",
@@ -341,10 +327,10 @@ void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordina
     const bool hyperbolic = has_pixel_quotients(c.perspective);
     const Grid f = list.of(F::span_f_diff);
     list.value("span_setup", hyperbolic ? "gl = u_l (h_l + B)" : "fu_diff = (u_r - u_l)(h_r + B)",
-               {F::edge_uv, F::edge_h, F::setup_b, F::span_f_diff}, hyperbolic ? uv * q : (uv + uv) * q,
+               {F::edge_uv, F::edge_h, F::setup_b, F::span_f_diff}, hyperbolic ? uv * q : (uv - uv) * q,
                F::span_f_diff);
     list.slope("span_setup", "fu_step", hyperbolic ? "(gr - gl)" : "fu_diff",
-               {F::span_f_diff, F::edge_x, F::span_f_step}, hyperbolic ? f + f : f, length, c.row_slope,
+               {F::span_f_diff, F::edge_x, F::span_f_step}, hyperbolic ? f - f : f, length, c.row_slope,
                row_unit, F::span_f_step);
     Grid start = list.of(F::span_f_step) * p;
     if (hyperbolic) start = start + f;
@@ -353,7 +339,7 @@ void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordina
                with_offset(start, c.start_offset.span_f, c.format(F::span_f)), F::span_f);
   }
   list.slope("span_setup", "r_step", "(r_r - r_l)", {F::edge_shade, F::edge_x, F::span_shade_step},
-             shade + shade, length, c.row_slope, row_unit, F::span_shade_step);
+             shade - shade, length, c.row_slope, row_unit, F::span_shade_step);
   list.value("span_setup", "r = r_l + r_step p + offset",
              {F::edge_shade, F::span_shade_step, F::edge_x, F::span_shade_acc},
              with_offset(shade + list.of(F::span_shade_step) * p, c.start_offset.span_shade,
@@ -401,7 +387,7 @@ void depth(const Config& c, List& list, const Unit& pixel_unit) {
       list.value("depth", "z = h", {F::span_h}, h, c.depth_format(), "depth");
       break;
     case DepthCode::opengl:
-      list.value("depth", "z = zmax - h", {F::span_h}, unsigned_integer(c.depth_bits) + h, c.depth_format(),
+      list.value("depth", "z = zmax - h", {F::span_h}, Grid{c.depth_bits, 0, true} - h, c.depth_format(),
                  "depth");
       break;
     case DepthCode::linear: {
@@ -416,16 +402,16 @@ void depth(const Config& c, List& list, const Unit& pixel_unit) {
 
 void texture(const Config& c, List& list) {
   using F = FormatId;
-  const Grid code = unsigned_integer(8);
+  const Grid code{8, 0, true};
   const Grid mix = list.of(F::texture_mix);
   const Grid alpha = list.of(F::texture_alpha);
   list.value("texture", "V = texel", {F::texture_mix}, code, F::texture_mix);
   list.quotient("texture", "a / 255", {F::texture_alpha}, code, code, F::texture_alpha);
   if (weighs_texels(c.filter)) {
     const Grid e = list.of(F::texture_frac);
-    const Grid rest = Grid{0, 2} + e;
+    const Grid rest = Grid{1, 0, true} - e;
     list.value("texture", "Ex = u - 1/2 - i'", {F::span_uv, F::texture_frac},
-               list.of(F::span_uv) + Grid{1, 1}, F::texture_frac);
+               list.of(F::span_uv) - Grid{0, 1, true}, F::texture_frac);
     list.value("texture", "V5 = V1 (1 - Ex) + V4 Ex", {F::texture_frac, F::texture_mix},
                code * rest + code * e, F::texture_mix);
     list.value("texture", "V = V5 (1 - Ey) + V6 Ey", {F::texture_mix, F::texture_frac}, mix * rest + mix * e,
@@ -448,20 +434,20 @@ void fog(const Config& c, List& list, const Unit& pixel_unit) {
   }
   if (is_linear_in_distance(c.fog)) {
     if (!has_pixel_reciprocal(c.perspective) && !is_linear_in_distance(c.depth_code)) list.unit(pixel_unit);
-    const Grid base{0, 2};
+    const Grid base{1, 0, true};
     list.product("fog", "factor = 1 - fog_scale m 2^-e", {F::fog_scale, F::span_h, F::setup_b, F::fog_factor},
                  &base, list.of(F::fog_scale), pixel_unit, F::fog_factor);
   }
-  const Grid vt = unsigned_integer(8);
+  const Grid vt{8, 0, true};
   list.value("fog", "r = VT_r + (r - VT_r) factor", {F::texture_color, F::fog_factor, F::fog_color},
-             vt + (color + vt) * list.of(F::fog_factor), F::fog_color);
+             vt + (color - vt) * list.of(F::fog_factor), F::fog_color);
 }
 
 void merge(List& list) {
   using F = FormatId;
-  const Grid dst = unsigned_integer(8);
+  const Grid dst{8, 0, true};
   list.value("merge", "r = dst_r + (r - dst_r) a", {F::fog_color, F::texture_alpha, F::merge_color},
-             dst + (list.of(F::fog_color) + dst) * list.of(F::texture_alpha), F::merge_color);
+             dst + (list.of(F::fog_color) - dst) * list.of(F::texture_alpha), F::merge_color);
 }
 
 }  // namespace
@@ -469,19 +455,19 @@ void merge(List& list) {
 std::vector<ExactIntermediate> exact_intermediates(const Config& c) {
   using F = FormatId;
   List list(c);
-  const Grid coordinate = grid(c.coordinate_format());
+  const Grid coordinate = signed_grid(c.coordinate_format());
   const bool rows_of_depth = has_plane_rows(c.perspective);
-  const Grid dy = coordinate + coordinate;
-  const Grid length = list.of(F::edge_x) + list.of(F::edge_x);
+  const Grid dy = coordinate - coordinate;
+  const Grid length = list.of(F::edge_x) - list.of(F::edge_x);
   const Grid edge_q = list.of(F::edge_h) + list.of(F::setup_b);
   const Grid span_q = list.of(F::span_h) + list.of(F::setup_b);
-  const Unit edge_unit{"reciprocal.edge", c.edge_reciprocal, dy};
-  const Unit row_unit{"reciprocal.row", c.row_reciprocal, rows_of_depth ? span_q : length};
-  const Unit edge_pixel_unit{"reciprocal.pixel", c.pixel_reciprocal, edge_q};
-  const Unit pixel_unit{"reciprocal.pixel", c.pixel_reciprocal, span_q};
+  const Unit edge_unit{"reciprocal.edge", c.edge_reciprocal, positive(dy)};
+  const Unit row_unit{"reciprocal.row", c.row_reciprocal, positive(rows_of_depth ? span_q : length)};
+  const Unit edge_pixel_unit{"reciprocal.pixel", c.pixel_reciprocal, positive(edge_q)};
+  const Unit pixel_unit{"reciprocal.pixel", c.pixel_reciprocal, positive(span_q)};
 
   constants(c, list);
-  list.value("setup", "area = (x1-x0)(y2-y0) - (x2-x0)(y1-y0)", {}, dy * dy + dy * dy, Format{1, 1, true},
+  list.value("setup", "area = (x1-x0)(y2-y0) - (x2-x0)(y1-y0)", {}, dy * dy - dy * dy, Format{1, 1, true},
              "raster");
   if (rows_of_depth) {
     plane_walk(c, list, coordinate);

@@ -13,23 +13,8 @@ constexpr int ceil_div(int n, int d) { return (n + d - 1) / d; }
 // Table kinds may leave the key at 0; the row dividers then make one bit a clock.
 int bits_per_cycle(const Reciprocal& unit) { return std::max(1, unit.bits_per_cycle); }
 
-// Integer bits of the largest positive value.
-int magnitude_bits(const Format& f) { return f.integer - (f.is_signed ? 1 : 0); }
-
 bool row_divides(const Config& c) {
   return has_pixel_reciprocal(c.perspective) && !shares_reciprocal(c.row_slope);
-}
-
-int reciprocal_latency(const Reciprocal& unit, const OperandGrid& operand) {
-  switch (unit.kind) {
-    case ReciprocalKind::restoring:  // normalise, quotient bits, Q
-      return 2 + restoring_shape(unit, operand).iterations;
-    case ReciprocalKind::lut_linear:  // normalise, table, interpolation, Q
-      return 4;
-    case ReciprocalKind::lut_newton:  // normalise, table, two products a step, Q
-      return 3 + 2 * unit.steps;
-  }
-  unreachable();
 }
 
 }  // namespace
@@ -53,23 +38,19 @@ int pixel_index_bits(const Config& config) {
   return std::clamp(bits, 2, 31);
 }
 
-OperandGrid depth_sum(const Config& config, FormatId h) {
-  const Format& b = config.format(FormatId::setup_b);
-  const int fraction = std::max(config.format(h).fraction(), b.fraction());
-  const int integer = std::max(magnitude_bits(config.format(h)), magnitude_bits(b)) + 1;
-  return {integer + fraction, fraction};
+Grid depth_sum(const Config& config, FormatId h) {
+  return positive(grid_of(config.format(h))) + positive(grid_of(config.format(FormatId::setup_b)));
 }
 
-OperandGrid pixel_operand(const Config& config) { return depth_sum(config, FormatId::span_h); }
+Grid pixel_operand(const Config& config) { return depth_sum(config, FormatId::span_h); }
 
-OperandGrid row_operand(const Config& config) {
+Grid row_operand(const Config& config) {
   if (has_plane_rows(config.perspective)) return pixel_operand(config);
-  // x_r - x_l > 0 needs as many bits as x has, signed or not.
-  const Format& x = config.format(FormatId::edge_x);
-  return {x.word, x.fraction()};
+  const Grid x = grid_of(config.format(FormatId::edge_x));
+  return positive(x - x);  // x_r - x_l
 }
 
-RestoringShape restoring_shape(const Reciprocal& unit, const OperandGrid& operand) {
+RestoringShape restoring_shape(const Reciprocal& unit, Grid operand) {
   // Normalised: 1/n lies in (1/2, 1]. Otherwise 1/d is at most 2^fraction of the operand.
   const int needed = std::max(0, unit.output.fraction() + 1);
   const int integer_bits = unit.normalize ? 1 : operand.fraction + 1;
@@ -78,22 +59,31 @@ RestoringShape restoring_shape(const Reciprocal& unit, const OperandGrid& operan
   return {iterations, iterations * bits_per_cycle(unit) - integer_bits};
 }
 
+int reciprocal_latency(const Reciprocal& unit, Grid operand) {
+  switch (unit.kind) {
+    case ReciprocalKind::restoring:  // normalise, quotient bits, Q
+      return 2 + restoring_shape(unit, operand).iterations;
+    case ReciprocalKind::lut_linear:  // normalise, table, interpolation, Q
+      return 4;
+    case ReciprocalKind::lut_newton:  // normalise, table, two products a step, Q
+      return 3 + 2 * unit.steps;
+  }
+  return 0;
+}
+
 RowDivideShape row_divide_shape(const Config& config) {
-  const Format& h = config.format(FormatId::edge_h);
-  const Format& f = config.format(FormatId::span_f_diff);
+  const Grid end_h = grid_of(config.format(FormatId::edge_h));
+  const Grid h = end_h - end_h;
+  const Grid f = as_signed(grid_of(config.format(FormatId::span_f_diff)));
   const int l_fraction = config.format(FormatId::edge_x).fraction();
-  const int h_word = h.word + 1;
-  const int f_word = f.word + (f.is_signed ? 0 : 1);
-  // A numerator of word bits on `fraction`, extended by k zeros, gives a quotient on fraction + k -
-  // l_fraction.
-  const auto extension = [&](const Format& step, int fraction) {
-    return std::max(0, step.fraction() + 1 + l_fraction - fraction);
+  // A numerator extended by k zeros gives a quotient on fraction + k - l_fraction.
+  const auto extended = [&](Grid numerator, FormatId step) {
+    return aligned(numerator, config.format(step).fraction() + 1 + l_fraction).bits();
   };
-  const int bits = std::max(h_word + extension(config.format(FormatId::span_h_step), h.fraction()),
-                            f_word + extension(config.format(FormatId::span_f_step), f.fraction()));
+  const int bits = std::max(extended(h, FormatId::span_h_step), extended(f, FormatId::span_f_step));
   const int iterations = ceil_div(bits, bits_per_cycle(config.row_reciprocal));
   const int made = iterations * bits_per_cycle(config.row_reciprocal);
-  return {iterations, made - h_word + h.fraction() - l_fraction, made - f_word + f.fraction() - l_fraction};
+  return {iterations, made - h.bits() + h.fraction - l_fraction, made - f.bits() + f.fraction - l_fraction};
 }
 
 RtlTiming rtl_timing(const Config& config) {

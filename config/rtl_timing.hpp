@@ -5,6 +5,7 @@
 #pragma once
 
 #include "config/config.hpp"
+#include "config/grid.hpp"
 
 namespace bitspan {
 
@@ -14,16 +15,10 @@ bool has_rtl(const Config& config);
 // Width of the RTL's pixel index and count, unsigned: every pixel in the viewport that a record can name.
 int pixel_index_bits(const Config& config);
 
-// The unsigned grid a reciprocal unit's operand is delivered on: `word` bits, `fraction` of them right of the
-// point (may be negative). A reciprocal's exponent lies in -fraction .. word - 1 - fraction.
-struct OperandGrid {
-  int word = 1;
-  int fraction = 0;
-};
-// h + B with h on the format named: a signed sum has one bit more than the positive operand given here.
-OperandGrid depth_sum(const Config& config, FormatId h);
-OperandGrid pixel_operand(const Config& config);  // h + B, h on span.h
-OperandGrid row_operand(const Config& config);    // delta_f: L on edge.x; const_depth_rows: h + B
+// The operands of the reciprocal units, as positive numbers.
+Grid depth_sum(const Config& config, FormatId h);  // h + B, h on the format named
+Grid pixel_operand(const Config& config);          // h + B, h on span.h
+Grid row_operand(const Config& config);            // delta_f: L on edge.x; const_depth_rows: h + B
 
 // A restoring unit makes `iterations` * bits_per_cycle quotient bits, `fraction` of them right of the point:
 // at least one more than its consumer keeps, so that the last bit and a sticky bit decide every rounding.
@@ -31,7 +26,10 @@ struct RestoringShape {
   int iterations = 1;
   int fraction = 0;
 };
-RestoringShape restoring_shape(const Reciprocal& unit, const OperandGrid& operand);
+RestoringShape restoring_shape(const Reciprocal& unit, Grid operand);
+// Clocks from a unit's operand to its result: it normalises, makes the result, and quantises.
+int reciprocal_latency(const Reciprocal& unit, Grid operand);
+
 // The row's dividers (`row_slope = divide`): h and f run side by side and take equally many iterations.
 struct RowDivideShape {
   int iterations = 1;

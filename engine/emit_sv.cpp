@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "config/modes.hpp"
+#include "config/names.hpp"
+#include "config/reciprocal_table.hpp"
 #include "config/rtl_timing.hpp"
 
 namespace bitspan {
@@ -14,6 +16,15 @@ namespace {
 
 // Width of the exponent ports, signed; reciprocal exponents are asserted to fit.
 constexpr int exponent_bits = 8;
+
+// "0 restoring, 1 lut_linear ...": what the numbers of an enumeration stand for.
+template <class E>
+std::string numbered_names() {
+  std::string text;
+  for (std::size_t i = 0; i < enum_names<E>.size(); ++i)
+    text += (i == 0 ? "" : ", ") + std::to_string(i) + " " + std::string(enum_names<E>[i]);
+  return text;
+}
 
 struct Writer {
   std::string text;
@@ -34,37 +45,11 @@ struct Writer {
   }
 };
 
-// floor(2^table_bits / (1 + x) + 1/2) for the table's points x, as spec section "Reciprocal" has them.
-std::vector<std::uint64_t> reciprocal_table(const Reciprocal& unit) {
-  using Wide = unsigned __int128;
-  const int p = unit.index_bits;
-  const std::uint64_t entries = std::uint64_t{1} << p;
-  std::vector<std::uint64_t> table;
-  const auto rounded_quotient = [](Wide n, Wide d) {
-    return static_cast<std::uint64_t>((2 * n + d) / (2 * d));
-  };
-  switch (unit.kind) {
-    case ReciprocalKind::restoring:
-      break;
-    case ReciprocalKind::lut_linear:
-      for (std::uint64_t i = 0; i <= entries; ++i) {  // x = i / 2^p
-        table.push_back(rounded_quotient(Wide{1} << (unit.table_bits + p), entries + i));
-      }
-      break;
-    case ReciprocalKind::lut_newton:
-      for (std::uint64_t i = 0; i < entries; ++i) {  // x = (i + 1/2) / 2^p
-        table.push_back(rounded_quotient(Wide{1} << (unit.table_bits + p + 1), 2 * entries + 2 * i + 1));
-      }
-      break;
-  }
-  return table;
-}
-
-void reciprocal(Writer& w, const std::string& name, const Reciprocal& unit, const OperandGrid& operand) {
+void reciprocal(Writer& w, const std::string& name, const Reciprocal& unit, Grid operand) {
   w.line("");
   w.integer(name + "Kind", static_cast<int>(unit.kind));
   w.integer(name + "Normalize", unit.normalize ? 1 : 0);
-  w.integer(name + "OpW", operand.word);
+  w.integer(name + "OpW", operand.bits());
   w.integer(name + "OpFrac", operand.fraction);
   w.integer(name + "OperandBits", unit.operand_bits);
   w.integer(name + "IndexBits", unit.index_bits);
@@ -78,9 +63,10 @@ void reciprocal(Writer& w, const std::string& name, const Reciprocal& unit, cons
   w.integer(name + "Iterations", shape.iterations);
   w.integer(name + "QuotientFrac", shape.fraction);
   // The exponent's range as it is delivered.
-  w.integer(name + "EMin", unit.normalize ? -operand.fraction : 0);
-  w.integer(name + "EMax", unit.normalize ? operand.word - 1 - operand.fraction : 0);
-  const std::vector<std::uint64_t> table = reciprocal_table(unit);
+  const Exponents exponents = exponents_of(unit, operand);
+  w.integer(name + "EMin", exponents.low);
+  w.integer(name + "EMax", exponents.high);
+  const std::vector<std::int64_t> table = reciprocal_table(unit);
   const int entries = std::max<int>(1, static_cast<int>(table.size()));
   const int bits = unit.table_bits + 1;
   w.integer(name + "TableEntries", entries);
@@ -125,10 +111,10 @@ void offset(Writer& w, const std::string& name, const StartOffset& offset, int k
   w.integer(name + "Frac", fraction);
 }
 
-void check_operand(const OperandGrid& g, std::string_view what) {
+void check_operand(Grid g, std::string_view what) {
   constexpr int limit = 1 << (exponent_bits - 1);
-  if (g.fraction >= limit || g.word - 1 - g.fraction >= limit || g.word > limit) {
-    throw InputError(std::string(what) + ": the operand needs " + std::to_string(g.word) + " bits, " +
+  if (g.fraction >= limit || exponents_on(g).high >= limit || g.bits() > limit) {
+    throw InputError(std::string(what) + ": the operand needs " + std::to_string(g.bits()) + " bits, " +
                      std::to_string(g.fraction) + " of them fraction bits; the RTL holds fewer than " +
                      std::to_string(limit));
   }
@@ -138,8 +124,8 @@ void check_operand(const OperandGrid& g, std::string_view what) {
 
 std::string emit_sv(const Config& config) {
   const RtlTiming timing = rtl_timing(config);
-  const OperandGrid pixel = pixel_operand(config);
-  const OperandGrid row = row_operand(config);
+  const Grid pixel = pixel_operand(config);
+  const Grid row = row_operand(config);
   check_operand(pixel, "reciprocal.pixel");
   check_operand(row, "reciprocal.row");
   const bool const_rows = has_plane_rows(config.perspective);
@@ -186,10 +172,10 @@ std::string emit_sv(const Config& config) {
   w.integer("PhaseW", std::max(1, config.format(FormatId::plane_k).fraction()));
 
   w.line("  // h + B as a signed number, h an edge's or a span's.");
-  const OperandGrid edge_sum = depth_sum(config, FormatId::edge_h);
-  w.integer("EdgeSumW", edge_sum.word + 1);
+  const Grid edge_sum = depth_sum(config, FormatId::edge_h);
+  w.integer("EdgeSumW", as_signed(edge_sum).bits());
   w.integer("EdgeSumFrac", edge_sum.fraction);
-  w.integer("SpanSumW", pixel.word + 1);
+  w.integer("SpanSumW", as_signed(pixel).bits());
   w.integer("SpanSumFrac", pixel.fraction);
 
   w.line("");
@@ -199,9 +185,8 @@ std::string emit_sv(const Config& config) {
   offset(w, "OffsetF", config.start_offset.span_f, config.format(kept).fraction());
 
   w.line("");
-  w.line(
-      "  // Reciprocal units. Kind: 0 restoring, 1 lut_linear, 2 lut_newton. Operands are unsigned, OpW "
-      "bits.");
+  w.line("  // Reciprocal units. Kind: " + numbered_names<ReciprocalKind>() +
+         ". Operands are unsigned, OpW bits.");
   reciprocal(w, "RowRecip", config.row_reciprocal, row);
   reciprocal(w, "PixelRecip", config.pixel_reciprocal, pixel);
 

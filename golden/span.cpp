@@ -114,9 +114,9 @@ class SpanWalker {
     set(4, q_shade_acc_, span.g, q_shade_step_, span.g_step0, span.g_step1);
     set(5, q_shade_acc_, span.b, q_shade_step_, span.b_step0, span.b_step1);
     set(6, q_shade_acc_, span.a, q_shade_step_, span.a_step0, span.a_step1);
-    // Where every sum is on its register's grid and in its range, Q changes none of them: plain additions.
-    bool plain = true;
-    for (const Walked<Real>& r : registers) plain = plain && r.q->holds_walk(r.value, r.step, span.count);
+    // Where every sum is on its register's grid and in its range, Q changes none of them.
+    bool exact = true;
+    for (const Walked<Real>& r : registers) exact = exact && r.q->holds_walk(r.value, r.step, span.count);
 
     Line line(plane, plane != nullptr ? q_k_.value(plane->k) : Real(0), Real(span.phase) * phase_ulp_);
     std::int64_t x = span.x;
@@ -137,7 +137,7 @@ class SpanWalker {
       f.b = q_shade_acc_.raw(registers[5].value);
       f.a = q_shade_acc_.raw(registers[6].value);
       const std::size_t move = line.advance(x, y);
-      if (plain) {
+      if (exact) {
         for (Walked<Real>& r : registers) r.value += r.step[move];
       } else {
         for (Walked<Real>& r : registers) r.advance(move);
@@ -193,8 +193,9 @@ class SpanWalker {
     if constexpr (std::same_as<Real, double>) {
       if (!quick_uv_.usable) return false;
       const std::size_t n = fragments.size();
-      Column fu, fv, u, v, d, m, inverse_power;  // NOLINT(cppcoreguidelines-pro-type-member-init): n are set
-      std::array<std::int64_t, lanes> e;         // NOLINT(cppcoreguidelines-pro-type-member-init)
+      Column fu, fv, u, v, m, inverse_power;  // NOLINT(cppcoreguidelines-pro-type-member-init): n are set
+      std::array<std::int64_t, lanes> e;      // NOLINT(cppcoreguidelines-pro-type-member-init)
+      Column d{};                             // the compiler does not see that a mode that reads it sets it
       load(fragments, &FragmentRecord::fu, fu);
       load(fragments, &FragmentRecord::fv, fv);
       const double acc_ulp = q_acc_.ulp();

@@ -121,9 +121,9 @@ Constants constants_with(std::int64_t b) {
 // The first half is done in lanes altogether or not at all (triangles_in_lanes).
 std::string triangle_path(const Config& config, int bits) {
   const Constants constants = constants_with(make_register(config, FormatId::setup_b).max);
-  if (!prepare_setup(config, constants).lanes ||
-      !prepare_edge_walk(config, constants, picture_size_limit, picture_size_limit).lanes ||
-      !prepare_span_setup(config, constants).lanes) {
+  if (!prepare_setup(config, constants).fits_lanes ||
+      !prepare_edge_walk(config, constants, picture_size_limit, picture_size_limit).fits_lanes ||
+      !prepare_span_setup(config, constants).fits_lanes) {
     return scalar;
   }
   return bits <= term_bits + 1 ? lanes64 : lanes_mixed;
@@ -131,7 +131,7 @@ std::string triangle_path(const Config& config, int bits) {
 
 // The larger B is, the smaller is the range of the reciprocal's exponents.
 std::string span_path(const Config& config) {
-  const auto narrow = [&](std::int64_t b) { return prepare_span(config, constants_with(b)).narrow; };
+  const auto narrow = [&](std::int64_t b) { return prepare_span(config, constants_with(b)).fits_int64; };
   if (narrow(1)) return lanes64;
   // Other perspectives do not look at the values.
   std::string wide = has_pixel_reciprocal(config.perspective) ? lanes_mixed : lanes128;
@@ -150,7 +150,7 @@ std::string path_of(const Config& config, std::string_view stage, int bits) {
   const bool rows_of_depth = has_plane_rows(config.perspective);
   const bool shading = stage == "texture" || stage == "fog" || stage == "merge";
   if (shading) {
-    const ShadeLanes lanes = shade_lanes(config, config.fog);
+    const ShadeLanes lanes = lanes_for_shading(config, config.fog);
     // Blocks of 32 bits are for configurations whose fragments fit them all the way.
     const bool blocks32 = lanes == ShadeLanes::int32 && plain_shade(shade_formats(config)) &&
                           spans_fit_int32(span_formats(config));
@@ -158,7 +158,7 @@ std::string path_of(const Config& config, std::string_view stage, int bits) {
   }
   if (rows_of_depth) return scalar;  // up to the depth test
   if (stage == "span") return span_path(config);
-  if (stage == "depth") return prepare_depth(config, constants_with(1)).narrow ? lanes64 : lanes128;
+  if (stage == "depth") return prepare_depth(config, constants_with(1)).fits_int64 ? lanes64 : lanes128;
   return triangle_path(config, bits);
 }
 

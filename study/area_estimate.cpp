@@ -14,6 +14,7 @@
 #include <tuple>
 #include <utility>
 
+#include "config/grid.hpp"
 #include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 #include "tb/rtl_build.hpp"
@@ -27,20 +28,8 @@ constexpr int block_width = 18;   // operands of a multiplier block
 int ceil_div(int n, int d) { return (n + d - 1) / d; }
 int bits_of(int n) { return static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(0, n)))); }
 
-// A word as the RTL's signed arithmetic has it.
-int signed_word(const Format& f) { return f.word + (f.is_signed ? 0 : 1); }
-
-// An operand or a result: its width and how many of its bits are right of the point.
-struct Word {
-  int bits = 1;
-  int fraction = 0;
-};
-Word word_of(const Format& f) { return {signed_word(f), f.fraction()}; }
-
-// The exponent that a product is shifted by: 0 where least and most are the same.
-struct Exponents {
-  int least = 0, most = 0;
-};
+// The difference of two values of a register.
+Grid difference_of(const Format& f) { return grid_of(f) - grid_of(f); }
 
 // Mirrors rtl/, module by module.
 class Counter {
@@ -89,16 +78,14 @@ class Counter {
   }
 
   // rtl/multiply_add.sv.
-  void multiply_add(Word a, Word b, Exponents e, bool adds, const Format& to) {
-    multiply(a.bits, b.bits);
-    scale_and_quantize({a.bits + b.bits, a.fraction + b.fraction}, e, adds, to);
-  }
-  void scale_and_quantize(Word product, Exponents e, bool adds, const Format& to) {
-    const int integer = product.bits - product.fraction - e.least;
-    const int fraction = product.fraction + e.most;
+  void multiply_add(Grid a, Grid b, Exponents e, bool adds, const Format& to) {
+    multiply(a.bits(), b.bits());
+    const Grid product = a * b;
+    const int integer = product.bits() - product.fraction - e.low;
+    const int fraction = product.fraction + e.high;
     // Below the last place that decides a rounding nothing is needed.
     const int kept = integer + std::min(fraction, to.fraction() + 1);
-    shape_.selects += double(bits_of(e.most - e.least)) * std::max(kept, to.word);
+    shape_.selects += double(bits_of(e.high - e.low)) * std::max(kept, to.word);
     if (adds) shape_.sums += std::max(kept, to.word);
     quantize(fraction, integer, to);
   }
@@ -146,15 +133,12 @@ class Counter {
   }
 
   // rtl/reciprocal.sv.
-  Exponents reciprocal(const Reciprocal& unit, const OperandGrid& operand) {
-    const int op = operand.word;
+  Exponents reciprocal(const Reciprocal& unit, Grid operand) {
+    const int op = operand.bits();
     const int shift = bits_of(op);
+    // Clocks between the operand's normalisation and Q.
+    const int core = reciprocal_latency(unit, operand) - 2;
     const bool lut = has_table(unit.kind);
-    const RestoringShape restoring_is = restoring_shape(unit, operand);
-    const int core = core_clocks(unit, restoring_is);
-    const int nq_fraction = std::max(unit.operand_bits, unit.index_bits);
-    int y_bits = 0;
-    int y_fraction = 0;
 
     if (lut || unit.normalize) {
       shape_.sums += op;  // leading zeros
@@ -163,57 +147,59 @@ class Counter {
     }
     add_registers(lut ? std::min(op - 1, unit.operand_bits) : op);
 
-    if (!lut) {
-      restoring(op, restoring_is.iterations, std::max(1, unit.bits_per_cycle), unit.pipelined, true, true);
-      y_bits = restoring_is.iterations * std::max(1, unit.bits_per_cycle);
-      y_fraction = restoring_is.fraction;
-    } else {
-      const int entry = unit.table_bits + 1;
-      switch (unit.kind) {
-        case ReciprocalKind::restoring:
-          break;
-        case ReciprocalKind::lut_linear: {
-          shape_.table += std::ldexp(entry, unit.index_bits) * 2;
-          y_fraction = unit.internal_bits;
-          const int t = nq_fraction - unit.index_bits;
-          add_registers(2 * entry + t + y_fraction + 1);
-          shape_.sums += entry + entry + t;
-          multiply(entry, t + 1);
-          break;
-        }
-        case ReciprocalKind::lut_newton:
-          shape_.table += std::ldexp(entry, unit.index_bits);
-          y_fraction = unit.steps > 0 ? unit.internal_bits : unit.table_bits;
-          add_registers(entry + nq_fraction);
-          for (int s = 0; s < unit.steps; ++s) {
-            const int in = (s == 0 ? unit.table_bits : unit.internal_bits) + 1;
-            const bool last = s + 1 == unit.steps;
-            add_registers(unit.internal_bits + 2 + in + unit.internal_bits + 1);
-            add_registers(nq_fraction, last ? 0 : 2);
-            multiply(nq_fraction + 1, in);
-            multiply(in, unit.internal_bits + 2);
-            shape_.sums += unit.internal_bits + 2;
-          }
-          break;
-      }
-      y_bits = y_fraction + 1;
-      if (!unit.normalize) {
-        shape_.selects += double(shift) * (y_bits + op - 1);
-        y_bits += op - 1;
-        y_fraction += op - 1 - operand.fraction;
-      }
+    Grid y = reciprocal_core(unit, operand);
+    if (lut && !unit.normalize) {
+      shape_.selects += double(shift) * (y.bits() + op - 1);
+      y = {y.integer + operand.fraction, y.fraction + op - 1 - operand.fraction, false};
     }
-    quantize(y_fraction, y_bits - y_fraction, unit.output);
+    quantize(y.fraction, y.integer, unit.output);
     add_registers(unit.output.word + (unit.normalize ? exponent_bits : 0));
-    if (!unit.normalize) return {};
-    return {-operand.fraction, op - 1 - operand.fraction};
+    return exponents_of(unit, operand);
   }
 
-  // h + B, and its register.
-  Word depth_operand(FormatId h) {
-    const OperandGrid sum = depth_sum(c_, h);
-    shape_.sums += sum.word;
-    return {sum.word, sum.fraction};
+  // The core of each kind; returns the grid of its result.
+  Grid reciprocal_core(const Reciprocal& unit, Grid operand) {
+    const int entry = unit.table_bits + 1;
+    const int nq_fraction = std::max(unit.operand_bits, unit.index_bits);
+    const double segments = std::ldexp(1.0, unit.index_bits);
+    const Grid y{1, unit.internal_bits, false};
+    switch (unit.kind) {
+      case ReciprocalKind::restoring: {
+        const RestoringShape shape = restoring_shape(unit, operand);
+        const int per_cycle = std::max(1, unit.bits_per_cycle);
+        restoring(operand.bits(), shape.iterations, per_cycle, unit.pipelined, true, true);
+        return {shape.iterations * per_cycle - shape.fraction, shape.fraction, false};
+      }
+      case ReciprocalKind::lut_linear: {
+        const int t = nq_fraction - unit.index_bits;
+        shape_.table += 2 * segments * entry;
+        add_registers(2 * entry + t + y.bits());
+        shape_.sums += entry + entry + t;
+        multiply(entry, t + 1);
+        return y;
+      }
+      case ReciprocalKind::lut_newton:
+        shape_.table += segments * entry;
+        add_registers(entry + nq_fraction);
+        for (int s = 0; s < unit.steps; ++s) {
+          const int in = (s == 0 ? unit.table_bits : unit.internal_bits) + 1;
+          const bool last = s + 1 == unit.steps;
+          add_registers(unit.internal_bits + 2 + in + unit.internal_bits + 1);
+          add_registers(nq_fraction, last ? 0 : 2);
+          multiply(nq_fraction + 1, in);
+          multiply(in, unit.internal_bits + 2);
+          shape_.sums += unit.internal_bits + 2;
+        }
+        return unit.steps > 0 ? y : Grid{1, unit.table_bits, false};
+    }
+    return y;
+  }
+
+  // h + B, and its adder.
+  Grid depth_operand(FormatId h) {
+    const Grid sum = depth_sum(c_, h);
+    shape_.sums += sum.bits();
+    return sum;
   }
 
   int wait_clocks() const { return timing_.row_unit_pipelined ? timing_.row_unit : 0; }
@@ -227,17 +213,18 @@ class Counter {
     const Format& h_step = format(FormatId::span_h_step);
     const Format& f_step = format(FormatId::span_f_step);
     const int p_fraction = std::max(1, x.fraction());
-    const Word p = {std::max(index, x.integer) + 2 + p_fraction, p_fraction};
+    const Grid p = {std::max(index, x.integer) + 1, p_fraction, true};  // x_first + 1/2 - x_l
     const bool divides = !shares_reciprocal(c_.row_slope);
     add_registers(timing_.span_setup);
 
     // 1: differences.
-    shape_.sums += x.word + 1 + p.bits + h.word + 1 + 2 * (uv.word + 1);
-    Word sum = depth_operand(FormatId::edge_h);
-    for (int i = 0; i < 2; ++i)
-      multiply_add({uv.word + 1, uv.fraction()}, {sum.bits + 1, sum.fraction}, {}, false, f_diff);
-    const int kept = 2 * index + p.bits + h.word + 2 * uv.word + 1;  // what the start values need, too
-    const int numerators = h.word + 1 + 2 * f_diff.word;
+    const Grid h_difference = difference_of(h);
+    const Grid uv_difference = difference_of(uv);
+    shape_.sums += difference_of(x).bits() + p.bits() + h_difference.bits() + 2 * uv_difference.bits();
+    const Grid sum = depth_operand(FormatId::edge_h);
+    for (int i = 0; i < 2; ++i) multiply_add(uv_difference, as_signed(sum), {}, false, f_diff);
+    const int kept = 2 * index + p.bits() + h.word + 2 * uv.word + 1;  // what the start values need, too
+    const int numerators = h_difference.bits() + 2 * f_diff.word;
     add_registers(kept + numerators + x.word);
     add_registers(kept + (divides ? 0 : numerators), wait_clocks());
 
@@ -248,9 +235,9 @@ class Counter {
       const int bits = divide.iterations * per_cycle;
       bool first = true;
       for (const auto& [numerator, fraction, to] :
-           {std::tuple{h.word + 1, divide.h_fraction, h_step},
-            std::tuple{signed_word(f_diff), divide.f_fraction, f_step},
-            std::tuple{signed_word(f_diff), divide.f_fraction, f_step}}) {
+           {std::tuple{h_difference.bits(), divide.h_fraction, h_step},
+            std::tuple{signed_grid(f_diff).bits(), divide.f_fraction, f_step},
+            std::tuple{signed_grid(f_diff).bits(), divide.f_fraction, f_step}}) {
         add_registers(numerator + 1 + (first ? x.word + 1 : 0));
         shape_.sums += numerator + bits;  // magnitude, sign of the quotient
         restoring(x.word, divide.iterations, per_cycle, timing_.row_unit_pipelined, false, first);
@@ -260,18 +247,18 @@ class Counter {
       }
     } else {
       const Exponents e = reciprocal(c_.row_reciprocal, row_operand(c_));
-      const Word m = word_of(c_.row_reciprocal.output);
-      multiply_add({h.word + 1, h.fraction()}, m, e, false, h_step);
-      for (int i = 0; i < 2; ++i) multiply_add(word_of(f_diff), m, e, false, f_step);
+      const Grid m = signed_grid(c_.row_reciprocal.output);
+      multiply_add(h_difference, m, e, false, h_step);
+      for (int i = 0; i < 2; ++i) multiply_add(signed_grid(f_diff), m, e, false, f_step);
     }
     shape_.selects += h_step.word + 2 * f_step.word;
     const int steps = h_step.word + 2 * f_step.word;
-    add_registers(2 * index + p.bits + h.word + 2 * uv.word + steps);
+    add_registers(2 * index + p.bits() + h.word + 2 * uv.word + steps);
 
     // Start values.
-    multiply_add(word_of(h_step), p, {}, true, format(FormatId::span_h));
+    multiply_add(signed_grid(h_step), p, {}, true, format(FormatId::span_h));
     const bool offset = c_.start_offset.span_f.half_ulp || c_.start_offset.span_f.value != 0;
-    for (int i = 0; i < 2; ++i) multiply_add(word_of(f_step), p, {}, offset, format(FormatId::span_f));
+    for (int i = 0; i < 2; ++i) multiply_add(signed_grid(f_step), p, {}, offset, format(FormatId::span_f));
     add_registers(2 * index + word(FormatId::span_h) + 2 * uv.word + 2 * word(FormatId::span_f) + steps);
   }
 
@@ -294,13 +281,14 @@ class Counter {
     walk(f, format(FormatId::span_f_step), 1);
     accumulate(h_step, format(FormatId::span_h));
     add_registers(h_step.word + 2 * uv.word);
-    const Word sum = depth_operand(FormatId::span_h);
-    add_registers(sum.bits);
+    const Grid sum = depth_operand(FormatId::span_h);
+    add_registers(sum.bits());
     const Exponents e = reciprocal(c_.pixel_reciprocal, pixel_operand(c_));
     const int waits = pixel_index_bits(c_) + 1 + word(FormatId::span_h) + 2 * f.word + 2 * uv.word;
     add_registers(waits, 1 + timing_.pixel_unit);
     for (int i = 0; i < 2; ++i)
-      multiply_add(word_of(f), word_of(c_.pixel_reciprocal.output), e, true, format(FormatId::span_uv));
+      multiply_add(signed_grid(f), signed_grid(c_.pixel_reciprocal.output), e, true,
+                   format(FormatId::span_uv));
   }
 
   void const_depth_setup() {
@@ -311,15 +299,15 @@ class Counter {
     const Format& step = format(FormatId::span_uv_step);
     const int line = std::max(1, format(FormatId::plane_k).fraction()) + word(FormatId::plane_k);
     add_registers(timing_.span_setup);
-    const Word sum = depth_operand(FormatId::span_h);
+    const Grid sum = depth_operand(FormatId::span_h);
     const int kept = 2 * index + line + word(FormatId::span_h);
     const int first = kept + 2 * f.word + 4 * f_step.word;
-    add_registers(sum.bits + first * (1 + wait_clocks()));
+    add_registers(sum.bits() + first * (1 + wait_clocks()));
     const Exponents e = reciprocal(c_.row_reciprocal, row_operand(c_));
-    const Word m = word_of(c_.row_reciprocal.output);
+    const Grid m = signed_grid(c_.row_reciprocal.output);
     const bool offset = c_.start_offset.span_f.half_ulp || c_.start_offset.span_f.value != 0;
-    for (int i = 0; i < 2; ++i) multiply_add(word_of(f), m, e, offset, acc);
-    for (int i = 0; i < 4; ++i) multiply_add(word_of(f_step), m, e, false, step);
+    for (int i = 0; i < 2; ++i) multiply_add(signed_grid(f), m, e, offset, acc);
+    for (int i = 0; i < 4; ++i) multiply_add(signed_grid(f_step), m, e, false, step);
     add_registers(kept + 2 * acc.word + 4 * step.word, 2);
   }
 

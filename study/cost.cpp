@@ -1,7 +1,9 @@
 #include "study/cost.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "config/grid.hpp"
 #include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 
@@ -166,23 +168,55 @@ std::vector<Unit> units(const Config& c) {
   return list;
 }
 
-// A number as an operand: `integer` places without the sign.
-struct Operand {
-  int integer = 0;
-  int fraction = 0;
-  bool is_signed = false;
-  int width() const { return integer + fraction + (is_signed ? 1 : 0); }
+// What a kind of reciprocal has inside: registers by name, products, and bits of its table.
+struct UnitParts {
+  std::vector<RegisterPlace> registers;
+  std::vector<Multiplier> products;
+  std::int64_t table_bits = 0;
 };
 
-Operand of(const Format& f) { return {f.is_signed ? f.integer - 1 : f.integer, f.fraction(), f.is_signed}; }
-
-// Exact; two numbers that are never negative differ by no more than the larger.
-Operand operator-(Operand a, Operand b) {
-  const bool grows = a.is_signed || b.is_signed;
-  return {std::max(a.integer, b.integer) + (grows ? 1 : 0), std::max(a.fraction, b.fraction), true};
+UnitParts parts_of(const Unit& unit) {
+  const Reciprocal& r = *unit.r;
+  UnitParts parts;
+  const auto keep = [&](const char* name, Grid g, int times) {
+    parts.registers.push_back({unit.stage, unit.name + "." + name, g.bits(), times});
+  };
+  const auto multiply = [&](const char* product, Grid a, Grid b) {
+    parts.products.push_back({unit.stage, unit.name + ": " + product, a.bits(), b.bits(), 1});
+  };
+  const Grid nq{1, r.operand_bits, false};
+  const Grid entry{1, r.table_bits, false};
+  const Grid y{1, r.internal_bits, false};
+  const std::int64_t segments = std::int64_t{1} << r.index_bits;
+  switch (r.kind) {
+    case ReciprocalKind::restoring:
+      break;
+    case ReciprocalKind::lut_linear:
+      keep("nq", nq, 1);
+      keep("c", entry, 2);
+      keep("y", y, 1);
+      multiply("(c(j) - c(j+1)) t", entry, {0, r.operand_bits - r.index_bits, false});
+      parts.table_bits = (segments + 1) * entry.bits();
+      break;
+    case ReciprocalKind::lut_newton: {
+      const Grid a{2, r.internal_bits, false};
+      keep("nq", nq, 1);
+      keep("y(0)", entry, 1);
+      if (r.steps > 0) keep("a", a, r.steps);
+      if (r.steps > 0) keep("y", y, r.steps);
+      for (int step = 0; step < r.steps; ++step) {
+        const Grid before = step == 0 ? entry : y;
+        multiply("nq y", nq, before);
+        multiply("y (2 - a)", before, a);
+      }
+      parts.table_bits = segments * entry.bits();
+      break;
+    }
+  }
+  return parts;
 }
 
-constexpr Operand kCode{8, 0, false};  // texels, frame buffer, fog colour
+constexpr Grid kCode{8, 0, false};  // texels, frame buffer, fog colour
 
 class Products {
  public:
@@ -203,40 +237,21 @@ class Products {
   }
 
  private:
-  Operand at(F id) const { return of(c_.format(id)); }
-  Operand coordinate() const { return of(c_.coordinate_format()); }
-  Operand between_coordinates() const { return coordinate() - coordinate(); }
+  Grid at(F id) const { return grid_of(c_.format(id)); }
+  Grid coordinate() const { return grid_of(c_.coordinate_format()); }
+  Grid between_coordinates() const { return coordinate() - coordinate(); }
   // y + 1/2 - y1, from an edge's start to a row's centre: not negative.
-  Operand rows_down() const { return {c_.coordinate_bits, std::max(c_.subpixel_bits, 1), false}; }
+  Grid rows_down() const { return {c_.coordinate_bits, std::max(c_.subpixel_bits, 1), false}; }
   // A pixel's centre from a vertex.
-  Operand from_vertex() const { return {c_.coordinate_bits, std::max(c_.subpixel_bits, 1), true}; }
-  Operand depth_sum_of(F h) const {
-    const OperandGrid g = depth_sum(c_, h);
-    return {g.word - g.fraction, g.fraction, false};
+  Grid from_vertex() const { return {c_.coordinate_bits, std::max(c_.subpixel_bits, 1), true}; }
+
+  void add(std::string stage, std::string product, Grid a, Grid b, int times) {
+    list_.push_back({std::move(stage), std::move(product), a.bits(), b.bits(), times});
   }
 
-  void add(std::string stage, std::string product, Operand a, Operand b, int times) {
-    list_.push_back({std::move(stage), std::move(product), a.width(), b.width(), times});
-  }
-
-  void inside(const std::string& stage, const std::string& name, const Reciprocal& r) {
-    const Operand nq{1, r.operand_bits, false};
-    switch (r.kind) {
-      case ReciprocalKind::restoring:
-        break;
-      case ReciprocalKind::lut_linear: {
-        const Operand entry{1, r.table_bits, false};
-        add(stage, name + ": (c(j) - c(j+1)) t", entry, {0, r.operand_bits - r.index_bits, false}, 1);
-        break;
-      }
-      case ReciprocalKind::lut_newton:
-        for (int step = 0; step < r.steps; ++step) {
-          const Operand y{1, step == 0 ? r.table_bits : r.internal_bits, false};
-          add(stage, name + ": nq y", nq, y, 1);
-          add(stage, name + ": y (2 - a)", y, {2, r.internal_bits, false}, 1);
-        }
-        break;
-    }
+  void inside(const Unit& unit) {
+    UnitParts parts = parts_of(unit);
+    for (Multiplier& m : parts.products) list_.push_back(std::move(m));
   }
 
   void setup() {
@@ -245,11 +260,11 @@ class Products {
   }
 
   void setup_edge() {
-    const Operand h = at(F::setup_h), uv = at(F::setup_uv), shade = at(F::setup_shade);
-    if (!affine(c_)) add("setup.edge", "(u2 - u1)(h2 + B)", uv - uv, depth_sum_of(F::setup_h), 2);
+    const Grid h = at(F::setup_h), uv = at(F::setup_uv), shade = at(F::setup_shade);
+    if (!affine(c_)) add("setup.edge", "(u2 - u1)(h2 + B)", uv - uv, depth_sum(c_, F::setup_h), 2);
     if (!edge_unit(c_)) return;
-    inside("setup.edge", "reciprocal.edge", c_.edge_reciprocal);
-    const Operand m = of(c_.edge_reciprocal.output);
+    inside({"setup.edge", "reciprocal.edge", &c_.edge_reciprocal});
+    const Grid m = grid_of(c_.edge_reciprocal.output);
     if (dda(c_)) add("setup.edge", "(x2 - x1) m", between_coordinates(), m, 1);
     add("setup.edge", "(h2 - h1) m", h - h, m, 1);
     add("setup.edge", "fu_diff m", at(F::edge_f_diff), m, 2);
@@ -266,18 +281,18 @@ class Products {
     add("edge_walk", "fu_step t0", at(F::edge_f_step), rows_down(), 2);
     add("edge_walk", "r_step t0", at(F::edge_shade_step), rows_down(), 4);
     if (!perspective_ends(c_)) return;
-    inside("edge_walk", "reciprocal.pixel", c_.pixel_reciprocal);
-    add("edge_walk", "fu m", at(F::edge_f), of(c_.pixel_reciprocal.output), 2);
+    inside({"edge_walk", "reciprocal.pixel", &c_.pixel_reciprocal});
+    add("edge_walk", "fu m", at(F::edge_f), grid_of(c_.pixel_reciprocal.output), 2);
   }
 
   void span_setup() {
-    const Operand h = at(F::edge_h), uv = at(F::edge_uv), shade = at(F::edge_shade), f = at(F::span_f_diff);
-    const Operand x = at(F::edge_x);
-    if (delta_f(c_)) add("span_setup", "(u_r - u_l)(h_r + B)", uv - uv, depth_sum_of(F::edge_h), 2);
-    if (hyperbolic(c_)) add("span_setup", "u (h + B)", uv, depth_sum_of(F::edge_h), 4);
+    const Grid h = at(F::edge_h), uv = at(F::edge_uv), shade = at(F::edge_shade), f = at(F::span_f_diff);
+    const Grid x = at(F::edge_x);
+    if (delta_f(c_)) add("span_setup", "(u_r - u_l)(h_r + B)", uv - uv, depth_sum(c_, F::edge_h), 2);
+    if (hyperbolic(c_)) add("span_setup", "u (h + B)", uv, depth_sum(c_, F::edge_h), 4);
     if (row_unit(c_)) {
-      inside("span_setup", "reciprocal.row", c_.row_reciprocal);
-      const Operand m = of(c_.row_reciprocal.output);
+      inside({"span_setup", "reciprocal.row", &c_.row_reciprocal});
+      const Grid m = grid_of(c_.row_reciprocal.output);
       add("span_setup", "(h_r - h_l) m", h - h, m, 1);
       if (delta_f(c_)) add("span_setup", "fu_diff m", f, m, 2);
       if (hyperbolic(c_)) add("span_setup", "(gr - gl) m", f - f, m, 2);
@@ -285,24 +300,24 @@ class Products {
       add("span_setup", "(r_r - r_l) m", shade - shade, m, 4);
     }
     // p = x_first + 1/2 - x_l
-    const Operand p = Operand{pixel_index_bits(c_) - 1, 1, false} - x;
+    const Grid p = Grid{pixel_index_bits(c_) - 1, 1, false} - x;
     add("span_setup", "h_step p", at(F::span_h_step), p, 1);
     add("span_setup", "fu_step p", at(affine(c_) ? F::span_uv_step : F::span_f_step), p, 2);
     add("span_setup", "r_step p", at(F::span_shade_step), p, 4);
   }
 
   void plane_walk() {
-    const Operand h = at(F::setup_h), shade = at(F::setup_shade), g = at(F::plane_g);
-    const Operand k = at(F::plane_k), pixel = {c_.coordinate_bits, 0, false};
-    const Operand d = between_coordinates();
-    add("plane_walk", "u (h + B)", at(F::setup_uv), depth_sum_of(F::setup_h), 2);
+    const Grid h = at(F::setup_h), shade = at(F::setup_shade), g = at(F::plane_g);
+    const Grid k = at(F::plane_k), pixel = {c_.coordinate_bits, 0, false};
+    const Grid d = between_coordinates();
+    add("plane_walk", "u (h + B)", at(F::setup_uv), depth_sum(c_, F::setup_h), 2);
     // Two products in nx and two in ny.
     add("plane_walk", "nx(h), ny(h)", h - h, d, 4);
     add("plane_walk", "nx(gu), ny(gu)", g - g, d, 8);
     add("plane_walk", "nx(r), ny(r)", shade - shade, d, 16);
     // The row's ideal line, with the fraction of k.
     add("plane_walk", "k (m_first - m0)", k, pixel, 1);
-    const Operand line{c_.coordinate_bits + 1, std::max(from_vertex().fraction, k.fraction), true};
+    const Grid line{c_.coordinate_bits + 1, std::max(from_vertex().fraction, k.fraction), true};
     const bool ideal = is_on_ideal_line(c_.numerator);
     add("plane_walk", "h_M (Mc - M0)", at(F::plane_h_grad), from_vertex(), 1);
     add("plane_walk", "h_N (Nl - N0)", at(F::plane_h_grad), line, 1);
@@ -317,17 +332,17 @@ class Products {
   }
 
   void plane_span_setup() {
-    inside("span_setup", "reciprocal.row", c_.row_reciprocal);
-    const Operand m = of(c_.row_reciprocal.output);
+    inside({"span_setup", "reciprocal.row", &c_.row_reciprocal});
+    const Grid m = grid_of(c_.row_reciprocal.output);
     add("span_setup", "gu m", at(F::span_f), m, 2);
     add("span_setup", "gu_step0 m, gu_step1 m", at(F::span_f_step), m, 4);
   }
 
   void pixel() {
-    const Operand m = of(c_.pixel_reciprocal.output);
-    const Operand mix = at(F::texture_mix), alpha = at(F::texture_alpha), frac = at(F::texture_frac);
-    const Operand shade = at(F::span_shade), color = at(F::texture_color);
-    if (pixel_unit(c_)) inside("span", "reciprocal.pixel", c_.pixel_reciprocal);
+    const Grid m = grid_of(c_.pixel_reciprocal.output);
+    const Grid mix = at(F::texture_mix), alpha = at(F::texture_alpha), frac = at(F::texture_frac);
+    const Grid shade = at(F::span_shade), color = at(F::texture_color);
+    if (pixel_unit(c_)) inside({"span", "reciprocal.pixel", &c_.pixel_reciprocal});
     if (delta_f(c_)) add("span", "fu m", at(F::span_f), m, 2);
     if (linear_depth(c_)) add("depth", "c1 m", at(F::depth_c1), m, 1);
     if (bilinear(c_)) {
@@ -361,24 +376,8 @@ std::vector<RegisterPlace> register_places(const Config& config) {
       places.push_back({std::string(r.stage), std::string(r.name), r.word(config), r.times});
   }
   for (const Unit& u : units(config)) {
-    const Reciprocal& r = *u.r;
-    const auto add = [&](const char* name, int word, int times) {
-      places.push_back({u.stage, u.name + "." + name, word, times});
-    };
-    if (has_table(r.kind)) add("nq", 1 + r.operand_bits, 1);
-    switch (r.kind) {
-      case ReciprocalKind::restoring:
-        break;
-      case ReciprocalKind::lut_linear:
-        add("c", 1 + r.table_bits, 2);
-        add("y", 1 + r.internal_bits, 1);
-        break;
-      case ReciprocalKind::lut_newton:
-        add("y(0)", 1 + r.table_bits, 1);
-        if (r.steps > 0) add("a", 2 + r.internal_bits, r.steps);
-        if (r.steps > 0) add("y", 1 + r.internal_bits, r.steps);
-        break;
-    }
+    UnitParts parts = parts_of(u);
+    for (RegisterPlace& p : parts.registers) places.push_back(std::move(p));
   }
   return places;
 }
@@ -399,9 +398,7 @@ double product_bits(const Config& config) {
 
 double table_bits(const Config& config) {
   std::int64_t bits = 0;
-  for (const Unit& u : units(config)) {
-    bits += table_entries(*u.r) * (1 + u.r->table_bits);
-  }
+  for (const Unit& u : units(config)) bits += parts_of(u).table_bits;
   if (has_fog_table(config.fog)) {
     bits += (std::int64_t{1} << config.fog_index_bits()) * config.format(F::fog_factor).word;
   }

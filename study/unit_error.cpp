@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "config/modes.hpp"
+#include "config/reciprocal_table.hpp"
 #include "study/format_range.hpp"
 
 namespace bitspan::bounds {
@@ -11,18 +13,12 @@ namespace {
 
 constexpr std::int64_t runs = 16;
 
-std::int64_t table_entry(int table_bits, std::int64_t numerator, std::int64_t denominator) {
-  // floor(2^table_bits numerator / denominator + 1/2); at most 40 + 13 + 2 bits.
-  const __int128 twice = (static_cast<__int128>(numerator) << (table_bits + 1)) + denominator;
-  return static_cast<std::int64_t>(twice / (2 * static_cast<__int128>(denominator)));
-}
-
 // y is an entry of the table as it stands, never cut to internal_bits.
 bool is_bare_table(const Reciprocal& r) { return has_newton_steps(r.kind) && r.steps == 0; }
 
 }  // namespace
 
-Unit::Unit(const Reciprocal& r) : r_(r) {
+Unit::Unit(const Reciprocal& r) : r_(r), table_(reciprocal_table(r)) {
   if (!has_table(r.kind)) {
     parts_ = {{Interval(1, 2), 0, 0}};
     return;
@@ -33,7 +29,7 @@ Unit::Unit(const Reciprocal& r) : r_(r) {
   for (std::int64_t first = 0; first < entries; first += run) {
     Interval table;
     for (std::int64_t j = first; j < first + run; ++j) {
-      const Interval own = segment(entries, j);
+      const Interval own = segment(j);
       table = j == first ? own : hull(table, own);
     }
     const double step = 1.0 / static_cast<double>(entries);
@@ -68,25 +64,28 @@ UnitError Unit::error(Interval d) const {
   return out;
 }
 
+double Unit::table_value(std::int64_t i) const {
+  return std::ldexp(static_cast<double>(table_[static_cast<std::size_t>(i)]), -r_.table_bits);
+}
+
 // y nq - 1 over segment j, as it is read of the table.
-Interval Unit::segment(std::int64_t entries, std::int64_t j) const {
+Interval Unit::segment(std::int64_t j) const {
   switch (r_.kind) {
     case ReciprocalKind::restoring:  // has no table
       break;
     case ReciprocalKind::lut_linear:
-      return line(entries, j);
+      return line(j);
     case ReciprocalKind::lut_newton:
-      return entry(entries, j);
+      return entry(j);
   }
   unreachable();
 }
 
 // y(t) = c - slope t between two entries; y nq - 1 is a parabola in t that opens downward.
-Interval Unit::line(std::int64_t entries, std::int64_t j) const {
-  const double unit = std::ldexp(1.0, -r_.table_bits);
-  const double step = 1.0 / static_cast<double>(entries);
-  const double c = static_cast<double>(table_entry(r_.table_bits, entries, entries + j)) * unit;
-  const double next = static_cast<double>(table_entry(r_.table_bits, entries, entries + j + 1)) * unit;
+Interval Unit::line(std::int64_t j) const {
+  const double step = std::ldexp(1.0, -r_.index_bits);
+  const double c = table_value(j);
+  const double next = table_value(j + 1);
   const Interval slope = Interval(c) - next;
   const double a = 1 + static_cast<double>(j) * step;
   const auto product = [&](double t) { return (c - slope * t) * (a + Interval(step) * t) - 1; };
@@ -99,10 +98,9 @@ Interval Unit::line(std::int64_t entries, std::int64_t j) const {
   return relative;
 }
 
-Interval Unit::entry(std::int64_t entries, std::int64_t j) const {
-  const double y = std::ldexp(
-      static_cast<double>(table_entry(r_.table_bits, 2 * entries, 2 * entries + 2 * j + 1)), -r_.table_bits);
-  const double step = 1.0 / static_cast<double>(entries);
+Interval Unit::entry(std::int64_t j) const {
+  const double y = table_value(j);
+  const double step = std::ldexp(1.0, -r_.index_bits);
   const double a = 1 + static_cast<double>(j) * step;
   return Interval(a, a + step) * y - 1;
 }

@@ -32,13 +32,15 @@ class Unit {
   UnitError error(Interval d) const;
 
  private:
-  Interval segment(std::int64_t entries, std::int64_t j) const;
-  Interval line(std::int64_t entries, std::int64_t j) const;
-  Interval entry(std::int64_t entries, std::int64_t j) const;
+  Interval segment(std::int64_t j) const;
+  Interval line(std::int64_t j) const;
+  Interval entry(std::int64_t j) const;
+  double table_value(std::int64_t i) const;
   Interval computed(Interval nq, Interval e) const;
   Interval with_rest(Interval e) const;
 
   Reciprocal r_;
+  std::vector<std::int64_t> table_;
   std::vector<TablePart> parts_;
   std::optional<int> fraction_;  // of y, before the output's rounding
 };

@@ -10,7 +10,7 @@ namespace bitspan::model {
 struct Adder {
   Register acc;
   int acc_up = 0, step_up = 0, fraction = 0;
-  bool narrow = false;  // the sum fits 64 bits
+  bool fits_int64 = false;  // the sum fits 64 bits
 };
 constexpr Adder make_adder(const Register& acc, const Register& step) {
   const int fraction = std::max(acc.fraction, step.fraction);

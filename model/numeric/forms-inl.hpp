@@ -15,20 +15,20 @@
 HWY_BEFORE_NAMESPACE();
 namespace bitspan::model::HWY_NAMESPACE {
 
-// Narrow and Wide: what intermediates are held in. Sum: what holds the sum of two registers, of any format
+// Int64 and Int128: what intermediates are held in. Sum: what holds the sum of two registers, of any format
 // for one integer; lanes are used where they hold it.
 template <class Value>
 struct WidthsOf;
 template <>
 struct WidthsOf<std::int64_t> {
-  using Narrow = std::int64_t;
-  using Wide = int128;
+  using Int64 = std::int64_t;
+  using Int128 = int128;
   using Sum = int128;
 };
 template <>
 struct WidthsOf<Lanes> {
-  using Narrow = Lanes;
-  using Wide = WideLanes;
+  using Int64 = Lanes;
+  using Int128 = WideLanes;
   using Sum = Lanes;
 };
 template <class Value>
@@ -79,19 +79,19 @@ HWY_INLINE Value line_in(const Line& line, Value base, Value step, SumOf<Value> 
 template <class Value, class Watch>
 HWY_INLINE Value line_at(const Line& line, Value base, Value step, SumOf<Value> t, Watch watch) {
   if (below(t, line.t_bits)) [[likely]] {
-    return line_in<typename WidthsOf<Value>::Narrow>(line, base, step, t, watch);
+    return line_in<typename WidthsOf<Value>::Int64>(line, base, step, t, watch);
   }
-  return line_in<typename WidthsOf<Value>::Wide>(line, base, step, t, watch);
+  return line_in<typename WidthsOf<Value>::Int128>(line, base, step, t, watch);
 }
 
 // Q[acc](acc + step)
 template <class Value, class Watch>
 HWY_INLINE Value stepped(const Adder& adder, Value acc, Value step, Watch watch) {
-  using Wide = typename WidthsOf<Value>::Wide;
-  if (adder.narrow) [[likely]] {
+  using Int128 = typename WidthsOf<Value>::Int128;
+  if (adder.fits_int64) [[likely]] {
     return quantize((acc << adder.acc_up) + (step << adder.step_up), adder.fraction, adder.acc, watch);
   }
-  return quantize((Wide(acc) << adder.acc_up) + (Wide(step) << adder.step_up), adder.fraction, adder.acc,
+  return quantize((Int128(acc) << adder.acc_up) + (Int128(step) << adder.step_up), adder.fraction, adder.acc,
                   watch);
 }
 
@@ -99,9 +99,9 @@ template <class Value, class Watch>
 HWY_INLINE Value product(const Product& p, SumOf<Value> a, SumOf<Value> b, Watch watch) {
   using Widths = WidthsOf<Value>;
   if (below(a, p.a_bits)) [[likely]] {
-    return quantize(product_in<typename Widths::Narrow>(a, b), p.fraction, p.r, watch);
+    return quantize(product_in<typename Widths::Int64>(a, b), p.fraction, p.r, watch);
   }
-  return quantize(product_in<typename Widths::Wide>(a, b), p.fraction, p.r, watch);
+  return quantize(product_in<typename Widths::Int128>(a, b), p.fraction, p.r, watch);
 }
 
 // X: Value or SumOf<Value>.
@@ -109,9 +109,9 @@ template <class Value, class X, class Watch>
 HWY_INLINE Value narrowed(const Narrowing& n, X x, Watch watch) {
   using Widths = WidthsOf<Value>;
   if (n.fits) [[likely]] {
-    return quantize(static_cast<typename Widths::Narrow>(x), n.fraction, n.r, watch);
+    return quantize(static_cast<typename Widths::Int64>(x), n.fraction, n.r, watch);
   }
-  return quantize(typename Widths::Wide(x), n.fraction, n.r, watch);
+  return quantize(typename Widths::Int128(x), n.fraction, n.r, watch);
 }
 
 template <class Int, class Value, class Watch>
@@ -128,14 +128,14 @@ HWY_INLINE Value perspective_point(const PerspectivePoint& p, Value base, Value 
                                    Watch watch) {
   if (below(f, p.f_bits)) [[likely]] {
     if (p.aligned) {
-      using Int = typename WidthsOf<Value>::Narrow;
+      using Int = typename WidthsOf<Value>::Int64;
       const Value fraction = inverse.e + Value(p.product_fraction);
       const Int sum = (Int(base) << (fraction - Value(p.base_fraction))) + times<Int>(f, inverse.m);
       return quantize_down(sum, fraction, p.r, watch);
     }
-    return perspective_point_in<typename WidthsOf<Value>::Narrow>(p, base, f, inverse, watch);
+    return perspective_point_in<typename WidthsOf<Value>::Int64>(p, base, f, inverse, watch);
   }
-  return perspective_point_in<typename WidthsOf<Value>::Wide>(p, base, f, inverse, watch);
+  return perspective_point_in<typename WidthsOf<Value>::Int128>(p, base, f, inverse, watch);
 }
 
 // Q[r](x 2^-exponent) of a double, exactly; x finite.
@@ -213,7 +213,9 @@ HWY_INLINE Lanes quantize_real(Doubles x, int exponent, const Register& r, Plain
 // The observer of the lanes in m alone.
 HWY_INLINE Plain only(Plain watch, Lanes::Mask /*m*/) { return watch; }
 HWY_INLINE NoObserve only(NoObserve watch, Lanes::Mask /*m*/) { return watch; }
-HWY_INLINE Seen only(Seen watch, Lanes::Mask m) { return {watch.statistics, watch.active & m}; }
+HWY_INLINE ObserveLanes only(ObserveLanes watch, Lanes::Mask m) {
+  return {watch.statistics, watch.active & m};
+}
 
 // f(watch) where m, else 0.
 template <class Watch, class F>

@@ -13,7 +13,7 @@ DepthSum make_depth_sum(const Register& h, Exact b, const Reciprocal& unit) {
   s.fraction = std::max(h.fraction, b.fraction);
   s.up = s.fraction - h.fraction;
   s.b = on_grid(b, s.fraction);
-  s.size = size_of(h) + size_of(b);
+  s.magnitude = magnitude_of(h) + magnitude_of(b);
   if (unit.normalize) {
     // From its least ulp, or from B where h is never negative, to the highest bit of both together.
     const auto least = h.is_signed ? uint128{1} : std::max<uint128>(1, static_cast<uint128>(s.b));
@@ -23,10 +23,10 @@ DepthSum make_depth_sum(const Register& h, Exact b, const Reciprocal& unit) {
   return s;
 }
 
-Line make_line(const Register& r, const Register* base, const Register& step, Size t, Exact offset) {
+Line make_line(const Register& r, const Register* base, const Register& step, Grid t, Exact offset) {
   Line line;
   line.r = r;
-  const Size product = size_of(step) * Size{0, t.fraction};
+  const Grid product = magnitude_of(step) * Grid{-t.fraction, t.fraction};  // of one ulp of t
   const bool has_offset = offset.raw != 0;
   line.fraction = std::max({product.fraction, base == nullptr ? product.fraction : base->fraction,
                             has_offset ? offset.fraction : product.fraction});
@@ -35,40 +35,41 @@ Line make_line(const Register& r, const Register* base, const Register& step, Si
   line.offset = has_offset ? on_grid(offset, line.fraction) : 0;
   // Also on r's grid, where that one is finer.
   const int grid = std::max(line.fraction, r.fraction);
-  const int base_bits = base == nullptr ? 0 : bits_on(size_of(*base), grid);
-  const int offset_bits = has_offset ? bits_on(size_of(offset), grid) : 0;
-  const int product_bits = bits_on(product, grid);
+  const int base_bits = base == nullptr ? 0 : aligned(magnitude_of(*base), grid).bits();
+  const int offset_bits = has_offset ? aligned(magnitude_of(offset), grid).bits() : 0;
+  const int product_bits = aligned(product, grid).bits();
   const int shift = line.fraction - r.fraction;
   if (base_bits <= term_bits && offset_bits <= term_bits && shift <= term_bits &&
       grid - line.fraction <= term_bits) {
     line.t_bits = std::min(62, term_bits - product_bits);
   }
-  line.lanes = std::max({base_bits, offset_bits, product_bits + t.bits}) + 2 <= wide_bits &&
-               shift <= lane_shift && lanes_hold(t);
+  line.fits_lanes = std::max({base_bits, offset_bits, product_bits + t.bits()}) + 2 <= wide_bits &&
+                    shift <= lane_shift && lanes_hold(t);
   return line;
 }
 
-Product make_product(const Register& r, Size a, Size b) {
+Product make_product(const Register& r, Grid a, Grid b) {
   Product p;
   p.r = r;
   p.fraction = a.fraction + b.fraction;
   const int grid = std::max(p.fraction, r.fraction);
   const int shift = p.fraction - r.fraction;
   if (shift <= term_bits) {
-    p.a_bits = std::min(62, term_bits - bits_on({b.bits, p.fraction}, grid));
+    p.a_bits = std::min(62, term_bits - b.bits() - (grid - p.fraction));
   }
-  p.lanes = lanes_hold(a) && lanes_hold(b) && bits_on(a * b, grid) <= wide_bits && shift <= lane_shift;
+  p.fits_lanes =
+      lanes_hold(a) && lanes_hold(b) && aligned(a * b, grid).bits() <= wide_bits && shift <= lane_shift;
   return p;
 }
 
-Narrowing make_narrowing(const Register& r, Size from) {
+Narrowing make_narrowing(const Register& r, Grid from) {
   Narrowing n;
   n.r = r;
   n.fraction = from.fraction;
   const int shift = n.fraction - r.fraction;
-  const int bits = bits_on(from, std::max(n.fraction, r.fraction));
+  const int bits = aligned(from, r.fraction).bits();
   n.fits = bits <= term_bits && shift <= term_bits;
-  n.lanes = bits <= wide_bits && shift <= lane_shift;
+  n.fits_lanes = bits <= wide_bits && shift <= lane_shift;
   return n;
 }
 
@@ -84,15 +85,15 @@ PerspectivePoint make_perspective_point(const Register& r, const Register& base,
   };
   const int low = p.product_fraction + e.low;
   const int high = p.product_fraction + e.high;
-  const int base_bits = bits_on(size_of(base), grid_at(e.high));
+  const int base_bits = aligned(magnitude_of(base), grid_at(e.high)).bits();
   const int shift = std::max(high, p.base_fraction) - r.fraction;
-  const int product_bits = size_of(m).bits + grid_at(e.low) - low;
+  const int product_bits = magnitude_of(m).bits() + grid_at(e.low) - low;
   if (base_bits <= term_bits && shift <= term_bits) {
     p.f_bits = std::min(62, term_bits - product_bits);
   }
   p.aligned = low >= base.fraction && low > r.fraction && shift <= term_bits;
-  p.lanes =
-      base_bits + 2 <= wide_bits && product_bits + size_of(f).bits + 2 <= wide_bits && shift <= lane_shift;
+  p.fits_lanes = base_bits + 2 <= wide_bits && product_bits + magnitude_of(f).bits() + 2 <= wide_bits &&
+                 shift <= lane_shift;
   return p;
 }
 

@@ -67,7 +67,7 @@ struct LaneStatistics {
 };
 
 // The observer of lanes: where to note, and which lanes hold something.
-struct Seen {
+struct ObserveLanes {
   static constexpr bool enabled = true;
   LaneStatistics* statistics;
   Lanes::Mask active;

@@ -24,7 +24,7 @@ struct RampLanes {
 // `steps` additions from start on, 0 <= steps < 2^steps_bits, steps_bits <= 30.
 HWY_INLINE RampLanes make_ramp(const Adder& adder, Lanes start, Lanes step, Lanes steps, int steps_bits) {
   const auto yes = Lanes(0) == Lanes(0);
-  if (!adder.narrow) return {Lanes(0), !yes};
+  if (!adder.fits_int64) return {Lanes(0), !yes};
   RampLanes ramp{step << adder.step_up, yes};
   if (adder.acc_up > 0) {
     const Lanes kept = step >> adder.acc_up;

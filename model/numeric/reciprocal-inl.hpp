@@ -87,8 +87,9 @@ HWY_INLINE InverseOf<Lanes> reciprocal(const ReciprocalFormats& f, const std::in
   }
   int y_fraction = 0;
   const Lanes y =
-      f.narrow ? approximate(f, table, (d << (Lanes(62) - top)) >> (62 - f.config.operand_bits), y_fraction)
-               : approximate_wide(f, table, d, top, y_fraction);
+      f.fits_int64
+          ? approximate(f, table, (d << (Lanes(62) - top)) >> (62 - f.config.operand_bits), y_fraction)
+          : approximate_wide(f, table, d, top, y_fraction);
   if (f.config.normalize && f.output.fraction <= 61) {  // y < 2 has room on the output's grid
     return {quantize(y, y_fraction, f.output, watch), exponent};
   }

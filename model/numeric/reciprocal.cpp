@@ -55,7 +55,7 @@ Inverse reciprocal(const ReciprocalFormats& formats, const std::int64_t* table, 
   const auto leading = [&](auto wide) {
     return HWY_NAMESPACE::shifted_down(wide, top - config.operand_bits);
   };
-  const int128 y = formats.narrow && top < 62
+  const int128 y = formats.fits_int64 && top < 62
                        ? int128{HWY_NAMESPACE::approximate(formats, table,
                                                            leading(static_cast<std::int64_t>(d)), y_fraction)}
                        : HWY_NAMESPACE::approximate(formats, table, leading(d), y_fraction);

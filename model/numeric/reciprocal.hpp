@@ -22,7 +22,7 @@ struct Inverse {
 struct ReciprocalFormats {
   Reciprocal config;
   Register output;
-  bool narrow = false;  // every intermediate of approximate() fits 62 bits
+  bool fits_int64 = false;  // every intermediate of approximate() fits 62 bits
 };
 // Bits of the widest intermediate of a unit with a table, and of its result.
 constexpr int widest_bits(const Reciprocal& c) {

@@ -42,8 +42,8 @@ HWY_INLINE LengthOf<Value> make_length(const LengthForm& f, SumOf<Value> d, Watc
     case SlopeForm::divide:
       return length_of<Value>(d, {Value(0), Value(0)});
     case SlopeForm::reciprocal:
-      return length_of<Value>(
-          d, HWY_NAMESPACE::reciprocal(f.unit.formats(), f.unit.table().data(), d, f.size.fraction, watch));
+      return length_of<Value>(d, HWY_NAMESPACE::reciprocal(f.unit.formats(), f.unit.table().data(), d,
+                                                           f.magnitude.fraction, watch));
   }
   unreachable();
 }
@@ -70,10 +70,10 @@ HWY_INLINE Value slope(const Slope& s, const LengthForm& f, SumOf<Value> n, cons
     case SlopeForm::reciprocal: {
       const Value fraction = length.inverse.e + Value(s.product_fraction);
       if (below(n, s.n_bits)) [[likely]] {
-        const auto whole = product_in<typename Widths::Narrow>(n, length.inverse.m);
+        const auto whole = product_in<typename Widths::Int64>(n, length.inverse.m);
         return s.down ? quantize_down(whole, fraction, s.r, watch) : quantize(whole, fraction, s.r, watch);
       }
-      return quantize(product_in<typename Widths::Wide>(n, length.inverse.m), fraction, s.r, watch);
+      return quantize(product_in<typename Widths::Int128>(n, length.inverse.m), fraction, s.r, watch);
     }
   }
   unreachable();

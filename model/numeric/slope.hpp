@@ -12,10 +12,10 @@ namespace bitspan::model {
 struct LengthForm {
   SlopeForm form = SlopeForm::divide;
   ReciprocalUnit unit;
-  Size size;
-  bool lanes = false;
+  Grid magnitude;
+  bool fits_lanes = false;
 };
-LengthForm make_length_form(SlopeForm form, const ReciprocalUnit& unit, Size size);
+LengthForm make_length_form(SlopeForm form, const ReciprocalUnit& unit, Grid magnitude);
 
 struct Slope {
   Register r;
@@ -23,8 +23,8 @@ struct Slope {
   int product_fraction = 0;  // reciprocal: of n m
   int n_bits = -1;           // reciprocal: |n| < 2^n_bits: n m in 64 bits
   bool down = false;         // reciprocal: the product always has bits below r's, 60 at most
-  bool lanes = false;
+  bool fits_lanes = false;
 };
-Slope make_slope(const Register& r, Size n, const LengthForm& length);
+Slope make_slope(const Register& r, Grid n, const LengthForm& length);
 
 }  // namespace bitspan::model

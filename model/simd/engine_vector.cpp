@@ -332,7 +332,7 @@ class VectorModel {
     counters_ = {};
     constants_delivered_ = false;
     clear_frame(pipeline_, scene, options_.winners, frame_);
-    const bool small = plan_.lanes == ShadeLanes::int32 && plan_.plain &&
+    const bool small = plan_.held_in == ShadeLanes::int32 && plan_.plain &&
                        spans_fit_int32(pipeline_.span.formats) && is_plain(pipeline_.depth.formats.z) &&
                        statistics == nullptr;
     if (small) {

@@ -8,14 +8,14 @@ namespace bitspan::model {
 // fixed not null: the constants it points to, for the compiler to see. Null: a copy of the kernel's own,
 // which no store through a column can change.
 template <class Formats, const Formats* fixed>
-class Local {
+class FormatsOf {
   struct Nothing {
     explicit Nothing(const Formats& /*same*/) {}
   };
   std::conditional_t<fixed == nullptr, const Formats, const Nothing> copy_;
 
  public:
-  explicit Local(const Formats& formats) : copy_(formats) {}
+  explicit FormatsOf(const Formats& formats) : copy_(formats) {}
   const Formats& operator*() const {
     if constexpr (fixed == nullptr) {
       return copy_;

@@ -100,7 +100,7 @@ HWY_INLINE Observe on(Observe watch, const Truth<V>& /*m*/) {
   return watch;
 }
 template <class V>
-HWY_INLINE Seen on(Seen watch, const Lanes::Mask& m) {
+HWY_INLINE ObserveLanes on(ObserveLanes watch, const Lanes::Mask& m) {
   return {watch.statistics, m};
 }
 
@@ -233,9 +233,9 @@ struct PlanImage {
   template <class Watch>
   HWY_INLINE V alpha(const TextureStage& stage, V word, Watch watch) const {
     if constexpr (Watch::enabled) {
-      return quantize_ratio(code_of(word, 3), V(255), 0, stage.alpha, watch);
+      return quantize_ratio(channel_of(word, 3), V(255), 0, stage.alpha, watch);
     } else {
-      return all_opaque ? V(alphas[255]) : lookup(alphas, code_of(word, 3));
+      return all_opaque ? V(alphas[255]) : lookup(alphas, channel_of(word, 3));
     }
   }
 };
@@ -370,13 +370,13 @@ HWY_INLINE V stored_words(const std::uint8_t* color, const std::int32_t* pixel, 
 // Texture, fog and merge: from the block to out.word. Linear fog's factor comes from out.factor where Int is
 // Lanes32, and is formed here elsewhere.
 template <class Int, ImageKind image_kind, const ShadeFormats* fixed, class Watch>
-HWY_NOINLINE void shade_lanes(const Pipeline& pipeline, const ShadePlan& plan, FogMode fog, int texture,
+HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, FogMode fog, int texture,
                               const FragmentBlock<ElementOf<Int>>& block, const Frame& frame,
                               ShadeColumns<ElementOf<Int>>& out, Counters& counters, Trace* trace,
                               Watch watch_all) {
   using V = ValueOf<Int>;
   constexpr std::size_t lanes = lanes_in<V>;
-  const Local<ShadeFormats, fixed> local(plan.formats);
+  const FormatsOf<ShadeFormats, fixed> local(plan.formats);
   const ShadeFormats& formats = *local;
   const auto image = image_for<Int, image_kind>(plan, formats, texture);
   const std::array<std::uint8_t, 3> fog_color = pipeline.fog.fog_color;
@@ -416,7 +416,7 @@ HWY_NOINLINE void shade_lanes(const Pipeline& pipeline, const ShadePlan& plan, F
       } else {
         const V stored = stored_words<V>(frame.color.data(), block.pixel + at, block.size - at);
         for (std::size_t c = 0; c < 3; ++c) {
-          merged[c] = blended<Int>(formats.merge, own[c], code_of(stored, c), texel.color[3], watch_lives);
+          merged[c] = blended<Int>(formats.merge, own[c], channel_of(stored, c), texel.color[3], watch_lives);
         }
       }
     }
@@ -495,25 +495,26 @@ void store_winners(const ShadeColumns<T>& columns, const FragmentBlock<T>& block
 template <class T, const ShadeFormats* fixed, class Watch>
 void colours(const Pipeline& pipeline, const ShadePlan& plan, int texture, const FragmentBlock<T>& block,
              const Frame& frame, ShadeColumns<T>& columns, Counters& counters, Trace* trace, Watch watch) {
-  const Local<ShadeFormats, fixed> local(plan.formats);
+  const FormatsOf<ShadeFormats, fixed> local(plan.formats);
   const ShadeFormats& formats = *local;
   const FogMode fog = pipeline.fog.mode;
   const auto run = [&]<class Int, ImageKind kind>(FogMode mode, auto w) HWY_ATTR {
-    shade_lanes<Int, kind, fixed>(pipeline, plan, mode, texture, block, frame, columns, counters, trace, w);
+    shade_block<Int, kind, fixed>(pipeline, plan, mode, texture, block, frame, columns, counters, trace, w);
   };
-  constexpr bool plain_form = sizeof(T) == 4;
-  if constexpr (sizeof(T) == 8 && !std::is_same_v<Watch, Seen>) {
-    if (plan.lanes == ShadeLanes::scalar) {
+  constexpr bool of_int32 = sizeof(T) == 4;
+  if constexpr (sizeof(T) == 8 && !std::is_same_v<Watch, ObserveLanes>) {
+    if (plan.held_in == ShadeLanes::scalar) {
       run.template operator()<int128, ImageKind::any>(fog, watch);
       return;
     }
   }
   if constexpr (std::is_same_v<Watch, Observe>) {
     LaneStatistics seen;
-    run.template operator()<Lanes, ImageKind::any>(fog, Seen{&seen, first_lanes<std::int64_t>(Lanes::count)});
+    run.template operator()<Lanes, ImageKind::any>(
+        fog, ObserveLanes{&seen, first_lanes<std::int64_t>(Lanes::count)});
     seen.fold(*watch.statistics);
-  } else if (plain_form && plan.plain && trace == nullptr) {
-    if constexpr (plain_form) {
+  } else if (of_int32 && plan.plain && trace == nullptr) {
+    if constexpr (of_int32) {
       using L = LanesOf<T>;
       // Whatever forms the fog's factors, a form without a trace reads them from their column.
       const auto run_kind = [&]<ImageKind kind>() HWY_ATTR {
@@ -549,7 +550,7 @@ void shade_watched(const Pipeline& pipeline, const ShadePlan& plan, int texture,
   }
   if constexpr (sizeof(T) == 4) {
     if (is_linear_in_distance(fog)) {
-      const Local<ShadeFormats, fixed> formats(plan.formats);
+      const FormatsOf<ShadeFormats, fixed> formats(plan.formats);
       trace != nullptr ? linear_factors<true>(pipeline.fog, (*formats).fog, block, columns)
                        : linear_factors<false>(pipeline.fog, (*formats).fog, block, columns);
     }

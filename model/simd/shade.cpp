@@ -30,42 +30,41 @@ HWY_EXPORT(kernels64);
 
 // ---------------------------------------------------------------- what lanes hold
 
-// Q of a value of this extent onto the format, in lanes of `bits` bits: the value, on the finer of both
+// Q of a value on this grid onto the format, in lanes of `bits` bits: the value, on the finer of both
 // grids, with one bit kept back for rounding.
-bool narrows_in(int bits, Extent value, const Format& to) {
-  const int finer = std::max(value.fraction, to.fraction());
+bool narrows_in(int bits, Grid value, const Format& to) {
   const int shift = value.fraction - to.fraction();
-  return value.integer + finer <= bits - 1 && std::abs(shift) <= bits - 2;
+  return aligned(value, to.fraction()).bits() <= bits - 1 && std::abs(shift) <= bits - 2;
 }
-bool held_in(int bits, const Format& f) { return f.word + (f.is_signed ? 0 : 1) <= bits; }
+bool held_in(int bits, const Format& f) { return signed_grid(f).bits() <= bits; }
 
 bool fits(const Config& c, FogMode fog, int bits) {
   using F = FormatId;
-  const auto of = [&](F id) { return extent(c.format(id)); };
-  const auto narrows = [&](Extent value, F id) { return narrows_in(bits, value, c.format(id)); };
+  const auto of = [&](F id) { return signed_grid(c.format(id)); };
+  const auto narrows = [&](Grid value, F id) { return narrows_in(bits, value, c.format(id)); };
   for (const F id : {F::span_uv, F::span_shade, F::texture_frac, F::texture_mix, F::texture_color,
                      F::texture_alpha, F::fog_factor, F::fog_color, F::merge_color}) {
     if (!held_in(bits, c.format(id))) return false;
   }
-  const Extent code = extent_of_integer(8);
-  const Extent uv = of(F::span_uv);
+  const Grid code = integer_grid(8);
+  const Grid uv = of(F::span_uv);
   // floor(u) and the next integer.
-  if (uv.integer > bits - 2 || std::abs(uv.fraction) > bits - 2) return false;
-  bool fit = narrows(code, F::texture_mix) && narrows(extent_of_integer(1), F::texture_alpha) &&
-             narrows(product(of(F::texture_mix), of(F::span_shade)), F::texture_color) &&
-             narrows(product(of(F::texture_alpha), of(F::span_shade)), F::texture_alpha);
+  if (uv.integer + 1 > bits - 2 || std::abs(uv.fraction) > bits - 2) return false;
+  bool fit = narrows(code, F::texture_mix) && narrows(integer_grid(1), F::texture_alpha) &&
+             narrows(of(F::texture_mix) * of(F::span_shade), F::texture_color) &&
+             narrows(of(F::texture_alpha) * of(F::span_shade), F::texture_alpha);
   if (weighs_texels(c.filter)) {
-    const Extent below = sum(uv, Extent{1, 1});
-    const Extent share = sum(extent_of_integer(1), of(F::texture_frac));
-    const auto mixes = [&](Extent v, F id) { return narrows(sum(product(v, share), product(v, share)), id); };
-    fit = fit && width(below) <= bits - 1 && narrows(Extent{1, below.fraction}, F::texture_frac) &&
+    const Grid below = uv - Grid{0, 1, true};
+    const Grid share = integer_grid(1) - of(F::texture_frac);
+    const auto mixes = [&](Grid v, F id) { return narrows(v * share + v * share, id); };
+    fit = fit && below.bits() <= bits - 1 && narrows(Grid{0, below.fraction, true}, F::texture_frac) &&
           mixes(code, F::texture_mix) && mixes(of(F::texture_mix), F::texture_mix) &&
           mixes(of(F::texture_alpha), F::texture_alpha);
   }
   const auto mixes_code = [&](F color, F share, F to) {
-    return narrows(sum(product(sum(of(color), code), of(share)), product(code, of(share))), to);
+    return narrows((of(color) - code) * of(share) + code * of(share), to);
   };
-  fit = fit && narrows(extent_of_integer(1), F::fog_factor) && narrows(of(F::texture_color), F::fog_color) &&
+  fit = fit && narrows(integer_grid(1), F::fog_factor) && narrows(of(F::texture_color), F::fog_color) &&
         narrows(of(F::fog_color), F::merge_color) &&
         mixes_code(F::fog_color, F::texture_alpha, F::merge_color);
   if (has_fog(fog)) {
@@ -73,7 +72,7 @@ bool fits(const Config& c, FogMode fog, int bits) {
   }
   if (is_linear_in_distance(fog)) {
     // In lanes of 64 bits whatever the others are.
-    fit = fit && fits_int64(sum(of(F::span_h), of(F::setup_b))) && held_in(64, c.format(F::fog_scale));
+    fit = fit && fits_int64(of(F::span_h) + of(F::setup_b)) && held_in(64, c.format(F::fog_scale));
   }
   return fit;
 }
@@ -148,7 +147,7 @@ bool fits_int32(const std::vector<std::int64_t>& values) {
 
 }  // namespace
 
-ShadeLanes shade_lanes(const Config& config, FogMode fog) {
+ShadeLanes lanes_for_shading(const Config& config, FogMode fog) {
   return fits(config, fog, 32)   ? ShadeLanes::int32
          : fits(config, fog, 64) ? ShadeLanes::int64
                                  : ShadeLanes::scalar;
@@ -171,7 +170,7 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
     small = small && plan.textures.back().words.size() < std::size_t{1} << 28;
   }
   if (small) {
-    plan.lanes = shade_lanes(config, fog);
+    plan.held_in = lanes_for_shading(config, fog);
   }
   const TextureStage& t = plan.formats.texture;
   plan.plain = plain_shade(plan.formats);

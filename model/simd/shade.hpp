@@ -29,7 +29,7 @@ constexpr ShadeFormats shade_formats(const Config& config) {
 // In what the three stages compute, every intermediate exact.
 enum class ShadeLanes : std::uint8_t { int32, int64, scalar };
 // By the formats; scenes with a texture of 2^28 texels and more are scalar. fog: none in a scene without fog.
-ShadeLanes shade_lanes(const Config& config, FogMode fog);
+ShadeLanes lanes_for_shading(const Config& config, FogMode fog);
 
 // A texture as the kernels read it: words, red in the lowest byte, with a border that repeats what the
 // wrapping gives there, so that the four texels of the bilinear filter are two pairs side by side.
@@ -46,7 +46,7 @@ struct ShadeTexture {
 
 // Prepared once a scene, which must outlive it.
 struct ShadePlan {
-  ShadeLanes lanes = ShadeLanes::scalar;
+  ShadeLanes held_in = ShadeLanes::scalar;
   bool plain = false;  // every register rounds by adding a constant, and saturates
   ShadeFormats formats;
   std::vector<ShadeTexture> textures;  // by the scene's numbers
@@ -74,7 +74,7 @@ std::int64_t constant_shade(const ShadePlan& plan, std::int64_t vertex);
 // alphas, raw, setup.shade; texture: -1 for none.
 bool may_show_through(const ShadePlan& plan, int texture, std::int64_t a0, std::int64_t a1, std::int64_t a2);
 
-// T: of the block; std::int32_t only where plan.lanes is int32, std::int64_t with any plan.
+// T: of the block; std::int32_t only where plan.held_in is int32, std::int64_t with any plan.
 template <class T>
 struct ShadeKernels {
   // Texture, fog, merge, and the frame's colour, of the fragments of a block, all of one texture (-1: none).

@@ -40,7 +40,7 @@ const Adder& adder_of(const SpanFormats& f, std::size_t i) {
 // Every span's increments, and whether all of its registers are ramps.
 template <const SpanFormats* fixed>
 void find_ramps(const SpanFormats& given, const Columns<SpanRecord>& spans, Ramps& out) {
-  const Local<SpanFormats, fixed> formats(given);
+  const FormatsOf<SpanFormats, fixed> formats(given);
   const SpanFormats& f = *formats;
   const std::size_t padded = spans.size + column_slack;
   if (out.linear.size() < padded) {
@@ -88,8 +88,8 @@ HWY_NOINLINE void walk_registers(const SpanStage& stage, const Columns<SpanRecor
     std::int64_t value = spans[starts[k]][i];
     for (std::size_t n = 0; n + 1 < count; ++n) {
       values[n] = value;
-      value = stage.narrow ? accumulated<std::int64_t>(value, step, adder, watch)
-                           : accumulated<int128>(value, step, adder, watch);
+      value = stage.fits_int64 ? accumulated<std::int64_t>(value, step, adder, watch)
+                               : accumulated<int128>(value, step, adder, watch);
     }
     // Past the end too, where vectors look.
     std::fill_n(values.begin() + static_cast<std::ptrdiff_t>(count) - 1, column_slack + 1, value);
@@ -163,8 +163,9 @@ HWY_NOINLINE DepthPoint<Lanes> code_by_reciprocal(const DepthFormats& f, const D
   return depth_point<WideLanes>(f, scene, h, watch);
 }
 template <class Watch>
-HWY_INLINE DepthPoint<Lanes> code_of(const DepthStage& stage, const DepthFormats& f, Lanes h, Watch watch) {
-  if (!stage.narrow) [[unlikely]] {
+HWY_INLINE DepthPoint<Lanes> depth_code_of(const DepthStage& stage, const DepthFormats& f, Lanes h,
+                                           Watch watch) {
+  if (!stage.fits_int64) [[unlikely]] {
     return code_by_reciprocal(f, stage.scene, h, watch);
   }
   return depth_point<Lanes>(f, stage.scene, h, watch);
@@ -183,7 +184,7 @@ HWY_INLINE Lanes magnitude(Lanes x) { return x ^ (x >> 63); }
 // Whether u and v of fragments with such numerators and bases can be formed in 64 bits, whatever the formats
 // would allow.
 bool fits_lanes(const SpanStage& stage, Lanes numerators, Lanes bases) {
-  return stage.narrow ||
+  return stage.fits_int64 ||
          (has_pixel_reciprocal(stage.formats.perspective) &&
           bits_of(numerators) + stage.product_growth <= 61 && bits_of(bases) + stage.base_growth <= 61);
 }
@@ -214,7 +215,7 @@ class Filler {
     if (block_.size == 0) return;
     Lanes numerators(0);
     Lanes bases(0);
-    if (!pipeline_.span.narrow) {
+    if (!pipeline_.span.fits_int64) {
       for (std::size_t k = 0; k < block_.size; k += Lanes::count) {
         numerators = numerators | magnitude(Lanes::load(work_.fu + k)) | magnitude(Lanes::load(work_.fv + k));
         bases = bases | magnitude(Lanes::load(work_.u1 + k)) | magnitude(Lanes::load(work_.v1 + k));
@@ -231,7 +232,7 @@ class Filler {
   // Fragments at index[0 .. n) of a span. There is room.
   HWY_INLINE void put(const Sequences& s, std::int64_t u1, std::int64_t v1, std::int64_t first_pixel,
                       const std::int32_t* index, std::size_t n) {
-    const Local<SpanFormats, fixed> f(pipeline_.span.formats);
+    const FormatsOf<SpanFormats, fixed> f(pipeline_.span.formats);
     const Register& shade = (*f).shade;
     const int shade_fraction = (*f).shade_acc.acc.fraction;
     const std::array<T*, 4> shades{block_.r, block_.g, block_.b, block_.a};
@@ -285,7 +286,7 @@ class Filler {
   template <class Int>
   HWY_INLINE void evaluate() {
     const SpanStage& stage = pipeline_.span;
-    const Local<SpanFormats, fixed> formats(stage.formats);
+    const FormatsOf<SpanFormats, fixed> formats(stage.formats);
     const SpanFormats& f = *formats;
     const bool aligned = stage.aligned;
     const std::int64_t* table = stage.reciprocal.table().data();
@@ -354,7 +355,8 @@ HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f
       first = at(h, Lanes::iota(static_cast<std::int64_t>(k)));
       second = at(h, Lanes::iota(static_cast<std::int64_t>(std::min(k + Lanes::count, to))));
     }
-    const Lanes32 z = low_halves(code_of(stage, f, first, Watch{}).z, code_of(stage, f, second, Watch{}).z);
+    const Lanes32 z =
+        low_halves(depth_code_of(stage, f, first, Watch{}).z, depth_code_of(stage, f, second, Watch{}).z);
     first = first + advance;
     second = second + advance;
     const bool whole = how != Test::few && k + Lanes32::count <= to;
@@ -402,7 +404,7 @@ void draw(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<
   // int32 blocks go with registers that are all plain.
   using Watch = std::conditional_t<sizeof(T) == 4, Plain, NoObserve>;
   const DepthStage& stage = pipeline.depth;
-  const Local<DepthFormats, fixed_depth> depth_formats(stage.formats);
+  const FormatsOf<DepthFormats, fixed_depth> depth_formats(stage.formats);
   const DepthFormats& df = *depth_formats;
   find_ramps<fixed>(pipeline.span.formats, spans, work.ramps);
   Filler<T, Watch, fixed> filler(pipeline, work, sink);
@@ -501,7 +503,7 @@ template <class Int, const SpanFormats* fixed, class Watch>
 HWY_NOINLINE void fragments_in(const SpanStage& stage, const Sequences& s, const Columns<SpanRecord>& spans,
                                std::size_t i, bool shades, bool all, Columns<FragmentRecord>& out,
                                LaneStatistics* statistics) {
-  const Local<SpanFormats, fixed> formats(stage.formats);
+  const FormatsOf<SpanFormats, fixed> formats(stage.formats);
   const SpanFormats& f = *formats;
   const bool aligned = stage.aligned;
   const std::int64_t* table = stage.reciprocal.table().data();
@@ -526,9 +528,9 @@ HWY_NOINLINE void fragments_in(const SpanStage& stage, const Sequences& s, const
   for (std::size_t k = 0; k < count; k += Lanes::count) {
     const Lanes index = Lanes::iota(static_cast<std::int64_t>(k));
     const auto watch = [&]() HWY_ATTR {
-      if constexpr (std::is_same_v<Watch, Seen>) {
-        return Seen{statistics, first_lanes<std::int64_t>(std::min(count - k, Lanes::count)),
-                    count - k >= Lanes::count};
+      if constexpr (std::is_same_v<Watch, ObserveLanes>) {
+        return ObserveLanes{statistics, first_lanes<std::int64_t>(std::min(count - k, Lanes::count)),
+                            count - k >= Lanes::count};
       } else {
         return Watch{};
       }
@@ -564,7 +566,7 @@ HWY_NOINLINE void fragments_in(const SpanStage& stage, const Sequences& s, const
 // fits_lanes of a whole span: its numerators are largest at an end.
 HWY_INLINE bool span_fits_lanes(const SpanStage& stage, const Sequences& s, const Columns<SpanRecord>& spans,
                                 std::size_t i) {
-  if (stage.narrow || s[1].values != nullptr || s[2].values != nullptr) return stage.narrow;
+  if (stage.fits_int64 || s[1].values != nullptr || s[2].values != nullptr) return stage.fits_int64;
   const Lanes last(spans[&SpanRecord::count][i] - 1);
   const Lanes ends = magnitude(Lanes(s[1].start)) | magnitude(at(s[1], last)) | magnitude(Lanes(s[2].start)) |
                      magnitude(at(s[2], last));
@@ -619,25 +621,26 @@ void evaluate_span_observed(const SpanStage& stage, const Columns<SpanRecord>& s
   Sequences s;
   LaneStatistics seen;
   observed_registers(stage, spans, i, work, s, statistics);
-  fragments_of<nullptr, Seen>(stage, s, spans, i, shades, false, out, &seen);
+  fragments_of<nullptr, ObserveLanes>(stage, s, spans, i, shades, false, out, &seen);
   seen.fold(statistics);
 }
 
 // Depth codes of all fragments.
 template <class Watch>
-HWY_NOINLINE void codes_of(const DepthStage& stage, const Columns<FragmentRecord>& fragments,
-                           Columns<DepthRecord>& out, LaneStatistics* statistics) {
+HWY_NOINLINE void depth_codes_of(const DepthStage& stage, const Columns<FragmentRecord>& fragments,
+                                 Columns<DepthRecord>& out, LaneStatistics* statistics) {
   out.reserve(fragments.size);
   for (std::size_t k = 0; k < fragments.size; k += Lanes::count) {
     const auto watch = [&]() HWY_ATTR {
-      if constexpr (std::is_same_v<Watch, Seen>) {
-        return Seen{statistics, first_lanes<std::int64_t>(std::min(fragments.size - k, Lanes::count)),
-                    fragments.size - k >= Lanes::count};
+      if constexpr (std::is_same_v<Watch, ObserveLanes>) {
+        return ObserveLanes{statistics, first_lanes<std::int64_t>(std::min(fragments.size - k, Lanes::count)),
+                            fragments.size - k >= Lanes::count};
       } else {
         return Watch{};
       }
     }();
-    const auto point = code_of(stage, stage.formats, Lanes::load(fragments[&FragmentRecord::h] + k), watch);
+    const auto point =
+        depth_code_of(stage, stage.formats, Lanes::load(fragments[&FragmentRecord::h] + k), watch);
     point.z.store(out[&DepthRecord::z] + k);
     point.recip_m.store(out[&DepthRecord::recip_m] + k);
     point.recip_e.store(out[&DepthRecord::recip_e] + k);
@@ -669,12 +672,12 @@ void draw_every(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std:
     texture = draws[static_cast<std::size_t>(triangle - first_index)].texture;
     if (statistics != nullptr) {
       observed_registers(pipeline.span, spans, i, work, s, *statistics);
-      fragments_of<nullptr, Seen>(pipeline.span, s, spans, i, true, true, fragments, seen);
-      codes_of<Seen>(pipeline.depth, fragments, depths, seen);
+      fragments_of<nullptr, ObserveLanes>(pipeline.span, s, spans, i, true, true, fragments, seen);
+      depth_codes_of<ObserveLanes>(pipeline.depth, fragments, depths, seen);
     } else {
       registers_of(pipeline.span, spans, i, work, s);
       fragments_of<nullptr, NoObserve>(pipeline.span, s, spans, i, true, true, fragments, nullptr);
-      codes_of<NoObserve>(pipeline.depth, fragments, depths, nullptr);
+      depth_codes_of<NoObserve>(pipeline.depth, fragments, depths, nullptr);
     }
     const std::int64_t x = spans[&SpanRecord::x][i];
     const std::int64_t y = spans[&SpanRecord::y][i];

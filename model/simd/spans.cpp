@@ -1,7 +1,7 @@
 #include "model/simd/spans.hpp"
 
 #include "config/modes.hpp"
-#include "model/numeric/extent.hpp"
+#include "model/numeric/integers.hpp"
 #include "model/simd/targets.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -34,8 +34,8 @@ SpanKernels<std::int64_t> span_kernels(VectorTarget target) {
 }
 
 const char* spans_refusal(const Config& config) {
-  const auto of = [&](FormatId id) { return extent(config.format(id)); };
-  return !has_plane_rows(config.perspective) && width(sum(of(FormatId::span_h), of(FormatId::setup_b))) > 63
+  const auto of = [&](FormatId id) { return signed_grid(config.format(id)); };
+  return !has_plane_rows(config.perspective) && (of(FormatId::span_h) + of(FormatId::setup_b)).bits() > 63
              ? "h + B needs more than 63 bits"
              : nullptr;
 }

@@ -34,7 +34,7 @@ struct Watched {
   static constexpr bool enabled = true;
   LaneStatistics* lanes;
   Statistics* statistics;
-  HWY_INLINE Seen on(Lanes::Mask active) const { return {lanes, active}; }
+  HWY_INLINE ObserveLanes on(Lanes::Mask active) const { return {lanes, active}; }
 };
 
 // ---------------------------------------------------------------- stages

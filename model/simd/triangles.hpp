@@ -58,9 +58,9 @@ TriangleKernels triangle_kernels(VectorTarget target);
 // is rounded; forms.hpp); null where there is none. With one, the kernels do a triangle at a time by the
 // scalar stages.
 inline const char* stage_too_wide_for_lanes(const Pipeline& pipeline) {
-  if (!pipeline.setup.lanes) return "setup";
-  if (!pipeline.edge_walk.lanes) return "edge_walk";
-  return pipeline.span_setup.lanes ? nullptr : "span_setup";
+  if (!pipeline.setup.fits_lanes) return "setup";
+  if (!pipeline.edge_walk.fits_lanes) return "edge_walk";
+  return pipeline.span_setup.fits_lanes ? nullptr : "span_setup";
 }
 inline bool triangles_in_lanes(const Pipeline& pipeline) {
   return stage_too_wide_for_lanes(pipeline) == nullptr;

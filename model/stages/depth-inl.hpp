@@ -33,7 +33,7 @@ HWY_INLINE DepthPoint<ValueOf<Int>> depth_point(const DepthFormats& f, const Dep
       return {quantize(difference, f.h.fraction + up, f.z, watch), none, none};
     }
     case DepthCode::linear: {
-      const DepthSum<Int> q = (DepthSum<Int>(h) << f.h_up) + depth_constant<Int>(scene.b);
+      const DepthSumOf<Int> q = (DepthSumOf<Int>(h) << f.h_up) + depth_constant<Int>(scene.b);
       const auto inverse = reciprocal(f.reciprocal, scene.table, q, f.q_fraction, watch);
       const Value product = inverse.e + Value(f.c1_fraction + f.reciprocal.output.fraction);
       const Value common = max(product, Value(f.c0_fraction));

@@ -1,7 +1,7 @@
 #include "model/stages/depth.hpp"
 
 #include "config/modes.hpp"
-#include "model/numeric/extent.hpp"
+#include "model/numeric/integers.hpp"
 #include "model/stages/depth-inl.hpp"
 
 namespace bitspan::model {
@@ -13,9 +13,8 @@ DepthStage prepare_depth(const Config& config, const Constants& constants) {
   s.reciprocal = ReciprocalUnit(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
   s.scene = {make_inverse_depth(config, constants).b, s.reciprocal.table().data(), constants.record.c1,
              constants.record.c0};
-  const Extent difference = sum(extent(config.format(FormatId::span_h)), extent(config.depth_format()));
-  s.narrow = !is_linear_in_distance(config.depth_code) &&
-             fits_int64({difference.integer, std::max(difference.fraction, 1)});
+  const Grid difference = signed_grid(config.format(FormatId::span_h)) - signed_grid(config.depth_format());
+  s.fits_int64 = !is_linear_in_distance(config.depth_code) && fits_int64(aligned(difference, 1));
   return s;
 }
 
@@ -23,7 +22,7 @@ template <class Watch>
 bool depth(const DepthStage& stage, const FragmentRecord& fragment, std::int64_t stored, DepthRecord& out,
            Watch watch) {
   const DepthFormats& f = stage.formats;
-  const auto point = stage.narrow
+  const auto point = stage.fits_int64
                          ? HWY_NAMESPACE::depth_point<std::int64_t>(f, stage.scene, fragment.h, watch)
                          : HWY_NAMESPACE::depth_point<int128>(f, stage.scene, fragment.h, watch);
   out.triangle = fragment.triangle;

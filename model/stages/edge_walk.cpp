@@ -60,7 +60,7 @@ void start_edge(const EdgeWalkStage& stage, EdgeState& e, std::int64_t y, Watch 
   const std::int64_t t = rows_from_start(stage, e, y);
   switch (stage.edge_x) {
     case EdgeX::quotient:
-      stage.narrow_x ? start_exact_x<std::int64_t>(stage, e, t) : start_exact_x<int128>(stage, e, t);
+      stage.x_fits_int64 ? start_exact_x<std::int64_t>(stage, e, t) : start_exact_x<int128>(stage, e, t);
       break;
     case EdgeX::summed:
     case EdgeX::multiplied:
@@ -159,20 +159,20 @@ EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants
   s.subpixel_bits = config.subpixel_bits;
   s.t_fraction = std::max(1, config.subpixel_bits);
   const Register coordinate = make_register(config.coordinate_format());
-  const Size t = size_of(coordinate) + Size{bit_length(static_cast<std::uint64_t>(height)) + 1, 1};
+  const Grid t = magnitude_of(coordinate) + Grid{bit_length(static_cast<std::uint64_t>(height)), 1};
   const Register x = reg(FormatId::edge_x);
-  const Size dx = size_of(coordinate) + size_of(coordinate);
-  bool lanes = true;
+  const Grid dx = magnitude_of(coordinate) + magnitude_of(coordinate);
+  bool x_fits_lanes = true;
   switch (s.edge_x) {
     case EdgeX::quotient: {
       s.x_fraction = std::max(1, x.fraction + 1);
       s.x_up = s.x_fraction - s.t_fraction;
       // at, step and length, and a row past the edge's end.
-      const Size at = size_of(coordinate) * dx + dx * t;
-      s.narrow_x = bits_on(at, at.fraction) + 1 + s.t_fraction + std::max(0, s.x_up) <= term_bits &&
-                   dx.bits + std::max(0, -s.x_up) <= term_bits;
-      s.x = make_narrowing(x, {coordinate.word - s.subpixel_bits + s.x_fraction + 2, s.x_fraction + 1});
-      lanes = s.narrow_x && s.x.fits;
+      const Grid at = magnitude_of(coordinate) * dx + dx * t;
+      s.x_fits_int64 = at.bits() + 1 + s.t_fraction + std::max(0, s.x_up) <= term_bits &&
+                       dx.bits() + std::max(0, -s.x_up) <= term_bits;
+      s.x = make_narrowing(x, {coordinate.word - s.subpixel_bits + 1, s.x_fraction + 1});
+      x_fits_lanes = s.x_fits_int64 && s.x.fits;
       break;
     }
     case EdgeX::summed:
@@ -182,8 +182,9 @@ EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants
       s.x_up = s.x_fraction - s.x_acc.acc.fraction;
       s.x_start = make_line(s.x_acc.acc, &coordinate, reg(FormatId::edge_x_step), t,
                             offset(config.start_offset.edge_x, FormatId::edge_x));
-      s.x = make_narrowing(x, size_of(s.x_acc.acc));
-      lanes = s.x_start.lanes && s.x.lanes && bits_on(size_of(s.x_acc.acc), s.x_fraction) <= term_bits;
+      s.x = make_narrowing(x, magnitude_of(s.x_acc.acc));
+      x_fits_lanes = s.x_start.fits_lanes && s.x.fits_lanes &&
+                     aligned(magnitude_of(s.x_acc.acc), s.x_fraction).bits() <= term_bits;
       break;
   }
   const Register vertex_h = reg(FormatId::setup_h);
@@ -198,17 +199,17 @@ EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants
                         offset(config.start_offset.edge_f, FormatId::edge_f));
   s.shade_start = make_line(s.shade_acc.acc, &vertex_shade, reg(FormatId::edge_shade_step), t,
                             offset(config.start_offset.edge_shade, FormatId::edge_shade));
-  s.h = make_narrowing(reg(FormatId::edge_h), size_of(s.h_acc.acc));
-  s.shade = make_narrowing(reg(FormatId::edge_shade), size_of(s.shade_acc.acc));
+  s.h = make_narrowing(reg(FormatId::edge_h), magnitude_of(s.h_acc.acc));
+  s.shade = make_narrowing(reg(FormatId::edge_shade), magnitude_of(s.shade_acc.acc));
   s.depth = make_depth_sum(s.h.r, b_of(config, constants.record), config.pixel_reciprocal);
   s.reciprocal = ReciprocalUnit(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
   const Register uv = reg(FormatId::edge_uv);
   s.uv = make_perspective_point(uv, vertex_uv, s.f.acc, s.reciprocal.output(), s.depth.e);
-  s.linear_uv = make_narrowing(uv, size_of(s.f.acc));
+  s.linear_uv = make_narrowing(uv, magnitude_of(s.f.acc));
   s.divides_per_row = s.linear_edges ? 0 : 2;
-  s.lanes = lanes && lanes_hold(t) && s.h_start.lanes && s.f_start.lanes && s.shade_start.lanes &&
-            s.h.lanes && s.shade.lanes &&
-            (s.linear_edges ? s.linear_uv.lanes : lanes_hold(s.depth.size) && s.uv.lanes);
+  s.fits_lanes = x_fits_lanes && lanes_hold(t) && s.h_start.fits_lanes && s.f_start.fits_lanes &&
+                 s.shade_start.fits_lanes && s.h.fits_lanes && s.shade.fits_lanes &&
+                 (s.linear_edges ? s.linear_uv.fits_lanes : lanes_hold(s.depth.magnitude) && s.uv.fits_lanes);
   return s;
 }
 

@@ -26,8 +26,8 @@ struct EdgeWalkStage {
   int t_fraction = 1;  // of t = y + 1/2 - y1e
   // Fraction bits of the walked x. quotient: edge.x's and a guard bit at least; elsewhere edge.x_acc's.
   int x_fraction = 1;
-  int x_up = 0;           // quotient: from t's grid to the walked x's; elsewhere from edge.x_acc's fraction
-  bool narrow_x = false;  // quotient: numerators fit 64 bits
+  int x_up = 0;  // quotient: from t's grid to the walked x's; elsewhere from edge.x_acc's fraction
+  bool x_fits_int64 = false;  // quotient: numerators fit 64 bits
   Narrowing x, h, shade;
   Line x_start, h_start, f_start, shade_start;
   Adder x_acc, h_acc, f, shade_acc;
@@ -36,7 +36,7 @@ struct EdgeWalkStage {
   PerspectivePoint uv;
   Narrowing linear_uv;
   int divides_per_row = 0;
-  bool lanes = false;  // no intermediate is wider than lanes hold
+  bool fits_lanes = false;  // no intermediate is wider than lanes hold
 };
 EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants, int width, int height);
 

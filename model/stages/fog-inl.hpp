@@ -56,15 +56,15 @@ template <class Int, class Watch>
 HWY_INLINE LinearFog<ValueOf<Int>> linear_fog(const FogStage& stage, const FogFormats& formats,
                                               ValueOf<Int> h, Watch watch) {
   using V = ValueOf<Int>;
-  using Wide = typename WideOf<V>::type;
+  using Int128 = typename WideOf<V>::type;
   const Int q = (Int(h) << stage.q.h_up) + constant<Int>(stage.q.b);
   const auto inverse =
       reciprocal(formats.reciprocal, stage.reciprocal.table().data(), q, stage.q.fraction, watch);
   // 1 - scale m 2^-e on the product's grid, or on integers where that is coarser.
   const V fraction = V(inverse.e) + V(formats.scale_fraction + formats.reciprocal.output.fraction);
   const V up = max(V(0) - fraction, V(0));
-  const Wide share = times<Wide>(constant<V>(stage.scale.raw), inverse.m) << up;
-  const Wide rest = (Wide(V(1)) << (fraction + up)) - share;
+  const Int128 share = times<Int128>(constant<V>(stage.scale.raw), inverse.m) << up;
+  const Int128 rest = (Int128(V(1)) << (fraction + up)) - share;
   return {inverse.m, V(inverse.e), quantize(rest, fraction + up, formats.factor, watch)};
 }
 

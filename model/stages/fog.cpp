@@ -175,7 +175,7 @@ void fog(const FogStage& stage, const FragmentRecord& fragment, const TextureRec
   for (std::size_t c = 0; c < own.size(); ++c) {
     if (!has_fog(stage.mode)) {
       own[c] = text::unfogged(formats, own[c], watch);
-    } else if (formats.narrow) {
+    } else if (formats.fits_int64) {
       own[c] = text::fogged<std::int64_t>(formats, own[c], stage.fog_color[c], out.factor, watch);
     } else {
       own[c] = text::fogged<int128>(formats, own[c], stage.fog_color[c], out.factor, watch);

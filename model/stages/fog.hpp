@@ -8,7 +8,7 @@
 
 #include "config/config.hpp"
 #include "engine/records.hpp"
-#include "model/numeric/extent.hpp"
+#include "model/numeric/integers.hpp"
 #include "model/numeric/reciprocal.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/span.hpp"
@@ -18,7 +18,7 @@ namespace bitspan::model {
 
 // What fog computes by, known from the configuration alone.
 struct FogFormats {
-  bool narrow = false;  // the mix with the fog's colour fits int64
+  bool fits_int64 = false;  // the mix with the fog's colour fits int64
   int scale_fraction = 0;
   Register color_in, factor, color;
   ReciprocalFormats reciprocal;  // R_pixel
@@ -30,9 +30,10 @@ constexpr FogFormats fog_formats(const Config& config) {
   f.factor = make_register(config, FormatId::fog_factor);
   f.color = make_register(config, FormatId::fog_color);
   f.reciprocal = reciprocal_formats(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
-  const Extent color = sum(extent(config.format(FormatId::texture_color)), extent_of_integer(8));
-  const Extent share = extent(config.format(FormatId::fog_factor));
-  f.narrow = fits_int64(sum(product(color, share), product(extent_of_integer(8), share)));
+  const Grid code = integer_grid(8);
+  const Grid color = signed_grid(config.format(FormatId::texture_color)) - code;
+  const Grid share = signed_grid(config.format(FormatId::fog_factor));
+  f.fits_int64 = fits_int64(color * share + code * share);
   return f;
 }
 

@@ -19,7 +19,7 @@ void merge(const MergeStage& stage, const DepthRecord& depth, const TextureRecor
   for (std::size_t c = 0; c < own.size(); ++c) {
     if (opaque) {
       own[c] = text::replaced(stage, own[c], watch);
-    } else if (stage.narrow) {
+    } else if (stage.fits_int64) {
       own[c] = text::blended<std::int64_t>(stage, own[c], stored[c], texture.a, watch);
     } else {
       own[c] = text::blended<int128>(stage, own[c], stored[c], texture.a, watch);

@@ -6,13 +6,13 @@
 
 #include "config/config.hpp"
 #include "engine/records.hpp"
-#include "model/numeric/extent.hpp"
+#include "model/numeric/integers.hpp"
 #include "model/numeric/quantize.hpp"
 
 namespace bitspan::model {
 
 struct MergeStage {
-  bool narrow = false;  // the blend fits int64
+  bool fits_int64 = false;  // the blend fits int64
   Register color_in, alpha, color;
 };
 constexpr MergeStage prepare_merge(const Config& config) {
@@ -20,9 +20,10 @@ constexpr MergeStage prepare_merge(const Config& config) {
   s.color_in = make_register(config, FormatId::fog_color);
   s.alpha = make_register(config, FormatId::texture_alpha);
   s.color = make_register(config, FormatId::merge_color);
-  const Extent color = sum(extent(config.format(FormatId::fog_color)), extent_of_integer(8));
-  const Extent share = extent(config.format(FormatId::texture_alpha));
-  s.narrow = fits_int64(sum(product(color, share), product(extent_of_integer(8), share)));
+  const Grid code = integer_grid(8);
+  const Grid color = signed_grid(config.format(FormatId::fog_color)) - code;
+  const Grid share = signed_grid(config.format(FormatId::texture_alpha));
+  s.fits_int64 = fits_int64(color * share + code * share);
   return s;
 }
 

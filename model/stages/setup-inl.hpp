@@ -31,9 +31,9 @@ HWY_INLINE VertexOf<Value> setup_vertex(const SetupStage& stage, const RealVerte
   const auto above = difference(Value(static_cast<std::int64_t>(stage.s_max.raw)), s);
   const SumOf<Value> b(stage.b);
   const Value h =
-      stage.narrow_h
-          ? quantize_ratio(product_in<typename Widths::Narrow>(b, above), s, stage.h_scale, stage.h, watch)
-          : quantize_ratio(product_in<typename Widths::Wide>(b, above), s, stage.h_scale, stage.h, watch);
+      stage.h_fits_int64
+          ? quantize_ratio(product_in<typename Widths::Int64>(b, above), s, stage.h_scale, stage.h, watch)
+          : quantize_ratio(product_in<typename Widths::Int128>(b, above), s, stage.h_scale, stage.h, watch);
   return {x,
           y,
           h,
@@ -90,7 +90,7 @@ HWY_INLINE Turn<Value> turn_in(const std::array<VertexOf<Value>, 3>& v) {
 template <class Value>
 HWY_INLINE Turn<Value> turn(const SetupStage& stage, const std::array<VertexOf<Value>, 3>& v) {
   using Widths = WidthsOf<Value>;
-  return stage.narrow_area ? turn_in<typename Widths::Narrow>(v) : turn_in<typename Widths::Wide>(v);
+  return stage.area_fits_int64 ? turn_in<typename Widths::Int64>(v) : turn_in<typename Widths::Int128>(v);
 }
 
 template <class Value>

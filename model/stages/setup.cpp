@@ -41,22 +41,23 @@ SetupStage prepare_setup(const Config& config, const Constants& constants) {
   s.uv = reg(FormatId::setup_uv);
   s.shade = reg(FormatId::setup_shade);
   s.h_scale = -b.fraction;  // s_max' - s' and s' are on one grid
-  const Size above = size_of(s.s) + size_of(s.s);
-  s.narrow_h = (size_of(b) * above).bits <= term_bits;
-  const Size dy = size_of(s.coordinate) + size_of(s.coordinate);
-  s.narrow_area = 2 * dy.bits + 1 <= term_bits;
+  const Grid above = magnitude_of(s.s) + magnitude_of(s.s);
+  s.h_fits_int64 = (magnitude_of(b) * above).bits() <= term_bits;
+  const Grid dy = magnitude_of(s.coordinate) + magnitude_of(s.coordinate);
+  s.area_fits_int64 = 2 * dy.bits() + 1 <= term_bits;
   s.depth = make_depth_sum(s.h, b, config.pixel_reciprocal);
   s.dy = make_length_form(config.edge_slope,
                           ReciprocalUnit(config.edge_reciprocal, RegisterId::edge_reciprocal), dy);
-  const Size uv = size_of(s.uv) + size_of(s.uv);
+  const Grid uv = magnitude_of(s.uv) + magnitude_of(s.uv);
   s.x_step = make_slope(reg(FormatId::edge_x_step), dy, s.dy);
-  s.h_step = make_slope(reg(FormatId::edge_h_step), size_of(s.h) + size_of(s.h), s.dy);
-  s.f_diff = make_product(reg(FormatId::edge_f_diff), uv, s.linear_edges ? Size{1, 0} : s.depth.size);
-  s.f_step = make_slope(reg(FormatId::edge_f_step), size_of(s.f_diff.r), s.dy);
-  s.shade_step = make_slope(reg(FormatId::edge_shade_step), size_of(s.shade) + size_of(s.shade), s.dy);
-  s.lanes = lanes_hold(dy) && lanes_hold(above) && lanes_hold(size_of(b)) &&
-            (size_of(b) * above).bits <= 126 && s.h_step.lanes && s.f_diff.lanes && s.f_step.lanes &&
-            s.shade_step.lanes && (!s.has_x_step || s.x_step.lanes);
+  s.h_step = make_slope(reg(FormatId::edge_h_step), magnitude_of(s.h) + magnitude_of(s.h), s.dy);
+  s.f_diff = make_product(reg(FormatId::edge_f_diff), uv, s.linear_edges ? Grid{1, 0} : s.depth.magnitude);
+  s.f_step = make_slope(reg(FormatId::edge_f_step), magnitude_of(s.f_diff.r), s.dy);
+  s.shade_step =
+      make_slope(reg(FormatId::edge_shade_step), magnitude_of(s.shade) + magnitude_of(s.shade), s.dy);
+  s.fits_lanes = lanes_hold(dy) && lanes_hold(above) && lanes_hold(magnitude_of(b)) &&
+                 (magnitude_of(b) * above).bits() <= 126 && s.h_step.fits_lanes && s.f_diff.fits_lanes &&
+                 s.f_step.fits_lanes && s.shade_step.fits_lanes && (!s.has_x_step || s.x_step.fits_lanes);
   const int slopes = s.has_x_step ? 8 : 7;
   s.divides_per_edge = shares_reciprocal(config.edge_slope) ? 1 : slopes;
   return s;

@@ -18,16 +18,16 @@ struct SetupStage {
   Exact s_max;
   std::int64_t b = 0;  // B raw, and how (B (s_max' - s')) / s' is scaled
   int h_scale = 0;
-  bool narrow_h = false, narrow_area = false;  // in 64 bits
-  DepthSum depth;                              // h + B
-  bool linear_edges = false;                   // u and v are interpolated, not u (h + B) and v (h + B)
+  bool h_fits_int64 = false, area_fits_int64 = false;  // in 64 bits
+  DepthSum depth;                                      // h + B
+  bool linear_edges = false;  // u and v are interpolated, not u (h + B) and v (h + B)
   bool has_x_step = false;
   Register coordinate, s, h, uv, shade;
   LengthForm dy;  // R_edge
   Slope x_step, h_step, f_step, shade_step;
   Product f_diff;
   int divides_per_edge = 0;
-  bool lanes = false;  // no intermediate is wider than lanes hold
+  bool fits_lanes = false;  // no intermediate is wider than lanes hold
 };
 SetupStage prepare_setup(const Config& config, const Constants& constants);
 

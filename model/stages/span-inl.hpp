@@ -16,23 +16,23 @@ namespace bitspan::model::HWY_NAMESPACE {
 
 // What h + B is held in: one integer may need Int's width, lanes never do (see vector_path).
 template <class Int>
-struct DepthSumType {
+struct DepthSumOfType {
   using type = Int;
 };
 template <>
-struct DepthSumType<WideLanes> {
+struct DepthSumOfType<WideLanes> {
   using type = Lanes;
 };
 template <class Int>
-using DepthSum = typename DepthSumType<Int>::type;
+using DepthSumOf = typename DepthSumOfType<Int>::type;
 
 // B on the grid of h + B.
 template <class Int>
-HWY_INLINE DepthSum<Int> depth_constant(int128 b) {
-  if constexpr (std::is_same_v<DepthSum<Int>, int128>) {
+HWY_INLINE DepthSumOf<Int> depth_constant(int128 b) {
+  if constexpr (std::is_same_v<DepthSumOf<Int>, int128>) {
     return b;
   } else {
-    return DepthSum<Int>(static_cast<std::int64_t>(b));
+    return DepthSumOf<Int>(static_cast<std::int64_t>(b));
   }
 }
 
@@ -51,7 +51,7 @@ struct TexturePoint {
 // u and v from the registers; b: B on the grid of h + B; table: of R_pixel. aligned: SpanStage::aligned, or
 // false.
 template <class Int, class Watch>
-HWY_INLINE TexturePoint<ValueOf<Int>> texture_point(const SpanFormats& f, DepthSum<Int> b,
+HWY_INLINE TexturePoint<ValueOf<Int>> texture_point(const SpanFormats& f, DepthSumOf<Int> b,
                                                     const std::int64_t* table, ValueOf<Int> h,
                                                     ValueOf<Int> fu, ValueOf<Int> fv, ValueOf<Int> u1,
                                                     ValueOf<Int> v1, bool aligned, Watch watch) {
@@ -59,7 +59,7 @@ HWY_INLINE TexturePoint<ValueOf<Int>> texture_point(const SpanFormats& f, DepthS
   const Value none(0);
   switch (f.perspective) {
     case Perspective::delta_f: {
-      const DepthSum<Int> q = (DepthSum<Int>(h) << f.h_up) + b;
+      const DepthSumOf<Int> q = (DepthSumOf<Int>(h) << f.h_up) + b;
       const auto inverse = reciprocal(f.reciprocal, table, q, f.q_fraction, watch);
       // Fractions of f m 2^-e, and of the sum with u1.
       const Value product = inverse.e + Value(f.f.acc.fraction + f.reciprocal.output.fraction);
@@ -77,7 +77,7 @@ HWY_INLINE TexturePoint<ValueOf<Int>> texture_point(const SpanFormats& f, DepthS
       return {u, coordinate(v1, fv), inverse.m, inverse.e};
     }
     case Perspective::hyperbolic: {
-      const DepthSum<Int> q = at_least_one((DepthSum<Int>(h) << f.h_up) + b);
+      const DepthSumOf<Int> q = at_least_one((DepthSumOf<Int>(h) << f.h_up) + b);
       const int scale = f.q_fraction - f.f.acc.fraction;
       const Value u = quantize_ratio(fu, q, scale, f.uv, watch);
       return {u, quantize_ratio(fv, q, scale, f.uv, watch), none, none};

@@ -4,7 +4,7 @@
 
 #include "config/modes.hpp"
 #include "model/channels.hpp"
-#include "model/numeric/extent.hpp"
+#include "model/numeric/integers.hpp"
 #include "model/stages/span-inl.hpp"
 
 namespace bitspan::model {
@@ -61,42 +61,38 @@ void span_on(const SpanStage& stage, SpanState& state, FragmentRecord& out, Watc
 
 // Exponents that the reciprocal of h + B can deliver: from its least ulp, or from B where h is never
 // negative, to its highest bit.
-struct Exponents {
-  int lowest = 0, highest = 0;
-};
-Exponents exponents_of(const Config& config, const InverseDepth& q) {
+Exponents pixel_exponents(const Config& config, const InverseDepth& q) {
   if (!config.pixel_reciprocal.normalize) {
     return {};
   }
-  const Extent sum_extent =
-      sum(extent(config.format(FormatId::span_h)), extent(config.format(FormatId::setup_b)));
-  const int least = config.format(FormatId::span_h).is_signed ? 1 : bit_length(static_cast<uint128>(q.b));
-  return {least - 1 - q.fraction, sum_extent.integer - 2};
+  const Grid operand =
+      signed_grid(config.format(FormatId::span_h)) + signed_grid(config.format(FormatId::setup_b));
+  Exponents e = exponents_on(operand);
+  if (!config.format(FormatId::span_h).is_signed)
+    e.low = bit_length(static_cast<uint128>(q.b)) - 1 - q.fraction;
+  return e;
 }
 
 // The widest sums and products of the stage, also on the grids they are rounded to, over every exponent the
 // reciprocal can deliver.
 bool all_fit(const Config& config, const SpanStage& s) {
-  const auto of = [&](FormatId id) { return extent(config.format(id)); };
+  const auto of = [&](FormatId id) { return signed_grid(config.format(id)); };
   const bool linear = has_linear_texture(config.perspective);
-  const auto fits_on = [](Extent a, Extent grid) {
-    return fits_int64({a.integer, std::max(a.fraction, grid.fraction + 1)});
-  };
-  const Extent h = of(FormatId::span_h);
-  const Extent f = of(linear ? FormatId::span_uv_acc : FormatId::span_f);
-  const Extent f_step = of(linear ? FormatId::span_uv_step : FormatId::span_f_step);
-  const Extent q = sum(h, of(FormatId::setup_b));
-  const Extent uv = of(FormatId::span_uv);
-  const Extent shade = of(FormatId::span_shade_acc);
-  bool fit = fits_on(sum(h, of(FormatId::span_h_step)), h) && fits_on(sum(f, f_step), f) &&
-             fits_on(sum(shade, of(FormatId::span_shade_step)), of(FormatId::span_shade)) && fits_int64(q) &&
+  const auto fits_on = [](Grid a, Grid grid) { return fits_int64(aligned(a, grid.fraction + 1)); };
+  const Grid h = of(FormatId::span_h);
+  const Grid f = of(linear ? FormatId::span_uv_acc : FormatId::span_f);
+  const Grid f_step = of(linear ? FormatId::span_uv_step : FormatId::span_f_step);
+  const Grid q = h + of(FormatId::setup_b);
+  const Grid uv = of(FormatId::span_uv);
+  const Grid shade = of(FormatId::span_shade_acc);
+  bool fit = fits_on(h + of(FormatId::span_h_step), h) && fits_on(f + f_step, f) &&
+             fits_on(shade + of(FormatId::span_shade_step), of(FormatId::span_shade)) && fits_int64(q) &&
              fits_on(f, uv);
   if (has_pixel_reciprocal(config.perspective)) {
-    const Extent u1 = of(FormatId::edge_uv);
-    const Extent change = product(f, extent(config.pixel_reciprocal.output));
-    const Exponents e = exponents_of(config, s.q);
-    fit = fit && fits_on(sum(u1, scaled(change, e.lowest)), uv) &&
-          fits_on(sum(u1, scaled(change, e.highest)), uv);
+    const Grid u1 = of(FormatId::edge_uv);
+    const Grid change = f * signed_grid(config.pixel_reciprocal.output);
+    const Exponents e = pixel_exponents(config, s.q);
+    fit = fit && fits_on(u1 + scaled(change, e.low), uv) && fits_on(u1 + scaled(change, e.high), uv);
   }
   return fit;
 }
@@ -118,17 +114,17 @@ SpanStage prepare_span(const Config& config, const Constants& constants) {
   s.divides_per_fragment = has_pixel_reciprocal(config.perspective)  ? 1
                            : has_pixel_quotients(config.perspective) ? 2
                                                                      : 0;
-  s.narrow = all_fit(config, s);
+  s.fits_int64 = all_fit(config, s);
   const SpanFormats& f = s.formats;
-  const Exponents e = exponents_of(config, s.q);
+  const Exponents e = pixel_exponents(config, s.q);
   const int product = f.f.acc.fraction + f.reciprocal.output.fraction;
-  const int finest = std::max(product + e.highest, f.u1_fraction);
-  const int growth = std::max(0, f.uv.fraction + 1 - std::max(product + e.lowest, f.u1_fraction));
-  s.product_growth = f.reciprocal.output.word + std::max(0, f.u1_fraction - product - e.lowest) + growth;
+  const int finest = std::max(product + e.high, f.u1_fraction);
+  const int growth = std::max(0, f.uv.fraction + 1 - std::max(product + e.low, f.u1_fraction));
+  s.product_growth = f.reciprocal.output.word + std::max(0, f.u1_fraction - product - e.low) + growth;
   s.base_growth = finest - f.u1_fraction + growth;
   s.aligned = has_pixel_reciprocal(config.perspective) &&
-              product + e.lowest >= std::max(f.u1_fraction, f.uv.fraction + 1) &&
-              product + e.highest <= f.uv.fraction + 62;
+              product + e.low >= std::max(f.u1_fraction, f.uv.fraction + 1) &&
+              product + e.high <= f.uv.fraction + 62;
   return s;
 }
 
@@ -163,7 +159,7 @@ SpanState start_span(const SpanRecord& span, const PlaneGeometry* geometry) {
 
 template <class Watch>
 void span(const SpanStage& stage, SpanState& state, FragmentRecord& out, Watch watch) {
-  if (stage.narrow) {
+  if (stage.fits_int64) {
     span_on<std::int64_t>(stage, state, out, watch);
   } else {
     span_on<int128>(stage, state, out, watch);

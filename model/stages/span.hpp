@@ -54,8 +54,8 @@ constexpr SpanFormats span_formats(const Config& config) {
 
 struct SpanStage {
   SpanFormats formats;
-  bool narrow = false;  // every intermediate fits 63 bits
-  // delta_f: bits that f m and u1 take beyond their own, on every grid on the way to u (`narrow` asks the
+  bool fits_int64 = false;  // every intermediate fits 63 bits
+  // delta_f: bits that f m and u1 take beyond their own, on every grid on the way to u (`fits_int64` asks the
   // same of the formats; these let it be asked of the values at hand).
   int product_growth = 0, base_growth = 0;
   // delta_f: f m 2^-e always has more fraction bits than u1 and u, though not too many for a shift of 64-bit

@@ -34,26 +34,29 @@ SpanSetupStage prepare_span_setup(const Config& config, const Constants& constan
   const Register shade = reg(FormatId::edge_shade);
   s.p_fraction = std::max(1, x.fraction);
   s.x_up = s.p_fraction - x.fraction;
-  const Size p = size_of(x) + Size{21, 1};  // a picture is 2^20 pixels wide at most
-  s.length = make_length_form(config.row_slope, s.reciprocal, size_of(x) + size_of(x));
+  const Grid p = magnitude_of(x) + Grid{20, 1};  // a picture is 2^20 pixels wide at most
+  s.length = make_length_form(config.row_slope, s.reciprocal, magnitude_of(x) + magnitude_of(x));
   s.depth = make_depth_sum(h, s.b, config.pixel_reciprocal);
-  s.h_step = make_slope(reg(FormatId::span_h_step), size_of(h) + size_of(h), s.length);
+  s.h_step = make_slope(reg(FormatId::span_h_step), magnitude_of(h) + magnitude_of(h), s.length);
   s.h_start = make_line(reg(FormatId::span_h), &h, s.h_step.r, p, h_offset);
   const bool hyperbolic = has_pixel_quotients(config.perspective);
-  const Size uv_difference = size_of(uv) + size_of(uv);
-  s.f_diff = make_product(reg(FormatId::span_f_diff), hyperbolic ? size_of(uv) : uv_difference, s.depth.size);
+  const Grid uv_difference = magnitude_of(uv) + magnitude_of(uv);
+  s.f_diff = make_product(reg(FormatId::span_f_diff), hyperbolic ? magnitude_of(uv) : uv_difference,
+                          s.depth.magnitude);
   const Register& diff = s.f_diff.r;
   s.f_step = make_slope(s.uv_step,
                         linear       ? uv_difference
-                        : hyperbolic ? size_of(diff) + size_of(diff)
-                                     : size_of(diff),
+                        : hyperbolic ? magnitude_of(diff) + magnitude_of(diff)
+                                     : magnitude_of(diff),
                         s.length);
   s.f_start = make_line(s.f, linear ? &uv : hyperbolic ? &diff : nullptr, s.uv_step, p, s.f_offset);
-  s.shade_step = make_slope(reg(FormatId::span_shade_step), size_of(shade) + size_of(shade), s.length);
+  s.shade_step =
+      make_slope(reg(FormatId::span_shade_step), magnitude_of(shade) + magnitude_of(shade), s.length);
   s.shade_start = make_line(reg(FormatId::span_shade_acc), &shade, s.shade_step.r, p, shade_offset);
-  s.lanes = lanes_hold(p) && s.length.lanes && s.h_step.lanes && s.h_start.lanes && s.f_step.lanes &&
-            s.f_start.lanes && s.shade_step.lanes && s.shade_start.lanes &&
-            (linear || (lanes_hold(s.depth.size) && s.f_diff.lanes));
+  s.fits_lanes = lanes_hold(p) && s.length.fits_lanes && s.h_step.fits_lanes && s.h_start.fits_lanes &&
+                 s.f_step.fits_lanes && s.f_start.fits_lanes && s.shade_step.fits_lanes &&
+                 s.shade_start.fits_lanes &&
+                 (linear || (lanes_hold(s.depth.magnitude) && s.f_diff.fits_lanes));
   return s;
 }
 

@@ -23,7 +23,7 @@ struct SpanSetupStage {
   Slope h_step, f_step, shade_step;
   Product f_diff;
   Line h_start, f_start, shade_start;
-  bool lanes = false;  // no intermediate is wider than lanes hold
+  bool fits_lanes = false;  // no intermediate is wider than lanes hold
   // const_depth_rows.
   Exact b;
   ReciprocalUnit reciprocal;  // R_row

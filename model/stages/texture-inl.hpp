@@ -48,7 +48,7 @@ struct Quad {
 };
 
 template <class V>
-HWY_INLINE V code_of(V word, std::size_t channel) {
+HWY_INLINE V channel_of(V word, std::size_t channel) {
   return (word >> static_cast<int>(8 * channel)) & V(255);
 }
 
@@ -150,7 +150,7 @@ HWY_INLINE Textured<ValueOf<Int>> textured(const TextureStage& stage, const Imag
     switch (filter) {
       case TextureFilter::nearest:
         for (std::size_t c = 0; c < 3; ++c) {
-          out.texel[c] = quantize_code(code_of(nearest_word, c), stage.mix, watch);
+          out.texel[c] = quantize_code(channel_of(nearest_word, c), stage.mix, watch);
         }
         out.texel[3] = image.alpha(stage, nearest_word, watch);
         break;
@@ -179,8 +179,8 @@ HWY_INLINE Textured<ValueOf<Int>> textured(const TextureStage& stage, const Imag
           return blend<Int>(v5, v6, out.ey, e_fraction, r.fraction, r, watch);
         };
         for (std::size_t c = 0; c < 3; ++c) {
-          out.texel[c] = mixed(code_of(quad.v1, c), code_of(quad.v4, c), code_of(quad.v2, c),
-                               code_of(quad.v3, c), 0, stage.mix);
+          out.texel[c] = mixed(channel_of(quad.v1, c), channel_of(quad.v4, c), channel_of(quad.v2, c),
+                               channel_of(quad.v3, c), 0, stage.mix);
         }
         out.texel[3] = mixed(image.alpha(stage, quad.v1, watch), image.alpha(stage, quad.v4, watch),
                              image.alpha(stage, quad.v2, watch), image.alpha(stage, quad.v3, watch),

@@ -32,8 +32,8 @@ bool texture_on(const TextureStage& stage, const Texture* texture, const Fragmen
 template <class Watch>
 bool texture(const TextureStage& stage, const Texture* image, const FragmentRecord& fragment,
              TextureRecord& out, Watch watch) {
-  return stage.narrow ? texture_on<std::int64_t>(stage, image, fragment, out, watch)
-                      : texture_on<int128>(stage, image, fragment, out, watch);
+  return stage.fits_int64 ? texture_on<std::int64_t>(stage, image, fragment, out, watch)
+                          : texture_on<int128>(stage, image, fragment, out, watch);
 }
 
 template bool texture(const TextureStage&, const Texture*, const FragmentRecord&, TextureRecord&, NoObserve);

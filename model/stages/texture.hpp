@@ -8,7 +8,7 @@
 
 #include "config/config.hpp"
 #include "engine/records.hpp"
-#include "model/numeric/extent.hpp"
+#include "model/numeric/integers.hpp"
 #include "model/numeric/quantize.hpp"
 #include "scene/scene.hpp"
 
@@ -18,8 +18,8 @@ struct TextureStage {
   TextureFilter filter = TextureFilter::nearest;
   TextureWrap wrap = TextureWrap::cyclic;
   std::optional<std::array<std::uint8_t, 3>> transparent;
-  bool narrow = false;  // every intermediate fits int64
-  Register uv, shade;   // formats of the fragment
+  bool fits_int64 = false;  // every intermediate fits int64
+  Register uv, shade;       // formats of the fragment
   Register frac, mix, color, alpha;
 };
 constexpr TextureStage prepare_texture(const Config& config) {
@@ -34,15 +34,15 @@ constexpr TextureStage prepare_texture(const Config& config) {
   s.color = make_register(config, FormatId::texture_color);
   s.alpha = make_register(config, FormatId::texture_alpha);
   // 1 - Ex has a bit more than Ex; either times a colour, and the sum of two such.
-  const Extent share = sum(extent_of_integer(1), extent(config.format(FormatId::texture_frac)));
-  const auto mixes = [&](Extent v) { return fits_int64(sum(product(v, share), product(v, share))); };
-  const Extent mix = extent(config.format(FormatId::texture_mix));
-  const Extent alpha = extent(config.format(FormatId::texture_alpha));
-  const Extent shade = extent(config.format(FormatId::span_shade));
+  const Grid share = integer_grid(1) - signed_grid(config.format(FormatId::texture_frac));
+  const auto mixes = [&](Grid v) { return fits_int64(v * share + v * share); };
+  const Grid mix = signed_grid(config.format(FormatId::texture_mix));
+  const Grid alpha = signed_grid(config.format(FormatId::texture_alpha));
+  const Grid shade = signed_grid(config.format(FormatId::span_shade));
   // u - 1/2, and its floor plus one.
-  const Extent below = sum(extent(config.format(FormatId::span_uv)), Extent{1, 1});
-  s.narrow = mixes(extent_of_integer(8)) && mixes(mix) && mixes(alpha) && fits_int64(product(mix, shade)) &&
-             fits_int64(product(alpha, shade)) && fits_int64(below);
+  const Grid below = signed_grid(config.format(FormatId::span_uv)) - Grid{0, 1, true};
+  s.fits_int64 = mixes(integer_grid(8)) && mixes(mix) && mixes(alpha) && fits_int64(mix * shade) &&
+                 fits_int64(alpha * shade) && fits_int64(below);
   return s;
 }
 

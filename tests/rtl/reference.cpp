@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tests/support/reciprocal_definition.hpp"
+
 namespace bitspan::reference {
 namespace {
 
@@ -72,8 +74,6 @@ Rational offset(const StartOffset& o, const Rational& kept_ulp) {
   return o.half_ulp ? Rational(kept_ulp / 2) : Rational(o.value);
 }
 
-Rational cut(const Rational& x, int bits) { return floor(x * power_of_two(bits)) * power_of_two(-bits); }
-
 Rational scaled(const MantissaExponent& r, const Reciprocal& unit) {
   return value(r.m, unit.output) * power_of_two(-r.e);
 }
@@ -105,35 +105,8 @@ std::int64_t quantize(const Rational& x, const Format& format) {
 
 MantissaExponent reciprocal(const Rational& d_in, const Rational& ulp, const Reciprocal& unit) {
   const Rational d = d_in <= 0 ? ulp : d_in;
-  int e = 0;
-  while (d >= power_of_two(e + 1)) ++e;
-  while (d < power_of_two(e)) --e;
-  const Rational n = d * power_of_two(-e);
-  Rational y = 1 / n;
-  if (unit.kind != ReciprocalKind::restoring) {
-    const int p = unit.index_bits;
-    const Rational nq = cut(n, unit.operand_bits);
-    const Rational position = (nq - 1) * power_of_two(p);
-    const Integer j = floor(position);
-    const auto entry = [&](const Rational& x) {  // round(1 / (1 + x / 2^p)) on table_bits
-      return floor(power_of_two(unit.table_bits) / (1 + x * power_of_two(-p)) + half()) *
-             power_of_two(-unit.table_bits);
-    };
-    if (unit.kind == ReciprocalKind::lut_linear) {
-      const Rational t = position - j;
-      const Rational left = entry(Rational(j));
-      const Rational right = entry(Rational(j) + 1);
-      y = cut(left - (left - right) * t, unit.internal_bits);
-    } else {
-      y = entry(Rational(j) + half());
-      for (int step = 0; step < unit.steps; ++step) {
-        const Rational a = cut(nq * y, unit.internal_bits);
-        y = cut(y * (2 - a), unit.internal_bits);
-      }
-    }
-  }
-  if (unit.normalize) return {quantize(y, unit.output), e};
-  return {quantize(y * power_of_two(-e), unit.output), 0};
+  const ReciprocalByDefinition r = reciprocal_by_definition(unit, d);
+  return {quantize(r.value, unit.output), r.e};
 }
 
 SpanRecord span_setup(const Config& c, const RowRecord& row, std::int64_t b) {

@@ -42,7 +42,7 @@ void observed(std::size_t n, Watching w, F f) {
     const std::size_t some = std::min(width, n - i);
     const Lanes active = by_lane(
         [&](std::size_t l) HWY_ATTR { return std::int64_t{l < some && w.active[i + l] != 0 ? 1 : 0}; });
-    f(i, some, Seen{seen.get(), active != Lanes(0)});
+    f(i, some, ObserveLanes{seen.get(), active != Lanes(0)});
   }
   seen->fold(*w.statistics);
 }

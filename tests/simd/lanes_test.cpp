@@ -624,7 +624,7 @@ TEST_P(LanesTest, ReciprocalOfEveryKind) {
             unit.internal_bits = internal;
             unit.steps = steps;
           }
-          (model::reciprocal_formats(unit, observed_register).narrow ? narrow : wide) += 1;
+          (model::reciprocal_formats(unit, observed_register).fits_int64 ? narrow : wide) += 1;
           for (const auto& [word, integer] : {std::array{18, 1}, std::array{9, 0}, std::array{63, 1},
                                               std::array{63, 0}, std::array{40, 20}, std::array{12, -20}}) {
             if (normalize && integer < 0) continue;

@@ -280,7 +280,7 @@ void check_block(const Case& c, const std::vector<FragmentRecord>& fragments, in
         const auto i = static_cast<std::size_t>(id);
         EXPECT_EQ(seen.fields[i], want.statistics.fields[i]) << name_of(static_cast<RegisterId>(id));
       }
-      if (c.plan.lanes == ShadeLanes::int32) {
+      if (c.plan.held_in == ShadeLanes::int32) {
         const auto block32 = block_of<std::int32_t>(c, fragments, start);
         const auto kernels32 = shade_kernels<std::int32_t>(target);
         check([&](Frame& f, Counters& n,
@@ -315,9 +315,9 @@ void check_config_blocks(const Config& config, std::uint64_t seed, Tally& tally)
     return;  // the scene's range does not fit
   }
   c.plan = prepare_shade(c.pipeline, c.config, c.scene);
-  (c.plan.lanes == ShadeLanes::int32   ? tally.int32
-   : c.plan.lanes == ShadeLanes::int64 ? tally.int64
-                                       : tally.scalar)++;
+  (c.plan.held_in == ShadeLanes::int32   ? tally.int32
+   : c.plan.held_in == ShadeLanes::int64 ? tally.int64
+                                         : tally.scalar)++;
   tally.plain += c.plan.plain ? 1 : 0;
   tally.linear += c.pipeline.fog.mode == FogMode::linear ? 1 : 0;
   for (int texture = -1; texture < std::ssize(c.scene.textures); ++texture) {

@@ -174,9 +174,9 @@ TEST(Fog, RefusesADistanceOfNothing) {
 
 TEST(Fog, NarrowAndWideAgree) {
   const Foggy fog(FogMode::table);
-  ASSERT_TRUE(fog.stage.narrow);
+  ASSERT_TRUE(fog.stage.fits_int64);
   Foggy wide(FogMode::table);
-  wide.stage.narrow = false;
+  wide.stage.fits_int64 = false;
   std::mt19937_64 random(51);
   for (int i = 0; i < 20000; ++i) {
     const auto h = static_cast<double>(random() % 65536);

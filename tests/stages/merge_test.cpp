@@ -58,9 +58,9 @@ TEST(Merge, RoundingIsTheFormats) {
 TEST(Merge, NarrowAndWideAgree) {
   const Config c = shipped_config("depth16");
   const auto stage = model::prepare_merge(c);
-  ASSERT_TRUE(stage.narrow);
+  ASSERT_TRUE(stage.fits_int64);
   auto wide = stage;
-  wide.narrow = false;
+  wide.fits_int64 = false;
   std::mt19937_64 random(61);
   for (int i = 0; i < 50000; ++i) {
     TextureRecord t;

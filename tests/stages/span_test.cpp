@@ -184,9 +184,9 @@ TEST(Span, NarrowAndWideAgree) {
     Config c = shipped_config("depth16");
     c.perspective = mode;
     auto stage = stage_of(c);
-    ASSERT_TRUE(stage.narrow);
+    ASSERT_TRUE(stage.fits_int64);
     auto wide = stage;
-    wide.narrow = false;
+    wide.fits_int64 = false;
     for (int i = 0; i < 2000; ++i) {
       SpanRecord s;
       s.count = 20;

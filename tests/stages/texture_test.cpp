@@ -154,9 +154,9 @@ TEST(Texture, NarrowAndWideAgree) {
   Config c = shipped_config("depth16");
   c.filter = TextureFilter::bilinear;
   const auto stage = model::prepare_texture(c);
-  ASSERT_TRUE(stage.narrow);
+  ASSERT_TRUE(stage.fits_int64);
   auto wide = stage;
-  wide.narrow = false;
+  wide.fits_int64 = false;
   std::mt19937_64 random(41);
   for (int i = 0; i < 20000; ++i) {
     FragmentRecord f;

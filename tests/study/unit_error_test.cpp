@@ -10,6 +10,7 @@
 #include "model/numeric/reciprocal.hpp"
 #include "scene/random.hpp"
 #include "study/format_range.hpp"
+#include "tests/support/reciprocal_definition.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -88,8 +89,8 @@ TEST(UnitError, HoldsForEveryOperandAndIsNearlyReached) {
 TEST(UnitError, HoldsForAnyUnit) {
   Random random(3);
   for (int i = 0; i < 300; ++i) {
-    Reciprocal r = table_unit(static_cast<ReciprocalKind>(random.integer(0, 2)), 0, 0, 0, 0, 0,
-                              static_cast<int>(random.integer(4, 20)));
+    Reciprocal r = table_unit(static_cast<ReciprocalKind>(random.integer(0, reciprocal_kinds - 1)), 0, 0, 0,
+                              0, 0, static_cast<int>(random.integer(4, 20)));
     if (r.kind != ReciprocalKind::restoring) {
       r.index_bits = static_cast<int>(random.integer(1, 8));
       r.operand_bits = r.index_bits + static_cast<int>(random.integer(1, 8));
