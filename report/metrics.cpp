@@ -77,6 +77,14 @@ PictureTally tally_wrong_texel(const PicturePair& p) {
           pixels_where(p, textured)};
 }
 
+PictureTally tally_changed(const PicturePair& p) {
+  const auto changed = [](const PicturePair& q, std::size_t i) {
+    return colour_difference(q, i, 0) != 0 || colour_difference(q, i, 1) != 0 ||
+           colour_difference(q, i, 2) != 0;
+  };
+  return {pixels_where(p, changed), static_cast<double>(p.pixels())};
+}
+
 PictureTally tally_nothing(const PicturePair& p) { return {0, static_cast<double>(p.pixels())}; }
 
 double counted(const PictureTally& t, const ErrorReport& /*report*/) { return t.counted; }
@@ -111,6 +119,8 @@ constexpr auto pictures = std::to_array<PictureMetric>({
      Better::low, OverScenes::sum, tally_wrong_texel, counted, nullptr},
     {"picture.wrong_texel_rate", "of the pixels", "their share of those pixels", Better::low, OverScenes::sum,
      tally_wrong_texel, share, nullptr},
+    {"picture.changed_rate", "of the pixels", "pixels whose colour differs, as a share of all pixels",
+     Better::low, OverScenes::sum, tally_changed, share, nullptr},
     {"picture.coverage_differences", "pixels",
      "pixels of all triangles whose coverage differs from the exact test of the pixel's centre", Better::low,
      OverScenes::sum, tally_nothing,

@@ -42,6 +42,7 @@ TEST(PictureMetrics, EachIsWhatItsNameSays) {
       {"picture.wrong_order_rate", 1.0 / 3},
       {"picture.wrong_texel", 1},
       {"picture.wrong_texel_rate", 0.5},
+      {"picture.changed_rate", 0.75},
       {"picture.coverage_differences", 7},
   };
   ASSERT_EQ(expected.size(), picture_metrics().size());
