@@ -3,6 +3,7 @@
 #include "model/numeric/adder.hpp"
 #include "model/numeric/forms.hpp"
 #include "model/numeric/from_double.hpp"
+#include "model/numeric/ratio-inl.hpp"
 #include "model/numeric/reciprocal-inl.hpp"
 
 #if defined(BITSPAN_MODEL_NUMERIC_FORMS_INL) == defined(HWY_TARGET_TOGGLE)

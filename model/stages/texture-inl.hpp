@@ -12,7 +12,7 @@
 #include <array>
 
 #include "config/modes.hpp"
-#include "model/numeric/quantize-inl.hpp"
+#include "model/numeric/ratio-inl.hpp"
 #include "model/stages/texture.hpp"
 
 #if defined(BITSPAN_MODEL_STAGES_TEXTURE_INL) == defined(HWY_TARGET_TOGGLE)

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "engine/registry.hpp"
-#include "report/compare.hpp"
+#include "report/upstream.hpp"
 #include "scene/random.hpp"
 #include "tests/support/test_config.hpp"
 
