@@ -151,11 +151,11 @@ std::string path_of(const Config& config, std::string_view stage, int bits) {
   const bool rows_of_depth = has_plane_rows(config.perspective);
   const bool shading = stage == "texture" || stage == "fog" || stage == "merge";
   if (shading) {
-    const ShadeLanes lanes = lanes_for_shading(config, config.fog);
+    const ShadeLanes held_in = lanes_for_shading(config, config.fog);
     // Blocks of 32 bits are for configurations whose fragments fit them all the way.
-    const bool blocks32 = lanes == ShadeLanes::int32 && plain_shade(shade_formats(config)) &&
+    const bool blocks32 = held_in == ShadeLanes::int32 && branch_free_shade(shade_formats(config)) &&
                           spans_fit_int32(span_formats(config));
-    return blocks32 ? lanes32 : lanes != ShadeLanes::scalar ? lanes64 : scalar;
+    return blocks32 ? lanes32 : held_in != ShadeLanes::scalar ? lanes64 : scalar;
   }
   if (rows_of_depth) return scalar;  // up to the depth test
   if (stage == "span") return span_path(config);

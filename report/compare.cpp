@@ -167,7 +167,7 @@ bool same_value(T a, T b) {
   }
 }
 
-Divergence plain_divergence(DivergenceKind kind, std::string_view field, const Comparison& pair) {
+Divergence divergence_without_record(DivergenceKind kind, std::string_view field, const Comparison& pair) {
   Divergence d;
   d.kind = kind;
   d.stage = kind == DivergenceKind::frame ? "frame" : "counters";
@@ -225,7 +225,7 @@ void compare_plane(const std::vector<T>& a, const std::vector<T>& b, std::size_t
     ++into.frame.differences;
     if (!into.first) {
       const auto pixel = static_cast<std::int64_t>(i / per_pixel);
-      into.first = plain_divergence(DivergenceKind::frame, name, into);
+      into.first = divergence_without_record(DivergenceKind::frame, name, into);
       into.first->x = pixel % width;
       into.first->y = pixel / width;
       into.first->reference = as_raw(a[i]);
@@ -343,7 +343,7 @@ void compare_counters(const Counters& reference, const Counters& other, Comparis
     }
     ++into.counters.differences;
     if (!into.first) {
-      into.first = plain_divergence(DivergenceKind::counter, name, into);
+      into.first = divergence_without_record(DivergenceKind::counter, name, into);
       into.first->reference = static_cast<std::int64_t>(a);
       into.first->other = static_cast<std::int64_t>(b);
     }

@@ -98,8 +98,9 @@ struct ObserveLanes {
   }
 };
 
-// For registers that are plain (is_plain): the same without a choice per value.
-struct Plain : NoObserve {};
+// No observer, for registers of which is_branch_free() holds: it gives the same values without a branch per
+// value.
+struct BranchFree : NoObserve {};
 
 }  // namespace bitspan::model::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -71,7 +71,7 @@ HWY_INLINE Lanes32 quantize(Lanes32 raw, int fraction, const Register& r, NoObse
 }
 
 template <class T>
-HWY_INLINE LanesOf<T> quantize_plain(LanesOf<T> raw, int fraction, const Register& r) {
+HWY_INLINE LanesOf<T> quantize_branch_free(LanesOf<T> raw, int fraction, const Register& r) {
   const int shift = fraction - r.fraction;
   const int down = shift > 0 ? shift : 0;
   const int up = shift < 0 ? -shift : 0;
@@ -82,11 +82,11 @@ HWY_INLINE LanesOf<T> quantize_plain(LanesOf<T> raw, int fraction, const Registe
   const LanesOf<T> rounded = ((raw << up) + LanesOf<T>(add)) >> down;
   return min(max(rounded, LanesOf<T>(static_cast<T>(r.min))), LanesOf<T>(static_cast<T>(r.max)));
 }
-HWY_INLINE Lanes quantize(Lanes raw, int fraction, const Register& r, Plain /*watch*/) {
-  return quantize_plain(raw, fraction, r);
+HWY_INLINE Lanes quantize(Lanes raw, int fraction, const Register& r, BranchFree /*watch*/) {
+  return quantize_branch_free(raw, fraction, r);
 }
-HWY_INLINE Lanes32 quantize(Lanes32 raw, int fraction, const Register& r, Plain /*watch*/) {
-  return quantize_plain(raw, fraction, r);
+HWY_INLINE Lanes32 quantize(Lanes32 raw, int fraction, const Register& r, BranchFree /*watch*/) {
+  return quantize_branch_free(raw, fraction, r);
 }
 
 // Everything known of a value in front of its register: its floor on the register's grid, and what is below.
@@ -170,7 +170,7 @@ HWY_INLINE Lanes quantize(Lanes raw, Lanes fraction, const Register& r, Watch wa
   }
   return into_range(rounded, r);
 }
-HWY_INLINE Lanes quantize(Lanes raw, Lanes fraction, const Register& r, Plain /*watch*/) {
+HWY_INLINE Lanes quantize(Lanes raw, Lanes fraction, const Register& r, BranchFree /*watch*/) {
   Lanes shift = fraction - Lanes(r.fraction);
   keep_shifts(raw, shift, most_shift<Lanes>);
   const Lanes half = (Lanes(1) << (shift - Lanes(1))) - Lanes(r.mode == Rounding::rnd_min_inf ? 1 : 0);
@@ -206,7 +206,7 @@ template <class Int, class Fraction, class Watch>
 HWY_INLINE auto quantize_down(Int raw, Fraction fraction, const Register& r, Watch watch) {
   return quantize(raw, fraction, r, watch);
 }
-HWY_INLINE Lanes quantize_down(Lanes raw, Lanes fraction, const Register& r, Plain /*watch*/) {
+HWY_INLINE Lanes quantize_down(Lanes raw, Lanes fraction, const Register& r, BranchFree /*watch*/) {
   const Lanes shift = fraction - Lanes(r.fraction);
   const Lanes half = (Lanes(1) << (shift - Lanes(1))) - Lanes(r.mode == Rounding::rnd_min_inf ? 1 : 0);
   const Lanes add = half & Lanes(r.mode == Rounding::trn ? 0 : -1);

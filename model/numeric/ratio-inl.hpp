@@ -165,7 +165,8 @@ template <class Watch>
 HWY_INLINE Lanes quantize_ratio(Lanes n, const Divisor& d, int scale, const Register& r, Watch watch) {
   return quantize_ratio(n, d.d, scale, r, watch);
 }
-HWY_INLINE Lanes quantize_ratio(Lanes n, const Divisor& d, int scale, const Register& r, Plain /*watch*/) {
+HWY_INLINE Lanes quantize_ratio(Lanes n, const Divisor& d, int scale, const Register& r,
+                                BranchFree /*watch*/) {
   const NearQuotient q = near_quotient(n, d, r.fraction + scale);
   if (!q.ok) [[unlikely]] {
     return quantize_ratio_rare(n, d.d, scale, r, NoObserve{});

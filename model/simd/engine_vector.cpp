@@ -335,8 +335,8 @@ class VectorModel {
     counters_ = {};
     constants_delivered_ = false;
     clear_frame(pipeline_, scene, options_.winners, frame_);
-    const bool small = plan_.held_in == ShadeLanes::int32 && plan_.plain &&
-                       spans_fit_int32(pipeline_.span.formats) && is_plain(pipeline_.depth.formats.z) &&
+    const bool small = plan_.held_in == ShadeLanes::int32 && plan_.branch_free &&
+                       spans_fit_int32(pipeline_.span.formats) && is_branch_free(pipeline_.depth.formats.z) &&
                        statistics == nullptr;
     if (small) {
       drawing_.template emplace<std::unique_ptr<Drawing<std::int32_t>>>(

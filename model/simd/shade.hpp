@@ -48,7 +48,7 @@ struct ShadeTexture {
 // Prepared once a scene, which must outlive it.
 struct ShadePlan {
   ShadeLanes held_in = ShadeLanes::scalar;
-  bool plain = false;  // every register rounds by adding a constant, and saturates
+  bool branch_free = false;  // every register rounds by adding a constant, and saturates
   ShadeFormats formats;
   std::vector<ShadeTexture> textures;  // by the scene's numbers
   std::vector<std::int32_t> alpha32;   // Q[texture.alpha](a / 255); empty where int32 does not hold it
@@ -64,7 +64,7 @@ struct ShadePlan {
   } chain;
 };
 // Whether every register of the three stages rounds by adding a constant, and saturates.
-bool plain_shade(const ShadeFormats& formats);
+bool branch_free_shade(const ShadeFormats& formats);
 ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Scene& scene);
 
 // The value of a colour or alpha channel on every fragment of a triangle whose vertices all have it as

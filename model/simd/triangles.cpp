@@ -16,7 +16,7 @@ namespace {
 
 // Whether every register that setup, edge_walk and span_setup quantise into rounds by adding a constant, and
 // saturates.
-bool all_plain(const Pipeline& pipeline) {
+bool all_branch_free(const Pipeline& pipeline) {
   const SetupStage& a = pipeline.setup;
   const EdgeWalkStage& b = pipeline.edge_walk;
   const SpanSetupStage& c = pipeline.span_setup;
@@ -51,14 +51,14 @@ bool all_plain(const Pipeline& pipeline) {
       &c.f_start.r,
       &c.shade_start.r,
   };
-  // What Plain shifts a unit's result by.
+  // What BranchFree shifts a unit's result by.
   const auto shifts = [](const ReciprocalUnit& unit) {
     const Reciprocal& r = unit.config();
     return std::max(r.table_bits, r.internal_bits) - unit.output().fraction <= 62;
   };
   if (!shifts(a.dy.unit) || !shifts(b.reciprocal) || !shifts(c.length.unit)) return false;
   return std::all_of(std::begin(registers), std::end(registers),
-                     [](const Register* r) { return is_plain(*r); });
+                     [](const Register* r) { return is_branch_free(*r); });
 }
 
 template <class Observer>
@@ -144,8 +144,8 @@ std::size_t one_by_one(const Pipeline& pipeline, const TriangleRows& from, Colum
 std::size_t to_spans(const Pipeline& pipeline, const TriangleRows& from, TriangleBatch& batch,
                      Columns<SpanRecord>& spans, Counters& counters, Trace* trace) {
   if (!triangles_in_lanes(pipeline)) return one_by_one(pipeline, from, spans, counters, trace, NoObserve{});
-  return all_plain(pipeline)
-             ? in_lanes(pipeline, from, batch, spans, counters, trace, Unwatched<Plain>{})
+  return all_branch_free(pipeline)
+             ? in_lanes(pipeline, from, batch, spans, counters, trace, Unwatched<BranchFree>{})
              : in_lanes(pipeline, from, batch, spans, counters, trace, Unwatched<NoObserve>{});
 }
 
@@ -155,10 +155,10 @@ std::size_t to_spans_observed(const Pipeline& pipeline, const TriangleRows& from
   if (!triangles_in_lanes(pipeline)) {
     return one_by_one(pipeline, from, spans, counters, trace, Observe{&statistics});
   }
-  LaneStatistics lanes;
+  LaneStatistics lane_statistics;
   const std::size_t done =
-      in_lanes(pipeline, from, batch, spans, counters, trace, Watched{&lanes, &statistics});
-  lanes.fold(statistics);
+      in_lanes(pipeline, from, batch, spans, counters, trace, Watched{&lane_statistics, &statistics});
+  lane_statistics.fold(statistics);
   return done;
 }
 

@@ -33,8 +33,8 @@ struct Passed {
 template <class T, const SpanFormats* fixed, const DepthFormats* fixed_depth>
 void draw(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
           std::int64_t first_index, SpanWork<T>& work, Frame& frame, Counters& counters, BlockSink<T>& sink) {
-  // int32 blocks go with registers that are all plain.
-  using Watch = std::conditional_t<sizeof(T) == 4, Plain, NoObserve>;
+  // Blocks of int32 go with registers that are all branch-free.
+  using Watch = std::conditional_t<sizeof(T) == 4, BranchFree, NoObserve>;
   const DepthStage& stage = pipeline.depth;
   const FormatsOf<DepthFormats, fixed_depth> depth_formats(stage.formats);
   const DepthFormats& df = *depth_formats;

@@ -123,8 +123,8 @@ void evaluate_span(const SpanStage& stage, const Columns<SpanRecord>& spans, std
   if (i == 0) find_ramps<fixed>(stage.formats, spans, work.ramps);
   Sequences s;
   registers_of(stage, spans, i, work, s);
-  if (fixed != nullptr || plain_span(stage.formats)) {
-    fragments_of<fixed, Plain>(stage, s, spans, i, shades, false, out, nullptr);
+  if (fixed != nullptr || branch_free_span(stage.formats)) {
+    fragments_of<fixed, BranchFree>(stage, s, spans, i, shades, false, out, nullptr);
   } else {
     fragments_of<nullptr, NoObserve>(stage, s, spans, i, shades, false, out, nullptr);
   }

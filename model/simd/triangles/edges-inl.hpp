@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t lane_count = Lanes::count;
 constexpr std::size_t accumulators = 7;  // h, fu, fv, r, g, b, a
 
-// Watch: NoObserve, or Plain where every register is.
+// Watch: NoObserve, or BranchFree where every register is.
 template <class Watch>
 struct Unwatched {
   static constexpr bool enabled = false;
@@ -31,9 +31,9 @@ struct Unwatched {
 };
 struct Watched {
   static constexpr bool enabled = true;
-  LaneStatistics* lanes;
-  Statistics* statistics;
-  HWY_INLINE ObserveLanes on(Lanes::Mask active) const { return {lanes, active}; }
+  LaneStatistics* lane_statistics;
+  Statistics* statistics;  // of the adders
+  HWY_INLINE ObserveLanes on(Lanes::Mask active) const { return {lane_statistics, active}; }
 };
 
 struct Stages {
