@@ -42,7 +42,7 @@ struct Options {
   SceneOptions view;
 };
 
-// A row a register that saw a value: what it would have needed, and what its narrowing did.
+// One row per register that saw a value: what it would have needed, and what its narrowing did.
 std::string statistics_text(const Config& config, const model::Statistics& statistics) {
   std::vector<std::vector<std::string>> rows{{"register", "values", "minimum", "maximum", "bits used", "of",
                                               "saturated", "wrapped", "mean bias, ULP"}};

@@ -169,7 +169,7 @@ std::vector<StagePath> model_paths(const Config& config) {
   std::vector<StagePath> paths;
   for (const ExactIntermediate& x : exact_intermediates(config)) {
     if (x.stage == "constants" || x.stage.starts_with("reciprocal."))
-      continue;  // once a scene; part of others
+      continue;  // once per scene; part of others
     auto path = std::ranges::find(paths, x.stage, &StagePath::stage);
     if (path == paths.end()) {
       paths.push_back({x.stage, "", x.expression, x.bits});

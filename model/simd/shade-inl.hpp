@@ -35,7 +35,7 @@ template <class T>
 struct ElementOfType<LanesOf<T>> {
   using type = T;
 };
-// Of the block whose fragments are computed in Int.
+// The elements of a block whose fragments are computed in Int.
 template <class Int>
 using ElementOf = typename ElementOfType<Int>::type;
 

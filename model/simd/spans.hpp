@@ -45,13 +45,13 @@ struct Ramps {
 template <class T>
 struct SpanWork {
   FragmentBlock<T> block;
-  // Of the block's fragments, until it is given away.
+  // Registers of the block's fragments, until it is given away.
   alignas(64) std::int64_t fu[FragmentBlock<T>::padded];
   alignas(64) std::int64_t fv[FragmentBlock<T>::padded];
   alignas(64) std::int64_t u1[FragmentBlock<T>::padded];
   alignas(64) std::int64_t v1[FragmentBlock<T>::padded];
   Ramps ramps;
-  std::array<std::vector<std::int64_t>, 7> values;  // registers of a span that are no ramp, one a pixel
+  std::array<std::vector<std::int64_t>, 7> values;  // registers of a span that are no ramp, one per pixel
   Columns<FragmentRecord> fragments{0};
   Columns<DepthRecord> depths{0};
 };

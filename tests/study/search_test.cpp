@@ -214,7 +214,7 @@ struct Worst {
   }
   void print(const char* what) const {
     for (const SearchAlgorithm a : kAlgorithms) {
-      fmt::print("{}, {}: cost over the optimum worst {:.3f}, mean {:.3f}; {:.0f} evaluations a search\n",
+      fmt::print("{}, {}: cost over the optimum worst {:.3f}, mean {:.3f}; {:.0f} evaluations per search\n",
                  what, name_of(a), factor.at(a), sum.at(a) / runs,
                  static_cast<double>(evaluations.at(a)) / runs);
     }

@@ -54,7 +54,7 @@ void find_ramps(const SpanFormats& given, const Columns<SpanRecord>& spans, Ramp
   }
 }
 
-// A register along its span: a ramp, or one value a pixel.
+// A register along its span: a ramp, or one value per pixel.
 struct Sequence {
   std::int64_t start = 0, increment = 0;
   const std::int64_t* values = nullptr;

@@ -107,7 +107,7 @@ void keep_end(const SideColumns& side, const EndOf<Lanes>& end, Columns<RowRecor
   end.v.store(rows[side.v] + i);
   for (std::size_t c = 0; c < channel_count; ++c) end.shade[c].store(rows[side.shade[c]] + i);
 }
-// Of the lanes in `some`: their rows from i on, their spans from `to` on.
+// Appends the records of the lanes in `some`: their rows are at i and up, their spans at `to` and up.
 void trace_rows(const EdgeWalkStage& stage, const Columns<RowRecord>& rows, const Columns<SpanRecord>& spans,
                 std::size_t i, Lanes::Mask some, std::size_t to, Trace& trace) {
   const Lanes drawn = one_where(some);
