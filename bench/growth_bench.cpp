@@ -79,7 +79,7 @@ Growth bench_growth(double pixels_limit, double triangles_limit) {
   const auto add = [&](const char* key, const char* title, double first, double limit, double pixels,
                        bool by_triangles) {
     std::vector<std::vector<std::string>> rows{{"triangles", "fragments", "passed %", "begin s", "draw s",
-                                                by_triangles ? "ns a triangle" : "ns a fragment",
+                                                by_triangles ? "ns per triangle" : "ns per fragment",
                                                 "peak MiB"}};
     json[key] = nlohmann::ordered_json::array();
     for (double n = first; n <= limit * 1.5; n *= 10) {

@@ -14,10 +14,11 @@
 #include "cli/scene_options.hpp"
 #include "engine/range.hpp"
 #include "engine/registry.hpp"
-#include "report/compare.hpp"
+#include "report/describe.hpp"
 #include "report/error.hpp"
 #include "report/lockstep.hpp"
 #include "report/table.hpp"
+#include "report/upstream.hpp"
 
 namespace bitspan {
 namespace {
@@ -117,7 +118,7 @@ Story run(const std::string& name, const Config& config, const Scene& scene, std
   return story;
 }
 
-// One record type of all engines: a row a field.
+// One record type of all engines: one row per field.
 bool print_record(const std::vector<Story>& stories, const std::vector<const RecordCopy*>& records,
                   const Config& config, const Scene& scene, const Triangle* triangle) {
   const RecordCopy* reference = records.front();

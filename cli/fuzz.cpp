@@ -152,10 +152,10 @@ Scene shrink(const Engines& engines, const Config& config, Scene scene, const Ru
       }
     }
   }
-  Scene plain = scene;
-  plain.fog.reset();
-  if (scene.fog && fails(plain)) {
-    scene = std::move(plain);
+  Scene without_fog = scene;
+  without_fog.fog.reset();
+  if (scene.fog && fails(without_fog)) {
+    scene = std::move(without_fog);
   }
   for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
     Scene bare = scene;

@@ -42,7 +42,7 @@ struct Options {
   SceneOptions view;
 };
 
-// A row a register that saw a value: what it would have needed, and what its narrowing did.
+// One row per register that saw a value: what it would have needed, and what its narrowing did.
 std::string statistics_text(const Config& config, const model::Statistics& statistics) {
   std::vector<std::vector<std::string>> rows{{"register", "values", "minimum", "maximum", "bits used", "of",
                                               "saturated", "wrapped", "mean bias, ULP"}};
@@ -107,8 +107,8 @@ int render(const Options& o) {
   if (!o.output.empty() || !o.dump.empty()) {
     check_scene_range(config, scene);
     const auto observed = o.statistics ? make_observed_model(config) : nullptr;
-    const auto plain = o.statistics ? nullptr : make_engine(names[0], config, how);
-    Engine* engine = o.statistics ? observed.get() : plain.get();
+    const auto unobserved = o.statistics ? nullptr : make_engine(names[0], config, how);
+    Engine* engine = o.statistics ? observed.get() : unobserved.get();
     const auto start = std::chrono::steady_clock::now();
     {
       Progress progress(scene.name);

@@ -227,11 +227,11 @@ LoadedScene load_scene(const std::string& name, const SceneOptions& options) {
 }
 
 std::string shell_word(const std::string& word) {
-  const bool plain = !word.empty() && std::ranges::all_of(word, [](unsigned char c) {
+  const bool needs_no_quotes = !word.empty() && std::ranges::all_of(word, [](unsigned char c) {
     return std::isalnum(c) != 0 ||
            std::string_view("_-./,:=+@%").find(static_cast<char>(c)) != std::string_view::npos;
   });
-  if (plain) {
+  if (needs_no_quotes) {
     return word;
   }
   std::string out = "'";

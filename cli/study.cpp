@@ -152,7 +152,7 @@ void export_csv(const Options& o, const StudyPlan& plan, Store& store) {
   file.commit();
 }
 
-// Of a study that is not whole: the command that goes on where this one ended; the exit code.
+// Prints the command that goes on with a study where this one ended; returns the exit code.
 int cut_short(const Options& o, const std::string& so_far, const Store& store, const Interrupt& interrupt) {
   fmt::print("{}{}; go on with: bitspan study {} --db {}{}{}\n",
              interrupt.exit_code() != 0 ? "stopped" : "not finished", so_far, shell_word(o.inputs[0]),

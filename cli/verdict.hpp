@@ -12,6 +12,7 @@
 #include "cli/scene_options.hpp"
 #include "engine/registry.hpp"
 #include "report/compare.hpp"
+#include "report/describe.hpp"
 #include "report/error.hpp"
 #include "report/junit.hpp"
 #include "report/lockstep.hpp"

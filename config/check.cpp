@@ -226,7 +226,7 @@ Result first_violation(const Config& c) {
   if (auto v = check_reciprocal("reciprocal.pixel", c.pixel_reciprocal)) return v;
   if (!c.pixel_reciprocal.pipelined) {
     return Violation{"reciprocal.pixel.pipelined",
-                     "is false, and the span takes a pixel a clock; legal: true"};
+                     "is false, and the span takes one pixel per clock; legal: true"};
   }
   if (c.depth_overflow == Overflow::wrap_sm) {
     return Violation{

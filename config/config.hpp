@@ -43,7 +43,7 @@ struct Reciprocal {
   int table_bits = 0;      // lut kinds: fraction bits of a table entry
   int internal_bits = 0;   // lut kinds: fraction bits after each step
   int steps = 0;           // lut_newton: Newton steps
-  int bits_per_cycle = 1;  // restoring: quotient bits a clock makes
+  int bits_per_cycle = 1;  // restoring: quotient bits per clock
   bool pipelined = true;   // accepts an operand each clock; else one at a time
   Format output;           // of the mantissa when normalised, of the reciprocal when not
   bool operator==(const Reciprocal&) const = default;
@@ -73,7 +73,7 @@ struct StageTiming {
 
 struct MemoryTiming {
   int latency = 20;     // clocks from a read request to its first beat
-  int width_bytes = 8;  // bytes a clock
+  int width_bytes = 8;  // bytes per clock
   int cache_line_bytes = 64;
   int cache_sets = 64;
   int cache_ways = 2;

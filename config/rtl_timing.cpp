@@ -100,7 +100,7 @@ RtlTiming rtl_timing(const Config& config) {
     if (!config.pixel_reciprocal.pipelined) {
       throw InputError(
           config.name +
-          ": reciprocal.pixel.pipelined is false; the RTL makes one pixel a clock and needs true");
+          ": reciprocal.pixel.pipelined is false; the RTL makes one pixel per clock and needs true");
     }
     t.pixel_unit = reciprocal_latency(config.pixel_reciprocal, pixel_operand(config));
     t.span = 1 + t.pixel_unit + 1;

@@ -47,7 +47,7 @@ struct RtlTiming {
 };
 
 // Throws InputError where the mode has no RTL (hyperbolic, affine), and where delta_f has a pixel unit that
-// is not pipelined (one pixel a clock could not be held).
+// is not pipelined (one pixel per clock could not be held).
 RtlTiming rtl_timing(const Config& config);
 
 }  // namespace bitspan

@@ -207,7 +207,7 @@ class GoldenEngine final : public Engine {
   Precision precision_;
   const Scene* scene_ = nullptr;
   Constants constants_;
-  bool constants_delivered_ = false;  // once a scene, in front of its first record
+  bool constants_delivered_ = false;  // once per scene, in front of its first record
   double uv_ulp_ = 1;
   SetupStage setup_;
   EdgeSetupStage edge_setup_;

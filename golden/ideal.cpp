@@ -154,7 +154,7 @@ class Sampler {
     }
     unreachable();
   }
-  // Of the texel's first byte.
+  // Returns the place of the texel's first byte.
   std::size_t at(double i, double j) const {
     return 4 * (wrapped(j, texture_.height) * static_cast<std::size_t>(texture_.width) +
                 wrapped(i, texture_.width));

@@ -127,7 +127,7 @@ class StageNeeds {
     const int rest_bits = d.hi + 1 - std::min(n.lo + fraction, d.lo);
     return std::max({n.bits(), d.bits(), product_bits, rest_bits});
   }
-  void plain_quotient(const std::string& expression, Range n, Range d) {
+  void floor_of_quotient(const std::string& expression, Range n, Range d) {
     need(expression, quotient_bits(n, d, 0));
   }
   // Q of it, by the checked remainder. A Pair for n or d holds what exact_pair says.
@@ -346,7 +346,7 @@ class Chooser {
     if (!has_x_step(c_)) {
       s.exact("(x2 - x1) t", product(d_xy_, t));
       const Range n{product(d_xy_, t).lo, xy_.hi + d_xy_.hi};
-      s.plain_quotient("X as a pixel", n, d_xy_);
+      s.floor_of_quotient("X as a pixel", n, d_xy_);
       s.q_quotient("X for edge.x", n, d_xy_, f(FormatId::edge_x).fraction());
     } else {
       const Range x_step = reg(s, FormatId::edge_x_step);
@@ -405,7 +405,7 @@ class Chooser {
 
     const Range crossing =
         s.exact("distance of a centre from an edge", {-k_ - std::max(k_, 1), 2 * c_.coordinate_bits + 1});
-    s.plain_quotient("crossing of an edge", crossing, d_xy_);
+    s.floor_of_quotient("crossing of an edge", crossing, d_xy_);
     const Range line = s.exact("k (m - m0) + 1/2", sum(product(k, {0, c_.coordinate_bits}), {-1, -1}));
     const Range above = {line.lo, 0};
     s.q_sum("h0 + h_M (Mc - M0) + h_N (Nl - N0)",

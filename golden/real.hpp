@@ -36,7 +36,7 @@ struct InexactError : std::logic_error {
 [[noreturn]] void throw_inexact(const char* what);
 [[noreturn]] void throw_not_raw();
 
-// a b - rounded for a plain T and rounded = a * b: exact (Dekker), by Veltkamp's split of a and b into
+// a b - rounded for a built-in T and rounded = a * b: exact (Dekker), by Veltkamp's split of a and b into
 // halves.
 template <class T>
 [[gnu::always_inline]] inline T product_error(T a, T b, T rounded) {
@@ -51,7 +51,7 @@ template <class T>
   return ((a_high * b_high - rounded) + a_high * b_low + a_low * b_high) + a_low * b_low;
 }
 
-// a + b = sum + error, exactly (Knuth), for a plain T.
+// a + b = sum + error, exactly (Knuth), for a built-in T.
 template <class T>
 struct TwoSum {
   T sum, error;
@@ -65,7 +65,7 @@ template <class T>
 class Checked {
  public:
   Checked() = default;
-  // Implicit, as the plain types are.
+  // Implicit, as the built-in types are.
   Checked(T value) : value_(value) {}  // NOLINT(google-explicit-constructor)
   template <std::integral I>
   Checked(I value) : value_(static_cast<T>(value)) {  // NOLINT(google-explicit-constructor)
@@ -100,7 +100,7 @@ class Checked {
   T value_ = 0;
 };
 
-// The plain type behind Real, and its significant bits.
+// The built-in type behind Real, and its significant bits.
 template <class Real>
 struct RealTraits {
   using Base = Real;
@@ -116,7 +116,7 @@ inline constexpr int real_bits = std::same_as<typename RealTraits<Real>::Base, d
                                  : std::same_as<typename RealTraits<Real>::Base, long double> ? 64
                                                                                               : 113;
 
-// The plain value of a Real.
+// The built-in value of a Real.
 template <class T>
 T base_of(T x) {
   return x;
@@ -126,7 +126,7 @@ T base_of(Checked<T> x) {
   return x.base();
 }
 
-// A value that one plain T need not hold: high + low.
+// A value that one built-in T need not hold: high + low.
 template <class T>
 struct Pair {
   T high = 0, low = 0;

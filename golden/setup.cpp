@@ -45,7 +45,7 @@ class Setup {
     return a.y < b.y || (a.y == b.y && a.x < b.x);
   }
 
-  // Of an input below every half ulp only the sign counts: scaling it must not take that away.
+  // Where an input is below every half ulp only its sign counts, and scaling it must not take that away.
   static Real input(double x) {
     constexpr double tiny = 0x1p-900;
     return Real(x != 0 && std::fabs(x) < tiny ? std::copysign(tiny, x) : x);

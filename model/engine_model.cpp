@@ -59,7 +59,7 @@ struct Run {
   model::Pipeline pipeline;
   Frame frame;
   Counters counters;
-  bool constants_delivered = false;  // once a scene
+  bool constants_delivered = false;  // once per scene
   // Reused from triangle to triangle.
   model::Rows rows;
   model::PlaneWalkState walk;

@@ -151,11 +151,11 @@ std::string path_of(const Config& config, std::string_view stage, int bits) {
   const bool rows_of_depth = has_plane_rows(config.perspective);
   const bool shading = stage == "texture" || stage == "fog" || stage == "merge";
   if (shading) {
-    const ShadeLanes lanes = lanes_for_shading(config, config.fog);
+    const ShadeLanes held_in = lanes_for_shading(config, config.fog);
     // Blocks of 32 bits are for configurations whose fragments fit them all the way.
-    const bool blocks32 = lanes == ShadeLanes::int32 && plain_shade(shade_formats(config)) &&
+    const bool blocks32 = held_in == ShadeLanes::int32 && branch_free_shade(shade_formats(config)) &&
                           spans_fit_int32(span_formats(config));
-    return blocks32 ? lanes32 : lanes != ShadeLanes::scalar ? lanes64 : scalar;
+    return blocks32 ? lanes32 : held_in != ShadeLanes::scalar ? lanes64 : scalar;
   }
   if (rows_of_depth) return scalar;  // up to the depth test
   if (stage == "span") return span_path(config);
@@ -169,7 +169,7 @@ std::vector<StagePath> model_paths(const Config& config) {
   std::vector<StagePath> paths;
   for (const ExactIntermediate& x : exact_intermediates(config)) {
     if (x.stage == "constants" || x.stage.starts_with("reciprocal."))
-      continue;  // once a scene; part of others
+      continue;  // once per scene; part of others
     auto path = std::ranges::find(paths, x.stage, &StagePath::stage);
     if (path == paths.end()) {
       paths.push_back({x.stage, "", x.expression, x.bits});

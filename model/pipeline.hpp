@@ -57,7 +57,7 @@ void check_triangle(const Scene& scene, const Triangle& triangle, std::int64_t i
 struct Rows {
   std::vector<RowRecord> rows;
   std::vector<PlaneRowRecord> plane_rows;
-  std::vector<PlaneGeometry> planes;   // const_depth_rows: one a triangle that has an area
+  std::vector<PlaneGeometry> planes;   // const_depth_rows: one per triangle that has an area
   std::vector<std::int32_t> plane_of;  // index into planes, one a plane row
   std::size_t size() const { return rows.size() + plane_rows.size(); }
   void clear();

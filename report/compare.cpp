@@ -1,14 +1,9 @@
 #include "report/compare.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <utility>
-
-#include "config/modes.hpp"
 
 namespace bitspan {
 namespace {
@@ -48,11 +43,6 @@ std::optional<std::size_t> find_ahead(const RecordView& in, std::size_t from,
     }
   }
   return std::nullopt;
-}
-
-RecordCopy copy_of(const RecordView& view, std::size_t i, std::string_view engine) {
-  const auto record = view.record(i);
-  return {view.type, std::string(engine), {record.begin(), record.end()}};
 }
 
 std::optional<std::int64_t> named(const RecordCopy& record, std::string_view field) {
@@ -177,7 +167,7 @@ bool same_value(T a, T b) {
   }
 }
 
-Divergence plain_divergence(DivergenceKind kind, std::string_view field, const Comparison& pair) {
+Divergence divergence_without_record(DivergenceKind kind, std::string_view field, const Comparison& pair) {
   Divergence d;
   d.kind = kind;
   d.stage = kind == DivergenceKind::frame ? "frame" : "counters";
@@ -235,7 +225,7 @@ void compare_plane(const std::vector<T>& a, const std::vector<T>& b, std::size_t
     ++into.frame.differences;
     if (!into.first) {
       const auto pixel = static_cast<std::int64_t>(i / per_pixel);
-      into.first = plain_divergence(DivergenceKind::frame, name, into);
+      into.first = divergence_without_record(DivergenceKind::frame, name, into);
       into.first->x = pixel % width;
       into.first->y = pixel / width;
       into.first->reference = as_raw(a[i]);
@@ -245,46 +235,6 @@ void compare_plane(const std::vector<T>& a, const std::vector<T>& b, std::size_t
 }
 
 }  // namespace
-
-double decode(std::int64_t raw, const Field& field, const Config& config) {
-  const auto format = format_of(field, config);
-  return format ? std::ldexp(static_cast<double>(raw), -format->fraction()) : static_cast<double>(raw);
-}
-
-std::string hex_of(std::int64_t raw, const Field& field, const Config& config) {
-  const auto format = format_of(field, config);
-  const int word = format ? format->word : 64;
-  auto bits = static_cast<std::uint64_t>(raw);
-  if (word < 64) {
-    bits &= (std::uint64_t{1} << word) - 1;
-  }
-  return format ? fmt::format("0x{:0{}x}", bits, (word + 3) / 4) : fmt::format("{:#x}", bits);
-}
-
-std::string unit_of(const Field& field, const Config& config) {
-  const bool linear = has_linear_texture(config.perspective);
-  switch (field.kind) {
-    case FieldKind::integer:
-      return "";
-    case FieldKind::format:
-      return std::string(unit_of(field.format));
-    case FieldKind::coordinate:
-      return "pixel";
-    case FieldKind::depth_code:
-      return "depth code";
-    case FieldKind::edge_mantissa:
-    case FieldKind::row_mantissa:
-    case FieldKind::pixel_mantissa:
-      return "1/operand, times 2^e";
-    case FieldKind::phase:
-      return "pixel";
-    case FieldKind::texture_acc:
-      return std::string(unit_of(linear ? FormatId::span_uv_acc : FormatId::span_f));
-    case FieldKind::texture_step:
-      return std::string(unit_of(linear ? FormatId::span_uv_step : FormatId::span_f_step));
-  }
-  return "";
-}
 
 std::uint64_t Comparison::differences() const {
   const StageCount all = total();
@@ -393,7 +343,7 @@ void compare_counters(const Counters& reference, const Counters& other, Comparis
     }
     ++into.counters.differences;
     if (!into.first) {
-      into.first = plain_divergence(DivergenceKind::counter, name, into);
+      into.first = divergence_without_record(DivergenceKind::counter, name, into);
       into.first->reference = static_cast<std::int64_t>(a);
       into.first->other = static_cast<std::int64_t>(b);
     }
@@ -402,225 +352,6 @@ void compare_counters(const Counters& reference, const Counters& other, Comparis
   for_each_counter([&](const CounterInfo& info, auto member) {
     if (info.compared) one(info.name, reference.*member, other.*member);
   });
-}
-
-namespace {
-
-// A record whose feeders are sought, with its place among those of its type where that is known.
-struct Fed {
-  RecordType type;
-  std::span<const std::int64_t> record;
-  std::optional<std::size_t> ordinal;
-
-  // -1 where it has no field of that name.
-  std::int64_t value(std::string_view field) const {
-    const int i = field_index(type, field);
-    return i < 0 ? -1 : record[static_cast<std::size_t>(i)];
-  }
-};
-
-// The places of the records of `feeders` in which each field named has the value of the same field of `fed`.
-std::vector<std::size_t> with_same(const RecordView& feeders, const Fed& fed,
-                                   std::initializer_list<std::string_view> fields) {
-  std::vector<std::pair<std::size_t, std::int64_t>> wanted;
-  for (const std::string_view field : fields) {
-    const int at = field_index(feeders.type, field);
-    if (at < 0) return {};
-    wanted.emplace_back(at, fed.value(field));
-  }
-  std::vector<std::size_t> out;
-  for (std::size_t i = 0; i < feeders.records; ++i) {
-    const auto record = feeders.record(i);
-    if (std::ranges::all_of(wanted, [&](const auto& w) { return record[w.first] == w.second; })) {
-      out.push_back(i);
-    }
-  }
-  return out;
-}
-
-// An edge_walk record's edges: the left one, and the right one where that is another.
-std::vector<std::size_t> edges_of_row(const RecordView& edges, const Fed& row) {
-  std::vector<std::size_t> out;
-  const std::vector<std::size_t> of_triangle = with_same(edges, row, {"triangle"});
-  const int at = field_index(edges.type, "edge");
-  const auto add = [&](std::int64_t edge) {
-    for (const std::size_t i : of_triangle) {
-      if (edges.record(i)[static_cast<std::size_t>(at)] == edge) out.push_back(i);
-    }
-  };
-  const std::int64_t left = row.value("l_edge");
-  const std::int64_t right = row.value("r_edge");
-  add(left);
-  if (right != left) add(right);
-  return out;
-}
-
-// The span that made the fragment of this ordinal.
-std::vector<std::size_t> span_of_fragment(const Trace& trace, std::size_t ordinal) {
-  std::size_t end = 0;
-  for (std::size_t i = 0; i < trace.span.size(); ++i) {
-    end += static_cast<std::size_t>(std::max<std::int64_t>(0, trace.span[i].count));
-    if (ordinal < end) return {i};
-  }
-  return {};
-}
-
-// The places of the records of one type that feed `fed`.
-std::vector<std::size_t> feeders_of(const Trace& trace, const RecordView& feeders, const Fed& fed) {
-  switch (row_of(feeders.type).per) {
-    case Per::scene:
-      return with_same(feeders, fed, {});
-    case Per::triangle:
-      return with_same(feeders, fed, {"triangle"});
-    case Per::edge:
-      return edges_of_row(feeders, fed);
-    case Per::row:
-      // A row of constant depth may run along y: it is found by its place, one span per row in their order.
-      if (feeders.type == RecordType::plane_row) {
-        const bool known = fed.ordinal && *fed.ordinal < feeders.records;
-        return known ? std::vector{*fed.ordinal} : std::vector<std::size_t>{};
-      }
-      if (feeders.type == RecordType::span && fed.ordinal) return span_of_fragment(trace, *fed.ordinal);
-      return with_same(feeders, fed, {"triangle", "y"});
-    case Per::pixel:
-      return with_same(feeders, fed, {"triangle", "x", "y"});
-  }
-  return {};
-}
-
-}  // namespace
-
-std::vector<RecordCopy> upstream_of(const Trace& trace, RecordType type, std::span<const std::int64_t> record,
-                                    std::optional<std::size_t> ordinal) {
-  std::vector<RecordCopy> out;
-  for (const RecordType feeder : row_of(type).made_from) {
-    const RecordView feeders = view_of(trace, feeder);
-    for (const std::size_t i : feeders_of(trace, feeders, {type, record, ordinal})) {
-      out.push_back(copy_of(feeders, i, ""));
-    }
-  }
-  return out;
-}
-
-std::string describe_record(const RecordCopy& record, const Config& config, int indent) {
-  std::string out;
-  const auto all = fields_of(record.type);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const std::int64_t raw = record.values[i];
-    out += fmt::format("{:{}}{:<12} ", "", indent, all[i].name);
-    if (all[i].kind == FieldKind::integer) {
-      out += fmt::format("{}\n", raw);
-    } else {
-      out += fmt::format("{} = {:.10g} {}\n", hex_of(raw, all[i], config), decode(raw, all[i], config),
-                         unit_of(all[i], config));
-    }
-  }
-  return out;
-}
-
-namespace {
-
-std::string place_of(const Divergence& d) {
-  std::string out;
-  if (d.triangle) {
-    out += fmt::format("triangle {}, ", *d.triangle);
-  }
-  if (d.x && d.y) {
-    out += fmt::format("pixel ({}, {}), ", *d.x, *d.y);
-  } else if (d.y) {
-    out += fmt::format("row {}, ", *d.y);
-  }
-  out += fmt::format("stage {}", d.stage);
-  if (!d.field.empty()) {
-    out += fmt::format(", field {}", d.field);
-  }
-  return out;
-}
-
-std::uint64_t distance(std::int64_t a, std::int64_t b) {
-  const auto ua = static_cast<std::uint64_t>(a);
-  const auto ub = static_cast<std::uint64_t>(b);
-  return a > b ? ua - ub : ub - ua;
-}
-
-std::string value_text(const Divergence& d, std::int64_t raw, const Config& config) {
-  if (d.kind == DivergenceKind::value) {
-    const Field& field = fields_of(d.type)[static_cast<std::size_t>(d.field_number)];
-    if (field.kind == FieldKind::integer) {
-      return fmt::format("{}", raw);
-    }
-    return fmt::format("{} = {:.12g} {}", hex_of(raw, field, config), decode(raw, field, config),
-                       unit_of(field, config));
-  }
-  if (d.kind == DivergenceKind::frame && (d.field == "u" || d.field == "v")) {
-    return fmt::format("{:.12g} texel", std::bit_cast<double>(raw));
-  }
-  return fmt::format("{}", raw);
-}
-
-}  // namespace
-
-std::string summary(const Divergence& d, const Config& config) {
-  switch (d.kind) {
-    case DivergenceKind::missing:
-      return fmt::format("{}: a record of {} that {} did not deliver", place_of(d), d.reference_engine,
-                         d.other_engine);
-    case DivergenceKind::extra:
-      return fmt::format("{}: a record of {} that {} did not deliver", place_of(d), d.other_engine,
-                         d.reference_engine);
-    default:
-      return fmt::format("{}: {} {}, {} {}", place_of(d), d.reference_engine,
-                         value_text(d, d.reference, config), d.other_engine, value_text(d, d.other, config));
-  }
-}
-
-std::string describe(const Divergence& d, const Config& config, const RunLabel& label) {
-  std::string out = fmt::format("first divergence: {} against {}\n", d.reference_engine, d.other_engine);
-  out += fmt::format("  configuration  {} ({})\n", config.name.empty() ? "unnamed" : config.name,
-                     config_hash(config));
-  out += fmt::format("  scene          {}\n", label.scene);
-  out += fmt::format("  at             {}\n", place_of(d));
-  if (d.kind == DivergenceKind::missing || d.kind == DivergenceKind::extra) {
-    const bool missing = d.kind == DivergenceKind::missing;
-    out +=
-        fmt::format("  record         delivered by {} only\n", missing ? d.reference_engine : d.other_engine);
-  } else {
-    out += fmt::format("  {:<14} {}\n", d.reference_engine, value_text(d, d.reference, config));
-    out += fmt::format("  {:<14} {}\n", d.other_engine, value_text(d, d.other, config));
-  }
-  if (d.kind == DivergenceKind::value) {
-    const Field& field = fields_of(d.type)[static_cast<std::size_t>(d.field_number)];
-    const auto format = format_of(field, config);
-    out += format ? fmt::format("  distance       {} ULP (1 ULP = 2^{})\n", distance(d.reference, d.other),
-                                -format->fraction())
-                  : fmt::format("  distance       {}\n", distance(d.reference, d.other));
-  }
-  if (d.reference_record && d.other_record) {
-    const auto all = fields_of(d.type);
-    out +=
-        fmt::format("  record of {}, both sides ({} | {}):\n", d.stage, d.reference_engine, d.other_engine);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const std::int64_t a = d.reference_record->values[i];
-      const std::int64_t b = d.other_record->values[i];
-      const auto text = [&](std::int64_t raw) {
-        return all[i].kind == FieldKind::integer
-                   ? fmt::format("{}", raw)
-                   : fmt::format("{} ({:.10g})", hex_of(raw, all[i], config), decode(raw, all[i], config));
-      };
-      const std::string unit = unit_of(all[i], config);
-      out += fmt::format("  {} {:<12} {} | {}{}{}\n", a == b ? ' ' : '*', all[i].name, text(a), text(b),
-                         unit.empty() ? "" : "  ", unit);
-    }
-  } else if (d.reference_record || d.other_record) {
-    const RecordCopy& only = d.reference_record ? *d.reference_record : *d.other_record;
-    out += fmt::format("  record of {} in {}:\n{}", d.stage, only.engine, describe_record(only, config, 4));
-  }
-  for (const RecordCopy& record : d.upstream) {
-    out += fmt::format("  fed by {} in {}:\n{}", stage_of(record.type), record.engine,
-                       describe_record(record, config, 4));
-  }
-  out += fmt::format("  reproduce      {}\n", label.command);
-  return out;
 }
 
 }  // namespace bitspan

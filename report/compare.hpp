@@ -4,26 +4,14 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "engine/engine.hpp"
+#include "report/upstream.hpp"
 
 namespace bitspan {
-
-// raw on format: the value, the bits as hexadecimal digits of the format's word, the field's unit.
-double decode(std::int64_t raw, const Field& field, const Config& config);
-std::string hex_of(std::int64_t raw, const Field& field, const Config& config);
-std::string unit_of(const Field& field, const Config& config);
-
-// A record with its names, kept for a report.
-struct RecordCopy {
-  RecordType type = RecordType::count;
-  std::string engine;
-  std::vector<std::int64_t> values;
-};
 
 enum class DivergenceKind : std::uint8_t { value, missing, extra, frame, counter };
 
@@ -84,21 +72,5 @@ void compare_traces(const Trace& reference, const Trace& other,
 // Pictures and counters at the end of a scene. NaN equals NaN in u and v.
 void compare_frames(const Frame& reference, const Frame& other, Comparison& into);
 void compare_counters(const Counters& reference, const Counters& other, Comparison& into);
-
-// The records of a trace that fed record i of a type, one level up: a fragment's span, a span's row ...
-std::vector<RecordCopy> upstream_of(const Trace& trace, RecordType type, std::span<const std::int64_t> record,
-                                    std::optional<std::size_t> ordinal = std::nullopt);
-
-// Where a divergence was seen, for its report.
-struct RunLabel {
-  std::string scene;    // file, "demo", or "fuzz seed S case I"
-  std::string command;  // that reproduces it
-};
-// Many lines: where, what, both values in hexadecimal and decoded, distance in ULP, operands, command.
-std::string describe(const Divergence& divergence, const Config& config, const RunLabel& label);
-// One line of it.
-std::string summary(const Divergence& divergence, const Config& config);
-// "field = 0x1f (31.5 texel)" a line, indented.
-std::string describe_record(const RecordCopy& record, const Config& config, int indent);
 
 }  // namespace bitspan

@@ -12,7 +12,6 @@
 
 #include "engine/engine.hpp"
 #include "golden/ideal.hpp"
-#include "report/compare.hpp"
 #include "report/truth.hpp"
 
 namespace bitspan {

@@ -15,8 +15,8 @@ namespace bitspan {
 
 struct LockStepOptions {
   // A batch ends when it has this many triangles, or when their bounding boxes reach this many pixels. A
-  // trace takes about half a kilobyte a fragment and two a triangle, and two traces are held at a time: small
-  // enough for the processor's caches, where they are made, counted and compared.
+  // trace takes about half a kilobyte per fragment and two per triangle, and two traces are held at a time:
+  // small enough for the processor's caches, where they are made, counted and compared.
   std::size_t batch_triangles = 512;
   std::size_t batch_pixels = 1 << 13;
   // Called after each batch with triangles done and in all; may be empty.

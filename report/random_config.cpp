@@ -18,9 +18,9 @@ namespace bitspan {
 namespace {
 
 constexpr int attempts = 2000;
-// Of a key to take any legal value, however seldom a scene can be drawn with it.
+// The probability that a key takes any legal value, however seldom a scene can be drawn with it.
 constexpr double any_value = 1.0 / 16;
-// Of a key with a wide range to be at its highest: a timed run may take long then.
+// The probability that a key with a wide range is at its highest: a timed run may take long then.
 constexpr double highest_value = 1.0 / 256;
 
 int between(Random& random, int low, int high) { return static_cast<int>(random.integer(low, high)); }

@@ -13,8 +13,8 @@
 
 namespace bitspan {
 
-// Of a configuration all that `ideal` reads; the rest is as in a default Config, so that equal ones have
-// equal truths.
+// Returns a default Config with all that `ideal` reads of this one. Configurations with the same result have
+// the same truth.
 Config truth_config(const Config& config);
 
 class Truth {
@@ -23,7 +23,8 @@ class Truth {
   Truth(const Config& config, const Scene& scene, std::span<const Triangle> triangles);
 
   std::size_t size() const { return triangles_.size(); }
-  // Of triangle i of the span given; none where it has no area. Of the others below i has an area.
+  // Returns triangle i of the span given; none where it has no area. The functions below need one with an
+  // area.
   const std::optional<IdealTriangle>& triangle(std::size_t i) const { return triangles_[i].shape; }
   const IdealPoint& vertex(std::size_t i, int k) const {
     return triangles_[i].vertex[static_cast<std::size_t>(k)];
@@ -54,7 +55,7 @@ class Truth {
     std::array<IdealPoint, 3> vertex{};
     std::int64_t y = 0, count = 0;  // rows
     std::size_t row = 0;            // of rows_
-    std::size_t edge = 0;           // of edges_: three points a row, edge 0, 1, 2
+    std::size_t edge = 0;           // of edges_: three points per row, edge 0, 1, 2
   };
 
   Config config_;

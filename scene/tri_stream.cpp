@@ -300,7 +300,7 @@ class LineReader {
       const auto* newline = static_cast<const char*>(std::memchr(start, '\n', end_ - begin_));
       const std::size_t count = newline ? static_cast<std::size_t>(newline - start) : end_ - begin_;
       if (line.size() + count > line_limit_bytes) {
-        place.fail(fmt::format("the line is too long; expected JSON Lines of at most {} bytes a line",
+        place.fail(fmt::format("the line is too long; expected JSON Lines of at most {} bytes per line",
                                line_limit_bytes));
       }
       line.append(start, count);

@@ -47,7 +47,7 @@ struct AreaResult {
 
 struct AreaLimits {
   double seconds = 1800;                         // all tools together; past it they are killed: failed
-  const std::atomic<bool>* cancelled = nullptr;  // looked at ten times a second
+  const std::atomic<bool>* cancelled = nullptr;  // looked at ten times per second
 };
 
 // Thrown where `cancelled` was set: nothing was found out.

@@ -26,8 +26,8 @@ struct BudgetRow {
   std::map<std::string, double, std::less<>> without, alone;
 };
 
-// Of the pixels of a scene: whose quantisation alone leaves the largest error of u and v, as an index of
-// Budget::rows; -1 where nothing was drawn, or nothing errs.
+// Per pixel of a scene: whose quantisation alone leaves the largest error of u and v, as an index of
+// Budget::rows. -1 stands where nothing was drawn, or nothing errs.
 struct DominantMap {
   std::string scene;
   int width = 0, height = 0;
@@ -39,7 +39,7 @@ struct Budget {
   std::map<std::string, double, std::less<>> base, exact;  // as configured; every quantisation exact
   std::vector<BudgetRow> rows;                             // those with extra bits, in the pipeline's order
   std::vector<std::string> kept;                           // registers that no rule lets have more bits
-  std::vector<DominantMap> maps;                           // one a scene
+  std::vector<DominantMap> maps;                           // one per scene
 };
 
 // Not among them: the snap of the vertices, which is the input, and what the picture stores (depth codes, 8

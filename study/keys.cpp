@@ -18,7 +18,7 @@ struct FormatKeys {
   const Key* word;
   const Key* integer;
 };
-// Of "formats.span.h.fraction"; none for any other path.
+// Returns the keys of "formats.span.h.fraction"; none for any other path.
 std::optional<FormatKeys> format_of_fraction(std::string_view path) {
   if (!path.starts_with(formats_table) || !path.ends_with(fraction_field)) return std::nullopt;
   const std::string format(path.substr(0, path.size() - fraction_field.size()));

@@ -1,5 +1,5 @@
 // STUDY.toml, read strictly: what is varied, on which scenes, by which metrics and constraints.
-// docs/study.md has a row a key.
+// docs/study.md has one row per key.
 #pragma once
 
 #include <cstddef>

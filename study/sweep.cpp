@@ -20,7 +20,7 @@
 namespace bitspan {
 namespace {
 
-// Of a point, all but its configuration.
+// Returns the digest of all that a point is measured with but its configuration.
 std::string digest_of(const std::vector<Scene>& scenes, std::string_view version) {
   Fnv128 h;
   h.text("bitspan point");

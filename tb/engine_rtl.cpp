@@ -182,12 +182,12 @@ class RtlEngine final : public Engine {
   model::Pipeline pipeline_;
   Frame frame_;
   Counters counters_;
-  bool constants_delivered_ = false;  // once a scene
+  bool constants_delivered_ = false;  // once per scene
   std::uint64_t runs_ = 0;            // since begin: each has its own stalls
   // Reused from run to run.
   model::Rows rows_;
   model::PlaneWalkState walk_;
-  std::vector<const Texture*> textures_;  // one a row
+  std::vector<const Texture*> textures_;  // one per row
   std::vector<RtlInputs> inputs_;
   std::vector<FragmentRecord> fragments_;
 };

@@ -1,10 +1,9 @@
 // The engine `rtl`: the model's pipeline with the Verilated span interpolator in place of span_setup and
 // span.
 //
-// From the RTL come 17 fields of the span record, all but triangle, the shades and the coordinate of the row;
-// and of the fragment record x, last, h, fu, fv, the reciprocal, u and v. In const_depth_rows the fragment's
-// y follows from the RTL too, by step_o. Everything else is the model's. The RTL's position is what the frame
-// is written by.
+// The RTL gives 17 fields of the span record: all but triangle, the shades and the coordinate of the row. It
+// gives x, last, h, fu, fv, the reciprocal, u and v of the fragment record, and its y in const_depth_rows, by
+// step_o. The model gives everything else. The frame is written at the RTL's position.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +28,8 @@ inline std::uint64_t rtl_fragment_fields(const Config& config) {
 struct RtlOptions {
   // Random gaps of the input and stalls of the output; values do not depend on them.
   std::uint64_t stall_seed = 1;
-  double in_gap = 0.1;     // probability, a clock
-  double out_stall = 0.1;  // probability, a clock
+  double in_gap = 0.1;     // probability per clock
+  double out_stall = 0.1;  // probability per clock
 };
 
 // Builds the RTL of this configuration, or finds it built (tb/rtl_build.hpp). Throws InputError where the

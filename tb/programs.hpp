@@ -17,10 +17,10 @@ struct ToolError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// A variable of the environment; empty where it is not set.
+// Returns a variable of the environment; empty where it is not set.
 std::string environment(const char* name);
 
-// Whole files. Throw InputError "path: cannot be read; HINT".
+// Read and write whole files. Throw InputError "path: cannot be read; HINT".
 std::string read_text(const std::filesystem::path& path, std::string_view hint = {});
 void write_text(const std::filesystem::path& path, std::string_view text, std::string_view hint = {});
 
@@ -49,7 +49,7 @@ struct ProgramOptions {
   std::filesystem::path input =
       "/dev/null";                     // from the folder, as the log is, where they are not whole paths
   std::filesystem::path folder = ".";  // where it runs
-  double seconds = std::numeric_limits<double>::infinity();  // past them it is killed
+  double seconds = std::numeric_limits<double>::infinity();  // after them it is killed
   const std::atomic<bool>* cancelled = nullptr;              // it is killed once this is set
   bool group = false;  // a process group of its own, killed as a whole: for programs that start others
 };
@@ -60,12 +60,12 @@ struct ProgramEnd {
   int code = 0;  // exit code; 128 and the signal's number where one ended it
 };
 
-// Runs a program found on PATH. `missing`: there is none of this name. Throws ToolError where it does not
-// start for any other reason.
+// Runs a program found on PATH. `missing` says that there is none of this name. Throws ToolError where it
+// does not start for any other reason.
 ProgramEnd run_program(const std::vector<std::string>& command, const ProgramOptions& options);
 
-// The same, its exit code alone. Throws ToolError where the program is missing, too; `needed_for` ends the
-// message.
+// Does the same and returns the exit code alone. Also throws ToolError where the program is missing;
+// `needed_for` ends the message.
 int run_program(const std::vector<std::string>& command, const std::filesystem::path& log,
                 const std::string& needed_for);
 

@@ -29,7 +29,7 @@ std::filesystem::path rtl_cache_folder();
 // Flags that every use of Verilator here must have; tests/rtl/verilator_xor_test says why.
 const std::vector<std::string>& verilator_safe_flags();
 
-// A package (engine/emit_sv) without its comment, which names the configuration.
+// Returns a package (engine/emit_sv) without its comment, which names the configuration.
 std::string without_comments(const std::string& package);
 
 // Builds the library where the cache does not hold it, and returns its path. Throws InputError where the mode
@@ -51,14 +51,14 @@ class Rtl {
 
   // Empty, as after construction; throws as clock.
   void reset();
-  // One clock. Throws std::logic_error with the text of an assertion in the RTL that failed.
+  // Runs one clock. Throws std::logic_error with the text of an assertion in the RTL that failed.
   void clock(const RtlDrive& drive, RtlSample& sample);
 
   // With no record offered and out_ready at 1, whatever was accepted or issued has left after this many
   // clocks: the longest way is from the acceptance of a record of one pixel to that pixel's transfer.
   int clocks_until_empty() const { return clocks_until_empty_; }
 
-  // A raw value to the bits of a port and back.
+  // Turn a raw value into the bits of a port, and back.
   static std::uint64_t to_port(std::int64_t raw, int width);
   static std::int64_t from_port(std::uint64_t bits, const Format& format);
 

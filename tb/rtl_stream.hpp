@@ -10,17 +10,18 @@
 
 namespace bitspan {
 
-// The port values of a row; b is the constants' record value. Throws std::logic_error where a value does not
-// fit its port, which a legal record never has.
+// Returns the port values of a row; b is the constants' record value. Throws std::logic_error where a value
+// does not fit its port, which never happens for a legal record.
 RtlInputs rtl_inputs(const Config& config, const RowRecord& row, std::int64_t b);
 RtlInputs rtl_inputs(const Config& config, const PlaneRowRecord& row, std::int64_t k, std::int64_t b);
 
-// What the RTL knows of a record, with signs; every other field is 0 and its owner's business: triangle, y,
-// shades, covered, and x, y where the major axis is y.
+// Return what the RTL knows of a record, with signs. Every other field is 0 and is filled by its owner:
+// triangle, y, shades, covered, and x, y where the major axis is y.
 SpanRecord span_record(const Config& config, const RtlSpan& span);
 FragmentRecord fragment_record(const Config& config, const RtlPixel& pixel);
 
-// Random gaps between records offered, and stalls of the output; each clock on its own, and by seed alone.
+// Random gaps between the records offered, and stalls of the output. Each clock is drawn on its own, from the
+// seed alone.
 struct RtlStalls {
   std::uint64_t seed = 1;
   double in_gap = 0;     // probability that no record is offered on a clock
@@ -39,7 +40,7 @@ struct RtlHandshake {
 struct RtlRun {
   std::vector<RtlSpan> spans;            // in the order they were taken, surplus ones at the end
   std::vector<RtlPixel> pixels;          // in the order they were delivered, surplus ones at the end
-  std::vector<RtlHandshake> handshakes;  // one a clock, where asked for
+  std::vector<RtlHandshake> handshakes;  // one per clock, where asked for
   std::uint64_t clocks = 0;              // from the first one driven to the last pixel's transfer
   std::vector<std::uint64_t>
       accepted_at;                      // clock of each record's acceptance, where handshakes were asked for
@@ -52,8 +53,8 @@ struct RtlRun {
 // Throws std::logic_error where an assertion in the RTL fails, or where nothing moves although it should.
 RtlRun run_rtl(Rtl& rtl, std::span<const RtlInputs> records, const RtlStalls& stalls, bool keep_handshakes);
 
-// Drives the same in_valid and out_ready, clock for clock, as in `driven` and returns what the RTL answered;
-// records are offered in order, and a clock with in_valid beyond the last one is an error. Then runs on as
+// Drives the same in_valid and out_ready, clock for clock, as in `driven` and returns what the RTL answered.
+// Records are offered in order; a clock with in_valid after the last record is an error. Then it runs on as
 // run_rtl does.
 RtlRun replay_rtl(Rtl& rtl, std::span<const RtlInputs> records, std::span<const RtlHandshake> driven);
 

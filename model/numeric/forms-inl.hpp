@@ -3,6 +3,7 @@
 #include "model/numeric/adder.hpp"
 #include "model/numeric/forms.hpp"
 #include "model/numeric/from_double.hpp"
+#include "model/numeric/ratio-inl.hpp"
 #include "model/numeric/reciprocal-inl.hpp"
 
 #if defined(BITSPAN_MODEL_NUMERIC_FORMS_INL) == defined(HWY_TARGET_TOGGLE)
@@ -189,7 +190,7 @@ HWY_INLINE Lanes quantize_real(Doubles x, int exponent, const Register& r, Watch
 }
 
 // Branch-free but for sizes that take another way.
-HWY_INLINE Lanes quantize_real(Doubles x, int exponent, const Register& r, Plain /*watch*/) {
+HWY_INLINE Lanes quantize_real(Doubles x, int exponent, const Register& r, BranchFree /*watch*/) {
   const hn::ScalableTag<double> d;
   const int up = r.fraction - exponent;
   if (up < 0 || up > 500) [[unlikely]] {
@@ -211,7 +212,7 @@ HWY_INLINE Lanes quantize_real(Doubles x, int exponent, const Register& r, Plain
 }
 
 // The observer of the lanes in m alone.
-HWY_INLINE Plain only(Plain watch, Lanes::Mask /*m*/) { return watch; }
+HWY_INLINE BranchFree only(BranchFree watch, Lanes::Mask /*m*/) { return watch; }
 HWY_INLINE NoObserve only(NoObserve watch, Lanes::Mask /*m*/) { return watch; }
 HWY_INLINE ObserveLanes only(ObserveLanes watch, Lanes::Mask m) {
   return {watch.statistics, watch.active & m};

@@ -27,7 +27,7 @@ namespace bitspan::model::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// One truth value a lane.
+// One truth value per lane.
 template <class T>
 struct MaskOf {
   using Tag = hn::ScalableTag<T>;

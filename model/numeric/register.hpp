@@ -76,8 +76,8 @@ constexpr Register make_register(const Config& config, FormatId id) {
   return make_register(config.format(id), id_of(id));
 }
 
-// Rounds by adding a constant, and saturates.
-constexpr bool is_plain(const Register& r) {
+// Whether r rounds by adding a constant and saturates, so that quantising into it needs no branch.
+constexpr bool is_branch_free(const Register& r) {
   return (r.mode == Rounding::trn || r.mode == Rounding::rnd || r.mode == Rounding::rnd_min_inf) &&
          (r.overflow == Overflow::sat || r.overflow == Overflow::sat_sym);
 }

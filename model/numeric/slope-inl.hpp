@@ -1,6 +1,7 @@
 // Slopes, one text for an integer and for lanes of them.
 #include "config/modes.hpp"
 #include "model/numeric/forms-inl.hpp"
+#include "model/numeric/ratio-inl.hpp"
 #include "model/numeric/slope.hpp"
 
 #if defined(BITSPAN_MODEL_NUMERIC_SLOPE_INL) == defined(HWY_TARGET_TOGGLE)

@@ -22,7 +22,7 @@ namespace {
 
 // So many triangles are sorted into bands of rows at once: memory does not grow with the scene.
 constexpr std::size_t chunk_triangles = 65536;
-// Of a band's pixels, which stay in the second-level cache while its triangles are drawn.
+// Bytes of a band's pixels, which stay in the second-level cache while its triangles are drawn.
 constexpr std::int64_t band_bytes = std::int64_t{384} * 1024;
 constexpr std::int64_t pixel_bytes = 8;  // depth code and colour
 constexpr std::int64_t band_rows_min = 8;
@@ -68,7 +68,7 @@ class Bands {
       which |= TriangleRows::counted;
     }
   }
-  // Of band i; triangles and first_index: the chunk's.
+  // Returns the rows of band i; `triangles` and `first_index` describe the chunk.
   TriangleRows rows(std::size_t i, std::span<const Triangle> triangles, std::int64_t first_index) const {
     const auto first = static_cast<std::int64_t>(i) * rows_;
     return {triangles.data(), first_index, triangles_[i], first, first + rows_};
@@ -97,7 +97,7 @@ struct Worker final : BlockSink<T> {
   PlaneWalkState walk;
   std::vector<FragmentRecord> fragments;
 
-  // Of the draw under way.
+  // What the draw under way was given.
   const Pipeline* pipeline = nullptr;
   const ShadePlan* plan = nullptr;
   const ShadeKernels<T>* shade = nullptr;
@@ -335,8 +335,8 @@ class VectorModel {
     counters_ = {};
     constants_delivered_ = false;
     clear_frame(pipeline_, scene, options_.winners, frame_);
-    const bool small = plan_.held_in == ShadeLanes::int32 && plan_.plain &&
-                       spans_fit_int32(pipeline_.span.formats) && is_plain(pipeline_.depth.formats.z) &&
+    const bool small = plan_.held_in == ShadeLanes::int32 && plan_.branch_free &&
+                       spans_fit_int32(pipeline_.span.formats) && is_branch_free(pipeline_.depth.formats.z) &&
                        statistics == nullptr;
     if (small) {
       drawing_.template emplace<std::unique_ptr<Drawing<std::int32_t>>>(

@@ -35,7 +35,7 @@ template <class T>
 struct ElementOfType<LanesOf<T>> {
   using type = T;
 };
-// Of the block whose fragments are computed in Int.
+// The elements of a block whose fragments are computed in Int.
 template <class Int>
 using ElementOf = typename ElementOfType<Int>::type;
 
@@ -92,7 +92,7 @@ HWY_INLINE NoObserve on(NoObserve watch, const Truth<V>& /*m*/) {
   return watch;
 }
 template <class V>
-HWY_INLINE Plain on(Plain watch, const Truth<V>& /*m*/) {
+HWY_INLINE BranchFree on(BranchFree watch, const Truth<V>& /*m*/) {
   return watch;
 }
 template <class V>
@@ -513,13 +513,13 @@ void colours(const Pipeline& pipeline, const ShadePlan& plan, int texture, const
     run.template operator()<Lanes, ImageKind::any>(
         fog, ObserveLanes{&seen, first_lanes<std::int64_t>(Lanes::count)});
     seen.fold(*watch.statistics);
-  } else if (of_int32 && plan.plain && trace == nullptr) {
+  } else if (of_int32 && plan.branch_free && trace == nullptr) {
     if constexpr (of_int32) {
       using L = LanesOf<T>;
       // Whatever forms the fog's factors, a form without a trace reads them from their column.
       const auto run_kind = [&]<ImageKind kind>() HWY_ATTR {
-        has_fog(fog) ? run.template operator()<L, kind>(FogMode::table, Plain{})
-                     : run.template operator()<L, kind>(FogMode::none, Plain{});
+        has_fog(fog) ? run.template operator()<L, kind>(FogMode::table, BranchFree{})
+                     : run.template operator()<L, kind>(FogMode::none, BranchFree{});
       };
       if (texture < 0) {
         run_kind.template operator()<ImageKind::none>();

@@ -153,11 +153,11 @@ ShadeLanes lanes_for_shading(const Config& config, FogMode fog) {
                                  : ShadeLanes::scalar;
 }
 
-bool plain_shade(const ShadeFormats& formats) {
+bool branch_free_shade(const ShadeFormats& formats) {
   const TextureStage& t = formats.texture;
-  return t.mix.fraction >= 0 && t.mix.max >= std::int64_t{255} << t.mix.fraction && is_plain(t.frac) &&
-         is_plain(t.mix) && is_plain(t.color) && is_plain(t.alpha) && is_plain(formats.fog.color) &&
-         is_plain(formats.merge.color);
+  return t.mix.fraction >= 0 && t.mix.max >= std::int64_t{255} << t.mix.fraction && is_branch_free(t.frac) &&
+         is_branch_free(t.mix) && is_branch_free(t.color) && is_branch_free(t.alpha) &&
+         is_branch_free(formats.fog.color) && is_branch_free(formats.merge.color);
 }
 
 ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Scene& scene) {
@@ -173,7 +173,7 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
     plan.held_in = lanes_for_shading(config, fog);
   }
   const TextureStage& t = plan.formats.texture;
-  plan.plain = plain_shade(plan.formats);
+  plan.branch_free = branch_free_shade(plan.formats);
   for (int a = 0; a < 256; ++a) {
     plan.alpha64.push_back(quantize_ratio(a, 255, 0, t.alpha, NoObserve{}));
   }

@@ -37,7 +37,7 @@ ShadeLanes lanes_for_shading(const Config& config, FogMode fog);
 struct ShadeTexture {
   std::int32_t width = 0, height = 0;
   std::int32_t border = 0;           // columns before column 0 and rows before row 0
-  std::int32_t stride = 0;           // words a row
+  std::int32_t stride = 0;           // words per row
   bool has_reserved = false;         // some texel has the reserved colour
   bool opaque = false;               // every texel's alpha is 255
   bool never_killed = false;         // no texel has the reserved colour or an alpha of 0 on texture.alpha
@@ -45,18 +45,18 @@ struct ShadeTexture {
   std::vector<std::uint32_t> words;  // padded by two words
 };
 
-// Prepared once a scene, which must outlive it.
+// Prepared once per scene, which must outlive it.
 struct ShadePlan {
   ShadeLanes held_in = ShadeLanes::scalar;
-  bool plain = false;  // every register rounds by adding a constant, and saturates
+  bool branch_free = false;  // every register rounds by adding a constant, and saturates
   ShadeFormats formats;
   std::vector<ShadeTexture> textures;  // by the scene's numbers
   std::vector<std::int32_t> alpha32;   // Q[texture.alpha](a / 255); empty where int32 does not hold it
   std::vector<std::int64_t> alpha64;
-  std::vector<std::uint8_t> zones;        // of the fog table, one a pixel; padded
+  std::vector<std::uint8_t> zones;        // of the fog table, one per pixel; padded
   std::vector<std::int32_t> fog_table32;  // raw, fog.factor, padded; empty where int32 does not hold it
 
-  // Of a channel that is the same at all three vertices: the fragments' value.
+  // What gives the fragments' value of a channel that is the same at all three vertices.
   struct ShadeChain {
     bool edges = false;  // through the edge walk; const_depth_rows: not
     Exact edge_offset, span_offset;
@@ -64,7 +64,7 @@ struct ShadePlan {
   } chain;
 };
 // Whether every register of the three stages rounds by adding a constant, and saturates.
-bool plain_shade(const ShadeFormats& formats);
+bool branch_free_shade(const ShadeFormats& formats);
 ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Scene& scene);
 
 // The value of a colour or alpha channel on every fragment of a triangle whose vertices all have it as
@@ -78,11 +78,11 @@ bool may_show_through(const ShadePlan& plan, int texture, std::int64_t a0, std::
 // T: of the block; std::int32_t only where plan.held_in is int32, std::int64_t with any plan.
 template <class T>
 struct ShadeKernels {
-  // Texture, fog, merge, and the frame's colour, of the fragments of a block, all of one texture (-1: none).
-  // Of those that are not killed also the frame's depth where store_depth, and u, v and the triangle where
-  // the frame keeps them (u is not empty). Pixels may repeat in a block only where none of its fragments can
-  // be killed and all are opaque: the later one stays. Counts killed and written. With a trace appends the
-  // records of texture, fog and merge; then no pixel may repeat.
+  // Computes texture, fog and merge of a block's fragments, all of one texture (-1: none), and writes the
+  // frame's colour. Where a fragment is not killed it also writes the frame's depth if store_depth, and u, v
+  // and the triangle if the frame keeps them (u is not empty). Pixels may repeat in a block only where none
+  // of its fragments can be killed and all are opaque: the later one stays. Counts killed and written. With a
+  // trace it appends the records of texture, fog and merge; then no pixel may repeat.
   void (*shade)(const Pipeline&, const ShadePlan&, int texture, const FragmentBlock<T>&, bool store_depth,
                 Frame&, Counters&, Trace*) = nullptr;
   // The same with observers; null for std::int32_t.

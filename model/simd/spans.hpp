@@ -45,13 +45,13 @@ struct Ramps {
 template <class T>
 struct SpanWork {
   FragmentBlock<T> block;
-  // Of the block's fragments, until it is given away.
+  // Registers of the block's fragments, until it is given away.
   alignas(64) std::int64_t fu[FragmentBlock<T>::padded];
   alignas(64) std::int64_t fv[FragmentBlock<T>::padded];
   alignas(64) std::int64_t u1[FragmentBlock<T>::padded];
   alignas(64) std::int64_t v1[FragmentBlock<T>::padded];
   Ramps ramps;
-  std::array<std::vector<std::int64_t>, 7> values;  // registers of a span that are no ramp, one a pixel
+  std::array<std::vector<std::int64_t>, 7> values;  // registers of a span that are no ramp, one per pixel
   Columns<FragmentRecord> fragments{0};
   Columns<DepthRecord> depths{0};
 };
@@ -99,15 +99,15 @@ SpanKernels<T> span_kernels(VectorTarget target);
 
 // Whether every register that a fragment passes in the span stage rounds by adding a constant, and saturates,
 // and no shift on the way takes more than a lane has.
-constexpr bool plain_span(const SpanFormats& f) {
+constexpr bool branch_free_span(const SpanFormats& f) {
   const int reciprocal_fraction = std::max(f.reciprocal.config.table_bits, f.reciprocal.config.internal_bits);
-  return is_plain(f.uv) && is_plain(f.shade) && is_plain(f.reciprocal.output) &&
+  return is_branch_free(f.uv) && is_branch_free(f.shade) && is_branch_free(f.reciprocal.output) &&
          reciprocal_fraction - f.reciprocal.output.fraction <= 62 && f.f.acc.fraction - f.uv.fraction <= 62 &&
          f.shade_acc.acc.fraction - f.shade.fraction <= 62;
 }
 // Whether u, v and shades fit blocks of std::int32_t, shades through 32-bit lanes with a bit to round by.
 constexpr bool spans_fit_int32(const SpanFormats& f) {
-  return plain_span(f) && f.uv.word <= 31 && f.shade.word <= 30 && f.shade_acc.acc.word <= 30 &&
+  return branch_free_span(f) && f.uv.word <= 31 && f.shade.word <= 30 && f.shade_acc.acc.word <= 30 &&
          f.shade_acc.acc.fraction - f.shade.fraction <= 30 &&
          f.shade_acc.acc.word + std::max(0, f.shade.fraction - f.shade_acc.acc.fraction) <= 30;
 }

@@ -39,7 +39,7 @@ struct TriangleRows {
 };
 
 struct TriangleKernels {
-  // Triangles that check_triangle accepts to spans in order: appends to `spans` one a row that has pixels,
+  // Triangles that check_triangle accepts to spans in order: appends one to `spans` per row that has pixels,
   // until about row_capacity rows are done, and returns how many triangles that took; all modes but
   // const_depth_rows. Counts triangles, degenerate, rows, divides_edge, divides_row. Without a trace the
   // span's recip_m, recip_e, phase, fu_diff, fv_diff and step1 columns are not written; with one, appends the

@@ -1,4 +1,4 @@
-// constants: the depth code's constants, once a scene. docs/numeric-spec.md, "Constants" (D1, H6, F3).
+// constants: the depth code's constants, once per scene. docs/numeric-spec.md, "Constants" (D1, H6, F3).
 #pragma once
 
 #include "config/config.hpp"

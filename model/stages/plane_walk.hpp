@@ -1,5 +1,5 @@
 // plane_walk: takes the place of edge_walk in const_depth_rows. From a triangle to its rows of constant
-// depth, a row a call. docs/numeric-spec.md, "plane_walk" (N1, N2).
+// depth, one row per call. docs/numeric-spec.md, "plane_walk" (N1, N2).
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace bitspan::model {
 
-// Divisions a plane costs: two gradients of h, gu, gv and the four shades, and k.
+// Divisions per plane: two gradients of h, gu, gv and the four shades, and k.
 inline constexpr std::uint64_t divides_per_plane = 15;
 
 struct PlaneWalkStage {

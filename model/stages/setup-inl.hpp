@@ -1,5 +1,6 @@
 // setup's arithmetic, one text for a triangle and for lanes of them. Value: what registers hold, std::int64_t
 // or Lanes; Real: double or Doubles.
+#include "model/numeric/ratio-inl.hpp"
 #include "model/numeric/slope-inl.hpp"
 #include "model/stages/setup.hpp"
 

@@ -1,6 +1,7 @@
 // The span stage's arithmetic, one text for a fragment and for lanes of them. Int: what intermediates are
 // held in (std::int64_t, int128, Lanes, WideLanes); registers hold ValueOf<Int>.
 #include "config/modes.hpp"
+#include "model/numeric/ratio-inl.hpp"
 #include "model/numeric/reciprocal-inl.hpp"
 #include "model/stages/span.hpp"
 

@@ -1,4 +1,4 @@
-// span: along a span, a fragment a call. docs/numeric-spec.md, "span" (T1; N3; N1 and N2).
+// span: along a span, one fragment per call. docs/numeric-spec.md, "span" (T1; N3; N1 and N2).
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // span_setup: from a row to the start values and increments of its span. docs/numeric-spec.md, "span_setup"
-// (T1, T2; N3; N1 with its one reciprocal a row).
+// (T1, T2; N3; N1 with its one reciprocal per row).
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ struct SpanSetupStage {
 };
 SpanSetupStage prepare_span_setup(const Config& config, const Constants& constants);
 
-// Divides of a row that has a length: one reciprocal, or one a slope.
+// Divides of a row that has a length: one reciprocal, or one per slope.
 constexpr int divides_of(const SpanSetupStage& stage) { return shares_reciprocal(stage.form) ? 1 : 7; }
 
 // Both return the divides it took (for divides_row).

@@ -12,7 +12,7 @@
 #include <array>
 
 #include "config/modes.hpp"
-#include "model/numeric/quantize-inl.hpp"
+#include "model/numeric/ratio-inl.hpp"
 #include "model/stages/texture.hpp"
 
 #if defined(BITSPAN_MODEL_STAGES_TEXTURE_INL) == defined(HWY_TARGET_TOGGLE)
@@ -55,7 +55,7 @@ HWY_INLINE V channel_of(V word, std::size_t channel) {
 // Q of a code 0..255.
 template <class V, class Watch>
 HWY_INLINE V quantize_code(V code, const Register& r, Watch watch) {
-  if constexpr (std::is_same_v<Watch, Plain>) {
+  if constexpr (std::is_same_v<Watch, BranchFree>) {
     return code << r.fraction;
   } else {
     return quantize(code, 0, r, watch);

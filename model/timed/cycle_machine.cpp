@@ -17,7 +17,7 @@
 namespace bitspan::timed {
 namespace {
 
-// Offers a draw call's triangles, one a clock while setup's FIFO has room.
+// Offers a draw call's triangles, one per clock while setup's FIFO has room.
 class Source : public Clocked {
  public:
   Source(Run& run, Fifo<TriangleItem*>& out) : run_(run), out_(out) {}

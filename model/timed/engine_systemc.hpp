@@ -16,14 +16,14 @@ namespace bitspan {
 // Two ways to the same numbers: every one of TimedReport, Counters, Frame and Trace is equal.
 enum class TimedMode : std::uint8_t {
   cycle,  // clock by clock, each stage a SystemC module; shows waveforms and handshakes
-  span,   // from one clock on which something moves to the next, values a span at a time; no SystemC
+  span,   // from one clock on which something moves to the next, values one span at a time; no SystemC
 };
 
 struct SystemcOptions {
   TimedMode mode = TimedMode::cycle;
   // Mode cycle only:
   std::filesystem::path vcd{};    // waveform of the run since begin(); empty for none
-  bool record_handshake = false;  // keep the span interpolator's handshake, four bits a clock
+  bool record_handshake = false;  // keep the span interpolator's handshake, four bits per clock
   // Clocks without any movement after which the run is given up as a deadlock; 0: more than any legal
   // configuration can stand still.
   std::uint64_t watchdog_clocks = 0;

@@ -2,7 +2,8 @@
 //
 // Registered on both sides: what a clock pushes or pops is seen from the next clock on. So the order in which
 // the stages of one clock are evaluated does not matter, and a FIFO of capacity 1 passes a record every
-// second clock, one of 2 or more a record a clock. At most one push and one pop a clock.
+// second clock, and one of 2 or more passes one record per clock. At most one push and one pop occur per
+// clock.
 #pragma once
 
 #include <cstdint>

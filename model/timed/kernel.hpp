@@ -1,4 +1,4 @@
-// The SystemC side of the timed model: a clock, one module a part, a waveform. SystemC stays in kernel.cpp.
+// The SystemC side of the timed model: a clock, one module per part, a waveform. SystemC stays in kernel.cpp.
 //
 // Each kernel has a simulation context of its own and makes it the current one only while it works, so
 // kernels can follow one another or take turns in one process, in one thread.

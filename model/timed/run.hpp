@@ -45,7 +45,7 @@ struct Run {
   void release(const FragmentRecord& fragment, std::uint64_t now) { pixel_free[pixel(fragment)] = now + 1; }
   // Bytes of a depth code in memory: 1, 2 or 4.
   std::uint64_t depth_bytes() const { return config.depth_bits <= 8 ? 1 : config.depth_bits <= 16 ? 2 : 4; }
-  // Of the stage that walks a triangle's rows in this mode.
+  // Returns the name of the stage that walks a triangle's rows in this mode.
   std::string_view walk_name() const {
     return pipeline.const_depth_rows ? stage_name<PlaneRecord> : stage_name<RowRecord>;
   }

@@ -1,4 +1,4 @@
-// The clocks of the span interpolator (span_setup followed by span), one call a clock, without values.
+// The clocks of the span interpolator (span_setup followed by span), one call per clock, without values.
 //
 // docs/rtl.md, "Clocks", is the contract: given the same in_valid, counts and out_ready, in_ready and
 // out_valid equal the RTL's on every clock. No SystemC here; the timed model wraps it, tests run it alone.

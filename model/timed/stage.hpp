@@ -1,6 +1,6 @@
 // What the clocked stages of the timed model share: state, counters, signals, the pipeline inside a stage.
 //
-// A stage is stepped once a clock by clock(now). It sees its FIFOs as they were at the start of the clock
+// A stage is stepped once per clock by clock(now). It sees its FIFOs as they were at the start of the clock
 // (fifo.hpp), so the stages of one clock may be stepped in any order. No SystemC here.
 #pragma once
 
@@ -230,7 +230,7 @@ class PipeStage : public TimedStage {
   Memory::Port port_;
   DelayLine<T> line_;
   typename DelayLine<T>::Entry* newest_ = nullptr;
-  Ring<Request> requests_;  // of the newest item, not yet handed to the memory: one a clock
+  Ring<Request> requests_;  // of the newest item, not yet handed to the memory: one per clock
   StageMeter meter_;
 };
 

@@ -100,7 +100,7 @@ class Workload {
   void make_rows(Walk& walk);
   void make_fragments();
   void make_fragment(FragmentItem& item);
-  // Of a fragment that passed the depth test and is in depth_.
+  // Add the work of a fragment that passed the depth test.
   void add_texture(std::size_t pixel, int texture, std::int64_t u, std::int64_t v, bool lives);
   void add_merge(std::size_t pixel, bool blends);
 

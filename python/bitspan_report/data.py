@@ -1,4 +1,4 @@
-"""What the page's script draws from, as plain JSON values."""
+"""What the page's script draws from, as JSON values."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from . import analysis, figures
 from .study import Area, BudgetRow, Register, Study
 
 
-def plain(value: float) -> float | str | None:
+def json_number(value: float) -> float | str | None:
     """A number for JSON: five digits, whole numbers whole, NaN as null, infinities as text."""
     if math.isnan(value):
         return None
@@ -18,9 +18,9 @@ def plain(value: float) -> float | str | None:
     return int(value) if value.is_integer() and abs(value) < 1e12 else float(f"{value:.5g}")
 
 
-def plain_column(values: list[float]) -> Any:
+def json_column(values: list[float]) -> Any:
     """A column of the metrics' table; a single number where all points agree."""
-    column = [plain(v) for v in values]
+    column = [json_number(v) for v in values]
     if column and isinstance(column[0], (int, float)) and all(v == column[0] for v in column):
         return column[0]
     return column
@@ -68,7 +68,7 @@ def page_data(study: Study) -> dict[str, Any]:
                 "message": p.message,
                 "settings": p.settings,
                 "holds": p.holds,
-                "seconds": plain(p.seconds),
+                "seconds": json_number(p.seconds),
                 "config": config_delta(base_lines, p.config),
                 "areas": [_area(a) for a in study.areas.get(p.config_hash, [])],
             }
@@ -77,7 +77,7 @@ def page_data(study: Study) -> dict[str, Any]:
         "baseConfig": base_lines,
         "base": study.base,
         "recommended": [i for r in study.recommended if (i := study.index_of(r.hash)) is not None],
-        "metrics": {n: plain_column(study.metrics[n]) for n in analysis.told_metrics(study)},
+        "metrics": {n: json_column(study.metrics[n]) for n in analysis.told_metrics(study)},
         "units": {n: study.unit_of(n) for n in study.metrics},
         "limits": [{"metric": c.metric, "atMost": c.at_most, "atLeast": c.at_least} for c in study.constraints],
         "x": x_names,
@@ -91,8 +91,8 @@ def page_data(study: Study) -> dict[str, Any]:
             h: [
                 [
                     f"{b.place} [{b.unit}]" if b.unit else b.place,
-                    plain(b.bound),
-                    plain(b.observed),
+                    json_number(b.bound),
+                    json_number(b.observed),
                     b.reached,
                     b.broken,
                 ]
@@ -100,7 +100,7 @@ def page_data(study: Study) -> dict[str, Any]:
             ]
             for h, rows in study.bounds.items()
         },
-        "steps": [[s.number, plain(s.cost), s.holds, study.index_of(s.hash)] for s in study.steps],
+        "steps": [[s.number, json_number(s.cost), s.holds, study.index_of(s.hash)] for s in study.steps],
         "best": figures.best_so_far(study.steps),
         "costTitle": analysis.axis_title(study.metric(study.cost_metric)),
     }
@@ -112,13 +112,13 @@ def _area(area: Area) -> dict[str, Any]:
         "placed": area.placed,
         "status": area.status,
         "message": area.message,
-        "values": {n: plain(v) for n, v in area.values.items() if not math.isnan(v)},
+        "values": {n: json_number(v) for n, v in area.values.items() if not math.isnan(v)},
     }
 
 
 def _curve(curve: analysis.Curve) -> dict[str, Any]:
     return {
-        "samples": [[value, plain(y), i] for value, y, i in curve.samples],
+        "samples": [[value, json_number(y), i] for value, y, i in curve.samples],
         "knee": curve.knee,
         "oneAtATime": curve.one_at_a_time,
     }
@@ -134,8 +134,8 @@ def _register(r: Register) -> dict[str, Any]:
         "headroom": r.headroom,
         "zeros": r.zeros,
         "count": r.count,
-        "min": plain(r.min),
-        "max": plain(r.max),
+        "min": json_number(r.min),
+        "max": json_number(r.max),
         "wraps": r.wraps,
         "saturations": r.saturations,
         "bars": [[e, count, round(height, 3)] for e, count, height in figures.octave_bars(r)],
@@ -150,8 +150,8 @@ def _budget(study: Study, rows: list[BudgetRow]) -> dict[str, Any]:
             {
                 "metric": s.metric,
                 "powers": s.powers,
-                "common": plain(s.common),
-                "shares": [[n, plain(v)] for n, v in s.shares if v],
+                "common": json_number(s.common),
+                "shares": [[n, json_number(v)] for n, v in s.shares if v],
             }
             for s in stacks
         ],

@@ -331,7 +331,7 @@ def _add_area_metrics(study: Study) -> None:
 
 
 def _planned_axes(plan: dict[str, Any], points: list[Point]) -> list[list[str]]:
-    """Keys that vary, those set together in one list; one axis a key for keys that no [[vary]] names."""
+    """Keys that vary, those set together in one list; one axis per key for keys that no [[vary]] names."""
     axes = [list(axis["keys"]) for axis in plan.get("vary", [])]
     named = {key for axis in axes for key in axis}
     axes += [[key] for key in dict.fromkeys(key for point in points for key in point.settings) if key not in named]

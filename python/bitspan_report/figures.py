@@ -184,7 +184,7 @@ def pareto(
 def curves(
     axes_and_curves: Sequence[tuple[Axis, Curve]], metric: str, y_title: str, constraints: Sequence[Constraint]
 ) -> Figure:
-    """A metric over the values of each varied key, one panel a key, knees ringed."""
+    """A metric over the values of each varied key, one panel per key, knees ringed."""
     columns = min(3, len(axes_and_curves))
     rows = math.ceil(len(axes_and_curves) / columns)
     figure, panels = _figure(3.6 * columns, 2.7 * rows, rows, columns)

@@ -284,7 +284,7 @@ def registers(study: Study) -> str:
         "registers",
         "What the registers held",
         (
-            '<p class="note">Values by magnitude, an octave a bar, heights by the logarithm of their count; behind them '
+            '<p class="note">Values by magnitude, one octave per bar, heights by the logarithm of their count; behind them '
             "what the format can hold, from its last place to its range; the hatched part was never used. Used bits and "
             "head-room count integer bits.</p>" + variants(study, hashes, blocks)
         ),

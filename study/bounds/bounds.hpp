@@ -49,7 +49,7 @@ std::vector<Bound> error_bounds(const Config& config, const Scene& scene);
 // Whether error_bounds has an answer for the modes.
 bool has_bounds(const Config& config);
 
-// Of an edge's x at a row's centre, pixels: what a dda's coverage may be off by.
+// Returns the error of an edge's x at a row's centre in pixels, by which a dda's coverage may be off.
 std::function<double(const InputRange&)> edge_position_error(const Config& config);
 
 struct BoundCheck {

@@ -49,13 +49,13 @@ class ErrorAnalysis {
   // What the rounding of B and s_max' does to the surface's h, on the triangle and `beyond` outside its h:
   // linear in h, so the ends bound what is between.
   Interval drift_over(double beyond) const;
-  // The steepest surface of the range, in codes and texels a pixel.
+  // The steepest surface of the range, in codes and texels per pixel.
   void gradients();
   // Errors of h up to the last step are against B' / B times ideal's h + B, minus B': the rounding of B then
   // shifts the whole surface, and not u and v.
   ErrorSum with_drift(ErrorSum e) const;
   void setup();
-  // Of the registers' q against the truth at the same place, relative: e is the error of h.
+  // Returns the relative error of the registers' q against the truth at the same place; e is the error of h.
   Interval relative_error(const ErrorSum& e) const;
   // By how much the weight w of the far end is off where the two ends' q err by `relative`: the odds
   // w / (1 - w) change by a factor e^d, and w by at most tanh(d / 4) <= d / 4 <= (e^d - 1) / 4.
@@ -87,14 +87,14 @@ class ErrorAnalysis {
   // Where nothing finite is known before the register, its range is.
   static void finish_uv(ErrorSum& e, bool finite, const Format& f, Interval truth);
   void edge_position(int t_grid, double distance, int additions, const Slopes& slopes);
-  // Of a walk along a line whose ends are `change` apart.
+  // Returns the error of a walk along a line whose ends are `change` apart.
   ErrorSum line_error(const WalkError& w, double change, std::string_view unit);
   // Values that a register has are in its range.
   Interval within(Interval x, FormatId id) const;
   // settle() of a walk's accumulator.
   bool overflow(ErrorSum& e, const WalkError& w, FormatId acc, Interval truth, int times) const;
-  // Of f's register, against (1 + slope error) (the way made of the change): its own roundings and that of
-  // the difference it starts from.
+  // Returns the error of f's register against (1 + slope error) (the way made of the change): its own
+  // roundings and that of the difference it starts from.
   ErrorSum f_walk_error(FormatId diff, FormatId acc, WalkError& w, double change, int additions, int grid);
   // f's register against (u - u1) (h + B) of ideal. position: what the centre's distance from the row's point
   // adds.

@@ -239,7 +239,7 @@ void check_place(const Config& config, std::string_view place) {
   }
 }
 
-// Of u and v, the one that the claim is of.
+// Returns which of u and v the claim is about.
 std::size_t coordinate_of(const StageHypotheses& stage, const std::vector<Bound>& bounds,
                           std::string_view place) {
   if (place.ends_with(".f")) return stage.f_walk[0].mag() >= stage.f_walk[1].mag() ? 0 : 1;

@@ -68,7 +68,7 @@ Crossing crossing(const Corner& a, const Corner& b, __int128 y) {
 // Quantities that are linear on the screen, by their values at the corners.
 struct Surface {
   std::array<Interval, 3> inverse;           // 1/s
-  Interval inverse_x;                        // its change a pixel to the right
+  Interval inverse_x;                        // its change per pixel to the right
   std::array<std::array<Interval, 3>, 2> n;  // du/dx = N s^2, dv/dx the same; N is constant along a row
 };
 
@@ -95,7 +95,7 @@ Surface surface_of(const std::array<Corner, 3>& v, __int128 area, double unit) {
   return out;
 }
 
-// Of any point inside. On a row the steepest is where 1/s is least, at an end of it: on an edge.
+// Returns the steepest change at any point inside. On a row it is where 1/s is least, at an end: on an edge.
 double steepest_inside(const Surface& surface, std::size_t k) {
   double most = 0;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -31,11 +31,12 @@ struct InputRange {
   bool covers = true;
 };
 
-// Of all triangles of the scene, none left out: the hull of triangle_ranges. A scene without a triangle that
-// has an area leaves the defaults, with the scene's size and s range.
+// Returns the hull of triangle_ranges, over all triangles of the scene. A scene without a triangle that has
+// an area leaves the defaults, with the scene's size and s range.
 InputRange input_range(const Config& config, const Scene& scene);
-// One a triangle that has an area after the snap, in their order. Rows and coverage are known exactly with
-// edge_walk = exact, else up to the dda's own error. Throws, with edge_walk = dda, as error_bounds.
+// Returns one range per triangle that has an area after the snap, in their order. Rows and coverage are known
+// exactly with edge_walk = exact, else up to the dda's own error. Throws, with edge_walk = dda, as
+// error_bounds.
 std::vector<InputRange> triangle_ranges(const Config& config, const Scene& scene);
 
 }  // namespace bitspan

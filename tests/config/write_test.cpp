@@ -49,7 +49,7 @@ TEST(Write, OffsetsRoundTripToTheLastBit) {
 }
 
 TEST(Write, TheHashIsTheSameOnEveryMachine) {
-  // Of the built-in defaults, computed once; a change of the canonical text changes it on purpose.
+  // The hash of the built-in defaults, computed once; it changes with the canonical text, on purpose.
   const Config c;
   EXPECT_EQ(config_hash(c).size(), 16U);
   EXPECT_EQ(config_hash(c), "50fcfbff116739e6");

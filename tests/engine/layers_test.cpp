@@ -20,7 +20,7 @@ struct Folder {
   int layer;
 };
 
-// Of one layer, no folder includes the other.
+// Folders of one layer do not include each other.
 constexpr std::array<Folder, 13> folders{{{"config", 0},
                                           {"io", 1},
                                           {"scene", 2},

@@ -17,8 +17,8 @@ namespace {
 
 using namespace bitspan::golden;
 
-constexpr Arithmetic checked_double{Width::f64, true};  // a record at a time
-constexpr Arithmetic plain_double{Width::f64, false};   // in columns
+constexpr Arithmetic checked_double{Width::f64, true};     // a record at a time
+constexpr Arithmetic unchecked_double{Width::f64, false};  // in columns
 
 // One fragment through a stage that takes many.
 TextureRecord textured(Arithmetic arithmetic, const Config& c, const FragmentRecord& f, const Texture& t) {
@@ -302,7 +302,7 @@ void texture_by_hand(Arithmetic arithmetic) {
 }
 
 TEST(GoldenStage, TextureByHand) { texture_by_hand(checked_double); }
-TEST(GoldenStage, TextureByHandInColumns) { texture_by_hand(plain_double); }
+TEST(GoldenStage, TextureByHandInColumns) { texture_by_hand(unchecked_double); }
 
 void depth_codes_by_hand(Arithmetic arithmetic) {
   Config c = unit_config();
@@ -331,7 +331,7 @@ void depth_codes_by_hand(Arithmetic arithmetic) {
 }
 
 TEST(GoldenStage, DepthCodesByHand) { depth_codes_by_hand({Width::x87, true}); }
-TEST(GoldenStage, DepthCodesByHandInColumns) { depth_codes_by_hand(plain_double); }
+TEST(GoldenStage, DepthCodesByHandInColumns) { depth_codes_by_hand(unchecked_double); }
 
 void fog_table_is_monotone(int depth_bits, int zone_bits) {
   Config c = shipped_config("depth16");
@@ -414,7 +414,7 @@ void fog_and_merge_by_hand(Arithmetic fog_arithmetic, Arithmetic merge_arithmeti
 }
 
 TEST(GoldenStage, FogAndMergeByHand) { fog_and_merge_by_hand({Width::x87, true}, checked_double); }
-TEST(GoldenStage, FogAndMergeByHandInColumns) { fog_and_merge_by_hand(plain_double, plain_double); }
+TEST(GoldenStage, FogAndMergeByHandInColumns) { fog_and_merge_by_hand(unchecked_double, unchecked_double); }
 
 // A batch drawn in pieces gives the same records, frame and counters.
 TEST(GoldenStage, PiecesEqualTheWhole) {

@@ -42,7 +42,7 @@ struct Impossible {
 };
 const std::vector<Impossible>& impossible() {
   static const std::vector<Impossible> all{
-      {"reciprocal.pixel.pipelined", "false", "the span takes a pixel a clock"},
+      {"reciprocal.pixel.pipelined", "false", "the span takes one pixel per clock"},
       {"depth.overflow", "SC_WRAP_SM", "the code is unsigned"},
   };
   return all;

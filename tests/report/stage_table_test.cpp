@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "engine/registry.hpp"
-#include "report/compare.hpp"
+#include "report/upstream.hpp"
 #include "scene/random.hpp"
 #include "tests/support/test_config.hpp"
 
@@ -101,8 +101,8 @@ TEST(StageTable, ThereIsOneRecordPerWhatItSays) {
   }
 }
 
-// Of every record, upstream_of finds what the table says: one record per type that the mode has, of the same
-// triangle and pixel; of edge_walk the one or two edges that the row names.
+// For every record upstream_of finds what the table says: one record per type that the mode has, of the same
+// triangle and pixel; for edge_walk the one or two edges that the row names.
 TEST(StageTable, EachRecordIsMadeFromOnesThatThereAre) {
   std::set<RecordType> fed;
   for (const DrawnRun& run : runs()) {

@@ -268,7 +268,7 @@ class Curves(unittest.TestCase):
         self.assertTrue(all(math.isnan(v) for v in self.study.metrics["span.b.rms"]))
         self.assertIn(math.inf, self.study.metrics["picture.psnr_db"])
         self.assertEqual(
-            [data.plain(v) for v in (math.nan, math.inf, -math.inf, 1 / 3)], [None, "inf", "-inf", 0.33333]
+            [data.json_number(v) for v in (math.nan, math.inf, -math.inf, 1 / 3)], [None, "inf", "-inf", 0.33333]
         )
 
     def test_a_configuration_comes_back_from_its_difference(self):

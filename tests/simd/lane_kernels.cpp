@@ -6,6 +6,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tests/simd/lane_kernels.cpp"
 #include "hwy/foreach_target.h"
+#include "model/numeric/ratio-inl.hpp"
 #include "model/numeric/reciprocal-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();

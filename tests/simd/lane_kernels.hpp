@@ -53,7 +53,7 @@ struct LaneKernels {
   void (*top_bit)(const std::int64_t* a, std::size_t n, std::int64_t* out);
 };
 
-// Of the target that Highway's dispatch is set to (TargetScope).
+// Returns the kernels of the target that Highway's dispatch is set to (TargetScope).
 const LaneKernels& lane_kernels();
 
 }  // namespace bitspan::model

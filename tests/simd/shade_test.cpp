@@ -318,7 +318,7 @@ void check_config_blocks(const Config& config, std::uint64_t seed, Tally& tally)
   (c.plan.held_in == ShadeLanes::int32   ? tally.int32
    : c.plan.held_in == ShadeLanes::int64 ? tally.int64
                                          : tally.scalar)++;
-  tally.plain += c.plan.plain ? 1 : 0;
+  tally.plain += c.plan.branch_free ? 1 : 0;
   tally.linear += c.pipeline.fog.mode == FogMode::linear ? 1 : 0;
   for (int texture = -1; texture < std::ssize(c.scene.textures); ++texture) {
     SCOPED_TRACE("texture " + std::to_string(texture));

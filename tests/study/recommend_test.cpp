@@ -205,7 +205,7 @@ TEST(Recommend, ASearchIsForTheSynthesisedArea) {
   const AreaResult area = measure_area(b.at(8), Family::ecp5, false);
   EXPECT_EQ(area.status, AreaStatus::ok) << area.message;
   EXPECT_EQ(result.cost, static_cast<double>(area.counts.luts));
-  // Of the points that hold, and in this family alone.
+  // The points that hold have a row, and in this family alone.
   const auto rows = b.store.rows("SELECT area_key, family, placed, luts FROM areas ORDER BY luts");
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[0], (Row{area_key(b.at(8)), "ecp5", std::int64_t{0}, area.counts.luts}));
@@ -282,7 +282,7 @@ TEST(Recommend, WhatIsRecommendedHoldsAtEveryDepthRange) {
   EXPECT_EQ(parse_config(b.store.point(recommended[0].hash)->config, "").format(FormatId::span_h).word, 24);
   EXPECT_EQ(recommended[0].reason,
             "the cheapest that holds all constraints at every scene.s_ratio: cost.register_bits = 24");
-  // Of its three points the one that errs most.
+  // The one that errs most of its three points is chosen.
   const auto settings =
       b.store.rows("SELECT settings FROM study_points WHERE hash = ?", {recommended[0].hash});
   EXPECT_NE(text_of(settings.at(0).at(0)).find("80"), std::string::npos) << text_of(settings.at(0).at(0));

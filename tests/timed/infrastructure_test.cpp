@@ -155,7 +155,7 @@ TEST(Memory, StreamsAtTheBusWidthAndServesDownstreamFirst) {
     memory.clock(now);
     if (now == 100) depth_reads_while_merge_wrote = depth;
   }
-  EXPECT_EQ(merge_writes, 100U);                 // one a clock: the bus is never the limit for the first port
+  EXPECT_EQ(merge_writes, 100U);  // one per clock: the bus is never the limit for the first port
   EXPECT_EQ(depth_reads_while_merge_wrote, 2U);  // its request FIFO is full and waits
   EXPECT_GE(depth, 98U);                         // then a read a clock
   EXPECT_EQ(memory.report().writes, merge_writes);

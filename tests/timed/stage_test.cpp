@@ -173,7 +173,7 @@ std::vector<int> delivery_clocks(int memory_latency, int width, int reads_per_it
 
 TEST(PipeStage, MemoryLatencyDelaysAndBandwidthLimits) {
   StageReport report;
-  // Accepted and asked at 1, taken at 2, answered at 2 + 10, popped at 13; then one a clock: latency is
+  // Accepted and asked at 1, taken at 2, answered at 2 + 10, popped at 13; then one per clock: latency is
   // hidden.
   auto clocks = delivery_clocks(10, 8, 1, &report);
   for (std::size_t i = 0; i < 100; ++i) ASSERT_EQ(clocks[i], 13 + static_cast<int>(i));

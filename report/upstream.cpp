@@ -1,0 +1,111 @@
+#include "report/upstream.hpp"
+
+#include <algorithm>
+#include <initializer_list>
+#include <utility>
+
+namespace bitspan {
+namespace {
+
+// A record whose feeders are sought, with its place among those of its type where that is known.
+struct Fed {
+  RecordType type;
+  std::span<const std::int64_t> record;
+  std::optional<std::size_t> ordinal;
+
+  // -1 where it has no field of that name.
+  std::int64_t value(std::string_view field) const {
+    const int i = field_index(type, field);
+    return i < 0 ? -1 : record[static_cast<std::size_t>(i)];
+  }
+};
+
+// The places of the records of `feeders` in which each field named has the value of the same field of `fed`.
+std::vector<std::size_t> with_same(const RecordView& feeders, const Fed& fed,
+                                   std::initializer_list<std::string_view> fields) {
+  std::vector<std::pair<std::size_t, std::int64_t>> wanted;
+  for (const std::string_view field : fields) {
+    const int at = field_index(feeders.type, field);
+    if (at < 0) return {};
+    wanted.emplace_back(at, fed.value(field));
+  }
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < feeders.records; ++i) {
+    const auto record = feeders.record(i);
+    if (std::ranges::all_of(wanted, [&](const auto& w) { return record[w.first] == w.second; })) {
+      out.push_back(i);
+    }
+  }
+  return out;
+}
+
+// An edge_walk record's edges: the left one, and the right one where that is another.
+std::vector<std::size_t> edges_of_row(const RecordView& edges, const Fed& row) {
+  std::vector<std::size_t> out;
+  const std::vector<std::size_t> of_triangle = with_same(edges, row, {"triangle"});
+  const int at = field_index(edges.type, "edge");
+  const auto add = [&](std::int64_t edge) {
+    for (const std::size_t i : of_triangle) {
+      if (edges.record(i)[static_cast<std::size_t>(at)] == edge) out.push_back(i);
+    }
+  };
+  const std::int64_t left = row.value("l_edge");
+  const std::int64_t right = row.value("r_edge");
+  add(left);
+  if (right != left) add(right);
+  return out;
+}
+
+// The span that made the fragment of this ordinal.
+std::vector<std::size_t> span_of_fragment(const Trace& trace, std::size_t ordinal) {
+  std::size_t end = 0;
+  for (std::size_t i = 0; i < trace.span.size(); ++i) {
+    end += static_cast<std::size_t>(std::max<std::int64_t>(0, trace.span[i].count));
+    if (ordinal < end) return {i};
+  }
+  return {};
+}
+
+// The places of the records of one type that feed `fed`.
+std::vector<std::size_t> feeders_of(const Trace& trace, const RecordView& feeders, const Fed& fed) {
+  switch (row_of(feeders.type).per) {
+    case Per::scene:
+      return with_same(feeders, fed, {});
+    case Per::triangle:
+      return with_same(feeders, fed, {"triangle"});
+    case Per::edge:
+      return edges_of_row(feeders, fed);
+    case Per::row:
+      // A row of constant depth may run along y: it is found by its place, one span per row in their order.
+      if (feeders.type == RecordType::plane_row) {
+        const bool known = fed.ordinal && *fed.ordinal < feeders.records;
+        return known ? std::vector{*fed.ordinal} : std::vector<std::size_t>{};
+      }
+      if (feeders.type == RecordType::span && fed.ordinal) return span_of_fragment(trace, *fed.ordinal);
+      return with_same(feeders, fed, {"triangle", "y"});
+    case Per::pixel:
+      return with_same(feeders, fed, {"triangle", "x", "y"});
+  }
+  return {};
+}
+
+}  // namespace
+
+RecordCopy copy_of(const RecordView& view, std::size_t i, std::string_view engine) {
+  const auto record = view.record(i);
+  return {view.type, std::string(engine), {record.begin(), record.end()}};
+}
+
+std::vector<RecordCopy> upstream_of(const Trace& trace, RecordType type, std::span<const std::int64_t> record,
+                                    std::optional<std::size_t> ordinal) {
+  std::vector<RecordCopy> out;
+  for (const RecordType feeder : row_of(type).made_from) {
+    const RecordView feeders = view_of(trace, feeder);
+    for (const std::size_t i : feeders_of(trace, feeders, {type, record, ordinal})) {
+      out.push_back(copy_of(feeders, i, ""));
+    }
+  }
+  return out;
+}
+
+}  // namespace bitspan

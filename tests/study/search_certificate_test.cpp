@@ -1,0 +1,224 @@
+// The certificate of a search: what single steps down do, and what the answer says where nothing holds.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "study/search/search.hpp"
+#include "tests/study/search_support.hpp"
+
+namespace bitspan {
+namespace {
+
+TEST(Search, TheCertificateNamesWhatFails) {
+  for (const SearchAlgorithm a : kAlgorithms) {
+    SCOPED_TRACE(name_of(a));
+    Problem p = small();
+    const SearchResult r = p.run(a);
+    ASSERT_TRUE(r.found);
+    EXPECT_EQ(r.point, (SearchPoint{2, 1}));
+    EXPECT_EQ(r.cost, 7);
+    ASSERT_EQ(r.certificate.reductions.size(), 2U);
+    const Reduction& first = r.certificate.reductions[0];
+    EXPECT_EQ(first.key, "width0");
+    EXPECT_EQ(first.from_value, "3");
+    EXPECT_EQ(first.to_value, "2");
+    EXPECT_EQ(first.point, (SearchPoint{1, 1}));
+    EXPECT_EQ(first.outcome, ReductionOutcome::fails);
+    EXPECT_EQ(first.text, "error is 0.5, at most 0.375");
+    EXPECT_EQ(r.certificate.reductions[1].text, "error is 0.625, at most 0.375");
+    EXPECT_EQ(to_text(r.certificate),
+              "the point holds, and none of its single steps down does\n"
+              "  width0 3 -> 2: error is 0.5, at most 0.375\n"
+              "  width1 2 -> 1: error is 0.625, at most 0.375\n");
+  }
+}
+
+TEST(Search, EveryConstraintThatFailsIsNamed) {
+  Problem p = small();
+  p.constraints.push_back({"sqnr", std::nullopt, 20.0});
+  p.constraints.push_back({"both", 3.0, 1.0});
+  p.model = [](const Bits& b) {
+    Evaluation e = metrics(std::exp2(-b[0]) + std::exp2(-b[1]), b[0] + 2 * b[1]);
+    e.metrics["sqnr"] = b[0] < 3 ? 19.5 : 21;
+    if (b[1] >= 2) e.metrics["both"] = b[0] < 3 ? kNaN : 2;
+    return e;
+  };
+  const SearchResult r = p.run(SearchAlgorithm::greedy);
+  ASSERT_TRUE(r.found);
+  EXPECT_EQ(
+      r.certificate.reductions[0].text,
+      "error is 0.5, at most 0.375; sqnr is 19.5, at least 20; both is not a number, at least 1, at most 3");
+  EXPECT_EQ(r.certificate.reductions[1].text,
+            "error is 0.625, at most 0.375; both has no value here, at least 1, at most 3");
+}
+
+TEST(Search, AtTheSmallestValueThereIsNothingToFail) {
+  for (const SearchAlgorithm a : kAlgorithms) {
+    Problem p = small();
+    p.constraints = {at_most("error", 2)};
+    const SearchResult r = p.run(a);
+    expect_minimal(p, r, name_of(a));
+    EXPECT_EQ(r.point, (SearchPoint{0, 0}));
+    EXPECT_EQ(r.certificate.reductions[0].outcome, ReductionOutcome::at_smallest);
+    EXPECT_EQ(r.certificate.reductions[0].text, "at its smallest");
+    EXPECT_EQ(r.certificate.reductions[0].to_value, "");
+  }
+}
+
+TEST(Search, ARefusalIsACertificateToo) {
+  Problem p = small();
+  p.model = [model = p.model](const Bits& b) {
+    if (b[0] < 3) return Evaluation{true, "span.h is too narrow", {}};
+    if (b[1] < 2) return Evaluation{true, "", {}};
+    return model(b);
+  };
+  const SearchResult r = p.run(SearchAlgorithm::greedy);
+  expect_minimal(p, r, "refused");
+  EXPECT_EQ(r.certificate.reductions[0].text, "refused: span.h is too narrow");
+  EXPECT_EQ(r.certificate.reductions[1].text, "refused: no reason given");
+  EXPECT_TRUE(
+      std::ranges::any_of(r.steps, [](const SearchStep& s) { return std::isnan(s.cost) && !s.holds; }));
+}
+
+TEST(Search, AReductionThatCostsMoreIsSaid) {
+  for (const SearchAlgorithm a : kAlgorithms) {
+    Problem p{axes_of(1, 1, 4), {at_most("error", 10)}, {}};
+    const std::vector<double> costs{9, 8, 5, 7};
+    p.model = [costs](const Bits& b) { return metrics(0, costs[static_cast<std::size_t>(b[0] - 1)]); };
+    const SearchResult r = p.run(a);
+    expect_minimal(p, r, name_of(a));
+    EXPECT_EQ(r.point, (SearchPoint{2}));
+    EXPECT_EQ(r.certificate.reductions[0].outcome, ReductionOutcome::costs_more);
+    EXPECT_EQ(r.certificate.reductions[0].text, "holds, but cost rises from 5 to 8");
+  }
+}
+
+TEST(Search, EqualCostGoesToTheNarrower) {
+  // A key that costs nothing is cut all the same.
+  for (const SearchAlgorithm a : kAlgorithms) {
+    Problem p = small();
+    p.axes.push_back(axis_of("free", 1, 9));
+    p.model = [model = p.model](const Bits& b) {
+      Evaluation e = model({b[0], b[1]});
+      e.metrics["error"] += b[2] < 4 ? 1 : 0;
+      return e;
+    };
+    const SearchResult r = p.run(a);
+    expect_minimal(p, r, name_of(a));
+    EXPECT_EQ(r.point[2], 3U);
+  }
+}
+
+TEST(Search, NothingFoundSaysWhatFailsAtTheWidest) {
+  for (const SearchAlgorithm a : kAlgorithms) {
+    SCOPED_TRACE(name_of(a));
+    Problem p = small();
+    p.constraints = {at_most("error", 0.1), at_most("cost", 5)};
+    const SearchResult r = p.run(a);
+    EXPECT_FALSE(r.found);
+    EXPECT_EQ(r.stopped_by, StoppedBy::done);
+    EXPECT_EQ(r.evaluations, 1U);
+    EXPECT_TRUE(r.point.empty());
+    EXPECT_TRUE(r.certificate.reductions.empty());
+    EXPECT_FALSE(r.certificate.minimal());
+    EXPECT_EQ(r.failing,
+              std::vector<std::string>{"the widest point does not hold: error is 0.125, at most 0.1; "
+                                       "cost is 12, at most 5"});
+  }
+  Problem refused = small();
+  refused.model = [](const Bits&) { return Evaluation{true, "draws nothing", {}}; };
+  EXPECT_EQ(refused.run(SearchAlgorithm::greedy).failing,
+            std::vector<std::string>{"the widest point does not hold: refused: draws nothing"});
+  Problem unknown = small();
+  unknown.model = [](const Bits&) { return metrics(0, kNaN); };
+  EXPECT_EQ(unknown.run(SearchAlgorithm::greedy).failing,
+            std::vector<std::string>{"the widest point does not hold: the cost cost is not finite"});
+}
+
+TEST(Search, ACostThatIsMissingSomewhereDoesNotHoldThere) {
+  Problem p = small();
+  p.model = [model = p.model](const Bits& b) {
+    Evaluation e = model(b);
+    if (b[0] == 3) e.metrics.erase("cost");
+    return e;
+  };
+  const SearchResult r = p.run(SearchAlgorithm::max_minus_1);
+  ASSERT_TRUE(r.found);
+  EXPECT_EQ(r.point, (SearchPoint{3, 1}));
+  EXPECT_EQ(r.certificate.reductions[0].text, "the cost cost has no value here");
+}
+
+TEST(Search, AnIncompleteCertificateSaysWhatIsMissing) {
+  Problem p = small();
+  SearchPlan plan;
+  plan.algorithm = SearchAlgorithm::max_minus_1;
+  plan.evaluations = 2;
+  const SearchResult r = p.run(plan);
+  EXPECT_EQ(r.stopped_by, StoppedBy::evaluations);
+  EXPECT_EQ(r.point, (SearchPoint{2, 3}));
+  EXPECT_FALSE(r.certificate.minimal());
+  EXPECT_EQ(r.certificate.missing, (std::vector<std::string>{"width0 from 3 to 2 was not evaluated",
+                                                             "width1 from 4 to 3 was not evaluated"}));
+  EXPECT_EQ(to_text(r.certificate),
+            "incomplete: 2 of 2 single steps down were not evaluated\n"
+            "  width0 3 -> 2: not evaluated\n"
+            "  width1 4 -> 3: not evaluated\n");
+}
+
+TEST(Certificate, FindsAPlantedPointThatIsNotMinimal) {
+  Problem p = small();
+  const auto certificate = [&p](const SearchPoint& point) {
+    p.seen.clear();
+    return certify("cost", p.axes, p.constraints, point, p.evaluate());
+  };
+  // The optimum, from outside the search.
+  EXPECT_TRUE(certificate({2, 1}).minimal());
+  // One bit too many.
+  const Certificate loose = certificate({3, 1});
+  EXPECT_TRUE(loose.point_holds);
+  EXPECT_TRUE(loose.complete());
+  EXPECT_FALSE(loose.minimal());
+  EXPECT_EQ(loose.reductions[0].outcome, ReductionOutcome::passes);
+  EXPECT_EQ(loose.reductions[0].text, "holds; cost is 7 against 8");
+  EXPECT_EQ(loose.reductions[1].outcome, ReductionOutcome::fails);
+  EXPECT_EQ(to_text(loose),
+            "not minimal: a single step down holds\n"
+            "  width0 4 -> 3: holds; cost is 7 against 8\n"
+            "  width1 2 -> 1: error is 0.5625, at most 0.375\n");
+  // A step down that changes the cost by nothing passes too.
+  Problem level = table({3}, {0}, [](const Bits& b) { return b[0] > 0; });
+  const Certificate equal = certify("cost", level.axes, level.constraints, {2}, level.evaluate());
+  EXPECT_EQ(equal.reductions[0].outcome, ReductionOutcome::passes);
+  EXPECT_FALSE(equal.minimal());
+  // One bit too few: all its reductions fail as well, and that proves nothing.
+  const Certificate tight = certificate({1, 1});
+  EXPECT_FALSE(tight.point_holds);
+  EXPECT_FALSE(tight.minimal());
+  EXPECT_TRUE(to_text(tight).starts_with("the point does not hold\n"));
+  // Locally minimal and not the cheapest: a certificate speaks of single steps, no more.
+  EXPECT_TRUE(certificate({1, 2}).minimal());
+}
+
+TEST(Certificate, OfEveryPointOfASmallSpace) {
+  std::mt19937_64 random(9);
+  Problem p = separable(random, 3, 2, 5);
+  int minimal = 0;
+  for (std::size_t i = 0; i < 64; ++i) {
+    const SearchPoint point{i % 4, i / 4 % 4, i / 16};
+    p.seen.clear();
+    const bool says = certify("cost", p.axes, p.constraints, point, p.evaluate()).minimal();
+    EXPECT_EQ(says, p.minimal(point)) << i;
+    minimal += says ? 1 : 0;
+  }
+  EXPECT_GT(minimal, 0);
+  EXPECT_LT(minimal, 32);
+}
+
+}  // namespace
+}  // namespace bitspan
