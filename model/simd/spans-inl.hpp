@@ -337,10 +337,10 @@ enum class Test : std::uint8_t {
 };
 
 // Tests pixels from .. to of a span, writes the places of those that pass to `passing` and, unless they are
-// stored right away, their codes. Returns how many passed.
+// stored right away, their codes. Returns how many passed. func: a constant where the test must be fast.
 template <bool store, Test how, class Watch>
-HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f, const Sequence& h,
-                                  std::uint32_t* stored, std::size_t from, std::size_t to,
+HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f, DepthFunc func,
+                                  const Sequence& h, std::uint32_t* stored, std::size_t from, std::size_t to,
                                   std::int32_t* passing, std::int32_t* codes) {
   const Lanes32::Tag d;
   auto* const buffer = reinterpret_cast<std::int32_t*>(stored);
@@ -362,7 +362,7 @@ HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f
     const bool whole = how != Test::few && k + Lanes32::count <= to;
     const auto inside = hn::FirstN(d, to - k);
     const auto old = Lanes32::from(whole ? hn::LoadU(d, buffer + k) : hn::MaskedLoad(inside, d, buffer + k));
-    Lanes32::Mask pass = depth_passes(f, z ^ flip, old ^ flip);
+    Lanes32::Mask pass = depth_passes(f, func, z ^ flip, old ^ flip);
     if (!whole) pass = pass & Lanes32::Mask{inside};
     if constexpr (how != Test::few) {
       if (!any(pass)) continue;
@@ -382,6 +382,14 @@ HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f
     n += set_in(pass);
   }
   return n;
+}
+
+// The same for a ramp and the stage's own comparison, whatever it is.
+template <bool store, class Watch>
+HWY_NOINLINE std::size_t test_depth_by_func(const DepthStage& stage, const DepthFormats& f, const Sequence& h,
+                                            std::uint32_t* stored, std::size_t from, std::size_t to,
+                                            std::int32_t* passing, std::int32_t* codes) {
+  return test_depth<store, Test::many, Watch>(stage, f, stage.func, h, stored, from, to, passing, codes);
 }
 
 // Pixels of spans that passed, until they are put into blocks.
@@ -406,6 +414,8 @@ void draw(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<
   const DepthStage& stage = pipeline.depth;
   const FormatsOf<DepthFormats, fixed_depth> depth_formats(stage.formats);
   const DepthFormats& df = *depth_formats;
+  constexpr DepthFunc less = DepthFunc::less;
+  const bool only_nearer = passes_only_nearer(stage.func);
   find_ramps<fixed>(pipeline.span.formats, spans, work.ramps);
   Filler<T, Watch, fixed> filler(pipeline, work, sink);
   const std::int64_t* rows = spans[&SpanRecord::y];
@@ -474,14 +484,18 @@ void draw(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<
       std::size_t n = 0;
       if (linear[i] == 0) [[unlikely]] {
         registers_of(pipeline.span, spans, i, work, s);
-        n = test_depth<false, Test::walked, Watch>(stage, df, s[0], stored, from, to, place, code);
+        n = test_depth<false, Test::walked, Watch>(stage, df, stage.func, s[0], stored, from, to, place,
+                                                   code);
         for (std::size_t k = 0; shared && k < n; ++k) stored[place[k]] = static_cast<std::uint32_t>(code[k]);
+      } else if (!only_nearer) [[unlikely]] {
+        n = shared ? test_depth_by_func<true, Watch>(stage, df, ramp, stored, from, to, place, code)
+                   : test_depth_by_func<false, Watch>(stage, df, ramp, stored, from, to, place, code);
       } else if (!shared) {
-        n = test_depth<false, Test::many, Watch>(stage, df, ramp, stored, from, to, place, code);
+        n = test_depth<false, Test::many, Watch>(stage, df, less, ramp, stored, from, to, place, code);
       } else if (count > few_pixels) {
-        n = test_depth<true, Test::many, Watch>(stage, df, ramp, stored, from, to, place, code);
+        n = test_depth<true, Test::many, Watch>(stage, df, less, ramp, stored, from, to, place, code);
       } else {
-        n = test_depth<true, Test::few, Watch>(stage, df, ramp, stored, from, to, place, code);
+        n = test_depth<true, Test::few, Watch>(stage, df, less, ramp, stored, from, to, place, code);
       }
       passed.piece[passed.pieces] = {static_cast<std::int32_t>(i), static_cast<std::int32_t>(n)};
       passed.pieces += n != 0 ? 1 : 0;
@@ -694,7 +708,7 @@ void draw_every(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std:
       depth.y = y;
       const auto pixel = static_cast<std::size_t>(y * frame.width + fragment.x);
       depth.stored = frame.depth[pixel];
-      depth.pass = depth_passes(pipeline.depth.formats, depth.z, depth.stored) ? 1 : 0;
+      depth.pass = depth_passes(pipeline.depth.formats, pipeline.depth.func, depth.z, depth.stored) ? 1 : 0;
       if (trace != nullptr) {
         trace->fragment.push_back(fragment);
         trace->depth.push_back(depth);
