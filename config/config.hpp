@@ -30,6 +30,8 @@ BITSPAN_ENUM(Numerator, pixel_centre, ideal_line);
 BITSPAN_ENUM(SlopeForm, divide, reciprocal);
 BITSPAN_ENUM(ReciprocalKind, restoring, lut_linear, lut_newton);
 BITSPAN_ENUM(DepthCode, inverse, linear, opengl);
+// By distance: `less` passes what is nearer, whatever the direction of the code.
+BITSPAN_ENUM(DepthFunc, never, less, equal, lequal, greater, notequal, gequal, always);
 BITSPAN_ENUM(TextureFilter, nearest, bilinear);
 BITSPAN_ENUM(TextureWrap, cyclic, clamp);
 BITSPAN_ENUM(FogMode, none, linear, table);
@@ -113,6 +115,7 @@ struct Config {
   // [depth]
   int depth_bits = 16;
   DepthCode depth_code = DepthCode::inverse;
+  DepthFunc depth_func = DepthFunc::less;
   Rounding depth_rounding = Rounding::trn;
   Overflow depth_overflow = Overflow::sat;
 

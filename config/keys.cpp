@@ -253,6 +253,13 @@ constexpr KeyRow rows[] = {
      ideal | values | clocks,
      "the depth buffer's bits; hmax = 2^bits - 1"},
     {"depth.code", MEMBER(depth_code), {}, "", ideal | values, "D1; the two codes of H6"},
+    {"depth.func",
+     MEMBER(depth_func),
+     {},
+     "",
+     ideal | values,
+     "which fragments pass, by distance: `less` those nearer than what is stored",
+     {.presence = Presence::later}},
     {"depth.round", MEMBER(depth_rounding), {}, "", values, "of the stored code"},
     {"depth.overflow", MEMBER(depth_overflow), {}, " but SC_WRAP_SM", values, "of the stored code"},
 

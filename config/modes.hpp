@@ -207,6 +207,37 @@ constexpr bool nearer_is_larger(DepthCode code) {
   unreachable();
 }
 
+// The distances that pass the depth test, seen from the one that is stored.
+struct PassingDistances {
+  bool nearer = false, equal = false, farther = false;
+  bool operator==(const PassingDistances&) const = default;
+};
+constexpr PassingDistances passing_distances(DepthFunc func) {
+  switch (func) {
+    case DepthFunc::never:
+      return {};
+    case DepthFunc::less:
+      return {.nearer = true};
+    case DepthFunc::equal:
+      return {.equal = true};
+    case DepthFunc::lequal:
+      return {.nearer = true, .equal = true};
+    case DepthFunc::greater:
+      return {.farther = true};
+    case DepthFunc::notequal:
+      return {.nearer = true, .farther = true};
+    case DepthFunc::gequal:
+      return {.equal = true, .farther = true};
+    case DepthFunc::always:
+      return {.nearer = true, .equal = true, .farther = true};
+  }
+  unreachable();
+}
+// Kernels have a loop of their own for this case, which nearly every picture is drawn with.
+constexpr bool passes_only_nearer(DepthFunc func) {
+  return passing_distances(func) == PassingDistances{.nearer = true};
+}
+
 // The code is linear in the distance, which R_pixel forms of h + B.
 constexpr bool is_linear_in_distance(DepthCode code) {
   switch (code) {

@@ -16,7 +16,7 @@ namespace bitspan {
   X(std::uint64_t, rows,          true,  "spans, or rows of constant depth (q)")                                \
   X(std::uint64_t, fragments,     true,  "fragments made by the span stage, uncovered ones included")           \
   X(std::uint64_t, covered,       true,  "fragments that cover their pixel (T)")                                \
-  X(std::uint64_t, depth_passed,  true,  "fragments nearer than the buffer")                                    \
+  X(std::uint64_t, depth_passed,  true,  "fragments that passed the depth test")                                \
   X(std::uint64_t, killed,        true,  "fragments killed by the transparent code or alpha 0")                 \
   X(std::uint64_t, written,       true,  "fragments merged into the frame")                                     \
   X(std::uint64_t, divides_edge,  true,  "reciprocals or divisions made for edges, or planes")                  \

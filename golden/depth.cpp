@@ -16,6 +16,7 @@ class Depth {
  public:
   Depth(const Config& config, const Constants& constants)
       : code_(config.depth_code),
+        func_(config.depth_func),
         q_h_(config.format(FormatId::span_h)),
         q_z_(config.depth_format()),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
@@ -62,7 +63,27 @@ class Depth {
     unreachable();
   }
   // The depth comparison.
-  bool passes(std::int64_t z, std::int64_t stored) const { return nearer(z, stored); }
+  bool passes(std::int64_t z, std::int64_t stored) const {
+    switch (func_) {
+      case DepthFunc::never:
+        return false;
+      case DepthFunc::less:
+        return nearer(z, stored);
+      case DepthFunc::equal:
+        return z == stored;
+      case DepthFunc::lequal:
+        return z == stored || nearer(z, stored);
+      case DepthFunc::greater:
+        return nearer(stored, z);
+      case DepthFunc::notequal:
+        return z != stored;
+      case DepthFunc::gequal:
+        return z == stored || nearer(stored, z);
+      case DepthFunc::always:
+        return true;
+    }
+    unreachable();
+  }
 
   // The codes of all, or false with the records as they were.
   bool quick(std::span<DepthRecord> records) const {
@@ -111,6 +132,7 @@ class Depth {
   }
 
   DepthCode code_;
+  DepthFunc func_;
   Quantizer<Real> q_h_, q_z_;
   Real b_, c1_, c0_, z_max_;
   ReciprocalUnit<Real> unit_;

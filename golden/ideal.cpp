@@ -204,7 +204,11 @@ double configured_code(const Config& config, const Scene& scene, double h, doubl
 }
 
 // The depth comparison. h falls with distance, whatever the depth code is.
-bool passes(double h, double stored_h) { return h > stored_h; }
+bool passes(DepthFunc func, double h, double stored_h) {
+  const PassingDistances passing = passing_distances(func);
+  if (h == stored_h) return passing.equal;
+  return h > stored_h ? passing.nearer : passing.farther;
+}
 
 IdealFragment shade(const Config& config, const Scene& scene, const IdealTriangle& t,
                     const IdealPoint& point) {
@@ -311,7 +315,9 @@ class IdealEngine final : public Engine {
     ++counters_.covered;
     const auto i = static_cast<std::size_t>(y * frame_.width + x);
     const IdealPoint point = point_at_centre(config_, *scene_, t, areas, x, y);
-    if (!passes(point.h, h_[i])) return;
+    // No distance is beyond s_max, the cleared buffer's, but h of one at s_max may round below 0.
+    const double h = std::max(point.h, 0.0);
+    if (!passes(config_.depth_func, h, h_[i])) return;
     ++counters_.depth_passed;
     const IdealFragment fragment = shade(config_, *scene_, t, point);
     if (fragment.killed) {
@@ -322,7 +328,7 @@ class IdealEngine final : public Engine {
     const double share = std::min(fragment.alpha, 1.0);
     for (std::size_t c = 0; c < 3; ++c) color_[i][c] += (fragment.fogged[c] - color_[i][c]) * share;
     if (share == 1) color_[i] = fragment.fogged;
-    h_[i] = point.h;
+    h_[i] = h;
     z_[i] = fragment.z;
     frame_.u[i] = point.u;
     frame_.v[i] = point.v;

@@ -20,6 +20,8 @@ namespace {
 constexpr int attempts = 2000;
 // The probability that a key takes any legal value, however seldom a scene can be drawn with it.
 constexpr double any_value = 1.0 / 16;
+// The probability that a key that may be left out takes another value than its default.
+constexpr double later_value = 1.0 / 4;
 // The probability that a key with a wide range is at its highest: a timed run may take long then.
 constexpr double highest_value = 1.0 / 256;
 
@@ -167,7 +169,10 @@ void change_offset(Random& random, StartOffset& offset, const Format& accumulato
 Config draw(Random& random, std::span<const Config> bases, const RandomConfigOptions& options) {
   Config c = bases[static_cast<std::size_t>(random.integer(0, static_cast<std::int64_t>(bases.size()) - 1))];
   const int base_depth_bits = c.depth_bits;
-  for (const Key& key : entries()) draw_value(random, c, key, place(c, key));
+  const auto is_later = [](const Key& key) { return key.presence() == Presence::later; };
+  for (const Key& key : entries()) {
+    if (!is_later(key)) draw_value(random, c, key, place(c, key));
+  }
 
   // What must fit something else, or seldom can be drawn.
   if (c.coordinate_bits < options.least_coordinate_bits) {
@@ -195,6 +200,10 @@ Config draw(Random& random, std::span<const Config> bases, const RandomConfigOpt
   c.pixel_reciprocal.pipelined = true;
   for (const OffsetRule& rule : offset_rules(c)) {
     change_offset(random, c.start_offset.*rule.member, c.format(rule.accumulator));
+  }
+  // After all others, so that a new key changes little of what a seed draws.
+  for (const Key& key : entries()) {
+    if (is_later(key) && random.chance(later_value)) draw_value(random, c, key, place(c, key));
   }
   return c;
 }

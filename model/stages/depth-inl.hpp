@@ -54,8 +54,26 @@ HWY_INLINE auto is_nearer(const DepthFormats& f, Value a, Value b) {
 
 // The depth comparison: whether z passes against what is stored, both in the order of Value.
 template <class Value>
-HWY_INLINE auto depth_passes(const DepthFormats& f, Value z, Value stored) {
-  return is_nearer(f, z, stored);
+HWY_INLINE auto depth_passes(const DepthFormats& f, DepthFunc func, Value z, Value stored) {
+  switch (func) {
+    case DepthFunc::never:
+      return is_nearer(f, z, z);
+    case DepthFunc::less:
+      return is_nearer(f, z, stored);
+    case DepthFunc::equal:
+      return z == stored;
+    case DepthFunc::lequal:
+      return !is_nearer(f, stored, z);
+    case DepthFunc::greater:
+      return is_nearer(f, stored, z);
+    case DepthFunc::notequal:
+      return !(z == stored);
+    case DepthFunc::gequal:
+      return !is_nearer(f, z, stored);
+    case DepthFunc::always:
+      return !is_nearer(f, z, z);
+  }
+  unreachable();
 }
 
 }  // namespace bitspan::model::HWY_NAMESPACE

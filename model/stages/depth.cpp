@@ -9,6 +9,7 @@ namespace bitspan::model {
 DepthStage prepare_depth(const Config& config, const Constants& constants) {
   DepthStage s;
   s.formats = depth_formats(config);
+  s.func = config.depth_func;
   s.clear = s.formats.nearer_is_larger ? 0 : s.formats.zmax;  // the farthest
   s.reciprocal = ReciprocalUnit(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
   s.scene = {make_inverse_depth(config, constants).b, s.reciprocal.table().data(), constants.record.c1,
@@ -32,7 +33,7 @@ bool depth(const DepthStage& stage, const FragmentRecord& fragment, std::int64_t
   out.recip_e = point.recip_e;
   out.z = point.z;
   out.stored = stored;
-  const bool pass = HWY_NAMESPACE::depth_passes(f, out.z, stored);
+  const bool pass = HWY_NAMESPACE::depth_passes(f, stage.func, out.z, stored);
   out.pass = pass ? 1 : 0;
   return pass;
 }

@@ -138,7 +138,7 @@ void top_bits(const std::int64_t* a, std::size_t n, std::int64_t* out) {
 
 }  // namespace
 
-const LaneKernels* kernels() {
+const LaneKernels* lane_kernel_table() {
   static const LaneKernels all{width,
                                quantize32,
                                quantize_all<std::int64_t>,
@@ -165,7 +165,7 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace bitspan::model {
-HWY_EXPORT(kernels);
-const LaneKernels& lane_kernels() { return *HWY_DYNAMIC_DISPATCH(kernels)(); }
+HWY_EXPORT(lane_kernel_table);
+const LaneKernels& lane_kernels() { return *HWY_DYNAMIC_DISPATCH(lane_kernel_table)(); }
 }  // namespace bitspan::model
 #endif

@@ -54,10 +54,10 @@ enum class Test : std::uint8_t {
 };
 
 // Tests pixels from .. to of a span, writes the places of those that pass to `passing` and, unless they are
-// stored right away, their codes. Returns how many passed.
+// stored right away, their codes. Returns how many passed. func: a constant where the test must be fast.
 template <bool store, Test how, class Watch>
-HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f, const Sequence& h,
-                                  std::uint32_t* stored, std::size_t from, std::size_t to,
+HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f, DepthFunc func,
+                                  const Sequence& h, std::uint32_t* stored, std::size_t from, std::size_t to,
                                   std::int32_t* passing, std::int32_t* codes) {
   const Lanes32::Tag d;
   auto* const buffer = reinterpret_cast<std::int32_t*>(stored);
@@ -79,7 +79,7 @@ HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f
     const bool whole = how != Test::few && k + Lanes32::count <= to;
     const auto inside = hn::FirstN(d, to - k);
     const auto old = Lanes32::from(whole ? hn::LoadU(d, buffer + k) : hn::MaskedLoad(inside, d, buffer + k));
-    Lanes32::Mask pass = depth_passes(f, z ^ flip, old ^ flip);
+    Lanes32::Mask pass = depth_passes(f, func, z ^ flip, old ^ flip);
     if (!whole) pass = pass & Lanes32::Mask{inside};
     if constexpr (how != Test::few) {
       if (!any(pass)) continue;
@@ -99,6 +99,14 @@ HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f
     n += set_in(pass);
   }
   return n;
+}
+
+// The same for a ramp and the stage's own comparison, whatever it is.
+template <bool store, class Watch>
+HWY_NOINLINE std::size_t test_depth_by_func(const DepthStage& stage, const DepthFormats& f, const Sequence& h,
+                                            std::uint32_t* stored, std::size_t from, std::size_t to,
+                                            std::int32_t* passing, std::int32_t* codes) {
+  return test_depth<store, Test::many, Watch>(stage, f, stage.func, h, stored, from, to, passing, codes);
 }
 
 }  // namespace

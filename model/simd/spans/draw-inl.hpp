@@ -38,6 +38,8 @@ void draw(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<
   const DepthStage& stage = pipeline.depth;
   const FormatsOf<DepthFormats, fixed_depth> depth_formats(stage.formats);
   const DepthFormats& df = *depth_formats;
+  constexpr DepthFunc less = DepthFunc::less;
+  const bool only_nearer = passes_only_nearer(stage.func);
   find_ramps<fixed>(pipeline.span.formats, spans, work.ramps);
   Filler<T, Watch, fixed> filler(pipeline, work, sink);
   const std::int64_t* rows = spans[&SpanRecord::y];
@@ -106,14 +108,18 @@ void draw(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<
       std::size_t n = 0;
       if (linear[i] == 0) [[unlikely]] {
         registers_of(pipeline.span, spans, i, work, s);
-        n = test_depth<false, Test::walked, Watch>(stage, df, s[0], stored, from, to, place, code);
+        n = test_depth<false, Test::walked, Watch>(stage, df, stage.func, s[0], stored, from, to, place,
+                                                   code);
         for (std::size_t k = 0; shared && k < n; ++k) stored[place[k]] = static_cast<std::uint32_t>(code[k]);
+      } else if (!only_nearer) [[unlikely]] {
+        n = shared ? test_depth_by_func<true, Watch>(stage, df, ramp, stored, from, to, place, code)
+                   : test_depth_by_func<false, Watch>(stage, df, ramp, stored, from, to, place, code);
       } else if (!shared) {
-        n = test_depth<false, Test::many, Watch>(stage, df, ramp, stored, from, to, place, code);
+        n = test_depth<false, Test::many, Watch>(stage, df, less, ramp, stored, from, to, place, code);
       } else if (count > few_pixels) {
-        n = test_depth<true, Test::many, Watch>(stage, df, ramp, stored, from, to, place, code);
+        n = test_depth<true, Test::many, Watch>(stage, df, less, ramp, stored, from, to, place, code);
       } else {
-        n = test_depth<true, Test::few, Watch>(stage, df, ramp, stored, from, to, place, code);
+        n = test_depth<true, Test::few, Watch>(stage, df, less, ramp, stored, from, to, place, code);
       }
       passed.piece[passed.pieces] = {static_cast<std::int32_t>(i), static_cast<std::int32_t>(n)};
       passed.pieces += n != 0 ? 1 : 0;

@@ -211,7 +211,7 @@ void draw_every(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std:
       depth.y = y;
       const auto pixel = static_cast<std::size_t>(y * frame.width + fragment.x);
       depth.stored = frame.depth[pixel];
-      depth.pass = depth_passes(pipeline.depth.formats, depth.z, depth.stored) ? 1 : 0;
+      depth.pass = depth_passes(pipeline.depth.formats, pipeline.depth.func, depth.z, depth.stored) ? 1 : 0;
       if (trace != nullptr) {
         trace->fragment.push_back(fragment);
         trace->depth.push_back(depth);
