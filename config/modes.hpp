@@ -9,8 +9,12 @@
 
 namespace bitspan {
 
-// Stands after an exhaustive switch whose cases all return.
-[[noreturn]] constexpr void unreachable() { __builtin_unreachable(); }
+// Stands after an exhaustive switch whose cases all return. It is a template because no call of it is a
+// constant expression, which clang allows in templates alone.
+template <class = void>
+[[noreturn]] constexpr void unreachable() {
+  __builtin_unreachable();
+}
 
 // ---------------------------------------------------------------- raster
 

@@ -481,6 +481,7 @@ void SpanMachine::clock_until_drained(std::span<const Triangle> triangles, std::
     if (done) break;
     watch(now);
   }
+  workload_.finish();
   // Up to here the clocks have run; each stage's state stands until the next draw call.
   for (Meter* meter : {&setup_.meter, &walk_.meter, &interpolator_.setup, &interpolator_.span}) {
     meter->settle(cycles_);

@@ -92,6 +92,13 @@ class Workload::Batch final : model::BlockSink<std::int64_t> {
     draw(slice_);
   }
 
+  void finish() {
+    while (!to_draw_.empty()) {
+      make_spans();
+      if (!steps_.empty()) throw std::logic_error("span mode has left a triangle of a draw call unwalked");
+    }
+  }
+
  private:
   struct SetUpTriangle {
     model::SpanDraw draw;
@@ -257,6 +264,10 @@ void Workload::start(std::span<const Triangle> triangles, std::int64_t first_ind
   index_ = first_index;
   batched_ = batch_ != nullptr && run_.trace == nullptr;
   if (batched_) batch_->start(triangles, first_index);
+}
+
+void Workload::finish() {
+  if (batched_) batch_->finish();
 }
 
 void Workload::set_up() {

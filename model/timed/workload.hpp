@@ -61,6 +61,9 @@ class Workload {
   // The next draw call; the last one's triangles have all been walked. Without a trace the values come from
   // the vector form's kernels (model/simd/) where the configuration has them, else from the stage functions.
   void start(std::span<const Triangle> triangles, std::int64_t first_index);
+  // Makes what is left of the draw call once its clocks have run: counts the triangles without an area behind
+  // the last that was walked.
+  void finish();
   // Whether triangle `number` goes on from setup; it has been offered.
   bool triangle_kept(std::uint64_t number) {
     while (number >= triangles_.end()) set_up();
