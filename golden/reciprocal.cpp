@@ -66,37 +66,28 @@ ReciprocalUnit<Real>::ReciprocalUnit(const Reciprocal& unit, int operand_fractio
 }
 
 template <class Real>
-Real ReciprocalUnit<Real>::linear(Real n) const {
-  const Real position = (floor_of(n * operand_scale_) * operand_ulp_ - 1) * index_scale_;
-  const Real j = floor_of(position);
-  const auto index = static_cast<std::size_t>(to_integer(j));
-  const Real from = table_[index];
-  const Real fall = from - table_[index + 1];
-  const Real t = position - j;
-  if (single_) return cut(from - fall * t);
-  return cut(ExactSum(-exact_product(fall, t)).add(base_of(from)).get());
-}
-
-template <class Real>
-Real ReciprocalUnit<Real>::newton(Real n) const {
-  const Real nq = floor_of(n * operand_scale_) * operand_ulp_;
-  Real y = table_[static_cast<std::size_t>(to_integer(floor_of((nq - 1) * index_scale_)))];
-  for (int step = 0; step < steps_; ++step) {
-    const Real a = single_ ? cut(nq * y) : cut(exact_product(nq, y));
-    y = single_ ? cut(y * (2 - a)) : cut(exact_product(y, 2 - a));
-  }
-  return y;
-}
-
-template <class Real>
 Real ReciprocalUnit<Real>::by_table(Real n) const {
+  const Real nq = floor_of(n * operand_scale_) * operand_ulp_;
+  const Real position = (nq - 1) * index_scale_;
+  const Real j = floor_of(position);
+  const Real t = position - j;
   switch (kind_) {
     case ReciprocalKind::restoring:  // has no table
       break;
-    case ReciprocalKind::lut_linear:
-      return linear(n);
-    case ReciprocalKind::lut_newton:
-      return newton(n);
+    case ReciprocalKind::lut_linear: {
+      const Real from = entry(j);
+      const Real fall = from - entry(j + 1);
+      if (single_) return cut(from - fall * t);
+      return cut(ExactSum(-exact_product(fall, t)).add(base_of(from)).get());
+    }
+    case ReciprocalKind::lut_newton: {
+      Real y = entry(j);
+      for (int step = 0; step < steps_; ++step) {
+        const Real a = single_ ? cut(nq * y) : cut(exact_product(nq, y));
+        y = single_ ? cut(y * (2 - a)) : cut(exact_product(y, 2 - a));
+      }
+      return y;
+    }
   }
   unreachable();
 }

@@ -119,19 +119,6 @@ class Counter {
     }
   }
 
-  // Clocks between the normalised operand and y.
-  static int core_clocks(const Reciprocal& unit, const RestoringShape& restoring_is) {
-    switch (unit.kind) {
-      case ReciprocalKind::restoring:
-        return restoring_is.iterations;
-      case ReciprocalKind::lut_linear:
-        return 2;
-      case ReciprocalKind::lut_newton:
-        return 1 + 2 * unit.steps;
-    }
-    unreachable();
-  }
-
   // rtl/reciprocal.sv.
   Exponents reciprocal(const Reciprocal& unit, Grid operand) {
     const int op = operand.bits();

@@ -1,0 +1,73 @@
+#include "config/reciprocal.hpp"
+
+#include <algorithm>
+
+#include "config/modes.hpp"
+
+namespace bitspan {
+
+std::vector<std::int64_t> reciprocal_table(const Reciprocal& unit) {
+  using Wide = __int128;
+  const Wide segments = Wide{1} << unit.index_bits;
+  std::vector<std::int64_t> table;
+  // n / d to the nearest.
+  const auto add = [&](Wide n, Wide d) {
+    table.push_back(static_cast<std::int64_t>(((n << (unit.table_bits + 1)) + d) / (2 * d)));
+  };
+  switch (unit.kind) {
+    case ReciprocalKind::restoring:
+      break;
+    case ReciprocalKind::lut_linear:
+      for (Wide i = 0; i <= segments; ++i) add(segments, segments + i);
+      break;
+    case ReciprocalKind::lut_newton:
+      for (Wide j = 0; j < segments; ++j) add(2 * segments, 2 * segments + 2 * j + 1);
+      break;
+  }
+  return table;
+}
+
+ReciprocalParts parts_of(const Reciprocal& unit) {
+  const Grid nq{1, unit.operand_bits, false};
+  const Grid entry{1, unit.table_bits, false};
+  const Grid y{1, unit.internal_bits, false};
+  const int t = unit.operand_bits - unit.index_bits;
+  const ReciprocalParts::Width table_entry{"table entry", unit.table_bits + unit.index_bits + 3};
+  switch (unit.kind) {
+    case ReciprocalKind::restoring:
+      return {};
+    case ReciprocalKind::lut_linear:
+      return {.registers = {{"nq", nq.bits(), 1}, {"c", entry.bits(), 2}, {"y", y.bits(), 1}},
+              .products = {{"(c(j) - c(j+1)) t", entry.bits(), t}},
+              .exact = {table_entry,
+                        {"c(j) - (c(j) - c(j+1)) t", std::max(unit.table_bits + t, unit.internal_bits) + 2}},
+              .table_bits = table_entries(unit) * entry.bits(),
+              .fraction = unit.internal_bits,
+              .clocks = 2};
+    case ReciprocalKind::lut_newton: {
+      ReciprocalParts parts{.registers = {{"nq", nq.bits(), 1}, {"y(0)", entry.bits(), 1}},
+                            .products = {},
+                            .exact = {table_entry},
+                            .table_bits = table_entries(unit) * entry.bits(),
+                            .fraction = unit.table_bits,
+                            .clocks = 1 + 2 * unit.steps};
+      if (unit.steps == 0) return parts;
+      const Grid a{2, unit.internal_bits, false};
+      parts.registers.push_back({"a", a.bits(), unit.steps});
+      parts.registers.push_back({"y", y.bits(), unit.steps});
+      for (int step = 0; step < unit.steps; ++step) {
+        const Grid before = step == 0 ? entry : y;
+        parts.products.push_back({"nq y", nq.bits(), before.bits()});
+        parts.products.push_back({"y (2 - a)", before.bits(), a.bits()});
+      }
+      const int widest = std::max(unit.table_bits, unit.internal_bits);
+      parts.exact.push_back({"nq y", std::max(unit.operand_bits + widest, unit.internal_bits) + 3});
+      parts.exact.push_back({"y (2 - a)", widest + unit.internal_bits + 4});
+      parts.fraction = unit.internal_bits;
+      return parts;
+    }
+  }
+  unreachable();
+}
+
+}  // namespace bitspan
