@@ -4,6 +4,8 @@
 #include <memory>
 #include <systemc>
 
+#include "config/modes.hpp"
+
 namespace bitspan::bench {
 namespace {
 
@@ -162,9 +164,11 @@ struct Kernel {
 
 template <class Registers>
 SpanKernel make(const SpanCase& c) {
-  if (c.config.perspective != Perspective::delta_f || !c.config.pixel_reciprocal.normalize ||
-      c.config.pixel_reciprocal.kind == ReciprocalKind::lut_linear) {
-    throw InputError("the SystemC span kernel is delta_f with a normalised reciprocal, not lut_linear");
+  const Reciprocal& unit = c.config.pixel_reciprocal;
+  if (c.config.perspective != Perspective::delta_f || !unit.normalize ||
+      (has_table(unit.kind) && !has_newton_steps(unit.kind))) {
+    throw InputError(
+        "the SystemC span kernel is delta_f with a normalised reciprocal, restoring or lut_newton");
   }
   return [kernel = std::make_shared<Kernel<Registers>>(c)](SpanOutput* keep) {
     (*kernel)();

@@ -6,6 +6,7 @@
 
 #include "config/grid.hpp"
 #include "config/modes.hpp"
+#include "config/reciprocal.hpp"
 
 namespace bitspan {
 namespace {
@@ -80,33 +81,16 @@ class List {
     const auto inside = [&](std::string expression, int bits) {
       add({u.name, u.name, std::move(expression), formats({}, &u), bits});
     };
-    int fraction = 0;  // of y
-    switch (r.kind) {
-      case ReciprocalKind::restoring: {
-        // 2^k / d, k so that the quotient ends at the output's last place.
-        const int out = r.output.fraction();
-        const int k = r.normalize ? out + u.operand.bits() - 1 : out + u.operand.fraction;
-        inside("1 / d", std::max(std::max(k, 0) + 2, as_signed(u.operand).bits() + std::max(-k, 0)));
-        return;
-      }
-      case ReciprocalKind::lut_linear:
-        inside("table entry", r.table_bits + r.index_bits + 3);
-        inside("c(j) - (c(j) - c(j+1)) t",
-               std::max(r.table_bits + r.operand_bits - r.index_bits, r.internal_bits) + 2);
-        fraction = r.internal_bits;
-        break;
-      case ReciprocalKind::lut_newton: {
-        inside("table entry", r.table_bits + r.index_bits + 3);
-        fraction = r.table_bits;
-        if (r.steps == 0) break;
-        const int widest = std::max(r.table_bits, r.internal_bits);
-        inside("nq y", std::max(r.operand_bits + widest, r.internal_bits) + 3);
-        inside("y (2 - a)", widest + r.internal_bits + 4);
-        fraction = r.internal_bits;
-        break;
-      }
+    if (!has_table(r.kind)) {
+      // 2^k / d, k so that the quotient ends at the output's last place.
+      const int out = r.output.fraction();
+      const int k = r.normalize ? out + u.operand.bits() - 1 : out + u.operand.fraction;
+      inside("1 / d", std::max(std::max(k, 0) + 2, as_signed(u.operand).bits() + std::max(-k, 0)));
+      return;
     }
-    const Grid y{2, fraction, true};
+    const ReciprocalParts parts = parts_of(r);
+    for (const auto& [expression, width] : parts.exact) inside(std::string(expression), width);
+    const Grid y{2, parts.fraction, true};
     int bits = bits_for(y, r.output);
     if (!r.normalize) {
       const Exponents exponents = exponents_on(u.operand);

@@ -67,8 +67,8 @@ constexpr unsigned ideal = affects::ideal, values = affects::values, clocks = af
                    rtl = affects::rtl;
 
 constexpr KeyUse of_lut{Presence::where_used, "restoring", is_lut, Unused::zero, for_kind, in_rtl_unit};
-constexpr KeyUse of_newton{
-    Presence::where_used, "restoring and lut_linear", is_newton, Unused::zero, for_kind, in_rtl_unit};
+constexpr KeyUse of_newton{Presence::where_used, "the kinds without steps", is_newton, Unused::zero, for_kind,
+                           in_rtl_unit};
 constexpr KeyUse of_restoring{Presence::where_used, "the table kinds", is_restoring,
                               Unused::zero,         for_kind,          in_rtl_unit};
 constexpr KeyUse of_own_clocks{
@@ -142,7 +142,7 @@ constexpr KeyRow rows[] = {
      values | clocks | rtl,
      "UNIT is edge (of an edge's height), row (of a span's length; of h + B in const_depth_rows) or pixel "
      "(of "
-     "h + B): exact digits; a table and a line between its entries; a table and Newton steps",
+     "h + B); reciprocals.md describes the kinds",
      {.in_rtl = in_rtl_unit}},
     {"reciprocal.UNIT.normalize",
      IN_UNIT(normalize),

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "config/modes.hpp"
+#include "config/reciprocal.hpp"
 
 namespace bitspan {
 namespace {
@@ -60,15 +61,8 @@ RestoringShape restoring_shape(const Reciprocal& unit, Grid operand) {
 }
 
 int reciprocal_latency(const Reciprocal& unit, Grid operand) {
-  switch (unit.kind) {
-    case ReciprocalKind::restoring:  // normalise, quotient bits, Q
-      return 2 + restoring_shape(unit, operand).iterations;
-    case ReciprocalKind::lut_linear:  // normalise, table, interpolation, Q
-      return 4;
-    case ReciprocalKind::lut_newton:  // normalise, table, two products a step, Q
-      return 3 + 2 * unit.steps;
-  }
-  return 0;
+  const int made = has_table(unit.kind) ? parts_of(unit).clocks : restoring_shape(unit, operand).iterations;
+  return 1 + made + 1;  // normalise, make the result, Q
 }
 
 RowDivideShape row_divide_shape(const Config& config) {

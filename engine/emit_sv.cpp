@@ -8,7 +8,7 @@
 
 #include "config/modes.hpp"
 #include "config/names.hpp"
-#include "config/reciprocal_table.hpp"
+#include "config/reciprocal.hpp"
 #include "config/rtl_timing.hpp"
 
 namespace bitspan {

@@ -29,6 +29,24 @@ std::vector<std::int64_t> reciprocal_table(const Reciprocal& unit) {
     case ReciprocalKind::lut_newton:  // in the middle of each segment
       for (std::int64_t i = 0; i < segments; ++i) add(Quad(i) + Quad(0.5));
       break;
+    case ReciprocalKind::lut_quadratic: {
+      // With x = 1 + i / segments and half a segment h: 1/x, and the differences of 1/x, 1/(x + h), 1/(x + 2
+      // h).
+      const Quad h = pow2<Quad>(-unit.index_bits - 1);
+      const auto add_quotient = [&](Quad n, Quad d) {
+        table.push_back(
+            to_integer(round_whole(whole_of_quotient(n * pow2<Quad>(unit.table_bits), d), Rounding::rnd)));
+      };
+      const auto x = [&](std::int64_t i) { return 1 + Quad(2 * i) * h; };
+      for (std::int64_t i = 0; i < segments; ++i) add(Quad(i));
+      for (std::int64_t i = 0; i < segments; ++i) {
+        add_quotient(2 * h * (x(i) + 3 * h), x(i) * (x(i) + h) * (x(i) + 2 * h));
+      }
+      for (std::int64_t i = 0; i < segments; ++i) {
+        add_quotient(4 * h * h, x(i) * (x(i) + h) * (x(i) + 2 * h));
+      }
+      break;
+    }
   }
   return table;
 }
@@ -42,6 +60,9 @@ int lut_product_bits(const Reciprocal& unit) {
     case ReciprocalKind::lut_newton:
       return std::max(unit.table_bits, unit.internal_bits + 1) + 1 +
              std::max(unit.operand_bits, unit.internal_bits);
+    case ReciprocalKind::lut_quadratic:
+      return std::max(unit.table_bits, unit.internal_bits) + 1 +
+             std::max(unit.operand_bits - unit.index_bits, 0);
   }
   unreachable();
 }
@@ -66,37 +87,37 @@ ReciprocalUnit<Real>::ReciprocalUnit(const Reciprocal& unit, int operand_fractio
 }
 
 template <class Real>
-Real ReciprocalUnit<Real>::linear(Real n) const {
-  const Real position = (floor_of(n * operand_scale_) * operand_ulp_ - 1) * index_scale_;
-  const Real j = floor_of(position);
-  const auto index = static_cast<std::size_t>(to_integer(j));
-  const Real from = table_[index];
-  const Real fall = from - table_[index + 1];
-  const Real t = position - j;
-  if (single_) return cut(from - fall * t);
-  return cut(ExactSum(-exact_product(fall, t)).add(base_of(from)).get());
-}
-
-template <class Real>
-Real ReciprocalUnit<Real>::newton(Real n) const {
-  const Real nq = floor_of(n * operand_scale_) * operand_ulp_;
-  Real y = table_[static_cast<std::size_t>(to_integer(floor_of((nq - 1) * index_scale_)))];
-  for (int step = 0; step < steps_; ++step) {
-    const Real a = single_ ? cut(nq * y) : cut(exact_product(nq, y));
-    y = single_ ? cut(y * (2 - a)) : cut(exact_product(y, 2 - a));
-  }
-  return y;
-}
-
-template <class Real>
 Real ReciprocalUnit<Real>::by_table(Real n) const {
+  const Real nq = floor_of(n * operand_scale_) * operand_ulp_;
+  const Real position = (nq - 1) * index_scale_;
+  const Real j = floor_of(position);
+  const Real t = position - j;
   switch (kind_) {
     case ReciprocalKind::restoring:  // has no table
       break;
-    case ReciprocalKind::lut_linear:
-      return linear(n);
-    case ReciprocalKind::lut_newton:
-      return newton(n);
+    case ReciprocalKind::lut_linear: {
+      const Real from = entry(j);
+      const Real fall = from - entry(j + 1);
+      if (single_) return cut(from - fall * t);
+      return cut(ExactSum(-exact_product(fall, t)).add(base_of(from)).get());
+    }
+    case ReciprocalKind::lut_newton: {
+      Real y = entry(j);
+      for (int step = 0; step < steps_; ++step) {
+        const Real a = single_ ? cut(nq * y) : cut(exact_product(nq, y));
+        y = single_ ? cut(y * (2 - a)) : cut(exact_product(y, 2 - a));
+      }
+      return y;
+    }
+    case ReciprocalKind::lut_quadratic: {
+      const Real segments = index_scale_;
+      const Real value = entry(j);
+      const Real slope = entry(segments + j);
+      const Real curvature = entry(2 * segments + j);
+      if (single_) return cut(value - cut(slope - curvature * t) * t);
+      const Real g = cut(ExactSum(-exact_product(curvature, t)).add(base_of(slope)).get());
+      return cut(ExactSum(-exact_product(g, t)).add(base_of(value)).get());
+    }
   }
   unreachable();
 }
@@ -114,6 +135,7 @@ bool ReciprocalUnit<Real>::quick(const Column& d, std::size_t n, Column& m, Colu
       for (std::size_t i = 0; i < n; ++i) y.at[i] = 1;
       return lanes_narrow_quotient(y, normal, to_ulps, quick_output_, n, m) == 0;
     case ReciprocalKind::lut_linear:
+    case ReciprocalKind::lut_quadratic:
       return false;
     case ReciprocalKind::lut_newton: {
       Column nq;

@@ -61,10 +61,9 @@ class ReciprocalUnit {
   Real cut(const PairOf<Real>& x) const {
     return Real(whole_of(x.scaled(base_of(internal_scale_))).whole) * internal_ulp_;
   }
+  Real entry(Real index) const { return table_[static_cast<std::size_t>(to_integer(index))]; }
   // 1 / n as a kind with a table has it, before it is narrowed.
   Real by_table(Real n) const;
-  Real linear(Real n) const;
-  Real newton(Real n) const;
 
   ReciprocalKind kind_;
   bool normalize_;
@@ -77,8 +76,7 @@ class ReciprocalUnit {
   std::vector<Real> table_;
 };
 
-// Returns the table of a lut kind in units of 2^-table_bits: 2^index_bits + 1 entries for lut_linear,
-// 2^index_bits for lut_newton; empty for restoring.
+// Returns the table of a lut kind in units of 2^-table_bits; it is empty for restoring.
 std::vector<std::int64_t> reciprocal_table(const Reciprocal& unit);
 
 // Returns the significant bits that hold every product of a lut kind.

@@ -119,19 +119,6 @@ class Counter {
     }
   }
 
-  // Clocks between the normalised operand and y.
-  static int core_clocks(const Reciprocal& unit, const RestoringShape& restoring_is) {
-    switch (unit.kind) {
-      case ReciprocalKind::restoring:
-        return restoring_is.iterations;
-      case ReciprocalKind::lut_linear:
-        return 2;
-      case ReciprocalKind::lut_newton:
-        return 1 + 2 * unit.steps;
-    }
-    unreachable();
-  }
-
   // rtl/reciprocal.sv.
   Exponents reciprocal(const Reciprocal& unit, Grid operand) {
     const int op = operand.bits();
@@ -176,6 +163,20 @@ class Counter {
         add_registers(2 * entry + t + y.bits());
         shape_.sums += entry + entry + t;
         multiply(entry, t + 1);
+        return y;
+      }
+      case ReciprocalKind::lut_quadratic: {
+        const int t = nq_fraction - unit.index_bits;
+        const int c1 = std::max(1, entry - unit.index_bits);
+        const int c2 = std::max(1, entry - 2 * unit.index_bits);
+        const int g = std::max(1, y.bits() - unit.index_bits);
+        shape_.table += segments * (entry + c1 + c2);
+        add_registers(entry + c1 + c2 + t);
+        add_registers(entry + g + t);
+        add_registers(y.bits());
+        multiply(c2, t);
+        multiply(g, t);
+        shape_.sums += c1 + t + std::max(entry, unit.internal_bits + t + 1);
         return y;
       }
       case ReciprocalKind::lut_newton:

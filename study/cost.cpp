@@ -5,6 +5,7 @@
 
 #include "config/grid.hpp"
 #include "config/modes.hpp"
+#include "config/reciprocal.hpp"
 #include "config/rtl_timing.hpp"
 
 namespace bitspan {
@@ -168,54 +169,6 @@ std::vector<Unit> units(const Config& c) {
   return list;
 }
 
-// What a kind of reciprocal has inside: registers by name, products, and bits of its table.
-struct UnitParts {
-  std::vector<RegisterPlace> registers;
-  std::vector<Multiplier> products;
-  std::int64_t table_bits = 0;
-};
-
-UnitParts parts_of(const Unit& unit) {
-  const Reciprocal& r = *unit.r;
-  UnitParts parts;
-  const auto keep = [&](const char* name, Grid g, int times) {
-    parts.registers.push_back({unit.stage, unit.name + "." + name, g.bits(), times});
-  };
-  const auto multiply = [&](const char* product, Grid a, Grid b) {
-    parts.products.push_back({unit.stage, unit.name + ": " + product, a.bits(), b.bits(), 1});
-  };
-  const Grid nq{1, r.operand_bits, false};
-  const Grid entry{1, r.table_bits, false};
-  const Grid y{1, r.internal_bits, false};
-  const std::int64_t segments = std::int64_t{1} << r.index_bits;
-  switch (r.kind) {
-    case ReciprocalKind::restoring:
-      break;
-    case ReciprocalKind::lut_linear:
-      keep("nq", nq, 1);
-      keep("c", entry, 2);
-      keep("y", y, 1);
-      multiply("(c(j) - c(j+1)) t", entry, {0, r.operand_bits - r.index_bits, false});
-      parts.table_bits = (segments + 1) * entry.bits();
-      break;
-    case ReciprocalKind::lut_newton: {
-      const Grid a{2, r.internal_bits, false};
-      keep("nq", nq, 1);
-      keep("y(0)", entry, 1);
-      if (r.steps > 0) keep("a", a, r.steps);
-      if (r.steps > 0) keep("y", y, r.steps);
-      for (int step = 0; step < r.steps; ++step) {
-        const Grid before = step == 0 ? entry : y;
-        multiply("nq y", nq, before);
-        multiply("y (2 - a)", before, a);
-      }
-      parts.table_bits = segments * entry.bits();
-      break;
-    }
-  }
-  return parts;
-}
-
 constexpr Grid kCode{8, 0, false};  // texels, frame buffer, fog colour
 
 class Products {
@@ -250,8 +203,9 @@ class Products {
   }
 
   void inside(const Unit& unit) {
-    UnitParts parts = parts_of(unit);
-    for (Multiplier& m : parts.products) list_.push_back(std::move(m));
+    for (const auto& [text, a, b] : parts_of(*unit.r).products) {
+      list_.push_back({unit.stage, unit.name + ": " + std::string(text), a, b, 1});
+    }
   }
 
   void setup() {
@@ -376,8 +330,9 @@ std::vector<RegisterPlace> register_places(const Config& config) {
       places.push_back({std::string(r.stage), std::string(r.name), r.word(config), r.times});
   }
   for (const Unit& u : units(config)) {
-    UnitParts parts = parts_of(u);
-    for (RegisterPlace& p : parts.registers) places.push_back(std::move(p));
+    for (const auto& [name, bits, times] : parts_of(*u.r).registers) {
+      places.push_back({u.stage, u.name + "." + std::string(name), bits, times});
+    }
   }
   return places;
 }
@@ -398,7 +353,7 @@ double product_bits(const Config& config) {
 
 double table_bits(const Config& config) {
   std::int64_t bits = 0;
-  for (const Unit& u : units(config)) bits += parts_of(u).table_bits;
+  for (const Unit& u : units(config)) bits += parts_of(*u.r).table_bits;
   if (has_fog_table(config.fog)) {
     bits += (std::int64_t{1} << config.fog_index_bits()) * config.format(F::fog_factor).word;
   }

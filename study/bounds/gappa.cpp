@@ -178,27 +178,21 @@ std::string reciprocal_script(const Reciprocal& unit, const TablePart& part, dou
   std::string steps;
   std::string hints;
   int last = 0;
-  switch (unit.kind) {
-    case ReciprocalKind::restoring:
-      unreachable();
-    case ReciprocalKind::lut_linear:
-      what = "line between two entries";
-      last = 1;
-      steps = "y1 = cut(y0);\ne1 = nq * y1 - 1;\n";
-      hints = "e1 -> e0 + nq * (y1 - y0);\n";
-      break;
-    case ReciprocalKind::lut_newton:
-      what = "entry";
-      grid = fmt::format(" /\\ @FIX(y0,{})", -unit.table_bits);
-      for (; last < unit.steps; ++last) {
-        steps +=
-            fmt::format("a{0} = cut(nq * y{0});\ny{1} = cut(y{0} * (2 - a{0}));\ne{1} = nq * y{1} - 1;\n",
-                        last, last + 1);
-        hints += fmt::format(
-            "e{1} -> -(e{0} * e{0}) - (1 + e{0}) * (a{0} - nq * y{0}) + nq * (y{1} - y{0} * (2 - a{0}));\n",
-            last, last + 1);
-      }
-      break;
+  if (has_newton_steps(unit.kind)) {
+    what = "entry";
+    grid = fmt::format(" /\\ @FIX(y0,{})", -unit.table_bits);
+    for (; last < unit.steps; ++last) {
+      steps += fmt::format("a{0} = cut(nq * y{0});\ny{1} = cut(y{0} * (2 - a{0}));\ne{1} = nq * y{1} - 1;\n",
+                           last, last + 1);
+      hints += fmt::format(
+          "e{1} -> -(e{0} * e{0}) - (1 + e{0}) * (a{0} - nq * y{0}) + nq * (y{1} - y{0} * (2 - a{0}));\n",
+          last, last + 1);
+    }
+  } else {
+    what = "curve through entries";
+    last = 1;
+    steps = "y1 = cut(y0);\ne1 = nq * y1 - 1;\n";
+    hints = "e1 -> e0 + nq * (y1 - y0);\n";
   }
   text += fmt::format(
       "@cut = fixed<{},dn>;\n"

@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "config/modes.hpp"
-#include "config/reciprocal_table.hpp"
+#include "config/reciprocal.hpp"
 #include "study/bounds/format_range.hpp"
 
 namespace bitspan::bounds {
@@ -13,8 +13,43 @@ namespace {
 
 constexpr std::int64_t runs = 16;
 
-// y is an entry of the table as it stands, never cut to internal_bits.
-bool is_bare_table(const Reciprocal& r) { return has_newton_steps(r.kind) && r.steps == 0; }
+// y nq - 1 for y = c - slope t and nq = a + step t, t in 0..1: a parabola in t that opens downward.
+Interval line(double c, Interval slope, double a, double step) {
+  const auto product = [&](double t) { return (c - slope * t) * (a + Interval(step) * t) - 1; };
+  const auto growth = [&](double t) { return (c - slope * t) * step - slope * (a + Interval(step) * t); };
+  Interval relative = hull(product(0), product(1));
+  // Below each of its tangents; the one near the top is level, so any guess of the top proves a bound.
+  const double top = slope.hi > 0 ? std::clamp((c * step / slope.hi - a) / (2 * step), 0.0, 1.0) : 0.0;
+  const Interval tangent = product(top) + growth(top) * Interval(-top, 1 - top);
+  relative.hi = std::max(relative.hi, tangent.hi);
+  return relative;
+}
+
+// y nq - 1 for y = c0 - (c1 - c2 t) t and nq = a + step t, t in 0..1: a cubic in t. A piece of it lies in the
+// hull of its Bernstein coefficients.
+Interval parabola(double c0, double c1, double c2, double a, double step) {
+  constexpr int pieces = 8;
+  constexpr double w = 1.0 / pieces;
+  // The coefficient per power of t.
+  const Interval k0 = Interval(c0) * a - 1;
+  const Interval k1 = Interval(c0) * step - Interval(c1) * a;
+  const Interval k2 = Interval(c2) * a - Interval(c1) * step;
+  const Interval k3 = Interval(c2) * step;
+  Interval relative = k0;
+  for (int i = 0; i < pieces; ++i) {
+    // The coefficient per power of x, where t = u + w x and x is in 0..1.
+    const Interval u(i * w);
+    const Interval b0 = k0 + u * (k1 + u * (k2 + u * k3));
+    const Interval b1 = Interval(w) * (k1 + u * (2 * k2 + 3 * u * k3));
+    const Interval b2 = Interval(w * w) * (k2 + 3 * u * k3);
+    const Interval b3 = Interval(w * w * w) * k3;
+    relative = hull(relative, b0);
+    relative = hull(relative, b0 + b1 / 3);
+    relative = hull(relative, b0 + (2 * b1 + b2) / 3);
+    relative = hull(relative, b0 + b1 + b2 + b3);
+  }
+  return relative;
+}
 
 }  // namespace
 
@@ -23,7 +58,7 @@ Unit::Unit(const Reciprocal& r) : r_(r), table_(reciprocal_table(r)) {
     parts_ = {{Interval(1, 2), 0, 0}};
     return;
   }
-  fraction_ = is_bare_table(r) ? r.table_bits : r.internal_bits;
+  fraction_ = parts_of(r).fraction;
   const std::int64_t entries = std::int64_t{1} << r.index_bits;
   const std::int64_t run = std::max<std::int64_t>(1, entries / runs);
   for (std::int64_t first = 0; first < entries; first += run) {
@@ -70,39 +105,25 @@ double Unit::table_value(std::int64_t i) const {
 
 // y nq - 1 over segment j, as it is read of the table.
 Interval Unit::segment(std::int64_t j) const {
+  const double step = std::ldexp(1.0, -r_.index_bits);
+  const double a = 1 + static_cast<double>(j) * step;
+  const double y = table_value(j);
   switch (r_.kind) {
     case ReciprocalKind::restoring:  // has no table
       break;
     case ReciprocalKind::lut_linear:
-      return line(j);
+      return line(y, Interval(y) - table_value(j + 1), a, step);
     case ReciprocalKind::lut_newton:
-      return entry(j);
+      return Interval(a, a + step) * y - 1;
+    case ReciprocalKind::lut_quadratic: {
+      const std::int64_t segments = std::int64_t{1} << r_.index_bits;
+      // g is cut, and counts t times: y becomes larger by less than that.
+      const Interval cut_of_g(0, std::ldexp(1.0, -r_.internal_bits));
+      return parabola(y, table_value(segments + j), table_value(2 * segments + j), a, step) +
+             Interval(a, a + step) * cut_of_g;
+    }
   }
   unreachable();
-}
-
-// y(t) = c - slope t between two entries; y nq - 1 is a parabola in t that opens downward.
-Interval Unit::line(std::int64_t j) const {
-  const double step = std::ldexp(1.0, -r_.index_bits);
-  const double c = table_value(j);
-  const double next = table_value(j + 1);
-  const Interval slope = Interval(c) - next;
-  const double a = 1 + static_cast<double>(j) * step;
-  const auto product = [&](double t) { return (c - slope * t) * (a + Interval(step) * t) - 1; };
-  const auto growth = [&](double t) { return (c - slope * t) * step - slope * (a + Interval(step) * t); };
-  Interval relative = hull(product(0), product(1));
-  // Below each of its tangents; the one near the top is level, so any guess of the top proves a bound.
-  const double top = slope.hi > 0 ? std::clamp((c * step / slope.hi - a) / (2 * step), 0.0, 1.0) : 0.0;
-  const Interval tangent = product(top) + growth(top) * Interval(-top, 1 - top);
-  relative.hi = std::max(relative.hi, tangent.hi);
-  return relative;
-}
-
-Interval Unit::entry(std::int64_t j) const {
-  const double y = table_value(j);
-  const double step = std::ldexp(1.0, -r_.index_bits);
-  const double a = 1 + static_cast<double>(j) * step;
-  return Interval(a, a + step) * y - 1;
 }
 
 // y nq - 1 after the truncations. With e = nq y - 1, a Newton step gives -e^2 + (1 + e) r1 - nq r2, where
@@ -113,6 +134,7 @@ Interval Unit::computed(Interval nq, Interval e) const {
     case ReciprocalKind::restoring:  // has no table
       break;
     case ReciprocalKind::lut_linear:
+    case ReciprocalKind::lut_quadratic:
       return e - nq * lost;
     case ReciprocalKind::lut_newton:
       for (int i = 0; i < r_.steps; ++i) e = (1 + e) * lost - square(e) - nq * lost;

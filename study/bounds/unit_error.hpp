@@ -19,7 +19,7 @@ struct UnitError {
 // A run of a table's entries; of `restoring`, all operands.
 struct TablePart {
   Interval operand;   // n, within 1..2
-  Interval table;     // y nq - 1 as the table has it (lut_linear: as the line between two entries)
+  Interval table;     // y nq - 1 of an entry, or of the curve through entries, whose value is then cut
   Interval relative;  // y n - 1 in front of the output's rounding
 };
 
@@ -33,8 +33,6 @@ class Unit {
 
  private:
   Interval segment(std::int64_t j) const;
-  Interval line(std::int64_t j) const;
-  Interval entry(std::int64_t j) const;
   double table_value(std::int64_t i) const;
   Interval computed(Interval nq, Interval e) const;
   Interval with_rest(Interval e) const;

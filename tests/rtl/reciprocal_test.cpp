@@ -6,6 +6,7 @@
 #include <regex>
 #include <sstream>
 
+#include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 #include "engine/emit_sv.hpp"
 #include "tb/rtl_build.hpp"
@@ -13,6 +14,7 @@
 #include "tests/rtl/reference.hpp"
 #include "tests/rtl/simulate.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/reciprocal_definition.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -24,7 +26,7 @@ constexpr int operand_bits = 9;
 std::vector<Config> unit_configs() {
   std::vector<Config> configs;
   Random random(7);
-  for (int kind = 0; kind < 3; ++kind) {
+  for (int kind = 0; kind < reciprocal_kinds; ++kind) {
     for (const bool normalize : {true, false}) {
       for (const bool pipelined : {true, false}) {
         Config c = shipped_config("depth16");
@@ -37,13 +39,13 @@ std::vector<Config> unit_configs() {
         r.kind = static_cast<ReciprocalKind>(kind);
         r.normalize = normalize;
         r.pipelined = pipelined;
-        const bool lut = kind != 0;
+        const bool lut = has_table(r.kind);
         // Fewer operand bits than the operand has, and more; tables of 2 and of many entries.
         r.operand_bits = lut ? 5 + static_cast<int>(random() % 6) : 0;
         r.index_bits = lut ? 1 + static_cast<int>(random() % 4) : 0;
         r.table_bits = lut ? 4 + static_cast<int>(random() % 10) : 0;
         r.internal_bits = lut ? 5 + static_cast<int>(random() % 12) : 0;
-        r.steps = kind == 2 ? static_cast<int>(random() % 3) : 0;
+        r.steps = has_newton_steps(r.kind) ? static_cast<int>(random() % 3) : 0;
         r.bits_per_cycle = lut ? 0 : 1 + static_cast<int>(random() % 4);
         const int out_fraction = 3 + static_cast<int>(random() % 12);
         r.output = {out_fraction + 2,

@@ -138,8 +138,8 @@ std::vector<Config> bases() {
         {Perspective::hyperbolic, DepthCode::opengl, FogMode::table, EdgeWalk::exact},
         {Perspective::delta_f, DepthCode::inverse, FogMode::linear, EdgeWalk::exact},
         {Perspective::affine, DepthCode::inverse, FogMode::none, EdgeWalk::dda}}) {
-    for (const ReciprocalKind kind :
-         {ReciprocalKind::lut_newton, ReciprocalKind::restoring, ReciprocalKind::lut_linear}) {
+    for (std::size_t k = 0; k < enum_names<ReciprocalKind>.size(); ++k) {
+      const auto kind = static_cast<ReciprocalKind>(k);
       Config c = narrow;
       c.perspective = perspective;
       c.depth_code = code;
