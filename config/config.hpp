@@ -1,5 +1,5 @@
 // The configuration: one TOML file, read strictly, that every view takes its widths and modes from.
-// config/keys.cpp is the table of its keys, from which reader, writer, hash, checks and documentation follow;
+// config/key_table.cpp is the table of its keys, from which reader, writer, hash, checks and documentation follow;
 // config/*.toml are the shipped ones, with one comment per key.
 #pragma once
 
@@ -87,7 +87,7 @@ using Color = std::optional<std::array<std::uint8_t, 3>>;
 
 inline constexpr int max_fog_index_bits = 12;
 
-// A member is no key yet: config/keys.cpp has one row per key.
+// A member is no key yet: config/key_table.cpp has one row per key.
 struct Config {
   std::string name;  // the file's stem; not part of the hash
 

@@ -1,10 +1,11 @@
 // Every key of the configuration: where its value stands, what is legal, what it has an effect on.
 //
-// The table in keys.cpp has one row per key of docs/configuration.md. Reader, writer, hash, the compiled-in
-// constants, the range checks, the documentation's table, the keys of studies and random generation follow
-// from it. A new key is a member of Config and a row whose presence is `later`.
+// The table in key_table.cpp has one row per key of docs/configuration.md. Reader, writer, hash, the
+// compiled-in constants, the range checks, the documentation's table, the keys of studies and random
+// generation follow from it. A new key is a member of Config and a row whose presence is `later`.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -78,6 +79,9 @@ struct FieldRow {
   unsigned affects;
   Presence presence = Presence::always;
 };
+// The reciprocal units that UNIT stands for, in their order.
+inline constexpr std::array<std::string_view, 3> unit_names{"edge", "row", "pixel"};
+
 std::span<const KeyRow> key_rows();
 std::span<const FieldRow> field_rows();
 

@@ -1,4 +1,4 @@
-// The column `affects` of the table of keys (config/keys.cpp) is true: a key changes what it names, and
+// The column `affects` of the table of keys (config/key_table.cpp) is true: a key changes what it names, and
 // nothing that it does not name.
 #include <gtest/gtest.h>
 

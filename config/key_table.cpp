@@ -1,0 +1,362 @@
+// The table of keys itself; keys.cpp is what follows from it.
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <string>
+
+#include "config/check.hpp"
+#include "config/keys.hpp"
+#include "config/modes.hpp"
+
+namespace bitspan {
+namespace {
+
+Place place_of(int& v) { return &v; }
+Place place_of(bool& v) { return &v; }
+Place place_of(StartOffset& v) { return &v; }
+Place place_of(Color& v) { return &v; }
+Place place_of(Format& v) { return &v; }
+template <class E>
+requires std::is_enum_v<E> Place place_of(E& v) {
+  static_assert(std::is_same_v<std::underlying_type_t<E>, std::uint8_t> && !enum_names<E>.empty());
+  return Choice{reinterpret_cast<std::uint8_t*>(&v), enum_names<E>};  // a byte may name any object
+}
+
+Reciprocal& unit_of(Config& c, std::size_t i) {
+  return i == 0 ? c.edge_reciprocal : i == 1 ? c.row_reciprocal : c.pixel_reciprocal;
+}
+const Reciprocal& unit_of(const Config& c, std::size_t i) {
+  return i == 0 ? c.edge_reciprocal : i == 1 ? c.row_reciprocal : c.pixel_reciprocal;
+}
+
+bool is_lut(const Config& c, std::size_t i) { return has_table(unit_of(c, i).kind); }
+bool is_restoring(const Config& c, std::size_t i) { return !is_lut(c, i); }
+bool is_newton(const Config& c, std::size_t i) { return has_newton_steps(unit_of(c, i).kind); }
+std::string for_kind(const Config& c, std::size_t i) {
+  return " for " + std::string(to_string(unit_of(c, i).kind));
+}
+bool in_rtl_unit(std::size_t i) { return i != 0; }
+
+bool reads_fog_table(const Config& c, std::size_t /*i*/) { return has_fog_table(c.fog); }
+std::string beside_depth_bits(const Config& c, std::size_t /*i*/) {
+  return " beside " + std::to_string(c.fog_depth_bits) + " depth_bits, so that the index has at most " +
+         std::to_string(max_fog_index_bits);
+}
+std::string of_depth_bits(const Config& /*c*/, std::size_t /*i*/) { return ", and at most depth.bits"; }
+
+// The clocks of these two follow from the reciprocal units.
+bool has_own_clocks(const Config& /*c*/, std::size_t i) {
+  return static_cast<Stage>(i) != Stage::span_setup && static_cast<Stage>(i) != Stage::span;
+}
+
+// The registers of the RTL, and those that its pixel index or the units' operands hang on.
+bool in_rtl_format(std::size_t i) {
+  using F = FormatId;
+  constexpr std::array registers{F::setup_b, F::edge_x,       F::edge_x_acc,  F::edge_h,      F::edge_uv,
+                                 F::plane_k, F::span_h_step,  F::span_h,      F::span_f_diff, F::span_f_step,
+                                 F::span_f,  F::span_uv_step, F::span_uv_acc, F::span_uv};
+  return std::ranges::find(registers, static_cast<F>(i)) != registers.end();
+}
+
+constexpr unsigned ideal = affects::ideal, values = affects::values, clocks = affects::clocks,
+                   rtl = affects::rtl;
+
+constexpr KeyUse of_lut{Presence::where_used, "restoring", is_lut, Unused::zero, for_kind, in_rtl_unit};
+constexpr KeyUse of_newton{Presence::where_used, "the kinds without steps", is_newton, Unused::zero, for_kind,
+                           in_rtl_unit};
+constexpr KeyUse of_restoring{Presence::where_used, "the table kinds", is_restoring,
+                              Unused::zero,         for_kind,          in_rtl_unit};
+constexpr KeyUse of_own_clocks{
+    .presence = Presence::where_used, .unused_for = "span_setup and span", .used = has_own_clocks};
+
+#define MEMBER(m) #m, [](Config & c, [[maybe_unused]] std::size_t i) { return place_of(c.m); }
+#define IN_UNIT(m) "UNIT_reciprocal." #m, [](Config& c, std::size_t i) { return place_of(unit_of(c, i).m); }
+
+constexpr KeyRow rows[] = {
+    {"raster.subpixel_bits",
+     MEMBER(subpixel_bits),
+     {0, 12},
+     "",
+     ideal | values,
+     "vertices snap to 2^-this pixel"},
+    {"raster.coordinate_bits",
+     MEMBER(coordinate_bits),
+     {2, 24},
+     "",
+     ideal | values | rtl,
+     "integer bits of a snapped coordinate, sign included: 16 holds -32768..32767 pixels"},
+    {"raster.fill_rule",
+     MEMBER(fill_rule),
+     {},
+     "",
+     ideal | values,
+     "a shared edge is drawn once; or both ends of every line are drawn"},
+    {"raster.edge_walk",
+     MEMBER(edge_walk),
+     {},
+     "",
+     values | rtl,
+     "an integer error term; or a slope register of the format `edge.x_step`"},
+    {"raster.dda_update",
+     MEMBER(dda_update),
+     {},
+     "",
+     values,
+     "dda: the slope is added once per row; or multiplied by the rows from the start"},
+
+    {"perspective.mode",
+     MEMBER(perspective),
+     {},
+     "",
+     values | clocks | rtl,
+     "T1: one reciprocal per pixel; N1, N2: one per row of constant depth; N3: two divides per pixel; none"},
+    {"perspective.numerator",
+     MEMBER(numerator),
+     {},
+     "",
+     values,
+     "const_depth_rows: where u q and v q are taken"},
+
+    {"slope.edge",
+     MEMBER(edge_slope),
+     {},
+     "",
+     values,
+     "an edge's slopes: exact quotients, or products with one rounded reciprocal"},
+    {"slope.row",
+     MEMBER(row_slope),
+     {},
+     "",
+     values | clocks | rtl,
+     "the same for a row; const_depth_rows has no row slopes"},
+
+    {"reciprocal.UNIT.kind",
+     IN_UNIT(kind),
+     {},
+     "",
+     values | clocks | rtl,
+     "UNIT is edge (of an edge's height), row (of a span's length; of h + B in const_depth_rows) or pixel "
+     "(of "
+     "h + B); reciprocals.md describes the kinds",
+     {.in_rtl = in_rtl_unit}},
+    {"reciprocal.UNIT.normalize",
+     IN_UNIT(normalize),
+     {},
+     "",
+     values | clocks | rtl,
+     "mantissa and exponent; or one fixed-point number",
+     {.in_rtl = in_rtl_unit}},
+    {"reciprocal.UNIT.operand_bits",
+     IN_UNIT(operand_bits),
+     {2, 60},
+     "",
+     values | rtl,
+     "fraction bits kept of the normalised operand",
+     of_lut},
+    {"reciprocal.UNIT.index_bits",
+     IN_UNIT(index_bits),
+     {1, 12},
+     ", under operand_bits",
+     values | rtl,
+     "the table has 2^this intervals",
+     of_lut},
+    {"reciprocal.UNIT.table_bits",
+     IN_UNIT(table_bits),
+     {2, 40},
+     "",
+     values | rtl,
+     "fraction bits of a table entry",
+     of_lut},
+    {"reciprocal.UNIT.internal_bits",
+     IN_UNIT(internal_bits),
+     {2, 60},
+     "",
+     values | rtl,
+     "fraction bits after each step",
+     of_lut},
+    {"reciprocal.UNIT.steps", IN_UNIT(steps), {0, 4}, "", values | clocks | rtl, "Newton steps", of_newton},
+    {"reciprocal.UNIT.bits_per_cycle",
+     IN_UNIT(bits_per_cycle),
+     {1, 8},
+     "",
+     clocks | rtl,
+     "quotient bits made per clock",
+     of_restoring},
+    {"reciprocal.UNIT.pipelined",
+     IN_UNIT(pipelined),
+     {},
+     "; pixel: true",
+     clocks | rtl,
+     "one operand per clock; or one at a time",
+     {.in_rtl = in_rtl_unit}},
+    {"reciprocal.UNIT.output",
+     IN_UNIT(output),
+     {},
+     ", unsigned, with a fraction; normalised: able to hold 1, or int = 0 and saturating",
+     values | clocks | rtl,
+     "of the mantissa; not normalised: of the reciprocal",
+     {.in_rtl = in_rtl_unit}},
+
+    {"start_offset.edge_x",
+     MEMBER(start_offset.edge_x),
+     {},
+     "",
+     values,
+     "added to the start of edge.x_acc (dda); half an ulp of edge.x"},
+    {"start_offset.edge_h",
+     MEMBER(start_offset.edge_h),
+     {},
+     "",
+     values,
+     "added to the start of edge.h_acc; half an ulp of edge.h"},
+    {"start_offset.edge_f",
+     MEMBER(start_offset.edge_f),
+     {},
+     "",
+     values,
+     "added to the start of edge.f; half an ulp of it"},
+    {"start_offset.edge_shade",
+     MEMBER(start_offset.edge_shade),
+     {},
+     "",
+     values,
+     "added to the start of edge.shade_acc; half an ulp of edge.shade"},
+    {"start_offset.span_h",
+     MEMBER(start_offset.span_h),
+     {},
+     "",
+     values | rtl,
+     "added to the start of span.h; half a depth code"},
+    {"start_offset.span_f",
+     MEMBER(start_offset.span_f),
+     {},
+     "",
+     values | rtl,
+     "added to the start of span.f (delta_f, hyperbolic; half an ulp of it) or of span.uv_acc (affine, "
+     "const_depth_rows; half an ulp of span.uv)"},
+    {"start_offset.span_shade",
+     MEMBER(start_offset.span_shade),
+     {},
+     "",
+     values,
+     "added to the start of span.shade_acc; half an ulp of span.shade"},
+
+    {"depth.bits",
+     MEMBER(depth_bits),
+     {8, 32},
+     "",
+     ideal | values | clocks,
+     "the depth buffer's bits; hmax = 2^bits - 1"},
+    {"depth.code", MEMBER(depth_code), {}, "", ideal | values, "D1; the two codes of H6"},
+    {"depth.func",
+     MEMBER(depth_func),
+     {},
+     "",
+     ideal | values,
+     "which fragments pass, by distance: `less` those nearer than what is stored",
+     {.presence = Presence::later}},
+    {"depth.round", MEMBER(depth_rounding), {}, "", values, "of the stored code"},
+    {"depth.overflow", MEMBER(depth_overflow), {}, " but SC_WRAP_SM", values, "of the stored code"},
+
+    {"texture.filter", MEMBER(filter), {}, "", ideal | values | clocks, "one texel; T3, four"},
+    {"texture.wrap", MEMBER(wrap), {}, "", ideal | values | clocks, "T7; the edge texel goes on"},
+    {"texture.transparent",
+     MEMBER(transparent),
+     {},
+     "",
+     ideal | values,
+     "T4: texels of exactly this colour are holes"},
+
+    {"fog.mode",
+     MEMBER(fog),
+     {},
+     "",
+     ideal | values,
+     "F3: 1 - S/DT; F2: a table by depth and distance from the picture's middle"},
+    {"fog.depth_bits",
+     MEMBER(fog_depth_bits),
+     {1, max_fog_index_bits, false, "", most_fog_depth_bits},
+     ", at most depth.bits",
+     values,
+     "of the table's index: top bits of h",
+     {.presence = Presence::optional,
+      .used = reads_fog_table,
+      .unused = Unused::initial,
+      .reason = of_depth_bits}},
+    {"fog.zone_bits",
+     MEMBER(fog_zone_bits),
+     {0, 8, false, "", most_fog_zone_bits},
+     ", at most 12 with depth_bits",
+     values,
+     "and bits of the zone of r^2",
+     {.presence = Presence::optional,
+      .used = reads_fog_table,
+      .unused = Unused::initial,
+      .reason = beside_depth_bits}},
+
+    {"formats.FORMAT", MEMBER(formats[i]), {}, "", values | clocks | rtl, "", {.in_rtl = in_rtl_format}},
+
+    {"timing.STAGE.latency",
+     MEMBER(timing[i].latency),
+     {1, 1000, false, " clocks"},
+     "",
+     clocks,
+     "timed model: clocks from acceptance to delivery; the two follow from the reciprocal units, and a value "
+     "given is not used",
+     of_own_clocks},
+    {"timing.STAGE.interval",
+     MEMBER(timing[i].interval),
+     {1, 1000, false, " clocks"},
+     "",
+     clocks,
+     "clocks from one acceptance to the next",
+     of_own_clocks},
+    {"timing.STAGE.fifo",
+     MEMBER(timing[i].fifo),
+     {1, 65536, false, " records"},
+     "",
+     clocks,
+     "records that fit in front of the stage; not used for span, which takes from the result register of "
+     "span_setup, as the RTL does"},
+
+    {"memory.latency",
+     MEMBER(memory.latency),
+     {1, 10000, false, " clocks"},
+     "",
+     clocks,
+     "clocks from a read request to its first beat"},
+    {"memory.width_bytes", MEMBER(memory.width_bytes), {1, 1024, true}, "", clocks, "bytes per clock"},
+    {"memory.cache_line_bytes",
+     MEMBER(memory.cache_line_bytes),
+     {4, 4096, true},
+     ", at least width_bytes",
+     clocks,
+     "the texture cache's line"},
+    {"memory.cache_sets", MEMBER(memory.cache_sets), {1, 65536, true}, "", clocks, "its sets"},
+    {"memory.cache_ways", MEMBER(memory.cache_ways), {1, 64}, "", clocks, "its lines per set"},
+};
+
+#undef MEMBER
+#undef IN_UNIT
+#define FIELD(m) #m, [](Format & f) { return place_of(f.m); }
+
+constexpr FieldRow fields[] = {
+    {"signed", FIELD(is_signed), "true, false", "two's complement, or no sign", values | clocks | rtl},
+    {"word", FIELD(word), "1..64 signed, 1..63 unsigned", "all bits", values | clocks | rtl},
+    {"int", FIELD(integer), "-32..64, and word - int in -32..64",
+     "bits left of the binary point, the sign included; an ulp is 2^(int - word)", values | clocks | rtl},
+    {"round", FIELD(rounding), "",
+     "nearest, a tie going up, to zero, down, away from zero, to even; down; to zero", values | rtl},
+    {"overflow", FIELD(overflow), " (the last signed only)",
+     "low bits; clamp; 0; clamp to a symmetric range; sign-magnitude wrap", values | rtl},
+    {"overflow_expected", FIELD(overflow_expected), "true, false",
+     "the scene may exceed the format on purpose: the range check keeps silent", 0, Presence::later},
+};
+#undef FIELD
+
+}  // namespace
+
+std::span<const KeyRow> key_rows() { return rows; }
+std::span<const FieldRow> field_rows() { return fields; }
+
+}  // namespace bitspan
