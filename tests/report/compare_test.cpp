@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "report/describe.hpp"
+
 namespace bitspan {
 namespace {
 

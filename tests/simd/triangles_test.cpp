@@ -262,7 +262,7 @@ TEST(Triangles, RandomConfigurations) {
 }
 
 // Registers that all round by adding a constant and saturate: these have a text of their own.
-TEST(Triangles, RandomConfigurationsOfPlainRegisters) {
+TEST(Triangles, RandomConfigurationsOfBranchFreeRegisters) {
   const std::vector<Config> bases = shipped_configs();
   RandomConfigOptions options;
   options.check = [](const Config& c) {
@@ -276,13 +276,13 @@ TEST(Triangles, RandomConfigurationsOfPlainRegisters) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Config config = random_config(seed, bases, options);
     Random random(seed);
-    const auto make_plain = [&](Format& f) {
+    const auto make_branch_free = [&](Format& f) {
       f.rounding = modes[random.integer(0, 2)];
       f.overflow = random.chance(0.5) ? Overflow::sat : Overflow::sat_sym;
     };
-    for (Format& f : config.formats) make_plain(f);
+    for (Format& f : config.formats) make_branch_free(f);
     for (Reciprocal* r : {&config.edge_reciprocal, &config.row_reciprocal, &config.pixel_reciprocal}) {
-      make_plain(r->output);
+      make_branch_free(r->output);
     }
     const Scene scene = random_scene(seed, scenes);
     try {
@@ -290,7 +290,7 @@ TEST(Triangles, RandomConfigurationsOfPlainRegisters) {
     } catch (const InputError&) {
       continue;  // the scene's range does not fit
     }
-    if (!check(config, scene, "plain registers, seed " + std::to_string(seed))) {
+    if (!check(config, scene, "branch-free registers, seed " + std::to_string(seed))) {
       return;
     }
   }
