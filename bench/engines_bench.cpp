@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The timed model, and the checking of golden against model, beside the RTL's own simulation of the same
 // rows.
 #include <fmt/format.h>

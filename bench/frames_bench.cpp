@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whole frames: bitspan in this process and Mesa's renderers in theirs, turn about.
 #include <fmt/format.h>
 

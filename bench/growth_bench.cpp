@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Time and memory against the size of the work, triangles streamed: nothing here holds a scene.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The span kernel in every form, under Google Benchmark, all in this process and in random order.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>

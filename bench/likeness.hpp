@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How alike two pictures of one scene are, where they cannot be equal.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // bitspan_bench measures everything as ratios against something run in turn with it; docs/benchmarks.md.
 #include <fmt/format.h>
 

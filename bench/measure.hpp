@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Measurements that are compared within one run: samples taken turn about, medians, spreads and ratios.
 #pragma once
 

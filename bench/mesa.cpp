@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "bench/mesa.hpp"
 
 // OpenGL's prototypes beyond 1.1 are exported by libOSMesa itself.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Mesa's software renderers through OSMesa: the same triangles, texture, depth test and fog in OpenGL.
 //
 // GALLIUM_DRIVER (llvmpipe, softpipe) and LP_NUM_THREADS choose the renderer. Mesa reads them once per

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Mesa in a process of its own, so that one run can hold several of its renderers and take turns with them.
 #pragma once
 

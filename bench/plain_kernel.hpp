@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The span kernel as one writes it by hand for one configuration: int64, every width a constant.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The scenes that the frame benchmark draws, the same on every machine.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The work of the kernel benchmark: spans of delta_f, from their start values to h, u, v at each pixel.
 #pragma once
 

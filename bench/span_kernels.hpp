@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every way of computing a span that the benchmark compares, by name.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The span kernel in SystemC's fixed-point types. Free of SystemC itself.
 #pragma once
 

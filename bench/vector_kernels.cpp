@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The model's vector forms of the span stage, as kernels of the benchmark.
 #include "bench/vector_kernels.hpp"
 

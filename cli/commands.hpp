@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The sub-commands. Each adds itself with its options and leaves what is to be run in `action`.
 #pragma once
 

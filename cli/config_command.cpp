@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // bitspan config show | check | emit-sv
 #include <fmt/format.h>
 

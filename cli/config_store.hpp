@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Configurations by name (those in the binary) or by path.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The timed model's span interpolator against the RTL, clock for clock.
 #pragma once
 

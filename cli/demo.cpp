@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // bitspan demo: the main job on embedded input, with a report to look at.
 #include <fmt/format.h>
 

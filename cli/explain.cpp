@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // bitspan explain: one pixel, all stages, all engines side by side.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // bitspan fuzz: random streams through random configurations, failures shrunk. bitspan replay: one of them
 // again.
 #include <fmt/format.h>

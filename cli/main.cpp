@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // bitspan: the command line. Exit 0: all held; 1: a difference, a failed bound or an empty verdict; 2: bad
 // input or usage; 3: a missing or broken tool, or an internal error.
 #include <fmt/format.h>

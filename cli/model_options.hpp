@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The options that say how the engine `model` computes: --form, --target, --threads.
 #pragma once
 

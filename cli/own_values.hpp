@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many of the values compared come from the engine under test itself, and not from stages that it takes
 // from the model.
 #pragma once

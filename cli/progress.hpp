@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Progress of long work: one line on a terminal, with the time left once that can be told; nothing in a pipe.
 #pragma once
 

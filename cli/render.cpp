@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // bitspan render: one picture, and on request its dump and its triangle stream.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The options that say what is drawn: a scene and, for a mesh, its camera.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // bitspan sim: the timed model's run in numbers.
 #include <fmt/format.h>
 

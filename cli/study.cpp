@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // bitspan study: many points of a configuration, their errors and costs, in a database.
 #include <fmt/format.h>
 #include <malloc.h>

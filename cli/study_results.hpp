@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The end of `bitspan study`: the search's answer, what is recommended with all that was found out of it, and
 // the report.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/verdict.hpp"
 
 #include <fmt/format.h>
@@ -251,7 +252,7 @@ std::vector<std::string> verdict_lines(const SceneVerdict& v) {
   const Counters& c = v.counters;
   lines.push_back(
       fmt::format("drawn: {} of {} triangles ({} without area), {} rows, {} fragments, {} covered, {} "
-                  "nearer, {} killed, {} written",
+                  "passed the depth test, {} killed, {} written",
                   v.run.triangles_done, c.triangles, c.degenerate, c.rows, c.fragments, c.covered,
                   c.depth_passed, c.killed, c.written));
   lines.push_back(fmt::format("divides: {} edge, {} row, {} pixel, {} saved", c.divides_edge, c.divides_row,

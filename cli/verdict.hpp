@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One scene through several engines: what `verify` and `demo` measure, and how it is told.
 #pragma once
 
@@ -54,9 +55,9 @@ struct SceneVerdict {
 
 struct VerifyOptions {
   std::vector<std::string> engines;  // the first is the reference; `ideal` adds the error table
-  bool engines_named = false;  // by the user: leaving one out is a failure
-  bool allow_missing = false;  // an engine may be left out, and no pair may be left
-  bool allow_empty = false;    // the scene may cover no pixel
+  bool engines_named = false;        // by the user: leaving one out is a failure
+  bool allow_missing = false;        // an engine may be left out, and no pair may be left
+  bool allow_empty = false;          // the scene may cover no pixel
   bool cycles = true;
   EngineOptions engine;
 };

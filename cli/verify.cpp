@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // bitspan verify: engines over scenes, every record.
 #include <fmt/format.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The rules between keys, found one at a time; check_config and the reader turn a violation into InputError.
 #pragma once
 

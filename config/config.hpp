@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 // The configuration: one TOML file, read strictly, that every view takes its widths and modes from.
-// config/key_table.cpp is the table of its keys, from which reader, writer, hash, checks and documentation follow;
-// config/*.toml are the shipped ones, with one comment per key.
+// config/key_table.cpp is the table of its keys, from which reader, writer, hash, checks and documentation
+// follow; config/*.toml are the shipped ones, with one comment per key.
 #pragma once
 
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How wide the exact values in front of each quantisation are, by worst-case growth from the formats.
 #pragma once
 

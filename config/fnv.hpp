@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // FNV-1a of 128 bits: a name for a content, the same on every machine. Not for contents made to collide.
 #pragma once
 

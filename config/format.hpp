@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fixed-point formats: the one description of a register's width that every view reads.
 //
 // A format follows SystemC's convention: `word` bits in all, `integer` of them left of the binary point

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The widths of exact numbers: on which grid and in which range a register, a sum or a product lies.
 //
 // One algebra for everything that asks how many bits an expression takes: the table of exact widths, the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The table of keys itself; keys.cpp is what follows from it.
 #include <algorithm>
 #include <array>

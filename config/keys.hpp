@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every key of the configuration: where its value stands, what is legal, what it has an effect on.
 //
 // The table in key_table.cpp has one row per key of docs/configuration.md. Reader, writer, hash, the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the modes of a configuration imply. Every function is an exhaustive switch: a new enumerator does not
 // compile (-Wswitch) until each of them has decided. Nothing else compares a mode with an enumerator
 // (tests/config/modes_test.cpp): it asks one of these, or is an exhaustive switch of its own.

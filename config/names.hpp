@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The names of the enumerators, as the TOML file spells them; shared by reader, writer and messages.
 #pragma once
 

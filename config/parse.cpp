@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The strict reader: every key is known, given once, of its type, and, unless it is said to be optional,
 // given.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What each kind of reciprocal unit with a table is made of, docs/numeric-spec.md, "Reciprocal": the table,
 // and what the costs, the exact widths and the clocks count. model/ and golden/ compute their own tables.
 #pragma once

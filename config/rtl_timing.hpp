@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clocks and internal widths of the RTL span interpolator, as a pure function of the configuration.
 //
 // engine/emit_sv writes these numbers into the package that the RTL is built from, the RTL asserts that its

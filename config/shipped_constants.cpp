@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // shipped_constants OUTPUT FILE.toml ...: the shipped configurations as constant expressions, a header that
 // the specialised forms are compiled from. Run by the build (config/CMakeLists.txt).
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The stages that the timed model runs by a clock of their own, in the order of the pipeline. What each
 // makes, and from what, stands in engine/stages.hpp.
 #pragma once

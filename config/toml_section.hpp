@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the strict readers of TOML files share: every fault is an InputError of one line, with file, line, key
 // and what is legal.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The canonical text of a configuration, and the hash over it.
 #include <array>
 #include <cstdio>

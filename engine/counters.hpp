@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The events that an engine counts since begin(), in one list.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The SystemVerilog package bitspan_cfg_pkg: everything the RTL takes from a configuration.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a bitspan engine is to its users: triangles in, records and a picture out.
 //
 // Free of SystemC, Verilator and Python: adapters to them stand behind it (ideal, golden, model, systemc,

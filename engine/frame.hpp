@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The picture of a run, and the only code that clears it and writes pixels of it one by one. Storage, and no
 // arithmetic: so golden and the model share it.
 #pragma once

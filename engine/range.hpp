@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Are the formats wide enough for a scene? Asked once before a run.
 #pragma once
 

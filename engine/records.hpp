@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The records that pass between stages: names and formats, no arithmetic. engine/stages.hpp has the table of
 // them.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The engines by name. An engine's own folder makes it known (its registration.cpp); whoever links the
 // folder's library can make the engine here, and includes nothing of it.
 #pragma once

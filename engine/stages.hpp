@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The pipeline in one table: each record that a stage makes, what one such record stands for, the records
 // that it is made from, and the clock that the timed model makes it by.
 //

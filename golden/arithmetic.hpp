@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which floating-point type a stage computes in, as a run-time value.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stage `constants`: computed once per scene.
 #pragma once
 

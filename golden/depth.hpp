@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stage `depth`: a covered fragment's depth code and test. [D1, H6]
 #pragma once
 

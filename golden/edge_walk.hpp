@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stage `edge_walk`: makes rows from a triangle's edges, in the modes with horizontal rows.
 #pragma once
 

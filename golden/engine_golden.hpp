@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The quantised golden: the stages of docs/numeric-spec.md in floating point, exact in front of every Q.
 #pragma once
 

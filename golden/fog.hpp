@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stage `fog`: moves a fragment's colour toward the fog's. [F2, F3]
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The truth that errors are measured from; docs/numeric-spec.md, "ideal". It is a closed form at each point,
 // not incremental. Only the vertices' positions are quantised, since they are the hardware's input.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Q over columns of values, in double: the quick form of what Quantizer<double> does to one value at a time.
 //
 // Each function is one loop without a branch, so that the compiler makes vectors of it. It computes what

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stage `merge`: blends a fragment into the stored colour. [T5]
 #pragma once
 

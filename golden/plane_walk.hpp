@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stage `plane_walk`: makes rows of constant depth from a triangle; const_depth_rows only. [N1, N2]
 #pragma once
 

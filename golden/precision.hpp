@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many significant bits every exact intermediate value of golden needs, and the floating-point type that
 // each stage therefore computes in. Both follow from the configuration alone: every register may take any
 // value of its format.

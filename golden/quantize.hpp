@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Q of docs/numeric-spec.md on floating point, with all rounding and overflow modes.
 //
 // Every value is brought into the form whole + fraction, 0 <= fraction < 1, in ulps of the format. The mode

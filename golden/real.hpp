@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The floating-point types that golden computes in, behind one set of names, so that a stage is written once.
 //
 // Real is double (53 significant bits), long double (x87, 64) or Quad (113), or Checked<T> of one of these,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The reciprocal units R_pixel, R_row, R_edge and the slopes made with them; docs/numeric-spec.md,
 // "Reciprocal".
 #pragma once

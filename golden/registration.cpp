@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Makes golden and ideal known.
 #include "engine/registry.hpp"
 #include "golden/engine_golden.hpp"

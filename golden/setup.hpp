@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stage `setup`: makes quantised, sorted vertices from a triangle, and the edges' increments from those.
 #pragma once
 

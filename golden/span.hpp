@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stage `span`: makes fragments from a span, one per pixel.
 #pragma once
 

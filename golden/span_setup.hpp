@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stage `span_setup`: makes the start values and increments of a span from a row, with the divide per row.
 #pragma once
 

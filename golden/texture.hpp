@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stage `texture`: finds a fragment's texel, and makes its colour and alpha. [T3, T4, T5]
 #pragma once
 

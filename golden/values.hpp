@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Records as values: the vertices of a SetupRecord and the groups of four shades, read and written by
 // position.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Gives the stages' make functions the Real that a run-time Arithmetic names. Clang's analyser loses a stage
 // that is returned inside std::function and reports a leak; the address sanitizer, which sees the run, finds
 // none.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // NumPy arrays, file format version 1.0, little-endian, C order.
 #pragma once
 

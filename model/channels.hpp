@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Colour and alpha are four fields with one arithmetic: their members by channel, red, green, blue, alpha.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The fill rule as three exact edge functions: whether a pixel's centre is inside a triangle.
 // docs/numeric-spec.md, "plane_walk"; the scan of edge_walk gives the same pixels.
 #pragma once

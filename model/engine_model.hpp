@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The engine `model`: the bit-true pipeline in integers. Every form of it below gives the same bits.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which way the engine model takes with a configuration, and why: what `bitspan config check` tells. The
 // decisions are the stages' own; this only asks them.
 #pragma once

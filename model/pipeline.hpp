@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The stages in their order, prepared for one scene, and a draw in three steps that other engines can take
 // apart: triangles to rows, rows to fragments, fragments to the frame.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Makes the engine `model` known.
 #include "engine/registry.hpp"
 #include "model/engine_model.hpp"

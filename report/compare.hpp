@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The comparator: what two engines delivered for the same triangles, record by record, field by field.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The text of a divergence: values decoded, the records of both sides, and what fed them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The dump of a run: the planes of the picture as NumPy arrays and a JSON of what made them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How far an engine's records are from the unquantised truth (docs/numeric-spec.md, "ideal"), stage by stage.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Heat maps: a scalar field as colours, with a bar that says what they mean.
 #pragma once
 

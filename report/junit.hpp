@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // JUnit XML as continuous integration reads it: one suite, one testcase per scene, stage and pair of engines.
 #pragma once
 

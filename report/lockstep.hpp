@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Several engines over one scene, in step: a batch of triangles through each, compared, then the next batch,
 // so that memory stays bounded whatever the scene's size.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The metrics of the picture and of a field, each declared once: name, unit, meaning, and how it is computed.
 // The verdict's lines and JSON, the metrics of studies, their database, the report and the table in
 // docs/study.md follow from these two tables.

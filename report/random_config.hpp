@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Random configurations, drawn key by key from the table of config/keys.hpp: a new key is drawn by its row.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A failure as one file: the configuration, the scene with its textures, and the engines that differed.
 #pragma once
 

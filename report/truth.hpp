@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `ideal` of some triangles, computed once: what every engine and every width is measured against.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a record was made from: the records of the stages in front that fed it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Puts area_top between registers that seven pins reach. Inputs come out of a shift register, and outputs are folded by
 // XOR, four bits per clock and level. Both ends of every path of area_top are therefore registers. The netlist of
 // area_top goes in as it was counted. This costs one more flip-flop per input bit, and 4/3 flip-flops and 1/3 LUT per

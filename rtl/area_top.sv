@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Connects span_interpolator as the next stage uses it, for docs/area.md to count; this is not part of the design. The
 // tap stays open, and so do the pixel's registers that only comparisons with the model read (fu, fv, the reciprocal),
 // so that what nobody reads is not counted. The inputs of the other mode are 0.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // q_o is d_i, Depth enabled clocks later; Depth 0 is a wire. There is no reset: the line carries data, and valid bits
 // are kept elsewhere.
 module delay_line #(

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Signed quotient n / d, d > 0, by restoring division, for the slope form `divide`.
 //
 //   q_o       floor of the quotient with n extended by Iterations * BitsPerCycle - NW zero bits on the right

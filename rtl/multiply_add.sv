@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Q[format](a b 2^-e + c + offset), exact up to the one quantisation. Combinational.
 //
 //   a_i, b_i, c_i  signed raw values on AFrac, BFrac, CFrac fraction bits

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Q[format](x) of docs/numeric-spec.md: rounds x_i to OutFrac fraction bits, then brings it into OutW bits.
 // Combinational.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The reciprocal unit R(d) of docs/numeric-spec.md, "Reciprocal": m 2^-e stands for 1 / d.
 //
 //   d_i  unsigned, OpW bits on OpFrac fraction bits; 0 counts as one ulp

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Restoring long division of unsigned integers, BitsPerCycle quotient bits per clock.
 //
 //   numerator: rem_i followed by the bits of num_i, rem_i < d_i; d_i > 0

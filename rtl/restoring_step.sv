@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Forms `Steps` quotient bits of restoring_core, combinationally.
 //
 //   state: {remainder [DW-1:0], numerator | quotient [Bits-1:0]}, the remainder below d_i

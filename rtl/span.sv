@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // span of docs/numeric-spec.md: walks a span record's pixels and issues one per clock.
 //
 //   delta_f            issue: h, fu, fv | h + B | R_pixel(h + B) | u = u1 + fu / (h + B), v

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // span_setup followed by span: takes rows and delivers pixels. docs/rtl.md has the ports and the clocks.
 module span_interpolator (
     input  logic clk_i,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // span_setup of docs/numeric-spec.md: takes a row's ends (delta_f) or a plane row (const_depth_rows), delivers a span
 // record.
 //

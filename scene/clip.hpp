@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clipping by 6-bit codes in the normalised view volume (B2, B6).
 #pragma once
 

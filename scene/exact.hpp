@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Exact predicates on screen positions.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // extreme_scenes() of scene/demo.hpp: legal triangles at the ends of every range.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Geometry before projection: what meshes and the demo are made of.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Meshes: everything Assimp reads (OBJ, PLY, glTF, ...), with a camera.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The size of a picture, and how large it may be.
 #pragma once
 

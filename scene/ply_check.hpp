@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A guard in front of Assimp's PLY reader, which does not return from some broken headers, aborts on some
 // truncated files and reads others without a word.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Faces in space to triangles on the screen: back-face removal, clipping, perspective, viewport.
 #pragma once
 

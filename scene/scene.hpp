@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A scene as every engine gets it: screen-space triangles in the order of drawing, and their textures.
 // Readers (.tri streams, meshes, the embedded demo) make it; docs/formats.md describes the stream.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // World space to view space, and the normalised view volume (B6).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "scene/tri_stream.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The triangle stream `.tri` (JSON Lines), the format that test benches feed. docs/formats.md describes it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a configuration takes in an FPGA, measured: Yosys on its RTL, and nextpnr for the clock. docs/area.md
 // says what is counted and what biases it.
 #pragma once

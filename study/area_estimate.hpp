@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a configuration takes in an FPGA, estimated from its formats in microseconds: for the inside of a
 // search.
 //

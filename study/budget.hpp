@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The error budget: which quantisation causes how much of the final error.
 #pragma once
 

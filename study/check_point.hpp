@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whether a point that is recommended is what the hardware would do: model = golden, and model = RTL.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a configuration costs in bits, from its formats alone: exact counts, without synthesis and without a
 // run.
 //

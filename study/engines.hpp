@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a study asks of engines, which it makes by name.
 #pragma once
 

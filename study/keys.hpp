@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Any key of a configuration by its path, as in the TOML file: "formats.span.h.word", "depth.bits",
 // "reciprocal.pixel.kind", "start_offset.span_h". Each format has one key more, "fraction" (word - int):
 // where it is set, the word follows from it and from int.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every metric that a study can have: those of report/metrics.hpp, and the registers', costs and clocks of
 // study/metrics.cpp. Plans are checked against this list, the database carries it for the report, and
 // docs/study.md shows it.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a point looks like beside `ideal`: the pictures of its report.
 #pragma once
 

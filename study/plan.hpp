@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // STUDY.toml, read strictly: what is varied, on which scenes, by which metrics and constraints.
 // docs/study.md has one row per key.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One point of a study: a configuration measured on scenes.
 #pragma once
 

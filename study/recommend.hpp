@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What comes after a study's points: which of them to recommend, and all that its report says of those.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The database of studies: one SQLite file, of which a kill at any moment loses no finished point.
 // docs/study.md describes its tables.
 #pragma once

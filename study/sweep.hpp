@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Points measured on all cores, each kept in the database as soon as it is done; and the sweep over a plan's.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tb/engine_rtl.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The engine `rtl`: the model's pipeline with the Verilated span interpolator in place of span_setup and
 // span.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The span interpolator under Icarus: records and expected values from files, random gaps and stalls.
 //
 //   vvp icarus_tb.vvp +inputs=FILE +spans=FILE +pixels=FILE [+seed=N]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Other people's programs as child processes, and the files that pass between them and us.
 #pragma once
 

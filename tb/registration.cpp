@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Makes the engine `rtl` known.
 #include "config/rtl_timing.hpp"
 #include "engine/registry.hpp"

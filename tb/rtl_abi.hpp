@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What crosses the border between bitspan and a Verilated span interpolator: plain C structs of raw port
 // values.
 //

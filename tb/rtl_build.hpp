@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The Verilated span interpolator of any configuration, built when it is first asked for.
 //
 // The package of the configuration (engine/emit_sv) and the sources in rtl/ go through Verilator and the C++

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Compiled together with one Verilated span interpolator into a shared library; see rtl_build.cpp.
 #include <cstdarg>
 #include <cstdio>

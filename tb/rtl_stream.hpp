@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Records through the Verilated span interpolator: to port values and back, with gaps and stalls.
 #pragma once
 

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Cells of the span interpolator of one configuration, as Yosys makes them.
 #
 #   tb/yosys_cells.sh PACKAGE.sv [generic|ice40|check]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An accumulator and its step: acc = Q(acc + step), how far each is shifted onto the common grid.
 #pragma once
 

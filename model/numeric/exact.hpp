@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Exact growth: integers with a binary point, whose sums and products lose nothing.
 //
 // An Exact stands for raw 2^-fraction; fraction may be negative. Every operation is exact while its result

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The expressions of forms.hpp, one text for an integer and for lanes of them. Value: what registers hold,
 // std::int64_t or Lanes. Each looks at the operand that decides whether 64 bits do, and takes 128 where not.
 #include "model/numeric/adder.hpp"

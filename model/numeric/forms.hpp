@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The shapes of expression that setup, edge_walk and span_setup quantise, prepared for their formats: the
 // common grid, and how large an operand may be for all of it to fit 64 bits. Larger ones are computed in 128
 // (forms-inl.hpp), whose room a legal configuration never exceeds.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The one way a double comes in: taken apart into mantissa and exponent, without loss.
 #pragma once
 

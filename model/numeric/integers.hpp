@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which integers hold an exact value, by its grid. Stages ask once, when they are prepared.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Lanes: integers side by side in a vector register, with the operators of one integer, so that the text of a
 // stage reads the same for std::int64_t, for __int128 and for these. Included once a target (Highway's
 // foreach_target.h); every name lives in the target's namespace.

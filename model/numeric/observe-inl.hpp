@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Observers of lanes: histories of registers, a set per lane.
 #include <algorithm>
 #include <array>

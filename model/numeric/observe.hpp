@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Observers of registers: what each named quantisation saw in a run. A template parameter of everything that
 // quantises; with NoObserve the calls compile to nothing.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Overflow for lanes: the same value, lane by lane, as overflow() of overflow.hpp gives.
 #include "model/numeric/lanes-inl.hpp"
 #include "model/numeric/overflow.hpp"

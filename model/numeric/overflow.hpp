@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // SystemC's five overflow modes, n_bits = 0.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Q[name](x) for lanes: the same value, lane by lane, as quantize() of quantize.hpp gives (the tests go
 // through every rounding and overflow mode, exhaustively at small widths). ratio-inl.hpp has the quotients.
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The one narrowing routine: Q[name](x) of docs/numeric-spec.md.
 //
 // Everything that drops bits ends in narrow(): a binary fraction (quantize), a quotient (quantize_ratio in

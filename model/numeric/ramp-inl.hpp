@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Ramps: runs of acc = Q(acc + step) that add the same each time, so that value i is start + i increment.
 //
 // They do where the step brings no bits below the accumulator's, or where the mode rounds by those bits alone

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Q[name](n / d) for lanes: the same value, lane by lane, as quantize_ratio() of ratio.hpp gives.
 #include <algorithm>
 #include <bit>

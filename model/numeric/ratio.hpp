@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Quantising a quotient: the floor, a guard and a sticky bit of n / d go through the one narrowing routine.
 #pragma once
 

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 // The reciprocal units' arithmetic: one text for an integer and for lanes of them.
 #include "config/modes.hpp"
-#include "model/numeric/quantize-inl.hpp"
+#include "model/numeric/ratio-inl.hpp"
 #include "model/numeric/reciprocal.hpp"
 
 #if defined(BITSPAN_MODEL_NUMERIC_RECIPROCAL_INL) == defined(HWY_TARGET_TOGGLE)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reciprocal units: R_edge, R_row, R_pixel of docs/numeric-spec.md, "Reciprocal".
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A register: a format prepared for quantising, with a name under which observers keep its history.
 #pragma once
 

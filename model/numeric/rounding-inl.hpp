@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rounding for lanes: the same value, lane by lane, as rounding.hpp gives.
 //
 // Rounding a binary fraction is one addition and a shift here: floor(x + c), c depending on the mode and, in

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // SystemC's seven quantisation modes as one truth table each: whether to add one to the floor.
 #pragma once
 

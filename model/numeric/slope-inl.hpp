@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Slopes, one text for an integer and for lanes of them.
 #include "config/modes.hpp"
 #include "model/numeric/forms-inl.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Slope(n, d, form, R, name) of docs/numeric-spec.md: the one way an edge's or a row's slope is formed. What
 // it needs of the formats; the arithmetic is in slope-inl.hpp.
 #pragma once

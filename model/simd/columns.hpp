@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A batch of records as columns, a field an array: how records pass between the vector form's stages. The
 // names are the records' own (engine/records.hpp).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "model/simd/engine_vector.hpp"
 
 #include <tbb/parallel_for.h>

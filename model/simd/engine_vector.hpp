@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The vector form of the engine `model`: batches of triangles, spans and fragments; docs/performance.md.
 #pragma once
 

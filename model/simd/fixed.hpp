@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Formats as a kernel reads them: compiled in, or read at run time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fragments that passed the depth test, side by side: what the span half of the vector form hands to texture,
 // fog and merge. All of one texture; from one triangle, or from several where none of them can be killed and
 // all are opaque (then the order of writing is all that matters).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kernels of shade.hpp for one target. In three passes over a block: the fog's factors; texture, fog and
 // merge to colour words; the words to the frame. Between them the values stay in columns of a block's length.
 #include <bit>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The vector form's last half: texture, fog, merge and the frame, for blocks of fragments that passed the
 // depth test. The arithmetic is the stages' own text (model/stages/*-inl.hpp).
 #pragma once

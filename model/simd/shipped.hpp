@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The specialised form: the kernels of spans.hpp and shade.hpp with the formats of the shipped configurations
 // compiled in. The same text; the compiler folds shifts, limits and modes.
 #pragma once

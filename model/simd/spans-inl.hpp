@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kernels of spans.hpp, for formats read at run time (fixed null) or compiled in.
 #include "model/simd/spans/draw-inl.hpp"
 #include "model/simd/spans/every_fragment-inl.hpp"

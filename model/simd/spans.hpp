@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The vector form's second half up to the depth test: spans to fragments that passed, in blocks.
 //
 // Depth comes first. A span's h is a ramp, so its depth codes are compared with the buffer a vector at a

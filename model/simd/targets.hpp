@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which instructions the vector form runs on: one table of kernels a target, picked at run time.
 //
 // Every file of kernels exports a getter of its table (HWY_EXPORT) and gets the table of a target by

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The vector form's first half: triangles to spans. Setup and slopes in lanes of triangles, accumulators as
 // ramps (ramp-inl.hpp), row ends and span starts in lanes of rows of any triangles.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // constants: the depth code's constants, once per scene. docs/numeric-spec.md, "Constants" (D1, H6, F3).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The depth code's arithmetic, one text for a fragment and for lanes of them.
 #include "config/modes.hpp"
 #include "model/stages/depth.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // depth: the fragment's depth code and its test against the buffer. docs/numeric-spec.md, "depth" (D1, H6).
 #pragma once
 

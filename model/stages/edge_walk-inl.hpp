@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // edge_walk's arithmetic, one text for an edge or a row and for lanes of them. Value: what registers hold,
 // std::int64_t or Lanes.
 #include "model/numeric/forms-inl.hpp"

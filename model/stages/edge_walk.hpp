@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // edge_walk: from a triangle's edges to its rows of pixels, one row per call.
 // docs/numeric-spec.md, "edge_walk": x by an integer error term (exact) or a slope register (dda); h, texture
 // numerators and shades by accumulators; u and v of the row's ends by T1.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fog: the text that one fragment and lanes of fragments share. docs/numeric-spec.md, "fog".
 #include "model/numeric/reciprocal-inl.hpp"
 #include "model/stages/fog.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // fog: the share of the fragment's own colour, linear (F3) or from a table (F2), and the mix
 // with the fog's colour. docs/numeric-spec.md, "fog".
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // merge: the text that one fragment and lanes of fragments share. docs/numeric-spec.md, "merge".
 #include "model/numeric/quantize-inl.hpp"
 #include "model/stages/merge.hpp"

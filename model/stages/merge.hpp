@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // merge: blends a fragment with the stored colour. docs/numeric-spec.md, "merge" (T5).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // plane_walk: takes the place of edge_walk in const_depth_rows. From a triangle to its rows of constant
 // depth, one row per call. docs/numeric-spec.md, "plane_walk" (N1, N2).
 #pragma once

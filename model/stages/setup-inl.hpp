@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // setup's arithmetic, one text for a triangle and for lanes of them. Value: what registers hold, std::int64_t
 // or Lanes; Real: double or Doubles.
 #include "model/numeric/ratio-inl.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // setup: snaps, quantises and sorts a triangle's vertices, and forms the slopes of its edges.
 // docs/numeric-spec.md, "setup" (D1 for h, T1 for the texture slopes).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The span stage's arithmetic, one text for a fragment and for lanes of them. Int: what intermediates are
 // held in (std::int64_t, int128, Lanes, WideLanes); registers hold ValueOf<Int>.
 #include "config/modes.hpp"

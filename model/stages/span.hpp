@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // span: along a span, one fragment per call. docs/numeric-spec.md, "span" (T1; N3; N1 and N2).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // span_setup's arithmetic for horizontal rows, one text for a row and for lanes of them. Value: what
 // registers hold, std::int64_t or Lanes.
 #include "config/modes.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // span_setup: from a row to the start values and increments of its span. docs/numeric-spec.md, "span_setup"
 // (T1, T2; N3; N1 with its one reciprocal per row).
 #pragma once

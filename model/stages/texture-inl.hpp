@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // texture: the text that one fragment and lanes of fragments share. docs/numeric-spec.md, "texture".
 //
 // Int: std::int64_t, int128, Lanes32 or Lanes, what products are formed in; every intermediate fits it.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // texture: the texel or four of them, the reserved colour, and the product with the fragment's colour.
 // docs/numeric-spec.md, "texture" (T3, T4, T5).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whatever has a clock in the timed model: a stage, the memory, the source of triangles.
 #pragma once
 

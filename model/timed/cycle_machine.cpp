@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The timed model in cycle mode: every part clock by clock under the SystemC kernel.
 #include <algorithm>
 #include <span>

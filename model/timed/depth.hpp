@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // depth, timed: drops fragments that are not covered or behind; reads the stored code from memory; holds a
 // fragment back while an earlier one of its pixel is on its way to merge.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // edge_walk, timed: the adapter of the stage function for WalkStage.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The timed model behind the Engine interface. Free of SystemC itself; docs/timing.md says what the numbers
 // promise.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The bounded FIFO between two stages of the timed model.
 //
 // Registered on both sides: what a clock pushes or pops is seen from the next clock on. So the order in which

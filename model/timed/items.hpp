@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What travels through the FIFOs of the timed model: an item is a triangle, a row or a fragment with the
 // records made of it so far.
 #pragma once

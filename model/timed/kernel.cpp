@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "model/timed/kernel.hpp"
 
 #include <sysc/tracing/sc_tracing_ids.h>

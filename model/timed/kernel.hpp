@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The SystemC side of the timed model: a clock, one module per part, a waveform. SystemC stays in kernel.cpp.
 //
 // Each kernel has a simulation context of its own and makes it the current one only while it works, so

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One run of the timed model, from begin() to begin(): what both modes have in common.
 #pragma once
 

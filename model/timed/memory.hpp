@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The memory behind the texture cache and the depth and colour buffers: one data bus, a fixed latency.
 //
 // A stage puts requests into the FIFO of its port. Each clock that the bus is free, the memory takes one

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // merge, timed: reads the stored colour where it blends, writes colour and depth code.
 #pragma once
 

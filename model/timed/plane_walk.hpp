@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // plane_walk, timed: takes edge_walk's place in const_depth_rows.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Makes the engine `systemc` known.
 #include "engine/registry.hpp"
 #include "model/timed/engine_systemc.hpp"

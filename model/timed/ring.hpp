@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A queue in a ring that grows by doubling: no allocation in the steady state.
 #pragma once
 

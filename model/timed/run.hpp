@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the stages of one timed run share: the prepared stage functions, the frame, the counters, the trace.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // setup, timed: a triangle in, the same with its vertices and edges out, or nothing where it has no area.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // span_setup and span, timed: one module as in rtl/span_interpolator.sv, whose clocks SpanInterpolatorTiming
 // keeps; here the values go with them.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "model/timed/span_interpolator_timing.hpp"
 
 #include "config/modes.hpp"

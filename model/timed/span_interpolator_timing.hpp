@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The clocks of the span interpolator (span_setup followed by span), one call per clock, without values.
 //
 // docs/rtl.md, "Clocks", is the contract: given the same in_valid, counts and out_ready, in_ready and

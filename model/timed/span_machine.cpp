@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The timed model in span mode: the cycle mode's numbers by arithmetic on the clocks at which something
 // moves.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The parts of the machine in span mode: what each holds, and the next clock at which it is looked at.
 #pragma once
 

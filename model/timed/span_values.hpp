@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The values of span_setup and span in a timed run, for both modes: each calls the stage function, counts its
 // events and delivers its record. The other stages' values stand beside their clocks, in the stage's own
 // file.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the clocked stages of the timed model share: state, counters, signals, the pipeline inside a stage.
 //
 // A stage is stepped once per clock by clock(now). It sees its FIFOs as they were at the start of the clock

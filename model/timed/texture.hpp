@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // texture, timed: looks its texels up in the cache and fetches the lines that are missing.
 #pragma once
 

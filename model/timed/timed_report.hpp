@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a timed run measured, as plain numbers; docs/timing.md says what each promises.
 #pragma once
 

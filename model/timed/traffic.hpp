@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the fragments ask of the memory. Which of them need a request follows from the order they come in, and
 // not from the clocks they come on; so both modes share it.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // edge_walk and plane_walk as clocked stages: a triangle in, its rows out.
 //
 // Walk is the stage function's adapter: start(TriangleItem&) takes a triangle (the walk may keep the

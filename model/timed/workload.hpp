@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The work that the records of a run are to the stages: which triangles, rows and fragments there are, where
 // they end, what they ask of the memory. Span mode's clocks know no more of the records. The workload follows
 // from the values alone, in the order of the records; so it is made ahead of the clocks, a span at a time.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The report of a study: one HTML page, and its plots as SVG and PNG, from the database `bitspan study` writes."""
 
 

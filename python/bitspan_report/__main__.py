@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """python3 -m bitspan_report DATABASE OUT_DIR [--study NAME]"""
 
 from __future__ import annotations

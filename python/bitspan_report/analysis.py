@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The numbers behind the plots: fronts, curves against a width, knees, shares of the error budget."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the page's script draws from, as JSON values."""
 
 from __future__ import annotations

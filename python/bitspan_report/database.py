@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Reads one study out of a study database (SQLite, schema 2)."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The report's plots as SVG and PNG, by matplotlib."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 "use strict";
 // The page's data, menus, and the panel that shows one configuration. Text from the database enters the page only
 // as text nodes, or through escaped() into what plotly.js reads as its subset of HTML.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 "use strict";
 // The plots, by plotly.js. Colours come from the style sheet, so that light and dark are one code.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The report's files: the page, the plots, the pictures."""
 
 from __future__ import annotations

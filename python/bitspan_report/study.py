@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a study found: the contents of its database, as the report uses them."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 "use strict";
 // Pictures of one scene side by side; all show the same part, moved and enlarged together. A heat map has its colour bar
 // below the scene's rows: that stands still beneath its picture.

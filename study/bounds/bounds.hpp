@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Proved upper bounds for the error of h, 1/(h + B), u and v against the unquantised truth
 // (docs/numeric-spec.md, "ideal"), from a configuration and the ranges of the input alone. docs/bounds.md has
 // the argument of each place.

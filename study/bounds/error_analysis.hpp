@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The errors of all registers for one range of the input, stage by stage: constants.cpp, setup.cpp,
 // edge_walk.cpp, span.cpp. docs/bounds.md has the argument of each place.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The error of a register as a sum over quantisations, and what the register's overflow makes of it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a format does to a number, as intervals and exactly: for proofs, apart from model's and golden's own
 // arithmetic.
 #pragma once

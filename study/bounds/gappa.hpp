@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stages as Gappa scripts, and Debian's `gappa` as the judge: the arithmetic of a place written out with its
 // roundings, what earlier places deliver as hypotheses, and the bound of study/bounds.hpp as the goal.
 #pragma once

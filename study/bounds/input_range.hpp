@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The ranges of a scene's input that error bounds are proved from.
 #pragma once
 

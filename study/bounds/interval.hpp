@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Closed intervals of real numbers, for proofs: every operation gives an interval that holds each result its
 // operands can have.
 //

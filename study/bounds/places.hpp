@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The registers that have a bound, and the error of each.
 #pragma once
 

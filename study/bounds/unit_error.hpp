@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How far a reciprocal unit's m 2^-e is from 1 / d, proved from its formats and its table.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The error of a register that follows a line by adding a slope: h, f and the edge's x.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What makes no search: each function throws InputError and names the key.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What an evaluation says of a point: whether it holds, what it costs, how far it is from the limits.
 #pragma once
 

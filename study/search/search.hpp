@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Word-length search: the cheapest point of a set of axes on which every constraint holds, by the standard
 // algorithms, and a certificate that no single step further down holds. docs/search.md says what each does.
 #pragma once

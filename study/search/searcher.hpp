@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One search: the points it knows, its limits, the steps that its algorithms share, and the algorithms, each
 // in a file of its name.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How a search names its keys, values and limits.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The frames of the benchmark: its scenes, Mesa's pictures of them, and the arithmetic of its tables.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The baselines of the kernel benchmark do the model's work: each value of each pixel.
 #include "bench/span_kernels.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The built program from outside: exit codes, messages, files.
 #include <gtest/gtest.h>
 

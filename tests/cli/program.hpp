@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The built program from outside, in a folder of the test's own.
 #pragma once
 

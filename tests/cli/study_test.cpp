@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `bitspan study` from outside: exit codes, messages, what a run leaves behind.
 #include <gtest/gtest.h>
 #include <sqlite3.h>

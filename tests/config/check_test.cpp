@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Each rule between keys: the value just inside is accepted, the one just outside refused by the key's name.
 #include "config/check.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // docs/configuration.md says what the code says.
 #include <gtest/gtest.h>
 

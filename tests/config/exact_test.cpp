@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The widths of exact intermediates: against values found by hand, and against the extremes themselves.
 #include "config/exact.hpp"
 

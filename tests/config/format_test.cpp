@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The names of formats and enumerators, and how record fields decode.
 #include "config/format.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The algebra of widths against every value of small grids.
 #include "config/grid.hpp"
 

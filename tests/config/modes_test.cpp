@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // No source compares a mode with an enumerator: config/modes.hpp says what a mode implies, in exhaustive
 // switches, and so does whoever needs more. A new enumerator then does not compile until each place has
 // decided.

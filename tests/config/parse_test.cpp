@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The reader is strict: every fault is one line with file, line, key and what is legal.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The files of config/: legal in every mode, commented key by key, and between them every kind of divider.
 #include <gtest/gtest.h>
 

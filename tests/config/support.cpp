@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/config/support.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The canonical text reads back as the same configuration; the hash sees everything that determines results.
 #include <gtest/gtest.h>
 

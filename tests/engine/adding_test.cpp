@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // docs/adding.md lists files that exist, no more of them than it promises, and all in which its examples
 // stand.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A folder includes only from folders of layers below its own, and from itself.
 #include <gtest/gtest.h>
 

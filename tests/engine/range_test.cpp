@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The range check: sharp (the bits named are the fewest that pass), sound (what sampled points of the ideal
 // surface need, it asks for), and silent on usual scenes with the shipped configurations.
 #include "engine/range.hpp"

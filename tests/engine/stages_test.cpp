@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The table of stages and the list of counters: complete, in order, and told by the documents as they are.
 #include "engine/stages.hpp"
 

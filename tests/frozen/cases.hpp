@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The configurations and scenes whose results are frozen.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The file digests/NAME.txt: one section for each case, with one line for each quantity.
 //
 //   [narrow on demo]

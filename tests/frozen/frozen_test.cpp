@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Computes what the program makes of many configurations and scenes, and compares it with digests/.
 //
 // Where results are meant to change, write the digests anew, and look at what changed before it is committed:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the program computes, as named texts. Each function stands for one kind of quantity.
 #pragma once
 

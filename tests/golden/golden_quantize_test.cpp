@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Q on floating point against exact rationals: every rounding and overflow mode, each Real.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The reciprocal units against the text of docs/numeric-spec.md on exact rationals.
 #include <gtest/gtest.h>
 

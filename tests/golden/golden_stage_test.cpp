@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The stages of golden by hand-computed cases and by properties that hold for every configuration.
 #include <gtest/gtest.h>
 

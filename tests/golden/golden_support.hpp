@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Shared by the tests of golden/: exact rationals as an oracle for Q, and random scenes and configurations.
 #pragma once
 

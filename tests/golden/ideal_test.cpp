@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // ideal: the closed form against a ray and a plane in space, exact coverage on hand cases and on meshes.
 #include "golden/ideal.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The columns of golden/lanes against Quantizer<double>, which is checked against exact rationals, value by
 // value.
 #include "golden/lanes.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The choice of floating-point types: enough bits, never needlessly refused, and too few ones are noticed.
 #include "golden/precision.hpp"
 

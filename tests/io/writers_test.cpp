@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The writers of pictures, arrays and whole-or-nothing files.
 #include <fcntl.h>
 #include <gtest/gtest.h>

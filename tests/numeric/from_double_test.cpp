@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "model/numeric/from_double.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every pair of a rounding and an overflow mode, and formats over them.
 #pragma once
 

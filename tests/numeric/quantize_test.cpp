@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The narrowing routine against exact rationals.
 #include "model/numeric/quantize.hpp"
 

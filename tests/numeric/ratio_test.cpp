@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Quotients against exact rationals.
 #include "model/numeric/ratio.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The quantisation once more, slowly and differently: on exact rationals, by the sentences of SystemC's
 // standard (nearest with a rule for ties; a range and what happens outside it), without shifts, guard or
 // sticky bits.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reciprocal units against their definition in docs/numeric-spec.md, on exact rationals.
 #include "model/numeric/reciprocal.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The narrowing routine against SystemC's sc_fix and sc_ufix: what the modes' names promise.
 #include <gtest/gtest.h>
 #include <systemc.h>

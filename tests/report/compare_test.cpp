@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The comparator finds what was corrupted by hand: each field of each record type, lost and extra records.
 #include "report/compare.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Errors against the closed form: zero for records made from it, and coverage by the exact test.
 #include "report/error.hpp"
 

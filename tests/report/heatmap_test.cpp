@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fields of numbers as pictures.
 #include "report/heatmap.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Engines in step: a broken one is found, by value and by exception, and the run ends soon after.
 #include "report/lockstep.hpp"
 

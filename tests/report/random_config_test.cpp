@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Random configurations are legal, repeatable, and reach every mode.
 #include "report/random_config.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A replay file holds the whole case, and a bad one is refused with a line.
 #include "report/replay.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The table of stages against what the engines deliver: one record per what the table says, made from what it
 // says.
 #include <gtest/gtest.h>

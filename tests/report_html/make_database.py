@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A study database as `bitspan study` writes it, small and without bitspan: what the tests of the report read.
 
 Errors follow from widths as they do in the pipeline: each register adds an error of 2^-bits, independent errors add

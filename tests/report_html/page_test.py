@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The page as a person uses it: opened and clicked in headless Chromium."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The report's files, and what it says of bad input."""
 
 import os

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The cache of Verilated libraries: found again, made by two at once, and what is said when it cannot be
 // made.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The engine `rtl` against the engine `model` over random triangles: every record and the frame.
 #include "tb/engine_rtl.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/rtl/icarus_case.hpp"
 
 #include <fmt/format.h>

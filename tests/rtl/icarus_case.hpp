@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files for tb/icarus_tb.sv: a case's records, and what the interpolator must make of them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Random records of one configuration with what the span interpolator must make of them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The Verilated span interpolator against exact rational numbers, over random configurations and records.
 #include <gtest/gtest.h>
 

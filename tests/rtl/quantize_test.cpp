@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // rtl/quantize.sv, exhaustively at small widths: every rounding, overflow, sign, input and sticky bit, under
 // Verilator and Icarus, against exact rational numbers.
 #include <fmt/format.h>

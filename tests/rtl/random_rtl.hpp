@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Random configurations and records for the tests of the RTL; the same seed gives the same ones.
 #pragma once
 

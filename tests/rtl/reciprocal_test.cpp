@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // rtl/reciprocal.sv: each kind, normalised or not, pipelined or not, over every operand of a small grid,
 // against exact rational numbers. The divider's test is the interpolator's with slope form `divide`.
 #include <fmt/format.h>

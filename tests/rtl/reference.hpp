@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // span_setup and span of docs/numeric-spec.md in exact rational numbers: slow, written from the page alone,
 // and sharing nothing with the engines. Fields that the RTL does not have stay 0.
 #pragma once

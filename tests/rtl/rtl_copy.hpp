@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A copy of the RTL and its benches that a test may change: the RTL under test while the object lives.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A SystemVerilog bench of a test's own, run by a simulator; the bench has no inputs and prints what it
 // finds.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // RTL that delivers more than it was asked for is seen, by Verilator's bench and by Icarus', even where the
 // surplus comes after the last pixel expected.
 #include <gtest/gtest.h>

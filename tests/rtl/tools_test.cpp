@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The same RTL read by all three tools, over shipped and random configurations: Verilator's lint is silent,
 // Icarus computes the same values, Yosys reads and checks the design.
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Verilator 5.006 miscompiles this tree of XOR, silently, without the flag that every build here has: about
 // half of the inputs are wrong then.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The vector and specialised forms of the engine against the scalar one: frames, counters, records and
 // statistics, on every target and with several threads.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Runs kernels of lanes, unobserved and observed, against the scalar routines.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The operations of model/numeric/*-inl.hpp over arrays, one table of them a target: what lanes_test.cpp
 // holds against the scalar routines.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The lanes of model/numeric/*-inl.hpp against the scalar routines, value for value and history for history,
 // on every target that this processor has.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // model_paths: what `bitspan config check` says of a configuration.
 #include "model/paths.hpp"
 

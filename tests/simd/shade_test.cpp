@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The block kernels of texture, fog and merge against the scalar stages, record by record, on every target.
 #include "model/simd/shade.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangles to spans in lanes against the scalar stages: every record, counter and statistic, on every
 // target.
 #include "model/simd/triangles.hpp"

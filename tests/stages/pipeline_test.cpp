@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The stages together, as the engine runs them.
 #include "model/pipeline.hpp"
 

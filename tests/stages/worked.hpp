@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The scene of the worked examples: s from 1 to 2, so that E = 1, s_min' = 1/2, s_max' = 1, and with 16 bits
 // B = 65535 and h = 65535 (2 / s - 1): h(2) = 0, h(1.5) = 21845, h(1) = 65535.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The estimate of areas: its coefficients against a fit of the runs they come from, its errors, and the runs
 // themselves, one of them measured again.
 #include "study/area_estimate.hpp"

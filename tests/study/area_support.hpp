@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A configuration for tests that run the tools of synthesis.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Measured areas: a small configuration through the tools, what does not fit, and what is said when a tool is
 // missing, refuses, takes too long or is cancelled.
 #include "study/area.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The proved bounds against what the model does: on the embedded scenes, on random scenes, with the shipped
 // and with random configurations.
 #include "study/bounds/bounds.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The error budget: exact is exact, and the parts make up the whole.
 #include "study/budget.hpp"
 

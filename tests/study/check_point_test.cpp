@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A recommended point is checked for what it is: equal in golden, model and RTL.
 #include "study/check_point.hpp"
 

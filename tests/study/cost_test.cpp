@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The two analytic costs against hand counts, the model's own registers and docs/search.md.
 #include "study/cost.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Intervals and the rounding errors of formats, which the bounds are made of.
 #include "study/bounds/format_range.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Gappa proves the bounds that study/bounds.hpp states, and refuses half of them.
 #include "study/bounds/gappa.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One point of a study: its numbers against the meters they come from, and what is no point.
 #include "study/point.hpp"
 

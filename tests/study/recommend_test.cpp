@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What follows a study's points: the search in the database, what is recommended, and its examination.
 #include "study/recommend.hpp"
 

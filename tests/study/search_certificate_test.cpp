@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The certificate of a search: what single steps down do, and what the answer says where nothing holds.
 #include <gtest/gtest.h>
 

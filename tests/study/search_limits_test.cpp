@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The limits of a search: evaluations, seconds, a stop from outside; and what is told on the way.
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Made-up error models for the tests of the word-length search, whose optimum is known by brute force.
 #pragma once
 

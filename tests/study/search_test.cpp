@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Word-length search on made-up error models whose optimum is known by brute force.
 #include "study/search/search.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kept truth is `ideal`, and truth_config keeps all that it reads.
 #include "report/truth.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The proved error of reciprocal units against what they give.
 #include "study/bounds/unit_error.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sets a variable of the environment for its lifetime.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The reciprocal units by the text of docs/numeric-spec.md, "Reciprocal", on exact rationals. It shares
 // nothing with the engines, which the tests of the model, of golden and of the RTL compare with it.
 #pragma once

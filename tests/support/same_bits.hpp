@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Equality of numbers that a NaN and the sign of a zero count in.
 #pragma once
 

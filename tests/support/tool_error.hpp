@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the tests ask about tools that are missing or broke.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The SystemC engine: every record equal to the functional model's under any timing, and what its numbers
 // promise.
 #include "model/timed/engine_systemc.hpp"

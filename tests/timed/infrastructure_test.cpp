@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The parts of the timed model that have no SystemC in them: FIFO, cache, memory.
 #include <gtest/gtest.h>
 

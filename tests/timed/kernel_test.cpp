@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The SystemC side: many kernels in one process, errors out of a clock, the waveform's file.
 #include "model/timed/kernel.hpp"
 

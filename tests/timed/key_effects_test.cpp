@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The column `affects` of the table of keys (config/key_table.cpp) is true: a key changes what it names, and
 // nothing that it does not name.
 #include <gtest/gtest.h>

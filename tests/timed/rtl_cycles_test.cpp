@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The span interpolator's clocks against the Verilated RTL's: in_ready and out_valid on every clock.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The interpolator's clocks against docs/rtl.md written out register by register, and by hand.
 #include "model/timed/span_interpolator_timing.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Span mode against cycle mode: every number of the report, every counter, the frame and the trace.
 #include <gtest/gtest.h>
 

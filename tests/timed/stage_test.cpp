@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Latency, interval, FIFOs, stall reasons and memory of the clocked stages, counted by hand; no SystemC, no
 // model.
 #include "model/timed/stage.hpp"

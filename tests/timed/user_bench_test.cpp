@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The engine called from within a process of a user's own SystemC test bench.
 #include <gtest/gtest.h>
 

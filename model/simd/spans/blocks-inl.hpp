@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fragments put into blocks: h, fu, fv and shades span by span; u and v densely, when the block is given
 // away.
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Depth codes of lanes, and the depth test of the pixels of a span.
 #include <algorithm>
 #include <cstdint>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Spans to blocks, the depth test first: only what passes gets u, v and shades.
 #include <algorithm>
 #include <cstring>

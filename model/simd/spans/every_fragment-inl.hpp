@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Spans to every one of their fragments, for traces, statistics and the timed model.
 #include <algorithm>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Between lanes of 64 and of 32 bits, and lanes of 32 bits moved side by side.
 #include <array>
 #include <cstdint>

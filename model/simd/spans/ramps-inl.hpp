@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The registers of a span as ramps, start and increment, or as one value per pixel where an adder rounds.
 #include <algorithm>
 #include <array>

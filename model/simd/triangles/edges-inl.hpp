@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Triangles to edges: setup, slopes and the first row of every edge. The lanes are triangles.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Edges to rows: the accumulators of every edge, row by row, into columns. The lanes are rows of one edge.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rows to spans: row ends and span starts. The lanes are rows of any triangles.
 #include <algorithm>
 #include <array>
