@@ -28,7 +28,7 @@ BITSPAN_ENUM(DdaUpdate, accumulate, multiply);
 BITSPAN_ENUM(Perspective, delta_f, const_depth_rows, hyperbolic, affine);
 BITSPAN_ENUM(Numerator, pixel_centre, ideal_line);
 BITSPAN_ENUM(SlopeForm, divide, reciprocal);
-BITSPAN_ENUM(ReciprocalKind, restoring, lut_linear, lut_newton);
+BITSPAN_ENUM(ReciprocalKind, restoring, lut_linear, lut_newton, lut_quadratic);
 BITSPAN_ENUM(DepthCode, inverse, linear, opengl);
 BITSPAN_ENUM(TextureFilter, nearest, bilinear);
 BITSPAN_ENUM(TextureWrap, cyclic, clamp);

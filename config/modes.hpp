@@ -162,6 +162,7 @@ constexpr bool has_table(ReciprocalKind kind) {
       return false;
     case ReciprocalKind::lut_linear:
     case ReciprocalKind::lut_newton:
+    case ReciprocalKind::lut_quadratic:
       return true;
   }
   unreachable();
@@ -174,12 +175,14 @@ constexpr bool has_newton_steps(ReciprocalKind kind) {
       return true;
     case ReciprocalKind::restoring:
     case ReciprocalKind::lut_linear:
+    case ReciprocalKind::lut_quadratic:
       return false;
   }
   unreachable();
 }
 
-// Entries of a unit's table: one per segment, and one more where segments have an entry at both ends.
+// Entries of a unit's table: one per segment, one more where segments have an entry at both ends, or value,
+// slope and curvature per segment.
 constexpr std::int64_t table_entries(const Reciprocal& unit) {
   const std::int64_t segments = std::int64_t{1} << unit.index_bits;
   switch (unit.kind) {
@@ -189,6 +192,8 @@ constexpr std::int64_t table_entries(const Reciprocal& unit) {
       return segments + 1;
     case ReciprocalKind::lut_newton:
       return segments;
+    case ReciprocalKind::lut_quadratic:
+      return 3 * segments;
   }
   unreachable();
 }

@@ -23,6 +23,14 @@ std::vector<std::int64_t> reciprocal_table(const Reciprocal& unit) {
     case ReciprocalKind::lut_newton:
       for (Wide j = 0; j < segments; ++j) add(2 * segments, 2 * segments + 2 * j + 1);
       break;
+    case ReciprocalKind::lut_quadratic: {  // with k = 2^(index_bits + 1) + 2 j
+      const Wide first = 2 * segments;
+      const Wide last = 4 * segments;
+      for (Wide k = first; k < last; k += 2) add(first, k);
+      for (Wide k = first; k < last; k += 2) add(2 * first * (k + 3), k * (k + 1) * (k + 2));
+      for (Wide k = first; k < last; k += 2) add(4 * first, k * (k + 1) * (k + 2));
+      break;
+    }
   }
   return table;
 }
@@ -65,6 +73,28 @@ ReciprocalParts parts_of(const Reciprocal& unit) {
       parts.exact.push_back({"y (2 - a)", widest + unit.internal_bits + 4});
       parts.fraction = unit.internal_bits;
       return parts;
+    }
+    case ReciprocalKind::lut_quadratic: {
+      // The leading zeros of c1 <= 2^-index_bits, c2 <= 2^-(2 index_bits) and g <= 2^-index_bits are not
+      // kept.
+      const int c1 = std::max(1, entry.bits() - unit.index_bits);
+      const int c2 = std::max(1, entry.bits() - 2 * unit.index_bits);
+      const int g = std::max(1, y.bits() - unit.index_bits);
+      const std::int64_t segments = std::int64_t{1} << unit.index_bits;
+      return {.registers = {{"nq", nq.bits(), 1},
+                            {"c0", entry.bits(), 1},
+                            {"c1", c1, 1},
+                            {"c2", c2, 1},
+                            {"g", g, 1},
+                            {"y", y.bits(), 1}},
+              .products = {{"c2 t", c2, t}, {"g t", g, t}},
+              .exact = {{"table entry",
+                         std::max(unit.table_bits + 2 * unit.index_bits + 8, 3 * unit.index_bits + 11)},
+                        {"c1 - c2 t", std::max(unit.table_bits + t, unit.internal_bits) + 2},
+                        {"c0 - g t", std::max(unit.table_bits, unit.internal_bits + t) + 2}},
+              .table_bits = segments * (entry.bits() + c1 + c2),
+              .fraction = unit.internal_bits,
+              .clocks = 3};
     }
   }
   unreachable();

@@ -173,6 +173,15 @@ class StageNeeds {
                    std::max(entry.bits(), t.bits()));
         break;
       }
+      case ReciprocalKind::lut_quadratic: {
+        const Range t{-std::max(unit.operand_bits - unit.index_bits, 0), 0};
+        const Range entry{-unit.table_bits, 0};
+        const Range g{-unit.internal_bits, 0};
+        exact_pair(name + " c1 - c2 t", sum(entry, product(entry, t)), std::max(entry.bits(), t.bits()));
+        exact_pair(name + " c0 - g t", sum(entry, product(g, t)),
+                   std::max({entry.bits(), g.bits(), t.bits()}));
+        break;
+      }
       case ReciprocalKind::lut_newton: {
         Range y{-unit.table_bits, 0};
         const Range a{-unit.internal_bits, 1};

@@ -29,6 +29,24 @@ std::vector<std::int64_t> reciprocal_table(const Reciprocal& unit) {
     case ReciprocalKind::lut_newton:  // in the middle of each segment
       for (std::int64_t i = 0; i < segments; ++i) add(Quad(i) + Quad(0.5));
       break;
+    case ReciprocalKind::lut_quadratic: {
+      // With x = 1 + i / segments and half a segment h: 1/x, and the differences of 1/x, 1/(x + h), 1/(x + 2
+      // h).
+      const Quad h = pow2<Quad>(-unit.index_bits - 1);
+      const auto add_quotient = [&](Quad n, Quad d) {
+        table.push_back(
+            to_integer(round_whole(whole_of_quotient(n * pow2<Quad>(unit.table_bits), d), Rounding::rnd)));
+      };
+      const auto x = [&](std::int64_t i) { return 1 + Quad(2 * i) * h; };
+      for (std::int64_t i = 0; i < segments; ++i) add(Quad(i));
+      for (std::int64_t i = 0; i < segments; ++i) {
+        add_quotient(2 * h * (x(i) + 3 * h), x(i) * (x(i) + h) * (x(i) + 2 * h));
+      }
+      for (std::int64_t i = 0; i < segments; ++i) {
+        add_quotient(4 * h * h, x(i) * (x(i) + h) * (x(i) + 2 * h));
+      }
+      break;
+    }
   }
   return table;
 }
@@ -42,6 +60,9 @@ int lut_product_bits(const Reciprocal& unit) {
     case ReciprocalKind::lut_newton:
       return std::max(unit.table_bits, unit.internal_bits + 1) + 1 +
              std::max(unit.operand_bits, unit.internal_bits);
+    case ReciprocalKind::lut_quadratic:
+      return std::max(unit.table_bits, unit.internal_bits) + 1 +
+             std::max(unit.operand_bits - unit.index_bits, 0);
   }
   unreachable();
 }
@@ -88,6 +109,15 @@ Real ReciprocalUnit<Real>::by_table(Real n) const {
       }
       return y;
     }
+    case ReciprocalKind::lut_quadratic: {
+      const Real segments = index_scale_;
+      const Real value = entry(j);
+      const Real slope = entry(segments + j);
+      const Real curvature = entry(2 * segments + j);
+      if (single_) return cut(value - cut(slope - curvature * t) * t);
+      const Real g = cut(ExactSum(-exact_product(curvature, t)).add(base_of(slope)).get());
+      return cut(ExactSum(-exact_product(g, t)).add(base_of(value)).get());
+    }
   }
   unreachable();
 }
@@ -105,6 +135,7 @@ bool ReciprocalUnit<Real>::quick(const Column& d, std::size_t n, Column& m, Colu
       for (std::size_t i = 0; i < n; ++i) y.at[i] = 1;
       return lanes_narrow_quotient(y, normal, to_ulps, quick_output_, n, m) == 0;
     case ReciprocalKind::lut_linear:
+    case ReciprocalKind::lut_quadratic:
       return false;
     case ReciprocalKind::lut_newton: {
       Column nq;

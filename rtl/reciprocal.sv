@@ -10,6 +10,7 @@
 // Clocks:  1 normalise | restoring: Iterations           | 1 Q
 //                      | lut_linear: 1 table, 1 product  |
 //                      | lut_newton: 1 table, 2 per step |
+//                      | lut_quadratic: 1 table, 2       |
 module reciprocal #(
     parameter int Kind         = 0,
     parameter int Normalize    = 1,
@@ -45,7 +46,10 @@ module reciprocal #(
   localparam int KindRestoring = 0;
   localparam int KindLutLinear = 1;
   localparam int KindLutNewton = 2;
-  localparam int CoreClocks = (Kind == KindRestoring) ? Iterations : (Kind == KindLutLinear) ? 2 : 1 + 2 * Steps;
+  localparam int KindLutQuadratic = 3;
+  localparam int CoreClocks = (Kind == KindRestoring) ? Iterations :
+                              (Kind == KindLutLinear) ? 2 :
+                              (Kind == KindLutQuadratic) ? 3 : 1 + 2 * Steps;
   localparam int ShiftW = $clog2(OpW + 1);
 
   // Normalise: n = d 2^zeros has its top bit set; e = OpW - 1 - OpFrac - zeros.
@@ -119,9 +123,25 @@ module reciprocal #(
     assign sticky = 1'b0;
 
     localparam int EntryW = TableBits + 1;
-    logic [EntryW-1:0] rom[TableEntries];
-    initial begin
-      for (int i = 0; i < TableEntries; i++) rom[i] = Table[i*EntryW+:EntryW];
+    // lut_quadratic has c0, c1 and c2 of a segment in one word: {c2, c1, c0}, without the leading zeros of
+    // c1 <= 2^-IndexBits and c2 <= 2^-(2 IndexBits).
+    localparam int C1W = (TableBits > IndexBits) ? EntryW - IndexBits : 1;
+    localparam int C2W = (TableBits > 2 * IndexBits) ? EntryW - 2 * IndexBits : 1;
+    localparam int RomW = (Kind == KindLutQuadratic) ? C2W + C1W + EntryW : EntryW;
+    localparam int RomWords = (Kind == KindLutQuadratic) ? TableEntries / 3 : TableEntries;
+    logic [RomW-1:0] rom[RomWords];
+    if (Kind == KindLutQuadratic) begin : gen_words
+      initial begin
+        for (int i = 0; i < RomWords; i++) begin
+          rom[i] = {
+            Table[(2*RomWords+i)*EntryW+:C2W], Table[(RomWords+i)*EntryW+:C1W], Table[i*EntryW+:EntryW]
+          };
+        end
+      end
+    end else begin : gen_entries
+      initial begin
+        for (int i = 0; i < RomWords; i++) rom[i] = Table[i*EntryW+:EntryW];
+      end
     end
 
     // nq - 1 on max(OperandBits, IndexBits) fraction bits: the operand's bits below the leading one, cut to
@@ -140,17 +160,19 @@ module reciprocal #(
     logic [IndexBits:0] j;
     assign j = fraction[NqFrac:TFrac];
 
+    logic [TFrac:0] t;
+    if (TFrac > 0) begin : gen_t
+      assign t = {1'b0, fraction[TFrac-1:0]};
+    end else begin : gen_no_t
+      assign t = 1'b0;
+    end
+
     logic [LutFrac:0] y_lut;
 
     if (Kind == KindLutLinear) begin : gen_linear
       // Clock 2: c(j), c(j+1), t.
       logic [EntryW-1:0] c0_q, c1_q;
-      logic [TFrac:0] t, t_q;
-      if (TFrac > 0) begin : gen_t
-        assign t = {1'b0, fraction[TFrac-1:0]};
-      end else begin : gen_no_t
-        assign t = 1'b0;
-      end
+      logic [TFrac:0] t_q;
       always_ff @(posedge clk_i) begin
         if (en_i) begin
           c0_q <= rom[j];
@@ -170,6 +192,46 @@ module reciprocal #(
       always_ff @(posedge clk_i) begin
         if (en_i) y_lut <= (LutFrac + 1)'(((ExactW + Append)'(exact) << Append) >> Drop);
       end
+    end else if (Kind == KindLutQuadratic) begin : gen_quadratic
+      // Clock 2: c0, c1, c2, t.
+      localparam int GW = (InternalBits > IndexBits) ? InternalBits + 1 - IndexBits : 1;
+      logic [EntryW-1:0] c0_q, c0_g_q;
+      logic [C1W-1:0] c1_q;
+      logic [C2W-1:0] c2_q;
+      logic [TFrac:0] t_q, t_g_q;
+      logic [GW-1:0] g_q;
+      logic unused_j;
+      assign unused_j = j[IndexBits];
+      always_ff @(posedge clk_i) begin
+        if (en_i) begin
+          {c2_q, c1_q, c0_q} <= rom[j[IndexBits-1:0]];
+          t_q <= t;
+        end
+      end
+      // Clock 3: g = c1 - c2 t, floored to InternalBits. c2 is at most c1 and t below 1, so g is not negative.
+      localparam int SlopeW = C1W + TFrac;
+      localparam int SlopeFrac = TableBits + TFrac;
+      localparam int DropG = (SlopeFrac > InternalBits) ? SlopeFrac - InternalBits : 0;
+      localparam int AppendG = (SlopeFrac > InternalBits) ? 0 : InternalBits - SlopeFrac;
+      logic [SlopeW-1:0] slope;
+      assign slope = (SlopeW'(c1_q) << TFrac) - SlopeW'(c2_q) * SlopeW'(t_q);
+      always_ff @(posedge clk_i) begin
+        if (en_i) begin
+          g_q <= GW'(((SlopeW + AppendG)'(slope) << AppendG) >> DropG);
+          c0_g_q <= c0_q;
+          t_g_q <= t_q;
+        end
+      end
+      // Clock 4: c0 - g t, floored to InternalBits. g is at most c1, and c1 below c0.
+      localparam int ProductFrac = InternalBits + TFrac;
+      localparam int ExactFrac = (TableBits > ProductFrac) ? TableBits : ProductFrac;
+      localparam int ExactW = ExactFrac + 1;
+      logic [ExactW-1:0] exact;
+      assign exact = (ExactW'(c0_g_q) << (ExactFrac - TableBits)) -
+                     ((ExactW'(g_q) * ExactW'(t_g_q)) << (ExactFrac - ProductFrac));
+      always_ff @(posedge clk_i) begin
+        if (en_i) y_lut <= (LutFrac + 1)'(exact >> (ExactFrac - InternalBits));
+      end
     end else begin : gen_newton
       // Clock 2: y(0) and nq. y never exceeds 1, nq is below 2, so a is below 2.
       localparam int NqW = NqFrac + 1;
@@ -182,7 +244,7 @@ module reciprocal #(
         assign y0 = rom[0];
       end
       logic unused_j;
-      assign unused_j = j[IndexBits];
+      assign unused_j = j[IndexBits] ^ (^t);
       always_ff @(posedge clk_i) begin
         if (en_i) begin
           y0_q <= y0;
@@ -259,7 +321,7 @@ module reciprocal #(
 
 `ifndef SYNTHESIS
   initial begin
-    assert (Kind >= KindRestoring && Kind <= KindLutNewton)
+    assert (Kind >= KindRestoring && Kind <= KindLutQuadratic)
     else $error("reciprocal: unknown kind %0d", Kind);
     assert (Clocks == 2 + CoreClocks)
     else $error("reciprocal: has %0d clocks, told %0d", 2 + CoreClocks, Clocks);

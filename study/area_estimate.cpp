@@ -165,6 +165,20 @@ class Counter {
         multiply(entry, t + 1);
         return y;
       }
+      case ReciprocalKind::lut_quadratic: {
+        const int t = nq_fraction - unit.index_bits;
+        const int c1 = std::max(1, entry - unit.index_bits);
+        const int c2 = std::max(1, entry - 2 * unit.index_bits);
+        const int g = std::max(1, y.bits() - unit.index_bits);
+        shape_.table += segments * (entry + c1 + c2);
+        add_registers(entry + c1 + c2 + t);
+        add_registers(entry + g + t);
+        add_registers(y.bits());
+        multiply(c2, t);
+        multiply(g, t);
+        shape_.sums += c1 + t + std::max(entry, unit.internal_bits + t + 1);
+        return y;
+      }
       case ReciprocalKind::lut_newton:
         shape_.table += segments * entry;
         add_registers(entry + nq_fraction);

@@ -43,6 +43,20 @@ HWY_INLINE Int approximate(const ReciprocalFormats& f, const std::int64_t* table
       fraction = f.config.internal_bits;
       return shifted_down(y, f.config.table_bits + t_bits - f.config.internal_bits);
     }
+    case ReciprocalKind::lut_quadratic: {
+      const int t_bits = f.config.operand_bits > f.config.index_bits ? operand - f.config.index_bits : 0;
+      const Int t = rest & ((Int(1) << t_bits) - Int(1));
+      const Int segments = Int(1) << f.config.index_bits;
+      const Int c0 = entry_of(table, j);
+      const Int c1 = entry_of(table, j + segments);
+      const Int c2 = entry_of(table, j + segments + segments);
+      const Int g =
+          shifted_down((c1 << t_bits) - c2 * t, f.config.table_bits + t_bits - f.config.internal_bits);
+      fraction = f.config.internal_bits;
+      const int grid = std::max(f.config.table_bits, fraction + t_bits);
+      const Int y = (c0 << (grid - f.config.table_bits)) - ((g * t) << (grid - fraction - t_bits));
+      return shifted_down(y, grid - fraction);
+    }
     case ReciprocalKind::lut_newton: {
       Int y = entry_of(table, j);
       fraction = f.config.table_bits;

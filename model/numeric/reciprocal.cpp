@@ -30,6 +30,17 @@ std::vector<std::int64_t> make_table(const Reciprocal& c) {
         table.push_back(entry(2 * size, 2 * size + 2 * j + 1, c.table_bits));
       }
       break;
+    case ReciprocalKind::lut_quadratic:  // value, slope and curvature: powers 0, 1 and 2 of t
+      for (int power = 0; power <= 2; ++power) {
+        for (int128 j = 0; j < size; ++j) {
+          const int128 k = 2 * (size + j);
+          const int128 cubic = k * (k + 1) * (k + 2);
+          table.push_back(power == 0   ? entry(2 * size, k, c.table_bits)
+                          : power == 1 ? entry(4 * size * (k + 3), cubic, c.table_bits)
+                                       : entry(8 * size, cubic, c.table_bits));
+        }
+      }
+      break;
   }
   return table;
 }

@@ -32,6 +32,8 @@ constexpr int widest_bits(const Reciprocal& c) {
       return 0;
     case ReciprocalKind::lut_linear:  // the interpolation's product
       return std::max(c.table_bits + std::max(0, c.operand_bits - c.index_bits), c.internal_bits) + 2;
+    case ReciprocalKind::lut_quadratic:  // c1 - c2 t and c0 - g t
+      return std::max(c.table_bits, c.internal_bits) + std::max(0, c.operand_bits - c.index_bits) + 2;
     case ReciprocalKind::lut_newton:  // nq y and y (2 - a) of a step
       return std::max(c.table_bits, c.internal_bits) + std::max(c.operand_bits, c.internal_bits) + 3;
   }

@@ -25,6 +25,32 @@ Interval line(double c, Interval slope, double a, double step) {
   return relative;
 }
 
+// y nq - 1 for y = c0 - (c1 - c2 t) t and nq = a + step t, t in 0..1: a cubic in t. A piece of it lies in the
+// hull of its Bernstein coefficients.
+Interval parabola(double c0, double c1, double c2, double a, double step) {
+  constexpr int pieces = 8;
+  constexpr double w = 1.0 / pieces;
+  // The coefficient per power of t.
+  const Interval k0 = Interval(c0) * a - 1;
+  const Interval k1 = Interval(c0) * step - Interval(c1) * a;
+  const Interval k2 = Interval(c2) * a - Interval(c1) * step;
+  const Interval k3 = Interval(c2) * step;
+  Interval relative = k0;
+  for (int i = 0; i < pieces; ++i) {
+    // The coefficient per power of x, where t = u + w x and x is in 0..1.
+    const Interval u(i * w);
+    const Interval b0 = k0 + u * (k1 + u * (k2 + u * k3));
+    const Interval b1 = Interval(w) * (k1 + u * (2 * k2 + 3 * u * k3));
+    const Interval b2 = Interval(w * w) * (k2 + 3 * u * k3);
+    const Interval b3 = Interval(w * w * w) * k3;
+    relative = hull(relative, b0);
+    relative = hull(relative, b0 + b1 / 3);
+    relative = hull(relative, b0 + (2 * b1 + b2) / 3);
+    relative = hull(relative, b0 + b1 + b2 + b3);
+  }
+  return relative;
+}
+
 }  // namespace
 
 Unit::Unit(const Reciprocal& r) : r_(r), table_(reciprocal_table(r)) {
@@ -89,6 +115,13 @@ Interval Unit::segment(std::int64_t j) const {
       return line(y, Interval(y) - table_value(j + 1), a, step);
     case ReciprocalKind::lut_newton:
       return Interval(a, a + step) * y - 1;
+    case ReciprocalKind::lut_quadratic: {
+      const std::int64_t segments = std::int64_t{1} << r_.index_bits;
+      // g is cut, and counts t times: y becomes larger by less than that.
+      const Interval cut_of_g(0, std::ldexp(1.0, -r_.internal_bits));
+      return parabola(y, table_value(segments + j), table_value(2 * segments + j), a, step) +
+             Interval(a, a + step) * cut_of_g;
+    }
   }
   unreachable();
 }
@@ -101,6 +134,7 @@ Interval Unit::computed(Interval nq, Interval e) const {
     case ReciprocalKind::restoring:  // has no table
       break;
     case ReciprocalKind::lut_linear:
+    case ReciprocalKind::lut_quadratic:
       return e - nq * lost;
     case ReciprocalKind::lut_newton:
       for (int i = 0; i < r_.steps; ++i) e = (1 + e) * lost - square(e) - nq * lost;

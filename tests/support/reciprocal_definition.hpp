@@ -59,6 +59,22 @@ inline ReciprocalByDefinition reciprocal_by_definition(const Reciprocal& unit,
       y = cut(from - (from - to) * (place - j), unit.internal_bits);
       break;
     }
+    case ReciprocalKind::lut_quadratic: {
+      // The parabola through both ends and the middle of the segment.
+      const auto exact = [&](const Rational& i) { return 1 / (1 + i * two_to(-unit.index_bits)); };
+      const auto rounded = [&](const Rational& x) {
+        return Rational(floor_of(x * two_to(unit.table_bits) + half)) * two_to(-unit.table_bits);
+      };
+      const Rational from = exact(j);
+      const Rational middle = exact(j + half);
+      const Rational to = exact(j + 1);
+      const Rational slope = rounded(3 * from - 4 * middle + to);
+      const Rational curvature = rounded(2 * from - 4 * middle + 2 * to);
+      const Rational t = place - j;
+      const Rational g = cut(slope - curvature * t, unit.internal_bits);
+      y = cut(rounded(from) - g * t, unit.internal_bits);
+      break;
+    }
     case ReciprocalKind::lut_newton:
       y = entry(j + half);
       for (int step = 0; step < unit.steps; ++step) {
