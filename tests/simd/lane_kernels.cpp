@@ -137,7 +137,7 @@ void top_bits(const std::int64_t* a, std::size_t n, std::int64_t* out) {
 
 }  // namespace
 
-const LaneKernels* kernels() {
+const LaneKernels* target_lane_kernels() {
   static const LaneKernels all{width,
                                quantize32,
                                quantize_all<std::int64_t>,
@@ -164,7 +164,7 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace bitspan::model {
-HWY_EXPORT(kernels);
-const LaneKernels& lane_kernels() { return *HWY_DYNAMIC_DISPATCH(kernels)(); }
+HWY_EXPORT(target_lane_kernels);
+const LaneKernels& lane_kernels() { return *HWY_DYNAMIC_DISPATCH(target_lane_kernels)(); }
 }  // namespace bitspan::model
 #endif

@@ -9,8 +9,8 @@
 
 #include "model/numeric/reciprocal.hpp"
 #include "scene/random.hpp"
-#include "tests/support/reciprocal_definition.hpp"
 #include "study/bounds/format_range.hpp"
+#include "tests/support/reciprocal_definition.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -65,14 +65,17 @@ Reciprocal table_unit(ReciprocalKind kind, int operand, int index, int table, in
 TEST(UnitError, HoldsForEveryOperandAndIsNearlyReached) {
   // Each with one source of error that outweighs the others: the output, the table, the truncation after a
   // step, the operand's.
-  const std::array<Reciprocal, 8> units{table_unit(ReciprocalKind::restoring, 0, 0, 0, 0, 0, 10),
-                                        table_unit(ReciprocalKind::lut_newton, 15, 6, 10, 20, 1, 10),
-                                        table_unit(ReciprocalKind::lut_newton, 15, 3, 12, 20, 1, 18),
-                                        table_unit(ReciprocalKind::lut_newton, 15, 6, 12, 10, 2, 18),
-                                        table_unit(ReciprocalKind::lut_newton, 9, 6, 12, 20, 2, 18),
-                                        table_unit(ReciprocalKind::lut_newton, 15, 4, 8, 20, 0, 18),
-                                        table_unit(ReciprocalKind::lut_linear, 15, 3, 16, 20, 0, 18),
-                                        table_unit(ReciprocalKind::lut_linear, 15, 6, 16, 10, 0, 18)};
+  const std::array<Reciprocal, 11> units{table_unit(ReciprocalKind::restoring, 0, 0, 0, 0, 0, 10),
+                                         table_unit(ReciprocalKind::lut_newton, 15, 6, 10, 20, 1, 10),
+                                         table_unit(ReciprocalKind::lut_newton, 15, 3, 12, 20, 1, 18),
+                                         table_unit(ReciprocalKind::lut_newton, 15, 6, 12, 10, 2, 18),
+                                         table_unit(ReciprocalKind::lut_newton, 9, 6, 12, 20, 2, 18),
+                                         table_unit(ReciprocalKind::lut_newton, 15, 4, 8, 20, 0, 18),
+                                         table_unit(ReciprocalKind::lut_linear, 15, 3, 16, 20, 0, 18),
+                                         table_unit(ReciprocalKind::lut_linear, 15, 6, 16, 10, 0, 18),
+                                         table_unit(ReciprocalKind::lut_quadratic, 15, 2, 18, 20, 0, 18),
+                                         table_unit(ReciprocalKind::lut_quadratic, 15, 5, 11, 20, 0, 18),
+                                         table_unit(ReciprocalKind::lut_quadratic, 15, 4, 18, 10, 0, 18)};
   for (const Reciprocal& unit : units) {
     SCOPED_TRACE(std::string(to_string(unit.kind)) + " " + std::to_string(unit.operand_bits) + " " +
                  std::to_string(unit.index_bits) + " " + std::to_string(unit.internal_bits) + " " +
