@@ -57,6 +57,10 @@ TEST(GoldenReciprocal, TableByHand) {
   EXPECT_EQ(reciprocal_table(unit), (std::vector<std::int64_t>{16, 11, 8}));  // 16/1, 16/1.5 = 10.67, 16/2
   unit.kind = ReciprocalKind::lut_newton;
   EXPECT_EQ(reciprocal_table(unit), (std::vector<std::int64_t>{13, 9}));  // 16/1.25 = 12.8, 16/1.75 = 9.14
+  // 16/1, 16/1.5; 16 (3/1 - 4/1.25 + 1/1.5) = 7.47, 16 (3/1.5 - 4/1.75 + 1/2) = 3.43; 16 (2/1 - 4/1.25 +
+  // 2/1.5) = 2.13, 16 (2/1.5 - 4/1.75 + 2/2) = 0.76.
+  unit.kind = ReciprocalKind::lut_quadratic;
+  EXPECT_EQ(reciprocal_table(unit), (std::vector<std::int64_t>{16, 11, 7, 3, 2, 1}));
   unit.kind = ReciprocalKind::restoring;
   EXPECT_TRUE(reciprocal_table(unit).empty());
 }

@@ -89,7 +89,7 @@ TEST(Gappa, ProvesOtherRoundingsWidthsAndForms) {
   }
 }
 
-TEST(Gappa, ProvesTheRestoringUnitAndMoreNewtonSteps) {
+TEST(Gappa, ProvesTheRestoringUnitAParabolaAndMoreNewtonSteps) {
   Config config = shipped_config("depth16");
   Reciprocal& unit = config.pixel_reciprocal;
   unit = config.row_reciprocal;
@@ -105,6 +105,11 @@ TEST(Gappa, ProvesTheRestoringUnitAndMoreNewtonSteps) {
     SCOPED_TRACE(unit.steps);
     expect_proved(config, calm_range(), "reciprocal.pixel");
   }
+  unit.kind = ReciprocalKind::lut_quadratic;
+  unit.steps = 0;
+  unit.index_bits = 4;
+  unit.table_bits = 17;
+  expect_proved(config, calm_range(), "reciprocal.pixel");
 }
 
 // A triangle as a scene has it, by its own ranges.
