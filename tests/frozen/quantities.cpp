@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -253,14 +254,14 @@ std::string digest_of_handshake(const std::vector<HandshakeClock>& handshake) {
 
 }  // namespace
 
-// The package that the RTL is built from, as it was when the digests were made: its comments number the
-// enumerators, and these came later.
+// The package that the RTL is built from, without the lines that are comments: they number the enumerators
+// that there are.
 std::string package_text(const Config& config) {
-  std::string text = emit_sv(config);
-  for (const std::string_view later : {", 3 lut_quadratic"}) {
-    for (std::size_t at = text.find(later); at != std::string::npos; at = text.find(later)) {
-      text.erase(at, later.size());
-    }
+  std::istringstream lines(emit_sv(config));
+  std::string text;
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t start = line.find_first_not_of(' ');
+    if (start == std::string::npos || line.compare(start, 2, "//") != 0) text += line + "\n";
   }
   return text;
 }
