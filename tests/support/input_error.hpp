@@ -11,19 +11,23 @@
 
 namespace bitspan {
 
-// The text of the InputError that `call` throws, "" where it throws none; a test failure where it is more
-// than one line.
-template <class Call>
-std::string error_of(const Call& call) {
+// The text of the Error that `call` throws, "" where it throws none; a test failure where it is more than one
+// line.
+template <class Error, class Call>
+std::string line_thrown(const Call& call) {
   try {
     call();
-  } catch (const InputError& error) {
+  } catch (const Error& error) {
     std::string text = error.what();
     EXPECT_FALSE(text.empty());
     EXPECT_EQ(text.find('\n'), std::string::npos) << text;
     return text;
   }
   return "";
+}
+template <class Call>
+std::string error_of(const Call& call) {
+  return line_thrown<InputError>(call);
 }
 // The same where one must be thrown.
 template <class Call>

@@ -7,22 +7,16 @@
 #include <string>
 
 #include "tb/programs.hpp"
+#include "tests/support/input_error.hpp"
 
 namespace bitspan {
 
 // The text of the ToolError that `call` must throw; a test failure where it is more than one line.
 template <class Call>
 std::string tool_error(const Call& call) {
-  try {
-    call();
-  } catch (const ToolError& error) {
-    std::string text = error.what();
-    EXPECT_FALSE(text.empty());
-    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-    return text;
-  }
-  ADD_FAILURE() << "no ToolError";
-  return "";
+  std::string text = line_thrown<ToolError>(call);
+  EXPECT_NE(text, "") << "no ToolError";
+  return text;
 }
 
 }  // namespace bitspan
