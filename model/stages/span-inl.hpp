@@ -66,7 +66,7 @@ HWY_INLINE TexturePoint<ValueOf<Int>> texture_point(const SpanFormats& f, DepthS
       // Fractions of f m 2^-e, and of the sum with u1.
       const Value product = inverse.e + Value(f.f.acc.fraction + f.reciprocal.output.fraction);
       const Value common = aligned ? product : max(product, Value(f.u1_fraction));
-      const auto coordinate = [&](Value base, Value numerator) HWY_ATTR {
+      const auto coordinate = [&](Value base, Value numerator) HWY_ATTR __attribute__((always_inline)) {
         if (aligned) {
           const Int sum = (Int(base) << (common - Value(f.u1_fraction))) + times<Int>(numerator, inverse.m);
           return quantize_down(sum, common, f.uv, watch);
