@@ -38,7 +38,7 @@ std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store)
 std::string error_metric(const StudyPlan& plan);
 std::string cost_metric(const StudyPlan& plan);
 
-// Returns the point (x: cost, y: error, both positive) at the largest bend of the lower left front: the
+// Returns the point (x: cost, y: error, both positive) at the largest bend of the lower left front. It is the
 // farthest one below the line between the front's ends, on logarithmic axes. There is none where the front
 // has fewer than three points.
 std::optional<std::size_t> knee(const std::vector<std::pair<double, double>>& points);
