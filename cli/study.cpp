@@ -45,12 +45,12 @@ using Table = std::vector<std::vector<std::string>>;
 
 std::string number_text(double value) { return std::isnan(value) ? "-" : fmt::format("{:.6g}", value); }
 
-// Whether a size may be asked for; streams and the extreme scenes have their own.
+// Whether a size may be asked for. Streams and the extreme scenes have their own.
 bool takes_size(const std::string& name) {
   return !name.ends_with(".tri") && name != "extreme" && !name.starts_with("extreme/");
 }
 
-// Without names the embedded set.
+// Loads the scenes. Without names they are the embedded set.
 std::vector<Scene> scenes_of(std::vector<std::string> names, int width, int height, bool allow_empty) {
   if (names.empty()) names = {"demo", "extreme"};
   std::vector<Scene> out;
@@ -74,7 +74,7 @@ Measure make_meter(std::vector<Scene> scenes) {
   };
 }
 
-// Beside the output, or here.
+// Returns the path of the database: beside the output, or here.
 std::string database_of(const Options& o, const StudyPlan& plan) {
   if (!o.db.empty()) return o.db;
   return (std::filesystem::path(o.csv).parent_path() / (plan.name + ".db")).string();
@@ -84,7 +84,7 @@ std::string replay_command(const std::string& db) {
   return fmt::format("bitspan study --db {} --replay", shell_word(db));
 }
 
-// What of the metrics a table for the eye shows.
+// Returns the metrics that a printed table shows.
 std::vector<std::string> shown_metrics(const StudyPlan& plan) {
   std::vector<std::string> out = plan.metrics;
   for (const Constraint& c : plan.constraints) {
@@ -96,7 +96,8 @@ std::vector<std::string> shown_metrics(const StudyPlan& plan) {
   return out;
 }
 
-// Linked keys side by side, without what the first one has told already; many, by the first alone.
+// A table shows linked keys side by side, without the part that the first one has in common with them. More
+// than this many are shown by the first alone.
 constexpr std::size_t shown_keys = 4;
 
 std::string axis_name(const Axis& axis) {
@@ -162,8 +163,8 @@ int cut_short(const Options& o, const std::string& so_far, const Store& store, c
   return interrupt.exit_code();
 }
 
-// What comes after the points of a study, where nothing stopped it: 0, or 1 where no point holds, or
-// something that is recommended does not.
+// Does what comes after the points of a study, unless something stopped it. Returns 0, or 1 where no point
+// holds or something that is recommended does not.
 int end_study(const Options& o, const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
               const Interrupt& interrupt, bool any_holds) {
   const bool held =
@@ -277,7 +278,7 @@ int measure_point(const Options& o) {
   return exit_held;
 }
 
-// The scenes of a stored point, as they were.
+// Returns the scenes of a stored point, as they were.
 std::vector<Scene> stored_scenes(const PointRow& point, const std::string& db) {
   std::vector<Scene> out;
   try {
@@ -299,7 +300,7 @@ std::vector<Scene> stored_scenes(const PointRow& point, const std::string& db) {
   return out;
 }
 
-// A hash may be cut short where that names one point.
+// Returns the point of a hash. The hash may be cut short where that still names one point.
 PointRow find_point(Store& store, const std::string& prefix) {
   const auto hashes = store.points_like(prefix);
   if (hashes.size() != 1) {
@@ -343,8 +344,8 @@ int replay(const Options& o) {
 }
 
 int study(const Options& o) {
-  // A point takes a hundred megabytes and gives them back: to the heap, not to the system, which would clear
-  // each page anew (a third of a point's time).
+  // A point takes a hundred megabytes and gives them back. They must go back to the heap and not to the
+  // system, which would clear each page anew. That would take a third of a point's time.
   ::mallopt(M_MMAP_THRESHOLD, 1 << 30);
   ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
   if (o.threads < 0 || o.threads > threads_limit) {
@@ -363,22 +364,22 @@ void add_study(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("study", "which widths may be cut, and what each bit buys");
   const auto o = std::make_shared<Options>();
   sub->add_option("study", o->inputs, "STUDY.toml; with --point: scenes (default: demo and extreme)");
-  sub->add_option("--db", o->db, "the database (default: NAME.db beside the CSV file, or here)");
+  sub->add_option("--db", o->db, "the database (default: NAME.db beside the CSV file, or in this folder)");
   sub->add_option("--csv", o->csv, "write all points as CSV");
   sub->add_option("--report", o->report, "write an HTML report and its plots into this folder");
-  sub->add_option("--threads", o->threads, "points measured at once (0: one on each core)")
+  sub->add_option("--threads", o->threads, "points measured at once (0: one per core)")
       ->capture_default_str();
   sub->add_option("--points", o->points,
-                  "measure so many points anew at most; the same command goes on later");
-  sub->add_option("--point", o->point, "measure one configuration, a shipped name or TOML file");
+                  "measure at most this many points anew; the same command goes on later");
+  sub->add_option("--point", o->point, "measure one configuration, given by a shipped name or a TOML file");
   sub->add_option("--size", o->size, "with --point: WxH of demo and meshes (default 640x480)");
   sub->add_option("--replay", o->replay, "measure a point of the database again and compare bit for bit");
-  sub->add_flag("--allow-empty", o->allow_empty, "a mesh of which no face is drawn is no failure");
+  sub->add_flag("--allow-empty", o->allow_empty, "accept a mesh of which no face is drawn");
   sub->footer(
-      "Ctrl-C stops after the points that run; the same command goes on from there.\n"
-      "It then exits with 130.\n" +
+      "Ctrl-C stops after the points that are being measured, and the program exits with 130.\n"
+      "The same command goes on from there.\n" +
       help_footer("a point holds all constraints",
-                  "none does, what is recommended fails, or --replay differs",
+                  "no point does, a recommended point fails, or --replay differs",
                   "bitspan study config/studies/dividers.toml --csv dividers.csv\n"
                   "  bitspan study config/studies/uv_bits.toml --report out/uv_bits\n"
                   "  bitspan study --point depth16 demo\n"

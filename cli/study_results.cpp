@@ -21,7 +21,7 @@ std::string settings_text(const std::vector<KeySetting>& settings) {
   return out;
 }
 
-// A status line on standard error, gone again when the next one comes.
+// Shows a status line on standard error, which the next one replaces.
 void tell(const std::string& what) {
   if (::isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\r\033[K{}", what.empty() ? "" : what + " ...");
 }
@@ -74,7 +74,7 @@ void write_study_report(const std::string& database, const std::string& study, c
   ::setenv("PYTHONPATH", python.c_str(), 1);
   const ScratchFolder scratch = temporary_scratch_folder("bitspan-report");
   const fs::path log = scratch / "log";
-  // Debian's own interpreter: the first on PATH may not see Debian's packages.
+  // This is Debian's own interpreter. The first on PATH may not see Debian's packages.
   const int code =
       run_program({"/usr/bin/python3", "-B", "-m", "bitspan_report", database, folder, "--study", study}, log,
                   "--report");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The end of `bitspan study`: the search's answer, what is recommended with all that was found out of it, and
-// the report.
+// Prints the end of `bitspan study`: the search's answer, what is recommended with all that was found out
+// about it, and the report.
 #pragma once
 
 #include <stop_token>
@@ -14,16 +14,16 @@
 
 namespace bitspan {
 
-// As text: the point, its certificate, or what fails at the widest one.
+// Returns the search's point and its certificate as text, or what fails at the widest point.
 std::string search_text(const StudyPlan& plan, const SearchResult& result);
 
-// Examines what the study recommends and tells it. True where all views agree and no error is above its
-// bound; true too where nothing is recommended, which it says.
+// Examines what the study recommends and prints what it finds. Returns true where all views agree and no
+// error is above its bound. Returns true, too, where nothing is recommended, and prints that.
 bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
                              const std::stop_token& stop);
 
-// The HTML report with its plots in a folder, by python/bitspan_report. Throws ToolError with what it said
-// where it fails.
+// Writes the HTML report with its plots into a folder, with python/bitspan_report. Throws ToolError with what
+// that program said where it fails.
 void write_study_report(const std::string& database, const std::string& study, const std::string& folder);
 
 }  // namespace bitspan

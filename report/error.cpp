@@ -75,7 +75,7 @@ void add_tallies(const std::vector<PictureTally>& from, std::vector<PictureTally
 
 double ulp(const Format& format) { return std::ldexp(1.0, -format.fraction()); }
 
-// The one of "h", "u", "v", "r", "g", "b", "a" at a point of the surface.
+// Returns the quantity of that name ("h", "u", "v", "r", "g", "b", "a") at a point of the surface.
 std::optional<double> surface_value(std::string_view name, const IdealPoint& p) {
   if (name.size() != 1) {
     return std::nullopt;
@@ -166,7 +166,7 @@ void ErrorStat::add(double measured, double ideal) {
   squares += error * error;
   power += ideal * ideal;
   max = std::max(max, size);
-  // Exponent and leading fraction bits of the double are the bin, from 2^lowest_octave on.
+  // The exponent and leading fraction bits of the double give the bin, from 2^lowest_octave on.
   constexpr std::int64_t first = std::int64_t{1023 + lowest_octave} << bins_per_octave_log2;
   const std::int64_t bin =
       static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(size) >> (52 - bins_per_octave_log2)) - first;
@@ -230,7 +230,7 @@ ErrorMeter::ErrorMeter(const Config& config, const Scene& scene) : config_(confi
   }
 }
 
-// Each pixel of the triangle's box against the fill rule.
+// Compares each pixel of the triangle's box with the fill rule.
 void ErrorMeter::coverage(const Truth& truth, std::size_t triangle,
                           std::span<const FragmentRecord> fragments) {
   const auto [y0, y1] = truth.rows(triangle);
@@ -285,7 +285,7 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
   std::size_t depth = 0;
   std::size_t texture = 0;
   std::size_t fog = 0;
-  // Records stand in the order of the triangles: one cursor per type.
+  // Records stand in the order of the triangles, so there is one cursor per type.
   for (std::size_t n = 0; n < truth.size(); ++n) {
     const std::int64_t index = first_index + static_cast<std::int64_t>(n);
     if (!truth.triangle(n)) {

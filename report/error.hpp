@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far an engine's records are from the unquantised truth (docs/numeric-spec.md, "ideal"), stage by stage.
+// Measures how far an engine's records are from the unquantised truth (docs/numeric-spec.md, "ideal"), stage
+// by stage.
 #pragma once
 
 #include <algorithm>
@@ -19,49 +20,49 @@ namespace bitspan {
 
 struct ErrorStat {
   // The error's magnitude is counted in eight bins per octave, from 2^-80 to 2^48. The first bin takes
-  // smaller errors too, the last one larger ones.
+  // smaller errors too, and the last one takes larger ones.
   static constexpr int bins_per_octave_log2 = 3;
   static constexpr int lowest_octave = -80;
   static constexpr std::size_t bin_count = std::size_t{128} << bins_per_octave_log2;
 
   std::uint64_t count = 0;
-  double sum = 0;        // of engine - ideal
+  double sum = 0;        // sum of engine - ideal
   double magnitude = 0;  // sum of its magnitude
   double squares = 0;    // sum of its square
   double power = 0;      // sum of the ideal values' squares
-  double max = 0;        // of the magnitude
+  double max = 0;        // largest magnitude
   std::vector<std::uint64_t> bins = std::vector<std::uint64_t>(bin_count);
   void add(double measured, double ideal);
   void add(const ErrorStat& other);
   double mean() const { return count == 0 ? 0 : sum / static_cast<double>(count); }
   double mean_magnitude() const { return count == 0 ? 0 : magnitude / static_cast<double>(count); }
   double rms() const { return count == 0 ? 0 : std::sqrt(squares / static_cast<double>(count)); }
-  // A magnitude that at least `share` of the errors do not exceed: the upper edge of a bin, at most max; 0
-  // where that is in the first bin.
+  // Returns a magnitude that at least `share` of the errors do not exceed. It is the upper edge of a bin, and
+  // at most max. It is 0 where that bin is the first.
   double quantile(double share) const;
-  // Signal to quantisation noise; infinite without error.
+  // Returns the signal to quantisation noise ratio, infinite without error.
   double sqnr_db() const;
 };
 
 struct ErrorRow {
   std::string stage, quantity, unit;
-  double ulp = 0;  // of the format that holds it, in the unit
+  double ulp = 0;  // of the format that holds the quantity, in the unit
   ErrorStat stat;
 };
 
-// What a metric of the picture counted, and of how many it counted it.
+// What a metric of the picture counted (`counted`), among how many (`base`).
 struct PictureTally {
   double counted = 0, base = 0;
 };
 
 struct ErrorReport {
   std::vector<ErrorRow> rows;
-  // Pixels of all triangles that the exact test of the pixel centre covers and the engine does not, or the
-  // other way, or that it covers twice.
+  // Counts pixels of all triangles. The exact test of the pixel centre covers the missed ones, and the engine
+  // does not. The surplus ones are covered by the engine alone. The engine covers the doubled ones twice.
   std::uint64_t covered = 0;  // by the exact test
   std::uint64_t missed = 0, surplus = 0, doubled = 0;
   std::uint64_t coverage_differences() const { return missed + surplus + doubled; }
-  // One tally per row of picture_metrics() (report/metrics.hpp); empty without pictures.
+  // Has one tally per row of picture_metrics() (report/metrics.hpp). It is empty without pictures.
   std::vector<PictureTally> picture;
   bool has_picture() const { return !picture.empty(); }
   // Adds the errors of another scene, drawn under the same configuration.
@@ -78,12 +79,12 @@ class ErrorMeter {
  public:
   // The scene must outlive the meter.
   ErrorMeter(const Config& config, const Scene& scene);
-  // Records of triangles[0..] as an engine delivered them, first_index as in Engine::draw.
+  // Adds the records of triangles[0..] as an engine delivered them. `first_index` is that of Engine::draw.
   void add(std::span<const Triangle> triangles, std::int64_t first_index, const Trace& trace);
-  // The same against what is known already; truth: of these triangles and a configuration of equal
-  // truth_config.
+  // Does the same against a truth that is known already, of these triangles and of a configuration with an
+  // equal truth_config.
   void add(const Truth& truth, std::int64_t first_index, const Trace& trace);
-  // The finished pictures of the engine and of `ideal`.
+  // Adds the finished pictures of the engine and of `ideal`.
   void add_pictures(const Frame& engine, const Frame& ideal);
   const ErrorReport& report() const { return report_; }
 
@@ -94,23 +95,23 @@ class ErrorMeter {
   Config config_;
   const Scene* scene_;
   ErrorReport report_;
-  std::vector<std::uint8_t> hits_;  // of one triangle's box
+  std::vector<std::uint8_t> hits_;  // per pixel of one triangle's box
 };
 
-// The size of the error of each pixel on which the same triangle won; NaN elsewhere.
+// The size of the error of each pixel on which the same triangle won. It is NaN elsewhere.
 struct PictureErrors {
   std::vector<double> depth;    // codes
   std::vector<double> texture;  // of u and v together, texels
 };
 PictureErrors picture_errors(const Frame& engine, const Frame& ideal);
 
-// What a field of a record of `triangle` would hold without any quantisation; none for fields that the truth
-// has no value for (slopes, reciprocals, accumulators, indices).
+// Returns what a field of a record of `triangle` would hold without any quantisation. There is none for
+// fields that the truth has no value for: slopes, reciprocals, accumulators, indices.
 std::optional<double> ideal_value(RecordType type, std::string_view field,
                                   std::span<const std::int64_t> record, const Config& config,
                                   const Scene& scene, const Triangle& triangle);
 
-// "41.20 dB", or that the pictures are equal.
+// Returns "41.20 dB", or that the pictures are equal.
 std::string psnr_text(double psnr_db);
 
 }  // namespace bitspan

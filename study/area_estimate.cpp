@@ -29,10 +29,10 @@ constexpr int block_width = 18;   // operands of a multiplier block
 int ceil_div(int n, int d) { return (n + d - 1) / d; }
 int bits_of(int n) { return static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(0, n)))); }
 
-// The difference of two values of a register.
+// Returns the grid of the difference of two values of a register.
 Grid difference_of(const Format& f) { return grid_of(f) - grid_of(f); }
 
-// Mirrors rtl/, module by module.
+// Counts the modules of rtl/ one by one.
 class Counter {
  public:
   explicit Counter(const Config& config) : c_(config), timing_(rtl_timing(config)) {}
@@ -53,7 +53,7 @@ class Counter {
 
   void add_registers(int bits, int times = 1) { shape_.registers += double(bits) * times; }
 
-  // rtl/quantize.sv with `integer` bits left of the point in front of it.
+  // Counts rtl/quantize.sv, whose input has `integer` bits left of the point.
   void quantize(int fraction, int integer, const Format& to) {
     const int width = std::max(integer + to.fraction(), to.word);
     const bool rounds = to.rounding != Rounding::trn && fraction > to.fraction();
@@ -68,8 +68,8 @@ class Counter {
     const int of_a = pieces(a);
     const int of_b = pieces(b);
     shape_.blocks += double(of_a) * of_b;
-    // Each piece's product is added above the bits that those before it settled; the longer operand's come
-    // last.
+    // Each piece's product is added above the bits that the pieces before it settled. The pieces of the
+    // longer operand come last.
     const auto [longer, shorter] = std::minmax(a, b, std::greater<>());
     const int outer = ceil_div(longer, block_width);
     const int inner = ceil_div(shorter, block_width);
@@ -78,13 +78,13 @@ class Counter {
       shape_.block_sums += double(outer) * (shorter + block_width - i * block_width);
   }
 
-  // rtl/multiply_add.sv.
+  // Counts rtl/multiply_add.sv.
   void multiply_add(Grid a, Grid b, Exponents e, bool adds, const Format& to) {
     multiply(a.bits(), b.bits());
     const Grid product = a * b;
     const int integer = product.bits() - product.fraction - e.low;
     const int fraction = product.fraction + e.high;
-    // Below the last place that decides a rounding nothing is needed.
+    // No bit is needed below the last place that decides a rounding.
     const int kept = integer + std::min(fraction, to.fraction() + 1);
     shape_.selects += double(bits_of(e.high - e.low)) * std::max(kept, to.word);
     if (adds) shape_.sums += std::max(kept, to.word);
@@ -93,14 +93,14 @@ class Counter {
   void accumulate(const Format& step, const Format& to) {
     shape_.sums += std::max(to.word, step.word);
     if (to.overflow != Overflow::wrap) shape_.selects += to.word;
-    shape_.selects += to.word;  // start value or next
+    shape_.selects += to.word;  // chooses the start value or the next
   }
 
-  // rtl/restoring_core.sv; the divisor may be another's, too.
+  // Counts rtl/restoring_core.sv. The divisor may be that of another core.
   void restoring(int divisor, int iterations, int bits_per_cycle, bool pipelined, bool constant_numerator,
                  bool own_divisor) {
     const int bits = iterations * bits_per_cycle;
-    // A step behind another of the same clock chooses among what both may leave; where the numerator is a
+    // A step behind another one of the same clock chooses among what both may leave. Where the numerator is a
     // constant, half of that is known.
     const int chained = divisor * (bits_per_cycle - 1) * (constant_numerator ? 1 : 2);
     if (pipelined) {
@@ -120,11 +120,11 @@ class Counter {
     }
   }
 
-  // rtl/reciprocal.sv.
+  // Counts rtl/reciprocal.sv.
   Exponents reciprocal(const Reciprocal& unit, Grid operand) {
     const int op = operand.bits();
     const int shift = bits_of(op);
-    // Clocks between the operand's normalisation and Q.
+    // The core takes the clocks between the operand's normalisation and Q.
     const int core = reciprocal_latency(unit, operand) - 2;
     const bool lut = has_table(unit.kind);
 
@@ -145,7 +145,7 @@ class Counter {
     return exponents_of(unit, operand);
   }
 
-  // The core of each kind; returns the grid of its result.
+  // Counts the core of each kind. Returns the grid of its result.
   Grid reciprocal_core(const Reciprocal& unit, Grid operand) {
     const int entry = unit.table_bits + 1;
     const int nq_fraction = std::max(unit.operand_bits, unit.index_bits);
@@ -197,7 +197,7 @@ class Counter {
     return y;
   }
 
-  // h + B, and its adder.
+  // Counts the adder of h + B, and returns the grid of the sum.
   Grid depth_operand(FormatId h) {
     const Grid sum = depth_sum(c_, h);
     shape_.sums += sum.bits();
@@ -219,18 +219,18 @@ class Counter {
     const bool divides = !shares_reciprocal(c_.row_slope);
     add_registers(timing_.span_setup);
 
-    // 1: differences.
+    // The first part takes the differences.
     const Grid h_difference = difference_of(h);
     const Grid uv_difference = difference_of(uv);
     shape_.sums += difference_of(x).bits() + p.bits() + h_difference.bits() + 2 * uv_difference.bits();
     const Grid sum = depth_operand(FormatId::edge_h);
     for (int i = 0; i < 2; ++i) multiply_add(uv_difference, as_signed(sum), {}, false, f_diff);
-    const int kept = 2 * index + p.bits() + h.word + 2 * uv.word + 1;  // what the start values need, too
+    const int kept = 2 * index + p.bits() + h.word + 2 * uv.word + 1;  // includes what the start values need
     const int numerators = h_difference.bits() + 2 * f_diff.word;
     add_registers(kept + numerators + x.word);
     add_registers(kept + (divides ? 0 : numerators), wait_clocks());
 
-    // Row unit, slopes.
+    // The second part has the row unit and the slopes.
     if (divides) {
       const RowDivideShape divide = row_divide_shape(c_);
       const int per_cycle = std::max(1, c_.row_reciprocal.bits_per_cycle);
@@ -241,7 +241,7 @@ class Counter {
             std::tuple{signed_grid(f_diff).bits(), divide.f_fraction, f_step},
             std::tuple{signed_grid(f_diff).bits(), divide.f_fraction, f_step}}) {
         add_registers(numerator + 1 + (first ? x.word + 1 : 0));
-        shape_.sums += numerator + bits;  // magnitude, sign of the quotient
+        shape_.sums += numerator + bits;  // for the magnitude and the quotient's sign
         restoring(x.word, divide.iterations, per_cycle, timing_.row_unit_pipelined, false, first);
         if (timing_.row_unit_pipelined) add_registers(divide.iterations);
         quantize(fraction + 1, bits - fraction, to);
@@ -257,14 +257,14 @@ class Counter {
     const int steps = h_step.word + 2 * f_step.word;
     add_registers(2 * index + p.bits() + h.word + 2 * uv.word + steps);
 
-    // Start values.
+    // The third part has the start values.
     multiply_add(signed_grid(h_step), p, {}, true, format(FormatId::span_h));
     const bool offset = c_.start_offset.span_f.half_ulp || c_.start_offset.span_f.value != 0;
     for (int i = 0; i < 2; ++i) multiply_add(signed_grid(f_step), p, {}, offset, format(FormatId::span_f));
     add_registers(2 * index + word(FormatId::span_h) + 2 * uv.word + 2 * word(FormatId::span_f) + steps);
   }
 
-  // Counters, accumulators and their registers, common to both modes.
+  // Counts the counters, accumulators and their registers, which both modes have.
   void walk(const Format& f, const Format& f_step, int steps) {
     const int index = pixel_index_bits(c_);
     add_registers(1 + 2 * index + timing_.span);
@@ -330,8 +330,8 @@ class Counter {
   AreaShape shape_;
 };
 
-// What LUTs are made of. iCE40's division steps cost the same behind one another; ECP5's wide multiplexers do
-// not.
+// Returns what LUTs are made of. iCE40's division steps cost the same behind one another; ECP5's wide
+// multiplexers do not.
 std::vector<double> lut_terms_of(const AreaShape& s, Family family) {
   if (family == Family::ice40) return {s.products, s.sums, s.selects, s.steps};
   return {s.block_sums, s.sums, s.selects, s.steps, s.chained};
@@ -458,8 +458,8 @@ AreaRun run_in(const std::string& line) {
 AreaShape area_shape(const Config& config) { return Counter(config).count(); }
 
 const AreaFit& area_fit(Family family) {
-  // Least squares over config/studies/area_fit.csv; tests/study/area_estimate_test.cpp fits again and
-  // compares.
+  // Least squares over config/studies/area_fit.csv give these. tests/study/area_estimate_test.cpp fits again
+  // and compares.
   static const AreaFit ice40 = {{2.8114, 1.3656, 0.7313, 3.5935}, 0.9966};
   static const AreaFit ecp5 = {{1.0831, 1.4210, 1.2637, 3.6186, 3.7858}, 0.9937};
   return family == Family::ice40 ? ice40 : ecp5;

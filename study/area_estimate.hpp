@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a configuration takes in an FPGA, estimated from its formats in microseconds: for the inside of a
-// search.
+// Estimates what a configuration takes in an FPGA from its formats, in microseconds, for use inside a search.
 //
-// The structure is counted as rtl/ builds it (registers, operands of multipliers, adders, shifters, divider
-// steps); LUTs and flip-flops are linear in these counts, with coefficients fitted to the runs in
+// The estimate counts the structure as rtl/ builds it: registers, operands of multipliers, adders, shifters,
+// divider steps. LUTs and flip-flops are linear in these counts. The coefficients are fitted to the runs in
 // config/studies/area_fit.csv. docs/area.md has the errors.
 #pragma once
 
@@ -26,7 +25,7 @@ struct AreaEstimate {
 // Throws InputError where the mode has no RTL.
 AreaEstimate estimate_area(const Config& config, Family family);
 
-// What the estimate is linear in, counted from the configuration. Bits but for `blocks`.
+// The counts that the estimate is linear in, taken from the configuration. All but `blocks` are bits.
 struct AreaShape {
   double registers = 0;   // flip-flops
   double products = 0;    // products of the operands' widths, over all multipliers
@@ -35,7 +34,7 @@ struct AreaShape {
   double sums = 0;        // other adders: differences, roundings, accumulators
   double selects = 0;     // two-way choices: shifters, saturation
   double steps = 0;       // restoring division: a bit subtracted and chosen
-  double chained = 0;     // those behind another step of the same clock; twice where the numerator varies
+  double chained = 0;     // steps behind another one of the same clock; doubled where the numerator varies
   double table = 0;       // tables
 };
 AreaShape area_shape(const Config& config);
@@ -49,26 +48,27 @@ struct AreaRun {
   std::string tools;
 };
 Config config_of(const AreaRun& run);
-// config/studies/area_fit.csv: a line a run. Throws InputError naming the line.
+// Reads config/studies/area_fit.csv, which has one line per run. Throws InputError, which names the line.
 std::vector<AreaRun> load_area_runs(const std::filesystem::path& csv);
 void write_area_runs(const std::filesystem::path& csv, std::span<const AreaRun> runs);
-// Measures each run again, one after the other; throws InputError where one is not `ok`.
+// Measures each run again, one after the other. Throws InputError where one is not `ok`.
 void measure_area_runs(std::span<AreaRun> runs, const AreaLimits& limits);
 
 struct AreaFit {
-  // LUTs a bit of products, sums, selects, steps in ice40; of block_sums, sums, selects, steps, chained in
-  // ecp5.
+  // LUTs per bit: of products, sums, selects and steps in ice40; of block_sums, sums, selects, steps and
+  // chained in ecp5.
   std::vector<double> luts;
   double ffs = 0;  // flip-flops per bit of registers
   bool operator==(const AreaFit&) const = default;
 };
-// The coefficients that estimate_area has, and those that least squares of relative errors gives for some
-// runs.
+// area_fit has the coefficients of estimate_area. fit_area finds those that least squares of relative errors
+// gives for the runs.
 const AreaFit& area_fit(Family family);
 AreaFit fit_area(std::span<const AreaRun> runs, Family family);
 AreaEstimate estimate_area(const AreaShape& shape, Family family, const AreaFit& fit);
 
-// Errors relative to the measured, in percent; left out: each run against the fit to the others.
+// Errors are relative to the measured values, in percent. "left_out" compares each run with the fit to the
+// others.
 struct AreaFitError {
   double max = 0, rms = 0;
 };

@@ -47,7 +47,8 @@ void widen(Config& config, const Quantisation& q) {
   }
 }
 
-// Half an ulp of a register that is exact is nothing, but may be finer than the accumulator it is added to.
+// Returns the start offset of that name where it is half an ulp. Half an ulp of an exact register is next to
+// nothing, but may be finer than the accumulator that it is added to.
 StartOffset* offset_named(Config& config, std::string_view key) {
   StartOffsets& o = config.start_offset;
   const std::pair<std::string_view, StartOffset*> all[] = {
@@ -66,7 +67,7 @@ bool legal(const Config& config, const std::vector<Quantisation>& quantisations)
   return std::none_of(wide.formats.begin(), wide.formats.end(), too_wide) && !first_violation(wide);
 }
 
-// What is input or output is no candidate.
+// False for what is input or output.
 bool is_candidate(const std::string& name) {
   const RegisterId id = id_of_name(name);
   return id != RegisterId::coordinate && id != RegisterId::depth_z &&
@@ -101,7 +102,7 @@ DominantMap dominant(const Scene& scene, const Frame& ideal, const Config& confi
   for (std::size_t i = 0; i < map.cause.size(); ++i) {
     double largest = 0;
     for (std::size_t q = 0; q < all.size(); ++q) {
-      if (errors[q][i] > largest) {  // no NaN is
+      if (errors[q][i] > largest) {  // false for a NaN
         largest = errors[q][i];
         map.cause[i] = static_cast<std::int16_t>(q);
       }
@@ -130,7 +131,7 @@ Budget error_budget(const PointMeter& meter, const Config& config, const std::ve
   const PointResult base = meter.measure(config, false);
   out.base = chosen(base.metrics, metrics);
 
-  // Bits go round, one each in turn, as long as the rules hold for all of them together.
+  // Each quantisation gets one more bit in turn, as long as the rules hold for all of them together.
   std::vector<Quantisation> all;
   for (const RegisterUse& use : base.registers) {
     if (is_candidate(use.name)) all.push_back({use.name, 0});
@@ -151,7 +152,7 @@ Budget error_budget(const PointMeter& meter, const Config& config, const std::ve
     return q.extra_bits == 0;
   });
 
-  // Point 0: all exact; then two a quantisation.
+  // Point 0 has all exact. Two points per quantisation follow.
   out.rows.resize(all.size());
   const std::size_t total = 1 + 2 * all.size();
   std::atomic<std::size_t> done = 0;

@@ -13,9 +13,9 @@
 
 namespace bitspan {
 
-// A register, or a reciprocal unit with its output, made as good as exact: `extra_bits` more fraction bits (a
-// reciprocal by division), as many up to 16 as the rules between the formats allow. What is left of its error
-// is 2^-extra_bits.
+// A register, or a reciprocal unit with its output, made as good as exact by `extra_bits` more fraction bits.
+// A reciprocal unit then divides. The bits are as many, up to 16, as the rules between the formats allow.
+// 2^-extra_bits of the error is left.
 struct Quantisation {
   std::string name;  // "span.f", "reciprocal.pixel.output"
   int extra_bits = 0;
@@ -23,12 +23,13 @@ struct Quantisation {
 
 struct BudgetRow {
   Quantisation quantisation;
-  // By metric: with this one exact and the others as configured; and with only this one as configured.
+  // The metrics with this quantisation exact and the others as configured, and with only this one as
+  // configured.
   std::map<std::string, double, std::less<>> without, alone;
 };
 
-// Per pixel of a scene: whose quantisation alone leaves the largest error of u and v, as an index of
-// Budget::rows. -1 stands where nothing was drawn, or nothing errs.
+// `cause` says for each pixel of a scene whose quantisation alone leaves the largest error of u and v. It is
+// an index of Budget::rows; -1 stands where nothing was drawn, or nothing errs.
 struct DominantMap {
   std::string scene;
   int width = 0, height = 0;
@@ -43,13 +44,14 @@ struct Budget {
   std::vector<DominantMap> maps;                           // one per scene
 };
 
-// Not among them: the snap of the vertices, which is the input, and what the picture stores (depth codes, 8
-// bits of colour), which is the output. done, total: of the points measured, for progress. Throws InputError
-// for a metric that does not exist, and as PointMeter::measure.
+// Measures the budget. It leaves out the snap of the vertices, which is the input, and what the picture
+// stores (depth codes, 8 bits of colour), which is the output. `progress` gets how many points are measured,
+// and of how many. Throws InputError for a metric that does not exist, and as PointMeter::measure does.
 Budget error_budget(const PointMeter& meter, const Config& config, const std::vector<std::string>& metrics,
                     const std::function<void(std::size_t done, std::size_t total)>& progress = {});
 
-// A configuration with these registers exact; exposed for tests and for who wants the configuration itself.
+// Returns the configuration with these registers exact. Tests call it, and callers that want the
+// configuration itself.
 Config with_exact(const Config& config, const std::vector<Quantisation>& quantisations);
 
 }  // namespace bitspan

@@ -27,7 +27,7 @@ bool row_unit(const Config& c) { return plane_rows(c) || shares_reciprocal(c.row
 bool linear_depth(const Config& c) { return is_linear_in_distance(c.depth_code); }
 bool linear_fog(const Config& c) { return is_linear_in_distance(c.fog); }
 bool any_fog(const Config& c) { return has_fog(c.fog); }
-// The three users at a pixel take the reciprocal of the same h + B: one unit.
+// The three users at a pixel take the reciprocal of the same h + B, so they share one unit.
 bool pixel_unit(const Config& c) { return delta_f(c) || linear_depth(c) || linear_fog(c); }
 bool bilinear(const Config& c) {
   switch (c.filter) {
@@ -80,14 +80,14 @@ std::vector<RegisterRule> make_rules() {
       rule<F::depth_c0>("constants", 1, "depth.code = linear", linear_depth),
       rule<F::fog_scale>("constants", 1, "fog.mode = linear", linear_fog),
 
-      // Three vertices wait for one another; s is done with where h is formed.
+      // Three vertices wait for one another. s is not needed after h is formed.
       {"setup", "coordinate", 6, kAlways, always, coordinate_word},
       rule<F::setup_s>("setup", 1, kAlways, always),
       rule<F::setup_h>("setup", 3, kAlways, always),
       rule<F::setup_uv>("setup", 6, kAlways, always),
       rule<F::setup_shade>("setup", 12, kAlways, always),
 
-      // Three edges' slopes are held while the triangle is walked; the rest passes through.
+      // Three edges' slopes are held while the triangle is walked. The rest passes through.
       {"setup.edge", "reciprocal.edge.output", 1, "slope.edge = reciprocal, all modes but const_depth_rows",
        edge_unit, edge_output},
       rule<F::edge_x_step>("setup.edge", 3, kDda, dda),
@@ -96,7 +96,7 @@ std::vector<RegisterRule> make_rules() {
       rule<F::edge_f_step>("setup.edge", 6, kHorizontal, horizontal),
       rule<F::edge_shade_step>("setup.edge", 12, kHorizontal, horizontal),
 
-      // Two ends.
+      // The row has two ends.
       rule<F::edge_x_acc>("edge_walk", 2, kDda, dda),
       rule<F::edge_x>("edge_walk", 2, kHorizontal, horizontal),
       rule<F::edge_h_acc>("edge_walk", 2, kHorizontal, horizontal),
@@ -107,7 +107,7 @@ std::vector<RegisterRule> make_rules() {
       rule<F::edge_shade_acc>("edge_walk", 8, kHorizontal, horizontal),
       rule<F::edge_shade>("edge_walk", 8, kHorizontal, horizontal),
 
-      // gu and gv at three vertices; two gradients each; the row's two steps each.
+      // gu and gv stand at three vertices. Each has two gradients, and each has two steps per row.
       rule<F::plane_g>("plane_walk", 6, kPlane, plane_rows),
       rule<F::plane_h_grad>("plane_walk", 2, kPlane, plane_rows),
       rule<F::plane_g_grad>("plane_walk", 4, kPlane, plane_rows),
@@ -127,7 +127,7 @@ std::vector<RegisterRule> make_rules() {
       rule<F::span_shade_step>("span_setup", 4, kHorizontal, horizontal),
       rule<F::span_shade_step>("span_setup", 8, kPlane, plane_rows),
 
-      // The accumulators, which span_setup loads.
+      // span_setup loads the accumulators.
       rule<F::span_h>("span", 1, kAlways, always),
       rule<F::span_f>("span", 2, kEnds, perspective_ends),
       rule<F::span_uv_acc>("span", 2, "affine, const_depth_rows",
@@ -141,7 +141,7 @@ std::vector<RegisterRule> make_rules() {
 
       {"depth", "depth.z", 1, kAlways, always, depth_word},
 
-      // Three colours, and alpha beside them: the texel; V1..V4, V5, V6, V of the filter; the fragment's own.
+      // Three colours and alpha pass: the texel, V1..V4, V5, V6 and V of the filter, and the fragment's own.
       rule<F::texture_frac>("texture", 2, "texture.filter = bilinear", bilinear),
       rule<F::texture_mix>("texture", 3, "texture.filter = nearest", nearest),
       rule<F::texture_mix>("texture", 9, "texture.filter = bilinear", bilinear),
@@ -194,9 +194,9 @@ class Products {
   Grid at(F id) const { return grid_of(c_.format(id)); }
   Grid coordinate() const { return grid_of(c_.coordinate_format()); }
   Grid between_coordinates() const { return coordinate() - coordinate(); }
-  // y + 1/2 - y1, from an edge's start to a row's centre: not negative.
+  // Returns the grid of y + 1/2 - y1, from an edge's start to a row's centre. It is not negative.
   Grid rows_down() const { return {c_.coordinate_bits, std::max(c_.subpixel_bits, 1), false}; }
-  // A pixel's centre from a vertex.
+  // Returns the grid of a pixel's centre minus a vertex.
   Grid from_vertex() const { return {c_.coordinate_bits, std::max(c_.subpixel_bits, 1), true}; }
 
   void add(std::string stage, std::string product, Grid a, Grid b, int times) {
@@ -266,11 +266,11 @@ class Products {
     const Grid k = at(F::plane_k), pixel = {c_.coordinate_bits, 0, false};
     const Grid d = between_coordinates();
     add("plane_walk", "u (h + B)", at(F::setup_uv), depth_sum(c_, F::setup_h), 2);
-    // Two products in nx and two in ny.
+    // nx has two products, and so has ny.
     add("plane_walk", "nx(h), ny(h)", h - h, d, 4);
     add("plane_walk", "nx(gu), ny(gu)", g - g, d, 8);
     add("plane_walk", "nx(r), ny(r)", shade - shade, d, 16);
-    // The row's ideal line, with the fraction of k.
+    // The row's ideal line has the fraction of k.
     add("plane_walk", "k (m_first - m0)", k, pixel, 1);
     const Grid line{c_.coordinate_bits + 1, std::max(from_vertex().fraction, k.fraction), true};
     const bool ideal = is_on_ideal_line(c_.numerator);
@@ -301,7 +301,7 @@ class Products {
     if (delta_f(c_)) add("span", "fu m", at(F::span_f), m, 2);
     if (linear_depth(c_)) add("depth", "c1 m", at(F::depth_c1), m, 1);
     if (bilinear(c_)) {
-      // a (1 - E) + b E = a + (b - a) E: one product each for V5, V6 and V.
+      // a (1 - E) + b E = a + (b - a) E, so V5, V6 and V have one product each.
       add("texture", "(V4 - V1) Ex, (V3 - V2) Ex", kCode - kCode, frac, 6);
       add("texture", "(V6 - V5) Ey", mix - mix, frac, 3);
       add("texture", "the same for alpha", alpha - alpha, frac, 3);

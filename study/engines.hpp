@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a study asks of engines, which it makes by name.
+// What a study asks of the engines, which it makes by name.
 #pragma once
 
 #include <string_view>
@@ -10,7 +10,7 @@
 
 namespace bitspan {
 
-// The picture that the engine of that name draws of a scene.
+// Returns the picture of a scene that the engine of that name draws.
 Frame drawn(std::string_view engine, const Config& config, const Scene& scene);
 
 }  // namespace bitspan

@@ -118,7 +118,7 @@ Config with_keys(const Config& base, const std::vector<KeySetting>& settings) {
       unknown(s.path);
     }
   }
-  for (const KeySetting& s : settings) {  // after every int is known
+  for (const KeySetting& s : settings) {  // a fraction is set after every int is known
     const auto format = format_of_fraction(s.path);
     if (!format) continue;
     if (given.contains(format->word->path)) {

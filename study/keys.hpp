@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any key of a configuration by its path, as in the TOML file: "formats.span.h.word", "depth.bits",
-// "reciprocal.pixel.kind", "start_offset.span_h". Each format has one key more, "fraction" (word - int):
-// where it is set, the word follows from it and from int.
+// Reads and sets any key of a configuration by its path, as in the TOML file: "formats.span.h.word",
+// "depth.bits", "reciprocal.pixel.kind", "start_offset.span_h". Each format has one key more, "fraction"
+// (word - int). Where it is set, the word follows from it and from int.
 #pragma once
 
 #include <span>
@@ -19,17 +19,17 @@ struct KeySetting {
   bool operator==(const KeySetting&) const = default;
 };
 
-// The configuration with the keys set, checked, so that every rule holds. Its name is the base's. Throws
-// InputError naming the key: where it is unknown (with the nearest that exist), of another type, or where the
-// result is illegal.
+// Returns the configuration with the keys set, checked, so that every rule holds. Its name is the base's.
+// Throws InputError, which names the key, where the key is unknown (with the nearest that exist), where the
+// value is of another type, and where the result is illegal.
 Config with_keys(const Config& base, const std::vector<KeySetting>& settings);
 KeyValue value_of_key(const Config& config, std::string_view path);
-// Sorted.
+// Returns all paths, sorted.
 std::vector<std::string> all_keys();
 
-// Up to three of `known` that are spelt most like `name`, or that begin with it as a table of theirs.
+// Returns up to three of `known` that are spelt most like `name`, or whose table it is.
 std::vector<std::string> nearest_names(std::string_view name, std::span<const std::string> known);
-// "a, b, c"
+// Returns "a, b, c".
 std::string comma_list(std::span<const std::string> names);
 
 }  // namespace bitspan

@@ -12,7 +12,7 @@
 namespace bitspan {
 namespace {
 
-// FAMILY in a name stands for each of family_names, REGISTER for each register of the model.
+// FAMILY in a name stands for each of family_names, and REGISTER for each register of the model.
 struct MetricRow {
   std::string_view name, unit, meaning;
   Better better = Better::low;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every metric that a study can have: those of report/metrics.hpp, and the registers', costs and clocks of
-// study/metrics.cpp. Plans are checked against this list, the database carries it for the report, and
+// Lists every metric that a study can have: those of report/metrics.hpp, and the registers', costs and clocks
+// of study/metrics.cpp. Plans are checked against this list, the database carries it for the report, and
 // docs/study.md shows it.
 #pragma once
 
@@ -31,16 +31,18 @@ struct Metric {
   bool squares_add = false;  // for independent causes, the squares of this metric add up
 };
 
-// In the order in which tables show them; null where no metric has that name.
+// The metrics are in the order in which tables show them. find_metric returns null where no metric has that
+// name.
 const std::vector<Metric>& known_metrics();
 const Metric* find_metric(std::string_view name);
-// The columns of a table of field errors, in their order: label, and the end of the metric's name ("p999").
+// A column of a table of field errors: its label, and the end of the metric's name ("p999").
+// statistic_columns returns them in their order.
 struct StatisticColumn {
   std::string label, ending;
 };
 std::vector<StatisticColumn> statistic_columns();
 
-// The table of docs/study.md, as Markdown.
+// Returns the table of docs/study.md, as Markdown.
 std::string metrics_markdown();
 
 }  // namespace bitspan

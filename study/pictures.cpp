@@ -38,8 +38,7 @@ std::vector<std::uint8_t> heat(int width, int height, const std::vector<double>&
   return encode_png(map.width, map.height, 3, map.rgb);
 }
 
-// The causes that are most frequent have the colours that are easiest told apart (Okabe and Ito); the rest is
-// grey.
+// The most frequent causes have the colours that are easiest told apart (Okabe and Ito). The rest is grey.
 constexpr std::array<std::array<std::uint8_t, 3>, 7> cause_colors{{{230, 159, 0},
                                                                    {86, 180, 233},
                                                                    {0, 158, 115},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a point looks like beside `ideal`: the pictures of its report.
+// Draws a point beside `ideal`: the pictures of its report.
 #pragma once
 
 #include <array>
@@ -16,13 +16,14 @@ namespace bitspan {
 
 struct PointPicture {
   std::string scene;
-  // ideal, model, difference (of colours, from black, its largest brightened to 255), u_error (texels, both
-  // axes), depth_error (codes), dominant (whose quantisation errs most).
+  // "ideal", "model", "difference", "u_error", "depth_error" or "dominant". The difference is that of the
+  // colours, from black, with its largest brightened to 255. u_error is in texels of both axes, and
+  // depth_error in codes. "dominant" shows whose quantisation errs most.
   std::string name;
   std::vector<std::uint8_t> png;
 };
 
-// What the colours of `dominant` mean, the most frequent cause first.
+// What a colour of "dominant" means. cause_legend returns the most frequent cause first.
 struct CauseColor {
   std::int16_t cause = 0;
   std::string name;
@@ -31,8 +32,8 @@ struct CauseColor {
 };
 std::vector<CauseColor> cause_legend(const Budget& budget, const DominantMap& map);
 
-// All of them for one scene. ideal: its picture. dominant: of the scene, with the budget that its indices
-// count; null: left out.
+// Returns all pictures of one scene; `ideal` is the scene's. `dominant` is the scene's map, and its indices
+// count in `budget`. Where `dominant` is null, its picture is left out.
 std::vector<PointPicture> pictures_of(const Config& config, const Scene& scene, const Frame& ideal,
                                       const Budget* budget, const DominantMap* dominant);
 

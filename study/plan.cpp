@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t axis_limit = 100'000;  // values of one axis
-// A value is tried in at most so many points.
+// A value is tried in at most so many points, and is then taken for legal.
 constexpr std::size_t tries_limit = 5000;
 
 constexpr auto arrangements = std::to_array<std::string_view>({"grid", "one_at_a_time", "list"});
@@ -119,7 +119,7 @@ Axis read_axis(const Section& s, const Config& base) {
   return axis;
 }
 
-// A key is in one axis only, and a format's word is not varied beside its fraction.
+// Throws where a key is in two axes, or a format's word is varied beside its fraction.
 void check_disjoint(const std::vector<Section>& all, const std::vector<Axis>& axes) {
   std::set<std::string, std::less<>> seen;
   for (std::size_t a = 0; a < axes.size(); ++a) {
@@ -146,12 +146,12 @@ std::optional<std::string> s_ratio_violation(const KeyValue& value) {
   const auto* integer = std::get_if<std::int64_t>(&value);
   const auto* real = std::get_if<double>(&value);
   const double ratio = integer != nullptr ? static_cast<double>(*integer) : real != nullptr ? *real : 0;
-  if (ratio > 1 && ratio <= s_ratio_limit) return std::nullopt;  // a NaN fails
+  if (ratio > 1 && ratio <= s_ratio_limit) return std::nullopt;  // false for a NaN
   return std::string(s_ratio_key) + ": is " + to_string(value) + "; legal: a number above 1, up to " +
          to_string(KeyValue(s_ratio_limit));
 }
 
-// Why the settings have no legal configuration; none where they have one.
+// Returns why the settings have no legal configuration, and none where they have one.
 std::optional<std::string> violation(const Config& base, std::vector<KeySetting> settings) {
   for (const KeySetting& s : settings) {
     if (s.path != s_ratio_key) continue;
@@ -171,8 +171,8 @@ bool contains(const std::vector<KeySetting>& point, const std::vector<KeySetting
                              [&](const KeySetting& s) { return std::ranges::find(point, s) != point.end(); });
 }
 
-// Why no point with these settings is legal; none where one is. What is wrong with them alone on the base
-// says most, where anything is.
+// Returns why no point with these settings is legal, and none where one is. What is wrong with the settings
+// alone on the base, if anything, says most.
 std::optional<std::string> violation_in_all(const Config& base,
                                             const std::vector<std::vector<KeySetting>>& points,
                                             const std::vector<KeySetting>& settings) {
@@ -245,7 +245,7 @@ void read_size(const Section& study, StudyPlan& plan) {
   plan.height = size->height;
 }
 
-// Files stand beside the study, wherever the program is started.
+// Returns the path of a file beside the study, wherever the program is started.
 std::string file_beside(const std::string& path, const std::string& name) {
   std::error_code ignored;
   const fs::path file = fs::path(path).parent_path() / name;

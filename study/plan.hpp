@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// STUDY.toml, read strictly: what is varied, on which scenes, by which metrics and constraints.
-// docs/study.md has one row per key.
+// Reads STUDY.toml strictly: what is varied, on which scenes, by which metrics and constraints. docs/study.md
+// has one row per key.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@
 
 namespace bitspan {
 
-// Keys that are set together, and the sets of values they take in turn.
+// Keys that are set together, and the sets of values that they take in turn.
 struct Axis {
   std::vector<std::string> keys;
   std::vector<std::vector<KeyValue>> values;  // values[i][k]: of keys[k]
@@ -26,7 +26,7 @@ struct Axis {
 struct Constraint {
   std::string metric;
   std::optional<double> at_most, at_least;
-  bool holds(double value) const {  // a NaN holds nothing
+  bool holds(double value) const {  // false for a NaN
     return (!at_most || value <= *at_most) && (!at_least || value >= *at_least);
   }
 };
@@ -59,7 +59,7 @@ struct StudyPlan {
   Arrangement arrangement = Arrangement::grid;
   std::vector<Axis> axes;            // of a search: the widths that may change
   std::vector<std::string> metrics;  // of tables and plots; empty: all
-  std::string cost = default_cost;   // of a sweep: a metric that what is recommended has little of
+  std::string cost = default_cost;   // of a sweep: what is recommended has little of this metric
   std::vector<Constraint> constraints;
   std::optional<SearchPlan> search;
   std::optional<AreaPlan> area;
@@ -67,29 +67,30 @@ struct StudyPlan {
   bool bounds = false;  // proved bounds beside what was observed
 };
 
-// The one key that belongs to the scenes and not to the configuration: s_max / s_min, to which every scene is
-// stretched (with_s_ratio). A real number above 1.
+// This key alone belongs to the scenes and not to the configuration. Its value is the s_max / s_min to which
+// every scene is stretched (with_s_ratio), a real number above 1.
 inline constexpr std::string_view s_ratio_key = "scene.s_ratio";
 inline constexpr double s_ratio_limit = 1e6;
-bool varies_scenes(const Axis& axis);  // whether it sets that key
+bool varies_scenes(const Axis& axis);  // whether the axis sets that key
 
 inline constexpr std::size_t points_limit = 1'000'000;  // of a plan
 
-// A shipped configuration by its name; throws InputError where there is none.
+// Returns a shipped configuration by its name. Throws InputError where there is none.
 using ConfigFinder = std::function<Config(const std::string&)>;
 
-// Throws InputError: file, line, key and what is legal. Unknown keys of the configuration, empty lists and
-// values that no point can have are found here. `find` serves a base that is no .toml file; files are taken
-// from the folder of the study.
+// Throws InputError with file, line, key and what is legal. Unknown keys of the configuration, empty lists
+// and values that no point can have are found here. `find` serves a base that is no .toml file. Files are
+// taken from the folder of the study.
 StudyPlan load_study(const std::string& path, const ConfigFinder& find);
 StudyPlan parse_study(std::string_view text, const std::string& path, const ConfigFinder& find);
-// The points in their order: what is set on the base for each. Of a grid, the last axis changes fastest; a
-// list takes the i-th value of every axis; one_at_a_time starts with the base itself. Not of a search.
+// Returns what each point sets on the base, in the order of the points. In a grid the last axis changes
+// fastest. A list takes the i-th value of every axis. one_at_a_time starts with the base itself. A search has
+// no such points.
 std::vector<std::vector<KeySetting>> points_of(const StudyPlan& plan);
 
-// Throws InputError, with the nearest that exist, where a metric that the plan names is not there.
+// Throws InputError, which names the nearest metrics that exist, where a metric of the plan is not there.
 void check_metrics(const StudyPlan& plan, const std::map<std::string, double, std::less<>>& metrics);
-// Whether all constraints hold; a metric that is not there holds nothing.
+// Whether all constraints hold. The constraint of a metric that is not there does not.
 bool all_hold(const std::vector<Constraint>& constraints,
               const std::map<std::string, double, std::less<>>& metrics);
 

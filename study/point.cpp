@@ -27,10 +27,10 @@
 namespace bitspan {
 namespace {
 
-// Triangles that are drawn, and compared, at once: their records stay in the cache.
+// So many triangles are drawn and compared at once, so that their records stay in the cache.
 constexpr std::size_t batch = 64;
 
-// One scene's truth under one truth_config.
+// The truth of one scene under one truth_config.
 struct SceneTruth {
   std::vector<Truth> batches;
   Frame frame;
@@ -46,7 +46,7 @@ SceneTruth make_truth(const Config& config, const Scene& scene) {
   return out;
 }
 
-// The register that a field's values come from; none for integers.
+// Returns the register that a field's values come from, and none for integers.
 std::optional<model::RegisterId> register_of(const Field& field, const Config& config) {
   using model::RegisterId;
   const bool linear = has_linear_texture(config.perspective);
@@ -79,7 +79,7 @@ void note_octaves(const Trace& trace, const Config& config, std::vector<Register
   struct ObservedField {
     std::size_t field;
     RegisterUse* use;
-    int place;  // of an ulp in octave[i] = 2^(i - 64)
+    int place;  // index of an ulp in RegisterUse::octave, where 2^(i - 64) has i
   };
   std::vector<ObservedField> observed;
   for (int t = 0; t < record_types; ++t) {
@@ -147,10 +147,10 @@ void add_pictures(const ErrorReport& report, Metrics& out) {
 
 }  // namespace
 
-// The truths of the configurations measured last.
+// Keeps the truths of the configurations measured last.
 struct PointMeter::Truths {
   using Known = std::shared_future<std::shared_ptr<const std::vector<SceneTruth>>>;
-  static constexpr std::size_t kept = 4;  // tens of megabytes each
+  static constexpr std::size_t kept = 4;  // each takes tens of megabytes
   std::mutex mutex;
   std::list<std::pair<Config, Known>> known;
 
@@ -174,14 +174,14 @@ std::shared_ptr<const Frame> PointMeter::ideal(const Config& config, std::size_t
   }
   if (!known.valid()) return std::make_shared<const Frame>(drawn("ideal", config, scenes_.at(scene)));
   const auto truths = known.get();
-  return {truths, &truths->at(scene).frame};  // keeps them all
+  return {truths, &truths->at(scene).frame};  // the pointer keeps all truths alive
 }
 
 PointResult PointMeter::measure(const Config& config, bool histograms) const {
   check_config(config, config.name);
   for (const Scene& scene : scenes_) check_scene_range(config, scene);
 
-  // Whoever comes first computes; others wait for it.
+  // The first thread that asks computes the truths; the others wait for it.
   const Config key = truth_config(config);
   Truths::Known known;
   std::promise<std::shared_ptr<const std::vector<SceneTruth>>> promise;

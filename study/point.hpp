@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One point of a study: a configuration measured on scenes.
+// Measures one point of a study: a configuration on scenes.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ namespace bitspan {
 // all records of all scenes.
 struct FieldError {
   std::string stage, quantity, unit;  // "span", "u", "texel"
-  double ulp = 0;                     // of the format it is held in, in that unit; 0 where none is
+  double ulp = 0;                     // of the format that holds it, in that unit; 0 where no format does
   std::uint64_t count = 0;
   double max = 0;  // the largest magnitude; the other statistics are among the metrics
 };
@@ -33,7 +33,7 @@ struct RegisterUse {
   int used_bits = 0;        // integer bits, sign included, that min and max need
   int headroom = 0;         // integer bits of the format beyond them
   std::uint64_t wraps = 0, saturations = 0;
-  // Values by magnitude: octave[i] counts 2^(i-64) <= |value| < 2^(i-63); zero apart.
+  // octave[i] counts the values with 2^(i-64) <= |value| < 2^(i-63). `zeros` counts those that are 0.
   std::uint64_t zeros = 0;
   std::array<std::uint64_t, 128> octave{};
 };
@@ -41,20 +41,22 @@ struct RegisterUse {
 struct PointResult {
   std::vector<FieldError> fields;
   std::vector<RegisterUse> registers;
-  // By the names of known_metrics() (study/metrics.hpp). What does not apply (no fog, no texture) is absent.
+  // The names are those of known_metrics() (study/metrics.hpp). A metric that does not apply (no fog, no
+  // texture) is absent.
   std::map<std::string, double, std::less<>> metrics;
 };
 
 class PointMeter {
  public:
-  // Scenes are kept; what depends on them alone is computed once. Throws InputError where there is none.
+  // Keeps the scenes; what depends on them alone is computed once. Throws InputError where there is none.
   explicit PointMeter(std::vector<Scene> scenes);
   ~PointMeter();
-  // May be called from several threads. Throws InputError where the configuration is illegal, too narrow for
-  // a scene (check_scene_range), or draws nothing of all of them. Without histograms RegisterUse::zeros and
+  // May be called from several threads. Throws InputError where the configuration is illegal, is too narrow
+  // for a scene (check_scene_range), or draws nothing of any scene. Without histograms RegisterUse::zeros and
   // octave stay 0.
   PointResult measure(const Config& config, bool histograms = true) const;
-  // The picture that `ideal` draws of a scene; drawn here only where no measurement has drawn it already.
+  // Returns the picture that `ideal` draws of a scene. It is drawn here only where no measurement has drawn
+  // it already.
   std::shared_ptr<const Frame> ideal(const Config& config, std::size_t scene) const;
   const std::vector<Scene>& scenes() const { return scenes_; }
 

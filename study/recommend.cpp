@@ -41,7 +41,7 @@ Row row_of(const std::string& hash, const std::string& key, Family family, bool 
           a.seconds};
 }
 
-// Measured once for all configurations that have the same RTL.
+// Returns the area, which is measured once for all configurations that have the same RTL.
 AreaResult known_area(const Config& config, Family family, bool place, Store& store,
                       const std::stop_token& stop) {
   const std::string hash = config_hash(config);
@@ -71,7 +71,7 @@ AreaResult known_area(const Config& config, Family family, bool place, Store& st
     try {
       out = measure_area(config, family, place, limits);
     } catch (const MissingPlacer& missing) {
-      // The counts stand; a failure is not taken for known, so the clock is tried for again the next time.
+      // The counts stand. A failure is not taken for known, so the next run tries for the clock again.
       out = known_area(config, family, false, store, stop);
       if (out.status != AreaStatus::failed) out.message = missing.what();
       out.status = AreaStatus::failed;
@@ -98,7 +98,7 @@ std::string area_text(const AreaResult& a) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-// "area.ice40.luts" -> the number.
+// Adds the number that a metric such as "area.ice40.luts" names.
 void add_area(const std::string& metric, const Config& config, Store& store, const std::stop_token& stop,
               Metrics& metrics) {
   const std::size_t dot = metric.find('.', area_prefix.size());
@@ -113,7 +113,7 @@ void add_area(const std::string& metric, const Config& config, Store& store, con
   metrics[prefix + "memory_bits"] = static_cast<double>(a.counts.memory_bits);
 }
 
-// hashes: of the points evaluated, by the text of their settings.
+// `hashes` has the hashes of the points evaluated, by the text of their settings.
 void write_search(const StudyPlan& plan, const SearchResult& result, const std::string& base_hash,
                   const std::map<std::string, std::string>& hashes, Store& store) {
   store.transaction([&] {
@@ -167,7 +167,8 @@ void write_causes(const std::string& hash, const Budget& budget, Store& store) {
   });
 }
 
-// What a study without metrics of its own is budgeted by.
+// Returns the metrics of the budget: those of the plan whose squares add, and the usual ones that the point
+// has.
 std::vector<std::string> budget_metrics(const StudyPlan& plan, const Metrics& has) {
   std::vector<std::string> out;
   for (const std::string& name : plan.metrics) {
@@ -198,7 +199,7 @@ std::vector<FieldError> fields_of_point(const std::string& hash, Store& store) {
   return out;
 }
 
-// The largest bound of the scenes each, against what was observed on all of them.
+// Compares, for each place, the largest bound of all scenes with what was observed on all of them.
 void examine_bounds(const Config& config, const std::string& hash, const std::vector<Scene>& scenes,
                     Store& store, Examination& out) {
   if (!has_bounds(config)) {
@@ -289,7 +290,7 @@ SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store
     return out;
   };
   const Point base = runner.prepare({});
-  runner.run({base}, batch);  // to be compared with
+  runner.run({base}, batch);  // the report compares with the base
   SearchResult result = search(*plan.search, plan.axes, plan.constraints, evaluate, options.stop, progress);
   write_search(plan, result, base.hash, hashes, store);
   return result;
@@ -349,7 +350,8 @@ std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store)
     return out;
   }
   const std::string error = error_metric(plan);
-  // A configuration on scenes of several depth ranges holds where it does on all, and errs as on the worst.
+  // A configuration on scenes of several depth ranges holds where it holds on all. Its error is the worst of
+  // them.
   const bool ranges = std::ranges::any_of(plan.axes, varies_scenes);
   struct Group {
     std::string hash;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What comes after a study's points: which of them to recommend, and all that its report says of those.
+// Ends a study: says which of its points to recommend, and finds out all that the report says of those.
 #pragma once
 
 #include <functional>
@@ -21,34 +21,36 @@ namespace bitspan {
 void add_estimates(const Config& config, std::map<std::string, double, std::less<>>& metrics);
 
 // Runs the plan's search over points that `runner` measures and keeps, and writes its steps and certificate.
-// A cost named "area.FAMILY.luts" (ffs, multipliers, memory_bits) is synthesised for every point on which the
-// constraints hold, one after the other, and kept too.
+// A cost may be named "area.FAMILY.luts" (ffs, multipliers, memory_bits). Every point on which the
+// constraints hold is then synthesised, one after the other, and the result is kept too.
 SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options,
                         const std::function<void(const SearchProgress&)>& progress);
 
 struct Recommendation {
   std::string hash, reason;
 };
-// A sweep recommends the cheapest point on which all constraints hold, and the knee of error against cost
-// where the points have one. A search recommends what it found. Empty where nothing holds.
+// Returns what the study recommends. A sweep recommends the cheapest point on which all constraints hold, and
+// the knee of error against cost where the points have one. A search recommends what it found. The result is
+// empty where nothing holds.
 std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store);
-// The metrics that a study is judged by: the first of the plan's, or span.u.p999; and its cost.
+// Return the metrics that a study is judged by. The error is the first of the plan's metrics, or span.u.p999;
+// the cost is the plan's.
 std::string error_metric(const StudyPlan& plan);
 std::string cost_metric(const StudyPlan& plan);
 
-// Returns the point (x: cost, y: error, both positive) at the largest bend of the lower left front: the
-// farthest one below the line between the front's ends, on logarithmic axes. None where the front has fewer
-// than three points.
+// Returns the point (x: cost, y: error, both positive) at the largest bend of the lower left front. It is the
+// farthest one below the line between the front's ends, on logarithmic axes. There is none where the front
+// has fewer than three points.
 std::optional<std::size_t> knee(const std::vector<std::pair<double, double>>& points);
 
 struct Examination {
   bool held = true;
   std::vector<std::string> lines;  // what was found, for the command line
 };
-// Examines a recommended point on the study's scenes, stretched as the point's were, and writes what it finds
-// into the database: whether model = golden = RTL; its pictures; the error budget, proved bounds and areas
-// where the plan asks for them. `told` hears what is under way. The point is not held where a view differs,
-// or an observed error is above its bound. Throws InputError as the functions that it calls do.
+// Examines a recommended point on the study's scenes, stretched as the point's were. It writes what it finds
+// into the database: whether model = golden = RTL, the pictures, and, where the plan asks for them, the error
+// budget, proved bounds and areas. `told` gets what is under way. `held` is false where a view differs, or an
+// observed error is above its bound. Throws InputError as the functions that it calls do.
 Examination examine(const StudyPlan& plan, const Recommendation& point, std::vector<Scene> scenes,
                     Store& store, const std::function<void(const std::string&)>& told,
                     const std::stop_token& stop);

@@ -18,7 +18,7 @@
 namespace bitspan {
 namespace {
 
-// WITHOUT ROWID where the key is all that is asked by; the others keep the order of their writing.
+// A table that is read by its key alone is WITHOUT ROWID. The others keep the order of their writing.
 constexpr auto tables = std::to_array<const char*>({
     "CREATE TABLE IF NOT EXISTS meta(key TEXT PRIMARY KEY, value TEXT)",
     "CREATE TABLE IF NOT EXISTS points(hash TEXT PRIMARY KEY, config_hash TEXT, config TEXT, scenes TEXT, "
@@ -57,8 +57,8 @@ constexpr auto tables = std::to_array<const char*>({
     "INTEGER)",
 });
 
-// Every double that SQLite would change on its way: NaN and infinities. (A zero loses its sign, which
-// equals.)
+// Returns the cell of a double. SQLite would change a NaN and the infinities on their way, so they are
+// written otherwise. A zero loses its sign, but stays equal.
 Cell stored(double value) {
   if (std::isnan(value)) return std::monostate{};
   if (std::isinf(value)) return std::string(value < 0 ? "-inf" : "inf");
@@ -171,7 +171,7 @@ Store::Store(const std::string& path, std::string_view version, Mode mode, std::
   sqlite3* db = nullptr;
   const int flags = SQLITE_OPEN_READWRITE | (mode == Mode::create ? SQLITE_OPEN_CREATE : 0);
   const int code = sqlite3_open_v2(path.c_str(), &db, flags, nullptr);
-  db_.reset(db);  // even a failed one is to be closed
+  db_.reset(db);  // a handle is to be closed even where the opening failed
   if (code != SQLITE_OK) fail(code);
   sqlite3_busy_timeout(db, static_cast<int>(wait.count()));
   check_file(version, mode);
@@ -179,7 +179,7 @@ Store::Store(const std::string& path, std::string_view version, Mode mode, std::
 
 Store::~Store() { statements_.clear(); }
 
-// What is there is looked at before anything is written.
+// Checks what is there before anything is written.
 void Store::check_file(std::string_view version, Mode mode) {
   const auto check = rows("PRAGMA quick_check(1)");
   if (const std::string result = text_of(check.at(0).at(0)); result != "ok") {
@@ -204,8 +204,8 @@ void Store::check_file(std::string_view version, Mode mode) {
           path_, value, schema));
     }
   }
-  // A log beside the file: readers see finished points while others are written, and a kill leaves the log,
-  // from which the next opening goes on.
+  // There is a log beside the file. Readers therefore see finished points while others are written, and a
+  // kill leaves the log, from which the next opening goes on.
   static_cast<void>(rows("PRAGMA journal_mode = WAL"));
   run("PRAGMA synchronous = NORMAL");
   if (mode == Mode::existing) return;
@@ -236,7 +236,7 @@ sqlite3_stmt* Store::bound(std::string_view sql, const Row& values) {
     statement.reset(made);
   }
   sqlite3_stmt* s = statement.get();
-  sqlite3_reset(s);  // reports again what the last use reported
+  sqlite3_reset(s);  // its result is that of the last use, so it is ignored
   int at = 0;
   for (const Cell& value : values) {
     ++at;
@@ -314,7 +314,7 @@ void Store::transaction(const std::function<void()>& body) {
     body();
     return;
   }
-  run("BEGIN IMMEDIATE");  // the lock at once, where waiting for it is safe
+  run("BEGIN IMMEDIATE");  // takes the lock at once, where waiting for it is safe
   ++depth_;
   try {
     body();
@@ -322,7 +322,7 @@ void Store::transaction(const std::function<void()>& body) {
     --depth_;
   } catch (...) {
     --depth_;
-    // Some errors have rolled back already.
+    // SQLite has rolled back already after some errors.
     if (sqlite3_get_autocommit(db_.get()) == 0)
       sqlite3_exec(db_.get(), "ROLLBACK", nullptr, nullptr, nullptr);
     throw;

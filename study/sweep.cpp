@@ -190,7 +190,7 @@ PointRunner::Stretched& PointRunner::stretched(std::optional<double> s_ratio) {
 
 const Measure& PointRunner::meter_of(std::optional<double> s_ratio) {
   if (!meter_ || meter_ratio_ != s_ratio) {
-    meter_ = nullptr;  // the room of the one before first
+    meter_ = nullptr;  // frees the room of the previous meter first
     meter_ = make_meter_(stretched(s_ratio).scenes);
     meter_ratio_ = s_ratio;
   }
@@ -227,7 +227,8 @@ std::vector<Evaluated> PointRunner::run(const std::vector<Point>& points, const 
     out[i] = std::move(result);
     if (finished) finished(i, out[i]);
   };
-  // By hash, the indices that wait for it; in the order of their first, and stretched alike together.
+  // `waiting` has, by hash, the indices that wait for the point. `todo` has the first of each, in their
+  // order, with the points of equally stretched scenes together.
   std::map<std::string, std::vector<std::size_t>, std::less<>> waiting;
   std::vector<std::size_t> todo;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -244,7 +245,7 @@ std::vector<Evaluated> PointRunner::run(const std::vector<Point>& points, const 
   std::ranges::stable_sort(todo, {}, [&](std::size_t i) { return points[i].s_ratio; });
   todo.resize(std::min(todo.size(), options.limit));
 
-  std::mutex mutex;  // of the database, `finished` and progress
+  std::mutex mutex;  // guards the database, `finished` and progress
   std::size_t done = 0;
   const auto keep = [&](std::size_t i, const PointRow& row, const PointResult* result) {
     const std::lock_guard lock(mutex);
@@ -272,7 +273,7 @@ std::vector<Evaluated> PointRunner::run(const std::vector<Point>& points, const 
       row.seconds = seconds_since(start);
       keep(i, row, &result);
     } catch (const InputError& error) {
-      if (row.ok) throw;  // of the database
+      if (row.ok) throw;  // the database threw it
       row.message = error.what();
       row.seconds = seconds_since(start);
       keep(i, row, nullptr);
@@ -287,7 +288,7 @@ std::vector<Evaluated> PointRunner::run(const std::vector<Point>& points, const 
         std::find_if(first, todo.end(), [&](std::size_t i) { return points[i].s_ratio != s_ratio; });
     const std::string& json = stretched(s_ratio).json;
     const Measure& meter = meter_of(s_ratio);
-    // Each worker takes the next point: in their order, so that a run that is stopped leaves the rest.
+    // Each worker takes the next point in order, so that a run that is stopped leaves the rest.
     std::atomic<std::ptrdiff_t> next{0};
     arena.execute([&] {
       tbb::parallel_for(0, threads, [&](int) {
@@ -295,7 +296,7 @@ std::vector<Evaluated> PointRunner::run(const std::vector<Point>& points, const 
           const std::ptrdiff_t at = next++;
           if (at >= last - first) break;
           try {
-            // A point that waits inside for tasks of its own must not take another's meanwhile.
+            // A point that waits for tasks of its own must not start another point meanwhile.
             tbb::this_task_arena::isolate([&] { measure(first[at], meter, json); });
           } catch (...) {
             failed = true;
@@ -329,7 +330,7 @@ SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, 
 
   SweepResult out;
   out.points = count;
-  bool checked = false;  // the metrics' names, on the first point; what a later one lacks has no value there
+  bool checked = false;  // the metrics' names, on the first point; a later point may lack some
   std::string refusal;
   const auto finished = [&](std::size_t i, const Evaluated& e) {
     bool holds = false;
@@ -379,7 +380,7 @@ void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
     write(text.append("\r\n"));
   };
   std::vector<std::string> cells{"i"};
-  std::map<std::string, std::string, std::less<>> base;  // of the keys that vary
+  std::map<std::string, std::string, std::less<>> base;  // values of the keys that vary
   for (const Axis& axis : plan.axes) {
     for (const std::string& key : axis.keys) {
       cells.push_back(key);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points measured on all cores, each kept in the database as soon as it is done; and the sweep over a plan's.
+// Measures points on all cores, and keeps each in the database as soon as it is done. run_sweep does so for
+// all points of a plan.
 #pragma once
 
 #include <cstddef>
@@ -18,42 +19,43 @@
 
 namespace bitspan {
 
-// Part of every point's hash: to be raised whenever a metric changes its meaning or its value.
+// This is part of every point's hash. Raise it whenever a metric changes its meaning or its value.
 inline constexpr int measurement_version = 1;
 
-// 32 hexadecimal digits (FNV-1a of 128 bits) over everything of a scene that determines a picture; its name
-// and its textures' names are left out.
+// Returns 32 hexadecimal digits (FNV-1a of 128 bits) over everything of a scene that determines a picture.
+// The names of the scene and of its textures are left out.
 std::string scene_hash(const Scene& scene);
 
-// The scene with all distances s between s_min and s_max stretched, evenly in log s, to s_min .. s_min *
-// ratio; the fog's distance with them. What is seen where stays, only its depths spread out or close up: the
-// same picture for any ratio, up to where triangles cross. ratio > 1.
+// Returns the scene with all distances s between s_min and s_max stretched, evenly in log s, to s_min ..
+// s_min * ratio. The fog's distance is stretched with them. What is seen stays in its place; only the depths
+// spread out or close up. The picture is the same for any ratio, up to where triangles cross. ratio > 1.
 Scene with_s_ratio(Scene scene, double ratio);
 
-// Scenes as a point's row tells them: [{"name": "demo", "width": 640, "height": 480, "hash": ...}], with
-// "s_ratio" where they were stretched.
+// Returns the scenes as a point's row has them: [{"name": "demo", "width": 640, "height": 480, "hash": ...}],
+// with "s_ratio" where they were stretched.
 std::string scenes_json(const std::vector<Scene>& scenes, std::optional<double> s_ratio);
 
-// The ratio of such a text; none where the scenes were left as they are. Throws InputError where it is
-// unreadable.
+// Returns the ratio in such a text, and none where the scenes were left as they are. Throws InputError where
+// the text is unreadable.
 std::optional<double> s_ratio_of(std::string_view scenes_json);
 
-// {"formats.span.h.word": 34, ...}, in their order; and back. Throws InputError where it is unreadable.
+// settings_json returns {"formats.span.h.word": 34, ...} in the order of the settings, and parse_settings
+// reads it back. parse_settings throws InputError where the text is unreadable.
 std::string settings_json(const std::vector<KeySetting>& settings);
 std::vector<KeySetting> parse_settings(std::string_view settings_json);
 
-// 32 hexadecimal digits over all that determines what is measured.
+// Returns 32 hexadecimal digits over all that determines what is measured.
 std::string point_hash(const Config& config, const std::vector<Scene>& scenes, std::string_view version);
 
-// Measures a configuration on the scenes it was made for; called from several threads. What it throws as
-// InputError is a refusal of the point.
+// Measures a configuration on the scenes that it was made for. It is called from several threads. An
+// InputError that it throws is a refusal of the point.
 using Measure = std::function<PointResult(const Config&)>;
 using MakeMeter = std::function<Measure(std::vector<Scene>)>;
 
 struct Point {
   std::string hash;
   std::optional<Config> config;  // none: the settings make no legal one
-  std::string refusal;           // then why
+  std::string refusal;           // why there is no configuration
   std::optional<double> s_ratio;
 };
 
@@ -65,7 +67,7 @@ enum class PointState {
 
 struct Evaluated {
   PointState state = PointState::missing;
-  bool known = false;   // it was in the database
+  bool known = false;   // the point was in the database
   std::string message;  // of a refusal
 };
 
@@ -78,14 +80,14 @@ struct RunOptions {
 
 class PointRunner {
  public:
-  // The version is bitspan's. A meter is made where the first point needs it, and kept for the scenes of the
+  // `version` is bitspan's. A meter is made where the first point needs it, and is kept for the scenes of the
   // latest points only.
   PointRunner(Config base, std::vector<Scene> scenes, MakeMeter make_meter, Store& store,
               std::string version);
 
   Point prepare(const std::vector<KeySetting>& settings);
-  // Points that the database has are not measured, nor is one twice. `finished` gets each index once, never
-  // two at a time, what is known first; what it throws ends the run, as does what the database throws: the
+  // Measures the points that the database does not have, and no point twice. `finished` gets each index once,
+  // the known points first, and never two at a time. What `finished` or the database throws ends the run; the
   // points committed until then stay.
   std::vector<Evaluated> run(const std::vector<Point>& points, const RunOptions& options,
                              const std::function<void(std::size_t, const Evaluated&)>& finished = {});
@@ -110,26 +112,27 @@ class PointRunner {
 
 struct SweepResult {
   std::size_t points = 0;
-  std::size_t known = 0;     // of them, in the database before
-  std::size_t refused = 0;   // of those reached
+  std::size_t known = 0;     // those that were in the database before
+  std::size_t refused = 0;   // among those reached
   std::size_t missing = 0;   // not reached
-  std::size_t holding = 0;   // measured, all constraints hold
+  std::size_t holding = 0;   // measured, and all constraints hold
   std::size_t measured = 0;  // in this run, refused ones included
   bool finished() const { return missing == 0; }
 };
 
-// All points of the plan, and its base. The study's rows in the database are written anew; no point of it is
-// measured twice. Throws InputError where every point is refused, and where the points lack a metric that the
+// Measures all points of the plan, and its base, and no point twice. The study's rows in the database are
+// written anew. Throws InputError where every point is refused, and where the points lack a metric that the
 // plan names.
 SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options);
 
-// A line for the header and one for each point of the study that is in the database, of a sweep or a search,
-// as CSV (RFC 4180): i, the keys that vary, status, holds, the metrics of the plan (or all), seconds,
-// config_hash, hash, message and the command that measures the point again: `replay`, a blank, its hash.
+// Writes the points of the study that are in the database, of a sweep or a search, as CSV (RFC 4180). The
+// first line is the header; one line per point follows. The columns are i, the keys that vary, status, holds,
+// the metrics of the plan (or all), seconds, config_hash, hash, message, and the command that measures the
+// point again: `replay`, a blank, its hash.
 void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
                const std::function<void(std::string_view)>& write);
 
-// What differs, one line each: "metric span.u.max: stored 0.25, measured 0.5".
+// Returns one line per difference: "metric span.u.max: stored 0.25, measured 0.5".
 std::vector<std::string> differences(const ResultRows& stored, const ResultRows& measured);
 
 }  // namespace bitspan

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report of a study: one HTML page, and its plots as SVG and PNG, from the database `bitspan study` writes."""
+"""Makes the report of a study from the database `bitspan study` writes: one HTML page, and its plots as SVG and PNG."""
 
 
 class ReportError(Exception):
-    """What a person can mend: one line that names the file and what is wrong with it."""
+    """An error that a user can mend. Its one line names the file and what is wrong with it."""

@@ -19,7 +19,7 @@ def _arguments() -> argparse.Namespace:
         allow_abbrev=False,
     )
     parser.add_argument("database", metavar="DATABASE", help="the study's SQLite file")
-    parser.add_argument("folder", metavar="OUT_DIR", help="made where it is missing")
+    parser.add_argument("folder", metavar="OUT_DIR", help="folder of the report; made where it is missing")
     parser.add_argument("--study", metavar="NAME", help="which study, where the database holds several")
     return parser.parse_args()
 
@@ -32,14 +32,14 @@ def _check_libraries() -> None:
 
 
 def main() -> int:
-    """0: written; 2: bad input or nowhere to write, with one line that says what."""
+    """Returns 0 where the report is written, and 2 for bad input or nowhere to write, with one line that says what."""
     arguments = _arguments()
     try:
         _check_libraries()
-        from .database import load_study  # these need the libraries
+        from .database import load_study  # imported here, because these modules need the libraries
 
         study = load_study(arguments.database, arguments.study)
-        from .report import write_report  # and this takes a second to load: bad input is told before
+        from .report import write_report  # imported after bad input is refused: it takes a second to load
 
         write_report(study, arguments.folder)
     except ReportError as error:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The numbers behind the plots: fronts, curves against a width, knees, shares of the error budget."""
+"""Computes the numbers behind the plots: fronts, curves against a width, knees, shares of the error budget."""
 
 from __future__ import annotations
 
@@ -17,23 +17,24 @@ from .study import BudgetRow, Metric, Study, key_value
 Floats = NDArray[np.float64]
 
 KNEE_DEFINITION = (
-    "The knee is the value farthest below the straight line from the first to the last value of a curve, with errors in "
-    "octaves (log2; decibels divided by 6.02), and values that span a factor of 100 too: up to there a step of the key pays well, beyond it little. Where no value "
-    "lies half an octave below that line, there is no knee."
+    "The knee is the value farthest below the straight line from the first to the last value of a curve. Errors are in "
+    "octaves (log2; decibels divided by 6.02), and so are values that span a factor of 100. Up to the knee a step of "
+    "the key pays well, beyond it little. Where no value lies half an octave below that line, there is no knee."
 )
 KNEE_DEPTH = 0.5  # octaves below the line that make a knee
-MOST_METRICS = 400  # of the menu
+MOST_METRICS = 400  # in a menu
 
 
 def axis_title(metric: Metric) -> str:
-    """The metric with its unit in brackets."""
+    """Returns the metric with its unit in brackets."""
     return f"{metric.name} [{metric.unit}]" if metric.unit else metric.name
 
 
 def pareto_front(costs: Floats, errors: Floats) -> list[int]:
-    """Indices of the points that no other point beats or equals in both (n,) arrays, by rising cost.
+    """Returns the indices of the points that no other point beats or equals in both (n,) arrays, by rising cost.
 
-    Both are to be low. Of points equal in both, the first stands for all. NaN and infinite points are never on it.
+    Both are to be low. Where points are equal in both, the first stands for all. NaN and infinite points are never on
+    the front.
     """
     usable = np.flatnonzero(np.isfinite(costs) & np.isfinite(errors))
     order = usable[np.lexsort((usable, errors[usable], costs[usable]))]
@@ -47,14 +48,14 @@ def pareto_front(costs: Floats, errors: Floats) -> list[int]:
 
 
 def to_minimise(metric: Metric, values: Floats) -> Floats:
-    """The values, negated where more is better."""
+    """Returns the values, negated where more is better."""
     return -values if metric.high else values
 
 
 def octaves(metric: Metric, values: Floats) -> Floats:
-    """(n,) losses in octaves, low is good: log2 of errors, decibels / 6.02.
+    """Returns (n,) losses in octaves, where low is good: log2 of errors, decibels / 6.02.
 
-    A zero counts as half of the smallest positive error of the curve; all zeros are one level.
+    A zero counts as half of the smallest positive error of the curve. All zeros are one level.
     """
     if metric.unit == "dB":
         return -np.nan_to_num(values, posinf=400.0) / (20 * math.log10(2))
@@ -64,7 +65,7 @@ def octaves(metric: Metric, values: Floats) -> Floats:
 
 
 def knee(widths: Floats, losses: Floats) -> int | None:
-    """The index of the knee (KNEE_DEFINITION) of a curve of rising (n,) widths and its (n,) losses in octaves."""
+    """Returns the index of the knee (KNEE_DEFINITION) of a curve of rising (n,) widths and (n,) losses in octaves."""
     if len(widths) < 3 or not np.all(np.isfinite(losses)):
         return None
     line = losses[0] + (losses[-1] - losses[0]) * (widths - widths[0]) / (widths[-1] - widths[0])
@@ -75,11 +76,11 @@ def knee(widths: Floats, losses: Floats) -> int | None:
 
 @dataclass
 class Axis:
-    """Keys that were set together, and what stands for their values at each point: one of them that tells all sets of
-    values apart, or all of them as text."""
+    """Keys that were set together, and what stands for their values at each point. That is one of them that tells all
+    sets of values apart, or all of them as text."""
 
     keys: list[str]
-    shown: str  # the key whose values these are; several, joined, where they are text
+    shown: str  # the key whose values these are; several keys, joined, where the values are text
     values: list[Any]  # (points,); None: unknown there
     numeric: bool
     slice: list[int]  # the points that differ from the base in these keys alone
@@ -95,21 +96,21 @@ class Axis:
 
 @dataclass
 class Curve:
-    """A metric over the values of an axis: (value, metric, index of the point), by rising value."""
+    """A metric over the values of an axis. Samples are (value, metric, index of the point), by rising value."""
 
     samples: list[tuple[Any, float, int]]
     knee: int | None  # index into samples
-    one_at_a_time: bool  # samples differ from the base in the axis alone; else: the best of all with that value
+    one_at_a_time: bool  # samples differ from the base in the axis alone; else each is the best with its value
 
 
 def base_settings(study: Study) -> dict[str, Any]:
-    """The base's values of all keys that vary; None where the base was not measured."""
+    """Returns the base's values of all keys that vary, and None where the base was not measured."""
     config = tomllib.loads(study.points[study.base].config) if study.base is not None else {}
     return {key: key_value(config, key) for axis in study.axes for key in axis}
 
 
 def read_axes(study: Study) -> list[Axis]:
-    """The axes along which the measured points of a study really differ."""
+    """Returns the axes along which the measured points of a study differ."""
     base = base_settings(study)
     axes = []
     for keys in study.axes:
@@ -136,7 +137,7 @@ def read_axes(study: Study) -> list[Axis]:
 
 
 def _together(keys: list[str]) -> str:
-    """Several keys, what they share said once: "reciprocal.pixel: kind, steps"."""
+    """Returns the name of several keys, with what they share only once: "reciprocal.pixel: kind, steps"."""
     parts = [key.split(".") for key in keys]
     shared = 0
     while all(len(p) > shared + 1 and p[shared] == parts[0][shared] for p in parts):
@@ -150,15 +151,15 @@ def _is_number(value: Any) -> bool:
 
 
 def spans_decades(values: Sequence[float]) -> bool:
-    """Whether a key's values want a logarithmic axis: positive, and a factor of 100 or more."""
+    """Whether a key's values need a logarithmic axis: they are positive, and span a factor of 100 or more."""
     return len(values) > 0 and min(values) > 0 and max(values) >= 100 * min(values)
 
 
 def curve(axis: Axis, metric: Metric, column: Floats) -> Curve:
-    """The metric's curve over an axis; column is (points,).
+    """Returns the metric's curve over an axis; column is (points,).
 
-    Through the base where at least three values were tried with all else as in the base; otherwise the best point of
-    each value, whatever else it has.
+    The curve goes through the base where at least three values were tried with all else as in the base. Otherwise it
+    has the best point of each value, whatever else that point has.
     """
     one_at_a_time = len({axis.values[i] for i in axis.slice}) >= 3
     candidates = axis.slice if one_at_a_time else range(len(axis.values))
@@ -192,14 +193,14 @@ def _is_cost(study: Study, name: str) -> bool:
 
 
 def cost_metrics(study: Study) -> list[str]:
-    """What a point costs, of those with values: the study's cost first, then in the order of the known metrics."""
+    """Returns the costs that have values: the study's cost first, then the others in the order of the known metrics."""
     names = [n for n in study.known if n in study.metrics and _is_cost(study, n)]
     names.sort(key=lambda n: n != study.cost_metric)
     return names or list(study.metrics)[:1]
 
 
 def error_metrics(study: Study) -> list[str]:
-    """The errors worth a menu: those of the plan and its constraints; without any, all that differ between points."""
+    """Returns the errors of a menu: those of the plan and its constraints, or all that differ between points."""
     named = [*study.chosen_metrics, *(c.metric for c in study.constraints)]
     named = [n for n in dict.fromkeys(named) if n in study.metrics and not _is_cost(study, n)]
     if study.chosen_metrics and named:
@@ -210,17 +211,20 @@ def error_metrics(study: Study) -> list[str]:
 
 
 def column_of(study: Study, metric: str) -> Floats:
-    """(points,) values of a metric."""
+    """Returns (points,) values of a metric."""
     return np.array(study.metrics[metric], dtype=np.float64)
 
 
 def column_to_minimise(study: Study, metric: str) -> Floats:
-    """(points,) values of a metric, negated where more is better."""
+    """Returns (points,) values of a metric, negated where more is better."""
     return to_minimise(study.metric(metric), column_of(study, metric))
 
 
 def noted_points(study: Study, most: int = 40) -> list[str]:
-    """Hashes of the points that a reader looks at: what is recommended, the base, the front of the first two metrics."""
+    """Returns the hashes of the points that a reader looks at.
+
+    They are the recommended ones, the base, and the front of the first two metrics.
+    """
     hashes = [found.hash for found in study.recommended]
     hashes += [study.points[study.base].hash] if study.base is not None else []
     for x, y in zip(cost_metrics(study)[:1], error_metrics(study)[:1]):
@@ -230,7 +234,7 @@ def noted_points(study: Study, most: int = 40) -> list[str]:
 
 
 def told_metrics(study: Study) -> list[str]:
-    """The metrics of the page's tables: where the plan names some, those, its constraints and all costs."""
+    """Returns the metrics of the page's tables: where the plan names some, those, its constraints and all costs."""
     if not study.chosen_metrics:
         return list(study.metrics)
     wanted = {*error_metrics(study), *cost_metrics(study)}
@@ -241,18 +245,18 @@ def told_metrics(study: Study) -> list[str]:
 class Stack:
     """A metric's error budget: what each quantisation contributes on its own, as a fraction of the whole error.
 
-    `common` is what even the smallest of them leaves alone: the rounding of the output, the snap of the input.
+    `common` is the error that even the smallest of them has: the rounding of the output, the snap of the input.
     """
 
     metric: str
     base: float
-    powers: bool  # an RMS: squares, which add where the causes are independent
+    powers: bool  # true for an RMS: the shares are squares, which add where the causes are independent
     shares: list[tuple[str, float]]  # quantisation, fraction of base (of its square) beyond common; the largest first
     common: float
 
 
 def budget_stacks(metric_of: Callable[[str], Metric], rows: list[BudgetRow]) -> list[Stack]:
-    """The stacks of a configuration's budget. Metrics without error and those that are better high are left out."""
+    """Returns the stacks of a configuration's budget, without metrics that have no error or are better high."""
     stacks = []
     for metric in dict.fromkeys(row.metric for row in rows):
         of_metric = [row for row in rows if row.metric == metric and math.isfinite(row.alone)]
@@ -270,9 +274,9 @@ def budget_stacks(metric_of: Callable[[str], Metric], rows: list[BudgetRow]) -> 
 
 
 def log_floor(values: Floats) -> float | None:
-    """Where zeros go on a logarithmic axis: half a decade below the smallest positive value.
+    """Returns where zeros go on a logarithmic axis: half a decade below the smallest positive value.
 
-    None where the axis is better linear: values below 0, none above, or all within three octaves and no zero.
+    Returns None where the axis is better linear: values below 0, none above, or all within three octaves and no zero.
     """
     finite = values[np.isfinite(values)]
     positive = finite[finite > 0]

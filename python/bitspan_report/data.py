@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the page's script draws from, as JSON values."""
+"""Makes the JSON values that the page's script draws from."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .study import Area, BudgetRow, Register, Study
 
 
 def json_number(value: float) -> float | str | None:
-    """A number for JSON: five digits, whole numbers whole, NaN as null, infinities as text."""
+    """Returns a number for JSON: five digits, whole numbers whole, NaN as null, infinities as text."""
     if math.isnan(value):
         return None
     if math.isinf(value):
@@ -20,7 +20,7 @@ def json_number(value: float) -> float | str | None:
 
 
 def json_column(values: list[float]) -> Any:
-    """A column of the metrics' table; a single number where all points agree."""
+    """Returns a column of the metrics' table, and a single number where all points agree."""
     column = [json_number(v) for v in values]
     if column and isinstance(column[0], (int, float)) and all(v == column[0] for v in column):
         return column[0]
@@ -28,7 +28,7 @@ def json_column(values: list[float]) -> Any:
 
 
 def config_delta(base: list[str], config: str) -> Any:
-    """A configuration as {line number: text} against the base's lines; as its whole text where lines moved."""
+    """Returns a configuration as {line number: text} against the base's lines, or whole where lines moved."""
     lines = config.split("\n")
     if len(lines) != len(base):
         return config
@@ -36,7 +36,7 @@ def config_delta(base: list[str], config: str) -> Any:
 
 
 def shown_hashes(study: Study, tables: dict[str, Any]) -> list[str]:
-    """The points with rows in a table by hash: recommended ones first, then the base, then the others."""
+    """Returns the points with rows in a table by hash: the recommended ones first, then the base, then the others."""
     order = [r.hash for r in study.recommended]
     order += [study.points[study.base].hash] if study.base is not None else []
     order += [point.hash for point in study.points]
@@ -44,7 +44,7 @@ def shown_hashes(study: Study, tables: dict[str, Any]) -> list[str]:
 
 
 def point_name(study: Study, point_hash: str) -> str:
-    """How a point is called in menus: what it is to the study, and its hash."""
+    """Returns a point's name in menus: what it is to the study, and its hash."""
     roles = ["recommended"] if any(r.hash == point_hash for r in study.recommended) else []
     if study.base is not None and study.points[study.base].hash == point_hash:
         roles.append("base")
@@ -52,7 +52,7 @@ def point_name(study: Study, point_hash: str) -> str:
 
 
 def page_data(study: Study) -> dict[str, Any]:
-    """Everything the script draws. Points are referred to by their index."""
+    """Returns everything that the script draws. It refers to points by their index."""
     x_names, y_names = analysis.cost_metrics(study), analysis.error_metrics(study)
     columns = {n: analysis.column_of(study, n) for n in dict.fromkeys([*x_names, *y_names])}
     lows = {n: analysis.column_to_minimise(study, n) for n in columns}

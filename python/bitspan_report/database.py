@@ -35,31 +35,31 @@ from .study import (
 
 SCHEMA = "2"
 
-# The points that a study refers to anywhere; :s is its name.
+# Selects the points that a study refers to anywhere; :s is its name.
 _POINTS = """(SELECT hash FROM study_points WHERE study = :s UNION SELECT hash FROM search_steps WHERE study = :s
   UNION SELECT hash FROM certificate WHERE study = :s UNION SELECT hash FROM recommended WHERE study = :s
   UNION SELECT base_hash FROM studies WHERE name = :s)"""
 
 
 class _Reader:
-    """Queries of one study, in one transaction: a study that runs on meanwhile does not mix two states."""
+    """Queries of one study, in one transaction, so that a study that runs on meanwhile does not mix two states."""
 
     def __init__(self, connection: sqlite3.Connection, study: str) -> None:
         self._connection = connection
         self._study = study
 
     def rows(self, query: str, **values: str) -> Iterator[tuple[Any, ...]]:
-        """Of a query in which :s is the study's name."""
+        """Returns the rows of a query in which :s is the study's name."""
         return iter(self._connection.execute(query, {"s": self._study, **values}))
 
 
 def number(value: Any) -> float:
-    """A stored number: NULL is NaN, infinities are text."""
+    """Returns a stored number. NULL is NaN, and infinities are text."""
     return math.nan if value is None else float(value)
 
 
 def load_study(path: str, name: str | None) -> Study:
-    """The study of that name; without a name, the only one there is. Throws ReportError."""
+    """Returns the study of that name, or without a name the only one there is. Throws ReportError."""
     if not pathlib.Path(path).is_file():
         raise ReportError(f"{path}: no such file")
     try:
@@ -78,8 +78,11 @@ def load_study(path: str, name: str | None) -> Study:
 
 
 def _uri_of(path: pathlib.Path) -> str:
-    """For reading alone. SQLite wants to put a file beside one with a write-ahead log, but does without in a folder where
-    it cannot; no log, no writer: nothing changes meanwhile."""
+    """Returns the address of the file for reading alone.
+
+    SQLite puts a file beside one with a write-ahead log, but does without in a folder where it cannot. A file without a
+    log has no writer, so nothing changes meanwhile.
+    """
     still = not os.access(path.parent, os.W_OK) and not pathlib.Path(f"{path}-wal").exists()
     return path.as_uri() + ("?mode=ro&immutable=1" if still else "?mode=ro")
 
@@ -322,7 +325,7 @@ def _read_areas(reader: _Reader) -> dict[str, list[Area]]:
 
 
 def _add_area_metrics(study: Study) -> None:
-    """Synthesis results as metrics: area.FAMILY.luts ...; where both were run, those after placement."""
+    """Adds synthesis results as metrics: area.FAMILY.luts ... Where both were run, it takes those after placement."""
     for i, point in enumerate(study.points):
         for area in study.areas.get(point.config_hash, []):
             for column, value in area.values.items():
@@ -332,7 +335,7 @@ def _add_area_metrics(study: Study) -> None:
 
 
 def _planned_axes(plan: dict[str, Any], points: list[Point]) -> list[list[str]]:
-    """Keys that vary, those set together in one list; one axis per key for keys that no [[vary]] names."""
+    """Returns the keys that vary; keys set together are in one list. A key that no [[vary]] names is an axis alone."""
     axes = [list(axis["keys"]) for axis in plan.get("vary", [])]
     named = {key for axis in axes for key in axis}
     axes += [[key] for key in dict.fromkeys(key for point in points for key in point.settings) if key not in named]
@@ -340,7 +343,7 @@ def _planned_axes(plan: dict[str, Any], points: list[Point]) -> list[list[str]]:
 
 
 def _add_settings(points: list[Point], base: Point | None, axes: list[list[str]]) -> None:
-    """Of points that only a search met: what their configurations say of the keys that vary."""
+    """Sets, for points that only a search met, what their configurations say of the keys that vary."""
     for point in points:
         if point.number is None and point is not base and point.config:
             config = tomllib.loads(point.config)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report's plots as SVG and PNG, by matplotlib."""
+"""Draws the report's plots as SVG and PNG, with matplotlib."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from . import analysis
 from .analysis import Axis, Curve, Floats, Stack
 from .study import FIRST_OCTAVE, Bound, Constraint, Register, SearchStep
 
-# Okabe and Ito's colours: told apart with any common colour vision.
+# Okabe and Ito's colours can be told apart with any common colour vision.
 BLUE, ORANGE, GREEN, RED, SKY, PINK, YELLOW = (
     "#0072b2",
     "#e69f00",
@@ -52,7 +52,7 @@ matplotlib.rcParams.update(
 
 
 def render(figure: Figure) -> dict[str, bytes]:
-    """The figure as {"svg": bytes, "png": bytes}; the same figure gives the same bytes."""
+    """Returns the figure as {"svg": bytes, "png": bytes}. The same figure gives the same bytes."""
     pictures = {}
     for kind, metadata in (("svg", {"Date": None}), ("png", {"Software": None})):
         buffer = io.BytesIO()
@@ -62,14 +62,17 @@ def render(figure: Figure) -> dict[str, bytes]:
 
 
 def _figure(width: float, height: float, rows: int = 1, columns: int = 1) -> tuple[Figure, list[Axes]]:
-    """A figure of that many inches and its axes, row by row."""
+    """Returns a figure of that many inches and its axes, row by row."""
     figure = Figure(figsize=(width, height))
     axes = figure.subplots(rows, columns, squeeze=False)
     return figure, list(axes.flat)
 
 
 def _set_logarithmic(axes: Axes, vertical: bool) -> None:
-    """With ticks in plain text: no text of a figure is read as mathematics, since names come from a database."""
+    """Makes an axis logarithmic, with ticks in plain text.
+
+    No text of a figure is read as mathematics, because names come from a database.
+    """
     (axes.set_yscale if vertical else axes.set_xscale)("log")
     axis = axes.yaxis if vertical else axes.xaxis
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -77,7 +80,7 @@ def _set_logarithmic(axes: Axes, vertical: bool) -> None:
 
 
 def _scale(axes: Axes, values: Floats, vertical: bool) -> Floats:
-    """The values as they are drawn: on a logarithmic axis zeros stand at its foot, which says so."""
+    """Returns the values as they are drawn. On a logarithmic axis zeros stand at its foot, which says so."""
     floor = analysis.log_floor(values)
     if floor is None:
         return values
@@ -135,7 +138,7 @@ def pareto(
     y_metric: str,
     constraints: Sequence[Constraint],
 ) -> Figure:
-    """Error against cost: costs, errors and holds are (points,); front, base and recommended index them."""
+    """Draws error against cost. costs, errors and holds are (points,); front, base and recommended index them."""
     figure, (axes,) = _figure(7.2, 4.6)
     x, y = _scale(axes, costs, False), _scale(axes, errors, True)
     _draw_limits(axes, y_metric, constraints, True)
@@ -185,7 +188,7 @@ def pareto(
 def curves(
     axes_and_curves: Sequence[tuple[Axis, Curve]], metric: str, y_title: str, constraints: Sequence[Constraint]
 ) -> Figure:
-    """A metric over the values of each varied key, one panel per key, knees ringed."""
+    """Draws a metric over the values of each varied key, with one panel per key and knees ringed."""
     columns = min(3, len(axes_and_curves))
     rows = math.ceil(len(axes_and_curves) / columns)
     figure, panels = _figure(3.6 * columns, 2.7 * rows, rows, columns)
@@ -234,7 +237,7 @@ def curves(
 
 
 def octave_bars(register: Register) -> Iterator[tuple[int, int, float]]:
-    """(exponent e of [2^e, 2^(e+1)), count, height 0..1 by the count's logarithm) of the octaves that hold values."""
+    """Yields the octaves [2^e, 2^(e+1)) with values as (e, count, height 0..1 by the count's logarithm)."""
     top = math.log1p(max(register.octaves, default=0))
     for i, count in enumerate(register.octaves):
         if count:
@@ -242,7 +245,7 @@ def octave_bars(register: Register) -> Iterator[tuple[int, int, float]]:
 
 
 def histograms(registers: Sequence[Register]) -> Figure:
-    """What each register held, by octaves, over the range its format can hold; what stays unused at the top."""
+    """Draws what each register held, by octaves, over the range of its format, and what stays unused at the top."""
     figure, (axes,) = _figure(8.2, 0.9 + 0.27 * len(registers))
     for row, register in enumerate(registers):
         low, high = register.range_log2
@@ -290,7 +293,7 @@ def histograms(registers: Sequence[Register]) -> Figure:
 
 
 def stack_names(stacks: Sequence[Stack], most: int = 6) -> list[str]:
-    """The quantisations that matter most over all stacks, each of which gets a colour; the others are drawn as one."""
+    """Returns the quantisations that matter most over all stacks. Each gets a colour; the others are drawn as one."""
     weight: dict[str, float] = {}
     for stack in stacks:
         total = sum(share for _, share in stack.shares) or 1
@@ -300,7 +303,7 @@ def stack_names(stacks: Sequence[Stack], most: int = 6) -> list[str]:
 
 
 def _segments(stacks: Sequence[Stack]) -> Iterator[tuple[str, str, Floats]]:
-    """The parts of the budget's bars from left to right: name, colour, (stacks,) lengths in percent."""
+    """Yields the parts of the budget's bars from left to right: name, colour, (stacks,) lengths in percent."""
     named = stack_names(stacks)
     for colour, name in zip(STACK_COLOURS, named):
         yield name, colour, np.array([100 * sum(v for n, v in stack.shares if n == name) for stack in stacks])
@@ -313,7 +316,7 @@ def _segments(stacks: Sequence[Stack]) -> Iterator[tuple[str, str, Floats]]:
 
 
 def budget(stacks: Sequence[Stack]) -> Figure:
-    """The error budget: one bar a metric, each quantisation's own share of the whole error."""
+    """Draws the error budget: one bar per metric, with each quantisation's own share of the whole error."""
     figure, (axes,) = _figure(8.2, 1.5 + 0.32 * len(stacks))
     y = np.arange(len(stacks))[::-1]
     left = np.zeros(len(stacks))
@@ -331,7 +334,7 @@ def budget(stacks: Sequence[Stack]) -> Figure:
 
 
 def bounds(rows: Sequence[Bound]) -> Figure:
-    """Proved bounds beside the largest errors observed; how much of them was reached at the right."""
+    """Draws proved bounds beside the largest errors observed. How much of each was reached stands at the right."""
     figure, (axes,) = _figure(7.6, 0.9 + 0.26 * len(rows))
     y = np.arange(len(rows))[::-1]
     bound = np.array([row.bound for row in rows])
@@ -358,7 +361,7 @@ def bounds(rows: Sequence[Bound]) -> Figure:
 
 
 def search(steps: Sequence[SearchStep], cost_title: str) -> Figure:
-    """Cost of each evaluated configuration in its order, and the lowest one so far that holds."""
+    """Draws the cost of each evaluated configuration in order, and the lowest one so far that holds."""
     figure, (axes,) = _figure(7.2, 3.6)
     for holds, marker, colour, label in ((False, "x", GREY, "fails a constraint"), (True, "o", SKY, "holds")):
         some = [step for step in steps if step.holds == holds]
@@ -383,7 +386,7 @@ def search(steps: Sequence[SearchStep], cost_title: str) -> Figure:
 
 
 def best_so_far(steps: Sequence[SearchStep]) -> list[tuple[int, float]]:
-    """(number, cost) wherever a step that holds was cheaper than all before it, and the last step's number."""
+    """Returns (number, cost) wherever a step that holds was cheaper than all before it, and the last step's number."""
     best: list[tuple[int, float]] = []
     for step in steps:
         if step.holds and math.isfinite(step.cost) and (not best or step.cost < best[-1][1]):

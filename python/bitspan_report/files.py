@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files that appear complete, or not at all."""
+"""Writes files that appear complete, or not at all."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from . import ReportError
 
 
 def write_all(folder: str, files: dict[str, bytes]) -> None:
-    """Writes {name: bytes} into the folder, which is made where it is missing; throws ReportError.
+    """Writes {name: bytes} into the folder, which is made where it is missing. Throws ReportError.
 
-    All go to temporary names first and are renamed when the last one is on disk, in the order given: what fails for
-    lack of room leaves the folder's files as they were.
+    All files go to temporary names first. They are renamed, in the order given, when the last one is on disk. A failure
+    for lack of room therefore leaves the folder's files as they were.
     """
     target = pathlib.Path(folder)
     temporary: dict[pathlib.Path, pathlib.Path] = {}

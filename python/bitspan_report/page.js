@@ -17,7 +17,7 @@ function escaped(text) {
   return String(text).replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
 }
 
-// A stored number: null is NaN, infinities are text.
+// Returns a stored number. null is NaN, and infinities are text.
 function toNumber(value) {
   if (value === "inf") return Infinity;
   if (value === "-inf") return -Infinity;
@@ -112,7 +112,7 @@ function areaPart(areas) {
   return [make("h3", { textContent: "Area" }), tableOf(["family", "result"], rows)];
 }
 
-// Settings, metrics, TOML and replay command of a point, beside the Pareto plot.
+// Shows the settings, metrics, TOML and replay command of a point, beside the Pareto plot.
 function showPoint(index) {
   const panel = byId("detail");
   if (!panel) return;
@@ -149,7 +149,7 @@ function fillMenu(menu, names, chosen) {
   menu.value = chosen;
 }
 
-// The next (1) or previous (-1) point of the front, from the shown one.
+// Shows the next (1) or previous (-1) point of the front, seen from the shown one.
 function stepAlongFront(direction) {
   const front = data.fronts[shown.x][shown.y];
   if (!front.length) return;
@@ -178,7 +178,7 @@ function startWidthsMenu() {
   byId("widths-y").addEventListener("change", drawWidths);
 }
 
-// Menus that show one of several blocks.
+// Sets up the menus that show one of several blocks.
 function startVariants() {
   for (const menu of document.querySelectorAll("select.variants")) {
     menu.addEventListener("change", () => {

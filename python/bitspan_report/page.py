@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report as one HTML file that needs nothing else: text and tables here, plots by page.js with plotly.js."""
+"""Makes the report as one HTML file that needs nothing else. Text and tables are made here; page.js draws the plots."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ PICTURE_TITLES = {
 
 
 def text_of(value: Any) -> str:
-    """A value for people, not yet escaped: four significant digits, names of what is no number."""
+    """Returns a value for people, not yet escaped: four significant digits, and names of what is no number."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
@@ -41,7 +41,7 @@ def text_of(value: Any) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[Any]], scroll: bool = False) -> str:
-    """An HTML table; numbers are right-aligned, all cells escaped but those that are Html."""
+    """Returns an HTML table. Numbers are right-aligned, and all cells are escaped but those that are Html."""
     body, right = [], [True] * len(head)
     for row in rows:
         cells = []
@@ -65,7 +65,7 @@ class Html:
 
 
 def point_link(study: Study, point_hash: str) -> Html:
-    """A button that shows the point beside the Pareto plot; plain text for points that the page does not hold."""
+    """Returns a button that shows the point beside the Pareto plot, and plain text for points that the page lacks."""
     short = escape(point_hash[:12])
     index = study.index_of(point_hash)
     if index is None:
@@ -82,12 +82,12 @@ def section(identity: str, title: str, content: str) -> str:
 
 
 def empty_section(identity: str, title: str, why: str) -> str:
-    """A section that has nothing to show, in one line."""
+    """Returns a section that has nothing to show, in one line."""
     return f'<section id="{identity}" class="empty"><h2>{escape(title)}</h2>{note(why)}</section>'
 
 
 def variants(study: Study, hashes: Sequence[str], contents: dict[str, str]) -> str:
-    """One block a configuration, and a menu that shows one of them; by {hash: markup}."""
+    """Returns one block per configuration of {hash: markup}, and a menu that shows one of them."""
     blocks = "".join(
         f'<div class="variant" data-hash="{escape(h)}"{"" if h == hashes[0] else " hidden"}>{contents[h]}</div>'
         for h in hashes
@@ -99,7 +99,7 @@ def variants(study: Study, hashes: Sequence[str], contents: dict[str, str]) -> s
 
 
 def _scene_names(study: Study) -> str:
-    """The names of the scenes with the start of their content hashes."""
+    """Returns the names of the scenes with the start of their content hashes."""
     stored = next((p.scenes for p in study.points if p.scenes), "")
     try:
         scenes = json.loads(stored)
@@ -115,7 +115,7 @@ def _scene_names(study: Study) -> str:
 
 
 def studied(study: Study) -> str:
-    """What was varied, on what, how many points came of it."""
+    """Returns what was varied, on what, and how many points came of it."""
     refused = sum(p.refused for p in study.points)
     held = sum(p.holds is True for p in study.points)
     seconds = sum(p.seconds for p in study.points if not math.isnan(p.seconds))
@@ -149,7 +149,7 @@ def studied(study: Study) -> str:
 
 
 def recommended(study: Study) -> str:
-    """A card for each recommended configuration: why, verified how, what it sets, its TOML."""
+    """Returns one card per recommended configuration: why, verified how, what it sets, its TOML."""
     if not study.recommended:
         return empty_section("recommended", "Recommended configurations", "This study recommends none.")
     cards, base_values = [], analysis.base_settings(study)
@@ -200,7 +200,7 @@ def _or_dash(value: Any) -> Any:
 
 
 def errors(study: Study) -> str:
-    """The error of every field of every stage, of the configurations that matter."""
+    """Returns the error of every field of every stage, for the configurations that matter."""
     hashes = data.shown_hashes(study, study.errors)
     if not hashes:
         return empty_section("errors", "Errors by stage", "Neither the base nor a recommended point was measured.")
@@ -227,7 +227,7 @@ def errors(study: Study) -> str:
 
 
 def pareto(study: Study) -> str:
-    """The plot of error against cost, and the place where a clicked configuration is shown."""
+    """Returns the plot of error against cost, and the place where a clicked configuration is shown."""
     if not any(not p.refused for p in study.points) or not study.metrics:
         return empty_section("pareto", "Error against cost", "No point was measured.")
     return section(
@@ -248,7 +248,7 @@ def pareto(study: Study) -> str:
 
 
 def curves(study: Study, axes: Sequence[analysis.Axis]) -> str:
-    """The place of the plots of error against each varied key."""
+    """Returns the place of the plots of error against each varied key."""
     if not axes:
         return empty_section("widths", "Error against each key", "No key took two values among the measured points.")
     return section(
@@ -266,7 +266,7 @@ def curves(study: Study, axes: Sequence[analysis.Axis]) -> str:
 
 
 def registers(study: Study) -> str:
-    """Histograms and a table of what each register held."""
+    """Returns histograms and a table of what each register held."""
     hashes = data.shown_hashes(study, study.registers)
     if not hashes:
         return empty_section("registers", "What the registers held", "No register was observed.")
@@ -293,7 +293,7 @@ def registers(study: Study) -> str:
 
 
 def budget(study: Study) -> str:
-    """The error budget as stacked bars and as a table."""
+    """Returns the error budget as stacked bars and as a table."""
     hashes = data.shown_hashes(study, study.budget)
     if not hashes:
         return empty_section(
@@ -322,7 +322,7 @@ def budget(study: Study) -> str:
 
 
 def bounds(study: Study) -> str:
-    """Proved bounds beside what was observed."""
+    """Returns proved bounds beside what was observed."""
     hashes = data.shown_hashes(study, study.bounds)
     if not hashes:
         return empty_section(
@@ -356,13 +356,13 @@ def bounds(study: Study) -> str:
 
 
 def _said_once(outcome: str) -> str:
-    """The outcome's text without its kind in front where that says the same."""
+    """Returns the outcome's text, without its kind in front where that is the same text."""
     kind, _, text = outcome.partition(": ")
     return text if kind == text else outcome
 
 
 def search(study: Study) -> str:
-    """Progress of the search, and the certificate of what it found."""
+    """Returns the progress of the search, and the certificate of what it found."""
     if not study.steps and not study.certificate:
         return empty_section("search", "Search", "This study did not search.")
     parts = []
@@ -390,7 +390,7 @@ def search(study: Study) -> str:
 
 
 def pictures(study: Study) -> str:
-    """Ideal, chosen and difference side by side, and the heat maps, zoomed together."""
+    """Returns the ideal, chosen and difference pictures side by side, and the heat maps, zoomed together."""
     hashes = data.shown_hashes(study, study.pictures)
     if not hashes:
         return empty_section("pictures", "Pictures", "No picture was kept.")
@@ -419,12 +419,12 @@ def pictures(study: Study) -> str:
 
 
 def _legend(study: Study, point_hash: str, scene: str) -> str:
-    """What the colours of the map of dominant causes mean, the most frequent first; grey ones as one."""
+    """Returns what the colours of the map of dominant causes mean, the most frequent first. Grey ones count as one."""
     causes = study.causes.get(point_hash, {}).get(scene, [])
     total = sum(cause.pixels for cause in causes)
     if total == 0:
         return ""
-    pixels: dict[str, list[Any]] = {}  # by colour: names, count
+    pixels: dict[str, list[Any]] = {}  # names and count, by colour
     for cause in causes:
         entry = pixels.setdefault(cause.colour, [[], 0])
         entry[0].append(cause.name)
@@ -438,13 +438,13 @@ def _legend(study: Study, point_hash: str, scene: str) -> str:
 
 
 def _in_order(shots: dict[str, bytes]) -> list[tuple[str, bytes]]:
-    """Pictures of a scene in the order people compare them; unknown names last."""
+    """Returns the pictures of a scene in the order in which people compare them, with unknown names last."""
     order = list(PICTURE_TITLES)
     return sorted(shots.items(), key=lambda shot: order.index(shot[0]) if shot[0] in order else len(order))
 
 
 def areas(study: Study) -> str:
-    """What synthesis and placement said."""
+    """Returns what synthesis and placement said."""
     rows = [
         (
             point_link(study, p.hash),
@@ -479,7 +479,7 @@ def _area_status(area: Area) -> Any:
 
 
 def refused(study: Study) -> str:
-    """The configurations that could not be measured, each with its reason."""
+    """Returns the configurations that could not be measured, each with its reason."""
     rows = [
         (point_link(study, p.hash), ", ".join(f"{k} = {v}" for k, v in p.settings.items()) or "–", p.message)
         for p in study.points
@@ -491,7 +491,7 @@ def refused(study: Study) -> str:
 
 
 def embedded_json(value: Any) -> str:
-    """JSON that may stand inside a script element."""
+    """Returns JSON that may stand inside a script element."""
     text = json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
@@ -518,7 +518,7 @@ _NAVIGATION = (
 
 
 def page(study: Study, plotly: str) -> str:
-    """The whole report; plotly is the library's source. The policy in its head lets no other script run."""
+    """Returns the whole report. `plotly` is the library's source. The policy in the head lets no other script run."""
     axes = analysis.read_axes(study)
     content = "".join(curves(study, axes) if part is None else part(study) for part in _SECTIONS)
     navigation = "".join(f'<a href="#{i}">{escape(text)}</a>' for i, text in _NAVIGATION)

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 "use strict";
-// The plots, by plotly.js. Colours come from the style sheet, so that light and dark are one code.
+// Draws the plots, with plotly.js. Colours come from the style sheet, so that light and dark share their code.
 
 const PALETTE = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00"];  // Okabe and Ito
 const PLOT_OPTIONS = { responsive: true, displaylogo: false, displayModeBar: "hover",
   modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d", "hoverClosestCartesian", "hoverCompareCartesian"] };
 
-let places = {};  // of the points, for the metrics that are shown
+let places = {};  // places of the points, for the metrics that are shown
 
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
@@ -25,8 +25,8 @@ function layoutOf(height, more = {}) {
     legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0, font: { size: 12 } }, ...more };
 }
 
-// Where zeros go on a logarithmic axis: half a decade below the smallest positive value; null: a linear axis is better
-// (the same rule as log_floor in analysis.py).
+// Returns where zeros go on a logarithmic axis: half a decade below the smallest positive value. Returns null where a
+// linear axis is better. The rule is that of log_floor in analysis.py.
 function logFloor(values) {
   const finite = values.filter(Number.isFinite);
   const positive = finite.filter((v) => v > 0);
@@ -37,7 +37,8 @@ function logFloor(values) {
   return low / Math.sqrt(10);
 }
 
-// An axis for values: {place(value), layout, shape}: zeros of a logarithmic one stand at its foot, on a marked line.
+// Returns an axis for values: {place(value), layout, shape}. Zeros of a logarithmic axis stand at its foot, on a marked
+// line.
 function scaleFor(values, title, letter) {
   const floor = logFloor(values);
   if (floor === null) return { place: (v) => v, layout: axisLayout(title), shapes: [], annotations: [], log: false };
@@ -52,7 +53,7 @@ function scaleFor(values, title, letter) {
     annotations: zero ? [{ text: "0", showarrow: false, font: { color: colour("soft") }, ...label }] : [] };
 }
 
-// Ticks at decades, or sparser over a long range; below two decades at 1, 2, 5 of each.
+// Returns ticks at decades, or sparser ones over a long range. Below two decades they stand at 1, 2, 5 of each.
 function decadesApart(values) {
   const positive = values.filter((v) => v > 0 && Number.isFinite(v));
   const decades = Math.log10(Math.max(...positive) / Math.min(...positive));
@@ -119,7 +120,7 @@ function drawPareto() {
   markPoint();
 }
 
-// The points that the Pareto plot draws at the same place as this one: the noted ones first, then those of the front.
+// Returns the points that the Pareto plot draws at the same place as this one: the noted ones, then those of the front.
 function pointsAtPlace(index) {
   const { x, y } = shown;
   if (places.x !== x || places.y !== y) {
@@ -137,13 +138,13 @@ function pointsAtPlace(index) {
   return places.of[index];
 }
 
-// A click shows the first point of the place; a further click the next.
+// A click shows the first point of the place, and a further click shows the next.
 function nextOfPlace(index) {
   const same = pointsAtPlace(index);
   return same.includes(shown.point) ? same[(same.indexOf(shown.point) + 1) % same.length] : same[0];
 }
 
-// The ring around the shown point: always the last trace.
+// The ring around the shown point is always the last trace.
 function markTrace() {
   return { name: "shown", type: "scatter", mode: "markers", x: [], y: [], hoverinfo: "skip", showlegend: false,
     marker: { symbol: "circle-open", size: 20, color: colour("alarm"), line: { width: 2 } } };
@@ -213,7 +214,7 @@ function drawSearch() {
   ].filter((t) => t.x.length), layoutOf(340, { xaxis: axisLayout("evaluation"), yaxis: axisLayout(data.costTitle) }));
 }
 
-// The plots of the blocks that are visible and not drawn yet.
+// Draws the plots of the blocks that are visible and not drawn yet.
 function drawVariants() {
   const drawers = { registers: drawRegisters, budget: drawBudget, bounds: drawBounds };
   for (const element of document.querySelectorAll("[data-plot]")) {

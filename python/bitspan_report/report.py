@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report's files: the page, the plots, the pictures."""
+"""Writes the report's files: the page, the plots, the pictures."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def write_report(study: Study, folder: str) -> None:
 
 
 def _file_name(*parts: str) -> str:
-    """The parts as a file name of letters, digits, dots, dashes."""
+    """Returns the parts as a file name of letters, digits, dots, dashes."""
     return "-".join(re.sub(r"[^A-Za-z0-9._]+", "_", part).strip("._") or "_" for part in parts)
 
 
@@ -32,7 +32,7 @@ def _both(name: str, figure: Figure) -> dict[str, bytes]:
 
 
 def plots(study: Study) -> dict[str, bytes]:
-    """{file name: bytes} of every plot, SVG and PNG; those of one configuration carry its hash in the name."""
+    """Returns {file name: bytes} of every plot, SVG and PNG. Those of one configuration have its hash in the name."""
     content: dict[str, bytes] = {}
     costs, errors = analysis.cost_metrics(study), analysis.error_metrics(study)
     if any(not p.refused for p in study.points) and costs and errors:
@@ -52,7 +52,7 @@ def plots(study: Study) -> dict[str, bytes]:
 
 
 def _drawn(study: Study, tables: dict[str, Any]) -> list[str]:
-    """The configurations that get files: what is recommended, the base; without either, the first."""
+    """Returns the configurations that get files: the recommended ones and the base; without either, the first."""
     wanted = {r.hash for r in study.recommended}
     if study.base is not None:
         wanted.add(study.points[study.base].hash)
@@ -90,7 +90,7 @@ def _curves(study: Study, metric: str) -> dict[str, bytes]:
 
 
 def pictures(study: Study) -> dict[str, bytes]:
-    """{file name: PNG} of every stored picture."""
+    """Returns {file name: PNG} of every stored picture."""
     return {
         _file_name("picture", h[:12], scene, name) + ".png": png
         for h, scenes in study.pictures.items()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a study found: the contents of its database, as the report uses them."""
+"""Holds what a study found: the contents of its database, as the report uses them."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ class Register:
 
     @property
     def range_log2(self) -> tuple[int, int]:
-        """log2 of the smallest step and of the magnitude that no value reaches (a signed format's most negative does)."""
+        """Returns log2 of the smallest step, and of the magnitude that only a signed format's least value reaches."""
         return self.integer - self.word, self.integer - int(self.signed)
 
 
 @dataclass
 class FieldError:
-    """A field whose error was measured, in `unit`; ulp is that of its format in the same unit. The statistics of the
+    """A field whose error was measured, in `unit`. `ulp` is that of its format, in the same unit. The statistics of the
     error are metrics."""
 
     stage: str
@@ -77,13 +77,13 @@ class Metric:
     unit: str
     high: bool  # more is better
     role: str  # result | cost | detail
-    squares_add: bool  # for independent causes, the squares add up
+    squares_add: bool  # the squares of independent causes add up
     meaning: str
 
 
 @dataclass
 class BudgetRow:
-    """A metric's value: of the configuration, with this quantisation exact, and with all others exact."""
+    """A metric's value for the configuration, with this quantisation exact, and with all others exact."""
 
     quantisation: str
     metric: str
@@ -103,7 +103,7 @@ class Bound:
 
     @property
     def reached(self) -> str:
-        """How much of the bound was observed, in the words of `bitspan study`; up to 100 % it holds."""
+        """How much of the bound was observed, in the words of `bitspan study`. It holds up to 100 %."""
         if self.observed == 0:
             return "0.0 %"
         return f"{100 * self.observed / self.bound if self.bound else math.inf:.1f} %"
@@ -197,14 +197,14 @@ class Study:
     recommended: list[Recommendation]
 
     def metric(self, name: str) -> Metric:
-        """What is known of a metric; of a name that the database does not explain, only the name."""
+        """Returns what is known of a metric. A name that the database does not explain has only the name."""
         return self.known.get(name) or Metric(name, "", "", "", False, "detail", False, "")
 
     def unit_of(self, name: str) -> str:
         return self.metric(name).unit
 
     def index_of(self, point_hash: str) -> int | None:
-        """Index into points."""
+        """Returns the index into points."""
         return self._indices.get(point_hash)
 
     def __post_init__(self) -> None:
@@ -212,7 +212,7 @@ class Study:
 
 
 def key_value(config: dict[str, Any], path: str) -> Any:
-    """The value at "formats.span.h.word" of a parsed configuration, whose keys may hold dots; None where none is.
+    """Returns the value at "formats.span.h.word" of a parsed configuration, or None. Its keys may hold dots.
 
     "fraction" of a format, which plans may name, is word - int.
     """

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 "use strict";
-// Pictures of one scene side by side; all show the same part, moved and enlarged together. A heat map has its colour bar
-// below the scene's rows: that stands still beneath its picture.
+// Shows pictures of one scene side by side. All show the same part, and are moved and enlarged together. A heat map has
+// its colour bar below the scene's rows; the bar stands still beneath its picture.
 
-const MOST_ZOOM = 64;  // screen pixels a picture pixel, at most about
+const MOST_ZOOM = 64;  // screen pixels per picture pixel, at most about
 const viewers = [];
 
 function decode(png) {
@@ -37,7 +37,8 @@ function panelOf(canvas, picture, scene) {
   return { canvas, source, pixels, reading: canvas.parentElement.querySelector("figcaption .mono") };
 }
 
-// The part shown: its top left corner (x, y) and the zoom, 1 for the whole picture; kept inside the picture.
+// Shows the part with the top left corner (x, y) and a zoom, 1 for the whole picture. The part stays inside the
+// picture.
 function moveTo(viewer, x, y, zoom) {
   viewer.zoom = Math.min(Math.max(zoom, 1), Math.max(1, MOST_ZOOM * viewer.width / 400));
   viewer.x = Math.min(Math.max(x, 0), viewer.width * (1 - 1 / viewer.zoom));
@@ -64,7 +65,7 @@ function drawViewer(viewer) {
   }
 }
 
-// The pixel under the pointer, in every panel: its place and colour.
+// Shows the place and colour of the pixel under the pointer, in every panel.
 function readPixel(viewer, fx, fy) {
   const x = Math.min(Math.floor(viewer.x + fx * viewer.width / viewer.zoom), viewer.width - 1);
   const y = Math.min(Math.floor(viewer.y + fy * viewer.height / viewer.zoom), viewer.height - 1);

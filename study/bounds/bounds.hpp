@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Proved upper bounds for the error of h, 1/(h + B), u and v against the unquantised truth
-// (docs/numeric-spec.md, "ideal"), from a configuration and the ranges of the input alone. docs/bounds.md has
-// the argument of each place.
+// Proves upper bounds for the error of h, 1/(h + B), u and v against the unquantised truth ("ideal" of
+// docs/numeric-spec.md). It needs a configuration and the ranges of the input alone. docs/bounds.md has the
+// argument of each place.
 //
-// Every number is computed in intervals with outward rounding (study/interval.hpp), in formulas of its own:
-// no arithmetic of model/ or golden/ is used.
+// Every number is computed in intervals with outward rounding (study/bounds/interval.hpp). The formulas are
+// their own: they use no arithmetic of model/ or golden/.
 #pragma once
 
 #include <array>
@@ -34,18 +34,18 @@ struct Bound {
   std::string quantity;   // "h", "1/(h+B)", "u", "v", "fu", "fv", "x", "z"
   std::string unit;       // 1/(h+B): "relative"
   double bound = 0;       // |register - truth| <= bound; infinite where nothing finite holds
-  double resolution = 0;  // how exactly `ideal` itself is computed: an observed error may exceed by this much
+  double resolution = 0;  // how exactly `ideal` itself is computed; an observed error may be above by this
   std::string dominant;   // the largest term and its share
   std::string why;        // the argument in words, with the worst legal case
   std::vector<BoundTerm> terms;
 };
 
-// Throws InputError naming the key where no bound is known for a mode (only perspective.mode = delta_f with
-// depth.code = inverse or opengl has one), or where a range is empty or not finite. The places and their
-// order are those of the configuration, whatever the range.
+// Throws InputError where a range is empty or not finite, or where no bound is known for a mode; it then
+// names the key. Only perspective.mode = delta_f with depth.code = inverse or opengl has a bound. The places
+// and their order are those of the configuration, whatever the range.
 std::vector<Bound> error_bounds(const Config& config, const InputRange& range);
-// The same over the triangles of a scene: for each place the largest of the triangles' own bounds. Narrower
-// than error_bounds of the scene's hull, for a triangle that is large or steep or far is seldom all of them.
+// Returns, for each place, the largest of the bounds of a scene's triangles. It is narrower than error_bounds
+// of the scene's hull, because a triangle that is large or steep or far is seldom all of them.
 std::vector<Bound> error_bounds(const Config& config, const Scene& scene);
 // Whether error_bounds has an answer for the modes.
 bool has_bounds(const Config& config);
@@ -65,8 +65,8 @@ struct BoundCheck {
 std::vector<BoundCheck> check_bounds(std::span<const Bound> bounds, std::span<const FieldError> observed);
 bool all_hold(std::span<const BoundCheck> checks);
 
-// What the bounds of edge_walk or of span are made of, for study/gappa.hpp: a line from one end to another,
-// along which h and f are accumulated and u is divided out.
+// What the bounds of edge_walk or of span are made of, for study/bounds/gappa.hpp. The stage accumulates h
+// and f along a line from one end to another, and divides u out.
 struct StageHypotheses {
   int additions = 0;                   // at most
   double distance = 0;                 // walked, at most, pixels
@@ -83,14 +83,14 @@ struct StageHypotheses {
   std::array<Interval, 2> f_change;    // (u2 - u1) q2
   std::array<Interval, 2> f_walk;      // error that the registers of f add to its line
   double h_offset = 0, f_offset = 0;   // start offsets
-  // Nothing saturates or wraps on the way, and ends may differ enough for a slope to be rounded by its half
-  // ulp; else the sums of the above are not what the bounds are.
+  // True where nothing saturates or wraps on the way, and the ends may differ enough for a slope to be
+  // rounded by its half ulp. Elsewhere the bounds are not the sums of the above.
   bool adds_up = true;
 };
 struct Hypotheses {
   StageHypotheses edge, span;
 };
-// Throws as error_bounds.
+// Throws as error_bounds does.
 Hypotheses bound_hypotheses(const Config& config, const InputRange& range);
 
 }  // namespace bitspan

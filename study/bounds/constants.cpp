@@ -60,8 +60,8 @@ Interval ErrorAnalysis::drift_over(double beyond) const {
 
 void ErrorAnalysis::gradients() {
   const Interval inverse = Interval(1) / in_.s;
-  // Gradient = (sum of three values times heights) / doubled area; the positive heights sum up to at most
-  // the triangle's, and the area is a multiple of 2^-2k.
+  // The gradient is the sum of three values times heights, divided by the doubled area. The positive heights
+  // sum up to at most the triangle's, and the area is a multiple of 2^-2k.
   const Interval tallest = Interval(in_.y.hi) - in_.y.lo;
   const Interval per_area = std::ldexp(1.0, 2 * c_.subpixel_bits);
   const Interval steepest = (inverse.hi - Interval(inverse.lo)) * tallest * per_area;

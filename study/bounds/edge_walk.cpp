@@ -27,7 +27,7 @@ void ErrorAnalysis::edge() {
 
   edge_position(t_grid, distance, additions, slopes);
 
-  // h
+  // The walk of h.
   const double h_change = next_up(h_.width() + vertex_h_.total().width());
   const Format& kept_h = format(F::edge_h);
   const WalkError h = walk_error(c_,
@@ -55,7 +55,7 @@ void ErrorAnalysis::edge() {
   settle(edge_h_, kept_h, h_);
   deliver(edge_h, with_drift(edge_h_), F::edge_h, Interval(0, hmax_));
 
-  // The register's own part, against the line through the vertices' registers.
+  // h_walk becomes the register's own part, against the line through the vertices' registers.
   const Interval line_h = within(h_ + vertex_h_.total(), F::setup_h);
   WalkError kept = h;
   kept.small.add("edge.h", narrowing);
@@ -126,8 +126,8 @@ void ErrorAnalysis::edge_position(int t_grid, double distance, int additions, co
   position_.add("edge.x",
                 rounding(format(F::edge_x),
                          has_x_step(c_) ? std::optional(format(F::edge_x_acc).fraction()) : std::nullopt));
-  // Where x and the pixel centres are values of edge.x, rounding, being monotone, leaves a covered centre
-  // between the row's ends. Else nothing is known of the way from the left end.
+  // Rounding is monotone. So where x and the pixel centres are values of edge.x, a covered centre stays
+  // between the row's ends. Elsewhere nothing is known of the way from the left end.
   const Interval x_values = values(format(F::edge_x));
   settle(position_, format(F::edge_x), in_.x);
   x_any_ = !(in_.x + position_.total()).inside(x_values) || !Interval(0.5, in_.width - 0.5).inside(x_values);

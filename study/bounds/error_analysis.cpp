@@ -48,7 +48,7 @@ void ErrorAnalysis::deliver(Place p, ErrorSum e, double largest, bool unbounded)
 }
 
 Interval ErrorAnalysis::relative_error(const ErrorSum& e) const {
-  // The share of setup.s is relative already: q (s / s' - 1).
+  // The share of setup.s is relative already. It is q (s / s' - 1).
   Interval rest = 0;
   bool has_s = false;
   for (const auto& term : e.terms()) {
@@ -72,8 +72,8 @@ ErrorAnalysis::Divided ErrorAnalysis::divided(Interval q, const WalkError& walk,
                                               Interval range) const {
   Divided out;
   const Interval e = total.total();
-  // A slope that stops short leaves h between the ends; and no register leaves its own range. One that is
-  // stopped from above may fall further on its way, by as much as it is short.
+  // A slope that stops short leaves h between the ends, and no register leaves its own range. A register that
+  // is stopped from above may fall further on its way, by as much as it is short.
   const Interval small = walk.small.total();
   const bool stopped =
       walk.any || next_up(next_up(q.hi + small.hi) + walk.overshoot) > next_down(b_.lo + range.hi);
@@ -118,7 +118,7 @@ void ErrorAnalysis::reciprocal_place(Place p, const ErrorSum& h, double moved, c
     deliver(p, e, 1, true);
     return;
   }
-  // By the error of h, or by the ends of both ranges.
+  // Takes the tighter of two: the error of h, and the ends of both ranges.
   Interval by_h = q_ / d.operand;
   if (off.lo > -1) {
     const Interval by_error = Interval(1) / (1 + off);
@@ -172,7 +172,7 @@ ErrorSum ErrorAnalysis::f_walk_error(F diff, F acc, WalkError& w, double change,
   ErrorSum e;
   e.add(key_of(diff), rounding(format(diff), grid) * scale);
   if (!settle(e, format(diff), truth)) w.any = true;
-  e.share();  // times the way made
+  e.share();  // counts by the distance walked
   e.add(w.small);
   if (w.lost > 0) out_.worst.slope_saturates = true;
   if (!overflow(e, w, acc, hull(truth * scale, 0), additions + 1)) w.any = true;

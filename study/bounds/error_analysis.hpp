@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The errors of all registers for one range of the input, stage by stage: constants.cpp, setup.cpp,
+// Finds the errors of all registers for one range of the input, stage by stage: constants.cpp, setup.cpp,
 // edge_walk.cpp, span.cpp. docs/bounds.md has the argument of each place.
 #pragma once
 
@@ -23,7 +23,7 @@ struct PlaceErrors {
   Hypotheses hypotheses;
 };
 
-// u or v on its way.
+// The range and gradient of u or v on its way.
 struct Coordinate {
   Interval range;
   double gradient;
@@ -42,70 +42,74 @@ class ErrorAnalysis {
   const Format& format(FormatId id) const { return c_.format(id); }
   static double offset(const StartOffset& o, const Format& kept);
   PlaceError& place(Place p);
-  // truth: the range of what the register is compared with, and id its format. Neither leaves its range.
+  // `truth` is the range of what the register is compared with, and `id` is its format. Neither leaves its
+  // range.
   void deliver(Place p, ErrorSum e, FormatId id, Interval truth);
   void deliver(Place p, ErrorSum e, double largest, bool unbounded = false);
-  // B, and scale_ = (q as the registers would hold it without further rounding) / (ideal's h + B).
+  // Finds B and scale_. scale_ is q, as the registers would hold it without further rounding, divided by
+  // ideal's h + B.
   void constants();
-  // What the rounding of B and s_max' does to the surface's h, on the triangle and `beyond` outside its h:
-  // linear in h, so the ends bound what is between.
+  // Returns what the rounding of B and s_max' does to the surface's h, on the triangle and `beyond` outside
+  // its h. It is linear in h, so the ends bound what is between.
   Interval drift_over(double beyond) const;
-  // The steepest surface of the range, in codes and texels per pixel.
+  // Finds the steepest surface of the range, in codes and texels per pixel.
   void gradients();
-  // Errors of h up to the last step are against B' / B times ideal's h + B, minus B': the rounding of B then
-  // shifts the whole surface, and not u and v.
+  // Errors of h up to the last step are against B' / B times ideal's h + B, minus B'. The rounding of B then
+  // shifts the whole surface, and not u and v. with_drift adds that shift.
   ErrorSum with_drift(ErrorSum e) const;
   void setup();
-  // Returns the relative error of the registers' q against the truth at the same place; e is the error of h.
+  // Returns the relative error of the registers' q against the truth at the same place. `e` is the error of
+  // h.
   Interval relative_error(const ErrorSum& e) const;
-  // By how much the weight w of the far end is off where the two ends' q err by `relative`: the odds
+  // Returns by how much the weight w of the far end is off where the two ends' q err by `relative`. The odds
   // w / (1 - w) change by a factor e^d, and w by at most tanh(d / 4) <= d / 4 <= (e^d - 1) / 4.
   static double weight_error(Interval relative);
-  // q / q' and 1 / q' of q' = q + walk: q on the line through registers, walk what the accumulator adds.
-  // range: of h, the lowest that it is held at and the lowest it may be stopped at from above.
+  // Has q / q' and 1 / q' for q' = q + walk, where q is on the line through registers, and walk is what the
+  // accumulator adds. `range` is that of h: the lowest that it is held at, and the lowest that it may be
+  // stopped at from above.
   struct Divided {
     Interval ratio, inverse, operand;
     bool none = false;  // q' may be 0
   };
   Divided divided(Interval q, const WalkError& walk, const ErrorSum& total, Interval range) const;
-  // u1 + f (m 2^-e): f stands for change w q on the way.
+  // The quotient u1 + f (m 2^-e). f stands for change w q on the way.
   struct Quotient {
     std::string_view h_name, slope_unit;
     double change;  // |u2 - u1| of the registers
     const WalkError& f;
-    const ErrorSum& f_error;  // of f, the slope's relative error and what saturation loses apart
+    const ErrorSum& f_error;  // of f, without the slope's relative error and what saturation loses
     const Divided& q;
     const UnitError& unit;
   };
-  // Adds to e what the division and f add. False where nothing finite holds.
+  // Adds to e what the division and f add. Returns false where nothing finite holds.
   static bool add_quotient(ErrorSum& e, const Quotient& d);
-  // 1 / (h + B) as the unit gives it, against ideal's. h: its error on the scaled surface, at a point that is
-  // `moved` in h away from where the truth is taken.
+  // Compares 1 / (h + B), as the unit gives it, with ideal's. `h` is the error of h on the scaled surface, at
+  // a point that is `moved` in h away from where the truth is taken.
   void reciprocal_place(Place p, const ErrorSum& h, double moved, const Divided& d, const UnitError& unit,
                         std::string_view h_name);
   void edge();
   static Interval positive(Interval q);
-  // Where nothing finite is known before the register, its range is.
+  // Ends e. Where nothing finite is known before the register, the range of the register is the error.
   static void finish_uv(ErrorSum& e, bool finite, const Format& f, Interval truth);
   void edge_position(int t_grid, double distance, int additions, const Slopes& slopes);
   // Returns the error of a walk along a line whose ends are `change` apart.
   ErrorSum line_error(const WalkError& w, double change, std::string_view unit);
-  // Values that a register has are in its range.
+  // Returns x clamped to the range of the format, because a register has no other values.
   Interval within(Interval x, FormatId id) const;
-  // settle() of a walk's accumulator.
+  // Does settle() for the accumulator of a walk.
   bool overflow(ErrorSum& e, const WalkError& w, FormatId acc, Interval truth, int times) const;
   // Returns the error of f's register against (1 + slope error) (the way made of the change): its own
   // roundings and that of the difference it starts from.
   ErrorSum f_walk_error(FormatId diff, FormatId acc, WalkError& w, double change, int additions, int grid);
-  // f's register against (u - u1) (h + B) of ideal. position: what the centre's distance from the row's point
-  // adds.
+  // Compares f's register with (u - u1) (h + B) of ideal. `position` is what the centre's distance from the
+  // row's point adds.
   void f_place(Place p, const WalkError& w, const ErrorSum& f_error, double change, const ErrorSum& ends_uv,
                Interval ends_q, Interval uv, double position, std::string_view unit);
   void span();
   void span_coordinate(std::size_t i, const Slopes& slopes, const Divided& q, const UnitError& unit,
                        Interval ends, Interval line_q, double distance, int additions, int p_grid,
                        double away, double wide, Interval centre_q);
-  // beyond: how far outside 0..hmax the truth may be.
+  // `beyond` is how far outside 0..hmax the truth may be.
   void depth_places(const ErrorSum& h, double beyond);
   Config c_;
   Unit pixel_, row_, edge_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The error of a register as a sum over quantisations, and what the register's overflow makes of it.
+// Holds the error of a register as a sum over quantisations. settle() applies the register's overflow.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ class ErrorSum {
     for (const auto& term : other.terms_) add(term.first, term.second * factor);
   }
   void replace(std::string_view source, Interval e) { terms_.assign(1, {source, e}); }
-  // Where a value may stop short of what the sum says: each term in part.
+  // Lets a value stop short of what the sum says: each term counts from 0 to all of it.
   void share() {
     for (auto& term : terms_) term.second = share_of(term.second);
   }
@@ -44,12 +44,12 @@ class ErrorSum {
   std::vector<std::pair<std::string_view, Interval>> terms_;
 };
 
-// The end of a quantisation: what the register's overflow does to e, its error against `truth`; the rounding
-// is in e already. times: as many quantisations in a row, each towards a truth in that range.
+// Applies the register's overflow to e, the error against `truth`, at the end of a quantisation. The rounding
+// is in e already. `times` is the number of quantisations in a row, each towards a truth in that range.
 //
-// A clamp moves two values no further apart, so a saturating register keeps e where the truth is in its
-// range, and adds by how much the truth is outside. Otherwise all that is sure is the register's range. False
-// where it is not: the value may have wrapped.
+// A clamp moves two values no further apart. So a saturating register keeps e where the truth is in its
+// range, and elsewhere adds by how much the truth is outside. A register that wraps has an error up to its
+// range. Returns false where the value may have wrapped.
 inline bool settle(ErrorSum& e, const Format& f, Interval truth, int times = 1) {
   const Interval range = values(f);
   const Interval any = range - truth;

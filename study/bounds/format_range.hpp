@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a format does to a number, as intervals and exactly: for proofs, apart from model's and golden's own
-// arithmetic.
+// Computes what a format does to a number, as intervals and exactly, for proofs. It is apart from the
+// arithmetic of model and golden.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ inline bool saturates(const Format& f) {
   return f.overflow == Overflow::sat || f.overflow == Overflow::sat_sym;
 }
 
-// The values that a format has.
+// Returns the range of the values that a format has.
 inline Interval values(const Format& f) {
   const double unit = ulp(f);
   const Interval whole = std::ldexp(1.0, f.is_signed ? f.word - 1 : f.word);
@@ -26,10 +26,11 @@ inline Interval values(const Format& f) {
   return {least.lo * unit, most.hi * unit};  // times a power of two: exact
 }
 
-// What rounding to the format adds to a value on the grid of 2^-grid (none: any real value).
+// Returns what rounding to the format adds to a value on the grid of 2^-grid. Without a grid the value is any
+// real number.
 inline Interval rounding(const Format& f, std::optional<int> grid = std::nullopt) {
   if (grid && *grid <= f.fraction()) return 0;
-  if (grid && *grid > f.fraction() + 5) grid.reset();  // under 2 % of an ulp: not worth an argument
+  if (grid && *grid > f.fraction() + 5) grid.reset();  // it takes off under 2 % of an ulp
   const double unit = ulp(f);
   const Interval rest = grid ? Interval(unit) - std::ldexp(1.0, -*grid) : Interval(unit);
   if (f.rounding == Rounding::trn) return {-rest.hi, 0};
@@ -37,8 +38,8 @@ inline Interval rounding(const Format& f, std::optional<int> grid = std::nullopt
   return Interval::plus_minus(unit / 2);
 }
 
-// x in the format, exactly: scaling by a power of two, floor and the rest are exact in a double. Values
-// beyond the range stop at its ends.
+// Returns x in the format, exactly. Scaling by a power of two, floor and the rest are exact in a double.
+// Values beyond the range stop at its ends.
 inline double quantised(double x, const Format& f) {
   const double scaled = std::ldexp(x, f.fraction());
   const double down = std::floor(scaled);

@@ -20,11 +20,11 @@ using F = FormatId;
 using bounds::TablePart;
 using bounds::Unit;
 
-// A double exactly, as Gappa reads it.
+// Returns a double exactly, as Gappa reads it.
 std::string number(double x) { return x == 0 ? "0" : fmt::format("{:a}", x); }
 std::string in(Interval i) { return fmt::format("in [{},{}]", number(i.lo), number(i.hi)); }
 
-// Gappa's name of a rounding to nearest or not.
+// Returns Gappa's name of a rounding.
 std::string_view direction(Rounding r) {
   switch (r) {
     case Rounding::rnd:
@@ -49,7 +49,7 @@ std::string operator_of(std::string_view name, const Format& f) {
                      f.word, to_string(f.rounding));
 }
 
-// The formats of a stage that follows a line.
+// The formats of a stage that accumulates along a line.
 struct StageFormats {
   F near_h, h_step, h_acc, near_uv, f_diff, f_step, f_acc, uv;
 };
@@ -74,7 +74,8 @@ struct Script {
   }
 };
 
-// Common to the accumulators: p to the first pixel (or row), n additions, of a line of length L.
+// Returns the hypotheses that all accumulators share: p to the first pixel or row, n additions, and a line of
+// length L.
 std::string walk_hypotheses(const Script& s) {
   return fmt::format("  L {} /\\ n {} /\\ p + n {} /\\ way {} /\\ {} /\\ r {}\n",
                      in({s.stage.shortest, s.stage.longest}), in({0, static_cast<double>(s.stage.additions)}),
@@ -82,7 +83,7 @@ std::string walk_hypotheses(const Script& s) {
                      in(s.stage.slope_error));
 }
 
-// One addition's rounding, and n of them: Gappa proves the one, and n times it is what the rest assumes.
+// Gappa proves the rounding of one addition. The rest of the script assumes n times that rounding.
 struct Additions {
   std::string definition, hypothesis, goal;
 };
@@ -165,7 +166,7 @@ void uv_script(Script& s, double claim, std::size_t k) {
       in(Interval::plus_minus(claim)));
 }
 
-// The claim for one run of table entries.
+// Returns the script that claims the bound for one run of table entries.
 std::string reciprocal_script(const Reciprocal& unit, const TablePart& part, double claim) {
   const std::string goal = fmt::format("m * n - 1 {}", in(Interval::plus_minus(claim)));
   std::string text = operator_of("out", unit.output);
@@ -174,8 +175,8 @@ std::string reciprocal_script(const Reciprocal& unit, const TablePart& part, dou
            fmt::format("m = out(1 / n);\n{{\n  n {} -> {}\n}}\nm * n - 1 -> (m - 1 / n) * n {{ n <> 0 }};\n",
                        in({1, 2}), goal);
   }
-  std::string what;  // y0 is of the table
-  std::string grid;  // that y0 is on
+  std::string what;  // the part of the table that y0 comes from
+  std::string grid;  // the grid of y0
   std::string steps;
   std::string hints;
   int last = 0;
@@ -243,7 +244,7 @@ std::size_t coordinate_of(const StageHypotheses& stage, const std::vector<Bound>
 
 [[noreturn]] void fail(const std::string& what) { throw ToolError("gappa: " + what); }
 
-// What gappa says of a claim that it cannot prove.
+// The lines that gappa prints where it cannot prove a claim.
 constexpr std::array<std::string_view, 3> refusals{"some properties were not satisfied",
                                                    "no contradiction was found", "no path was found"};
 

@@ -30,8 +30,8 @@ Interval real(__int128 x) {
                                              : Interval(next_down(rounded), next_up(rounded));
 }
 
-// The largest |N| / s^-2 on the line between two corners, on which N and 1/s are linear. In pieces of equal
-// ratio of 1/s; however the pieces are cut, each is bounded by its own ends.
+// Returns the largest |N| / s^-2 on the line between two corners, on which N and 1/s are linear. The line is
+// cut into pieces of equal ratio of 1/s. However it is cut, each piece is bounded by its own ends.
 double steepest_on_edge(Interval n_from, Interval n_to, Interval inverse_from, Interval inverse_to) {
   constexpr int pieces = 48;
   const double ratio = inverse_to.lo / inverse_from.lo;
@@ -57,7 +57,7 @@ __int128 floor_ratio(__int128 n, __int128 d) {  // d > 0
   return q * d > n ? q - 1 : q;
 }
 
-// A row's centre between its two edges, in units of 2^-(subpixel_bits + 1) pixel: X = n / d.
+// The x of an edge on a row's centre, X = n / d, in units of 2^-(subpixel_bits + 1) pixel.
 struct Crossing {
   __int128 n, d;
 };
@@ -66,7 +66,7 @@ Crossing crossing(const Corner& a, const Corner& b, __int128 y) {
   return {2 * a.x * d + (b.x - a.x) * (y - 2 * a.y), d};
 }
 
-// Quantities that are linear on the screen, by their values at the corners.
+// Quantities that are linear on the screen, given by their values at the corners.
 struct Surface {
   std::array<Interval, 3> inverse;           // 1/s
   Interval inverse_x;                        // its change per pixel to the right
@@ -75,7 +75,7 @@ struct Surface {
 
 Surface surface_of(const std::array<Corner, 3>& v, __int128 area, double unit) {
   Surface out;
-  // d/dx of w is the sum of w_i (y_i+1 - y_i+2) / area; the heights sum up to 0.
+  // d/dx of w is the sum of w_i (y_i+1 - y_i+2) / area, where the heights sum up to 0.
   std::array<Interval, 3> weight;
   for (std::size_t i = 0; i < 3; ++i) {
     weight[i] = real(v[(i + 1) % 3].y - v[(i + 2) % 3].y) / (real(area) * unit);
@@ -83,7 +83,7 @@ Surface surface_of(const std::array<Corner, 3>& v, __int128 area, double unit) {
   }
   out.inverse_x =
       weight[1] * (out.inverse[1] - out.inverse[0]) + weight[2] * (out.inverse[2] - out.inverse[0]);
-  // N = (u/s)' / s - (u/s) (1/s)', at corner i the sum of w_j (u_j - u_i) / s_j, times 1/s_i.
+  // N = (u/s)' / s - (u/s) (1/s)'. At corner i it is the sum of w_j (u_j - u_i) / s_j, times 1/s_i.
   for (std::size_t k = 0; k < 2; ++k) {
     for (std::size_t i = 0; i < 3; ++i) {
       Interval sum = 0;
@@ -96,7 +96,8 @@ Surface surface_of(const std::array<Corner, 3>& v, __int128 area, double unit) {
   return out;
 }
 
-// Returns the steepest change at any point inside. On a row it is where 1/s is least, at an end: on an edge.
+// Returns the steepest change at any point inside. On a row the steepest point is where 1/s is least. That is
+// an end of the row, so it lies on an edge.
 double steepest_inside(const Surface& surface, std::size_t k) {
   double most = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -107,11 +108,11 @@ double steepest_inside(const Surface& surface, std::size_t k) {
   return most;
 }
 
-// Fraction bits of a margin, in units of 2^-(subpixel_bits + 1) pixel.
+// Fraction bits of a margin that is in units of 2^-(subpixel_bits + 1) pixel.
 constexpr int margin_bits = 20;
 
-// The rows with centres that are covered, or would be with the edges `margin` further out, and what of them
-// is in the picture; v in the order of the edge walk.
+// Measures the rows with centres that are covered, or would be with the edges `margin` further out, and what
+// of them is in the picture. `v` is in the order of the edge walk.
 void measure_rows(const Config& config, const std::array<Corner, 3>& v, __int128 area, const Surface& surface,
                   double margin, InputRange& r) {
   const __int128 one = __int128{1} << config.subpixel_bits;  // half a pixel
@@ -150,7 +151,8 @@ void measure_rows(const Config& config, const std::array<Corner, 3>& v, __int128
     r.shortest_row = std::min(r.shortest_row, std::max(0.0, length.lo));
     r.longest_row = std::max(r.longest_row, length.hi);
 
-    // A pixel in the picture and the point of the row that it stands for: no further outside than a pixel.
+    // A pixel in the picture lies on the row or at most one pixel outside, as does the point that it stands
+    // for.
     const Interval t = real(y - 2 * v[0].y) / real(2 * (v[2].y - v[0].y));
     const auto at = [&](const std::array<Interval, 3>& w) { return w[0] + (w[2] - w[0]) * t; };
     const Interval on_long = at(surface.inverse);
@@ -163,14 +165,14 @@ void measure_rows(const Config& config, const std::array<Corner, 3>& v, __int128
       return inside == x ? inverse : inverse + surface.inverse_x * (inside - x);
     };
     const Interval inverse = hull(clipped(long_edge, on_long), clipped(short_edge, on_short));
-    // Nowhere below the least of the corners, whatever the intervals above lose on a sliver.
+    // 1/s is nowhere below the least of the corners, whatever the intervals above lose on a sliver.
     const double least = std::max(inverse.lo, (Interval(1) / r.s.hi).lo);
     r.u_gradient = std::max(r.u_gradient, (Interval(at(surface.n[0]).mag()) / square(Interval(least))).hi);
     r.v_gradient = std::max(r.v_gradient, (Interval(at(surface.n[1]).mag()) / square(Interval(least))).hi);
   }
 }
 
-// position_error: of a dda's edges; none where x is exact.
+// `position_error` gives the error of a dda's edges; it is empty where x is exact.
 std::optional<InputRange> triangle_range(const Config& config, const Scene& scene, const Triangle& triangle,
                                          const std::function<double(const InputRange&)>& position_error) {
   const Format snap = config.coordinate_format();
@@ -211,12 +213,12 @@ std::optional<InputRange> triangle_range(const Config& config, const Scene& scen
 
   const Surface surface = surface_of(v, area, unit);
   r.inverse_s_gradient = surface.inverse_x.mag();
-  // Widest at vertex 1.
+  // The triangle is widest at vertex 1.
   r.longest_row = (real(area < 0 ? -area : area) / real(v[2].y - v[0].y) * unit).hi;
   r.u_gradient = steepest_inside(surface, 0);
   r.v_gradient = steepest_inside(surface, 1);
   const double margin = position_error ? position_error(r) : 0;
-  // Beyond half a pixel, what is outside of the picture could count too.
+  // With a margin beyond half a pixel, what is outside the picture could count too.
   if (margin <= 0.5) measure_rows(config, v, area, surface, margin, r);
   return r;
 }

@@ -11,20 +11,19 @@
 
 namespace bitspan {
 
-// What is known of the triangles. From `shortest_edge` on it may be left at what any legal triangle has; then
-// slivers decide the bounds.
+// What is known of the triangles. The fields from `shortest_edge` on may stay at what any legal triangle has;
+// slivers then decide the bounds.
 struct InputRange {
   int width = 640, height = 480;            // of the picture, pixels
   double s_min = 1, s_max = 1000;           // of the scene
   Interval s{1, 1000};                      // of the vertices; within s_min..s_max
   Interval x{0, 640}, y{0, 480};            // of the snapped vertices, pixels
   Interval u{-4096, 4096}, v{-4096, 4096};  // of the vertices, texels
-  // The height of an edge that has any, pixels.
+  // The least height of an edge that is not level, in pixels.
   double shortest_edge = 0;
-  // Between the two edges on a row's centre, pixels, on rows that have pixels.
+  // The distance between the two edges on a row's centre, in pixels, over rows that have pixels.
   double shortest_row = 0, longest_row = std::numeric_limits<double>::infinity();
-  // The largest change to a neighbouring pixel of a row, inside a triangle and the picture: of 1/s, of u and
-  // v.
+  // The largest change of 1/s, u and v to a neighbouring pixel of a row, inside a triangle and the picture.
   double inverse_s_gradient = std::numeric_limits<double>::infinity();
   double u_gradient = std::numeric_limits<double>::infinity();
   double v_gradient = std::numeric_limits<double>::infinity();
@@ -35,9 +34,9 @@ struct InputRange {
 // Returns the hull of triangle_ranges, over all triangles of the scene. A scene without a triangle that has
 // an area leaves the defaults, with the scene's size and s range.
 InputRange input_range(const Config& config, const Scene& scene);
-// Returns one range per triangle that has an area after the snap, in their order. Rows and coverage are known
-// exactly with edge_walk = exact, else up to the dda's own error. Throws, with edge_walk = dda, as
-// error_bounds.
+// Returns one range per triangle that has an area after the snap, in the order of the triangles. Rows and
+// coverage are known exactly with edge_walk = exact, and up to the dda's own error otherwise. With edge_walk
+// = dda it throws as error_bounds does.
 std::vector<InputRange> triangle_ranges(const Config& config, const Scene& scene);
 
 }  // namespace bitspan

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closed intervals of real numbers, for proofs: every operation gives an interval that holds each result its
-// operands can have.
+// Closed intervals of real numbers, for proofs. Every operation gives an interval that holds each result that
+// its operands can have.
 //
-// Ends are doubles. A sum, product or quotient of two doubles is correctly rounded (IEEE 754, round to
-// nearest), so the real result lies between the doubles next to the rounded one: each end is moved one double
-// outward. No rounding mode is switched, so nothing depends on what the compiler moves across a switch; the
-// build has no -ffast-math and no contraction into fused operations (which would only be closer to the real
-// result).
+// The ends are doubles. A sum, product or quotient of two doubles is correctly rounded (IEEE 754, round to
+// nearest). The real result therefore lies between the doubles next to the rounded one, and each end is moved
+// one double outward. No rounding mode is switched, so nothing depends on what the compiler moves across a
+// switch. The build has no -ffast-math and no contraction into fused operations, which would only be closer
+// to the real result.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct Interval {
 
   static Interval plus_minus(double x) { return {-x, x}; }
   double mag() const { return std::max(std::fabs(lo), std::fabs(hi)); }
-  // Not below hi - lo.
+  // Returns a value that is not below hi - lo.
   double width() const { return lo == hi ? 0 : next_up(hi - lo); }
   bool holds(double x) const { return lo <= x && x <= hi; }
   bool inside(const Interval& of) const { return of.lo <= lo && hi <= of.hi; }
@@ -58,7 +58,7 @@ inline Interval operator*(Interval a, Interval b) {
   return hull(hull(product(a.lo, b.lo), product(a.lo, b.hi)), hull(product(a.hi, b.lo), product(a.hi, b.hi)));
 }
 
-// b without 0.
+// b must not hold 0.
 inline Interval operator/(Interval a, Interval b) {
   if (b.lo <= 0 && b.hi >= 0) throw std::logic_error("interval division by an interval that holds 0");
   const auto [lo, hi] = std::minmax({a.lo / b.lo, a.lo / b.hi, a.hi / b.lo, a.hi / b.hi});
@@ -67,7 +67,7 @@ inline Interval operator/(Interval a, Interval b) {
 
 inline Interval& operator+=(Interval& a, Interval b) { return a = a + b; }
 
-// Values of x t, t in 0..1.
+// Returns the values of x t for t in 0..1.
 inline Interval share_of(Interval x) { return hull(x, 0); }
 inline Interval square(Interval x) {
   const Interval s = x * x;

@@ -71,11 +71,12 @@ struct PlaceError {
   bool used = false;
   bool unbounded = false;
   double resolution = 0;
-  // Rounded up to 32 bits: readable, and with room for whoever adds the terms up again.
+  // Returns the bound rounded up to 32 bits, so that it is readable and leaves room where the terms are added
+  // up again.
   double bound() const;
 };
 
-// The legal case behind the bounds, as Bound::why tells it.
+// The legal case behind the bounds, which Bound::why describes.
 struct WorstCase {
   double edge_distance = 0, span_distance = 0;
   int rows = 0, pixels = 0;

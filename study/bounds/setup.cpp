@@ -21,12 +21,12 @@ void ErrorAnalysis::setup() {
   const Format& s = format(F::setup_s);
   const Interval near = std::ldexp(in_.s.lo, -exponent_);
   const Interval step = rounding(s);
-  // s / s' of the nearest vertex, where it is furthest from 1. s' >= s_min' > 0, for rounding is monotone.
+  // s / s' is furthest from 1 at the nearest vertex. s' >= s_min' > 0, because rounding is monotone.
   const Interval least = near + step.lo;
   const Interval most_ratio = least.lo >= s_near_ ? near / least : (Interval(s_near_) - step.lo) / s_near_;
   Interval ratio(std::min(1.0, (near / (near + step.hi)).lo), std::max(1.0, most_ratio.hi));
   const Interval farthest = std::ldexp(in_.s.hi, -exponent_);
-  if (farthest.hi > values(s).hi) {  // saturates by at most this
+  if (farthest.hi > values(s).hi) {  // saturation takes off at most this
     ratio.hi = std::max(ratio.hi, (farthest / values(s).hi).hi);
   }
   s_error_ = ratio - 1;

@@ -24,7 +24,7 @@ void ErrorAnalysis::span() {
       std::min(longest, std::max(0.0, next_up(std::min(next_up(in_.x.hi + off.hi), in_.width - 0.5) -
                                               next_down(in_.x.lo + off.lo))));
   const int additions = static_cast<int>(std::min<double>(in_.width - 1, std::floor(distance)));
-  // A row's registers are an ulp of edge.x apart, or nothing is divided.
+  // The registers of a row's ends are at least an ulp of edge.x apart, or nothing is divided.
   const double shortest = std::clamp(next_down(in_.shortest_row - off.width()), unit_x, longest);
   const Slopes slopes{c_.row_slope, row_.error({shortest, longest}), shortest};
   out_.worst.span_distance = distance;
@@ -32,7 +32,7 @@ void ErrorAnalysis::span() {
   const int p_grid = std::max(1, x_format.fraction());
   const double away = off.mag();  // from a pixel's centre to the point of the chord that it stands for
 
-  // h: change along a chord.
+  // The change of h along a chord.
   const Interval end_h = edge_h_.total();
   const double chord_h = std::min(h_.width(), (Interval(h_gradient_) * wide).hi);
   const double h_change = next_up(chord_h + end_h.width());
@@ -47,8 +47,8 @@ void ErrorAnalysis::span() {
   ErrorSum at_chord = edge_h_;
   at_chord.add(h_walk);
   if (!overflow(at_chord, h, F::span_h, h_, additions + 1)) h.any = true;
-  // The chord's point and the pixel's centre: apart by the error of the ends' x. Between the same ends,
-  // where coverage is exact, by no more than the ends differ.
+  // The chord's point and the pixel's centre are apart by the error of the ends' x. Where coverage is exact,
+  // both lie between the same ends, so h differs by no more than it does between the ends.
   double moved = (Interval(h_gradient_) * away).hi;
   if (exact && moved > chord_h) {
     moved = chord_h;
@@ -113,7 +113,7 @@ void ErrorAnalysis::span_coordinate(std::size_t i, const Slopes& slopes, const D
   const ErrorSum f_error = f_walk_error(
       F::span_f_diff, F::span_f, f, f_change, additions,
       std::max(format(F::edge_h).fraction(), format(F::setup_b).fraction()) + format(F::edge_uv).fraction());
-  // (u - u1) q changes by q du + (u - u1) dq.
+  // (u - u1) q changes by q du + (u - u1) dq over `away`.
   const double f_moved =
       ((Interval(uv_[i].gradient) * ideal_q_.hi + Interval(uv.width()) * h_gradient_) * away).hi;
   const double f_most = (Interval(2) * uv.width() * ideal_q_.hi).hi;
@@ -127,7 +127,7 @@ void ErrorAnalysis::span_coordinate(std::size_t i, const Slopes& slopes, const D
   if (exact) {
     moved = std::min(moved, chord);
   } else if (centre_q.lo > 0) {
-    // Outside the triangle on its row: du/dx = N(y) / q^2.
+    // Outside the triangle on its row, du/dx = N(y) / q^2.
     moved = (Interval(moved) * square(Interval(q_.lo) / Interval(centre_q.lo))).hi;
   } else {
     finite = false;
@@ -157,7 +157,7 @@ void ErrorAnalysis::depth_places(const ErrorSum& h, double beyond) {
   e.add("depth.round", rounding(z, format(F::span_h).fraction()));
   settle(e, z, Interval(0, hmax_) + Interval::plus_minus(beyond));
   deliver(depth_z, e, hmax_);
-  // The truth's picture holds the nearest code.
+  // The picture of the truth has the nearest code.
   e.add("the nearest code of the truth", Interval::plus_minus(0.5));
   deliver(picture_depth, e, hmax_);
 }

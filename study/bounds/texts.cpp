@@ -79,7 +79,7 @@ std::string why_of(std::size_t p, const Config& c, const WorstCase& f) {
     case depth_z:
     case picture_depth:
       return walked("rows are", f.span_distance, f.pixels) +
-             fmt::format("; x of the ends errs by {} pixel, times {} codes a pixel", number(f.x_error),
+             fmt::format("; x of the ends errs by {} pixel, times {} codes per pixel", number(f.x_error),
                          number(f.h_gradient)) +
              (f.position_capped
                   ? "; capped by the change between the ends, for a covered centre lies between them: "
@@ -93,7 +93,7 @@ std::string why_of(std::size_t p, const Config& c, const WorstCase& f) {
     default:
       return fmt::format(
           "as edge.uv along a row: {} pixels, q >= {}, x of the ends errs by {} pixel, times {} texels "
-          "a pixel, capped in exact coverage by the change between the ends",
+          "per pixel, capped in exact coverage by the change between the ends",
           f.pixels, number(f.q_least), number(f.x_error),
           number(p == span_u || p == picture_u ? f.uv_gradient[0] : f.uv_gradient[1]));
   }

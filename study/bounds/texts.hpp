@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounds with the words that explain them.
+// Makes bounds with the words that explain them.
 #pragma once
 
 #include <array>
@@ -11,7 +11,8 @@
 
 namespace bitspan::bounds {
 
-// The places are the same for every range of a configuration, also where no pixel is covered.
+// Returns the bounds. The places are the same for every range of a configuration, also where no pixel is
+// covered.
 std::vector<Bound> explained(const Config& config, const std::array<PlaceError, place_count>& places,
                              const std::array<WorstCase, place_count>& worst);
 

@@ -14,31 +14,33 @@ namespace {
 
 constexpr std::int64_t runs = 16;
 
-// y nq - 1 for y = c - slope t and nq = a + step t, t in 0..1: a parabola in t that opens downward.
+// Returns the range of y nq - 1 for y = c - slope t and nq = a + step t, t in 0..1. It is a parabola in t
+// that opens downward.
 Interval line(double c, Interval slope, double a, double step) {
   const auto product = [&](double t) { return (c - slope * t) * (a + Interval(step) * t) - 1; };
   const auto growth = [&](double t) { return (c - slope * t) * step - slope * (a + Interval(step) * t); };
   Interval relative = hull(product(0), product(1));
-  // Below each of its tangents; the one near the top is level, so any guess of the top proves a bound.
+  // The parabola lies below each of its tangents. The one near the top is level, so any guess of the top
+  // proves a bound.
   const double top = slope.hi > 0 ? std::clamp((c * step / slope.hi - a) / (2 * step), 0.0, 1.0) : 0.0;
   const Interval tangent = product(top) + growth(top) * Interval(-top, 1 - top);
   relative.hi = std::max(relative.hi, tangent.hi);
   return relative;
 }
 
-// y nq - 1 for y = c0 - (c1 - c2 t) t and nq = a + step t, t in 0..1: a cubic in t. A piece of it lies in the
-// hull of its Bernstein coefficients.
+// Returns the range of y nq - 1 for y = c0 - (c1 - c2 t) t and nq = a + step t, t in 0..1. It is a cubic in
+// t. A piece of it lies in the hull of its Bernstein coefficients.
 Interval parabola(double c0, double c1, double c2, double a, double step) {
   constexpr int pieces = 8;
   constexpr double w = 1.0 / pieces;
-  // The coefficient per power of t.
+  // The coefficients of the powers of t.
   const Interval k0 = Interval(c0) * a - 1;
   const Interval k1 = Interval(c0) * step - Interval(c1) * a;
   const Interval k2 = Interval(c2) * a - Interval(c1) * step;
   const Interval k3 = Interval(c2) * step;
   Interval relative = k0;
   for (int i = 0; i < pieces; ++i) {
-    // The coefficient per power of x, where t = u + w x and x is in 0..1.
+    // The coefficients of the powers of x, where t = u + w x and x is in 0..1.
     const Interval u(i * w);
     const Interval b0 = k0 + u * (k1 + u * (k2 + u * k3));
     const Interval b1 = Interval(w) * (k1 + u * (2 * k2 + 3 * u * k3));
@@ -79,7 +81,7 @@ UnitError Unit::error(Interval d) const {
   const Interval range = values(r_.output);
   UnitError out;
   bool first = true;
-  double most = 0;  // of y, or of y 2^-e
+  double most = 0;  // the largest y, or y 2^-e
   const auto join = [&](Interval e) {
     out.relative = first ? e : hull(out.relative, e);
     first = false;
@@ -90,7 +92,7 @@ UnitError Unit::error(Interval d) const {
     const Interval step = r_.normalize ? rounding(r_.output, fraction_) : rounding(r_.output);
     join(part.relative + step * (r_.normalize ? part.operand : d));
   }
-  // Rounding is monotone: it leads past the largest value only what is beyond it.
+  // Rounding is monotone. Only what is beyond the largest value is therefore rounded past it.
   if (most <= range.hi) return out;
   if (!saturates(r_.output)) {
     out.any = true;
@@ -104,7 +106,7 @@ double Unit::table_value(std::int64_t i) const {
   return std::ldexp(static_cast<double>(table_[static_cast<std::size_t>(i)]), -r_.table_bits);
 }
 
-// y nq - 1 over segment j, as it is read of the table.
+// Returns the range of y nq - 1 over segment j, as it is read from the table.
 Interval Unit::segment(std::int64_t j) const {
   const double step = std::ldexp(1.0, -r_.index_bits);
   const double a = 1 + static_cast<double>(j) * step;
@@ -118,7 +120,7 @@ Interval Unit::segment(std::int64_t j) const {
       return Interval(a, a + step) * y - 1;
     case ReciprocalKind::lut_quadratic: {
       const std::int64_t segments = std::int64_t{1} << r_.index_bits;
-      // g is cut, and counts t times: y becomes larger by less than that.
+      // g is cut, and counts t times. y becomes larger by less than that.
       const Interval cut_of_g(0, std::ldexp(1.0, -r_.internal_bits));
       return parabola(y, table_value(segments + j), table_value(2 * segments + j), a, step) +
              Interval(a, a + step) * cut_of_g;
@@ -127,8 +129,8 @@ Interval Unit::segment(std::int64_t j) const {
   unreachable();
 }
 
-// y nq - 1 after the truncations. With e = nq y - 1, a Newton step gives -e^2 + (1 + e) r1 - nq r2, where
-// a = nq y - r1 and y' = y (2 - a) - r2 are its two truncations.
+// Returns y nq - 1 after the truncations. With e = nq y - 1, a Newton step gives -e^2 + (1 + e) r1 - nq r2.
+// Its two truncations are a = nq y - r1 and y' = y (2 - a) - r2.
 Interval Unit::computed(Interval nq, Interval e) const {
   const Interval lost(0, std::ldexp(1.0, -r_.internal_bits));
   switch (r_.kind) {
@@ -144,7 +146,7 @@ Interval Unit::computed(Interval nq, Interval e) const {
   unreachable();
 }
 
-// y nq - 1 to y n - 1: n / nq is 1 to 1 + 2^-operand_bits.
+// Turns y nq - 1 into y n - 1, where n / nq is 1 to 1 + 2^-operand_bits.
 Interval Unit::with_rest(Interval e) const {
   return e + (1 + e) * Interval(0, std::ldexp(1.0, -r_.operand_bits));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a reciprocal unit's m 2^-e is from 1 / d, proved from its formats and its table.
+// Proves from a reciprocal unit's formats and table how far its m 2^-e is from 1 / d.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct UnitError {
   bool any = false;  // m may be anything its format holds
 };
 
-// A run of a table's entries; of `restoring`, all operands.
+// A run of a table's entries. `restoring` has one run, of all operands.
 struct TablePart {
   Interval operand;   // n, within 1..2
   Interval table;     // y nq - 1 of an entry, or of the curve through entries, whose value is then cut
@@ -27,9 +27,9 @@ struct TablePart {
 class Unit {
  public:
   explicit Unit(const Reciprocal& unit);
-  // At most 16 runs, in the order of n.
+  // Returns at most 16 runs, in the order of n.
   const std::vector<TablePart>& parts() const { return parts_; }
-  // d: the operands there are, above 0.
+  // Returns the error over the operands `d`, which are above 0.
   UnitError error(Interval d) const;
 
  private:

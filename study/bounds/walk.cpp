@@ -20,8 +20,8 @@ WalkError walk_error(const Config& c, const Line& line, const Slopes& slopes) {
     out.any = slopes.unit.any;
   }
   out.overshoot = (Interval(line.change) * std::max(0.0, out.slope_error.hi)).hi;
-  // Rounded to nearest, a slope moves by no more than itself (0 is a value of its register), so by no more
-  // than the change over the whole way: what counts where the ends are all but equal.
+  // Rounded to nearest, a slope moves by no more than itself, because 0 is a value of its register. So it
+  // moves by no more than the change over the whole way. This counts where the ends are nearly equal.
   Interval rounded_slope = rounding(step) * Interval(0, line.distance);
   const double all = ((1 + out.slope_error) * line.change).hi;
   if (step.rounding != Rounding::trn && rounded_slope.mag() > all) {
@@ -36,7 +36,7 @@ WalkError walk_error(const Config& c, const Line& line, const Slopes& slopes) {
   out.small.add(key_of(line.acc), start + again * Interval(0, line.additions));
   out.small.add(line.offset_name, line.offset);
 
-  // The largest slope, by the shortest line; what its register cannot hold of it shortens the way made.
+  // The largest slope belongs to the shortest line. What its register cannot hold of it shortens the walk.
   const Interval range = values(step);
   const double top = std::max(0.0, std::min(-range.lo, range.hi));
   const Interval scale = 1 + out.slope_error;
@@ -51,7 +51,7 @@ WalkError walk_error(const Config& c, const Line& line, const Slopes& slopes) {
       out.any = true;
     } else {
       const double longest = top > 0 ? (Interval((scale * line.change).hi) / top).hi
-                                     : std::numeric_limits<double>::infinity();  // of those that saturate
+                                     : std::numeric_limits<double>::infinity();  // its slope saturates
       const double most = std::isinf(longest) ? (scale * line.change).hi : change_over(longest);
       out.lost = std::max(0.0, (Interval(most) - Interval(top) * slopes.shortest).hi);
     }

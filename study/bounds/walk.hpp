@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The error of a register that follows a line by adding a slope: h, f and the edge's x.
+// Finds the error of a register that follows a line by adding a slope: h, f and the edge's x.
 #pragma once
 
 #include <string_view>
@@ -14,14 +14,15 @@ namespace bitspan::bounds {
 struct Slopes {
   SlopeForm form;
   UnitError unit;
-  double shortest;  // length divided by
+  double shortest;  // the least length that is divided by
 };
 
-// acc = Q(start + step p + offset), then acc = Q(acc + step): the line through two registers, `change` apart.
+// The line through two registers that are `change` apart. acc = Q(start + step p + offset), then acc = Q(acc
+// + step).
 struct Line {
   FormatId step, acc;
   int start_grid;     // fraction bits of the value at the line's start
-  int position_grid;  // and of p
+  int position_grid;  // fraction bits of p
   std::string_view offset_name;
   double offset;
   double distance;  // from the line's start, at most
@@ -37,7 +38,7 @@ struct WalkError {
   Interval slope_error = 0;  // of the slope, relative
   double overshoot = 0;      // past the far end, by slope_error
   bool any = false;          // a slope may be anything
-  bool capped = false;       // a slope's rounding counts by the change, not by the way
+  bool capped = false;       // a slope's rounding counts by the change, not by the distance walked
   bool adds_up() const { return !any && !capped && lost == 0; }
 };
 

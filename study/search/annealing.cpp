@@ -16,27 +16,28 @@ SearchPoint Searcher::annealing() {
   if (movable.empty()) return p;
   evaluate(reductions_of(p));
   const double unit = typical_step(p);
-  // One bit fewer everywhere saves a step of each axis and costs one bit of violation: that must not pay.
+  // One bit fewer everywhere saves a step of each axis and costs one bit of violation. That must not pay.
   const double penalty = 1.5 * static_cast<double>(movable.size());
   const auto energy = [&](const SearchPoint& q) {
     const double violation = violation_of(at(q), constraints_);
     return at(q).cost / unit + (at(q).holds ? 0.0 : 0.5 + penalty * violation);
   };
 
-  // What is left goes to the moves but for a third, which the way down to a certificate may take.
+  // The moves get two thirds of the evaluations that are left. The descent to a certificate may take the
+  // rest.
   const auto limit = static_cast<std::size_t>(plan_.evaluations);
   const std::size_t used = std::min(steps_.size(), limit);
   const std::size_t budget = (limit - used) * 2 / 3;
   const std::size_t most_moves = 8 * budget;
   constexpr double hot = 1.0, cold = 0.05;  // in typical steps
   constexpr std::size_t widest_batch = 8;
-  const std::size_t frozen = 40 * movable.size();  // rejections in a row: every move was drawn several times
+  const std::size_t frozen = 40 * movable.size();  // so many rejections in a row end the search
   Random random(plan_.seed);
   SearchPoint best = p;
   for (std::size_t moves = 0, rejected = 0; moves < most_moves && rejected < frozen;) {
     const std::size_t made = steps_.size() - used;
     if (made >= budget) break;
-    if (elapsed() > plan_.seconds * 2 / 3) {  // of the seconds the same share
+    if (elapsed() > plan_.seconds * 2 / 3) {  // the moves get the same share of the seconds
       cut_short_ = StoppedBy::seconds;
       break;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What makes no search: each function throws InputError and names the key.
+// Checks what a search gets. Each function throws InputError, which names the key.
 #pragma once
 
 #include <vector>

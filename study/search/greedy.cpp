@@ -38,7 +38,7 @@ void Searcher::exchange(const SearchPoint& p) {
   }
   evaluate(points);
 
-  // Costs add up nearly enough to say which pairs are worth an evaluation.
+  // Costs add up well enough to tell which pairs are worth an evaluation.
   std::vector<std::pair<double, SearchPoint>> pairs;
   for (std::size_t j = 0; j < p.size(); ++j) {
     if (p[j] == 0) continue;
@@ -51,7 +51,7 @@ void Searcher::exchange(const SearchPoint& p) {
     }
   }
   std::ranges::stable_sort(pairs, {}, &std::pair<double, SearchPoint>::first);
-  constexpr std::size_t batch = 16;  // of any machine: the result does not depend on the cores
+  constexpr std::size_t batch = 16;  // the same on any machine, so the result is too
   for (std::size_t first = 0; first < pairs.size(); first += batch) {
     points.clear();
     for (std::size_t k = first; k < std::min(first + batch, pairs.size()); ++k)

@@ -44,7 +44,7 @@ Judged judge(const Evaluation& e, const std::string& cost_metric,
   return j;
 }
 
-// A metric that does not exist at all is a slip of the pen, not a constraint that fails.
+// A metric that does not exist at all is a misspelling, not a constraint that fails.
 void require_metrics(const Evaluation& e, const std::string& cost_metric,
                      const std::vector<Constraint>& constraints) {
   std::vector<std::string> known;
@@ -60,7 +60,7 @@ void require_metrics(const Evaluation& e, const std::string& cost_metric,
 
 namespace {
 
-// A limit's own size is what an excess is measured by; counts that must be 0 are measured in ones.
+// Returns the unit of an excess: the limit's own size, and 1 for counts that must be 0.
 double scale_of(double limit) { return limit != 0 && std::isfinite(limit) ? std::abs(limit) : 1.0; }
 
 }  // namespace
@@ -83,7 +83,7 @@ double violation_of(const Judged& j, const std::vector<Constraint>& constraints)
 double slack_used(const Judged& p, const Judged& q, const std::vector<Constraint>& constraints) {
   double most = 0;
   const auto side = [&most](double room_p, double room_q, double limit) {
-    if (std::isnan(room_p) || std::isnan(room_q) || room_q >= room_p) return;  // infinite limits too
+    if (std::isnan(room_p) || std::isnan(room_q) || room_q >= room_p) return;  // also with infinite limits
     const double used = std::isinf(room_p) ? 1 / (1 + room_q / scale_of(limit)) : (room_p - room_q) / room_p;
     most = std::max(most, std::min(used, 1.0));
   };

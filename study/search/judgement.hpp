@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an evaluation says of a point: whether it holds, what it costs, how far it is from the limits.
+// Judges an evaluated point: whether it holds, what it costs, how far it is from the limits.
 #pragma once
 
 #include <limits>
@@ -19,20 +19,20 @@ struct Judged {
   bool refused = false;
   bool holds = false;
   double cost = nan;
-  std::vector<double> values;  // of the constraints' metrics; NaN where there is none. Empty where refused
+  std::vector<double> values;  // of the constraints' metrics, NaN where there is none; empty where refused
   std::string failure;         // the constraints that do not hold, or the refusal; empty where it holds
 };
 
 Judged judge(const Evaluation& e, const std::string& cost_metric, const std::vector<Constraint>& constraints);
-// Throws InputError for a metric that does not exist at all; that is no constraint that fails.
+// Throws InputError for a metric that does not exist at all. That is not a constraint that fails.
 void require_metrics(const Evaluation& e, const std::string& cost_metric,
                      const std::vector<Constraint>& constraints);
 
-// How far a point is from holding, in bits: each doubling of an excess is one, as each bit of a width doubles
-// an error. 0 where every constraint holds; infinite where nothing is known.
+// Returns how far a point is from holding, in bits. Each doubling of an excess is one bit, because each bit
+// of a width doubles an error. It is 0 where every constraint holds, and infinite where nothing is known.
 double violation_of(const Judged& j, const std::vector<Constraint>& constraints);
-// The share of the room to the limits that a step from p to q takes, of the constraint that loses most; both
-// hold. 0 where the step is free, on a plateau or with an error that falls.
+// Returns the share of the room to the limits that a step from p to q takes, for the constraint that loses
+// most. Both points hold. It is 0 where the step is free: on a plateau, or with an error that falls.
 double slack_used(const Judged& p, const Judged& q, const std::vector<Constraint>& constraints);
 
 }  // namespace bitspan::searching

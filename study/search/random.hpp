@@ -9,7 +9,7 @@
 
 namespace bitspan::searching {
 
-// Reproducible everywhere: the standard distributions are not.
+// Draws the same numbers everywhere; the standard distributions do not.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}

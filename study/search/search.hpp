@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Word-length search: the cheapest point of a set of axes on which every constraint holds, by the standard
-// algorithms, and a certificate that no single step further down holds. docs/search.md says what each does.
+// Searches for word lengths: the cheapest point of a set of axes on which every constraint holds. It has the
+// standard algorithms, and makes a certificate that no single step further down holds. docs/search.md says
+// what each algorithm does.
 #pragma once
 
 #include <cstddef>
@@ -15,9 +16,9 @@
 
 namespace bitspan {
 
-// A value of each axis, as an index into Axis::values: 0 has the fewest bits.
+// One value per axis, as an index into Axis::values. 0 has the fewest bits.
 using SearchPoint = std::vector<std::size_t>;
-// What a point sets on the base configuration, in the order of the axes and their keys.
+// Returns what a point sets on the base configuration, in the order of the axes and their keys.
 std::vector<KeySetting> settings_of(const std::vector<Axis>& axes, const SearchPoint& point);
 
 // What the caller found at a point.
@@ -25,10 +26,10 @@ struct Evaluation {
   bool refused = false;     // no configuration, or too narrow for a scene
   std::string reason = {};  // of the refusal
   std::map<std::string, double, std::less<>> metrics = {};
-  bool missing = false;  // the caller was stopped before this point: as if it had never been asked for
+  bool missing = false;  // the caller was stopped before this point, which counts as never asked for
 };
-// A batch at once, results in its order; the caller runs it on all cores. The search asks for no point twice.
-// What it throws passes through search().
+// Evaluates a batch at once, and returns the results in its order. The caller runs it on all cores. The
+// search asks for no point twice. What this function throws passes through search().
 using Evaluate = std::function<std::vector<Evaluation>(const std::vector<std::vector<KeySetting>>&)>;
 
 struct SearchStep {  // an evaluated point, in the order of evaluation
@@ -39,30 +40,29 @@ struct SearchStep {  // an evaluated point, in the order of evaluation
 };
 
 enum class ReductionOutcome {
-  fails,        // refused, or a constraint does not hold
-  at_smallest,  // the axis has no smaller value
-  costs_more,   // holds, at a higher cost than the point: no reason to go there
-  passes,       // holds and costs no more: the point is not minimal. Never in the result of a finished search
+  fails,          // refused, or a constraint does not hold
+  at_smallest,    // the axis has no smaller value
+  costs_more,     // holds, at a higher cost than the point
+  passes,         // holds and costs no more, so the point is not minimal; a finished search has none
   not_evaluated,  // a limit came first
 };
 
 struct Reduction {  // one axis, one value down, all others as they are
   std::size_t axis = 0;
-  std::string key;         // of linked keys: joined by ", "
-  std::string from_value;  // the same
+  std::string key;         // linked keys are joined by ", "
+  std::string from_value;  // linked values likewise
   std::string to_value;    // "" at the smallest
   SearchPoint point;       // the reduced point; the point itself at the smallest
   ReductionOutcome outcome = ReductionOutcome::not_evaluated;
-  std::string
-      text;  // what failed, "span.u.max is 0.31, at most 0.25", the refusal, or what else there is to say
+  std::string text;  // what failed ("span.u.max is 0.31, at most 0.25"), the refusal, or a note
 };
 
 struct Certificate {
   bool point_holds = false;
-  std::vector<Reduction> reductions;  // one an axis, in their order
+  std::vector<Reduction> reductions;  // one per axis, in their order
   std::vector<std::string> missing;   // what a limit left out, one line each; empty where complete
   bool complete() const { return missing.empty(); }
-  // The point holds and none of its reductions does at the same cost or less: all of it evaluated.
+  // True where all is evaluated, the point holds, and none of its reductions holds at the same cost or less.
   bool minimal() const;
 };
 
@@ -75,8 +75,8 @@ struct SearchResult {
   SearchPoint point;              // the best so far where a limit stopped the search; empty where not found
   double cost = 0;                // of the point
   std::size_t evaluations = 0;    // points asked for
-  std::vector<SearchStep> steps;  // one an evaluation
-  std::vector<std::string> failing;  // why nothing was found: what fails at the widest point
+  std::vector<SearchStep> steps;  // one per evaluation
+  std::vector<std::string> failing;  // what fails at the widest point, where nothing was found
   Certificate certificate;           // of the point; empty where not found
   StoppedBy stopped_by = StoppedBy::done;
 };
@@ -89,29 +89,31 @@ struct SearchProgress {
   double cost = 0;  // of the best so far, where found
 };
 
-// The start is the widest point. A point holds where it is not refused, every constraint's metric has a value
-// within its limits (a NaN has none), and the cost is finite. Constraints need not be monotone in the widths.
-// A finished search ends on a point whose every single-step reduction fails, or costs more, and no point that
-// it evaluated is better: lower cost, then fewer steps above the smallest, then the earlier axes narrower.
-// The same plan and evaluations give the same result, whatever the number of cores.
+// The search starts from the widest point. A point holds where it is not refused, every constraint's metric
+// has a value within its limits, and the cost is finite. A NaN is within no limits. Constraints need not be
+// monotone in the widths.
 //
-// Limits: plan.evaluations is never passed. A batch that, by the slowest seen so far, would end after
-// plan.seconds is not begun. On either, and on a stop request, the best so far is the answer.
+// A finished search ends on a point whose every single-step reduction fails, or costs more. No point that it
+// evaluated is better: a better point has the lower cost, then fewer steps above the smallest, then the
+// earlier axes narrower. The same plan and evaluations give the same result, whatever the number of cores.
 //
-// Throws InputError where the axes, constraints or limits make no search, and where a metric does not exist
-// (at the first point that is not refused; one that is missing only later has no value there).
+// The search never passes plan.evaluations. It does not begin a batch that, judged by the slowest so far,
+// would end after plan.seconds. On either limit, and on a stop request, the best point so far is the answer.
+//
+// Throws InputError where the axes, constraints or limits make no search. Throws it also where a metric does
+// not exist at the first point that is not refused. A metric that is missing only later has no value there.
 SearchResult search(const SearchPlan& plan, const std::vector<Axis>& axes,
                     const std::vector<Constraint>& constraints, const Evaluate& evaluate,
                     std::stop_token stop = {},
                     const std::function<void(const SearchProgress&)>& progress = {});
 
-// The certificate of any point, evaluated anew: to check a result, or a point from elsewhere. Throws
-// InputError as search() does, and for a point that is none of the axes'.
+// Returns the certificate of any point, evaluated anew. It checks a result, or a point from elsewhere. Throws
+// InputError as search() does, and for a point that is not on the axes.
 Certificate certify(const std::string& cost_metric, const std::vector<Axis>& axes,
                     const std::vector<Constraint>& constraints, const SearchPoint& point,
                     const Evaluate& evaluate);
 
-// As lines of text, for the command line and the report.
+// Returns the certificate as lines of text, for the command line and the report.
 std::string to_text(const Certificate& certificate);
 
 }  // namespace bitspan

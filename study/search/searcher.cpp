@@ -162,7 +162,7 @@ bool Searcher::prefer(const SearchPoint& p, const SearchPoint& a, const SearchPo
   const double used_a = slack_used(at(p), at(a), constraints_),
                used_b = slack_used(at(p), at(b), constraints_);
   if (pick == Pick::error) return used_a != used_b ? used_a < used_b : gain_a > gain_b;
-  // Free steps come first, the largest gain among them before the others.
+  // Free steps come first, and the largest gain among them before the others.
   constexpr double least = 1e-9;
   const double ratio_a = gain_a / std::max(used_a, least), ratio_b = gain_b / std::max(used_b, least);
   return ratio_a != ratio_b ? ratio_a > ratio_b : used_a < used_b;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One search: the points it knows, its limits, the steps that its algorithms share, and the algorithms, each
-// in a file of its name.
+// Runs one search. It has the points that the search knows, its limits, the steps that its algorithms share,
+// and the algorithms. Each algorithm is in a file of its name.
 #pragma once
 
 #include <chrono>
@@ -29,11 +29,11 @@ struct Halt {
 
 // How a step down is chosen among those that hold.
 enum class Pick {
-  error,  // the one that uses least of the slack, whatever it saves: max-1 bit
-  ratio,  // the one that saves most for the slack it uses
+  error,  // the one that uses least of the slack, whatever it saves (max-1 bit)
+  ratio,  // the one that saves most for the slack that it uses
 };
 
-// Whether a step down may raise the cost: synthesised area sometimes rises where a bit goes.
+// Whether a step down may raise the cost. Synthesised area sometimes rises where a bit goes.
 enum class Costs { any, falling };
 
 class Searcher {
@@ -50,9 +50,9 @@ class Searcher {
   bool known(const SearchPoint& p) const { return memo_.contains(p); }
   const Judged& at(const SearchPoint& p) const { return memo_.at(p); }
   // Whether a is better than b; both hold. The lower cost decides, then the fewer steps above the smallest
-  // values, then the order of the axes: exactly one evaluated point is the best.
+  // values, then the order of the axes. So exactly one evaluated point is the best.
   bool better(const SearchPoint& a, const SearchPoint& b) const;
-  // Returns the points with one axis one value down; none for an axis at its smallest.
+  // Returns the points with one axis one value down. An axis at its smallest has none.
   std::vector<SearchPoint> reductions_of(const SearchPoint& p) const;
   static SearchPoint moved(SearchPoint p, std::size_t axis, std::ptrdiff_t by);
   void enter(std::string_view phase) { phase_ = phase; }
@@ -67,9 +67,9 @@ class Searcher {
 
   // Whether the step from p to `a` is to be taken rather than the one to `b`.
   bool prefer(const SearchPoint& p, const SearchPoint& a, const SearchPoint& b, Pick pick) const;
-  // Goes down by `stride` values of one axis at a time until no step holds (with Costs::falling: none without
-  // a higher cost). An axis that failed once is left out, because with the others lower still it seldom holds
-  // again; finish() asks once more.
+  // Goes down by `stride` values of one axis at a time until no step holds. With Costs::falling it takes no
+  // step that raises the cost. An axis that failed once is left out, because it seldom holds again with the
+  // others lower still. finish() asks once more.
   SearchPoint descend(SearchPoint p, Pick pick, Costs costs, std::size_t stride,
                       std::size_t frozen = no_axis);
   // Goes from a point that holds to one whose single steps down all fail or cost more. No evaluated point is
@@ -79,21 +79,21 @@ class Searcher {
   // ---- min+1 bit
 
   // Sung and Kum (docs/search.md has the titles) start from the least value of each axis with all others at
-  // their widest. All those minima together are too little as a rule. They get one bit at a time, where it
-  // takes most off the error, until the constraints hold. Bisection finds the minima here, all axes in the
+  // their widest. All those minima together are usually too small. They get one bit at a time, where it takes
+  // most off the error, until the constraints hold. Bisection finds the minima here, with all axes in the
   // same batches.
   SearchPoint min_plus_1();
-  // Returns the step up that holds and costs least; where none holds, the one that takes most off the
+  // Returns the step up that holds and costs least. Where none holds, returns the one that takes most off the
   // violation. On a plateau, where no single value more helps, it tries steps of 2, 4, 8 ... values. Where
   // none of those helps, it takes one value more of everything. It ends at the widest point at the latest.
   SearchPoint raised(const SearchPoint& p);
-  // Whether step up `a` is better than `b`: the one that holds is. Where both hold, the cost decides; where
-  // neither does, the violation.
+  // Whether step up `a` is better than `b`. The one that holds is. Where both hold, the cost decides. Where
+  // neither holds, the violation decides.
   bool above(const SearchPoint& a, const SearchPoint& b) const;
 
   // ---- max-1 bit
 
-  // Goes from the widest point down, one bit at a time where it adds least to the error, until no bit can go.
+  // Goes down from the widest point, one bit at a time where it adds least to the error, until no bit can go.
   // The cost decides only between equals.
   SearchPoint max_minus_1();
 
@@ -102,7 +102,7 @@ class Searcher {
   // Han and Evans take the step by the sensitivity of complexity and error together; Constantinides, Cheung
   // and Luk take the one that saves most area within the error's limit. This search removes what saves most
   // for the share of the remaining slack that it uses, in strides of 8, 4, 2 values and then one at a time.
-  // Exchanges follow: one bit more in one place, where it lets go of bits that cost more in others.
+  // Exchanges follow: one bit more in one place, where that saves bits that cost more in others.
   SearchPoint greedy();
   SearchPoint coarse_descent();
   // Looks for a point better than p, whose reductions are all known. It tries p with one axis up and another
@@ -115,10 +115,10 @@ class Searcher {
   // Follows Kirkpatrick, Gelatt and Vecchi, from where the coarse descent ends. A move is one axis up or down
   // by one or two values, or two axes in opposite directions. The energy is the cost in units of a typical
   // step. Points that do not hold pay a penalty by their violation, so that ways around a wall exist. While
-  // moves are rejected, several are drawn ahead and evaluated in one batch; the first accepted one counts, so
+  // moves are rejected, several are drawn ahead and evaluated in one batch. The first accepted one counts, so
   // the outcome is that of one at a time.
   SearchPoint annealing();
-  // The mean change of cost among the known steps down from p; 1 where there is none.
+  // Returns the mean change of cost among the known steps down from p, and 1 where there is none.
   double typical_step(const SearchPoint& p) const;
   SearchPoint random_move(const SearchPoint& p, const std::vector<std::size_t>& movable,
                           Random& random) const;

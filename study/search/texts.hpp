@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a search names its keys, values and limits.
+// Writes the keys, values and limits of a search as text.
 #pragma once
 
 #include <string>
