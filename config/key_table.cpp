@@ -59,6 +59,10 @@ bool in_rtl_format(std::size_t i) {
   return std::ranges::find(registers, static_cast<F>(i)) != registers.end();
 }
 
+std::optional<Format> format_by_default(const Config& c, std::size_t i) {
+  return default_format(c.formats, static_cast<FormatId>(i));
+}
+
 constexpr unsigned ideal = affects::ideal, values = affects::values, clocks = affects::clocks,
                    rtl = affects::rtl;
 
@@ -295,7 +299,13 @@ constexpr KeyRow rows[] = {
       .unused = Unused::initial,
       .reason = beside_depth_bits}},
 
-    {"formats.FORMAT", MEMBER(formats[i]), {}, "", values | clocks | rtl, "", {.in_rtl = in_rtl_format}},
+    {"formats.FORMAT",
+     MEMBER(formats[i]),
+     {},
+     "",
+     values | clocks | rtl,
+     "",
+     {.in_rtl = in_rtl_format, .default_format = format_by_default}},
 
     {"timing.STAGE.latency",
      MEMBER(timing[i].latency),
