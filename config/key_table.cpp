@@ -50,6 +50,9 @@ bool has_own_clocks(const Config& /*c*/, std::size_t i) {
   return static_cast<Stage>(i) != Stage::span_setup && static_cast<Stage>(i) != Stage::span;
 }
 
+// In front of span stands the result register of span_setup.
+bool has_fifo(const Config& /*c*/, std::size_t i) { return static_cast<Stage>(i) != Stage::span; }
+
 // The registers of the RTL, and those that its pixel index or the units' operands hang on.
 bool in_rtl_format(std::size_t i) {
   using F = FormatId;
@@ -328,7 +331,8 @@ constexpr KeyRow rows[] = {
      "",
      clocks,
      "records that fit in front of the stage; not used for span, which takes from the result register of "
-     "span_setup, as the RTL does"},
+     "span_setup, as the RTL does",
+     {.used = has_fifo}},
 
     {"memory.latency",
      MEMBER(memory.latency),
