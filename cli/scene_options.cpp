@@ -140,7 +140,9 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
 }
 
 void add_allow_empty(CLI::App& command, SceneOptions& o) {
-  command.add_flag("--allow-empty", o.allow_empty, "a scene that draws nothing is no failure")
+  command
+      .add_flag("--allow-empty", o.allow_empty,
+                "a scene that draws nothing, or a stage that no pixel reaches, is no failure")
       ->group("Scene");
 }
 

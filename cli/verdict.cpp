@@ -13,6 +13,7 @@
 #include "cli/progress.hpp"
 #include "config/modes.hpp"
 #include "engine/range.hpp"
+#include "engine/stages.hpp"
 #include "report/metrics.hpp"
 #include "report/table.hpp"
 
@@ -58,6 +59,40 @@ std::string emptiness(const SceneVerdict& v) {
   return "the scene covers no pixel centre: nothing is drawn";
 }
 
+// The last stages of the pipeline, as far as no engine delivered a record of them. A stage before one with
+// records has none where the configuration does without it.
+std::vector<std::string> stages_not_reached(const LockStepResult& run) {
+  std::vector<std::string> out;  // since the last stage with records
+  for (const StageRow& row : stage_table) {
+    const auto reached = [&row](const Comparison& pair) {
+      const StageCount& count = pair.stages[static_cast<std::size_t>(row.type)];
+      return count.records + count.unmatched != 0;
+    };
+    if (std::ranges::any_of(run.pairs, reached)) {
+      out.clear();
+    } else {
+      out.emplace_back(row.name);
+    }
+  }
+  return out;
+}
+
+// "texture, fog and merge compared nothing: ...", with the reason where the counters tell it.
+std::string not_reached_text(const SceneVerdict& v) {
+  const Counters& c = v.counters;
+  std::string out = v.not_reached.front();
+  for (std::size_t i = 1; i < v.not_reached.size(); ++i) {
+    out += (i + 1 == v.not_reached.size() ? " and " : ", ") + v.not_reached[i];
+  }
+  out += " compared nothing: ";
+  if (c.depth_passed == 0) {
+    return out +
+           fmt::format("no pixel passes the depth test (depth.func = {})", to_string(v.config.depth_func));
+  }
+  if (c.killed == c.depth_passed) return out + "the texture kills every pixel that passes the depth test";
+  return out + "no pixel comes so far";
+}
+
 void judge_emptiness(SceneVerdict& v, const VerifyOptions& options) {
   const auto fail_unless = [&](bool allowed, std::string_view flag, const std::string& text) {
     if (allowed) {
@@ -84,6 +119,7 @@ void judge_emptiness(SceneVerdict& v, const VerifyOptions& options) {
     }
     return;
   }
+  if (!v.not_reached.empty()) fail_unless(options.allow_empty, "--allow-empty", not_reached_text(v));
   for (const Comparison& pair : v.run.pairs) {
     if (is_trivial(pair)) {
       v.failures.push_back(
@@ -131,7 +167,8 @@ bool SceneVerdict::compared() const {
 
 std::string_view SceneVerdict::outcome() const {
   if (!held()) return "FAILED";
-  return compared() ? "all held" : "nothing was compared, as allowed";
+  if (!compared()) return "nothing was compared, as allowed";
+  return not_reached.empty() ? "all held" : "all held but what no pixel reaches, as allowed";
 }
 
 SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const VerifyOptions& options,
@@ -184,6 +221,9 @@ SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const Ver
   }
   v.run = run_lock_step(out.engines, scene, steps);
   v.counters = out.engines[0]->counters();
+  if (!v.run.pairs.empty() && !v.run.stopped && v.counters.covered != 0) {
+    v.not_reached = stages_not_reached(v.run);
+  }
   if (out.ideal) {
     meter.add_pictures(out.engines[0]->frame(), out.ideal->frame());
     v.errors = meter.report();
@@ -328,6 +368,10 @@ void append_junit(const SceneVerdict& v, std::vector<JunitCase>& cases) {
         add(stage_of(static_cast<RecordType>(t)), count);
       }
     }
+    for (const std::string& stage : v.not_reached) {
+      add(stage, {});
+      cases.back().skipped = "no pixel reaches this stage";
+    }
     add("frame", pair.frame);
     add("counters", pair.counters);
   }
@@ -368,6 +412,7 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
     scene["failures"] = v.failures;
     scene["notes"] = v.notes;
     scene["left_out"] = v.left_out;
+    scene["not_reached"] = v.not_reached;
     scene["seconds"] = v.run.seconds;
     if (v.faces) {
       scene["faces"] = {{"read", v.faces->faces},

@@ -41,15 +41,17 @@ struct SceneVerdict {
   bool has_errors = false;   // `ideal` took part
   bool truth_draws = false;  // by the exact test, some pixel is covered
   std::optional<CycleVerdict> cycles;
-  std::optional<ProjectReport> faces;  // of a mesh
-  std::vector<std::string> left_out;   // one line per engine that was asked for and does not run this
-  std::vector<std::string> notes;      // what was left out or empty, and is allowed to be
-  std::vector<std::string> failures;   // one line each; empty: all held
+  std::optional<ProjectReport> faces;    // of a mesh
+  std::vector<std::string> left_out;     // one line per engine that was asked for and does not run this
+  std::vector<std::string> not_reached;  // stages without a record although the scene covers pixels
+  std::vector<std::string> notes;        // what was left out or empty, and is allowed to be
+  std::vector<std::string> failures;     // one line each; empty: all held
 
   bool held() const { return failures.empty(); }
   // Whether there is a pair, and every pair compared values that are not trivial, of a scene that draws.
   bool compared() const;
-  // "all held", "FAILED", or what --allow-missing or --allow-empty let pass without a comparison.
+  // "all held", "FAILED", or what --allow-missing or --allow-empty let pass without a comparison of all
+  // stages.
   std::string_view outcome() const;
 };
 
@@ -57,7 +59,7 @@ struct VerifyOptions {
   std::vector<std::string> engines;  // the first is the reference; `ideal` adds the error table
   bool engines_named = false;        // by the user: leaving one out is a failure
   bool allow_missing = false;        // an engine may be left out, and no pair may be left
-  bool allow_empty = false;          // the scene may cover no pixel
+  bool allow_empty = false;          // the scene may cover no pixel, and pixels may reach no merge
   bool cycles = true;
   EngineOptions engine;
 };
@@ -74,7 +76,7 @@ bool coverage_is_exact(const Config& config);
 // Runs and judges. Fails where a value differs, where the cycles do, and where coverage that is exact by
 // configuration differs from the exact test. Fails too where the verdict would be empty: no pair of engines,
 // an engine named that does not run the configuration, a pair without non-trivial values, a scene that covers
-// no pixel. Throws InputError for bad input.
+// no pixel, a stage that no pixel reaches. Throws InputError for bad input.
 SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const VerifyOptions& options,
                       const RunLabel& label);
 

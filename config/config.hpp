@@ -88,6 +88,23 @@ using Color = std::optional<std::array<std::uint8_t, 3>>;
 
 inline constexpr int max_fog_index_bits = 12;
 
+// What a register's row in BITSPAN_FORMATS says where a file leaves the register out, beside the `formats` of
+// the others; none where the file must give it.
+constexpr std::optional<Format> default_format(const std::array<Format, format_count>& formats, FormatId id) {
+  const FormatDefault& by_default = format_defaults[static_cast<std::size_t>(id)];
+  if (const auto* other = std::get_if<FormatId>(&by_default))
+    return formats[static_cast<std::size_t>(*other)];
+  if (const auto* own = std::get_if<Format>(&by_default)) return *own;
+  return std::nullopt;
+}
+constexpr std::array<Format, format_count> initial_formats() {
+  std::array<Format, format_count> out{};
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i] = default_format(out, static_cast<FormatId>(i)).value_or(Format{});
+  }
+  return out;
+}
+
 // A member is no key yet: config/key_table.cpp has one row per key.
 struct Config {
   std::string name;  // the file's stem; not part of the hash
@@ -131,7 +148,7 @@ struct Config {
   int fog_zone_bits = 4;   // and the zone of r^2
 
   // [formats]
-  std::array<Format, format_count> formats{};
+  std::array<Format, format_count> formats = initial_formats();
 
   // [timing.STAGE], [memory]
   std::array<StageTiming, stage_count> timing{};

@@ -7,8 +7,11 @@
 // 1..64 bits, unsigned ones 1..63.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <variant>
 
 #include "config/names.hpp"
 
@@ -59,7 +62,8 @@ struct Format {
   constexpr bool operator==(const Format&) const = default;
 };
 
-// Every register of the pipeline that has a configurable format: id, key in the TOML file, unit, meaning.
+// Every register of the pipeline that has a configurable format: id, key in the TOML file, unit, meaning, and
+// for a new register a FormatDefault, so that files may leave it out: FormatId::span_h, or a Format{...}.
 // docs/numeric-spec.md says where each one stands. The order here is the order of `bitspan config show`.
 #define BITSPAN_FORMATS(X)                                                                              \
   X(setup_s, "setup.s", "s / 2^E", "vertex distance along the view axis, normalised by a power of two") \
@@ -108,13 +112,22 @@ struct Format {
   X(merge_color, "merge.color", "colour code", "colour as stored in the frame buffer")
 
 enum class FormatId : std::uint8_t {
-#define BITSPAN_FORMAT_ENUM(id, key, unit, text) id,
+#define BITSPAN_FORMAT_ENUM(id, key, unit, text, ...) id,
   BITSPAN_FORMATS(BITSPAN_FORMAT_ENUM)
 #undef BITSPAN_FORMAT_ENUM
       count
 };
 
 inline constexpr int format_count = static_cast<int>(FormatId::count);
+
+// What a register has where a file leaves it out: the format of another one, which stands before it in the
+// table, or a format of its own. A register without either is mandatory.
+using FormatDefault = std::variant<std::monostate, FormatId, Format>;
+inline constexpr std::array<FormatDefault, format_count> format_defaults{
+#define BITSPAN_FORMAT_DEFAULT(id, key, unit, text, ...) FormatDefault{__VA_ARGS__},
+    BITSPAN_FORMATS(BITSPAN_FORMAT_DEFAULT)
+#undef BITSPAN_FORMAT_DEFAULT
+};
 
 std::string_view key_of(FormatId id);   // "setup.s" ...
 std::string_view unit_of(FormatId id);  // "depth code" ...

@@ -50,6 +50,9 @@ bool has_own_clocks(const Config& /*c*/, std::size_t i) {
   return static_cast<Stage>(i) != Stage::span_setup && static_cast<Stage>(i) != Stage::span;
 }
 
+// In front of span stands the result register of span_setup.
+bool has_fifo(const Config& /*c*/, std::size_t i) { return static_cast<Stage>(i) != Stage::span; }
+
 // The registers of the RTL, and those that its pixel index or the units' operands hang on.
 bool in_rtl_format(std::size_t i) {
   using F = FormatId;
@@ -57,6 +60,10 @@ bool in_rtl_format(std::size_t i) {
                                  F::plane_k, F::span_h_step,  F::span_h,      F::span_f_diff, F::span_f_step,
                                  F::span_f,  F::span_uv_step, F::span_uv_acc, F::span_uv};
   return std::ranges::find(registers, static_cast<F>(i)) != registers.end();
+}
+
+std::optional<Format> format_by_default(const Config& c, std::size_t i) {
+  return default_format(c.formats, static_cast<FormatId>(i));
 }
 
 constexpr unsigned ideal = affects::ideal, values = affects::values, clocks = affects::clocks,
@@ -295,7 +302,13 @@ constexpr KeyRow rows[] = {
       .unused = Unused::initial,
       .reason = beside_depth_bits}},
 
-    {"formats.FORMAT", MEMBER(formats[i]), {}, "", values | clocks | rtl, "", {.in_rtl = in_rtl_format}},
+    {"formats.FORMAT",
+     MEMBER(formats[i]),
+     {},
+     "",
+     values | clocks | rtl,
+     "",
+     {.in_rtl = in_rtl_format, .default_format = format_by_default}},
 
     {"timing.STAGE.latency",
      MEMBER(timing[i].latency),
@@ -318,7 +331,8 @@ constexpr KeyRow rows[] = {
      "",
      clocks,
      "records that fit in front of the stage; not used for span, which takes from the result register of "
-     "span_setup, as the RTL does"},
+     "span_setup, as the RTL does",
+     {.used = has_fifo}},
 
     {"memory.latency",
      MEMBER(memory.latency),

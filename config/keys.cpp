@@ -208,6 +208,14 @@ const Key* find_key(std::string_view path) {
   return found == by_path.end() ? nullptr : found->second;
 }
 
+Presence Key::presence() const {
+  if (field != nullptr) return field->presence;
+  static const Config any;
+  const bool register_by_default =
+      row->use.default_format != nullptr && row->use.default_format(any, i).has_value();
+  return register_by_default ? Presence::later : row->use.presence;
+}
+
 Place place(Config& config, const Key& key) {
   const Place whole = key.row->place(config, key.i);
   return key.field == nullptr ? whole : key.field->place(*std::get<Format*>(whole));
@@ -228,6 +236,22 @@ bool is_used(const Config& config, const Key& key) {
 
 bool same_value(const Config& a, const Config& b, const Key& key) {
   return std::visit([&](const auto& at) { return same(at, place(b, key)); }, place(a, key));
+}
+
+void set_default(Config& config, const Key& key) {
+  static const Config initial;
+  if (key.field == nullptr && key.row->use.default_format != nullptr) {
+    *std::get<Format*>(place(config, key)) = key.row->use.default_format(config, key.i).value();
+  } else {
+    copy_value(initial, config, key);
+  }
+}
+
+bool is_left_out(const Config& config, const Key& key) {
+  if (key.presence() != Presence::later) return false;
+  Config by_default = config;
+  set_default(by_default, key);
+  return same_value(config, by_default, key);
 }
 
 void copy_value(const Config& from, Config& to, const Key& key) {

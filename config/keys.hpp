@@ -60,6 +60,8 @@ struct KeyUse {
   Unused unused = Unused::value;
   std::string (*reason)(const Config&, std::size_t i) = nullptr;  // of the limits, for messages
   bool (*in_rtl)(std::size_t i) = nullptr;                        // those with `clocks` and `rtl`; null: all
+  // Registers: the format of one that a file leaves out, which makes it `later`; none where it is mandatory.
+  std::optional<Format> (*default_format)(const Config&, std::size_t i) = nullptr;
 };
 
 struct KeyRow {
@@ -96,7 +98,7 @@ struct Key {
 
   std::string_view name() const { return std::string_view(path).substr(name_at); }
   std::string_view table() const { return std::string_view(path).substr(0, name_at - 1); }
-  Presence presence() const { return field != nullptr ? field->presence : row->use.presence; }
+  Presence presence() const;
 };
 // One per line of the canonical text, in its order; formats as a whole.
 std::span<const Key> entries();
@@ -111,6 +113,10 @@ Place place(const Config& config, const Key& key);
 unsigned affected(const Key& key);
 bool is_used(const Config& config, const Key& key);
 bool same_value(const Config& a, const Config& b, const Key& key);
+// Sets a key that is `later` to what a file has that leaves it out.
+void set_default(Config& config, const Key& key);
+// Whether the canonical text leaves the key out: it is `later`, and has its default.
+bool is_left_out(const Config& config, const Key& key);
 void copy_value(const Config& from, Config& to, const Key& key);
 // The member as C++ names it: "row_reciprocal.kind".
 std::string member_of(const Key& key);

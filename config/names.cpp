@@ -5,15 +5,25 @@ namespace bitspan {
 
 namespace {
 
-#define BITSPAN_FORMAT_KEY(id, key, unit, text) key,
-#define BITSPAN_FORMAT_UNIT(id, key, unit, text) unit,
-#define BITSPAN_FORMAT_TEXT(id, key, unit, text) text,
+#define BITSPAN_FORMAT_KEY(id, key, unit, text, ...) key,
+#define BITSPAN_FORMAT_UNIT(id, key, unit, text, ...) unit,
+#define BITSPAN_FORMAT_TEXT(id, key, unit, text, ...) text,
 constexpr std::array<std::string_view, format_count> kFormatKeys{BITSPAN_FORMATS(BITSPAN_FORMAT_KEY)};
 constexpr std::array<std::string_view, format_count> kFormatUnits{BITSPAN_FORMATS(BITSPAN_FORMAT_UNIT)};
 constexpr std::array<std::string_view, format_count> kFormatTexts{BITSPAN_FORMATS(BITSPAN_FORMAT_TEXT)};
 #undef BITSPAN_FORMAT_KEY
 #undef BITSPAN_FORMAT_UNIT
 #undef BITSPAN_FORMAT_TEXT
+
+// A default is resolved in the table's order.
+constexpr bool each_default_stands_before() {
+  for (std::size_t i = 0; i < format_defaults.size(); ++i) {
+    const auto* other = std::get_if<FormatId>(&format_defaults[i]);
+    if (other != nullptr && static_cast<std::size_t>(*other) >= i) return false;
+  }
+  return true;
+}
+static_assert(each_default_stands_before());
 
 std::string_view of(const std::array<std::string_view, format_count>& list, FormatId id) {
   const auto i = static_cast<std::size_t>(id);

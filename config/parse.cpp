@@ -128,6 +128,10 @@ void read_formats(const Section& root, const Table& formats, Config& config) {
     const auto found = flat.find(format.name);
     if (found == flat.end()) {
       const auto id = static_cast<FormatId>(format.parts[0].key->i);
+      if (const auto by_default = default_format(config.formats, id)) {
+        config.format(id) = *by_default;  // of those before it, which are read
+        continue;
+      }
       root.fail(line, format.path,
                 "missing; legal: a format of " + std::string(text_of(id)) + " [" + std::string(unit_of(id)) +
                     "], with " + join(fields));

@@ -14,11 +14,10 @@ std::string quoted(std::string_view text) { return std::string("\"").append(text
 std::string toml_value(const Config& config, const Key& key) {
   const Place at = place(config, key);
   if (std::holds_alternative<Format*>(at)) {
-    static const Config initial;
     std::string out;
     for (const FieldRow& field : field_rows()) {
       const Key part{"", 0, key.row, key.i, &field};
-      if (field.presence == Presence::later && same_value(config, initial, part)) continue;
+      if (is_left_out(config, part)) continue;
       out.append(out.empty() ? "{ " : ", ").append(field.name).append(" = ").append(toml_value(config, part));
     }
     return out + " }";
@@ -32,11 +31,10 @@ std::string toml_value(const Config& config, const Key& key) {
 }  // namespace
 
 std::string to_toml(const Config& config) {
-  static const Config initial;
   std::string out;
   std::string_view table;
   for (const Key& key : entries()) {
-    if (key.presence() == Presence::later && same_value(config, initial, key)) continue;
+    if (is_left_out(config, key)) continue;
     if (table != key.table()) {
       table = key.table();
       out.append(out.empty() ? "[" : "\n[").append(table).append("]\n");

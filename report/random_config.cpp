@@ -168,7 +168,9 @@ void change_offset(Random& random, StartOffset& offset, const Format& accumulato
 }
 
 Config draw(Random& random, std::span<const Config> bases, const RandomConfigOptions& options) {
-  Config c = bases[static_cast<std::size_t>(random.integer(0, static_cast<std::int64_t>(bases.size()) - 1))];
+  const Config& base =
+      bases[static_cast<std::size_t>(random.integer(0, static_cast<std::int64_t>(bases.size()) - 1))];
+  Config c = base;
   const int base_depth_bits = c.depth_bits;
   const auto is_later = [](const Key& key) { return key.presence() == Presence::later; };
   for (const Key& key : entries()) {
@@ -192,6 +194,7 @@ Config draw(Random& random, std::span<const Config> bases, const RandomConfigOpt
   const int dropped = wider <= 0 ? 0 : between(random, c.depth_bits > 24 ? wider / 2 : 0, wider);
   for (int i = 0; i < format_count; ++i) {
     const auto id = static_cast<FormatId>(i);
+    if (default_format(c.formats, id)) continue;
     follow_depth(id, c.format(id), wider, dropped);
     change_format(random, id, c.format(id), options.for_scenes);
   }
@@ -204,7 +207,14 @@ Config draw(Random& random, std::span<const Config> bases, const RandomConfigOpt
   }
   // After all others, so that a new key changes little of what a seed draws.
   for (const Key& key : entries()) {
-    if (is_later(key) && random.chance(later_value)) draw_value(random, c, key, place(c, key));
+    if (!is_later(key)) continue;
+    if (is_left_out(base, key)) set_default(c, key);
+    if (!random.chance(later_value)) continue;
+    const Place to = place(c, key);
+    draw_value(random, c, key, to);
+    if (auto* const* format = std::get_if<Format*>(&to)) {
+      change_format(random, static_cast<FormatId>(key.i), **format, options.for_scenes);
+    }
   }
   return c;
 }

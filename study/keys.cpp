@@ -133,6 +133,13 @@ Config with_keys(const Config& base, const std::vector<KeySetting>& settings) {
       refuse(format->word->path + ": " + *fault);
     }
   }
+  // A register that the base leaves out, and that is not set, has its default beside the registers as set.
+  for (const Key& key : entries()) {
+    const auto sets_it = [&key](std::string_view path) {
+      return path == key.path || path.starts_with(key.path + ".");
+    };
+    if (is_left_out(base, key) && std::ranges::none_of(given, sets_it)) set_default(config, key);
+  }
   if (const auto violation = first_violation(config)) refuse(violation->key + ": " + violation->text);
   return config;
 }

@@ -327,6 +327,46 @@ TEST_F(Cli, VerifySaysWhereNothingIsDrawn) {
   EXPECT_EQ(run("render off.tri -o off.png").code, 0);
 }
 
+// Every stage up to depth has values, so the pair has: the verdict says which stages have none.
+TEST_F(Cli, StagesThatNoPixelReachesAreNoSuccess) {
+  stream("one.tri");
+  Config c = shipped_config("narrow");
+  c.depth_func = DepthFunc::never;
+  folder.write("never.toml", to_toml(c));
+  const std::string text =
+      "texture, fog and merge compared nothing: no pixel passes the depth test (depth.func = never)";
+  const std::string verify = "verify one.tri --config never.toml --engines golden,model,ideal";
+  const Result r = run(verify + " --junit j.xml --json v.json");
+  EXPECT_EQ(r.code, 1) << r.out << r.err;
+  EXPECT_NE(r.out.find("FAILED: " + text + " (--allow-empty accepts this)"), std::string::npos) << r.out;
+  EXPECT_NE(folder.read("j.xml").find("failures=\"1\""), std::string::npos) << folder.read("j.xml");
+  const auto json = nlohmann::json::parse(folder.read("v.json"));
+  EXPECT_FALSE(json.at("held"));
+  EXPECT_EQ(json.at("scenes")[0].at("not_reached"), (std::vector<std::string>{"texture", "fog", "merge"}));
+
+  const Result allowed = run(verify + " --allow-empty --junit j.xml");
+  EXPECT_EQ(allowed.code, 0) << allowed.out << allowed.err;
+  EXPECT_NE(allowed.out.find("note: " + text), std::string::npos) << allowed.out;
+  EXPECT_NE(allowed.out.find("one.tri: all held but what no pixel reaches, as allowed"), std::string::npos)
+      << allowed.out;
+  EXPECT_NE(folder.read("j.xml").find("skipped=\"3\""), std::string::npos) << folder.read("j.xml");
+
+  // All pixels of the triangle are transparent.
+  stream("clear.tri",
+         "{\"v\": [[2, 2, 2, 0, 0], [30, 4, 50, 20, 0], [5, 22, 9, 0, 20]], "
+         "\"c\": [[1, 1, 1, 0], [1, 1, 1, 0], [1, 1, 1, 0]]}\n");
+  const Result clear = run("verify clear.tri --engines golden,model");
+  EXPECT_EQ(clear.code, 1) << clear.out << clear.err;
+  EXPECT_NE(
+      clear.out.find("FAILED: fog and merge compared nothing: the texture kills every pixel that passes "
+                     "the depth test (--allow-empty accepts this)"),
+      std::string::npos)
+      << clear.out;
+  const Result seen = run("verify one.tri --engines golden,model --json v.json");
+  EXPECT_EQ(seen.code, 0) << seen.out;
+  EXPECT_TRUE(nlohmann::json::parse(folder.read("v.json")).at("scenes")[0].at("not_reached").empty());
+}
+
 TEST_F(Cli, AMeshWithoutAFaceInSightIsNoSuccess) {
   folder.write("tilted.obj", "v 0 0 0\nv 1 0 0.5\nv 0 1 -0.5\nf 1 2 3\n");
   const Result seen = run("verify tilted.obj --yaw 0 --size 64x48 --engines golden,model --json v.json");

@@ -113,11 +113,24 @@ Rows field_table() {
   return out;
 }
 
+// What a file that leaves the register out has; empty where it must give it.
+std::string format_by_default(FormatId id) {
+  const FormatDefault& by_default = format_defaults[static_cast<std::size_t>(id)];
+  if (const auto* other = std::get_if<FormatId>(&by_default))
+    return ", *optional*: as " + code(key_of(*other));
+  const auto* f = std::get_if<Format>(&by_default);
+  if (f == nullptr) return "";
+  return std::string(", *optional*: ") + (f->is_signed ? "signed" : "unsigned") + ", word " +
+         std::to_string(f->word) + ", int " + std::to_string(f->integer) + ", " +
+         std::string(to_string(f->rounding)) + ", " + std::string(to_string(f->overflow));
+}
+
 Rows format_table() {
   Rows out{"| key | unit | meaning |", "|---|---|---|"};
   for (int i = 0; i < format_count; ++i) {
     const auto id = static_cast<FormatId>(i);
-    out.push_back(row_of({code(key_of(id)), std::string(unit_of(id)), std::string(text_of(id))}));
+    out.push_back(row_of(
+        {code(key_of(id)), std::string(unit_of(id)), std::string(text_of(id)) + format_by_default(id)}));
   }
   return out;
 }

@@ -176,10 +176,11 @@ TEST(Stages, ClocksAreTakenInTheOrderOfThePipeline) {
     if (!row.clock) continue;
     const int clock = static_cast<int>(*row.clock);
     EXPECT_TRUE(clock == next || clock == next - 1) << row.name;
-    next = clock + 1;
-    if (row.stage() != "plane_walk") {
+    // The first stage of a clock gives it its name; plane_walk works in the clock of edge_walk.
+    if (clock == next) {
       EXPECT_EQ(row.stage(), to_string(*row.clock));
     }
+    next = clock + 1;
   }
   EXPECT_EQ(next, stage_count);
 }

@@ -124,7 +124,7 @@ TEST(Frozen, FilesHaveEveryRecordAndCounter) {
       any = any || line[colon + 2] != '0';
     }
   }
-  EXPECT_EQ(seen.size(), 24U);
+  EXPECT_GE(seen.size(), 24U);
   for (const auto& [name, any] : seen) EXPECT_TRUE(any) << name;
 }
 
