@@ -1,0 +1,9 @@
+quantize.sv
+delay_line.sv
+skid.sv
+fifo.sv
+mul_pipe.sv
+shift_add.sv
+restoring_step.sv
+restoring_core.sv
+reciprocal.sv
