@@ -7,3 +7,6 @@ shift_add.sv
 restoring_step.sv
 restoring_core.sv
 reciprocal.sv
+scoreboard.sv
+depth_code.sv
+depth.sv

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Clocks and internal widths of the pixel stages in RTL, as a pure function of the configuration: depth,
+// texture, fog and merge. engine/emit_pixel_sv writes them into the package; the RTL asserts that its
+// structure has them.
+#pragma once
+
+#include "config/config.hpp"
+#include "config/grid.hpp"
+
+namespace bitspan {
+
+// Clocks of rtl/mul_pipe.sv for factors of these widths, signs included: 1 where one multiplier of 18 x 18
+// bits makes the product, else 3.
+int product_clocks(int a_bits, int b_bits);
+
+struct DepthTiming {
+  int product = 1;  // of c1 m
+  int code = 1;     // from a fragment's h to its z
+  int total =
+      0;  // acceptance to out_valid_o where the answer comes on the clock after the request's acceptance
+};
+struct MergeTiming {
+  int product = 1;         // of the blend
+  int total = 0;           // acceptance to write_valid_o without a read
+  int total_blending = 0;  // with one, answered on the clock after its acceptance
+};
+struct PixelTiming {
+  int in_flight = 0;   // fragments that a stage holds while a memory answers
+  int place_bits = 8;  // a scoreboard has 2^place_bits places: several times the fragments in flight
+  int pixel_unit = 0;  // latency of R_pixel
+  DepthTiming depth;
+  MergeTiming merge;
+};
+
+// Whether a stage behind span takes R_pixel: the linear depth code, linear fog.
+bool pixel_stages_have_reciprocal(const Config& config);
+
+// Throws InputError where a stage takes an R_pixel that is not pipelined.
+PixelTiming pixel_timing(const Config& config);
+
+}  // namespace bitspan

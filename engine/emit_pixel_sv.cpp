@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/emit_pixel_sv.hpp"
+
+#include <initializer_list>
+#include <utility>
+
+#include "config/modes.hpp"
+#include "config/pixel_timing.hpp"
+#include "config/rtl_timing.hpp"
+#include "engine/sv_writer.hpp"
+
+namespace bitspan {
+namespace {
+
+void formats(SvWriter& w, const Config& config,
+             std::initializer_list<std::pair<const char*, FormatId>> named) {
+  for (const auto& [name, id] : named) w.format(name, config.format(id));
+}
+
+// What several stages have: coordinates, R_pixel, the fragments in flight.
+void common_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
+  w.integer("CoordW", pixel_index_bits(config));
+  w.integer("ExponentW", exponent_bits);
+  w.line("  // Fragments that a stage holds while a memory answers.");
+  w.integer("FragmentsInFlight", timing.in_flight);
+  w.line("  // Places of a scoreboard: 2^PlaceW.");
+  w.integer("ScoreboardPlaceW", timing.place_bits);
+  w.integer("OvfWrap", static_cast<int>(Overflow::wrap));
+  formats(w, config, {{"SetupB", FormatId::setup_b}, {"SpanH", FormatId::span_h}});
+  const Grid operand = pixel_operand(config);
+  w.line("");
+  w.line("  // h + B as a signed number, and R_pixel of it.");
+  w.integer("DepthSumW", as_signed(operand).bits());
+  w.integer("DepthSumFrac", operand.fraction);
+  w.reciprocal("PixelRecip", config.pixel_reciprocal, operand);
+  w.integer("PixelUnitClocks", timing.pixel_unit);
+}
+
+void depth_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
+  w.line("");
+  w.line("  // depth.");
+  w.integer("DepthInverse", static_cast<int>(DepthCode::inverse));
+  w.integer("DepthOpengl", static_cast<int>(DepthCode::opengl));
+  w.integer("DepthLinear", static_cast<int>(DepthCode::linear));
+  w.integer("DepthCode", static_cast<int>(config.depth_code));
+  w.integer("DepthNearerIsLarger", nearer_is_larger(config.depth_code) ? 1 : 0);
+  w.format("DepthZ", config.depth_format());
+  formats(w, config, {{"DepthC1", FormatId::depth_c1}, {"DepthC0", FormatId::depth_c0}});
+  w.integer("DepthProductClocks", timing.depth.product);
+  w.integer("DepthCodeClocks", timing.depth.code);
+}
+
+void merge_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
+  w.line("");
+  w.line("  // merge.");
+  formats(w, config,
+          {{"FogColor", FormatId::fog_color},
+           {"TextureAlpha", FormatId::texture_alpha},
+           {"MergeColor", FormatId::merge_color}});
+  w.integer("MergeProductClocks", timing.merge.product);
+}
+
+}  // namespace
+
+std::string emit_pixel_sv(const Config& config) {
+  const PixelTiming timing = pixel_timing(config);
+  if (pixel_stages_have_reciprocal(config)) check_operand(pixel_operand(config), "reciprocal.pixel");
+  SvWriter w;
+  w.line("// Generated from configuration " + config_hash(config) + "; do not edit.");
+  w.line("// Formats are named as in bitspan_cfg_pkg.");
+  w.line("/* verilator lint_off UNUSED */");
+  w.line("package bitspan_pixel_pkg;");
+  common_section(w, config, timing);
+  depth_section(w, config, timing);
+  merge_section(w, config, timing);
+  w.line("endpackage");
+  w.line("/* verilator lint_on UNUSED */");
+  return w.text;
+}
+
+}  // namespace bitspan
