@@ -33,6 +33,28 @@ DepthTiming depth_timing(const Config& config, int pixel_unit) {
   return t;
 }
 
+// Clocks of the product in rtl/blend.sv, which forms a + (b - a) e.
+int blend_product(Grid a, Grid b, const Format& e) { return product_clocks((b - a).bits(), signed_bits(e)); }
+
+TextureTiming texture_timing(const Config& config) {
+  using F = FormatId;
+  const Format& frac = config.format(F::texture_frac);
+  const Grid mix = grid_of(config.format(F::texture_mix));
+  const Grid alpha = grid_of(config.format(F::texture_alpha));
+  const int shade = signed_bits(config.format(F::span_shade));
+  TextureTiming t;
+  t.filter_product = std::max(blend_product(mix, mix, frac), blend_product(alpha, alpha, frac));
+  t.shade_product =
+      std::max(product_clocks(as_signed(mix).bits(), shade), product_clocks(as_signed(alpha).bits(), shade));
+  // u - 1/2, whole and fraction, wrapping, two shifts by the pitch, plus the base.
+  t.address = 6;
+  // Words, reserved texels, their replacement; two blends; product, Q.
+  t.color = 3 + 2 * (3 + t.filter_product) + t.shade_product + 1;
+  // The skids of requests and answers, and that of the output.
+  t.total = t.address + 1 + 1 + 1 + t.color + 1;
+  return t;
+}
+
 MergeTiming merge_timing(const Config& config) {
   MergeTiming t;
   const Grid code{8, 0, false};
@@ -65,6 +87,7 @@ PixelTiming pixel_timing(const Config& config) {
       static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::clamp(config.memory.latency + 8, 16, 64))));
   t.pixel_unit = reciprocal_latency(config.pixel_reciprocal, pixel_operand(config));
   t.depth = depth_timing(config, t.pixel_unit);
+  t.texture = texture_timing(config);
   t.merge = merge_timing(config);
   return t;
 }

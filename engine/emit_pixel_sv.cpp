@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/emit_pixel_sv.hpp"
 
+#include <bit>
 #include <initializer_list>
 #include <utility>
 
@@ -8,9 +9,14 @@
 #include "config/pixel_timing.hpp"
 #include "config/rtl_timing.hpp"
 #include "engine/sv_writer.hpp"
+#include "scene/texture.hpp"
 
 namespace bitspan {
 namespace {
+
+// Bits of an index along a texture's row or column, and of a texel's address.
+constexpr int texel_index_bits = std::bit_width(static_cast<unsigned>(texture_size_limit - 1));
+constexpr int texel_address_bits = 32;
 
 void formats(SvWriter& w, const Config& config,
              std::initializer_list<std::pair<const char*, FormatId>> named) {
@@ -50,13 +56,29 @@ void depth_section(SvWriter& w, const Config& config, const PixelTiming& timing)
   w.integer("DepthCodeClocks", timing.depth.code);
 }
 
+void texture_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
+  w.line("");
+  w.line("  // texture. A texel's address counts texels.");
+  formats(w, config,
+          {{"SpanUv", FormatId::span_uv},
+           {"SpanShade", FormatId::span_shade},
+           {"TextureFrac", FormatId::texture_frac},
+           {"TextureMix", FormatId::texture_mix},
+           {"TextureColor", FormatId::texture_color},
+           {"TextureAlpha", FormatId::texture_alpha}});
+  w.integer("TexelIndexW", texel_index_bits);
+  w.integer("TexelPitchW", std::bit_width(static_cast<unsigned>(texel_index_bits)));
+  w.integer("TexelAddressW", texel_address_bits);
+  w.integer("TextureFilterProductClocks", timing.texture.filter_product);
+  w.integer("TextureShadeProductClocks", timing.texture.shade_product);
+  w.integer("TextureAddressClocks", timing.texture.address);
+  w.integer("TextureColorClocks", timing.texture.color);
+}
+
 void merge_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
   w.line("");
   w.line("  // merge.");
-  formats(w, config,
-          {{"FogColor", FormatId::fog_color},
-           {"TextureAlpha", FormatId::texture_alpha},
-           {"MergeColor", FormatId::merge_color}});
+  formats(w, config, {{"FogColor", FormatId::fog_color}, {"MergeColor", FormatId::merge_color}});
   w.integer("MergeProductClocks", timing.merge.product);
 }
 
@@ -72,6 +94,7 @@ std::string emit_pixel_sv(const Config& config) {
   w.line("package bitspan_pixel_pkg;");
   common_section(w, config, timing);
   depth_section(w, config, timing);
+  texture_section(w, config, timing);
   merge_section(w, config, timing);
   w.line("endpackage");
   w.line("/* verilator lint_on UNUSED */");

@@ -10,3 +10,7 @@ reciprocal.sv
 scoreboard.sv
 depth_code.sv
 depth.sv
+ring_line.sv
+blend.sv
+texture_filter.sv
+texture.sv
