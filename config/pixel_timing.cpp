@@ -55,6 +55,26 @@ TextureTiming texture_timing(const Config& config) {
   return t;
 }
 
+FogTiming fog_timing(const Config& config, int pixel_unit) {
+  using F = FormatId;
+  const Format& factor = config.format(F::fog_factor);
+  FogTiming t;
+  // Minus fog_scale is a factor.
+  t.scale_product =
+      product_clocks(config.format(F::fog_scale).word + 1, signed_bits(config.pixel_reciprocal.output));
+  t.blend_product = blend_product(Grid{8, 0, false}, grid_of(config.format(F::texture_color)), factor);
+  // Distances from the middle and their sizes, the squares' sums, r^2, one clock per bit of the zone, the
+  // table.
+  const int square = static_cast<int>(std::bit_width(static_cast<unsigned>(pixel_index_bits(config) - 1)));
+  int entry = 2 + square + 1 + config.fog_zone_bits + 1;
+  // h + B, R_pixel, the product, two shifts and a sum, Q.
+  if (is_linear_in_distance(config.fog)) entry = std::max(entry, 1 + pixel_unit + t.scale_product + 3 + 1);
+  // The choice of the factor; difference, product, sum, Q.
+  t.clocks = entry + 1 + 3 + t.blend_product;
+  t.total = t.clocks + 1;
+  return t;
+}
+
 MergeTiming merge_timing(const Config& config) {
   MergeTiming t;
   const Grid code{8, 0, false};
@@ -88,6 +108,7 @@ PixelTiming pixel_timing(const Config& config) {
   t.pixel_unit = reciprocal_latency(config.pixel_reciprocal, pixel_operand(config));
   t.depth = depth_timing(config, t.pixel_unit);
   t.texture = texture_timing(config);
+  t.fog = fog_timing(config, t.pixel_unit);
   t.merge = merge_timing(config);
   return t;
 }

@@ -27,6 +27,12 @@ struct TextureTiming {
   int color = 0;           // from the texels to the skid at the output
   int total = 0;           // acceptance to out_valid_o where the texels come on the clock after their request
 };
+struct FogTiming {
+  int scale_product = 1;  // of fog_scale m
+  int blend_product = 1;  // of the mix with the fog's colour
+  int clocks = 0;         // from acceptance to the skid at the output
+  int total = 0;          // acceptance to out_valid_o
+};
 struct MergeTiming {
   int product = 1;         // of the blend
   int total = 0;           // acceptance to write_valid_o without a read
@@ -38,6 +44,7 @@ struct PixelTiming {
   int pixel_unit = 0;  // latency of R_pixel
   DepthTiming depth;
   TextureTiming texture;
+  FogTiming fog;
   MergeTiming merge;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/emit_pixel_sv.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <initializer_list>
 #include <utility>
@@ -32,6 +33,7 @@ void common_section(SvWriter& w, const Config& config, const PixelTiming& timing
   w.line("  // Places of a scoreboard: 2^PlaceW.");
   w.integer("ScoreboardPlaceW", timing.place_bits);
   w.integer("OvfWrap", static_cast<int>(Overflow::wrap));
+  w.integer("OvfWrapSm", static_cast<int>(Overflow::wrap_sm));
   formats(w, config, {{"SetupB", FormatId::setup_b}, {"SpanH", FormatId::span_h}});
   const Grid operand = pixel_operand(config);
   w.line("");
@@ -75,10 +77,34 @@ void texture_section(SvWriter& w, const Config& config, const PixelTiming& timin
   w.integer("TextureColorClocks", timing.texture.color);
 }
 
+void fog_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
+  w.line("");
+  w.line("  // fog. Without FogHasLinear there is no linear fog: its widths are not known to be legal.");
+  formats(w, config,
+          {{"FogScale", FormatId::fog_scale},
+           {"FogFactor", FormatId::fog_factor},
+           {"FogColor", FormatId::fog_color}});
+  w.integer("FogModeNone", static_cast<int>(FogMode::none));
+  w.integer("FogModeLinear", static_cast<int>(FogMode::linear));
+  w.integer("FogModeTable", static_cast<int>(FogMode::table));
+  w.integer("FogHasLinear", is_linear_in_distance(config.fog) ? 1 : 0);
+  w.integer("FogDepthBits", config.fog_depth_bits);
+  w.integer("FogZoneBits", config.fog_zone_bits);
+  w.integer("FogIndexW", config.fog_index_bits());
+  w.line("  // Bits of h below a step of depth; negative where a step is finer than h.");
+  w.integer("FogStepShift",
+            config.format(FormatId::span_h).fraction() + config.depth_bits - config.fog_depth_bits);
+  w.line("  // What is loaded: entries of the table, and thresholds for the square of a distance.");
+  w.integer("FogLoadW", std::max(config.format(FormatId::fog_factor).word, 2 * pixel_index_bits(config) + 1));
+  w.integer("FogScaleProductClocks", timing.fog.scale_product);
+  w.integer("FogBlendProductClocks", timing.fog.blend_product);
+  w.integer("FogClocks", timing.fog.clocks);
+}
+
 void merge_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
   w.line("");
   w.line("  // merge.");
-  formats(w, config, {{"FogColor", FormatId::fog_color}, {"MergeColor", FormatId::merge_color}});
+  formats(w, config, {{"MergeColor", FormatId::merge_color}});
   w.integer("MergeProductClocks", timing.merge.product);
 }
 
@@ -95,6 +121,7 @@ std::string emit_pixel_sv(const Config& config) {
   common_section(w, config, timing);
   depth_section(w, config, timing);
   texture_section(w, config, timing);
+  fog_section(w, config, timing);
   merge_section(w, config, timing);
   w.line("endpackage");
   w.line("/* verilator lint_on UNUSED */");

@@ -14,3 +14,5 @@ ring_line.sv
 blend.sv
 texture_filter.sv
 texture.sv
+square.sv
+fog.sv
