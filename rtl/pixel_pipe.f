@@ -7,6 +7,8 @@ shift_add.sv
 restoring_step.sv
 restoring_core.sv
 reciprocal.sv
+blend.sv
 scoreboard.sv
 depth_code.sv
 depth.sv
+merge.sv
