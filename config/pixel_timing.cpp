@@ -77,11 +77,11 @@ FogTiming fog_timing(const Config& config, int pixel_unit) {
 
 MergeTiming merge_timing(const Config& config) {
   MergeTiming t;
-  const Grid code{8, 0, false};
-  const Grid difference = signed_grid(config.format(FormatId::fog_color)) - code;
-  t.product = product_clocks(difference.bits(), signed_bits(config.format(FormatId::texture_alpha)));
-  // In front of the scoreboard, FIFO; join, difference, product, sum, Q, out.
-  t.total = 2 + 2 + t.product + 3;
+  t.product =
+      blend_product(grid_of(config.format(FormatId::merge_color)),
+                    grid_of(config.format(FormatId::fog_color)), config.format(FormatId::texture_alpha));
+  // In front of the scoreboard, FIFO; join, blend, out.
+  t.total = 2 + 1 + (t.product + 3) + 1;
   // Request, memory and answer instead of the FIFO.
   t.total_blending = t.total + 2;
   return t;

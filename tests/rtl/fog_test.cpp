@@ -176,7 +176,8 @@ FogRun run_fog(FogCase& t, Random& random, int count, const StageStalls& stalls)
   return r;
 }
 
-void check(const Config& config, std::uint64_t seed, int count) {
+// Fragments that take `least_indices` entries of the table at least: a random h may have few steps.
+void check(const Config& config, std::uint64_t seed, int count, std::size_t least_indices) {
   SCOPED_TRACE(fmt::format("{}, seed {}", config.name, seed));
   Random random(seed);
   const StageStalls conditions[] = {{0, 0}, {0.3, 0}, {0, 0.4}, {0.3, 0.3}};
@@ -186,7 +187,7 @@ void check(const Config& config, std::uint64_t seed, int count) {
     EXPECT_GT(r.modes[static_cast<std::size_t>(FogMode::none)], 0U);
     EXPECT_GT(r.modes[static_cast<std::size_t>(FogMode::table)], 0U);
     EXPECT_EQ(r.modes[static_cast<std::size_t>(FogMode::linear)] > 0, is_linear_in_distance(config.fog));
-    EXPECT_GT(r.indices, 1U);
+    EXPECT_GE(r.indices, least_indices);
   }
 }
 
@@ -194,7 +195,7 @@ TEST(Fog, Shipped) {
   for (Config config : shipped_configs()) {
     for (const FogMode mode : {FogMode::table, FogMode::linear}) {
       config.fog = mode;
-      check(config, 11, 4000);
+      check(config, 11, 4000, 20);
     }
   }
 }
@@ -202,7 +203,7 @@ TEST(Fog, Shipped) {
 TEST(Fog, Random) {
   for (const std::uint64_t seed : stage_seeds(6)) {
     SCOPED_TRACE(stage_seed_text(seed));
-    check(random_stage_config(seed), seed, 1500);
+    check(random_stage_config(seed), seed, 1500, 1);
   }
 }
 

@@ -194,6 +194,7 @@ StageMemory::StageMemory(StageBench& bench, const std::string& request, const st
       throw std::logic_error(answer + ": an address is written while it is read");
     }
     written_[address] = StageValues(split, v.end());
+    if (on_write_) on_write_(v);
   });
 }
 

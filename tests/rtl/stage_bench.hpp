@@ -14,6 +14,7 @@
 #include <map>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "config/format.hpp"
@@ -126,6 +127,8 @@ class StageMemory {
   StageMemory(const StageMemory&) = delete;
   StageMemory& operator=(const StageMemory&) = delete;
 
+  // Called on each write, once the memory holds it.
+  void on_write(std::function<void(const StageValues&)> call) { on_write_ = std::move(call); }
   StageValues at(const Address& address) const;
   const std::map<Address, StageValues>& written() const { return written_; }
   // The most requests that were in flight at once.
@@ -133,6 +136,7 @@ class StageMemory {
 
  private:
   std::function<StageValues(const Address&)> initial_;
+  std::function<void(const StageValues&)> on_write_;
   std::map<Address, StageValues> written_;
   std::deque<Address> in_flight_;  // and some that were answered since
   std::mt19937_64 random_;
