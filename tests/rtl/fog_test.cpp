@@ -143,10 +143,16 @@ struct FogRun {
 };
 
 // Sends `count` fragments; throws where one comes out otherwise, is lost, doubled, or comes after the last.
-FogRun run_fog(FogCase& t, Random& random, int count, const StageStalls& stalls) {
+// `reset_after`: clocks of other fragments in front, then a reset.
+FogRun run_fog(FogCase& t, Random& random, int count, const StageStalls& stalls, int reset_after = 0) {
   StageBench bench(design_of(t.config), random());
   load(bench, t);
   bench.set_stalls(stalls);
+  if (reset_after > 0) {
+    for (int n = 0; n < reset_after; ++n) bench.send("in", random_fragment(random, t, 0).in);
+    for (int n = 0; n < reset_after; ++n) bench.clock();
+    bench.reset();
+  }
   std::vector<Given> given;
   FogRun r;
   std::vector<bool> seen(t.stage.table.size());
@@ -218,6 +224,14 @@ TEST(Fog, Clocks) {
       EXPECT_EQ(r.first_out, r.offered + total) << config.name;
       EXPECT_EQ(r.last_out, r.offered + total + 499) << config.name;
     }
+  }
+}
+
+TEST(Fog, ResetAmidFragments) {
+  Random random(7);
+  FogCase t(shipped_config("narrow"), random);
+  for (const int clocks : {3, 12, 40}) {
+    EXPECT_EQ(run_fog(t, random, 300, {0.2, 0.3}, clocks).fragments, 300U) << clocks;
   }
 }
 

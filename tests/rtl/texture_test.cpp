@@ -193,6 +193,7 @@ struct Conditions {
   StageStalls stalls;
   StageMemory::Latency latency;
   bool plain = false;
+  int reset_after = 0;  // clocks of other fragments in front, then a reset
 };
 
 struct Outcome {
@@ -211,6 +212,12 @@ Outcome run(Case& t, Random& random, int count, const Conditions& conditions) {
     memories.emplace_back(
         bench, fmt::format("request{}", p), fmt::format("answer{}", p), "", 1, conditions.latency, random(),
         [&t](const StageMemory::Address& a) { return StageValues{texel_at(t.textures, a[0])}; });
+  }
+  if (conditions.reset_after > 0) {
+    for (int n = 0; n < conditions.reset_after; ++n)
+      bench.send("in", random_fragment(random, t, 0, false).in);
+    for (int n = 0; n < conditions.reset_after; ++n) bench.clock();
+    bench.reset();
   }
   std::vector<Given> given;
   for (int n = 0; n < count; ++n) {
@@ -281,6 +288,14 @@ TEST(Texture, Clocks) {
       const Outcome many = run(t, random, 2000, {{0, 0}, {latency, latency}, plain});
       EXPECT_EQ(many.clocks, static_cast<std::uint64_t>(timing.total + latency - 1) + 2000) << latency;
     }
+  }
+}
+
+TEST(Texture, ResetAmidFragments) {
+  Random random(7);
+  Case t(shipped_config("narrow"), random);
+  for (const int clocks : {3, 12, 40, 200}) {
+    EXPECT_EQ(run(t, random, 300, {{0.2, 0.3}, {1, 9}, false, clocks}).fragments, 300U) << clocks;
   }
 }
 
