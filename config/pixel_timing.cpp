@@ -48,8 +48,8 @@ TextureTiming texture_timing(const Config& config) {
       std::max(product_clocks(as_signed(mix).bits(), shade), product_clocks(as_signed(alpha).bits(), shade));
   // u - 1/2, whole and fraction, wrapping, two shifts by the pitch, plus the base.
   t.address = 6;
-  // Words, reserved texels, their replacement; two blends; product, Q.
-  t.color = 3 + 2 * (3 + t.filter_product) + t.shade_product + 1;
+  // Words, reserved texels, their replacement; two blends; factors, product, Q.
+  t.color = 3 + 2 * (3 + t.filter_product) + 1 + t.shade_product + 1;
   // The skids of requests and answers, and that of the output.
   t.total = t.address + 1 + 1 + 1 + t.color + 1;
   return t;

@@ -114,10 +114,11 @@ module texture #(
   localparam int FilterClocks = bitspan_pixel_pkg::TextureFilterProductClocks;
   localparam int ShadeClocks = bitspan_pixel_pkg::TextureShadeProductClocks;
   localparam int BlendClocks = 3 + FilterClocks;
-  // Words, reserved colours, replacement; the filter; product, Q.
+  // Words, reserved colours, replacement; the filter; factors, product, Q.
   localparam int FilterAt = 3;
   localparam int MixedAt = FilterAt + 2 * BlendClocks;
-  localparam int ColorClocks = MixedAt + ShadeClocks + 1;
+  localparam int FactorsAt = MixedAt + 1;
+  localparam int ColorClocks = FactorsAt + ShadeClocks + 1;
 
   // ---------------------------------------------------------------- address
 
@@ -568,11 +569,11 @@ module texture #(
       .v_o(mixed_a)
   );
 
-  // Times the shades: product, Q.
+  // Times the shades: factors, product, Q. The factors have registers of their own, near the multipliers.
   logic [4*ShadeW-1:0] shades_mixed;
   ring_line #(
       .Width(4 * ShadeW),
-      .Depth(MixedAt)
+      .Depth(FactorsAt)
   ) u_shade_line (
       .clk_i,
       .rst_ni,
@@ -590,10 +591,9 @@ module texture #(
   end
   logic [ColorW-1:0] color_q[3];
   for (genvar c = 0; c < 3; c++) begin : gen_color
-    logic signed [MixFactorW-1:0] v;
+    logic signed [MixFactorW-1:0] factor_q;
     logic signed [MixFactorW+ShadeFactorW-1:0] product;
     logic [ColorW-1:0] color;
-    assign v = MixFactorW'($signed({(MixSigned != 0) & mixed[c][MixW-1], mixed[c]}));
     mul_pipe #(
         .AW(MixFactorW),
         .BW(ShadeFactorW),
@@ -601,7 +601,7 @@ module texture #(
     ) u_product (
         .clk_i,
         .en_i(color_en),
-        .a_i(v),
+        .a_i(factor_q),
         .b_i(shade[c]),
         .p_o(product)
     );
@@ -619,13 +619,15 @@ module texture #(
         .q_o(color)
     );
     always_ff @(posedge clk_i) begin
-      if (color_en) color_q[c] <= color;
+      if (color_en) begin
+        factor_q <= MixFactorW'($signed({(MixSigned != 0) & mixed[c][MixW-1], mixed[c]}));
+        color_q[c] <= color;
+      end
     end
   end
-  logic signed [AlphaFactorW-1:0] v_a;
+  logic signed [AlphaFactorW-1:0] factor_a_q;
   logic signed [AlphaFactorW+ShadeFactorW-1:0] product_a;
   logic [AlphaW-1:0] alpha, alpha_q;
-  assign v_a = AlphaFactorW'($signed({(AlphaSigned != 0) & mixed_a[AlphaW-1], mixed_a}));
   mul_pipe #(
       .AW(AlphaFactorW),
       .BW(ShadeFactorW),
@@ -633,7 +635,7 @@ module texture #(
   ) u_product_a (
       .clk_i,
       .en_i(color_en),
-      .a_i(v_a),
+      .a_i(factor_a_q),
       .b_i(shade[3]),
       .p_o(product_a)
   );
@@ -651,7 +653,10 @@ module texture #(
       .q_o(alpha)
   );
   always_ff @(posedge clk_i) begin
-    if (color_en) alpha_q <= alpha;
+    if (color_en) begin
+      factor_a_q <= AlphaFactorW'($signed({(AlphaSigned != 0) & mixed_a[AlphaW-1], mixed_a}));
+      alpha_q <= alpha;
+    end
   end
 
   // What waits beside the filter and the products.
