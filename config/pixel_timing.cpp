@@ -33,8 +33,47 @@ DepthTiming depth_timing(const Config& config, int pixel_unit) {
   return t;
 }
 
-// Of rtl/blend.sv: a + (b - a) e.
+// Clocks of the product in rtl/blend.sv, which forms a + (b - a) e.
 int blend_product(Grid a, Grid b, const Format& e) { return product_clocks((b - a).bits(), signed_bits(e)); }
+
+TextureTiming texture_timing(const Config& config) {
+  using F = FormatId;
+  const Format& frac = config.format(F::texture_frac);
+  const Grid mix = grid_of(config.format(F::texture_mix));
+  const Grid alpha = grid_of(config.format(F::texture_alpha));
+  const int shade = signed_bits(config.format(F::span_shade));
+  TextureTiming t;
+  t.filter_product = std::max(blend_product(mix, mix, frac), blend_product(alpha, alpha, frac));
+  t.shade_product =
+      std::max(product_clocks(as_signed(mix).bits(), shade), product_clocks(as_signed(alpha).bits(), shade));
+  // u - 1/2, whole and fraction, wrapping, two shifts by the pitch, plus the base.
+  t.address = 6;
+  // Words, reserved texels, their replacement; two blends; product, Q.
+  t.color = 3 + 2 * (3 + t.filter_product) + t.shade_product + 1;
+  // The skids of requests and answers, and that of the output.
+  t.total = t.address + 1 + 1 + 1 + t.color + 1;
+  return t;
+}
+
+FogTiming fog_timing(const Config& config, int pixel_unit) {
+  using F = FormatId;
+  const Format& factor = config.format(F::fog_factor);
+  FogTiming t;
+  // Minus fog_scale is a factor.
+  t.scale_product =
+      product_clocks(config.format(F::fog_scale).word + 1, signed_bits(config.pixel_reciprocal.output));
+  t.blend_product = blend_product(Grid{8, 0, false}, grid_of(config.format(F::texture_color)), factor);
+  // Distances from the middle and their sizes, the squares' sums, r^2, one clock per bit of the zone, the
+  // table.
+  const int square = static_cast<int>(std::bit_width(static_cast<unsigned>(pixel_index_bits(config) - 1)));
+  int entry = 2 + square + 1 + config.fog_zone_bits + 1;
+  // h + B, R_pixel, the product, two shifts and a sum, Q.
+  if (is_linear_in_distance(config.fog)) entry = std::max(entry, 1 + pixel_unit + t.scale_product + 3 + 1);
+  // The choice of the factor; difference, product, sum, Q.
+  t.clocks = entry + 1 + 3 + t.blend_product;
+  t.total = t.clocks + 1;
+  return t;
+}
 
 MergeTiming merge_timing(const Config& config) {
   MergeTiming t;
@@ -68,6 +107,8 @@ PixelTiming pixel_timing(const Config& config) {
       static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::clamp(config.memory.latency + 8, 16, 64))));
   t.pixel_unit = reciprocal_latency(config.pixel_reciprocal, pixel_operand(config));
   t.depth = depth_timing(config, t.pixel_unit);
+  t.texture = texture_timing(config);
+  t.fog = fog_timing(config, t.pixel_unit);
   t.merge = merge_timing(config);
   return t;
 }

@@ -19,6 +19,20 @@ struct DepthTiming {
   int total =
       0;  // acceptance to out_valid_o where the answer comes on the clock after the request's acceptance
 };
+// Two segments with a skid behind each, and the texels' way in between.
+struct TextureTiming {
+  int filter_product = 1;  // of a blend of two texels
+  int shade_product = 1;   // of the mixed texel and the fragment's colour
+  int address = 0;         // from acceptance to the skid in front of the requests
+  int color = 0;           // from the texels to the skid at the output
+  int total = 0;           // acceptance to out_valid_o where the texels come on the clock after their request
+};
+struct FogTiming {
+  int scale_product = 1;  // of fog_scale m
+  int blend_product = 1;  // of the mix with the fog's colour
+  int clocks = 0;         // from acceptance to the skid at the output
+  int total = 0;          // acceptance to out_valid_o
+};
 struct MergeTiming {
   int product = 1;         // of the blend
   int total = 0;           // acceptance to write_valid_o without a read
@@ -29,6 +43,8 @@ struct PixelTiming {
   int place_bits = 8;  // a scoreboard has 2^place_bits places: several times the fragments in flight
   int pixel_unit = 0;  // latency of R_pixel
   DepthTiming depth;
+  TextureTiming texture;
+  FogTiming fog;
   MergeTiming merge;
 };
 

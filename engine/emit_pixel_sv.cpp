@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/emit_pixel_sv.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <initializer_list>
 #include <utility>
 
@@ -8,9 +10,14 @@
 #include "config/pixel_timing.hpp"
 #include "config/rtl_timing.hpp"
 #include "engine/sv_writer.hpp"
+#include "scene/texture.hpp"
 
 namespace bitspan {
 namespace {
+
+// Bits of an index along a texture's row or column, and of a texel's address.
+constexpr int texel_index_bits = std::bit_width(static_cast<unsigned>(texture_size_limit - 1));
+constexpr int texel_address_bits = 32;
 
 void formats(SvWriter& w, const Config& config,
              std::initializer_list<std::pair<const char*, FormatId>> named) {
@@ -26,6 +33,7 @@ void common_section(SvWriter& w, const Config& config, const PixelTiming& timing
   w.line("  // Places of a scoreboard: 2^PlaceW.");
   w.integer("ScoreboardPlaceW", timing.place_bits);
   w.integer("OvfWrap", static_cast<int>(Overflow::wrap));
+  w.integer("OvfWrapSm", static_cast<int>(Overflow::wrap_sm));
   formats(w, config, {{"SetupB", FormatId::setup_b}, {"SpanH", FormatId::span_h}});
   const Grid operand = pixel_operand(config);
   w.line("");
@@ -50,13 +58,53 @@ void depth_section(SvWriter& w, const Config& config, const PixelTiming& timing)
   w.integer("DepthCodeClocks", timing.depth.code);
 }
 
+void texture_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
+  w.line("");
+  w.line("  // texture. A texel's address counts texels.");
+  formats(w, config,
+          {{"SpanUv", FormatId::span_uv},
+           {"SpanShade", FormatId::span_shade},
+           {"TextureFrac", FormatId::texture_frac},
+           {"TextureMix", FormatId::texture_mix},
+           {"TextureColor", FormatId::texture_color},
+           {"TextureAlpha", FormatId::texture_alpha}});
+  w.integer("TexelIndexW", texel_index_bits);
+  w.integer("TexelPitchW", std::bit_width(static_cast<unsigned>(texel_index_bits)));
+  w.integer("TexelAddressW", texel_address_bits);
+  w.integer("TextureFilterProductClocks", timing.texture.filter_product);
+  w.integer("TextureShadeProductClocks", timing.texture.shade_product);
+  w.integer("TextureAddressClocks", timing.texture.address);
+  w.integer("TextureColorClocks", timing.texture.color);
+}
+
+void fog_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
+  w.line("");
+  w.line("  // fog. Without FogHasLinear there is no linear fog: its widths are not known to be legal.");
+  formats(w, config,
+          {{"FogScale", FormatId::fog_scale},
+           {"FogFactor", FormatId::fog_factor},
+           {"FogColor", FormatId::fog_color}});
+  w.integer("FogModeNone", static_cast<int>(FogMode::none));
+  w.integer("FogModeLinear", static_cast<int>(FogMode::linear));
+  w.integer("FogModeTable", static_cast<int>(FogMode::table));
+  w.integer("FogHasLinear", is_linear_in_distance(config.fog) ? 1 : 0);
+  w.integer("FogDepthBits", config.fog_depth_bits);
+  w.integer("FogZoneBits", config.fog_zone_bits);
+  w.integer("FogIndexW", config.fog_index_bits());
+  w.line("  // Bits of h below a step of depth; negative where a step is finer than h.");
+  w.integer("FogStepShift",
+            config.format(FormatId::span_h).fraction() + config.depth_bits - config.fog_depth_bits);
+  w.line("  // What is loaded: entries of the table, and thresholds for the square of a distance.");
+  w.integer("FogLoadW", std::max(config.format(FormatId::fog_factor).word, 2 * pixel_index_bits(config) + 1));
+  w.integer("FogScaleProductClocks", timing.fog.scale_product);
+  w.integer("FogBlendProductClocks", timing.fog.blend_product);
+  w.integer("FogClocks", timing.fog.clocks);
+}
+
 void merge_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
   w.line("");
   w.line("  // merge.");
-  formats(w, config,
-          {{"FogColor", FormatId::fog_color},
-           {"TextureAlpha", FormatId::texture_alpha},
-           {"MergeColor", FormatId::merge_color}});
+  formats(w, config, {{"MergeColor", FormatId::merge_color}});
   w.integer("MergeProductClocks", timing.merge.product);
 }
 
@@ -72,6 +120,8 @@ std::string emit_pixel_sv(const Config& config) {
   w.line("package bitspan_pixel_pkg;");
   common_section(w, config, timing);
   depth_section(w, config, timing);
+  texture_section(w, config, timing);
+  fog_section(w, config, timing);
   merge_section(w, config, timing);
   w.line("endpackage");
   w.line("/* verilator lint_on UNUSED */");

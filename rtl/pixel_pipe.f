@@ -1,9 +1,11 @@
 quantize.sv
 delay_line.sv
+ring_line.sv
 skid.sv
 fifo.sv
 mul_pipe.sv
 shift_add.sv
+square.sv
 restoring_step.sv
 restoring_core.sv
 reciprocal.sv
@@ -11,4 +13,7 @@ blend.sv
 scoreboard.sv
 depth_code.sv
 depth.sv
+texture_filter.sv
+texture.sv
+fog.sv
 merge.sv
