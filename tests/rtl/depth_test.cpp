@@ -35,7 +35,8 @@ StageDesign design_of(const Config& c) {
                        {ChannelKind::tap,
                         "record",
                         {"x", "y", "recip_m", "recip_e", "z", "stored", "pass", "rest"}}},
-          .constants = {"b", "c1", "c0"}};
+          .constants = {"b", "c1", "c0"},
+          .levels = {}};
 }
 
 std::uint64_t port_of(DepthFunc func) {

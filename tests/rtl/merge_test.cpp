@@ -31,7 +31,8 @@ StageDesign design_of(const Config& c) {
                        {ChannelKind::in, "answer", {"r", "g", "b"}},
                        {ChannelKind::out, "write", {"x", "y", "r", "g", "b"}},
                        {ChannelKind::tap, "record", {"rest"}}},
-          .constants = {}};
+          .constants = {},
+          .levels = {}};
 }
 
 using Pixel = std::array<std::uint8_t, 3>;
