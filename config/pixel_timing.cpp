@@ -28,8 +28,8 @@ DepthTiming depth_timing(const Config& config, int pixel_unit) {
       t.code = 1 + pixel_unit + t.product + 3 + 1;  // h + B, R_pixel, the product, shifts and sum, Q
       break;
   }
-  // In front of the scoreboard; z and its FIFO, or request, memory and answer; join, compare, out.
-  t.total = 1 + std::max(t.code + 1, 3) + 3;
+  // The scoreboard; z and its FIFO, or request, memory and answer; join, compare, out.
+  t.total = 2 + std::max(t.code + 1, 3) + 3;
   return t;
 }
 
@@ -80,8 +80,8 @@ MergeTiming merge_timing(const Config& config) {
   t.product =
       blend_product(grid_of(config.format(FormatId::merge_color)),
                     grid_of(config.format(FormatId::fog_color)), config.format(FormatId::texture_alpha));
-  // In front of the scoreboard, FIFO; join, blend, out.
-  t.total = 2 + 1 + (t.product + 3) + 1;
+  // The scoreboard, FIFO; join, blend, out.
+  t.total = 2 + 1 + 1 + (t.product + 3) + 1;
   // Request, memory and answer instead of the FIFO.
   t.total_blending = t.total + 2;
   return t;

@@ -78,45 +78,34 @@ module depth #(
   localparam int CodeClocks = bitspan_pixel_pkg::DepthCodeClocks;
   localparam int RecipW = bitspan_pixel_pkg::PixelRecipOutW + bitspan_pixel_pkg::ExponentW;
 
-  // The fragment in front of the scoreboard.
-  localparam int InW = 2 * CoordW + HW + 3 + RestW;
-  logic entry_valid, entry_ready, enter;
+  // The scoreboard.
+  localparam int PlaceW = bitspan_pixel_pkg::ScoreboardPlaceW;
+  logic entry_valid, entry_ready, mark_failed, mark_fate, request_ready, rest_ready, enter;
   logic [CoordW-1:0] entry_x, entry_y;
   logic [HW-1:0] entry_h;
   logic [2:0] entry_func;
   logic [RestW-1:0] entry_rest;
-  skid #(
-      .Width(InW)
-  ) u_in (
-      .clk_i,
-      .rst_ni,
-      .in_valid_i,
-      .in_ready_o,
-      .in_i({in_x_i, in_y_i, in_h_i, in_func_i, in_rest_i}),
-      .out_valid_o(entry_valid),
-      .out_ready_i(entry_ready),
-      .out_o({entry_x, entry_y, entry_h, entry_func, entry_rest})
-  );
-
-  logic busy, swept, mark_failed, mark_fate, request_ready, rest_ready, free;
-  assign free = swept && !busy;
-  assign entry_ready = free && request_ready && rest_ready;
-  assign enter = entry_valid && entry_ready;
-
-  logic failed, fate_done;
+  logic failed, tested_mark_failed, fate_done, fate_mark;
   logic [CoordW-1:0] tested_x, tested_y;
-  logic tested_mark_failed;
-  logic fate_mark;
-  localparam int PlaceW = bitspan_pixel_pkg::ScoreboardPlaceW;
+  assign entry_ready = request_ready && rest_ready;
+  assign enter = entry_valid && entry_ready;
   scoreboard #(
+      .Width (HW + 3 + RestW),
+      .CoordW(CoordW),
       .PlaceW(PlaceW)
   ) u_scoreboard (
       .clk_i,
       .rst_ni,
-      .x_i           (PlaceW'(entry_x)),
-      .y_i           (PlaceW'(entry_y)),
-      .enter_i       (enter),
-      .busy_o        (busy),
+      .in_valid_i,
+      .in_ready_o,
+      .in_x_i,
+      .in_y_i,
+      .in_i          ({in_h_i, in_func_i, in_rest_i}),
+      .out_valid_o   (entry_valid),
+      .out_ready_i   (entry_ready),
+      .out_x_o       (entry_x),
+      .out_y_o       (entry_y),
+      .out_o         ({entry_h, entry_func, entry_rest}),
       .mark_a_o      (mark_failed),
       .mark_b_o      (mark_fate),
       .leave_a_i     (failed),
@@ -126,8 +115,7 @@ module depth #(
       .leave_b_i     (fate_done),
       .leave_b_x_i   (PlaceW'(write_x_o)),
       .leave_b_y_i   (PlaceW'(write_y_o)),
-      .leave_b_mark_i(fate_mark),
-      .swept_o       (swept)
+      .leave_b_mark_i(fate_mark)
   );
 
   skid #(
@@ -135,7 +123,7 @@ module depth #(
   ) u_request (
       .clk_i,
       .rst_ni,
-      .in_valid_i (entry_valid && free && rest_ready),
+      .in_valid_i (entry_valid && rest_ready),
       .in_ready_o (request_ready),
       .in_i       ({entry_x, entry_y}),
       .out_valid_o(request_valid_o),
@@ -175,7 +163,7 @@ module depth #(
   ) u_rest (
       .clk_i,
       .rst_ni,
-      .in_valid_i (entry_valid && free && request_ready),
+      .in_valid_i (entry_valid && request_ready),
       .in_ready_o (rest_ready),
       .in_i       ({entry_x, entry_y, entry_h, entry_func, mark_failed, mark_fate, entry_rest}),
       .out_valid_o(rest_valid),

@@ -55,24 +55,42 @@ module merge #(
   localparam int InFlight = bitspan_pixel_pkg::FragmentsInFlight;
   localparam int PlaceW = bitspan_pixel_pkg::ScoreboardPlaceW;
 
-  // The fragment in front of the scoreboard.
-  localparam int InW = 2 * CoordW + 3 * OwnW + AlphaW + 2 + RestW;
-  logic entry_valid, entry_ready, enter, entry_blend, entry_write;
+  // The scoreboard.
+  logic entry_valid, entry_ready, entry_blend, entry_write, mark, unused_mark, request_ready, rest_ready;
   logic [CoordW-1:0] entry_x, entry_y;
   logic [3*OwnW-1:0] entry_own;
   logic [AlphaW-1:0] entry_a;
   logic [RestW-1:0] entry_rest;
-  skid #(
-      .Width(InW)
-  ) u_in (
+  logic leave, leave_mark;
+  assign entry_ready = rest_ready && request_ready;
+  scoreboard #(
+      .Width  (3 * OwnW + AlphaW + 2 + RestW),
+      .CoordW (CoordW),
+      .PlaceW (PlaceW),
+      .TwoWays(0)
+  ) u_scoreboard (
       .clk_i,
       .rst_ni,
       .in_valid_i,
       .in_ready_o,
-      .in_i({in_x_i, in_y_i, in_r_i, in_g_i, in_b_i, in_a_i, in_blend_i, in_write_i, in_rest_i}),
-      .out_valid_o(entry_valid),
-      .out_ready_i(entry_ready),
-      .out_o({entry_x, entry_y, entry_own, entry_a, entry_blend, entry_write, entry_rest})
+      .in_x_i,
+      .in_y_i,
+      .in_i          ({in_r_i, in_g_i, in_b_i, in_a_i, in_blend_i, in_write_i, in_rest_i}),
+      .out_valid_o   (entry_valid),
+      .out_ready_i   (entry_ready),
+      .out_x_o       (entry_x),
+      .out_y_o       (entry_y),
+      .out_o         ({entry_own, entry_a, entry_blend, entry_write, entry_rest}),
+      .mark_a_o      (mark),
+      .mark_b_o      (unused_mark),
+      .leave_a_i     (leave),
+      .leave_a_x_i   (PlaceW'(write_x_o)),
+      .leave_a_y_i   (PlaceW'(write_y_o)),
+      .leave_a_mark_i(leave_mark),
+      .leave_b_i     (1'b0),
+      .leave_b_x_i   ({PlaceW{1'b0}}),
+      .leave_b_y_i   ({PlaceW{1'b0}}),
+      .leave_b_mark_i(1'b0)
   );
   // Below 1: negative, or no bit at 1 or above.
   logic translucent, reads;
@@ -84,39 +102,12 @@ module merge #(
   end
   assign reads = entry_blend && translucent;
 
-  logic busy, swept, mark, unused_mark, request_ready, rest_ready, free;
-  assign free = swept && !busy;
-  assign entry_ready = free && rest_ready && request_ready;
-  assign enter = entry_valid && entry_ready;
-  logic leave, leave_mark;
-  scoreboard #(
-      .PlaceW (PlaceW),
-      .TwoWays(0)
-  ) u_scoreboard (
-      .clk_i,
-      .rst_ni,
-      .x_i           (PlaceW'(entry_x)),
-      .y_i           (PlaceW'(entry_y)),
-      .enter_i       (enter),
-      .busy_o        (busy),
-      .mark_a_o      (mark),
-      .mark_b_o      (unused_mark),
-      .leave_a_i     (leave),
-      .leave_a_x_i   (PlaceW'(write_x_o)),
-      .leave_a_y_i   (PlaceW'(write_y_o)),
-      .leave_a_mark_i(leave_mark),
-      .leave_b_i     (1'b0),
-      .leave_b_x_i   ({PlaceW{1'b0}}),
-      .leave_b_y_i   ({PlaceW{1'b0}}),
-      .leave_b_mark_i(1'b0),
-      .swept_o       (swept)
-  );
   skid #(
       .Width(2 * CoordW)
   ) u_request (
       .clk_i,
       .rst_ni,
-      .in_valid_i (entry_valid && reads && free && rest_ready),
+      .in_valid_i (entry_valid && reads && rest_ready),
       .in_ready_o (request_ready),
       .in_i       ({entry_x, entry_y}),
       .out_valid_o(request_valid_o),
@@ -138,7 +129,7 @@ module merge #(
   ) u_rest (
       .clk_i,
       .rst_ni,
-      .in_valid_i (entry_valid && free && request_ready),
+      .in_valid_i (entry_valid && request_ready),
       .in_ready_o (rest_ready),
       .in_i       ({entry_x, entry_y, entry_own, entry_a, mark, reads, entry_write, entry_rest}),
       .out_valid_o(rest_valid),

@@ -103,10 +103,12 @@ module mul_pipe #(
     // Rows, one per limb of b; the bits above the limbs are a row, too.
     logic signed [PW-1:0] row[BLimbs+1];
     for (genvar j = 0; j < BLimbs; j++) begin : gen_row
+      logic signed [PW-1:0] sum;
       always_comb begin
-        row[j] = '0;
-        for (int i = 0; i < ALimbs; i++) row[j] = row[j] + (PW'(part_q[i*BLimbs+j]) <<< (Limb * (i + j)));
+        sum = '0;
+        for (int i = 0; i < ALimbs; i++) sum = sum + (PW'(part_q[i*BLimbs+j]) <<< (Limb * (i + j)));
       end
+      assign row[j] = sum;
     end
     assign row[BLimbs] = above_a_q + above_b_q;
     logic signed [PW-1:0] term[BLimbs+1];

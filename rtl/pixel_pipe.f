@@ -17,3 +17,4 @@ texture_filter.sv
 texture.sv
 fog.sv
 merge.sv
+pixel_pipe.sv

@@ -731,17 +731,19 @@ module texture #(
                 bitspan_pixel_pkg::TextureAddressClocks, bitspan_pixel_pkg::TextureColorClocks);
   end
   always @(posedge clk_i) begin
-    if (rst_ni && in_taken && in_textured_i) begin
+    if (in_taken && in_textured_i) begin
       assert (in_clamp_i || ((in_last_i_i & (in_last_i_i + 1'b1)) == '0 && (in_last_j_i & (in_last_j_i + 1'b1)) == '0))
       else $fatal(1, "texture: a cyclic texture of %0d x %0d texels", in_last_i_i + 1, in_last_j_i + 1);
       assert ((AddressW'(in_last_i_i) >> in_pitch_i) == '0 && (in_base_i & ((AddressW'(1) << in_pitch_i) - 1'b1)) == '0)
       else $fatal(1, "texture: base %0d or pitch %0d do not suit rows of %0d texels", in_base_i, in_pitch_i,
                   in_last_i_i + 1);
     end
-    if (rst_ni) begin
-      assert (!(ask_valid && ask_taken) || queue_ready)
+    if (ask_valid && ask_taken) begin
+      assert (queue_ready)
       else $fatal(1, "texture: more fragments wait for texels than there is room for");
-      assert (!asked_valid || held_valid)
+    end
+    if (asked_valid) begin
+      assert (held_valid)
       else $fatal(1, "texture: a fragment's shades are not there");
     end
   end

@@ -35,7 +35,8 @@ StageDesign design_of(const Config& c) {
                        {ChannelKind::tap,
                         "record",
                         {"x", "y", "recip_m", "recip_e", "z", "stored", "pass", "rest"}}},
-          .constants = {"b", "c1", "c0"}};
+          .constants = {"b", "c1", "c0"},
+          .levels = {}};
 }
 
 std::uint64_t port_of(DepthFunc func) {
@@ -62,46 +63,68 @@ std::uint64_t initial_code(const model::DepthStage& stage, const StageMemory::Ad
                                : stage.clear);
 }
 
+// What the sequential model makes of the fragments.
+DepthCase expect_of(const Config& c, const model::Constants& constants, std::vector<Drawn> drawn) {
+  DepthCase made;
+  made.constants = constants;
+  model::DepthStage stage = model::prepare_depth(c, constants);
+  for (const Drawn& d : drawn) {
+    const StageMemory::Address at{static_cast<std::uint64_t>(d.fragment.x),
+                                  static_cast<std::uint64_t>(d.fragment.y)};
+    const auto found = made.stored.find(at);
+    const std::uint64_t stored = found == made.stored.end() ? initial_code(stage, at) : found->second;
+    stage.func = d.func;
+    DepthRecord record;
+    const bool pass = model::depth(stage, d.fragment, static_cast<std::int64_t>(stored), record);
+    if (pass && d.written) made.stored[at] = static_cast<std::uint64_t>(record.z);
+    made.records.push_back(record);
+  }
+  made.drawn = std::move(drawn);
+  return made;
+}
+
+// Constants that bring codes into range; false where the configuration does not hold them.
+bool set_constants_of_scene(const Config& c, model::Constants& constants) {
+  Scene scene;
+  scene.s_min = 1;
+  scene.s_max = 100;
+  try {
+    constants = model::make_constants(c, scene);
+  } catch (const InputError&) {
+    return false;
+  }
+  return true;
+}
+
 // Fragments on width x height pixels, the codes of some of them equal.
 DepthCase make_case(Random& random, const Config& c, int count, std::uint64_t width, std::uint64_t height) {
   DepthCase made;
   ConstantsRecord& k = made.constants.record;
-  k.b = std::max<std::int64_t>(1, random_raw(random, c.format(FormatId::setup_b)));
-  if (is_linear_in_distance(c.depth_code)) {
+  const bool of_scene = random() % 2 == 0 && set_constants_of_scene(c, made.constants);
+  if (!of_scene) k.b = std::max<std::int64_t>(1, random_raw(random, c.format(FormatId::setup_b)));
+  if (!of_scene && is_linear_in_distance(c.depth_code)) {
     k.c1 = random_raw(random, c.format(FormatId::depth_c1));
     k.c0 = random_raw(random, c.format(FormatId::depth_c0));
   }
-  model::DepthStage stage = model::prepare_depth(c, made.constants);
   const Format& h = c.format(FormatId::span_h);
   std::vector<std::int64_t> pool(8);
   for (std::int64_t& raw : pool) raw = random_raw(random, h);
-  const std::uint64_t corner = random() & ((std::uint64_t{1} << pixel_index_bits(c)) - 1);
   const std::uint64_t mask = (std::uint64_t{1} << pixel_index_bits(c)) - 1;
-  for (int i = 0; i < count; ++i) {
-    Drawn d;
+  const std::uint64_t corner = random() & mask;
+  std::vector<Drawn> drawn(static_cast<std::size_t>(count));
+  for (Drawn& d : drawn) {
     d.fragment.x = static_cast<std::int64_t>((corner + random() % width) & mask);
     d.fragment.y = static_cast<std::int64_t>((corner + random() % height) & mask);
     d.fragment.h = random() % 2 == 0 ? pool[random() % pool.size()] : random_raw(random, h);
     d.func = static_cast<DepthFunc>(random() % enum_names<DepthFunc>.size());
     d.written = random() % 5 != 0;
-    const StageMemory::Address at{static_cast<std::uint64_t>(d.fragment.x),
-                                  static_cast<std::uint64_t>(d.fragment.y)};
-    const auto found = made.stored.find(at);
-    stage.func = d.func;
-    DepthRecord record;
-    const bool pass = model::depth(
-        stage, d.fragment,
-        static_cast<std::int64_t>(found == made.stored.end() ? initial_code(stage, at) : found->second),
-        record);
-    if (pass && d.written) made.stored[at] = static_cast<std::uint64_t>(record.z);
-    made.records.push_back(record);
-    made.drawn.push_back(d);
   }
-  return made;
+  return expect_of(c, made.constants, std::move(drawn));
 }
 
 struct Way {
-  StageStalls stalls;
+  double in_gap = 0;   // of the fragments
+  StageStalls stalls;  // of the other channels
   StageMemory::Latency latency;
   bool fates_in_order = true;
   std::uint64_t seed = 1;
@@ -122,6 +145,7 @@ DepthRun run_depth(const Config& c, const DepthCase& given, const Way& way) {
   bench.set_constant("c1", port(FormatId::depth_c1, k.c1));
   bench.set_constant("c0", port(FormatId::depth_c0, k.c0));
   bench.set_stalls(way.stalls);
+  bench.set_stalls("in", {way.in_gap, 0});
   const model::DepthStage stage = model::prepare_depth(c, given.constants);
   StageMemory memory(bench, "request", "answer", "write", 2, way.latency, way.seed,
                      [&](const StageMemory::Address& at) { return StageValues{initial_code(stage, at)}; });
@@ -195,11 +219,14 @@ DepthRun run_depth(const Config& c, const DepthCase& given, const Way& way) {
 void check_config_on(const Config& c, std::uint64_t seed, int count) {
   Random random(seed);
   const DepthCase dense = make_case(random, c, count, 3, 2);
+  const DepthCase single = make_case(random, c, count, 1, 1);
   const DepthCase loose = make_case(random, c, count, 40, 30);
-  EXPECT_GE(run_depth(c, dense, {{}, {1, 1}, true, random()}).compared, static_cast<std::size_t>(8 * count));
-  run_depth(c, dense, {{0.2, 0.4}, {1, 9}, false, random()});
-  run_depth(c, loose, {{0.3, 0.3}, {1, 40}, true, random()});
-  const DepthRun fast = run_depth(c, loose, {{}, {12, 20}, false, random()});
+  EXPECT_GE(run_depth(c, dense, {0, {}, {1, 1}, true, random()}).compared,
+            static_cast<std::size_t>(8 * count));
+  run_depth(c, dense, {0.2, {0.2, 0.4}, {1, 9}, false, random()});
+  run_depth(c, single, {0.9, {0.1, 0.1}, {1, 3}, true, random()});  // most arrive as an earlier one leaves
+  run_depth(c, loose, {0.3, {0.3, 0.3}, {1, 40}, true, random()});
+  const DepthRun fast = run_depth(c, loose, {0, {}, {12, 20}, false, random()});
   EXPECT_GE(fast.in_flight, 8U);
 }
 
@@ -231,33 +258,20 @@ TEST(Depth, OneFragmentPerClock) {
     Config c = shipped_config("depth16");
     c.depth_code = code;
     Random random(3);
-    DepthCase row = make_case(random, c, 1, 1, 1);
-    const Drawn first = row.drawn.front();
-    row.drawn.clear();
-    row.records.clear();
-    row.stored.clear();
-    model::DepthStage stage = model::prepare_depth(c, row.constants);
-    stage.func = DepthFunc::always;
-    for (int i = 0; i < 250; ++i) {
-      Drawn d = first;
-      d.func = DepthFunc::always;
-      d.fragment.x = i;
-      d.fragment.y = 100;
-      d.written = true;
-      const StageMemory::Address at{static_cast<std::uint64_t>(i), 100};
-      DepthRecord record;
-      model::depth(stage, d.fragment, static_cast<std::int64_t>(initial_code(stage, at)), record);
-      row.stored[at] = static_cast<std::uint64_t>(record.z);
-      row.records.push_back(record);
-      row.drawn.push_back(d);
+    const DepthCase one = make_case(random, c, 1, 1, 1);
+    std::vector<Drawn> drawn(250, one.drawn.front());
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+      drawn[i].func = DepthFunc::always;
+      drawn[i].fragment.x = static_cast<std::int64_t>(i);
     }
+    const DepthCase row = expect_of(c, one.constants, std::move(drawn));
     const auto total = static_cast<std::uint64_t>(pixel_timing(c).depth.total);
-    const DepthRun run = run_depth(c, row, {{}, {1, 1}, true, 1});
+    const DepthRun run = run_depth(c, row, {0, {}, {1, 1}, true, 1});
     EXPECT_EQ(run.first_out, total);
     EXPECT_EQ(run.last_record, total - 1 + 249);
     // As fast on a memory whose latency the fragments in flight cover.
     const int latency = pixel_timing(c).in_flight - 8;
-    const DepthRun late = run_depth(c, row, {{}, {latency, latency}, true, 1});
+    const DepthRun late = run_depth(c, row, {0, {}, {latency, latency}, true, 1});
     EXPECT_LE(late.last_record, total + static_cast<std::uint64_t>(latency) + 249);
   }
 }
@@ -267,8 +281,11 @@ TEST(Depth, PlantedBugsAreSeen) {
     const char *file, *from, *to;
   };
   constexpr Bug bugs[] = {
-      {"rtl/scoreboard.sv", "assign busy_o = entered ^ left_a ^ left_b;", "assign busy_o = 1'b0 & left_b;"},
-      {"rtl/scoreboard.sv", "assign mark_b_o = ~left_b;", "assign mark_b_o = left_b;"},
+      {"rtl/scoreboard.sv", "assign taken = entered_bits[place] ^ left_a ^ left_b;",
+       "assign taken = 1'b0 & entered_bits[place] & left_a & left_b;"},
+      {"rtl/scoreboard.sv", "&& !(enter && place == place_q);", "&& !(enter && place < place_q);"},
+      {"rtl/scoreboard.sv", "mark_b_o <= ~left_b ^ b_leaves_place;", "mark_b_o <= ~left_b;"},
+      {"rtl/scoreboard.sv", "free_q <= free_q || a_leaves_held", "free_q <= free_q || leave_a_i"},
       {"rtl/depth.sv", "less_q <= joined_z < joined_stored;", "less_q <= joined_z <= joined_stored;"},
       {"rtl/depth.sv", "assign failed = compared_q && en && !pass;", "assign failed = compared_q && en;"},
       {"rtl/depth.sv", ".leave_b_i     (fate_done)", ".leave_b_i     (fate_valid)"},
@@ -279,18 +296,25 @@ TEST(Depth, PlantedBugsAreSeen) {
   const Config c = shipped_config("depth16");
   Random random(5);
   const DepthCase given = make_case(random, c, 300, 3, 2);
+  const DepthCase single = make_case(random, c, 300, 1, 1);
   const RtlCopy copy;
   for (const Bug& bug : bugs) {
     copy.replace(bug.file, bug.from, bug.to);
-    EXPECT_THROW(run_depth(c, given, {{0.2, 0.4}, {1, 9}, false, 11}), std::logic_error) << bug.to;
+    const auto run = [&] {
+      run_depth(c, given, {0.2, {0.2, 0.4}, {1, 9}, false, 11});
+      run_depth(c, single, {0.9, {0.1, 0.1}, {1, 3}, true, 12});
+    };
+    EXPECT_THROW(run(), std::logic_error) << bug.to;
     copy.replace(bug.file, bug.to, bug.from);
   }
   Config linear = c;
   linear.depth_code = DepthCode::linear;
-  const DepthCase far = make_case(random, linear, 300, 3, 2);
-  run_depth(linear, far, {{}, {1, 1}, true, 11});
+  DepthCase far = make_case(random, linear, 300, 3, 2);
+  ASSERT_TRUE(set_constants_of_scene(linear, far.constants));
+  far = expect_of(linear, far.constants, std::move(far.drawn));
+  run_depth(linear, far, {0, {}, {1, 1}, true, 11});
   copy.replace("rtl/depth_code.sv", "subtrahend_q <= -(c0", "subtrahend_q <= (c0");
-  EXPECT_THROW(run_depth(linear, far, {{}, {1, 1}, true, 11}), std::logic_error);
+  EXPECT_THROW(run_depth(linear, far, {0, {}, {1, 1}, true, 11}), std::logic_error);
 }
 
 }  // namespace

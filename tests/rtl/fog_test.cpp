@@ -32,7 +32,8 @@ StageDesign design_of(const Config& c) {
           .top = "fog",
           .package = emit_pixel_sv(c),
           .channels = {{ChannelKind::in, "in", inputs}, {ChannelKind::out, "out", outputs}},
-          .constants = {"load", "load_threshold", "load_place", "load_data"}};
+          .constants = {"load", "load_threshold", "load_place", "load_data"},
+          .levels = {}};
 }
 
 int between(Random& random, int low, int high) {

@@ -31,7 +31,8 @@ StageDesign design_of(const Config& c) {
                        {ChannelKind::in, "answer", {"r", "g", "b"}},
                        {ChannelKind::out, "write", {"x", "y", "r", "g", "b"}},
                        {ChannelKind::tap, "record", {"rest"}}},
-          .constants = {}};
+          .constants = {},
+          .levels = {}};
 }
 
 using Pixel = std::array<std::uint8_t, 3>;
@@ -117,11 +118,12 @@ struct MergeRun {
 };
 
 // Throws std::logic_error where anything differs.
-MergeRun run_merge(const Config& c, const MergeCase& given, const StageStalls& stalls,
+MergeRun run_merge(const Config& c, const MergeCase& given, double in_gap, const StageStalls& stalls,
                    StageMemory::Latency latency, std::uint64_t seed) {
   StageBench bench(design_of(c), seed);
   await_sweep(bench, c);
   bench.set_stalls(stalls);
+  bench.set_stalls("in", {in_gap, 0});
   StageMemory memory(bench, "request", "answer", "write", 2, latency, seed,
                      [](const StageMemory::Address& at) { return values(background(at)); });
   MergeRun run;
@@ -166,11 +168,13 @@ MergeRun run_merge(const Config& c, const MergeCase& given, const StageStalls& s
 void check_config_on(const Config& c, std::uint64_t seed, int count) {
   Random random(seed);
   const MergeCase dense = make_case(random, c, count, 3, 2);
+  const MergeCase single = make_case(random, c, count, 1, 1);
   const MergeCase loose = make_case(random, c, count, 40, 30);
-  EXPECT_GE(run_merge(c, dense, {}, {1, 1}, random()).compared, static_cast<std::size_t>(3 * count));
-  run_merge(c, dense, {0.2, 0.4}, {1, 9}, random());
-  run_merge(c, loose, {0.3, 0.3}, {1, 40}, random());
-  EXPECT_GE(run_merge(c, loose, {}, {12, 20}, random()).in_flight, 4U);
+  EXPECT_GE(run_merge(c, dense, 0, {}, {1, 1}, random()).compared, static_cast<std::size_t>(3 * count));
+  run_merge(c, dense, 0.2, {0.2, 0.4}, {1, 9}, random());
+  run_merge(c, single, 0.9, {0.1, 0.1}, {1, 3}, random());  // most arrive as an earlier one leaves
+  run_merge(c, loose, 0.3, {0.3, 0.3}, {1, 40}, random());
+  EXPECT_GE(run_merge(c, loose, 0, {}, {12, 20}, random()).in_flight, 4U);
 }
 
 class MergeRtl : public testing::TestWithParam<std::string> {};
@@ -199,11 +203,11 @@ TEST(Merge, OneFragmentPerClock) {
     }
     const MergeCase given = expect_of(c, row);
     const auto total = static_cast<std::uint64_t>(blend ? timing.total_blending : timing.total);
-    const MergeRun run = run_merge(c, given, {}, {1, 1}, 1);
+    const MergeRun run = run_merge(c, given, 0, {}, {1, 1}, 1);
     EXPECT_EQ(run.first_write, total);
     EXPECT_EQ(run.last_write, total + 249);
     const int latency = pixel_timing(c).in_flight - 8;
-    EXPECT_LE(run_merge(c, given, {}, {latency, latency}, 1).last_write,
+    EXPECT_LE(run_merge(c, given, 0, {}, {latency, latency}, 1).last_write,
               total + static_cast<std::uint64_t>(latency) + 249);
   }
 }
@@ -213,7 +217,11 @@ TEST(Merge, PlantedBugsAreSeen) {
     const char *file, *from, *to;
   };
   constexpr Bug bugs[] = {
-      {"rtl/scoreboard.sv", "assign busy_o = entered ^ left_a ^ left_b;", "assign busy_o = 1'b0 & left_b;"},
+      {"rtl/scoreboard.sv", "assign taken = entered_bits[place] ^ left_a ^ left_b;",
+       "assign taken = 1'b0 & entered_bits[place] & left_a & left_b;"},
+      {"rtl/scoreboard.sv", "&& !(enter && place == place_q);", "&& !(enter && place < place_q);"},
+      {"rtl/scoreboard.sv", "mark_a_o <= ~left_a ^ a_leaves_place;", "mark_a_o <= ~left_a;"},
+      {"rtl/scoreboard.sv", "(!taken || a_leaves_place || b_leaves_place)", "(!taken || b_leaves_place)"},
       {"rtl/merge.sv", "assign reads = entry_blend && translucent;", "assign reads = translucent;"},
       {"rtl/merge.sv", ".out_ready_i(take && waited_reads)", ".out_ready_i(take || !waited_reads)"},
       {"rtl/merge.sv", "share_q <= waited_reads ? waited_a : AlphaW'(1) << AlphaFrac;",
@@ -227,13 +235,18 @@ TEST(Merge, PlantedBugsAreSeen) {
   const Config c = shipped_config("depth16");
   Random random(5);
   const MergeCase given = make_case(random, c, 300, 3, 2);
+  const MergeCase single = make_case(random, c, 300, 1, 1);
   const RtlCopy copy;
   for (const Bug& bug : bugs) {
     copy.replace(bug.file, bug.from, bug.to);
-    EXPECT_THROW(run_merge(c, given, {0.2, 0.4}, {1, 9}, 11), std::logic_error) << bug.to;
+    const auto run = [&] {
+      run_merge(c, given, 0.2, {0.2, 0.4}, {1, 9}, 11);
+      run_merge(c, single, 0.9, {0.1, 0.1}, {1, 3}, 12);
+    };
+    EXPECT_THROW(run(), std::logic_error) << bug.to;
     copy.replace(bug.file, bug.to, bug.from);
   }
-  run_merge(c, given, {0.2, 0.4}, {1, 9}, 11);
+  run_merge(c, given, 0.2, {0.2, 0.4}, {1, 9}, 11);
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ RtlModuleDesign module_of(const StageDesign& design) {
     if (c.kind == ChannelKind::out) m.inputs.push_back(c.name + "_ready_i");
   }
   for (const std::string& name : design.constants) m.inputs.push_back(name + "_i");
+  for (const std::string& name : design.levels) m.outputs.push_back(name + "_o");
   return m;
 }
 
@@ -59,6 +60,7 @@ StageBench::StageBench(const StageDesign& design, std::uint64_t seed) : random_(
     channels_.push_back(std::move(made));
   }
   for (const std::string& name : design.constants) constants_[name] = place(m.inputs, name + "_i");
+  for (const std::string& name : design.levels) levels_[name] = place(m.outputs, name + "_o");
   module_ = std::make_unique<RtlModule>(m);
 }
 

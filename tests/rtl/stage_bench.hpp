@@ -39,6 +39,7 @@ struct StageDesign {
   std::string package;  // text in front of the sources
   std::vector<StageChannel> channels;
   std::vector<std::string> constants;  // ports that stay as they are
+  std::vector<std::string> levels;     // ports NAME_o besides those of the channels
 };
 
 // The sources of the pixel stages: those that rtl/pixel_pipe.f lists, in the order of reading.
@@ -77,6 +78,8 @@ class StageBench {
   // Values in front of channels in are forgotten.
   void reset();
 
+  // A level as the last clock found it.
+  std::uint64_t level(const std::string& name) const { return outputs_.at(levels_.at(name)); }
   std::uint64_t clocks() const { return clocks_; }
   // Transfers on a channel so far.
   std::uint64_t transfers(const std::string& channel) const;
@@ -106,6 +109,7 @@ class StageBench {
   std::mt19937_64 random_;
   std::vector<Channel> channels_;
   std::map<std::string, std::size_t> constants_;  // places among the inputs
+  std::map<std::string, std::size_t> levels_;     // places among the outputs
   std::vector<std::uint64_t> inputs_, outputs_;
   std::uint64_t clocks_ = 0;
   std::unique_ptr<RtlModule> module_;

@@ -30,7 +30,7 @@ const std::vector<std::string> outputs = {"i",       "j", "ex", "ey", "texel_r",
                                           "texel_a", "r", "g",  "b",  "a",       "killed",  "rest"};
 
 StageDesign design(const Config& config) {
-  StageDesign d{config.name, "texture", emit_pixel_sv(config), {}, {}};
+  StageDesign d{config.name, "texture", emit_pixel_sv(config), {}, {}, {}};
   d.channels.push_back({ChannelKind::in, "in", inputs});
   for (int port = 0; port < 4; ++port) {
     d.channels.push_back({ChannelKind::out, fmt::format("request{}", port), {"address"}});
