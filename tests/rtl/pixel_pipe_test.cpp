@@ -14,7 +14,10 @@
 #include "engine/sv_writer.hpp"
 #include "model/engine_model.hpp"
 #include "model/stages/constants.hpp"
+#include "model/stages/depth.hpp"
 #include "model/stages/fog.hpp"
+#include "model/stages/merge.hpp"
+#include "model/stages/texture.hpp"
 #include "scene/demo.hpp"
 #include "tests/rtl/random_rtl.hpp"
 #include "tests/rtl/rtl_copy.hpp"
@@ -62,6 +65,20 @@ StageDesign design_of(const Config& c) {
   return d;
 }
 
+std::uint64_t bits(std::int64_t raw, int width) { return Rtl::to_port(raw, width); }
+
+// What the stages take from a triangle.
+struct DrawState {
+  DepthFunc func = DepthFunc::less;
+  int texture = -1;
+  TextureFilter filter = TextureFilter::nearest;
+  TextureWrap wrap = TextureWrap::cyclic;
+  Color transparent;
+  FogMode fog = FogMode::none;
+  std::array<std::uint8_t, 3> fog_color{};
+  bool write_z = true, blend = true, write_color = true;
+};
+
 // Fragments with one draw state.
 struct Batch {
   StageValues draw;
@@ -70,7 +87,7 @@ struct Batch {
 
 struct PipeCase {
   Config config;
-  Scene scene;
+  Scene scene;                                // its textures, its background and its size
   std::vector<std::uint64_t> bases, pitches;  // of the textures
   model::Constants constants;
   model::FogStage fog;
@@ -79,11 +96,9 @@ struct PipeCase {
   Frame frame;
 };
 
-std::uint64_t bits(std::int64_t raw, int width) { return Rtl::to_port(raw, width); }
-
 // The ports that a record's fields have, but for `triangle`.
 template <class R>
-StageValues ports_of(const Config& c, const R& record) {
+StageValues record_ports(const Config& c, const R& record) {
   StageValues values;
   const auto raw = raw_values(record);
   for (std::size_t i = 0; i < raw.size(); ++i) {
@@ -103,29 +118,55 @@ std::uint64_t packed(const std::array<std::uint8_t, 3>& color) {
   return color[0] | std::uint64_t{color[1]} << 8 | std::uint64_t{color[2]} << 16;
 }
 
-StageValues draw_state(const PipeCase& p, const Triangle& triangle) {
-  const Config& c = p.config;
-  const PassingDistances passes = passing_distances(c.depth_func);
-  const bool textured = triangle.texture >= 0;
-  const auto texture = static_cast<std::size_t>(textured ? triangle.texture : 0);
+StageValues ports_of(const PipeCase& p, const DrawState& s) {
+  const PassingDistances passes = passing_distances(s.func);
+  const bool textured = s.texture >= 0;
+  const auto texture = static_cast<std::size_t>(textured ? s.texture : 0);
   const auto last = [&](int Texture::*size) {
     return textured ? static_cast<std::uint64_t>(p.scene.textures[texture].*size - 1) : 0;
   };
-  return {(passes.nearer ? 1U : 0U) | (passes.equal ? 2U : 0U) | (passes.farther ? 4U : 0U),
-          1,
-          textured ? 1U : 0U,
-          weighs_texels(c.filter) ? 1U : 0U,
-          clamps_to_border(c.wrap) ? 1U : 0U,
+  const auto bit = [](bool b) { return std::uint64_t{b}; };
+  return {bit(passes.nearer) | bit(passes.equal) << 1 | bit(passes.farther) << 2,
+          bit(s.write_z),
+          bit(textured),
+          bit(weighs_texels(s.filter)),
+          bit(clamps_to_border(s.wrap)),
           last(&Texture::width),
           last(&Texture::height),
           textured ? p.pitches[texture] : 0,
           textured ? p.bases[texture] : 0,
-          c.transparent ? 1U : 0U,
-          c.transparent ? packed(*c.transparent) : 0,
-          static_cast<std::uint64_t>(p.fog.mode),
-          packed(p.fog.fog_color),
-          1,
-          1};
+          bit(s.transparent.has_value()),
+          s.transparent ? packed(*s.transparent) : 0,
+          static_cast<std::uint64_t>(s.fog),
+          packed(s.fog_color),
+          bit(s.blend),
+          bit(s.write_color)};
+}
+
+StageValues ports_of(const Config& c, const FragmentRecord& f) {
+  const auto port = [&c](std::int64_t raw, FormatId id) { return bits(raw, c.format(id).word); };
+  return {bits(f.x, 63),
+          bits(f.y, 63),
+          port(f.h, FormatId::span_h),
+          port(f.u, FormatId::span_uv),
+          port(f.v, FormatId::span_uv),
+          port(f.r, FormatId::span_shade),
+          port(f.g, FormatId::span_shade),
+          port(f.b, FormatId::span_shade),
+          port(f.a, FormatId::span_shade)};
+}
+
+void place_textures(PipeCase& p) {
+  std::uint64_t end = 0;
+  for (const Texture& t : p.scene.textures) {
+    p.pitches.push_back(static_cast<std::uint64_t>(std::bit_width(static_cast<unsigned>(t.width - 1))));
+    p.bases.push_back(((end >> p.pitches.back()) + 1) << p.pitches.back());
+    end = p.bases.back() + (static_cast<std::uint64_t>(t.height) << p.pitches.back());
+  }
+}
+
+std::uint32_t clear_code(const Config& c) {
+  return nearer_is_larger(c.depth_code) ? 0 : (std::uint32_t{1} << c.depth_bits) - 1;
 }
 
 // The RTL repeats textures whose sizes are powers of two: others are continued up to one.
@@ -149,12 +190,7 @@ PipeCase make_case(const Config& c, const Scene& given) {
   p.scene = given;
   if (!clamps_to_border(c.wrap)) continue_textures(p.scene);
   const Scene& scene = p.scene;
-  std::uint64_t end = 0;
-  for (const Texture& t : scene.textures) {
-    p.pitches.push_back(static_cast<std::uint64_t>(std::bit_width(static_cast<unsigned>(t.width - 1))));
-    p.bases.push_back(((end >> p.pitches.back()) + 1) << p.pitches.back());
-    end = p.bases.back() + (static_cast<std::uint64_t>(t.height) << p.pitches.back());
-  }
+  place_textures(p);
   p.constants = model::make_constants(c, scene);
   p.fog = model::prepare_fog(c, p.constants, scene);
   const auto model = make_model(c);
@@ -163,26 +199,127 @@ PipeCase make_case(const Config& c, const Scene& given) {
   model->draw(scene.triangles, 0, &trace);
   p.frame = model->frame();
   std::int64_t before = -1;
-  const auto port = [&c](std::int64_t raw, FormatId id) { return bits(raw, c.format(id).word); };
   for (const FragmentRecord& f : trace.fragment) {
     if (f.covered == 0) continue;
     if (f.triangle != before) {
-      const StageValues draw = draw_state(p, scene.triangles[static_cast<std::size_t>(f.triangle)]);
+      const DrawState state{.func = c.depth_func,
+                            .texture = scene.triangles[static_cast<std::size_t>(f.triangle)].texture,
+                            .filter = c.filter,
+                            .wrap = c.wrap,
+                            .transparent = c.transparent,
+                            .fog = p.fog.mode,
+                            .fog_color = p.fog.fog_color};
+      const StageValues draw = ports_of(p, state);
       if (p.batches.empty() || p.batches.back().draw != draw) p.batches.push_back({draw, {}});
       before = f.triangle;
     }
-    p.batches.back().fragments.push_back({bits(f.x, 63), bits(f.y, 63), port(f.h, FormatId::span_h),
-                                          port(f.u, FormatId::span_uv), port(f.v, FormatId::span_uv),
-                                          port(f.r, FormatId::span_shade), port(f.g, FormatId::span_shade),
-                                          port(f.b, FormatId::span_shade), port(f.a, FormatId::span_shade)});
+    p.batches.back().fragments.push_back(ports_of(c, f));
   }
   const auto add = [&](const char* tap, const auto& records) {
-    for (const auto& r : records) p.records[tap].push_back(ports_of(c, r));
+    for (const auto& r : records) p.records[tap].push_back(record_ports(c, r));
   };
   add("depth_record", trace.depth);
   add("texture_record", trace.texture);
   add("fog_record", trace.fog);
   add("merge_record", trace.merge);
+  return p;
+}
+
+DrawState random_state(Random& random, const PipeCase& p) {
+  const auto chance = [&](int percent) { return static_cast<int>(random() % 100) < percent; };
+  DrawState s;
+  s.func = static_cast<DepthFunc>(random() % enum_names<DepthFunc>.size());
+  s.texture = static_cast<int>(random() % (p.scene.textures.size() + 1)) - 1;
+  s.filter = chance(50) ? TextureFilter::nearest : TextureFilter::bilinear;
+  s.wrap = chance(50) ? TextureWrap::cyclic : TextureWrap::clamp;
+  if (chance(50)) s.transparent = std::array<std::uint8_t, 3>{255, 0, 255};
+  s.fog = chance(30)                                          ? FogMode::none
+          : is_linear_in_distance(p.config.fog) && chance(50) ? FogMode::linear
+                                                              : FogMode::table;
+  for (auto& channel : s.fog_color) channel = static_cast<std::uint8_t>(random());
+  s.write_z = chance(80);
+  s.blend = chance(70);
+  s.write_color = chance(90);
+  return s;
+}
+
+// Raw fragments on few pixels, a new draw state for every few of them, through the model's stages one after
+// another.
+PipeCase random_case(Random& random, const Config& c, int batches) {
+  PipeCase p;
+  p.config = c;
+  p.scene.width = 12;
+  p.scene.height = 7;
+  p.scene.background = {10, 20, 30};
+  for (const int size : {1, 4, 16}) {
+    Texture t{"t", size, 2 * size, {}};
+    for (int i = 0; i < 2 * size * size; ++i) {
+      const bool hole = random() % 8 == 0;
+      for (int channel = 0; channel < 4; ++channel) {
+        t.rgba.push_back(hole && channel < 3 ? (channel == 1 ? 0 : 255)
+                                             : static_cast<std::uint8_t>(random()));
+      }
+    }
+    p.scene.textures.push_back(t);
+  }
+  place_textures(p);
+  ConstantsRecord& k = p.constants.record;
+  k.b = std::max<std::int64_t>(1, random_raw(random, c.format(FormatId::setup_b)));
+  k.c1 = is_linear_in_distance(c.depth_code) ? random_raw(random, c.format(FormatId::depth_c1)) : 0;
+  k.c0 = is_linear_in_distance(c.depth_code) ? random_raw(random, c.format(FormatId::depth_c0)) : 0;
+  k.fog_scale = random_raw(random, c.format(FormatId::fog_scale));
+  model::DepthStage depth = model::prepare_depth(c, p.constants);
+  model::TextureStage texture = model::prepare_texture(c);
+  p.fog = model::prepare_fog(c, p.constants, p.scene);
+  p.fog.scale.raw = k.fog_scale;
+  p.fog.table.resize(std::size_t{1} << c.fog_index_bits());
+  for (std::int64_t& entry : p.fog.table) entry = random_raw(random, c.format(FormatId::fog_factor));
+  const model::MergeStage merge = model::prepare_merge(c);
+  clear_frame(p.frame, p.scene.width, p.scene.height, p.scene.background, clear_code(c), false);
+  const std::int64_t one = std::int64_t{1} << c.format(FormatId::texture_alpha).fraction();
+  for (int batch = 0; batch < batches; ++batch) {
+    const DrawState s = random_state(random, p);
+    p.batches.push_back({ports_of(p, s), {}});
+    depth.func = s.func;
+    texture.filter = s.filter;
+    texture.wrap = s.wrap;
+    texture.transparent = s.transparent;
+    p.fog.mode = s.fog;
+    p.fog.fog_color = s.fog_color;
+    for (std::uint64_t n = random() % 6; n > 0; --n) {
+      FragmentRecord f;
+      f.x = static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(p.scene.width));
+      f.y = static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(p.scene.height));
+      f.h = random_raw(random, c.format(FormatId::span_h));
+      for (std::int64_t* uv : {&f.u, &f.v}) *uv = random_raw(random, c.format(FormatId::span_uv));
+      for (std::int64_t* v : {&f.r, &f.g, &f.b, &f.a})
+        *v = random_raw(random, c.format(FormatId::span_shade));
+      p.batches.back().fragments.push_back(ports_of(c, f));
+      const std::size_t at = pixel_of(p.frame, f);
+      DepthRecord d;
+      TextureRecord t;
+      FogRecord mist;
+      MergeRecord m;
+      const bool pass = model::depth(depth, f, p.frame.depth[at], d);
+      p.records["depth_record"].push_back(record_ports(c, d));
+      if (!pass) continue;
+      const Texture* image = s.texture < 0 ? nullptr : &p.scene.textures[static_cast<std::size_t>(s.texture)];
+      const bool lives = model::texture(texture, image, f, t);
+      p.records["texture_record"].push_back(record_ports(c, t));
+      if (!lives) continue;
+      model::fog(p.fog, f, t, mist);
+      p.records["fog_record"].push_back(record_ports(c, mist));
+      if (!s.blend) t.a = one;
+      std::uint8_t* color = p.frame.color.data() + 4 * at;
+      model::merge(merge, d, t, mist, {color[0], color[1], color[2]}, m);
+      p.records["merge_record"].push_back(record_ports(c, m));
+      if (s.write_z) p.frame.depth[at] = static_cast<std::uint32_t>(d.z);
+      if (!s.write_color) continue;
+      color[0] = static_cast<std::uint8_t>(m.r);
+      color[1] = static_cast<std::uint8_t>(m.g);
+      color[2] = static_cast<std::uint8_t>(m.b);
+    }
+  }
   return p;
 }
 
@@ -252,9 +389,8 @@ PipeRun run_pipe(const PipeCase& p, const Way& way) {
   load_frame_state(bench, p);
   bench.set_stalls(way.stalls);
   bench.set_stalls("in", {way.in_gap, 0});
-  const std::uint64_t clear = nearer_is_larger(c.depth_code) ? 0 : (std::uint64_t{1} << c.depth_bits) - 1;
   StageMemory z(bench, "z_request", "z_answer", "z_write", 2, way.latency, way.seed,
-                [&](const StageMemory::Address&) { return StageValues{clear}; });
+                [&](const StageMemory::Address&) { return StageValues{clear_code(c)}; });
   StageMemory color(bench, "color_request", "color_answer", "color_write", 2, way.latency, way.seed,
                     [&](const StageMemory::Address&) {
                       const auto& b = p.scene.background;
@@ -352,6 +488,24 @@ TEST(PixelPipe, Modes) {
   }
 }
 
+// A new draw state for every few fragments, any raw values, any configuration.
+TEST(PixelPipe, RandomDrawStates) {
+  const auto check = [](const Config& c, std::uint64_t seed) {
+    Random random(seed);
+    const PipeCase p = random_case(random, c, 400);
+    ASSERT_GT(p.records.at("depth_record").size(), 500U);
+    EXPECT_GT(run_pipe(p, {0, {}, {1, 1}, seed}).compared, 4000U);
+    run_pipe(p, {0.2, {0.2, 0.3}, {1, 25}, seed});
+    run_pipe(p, {0, {}, {15, 30}, seed});
+  };
+  for (const Config& c : shipped_configs()) check(c, 9);
+  for (const std::uint64_t seed : stage_seeds(4)) {
+    SCOPED_TRACE(stage_seed_text(seed));
+    check(random_stage_config(seed), seed);
+    if (HasFailure()) return;
+  }
+}
+
 TEST(PixelPipe, PlantedBugsAreSeen) {
   struct Bug {
     const char *file, *from, *to;
@@ -366,7 +520,8 @@ TEST(PixelPipe, PlantedBugsAreSeen) {
       {"rtl/pixel_pipe.sv", "assign left[1] = textured_valid && textured_ready && killed;",
        "assign left[1] = textured_valid && killed;"},
   };
-  const PipeCase p = make_case(shipped_config("depth16"), demo_scene(64, 48));
+  Random random(5);
+  const PipeCase p = random_case(random, shipped_config("depth16"), 400);
   run_pipe(p, {0.1, {0.2, 0.3}, {1, 25}, 5});
   const RtlCopy copy;
   for (const Bug& bug : bugs) {
