@@ -22,6 +22,7 @@ module delay_line #(
         for (int i = 1; i < Depth; i++) line_q[i] <= line_q[i-1];
       end
     end
-    assign q_o = line_q[Depth-1];
+    // Icarus 11 loses a continuous assignment here at times.
+    always_comb q_o = line_q[Depth-1];
   end
 endmodule

@@ -397,7 +397,7 @@ module fog #(
       .d_i({in_b_i, in_g_i, in_r_i, in_color_i}),
       .q_o({own, code})
   );
-  logic [ColorW-1:0] mixed[3];
+  logic [3*ColorW-1:0] mixed;
   for (genvar c = 0; c < 3; c++) begin : gen_blend
     blend #(
         .AW(8),
@@ -420,7 +420,7 @@ module fog #(
         .a_i(code[8*c+:8]),
         .b_i(own[c*ColorInW+:ColorInW]),
         .e_i(factor_q),
-        .q_o(mixed[c])
+        .q_o(mixed[(2-c)*ColorW+:ColorW])
     );
   end
 
@@ -467,7 +467,7 @@ module fog #(
       .in_valid_i(valid_q[Clocks-1]),
       .in_ready_o(en),
       .in_i({(mode_out == ModeTable) ? {1'b0, index_out} : '1, (mode_out == ModeLinear) ? recip_out : '0, factor_out,
-             mixed[0], mixed[1], mixed[2], rest_out}),
+             mixed, rest_out}),
       .out_valid_o,
       .out_ready_i,
       .out_o({out_index_o, out_recip_m_o, out_recip_e_o, out_factor_o, out_r_o, out_g_o, out_b_o, out_rest_o})
@@ -482,7 +482,7 @@ module fog #(
     else $fatal(1, "fog: has %0d clocks, told %0d", Clocks, bitspan_pixel_pkg::FogClocks);
   end
   always @(posedge clk_i) begin
-    if (rst_ni && in_valid_i && en) begin
+    if (in_valid_i && en) begin
       assert (in_mode_i != ModeLinear || bitspan_pixel_pkg::FogHasLinear != 0)
       else $fatal(1, "fog: linear fog in a stage without it");
       assert (in_mode_i != ModeTable || (in_x_i < in_width_i && in_y_i < in_height_i))

@@ -59,7 +59,10 @@ module square #(
       end
     end
   end
-  assign s_o = sum_q[(Levels-1)*Width];
+  // Icarus 11 loses a continuous assignment here.
+  logic [2*Width-1:0] last;
+  always_comb last = sum_q[(Levels-1)*Width];
+  assign s_o = last;
 
 `ifndef SYNTHESIS
   initial begin

@@ -164,7 +164,8 @@ module texture #(
       .q_o({textured_6, quad_6})
   );
 
-  logic [FracW-1:0] frac_6[2];
+  // No unpacked array: Yosys 0.23 would take a word at an output port for a read of memory.
+  logic [2*FracW-1:0] frac_6;
   logic [1:0] upper_6;  // of the two texels along an axis, the second one is nearest
   logic [IndexW-1:0] first_3[2], second_3[2];
   for (genvar axis = 0; axis < 2; axis++) begin : gen_axis
@@ -228,7 +229,7 @@ module texture #(
         .clk_i,
         .en_i(address_en),
         .d_i({upper_2, frac_2}),
-        .q_o({upper_6[axis], frac_6[axis]})
+        .q_o({upper_6[axis], frac_6[axis*FracW+:FracW]})
     );
   end
 
@@ -294,7 +295,7 @@ module texture #(
       .rst_ni,
       .in_valid_i(address_valid_q[AddressClocks-1]),
       .in_ready_o(address_en),
-      .in_i({textured_6, quad_6, upper_6, first_i_6, first_j_6, frac_6[0], frac_6[1], second_i_6, first_row_6,
+      .in_i({textured_6, quad_6, upper_6, first_i_6, first_j_6, frac_6[FracW-1:0], frac_6[2*FracW-1:FracW], second_i_6, first_row_6,
              second_row_6}),
       .out_valid_o(ask_valid),
       .out_ready_i(ask_taken),

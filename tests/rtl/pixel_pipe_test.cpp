@@ -19,10 +19,13 @@
 #include "model/stages/merge.hpp"
 #include "model/stages/texture.hpp"
 #include "scene/demo.hpp"
+#include "tb/programs.hpp"
 #include "tests/rtl/random_rtl.hpp"
 #include "tests/rtl/rtl_copy.hpp"
 #include "tests/rtl/stage_bench.hpp"
 #include "tests/rtl/stage_case.hpp"
+#include "tests/rtl/stage_replay.hpp"
+#include "tests/support/files.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -382,9 +385,10 @@ struct PipeRun {
 };
 
 // Throws std::logic_error where anything differs.
-PipeRun run_pipe(const PipeCase& p, const Way& way) {
+PipeRun run_pipe(const PipeCase& p, const Way& way, StageTrace* trace = nullptr) {
   const Config& c = p.config;
   StageBench bench(design_of(c), way.seed);
+  if (trace != nullptr) bench.keep_trace(*trace);
   await_sweep(bench, c);
   load_frame_state(bench, p);
   bench.set_stalls(way.stalls);
@@ -503,6 +507,59 @@ TEST(PixelPipe, RandomDrawStates) {
     SCOPED_TRACE(stage_seed_text(seed));
     check(random_stage_config(seed), seed);
     if (HasFailure()) return;
+  }
+}
+
+std::vector<Config> tool_configs() {
+  Config linear = shipped_config("depth16");
+  linear.depth_code = DepthCode::linear;
+  linear.fog = FogMode::linear;
+  std::vector<Config> configs{shipped_config("narrow"), linear};
+  for (const std::uint64_t seed : stage_seeds(1)) configs.push_back(random_stage_config(100 + seed));
+  return configs;
+}
+
+TEST(PixelPipe, VerilatorLintIsSilent) {
+  for (const Config& c : tool_configs()) {
+    for (const char* top : {"depth", "texture", "fog", "merge", "pixel_pipe"}) {
+      const TemporaryFolder folder;
+      std::vector<std::string> command = {"verilator",       "--lint-only", "-Wall",        "--assert",
+                                          "--max-num-width", "1048576",     "--top-module", top};
+      command.push_back(folder.write("bitspan_pixel_pkg.sv", emit_pixel_sv(c)));
+      for (const auto& source : pixel_sources()) command.push_back(source.string());
+      const auto log = folder.path("lint.log");
+      EXPECT_EQ(run_program(command, log, "this test"), 0) << to_toml(c);
+      EXPECT_EQ(read_file(log), "") << to_toml(c);
+    }
+  }
+}
+
+// What Icarus makes of the sources, and of the netlist that Yosys understood, is what Verilator made of them.
+TEST(PixelPipe, IcarusAndYosysAgree) {
+  for (const Config& c : tool_configs()) {
+    Random random(21);
+    const PipeCase p = random_case(random, c, 60);
+    StageTrace trace;
+    run_pipe(p, {0.2, {0.2, 0.3}, {1, 9}, 4}, &trace);
+    const StageDesign design = design_of(c);
+    const std::size_t compared = replay_under_icarus(design, trace, pixel_sources(), true);
+    EXPECT_GT(compared, trace.outputs.size() * 10);
+    const TemporaryFolder folder;
+    std::string script = "read_verilog -sv -DSYNTHESIS " + folder.write("package.sv", design.package);
+    for (const auto& source : pixel_sources()) script += " " + source.string();
+    const std::string netlist = folder.path("netlist.v");
+    script +=
+        "; hierarchy -check -top pixel_pipe; prep -flatten -top pixel_pipe; check -assert; memory_map; "
+        "write_verilog -noattr " +
+        netlist;
+    const auto log = folder.path("yosys.log");
+    ASSERT_EQ(run_program({"yosys", "-q", "-p", script}, log, "this test"), 0)
+        << read_file(log) << to_toml(c);
+    EXPECT_EQ(replay_under_icarus(design, trace, {netlist}, false), compared);
+    // The replay can fail.
+    auto& clock = trace.outputs[trace.outputs.size() / 2];
+    clock.back() ^= 1;
+    EXPECT_THROW(replay_under_icarus(design, trace, {netlist}, false), std::runtime_error);
   }
 }
 

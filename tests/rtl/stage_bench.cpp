@@ -11,8 +11,6 @@
 #include "tests/support/files.hpp"
 
 namespace bitspan {
-namespace {
-
 RtlModuleDesign module_of(const StageDesign& design) {
   RtlModuleDesign m{.name = design.name,
                     .top = design.top,
@@ -32,8 +30,6 @@ RtlModuleDesign module_of(const StageDesign& design) {
   for (const std::string& name : design.levels) m.outputs.push_back(name + "_o");
   return m;
 }
-
-}  // namespace
 
 std::vector<std::filesystem::path> pixel_sources() {
   const std::filesystem::path folder = rtl_root() / "rtl";
@@ -113,6 +109,10 @@ bool StageBench::clock() {
     }
   }
   module_->clock(inputs_, outputs_);
+  if (trace_ != nullptr) {
+    trace_->inputs.push_back(inputs_);
+    trace_->outputs.push_back(outputs_);
+  }
   ++clocks_;
 
   bool moved = false;

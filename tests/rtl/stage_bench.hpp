@@ -42,6 +42,14 @@ struct StageDesign {
   std::vector<std::string> levels;     // ports NAME_o besides those of the channels
 };
 
+// The bench's ports in order, by names: what RtlModule drives and samples.
+RtlModuleDesign module_of(const StageDesign& design);
+
+// The ports on each clock of a bench, as it drove and sampled them.
+struct StageTrace {
+  std::vector<std::vector<std::uint64_t>> inputs, outputs;
+};
+
 // The sources of the pixel stages: those that rtl/pixel_pipe.f lists, in the order of reading.
 std::vector<std::filesystem::path> pixel_sources();
 
@@ -77,6 +85,8 @@ class StageBench {
   void run_until(const std::function<bool()>& done, int drain = 400);
   // Values in front of channels in are forgotten.
   void reset();
+  // Keeps the ports of each clock from now on.
+  void keep_trace(StageTrace& trace) { trace_ = &trace; }
 
   // A level as the last clock found it.
   std::uint64_t level(const std::string& name) const { return outputs_.at(levels_.at(name)); }
@@ -112,6 +122,7 @@ class StageBench {
   std::map<std::string, std::size_t> levels_;     // places among the outputs
   std::vector<std::uint64_t> inputs_, outputs_;
   std::uint64_t clocks_ = 0;
+  StageTrace* trace_ = nullptr;
   std::unique_ptr<RtlModule> module_;
 };
 
