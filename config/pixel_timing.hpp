@@ -39,9 +39,9 @@ struct MergeTiming {
   int total_blending = 0;  // with one, answered on the clock after its acceptance
 };
 struct PixelTiming {
-  int in_flight = 0;   // fragments that a stage holds while a memory answers
-  int place_bits = 8;  // a scoreboard has 2^place_bits places: several times the fragments in flight
-  int pixel_unit = 0;  // latency of R_pixel
+  int in_flight = 0;    // fragments that a stage holds while a memory answers
+  int place_bits = 10;  // a scoreboard has 2^place_bits places: many times the fragments in flight
+  int pixel_unit = 0;   // latency of R_pixel
   DepthTiming depth;
   TextureTiming texture;
   FogTiming fog;

@@ -3,12 +3,13 @@
 // has left. For what reads and then writes a frame's memory.
 //
 // A pixel has one of 2^PlaceW places, found by its coordinates. Several pixels share a place, which costs clocks and
-// never a value: a block of 2^(PlaceW/2) x 2^(PlaceW/2) pixels, or a row of 2^PlaceW, has each place once.
+// never a value: a block of 2^(PlaceW/2) x 2^(PlaceW/2) pixels, or a row of 2^PlaceW, has each place once. Rows of half
+// as many pixels, less those in flight, follow one another without a place in common.
 //
 //   mark_a_o, b    what the fragment must bring along when it leaves by way a or way b
 //   leave_a_i, b   a fragment leaves; its place is free on the next clock. Without TwoWays there is way a alone
 //
-//   in -> its place -> skid (`entry`) -> look the place up -> register (`held`) -> out
+//   in -> its place -> skid (`entry`) -> read its bits (`looked`) -> taken or free (`held`) -> out
 //
 // A place is taken where an odd number of its three bits is set; each way writes one memory only, and an entering
 // fragment another. For 2^PlaceW clocks after reset the memories are cleared, and nothing comes out.
@@ -63,8 +64,9 @@ module scoreboard #(
       .out_o({place, entry_x, entry_y, entry})
   );
 
-  logic held_valid_q, free_q, swept_q, enter;
-  logic [PlaceW-1:0] sweep_q, place_q, place_a, place_b;
+  logic looked_valid_q, held_valid_q, free_q, swept_q, enter, look, hold;
+  logic [PlaceW-1:0] sweep_q, looked_place_q, place_q, place_a, place_b;
+  logic [2*CoordW+Width-1:0] looked_q;
   assign place_a = place_of(leave_a_x_i, leave_a_y_i);
   assign place_b = place_of(leave_b_x_i, leave_b_y_i);
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -77,59 +79,92 @@ module scoreboard #(
     end
   end
 
+  assign out_valid_o = held_valid_q && free_q;
+  assign enter = out_valid_o && out_ready_i;
+  assign hold = enter || !held_valid_q;
+  assign look = hold || !looked_valid_q;
+  assign entry_ready = look && swept_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      looked_valid_q <= 1'b0;
+      held_valid_q <= 1'b0;
+    end else begin
+      if (look) looked_valid_q <= entry_valid && swept_q;
+      if (hold) held_valid_q <= looked_valid_q;
+    end
+  end
+
   // The memories. An entering fragment makes the number of set bits odd: mark_a_o and mark_b_o are the inverse of the
   // two others.
   localparam int Places = 1 << PlaceW;
   logic entered_bits[Places];
   logic left_a_bits[Places];
-  logic left_a, left_b, taken;
-  assign left_a = left_a_bits[place];
-  assign taken = entered_bits[place] ^ left_a ^ left_b;
+  logic entered_q, left_a_q, left_b_q;
+  logic [PlaceW-1:0] place_entered, place_left_a, place_left_b;
+  assign place_entered = swept_q ? place_q : sweep_q;
+  assign place_left_a = swept_q ? place_a : sweep_q;
+  assign place_left_b = swept_q ? place_b : sweep_q;
   always_ff @(posedge clk_i) begin
-    if (enter || !swept_q) entered_bits[swept_q ? place_q : sweep_q] <= swept_q & ~(mark_a_o ^ mark_b_o);
+    if (enter || !swept_q) entered_bits[place_entered] <= swept_q & ~(mark_a_o ^ mark_b_o);
+    if (look) entered_q <= entered_bits[place];
   end
   always_ff @(posedge clk_i) begin
-    if (leave_a_i || !swept_q) left_a_bits[swept_q ? place_a : sweep_q] <= swept_q & leave_a_mark_i;
+    if (leave_a_i || !swept_q) left_a_bits[place_left_a] <= swept_q & leave_a_mark_i;
+    if (look) left_a_q <= left_a_bits[place];
   end
   if (TwoWays != 0) begin : gen_b
     logic left_b_bits[Places];
-    assign left_b = left_b_bits[place];
     always_ff @(posedge clk_i) begin
-      if (leave_b_i || !swept_q) left_b_bits[swept_q ? place_b : sweep_q] <= swept_q & leave_b_mark_i;
+      if (leave_b_i || !swept_q) left_b_bits[place_left_b] <= swept_q & leave_b_mark_i;
+      if (look) left_b_q <= left_b_bits[place];
     end
   end else begin : gen_no_b
-    assign left_b = 1'b0;
+    assign left_b_q = 1'b0;
     logic unused;
-    assign unused = leave_b_mark_i;
+    assign unused = leave_b_mark_i ^ (^place_left_b);
   end
 
-  // A fragment is looked up on the clock before it is held. What enters or leaves on that clock is not in the memories
-  // yet; while it is held, its place becomes free by nothing but a leave.
-  logic a_leaves_place, b_leaves_place, a_leaves_held, b_leaves_held;
-  assign a_leaves_place = leave_a_i && place_a == place;
-  assign b_leaves_place = (TwoWays != 0) && leave_b_i && place_b == place;
-  assign a_leaves_held = leave_a_i && place_a == place_q;
-  assign b_leaves_held = (TwoWays != 0) && leave_b_i && place_b == place_q;
-  assign out_valid_o = held_valid_q && free_q;
-  assign enter = out_valid_o && out_ready_i;
-  assign entry_ready = swept_q && (enter || !held_valid_q);
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) held_valid_q <= 1'b0;
-    else if (swept_q && (enter || !held_valid_q)) held_valid_q <= entry_valid;
-  end
+  // Whatever enters or leaves a place turns one of its bits. Of what was read since a fragment was looked up, *_since_q
+  // tell that the bit has turned. While a fragment is held, its place becomes free by nothing but a leave.
+  logic leaves_b;
+  logic enters_entry, leaves_a_entry, leaves_b_entry;
+  logic enters_looked, leaves_a_looked, leaves_b_looked;
+  logic leaves_a_held, leaves_b_held;
+  logic entered_since_q, left_a_since_q, left_b_since_q;
+  logic entered, left_a, left_b;
+  assign leaves_b = (TwoWays != 0) && leave_b_i;
+  assign enters_entry = enter && place_q == place;
+  assign leaves_a_entry = leave_a_i && place_a == place;
+  assign leaves_b_entry = leaves_b && place_b == place;
+  assign enters_looked = enter && place_q == looked_place_q;
+  assign leaves_a_looked = leave_a_i && place_a == looked_place_q;
+  assign leaves_b_looked = leaves_b && place_b == looked_place_q;
+  assign leaves_a_held = leave_a_i && place_a == place_q;
+  assign leaves_b_held = leaves_b && place_b == place_q;
+  assign entered = entered_q ^ entered_since_q ^ enters_looked;
+  assign left_a = left_a_q ^ left_a_since_q ^ leaves_a_looked;
+  assign left_b = left_b_q ^ left_b_since_q ^ leaves_b_looked;
   always_ff @(posedge clk_i) begin
-    if (entry_ready) begin
-      out_x_o <= entry_x;
-      out_y_o <= entry_y;
-      out_o <= entry;
-      place_q <= place;
-      free_q <= (!taken || a_leaves_place || b_leaves_place) && !(enter && place == place_q);
-      mark_a_o <= ~left_a ^ a_leaves_place;
-      mark_b_o <= ~left_b ^ b_leaves_place;
+    if (look) begin
+      looked_q <= {entry_x, entry_y, entry};
+      looked_place_q <= place;
+      entered_since_q <= enters_entry;
+      left_a_since_q <= leaves_a_entry;
+      left_b_since_q <= leaves_b_entry;
     end else begin
-      free_q <= free_q || a_leaves_held || b_leaves_held;
-      mark_a_o <= mark_a_o ^ a_leaves_held;
-      mark_b_o <= mark_b_o ^ b_leaves_held;
+      left_a_since_q <= left_a_since_q ^ leaves_a_looked;
+      left_b_since_q <= left_b_since_q ^ leaves_b_looked;
+    end
+    if (hold) begin
+      {out_x_o, out_y_o, out_o} <= looked_q;
+      place_q <= looked_place_q;
+      free_q <= !(entered ^ left_a ^ left_b);
+      mark_a_o <= ~left_a;
+      mark_b_o <= ~left_b;
+    end else begin
+      free_q <= free_q || leaves_a_held || leaves_b_held;
+      mark_a_o <= mark_a_o ^ leaves_a_held;
+      mark_b_o <= mark_b_o ^ leaves_b_held;
     end
   end
 

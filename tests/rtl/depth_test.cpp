@@ -281,11 +281,21 @@ TEST(Depth, PlantedBugsAreSeen) {
     const char *file, *from, *to;
   };
   constexpr Bug bugs[] = {
-      {"rtl/scoreboard.sv", "assign taken = entered_bits[place] ^ left_a ^ left_b;",
-       "assign taken = 1'b0 & entered_bits[place] & left_a & left_b;"},
-      {"rtl/scoreboard.sv", "&& !(enter && place == place_q);", "&& !(enter && place < place_q);"},
-      {"rtl/scoreboard.sv", "mark_b_o <= ~left_b ^ b_leaves_place;", "mark_b_o <= ~left_b;"},
-      {"rtl/scoreboard.sv", "free_q <= free_q || a_leaves_held", "free_q <= free_q || leave_a_i"},
+      {"rtl/scoreboard.sv", "free_q <= !(entered ^ left_a ^ left_b);", "free_q <= entered | !entered;"},
+      {"rtl/scoreboard.sv", "enter && place_q == looked_place_q;", "enter && place_q < looked_place_q;"},
+      {"rtl/scoreboard.sv", "assign enters_entry = enter && place_q == place;",
+       "assign enters_entry = enter && place_q < place;"},
+      {"rtl/scoreboard.sv", "leave_a_i && place_a == looked_place_q;",
+       "leave_a_i && place_a < looked_place_q;"},
+      {"rtl/scoreboard.sv", "assign leaves_a_entry = leave_a_i && place_a == place;",
+       "assign leaves_a_entry = leave_a_i && place_a < place;"},
+      {"rtl/scoreboard.sv", "left_a_since_q <= left_a_since_q ^ leaves_a_looked;",
+       "left_a_since_q <= left_a_since_q;"},
+      {"rtl/scoreboard.sv", "leaves_b && place_b == looked_place_q;",
+       "leaves_b && place_b < looked_place_q;"},
+      {"rtl/scoreboard.sv", "assign leaves_b_entry = leaves_b && place_b == place;",
+       "assign leaves_b_entry = leaves_b && place_b < place;"},
+      {"rtl/scoreboard.sv", "free_q <= free_q || leaves_a_held", "free_q <= free_q || leave_a_i"},
       {"rtl/depth.sv", "less_q <= joined_z < joined_stored;", "less_q <= joined_z <= joined_stored;"},
       {"rtl/depth.sv", "assign failed = compared_q && en && !pass;", "assign failed = compared_q && en;"},
       {"rtl/depth.sv", ".leave_b_i     (fate_done)", ".leave_b_i     (fate_valid)"},
@@ -297,12 +307,14 @@ TEST(Depth, PlantedBugsAreSeen) {
   Random random(5);
   const DepthCase given = make_case(random, c, 300, 3, 2);
   const DepthCase single = make_case(random, c, 300, 1, 1);
+  const DepthCase loose = make_case(random, c, 300, 40, 30);
   const RtlCopy copy;
   for (const Bug& bug : bugs) {
     copy.replace(bug.file, bug.from, bug.to);
     const auto run = [&] {
       run_depth(c, given, {0.2, {0.2, 0.4}, {1, 9}, false, 11});
       run_depth(c, single, {0.9, {0.1, 0.1}, {1, 3}, true, 12});
+      run_depth(c, loose, {0, {0.1, 0.7}, {1, 3}, true, 13});
     };
     EXPECT_THROW(run(), std::logic_error) << bug.to;
     copy.replace(bug.file, bug.to, bug.from);

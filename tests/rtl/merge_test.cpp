@@ -217,11 +217,16 @@ TEST(Merge, PlantedBugsAreSeen) {
     const char *file, *from, *to;
   };
   constexpr Bug bugs[] = {
-      {"rtl/scoreboard.sv", "assign taken = entered_bits[place] ^ left_a ^ left_b;",
-       "assign taken = 1'b0 & entered_bits[place] & left_a & left_b;"},
-      {"rtl/scoreboard.sv", "&& !(enter && place == place_q);", "&& !(enter && place < place_q);"},
-      {"rtl/scoreboard.sv", "mark_a_o <= ~left_a ^ a_leaves_place;", "mark_a_o <= ~left_a;"},
-      {"rtl/scoreboard.sv", "(!taken || a_leaves_place || b_leaves_place)", "(!taken || b_leaves_place)"},
+      {"rtl/scoreboard.sv", "free_q <= !(entered ^ left_a ^ left_b);", "free_q <= entered | !entered;"},
+      {"rtl/scoreboard.sv", "enter && place_q == looked_place_q;", "enter && place_q < looked_place_q;"},
+      {"rtl/scoreboard.sv", "assign enters_entry = enter && place_q == place;",
+       "assign enters_entry = enter && place_q < place;"},
+      {"rtl/scoreboard.sv", "leave_a_i && place_a == looked_place_q;",
+       "leave_a_i && place_a < looked_place_q;"},
+      {"rtl/scoreboard.sv", "assign leaves_a_entry = leave_a_i && place_a == place;",
+       "assign leaves_a_entry = leave_a_i && place_a < place;"},
+      {"rtl/scoreboard.sv", "left_a_since_q <= left_a_since_q ^ leaves_a_looked;",
+       "left_a_since_q <= left_a_since_q;"},
       {"rtl/merge.sv", "assign reads = entry_blend && translucent;", "assign reads = translucent;"},
       {"rtl/merge.sv", ".out_ready_i(take && waited_reads)", ".out_ready_i(take || !waited_reads)"},
       {"rtl/merge.sv", "share_q <= waited_reads ? waited_a : AlphaW'(1) << AlphaFrac;",

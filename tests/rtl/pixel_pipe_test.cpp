@@ -377,6 +377,7 @@ struct Way {
   StageStalls stalls;
   StageMemory::Latency latency;
   std::uint64_t seed = 1;
+  int reset_after = 0;  // clocks of the same fragments in front, then a reset
 };
 
 struct PipeRun {
@@ -405,6 +406,17 @@ PipeRun run_pipe(const PipeCase& p, const Way& way, StageTrace* trace = nullptr)
     texels.emplace_back(bench, fmt::format("texel{}_request", port), fmt::format("texel{}_answer", port), "",
                         1, way.latency, way.seed + static_cast<std::uint64_t>(port),
                         [&](const StageMemory::Address& at) { return StageValues{texel_at(p, at[0])}; });
+  }
+  if (way.reset_after > 0) {
+    bench.send("draw", p.batches.front().draw);
+    while (bench.waiting("draw") > 0) bench.clock();
+    for (const Batch& batch : p.batches) {
+      for (const StageValues& fragment : batch.fragments) bench.send("in", fragment);
+    }
+    for (int i = 0; i < way.reset_after; ++i) bench.clock();
+    bench.reset();
+    for (StageMemory* memory : {&z, &color}) memory->forget();
+    await_sweep(bench, c);
   }
   PipeRun run;
   std::size_t expected = 0;
@@ -507,6 +519,41 @@ TEST(PixelPipe, RandomDrawStates) {
     SCOPED_TRACE(stage_seed_text(seed));
     check(random_stage_config(seed), seed);
     if (HasFailure()) return;
+  }
+}
+
+TEST(PixelPipe, ResetAmidFragments) {
+  Random random(31);
+  const PipeCase p = random_case(random, shipped_config("depth16"), 100);
+  for (const int clocks : {2, 20, 60, 150}) {
+    SCOPED_TRACE(clocks);
+    EXPECT_GT(run_pipe(p, {0.1, {0.2, 0.2}, {1, 20}, 7, clocks}).compared, 1000U);
+  }
+}
+
+// Rows of pixels, none of them twice: one per clock, with the memories' latency added once.
+TEST(PixelPipe, OneFragmentPerClock) {
+  for (const Config& c : shipped_configs()) {
+    Scene scene;
+    scene.width = 200;
+    scene.height = 20;
+    scene.s_min = 1;
+    scene.s_max = 2;
+    Triangle triangle;
+    triangle.v[0] = {0, 0, 1, 0, 0, {1, 1, 1, 0.5}};
+    triangle.v[1] = {400, 0, 2, 8, 0, {1, 0, 1, 0.5}};
+    triangle.v[2] = {0, 40, 1.5, 0, 8, {1, 1, 0, 0.5}};
+    scene.triangles = {triangle};
+    const PipeCase p = make_case(c, scene);
+    const auto fragments = static_cast<std::uint64_t>(p.records.at("merge_record").size());
+    ASSERT_GT(fragments, 3500U);
+    const PixelTiming t = pixel_timing(c);
+    const auto latency =
+        static_cast<std::uint64_t>(t.depth.total + t.texture.total + t.fog.total + t.merge.total_blending);
+    // Four clocks: the draw state's transfer and what the last record and its count take.
+    EXPECT_LE(run_pipe(p, {0, {}, {1, 1}, 1}).clocks, fragments + latency + 4) << c.name;
+    // Three memories answer twelve clocks later.
+    EXPECT_LE(run_pipe(p, {0, {}, {12, 12}, 1}).clocks, fragments + latency + 4 + 3 * 11) << c.name;
   }
 }
 

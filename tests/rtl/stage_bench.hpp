@@ -144,6 +144,11 @@ class StageMemory {
 
   // Called on each write, once the memory holds it.
   void on_write(std::function<void(const StageValues&)> call) { on_write_ = std::move(call); }
+  // As at first: after a reset of the bench.
+  void forget() {
+    written_.clear();
+    in_flight_.clear();
+  }
   StageValues at(const Address& address) const;
   const std::map<Address, StageValues>& written() const { return written_; }
   // The most requests that were in flight at once.
