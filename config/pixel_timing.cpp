@@ -29,7 +29,7 @@ DepthTiming depth_timing(const Config& config, int pixel_unit) {
       break;
   }
   // The scoreboard; z and its FIFO, or request, memory and answer; join, compare, out.
-  t.total = 3 + std::max(t.code + 1, 3) + 3;
+  t.total = 4 + std::max(t.code + 1, 3) + 3;
   return t;
 }
 
@@ -81,7 +81,7 @@ MergeTiming merge_timing(const Config& config) {
       blend_product(grid_of(config.format(FormatId::merge_color)),
                     grid_of(config.format(FormatId::fog_color)), config.format(FormatId::texture_alpha));
   // The scoreboard, FIFO; join, blend, out.
-  t.total = 3 + 1 + 1 + (t.product + 3) + 1;
+  t.total = 4 + 1 + 1 + (t.product + 3) + 1;
   // Request, memory and answer instead of the FIFO.
   t.total_blending = t.total + 2;
   return t;

@@ -9,7 +9,7 @@
 //   mark_a_o, b    what the fragment must bring along when it leaves by way a or way b
 //   leave_a_i, b   a fragment leaves; its place is free on the next clock. Without TwoWays there is way a alone
 //
-//   in -> its place -> skid (`entry`) -> read its bits (`looked`) -> taken or free (`held`) -> out
+//   in -> its place -> skid (`entry`) -> read its bits (`looked`) -> bits (`known`) -> taken or free (`held`) -> out
 //
 // A place is taken where an odd number of its three bits is set; each way writes one memory only, and an entering
 // fragment another. For 2^PlaceW clocks after reset the memories are cleared, and nothing comes out.
@@ -64,9 +64,9 @@ module scoreboard #(
       .out_o({place, entry_x, entry_y, entry})
   );
 
-  logic looked_valid_q, held_valid_q, free_q, swept_q, enter, look, hold;
-  logic [PlaceW-1:0] sweep_q, looked_place_q, place_q, place_a, place_b;
-  logic [2*CoordW+Width-1:0] looked_q;
+  logic looked_valid_q, known_valid_q, held_valid_q, free_q, swept_q, enter, look, know, hold;
+  logic [PlaceW-1:0] sweep_q, looked_place_q, known_place_q, place_q, place_a, place_b;
+  logic [2*CoordW+Width-1:0] looked_q, known_q;
   assign place_a = place_of(leave_a_x_i, leave_a_y_i);
   assign place_b = place_of(leave_b_x_i, leave_b_y_i);
   always_ff @(posedge clk_i or negedge rst_ni) begin
@@ -82,15 +82,18 @@ module scoreboard #(
   assign out_valid_o = held_valid_q && free_q;
   assign enter = out_valid_o && out_ready_i;
   assign hold = enter || !held_valid_q;
-  assign look = hold || !looked_valid_q;
+  assign know = hold || !known_valid_q;
+  assign look = know || !looked_valid_q;
   assign entry_ready = look && swept_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       looked_valid_q <= 1'b0;
+      known_valid_q <= 1'b0;
       held_valid_q <= 1'b0;
     end else begin
       if (look) looked_valid_q <= entry_valid && swept_q;
-      if (hold) held_valid_q <= looked_valid_q;
+      if (know) known_valid_q <= looked_valid_q;
+      if (hold) held_valid_q <= known_valid_q;
     end
   end
 
@@ -124,13 +127,16 @@ module scoreboard #(
     assign unused = leave_b_mark_i ^ (^place_left_b);
   end
 
-  // Whatever enters or leaves a place turns one of its bits. Of what was read since a fragment was looked up, *_since_q
-  // tell that the bit has turned. While a fragment is held, its place becomes free by nothing but a leave.
+  // Whatever enters or leaves a place turns one of its bits. On its way a fragment follows what has turned since it was
+  // looked up; `looked` has this in *_since_q beside what was read, since a block RAM is slow. While a fragment is held,
+  // its place becomes free by nothing but a leave.
   logic leaves_b;
   logic enters_entry, leaves_a_entry, leaves_b_entry;
   logic enters_looked, leaves_a_looked, leaves_b_looked;
+  logic enters_known, leaves_a_known, leaves_b_known;
   logic leaves_a_held, leaves_b_held;
   logic entered_since_q, left_a_since_q, left_b_since_q;
+  logic entered_known_q, left_a_known_q, left_b_known_q;
   logic entered, left_a, left_b;
   assign leaves_b = (TwoWays != 0) && leave_b_i;
   assign enters_entry = enter && place_q == place;
@@ -139,11 +145,14 @@ module scoreboard #(
   assign enters_looked = enter && place_q == looked_place_q;
   assign leaves_a_looked = leave_a_i && place_a == looked_place_q;
   assign leaves_b_looked = leaves_b && place_b == looked_place_q;
+  assign enters_known = enter && place_q == known_place_q;
+  assign leaves_a_known = leave_a_i && place_a == known_place_q;
+  assign leaves_b_known = leaves_b && place_b == known_place_q;
   assign leaves_a_held = leave_a_i && place_a == place_q;
   assign leaves_b_held = leaves_b && place_b == place_q;
-  assign entered = entered_q ^ entered_since_q ^ enters_looked;
-  assign left_a = left_a_q ^ left_a_since_q ^ leaves_a_looked;
-  assign left_b = left_b_q ^ left_b_since_q ^ leaves_b_looked;
+  assign entered = entered_known_q ^ enters_known;
+  assign left_a = left_a_known_q ^ leaves_a_known;
+  assign left_b = left_b_known_q ^ leaves_b_known;
   always_ff @(posedge clk_i) begin
     if (look) begin
       looked_q <= {entry_x, entry_y, entry};
@@ -152,12 +161,24 @@ module scoreboard #(
       left_a_since_q <= leaves_a_entry;
       left_b_since_q <= leaves_b_entry;
     end else begin
+      entered_since_q <= entered_since_q ^ enters_looked;
       left_a_since_q <= left_a_since_q ^ leaves_a_looked;
       left_b_since_q <= left_b_since_q ^ leaves_b_looked;
     end
+    if (know) begin
+      known_q <= looked_q;
+      known_place_q <= looked_place_q;
+      entered_known_q <= entered_q ^ entered_since_q ^ enters_looked;
+      left_a_known_q <= left_a_q ^ left_a_since_q ^ leaves_a_looked;
+      left_b_known_q <= left_b_q ^ left_b_since_q ^ leaves_b_looked;
+    end else begin
+      entered_known_q <= entered;
+      left_a_known_q <= left_a;
+      left_b_known_q <= left_b;
+    end
     if (hold) begin
-      {out_x_o, out_y_o, out_o} <= looked_q;
-      place_q <= looked_place_q;
+      {out_x_o, out_y_o, out_o} <= known_q;
+      place_q <= known_place_q;
       free_q <= !(entered ^ left_a ^ left_b);
       mark_a_o <= ~left_a;
       mark_b_o <= ~left_b;

@@ -219,6 +219,9 @@ TEST(Merge, PlantedBugsAreSeen) {
   constexpr Bug bugs[] = {
       {"rtl/scoreboard.sv", "free_q <= !(entered ^ left_a ^ left_b);", "free_q <= entered | !entered;"},
       {"rtl/scoreboard.sv", "enter && place_q == looked_place_q;", "enter && place_q < looked_place_q;"},
+      {"rtl/scoreboard.sv", "enter && place_q == known_place_q;", "enter && place_q < known_place_q;"},
+      {"rtl/scoreboard.sv", "leave_a_i && place_a == known_place_q;",
+       "leave_a_i && place_a < known_place_q;"},
       {"rtl/scoreboard.sv", "assign enters_entry = enter && place_q == place;",
        "assign enters_entry = enter && place_q < place;"},
       {"rtl/scoreboard.sv", "leave_a_i && place_a == looked_place_q;",
