@@ -163,9 +163,10 @@ module depth_code (
         .far_o(far),
         .sign_o(sign)
     );
-    // What does not fit the sum is out of z's range, too; only SC_WRAP looks at more than its sign.
-    assign exact = (far && bitspan_pixel_pkg::DepthZOvf != bitspan_pixel_pkg::OvfWrap) ?
-                   {sign, {(KeptW - 1) {!sign}}} : sum;
+    // What does not fit the sum is out of z's range, too. SC_WRAP takes its low bits and, in rounding, its sign.
+    assign exact = !far ? sum :
+                   (bitspan_pixel_pkg::DepthZOvf == bitspan_pixel_pkg::OvfWrap) ? {sign, sum[KeptW-2:0]} :
+                   {sign, {(KeptW - 1) {!sign}}};
     delay_line #(
         .Width(MW + EW),
         .Depth(bitspan_pixel_pkg::DepthProductClocks + 4)
