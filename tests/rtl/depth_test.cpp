@@ -252,6 +252,19 @@ TEST(Depth, RandomConfigurations) {
   }
 }
 
+// Codes far beyond the range of z, where what is left of the sum has no sign of its own.
+TEST(Depth, EveryRoundingWhereTheLinearCodeWraps) {
+  Config c = shipped_config("depth16");
+  c.depth_code = DepthCode::linear;
+  c.depth_overflow = Overflow::wrap;
+  for (int rounding = 0; rounding < rounding_modes; ++rounding) {
+    c.depth_rounding = static_cast<Rounding>(rounding);
+    SCOPED_TRACE(to_string(c.depth_rounding));
+    Random random(17);
+    for (int i = 0; i < 6; ++i) run_depth(c, make_case(random, c, 200, 40, 30), {0, {}, {1, 4}, true, 1});
+  }
+}
+
 // A row of pixels on a memory that answers at once: one per clock, by the clocks of config/pixel_timing.
 TEST(Depth, OneFragmentPerClock) {
   for (const DepthCode code : {DepthCode::inverse, DepthCode::opengl, DepthCode::linear}) {
