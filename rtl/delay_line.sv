@@ -14,14 +14,19 @@ module delay_line #(
     logic unused;
     assign unused = clk_i ^ en_i;
     assign q_o = d_i;
+  end else if (Depth == 1) begin : gen_register
+    always_ff @(posedge clk_i) begin
+      if (en_i) q_o <= d_i;
+    end
   end else begin : gen_line
-    logic [Width-1:0] line_q[Depth];
+    // The last register is q_o itself: Icarus 11 may lose a continuous assignment from a word of an array.
+    logic [Width-1:0] line_q[Depth-1];
     always_ff @(posedge clk_i) begin
       if (en_i) begin
         line_q[0] <= d_i;
-        for (int i = 1; i < Depth; i++) line_q[i] <= line_q[i-1];
+        for (int i = 1; i < Depth - 1; i++) line_q[i] <= line_q[i-1];
+        q_o <= line_q[Depth-2];
       end
     end
-    assign q_o = line_q[Depth-1];
   end
 endmodule

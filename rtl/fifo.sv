@@ -18,11 +18,10 @@ module fifo #(
   localparam int CountW = $clog2(Depth + 1);
   logic [Width-1:0] memory[Depth];
   logic [PlaceW-1:0] write_q, read_q;
-  logic [CountW-1:0] count_q, count;
+  logic [CountW-1:0] count_q;
   logic in, out;
   assign in = in_valid_i && in_ready_o;
   assign out = out_valid_o && out_ready_i;
-  assign count = count_q + CountW'(in) - CountW'(out);
   assign out_o = memory[read_q];
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
@@ -32,9 +31,16 @@ module fifo #(
       in_ready_o <= 1'b1;
       out_valid_o <= 1'b0;
     end else begin
-      count_q <= count;
-      in_ready_o <= count != CountW'(Depth);
-      out_valid_o <= count != '0;
+      // The flags are formed beside the count, not behind it.
+      if (in && !out) begin
+        count_q <= count_q + CountW'(1);
+        in_ready_o <= count_q != CountW'(Depth - 1);
+        out_valid_o <= 1'b1;
+      end else if (out && !in) begin
+        count_q <= count_q - CountW'(1);
+        in_ready_o <= 1'b1;
+        out_valid_o <= count_q != CountW'(1);
+      end
       if (in) write_q <= (write_q == PlaceW'(Depth - 1)) ? '0 : write_q + PlaceW'(1);
       if (out) read_q <= (read_q == PlaceW'(Depth - 1)) ? '0 : read_q + PlaceW'(1);
     end

@@ -24,9 +24,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> verilator_flags = {
-    "--cc",        "--assert", "-Wall",           "-Wno-fatal", "-O3",          "--x-assign",       "fast",
-    "--x-initial", "fast",     "--max-num-width", "1048576",    "--top-module", "span_interpolator"};
+const std::vector<std::string> verilator_flags = {"--cc", "--assert",        "-Wall",   "-Wno-fatal",
+                                                  "-O3",  "--x-assign",      "fast",    "--x-initial",
+                                                  "fast", "--max-num-width", "1048576", "--top-module"};
 const std::vector<std::string> compiler_flags = {"-std=c++17",
                                                  "-O1",
                                                  "-fPIC",
@@ -210,11 +210,9 @@ std::string without_comments(const std::string& package) {
   return kept;
 }
 
-fs::path build_rtl(const Config& config) {
-  const std::string package = emit_sv(config);
+fs::path build_library(const RtlDesign& design) {
   const fs::path root = rtl_root();
   const fs::path cache = rtl_cache_folder();
-  const std::vector<fs::path> sources = rtl_sources();
 
   Fnv128 key;
   std::string flags_text = compiler() + ' ' + verilator_include();
@@ -223,29 +221,32 @@ fs::path build_rtl(const Config& config) {
   std::vector<std::string> verilator = {"verilator"};
   verilator.insert(verilator.end(), verilator_safe_flags().begin(), verilator_safe_flags().end());
   verilator.insert(verilator.end(), verilator_flags.begin(), verilator_flags.end());
+  verilator.push_back(design.top);
   for (const std::string& flag : verilator) key.text(flag);
-  key.text(without_comments(package));
-  for (const fs::path& source : sources) key.text(read_text(source, root_hint));
-  for (const char* part : {"tb/rtl_harness.cpp", "tb/rtl_abi.hpp", "tb/rtl_printf.hpp"})
+  key.text(without_comments(design.package));
+  for (const fs::path& source : design.sources) key.text(read_text(source, root_hint));
+  key.text(design.ports);
+  for (const std::string& part : {design.harness, std::string("tb/rtl_abi.hpp"),
+                                  std::string("tb/rtl_harness.hpp"), std::string("tb/rtl_printf.hpp")})
     key.text(read_text(root / part, root_hint));
   fs::path library = cache / fmt::format("rtl-{}.so", key.hex());
   std::error_code missing;
   fs::last_write_time(library, fs::file_time_type::clock::now(), missing);  // used now
   if (!missing || fs::exists(library)) return library;
 
-  const Progress progress(config.name);
+  const Progress progress(design.name);
   const std::vector<fs::path> runtime = build_runtime(cache, root, flags_text);
   ScratchFolder scratch = build_folder(cache);
-  const fs::path package_path = scratch.path() / "bitspan_cfg_pkg.sv";
+  const fs::path package_path = scratch.path() / "package.sv";
   const fs::path verilated = scratch.path() / "verilated";
-  write_text(package_path, package, cache_hint);
+  write_text(package_path, design.package, cache_hint);
   std::vector<std::string> command = verilator;
   command.insert(command.end(), {"--Mdir", verilated.string(), package_path.string()});
-  for (const fs::path& source : sources) command.push_back(source.string());
+  for (const fs::path& source : design.sources) command.push_back(source.string());
   run_or_throw(scratch, command, "verilator");
 
   // One translation unit: most of a small one's time goes into the headers.
-  std::string all = fmt::format("#include \"{}\"\n", (root / "tb/rtl_harness.cpp").string());
+  std::string all = design.ports + fmt::format("#include \"{}\"\n", (root / design.harness).string());
   std::vector<std::string> parts;
   for (const fs::directory_entry& entry : fs::directory_iterator(verilated)) {
     if (entry.path().extension() == ".cpp") parts.push_back(entry.path().filename().string());
@@ -264,39 +265,44 @@ fs::path build_rtl(const Config& config) {
   return library;
 }
 
+fs::path build_rtl(const Config& config) {
+  return build_library({.name = config.name,
+                        .top = "span_interpolator",
+                        .package = emit_sv(config),
+                        .sources = rtl_sources(),
+                        .ports = "",
+                        .harness = "tb/rtl_harness.cpp"});
+}
+
+RtlLibrary::RtlLibrary(const fs::path& path) : handle_(::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+  if (handle_ == nullptr) throw ToolError(fmt::format("{}: {}", path.string(), ::dlerror()));
+}
+RtlLibrary::~RtlLibrary() { ::dlclose(handle_); }
+void* RtlLibrary::symbol(const char* name) const {
+  void* found = ::dlsym(handle_, name);
+  if (found == nullptr)
+    throw ToolError(fmt::format("the RTL library has no {}; empty the cache folder", name));
+  return found;
+}
+
 struct Rtl::Library {
-  explicit Library(const fs::path& path) : handle(::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) {
-    if (handle == nullptr) throw ToolError(fmt::format("{}: {}", path.string(), ::dlerror()));
-    load(create, "bitspan_rtl_create");
-    load(destroy, "bitspan_rtl_destroy");
-    load(reset, "bitspan_rtl_reset");
-    load(clock, "bitspan_rtl_clock");
-  }
-  ~Library() { ::dlclose(handle); }
-  Library(const Library&) = delete;
-  Library& operator=(const Library&) = delete;
-
-  template <class Function>
-  void load(Function& function, const char* name) {
-    function = reinterpret_cast<Function>(::dlsym(handle, name));
-    if (function == nullptr)
-      throw ToolError(fmt::format("the RTL library has no {}; empty the cache folder", name));
+  explicit Library(const fs::path& path) : file(path) {
+    file.load(create, "bitspan_rtl_create");
+    file.load(destroy, "bitspan_rtl_destroy");
+    file.load(reset, "bitspan_rtl_reset");
+    file.load(clock, "bitspan_rtl_clock");
   }
 
-  void* handle;
+  RtlLibrary file;
   RtlCreate create = nullptr;
   RtlDestroy destroy = nullptr;
   RtlReset reset = nullptr;
   RtlClock clock = nullptr;
 };
 
-namespace {
-
-void throw_on(const char* failed) {
+void throw_on_assertion(const char* failed) {
   if (failed != nullptr) throw std::logic_error(fmt::format("assertion in the RTL: {}", failed));
 }
-
-}  // namespace
 
 Rtl::Rtl(const Config& config)
     : library_(std::make_shared<Library>(build_rtl(config))), handle_(library_->create(), library_->destroy) {
@@ -313,10 +319,10 @@ Rtl& Rtl::operator=(Rtl&& other) noexcept {
   return *this;
 }
 
-void Rtl::reset() { throw_on(library_->reset(handle_.get())); }
+void Rtl::reset() { throw_on_assertion(library_->reset(handle_.get())); }
 
 void Rtl::clock(const RtlDrive& drive, RtlSample& sample) {
-  throw_on(library_->clock(handle_.get(), &drive, &sample));
+  throw_on_assertion(library_->clock(handle_.get(), &drive, &sample));
 }
 
 std::uint64_t Rtl::to_port(std::int64_t raw, int width) {

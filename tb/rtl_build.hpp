@@ -33,10 +33,42 @@ const std::vector<std::string>& verilator_safe_flags();
 // Returns a package (engine/emit_sv) without its comment, which names the configuration.
 std::string without_comments(const std::string& package);
 
-// Builds the library where the cache does not hold it, and returns its path. Throws InputError where the mode
-// has no RTL, Verilator refuses sources under $BITSPAN_ROOT, or the cache folder cannot be written; ToolError
-// where a tool is missing or refuses otherwise. Writes a line of progress to a terminal.
+// What a library is made of.
+struct RtlDesign {
+  std::string name;     // of the configuration, for the line of progress
+  std::string top;      // the module
+  std::string package;  // text in front of the sources
+  std::vector<std::filesystem::path> sources;
+  std::string ports;    // text in front of the harness
+  std::string harness;  // its file below rtl_root()
+};
+// Builds the library where the cache does not hold it, and returns its path. Throws InputError where
+// Verilator refuses sources under $BITSPAN_ROOT or the cache folder cannot be written; ToolError where a tool
+// is missing or refuses otherwise. Writes a line of progress to a terminal.
+std::filesystem::path build_library(const RtlDesign& design);
+// The span interpolator's library. Throws InputError also where the mode has no RTL.
 std::filesystem::path build_rtl(const Config& config);
+
+// A library while it is loaded. Throws ToolError where it cannot be, or where it lacks a function.
+class RtlLibrary {
+ public:
+  explicit RtlLibrary(const std::filesystem::path& path);
+  ~RtlLibrary();
+  RtlLibrary(const RtlLibrary&) = delete;
+  RtlLibrary& operator=(const RtlLibrary&) = delete;
+
+  template <class Function>
+  void load(Function& function, const char* name) const {
+    function = reinterpret_cast<Function>(symbol(name));
+  }
+
+ private:
+  void* symbol(const char* name) const;
+  void* handle_;
+};
+
+// Throws std::logic_error with the text of a failed assertion, where there is one.
+void throw_on_assertion(const char* failed);
 
 // One simulated span interpolator. Values go in and come out as raw integers with their signs, as records
 // hold them.

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "config/pixel_timing.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "config/modes.hpp"
+#include "config/rtl_timing.hpp"
+
+namespace bitspan {
+namespace {
+
+// With the sign that an unsigned factor does not have.
+int signed_bits(const Format& f) { return signed_grid(f).bits(); }
+
+DepthTiming depth_timing(const Config& config, int pixel_unit) {
+  DepthTiming t;
+  t.product = product_clocks(signed_bits(config.format(FormatId::depth_c1)),
+                             signed_bits(config.pixel_reciprocal.output));
+  switch (config.depth_code) {
+    case DepthCode::inverse:
+      t.code = 1;  // Q
+      break;
+    case DepthCode::opengl:
+      t.code = 2;  // zmax - h, Q
+      break;
+    case DepthCode::linear:
+      t.code = 1 + pixel_unit + t.product + 3 + 1;  // h + B, R_pixel, the product, shifts and sum, Q
+      break;
+  }
+  // The scoreboard; z and its FIFO, or request, memory and answer; join, compare, out.
+  t.total = 4 + std::max(t.code + 1, 3) + 3;
+  return t;
+}
+
+// Clocks of the product in rtl/blend.sv, which forms a + (b - a) e.
+int blend_product(Grid a, Grid b, const Format& e) { return product_clocks((b - a).bits(), signed_bits(e)); }
+
+TextureTiming texture_timing(const Config& config) {
+  using F = FormatId;
+  const Format& frac = config.format(F::texture_frac);
+  const Grid mix = grid_of(config.format(F::texture_mix));
+  const Grid alpha = grid_of(config.format(F::texture_alpha));
+  const int shade = signed_bits(config.format(F::span_shade));
+  TextureTiming t;
+  t.filter_product = std::max(blend_product(mix, mix, frac), blend_product(alpha, alpha, frac));
+  t.shade_product =
+      std::max(product_clocks(as_signed(mix).bits(), shade), product_clocks(as_signed(alpha).bits(), shade));
+  // u - 1/2, whole and fraction, wrapping, two shifts by the pitch, plus the base.
+  t.address = 6;
+  // Words, reserved texels, their replacement; two blends; factors, product, Q.
+  t.color = 3 + 2 * (3 + t.filter_product) + 1 + t.shade_product + 1;
+  // The skids of requests and answers, and that of the output.
+  t.total = t.address + 1 + 1 + 1 + t.color + 1;
+  return t;
+}
+
+FogTiming fog_timing(const Config& config, int pixel_unit) {
+  using F = FormatId;
+  const Format& factor = config.format(F::fog_factor);
+  FogTiming t;
+  // Minus fog_scale is a factor.
+  t.scale_product =
+      product_clocks(config.format(F::fog_scale).word + 1, signed_bits(config.pixel_reciprocal.output));
+  t.blend_product = blend_product(Grid{8, 0, false}, grid_of(config.format(F::texture_color)), factor);
+  // Distances from the middle and their sizes, the squares' sums, r^2, one clock per bit of the zone, the
+  // table.
+  const int square = static_cast<int>(std::bit_width(static_cast<unsigned>(pixel_index_bits(config) - 1)));
+  int entry = 2 + square + 1 + config.fog_zone_bits + 1;
+  // h + B, R_pixel, the product, two shifts and a sum, Q.
+  if (is_linear_in_distance(config.fog)) entry = std::max(entry, 1 + pixel_unit + t.scale_product + 3 + 1);
+  // The choice of the factor; difference, product, sum, Q.
+  t.clocks = entry + 1 + 3 + t.blend_product;
+  t.total = t.clocks + 1;
+  return t;
+}
+
+MergeTiming merge_timing(const Config& config) {
+  MergeTiming t;
+  t.product =
+      blend_product(grid_of(config.format(FormatId::merge_color)),
+                    grid_of(config.format(FormatId::fog_color)), config.format(FormatId::texture_alpha));
+  // The scoreboard, FIFO; join, blend, out.
+  t.total = 4 + 1 + 1 + (t.product + 3) + 1;
+  // Request, memory and answer instead of the FIFO.
+  t.total_blending = t.total + 2;
+  return t;
+}
+
+}  // namespace
+
+int product_clocks(int a_bits, int b_bits) { return a_bits <= 18 && b_bits <= 18 ? 1 : 3; }
+
+bool pixel_stages_have_reciprocal(const Config& config) {
+  return is_linear_in_distance(config.depth_code) || is_linear_in_distance(config.fog);
+}
+
+PixelTiming pixel_timing(const Config& config) {
+  if (pixel_stages_have_reciprocal(config) && !config.pixel_reciprocal.pipelined) {
+    throw InputError(
+        config.name +
+        ": reciprocal.pixel.pipelined is false; the RTL makes one pixel per clock and needs true");
+  }
+  PixelTiming t;
+  // The memory's latency, and the clocks to and from it.
+  t.in_flight =
+      static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::clamp(config.memory.latency + 8, 16, 64))));
+  t.pixel_unit = reciprocal_latency(config.pixel_reciprocal, pixel_operand(config));
+  t.depth = depth_timing(config, t.pixel_unit);
+  t.texture = texture_timing(config);
+  t.fog = fog_timing(config, t.pixel_unit);
+  t.merge = merge_timing(config);
+  return t;
+}
+
+}  // namespace bitspan

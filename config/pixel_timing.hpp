@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Clocks and internal widths of the pixel stages in RTL, as a pure function of the configuration: depth,
+// texture, fog and merge. engine/emit_pixel_sv writes them into the package; the RTL asserts that its
+// structure has them.
+#pragma once
+
+#include "config/config.hpp"
+#include "config/grid.hpp"
+
+namespace bitspan {
+
+// Clocks of rtl/mul_pipe.sv for factors of these widths, signs included: 1 where one multiplier of 18 x 18
+// bits makes the product, else 3.
+int product_clocks(int a_bits, int b_bits);
+
+struct DepthTiming {
+  int product = 1;  // of c1 m
+  int code = 1;     // from a fragment's h to its z
+  int total =
+      0;  // acceptance to out_valid_o where the answer comes on the clock after the request's acceptance
+};
+// Two segments with a skid behind each, and the texels' way in between.
+struct TextureTiming {
+  int filter_product = 1;  // of a blend of two texels
+  int shade_product = 1;   // of the mixed texel and the fragment's colour
+  int address = 0;         // from acceptance to the skid in front of the requests
+  int color = 0;           // from the texels to the skid at the output
+  int total = 0;           // acceptance to out_valid_o where the texels come on the clock after their request
+};
+struct FogTiming {
+  int scale_product = 1;  // of fog_scale m
+  int blend_product = 1;  // of the mix with the fog's colour
+  int clocks = 0;         // from acceptance to the skid at the output
+  int total = 0;          // acceptance to out_valid_o
+};
+struct MergeTiming {
+  int product = 1;         // of the blend
+  int total = 0;           // acceptance to write_valid_o without a read
+  int total_blending = 0;  // with one, answered on the clock after its acceptance
+};
+struct PixelTiming {
+  int in_flight = 0;    // fragments that a stage holds while a memory answers
+  int place_bits = 10;  // a scoreboard has 2^place_bits places: many times the fragments in flight
+  int pixel_unit = 0;   // latency of R_pixel
+  DepthTiming depth;
+  TextureTiming texture;
+  FogTiming fog;
+  MergeTiming merge;
+};
+
+// Whether a stage behind span takes R_pixel: the linear depth code, linear fog.
+bool pixel_stages_have_reciprocal(const Config& config);
+
+// Throws InputError where a stage takes an R_pixel that is not pipelined.
+PixelTiming pixel_timing(const Config& config);
+
+}  // namespace bitspan

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/emit_pixel_sv.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <initializer_list>
+#include <utility>
+
+#include "config/modes.hpp"
+#include "config/pixel_timing.hpp"
+#include "config/rtl_timing.hpp"
+#include "engine/sv_writer.hpp"
+#include "scene/texture.hpp"
+
+namespace bitspan {
+namespace {
+
+// Bits of an index along a texture's row or column, and of a texel's address.
+constexpr int texel_index_bits = std::bit_width(static_cast<unsigned>(texture_size_limit - 1));
+constexpr int texel_address_bits = 32;
+
+void formats(SvWriter& w, const Config& config,
+             std::initializer_list<std::pair<const char*, FormatId>> named) {
+  for (const auto& [name, id] : named) w.format(name, config.format(id));
+}
+
+// What several stages have: coordinates, R_pixel, the fragments in flight.
+void common_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
+  w.integer("CoordW", pixel_index_bits(config));
+  w.integer("ExponentW", exponent_bits);
+  w.line("  // Fragments that a stage holds while a memory answers.");
+  w.integer("FragmentsInFlight", timing.in_flight);
+  w.line("  // Places of a scoreboard: 2^PlaceW.");
+  w.integer("ScoreboardPlaceW", timing.place_bits);
+  w.integer("OvfWrap", static_cast<int>(Overflow::wrap));
+  w.integer("OvfWrapSm", static_cast<int>(Overflow::wrap_sm));
+  formats(w, config, {{"SetupB", FormatId::setup_b}, {"SpanH", FormatId::span_h}});
+  const Grid operand = pixel_operand(config);
+  w.line("");
+  w.line("  // h + B as a signed number, and R_pixel of it.");
+  w.integer("DepthSumW", as_signed(operand).bits());
+  w.integer("DepthSumFrac", operand.fraction);
+  w.reciprocal("PixelRecip", config.pixel_reciprocal, operand);
+  w.integer("PixelUnitClocks", timing.pixel_unit);
+}
+
+void depth_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
+  w.line("");
+  w.line("  // depth.");
+  w.integer("DepthInverse", static_cast<int>(DepthCode::inverse));
+  w.integer("DepthOpengl", static_cast<int>(DepthCode::opengl));
+  w.integer("DepthLinear", static_cast<int>(DepthCode::linear));
+  w.integer("DepthCode", static_cast<int>(config.depth_code));
+  w.integer("DepthNearerIsLarger", nearer_is_larger(config.depth_code) ? 1 : 0);
+  w.format("DepthZ", config.depth_format());
+  formats(w, config, {{"DepthC1", FormatId::depth_c1}, {"DepthC0", FormatId::depth_c0}});
+  w.integer("DepthProductClocks", timing.depth.product);
+  w.integer("DepthCodeClocks", timing.depth.code);
+}
+
+void texture_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
+  w.line("");
+  w.line("  // texture. A texel's address counts texels.");
+  formats(w, config,
+          {{"SpanUv", FormatId::span_uv},
+           {"SpanShade", FormatId::span_shade},
+           {"TextureFrac", FormatId::texture_frac},
+           {"TextureMix", FormatId::texture_mix},
+           {"TextureColor", FormatId::texture_color},
+           {"TextureAlpha", FormatId::texture_alpha}});
+  w.integer("TexelIndexW", texel_index_bits);
+  w.integer("TexelPitchW", std::bit_width(static_cast<unsigned>(texel_index_bits)));
+  w.integer("TexelAddressW", texel_address_bits);
+  w.integer("TextureFilterProductClocks", timing.texture.filter_product);
+  w.integer("TextureShadeProductClocks", timing.texture.shade_product);
+  w.integer("TextureAddressClocks", timing.texture.address);
+  w.integer("TextureColorClocks", timing.texture.color);
+}
+
+void fog_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
+  w.line("");
+  w.line("  // fog. Without FogHasLinear there is no linear fog: its widths are not known to be legal.");
+  formats(w, config,
+          {{"FogScale", FormatId::fog_scale},
+           {"FogFactor", FormatId::fog_factor},
+           {"FogColor", FormatId::fog_color}});
+  w.integer("FogModeNone", static_cast<int>(FogMode::none));
+  w.integer("FogModeLinear", static_cast<int>(FogMode::linear));
+  w.integer("FogModeTable", static_cast<int>(FogMode::table));
+  w.integer("FogHasLinear", is_linear_in_distance(config.fog) ? 1 : 0);
+  w.integer("FogDepthBits", config.fog_depth_bits);
+  w.integer("FogZoneBits", config.fog_zone_bits);
+  w.integer("FogIndexW", config.fog_index_bits());
+  w.line("  // Bits of h below a step of depth; negative where a step is finer than h.");
+  w.integer("FogStepShift",
+            config.format(FormatId::span_h).fraction() + config.depth_bits - config.fog_depth_bits);
+  w.line("  // What is loaded: entries of the table, and thresholds for the square of a distance.");
+  w.integer("FogLoadW", std::max(config.format(FormatId::fog_factor).word, 2 * pixel_index_bits(config) + 1));
+  w.integer("FogScaleProductClocks", timing.fog.scale_product);
+  w.integer("FogBlendProductClocks", timing.fog.blend_product);
+  w.integer("FogClocks", timing.fog.clocks);
+}
+
+void merge_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
+  w.line("");
+  w.line("  // merge.");
+  formats(w, config, {{"MergeColor", FormatId::merge_color}});
+  w.integer("MergeProductClocks", timing.merge.product);
+}
+
+}  // namespace
+
+std::string emit_pixel_sv(const Config& config) {
+  const PixelTiming timing = pixel_timing(config);
+  if (pixel_stages_have_reciprocal(config)) check_operand(pixel_operand(config), "reciprocal.pixel");
+  SvWriter w;
+  w.line("// Generated from configuration " + config_hash(config) + "; do not edit.");
+  w.line("// Formats are named as in bitspan_cfg_pkg.");
+  w.line("/* verilator lint_off UNUSED */");
+  w.line("package bitspan_pixel_pkg;");
+  common_section(w, config, timing);
+  depth_section(w, config, timing);
+  texture_section(w, config, timing);
+  fog_section(w, config, timing);
+  merge_section(w, config, timing);
+  w.line("endpackage");
+  w.line("/* verilator lint_on UNUSED */");
+  return w.text;
+}
+
+}  // namespace bitspan

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/sv_writer.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "config/reciprocal.hpp"
+#include "config/rtl_timing.hpp"
+
+namespace bitspan {
+
+void SvWriter::line(std::string_view s) {
+  text += s;
+  text += '\n';
+}
+void SvWriter::integer(const std::string& name, std::int64_t value) {
+  line("  localparam int " + name + " = " + std::to_string(value) + ";");
+}
+void SvWriter::format(const std::string& name, const Format& f) {
+  integer(name + "W", f.word);
+  integer(name + "Frac", f.fraction());
+  integer(name + "Signed", f.is_signed ? 1 : 0);
+  integer(name + "Rnd", static_cast<int>(f.rounding));
+  integer(name + "Ovf", static_cast<int>(f.overflow));
+}
+
+void SvWriter::reciprocal(const std::string& name, const Reciprocal& unit, Grid operand) {
+  line("");
+  integer(name + "Kind", static_cast<int>(unit.kind));
+  integer(name + "Normalize", unit.normalize ? 1 : 0);
+  integer(name + "OpW", operand.bits());
+  integer(name + "OpFrac", operand.fraction);
+  integer(name + "OperandBits", unit.operand_bits);
+  integer(name + "IndexBits", unit.index_bits);
+  integer(name + "TableBits", unit.table_bits);
+  integer(name + "InternalBits", unit.internal_bits);
+  integer(name + "Steps", unit.steps);
+  integer(name + "BitsPerCycle", std::max(1, unit.bits_per_cycle));
+  integer(name + "Pipelined", unit.pipelined ? 1 : 0);
+  format(name + "Out", unit.output);
+  const RestoringShape shape = restoring_shape(unit, operand);
+  integer(name + "Iterations", shape.iterations);
+  integer(name + "QuotientFrac", shape.fraction);
+  // The exponent's range as it is delivered.
+  const Exponents exponents = exponents_of(unit, operand);
+  integer(name + "EMin", exponents.low);
+  integer(name + "EMax", exponents.high);
+  const std::vector<std::int64_t> table = reciprocal_table(unit);
+  const int entries = std::max<int>(1, static_cast<int>(table.size()));
+  const int bits = unit.table_bits + 1;
+  integer(name + "TableEntries", entries);
+  line("  localparam logic [" + std::to_string(entries * bits - 1) + ":0] " + name + "Table =");
+  if (table.empty()) {
+    line("      " + std::to_string(bits) + "'d0;");
+    return;
+  }
+  // Entry 0 in the low bits.
+  std::string row = "      {";
+  for (std::size_t i = table.size(); i-- > 0;) {
+    row += std::to_string(bits) + "'d" + std::to_string(table[i]) + (i == 0 ? "};" : ",");
+    if (row.size() > 96) {
+      line(row);
+      row = "       ";
+    }
+  }
+  line(row);
+}
+
+void check_operand(Grid g, std::string_view what) {
+  constexpr int limit = 1 << (exponent_bits - 1);
+  if (g.fraction >= limit || exponents_on(g).high >= limit || g.bits() > limit) {
+    throw InputError(std::string(what) + ": the operand needs " + std::to_string(g.bits()) + " bits, " +
+                     std::to_string(g.fraction) + " of them fraction bits; the RTL holds fewer than " +
+                     std::to_string(limit));
+  }
+}
+
+}  // namespace bitspan

@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: Apache-2.0
+// depth of docs/numeric-spec.md: a fragment's code z, and its comparison with the code stored at its pixel.
+//
+//   fragment in -> scoreboard -+-> request -> memory -> answer -+
+//                              +-> z (DepthCodeClocks) -> FIFO -+-> compare | pass -> fragment out, where it passes
+//                              +-> all the rest -------> FIFO --+
+//   fate in ------------------------------> write -> memory
+//
+// A fragment that comes out must come back as its fate: whether it is written, which the transparent code or an alpha
+// of 0 may prevent. A later fragment at its pixel waits in front of the scoreboard until the fate is known and the
+// write, if any, is accepted. It cannot be forwarded to: a code that may be killed is not yet the pixel's. Fates may
+// come back in any order. Fragments that fail leave the scoreboard by themselves.
+//
+// Nothing behind the scoreboard waits for the clocks of z: the FIFOs hold as many fragments as may be in flight.
+// A read that is accepted on a later clock than a write must see what was written.
+module depth #(
+    // Whatever else a fragment brings along.
+    parameter int RestW = 32
+) (
+    input  logic                                  clk_i,
+    input  logic                                  rst_ni,
+    // Constants of the depth code; stable while fragments are in flight.
+    input  logic [bitspan_pixel_pkg::SetupBW-1:0] b_i,
+    input  logic [bitspan_pixel_pkg::DepthC1W-1:0] c1_i,
+    input  logic [bitspan_pixel_pkg::DepthC0W-1:0] c0_i,
+    // A covered fragment. func: bit 0 passes the nearer, bit 1 the equal, bit 2 the farther ones.
+    input  logic                                  in_valid_i,
+    output logic                                  in_ready_o,
+    input  logic [ bitspan_pixel_pkg::CoordW-1:0] in_x_i,
+    input  logic [ bitspan_pixel_pkg::CoordW-1:0] in_y_i,
+    input  logic [ bitspan_pixel_pkg::SpanHW-1:0] in_h_i,
+    input  logic [                           2:0] in_func_i,
+    input  logic [                     RestW-1:0] in_rest_i,
+    // The depth memory.
+    output logic                                  request_valid_o,
+    input  logic                                  request_ready_i,
+    output logic [ bitspan_pixel_pkg::CoordW-1:0] request_x_o,
+    output logic [ bitspan_pixel_pkg::CoordW-1:0] request_y_o,
+    input  logic                                  answer_valid_i,
+    output logic                                  answer_ready_o,
+    input  logic [ bitspan_pixel_pkg::DepthZW-1:0] answer_z_i,
+    output logic                                  write_valid_o,
+    input  logic                                  write_ready_i,
+    output logic [ bitspan_pixel_pkg::CoordW-1:0] write_x_o,
+    output logic [ bitspan_pixel_pkg::CoordW-1:0] write_y_o,
+    output logic [ bitspan_pixel_pkg::DepthZW-1:0] write_z_o,
+    // A fragment that passed; its fate brings x, y, z and mark back.
+    output logic                                  out_valid_o,
+    input  logic                                  out_ready_i,
+    output logic [ bitspan_pixel_pkg::CoordW-1:0] out_x_o,
+    output logic [ bitspan_pixel_pkg::CoordW-1:0] out_y_o,
+    output logic [ bitspan_pixel_pkg::SpanHW-1:0] out_h_o,
+    output logic [ bitspan_pixel_pkg::DepthZW-1:0] out_z_o,
+    output logic                                  out_mark_o,
+    output logic [                     RestW-1:0] out_rest_o,
+    input  logic                                  fate_valid_i,
+    output logic                                  fate_ready_o,
+    input  logic [ bitspan_pixel_pkg::CoordW-1:0] fate_x_i,
+    input  logic [ bitspan_pixel_pkg::CoordW-1:0] fate_y_i,
+    input  logic [ bitspan_pixel_pkg::DepthZW-1:0] fate_z_i,
+    input  logic                                  fate_mark_i,
+    input  logic                                  fate_write_i,
+    // Tap: the depth record, as a fragment leaves the comparison.
+    output logic                                  record_valid_o,
+    output logic [ bitspan_pixel_pkg::CoordW-1:0] record_x_o,
+    output logic [ bitspan_pixel_pkg::CoordW-1:0] record_y_o,
+    output logic [bitspan_pixel_pkg::PixelRecipOutW-1:0] record_recip_m_o,
+    output logic [bitspan_pixel_pkg::ExponentW-1:0] record_recip_e_o,
+    output logic [ bitspan_pixel_pkg::DepthZW-1:0] record_z_o,
+    output logic [ bitspan_pixel_pkg::DepthZW-1:0] record_stored_o,
+    output logic                                  record_pass_o,
+    output logic [                     RestW-1:0] record_rest_o
+);
+  localparam int CoordW = bitspan_pixel_pkg::CoordW;
+  localparam int HW = bitspan_pixel_pkg::SpanHW;
+  localparam int ZW = bitspan_pixel_pkg::DepthZW;
+  localparam int InFlight = bitspan_pixel_pkg::FragmentsInFlight;
+  localparam int CodeClocks = bitspan_pixel_pkg::DepthCodeClocks;
+  localparam int RecipW = bitspan_pixel_pkg::PixelRecipOutW + bitspan_pixel_pkg::ExponentW;
+
+  // The scoreboard.
+  localparam int PlaceW = bitspan_pixel_pkg::ScoreboardPlaceW;
+  logic entry_valid, entry_ready, mark_failed, mark_fate, request_ready, rest_ready, enter;
+  logic [CoordW-1:0] entry_x, entry_y;
+  logic [HW-1:0] entry_h;
+  logic [2:0] entry_func;
+  logic [RestW-1:0] entry_rest;
+  logic failed, tested_mark_failed, fate_done, fate_mark;
+  logic [CoordW-1:0] tested_x, tested_y;
+  assign entry_ready = request_ready && rest_ready;
+  assign enter = entry_valid && entry_ready;
+  scoreboard #(
+      .Width (HW + 3 + RestW),
+      .CoordW(CoordW),
+      .PlaceW(PlaceW)
+  ) u_scoreboard (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i,
+      .in_ready_o,
+      .in_x_i,
+      .in_y_i,
+      .in_i          ({in_h_i, in_func_i, in_rest_i}),
+      .out_valid_o   (entry_valid),
+      .out_ready_i   (entry_ready),
+      .out_x_o       (entry_x),
+      .out_y_o       (entry_y),
+      .out_o         ({entry_h, entry_func, entry_rest}),
+      .mark_a_o      (mark_failed),
+      .mark_b_o      (mark_fate),
+      .leave_a_i     (failed),
+      .leave_a_x_i   (PlaceW'(tested_x)),
+      .leave_a_y_i   (PlaceW'(tested_y)),
+      .leave_a_mark_i(tested_mark_failed),
+      .leave_b_i     (fate_done),
+      .leave_b_x_i   (PlaceW'(write_x_o)),
+      .leave_b_y_i   (PlaceW'(write_y_o)),
+      .leave_b_mark_i(fate_mark)
+  );
+
+  skid #(
+      .Width(2 * CoordW)
+  ) u_request (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i (entry_valid && rest_ready),
+      .in_ready_o (request_ready),
+      .in_i       ({entry_x, entry_y}),
+      .out_valid_o(request_valid_o),
+      .out_ready_i(request_ready_i),
+      .out_o      ({request_x_o, request_y_o})
+  );
+
+  // z, its clocks always running.
+  logic [ZW-1:0] z;
+  logic [RecipW-1:0] recip;
+  logic [CodeClocks-1:0] coded_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) coded_q <= '0;
+    else coded_q <= CodeClocks'({coded_q, enter});
+  end
+  depth_code u_code (
+      .clk_i,
+      .rst_ni,
+      .b_i,
+      .c1_i,
+      .c0_i,
+      .valid_i(enter),
+      .h_i(entry_h),
+      .z_o(z),
+      .recip_o(recip)
+  );
+
+  // Fragments in flight.
+  localparam int WaitW = 2 * CoordW + HW + 3 + 2 + RestW;
+  logic rest_valid, z_valid, z_ready, answer_valid, join_valid, take;
+  logic [WaitW-1:0] waited;
+  logic [ZW-1:0] waited_z, stored;
+  logic [RecipW-1:0] waited_recip;
+  fifo #(
+      .Width(WaitW),
+      .Depth(InFlight)
+  ) u_rest (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i (entry_valid && request_ready),
+      .in_ready_o (rest_ready),
+      .in_i       ({entry_x, entry_y, entry_h, entry_func, mark_failed, mark_fate, entry_rest}),
+      .out_valid_o(rest_valid),
+      .out_ready_i(take),
+      .out_o      (waited)
+  );
+  fifo #(
+      .Width(ZW),
+      .Depth(InFlight)
+  ) u_z (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i (coded_q[CodeClocks-1]),
+      .in_ready_o (z_ready),
+      .in_i       (z),
+      .out_valid_o(z_valid),
+      .out_ready_i(take),
+      .out_o      (waited_z)
+  );
+  skid #(
+      .Width(ZW)
+  ) u_answer (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i (answer_valid_i),
+      .in_ready_o (answer_ready_o),
+      .in_i       (answer_z_i),
+      .out_valid_o(answer_valid),
+      .out_ready_i(take),
+      .out_o      (stored)
+  );
+  if (bitspan_pixel_pkg::DepthCode == bitspan_pixel_pkg::DepthLinear) begin : gen_recip
+    logic recip_ready, recip_valid;
+    fifo #(
+        .Width(RecipW),
+        .Depth(InFlight)
+    ) u_recip (
+        .clk_i,
+        .rst_ni,
+        .in_valid_i (coded_q[CodeClocks-1]),
+        .in_ready_o (recip_ready),
+        .in_i       (recip),
+        .out_valid_o(recip_valid),
+        .out_ready_i(take),
+        .out_o      (waited_recip)
+    );
+    logic unused;
+    assign unused = recip_ready ^ recip_valid;
+  end else begin : gen_no_recip
+    assign waited_recip = recip;
+  end
+
+  // join | compare | pass: all of it shifts on en.
+  localparam int TestW = WaitW + 2 * ZW + RecipW;
+  logic en, joined_q, compared_q, less_q, equal_q, pass;
+  logic [TestW-1:0] joined;
+  logic [ZW-1:0] joined_z, joined_stored;
+  logic [TestW-1:0] compared;
+  assign join_valid = rest_valid && z_valid && answer_valid;
+  assign take = join_valid && en;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      joined_q <= 1'b0;
+      compared_q <= 1'b0;
+    end else if (en) begin
+      joined_q <= join_valid;
+      compared_q <= joined_q;
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    if (en) begin
+      joined <= {waited_recip, waited_z, stored, waited};
+      compared <= joined;
+      less_q <= joined_z < joined_stored;
+      equal_q <= joined_z == joined_stored;
+    end
+  end
+  assign joined_z = joined[WaitW+ZW+:ZW];
+  assign joined_stored = joined[WaitW+:ZW];
+
+  logic [RecipW-1:0] tested_recip;
+  logic [ZW-1:0] tested_z, tested_stored;
+  logic [HW-1:0] tested_h;
+  logic [2:0] tested_func;
+  logic [RestW-1:0] tested_rest;
+  logic tested_mark_fate, nearer, farther;
+  assign {tested_recip, tested_z, tested_stored, tested_x, tested_y, tested_h, tested_func, tested_mark_failed,
+          tested_mark_fate, tested_rest} = compared;
+  assign nearer = (bitspan_pixel_pkg::DepthNearerIsLarger != 0) ? !less_q && !equal_q : less_q;
+  assign farther = (bitspan_pixel_pkg::DepthNearerIsLarger != 0) ? less_q : !less_q && !equal_q;
+  assign pass = (nearer && tested_func[0]) || (equal_q && tested_func[1]) || (farther && tested_func[2]);
+  assign failed = compared_q && en && !pass;
+  skid #(
+      .Width(2 * CoordW + HW + ZW + 1 + RestW)
+  ) u_out (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i (compared_q && pass),
+      .in_ready_o (en),
+      .in_i       ({tested_x, tested_y, tested_h, tested_z, tested_mark_fate, tested_rest}),
+      .out_valid_o,
+      .out_ready_i,
+      .out_o      ({out_x_o, out_y_o, out_h_o, out_z_o, out_mark_o, out_rest_o})
+  );
+
+  assign record_valid_o = compared_q && en;
+  assign record_x_o = tested_x;
+  assign record_y_o = tested_y;
+  assign {record_recip_m_o, record_recip_e_o} = tested_recip;
+  assign record_z_o = tested_z;
+  assign record_stored_o = tested_stored;
+  assign record_pass_o = pass;
+  assign record_rest_o = tested_rest;
+
+  // Fates.
+  logic fate_valid, fate_write;
+  skid #(
+      .Width(2 * CoordW + ZW + 2)
+  ) u_fate (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i (fate_valid_i),
+      .in_ready_o (fate_ready_o),
+      .in_i       ({fate_x_i, fate_y_i, fate_z_i, fate_mark_i, fate_write_i}),
+      .out_valid_o(fate_valid),
+      .out_ready_i(!fate_write || write_ready_i),
+      .out_o      ({write_x_o, write_y_o, write_z_o, fate_mark, fate_write})
+  );
+  assign write_valid_o = fate_valid && fate_write;
+  assign fate_done = fate_valid && (!fate_write || write_ready_i);
+
+`ifndef SYNTHESIS
+  always @(posedge clk_i) begin
+    if (coded_q[CodeClocks-1]) begin
+      assert (z_ready)
+      else $fatal(1, "depth: no room for a code");
+    end
+  end
+`else
+  logic unused;
+  assign unused = z_ready;
+`endif
+endmodule

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// p_o = a_i b_i, Clocks >= 1 enabled clocks later. Either factor may be signed; the product is exact in AW + BW bits.
+//
+// A factor is cut into limbs of 17 bits, of which a signed 18 x 18 multiplier takes two. What is left above the last
+// limb, at most 3 bits, adds the other factor where its bits are set instead of taking multipliers.
+//
+//   Clocks 1  | product                              |
+//   Clocks 2  | partial products | their sum         |
+//   Clocks 3  | partial products | rows | their sum  |    a row: one limb of b times all of a
+//   Clocks 4+ | as 3, and the product waits for the clocks that are left
+module mul_pipe #(
+    parameter int AW      = 18,
+    parameter int BW      = 18,
+    parameter int ASigned = 1,
+    parameter int BSigned = 1,
+    parameter int Clocks  = 3
+) (
+    input  logic             clk_i,
+    input  logic             en_i,
+    input  logic [   AW-1:0] a_i,
+    input  logic [   BW-1:0] b_i,
+    output logic [AW+BW-1:0] p_o
+);
+  localparam int Limb = 17;
+  localparam int PW = AW + BW;
+  if (Clocks == 1) begin : gen_one_clock
+    logic signed [AW:0] a;
+    logic signed [BW:0] b;
+    assign a = $signed({(ASigned != 0) & a_i[AW-1], a_i});
+    assign b = $signed({(BSigned != 0) & b_i[BW-1], b_i});
+    always_ff @(posedge clk_i) begin
+      if (en_i) p_o <= PW'(a) * PW'(b);
+    end
+  end else begin : gen_limbs
+    // Bits in front of the sign, limbs that take multipliers, and the bits above them.
+    localparam int AMagnitude = (ASigned != 0) ? AW - 1 : AW;
+    localparam int BMagnitude = (BSigned != 0) ? BW - 1 : BW;
+    localparam int ASpare = (AMagnitude > Limb && AMagnitude % Limb > 0 && AMagnitude % Limb + ASigned <= 3) ?
+                            AMagnitude % Limb : 0;
+    localparam int BSpare = (BMagnitude > Limb && BMagnitude % Limb > 0 && BMagnitude % Limb + BSigned <= 3) ?
+                            BMagnitude % Limb : 0;
+    localparam int ALimbs = (AMagnitude - ASpare <= Limb) ? 1 : (AMagnitude - ASpare + Limb - 1) / Limb;
+    localparam int BLimbs = (BMagnitude - BSpare <= Limb) ? 1 : (BMagnitude - BSpare + Limb - 1) / Limb;
+    // The lower part of a factor is unsigned where bits stand above it.
+    localparam int ALowW = (ASpare > 0) ? ALimbs * Limb : AW;
+    localparam int BLowW = (BSpare > 0) ? BLimbs * Limb : BW;
+    localparam int ALowSigned = (ASpare > 0) ? 0 : ASigned;
+    localparam int BLowSigned = (BSpare > 0) ? 0 : BSigned;
+    localparam int PartW = 2 * Limb + 2;
+
+    // Clock 1: partial products.
+    logic signed [PartW-1:0] part_q[ALimbs*BLimbs];
+    for (genvar i = 0; i < ALimbs; i++) begin : gen_a
+      localparam int LimbAW = (i == ALimbs - 1) ? ALowW - i * Limb : Limb;
+      logic signed [Limb:0] a;
+      assign a = (Limb + 1)'($signed({(i == ALimbs - 1 && ALowSigned != 0) & a_i[i*Limb+LimbAW-1],
+                                      a_i[i*Limb+:LimbAW]}));
+      for (genvar j = 0; j < BLimbs; j++) begin : gen_b
+        localparam int LimbBW = (j == BLimbs - 1) ? BLowW - j * Limb : Limb;
+        logic signed [Limb:0] b;
+        assign b = (Limb + 1)'($signed({(j == BLimbs - 1 && BLowSigned != 0) & b_i[j*Limb+LimbBW-1],
+                                        b_i[j*Limb+:LimbBW]}));
+        always_ff @(posedge clk_i) begin
+          if (en_i) part_q[i*BLimbs+j] <= a * b;
+        end
+      end
+    end
+    // The bits above a's limbs times all of b, and those above b's limbs times the lower part of a.
+    logic signed [PW-1:0] above_a_q, above_b_q;
+    if (ASpare > 0) begin : gen_above_a
+      localparam int TopW = AW - ALowW;
+      logic signed [PW-1:0] b, sum;
+      assign b = PW'($signed({(BSigned != 0) & b_i[BW-1], b_i}));
+      always_comb begin
+        sum = '0;
+        for (int k = 0; k < TopW; k++) begin
+          if (a_i[ALowW+k]) sum = (ASigned != 0 && k == TopW - 1) ? sum - (b <<< k) : sum + (b <<< k);
+        end
+      end
+      always_ff @(posedge clk_i) begin
+        if (en_i) above_a_q <= sum <<< ALowW;
+      end
+    end else begin : gen_no_above_a
+      assign above_a_q = '0;
+    end
+    if (BSpare > 0) begin : gen_above_b
+      localparam int TopW = BW - BLowW;
+      logic signed [PW-1:0] a, sum;
+      assign a = PW'($signed({(ALowSigned != 0) & a_i[ALowW-1], a_i[ALowW-1:0]}));
+      always_comb begin
+        sum = '0;
+        for (int k = 0; k < TopW; k++) begin
+          if (b_i[BLowW+k]) sum = (BSigned != 0 && k == TopW - 1) ? sum - (a <<< k) : sum + (a <<< k);
+        end
+      end
+      always_ff @(posedge clk_i) begin
+        if (en_i) above_b_q <= sum <<< BLowW;
+      end
+    end else begin : gen_no_above_b
+      assign above_b_q = '0;
+    end
+
+    // Rows, one per limb of b; the bits above the limbs are a row, too.
+    logic signed [PW-1:0] row[BLimbs+1];
+    for (genvar j = 0; j < BLimbs; j++) begin : gen_row
+      logic signed [PW-1:0] sum;
+      always_comb begin
+        sum = '0;
+        for (int i = 0; i < ALimbs; i++) sum = sum + (PW'(part_q[i*BLimbs+j]) <<< (Limb * (i + j)));
+      end
+      assign row[j] = sum;
+    end
+    assign row[BLimbs] = above_a_q + above_b_q;
+    logic signed [PW-1:0] term[BLimbs+1];
+    if (Clocks >= 3) begin : gen_row_registers
+      always_ff @(posedge clk_i) begin
+        if (en_i) begin
+          for (int j = 0; j <= BLimbs; j++) term[j] <= row[j];
+        end
+      end
+    end else begin : gen_row_wires
+      for (genvar j = 0; j <= BLimbs; j++) begin : gen_term
+        assign term[j] = row[j];
+      end
+    end
+
+    logic signed [PW-1:0] total, total_q;
+    always_comb begin
+      total = '0;
+      for (int j = 0; j <= BLimbs; j++) total = total + term[j];
+    end
+    always_ff @(posedge clk_i) begin
+      if (en_i) total_q <= total;
+    end
+    delay_line #(
+        .Width(PW),
+        .Depth(Clocks > 3 ? Clocks - 3 : 0)
+    ) u_wait (
+        .clk_i,
+        .en_i,
+        .d_i(total_q),
+        .q_o(p_o)
+    );
+  end
+
+`ifndef SYNTHESIS
+  initial begin
+    assert (AW >= 1 && BW >= 1 && Clocks >= 1)
+    else $fatal(1, "mul_pipe: widths and Clocks must be positive");
+  end
+`endif
+endmodule

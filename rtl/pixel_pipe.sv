@@ -1,0 +1,496 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pixel stages behind memory ports: covered fragments in, depth codes and colours written, one fragment per clock.
+//
+//   in -> depth --------> texture -----+-> fog -> merge -> colour write
+//          ^  z read      four texels  |          colour read
+//          +-- fate -> z write <-------+
+//
+// Draw state: what may change between triangles. A transfer on `draw` holds for all fragments that are accepted on later
+// clocks. The stages look it up by the slot that a fragment carries; draw_ready_o waits until no fragment of the next
+// slot is in flight.
+//
+// Frame state: the constants b, c1, c0 and scale, the picture's size and the fog's table. It must stay as it is while
+// idle_o is 0. idle_o tells that every fragment has left and that all it writes was accepted.
+//
+// A read that is accepted on a later clock than a write must see what was written. Answers come in the order of requests.
+module pixel_pipe (
+    input  logic clk_i,
+    input  logic rst_ni,
+    output logic idle_o,
+    // Frame state.
+    input  logic [bitspan_pixel_pkg::SetupBW-1:0] b_i,
+    input  logic [bitspan_pixel_pkg::DepthC1W-1:0] c1_i,
+    input  logic [bitspan_pixel_pkg::DepthC0W-1:0] c0_i,
+    input  logic [bitspan_pixel_pkg::FogScaleW-1:0] scale_i,
+    input  logic [bitspan_pixel_pkg::CoordW-1:0] width_i,
+    input  logic [bitspan_pixel_pkg::CoordW-1:0] height_i,
+    input  logic load_i,
+    input  logic load_threshold_i,
+    input  logic [bitspan_pixel_pkg::FogIndexW-1:0] load_place_i,
+    input  logic [bitspan_pixel_pkg::FogLoadW-1:0] load_data_i,
+    // Draw state, as depth, texture, fog and merge describe it.
+    input  logic draw_valid_i,
+    output logic draw_ready_o,
+    input  logic [2:0] draw_func_i,
+    input  logic draw_write_z_i,
+    input  logic draw_textured_i,
+    input  logic draw_bilinear_i,
+    input  logic draw_clamp_i,
+    input  logic [bitspan_pixel_pkg::TexelIndexW-1:0] draw_last_i_i,
+    input  logic [bitspan_pixel_pkg::TexelIndexW-1:0] draw_last_j_i,
+    input  logic [bitspan_pixel_pkg::TexelPitchW-1:0] draw_pitch_i,
+    input  logic [bitspan_pixel_pkg::TexelAddressW-1:0] draw_base_i,
+    input  logic draw_transparent_i,
+    input  logic [23:0] draw_reserved_i,
+    input  logic [1:0] draw_fog_i,
+    input  logic [23:0] draw_fog_color_i,
+    input  logic draw_blend_i,
+    input  logic draw_write_color_i,
+    // A covered fragment.
+    input  logic in_valid_i,
+    output logic in_ready_o,
+    input  logic [bitspan_pixel_pkg::CoordW-1:0] in_x_i,
+    input  logic [bitspan_pixel_pkg::CoordW-1:0] in_y_i,
+    input  logic [bitspan_pixel_pkg::SpanHW-1:0] in_h_i,
+    input  logic [bitspan_pixel_pkg::SpanUvW-1:0] in_u_i,
+    input  logic [bitspan_pixel_pkg::SpanUvW-1:0] in_v_i,
+    input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_r_i,
+    input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_g_i,
+    input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_b_i,
+    input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_a_i,
+    // The depth memory.
+    output logic z_request_valid_o,
+    input  logic z_request_ready_i,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] z_request_x_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] z_request_y_o,
+    input  logic z_answer_valid_i,
+    output logic z_answer_ready_o,
+    input  logic [bitspan_pixel_pkg::DepthZW-1:0] z_answer_z_i,
+    output logic z_write_valid_o,
+    input  logic z_write_ready_i,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] z_write_x_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] z_write_y_o,
+    output logic [bitspan_pixel_pkg::DepthZW-1:0] z_write_z_o,
+    // Four ports of the texel memory.
+    output logic texel0_request_valid_o,
+    input  logic texel0_request_ready_i,
+    output logic [bitspan_pixel_pkg::TexelAddressW-1:0] texel0_request_address_o,
+    input  logic texel0_answer_valid_i,
+    output logic texel0_answer_ready_o,
+    input  logic [31:0] texel0_answer_texel_i,
+    output logic texel1_request_valid_o,
+    input  logic texel1_request_ready_i,
+    output logic [bitspan_pixel_pkg::TexelAddressW-1:0] texel1_request_address_o,
+    input  logic texel1_answer_valid_i,
+    output logic texel1_answer_ready_o,
+    input  logic [31:0] texel1_answer_texel_i,
+    output logic texel2_request_valid_o,
+    input  logic texel2_request_ready_i,
+    output logic [bitspan_pixel_pkg::TexelAddressW-1:0] texel2_request_address_o,
+    input  logic texel2_answer_valid_i,
+    output logic texel2_answer_ready_o,
+    input  logic [31:0] texel2_answer_texel_i,
+    output logic texel3_request_valid_o,
+    input  logic texel3_request_ready_i,
+    output logic [bitspan_pixel_pkg::TexelAddressW-1:0] texel3_request_address_o,
+    input  logic texel3_answer_valid_i,
+    output logic texel3_answer_ready_o,
+    input  logic [31:0] texel3_answer_texel_i,
+    // The colour memory.
+    output logic color_request_valid_o,
+    input  logic color_request_ready_i,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] color_request_x_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] color_request_y_o,
+    input  logic color_answer_valid_i,
+    output logic color_answer_ready_o,
+    input  logic [bitspan_pixel_pkg::MergeColorW-1:0] color_answer_r_i,
+    input  logic [bitspan_pixel_pkg::MergeColorW-1:0] color_answer_g_i,
+    input  logic [bitspan_pixel_pkg::MergeColorW-1:0] color_answer_b_i,
+    output logic color_write_valid_o,
+    input  logic color_write_ready_i,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] color_write_x_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] color_write_y_o,
+    output logic [bitspan_pixel_pkg::MergeColorW-1:0] color_write_r_o,
+    output logic [bitspan_pixel_pkg::MergeColorW-1:0] color_write_g_o,
+    output logic [bitspan_pixel_pkg::MergeColorW-1:0] color_write_b_o,
+    // Taps: the records of docs/numeric-spec.md, as a fragment leaves a stage.
+    output logic depth_record_valid_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] depth_record_x_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] depth_record_y_o,
+    output logic [bitspan_pixel_pkg::PixelRecipOutW-1:0] depth_record_recip_m_o,
+    output logic [bitspan_pixel_pkg::ExponentW-1:0] depth_record_recip_e_o,
+    output logic [bitspan_pixel_pkg::DepthZW-1:0] depth_record_z_o,
+    output logic [bitspan_pixel_pkg::DepthZW-1:0] depth_record_stored_o,
+    output logic depth_record_pass_o,
+    output logic texture_record_valid_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] texture_record_x_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] texture_record_y_o,
+    output logic [bitspan_pixel_pkg::TexelIndexW-1:0] texture_record_i_o,
+    output logic [bitspan_pixel_pkg::TexelIndexW-1:0] texture_record_j_o,
+    output logic [bitspan_pixel_pkg::TextureFracW-1:0] texture_record_ex_o,
+    output logic [bitspan_pixel_pkg::TextureFracW-1:0] texture_record_ey_o,
+    output logic [bitspan_pixel_pkg::TextureMixW-1:0] texture_record_texel_r_o,
+    output logic [bitspan_pixel_pkg::TextureMixW-1:0] texture_record_texel_g_o,
+    output logic [bitspan_pixel_pkg::TextureMixW-1:0] texture_record_texel_b_o,
+    output logic [bitspan_pixel_pkg::TextureAlphaW-1:0] texture_record_texel_a_o,
+    output logic [bitspan_pixel_pkg::TextureColorW-1:0] texture_record_r_o,
+    output logic [bitspan_pixel_pkg::TextureColorW-1:0] texture_record_g_o,
+    output logic [bitspan_pixel_pkg::TextureColorW-1:0] texture_record_b_o,
+    output logic [bitspan_pixel_pkg::TextureAlphaW-1:0] texture_record_a_o,
+    output logic texture_record_killed_o,
+    output logic fog_record_valid_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] fog_record_x_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] fog_record_y_o,
+    output logic [bitspan_pixel_pkg::FogIndexW:0] fog_record_index_o,
+    output logic [bitspan_pixel_pkg::PixelRecipOutW-1:0] fog_record_recip_m_o,
+    output logic [bitspan_pixel_pkg::ExponentW-1:0] fog_record_recip_e_o,
+    output logic [bitspan_pixel_pkg::FogFactorW-1:0] fog_record_factor_o,
+    output logic [bitspan_pixel_pkg::FogColorW-1:0] fog_record_r_o,
+    output logic [bitspan_pixel_pkg::FogColorW-1:0] fog_record_g_o,
+    output logic [bitspan_pixel_pkg::FogColorW-1:0] fog_record_b_o,
+    output logic merge_record_valid_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] merge_record_x_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] merge_record_y_o,
+    output logic [bitspan_pixel_pkg::DepthZW-1:0] merge_record_z_o,
+    output logic [bitspan_pixel_pkg::MergeColorW-1:0] merge_record_r_o,
+    output logic [bitspan_pixel_pkg::MergeColorW-1:0] merge_record_g_o,
+    output logic [bitspan_pixel_pkg::MergeColorW-1:0] merge_record_b_o
+);
+  localparam int CoordW = bitspan_pixel_pkg::CoordW;
+  localparam int HW = bitspan_pixel_pkg::SpanHW;
+  localparam int ZW = bitspan_pixel_pkg::DepthZW;
+  localparam int UvW = bitspan_pixel_pkg::SpanUvW;
+  localparam int ShadeW = bitspan_pixel_pkg::SpanShadeW;
+  localparam int AlphaW = bitspan_pixel_pkg::TextureAlphaW;
+  localparam int IndexW = bitspan_pixel_pkg::TexelIndexW;
+  localparam int PitchW = bitspan_pixel_pkg::TexelPitchW;
+  localparam int AddressW = bitspan_pixel_pkg::TexelAddressW;
+
+  // ---------------------------------------------------------------- draw state
+
+  localparam int SlotW = 2;
+  localparam int Slots = 1 << SlotW;
+  // Wider than all fragments that the stages hold.
+  localparam int CountW = $clog2(4 * bitspan_pixel_pkg::FragmentsInFlight + 512);
+  logic [SlotW-1:0] slot_q, next_slot;
+  logic [2:0] func_q;
+  logic draw_taken, in_taken;
+  assign next_slot = slot_q + SlotW'(1);
+  assign draw_taken = draw_valid_i && draw_ready_o;
+  assign in_taken = in_valid_i && in_ready_o;
+
+  // Each stage's part, by slot.
+  localparam int TextureStateW = 4 + 2 * IndexW + PitchW + AddressW + 24;
+  localparam int FogStateW = 2 + 24;
+  logic fate_state[Slots];
+  logic [TextureStateW-1:0] texture_state[Slots];
+  logic [FogStateW-1:0] fog_state[Slots];
+  logic [1:0] merge_state[Slots];
+  always_ff @(posedge clk_i) begin
+    if (draw_taken) begin
+      func_q <= draw_func_i;
+      fate_state[next_slot] <= draw_write_z_i;
+      texture_state[next_slot] <= {
+        draw_textured_i, draw_bilinear_i, draw_clamp_i, draw_last_i_i, draw_last_j_i, draw_pitch_i, draw_base_i,
+        draw_transparent_i, draw_reserved_i
+      };
+      fog_state[next_slot] <= {draw_fog_i, draw_fog_color_i};
+      merge_state[next_slot] <= {draw_blend_i, draw_write_color_i};
+    end
+  end
+
+  // Fragments in flight per slot; those that leave are counted a clock later. settled_q: no fragment of the slot before
+  // can still be on its way to the count.
+  logic [2:0] left, left_q;
+  logic [SlotW-1:0] left_slot[3], left_slot_q[3];
+  logic in_q, settled_q;
+  logic [SlotW-1:0] in_slot_q;
+  logic [CountW-1:0] count_q[Slots];
+  logic [Slots-1:0] none;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) begin
+      slot_q <= '0;
+      in_q <= 1'b0;
+      left_q <= '0;
+      settled_q <= 1'b0;
+      draw_ready_o <= 1'b0;
+      idle_o <= 1'b0;
+    end else begin
+      if (draw_taken) slot_q <= next_slot;
+      in_q <= in_taken;
+      left_q <= left;
+      settled_q <= !draw_taken;
+      draw_ready_o <= none[next_slot] && settled_q && !draw_taken;
+      idle_o <= (&none) && !in_q && !in_taken;
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    in_slot_q <= slot_q;
+    for (int i = 0; i < 3; i++) left_slot_q[i] <= left_slot[i];
+  end
+  for (genvar s = 0; s < Slots; s++) begin : gen_count
+    logic enters;
+    logic [1:0] leave;
+    assign enters = in_q && in_slot_q == SlotW'(s);
+    assign leave = 2'(left_q[0] && left_slot_q[0] == SlotW'(s)) + 2'(left_q[1] && left_slot_q[1] == SlotW'(s)) +
+                   2'(left_q[2] && left_slot_q[2] == SlotW'(s));
+    always_ff @(posedge clk_i or negedge rst_ni) begin
+      if (!rst_ni) count_q[s] <= '0;
+      else count_q[s] <= count_q[s] + CountW'(enters) - CountW'(leave);
+    end
+    assign none[s] = count_q[s] == '0;
+  end
+
+  // ---------------------------------------------------------------- depth
+
+  localparam int ShadesW = 2 * UvW + 4 * ShadeW;
+  logic tested_valid, tested_ready, tested_mark;
+  logic [CoordW-1:0] tested_x, tested_y;
+  logic [HW-1:0] tested_h;
+  logic [ZW-1:0] tested_z;
+  logic [SlotW-1:0] tested_slot;
+  logic [UvW-1:0] tested_u, tested_v;
+  logic [ShadeW-1:0] tested_r, tested_g, tested_b, tested_a;
+  logic fate_valid, fate_ready, fate_mark, fate_write;
+  logic [CoordW-1:0] textured_x, textured_y;
+  logic [ZW-1:0] textured_z;
+  logic [SlotW+ShadesW-1:0] record_rest;
+  depth #(
+      .RestW(SlotW + ShadesW)
+  ) u_depth (
+      .clk_i,
+      .rst_ni,
+      .b_i,
+      .c1_i,
+      .c0_i,
+      .in_valid_i,
+      .in_ready_o,
+      .in_x_i,
+      .in_y_i,
+      .in_h_i,
+      .in_func_i(func_q),
+      .in_rest_i({slot_q, in_u_i, in_v_i, in_r_i, in_g_i, in_b_i, in_a_i}),
+      .request_valid_o(z_request_valid_o),
+      .request_ready_i(z_request_ready_i),
+      .request_x_o(z_request_x_o),
+      .request_y_o(z_request_y_o),
+      .answer_valid_i(z_answer_valid_i),
+      .answer_ready_o(z_answer_ready_o),
+      .answer_z_i(z_answer_z_i),
+      .write_valid_o(z_write_valid_o),
+      .write_ready_i(z_write_ready_i),
+      .write_x_o(z_write_x_o),
+      .write_y_o(z_write_y_o),
+      .write_z_o(z_write_z_o),
+      .out_valid_o(tested_valid),
+      .out_ready_i(tested_ready),
+      .out_x_o(tested_x),
+      .out_y_o(tested_y),
+      .out_h_o(tested_h),
+      .out_z_o(tested_z),
+      .out_mark_o(tested_mark),
+      .out_rest_o({tested_slot, tested_u, tested_v, tested_r, tested_g, tested_b, tested_a}),
+      .fate_valid_i(fate_valid),
+      .fate_ready_o(fate_ready),
+      .fate_x_i(textured_x),
+      .fate_y_i(textured_y),
+      .fate_z_i(textured_z),
+      .fate_mark_i(fate_mark),
+      .fate_write_i(fate_write),
+      .record_valid_o(depth_record_valid_o),
+      .record_x_o(depth_record_x_o),
+      .record_y_o(depth_record_y_o),
+      .record_recip_m_o(depth_record_recip_m_o),
+      .record_recip_e_o(depth_record_recip_e_o),
+      .record_z_o(depth_record_z_o),
+      .record_stored_o(depth_record_stored_o),
+      .record_pass_o(depth_record_pass_o),
+      .record_rest_o(record_rest)
+  );
+  assign left[0] = depth_record_valid_o && !depth_record_pass_o;
+  assign left_slot[0] = record_rest[ShadesW+:SlotW];
+  logic unused_record;
+  assign unused_record = ^record_rest[ShadesW-1:0];
+
+  // ---------------------------------------------------------------- texture
+
+  logic use_texture, use_bilinear, use_clamp, use_transparent;
+  logic [IndexW-1:0] last_i, last_j;
+  logic [PitchW-1:0] pitch;
+  logic [AddressW-1:0] base;
+  logic [23:0] reserved;
+  assign {use_texture, use_bilinear, use_clamp, last_i, last_j, pitch, base, use_transparent, reserved} =
+      texture_state[tested_slot];
+  logic textured_valid, textured_ready, killed, lives;
+  logic [SlotW-1:0] textured_slot;
+  logic [HW-1:0] textured_h;
+  texture #(
+      .RestW(SlotW + 2 * CoordW + HW + ZW + 1)
+  ) u_texture (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i(tested_valid),
+      .in_ready_o(tested_ready),
+      .in_u_i(tested_u),
+      .in_v_i(tested_v),
+      .in_r_i(tested_r),
+      .in_g_i(tested_g),
+      .in_b_i(tested_b),
+      .in_a_i(tested_a),
+      .in_rest_i({tested_slot, tested_x, tested_y, tested_h, tested_z, tested_mark}),
+      .in_textured_i(use_texture),
+      .in_bilinear_i(use_bilinear),
+      .in_clamp_i(use_clamp),
+      .in_last_i_i(last_i),
+      .in_last_j_i(last_j),
+      .in_pitch_i(pitch),
+      .in_base_i(base),
+      .in_transparent_i(use_transparent),
+      .in_reserved_i(reserved),
+      .request0_valid_o(texel0_request_valid_o),
+      .request0_ready_i(texel0_request_ready_i),
+      .request0_address_o(texel0_request_address_o),
+      .answer0_valid_i(texel0_answer_valid_i),
+      .answer0_ready_o(texel0_answer_ready_o),
+      .answer0_texel_i(texel0_answer_texel_i),
+      .request1_valid_o(texel1_request_valid_o),
+      .request1_ready_i(texel1_request_ready_i),
+      .request1_address_o(texel1_request_address_o),
+      .answer1_valid_i(texel1_answer_valid_i),
+      .answer1_ready_o(texel1_answer_ready_o),
+      .answer1_texel_i(texel1_answer_texel_i),
+      .request2_valid_o(texel2_request_valid_o),
+      .request2_ready_i(texel2_request_ready_i),
+      .request2_address_o(texel2_request_address_o),
+      .answer2_valid_i(texel2_answer_valid_i),
+      .answer2_ready_o(texel2_answer_ready_o),
+      .answer2_texel_i(texel2_answer_texel_i),
+      .request3_valid_o(texel3_request_valid_o),
+      .request3_ready_i(texel3_request_ready_i),
+      .request3_address_o(texel3_request_address_o),
+      .answer3_valid_i(texel3_answer_valid_i),
+      .answer3_ready_o(texel3_answer_ready_o),
+      .answer3_texel_i(texel3_answer_texel_i),
+      .out_valid_o(textured_valid),
+      .out_ready_i(textured_ready),
+      .out_i_o(texture_record_i_o),
+      .out_j_o(texture_record_j_o),
+      .out_ex_o(texture_record_ex_o),
+      .out_ey_o(texture_record_ey_o),
+      .out_texel_r_o(texture_record_texel_r_o),
+      .out_texel_g_o(texture_record_texel_g_o),
+      .out_texel_b_o(texture_record_texel_b_o),
+      .out_texel_a_o(texture_record_texel_a_o),
+      .out_r_o(texture_record_r_o),
+      .out_g_o(texture_record_g_o),
+      .out_b_o(texture_record_b_o),
+      .out_a_o(texture_record_a_o),
+      .out_killed_o(killed),
+      .out_rest_o({textured_slot, textured_x, textured_y, textured_h, textured_z, fate_mark})
+  );
+
+  // The fate, and where it lives the fragment, leave on one clock.
+  logic fog_ready;
+  assign lives = !killed;
+  assign textured_ready = fate_ready && (fog_ready || killed);
+  assign fate_valid = textured_valid && (fog_ready || killed);
+  assign fate_write = lives && fate_state[textured_slot];
+  assign left[1] = textured_valid && textured_ready && killed;
+  assign left_slot[1] = textured_slot;
+  assign texture_record_valid_o = textured_valid && textured_ready;
+  assign texture_record_x_o = textured_x;
+  assign texture_record_y_o = textured_y;
+  assign texture_record_killed_o = killed;
+
+  // ---------------------------------------------------------------- fog
+
+  logic [1:0] fog_mode;
+  logic [23:0] fog_color;
+  assign {fog_mode, fog_color} = fog_state[textured_slot];
+  logic fogged_valid, fogged_ready;
+  logic [SlotW-1:0] fogged_slot;
+  logic [ZW-1:0] fogged_z;
+  logic [AlphaW-1:0] fogged_a;
+  fog #(
+      .RestW(SlotW + 2 * CoordW + ZW + AlphaW)
+  ) u_fog (
+      .clk_i,
+      .rst_ni,
+      .load_i,
+      .load_threshold_i,
+      .load_place_i,
+      .load_data_i,
+      .in_valid_i(textured_valid && lives && fate_ready),
+      .in_ready_o(fog_ready),
+      .in_x_i(textured_x),
+      .in_y_i(textured_y),
+      .in_h_i(textured_h),
+      .in_r_i(texture_record_r_o),
+      .in_g_i(texture_record_g_o),
+      .in_b_i(texture_record_b_o),
+      .in_rest_i({textured_slot, textured_x, textured_y, textured_z, texture_record_a_o}),
+      .in_mode_i(fog_mode),
+      .in_color_i(fog_color),
+      .in_width_i(width_i),
+      .in_height_i(height_i),
+      .in_constant_b_i(b_i),
+      .in_scale_i(scale_i),
+      .out_valid_o(fogged_valid),
+      .out_ready_i(fogged_ready),
+      .out_index_o(fog_record_index_o),
+      .out_recip_m_o(fog_record_recip_m_o),
+      .out_recip_e_o(fog_record_recip_e_o),
+      .out_factor_o(fog_record_factor_o),
+      .out_r_o(fog_record_r_o),
+      .out_g_o(fog_record_g_o),
+      .out_b_o(fog_record_b_o),
+      .out_rest_o({fogged_slot, fog_record_x_o, fog_record_y_o, fogged_z, fogged_a})
+  );
+  assign fog_record_valid_o = fogged_valid && fogged_ready;
+
+  // ---------------------------------------------------------------- merge
+
+  logic blend, write_color;
+  assign {blend, write_color} = merge_state[fogged_slot];
+  merge #(
+      .RestW(SlotW + ZW)
+  ) u_merge (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i(fogged_valid),
+      .in_ready_o(fogged_ready),
+      .in_x_i(fog_record_x_o),
+      .in_y_i(fog_record_y_o),
+      .in_r_i(fog_record_r_o),
+      .in_g_i(fog_record_g_o),
+      .in_b_i(fog_record_b_o),
+      .in_a_i(fogged_a),
+      .in_blend_i(blend),
+      .in_write_i(write_color),
+      .in_rest_i({fogged_slot, fogged_z}),
+      .request_valid_o(color_request_valid_o),
+      .request_ready_i(color_request_ready_i),
+      .request_x_o(color_request_x_o),
+      .request_y_o(color_request_y_o),
+      .answer_valid_i(color_answer_valid_i),
+      .answer_ready_o(color_answer_ready_o),
+      .answer_r_i(color_answer_r_i),
+      .answer_g_i(color_answer_g_i),
+      .answer_b_i(color_answer_b_i),
+      .write_valid_o(color_write_valid_o),
+      .write_ready_i(color_write_ready_i),
+      .write_x_o(color_write_x_o),
+      .write_y_o(color_write_y_o),
+      .write_r_o(color_write_r_o),
+      .write_g_o(color_write_g_o),
+      .write_b_o(color_write_b_o),
+      .record_valid_o(merge_record_valid_o),
+      .record_rest_o({left_slot[2], merge_record_z_o})
+  );
+  assign left[2] = merge_record_valid_o;
+  assign merge_record_x_o = color_write_x_o;
+  assign merge_record_y_o = color_write_y_o;
+  assign merge_record_r_o = color_write_r_o;
+  assign merge_record_g_o = color_write_g_o;
+  assign merge_record_b_o = color_write_b_o;
+endmodule

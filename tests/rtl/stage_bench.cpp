@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/rtl/stage_bench.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "tests/support/files.hpp"
+
+namespace bitspan {
+RtlModuleDesign module_of(const StageDesign& design) {
+  RtlModuleDesign m{.name = design.name,
+                    .top = design.top,
+                    .package = design.package,
+                    .sources = pixel_sources(),
+                    .inputs = {},
+                    .outputs = {}};
+  for (const StageChannel& c : design.channels) {
+    const bool in = c.kind == ChannelKind::in;
+    auto& with = in ? m.inputs : m.outputs;
+    with.push_back(c.name + (in ? "_valid_i" : "_valid_o"));
+    for (const std::string& field : c.fields) with.push_back(c.name + "_" + field + (in ? "_i" : "_o"));
+    if (in) m.outputs.push_back(c.name + "_ready_o");
+    if (c.kind == ChannelKind::out) m.inputs.push_back(c.name + "_ready_i");
+  }
+  for (const std::string& name : design.constants) m.inputs.push_back(name + "_i");
+  for (const std::string& name : design.levels) m.outputs.push_back(name + "_o");
+  return m;
+}
+
+std::vector<std::filesystem::path> pixel_sources() {
+  const std::filesystem::path folder = rtl_root() / "rtl";
+  std::istringstream list(read_file(folder / "pixel_pipe.f"));
+  std::vector<std::filesystem::path> sources;
+  for (std::string name; std::getline(list, name);) sources.push_back(folder / name);
+  return sources;
+}
+
+StageBench::StageBench(const StageDesign& design, std::uint64_t seed) : random_(seed) {
+  const RtlModuleDesign m = module_of(design);
+  inputs_.resize(m.inputs.size());
+  outputs_.resize(m.outputs.size());
+  const auto place = [](const std::vector<std::string>& ports, const std::string& name) {
+    return static_cast<std::size_t>(std::ranges::find(ports, name) - ports.begin());
+  };
+  for (const StageChannel& c : design.channels) {
+    Channel made;
+    made.shape = c;
+    const bool in = c.kind == ChannelKind::in;
+    made.valid = place(in ? m.inputs : m.outputs, c.name + (in ? "_valid_i" : "_valid_o"));
+    made.first = made.valid + 1;
+    made.ready = in ? place(m.outputs, c.name + "_ready_o") : place(m.inputs, c.name + "_ready_i");
+    channels_.push_back(std::move(made));
+  }
+  for (const std::string& name : design.constants) constants_[name] = place(m.inputs, name + "_i");
+  for (const std::string& name : design.levels) levels_[name] = place(m.outputs, name + "_o");
+  module_ = std::make_unique<RtlModule>(m);
+}
+
+StageBench::Channel& StageBench::channel(const std::string& name) {
+  return const_cast<Channel&>(std::as_const(*this).channel(name));
+}
+const StageBench::Channel& StageBench::channel(const std::string& name) const {
+  const auto found = std::ranges::find_if(channels_, [&](const Channel& c) { return c.shape.name == name; });
+  if (found == channels_.end()) throw std::logic_error("no channel " + name);
+  return *found;
+}
+
+void StageBench::set_stalls(const std::string& name, const StageStalls& stalls) {
+  own_stalls_[name] = stalls;
+  channel(name).stalls = &own_stalls_[name];
+}
+
+void StageBench::set_constant(const std::string& name, std::uint64_t value) {
+  inputs_.at(constants_.at(name)) = value;
+}
+
+void StageBench::send(const std::string& name, StageValues values, std::uint64_t clocks) {
+  Channel& c = channel(name);
+  if (values.size() != c.shape.fields.size()) throw std::logic_error(name + ": other fields are sent");
+  c.queue.push_back({std::move(values), clocks_ + clocks});
+}
+
+std::size_t StageBench::waiting(const std::string& name) const { return channel(name).queue.size(); }
+
+void StageBench::on_transfer(const std::string& name, std::function<void(const StageValues&)> call) {
+  channel(name).call = std::move(call);
+}
+
+bool StageBench::chance(double probability) {
+  return static_cast<double>(random_() >> 11) * 0x1p-53 < probability;
+}
+
+bool StageBench::clock() {
+  for (Channel& c : channels_) {
+    const StageStalls& stalls = c.stalls == nullptr ? stalls_ : *c.stalls;
+    if (c.shape.kind == ChannelKind::in) {
+      if (!c.offered) c.offered = !c.queue.empty() && c.queue.front().from <= clocks_ && !chance(stalls.gap);
+      inputs_[c.valid] = c.offered ? 1 : 0;
+      // What is on the ports beside an offer must not matter.
+      for (std::size_t i = 0; i < c.shape.fields.size(); ++i) {
+        inputs_[c.first + i] = c.offered ? c.queue.front().values[i] : inputs_[c.first + i];
+      }
+    } else if (c.shape.kind == ChannelKind::out) {
+      inputs_[c.ready] = chance(stalls.stall) ? 0 : 1;
+    }
+  }
+  module_->clock(inputs_, outputs_);
+  if (trace_ != nullptr) {
+    trace_->inputs.push_back(inputs_);
+    trace_->outputs.push_back(outputs_);
+  }
+  ++clocks_;
+
+  bool moved = false;
+  std::vector<std::pair<Channel*, StageValues>> calls;
+  for (Channel& c : channels_) {
+    if (c.shape.kind == ChannelKind::in) {
+      if (!c.offered || outputs_[c.ready] == 0) continue;
+      c.queue.pop_front();
+      c.offered = false;
+    } else {
+      const bool valid = outputs_[c.valid] != 0;
+      const auto from = outputs_.begin() + static_cast<std::ptrdiff_t>(c.first);
+      StageValues values(from, from + static_cast<std::ptrdiff_t>(c.shape.fields.size()));
+      if (c.held && (!valid || values != c.values)) {
+        throw std::logic_error(fmt::format("{}: a waiting transfer was changed or withdrawn", c.shape.name));
+      }
+      const bool taken = valid && (c.shape.kind == ChannelKind::tap || inputs_[c.ready] != 0);
+      c.held = valid && !taken;
+      c.values = values;
+      if (!taken) continue;
+      if (c.call) calls.emplace_back(&c, std::move(values));
+    }
+    ++c.transfers;
+    moved = true;
+  }
+  for (const auto& [c, values] : calls) c->call(values);
+  return moved;
+}
+
+void StageBench::run_until(const std::function<bool()>& done, int drain) {
+  constexpr int patience = 10000;
+  int idle = 0;
+  while (!done()) {
+    idle = clock() ? 0 : idle + 1;
+    if (idle > patience) {
+      std::string state;
+      for (const Channel& c : channels_) {
+        state += fmt::format(" {} {}+{}", c.shape.name, c.transfers, c.queue.size());
+      }
+      throw std::logic_error(fmt::format("nothing moves at clock {}:{}", clocks_, state));
+    }
+  }
+  const StageStalls before = std::exchange(stalls_, {});
+  const auto own = own_stalls_;
+  for (auto& [name, stalls] : own_stalls_) stalls = {};
+  for (int i = 0; i < drain; ++i) clock();
+  for (const auto& [name, stalls] : own) own_stalls_[name] = stalls;
+  stalls_ = before;
+}
+
+void StageBench::reset() {
+  for (Channel& c : channels_) {
+    c.queue.clear();
+    c.offered = false;
+    c.held = false;
+  }
+  const std::vector<std::uint64_t> inputs = inputs_;
+  module_->reset();
+  inputs_ = inputs;
+}
+
+std::uint64_t StageBench::transfers(const std::string& name) const { return channel(name).transfers; }
+
+StageMemory::StageMemory(StageBench& bench, const std::string& request, const std::string& answer,
+                         const std::string& write, std::size_t address_fields, Latency latency,
+                         std::uint64_t seed, std::function<StageValues(const Address&)> initial)
+    : initial_(std::move(initial)), random_(seed) {
+  bench.on_transfer(request, [this, &bench, answer, address_fields, latency](const StageValues& v) {
+    const Address address(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(address_fields));
+    const auto spread = static_cast<std::uint64_t>(latency.most - latency.least + 1);
+    in_flight_.push_back(address);
+    bench.send(answer, at(address), static_cast<std::uint64_t>(latency.least) - 1 + random_() % spread);
+    most_in_flight_ = std::max(most_in_flight_, bench.waiting(answer));
+  });
+  if (write.empty()) return;
+  bench.on_transfer(write, [this, &bench, answer, address_fields](const StageValues& v) {
+    const auto split = v.begin() + static_cast<std::ptrdiff_t>(address_fields);
+    const Address address(v.begin(), split);
+    while (in_flight_.size() > bench.waiting(answer)) in_flight_.pop_front();
+    if (std::ranges::find(in_flight_, address) != in_flight_.end()) {
+      throw std::logic_error(answer + ": an address is written while it is read");
+    }
+    written_[address] = StageValues(split, v.end());
+    if (on_write_) on_write_(v);
+  });
+}
+
+StageValues StageMemory::at(const Address& address) const {
+  const auto found = written_.find(address);
+  return found == written_.end() ? initial_(address) : found->second;
+}
+
+}  // namespace bitspan
