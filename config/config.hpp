@@ -83,6 +83,15 @@ struct MemoryTiming {
   bool operator==(const MemoryTiming&) const = default;
 };
 
+// How the RTL of span_setup and span is cut into clocks and multipliers. No value changes with it.
+struct RtlShape {
+  int product_clocks = 3;     // of each multiplication
+  int normalise_clocks = 3;   // of a reciprocal unit's operand
+  int setup_multipliers = 1;  // products that span_setup may form per clock
+  int fifo = 1;               // span records that fit between span_setup and span
+  bool operator==(const RtlShape&) const = default;
+};
+
 // Red, green, blue; or none.
 using Color = std::optional<std::array<std::uint8_t, 3>>;
 
@@ -153,6 +162,9 @@ struct Config {
   // [timing.STAGE], [memory]
   std::array<StageTiming, stage_count> timing{};
   MemoryTiming memory;
+
+  // [rtl]
+  RtlShape rtl;
 
   constexpr const Format& format(FormatId id) const { return formats[static_cast<std::size_t>(id)]; }
   constexpr Format& format(FormatId id) { return formats[static_cast<std::size_t>(id)]; }

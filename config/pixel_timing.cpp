@@ -105,7 +105,7 @@ PixelTiming pixel_timing(const Config& config) {
   // The memory's latency, and the clocks to and from it.
   t.in_flight =
       static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::clamp(config.memory.latency + 8, 16, 64))));
-  t.pixel_unit = reciprocal_latency(config.pixel_reciprocal, pixel_operand(config));
+  t.pixel_unit = reciprocal_latency(config.pixel_reciprocal, pixel_operand(config), config.rtl);
   t.depth = depth_timing(config, t.pixel_unit);
   t.texture = texture_timing(config);
   t.fog = fog_timing(config, t.pixel_unit);

@@ -52,14 +52,14 @@ ReciprocalParts parts_of(const Reciprocal& unit) {
                         {"c(j) - (c(j) - c(j+1)) t", std::max(unit.table_bits + t, unit.internal_bits) + 2}},
               .table_bits = table_entries(unit) * entry.bits(),
               .fraction = unit.internal_bits,
-              .clocks = 2};
+              .differences = 1};
     case ReciprocalKind::lut_newton: {
       ReciprocalParts parts{.registers = {{"nq", nq.bits(), 1}, {"y(0)", entry.bits(), 1}},
                             .products = {},
                             .exact = {table_entry},
                             .table_bits = table_entries(unit) * entry.bits(),
                             .fraction = unit.table_bits,
-                            .clocks = 1 + 2 * unit.steps};
+                            .differences = unit.steps};
       if (unit.steps == 0) return parts;
       const Grid a{2, unit.internal_bits, false};
       parts.registers.push_back({"a", a.bits(), unit.steps});
@@ -95,7 +95,7 @@ ReciprocalParts parts_of(const Reciprocal& unit) {
                         {"c0 - g t", std::max(unit.table_bits, unit.internal_bits + t) + 2}},
               .table_bits = segments * (entry.bits() + c1 + c2),
               .fraction = unit.internal_bits,
-              .clocks = 3};
+              .differences = 2};
     }
   }
   unreachable();

@@ -35,7 +35,7 @@ struct ReciprocalParts {
   std::vector<Width> exact;
   std::int64_t table_bits = 0;  // of the whole table
   int fraction = 0;             // of y
-  int clocks = 0;               // in the RTL, between the operand's normalisation and Q
+  int differences = 0;          // formed in a clock of their own, each behind a product
 };
 // Empty for restoring, whose parts depend on its operand.
 ReciprocalParts parts_of(const Reciprocal& unit);

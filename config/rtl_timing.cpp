@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include "config/modes.hpp"
 #include "config/reciprocal.hpp"
@@ -14,6 +15,12 @@ constexpr int ceil_div(int n, int d) { return (n + d - 1) / d; }
 
 // Table kinds may leave the key at 0; the row dividers then make one bit a clock.
 int bits_per_cycle(const Reciprocal& unit) { return std::max(1, unit.bits_per_cycle); }
+
+// rtl/restoring_core.sv: stages that each make some bits, or units in a row that each make one bit per clock
+// and take one more clock to take over.
+int restoring_clocks(const Reciprocal& unit, int iterations) {
+  return unit.pipelined ? iterations : bits_per_cycle(unit) * (iterations + 1);
+}
 
 bool row_divides(const Config& c) {
   return has_pixel_reciprocal(c.perspective) && !shares_reciprocal(c.row_slope);
@@ -61,9 +68,14 @@ RestoringShape restoring_shape(const Reciprocal& unit, Grid operand) {
   return {iterations, iterations * bits_per_cycle(unit) - integer_bits};
 }
 
-int reciprocal_latency(const Reciprocal& unit, Grid operand) {
-  const int made = has_table(unit.kind) ? parts_of(unit).clocks : restoring_shape(unit, operand).iterations;
-  return 1 + made + 1;  // normalise, make the result, Q
+int reciprocal_latency(const Reciprocal& unit, Grid operand, const RtlShape& shape) {
+  if (!has_table(unit.kind)) {
+    return shape.normalise_clocks + restoring_clocks(unit, restoring_shape(unit, operand).iterations) + 1;
+  }
+  const ReciprocalParts parts = parts_of(unit);
+  const int products = static_cast<int>(parts.products.size()) * shape.product_clocks;
+  constexpr int table = 2;  // read, and kept in a register
+  return shape.normalise_clocks + table + products + parts.differences + 1;
 }
 
 RowDivideShape row_divide_shape(const Config& config) {
@@ -81,24 +93,108 @@ RowDivideShape row_divide_shape(const Config& config) {
   return {iterations, made - h.bits() + h.fraction - l_fraction, made - f.bits() + f.fraction - l_fraction};
 }
 
+namespace {
+
+// Operands, product, shift and sum (3), Q.
+int row_product_ticks(const Config& config) { return 1 + config.rtl.product_clocks + 3 + 1; }
+
+// Clocks that the row unit is busy with one row.
+int row_unit_interval(const Config& config) {
+  const Reciprocal& unit = config.row_reciprocal;
+  if (unit.pipelined) return 1;
+  if (row_divides(config)) return row_divide_shape(config).iterations + 1;
+  if (has_table(unit.kind)) return reciprocal_latency(unit, row_operand(config), config.rtl);
+  return restoring_shape(unit, row_operand(config)).iterations + 1;
+}
+
+// Gives products the first slots that are free.
+class Multipliers {
+ public:
+  Multipliers(int multipliers, RowSchedule& schedule)
+      : schedule_(schedule),
+        taken_(static_cast<std::size_t>(multipliers * schedule.interval)),
+        multipliers_(multipliers) {}
+  // From tick `first` on; returns the tick from which the product is held.
+  int place(RowProduct product, int first) {
+    for (int tick = first;; ++tick) {
+      for (int m = 0; m < multipliers_; ++m) {
+        const auto place = static_cast<std::size_t>(tick % schedule_.interval);
+        const std::size_t at = place * static_cast<std::size_t>(multipliers_) + static_cast<std::size_t>(m);
+        if (taken_[at]) continue;
+        taken_[at] = true;
+        schedule_.slots[static_cast<std::size_t>(product)] = {tick, m};
+        return tick + schedule_.product;
+      }
+    }
+  }
+
+ private:
+  RowSchedule& schedule_;
+  std::vector<bool> taken_;
+  int multipliers_;
+};
+
+RowSchedule row_schedule(const Config& config, int row_unit) {
+  using P = RowProduct;
+  const bool planes = has_plane_rows(config.perspective);
+  const bool divides = row_divides(config);
+  const int products = planes ? 6 : divides ? 5 : 8;
+  const int multipliers = std::min(config.rtl.setup_multipliers, products);
+  RowSchedule s;
+  s.interval = std::max(ceil_div(products, multipliers), row_unit_interval(config));
+  s.product = row_product_ticks(config);
+  Multipliers place(multipliers, s);
+  // Tick 1 is the first register's: differences and sums.
+  if (planes) {
+    s.reciprocal = 1 + row_unit + 1;
+    for (const P p : {P::fu, P::fv, P::fu_step, P::fv_step, P::fu_step1, P::fv_step1}) {
+      s.latency = std::max(s.latency, place.place(p, s.reciprocal));
+    }
+    return s;
+  }
+  const int fu_diff = place.place(P::fu_diff, 1);
+  const int fv_diff = place.place(P::fv_diff, 1);
+  int h_step = 0;
+  int fu_step = 0;
+  int fv_step = 0;
+  if (divides) {
+    s.divide = std::max(fu_diff, fv_diff);
+    h_step = fu_step = fv_step = s.divide + row_unit + 1;  // and Q
+  } else {
+    s.reciprocal = 1 + row_unit + 1;
+    h_step = place.place(P::h_step, s.reciprocal);
+    fu_step = place.place(P::fu_step, std::max(s.reciprocal, fu_diff));
+    fv_step = place.place(P::fv_step, std::max(s.reciprocal, fv_diff));
+  }
+  const int h = place.place(P::h, h_step);
+  const int fu = place.place(P::fu, fu_step);
+  const int fv = place.place(P::fv, fv_step);
+  s.latency = std::max({h, fu, fv});
+  return s;
+}
+
+}  // namespace
+
 RtlTiming rtl_timing(const Config& config) {
   if (!has_rtl(config)) {
     throw InputError(config.name + ": perspective.mode " + std::string(to_string(config.perspective)) +
                      " has no RTL; expected delta_f or const_depth_rows");
   }
   RtlTiming t;
-  t.row_unit_pipelined = config.row_reciprocal.pipelined;
-  t.row_unit = row_divides(config) ? 1 + row_divide_shape(config).iterations  // magnitude, quotient bits
-                                   : reciprocal_latency(config.row_reciprocal, row_operand(config));
-  t.span_setup = 1 + t.row_unit + 1 + 1;
+  const int row_iterations = row_divide_shape(config).iterations;
+  t.row_unit = row_divides(config)
+                   ? 1 + restoring_clocks(config.row_reciprocal, row_iterations)  // magnitude, quotient bits
+                   : reciprocal_latency(config.row_reciprocal, row_operand(config), config.rtl);
+  t.row = row_schedule(config, t.row_unit);
   if (has_pixel_reciprocal(config.perspective)) {
     if (!config.pixel_reciprocal.pipelined) {
       throw InputError(
           config.name +
           ": reciprocal.pixel.pipelined is false; the RTL makes one pixel per clock and needs true");
     }
-    t.pixel_unit = reciprocal_latency(config.pixel_reciprocal, pixel_operand(config));
-    t.span = 1 + t.pixel_unit + 1;
+    t.pixel_unit = reciprocal_latency(config.pixel_reciprocal, pixel_operand(config), config.rtl);
+    // h + B; then the product, shift and sum (3), Q.
+    t.span = 1 + t.pixel_unit + config.rtl.product_clocks + 3 + 1;
   } else {
     t.span = 1;
   }

@@ -5,6 +5,10 @@
 // structure has them, and the timed model counts with them. docs/rtl.md, "Clocks", says what each clock does.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
 #include "config/config.hpp"
 #include "config/grid.hpp"
 
@@ -29,7 +33,7 @@ struct RestoringShape {
 };
 RestoringShape restoring_shape(const Reciprocal& unit, Grid operand);
 // Clocks from a unit's operand to its result: it normalises, makes the result, and quantises.
-int reciprocal_latency(const Reciprocal& unit, Grid operand);
+int reciprocal_latency(const Reciprocal& unit, Grid operand, const RtlShape& shape);
 
 // The row's dividers (`row_slope = divide`): h and f run side by side and take equally many iterations.
 struct RowDivideShape {
@@ -39,12 +43,43 @@ struct RowDivideShape {
 };
 RowDivideShape row_divide_shape(const Config& config);
 
+// The products of a row that the multipliers of span_setup form. Modes and slope forms have some of them.
+// clang-format off
+#define BITSPAN_ROW_PRODUCTS(X)                                                \
+  X(fu_diff, FuDiff) X(fv_diff, FvDiff)                                        \
+  X(h_step, HStep) X(fu_step, FuStep) X(fv_step, FvStep)                       \
+  X(h, H) X(fu, Fu) X(fv, Fv)                                                  \
+  X(fu_step1, FuStep1) X(fv_step1, FvStep1)
+// clang-format on
+enum class RowProduct : std::uint8_t {
+#define BITSPAN_ENUMERATOR(name, Name) name,
+  BITSPAN_ROW_PRODUCTS(BITSPAN_ENUMERATOR)
+#undef BITSPAN_ENUMERATOR
+};
+inline constexpr std::size_t row_product_count = static_cast<std::size_t>(RowProduct::fv_step1) + 1;
+
+// When span_setup does what for a row that it accepts at tick 0. A tick is a clock on which span_setup is not
+// held up. Rows are accepted where the tick is a multiple of `interval`, and the multipliers repeat their
+// work with that period: no two rows meet in one.
+struct RowSchedule {
+  struct Slot {
+    int tick = -1;  // at which the operands are read; -1: the configuration has no such product
+    int multiplier = 0;
+  };
+  std::array<Slot, row_product_count> slots{};
+  int interval = 1;
+  int product = 1;     // ticks from a slot to the product's register
+  int reciprocal = 0;  // tick from which the row's reciprocal is held; 0 where there is none
+  int divide = 0;      // tick at which the row's dividers start; 0 where there are none
+  int latency = 1;     // LS: tick at which the span record leaves
+  const Slot& slot(RowProduct p) const { return slots[static_cast<std::size_t>(p)]; }
+};
+
 struct RtlTiming {
-  int pixel_unit = 0;              // latency of the pixel reciprocal, 0 where the mode has none
-  int row_unit = 0;                // latency of the row reciprocal or of the row dividers
-  bool row_unit_pipelined = true;  // else span_setup holds one record at a time
-  int span_setup = 0;              // LS: acceptance to result register
-  int span = 0;                    // LP: issue to output
+  int pixel_unit = 0;  // latency of the pixel reciprocal, 0 where the mode has none
+  int row_unit = 0;    // latency of the row reciprocal or of the row dividers
+  int span = 0;        // LP: issue to the buffer at the output
+  RowSchedule row;
 };
 
 // Throws InputError where the mode has no RTL (hyperbolic, affine), and where delta_f has a pixel unit that

@@ -41,6 +41,8 @@ void common_section(SvWriter& w, const Config& config, const PixelTiming& timing
   w.integer("DepthSumW", as_signed(operand).bits());
   w.integer("DepthSumFrac", operand.fraction);
   w.reciprocal("PixelRecip", config.pixel_reciprocal, operand);
+  w.integer("ProductClocks", config.rtl.product_clocks);
+  w.integer("NormaliseClocks", config.rtl.normalise_clocks);
   w.integer("PixelUnitClocks", timing.pixel_unit);
 }
 

@@ -1,40 +1,76 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/emit_sv.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <bit>
-#include <cmath>
+#include <cstdlib>
 #include <string_view>
+#include <vector>
 
 #include "config/modes.hpp"
+#include "config/row_products.hpp"
 #include "config/rtl_timing.hpp"
 #include "engine/sv_writer.hpp"
 
 namespace bitspan {
 namespace {
 
-// A start offset as raw 2^-fraction, exactly: at most the 53 bits of a double's significand, in W bits.
-void offset(SvWriter& w, const std::string& name, const StartOffset& offset, int kept_fraction) {
-  std::int64_t raw = 0;
-  int fraction = 0;
-  if (offset.half_ulp) {
-    raw = 1;
-    fraction = kept_fraction + 1;
-  } else if (offset.value != 0) {
-    int exponent = 0;
-    raw = static_cast<std::int64_t>(std::ldexp(std::frexp(offset.value, &exponent), 53));
-    fraction = 53 - exponent;
-    while (raw % 2 == 0) {
-      raw /= 2;
-      --fraction;
-    }
-  }
-  const auto magnitude = static_cast<std::uint64_t>(std::abs(raw));
+// A start offset as raw 2^-Frac in W bits.
+void offset(SvWriter& w, const std::string& name, const ExactOffset& offset) {
+  const auto magnitude = static_cast<std::uint64_t>(std::abs(offset.raw));
   const std::string width = std::to_string(std::bit_width(magnitude) + 1);
   w.line("  localparam int " + name + "W = " + width + ";");
-  w.line("  localparam logic signed [" + name + "W-1:0] " + name + "Raw = " + (raw < 0 ? "-" : "") + width +
-         "'sd" + std::to_string(magnitude) + ";");
-  w.integer(name + "Frac", fraction);
+  w.line("  localparam logic signed [" + name + "W-1:0] " + name + "Raw = " + (offset.raw < 0 ? "-" : "") +
+         width + "'sd" + std::to_string(magnitude) + ";");
+  w.integer(name + "Frac", offset.fraction);
+}
+
+// The multipliers' widths, and what each product needs of them: the tick and the multiplier of its slot, and
+// how far to the right its exact value is shifted, an exponent not counted.
+void multipliers(SvWriter& w, const Config& config, const RowSchedule& schedule) {
+  constexpr std::array names{
+#define BITSPAN_NAME(name, Name) #Name,
+      BITSPAN_ROW_PRODUCTS(BITSPAN_NAME)
+#undef BITSPAN_NAME
+  };
+  const RowMultipliers m = row_multipliers(config, schedule);
+  w.line("");
+  w.line("  // Multipliers of span_setup; docs/rtl.md, \"Clocks\".");
+  w.integer("RowInterval", schedule.interval);
+  w.integer("RowMultipliers", m.count);
+  w.integer("RowProductTicks", schedule.product);
+  w.integer("RowRecipTick", schedule.reciprocal);
+  w.integer("RowDivideTick", schedule.divide);
+  w.integer("RowAW", m.a);
+  w.integer("RowBW", m.b);
+  w.integer("RowCW", m.c);
+  w.integer("RowSumBelow", m.below);
+  w.integer("RowSumW", m.sum);
+  w.integer("RowShiftBase", m.shift_base);
+  w.integer("RowShiftMax", m.shift_max);
+  // Product k stands at place k, 16 bits each; a multiplier of 65535 means that there is no such product.
+  std::string ticks;
+  std::string shifts;
+  std::string multiplier;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    w.integer(std::string("Row") + names[i], static_cast<int>(i));
+  for (std::size_t i = 0; i < static_cast<std::size_t>(m.products); ++i) {
+    const RowSchedule::Slot& slot = schedule.slots[i];
+    const auto add = [&](std::string& text, int value) {
+      text = fmt::format("16'd{}{}{}", value, i == 0 ? "" : ", ", text);
+    };
+    add(ticks, std::max(0, slot.tick));
+    add(shifts, m.shifts[i]);
+    add(multiplier, slot.tick < 0 ? 65535 : slot.multiplier);
+  }
+  w.integer("RowProducts", m.products);
+  for (const auto& [name, text] :
+       {std::pair{"RowTicks", &ticks}, {"RowShifts", &shifts}, {"RowMultiplierOf", &multiplier}}) {
+    w.line(fmt::format("  localparam logic [{}:0] {} = {{{}}};", 16 * m.products - 1, name, *text));
+  }
 }
 
 }  // namespace
@@ -97,9 +133,8 @@ std::string emit_sv(const Config& config) {
 
   w.line("");
   w.line("  // Start offsets: Raw 2^-Frac.");
-  offset(w, "OffsetH", config.start_offset.span_h, 0);
-  const FormatId kept = const_rows ? FormatId::span_uv : FormatId::span_f;
-  offset(w, "OffsetF", config.start_offset.span_f, config.format(kept).fraction());
+  offset(w, "OffsetH", offset_h(config));
+  offset(w, "OffsetF", offset_f(config));
 
   w.line("");
   w.line("  // Reciprocal units. Kind: " + numbered_names<ReciprocalKind>() +
@@ -115,11 +150,26 @@ std::string emit_sv(const Config& config) {
   w.integer("RowDivFFrac", divide.f_fraction);
 
   w.line("");
+  w.line("  // The span record, all fields side by side.");
+  w.line(
+      "  localparam int SpanRecordW = 2 * PixelIndexW + RowRecipOutW + ExponentW + PhaseW + PlaneKW + 2 * "
+      "SpanFDiffW +");
+  w.line("      SpanHW + SpanHStepW + 2 * EdgeUvW + 2 * TexAccW + 4 * TexStepW;");
+  w.line("");
+  w.line("  // p = x_first + 1/2 - x_l, signed.");
+  w.integer("PreStepW", pre_step(config).bits());
+  w.integer("PreStepFrac", pre_step(config).fraction);
+  multipliers(w, config, timing.row);
+
+  w.line("");
   w.line("  // Clocks; docs/rtl.md.");
+  w.integer("ProductClocks", config.rtl.product_clocks);
+  w.integer("NormaliseClocks", config.rtl.normalise_clocks);
   w.integer("RowUnitClocks", timing.row_unit);
   w.integer("PixelUnitClocks", timing.pixel_unit);
-  w.integer("SpanSetupClocks", timing.span_setup);
+  w.integer("SpanSetupClocks", timing.row.latency);
   w.integer("SpanClocks", timing.span);
+  w.integer("SpanFifo", config.rtl.fifo);
   w.line("endpackage");
   w.line("/* verilator lint_on UNUSED */");
   return w.text;

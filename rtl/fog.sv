@@ -226,6 +226,8 @@ module fog #(
         .OutOvf(bitspan_pixel_pkg::PixelRecipOutOvf),
         .EW(EW),
         .TableEntries(bitspan_pixel_pkg::PixelRecipTableEntries),
+        .NormaliseClocks(bitspan_pixel_pkg::NormaliseClocks),
+        .ProductClocks(bitspan_pixel_pkg::ProductClocks),
         .Clocks(bitspan_pixel_pkg::PixelUnitClocks),
         .Table(bitspan_pixel_pkg::PixelRecipTable)
     ) u_reciprocal (

@@ -13,6 +13,8 @@ module mul_pipe #(
     parameter int BW      = 18,
     parameter int ASigned = 1,
     parameter int BSigned = 1,
+    // b's top bit is set in one value alone, in which no other bit is.
+    parameter int BTopAlone = 0,
     parameter int Clocks  = 3
 ) (
     input  logic             clk_i,
@@ -90,7 +92,8 @@ module mul_pipe #(
       always_comb begin
         sum = '0;
         for (int k = 0; k < TopW; k++) begin
-          if (b_i[BLowW+k]) sum = (BSigned != 0 && k == TopW - 1) ? sum - (a <<< k) : sum + (a <<< k);
+          if (BTopAlone != 0 && k == TopW - 1) sum = sum | ((a <<< k) & {PW{b_i[BLowW+k]}});
+          else if (b_i[BLowW+k]) sum = (BSigned != 0 && k == TopW - 1) ? sum - (a <<< k) : sum + (a <<< k);
         end
       end
       always_ff @(posedge clk_i) begin
@@ -103,6 +106,7 @@ module mul_pipe #(
     // Rows, one per limb of b; the bits above the limbs are a row, too.
     logic signed [PW-1:0] row[BLimbs+1];
     for (genvar j = 0; j < BLimbs; j++) begin : gen_row
+      // Icarus 11 takes no procedural assignment to one element of an array that has another driver.
       logic signed [PW-1:0] sum;
       always_comb begin
         sum = '0;

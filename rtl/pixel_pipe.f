@@ -1,3 +1,4 @@
+quantize_far.sv
 quantize.sv
 delay_line.sv
 ring_line.sv
@@ -6,6 +7,8 @@ fifo.sv
 mul_pipe.sv
 shift_add.sv
 square.sv
+lzc.sv
+lzc_norm.sv
 restoring_step.sv
 restoring_core.sv
 reciprocal.sv

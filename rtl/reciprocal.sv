@@ -5,13 +5,16 @@
 //   m_o  raw bits on the output format
 //   e_o  Normalize: floor(log2 d), else 0
 //
-// Latency: Clocks enabled clocks. A pipelined unit takes an operand on each of them. An iterative unit (Pipelined 0)
-// takes an operand with start_i and needs it stable until its result is used. The result stays until the next start.
+// Latency: Clocks enabled clocks. A pipelined unit takes an operand on each of them. An iterative unit (restoring,
+// Pipelined 0) takes an operand with start_i, at most once per
+// Iterations + 1 clocks.
 //
-// Clocks:  1 normalise | restoring: Iterations           | 1 Q
-//                      | lut_linear: 1 table, 1 product  |
-//                      | lut_newton: 1 table, 2 per step |
-//                      | lut_quadratic: 1 table, 2       |
+//   NormaliseClocks | restoring: as restoring_core                              | 1 Q
+//                   | lut_linear: 2 table, ProductClocks, 1 difference           |
+//                   | lut_newton: 2 table; per step 2 ProductClocks, 1 difference |
+//                   | lut_quadratic: 2 table; twice ProductClocks, 1 difference  |
+//
+// A table takes two clocks, since a block RAM's output comes late in its clock.
 module reciprocal #(
     parameter int Kind         = 0,
     parameter int Normalize    = 1,
@@ -33,7 +36,9 @@ module reciprocal #(
     parameter int OutOvf       = 1,
     parameter int EW           = 8,
     parameter int TableEntries = 1,
-    parameter int Clocks       = 10,
+    parameter int NormaliseClocks = 2,
+    parameter int ProductClocks   = 3,
+    parameter int Clocks       = 14,
     parameter logic [TableEntries*(TableBits+1)-1:0] Table = '0
 ) (
     input  logic                   clk_i,
@@ -48,40 +53,93 @@ module reciprocal #(
   localparam int KindLutLinear = 1;
   localparam int KindLutNewton = 2;
   localparam int KindLutQuadratic = 3;
-  localparam int CoreClocks = (Kind == KindRestoring) ? Iterations :
-                              (Kind == KindLutLinear) ? 2 :
-                              (Kind == KindLutQuadratic) ? 3 : 1 + 2 * Steps;
+  localparam int RestoringClocks = (Pipelined != 0) ? Iterations : BitsPerCycle * (Iterations + 1);
+  localparam int CoreClocks = (Kind == KindRestoring) ? RestoringClocks :
+                              (Kind == KindLutLinear) ? 3 + ProductClocks :
+                              (Kind == KindLutQuadratic) ? 4 + 2 * ProductClocks :
+                              2 + Steps * (2 * ProductClocks + 1);
   localparam int ShiftW = $clog2(OpW + 1);
 
   // Normalise: n = d 2^zeros has its top bit set; e = OpW - 1 - OpFrac - zeros.
-  logic [OpW-1:0] d, n, n_q;
-  logic [ShiftW-1:0] zeros, zeros_q;
+  logic [OpW-1:0] d, n_q;
+  logic [ShiftW-1:0] zeros_q;
   assign d = (d_i == '0) ? OpW'(1) : d_i;
-  always_comb begin
-    zeros = '0;
-    for (int i = 0; i < OpW; i++) begin
-      if (d[i]) zeros = ShiftW'(OpW - 1 - i);
-    end
+  if (Kind == KindRestoring && Normalize == 0) begin : gen_as_it_is
+    delay_line #(
+        .Width(OpW),
+        .Depth(NormaliseClocks)
+    ) u_operand (
+        .clk_i,
+        .en_i,
+        .d_i(d),
+        .q_o(n_q)
+    );
+    assign zeros_q = '0;
+  end else begin : gen_normalise
+    lzc_norm #(
+        .Width (OpW),
+        .Clocks(NormaliseClocks)
+    ) u_normalise (
+        .clk_i,
+        .en_i,
+        .d_i(d),
+        .n_o(n_q),
+        .zeros_o(zeros_q)
+    );
   end
-  assign n = (Kind == KindRestoring && Normalize == 0) ? d : d << zeros;
-  always_ff @(posedge clk_i) begin
-    if (en_i) begin
-      n_q <= n;
-      zeros_q <= zeros;
+  // start_i beside n_q, for the iterative unit.
+  logic start_q;
+  if (Kind == KindRestoring && Pipelined == 0) begin : gen_start
+    logic [NormaliseClocks-1:0] start_line_q;
+    always_ff @(posedge clk_i or negedge rst_ni) begin
+      if (!rst_ni) start_line_q <= '0;
+      else if (en_i) start_line_q <= NormaliseClocks'({start_line_q, start_i});
     end
+    assign start_q = start_line_q[NormaliseClocks-1];
+  end else begin : gen_no_start
+    logic unused_start;
+    assign unused_start = start_i ^ rst_ni;
+    assign start_q = 1'b0;
   end
 
   // The shift count of the operand whose y is in front of Q.
   logic [ShiftW-1:0] zeros_y;
-  delay_line #(
-      .Width(ShiftW),
-      .Depth((Kind == KindRestoring && Pipelined == 0) ? 0 : CoreClocks)
-  ) u_zeros (
-      .clk_i,
-      .en_i,
-      .d_i(zeros_q),
-      .q_o(zeros_y)
-  );
+  if (Kind == KindRestoring && Pipelined == 0) begin : gen_zeros_held
+    // Beside the units of restoring_core: each passes its operand on when it has made its bits.
+    logic [ShiftW-1:0] held[BitsPerCycle+1];
+    logic [BitsPerCycle*(Iterations+1)-1:0] started_q;
+    always_ff @(posedge clk_i or negedge rst_ni) begin
+      if (!rst_ni) started_q <= '0;
+      else if (en_i) started_q <= (BitsPerCycle * (Iterations + 1))'({started_q, start_q});
+    end
+    assign held[0] = zeros_q;
+    for (genvar i = 0; i < BitsPerCycle; i++) begin : gen_unit
+      logic take;
+      logic [ShiftW-1:0] held_q;
+      if (i == 0) begin : gen_first
+        assign take = start_q;
+      end else begin : gen_next
+        assign take = started_q[i*(Iterations+1)-1];
+      end
+      always_ff @(posedge clk_i) begin
+        if (en_i && take) held_q <= held[i];
+      end
+      assign held[i+1] = held_q;
+    end
+    logic unused_started;
+    assign unused_started = ^started_q;
+    assign zeros_y = held[BitsPerCycle];
+  end else begin : gen_zeros_line
+    delay_line #(
+        .Width(ShiftW),
+        .Depth(CoreClocks)
+    ) u_zeros (
+        .clk_i,
+        .en_i,
+        .d_i(zeros_q),
+        .q_o(zeros_y)
+    );
+  end
 
   // y, or 1/d itself where the restoring unit does not normalise, on YFrac fraction bits, YW bits and a sign.
   localparam int LutFrac = (Kind == KindLutNewton && Steps == 0) ? TableBits : InternalBits;
@@ -93,11 +151,6 @@ module reciprocal #(
   logic sticky;
 
   if (Kind == KindRestoring) begin : gen_restoring
-    logic start_q;
-    always_ff @(posedge clk_i or negedge rst_ni) begin
-      if (!rst_ni) start_q <= 1'b0;
-      else if (en_i) start_q <= start_i;
-    end
     // The numerator is a single 1: its first quotient bit weighs 2^0 of 1/n, n in [1, 2), when normalised;
     // 2^OpFrac of 1/d when not.
     localparam int HasRem = (Normalize != 0 && OpW > 1) ? 1 : 0;
@@ -110,6 +163,7 @@ module reciprocal #(
         .Pipelined(Pipelined)
     ) u_core (
         .clk_i,
+        .rst_ni,
         .en_i,
         .start_i (start_q),
         .rem_i   (Rem),
@@ -119,8 +173,8 @@ module reciprocal #(
         .sticky_o(sticky)
     );
   end else begin : gen_lut
-    logic unused_start;
-    assign unused_start = start_i ^ rst_ni;
+    logic unused_start_q;
+    assign unused_start_q = start_q;
     assign sticky = 1'b0;
 
     localparam int EntryW = TableBits + 1;
@@ -171,74 +225,150 @@ module reciprocal #(
     logic [LutFrac:0] y_lut;
 
     if (Kind == KindLutLinear) begin : gen_linear
-      // Clock 2: c(j), c(j+1), t.
-      logic [EntryW-1:0] c0_q, c1_q;
-      logic [TFrac:0] t_q;
+      // c(j), c(j+1), t.
+      logic [EntryW-1:0] read0_q, read1_q, c0_q, fall_q, c0;
+      logic [TFrac:0] read_t_q, t_q;
       always_ff @(posedge clk_i) begin
         if (en_i) begin
-          c0_q <= rom[j];
-          c1_q <= rom[j+1'b1];
-          t_q <= t;
+          read0_q <= rom[j];
+          read1_q <= rom[j+1'b1];
+          read_t_q <= t;
+          c0_q <= read0_q;
+          fall_q <= read0_q - read1_q;
+          t_q <= read_t_q;
         end
       end
-      // Clock 3: c(j) - (c(j) - c(j+1)) t, floored to InternalBits. c falls, so nothing here is negative.
-      localparam int ExactW = EntryW + TFrac;
+      // c(j) - (c(j) - c(j+1)) t, floored to InternalBits. c falls, so nothing here is negative.
+      localparam int ProductW = EntryW + TFrac + 1;
       localparam int ExactFrac = TableBits + TFrac;
       localparam int Drop = (ExactFrac > InternalBits) ? ExactFrac - InternalBits : 0;
       localparam int Append = (ExactFrac > InternalBits) ? 0 : InternalBits - ExactFrac;
-      logic [EntryW-1:0] fall;
-      logic [ExactW-1:0] exact;
-      assign fall = c0_q - c1_q;
-      assign exact = (ExactW'(c0_q) << TFrac) - ExactW'(fall) * ExactW'(t_q);
+      logic [ProductW-1:0] product, exact;
+      mul_pipe #(
+          .AW(EntryW),
+          .BW(TFrac + 1),
+          .ASigned(0),
+          .BSigned(0),
+          .Clocks(ProductClocks)
+      ) u_product (
+          .clk_i,
+          .en_i,
+          .a_i(fall_q),
+          .b_i(t_q),
+          .p_o(product)
+      );
+      delay_line #(
+          .Width(EntryW),
+          .Depth(ProductClocks)
+      ) u_c0 (
+          .clk_i,
+          .en_i,
+          .d_i(c0_q),
+          .q_o(c0)
+      );
+      assign exact = (ProductW'(c0) << TFrac) - product;
       always_ff @(posedge clk_i) begin
-        if (en_i) y_lut <= (LutFrac + 1)'(((ExactW + Append)'(exact) << Append) >> Drop);
+        if (en_i) y_lut <= (LutFrac + 1)'(((ProductW + Append)'(exact) << Append) >> Drop);
       end
     end else if (Kind == KindLutQuadratic) begin : gen_quadratic
-      // Clock 2: c0, c1, c2, t.
+      // c0, c1, c2, t.
       localparam int GW = (InternalBits > IndexBits) ? InternalBits + 1 - IndexBits : 1;
-      logic [EntryW-1:0] c0_q, c0_g_q;
-      logic [C1W-1:0] c1_q;
+      logic [EntryW-1:0] c0_q, c0_g, c0_y;
+      logic [C1W-1:0] c1_q, c1_g;
       logic [C2W-1:0] c2_q;
-      logic [TFrac:0] t_q, t_g_q;
+      logic [RomW-1:0] read_q;
+      logic [TFrac:0] read_t_q, t_q, t_g;
       logic [GW-1:0] g_q;
       logic unused_j;
       assign unused_j = j[IndexBits];
       always_ff @(posedge clk_i) begin
         if (en_i) begin
-          {c2_q, c1_q, c0_q} <= rom[j[IndexBits-1:0]];
-          t_q <= t;
+          read_q <= rom[j[IndexBits-1:0]];
+          read_t_q <= t;
+          {c2_q, c1_q, c0_q} <= read_q;
+          t_q <= read_t_q;
         end
       end
-      // Clock 3: g = c1 - c2 t, floored to InternalBits. c2 is at most c1 and t below 1, so g is not negative.
-      localparam int SlopeW = C1W + TFrac;
+      // g = c1 - c2 t, floored to InternalBits. c2 is at most c1 and t below 1, so g is not negative.
+      localparam int SlopeW = ((C1W > C2W) ? C1W : C2W) + TFrac + 1;
       localparam int SlopeFrac = TableBits + TFrac;
       localparam int DropG = (SlopeFrac > InternalBits) ? SlopeFrac - InternalBits : 0;
       localparam int AppendG = (SlopeFrac > InternalBits) ? 0 : InternalBits - SlopeFrac;
+      logic [C2W+TFrac:0] curve;
       logic [SlopeW-1:0] slope;
-      assign slope = (SlopeW'(c1_q) << TFrac) - SlopeW'(c2_q) * SlopeW'(t_q);
+      mul_pipe #(
+          .AW(C2W),
+          .BW(TFrac + 1),
+          .ASigned(0),
+          .BSigned(0),
+          .Clocks(ProductClocks)
+      ) u_curve (
+          .clk_i,
+          .en_i,
+          .a_i(c2_q),
+          .b_i(t_q),
+          .p_o(curve)
+      );
+      delay_line #(
+          .Width(C1W),
+          .Depth(ProductClocks)
+      ) u_c1 (
+          .clk_i,
+          .en_i,
+          .d_i(c1_q),
+          .q_o(c1_g)
+      );
+      assign slope = (SlopeW'(c1_g) << TFrac) - SlopeW'(curve);
       always_ff @(posedge clk_i) begin
-        if (en_i) begin
-          g_q <= GW'(((SlopeW + AppendG)'(slope) << AppendG) >> DropG);
-          c0_g_q <= c0_q;
-          t_g_q <= t_q;
-        end
+        if (en_i) g_q <= GW'(((SlopeW + AppendG)'(slope) << AppendG) >> DropG);
       end
-      // Clock 4: c0 - g t, floored to InternalBits. g is at most c1, and c1 below c0.
+      // c0 - g t, floored to InternalBits. g is at most c1, and c1 below c0.
+      delay_line #(
+          .Width(EntryW + TFrac + 1),
+          .Depth(ProductClocks + 1)
+      ) u_beside_g (
+          .clk_i,
+          .en_i,
+          .d_i({c0_q, t_q}),
+          .q_o({c0_g, t_g})
+      );
       localparam int ProductFrac = InternalBits + TFrac;
       localparam int ExactFrac = (TableBits > ProductFrac) ? TableBits : ProductFrac;
-      localparam int ExactW = ExactFrac + 1;
+      localparam int ExactW = ((GW + TFrac > ExactFrac) ? GW + TFrac : ExactFrac) + 1;
+      logic [GW+TFrac:0] fall;
       logic [ExactW-1:0] exact;
-      assign exact = (ExactW'(c0_g_q) << (ExactFrac - TableBits)) -
-                     ((ExactW'(g_q) * ExactW'(t_g_q)) << (ExactFrac - ProductFrac));
+      mul_pipe #(
+          .AW(GW),
+          .BW(TFrac + 1),
+          .ASigned(0),
+          .BSigned(0),
+          .Clocks(ProductClocks)
+      ) u_fall (
+          .clk_i,
+          .en_i,
+          .a_i(g_q),
+          .b_i(t_g),
+          .p_o(fall)
+      );
+      delay_line #(
+          .Width(EntryW),
+          .Depth(ProductClocks)
+      ) u_c0 (
+          .clk_i,
+          .en_i,
+          .d_i(c0_g),
+          .q_o(c0_y)
+      );
+      assign exact = (ExactW'(c0_y) << (ExactFrac - TableBits)) - (ExactW'(fall) << (ExactFrac - ProductFrac));
       always_ff @(posedge clk_i) begin
         if (en_i) y_lut <= (LutFrac + 1)'(exact >> (ExactFrac - InternalBits));
       end
     end else begin : gen_newton
-      // Clock 2: y(0) and nq. y never exceeds 1, nq is below 2, so a is below 2.
+      // y(0) and nq. y never exceeds 1, nq is below 2, so a is below 2.
       localparam int NqW = NqFrac + 1;
       localparam int AW = InternalBits + 2;
-      logic [EntryW-1:0] y0, y0_q;
-      logic [NqW-1:0] nq0_q;
+      logic [EntryW-1:0] y0, read_q, y0_q;
+      logic [NqW-1:0] read_nq_q, nq0_q;
       if (IndexBits > 0) begin : gen_entry
         assign y0 = rom[j[IndexBits-1:0]];
       end else begin : gen_single_entry
@@ -248,8 +378,10 @@ module reciprocal #(
       assign unused_j = j[IndexBits] ^ (^t);
       always_ff @(posedge clk_i) begin
         if (en_i) begin
-          y0_q <= y0;
-          nq0_q <= {1'b1, fraction[NqFrac-1:0]};
+          read_q <= y0;
+          read_nq_q <= {1'b1, fraction[NqFrac-1:0]};
+          y0_q <= read_q;
+          nq0_q <= read_nq_q;
         end
       end
       localparam int MaxFrac = (TableBits > InternalBits) ? TableBits : InternalBits;
@@ -261,29 +393,66 @@ module reciprocal #(
         localparam int InFrac = (s == 0) ? TableBits : InternalBits;
         localparam int DropA = (NqFrac + InFrac > InternalBits) ? NqFrac + InFrac - InternalBits : 0;
         localparam int AppendA = (NqFrac + InFrac > InternalBits) ? 0 : InternalBits - NqFrac - InFrac;
-        localparam int ProductAW = NqW + InFrac + 1 + AppendA;
-        localparam int ProductYW = InFrac + 1 + AW;
-        logic [AW-1:0] a_q, factor;
-        logic [InFrac:0] y_in, y_a_q;
-        logic [NqW-1:0] nq_a_q, nq_q;
-        logic [InternalBits:0] y_q;
-        logic [ProductAW-1:0] product_a;
-        logic [ProductYW-1:0] product_y;
+        logic [NqW+InFrac:0] product_a;
+        logic [NqW+InFrac+AppendA:0] placed_a;
+        logic [AW-1:0] factor_q;
+        logic [InFrac:0] y_in, y_a;
+        logic [InFrac+AW:0] product_y;
         assign y_in = y_step[s][InFrac:0];
-        assign product_a = (ProductAW'(nq_step[s]) * ProductAW'(y_in)) << AppendA;
-        assign factor = {2'b10, {InternalBits{1'b0}}} - a_q;
-        assign product_y = ProductYW'(y_a_q) * ProductYW'(factor);
+        // a = nq y, floored; then 2 - a; then y (2 - a).
+        mul_pipe #(
+            .AW(NqW),
+            .BW(InFrac + 1),
+            .ASigned(0),
+            .BSigned(0),
+            .Clocks(ProductClocks)
+        ) u_a (
+            .clk_i,
+            .en_i,
+            .a_i(nq_step[s]),
+            .b_i(y_in),
+            .p_o(product_a)
+        );
+        assign placed_a = (NqW + InFrac + 1 + AppendA)'(product_a) << AppendA;
         always_ff @(posedge clk_i) begin
-          if (en_i) begin
-            a_q <= AW'(product_a >> DropA);
-            y_a_q <= y_in;
-            nq_a_q <= nq_step[s];
-            y_q <= (InternalBits + 1)'(product_y >> InFrac);
-            nq_q <= nq_a_q;
-          end
+          if (en_i) factor_q <= {2'b10, {InternalBits{1'b0}}} - AW'(placed_a >> DropA);
         end
-        assign y_step[s+1] = (MaxFrac + 1)'(y_q);
-        assign nq_step[s+1] = nq_q;
+        delay_line #(
+            .Width(InFrac + 1),
+            .Depth(ProductClocks + 1)
+        ) u_beside_a (
+            .clk_i,
+            .en_i,
+            .d_i(y_in),
+            .q_o(y_a)
+        );
+        mul_pipe #(
+            .AW(AW),
+            .BW(InFrac + 1),
+            .ASigned(0),
+            .BSigned(0),
+            .Clocks(ProductClocks)
+        ) u_y (
+            .clk_i,
+            .en_i,
+            .a_i(factor_q),
+            .b_i(y_a),
+            .p_o(product_y)
+        );
+        assign y_step[s+1] = (MaxFrac + 1)'((InternalBits + 1)'(product_y >> InFrac));
+        if (s + 1 < Steps) begin : gen_nq
+          delay_line #(
+              .Width(NqW),
+              .Depth(2 * ProductClocks + 1)
+          ) u_nq (
+              .clk_i,
+              .en_i,
+              .d_i(nq_step[s]),
+              .q_o(nq_step[s+1])
+          );
+        end else begin : gen_last_nq
+          assign nq_step[s+1] = '0;
+        end
       end
       assign y_lut = y_step[Steps][LutFrac:0];
       logic unused_nq;
@@ -323,13 +492,13 @@ module reciprocal #(
 `ifndef SYNTHESIS
   initial begin
     assert (Kind >= KindRestoring && Kind <= KindLutQuadratic)
-    else $error("reciprocal: unknown kind %0d", Kind);
-    assert (Clocks == 2 + CoreClocks)
-    else $error("reciprocal: has %0d clocks, told %0d", 2 + CoreClocks, Clocks);
+    else $fatal(1, "reciprocal: unknown kind %0d", Kind);
+    assert (Clocks == NormaliseClocks + CoreClocks + 1)
+    else $fatal(1, "reciprocal: has %0d clocks, told %0d", NormaliseClocks + CoreClocks + 1, Clocks);
     assert (Kind != KindRestoring || QuotientFrac > OutFrac)
-    else $error("reciprocal: quotient of %0d fraction bits for %0d", QuotientFrac, OutFrac);
+    else $fatal(1, "reciprocal: quotient of %0d fraction bits for %0d", QuotientFrac, OutFrac);
     assert (Kind == KindRestoring || (OperandBits >= 1 && InternalBits >= 1))
-    else $error("reciprocal: a table needs operand and internal bits");
+    else $fatal(1, "reciprocal: a table needs operand and internal bits");
   end
 `endif
 endmodule

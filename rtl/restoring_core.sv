@@ -5,8 +5,10 @@
 //   q_o       = floor((rem_i 2^Bits + num_i) / d_i), Bits = Iterations * BitsPerCycle
 //   sticky_o  = the remainder is not zero
 //
-// Latency: Iterations enabled clocks. With Pipelined, operands are taken on each of them. Otherwise start_i marks the
-// clock of the operands, and the result stays until the next start.
+// Pipelined, each of Iterations stages makes BitsPerCycle bits; operands are taken on each enabled clock, and the
+// latency is Iterations. Otherwise BitsPerCycle units stand in a row, each of which makes Iterations bits, one per clock,
+// after a clock in which it takes over. start_i marks the clock of the operands, at most one per Iterations + 1; the
+// latency is BitsPerCycle (Iterations + 1), and the result stays as long.
 module restoring_core #(
     parameter int DW           = 8,
     parameter int Iterations   = 8,
@@ -14,6 +16,7 @@ module restoring_core #(
     parameter int Pipelined    = 1
 ) (
     input  logic                               clk_i,
+    input  logic                               rst_ni,
     input  logic                               en_i,
     input  logic                               start_i,
     input  logic [                     DW-1:0] rem_i,
@@ -31,7 +34,7 @@ module restoring_core #(
     logic [StateW-1:0] state[Iterations+1];
     logic [DW-1:0] d[Iterations+1];
     logic unused;
-    assign unused = start_i;
+    assign unused = start_i ^ rst_ni;
     assign state[0] = {rem_i, num_i};
     assign d[0] = d_i;
     for (genvar i = 0; i < Iterations; i++) begin : gen_stage
@@ -60,29 +63,44 @@ module restoring_core #(
     assign q_o = state[Iterations][Bits-1:0];
     assign sticky_o = |state[Iterations][StateW-1:Bits];
   end else begin : gen_iterative
-    localparam int CountW = $clog2(Iterations + 1);
-    logic [StateW-1:0] state, next, state_q;
-    logic [DW-1:0] d, d_q;
-    logic [CountW-1:0] left_q;
-    assign state = start_i ? {rem_i, num_i} : state_q;
-    assign d = start_i ? d_i : d_q;
-    restoring_step #(
-        .DW(DW),
-        .Bits(Bits),
-        .Steps(BitsPerCycle)
-    ) u_step (
-        .state_i(state),
-        .d_i(d),
-        .state_o(next)
-    );
-    always_ff @(posedge clk_i) begin
-      if (en_i && (start_i || left_q != '0)) begin
-        state_q <= next;
-        d_q <= d;
-        left_q <= start_i ? CountW'(Iterations - 1) : left_q - CountW'(1);
+    logic [StateW-1:0] state[BitsPerCycle+1];
+    logic [DW-1:0] d[BitsPerCycle+1];
+    logic [BitsPerCycle:0] start;
+    assign state[0] = {rem_i, num_i};
+    assign d[0] = d_i;
+    assign start[0] = start_i;
+    for (genvar i = 0; i < BitsPerCycle; i++) begin : gen_unit
+      logic [StateW-1:0] next, state_q;
+      logic [DW-1:0] d_q;
+      logic [Iterations:0] started_q;
+      restoring_step #(
+          .DW(DW),
+          .Bits(Bits),
+          .Steps(1)
+      ) u_step (
+          .state_i(state_q),
+          .d_i(d_q),
+          .state_o(next)
+      );
+      always_ff @(posedge clk_i or negedge rst_ni) begin
+        if (!rst_ni) started_q <= '0;
+        else if (en_i) started_q <= {started_q[Iterations-1:0], start[i]};
       end
+      // The last clock of started_q is the next unit's to take over. Masks make the choice, since constant operands
+      // would become a synchronous reset beside an enable, which costs more.
+      always_ff @(posedge clk_i) begin
+        if (en_i && (start[i] || (|started_q[Iterations-1:0]))) begin
+          state_q <= (state[i] & {StateW{start[i]}}) | (next & {StateW{!start[i]}});
+        end
+        if (en_i && start[i]) d_q <= d[i];
+      end
+      assign state[i+1] = state_q;
+      assign d[i+1] = d_q;
+      assign start[i+1] = started_q[Iterations];
     end
-    assign q_o = state_q[Bits-1:0];
-    assign sticky_o = |state_q[StateW-1:Bits];
+    logic unused;
+    assign unused = (^d[BitsPerCycle]) ^ start[BitsPerCycle];
+    assign q_o = state[BitsPerCycle][Bits-1:0];
+    assign sticky_o = |state[BitsPerCycle][StateW-1:Bits];
   end
 endmodule

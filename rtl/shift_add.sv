@@ -50,49 +50,67 @@ module shift_add #(
     assign dropped = 1'b0;
   end
 
-  // Clock 1: by multiples of 8.
-  logic [ShiftW-1:0] coarse, fine_q;
-  logic signed [AlignedW-1:0] coarse_q;
-  logic coarse_sticky_q, lost;
-  assign coarse = (shift_i >> FineW) << FineW;
+  // Clock 1: by multiples of 8. Above what the rest of the shift brings into KeptW bits, it is enough to know whether
+  // all bits are signs.
+  localparam int CoarseW = (AlignedW < KeptW + FineMax) ? AlignedW : KeptW + FineMax;
+  localparam int Steps = ShiftMax >> FineW;
+  logic [ShiftW-1:0] fine_q;
+  logic signed [CoarseW-1:0] coarse_q;
+  logic coarse_sticky_q, lost, above, above_q, negative_q;
+  logic [AlignedW-1:0] differs;
+  assign differs = aligned ^ {AlignedW{aligned[AlignedW-1]}};
   always_comb begin
     lost = 1'b0;
-    for (int k = 1; k <= (ShiftMax >> FineW); k++) begin
-      // Bits that the k-th step drops besides those of the steps before.
-      for (int i = (k - 1) << FineW; i < (k << FineW) && i < AlignedW; i++) begin
-        lost = lost | (aligned[i] & (coarse >= ShiftW'(k << FineW)));
+    above = 1'b0;
+    for (int k = 0; k <= Steps; k++) begin
+      for (int i = 0; i < AlignedW; i++) begin
+        // Bits that the k-th step drops besides those of the steps before, and bits that stay above coarse_q.
+        if (k > 0 && i >= ((k - 1) << FineW) && i < (k << FineW)) begin
+          lost = lost | (aligned[i] & ((shift_i >> FineW) >= ShiftW'(k)));
+        end
+        if (i >= CoarseW + (k << FineW)) above = above | (differs[i] & ((shift_i >> FineW) == ShiftW'(k)));
       end
-      if ((k << FineW) > AlignedW) lost = lost | (aligned[AlignedW-1] & (coarse >= ShiftW'(k << FineW)));
+      if ((k << FineW) > AlignedW) lost = lost | (aligned[AlignedW-1] & ((shift_i >> FineW) >= ShiftW'(k)));
     end
   end
   always_ff @(posedge clk_i) begin
     if (en_i) begin
-      coarse_q <= aligned >>> coarse;
+      coarse_q <= CoarseW'(aligned >>> ((shift_i >> FineW) << FineW));
       fine_q <= shift_i & ShiftW'((1 << FineW) - 1);
       coarse_sticky_q <= dropped | lost;
+      above_q <= above;
+      negative_q <= aligned[AlignedW-1];
     end
   end
 
   // Clock 2: the rest; the bits above KeptW - 3 are all signs, or the value is far.
-  logic signed [AlignedW+BelowW-1:0] fine;
+  logic signed [CoarseW+BelowW-1:0] fine;
   logic signed [KeptW-1:0] floor_q;
   logic sticky_q, far_q, sign_q;
   assign fine = $signed({coarse_q, {BelowW{1'b0}}}) >>> fine_q;
   always_ff @(posedge clk_i) begin
     if (en_i) begin
-      floor_q <= KeptW'($signed(fine[AlignedW+BelowW-1:BelowW]));
+      floor_q <= KeptW'($signed(fine[CoarseW+BelowW-1:BelowW]));
       sticky_q <= coarse_sticky_q | (|fine[BelowW-1:0]);
-      sign_q <= coarse_q[AlignedW-1];
+      sign_q <= negative_q;
     end
   end
-  if (AlignedW > KeptW - 3) begin : gen_far
-    localparam int TopW = AlignedW - (KeptW - 4);
+  if (CoarseW > KeptW - 4) begin : gen_far
+    localparam int TopW = CoarseW - (KeptW - 4);
     logic [TopW-1:0] top;
-    assign top = fine[AlignedW+BelowW-1-:TopW];
+    // Bit i of `top` counts where the rest of the shift leaves it at KeptW - 4 or above.
+    always_comb begin
+      top = coarse_q[CoarseW-1-:TopW] ^ {TopW{negative_q}};
+      for (int i = 0; i < TopW; i++) begin
+        if (ShiftW'(i) < fine_q && i < FineMax) top[i] = 1'b0;
+      end
+    end
     always_ff @(posedge clk_i) begin
-      if (en_i) far_q <= !(&top || !(|top));
+      if (en_i) far_q <= above_q | (|top);
     end
   end else begin : gen_near
+    logic unused;
+    assign unused = above_q;
     assign far_q = 1'b0;
   end
 

@@ -1,32 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // span of docs/numeric-spec.md: walks a span record's pixels and issues one per clock.
 //
-//   delta_f            issue: h, fu, fv | h + B | R_pixel(h + B) | u = u1 + fu / (h + B), v
-//   const_depth_rows   issue: fu, fv    |       |                | u = fu, v = fv
+//   delta_f            issue: h, fu, fv | h + B | R_pixel(h + B) | u = u1 + fu / (h + B), v: product, shift (2), sum, Q
+//   const_depth_rows   issue: fu, fv    | u = fu, v = fv
 //
 // A record is taken while no span is active, or on the clock that issues the last pixel of one. Behind the issue,
-// everything shifts together on en, which is low while a pixel waits at the output.
+// everything shifts together on en, which a buffer of two pixels at the output gives from a register.
 module span (
     input  logic clk_i,
     input  logic rst_ni,
     // Constant B of the depth code; stable while records are in flight.
     input  logic [bitspan_cfg_pkg::SetupBW-1:0] b_i,
+    // The span record, as span_setup delivers it.
     input  logic res_valid_i,
     output logic take_o,
-    input  logic [bitspan_cfg_pkg::PixelIndexW-1:0] res_x_i,
-    input  logic [bitspan_cfg_pkg::PixelIndexW-1:0] res_count_i,
-    input  logic [bitspan_cfg_pkg::PhaseW-1:0] res_phase_i,
-    input  logic [bitspan_cfg_pkg::PlaneKW-1:0] res_k_i,
-    input  logic [bitspan_cfg_pkg::SpanHW-1:0] res_h_i,
-    input  logic [bitspan_cfg_pkg::SpanHStepW-1:0] res_h_step_i,
-    input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] res_u1_i,
-    input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] res_v1_i,
-    input  logic [bitspan_cfg_pkg::TexAccW-1:0] res_fu_i,
-    input  logic [bitspan_cfg_pkg::TexAccW-1:0] res_fv_i,
-    input  logic [bitspan_cfg_pkg::TexStepW-1:0] res_fu_step0_i,
-    input  logic [bitspan_cfg_pkg::TexStepW-1:0] res_fu_step1_i,
-    input  logic [bitspan_cfg_pkg::TexStepW-1:0] res_fv_step0_i,
-    input  logic [bitspan_cfg_pkg::TexStepW-1:0] res_fv_step1_i,
+    input  logic [bitspan_cfg_pkg::SpanRecordW-1:0] res_i,
     // One transfer per pixel. x is the major coordinate; step says that the digital line steps after this pixel.
     output logic out_valid_o,
     input  logic out_ready_i,
@@ -43,32 +31,55 @@ module span (
 );
   localparam int IndexW = bitspan_cfg_pkg::PixelIndexW;
   localparam int HW = bitspan_cfg_pkg::SpanHW;
+  localparam int HStepW = bitspan_cfg_pkg::SpanHStepW;
   localparam int AccW = bitspan_cfg_pkg::TexAccW;
   localparam int StepW = bitspan_cfg_pkg::TexStepW;
   localparam int UvW = bitspan_cfg_pkg::EdgeUvW;
   localparam int KW = bitspan_cfg_pkg::PlaneKW;
   localparam int PhaseW = bitspan_cfg_pkg::PhaseW;
-  localparam int Clocks = (bitspan_cfg_pkg::ConstDepthRows != 0) ? 1 : 2 + bitspan_cfg_pkg::PixelUnitClocks;
+  localparam int MW = bitspan_cfg_pkg::PixelRecipOutW;
+  localparam int EW = bitspan_cfg_pkg::ExponentW;
+  localparam int OutUvW = bitspan_cfg_pkg::SpanUvW;
+  localparam int PixelUnitClocks = bitspan_cfg_pkg::PixelUnitClocks;
+  localparam int ProductClocks = bitspan_cfg_pkg::ProductClocks;
+  localparam int Clocks = (bitspan_cfg_pkg::ConstDepthRows != 0) ? 1 : 1 + PixelUnitClocks + ProductClocks + 4;
 
-  logic en, last, take, active_q;
+  logic [IndexW-1:0] res_x, res_count;
+  logic [bitspan_cfg_pkg::RowRecipOutW-1:0] unused_m;
+  logic [EW-1:0] unused_e;
+  logic [PhaseW-1:0] res_phase;
+  logic [KW-1:0] res_k;
+  logic [bitspan_cfg_pkg::SpanFDiffW-1:0] unused_fu_diff, unused_fv_diff;
+  logic [HW-1:0] res_h;
+  logic [HStepW-1:0] res_h_step;
+  logic [UvW-1:0] res_u1, res_v1;
+  logic [AccW-1:0] res_fu, res_fv;
+  logic [StepW-1:0] res_fu_step0, res_fu_step1, res_fv_step0, res_fv_step1;
+  assign {res_x, res_count, unused_m, unused_e, res_phase, res_k, unused_fu_diff, unused_fv_diff, res_h, res_h_step,
+          res_u1, res_v1, res_fu, res_fv, res_fu_step0, res_fu_step1, res_fv_step0, res_fv_step1} = res_i;
+  logic unused_record;
+  assign unused_record = ^{unused_m, unused_e, unused_fu_diff, unused_fv_diff};
+
+  logic en, last_q, take, active_q;
   logic [IndexW-1:0] x_q, left_q;
-  assign en = !(out_valid_o && !out_ready_i);
-  assign last = left_q == IndexW'(1);
-  assign take = res_valid_i && (!active_q || (last && en));
+  assign take = res_valid_i && (!active_q || (last_q && en));
   assign take_o = take;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) active_q <= 1'b0;
     else if (take) active_q <= 1'b1;
-    else if (en && last) active_q <= 1'b0;
+    else if (en && last_q) active_q <= 1'b0;
   end
+  // last_q: one pixel is left.
   always_ff @(posedge clk_i) begin
     if (take) begin
-      x_q <= res_x_i;
-      left_q <= res_count_i;
+      x_q <= res_x;
+      left_q <= res_count;
+      last_q <= res_count == IndexW'(1);
     end else if (active_q && en) begin
       x_q <= x_q + IndexW'(1);
       left_q <= left_q - IndexW'(1);
+      last_q <= left_q == IndexW'(2);
     end
   end
 
@@ -88,8 +99,8 @@ module span (
     assign step = k[KW] ? sum[SumW-1] : |sum[SumW-1:PhaseW];
     always_ff @(posedge clk_i) begin
       if (take) begin
-        phase_q <= res_phase_i;
-        k_q <= res_k_i;
+        phase_q <= res_phase;
+        k_q <= res_k;
       end else if (active_q && en) begin
         phase_q <= sum[PhaseW-1:0];
       end
@@ -97,80 +108,68 @@ module span (
   end else begin : gen_no_line
     assign step = 1'b0;
     logic unused;
-    assign unused = ^{res_phase_i, res_k_i};
+    assign unused = ^{res_phase, res_k};
   end
 
   // Accumulators.
   logic [HW-1:0] h_q, h_next;
   logic [AccW-1:0] fu_q, fv_q, fu_next, fv_next;
   logic [StepW-1:0] fu_step0_q, fu_step1_q, fv_step0_q, fv_step1_q, fu_step, fv_step;
-  logic [bitspan_cfg_pkg::SpanHStepW-1:0] h_step_q;
+  logic [HStepW-1:0] h_step_q;
   assign fu_step = step ? fu_step1_q : fu_step0_q;
   assign fv_step = step ? fv_step1_q : fv_step0_q;
-  multiply_add #(
-      .AW(bitspan_cfg_pkg::SpanHStepW + 1),
-      .AFrac(bitspan_cfg_pkg::SpanHStepFrac),
-      .BW(2),
-      .CW(HW + 1),
-      .CFrac(bitspan_cfg_pkg::SpanHFrac),
-      .OutW(bitspan_cfg_pkg::SpanHW),
-      .OutFrac(bitspan_cfg_pkg::SpanHFrac),
-      .OutSigned(bitspan_cfg_pkg::SpanHSigned),
-      .OutRnd(bitspan_cfg_pkg::SpanHRnd),
-      .OutOvf(bitspan_cfg_pkg::SpanHOvf)
+  accumulate #(
+      .AccW(HW),
+      .AccFrac(bitspan_cfg_pkg::SpanHFrac),
+      .AccSigned(bitspan_cfg_pkg::SpanHSigned),
+      .AccRnd(bitspan_cfg_pkg::SpanHRnd),
+      .AccOvf(bitspan_cfg_pkg::SpanHOvf),
+      .StepW(HStepW),
+      .StepFrac(bitspan_cfg_pkg::SpanHStepFrac),
+      .StepSigned(bitspan_cfg_pkg::SpanHStepSigned)
   ) u_h_next (
-      .a_i($signed({(bitspan_cfg_pkg::SpanHStepSigned != 0) & h_step_q[bitspan_cfg_pkg::SpanHStepW-1], h_step_q})),
-      .b_i(2'sd1),
-      .c_i($signed({(bitspan_cfg_pkg::SpanHSigned != 0) & h_q[bitspan_cfg_pkg::SpanHW-1], h_q})),
-      .e_i(1'b0),
+      .acc_i(h_q),
+      .step_i(h_step_q),
       .q_o(h_next)
   );
-  multiply_add #(
-      .AW(StepW + 1),
-      .AFrac(bitspan_cfg_pkg::TexStepFrac),
-      .BW(2),
-      .CW(AccW + 1),
-      .CFrac(bitspan_cfg_pkg::TexAccFrac),
-      .OutW(bitspan_cfg_pkg::TexAccW),
-      .OutFrac(bitspan_cfg_pkg::TexAccFrac),
-      .OutSigned(bitspan_cfg_pkg::TexAccSigned),
-      .OutRnd(bitspan_cfg_pkg::TexAccRnd),
-      .OutOvf(bitspan_cfg_pkg::TexAccOvf)
+  accumulate #(
+      .AccW(AccW),
+      .AccFrac(bitspan_cfg_pkg::TexAccFrac),
+      .AccSigned(bitspan_cfg_pkg::TexAccSigned),
+      .AccRnd(bitspan_cfg_pkg::TexAccRnd),
+      .AccOvf(bitspan_cfg_pkg::TexAccOvf),
+      .StepW(StepW),
+      .StepFrac(bitspan_cfg_pkg::TexStepFrac),
+      .StepSigned(bitspan_cfg_pkg::TexStepSigned)
   ) u_fu_next (
-      .a_i($signed({(bitspan_cfg_pkg::TexStepSigned != 0) & fu_step[bitspan_cfg_pkg::TexStepW-1], fu_step})),
-      .b_i(2'sd1),
-      .c_i($signed({(bitspan_cfg_pkg::TexAccSigned != 0) & fu_q[bitspan_cfg_pkg::TexAccW-1], fu_q})),
-      .e_i(1'b0),
+      .acc_i(fu_q),
+      .step_i(fu_step),
       .q_o(fu_next)
   );
-  multiply_add #(
-      .AW(StepW + 1),
-      .AFrac(bitspan_cfg_pkg::TexStepFrac),
-      .BW(2),
-      .CW(AccW + 1),
-      .CFrac(bitspan_cfg_pkg::TexAccFrac),
-      .OutW(bitspan_cfg_pkg::TexAccW),
-      .OutFrac(bitspan_cfg_pkg::TexAccFrac),
-      .OutSigned(bitspan_cfg_pkg::TexAccSigned),
-      .OutRnd(bitspan_cfg_pkg::TexAccRnd),
-      .OutOvf(bitspan_cfg_pkg::TexAccOvf)
+  accumulate #(
+      .AccW(AccW),
+      .AccFrac(bitspan_cfg_pkg::TexAccFrac),
+      .AccSigned(bitspan_cfg_pkg::TexAccSigned),
+      .AccRnd(bitspan_cfg_pkg::TexAccRnd),
+      .AccOvf(bitspan_cfg_pkg::TexAccOvf),
+      .StepW(StepW),
+      .StepFrac(bitspan_cfg_pkg::TexStepFrac),
+      .StepSigned(bitspan_cfg_pkg::TexStepSigned)
   ) u_fv_next (
-      .a_i($signed({(bitspan_cfg_pkg::TexStepSigned != 0) & fv_step[bitspan_cfg_pkg::TexStepW-1], fv_step})),
-      .b_i(2'sd1),
-      .c_i($signed({(bitspan_cfg_pkg::TexAccSigned != 0) & fv_q[bitspan_cfg_pkg::TexAccW-1], fv_q})),
-      .e_i(1'b0),
+      .acc_i(fv_q),
+      .step_i(fv_step),
       .q_o(fv_next)
   );
   always_ff @(posedge clk_i) begin
     if (take) begin
-      h_q <= res_h_i;
-      fu_q <= res_fu_i;
-      fv_q <= res_fv_i;
-      h_step_q <= res_h_step_i;
-      fu_step0_q <= res_fu_step0_i;
-      fu_step1_q <= res_fu_step1_i;
-      fv_step0_q <= res_fv_step0_i;
-      fv_step1_q <= res_fv_step1_i;
+      h_q <= res_h;
+      fu_q <= res_fu;
+      fv_q <= res_fv;
+      h_step_q <= res_h_step;
+      fu_step0_q <= res_fu_step0;
+      fu_step1_q <= res_fu_step1;
+      fv_step0_q <= res_fv_step0;
+      fv_step1_q <= res_fv_step1;
     end else if (active_q && en) begin
       h_q <= h_next;
       fu_q <= fu_next;
@@ -178,27 +177,33 @@ module span (
     end
   end
 
-  // Valid bits of the pixels behind the issue; the last one stands at the output.
+  // Valid bits of the pixels behind the issue; the last one goes to the buffer at the output.
   logic [Clocks-1:0] valid_q;
-  assign out_valid_o = valid_q[Clocks-1];
-  if (Clocks > 1) begin : gen_valid_line
-    always_ff @(posedge clk_i or negedge rst_ni) begin
-      if (!rst_ni) valid_q <= '0;
-      else if (en) valid_q <= {valid_q[Clocks-2:0], active_q};
-    end
-  end else begin : gen_valid
-    always_ff @(posedge clk_i or negedge rst_ni) begin
-      if (!rst_ni) valid_q <= '0;
-      else if (en) valid_q <= active_q;
-    end
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) valid_q <= '0;
+    else if (en) valid_q <= Clocks'({valid_q, active_q});
   end
+  localparam int PixelW = IndexW + 2 + HW + 2 * AccW + MW + EW + 2 * OutUvW;
+  logic [PixelW-1:0] pixel;
+  skid #(
+      .Width(PixelW)
+  ) u_out (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i(valid_q[Clocks-1]),
+      .in_ready_o(en),
+      .in_i(pixel),
+      .out_valid_o,
+      .out_ready_i,
+      .out_o({x_o, step_o, last_o, h_o, fu_o, fv_o, recip_m_o, recip_e_o, u_o, v_o})
+  );
 
   if (bitspan_cfg_pkg::ConstDepthRows == 0) begin : gen_delta_f
     logic [UvW-1:0] u1_q, v1_q;
     always_ff @(posedge clk_i) begin
       if (take) begin
-        u1_q <= res_u1_i;
-        v1_q <= res_v1_i;
+        u1_q <= res_u1;
+        v1_q <= res_v1;
       end
     end
 
@@ -214,12 +219,12 @@ module span (
     assign h_sum = (SumW'(h) <<< (SumFrac - bitspan_cfg_pkg::SpanHFrac)) +
                    (SumW'(b) <<< (SumFrac - bitspan_cfg_pkg::SetupBFrac));
     always_ff @(posedge clk_i) begin
-      if (en) operand_q <= h_sum[SumW-1] ? '0 : h_sum[SumW-2:0];
+      if (en) operand_q <= h_sum[SumW-2:0] & {(SumW - 1) {!h_sum[SumW-1]}};
     end
 
-    logic [bitspan_cfg_pkg::PixelRecipOutW-1:0] recip_m;
-    logic signed [bitspan_cfg_pkg::PixelRecipOutW:0] recip_m_ext;
-    logic signed [bitspan_cfg_pkg::ExponentW-1:0] recip_e;
+    logic [MW-1:0] recip_m, recip_m_out;
+    logic signed [EW-1:0] recip_e;
+    logic [EW-1:0] recip_e_out;
     reciprocal #(
         .Kind(bitspan_cfg_pkg::PixelRecipKind),
         .Normalize(bitspan_cfg_pkg::PixelRecipNormalize),
@@ -241,7 +246,9 @@ module span (
         .OutOvf(bitspan_cfg_pkg::PixelRecipOutOvf),
         .EW(bitspan_cfg_pkg::ExponentW),
         .TableEntries(bitspan_cfg_pkg::PixelRecipTableEntries),
-        .Clocks(bitspan_cfg_pkg::PixelUnitClocks),
+        .NormaliseClocks(bitspan_cfg_pkg::NormaliseClocks),
+        .ProductClocks(ProductClocks),
+        .Clocks(PixelUnitClocks),
         .Table(bitspan_cfg_pkg::PixelRecipTable)
     ) u_reciprocal (
         .clk_i,
@@ -252,160 +259,166 @@ module span (
         .m_o    (recip_m),
         .e_o    (recip_e)
     );
-    assign recip_m_ext = $signed({(bitspan_cfg_pkg::PixelRecipOutSigned != 0) &
-                                      recip_m[bitspan_cfg_pkg::PixelRecipOutW-1], recip_m});
 
-    // The pixel beside the sum and the reciprocal.
-    localparam int WaitW = IndexW + 1 + HW + 2 * AccW + 2 * UvW;
-    logic [WaitW-1:0] waited;
-    delay_line #(
-        .Width(WaitW),
-        .Depth(1 + bitspan_cfg_pkg::PixelUnitClocks)
-    ) u_wait (
-        .clk_i,
-        .en_i(en),
-        .d_i ({x_q, last, h_q, fu_q, fv_q, u1_q, v1_q}),
-        .q_o (waited)
-    );
-    logic [IndexW-1:0] x_w;
-    logic last_w;
-    logic [HW-1:0] h_w;
+    // The numerators and what they are added to, beside the sum and the reciprocal.
     logic [AccW-1:0] fu_w, fv_w;
     logic [UvW-1:0] u1_w, v1_w;
-    assign {x_w, last_w, h_w, fu_w, fv_w, u1_w, v1_w} = waited;
+    delay_line #(
+        .Width(2 * AccW + 2 * UvW),
+        .Depth(1 + PixelUnitClocks)
+    ) u_numerators (
+        .clk_i,
+        .en_i(en),
+        .d_i ({fu_q, fv_q, u1_q, v1_q}),
+        .q_o ({fu_w, fv_w, u1_w, v1_w})
+    );
+    // A normalised mantissa is at most 1.
+    localparam int MantissaTopAlone = (bitspan_cfg_pkg::PixelRecipNormalize != 0 &&
+        bitspan_cfg_pkg::PixelRecipOutSigned == 0 && MW == bitspan_cfg_pkg::PixelRecipOutFrac + 1) ? 1 : 0;
+    logic [OutUvW-1:0] u, v;
+    multiply_round #(
+        .AW(AccW),
+        .AFrac(bitspan_cfg_pkg::TexAccFrac),
+        .ASigned(bitspan_cfg_pkg::TexAccSigned),
+        .BW(MW),
+        .BFrac(bitspan_cfg_pkg::PixelRecipOutFrac),
+        .BSigned(bitspan_cfg_pkg::PixelRecipOutSigned),
+        .BTopAlone(MantissaTopAlone),
+        .CW(UvW + 1),
+        .CFrac(bitspan_cfg_pkg::EdgeUvFrac),
+        .EW(EW),
+        .EMin(bitspan_cfg_pkg::PixelRecipEMin),
+        .EMax(bitspan_cfg_pkg::PixelRecipEMax),
+        .OutW(OutUvW),
+        .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
+        .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
+        .OutRnd(bitspan_cfg_pkg::SpanUvRnd),
+        .OutOvf(bitspan_cfg_pkg::SpanUvOvf),
+        .ProductClocks(ProductClocks)
+    ) u_u (
+        .clk_i,
+        .en_i(en),
+        .a_i(fu_w),
+        .b_i(recip_m),
+        .c_i($signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & u1_w[UvW-1], u1_w})),
+        .e_i(recip_e),
+        .q_o(u)
+    );
+    multiply_round #(
+        .AW(AccW),
+        .AFrac(bitspan_cfg_pkg::TexAccFrac),
+        .ASigned(bitspan_cfg_pkg::TexAccSigned),
+        .BW(MW),
+        .BFrac(bitspan_cfg_pkg::PixelRecipOutFrac),
+        .BSigned(bitspan_cfg_pkg::PixelRecipOutSigned),
+        .BTopAlone(MantissaTopAlone),
+        .CW(UvW + 1),
+        .CFrac(bitspan_cfg_pkg::EdgeUvFrac),
+        .EW(EW),
+        .EMin(bitspan_cfg_pkg::PixelRecipEMin),
+        .EMax(bitspan_cfg_pkg::PixelRecipEMax),
+        .OutW(OutUvW),
+        .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
+        .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
+        .OutRnd(bitspan_cfg_pkg::SpanUvRnd),
+        .OutOvf(bitspan_cfg_pkg::SpanUvOvf),
+        .ProductClocks(ProductClocks)
+    ) u_v (
+        .clk_i,
+        .en_i(en),
+        .a_i(fv_w),
+        .b_i(recip_m),
+        .c_i($signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & v1_w[UvW-1], v1_w})),
+        .e_i(recip_e),
+        .q_o(v)
+    );
 
-    logic [bitspan_cfg_pkg::SpanUvW-1:0] u, v;
-    multiply_add #(
-        .AW(AccW + 1),
-        .AFrac(bitspan_cfg_pkg::TexAccFrac),
-        .BW(bitspan_cfg_pkg::PixelRecipOutW + 1),
-        .BFrac(bitspan_cfg_pkg::PixelRecipOutFrac),
-        .CW(UvW + 1),
-        .CFrac(bitspan_cfg_pkg::EdgeUvFrac),
-        .EW(bitspan_cfg_pkg::ExponentW),
-        .EMin(bitspan_cfg_pkg::PixelRecipEMin),
-        .EMax(bitspan_cfg_pkg::PixelRecipEMax),
-        .OutW(bitspan_cfg_pkg::SpanUvW),
-        .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
-        .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
-        .OutRnd(bitspan_cfg_pkg::SpanUvRnd),
-        .OutOvf(bitspan_cfg_pkg::SpanUvOvf)
-    ) u_u (
-        .a_i($signed({(bitspan_cfg_pkg::TexAccSigned != 0) & fu_w[bitspan_cfg_pkg::TexAccW-1], fu_w})),
-        .b_i(recip_m_ext),
-        .c_i($signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & u1_w[bitspan_cfg_pkg::EdgeUvW-1], u1_w})),
-        .e_i(recip_e),
-        .q_o(u)
+    // What is only delivered waits until u and v are there.
+    logic [IndexW-1:0] x_out;
+    logic last_out;
+    logic [HW-1:0] h_out;
+    logic [AccW-1:0] fu_out, fv_out;
+    delay_line #(
+        .Width(IndexW + 1 + HW),
+        .Depth(Clocks)
+    ) u_pixel (
+        .clk_i,
+        .en_i(en),
+        .d_i ({x_q, last_q, h_q}),
+        .q_o ({x_out, last_out, h_out})
     );
-    multiply_add #(
-        .AW(AccW + 1),
-        .AFrac(bitspan_cfg_pkg::TexAccFrac),
-        .BW(bitspan_cfg_pkg::PixelRecipOutW + 1),
-        .BFrac(bitspan_cfg_pkg::PixelRecipOutFrac),
-        .CW(UvW + 1),
-        .CFrac(bitspan_cfg_pkg::EdgeUvFrac),
-        .EW(bitspan_cfg_pkg::ExponentW),
-        .EMin(bitspan_cfg_pkg::PixelRecipEMin),
-        .EMax(bitspan_cfg_pkg::PixelRecipEMax),
-        .OutW(bitspan_cfg_pkg::SpanUvW),
-        .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
-        .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
-        .OutRnd(bitspan_cfg_pkg::SpanUvRnd),
-        .OutOvf(bitspan_cfg_pkg::SpanUvOvf)
-    ) u_v (
-        .a_i($signed({(bitspan_cfg_pkg::TexAccSigned != 0) & fv_w[bitspan_cfg_pkg::TexAccW-1], fv_w})),
-        .b_i(recip_m_ext),
-        .c_i($signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & v1_w[bitspan_cfg_pkg::EdgeUvW-1], v1_w})),
-        .e_i(recip_e),
-        .q_o(v)
+    delay_line #(
+        .Width(2 * AccW + MW + EW),
+        .Depth(ProductClocks + 4)
+    ) u_factors (
+        .clk_i,
+        .en_i(en),
+        .d_i ({fu_w, fv_w, recip_m, recip_e}),
+        .q_o ({fu_out, fv_out, recip_m_out, recip_e_out})
     );
-    always_ff @(posedge clk_i) begin
-      if (en) begin
-        x_o <= x_w;
-        last_o <= last_w;
-        h_o <= h_w;
-        fu_o <= fu_w;
-        fv_o <= fv_w;
-        recip_m_o <= recip_m;
-        recip_e_o <= recip_e;
-        u_o <= u;
-        v_o <= v;
-      end
-    end
-    assign step_o = 1'b0;
+    assign pixel = {x_out, 1'b0, last_out, h_out, fu_out, fv_out, recip_m_out, recip_e_out, u, v};
   end else begin : gen_const_depth_rows
-    logic [bitspan_cfg_pkg::SpanUvW-1:0] u, v;
+    logic [OutUvW-1:0] u, v;
     quantize #(
         .InW(AccW + 1),
         .InFrac(bitspan_cfg_pkg::TexAccFrac),
-        .OutW(bitspan_cfg_pkg::SpanUvW),
+        .OutW(OutUvW),
         .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
         .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
         .Rounding(bitspan_cfg_pkg::SpanUvRnd),
         .Overflow(bitspan_cfg_pkg::SpanUvOvf)
     ) u_u (
-        .x_i($signed({(bitspan_cfg_pkg::TexAccSigned != 0) & fu_q[bitspan_cfg_pkg::TexAccW-1], fu_q})),
+        .x_i($signed({(bitspan_cfg_pkg::TexAccSigned != 0) & fu_q[AccW-1], fu_q})),
         .sticky_i(1'b0),
         .q_o(u)
     );
     quantize #(
         .InW(AccW + 1),
         .InFrac(bitspan_cfg_pkg::TexAccFrac),
-        .OutW(bitspan_cfg_pkg::SpanUvW),
+        .OutW(OutUvW),
         .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
         .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
         .Rounding(bitspan_cfg_pkg::SpanUvRnd),
         .Overflow(bitspan_cfg_pkg::SpanUvOvf)
     ) u_v (
-        .x_i($signed({(bitspan_cfg_pkg::TexAccSigned != 0) & fv_q[bitspan_cfg_pkg::TexAccW-1], fv_q})),
+        .x_i($signed({(bitspan_cfg_pkg::TexAccSigned != 0) & fv_q[AccW-1], fv_q})),
         .sticky_i(1'b0),
         .q_o(v)
     );
+    logic [PixelW-1:0] pixel_q;
     always_ff @(posedge clk_i) begin
-      if (en) begin
-        x_o <= x_q;
-        step_o <= step;
-        last_o <= last;
-        h_o <= h_q;
-        fu_o <= fu_q;
-        fv_o <= fv_q;
-        u_o <= u;
-        v_o <= v;
-      end
+      if (en) pixel_q <= {x_q, step, last_q, h_q, fu_q, fv_q, {MW{1'b0}}, {EW{1'b0}}, u, v};
     end
-    assign recip_m_o = '0;
-    assign recip_e_o = '0;
+    assign pixel = pixel_q;
 
     logic unused;
-    assign unused = ^{b_i, res_u1_i, res_v1_i};
+    assign unused = ^{b_i, res_u1, res_v1};
   end
 
 `ifndef SYNTHESIS
   initial begin
     assert (Clocks == bitspan_cfg_pkg::SpanClocks)
-    else $error("span: has %0d clocks, told %0d", Clocks, bitspan_cfg_pkg::SpanClocks);
+    else $fatal(1, "span: has %0d clocks, told %0d", Clocks, bitspan_cfg_pkg::SpanClocks);
   end
   // A pixel that waits at the output stays as it is; an active span has pixels left.
-  localparam int PixelW = IndexW + 2 + HW + 2 * AccW + bitspan_cfg_pkg::PixelRecipOutW + bitspan_cfg_pkg::ExponentW +
-      2 * bitspan_cfg_pkg::SpanUvW;
-  logic waiting_q;
-  logic [PixelW-1:0] pixel, pixel_q;
-  assign pixel = {x_o, step_o, last_o, h_o, fu_o, fv_o, recip_m_o, recip_e_o, u_o, v_o};
+  logic waits_q;
+  logic [PixelW-1:0] out, out_q;
+  assign out = {x_o, step_o, last_o, h_o, fu_o, fv_o, recip_m_o, recip_e_o, u_o, v_o};
   always @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
-      waiting_q <= 1'b0;
-      pixel_q <= '0;
+      waits_q <= 1'b0;
+      out_q <= '0;
     end else begin
-      if (waiting_q) begin
-        assert (out_valid_o && pixel == pixel_q)
-        else $error("span: a waiting pixel was changed or withdrawn");
+      if (waits_q) begin
+        assert (out_valid_o && out_q == out)
+        else $fatal(1, "span: a waiting pixel was changed or withdrawn");
       end
       if (active_q) begin
-        assert (left_q != '0)
-        else $error("span: an active span without pixels");
+        assert (left_q != '0 && last_q == (left_q == IndexW'(1)))
+        else $fatal(1, "span: an active span has no pixels left");
       end
-      waiting_q <= out_valid_o && !out_ready_i;
-      pixel_q <= pixel;
+      waits_q <= out_valid_o && !out_ready_i;
+      out_q <= out;
     end
   end
 `endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// span_setup followed by span: takes rows and delivers pixels. docs/rtl.md has the ports and the clocks.
+// span_setup, a FIFO of span records, and span: takes rows and delivers pixels. docs/rtl.md has the ports and the
+// clocks.
 module span_interpolator (
     input  logic clk_i,
     input  logic rst_ni,
@@ -62,25 +63,10 @@ module span_interpolator (
     output logic [bitspan_cfg_pkg::TexStepW-1:0] span_fv_step0_o,
     output logic [bitspan_cfg_pkg::TexStepW-1:0] span_fv_step1_o
 );
-  logic res_valid, take;
-  logic [bitspan_cfg_pkg::PixelIndexW-1:0] res_x;
-  logic [bitspan_cfg_pkg::PixelIndexW-1:0] res_count;
-  logic [bitspan_cfg_pkg::RowRecipOutW-1:0] res_recip_m;
-  logic [bitspan_cfg_pkg::ExponentW-1:0] res_recip_e;
-  logic [bitspan_cfg_pkg::PhaseW-1:0] res_phase;
-  logic [bitspan_cfg_pkg::PlaneKW-1:0] res_k;
-  logic [bitspan_cfg_pkg::SpanFDiffW-1:0] res_fu_diff;
-  logic [bitspan_cfg_pkg::SpanFDiffW-1:0] res_fv_diff;
-  logic [bitspan_cfg_pkg::SpanHW-1:0] res_h;
-  logic [bitspan_cfg_pkg::SpanHStepW-1:0] res_h_step;
-  logic [bitspan_cfg_pkg::EdgeUvW-1:0] res_u1;
-  logic [bitspan_cfg_pkg::EdgeUvW-1:0] res_v1;
-  logic [bitspan_cfg_pkg::TexAccW-1:0] res_fu;
-  logic [bitspan_cfg_pkg::TexAccW-1:0] res_fv;
-  logic [bitspan_cfg_pkg::TexStepW-1:0] res_fu_step0;
-  logic [bitspan_cfg_pkg::TexStepW-1:0] res_fu_step1;
-  logic [bitspan_cfg_pkg::TexStepW-1:0] res_fv_step0;
-  logic [bitspan_cfg_pkg::TexStepW-1:0] res_fv_step1;
+  localparam int RecordW = bitspan_cfg_pkg::SpanRecordW;
+  logic setup_valid, setup_ready, res_valid, take;
+  logic [RecordW-1:0] setup_record, record;
+  logic [bitspan_cfg_pkg::PlaneKW-1:0] span_unused_k;
 
   span_setup u_span_setup (
       .clk_i,
@@ -107,26 +93,23 @@ module span_interpolator (
       .gu_step1_i,
       .gv_step0_i,
       .gv_step1_i,
-      .res_valid_o(res_valid),
-      .take_i(take),
-      .res_x_o(res_x),
-      .res_count_o(res_count),
-      .res_recip_m_o(res_recip_m),
-      .res_recip_e_o(res_recip_e),
-      .res_phase_o(res_phase),
-      .res_k_o(res_k),
-      .res_fu_diff_o(res_fu_diff),
-      .res_fv_diff_o(res_fv_diff),
-      .res_h_o(res_h),
-      .res_h_step_o(res_h_step),
-      .res_u1_o(res_u1),
-      .res_v1_o(res_v1),
-      .res_fu_o(res_fu),
-      .res_fv_o(res_fv),
-      .res_fu_step0_o(res_fu_step0),
-      .res_fu_step1_o(res_fu_step1),
-      .res_fv_step0_o(res_fv_step0),
-      .res_fv_step1_o(res_fv_step1)
+      .res_valid_o(setup_valid),
+      .res_ready_i(setup_ready),
+      .res_o(setup_record)
+  );
+
+  fifo #(
+      .Width(RecordW),
+      .Depth(bitspan_cfg_pkg::SpanFifo)
+  ) u_records (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i(setup_valid),
+      .in_ready_o(setup_ready),
+      .in_i(setup_record),
+      .out_valid_o(res_valid),
+      .out_ready_i(take),
+      .out_o(record)
   );
 
   span u_span (
@@ -135,20 +118,7 @@ module span_interpolator (
       .b_i,
       .res_valid_i(res_valid),
       .take_o(take),
-      .res_x_i(res_x),
-      .res_count_i(res_count),
-      .res_phase_i(res_phase),
-      .res_k_i(res_k),
-      .res_h_i(res_h),
-      .res_h_step_i(res_h_step),
-      .res_u1_i(res_u1),
-      .res_v1_i(res_v1),
-      .res_fu_i(res_fu),
-      .res_fv_i(res_fv),
-      .res_fu_step0_i(res_fu_step0),
-      .res_fu_step1_i(res_fu_step1),
-      .res_fv_step0_i(res_fv_step0),
-      .res_fv_step1_i(res_fv_step1),
+      .res_i(record),
       .out_valid_o,
       .out_ready_i,
       .x_o,
@@ -164,21 +134,9 @@ module span_interpolator (
   );
 
   assign span_take_o = take;
-  assign span_x_o = res_x;
-  assign span_count_o = res_count;
-  assign span_recip_m_o = res_recip_m;
-  assign span_recip_e_o = res_recip_e;
-  assign span_phase_o = res_phase;
-  assign span_fu_diff_o = res_fu_diff;
-  assign span_fv_diff_o = res_fv_diff;
-  assign span_h_o = res_h;
-  assign span_h_step_o = res_h_step;
-  assign span_u1_o = res_u1;
-  assign span_v1_o = res_v1;
-  assign span_fu_o = res_fu;
-  assign span_fv_o = res_fv;
-  assign span_fu_step0_o = res_fu_step0;
-  assign span_fu_step1_o = res_fu_step1;
-  assign span_fv_step0_o = res_fv_step0;
-  assign span_fv_step1_o = res_fv_step1;
+  assign {span_x_o, span_count_o, span_recip_m_o, span_recip_e_o, span_phase_o, span_unused_k, span_fu_diff_o,
+          span_fv_diff_o, span_h_o, span_h_step_o, span_u1_o, span_v1_o, span_fu_o, span_fv_o, span_fu_step0_o,
+          span_fu_step1_o, span_fv_step0_o, span_fv_step1_o} = record;
+  logic unused;
+  assign unused = ^span_unused_k;
 endmodule

@@ -9,332 +9,407 @@
 #include <cmath>
 #include <cstddef>
 #include <fstream>
-#include <functional>
 #include <sstream>
 #include <string_view>
-#include <tuple>
 #include <utility>
 
 #include "config/grid.hpp"
 #include "config/modes.hpp"
+#include "config/row_products.hpp"
 #include "config/rtl_timing.hpp"
 #include "tb/rtl_build.hpp"
 
 namespace bitspan {
 namespace {
 
-constexpr int exponent_bits = 8;  // of the RTL's ports
-constexpr int block_width = 18;   // operands of a multiplier block
+constexpr int limb = 17;  // bits of a factor that a multiplier takes: rtl/mul_pipe.sv
 
 int ceil_div(int n, int d) { return (n + d - 1) / d; }
 int bits_of(int n) { return static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(0, n)))); }
 
-// Returns the grid of the difference of two values of a register.
+// The difference of two values of a register.
 Grid difference_of(const Format& f) { return grid_of(f) - grid_of(f); }
 
-// Counts the modules of rtl/ one by one.
+// How rtl/mul_pipe.sv cuts a factor: limbs, and up to 3 bits above them that add the other factor.
+struct Cut {
+  int limbs = 1;
+  int low = 0;    // bits of the limbs
+  int spare = 0;  // bits above them
+};
+Cut cut_of(int bits, bool is_signed) {
+  const int sign = is_signed ? 1 : 0;
+  const int magnitude = bits - sign;
+  const int above = magnitude % limb;
+  const bool spares = magnitude > limb && above > 0 && above + sign <= 3;
+  const int in_limbs = spares ? magnitude - above : magnitude;
+  return {std::max(1, ceil_div(in_limbs, limb)), spares ? in_limbs : bits, spares ? above + sign : 0};
+}
+
+// Mirrors rtl/: registers exactly where no tool drops them, and of the logic what LUTs are mostly made of.
 class Counter {
  public:
-  explicit Counter(const Config& config) : c_(config), timing_(rtl_timing(config)) {}
+  explicit Counter(const Config& config)
+      : c_(config), timing_(rtl_timing(config)), planes_(has_plane_rows(config.perspective)) {}
   AreaShape count() {
-    if (has_plane_rows(c_.perspective)) {
-      const_depth_setup();
-      const_depth_span();
+    multipliers();
+    if (planes_) {
+      plane_rows();
     } else {
-      delta_f_setup();
-      delta_f_span();
+      row_ends();
     }
+    record();
+    walk();
+    if (!planes_) pixels();
     return shape_;
   }
 
  private:
-  const Format& format(FormatId id) const { return c_.format(id); }
-  int word(FormatId id) const { return format(id).word; }
+  using F = FormatId;
+  using P = RowProduct;
+  const Format& format(F id) const { return c_.format(id); }
+  int word(F id) const { return format(id).word; }
 
   void add_registers(int bits, int times = 1) { shape_.registers += double(bits) * times; }
 
-  // Counts rtl/quantize.sv, whose input has `integer` bits left of the point.
-  void quantize(int fraction, int integer, const Format& to) {
-    const int width = std::max(integer + to.fraction(), to.word);
-    const bool rounds = to.rounding != Rounding::trn && fraction > to.fraction();
-    if (rounds) shape_.sums += width;
+  // rtl/quantize_far.sv; half an ulp of SC_RND is added elsewhere.
+  void quantize(const Format& to) {
     if (to.overflow != Overflow::wrap) shape_.selects += to.word;
   }
 
-  void multiply(int a, int b) {
-    shape_.products += double(a) * b;
-    // Yosys cuts both operands into pieces of 18 bits; a last piece of a single bit becomes LUTs.
-    const auto pieces = [](int bits) { return bits / block_width + (bits % block_width > 1 ? 1 : 0); };
-    const int of_a = pieces(a);
-    const int of_b = pieces(b);
-    shape_.blocks += double(of_a) * of_b;
-    // Each piece's product is added above the bits that the pieces before it settled. The pieces of the
-    // longer operand come last.
-    const auto [longer, shorter] = std::minmax(a, b, std::greater<>());
-    const int outer = ceil_div(longer, block_width);
-    const int inner = ceil_div(shorter, block_width);
-    for (int i = 1; i < outer; ++i) shape_.block_sums += longer + shorter - i * block_width;
-    for (int i = 1; i < inner; ++i)
-      shape_.block_sums += double(outer) * (shorter + block_width - i * block_width);
+  // Yosys brings more than two terms to two by full adders, two LUTs each, and then adds these.
+  void join(int terms, int width) {
+    if (terms > 1) shape_.joins += double(width) * (1 + 2 * (terms - 2));
   }
 
-  // Counts rtl/multiply_add.sv.
-  void multiply_add(Grid a, Grid b, Exponents e, bool adds, const Format& to) {
-    multiply(a.bits(), b.bits());
-    const Grid product = a * b;
-    const int integer = product.bits() - product.fraction - e.low;
-    const int fraction = product.fraction + e.high;
-    // No bit is needed below the last place that decides a rounding.
-    const int kept = integer + std::min(fraction, to.fraction() + 1);
-    shape_.selects += double(bits_of(e.high - e.low)) * std::max(kept, to.word);
-    if (adds) shape_.sums += std::max(kept, to.word);
-    quantize(fraction, integer, to);
+  // rtl/mul_pipe.sv.
+  void multiply(int a, bool a_signed, int b, bool b_signed) {
+    const int clocks = c_.rtl.product_clocks;
+    shape_.products += double(a) * b;
+    if (clocks == 1) {
+      // Yosys cuts into pieces of 18 bits; a last piece of a single bit becomes LUTs.
+      const auto pieces = [](int bits) { return bits / (limb + 1) + (bits % (limb + 1) > 1 ? 1 : 0); };
+      shape_.blocks += double(pieces(a)) * pieces(b);
+      shape_.joins += double(pieces(a) * pieces(b) - 1) * std::max(a, b);
+      add_registers(a + b);
+      return;
+    }
+    const Cut of_a = cut_of(a, a_signed);
+    const Cut of_b = cut_of(b, b_signed);
+    const bool spare = of_a.spare + of_b.spare > 0;
+    shape_.blocks += double(of_a.limbs) * of_b.limbs;
+    add_registers(of_a.low * of_b.limbs + of_b.low * of_a.limbs);
+    // What is above the limbs: the other factor, once per bit.
+    shape_.joins += of_a.spare * b + of_b.spare * of_a.low;
+    if (of_a.spare > 0) add_registers(b + of_a.spare);
+    if (of_b.spare > 0) add_registers(of_a.low + of_b.spare);
+    if (clocks == 2) {
+      // Two diagonals of partial products meet in each bit.
+      const int diagonals = 2 * std::min(of_a.limbs, of_b.limbs) - (of_a.limbs == of_b.limbs ? 1 : 0);
+      join(diagonals + (of_a.spare > 0 ? 1 : 0) + (of_b.spare > 0 ? 1 : 0), a + b - limb);
+    } else {
+      if (of_a.limbs > 1) shape_.joins += double(of_b.limbs) * of_a.low;
+      if (of_a.spare > 0 && of_b.spare > 0) join(2, std::max(a, b));
+      join(of_b.limbs + (spare ? 1 : 0), std::max(a, b));
+    }
+    if (clocks >= 3) add_registers(of_a.low * of_b.limbs + of_b.low + (spare ? std::max(a, b) + 3 : 0));
+    add_registers(a + b, std::max(1, clocks - 2));
   }
+
+  // rtl/shift_add.sv: x 2^-(base + shift) + c in `kept` bits.
+  void shift_add(int x, int base, int shift_max, int kept) {
+    const int aligned = std::max(1, x - base);
+    const int coarse = std::min(aligned, kept + std::min(shift_max, 7));
+    const int shift = bits_of(shift_max);
+    shape_.selects += double(std::max(0, shift - 3)) * coarse + double(std::min(shift, 3)) * kept;
+    // Whether what is shifted out, and what stays above, is more than signs.
+    shape_.selects += aligned;
+    shape_.sums += kept;
+    add_registers(coarse + 2 * kept);
+  }
+
+  // rtl/row_hold.sv: a value that is written at one tick and last read at another.
+  void hold(int width, int written, int last) {
+    add_registers(width, (last - written) / timing_.row.interval + 1);
+  }
+  int tick(P product) const { return timing_.row.slot(product).tick; }
+  int done(P product) const { return tick(product) + timing_.row.product; }
+
+  // rtl/setup_mac.sv: one per multiplier, each with a choice of the operands of its products.
+  void multipliers() {
+    const RowMultipliers m = row_multipliers(c_, timing_.row);
+    const int shift = bits_of(m.shift_max);
+    const int clocks = c_.rtl.product_clocks;
+    for (int i = 0; i < m.count; ++i) {
+      // Only h adds what is no constant.
+      const bool adds = !planes_ && timing_.row.slot(P::h).multiplier == i;
+      add_registers(m.a + m.b + (adds ? m.c * (3 + clocks) : 0) + shift * (1 + clocks));
+      multiply(m.a, true, m.b, true);
+      shift_add(m.a + m.b, m.shift_base, m.shift_max, m.sum);
+    }
+    for (const RowSchedule::Slot& slot : timing_.row.slots)
+      if (slot.tick >= 0) shape_.selects += m.a + m.b + shift;
+    add_registers(bits_of(timing_.row.interval - 1) + (timing_.row.latency - 1) / timing_.row.interval + 1);
+  }
+
+  // rtl/row_result.sv.
+  void result(P product, const Format& to, int last) {
+    hold(to.word, done(product), last);
+    quantize(to);
+  }
+
+  // delta_f: the row's ends.
+  void row_ends() {
+    const RowSchedule& row = timing_.row;
+    const Format& h_step = format(F::span_h_step);
+    const Format& f_step = format(F::span_f_step);
+    const Format& f_diff = format(F::span_f_diff);
+    const int uv_difference = difference_of(format(F::edge_uv)).bits();
+    const int h_difference = difference_of(format(F::edge_h)).bits();
+    const int sum = as_signed(depth_sum(c_, F::edge_h)).bits();
+    const int p = pre_step(c_).bits();
+    const int length = row_operand(c_).bits();
+    const bool divides = !shares_reciprocal(c_.row_slope);
+    shape_.sums += length + h_difference + 2 * uv_difference + sum + p;
+    hold(sum + 2 * uv_difference, 1, std::max(tick(P::fu_diff), tick(P::fv_diff)));
+    hold(h_difference, 1, divides ? row.divide : tick(P::h_step));
+    hold(length, 1, divides ? row.divide : 1);
+    hold(p, 1, std::max({tick(P::h), tick(P::fu), tick(P::fv)}));
+    hold(word(F::edge_h), 1, tick(P::h));
+    hold(2 * pixel_index_bits(c_) + 2 * word(F::edge_uv), 1, row.latency);
+    for (const auto& [diff, step] : {std::pair{P::fu_diff, P::fu_step}, std::pair{P::fv_diff, P::fv_step}})
+      result(diff, f_diff, divides ? row.divide : tick(step));
+    if (divides) {
+      const RowDivideShape divide = row_divide_shape(c_);
+      const int made = row.divide + timing_.row_unit + 1;
+      bool first = true;  // the others have the same divisor and the same control
+      for (const auto& [numerator, to] : {std::pair{h_difference, &h_step},
+                                          {signed_grid(f_diff).bits(), &f_step},
+                                          {signed_grid(f_diff).bits(), &f_step}}) {
+        const int bits = divide.iterations * std::max(1, c_.row_reciprocal.bits_per_cycle);
+        add_registers(numerator + (first ? length : 0));
+        shape_.sums += numerator + bits;  // magnitude, sign of the quotient
+        restoring(c_.row_reciprocal, length, divide.iterations, false, first);
+        first = false;
+        if (to->rounding != Rounding::trn) shape_.sums += to->word;
+        quantize(*to);
+        hold(to->word, made, row.latency);
+      }
+    } else {
+      reciprocal(c_.row_reciprocal, row_operand(c_));
+      hold(c_.row_reciprocal.output.word + bits_of(row_operand(c_).bits()), row.reciprocal,
+           std::max({tick(P::h_step), tick(P::fu_step), tick(P::fv_step)}));
+      result(P::h_step, h_step, row.latency);
+      for (const P step : {P::fu_step, P::fv_step}) result(step, f_step, row.latency);
+    }
+    result(P::h, format(F::span_h), row.latency);
+    for (const P f : {P::fu, P::fv}) result(f, format(F::span_f), row.latency);
+  }
+
+  // const_depth_rows.
+  void plane_rows() {
+    const RowSchedule& row = timing_.row;
+    const Grid sum = row_operand(c_);
+    shape_.sums += sum.bits();
+    add_registers(sum.bits());
+    hold(2 * pixel_index_bits(c_) + line() + word(F::span_h), 1, row.latency);
+    reciprocal(c_.row_reciprocal, sum);
+    int last = row.reciprocal;
+    for (const P p : {P::fu, P::fv, P::fu_step, P::fv_step, P::fu_step1, P::fv_step1}) {
+      const bool start = p == P::fu || p == P::fv;
+      hold(word(start ? F::span_f : F::span_f_step), 1, tick(p));
+      result(p, format(start ? F::span_uv_acc : F::span_uv_step), row.latency);
+      last = std::max(last, tick(p));
+    }
+    hold(c_.row_reciprocal.output.word + bits_of(sum.bits()), row.reciprocal, last);
+  }
+  // The digital line: its phase and k.
+  int line() const { return std::max(1, format(F::plane_k).fraction()) + word(F::plane_k); }
+
+  // rtl/fifo.sv between span_setup and span: what span reads of a record.
+  void record() {
+    const int common = 2 * pixel_index_bits(c_) + word(F::span_h);
+    const int ends = word(F::span_h_step) + 2 * (word(F::edge_uv) + word(F::span_f) + word(F::span_f_step));
+    const int plane = line() + 2 * word(F::span_uv_acc) + 4 * word(F::span_uv_step);
+    const int bits = common + (planes_ ? plane : ends);
+    if (c_.rtl.fifo == 1) {
+      add_registers(bits);
+    } else {
+      shape_.memory += double(bits) * c_.rtl.fifo;
+      shape_.memory_luts += double(bits) * ceil_div(c_.rtl.fifo, 16);
+    }
+    // The same fields are in the registers of the span that is walked.
+    add_registers(bits + timing_.span);
+  }
+
+  // rtl/accumulate.sv, with the choice between a start value and the next one.
   void accumulate(const Format& step, const Format& to) {
     shape_.sums += std::max(to.word, step.word);
-    if (to.overflow != Overflow::wrap) shape_.selects += to.word;
-    shape_.selects += to.word;  // chooses the start value or the next
+    quantize(to);
+    shape_.selects += to.word;
   }
 
-  // Counts rtl/restoring_core.sv. The divisor may be that of another core.
-  void restoring(int divisor, int iterations, int bits_per_cycle, bool pipelined, bool constant_numerator,
+  // rtl/span.sv up to the issue, and the buffer of two pixels at its output.
+  void walk() {
+    const int index = pixel_index_bits(c_);
+    shape_.sums += 2 * index;
+    shape_.selects += 2 * index;
+    const Format& f = format(planes_ ? F::span_uv_acc : F::span_f);
+    for (int i = 0; i < 2; ++i) accumulate(format(planes_ ? F::span_uv_step : F::span_f_step), f);
+    const int pixel = index + 2 + word(F::span_h) + 2 * word(F::span_uv);
+    add_registers(pixel, 2);
+    shape_.selects += pixel;
+    if (!planes_) {
+      accumulate(format(F::span_h_step), format(F::span_h));
+      return;
+    }
+    shape_.sums += line();
+    shape_.selects += 2 * word(F::span_uv_step) + line();
+    add_registers(pixel);
+    for (int i = 0; i < 2; ++i) {
+      if (format(F::span_uv).rounding != Rounding::trn) shape_.sums += word(F::span_uv);
+      quantize(format(F::span_uv));
+    }
+  }
+
+  // rtl/span.sv behind the issue, in delta_f.
+  void pixels() {
+    const Format& f = format(F::span_f);
+    const Format& m = c_.pixel_reciprocal.output;
+    const Format& uv = format(F::edge_uv);
+    const Format& to = format(F::span_uv);
+    const int clocks = c_.rtl.product_clocks;
+    const Grid operand = pixel_operand(c_);
+    const Exponents e = exponents_of(c_.pixel_reciprocal, operand);
+    shape_.sums += operand.bits();
+    add_registers(operand.bits());
+    reciprocal(c_.pixel_reciprocal, operand);
+    add_registers(2 * (f.word + uv.word), 1 + timing_.pixel_unit);
+    add_registers(pixel_index_bits(c_) + 1 + word(F::span_h), timing_.span);
+    // rtl/multiply_round.sv, twice; both have the same shift.
+    const int fraction = std::max(uv.fraction(), to.fraction() + 1);
+    const int added = uv.word + 1 + fraction - uv.fraction() + 1;
+    const int kept = std::max(to.word + fraction - to.fraction() + 1, added) + 4;
+    add_registers(bits_of(e.high - e.low), clocks);
+    for (int i = 0; i < 2; ++i) {
+      multiply(f.word, f.is_signed, m.word, m.is_signed);
+      shift_add(f.word + m.word, f.fraction() + m.fraction() + e.low - fraction, e.high - e.low, kept);
+      add_registers(uv.word + 1, clocks + 2);
+      quantize(to);
+      add_registers(to.word);
+    }
+  }
+
+  // rtl/restoring_core.sv. A numerator that is a constant leaves no register of its own.
+  void restoring(const Reciprocal& unit, int divisor, int iterations, bool constant_numerator,
                  bool own_divisor) {
-    const int bits = iterations * bits_per_cycle;
-    // A step behind another one of the same clock chooses among what both may leave. Where the numerator is a
-    // constant, half of that is known.
-    const int chained = divisor * (bits_per_cycle - 1) * (constant_numerator ? 1 : 2);
-    if (pipelined) {
+    const int per_cycle = std::max(1, unit.bits_per_cycle);
+    const int bits = iterations * per_cycle;
+    if (unit.pipelined) {
       shape_.steps += double(bits) * divisor;
-      shape_.chained += double(chained) * iterations;
+      // A step behind another of the same clock chooses among what both may leave; where the numerator is a
+      // constant, half of that is known.
+      shape_.chained += double(divisor) * (per_cycle - 1) * iterations * (constant_numerator ? 1 : 2);
       for (int i = 1; i <= iterations; ++i) {
-        const int made = i * bits_per_cycle;
+        const int made = i * per_cycle;
         add_registers(constant_numerator ? divisor + made : std::min(divisor, made) + bits);
       }
       if (own_divisor) add_registers(divisor, iterations - 1);
-    } else {
-      shape_.steps += double(bits_per_cycle) * divisor;
-      shape_.chained += chained;
-      shape_.selects += divisor + bits;
-      add_registers(divisor + bits);
-      if (own_divisor) add_registers(divisor + bits_of(iterations));
+      return;
     }
+    // Units in a row.
+    shape_.steps += double(per_cycle) * divisor;
+    shape_.selects += double(per_cycle) * (divisor + bits);
+    add_registers(divisor + bits + (own_divisor ? divisor + iterations + 1 : 0), per_cycle);
   }
 
-  // Counts rtl/reciprocal.sv.
-  Exponents reciprocal(const Reciprocal& unit, Grid operand) {
+  // rtl/reciprocal.sv.
+  void reciprocal(const Reciprocal& unit, Grid operand) {
     const int op = operand.bits();
     const int shift = bits_of(op);
-    // The core takes the clocks between the operand's normalisation and Q.
-    const int core = reciprocal_latency(unit, operand) - 2;
+    const int normalise = c_.rtl.normalise_clocks;
+    const int core = reciprocal_latency(unit, operand, c_.rtl) - normalise - 1;
     const bool lut = has_table(unit.kind);
-
     if (lut || unit.normalize) {
       shape_.sums += op;  // leading zeros
       shape_.selects += double(shift) * (lut ? std::min(op, (op + unit.operand_bits) / 2) : op);
-      add_registers(shift, lut || unit.pipelined ? 1 + core : 1);
+      add_registers(op + shift, normalise - 1);
+      add_registers(shift, lut || unit.pipelined ? 1 + core : 1 + std::max(1, unit.bits_per_cycle));
+      add_registers(lut ? std::min(op - 1, unit.operand_bits) : op);
+    } else {
+      add_registers(op, normalise);
     }
-    add_registers(lut ? std::min(op - 1, unit.operand_bits) : op);
-
-    Grid y = reciprocal_core(unit, operand);
-    if (lut && !unit.normalize) {
-      shape_.selects += double(shift) * (y.bits() + op - 1);
-      y = {y.integer + operand.fraction, y.fraction + op - 1 - operand.fraction, false};
+    if (lut) {
+      table(unit);
+    } else {
+      restoring(unit, op, restoring_shape(unit, operand).iterations, true, true);
     }
-    quantize(y.fraction, y.integer, unit.output);
-    add_registers(unit.output.word + (unit.normalize ? exponent_bits : 0));
-    return exponents_of(unit, operand);
+    if (lut && !unit.normalize) shape_.selects += double(shift) * (unit.internal_bits + op);
+    if (unit.output.rounding != Rounding::trn) shape_.sums += unit.output.word;
+    quantize(unit.output);
+    add_registers(unit.output.word + (unit.normalize ? shift : 0));
   }
 
-  // Counts the core of each kind. Returns the grid of its result.
-  Grid reciprocal_core(const Reciprocal& unit, Grid operand) {
+  // What stands between the table and y. Each product comes product_clocks behind its factors.
+  void table(const Reciprocal& unit) {
+    const int clocks = c_.rtl.product_clocks;
     const int entry = unit.table_bits + 1;
-    const int nq_fraction = std::max(unit.operand_bits, unit.index_bits);
-    const double segments = std::ldexp(1.0, unit.index_bits);
-    const Grid y{1, unit.internal_bits, false};
+    const int nq = std::max(unit.operand_bits, unit.index_bits);
+    const int t = nq - unit.index_bits;
+    const int y = unit.internal_bits + 1;
     switch (unit.kind) {
-      case ReciprocalKind::restoring: {
-        const RestoringShape shape = restoring_shape(unit, operand);
-        const int per_cycle = std::max(1, unit.bits_per_cycle);
-        restoring(operand.bits(), shape.iterations, per_cycle, unit.pipelined, true, true);
-        return {shape.iterations * per_cycle - shape.fraction, shape.fraction, false};
-      }
-      case ReciprocalKind::lut_linear: {
-        const int t = nq_fraction - unit.index_bits;
-        shape_.table += 2 * segments * entry;
-        add_registers(2 * entry + t + y.bits());
+      case ReciprocalKind::restoring:
+        return;
+      case ReciprocalKind::lut_linear:
+        add_registers(2 * entry + t, 2);
+        add_registers(entry, clocks);
+        add_registers(y);
         shape_.sums += entry + entry + t;
-        multiply(entry, t + 1);
-        return y;
-      }
+        multiply(entry, false, t, false);
+        return;
       case ReciprocalKind::lut_quadratic: {
-        const int t = nq_fraction - unit.index_bits;
         const int c1 = std::max(1, entry - unit.index_bits);
         const int c2 = std::max(1, entry - 2 * unit.index_bits);
-        const int g = std::max(1, y.bits() - unit.index_bits);
-        shape_.table += segments * (entry + c1 + c2);
-        add_registers(entry + c1 + c2 + t);
-        add_registers(entry + g + t);
-        add_registers(y.bits());
-        multiply(c2, t);
-        multiply(g, t);
+        const int g = std::max(1, y - unit.index_bits);
+        add_registers(entry + c1 + c2 + t, 2);
+        add_registers(c1 + entry + t, clocks);
+        add_registers(entry + t + g + y);
+        add_registers(entry, clocks);
+        multiply(c2, false, t, false);
+        multiply(g, false, t, false);
         shape_.sums += c1 + t + std::max(entry, unit.internal_bits + t + 1);
-        return y;
+        return;
       }
       case ReciprocalKind::lut_newton:
-        shape_.table += segments * entry;
-        add_registers(entry + nq_fraction);
+        add_registers(entry + nq, 2);
         for (int s = 0; s < unit.steps; ++s) {
-          const int in = (s == 0 ? unit.table_bits : unit.internal_bits) + 1;
-          const bool last = s + 1 == unit.steps;
-          add_registers(unit.internal_bits + 2 + in + unit.internal_bits + 1);
-          add_registers(nq_fraction, last ? 0 : 2);
-          multiply(nq_fraction + 1, in);
-          multiply(in, unit.internal_bits + 2);
+          const int in = s == 0 ? entry : y;
+          multiply(nq + 1, false, in, false);
+          multiply(unit.internal_bits + 2, false, in, false);
           shape_.sums += unit.internal_bits + 2;
+          add_registers(unit.internal_bits + 2);
+          add_registers(in, clocks + 1);
+          if (s + 1 < unit.steps) add_registers(nq, 2 * clocks + 1);
         }
-        return unit.steps > 0 ? y : Grid{1, unit.table_bits, false};
+        return;
     }
-    return y;
-  }
-
-  // Counts the adder of h + B, and returns the grid of the sum.
-  Grid depth_operand(FormatId h) {
-    const Grid sum = depth_sum(c_, h);
-    shape_.sums += sum.bits();
-    return sum;
-  }
-
-  int wait_clocks() const { return timing_.row_unit_pipelined ? timing_.row_unit : 0; }
-
-  void delta_f_setup() {
-    const int index = pixel_index_bits(c_);
-    const Format& x = format(FormatId::edge_x);
-    const Format& h = format(FormatId::edge_h);
-    const Format& uv = format(FormatId::edge_uv);
-    const Format& f_diff = format(FormatId::span_f_diff);
-    const Format& h_step = format(FormatId::span_h_step);
-    const Format& f_step = format(FormatId::span_f_step);
-    const int p_fraction = std::max(1, x.fraction());
-    const Grid p = {std::max(index, x.integer) + 1, p_fraction, true};  // x_first + 1/2 - x_l
-    const bool divides = !shares_reciprocal(c_.row_slope);
-    add_registers(timing_.span_setup);
-
-    // The first part takes the differences.
-    const Grid h_difference = difference_of(h);
-    const Grid uv_difference = difference_of(uv);
-    shape_.sums += difference_of(x).bits() + p.bits() + h_difference.bits() + 2 * uv_difference.bits();
-    const Grid sum = depth_operand(FormatId::edge_h);
-    for (int i = 0; i < 2; ++i) multiply_add(uv_difference, as_signed(sum), {}, false, f_diff);
-    const int kept = 2 * index + p.bits() + h.word + 2 * uv.word + 1;  // includes what the start values need
-    const int numerators = h_difference.bits() + 2 * f_diff.word;
-    add_registers(kept + numerators + x.word);
-    add_registers(kept + (divides ? 0 : numerators), wait_clocks());
-
-    // The second part has the row unit and the slopes.
-    if (divides) {
-      const RowDivideShape divide = row_divide_shape(c_);
-      const int per_cycle = std::max(1, c_.row_reciprocal.bits_per_cycle);
-      const int bits = divide.iterations * per_cycle;
-      bool first = true;
-      for (const auto& [numerator, fraction, to] :
-           {std::tuple{h_difference.bits(), divide.h_fraction, h_step},
-            std::tuple{signed_grid(f_diff).bits(), divide.f_fraction, f_step},
-            std::tuple{signed_grid(f_diff).bits(), divide.f_fraction, f_step}}) {
-        add_registers(numerator + 1 + (first ? x.word + 1 : 0));
-        shape_.sums += numerator + bits;  // for the magnitude and the quotient's sign
-        restoring(x.word, divide.iterations, per_cycle, timing_.row_unit_pipelined, false, first);
-        if (timing_.row_unit_pipelined) add_registers(divide.iterations);
-        quantize(fraction + 1, bits - fraction, to);
-        first = false;
-      }
-    } else {
-      const Exponents e = reciprocal(c_.row_reciprocal, row_operand(c_));
-      const Grid m = signed_grid(c_.row_reciprocal.output);
-      multiply_add(h_difference, m, e, false, h_step);
-      for (int i = 0; i < 2; ++i) multiply_add(signed_grid(f_diff), m, e, false, f_step);
-    }
-    shape_.selects += h_step.word + 2 * f_step.word;
-    const int steps = h_step.word + 2 * f_step.word;
-    add_registers(2 * index + p.bits() + h.word + 2 * uv.word + steps);
-
-    // The third part has the start values.
-    multiply_add(signed_grid(h_step), p, {}, true, format(FormatId::span_h));
-    const bool offset = c_.start_offset.span_f.half_ulp || c_.start_offset.span_f.value != 0;
-    for (int i = 0; i < 2; ++i) multiply_add(signed_grid(f_step), p, {}, offset, format(FormatId::span_f));
-    add_registers(2 * index + word(FormatId::span_h) + 2 * uv.word + 2 * word(FormatId::span_f) + steps);
-  }
-
-  // Counts the counters, accumulators and their registers, which both modes have.
-  void walk(const Format& f, const Format& f_step, int steps) {
-    const int index = pixel_index_bits(c_);
-    add_registers(1 + 2 * index + timing_.span);
-    shape_.sums += 2 * index;
-    shape_.selects += 2 * index;
-    add_registers(word(FormatId::span_h) + 2 * f.word + 2 * steps * f_step.word);
-    for (int i = 0; i < 2; ++i) accumulate(f_step, f);
-    // The pixel's registers at the output.
-    add_registers(index + 1 + word(FormatId::span_h) + 2 * word(FormatId::span_uv));
-  }
-
-  void delta_f_span() {
-    const Format& f = format(FormatId::span_f);
-    const Format& uv = format(FormatId::edge_uv);
-    const Format& h_step = format(FormatId::span_h_step);
-    walk(f, format(FormatId::span_f_step), 1);
-    accumulate(h_step, format(FormatId::span_h));
-    add_registers(h_step.word + 2 * uv.word);
-    const Grid sum = depth_operand(FormatId::span_h);
-    add_registers(sum.bits());
-    const Exponents e = reciprocal(c_.pixel_reciprocal, pixel_operand(c_));
-    const int waits = pixel_index_bits(c_) + 1 + word(FormatId::span_h) + 2 * f.word + 2 * uv.word;
-    add_registers(waits, 1 + timing_.pixel_unit);
-    for (int i = 0; i < 2; ++i)
-      multiply_add(signed_grid(f), signed_grid(c_.pixel_reciprocal.output), e, true,
-                   format(FormatId::span_uv));
-  }
-
-  void const_depth_setup() {
-    const int index = pixel_index_bits(c_);
-    const Format& f = format(FormatId::span_f);
-    const Format& f_step = format(FormatId::span_f_step);
-    const Format& acc = format(FormatId::span_uv_acc);
-    const Format& step = format(FormatId::span_uv_step);
-    const int line = std::max(1, format(FormatId::plane_k).fraction()) + word(FormatId::plane_k);
-    add_registers(timing_.span_setup);
-    const Grid sum = depth_operand(FormatId::span_h);
-    const int kept = 2 * index + line + word(FormatId::span_h);
-    const int first = kept + 2 * f.word + 4 * f_step.word;
-    add_registers(sum.bits() + first * (1 + wait_clocks()));
-    const Exponents e = reciprocal(c_.row_reciprocal, row_operand(c_));
-    const Grid m = signed_grid(c_.row_reciprocal.output);
-    const bool offset = c_.start_offset.span_f.half_ulp || c_.start_offset.span_f.value != 0;
-    for (int i = 0; i < 2; ++i) multiply_add(signed_grid(f), m, e, offset, acc);
-    for (int i = 0; i < 4; ++i) multiply_add(signed_grid(f_step), m, e, false, step);
-    add_registers(kept + 2 * acc.word + 4 * step.word, 2);
-  }
-
-  void const_depth_span() {
-    const Format& acc = format(FormatId::span_uv_acc);
-    const Format& step = format(FormatId::span_uv_step);
-    const Format& uv = format(FormatId::span_uv);
-    const int phase = std::max(1, format(FormatId::plane_k).fraction());
-    walk(acc, step, 2);
-    add_registers(phase + word(FormatId::plane_k) + 1);
-    shape_.sums += phase + word(FormatId::plane_k);
-    shape_.selects += 2 * step.word + phase;
-    for (int i = 0; i < 2; ++i) quantize(acc.fraction(), acc.integer, uv);
   }
 
   const Config& c_;
   RtlTiming timing_;
+  bool planes_;
   AreaShape shape_;
 };
 
-// Returns what LUTs are made of. iCE40's division steps cost the same behind one another; ECP5's wide
-// multiplexers do not.
+// What LUTs are made of. iCE40's division steps cost the same behind one another; ECP5's wide multiplexers do
+// not.
 std::vector<double> lut_terms_of(const AreaShape& s, Family family) {
-  if (family == Family::ice40) return {s.products, s.sums, s.selects, s.steps};
-  return {s.block_sums, s.sums, s.selects, s.steps, s.chained};
+  if (family == Family::ice40) return {s.products, s.sums, s.selects + s.memory, s.steps};
+  return {s.joins, s.sums, s.selects + s.memory_luts, s.steps, s.chained};
+}
+
+// An iCE40 has no memory of LUTs.
+double ffs_of(const AreaShape& s, Family family) {
+  return s.registers + (family == Family::ice40 ? s.memory : 0);
 }
 
 using Matrix = std::vector<std::vector<double>>;
@@ -392,7 +467,7 @@ AreaFit fit_samples(std::span<const Sample> samples, Family family) {
       b[i] += terms[i] / luts;
       for (std::size_t k = 0; k < n; ++k) a[i][k] += terms[i] / luts * terms[k] / luts;
     }
-    const double ratio = s.shape.registers / static_cast<double>(s.counts.ffs);
+    const double ratio = ffs_of(s.shape, family) / static_cast<double>(s.counts.ffs);
     ff_square += ratio * ratio;
     ff_sum += ratio;
   }
@@ -458,10 +533,10 @@ AreaRun run_in(const std::string& line) {
 AreaShape area_shape(const Config& config) { return Counter(config).count(); }
 
 const AreaFit& area_fit(Family family) {
-  // Least squares over config/studies/area_fit.csv give these. tests/study/area_estimate_test.cpp fits again
-  // and compares.
-  static const AreaFit ice40 = {{2.8114, 1.3656, 0.7313, 3.5935}, 0.9966};
-  static const AreaFit ecp5 = {{1.0831, 1.4210, 1.2637, 3.6186, 3.7858}, 0.9937};
+  // Least squares over config/studies/area_fit.csv; tests/study/area_estimate_test.cpp fits again and
+  // compares.
+  static const AreaFit ice40 = {{2.7413, 3.0296, 0.3189, 3.4195}, 0.9960};
+  static const AreaFit ecp5 = {{1.0750, 1.8912, 0.7637, 5.1465, 1.8264}, 0.9921};
   return family == Family::ice40 ? ice40 : ecp5;
 }
 
@@ -469,7 +544,7 @@ AreaEstimate estimate_area(const AreaShape& shape, Family family, const AreaFit&
   AreaEstimate estimate;
   const std::vector<double> terms = lut_terms_of(shape, family);
   for (std::size_t i = 0; i < terms.size(); ++i) estimate.luts += fit.luts[i] * terms[i];
-  estimate.ffs = fit.ffs * shape.registers;
+  estimate.ffs = fit.ffs * ffs_of(shape, family);
   estimate.multipliers = family == Family::ice40 ? 0 : shape.blocks;
   return estimate;
 }

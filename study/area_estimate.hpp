@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Estimates what a configuration takes in an FPGA from its formats, in microseconds, for use inside a search.
 //
-// The estimate counts the structure as rtl/ builds it: registers, operands of multipliers, adders, shifters,
+// The estimate counts the structure as rtl/ builds it: registers, operands of multipliers, adders, choices,
 // divider steps. LUTs and flip-flops are linear in these counts. The coefficients are fitted to the runs in
 // config/studies/area_fit.csv. docs/area.md has the errors.
 #pragma once
@@ -27,15 +27,16 @@ AreaEstimate estimate_area(const Config& config, Family family);
 
 // The counts that the estimate is linear in, taken from the configuration. All but `blocks` are bits.
 struct AreaShape {
-  double registers = 0;   // flip-flops
-  double products = 0;    // products of the operands' widths, over all multipliers
-  double blocks = 0;      // 18x18 multipliers that these products are cut into
-  double block_sums = 0;  // adders that join the blocks' results
-  double sums = 0;        // other adders: differences, roundings, accumulators
-  double selects = 0;     // two-way choices: shifters, saturation
-  double steps = 0;       // restoring division: a bit subtracted and chosen
-  double chained = 0;     // steps behind another one of the same clock; doubled where the numerator varies
-  double table = 0;       // tables
+  double registers = 0;    // flip-flops
+  double products = 0;     // products of the operands' widths, over all multipliers
+  double blocks = 0;       // 18x18 multipliers that these products are cut into
+  double joins = 0;        // adders that join the blocks' results
+  double sums = 0;         // other adders: differences, roundings, accumulators
+  double selects = 0;      // two-way choices: shifters, operands of span_setup's multipliers, saturation
+  double steps = 0;        // restoring division: a bit subtracted and chosen
+  double chained = 0;      // steps behind another one of the same clock; doubled where the numerator varies
+  double memory = 0;       // a FIFO of more than one span record; flip-flops in iCE40
+  double memory_luts = 0;  // the same as ECP5's LUTs hold it, 16 records each
 };
 AreaShape area_shape(const Config& config);
 
@@ -55,8 +56,8 @@ void write_area_runs(const std::filesystem::path& csv, std::span<const AreaRun> 
 void measure_area_runs(std::span<AreaRun> runs, const AreaLimits& limits);
 
 struct AreaFit {
-  // LUTs per bit: of products, sums, selects and steps in ice40; of block_sums, sums, selects, steps and
-  // chained in ecp5.
+  // LUTs per bit: of products (what joins their parts included), sums, selects with memory, and steps in
+  // ice40; of joins, sums, selects with memory_luts, steps and chained in ecp5.
   std::vector<double> luts;
   double ffs = 0;  // flip-flops per bit of registers
   bool operator==(const AreaFit&) const = default;

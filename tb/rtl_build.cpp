@@ -307,7 +307,11 @@ void throw_on_assertion(const char* failed) {
 Rtl::Rtl(const Config& config)
     : library_(std::make_shared<Library>(build_rtl(config))), handle_(library_->create(), library_->destroy) {
   const RtlTiming timing = rtl_timing(config);
-  clocks_until_empty_ = timing.span_setup + 1 + timing.span + 1;
+  // What is left in span_setup, the FIFO, span and the buffer at its output. Whole intervals: an empty
+  // span_setup then is where it would be without these clocks.
+  const int interval = timing.row.interval;
+  const int left = timing.row.latency + interval + 1 + timing.span + 2;
+  clocks_until_empty_ = (left + interval - 1) / interval * interval;
   reset();
 }
 Rtl::~Rtl() = default;

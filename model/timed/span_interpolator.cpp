@@ -37,13 +37,12 @@ void SpanInterpolator::clock(std::uint64_t now) {
     in_.pop(now);
   }
 
-  const bool result_stands = c.res_valid && !c.take;
-  const bool holds_one = !latency_.pipelined && c.setup_busy;
-  span_setup_.count(c.accept                  ? StageState::busy
-                    : result_stands           ? StageState::blocked
-                    : (in_valid || holds_one) ? StageState::busy
-                                              : StageState::starved);
-  const bool pixel_stands = c.out_valid && !out_ready;
+  const bool has_row = in_valid || c.setup_busy;
+  span_setup_.count(c.accept                                              ? StageState::busy
+                    : c.setup_held && has_row                             ? StageState::blocked
+                    : in_valid || (latency_.interval > 1 && c.setup_busy) ? StageState::busy
+                                                                          : StageState::starved);
+  const bool pixel_stands = c.span_held || (c.out_valid && !out_ready);
   span_.count(c.issue        ? StageState::busy
               : pixel_stands ? StageState::blocked
               : c.active     ? StageState::busy

@@ -13,8 +13,9 @@ InterpolatorLatency interpolator_latency(const Config& config) {
   const RtlTiming rtl = rtl_timing(like_rtl);
 
   InterpolatorLatency latency;
-  latency.span_setup = rtl.span_setup;
-  latency.pipelined = rtl.row_unit_pipelined;
+  latency.span_setup = rtl.row.latency;
+  latency.interval = rtl.row.interval;
+  latency.fifo = config.rtl.fifo;
   latency.span = has_linear_edges(config.perspective) ? 1 : rtl.span;
   const bool pixel_divides =
       has_pixel_reciprocal(config.perspective) || has_pixel_quotients(config.perspective);

@@ -242,7 +242,7 @@ void SpanMachine::clock_interpolator(Clock now) {
   const bool in_valid = s.in.size() > 0;
   Pipe& next_pipe = pipe<first_fragment_stage>();
   const bool out_ready = next_pipe.in.room(now);
-  if (now > s.seen) s.timing.skip(now - s.seen, s.out_ready);
+  if (now > s.seen) s.timing.skip(now - s.seen);
   s.seen = now + 1;
   const InterpolatorClock c = s.timing.clock(in_valid, in_valid ? s.pixels.front() : 0, out_ready);
 
@@ -262,10 +262,10 @@ void SpanMachine::clock_interpolator(Clock now) {
   }
 
   if (c.accept || c.take || c.issue || c.deliver) last_move_ = now + 1;
-  const bool holds_one = !s.latency.pipelined && c.setup_busy;
-  s.setup.set(c.accept ? StageState::busy : Interpolator::held(c.res_valid && !c.take, in_valid || holds_one),
-              now);
-  s.span.set(c.issue ? StageState::busy : Interpolator::held(c.out_valid && !out_ready, c.active), now);
+  s.setup.set(c.accept ? StageState::busy : s.setup_state(c.setup_held, in_valid, c.setup_busy), now);
+  s.span.set(
+      c.issue ? StageState::busy : Interpolator::held(c.span_held || (c.out_valid && !out_ready), c.active),
+      now);
 
   // The next clock, as far as this part alone can tell.
   const bool next_valid = s.in.size() > 0;
@@ -275,9 +275,10 @@ void SpanMachine::clock_interpolator(Clock now) {
     s.wake = now + 1;
     return;
   }
-  const bool will_hold_one = !s.latency.pipelined && s.timing.setup_busy();
-  s.setup.set(Interpolator::held(s.timing.res_valid(), next_valid || will_hold_one), now + 1);
-  s.span.set(Interpolator::held(s.timing.out_valid() && !s.out_ready, s.timing.active()), now + 1);
+  s.setup.set(s.setup_state(s.timing.setup_held(), next_valid, s.timing.setup_busy()), now + 1);
+  s.span.set(
+      Interpolator::held(s.timing.span_held() || (s.timing.out_valid() && !s.out_ready), s.timing.active()),
+      now + 1);
   s.sleep(now, rest == SpanInterpolatorTiming::never ? never : now + 1 + rest);
 }
 

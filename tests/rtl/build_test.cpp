@@ -91,8 +91,8 @@ TEST(Build, TheHashOfTheSourcesTellsThemApart) {
 // RTL whose structure is not what the package says does not run.
 TEST(Build, LatencyThatDiffersFromThePackageIsSeen) {
   const RtlCopy copy;
-  copy.replace("rtl/span.sv", ": 2 + bitspan_cfg_pkg::PixelUnitClocks;",
-               ": 3 + bitspan_cfg_pkg::PixelUnitClocks;");
+  copy.replace("rtl/span.sv", ": 1 + PixelUnitClocks + ProductClocks + 4;",
+               ": 2 + PixelUnitClocks + ProductClocks + 4;");
   try {
     const Rtl rtl(narrow());
     FAIL() << "no assertion failed";

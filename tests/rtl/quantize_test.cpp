@@ -122,14 +122,18 @@ std::string simulate(std::string (*run)(const TemporaryFolder&)) {
 TEST(Quantize, Icarus) {
   check(simulate([](const TemporaryFolder& folder) {
     return run_icarus(
-        {folder.write("bench.sv", bench()), std::string(BITSPAN_SOURCE_DIR) + "/rtl/quantize.sv"}, "bench");
+        {folder.write("bench.sv", bench()), std::string(BITSPAN_SOURCE_DIR) + "/rtl/quantize.sv",
+         std::string(BITSPAN_SOURCE_DIR) + "/rtl/quantize_far.sv"},
+        "bench");
   }));
 }
 
 TEST(Quantize, Verilator) {
   check(simulate([](const TemporaryFolder& folder) {
     return run_verilator(
-        {folder.write("bench.sv", bench()), std::string(BITSPAN_SOURCE_DIR) + "/rtl/quantize.sv"}, "bench");
+        {folder.write("bench.sv", bench()), std::string(BITSPAN_SOURCE_DIR) + "/rtl/quantize.sv",
+         std::string(BITSPAN_SOURCE_DIR) + "/rtl/quantize_far.sv"},
+        "bench");
   }));
 }
 

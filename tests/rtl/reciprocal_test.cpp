@@ -55,6 +55,8 @@ std::vector<Config> unit_configs() {
                     static_cast<Rounding>(random() % rounding_modes),
                     static_cast<Overflow>(random() % (overflow_modes - 1)),
                     false};
+        c.rtl.product_clocks = 1 + static_cast<int>(random() % 4);
+        c.rtl.normalise_clocks = 1 + static_cast<int>(random() % 3);
         configs.push_back(c);
       }
     }
@@ -81,10 +83,11 @@ std::string bench(const std::vector<Config>& configs) {
     for (const char* name : parameters)
       text += fmt::format("      .{}({}::RowRecip{}),\n", name, package, name);
     text += fmt::format(
-        "      .Clocks({}::RowUnitClocks)\n  ) u_{} (.clk_i(clk), .rst_ni(rst_n), .en_i(1'b1), "
+        "      .NormaliseClocks({0}::NormaliseClocks),\n      .ProductClocks({0}::ProductClocks),\n"
+        "      .Clocks({0}::RowUnitClocks)\n  ) u_{1} (.clk_i(clk), .rst_ni(rst_n), .en_i(1'b1), "
         ".start_i(start), .d_i(d),"
-        " .m_o(m{}), .e_o(e{}));\n",
-        package, i, i, i);
+        " .m_o(m{1}), .e_o(e{1}));\n",
+        package, i);
     print += fmt::format("      $display(\"{} %0d %0d %0d\", d, m{}, e{});\n", i, i, i);
   }
   text += fmt::format(

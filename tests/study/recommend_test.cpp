@@ -18,10 +18,10 @@
 namespace bitspan {
 namespace {
 
-// "tiny" has room for two fraction bits of u and v.
+// "tiny" has room for five fraction bits of u and v, and takes more LUTs with each.
 StudyPlan plan_of(const std::string& text) {
   return parse_study(text, "test.toml", [](const std::string& name) {
-    return name == "tiny" ? with_keys(tiny_config(), {{"formats.span.uv_acc.word", std::int64_t{10}}})
+    return name == "tiny" ? with_keys(tiny_config(), {{"formats.span.uv_acc.word", std::int64_t{12}}})
                           : shipped_config(name);
   });
 }
@@ -184,7 +184,7 @@ name = "areas"
 base = "tiny"
 [[vary]]
 keys = ["formats.span.uv.word"]
-values = [7, 8, 9]
+values = [7, 8, 10]
 [[constraint]]
 metric = "span.u.p999"
 at_most = 0.3
@@ -207,19 +207,21 @@ TEST(Recommend, ASearchIsForTheSynthesisedArea) {
   EXPECT_EQ(area.status, AreaStatus::ok) << area.message;
   EXPECT_EQ(result.cost, static_cast<double>(area.counts.luts));
   // The points that hold have a row, and in this family alone.
-  const auto rows = b.store.rows("SELECT area_key, family, placed, luts FROM areas ORDER BY luts");
+  // Which of them is larger is Yosys's affair: a bit more may take fewer LUTs.
+  const auto rows = b.store.rows("SELECT area_key, family, placed, luts FROM areas");
   ASSERT_EQ(rows.size(), 2U);
-  EXPECT_EQ(rows[0], (Row{area_key(b.at(8)), "ecp5", std::int64_t{0}, area.counts.luts}));
-  EXPECT_EQ(rows[1][0], Cell(area_key(b.at(9))));
+  const std::size_t first = rows[0][0] == Cell(area_key(b.at(8))) ? 0 : 1;
+  EXPECT_EQ(rows[first], (Row{area_key(b.at(8)), "ecp5", std::int64_t{0}, area.counts.luts}));
+  EXPECT_EQ(rows[1 - first][0], Cell(area_key(b.at(10))));
 }
 
 // Areas that no tool would find: the narrower point is the larger in ECP5, and in nothing else.
 TEST(Recommend, ASearchTakesKnownAreasAndStaysWhereTheyAreSmallest) {
   AreaBench b;
   plant_area(b.store, b.at(8), "ice40", 10);
-  plant_area(b.store, b.at(9), "ice40", 20);
+  plant_area(b.store, b.at(10), "ice40", 20);
   plant_area(b.store, b.at(8), "ecp5", 2000);
-  plant_area(b.store, b.at(9), "ecp5", 1000);
+  plant_area(b.store, b.at(10), "ecp5", 1000);
   const Environment path("PATH", "/nonexistent");  // no Yosys
   const SearchResult result = run_search(b.plan, b.runner, b.store, {}, {});
   ASSERT_TRUE(result.found);

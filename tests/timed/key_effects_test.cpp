@@ -214,7 +214,10 @@ const std::vector<Directed>& directed() {
        {{"formats.fog.color.signed", true}, {"formats.fog.color.overflow", std::string("SC_WRAP")}}},
       // Rows that wait for setup in turns; rows that come slower than short spans are drawn.
       {"timing.edge_walk.fifo",
-       {{"timing.setup.interval", integer(12)}, {"memory.width_bytes", integer(64)}}},
+       {{"timing.setup.interval", integer(12)},
+        {"memory.width_bytes", integer(64)},
+        {"rtl.setup_multipliers", integer(16)},
+        {"reciprocal.row.pipelined", true}}},
       {"timing.span_setup.fifo", {{"timing.edge_walk.interval", integer(9)}}},
       {"timing.setup.fifo",
        {{"timing.setup.interval", integer(1)}, {"timing.edge_walk.interval", integer(1)}}},

@@ -12,7 +12,7 @@
 namespace bitspan {
 namespace {
 
-// Every pipeline register is a flag that moves; nothing is counted.
+// Every register is a flag or a count that moves, as in rtl/span_setup.sv, fifo.sv, span.sv and skid.sv.
 class RegisterReference {
  public:
   explicit RegisterReference(const InterpolatorLatency& l)
@@ -22,41 +22,52 @@ class RegisterReference {
 
   InterpolatorClock clock(bool in_valid, std::int64_t count, bool out_ready) {
     InterpolatorClock now;
-    const bool out_valid = pixels_.back();
-    const bool en_p = !(out_valid && !out_ready);
-    const bool res_valid = setup_.back() != 0;
+    const bool en_p = skid_ready_;
     const bool issue = loaded_ > 0 && en_p;
+    const bool res_valid = !fifo_.empty();
     const bool take = res_valid && (loaded_ == 0 || (loaded_ == 1 && issue));
-    const bool en_s = !res_valid || take;
-    const bool in_ready = latency_.pipelined ? en_s : !busy_;
-    now.in_ready = in_ready;
-    now.out_valid = out_valid;
-    now.accept = in_valid && in_ready;
+    const bool en_s = fifo_.size() < static_cast<std::size_t>(latency_.fifo);
+    now.in_ready = en_s && phase_ == 0;
+    now.out_valid = skid_valid_;
+    now.accept = in_valid && now.in_ready;
     now.take = take;
     now.issue = issue;
-    now.deliver = out_valid && out_ready;
+    now.deliver = skid_valid_ && out_ready;
 
+    // The buffer at the output.
+    const bool in = pixels_.back() && skid_ready_;
+    if (out_ready || !skid_valid_) {
+      skid_valid_ = in || !skid_ready_;
+      skid_ready_ = true;
+    } else if (in) {
+      skid_ready_ = false;
+    }
     if (en_p) {
       for (std::size_t i = pixels_.size() - 1; i > 0; --i) pixels_[i] = pixels_[i - 1];
       pixels_[0] = issue;
     }
     if (issue) --loaded_;
-    if (take) loaded_ = setup_.back();
+    if (take) {
+      loaded_ = fifo_.front();
+      fifo_.erase(fifo_.begin());
+    }
     if (en_s) {
+      if (setup_.back() != 0) fifo_.push_back(setup_.back());
       for (std::size_t i = setup_.size() - 1; i > 0; --i) setup_[i] = setup_[i - 1];
       setup_[0] = now.accept ? count : 0;
+      phase_ = (phase_ + 1) % latency_.interval;
     }
-    if (take) busy_ = false;
-    if (now.accept) busy_ = true;
     return now;
   }
 
  private:
   InterpolatorLatency latency_;
   std::vector<std::int64_t> setup_;  // counts; 0: empty
+  int phase_ = 0;
+  std::vector<std::int64_t> fifo_;
   std::vector<bool> pixels_;
+  bool skid_ready_ = true, skid_valid_ = false;
   std::int64_t loaded_ = 0;
-  bool busy_ = false;
 };
 
 TEST(SpanInterpolatorTiming, EqualsTheRegistersOnEveryClock) {
@@ -64,7 +75,8 @@ TEST(SpanInterpolatorTiming, EqualsTheRegistersOnEveryClock) {
   std::uint64_t delivered = 0;
   for (int run = 0; run < 400; ++run) {
     const InterpolatorLatency latency{.span_setup = 1 + static_cast<int>(random() % 40),
-                                      .pipelined = random() % 2 == 0,
+                                      .interval = 1 + static_cast<int>(random() % 20),
+                                      .fifo = 1 + static_cast<int>(random() % 4),
                                       .span = 1 + static_cast<int>(random() % 30)};
     SpanInterpolatorTiming timing(latency);
     RegisterReference reference(latency);
@@ -95,7 +107,8 @@ TEST(SpanInterpolatorTiming, RestsAreClocksWithoutMovement) {
   std::uint64_t delivered = 0;
   for (int run = 0; run < 400; ++run) {
     const InterpolatorLatency latency{.span_setup = 1 + static_cast<int>(random() % 40),
-                                      .pipelined = random() % 2 == 0,
+                                      .interval = 1 + static_cast<int>(random() % 20),
+                                      .fifo = 1 + static_cast<int>(random() % 4),
                                       .span = 1 + static_cast<int>(random() % 30),
                                       .pixel_interval = 1 + static_cast<int>(random() % 5)};
     SpanInterpolatorTiming skipping(latency);
@@ -128,7 +141,7 @@ TEST(SpanInterpolatorTiming, RestsAreClocksWithoutMovement) {
           ASSERT_EQ(c.out_valid, skipping.out_valid()) << "run " << run << " clock " << t + i;
           ASSERT_EQ(c.res_valid, skipping.res_valid()) << "run " << run << " clock " << t + i;
         }
-        skipping.skip(rest, out_ready);
+        skipping.skip(rest);
         skipped += rest;
         t += rest;
       }
@@ -139,9 +152,10 @@ TEST(SpanInterpolatorTiming, RestsAreClocksWithoutMovement) {
 }
 
 TEST(SpanInterpolatorTiming, CountsByHand) {
-  // LS = 3, LP = 2, spans of 2 pixels, always valid, always ready: accepted at 0; result at 3, taken at 3;
-  // pixels issued at 4 and 5 and out at 6 and 7; the next span is taken at 5, with the last issue.
-  SpanInterpolatorTiming timing({.span_setup = 3, .pipelined = true, .span = 2});
+  // LS = 3, LP = 2, spans of 2 pixels, always valid, always ready. Accepted at 0; in the FIFO from 4 on and
+  // taken then; pixels issued at 5 and 6, in front of the output's buffer at 7 and 8, and out at 8 and 9. The
+  // next span is taken at 6, with the last issue.
+  SpanInterpolatorTiming timing({.span_setup = 3, .interval = 1, .span = 2});
   std::vector<int> takes;
   std::vector<int> outs;
   for (int t = 0; t < 20; ++t) {
@@ -149,21 +163,45 @@ TEST(SpanInterpolatorTiming, CountsByHand) {
     if (c.take) takes.push_back(t);
     if (c.deliver) outs.push_back(t);
   }
-  EXPECT_EQ((std::vector<int>{3, 5, 7, 9, 11, 13, 15, 17, 19}), takes);
-  ASSERT_EQ(outs.size(), 14U);
-  for (std::size_t i = 0; i < outs.size(); ++i) EXPECT_EQ(outs[i], 6 + static_cast<int>(i));  // no bubble
+  EXPECT_EQ((std::vector<int>{4, 6, 8, 10, 12, 14, 16, 18}), takes);
+  ASSERT_EQ(outs.size(), 12U);
+  for (std::size_t i = 0; i < outs.size(); ++i) EXPECT_EQ(outs[i], 8 + static_cast<int>(i));  // no bubble
 
-  // Not pipelined: the next record goes in on the clock after the take, so a span each LS + 1 clocks.
-  SpanInterpolatorTiming alone({.span_setup = 3, .pipelined = false, .span = 2});
+  // A row every 4 ticks.
+  SpanInterpolatorTiming spaced({.span_setup = 3, .interval = 4, .span = 2});
   std::vector<int> accepts;
   for (int t = 0; t < 12; ++t) {
-    if (alone.clock(true, 1, true).accept) accepts.push_back(t);
+    if (spaced.clock(true, 1, true).accept) accepts.push_back(t);
   }
   EXPECT_EQ((std::vector<int>{0, 4, 8}), accepts);
 }
 
+// Rows that come as fast as they are taken cost the longer of their pixels and the interval: nothing is lost.
+TEST(SpanInterpolatorTiming, LosesNoClockBesideTheInterval) {
+  std::mt19937 random(13);
+  for (int run = 0; run < 50; ++run) {
+    const InterpolatorLatency latency{.span_setup = 1 + static_cast<int>(random() % 60),
+                                      .interval = 1 + static_cast<int>(random() % 20),
+                                      .fifo = 2,
+                                      .span = 1 + static_cast<int>(random() % 30)};
+    SpanInterpolatorTiming timing(latency);
+    const unsigned longest = 1U << (1 + random() % 6);
+    std::int64_t least = 0;
+    std::int64_t clocks = 0;
+    int rows = 0;
+    std::int64_t count = 1 + static_cast<std::int64_t>(random() % longest);
+    for (; rows < 2000 || !timing.idle(); ++clocks) {
+      if (!timing.clock(rows < 2000, count, true).accept) continue;
+      least += std::max<std::int64_t>(count, latency.interval);
+      count = 1 + static_cast<std::int64_t>(random() % longest);
+      ++rows;
+    }
+    EXPECT_LE(clocks, least + least / 100 + latency.span_setup + latency.span + 100) << "run " << run;
+  }
+}
+
 TEST(SpanInterpolatorTiming, StallsKeepEverythingAndLoseNothing) {
-  SpanInterpolatorTiming timing({.span_setup = 5, .pipelined = true, .span = 4});
+  SpanInterpolatorTiming timing({.span_setup = 5, .interval = 2, .span = 4});
   std::int64_t accepted = 0;
   std::int64_t delivered = 0;
   for (int t = 0; t < 100; ++t) {
@@ -171,7 +209,7 @@ TEST(SpanInterpolatorTiming, StallsKeepEverythingAndLoseNothing) {
     accepted += c.accept ? 3 : 0;
     EXPECT_FALSE(c.deliver);
   }
-  // Full: pixels at the output and behind it, one span loaded, span_setup's five registers.
+  // Full: pixels at the output and behind it, one span loaded, two in the FIFO, and span_setup's.
   EXPECT_FALSE(timing.clock(true, 3, false).in_ready);
   for (int t = 0; t < 200; ++t) delivered += timing.clock(false, 0, true).deliver ? 1 : 0;
   EXPECT_EQ(delivered, accepted);
@@ -179,12 +217,12 @@ TEST(SpanInterpolatorTiming, StallsKeepEverythingAndLoseNothing) {
 }
 
 TEST(SpanInterpolatorTiming, APixelUnitThatIsNotPipelinedSpacesTheIssues) {
-  SpanInterpolatorTiming timing({.span_setup = 2, .pipelined = true, .span = 6, .pixel_interval = 4});
+  SpanInterpolatorTiming timing({.span_setup = 2, .interval = 1, .span = 6, .pixel_interval = 4});
   std::vector<int> issues;
   for (int t = 0; t < 20; ++t) {
     if (timing.clock(true, 2, true).issue) issues.push_back(t);
   }
-  EXPECT_EQ((std::vector<int>{3, 7, 11, 15, 19}), issues);
+  EXPECT_EQ((std::vector<int>{4, 8, 12, 16}), issues);
 }
 
 }  // namespace

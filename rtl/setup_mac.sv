@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// One multiplier of span_setup: a b 2^-shift + c of whichever product has the clock.
+//
+// select_i has a bit per product, of which at most one is set; a, b, c and shift of product k stand at place k of the
+// inputs. The sum comes 4 + ProductClocks enabled clocks later, as shift_add delivers it.
+//
+//   operands | product: ProductClocks | shift (2) | sum |
+module setup_mac #(
+    parameter int Products      = 8,
+    parameter int AW            = 18,
+    parameter int BW            = 18,
+    parameter int CW            = 18,
+    parameter int SumW          = 22,
+    parameter int ShiftBase     = 0,
+    parameter int ShiftMax      = 0,
+    parameter int ShiftW        = (ShiftMax > 0) ? $clog2(ShiftMax + 1) : 1,
+    parameter int ProductClocks = 3
+) (
+    input  logic                              clk_i,
+    input  logic                              en_i,
+    input  logic        [       Products-1:0] select_i,
+    input  logic        [    Products*AW-1:0] a_i,
+    input  logic        [    Products*BW-1:0] b_i,
+    input  logic        [    Products*CW-1:0] c_i,
+    input  logic        [Products*ShiftW-1:0] shift_i,
+    output logic signed [           SumW-1:0] sum_o,
+    output logic                              sticky_o,
+    output logic                              far_o,
+    output logic                              sign_o
+);
+  logic [AW-1:0] a, a_q;
+  logic [BW-1:0] b, b_q;
+  logic [CW-1:0] c, c_q, c_sum;
+  logic [ShiftW-1:0] shift, shift_q, shift_p;
+  always_comb begin
+    a = '0;
+    b = '0;
+    c = '0;
+    shift = '0;
+    for (int k = 0; k < Products; k++) begin
+      a = a | (a_i[k*AW+:AW] & {AW{select_i[k]}});
+      b = b | (b_i[k*BW+:BW] & {BW{select_i[k]}});
+      c = c | (c_i[k*CW+:CW] & {CW{select_i[k]}});
+      shift = shift | (shift_i[k*ShiftW+:ShiftW] & {ShiftW{select_i[k]}});
+    end
+  end
+  always_ff @(posedge clk_i) begin
+    if (en_i) begin
+      a_q <= a;
+      b_q <= b;
+      c_q <= c;
+      shift_q <= shift;
+    end
+  end
+
+  logic [AW+BW-1:0] product;
+  mul_pipe #(
+      .AW(AW),
+      .BW(BW),
+      .Clocks(ProductClocks)
+  ) u_product (
+      .clk_i,
+      .en_i,
+      .a_i(a_q),
+      .b_i(b_q),
+      .p_o(product)
+  );
+  delay_line #(
+      .Width(ShiftW),
+      .Depth(ProductClocks)
+  ) u_shift (
+      .clk_i,
+      .en_i,
+      .d_i(shift_q),
+      .q_o(shift_p)
+  );
+  delay_line #(
+      .Width(CW),
+      .Depth(ProductClocks + 2)
+  ) u_c (
+      .clk_i,
+      .en_i,
+      .d_i(c_q),
+      .q_o(c_sum)
+  );
+  // Yosys 0.23 takes no $signed() of a name in a port's connection.
+  logic signed [AW+BW-1:0] signed_product;
+  logic signed [CW-1:0] signed_c;
+  assign signed_product = product;
+  assign signed_c = c_sum;
+  shift_add #(
+      .InW(AW + BW),
+      .Base(ShiftBase),
+      .ShiftMax(ShiftMax),
+      .CW(CW),
+      .KeptW(SumW)
+  ) u_sum (
+      .clk_i,
+      .en_i,
+      .x_i(signed_product),
+      .shift_i(shift_p),
+      .c_i(signed_c),
+      .sum_o,
+      .sticky_o,
+      .far_o,
+      .sign_o
+  );
+endmodule
