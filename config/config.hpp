@@ -101,9 +101,10 @@ inline constexpr int max_fog_index_bits = 12;
 // the others; none where the file must give it.
 constexpr std::optional<Format> default_format(const std::array<Format, format_count>& formats, FormatId id) {
   const FormatDefault& by_default = format_defaults[static_cast<std::size_t>(id)];
-  if (const auto* other = std::get_if<FormatId>(&by_default))
-    return formats[static_cast<std::size_t>(*other)];
-  if (const auto* own = std::get_if<Format>(&by_default)) return *own;
+  // Not std::get_if: an address is no constant for GCC's sanitizers.
+  if (std::holds_alternative<FormatId>(by_default))
+    return formats[static_cast<std::size_t>(std::get<FormatId>(by_default))];
+  if (std::holds_alternative<Format>(by_default)) return std::get<Format>(by_default);
   return std::nullopt;
 }
 constexpr std::array<Format, format_count> initial_formats() {
