@@ -32,8 +32,6 @@ void common_section(SvWriter& w, const Config& config, const PixelTiming& timing
   w.integer("FragmentsInFlight", timing.in_flight);
   w.line("  // Places of a scoreboard: 2^PlaceW.");
   w.integer("ScoreboardPlaceW", timing.place_bits);
-  w.integer("OvfWrap", static_cast<int>(Overflow::wrap));
-  w.integer("OvfWrapSm", static_cast<int>(Overflow::wrap_sm));
   formats(w, config, {{"SetupB", FormatId::setup_b}, {"SpanH", FormatId::span_h}});
   const Grid operand = pixel_operand(config);
   w.line("");

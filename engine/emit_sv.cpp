@@ -40,6 +40,7 @@ void multipliers(SvWriter& w, const Config& config, const RowSchedule& schedule)
   w.line("");
   w.line("  // Multipliers of span_setup; docs/rtl.md, \"Clocks\".");
   w.integer("RowInterval", schedule.interval);
+  w.line("  localparam int RowPhaseW = (RowInterval > 1) ? $clog2(RowInterval) : 1;");
   w.integer("RowMultipliers", m.count);
   w.integer("RowProductTicks", schedule.product);
   w.integer("RowRecipTick", schedule.reciprocal);

@@ -19,14 +19,10 @@ module delay_line #(
       if (en_i) q_o <= d_i;
     end
   end else begin : gen_line
-    // The last register is q_o itself: Icarus 11 may lose a continuous assignment from a word of an array.
-    logic [Width-1:0] line_q[Depth-1];
+    // One vector: Verilator takes no loop over a long array here.
+    logic [(Depth-1)*Width-1:0] line_q;
     always_ff @(posedge clk_i) begin
-      if (en_i) begin
-        line_q[0] <= d_i;
-        for (int i = 1; i < Depth - 1; i++) line_q[i] <= line_q[i-1];
-        q_o <= line_q[Depth-2];
-      end
+      if (en_i) {q_o, line_q} <= {line_q, d_i};
     end
   end
 endmodule

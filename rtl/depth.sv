@@ -145,7 +145,6 @@ module depth #(
       .b_i,
       .c1_i,
       .c0_i,
-      .valid_i(enter),
       .h_i(entry_h),
       .z_o(z),
       .recip_o(recip)

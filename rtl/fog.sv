@@ -59,7 +59,6 @@ module fog #(
   localparam int ZoneBits = bitspan_pixel_pkg::FogZoneBits;
   localparam int FactorW = bitspan_pixel_pkg::FogFactorW;
   localparam int FactorFrac = bitspan_pixel_pkg::FogFactorFrac;
-  localparam int FactorOvf = bitspan_pixel_pkg::FogFactorOvf;
   localparam int ColorW = bitspan_pixel_pkg::FogColorW;
   localparam int MW = bitspan_pixel_pkg::PixelRecipOutW;
   localparam int EW = bitspan_pixel_pkg::ExponentW;
@@ -70,7 +69,7 @@ module fog #(
   localparam int ZoneAt = RadiusAt + ZoneBits;
   localparam int RecipAt = 1 + bitspan_pixel_pkg::PixelUnitClocks;
   localparam int ProductClocks = bitspan_pixel_pkg::FogScaleProductClocks;
-  localparam int LinearAt = RecipAt + ProductClocks + 3 + 1;
+  localparam int LinearAt = RecipAt + ProductClocks + 4;
   localparam int EntryAt = (bitspan_pixel_pkg::FogHasLinear != 0 && LinearAt > ZoneAt + 1) ? LinearAt : ZoneAt + 1;
   localparam int FactorAt = EntryAt + 1;
   localparam int BlendProductClocks = bitspan_pixel_pkg::FogBlendProductClocks;
@@ -193,63 +192,24 @@ module fog #(
   logic [FactorW-1:0] linear;
   logic [MW+EW-1:0] recip_out;
   if (bitspan_pixel_pkg::FogHasLinear != 0) begin : gen_linear
-    // h + B; not positive: 0, which the unit takes for one ulp.
-    localparam int SumW = bitspan_pixel_pkg::DepthSumW;
-    localparam int SumFrac = bitspan_pixel_pkg::DepthSumFrac;
-    localparam int BW = bitspan_pixel_pkg::SetupBW;
-    logic signed [SumW-1:0] h_sum;
-    logic [SumW-2:0] operand_1;
-    assign h_sum =
-        (SumW'($signed({(HSigned != 0) & in_h_i[HW-1], in_h_i})) <<< (SumFrac - bitspan_pixel_pkg::SpanHFrac)) +
-        (SumW'($signed({(bitspan_pixel_pkg::SetupBSigned != 0) & in_constant_b_i[BW-1], in_constant_b_i})) <<<
-         (SumFrac - bitspan_pixel_pkg::SetupBFrac));
     logic [MW-1:0] m;
-    logic signed [EW-1:0] e, e_product;
-    reciprocal #(
-        .Kind(bitspan_pixel_pkg::PixelRecipKind),
-        .Normalize(bitspan_pixel_pkg::PixelRecipNormalize),
-        .OpW(bitspan_pixel_pkg::PixelRecipOpW),
-        .OpFrac(bitspan_pixel_pkg::PixelRecipOpFrac),
-        .OperandBits(bitspan_pixel_pkg::PixelRecipOperandBits),
-        .IndexBits(bitspan_pixel_pkg::PixelRecipIndexBits),
-        .TableBits(bitspan_pixel_pkg::PixelRecipTableBits),
-        .InternalBits(bitspan_pixel_pkg::PixelRecipInternalBits),
-        .Steps(bitspan_pixel_pkg::PixelRecipSteps),
-        .BitsPerCycle(bitspan_pixel_pkg::PixelRecipBitsPerCycle),
-        .Pipelined(bitspan_pixel_pkg::PixelRecipPipelined),
-        .Iterations(bitspan_pixel_pkg::PixelRecipIterations),
-        .QuotientFrac(bitspan_pixel_pkg::PixelRecipQuotientFrac),
-        .OutW(MW),
-        .OutFrac(bitspan_pixel_pkg::PixelRecipOutFrac),
-        .OutSigned(bitspan_pixel_pkg::PixelRecipOutSigned),
-        .OutRnd(bitspan_pixel_pkg::PixelRecipOutRnd),
-        .OutOvf(bitspan_pixel_pkg::PixelRecipOutOvf),
-        .EW(EW),
-        .TableEntries(bitspan_pixel_pkg::PixelRecipTableEntries),
-        .NormaliseClocks(bitspan_pixel_pkg::NormaliseClocks),
-        .ProductClocks(bitspan_pixel_pkg::ProductClocks),
-        .Clocks(bitspan_pixel_pkg::PixelUnitClocks),
-        .Table(bitspan_pixel_pkg::PixelRecipTable)
-    ) u_reciprocal (
+    logic signed [EW-1:0] e;
+    pixel_reciprocal u_reciprocal (
         .clk_i,
         .rst_ni,
         .en_i(en),
-        .start_i(1'b1),
-        .d_i(operand_1),
+        .h_i(in_h_i),
+        .b_i(in_constant_b_i),
         .m_o(m),
         .e_o(e)
     );
 
-    // -scale m.
+    // 1 - scale m 2^-e.
     localparam int ScaleW = bitspan_pixel_pkg::FogScaleW;
     logic signed [ScaleW:0] scale, minus_scale_1, minus_scale;
-    logic signed [ScaleW+MW:0] product;
     assign scale = $signed({(bitspan_pixel_pkg::FogScaleSigned != 0) & in_scale_i[ScaleW-1], in_scale_i});
     always_ff @(posedge clk_i) begin
-      if (en) begin
-        operand_1 <= h_sum[SumW-1] ? '0 : h_sum[SumW-2:0];
-        minus_scale_1 <= -scale;
-      end
+      if (en) minus_scale_1 <= -scale;
     end
     ring_line #(
         .Width(ScaleW + 1),
@@ -261,80 +221,32 @@ module fog #(
         .d_i(minus_scale_1),
         .q_o(minus_scale)
     );
-    mul_pipe #(
+    logic [FactorW-1:0] factor_q;
+    multiply_round #(
         .AW(ScaleW + 1),
+        .AFrac(bitspan_pixel_pkg::FogScaleFrac),
         .BW(MW),
-        .BSigned(0),
-        .Clocks(ProductClocks)
-    ) u_product (
+        .BFrac(bitspan_pixel_pkg::PixelRecipOutFrac),
+        .BSigned(bitspan_pixel_pkg::PixelRecipOutSigned),
+        .CW(2),
+        .EW(EW),
+        .EMin(bitspan_pixel_pkg::PixelRecipEMin),
+        .EMax(bitspan_pixel_pkg::PixelRecipEMax),
+        .OutW(FactorW),
+        .OutFrac(FactorFrac),
+        .OutSigned(bitspan_pixel_pkg::FogFactorSigned),
+        .OutRnd(bitspan_pixel_pkg::FogFactorRnd),
+        .OutOvf(bitspan_pixel_pkg::FogFactorOvf),
+        .ProductClocks(ProductClocks)
+    ) u_factor (
         .clk_i,
         .en_i(en),
         .a_i(minus_scale),
         .b_i(m),
-        .p_o(product)
+        .c_i(2'sd1),
+        .e_i(e),
+        .q_o(factor_q)
     );
-    delay_line #(
-        .Width(EW),
-        .Depth(ProductClocks)
-    ) u_exponent (
-        .clk_i,
-        .en_i(en),
-        .d_i(e),
-        .q_o(e_product)
-    );
-
-    // 1 - scale m 2^-e with a guard bit and a sticky one. Saturation needs to know of a far value that it is far; where
-    // overflow wraps, no value is.
-    localparam int EMin = bitspan_pixel_pkg::PixelRecipEMin;
-    localparam int ShiftMax = bitspan_pixel_pkg::PixelRecipEMax - EMin;
-    localparam int ShiftW = (ShiftMax > 0) ? $clog2(ShiftMax + 1) : 1;
-    localparam int RestFrac = FactorFrac + 1;
-    localparam int OneW = RestFrac + 2;
-    localparam int Base = bitspan_pixel_pkg::FogScaleFrac + bitspan_pixel_pkg::PixelRecipOutFrac + EMin - RestFrac;
-    localparam int Wraps =
-        (FactorOvf == bitspan_pixel_pkg::OvfWrap || FactorOvf == bitspan_pixel_pkg::OvfWrapSm) ? 1 : 0;
-    localparam int NearW = (OneW + 4 > FactorW + 4) ? OneW + 4 : FactorW + 4;
-    localparam int WholeW = ScaleW + 1 + MW + 5 + ((Base < 0) ? -Base : 0);
-    localparam int KeptW = (Wraps != 0 && WholeW > NearW) ? WholeW : NearW;
-    logic signed [EW:0] shift;
-    logic signed [KeptW-1:0] sum, exact;
-    logic sticky, far, sign;
-    assign shift = (EW + 1)'(e_product) - (EW + 1)'(EMin);
-    shift_add #(
-        .InW(ScaleW + 1 + MW),
-        .Base(Base),
-        .ShiftMax(ShiftMax),
-        .CW(OneW),
-        .KeptW(KeptW)
-    ) u_sum (
-        .clk_i,
-        .en_i(en),
-        .x_i(product),
-        .shift_i(shift[ShiftW-1:0]),
-        .c_i(OneW'(1) <<< RestFrac),
-        .sum_o(sum),
-        .sticky_o(sticky),
-        .far_o(far),
-        .sign_o(sign)
-    );
-    assign exact = far ? {sign, {(KeptW - 1) {!sign}}} : sum;
-    logic [FactorW-1:0] factor, factor_q;
-    quantize #(
-        .InW(KeptW),
-        .InFrac(RestFrac),
-        .OutW(FactorW),
-        .OutFrac(FactorFrac),
-        .OutSigned(bitspan_pixel_pkg::FogFactorSigned),
-        .Rounding(bitspan_pixel_pkg::FogFactorRnd),
-        .Overflow(FactorOvf)
-    ) u_factor (
-        .x_i(exact),
-        .sticky_i(sticky),
-        .q_o(factor)
-    );
-    always_ff @(posedge clk_i) begin
-      if (en) factor_q <= factor;
-    end
     ring_line #(
         .Width(FactorW),
         .Depth(EntryAt - LinearAt)
@@ -355,8 +267,6 @@ module fog #(
         .d_i({m, e}),
         .q_o(recip_out)
     );
-    logic unused;
-    assign unused = ^shift;
   end else begin : gen_no_linear
     assign linear = '0;
     assign recip_out = '0;

@@ -13,6 +13,8 @@ module lzc #(
   // that all bits of a node are 0; `count` has the zeros in front of its first 1.
   logic [2*Padded-1:0] none;
   logic [Levels-1:0] count[2*Padded];
+  // Icarus 11 may lose a continuous assignment from a word of an array, so the root's count is read below as well.
+  logic [Levels-1:0] root;
   logic [Padded-1:0] padded;
   // Ones behind the end stop the count at Width.
   if (Padded == Width) begin : gen_as_is
@@ -33,14 +35,15 @@ module lzc #(
         count[n] = none[2*n] ? count[2*n+1] | Levels'(1 << (level - 1)) : count[2*n];
       end
     end
+    root = count[1];
   end
   if (Padded == Width) begin : gen_full
-    assign zeros_o = none[1] ? ($clog2(Width + 1))'(Width) : ($clog2(Width + 1))'(count[1]);
+    assign zeros_o = none[1] ? ($clog2(Width + 1))'(Width) : ($clog2(Width + 1))'(root);
   end else begin : gen_stopped
-    assign zeros_o = ($clog2(Width + 1))'(count[1]);
+    assign zeros_o = ($clog2(Width + 1))'(root);
     logic unused;
     assign unused = none[1];
   end
   logic unused_root;
-  assign unused_root = none[0] ^ (^count[0]);
+  assign unused_root = none[0];
 endmodule

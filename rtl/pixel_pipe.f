@@ -6,12 +6,14 @@ skid.sv
 fifo.sv
 mul_pipe.sv
 shift_add.sv
+multiply_round.sv
 square.sv
 lzc.sv
 lzc_norm.sv
 restoring_step.sv
 restoring_core.sv
 reciprocal.sv
+pixel_reciprocal.sv
 blend.sv
 scoreboard.sv
 depth_code.sv

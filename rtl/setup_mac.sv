@@ -2,7 +2,7 @@
 // One multiplier of span_setup: a b 2^-shift + c of whichever product has the clock.
 //
 // select_i has a bit per product, of which at most one is set; a, b, c and shift of product k stand at place k of the
-// inputs. The sum comes 4 + ProductClocks enabled clocks later, as shift_add delivers it.
+// inputs. {sum, sticky, far, sign} of shift_add comes 4 + ProductClocks enabled clocks later.
 //
 //   operands | product: ProductClocks | shift (2) | sum |
 module setup_mac #(
@@ -16,17 +16,14 @@ module setup_mac #(
     parameter int ShiftW        = (ShiftMax > 0) ? $clog2(ShiftMax + 1) : 1,
     parameter int ProductClocks = 3
 ) (
-    input  logic                              clk_i,
-    input  logic                              en_i,
-    input  logic        [       Products-1:0] select_i,
-    input  logic        [    Products*AW-1:0] a_i,
-    input  logic        [    Products*BW-1:0] b_i,
-    input  logic        [    Products*CW-1:0] c_i,
-    input  logic        [Products*ShiftW-1:0] shift_i,
-    output logic signed [           SumW-1:0] sum_o,
-    output logic                              sticky_o,
-    output logic                              far_o,
-    output logic                              sign_o
+    input  logic                       clk_i,
+    input  logic                       en_i,
+    input  logic [       Products-1:0] select_i,
+    input  logic [    Products*AW-1:0] a_i,
+    input  logic [    Products*BW-1:0] b_i,
+    input  logic [    Products*CW-1:0] c_i,
+    input  logic [Products*ShiftW-1:0] shift_i,
+    output logic [         SumW+3-1:0] sum_o
 );
   logic [AW-1:0] a, a_q;
   logic [BW-1:0] b, b_q;
@@ -88,6 +85,9 @@ module setup_mac #(
   logic signed [CW-1:0] signed_c;
   assign signed_product = product;
   assign signed_c = c_sum;
+  logic signed [SumW-1:0] sum;
+  logic sticky, far, sign;
+  assign sum_o = {sum, sticky, far, sign};
   shift_add #(
       .InW(AW + BW),
       .Base(ShiftBase),
@@ -100,9 +100,9 @@ module setup_mac #(
       .x_i(signed_product),
       .shift_i(shift_p),
       .c_i(signed_c),
-      .sum_o,
-      .sticky_o,
-      .far_o,
-      .sign_o
+      .sum_o(sum),
+      .sticky_o(sticky),
+      .far_o(far),
+      .sign_o(sign)
   );
 endmodule

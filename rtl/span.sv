@@ -113,11 +113,7 @@ module span (
 
   // Accumulators.
   logic [HW-1:0] h_q, h_next;
-  logic [AccW-1:0] fu_q, fv_q, fu_next, fv_next;
-  logic [StepW-1:0] fu_step0_q, fu_step1_q, fv_step0_q, fv_step1_q, fu_step, fv_step;
   logic [HStepW-1:0] h_step_q;
-  assign fu_step = step ? fu_step1_q : fu_step0_q;
-  assign fv_step = step ? fv_step1_q : fv_step0_q;
   accumulate #(
       .AccW(HW),
       .AccFrac(bitspan_cfg_pkg::SpanHFrac),
@@ -132,49 +128,43 @@ module span (
       .step_i(h_step_q),
       .q_o(h_next)
   );
-  accumulate #(
-      .AccW(AccW),
-      .AccFrac(bitspan_cfg_pkg::TexAccFrac),
-      .AccSigned(bitspan_cfg_pkg::TexAccSigned),
-      .AccRnd(bitspan_cfg_pkg::TexAccRnd),
-      .AccOvf(bitspan_cfg_pkg::TexAccOvf),
-      .StepW(StepW),
-      .StepFrac(bitspan_cfg_pkg::TexStepFrac),
-      .StepSigned(bitspan_cfg_pkg::TexStepSigned)
-  ) u_fu_next (
-      .acc_i(fu_q),
-      .step_i(fu_step),
-      .q_o(fu_next)
-  );
-  accumulate #(
-      .AccW(AccW),
-      .AccFrac(bitspan_cfg_pkg::TexAccFrac),
-      .AccSigned(bitspan_cfg_pkg::TexAccSigned),
-      .AccRnd(bitspan_cfg_pkg::TexAccRnd),
-      .AccOvf(bitspan_cfg_pkg::TexAccOvf),
-      .StepW(StepW),
-      .StepFrac(bitspan_cfg_pkg::TexStepFrac),
-      .StepSigned(bitspan_cfg_pkg::TexStepSigned)
-  ) u_fv_next (
-      .acc_i(fv_q),
-      .step_i(fv_step),
-      .q_o(fv_next)
-  );
   always_ff @(posedge clk_i) begin
     if (take) begin
       h_q <= res_h;
-      fu_q <= res_fu;
-      fv_q <= res_fv;
       h_step_q <= res_h_step;
-      fu_step0_q <= res_fu_step0;
-      fu_step1_q <= res_fu_step1;
-      fv_step0_q <= res_fv_step0;
-      fv_step1_q <= res_fv_step1;
     end else if (active_q && en) begin
       h_q <= h_next;
-      fu_q <= fu_next;
-      fv_q <= fv_next;
     end
+  end
+  // fu and fv.
+  logic [2*AccW-1:0] f_q;
+  for (genvar i = 0; i < 2; i++) begin : gen_f
+    logic [AccW-1:0] acc_q, acc_next;
+    logic [StepW-1:0] step0_q, step1_q;
+    accumulate #(
+        .AccW(AccW),
+        .AccFrac(bitspan_cfg_pkg::TexAccFrac),
+        .AccSigned(bitspan_cfg_pkg::TexAccSigned),
+        .AccRnd(bitspan_cfg_pkg::TexAccRnd),
+        .AccOvf(bitspan_cfg_pkg::TexAccOvf),
+        .StepW(StepW),
+        .StepFrac(bitspan_cfg_pkg::TexStepFrac),
+        .StepSigned(bitspan_cfg_pkg::TexStepSigned)
+    ) u_next (
+        .acc_i(acc_q),
+        .step_i(step ? step1_q : step0_q),
+        .q_o(acc_next)
+    );
+    always_ff @(posedge clk_i) begin
+      if (take) begin
+        acc_q <= (i == 0) ? res_fu : res_fv;
+        step0_q <= (i == 0) ? res_fu_step0 : res_fv_step0;
+        step1_q <= (i == 0) ? res_fu_step1 : res_fv_step1;
+      end else if (active_q && en) begin
+        acc_q <= acc_next;
+      end
+    end
+    assign f_q[i*AccW+:AccW] = acc_q;
   end
 
   // Valid bits of the pixels behind the issue; the last one goes to the buffer at the output.
@@ -183,6 +173,7 @@ module span (
     if (!rst_ni) valid_q <= '0;
     else if (en) valid_q <= Clocks'({valid_q, active_q});
   end
+  // fv stands above fu, and v above u.
   localparam int PixelW = IndexW + 2 + HW + 2 * AccW + MW + EW + 2 * OutUvW;
   logic [PixelW-1:0] pixel;
   skid #(
@@ -195,7 +186,7 @@ module span (
       .in_i(pixel),
       .out_valid_o,
       .out_ready_i,
-      .out_o({x_o, step_o, last_o, h_o, fu_o, fv_o, recip_m_o, recip_e_o, u_o, v_o})
+      .out_o({x_o, step_o, last_o, h_o, fv_o, fu_o, recip_m_o, recip_e_o, v_o, u_o})
   );
 
   if (bitspan_cfg_pkg::ConstDepthRows == 0) begin : gen_delta_f
@@ -260,84 +251,66 @@ module span (
         .e_o    (recip_e)
     );
 
-    // The numerators and what they are added to, beside the sum and the reciprocal.
-    logic [AccW-1:0] fu_w, fv_w;
-    logic [UvW-1:0] u1_w, v1_w;
-    delay_line #(
-        .Width(2 * AccW + 2 * UvW),
-        .Depth(1 + PixelUnitClocks)
-    ) u_numerators (
-        .clk_i,
-        .en_i(en),
-        .d_i ({fu_q, fv_q, u1_q, v1_q}),
-        .q_o ({fu_w, fv_w, u1_w, v1_w})
-    );
     // A normalised mantissa is at most 1.
     localparam int MantissaTopAlone = (bitspan_cfg_pkg::PixelRecipNormalize != 0 &&
         bitspan_cfg_pkg::PixelRecipOutSigned == 0 && MW == bitspan_cfg_pkg::PixelRecipOutFrac + 1) ? 1 : 0;
-    logic [OutUvW-1:0] u, v;
-    multiply_round #(
-        .AW(AccW),
-        .AFrac(bitspan_cfg_pkg::TexAccFrac),
-        .ASigned(bitspan_cfg_pkg::TexAccSigned),
-        .BW(MW),
-        .BFrac(bitspan_cfg_pkg::PixelRecipOutFrac),
-        .BSigned(bitspan_cfg_pkg::PixelRecipOutSigned),
-        .BTopAlone(MantissaTopAlone),
-        .CW(UvW + 1),
-        .CFrac(bitspan_cfg_pkg::EdgeUvFrac),
-        .EW(EW),
-        .EMin(bitspan_cfg_pkg::PixelRecipEMin),
-        .EMax(bitspan_cfg_pkg::PixelRecipEMax),
-        .OutW(OutUvW),
-        .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
-        .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
-        .OutRnd(bitspan_cfg_pkg::SpanUvRnd),
-        .OutOvf(bitspan_cfg_pkg::SpanUvOvf),
-        .ProductClocks(ProductClocks)
-    ) u_u (
-        .clk_i,
-        .en_i(en),
-        .a_i(fu_w),
-        .b_i(recip_m),
-        .c_i($signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & u1_w[UvW-1], u1_w})),
-        .e_i(recip_e),
-        .q_o(u)
-    );
-    multiply_round #(
-        .AW(AccW),
-        .AFrac(bitspan_cfg_pkg::TexAccFrac),
-        .ASigned(bitspan_cfg_pkg::TexAccSigned),
-        .BW(MW),
-        .BFrac(bitspan_cfg_pkg::PixelRecipOutFrac),
-        .BSigned(bitspan_cfg_pkg::PixelRecipOutSigned),
-        .BTopAlone(MantissaTopAlone),
-        .CW(UvW + 1),
-        .CFrac(bitspan_cfg_pkg::EdgeUvFrac),
-        .EW(EW),
-        .EMin(bitspan_cfg_pkg::PixelRecipEMin),
-        .EMax(bitspan_cfg_pkg::PixelRecipEMax),
-        .OutW(OutUvW),
-        .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
-        .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
-        .OutRnd(bitspan_cfg_pkg::SpanUvRnd),
-        .OutOvf(bitspan_cfg_pkg::SpanUvOvf),
-        .ProductClocks(ProductClocks)
-    ) u_v (
-        .clk_i,
-        .en_i(en),
-        .a_i(fv_w),
-        .b_i(recip_m),
-        .c_i($signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & v1_w[UvW-1], v1_w})),
-        .e_i(recip_e),
-        .q_o(v)
-    );
+    logic [2*AccW-1:0] f_w;
+    logic [2*OutUvW-1:0] uv;
+    for (genvar i = 0; i < 2; i++) begin : gen_uv
+      // The numerator and what its quotient is added to, beside the sum and the reciprocal.
+      logic [AccW-1:0] f, numerator;
+      logic [UvW-1:0] base_q, base;
+      logic signed [UvW:0] addend;
+      assign f = f_q[i*AccW+:AccW];
+      assign base_q = (i == 0) ? u1_q : v1_q;
+      delay_line #(
+          .Width(AccW + UvW),
+          .Depth(1 + PixelUnitClocks)
+      ) u_numerator (
+          .clk_i,
+          .en_i(en),
+          .d_i ({f, base_q}),
+          .q_o ({numerator, base})
+      );
+      assign f_w[i*AccW+:AccW] = numerator;
+      assign addend = $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & base[UvW-1], base});
+      logic [OutUvW-1:0] q;
+      multiply_round #(
+          .AW(AccW),
+          .AFrac(bitspan_cfg_pkg::TexAccFrac),
+          .ASigned(bitspan_cfg_pkg::TexAccSigned),
+          .BW(MW),
+          .BFrac(bitspan_cfg_pkg::PixelRecipOutFrac),
+          .BSigned(bitspan_cfg_pkg::PixelRecipOutSigned),
+          .BTopAlone(MantissaTopAlone),
+          .CW(UvW + 1),
+          .CFrac(bitspan_cfg_pkg::EdgeUvFrac),
+          .EW(EW),
+          .EMin(bitspan_cfg_pkg::PixelRecipEMin),
+          .EMax(bitspan_cfg_pkg::PixelRecipEMax),
+          .OutW(OutUvW),
+          .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
+          .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
+          .OutRnd(bitspan_cfg_pkg::SpanUvRnd),
+          .OutOvf(bitspan_cfg_pkg::SpanUvOvf),
+          .ProductClocks(ProductClocks)
+      ) u_uv (
+          .clk_i,
+          .en_i(en),
+          .a_i(numerator),
+          .b_i(recip_m),
+          .c_i(addend),
+          .e_i(recip_e),
+          .q_o(q)
+      );
+      assign uv[i*OutUvW+:OutUvW] = q;
+    end
 
     // What is only delivered waits until u and v are there.
     logic [IndexW-1:0] x_out;
     logic last_out;
     logic [HW-1:0] h_out;
-    logic [AccW-1:0] fu_out, fv_out;
+    logic [2*AccW-1:0] f_out;
     delay_line #(
         .Width(IndexW + 1 + HW),
         .Depth(Clocks)
@@ -353,41 +326,36 @@ module span (
     ) u_factors (
         .clk_i,
         .en_i(en),
-        .d_i ({fu_w, fv_w, recip_m, recip_e}),
-        .q_o ({fu_out, fv_out, recip_m_out, recip_e_out})
+        .d_i ({f_w, recip_m, recip_e}),
+        .q_o ({f_out, recip_m_out, recip_e_out})
     );
-    assign pixel = {x_out, 1'b0, last_out, h_out, fu_out, fv_out, recip_m_out, recip_e_out, u, v};
+    assign pixel = {x_out, 1'b0, last_out, h_out, f_out, recip_m_out, recip_e_out, uv};
   end else begin : gen_const_depth_rows
-    logic [OutUvW-1:0] u, v;
-    quantize #(
-        .InW(AccW + 1),
-        .InFrac(bitspan_cfg_pkg::TexAccFrac),
-        .OutW(OutUvW),
-        .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
-        .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
-        .Rounding(bitspan_cfg_pkg::SpanUvRnd),
-        .Overflow(bitspan_cfg_pkg::SpanUvOvf)
-    ) u_u (
-        .x_i($signed({(bitspan_cfg_pkg::TexAccSigned != 0) & fu_q[AccW-1], fu_q})),
-        .sticky_i(1'b0),
-        .q_o(u)
-    );
-    quantize #(
-        .InW(AccW + 1),
-        .InFrac(bitspan_cfg_pkg::TexAccFrac),
-        .OutW(OutUvW),
-        .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
-        .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
-        .Rounding(bitspan_cfg_pkg::SpanUvRnd),
-        .Overflow(bitspan_cfg_pkg::SpanUvOvf)
-    ) u_v (
-        .x_i($signed({(bitspan_cfg_pkg::TexAccSigned != 0) & fv_q[AccW-1], fv_q})),
-        .sticky_i(1'b0),
-        .q_o(v)
-    );
+    logic [2*OutUvW-1:0] uv;
+    for (genvar i = 0; i < 2; i++) begin : gen_uv
+      logic [AccW-1:0] f;
+      logic signed [AccW:0] exact;
+      logic [OutUvW-1:0] q;
+      assign f = f_q[i*AccW+:AccW];
+      assign exact = $signed({(bitspan_cfg_pkg::TexAccSigned != 0) & f[AccW-1], f});
+      quantize #(
+          .InW(AccW + 1),
+          .InFrac(bitspan_cfg_pkg::TexAccFrac),
+          .OutW(OutUvW),
+          .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
+          .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
+          .Rounding(bitspan_cfg_pkg::SpanUvRnd),
+          .Overflow(bitspan_cfg_pkg::SpanUvOvf)
+      ) u_uv (
+          .x_i(exact),
+          .sticky_i(1'b0),
+          .q_o(q)
+      );
+      assign uv[i*OutUvW+:OutUvW] = q;
+    end
     logic [PixelW-1:0] pixel_q;
     always_ff @(posedge clk_i) begin
-      if (en) pixel_q <= {x_q, step, last_q, h_q, fu_q, fv_q, {MW{1'b0}}, {EW{1'b0}}, u, v};
+      if (en) pixel_q <= {x_q, step, last_q, h_q, f_q, {MW{1'b0}}, {EW{1'b0}}, uv};
     end
     assign pixel = pixel_q;
 

@@ -14,7 +14,8 @@ restoring_core.sv
 divide.sv
 reciprocal.sv
 row_hold.sv
-row_result.sv
+row_product.sv
+row_divide.sv
 setup_mac.sv
 span_setup.sv
 span.sv

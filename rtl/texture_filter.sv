@@ -30,55 +30,39 @@ module texture_filter #(
     input  logic [FracW-1:0] ey_i,
     output logic [ OutW-1:0] v_o
 );
-  logic [OutW-1:0] v5, v6;
-  blend #(
-      .AW(InW),
-      .AFrac(InFrac),
-      .ASigned(InSigned),
-      .BW(InW),
-      .BFrac(InFrac),
-      .BSigned(InSigned),
-      .EW(FracW),
-      .EFrac(FracW),
-      .OutW(OutW),
-      .OutFrac(OutFrac),
-      .OutSigned(OutSigned),
-      .OutRnd(OutRnd),
-      .OutOvf(OutOvf),
-      .ProductClocks(ProductClocks),
-      .Clocks(BlendClocks)
-  ) u_v5 (
-      .clk_i,
-      .en_i,
-      .a_i(v1_i),
-      .b_i(v4_i),
-      .e_i(ex_i),
-      .q_o(v5)
-  );
-  blend #(
-      .AW(InW),
-      .AFrac(InFrac),
-      .ASigned(InSigned),
-      .BW(InW),
-      .BFrac(InFrac),
-      .BSigned(InSigned),
-      .EW(FracW),
-      .EFrac(FracW),
-      .OutW(OutW),
-      .OutFrac(OutFrac),
-      .OutSigned(OutSigned),
-      .OutRnd(OutRnd),
-      .OutOvf(OutOvf),
-      .ProductClocks(ProductClocks),
-      .Clocks(BlendClocks)
-  ) u_v6 (
-      .clk_i,
-      .en_i,
-      .a_i(v2_i),
-      .b_i(v3_i),
-      .e_i(ex_i),
-      .q_o(v6)
-  );
+  // V5 and V6.
+  logic [2*OutW-1:0] row;
+  for (genvar i = 0; i < 2; i++) begin : gen_row
+    logic [InW-1:0] left, right;
+    logic [OutW-1:0] row_q;
+    assign left = (i == 0) ? v1_i : v2_i;
+    assign right = (i == 0) ? v4_i : v3_i;
+    blend #(
+        .AW(InW),
+        .AFrac(InFrac),
+        .ASigned(InSigned),
+        .BW(InW),
+        .BFrac(InFrac),
+        .BSigned(InSigned),
+        .EW(FracW),
+        .EFrac(FracW),
+        .OutW(OutW),
+        .OutFrac(OutFrac),
+        .OutSigned(OutSigned),
+        .OutRnd(OutRnd),
+        .OutOvf(OutOvf),
+        .ProductClocks(ProductClocks),
+        .Clocks(BlendClocks)
+    ) u_blend (
+        .clk_i,
+        .en_i,
+        .a_i(left),
+        .b_i(right),
+        .e_i(ex_i),
+        .q_o(row_q)
+    );
+    assign row[i*OutW+:OutW] = row_q;
+  end
   blend #(
       .AW(OutW),
       .AFrac(OutFrac),
@@ -98,8 +82,8 @@ module texture_filter #(
   ) u_v (
       .clk_i,
       .en_i,
-      .a_i(v5),
-      .b_i(v6),
+      .a_i(row[0+:OutW]),
+      .b_i(row[OutW+:OutW]),
       .e_i(ey_i),
       .q_o(v_o)
   );

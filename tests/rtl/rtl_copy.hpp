@@ -6,6 +6,8 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -51,5 +53,19 @@ class RtlCopy {
   TemporaryFolder folder_;
   std::optional<Environment> root_, cache_;
 };
+
+struct PlantedBug {
+  const char *file, *from, *to;
+};
+// Plants each bug alone in a copy of the RTL; `run` must throw std::logic_error with each.
+template <class Run>
+void expect_seen(std::span<const PlantedBug> bugs, const Run& run) {
+  const RtlCopy copy;
+  for (const PlantedBug& bug : bugs) {
+    copy.replace(bug.file, bug.from, bug.to);
+    EXPECT_THROW(run(), std::logic_error) << bug.file << ": " << bug.to;
+    copy.replace(bug.file, bug.to, bug.from);
+  }
+}
 
 }  // namespace bitspan

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// R_pixel(h + B) for the pixel stages: m and e, 1 + PixelUnitClocks enabled clocks after h and B. It takes an h on each.
+//
+//   h + B | R_pixel: PixelUnitClocks
+module pixel_reciprocal (
+    input  logic                                                clk_i,
+    input  logic                                                rst_ni,
+    input  logic                                                en_i,
+    input  logic        [        bitspan_pixel_pkg::SpanHW-1:0] h_i,
+    input  logic        [       bitspan_pixel_pkg::SetupBW-1:0] b_i,
+    output logic        [bitspan_pixel_pkg::PixelRecipOutW-1:0] m_o,
+    output logic signed [     bitspan_pixel_pkg::ExponentW-1:0] e_o
+);
+  localparam int HW = bitspan_pixel_pkg::SpanHW;
+  localparam int BW = bitspan_pixel_pkg::SetupBW;
+  localparam int SumW = bitspan_pixel_pkg::DepthSumW;
+  localparam int SumFrac = bitspan_pixel_pkg::DepthSumFrac;
+  logic signed [HW:0] h;
+  logic signed [BW:0] b;
+  logic signed [SumW-1:0] h_sum;
+  logic [SumW-2:0] operand_q;
+  assign h = $signed({(bitspan_pixel_pkg::SpanHSigned != 0) & h_i[HW-1], h_i});
+  assign b = $signed({(bitspan_pixel_pkg::SetupBSigned != 0) & b_i[BW-1], b_i});
+  assign h_sum = (SumW'(h) <<< (SumFrac - bitspan_pixel_pkg::SpanHFrac)) +
+                 (SumW'(b) <<< (SumFrac - bitspan_pixel_pkg::SetupBFrac));
+  // A sum that is not positive is 0, which the unit takes for one ulp.
+  always_ff @(posedge clk_i) begin
+    if (en_i) operand_q <= h_sum[SumW-2:0] & {(SumW - 1) {!h_sum[SumW-1]}};
+  end
+  reciprocal #(
+      .Kind(bitspan_pixel_pkg::PixelRecipKind),
+      .Normalize(bitspan_pixel_pkg::PixelRecipNormalize),
+      .OpW(bitspan_pixel_pkg::PixelRecipOpW),
+      .OpFrac(bitspan_pixel_pkg::PixelRecipOpFrac),
+      .OperandBits(bitspan_pixel_pkg::PixelRecipOperandBits),
+      .IndexBits(bitspan_pixel_pkg::PixelRecipIndexBits),
+      .TableBits(bitspan_pixel_pkg::PixelRecipTableBits),
+      .InternalBits(bitspan_pixel_pkg::PixelRecipInternalBits),
+      .Steps(bitspan_pixel_pkg::PixelRecipSteps),
+      .BitsPerCycle(bitspan_pixel_pkg::PixelRecipBitsPerCycle),
+      .Pipelined(bitspan_pixel_pkg::PixelRecipPipelined),
+      .Iterations(bitspan_pixel_pkg::PixelRecipIterations),
+      .QuotientFrac(bitspan_pixel_pkg::PixelRecipQuotientFrac),
+      .OutW(bitspan_pixel_pkg::PixelRecipOutW),
+      .OutFrac(bitspan_pixel_pkg::PixelRecipOutFrac),
+      .OutSigned(bitspan_pixel_pkg::PixelRecipOutSigned),
+      .OutRnd(bitspan_pixel_pkg::PixelRecipOutRnd),
+      .OutOvf(bitspan_pixel_pkg::PixelRecipOutOvf),
+      .EW(bitspan_pixel_pkg::ExponentW),
+      .TableEntries(bitspan_pixel_pkg::PixelRecipTableEntries),
+      .NormaliseClocks(bitspan_pixel_pkg::NormaliseClocks),
+      .ProductClocks(bitspan_pixel_pkg::ProductClocks),
+      .Clocks(bitspan_pixel_pkg::PixelUnitClocks),
+      .Table(bitspan_pixel_pkg::PixelRecipTable)
+  ) u_reciprocal (
+      .clk_i,
+      .rst_ni,
+      .en_i,
+      .start_i(1'b1),  // for iterative units
+      .d_i(operand_q),
+      .m_o,
+      .e_o
+  );
+endmodule
