@@ -127,6 +127,14 @@ RowMultipliers row_multipliers(const Config& config, const RowSchedule& schedule
     m.products = static_cast<int>(i) + 1;
   }
   // Bits for far sums to be told from near ones: shift_add.
+  for (std::size_t k = 0; k < static_cast<std::size_t>(schedule.newton_products); ++k)
+    m.count = std::max(m.count, schedule.newton[k].multiplier + 1);
+  if (schedule.newton_products > 0) {
+    // nq or 2 - nq y, times y; both positive.
+    const Reciprocal& unit = config.row_reciprocal;
+    m.a = std::max({m.a, std::max(unit.operand_bits, unit.index_bits) + 2, unit.internal_bits + 3});
+    m.b = std::max(m.b, std::max(unit.table_bits, unit.internal_bits) + 2);
+  }
   m.sum = std::max(out_bits + m.below + 5, m.c + 4);
   m.shift_base = base;
   m.shift_max = most - base;

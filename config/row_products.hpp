@@ -24,8 +24,9 @@ Grid pre_step(const Config& config);
 
 // All multipliers are equal: each forms a b 2^-shift + c for whichever product has its slot.
 struct RowMultipliers {
-  int count = 0;     // multipliers that the schedule uses
-  int products = 0;  // places up to the last product that there is
+  int count = 0;  // multipliers that the schedule uses
+  int products =
+      0;  // places up to the last product that there is; the Newton unit's products stand behind them
   int a = 1, b = 1;  // bits of the factors, signed; a is the wider one
   int c = 1;         // bits of what is added
   int below = 1;     // bits of a sum below its output's last place

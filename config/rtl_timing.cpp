@@ -13,6 +13,8 @@ namespace {
 
 constexpr int ceil_div(int n, int d) { return (n + d - 1) / d; }
 
+constexpr int table_clocks = 2;  // read, and kept in a register
+
 // Table kinds may leave the key at 0; the row dividers then make one bit a clock.
 int bits_per_cycle(const Reciprocal& unit) { return std::max(1, unit.bits_per_cycle); }
 
@@ -74,8 +76,7 @@ int reciprocal_latency(const Reciprocal& unit, Grid operand, const RtlShape& sha
   }
   const ReciprocalParts parts = parts_of(unit);
   const int products = static_cast<int>(parts.products.size()) * shape.product_clocks;
-  constexpr int table = 2;  // read, and kept in a register
-  return shape.normalise_clocks + table + products + parts.differences + 1;
+  return shape.normalise_clocks + table_clocks + products + parts.differences + 1;
 }
 
 RowDivideShape row_divide_shape(const Config& config) {
@@ -98,77 +99,103 @@ namespace {
 // Operands, product, shift and sum (3), Q.
 int row_product_ticks(const Config& config) { return 1 + config.rtl.product_clocks + 3 + 1; }
 
-// Clocks that the row unit is busy with one row.
-int row_unit_interval(const Config& config) {
-  const Reciprocal& unit = config.row_reciprocal;
-  if (unit.pipelined) return 1;
-  if (row_divides(config)) return row_divide_shape(config).iterations + 1;
-  if (has_table(unit.kind)) return reciprocal_latency(unit, row_operand(config), config.rtl);
-  return restoring_shape(unit, row_operand(config)).iterations + 1;
-}
-
 // Gives products the first slots that are free.
 class Multipliers {
  public:
-  Multipliers(int multipliers, RowSchedule& schedule)
-      : schedule_(schedule),
-        taken_(static_cast<std::size_t>(multipliers * schedule.interval)),
+  Multipliers(int multipliers, int interval)
+      : interval_(interval),
+        taken_(static_cast<std::size_t>(multipliers * interval)),
         multipliers_(multipliers) {}
-  // From tick `first` on; returns the tick from which the product is held.
-  int place(RowProduct product, int first) {
+  RowSchedule::Slot take(int first) {
     for (int tick = first;; ++tick) {
       for (int m = 0; m < multipliers_; ++m) {
-        const auto place = static_cast<std::size_t>(tick % schedule_.interval);
+        const auto place = static_cast<std::size_t>(tick % interval_);
         const std::size_t at = place * static_cast<std::size_t>(multipliers_) + static_cast<std::size_t>(m);
         if (taken_[at]) continue;
         taken_[at] = true;
-        schedule_.slots[static_cast<std::size_t>(product)] = {tick, m};
-        return tick + schedule_.product;
+        return {tick, m};
       }
     }
   }
 
  private:
-  RowSchedule& schedule_;
+  int interval_;
   std::vector<bool> taken_;
   int multipliers_;
 };
 
-RowSchedule row_schedule(const Config& config, int row_unit) {
+// The unit's operand is there at tick 1. Fills in newton; returns the tick of y.
+int place_newton(const Config& config, Multipliers& multipliers, RowSchedule& s) {
+  int tick = 1 + config.rtl.normalise_clocks + table_clocks;
+  for (int k = 0; k < s.newton_products; ++k) {
+    const RowSchedule::Slot slot = multipliers.take(tick);
+    s.newton[static_cast<std::size_t>(k)] = slot;
+    // The factors' register, the product; behind nq y the difference 2 - nq y.
+    tick = slot.tick + 1 + config.rtl.product_clocks + (k % 2 == 0 ? 1 : 0);
+  }
+  return tick;
+}
+
+RowSchedule row_schedule(const Config& config) {
   using P = RowProduct;
+  const Reciprocal& unit = config.row_reciprocal;
   const bool planes = has_plane_rows(config.perspective);
   const bool divides = row_divides(config);
-  const int products = planes ? 6 : divides ? 5 : 8;
-  const int multipliers = std::min(config.rtl.setup_multipliers, products);
+  int products = planes ? 6 : divides ? 5 : 8;
   RowSchedule s;
-  s.interval = std::max(ceil_div(products, multipliers), row_unit_interval(config));
   s.product = row_product_ticks(config);
-  Multipliers place(multipliers, s);
+  // A unit that is not pipelined is busy with one row.
+  const int iterations = divides                ? row_divide_shape(config).iterations
+                         : has_table(unit.kind) ? 0
+                                                : restoring_shape(unit, row_operand(config)).iterations;
+  const auto interval = [&] {
+    const int multipliers = std::min(config.rtl.setup_multipliers, products);
+    return std::max(ceil_div(products, multipliers), unit.pipelined   ? 1
+                                                     : iterations > 0 ? iterations + 1
+                                                                      : s.unit);
+  };
+  s.unit = divides ? 1 + restoring_clocks(unit, iterations)  // magnitude, quotient bits
+                   : reciprocal_latency(unit, row_operand(config), config.rtl);
+  s.interval = interval();
+  // Where a row does not come on each clock, Newton's products fit between those of span_setup.
+  if (!divides && has_newton_steps(unit.kind) && s.interval > 1) {
+    s.newton_products = 2 * unit.steps;
+    products += s.newton_products;
+    s.unit += s.newton_products;  // as many registers in front of the products
+    s.interval = interval();
+  }
+  Multipliers multipliers(std::min(config.rtl.setup_multipliers, products), s.interval);
+  if (s.newton_products > 0) s.unit = place_newton(config, multipliers, s);  // tick 1 and Q cancel each other
+  const auto place = [&](P product, int first) {
+    const RowSchedule::Slot slot = multipliers.take(first);
+    s.slots[static_cast<std::size_t>(product)] = slot;
+    return slot.tick + s.product;
+  };
   // Tick 1 is the first register's: differences and sums.
   if (planes) {
-    s.reciprocal = 1 + row_unit + 1;
+    s.reciprocal = 1 + s.unit + 1;
     for (const P p : {P::fu, P::fv, P::fu_step, P::fv_step, P::fu_step1, P::fv_step1}) {
-      s.latency = std::max(s.latency, place.place(p, s.reciprocal));
+      s.latency = std::max(s.latency, place(p, s.reciprocal));
     }
     return s;
   }
-  const int fu_diff = place.place(P::fu_diff, 1);
-  const int fv_diff = place.place(P::fv_diff, 1);
+  const int fu_diff = place(P::fu_diff, 1);
+  const int fv_diff = place(P::fv_diff, 1);
   int h_step = 0;
   int fu_step = 0;
   int fv_step = 0;
   if (divides) {
     s.divide = std::max(fu_diff, fv_diff);
-    h_step = fu_step = fv_step = s.divide + row_unit + 1;  // and Q
+    h_step = fu_step = fv_step = s.divide + s.unit + 1;  // and Q
   } else {
-    s.reciprocal = 1 + row_unit + 1;
-    h_step = place.place(P::h_step, s.reciprocal);
-    fu_step = place.place(P::fu_step, std::max(s.reciprocal, fu_diff));
-    fv_step = place.place(P::fv_step, std::max(s.reciprocal, fv_diff));
+    s.reciprocal = 1 + s.unit + 1;
+    h_step = place(P::h_step, s.reciprocal);
+    fu_step = place(P::fu_step, std::max(s.reciprocal, fu_diff));
+    fv_step = place(P::fv_step, std::max(s.reciprocal, fv_diff));
   }
-  const int h = place.place(P::h, h_step);
-  const int fu = place.place(P::fu, fu_step);
-  const int fv = place.place(P::fv, fv_step);
+  const int h = place(P::h, h_step);
+  const int fu = place(P::fu, fu_step);
+  const int fv = place(P::fv, fv_step);
   s.latency = std::max({h, fu, fv});
   return s;
 }
@@ -181,11 +208,7 @@ RtlTiming rtl_timing(const Config& config) {
                      " has no RTL; expected delta_f or const_depth_rows");
   }
   RtlTiming t;
-  const int row_iterations = row_divide_shape(config).iterations;
-  t.row_unit = row_divides(config)
-                   ? 1 + restoring_clocks(config.row_reciprocal, row_iterations)  // magnitude, quotient bits
-                   : reciprocal_latency(config.row_reciprocal, row_operand(config), config.rtl);
-  t.row = row_schedule(config, t.row_unit);
+  t.row = row_schedule(config);
   if (has_pixel_reciprocal(config.perspective)) {
     if (!config.pixel_reciprocal.pipelined) {
       throw InputError(

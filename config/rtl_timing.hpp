@@ -67,8 +67,13 @@ struct RowSchedule {
     int multiplier = 0;
   };
   std::array<Slot, row_product_count> slots{};
+  // Of a Newton unit whose products take turns with the others; without any it has multipliers of its own.
+  // The products are nq y and y (2 - nq y) of each step.
+  std::array<Slot, 8> newton{};
+  int newton_products = 0;
   int interval = 1;
   int product = 1;     // ticks from a slot to the product's register
+  int unit = 0;        // ticks from the operand of the reciprocal unit or of the dividers to the result
   int reciprocal = 0;  // tick from which the row's reciprocal is held; 0 where there is none
   int divide = 0;      // tick at which the row's dividers start; 0 where there are none
   int latency = 1;     // LS: tick at which the span record leaves
@@ -77,7 +82,6 @@ struct RowSchedule {
 
 struct RtlTiming {
   int pixel_unit = 0;  // latency of the pixel reciprocal, 0 where the mode has none
-  int row_unit = 0;    // latency of the row reciprocal or of the row dividers
   int span = 0;        // LP: issue to the buffer at the output
   RowSchedule row;
 };

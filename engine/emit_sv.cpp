@@ -53,24 +53,30 @@ void multipliers(SvWriter& w, const Config& config, const RowSchedule& schedule)
   w.integer("RowShiftBase", m.shift_base);
   w.integer("RowShiftMax", m.shift_max);
   // Product k stands at place k, 16 bits each; a multiplier of 65535 means that there is no such product.
+  // Behind them stand those of the row's Newton unit that take turns with them.
   std::string ticks;
   std::string shifts;
   std::string multiplier;
   for (std::size_t i = 0; i < names.size(); ++i)
     w.integer(std::string("Row") + names[i], static_cast<int>(i));
-  for (std::size_t i = 0; i < static_cast<std::size_t>(m.products); ++i) {
-    const RowSchedule::Slot& slot = schedule.slots[i];
-    const auto add = [&](std::string& text, int value) {
-      text = fmt::format("16'd{}{}{}", value, i == 0 ? "" : ", ", text);
-    };
+  const auto add = [](std::string& text, int value) {
+    text = fmt::format("16'd{}{}{}", value, text.empty() ? "" : ", ", text);
+  };
+  const auto place = [&](const RowSchedule::Slot& slot, int shift) {
     add(ticks, std::max(0, slot.tick));
-    add(shifts, m.shifts[i]);
+    add(shifts, shift);
     add(multiplier, slot.tick < 0 ? 65535 : slot.multiplier);
-  }
+  };
+  for (std::size_t i = 0; i < static_cast<std::size_t>(m.products); ++i)
+    place(schedule.slots[i], m.shifts[i]);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(schedule.newton_products); ++k)
+    place(schedule.newton[k], 0);
   w.integer("RowProducts", m.products);
+  w.integer("RowNewtonProducts", schedule.newton_products);
+  w.line("  localparam int RowPlaces = RowProducts + RowNewtonProducts;");
   for (const auto& [name, text] :
        {std::pair{"RowTicks", &ticks}, {"RowShifts", &shifts}, {"RowMultiplierOf", &multiplier}}) {
-    w.line(fmt::format("  localparam logic [{}:0] {} = {{{}}};", 16 * m.products - 1, name, *text));
+    w.line(fmt::format("  localparam logic [16*RowPlaces-1:0] {} = {{{}}};", name, *text));
   }
 }
 
@@ -166,7 +172,7 @@ std::string emit_sv(const Config& config) {
   w.line("  // Clocks; docs/rtl.md.");
   w.integer("ProductClocks", config.rtl.product_clocks);
   w.integer("NormaliseClocks", config.rtl.normalise_clocks);
-  w.integer("RowUnitClocks", timing.row_unit);
+  w.integer("RowUnitClocks", timing.row.unit);
   w.integer("PixelUnitClocks", timing.pixel_unit);
   w.integer("SpanSetupClocks", timing.row.latency);
   w.integer("SpanClocks", timing.span);

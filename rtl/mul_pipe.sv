@@ -2,12 +2,14 @@
 // p_o = a_i b_i, Clocks >= 1 enabled clocks later. Either factor may be signed; the product is exact in AW + BW bits.
 //
 // A factor is cut into limbs of 17 bits, of which a signed 18 x 18 multiplier takes two. What is left above the last
-// limb, at most 3 bits, adds the other factor where its bits are set instead of taking multipliers.
+// limb, at most 3 bits and a top bit that stands alone, adds the other factor where its bits are set instead of taking
+// multipliers.
 //
 //   Clocks 1  | product                              |
 //   Clocks 2  | partial products | their sum         |
 //   Clocks 3  | partial products | rows | their sum  |    a row: one limb of b times all of a
-//   Clocks 4+ | as 3, and the product waits for the clocks that are left
+//   Clocks 4  | the factors, so that they may come from afar | as 3
+//   Clocks 5+ | as 4, and the product waits for the clocks that are left
 module mul_pipe #(
     parameter int AW      = 18,
     parameter int BW      = 18,
@@ -39,7 +41,7 @@ module mul_pipe #(
     localparam int BMagnitude = (BSigned != 0) ? BW - 1 : BW;
     localparam int ASpare = (AMagnitude > Limb && AMagnitude % Limb > 0 && AMagnitude % Limb + ASigned <= 3) ?
                             AMagnitude % Limb : 0;
-    localparam int BSpare = (BMagnitude > Limb && BMagnitude % Limb > 0 && BMagnitude % Limb + BSigned <= 3) ?
+    localparam int BSpare = (BMagnitude > Limb && BMagnitude % Limb > 0 && BMagnitude % Limb + BSigned - BTopAlone <= 3) ?
                             BMagnitude % Limb : 0;
     localparam int ALimbs = (AMagnitude - ASpare <= Limb) ? 1 : (AMagnitude - ASpare + Limb - 1) / Limb;
     localparam int BLimbs = (BMagnitude - BSpare <= Limb) ? 1 : (BMagnitude - BSpare + Limb - 1) / Limb;
@@ -49,58 +51,107 @@ module mul_pipe #(
     localparam int ALowSigned = (ASpare > 0) ? 0 : ASigned;
     localparam int BLowSigned = (BSpare > 0) ? 0 : BSigned;
     localparam int PartW = 2 * Limb + 2;
+    logic [AW-1:0] a_in;
+    logic [BW-1:0] b_in;
+    delay_line #(
+        .Width(AW + BW),
+        .Depth(Clocks > 3 ? 1 : 0)
+    ) u_factors (
+        .clk_i,
+        .en_i,
+        .d_i({a_i, b_i}),
+        .q_o({a_in, b_in})
+    );
 
-    // Clock 1: partial products.
+    // Partial products.
     logic signed [PartW-1:0] part_q[ALimbs*BLimbs];
     for (genvar i = 0; i < ALimbs; i++) begin : gen_a
       localparam int LimbAW = (i == ALimbs - 1) ? ALowW - i * Limb : Limb;
       logic signed [Limb:0] a;
-      assign a = (Limb + 1)'($signed({(i == ALimbs - 1 && ALowSigned != 0) & a_i[i*Limb+LimbAW-1],
-                                      a_i[i*Limb+:LimbAW]}));
+      assign a = (Limb + 1)'($signed({(i == ALimbs - 1 && ALowSigned != 0) & a_in[i*Limb+LimbAW-1],
+                                      a_in[i*Limb+:LimbAW]}));
       for (genvar j = 0; j < BLimbs; j++) begin : gen_b
         localparam int LimbBW = (j == BLimbs - 1) ? BLowW - j * Limb : Limb;
         logic signed [Limb:0] b;
-        assign b = (Limb + 1)'($signed({(j == BLimbs - 1 && BLowSigned != 0) & b_i[j*Limb+LimbBW-1],
-                                        b_i[j*Limb+:LimbBW]}));
+        assign b = (Limb + 1)'($signed({(j == BLimbs - 1 && BLowSigned != 0) & b_in[j*Limb+LimbBW-1],
+                                        b_in[j*Limb+:LimbBW]}));
         always_ff @(posedge clk_i) begin
           if (en_i) part_q[i*BLimbs+j] <= a * b;
         end
       end
     end
-    // The bits above a's limbs times all of b, and those above b's limbs times the lower part of a.
-    logic signed [PW-1:0] above_a_q, above_b_q;
+    // The bits above a's limbs times all of b, and those above b's limbs times the lower part of a. The first two bits
+    // of each have a register of their own, so that no clock adds twice.
+    logic signed [PW-1:0] first_a_q, rest_a_q, first_b_q, rest_b_q;
     if (ASpare > 0) begin : gen_above_a
       localparam int TopW = AW - ALowW;
-      logic signed [PW-1:0] b, sum;
-      assign b = PW'($signed({(BSigned != 0) & b_i[BW-1], b_i}));
+      logic signed [PW-1:0] b, first, rest;
+      assign b = PW'($signed({(BSigned != 0) & b_in[BW-1], b_in}));
       always_comb begin
-        sum = '0;
+        first = '0;
+        rest = '0;
         for (int k = 0; k < TopW; k++) begin
-          if (a_i[ALowW+k]) sum = (ASigned != 0 && k == TopW - 1) ? sum - (b <<< k) : sum + (b <<< k);
+          if (a_in[ALowW+k]) begin
+            if (ASigned != 0 && k == TopW - 1 && k < 2) first = first - (b <<< k);
+            else if (ASigned != 0 && k == TopW - 1) rest = rest - (b <<< k);
+            else if (k < 2) first = first + (b <<< k);
+            else rest = rest + (b <<< k);
+          end
         end
       end
       always_ff @(posedge clk_i) begin
-        if (en_i) above_a_q <= sum <<< ALowW;
+        if (en_i) first_a_q <= first <<< ALowW;
+      end
+      if (TopW > 2) begin : gen_rest
+        always_ff @(posedge clk_i) begin
+          if (en_i) rest_a_q <= rest <<< ALowW;
+        end
+      end else begin : gen_no_rest
+        assign rest_a_q = '0;
+        logic unused;
+        assign unused = ^rest;
       end
     end else begin : gen_no_above_a
-      assign above_a_q = '0;
+      assign first_a_q = '0;
+      assign rest_a_q = '0;
     end
     if (BSpare > 0) begin : gen_above_b
       localparam int TopW = BW - BLowW;
-      logic signed [PW-1:0] a, sum;
-      assign a = PW'($signed({(ALowSigned != 0) & a_i[ALowW-1], a_i[ALowW-1:0]}));
+      // Without the top bit where it stands alone: it is in `first` then.
+      localparam int Rest = (BTopAlone != 0 && TopW == 3) ? 0 : TopW - 2;
+      logic signed [PW-1:0] a, first, rest;
+      assign a = PW'($signed({(ALowSigned != 0) & a_in[ALowW-1], a_in[ALowW-1:0]}));
       always_comb begin
-        sum = '0;
+        first = '0;
+        rest = '0;
         for (int k = 0; k < TopW; k++) begin
-          if (BTopAlone != 0 && k == TopW - 1) sum = sum | ((a <<< k) & {PW{b_i[BLowW+k]}});
-          else if (b_i[BLowW+k]) sum = (BSigned != 0 && k == TopW - 1) ? sum - (a <<< k) : sum + (a <<< k);
+          // Where it stands alone, all else is 0.
+          if (BTopAlone != 0 && k == TopW - 1) begin
+            if (Rest > 0) rest = rest | ((a <<< k) & {PW{b_in[BLowW+k]}});
+            else first = first | ((a <<< k) & {PW{b_in[BLowW+k]}});
+          end else if (b_in[BLowW+k]) begin
+            if (BSigned != 0 && k == TopW - 1 && k < 2) first = first - (a <<< k);
+            else if (BSigned != 0 && k == TopW - 1) rest = rest - (a <<< k);
+            else if (k < 2) first = first + (a <<< k);
+            else rest = rest + (a <<< k);
+          end
         end
       end
       always_ff @(posedge clk_i) begin
-        if (en_i) above_b_q <= sum <<< BLowW;
+        if (en_i) first_b_q <= first <<< BLowW;
+      end
+      if (Rest > 0) begin : gen_rest
+        always_ff @(posedge clk_i) begin
+          if (en_i) rest_b_q <= rest <<< BLowW;
+        end
+      end else begin : gen_no_rest
+        assign rest_b_q = '0;
+        logic unused;
+        assign unused = ^rest;
       end
     end else begin : gen_no_above_b
-      assign above_b_q = '0;
+      assign first_b_q = '0;
+      assign rest_b_q = '0;
     end
 
     // Rows, one per limb of b; the bits above the limbs are a row, too.
@@ -114,7 +165,7 @@ module mul_pipe #(
       end
       assign row[j] = sum;
     end
-    assign row[BLimbs] = above_a_q + above_b_q;
+    assign row[BLimbs] = first_a_q + rest_a_q + first_b_q + rest_b_q;
     logic signed [PW-1:0] term[BLimbs+1];
     if (Clocks >= 3) begin : gen_row_registers
       always_ff @(posedge clk_i) begin
@@ -138,7 +189,7 @@ module mul_pipe #(
     end
     delay_line #(
         .Width(PW),
-        .Depth(Clocks > 3 ? Clocks - 3 : 0)
+        .Depth(Clocks > 4 ? Clocks - 4 : 0)
     ) u_wait (
         .clk_i,
         .en_i,

@@ -27,6 +27,7 @@ module pixel_reciprocal (
   always_ff @(posedge clk_i) begin
     if (en_i) operand_q <= h_sum[SumW-2:0] & {(SumW - 1) {!h_sum[SumW-1]}};
   end
+  logic unused_a, unused_b;
   reciprocal #(
       .Kind(bitspan_pixel_pkg::PixelRecipKind),
       .Normalize(bitspan_pixel_pkg::PixelRecipNormalize),
@@ -58,6 +59,9 @@ module pixel_reciprocal (
       .en_i,
       .start_i(1'b1),  // for iterative units
       .d_i(operand_q),
+      .a_o(unused_a),
+      .b_o(unused_b),
+      .product_i(2'b0),
       .m_o,
       .e_o
   );

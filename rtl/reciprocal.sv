@@ -14,6 +14,10 @@
 //                   | lut_newton: 2 table; per step 2 ProductClocks, 1 difference |
 //                   | lut_quadratic: 2 table; twice ProductClocks, 1 difference  |
 //
+// The products of a Newton unit may be formed elsewhere (Shared: how many): product k takes its factors a_o and b_o,
+// place k, at tick Ticks[k], the operand being there at tick StartTick, and the product stands at place k of product_i
+// ProductClocks + 1 clocks later.
+//
 // A table takes two clocks, since a block RAM's output comes late in its clock.
 module reciprocal #(
     parameter int Kind         = 0,
@@ -39,6 +43,12 @@ module reciprocal #(
     parameter int NormaliseClocks = 2,
     parameter int ProductClocks   = 3,
     parameter int Clocks       = 14,
+    parameter int Shared       = 0,
+    parameter int StartTick    = 0,
+    parameter int AW           = 1,
+    parameter int BW           = 1,
+    parameter int Places       = (Shared > 0) ? Shared : 1,
+    parameter logic [Places*16-1:0] Ticks = '0,
     parameter logic [TableEntries*(TableBits+1)-1:0] Table = '0
 ) (
     input  logic                   clk_i,
@@ -46,6 +56,9 @@ module reciprocal #(
     input  logic                   en_i,
     input  logic                   start_i,
     input  logic        [ OpW-1:0] d_i,
+    output logic    [Places*AW-1:0] a_o,
+    output logic    [Places*BW-1:0] b_o,
+    input  logic [Places*(AW+BW)-1:0] product_i,
     output logic        [OutW-1:0] m_o,
     output logic signed [  EW-1:0] e_o
 );
@@ -54,11 +67,19 @@ module reciprocal #(
   localparam int KindLutNewton = 2;
   localparam int KindLutQuadratic = 3;
   localparam int RestoringClocks = (Pipelined != 0) ? Iterations : BitsPerCycle * (Iterations + 1);
+  localparam int LastTick = 32'(Ticks[Places*16-1-:16]) - StartTick;
   localparam int CoreClocks = (Kind == KindRestoring) ? RestoringClocks :
                               (Kind == KindLutLinear) ? 3 + ProductClocks :
                               (Kind == KindLutQuadratic) ? 4 + 2 * ProductClocks :
+                              (Shared != 0) ? LastTick + 1 + ProductClocks - NormaliseClocks :
                               2 + Steps * (2 * ProductClocks + 1);
   localparam int ShiftW = $clog2(OpW + 1);
+  logic unused_product;
+  assign unused_product = ^product_i;
+  if (Kind != KindLutNewton || Shared == 0) begin : gen_none_shared
+    assign a_o = '0;
+    assign b_o = '0;
+  end
 
   // Normalise: n = d 2^zeros has its top bit set; e = OpW - 1 - OpFrac - zeros.
   logic [OpW-1:0] d, n_q;
@@ -366,7 +387,7 @@ module reciprocal #(
     end else begin : gen_newton
       // y(0) and nq. y never exceeds 1, nq is below 2, so a is below 2.
       localparam int NqW = NqFrac + 1;
-      localparam int AW = InternalBits + 2;
+      localparam int FactorW = InternalBits + 2;
       logic [EntryW-1:0] y0, read_q, y0_q;
       logic [NqW-1:0] read_nq_q, nq0_q;
       if (IndexBits > 0) begin : gen_entry
@@ -389,61 +410,98 @@ module reciprocal #(
       logic [NqW-1:0] nq_step[Steps+1];
       assign y_step[0] = (MaxFrac + 1)'(y0_q);
       assign nq_step[0] = nq0_q;
+
       for (genvar s = 0; s < Steps; s++) begin : gen_step
         localparam int InFrac = (s == 0) ? TableBits : InternalBits;
         localparam int DropA = (NqFrac + InFrac > InternalBits) ? NqFrac + InFrac - InternalBits : 0;
         localparam int AppendA = (NqFrac + InFrac > InternalBits) ? 0 : InternalBits - NqFrac - InFrac;
+        // Clocks from y and nq to the first product's factors, from 2 - a to those of the second, and from y to the
+        // next step's.
+        localparam int Select = (Shared > 0) ? 1 : 0;
+        localparam int FirstTick = (Shared > 0) ? 32'(Ticks[32*s*Select+:16]) : 0;
+        localparam int SecondTick = (Shared > 0) ? 32'(Ticks[(32*s+16)*Select+:16]) : ProductClocks + 1;
+        localparam int NextTick = (Shared > 0 && s + 1 < Steps) ? 32'(Ticks[(32*s+32)*Select*((s+1<Steps)?1:0)+:16]) :
+                                  SecondTick + Select + ProductClocks;
+        localparam int WaitsY = SecondTick - FirstTick - Select - ProductClocks - 1;
+        localparam int WaitsNext = NextTick - SecondTick - Select - ProductClocks;
         logic [NqW+InFrac:0] product_a;
         logic [NqW+InFrac+AppendA:0] placed_a;
-        logic [AW-1:0] factor_q;
+        logic [FactorW-1:0] factor_q, factor;
         logic [InFrac:0] y_in, y_a;
-        logic [InFrac+AW:0] product_y;
+        logic [InFrac+FactorW:0] product_y;
         assign y_in = y_step[s][InFrac:0];
         // a = nq y, floored; then 2 - a; then y (2 - a).
-        mul_pipe #(
-            .AW(NqW),
-            .BW(InFrac + 1),
-            .ASigned(0),
-            .BSigned(0),
-            .Clocks(ProductClocks)
-        ) u_a (
-            .clk_i,
-            .en_i,
-            .a_i(nq_step[s]),
-            .b_i(y_in),
-            .p_o(product_a)
-        );
         assign placed_a = (NqW + InFrac + 1 + AppendA)'(product_a) << AppendA;
         always_ff @(posedge clk_i) begin
-          if (en_i) factor_q <= {2'b10, {InternalBits{1'b0}}} - AW'(placed_a >> DropA);
+          if (en_i) factor_q <= {2'b10, {InternalBits{1'b0}}} - FactorW'(placed_a >> DropA);
         end
         delay_line #(
+            .Width(FactorW),
+            .Depth(WaitsY)
+        ) u_factor (
+            .clk_i,
+            .en_i,
+            .d_i(factor_q),
+            .q_o(factor)
+        );
+        delay_line #(
             .Width(InFrac + 1),
-            .Depth(ProductClocks + 1)
+            .Depth(SecondTick - FirstTick)
         ) u_beside_a (
             .clk_i,
             .en_i,
             .d_i(y_in),
             .q_o(y_a)
         );
-        mul_pipe #(
-            .AW(AW),
-            .BW(InFrac + 1),
-            .ASigned(0),
-            .BSigned(0),
-            .Clocks(ProductClocks)
-        ) u_y (
+        if (Shared > 0) begin : gen_turn
+          assign a_o[2*s*AW+:2*AW] = {AW'(factor), AW'(nq_step[s])};
+          assign b_o[2*s*BW+:2*BW] = {BW'(y_a), BW'(y_in)};
+          assign product_a = product_i[2*s*(AW+BW)+:NqW+InFrac+1];
+          assign product_y = product_i[(2*s+1)*(AW+BW)+:InFrac+FactorW+1];
+        end else begin : gen_multipliers
+          mul_pipe #(
+              .AW(NqW),
+              .BW(InFrac + 1),
+              .ASigned(0),
+              .BSigned(0),
+              .Clocks(ProductClocks)
+          ) u_a (
+              .clk_i,
+              .en_i,
+              .a_i(nq_step[s]),
+              .b_i(y_in),
+              .p_o(product_a)
+          );
+          mul_pipe #(
+              .AW(FactorW),
+              .BW(InFrac + 1),
+              .ASigned(0),
+              .BSigned(0),
+              .Clocks(ProductClocks)
+          ) u_y (
+              .clk_i,
+              .en_i,
+              .a_i(factor),
+              .b_i(y_a),
+              .p_o(product_y)
+          );
+        end
+        logic [InternalBits:0] y_made, y_next;
+        assign y_made = (InternalBits + 1)'(product_y >> InFrac);
+        delay_line #(
+            .Width(InternalBits + 1),
+            .Depth(WaitsNext)
+        ) u_y_next (
             .clk_i,
             .en_i,
-            .a_i(factor_q),
-            .b_i(y_a),
-            .p_o(product_y)
+            .d_i(y_made),
+            .q_o(y_next)
         );
-        assign y_step[s+1] = (MaxFrac + 1)'((InternalBits + 1)'(product_y >> InFrac));
+        assign y_step[s+1] = (MaxFrac + 1)'(y_next);
         if (s + 1 < Steps) begin : gen_nq
           delay_line #(
               .Width(NqW),
-              .Depth(2 * ProductClocks + 1)
+              .Depth(NextTick - FirstTick)
           ) u_nq (
               .clk_i,
               .en_i,
@@ -495,6 +553,9 @@ module reciprocal #(
     else $fatal(1, "reciprocal: unknown kind %0d", Kind);
     assert (Clocks == NormaliseClocks + CoreClocks + 1)
     else $fatal(1, "reciprocal: has %0d clocks, told %0d", NormaliseClocks + CoreClocks + 1, Clocks);
+    assert (Shared == 0 || (Kind == KindLutNewton && Shared == 2 * Steps &&
+                            32'(Ticks[15:0]) - StartTick == NormaliseClocks + 2))
+    else $fatal(1, "reciprocal: %0d products cannot be formed elsewhere", Shared);
     assert (Kind != KindRestoring || QuotientFrac > OutFrac)
     else $fatal(1, "reciprocal: quotient of %0d fraction bits for %0d", QuotientFrac, OutFrac);
     assert (Kind == KindRestoring || (OperandBits >= 1 && InternalBits >= 1))

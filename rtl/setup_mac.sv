@@ -23,6 +23,8 @@ module setup_mac #(
     input  logic [    Products*BW-1:0] b_i,
     input  logic [    Products*CW-1:0] c_i,
     input  logic [Products*ShiftW-1:0] shift_i,
+    // The product alone, 1 + ProductClocks enabled clocks later.
+    output logic [          AW+BW-1:0] product_o,
     output logic [         SumW+3-1:0] sum_o
 );
   logic [AW-1:0] a, a_q;
@@ -84,6 +86,7 @@ module setup_mac #(
   logic signed [AW+BW-1:0] signed_product;
   logic signed [CW-1:0] signed_c;
   assign signed_product = product;
+  assign product_o = product;
   assign signed_c = c_sum;
   logic signed [SumW-1:0] sum;
   logic sticky, far, sign;

@@ -216,6 +216,7 @@ module span (
     logic [MW-1:0] recip_m, recip_m_out;
     logic signed [EW-1:0] recip_e;
     logic [EW-1:0] recip_e_out;
+    logic unused_a, unused_b;
     reciprocal #(
         .Kind(bitspan_cfg_pkg::PixelRecipKind),
         .Normalize(bitspan_cfg_pkg::PixelRecipNormalize),
@@ -247,6 +248,9 @@ module span (
         .en_i   (en),
         .start_i(valid_q[0]),
         .d_i    (operand_q),
+        .a_o    (unused_a),
+        .b_o    (unused_b),
+        .product_i(2'b0),
         .m_o    (recip_m),
         .e_o    (recip_e)
     );

@@ -84,18 +84,26 @@ module span_setup (
   localparam int ShiftMax = bitspan_cfg_pkg::RowShiftMax;
   localparam int ShiftW = (ShiftMax > 0) ? $clog2(ShiftMax + 1) : 1;
   localparam int SumW = bitspan_cfg_pkg::RowSumW + 3;
-  localparam int Products = bitspan_cfg_pkg::RowProducts;
-  logic [Products*AW-1:0] a;
-  logic [Products*BW-1:0] b;
-  logic [Products*CW-1:0] c;
-  logic [Products*ShiftW-1:0] shift;
-  logic [Products*SumW-1:0] sum;
+  // Behind the products of span_setup stand those of the row's Newton unit.
+  localparam int Places = bitspan_cfg_pkg::RowPlaces;
+  localparam int Newton = bitspan_cfg_pkg::RowNewtonProducts;
+  localparam int NewtonPlaces = (Newton > 0) ? Newton : 1;
+  localparam int FirstNewton = (Newton > 0) ? bitspan_cfg_pkg::RowProducts : 0;
+  logic [Places*AW-1:0] a;
+  logic [Places*BW-1:0] b;
+  logic [Places*CW-1:0] c;
+  logic [Places*ShiftW-1:0] shift;
+  logic [Places*(AW+BW)-1:0] product;
+  logic [Places*SumW-1:0] sum;
+  logic unused_products;
+  assign unused_products = ^{product, sum};
   for (genvar m = 0; m < bitspan_cfg_pkg::RowMultipliers; m++) begin : gen_multiplier
     // The product that has the multiplier at the next tick, and at this one.
-    logic [Products-1:0] next, now_q;
+    logic [Places-1:0] next, now_q;
+    logic [AW+BW-1:0] product_m;
     logic [SumW-1:0] sum_m;
     always_comb begin
-      for (int k = 0; k < Products; k++) begin
+      for (int k = 0; k < Places; k++) begin
         next[k] = bitspan_cfg_pkg::RowMultiplierOf[16*k+:16] == 16'(m) &&
             (32'(bitspan_cfg_pkg::RowTicks[16*k+:16]) + Interval - 1) % Interval == 32'(phase_q);
       end
@@ -104,7 +112,7 @@ module span_setup (
       if (en) now_q <= next;
     end
     setup_mac #(
-        .Products(Products),
+        .Products(Places),
         .AW(AW),
         .BW(BW),
         .CW(CW),
@@ -120,21 +128,28 @@ module span_setup (
         .b_i(b),
         .c_i(c),
         .shift_i(shift),
+        .product_o(product_m),
         .sum_o(sum_m)
     );
-    for (genvar k = 0; k < Products; k++) begin : gen_product
+    for (genvar k = 0; k < Places; k++) begin : gen_product
       if (bitspan_cfg_pkg::RowMultiplierOf[16*k+:16] == 16'(m)) begin : gen_mine
+        assign product[k*(AW+BW)+:AW+BW] = product_m;
         assign sum[k*SumW+:SumW] = sum_m;
       end
     end
   end
-  for (genvar k = 0; k < Products; k++) begin : gen_place
+  for (genvar k = 0; k < Places; k++) begin : gen_place
     if (bitspan_cfg_pkg::RowMultiplierOf[16*k+:16] == 16'hffff) begin : gen_no_product
       assign a[k*AW+:AW] = '0;
       assign b[k*BW+:BW] = '0;
       assign c[k*CW+:CW] = '0;
       assign shift[k*ShiftW+:ShiftW] = '0;
+      assign product[k*(AW+BW)+:AW+BW] = '0;
       assign sum[k*SumW+:SumW] = '0;
+    end
+    if (k >= bitspan_cfg_pkg::RowProducts) begin : gen_newton
+      assign c[k*CW+:CW] = '0;
+      assign shift[k*ShiftW+:ShiftW] = '0;
     end
   end
 
@@ -146,6 +161,15 @@ module span_setup (
   logic [bitspan_cfg_pkg::RowRecipOpW-1:0] operand;
   logic has_recip;
   logic [RecipHeld*RecipW-1:0] recip_q;
+  logic [NewtonPlaces*AW-1:0] newton_a;
+  logic [NewtonPlaces*BW-1:0] newton_b;
+  if (Newton > 0) begin : gen_newton_places
+    assign a[FirstNewton*AW+:Newton*AW] = newton_a;
+    assign b[FirstNewton*BW+:Newton*BW] = newton_b;
+  end else begin : gen_no_newton
+    logic unused;
+    assign unused = ^{newton_a, newton_b};
+  end
   if (bitspan_cfg_pkg::RowSlopeDivide == 0) begin : gen_reciprocal
     logic start;
     logic [MW-1:0] unit_m;
@@ -175,6 +199,11 @@ module span_setup (
         .NormaliseClocks(bitspan_cfg_pkg::NormaliseClocks),
         .ProductClocks(bitspan_cfg_pkg::ProductClocks),
         .Clocks(bitspan_cfg_pkg::RowUnitClocks),
+        .Shared(Newton),
+        .StartTick(1),
+        .AW(AW),
+        .BW(BW),
+        .Ticks(bitspan_cfg_pkg::RowTicks[16*FirstNewton+:16*NewtonPlaces]),
         .Table(bitspan_cfg_pkg::RowRecipTable)
     ) u_reciprocal (
         .clk_i,
@@ -182,6 +211,9 @@ module span_setup (
         .en_i(en),
         .start_i(start),
         .d_i(operand),
+        .a_o(newton_a),
+        .b_o(newton_b),
+        .product_i(product[FirstNewton*(AW+BW)+:NewtonPlaces*(AW+BW)]),
         .m_o(unit_m),
         .e_o(unit_e)
     );
@@ -198,6 +230,8 @@ module span_setup (
     );
   end else begin : gen_no_reciprocal
     assign recip_q = '0;
+    assign newton_a = '0;
+    assign newton_b = '0;
     logic unused;
     assign unused = (^operand) ^ has_recip;
   end
@@ -625,7 +659,7 @@ module span_setup (
 
     logic unused;
     assign unused = ^{phase_i, k_i, h_i, gu_i, gv_i, gu_step0_i, gu_step1_i, gv_step0_i, gv_step1_i, h_sum_q, h_diff_q,
-                      length_q, positive_q, p_q, h_l_q, through_q, h_step_q, h_q, recip_q, divide_start, divisor, sum};
+                      length_q, positive_q, p_q, h_l_q, through_q, h_step_q, h_q, recip_q, divide_start, divisor};
   end else begin : gen_const_depth_rows
     localparam int HW = bitspan_cfg_pkg::SpanHW;
     localparam int FW = bitspan_cfg_pkg::SpanFW;
@@ -804,7 +838,7 @@ module span_setup (
     };
 
     logic unused;
-    assign unused = ^{x_l_i, x_r_i, h_l_i, h_r_i, u_l_i, u_r_i, v_l_i, v_r_i, through_q, recip_q, sum};
+    assign unused = ^{x_l_i, x_r_i, h_l_i, h_r_i, u_l_i, u_r_i, v_l_i, v_r_i, through_q, recip_q};
   end
 
 `ifndef SYNTHESIS

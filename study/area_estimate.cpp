@@ -30,17 +30,18 @@ int bits_of(int n) { return static_cast<int>(std::bit_width(static_cast<unsigned
 // The difference of two values of a register.
 Grid difference_of(const Format& f) { return grid_of(f) - grid_of(f); }
 
-// How rtl/mul_pipe.sv cuts a factor: limbs, and up to 3 bits above them that add the other factor.
+// How rtl/mul_pipe.sv cuts a factor: limbs, and up to 3 bits above them that add the other factor, beside a
+// top bit that stands alone.
 struct Cut {
   int limbs = 1;
   int low = 0;    // bits of the limbs
   int spare = 0;  // bits above them
 };
-Cut cut_of(int bits, bool is_signed) {
+Cut cut_of(int bits, bool is_signed, bool top_alone) {
   const int sign = is_signed ? 1 : 0;
   const int magnitude = bits - sign;
   const int above = magnitude % limb;
-  const bool spares = magnitude > limb && above > 0 && above + sign <= 3;
+  const bool spares = magnitude > limb && above > 0 && above + sign - (top_alone ? 1 : 0) <= 3;
   const int in_limbs = spares ? magnitude - above : magnitude;
   return {std::max(1, ceil_div(in_limbs, limb)), spares ? in_limbs : bits, spares ? above + sign : 0};
 }
@@ -82,7 +83,7 @@ class Counter {
   }
 
   // rtl/mul_pipe.sv.
-  void multiply(int a, bool a_signed, int b, bool b_signed) {
+  void multiply(int a, bool a_signed, int b, bool b_signed, bool b_top_alone = false) {
     const int clocks = c_.rtl.product_clocks;
     shape_.products += double(a) * b;
     if (clocks == 1) {
@@ -93,8 +94,8 @@ class Counter {
       add_registers(a + b);
       return;
     }
-    const Cut of_a = cut_of(a, a_signed);
-    const Cut of_b = cut_of(b, b_signed);
+    const Cut of_a = cut_of(a, a_signed, false);
+    const Cut of_b = cut_of(b, b_signed, b_top_alone);
     const bool spare = of_a.spare + of_b.spare > 0;
     shape_.blocks += double(of_a.limbs) * of_b.limbs;
     add_registers(of_a.low * of_b.limbs + of_b.low * of_a.limbs);
@@ -148,6 +149,7 @@ class Counter {
     }
     for (const RowSchedule::Slot& slot : timing_.row.slots)
       if (slot.tick >= 0) shape_.selects += m.a + m.b + shift;
+    shape_.selects += double(timing_.row.newton_products) * (m.a + m.b);
     add_registers(bits_of(timing_.row.interval - 1) + (timing_.row.latency - 1) / timing_.row.interval + 1);
   }
 
@@ -180,7 +182,7 @@ class Counter {
       result(diff, f_diff, divides ? row.divide : tick(step));
     if (divides) {
       const RowDivideShape divide = row_divide_shape(c_);
-      const int made = row.divide + timing_.row_unit + 1;
+      const int made = row.divide + timing_.row.unit + 1;
       bool first = true;  // the others have the same divisor and the same control
       for (const auto& [numerator, to] : {std::pair{h_difference, &h_step},
                                           {signed_grid(f_diff).bits(), &f_step},
@@ -195,7 +197,7 @@ class Counter {
         hold(to->word, made, row.latency);
       }
     } else {
-      reciprocal(c_.row_reciprocal, row_operand(c_));
+      reciprocal(c_.row_reciprocal, row_operand(c_), &row);
       hold(c_.row_reciprocal.output.word + bits_of(row_operand(c_).bits()), row.reciprocal,
            std::max({tick(P::h_step), tick(P::fu_step), tick(P::fv_step)}));
       result(P::h_step, h_step, row.latency);
@@ -212,7 +214,7 @@ class Counter {
     shape_.sums += sum.bits();
     add_registers(sum.bits());
     hold(2 * pixel_index_bits(c_) + line() + word(F::span_h), 1, row.latency);
-    reciprocal(c_.row_reciprocal, sum);
+    reciprocal(c_.row_reciprocal, sum, &row);
     int last = row.reciprocal;
     for (const P p : {P::fu, P::fv, P::fu_step, P::fv_step, P::fu_step1, P::fv_step1}) {
       const bool start = p == P::fu || p == P::fv;
@@ -285,13 +287,14 @@ class Counter {
     reciprocal(c_.pixel_reciprocal, operand);
     add_registers(2 * (f.word + uv.word), 1 + timing_.pixel_unit);
     add_registers(pixel_index_bits(c_) + 1 + word(F::span_h), timing_.span);
-    // rtl/multiply_round.sv, twice; both have the same shift.
+    // rtl/multiply_round.sv, twice; both have the same shift. A normalised mantissa is at most 1.
+    const bool top_alone = c_.pixel_reciprocal.normalize && !m.is_signed && m.word == m.fraction() + 1;
     const int fraction = std::max(uv.fraction(), to.fraction() + 1);
     const int added = uv.word + 1 + fraction - uv.fraction() + 1;
     const int kept = std::max(to.word + fraction - to.fraction() + 1, added) + 4;
     add_registers(bits_of(e.high - e.low), clocks);
     for (int i = 0; i < 2; ++i) {
-      multiply(f.word, f.is_signed, m.word, m.is_signed);
+      multiply(f.word, f.is_signed, m.word, m.is_signed, top_alone);
       shift_add(f.word + m.word, f.fraction() + m.fraction() + e.low - fraction, e.high - e.low, kept);
       add_registers(uv.word + 1, clocks + 2);
       quantize(to);
@@ -322,12 +325,12 @@ class Counter {
     add_registers(divisor + bits + (own_divisor ? divisor + iterations + 1 : 0), per_cycle);
   }
 
-  // rtl/reciprocal.sv.
-  void reciprocal(const Reciprocal& unit, Grid operand) {
+  // rtl/reciprocal.sv; with the schedule of a row, whose multipliers it may share.
+  void reciprocal(const Reciprocal& unit, Grid operand, const RowSchedule* row = nullptr) {
     const int op = operand.bits();
     const int shift = bits_of(op);
     const int normalise = c_.rtl.normalise_clocks;
-    const int core = reciprocal_latency(unit, operand, c_.rtl) - normalise - 1;
+    const int core = (row != nullptr ? row->unit : reciprocal_latency(unit, operand, c_.rtl)) - normalise - 1;
     const bool lut = has_table(unit.kind);
     if (lut || unit.normalize) {
       shape_.sums += op;  // leading zeros
@@ -339,7 +342,11 @@ class Counter {
       add_registers(op, normalise);
     }
     if (lut) {
-      table(unit);
+      if (row != nullptr && row->newton_products > 0) {
+        shared_newton(unit, *row);
+      } else {
+        table(unit);
+      }
     } else {
       restoring(unit, op, restoring_shape(unit, operand).iterations, true, true);
     }
@@ -391,6 +398,22 @@ class Counter {
           if (s + 1 < unit.steps) add_registers(nq, 2 * clocks + 1);
         }
         return;
+    }
+  }
+  // A Newton unit whose products are formed by span_setup's multipliers.
+  void shared_newton(const Reciprocal& unit, const RowSchedule& row) {
+    const int made = 1 + c_.rtl.product_clocks;  // from the factors to the product
+    const int nq = std::max(unit.operand_bits, unit.index_bits);
+    const auto read = [&](int k) { return row.newton[static_cast<std::size_t>(k)].tick; };
+    add_registers(unit.table_bits + 1 + nq, 2);
+    for (int s = 0; s < unit.steps; ++s) {
+      const int factor = unit.internal_bits + 2;
+      shape_.sums += factor;
+      add_registers(factor, read(2 * s + 1) - read(2 * s) - made);
+      add_registers((s == 0 ? unit.table_bits : unit.internal_bits) + 1, read(2 * s + 1) - read(2 * s));
+      if (s + 1 == unit.steps) break;
+      add_registers(nq, read(2 * s + 2) - read(2 * s));
+      add_registers(unit.internal_bits + 1, read(2 * s + 2) - read(2 * s + 1) - made);
     }
   }
 

@@ -247,7 +247,7 @@ void add_estimates(const Config& config, Metrics& metrics) {
   if (!has_rtl(config)) return;
   const RtlTiming timing = rtl_timing(config);
   metrics["timing.pixel_unit"] = timing.pixel_unit;
-  metrics["timing.row_unit"] = timing.row_unit;
+  metrics["timing.row_unit"] = timing.row.unit;
   metrics["timing.span"] = timing.span;
   for (const Family family : families) {
     const AreaEstimate e = estimate_area(config, family);

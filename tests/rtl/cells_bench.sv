@@ -6,6 +6,7 @@ module mul_pipe_check #(
     parameter int BW        = 8,
     parameter int ASigned   = 1,
     parameter int BSigned   = 1,
+    parameter int BTopAlone = 0,
     parameter int Clocks    = 3
 ) (
     input logic clk_i,
@@ -20,12 +21,14 @@ module mul_pipe_check #(
   logic [AW+BW-1:0] expected[Clocks+1];
   int clocks = 0;
   assign a = AW'(random_i);
-  assign b = BW'(random_i >> 64);
+  // Where b's top bit stands alone, one operand of four has it.
+  assign b = (BTopAlone == 0) ? BW'(random_i >> 64) :
+             (random_i[127:126] == 2'd0) ? BW'(1) << (BW - 1) : BW'(random_i >> 64) & ~(BW'(1) << (BW - 1));
   assign wide_a = $signed({(ASigned != 0) & a[AW-1], a});
   assign wide_b = $signed({(BSigned != 0) & b[BW-1], b});
   assign product = wide_a * wide_b;
   mul_pipe #(
-      .AW(AW), .BW(BW), .ASigned(ASigned), .BSigned(BSigned), .Clocks(Clocks)
+      .AW(AW), .BW(BW), .ASigned(ASigned), .BSigned(BSigned), .BTopAlone(BTopAlone), .Clocks(Clocks)
   ) u_dut (
       .clk_i, .en_i(1'b1), .a_i(a), .b_i(b), .p_o(p)
   );
@@ -142,19 +145,21 @@ module cells_bench;
   logic clk = 1'b0;
   logic [127:0] random;
   int seed, operands;
-  localparam int Muls = 16;
-  // {AW, BW, ASigned, BSigned, Clocks}: around the borders of limbs, spare bits of either factor.
+  localparam int Muls = 19;
+  // {AW, BW, ASigned, BSigned (2: unsigned, top bit alone), Clocks}: around the borders of limbs, spare bits of either factor.
   localparam logic [40*Muls-1:0] Mul = {
     8'd1, 8'd1, 8'd0, 8'd0, 8'd2, 8'd5, 8'd7, 8'd1, 8'd0, 8'd3, 8'd17, 8'd17, 8'd0, 8'd0, 8'd3, 8'd18, 8'd18, 8'd1, 8'd1, 8'd2,
     8'd19, 8'd19, 8'd0, 8'd1, 8'd3, 8'd20, 8'd20, 8'd1, 8'd1, 8'd3, 8'd21, 8'd19, 8'd1, 8'd0, 8'd4, 8'd34, 8'd18, 8'd0, 8'd1, 8'd3,
     8'd35, 8'd30, 8'd1, 8'd1, 8'd3, 8'd36, 8'd21, 8'd1, 8'd0, 8'd3, 8'd37, 8'd38, 8'd1, 8'd1, 8'd5, 8'd42, 8'd30, 8'd1, 8'd1, 8'd3,
+    8'd44, 8'd21, 8'd1, 8'd2, 8'd4, 8'd43, 8'd20, 8'd1, 8'd2, 8'd3, 8'd20, 8'd19, 8'd0, 8'd2, 8'd2,
     8'd43, 8'd20, 8'd1, 8'd0, 8'd3, 8'd52, 8'd35, 8'd1, 8'd1, 8'd1, 8'd53, 8'd53, 8'd0, 8'd0, 8'd3, 8'd16, 8'd36, 8'd1, 8'd1, 8'd3
   };
   int mul_errors[Muls], mul_checked[Muls];
   for (genvar i = 0; i < Muls; i++) begin : gen_mul
     localparam logic [39:0] P = Mul[40*i+:40];
     mul_pipe_check #(
-        .AW(32'(P[39:32])), .BW(32'(P[31:24])), .ASigned(32'(P[23:16])), .BSigned(32'(P[15:8])), .Clocks(32'(P[7:0]))
+        .AW(32'(P[39:32])), .BW(32'(P[31:24])), .ASigned(32'(P[23:16])), .BSigned((P[15:8] == 8'd1) ? 1 : 0),
+        .BTopAlone((P[15:8] == 8'd2) ? 1 : 0), .Clocks(32'(P[7:0]))
     ) u_check (
         .clk_i(clk), .random_i(random), .errors_o(mul_errors[i]), .checked_o(mul_checked[i])
     );

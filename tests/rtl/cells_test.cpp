@@ -24,19 +24,21 @@ std::vector<std::filesystem::path> sources() {
 
 TEST(Cells, AgreeWithTheLanguagesOwnOperators) {
   const std::string fast = run_verilator(sources(), "cells_bench");
-  EXPECT_NE(fast.find("checked 135871, errors 0"), std::string::npos) << fast;
+  EXPECT_NE(fast.find("checked 147859, errors 0"), std::string::npos) << fast;
   const std::string slow = run_icarus(sources(), "cells_bench", {"+seed=7", "+operands=300"});
-  EXPECT_NE(slow.find("checked 10071, errors 0"), std::string::npos) << slow;
+  EXPECT_NE(slow.find("checked 10959, errors 0"), std::string::npos) << slow;
 }
 
 TEST(Cells, PlantedBugsAreSeen) {
   constexpr PlantedBug bugs[] = {
       {"rtl/mul_pipe.sv", "<<< (Limb * (i + j))", "<<< (Limb * (i + j) + (i == 2 ? 1 : 0))"},
-      {"rtl/mul_pipe.sv", "(ASigned != 0 && k == TopW - 1) ? sum - (b <<< k)",
-       "(ASigned != 0 && k == TopW - 1) ? sum + (b <<< k)"},
-      {"rtl/mul_pipe.sv", "(BSigned != 0 && k == TopW - 1) ? sum - (a <<< k)",
-       "(BSigned != 0 && k == TopW) ? sum - (a <<< k)"},
-      {"rtl/mul_pipe.sv", "(i == ALimbs - 1 && ALowSigned != 0) & a_i", "(i == ALimbs - 1) & a_i"},
+      {"rtl/mul_pipe.sv", "(ASigned != 0 && k == TopW - 1 && k < 2) first = first - (b <<< k)",
+       "(ASigned != 0 && k == TopW - 1 && k < 2) first = first + (b <<< k)"},
+      {"rtl/mul_pipe.sv", "(BSigned != 0 && k == TopW - 1) rest = rest - (a <<< k)",
+       "(BSigned != 0 && k == TopW) rest = rest - (a <<< k)"},
+      {"rtl/mul_pipe.sv", "rest = rest | ((a <<< k)", "rest = rest | ((a <<< (k + 1))"},
+      {"rtl/mul_pipe.sv", ".Depth(Clocks > 4 ? Clocks - 4 : 0)", ".Depth(Clocks > 4 ? Clocks - 3 : 0)"},
+      {"rtl/mul_pipe.sv", "(i == ALimbs - 1 && ALowSigned != 0) & a_in", "(i == ALimbs - 1) & a_in"},
       {"rtl/lzc.sv", "count[2*n+1] | Levels'(1 << (level - 1))", "count[2*n+1]"},
       {"rtl/lzc_norm.sv", "coarse = (zeros_1 >> FineW) << FineW",
        "coarse = (zeros_1 >> FineW) << (FineW - 1)"},
