@@ -252,7 +252,10 @@ RtlOwn rtl_own(const Config& config, const Scene& scene) {
   for (const RecordType type : {RecordType::depth, RecordType::texture, RecordType::fog, RecordType::merge}) {
     fields_of_type(type) = fields_of(type).size() - 1;  // all but the triangle
   }
-  if (!addresses_texels(config, scene)) fields_of_type(RecordType::texture) -= 2;  // i, j
+  // i and j, although the RTL finds those of the other textures.
+  const bool finds_all = std::ranges::all_of(
+      scene.textures, [&](const Texture& texture) { return addresses_texels(config, texture); });
+  if (!finds_all) fields_of_type(RecordType::texture) -= 2;
   own.picture =
       6;  // depth, u, v and three channels of colour; not the triangle, nor the alpha that stays 255
   own.counters = 3;  // depth_passed, killed, written

@@ -7,8 +7,8 @@
 // these give every field of the later records but triangle. The picture is their memory.
 //
 // The model takes over where the RTL cannot: the pixel stages of a configuration or of a scene that they do
-// not take (rtl_draws_pixels), and the texels' indices where a texture that repeats has a size that is no
-// power of two (addresses_texels).
+// not take (rtl_draws_pixels), and the indices of the texels of a texture that repeats and has a size that
+// is no power of two (addresses_texels).
 #pragma once
 
 #include <array>

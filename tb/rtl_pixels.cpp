@@ -8,6 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "config/modes.hpp"
 #include "config/pixel_timing.hpp"
@@ -20,6 +21,10 @@ namespace {
 
 constexpr int texel_ports = 4;
 constexpr std::uint64_t texel_indices = std::uint64_t{1} << texel_index_bits;
+// In front of this address lie the textures. Behind it the address says only that the model names the texel.
+constexpr std::uint64_t modelled_base = std::uint64_t{1} << (texel_address_bits - 1);
+// A texture of any size that the RTL repeats.
+constexpr TexelPlace modelled_place{texel_indices - 1, texel_indices - 1, texel_index_bits, modelled_base};
 
 // A tap's fields are its record's, in their order; all pixel records begin with the triangle.
 template <class R>
@@ -95,15 +100,13 @@ std::vector<TexelPlace> place_textures(const Scene& scene) {
 bool holds_textures(const Scene& scene) {
   return std::ranges::all_of(place_textures(scene), [](const TexelPlace& p) {
     const std::uint64_t end = p.base + ((p.last_j + 1) << p.pitch);
-    return std::max(p.last_i, p.last_j) < texel_indices && end >> texel_address_bits == 0;
+    return std::max(p.last_i, p.last_j) < texel_indices && end <= modelled_base;
   });
 }
 
-bool addresses_texels(const Config& config, const Scene& scene) {
+bool addresses_texels(const Config& config, const Texture& texture) {
   const auto repeats = [](int size) { return std::has_single_bit(static_cast<unsigned>(size)); };
-  return clamps_to_border(config.wrap) || std::ranges::all_of(scene.textures, [&](const Texture& t) {
-           return repeats(t.width) && repeats(t.height);
-         });
+  return clamps_to_border(config.wrap) || (repeats(texture.width) && repeats(texture.height));
 }
 
 std::uint32_t texel_word(const Texture& texture, std::int64_t i, std::int64_t j) {
@@ -305,20 +308,19 @@ struct RtlPixels::Pipe {
     clocks = 0;
     drawn = nothing_drawn;
 
-    by_address = addresses_texels(config, s);
     places = place_textures(s);
+    modelled.clear();
+    for (const Texture& t : s.textures) modelled.push_back(!addresses_texels(config, t));
     DrawState state{.func = p.depth.func,
                     .filter = p.texture.filter,
-                    .wrap = by_address ? p.texture.wrap : TextureWrap::cyclic,
+                    .wrap = p.texture.wrap,
                     .transparent = p.texture.transparent,
                     .fog = p.fog.mode,
                     .fog_color = p.fog.fog_color};
     draws = {draw_values(state)};
     state.textured = true;
-    for (const TexelPlace& place : places) {
-      // A texture of any size that the RTL takes, where its addresses do not count.
-      state.place =
-          by_address ? place : TexelPlace{texel_indices - 1, texel_indices - 1, texel_index_bits, 0};
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      state.place = modelled[i] ? modelled_place : places[i];
       draws.push_back(draw_values(state));
     }
   }
@@ -364,8 +366,9 @@ struct RtlPixels::Pipe {
     for (std::size_t port = 0; port < texels.size(); ++port) {
       Answers& t = texels[port];
       if (outputs[t.request.valid] == 0) continue;
-      t.values.push_back({by_address ? texel_at(*scene, places, outputs[t.request.first]).value_or(0)
-                                     : next_modelled_texel(port)});
+      const std::uint64_t address = outputs[t.request.first];
+      t.values.push_back({address < modelled_base ? texel_at(*scene, places, address).value_or(0)
+                                                  : next_modelled_texel(port)});
       moved = true;
     }
     return moved;
@@ -407,13 +410,13 @@ struct RtlPixels::Pipe {
       if (r.pass != 0) {
         ++counters->depth_passed;
         passed.fragments.push_back(f);
-        if (!by_address && sent[f].texture >= 0) find_texels(sent[f]);
+        if (is_modelled(sent[f])) find_texels(sent[f]);
       }
     }
     if (outputs[texture.valid] != 0) {
       const std::size_t f = passed.take(last);
       TextureRecord r = record(texture, sent[f].record.triangle);
-      if (!by_address && sent[f].texture >= 0 && texels_shown < modelled_texels.size()) {
+      if (is_modelled(sent[f]) && texels_shown < modelled_texels.size()) {
         const ModelledTexel& t = modelled_texels[texels_shown++];
         r.i = t.i;
         r.j = t.j;
@@ -439,13 +442,15 @@ struct RtlPixels::Pipe {
     return moved;
   }
 
+  bool is_modelled(const Fragment& f) const {
+    return f.texture >= 0 && modelled[static_cast<std::size_t>(f.texture)];
+  }
   // The texels of a fragment that passed, by the model's indices in a texture that repeats.
   void find_texels(const Fragment& f) {
     const Texture& image = scene->textures[static_cast<std::size_t>(f.texture)];
-    TextureRecord modelled;
-    model::texture(pipeline->texture, &image, f.record, modelled);
-    const std::int64_t i = modelled.i;
-    const std::int64_t j = modelled.j;
+    TextureRecord r;
+    model::texture(pipeline->texture, &image, f.record, r);
+    const auto [i, j] = std::pair(r.i, r.j);
     const std::int64_t next_i = (i + 1) % image.width;
     const std::int64_t next_j = (j + 1) % image.height;
     modelled_texels.push_back({i,
@@ -518,8 +523,8 @@ struct RtlPixels::Pipe {
   const Scene* scene = nullptr;
   Frame* frame = nullptr;
   double uv_ulp = 1;
-  bool by_address = true;  // the RTL's addresses count; else the model says which texels are meant
-  std::vector<TexelPlace> places;
+  std::vector<TexelPlace> places;  // of the textures
+  std::vector<bool> modelled;      // the model says which texels of a texture are meant
   std::vector<StageValues> draws;  // without a texture, then by texture
   static constexpr int nothing_drawn = -2;
   int drawn = nothing_drawn;  // the texture of the draw state that was transferred last
@@ -535,7 +540,7 @@ struct RtlPixels::Pipe {
     std::int64_t i, j;
     std::array<std::uint32_t, texel_ports> words;
   };
-  std::vector<ModelledTexel> modelled_texels;  // of the textured fragments that passed
+  std::vector<ModelledTexel> modelled_texels;  // of those that passed
   std::array<std::size_t, texel_ports> texels_asked{};
   std::size_t texels_shown = 0;
 };

@@ -36,8 +36,8 @@ struct TexelPlace {
 std::vector<TexelPlace> place_textures(const Scene& scene);
 // Whether the RTL's indices and addresses are wide enough for all textures.
 bool holds_textures(const Scene& scene);
-// Whether the RTL finds each texel by itself: it repeats only textures whose sizes are powers of two.
-bool addresses_texels(const Config& config, const Scene& scene);
+// Whether the RTL finds a texture's texels by itself: it repeats only textures whose sizes are powers of two.
+bool addresses_texels(const Config& config, const Texture& texture);
 // A texel's word, red in the lowest byte.
 std::uint32_t texel_word(const Texture& texture, std::int64_t i, std::int64_t j);
 // None where the address holds no texel.
@@ -79,8 +79,8 @@ class RtlPixels {
   RtlPixels& operator=(const RtlPixels&) = delete;
 
   // Resets and loads what stays for a scene whose textures it holds. The pipeline, the scene and the frame,
-  // which is cleared already, must outlive the runs. Where the RTL does not find each texel by itself, the
-  // model says which texels a fragment reads, and gives i and j of its texture record.
+  // which is cleared already, must outlive the runs. Of a texture whose texels the RTL does not find by
+  // itself, the model says which a fragment reads, and gives i and j of its texture record.
   void begin(const model::Pipeline& pipeline, const Scene& scene, Frame& frame);
 
   struct Fragment {
