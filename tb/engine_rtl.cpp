@@ -228,7 +228,7 @@ class RtlEngine final : public Engine {
   std::vector<int> textures_;  // Triangle::texture, one per row
   std::vector<RtlInputs> inputs_;
   std::vector<FragmentRecord> fragments_;
-  std::vector<RtlPixels::Fragment> covered_;  // of a run
+  std::vector<RtlPixels::Fragment> covered_;  // on their way to the pixel stages
 };
 
 }  // namespace

@@ -206,7 +206,7 @@ struct Underway {
   std::vector<std::size_t> fragments;
   std::size_t next = 0;
 
-  // Of the record that comes out now; the last fragment's where no fragment asked for it.
+  // Returns the fragment of the record that comes out now; the last one where none is on its way.
   std::size_t take(std::size_t last) { return next < fragments.size() ? fragments[next++] : last; }
 };
 
@@ -518,7 +518,7 @@ struct RtlPixels::Pipe {
   int clocks_until_empty = 0;
   Format merged_color;
 
-  // Of the scene.
+  // Set by begin().
   const model::Pipeline* pipeline = nullptr;
   const Scene* scene = nullptr;
   Frame* frame = nullptr;
@@ -528,9 +528,9 @@ struct RtlPixels::Pipe {
   std::vector<StageValues> draws;  // without a texture, then by texture
   static constexpr int nothing_drawn = -2;
   int drawn = nothing_drawn;  // the texture of the draw state that was transferred last
-  std::uint64_t clocks = 0;
+  std::uint64_t clocks = 0;   // behind the loading
 
-  // Of a run.
+  // Set by run().
   std::span<const Fragment> sent;
   Counters* counters = nullptr;
   Trace* trace = nullptr;
@@ -556,7 +556,5 @@ void RtlPixels::begin(const model::Pipeline& pipeline, const Scene& scene, Frame
 void RtlPixels::run(std::span<const Fragment> fragments, Counters& counters, Trace* trace) {
   if (!fragments.empty()) pipe_->run(fragments, counters, trace);
 }
-
-std::uint64_t RtlPixels::clocks() const { return pipe_->clocks; }
 
 }  // namespace bitspan

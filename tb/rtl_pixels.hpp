@@ -93,9 +93,6 @@ class RtlPixels {
   // where nothing moves although it should.
   void run(std::span<const Fragment> fragments, Counters& counters, Trace* trace);
 
-  // Clocks since begin(), those of reset and loading not counted.
-  std::uint64_t clocks() const;
-
  private:
   struct Pipe;
   std::unique_ptr<Pipe> pipe_;
