@@ -11,15 +11,14 @@ std::uint64_t OwnValues::total() const {
   return std::accumulate(stages.begin(), stages.end(), frame + counters);
 }
 
-OwnValues own_values(const Comparison& pair, const Config& config) {
+OwnValues own_values(const Comparison& pair, const Config& config, const Scene& scene) {
   OwnValues own;
-  const auto stage = [&](RecordType type) -> std::uint64_t& {
-    return own.stages[static_cast<std::size_t>(type)];
-  };
-  const auto records = [&](RecordType type) { return pair.stages[static_cast<std::size_t>(type)].records; };
   if (pair.other == "rtl") {
-    stage(RecordType::span) = records(RecordType::span) * rtl_span_fields;
-    stage(RecordType::fragment) = records(RecordType::fragment) * rtl_fragment_fields(config);
+    const RtlOwn per = rtl_own(config, scene);
+    for (std::size_t t = 0; t < own.stages.size(); ++t)
+      own.stages[t] = pair.stages[t].records * per.fields[t];
+    own.frame = pair.frame.records * per.picture;
+    own.counters = per.counters;
   } else if (pair.other == "systemc") {
     own.counters = pair.counters.values;
   } else {

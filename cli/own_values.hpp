@@ -8,6 +8,7 @@
 
 #include "config/config.hpp"
 #include "report/compare.hpp"
+#include "scene/scene.hpp"
 
 namespace bitspan {
 
@@ -19,8 +20,8 @@ struct OwnValues {
 };
 
 // Counts the values of the pair's second engine, `other`. golden, model and ideal compute every value. rtl
-// computes what comes out of the Verilated ports: parts of the span and fragment records. systemc calls the
-// model's stage functions for every record, and so computes none; it counts its counters itself.
-OwnValues own_values(const Comparison& pair, const Config& config);
+// computes what comes out of the Verilated ports (tb/engine_rtl.hpp). systemc calls the model's stage
+// functions for every record, and so computes none; it counts its counters itself.
+OwnValues own_values(const Comparison& pair, const Config& config, const Scene& scene);
 
 }  // namespace bitspan

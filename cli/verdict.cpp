@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 #include "cli/cycles.hpp"
-#include "cli/own_values.hpp"
 #include "cli/progress.hpp"
 #include "config/modes.hpp"
 #include "engine/range.hpp"
@@ -220,6 +219,7 @@ SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const Ver
     };
   }
   v.run = run_lock_step(out.engines, scene, steps);
+  for (const Comparison& pair : v.run.pairs) v.own.push_back(own_values(pair, config, scene));
   v.counters = out.engines[0]->counters();
   if (!v.run.pairs.empty() && !v.run.stopped && v.counters.covered != 0) {
     v.not_reached = stages_not_reached(v.run);
@@ -247,24 +247,22 @@ std::vector<std::vector<std::string>> comparison_table(const SceneVerdict& verdi
                     number(count.records), number(count.values), number(own), number(count.non_trivial),
                     number(count.differences + count.unmatched)});
   };
-  for (int t = 0; t < record_types; ++t) {
-    const auto type = static_cast<RecordType>(t);
-    for (const Comparison& pair : verdict.run.pairs) {
-      const StageCount& count = pair.stages[static_cast<std::size_t>(t)];
+  const std::vector<Comparison>& pairs = verdict.run.pairs;
+  for (std::size_t t = 0; t < static_cast<std::size_t>(record_types); ++t) {
+    for (std::size_t p = 0; p < pairs.size(); ++p) {
+      const StageCount& count = pairs[p].stages[t];
       if (count.records != 0 || count.unmatched != 0) {
-        add(stage_of(type), pair, count,
-            own_values(pair, verdict.config).stages[static_cast<std::size_t>(t)]);
+        add(stage_of(static_cast<RecordType>(t)), pairs[p], count, verdict.own[p].stages[t]);
       }
     }
   }
-  for (const Comparison& pair : verdict.run.pairs) {
-    add("picture", pair, pair.frame, own_values(pair, verdict.config).frame);
+  for (std::size_t p = 0; p < pairs.size(); ++p)
+    add("picture", pairs[p], pairs[p].frame, verdict.own[p].frame);
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    add("counters", pairs[p], pairs[p].counters, verdict.own[p].counters);
   }
-  for (const Comparison& pair : verdict.run.pairs) {
-    add("counters", pair, pair.counters, own_values(pair, verdict.config).counters);
-  }
-  for (const Comparison& pair : verdict.run.pairs) {
-    add("all", pair, total_of(pair), own_values(pair, verdict.config).total());
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    add("all", pairs[p], total_of(pairs[p]), verdict.own[p].total());
   }
   return rows;
 }
@@ -424,8 +422,9 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
       if (info.compared) scene["counters"][std::string(info.name)] = v.counters.*member;
     });
     Json pairs = Json::array();
-    for (const Comparison& pair : v.run.pairs) {
-      const OwnValues own = own_values(pair, v.config);
+    for (std::size_t p = 0; p < v.run.pairs.size(); ++p) {
+      const Comparison& pair = v.run.pairs[p];
+      const OwnValues& own = v.own[p];
       Json one{{"reference", pair.reference}, {"other", pair.other}};
       for (int t = 0; t < record_types; ++t) {
         const StageCount& count = pair.stages[static_cast<std::size_t>(t)];

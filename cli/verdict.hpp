@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/own_values.hpp"
 #include "cli/scene_options.hpp"
 #include "engine/registry.hpp"
 #include "report/compare.hpp"
@@ -36,7 +37,8 @@ struct SceneVerdict {
   Config config;
   RunLabel label;
   LockStepResult run;
-  Counters counters;  // of the first engine
+  std::vector<OwnValues> own;  // one per pair
+  Counters counters;           // of the first engine
   ErrorReport errors;
   bool has_errors = false;   // `ideal` took part
   bool truth_draws = false;  // by the exact test, some pixel is covered

@@ -10,14 +10,9 @@
 #include "config/pixel_timing.hpp"
 #include "config/rtl_timing.hpp"
 #include "engine/sv_writer.hpp"
-#include "scene/texture.hpp"
 
 namespace bitspan {
 namespace {
-
-// Bits of an index along a texture's row or column, and of a texel's address.
-constexpr int texel_index_bits = std::bit_width(static_cast<unsigned>(texture_size_limit - 1));
-constexpr int texel_address_bits = 32;
 
 void formats(SvWriter& w, const Config& config,
              std::initializer_list<std::pair<const char*, FormatId>> named) {
@@ -109,6 +104,11 @@ void merge_section(SvWriter& w, const Config& config, const PixelTiming& timing)
 }
 
 }  // namespace
+
+bool has_pixel_rtl(const Config& config) {
+  return !pixel_stages_have_reciprocal(config) ||
+         (config.pixel_reciprocal.pipelined && fits_operand(pixel_operand(config)));
+}
 
 std::string emit_pixel_sv(const Config& config) {
   const PixelTiming timing = pixel_timing(config);

@@ -66,13 +66,17 @@ void SvWriter::reciprocal(const std::string& name, const Reciprocal& unit, Grid 
   line(row);
 }
 
+constexpr int operand_limit = 1 << (exponent_bits - 1);
+
+bool fits_operand(Grid g) {
+  return g.fraction < operand_limit && exponents_on(g).high < operand_limit && g.bits() <= operand_limit;
+}
+
 void check_operand(Grid g, std::string_view what) {
-  constexpr int limit = 1 << (exponent_bits - 1);
-  if (g.fraction >= limit || exponents_on(g).high >= limit || g.bits() > limit) {
-    throw InputError(std::string(what) + ": the operand needs " + std::to_string(g.bits()) + " bits, " +
-                     std::to_string(g.fraction) + " of them fraction bits; the RTL holds fewer than " +
-                     std::to_string(limit));
-  }
+  if (fits_operand(g)) return;
+  throw InputError(std::string(what) + ": the operand needs " + std::to_string(g.bits()) + " bits, " +
+                   std::to_string(g.fraction) + " of them fraction bits; the RTL holds fewer than " +
+                   std::to_string(operand_limit));
 }
 
 }  // namespace bitspan

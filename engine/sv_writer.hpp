@@ -34,6 +34,8 @@ struct SvWriter {
   void reciprocal(const std::string& name, const Reciprocal& unit, Grid operand);
 };
 
+// Whether an operand fits the ports of rtl/reciprocal.sv.
+bool fits_operand(Grid operand);
 // Throws InputError where an operand does not fit the ports of rtl/reciprocal.sv; `what` begins the message.
 void check_operand(Grid operand, std::string_view what);
 

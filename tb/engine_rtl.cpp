@@ -3,10 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <future>
 #include <stdexcept>
 #include <vector>
 
+#include "config/modes.hpp"
+#include "engine/emit_pixel_sv.hpp"
 #include "model/pipeline.hpp"
+#include "tb/rtl_pixels.hpp"
 #include "tb/rtl_stream.hpp"
 
 namespace bitspan {
@@ -23,10 +28,24 @@ std::int64_t pixels_of(const model::Rows& rows, std::size_t from) {
   return pixels;
 }
 
+// Builds the library of the pixel stages side by side with that of the span interpolator.
+Rtl make_span_interpolator(const Config& config) {
+  std::future<void> pixels;
+  if (has_pixel_rtl(config)) {
+    pixels = std::async(std::launch::async,
+                        [design = module_of(pixel_pipe_design(config))] { RtlModule::build(design); });
+  }
+  Rtl rtl(config);
+  if (pixels.valid()) pixels.get();
+  return rtl;
+}
+
 class RtlEngine final : public Engine {
  public:
   RtlEngine(const Config& config, const RtlOptions& options)
-      : config_(config), options_(options), rtl_(config) {}
+      : config_(config), options_(options), rtl_(make_span_interpolator(config)) {
+    if (has_pixel_rtl(config)) pixels_ = std::make_unique<RtlPixels>(config);
+  }
 
   std::string_view name() const override { return "rtl"; }
 
@@ -38,6 +57,8 @@ class RtlEngine final : public Engine {
     frame_ = model::cleared_frame(pipeline_, scene);
     runs_ = 0;
     rtl_.reset();
+    draws_pixels_ = rtl_draws_pixels(config_, scene);
+    if (draws_pixels_) pixels_->begin(pipeline_, scene, frame_);
   }
 
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
@@ -54,7 +75,7 @@ class RtlEngine final : public Engine {
       model::check_triangle(*scene_, triangle, index);
       const std::size_t before = rows_.size();
       model::triangle_to_rows(pipeline_, triangle, index, walk_, rows_, counters_, trace);
-      textures_.resize(rows_.size(), model::texture_of(*scene_, triangle));
+      textures_.resize(rows_.size(), triangle.texture);
       pixels += pixels_of(rows_, before);
       if (pixels >= pixels_a_run) {
         run(trace);
@@ -98,12 +119,26 @@ class RtlEngine final : public Engine {
       std::erase_if(fragments_, [&](const FragmentRecord& f) {
         return f.x < 0 || f.x >= frame_.width || f.y < 0 || f.y >= frame_.height;
       });
-      model::fragments_to_frame(pipeline_, fragments_, textures_[i], frame_, counters_, trace);
+      shade(textures_[i], trace);
       last = {modelled, geometry};
     }
+    if (draws_pixels_) pixels_->run(covered_, counters_, trace);
+    covered_.clear();
     deliver_surplus(result, pixel, last, trace);
     rows_.clear();
     textures_.clear();
+  }
+
+  // The fragments of a row from depth to the frame: on the RTL's way, or by the model where it has none.
+  void shade(int texture, Trace* trace) {
+    if (draws_pixels_) {
+      for (const FragmentRecord& f : fragments_) {
+        if (f.covered != 0) covered_.push_back({f, std::max(texture, -1)});
+      }
+      return;
+    }
+    const Texture* image = texture < 0 ? nullptr : &scene_->textures[static_cast<std::size_t>(texture)];
+    model::fragments_to_frame(pipeline_, fragments_, image, frame_, counters_, trace);
   }
 
   struct LastSpan {
@@ -179,6 +214,8 @@ class RtlEngine final : public Engine {
   Config config_;
   RtlOptions options_;
   Rtl rtl_;
+  std::unique_ptr<RtlPixels> pixels_;  // none where the configuration has no pixel stages in RTL
+  bool draws_pixels_ = false;          // they take this scene
   const Scene* scene_ = nullptr;
   model::Pipeline pipeline_;
   Frame frame_;
@@ -188,12 +225,42 @@ class RtlEngine final : public Engine {
   // Reused from run to run.
   model::Rows rows_;
   model::PlaneWalkState walk_;
-  std::vector<const Texture*> textures_;  // one per row
+  std::vector<int> textures_;  // Triangle::texture, one per row
   std::vector<RtlInputs> inputs_;
   std::vector<FragmentRecord> fragments_;
+  std::vector<RtlPixels::Fragment> covered_;  // on their way to the pixel stages
 };
 
 }  // namespace
+
+bool rtl_draws_pixels(const Config& config, const Scene& scene) {
+  return has_pixel_rtl(config) && holds_textures(scene);
+}
+
+RtlOwn rtl_own(const Config& config, const Scene& scene) {
+  RtlOwn own;
+  const auto fields_of_type = [&](RecordType type) -> std::uint64_t& {
+    return own.fields[static_cast<std::size_t>(type)];
+  };
+#define BITSPAN_COUNT_PORT(name) +1
+  fields_of_type(RecordType::span) = 0 BITSPAN_RTL_SPAN(BITSPAN_COUNT_PORT);
+  fields_of_type(RecordType::fragment) = 0 BITSPAN_RTL_PIXEL(BITSPAN_COUNT_PORT);
+#undef BITSPAN_COUNT_PORT
+  // In delta_f step_o is always 0, and a fragment's y is its row's.
+  if (!has_plane_rows(config.perspective)) --fields_of_type(RecordType::fragment);
+  if (!rtl_draws_pixels(config, scene)) return own;
+  for (const RecordType type : {RecordType::depth, RecordType::texture, RecordType::fog, RecordType::merge}) {
+    fields_of_type(type) = fields_of(type).size() - 1;  // all but the triangle
+  }
+  // i and j, although the RTL finds those of the other textures.
+  const bool finds_all = std::ranges::all_of(
+      scene.textures, [&](const Texture& texture) { return addresses_texels(config, texture); });
+  if (!finds_all) fields_of_type(RecordType::texture) -= 2;
+  own.picture =
+      6;  // depth, u, v and three channels of colour; not the triangle, nor the alpha that stays 255
+  own.counters = 3;  // depth_passed, killed, written
+  return own;
+}
 
 std::unique_ptr<Engine> make_rtl(const Config& config, const RtlOptions& options) {
   return std::make_unique<RtlEngine>(config, options);

@@ -1,30 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
-// The engine `rtl`: the model's pipeline with the Verilated span interpolator in place of span_setup and
-// span.
+// The engine `rtl`: the Verilated span interpolator and pixel stages behind the model's setup and walk.
 //
 // The RTL gives 17 fields of the span record: all but triangle, the shades and the coordinate of the row. It
 // gives x, last, h, fu, fv, the reciprocal, u and v of the fragment record, and its y in const_depth_rows, by
-// step_o. The model gives everything else. The frame is written at the RTL's position.
+// step_o. The fragments that cover their pixel go on through the pixel stages, with the model's shades, and
+// these give every field of the later records but triangle. The picture is their memory.
+//
+// The model takes over where the RTL cannot: the pixel stages of a configuration or of a scene that they do
+// not take (rtl_draws_pixels), and the indices of the texels of a texture that repeats and has a size that
+// is no power of two (addresses_texels).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 
-#include "config/modes.hpp"
 #include "engine/engine.hpp"
-#include "tb/rtl_abi.hpp"
+#include "engine/records.hpp"
+#include "scene/scene.hpp"
 
 namespace bitspan {
 
-// How many fields of a record are read from the RTL's ports.
-#define BITSPAN_COUNT_PORT(name) +1
-inline constexpr std::uint64_t rtl_span_fields = 0 BITSPAN_RTL_SPAN(BITSPAN_COUNT_PORT);
-// In delta_f step_o is always 0, and a fragment's y is its row's.
-inline std::uint64_t rtl_fragment_fields(const Config& config) {
-  constexpr std::uint64_t ports = 0 BITSPAN_RTL_PIXEL(BITSPAN_COUNT_PORT);
-  return has_plane_rows(config.perspective) ? ports : ports - 1;
-}
-#undef BITSPAN_COUNT_PORT
+// Whether depth, texture, fog and merge of a scene are the RTL's.
+bool rtl_draws_pixels(const Config& config, const Scene& scene);
+
+// How many values are the RTL's own: fields per record of each type, values per pixel of the picture, and
+// counters.
+struct RtlOwn {
+  std::array<std::uint64_t, record_types> fields{};
+  std::uint64_t picture = 0, counters = 0;
+};
+RtlOwn rtl_own(const Config& config, const Scene& scene);
 
 struct RtlOptions {
   // Random gaps of the input and stalls of the output; values do not depend on them.
@@ -34,7 +40,8 @@ struct RtlOptions {
 };
 
 // Builds the RTL of this configuration, or finds it built (tb/rtl_build.hpp). Throws InputError where the
-// mode has no RTL or a tool is missing. Counters::cycles counts the RTL's clocks, stalls included.
+// mode has no RTL or a tool is missing. Counters::cycles counts the clocks of the span interpolator, stalls
+// included; the pixel stages follow it without throttling it, and their clocks are not counted.
 std::unique_ptr<Engine> make_rtl(const Config& config, const RtlOptions& options = {});
 
 }  // namespace bitspan

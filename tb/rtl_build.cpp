@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <mutex>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -96,6 +97,8 @@ std::vector<std::string> compile_command(const fs::path& root) {
 // Verilator's own runtime, compiled once for every configuration.
 std::vector<fs::path> build_runtime(const fs::path& cache, const fs::path& root,
                                     const std::string& flags_text) {
+  static std::mutex mutex;  // the second of two builds finds what the first one compiled
+  const std::lock_guard lock(mutex);
   std::vector<fs::path> objects;
   for (const char* part : {"verilated", "verilated_threads"}) {
     const fs::path source = fs::path(verilator_include()) / (std::string(part) + ".cpp");
@@ -144,22 +147,38 @@ void prune(const fs::path& cache) {
   }
 }
 
-// A line on a terminal while a build runs.
+// A line on a terminal while builds run; those of one configuration run side by side.
 class Progress {
  public:
-  explicit Progress(const std::string& name) : shown_(::isatty(STDERR_FILENO) != 0) {
-    if (shown_) fmt::print(stderr, "building the RTL of {} ...", name.empty() ? "this configuration" : name);
-    if (shown_) std::fflush(stderr);
+  explicit Progress(const std::string& name) {
+    if (::isatty(STDERR_FILENO) == 0) return;
+    const std::lock_guard lock(mutex_);
+    if (builds_++ > 0) return;
+    fmt::print(stderr, "building the RTL of {} ...", name.empty() ? "this configuration" : name);
+    std::fflush(stderr);
   }
   ~Progress() {
-    if (shown_) std::fputs("\r\033[K", stderr);
+    const std::lock_guard lock(mutex_);
+    if (builds_ > 0 && --builds_ == 0) std::fputs("\r\033[K", stderr);
   }
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
  private:
-  bool shown_;
+  static inline std::mutex mutex_;
+  static inline int builds_ = 0;  // those that the line stands for
 };
+
+// Below rtl/, in the order of reading.
+std::vector<fs::path> listed_sources(const std::string& list_name) {
+  const fs::path folder = rtl_root() / "rtl";
+  std::istringstream list(read_text(folder / list_name, root_hint));
+  std::vector<fs::path> sources;
+  for (std::string name; std::getline(list, name);) {
+    if (!name.empty()) sources.push_back(folder / name);
+  }
+  return sources;
+}
 
 }  // namespace
 
@@ -174,21 +193,16 @@ fs::path rtl_root() {
   return root.empty() ? fs::path(BITSPAN_SOURCE_DIR) : fs::path(root);
 }
 
-std::vector<fs::path> rtl_sources() {
-  const fs::path folder = rtl_root() / "rtl";
-  std::istringstream list(read_text(folder / "span_interpolator.f", root_hint));
-  std::vector<fs::path> sources;
-  for (std::string name; std::getline(list, name);) {
-    if (!name.empty()) sources.push_back(folder / name);
-  }
-  return sources;
-}
+std::vector<fs::path> rtl_sources() { return listed_sources("span_interpolator.f"); }
+std::vector<fs::path> pixel_sources() { return listed_sources("pixel_pipe.f"); }
 
 std::string rtl_sources_hash() {
   Fnv128 hash;
-  for (const fs::path& source : rtl_sources()) {
-    hash.text(source.filename().string());
-    hash.text(read_text(source, root_hint));
+  for (const std::vector<fs::path>& sources : {rtl_sources(), pixel_sources()}) {
+    for (const fs::path& source : sources) {
+      hash.text(source.filename().string());
+      hash.text(read_text(source, root_hint));
+    }
   }
   return hash.hex();
 }

@@ -12,6 +12,17 @@ std::string list(const char* macro, const std::vector<std::string>& ports) {
   return text + '\n';
 }
 
+std::filesystem::path library_of(const RtlModuleDesign& design) {
+  return build_library({.name = design.name,
+                        .top = design.top,
+                        .package = design.package,
+                        .sources = design.sources,
+                        .ports = fmt::format("#include \"V{0}.h\"\n#define BITSPAN_TOP V{0}\n", design.top) +
+                                 list("BITSPAN_INPUTS", design.inputs) +
+                                 list("BITSPAN_OUTPUTS", design.outputs),
+                        .harness = "tb/rtl_module_harness.cpp"});
+}
+
 }  // namespace
 
 struct RtlModule::Library {
@@ -29,15 +40,10 @@ struct RtlModule::Library {
   const char* (*clock)(void*, const std::uint64_t*, std::uint64_t*) = nullptr;
 };
 
+void RtlModule::build(const RtlModuleDesign& design) { library_of(design); }
+
 RtlModule::RtlModule(const RtlModuleDesign& design)
-    : library_(std::make_unique<Library>(build_library(
-          {.name = design.name,
-           .top = design.top,
-           .package = design.package,
-           .sources = design.sources,
-           .ports = fmt::format("#include \"V{0}.h\"\n#define BITSPAN_TOP V{0}\n", design.top) +
-                    list("BITSPAN_INPUTS", design.inputs) + list("BITSPAN_OUTPUTS", design.outputs),
-           .harness = "tb/rtl_module_harness.cpp"}))),
+    : library_(std::make_unique<Library>(library_of(design))),
       handle_(library_->create(), library_->destroy) {
   reset();
 }

@@ -24,6 +24,9 @@ struct RtlModuleDesign {
 
 class RtlModule {
  public:
+  // Builds the library where the cache does not hold it, so that the constructor finds it. Throws as
+  // build_library.
+  static void build(const RtlModuleDesign& design);
   // Builds or finds the library, loads it and resets. Throws as build_library and clock.
   explicit RtlModule(const RtlModuleDesign& design);
   ~RtlModule();

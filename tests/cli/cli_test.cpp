@@ -9,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "engine/records.hpp"
 #include "io/png.hpp"
 #include "report/replay.hpp"
 #include "tests/cli/program.hpp"
@@ -443,9 +444,19 @@ TEST_F(Cli, OwnValuesAreThoseOfTheEngineItself) {
   EXPECT_GT(fragments, 100U);
   EXPECT_EQ(rtl.at("stages").at("span_setup").at("own"), 17 * spans);
   EXPECT_EQ(rtl.at("stages").at("span").at("own"), 9 * fragments);
-  EXPECT_EQ(rtl.at("stages").at("depth").at("own"), 0);
-  EXPECT_EQ(rtl.at("picture").at("own"), 0);
-  EXPECT_EQ(rtl.at("all").at("own"), 17 * spans + 9 * fragments);
+  EXPECT_EQ(rtl.at("stages").at("edge_walk").at("own"), 0);
+  // All but the triangle.
+  std::uint64_t pixel_values = 0;
+  for (const RecordType type : {RecordType::depth, RecordType::texture, RecordType::fog, RecordType::merge}) {
+    const auto& stage = rtl.at("stages").at(std::string(stage_of(type)));
+    const std::uint64_t own = stage.at("own");
+    EXPECT_EQ(own, stage.at("records").get<std::uint64_t>() * (fields_of(type).size() - 1));
+    EXPECT_GT(own, 0U);
+    pixel_values += own;
+  }
+  EXPECT_EQ(rtl.at("picture").at("own"), 6 * 32 * 24);
+  EXPECT_EQ(rtl.at("counters").at("own"), 3);
+  EXPECT_EQ(rtl.at("all").at("own"), 17 * spans + 9 * fragments + pixel_values + 6 * 32 * 24 + 3);
 }
 
 // What a tool does wrong is not the user's fault.

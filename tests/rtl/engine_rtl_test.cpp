@@ -6,9 +6,12 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
+#include "engine/emit_pixel_sv.hpp"
 #include "model/engine_model.hpp"
 #include "tests/rtl/random_rtl.hpp"
+#include "tests/support/same_bits.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -22,15 +25,18 @@ Scene random_scene(std::uint64_t seed, int triangles) {
   scene.height = 64;
   scene.s_min = 2;
   scene.s_max = 500;
-  Texture texture;
-  texture.name = "noise";
-  texture.width = 16;
-  texture.height = 8;
-  for (int i = 0; i < 16 * 8 * 4; ++i) texture.rgba.push_back(static_cast<std::uint8_t>(random() % 256));
-  scene.textures.push_back(texture);
+  // The RTL repeats the first one by itself.
+  for (const auto& [width, height] : {std::pair{16, 8}, std::pair{20, 7}}) {
+    Texture texture{"noise", width, height, {}};
+    for (int i = 0; i < width * height * 4; ++i) {
+      texture.rgba.push_back(static_cast<std::uint8_t>(random() % 256));
+    }
+    scene.textures.push_back(texture);
+  }
+  scene.fog = Fog{{200, 190, 180}, 120};
   for (int i = 0; i < triangles; ++i) {
     Triangle t;
-    t.texture = i % 3 == 0 ? -1 : 0;
+    t.texture = i % 3 - 1;
     // From a pixel to more than the screen.
     const double size = std::exp2(unit(random) * 8);
     const double x = unit(random) * scene.width;
@@ -63,9 +69,13 @@ void compare(const Config& config, const Scene& scene) {
   BITSPAN_RECORDS(BITSPAN_COMPARE)
 #undef BITSPAN_COMPARE
   EXPECT_GT(expected.fragment.size(), 1000U);
+  EXPECT_GT(expected.merge.size(), 100U);
+  EXPECT_LT(expected.merge.size(), expected.depth.size());
   EXPECT_EQ(rtl->frame().color, model->frame().color);
   EXPECT_EQ(rtl->frame().depth, model->frame().depth);
   EXPECT_EQ(rtl->frame().triangle, model->frame().triangle);
+  EXPECT_TRUE(same_bits(rtl->frame().u, model->frame().u));
+  EXPECT_TRUE(same_bits(rtl->frame().v, model->frame().v));
   Counters counters = rtl->counters();
   EXPECT_GT(counters.cycles, counters.fragments);
   counters.cycles = model->counters().cycles;
@@ -90,6 +100,72 @@ TEST(EngineRtl, EqualsTheModel) {
       compare(c, random_scene(3, 120));
     }
   }
+}
+
+// What the shipped configurations do not have; tests/rtl/pixel_pipe_test.cpp uses the same packages.
+TEST(EngineRtl, EqualsTheModelInOtherModesOfThePixelStages) {
+  Config linear = shipped_config("depth16");
+  linear.filter = TextureFilter::bilinear;
+  linear.depth_code = DepthCode::linear;
+  linear.fog = FogMode::linear;
+  Config opengl = shipped_config("depth16");
+  opengl.depth_code = DepthCode::opengl;
+  opengl.depth_func = DepthFunc::lequal;
+  opengl.wrap = TextureWrap::clamp;
+  for (const Config& c : {linear, opengl}) {
+    SCOPED_TRACE(to_string(c.depth_code));
+    compare(c, random_scene(5, 60));
+  }
+}
+
+std::uint64_t own_fields(const Config& config, const Scene& scene, RecordType type) {
+  return rtl_own(config, scene).fields[static_cast<std::size_t>(type)];
+}
+
+TEST(EngineRtl, CountsItsOwnValues) {
+  using enum RecordType;
+  Config c = shipped_config("depth16");
+  Scene scene = random_scene(3, 1);
+  EXPECT_EQ(own_fields(c, scene, row), 0U);
+  EXPECT_EQ(own_fields(c, scene, span), 17U);
+  EXPECT_EQ(own_fields(c, scene, fragment), 9U);
+  EXPECT_EQ(own_fields(c, scene, RecordType::depth), fields<DepthRecord>.size() - 1);
+  EXPECT_EQ(own_fields(c, scene, RecordType::fog), fields<FogRecord>.size() - 1);
+  EXPECT_EQ(own_fields(c, scene, RecordType::merge), fields<MergeRecord>.size() - 1);
+  EXPECT_EQ(rtl_own(c, scene).picture, 6U);
+  EXPECT_EQ(rtl_own(c, scene).counters, 3U);
+  // Without i and j, since one texture has a size that is no power of two.
+  EXPECT_EQ(own_fields(c, scene, RecordType::texture), fields<TextureRecord>.size() - 3);
+  scene.textures.pop_back();
+  EXPECT_EQ(own_fields(c, scene, RecordType::texture), fields<TextureRecord>.size() - 1);
+  c.perspective = Perspective::const_depth_rows;
+  EXPECT_EQ(own_fields(c, scene, fragment), 10U);
+}
+
+void expect_modelled(const Config& config, const Scene& scene) {
+  EXPECT_FALSE(rtl_draws_pixels(config, scene));
+  EXPECT_EQ(own_fields(config, scene, RecordType::span), 17U);
+  for (const RecordType type : {RecordType::depth, RecordType::texture, RecordType::fog, RecordType::merge}) {
+    EXPECT_EQ(own_fields(config, scene, type), 0U);
+  }
+  EXPECT_EQ(rtl_own(config, scene).picture, 0U);
+  EXPECT_EQ(rtl_own(config, scene).counters, 0U);
+  compare(config, scene);
+}
+
+TEST(EngineRtl, LeavesToTheModelWhatThePixelStagesDoNotTake) {
+  Config iterative = shipped_config("depth16");
+  iterative.perspective = Perspective::const_depth_rows;
+  iterative.fog = FogMode::linear;
+  iterative.pixel_reciprocal.pipelined = false;
+  expect_modelled(iterative, random_scene(3, 60));
+
+  Scene wide = random_scene(3, 60);
+  Texture& texture = wide.textures.front();
+  texture.width = 2 << texel_index_bits;
+  texture.height = 1;
+  texture.rgba.assign(std::size_t{4} * static_cast<std::size_t>(texture.width), 200);
+  expect_modelled(shipped_config("depth16"), wide);
 }
 
 TEST(EngineRtl, EqualsTheModelInRandomConfigurations) {

@@ -11,7 +11,6 @@
 #include "config/modes.hpp"
 #include "config/pixel_timing.hpp"
 #include "engine/emit_pixel_sv.hpp"
-#include "engine/sv_writer.hpp"
 #include "model/engine_model.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/depth.hpp"
@@ -20,6 +19,7 @@
 #include "model/stages/texture.hpp"
 #include "scene/demo.hpp"
 #include "tb/programs.hpp"
+#include "tb/rtl_pixels.hpp"
 #include "tests/rtl/random_rtl.hpp"
 #include "tests/rtl/rtl_copy.hpp"
 #include "tests/rtl/stage_bench.hpp"
@@ -31,57 +31,6 @@
 namespace bitspan {
 namespace {
 
-StageDesign design_of(const Config& c) {
-  StageDesign d{
-      .name = c.name,
-      .top = "pixel_pipe",
-      .package = emit_pixel_sv(c),
-      .channels = {{ChannelKind::in,
-                    "draw",
-                    {"func", "write_z", "textured", "bilinear", "clamp", "last_i", "last_j", "pitch", "base",
-                     "transparent", "reserved", "fog", "fog_color", "blend", "write_color"}},
-                   {ChannelKind::in, "in", {"x", "y", "h", "u", "v", "r", "g", "b", "a"}},
-                   {ChannelKind::out, "z_request", {"x", "y"}},
-                   {ChannelKind::in, "z_answer", {"z"}},
-                   {ChannelKind::out, "z_write", {"x", "y", "z"}},
-                   {ChannelKind::out, "color_request", {"x", "y"}},
-                   {ChannelKind::in, "color_answer", {"r", "g", "b"}},
-                   {ChannelKind::out, "color_write", {"x", "y", "r", "g", "b"}},
-                   {ChannelKind::tap,
-                    "depth_record",
-                    {"x", "y", "recip_m", "recip_e", "z", "stored", "pass"}},
-                   {ChannelKind::tap,
-                    "texture_record",
-                    {"x", "y", "i", "j", "ex", "ey", "texel_r", "texel_g", "texel_b", "texel_a", "r", "g",
-                     "b", "a", "killed"}},
-                   {ChannelKind::tap,
-                    "fog_record",
-                    {"x", "y", "index", "recip_m", "recip_e", "factor", "r", "g", "b"}},
-                   {ChannelKind::tap, "merge_record", {"x", "y", "z", "r", "g", "b"}}},
-      .constants = {"b", "c1", "c0", "scale", "width", "height", "load", "load_threshold", "load_place",
-                    "load_data"},
-      .levels = {"idle"}};
-  for (int port = 0; port < 4; ++port) {
-    d.channels.push_back({ChannelKind::out, fmt::format("texel{}_request", port), {"address"}});
-    d.channels.push_back({ChannelKind::in, fmt::format("texel{}_answer", port), {"texel"}});
-  }
-  return d;
-}
-
-std::uint64_t bits(std::int64_t raw, int width) { return Rtl::to_port(raw, width); }
-
-// What the stages take from a triangle.
-struct DrawState {
-  DepthFunc func = DepthFunc::less;
-  int texture = -1;
-  TextureFilter filter = TextureFilter::nearest;
-  TextureWrap wrap = TextureWrap::cyclic;
-  Color transparent;
-  FogMode fog = FogMode::none;
-  std::array<std::uint8_t, 3> fog_color{};
-  bool write_z = true, blend = true, write_color = true;
-};
-
 // Fragments with one draw state.
 struct Batch {
   StageValues draw;
@@ -90,8 +39,8 @@ struct Batch {
 
 struct PipeCase {
   Config config;
-  Scene scene;                                // its textures, its background and its size
-  std::vector<std::uint64_t> bases, pitches;  // of the textures
+  Scene scene;  // its textures, its background and its size
+  std::vector<TexelPlace> places;
   model::Constants constants;
   model::FogStage fog;
   std::vector<Batch> batches;
@@ -104,68 +53,10 @@ template <class R>
 StageValues record_ports(const Config& c, const R& record) {
   StageValues values;
   const auto raw = raw_values(record);
-  for (std::size_t i = 0; i < raw.size(); ++i) {
-    const Field& field = fields<R>[i];
-    if (field.name == "triangle") continue;
-    const std::optional<Format> format = format_of(field, c);
-    const int width = format                    ? format->word
-                      : field.name == "recip_e" ? exponent_bits
-                      : field.name == "index"   ? c.fog_index_bits() + 1
-                                                : 63;
-    values.push_back(bits(raw[i], width));
+  for (std::size_t i = 1; i < raw.size(); ++i) {
+    values.push_back(Rtl::to_port(raw[i], port_format(fields<R>[i], c).word));
   }
   return values;
-}
-
-std::uint64_t packed(const std::array<std::uint8_t, 3>& color) {
-  return color[0] | std::uint64_t{color[1]} << 8 | std::uint64_t{color[2]} << 16;
-}
-
-StageValues ports_of(const PipeCase& p, const DrawState& s) {
-  const PassingDistances passes = passing_distances(s.func);
-  const bool textured = s.texture >= 0;
-  const auto texture = static_cast<std::size_t>(textured ? s.texture : 0);
-  const auto last = [&](int Texture::*size) {
-    return textured ? static_cast<std::uint64_t>(p.scene.textures[texture].*size - 1) : 0;
-  };
-  const auto bit = [](bool b) { return std::uint64_t{b}; };
-  return {bit(passes.nearer) | bit(passes.equal) << 1 | bit(passes.farther) << 2,
-          bit(s.write_z),
-          bit(textured),
-          bit(weighs_texels(s.filter)),
-          bit(clamps_to_border(s.wrap)),
-          last(&Texture::width),
-          last(&Texture::height),
-          textured ? p.pitches[texture] : 0,
-          textured ? p.bases[texture] : 0,
-          bit(s.transparent.has_value()),
-          s.transparent ? packed(*s.transparent) : 0,
-          static_cast<std::uint64_t>(s.fog),
-          packed(s.fog_color),
-          bit(s.blend),
-          bit(s.write_color)};
-}
-
-StageValues ports_of(const Config& c, const FragmentRecord& f) {
-  const auto port = [&c](std::int64_t raw, FormatId id) { return bits(raw, c.format(id).word); };
-  return {bits(f.x, 63),
-          bits(f.y, 63),
-          port(f.h, FormatId::span_h),
-          port(f.u, FormatId::span_uv),
-          port(f.v, FormatId::span_uv),
-          port(f.r, FormatId::span_shade),
-          port(f.g, FormatId::span_shade),
-          port(f.b, FormatId::span_shade),
-          port(f.a, FormatId::span_shade)};
-}
-
-void place_textures(PipeCase& p) {
-  std::uint64_t end = 0;
-  for (const Texture& t : p.scene.textures) {
-    p.pitches.push_back(static_cast<std::uint64_t>(std::bit_width(static_cast<unsigned>(t.width - 1))));
-    p.bases.push_back(((end >> p.pitches.back()) + 1) << p.pitches.back());
-    end = p.bases.back() + (static_cast<std::uint64_t>(t.height) << p.pitches.back());
-  }
 }
 
 std::uint32_t clear_code(const Config& c) {
@@ -193,7 +84,7 @@ PipeCase make_case(const Config& c, const Scene& given) {
   p.scene = given;
   if (!clamps_to_border(c.wrap)) continue_textures(p.scene);
   const Scene& scene = p.scene;
-  place_textures(p);
+  p.places = place_textures(p.scene);
   p.constants = model::make_constants(c, scene);
   p.fog = model::prepare_fog(c, p.constants, scene);
   const auto model = make_model(c);
@@ -205,18 +96,20 @@ PipeCase make_case(const Config& c, const Scene& given) {
   for (const FragmentRecord& f : trace.fragment) {
     if (f.covered == 0) continue;
     if (f.triangle != before) {
+      const int texture = scene.triangles[static_cast<std::size_t>(f.triangle)].texture;
       const DrawState state{.func = c.depth_func,
-                            .texture = scene.triangles[static_cast<std::size_t>(f.triangle)].texture,
+                            .textured = texture >= 0,
                             .filter = c.filter,
                             .wrap = c.wrap,
+                            .place = texture < 0 ? TexelPlace{} : p.places[static_cast<std::size_t>(texture)],
                             .transparent = c.transparent,
                             .fog = p.fog.mode,
                             .fog_color = p.fog.fog_color};
-      const StageValues draw = ports_of(p, state);
+      const StageValues draw = draw_values(state);
       if (p.batches.empty() || p.batches.back().draw != draw) p.batches.push_back({draw, {}});
       before = f.triangle;
     }
-    p.batches.back().fragments.push_back(ports_of(c, f));
+    p.batches.back().fragments.push_back(fragment_values(c, f));
   }
   const auto add = [&](const char* tap, const auto& records) {
     for (const auto& r : records) p.records[tap].push_back(record_ports(c, r));
@@ -228,11 +121,14 @@ PipeCase make_case(const Config& c, const Scene& given) {
   return p;
 }
 
-DrawState random_state(Random& random, const PipeCase& p) {
+// With a texture's number, or -1.
+std::pair<DrawState, int> random_state(Random& random, const PipeCase& p) {
   const auto chance = [&](int percent) { return static_cast<int>(random() % 100) < percent; };
   DrawState s;
   s.func = static_cast<DepthFunc>(random() % enum_names<DepthFunc>.size());
-  s.texture = static_cast<int>(random() % (p.scene.textures.size() + 1)) - 1;
+  const int texture = static_cast<int>(random() % (p.scene.textures.size() + 1)) - 1;
+  s.textured = texture >= 0;
+  if (s.textured) s.place = p.places[static_cast<std::size_t>(texture)];
   s.filter = chance(50) ? TextureFilter::nearest : TextureFilter::bilinear;
   s.wrap = chance(50) ? TextureWrap::cyclic : TextureWrap::clamp;
   if (chance(50)) s.transparent = std::array<std::uint8_t, 3>{255, 0, 255};
@@ -243,7 +139,7 @@ DrawState random_state(Random& random, const PipeCase& p) {
   s.write_z = chance(80);
   s.blend = chance(70);
   s.write_color = chance(90);
-  return s;
+  return {s, texture};
 }
 
 // Raw fragments on few pixels, a new draw state for every few of them, through the model's stages one after
@@ -265,7 +161,7 @@ PipeCase random_case(Random& random, const Config& c, int batches) {
     }
     p.scene.textures.push_back(t);
   }
-  place_textures(p);
+  p.places = place_textures(p.scene);
   ConstantsRecord& k = p.constants.record;
   k.b = std::max<std::int64_t>(1, random_raw(random, c.format(FormatId::setup_b)));
   k.c1 = is_linear_in_distance(c.depth_code) ? random_raw(random, c.format(FormatId::depth_c1)) : 0;
@@ -281,8 +177,8 @@ PipeCase random_case(Random& random, const Config& c, int batches) {
   clear_frame(p.frame, p.scene.width, p.scene.height, p.scene.background, clear_code(c), false);
   const std::int64_t one = std::int64_t{1} << c.format(FormatId::texture_alpha).fraction();
   for (int batch = 0; batch < batches; ++batch) {
-    const DrawState s = random_state(random, p);
-    p.batches.push_back({ports_of(p, s), {}});
+    const auto [s, number] = random_state(random, p);
+    p.batches.push_back({draw_values(s), {}});
     depth.func = s.func;
     texture.filter = s.filter;
     texture.wrap = s.wrap;
@@ -297,7 +193,7 @@ PipeCase random_case(Random& random, const Config& c, int batches) {
       for (std::int64_t* uv : {&f.u, &f.v}) *uv = random_raw(random, c.format(FormatId::span_uv));
       for (std::int64_t* v : {&f.r, &f.g, &f.b, &f.a})
         *v = random_raw(random, c.format(FormatId::span_shade));
-      p.batches.back().fragments.push_back(ports_of(c, f));
+      p.batches.back().fragments.push_back(fragment_values(c, f));
       const std::size_t at = pixel_of(p.frame, f);
       DepthRecord d;
       TextureRecord t;
@@ -306,7 +202,7 @@ PipeCase random_case(Random& random, const Config& c, int batches) {
       const bool pass = model::depth(depth, f, p.frame.depth[at], d);
       p.records["depth_record"].push_back(record_ports(c, d));
       if (!pass) continue;
-      const Texture* image = s.texture < 0 ? nullptr : &p.scene.textures[static_cast<std::size_t>(s.texture)];
+      const Texture* image = number < 0 ? nullptr : &p.scene.textures[static_cast<std::size_t>(number)];
       const bool lives = model::texture(texture, image, f, t);
       p.records["texture_record"].push_back(record_ports(c, t));
       if (!lives) continue;
@@ -327,49 +223,23 @@ PipeCase random_case(Random& random, const Config& c, int batches) {
 }
 
 void load_frame_state(StageBench& bench, const PipeCase& p) {
-  const Config& c = p.config;
-  const ConstantsRecord& k = p.constants.record;
-  const auto set = [&](const char* name, std::int64_t raw, FormatId id) {
-    bench.set_constant(name, bits(raw, c.format(id).word));
-  };
-  set("b", k.b, FormatId::setup_b);
-  set("c1", k.c1, FormatId::depth_c1);
-  set("c0", k.c0, FormatId::depth_c0);
-  set("scale", k.fog_scale, FormatId::fog_scale);
-  bench.set_constant("width", static_cast<std::uint64_t>(p.scene.width));
-  bench.set_constant("height", static_cast<std::uint64_t>(p.scene.height));
-  const auto write = [&](bool threshold, std::uint64_t place, std::uint64_t data) {
+  const StageDesign design = pixel_pipe_design(p.config);
+  const StageValues values = frame_values(p.config, p.constants.record, p.scene);
+  for (std::size_t i = 0; i < values.size(); ++i) bench.set_constant(design.constants[i], values[i]);
+  for (const FogLoad& load : fog_loads(p.config, p.fog)) {
     bench.set_constant("load", 1);
-    bench.set_constant("load_threshold", threshold ? 1 : 0);
-    bench.set_constant("load_place", place);
-    bench.set_constant("load_data", data);
+    bench.set_constant("load_threshold", load.threshold ? 1 : 0);
+    bench.set_constant("load_place", load.place);
+    bench.set_constant("load_data", load.data);
     bench.clock();
-  };
-  const std::int64_t all = p.fog.width * p.fog.width + p.fog.height * p.fog.height;
-  const std::int64_t zones = std::int64_t{1} << c.fog_zone_bits;
-  for (std::int64_t z = 1; z < zones; ++z) {
-    write(true, static_cast<std::uint64_t>(z), static_cast<std::uint64_t>((z * all + zones - 1) / zones));
-  }
-  for (std::size_t i = 0; i < p.fog.table.size(); ++i) {
-    write(false, i, bits(p.fog.table[i], c.format(FormatId::fog_factor).word));
   }
   bench.set_constant("load", 0);
 }
 
-std::uint64_t texel_at(const PipeCase& p, std::uint64_t address) {
-  for (std::size_t i = 0; i < p.bases.size(); ++i) {
-    const Texture& t = p.scene.textures[i];
-    const std::uint64_t row = (address - p.bases[i]) >> p.pitches[i];
-    const std::uint64_t column = (address - p.bases[i]) & ((std::uint64_t{1} << p.pitches[i]) - 1);
-    if (address < p.bases[i] || row >= static_cast<std::uint64_t>(t.height) ||
-        column >= static_cast<std::uint64_t>(t.width)) {
-      continue;
-    }
-    const std::uint8_t* texel = t.rgba.data() + 4 * (row * static_cast<std::uint64_t>(t.width) + column);
-    return texel[0] | std::uint64_t{texel[1]} << 8 | std::uint64_t{texel[2]} << 16 |
-           std::uint64_t{texel[3]} << 24;
-  }
-  throw std::logic_error(fmt::format("address {} holds no texel", address));
+std::uint64_t texel_of(const PipeCase& p, std::uint64_t address) {
+  const std::optional<std::uint32_t> texel = texel_at(p.scene, p.places, address);
+  if (!texel) throw std::logic_error(fmt::format("address {} holds no texel", address));
+  return *texel;
 }
 
 struct Way {
@@ -388,7 +258,7 @@ struct PipeRun {
 // Throws std::logic_error where anything differs.
 PipeRun run_pipe(const PipeCase& p, const Way& way, StageTrace* trace = nullptr) {
   const Config& c = p.config;
-  StageBench bench(design_of(c), way.seed);
+  StageBench bench(pixel_pipe_design(c), way.seed);
   if (trace != nullptr) bench.keep_trace(*trace);
   await_sweep(bench, c);
   load_frame_state(bench, p);
@@ -405,7 +275,7 @@ PipeRun run_pipe(const PipeCase& p, const Way& way, StageTrace* trace = nullptr)
   for (int port = 0; port < 4; ++port) {
     texels.emplace_back(bench, fmt::format("texel{}_request", port), fmt::format("texel{}_answer", port), "",
                         1, way.latency, way.seed + static_cast<std::uint64_t>(port),
-                        [&](const StageMemory::Address& at) { return StageValues{texel_at(p, at[0])}; });
+                        [&](const StageMemory::Address& at) { return StageValues{texel_of(p, at[0])}; });
   }
   if (way.reset_after > 0) {
     bench.send("draw", p.batches.front().draw);
@@ -588,7 +458,7 @@ TEST(PixelPipe, IcarusAndYosysAgree) {
     const PipeCase p = random_case(random, c, 40);
     StageTrace trace;
     run_pipe(p, {0.2, {0.2, 0.3}, {1, 9}, 4}, &trace);
-    const StageDesign design = design_of(c);
+    const StageDesign design = pixel_pipe_design(c);
     const std::size_t compared = replay_under_icarus(design, trace, pixel_sources(), true);
     EXPECT_GT(compared, trace.outputs.size() * 10);
     const TemporaryFolder folder;

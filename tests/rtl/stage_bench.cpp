@@ -4,59 +4,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
-#include "tests/support/files.hpp"
-
 namespace bitspan {
-RtlModuleDesign module_of(const StageDesign& design) {
-  RtlModuleDesign m{.name = design.name,
-                    .top = design.top,
-                    .package = design.package,
-                    .sources = pixel_sources(),
-                    .inputs = {},
-                    .outputs = {}};
-  for (const StageChannel& c : design.channels) {
-    const bool in = c.kind == ChannelKind::in;
-    auto& with = in ? m.inputs : m.outputs;
-    with.push_back(c.name + (in ? "_valid_i" : "_valid_o"));
-    for (const std::string& field : c.fields) with.push_back(c.name + "_" + field + (in ? "_i" : "_o"));
-    if (in) m.outputs.push_back(c.name + "_ready_o");
-    if (c.kind == ChannelKind::out) m.inputs.push_back(c.name + "_ready_i");
-  }
-  for (const std::string& name : design.constants) m.inputs.push_back(name + "_i");
-  for (const std::string& name : design.levels) m.outputs.push_back(name + "_o");
-  return m;
-}
-
-std::vector<std::filesystem::path> pixel_sources() {
-  const std::filesystem::path folder = rtl_root() / "rtl";
-  std::istringstream list(read_file(folder / "pixel_pipe.f"));
-  std::vector<std::filesystem::path> sources;
-  for (std::string name; std::getline(list, name);) sources.push_back(folder / name);
-  return sources;
-}
 
 StageBench::StageBench(const StageDesign& design, std::uint64_t seed) : random_(seed) {
   const RtlModuleDesign m = module_of(design);
   inputs_.resize(m.inputs.size());
   outputs_.resize(m.outputs.size());
-  const auto place = [](const std::vector<std::string>& ports, const std::string& name) {
-    return static_cast<std::size_t>(std::ranges::find(ports, name) - ports.begin());
-  };
   for (const StageChannel& c : design.channels) {
     Channel made;
     made.shape = c;
-    const bool in = c.kind == ChannelKind::in;
-    made.valid = place(in ? m.inputs : m.outputs, c.name + (in ? "_valid_i" : "_valid_o"));
-    made.first = made.valid + 1;
-    made.ready = in ? place(m.outputs, c.name + "_ready_o") : place(m.inputs, c.name + "_ready_i");
+    made.ports = ports_of(m, c);
     channels_.push_back(std::move(made));
   }
-  for (const std::string& name : design.constants) constants_[name] = place(m.inputs, name + "_i");
-  for (const std::string& name : design.levels) levels_[name] = place(m.outputs, name + "_o");
+  for (const std::string& name : design.constants) constants_[name] = port_place(m.inputs, name + "_i");
+  for (const std::string& name : design.levels) levels_[name] = port_place(m.outputs, name + "_o");
   module_ = std::make_unique<RtlModule>(m);
 }
 
@@ -99,13 +63,13 @@ bool StageBench::clock() {
     const StageStalls& stalls = c.stalls == nullptr ? stalls_ : *c.stalls;
     if (c.shape.kind == ChannelKind::in) {
       if (!c.offered) c.offered = !c.queue.empty() && c.queue.front().from <= clocks_ && !chance(stalls.gap);
-      inputs_[c.valid] = c.offered ? 1 : 0;
+      inputs_[c.ports.valid] = c.offered ? 1 : 0;
       // What is on the ports beside an offer must not matter.
       for (std::size_t i = 0; i < c.shape.fields.size(); ++i) {
-        inputs_[c.first + i] = c.offered ? c.queue.front().values[i] : inputs_[c.first + i];
+        inputs_[c.ports.first + i] = c.offered ? c.queue.front().values[i] : inputs_[c.ports.first + i];
       }
     } else if (c.shape.kind == ChannelKind::out) {
-      inputs_[c.ready] = chance(stalls.stall) ? 0 : 1;
+      inputs_[c.ports.ready] = chance(stalls.stall) ? 0 : 1;
     }
   }
   module_->clock(inputs_, outputs_);
@@ -119,17 +83,17 @@ bool StageBench::clock() {
   std::vector<std::pair<Channel*, StageValues>> calls;
   for (Channel& c : channels_) {
     if (c.shape.kind == ChannelKind::in) {
-      if (!c.offered || outputs_[c.ready] == 0) continue;
+      if (!c.offered || outputs_[c.ports.ready] == 0) continue;
       c.queue.pop_front();
       c.offered = false;
     } else {
-      const bool valid = outputs_[c.valid] != 0;
-      const auto from = outputs_.begin() + static_cast<std::ptrdiff_t>(c.first);
+      const bool valid = outputs_[c.ports.valid] != 0;
+      const auto from = outputs_.begin() + static_cast<std::ptrdiff_t>(c.ports.first);
       StageValues values(from, from + static_cast<std::ptrdiff_t>(c.shape.fields.size()));
       if (c.held && (!valid || values != c.values)) {
         throw std::logic_error(fmt::format("{}: a waiting transfer was changed or withdrawn", c.shape.name));
       }
-      const bool taken = valid && (c.shape.kind == ChannelKind::tap || inputs_[c.ready] != 0);
+      const bool taken = valid && (c.shape.kind == ChannelKind::tap || inputs_[c.ports.ready] != 0);
       c.held = valid && !taken;
       c.values = values;
       if (!taken) continue;

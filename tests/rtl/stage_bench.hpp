@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A pixel stage in RTL under test: its channels with random gaps and stalls, and memories with random latency
 // behind its ports.
-//
-// A channel NAME with fields F has, seen from the module: the ports NAME_valid_i, NAME_ready_o and NAME_F_i
-// where it leads into the module, NAME_valid_o, NAME_ready_i and NAME_F_o where it leads out. A tap is a
-// channel out without NAME_ready_i. A constant has the port NAME_i alone.
 #pragma once
 
 #include <cstdint>
 #include <deque>
-#include <filesystem>
 #include <functional>
 #include <map>
 #include <random>
@@ -17,41 +12,14 @@
 #include <utility>
 #include <vector>
 
-#include "config/format.hpp"
-#include "tb/rtl_module.hpp"
+#include "tb/rtl_channels.hpp"
 
 namespace bitspan {
-
-// One value per field of a channel: a port's bits, zero-extended (Rtl::to_port, Rtl::from_port).
-using StageValues = std::vector<std::uint64_t>;
-
-enum class ChannelKind : std::uint8_t { in, out, tap };
-
-struct StageChannel {
-  ChannelKind kind = ChannelKind::in;
-  std::string name;
-  std::vector<std::string> fields;
-};
-
-struct StageDesign {
-  std::string name;     // of the configuration
-  std::string top;      // the module
-  std::string package;  // text in front of the sources
-  std::vector<StageChannel> channels;
-  std::vector<std::string> constants;  // ports that stay as they are
-  std::vector<std::string> levels;     // ports NAME_o besides those of the channels
-};
-
-// The bench's ports in order, by names: what RtlModule drives and samples.
-RtlModuleDesign module_of(const StageDesign& design);
 
 // The ports on each clock of a bench, as it drove and sampled them.
 struct StageTrace {
   std::vector<std::vector<std::uint64_t>> inputs, outputs;
 };
-
-// The sources of the pixel stages: those that rtl/pixel_pipe.f lists, in the order of reading.
-std::vector<std::filesystem::path> pixel_sources();
 
 // Probabilities per clock: that nothing is offered on a channel in, that a channel out is not ready.
 struct StageStalls {
@@ -101,12 +69,12 @@ class StageBench {
   };
   struct Channel {
     StageChannel shape;
-    std::size_t valid = 0, ready = 0, first = 0;  // places among the inputs or the outputs
-    const StageStalls* stalls = nullptr;          // of its own
-    std::deque<Waiting> queue;                    // in front of a channel in
-    bool offered = false;                         // once offered, values stay
-    bool held = false;                            // values waited on a channel out on the clock before
-    StageValues values;                           // these
+    ChannelPorts ports;
+    const StageStalls* stalls = nullptr;  // of its own
+    std::deque<Waiting> queue;            // in front of a channel in
+    bool offered = false;                 // once offered, values stay
+    bool held = false;                    // values waited on a channel out on the clock before
+    StageValues values;                   // these
     std::uint64_t transfers = 0;
     std::function<void(const StageValues&)> call;
   };

@@ -1,0 +1,560 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tb/rtl_pixels.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "config/modes.hpp"
+#include "config/pixel_timing.hpp"
+#include "engine/emit_pixel_sv.hpp"
+#include "engine/sv_writer.hpp"
+#include "tb/rtl_build.hpp"
+
+namespace bitspan {
+namespace {
+
+constexpr int texel_ports = 4;
+constexpr std::uint64_t texel_indices = std::uint64_t{1} << texel_index_bits;
+// In front of this address lie the textures. Behind it the address says only that the model names the texel.
+constexpr std::uint64_t modelled_base = std::uint64_t{1} << (texel_address_bits - 1);
+// A texture of any size that the RTL repeats.
+constexpr TexelPlace modelled_place{texel_indices - 1, texel_indices - 1, texel_index_bits, modelled_base};
+
+// A tap's fields are its record's, in their order; all pixel records begin with the triangle.
+template <class R>
+StageChannel tap_of(const char* name) {
+  static_assert(fields<R>[0].name == "triangle");
+  StageChannel tap{ChannelKind::tap, name, {}};
+  for (std::size_t i = 1; i < fields<R>.size(); ++i) tap.fields.emplace_back(fields<R>[i].name);
+  return tap;
+}
+
+std::uint64_t packed(const std::array<std::uint8_t, 3>& color) {
+  return color[0] | std::uint64_t{color[1]} << 8 | std::uint64_t{color[2]} << 16;
+}
+
+}  // namespace
+
+StageDesign pixel_pipe_design(const Config& config) {
+  StageDesign d{
+      .name = config.name,
+      .top = "pixel_pipe",
+      .package = emit_pixel_sv(config),
+      .channels = {{ChannelKind::in,
+                    "draw",
+                    {"func", "write_z", "textured", "bilinear", "clamp", "last_i", "last_j", "pitch", "base",
+                     "transparent", "reserved", "fog", "fog_color", "blend", "write_color"}},
+                   {ChannelKind::in, "in", {"x", "y", "h", "u", "v", "r", "g", "b", "a"}},
+                   {ChannelKind::out, "z_request", {"x", "y"}},
+                   {ChannelKind::in, "z_answer", {"z"}},
+                   {ChannelKind::out, "z_write", {"x", "y", "z"}},
+                   {ChannelKind::out, "color_request", {"x", "y"}},
+                   {ChannelKind::in, "color_answer", {"r", "g", "b"}},
+                   {ChannelKind::out, "color_write", {"x", "y", "r", "g", "b"}},
+                   tap_of<DepthRecord>("depth_record"),
+                   tap_of<TextureRecord>("texture_record"),
+                   tap_of<FogRecord>("fog_record"),
+                   tap_of<MergeRecord>("merge_record")},
+      .constants = {"b", "c1", "c0", "scale", "width", "height", "load", "load_threshold", "load_place",
+                    "load_data"},
+      .levels = {"idle"}};
+  for (int port = 0; port < texel_ports; ++port) {
+    d.channels.push_back({ChannelKind::out, fmt::format("texel{}_request", port), {"address"}});
+    d.channels.push_back({ChannelKind::in, fmt::format("texel{}_answer", port), {"texel"}});
+  }
+  return d;
+}
+
+Format port_format(const Field& field, const Config& config) {
+  if (const std::optional<Format> format = format_of(field, config)) return *format;
+  Format f{.word = 63, .integer = 63};
+  if (field.name == "recip_e") f = {.word = exponent_bits, .integer = exponent_bits, .is_signed = true};
+  if (field.name == "index") {
+    f.word = f.integer = config.fog_index_bits() + 1;
+    f.is_signed = true;
+  }
+  return f;
+}
+
+std::vector<TexelPlace> place_textures(const Scene& scene) {
+  std::vector<TexelPlace> places;
+  std::uint64_t end = 0;
+  for (const Texture& t : scene.textures) {
+    TexelPlace p;
+    p.last_i = static_cast<std::uint64_t>(t.width - 1);
+    p.last_j = static_cast<std::uint64_t>(t.height - 1);
+    p.pitch = static_cast<std::uint64_t>(std::bit_width(p.last_i));
+    p.base = ((end >> p.pitch) + 1) << p.pitch;
+    end = p.base + ((p.last_j + 1) << p.pitch);
+    places.push_back(p);
+  }
+  return places;
+}
+
+bool holds_textures(const Scene& scene) {
+  return std::ranges::all_of(place_textures(scene), [](const TexelPlace& p) {
+    const std::uint64_t end = p.base + ((p.last_j + 1) << p.pitch);
+    return std::max(p.last_i, p.last_j) < texel_indices && end <= modelled_base;
+  });
+}
+
+bool addresses_texels(const Config& config, const Texture& texture) {
+  const auto repeats = [](int size) { return std::has_single_bit(static_cast<unsigned>(size)); };
+  return clamps_to_border(config.wrap) || (repeats(texture.width) && repeats(texture.height));
+}
+
+std::uint32_t texel_word(const Texture& texture, std::int64_t i, std::int64_t j) {
+  const std::uint8_t* p = texture.rgba.data() + 4 * (j * texture.width + i);
+  return p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
+}
+
+std::optional<std::uint32_t> texel_at(const Scene& scene, std::span<const TexelPlace> places,
+                                      std::uint64_t address) {
+  const auto after =
+      std::ranges::upper_bound(places, address, {}, [](const TexelPlace& p) { return p.base; });
+  if (after == places.begin()) return std::nullopt;
+  const auto texture = static_cast<std::size_t>(after - places.begin()) - 1;
+  const TexelPlace& p = places[texture];
+  const std::uint64_t j = (address - p.base) >> p.pitch;
+  const std::uint64_t i = (address - p.base) & ((std::uint64_t{1} << p.pitch) - 1);
+  if (i > p.last_i || j > p.last_j) return std::nullopt;
+  return texel_word(scene.textures[texture], static_cast<std::int64_t>(i), static_cast<std::int64_t>(j));
+}
+
+StageValues draw_values(const DrawState& s) {
+  const PassingDistances passes = passing_distances(s.func);
+  const auto bit = [](bool b) { return std::uint64_t{b}; };
+  return {bit(passes.nearer) | bit(passes.equal) << 1 | bit(passes.farther) << 2,
+          bit(s.write_z),
+          bit(s.textured),
+          bit(weighs_texels(s.filter)),
+          bit(clamps_to_border(s.wrap)),
+          s.place.last_i,
+          s.place.last_j,
+          s.place.pitch,
+          s.place.base,
+          bit(s.transparent.has_value()),
+          s.transparent ? packed(*s.transparent) : 0,
+          static_cast<std::uint64_t>(s.fog),
+          packed(s.fog_color),
+          bit(s.blend),
+          bit(s.write_color)};
+}
+
+StageValues fragment_values(const Config& config, const FragmentRecord& f) {
+  const auto port = [&config](std::int64_t raw, FormatId id) {
+    return Rtl::to_port(raw, config.format(id).word);
+  };
+  return {static_cast<std::uint64_t>(f.x), static_cast<std::uint64_t>(f.y), port(f.h, FormatId::span_h),
+          port(f.u, FormatId::span_uv),    port(f.v, FormatId::span_uv),    port(f.r, FormatId::span_shade),
+          port(f.g, FormatId::span_shade), port(f.b, FormatId::span_shade), port(f.a, FormatId::span_shade)};
+}
+
+StageValues frame_values(const Config& config, const ConstantsRecord& k, const Scene& scene) {
+  const auto port = [&config](std::int64_t raw, FormatId id) {
+    return Rtl::to_port(raw, config.format(id).word);
+  };
+  return {port(k.b, FormatId::setup_b),
+          port(k.c1, FormatId::depth_c1),
+          port(k.c0, FormatId::depth_c0),
+          port(k.fog_scale, FormatId::fog_scale),
+          static_cast<std::uint64_t>(scene.width),
+          static_cast<std::uint64_t>(scene.height),
+          0,
+          0,
+          0,
+          0};
+}
+
+std::vector<FogLoad> fog_loads(const Config& config, const model::FogStage& fog) {
+  std::vector<FogLoad> loads;
+  const std::int64_t all = fog.width * fog.width + fog.height * fog.height;
+  const std::int64_t zones = std::int64_t{1} << config.fog_zone_bits;
+  for (std::int64_t z = 1; z < zones; ++z) {
+    loads.push_back(
+        {true, static_cast<std::uint64_t>(z), static_cast<std::uint64_t>((z * all + zones - 1) / zones)});
+  }
+  const int word = config.format(FormatId::fog_factor).word;
+  for (std::size_t i = 0; i < fog.table.size(); ++i) {
+    loads.push_back({false, i, Rtl::to_port(fog.table[i], word)});
+  }
+  return loads;
+}
+
+namespace {
+
+// Answers of a memory, in the order of the requests.
+struct Answers {
+  ChannelPorts request, answer;
+  std::vector<std::array<std::uint64_t, 3>> values;
+  std::size_t fields = 1, next = 0;
+
+  void clear() {
+    values.clear();
+    next = 0;
+  }
+};
+
+// Numbers of fragments on their way from one stage to the next.
+struct Underway {
+  std::vector<std::size_t> fragments;
+  std::size_t next = 0;
+
+  // Returns the fragment of the record that comes out now; the last one where none is on its way.
+  std::size_t take(std::size_t last) { return next < fragments.size() ? fragments[next++] : last; }
+};
+
+}  // namespace
+
+struct RtlPixels::Pipe {
+  Pipe(const Config& c, const StageDesign& d) : Pipe(c, d, module_of(d)) {}
+  Pipe(const Config& c, const StageDesign& d, const RtlModuleDesign& m)
+      : config(c),
+        module(m),
+        inputs(m.inputs.size()),
+        outputs(m.outputs.size()),
+        constants(port_place(m.inputs, d.constants.front() + "_i")),
+        load(port_place(m.inputs, "load_i")),
+        idle(port_place(m.outputs, "idle_o")) {
+    const auto find = [&](const std::string& name) {
+      return ports_of(m, *std::ranges::find(d.channels, name, &StageChannel::name));
+    };
+    draw = find("draw");
+    in = find("in");
+    z_write = find("z_write");
+    color_write = find("color_write");
+    depth = tap<DepthRecord>(find("depth_record"));
+    texture = tap<TextureRecord>(find("texture_record"));
+    fog = tap<FogRecord>(find("fog_record"));
+    merge = tap<MergeRecord>(find("merge_record"));
+    z = {find("z_request"), find("z_answer"), {}};
+    color = {find("color_request"), find("color_answer"), {}, 3};
+    for (std::size_t port = 0; port < texels.size(); ++port) {
+      texels[port] = {
+          find(fmt::format("texel{}_request", port)), find(fmt::format("texel{}_answer", port)), {}};
+    }
+    const PixelTiming t = pixel_timing(config);
+    clocks_until_empty = t.depth.total + t.texture.total + t.fog.total + t.merge.total_blending + t.in_flight;
+    merged_color = config.format(FormatId::merge_color);
+  }
+
+  template <class R>
+  struct Tap {
+    std::size_t valid = 0, first = 0;
+    std::vector<Format> formats;  // of the fields behind the triangle
+  };
+  template <class R>
+  Tap<R> tap(const ChannelPorts& ports) const {
+    Tap<R> t{ports.valid, ports.first, {}};
+    for (std::size_t i = 1; i < fields<R>.size(); ++i) {
+      t.formats.push_back(port_format(fields<R>[i], config));
+    }
+    return t;
+  }
+  template <class R>
+  R record(const Tap<R>& tap, std::int64_t triangle) const {
+    std::array<std::int64_t, fields<R>.size()> raw{triangle};
+    for (std::size_t i = 1; i < raw.size(); ++i) {
+      raw[i] = Rtl::from_port(outputs[tap.first + i - 1], tap.formats[i - 1]);
+    }
+    return std::bit_cast<R>(raw);
+  }
+
+  bool taken(const ChannelPorts& in_channel) const {
+    return inputs[in_channel.valid] != 0 && outputs[in_channel.ready] != 0;
+  }
+  void put(const ChannelPorts& channel, std::span<const std::uint64_t> values) {
+    std::ranges::copy(values, inputs.begin() + static_cast<std::ptrdiff_t>(channel.first));
+  }
+
+  // The pixel that two ports name; none outside the frame, where only faulty RTL reads or writes.
+  std::optional<std::size_t> pixel_at(std::size_t first) const {
+    const std::uint64_t x = outputs[first];
+    const std::uint64_t y = outputs[first + 1];
+    if (x >= static_cast<std::uint64_t>(frame->width) || y >= static_cast<std::uint64_t>(frame->height)) {
+      return std::nullopt;
+    }
+    return y * static_cast<std::uint64_t>(frame->width) + x;
+  }
+
+  void begin(const model::Pipeline& p, const Scene& s, Frame& f) {
+    pipeline = &p;
+    scene = &s;
+    frame = &f;
+    uv_ulp = std::ldexp(1.0, -p.texture.uv.fraction);
+    module.reset();
+    std::ranges::fill(inputs, 0);
+    const StageValues values = frame_values(config, p.constants.record, s);
+    std::ranges::copy(values, inputs.begin() + static_cast<std::ptrdiff_t>(constants));
+    for (const ChannelPorts* out : {&z.request, &z_write, &color.request, &color_write}) {
+      inputs[out->ready] = 1;
+    }
+    for (const Answers& t : texels) inputs[t.request.ready] = 1;
+    for (Answers* a : answers()) a->clear();
+    for (const FogLoad& l : fog_loads(config, p.fog)) {
+      inputs[load] = 1;
+      inputs[load + 1] = l.threshold ? 1 : 0;
+      inputs[load + 2] = l.place;
+      inputs[load + 3] = l.data;
+      module.clock(inputs, outputs);
+    }
+    inputs[load] = 0;
+    clocks = 0;
+    drawn = nothing_drawn;
+
+    places = place_textures(s);
+    modelled.clear();
+    for (const Texture& t : s.textures) modelled.push_back(!addresses_texels(config, t));
+    DrawState state{.func = p.depth.func,
+                    .filter = p.texture.filter,
+                    .wrap = p.texture.wrap,
+                    .transparent = p.texture.transparent,
+                    .fog = p.fog.mode,
+                    .fog_color = p.fog.fog_color};
+    draws = {draw_values(state)};
+    state.textured = true;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      state.place = modelled[i] ? modelled_place : places[i];
+      draws.push_back(draw_values(state));
+    }
+  }
+
+  std::array<Answers*, 2 + texel_ports> answers() {
+    return {&z, &color, texels.data(), &texels[1], &texels[2], &texels[3]};
+  }
+
+  // Runs one clock; returns whether anything but the fragments' own handshake moved.
+  bool clock() {
+    for (Answers* a : answers()) {
+      const bool waits = a->next < a->values.size();
+      inputs[a->answer.valid] = waits ? 1 : 0;
+      if (waits) put(a->answer, std::span(a->values[a->next]).first(a->fields));
+    }
+    module.clock(inputs, outputs);
+    ++clocks;
+    bool moved = false;
+    for (Answers* a : answers()) {
+      if (!taken(a->answer)) continue;
+      moved = true;
+      if (++a->next == a->values.size()) a->clear();
+    }
+    moved = records() || moved;
+    moved = reads() || moved;
+    return writes() || moved;
+  }
+
+  // A read finds what earlier clocks wrote.
+  bool reads() {
+    bool moved = false;
+    if (outputs[z.request.valid] != 0) {
+      const auto at = pixel_at(z.request.first);
+      z.values.push_back({at ? frame->depth[*at] : 0});
+      moved = true;
+    }
+    if (outputs[color.request.valid] != 0) {
+      const auto at = pixel_at(color.request.first);
+      const std::uint8_t* c = frame->color.data() + (at ? 4 * *at : 0);
+      color.values.push_back({c[0], c[1], c[2]});
+      moved = true;
+    }
+    for (std::size_t port = 0; port < texels.size(); ++port) {
+      Answers& t = texels[port];
+      if (outputs[t.request.valid] == 0) continue;
+      const std::uint64_t address = outputs[t.request.first];
+      t.values.push_back({address < modelled_base ? texel_at(*scene, places, address).value_or(0)
+                                                  : next_modelled_texel(port)});
+      moved = true;
+    }
+    return moved;
+  }
+  std::uint32_t next_modelled_texel(std::size_t port) {
+    const std::size_t i = texels_asked[port]++;
+    return i < modelled_texels.size() ? modelled_texels[i].words[port] : 0;
+  }
+
+  bool writes() {
+    bool moved = false;
+    if (outputs[z_write.valid] != 0) {
+      if (const auto at = pixel_at(z_write.first)) {
+        frame->depth[*at] = static_cast<std::uint32_t>(outputs[z_write.first + 2]);
+      }
+      moved = true;
+    }
+    if (outputs[color_write.valid] != 0) {
+      if (const auto at = pixel_at(color_write.first)) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          frame->color[4 * *at + c] =
+              static_cast<std::uint8_t>(Rtl::from_port(outputs[color_write.first + 2 + c], merged_color));
+        }
+      }
+      moved = true;
+    }
+    return moved;
+  }
+
+  // What the taps show of the fragments.
+  bool records() {
+    const bool moved =
+        (outputs[depth.valid] | outputs[texture.valid] | outputs[fog.valid] | outputs[merge.valid]) != 0;
+    const std::size_t last = sent.size() - 1;
+    if (outputs[depth.valid] != 0) {
+      const std::size_t f = std::min(tested++, last);
+      const DepthRecord r = record(depth, sent[f].record.triangle);
+      deliver(trace, r);
+      if (r.pass != 0) {
+        ++counters->depth_passed;
+        passed.fragments.push_back(f);
+        if (is_modelled(sent[f])) find_texels(sent[f]);
+      }
+    }
+    if (outputs[texture.valid] != 0) {
+      const std::size_t f = passed.take(last);
+      TextureRecord r = record(texture, sent[f].record.triangle);
+      if (is_modelled(sent[f]) && texels_shown < modelled_texels.size()) {
+        const ModelledTexel& t = modelled_texels[texels_shown++];
+        r.i = t.i;
+        r.j = t.j;
+      }
+      deliver(trace, r);
+      if (r.killed != 0) {
+        ++counters->killed;
+      } else {
+        alive.fragments.push_back(f);
+      }
+    }
+    if (outputs[fog.valid] != 0) {
+      const std::size_t f = alive.take(last);
+      if (trace != nullptr) deliver(trace, record(fog, sent[f].record.triangle));
+      fogged.fragments.push_back(f);
+    }
+    if (outputs[merge.valid] != 0) {
+      const FragmentRecord& f = sent[fogged.take(last)].record;
+      if (trace != nullptr) deliver(trace, record(merge, f.triangle));
+      ++counters->written;
+      if (const auto at = pixel_at(merge.first)) write_winner(*frame, *at, f.u, f.v, f.triangle, uv_ulp);
+    }
+    return moved;
+  }
+
+  bool is_modelled(const Fragment& f) const {
+    return f.texture >= 0 && modelled[static_cast<std::size_t>(f.texture)];
+  }
+  // The texels of a fragment that passed, by the model's indices in a texture that repeats.
+  void find_texels(const Fragment& f) {
+    const Texture& image = scene->textures[static_cast<std::size_t>(f.texture)];
+    TextureRecord r;
+    model::texture(pipeline->texture, &image, f.record, r);
+    const auto [i, j] = std::pair(r.i, r.j);
+    const std::int64_t next_i = (i + 1) % image.width;
+    const std::int64_t next_j = (j + 1) % image.height;
+    modelled_texels.push_back({i,
+                               j,
+                               {texel_word(image, i, j), texel_word(image, next_i, j),
+                                texel_word(image, i, next_j), texel_word(image, next_i, next_j)}});
+  }
+
+  void run(std::span<const Fragment> fragments, Counters& to_counters, Trace* to_trace) {
+    sent = fragments;
+    counters = &to_counters;
+    trace = to_trace;
+    tested = 0;
+    for (Underway* u : {&passed, &alive, &fogged}) *u = {};
+    modelled_texels.clear();
+    texels_asked = {};
+    texels_shown = 0;
+    constexpr int patience_clocks = 10000;
+    int still = 0;
+    std::size_t next = 0;
+    std::size_t shown = sent.size();  // the fragment whose values stand at the port
+    while (true) {
+      const bool sends = next < sent.size();
+      const bool draws_first = sends && sent[next].texture != drawn;
+      inputs[draw.valid] = draws_first ? 1 : 0;
+      inputs[in.valid] = sends && !draws_first ? 1 : 0;
+      if (draws_first) {
+        put(draw, draws[static_cast<std::size_t>(sent[next].texture + 1)]);
+      } else if (sends && shown != next) {
+        put(in, fragment_values(config, sent[next].record));
+        shown = next;
+      }
+      bool moved = clock();
+      if (taken(draw)) {
+        drawn = sent[next].texture;
+        moved = true;
+      }
+      if (taken(in)) {
+        ++next;
+        moved = true;
+      }
+      if (!sends && outputs[idle] != 0) break;
+      still = moved ? 0 : still + 1;
+      if (still > patience_clocks) {
+        throw std::logic_error(fmt::format(
+            "the RTL's pixel stages stand still at clock {}: {} of {} fragments accepted, {} depth-tested",
+            clocks, next, sent.size(), tested));
+      }
+    }
+    for (int i = 0; i < clocks_until_empty; ++i) clock();
+  }
+
+  Config config;
+  RtlModule module;
+  std::vector<std::uint64_t> inputs, outputs;
+  // Places of ports.
+  std::size_t constants, load, idle;
+  ChannelPorts draw, in, z_write, color_write;
+  Tap<DepthRecord> depth;
+  Tap<TextureRecord> texture;
+  Tap<FogRecord> fog;
+  Tap<MergeRecord> merge;
+  Answers z, color;
+  std::array<Answers, texel_ports> texels;
+  int clocks_until_empty = 0;
+  Format merged_color;
+
+  // Set by begin().
+  const model::Pipeline* pipeline = nullptr;
+  const Scene* scene = nullptr;
+  Frame* frame = nullptr;
+  double uv_ulp = 1;
+  std::vector<TexelPlace> places;  // of the textures
+  std::vector<bool> modelled;      // the model says which texels of a texture are meant
+  std::vector<StageValues> draws;  // without a texture, then by texture
+  static constexpr int nothing_drawn = -2;
+  int drawn = nothing_drawn;  // the texture of the draw state that was transferred last
+  std::uint64_t clocks = 0;   // behind the loading
+
+  // Set by run().
+  std::span<const Fragment> sent;
+  Counters* counters = nullptr;
+  Trace* trace = nullptr;
+  std::size_t tested = 0;
+  Underway passed, alive, fogged;
+  struct ModelledTexel {
+    std::int64_t i, j;
+    std::array<std::uint32_t, texel_ports> words;
+  };
+  std::vector<ModelledTexel> modelled_texels;  // of those that passed
+  std::array<std::size_t, texel_ports> texels_asked{};
+  std::size_t texels_shown = 0;
+};
+
+RtlPixels::RtlPixels(const Config& config)
+    : pipe_(std::make_unique<Pipe>(config, pixel_pipe_design(config))) {}
+RtlPixels::~RtlPixels() = default;
+
+void RtlPixels::begin(const model::Pipeline& pipeline, const Scene& scene, Frame& frame) {
+  pipe_->begin(pipeline, scene, frame);
+}
+
+void RtlPixels::run(std::span<const Fragment> fragments, Counters& counters, Trace* trace) {
+  if (!fragments.empty()) pipe_->run(fragments, counters, trace);
+}
+
+}  // namespace bitspan

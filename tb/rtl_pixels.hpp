@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Verilated pixel stages (rtl/pixel_pipe.sv) of a configuration: how their ports are fed, and fragments
+// through them into a picture that is their depth and colour memory.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "config/config.hpp"
+#include "engine/counters.hpp"
+#include "engine/frame.hpp"
+#include "engine/records.hpp"
+#include "model/pipeline.hpp"
+#include "scene/scene.hpp"
+#include "tb/rtl_channels.hpp"
+
+namespace bitspan {
+
+// The channels of rtl/pixel_pipe.sv. A tap has the fields of its record, without the triangle. Throws
+// InputError where the configuration has no pixel stages in RTL.
+StageDesign pixel_pipe_design(const Config& config);
+
+// How the bits of a pixel record's field stand at its port.
+Format port_format(const Field& field, const Config& config);
+
+// Where a texture lies in the texel memory, and its last column and row: a row takes 2^pitch texels.
+struct TexelPlace {
+  std::uint64_t last_i = 0, last_j = 0, pitch = 0, base = 0;
+};
+// One per texture.
+std::vector<TexelPlace> place_textures(const Scene& scene);
+// Whether the RTL's indices and addresses are wide enough for all textures.
+bool holds_textures(const Scene& scene);
+// Whether the RTL finds a texture's texels by itself: it repeats only textures whose sizes are powers of two.
+bool addresses_texels(const Config& config, const Texture& texture);
+// A texel's word, red in the lowest byte.
+std::uint32_t texel_word(const Texture& texture, std::int64_t i, std::int64_t j);
+// None where the address holds no texel.
+std::optional<std::uint32_t> texel_at(const Scene& scene, std::span<const TexelPlace> places,
+                                      std::uint64_t address);
+
+// What the stages take from a triangle.
+struct DrawState {
+  DepthFunc func = DepthFunc::less;
+  bool textured = false;
+  TextureFilter filter = TextureFilter::nearest;
+  TextureWrap wrap = TextureWrap::cyclic;
+  TexelPlace place{};
+  Color transparent{};
+  FogMode fog = FogMode::none;
+  std::array<std::uint8_t, 3> fog_color{};
+  bool write_z = true, blend = true, write_color = true;
+};
+// On the channels `draw` and `in`.
+StageValues draw_values(const DrawState& state);
+StageValues fragment_values(const Config& config, const FragmentRecord& fragment);
+
+// What the constants of the design hold, in its order, while nothing is loaded.
+StageValues frame_values(const Config& config, const ConstantsRecord& constants, const Scene& scene);
+// One clock of the port `load`: the fields load_threshold, load_place and load_data.
+struct FogLoad {
+  bool threshold = false;
+  std::uint64_t place = 0, data = 0;
+};
+std::vector<FogLoad> fog_loads(const Config& config, const model::FogStage& fog);
+
+// Fragments through the Verilated stages. Memories answer on the clock after a request, and nothing stalls.
+class RtlPixels {
+ public:
+  // Builds or finds the library, loads it and resets. Throws as RtlModule does.
+  explicit RtlPixels(const Config& config);
+  ~RtlPixels();
+  RtlPixels(const RtlPixels&) = delete;
+  RtlPixels& operator=(const RtlPixels&) = delete;
+
+  // Resets and loads what stays for a scene whose textures it holds. The pipeline, the scene and the frame,
+  // which is cleared already, must outlive the runs. Of a texture whose texels the RTL does not find by
+  // itself, the model says which a fragment reads, and gives i and j of its texture record.
+  void begin(const model::Pipeline& pipeline, const Scene& scene, Frame& frame);
+
+  struct Fragment {
+    FragmentRecord record;  // covered, and inside the frame
+    int texture = -1;       // index into Scene::textures, -1 for none
+  };
+  // Sends the fragments, in order, until all have left, and runs on until the stages must be empty. Appends
+  // the records of the four stages to the trace, where there is one, also those that no fragment asked for.
+  // Counts depth_passed, killed, written. Throws std::logic_error where an assertion in the RTL fails, or
+  // where nothing moves although it should.
+  void run(std::span<const Fragment> fragments, Counters& counters, Trace* trace);
+
+ private:
+  struct Pipe;
+  std::unique_ptr<Pipe> pipe_;
+};
+
+}  // namespace bitspan
