@@ -144,6 +144,16 @@ void prune(const fs::path& cache) {
   }
 }
 
+std::vector<fs::path> listed_sources(const char* list_file) {
+  const fs::path folder = rtl_root() / "rtl";
+  std::istringstream list(read_text(folder / list_file, root_hint));
+  std::vector<fs::path> sources;
+  for (std::string name; std::getline(list, name);) {
+    if (!name.empty()) sources.push_back(folder / name);
+  }
+  return sources;
+}
+
 // A line on a terminal while a build runs.
 class Progress {
  public:
@@ -174,15 +184,8 @@ fs::path rtl_root() {
   return root.empty() ? fs::path(BITSPAN_SOURCE_DIR) : fs::path(root);
 }
 
-std::vector<fs::path> rtl_sources() {
-  const fs::path folder = rtl_root() / "rtl";
-  std::istringstream list(read_text(folder / "span_interpolator.f", root_hint));
-  std::vector<fs::path> sources;
-  for (std::string name; std::getline(list, name);) {
-    if (!name.empty()) sources.push_back(folder / name);
-  }
-  return sources;
-}
+std::vector<fs::path> rtl_sources() { return listed_sources("span_interpolator.f"); }
+std::vector<fs::path> pixel_sources() { return listed_sources("pixel_pipe.f"); }
 
 std::string rtl_sources_hash() {
   Fnv128 hash;

@@ -22,6 +22,8 @@ namespace bitspan {
 std::filesystem::path rtl_root();
 // rtl/span_interpolator.f: the sources below the package, in the order of reading.
 std::vector<std::filesystem::path> rtl_sources();
+// rtl/pixel_pipe.f, the same for the pixel stages.
+std::vector<std::filesystem::path> pixel_sources();
 // 32 hexadecimal digits over the names and texts of rtl_sources(): which RTL is under test. Throws InputError
 // where a source cannot be read.
 std::string rtl_sources_hash();

@@ -31,14 +31,6 @@ RtlModuleDesign module_of(const StageDesign& design) {
   return m;
 }
 
-std::vector<std::filesystem::path> pixel_sources() {
-  const std::filesystem::path folder = rtl_root() / "rtl";
-  std::istringstream list(read_file(folder / "pixel_pipe.f"));
-  std::vector<std::filesystem::path> sources;
-  for (std::string name; std::getline(list, name);) sources.push_back(folder / name);
-  return sources;
-}
-
 StageBench::StageBench(const StageDesign& design, std::uint64_t seed) : random_(seed) {
   const RtlModuleDesign m = module_of(design);
   inputs_.resize(m.inputs.size());

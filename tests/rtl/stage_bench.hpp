@@ -9,7 +9,6 @@
 
 #include <cstdint>
 #include <deque>
-#include <filesystem>
 #include <functional>
 #include <map>
 #include <random>
@@ -49,9 +48,6 @@ RtlModuleDesign module_of(const StageDesign& design);
 struct StageTrace {
   std::vector<std::vector<std::uint64_t>> inputs, outputs;
 };
-
-// The sources of the pixel stages: those that rtl/pixel_pipe.f lists, in the order of reading.
-std::vector<std::filesystem::path> pixel_sources();
 
 // Probabilities per clock: that nothing is offered on a channel in, that a channel out is not ready.
 struct StageStalls {
