@@ -12,13 +12,14 @@
 #include "cli/config_store.hpp"
 #include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
-#include "engine/emit_sv.hpp"
+#include "engine/sv_names.hpp"
 #include "golden/precision.hpp"
 #include "io/atomic_file.hpp"
 #include "model/paths.hpp"
 #include "model/simd/engine_vector.hpp"
 #include "model/simd/shipped.hpp"
 #include "report/table.hpp"
+#include "tb/rtl_folder.hpp"
 
 namespace bitspan {
 namespace {
@@ -27,6 +28,9 @@ struct Options {
   std::string config{default_config};
   std::string output;
   bool toml = false;
+  std::string part;
+  std::string prefix;
+  std::string folder;
 };
 
 int show(const Options& options) {
@@ -117,7 +121,18 @@ int check(const Options& options) {
 }
 
 int emit(const Options& options) {
-  const std::string text = emit_sv(find_config(options.config));
+  const bool both = options.part == "both" || (options.part.empty() && !options.folder.empty());
+  const RtlChoice choice{.interpolator = both || options.part != "pixels",
+                         .pixels = both || options.part == "pixels",
+                         .prefix = options.prefix};
+  const Config config = find_config(options.config);
+  if (!options.folder.empty()) {
+    const int files = write_rtl_folder(config, choice, options.folder);
+    fmt::print("{}: {} files; {}bitspan.f lists the others in the order of reading\n", options.folder, files,
+               options.prefix);
+    return exit_held;
+  }
+  const std::string text = rtl_packages(config, choice);
   if (options.output.empty()) {
     fmt::print("{}", text);
   } else {
@@ -146,8 +161,28 @@ void add_config(CLI::App& app, Action& action) {
   add(*group, "show", "the format table and the modes", options, action, show)
       ->add_flag("--toml", options->toml, "the canonical TOML text instead");
   add(*group, "check", "read a configuration strictly; exit 2 names what is wrong", options, action, check);
-  add(*group, "emit-sv", "the SystemVerilog package bitspan_cfg_pkg for the RTL", options, action, emit)
-      ->add_option("-o,--output", options->output, "file to write (default: standard output)");
+  CLI::App* sv =
+      add(*group, "emit-sv", "the SystemVerilog package bitspan_cfg_pkg for the RTL, or all of the RTL",
+          options, action, emit);
+  sv->add_option("--part", options->part,
+                 "span interpolator, pixel stages or both (default: interpolator; with --rtl both)")
+      ->check(CLI::IsMember({"interpolator", "pixels", "both"}));
+  sv->add_option_function<std::string>(
+      "--prefix",
+      [options](const std::string& prefix) {
+        check_prefix(prefix);
+        options->prefix = prefix;
+      },
+      "in front of the name of every package and module, so that two configurations live in one simulation");
+  CLI::Option* output =
+      sv->add_option("-o,--output", options->output, "file to write (default: standard output)");
+  sv->add_option("--rtl", options->folder,
+                 "new or empty folder to write: packages, RTL sources and PREFIXbitspan.f, their list")
+      ->check([](const std::string& path) { return path.empty() ? "expected a folder" : ""; })
+      ->excludes(output);
+  sv->footer(help_footer("the configuration is legal", "",
+                         "bitspan config emit-sv depth16\n"
+                         "  bitspan config emit-sv narrow --prefix near_ --rtl near"));
 }
 
 }  // namespace bitspan

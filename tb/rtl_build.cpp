@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <limits>
 #include <mutex>
 #include <sstream>
 #include <stdexcept>
@@ -19,6 +20,7 @@
 #include "config/rtl_timing.hpp"
 #include "engine/emit_sv.hpp"
 #include "tb/programs.hpp"
+#include "tb/rtl_coverage.hpp"
 
 namespace bitspan {
 namespace {
@@ -28,20 +30,27 @@ namespace fs = std::filesystem;
 const std::vector<std::string> verilator_flags = {"--cc", "--assert",        "-Wall",   "-Wno-fatal",
                                                   "-O3",  "--x-assign",      "fast",    "--x-initial",
                                                   "fast", "--max-num-width", "1048576", "--top-module"};
-const std::vector<std::string> compiler_flags = {"-std=c++17",
-                                                 "-O1",
-                                                 "-fPIC",
-                                                 "-fvisibility=hidden",
-                                                 "-fno-gnu-unique",
-                                                 "-w",
-                                                 "-DVL_USER_STOP",
-                                                 "-DVL_USER_FATAL",
-                                                 "-DVL_USER_FINISH",
-                                                 "-DVL_TIME_CONTEXT",
-                                                 "-DVL_PRINTF=bitspan_rtl_printf"};
+const std::vector<std::string> plain_compiler_flags = {"-std=c++17",
+                                                       "-O1",
+                                                       "-fPIC",
+                                                       "-fvisibility=hidden",
+                                                       "-fno-gnu-unique",
+                                                       "-w",
+                                                       "-DVL_USER_STOP",
+                                                       "-DVL_USER_FATAL",
+                                                       "-DVL_USER_FINISH",
+                                                       "-DVL_TIME_CONTEXT",
+                                                       "-DVL_PRINTF=bitspan_rtl_printf"};
 
 constexpr std::string_view root_hint = "BITSPAN_ROOT names the project's folder";
 constexpr std::string_view cache_hint = "BITSPAN_CACHE names the cache folder";
+
+std::vector<std::string> compiler_flags() {
+  std::vector<std::string> flags = plain_compiler_flags;
+  // What counts is as much text as ten designs, and runs once.
+  if (coverage_wanted()) flags.insert(flags.end(), {"-O0", "-DVM_COVERAGE=1"});
+  return flags;
+}
 
 std::string compiler() {
   std::string cxx = environment("CXX");
@@ -87,7 +96,8 @@ std::string verilator_include() {
 
 std::vector<std::string> compile_command(const fs::path& root) {
   std::vector<std::string> command = {compiler()};
-  command.insert(command.end(), compiler_flags.begin(), compiler_flags.end());
+  const std::vector<std::string> flags = compiler_flags();
+  command.insert(command.end(), flags.begin(), flags.end());
   command.insert(command.end(),
                  {"-include", (root / "tb/rtl_printf.hpp").string(), "-I" + verilator_include(),
                   "-I" + verilator_include() + "/vltstd", "-I" + (root / "tb").string()});
@@ -100,8 +110,10 @@ std::vector<fs::path> build_runtime(const fs::path& cache, const fs::path& root,
   static std::mutex mutex;  // the second of two builds finds what the first one compiled
   const std::lock_guard lock(mutex);
   std::vector<fs::path> objects;
-  for (const char* part : {"verilated", "verilated_threads"}) {
-    const fs::path source = fs::path(verilator_include()) / (std::string(part) + ".cpp");
+  std::vector<std::string> parts = {"verilated", "verilated_threads"};
+  if (coverage_wanted()) parts.emplace_back("verilated_cov");
+  for (const std::string& part : parts) {
+    const fs::path source = fs::path(verilator_include()) / (part + ".cpp");
     if (!fs::exists(source)) {
       throw ToolError(
           fmt::format("{}: not found; the rtl engine needs Verilator (VERILATOR_ROOT names its folder)",
@@ -230,12 +242,20 @@ fs::path build_library(const RtlDesign& design) {
 
   Fnv128 key;
   std::string flags_text = compiler() + ' ' + verilator_include();
-  for (const std::string& flag : compiler_flags) flags_text += ' ' + flag;
+  for (const std::string& flag : compiler_flags()) flags_text += ' ' + flag;
   key.text(flags_text);
   std::vector<std::string> verilator = {"verilator"};
   verilator.insert(verilator.end(), verilator_safe_flags().begin(), verilator_safe_flags().end());
   verilator.insert(verilator.end(), verilator_flags.begin(), verilator_flags.end());
   verilator.push_back(design.top);
+  std::string covers;
+  if (coverage_wanted()) {
+    verilator.insert(verilator.end(), coverage_flags().begin(), coverage_flags().end());
+    std::vector<std::string> texts;
+    for (const fs::path& source : design.sources) texts.push_back(read_text(source, root_hint));
+    covers = handshake_covers(texts);
+    key.text(covers);
+  }
   for (const std::string& flag : verilator) key.text(flag);
   key.text(without_comments(design.package));
   for (const fs::path& source : design.sources) key.text(read_text(source, root_hint));
@@ -257,20 +277,40 @@ fs::path build_library(const RtlDesign& design) {
   std::vector<std::string> command = verilator;
   command.insert(command.end(), {"--Mdir", verilated.string(), package_path.string()});
   for (const fs::path& source : design.sources) command.push_back(source.string());
+  if (!covers.empty()) {
+    const fs::path covers_path = scratch.path() / "handshakes.sv";
+    write_text(covers_path, covers, cache_hint);
+    command.push_back(covers_path.string());
+  }
   run_or_throw(scratch, command, "verilator");
 
-  // One translation unit: most of a small one's time goes into the headers.
+  // One translation unit: most of a small one's time goes into the headers. Counters make it so large that
+  // the compiler takes all memory: then several.
+  const std::uintmax_t unit_bytes =
+      coverage_wanted() ? 1'500'000 : std::numeric_limits<std::uintmax_t>::max();
   std::string all = design.ports + fmt::format("#include \"{}\"\n", (root / design.harness).string());
   std::vector<std::string> parts;
   for (const fs::directory_entry& entry : fs::directory_iterator(verilated)) {
     if (entry.path().extension() == ".cpp") parts.push_back(entry.path().filename().string());
   }
   std::sort(parts.begin(), parts.end());
-  for (const std::string& part : parts) all += fmt::format("#include \"{}\"\n", part);
-  write_text(verilated / "all.cpp", all, cache_hint);
-  const fs::path made = scratch.path() / "rtl.so";
   command = compile_command(root);
-  command.insert(command.end(), {"-I" + verilated.string(), "-shared", (verilated / "all.cpp").string()});
+  std::uintmax_t bytes = 0;
+  int units = 0;
+  const auto write_unit = [&] {
+    const fs::path unit = verilated / fmt::format("all{}.cpp", units++);
+    write_text(unit, std::exchange(all, ""), cache_hint);
+    command.push_back(unit.string());
+    bytes = 0;
+  };
+  for (const std::string& part : parts) {
+    all += fmt::format("#include \"{}\"\n", part);
+    bytes += fs::file_size(verilated / part);
+    if (bytes > unit_bytes) write_unit();
+  }
+  if (!all.empty()) write_unit();
+  const fs::path made = scratch.path() / "rtl.so";
+  command.insert(command.end(), {"-I" + verilated.string(), "-shared"});
   for (const fs::path& object : runtime) command.push_back(object.string());
   command.insert(command.end(), {"-o", made.string(), "-lpthread"});
   run_or_throw(scratch, command, "compile");

@@ -8,10 +8,29 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "verilated.h"
+#if VM_COVERAGE
+#include <unistd.h>
+
+#include <cstdlib>
+
+#include "verilated_cov.h"
+#endif
 
 namespace {
+
+#if VM_COVERAGE
+// A name of its own, without an ending, in the folder of tb/rtl_coverage.hpp.
+std::string coverage_file() {
+  std::string name = std::string(std::getenv("BITSPAN_RTL_COVERAGE")) + "/XXXXXX";
+  const int file = ::mkstemp(name.data());
+  if (file < 0) std::abort();
+  ::close(file);
+  return name;
+}
+#endif
 
 // Top: Verilator's class of the top module.
 template <class Top>
@@ -19,6 +38,13 @@ struct Simulation {
   VerilatedContext context;
   Top top{&context};
   std::string printed;  // since the call began: the text of a failed assertion
+#if VM_COVERAGE
+  // What was counted to the end of the first reset goes into a file of its own: a signal that never changes
+  // reaches its value then, which is no toggle.
+  std::string counts = coverage_file();
+  bool fresh = true;
+  ~Simulation() { context.coveragep()->write((counts + ".dat").c_str()); }
+#endif
 
   void edge() {
     top.clk_i = 1;
@@ -27,6 +53,12 @@ struct Simulation {
   }
   // Holds reset for two clocks.
   void reset() {
+#if VM_COVERAGE
+    if (std::exchange(fresh, false)) {
+      reset();
+      context.coveragep()->write((counts + ".start").c_str());
+    }
+#endif
     top.clk_i = 0;
     top.rst_ni = 1;
     top.eval();

@@ -82,9 +82,8 @@ Format port_format(const Field& field, const Config& config) {
   return f;
 }
 
-std::vector<TexelPlace> place_textures(const Scene& scene) {
+std::vector<TexelPlace> place_textures(const Scene& scene, std::uint64_t end) {
   std::vector<TexelPlace> places;
-  std::uint64_t end = 0;
   for (const Texture& t : scene.textures) {
     TexelPlace p;
     p.last_i = static_cast<std::uint64_t>(t.width - 1);

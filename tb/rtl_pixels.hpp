@@ -32,8 +32,8 @@ Format port_format(const Field& field, const Config& config);
 struct TexelPlace {
   std::uint64_t last_i = 0, last_j = 0, pitch = 0, base = 0;
 };
-// One per texture.
-std::vector<TexelPlace> place_textures(const Scene& scene);
+// One per texture, behind the address `end`.
+std::vector<TexelPlace> place_textures(const Scene& scene, std::uint64_t end = 0);
 // Whether the RTL's indices and addresses are wide enough for all textures.
 bool holds_textures(const Scene& scene);
 // Whether the RTL finds a texture's texels by itself: it repeats only textures whose sizes are powers of two.

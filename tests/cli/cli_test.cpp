@@ -175,9 +175,43 @@ TEST_F(Cli, ConfigShowsChecksAndEmits) {
     EXPECT_EQ(sv.code, 0) << sv.err;
     EXPECT_NE(folder.read("p.sv").find("package bitspan_cfg_pkg"), std::string::npos);
   }
+  EXPECT_EQ(run("config emit-sv narrow").out, folder.read("p.sv"));  // the last one
   folder.write("mine.toml", run("config show --toml depth20").out);
   const auto hash = [](const std::string& text) { return text.substr(text.find('('), 18); };
   EXPECT_EQ(hash(run("config check mine.toml").out), hash(run("config check depth20").out));
+}
+
+TEST_F(Cli, EmitSvPrefixesAndWritesTheRtl) {
+  const auto emitted = [&](const std::string& arguments) { return run("config emit-sv " + arguments).out; };
+  EXPECT_NE(emitted("--prefix a_").find("package a_bitspan_cfg_pkg;"), std::string::npos);
+  EXPECT_NE(emitted("--part pixels").find("package bitspan_pixel_pkg;"), std::string::npos);
+  EXPECT_EQ(emitted("--part both --prefix a_"),
+            emitted("--part interpolator --prefix a_") + emitted("--part pixels --prefix a_"));
+  const Result r = run("config emit-sv narrow --prefix a_ --rtl sub/a");
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_TRUE(r.out.starts_with("sub/a: ") && r.out.find(" a_bitspan.f ") != std::string::npos) << r.out;
+  EXPECT_NE(folder.read("sub/a/a_bitspan.f").find("a_pixel_pipe.sv\n"), std::string::npos);
+  EXPECT_EQ(folder.read("sub/a/a_bitspan_cfg_pkg.sv"), emitted("narrow --prefix a_"));
+  EXPECT_EQ(run("config emit-sv --part pixels --rtl b").code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder.path("b/span.sv")));
+
+  const std::vector<std::string> before = files();
+  for (const std::string prefix : {"''", "9", "a-b", "module", "'a b'"}) {
+    refused("config emit-sv --prefix " + prefix, "--prefix: ");
+    refused("config emit-sv --rtl c --prefix " + prefix, "--prefix: ");
+  }
+  refused("config emit-sv --part all", "all");
+  refused("config emit-sv --rtl c -o d", "excludes");
+  refused("config emit-sv --rtl ''", "--rtl");
+  refused("config emit-sv --rtl c --prefix row_", "row_divide");
+  refused("config emit-sv --rtl b", "expected a new or an empty folder");
+  refused("config emit-sv --prefix a_ -o no/p.sv", "no/p.sv");
+  affine("affine.toml");
+  EXPECT_EQ(run("config emit-sv affine.toml --part pixels --rtl c").code, 0);
+  std::filesystem::remove_all(folder.path("c"));
+  refused("config emit-sv affine.toml --rtl c", "affine");
+  std::filesystem::remove(folder.path("affine.toml"));
+  EXPECT_EQ(files(), before);
 }
 
 TEST_F(Cli, RenderWritesTheSameEveryTime) {

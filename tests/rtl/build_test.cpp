@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "tb/rtl_build.hpp"
+#include "tb/rtl_coverage.hpp"
 #include "tb/rtl_stream.hpp"
 #include "tests/rtl/rtl_copy.hpp"
 #include "tests/rtl/simulate.hpp"
@@ -99,6 +100,23 @@ TEST(Build, LatencyThatDiffersFromThePackageIsSeen) {
   } catch (const std::logic_error& e) {
     EXPECT_NE(std::string(e.what()).find("span: has"), std::string::npos) << e.what();
   }
+}
+
+// Both directions of a channel, and no port that is only spelled like one.
+TEST(Build, CoversWatchEveryChannelOfAModule) {
+  const std::string covers = handshake_covers(
+      {"module sink (\n  input logic clk_i,\n  input logic in_valid_i,\n  output logic in_ready_o,\n"
+       "  output logic [3:0] out_valid_o,\n  input  logic out_ready_i,\n  output logic "
+       "tap_valid_o\n);\nendmodule\n",
+       "module cell_of_it (\n  input logic a_i\n);\nendmodule\n"});
+  const auto has = [&](std::string_view part) { return covers.find(part) != std::string::npos; };
+  EXPECT_TRUE(has("bind sink sink_handshakes")) << covers;
+  for (const char* point : {"in_transfer:", "in_stall:", "in_idle:", "in_back_to_back:", "out_stall:"}) {
+    EXPECT_TRUE(has(point)) << point << '\n' << covers;
+  }
+  EXPECT_TRUE(has(".out_valid(out_valid_o), .out_ready(out_ready_i)")) << covers;
+  EXPECT_FALSE(has("tap")) << covers;
+  EXPECT_FALSE(has("cell_of_it")) << covers;
 }
 
 TEST(Build, RecordsThatDoNotFitAreRefused) {

@@ -109,6 +109,28 @@ TEST(Interpolator, Depth16) {
   check_config_on(random, shipped_config("depth16"), 200);
 }
 
+// Constants that change between frames, and a span that needs every bit of the pixel index.
+TEST(Interpolator, ManyConstantsAndALongSpan) {
+  Config c = shipped_config("depth16");
+  for (const Perspective mode : {Perspective::delta_f, Perspective::const_depth_rows}) {
+    c.perspective = mode;
+    Random random(17);
+    Rtl rtl(c);
+    const auto check = [&](int records, int longest) {
+      const InterpolatorCase given = make_interpolator_case(random, c, records, longest);
+      rtl.reset();
+      EXPECT_GT(compare(c, given, run_rtl(rtl, given.inputs, {random(), 0.1, 0.1}, false)), 0U);
+      return given.pixels.size();
+    };
+    for (int i = 0; i < 20; ++i) check(4, 3);
+    // The mode whose reference takes no division.
+    if (mode == Perspective::const_depth_rows) {
+      while (check(1, (1 << pixel_index_bits(c)) - 1000) <= 1U << (pixel_index_bits(c) - 1)) {
+      }
+    }
+  }
+}
+
 TEST(Interpolator, AssertionsSpeak) {
   const Config c = shipped_config("depth16");
   Rtl rtl(c);

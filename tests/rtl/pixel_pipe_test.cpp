@@ -142,17 +142,23 @@ std::pair<DrawState, int> random_state(Random& random, const PipeCase& p) {
   return {s, texture};
 }
 
-// Raw fragments on few pixels, a new draw state for every few of them, through the model's stages one after
-// another.
-PipeCase random_case(Random& random, const Config& c, int batches) {
+// The picture, the textures, and an address in front of theirs.
+struct Extent {
+  int width = 12, height = 7;
+  std::vector<std::pair<int, int>> textures{{1, 2}, {4, 8}, {16, 32}};
+  std::uint64_t address = 0;
+};
+
+// Raw fragments, a new draw state for every few of them, through the model's stages one after another.
+PipeCase random_case(Random& random, const Config& c, int batches, const Extent& extent = {}) {
   PipeCase p;
   p.config = c;
-  p.scene.width = 12;
-  p.scene.height = 7;
+  p.scene.width = extent.width;
+  p.scene.height = extent.height;
   p.scene.background = {10, 20, 30};
-  for (const int size : {1, 4, 16}) {
-    Texture t{"t", size, 2 * size, {}};
-    for (int i = 0; i < 2 * size * size; ++i) {
+  for (const auto& [width, height] : extent.textures) {
+    Texture t{"t", width, height, {}};
+    for (int i = 0; i < width * height; ++i) {
       const bool hole = random() % 8 == 0;
       for (int channel = 0; channel < 4; ++channel) {
         t.rgba.push_back(hole && channel < 3 ? (channel == 1 ? 0 : 255)
@@ -161,7 +167,7 @@ PipeCase random_case(Random& random, const Config& c, int batches) {
     }
     p.scene.textures.push_back(t);
   }
-  p.places = place_textures(p.scene);
+  p.places = place_textures(p.scene, extent.address);
   ConstantsRecord& k = p.constants.record;
   k.b = std::max<std::int64_t>(1, random_raw(random, c.format(FormatId::setup_b)));
   k.c1 = is_linear_in_distance(c.depth_code) ? random_raw(random, c.format(FormatId::depth_c1)) : 0;
@@ -389,6 +395,24 @@ TEST(PixelPipe, RandomDrawStates) {
     SCOPED_TRACE(stage_seed_text(seed));
     check(random_stage_config(seed), seed);
     if (HasFailure()) return;
+  }
+}
+
+// Pictures and textures that need every bit of a coordinate, of a texel's index and of an address.
+TEST(PixelPipe, LargePicturesAndTextures) {
+  std::vector<Config> configs(3, shipped_config("depth16"));
+  configs[1].depth_code = DepthCode::linear;
+  configs[1].fog = FogMode::linear;
+  configs[2].depth_code = DepthCode::opengl;
+  Random random(41);
+  for (const Config& c : configs) {
+    const int most = (1 << c.coordinate_bits) - 1;
+    for (const auto& [width, height] : {std::pair(most, 1), {1, most}, {43690, 1}, {2, 21845}, {300, 200}}) {
+      SCOPED_TRACE(fmt::format("{} x {}", width, height));
+      const PipeCase p = random_case(
+          random, c, 100, {width, height, {{1, 1}, {16384, 2}, {2, 16384}, {128, 64}}, random() >> 33});
+      run_pipe(p, {0.1, {0.1, 0.1}, {1, 9}, 5});
+    }
   }
 }
 
