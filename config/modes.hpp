@@ -272,6 +272,22 @@ constexpr bool is_complement_of_h(DepthCode code) {
   unreachable();
 }
 
+// ---------------------------------------------------------------- RTL
+
+// rtl/texture.sv has the filter.
+constexpr bool is_in_rtl(TextureFilter filter) {
+  switch (filter) {
+    case TextureFilter::nearest:
+    case TextureFilter::bilinear:
+      return true;
+  }
+  unreachable();
+}
+
+// rtl/pixel_pipe.sv has every stage behind span that the configuration asks for, in the mode that it asks
+// for.
+constexpr bool pixel_stages_are_in_rtl(const Config& config) { return is_in_rtl(config.filter); }
+
 // ---------------------------------------------------------------- texture and fog
 
 // A texel is weighed with its neighbours by texture.frac.

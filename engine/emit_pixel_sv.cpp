@@ -106,8 +106,8 @@ void merge_section(SvWriter& w, const Config& config, const PixelTiming& timing)
 }  // namespace
 
 bool has_pixel_rtl(const Config& config) {
-  return !pixel_stages_have_reciprocal(config) ||
-         (config.pixel_reciprocal.pipelined && fits_operand(pixel_operand(config)));
+  const bool has_unit = config.pixel_reciprocal.pipelined && fits_operand(pixel_operand(config));
+  return pixel_stages_are_in_rtl(config) && (has_unit || !pixel_stages_have_reciprocal(config));
 }
 
 std::string emit_pixel_sv(const Config& config) {

@@ -14,8 +14,8 @@ namespace bitspan {
 inline constexpr int texel_index_bits = std::bit_width(static_cast<unsigned>(texture_size_limit - 1));
 inline constexpr int texel_address_bits = 32;
 
-// Whether the pixel stages of a configuration exist in RTL: where one takes R_pixel, it must be pipelined,
-// and its operand must fit the unit.
+// Whether the pixel stages of a configuration exist in RTL, in its modes. Where one takes R_pixel, that must
+// be pipelined, and its operand must fit the unit.
 bool has_pixel_rtl(const Config& config);
 
 // The package's text: formats, the depth code, reciprocal unit and the latencies of config/pixel_timing. What

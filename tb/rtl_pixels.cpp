@@ -316,12 +316,17 @@ struct RtlPixels::Pipe {
                     .transparent = p.texture.transparent,
                     .fog = p.fog.mode,
                     .fog_color = p.fog.fog_color};
-    draws = {draw_values(state)};
+    untextured_draw = draw_values(state);
+    textured_draws.clear();
     state.textured = true;
     for (std::size_t i = 0; i < places.size(); ++i) {
       state.place = modelled[i] ? modelled_place : places[i];
-      draws.push_back(draw_values(state));
+      textured_draws.push_back(draw_values(state));
     }
+  }
+
+  const StageValues& draw_of(int texture) const {
+    return texture < 0 ? untextured_draw : textured_draws[static_cast<std::size_t>(texture)];
   }
 
   std::array<Answers*, 2 + texel_ports> answers() {
@@ -477,7 +482,7 @@ struct RtlPixels::Pipe {
       inputs[draw.valid] = draws_first ? 1 : 0;
       inputs[in.valid] = sends && !draws_first ? 1 : 0;
       if (draws_first) {
-        put(draw, draws[static_cast<std::size_t>(sent[next].texture + 1)]);
+        put(draw, draw_of(sent[next].texture));
       } else if (sends && shown != next) {
         put(in, fragment_values(config, sent[next].record));
         shown = next;
@@ -524,7 +529,8 @@ struct RtlPixels::Pipe {
   double uv_ulp = 1;
   std::vector<TexelPlace> places;  // of the textures
   std::vector<bool> modelled;      // the model says which texels of a texture are meant
-  std::vector<StageValues> draws;  // without a texture, then by texture
+  StageValues untextured_draw;
+  std::vector<StageValues> textured_draws;  // by texture
   static constexpr int nothing_drawn = -2;
   int drawn = nothing_drawn;  // the texture of the draw state that was transferred last
   std::uint64_t clocks = 0;   // behind the loading
