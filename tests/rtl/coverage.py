@@ -24,7 +24,7 @@ STARTED = OUT / "started.dat"
 # What plants bugs, drives illegal inputs or runs other tools says nothing of the RTL as it is.
 RUNS = {
     "rtl_interpolator_test": "Interpolator.RandomConfigurations:Interpolator.Depth16:Interpolator.ManyConstantsAndALongSpan",
-    "rtl_pixel_pipe_test": "PixelPipe.RandomDrawStates:PixelPipe.LargePicturesAndTextures:PixelPipe.ResetAmidFragments",
+    "rtl_pixel_pipe_test": "PixelPipe.TheDemo:PixelPipe.RandomDrawStates:PixelPipe.LargePicturesAndTextures:PixelPipe.ResetAmidFragments",
 }
 KINDS = {"v_line": "lines", "v_branch": "lines", "v_toggle": "toggles", "v_user": "handshakes"}
 COLUMNS = ("lines", "toggles", "handshakes")
@@ -196,7 +196,7 @@ def run(configs, seed):
 
 def main():
     parser = argparse.ArgumentParser(description="Coverage of the RTL by its random tests, with the holes.")
-    parser.add_argument("--configs", type=int, default=4, help="random configurations per test (default: 4)")
+    parser.add_argument("--configs", type=int, default=3, help="random configurations per test (default: 3)")
     parser.add_argument("--seed", type=int, default=1, help="of the first of them (default: 1)")
     parser.add_argument("--no-run", action="store_true", help="report the last run again")
     parser.add_argument("--module", nargs="*", default=[], help="only these modules")
