@@ -16,14 +16,23 @@ namespace {
 // Top: Verilator's class of the top module.
 template <class Top>
 struct Simulation {
+  // Registers begin at 0, or with random values of a seed other than 0.
+  explicit Simulation(int seed = 0) : top{prepare(context, seed)} {}
+
   VerilatedContext context;
-  Top top{&context};
+  Top top;
   std::string printed;  // since the call began: the text of a failed assertion
 
   void edge() {
     top.clk_i = 1;
     top.eval();
     top.clk_i = 0;
+  }
+  static VerilatedContext* prepare(VerilatedContext& context, int seed) {
+    context.randReset(seed == 0 ? 0 : 2);
+    context.randSeed(seed);
+    Verilated::threadContextp(&context);  // Verilator's constructors draw from it
+    return &context;
   }
   // Holds reset for two clocks.
   void reset() {
