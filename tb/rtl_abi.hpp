@@ -55,7 +55,7 @@ struct RtlSample {
 
 // The entry points of the shared library, by name: bitspan_rtl_create and so on.
 extern "C" {
-using RtlCreate = void* (*)();
+using RtlCreate = void* (*)(int initial_seed);
 using RtlDestroy = void (*)(void* rtl);
 // These two return null, or the text of an assertion that failed, which lives until the next call.
 // Holds reset for two clocks.

@@ -27,9 +27,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> verilator_flags = {"--cc", "--assert",        "-Wall",   "-Wno-fatal",
-                                                  "-O3",  "--x-assign",      "fast",    "--x-initial",
-                                                  "fast", "--max-num-width", "1048576", "--top-module"};
+const std::vector<std::string> verilator_flags = {"--cc",   "--assert",        "-Wall",   "-Wno-fatal",
+                                                  "-O3",    "--x-assign",      "fast",    "--x-initial",
+                                                  "unique", "--max-num-width", "1048576", "--top-module"};
 const std::vector<std::string> plain_compiler_flags = {"-std=c++17",
                                                        "-O1",
                                                        "-fPIC",
@@ -358,8 +358,9 @@ void throw_on_assertion(const char* failed) {
   if (failed != nullptr) throw std::logic_error(fmt::format("assertion in the RTL: {}", failed));
 }
 
-Rtl::Rtl(const Config& config)
-    : library_(std::make_shared<Library>(build_rtl(config))), handle_(library_->create(), library_->destroy) {
+Rtl::Rtl(const Config& config, int initial_seed)
+    : library_(std::make_shared<Library>(build_rtl(config))),
+      handle_(library_->create(initial_seed), library_->destroy) {
   const RtlTiming timing = rtl_timing(config);
   // What is left in span_setup, the FIFO, span and the buffer at its output. Whole intervals: an empty
   // span_setup then is where it would be without these clocks.

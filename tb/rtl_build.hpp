@@ -76,8 +76,9 @@ void throw_on_assertion(const char* failed);
 // hold them.
 class Rtl {
  public:
-  // Builds or finds the library, loads it and resets. Throws as build_rtl and clock.
-  explicit Rtl(const Config& config);
+  // Builds or finds the library, loads it and resets. Before the reset all registers are 0, or random values
+  // where a seed other than 0 is given. Throws as build_rtl and clock.
+  explicit Rtl(const Config& config, int initial_seed = 0);
   ~Rtl();
   Rtl(Rtl&&) noexcept;
   Rtl& operator=(Rtl&&) noexcept;

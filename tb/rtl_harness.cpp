@@ -8,7 +8,7 @@
 
 using Rtl = Simulation<Vspan_interpolator>;
 
-BITSPAN_EXPORT void* bitspan_rtl_create() { return new Rtl; }
+BITSPAN_EXPORT void* bitspan_rtl_create(int seed) { return new Rtl(seed); }
 BITSPAN_EXPORT void bitspan_rtl_destroy(void* rtl) { destroy<Rtl>(rtl); }
 
 BITSPAN_EXPORT const char* bitspan_rtl_reset(void* handle) {

@@ -35,8 +35,11 @@ std::string coverage_file() {
 // Top: Verilator's class of the top module.
 template <class Top>
 struct Simulation {
+  // Registers begin at 0, or with random values of a seed other than 0.
+  explicit Simulation(int seed = 0) : top{prepare(context, seed)} {}
+
   VerilatedContext context;
-  Top top{&context};
+  Top top;
   std::string printed;  // since the call began: the text of a failed assertion
 #if VM_COVERAGE
   // What was counted to the end of the first reset goes into a file of its own: a signal that never changes
@@ -50,6 +53,12 @@ struct Simulation {
     top.clk_i = 1;
     top.eval();
     top.clk_i = 0;
+  }
+  static VerilatedContext* prepare(VerilatedContext& context, int seed) {
+    context.randReset(seed == 0 ? 0 : 2);
+    context.randSeed(seed);
+    Verilated::threadContextp(&context);  // Verilator's constructors draw from it
+    return &context;
   }
   // Holds reset for two clocks.
   void reset() {

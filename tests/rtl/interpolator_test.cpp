@@ -8,6 +8,7 @@
 #include "config/rtl_timing.hpp"
 #include "tb/rtl_stream.hpp"
 #include "tests/rtl/interpolator_case.hpp"
+#include "tests/rtl/rtl_copy.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -26,22 +27,27 @@ std::string difference(const R& got, const R& expected) {
   return "";
 }
 
-// Number of values compared.
-std::size_t compare(const Config& c, const InterpolatorCase& expected, const RtlRun& run) {
-  EXPECT_EQ(run.spans.size(), expected.spans.size());
-  EXPECT_EQ(run.pixels.size(), expected.pixels.size());
+// What a run did otherwise than it should; empty where it did all as expected.
+std::string first_difference(const Config& c, const InterpolatorCase& expected, const RtlRun& run) {
+  if (run.spans.size() != expected.spans.size()) return std::to_string(run.spans.size()) + " spans";
+  if (run.pixels.size() != expected.pixels.size()) return std::to_string(run.pixels.size()) + " pixels";
   for (std::size_t i = 0; i < run.spans.size(); ++i) {
     const std::string d = difference(span_record(c, run.spans[i]), expected.spans[i]);
-    EXPECT_EQ(d, "") << "span " << i << "\n" << to_toml(c);
-    if (!d.empty()) return 0;
+    if (!d.empty()) return "span " + std::to_string(i) + ": " + d;
   }
   for (std::size_t i = 0; i < run.pixels.size(); ++i) {
-    const std::string d = difference(fragment_record(c, run.pixels[i]), expected.pixels[i].fragment);
-    EXPECT_EQ(d, "") << "pixel " << i << "\n" << to_toml(c);
-    EXPECT_EQ(run.pixels[i].step != 0, expected.pixels[i].step) << "pixel " << i << "\n" << to_toml(c);
-    if (!d.empty()) return 0;
+    std::string d = difference(fragment_record(c, run.pixels[i]), expected.pixels[i].fragment);
+    if (d.empty() && (run.pixels[i].step != 0) != expected.pixels[i].step) d = "step";
+    if (!d.empty()) return "pixel " + std::to_string(i) + ": " + d;
   }
-  return run.spans.size() * 17 + run.pixels.size() * 10;
+  return "";
+}
+
+// Number of values compared.
+std::size_t compare(const Config& c, const InterpolatorCase& expected, const RtlRun& run) {
+  const std::string d = first_difference(c, expected, run);
+  EXPECT_EQ(d, "") << to_toml(c);
+  return d.empty() ? run.spans.size() * 17 + run.pixels.size() * 10 : 0;
 }
 
 // Clocks of a run without gaps and stalls, from docs/rtl.md alone.
@@ -129,6 +135,75 @@ TEST(Interpolator, ManyConstantsAndALongSpan) {
       }
     }
   }
+}
+
+// Resets the interpolator after so many clocks amid rows, one count after another. Registers begin at 0, or
+// with random values of a seed other than 0. After each reset the rows must be exact, and nothing else may
+// come out. Throws std::logic_error where they are not.
+void check_resets(const Config& c, int seed, const std::vector<int>& counts) {
+  Random random(static_cast<std::uint64_t>(seed));
+  const InterpolatorCase given = make_interpolator_case(random, c, 40, 12);
+  Rtl rtl(c, seed);
+  for (const int clocks : counts) {
+    RtlDrive drive{};
+    RtlSample sample{};
+    std::size_t next = 0;
+    for (int i = 0; i < clocks; ++i) {
+      drive.in_valid = next < given.inputs.size();
+      drive.out_ready = (random() & 3) != 0;
+      if (drive.in_valid) drive.in = given.inputs[next];
+      rtl.clock(drive, sample);
+      if (drive.in_valid && sample.in_ready) ++next;
+    }
+    if (clocks > 0) rtl.reset();
+    const std::string d = first_difference(c, given, run_rtl(rtl, given.inputs, {random(), 0.2, 0.3}, false));
+    if (!d.empty()) throw std::logic_error("reset after " + std::to_string(clocks) + " clocks: " + d);
+  }
+}
+
+TEST(Interpolator, ResetAmidRows) {
+  std::vector<Config> configs = {shipped_config("depth16"), shipped_config("narrow")};
+  configs.push_back(configs.front());
+  configs.back().perspective = Perspective::const_depth_rows;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Random random(seed);
+    configs.push_back(random_rtl_config(random));
+  }
+  for (const Config& c : configs) {
+    for (int seed = 0; seed <= 8; ++seed) {
+      EXPECT_NO_THROW(check_resets(c, seed, {0, 1, 10, 35, 60, 80, 101, 150})) << "seed " << seed << "\n"
+                                                                               << to_toml(c);
+      if (HasFailure()) return;
+    }
+  }
+}
+
+bool has_wrong_reset(const Config& c, int seed, const std::vector<int>& counts) {
+  try {
+    check_resets(c, seed, counts);
+  } catch (const std::logic_error&) {
+    return true;
+  }
+  return false;
+}
+
+TEST(Interpolator, MissingResetsAreSeen) {
+  constexpr PlantedBug bugs[] = {
+      {"rtl/span.sv", "if (!rst_ni) valid_q <= '0;", "if (!rst_ni) valid_q <= valid_q;"},
+      {"rtl/span.sv", "if (!rst_ni) active_q <= 1'b0;", "if (!rst_ni) active_q <= active_q;"},
+      {"rtl/span_setup.sv", "if (!rst_ni) row_valid_q <= '0;", "if (!rst_ni) row_valid_q <= row_valid_q;"},
+      {"rtl/skid.sv", "      out_valid_o <= 1'b0;", "      // not reset"},
+  };
+  expect_seen(bugs, [] {
+    const Config c = shipped_config("narrow");
+    std::vector<int> amid;
+    for (int clocks = 30; clocks < 230; clocks += 7) amid.push_back(clocks);
+    // Random registers show it without a reset amid rows, and a reset amid rows shows it in registers that
+    // began at 0.
+    bool at_random = false;
+    for (int seed = 1; seed <= 8; ++seed) at_random = at_random || has_wrong_reset(c, seed, {0});
+    if (at_random && has_wrong_reset(c, 0, amid)) throw std::logic_error("seen both ways");
+  });
 }
 
 TEST(Interpolator, AssertionsSpeak) {
