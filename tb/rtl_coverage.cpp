@@ -3,7 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <regex>
+#include <algorithm>
+#include <cctype>
 #include <set>
 
 #include "engine/sv_names.hpp"
@@ -12,13 +13,24 @@
 namespace bitspan {
 namespace {
 
-// The ports of a module, by name.
+// The ports of a module, by name: the last word of each declaration in its header.
 std::set<std::string> ports_of(const std::string& text) {
-  static const std::regex port(R"((?:input|output) +logic(?: *\[[^\]]*\])? +(\w+))");
+  const auto in_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
   const std::string header = text.substr(0, text.find("\n);"));
   std::set<std::string> ports;
-  for (std::sregex_iterator at(header.begin(), header.end(), port), end; at != end; ++at)
-    ports.insert((*at)[1]);
+  for (const std::string direction : {"input ", "output "}) {
+    for (std::size_t at = header.find(direction); at != std::string::npos;
+         at = header.find(direction, at + 1)) {
+      const std::size_t line = std::min(header.find('\n', at), header.size());
+      std::size_t end = at;
+      for (int brackets = 0; end < line && (header[end] != ',' || brackets > 0); ++end)
+        brackets += header[end] == '[' ? 1 : header[end] == ']' ? -1 : 0;
+      while (end > at && !in_name(header[end - 1])) --end;
+      std::size_t begin = end;
+      while (begin > at && in_name(header[begin - 1])) --begin;
+      ports.insert(header.substr(begin, end - begin));
+    }
+  }
   return ports;
 }
 
