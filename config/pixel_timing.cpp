@@ -25,7 +25,7 @@ DepthTiming depth_timing(const Config& config, int pixel_unit) {
       t.code = 2;  // zmax - h, Q
       break;
     case DepthCode::linear:
-      t.code = 1 + pixel_unit + t.product + 3 + 1;  // h + B, R_pixel, the product, shifts and sum, Q
+      t.code = 1 + pixel_unit + multiply_round_clocks(t.product);  // h + B, R_pixel in front
       break;
   }
   // The scoreboard; z and its FIFO, or request, memory and answer; join, compare, out.
@@ -67,8 +67,9 @@ FogTiming fog_timing(const Config& config, int pixel_unit) {
   // table.
   const int square = static_cast<int>(std::bit_width(static_cast<unsigned>(pixel_index_bits(config) - 1)));
   int entry = 2 + square + 1 + config.fog_zone_bits + 1;
-  // h + B, R_pixel, the product, two shifts and a sum, Q.
-  if (is_linear_in_distance(config.fog)) entry = std::max(entry, 1 + pixel_unit + t.scale_product + 3 + 1);
+  // h + B and R_pixel in front.
+  if (is_linear_in_distance(config.fog))
+    entry = std::max(entry, 1 + pixel_unit + multiply_round_clocks(t.scale_product));
   // The choice of the factor; difference, product, sum, Q.
   t.clocks = entry + 1 + 3 + t.blend_product;
   t.total = t.clocks + 1;

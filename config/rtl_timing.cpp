@@ -79,6 +79,8 @@ int reciprocal_latency(const Reciprocal& unit, Grid operand, const RtlShape& sha
   return shape.normalise_clocks + table_clocks + products + parts.differences + 1;
 }
 
+int multiply_round_clocks(int product_clocks) { return product_clocks + 2 + 1 + 1; }
+
 RowDivideShape row_divide_shape(const Config& config) {
   const Grid end_h = grid_of(config.format(FormatId::edge_h));
   const Grid h = end_h - end_h;
@@ -96,8 +98,12 @@ RowDivideShape row_divide_shape(const Config& config) {
 
 namespace {
 
-// Operands, product, shift and sum (3), Q.
-int row_product_ticks(const Config& config) { return 1 + config.rtl.product_clocks + 3 + 1; }
+// The products of a row, in the order in which they ask for their slots.
+constexpr std::array plane_products = {RowProduct::fu,      RowProduct::fv,       RowProduct::fu_step,
+                                       RowProduct::fv_step, RowProduct::fu_step1, RowProduct::fv_step1};
+constexpr std::array difference_products = {RowProduct::fu_diff, RowProduct::fv_diff};
+constexpr std::array slope_products = {RowProduct::h_step, RowProduct::fu_step, RowProduct::fv_step};
+constexpr std::array start_products = {RowProduct::h, RowProduct::fu, RowProduct::fv};
 
 // Gives products the first slots that are free.
 class Multipliers {
@@ -141,9 +147,11 @@ RowSchedule row_schedule(const Config& config) {
   const Reciprocal& unit = config.row_reciprocal;
   const bool planes = has_plane_rows(config.perspective);
   const bool divides = row_divides(config);
-  int products = planes ? 6 : divides ? 5 : 8;
+  auto products = static_cast<int>(planes ? plane_products.size()
+                                          : difference_products.size() + start_products.size() +
+                                                (divides ? 0 : slope_products.size()));
   RowSchedule s;
-  s.product = row_product_ticks(config);
+  s.product = 1 + multiply_round_clocks(config.rtl.product_clocks);  // the operands' register in front
   // A unit that is not pipelined is busy with one row.
   const int iterations = divides                ? row_divide_shape(config).iterations
                          : has_table(unit.kind) ? 0
@@ -174,29 +182,22 @@ RowSchedule row_schedule(const Config& config) {
   // Tick 1 is the first register's: differences and sums.
   if (planes) {
     s.reciprocal = 1 + s.unit + 1;
-    for (const P p : {P::fu, P::fv, P::fu_step, P::fv_step, P::fu_step1, P::fv_step1}) {
-      s.latency = std::max(s.latency, place(p, s.reciprocal));
-    }
+    for (const P p : plane_products) s.latency = std::max(s.latency, place(p, s.reciprocal));
     return s;
   }
-  const int fu_diff = place(P::fu_diff, 1);
-  const int fv_diff = place(P::fv_diff, 1);
-  int h_step = 0;
-  int fu_step = 0;
-  int fv_step = 0;
+  // Ticks from which each is held: h has no difference that is multiplied.
+  std::array<int, slope_products.size()> held{};
+  for (std::size_t i = 0; i < difference_products.size(); ++i) held[i + 1] = place(difference_products[i], 1);
   if (divides) {
-    s.divide = std::max(fu_diff, fv_diff);
-    h_step = fu_step = fv_step = s.divide + s.unit + 1;  // and Q
+    s.divide = *std::ranges::max_element(held);
+    held.fill(s.divide + s.unit + 1);  // and Q
   } else {
     s.reciprocal = 1 + s.unit + 1;
-    h_step = place(P::h_step, s.reciprocal);
-    fu_step = place(P::fu_step, std::max(s.reciprocal, fu_diff));
-    fv_step = place(P::fv_step, std::max(s.reciprocal, fv_diff));
+    for (std::size_t i = 0; i < held.size(); ++i)
+      held[i] = place(slope_products[i], std::max(s.reciprocal, held[i]));
   }
-  const int h = place(P::h, h_step);
-  const int fu = place(P::fu, fu_step);
-  const int fv = place(P::fv, fv_step);
-  s.latency = std::max({h, fu, fv});
+  for (std::size_t i = 0; i < held.size(); ++i)
+    s.latency = std::max(s.latency, place(start_products[i], held[i]));
   return s;
 }
 
@@ -216,8 +217,7 @@ RtlTiming rtl_timing(const Config& config) {
           ": reciprocal.pixel.pipelined is false; the RTL makes one pixel per clock and needs true");
     }
     t.pixel_unit = reciprocal_latency(config.pixel_reciprocal, pixel_operand(config), config.rtl);
-    // h + B; then the product, shift and sum (3), Q.
-    t.span = 1 + t.pixel_unit + config.rtl.product_clocks + 3 + 1;
+    t.span = 1 + t.pixel_unit + multiply_round_clocks(config.rtl.product_clocks);  // h + B in front
   } else {
     t.span = 1;
   }

@@ -35,6 +35,9 @@ RestoringShape restoring_shape(const Reciprocal& unit, Grid operand);
 // Clocks from a unit's operand to its result: it normalises, makes the result, and quantises.
 int reciprocal_latency(const Reciprocal& unit, Grid operand, const RtlShape& shape);
 
+// rtl/multiply_round.sv, and a product of span_setup behind its operands: product, shift (2), sum, Q.
+int multiply_round_clocks(int product_clocks);
+
 // The row's dividers (`row_slope = divide`): h and f run side by side and take equally many iterations.
 struct RowDivideShape {
   int iterations = 1;
