@@ -2,7 +2,8 @@
 // span_setup of docs/numeric-spec.md: takes a row's ends (delta_f) or a plane row (const_depth_rows), delivers a span
 // record.
 //
-// Time is counted in ticks: clocks on which res_ready_i lets span_setup go on. A row is accepted on ticks that are
+// Time is counted in ticks: clocks on which span_setup goes on, which is all but those on which a span record is there
+// and res_ready_i is 0. A row is accepted on ticks that are
 // multiples of RowInterval, and tick t of a row is the t-th tick after that of its acceptance. The package says at
 // which tick each product has a multiplier, so that rows RowInterval ticks apart never meet in one:
 //
@@ -39,7 +40,7 @@ module span_setup (
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gu_step1_i,
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step0_i,
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step1_i,
-    // The span record; it is delivered where res_valid_o and res_ready_i are both 1, and res_ready_i 0 stops all.
+    // The span record; it is delivered where res_valid_o and res_ready_i are both 1. One that waits stops all.
     output logic res_valid_o,
     input  logic res_ready_i,
     output logic [bitspan_cfg_pkg::SpanRecordW-1:0] res_o
@@ -57,7 +58,7 @@ module span_setup (
   // The tick modulo RowInterval, and which rows are valid: row_valid_q[k] is that of ticks 1 + k RowInterval on.
   logic en;
   logic [PhaseW-1:0] phase_q;
-  assign en = res_ready_i;
+  assign en = res_ready_i || !res_valid_o;
   if (Interval > 1) begin : gen_phase
     always_ff @(posedge clk_i or negedge rst_ni) begin
       if (!rst_ni) phase_q <= '0;

@@ -37,9 +37,8 @@ void SpanInterpolator::clock(std::uint64_t now) {
     in_.pop(now);
   }
 
-  const bool has_row = in_valid || c.setup_busy;
   span_setup_.count(c.accept                                              ? StageState::busy
-                    : c.setup_held && has_row                             ? StageState::blocked
+                    : c.setup_held                                        ? StageState::blocked
                     : in_valid || (latency_.interval > 1 && c.setup_busy) ? StageState::busy
                                                                           : StageState::starved);
   const bool pixel_stands = c.span_held || (c.out_valid && !out_ready);

@@ -38,7 +38,7 @@ struct InterpolatorClock {
   bool deliver = false;     // transfer out: a pixel left
   bool res_valid = false;   // a span record was there for span to take
   bool span_held = false;   // span stood still: the buffer at its output was full
-  bool setup_held = false;  // span_setup stood still: the FIFO behind it was full
+  bool setup_held = false;  // span_setup stood still: its span record met a full FIFO
   bool setup_busy = false;  // a span was inside span_setup
   bool active = false;      // span had a span loaded
 };
@@ -52,7 +52,10 @@ class SpanInterpolatorTiming {
   // What the next clock will see of them.
   bool out_valid() const { return out_ != 0; }
   bool res_valid() const { return !records_.empty(); }
-  bool setup_held() const { return records_.size() == static_cast<std::size_t>(latency_.fifo); }
+  bool setup_held() const {
+    return !setup_.empty() && setup_.front().due == setup_ticks_ &&
+           records_.size() == static_cast<std::size_t>(latency_.fifo);
+  }
   bool span_held() const { return out_ == out_room; }
   bool setup_busy() const { return !setup_.empty(); }
   bool active() const { return active_; }

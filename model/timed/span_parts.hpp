@@ -145,9 +145,9 @@ struct Interpolator : Part {
   static StageState held(bool stands, bool has_one) {
     return stands ? StageState::blocked : has_one ? StageState::busy : StageState::starved;
   }
-  // That of span_setup. is_held: the FIFO behind it is full; has_rows: rows are inside.
+  // That of span_setup. is_held: its span record meets a full FIFO; has_rows: rows are inside.
   StageState setup_state(bool is_held, bool in_valid, bool has_rows) const {
-    return held(is_held && (in_valid || has_rows), in_valid || (latency.interval > 1 && has_rows));
+    return held(is_held, in_valid || (latency.interval > 1 && has_rows));
   }
 };
 

@@ -26,7 +26,8 @@ class RegisterReference {
     const bool issue = loaded_ > 0 && en_p;
     const bool res_valid = !fifo_.empty();
     const bool take = res_valid && (loaded_ == 0 || (loaded_ == 1 && issue));
-    const bool en_s = fifo_.size() < static_cast<std::size_t>(latency_.fifo);
+    const bool room = fifo_.size() < static_cast<std::size_t>(latency_.fifo);
+    const bool en_s = room || setup_.back() == 0;
     now.in_ready = en_s && phase_ == 0;
     now.out_valid = skid_valid_;
     now.accept = in_valid && now.in_ready;
