@@ -229,6 +229,12 @@ Result first_violation(const Config& c) {
     return Violation{"reciprocal.pixel.pipelined",
                      "is false, and the span takes one pixel per clock; legal: true"};
   }
+  if (c.rtl.pixel_clocks > 1 && c.rtl.pixel_clocks < 2 * c.rtl.product_digits) {
+    return Violation{"rtl.pixel_clocks",
+                     "is " + std::to_string(c.rtl.pixel_clocks) + ", and u and v have one multiplier for " +
+                         std::to_string(c.rtl.product_digits) + " clocks each; legal: 1, or at least " +
+                         std::to_string(2 * c.rtl.product_digits)};
+  }
   if (c.depth_overflow == Overflow::wrap_sm) {
     return Violation{
         "depth.overflow",

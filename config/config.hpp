@@ -88,7 +88,9 @@ struct RtlShape {
   int product_clocks = 3;     // of each multiplication
   int normalise_clocks = 3;   // of a reciprocal unit's operand
   int setup_multipliers = 1;  // products that span_setup may form per clock
+  int product_digits = 1;     // clocks for which a product that takes turns has its multiplier
   int fifo = 1;               // span records that fit between span_setup and span
+  int pixel_clocks = 1;       // delta_f: clocks per pixel of span; from 2 on u and v take turns
   bool operator==(const RtlShape&) const = default;
 };
 

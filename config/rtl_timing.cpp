@@ -81,6 +81,10 @@ int reciprocal_latency(const Reciprocal& unit, Grid operand, const RtlShape& sha
 
 int multiply_round_clocks(int product_clocks) { return product_clocks + 2 + 1 + 1; }
 
+int shared_product_clocks(const RtlShape& shape) {
+  return shape.product_digits > 1 ? shape.product_digits + 1 : shape.product_clocks;
+}
+
 RowDivideShape row_divide_shape(const Config& config) {
   const Grid end_h = grid_of(config.format(FormatId::edge_h));
   const Grid h = end_h - end_h;
@@ -105,15 +109,19 @@ constexpr std::array difference_products = {RowProduct::fu_diff, RowProduct::fv_
 constexpr std::array slope_products = {RowProduct::h_step, RowProduct::fu_step, RowProduct::fv_step};
 constexpr std::array start_products = {RowProduct::h, RowProduct::fu, RowProduct::fv};
 
-// Gives products the first slots that are free.
+// Gives products the first slots that are free. A slot has as many ticks as a product has digits, and the
+// interval is a multiple of them.
 class Multipliers {
  public:
-  Multipliers(int multipliers, int interval)
+  Multipliers(int multipliers, int interval, int digits)
       : interval_(interval),
+        digits_(digits),
         taken_(static_cast<std::size_t>(multipliers * interval)),
         multipliers_(multipliers) {}
   RowSchedule::Slot take(int first) {
+    if (offset_ < 0) offset_ = first % digits_;
     for (int tick = first;; ++tick) {
+      if (tick % digits_ != offset_) continue;
       for (int m = 0; m < multipliers_; ++m) {
         const auto place = static_cast<std::size_t>(tick % interval_);
         const std::size_t at = place * static_cast<std::size_t>(multipliers_) + static_cast<std::size_t>(m);
@@ -126,6 +134,8 @@ class Multipliers {
 
  private:
   int interval_;
+  int digits_;
+  int offset_ = -1;  // of the slots: the first product waits for nothing
   std::vector<bool> taken_;
   int multipliers_;
 };
@@ -137,7 +147,7 @@ int place_newton(const Config& config, Multipliers& multipliers, RowSchedule& s)
     const RowSchedule::Slot slot = multipliers.take(tick);
     s.newton[static_cast<std::size_t>(k)] = slot;
     // The factors' register, the product; behind nq y the difference 2 - nq y.
-    tick = slot.tick + 1 + config.rtl.product_clocks + (k % 2 == 0 ? 1 : 0);
+    tick = slot.tick + 1 + shared_product_clocks(config.rtl) + (k % 2 == 0 ? 1 : 0);
   }
   return tick;
 }
@@ -151,16 +161,17 @@ RowSchedule row_schedule(const Config& config) {
                                           : difference_products.size() + start_products.size() +
                                                 (divides ? 0 : slope_products.size()));
   RowSchedule s;
-  s.product = 1 + multiply_round_clocks(config.rtl.product_clocks);  // the operands' register in front
+  s.product =
+      1 + multiply_round_clocks(shared_product_clocks(config.rtl));  // the operands' register in front
   // A unit that is not pipelined is busy with one row.
   const int iterations = divides                ? row_divide_shape(config).iterations
                          : has_table(unit.kind) ? 0
                                                 : restoring_shape(unit, row_operand(config)).iterations;
   const auto interval = [&] {
     const int multipliers = std::min(config.rtl.setup_multipliers, products);
-    return std::max(ceil_div(products, multipliers), unit.pipelined   ? 1
-                                                     : iterations > 0 ? iterations + 1
-                                                                      : s.unit);
+    const int busy = unit.pipelined ? 1 : iterations > 0 ? iterations + 1 : s.unit;
+    const int digits = config.rtl.product_digits;
+    return ceil_div(std::max(ceil_div(products, multipliers) * digits, busy), digits) * digits;
   };
   s.unit = divides ? 1 + restoring_clocks(unit, iterations)  // magnitude, quotient bits
                    : reciprocal_latency(unit, row_operand(config), config.rtl);
@@ -172,7 +183,8 @@ RowSchedule row_schedule(const Config& config) {
     s.unit += s.newton_products;  // as many registers in front of the products
     s.interval = interval();
   }
-  Multipliers multipliers(std::min(config.rtl.setup_multipliers, products), s.interval);
+  Multipliers multipliers(std::min(config.rtl.setup_multipliers, products), s.interval,
+                          config.rtl.product_digits);
   if (s.newton_products > 0) s.unit = place_newton(config, multipliers, s);  // tick 1 and Q cancel each other
   const auto place = [&](P product, int first) {
     const RowSchedule::Slot slot = multipliers.take(first);
@@ -217,7 +229,13 @@ RtlTiming rtl_timing(const Config& config) {
           ": reciprocal.pixel.pipelined is false; the RTL makes one pixel per clock and needs true");
     }
     t.pixel_unit = reciprocal_latency(config.pixel_reciprocal, pixel_operand(config), config.rtl);
-    t.span = 1 + t.pixel_unit + multiply_round_clocks(config.rtl.product_clocks);  // h + B in front
+    t.pixel_interval = config.rtl.pixel_clocks;
+    const int h_sum = 1;
+    // In turns: v's slot behind u's, and the operands' register.
+    t.span = h_sum + t.pixel_unit +
+             (t.pixel_interval > 1
+                  ? config.rtl.product_digits + 1 + multiply_round_clocks(shared_product_clocks(config.rtl))
+                  : multiply_round_clocks(config.rtl.product_clocks));
   } else {
     t.span = 1;
   }

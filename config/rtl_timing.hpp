@@ -35,8 +35,10 @@ RestoringShape restoring_shape(const Reciprocal& unit, Grid operand);
 // Clocks from a unit's operand to its result: it normalises, makes the result, and quantises.
 int reciprocal_latency(const Reciprocal& unit, Grid operand, const RtlShape& shape);
 
-// rtl/multiply_round.sv, and a product of span_setup behind its operands: product, shift (2), sum, Q.
+// rtl/multiply_round.sv, and a product of setup_mac behind its operands: product, shift (2), sum, Q.
 int multiply_round_clocks(int product_clocks);
+// Clocks of a product whose multiplier others use, too: that of rtl/mul_pipe.sv or of mul_digits.sv.
+int shared_product_clocks(const RtlShape& shape);
 
 // The row's dividers (`row_slope = divide`): h and f run side by side and take equally many iterations.
 struct RowDivideShape {
@@ -84,8 +86,9 @@ struct RowSchedule {
 };
 
 struct RtlTiming {
-  int pixel_unit = 0;  // latency of the pixel reciprocal, 0 where the mode has none
-  int span = 0;        // LP: issue to the buffer at the output
+  int pixel_unit = 0;      // latency of the pixel reciprocal, 0 where the mode has none
+  int pixel_interval = 1;  // N: clocks from one pixel's issue to the next, in delta_f
+  int span = 0;            // LP: issue to the buffer at the output
   RowSchedule row;
 };
 

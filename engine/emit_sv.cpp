@@ -171,6 +171,9 @@ std::string emit_sv(const Config& config) {
   w.line("");
   w.line("  // Clocks; docs/rtl.md.");
   w.integer("ProductClocks", config.rtl.product_clocks);
+  w.integer("SharedProductClocks", shared_product_clocks(config.rtl));
+  w.integer("ProductDigits", config.rtl.product_digits);
+  w.integer("PixelInterval", timing.pixel_interval);
   w.integer("NormaliseClocks", config.rtl.normalise_clocks);
   w.integer("RowUnitClocks", timing.row.unit);
   w.integer("PixelUnitClocks", timing.pixel_unit);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// span of docs/numeric-spec.md: walks a span record's pixels and issues one per clock.
+// span of docs/numeric-spec.md: walks a span record's pixels and issues one per PixelInterval clocks.
 //
 //   delta_f            issue: h, fu, fv | h + B | R_pixel(h + B) | u = u1 + fu / (h + B), v: product, shift (2), sum, Q
 //   const_depth_rows   issue: fu, fv    | u = fu, v = fv
 //
 // A record is taken while no span is active, or on the clock that issues the last pixel of one. Behind the issue,
-// everything shifts together on en, which a buffer of two pixels at the output gives from a register.
+// everything shifts together on en, which a buffer of two pixels at the output gives from a register. Enabled clocks are
+// ticks, as in span_setup: with an interval above 1 pixels are issued on its multiples, u and v take turns in one
+// multiplier, and what waits is held instead of shifted. Tick t of a pixel is the t-th after that of its issue.
 module span (
     input  logic clk_i,
     input  logic rst_ni,
@@ -42,7 +44,15 @@ module span (
   localparam int OutUvW = bitspan_cfg_pkg::SpanUvW;
   localparam int PixelUnitClocks = bitspan_cfg_pkg::PixelUnitClocks;
   localparam int ProductClocks = bitspan_cfg_pkg::ProductClocks;
-  localparam int Clocks = (bitspan_cfg_pkg::ConstDepthRows != 0) ? 1 : 1 + PixelUnitClocks + ProductClocks + 4;
+  localparam int Interval = bitspan_cfg_pkg::PixelInterval;
+  localparam int PhaseTicksW = (Interval > 1) ? $clog2(Interval) : 1;
+  // The ticks of the reciprocal, of the later slot of u and v in their multiplier, and of the pixel at the output.
+  localparam int RecipTick = 1 + PixelUnitClocks;
+  localparam int Digits = bitspan_cfg_pkg::ProductDigits;
+  localparam int LastSlot = (Interval > 1) ? RecipTick + Digits : RecipTick;
+  localparam int SharedProductClocks = bitspan_cfg_pkg::SharedProductClocks;
+  localparam int Clocks = (bitspan_cfg_pkg::ConstDepthRows != 0) ? 1 :
+                          (Interval > 1) ? LastSlot + 1 + SharedProductClocks + 4 : RecipTick + ProductClocks + 4;
 
   logic [IndexW-1:0] res_x, res_count;
   logic [bitspan_cfg_pkg::RowRecipOutW-1:0] unused_m;
@@ -62,13 +72,27 @@ module span (
 
   logic en, last_q, take, active_q;
   logic [IndexW-1:0] x_q, left_q;
-  assign take = res_valid_i && (!active_q || (last_q && en));
+  // The tick modulo Interval, and whether a pixel is issued on it where there is one.
+  logic [PhaseTicksW-1:0] tick_q;
+  logic slot, issues;
+  if (Interval > 1) begin : gen_ticks
+    always_ff @(posedge clk_i or negedge rst_ni) begin
+      if (!rst_ni) tick_q <= '0;
+      else if (en) tick_q <= (tick_q == PhaseTicksW'(Interval - 1)) ? '0 : tick_q + PhaseTicksW'(1);
+    end
+    assign slot = tick_q == '0;
+  end else begin : gen_each_tick
+    assign tick_q = '0;
+    assign slot = 1'b1;
+  end
+  assign issues = en && slot;
+  assign take = res_valid_i && (!active_q || (last_q && issues));
   assign take_o = take;
 
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) active_q <= 1'b0;
     else if (take) active_q <= 1'b1;
-    else if (en && last_q) active_q <= 1'b0;
+    else if (issues && last_q) active_q <= 1'b0;
   end
   // last_q: one pixel is left.
   always_ff @(posedge clk_i) begin
@@ -76,7 +100,7 @@ module span (
       x_q <= res_x;
       left_q <= res_count;
       last_q <= res_count == IndexW'(1);
-    end else if (active_q && en) begin
+    end else if (active_q && issues) begin
       x_q <= x_q + IndexW'(1);
       left_q <= left_q - IndexW'(1);
       last_q <= left_q == IndexW'(2);
@@ -101,7 +125,7 @@ module span (
       if (take) begin
         phase_q <= res_phase;
         k_q <= res_k;
-      end else if (active_q && en) begin
+      end else if (active_q && issues) begin
         phase_q <= sum[PhaseW-1:0];
       end
     end
@@ -132,7 +156,7 @@ module span (
     if (take) begin
       h_q <= res_h;
       h_step_q <= res_h_step;
-    end else if (active_q && en) begin
+    end else if (active_q && issues) begin
       h_q <= h_next;
     end
   end
@@ -160,7 +184,7 @@ module span (
         acc_q <= (i == 0) ? res_fu : res_fv;
         step0_q <= (i == 0) ? res_fu_step0 : res_fv_step0;
         step1_q <= (i == 0) ? res_fu_step1 : res_fv_step1;
-      end else if (active_q && en) begin
+      end else if (active_q && issues) begin
         acc_q <= acc_next;
       end
     end
@@ -171,7 +195,7 @@ module span (
   logic [Clocks-1:0] valid_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) valid_q <= '0;
-    else if (en) valid_q <= Clocks'({valid_q, active_q});
+    else if (en) valid_q <= Clocks'({valid_q, active_q && slot});
   end
   // fv stands above fu, and v above u.
   localparam int PixelW = IndexW + 2 + HW + 2 * AccW + MW + EW + 2 * OutUvW;
@@ -258,35 +282,106 @@ module span (
     // A normalised mantissa is at most 1.
     localparam int MantissaTopAlone = (bitspan_cfg_pkg::PixelRecipNormalize != 0 &&
         bitspan_cfg_pkg::PixelRecipOutSigned == 0 && MW == bitspan_cfg_pkg::PixelRecipOutFrac + 1) ? 1 : 0;
-    logic [2*AccW-1:0] f_w;
-    logic [2*OutUvW-1:0] uv;
-    for (genvar i = 0; i < 2; i++) begin : gen_uv
-      // The numerator and what its quotient is added to, beside the sum and the reciprocal.
-      logic [AccW-1:0] f, numerator;
+    // The numerator, the reciprocal, and what their product is added to: at u's slot, and at v's.
+    logic [2*AccW-1:0] numerator, f_out;
+    logic [2*MW-1:0] mantissa;
+    logic [2*EW-1:0] exponent;
+    logic [2*(UvW+1)-1:0] addend;
+    for (genvar i = 0; i < 2; i++) begin : gen_factors
+      localparam int Slot = (i == 0) ? RecipTick : LastSlot;
       logic [UvW-1:0] base_q, base;
-      logic signed [UvW:0] addend;
-      assign f = f_q[i*AccW+:AccW];
       assign base_q = (i == 0) ? u1_q : v1_q;
-      delay_line #(
+      pixel_delay #(
           .Width(AccW + UvW),
-          .Depth(1 + PixelUnitClocks)
+          .From(0),
+          .To(Slot)
       ) u_numerator (
           .clk_i,
           .en_i(en),
-          .d_i ({f, base_q}),
-          .q_o ({numerator, base})
+          .phase_i(tick_q),
+          .d_i({f_q[i*AccW+:AccW], base_q}),
+          .q_o({numerator[i*AccW+:AccW], base})
       );
-      assign f_w[i*AccW+:AccW] = numerator;
-      assign addend = $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & base[UvW-1], base});
+      pixel_delay #(
+          .Width(MW + EW),
+          .From(RecipTick),
+          .To(Slot)
+      ) u_recip (
+          .clk_i,
+          .en_i(en),
+          .phase_i(tick_q),
+          .d_i({recip_m, recip_e}),
+          .q_o({mantissa[i*MW+:MW], exponent[i*EW+:EW]})
+      );
+      pixel_delay #(
+          .Width(AccW),
+          .From(Slot),
+          .To(Clocks)
+      ) u_f (
+          .clk_i,
+          .en_i(en),
+          .phase_i(tick_q),
+          .d_i(numerator[i*AccW+:AccW]),
+          .q_o(f_out[i*AccW+:AccW])
+      );
+      assign addend[i*(UvW+1)+:UvW+1] = {(bitspan_cfg_pkg::EdgeUvSigned != 0) & base[UvW-1], base};
+    end
+
+    logic [2*OutUvW-1:0] uv;
+    if (Interval == 1) begin : gen_side_by_side
+      for (genvar i = 0; i < 2; i++) begin : gen_uv
+        logic signed [UvW:0] c;
+        logic signed [EW-1:0] e;
+        assign c = addend[i*(UvW+1)+:UvW+1];
+        assign e = exponent[i*EW+:EW];
+        multiply_round #(
+            .AW(AccW),
+            .AFrac(bitspan_cfg_pkg::TexAccFrac),
+            .ASigned(bitspan_cfg_pkg::TexAccSigned),
+            .BW(MW),
+            .BFrac(bitspan_cfg_pkg::PixelRecipOutFrac),
+            .BSigned(bitspan_cfg_pkg::PixelRecipOutSigned),
+            .BTopAlone(MantissaTopAlone),
+            .CW(UvW + 1),
+            .CFrac(bitspan_cfg_pkg::EdgeUvFrac),
+            .EW(EW),
+            .EMin(bitspan_cfg_pkg::PixelRecipEMin),
+            .EMax(bitspan_cfg_pkg::PixelRecipEMax),
+            .OutW(OutUvW),
+            .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
+            .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
+            .OutRnd(bitspan_cfg_pkg::SpanUvRnd),
+            .OutOvf(bitspan_cfg_pkg::SpanUvOvf),
+            .ProductClocks(ProductClocks)
+        ) u_uv (
+            .clk_i,
+            .en_i(en),
+            .a_i(numerator[i*AccW+:AccW]),
+            .b_i(mantissa[i*MW+:MW]),
+            .c_i(c),
+            .e_i(e),
+            .q_o(uv[i*OutUvW+:OutUvW])
+        );
+      end
+    end else begin : gen_in_turns
+      logic [1:0] select_q;
       logic [OutUvW-1:0] q;
-      multiply_round #(
+      always_ff @(posedge clk_i or negedge rst_ni) begin
+        if (!rst_ni) begin
+          select_q <= '0;
+        end else if (en) begin
+          select_q <= {tick_q == PhaseTicksW'((LastSlot - 1) % Interval),
+                       tick_q == PhaseTicksW'((RecipTick - 1) % Interval)};
+        end
+      end
+      multiply_round_turns #(
+          .Turns(2),
           .AW(AccW),
           .AFrac(bitspan_cfg_pkg::TexAccFrac),
           .ASigned(bitspan_cfg_pkg::TexAccSigned),
           .BW(MW),
           .BFrac(bitspan_cfg_pkg::PixelRecipOutFrac),
           .BSigned(bitspan_cfg_pkg::PixelRecipOutSigned),
-          .BTopAlone(MantissaTopAlone),
           .CW(UvW + 1),
           .CFrac(bitspan_cfg_pkg::EdgeUvFrac),
           .EW(EW),
@@ -297,41 +392,60 @@ module span (
           .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
           .OutRnd(bitspan_cfg_pkg::SpanUvRnd),
           .OutOvf(bitspan_cfg_pkg::SpanUvOvf),
-          .ProductClocks(ProductClocks)
+          .ProductClocks(SharedProductClocks),
+          .Digits(Digits)
       ) u_uv (
           .clk_i,
+          .rst_ni,
           .en_i(en),
+          .select_i(select_q),
           .a_i(numerator),
-          .b_i(recip_m),
+          .b_i(mantissa),
           .c_i(addend),
-          .e_i(recip_e),
+          .e_i(exponent),
           .q_o(q)
       );
-      assign uv[i*OutUvW+:OutUvW] = q;
+      // v comes Digits ticks behind u, and goes out with it.
+      for (genvar i = 0; i < 2; i++) begin : gen_uv
+        pixel_delay #(
+            .Width(OutUvW),
+            .From((i == 0) ? Clocks - 1 - Digits : Clocks - 1),
+            .To(Clocks)
+        ) u_q (
+            .clk_i,
+            .en_i(en),
+            .phase_i(tick_q),
+            .d_i(q),
+            .q_o(uv[i*OutUvW+:OutUvW])
+        );
+      end
     end
 
     // What is only delivered waits until u and v are there.
     logic [IndexW-1:0] x_out;
     logic last_out;
     logic [HW-1:0] h_out;
-    logic [2*AccW-1:0] f_out;
-    delay_line #(
+    pixel_delay #(
         .Width(IndexW + 1 + HW),
-        .Depth(Clocks)
+        .From(0),
+        .To(Clocks)
     ) u_pixel (
         .clk_i,
         .en_i(en),
-        .d_i ({x_q, last_q, h_q}),
-        .q_o ({x_out, last_out, h_out})
+        .phase_i(tick_q),
+        .d_i({x_q, last_q, h_q}),
+        .q_o({x_out, last_out, h_out})
     );
-    delay_line #(
-        .Width(2 * AccW + MW + EW),
-        .Depth(ProductClocks + 4)
-    ) u_factors (
+    pixel_delay #(
+        .Width(MW + EW),
+        .From(RecipTick),
+        .To(Clocks)
+    ) u_recip (
         .clk_i,
         .en_i(en),
-        .d_i ({f_w, recip_m, recip_e}),
-        .q_o ({f_out, recip_m_out, recip_e_out})
+        .phase_i(tick_q),
+        .d_i({recip_m, recip_e}),
+        .q_o({recip_m_out, recip_e_out})
     );
     assign pixel = {x_out, 1'b0, last_out, h_out, f_out, recip_m_out, recip_e_out, uv};
   end else begin : gen_const_depth_rows

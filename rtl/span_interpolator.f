@@ -4,6 +4,7 @@ delay_line.sv
 skid.sv
 fifo.sv
 mul_pipe.sv
+mul_digits.sv
 lzc.sv
 lzc_norm.sv
 shift_add.sv
@@ -17,6 +18,8 @@ row_hold.sv
 row_product.sv
 row_divide.sv
 setup_mac.sv
+multiply_round_turns.sv
+pixel_delay.sv
 span_setup.sv
 span.sv
 span_interpolator.sv

@@ -109,8 +109,9 @@ module span_setup (
             (32'(bitspan_cfg_pkg::RowTicks[16*k+:16]) + Interval - 1) % Interval == 32'(phase_q);
       end
     end
-    always_ff @(posedge clk_i) begin
-      if (en) now_q <= next;
+    always_ff @(posedge clk_i or negedge rst_ni) begin
+      if (!rst_ni) now_q <= '0;
+      else if (en) now_q <= next;
     end
     setup_mac #(
         .Products(Places),
@@ -120,9 +121,11 @@ module span_setup (
         .SumW(bitspan_cfg_pkg::RowSumW),
         .ShiftBase(bitspan_cfg_pkg::RowShiftBase),
         .ShiftMax(ShiftMax),
-        .ProductClocks(bitspan_cfg_pkg::ProductClocks)
+        .ProductClocks(bitspan_cfg_pkg::SharedProductClocks),
+        .Digits(bitspan_cfg_pkg::ProductDigits)
     ) u_mac (
         .clk_i,
+        .rst_ni,
         .en_i(en),
         .select_i(now_q),
         .a_i(a),
@@ -198,7 +201,7 @@ module span_setup (
         .EW(bitspan_cfg_pkg::ExponentW),
         .TableEntries(bitspan_cfg_pkg::RowRecipTableEntries),
         .NormaliseClocks(bitspan_cfg_pkg::NormaliseClocks),
-        .ProductClocks(bitspan_cfg_pkg::ProductClocks),
+        .ProductClocks((Newton > 0) ? bitspan_cfg_pkg::SharedProductClocks : bitspan_cfg_pkg::ProductClocks),
         .Clocks(bitspan_cfg_pkg::RowUnitClocks),
         .Shared(Newton),
         .StartTick(1),

@@ -116,6 +116,34 @@ class Counter {
     add_registers(a + b, std::max(1, clocks - 2));
   }
 
+  // rtl/mul_digits.sv.
+  void multiply_digits(int a, int b) {
+    const int digits = c_.rtl.product_digits;
+    const int digit = ceil_div(b, digits);
+    shape_.products += double(a) * digit;
+    const int blocks = ceil_div(a - 1, limb) * ceil_div(digit, limb);
+    shape_.blocks += blocks;
+    shape_.joins += double(blocks - 1) * std::max(a, digit);
+    shape_.sums += a + digit;
+    shape_.selects += digits * digit;
+    add_registers(2 * (a + digit) + (digits - 1) * (digit + 1));
+  }
+
+  // rtl/setup_mac.sv: one multiplier, with a choice of the operands of `products`. Where nothing is added
+  // that is no constant, c is of no bits.
+  void turns(int products, int a, int b, int c, int shift, int shift_base, int shift_max, int kept) {
+    if (c_.rtl.product_digits > 1) {
+      multiply_digits(a, b);
+      add_registers(a + b + 3 * c + 2 * shift + c_.rtl.product_digits + 2);
+    } else {
+      const int clocks = c_.rtl.product_clocks;
+      add_registers(a + b + c * (3 + clocks) + shift * (1 + clocks));
+      multiply(a, true, b, true);
+    }
+    shift_add(a + b, shift_base, shift_max, kept);
+    shape_.selects += double(products) * (a + b + shift);
+  }
+
   // rtl/shift_add.sv: x 2^-(base + shift) + c in `kept` bits.
   void shift_add(int x, int base, int shift_max, int kept) {
     const int aligned = std::max(1, x - base);
@@ -135,20 +163,17 @@ class Counter {
   int tick(P product) const { return timing_.row.slot(product).tick; }
   int done(P product) const { return tick(product) + timing_.row.product; }
 
-  // rtl/setup_mac.sv: one per multiplier, each with a choice of the operands of its products.
   void multipliers() {
     const RowMultipliers m = row_multipliers(c_, timing_.row);
     const int shift = bits_of(m.shift_max);
-    const int clocks = c_.rtl.product_clocks;
     for (int i = 0; i < m.count; ++i) {
       // Only h adds what is no constant.
       const bool adds = !planes_ && timing_.row.slot(P::h).multiplier == i;
-      add_registers(m.a + m.b + (adds ? m.c * (3 + clocks) : 0) + shift * (1 + clocks));
-      multiply(m.a, true, m.b, true);
-      shift_add(m.a + m.b, m.shift_base, m.shift_max, m.sum);
+      const auto products = std::ranges::count_if(timing_.row.slots, [&](const RowSchedule::Slot& slot) {
+        return slot.tick >= 0 && slot.multiplier == i;
+      });
+      turns(static_cast<int>(products), m.a, m.b, adds ? m.c : 0, shift, m.shift_base, m.shift_max, m.sum);
     }
-    for (const RowSchedule::Slot& slot : timing_.row.slots)
-      if (slot.tick >= 0) shape_.selects += m.a + m.b + shift;
     shape_.selects += double(timing_.row.newton_products) * (m.a + m.b);
     add_registers(bits_of(timing_.row.interval - 1) + (timing_.row.latency - 1) / timing_.row.interval + 1);
   }
@@ -285,22 +310,40 @@ class Counter {
     shape_.sums += operand.bits();
     add_registers(operand.bits());
     reciprocal(c_.pixel_reciprocal, operand);
-    add_registers(2 * (f.word + uv.word), 1 + timing_.pixel_unit);
-    add_registers(pixel_index_bits(c_) + 1 + word(F::span_h), timing_.span);
-    // rtl/multiply_round.sv, twice; both have the same shift. A normalised mantissa is at most 1.
+    const int recip = 1 + timing_.pixel_unit;
+    const int v_slot = recip + (timing_.pixel_interval > 1 ? c_.rtl.product_digits : 0);
+    pixel_delay(f.word + uv.word, recip);
+    pixel_delay(f.word + uv.word, v_slot);
+    pixel_delay(pixel_index_bits(c_) + 1 + word(F::span_h), timing_.span);
+    // A normalised mantissa is at most 1.
     const bool top_alone = c_.pixel_reciprocal.normalize && !m.is_signed && m.word == m.fraction() + 1;
     const int fraction = std::max(uv.fraction(), to.fraction() + 1);
     const int added = uv.word + 1 + fraction - uv.fraction() + 1;
     const int kept = std::max(to.word + fraction - to.fraction() + 1, added) + 4;
-    add_registers(bits_of(e.high - e.low), clocks);
+    const int shift_base = f.fraction() + m.fraction() + e.low - fraction;
+    const int shift_max = e.high - e.low;
+    if (timing_.pixel_interval > 1) {
+      pixel_delay(m.word + bits_of(shift_max), v_slot - recip);
+      turns(2, as_signed(grid_of(f)).bits(), as_signed(grid_of(m)).bits(), added, bits_of(shift_max),
+            shift_base, shift_max, kept);
+      quantize(to);
+      pixel_delay(to.word, c_.rtl.product_digits + 1);
+      pixel_delay(to.word, 1);
+      add_registers(bits_of(timing_.pixel_interval - 1) + 2);
+      return;
+    }
+    // rtl/multiply_round.sv, twice; both have the same shift.
+    add_registers(bits_of(shift_max), clocks);
     for (int i = 0; i < 2; ++i) {
       multiply(f.word, f.is_signed, m.word, m.is_signed, top_alone);
-      shift_add(f.word + m.word, f.fraction() + m.fraction() + e.low - fraction, e.high - e.low, kept);
+      shift_add(f.word + m.word, shift_base, shift_max, kept);
       add_registers(uv.word + 1, clocks + 2);
       quantize(to);
       add_registers(to.word);
     }
   }
+  // rtl/pixel_delay.sv.
+  void pixel_delay(int width, int ticks) { add_registers(width, ceil_div(ticks, timing_.pixel_interval)); }
 
   // rtl/restoring_core.sv. A numerator that is a constant leaves no register of its own.
   void restoring(const Reciprocal& unit, int divisor, int iterations, bool constant_numerator,

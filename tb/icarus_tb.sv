@@ -9,7 +9,8 @@
 module icarus_tb;
   localparam int PatienceClocks = 20000;
   // From the acceptance of a record of one pixel to that pixel's transfer: nothing is inside for longer.
-  localparam int ClocksUntilEmpty = bitspan_cfg_pkg::SpanSetupClocks + 1 + bitspan_cfg_pkg::SpanClocks + 1;
+  localparam int ClocksUntilEmpty = bitspan_cfg_pkg::SpanSetupClocks + 1 +
+      bitspan_cfg_pkg::PixelInterval + bitspan_cfg_pkg::SpanClocks;
 
   logic clk, rst_n;
   logic in_valid, in_ready, out_valid, out_ready, span_take;

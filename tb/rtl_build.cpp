@@ -11,6 +11,7 @@
 #include <fstream>
 #include <limits>
 #include <mutex>
+#include <numeric>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -362,10 +363,10 @@ Rtl::Rtl(const Config& config, int initial_seed)
     : library_(std::make_shared<Library>(build_rtl(config))),
       handle_(library_->create(initial_seed), library_->destroy) {
   const RtlTiming timing = rtl_timing(config);
-  // What is left in span_setup, the FIFO, span and the buffer at its output. Whole intervals: an empty
-  // span_setup then is where it would be without these clocks.
-  const int interval = timing.row.interval;
-  const int left = timing.row.latency + interval + 1 + timing.span + 2;
+  // What is left in span_setup, the FIFO, span and the buffer at its output. Whole intervals of rows and of
+  // pixels: both stages are then where they would be without these clocks.
+  const int interval = std::lcm(timing.row.interval, timing.pixel_interval);
+  const int left = timing.row.latency + timing.row.interval + 1 + timing.pixel_interval + timing.span + 2;
   clocks_until_empty_ = (left + interval - 1) / interval * interval;
   reset();
 }

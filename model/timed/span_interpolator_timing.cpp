@@ -17,6 +17,7 @@ InterpolatorLatency interpolator_latency(const Config& config) {
   latency.interval = rtl.row.interval;
   latency.fifo = config.rtl.fifo;
   latency.span = has_linear_edges(config.perspective) ? 1 : rtl.span;
+  if (has_pixel_reciprocal(config.perspective)) latency.pixel_interval = rtl.pixel_interval;
   const bool pixel_divides =
       has_pixel_reciprocal(config.perspective) || has_pixel_quotients(config.perspective);
   const bool waits_for_pixel_unit = pixel_divides && !config.pixel_reciprocal.pipelined;

@@ -19,7 +19,7 @@ struct InterpolatorLatency {
   int interval = 1;        // ticks from one acceptance to the next, >= 1
   int fifo = 2;            // span records that fit between span_setup and span
   int span = 1;            // LP: clocks from issue to the buffer at the output, >= 1
-  int pixel_interval = 1;  // clocks from one pixel's issue to the next, >= 1; 1 wherever there is RTL
+  int pixel_interval = 1;  // clocks from one pixel's issue to the next, >= 1
   bool exact = true;       // the RTL has these numbers; else an estimate (docs/timing.md)
 };
 
@@ -79,6 +79,11 @@ class SpanInterpolatorTiming {
   bool accepts() const {
     return !setup_held() && setup_ticks_ % static_cast<std::uint64_t>(latency_.interval) == 0;
   }
+  // A pixel is issued on shifts that are multiples of the interval.
+  std::uint64_t ticks_to_issue() const {
+    const auto interval = static_cast<std::uint64_t>(latency_.pixel_interval);
+    return (interval - pixel_ticks_ % interval) % interval;
+  }
 
   InterpolatorLatency latency_;
   // Every stage of a pipeline shifts together, so a record's place is the number of shifts since it entered.
@@ -90,8 +95,7 @@ class SpanInterpolatorTiming {
   std::uint64_t pixel_ticks_ = 0;  // shifts of span
   int out_ = 0;                    // pixels in the buffer at the output
   bool active_ = false;
-  std::int64_t remaining_ = 0;         // pixels of the loaded span still to issue
-  std::uint64_t next_issue_tick_ = 0;  // pixel_ticks_ from which the next pixel may be issued
+  std::int64_t remaining_ = 0;  // pixels of the loaded span still to issue
 };
 
 inline InterpolatorClock SpanInterpolatorTiming::clock(bool in_valid, std::int64_t count, bool out_ready) {
@@ -100,7 +104,7 @@ inline InterpolatorClock SpanInterpolatorTiming::clock(bool in_valid, std::int64
   now.span_held = span_held();
   const bool en_p = !now.span_held;
   now.deliver = now.out_valid && out_ready;
-  now.issue = active_ && en_p && pixel_ticks_ >= next_issue_tick_;
+  now.issue = active_ && en_p && ticks_to_issue() == 0;
   const bool issues_last = now.issue && remaining_ == 1;
   const bool arrives = en_p && !pixels_.empty() && pixels_.front() == pixel_ticks_;
 
@@ -118,7 +122,6 @@ inline InterpolatorClock SpanInterpolatorTiming::clock(bool in_valid, std::int64
   if (arrives) pixels_.pop();
   if (now.issue) {
     pixels_.push(pixel_ticks_ + static_cast<std::uint64_t>(latency_.span));
-    next_issue_tick_ = pixel_ticks_ + static_cast<std::uint64_t>(latency_.pixel_interval);
     if (--remaining_ == 0) active_ = false;
   }
   if (en_p) ++pixel_ticks_;
@@ -148,7 +151,7 @@ inline std::uint64_t SpanInterpolatorTiming::rest(bool in_valid, bool out_ready)
     if (!setup_.empty()) clocks = std::min(clocks, setup_.front().due - setup_ticks_);
   }
   if (!span_held()) {
-    if (active_) clocks = std::min(clocks, next_issue_tick_ - std::min(next_issue_tick_, pixel_ticks_));
+    if (active_) clocks = std::min(clocks, ticks_to_issue());
     if (!pixels_.empty()) clocks = std::min(clocks, pixels_.front() - pixel_ticks_);
   }
   return clocks;

@@ -58,19 +58,23 @@ void check_clocks(const Config& c, const InterpolatorCase& given, const RtlRun& 
   EXPECT_EQ(run.taken_at[0], run.accepted_at[0] + static_cast<std::uint64_t>(t.row.latency) + 1);
   // One clock of the buffer at the output.
   const std::uint64_t span = static_cast<std::uint64_t>(t.span) + 1;
-  EXPECT_EQ(run.delivered_at[0], run.taken_at[0] + 1 + span);
+  const auto per_pixel = static_cast<std::uint64_t>(t.pixel_interval);
   std::size_t pixel = 0;
-  std::uint64_t least = 0;  // clocks that the rows cost at least
+  std::uint64_t least = per_pixel - 1;  // clocks that the rows cost at least, and those until a pixel may go
   for (std::size_t i = 0; i < given.inputs.size(); ++i) {
+    // The first clock after the take on which a pixel may be issued; nothing stands still.
+    const std::uint64_t issued = (run.taken_at[i] + per_pixel) / per_pixel * per_pixel;
     for (std::uint64_t p = 0; p < given.inputs[i].count; ++p) {
-      ASSERT_EQ(run.delivered_at[pixel++], run.taken_at[i] + 1 + p + span) << "span " << i;
+      ASSERT_EQ(run.delivered_at[pixel++], issued + p * per_pixel + span) << "span " << i;
     }
     if (i == 0) continue;
     // Rows are accepted every `interval` clocks, but where the FIFO is full; pixels follow without a bubble.
     EXPECT_GE(run.accepted_at[i], run.accepted_at[i - 1] + interval) << "span " << i;
-    EXPECT_GE(run.taken_at[i], run.taken_at[i - 1] + given.inputs[i - 1].count) << "span " << i;
-    // A FIFO of one record holds span_setup up for a clock after each of them.
-    least += std::max(interval + (c.rtl.fifo == 1 ? 1 : 0), given.inputs[i - 1].count);
+    EXPECT_GE(run.taken_at[i], run.taken_at[i - 1] + per_pixel * (given.inputs[i - 1].count - 1) + 1)
+        << "span " << i;
+    // A FIFO of one record passes one per two clocks.
+    least +=
+        std::max({interval, per_pixel * given.inputs[i - 1].count, std::uint64_t{c.rtl.fifo == 1 ? 2U : 1U}});
     EXPECT_LE(run.taken_at[i], run.taken_at[0] + least) << "a clock lost before span " << i;
   }
 }
@@ -113,6 +117,46 @@ TEST(Interpolator, RandomConfigurations) {
 TEST(Interpolator, Depth16) {
   Random random(16);
   check_config_on(random, shipped_config("depth16"), 200);
+}
+
+// Multipliers that take their factors digit by digit, in turns for u and v.
+TEST(Interpolator, DigitsAndTurns) {
+  struct Shape {
+    const char* name;
+    int digits, pixel_clocks;
+  };
+  for (const Shape& shape : {Shape{"narrow", 1, 2}, {"narrow", 4, 8}, {"depth16", 3, 1}, {"depth20", 2, 5}}) {
+    SCOPED_TRACE(shape.name);
+    Config c = shipped_config(shape.name);
+    c.rtl.product_digits = shape.digits;
+    c.rtl.pixel_clocks = shape.pixel_clocks;
+    Random random(18);
+    check_config_on(random, c, 200);
+  }
+}
+
+TEST(Interpolator, BugsInDigitsAndTurnsAreSeen) {
+  constexpr PlantedBug bugs[] = {
+      {"rtl/mul_digits.sv", "{at[Digits-1] & b[Digits*W-1], magnitude}", "{1'b0, magnitude}"},
+      {"rtl/mul_digits.sv", "(above & {(AW + W) {!at_q[0]}})", "above"},
+      {"rtl/mul_digits.sv", "assign low = high_q[W-1:0];", "assign low = high_q[W:1];"},
+      {"rtl/setup_mac.sv", "if (loaded_q[Digits-1]) begin", "if (loaded_q[Digits]) begin"},
+      {"rtl/setup_mac.sv", "if (loaded_q[Digits+1]) c_sum_q", "if (loaded_q[1]) c_sum_q"},
+      {"rtl/multiply_round_turns.sv", "(SumFrac - CFrac)) + Half", "(SumFrac - CFrac))"},
+      {"rtl/span.sv", "(LastSlot - 1) % Interval", "LastSlot % Interval"},
+      {"rtl/span.sv", "assign issues = en && slot;", "assign issues = en;"},
+      {"rtl/pixel_delay.sv", "(To - From - 1) / Interval", "(To - From) / Interval"},
+  };
+  expect_seen(bugs, [] {
+    Config c = shipped_config("narrow");
+    c.rtl.product_digits = 2;
+    c.rtl.pixel_clocks = 4;
+    Random random(19);
+    const InterpolatorCase given = make_interpolator_case(random, c, 60, 12);
+    Rtl rtl(c);
+    const std::string d = first_difference(c, given, run_rtl(rtl, given.inputs, {19, 0.3, 0.3}, false));
+    if (!d.empty()) throw std::logic_error(d);
+  });
 }
 
 // Constants that change between frames, and a span that needs every bit of the pixel index.
@@ -193,6 +237,8 @@ TEST(Interpolator, MissingResetsAreSeen) {
       {"rtl/span.sv", "if (!rst_ni) active_q <= 1'b0;", "if (!rst_ni) active_q <= active_q;"},
       {"rtl/span_setup.sv", "if (!rst_ni) row_valid_q <= '0;", "if (!rst_ni) row_valid_q <= row_valid_q;"},
       {"rtl/skid.sv", "      out_valid_o <= 1'b0;", "      // not reset"},
+      {"rtl/setup_mac.sv", "if (!rst_ni) loaded_q <= '0;", "if (!rst_ni) loaded_q <= loaded_q;"},
+      {"rtl/mul_digits.sv", "if (!rst_ni) at_q <= '0;", "if (!rst_ni) at_q <= at_q;"},
   };
   expect_seen(bugs, [] {
     const Config c = shipped_config("narrow");

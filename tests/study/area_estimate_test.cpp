@@ -100,6 +100,15 @@ TEST(AreaEstimate, KnowsTheShapeOfTheRtl) {
   config = base;
   config.rtl.normalise_clocks = 2;
   EXPECT_LT(area_shape(config).registers, shipped.registers);
+  // Digits make multipliers smaller, and turns make one of two.
+  config = base;
+  config.rtl.product_digits = 2;
+  EXPECT_LT(area_shape(config).products, shipped.products);
+  EXPECT_EQ(shipped.blocks - area_shape(config).blocks, 3);  // 3 limbs by 1
+  const AreaShape digits = area_shape(config);
+  config.rtl.pixel_clocks = 4;
+  EXPECT_LT(area_shape(config).products, digits.products);
+  EXPECT_LT(area_shape(config).registers, digits.registers);
   // The records of a FIFO are flip-flops in iCE40, and memories of LUTs in ECP5.
   config = base;
   config.rtl.fifo = 4;

@@ -23,7 +23,7 @@ class RegisterReference {
   InterpolatorClock clock(bool in_valid, std::int64_t count, bool out_ready) {
     InterpolatorClock now;
     const bool en_p = skid_ready_;
-    const bool issue = loaded_ > 0 && en_p;
+    const bool issue = loaded_ > 0 && en_p && tick_ == 0;
     const bool res_valid = !fifo_.empty();
     const bool take = res_valid && (loaded_ == 0 || (loaded_ == 1 && issue));
     const bool room = fifo_.size() < static_cast<std::size_t>(latency_.fifo);
@@ -46,6 +46,7 @@ class RegisterReference {
     if (en_p) {
       for (std::size_t i = pixels_.size() - 1; i > 0; --i) pixels_[i] = pixels_[i - 1];
       pixels_[0] = issue;
+      tick_ = (tick_ + 1) % latency_.pixel_interval;
     }
     if (issue) --loaded_;
     if (take) {
@@ -67,6 +68,7 @@ class RegisterReference {
   int phase_ = 0;
   std::vector<std::int64_t> fifo_;
   std::vector<bool> pixels_;
+  int tick_ = 0;
   bool skid_ready_ = true, skid_valid_ = false;
   std::int64_t loaded_ = 0;
 };
@@ -75,10 +77,12 @@ TEST(SpanInterpolatorTiming, EqualsTheRegistersOnEveryClock) {
   std::mt19937 random(11);
   std::uint64_t delivered = 0;
   for (int run = 0; run < 400; ++run) {
-    const InterpolatorLatency latency{.span_setup = 1 + static_cast<int>(random() % 40),
-                                      .interval = 1 + static_cast<int>(random() % 20),
-                                      .fifo = 1 + static_cast<int>(random() % 4),
-                                      .span = 1 + static_cast<int>(random() % 30)};
+    const InterpolatorLatency latency{
+        .span_setup = 1 + static_cast<int>(random() % 40),
+        .interval = 1 + static_cast<int>(random() % 20),
+        .fifo = 1 + static_cast<int>(random() % 4),
+        .span = 1 + static_cast<int>(random() % 30),
+        .pixel_interval = run % 2 == 0 ? 1 : 1 + static_cast<int>(random() % 9)};
     SpanInterpolatorTiming timing(latency);
     RegisterReference reference(latency);
     const auto gap = random() % 5;    // 0: always valid
@@ -217,7 +221,7 @@ TEST(SpanInterpolatorTiming, StallsKeepEverythingAndLoseNothing) {
   EXPECT_TRUE(timing.idle());
 }
 
-TEST(SpanInterpolatorTiming, APixelUnitThatIsNotPipelinedSpacesTheIssues) {
+TEST(SpanInterpolatorTiming, PixelsAreIssuedOnMultiplesOfTheirInterval) {
   SpanInterpolatorTiming timing({.span_setup = 2, .interval = 1, .span = 6, .pixel_interval = 4});
   std::vector<int> issues;
   for (int t = 0; t < 20; ++t) {
