@@ -291,7 +291,7 @@ module span (
       localparam int Slot = (i == 0) ? RecipTick : LastSlot;
       logic [UvW-1:0] base_q, base;
       assign base_q = (i == 0) ? u1_q : v1_q;
-      pixel_delay #(
+      span_delay #(
           .Width(AccW + UvW),
           .From(0),
           .To(Slot)
@@ -302,7 +302,7 @@ module span (
           .d_i({f_q[i*AccW+:AccW], base_q}),
           .q_o({numerator[i*AccW+:AccW], base})
       );
-      pixel_delay #(
+      span_delay #(
           .Width(MW + EW),
           .From(RecipTick),
           .To(Slot)
@@ -313,7 +313,7 @@ module span (
           .d_i({recip_m, recip_e}),
           .q_o({mantissa[i*MW+:MW], exponent[i*EW+:EW]})
       );
-      pixel_delay #(
+      span_delay #(
           .Width(AccW),
           .From(Slot),
           .To(Clocks)
@@ -407,7 +407,7 @@ module span (
       );
       // v comes Digits ticks behind u, and goes out with it.
       for (genvar i = 0; i < 2; i++) begin : gen_uv
-        pixel_delay #(
+        span_delay #(
             .Width(OutUvW),
             .From((i == 0) ? Clocks - 1 - Digits : Clocks - 1),
             .To(Clocks)
@@ -425,7 +425,7 @@ module span (
     logic [IndexW-1:0] x_out;
     logic last_out;
     logic [HW-1:0] h_out;
-    pixel_delay #(
+    span_delay #(
         .Width(IndexW + 1 + HW),
         .From(0),
         .To(Clocks)
@@ -436,7 +436,7 @@ module span (
         .d_i({x_q, last_q, h_q}),
         .q_o({x_out, last_out, h_out})
     );
-    pixel_delay #(
+    span_delay #(
         .Width(MW + EW),
         .From(RecipTick),
         .To(Clocks)

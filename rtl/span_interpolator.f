@@ -19,7 +19,7 @@ row_product.sv
 row_divide.sv
 setup_mac.sv
 multiply_round_turns.sv
-pixel_delay.sv
+span_delay.sv
 span_setup.sv
 span.sv
 span_interpolator.sv

@@ -312,9 +312,9 @@ class Counter {
     reciprocal(c_.pixel_reciprocal, operand);
     const int recip = 1 + timing_.pixel_unit;
     const int v_slot = recip + (timing_.pixel_interval > 1 ? c_.rtl.product_digits : 0);
-    pixel_delay(f.word + uv.word, recip);
-    pixel_delay(f.word + uv.word, v_slot);
-    pixel_delay(pixel_index_bits(c_) + 1 + word(F::span_h), timing_.span);
+    span_delay(f.word + uv.word, recip);
+    span_delay(f.word + uv.word, v_slot);
+    span_delay(pixel_index_bits(c_) + 1 + word(F::span_h), timing_.span);
     // A normalised mantissa is at most 1.
     const bool top_alone = c_.pixel_reciprocal.normalize && !m.is_signed && m.word == m.fraction() + 1;
     const int fraction = std::max(uv.fraction(), to.fraction() + 1);
@@ -323,12 +323,12 @@ class Counter {
     const int shift_base = f.fraction() + m.fraction() + e.low - fraction;
     const int shift_max = e.high - e.low;
     if (timing_.pixel_interval > 1) {
-      pixel_delay(m.word + bits_of(shift_max), v_slot - recip);
+      span_delay(m.word + bits_of(shift_max), v_slot - recip);
       turns(2, as_signed(grid_of(f)).bits(), as_signed(grid_of(m)).bits(), added, bits_of(shift_max),
             shift_base, shift_max, kept);
       quantize(to);
-      pixel_delay(to.word, c_.rtl.product_digits + 1);
-      pixel_delay(to.word, 1);
+      span_delay(to.word, c_.rtl.product_digits + 1);
+      span_delay(to.word, 1);
       add_registers(bits_of(timing_.pixel_interval - 1) + 2);
       return;
     }
@@ -342,8 +342,8 @@ class Counter {
       add_registers(to.word);
     }
   }
-  // rtl/pixel_delay.sv.
-  void pixel_delay(int width, int ticks) { add_registers(width, ceil_div(ticks, timing_.pixel_interval)); }
+  // rtl/span_delay.sv.
+  void span_delay(int width, int ticks) { add_registers(width, ceil_div(ticks, timing_.pixel_interval)); }
 
   // rtl/restoring_core.sv. A numerator that is a constant leaves no register of its own.
   void restoring(const Reciprocal& unit, int divisor, int iterations, bool constant_numerator,

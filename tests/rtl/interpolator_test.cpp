@@ -145,7 +145,7 @@ TEST(Interpolator, BugsInDigitsAndTurnsAreSeen) {
       {"rtl/multiply_round_turns.sv", "(SumFrac - CFrac)) + Half", "(SumFrac - CFrac))"},
       {"rtl/span.sv", "(LastSlot - 1) % Interval", "LastSlot % Interval"},
       {"rtl/span.sv", "assign issues = en && slot;", "assign issues = en;"},
-      {"rtl/pixel_delay.sv", "(To - From - 1) / Interval", "(To - From) / Interval"},
+      {"rtl/span_delay.sv", "(To - From - 1) / Interval", "(To - From) / Interval"},
   };
   expect_seen(bugs, [] {
     Config c = shipped_config("narrow");

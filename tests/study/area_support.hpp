@@ -29,7 +29,9 @@ inline Config tiny_config() {
                                               {"formats.span.uv.word", std::int64_t{7}},
                                               {"formats.span.uv.int", std::int64_t{7}},
                                               {"formats.plane.k.word", std::int64_t{6}},
-                                              {"reciprocal.row.output.word", std::int64_t{4}}});
+                                              {"reciprocal.row.output.word", std::int64_t{4}},
+                                              {"rtl.product_digits", std::int64_t{1}},
+                                              {"rtl.pixel_clocks", std::int64_t{1}}});
 }
 
 }  // namespace bitspan

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A value of a pixel of span: what d_i has at tick From of the pixel, q_o has at its tick To.
-module pixel_delay #(
+module span_delay #(
     parameter int Width    = 8,
     parameter int From     = 0,
     parameter int To       = 0,
