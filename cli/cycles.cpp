@@ -315,4 +315,22 @@ std::vector<ChainVerdict> compare_chain(const Config& config, const Scene& scene
   return out;
 }
 
+ClockCheck check_clocks(const Config& config, const Scene& scene, std::uint64_t seed) {
+  constexpr std::size_t few_triangles = 16;
+  ClockCheck out;
+  const CycleVerdict interpolator = compare_cycles(config, scene, few_triangles);
+  out.interpolator_clocks = interpolator.clocks;
+  if (interpolator.differences > 0) {
+    out.failure = "cycles of the span interpolator, systemc against rtl: " + interpolator.first;
+    return out;
+  }
+  for (const ChainVerdict& chain : compare_chain(config, scene, seed, few_triangles)) {
+    out.chain_clocks += chain.rtl_cycles;
+    if (chain.differences == 0) continue;
+    out.failure = fmt::format("cycles of the chain, systemc against rtl, {}: {}", chain.memory, chain.first);
+    return out;
+  }
+  return out;
+}
+
 }  // namespace bitspan

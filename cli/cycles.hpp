@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "cli/verdict.hpp"
@@ -22,5 +24,12 @@ CycleVerdict compare_cycles(const Config& config, const Scene& scene,
 // every clock, and the picture. Returns nothing where the RTL does not draw the scene.
 std::vector<ChainVerdict> compare_chain(const Config& config, const Scene& scene, std::uint64_t seed,
                                         std::size_t triangles = std::numeric_limits<std::size_t>::max());
+
+// Both over the first few triangles of a scene.
+struct ClockCheck {
+  std::uint64_t interpolator_clocks = 0, chain_clocks = 0;  // compared
+  std::string failure;                                      // one line, empty where all are equal
+};
+ClockCheck check_clocks(const Config& config, const Scene& scene, std::uint64_t seed);
 
 }  // namespace bitspan
