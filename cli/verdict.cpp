@@ -318,8 +318,8 @@ std::vector<std::string> verdict_lines(const SceneVerdict& v) {
   }
   for (const ChainVerdict& y : v.chain) {
     lines.push_back(
-        fmt::format("clocks of the chain, span_setup to merge, {}: systemc {} = rtl {}; {} fragments, {} "
-                    "differences",
+        fmt::format("chain from span_setup to merge, clock for clock, {}: systemc {} cycles, rtl {} cycles; "
+                    "{} fragments, {} differences",
                     y.memory, y.model_cycles, y.rtl_cycles, y.fragments, y.differences));
   }
   for (const std::string& note : v.notes) {

@@ -229,6 +229,7 @@ PipeRun run_pipe(const PipeCase& p, const PipeWay& way, StageTrace* trace) {
   load_frame_state(bench, p);
   bench.set_stalls(way.stalls);
   bench.set_stalls("in", {way.in_gap, 0});
+  if (way.write_stall > 0) bench.set_stalls("color_write", {0, way.write_stall});
   StageMemory z(bench, "z_request", "z_answer", "z_write", 2, way.latency, way.seed,
                 [&](const StageMemory::Address&) { return StageValues{clear_code(c)}; });
   StageMemory color(bench, "color_request", "color_answer", "color_write", 2, way.latency, way.seed,

@@ -53,6 +53,7 @@ struct PipeWay {
   std::uint64_t seed = 1;
   int reset_after = 0;       // clocks of the same fragments in front, then a reset
   bool sweeps_first = true;  // nothing is sent before the places are cleared
+  double write_stall = 0;    // of colours, in place of that in `stalls`
 };
 
 struct PipeRun {
