@@ -22,7 +22,8 @@ std::uint64_t longest_rest(const Config& config, const SystemcOptions& options) 
   const InterpolatorLatency interpolator = interpolator_latency(config);
   std::uint64_t clocks =
       wide(interpolator.span_setup) + wide(interpolator.span) + wide(interpolator.pixel_interval);
-  for (const StageTiming& timing : stage_timings(config)) clocks += wide(timing.latency) + wide(timing.interval);
+  for (const StageTiming& timing : stage_timings(config))
+    clocks += wide(timing.latency) + wide(timing.interval);
   const MemoryTiming& memory = config.memory;
   // Each port's requests may have to wait for those of the others.
   const std::uint64_t largest =

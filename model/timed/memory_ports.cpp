@@ -47,7 +47,8 @@ void MemoryPorts::drive(std::uint64_t now, PixelChainDrive& drive) {
 }
 
 void MemoryPorts::see(std::uint64_t now, const PixelChainDrive& drive, const PixelChainPorts& ports) {
-  const auto spread = static_cast<std::uint64_t>(timing_.most - timing_.least + 1);
+  const auto least = static_cast<std::uint64_t>(timing_.least);
+  const auto spread = static_cast<std::uint64_t>(timing_.most) - least + 1;
   const unsigned waits =
       (ports.request_valid & ~drive.request_ready) | (ports.write_valid & ~drive.write_ready);
   for (std::size_t p = 0; p < due_.size(); ++p) {
@@ -55,7 +56,7 @@ void MemoryPorts::see(std::uint64_t now, const PixelChainDrive& drive, const Pix
     if ((drive.answer_valid & ports.answer_ready & bit) != 0) due_[p].pop();
     if ((drive.request_ready & ports.request_valid & bit) != 0) {
       const std::uint64_t more = spread == 1 ? 0 : random_() % spread;
-      due_[p].push(now + static_cast<std::uint64_t>(timing_.least) + more);
+      due_[p].push(now + least + more);
       ++reports_[p].requests;
     }
     if ((drive.write_ready & ports.write_valid & bit) != 0) ++reports_[p].writes;
