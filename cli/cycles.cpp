@@ -5,8 +5,13 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
+#include <stdexcept>
+#include <utility>
 
 #include "model/timed/engine_systemc.hpp"
+#include "tb/engine_rtl.hpp"
+#include "tb/rtl_pixels.hpp"
 #include "tb/rtl_stream.hpp"
 
 namespace bitspan {
@@ -40,6 +45,158 @@ constexpr std::array<NamedField, 8> pixel_fields{{{"last", &FragmentRecord::last
                                                   {"recip_e", &FragmentRecord::recip_e},
                                                   {"u", &FragmentRecord::u},
                                                   {"v", &FragmentRecord::v}}};
+
+// What the two sides say of one clock, where they differ.
+std::string port_differences(const ChainClock& model, const RtlSample& rows, const PixelChainPorts& rtl) {
+  std::string text;
+  const auto bit = [&](std::string_view what, bool of_model, bool of_rtl) {
+    if (of_model == of_rtl) return;
+    text += fmt::format("{}{} is {} in systemc, {} in rtl", text.empty() ? "" : "; ", what, int{of_model},
+                        int{of_rtl});
+  };
+  bit("in_ready of span_setup", model.rows.in_ready, rows.in_ready != 0);
+  bit("out_valid of span", model.rows.out_valid, rows.out_valid != 0);
+  bit("draw_ready", model.ports.draw_ready, rtl.draw_ready);
+  bit("in_ready of depth", model.ports.in_ready, rtl.in_ready);
+  bit("idle", model.ports.idle, rtl.idle);
+  constexpr std::array<std::string_view, read_ports> names{"z",      "color",  "texel0",
+                                                           "texel1", "texel2", "texel3"};
+  constexpr std::array<std::string_view, 4> taps{"depth", "texture", "fog", "merge"};
+  const auto each = [&](auto list, std::size_t count, const char* what, unsigned of_model, unsigned of_rtl) {
+    for (std::size_t p = 0; p < count; ++p) {
+      bit(fmt::format("{}{}", list[p], what), (of_model >> p & 1) != 0, (of_rtl >> p & 1) != 0);
+    }
+  };
+  each(names, read_ports, "_request_valid", model.ports.request_valid, rtl.request_valid);
+  each(names, read_ports, "_answer_ready", model.ports.answer_ready, rtl.answer_ready);
+  each(names, write_ports, "_write_valid", model.ports.write_valid, rtl.write_valid);
+  each(taps, taps.size(), "_record_valid", model.ports.records, rtl.records);
+  return text;
+}
+
+bool transfers(const PixelChainDrive& drive, const PixelChainPorts& ports) {
+  return ports.records != 0 || (drive.in_valid && ports.in_ready) || (drive.draw_valid && ports.draw_ready) ||
+         (drive.request_ready & ports.request_valid) != 0 || (drive.answer_valid & ports.answer_ready) != 0 ||
+         (drive.write_ready & ports.write_valid) != 0;
+}
+
+// The two designs in RTL beside the timed model, which drives both with what its own clock had. The readiness
+// of the pixel stages reaches the interpolator as the model's; that the RTL's is the same is what is
+// compared.
+class ChainBeside {
+ public:
+  ChainBeside(const Config& config, const Scene& scene, Rtl& rtl, RtlPixels& pixels, ChainVerdict& verdict)
+      : config_(config),
+        scene_(scene),
+        rtl_(rtl),
+        pixels_(pixels),
+        verdict_(verdict),
+        pipeline_(model::make_pipeline(config, scene)),
+        frame_(model::cleared_frame(pipeline_, scene)) {
+    rtl_.reset();
+    pixels_.begin(pipeline_, scene, frame_);
+    // The scoreboards' places are cleared; the timed model's frame begins behind that.
+    const int sweep = (1 << pixel_timing(config).place_bits) + 4;
+    for (int i = 0; i < sweep; ++i) pixels_.clock({}, nullptr, counters_);
+  }
+
+  Trace& trace() { return trace_; }
+  const Frame& frame() const { return frame_; }
+
+  void clock(const ChainClock& model) {
+    if (verdict_.differences != 0) return;
+    rows_.in_valid = model.rows.in_valid;
+    rows_.out_ready = model.rows.out_ready;
+    if (model.rows.in_valid && !row_stands_) offer_row();
+    RtlSample sample{};
+    rtl_.clock(rows_, sample);
+    const bool has_pixel = model.rows.out_valid && sample.out_valid != 0;
+    if (has_pixel) stand(sample.pixel);
+    const bool offers = has_pixel && (model.drive.draw_valid || model.drive.in_valid);
+    const PixelChainPorts ports = pixels_.clock(model.drive, offers ? &pixel_ : nullptr, counters_);
+    const std::string text = port_differences(model, sample, ports);
+    if (!text.empty()) {
+      verdict_.differences = 1;
+      verdict_.first = fmt::format("clock {}: {}", clock_, text);
+    }
+    if (model.rows.in_valid && model.rows.in_ready) take_row();
+    if (model.rows.out_valid && model.rows.out_ready) take_pixel();
+    verdict_.fragments += model.drive.in_valid && ports.in_ready ? 1 : 0;
+    ++clock_;
+    const bool pixel_moves = model.rows.out_valid && model.rows.out_ready;
+    if (pixel_moves || transfers(model.drive, model.ports)) verdict_.model_cycles = clock_;
+    if (pixel_moves || transfers(model.drive, ports)) verdict_.rtl_cycles = clock_;
+  }
+
+ private:
+  // The next row, at the RTL's ports, where it stays: B may not change while a row is inside.
+  void offer_row() {
+    const std::int64_t b = pipeline_.constants.record.b;
+    if (!pipeline_.const_depth_rows) {
+      rows_.in = rtl_inputs(config_, trace_.row[next_row_], b);
+    } else {
+      const PlaneRowRecord& record = trace_.plane_row[next_row_];
+      while (trace_.plane[next_plane_].triangle != record.triangle) ++next_plane_;
+      rows_.in = rtl_inputs(config_, record, trace_.plane[next_plane_].k, b);
+    }
+    row_stands_ = true;
+  }
+  // The pixel at the output: the RTL's values, and what it does not have.
+  void stand(const RtlPixel& rtl) {
+    if (pixel_stands_) return;
+    const FragmentRecord values = fragment_record(config_, rtl);
+    pixel_.record = trace_.fragment[next_pixel_];
+    pixel_.record.h = values.h;
+    pixel_.record.u = values.u;
+    pixel_.record.v = values.v;
+    pixel_.texture = std::max(scene_.triangles[static_cast<std::size_t>(pixel_.record.triangle)].texture, -1);
+    pixel_stands_ = true;
+  }
+  // What has been read of the trace is forgotten, so that one draw call may have any number of triangles.
+  static constexpr std::size_t kept_records = 1 << 14;
+  template <class R>
+  static void forget(std::vector<R>& records, std::size_t& next) {
+    if (next < kept_records) return;
+    records.erase(records.begin(), records.begin() + static_cast<std::ptrdiff_t>(next));
+    next = 0;
+  }
+  void take_row() {
+    row_stands_ = false;
+    ++next_row_;
+    if (pipeline_.const_depth_rows) {
+      forget(trace_.plane_row, next_row_);
+      forget(trace_.plane, next_plane_);
+    } else {
+      forget(trace_.row, next_row_);
+    }
+    trace_.setup.clear();
+    trace_.span.clear();
+  }
+  void take_pixel() {
+    pixel_stands_ = false;
+    ++next_pixel_;
+    forget(trace_.fragment, next_pixel_);
+    trace_.depth.clear();
+    trace_.texture.clear();
+    trace_.fog.clear();
+    trace_.merge.clear();
+  }
+
+  const Config& config_;
+  const Scene& scene_;
+  Rtl& rtl_;
+  RtlPixels& pixels_;
+  ChainVerdict& verdict_;
+  model::Pipeline pipeline_;
+  Frame frame_;
+  Counters counters_;
+  Trace trace_;
+  std::size_t next_row_ = 0, next_plane_ = 0, next_pixel_ = 0;
+  bool row_stands_ = false, pixel_stands_ = false;
+  RtlDrive rows_{};
+  RtlPixels::Fragment pixel_;
+  std::uint64_t clock_ = 0;
+};
 
 }  // namespace
 
@@ -118,6 +275,60 @@ CycleVerdict compare_cycles(const Config& config, const Scene& scene, std::size_
       }
     }
     out.pixels += pixels;
+  }
+  return out;
+}
+
+std::vector<ChainVerdict> compare_chain(const Config& config, const Scene& scene, std::uint64_t seed,
+                                        std::size_t triangles) {
+  if (!rtl_draws_pixels(config, scene)) return {};
+  const PortTiming random{.least = 1, .most = 25, .stall = 0.1, .seed = seed};
+  const std::pair<std::string, PortTiming> memories[] = {
+      {"ideal memory", {}}, {fmt::format("1 to 25 clocks, stalls, seed {}", seed), random}};
+  std::vector<ChainVerdict> out;
+  Rtl rtl(config);
+  RtlPixels pixels(config);
+  for (const auto& [name, ports] : memories) {
+    ChainVerdict& verdict = out.emplace_back();
+    verdict.memory = name;
+    try {
+      ChainBeside beside(config, scene, rtl, pixels, verdict);
+      SystemcOptions options;
+      options.memory = TimedMemory::ports;
+      options.ports = ports;
+      options.watch_chain = [&beside](const ChainClock& clock) { beside.clock(clock); };
+      const auto systemc = make_systemc(config, options);
+      systemc->begin(scene);
+      systemc->draw(std::span(scene.triangles).first(std::min(triangles, scene.triangles.size())), 0,
+                    &beside.trace());
+      const Frame& frame = systemc->frame();
+      if (verdict.differences == 0 &&
+          (frame.depth != beside.frame().depth || frame.color != beside.frame().color)) {
+        verdict.differences = 1;
+        verdict.first = "the pictures of systemc and rtl differ";
+      }
+    } catch (const std::logic_error& error) {
+      verdict.differences = 1;
+      verdict.first = error.what();
+    }
+  }
+  return out;
+}
+
+ClockCheck check_clocks(const Config& config, const Scene& scene, std::uint64_t seed) {
+  constexpr std::size_t few_triangles = 16;
+  ClockCheck out;
+  const CycleVerdict interpolator = compare_cycles(config, scene, few_triangles);
+  out.interpolator_clocks = interpolator.clocks;
+  if (interpolator.differences > 0) {
+    out.failure = "cycles of the span interpolator, systemc against rtl: " + interpolator.first;
+    return out;
+  }
+  for (const ChainVerdict& chain : compare_chain(config, scene, seed, few_triangles)) {
+    out.chain_clocks += chain.rtl_cycles;
+    if (chain.differences == 0) continue;
+    out.failure = fmt::format("cycles of the chain, systemc against rtl, {}: {}", chain.memory, chain.first);
+    return out;
   }
   return out;
 }

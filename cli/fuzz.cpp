@@ -49,7 +49,6 @@ struct Options {
 };
 
 constexpr std::uint64_t default_count = 32;
-constexpr std::size_t cycle_triangles = 16;
 constexpr int draws_per_case = 8;
 
 // A seed for (seed, index, purpose): each case can be made alone.
@@ -211,7 +210,7 @@ std::string reproduce(const Options& o, std::uint64_t index) {
 struct Totals {
   std::uint64_t cases = 0, refused = 0, empty = 0, configs = 0, failures = 0;
   std::uint64_t fragments = 0, values = 0, non_trivial = 0;  // compared
-  std::uint64_t rtl_fragments = 0, cycles_compared = 0;
+  std::uint64_t rtl_fragments = 0, cycles_compared = 0, chain_clocks_compared = 0;
   std::set<std::string> compared;  // engines, in values that are not trivial
 };
 
@@ -279,6 +278,10 @@ class Fuzzer {
     if (t.cycles_compared > 0) {
       fmt::print("{} clocks of the span interpolator equal in systemc and rtl\n", t.cycles_compared);
     }
+    if (t.chain_clocks_compared > 0) {
+      fmt::print("{} clocks of the chain from span_setup to merge equal in systemc and rtl\n",
+                 t.chain_clocks_compared);
+    }
     if (t.failures > 0) {
       fmt::print("{} failures\n", t.failures);
       return exit_difference;
@@ -337,6 +340,10 @@ class Fuzzer {
     ++(taken ? totals_.empty : totals_.refused);
   }
 
+  std::uint64_t stall_seed(std::uint64_t index) const {
+    return derived_seed(o_.seed, index / o_.streams_per_config, 0);
+  }
+
   void count_case(std::uint64_t index, const Scene& scene, CaseResult result, const RunLabel& label) {
     totals_.compared.insert(result.compared.begin(), result.compared.end());
     totals_.fragments += result.fragments;
@@ -348,10 +355,11 @@ class Fuzzer {
     bool in_cycles = false;
     if (result.failure.empty() && takes_part("rtl") && takes_part("systemc") &&
         index % o_.streams_per_config == 0) {
-      const CycleVerdict cycles = compare_cycles(config_, scene, cycle_triangles);
-      totals_.cycles_compared += cycles.clocks;
-      if (cycles.differences > 0) {
-        result.failure = "cycles of the span interpolator, systemc against rtl: " + cycles.first;
+      const ClockCheck clocks = check_clocks(config_, scene, stall_seed(index));
+      totals_.cycles_compared += clocks.interpolator_clocks;
+      totals_.chain_clocks_compared += clocks.chain_clocks;
+      if (!clocks.failure.empty()) {
+        result.failure = clocks.failure;
         result.details = result.failure + "\n";
         in_cycles = true;
       }
@@ -370,7 +378,7 @@ class Fuzzer {
     for (const auto& engine : engines_) {
       replay.engines.emplace_back(engine->name());
     }
-    replay.stall_seed = derived_seed(o_.seed, index / o_.streams_per_config, 0);
+    replay.stall_seed = stall_seed(index);
     if (takes_part("rtl")) replay.rtl = rtl_sources_hash();
     replay.config = config_;
     replay.found = fmt::format("{}; {}", label.command, result.failure);
@@ -434,11 +442,8 @@ int replay(const ReplayOptions& o) {
                                    o.changed_rtl ? " --changed-rtl" : "", flags_text(o.model))};
   CaseResult result = check_case(engines, r.config, r.scene, label);
   if (result.failure.empty() && with_rtl && std::ranges::count(names, "systemc") != 0) {
-    const CycleVerdict cycles = compare_cycles(r.config, r.scene, cycle_triangles);
-    if (cycles.differences > 0) {
-      result.details = "cycles of the span interpolator, systemc against rtl: " + cycles.first + "\n";
-      result.failure = result.details;
-    }
+    result.failure = check_clocks(r.config, r.scene, r.stall_seed).failure;
+    if (!result.failure.empty()) result.details = result.failure + "\n";
   }
   fmt::print("{}: {} triangles, configuration {} ({}), engines {}{}\n", o.file, r.scene.triangles.size(),
              r.config.name, config_hash(r.config), list, with_rtl ? ", RTL " + rtl_sources_hash() : "");

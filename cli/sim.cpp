@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -27,6 +29,11 @@ struct Options {
   std::string scene;
   std::string config{default_config};
   std::string mode;  // empty: whichever suits
+  std::string memory{"bus"};
+  std::string port_latency{"1"};
+  double port_stall = 0;
+  std::uint64_t seed = 1;
+  bool asks_for_ports = false;  // by an option that nothing else reads
   std::string vcd, json;
   SceneOptions view;
 };
@@ -36,6 +43,38 @@ TimedMode chosen_mode(const Options& o) {
   if (o.mode.empty()) return o.vcd.empty() ? TimedMode::span : TimedMode::cycle;
   return o.mode == "cycle" ? TimedMode::cycle : TimedMode::span;
 }
+
+// MIN or MIN:MAX.
+PortTiming parse_ports(const Options& o) {
+  PortTiming ports{.stall = o.port_stall, .seed = o.seed};
+  const std::string& text = o.port_latency;
+  const std::size_t colon = std::min(text.find(':'), text.size());
+  const auto number = [&](std::string_view digits) {
+    int n = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), n);
+    if (error != std::errc() || end != digits.data() + digits.size()) {
+      throw InputError("--port-latency " + text + ": expected MIN or MIN:MAX in clocks, such as 1 or 1:25");
+    }
+    return n;
+  };
+  ports.least = number(std::string_view(text).substr(0, colon));
+  ports.most = colon == text.size() ? ports.least : number(std::string_view(text).substr(colon + 1));
+  check_ports(ports);
+  return ports;
+}
+
+std::string latency_words(const PortTiming& p) {
+  std::string text = p.least == p.most
+                         ? fmt::format("{} clocks from request to answer", p.most)
+                         : fmt::format("{} to {} clocks from request to answer", p.least, p.most);
+  if (p.most == 1) text = "answers on the clock after the request";
+  if (p.stall > 0) text += fmt::format(", stalls with probability {}", p.stall);
+  if (p.least != p.most || p.stall > 0) text += fmt::format(", seed {}", p.seed);
+  return text;
+}
+
+constexpr std::array<std::string_view, read_ports> port_names{"depth",   "colour",  "texel 0",
+                                                              "texel 1", "texel 2", "texel 3"};
 
 std::string_view to_string(TimedMode mode) { return mode == TimedMode::cycle ? "cycle" : "span"; }
 
@@ -47,10 +86,30 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
   return fmt::format("{:.1f}", 100 * share(part, whole));
 }
 
-std::string sim_text(const Scene& scene, const Config& config, TimedMode mode, const TimedReport& r,
-                     const Counters& c) {
-  std::string out = fmt::format("scene {}, configuration {} ({}), mode {}\n\n", scene.name, config.name,
-                                config_hash(config), to_string(mode));
+// What stands behind the pixel stages, and what they have asked of it.
+std::string memory_text(const SystemcOptions& options, const TimedReport& r) {
+  if (options.memory == TimedMemory::bus) {
+    const std::uint64_t texels = r.cache_hits + r.cache_misses;
+    return fmt::format("texture cache: {} accesses, {} misses ({} %)\n", texels, r.cache_misses,
+                       percent(r.cache_misses, texels)) +
+           fmt::format("memory: {} reads, {} writes, data bus taken {} clocks ({} %)\n", r.memory.reads,
+                       r.memory.writes, r.memory.beats, percent(r.memory.beats, r.cycles));
+  }
+  std::vector<std::vector<std::string>> rows{{"port", "reads", "writes", "stalled %"}};
+  for (std::size_t p = 0; p < r.ports.size(); ++p) {
+    const PortReport& port = r.ports[p];
+    rows.push_back({std::string(port_names[p]), fmt::format("{}", port.requests),
+                    p < write_ports ? fmt::format("{}", port.writes) : "-", percent(port.stalled, r.cycles)});
+  }
+  return text_table(rows);
+}
+
+std::string sim_text(const Scene& scene, const Config& config, const SystemcOptions& options,
+                     const TimedReport& r, const Counters& c) {
+  const bool ports = options.memory == TimedMemory::ports;
+  std::string out = fmt::format("scene {}, configuration {} ({}), mode {}, memory {}\n\n", scene.name,
+                                config.name, config_hash(config), to_string(options.mode),
+                                ports ? "ports: " + latency_words(options.ports) : "bus");
   std::vector<std::vector<std::string>> rows{
       {"stage", "in", "out", "busy %", "starved %", "blocked %", "memory %", "FIFO", "high water"}};
   for (const StageReport& s : r.stages) {
@@ -64,21 +123,26 @@ std::string sim_text(const Scene& scene, const Config& config, TimedMode mode, c
   out += fmt::format("cycles: {}\n", r.cycles);
   out += fmt::format("pixels per clock: {:.4f} fragments, {:.4f} written\n", share(c.fragments, r.cycles),
                      share(c.written, r.cycles));
-  const std::uint64_t texels = r.cache_hits + r.cache_misses;
-  out += fmt::format("texture cache: {} accesses, {} misses ({} %)\n", texels, r.cache_misses,
-                     percent(r.cache_misses, texels));
-  out += fmt::format("memory: {} reads, {} writes, data bus taken {} clocks ({} %)\n", r.memory.reads,
-                     r.memory.writes, r.memory.beats, percent(r.memory.beats, r.cycles));
+  out += memory_text(options, r);
   out += fmt::format("span interpolator: span_setup {} clocks, span {} clocks; {}\n", r.span_setup_latency,
                      r.span_latency,
                      r.interpolator_exact ? "equal to the RTL clock for clock, stalls included"
                                           : "an estimate: this mode has no RTL");
-  out += "the other stages: latencies and intervals as configured, not those of any RTL\n";
+  if (ports) {
+    out +=
+        "depth, texture, fog, merge: equal to the RTL clock for clock, stalls and memory latency included\n";
+    out += "the other stages: latencies and intervals as configured, not those of any RTL\n";
+  } else {
+    out +=
+        "depth, texture, fog, merge: latencies of the RTL behind FIFOs, cache and bus that it does not "
+        "have\n";
+    out += "setup and the walk: latencies and intervals as configured, not those of any RTL\n";
+  }
   return out;
 }
 
-std::string sim_json(const Scene& scene, const Config& config, TimedMode mode, const TimedReport& r,
-                     const Counters& c) {
+std::string sim_json(const Scene& scene, const Config& config, const SystemcOptions& options,
+                     const TimedReport& r, const Counters& c) {
   using Json = nlohmann::ordered_json;
   Json stages = Json::array();
   for (const StageReport& s : r.stages) {
@@ -96,14 +160,30 @@ std::string sim_json(const Scene& scene, const Config& config, TimedMode mode, c
   json["bitspan"] = BITSPAN_VERSION;
   json["scene"] = scene.name;
   json["configuration"] = {{"name", config.name}, {"hash", config_hash(config)}};
-  json["mode"] = to_string(mode);
+  json["mode"] = to_string(options.mode);
   json["cycles"] = r.cycles;
   json["fragments"] = c.fragments;
   json["written"] = c.written;
   json["fragments_per_clock"] = share(c.fragments, r.cycles);
   json["stages"] = std::move(stages);
-  json["cache"] = {{"hits", r.cache_hits}, {"misses", r.cache_misses}};
-  json["memory"] = {{"reads", r.memory.reads}, {"writes", r.memory.writes}, {"beats", r.memory.beats}};
+  if (options.memory == TimedMemory::bus) {
+    json["cache"] = {{"hits", r.cache_hits}, {"misses", r.cache_misses}};
+    json["memory"] = {{"reads", r.memory.reads}, {"writes", r.memory.writes}, {"beats", r.memory.beats}};
+  } else {
+    const PortTiming& p = options.ports;
+    Json ports = Json::array();
+    for (std::size_t i = 0; i < r.ports.size(); ++i) {
+      ports.push_back({{"port", port_names[i]},
+                       {"reads", r.ports[i].requests},
+                       {"writes", r.ports[i].writes},
+                       {"stalled", r.ports[i].stalled}});
+    }
+    json["ports"] = {{"latency_min", p.least},
+                     {"latency_max", p.most},
+                     {"stall", p.stall},
+                     {"seed", p.seed},
+                     {"accesses", ports}};
+  }
   json["span_interpolator"] = {{"rtl_exact", r.interpolator_exact},
                                {"span_setup_latency", r.span_setup_latency},
                                {"span_latency", r.span_latency}};
@@ -120,6 +200,13 @@ int sim(const Options& o) {
   Progress progress(scene.name);
   SystemcOptions options;
   options.mode = chosen_mode(o);
+  if (o.memory == "ports") {
+    options.memory = TimedMemory::ports;
+    options.ports = parse_ports(o);
+  } else if (o.asks_for_ports) {
+    throw InputError(
+        "--port-latency, --port-stall and --seed describe the RTL's ports: --memory ports reads them");
+  }
   options.vcd = o.vcd;
   options.progress = [&](std::uint64_t done) { progress.update(done, scene.triangles.size()); };
   const auto engine = make_systemc(config, options);
@@ -129,10 +216,10 @@ int sim(const Options& o) {
   engine->close_vcd();
   const TimedReport report = engine->report();
   if (!o.json.empty()) {
-    write_file(o.json, sim_json(scene, config, options.mode, report, engine->counters()));
+    write_file(o.json, sim_json(scene, config, options, report, engine->counters()));
   }
   fmt::print("{}", faces_line(loaded));
-  fmt::print("{}", sim_text(scene, config, options.mode, report, engine->counters()));
+  fmt::print("{}", sim_text(scene, config, options, report, engine->counters()));
   return exit_held;
 }
 
@@ -147,12 +234,30 @@ void add_sim(CLI::App& app, Action& action) {
                   "cycle (clock by clock) or span (from movement to movement, faster): the same numbers; "
                   "without it cycle where there is --vcd, else span")
       ->check(CLI::IsMember({"cycle", "span"}));
+  sub->add_option(
+         "--memory", o->memory,
+         "bus (FIFOs, texture cache, one memory bus) or ports (the RTL's queues and a memory per port)")
+      ->check(CLI::IsMember({"bus", "ports"}))
+      ->capture_default_str();
+  sub->add_option("--port-latency", o->port_latency,
+                  "MIN or MIN:MAX: clocks from a request to its answer, random per request in between; with "
+                  "--memory ports")
+      ->capture_default_str();
+  sub->add_option("--port-stall", o->port_stall,
+                  "probability per clock that a port takes no request, 0 to 0.99; with --memory ports")
+      ->capture_default_str();
+  sub->add_option("--seed", o->seed, "of the random latencies and stalls; with --memory ports")
+      ->capture_default_str();
   sub->add_option("--vcd", o->vcd, "write a waveform; mode cycle only");
   sub->add_option("--json", o->json, "write the numbers as JSON");
   add_scene_options(*sub, o->view);
   sub->footer(help_footer("the clocks are counted", "no face of a mesh is drawn (--allow-empty accepts this)",
-                          "bitspan sim demo --size 160x120 --vcd demo.vcd"));
-  sub->callback([o, &action] { action = [o] { return sim(*o); }; });
+                          "bitspan sim demo --size 160x120 --vcd demo.vcd\n"
+                          "  bitspan sim demo --memory ports --port-latency 1:25 --seed 7"));
+  sub->callback([o, sub, &action] {
+    o->asks_for_ports = sub->count("--port-latency") + sub->count("--port-stall") + sub->count("--seed") > 0;
+    action = [o] { return sim(*o); };
+  });
 }
 
 }  // namespace bitspan

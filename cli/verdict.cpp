@@ -49,6 +49,11 @@ void judge_differences(SceneVerdict& v) {
     v.failures.push_back(
         fmt::format("cycles of the span interpolator, systemc against rtl: {}", v.cycles->first));
   }
+  for (const ChainVerdict& chain : v.chain) {
+    if (chain.differences == 0) continue;
+    v.failures.push_back(
+        fmt::format("cycles of the chain, systemc against rtl, {}: {}", chain.memory, chain.first));
+  }
 }
 
 // What the scene does not draw, in one line; empty where it covers a pixel.
@@ -232,6 +237,7 @@ SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const Ver
   }
   if (options.cycles && systemc && rtl && !v.run.stopped) {
     v.cycles = compare_cycles(config, scene);
+    v.chain = compare_chain(config, scene, options.engine.stall_seed);
   }
   judge_differences(v);
   judge_emptiness(v, options);
@@ -309,6 +315,12 @@ std::vector<std::string> verdict_lines(const SceneVerdict& v) {
         fmt::format("span interpolator, clock for clock: systemc {} cycles, rtl {} cycles; {} spans, {} "
                     "pixels, {} differences",
                     y.model_cycles, y.rtl_cycles, y.spans, y.pixels, y.differences));
+  }
+  for (const ChainVerdict& y : v.chain) {
+    lines.push_back(
+        fmt::format("chain from span_setup to merge, clock for clock, {}: systemc {} cycles, rtl {} cycles; "
+                    "{} fragments, {} differences",
+                    y.memory, y.model_cycles, y.rtl_cycles, y.fragments, y.differences));
   }
   for (const std::string& note : v.notes) {
     lines.push_back("note: " + note);
@@ -478,6 +490,13 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
                          {"spans", v.cycles->spans},
                          {"pixels", v.cycles->pixels},
                          {"differences", v.cycles->differences}};
+    }
+    for (const ChainVerdict& y : v.chain) {
+      scene["chain"].push_back({{"memory", y.memory},
+                                {"systemc", y.model_cycles},
+                                {"rtl", y.rtl_cycles},
+                                {"fragments", y.fragments},
+                                {"differences", y.differences}});
     }
     scenes.push_back(std::move(scene));
   }

@@ -32,6 +32,15 @@ struct CycleVerdict {
   std::string first;              // one line, empty without differences
 };
 
+// The timed model's clocks from span_setup to merge against the RTL's, with one memory behind the ports.
+struct ChainVerdict {
+  std::string memory;                              // in words
+  std::uint64_t fragments = 0;                     // accepted by the pixel stages of both
+  std::uint64_t model_cycles = 0, rtl_cycles = 0;  // to the last transfer on any port
+  std::uint64_t differences = 0;                   // 1 where a clock differs: nothing is compared behind it
+  std::string first;                               // one line, empty without differences
+};
+
 struct SceneVerdict {
   std::string scene;
   Config config;
@@ -43,6 +52,7 @@ struct SceneVerdict {
   bool has_errors = false;   // `ideal` took part
   bool truth_draws = false;  // by the exact test, some pixel is covered
   std::optional<CycleVerdict> cycles;
+  std::vector<ChainVerdict> chain;       // one per memory
   std::optional<ProjectReport> faces;    // of a mesh
   std::vector<std::string> left_out;     // one line per engine that was asked for and does not run this
   std::vector<std::string> not_reached;  // stages without a record although the scene covers pixels

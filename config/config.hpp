@@ -65,8 +65,8 @@ struct StartOffsets {
   bool operator==(const StartOffsets&) const = default;
 };
 
-// Timed model only. span_setup and span take their latency from the reciprocal units, as the RTL does, and
-// between them stands one result register: for span_setup only `fifo` is read, for span nothing.
+// Timed model only. From span_setup on, latency and interval are the RTL's, and only `fifo` is read; for span
+// nothing is, since the FIFO in front of it is the RTL's, too.
 struct StageTiming {
   int latency = 1;   // clocks from acceptance to delivery
   int interval = 1;  // initiation interval, clocks

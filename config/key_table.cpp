@@ -45,10 +45,8 @@ std::string beside_depth_bits(const Config& c, std::size_t /*i*/) {
 }
 std::string of_depth_bits(const Config& /*c*/, std::size_t /*i*/) { return ", and at most depth.bits"; }
 
-// The clocks of these two follow from the reciprocal units.
-bool has_own_clocks(const Config& /*c*/, std::size_t i) {
-  return static_cast<Stage>(i) != Stage::span_setup && static_cast<Stage>(i) != Stage::span;
-}
+// The clocks of the others follow from the RTL.
+bool has_own_clocks(const Config& /*c*/, std::size_t i) { return static_cast<Stage>(i) < Stage::span_setup; }
 
 // In front of span stands the result register of span_setup.
 bool has_fifo(const Config& /*c*/, std::size_t i) { return static_cast<Stage>(i) != Stage::span; }
@@ -75,7 +73,7 @@ constexpr KeyUse of_newton{Presence::where_used, "the kinds without steps", is_n
 constexpr KeyUse of_restoring{Presence::where_used, "the table kinds", is_restoring,
                               Unused::zero,         for_kind,          in_rtl_unit};
 constexpr KeyUse of_own_clocks{
-    .presence = Presence::where_used, .unused_for = "span_setup and span", .used = has_own_clocks};
+    .presence = Presence::where_used, .unused_for = "the stages from span_setup on", .used = has_own_clocks};
 
 #define MEMBER(m) #m, [](Config & c, [[maybe_unused]] std::size_t i) { return place_of(c.m); }
 #define IN_UNIT(m) "UNIT_reciprocal." #m, [](Config& c, std::size_t i) { return place_of(unit_of(c, i).m); }
@@ -255,7 +253,7 @@ constexpr KeyRow rows[] = {
      "",
      ideal | values | clocks,
      "the depth buffer's bits; hmax = 2^bits - 1"},
-    {"depth.code", MEMBER(depth_code), {}, "", ideal | values, "D1; the two codes of H6"},
+    {"depth.code", MEMBER(depth_code), {}, "", ideal | values | clocks, "D1; the two codes of H6"},
     {"depth.func",
      MEMBER(depth_func),
      {},
@@ -279,7 +277,7 @@ constexpr KeyRow rows[] = {
      MEMBER(fog),
      {},
      "",
-     ideal | values,
+     ideal | values | clocks,
      "F3: 1 - S/DT; F2: a table by depth and distance from the picture's middle"},
     {"fog.depth_bits",
      MEMBER(fog_depth_bits),
@@ -295,7 +293,7 @@ constexpr KeyRow rows[] = {
      MEMBER(fog_zone_bits),
      {0, 8, false, "", most_fog_zone_bits},
      ", at most 12 with depth_bits",
-     values,
+     values | clocks,
      "and bits of the zone of r^2",
      {.presence = Presence::optional,
       .used = reads_fog_table,
@@ -315,7 +313,7 @@ constexpr KeyRow rows[] = {
      {1, 1000, false, " clocks"},
      "",
      clocks,
-     "timed model: clocks from acceptance to delivery; the two follow from the reciprocal units, and a value "
+     "timed model: clocks from acceptance to delivery; those from span_setup on have the RTL's, and a value "
      "given is not used",
      of_own_clocks},
     {"timing.STAGE.interval",

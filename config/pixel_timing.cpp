@@ -81,8 +81,10 @@ MergeTiming merge_timing(const Config& config) {
   t.product =
       blend_product(grid_of(config.format(FormatId::merge_color)),
                     grid_of(config.format(FormatId::fog_color)), config.format(FormatId::texture_alpha));
-  // The scoreboard, FIFO; join, blend, out.
-  t.total = 4 + 1 + 1 + (t.product + 3) + 1;
+  // Join; difference, product, sum, Q.
+  t.clocks = 1 + t.product + 3;
+  // The scoreboard, FIFO; join and blend, out.
+  t.total = 4 + 1 + t.clocks + 1;
   // Request, memory and answer instead of the FIFO.
   t.total_blending = t.total + 2;
   return t;

@@ -35,12 +35,14 @@ struct FogTiming {
 };
 struct MergeTiming {
   int product = 1;         // of the blend
+  int clocks = 0;          // from the join with the stored colour to the skid at the output
   int total = 0;           // acceptance to write_valid_o without a read
   int total_blending = 0;  // with one, answered on the clock after its acceptance
 };
 struct PixelTiming {
   int in_flight = 0;    // fragments that a stage holds while a memory answers
   int place_bits = 10;  // a scoreboard has 2^place_bits places: many times the fragments in flight
+  int slot_bits = 2;    // draw states in flight: 2^slot_bits
   int pixel_unit = 0;   // latency of R_pixel
   DepthTiming depth;
   TextureTiming texture;

@@ -27,6 +27,8 @@ void common_section(SvWriter& w, const Config& config, const PixelTiming& timing
   w.integer("FragmentsInFlight", timing.in_flight);
   w.line("  // Places of a scoreboard: 2^PlaceW.");
   w.integer("ScoreboardPlaceW", timing.place_bits);
+  w.line("  // Draw states in flight: 2^DrawSlotW.");
+  w.integer("DrawSlotW", timing.slot_bits);
   formats(w, config, {{"SetupB", FormatId::setup_b}, {"SpanH", FormatId::span_h}});
   const Grid operand = pixel_operand(config);
   w.line("");
@@ -101,6 +103,7 @@ void merge_section(SvWriter& w, const Config& config, const PixelTiming& timing)
   w.line("  // merge.");
   formats(w, config, {{"MergeColor", FormatId::merge_color}});
   w.integer("MergeProductClocks", timing.merge.product);
+  w.integer("MergeClocks", timing.merge.clocks);
 }
 
 }  // namespace

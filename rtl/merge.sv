@@ -231,4 +231,11 @@ module merge #(
 
   logic unused;
   assign unused = unused_mark;
+
+`ifndef SYNTHESIS
+  initial begin
+    assert (Clocks == bitspan_pixel_pkg::MergeClocks)
+    else $fatal(1, "merge: has %0d clocks, told %0d", Clocks, bitspan_pixel_pkg::MergeClocks);
+  end
+`endif
 endmodule

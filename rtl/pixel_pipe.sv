@@ -168,7 +168,7 @@ module pixel_pipe (
 
   // ---------------------------------------------------------------- draw state
 
-  localparam int SlotW = 2;
+  localparam int SlotW = bitspan_pixel_pkg::DrawSlotW;
   localparam int Slots = 1 << SlotW;
   // Wider than all fragments that the stages hold.
   localparam int CountW = $clog2(4 * bitspan_pixel_pkg::FragmentsInFlight + 512);

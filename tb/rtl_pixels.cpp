@@ -19,7 +19,6 @@
 namespace bitspan {
 namespace {
 
-constexpr int texel_ports = 4;
 constexpr std::uint64_t texel_indices = std::uint64_t{1} << texel_index_bits;
 // In front of this address lie the textures. Behind it the address says only that the model names the texel.
 constexpr std::uint64_t modelled_base = std::uint64_t{1} << (texel_address_bits - 1);
@@ -198,6 +197,15 @@ struct Answers {
     values.clear();
     next = 0;
   }
+  void take() {
+    ++next;
+    if (2 * next < values.size() + 4096) {
+      if (next == values.size()) clear();
+      return;
+    }
+    values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(next));
+    next = 0;
+  }
 };
 
 // Numbers of fragments on their way from one stage to the next.
@@ -267,6 +275,9 @@ struct RtlPixels::Pipe {
 
   bool taken(const ChannelPorts& in_channel) const {
     return inputs[in_channel.valid] != 0 && outputs[in_channel.ready] != 0;
+  }
+  bool asked(const ChannelPorts& out_channel) const {
+    return outputs[out_channel.valid] != 0 && inputs[out_channel.ready] != 0;
   }
   void put(const ChannelPorts& channel, std::span<const std::uint64_t> values) {
     std::ranges::copy(values, inputs.begin() + static_cast<std::ptrdiff_t>(channel.first));
@@ -340,13 +351,17 @@ struct RtlPixels::Pipe {
       inputs[a->answer.valid] = waits ? 1 : 0;
       if (waits) put(a->answer, std::span(a->values[a->next]).first(a->fields));
     }
+    return clock_as_driven();
+  }
+  // The same with the inputs of the handshakes as they stand.
+  bool clock_as_driven() {
     module.clock(inputs, outputs);
     ++clocks;
     bool moved = false;
     for (Answers* a : answers()) {
       if (!taken(a->answer)) continue;
       moved = true;
-      if (++a->next == a->values.size()) a->clear();
+      a->take();
     }
     moved = records() || moved;
     moved = reads() || moved;
@@ -356,12 +371,12 @@ struct RtlPixels::Pipe {
   // A read finds what earlier clocks wrote.
   bool reads() {
     bool moved = false;
-    if (outputs[z.request.valid] != 0) {
+    if (asked(z.request)) {
       const auto at = pixel_at(z.request.first);
       z.values.push_back({at ? frame->depth[*at] : 0});
       moved = true;
     }
-    if (outputs[color.request.valid] != 0) {
+    if (asked(color.request)) {
       const auto at = pixel_at(color.request.first);
       const std::uint8_t* c = frame->color.data() + (at ? 4 * *at : 0);
       color.values.push_back({c[0], c[1], c[2]});
@@ -369,7 +384,7 @@ struct RtlPixels::Pipe {
     }
     for (std::size_t port = 0; port < texels.size(); ++port) {
       Answers& t = texels[port];
-      if (outputs[t.request.valid] == 0) continue;
+      if (!asked(t.request)) continue;
       const std::uint64_t address = outputs[t.request.first];
       t.values.push_back({address < modelled_base ? texel_at(*scene, places, address).value_or(0)
                                                   : next_modelled_texel(port)});
@@ -384,13 +399,13 @@ struct RtlPixels::Pipe {
 
   bool writes() {
     bool moved = false;
-    if (outputs[z_write.valid] != 0) {
+    if (asked(z_write)) {
       if (const auto at = pixel_at(z_write.first)) {
         frame->depth[*at] = static_cast<std::uint32_t>(outputs[z_write.first + 2]);
       }
       moved = true;
     }
-    if (outputs[color_write.valid] != 0) {
+    if (asked(color_write)) {
       if (const auto at = pixel_at(color_write.first)) {
         for (std::size_t c = 0; c < 3; ++c) {
           frame->color[4 * *at + c] =
@@ -406,6 +421,7 @@ struct RtlPixels::Pipe {
   bool records() {
     const bool moved =
         (outputs[depth.valid] | outputs[texture.valid] | outputs[fog.valid] | outputs[merge.valid]) != 0;
+    if (sent.empty()) return moved;  // only faulty RTL shows anything then
     const std::size_t last = sent.size() - 1;
     if (outputs[depth.valid] != 0) {
       const std::size_t f = std::min(tested++, last);
@@ -463,15 +479,67 @@ struct RtlPixels::Pipe {
                                 texel_word(image, i, next_j), texel_word(image, next_i, next_j)}});
   }
 
-  void run(std::span<const Fragment> fragments, Counters& to_counters, Trace* to_trace) {
-    sent = fragments;
-    counters = &to_counters;
-    trace = to_trace;
+  // Nothing is on its way.
+  void forget_fragments() {
+    stepped.clear();
     tested = 0;
     for (Underway* u : {&passed, &alive, &fogged}) *u = {};
     modelled_texels.clear();
     texels_asked = {};
     texels_shown = 0;
+  }
+
+  PixelChainPorts step(const PixelChainDrive& drive, const Fragment* offered, Counters& to_counters) {
+    counters = &to_counters;
+    trace = nullptr;
+    // idle is a clock late.
+    if (outputs[idle] != 0 && !taken(in)) forget_fragments();
+    const auto has = [](PortSet set, std::size_t p) { return std::uint64_t{set >> p & 1U}; };
+    inputs[draw.valid] = drive.draw_valid ? 1 : 0;
+    inputs[in.valid] = drive.in_valid ? 1 : 0;
+    if (offered != nullptr) {
+      put(draw, draw_of(offered->texture));
+      put(in, fragment_values(config, offered->record));
+    }
+    const auto all = answers();
+    for (std::size_t p = 0; p < all.size(); ++p) {
+      Answers& a = *all[p];
+      inputs[a.request.ready] = has(drive.request_ready, p);
+      inputs[a.answer.valid] = has(drive.answer_valid, p);
+      if (inputs[a.answer.valid] == 0) continue;
+      if (a.next == a.values.size()) {
+        throw std::logic_error(fmt::format("port {} is answered where the RTL has not asked", p));
+      }
+      put(a.answer, std::span(a.values[a.next]).first(a.fields));
+    }
+    inputs[z_write.ready] = has(drive.write_ready, z_port);
+    inputs[color_write.ready] = has(drive.write_ready, color_port);
+    if (drive.in_valid && offered != nullptr) stepped.push_back(*offered);
+    sent = stepped;
+    clock_as_driven();
+    if (drive.in_valid && offered != nullptr && !taken(in)) stepped.pop_back();
+
+    PixelChainPorts out;
+    out.draw_ready = outputs[draw.ready] != 0;
+    out.in_ready = outputs[in.ready] != 0;
+    out.idle = outputs[idle] != 0;
+    const auto bit = [&](std::size_t port, std::size_t at) {
+      return static_cast<PortSet>(outputs[port] != 0 ? 1U << at : 0U);
+    };
+    for (std::size_t p = 0; p < all.size(); ++p) {
+      out.request_valid |= bit(all[p]->request.valid, p);
+      out.answer_ready |= bit(all[p]->answer.ready, p);
+    }
+    out.write_valid = bit(z_write.valid, z_port) | bit(color_write.valid, color_port);
+    out.records = bit(depth.valid, 0) | bit(texture.valid, 1) | bit(fog.valid, 2) | bit(merge.valid, 3);
+    return out;
+  }
+
+  void run(std::span<const Fragment> fragments, Counters& to_counters, Trace* to_trace) {
+    forget_fragments();
+    sent = fragments;
+    counters = &to_counters;
+    trace = to_trace;
     constexpr int patience_clocks = 10000;
     int still = 0;
     std::size_t next = 0;
@@ -535,8 +603,9 @@ struct RtlPixels::Pipe {
   int drawn = nothing_drawn;  // the texture of the draw state that was transferred last
   std::uint64_t clocks = 0;   // behind the loading
 
-  // Set by run().
+  // Set by run() and step().
   std::span<const Fragment> sent;
+  std::vector<Fragment> stepped;  // by step(): accepted since nothing was inside
   Counters* counters = nullptr;
   Trace* trace = nullptr;
   std::size_t tested = 0;
@@ -560,6 +629,10 @@ void RtlPixels::begin(const model::Pipeline& pipeline, const Scene& scene, Frame
 
 void RtlPixels::run(std::span<const Fragment> fragments, Counters& counters, Trace* trace) {
   if (!fragments.empty()) pipe_->run(fragments, counters, trace);
+}
+
+PixelChainPorts RtlPixels::clock(const PixelChainDrive& drive, const Fragment* offered, Counters& counters) {
+  return pipe_->step(drive, offered, counters);
 }
 
 }  // namespace bitspan

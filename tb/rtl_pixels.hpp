@@ -16,6 +16,7 @@
 #include "engine/frame.hpp"
 #include "engine/records.hpp"
 #include "model/pipeline.hpp"
+#include "model/timed/pixel_chain_timing.hpp"
 #include "scene/scene.hpp"
 #include "tb/rtl_channels.hpp"
 
@@ -69,7 +70,8 @@ struct FogLoad {
 };
 std::vector<FogLoad> fog_loads(const Config& config, const model::FogStage& fog);
 
-// Fragments through the Verilated stages. Memories answer on the clock after a request, and nothing stalls.
+// Fragments through the Verilated stages. In run() memories answer on the clock after a request, and nothing
+// stalls.
 class RtlPixels {
  public:
   // Builds or finds the library, loads it and resets. Throws as RtlModule does.
@@ -92,6 +94,11 @@ class RtlPixels {
   // Counts depth_passed, killed, written. Throws std::logic_error where an assertion in the RTL fails, or
   // where nothing moves although it should.
   void run(std::span<const Fragment> fragments, Counters& counters, Trace* trace);
+
+  // One clock whose handshakes are driven from outside, for the comparison of clocks: `offered` stands at the
+  // input, where it is not null, and its draw state with it. Returns the outputs. Not between calls of run.
+  // Throws std::logic_error as run, and where an answer is driven that was not asked for.
+  PixelChainPorts clock(const PixelChainDrive& drive, const Fragment* offered, Counters& counters);
 
  private:
   struct Pipe;

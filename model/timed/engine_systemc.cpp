@@ -15,6 +15,7 @@ class Systemc final : public TimedEngine {
  public:
   Systemc(const Config& config, const SystemcOptions& options) : config_(config), options_(options) {
     interpolator_latency(config_);  // throws where there is none
+    if (options_.memory == TimedMemory::ports) check_ports(options_.ports);
     const bool clocked = !options_.vcd.empty() || options_.record_handshake;
     if (options_.mode == TimedMode::span && clocked) {
       throw InputError("timed model: mode span has no waveform and no handshake log; these need mode cycle");
@@ -23,6 +24,10 @@ class Systemc final : public TimedEngine {
   std::string_view name() const override { return "systemc"; }
   void begin(const Scene& scene) override {
     machine_.reset();  // completes the last run's waveform before the next one's begins
+    if (options_.memory == TimedMemory::ports) {
+      machine_ = make_ports_machine(config_, scene, options_);
+      return;
+    }
     machine_ = options_.mode == TimedMode::span ? make_span_machine(config_, scene, options_)
                                                 : make_cycle_machine(config_, scene, options_);
   }

@@ -20,8 +20,25 @@ enum class TimedMode : std::uint8_t {
   span,   // from one clock on which something moves to the next, values one span at a time; no SystemC
 };
 
+// What stands behind depth, texture, fog and merge.
+enum class TimedMemory : std::uint8_t {
+  bus,    // FIFOs between them as configured, a texture cache, one memory bus
+  ports,  // the RTL: its own queues, and a memory per port; no cache and no bus
+};
+
+// One clock of what the RTL has from span_setup to merge, as `verify` drives it: the span interpolator's
+// handshakes, and those of the pixel stages.
+struct ChainClock {
+  HandshakeClock rows;
+  PixelChainDrive drive;
+  PixelChainPorts ports;
+};
+
 struct SystemcOptions {
   TimedMode mode = TimedMode::cycle;
+  TimedMemory memory = TimedMemory::bus;
+  PortTiming ports{};                                    // TimedMemory::ports only
+  std::function<void(const ChainClock&)> watch_chain{};  // the same; called on every clock, may be empty
   // Mode cycle only:
   std::filesystem::path vcd{};    // waveform of the run since begin(); empty for none
   bool record_handshake = false;  // keep the span interpolator's handshake, four bits per clock

@@ -55,5 +55,8 @@ std::unique_ptr<Machine> make_cycle_machine(const Config& config, const Scene& s
                                             const SystemcOptions& options);
 std::unique_ptr<Machine> make_span_machine(const Config& config, const Scene& scene,
                                            const SystemcOptions& options);
+// In either mode.
+std::unique_ptr<Machine> make_ports_machine(const Config& config, const Scene& scene,
+                                            const SystemcOptions& options);
 
 }  // namespace bitspan::timed

@@ -2,6 +2,7 @@
 // What the stages of one timed run share: the prepared stage functions, the frame, the counters, the trace.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -12,6 +13,7 @@
 #include "model/pipeline.hpp"
 #include "model/timed/items.hpp"
 #include "model/timed/stage.hpp"
+#include "model/timed/stage_timings.hpp"
 
 namespace bitspan::timed {
 
@@ -19,12 +21,14 @@ struct Run {
   Run(const Config& c, const Scene& s)
       : config(c),
         scene(s),
+        timings(stage_timings(c)),
         pipeline(model::make_pipeline(c, s)),
         frame(model::cleared_frame(pipeline, s)),
         uv_ulp(std::ldexp(1.0, -pipeline.texture.uv.fraction)) {}
 
   const Config& config;
   const Scene& scene;
+  std::array<StageTiming, stage_count> timings;
   model::Pipeline pipeline;
   Frame frame;
   double uv_ulp;  // the value of 1 in a fragment's u and v
@@ -50,7 +54,7 @@ struct Run {
   std::string_view walk_name() const {
     return pipeline.const_depth_rows ? stage_name<PlaneRecord> : stage_name<RowRecord>;
   }
-  const StageTiming& timing(Stage stage) const { return config.timing[static_cast<std::size_t>(stage)]; }
+  const StageTiming& timing(Stage stage) const { return timings[static_cast<std::size_t>(stage)]; }
 };
 
 inline constexpr std::uint64_t color_bytes = 4;  // of a pixel, and of a texel

@@ -5,7 +5,7 @@
 
 namespace bitspan::timed {
 
-SpanInterpolator::SpanInterpolator(Run& run, Fifo<RowItem*>& in, Fifo<FragmentItem*>& out,
+SpanInterpolator::SpanInterpolator(Run& run, Fifo<RowItem*>& in, Fifo<FragmentItem*>* out,
                                    std::vector<HandshakeClock>* handshake)
     : run_(run),
       in_(in),
@@ -18,15 +18,15 @@ SpanInterpolator::SpanInterpolator(Run& run, Fifo<RowItem*>& in, Fifo<FragmentIt
   span_.report.name = to_string(Stage::span);
 }
 
-void SpanInterpolator::clock(std::uint64_t now) {
+FragmentItem* SpanInterpolator::step(std::uint64_t now, bool out_ready) {
   span_setup_.see_fifo(in_.occupancy(now));
   const bool in_valid = in_.can_pop(now);
-  const bool out_ready = out_.can_push(now);
   const InterpolatorClock c = timing_.clock(in_valid, in_valid ? in_.front()->count : 0, out_ready);
   if (handshake_ != nullptr) handshake_->push_back({in_valid, out_ready, c.in_ready, c.out_valid});
 
+  FragmentItem* delivered = nullptr;
   if (c.deliver) {
-    out_.push(now) = in_span_.front();
+    delivered = in_span_.front();
     in_span_.pop();
     ++span_.report.records_out;
   }
@@ -54,6 +54,7 @@ void SpanInterpolator::clock(std::uint64_t now) {
   span_setup_.signals = {in_valid, c.in_ready, c.res_valid, c.take, occupancy, setup_state};
   const unsigned span_state = span_.signals.state;
   span_.signals = {c.res_valid, c.take, c.out_valid, out_ready, c.res_valid ? 1U : 0U, span_state};
+  return delivered;
 }
 
 void SpanInterpolator::accept(RowItem* item) {

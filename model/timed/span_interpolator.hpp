@@ -12,11 +12,17 @@ namespace bitspan::timed {
 
 class SpanInterpolator : public TimedStage {
  public:
-  // `handshake` null: not recorded.
-  SpanInterpolator(Run& run, Fifo<RowItem*>& in, Fifo<FragmentItem*>& out,
+  // `out` null: the owner calls step() instead of clock(). `handshake` null: not recorded.
+  SpanInterpolator(Run& run, Fifo<RowItem*>& in, Fifo<FragmentItem*>* out,
                    std::vector<HandshakeClock>* handshake);
 
-  void clock(std::uint64_t now) override;
+  void clock(std::uint64_t now) override {
+    if (FragmentItem* item = step(now, out_->can_push(now))) out_->push(now) = item;
+  }
+  // The pixel that stands at the output; null for none.
+  const FragmentItem* waiting() const { return timing_.out_valid() ? in_span_.front() : nullptr; }
+  // A clock whose out_ready the caller gives; returns the pixel delivered, or null.
+  FragmentItem* step(std::uint64_t now, bool out_ready);
   bool idle() const override { return timing_.idle(); }
   std::vector<StageMeter*> meters() override { return {&span_setup_, &span_}; }
 
@@ -27,7 +33,7 @@ class SpanInterpolator : public TimedStage {
 
   Run& run_;
   Fifo<RowItem*>& in_;
-  Fifo<FragmentItem*>& out_;
+  Fifo<FragmentItem*>* out_;
   std::vector<HandshakeClock>* handshake_;
   InterpolatorLatency latency_;
   SpanInterpolatorTiming timing_;

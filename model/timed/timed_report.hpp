@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "model/timed/memory_ports.hpp"
+
 namespace bitspan {
 
 // What became of a stage's chance to start on a record, clock by clock: each clock is exactly one of these,
@@ -43,6 +45,8 @@ struct TimedReport {
   std::uint64_t cache_hits = 0;     // texel accesses, four a bilinear fragment
   std::uint64_t cache_misses = 0;
   MemoryReport memory;
+  // With the RTL's ports instead of cache and bus: depth, colour, four of texels. Else empty.
+  std::vector<PortReport> ports;
   bool interpolator_exact = false;  // span_setup and span are the RTL's, clock for clock
   int span_setup_latency = 0;       // LS and LP of docs/rtl.md
   int span_latency = 0;

@@ -50,13 +50,16 @@ int TextureTraffic::misses(int texture, std::int64_t u, std::int64_t v) {
   return count;
 }
 
+std::int64_t opaque_alpha(const Config& config) {
+  const int fraction = config.format(FormatId::texture_alpha).fraction();
+  return fraction <= 0 ? 1 : std::int64_t{1} << std::min(fraction, 62);
+}
+
 MergeTraffic::MergeTraffic(const Run& run)
-    : depth_bytes_(run.depth_bytes()),
+    : opaque_(opaque_alpha(run.config)),
+      depth_bytes_(run.depth_bytes()),
       color_read_(run.config.memory, color_bytes),
       color_write_(run.config.memory, color_bytes),
-      depth_write_(run.config.memory, depth_bytes_) {
-  const int fraction = run.config.format(FormatId::texture_alpha).fraction();
-  opaque_ = fraction <= 0 ? 1 : std::int64_t{1} << std::min(fraction, 62);
-}
+      depth_write_(run.config.memory, depth_bytes_) {}
 
 }  // namespace bitspan::timed

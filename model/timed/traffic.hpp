@@ -71,6 +71,9 @@ class TextureTraffic {
   std::vector<Image> images_;
 };
 
+// The least raw alpha that is 1 or more: a fragment with less is mixed.
+std::int64_t opaque_alpha(const Config& config);
+
 // merge: reads the stored colour where the fragment blends, writes colour and depth code.
 class MergeTraffic {
  public:
@@ -89,7 +92,7 @@ class MergeTraffic {
   std::uint64_t depth_word_bytes() const { return depth_write_.word_bytes(); }
 
  private:
-  std::int64_t opaque_;  // the least raw alpha that is 1 or more
+  std::int64_t opaque_;
   std::uint64_t depth_bytes_;
   WordRegister color_read_, color_write_, depth_write_;
 };

@@ -634,7 +634,7 @@ TEST_F(Cli, SimCountsTheSameClocksInBothModes) {
     EXPECT_EQ(r.code, 0) << r.err;
     auto json = nlohmann::json::parse(folder.read(mode + ".json"));
     EXPECT_EQ(json.at("mode"), mode);
-    EXPECT_NE(r.out.find("mode " + mode + "\n"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("mode " + mode + ", memory bus\n"), std::string::npos) << r.out;
     EXPECT_NE(r.out.find("cycles: " + json.at("cycles").dump() + "\n"), std::string::npos) << r.out;
     json.erase("mode");
     return json;
@@ -643,6 +643,76 @@ TEST_F(Cli, SimCountsTheSameClocksInBothModes) {
   EXPECT_GT(cycle.at("cycles").get<std::uint64_t>(), 1000U);
   EXPECT_GT(cycle.at("fragments").get<std::uint64_t>(), 1000U);
   EXPECT_EQ(numbers("span"), cycle);
+}
+
+TEST_F(Cli, SimRunsWithTheRtlsPorts) {
+  const auto numbers = [&](const std::string& options) {
+    const Result r = run("sim demo --size 48x36 --memory ports --json p.json " + options);
+    EXPECT_EQ(r.code, 0) << r.err;
+    EXPECT_NE(r.out.find("memory ports: "), std::string::npos) << r.out;
+    EXPECT_EQ(r.out.find("texture cache"), std::string::npos) << r.out;
+    auto json = nlohmann::json::parse(folder.read("p.json"));
+    EXPECT_EQ(json.at("ports").at("accesses").size(), 6U);
+    EXPECT_FALSE(json.contains("cache"));
+    json.erase("mode");
+    return json;
+  };
+  const auto ideal = numbers("");
+  EXPECT_EQ(numbers("--mode cycle"), ideal);
+  EXPECT_EQ(numbers("--port-latency 1:1 --seed 5").at("cycles"), ideal.at("cycles"));
+  const auto fixed = numbers("--port-latency 9");
+  EXPECT_GT(fixed.at("cycles"), ideal.at("cycles"));
+  EXPECT_EQ(fixed.at("ports").at("latency_min"), 9);
+  const auto random = numbers("--port-latency 1:25 --port-stall 0.2 --seed 5");
+  EXPECT_EQ(numbers("--port-latency 1:25 --port-stall 0.2 --seed 5"), random);
+  EXPECT_NE(numbers("--port-latency 1:25 --port-stall 0.2 --seed 6").at("cycles"), random.at("cycles"));
+  EXPECT_GT(random.at("ports").at("accesses")[0].at("stalled"), 10);
+  EXPECT_NE(run("sim demo --size 48x36 --memory ports --port-latency 1:25 --seed 7")
+                .out.find("memory ports: 1 to 25 clocks from request to answer, seed 7\n"),
+            std::string::npos);
+}
+
+TEST_F(Cli, SimRefusesPortsThatAreNone) {
+  const std::string sim = "sim demo --size 48x36 ";
+  refused(sim + "--memory dram", "--memory: dram not in {bus,ports}");
+  for (const char* option : {"--port-latency 3", "--port-stall 0.1", "--seed 4"}) {
+    refused(sim + option, "--memory ports reads them");
+    refused(sim + "--memory bus " + option, "--memory ports reads them");
+  }
+  for (const char* latency : {"0", "9:3", "1:10001"}) {
+    refused(sim + "--memory ports --port-latency " + latency, "1 <= MIN <= MAX <= 10000 clocks");
+  }
+  for (const char* latency : {"x", "3:", ":3", "1:2:3", "1.5", "''"}) {
+    refused(sim + "--memory ports --port-latency " + latency, "--port-latency");
+  }
+  refused(sim + "--memory ports --port-stall 1", "a probability from 0 to 0.99");
+}
+
+// A bug that costs the RTL clocks and changes none of its values.
+TEST_F(Cli, ClocksOfTheChainThatDifferAreADifference) {
+  const std::string verify = "verify demo --size 96x72 --engines model,systemc,rtl";
+  const Result right = run(verify + " --json v.json");
+  EXPECT_EQ(right.code, 0) << right.out << right.err;
+  const auto chain = nlohmann::json::parse(folder.read("v.json")).at("scenes")[0].at("chain");
+  ASSERT_EQ(chain.size(), 2U);
+  for (const auto& memory : chain) {
+    EXPECT_EQ(memory.at("systemc"), memory.at("rtl"));
+    EXPECT_GT(memory.at("fragments"), 1000);
+    EXPECT_NE(
+        right.out.find(", clock for clock, " + memory.at("memory").get<std::string>() + ": systemc " +
+                       memory.at("systemc").dump() + " cycles, rtl " + memory.at("rtl").dump() + " cycles"),
+        std::string::npos)
+        << right.out;
+  }
+  const std::string sim = run("sim demo --size 96x72 --memory ports").out;
+  EXPECT_NE(sim.find("cycles: " + chain[0].at("systemc").dump() + "\n"), std::string::npos) << sim;
+  const RtlCopy copy;
+  copy.replace("rtl/scoreboard.sv", "assign know = hold || !known_valid_q;", "assign know = hold;");
+  const Result late = run(verify);
+  EXPECT_EQ(late.code, 1) << late.out << late.err;
+  EXPECT_NE(late.out.find("FAILED: cycles of the chain, systemc against rtl, "), std::string::npos)
+      << late.out;
+  EXPECT_NE(late.out.find(" is 1 in systemc, 0 in rtl"), std::string::npos) << late.out;
 }
 
 TEST_F(Cli, SimRefusesWhatNoModeCanDo) {

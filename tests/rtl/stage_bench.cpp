@@ -135,6 +135,7 @@ void StageBench::reset() {
   }
   const std::vector<std::uint64_t> inputs = inputs_;
   module_->reset();
+  if (trace_ != nullptr) trace_->resets.push_back(trace_->inputs.size());
   inputs_ = inputs;
 }
 

@@ -19,6 +19,7 @@ namespace bitspan {
 // The ports on each clock of a bench, as it drove and sampled them.
 struct StageTrace {
   std::vector<std::vector<std::uint64_t>> inputs, outputs;
+  std::vector<std::size_t> resets;  // clocks in front of which the module was reset
 };
 
 // Probabilities per clock: that nothing is offered on a channel in, that a channel out is not ready.

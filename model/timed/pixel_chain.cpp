@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "model/timed/pixel_chain.hpp"
+
+#include <algorithm>
+
+#include "config/modes.hpp"
+#include "engine/emit_pixel_sv.hpp"
+#include "model/timed/depth.hpp"
+#include "model/timed/fog.hpp"
+#include "model/timed/merge.hpp"
+#include "model/timed/texture.hpp"
+
+namespace bitspan::timed {
+namespace {
+
+PixelTiming timing_with_ports(const Config& config) {
+  if (!has_pixel_rtl(config)) {
+    throw InputError(config.name +
+                     ": no run with the RTL's ports: the configuration has no pixel stages in RTL");
+  }
+  return pixel_timing(config);
+}
+
+}  // namespace
+
+PixelChain::PixelChain(Run& run, Fifo<RowItem*>& in, const SystemcOptions& options,
+                       std::vector<HandshakeClock>* handshake)
+    : run_(run),
+      interpolator_(run, in, nullptr, handshake),
+      timing_(timing_with_ports(run.config)),
+      memory_(options.ports),
+      watch_(options.watch_chain),
+      texels_(weighs_texels(run.config.filter) ? 15 : 1),
+      opaque_(opaque_alpha(run.config)) {
+  for (std::size_t i = 0; i < meters_.size(); ++i) {
+    meters_[i].report.name = stage_names[static_cast<std::size_t>(Stage::depth) + i];
+  }
+  // A frame begins when its constants and its fog's table are loaded and the scoreboards' places are clear.
+  while (!timing_.cleared() || !timing_.draw_ready()) timing_.clock({}, {});
+  for (StageMeter* meter : interpolator_.meters()) interpolator_meters_.push_back(meter);
+}
+
+std::vector<StageMeter*> PixelChain::meters() {
+  std::vector<StageMeter*> meters = interpolator_meters_;
+  for (StageMeter& meter : meters_) meters.push_back(&meter);
+  return meters;
+}
+
+void PixelChain::clock(std::uint64_t now) {
+  const FragmentItem* pixel = interpolator_.waiting();
+  const bool covered = pixel != nullptr && pixel->fragment.covered != 0;
+  PixelChainDrive drive;
+  const int texture = covered ? std::max(pixel->texture, -1) : drawn_;
+  drive.draw_valid = texture != drawn_;
+  drive.in_valid = covered && !drive.draw_valid;
+  memory_.drive(now, drive);
+  const bool accepted = drive.in_valid && timing_.in_ready();
+  FragmentItem* delivered = interpolator_.step(now, accepted || !covered);
+  const PixelChainClock c = timing_.clock(drive, accepted ? values(*delivered) : PixelFragment{});
+  memory_.see(now, drive, c.ports);
+  if (drive.draw_valid && c.ports.draw_ready) drawn_ = texture;
+  if (watch_) {
+    const StageSignals& rows = interpolator_meters_.front()->signals;
+    watch_({.rows = {rows.in_valid, accepted || !covered, rows.in_ready, pixel != nullptr},
+            .drive = drive,
+            .ports = c.ports});
+  }
+  if (delivered != nullptr) run_.fragments.put(delivered);
+  count(drive, c);
+}
+
+PixelFragment PixelChain::values(FragmentItem& item) {
+  PixelFragment f;
+  f.x = static_cast<std::uint32_t>(item.fragment.x);
+  f.y = static_cast<std::uint32_t>(item.fragment.y);
+  f.texels = item.texture < 0 ? PortSet{0} : texels_;
+  f.writes_z = f.writes_color = true;
+  f.passes = depth_values(run_, item);
+  f.lives = f.passes && texture_values(run_, item);
+  if (!f.lives) return f;
+  f.reads_color = item.texel.a < opaque_;
+  fog_values(run_, item);
+  merge_values(run_, item);
+  return f;
+}
+
+// A stage is busy on the clocks on which it takes a fragment. One that is refused is blocked where what the
+// stage has made stands at its output, or where nothing of it goes to memory.
+void PixelChain::count(const PixelChainDrive& drive, const PixelChainClock& c) {
+  for (std::size_t i = 0; i < meters_.size(); ++i) {
+    const PixelStageClock& s = c.stages[i];
+    StageMeter& meter = meters_[i];
+    const auto stage = static_cast<Stage>(static_cast<std::size_t>(Stage::depth) + i);
+    const bool accepts = s.in_valid && s.in_ready;
+    const bool stands = s.out_valid && !s.out_ready;
+    const bool waits_for_draw = stage == Stage::depth && drive.draw_valid;
+    meter.signals = {s.in_valid, s.in_ready, s.out_valid, s.out_ready, 0, 0};
+    meter.count(accepts                                           ? StageState::busy
+                : !s.in_valid && !waits_for_draw                  ? StageState::starved
+                : stage == Stage::merge                           ? StageState::memory
+                : stands || stage == Stage::fog || waits_for_draw ? StageState::blocked
+                                                                  : StageState::memory);
+    meter.report.records_in += accepts ? 1 : 0;
+    const bool leaves = s.out_valid && s.out_ready;
+    // What texture kills goes nowhere.
+    const bool delivers =
+        stage == Stage::texture ? c.stages[i + 1].in_valid && c.stages[i + 1].in_ready : leaves;
+    meter.report.records_out += delivers ? 1 : 0;
+    meter.moves += accepts || leaves ? 1 : 0;
+  }
+  // Requests, answers and draw states go forward, too.
+  const PixelChainPorts& p = c.ports;
+  const bool moved = (drive.draw_valid && p.draw_ready) || (drive.request_ready & p.request_valid) != 0 ||
+                     (drive.answer_valid & p.answer_ready) != 0 || (drive.write_ready & p.write_valid) != 0;
+  if (moved) ++meters_.front().moves;
+}
+
+}  // namespace bitspan::timed

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// span_setup to merge, timed, with the RTL's ports: the span interpolator and the pixel stages as they are
+// connected in RTL, clock for clock, and a memory behind each port.
+//
+// A pixel at the interpolator's output that is not covered is taken at once. One whose texture is not that of
+// the draw state waits until the next draw state was transferred. Any other is offered to the pixel stages.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "model/timed/engine_systemc.hpp"
+#include "model/timed/span_interpolator.hpp"
+
+namespace bitspan::timed {
+
+class PixelChain : public TimedStage {
+ public:
+  // Throws InputError where the configuration has no pixel stages in RTL. `handshake` null: not recorded.
+  PixelChain(Run& run, Fifo<RowItem*>& in, const SystemcOptions& options,
+             std::vector<HandshakeClock>* handshake);
+
+  void clock(std::uint64_t now) override;
+  bool idle() const override { return interpolator_.idle() && timing_.empty(); }
+  std::vector<StageMeter*> meters() override;
+  const std::array<PortReport, read_ports>& ports() const { return memory_.reports(); }
+
+ private:
+  // The values of the pixel that is accepted, from depth to the frame.
+  PixelFragment values(FragmentItem& item);
+  void count(const PixelChainDrive& drive, const PixelChainClock& c);
+
+  Run& run_;
+  SpanInterpolator interpolator_;
+  PixelChainTiming timing_;
+  MemoryPorts memory_;
+  std::function<void(const ChainClock&)> watch_;
+  static constexpr int nothing_drawn = -2;
+  int drawn_ = nothing_drawn;  // the texture of the draw state
+  PortSet texels_;             // of a fragment with a texture
+  std::int64_t opaque_;        // the least raw alpha that is 1 or more
+  std::array<StageMeter, 4> meters_;
+  std::vector<StageMeter*> interpolator_meters_;
+};
+
+}  // namespace bitspan::timed

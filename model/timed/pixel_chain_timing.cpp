@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "model/timed/pixel_chain_timing.hpp"
+
+#include <algorithm>
+
+namespace bitspan {
+namespace {
+
+// As place_of in rtl/scoreboard.sv.
+std::uint16_t place_of(std::uint32_t x, std::uint32_t y, int bits) {
+  std::uint32_t place = 0;
+  for (int i = 0; i < bits; ++i) place |= ((x >> i ^ y >> (bits - 1 - i)) & 1) << i;
+  return static_cast<std::uint16_t>(place);
+}
+
+bool has(PortSet set, int port) { return (set >> port & 1) != 0; }
+PortSet only(int port, bool is_in) { return static_cast<PortSet>(is_in ? 1U << port : 0U); }
+
+}  // namespace
+
+PixelChainTiming::PixelChainTiming(const PixelTiming& timing)
+    : timing_(timing),
+      in_slot_(std::size_t{1} << timing.slot_bits),
+      depth_board_(timing.place_bits),
+      z_rest_{static_cast<std::size_t>(timing.in_flight)},
+      held_{static_cast<std::size_t>(timing.in_flight)},
+      address_(timing.texture.address),
+      texels_{static_cast<std::size_t>(timing.in_flight)},
+      color_(timing.texture.color),
+      fog_(timing.fog.clocks),
+      merge_board_(timing.place_bits),
+      color_rest_{static_cast<std::size_t>(timing.in_flight)},
+      blend_(timing.merge.clocks) {}
+
+void PixelChainTiming::Pipe::shift(bool enters, const Entry& entry, Queue& out) {
+  if (arrives()) {
+    out.ring.push(ring.front().entry);
+    ring.pop();
+  }
+  if (enters) ring.push({shifts + clocks, entry});
+  ++shifts;
+}
+
+void PixelChainTiming::Scoreboard::clock(bool enters, bool cleared) {
+  const bool hold = enters || !held.valid;
+  const bool know = hold || !known.valid;
+  const bool look = know || !looked.valid;
+  if (enters) taken[held.entry.place] = 1;
+  if (hold) held = known;
+  if (know) known = looked;
+  if (!look) return;
+  looked.valid = cleared && entry.valid();
+  if (!looked.valid) return;
+  looked.entry = entry.ring.front();
+  entry.ring.pop();
+}
+
+PixelChainTiming::Entry PixelChainTiming::entry_of(const PixelFragment& offered) const {
+  return {.place = place_of(offered.x, offered.y, timing_.place_bits),
+          .slot = slot_,
+          .texels = offered.texels,
+          .passes = offered.passes,
+          .lives = offered.lives,
+          .writes_z = offered.lives && offered.writes_z,
+          .reads_color = offered.reads_color,
+          .writes_color = offered.writes_color};
+}
+
+// The registers of the draw state: rtl/pixel_pipe.sv, "draw state".
+void PixelChainTiming::count(bool in_taken, bool draw_taken, const std::array<const Entry*, 3>& left) {
+  const auto next_slot = static_cast<std::uint8_t>((slot_ + 1U) % in_slot_.size());
+  const bool none_next = in_slot_[next_slot] == 0;
+  const bool none = std::ranges::all_of(in_slot_, [](int n) { return n == 0; });
+  draw_ready_ = none_next && settled_ && !draw_taken;
+  idle_ = none && entered_ < 0 && !in_taken;
+  settled_ = !draw_taken;
+  if (entered_ >= 0) ++in_slot_[static_cast<std::size_t>(entered_)];
+  for (const int slot : left_) {
+    if (slot >= 0) --in_slot_[static_cast<std::size_t>(slot)];
+  }
+  entered_ = in_taken ? slot_ : -1;
+  for (std::size_t i = 0; i < left.size(); ++i) left_[i] = left[i] == nullptr ? -1 : left[i]->slot;
+  if (draw_taken) slot_ = next_slot;
+}
+
+PixelChainClock PixelChainTiming::clock(const PixelChainDrive& drive, const PixelFragment& offered) {
+  // What stands in the registers in front of the edge, from the output upstream. Every name of an action is a
+  // transfer on this clock.
+  const bool is_cleared = cleared();
+  // merge.
+  const bool done_valid = done_.valid();
+  const bool writes_color = done_valid && done_.ring.front().writes_color;
+  const bool leaves = done_valid && (!writes_color || has(drive.write_ready, color_port));
+  const bool blend_en = done_.ready();
+  const bool color_joins =
+      color_rest_.valid() && (!color_rest_.ring.front().reads_color || color_answer_.valid()) && blend_en;
+  const bool merge_enters = merge_board_.valid() && color_request_.ready() && color_rest_.ready();
+  const bool merge_takes = fogged_.valid() && merge_board_.entry.ready();
+  // fog, and the fate behind texture.
+  const bool fog_en = fogged_.ready();
+  const bool textured_valid = textured_.valid();
+  const bool lives = textured_valid && textured_.ring.front().lives;
+  const bool textured_ready = fate_.ready() && (fog_en || !lives);
+  const bool is_textured = textured_valid && textured_ready;
+  const bool fog_takes = is_textured && lives;
+  const bool writes_z = fate_.valid() && fate_.ring.front().writes_z;
+  const bool fate_done = fate_.valid() && (!writes_z || has(drive.write_ready, z_port));
+  // texture.
+  const bool color_en = textured_.ready();
+  bool texels_join = awaiting_.valid() && color_en;
+  for (int p = 0; p < texel_ports; ++p) {
+    if (texels_join && has(awaiting_.ring.front().texels, p)) {
+      texels_join = texel_answer_[static_cast<std::size_t>(p)].valid();
+    }
+  }
+  const bool texels_move = texels_.valid() && awaiting_.ready();
+  const PortSet wanted = ask_.valid() ? ask_.ring.front().texels : PortSet{0};
+  const auto texel_requests = static_cast<PortSet>(wanted & ~asked_);
+  const auto texel_ready = static_cast<PortSet>(drive.request_ready >> first_texel_port);
+  const bool ask_taken = ask_.valid() && (texel_requests & ~texel_ready) == 0;
+  const bool address_en = ask_.ready();
+  const bool texture_ready = address_en && held_.ready();
+  const bool texture_takes = tested_.valid() && texture_ready;
+  // depth.
+  const bool tested_en = tested_.ready();
+  const bool compares = compared_.valid && tested_en;
+  const bool z_joins = z_rest_.valid() && z_due_.front() <= clocks_ && z_answer_.valid() && tested_en;
+  const bool depth_enters = depth_board_.valid() && z_request_.ready() && z_rest_.ready();
+  const bool in_taken = drive.in_valid && in_ready();
+  const bool draw_taken = drive.draw_valid && draw_ready_;
+
+  PixelChainClock now;
+  PixelChainPorts& ports = now.ports;
+  ports.draw_ready = draw_ready_;
+  ports.in_ready = in_ready();
+  ports.idle = idle_;
+  ports.request_valid =
+      static_cast<PortSet>(only(z_port, z_request_.valid()) | only(color_port, color_request_.valid()) |
+                           texel_requests << first_texel_port);
+  ports.answer_ready =
+      static_cast<PortSet>(only(z_port, z_answer_.ready()) | only(color_port, color_answer_.ready()));
+  for (int p = 0; p < texel_ports; ++p) {
+    ports.answer_ready |= only(first_texel_port + p, texel_answer_[static_cast<std::size_t>(p)].ready());
+  }
+  ports.write_valid = static_cast<PortSet>(only(z_port, writes_z) | only(color_port, writes_color));
+  ports.records = static_cast<std::uint8_t>(only(0, compares) | only(1, is_textured) | only(2, merge_takes) |
+                                            only(3, leaves));
+  now.stages = {{{drive.in_valid, ports.in_ready, tested_.valid(), texture_ready},
+                 {tested_.valid(), texture_ready, textured_valid, textured_ready},
+                 {lives && fate_.ready(), fog_en, fogged_.valid(), merge_board_.entry.ready()},
+                 {fogged_.valid(), merge_board_.entry.ready(), done_valid, leaves}}};
+
+  // The edge, in the same order. A queue that is popped on this clock has its front copied first.
+  const PortSet asks = static_cast<PortSet>(ports.request_valid & drive.request_ready);
+  const PortSet answers = static_cast<PortSet>(ports.answer_ready & drive.answer_valid);
+  std::array<const Entry*, 3> left{};
+  Entry failed, killed, merged;
+  if (leaves) {
+    merged = done_.ring.front();
+    left[2] = &merged;
+    merge_board_.taken[merged.place] = 0;
+    done_.ring.pop();
+    --inside_;
+  }
+  if (blend_en) {
+    const Entry joins = color_joins ? color_rest_.ring.front() : Entry{};
+    blend_.shift(color_joins, joins, done_);
+    if (color_joins) {
+      color_rest_.ring.pop();
+      if (joins.reads_color) --color_answer_.held;
+    }
+  }
+  if (has(answers, color_port)) ++color_answer_.held;
+  if (has(asks, color_port)) --color_request_.held;
+  if (merge_enters) {
+    const Entry& entry = merge_board_.held.entry;
+    color_rest_.ring.push(entry);
+    if (entry.reads_color) ++color_request_.held;
+  }
+  merge_board_.clock(merge_enters, is_cleared);
+  if (merge_takes) {
+    merge_board_.entry.ring.push(fogged_.ring.front());
+    fogged_.ring.pop();
+  }
+
+  if (fog_en) fog_.shift(fog_takes, fog_takes ? textured_.ring.front() : Entry{}, fogged_);
+  if (fate_done) {
+    depth_board_.taken[fate_.ring.front().place] = 0;
+    fate_.ring.pop();
+    --inside_;
+  }
+  if (fog_takes) ++inside_;
+  if (is_textured) {
+    const Entry& entry = textured_.ring.front();
+    fate_.ring.push(entry);
+    if (!entry.lives) {
+      killed = entry;
+      left[1] = &killed;
+    }
+    textured_.ring.pop();
+  }
+
+  if (color_en) {
+    const Entry joins = texels_join ? awaiting_.ring.front() : Entry{};
+    color_.shift(texels_join, texels_join ? held_.ring.front() : joins, textured_);
+    if (texels_join) {
+      for (int p = 0; p < texel_ports; ++p) {
+        if (has(joins.texels, p)) --texel_answer_[static_cast<std::size_t>(p)].held;
+      }
+      held_.ring.pop();
+      awaiting_.ring.pop();
+    }
+  }
+  for (int p = 0; p < texel_ports; ++p) {
+    if (has(answers, first_texel_port + p)) ++texel_answer_[static_cast<std::size_t>(p)].held;
+  }
+  if (texels_move) {
+    awaiting_.ring.push(texels_.ring.front());
+    texels_.ring.pop();
+  }
+  if (ask_taken) {
+    texels_.ring.push(ask_.ring.front());
+    ask_.ring.pop();
+    asked_ = 0;
+  } else {
+    asked_ = static_cast<PortSet>(asked_ | (texel_requests & texel_ready));
+  }
+  if (texture_takes) held_.ring.push(tested_.ring.front());
+  if (address_en) address_.shift(texture_takes, texture_takes ? tested_.ring.front() : Entry{}, ask_);
+  if (texture_takes) tested_.ring.pop();
+
+  if (tested_en) {
+    if (compares && compared_.entry.passes) tested_.ring.push(compared_.entry);
+    if (compares && !compared_.entry.passes) {
+      failed = compared_.entry;
+      left[0] = &failed;
+      depth_board_.taken[failed.place] = 0;
+      --inside_;
+    }
+    compared_ = joined_;
+    joined_.valid = z_joins;
+    if (z_joins) {
+      joined_.entry = z_rest_.ring.front();
+      z_rest_.ring.pop();
+      z_due_.pop();
+      --z_answer_.held;
+    }
+  }
+  if (has(answers, z_port)) ++z_answer_.held;
+  if (has(asks, z_port)) --z_request_.held;
+  if (depth_enters) {
+    z_rest_.ring.push(depth_board_.held.entry);
+    // In its FIFO on the clock after the last of its clocks.
+    z_due_.push(clocks_ + static_cast<Clock>(timing_.depth.code) + 1);
+    ++z_request_.held;
+  }
+  depth_board_.clock(depth_enters, is_cleared);
+  if (in_taken) {
+    depth_board_.entry.ring.push(entry_of(offered));
+    ++inside_;
+  }
+  count(in_taken, draw_taken, left);
+  ++clocks_;
+  return now;
+}
+
+}  // namespace bitspan

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// The timed model with the RTL's ports: clock by clock in both modes, span mode without SystemC.
+#include "model/timed/clocked_machine.hpp"
+#include "model/timed/pixel_chain.hpp"
+
+namespace bitspan::timed {
+namespace {
+
+class PortsMachine final : public ClockedMachine {
+ public:
+  PortsMachine(const Config& config, const Scene& scene, const SystemcOptions& options)
+      : ClockedMachine(config, scene, options), chain_(run_, to_span_setup_, options, recorded_handshake_) {
+    assemble({&chain_}, {}, options);
+  }
+
+ private:
+  void fill(TimedReport& report) const override {
+    ClockedMachine::fill(report);
+    report.ports.assign(chain_.ports().begin(), chain_.ports().end());
+  }
+  bool rests() const override { return true; }
+
+  PixelChain chain_;
+};
+
+}  // namespace
+
+std::unique_ptr<Machine> make_ports_machine(const Config& config, const Scene& scene,
+                                            const SystemcOptions& options) {
+  return std::make_unique<PortsMachine>(config, scene, options);
+}
+
+}  // namespace bitspan::timed

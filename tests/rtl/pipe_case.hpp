@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fragments for rtl/pixel_pipe.sv with the records that the model makes of them, and their run through the
+// Verilated pipe.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/stages/constants.hpp"
+#include "model/stages/fog.hpp"
+#include "tb/rtl_pixels.hpp"
+#include "tests/rtl/random_rtl.hpp"
+#include "tests/rtl/stage_bench.hpp"
+
+namespace bitspan {
+
+// Fragments with one draw state.
+struct PipeBatch {
+  StageValues draw;
+  std::vector<StageValues> fragments;
+};
+
+struct PipeCase {
+  Config config;
+  Scene scene;  // its textures, its background and its size
+  std::vector<TexelPlace> places;
+  model::Constants constants;
+  model::FogStage fog;
+  std::vector<PipeBatch> batches;
+  std::map<std::string, std::vector<StageValues>> records;  // by tap
+  Frame frame;
+};
+
+// The fragments of a scene.
+PipeCase make_pipe_case(const Config& c, const Scene& given);
+
+// The picture, the textures, and an address in front of theirs.
+struct PipeExtent {
+  int width = 12, height = 7;
+  std::vector<std::pair<int, int>> textures{{1, 2}, {4, 8}, {16, 32}};
+  std::uint64_t address = 0;
+};
+
+// Raw fragments, a new draw state for every few of them, through the model's stages one after another.
+PipeCase random_pipe_case(Random& random, const Config& c, int batches, const PipeExtent& extent = {});
+
+struct PipeWay {
+  double in_gap = 0;
+  StageStalls stalls;
+  StageMemory::Latency latency;
+  std::uint64_t seed = 1;
+  int reset_after = 0;       // clocks of the same fragments in front, then a reset
+  bool sweeps_first = true;  // nothing is sent before the places are cleared
+  double write_stall = 0;    // of colours, in place of that in `stalls`
+};
+
+struct PipeRun {
+  std::size_t compared = 0;
+  std::uint64_t clocks = 0;  // from the first draw state's offer to the last record
+};
+
+// Throws std::logic_error where anything differs.
+PipeRun run_pipe(const PipeCase& p, const PipeWay& way, StageTrace* trace = nullptr);
+
+}  // namespace bitspan

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Apache-2.0
+// The clocks of the pixel stages (model/timed/pixel_chain_timing) against the Verilated pixel_pipe: every
+// output of every handshake, on every clock.
+#include "model/timed/pixel_chain_timing.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <stdexcept>
+#include <string>
+
+#include "scene/demo.hpp"
+#include "tests/rtl/pipe_case.hpp"
+#include "tests/rtl/rtl_copy.hpp"
+#include "tests/rtl/stage_case.hpp"
+#include "tests/support/test_config.hpp"
+
+namespace bitspan {
+namespace {
+
+// The ports of a recorded clock, by their meaning.
+class TracePorts {
+ public:
+  TracePorts(const Config& config, const StageTrace& trace)
+      : design_(pixel_pipe_design(config)), module_(module_of(design_)), trace_(trace) {
+    draw_ = find("draw");
+    in_ = find("in");
+    for (int p = 0; p < read_ports; ++p) {
+      const std::string name = p == z_port       ? "z"
+                               : p == color_port ? "color"
+                                                 : fmt::format("texel{}", p - first_texel_port);
+      request_.push_back(find(name + "_request"));
+      answer_.push_back(find(name + "_answer"));
+      if (p < write_ports) write_.push_back(find(name + "_write"));
+    }
+    for (const char* tap : {"depth_record", "texture_record", "fog_record", "merge_record"}) {
+      taps_.push_back(find(tap));
+    }
+    idle_ = port_place(module_.outputs, "idle_o");
+  }
+
+  PixelChainDrive drive(std::size_t t) const {
+    const auto& in = trace_.inputs[t];
+    PixelChainDrive d;
+    d.draw_valid = in[draw_.valid] != 0;
+    d.in_valid = in[in_.valid] != 0;
+    d.request_ready = set(request_, in, &ChannelPorts::ready);
+    d.answer_valid = set(answer_, in, &ChannelPorts::valid);
+    d.write_ready = set(write_, in, &ChannelPorts::ready);
+    return d;
+  }
+  PixelChainPorts ports(std::size_t t) const {
+    const auto& out = trace_.outputs[t];
+    PixelChainPorts p;
+    p.draw_ready = out[draw_.ready] != 0;
+    p.in_ready = out[in_.ready] != 0;
+    p.idle = out[idle_] != 0;
+    p.request_valid = set(request_, out, &ChannelPorts::valid);
+    p.answer_ready = set(answer_, out, &ChannelPorts::ready);
+    p.write_valid = set(write_, out, &ChannelPorts::valid);
+    p.records = set(taps_, out, &ChannelPorts::valid);
+    return p;
+  }
+  std::uint64_t in_field(std::size_t t, const char* channel, const char* field) const {
+    return trace_.inputs[t][place(channel, field)];
+  }
+  std::uint64_t out_field(std::size_t t, const char* channel, const char* field) const {
+    return trace_.outputs[t][place(channel, field)];
+  }
+
+ private:
+  const StageChannel& shape(const std::string& name) const {
+    return *std::ranges::find(design_.channels, name, &StageChannel::name);
+  }
+  ChannelPorts find(const std::string& name) const { return ports_of(module_, shape(name)); }
+  std::size_t place(const char* channel, const char* field) const {
+    const StageChannel& c = shape(channel);
+    return ports_of(module_, c).first +
+           static_cast<std::size_t>(std::ranges::find(c.fields, field) - c.fields.begin());
+  }
+  static PortSet set(const std::vector<ChannelPorts>& channels, const std::vector<std::uint64_t>& values,
+                     std::size_t ChannelPorts::*port) {
+    PortSet out = 0;
+    for (std::size_t p = 0; p < channels.size(); ++p) {
+      out = static_cast<PortSet>(out | (values[channels[p].*port] != 0 ? 1U << p : 0U));
+    }
+    return out;
+  }
+
+  StageDesign design_;
+  RtlModuleDesign module_;
+  const StageTrace& trace_;
+  ChannelPorts draw_, in_;
+  std::vector<ChannelPorts> request_, answer_, write_, taps_;
+  std::size_t idle_ = 0;
+};
+
+// What the values decide, as the trace itself shows it: the draw states and the taps do not depend on clocks.
+std::vector<PixelFragment> fragments_of(const Config& config, const TracePorts& ports, std::size_t from,
+                                        std::size_t to) {
+  const std::int64_t one = std::int64_t{1} << config.format(FormatId::texture_alpha).fraction();
+  std::vector<PixelFragment> all;
+  std::vector<std::uint8_t> blends;
+  std::vector<std::size_t> passed;
+  PixelFragment drawn;
+  bool blend = false;
+  std::size_t tested = 0;
+  std::size_t textured = 0;
+  for (std::size_t t = from; t < to; ++t) {
+    const PixelChainDrive d = ports.drive(t);
+    const PixelChainPorts p = ports.ports(t);
+    if (d.in_valid && p.in_ready) {
+      PixelFragment f = drawn;
+      f.x = static_cast<std::uint32_t>(ports.in_field(t, "in", "x"));
+      f.y = static_cast<std::uint32_t>(ports.in_field(t, "in", "y"));
+      all.push_back(f);
+      blends.push_back(blend ? 1 : 0);
+    }
+    if (d.draw_valid && p.draw_ready) {
+      const bool quad = ports.in_field(t, "draw", "bilinear") != 0;
+      drawn.texels = ports.in_field(t, "draw", "textured") == 0 ? 0 : quad ? 15 : 1;
+      drawn.writes_z = ports.in_field(t, "draw", "write_z") != 0;
+      drawn.writes_color = ports.in_field(t, "draw", "write_color") != 0;
+      blend = ports.in_field(t, "draw", "blend") != 0;
+    }
+    if ((p.records & 1) != 0) {
+      const std::size_t f = tested++;
+      all.at(f).passes = ports.out_field(t, "depth_record", "pass") != 0;
+      if (all[f].passes) passed.push_back(f);
+    }
+    if ((p.records & 2) != 0) {
+      const std::size_t f = passed.at(textured++);
+      all[f].lives = ports.out_field(t, "texture_record", "killed") == 0;
+      const std::int64_t alpha =
+          Rtl::from_port(ports.out_field(t, "texture_record", "a"), config.format(FormatId::texture_alpha));
+      all[f].reads_color = blends[f] != 0 && alpha < one;
+    }
+  }
+  return all;
+}
+
+struct Compared {
+  std::size_t clocks = 0, fragments = 0;
+  // Clocks on which a port was stalled, a fragment refused, an answer not taken, a draw state refused.
+  std::size_t stalled = 0, refused = 0, answers_wait = 0, draws_wait = 0;
+};
+
+std::string text_of(const PixelChainPorts& p) {
+  return fmt::format("draw {} in {} idle {} requests {:06b} answers {:06b} writes {:02b} records {:04b}",
+                     int{p.draw_ready}, int{p.in_ready}, int{p.idle}, p.request_valid, p.answer_ready,
+                     p.write_valid, p.records);
+}
+
+// Replays a recorded run through the timing; throws std::logic_error at the first clock that differs.
+Compared replay(const Config& config, const StageTrace& trace, const PixelTiming& timing) {
+  const TracePorts ports(config, trace);
+  Compared out;
+  std::vector<std::size_t> ends = trace.resets;
+  ends.push_back(trace.inputs.size());
+  std::size_t from = 0;
+  for (const std::size_t to : ends) {
+    const std::vector<PixelFragment> fragments = fragments_of(config, ports, from, to);
+    PixelChainTiming chain(timing);
+    std::size_t next = 0;
+    for (std::size_t t = from; t < to; ++t) {
+      const PixelChainDrive d = ports.drive(t);
+      const PixelChainPorts expected = ports.ports(t);
+      const bool in_ready = chain.in_ready();
+      const bool draw_ready = chain.draw_ready();
+      const PixelFragment none;
+      const PixelChainPorts got = chain.clock(d, next < fragments.size() ? fragments[next] : none).ports;
+      if (got != expected || in_ready != expected.in_ready || draw_ready != expected.draw_ready) {
+        throw std::logic_error(
+            fmt::format("clock {}: {}\n   expected: {}", t - from, text_of(got), text_of(expected)));
+      }
+      next += d.in_valid && got.in_ready ? 1 : 0;
+      out.stalled += (got.request_valid & ~d.request_ready) != 0 || (got.write_valid & ~d.write_ready) != 0;
+      out.refused += d.in_valid && !got.in_ready;
+      out.answers_wait += (d.answer_valid & ~got.answer_ready) != 0;
+      out.draws_wait += d.draw_valid && !got.draw_ready;
+    }
+    if (to == trace.inputs.size() && !chain.empty()) throw std::logic_error("fragments are left inside");
+    out.clocks += to - from;
+    out.fragments += next;
+    from = to;
+  }
+  return out;
+}
+
+Compared run_and_replay(const PipeCase& p, const PipeWay& way) {
+  StageTrace trace;
+  run_pipe(p, way, &trace);
+  return replay(p.config, trace, pixel_timing(p.config));
+}
+
+// An ideal memory, one of fixed latency, ones of random latency; with gaps and stalls.
+std::vector<PipeWay> ways(std::uint64_t seed) {
+  return {{0, {}, {1, 1}, seed},
+          {0, {}, {7, 7}, seed},
+          {0, {}, {40, 40}, seed},
+          {0, {}, {1, 30}, seed},
+          {0.3, {0.2, 0.3}, {1, 1}, seed},
+          {0.1, {0.4, 0.6}, {1, 25}, seed},
+          {0, {0, 0.9}, {1, 3}, seed},
+          // Behind slow writes all queues are full: killed fragments meet a fog that takes none.
+          {0, {}, {1, 1}, seed, 0, true, 0.8}};
+}
+
+TEST(PixelChainTiming, EqualsTheRtlOnEveryClock) {
+  Compared all;
+  const auto check = [&](const Config& c, std::uint64_t seed) {
+    Random random(seed);
+    const PipeCase small = random_pipe_case(random, c, 300);
+    const PipeCase large =
+        random_pipe_case(random, c, 200, {.width = 700, .height = 90, .textures = {{4, 4}}});
+    for (const PipeWay& way : ways(seed)) {
+      for (const PipeCase* p : {&small, &large}) {
+        const Compared r = run_and_replay(*p, way);
+        all.clocks += r.clocks;
+        all.fragments += r.fragments;
+        all.stalled += r.stalled;
+        all.refused += r.refused;
+        all.answers_wait += r.answers_wait;
+        all.draws_wait += r.draws_wait;
+      }
+    }
+  };
+  for (const Config& c : shipped_configs()) {
+    SCOPED_TRACE(c.name);
+    check(c, 9);
+  }
+  for (const std::uint64_t seed : stage_seeds(4)) {
+    SCOPED_TRACE(stage_seed_text(seed));
+    check(random_stage_config(seed), seed);
+  }
+  EXPECT_GT(all.clocks, 300000U);
+  EXPECT_GT(all.fragments, 30000U);
+  EXPECT_GT(all.stalled, 30000U);
+  EXPECT_GT(all.refused, 30000U);
+  EXPECT_GT(all.answers_wait, 1000U);
+  EXPECT_GT(all.draws_wait, 10000U);
+}
+
+// The demo: one fragment per clock, and so many at once that the FIFOs fill.
+TEST(PixelChainTiming, EqualsTheRtlWhereFragmentsFollowOneAnother) {
+  std::vector<Config> configs = shipped_configs();
+  configs.push_back(shipped_config("depth16"));
+  configs.back().depth_code = DepthCode::linear;
+  configs.back().fog = FogMode::linear;
+  configs.back().filter = TextureFilter::bilinear;
+  configs.push_back(shipped_config("depth16"));
+  configs.back().memory.latency = 60;
+  for (const Config& c : configs) {
+    const PipeCase p = make_pipe_case(c, demo_scene(96, 72));
+    for (const PipeWay& way : ways(4)) {
+      SCOPED_TRACE(fmt::format("{} latency {} to {}", c.name, way.latency.least, way.latency.most));
+      EXPECT_GT(run_and_replay(p, way).fragments, 3000U);
+    }
+  }
+}
+
+TEST(PixelChainTiming, EqualsTheRtlFromResetOnAndAfterAResetAmidFragments) {
+  Random random(31);
+  const PipeCase p = random_pipe_case(random, shipped_config("depth16"), 100);
+  for (const int clocks : {2, 20, 60, 150}) {
+    SCOPED_TRACE(clocks);
+    EXPECT_GT(run_and_replay(p, {0.1, {0.2, 0.2}, {1, 20}, 7, clocks}).fragments, 200U);
+    // Fragments wait for the places to be cleared.
+    const Compared r = run_and_replay(p, {0.1, {0.2, 0.2}, {1, 20}, 7, clocks, false});
+    EXPECT_GT(r.refused, 300U);
+  }
+}
+
+// A wrong number of the configuration's is seen on some clock.
+TEST(PixelChainTiming, EveryNumberIsSeen) {
+  Config c = shipped_config("depth16");
+  c.depth_code = DepthCode::linear;
+  Random random(5);
+  // Draw states and places that change often; FIFOs that fill.
+  const PipeCase changing = random_pipe_case(random, c, 400, {.width = 700, .height = 90});
+  const PipeCase rows = make_pipe_case(c, demo_scene(96, 72));
+  std::array<StageTrace, 2> traces;
+  run_pipe(changing, {0, {}, {1, 1}, 1}, traces.data());
+  run_pipe(rows, {0, {}, {90, 90}, 1}, &traces[1]);
+  const PixelTiming right = pixel_timing(c);
+  for (const StageTrace& trace : traces) EXPECT_NO_THROW(replay(c, trace, right));
+  const auto seen = [&](const char* what, const std::function<void(PixelTiming&, int)>& change) {
+    for (const int by : {-1, 1}) {
+      PixelTiming wrong = right;
+      change(wrong, by);
+      const auto differs = [&](const StageTrace& trace) {
+        try {
+          replay(c, trace, wrong);
+          return false;
+        } catch (const std::logic_error&) {
+          return true;
+        }
+      };
+      EXPECT_TRUE(std::ranges::any_of(traces, differs)) << what << " by " << by;
+    }
+  };
+  seen("in_flight", [](PixelTiming& t, int by) { t.in_flight += by; });
+  seen("depth.code", [](PixelTiming& t, int by) { t.depth.code += by; });
+  seen("texture.address", [](PixelTiming& t, int by) { t.texture.address += by; });
+  seen("texture.color", [](PixelTiming& t, int by) { t.texture.color += by; });
+  seen("fog.clocks", [](PixelTiming& t, int by) { t.fog.clocks += by; });
+  seen("merge.clocks", [](PixelTiming& t, int by) { t.merge.clocks += by; });
+  seen("place_bits", [](PixelTiming& t, int by) { t.place_bits += by; });
+  seen("slot_bits", [](PixelTiming& t, int by) { t.slot_bits += by; });
+}
+
+// Bugs of the RTL that cost clocks and change no value: the records stay right, and the clocks show them.
+TEST(PixelChainTiming, PlantedBugsAreSeen) {
+  constexpr PlantedBug bugs[] = {
+      {"rtl/scoreboard.sv", "assign know = hold || !known_valid_q;", "assign know = hold;"},
+      {"rtl/scoreboard.sv", "assign look = know || !looked_valid_q;", "assign look = know;"},
+      {"rtl/pixel_pipe.sv", "draw_ready_o <= none[next_slot] && settled_q && !draw_taken;",
+       "draw_ready_o <= (&none) && settled_q && !draw_taken;"},
+      {"rtl/depth.sv", "assign join_valid = rest_valid && z_valid && answer_valid;",
+       "assign join_valid = rest_valid && z_valid && answer_valid && !compared_q;"},
+      {"rtl/texture.sv", "assign ask_taken = &(~wanted | asked_q | request_ready);",
+       "assign ask_taken = &(~wanted | asked_q | request_ready) && asked_valid == join_taken;"},
+      {"rtl/merge.sv", "assign join_valid = rest_valid && (answer_valid || !waited_reads);",
+       "assign join_valid = rest_valid && (answer_valid || !waited_reads) && !valid_q[0];"},
+  };
+  Random random(5);
+  const PipeCase p = random_pipe_case(random, shipped_config("depth16"), 400);
+  const RtlCopy copy;
+  for (const PlantedBug& bug : bugs) {
+    SCOPED_TRACE(bug.to);
+    copy.replace(bug.file, bug.from, bug.to);
+    StageTrace trace;
+    EXPECT_NO_THROW(run_pipe(p, {0.1, {0.2, 0.3}, {1, 25}, 5}, &trace));
+    EXPECT_THROW(replay(p.config, trace, pixel_timing(p.config)), std::logic_error);
+    copy.replace(bug.file, bug.to, bug.from);
+  }
+}
+
+}  // namespace
+}  // namespace bitspan
