@@ -115,7 +115,7 @@ int check(const Options& options) {
     fmt::print("RTL: span_setup {} clocks, a row every {}; span {} clocks, a pixel every clock\n",
                timing.row.latency, timing.row.interval, timing.span);
   } else {
-    fmt::print("RTL: none for perspective {}\n", to_string(config.perspective));
+    fmt::print("RTL: none for a reciprocal.pixel that is not pipelined\n");
   }
   return exit_held;
 }

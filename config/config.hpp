@@ -89,6 +89,7 @@ struct RtlShape {
   int normalise_clocks = 3;   // of a reciprocal unit's operand
   int setup_multipliers = 1;  // products that span_setup may form per clock
   int fifo = 1;               // span records that fit between span_setup and span
+  bool shades = true;         // the RTL has colour and alpha; else the engine `rtl` takes the model's
   bool operator==(const RtlShape&) const = default;
 };
 

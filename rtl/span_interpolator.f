@@ -16,6 +16,7 @@ reciprocal.sv
 row_hold.sv
 row_product.sv
 row_divide.sv
+row_line.sv
 setup_mac.sv
 span_setup.sv
 span.sv
