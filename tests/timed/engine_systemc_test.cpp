@@ -177,7 +177,7 @@ TEST(EngineSystemc, OneTriangleByHand) {
   Config config = shipped_config("depth16");
   set_timing(config, 1, 1, 4, {.latency = 1, .width_bytes = 1024});
   config.row_reciprocal.pipelined = true;
-  config.rtl.setup_multipliers = 8;  // a row each clock
+  config.rtl.setup_multipliers = 16;  // a row each clock
   config.rtl.fifo = 2;
   const InterpolatorLatency latency = interpolator_latency(config);
   const auto engine = make_systemc(config);
