@@ -256,8 +256,8 @@ TEST(Interpolator, WrongBitsAreSeenInEveryMode) {
       {setup, "assign left_sum = (EdgeSumW'(h_l)", "assign left_sum = (EdgeSumW'(h_r)"},
       {setup, "assign f_left = f_left_q[", "assign f_left = ~f_left_q["},
       {setup, "assign f_start = f_left_q[", "assign f_start = ~f_left_q["},
-      {span, "          .sticky_i(sticky),", "          .sticky_i(1'b0),"},
-      {span, "operand_q | (SumW - 1)'(operand_q == '0);", "operand_q;"},
+      {span, ".x_i(quotient),\n          .sticky_i(sticky)", ".x_i(quotient),\n          .sticky_i(1'b0)"},
+      {span, "assign divisor = operand_q | (SumW - 1)'(operand_q == '0);", "assign divisor = operand_q;"},
       {span, "if (en) q_q <= q;", "if (en) q_q <= q ^ OutUvW'(1);"},
   };
   constexpr PlantedBug affine[] = {
