@@ -224,7 +224,7 @@ TEST(Interpolator, MissingResetsAreSeen) {
 // Throws std::logic_error where the interpolator of this configuration differs from the reference.
 void check_values(const Config& c) {
   Random random(21);
-  const InterpolatorCase given = make_interpolator_case(random, c, 60, 12);
+  const InterpolatorCase given = make_interpolator_case(random, c, 120, 12);
   Rtl rtl(c);
   const std::string d = first_difference(c, given, run_rtl(rtl, given.inputs, {}, false));
   if (!d.empty()) throw std::logic_error(d);
@@ -271,6 +271,8 @@ TEST(Interpolator, WrongBitsAreSeenInEveryMode) {
     c.row_slope = form;
     // With signs, ties and divisors that are not positive.
     c.format(FormatId::span_h).is_signed = true;
+    c.format(FormatId::setup_b).word -= 14;
+    c.format(FormatId::setup_b).integer -= 14;
     c.format(FormatId::span_uv).rounding = Rounding::rnd_conv;
     EXPECT_NO_THROW(check_values(c));
     expect_seen(bugs, [&] { check_values(c); });

@@ -67,6 +67,7 @@ std::vector<RowRecord> random_rows(Random& random, const Config& c, int count, i
     for (std::int64_t* uv : {&row.l_u, &row.r_u, &row.l_v, &row.r_v}) {
       *uv = random_raw(random, c.format(FormatId::edge_uv));
     }
+    if (chance(random, 0.1)) row.l_u = row.r_u = 0;  // 0 divided by any h + B
     for (std::int64_t* shade :
          {&row.l_r, &row.l_g, &row.l_b, &row.l_a, &row.r_r, &row.r_g, &row.r_b, &row.r_a}) {
       *shade = random_raw(random, c.format(FormatId::edge_shade));
