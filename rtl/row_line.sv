@@ -31,7 +31,8 @@ module row_line #(
     input  logic signed [                         NW-1:0] n_i,
     input  logic        [bitspan_cfg_pkg::RowRecipOutW-1:0] m_i,
     input  logic        [ bitspan_cfg_pkg::ExponentW-1:0] e_i,
-    // For a divider: start_i and the length d_i at the slope's tick, has_length_i a tick before the quotient's register.
+    // For a divider: start_i and the length d_i at the slope's tick, has_length_i a tick before the quotient's register
+    // is written.
     input  logic                                          start_i,
     input  logic        [    bitspan_cfg_pkg::EdgeXW-1:0] d_i,
     input  logic                                          has_length_i,
@@ -58,7 +59,8 @@ module row_line #(
   localparam int SlopeDone = Divides ? bitspan_cfg_pkg::RowDivideTick + bitspan_cfg_pkg::RowUnitClocks + 1 :
       32'(bitspan_cfg_pkg::RowTicks[16*Slope+:16]) + ProductTicks;
   localparam int StartTick = 32'(bitspan_cfg_pkg::RowTicks[16*Start+:16]);
-  // Where the slope stands when the start is formed. Yosys reads the module with its defaults, too, which have no order.
+  // Where the slope stands when the start is formed. Yosys also reads the module with its defaults, which have no
+  // order.
   localparam int SlopeAt = (StartTick > SlopeDone) ? (StartTick - SlopeDone) / Interval : 0;
   localparam int Depth = (Latency - SlopeDone) / Interval + 1;
   localparam int StartDepth = (Latency - StartTick - ProductTicks) / Interval + 1;

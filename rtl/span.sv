@@ -537,15 +537,14 @@ module span (
   end
   // A pixel that waits at the output stays as it is; an active span has pixels left.
   logic waits_q;
-  logic [OutW-1:0] out, out_q;
-  assign out = OutW'({shade_o, x_o, step_o, last_o, h_o, fu_o, fv_o, recip_m_o, recip_e_o, u_o, v_o});
+  logic [OutW-1:0] buffered_q;
   always @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       waits_q <= 1'b0;
-      out_q <= '0;
+      buffered_q <= '0;
     end else begin
       if (waits_q) begin
-        assert (out_valid_o && out_q == out)
+        assert (out_valid_o && buffered_q == buffered)
         else $fatal(1, "span: a waiting pixel was changed or withdrawn");
       end
       if (active_q) begin
@@ -553,7 +552,7 @@ module span (
         else $fatal(1, "span: an active span has no pixels left");
       end
       waits_q <= out_valid_o && !out_ready_i;
-      out_q <= out;
+      buffered_q <= buffered;
     end
   end
 `endif

@@ -1011,14 +1011,14 @@ module span_setup (
   // An offered record has pixels, and does not change or go away before it is taken. B is stable all the while.
   localparam int OfferW = 2 * IndexW + 2 * bitspan_cfg_pkg::EdgeXW + 2 * bitspan_cfg_pkg::EdgeHW +
       4 * bitspan_cfg_pkg::EdgeUvW + bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + bitspan_cfg_pkg::SpanHW +
-      2 * bitspan_cfg_pkg::SpanFW + 4 * bitspan_cfg_pkg::SpanFStepW + 8 * bitspan_cfg_pkg::EdgeShadeW +
-      bitspan_cfg_pkg::SpanShadesW;
+      2 * bitspan_cfg_pkg::SpanFW + 4 * bitspan_cfg_pkg::SpanFStepW +
+      (Shades ? 8 * bitspan_cfg_pkg::EdgeShadeW + bitspan_cfg_pkg::SpanShadesW : 0);
   logic offered_q;
   logic [OfferW-1:0] offer, offer_q;
   logic [bitspan_cfg_pkg::SetupBW-1:0] b_q;
-  assign offer = {x_first_i, count_i, x_l_i, x_r_i, h_l_i, h_r_i, u_l_i, u_r_i, v_l_i, v_r_i, phase_i, k_i, h_i, gu_i,
-                  gv_i, gu_step0_i, gu_step1_i, gv_step0_i, gv_step1_i, shade_l_i, shade_r_i, shade_i, shade_step0_i,
-                  shade_step1_i};
+  assign offer = OfferW'({shade_l_i, shade_r_i, shade_i, shade_step0_i, shade_step1_i, x_first_i, count_i, x_l_i, x_r_i,
+                          h_l_i, h_r_i, u_l_i, u_r_i, v_l_i, v_r_i, phase_i, k_i, h_i, gu_i, gv_i, gu_step0_i,
+                          gu_step1_i, gv_step0_i, gv_step1_i});
   always @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       offered_q <= 1'b0;
