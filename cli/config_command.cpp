@@ -110,13 +110,9 @@ int check(const Options& options) {
     }
   }
   fmt::print("{}\n{}", text_table(rows), paths_text(config));
-  if (has_rtl(config)) {
-    const RtlTiming timing = rtl_timing(config);
-    fmt::print("RTL: span_setup {} clocks, a row every {}; span {} clocks, a pixel every clock\n",
-               timing.row.latency, timing.row.interval, timing.span);
-  } else {
-    fmt::print("RTL: none for perspective {}\n", to_string(config.perspective));
-  }
+  const RtlTiming timing = rtl_timing(config);
+  fmt::print("RTL: span_setup {} clocks, a row every {}; span {} clocks, a pixel every clock\n",
+             timing.row.latency, timing.row.interval, timing.span);
   return exit_held;
 }
 

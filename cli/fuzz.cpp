@@ -238,8 +238,8 @@ class Fuzzer {
       fixed_.push_back(find_config(name));
       for (const std::string& engine : names_) {
         if (o.engines_named && !engine_runs(engine, fixed_.back())) {
-          throw InputError(fmt::format("--engines: {} has no {} mode, which --config {} has", engine,
-                                       to_string(fixed_.back().perspective), name));
+          throw InputError(
+              fmt::format("--engines: {}, which --config {} has not", engine_needs(engine), name));
         }
       }
     }
@@ -309,9 +309,7 @@ class Fuzzer {
       config_ = fixed_[group % fixed_.size()];
     } else {
       RandomConfigOptions options;
-      // Only modes that the RTL has, where the user named it; else a quarter goes without it.
-      options.rtl_only =
-          std::ranges::find(names_, "rtl") != names_.end() && (o_.engines_named || group % 4 != 3);
+      options.rtl_only = std::ranges::find(names_, "rtl") != names_.end();
       options.check = [](const Config& config) { static_cast<void>(golden::choose_precision(config)); };
       config_ = random_config(derived_seed(o_.seed, group, 1), bases_, options);
     }
@@ -429,7 +427,7 @@ int replay(const ReplayOptions& o) {
   refuse_without_model(o.model, std::ranges::count(names, "model") != 0);
   for (const std::string& name : names) {
     if (!engine_runs(name, r.config)) {
-      throw InputError(fmt::format("{}: {} has no {} mode", o.file, name, to_string(r.config.perspective)));
+      throw InputError(fmt::format("{}: {}", o.file, engine_needs(name)));
     }
   }
   if (names.size() < 2) throw InputError(fmt::format("{}: fewer than two engines to compare", o.file));

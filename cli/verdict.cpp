@@ -194,8 +194,7 @@ SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const Ver
   bool rtl = false;
   for (const std::string& name : options.engines) {
     if (!engine_runs(name, config)) {
-      v.left_out.push_back(
-          fmt::format("{} left out: it has no {} mode", name, to_string(config.perspective)));
+      v.left_out.push_back(fmt::format("{} left out: {}", name, engine_needs(name)));
       continue;
     }
     auto engine = make_guarded(name, config, options, v);

@@ -91,6 +91,7 @@ struct RtlShape {
   int product_digits = 1;     // clocks for which a product that takes turns has its multiplier
   int fifo = 1;               // span records that fit between span_setup and span
   int pixel_clocks = 1;       // delta_f: clocks per pixel of span; from 2 on u and v take turns
+  bool shades = true;         // the RTL has colour and alpha; else the engine `rtl` takes the model's
   bool operator==(const RtlShape&) const = default;
 };
 

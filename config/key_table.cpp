@@ -54,9 +54,10 @@ bool has_fifo(const Config& /*c*/, std::size_t i) { return static_cast<Stage>(i)
 // The registers of the RTL, and those that its pixel index or the units' operands hang on.
 bool in_rtl_format(std::size_t i) {
   using F = FormatId;
-  constexpr std::array registers{F::setup_b, F::edge_x,       F::edge_x_acc,  F::edge_h,      F::edge_uv,
-                                 F::plane_k, F::span_h_step,  F::span_h,      F::span_f_diff, F::span_f_step,
-                                 F::span_f,  F::span_uv_step, F::span_uv_acc, F::span_uv};
+  constexpr std::array registers{
+      F::setup_b,      F::edge_x,      F::edge_x_acc, F::edge_h,          F::edge_uv,        F::edge_shade,
+      F::plane_k,      F::span_h_step, F::span_h,     F::span_f_diff,     F::span_f_step,    F::span_f,
+      F::span_uv_step, F::span_uv_acc, F::span_uv,    F::span_shade_step, F::span_shade_acc, F::span_shade};
   return std::ranges::find(registers, static_cast<F>(i)) != registers.end();
 }
 
@@ -244,7 +245,7 @@ constexpr KeyRow rows[] = {
      MEMBER(start_offset.span_shade),
      {},
      "",
-     values,
+     values | rtl,
      "added to the start of span.shade_acc; half an ulp of span.shade"},
 
     {"depth.bits",
@@ -366,7 +367,8 @@ constexpr KeyRow rows[] = {
      {1, 16},
      "",
      clocks | rtl,
-     "products that span_setup forms per clock: a row has eight, and two per Newton step",
+     "products that span_setup forms per clock: a row has eight, eight more with shades, and two per Newton "
+     "step",
      {.presence = Presence::later}},
     {"rtl.product_digits",
      MEMBER(rtl.product_digits),
@@ -388,6 +390,13 @@ constexpr KeyRow rows[] = {
      ", 1 or at least 2 rtl.product_digits",
      clocks | rtl,
      "delta_f: clocks per pixel; from 2 on u and v take turns in one multiplier of rtl.product_digits",
+     {.presence = Presence::later}},
+    {"rtl.shades",
+     MEMBER(rtl.shades),
+     {},
+     "",
+     clocks | rtl,
+     "the span interpolator has colour and alpha; or the engine `rtl` takes the model's",
      {.presence = Presence::later}},
 };
 

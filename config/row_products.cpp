@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <optional>
+#include <utility>
 
 #include "config/modes.hpp"
 
@@ -64,19 +65,36 @@ Products row_products(const Config& config) {
     return products;
   }
   const Grid sum = as_signed(depth_sum(config, F::edge_h));
-  for (const P p : {P::fu_diff, P::fv_diff}) {
-    of(p) = Product{sum, grid(F::edge_uv) - grid(F::edge_uv), {}, none, {}, config.format(F::span_f_diff)};
-  }
-  if (shares_reciprocal(config.row_slope)) {
-    of(P::h_step) = Product{grid(F::edge_h) - grid(F::edge_h), m, e, none, {}, config.format(F::span_h_step)};
-    for (const P p : {P::fu_step, P::fv_step}) {
-      of(p) = Product{grid(F::span_f_diff), m, e, none, {}, config.format(F::span_f_step)};
+  const bool hyperbolic = has_pixel_quotients(config.perspective);
+  if (hyperbolic) {
+    for (const P p : {P::fu_left, P::fv_left, P::fu_diff, P::fv_diff})
+      of(p) = Product{sum, grid(F::edge_uv), {}, none, {}, config.format(F::span_f_diff)};
+  } else if (has_pixel_reciprocal(config.perspective)) {
+    for (const P p : {P::fu_diff, P::fv_diff}) {
+      of(p) = Product{sum, grid(F::edge_uv) - grid(F::edge_uv), {}, none, {}, config.format(F::span_f_diff)};
     }
   }
+  // A value that is linear along the row: its slope, and its start from the left end.
   const Grid p = pre_step(config);
-  of(P::h) = Product{grid(F::span_h_step), p, {}, grid(F::edge_h), from_h, config.format(F::span_h)};
-  for (const P f : {P::fu, P::fv}) {
-    of(f) = Product{grid(F::span_f_step), p, {}, none, from_f, config.format(F::span_f)};
+  const auto line = [&](P slope, Grid difference, F step, P start, Grid left, Grid offset, F acc) {
+    if (shares_reciprocal(config.row_slope))
+      of(slope) = Product{difference, m, e, none, {}, config.format(step)};
+    of(start) = Product{grid(step), p, {}, left, offset, config.format(acc)};
+  };
+  const Grid h = grid(F::edge_h);
+  line(P::h_step, h - h, F::span_h_step, P::h, h, from_h, F::span_h);
+  const Grid left = hyperbolic                               ? grid(F::span_f_diff)
+                    : has_linear_texture(config.perspective) ? grid(F::edge_uv)
+                                                             : none;
+  for (const auto& [slope, start] : {std::pair{P::fu_step, P::fu}, {P::fv_step, P::fv}}) {
+    line(slope, slope_numerator(config), texture_step(config), start, left, from_f, texture_acc(config));
+  }
+  if (!config.rtl.shades) return products;
+  const Grid shade = grid(F::edge_shade);
+  const Grid from_shade = grid_of(offset_shade(config));
+  for (const auto& [slope, start] :
+       {std::pair{P::r_step, P::r}, {P::g_step, P::g}, {P::b_step, P::b}, {P::a_step, P::a}}) {
+    line(slope, shade - shade, F::span_shade_step, start, shade, from_shade, F::span_shade_acc);
   }
   return products;
 }
@@ -86,8 +104,12 @@ Products row_products(const Config& config) {
 ExactOffset offset_h(const Config& config) { return exact_offset(config.start_offset.span_h, 0); }
 
 ExactOffset offset_f(const Config& config) {
-  const FormatId kept = has_plane_rows(config.perspective) ? FormatId::span_uv : FormatId::span_f;
+  const FormatId kept = has_linear_texture(config.perspective) ? FormatId::span_uv : FormatId::span_f;
   return exact_offset(config.start_offset.span_f, config.format(kept).fraction());
+}
+
+ExactOffset offset_shade(const Config& config) {
+  return exact_offset(config.start_offset.span_shade, config.format(FormatId::span_shade).fraction());
 }
 
 Grid pre_step(const Config& config) {

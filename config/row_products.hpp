@@ -18,6 +18,7 @@ struct ExactOffset {
 };
 ExactOffset offset_h(const Config& config);
 ExactOffset offset_f(const Config& config);
+ExactOffset offset_shade(const Config& config);
 
 // p = x_first + 1/2 - x_l.
 Grid pre_step(const Config& config);

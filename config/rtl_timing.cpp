@@ -2,6 +2,7 @@
 #include "config/rtl_timing.hpp"
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,21 +26,13 @@ int restoring_clocks(const Reciprocal& unit, int iterations) {
 }
 
 bool row_divides(const Config& c) {
-  return has_pixel_reciprocal(c.perspective) && !shares_reciprocal(c.row_slope);
+  return !has_plane_rows(c.perspective) && !shares_reciprocal(c.row_slope);
 }
 
 }  // namespace
 
 bool has_rtl(const Config& config) {
-  switch (config.perspective) {
-    case Perspective::delta_f:
-    case Perspective::const_depth_rows:
-      return true;
-    case Perspective::hyperbolic:
-    case Perspective::affine:
-      return false;
-  }
-  unreachable();
+  return !has_pixel_reciprocal(config.perspective) || config.pixel_reciprocal.pipelined;
 }
 
 int pixel_index_bits(const Config& config) {
@@ -59,6 +52,20 @@ Grid row_operand(const Config& config) {
   if (has_plane_rows(config.perspective)) return pixel_operand(config);
   const Grid x = grid_of(config.format(FormatId::edge_x));
   return positive(x - x);  // x_r - x_l
+}
+
+FormatId texture_acc(const Config& config) {
+  return has_linear_texture(config.perspective) ? FormatId::span_uv_acc : FormatId::span_f;
+}
+FormatId texture_step(const Config& config) {
+  return has_linear_texture(config.perspective) ? FormatId::span_uv_step : FormatId::span_f_step;
+}
+
+Grid slope_numerator(const Config& config) {
+  const Grid uv = grid_of(config.format(FormatId::edge_uv));
+  const Grid f = grid_of(config.format(FormatId::span_f_diff));
+  if (has_linear_texture(config.perspective)) return uv - uv;  // u_r - u_l
+  return has_pixel_quotients(config.perspective) ? f - f : f;  // gr - gl, fu_diff
 }
 
 RestoringShape restoring_shape(const Reciprocal& unit, Grid operand) {
@@ -88,16 +95,31 @@ int shared_product_clocks(const RtlShape& shape) {
 RowDivideShape row_divide_shape(const Config& config) {
   const Grid end_h = grid_of(config.format(FormatId::edge_h));
   const Grid h = end_h - end_h;
-  const Grid f = as_signed(grid_of(config.format(FormatId::span_f_diff)));
+  const Grid f = as_signed(slope_numerator(config));
+  const Grid end_shade = grid_of(config.format(FormatId::edge_shade));
+  const Grid shade = end_shade - end_shade;
   const int l_fraction = config.format(FormatId::edge_x).fraction();
   // A numerator extended by k zeros gives a quotient on fraction + k - l_fraction.
   const auto extended = [&](Grid numerator, FormatId step) {
     return aligned(numerator, config.format(step).fraction() + 1 + l_fraction).bits();
   };
-  const int bits = std::max(extended(h, FormatId::span_h_step), extended(f, FormatId::span_f_step));
+  const int bits = std::max({extended(h, FormatId::span_h_step), extended(f, texture_step(config)),
+                             config.rtl.shades ? extended(shade, FormatId::span_shade_step) : 0});
   const int iterations = ceil_div(bits, bits_per_cycle(config.row_reciprocal));
   const int made = iterations * bits_per_cycle(config.row_reciprocal);
-  return {iterations, made - h.bits() + h.fraction - l_fraction, made - f.bits() + f.fraction - l_fraction};
+  const auto fraction = [&](Grid numerator) {
+    return made - numerator.bits() + numerator.fraction - l_fraction;
+  };
+  return {iterations, fraction(h), fraction(f), fraction(shade)};
+}
+
+RestoringShape pixel_divide_shape(const Config& config) {
+  const Grid f = as_signed(grid_of(config.format(FormatId::span_f)));
+  const int divisor_fraction = pixel_operand(config).fraction;
+  const int bits = aligned(f, config.format(FormatId::span_uv).fraction() + 1 + divisor_fraction).bits();
+  const int iterations = ceil_div(bits, bits_per_cycle(config.pixel_reciprocal));
+  const int made = iterations * bits_per_cycle(config.pixel_reciprocal);
+  return {iterations, made - f.bits() + f.fraction - divisor_fraction};
 }
 
 namespace {
@@ -105,9 +127,20 @@ namespace {
 // The products of a row, in the order in which they ask for their slots.
 constexpr std::array plane_products = {RowProduct::fu,      RowProduct::fv,       RowProduct::fu_step,
                                        RowProduct::fv_step, RowProduct::fu_step1, RowProduct::fv_step1};
-constexpr std::array difference_products = {RowProduct::fu_diff, RowProduct::fv_diff};
-constexpr std::array slope_products = {RowProduct::h_step, RowProduct::fu_step, RowProduct::fv_step};
-constexpr std::array start_products = {RowProduct::h, RowProduct::fu, RowProduct::fv};
+// Each with its slope: h, u, v, and the shades where the RTL has them.
+constexpr std::array slope_products = {RowProduct::h_step, RowProduct::fu_step, RowProduct::fv_step,
+                                       RowProduct::r_step, RowProduct::g_step,  RowProduct::b_step,
+                                       RowProduct::a_step};
+constexpr std::array start_products = {RowProduct::h, RowProduct::fu, RowProduct::fv, RowProduct::r,
+                                       RowProduct::g, RowProduct::b,  RowProduct::a};
+static_assert(slope_products.size() == start_products.size());
+// What u and v are multiplied by before the slopes: those of u and those of v take turns.
+std::span<const RowProduct> end_products(const Config& config) {
+  static constexpr std::array products = {RowProduct::fu_left, RowProduct::fv_left, RowProduct::fu_diff,
+                                          RowProduct::fv_diff};
+  if (has_linear_texture(config.perspective)) return {};
+  return std::span(products).subspan(has_pixel_quotients(config.perspective) ? 0 : 2);
+}
 
 // Gives products the first slots that are free. A slot has as many ticks as a product has digits, and the
 // interval is a multiple of them.
@@ -157,9 +190,10 @@ RowSchedule row_schedule(const Config& config) {
   const Reciprocal& unit = config.row_reciprocal;
   const bool planes = has_plane_rows(config.perspective);
   const bool divides = row_divides(config);
-  auto products = static_cast<int>(planes ? plane_products.size()
-                                          : difference_products.size() + start_products.size() +
-                                                (divides ? 0 : slope_products.size()));
+  const std::span<const P> at_ends = end_products(config);
+  const std::size_t lines = config.rtl.shades ? start_products.size() : 3;
+  auto products =
+      static_cast<int>(planes ? plane_products.size() : at_ends.size() + lines + (divides ? 0 : lines));
   RowSchedule s;
   s.product =
       1 + multiply_round_clocks(shared_product_clocks(config.rtl));  // the operands' register in front
@@ -197,19 +231,23 @@ RowSchedule row_schedule(const Config& config) {
     for (const P p : plane_products) s.latency = std::max(s.latency, place(p, s.reciprocal));
     return s;
   }
-  // Ticks from which each is held: h has no difference that is multiplied.
+  // Ticks from which each is held. Only u and v have products in front of their slopes; where they have two,
+  // the difference takes a register.
   std::array<int, slope_products.size()> held{};
-  for (std::size_t i = 0; i < difference_products.size(); ++i) held[i + 1] = place(difference_products[i], 1);
+  held.fill(1);
+  for (std::size_t i = 0; i < at_ends.size(); ++i) {
+    int& of_slope = held[1 + i % 2];
+    of_slope = std::max(of_slope, place(at_ends[i], 1) + (has_pixel_quotients(config.perspective) ? 1 : 0));
+  }
   if (divides) {
     s.divide = *std::ranges::max_element(held);
     held.fill(s.divide + s.unit + 1);  // and Q
   } else {
     s.reciprocal = 1 + s.unit + 1;
-    for (std::size_t i = 0; i < held.size(); ++i)
+    for (std::size_t i = 0; i < lines; ++i)
       held[i] = place(slope_products[i], std::max(s.reciprocal, held[i]));
   }
-  for (std::size_t i = 0; i < held.size(); ++i)
-    s.latency = std::max(s.latency, place(start_products[i], held[i]));
+  for (std::size_t i = 0; i < lines; ++i) s.latency = std::max(s.latency, place(start_products[i], held[i]));
   return s;
 }
 
@@ -217,17 +255,13 @@ RowSchedule row_schedule(const Config& config) {
 
 RtlTiming rtl_timing(const Config& config) {
   if (!has_rtl(config)) {
-    throw InputError(config.name + ": perspective.mode " + std::string(to_string(config.perspective)) +
-                     " has no RTL; expected delta_f or const_depth_rows");
+    throw InputError(
+        config.name +
+        ": reciprocal.pixel.pipelined is false; the RTL makes one pixel per clock and needs true");
   }
   RtlTiming t;
   t.row = row_schedule(config);
   if (has_pixel_reciprocal(config.perspective)) {
-    if (!config.pixel_reciprocal.pipelined) {
-      throw InputError(
-          config.name +
-          ": reciprocal.pixel.pipelined is false; the RTL makes one pixel per clock and needs true");
-    }
     t.pixel_unit = reciprocal_latency(config.pixel_reciprocal, pixel_operand(config), config.rtl);
     t.pixel_interval = config.rtl.pixel_clocks;
     const int h_sum = 1;
@@ -236,6 +270,9 @@ RtlTiming rtl_timing(const Config& config) {
              (t.pixel_interval > 1
                   ? config.rtl.product_digits + 1 + multiply_round_clocks(shared_product_clocks(config.rtl))
                   : multiply_round_clocks(config.rtl.product_clocks));
+  } else if (has_pixel_quotients(config.perspective)) {
+    t.pixel_unit = 1 + pixel_divide_shape(config).iterations;  // magnitude in front
+    t.span = 1 + t.pixel_unit + 1;                             // and Q
   } else {
     t.span = 1;
   }

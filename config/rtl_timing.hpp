@@ -14,7 +14,8 @@
 
 namespace bitspan {
 
-// Whether a mode exists in RTL at all: delta_f and const_depth_rows.
+// Whether the RTL has the configuration: one pixel per clock takes a pixel unit that is pipelined, where
+// there is one.
 bool has_rtl(const Config& config);
 
 // Width of the RTL's pixel index and count, unsigned: every pixel in the viewport that a record can name.
@@ -23,7 +24,13 @@ int pixel_index_bits(const Config& config);
 // The operands of the reciprocal units, as positive numbers.
 Grid depth_sum(const Config& config, FormatId h);  // h + B, h on the format named
 Grid pixel_operand(const Config& config);          // h + B, h on span.h
-Grid row_operand(const Config& config);            // delta_f: L on edge.x; const_depth_rows: h + B
+Grid row_operand(const Config& config);            // L on edge.x; const_depth_rows: h + B
+
+// The registers that u and v are made of, by mode.
+FormatId texture_acc(const Config& config);   // span.f, or span.uv_acc where they are linear
+FormatId texture_step(const Config& config);  // span.f_step, or span.uv_step
+// What a row's slope of fu divides by L, in the modes with row ends.
+Grid slope_numerator(const Config& config);
 
 // A restoring unit makes `iterations` * bits_per_cycle quotient bits, `fraction` of them right of the point:
 // at least one more than its consumer keeps, so that the last bit and a sticky bit decide every rounding.
@@ -40,28 +47,36 @@ int multiply_round_clocks(int product_clocks);
 // Clocks of a product whose multiplier others use, too: that of rtl/mul_pipe.sv or of mul_digits.sv.
 int shared_product_clocks(const RtlShape& shape);
 
-// The row's dividers (`row_slope = divide`): h and f run side by side and take equally many iterations.
+// The row's dividers (`row_slope = divide`): all run side by side and take equally many iterations.
 struct RowDivideShape {
   int iterations = 1;
-  int h_fraction = 0;  // fraction bits of the quotient in front of Q[span.h_step]
-  int f_fraction = 0;  // the same in front of Q[span.f_step]
+  int h_fraction = 0;      // fraction bits of the quotient in front of Q[span.h_step]
+  int f_fraction = 0;      // the same in front of Q[span.f_step] or Q[span.uv_step]
+  int shade_fraction = 0;  // and in front of Q[span.shade_step]
 };
 RowDivideShape row_divide_shape(const Config& config);
 
-// The products of a row that the multipliers of span_setup form. Modes and slope forms have some of them.
+// The dividers of a pixel in hyperbolic, fu / (h + B) and fv / (h + B), in front of Q[span.uv].
+RestoringShape pixel_divide_shape(const Config& config);
+
+// The products of a row that the multipliers of span_setup form. Modes and slope forms have some of them. In
+// hyperbolic fu_left is gl, and fu_diff is gr, as in the record.
 // clang-format off
 #define BITSPAN_ROW_PRODUCTS(X)                                                \
   X(fu_diff, FuDiff) X(fv_diff, FvDiff)                                        \
   X(h_step, HStep) X(fu_step, FuStep) X(fv_step, FvStep)                       \
   X(h, H) X(fu, Fu) X(fv, Fv)                                                  \
-  X(fu_step1, FuStep1) X(fv_step1, FvStep1)
+  X(fu_step1, FuStep1) X(fv_step1, FvStep1)                                    \
+  X(fu_left, FuLeft) X(fv_left, FvLeft)                                        \
+  X(r_step, RStep) X(g_step, GStep) X(b_step, BStep) X(a_step, AStep)          \
+  X(r, R) X(g, G) X(b, B) X(a, A)
 // clang-format on
 enum class RowProduct : std::uint8_t {
 #define BITSPAN_ENUMERATOR(name, Name) name,
   BITSPAN_ROW_PRODUCTS(BITSPAN_ENUMERATOR)
 #undef BITSPAN_ENUMERATOR
 };
-inline constexpr std::size_t row_product_count = static_cast<std::size_t>(RowProduct::fv_step1) + 1;
+inline constexpr std::size_t row_product_count = static_cast<std::size_t>(RowProduct::a) + 1;
 
 // When span_setup does what for a row that it accepts at tick 0. A tick is a clock on which span_setup is not
 // held up. Rows are accepted where the tick is a multiple of `interval`, and the multipliers repeat their
@@ -86,14 +101,13 @@ struct RowSchedule {
 };
 
 struct RtlTiming {
-  int pixel_unit = 0;      // latency of the pixel reciprocal, 0 where the mode has none
+  int pixel_unit = 0;      // latency of the pixel reciprocal or of the dividers, 0 where the mode has none
   int pixel_interval = 1;  // N: clocks from one pixel's issue to the next, in delta_f
   int span = 0;            // LP: issue to the buffer at the output
   RowSchedule row;
 };
 
-// Throws InputError where the mode has no RTL (hyperbolic, affine), and where delta_f has a pixel unit that
-// is not pipelined (one pixel per clock could not be held).
+// Throws InputError where the configuration has no RTL.
 RtlTiming rtl_timing(const Config& config);
 
 }  // namespace bitspan

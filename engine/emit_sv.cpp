@@ -104,6 +104,11 @@ std::string emit_sv(const Config& config) {
   w.line("/* verilator lint_off UNUSED */");
   w.line("package bitspan_cfg_pkg;");
   w.integer("ConstDepthRows", const_rows ? 1 : 0);
+  w.line("  // u and v are linear along a row; or quotients per pixel; or else products with a reciprocal.");
+  w.integer("LinearTexture", has_linear_texture(config.perspective) ? 1 : 0);
+  w.integer("PixelQuotients", has_pixel_quotients(config.perspective) ? 1 : 0);
+  w.line("  // Colour and alpha; where 0, their ports are there, and nothing is behind them.");
+  w.integer("Shades", config.rtl.shades ? 1 : 0);
   w.integer("RowSlopeDivide", !const_rows && !shares_reciprocal(config.row_slope) ? 1 : 0);
   w.integer("PixelIndexW", pixel_index_bits(config));
   w.integer("ExponentW", exponent_bits);
@@ -114,20 +119,24 @@ std::string emit_sv(const Config& config) {
                                                                {"EdgeX", FormatId::edge_x},
                                                                {"EdgeH", FormatId::edge_h},
                                                                {"EdgeUv", FormatId::edge_uv},
+                                                               {"EdgeShade", FormatId::edge_shade},
                                                                {"PlaneK", FormatId::plane_k},
                                                                {"SpanHStep", FormatId::span_h_step},
                                                                {"SpanH", FormatId::span_h},
                                                                {"SpanFDiff", FormatId::span_f_diff},
                                                                {"SpanFStep", FormatId::span_f_step},
                                                                {"SpanF", FormatId::span_f},
-                                                               {"SpanUv", FormatId::span_uv}}) {
+                                                               {"SpanUv", FormatId::span_uv},
+                                                               {"SpanShadeStep", FormatId::span_shade_step},
+                                                               {"SpanShadeAcc", FormatId::span_shade_acc},
+                                                               {"SpanShade", FormatId::span_shade}}) {
     w.format(name, config.format(id));
   }
   w.line(
       "  // The registers that texture coordinates are made of: span.f, or span.uv_acc where they are "
       "linear.");
-  w.format("TexAcc", config.format(const_rows ? FormatId::span_uv_acc : FormatId::span_f));
-  w.format("TexStep", config.format(const_rows ? FormatId::span_uv_step : FormatId::span_f_step));
+  w.format("TexAcc", config.format(texture_acc(config)));
+  w.format("TexStep", config.format(texture_step(config)));
   w.line("  // Phase of the digital line: unsigned, fraction only.");
   w.integer("PhaseW", std::max(1, config.format(FormatId::plane_k).fraction()));
 
@@ -142,6 +151,7 @@ std::string emit_sv(const Config& config) {
   w.line("  // Start offsets: Raw 2^-Frac.");
   offset(w, "OffsetH", offset_h(config));
   offset(w, "OffsetF", offset_f(config));
+  offset(w, "OffsetShade", offset_shade(config));
 
   w.line("");
   w.line("  // Reciprocal units. Kind: " + numbered_names<ReciprocalKind>() +
@@ -155,13 +165,21 @@ std::string emit_sv(const Config& config) {
   w.integer("RowDivIterations", divide.iterations);
   w.integer("RowDivHFrac", divide.h_fraction);
   w.integer("RowDivFFrac", divide.f_fraction);
+  w.integer("RowDivShadeFrac", divide.shade_fraction);
+  const RestoringShape pixel_divide = pixel_divide_shape(config);
+  w.line("  // A pixel's dividers, in hyperbolic.");
+  w.integer("PixelDivIterations", pixel_divide.iterations);
+  w.integer("PixelDivFrac", pixel_divide.fraction);
 
   w.line("");
-  w.line("  // The span record, all fields side by side.");
+  w.line("  // The span record, all fields side by side; above them the shades, where there are some: the");
+  w.line("  // starts, then step0, then step1, of four shades each.");
   w.line(
-      "  localparam int SpanRecordW = 2 * PixelIndexW + RowRecipOutW + ExponentW + PhaseW + PlaneKW + 2 * "
+      "  localparam int SpanPlainW = 2 * PixelIndexW + RowRecipOutW + ExponentW + PhaseW + PlaneKW + 2 * "
       "SpanFDiffW +");
   w.line("      SpanHW + SpanHStepW + 2 * EdgeUvW + 2 * TexAccW + 4 * TexStepW;");
+  w.line("  localparam int SpanShadesW = 4 * SpanShadeAccW + 8 * SpanShadeStepW;");
+  w.line("  localparam int SpanRecordW = SpanPlainW + ((Shades != 0) ? SpanShadesW : 0);");
   w.line("");
   w.line("  // p = x_first + 1/2 - x_l, signed.");
   w.integer("PreStepW", pre_step(config).bits());

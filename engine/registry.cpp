@@ -57,6 +57,9 @@ std::vector<std::string> parse_engines(const std::string& list) {
 }
 
 bool engine_runs(std::string_view name, const Config& config) { return find_engine(name).runs(config); }
+std::string engine_needs(std::string_view name) {
+  return std::string(name).append(" needs ").append(find_engine(name).needs);
+}
 
 std::unique_ptr<Engine> make_engine(std::string_view name, const Config& config,
                                     const EngineOptions& options) {

@@ -31,6 +31,8 @@ struct EngineEntry {
   bool compared = false;  // it delivers records and pictures that equal the others'; ideal's do not
   // Whether the engine runs this configuration.
   bool (*runs)(const Config&) = nullptr;
+  // What configurations it needs, for messages; empty where it runs all.
+  std::string_view needs{};
   // Throws InputError where an option that it reads has a value that it does not know; null: it cannot have.
   void (*check)(const EngineOptions&) = nullptr;
   // Throws InputError as check does, and where the configuration is not one of the engine's.
@@ -52,6 +54,8 @@ const EngineEntry& find_engine(std::string_view name);
 // "golden,model" -> names, each known and named once. Throws InputError, which names --engines, otherwise.
 std::vector<std::string> parse_engines(const std::string& list);
 bool engine_runs(std::string_view name, const Config& config);
+// "rtl needs reciprocal.pixel.pipelined = true in delta_f", for an engine that does not run a configuration.
+std::string engine_needs(std::string_view name);
 std::unique_ptr<Engine> make_engine(std::string_view name, const Config& config,
                                     const EngineOptions& options = {});
 

@@ -182,7 +182,7 @@ Config draw(Random& random, std::span<const Config> bases, const RandomConfigOpt
     c.coordinate_bits = between(random, options.least_coordinate_bits, 24);
   }
   if (options.rtl_only) {
-    c.perspective = random.chance(0.6) ? Perspective::delta_f : Perspective::const_depth_rows;
+    c.perspective = random.chance(0.4) ? Perspective::delta_f : any_name<Perspective>(random);
   }
   if (c.depth_overflow == Overflow::wrap_sm) c.depth_overflow = Overflow::wrap;
   if (random.chance(0.5)) {

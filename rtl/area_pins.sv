@@ -16,9 +16,14 @@ module area_pins (
   localparam int EndsW = 2 * bitspan_cfg_pkg::EdgeXW + 2 * bitspan_cfg_pkg::EdgeHW + 4 * bitspan_cfg_pkg::EdgeUvW;
   localparam int PlaneW = bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + bitspan_cfg_pkg::SpanHW +
       2 * bitspan_cfg_pkg::SpanFW + 4 * bitspan_cfg_pkg::SpanFStepW;
-  localparam int RowW = (bitspan_cfg_pkg::ConstDepthRows != 0) ? PlaneW : EndsW;
+  localparam int EndShadesW = 8 * bitspan_cfg_pkg::EdgeShadeW;
+  localparam int RowW = (bitspan_cfg_pkg::ConstDepthRows != 0) ?
+      PlaneW + ((bitspan_cfg_pkg::Shades != 0) ? bitspan_cfg_pkg::SpanShadesW : 0) :
+      EndsW + ((bitspan_cfg_pkg::Shades != 0) ? EndShadesW : 0);
   localparam int InW = bitspan_cfg_pkg::SetupBW + 2 * IndexW + RowW;
-  localparam int OutW = 3 + IndexW + bitspan_cfg_pkg::SpanHW + 2 * bitspan_cfg_pkg::SpanUvW;
+  localparam int PixelW = IndexW + 2 + bitspan_cfg_pkg::SpanHW + 2 * bitspan_cfg_pkg::SpanUvW +
+      ((bitspan_cfg_pkg::Shades != 0) ? 4 * bitspan_cfg_pkg::SpanShadeW : 0);
+  localparam int OutW = 1 + PixelW;
 
   logic [InW-1:0] in_q;
   logic valid_q, ready_q, in_ready;
@@ -31,11 +36,9 @@ module area_pins (
     out_q <= out;
   end
 
-  logic out_valid, step, last;
-  logic [IndexW-1:0] x;
-  logic [bitspan_cfg_pkg::SpanHW-1:0] h;
-  logic [bitspan_cfg_pkg::SpanUvW-1:0] u, v;
-  assign out = {out_valid, x, step, last, h, u, v};
+  logic out_valid;
+  logic [PixelW-1:0] pixel;
+  assign out = {out_valid, pixel};
   area_top u_area_top (
       .clk_i,
       .rst_ni,
@@ -47,12 +50,7 @@ module area_pins (
       .row_i(in_q[RowW-1:0]),
       .out_valid_o(out_valid),
       .out_ready_i(ready_q),
-      .x_o(x),
-      .step_o(step),
-      .last_o(last),
-      .h_o(h),
-      .u_o(u),
-      .v_o(v)
+      .pixel_o(pixel)
   );
 
   // Levels of the fold: OutW stays under 4^5.

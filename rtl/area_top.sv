@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Connects span_interpolator as the next stage uses it, for docs/area.md to count; this is not part of the design. The
 // tap stays open, and so do the pixel's registers that only comparisons with the model read (fu, fv, the reciprocal),
-// so that what nobody reads is not counted. The inputs of the other mode are 0.
+// so that what nobody reads is not counted. The inputs of the other modes are 0. Shades are connected where the package
+// has them.
 module area_top #(
     parameter int EndsW = 2 * bitspan_cfg_pkg::EdgeXW + 2 * bitspan_cfg_pkg::EdgeHW + 4 * bitspan_cfg_pkg::EdgeUvW,
+    parameter int EndShadesW = 8 * bitspan_cfg_pkg::EdgeShadeW,
     parameter int PlaneW = bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + bitspan_cfg_pkg::SpanHW +
         2 * bitspan_cfg_pkg::SpanFW + 4 * bitspan_cfg_pkg::SpanFStepW,
-    parameter int RowW = (bitspan_cfg_pkg::ConstDepthRows != 0) ? PlaneW : EndsW
+    parameter int PlaneShadesW = bitspan_cfg_pkg::SpanShadesW,
+    parameter int RowW = (bitspan_cfg_pkg::ConstDepthRows != 0) ?
+        PlaneW + ((bitspan_cfg_pkg::Shades != 0) ? PlaneShadesW : 0) :
+        EndsW + ((bitspan_cfg_pkg::Shades != 0) ? EndShadesW : 0),
+    // x, step, last, h, u, v, and the shades.
+    parameter int PixelW = bitspan_cfg_pkg::PixelIndexW + 2 + bitspan_cfg_pkg::SpanHW + 2 * bitspan_cfg_pkg::SpanUvW +
+        ((bitspan_cfg_pkg::Shades != 0) ? 4 * bitspan_cfg_pkg::SpanShadeW : 0)
 ) (
     input  logic clk_i,
     input  logic rst_ni,
@@ -15,21 +23,16 @@ module area_top #(
     output logic in_ready_o,
     input  logic [bitspan_cfg_pkg::PixelIndexW-1:0] x_first_i,
     input  logic [bitspan_cfg_pkg::PixelIndexW-1:0] count_i,
-    // The row's ends in delta_f, the plane row in const_depth_rows.
+    // The row's ends, or in const_depth_rows the plane row, with the shades above.
     input  logic [RowW-1:0] row_i,
     output logic out_valid_o,
     input  logic out_ready_i,
-    output logic [bitspan_cfg_pkg::PixelIndexW-1:0] x_o,
-    output logic step_o,
-    output logic last_o,
-    output logic [bitspan_cfg_pkg::SpanHW-1:0] h_o,
-    output logic [bitspan_cfg_pkg::SpanUvW-1:0] u_o,
-    output logic [bitspan_cfg_pkg::SpanUvW-1:0] v_o
+    output logic [PixelW-1:0] pixel_o
 );
-  logic [EndsW-1:0] ends;
-  logic [PlaneW-1:0] plane;
-  assign ends = (bitspan_cfg_pkg::ConstDepthRows != 0) ? '0 : EndsW'(row_i);
-  assign plane = (bitspan_cfg_pkg::ConstDepthRows != 0) ? PlaneW'(row_i) : '0;
+  logic [EndShadesW+EndsW-1:0] ends;
+  logic [PlaneShadesW+PlaneW-1:0] plane;
+  assign ends = (bitspan_cfg_pkg::ConstDepthRows != 0) ? '0 : (EndShadesW + EndsW)'(row_i);
+  assign plane = (bitspan_cfg_pkg::ConstDepthRows != 0) ? (PlaneShadesW + PlaneW)'(row_i) : '0;
 
   logic [bitspan_cfg_pkg::EdgeXW-1:0] x_l, x_r;
   logic [bitspan_cfg_pkg::EdgeHW-1:0] h_l, h_r;
@@ -39,8 +42,18 @@ module area_top #(
   logic [bitspan_cfg_pkg::SpanHW-1:0] h;
   logic [bitspan_cfg_pkg::SpanFW-1:0] gu, gv;
   logic [bitspan_cfg_pkg::SpanFStepW-1:0] gu_step0, gu_step1, gv_step0, gv_step1;
-  assign {x_l, x_r, h_l, h_r, u_l, u_r, v_l, v_r} = ends;
-  assign {phase, k, h, gu, gv, gu_step0, gu_step1, gv_step0, gv_step1} = plane;
+  logic [4*bitspan_cfg_pkg::EdgeShadeW-1:0] shade_l, shade_r;
+  logic [4*bitspan_cfg_pkg::SpanShadeAccW-1:0] shade;
+  logic [4*bitspan_cfg_pkg::SpanShadeStepW-1:0] shade_step0, shade_step1;
+  assign {shade_l, shade_r, x_l, x_r, h_l, h_r, u_l, u_r, v_l, v_r} = ends;
+  assign {shade, shade_step0, shade_step1, phase, k, h, gu, gv, gu_step0, gu_step1, gv_step0, gv_step1} = plane;
+
+  logic [bitspan_cfg_pkg::PixelIndexW-1:0] x;
+  logic step, last;
+  logic [bitspan_cfg_pkg::SpanHW-1:0] pixel_h;
+  logic [bitspan_cfg_pkg::SpanUvW-1:0] u, v;
+  logic [4*bitspan_cfg_pkg::SpanShadeW-1:0] pixel_shade;
+  assign pixel_o = PixelW'({pixel_shade, x, step, last, pixel_h, u, v});
 
   span_interpolator u_span_interpolator (
       .clk_i,
@@ -58,6 +71,8 @@ module area_top #(
       .u_r_i(u_r),
       .v_l_i(v_l),
       .v_r_i(v_r),
+      .shade_l_i(shade_l),
+      .shade_r_i(shade_r),
       .phase_i(phase),
       .k_i(k),
       .h_i(h),
@@ -67,18 +82,22 @@ module area_top #(
       .gu_step1_i(gu_step1),
       .gv_step0_i(gv_step0),
       .gv_step1_i(gv_step1),
+      .shade_i(shade),
+      .shade_step0_i(shade_step0),
+      .shade_step1_i(shade_step1),
       .out_valid_o,
       .out_ready_i,
-      .x_o,
-      .step_o,
-      .last_o,
-      .h_o,
+      .x_o(x),
+      .step_o(step),
+      .last_o(last),
+      .h_o(pixel_h),
       .fu_o(),
       .fv_o(),
       .recip_m_o(),
       .recip_e_o(),
-      .u_o,
-      .v_o,
+      .u_o(u),
+      .v_o(v),
+      .shade_o(pixel_shade),
       .span_take_o(),
       .span_x_o(),
       .span_count_o(),
@@ -96,6 +115,9 @@ module area_top #(
       .span_fu_step0_o(),
       .span_fu_step1_o(),
       .span_fv_step0_o(),
-      .span_fv_step1_o()
+      .span_fv_step1_o(),
+      .span_shade_o(),
+      .span_shade_step0_o(),
+      .span_shade_step1_o()
   );
 endmodule

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // span of docs/numeric-spec.md: walks a span record's pixels and issues one per PixelInterval clocks.
 //
-//   delta_f            issue: h, fu, fv | h + B | R_pixel(h + B) | u = u1 + fu / (h + B), v: product, shift (2), sum, Q
-//   const_depth_rows   issue: fu, fv    | u = fu, v = fv
+//   delta_f           issue: h, fu, fv | h + B | R_pixel(h + B) | u = u1 + fu / (h + B), v: product, shift (2), sum, Q
+//   hyperbolic        issue: h, fu, fv | h + B | u = fu / (h + B), v: magnitude, quotient, Q
+//   const_depth_rows, affine   issue: fu, fv   | u = fu, v = fv
+//
+// Shades are narrowed at the issue and wait beside these.
 //
 // A record is taken while no span is active, or on the clock that issues the last pixel of one. Behind the issue,
 // everything shifts together on en, which a buffer of two pixels at the output gives from a register. Enabled clocks are
@@ -29,7 +32,9 @@ module span (
     output logic [bitspan_cfg_pkg::PixelRecipOutW-1:0] recip_m_o,
     output logic [bitspan_cfg_pkg::ExponentW-1:0] recip_e_o,
     output logic [bitspan_cfg_pkg::SpanUvW-1:0] u_o,
-    output logic [bitspan_cfg_pkg::SpanUvW-1:0] v_o
+    output logic [bitspan_cfg_pkg::SpanUvW-1:0] v_o,
+    // Four side by side, red lowest; 0 without shades.
+    output logic [4*bitspan_cfg_pkg::SpanShadeW-1:0] shade_o
 );
   localparam int IndexW = bitspan_cfg_pkg::PixelIndexW;
   localparam int HW = bitspan_cfg_pkg::SpanHW;
@@ -42,6 +47,10 @@ module span (
   localparam int MW = bitspan_cfg_pkg::PixelRecipOutW;
   localparam int EW = bitspan_cfg_pkg::ExponentW;
   localparam int OutUvW = bitspan_cfg_pkg::SpanUvW;
+  localparam int ShadeW = bitspan_cfg_pkg::SpanShadeW;
+  localparam bit Shades = bitspan_cfg_pkg::Shades != 0;
+  localparam bit Linear = bitspan_cfg_pkg::LinearTexture != 0;
+  localparam bit Quotients = bitspan_cfg_pkg::PixelQuotients != 0;
   localparam int PixelUnitClocks = bitspan_cfg_pkg::PixelUnitClocks;
   localparam int ProductClocks = bitspan_cfg_pkg::ProductClocks;
   localparam int Interval = bitspan_cfg_pkg::PixelInterval;
@@ -51,7 +60,7 @@ module span (
   localparam int Digits = bitspan_cfg_pkg::ProductDigits;
   localparam int LastSlot = (Interval > 1) ? RecipTick + Digits : RecipTick;
   localparam int SharedProductClocks = bitspan_cfg_pkg::SharedProductClocks;
-  localparam int Clocks = (bitspan_cfg_pkg::ConstDepthRows != 0) ? 1 :
+  localparam int Clocks = Linear ? 1 : Quotients ? RecipTick + 1 :
                           (Interval > 1) ? LastSlot + 1 + SharedProductClocks + 4 : RecipTick + ProductClocks + 4;
 
   logic [IndexW-1:0] res_x, res_count;
@@ -66,7 +75,8 @@ module span (
   logic [AccW-1:0] res_fu, res_fv;
   logic [StepW-1:0] res_fu_step0, res_fu_step1, res_fv_step0, res_fv_step1;
   assign {res_x, res_count, unused_m, unused_e, res_phase, res_k, unused_fu_diff, unused_fv_diff, res_h, res_h_step,
-          res_u1, res_v1, res_fu, res_fv, res_fu_step0, res_fu_step1, res_fv_step0, res_fv_step1} = res_i;
+          res_u1, res_v1, res_fu, res_fv, res_fu_step0, res_fu_step1, res_fv_step0, res_fv_step1} =
+      res_i[bitspan_cfg_pkg::SpanPlainW-1:0];
   logic unused_record;
   assign unused_record = ^{unused_m, unused_e, unused_fu_diff, unused_fv_diff};
 
@@ -191,50 +201,138 @@ module span (
     assign f_q[i*AccW+:AccW] = acc_q;
   end
 
+  // Shades, and what a pixel has of them.
+  logic [4*ShadeW-1:0] shade, shade_out;
+  if (Shades) begin : gen_shades
+    localparam int ShadeAccW = bitspan_cfg_pkg::SpanShadeAccW;
+    localparam int ShadeStepW = bitspan_cfg_pkg::SpanShadeStepW;
+    logic [4*ShadeAccW-1:0] res_shade;
+    logic [4*ShadeStepW-1:0] res_step0, res_step1;
+    assign {res_step1, res_step0, res_shade} = res_i[bitspan_cfg_pkg::SpanRecordW-1:bitspan_cfg_pkg::SpanPlainW];
+    for (genvar i = 0; i < 4; i++) begin : gen_shade
+      logic [ShadeAccW-1:0] acc_q, acc_next;
+      logic [ShadeStepW-1:0] step0_q, step1_q;
+      logic signed [ShadeAccW:0] exact;
+      accumulate #(
+          .AccW(ShadeAccW),
+          .AccFrac(bitspan_cfg_pkg::SpanShadeAccFrac),
+          .AccSigned(bitspan_cfg_pkg::SpanShadeAccSigned),
+          .AccRnd(bitspan_cfg_pkg::SpanShadeAccRnd),
+          .AccOvf(bitspan_cfg_pkg::SpanShadeAccOvf),
+          .StepW(ShadeStepW),
+          .StepFrac(bitspan_cfg_pkg::SpanShadeStepFrac),
+          .StepSigned(bitspan_cfg_pkg::SpanShadeStepSigned)
+      ) u_next (
+          .acc_i(acc_q),
+          .step_i(step ? step1_q : step0_q),
+          .q_o(acc_next)
+      );
+      always_ff @(posedge clk_i) begin
+        if (take) begin
+          acc_q <= res_shade[i*ShadeAccW+:ShadeAccW];
+          step0_q <= res_step0[i*ShadeStepW+:ShadeStepW];
+          step1_q <= res_step1[i*ShadeStepW+:ShadeStepW];
+        end else if (active_q && issues) begin
+          acc_q <= acc_next;
+        end
+      end
+      assign exact = $signed({(bitspan_cfg_pkg::SpanShadeAccSigned != 0) & acc_q[ShadeAccW-1], acc_q});
+      quantize #(
+          .InW(ShadeAccW + 1),
+          .InFrac(bitspan_cfg_pkg::SpanShadeAccFrac),
+          .OutW(ShadeW),
+          .OutFrac(bitspan_cfg_pkg::SpanShadeFrac),
+          .OutSigned(bitspan_cfg_pkg::SpanShadeSigned),
+          .Rounding(bitspan_cfg_pkg::SpanShadeRnd),
+          .Overflow(bitspan_cfg_pkg::SpanShadeOvf)
+      ) u_shade (
+          .x_i(exact),
+          .sticky_i(1'b0),
+          .q_o(shade[i*ShadeW+:ShadeW])
+      );
+    end
+    span_delay #(
+        .Width(4 * ShadeW),
+        .From(0),
+        .To(Clocks)
+    ) u_shade (
+        .clk_i,
+        .en_i(en),
+        .phase_i(tick_q),
+        .d_i(shade),
+        .q_o(shade_out)
+    );
+  end else begin : gen_no_shades
+    assign shade = '0;
+    assign shade_out = '0;
+    logic unused;
+    assign unused = ^shade;
+  end
+
   // Valid bits of the pixels behind the issue; the last one goes to the buffer at the output.
   logic [Clocks-1:0] valid_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) valid_q <= '0;
     else if (en) valid_q <= Clocks'({valid_q, active_q && slot});
   end
-  // fv stands above fu, and v above u.
+  // fv stands above fu, v above u, and shades above all.
   localparam int PixelW = IndexW + 2 + HW + 2 * AccW + MW + EW + 2 * OutUvW;
+  localparam int OutW = PixelW + (Shades ? 4 * ShadeW : 0);
   logic [PixelW-1:0] pixel;
+  logic [OutW-1:0] buffered;
   skid #(
-      .Width(PixelW)
+      .Width(OutW)
   ) u_out (
       .clk_i,
       .rst_ni,
       .in_valid_i(valid_q[Clocks-1]),
       .in_ready_o(en),
-      .in_i(pixel),
+      .in_i(OutW'({shade_out, pixel})),
       .out_valid_o,
       .out_ready_i,
-      .out_o({x_o, step_o, last_o, h_o, fv_o, fu_o, recip_m_o, recip_e_o, v_o, u_o})
+      .out_o(buffered)
   );
+  assign {x_o, step_o, last_o, h_o, fv_o, fu_o, recip_m_o, recip_e_o, v_o, u_o} = buffered[PixelW-1:0];
+  if (Shades) begin : gen_shade_out
+    assign shade_o = buffered[PixelW+:4*ShadeW];
+  end else begin : gen_no_shade_out
+    assign shade_o = '0;
+    logic unused;
+    assign unused = ^shade_out;
+  end
 
-  if (bitspan_cfg_pkg::ConstDepthRows == 0) begin : gen_delta_f
-    logic [UvW-1:0] u1_q, v1_q;
-    always_ff @(posedge clk_i) begin
-      if (take) begin
-        u1_q <= res_u1;
-        v1_q <= res_v1;
-      end
-    end
-
-    // h + B.
+  // h + B; what is not positive is 0, which stands for one ulp.
+  logic [bitspan_cfg_pkg::SpanSumW-2:0] operand_q;
+  if (!Linear) begin : gen_operand
     localparam int SumW = bitspan_cfg_pkg::SpanSumW;
     localparam int SumFrac = bitspan_cfg_pkg::SpanSumFrac;
     logic signed [HW:0] h;
     logic signed [bitspan_cfg_pkg::SetupBW:0] b;
     logic signed [SumW-1:0] h_sum;
-    logic [SumW-2:0] operand_q;
     assign h = $signed({(bitspan_cfg_pkg::SpanHSigned != 0) & h_q[HW-1], h_q});
     assign b = $signed({(bitspan_cfg_pkg::SetupBSigned != 0) & b_i[bitspan_cfg_pkg::SetupBW-1], b_i});
     assign h_sum = (SumW'(h) <<< (SumFrac - bitspan_cfg_pkg::SpanHFrac)) +
                    (SumW'(b) <<< (SumFrac - bitspan_cfg_pkg::SetupBFrac));
     always_ff @(posedge clk_i) begin
       if (en) operand_q <= h_sum[SumW-2:0] & {(SumW - 1) {!h_sum[SumW-1]}};
+    end
+  end else begin : gen_no_operand
+    assign operand_q = '0;
+    logic unused;
+    assign unused = (^b_i) ^ (^operand_q);
+  end
+  if (Linear || Quotients) begin : gen_no_base
+    logic unused;
+    assign unused = ^{res_u1, res_v1};
+  end
+
+  if (!Linear && !Quotients) begin : gen_delta_f
+    logic [UvW-1:0] u1_q, v1_q;
+    always_ff @(posedge clk_i) begin
+      if (take) begin
+        u1_q <= res_u1;
+        v1_q <= res_v1;
+      end
     end
 
     logic [MW-1:0] recip_m, recip_m_out;
@@ -448,7 +546,77 @@ module span (
         .q_o({recip_m_out, recip_e_out})
     );
     assign pixel = {x_out, 1'b0, last_out, h_out, f_out, recip_m_out, recip_e_out, uv};
-  end else begin : gen_const_depth_rows
+  end else if (Quotients) begin : gen_hyperbolic
+    // Two dividers side by side, one pixel per clock.
+    localparam int SumW = bitspan_cfg_pkg::SpanSumW;
+    localparam int QuotientW =
+        bitspan_cfg_pkg::PixelDivIterations * bitspan_cfg_pkg::PixelRecipBitsPerCycle + 1;
+    localparam int NumW = AccW + ((bitspan_cfg_pkg::TexAccSigned != 0) ? 0 : 1);
+    logic [SumW-2:0] divisor;
+    logic [2*AccW-1:0] f_sum;
+    logic [2*OutUvW-1:0] uv;
+    assign divisor = operand_q | (SumW - 1)'(operand_q == '0);
+    always_ff @(posedge clk_i) begin
+      if (en) f_sum <= f_q;
+    end
+    for (genvar i = 0; i < 2; i++) begin : gen_uv
+      logic [AccW-1:0] f;
+      logic signed [NumW-1:0] num;
+      logic signed [QuotientW-1:0] quotient;
+      logic sticky;
+      logic [OutUvW-1:0] q, q_q;
+      assign f = f_sum[i*AccW+:AccW];
+      assign num = NumW'($signed({(bitspan_cfg_pkg::TexAccSigned != 0) & f[AccW-1], f}));
+      divide #(
+          .NW(NumW),
+          .DW(SumW - 1),
+          .Iterations(bitspan_cfg_pkg::PixelDivIterations),
+          .BitsPerCycle(bitspan_cfg_pkg::PixelRecipBitsPerCycle),
+          .Pipelined(1)
+      ) u_divide (
+          .clk_i,
+          .rst_ni,
+          .en_i(en),
+          .start_i(valid_q[0]),
+          .n_i(num),
+          .d_i(divisor),
+          .q_o(quotient),
+          .sticky_o(sticky)
+      );
+      quantize #(
+          .InW(QuotientW),
+          .InFrac(bitspan_cfg_pkg::PixelDivFrac),
+          .OutW(OutUvW),
+          .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
+          .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
+          .Rounding(bitspan_cfg_pkg::SpanUvRnd),
+          .Overflow(bitspan_cfg_pkg::SpanUvOvf)
+      ) u_uv (
+          .x_i(quotient),
+          .sticky_i(sticky),
+          .q_o(q)
+      );
+      always_ff @(posedge clk_i) begin
+        if (en) q_q <= q;
+      end
+      assign uv[i*OutUvW+:OutUvW] = q_q;
+    end
+    // What is only delivered waits until u and v are there.
+    localparam int WaitW = IndexW + 1 + HW + 2 * AccW;
+    logic [WaitW-1:0] waits;
+    delay_line #(
+        .Width(WaitW),
+        .Depth(Clocks)
+    ) u_pixel (
+        .clk_i,
+        .en_i(en),
+        .d_i ({x_q, last_q, h_q, f_q}),
+        .q_o (waits)
+    );
+    assign pixel = {waits[WaitW-1-:IndexW], 1'b0, waits[HW+2*AccW:0], {MW{1'b0}}, {EW{1'b0}}, uv};
+    logic unused;
+    assign unused = step;
+  end else begin : gen_linear
     logic [2*OutUvW-1:0] uv;
     for (genvar i = 0; i < 2; i++) begin : gen_uv
       logic [AccW-1:0] f;
@@ -476,9 +644,6 @@ module span (
       if (en) pixel_q <= {x_q, step, last_q, h_q, f_q, {MW{1'b0}}, {EW{1'b0}}, uv};
     end
     assign pixel = pixel_q;
-
-    logic unused;
-    assign unused = ^{b_i, res_u1, res_v1};
   end
 
 `ifndef SYNTHESIS
@@ -488,15 +653,14 @@ module span (
   end
   // A pixel that waits at the output stays as it is; an active span has pixels left.
   logic waits_q;
-  logic [PixelW-1:0] out, out_q;
-  assign out = {x_o, step_o, last_o, h_o, fu_o, fv_o, recip_m_o, recip_e_o, u_o, v_o};
+  logic [OutW-1:0] buffered_q;
   always @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       waits_q <= 1'b0;
-      out_q <= '0;
+      buffered_q <= '0;
     end else begin
       if (waits_q) begin
-        assert (out_valid_o && out_q == out)
+        assert (out_valid_o && buffered_q == buffered)
         else $fatal(1, "span: a waiting pixel was changed or withdrawn");
       end
       if (active_q) begin
@@ -504,7 +668,7 @@ module span (
         else $fatal(1, "span: an active span has no pixels left");
       end
       waits_q <= out_valid_o && !out_ready_i;
-      out_q <= out;
+      buffered_q <= buffered;
     end
   end
 `endif

@@ -17,6 +17,7 @@ reciprocal.sv
 row_hold.sv
 row_product.sv
 row_divide.sv
+row_line.sv
 setup_mac.sv
 multiply_round_turns.sv
 span_delay.sv

@@ -11,7 +11,8 @@ module span_interpolator (
     // First pixel (major coordinate) and number of pixels, at least 1.
     input  logic [bitspan_cfg_pkg::PixelIndexW-1:0] x_first_i,
     input  logic [bitspan_cfg_pkg::PixelIndexW-1:0] count_i,
-    // delta_f: the row's ends; ignored in const_depth_rows.
+    // The row's ends; ignored in const_depth_rows. Shades are four side by side, red lowest, then green, blue, alpha;
+    // without rtl.shades those of the inputs are ignored, and those of the outputs are 0.
     input  logic [bitspan_cfg_pkg::EdgeXW-1:0] x_l_i,
     input  logic [bitspan_cfg_pkg::EdgeXW-1:0] x_r_i,
     input  logic [bitspan_cfg_pkg::EdgeHW-1:0] h_l_i,
@@ -20,7 +21,9 @@ module span_interpolator (
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] u_r_i,
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] v_l_i,
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] v_r_i,
-    // const_depth_rows: the plane row; ignored in delta_f.
+    input  logic [4*bitspan_cfg_pkg::EdgeShadeW-1:0] shade_l_i,
+    input  logic [4*bitspan_cfg_pkg::EdgeShadeW-1:0] shade_r_i,
+    // const_depth_rows: the plane row; ignored in the other modes.
     input  logic [bitspan_cfg_pkg::PhaseW-1:0] phase_i,
     input  logic [bitspan_cfg_pkg::PlaneKW-1:0] k_i,
     input  logic [bitspan_cfg_pkg::SpanHW-1:0] h_i,
@@ -30,6 +33,9 @@ module span_interpolator (
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gu_step1_i,
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step0_i,
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step1_i,
+    input  logic [4*bitspan_cfg_pkg::SpanShadeAccW-1:0] shade_i,
+    input  logic [4*bitspan_cfg_pkg::SpanShadeStepW-1:0] shade_step0_i,
+    input  logic [4*bitspan_cfg_pkg::SpanShadeStepW-1:0] shade_step1_i,
     // One transfer per pixel. x is the major coordinate; step says that the digital line steps after this pixel.
     output logic out_valid_o,
     input  logic out_ready_i,
@@ -43,6 +49,7 @@ module span_interpolator (
     output logic [bitspan_cfg_pkg::ExponentW-1:0] recip_e_o,
     output logic [bitspan_cfg_pkg::SpanUvW-1:0] u_o,
     output logic [bitspan_cfg_pkg::SpanUvW-1:0] v_o,
+    output logic [4*bitspan_cfg_pkg::SpanShadeW-1:0] shade_o,
     // Tap: the span record, as span takes it.
     output logic span_take_o,
     output logic [bitspan_cfg_pkg::PixelIndexW-1:0] span_x_o,
@@ -61,7 +68,10 @@ module span_interpolator (
     output logic [bitspan_cfg_pkg::TexStepW-1:0] span_fu_step0_o,
     output logic [bitspan_cfg_pkg::TexStepW-1:0] span_fu_step1_o,
     output logic [bitspan_cfg_pkg::TexStepW-1:0] span_fv_step0_o,
-    output logic [bitspan_cfg_pkg::TexStepW-1:0] span_fv_step1_o
+    output logic [bitspan_cfg_pkg::TexStepW-1:0] span_fv_step1_o,
+    output logic [4*bitspan_cfg_pkg::SpanShadeAccW-1:0] span_shade_o,
+    output logic [4*bitspan_cfg_pkg::SpanShadeStepW-1:0] span_shade_step0_o,
+    output logic [4*bitspan_cfg_pkg::SpanShadeStepW-1:0] span_shade_step1_o
 );
   localparam int RecordW = bitspan_cfg_pkg::SpanRecordW;
   logic setup_valid, setup_ready, res_valid, take;
@@ -84,6 +94,8 @@ module span_interpolator (
       .u_r_i,
       .v_l_i,
       .v_r_i,
+      .shade_l_i,
+      .shade_r_i,
       .phase_i,
       .k_i,
       .h_i,
@@ -93,6 +105,9 @@ module span_interpolator (
       .gu_step1_i,
       .gv_step0_i,
       .gv_step1_i,
+      .shade_i,
+      .shade_step0_i,
+      .shade_step1_i,
       .res_valid_o(setup_valid),
       .res_ready_i(setup_ready),
       .res_o(setup_record)
@@ -130,13 +145,19 @@ module span_interpolator (
       .recip_m_o,
       .recip_e_o,
       .u_o,
-      .v_o
+      .v_o,
+      .shade_o
   );
 
   assign span_take_o = take;
   assign {span_x_o, span_count_o, span_recip_m_o, span_recip_e_o, span_phase_o, span_unused_k, span_fu_diff_o,
           span_fv_diff_o, span_h_o, span_h_step_o, span_u1_o, span_v1_o, span_fu_o, span_fv_o, span_fu_step0_o,
-          span_fu_step1_o, span_fv_step0_o, span_fv_step1_o} = record;
+          span_fu_step1_o, span_fv_step0_o, span_fv_step1_o} = record[bitspan_cfg_pkg::SpanPlainW-1:0];
+  if (bitspan_cfg_pkg::Shades != 0) begin : gen_shades
+    assign {span_shade_step1_o, span_shade_step0_o, span_shade_o} = record[RecordW-1:bitspan_cfg_pkg::SpanPlainW];
+  end else begin : gen_no_shades
+    assign {span_shade_step1_o, span_shade_step0_o, span_shade_o} = '0;
+  end
   logic unused;
   assign unused = ^span_unused_k;
 endmodule

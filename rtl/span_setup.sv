@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// span_setup of docs/numeric-spec.md: takes a row's ends (delta_f) or a plane row (const_depth_rows), delivers a span
+// span_setup of docs/numeric-spec.md: takes a row's ends, or in const_depth_rows a plane row, and delivers a span
 // record.
 //
 // Time is counted in ticks: clocks on which span_setup goes on, which is all but those on which a span record is there
@@ -8,8 +8,8 @@
 // which tick each product has a multiplier, so that rows RowInterval ticks apart never meet in one:
 //
 //   tick 0   the row's ends
-//   tick 1   delta_f: L = x_r - x_l, differences, h + B; const_depth_rows: h + B. The row unit starts.
-//            products with the differences, then with the row's reciprocal, then with the pre-step p
+//   tick 1   row ends: L = x_r - x_l, differences, h + B; const_depth_rows: h + B. The row unit starts.
+//            products with h + B, then with the row's reciprocal, then with the pre-step p
 //   tick SpanSetupClocks: the span record
 module span_setup (
     input  logic clk_i,
@@ -21,7 +21,7 @@ module span_setup (
     // First pixel (major coordinate) and number of pixels, at least 1.
     input  logic [bitspan_cfg_pkg::PixelIndexW-1:0] x_first_i,
     input  logic [bitspan_cfg_pkg::PixelIndexW-1:0] count_i,
-    // delta_f: the row's ends; ignored in const_depth_rows.
+    // The row's ends; ignored in const_depth_rows. Shades are four side by side, red lowest, then green, blue, alpha.
     input  logic [bitspan_cfg_pkg::EdgeXW-1:0] x_l_i,
     input  logic [bitspan_cfg_pkg::EdgeXW-1:0] x_r_i,
     input  logic [bitspan_cfg_pkg::EdgeHW-1:0] h_l_i,
@@ -30,7 +30,9 @@ module span_setup (
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] u_r_i,
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] v_l_i,
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] v_r_i,
-    // const_depth_rows: the plane row; ignored in delta_f.
+    input  logic [4*bitspan_cfg_pkg::EdgeShadeW-1:0] shade_l_i,
+    input  logic [4*bitspan_cfg_pkg::EdgeShadeW-1:0] shade_r_i,
+    // const_depth_rows: the plane row; ignored in the other modes.
     input  logic [bitspan_cfg_pkg::PhaseW-1:0] phase_i,
     input  logic [bitspan_cfg_pkg::PlaneKW-1:0] k_i,
     input  logic [bitspan_cfg_pkg::SpanHW-1:0] h_i,
@@ -40,6 +42,9 @@ module span_setup (
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gu_step1_i,
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step0_i,
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step1_i,
+    input  logic [4*bitspan_cfg_pkg::SpanShadeAccW-1:0] shade_i,
+    input  logic [4*bitspan_cfg_pkg::SpanShadeStepW-1:0] shade_step0_i,
+    input  logic [4*bitspan_cfg_pkg::SpanShadeStepW-1:0] shade_step1_i,
     // The span record; it is delivered where res_valid_o and res_ready_i are both 1. One that waits stops all.
     output logic res_valid_o,
     input  logic res_ready_i,
@@ -54,6 +59,10 @@ module span_setup (
   localparam int EW = bitspan_cfg_pkg::ExponentW;
   localparam int AccW = bitspan_cfg_pkg::TexAccW;
   localparam int StepW = bitspan_cfg_pkg::TexStepW;
+  localparam int PlainW = bitspan_cfg_pkg::SpanPlainW;
+  localparam int ShadeAccW = bitspan_cfg_pkg::SpanShadeAccW;
+  localparam int ShadeStepW = bitspan_cfg_pkg::SpanShadeStepW;
+  localparam bit Shades = bitspan_cfg_pkg::Shades != 0;
 
   // The tick modulo RowInterval, and which rows are valid: row_valid_q[k] is that of ticks 1 + k RowInterval on.
   logic en;
@@ -246,10 +255,11 @@ module span_setup (
   logic [RecipW-1:0] res_recip;
   assign res_recip = recip_q[RecipHeld*RecipW-1-:RecipW];
 
-  if (bitspan_cfg_pkg::ConstDepthRows == 0) begin : gen_delta_f
+  if (bitspan_cfg_pkg::ConstDepthRows == 0) begin : gen_row_ends
     localparam int XW = bitspan_cfg_pkg::EdgeXW;
     localparam int HW = bitspan_cfg_pkg::EdgeHW;
     localparam int UvW = bitspan_cfg_pkg::EdgeUvW;
+    localparam int ShadeW = bitspan_cfg_pkg::EdgeShadeW;
     localparam int FDiffW = bitspan_cfg_pkg::SpanFDiffW;
     localparam int HStepW = bitspan_cfg_pkg::SpanHStepW;
     localparam int StartHW = bitspan_cfg_pkg::SpanHW;
@@ -257,19 +267,21 @@ module span_setup (
     localparam int EdgeSumFrac = bitspan_cfg_pkg::EdgeSumFrac;
     localparam int PW = bitspan_cfg_pkg::PreStepW;
     localparam int PFrac = bitspan_cfg_pkg::PreStepFrac;
+    localparam int Below = bitspan_cfg_pkg::RowSumBelow;
+    localparam bit Affine = bitspan_cfg_pkg::LinearTexture != 0;
+    localparam bit Hyperbolic = bitspan_cfg_pkg::PixelQuotients != 0;
     // Slopes come from the multipliers, or all at once from the dividers.
     localparam bit Divides = bitspan_cfg_pkg::RowSlopeDivide != 0;
     localparam int DivideTick = bitspan_cfg_pkg::RowDivideTick;
     localparam int SlopeDone = DivideTick + bitspan_cfg_pkg::RowUnitClocks + 1;
     localparam int HStepTick = Divides ? DivideTick : 32'(bitspan_cfg_pkg::RowTicks[16*bitspan_cfg_pkg::RowHStep+:16]);
-    localparam int HStepDone = Divides ? SlopeDone : HStepTick + ProductTicks;
     localparam int HTick = 32'(bitspan_cfg_pkg::RowTicks[16*bitspan_cfg_pkg::RowH+:16]);
 
     // Tick 0: differences, h + B, and the pre-step. Each is exact: one bit more than its terms.
     logic signed [XW:0] x_l, x_r, length;
     logic signed [HW:0] h_l, h_r, h_diff;
     logic signed [bitspan_cfg_pkg::SetupBW:0] b_ext;
-    logic signed [EdgeSumW-1:0] h_sum;
+    logic signed [EdgeSumW-1:0] b_sum, h_sum;
     logic signed [PW-1:0] p;
     logic positive;
     assign x_l = $signed({(bitspan_cfg_pkg::EdgeXSigned != 0) & x_l_i[XW-1], x_l_i});
@@ -280,18 +292,48 @@ module span_setup (
     assign length = x_r - x_l;
     assign positive = !length[XW] && (length != '0);
     assign h_diff = h_r - h_l;
-    assign h_sum = (EdgeSumW'(h_r) <<< (EdgeSumFrac - bitspan_cfg_pkg::EdgeHFrac)) +
-                   (EdgeSumW'(b_ext) <<< (EdgeSumFrac - bitspan_cfg_pkg::SetupBFrac));
+    assign b_sum = EdgeSumW'(b_ext) <<< (EdgeSumFrac - bitspan_cfg_pkg::SetupBFrac);
+    assign h_sum = (EdgeSumW'(h_r) <<< (EdgeSumFrac - bitspan_cfg_pkg::EdgeHFrac)) + b_sum;
     assign p = $signed({PW'(x_first_i) << PFrac}) + (PW'(1) << (PFrac - 1)) -
                (PW'(x_l) <<< (PFrac - bitspan_cfg_pkg::EdgeXFrac));
 
-    // Held as long as somebody reads them; the multipliers take u before v.
-    localparam int SumRead = 32'(bitspan_cfg_pkg::RowTicks[16*(bitspan_cfg_pkg::RowFuDiff+1)+:16]);
+    // Lines: h, u, v, and the shades where there are some. Each has a slope and a start, which take their places among
+    // the products here; row_line has them.
+    localparam int Lines = Shades ? 7 : 3;
+    logic [Lines*2*AW-1:0] line_a;
+    logic [Lines*2*BW-1:0] line_b;
+    logic [Lines*2*CW-1:0] line_c;
+    logic [Lines*2*ShiftW-1:0] line_shift;
+    logic [Lines*2*SumW-1:0] line_sum;
+    for (genvar i = 0; i < Lines; i++) begin : gen_line
+      for (genvar s = 0; s < 2; s++) begin : gen_place
+        localparam int Slope = (i == 0) ? bitspan_cfg_pkg::RowHStep :
+            (i < 3) ? bitspan_cfg_pkg::RowFuStep + i - 1 : bitspan_cfg_pkg::RowRStep + i - 3;
+        localparam int Start = (i == 0) ? bitspan_cfg_pkg::RowH :
+            (i < 3) ? bitspan_cfg_pkg::RowFu + i - 1 : bitspan_cfg_pkg::RowR + i - 3;
+        localparam int K = (s == 0) ? Slope : Start;
+        localparam int L = 2 * i + s;
+        assign line_sum[L*SumW+:SumW] = sum[K*SumW+:SumW];
+        if (s == 1 || !Divides) begin : gen_product
+          assign a[K*AW+:AW] = line_a[L*AW+:AW];
+          assign b[K*BW+:BW] = line_b[L*BW+:BW];
+          assign c[K*CW+:CW] = line_c[L*CW+:CW];
+          assign shift[K*ShiftW+:ShiftW] = line_shift[L*ShiftW+:ShiftW];
+        end
+      end
+    end
+    logic unused_lines;
+    assign unused_lines = ^{line_a, line_b, line_c, line_shift};
+
+    // Held as long as somebody reads them; the multipliers take the last line last.
+    localparam int SumRead = Affine ? 1 : 32'(bitspan_cfg_pkg::RowTicks[16*(bitspan_cfg_pkg::RowFuDiff+1)+:16]);
     localparam int LengthRead = Divides ? DivideTick : 1;
     localparam int PositiveRead = (Divides ? SlopeDone : RecipTick) - 1;
     localparam int FvTick = 32'(bitspan_cfg_pkg::RowTicks[16*(bitspan_cfg_pkg::RowFu+1)+:16]);
-    localparam int PRead = (HTick > FvTick) ? HTick : FvTick;
-    localparam int ThroughW = 2 * IndexW + 2 * UvW;
+    localparam int LastTick = Shades ? 32'(bitspan_cfg_pkg::RowTicks[16*(Shades ? bitspan_cfg_pkg::RowA : 0)+:16]) : 0;
+    localparam int UvPRead = (HTick > FvTick) ? HTick : FvTick;
+    localparam int PRead = (UvPRead > LastTick) ? UvPRead : LastTick;
+    localparam int ThroughW = 2 * IndexW + ((Affine || Hyperbolic) ? 0 : 2 * UvW);
     logic [((SumRead-1)/Interval+1)*EdgeSumW-1:0] h_sum_q;
     logic [((HStepTick-1)/Interval+1)*(HW+1)-1:0] h_diff_q;
     logic [((LengthRead-1)/Interval+1)*XW-1:0] length_q;
@@ -373,94 +415,41 @@ module span_setup (
         .clk_i,
         .en_i(en),
         .phase_i(phase_q),
-        .d_i({x_first_i, count_i, u_l_i, v_l_i}),
+        .d_i(ThroughW'({v_l_i, u_l_i, count_i, x_first_i})),
         .q_o(through_q)
     );
     assign operand = length_q[XW-1:0];
     assign has_recip = positive_q[(PositiveRead-1)/Interval];
     // Where the dividers start.
     localparam int StartRow = Divides ? (DivideTick - 1) / Interval : 0;
-    logic divide_start;
+    logic divide_start, has_length;
     logic [XW-1:0] divisor;
     assign divide_start = row_valid_q[StartRow] && phase_q == PhaseW'(DivideTick % Interval);
     assign divisor = length_q[StartRow*XW+:XW];
+    assign has_length = positive_q[Divides ? (SlopeDone - 2) / Interval : 0];
+    // The row's reciprocal at a slope's tick.
+    localparam int RecipHStep = Divides ? 0 : (HStepTick - RecipTick) / Interval;
 
-    // h: its slope, and its value at the first pixel's centre.
-    localparam int HStep = bitspan_cfg_pkg::RowHStep;
-    localparam int HStart = bitspan_cfg_pkg::RowH;
-    logic signed [HW:0] h_num;
-    logic [((Latency-HStepDone)/Interval+1)*HStepW-1:0] h_step_q;
-    logic [((Latency-HTick-ProductTicks)/Interval+1)*StartHW-1:0] h_q;
-    assign h_num = $signed(h_diff_q[(HStepTick-1)/Interval*(HW+1)+:HW+1]);
-    if (Divides) begin : gen_divide
-      row_divide #(
-          .NW(HW + 1),
-          .DW(XW),
-          .QuotientFrac(bitspan_cfg_pkg::RowDivHFrac),
-          .OutW(bitspan_cfg_pkg::SpanHStepW),
-          .OutFrac(bitspan_cfg_pkg::SpanHStepFrac),
-          .OutSigned(bitspan_cfg_pkg::SpanHStepSigned),
-          .OutRnd(bitspan_cfg_pkg::SpanHStepRnd),
-          .OutOvf(bitspan_cfg_pkg::SpanHStepOvf),
-          .Last(Latency)
-      ) u_h_step (
-          .clk_i,
-          .rst_ni,
-          .en_i(en),
-          .phase_i(phase_q),
-          .start_i(divide_start),
-          .n_i(h_num),
-          .d_i(divisor),
-          .has_length_i(positive_q[(SlopeDone-2)/Interval]),
-          .q_o(h_step_q)
-      );
-    end else begin : gen_product
-      logic [MW-1:0] m;
-      logic [EW-1:0] e;
-      assign {m, e} = recip_q[(HStepTick-RecipTick)/Interval*RecipW+:RecipW];
-      row_product #(
-          .Product(HStep),
-          .Last(Latency),
-          .AW(HW + 1),
-          .ASigned(1),
-          .BW(MW),
-          .BSigned(bitspan_cfg_pkg::RowRecipOutSigned),
-          .OutW(bitspan_cfg_pkg::SpanHStepW),
-          .OutFrac(bitspan_cfg_pkg::SpanHStepFrac),
-          .OutSigned(bitspan_cfg_pkg::SpanHStepSigned),
-          .OutRnd(bitspan_cfg_pkg::SpanHStepRnd),
-          .OutOvf(bitspan_cfg_pkg::SpanHStepOvf),
-          .ShiftW(ShiftW)
-      ) u_h_step (
-          .clk_i,
-          .en_i(en),
-          .phase_i(phase_q),
-          .a_i(h_num),
-          .b_i(m),
-          .e_i(e),
-          .c_i('0),
-          .a_o(a[HStep*AW+:AW]),
-          .b_o(b[HStep*BW+:BW]),
-          .c_o(c[HStep*CW+:CW]),
-          .shift_o(shift[HStep*ShiftW+:ShiftW]),
-          .sum_i(sum[HStep*SumW+:SumW]),
-          .q_o(h_step_q)
-      );
-    end
-    localparam int HSumFrac = bitspan_cfg_pkg::SpanHFrac + bitspan_cfg_pkg::RowSumBelow;
+    // h.
+    localparam int HSumFrac = bitspan_cfg_pkg::SpanHFrac + Below;
     localparam int OffsetHShift = (bitspan_cfg_pkg::OffsetHRaw == 0) ? 0 : HSumFrac - bitspan_cfg_pkg::OffsetHFrac;
     logic [HW-1:0] h_l_read;
     logic signed [CW-1:0] h_base;
+    logic [HStepW-1:0] res_h_step;
+    logic [StartHW-1:0] res_h;
     assign h_l_read = h_l_q[(HTick-1)/Interval*HW+:HW];
     assign h_base = (CW'($signed({(bitspan_cfg_pkg::EdgeHSigned != 0) & h_l_read[HW-1], h_l_read})) <<<
         (HSumFrac - bitspan_cfg_pkg::EdgeHFrac)) + (CW'(bitspan_cfg_pkg::OffsetHRaw) <<< OffsetHShift);
-    row_product #(
-        .Product(HStart),
-        .Last(Latency),
-        .AW(HStepW),
-        .ASigned(bitspan_cfg_pkg::SpanHStepSigned),
-        .BW(PW),
-        .BSigned(1),
+    row_line #(
+        .Slope(bitspan_cfg_pkg::RowHStep),
+        .Start(bitspan_cfg_pkg::RowH),
+        .NW(HW + 1),
+        .DivideFrac(bitspan_cfg_pkg::RowDivHFrac),
+        .StepW(bitspan_cfg_pkg::SpanHStepW),
+        .StepFrac(bitspan_cfg_pkg::SpanHStepFrac),
+        .StepSigned(bitspan_cfg_pkg::SpanHStepSigned),
+        .StepRnd(bitspan_cfg_pkg::SpanHStepRnd),
+        .StepOvf(bitspan_cfg_pkg::SpanHStepOvf),
         .OutW(bitspan_cfg_pkg::SpanHW),
         .OutFrac(bitspan_cfg_pkg::SpanHFrac),
         .OutSigned(bitspan_cfg_pkg::SpanHSigned),
@@ -469,181 +458,351 @@ module span_setup (
         .ShiftW(ShiftW)
     ) u_h (
         .clk_i,
+        .rst_ni,
         .en_i(en),
         .phase_i(phase_q),
-        .a_i(h_step_q[(HTick-HStepDone)/Interval*HStepW+:HStepW]),
-        .b_i(p_q[(HTick-1)/Interval*PW+:PW]),
-        .e_i('0),
+        .n_i(h_diff_q[(HStepTick-1)/Interval*(HW+1)+:HW+1]),
+        .m_i(recip_q[RecipHStep*RecipW+EW+:MW]),
+        .e_i(recip_q[RecipHStep*RecipW+:EW]),
+        .start_i(divide_start),
+        .d_i(divisor),
+        .has_length_i(has_length),
+        .p_i(p_q[(HTick-1)/Interval*PW+:PW]),
         .c_i(h_base),
-        .a_o(a[HStart*AW+:AW]),
-        .b_o(b[HStart*BW+:BW]),
-        .c_o(c[HStart*CW+:CW]),
-        .shift_o(shift[HStart*ShiftW+:ShiftW]),
-        .sum_i(sum[HStart*SumW+:SumW]),
-        .q_o(h_q)
+        .a_o(line_a[0+:2*AW]),
+        .b_o(line_b[0+:2*BW]),
+        .c_o(line_c[0+:2*CW]),
+        .shift_o(line_shift[0+:2*ShiftW]),
+        .sum_i(line_sum[0+:2*SumW]),
+        .step_o(res_h_step),
+        .q_o(res_h)
     );
 
-    // u and v: the numerator's difference, its slope, and its value at the first pixel's centre.
+    // u and v. The numerator of the slope is u_r - u_l (affine), (u_r - u_l) (h_r + B) (delta_f), or the difference of
+    // the ends' u (h + B) (hyperbolic); to the start comes the left end's.
+    localparam int FExtW = FDiffW + ((bitspan_cfg_pkg::SpanFDiffSigned != 0) ? 0 : 1);
+    localparam int NumW = Affine ? UvW + 1 : Hyperbolic ? FDiffW + 1 : FExtW;
     logic [2*FDiffW-1:0] res_f_diff;
+    logic [2*UvW-1:0] res_uv1;
     logic [2*StepW-1:0] res_f_step;
     logic [2*AccW-1:0] res_f;
     for (genvar i = 0; i < 2; i++) begin : gen_uv
-      localparam int Diff = bitspan_cfg_pkg::RowFuDiff + i;
       localparam int Step = bitspan_cfg_pkg::RowFuStep + i;
       localparam int Start = bitspan_cfg_pkg::RowFu + i;
-      localparam int DiffTick = 32'(bitspan_cfg_pkg::RowTicks[16*Diff+:16]);
-      localparam int DiffDone = DiffTick + ProductTicks;
       localparam int StepTick = Divides ? DivideTick : 32'(bitspan_cfg_pkg::RowTicks[16*Step+:16]);
-      localparam int StepDone = Divides ? SlopeDone : StepTick + ProductTicks;
       localparam int StartTick = 32'(bitspan_cfg_pkg::RowTicks[16*Start+:16]);
+      localparam int RecipStep = Divides ? 0 : (StepTick - RecipTick) / Interval;
       logic [UvW-1:0] left, right;
       logic signed [UvW:0] diff;
-      logic [((DiffTick-1)/Interval+1)*(UvW+1)-1:0] diff_q;
-      logic [((Latency-DiffDone)/Interval+1)*FDiffW-1:0] f_diff_q;
-      logic [((Latency-StepDone)/Interval+1)*StepW-1:0] f_step_q;
-      logic [((Latency-StartTick-ProductTicks)/Interval+1)*AccW-1:0] f_q;
+      logic signed [NumW-1:0] num;
+      logic signed [CW-1:0] base;
       assign left = (i == 0) ? u_l_i : v_l_i;
       assign right = (i == 0) ? u_r_i : v_r_i;
       assign diff = $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & right[UvW-1], right}) -
                     $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & left[UvW-1], left});
-      row_hold #(
-          .Width(UvW + 1),
-          .Written(1),
-          .Last(DiffTick)
-      ) u_diff (
-          .clk_i,
-          .en_i(en),
-          .phase_i(phase_q),
-          .d_i(diff),
-          .q_o(diff_q)
-      );
-      row_product #(
-          .Product(Diff),
-          .Last(Latency),
-          .AW(EdgeSumW),
-          .ASigned(1),
-          .BW(UvW + 1),
-          .BSigned(1),
-          .OutW(bitspan_cfg_pkg::SpanFDiffW),
-          .OutFrac(bitspan_cfg_pkg::SpanFDiffFrac),
-          .OutSigned(bitspan_cfg_pkg::SpanFDiffSigned),
-          .OutRnd(bitspan_cfg_pkg::SpanFDiffRnd),
-          .OutOvf(bitspan_cfg_pkg::SpanFDiffOvf),
+      if (Affine) begin : gen_affine
+        logic [((StepTick-1)/Interval+1)*NumW-1:0] diff_q;
+        logic [((StartTick-1)/Interval+1)*UvW-1:0] left_q;
+        logic [UvW-1:0] left_read;
+        row_hold #(
+            .Width(NumW),
+            .Written(1),
+            .Last(StepTick)
+        ) u_diff (
+            .clk_i,
+            .en_i(en),
+            .phase_i(phase_q),
+            .d_i(diff),
+            .q_o(diff_q)
+        );
+        row_hold #(
+            .Width(UvW),
+            .Written(1),
+            .Last(StartTick)
+        ) u_left (
+            .clk_i,
+            .en_i(en),
+            .phase_i(phase_q),
+            .d_i(left),
+            .q_o(left_q)
+        );
+        assign num = diff_q[(StepTick-1)/Interval*NumW+:NumW];
+        assign left_read = left_q[(StartTick-1)/Interval*UvW+:UvW];
+        assign base = (CW'($signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & left_read[UvW-1], left_read})) <<<
+            (FSumFrac - bitspan_cfg_pkg::EdgeUvFrac)) + OffsetF;
+        assign res_f_diff[i*FDiffW+:FDiffW] = '0;
+        assign res_uv1[i*UvW+:UvW] = '0;
+        logic unused;
+        assign unused = ^{diff_q, left_q};
+      end else begin : gen_product
+        // (u_r - u_l) (h_r + B), or u_r (h_r + B).
+        localparam int Diff = bitspan_cfg_pkg::RowFuDiff + i;
+        localparam int DiffTick = 32'(bitspan_cfg_pkg::RowTicks[16*Diff+:16]);
+        localparam int DiffDone = DiffTick + ProductTicks;
+        localparam int FactorW = UvW + 1;
+        logic signed [FactorW-1:0] factor;
+        logic [((DiffTick-1)/Interval+1)*FactorW-1:0] factor_q;
+        logic [((Latency-DiffDone)/Interval+1)*FDiffW-1:0] f_diff_q;
+        row_hold #(
+            .Width(FactorW),
+            .Written(1),
+            .Last(DiffTick)
+        ) u_factor (
+            .clk_i,
+            .en_i(en),
+            .phase_i(phase_q),
+            .d_i(factor),
+            .q_o(factor_q)
+        );
+        row_product #(
+            .Product(Diff),
+            .Last(Latency),
+            .AW(EdgeSumW),
+            .ASigned(1),
+            .BW(FactorW),
+            .BSigned(1),
+            .OutW(bitspan_cfg_pkg::SpanFDiffW),
+            .OutFrac(bitspan_cfg_pkg::SpanFDiffFrac),
+            .OutSigned(bitspan_cfg_pkg::SpanFDiffSigned),
+            .OutRnd(bitspan_cfg_pkg::SpanFDiffRnd),
+            .OutOvf(bitspan_cfg_pkg::SpanFDiffOvf),
+            .ShiftW(ShiftW)
+        ) u_f_diff (
+            .clk_i,
+            .en_i(en),
+            .phase_i(phase_q),
+            .a_i(h_sum_q[(DiffTick-1)/Interval*EdgeSumW+:EdgeSumW]),
+            .b_i(factor_q[(DiffTick-1)/Interval*FactorW+:FactorW]),
+            .e_i('0),
+            .c_i('0),
+            .a_o(a[Diff*AW+:AW]),
+            .b_o(b[Diff*BW+:BW]),
+            .c_o(c[Diff*CW+:CW]),
+            .shift_o(shift[Diff*ShiftW+:ShiftW]),
+            .sum_i(sum[Diff*SumW+:SumW]),
+            .q_o(f_diff_q)
+        );
+        assign res_f_diff[i*FDiffW+:FDiffW] = f_diff_q[(Latency-DiffDone)/Interval*FDiffW+:FDiffW];
+        logic unused;
+        assign unused = ^{factor_q, f_diff_q};
+        if (Hyperbolic) begin : gen_hyperbolic
+          localparam int Left = bitspan_cfg_pkg::RowFuLeft + i;
+          localparam int LeftTick = 32'(bitspan_cfg_pkg::RowTicks[16*Left+:16]);
+          localparam int LeftDone = LeftTick + ProductTicks;
+          localparam int BothDone = (LeftDone > DiffDone) ? LeftDone : DiffDone;
+          logic signed [EdgeSumW-1:0] left_sum;
+          logic signed [FactorW-1:0] left_factor;
+          logic [((LeftTick-1)/Interval+1)*(EdgeSumW+FactorW)-1:0] operands_q;
+          logic [((StartTick-LeftDone)/Interval+1)*FDiffW-1:0] f_left_q;
+          logic [((StepTick-BothDone-1)/Interval+1)*NumW-1:0] num_q;
+          logic [FDiffW-1:0] f_left, f_right, f_start;
+          assign factor = $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & right[UvW-1], right});
+          assign left_factor = $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & left[UvW-1], left});
+          assign left_sum = (EdgeSumW'(h_l) <<< (EdgeSumFrac - bitspan_cfg_pkg::EdgeHFrac)) + b_sum;
+          row_hold #(
+              .Width(EdgeSumW + FactorW),
+              .Written(1),
+              .Last(LeftTick)
+          ) u_operands (
+              .clk_i,
+              .en_i(en),
+              .phase_i(phase_q),
+              .d_i({left_sum, left_factor}),
+              .q_o(operands_q)
+          );
+          row_product #(
+              .Product(Left),
+              .Last(StartTick),
+              .AW(EdgeSumW),
+              .ASigned(1),
+              .BW(FactorW),
+              .BSigned(1),
+              .OutW(bitspan_cfg_pkg::SpanFDiffW),
+              .OutFrac(bitspan_cfg_pkg::SpanFDiffFrac),
+              .OutSigned(bitspan_cfg_pkg::SpanFDiffSigned),
+              .OutRnd(bitspan_cfg_pkg::SpanFDiffRnd),
+              .OutOvf(bitspan_cfg_pkg::SpanFDiffOvf),
+              .ShiftW(ShiftW)
+          ) u_f_left (
+              .clk_i,
+              .en_i(en),
+              .phase_i(phase_q),
+              .a_i(operands_q[(LeftTick-1)/Interval*(EdgeSumW+FactorW)+FactorW+:EdgeSumW]),
+              .b_i(operands_q[(LeftTick-1)/Interval*(EdgeSumW+FactorW)+:FactorW]),
+              .e_i('0),
+              .c_i('0),
+              .a_o(a[Left*AW+:AW]),
+              .b_o(b[Left*BW+:BW]),
+              .c_o(c[Left*CW+:CW]),
+              .shift_o(shift[Left*ShiftW+:ShiftW]),
+              .sum_i(sum[Left*SumW+:SumW]),
+              .q_o(f_left_q)
+          );
+          assign f_left = f_left_q[(BothDone-LeftDone)/Interval*FDiffW+:FDiffW];
+          assign f_right = f_diff_q[(BothDone-DiffDone)/Interval*FDiffW+:FDiffW];
+          row_hold #(
+              .Width(NumW),
+              .Written(BothDone + 1),
+              .Last(StepTick)
+          ) u_num (
+              .clk_i,
+              .en_i(en),
+              .phase_i(phase_q),
+              .d_i({(bitspan_cfg_pkg::SpanFDiffSigned != 0) & f_right[FDiffW-1], f_right} -
+                   {(bitspan_cfg_pkg::SpanFDiffSigned != 0) & f_left[FDiffW-1], f_left}),
+              .q_o(num_q)
+          );
+          assign num = num_q[(StepTick-BothDone-1)/Interval*NumW+:NumW];
+          assign f_start = f_left_q[(StartTick-LeftDone)/Interval*FDiffW+:FDiffW];
+          assign base =
+              (CW'($signed({(bitspan_cfg_pkg::SpanFDiffSigned != 0) & f_start[FDiffW-1], f_start})) <<<
+              (FSumFrac - bitspan_cfg_pkg::SpanFDiffFrac)) + OffsetF;
+          assign res_uv1[i*UvW+:UvW] = '0;
+          logic unused_held;
+          assign unused_held = ^{operands_q, f_left_q, num_q, diff};
+        end else begin : gen_delta_f
+          logic [FDiffW-1:0] f_diff;
+          assign factor = diff;
+          assign f_diff = f_diff_q[(StepTick-DiffDone)/Interval*FDiffW+:FDiffW];
+          assign num = FExtW'($signed({(bitspan_cfg_pkg::SpanFDiffSigned != 0) & f_diff[FDiffW-1], f_diff}));
+          assign base = OffsetF;
+          assign res_uv1[i*UvW+:UvW] = through_q[(Latency-1)/Interval*ThroughW+2*IndexW+i*UvW+:UvW];
+        end
+      end
+      row_line #(
+          .Slope(Step),
+          .Start(Start),
+          .NW(NumW),
+          .DivideFrac(bitspan_cfg_pkg::RowDivFFrac),
+          .StepW(bitspan_cfg_pkg::TexStepW),
+          .StepFrac(bitspan_cfg_pkg::TexStepFrac),
+          .StepSigned(bitspan_cfg_pkg::TexStepSigned),
+          .StepRnd(bitspan_cfg_pkg::TexStepRnd),
+          .StepOvf(bitspan_cfg_pkg::TexStepOvf),
+          .OutW(bitspan_cfg_pkg::TexAccW),
+          .OutFrac(bitspan_cfg_pkg::TexAccFrac),
+          .OutSigned(bitspan_cfg_pkg::TexAccSigned),
+          .OutRnd(bitspan_cfg_pkg::TexAccRnd),
+          .OutOvf(bitspan_cfg_pkg::TexAccOvf),
           .ShiftW(ShiftW)
-      ) u_f_diff (
+      ) u_f (
           .clk_i,
+          .rst_ni,
           .en_i(en),
           .phase_i(phase_q),
-          .a_i(h_sum_q[(DiffTick-1)/Interval*EdgeSumW+:EdgeSumW]),
-          .b_i(diff_q[(DiffTick-1)/Interval*(UvW+1)+:UvW+1]),
-          .e_i('0),
-          .c_i('0),
-          .a_o(a[Diff*AW+:AW]),
-          .b_o(b[Diff*BW+:BW]),
-          .c_o(c[Diff*CW+:CW]),
-          .shift_o(shift[Diff*ShiftW+:ShiftW]),
-          .sum_i(sum[Diff*SumW+:SumW]),
-          .q_o(f_diff_q)
+          .n_i(num),
+          .m_i(recip_q[RecipStep*RecipW+EW+:MW]),
+          .e_i(recip_q[RecipStep*RecipW+:EW]),
+          .start_i(divide_start),
+          .d_i(divisor),
+          .has_length_i(has_length),
+          .p_i(p_q[(StartTick-1)/Interval*PW+:PW]),
+          .c_i(base),
+          .a_o(line_a[(1+i)*2*AW+:2*AW]),
+          .b_o(line_b[(1+i)*2*BW+:2*BW]),
+          .c_o(line_c[(1+i)*2*CW+:2*CW]),
+          .shift_o(line_shift[(1+i)*2*ShiftW+:2*ShiftW]),
+          .sum_i(line_sum[(1+i)*2*SumW+:2*SumW]),
+          .step_o(res_f_step[i*StepW+:StepW]),
+          .q_o(res_f[i*AccW+:AccW])
       );
-      logic [FDiffW-1:0] f_diff;
-      assign f_diff = f_diff_q[(StepTick-DiffDone)/Interval*FDiffW+:FDiffW];
-      if (Divides) begin : gen_divide
-        localparam int FNumW = FDiffW + ((bitspan_cfg_pkg::SpanFDiffSigned != 0) ? 0 : 1);
-        logic signed [FNumW-1:0] f_num;
-        assign f_num = FNumW'($signed({(bitspan_cfg_pkg::SpanFDiffSigned != 0) & f_diff[FDiffW-1], f_diff}));
-        row_divide #(
-            .NW(FNumW),
-            .DW(XW),
-            .QuotientFrac(bitspan_cfg_pkg::RowDivFFrac),
-            .OutW(bitspan_cfg_pkg::SpanFStepW),
-            .OutFrac(bitspan_cfg_pkg::SpanFStepFrac),
-            .OutSigned(bitspan_cfg_pkg::SpanFStepSigned),
-            .OutRnd(bitspan_cfg_pkg::SpanFStepRnd),
-            .OutOvf(bitspan_cfg_pkg::SpanFStepOvf),
-            .Last(Latency)
-        ) u_f_step (
+    end
+
+    if (Shades) begin : gen_shades
+      localparam int ShadeSumFrac = bitspan_cfg_pkg::SpanShadeAccFrac + Below;
+      localparam int OffsetShift =
+          (bitspan_cfg_pkg::OffsetShadeRaw == 0) ? 0 : ShadeSumFrac - bitspan_cfg_pkg::OffsetShadeFrac;
+      logic [4*ShadeStepW-1:0] res_step;
+      logic [4*ShadeAccW-1:0] res_start;
+      for (genvar i = 0; i < 4; i++) begin : gen_shade
+        localparam int Step = bitspan_cfg_pkg::RowRStep + i;
+        localparam int Start = bitspan_cfg_pkg::RowR + i;
+        localparam int StepTick = Divides ? DivideTick : 32'(bitspan_cfg_pkg::RowTicks[16*Step+:16]);
+        localparam int StartTick = 32'(bitspan_cfg_pkg::RowTicks[16*Start+:16]);
+        localparam int RecipStep = Divides ? 0 : (StepTick - RecipTick) / Interval;
+        logic [ShadeW-1:0] left, right, left_read;
+        logic signed [ShadeW:0] diff;
+        logic [((StepTick-1)/Interval+1)*(ShadeW+1)-1:0] diff_q;
+        logic [((StartTick-1)/Interval+1)*ShadeW-1:0] left_q;
+        logic signed [CW-1:0] base;
+        assign left = shade_l_i[i*ShadeW+:ShadeW];
+        assign right = shade_r_i[i*ShadeW+:ShadeW];
+        assign diff = $signed({(bitspan_cfg_pkg::EdgeShadeSigned != 0) & right[ShadeW-1], right}) -
+                      $signed({(bitspan_cfg_pkg::EdgeShadeSigned != 0) & left[ShadeW-1], left});
+        row_hold #(
+            .Width(ShadeW + 1),
+            .Written(1),
+            .Last(StepTick)
+        ) u_diff (
+            .clk_i,
+            .en_i(en),
+            .phase_i(phase_q),
+            .d_i(diff),
+            .q_o(diff_q)
+        );
+        row_hold #(
+            .Width(ShadeW),
+            .Written(1),
+            .Last(StartTick)
+        ) u_left (
+            .clk_i,
+            .en_i(en),
+            .phase_i(phase_q),
+            .d_i(left),
+            .q_o(left_q)
+        );
+        assign left_read = left_q[(StartTick-1)/Interval*ShadeW+:ShadeW];
+        assign base = (CW'($signed({(bitspan_cfg_pkg::EdgeShadeSigned != 0) & left_read[ShadeW-1], left_read})) <<<
+            (ShadeSumFrac - bitspan_cfg_pkg::EdgeShadeFrac)) + (CW'(bitspan_cfg_pkg::OffsetShadeRaw) <<< OffsetShift);
+        row_line #(
+            .Slope(Step),
+            .Start(Start),
+            .NW(ShadeW + 1),
+            .DivideFrac(bitspan_cfg_pkg::RowDivShadeFrac),
+            .StepW(bitspan_cfg_pkg::SpanShadeStepW),
+            .StepFrac(bitspan_cfg_pkg::SpanShadeStepFrac),
+            .StepSigned(bitspan_cfg_pkg::SpanShadeStepSigned),
+            .StepRnd(bitspan_cfg_pkg::SpanShadeStepRnd),
+            .StepOvf(bitspan_cfg_pkg::SpanShadeStepOvf),
+            .OutW(bitspan_cfg_pkg::SpanShadeAccW),
+            .OutFrac(bitspan_cfg_pkg::SpanShadeAccFrac),
+            .OutSigned(bitspan_cfg_pkg::SpanShadeAccSigned),
+            .OutRnd(bitspan_cfg_pkg::SpanShadeAccRnd),
+            .OutOvf(bitspan_cfg_pkg::SpanShadeAccOvf),
+            .ShiftW(ShiftW)
+        ) u_shade (
             .clk_i,
             .rst_ni,
             .en_i(en),
             .phase_i(phase_q),
+            .n_i(diff_q[(StepTick-1)/Interval*(ShadeW+1)+:ShadeW+1]),
+            .m_i(recip_q[RecipStep*RecipW+EW+:MW]),
+            .e_i(recip_q[RecipStep*RecipW+:EW]),
             .start_i(divide_start),
-            .n_i(f_num),
             .d_i(divisor),
-            .has_length_i(positive_q[(SlopeDone-2)/Interval]),
-            .q_o(f_step_q)
+            .has_length_i(has_length),
+            .p_i(p_q[(StartTick-1)/Interval*PW+:PW]),
+            .c_i(base),
+            .a_o(line_a[(3+i)*2*AW+:2*AW]),
+            .b_o(line_b[(3+i)*2*BW+:2*BW]),
+            .c_o(line_c[(3+i)*2*CW+:2*CW]),
+            .shift_o(line_shift[(3+i)*2*ShiftW+:2*ShiftW]),
+            .sum_i(line_sum[(3+i)*2*SumW+:2*SumW]),
+            .step_o(res_step[i*ShadeStepW+:ShadeStepW]),
+            .q_o(res_start[i*ShadeAccW+:ShadeAccW])
         );
-      end else begin : gen_product
-        logic [MW-1:0] m;
-        logic [EW-1:0] e;
-        assign {m, e} = recip_q[(StepTick-RecipTick)/Interval*RecipW+:RecipW];
-        row_product #(
-            .Product(Step),
-            .Last(Latency),
-            .AW(FDiffW),
-            .ASigned(bitspan_cfg_pkg::SpanFDiffSigned),
-            .BW(MW),
-            .BSigned(bitspan_cfg_pkg::RowRecipOutSigned),
-            .OutW(bitspan_cfg_pkg::SpanFStepW),
-            .OutFrac(bitspan_cfg_pkg::SpanFStepFrac),
-            .OutSigned(bitspan_cfg_pkg::SpanFStepSigned),
-            .OutRnd(bitspan_cfg_pkg::SpanFStepRnd),
-            .OutOvf(bitspan_cfg_pkg::SpanFStepOvf),
-            .ShiftW(ShiftW)
-        ) u_f_step (
-            .clk_i,
-            .en_i(en),
-            .phase_i(phase_q),
-            .a_i(f_diff),
-            .b_i(m),
-            .e_i(e),
-            .c_i('0),
-            .a_o(a[Step*AW+:AW]),
-            .b_o(b[Step*BW+:BW]),
-            .c_o(c[Step*CW+:CW]),
-            .shift_o(shift[Step*ShiftW+:ShiftW]),
-            .sum_i(sum[Step*SumW+:SumW]),
-            .q_o(f_step_q)
-        );
+        logic unused;
+        assign unused = ^{diff_q, left_q};
       end
-      row_product #(
-          .Product(Start),
-          .Last(Latency),
-          .AW(StepW),
-          .ASigned(bitspan_cfg_pkg::SpanFStepSigned),
-          .BW(PW),
-          .BSigned(1),
-          .OutW(bitspan_cfg_pkg::SpanFW),
-          .OutFrac(bitspan_cfg_pkg::SpanFFrac),
-          .OutSigned(bitspan_cfg_pkg::SpanFSigned),
-          .OutRnd(bitspan_cfg_pkg::SpanFRnd),
-          .OutOvf(bitspan_cfg_pkg::SpanFOvf),
-          .ShiftW(ShiftW)
-      ) u_f (
-          .clk_i,
-          .en_i(en),
-          .phase_i(phase_q),
-          .a_i(f_step_q[(StartTick-StepDone)/Interval*StepW+:StepW]),
-          .b_i(p_q[(StartTick-1)/Interval*PW+:PW]),
-          .e_i('0),
-          .c_i(OffsetF),
-          .a_o(a[Start*AW+:AW]),
-          .b_o(b[Start*BW+:BW]),
-          .c_o(c[Start*CW+:CW]),
-          .shift_o(shift[Start*ShiftW+:ShiftW]),
-          .sum_i(sum[Start*SumW+:SumW]),
-          .q_o(f_q)
-      );
-      assign res_f_diff[i*FDiffW+:FDiffW] = f_diff_q[(Latency-DiffDone)/Interval*FDiffW+:FDiffW];
-      assign res_f_step[i*StepW+:StepW] = f_step_q[(Latency-StepDone)/Interval*StepW+:StepW];
-      assign res_f[i*AccW+:AccW] = f_q[(Latency-StartTick-ProductTicks)/Interval*AccW+:AccW];
+      assign res_o[PlainW+:bitspan_cfg_pkg::SpanShadesW] = {{2{res_step}}, res_start};
+    end else begin : gen_no_shades
       logic unused;
-      assign unused = ^{diff_q, f_diff_q, f_step_q, f_q};
+      assign unused = ^{shade_l_i, shade_r_i};
     end
 
     logic [IndexW-1:0] res_x, res_count;
-    logic [UvW-1:0] res_u1, res_v1;
-    assign {res_x, res_count, res_u1, res_v1} = through_q[(Latency-1)/Interval*ThroughW+:ThroughW];
-    assign res_o = {
+    assign {res_count, res_x} = through_q[(Latency-1)/Interval*ThroughW+:2*IndexW];
+    assign res_o[PlainW-1:0] = {
       res_x,
       res_count,
       res_recip,
@@ -651,10 +810,10 @@ module span_setup (
       {bitspan_cfg_pkg::PlaneKW{1'b0}},
       res_f_diff[0+:FDiffW],
       res_f_diff[FDiffW+:FDiffW],
-      h_q[(Latency-HTick-ProductTicks)/Interval*StartHW+:StartHW],
-      h_step_q[(Latency-HStepDone)/Interval*HStepW+:HStepW],
-      res_u1,
-      res_v1,
+      res_h,
+      res_h_step,
+      res_uv1[0+:UvW],
+      res_uv1[UvW+:UvW],
       res_f[0+:AccW],
       res_f[AccW+:AccW],
       {2{res_f_step[0+:StepW]}},
@@ -662,8 +821,9 @@ module span_setup (
     };
 
     logic unused;
-    assign unused = ^{phase_i, k_i, h_i, gu_i, gv_i, gu_step0_i, gu_step1_i, gv_step0_i, gv_step1_i, h_sum_q, h_diff_q,
-                      length_q, positive_q, p_q, h_l_q, through_q, h_step_q, h_q, recip_q, divide_start, divisor};
+    assign unused = ^{phase_i, k_i, h_i, gu_i, gv_i, gu_step0_i, gu_step1_i, gv_step0_i, gv_step1_i, shade_i,
+                      shade_step0_i, shade_step1_i, h_sum_q, h_diff_q, length_q, positive_q, p_q, h_l_q, through_q,
+                      recip_q, divide_start, has_length, divisor};
   end else begin : gen_const_depth_rows
     localparam int HW = bitspan_cfg_pkg::SpanHW;
     localparam int FW = bitspan_cfg_pkg::SpanFW;
@@ -679,7 +839,9 @@ module span_setup (
     assign b_ext = $signed({(bitspan_cfg_pkg::SetupBSigned != 0) & b_i[bitspan_cfg_pkg::SetupBW-1], b_i});
     assign h_sum = (SpanSumW'(h) <<< (SumFrac - bitspan_cfg_pkg::SpanHFrac)) +
                    (SpanSumW'(b_ext) <<< (SumFrac - bitspan_cfg_pkg::SetupBFrac));
-    localparam int ThroughW = 2 * IndexW + bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + HW;
+    // What goes through; shades are ready as they come, and stand above the rest.
+    localparam int PlainThroughW = 2 * IndexW + bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + HW;
+    localparam int ThroughW = PlainThroughW + (Shades ? bitspan_cfg_pkg::SpanShadesW : 0);
     logic [((Latency-1)/Interval+1)*ThroughW-1:0] through_q;
     row_hold #(
         .Width(bitspan_cfg_pkg::RowRecipOpW),
@@ -700,7 +862,7 @@ module span_setup (
         .clk_i,
         .en_i(en),
         .phase_i(phase_q),
-        .d_i({x_first_i, count_i, phase_i, k_i, h_i}),
+        .d_i(ThroughW'({shade_step1_i, shade_step0_i, shade_i, x_first_i, count_i, phase_i, k_i, h_i})),
         .q_o(through_q)
     );
     assign has_recip = 1'b1;
@@ -822,8 +984,12 @@ module span_setup (
     logic [bitspan_cfg_pkg::PhaseW-1:0] res_phase;
     logic [bitspan_cfg_pkg::PlaneKW-1:0] res_k;
     logic [HW-1:0] res_h;
-    assign {res_x, res_count, res_phase, res_k, res_h} = through_q[(Latency-1)/Interval*ThroughW+:ThroughW];
-    assign res_o = {
+    assign {res_x, res_count, res_phase, res_k, res_h} = through_q[(Latency-1)/Interval*ThroughW+:PlainThroughW];
+    if (Shades) begin : gen_shades
+      assign res_o[PlainW+:bitspan_cfg_pkg::SpanShadesW] =
+          through_q[(Latency-1)/Interval*ThroughW+PlainThroughW+:bitspan_cfg_pkg::SpanShadesW];
+    end
+    assign res_o[PlainW-1:0] = {
       res_x,
       res_count,
       res_recip,
@@ -842,19 +1008,21 @@ module span_setup (
     };
 
     logic unused;
-    assign unused = ^{x_l_i, x_r_i, h_l_i, h_r_i, u_l_i, u_r_i, v_l_i, v_r_i, through_q, recip_q};
+    assign unused = ^{x_l_i, x_r_i, h_l_i, h_r_i, u_l_i, u_r_i, v_l_i, v_r_i, shade_l_i, shade_r_i, through_q, recip_q};
   end
 
 `ifndef SYNTHESIS
   // An offered record has pixels, and does not change or go away before it is taken. B is stable all the while.
   localparam int OfferW = 2 * IndexW + 2 * bitspan_cfg_pkg::EdgeXW + 2 * bitspan_cfg_pkg::EdgeHW +
       4 * bitspan_cfg_pkg::EdgeUvW + bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + bitspan_cfg_pkg::SpanHW +
-      2 * bitspan_cfg_pkg::SpanFW + 4 * bitspan_cfg_pkg::SpanFStepW;
+      2 * bitspan_cfg_pkg::SpanFW + 4 * bitspan_cfg_pkg::SpanFStepW +
+      (Shades ? 8 * bitspan_cfg_pkg::EdgeShadeW + bitspan_cfg_pkg::SpanShadesW : 0);
   logic offered_q;
   logic [OfferW-1:0] offer, offer_q;
   logic [bitspan_cfg_pkg::SetupBW-1:0] b_q;
-  assign offer = {x_first_i, count_i, x_l_i, x_r_i, h_l_i, h_r_i, u_l_i, u_r_i, v_l_i, v_r_i, phase_i, k_i, h_i, gu_i,
-                  gv_i, gu_step0_i, gu_step1_i, gv_step0_i, gv_step1_i};
+  assign offer = OfferW'({shade_l_i, shade_r_i, shade_i, shade_step0_i, shade_step1_i, x_first_i, count_i, x_l_i, x_r_i,
+                          h_l_i, h_r_i, u_l_i, u_r_i, v_l_i, v_r_i, phase_i, k_i, h_i, gu_i, gv_i, gu_step0_i,
+                          gu_step1_i, gv_step0_i, gv_step1_i});
   always @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) begin
       offered_q <= 1'b0;

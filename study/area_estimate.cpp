@@ -60,7 +60,8 @@ class Counter {
     }
     record();
     walk();
-    if (!planes_) pixels();
+    if (has_pixel_reciprocal(c_.perspective)) pixels();
+    if (has_pixel_quotients(c_.perspective)) quotients();
     return shape_;
   }
 
@@ -167,8 +168,11 @@ class Counter {
     const RowMultipliers m = row_multipliers(c_, timing_.row);
     const int shift = bits_of(m.shift_max);
     for (int i = 0; i < m.count; ++i) {
-      // Only h adds what is no constant.
-      const bool adds = !planes_ && timing_.row.slot(P::h).multiplier == i;
+      // Starts add what is no constant, but those of fu and fv in delta_f.
+      const bool adds = std::ranges::any_of(starts(), [&](P p) {
+        const bool constant = (p == P::fu || p == P::fv) && has_pixel_reciprocal(c_.perspective);
+        return !planes_ && !constant && timing_.row.slot(p).multiplier == i;
+      });
       const auto products = std::ranges::count_if(timing_.row.slots, [&](const RowSchedule::Slot& slot) {
         return slot.tick >= 0 && slot.multiplier == i;
       });
@@ -184,52 +188,106 @@ class Counter {
     quantize(to);
   }
 
-  // delta_f: the row's ends.
+  // What is linear along a row: its products, the numerator of its slope, and its registers.
+  struct Line {
+    P slope, start;
+    int numerator;  // bits
+    const Format& step;
+    const Format& acc;
+  };
+  std::vector<Line> lines() const {
+    const Format& h_step = format(F::span_h_step);
+    const Format& f_step = format(texture_step(c_));
+    const Format& f = format(texture_acc(c_));
+    const int h = difference_of(format(F::edge_h)).bits();
+    const int uv = as_signed(slope_numerator(c_)).bits();
+    std::vector<Line> all = {{P::h_step, P::h, h, h_step, format(F::span_h)},
+                             {P::fu_step, P::fu, uv, f_step, f},
+                             {P::fv_step, P::fv, uv, f_step, f}};
+    if (!c_.rtl.shades) return all;
+    const int shade = difference_of(format(F::edge_shade)).bits();
+    for (const auto& [slope, start] :
+         {std::pair{P::r_step, P::r}, {P::g_step, P::g}, {P::b_step, P::b}, {P::a_step, P::a}}) {
+      all.push_back({slope, start, shade, format(F::span_shade_step), format(F::span_shade_acc)});
+    }
+    return all;
+  }
+  std::vector<P> starts() const {
+    std::vector<P> products;
+    for (const Line& line : lines()) products.push_back(line.start);
+    return products;
+  }
+
+  // The row's ends.
   void row_ends() {
     const RowSchedule& row = timing_.row;
-    const Format& h_step = format(F::span_h_step);
-    const Format& f_step = format(F::span_f_step);
     const Format& f_diff = format(F::span_f_diff);
     const int uv_difference = difference_of(format(F::edge_uv)).bits();
-    const int h_difference = difference_of(format(F::edge_h)).bits();
     const int sum = as_signed(depth_sum(c_, F::edge_h)).bits();
     const int p = pre_step(c_).bits();
     const int length = row_operand(c_).bits();
     const bool divides = !shares_reciprocal(c_.row_slope);
-    shape_.sums += length + h_difference + 2 * uv_difference + sum + p;
-    hold(sum + 2 * uv_difference, 1, std::max(tick(P::fu_diff), tick(P::fv_diff)));
-    hold(h_difference, 1, divides ? row.divide : tick(P::h_step));
+    const bool hyperbolic = has_pixel_quotients(c_.perspective);
+    const bool affine = has_linear_texture(c_.perspective);
+    const std::vector<Line> all = lines();
+    const auto slope_tick = [&](const Line& line) { return divides ? row.divide : tick(line.slope); };
+    shape_.sums += length + p;
     hold(length, 1, divides ? row.divide : 1);
-    hold(p, 1, std::max({tick(P::h), tick(P::fu), tick(P::fv)}));
-    hold(word(F::edge_h), 1, tick(P::h));
-    hold(2 * pixel_index_bits(c_) + 2 * word(F::edge_uv), 1, row.latency);
-    for (const auto& [diff, step] : {std::pair{P::fu_diff, P::fu_step}, std::pair{P::fv_diff, P::fv_step}})
-      result(diff, f_diff, divides ? row.divide : tick(step));
+    int last_start = 1;
+    int last_slope = 1;
+    for (const Line& line : all) {
+      last_start = std::max(last_start, tick(line.start));
+      last_slope = std::max(last_slope, slope_tick(line));
+      const bool texture = line.start == P::fu || line.start == P::fv;
+      if (texture && !affine) continue;
+      // Differences, and the left end for the start.
+      shape_.sums += line.numerator;
+      hold(line.numerator, 1, slope_tick(line));
+      const F left = line.start == P::h ? F::edge_h : texture ? F::edge_uv : F::edge_shade;
+      hold(word(left), 1, tick(line.start));
+    }
+    hold(p, 1, last_start);
+    hold(2 * pixel_index_bits(c_), 1, row.latency);
+    if (hyperbolic) {
+      shape_.sums += 2 * sum;
+      for (const P end : {P::fu_left, P::fv_left}) hold(sum + word(F::edge_uv), 1, tick(end));
+      hold(sum + 2 * word(F::edge_uv), 1, std::max(tick(P::fu_diff), tick(P::fv_diff)));
+      for (std::size_t i = 1; i <= 2; ++i) {
+        const P left = i == 1 ? P::fu_left : P::fv_left;
+        const P right = i == 1 ? P::fu_diff : P::fv_diff;
+        const int both = std::max(done(left), done(right));
+        result(left, f_diff, tick(all[i].start));
+        result(right, f_diff, both);
+        shape_.sums += all[i].numerator;
+        hold(all[i].numerator, both + 1, slope_tick(all[i]));
+      }
+    } else if (!affine) {
+      shape_.sums += 2 * uv_difference + sum;
+      hold(sum + 2 * uv_difference, 1, std::max(tick(P::fu_diff), tick(P::fv_diff)));
+      hold(2 * word(F::edge_uv), 1, row.latency);
+      result(P::fu_diff, f_diff, slope_tick(all[1]));
+      result(P::fv_diff, f_diff, slope_tick(all[2]));
+    }
     if (divides) {
       const RowDivideShape divide = row_divide_shape(c_);
       const int made = row.divide + timing_.row.unit + 1;
       bool first = true;  // the others have the same divisor and the same control
-      for (const auto& [numerator, to] : {std::pair{h_difference, &h_step},
-                                          {signed_grid(f_diff).bits(), &f_step},
-                                          {signed_grid(f_diff).bits(), &f_step}}) {
+      for (const Line& line : all) {
         const int bits = divide.iterations * std::max(1, c_.row_reciprocal.bits_per_cycle);
-        add_registers(numerator + (first ? length : 0));
-        shape_.sums += numerator + bits;  // magnitude, sign of the quotient
+        add_registers(line.numerator + (first ? length : 0));
+        shape_.sums += line.numerator + bits;  // magnitude, sign of the quotient
         restoring(c_.row_reciprocal, length, divide.iterations, false, first);
         first = false;
-        if (to->rounding != Rounding::trn) shape_.sums += to->word;
-        quantize(*to);
-        hold(to->word, made, row.latency);
+        if (line.step.rounding != Rounding::trn) shape_.sums += line.step.word;
+        quantize(line.step);
+        hold(line.step.word, made, row.latency);
       }
     } else {
       reciprocal(c_.row_reciprocal, row_operand(c_), &row);
-      hold(c_.row_reciprocal.output.word + bits_of(row_operand(c_).bits()), row.reciprocal,
-           std::max({tick(P::h_step), tick(P::fu_step), tick(P::fv_step)}));
-      result(P::h_step, h_step, row.latency);
-      for (const P step : {P::fu_step, P::fv_step}) result(step, f_step, row.latency);
+      hold(c_.row_reciprocal.output.word + bits_of(row_operand(c_).bits()), row.reciprocal, last_slope);
+      for (const Line& line : all) result(line.slope, line.step, row.latency);
     }
-    result(P::h, format(F::span_h), row.latency);
-    for (const P f : {P::fu, P::fv}) result(f, format(F::span_f), row.latency);
+    for (const Line& line : all) result(line.start, line.acc, row.latency);
   }
 
   // const_depth_rows.
@@ -238,7 +296,7 @@ class Counter {
     const Grid sum = row_operand(c_);
     shape_.sums += sum.bits();
     add_registers(sum.bits());
-    hold(2 * pixel_index_bits(c_) + line() + word(F::span_h), 1, row.latency);
+    hold(2 * pixel_index_bits(c_) + line() + word(F::span_h) + shades(2), 1, row.latency);
     reciprocal(c_.row_reciprocal, sum, &row);
     int last = row.reciprocal;
     for (const P p : {P::fu, P::fv, P::fu_step, P::fv_step, P::fu_step1, P::fv_step1}) {
@@ -252,10 +310,21 @@ class Counter {
   // The digital line: its phase and k.
   int line() const { return std::max(1, format(F::plane_k).fraction()) + word(F::plane_k); }
 
+  // The shades' registers in a record that has so many steps of each.
+  int shades(int steps) const {
+    return c_.rtl.shades ? 4 * (word(F::span_shade_acc) + steps * word(F::span_shade_step)) : 0;
+  }
+  // A pixel as it leaves: x, step, last, h, u, v and the shades.
+  int pixel_bits() const {
+    return pixel_index_bits(c_) + 2 + word(F::span_h) + 2 * word(F::span_uv) +
+           (c_.rtl.shades ? 4 * word(F::span_shade) : 0);
+  }
+
   // rtl/fifo.sv between span_setup and span: what span reads of a record.
   void record() {
-    const int common = 2 * pixel_index_bits(c_) + word(F::span_h);
-    const int ends = word(F::span_h_step) + 2 * (word(F::edge_uv) + word(F::span_f) + word(F::span_f_step));
+    const int common = 2 * pixel_index_bits(c_) + word(F::span_h) + shades(planes_ ? 2 : 1);
+    const int base = has_pixel_reciprocal(c_.perspective) ? word(F::edge_uv) : 0;  // u1, v1
+    const int ends = word(F::span_h_step) + 2 * (base + word(texture_acc(c_)) + word(texture_step(c_)));
     const int plane = line() + 2 * word(F::span_uv_acc) + 4 * word(F::span_uv_step);
     const int bits = common + (planes_ ? plane : ends);
     if (c_.rtl.fifo == 1) {
@@ -280,21 +349,52 @@ class Counter {
     const int index = pixel_index_bits(c_);
     shape_.sums += 2 * index;
     shape_.selects += 2 * index;
-    const Format& f = format(planes_ ? F::span_uv_acc : F::span_f);
-    for (int i = 0; i < 2; ++i) accumulate(format(planes_ ? F::span_uv_step : F::span_f_step), f);
-    const int pixel = index + 2 + word(F::span_h) + 2 * word(F::span_uv);
-    add_registers(pixel, 2);
-    shape_.selects += pixel;
-    if (!planes_) {
-      accumulate(format(F::span_h_step), format(F::span_h));
-      return;
+    for (int i = 0; i < 2; ++i) accumulate(format(texture_step(c_)), format(texture_acc(c_)));
+    add_registers(pixel_bits(), 2);
+    shape_.selects += pixel_bits();
+    if (c_.rtl.shades) {
+      for (int i = 0; i < 4; ++i) {
+        accumulate(format(F::span_shade_step), format(F::span_shade_acc));
+        if (format(F::span_shade).rounding != Rounding::trn) shape_.sums += word(F::span_shade);
+        quantize(format(F::span_shade));
+      }
+      add_registers(4 * word(F::span_shade), timing_.span);
+      if (planes_) shape_.selects += 4 * word(F::span_shade_step);
     }
-    shape_.sums += line();
-    shape_.selects += 2 * word(F::span_uv_step) + line();
-    add_registers(pixel);
+    if (planes_) {
+      shape_.sums += line();
+      shape_.selects += 2 * word(F::span_uv_step) + line();
+    } else {
+      accumulate(format(F::span_h_step), format(F::span_h));
+    }
+    if (!has_linear_texture(c_.perspective)) return;
+    add_registers(index + 2 + word(F::span_h) + 2 * word(F::span_uv));
     for (int i = 0; i < 2; ++i) {
       if (format(F::span_uv).rounding != Rounding::trn) shape_.sums += word(F::span_uv);
       quantize(format(F::span_uv));
+    }
+  }
+
+  // rtl/span.sv behind the issue, in hyperbolic.
+  void quotients() {
+    const int f = signed_grid(format(F::span_f)).bits();
+    const Grid operand = pixel_operand(c_);
+    const RestoringShape divide = pixel_divide_shape(c_);
+    Reciprocal unit = c_.pixel_reciprocal;
+    unit.pipelined = true;
+    const int bits = divide.iterations * std::max(1, unit.bits_per_cycle);
+    shape_.sums += operand.bits();
+    add_registers(2 * operand.bits());
+    add_registers(2 * (word(F::span_f) + f));
+    add_registers(pixel_index_bits(c_) + 1 + word(F::span_h), timing_.span);
+    for (int i = 0; i < 2; ++i) {
+      const Format& to = format(F::span_uv);
+      shape_.sums += f + bits;  // magnitude, sign of the quotient
+      restoring(unit, operand.bits(), divide.iterations, false, i == 0);
+      add_registers(1, divide.iterations);
+      if (to.rounding != Rounding::trn) shape_.sums += to.word;
+      quantize(to);
+      add_registers(to.word);
     }
   }
 
@@ -602,7 +702,7 @@ const AreaFit& area_fit(Family family) {
   // Least squares over config/studies/area_fit.csv; tests/study/area_estimate_test.cpp fits again and
   // compares.
   static const AreaFit ice40 = {{2.7328, 2.9356, 0.3462, 3.5100}, 0.9969};
-  static const AreaFit ecp5 = {{1.1217, 1.7762, 0.7908, 5.5495, 1.7790}, 0.9939};
+  static const AreaFit ecp5 = {{1.12496, 1.77969, 0.78923, 5.55062, 1.77875}, 0.9939};
   return family == Family::ice40 ? ice40 : ecp5;
 }
 

@@ -175,6 +175,7 @@ class RtlEngine final : public Engine {
       r.y = r.x;
       r.x = modelled.x;
     }
+    if (config_.rtl.shades) return r;
     r.r = modelled.r;
     r.g = modelled.g;
     r.b = modelled.b;
@@ -200,10 +201,12 @@ class RtlEngine final : public Engine {
       FragmentRecord r = fragment_record(config_, pixels[i]);
       r.triangle = f.triangle;
       r.covered = f.covered;
-      r.r = f.r;
-      r.g = f.g;
-      r.b = f.b;
-      r.a = f.a;
+      if (!config_.rtl.shades) {
+        r.r = f.r;
+        r.g = f.g;
+        r.b = f.b;
+        r.a = f.a;
+      }
       r.y = minor;
       if (along_y) std::swap(r.x, r.y);
       if (pixels[i].step != 0) minor += side;
@@ -245,8 +248,12 @@ RtlOwn rtl_own(const Config& config, const Scene& scene) {
 #define BITSPAN_COUNT_PORT(name) +1
   fields_of_type(RecordType::span) = 0 BITSPAN_RTL_SPAN(BITSPAN_COUNT_PORT);
   fields_of_type(RecordType::fragment) = 0 BITSPAN_RTL_PIXEL(BITSPAN_COUNT_PORT);
+  // Each of these ports has four fields.
+  const auto shades = [&](std::uint64_t ports) { return config.rtl.shades ? 4 * ports : 0; };
+  fields_of_type(RecordType::span) += shades(0 BITSPAN_RTL_SPAN_SHADES(BITSPAN_COUNT_PORT));
+  fields_of_type(RecordType::fragment) += shades(0 BITSPAN_RTL_PIXEL_SHADES(BITSPAN_COUNT_PORT));
 #undef BITSPAN_COUNT_PORT
-  // In delta_f step_o is always 0, and a fragment's y is its row's.
+  // Elsewhere step_o is always 0, and a fragment's y is its row's.
   if (!has_plane_rows(config.perspective)) --fields_of_type(RecordType::fragment);
   if (!rtl_draws_pixels(config, scene)) return own;
   for (const RecordType type : {RecordType::depth, RecordType::texture, RecordType::fog, RecordType::merge}) {

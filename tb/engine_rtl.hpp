@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The engine `rtl`: the Verilated span interpolator and pixel stages behind the model's setup and walk.
 //
-// The RTL gives 17 fields of the span record: all but triangle, the shades and the coordinate of the row. It
-// gives x, last, h, fu, fv, the reciprocal, u and v of the fragment record, and its y in const_depth_rows, by
-// step_o. The fragments that cover their pixel go on through the pixel stages, with the model's shades, and
-// these give every field of the later records but triangle. The picture is their memory.
+// The RTL gives the fields of the span record: all but triangle and the coordinate of the row. It gives x,
+// last, h, fu, fv, the reciprocal, u, v and the shades of the fragment record, and its y in const_depth_rows,
+// by step_o. The fragments that cover their pixel go on through the pixel stages, and these give every field
+// of the later records but triangle. The picture is their memory.
 //
-// The model takes over where the RTL cannot: the pixel stages of a configuration or of a scene that they do
-// not take (rtl_draws_pixels), and the indices of the texels of a texture that repeats and has a size that
-// is no power of two (addresses_texels).
+// The model takes over where the RTL cannot: shades where rtl.shades is false, the pixel stages of a
+// configuration or of a scene that they do not take (rtl_draws_pixels), and the indices of the texels of a
+// texture that repeats and has a size that is no power of two (addresses_texels).
 #pragma once
 
 #include <array>

@@ -36,6 +36,11 @@ module icarus_tb;
   logic [bitspan_cfg_pkg::SpanFStepW-1:0] gu_step1;
   logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step0;
   logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step1;
+  logic [4*bitspan_cfg_pkg::EdgeShadeW-1:0] shade_l;
+  logic [4*bitspan_cfg_pkg::EdgeShadeW-1:0] shade_r;
+  logic [4*bitspan_cfg_pkg::SpanShadeAccW-1:0] shade;
+  logic [4*bitspan_cfg_pkg::SpanShadeStepW-1:0] shade_step0;
+  logic [4*bitspan_cfg_pkg::SpanShadeStepW-1:0] shade_step1;
   // Outputs, and what the files expect.
   logic [bitspan_cfg_pkg::PixelIndexW-1:0] pixel_x;
   logic [bitspan_cfg_pkg::PixelIndexW-1:0] want_pixel_x;
@@ -57,6 +62,8 @@ module icarus_tb;
   logic [bitspan_cfg_pkg::SpanUvW-1:0] want_pixel_u;
   logic [bitspan_cfg_pkg::SpanUvW-1:0] pixel_v;
   logic [bitspan_cfg_pkg::SpanUvW-1:0] want_pixel_v;
+  logic [4*bitspan_cfg_pkg::SpanShadeW-1:0] pixel_shade;
+  logic [4*bitspan_cfg_pkg::SpanShadeW-1:0] want_pixel_shade;
   logic [bitspan_cfg_pkg::PixelIndexW-1:0] span_x;
   logic [bitspan_cfg_pkg::PixelIndexW-1:0] want_span_x;
   logic [bitspan_cfg_pkg::PixelIndexW-1:0] span_count;
@@ -91,6 +98,12 @@ module icarus_tb;
   logic [bitspan_cfg_pkg::TexStepW-1:0] want_span_fv_step0;
   logic [bitspan_cfg_pkg::TexStepW-1:0] span_fv_step1;
   logic [bitspan_cfg_pkg::TexStepW-1:0] want_span_fv_step1;
+  logic [4*bitspan_cfg_pkg::SpanShadeAccW-1:0] span_shade;
+  logic [4*bitspan_cfg_pkg::SpanShadeAccW-1:0] want_span_shade;
+  logic [4*bitspan_cfg_pkg::SpanShadeStepW-1:0] span_shade_step0;
+  logic [4*bitspan_cfg_pkg::SpanShadeStepW-1:0] want_span_shade_step0;
+  logic [4*bitspan_cfg_pkg::SpanShadeStepW-1:0] span_shade_step1;
+  logic [4*bitspan_cfg_pkg::SpanShadeStepW-1:0] want_span_shade_step1;
 
   span_interpolator u_dut (
       .clk_i(clk),
@@ -120,6 +133,11 @@ module icarus_tb;
       .gu_step1_i(gu_step1),
       .gv_step0_i(gv_step0),
       .gv_step1_i(gv_step1),
+      .shade_l_i(shade_l),
+      .shade_r_i(shade_r),
+      .shade_i(shade),
+      .shade_step0_i(shade_step0),
+      .shade_step1_i(shade_step1),
       .x_o(pixel_x),
       .step_o(pixel_step),
       .last_o(pixel_last),
@@ -130,6 +148,7 @@ module icarus_tb;
       .recip_e_o(pixel_recip_e),
       .u_o(pixel_u),
       .v_o(pixel_v),
+      .shade_o(pixel_shade),
       .span_x_o(span_x),
       .span_count_o(span_count),
       .span_recip_m_o(span_recip_m),
@@ -146,7 +165,10 @@ module icarus_tb;
       .span_fu_step0_o(span_fu_step0),
       .span_fu_step1_o(span_fu_step1),
       .span_fv_step0_o(span_fv_step0),
-      .span_fv_step1_o(span_fv_step1)
+      .span_fv_step1_o(span_fv_step1),
+      .span_shade_o(span_shade),
+      .span_shade_step0_o(span_shade_step0),
+      .span_shade_step1_o(span_shade_step1)
   );
 
   integer inputs_file, spans_file, pixels_file;
@@ -190,8 +212,8 @@ module icarus_tb;
     while (more) begin
       // Drive. A record once offered stays.
       if (!in_valid && $unsigned($random(seed)) % 4 != 0) begin
-        got = $fscanf(inputs_file, "%h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h", b, x_first, count, x_l, x_r, h_l, h_r, u_l, u_r, v_l, v_r, phase, k, h, gu, gv, gu_step0, gu_step1, gv_step0, gv_step1);
-        if (got == 20) begin
+        got = $fscanf(inputs_file, "%h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h", b, x_first, count, x_l, x_r, h_l, h_r, u_l, u_r, v_l, v_r, phase, k, h, gu, gv, gu_step0, gu_step1, gv_step0, gv_step1, shade_l, shade_r, shade, shade_step0, shade_step1);
+        if (got == 25) begin
           in_valid = 1'b1;
           records = records + 1;
         end else if (!$feof(inputs_file)) begin
@@ -204,8 +226,8 @@ module icarus_tb;
       idle = idle + 1;
       if (span_take) begin
         idle = 0;
-        got = $fscanf(spans_file, "%h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h", want_span_x, want_span_count, want_span_recip_m, want_span_recip_e, want_span_phase, want_span_fu_diff, want_span_fv_diff, want_span_h, want_span_h_step, want_span_u1, want_span_v1, want_span_fu, want_span_fv, want_span_fu_step0, want_span_fu_step1, want_span_fv_step0, want_span_fv_step1);
-        if (got != 17) $fatal(1, "icarus_tb: spans: no record %0d", spans);
+        got = $fscanf(spans_file, "%h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h %h", want_span_x, want_span_count, want_span_recip_m, want_span_recip_e, want_span_phase, want_span_fu_diff, want_span_fv_diff, want_span_h, want_span_h_step, want_span_u1, want_span_v1, want_span_fu, want_span_fv, want_span_fu_step0, want_span_fu_step1, want_span_fv_step0, want_span_fv_step1, want_span_shade, want_span_shade_step0, want_span_shade_step1);
+        if (got != 20) $fatal(1, "icarus_tb: spans: no record %0d", spans);
 
         if (span_x !== want_span_x) $fatal(1, "span %0d: x is %h, expected %h", spans, span_x, want_span_x);
         if (span_count !== want_span_count) $fatal(1, "span %0d: count is %h, expected %h", spans, span_count, want_span_count);
@@ -224,12 +246,15 @@ module icarus_tb;
         if (span_fu_step1 !== want_span_fu_step1) $fatal(1, "span %0d: fu_step1 is %h, expected %h", spans, span_fu_step1, want_span_fu_step1);
         if (span_fv_step0 !== want_span_fv_step0) $fatal(1, "span %0d: fv_step0 is %h, expected %h", spans, span_fv_step0, want_span_fv_step0);
         if (span_fv_step1 !== want_span_fv_step1) $fatal(1, "span %0d: fv_step1 is %h, expected %h", spans, span_fv_step1, want_span_fv_step1);
+        if (span_shade !== want_span_shade) $fatal(1, "span %0d: shade is %h, expected %h", spans, span_shade, want_span_shade);
+        if (span_shade_step0 !== want_span_shade_step0) $fatal(1, "span %0d: shade_step0 is %h, expected %h", spans, span_shade_step0, want_span_shade_step0);
+        if (span_shade_step1 !== want_span_shade_step1) $fatal(1, "span %0d: shade_step1 is %h, expected %h", spans, span_shade_step1, want_span_shade_step1);
         spans = spans + 1;
       end
       if (out_valid && out_ready) begin
         idle = 0;
-        got = $fscanf(pixels_file, "%h %h %h %h %h %h %h %h %h %h", want_pixel_x, want_pixel_step, want_pixel_last, want_pixel_h, want_pixel_fu, want_pixel_fv, want_pixel_recip_m, want_pixel_recip_e, want_pixel_u, want_pixel_v);
-        if (got != 10) $fatal(1, "icarus_tb: pixels: no record %0d", pixels);
+        got = $fscanf(pixels_file, "%h %h %h %h %h %h %h %h %h %h %h", want_pixel_x, want_pixel_step, want_pixel_last, want_pixel_h, want_pixel_fu, want_pixel_fv, want_pixel_recip_m, want_pixel_recip_e, want_pixel_u, want_pixel_v, want_pixel_shade);
+        if (got != 11) $fatal(1, "icarus_tb: pixels: no record %0d", pixels);
 
         if (pixel_x !== want_pixel_x) $fatal(1, "pixel %0d: x is %h, expected %h", pixels, pixel_x, want_pixel_x);
         if (pixel_step !== want_pixel_step) $fatal(1, "pixel %0d: step is %h, expected %h", pixels, pixel_step, want_pixel_step);
@@ -241,6 +266,7 @@ module icarus_tb;
         if (pixel_recip_e !== want_pixel_recip_e) $fatal(1, "pixel %0d: recip_e is %h, expected %h", pixels, pixel_recip_e, want_pixel_recip_e);
         if (pixel_u !== want_pixel_u) $fatal(1, "pixel %0d: u is %h, expected %h", pixels, pixel_u, want_pixel_u);
         if (pixel_v !== want_pixel_v) $fatal(1, "pixel %0d: v is %h, expected %h", pixels, pixel_v, want_pixel_v);
+        if (pixel_shade !== want_pixel_shade) $fatal(1, "pixel %0d: shade is %h, expected %h", pixels, pixel_shade, want_pixel_shade);
         pixels = pixels + 1;
         more = !at_end(pixels_file);
       end
@@ -262,7 +288,7 @@ module icarus_tb;
       #1 clk = 1'b1;
       #1 clk = 1'b0;
     end
-    $display("icarus_tb: %0d spans, %0d pixels, %0d values equal", spans, pixels, 17 * spans + 10 * pixels);
+    $display("icarus_tb: %0d spans, %0d pixels, %0d values equal", spans, pixels, 29 * spans + 14 * pixels);
     $finish;
   end
 endmodule

@@ -12,6 +12,7 @@ const RegisterEngine rtl_engine{
      .order = 4,
      .compared = true,
      .runs = [](const Config& c) { return has_rtl(c); },
+     .needs = "reciprocal.pixel.pipelined = true in delta_f",
      .make = [](const Config& c, const EngineOptions& o) -> std::unique_ptr<Engine> {
        RtlOptions options;
        options.stall_seed = o.stall_seed;

@@ -396,4 +396,29 @@ std::int64_t Rtl::from_port(std::uint64_t bits, const Format& format) {
   return static_cast<std::int64_t>((bits ^ sign) - sign);
 }
 
+RtlShades Rtl::to_port(const Shades& raw, int width) {
+  RtlShades port{};
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    const std::uint64_t bits = to_port(raw[i], width);
+    const std::size_t at = i * static_cast<std::size_t>(width);
+    const std::size_t shift = at % 64;
+    port.words[at / 64] |= bits << shift;
+    if (shift + static_cast<std::size_t>(width) > 64) port.words[at / 64 + 1] |= bits >> (64 - shift);
+  }
+  return port;
+}
+
+Rtl::Shades Rtl::from_port(const RtlShades& port, const Format& format) {
+  Shades raw{};
+  const auto width = static_cast<std::size_t>(format.word);
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    const std::size_t at = i * width;
+    const std::size_t shift = at % 64;
+    std::uint64_t bits = port.words[at / 64] >> shift;
+    if (shift + width > 64) bits |= port.words[at / 64 + 1] << (64 - shift);
+    raw[i] = from_port(to_port(static_cast<std::int64_t>(bits), format.word), format);
+  }
+  return raw;
+}
+
 }  // namespace bitspan

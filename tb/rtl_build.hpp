@@ -8,6 +8,7 @@
 // program was built from, or those under $BITSPAN_ROOT.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -97,6 +98,10 @@ class Rtl {
   // Turn a raw value into the bits of a port, and back.
   static std::uint64_t to_port(std::int64_t raw, int width);
   static std::int64_t from_port(std::uint64_t bits, const Format& format);
+  // The same for four shades.
+  using Shades = std::array<std::int64_t, 4>;
+  static RtlShades to_port(const Shades& raw, int width);
+  static Shades from_port(const RtlShades& bits, const Format& format);
 
  private:
   struct Library;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <random>
 #include <stdexcept>
+#include <tuple>
 
 #include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
@@ -31,11 +32,9 @@ std::int64_t value(const Config& config, FormatId id, std::uint64_t bits) {
 
 std::int64_t exponent(std::uint64_t bits) { return static_cast<std::int8_t>(bits); }
 
-FormatId texture_acc(const Config& config) {
-  return has_linear_texture(config.perspective) ? FormatId::span_uv_acc : FormatId::span_f;
-}
-FormatId texture_step(const Config& config) {
-  return has_linear_texture(config.perspective) ? FormatId::span_uv_step : FormatId::span_f_step;
+// Four shades on a port; none without shades in the RTL.
+RtlShades shades_port(const Config& config, FormatId id, const Rtl::Shades& raw) {
+  return config.rtl.shades ? Rtl::to_port(raw, config.format(id).word) : RtlShades{};
 }
 
 // What happens on one clock, seen from outside.
@@ -102,6 +101,8 @@ RtlInputs rtl_inputs(const Config& config, const RowRecord& row, std::int64_t b)
   in.u_r = port(config, FormatId::edge_uv, row.r_u);
   in.v_l = port(config, FormatId::edge_uv, row.l_v);
   in.v_r = port(config, FormatId::edge_uv, row.r_v);
+  in.shade_l = shades_port(config, FormatId::edge_shade, {row.l_r, row.l_g, row.l_b, row.l_a});
+  in.shade_r = shades_port(config, FormatId::edge_shade, {row.r_r, row.r_g, row.r_b, row.r_a});
   return in;
 }
 
@@ -119,6 +120,11 @@ RtlInputs rtl_inputs(const Config& config, const PlaneRowRecord& row, std::int64
   in.gu_step1 = port(config, FormatId::span_f_step, row.gu_step1);
   in.gv_step0 = port(config, FormatId::span_f_step, row.gv_step0);
   in.gv_step1 = port(config, FormatId::span_f_step, row.gv_step1);
+  in.shade = shades_port(config, FormatId::span_shade_acc, {row.r, row.g, row.b, row.a});
+  in.shade_step0 =
+      shades_port(config, FormatId::span_shade_step, {row.r_step0, row.g_step0, row.b_step0, row.a_step0});
+  in.shade_step1 =
+      shades_port(config, FormatId::span_shade_step, {row.r_step1, row.g_step1, row.b_step1, row.a_step1});
   return in;
 }
 
@@ -143,6 +149,13 @@ SpanRecord span_record(const Config& config, const RtlSpan& s) {
   r.fu_step1 = value(config, step, s.fu_step1);
   r.fv_step0 = value(config, step, s.fv_step0);
   r.fv_step1 = value(config, step, s.fv_step1);
+  const Format& shade_step = config.format(FormatId::span_shade_step);
+  const Rtl::Shades start = Rtl::from_port(s.shade, config.format(FormatId::span_shade_acc));
+  const Rtl::Shades step0 = Rtl::from_port(s.shade_step0, shade_step);
+  const Rtl::Shades step1 = Rtl::from_port(s.shade_step1, shade_step);
+  std::tie(r.r, r.g, r.b, r.a) = std::tuple_cat(start);
+  std::tie(r.r_step0, r.g_step0, r.b_step0, r.a_step0) = std::tuple_cat(step0);
+  std::tie(r.r_step1, r.g_step1, r.b_step1, r.a_step1) = std::tuple_cat(step1);
   return r;
 }
 
@@ -158,6 +171,7 @@ FragmentRecord fragment_record(const Config& config, const RtlPixel& p) {
   r.recip_e = exponent(p.recip_e);
   r.u = value(config, FormatId::span_uv, p.u);
   r.v = value(config, FormatId::span_uv, p.v);
+  std::tie(r.r, r.g, r.b, r.a) = std::tuple_cat(Rtl::from_port(p.shade, config.format(FormatId::span_shade)));
   return r;
 }
 

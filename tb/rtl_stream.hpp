@@ -17,7 +17,7 @@ RtlInputs rtl_inputs(const Config& config, const RowRecord& row, std::int64_t b)
 RtlInputs rtl_inputs(const Config& config, const PlaneRowRecord& row, std::int64_t k, std::int64_t b);
 
 // Return what the RTL knows of a record, with signs. Every other field is 0 and is filled by its owner:
-// triangle, y, shades, covered, and x, y where the major axis is y.
+// triangle, y, covered, x and y where the major axis is y, and the shades where the RTL has none.
 SpanRecord span_record(const Config& config, const RtlSpan& span);
 FragmentRecord fragment_record(const Config& config, const RtlPixel& pixel);
 

@@ -23,9 +23,8 @@ struct InterpolatorLatency {
   bool exact = true;       // the RTL has these numbers; else an estimate (docs/timing.md)
 };
 
-// rtl_timing's numbers where the configuration has RTL. hyperbolic counts as delta_f does (its two divides
-// run side by side); affine has delta_f's span_setup and a span of one clock; a pixel unit that is not
-// pipelined issues a pixel each latency of that unit.
+// rtl_timing's numbers where the configuration has RTL. Where its pixel unit is not pipelined, a pixel is
+// issued each latency of that unit.
 InterpolatorLatency interpolator_latency(const Config& config);
 
 // What happened on one clock; a transfer is valid and ready both 1.

@@ -28,15 +28,6 @@ class Cli : public Program {
     EXPECT_EQ(files(), before) << arguments;
   }
 
-  // depth16 in a mode without RTL.
-  void affine(const std::string& name) const {
-    std::string toml = run("config show --toml depth16").out;
-    const auto at = toml.find("\"delta_f\"");
-    ASSERT_NE(at, std::string::npos);
-    toml.replace(at, 9, "\"affine\"");
-    folder.write(name, toml);
-  }
-
   std::vector<std::string> files() const {
     std::vector<std::string> out;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path())) {
@@ -206,11 +197,6 @@ TEST_F(Cli, EmitSvPrefixesAndWritesTheRtl) {
   refused("config emit-sv --rtl c --prefix row_", "row_divide");
   refused("config emit-sv --rtl b", "expected a new or an empty folder");
   refused("config emit-sv --prefix a_ -o no/p.sv", "no/p.sv");
-  affine("affine.toml");
-  EXPECT_EQ(run("config emit-sv affine.toml --part pixels --rtl c").code, 0);
-  std::filesystem::remove_all(folder.path("c"));
-  refused("config emit-sv affine.toml --rtl c", "affine");
-  std::filesystem::remove(folder.path("affine.toml"));
   EXPECT_EQ(files(), before);
 }
 
@@ -445,23 +431,6 @@ TEST_F(Cli, NothingComparedIsNoSuccess) {
   EXPECT_NE(explained.out.find("one engine: nothing was compared"), std::string::npos) << explained.out;
 }
 
-TEST_F(Cli, AnEngineNamedAndLeftOutIsNoSuccess) {
-  stream("a.tri");
-  affine("affine.toml");
-  const std::string named = "verify a.tri --config affine.toml --engines golden,model,rtl --junit j.xml";
-  const Result r = run(named);
-  EXPECT_EQ(r.code, 1) << r.out << r.err;
-  EXPECT_NE(r.out.find("FAILED: rtl left out: it has no affine mode"), std::string::npos) << r.out;
-  EXPECT_NE(folder.read("j.xml").find("skipped=\"1\""), std::string::npos) << folder.read("j.xml");
-  const Result allowed = run(named + " --allow-missing");
-  EXPECT_EQ(allowed.code, 0) << allowed.out << allowed.err;
-  EXPECT_NE(allowed.out.find("a.tri: all held"), std::string::npos) << allowed.out;
-  EXPECT_EQ(run("explain a.tri 8 8 --config affine.toml --engines golden,rtl").code, 1);
-  EXPECT_EQ(run("explain a.tri 8 8 --config affine.toml --engines golden,rtl --allow-missing").code, 0);
-  EXPECT_EQ(run("explain a.tri 8 8 --config affine.toml").code, 0);
-  refused("fuzz --engines golden,rtl --config affine.toml", "rtl has no affine mode");
-}
-
 TEST_F(Cli, OwnValuesAreThoseOfTheEngineItself) {
   stream("a.tri");
   const Result r = run("verify a.tri --engines golden,model,systemc,rtl --json v.json");
@@ -476,8 +445,8 @@ TEST_F(Cli, OwnValuesAreThoseOfTheEngineItself) {
   const std::uint64_t spans = rtl.at("stages").at("span_setup").at("records");
   const std::uint64_t fragments = rtl.at("stages").at("span").at("records");
   EXPECT_GT(fragments, 100U);
-  EXPECT_EQ(rtl.at("stages").at("span_setup").at("own"), 17 * spans);
-  EXPECT_EQ(rtl.at("stages").at("span").at("own"), 9 * fragments);
+  EXPECT_EQ(rtl.at("stages").at("span_setup").at("own"), 29 * spans);
+  EXPECT_EQ(rtl.at("stages").at("span").at("own"), 13 * fragments);
   EXPECT_EQ(rtl.at("stages").at("edge_walk").at("own"), 0);
   // All but the triangle.
   std::uint64_t pixel_values = 0;
@@ -490,7 +459,7 @@ TEST_F(Cli, OwnValuesAreThoseOfTheEngineItself) {
   }
   EXPECT_EQ(rtl.at("picture").at("own"), 6 * 32 * 24);
   EXPECT_EQ(rtl.at("counters").at("own"), 3);
-  EXPECT_EQ(rtl.at("all").at("own"), 17 * spans + 9 * fragments + pixel_values + 6 * 32 * 24 + 3);
+  EXPECT_EQ(rtl.at("all").at("own"), 29 * spans + 13 * fragments + pixel_values + 6 * 32 * 24 + 3);
 }
 
 // What a tool does wrong is not the user's fault.
@@ -589,13 +558,19 @@ TEST_F(Cli, VerifyHoldsOnTheExtremes) {
   EXPECT_EQ(r.code, 0) << r.out << r.err;
 }
 
-TEST_F(Cli, ModesWithoutRtlSaySo) {
+TEST_F(Cli, EveryModeRunsOnTheRtl) {
   stream("a.tri");
-  affine("affine.toml");
-  const Result r = run("verify a.tri --config affine.toml");
-  EXPECT_EQ(r.code, 0) << r.out << r.err;
-  EXPECT_NE(r.out.find("rtl left out"), std::string::npos) << r.out;
-  refused("render a.tri -o x.png --engine rtl --config affine.toml", "affine");
+  const std::string shipped = run("config show --toml depth16").out;
+  const auto at = shipped.find("\"delta_f\"");
+  ASSERT_NE(at, std::string::npos);
+  for (const std::string mode : {"hyperbolic", "affine", "const_depth_rows"}) {
+    std::string toml = shipped;
+    folder.write("mode.toml", toml.replace(at, 9, '"' + mode + '"'));
+    const Result r = run("verify a.tri --config mode.toml");
+    EXPECT_EQ(r.code, 0) << r.out << r.err;
+    EXPECT_NE(r.out.find("golden = rtl"), std::string::npos) << r.out;
+    EXPECT_EQ(r.out.find("left out"), std::string::npos) << r.out;
+  }
 }
 
 TEST_F(Cli, ExplainShowsEveryStageOfAPixel) {

@@ -93,12 +93,21 @@ void compare(const Config& config, const Scene& scene) {
 
 TEST(EngineRtl, EqualsTheModel) {
   for (const std::string& name : shipped_names) {
-    for (const Perspective mode : {Perspective::delta_f, Perspective::const_depth_rows}) {
+    for (const Perspective mode : all_perspectives) {
       SCOPED_TRACE(name + ", " + std::string(to_string(mode)));
       Config c = shipped_config(name);
       c.perspective = mode;
       compare(c, random_scene(3, 120));
     }
+  }
+}
+
+TEST(EngineRtl, TakesTheModelsShadesWhereTheRtlHasNone) {
+  for (const Perspective mode : {Perspective::delta_f, Perspective::const_depth_rows}) {
+    Config c = shipped_config("depth16");
+    c.perspective = mode;
+    c.rtl.shades = false;
+    compare(c, random_scene(3, 60));
   }
 }
 
@@ -127,8 +136,10 @@ TEST(EngineRtl, CountsItsOwnValues) {
   Config c = shipped_config("depth16");
   Scene scene = random_scene(3, 1);
   EXPECT_EQ(own_fields(c, scene, row), 0U);
-  EXPECT_EQ(own_fields(c, scene, span), 17U);
-  EXPECT_EQ(own_fields(c, scene, fragment), 9U);
+  // All but triangle and y.
+  EXPECT_EQ(own_fields(c, scene, span), fields<SpanRecord>.size() - 2);
+  // All but triangle, y and covered.
+  EXPECT_EQ(own_fields(c, scene, fragment), fields<FragmentRecord>.size() - 3);
   EXPECT_EQ(own_fields(c, scene, RecordType::depth), fields<DepthRecord>.size() - 1);
   EXPECT_EQ(own_fields(c, scene, RecordType::fog), fields<FogRecord>.size() - 1);
   EXPECT_EQ(own_fields(c, scene, RecordType::merge), fields<MergeRecord>.size() - 1);
@@ -139,12 +150,15 @@ TEST(EngineRtl, CountsItsOwnValues) {
   scene.textures.pop_back();
   EXPECT_EQ(own_fields(c, scene, RecordType::texture), fields<TextureRecord>.size() - 1);
   c.perspective = Perspective::const_depth_rows;
-  EXPECT_EQ(own_fields(c, scene, fragment), 10U);
+  EXPECT_EQ(own_fields(c, scene, fragment), fields<FragmentRecord>.size() - 2);
+  c.rtl.shades = false;
+  EXPECT_EQ(own_fields(c, scene, span), fields<SpanRecord>.size() - 14);
+  EXPECT_EQ(own_fields(c, scene, fragment), fields<FragmentRecord>.size() - 6);
 }
 
 void expect_modelled(const Config& config, const Scene& scene) {
   EXPECT_FALSE(rtl_draws_pixels(config, scene));
-  EXPECT_EQ(own_fields(config, scene, RecordType::span), 17U);
+  EXPECT_EQ(own_fields(config, scene, RecordType::span), fields<SpanRecord>.size() - 2);
   for (const RecordType type : {RecordType::depth, RecordType::texture, RecordType::fog, RecordType::merge}) {
     EXPECT_EQ(own_fields(config, scene, type), 0U);
   }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "config/rtl_timing.hpp"
 #include "engine/emit_sv.hpp"
 #include "tb/rtl_build.hpp"
 #include "tb/rtl_stream.hpp"
@@ -16,10 +17,21 @@ std::string line(const std::initializer_list<std::uint64_t>& values) {
   return text + '\n';
 }
 
+// Ports of four shades, each as one number, behind a line's other values.
+void append(std::string& text, const std::initializer_list<RtlShades>& ports) {
+  text.pop_back();
+  for (const RtlShades& p : ports)
+    text += fmt::format("{:x}{:016x}{:016x}{:016x} ", p.words[3], p.words[2], p.words[1], p.words[0]);
+  text += '\n';
+}
+
 std::string input_lines(const std::vector<RtlInputs>& inputs) {
   std::string text;
 #define BITSPAN_VALUE(name) in.name,
-  for (const RtlInputs& in : inputs) text += line({BITSPAN_RTL_INPUTS(BITSPAN_VALUE)});
+  for (const RtlInputs& in : inputs) {
+    text += line({BITSPAN_RTL_INPUTS(BITSPAN_VALUE)});
+    append(text, {BITSPAN_RTL_INPUT_SHADES(BITSPAN_VALUE)});
+  }
 #undef BITSPAN_VALUE
   return text;
 }
@@ -29,9 +41,10 @@ std::uint64_t bits(std::int64_t raw, const Config& c, FormatId id) { return bits
 std::uint64_t exponent_bits(std::int64_t e) { return Rtl::to_port(e, 8); }
 
 std::string span_lines(const Config& c, const std::vector<SpanRecord>& spans) {
-  const bool rows = c.perspective == Perspective::const_depth_rows;
-  const FormatId acc = rows ? FormatId::span_uv_acc : FormatId::span_f;
-  const FormatId step = rows ? FormatId::span_uv_step : FormatId::span_f_step;
+  const FormatId acc = texture_acc(c);
+  const FormatId step = texture_step(c);
+  const int shade_acc = c.format(FormatId::span_shade_acc).word;
+  const int shade_step = c.format(FormatId::span_shade_step).word;
   std::string text;
   for (const SpanRecord& s : spans) {
     text += line({static_cast<std::uint64_t>(s.x), static_cast<std::uint64_t>(s.count),
@@ -42,13 +55,16 @@ std::string span_lines(const Config& c, const std::vector<SpanRecord>& spans) {
                   bits(s.v1, c, FormatId::edge_uv), bits(s.fu, c, acc), bits(s.fv, c, acc),
                   bits(s.fu_step0, c, step), bits(s.fu_step1, c, step), bits(s.fv_step0, c, step),
                   bits(s.fv_step1, c, step)});
+    append(text, {Rtl::to_port({s.r, s.g, s.b, s.a}, shade_acc),
+                  Rtl::to_port({s.r_step0, s.g_step0, s.b_step0, s.a_step0}, shade_step),
+                  Rtl::to_port({s.r_step1, s.g_step1, s.b_step1, s.a_step1}, shade_step)});
   }
   return text;
 }
 
 std::string pixel_lines(const Config& c, const std::vector<reference::Pixel>& pixels) {
-  const FormatId acc =
-      c.perspective == Perspective::const_depth_rows ? FormatId::span_uv_acc : FormatId::span_f;
+  const FormatId acc = texture_acc(c);
+  const int shade = c.format(FormatId::span_shade).word;
   std::string text;
   for (const reference::Pixel& p : pixels) {
     const FragmentRecord& f = p.fragment;
@@ -56,6 +72,7 @@ std::string pixel_lines(const Config& c, const std::vector<reference::Pixel>& pi
                   bits(f.h, c, FormatId::span_h), bits(f.fu, c, acc), bits(f.fv, c, acc),
                   bits(f.recip_m, c.pixel_reciprocal.output), exponent_bits(f.recip_e),
                   bits(f.u, c, FormatId::span_uv), bits(f.v, c, FormatId::span_uv)});
+    append(text, {Rtl::to_port({f.r, f.g, f.b, f.a}, shade)});
   }
   return text;
 }
@@ -71,7 +88,7 @@ IcarusRun prepare_icarus(const TemporaryFolder& folder, const Config& c, const I
                    "+spans=" + folder.write("spans", span_lines(c, given.spans)),
                    "+pixels=" + folder.write("pixels", pixel_lines(c, given.pixels)), "+seed=7"};
   run.expected = fmt::format("icarus_tb: {} spans, {} pixels, {} values equal", given.spans.size(),
-                             given.pixels.size(), 17 * given.spans.size() + 10 * given.pixels.size());
+                             given.pixels.size(), 29 * given.spans.size() + 14 * given.pixels.size());
   return run;
 }
 

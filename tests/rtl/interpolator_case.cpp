@@ -14,7 +14,7 @@ InterpolatorCase make_interpolator_case(Random& random, const Config& c, int rec
     made.spans.push_back(reference::span_setup(c, row, b));
     for (const reference::Pixel& p : reference::span(c, made.spans.back(), k, b)) made.pixels.push_back(p);
   };
-  if (c.perspective == Perspective::delta_f) {
+  if (c.perspective != Perspective::const_depth_rows) {
     for (const RowRecord& row : random_rows(random, c, records, longest)) add(row, rtl_inputs(c, row, b));
   } else {
     for (const PlaneRowRecord& row : random_plane_rows(random, c, records, longest))

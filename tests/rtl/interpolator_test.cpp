@@ -47,7 +47,8 @@ std::string first_difference(const Config& c, const InterpolatorCase& expected, 
 std::size_t compare(const Config& c, const InterpolatorCase& expected, const RtlRun& run) {
   const std::string d = first_difference(c, expected, run);
   EXPECT_EQ(d, "") << to_toml(c);
-  return d.empty() ? run.spans.size() * 17 + run.pixels.size() * 10 : 0;
+  if (!d.empty()) return 0;
+  return run.spans.size() * (c.rtl.shades ? 29 : 17) + run.pixels.size() * (c.rtl.shades ? 14 : 10);
 }
 
 // Clocks of a run without gaps and stalls, from docs/rtl.md alone.
@@ -114,9 +115,20 @@ TEST(Interpolator, RandomConfigurations) {
   }
 }
 
-TEST(Interpolator, Depth16) {
+TEST(Interpolator, Depth16InEveryMode) {
   Random random(16);
-  check_config_on(random, shipped_config("depth16"), 200);
+  for (const Perspective mode : all_perspectives) {
+    for (const bool shades : {true, false}) {
+      SCOPED_TRACE(std::string(to_string(mode)) + (shades ? " with" : " without") + " shades");
+      Config c = shipped_config("depth16");
+      c.perspective = mode;
+      c.rtl.shades = shades;
+      check_config_on(random, c, 200);
+      // Slopes by division.
+      c.row_slope = SlopeForm::divide;
+      if (mode != Perspective::const_depth_rows) check_config_on(random, c, 100);
+    }
+  }
 }
 
 // Multipliers that take their factors digit by digit, in turns for u and v.
@@ -162,7 +174,7 @@ TEST(Interpolator, BugsInDigitsAndTurnsAreSeen) {
 // Constants that change between frames, and a span that needs every bit of the pixel index.
 TEST(Interpolator, ManyConstantsAndALongSpan) {
   Config c = shipped_config("depth16");
-  for (const Perspective mode : {Perspective::delta_f, Perspective::const_depth_rows}) {
+  for (const Perspective mode : all_perspectives) {
     c.perspective = mode;
     Random random(17);
     Rtl rtl(c);
@@ -207,8 +219,11 @@ void check_resets(const Config& c, int seed, const std::vector<int>& counts) {
 
 TEST(Interpolator, ResetAmidRows) {
   std::vector<Config> configs = {shipped_config("depth16"), shipped_config("narrow")};
-  configs.push_back(configs.front());
-  configs.back().perspective = Perspective::const_depth_rows;
+  for (const Perspective mode :
+       {Perspective::const_depth_rows, Perspective::hyperbolic, Perspective::affine}) {
+    configs.push_back(configs.front());
+    configs.back().perspective = mode;
+  }
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     Random random(seed);
     configs.push_back(random_rtl_config(random));
@@ -252,6 +267,69 @@ TEST(Interpolator, MissingResetsAreSeen) {
   });
 }
 
+// Throws std::logic_error where the interpolator of this configuration differs from the reference.
+void check_values(const Config& c) {
+  Random random(21);
+  const InterpolatorCase given = make_interpolator_case(random, c, 120, 12);
+  Rtl rtl(c);
+  const std::string d = first_difference(c, given, run_rtl(rtl, given.inputs, {}, false));
+  if (!d.empty()) throw std::logic_error(d);
+}
+
+TEST(Interpolator, WrongBitsAreSeenInEveryMode) {
+  constexpr const char* setup = "rtl/span_setup.sv";
+  constexpr const char* span = "rtl/span.sv";
+  constexpr PlantedBug shades[] = {
+      {setup, "left_q[(StartTick-1)/Interval*ShadeW+:ShadeW];",
+       "left_q[(StartTick-1)/Interval*ShadeW+:ShadeW] ^ ShadeW'(1);"},
+      {setup, "(CW'(bitspan_cfg_pkg::OffsetShadeRaw) <<< OffsetShift)", "CW'(OffsetShift)"},
+      {setup, "{{2{res_step}}, res_start}", "{res_step, ~res_step, res_start}"},
+      {span, "acc_q[ShadeAccW-1], acc_q});",
+       "acc_q[ShadeAccW-1], acc_q ^ ShadeAccW'(1 << (ShadeAccW - 2))});"},
+      {span, "        .Width(4 * ShadeW),\n        .Depth(Clocks)",
+       "        .Width(4 * ShadeW),\n        .Depth(Clocks - 1)"},
+  };
+  constexpr PlantedBug shades_by_division[] = {
+      {setup, "(bitspan_cfg_pkg::RowDivShadeFrac)", "(bitspan_cfg_pkg::RowDivShadeFrac + 1)"},
+  };
+  constexpr PlantedBug plane_shades[] = {
+      {setup, "{shade_step1_i, shade_step0_i, shade_i, x_first_i",
+       "{shade_step0_i, shade_step1_i, shade_i, x_first_i"},
+      {span, "step1_q <= res_step1[i*ShadeStepW+:ShadeStepW];",
+       "step1_q <= res_step0[i*ShadeStepW+:ShadeStepW];"},
+  };
+  constexpr PlantedBug hyperbolic[] = {
+      {setup, "assign left_sum = (EdgeSumW'(h_l)", "assign left_sum = (EdgeSumW'(h_r)"},
+      {setup, "assign f_left = f_left_q[", "assign f_left = ~f_left_q["},
+      {setup, "assign f_start = f_left_q[", "assign f_start = ~f_left_q["},
+      {span, ".x_i(quotient),\n          .sticky_i(sticky)", ".x_i(quotient),\n          .sticky_i(1'b0)"},
+      {span, "assign divisor = operand_q | (SumW - 1)'(operand_q == '0);", "assign divisor = operand_q;"},
+      {span, "if (en) q_q <= q;", "if (en) q_q <= q ^ OutUvW'(1);"},
+  };
+  constexpr PlantedBug affine[] = {
+      {setup, "diff_q[(StepTick-1)/Interval*NumW+:NumW];", "~diff_q[(StepTick-1)/Interval*NumW+:NumW];"},
+      {setup, "left_q[(StartTick-1)/Interval*UvW+:UvW];",
+       "left_q[(StartTick-1)/Interval*UvW+:UvW] ^ UvW'(1);"},
+  };
+  const auto seen = [](Perspective mode, SlopeForm form, std::span<const PlantedBug> bugs) {
+    Config c = shipped_config("narrow");
+    c.perspective = mode;
+    c.row_slope = form;
+    // With signs, ties and divisors that are not positive.
+    c.format(FormatId::span_h).is_signed = true;
+    c.format(FormatId::setup_b).word -= 14;
+    c.format(FormatId::setup_b).integer -= 14;
+    c.format(FormatId::span_uv).rounding = Rounding::rnd_conv;
+    EXPECT_NO_THROW(check_values(c));
+    expect_seen(bugs, [&] { check_values(c); });
+  };
+  seen(Perspective::delta_f, SlopeForm::reciprocal, shades);
+  seen(Perspective::affine, SlopeForm::divide, shades_by_division);
+  seen(Perspective::const_depth_rows, SlopeForm::reciprocal, plane_shades);
+  seen(Perspective::hyperbolic, SlopeForm::reciprocal, hyperbolic);
+  seen(Perspective::affine, SlopeForm::reciprocal, affine);
+}
+
 TEST(Interpolator, AssertionsSpeak) {
   const Config c = shipped_config("depth16");
   Rtl rtl(c);
@@ -262,12 +340,30 @@ TEST(Interpolator, AssertionsSpeak) {
   EXPECT_THROW(rtl.clock(drive, sample), std::logic_error);
 }
 
-TEST(Interpolator, RefusesModesWithoutRtl) {
-  Config c = shipped_config("depth16");
-  for (const Perspective p : {Perspective::hyperbolic, Perspective::affine}) {
-    c.perspective = p;
-    EXPECT_THROW(build_rtl(c), InputError);
+// An offered record must stay with all its fields, shades among them.
+TEST(Interpolator, AChangedOfferIsSeen) {
+  Random random(5);
+  for (const Perspective mode : {Perspective::delta_f, Perspective::const_depth_rows}) {
+    Config c = shipped_config("narrow");
+    c.perspective = mode;
+    const InterpolatorCase given = make_interpolator_case(random, c, 2, 3);
+    Rtl rtl(c);
+    RtlDrive drive{.in_valid = true, .out_ready = true, .in = given.inputs[0]};
+    RtlSample sample{};
+    do rtl.clock(drive, sample);
+    while (!sample.in_ready);
+    rtl.clock(drive, sample);  // the next one waits for the row interval
+    ASSERT_FALSE(sample.in_ready);
+    rtl.clock(drive, sample);
+    (mode == Perspective::delta_f ? drive.in.shade_r : drive.in.shade_step1).words[0] ^= 1;
+    EXPECT_THROW(rtl.clock(drive, sample), std::logic_error);
   }
+}
+
+TEST(Interpolator, RefusesAPixelUnitThatIsNotPipelined) {
+  Config c = shipped_config("depth16");
+  c.pixel_reciprocal.pipelined = false;
+  EXPECT_THROW(build_rtl(c), InputError);
 }
 
 }  // namespace

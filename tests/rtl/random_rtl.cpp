@@ -67,6 +67,11 @@ std::vector<RowRecord> random_rows(Random& random, const Config& c, int count, i
     for (std::int64_t* uv : {&row.l_u, &row.r_u, &row.l_v, &row.r_v}) {
       *uv = random_raw(random, c.format(FormatId::edge_uv));
     }
+    if (chance(random, 0.1)) row.l_u = row.r_u = 0;  // 0 divided by any h + B
+    for (std::int64_t* shade :
+         {&row.l_r, &row.l_g, &row.l_b, &row.l_a, &row.r_r, &row.r_g, &row.r_b, &row.r_a}) {
+      *shade = random_raw(random, c.format(FormatId::edge_shade));
+    }
   }
   return rows;
 }
@@ -84,6 +89,13 @@ std::vector<PlaneRowRecord> random_plane_rows(Random& random, const Config& c, i
     row.gv = random_raw(random, c.format(FormatId::span_f));
     for (std::int64_t* step : {&row.gu_step0, &row.gu_step1, &row.gv_step0, &row.gv_step1}) {
       *step = random_raw(random, c.format(FormatId::span_f_step));
+    }
+    for (std::int64_t* shade : {&row.r, &row.g, &row.b, &row.a}) {
+      *shade = random_raw(random, c.format(FormatId::span_shade_acc));
+    }
+    for (std::int64_t* step : {&row.r_step0, &row.g_step0, &row.b_step0, &row.a_step0, &row.r_step1,
+                               &row.g_step1, &row.b_step1, &row.a_step1}) {
+      *step = random_raw(random, c.format(FormatId::span_shade_step));
     }
   }
   return rows;

@@ -12,7 +12,7 @@ namespace bitspan {
 
 using Random = std::mt19937_64;
 
-// Legal, in one of the modes that exist in RTL, around config/depth16.toml; formats of any sign.
+// Legal, with RTL, around config/depth16.toml; formats of any sign.
 Config random_rtl_config(Random& random);
 
 // Raw values anywhere in the formats, ends of the ranges included; not what a scene would give.

@@ -2,6 +2,8 @@
 #include "tests/rtl/reference.hpp"
 
 #include <algorithm>
+#include <array>
+#include <tuple>
 
 #include "tests/support/reciprocal_definition.hpp"
 
@@ -116,36 +118,69 @@ SpanRecord span_setup(const Config& c, const RowRecord& row, std::int64_t b) {
   SpanRecord s;
   s.x = row.x_first;
   s.count = row.x_last - row.x_first + 1;
-  s.u1 = row.l_u;
-  s.v1 = row.l_v;
   const Rational length = real(row.r_x, FormatId::edge_x) - real(row.l_x, FormatId::edge_x);
   const Rational p = row.x_first + half() - real(row.l_x, FormatId::edge_x);
   const Rational h_l = real(row.l_h, FormatId::edge_h);
   const Rational h_r = real(row.r_h, FormatId::edge_h);
+  const Rational q_l = h_l + real(b, FormatId::setup_b);
   const Rational q_r = h_r + real(b, FormatId::setup_b);
-  s.fu_diff =
-      q((real(row.r_u, FormatId::edge_uv) - real(row.l_u, FormatId::edge_uv)) * q_r, FormatId::span_f_diff);
-  s.fv_diff =
-      q((real(row.r_v, FormatId::edge_uv) - real(row.l_v, FormatId::edge_uv)) * q_r, FormatId::span_f_diff);
+  Rational inverse = 0;  // of a row without length: every slope is 0
   if (length > 0) {
-    Rational inverse = 1 / length;
+    inverse = 1 / length;
     if (c.row_slope == SlopeForm::reciprocal) {
       const MantissaExponent r = reciprocal(length, ulp(c.format(FormatId::edge_x)), c.row_reciprocal);
       s.recip_m = r.m;
       s.recip_e = r.e;
       inverse = scaled(r, c.row_reciprocal);
     }
-    s.h_step = q((h_r - h_l) * inverse, FormatId::span_h_step);
-    s.fu_step0 = q(real(s.fu_diff, FormatId::span_f_diff) * inverse, FormatId::span_f_step);
-    s.fv_step0 = q(real(s.fv_diff, FormatId::span_f_diff) * inverse, FormatId::span_f_step);
   }
-  s.fu_step1 = s.fu_step0;
-  s.fv_step1 = s.fv_step0;
+  // A slope is 0 exactly where the row has no length, whatever its format makes of 0.
+  const auto slope = [&](const Rational& difference, FormatId id) {
+    return length > 0 ? q(difference * inverse, id) : 0;
+  };
+  s.h_step = slope(h_r - h_l, FormatId::span_h_step);
   s.h =
       q(h_l + real(s.h_step, FormatId::span_h_step) * p + offset(c.start_offset.span_h, 1), FormatId::span_h);
-  const Rational f_offset = offset(c.start_offset.span_f, ulp(c.format(FormatId::span_f)));
-  s.fu = q(real(s.fu_step0, FormatId::span_f_step) * p + f_offset, FormatId::span_f);
-  s.fv = q(real(s.fv_step0, FormatId::span_f_step) * p + f_offset, FormatId::span_f);
+  const bool affine = c.perspective == Perspective::affine;
+  const FormatId step = affine ? FormatId::span_uv_step : FormatId::span_f_step;
+  const FormatId acc = affine ? FormatId::span_uv_acc : FormatId::span_f;
+  const Rational f_offset =
+      offset(c.start_offset.span_f, ulp(c.format(affine ? FormatId::span_uv : FormatId::span_f)));
+  const auto texture = [&](std::int64_t raw_l, std::int64_t raw_r, std::int64_t& diff, std::int64_t& base,
+                           std::int64_t& f_step, std::int64_t& f) {
+    const Rational l = real(raw_l, FormatId::edge_uv);
+    const Rational r = real(raw_r, FormatId::edge_uv);
+    Rational numerator = r - l;
+    Rational left = l;
+    if (c.perspective == Perspective::delta_f) {
+      diff = q((r - l) * q_r, FormatId::span_f_diff);
+      base = raw_l;
+      numerator = real(diff, FormatId::span_f_diff);
+      left = 0;
+    } else if (c.perspective == Perspective::hyperbolic) {
+      diff = q(r * q_r, FormatId::span_f_diff);
+      left = real(q(l * q_l, FormatId::span_f_diff), FormatId::span_f_diff);
+      numerator = real(diff, FormatId::span_f_diff) - left;
+    }
+    f_step = slope(numerator, step);
+    f = q(left + real(f_step, step) * p + f_offset, acc);
+  };
+  texture(row.l_u, row.r_u, s.fu_diff, s.u1, s.fu_step0, s.fu);
+  texture(row.l_v, row.r_v, s.fv_diff, s.v1, s.fv_step0, s.fv);
+  s.fu_step1 = s.fu_step0;
+  s.fv_step1 = s.fv_step0;
+  if (!c.rtl.shades) return s;
+  const Rational shade_offset = offset(c.start_offset.span_shade, ulp(c.format(FormatId::span_shade)));
+  const auto shade = [&](std::int64_t raw_l, std::int64_t raw_r, std::int64_t& step0, std::int64_t& step1,
+                         std::int64_t& start) {
+    const Rational l = real(raw_l, FormatId::edge_shade);
+    step0 = step1 = slope(real(raw_r, FormatId::edge_shade) - l, FormatId::span_shade_step);
+    start = q(l + real(step0, FormatId::span_shade_step) * p + shade_offset, FormatId::span_shade_acc);
+  };
+  shade(row.l_r, row.r_r, s.r_step0, s.r_step1, s.r);
+  shade(row.l_g, row.r_g, s.g_step0, s.g_step1, s.g);
+  shade(row.l_b, row.r_b, s.b_step0, s.b_step1, s.b);
+  shade(row.l_a, row.r_a, s.a_step0, s.a_step1, s.a);
   return s;
 }
 
@@ -174,13 +209,32 @@ SpanRecord span_setup(const Config& c, const PlaneRowRecord& row, std::int64_t b
   s.fu_step1 = step(row.gu_step1);
   s.fv_step0 = step(row.gv_step0);
   s.fv_step1 = step(row.gv_step1);
+  if (!c.rtl.shades) return s;
+  s.r = row.r;
+  s.g = row.g;
+  s.b = row.b;
+  s.a = row.a;
+  s.r_step0 = row.r_step0;
+  s.g_step0 = row.g_step0;
+  s.b_step0 = row.b_step0;
+  s.a_step0 = row.a_step0;
+  s.r_step1 = row.r_step1;
+  s.g_step1 = row.g_step1;
+  s.b_step1 = row.b_step1;
+  s.a_step1 = row.a_step1;
   return s;
 }
 
 std::vector<Pixel> span(const Config& c, const SpanRecord& s, std::int64_t k_raw, std::int64_t b) {
   const bool rows = c.perspective == Perspective::const_depth_rows;
-  const Format acc = c.format(rows ? FormatId::span_uv_acc : FormatId::span_f);
-  const Format step_format = c.format(rows ? FormatId::span_uv_step : FormatId::span_f_step);
+  const bool linear = rows || c.perspective == Perspective::affine;
+  const Format acc = c.format(linear ? FormatId::span_uv_acc : FormatId::span_f);
+  const Format step_format = c.format(linear ? FormatId::span_uv_step : FormatId::span_f_step);
+  const Format shade_acc = c.format(FormatId::span_shade_acc);
+  const Format shade_step = c.format(FormatId::span_shade_step);
+  std::array shades{s.r, s.g, s.b, s.a};
+  const std::array shade_step0{s.r_step0, s.g_step0, s.b_step0, s.a_step0};
+  const std::array shade_step1{s.r_step1, s.g_step1, s.b_step1, s.a_step1};
   const Format& h_format = c.format(FormatId::span_h);
   const Rational k = value(k_raw, c.format(FormatId::plane_k));
   const int phase_bits = c.format(FormatId::plane_k).fraction();
@@ -199,8 +253,12 @@ std::vector<Pixel> span(const Config& c, const SpanRecord& s, std::int64_t k_raw
     f.fv = fv;
     Rational u = value(fu, acc);
     Rational v = value(fv, acc);
-    if (!rows) {
-      const Rational d = value(h, h_format) + value(b, c.format(FormatId::setup_b));
+    const Rational d = value(h, h_format) + value(b, c.format(FormatId::setup_b));
+    if (c.perspective == Perspective::hyperbolic) {
+      const Rational divisor = d > 0 ? d : sum_ulp(c, FormatId::span_h);
+      u /= divisor;
+      v /= divisor;
+    } else if (!linear) {
       const MantissaExponent r = reciprocal(d, sum_ulp(c, FormatId::span_h), c.pixel_reciprocal);
       f.recip_m = r.m;
       f.recip_e = r.e;
@@ -213,6 +271,15 @@ std::vector<Pixel> span(const Config& c, const SpanRecord& s, std::int64_t k_raw
       phase += k;
       pixel.step = k >= 0 ? phase >= 1 : phase < 0;
       if (pixel.step) phase += k >= 0 ? -1 : 1;
+    }
+    if (c.rtl.shades) {
+      std::array<std::int64_t, 4> narrowed{};
+      for (std::size_t k = 0; k < 4; ++k) {
+        narrowed[k] = quantize(value(shades[k], shade_acc), c.format(FormatId::span_shade));
+        const std::int64_t by = pixel.step ? shade_step1[k] : shade_step0[k];
+        shades[k] = quantize(value(shades[k], shade_acc) + value(by, shade_step), shade_acc);
+      }
+      std::tie(f.r, f.g, f.b, f.a) = std::tuple_cat(narrowed);
     }
     pixels.push_back(pixel);
     h = quantize(value(h, h_format) + value(s.h_step, c.format(FormatId::span_h_step)), h_format);

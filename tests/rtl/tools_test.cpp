@@ -23,7 +23,8 @@ Config depth16(Perspective mode) {
 }
 
 std::vector<Config> configs(std::uint64_t seed, int random_ones) {
-  std::vector<Config> all = {depth16(Perspective::delta_f), depth16(Perspective::const_depth_rows)};
+  std::vector<Config> all;
+  for (const Perspective mode : all_perspectives) all.push_back(depth16(mode));
   Random random(seed);
   for (int i = 0; i < random_ones; ++i) all.push_back(random_rtl_config(random));
   return all;

@@ -117,9 +117,23 @@ TEST(AreaEstimate, KnowsTheShapeOfTheRtl) {
   EXPECT_GT(estimate_area(config, Family::ecp5).luts, estimate_area(base, Family::ecp5).luts);
 }
 
-TEST(AreaEstimate, RefusesAModeWithoutRtl) {
+TEST(AreaEstimate, CountsShadesAndEveryMode) {
+  for (const Perspective mode : all_perspectives) {
+    Config config = shipped_config("depth16");
+    config.perspective = mode;
+    const AreaShape with = area_shape(config);
+    config.rtl.shades = false;
+    const AreaShape without = area_shape(config);
+    EXPECT_GT(with.registers, without.registers);
+    EXPECT_GT(with.sums, without.sums);
+    // They have no multipliers of their own.
+    EXPECT_EQ(with.blocks, without.blocks);
+  }
+}
+
+TEST(AreaEstimate, RefusesAConfigurationWithoutRtl) {
   Config config = shipped_config("depth16");
-  config.perspective = Perspective::hyperbolic;
+  config.pixel_reciprocal.pipelined = false;
   EXPECT_THROW(estimate_area(config, Family::ecp5), InputError);
 }
 

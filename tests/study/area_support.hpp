@@ -13,6 +13,7 @@ namespace bitspan {
 // Constant-depth rows with as few bits as make a small netlist: nothing that anybody would draw with.
 inline Config tiny_config() {
   return with_keys(shipped_config("narrow"), {{"perspective.mode", std::string("const_depth_rows")},
+                                              {"rtl.shades", false},
                                               {"raster.coordinate_bits", std::int64_t{8}},
                                               {"formats.setup.b.word", std::int64_t{6}},
                                               {"formats.setup.b.int", std::int64_t{6}},

@@ -191,12 +191,12 @@ TEST(Area, SaysWhereNothingCanBeWritten) {
   EXPECT_NE(message.find("TMPDIR"), std::string::npos) << message;
 }
 
-TEST(Area, RefusesAModeWithoutRtl) {
+TEST(Area, RefusesAConfigurationWithoutRtl) {
   Config config = shipped_config("narrow");
-  config.perspective = Perspective::affine;
-  EXPECT_NE(input_error([&] { measure_area(config, Family::ecp5, false); }).find("has no RTL"),
+  config.pixel_reciprocal.pipelined = false;
+  EXPECT_NE(input_error([&] { measure_area(config, Family::ecp5, false); }).find("pipelined"),
             std::string::npos);
-  EXPECT_NE(input_error([&] { area_key(config); }).find("has no RTL"), std::string::npos);
+  EXPECT_NE(input_error([&] { area_key(config); }).find("pipelined"), std::string::npos);
 }
 
 TEST(Area, StopsAtTheTimeLimit) {

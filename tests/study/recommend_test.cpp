@@ -307,7 +307,7 @@ TEST(Recommend, EstimatesAreMetrics) {
   EXPECT_GT(metrics.at("estimate.ecp5.multipliers"), 0);
   std::map<std::string, double, std::less<>> none;
   Config config = shipped_config("depth16");
-  config.perspective = Perspective::hyperbolic;
+  config.pixel_reciprocal.pipelined = false;
   add_estimates(config, none);
   EXPECT_TRUE(none.empty());
 }

@@ -41,6 +41,7 @@ std::uint64_t clocks_of(const InterpolatorLatency& latency, const std::vector<st
 
 struct Variant {
   int interval, bits_per_cycle, multipliers;
+  bool shades = true;
 };
 
 TEST(RowThroughput, NothingIsLostBesideTheInterval) {
@@ -56,12 +57,20 @@ TEST(RowThroughput, NothingIsLostBesideTheInterval) {
     for (const std::int64_t count : rows) pixels += count;
     ASSERT_GT(rows.size(), 1000U);
     fmt::print("{}: {} rows, {} pixels\n", name, rows.size(), pixels);
-    for (const Variant& v : {Variant{4, 8, 2}, {8, 4, 1}, {12, 2, 1}, {23, 1, 1}}) {
+    for (const Variant& v : {Variant{4, 8, 2, false},
+                             {8, 4, 1, false},
+                             {12, 2, 1, false},
+                             {23, 1, 1, false},
+                             {4, 8, 4},
+                             {8, 4, 2},
+                             {16, 2, 1},
+                             {23, 1, 1}}) {
       for (const int fifo : {1, 2}) {
         Config config = shipped;
         config.row_reciprocal.bits_per_cycle = v.bits_per_cycle;
         config.rtl.setup_multipliers = v.multipliers;
         config.rtl.fifo = fifo;
+        config.rtl.shades = v.shades;
         const InterpolatorLatency latency = interpolator_latency(config);
         ASSERT_EQ(latency.interval, v.interval);
         std::uint64_t least = 0;
@@ -69,8 +78,8 @@ TEST(RowThroughput, NothingIsLostBesideTheInterval) {
           least += static_cast<std::uint64_t>(std::max<std::int64_t>(count, v.interval));
         const std::uint64_t clocks = clocks_of(latency, rows);
         const double ratio = static_cast<double>(clocks) / static_cast<double>(least);
-        fmt::print("  interval {}, FIFO {}: {} clocks, {:.3f} of the least, {:.3f} pixels per clock\n",
-                   v.interval, fifo, clocks, ratio,
+        fmt::print("  interval {}{}, FIFO {}: {} clocks, {:.3f} of the least, {:.3f} pixels per clock\n",
+                   v.interval, v.shades ? " with shades" : "", fifo, clocks, ratio,
                    static_cast<double>(pixels) / static_cast<double>(clocks));
         EXPECT_GE(clocks, static_cast<std::uint64_t>(pixels));
         EXPECT_LE(ratio, 1.001);

@@ -25,6 +25,7 @@ struct Case {
   bool pipelined = true;
   ReciprocalKind row = ReciprocalKind::restoring;
   SlopeForm row_slope = SlopeForm::reciprocal;
+  bool shades = true;
 };
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
@@ -33,6 +34,7 @@ Config make_config(const Case& c) {
   Config config = shipped_config(c.base);
   config.perspective = c.mode;
   config.row_slope = c.row_slope;
+  config.rtl.shades = c.shades;
   config.row_reciprocal.pipelined = c.pipelined;
   config.row_reciprocal.kind = c.row;
   if (c.row != ReciprocalKind::restoring) {
@@ -144,6 +146,10 @@ TEST_P(RtlCycles, TheSystemcRunsHandshakeReplaysThroughTheRtl) {
     ASSERT_EQ(got.u, trace.fragment[i].u);
     ASSERT_EQ(got.v, trace.fragment[i].v);
     ASSERT_EQ(got.last, trace.fragment[i].last);
+    if (config.rtl.shades) {
+      ASSERT_EQ(got.r, trace.fragment[i].r);
+      ASSERT_EQ(got.a, trace.fragment[i].a);
+    }
   }
 }
 
@@ -154,6 +160,18 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{.name = "narrow_lut_linear", .base = "narrow", .row = ReciprocalKind::lut_linear},
                     Case{.name = "rows_divided", .base = "depth16", .row_slope = SlopeForm::divide},
                     Case{.name = "constant_depth", .base = "depth16", .mode = Perspective::const_depth_rows},
+                    Case{.name = "without_shades", .base = "depth16", .shades = false},
+                    Case{.name = "hyperbolic", .base = "depth16", .mode = Perspective::hyperbolic},
+                    Case{.name = "hyperbolic_divided",
+                         .base = "narrow",
+                         .mode = Perspective::hyperbolic,
+                         .row_slope = SlopeForm::divide},
+                    Case{.name = "affine", .base = "depth16", .mode = Perspective::affine},
+                    Case{.name = "affine_divided",
+                         .base = "depth16",
+                         .mode = Perspective::affine,
+                         .row_slope = SlopeForm::divide,
+                         .shades = false},
                     Case{.name = "constant_depth_one_at_a_time",
                          .base = "narrow",
                          .mode = Perspective::const_depth_rows,
