@@ -18,7 +18,8 @@ module mul_digits #(
 );
   localparam int W = (BW + Digits - 1) / Digits;
   localparam int LowW = (Digits - 1) * W;
-  // at[j]: the j-th digit's clock. Digits but the last are unsigned.
+  // at[j]: the j-th digit's clock. A product that a reset cut off must not meet the first one behind it. Digits but the
+  // last are unsigned.
   logic [Digits-1:0] at;
   logic [Digits-2:0] at_q;
   assign at = {at_q, start_i};

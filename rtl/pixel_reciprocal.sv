@@ -18,6 +18,7 @@ module pixel_reciprocal (
   logic signed [HW:0] h;
   logic signed [BW:0] b;
   logic signed [SumW-1:0] h_sum;
+  localparam bit HMayBeNegative = bitspan_pixel_pkg::SpanHSigned != 0 || bitspan_pixel_pkg::SetupBSigned != 0;
   logic [SumW-2:0] operand_q;
   assign h = $signed({(bitspan_pixel_pkg::SpanHSigned != 0) & h_i[HW-1], h_i});
   assign b = $signed({(bitspan_pixel_pkg::SetupBSigned != 0) & b_i[BW-1], b_i});
@@ -25,7 +26,7 @@ module pixel_reciprocal (
                  (SumW'(b) <<< (SumFrac - bitspan_pixel_pkg::SetupBFrac));
   // A sum that is not positive is 0, which the unit takes for one ulp.
   always_ff @(posedge clk_i) begin
-    if (en_i) operand_q <= h_sum[SumW-2:0] & {(SumW - 1) {!h_sum[SumW-1]}};
+    if (en_i) operand_q <= h_sum[SumW-2:0] & {(SumW - 1) {!(HMayBeNegative && h_sum[SumW-1])}};
   end
   logic unused_a, unused_b;
   reciprocal #(

@@ -90,18 +90,14 @@ module setup_mac #(
   end else begin : gen_in_digits
     // loaded_q[k]: k + 1 clocks ago. Each register keeps its value until the next product's comes, Digits clocks later at
     // the earliest; so two registers behind one another bring c to its clock.
-    // A product that a reset interrupted must not meet the first one behind it.
     logic load;
     logic [Digits+1:0] loaded_q;
     logic [CW-1:0] c_waits_q, c_sum_q;
     logic [ShiftW-1:0] shift_waits_q;
     assign load = |select_i;
-    always_ff @(posedge clk_i or negedge rst_ni) begin
-      if (!rst_ni) loaded_q <= '0;
-      else if (en_i) loaded_q <= (Digits + 2)'({loaded_q, load});
-    end
     always_ff @(posedge clk_i) begin
       if (en_i) begin
+        loaded_q <= (Digits + 2)'({loaded_q, load});
         if (load) begin
           a_q <= a;
           b_q <= b;

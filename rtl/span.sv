@@ -302,6 +302,7 @@ module span (
   end
 
   // h + B; what is not positive is 0, which stands for one ulp.
+  localparam bit HMayBeNegative = bitspan_cfg_pkg::SpanHSigned != 0 || bitspan_cfg_pkg::SetupBSigned != 0;
   logic [bitspan_cfg_pkg::SpanSumW-2:0] operand_q;
   if (!Linear) begin : gen_operand
     localparam int SumW = bitspan_cfg_pkg::SpanSumW;
@@ -314,7 +315,7 @@ module span (
     assign h_sum = (SumW'(h) <<< (SumFrac - bitspan_cfg_pkg::SpanHFrac)) +
                    (SumW'(b) <<< (SumFrac - bitspan_cfg_pkg::SetupBFrac));
     always_ff @(posedge clk_i) begin
-      if (en) operand_q <= h_sum[SumW-2:0] & {(SumW - 1) {!h_sum[SumW-1]}};
+      if (en) operand_q <= h_sum[SumW-2:0] & {(SumW - 1) {!(HMayBeNegative && h_sum[SumW-1])}};
     end
   end else begin : gen_no_operand
     assign operand_q = '0;

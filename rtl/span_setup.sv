@@ -290,6 +290,7 @@ module span_setup (
     assign h_r = $signed({(bitspan_cfg_pkg::EdgeHSigned != 0) & h_r_i[HW-1], h_r_i});
     assign b_ext = $signed({(bitspan_cfg_pkg::SetupBSigned != 0) & b_i[bitspan_cfg_pkg::SetupBW-1], b_i});
     assign length = x_r - x_l;
+    // Where it is 0, whatever is made of the length is replaced.
     assign positive = !length[XW] && (length != '0);
     assign h_diff = h_r - h_l;
     assign b_sum = EdgeSumW'(b_ext) <<< (EdgeSumFrac - bitspan_cfg_pkg::SetupBFrac);
@@ -371,7 +372,7 @@ module span_setup (
         .clk_i,
         .en_i(en),
         .phase_i(phase_q),
-        .d_i(length[XW-1:0] & {XW{positive}}),
+        .d_i(length[XW-1:0]),
         .q_o(length_q)
     );
     row_hold #(
@@ -832,6 +833,7 @@ module span_setup (
     localparam int SumFrac = bitspan_cfg_pkg::SpanSumFrac;
 
     // Tick 0: h + B; what is not positive is 0, which the unit takes for one ulp.
+    localparam bit HMayBeNegative = bitspan_cfg_pkg::SpanHSigned != 0 || bitspan_cfg_pkg::SetupBSigned != 0;
     logic signed [HW:0] h;
     logic signed [bitspan_cfg_pkg::SetupBW:0] b_ext;
     logic signed [SpanSumW-1:0] h_sum;
@@ -851,7 +853,7 @@ module span_setup (
         .clk_i,
         .en_i(en),
         .phase_i(phase_q),
-        .d_i(h_sum[SpanSumW-2:0] & {(SpanSumW - 1) {!h_sum[SpanSumW-1]}}),
+        .d_i(h_sum[SpanSumW-2:0] & {(SpanSumW - 1) {!(HMayBeNegative && h_sum[SpanSumW-1])}}),
         .q_o(operand)
     );
     row_hold #(
