@@ -2,6 +2,7 @@
 #include "study/area_estimate.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for_each.h>
 
 #include <algorithm>
 #include <bit>
@@ -783,13 +784,13 @@ void write_area_runs(const std::filesystem::path& csv, std::span<const AreaRun> 
 }
 
 void measure_area_runs(std::span<AreaRun> runs, const AreaLimits& limits) {
-  for (AreaRun& run : runs) {
+  tbb::parallel_for_each(runs.begin(), runs.end(), [&limits](AreaRun& run) {
     const AreaResult result = measure_area(config_of(run), run.family, false, limits);
     if (result.status != AreaStatus::ok)
       throw InputError(fmt::format("{} in {}: {}", run.base, to_string(run.family), result.message));
     run.counts = result.counts;
     run.tools = result.tools;
-  }
+  });
 }
 
 }  // namespace bitspan
