@@ -42,10 +42,10 @@ class RtlCopy {
     replace(
         "rtl/span.sv", "      left_q <= left_q - IndexW'(1);\n      last_q <= left_q == IndexW'(2);",
         "      if (!last_q) left_q <= left_q - IndexW'(1);\n      last_q <= last_q || left_q == IndexW'(2);");
-    replace(
-        "rtl/span.sv", "logic en, last_q, take, active_q;",
-        "logic en, last_q, take, active_q, again_q;\n"
-        "  always_ff @(posedge clk_i) if (take) again_q <= 1'b0; else if (issues && last_q) again_q <= 1'b1;");
+    replace("rtl/span.sv", "logic en, last_q, take, active_q;",
+            "logic en, last_q, take, active_q, again_q;\n"
+            "  always_ff @(posedge clk_i) if (take) again_q <= 1'b0; else if (issues && last_q) again_q <= "
+            "1'b1;");
   }
   std::string path() const { return folder_.path(); }
 
