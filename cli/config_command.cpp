@@ -111,8 +111,9 @@ int check(const Options& options) {
   }
   fmt::print("{}\n{}", text_table(rows), paths_text(config));
   const RtlTiming timing = rtl_timing(config);
-  fmt::print("RTL: span_setup {} clocks, a row every {}; span {} clocks, a pixel every clock\n",
-             timing.row.latency, timing.row.interval, timing.span);
+  fmt::print("RTL: span_setup {} clocks, a row every {}; span {} clocks, a pixel every {}\n",
+             timing.row.latency, timing.row.interval, timing.span,
+             timing.pixel_interval == 1 ? "clock" : std::to_string(timing.pixel_interval));
   return exit_held;
 }
 

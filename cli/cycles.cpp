@@ -141,7 +141,7 @@ class ChainBeside {
     }
     row_stands_ = true;
   }
-  // The pixel at the output: the RTL's values, and what it does not have.
+  // The pixel at the output: the RTL's values that the pixel stages take, and what it does not have.
   void stand(const RtlPixel& rtl) {
     if (pixel_stands_) return;
     const FragmentRecord values = fragment_record(config_, rtl);
@@ -149,6 +149,12 @@ class ChainBeside {
     pixel_.record.h = values.h;
     pixel_.record.u = values.u;
     pixel_.record.v = values.v;
+    if (config_.rtl.shades) {
+      pixel_.record.r = values.r;
+      pixel_.record.g = values.g;
+      pixel_.record.b = values.b;
+      pixel_.record.a = values.a;
+    }
     pixel_.texture = std::max(scene_.triangles[static_cast<std::size_t>(pixel_.record.triangle)].texture, -1);
     pixel_stands_ = true;
   }

@@ -162,6 +162,9 @@ TEST_F(Cli, ConfigShowsChecksAndEmits) {
     EXPECT_NE(check.find("legal"), std::string::npos);
     EXPECT_NE(check.find("model computes in"), std::string::npos) << check;
     EXPECT_NE(check.find("form specialised (these formats are compiled in)"), std::string::npos) << check;
+    EXPECT_NE(check.find(name == "narrow" ? ", a pixel every 8\n" : ", a pixel every clock\n"),
+              std::string::npos)
+        << check;
     const Result sv = run(std::string("config emit-sv ") + name + " -o p.sv");
     EXPECT_EQ(sv.code, 0) << sv.err;
     EXPECT_NE(folder.read("p.sv").find("package bitspan_cfg_pkg"), std::string::npos);
