@@ -11,7 +11,7 @@
 #include "engine/emit_pixel_sv.hpp"
 #include "model/engine_model.hpp"
 #include "tests/rtl/random_rtl.hpp"
-#include "tests/support/same_bits.hpp"
+#include "tests/support/same_frame.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -71,11 +71,7 @@ void compare(const Config& config, const Scene& scene) {
   EXPECT_GT(expected.fragment.size(), 1000U);
   EXPECT_GT(expected.merge.size(), 100U);
   EXPECT_LT(expected.merge.size(), expected.depth.size());
-  EXPECT_EQ(rtl->frame().color, model->frame().color);
-  EXPECT_EQ(rtl->frame().depth, model->frame().depth);
-  EXPECT_EQ(rtl->frame().triangle, model->frame().triangle);
-  EXPECT_TRUE(same_bits(rtl->frame().u, model->frame().u));
-  EXPECT_TRUE(same_bits(rtl->frame().v, model->frame().v));
+  expect_same_frame(rtl->frame(), model->frame());
   Counters counters = rtl->counters();
   EXPECT_GT(counters.cycles, counters.fragments);
   counters.cycles = model->counters().cycles;

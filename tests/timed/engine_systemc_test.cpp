@@ -16,7 +16,7 @@
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
 #include "tests/support/files.hpp"
-#include "tests/support/same_bits.hpp"
+#include "tests/support/same_frame.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -56,11 +56,7 @@ std::size_t expect_equal(const Outcome& timed, const Outcome& model) {
   compared += model.trace.member.size();
   BITSPAN_RECORDS(BITSPAN_EXPECT_EQUAL)
 #undef BITSPAN_EXPECT_EQUAL
-  EXPECT_EQ(timed.frame.color, model.frame.color);
-  EXPECT_EQ(timed.frame.depth, model.frame.depth);
-  EXPECT_EQ(timed.frame.triangle, model.frame.triangle);
-  EXPECT_TRUE(same_bits(timed.frame.u, model.frame.u));
-  EXPECT_TRUE(same_bits(timed.frame.v, model.frame.v));
+  expect_same_frame(timed.frame, model.frame);
   Counters counters = timed.counters;
   counters.cycles = model.counters.cycles;
   EXPECT_TRUE(counters == model.counters);

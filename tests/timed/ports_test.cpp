@@ -15,7 +15,7 @@
 #include "report/random_config.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
-#include "tests/support/same_bits.hpp"
+#include "tests/support/same_frame.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -57,11 +57,7 @@ void expect_same_records(const Outcome& a, const Outcome& b) {
   EXPECT_TRUE(a.trace.member == b.trace.member) << stage;
   BITSPAN_RECORDS(BITSPAN_EXPECT_EQUAL)
 #undef BITSPAN_EXPECT_EQUAL
-  EXPECT_EQ(a.frame.color, b.frame.color);
-  EXPECT_EQ(a.frame.depth, b.frame.depth);
-  EXPECT_EQ(a.frame.triangle, b.frame.triangle);
-  EXPECT_TRUE(same_bits(a.frame.u, b.frame.u));
-  EXPECT_TRUE(same_bits(a.frame.v, b.frame.v));
+  expect_same_frame(a.frame, b.frame);
 }
 
 void expect_consistent(const Outcome& r) {

@@ -18,7 +18,7 @@
 #include "report/random_config.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
-#include "tests/support/same_bits.hpp"
+#include "tests/support/same_frame.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -96,14 +96,8 @@ void expect_equal_modes(const Config& config, const Scene& scene, std::size_t ba
   totals.records += of_cycle.member.size();
   BITSPAN_RECORDS(BITSPAN_EXPECT_EQUAL)
 #undef BITSPAN_EXPECT_EQUAL
-  const Frame& c = cycle->frame();
-  for (const Frame* s : {&span->frame(), &bare->frame()}) {
-    EXPECT_EQ(s->color, c.color);
-    EXPECT_EQ(s->depth, c.depth);
-    EXPECT_EQ(s->triangle, c.triangle);
-    EXPECT_TRUE(same_bits(s->u, c.u));
-    EXPECT_TRUE(same_bits(s->v, c.v));
-  }
+  expect_same_frame(span->frame(), cycle->frame());
+  expect_same_frame(bare->frame(), cycle->frame());
   const Counters& counters = cycle->counters();
   EXPECT_TRUE(span->counters() == counters);
   EXPECT_TRUE(bare->counters() == counters);
