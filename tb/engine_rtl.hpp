@@ -40,8 +40,8 @@ struct RtlOptions {
 };
 
 // Builds the RTL of this configuration, or finds it built (tb/rtl_build.hpp). Throws InputError where the
-// mode has no RTL or a tool is missing. Counters::cycles counts the clocks of the span interpolator, stalls
-// included; the pixel stages follow it without throttling it, and their clocks are not counted.
+// configuration has no RTL or a tool is missing. Counters::cycles counts the clocks of the span interpolator,
+// stalls included; the pixel stages follow it without throttling it, and their clocks are not counted.
 std::unique_ptr<Engine> make_rtl(const Config& config, const RtlOptions& options = {});
 
 }  // namespace bitspan

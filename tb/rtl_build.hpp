@@ -49,7 +49,7 @@ struct RtlDesign {
 // Verilator refuses sources under $BITSPAN_ROOT or the cache folder cannot be written; ToolError where a tool
 // is missing or refuses otherwise. Writes a line of progress to a terminal.
 std::filesystem::path build_library(const RtlDesign& design);
-// The span interpolator's library. Throws InputError also where the mode has no RTL.
+// The span interpolator's library. Throws InputError also where the configuration has none.
 std::filesystem::path build_rtl(const Config& config);
 
 // A library while it is loaded. Throws ToolError where it cannot be, or where it lacks a function.

@@ -42,12 +42,11 @@ void ClockedMachine::assemble(const std::vector<TimedStage*>& behind, const std:
   for (TimedStage* stage : stages_) {
     const std::vector<StageMeter*> meters = stage->meters();
     meters_.insert(meters_.end(), meters.begin(), meters.end());
-    if (meters.size() == 1) {
+    if (stage->module().empty()) {
       parts.push_back({meters[0]->report.name, stage, {{"", &meters[0]->signals}}});
       continue;
     }
-    // The module of the RTL that has these stages.
-    KernelPart part{meters.size() == 2 ? "span_interpolator" : "pixel_chain", stage, {}};
+    KernelPart part{std::string(stage->module()), stage, {}};
     for (const StageMeter* meter : meters) part.signals.emplace_back(meter->report.name, &meter->signals);
     parts.push_back(std::move(part));
   }

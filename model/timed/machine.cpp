@@ -17,13 +17,13 @@ std::string_view to_string(StageState state) {
 }
 
 // More clocks than a legal configuration can go without a movement.
-std::uint64_t longest_rest(const Config& config, const SystemcOptions& options) {
+std::uint64_t longest_rest(const Run& run, const SystemcOptions& options) {
+  const Config& config = run.config;
   const auto wide = [](int n) { return static_cast<std::uint64_t>(n); };
   const InterpolatorLatency interpolator = interpolator_latency(config);
   std::uint64_t clocks =
       wide(interpolator.span_setup) + wide(interpolator.span) + wide(interpolator.pixel_interval);
-  for (const StageTiming& timing : stage_timings(config))
-    clocks += wide(timing.latency) + wide(timing.interval);
+  for (const StageTiming& timing : run.timings) clocks += wide(timing.latency) + wide(timing.interval);
   const MemoryTiming& memory = config.memory;
   // Each port's requests may have to wait for those of the others.
   const std::uint64_t largest =
@@ -41,8 +41,8 @@ std::uint64_t longest_rest(const Config& config, const SystemcOptions& options) 
 Machine::Machine(const Config& config, const Scene& scene, const SystemcOptions& options)
     : run_(config, scene),
       progress_(options.progress),
-      watchdog_clocks_(options.watchdog_clocks != 0 ? options.watchdog_clocks
-                                                    : longest_rest(config, options)) {}
+      watchdog_clocks_(options.watchdog_clocks != 0 ? options.watchdog_clocks : longest_rest(run_, options)) {
+}
 
 void Machine::draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) {
   if (trace != nullptr && run_.counters.triangles == 0) {

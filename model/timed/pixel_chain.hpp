@@ -8,6 +8,7 @@
 
 #include <array>
 #include <functional>
+#include <string_view>
 #include <vector>
 
 #include "model/timed/engine_systemc.hpp"
@@ -24,6 +25,7 @@ class PixelChain : public TimedStage {
   void clock(std::uint64_t now) override;
   bool idle() const override { return interpolator_.idle() && timing_.empty(); }
   std::vector<StageMeter*> meters() override;
+  std::string_view module() const override { return "pixel_chain"; }
   const std::array<PortReport, read_ports>& ports() const { return memory_.reports(); }
 
  private:

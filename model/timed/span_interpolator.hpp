@@ -3,6 +3,7 @@
 // keeps; here the values go with them.
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "model/timed/run.hpp"
@@ -25,6 +26,7 @@ class SpanInterpolator : public TimedStage {
   FragmentItem* step(std::uint64_t now, bool out_ready);
   bool idle() const override { return timing_.idle(); }
   std::vector<StageMeter*> meters() override { return {&span_setup_, &span_}; }
+  std::string_view module() const override { return "span_interpolator"; }
 
  private:
   void accept(RowItem* item);

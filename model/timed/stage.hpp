@@ -51,8 +51,10 @@ struct StageMeter {
 class TimedStage : public Clocked {
  public:
   virtual bool idle() const = 0;  // nothing inside; its FIFOs are asked apart
-  // One, or two where a module holds two stages of the pipeline (the span interpolator).
+  // One, or several where a module of the RTL holds stages of the pipeline.
   virtual std::vector<StageMeter*> meters() = 0;
+  // The name of that module; empty where there is one stage.
+  virtual std::string_view module() const { return {}; }
 };
 
 // Items on their way between stages: made once, passed by pointer, given back when they leave the pipeline.
