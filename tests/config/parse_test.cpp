@@ -373,6 +373,16 @@ TEST(Parse, TruncatedAndDamagedTextNeverPassesSilentlyOrCrashes) {
   EXPECT_GT(refused, 200U);
 }
 
+TEST(Parse, AHeaderWithoutAKeyIsRefusedWhateverFollows) {
+  for (int byte = 0; byte < 256; ++byte) {
+    for (const std::string header : {"[", "[[", "[ ", "[a."}) {
+      const std::string text = header + static_cast<char>(byte);
+      EXPECT_NE(parse_error_of(text), "") << text;
+      EXPECT_NE(parse_error_of(text + "]\n"), "") << text;
+    }
+  }
+}
+
 TEST(Load, NamesTheFileAndTheFault) {
   const auto error = [](const std::string& path) { return error_of([&path] { (void)load_config(path); }); };
   EXPECT_EQ(error("no/such.toml"), "no/such.toml: no such configuration file");
