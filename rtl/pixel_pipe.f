@@ -13,6 +13,7 @@ lzc_norm.sv
 restoring_step.sv
 restoring_core.sv
 reciprocal.sv
+depth_operand.sv
 pixel_reciprocal.sv
 blend.sv
 scoreboard.sv

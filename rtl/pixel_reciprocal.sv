@@ -11,22 +11,24 @@ module pixel_reciprocal (
     output logic        [bitspan_pixel_pkg::PixelRecipOutW-1:0] m_o,
     output logic signed [     bitspan_pixel_pkg::ExponentW-1:0] e_o
 );
-  localparam int HW = bitspan_pixel_pkg::SpanHW;
-  localparam int BW = bitspan_pixel_pkg::SetupBW;
   localparam int SumW = bitspan_pixel_pkg::DepthSumW;
-  localparam int SumFrac = bitspan_pixel_pkg::DepthSumFrac;
-  logic signed [HW:0] h;
-  logic signed [BW:0] b;
-  logic signed [SumW-1:0] h_sum;
-  localparam bit HMayBeNegative = bitspan_pixel_pkg::SpanHSigned != 0 || bitspan_pixel_pkg::SetupBSigned != 0;
-  logic [SumW-2:0] operand_q;
-  assign h = $signed({(bitspan_pixel_pkg::SpanHSigned != 0) & h_i[HW-1], h_i});
-  assign b = $signed({(bitspan_pixel_pkg::SetupBSigned != 0) & b_i[BW-1], b_i});
-  assign h_sum = (SumW'(h) <<< (SumFrac - bitspan_pixel_pkg::SpanHFrac)) +
-                 (SumW'(b) <<< (SumFrac - bitspan_pixel_pkg::SetupBFrac));
-  // A sum that is not positive is 0, which the unit takes for one ulp.
+  logic [SumW-2:0] operand, operand_q;
+  depth_operand #(
+      .HW(bitspan_pixel_pkg::SpanHW),
+      .HFrac(bitspan_pixel_pkg::SpanHFrac),
+      .HSigned(bitspan_pixel_pkg::SpanHSigned),
+      .BW(bitspan_pixel_pkg::SetupBW),
+      .BFrac(bitspan_pixel_pkg::SetupBFrac),
+      .BSigned(bitspan_pixel_pkg::SetupBSigned),
+      .SumW(SumW),
+      .SumFrac(bitspan_pixel_pkg::DepthSumFrac)
+  ) u_operand (
+      .h_i,
+      .b_i,
+      .operand_o(operand)
+  );
   always_ff @(posedge clk_i) begin
-    if (en_i) operand_q <= h_sum[SumW-2:0] & {(SumW - 1) {!(HMayBeNegative && h_sum[SumW-1])}};
+    if (en_i) operand_q <= operand;
   end
   logic unused_a, unused_b;
   reciprocal #(

@@ -84,7 +84,7 @@ module span (
   logic [IndexW-1:0] x_q, left_q;
   // The tick modulo Interval, and whether a pixel is issued on it where there is one.
   logic [PhaseTicksW-1:0] tick_q;
-  logic slot, issues;
+  logic slot, issues, issue;
   if (Interval > 1) begin : gen_ticks
     always_ff @(posedge clk_i or negedge rst_ni) begin
       if (!rst_ni) tick_q <= '0;
@@ -96,6 +96,7 @@ module span (
     assign slot = 1'b1;
   end
   assign issues = en && slot;
+  assign issue = active_q && issues;
   assign take = res_valid_i && (!active_q || (last_q && issues));
   assign take_o = take;
 
@@ -110,7 +111,7 @@ module span (
       x_q <= res_x;
       left_q <= res_count;
       last_q <= res_count == IndexW'(1);
-    end else if (active_q && issues) begin
+    end else if (issue) begin
       x_q <= x_q + IndexW'(1);
       left_q <= left_q - IndexW'(1);
       last_q <= left_q == IndexW'(2);
@@ -135,7 +136,7 @@ module span (
       if (take) begin
         phase_q <= res_phase;
         k_q <= res_k;
-      end else if (active_q && issues) begin
+      end else if (issue) begin
         phase_q <= sum[PhaseW-1:0];
       end
     end
@@ -146,9 +147,8 @@ module span (
   end
 
   // Accumulators.
-  logic [HW-1:0] h_q, h_next;
-  logic [HStepW-1:0] h_step_q;
-  accumulate #(
+  logic [HW-1:0] h_q;
+  span_register #(
       .AccW(HW),
       .AccFrac(bitspan_cfg_pkg::SpanHFrac),
       .AccSigned(bitspan_cfg_pkg::SpanHSigned),
@@ -157,25 +157,20 @@ module span (
       .StepW(HStepW),
       .StepFrac(bitspan_cfg_pkg::SpanHStepFrac),
       .StepSigned(bitspan_cfg_pkg::SpanHStepSigned)
-  ) u_h_next (
-      .acc_i(h_q),
-      .step_i(h_step_q),
-      .q_o(h_next)
+  ) u_h (
+      .clk_i,
+      .take_i(take),
+      .issue_i(issue),
+      .start_i(res_h),
+      .step0_i(res_h_step),
+      .step1_i(res_h_step),
+      .second_i(1'b0),
+      .q_o(h_q)
   );
-  always_ff @(posedge clk_i) begin
-    if (take) begin
-      h_q <= res_h;
-      h_step_q <= res_h_step;
-    end else if (active_q && issues) begin
-      h_q <= h_next;
-    end
-  end
   // fu and fv.
   logic [2*AccW-1:0] f_q;
   for (genvar i = 0; i < 2; i++) begin : gen_f
-    logic [AccW-1:0] acc_q, acc_next;
-    logic [StepW-1:0] step0_q, step1_q;
-    accumulate #(
+    span_register #(
         .AccW(AccW),
         .AccFrac(bitspan_cfg_pkg::TexAccFrac),
         .AccSigned(bitspan_cfg_pkg::TexAccSigned),
@@ -184,21 +179,16 @@ module span (
         .StepW(StepW),
         .StepFrac(bitspan_cfg_pkg::TexStepFrac),
         .StepSigned(bitspan_cfg_pkg::TexStepSigned)
-    ) u_next (
-        .acc_i(acc_q),
-        .step_i(step ? step1_q : step0_q),
-        .q_o(acc_next)
+    ) u_f (
+        .clk_i,
+        .take_i(take),
+        .issue_i(issue),
+        .start_i((i == 0) ? res_fu : res_fv),
+        .step0_i((i == 0) ? res_fu_step0 : res_fv_step0),
+        .step1_i((i == 0) ? res_fu_step1 : res_fv_step1),
+        .second_i(step),
+        .q_o(f_q[i*AccW+:AccW])
     );
-    always_ff @(posedge clk_i) begin
-      if (take) begin
-        acc_q <= (i == 0) ? res_fu : res_fv;
-        step0_q <= (i == 0) ? res_fu_step0 : res_fv_step0;
-        step1_q <= (i == 0) ? res_fu_step1 : res_fv_step1;
-      end else if (active_q && issues) begin
-        acc_q <= acc_next;
-      end
-    end
-    assign f_q[i*AccW+:AccW] = acc_q;
   end
 
   // Shades, and what a pixel has of them.
@@ -210,10 +200,9 @@ module span (
     logic [4*ShadeStepW-1:0] res_step0, res_step1;
     assign {res_step1, res_step0, res_shade} = res_i[bitspan_cfg_pkg::SpanRecordW-1:bitspan_cfg_pkg::SpanPlainW];
     for (genvar i = 0; i < 4; i++) begin : gen_shade
-      logic [ShadeAccW-1:0] acc_q, acc_next;
-      logic [ShadeStepW-1:0] step0_q, step1_q;
+      logic [ShadeAccW-1:0] acc_q;
       logic signed [ShadeAccW:0] exact;
-      accumulate #(
+      span_register #(
           .AccW(ShadeAccW),
           .AccFrac(bitspan_cfg_pkg::SpanShadeAccFrac),
           .AccSigned(bitspan_cfg_pkg::SpanShadeAccSigned),
@@ -222,20 +211,16 @@ module span (
           .StepW(ShadeStepW),
           .StepFrac(bitspan_cfg_pkg::SpanShadeStepFrac),
           .StepSigned(bitspan_cfg_pkg::SpanShadeStepSigned)
-      ) u_next (
-          .acc_i(acc_q),
-          .step_i(step ? step1_q : step0_q),
-          .q_o(acc_next)
+      ) u_acc (
+          .clk_i,
+          .take_i(take),
+          .issue_i(issue),
+          .start_i(res_shade[i*ShadeAccW+:ShadeAccW]),
+          .step0_i(res_step0[i*ShadeStepW+:ShadeStepW]),
+          .step1_i(res_step1[i*ShadeStepW+:ShadeStepW]),
+          .second_i(step),
+          .q_o(acc_q)
       );
-      always_ff @(posedge clk_i) begin
-        if (take) begin
-          acc_q <= res_shade[i*ShadeAccW+:ShadeAccW];
-          step0_q <= res_step0[i*ShadeStepW+:ShadeStepW];
-          step1_q <= res_step1[i*ShadeStepW+:ShadeStepW];
-        end else if (active_q && issues) begin
-          acc_q <= acc_next;
-        end
-      end
       assign exact = $signed({(bitspan_cfg_pkg::SpanShadeAccSigned != 0) & acc_q[ShadeAccW-1], acc_q});
       quantize #(
           .InW(ShadeAccW + 1),
@@ -266,7 +251,7 @@ module span (
     assign shade = '0;
     assign shade_out = '0;
     logic unused;
-    assign unused = ^shade;
+    assign unused = (^shade) ^ (^tick_q);
   end
 
   // Valid bits of the pixels behind the issue; the last one goes to the buffer at the output.
@@ -301,21 +286,26 @@ module span (
     assign unused = ^shade_out;
   end
 
-  // h + B; what is not positive is 0, which stands for one ulp.
-  localparam bit HMayBeNegative = bitspan_cfg_pkg::SpanHSigned != 0 || bitspan_cfg_pkg::SetupBSigned != 0;
+  // h + B.
   logic [bitspan_cfg_pkg::SpanSumW-2:0] operand_q;
   if (!Linear) begin : gen_operand
-    localparam int SumW = bitspan_cfg_pkg::SpanSumW;
-    localparam int SumFrac = bitspan_cfg_pkg::SpanSumFrac;
-    logic signed [HW:0] h;
-    logic signed [bitspan_cfg_pkg::SetupBW:0] b;
-    logic signed [SumW-1:0] h_sum;
-    assign h = $signed({(bitspan_cfg_pkg::SpanHSigned != 0) & h_q[HW-1], h_q});
-    assign b = $signed({(bitspan_cfg_pkg::SetupBSigned != 0) & b_i[bitspan_cfg_pkg::SetupBW-1], b_i});
-    assign h_sum = (SumW'(h) <<< (SumFrac - bitspan_cfg_pkg::SpanHFrac)) +
-                   (SumW'(b) <<< (SumFrac - bitspan_cfg_pkg::SetupBFrac));
+    logic [bitspan_cfg_pkg::SpanSumW-2:0] operand;
+    depth_operand #(
+        .HW(HW),
+        .HFrac(bitspan_cfg_pkg::SpanHFrac),
+        .HSigned(bitspan_cfg_pkg::SpanHSigned),
+        .BW(bitspan_cfg_pkg::SetupBW),
+        .BFrac(bitspan_cfg_pkg::SetupBFrac),
+        .BSigned(bitspan_cfg_pkg::SetupBSigned),
+        .SumW(bitspan_cfg_pkg::SpanSumW),
+        .SumFrac(bitspan_cfg_pkg::SpanSumFrac)
+    ) u_operand (
+        .h_i(h_q),
+        .b_i,
+        .operand_o(operand)
+    );
     always_ff @(posedge clk_i) begin
-      if (en) operand_q <= h_sum[SumW-2:0] & {(SumW - 1) {!(HMayBeNegative && h_sum[SumW-1])}};
+      if (en) operand_q <= operand;
     end
   end else begin : gen_no_operand
     assign operand_q = '0;

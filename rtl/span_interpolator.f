@@ -14,13 +14,16 @@ restoring_step.sv
 restoring_core.sv
 divide.sv
 reciprocal.sv
+depth_operand.sv
 row_hold.sv
 row_product.sv
 row_divide.sv
+row_ends.sv
 row_line.sv
 setup_mac.sv
 multiply_round_turns.sv
 span_delay.sv
+span_register.sv
 span_setup.sv
 span.sv
 span_interpolator.sv

@@ -277,22 +277,20 @@ module span_setup (
     localparam int HStepTick = Divides ? DivideTick : 32'(bitspan_cfg_pkg::RowTicks[16*bitspan_cfg_pkg::RowHStep+:16]);
     localparam int HTick = 32'(bitspan_cfg_pkg::RowTicks[16*bitspan_cfg_pkg::RowH+:16]);
 
-    // Tick 0: differences, h + B, and the pre-step. Each is exact: one bit more than its terms.
+    // Tick 0: length, h + B, and the pre-step. Each is exact: one bit more than its terms.
     logic signed [XW:0] x_l, x_r, length;
-    logic signed [HW:0] h_l, h_r, h_diff;
+    logic signed [HW:0] h_r;
     logic signed [bitspan_cfg_pkg::SetupBW:0] b_ext;
     logic signed [EdgeSumW-1:0] b_sum, h_sum;
     logic signed [PW-1:0] p;
     logic positive;
     assign x_l = $signed({(bitspan_cfg_pkg::EdgeXSigned != 0) & x_l_i[XW-1], x_l_i});
     assign x_r = $signed({(bitspan_cfg_pkg::EdgeXSigned != 0) & x_r_i[XW-1], x_r_i});
-    assign h_l = $signed({(bitspan_cfg_pkg::EdgeHSigned != 0) & h_l_i[HW-1], h_l_i});
     assign h_r = $signed({(bitspan_cfg_pkg::EdgeHSigned != 0) & h_r_i[HW-1], h_r_i});
     assign b_ext = $signed({(bitspan_cfg_pkg::SetupBSigned != 0) & b_i[bitspan_cfg_pkg::SetupBW-1], b_i});
     assign length = x_r - x_l;
     // Where it is 0, whatever is made of the length is replaced.
     assign positive = !length[XW] && (length != '0);
-    assign h_diff = h_r - h_l;
     assign b_sum = EdgeSumW'(b_ext) <<< (EdgeSumFrac - bitspan_cfg_pkg::SetupBFrac);
     assign h_sum = (EdgeSumW'(h_r) <<< (EdgeSumFrac - bitspan_cfg_pkg::EdgeHFrac)) + b_sum;
     assign p = $signed({PW'(x_first_i) << PFrac}) + (PW'(1) << (PFrac - 1)) -
@@ -336,11 +334,9 @@ module span_setup (
     localparam int PRead = (UvPRead > LastTick) ? UvPRead : LastTick;
     localparam int ThroughW = 2 * IndexW + ((Affine || Hyperbolic) ? 0 : 2 * UvW);
     logic [((SumRead-1)/Interval+1)*EdgeSumW-1:0] h_sum_q;
-    logic [((HStepTick-1)/Interval+1)*(HW+1)-1:0] h_diff_q;
     logic [((LengthRead-1)/Interval+1)*XW-1:0] length_q;
     logic [(PositiveRead-1)/Interval:0] positive_q;
     logic [((PRead-1)/Interval+1)*PW-1:0] p_q;
-    logic [((HTick-1)/Interval+1)*HW-1:0] h_l_q;
     logic [((Latency-1)/Interval+1)*ThroughW-1:0] through_q;
     row_hold #(
         .Width(EdgeSumW),
@@ -352,17 +348,6 @@ module span_setup (
         .phase_i(phase_q),
         .d_i(h_sum),
         .q_o(h_sum_q)
-    );
-    row_hold #(
-        .Width(HW + 1),
-        .Written(1),
-        .Last(HStepTick)
-    ) u_h_diff (
-        .clk_i,
-        .en_i(en),
-        .phase_i(phase_q),
-        .d_i(h_diff),
-        .q_o(h_diff_q)
     );
     row_hold #(
         .Width(XW),
@@ -398,17 +383,6 @@ module span_setup (
         .q_o(p_q)
     );
     row_hold #(
-        .Width(HW),
-        .Written(1),
-        .Last(HTick)
-    ) u_h_l (
-        .clk_i,
-        .en_i(en),
-        .phase_i(phase_q),
-        .d_i(h_l_i),
-        .q_o(h_l_q)
-    );
-    row_hold #(
         .Width(ThroughW),
         .Written(1),
         .Last(Latency)
@@ -432,15 +406,29 @@ module span_setup (
     localparam int RecipHStep = Divides ? 0 : (HStepTick - RecipTick) / Interval;
 
     // h.
-    localparam int HSumFrac = bitspan_cfg_pkg::SpanHFrac + Below;
-    localparam int OffsetHShift = (bitspan_cfg_pkg::OffsetHRaw == 0) ? 0 : HSumFrac - bitspan_cfg_pkg::OffsetHFrac;
-    logic [HW-1:0] h_l_read;
+    localparam int OffsetHShift =
+        (bitspan_cfg_pkg::OffsetHRaw == 0) ? 0 : bitspan_cfg_pkg::SpanHFrac + Below - bitspan_cfg_pkg::OffsetHFrac;
+    logic signed [HW:0] h_diff;
     logic signed [CW-1:0] h_base;
     logic [HStepW-1:0] res_h_step;
     logic [StartHW-1:0] res_h;
-    assign h_l_read = h_l_q[(HTick-1)/Interval*HW+:HW];
-    assign h_base = (CW'($signed({(bitspan_cfg_pkg::EdgeHSigned != 0) & h_l_read[HW-1], h_l_read})) <<<
-        (HSumFrac - bitspan_cfg_pkg::EdgeHFrac)) + (CW'(bitspan_cfg_pkg::OffsetHRaw) <<< OffsetHShift);
+    row_ends #(
+        .Slope(bitspan_cfg_pkg::RowHStep),
+        .Start(bitspan_cfg_pkg::RowH),
+        .EndW(HW),
+        .EndFrac(bitspan_cfg_pkg::EdgeHFrac),
+        .EndSigned(bitspan_cfg_pkg::EdgeHSigned),
+        .OutFrac(bitspan_cfg_pkg::SpanHFrac),
+        .Offset(CW'(bitspan_cfg_pkg::OffsetHRaw) <<< OffsetHShift)
+    ) u_h_ends (
+        .clk_i,
+        .en_i(en),
+        .phase_i(phase_q),
+        .left_i(h_l_i),
+        .right_i(h_r_i),
+        .n_o(h_diff),
+        .c_o(h_base)
+    );
     row_line #(
         .Slope(bitspan_cfg_pkg::RowHStep),
         .Start(bitspan_cfg_pkg::RowH),
@@ -462,7 +450,7 @@ module span_setup (
         .rst_ni,
         .en_i(en),
         .phase_i(phase_q),
-        .n_i(h_diff_q[(HStepTick-1)/Interval*(HW+1)+:HW+1]),
+        .n_i(h_diff),
         .m_i(recip_q[RecipHStep*RecipW+EW+:MW]),
         .e_i(recip_q[RecipHStep*RecipW+:EW]),
         .start_i(divide_start),
@@ -494,47 +482,30 @@ module span_setup (
       localparam int StartTick = 32'(bitspan_cfg_pkg::RowTicks[16*Start+:16]);
       localparam int RecipStep = Divides ? 0 : (StepTick - RecipTick) / Interval;
       logic [UvW-1:0] left, right;
-      logic signed [UvW:0] diff;
       logic signed [NumW-1:0] num;
       logic signed [CW-1:0] base;
       assign left = (i == 0) ? u_l_i : v_l_i;
       assign right = (i == 0) ? u_r_i : v_r_i;
-      assign diff = $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & right[UvW-1], right}) -
-                    $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & left[UvW-1], left});
       if (Affine) begin : gen_affine
-        logic [((StepTick-1)/Interval+1)*NumW-1:0] diff_q;
-        logic [((StartTick-1)/Interval+1)*UvW-1:0] left_q;
-        logic [UvW-1:0] left_read;
-        row_hold #(
-            .Width(NumW),
-            .Written(1),
-            .Last(StepTick)
-        ) u_diff (
+        row_ends #(
+            .Slope(Step),
+            .Start(Start),
+            .EndW(UvW),
+            .EndFrac(bitspan_cfg_pkg::EdgeUvFrac),
+            .EndSigned(bitspan_cfg_pkg::EdgeUvSigned),
+            .OutFrac(bitspan_cfg_pkg::TexAccFrac),
+            .Offset(OffsetF)
+        ) u_ends (
             .clk_i,
             .en_i(en),
             .phase_i(phase_q),
-            .d_i(diff),
-            .q_o(diff_q)
+            .left_i(left),
+            .right_i(right),
+            .n_o(num),
+            .c_o(base)
         );
-        row_hold #(
-            .Width(UvW),
-            .Written(1),
-            .Last(StartTick)
-        ) u_left (
-            .clk_i,
-            .en_i(en),
-            .phase_i(phase_q),
-            .d_i(left),
-            .q_o(left_q)
-        );
-        assign num = diff_q[(StepTick-1)/Interval*NumW+:NumW];
-        assign left_read = left_q[(StartTick-1)/Interval*UvW+:UvW];
-        assign base = (CW'($signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & left_read[UvW-1], left_read})) <<<
-            (FSumFrac - bitspan_cfg_pkg::EdgeUvFrac)) + OffsetF;
         assign res_f_diff[i*FDiffW+:FDiffW] = '0;
         assign res_uv1[i*UvW+:UvW] = '0;
-        logic unused;
-        assign unused = ^{diff_q, left_q};
       end else begin : gen_product
         // (u_r - u_l) (h_r + B), or u_r (h_r + B).
         localparam int Diff = bitspan_cfg_pkg::RowFuDiff + i;
@@ -591,6 +562,7 @@ module span_setup (
           localparam int LeftTick = 32'(bitspan_cfg_pkg::RowTicks[16*Left+:16]);
           localparam int LeftDone = LeftTick + ProductTicks;
           localparam int BothDone = (LeftDone > DiffDone) ? LeftDone : DiffDone;
+          logic signed [HW:0] h_l;
           logic signed [EdgeSumW-1:0] left_sum;
           logic signed [FactorW-1:0] left_factor;
           logic [((LeftTick-1)/Interval+1)*(EdgeSumW+FactorW)-1:0] operands_q;
@@ -599,6 +571,7 @@ module span_setup (
           logic [FDiffW-1:0] f_left, f_right, f_start;
           assign factor = $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & right[UvW-1], right});
           assign left_factor = $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & left[UvW-1], left});
+          assign h_l = $signed({(bitspan_cfg_pkg::EdgeHSigned != 0) & h_l_i[HW-1], h_l_i});
           assign left_sum = (EdgeSumW'(h_l) <<< (EdgeSumFrac - bitspan_cfg_pkg::EdgeHFrac)) + b_sum;
           row_hold #(
               .Width(EdgeSumW + FactorW),
@@ -660,10 +633,11 @@ module span_setup (
               (FSumFrac - bitspan_cfg_pkg::SpanFDiffFrac)) + OffsetF;
           assign res_uv1[i*UvW+:UvW] = '0;
           logic unused_held;
-          assign unused_held = ^{operands_q, f_left_q, num_q, diff};
+          assign unused_held = ^{operands_q, f_left_q, num_q};
         end else begin : gen_delta_f
           logic [FDiffW-1:0] f_diff;
-          assign factor = diff;
+          assign factor = $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & right[UvW-1], right}) -
+                          $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & left[UvW-1], left});
           assign f_diff = f_diff_q[(StepTick-DiffDone)/Interval*FDiffW+:FDiffW];
           assign num = FExtW'($signed({(bitspan_cfg_pkg::SpanFDiffSigned != 0) & f_diff[FDiffW-1], f_diff}));
           assign base = OffsetF;
@@ -710,9 +684,8 @@ module span_setup (
     end
 
     if (Shades) begin : gen_shades
-      localparam int ShadeSumFrac = bitspan_cfg_pkg::SpanShadeAccFrac + Below;
-      localparam int OffsetShift =
-          (bitspan_cfg_pkg::OffsetShadeRaw == 0) ? 0 : ShadeSumFrac - bitspan_cfg_pkg::OffsetShadeFrac;
+      localparam int OffsetShift = (bitspan_cfg_pkg::OffsetShadeRaw == 0) ? 0 :
+          bitspan_cfg_pkg::SpanShadeAccFrac + Below - bitspan_cfg_pkg::OffsetShadeFrac;
       logic [4*ShadeStepW-1:0] res_step;
       logic [4*ShadeAccW-1:0] res_start;
       for (genvar i = 0; i < 4; i++) begin : gen_shade
@@ -721,40 +694,25 @@ module span_setup (
         localparam int StepTick = Divides ? DivideTick : 32'(bitspan_cfg_pkg::RowTicks[16*Step+:16]);
         localparam int StartTick = 32'(bitspan_cfg_pkg::RowTicks[16*Start+:16]);
         localparam int RecipStep = Divides ? 0 : (StepTick - RecipTick) / Interval;
-        logic [ShadeW-1:0] left, right, left_read;
         logic signed [ShadeW:0] diff;
-        logic [((StepTick-1)/Interval+1)*(ShadeW+1)-1:0] diff_q;
-        logic [((StartTick-1)/Interval+1)*ShadeW-1:0] left_q;
         logic signed [CW-1:0] base;
-        assign left = shade_l_i[i*ShadeW+:ShadeW];
-        assign right = shade_r_i[i*ShadeW+:ShadeW];
-        assign diff = $signed({(bitspan_cfg_pkg::EdgeShadeSigned != 0) & right[ShadeW-1], right}) -
-                      $signed({(bitspan_cfg_pkg::EdgeShadeSigned != 0) & left[ShadeW-1], left});
-        row_hold #(
-            .Width(ShadeW + 1),
-            .Written(1),
-            .Last(StepTick)
-        ) u_diff (
+        row_ends #(
+            .Slope(Step),
+            .Start(Start),
+            .EndW(ShadeW),
+            .EndFrac(bitspan_cfg_pkg::EdgeShadeFrac),
+            .EndSigned(bitspan_cfg_pkg::EdgeShadeSigned),
+            .OutFrac(bitspan_cfg_pkg::SpanShadeAccFrac),
+            .Offset(CW'(bitspan_cfg_pkg::OffsetShadeRaw) <<< OffsetShift)
+        ) u_ends (
             .clk_i,
             .en_i(en),
             .phase_i(phase_q),
-            .d_i(diff),
-            .q_o(diff_q)
+            .left_i(shade_l_i[i*ShadeW+:ShadeW]),
+            .right_i(shade_r_i[i*ShadeW+:ShadeW]),
+            .n_o(diff),
+            .c_o(base)
         );
-        row_hold #(
-            .Width(ShadeW),
-            .Written(1),
-            .Last(StartTick)
-        ) u_left (
-            .clk_i,
-            .en_i(en),
-            .phase_i(phase_q),
-            .d_i(left),
-            .q_o(left_q)
-        );
-        assign left_read = left_q[(StartTick-1)/Interval*ShadeW+:ShadeW];
-        assign base = (CW'($signed({(bitspan_cfg_pkg::EdgeShadeSigned != 0) & left_read[ShadeW-1], left_read})) <<<
-            (ShadeSumFrac - bitspan_cfg_pkg::EdgeShadeFrac)) + (CW'(bitspan_cfg_pkg::OffsetShadeRaw) <<< OffsetShift);
         row_line #(
             .Slope(Step),
             .Start(Start),
@@ -776,7 +734,7 @@ module span_setup (
             .rst_ni,
             .en_i(en),
             .phase_i(phase_q),
-            .n_i(diff_q[(StepTick-1)/Interval*(ShadeW+1)+:ShadeW+1]),
+            .n_i(diff),
             .m_i(recip_q[RecipStep*RecipW+EW+:MW]),
             .e_i(recip_q[RecipStep*RecipW+:EW]),
             .start_i(divide_start),
@@ -792,8 +750,6 @@ module span_setup (
             .step_o(res_step[i*ShadeStepW+:ShadeStepW]),
             .q_o(res_start[i*ShadeAccW+:ShadeAccW])
         );
-        logic unused;
-        assign unused = ^{diff_q, left_q};
       end
       assign res_o[PlainW+:bitspan_cfg_pkg::SpanShadesW] = {{2{res_step}}, res_start};
     end else begin : gen_no_shades
@@ -823,24 +779,30 @@ module span_setup (
 
     logic unused;
     assign unused = ^{phase_i, k_i, h_i, gu_i, gv_i, gu_step0_i, gu_step1_i, gv_step0_i, gv_step1_i, shade_i,
-                      shade_step0_i, shade_step1_i, h_sum_q, h_diff_q, length_q, positive_q, p_q, h_l_q, through_q,
+                      shade_step0_i, shade_step1_i, h_sum_q, length_q, positive_q, p_q, through_q,
                       recip_q, divide_start, has_length, divisor};
   end else begin : gen_const_depth_rows
     localparam int HW = bitspan_cfg_pkg::SpanHW;
     localparam int FW = bitspan_cfg_pkg::SpanFW;
     localparam int GStepW = bitspan_cfg_pkg::SpanFStepW;
     localparam int SpanSumW = bitspan_cfg_pkg::SpanSumW;
-    localparam int SumFrac = bitspan_cfg_pkg::SpanSumFrac;
 
-    // Tick 0: h + B; what is not positive is 0, which the unit takes for one ulp.
-    localparam bit HMayBeNegative = bitspan_cfg_pkg::SpanHSigned != 0 || bitspan_cfg_pkg::SetupBSigned != 0;
-    logic signed [HW:0] h;
-    logic signed [bitspan_cfg_pkg::SetupBW:0] b_ext;
-    logic signed [SpanSumW-1:0] h_sum;
-    assign h = $signed({(bitspan_cfg_pkg::SpanHSigned != 0) & h_i[HW-1], h_i});
-    assign b_ext = $signed({(bitspan_cfg_pkg::SetupBSigned != 0) & b_i[bitspan_cfg_pkg::SetupBW-1], b_i});
-    assign h_sum = (SpanSumW'(h) <<< (SumFrac - bitspan_cfg_pkg::SpanHFrac)) +
-                   (SpanSumW'(b_ext) <<< (SumFrac - bitspan_cfg_pkg::SetupBFrac));
+    // Tick 0: h + B.
+    logic [SpanSumW-2:0] h_sum;
+    depth_operand #(
+        .HW(HW),
+        .HFrac(bitspan_cfg_pkg::SpanHFrac),
+        .HSigned(bitspan_cfg_pkg::SpanHSigned),
+        .BW(bitspan_cfg_pkg::SetupBW),
+        .BFrac(bitspan_cfg_pkg::SetupBFrac),
+        .BSigned(bitspan_cfg_pkg::SetupBSigned),
+        .SumW(SpanSumW),
+        .SumFrac(bitspan_cfg_pkg::SpanSumFrac)
+    ) u_h_sum (
+        .h_i,
+        .b_i,
+        .operand_o(h_sum)
+    );
     // What goes through; shades are ready as they come, and stand above the rest.
     localparam int PlainThroughW = 2 * IndexW + bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + HW;
     localparam int ThroughW = PlainThroughW + (Shades ? bitspan_cfg_pkg::SpanShadesW : 0);
@@ -853,7 +815,7 @@ module span_setup (
         .clk_i,
         .en_i(en),
         .phase_i(phase_q),
-        .d_i(h_sum[SpanSumW-2:0] & {(SpanSumW - 1) {!(HMayBeNegative && h_sum[SpanSumW-1])}}),
+        .d_i(h_sum),
         .q_o(operand)
     );
     row_hold #(

@@ -252,7 +252,7 @@ TEST(Fog, PlantedBugsAreSeen) {
       {"rtl/fog.sv", "(|placed[PlacedW-1:StepW]) ? ", "1'b0 ? "},
       {"rtl/fog.sv", "place[axis], 1'b1})", "place[axis], 1'b0})"},
       {"rtl/fog.sv", "radius_q[s] >= threshold[zone_q", "radius_q[s] > threshold[zone_q"},
-      {"rtl/pixel_reciprocal.sv", "{!(HMayBeNegative && h_sum[SumW-1])}", "{1'b1}"},
+      {"rtl/depth_operand.sv", "{!negative}", "{1'b1}"},
       {"rtl/multiply_round.sv", "sticky_i(sticky)", "sticky_i(1'b0)"},
       {"rtl/fog.sv", ".Depth(RecipAt - 1)", ".Depth(RecipAt)"},
       {"rtl/multiply_round.sv", "far_i(far)", "far_i(1'b0)"},

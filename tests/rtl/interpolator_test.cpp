@@ -287,11 +287,12 @@ void check_values(const Config& c) {
 
 TEST(Interpolator, WrongBitsAreSeenInEveryMode) {
   constexpr const char* setup = "rtl/span_setup.sv";
+  constexpr const char* ends = "rtl/row_ends.sv";
   constexpr const char* span = "rtl/span.sv";
   constexpr PlantedBug shades[] = {
-      {setup, "left_q[(StartTick-1)/Interval*ShadeW+:ShadeW];",
-       "left_q[(StartTick-1)/Interval*ShadeW+:ShadeW] ^ ShadeW'(1);"},
-      {setup, "(CW'(bitspan_cfg_pkg::OffsetShadeRaw) <<< OffsetShift)", "CW'(OffsetShift)"},
+      {ends, "left_q[(StartTick-1)/Interval*EndW+:EndW];",
+       "left_q[(StartTick-1)/Interval*EndW+:EndW] ^ EndW'(1);"},
+      {setup, "CW'(bitspan_cfg_pkg::OffsetShadeRaw) <<< OffsetShift", "CW'(OffsetShift)"},
       {setup, "{{2{res_step}}, res_start}", "{res_step, ~res_step, res_start}"},
       {span, "acc_q[ShadeAccW-1], acc_q});",
        "acc_q[ShadeAccW-1], acc_q ^ ShadeAccW'(1 << (ShadeAccW - 2))});"},
@@ -304,8 +305,8 @@ TEST(Interpolator, WrongBitsAreSeenInEveryMode) {
   constexpr PlantedBug plane_shades[] = {
       {setup, "{shade_step1_i, shade_step0_i, shade_i, x_first_i",
        "{shade_step0_i, shade_step1_i, shade_i, x_first_i"},
-      {span, "step1_q <= res_step1[i*ShadeStepW+:ShadeStepW];",
-       "step1_q <= res_step0[i*ShadeStepW+:ShadeStepW];"},
+      {span, ".step1_i(res_step1[i*ShadeStepW+:ShadeStepW]),",
+       ".step1_i(res_step0[i*ShadeStepW+:ShadeStepW]),"},
   };
   constexpr PlantedBug hyperbolic[] = {
       {setup, "assign left_sum = (EdgeSumW'(h_l)", "assign left_sum = (EdgeSumW'(h_r)"},
@@ -316,9 +317,10 @@ TEST(Interpolator, WrongBitsAreSeenInEveryMode) {
       {span, "if (en) q_q <= q;", "if (en) q_q <= q ^ OutUvW'(1);"},
   };
   constexpr PlantedBug affine[] = {
-      {setup, "diff_q[(StepTick-1)/Interval*NumW+:NumW];", "~diff_q[(StepTick-1)/Interval*NumW+:NumW];"},
-      {setup, "left_q[(StartTick-1)/Interval*UvW+:UvW];",
-       "left_q[(StartTick-1)/Interval*UvW+:UvW] ^ UvW'(1);"},
+      {ends, "n_q[(SlopeTick-1)/Interval*(EndW+1)+:EndW+1];",
+       "~n_q[(SlopeTick-1)/Interval*(EndW+1)+:EndW+1];"},
+      {ends, "left_q[(StartTick-1)/Interval*EndW+:EndW];",
+       "left_q[(StartTick-1)/Interval*EndW+:EndW] ^ EndW'(1);"},
   };
   const auto seen = [](Perspective mode, SlopeForm form, std::span<const PlantedBug> bugs) {
     Config c = shipped_config("narrow");
