@@ -1,35 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/timed/engine_systemc.hpp"
+#include "model/timed/engine_timed.hpp"
 
 #include <span>
 #include <stdexcept>
+#include <utility>
 
-#include "model/timed/machine.hpp"
 #include "model/timed/span_interpolator_timing.hpp"
 
-namespace bitspan {
-namespace timed {
+namespace bitspan::timed {
 namespace {
 
-class Systemc final : public TimedEngine {
+class MachineEngine final : public TimedEngine {
  public:
-  Systemc(const Config& config, const SystemcOptions& options) : config_(config), options_(options) {
+  MachineEngine(std::string_view name, const Config& config, SystemcOptions options, MakeMachine make)
+      : name_(name), config_(config), options_(std::move(options)), make_(make) {
     interpolator_latency(config_);  // throws where there is none
-    if (options_.memory == TimedMemory::ports) check_ports(options_.ports);
-    const bool clocked = !options_.vcd.empty() || options_.record_handshake;
-    if (options_.mode == TimedMode::span && clocked) {
-      throw InputError("timed model: mode span has no waveform and no handshake log; these need mode cycle");
-    }
   }
-  std::string_view name() const override { return "systemc"; }
+  std::string_view name() const override { return name_; }
   void begin(const Scene& scene) override {
     machine_.reset();  // completes the last run's waveform before the next one's begins
-    if (options_.memory == TimedMemory::ports) {
-      machine_ = make_ports_machine(config_, scene, options_);
-      return;
-    }
-    machine_ = options_.mode == TimedMode::span ? make_span_machine(config_, scene, options_)
-                                                : make_cycle_machine(config_, scene, options_);
+    machine_ = make_(config_, scene, options_);
   }
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
     machine().draw(triangles, first_index, trace);
@@ -44,19 +34,21 @@ class Systemc final : public TimedEngine {
 
  private:
   Machine& machine() const {
-    if (!machine_) throw std::logic_error("systemc engine: begin() has not been called");
+    if (!machine_) throw std::logic_error(std::string(name_) + " engine: begin() has not been called");
     return *machine_;
   }
+  std::string_view name_;
   Config config_;
   SystemcOptions options_;
+  MakeMachine make_;
   std::unique_ptr<Machine> machine_;
 };
 
 }  // namespace
-}  // namespace timed
 
-std::unique_ptr<TimedEngine> make_systemc(const Config& config, const SystemcOptions& options) {
-  return std::make_unique<timed::Systemc>(config, options);
+std::unique_ptr<TimedEngine> make_timed_engine(std::string_view name, const Config& config,
+                                               const SystemcOptions& options, MakeMachine make) {
+  return std::make_unique<MachineEngine>(name, config, options, make);
 }
 
-}  // namespace bitspan
+}  // namespace bitspan::timed
