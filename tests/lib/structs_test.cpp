@@ -100,7 +100,6 @@ TEST(LibStructs, TexturesOfEverySize) {
     b.described.desc.textures = static_cast<const bs_texture*>(textures);
     return bs_begin(b.model.get(), &b.described.desc);
   };
-  b.scene.textures.push_back(b.scene.textures[0]);
   b.described.textures.push_back(b.described.textures[0]);
   b.described.desc.texture_count = 2;
   const std::size_t through_rgba = offsetof(bs_texture, rgba) + sizeof(void*);
