@@ -159,8 +159,8 @@ void draw_row(ModelState& model, RecordType type, const std::int64_t* values, st
     model.plane = model.rows->set_plane(record);
     return;
   }
-  const auto [row, plane_row] = row_from(model, type, values, n);
-  draw_whole(model, [&](Trace* trace) { model.rows->draw_row(row, plane_row, texture, trace); });
+  const auto row = row_from(model, type, values, n);
+  draw_whole(model, [&](Trace* trace) { model.rows->draw_row(row.first, row.second, texture, trace); });
 }
 
 // The caller's function as the engine calls it.
