@@ -186,6 +186,10 @@ TEST(LibEngines, TracingOffChangesNoPicture) {
   bs_view view{};
   view.size = sizeof view;
   EXPECT_EQ(bs_records(plain.get(), BS_STAGE_SPAN, &view), BS_BAD_ORDER);
+  ASSERT_EQ(bs_trace(plain.get(), 1), BS_OK);
+  EXPECT_EQ(bs_records(plain.get(), BS_STAGE_SPAN, &view), BS_BAD_ORDER);
+  draw(plain.get(), described);
+  EXPECT_TRUE(records(plain.get(), BS_STAGE_SPAN) == records(traced.get(), BS_STAGE_SPAN));
 }
 
 TEST(LibScenes, StreamsAndMeshesAreRead) {

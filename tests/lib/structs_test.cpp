@@ -122,10 +122,15 @@ TEST(LibStructs, ARowStrideOfATexture) {
     padded.insert(padded.end(), row, row + 8);
     padded.insert(padded.end(), 5, 0xee);
   }
+  // The second row of texels.
+  for (bs_vertex& v : b.described.vertices) v.v = 1.5;
+  draw(b.model.get(), b.described);
+  const auto expected = picture(b.model.get());
+  EXPECT_NE(expected, b.expected);
   b.described.textures[0].rgba = padded.data();
   b.described.textures[0].stride = 13;
   draw(b.model.get(), b.described);
-  EXPECT_EQ(picture(b.model.get()), b.expected);
+  EXPECT_EQ(picture(b.model.get()), expected);
 }
 
 TEST(LibStructs, SceneDescriptionsOfEverySize) {

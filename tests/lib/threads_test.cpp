@@ -92,6 +92,23 @@ TEST(LibHandles, TenThreadsWithAHandleEach) {
   EXPECT_EQ(wrong.load(), 0);
 }
 
+TEST(LibHandles, TheLastErrorIsTheThreadsOwn) {
+  bs_model* model = nullptr;
+  EXPECT_EQ(bs_open(nullptr, "model", &model), BS_BAD_HANDLE);
+  const std::string own = bs_last_error();
+  std::string at_first;
+  std::string other;
+  std::thread([&] {
+    at_first = bs_last_error();
+    bs_close(nullptr);
+    static_cast<void>(bs_trace(nullptr, 1));
+    other = bs_last_error();
+  }).join();
+  EXPECT_EQ(at_first, "");
+  EXPECT_NE(other, own);
+  EXPECT_EQ(bs_last_error(), own);
+}
+
 // Threads that share a handle against the rule get BS_BUSY or their turn, and a close amid a call is
 // harmless.
 TEST(LibHandles, OneHandleInManyThreadsIsRefused) {
