@@ -49,8 +49,8 @@ Config copy_of(const bs_config* handle, const char* function) {
 
 }  // namespace bitspan::capi
 
-using namespace bitspan;        // NOLINT(google-build-using-namespace)
-using namespace bitspan::capi;  // NOLINT(google-build-using-namespace)
+using namespace bitspan;
+using namespace bitspan::capi;
 
 bs_status bs_config_load(const char* name_or_path, bs_config** out) {
   return call([&] {

@@ -286,8 +286,8 @@ void make_engine(ModelState& model) {
 
 }  // namespace bitspan::capi
 
-using namespace bitspan;        // NOLINT(google-build-using-namespace)
-using namespace bitspan::capi;  // NOLINT(google-build-using-namespace)
+using namespace bitspan;
+using namespace bitspan::capi;
 
 uint32_t bs_abi_version(void) { return BS_ABI_VERSION; }
 const char* bs_version(void) { return BITSPAN_VERSION; }

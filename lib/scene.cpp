@@ -198,8 +198,8 @@ void check_texture(const Scene& scene, std::int32_t texture, const char* functio
 
 }  // namespace bitspan::capi
 
-using namespace bitspan;        // NOLINT(google-build-using-namespace)
-using namespace bitspan::capi;  // NOLINT(google-build-using-namespace)
+using namespace bitspan;
+using namespace bitspan::capi;
 
 bs_status bs_scene_load(const char* name_or_path, int32_t width, int32_t height, bs_scene** out) {
   return call([&] {
