@@ -170,7 +170,7 @@ typedef struct bs_divergence {
   int32_t reserved;     /* 0 */
   const char* field_name;   /* holds as long as the library is loaded; NULL for BS_DIVERGENCE_EXTRA */
   int64_t expected, actual; /* raw, the model's and the caller's */
-  double expected_value, actual_value; /* decoded; BS_FIELD_INFO has the unit */
+  double expected_value, actual_value; /* decoded; bs_field tells the unit */
   uint64_t differences;                /* values that differ in this call, of extra records all */
 } bs_divergence;
 
@@ -236,7 +236,10 @@ BS_API bs_status bs_trace(bs_model* model, int32_t on);
  * failure only bs_begin may follow. */
 BS_API bs_status bs_begin(bs_model* model, const bs_scene_desc* scene);
 
-/* Draws one triangle. texture: index of the scene's, -1 for none. frame and draw are the caller's numbers,
+/* Where memory runs out while one of these three draws, or a function of bs_stage_override refuses, the
+ * picture is not whole, and only bs_begin may follow.
+ *
+ * Draws one triangle. texture: index of the scene's, -1 for none. frame and draw are the caller's numbers,
  * which a bs_divergence tells. Triangles count from 0 after bs_begin. */
 BS_API bs_status bs_triangle(bs_model* model, const bs_vertex v[3], int32_t texture, uint64_t frame,
                              uint64_t draw);
@@ -284,10 +287,12 @@ BS_API uint64_t bs_matched(bs_model* model);
 BS_API uint64_t bs_nontrivial(bs_model* model);
 BS_API uint64_t bs_unchecked(bs_model* model, bs_stage stage);
 
-/* A stage of the caller's: `in` is the record that feeds it (BS_STAGE_SETUP's for its edges, the first that
- * made the row, span or pixel otherwise; n_in is 0 where there is none). `out` is what the model's stage
- * made of it, and may be changed: every register within its format, and the flags `covered`, `pass` and
- * `killed`. Any return value but 0 ends the call that draws with BS_BAD_INPUT. */
+/* A stage of the caller's. `in` is the record that feeds the stage, the first one where several do: constants
+ * for setup, setup for its edges, the edge on the left for edge_walk, plane_walk for its rows, the row for
+ * span_setup, span_setup for span, span for depth, texture and fog, depth for merge. `out` is what the
+ * model's stage made of it. The function may change every register within its format, and the flags
+ * `covered`, `pass` and `killed`. It returns 0; any other value ends the call that draws with BS_BAD_INPUT.
+ */
 typedef int32_t (*bs_stage_fn)(void* user, const int64_t* in, size_t n_in, int64_t* out, size_t n_out);
 /* Puts the function behind a stage of the engine model from the next bs_begin on; NULL takes it away. Every
  * record behind it follows from what it made. Such a run is not checked by golden: bs_run_text says so. */
