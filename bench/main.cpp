@@ -48,6 +48,8 @@ int run_all(const Arguments& a, const std::vector<std::string>& sections) {
       bench_kernels(a.options, report);
     } else if (section == "engines") {
       bench_engines(a.options, report);
+    } else if (section == "interface") {
+      bench_interface(a.options, report);
     } else {
       bench_frames(section == "mesh" ? a.options.mesh : section, a.options, report);
     }
@@ -80,7 +82,8 @@ int run(int argc, char** argv) {
   app.add_option("--rounds", a.rounds, "samples of each (default 11, quick 3)")->check(CLI::Range(1, 1000));
   app.add_option(
          "--only", a.options.only,
-         "sections: kernels, big, medium, small, big-back, medium-back, small-back, demo or mesh, engines")
+         "sections: kernels, big, medium, small, big-back, medium-back, small-back, demo or mesh, engines, "
+         "interface")
       ->delimiter(',');
   app.add_option("--mesh", a.options.mesh, "draw this mesh in place of the embedded demo");
   app.add_option("--texture", a.options.texture, "mesh: a PNG for every face");
@@ -98,7 +101,7 @@ int run(int argc, char** argv) {
   std::vector<std::string> sections{"kernels",  "big",         "medium",    "small",
                                     "big-back", "medium-back", "small-back"};
   sections.push_back(a.options.mesh.empty() ? "demo" : "mesh");
-  sections.push_back("engines");
+  sections.insert(sections.end(), {"engines", "interface"});
   for (const std::string& name : a.options.only) {
     if (std::ranges::find(sections, name) == sections.end()) {
       throw InputError(fmt::format("--only: '{}' is none of {}", name, fmt::join(sections, ", ")));

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "cli/commands.hpp"
-#include "cli/config_store.hpp"
 #include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
+#include "config/store.hpp"
 #include "engine/sv_names.hpp"
 #include "golden/precision.hpp"
 #include "io/atomic_file.hpp"
@@ -141,7 +141,7 @@ int emit(const Options& options) {
 CLI::App* add(CLI::App& parent, const std::string& name, const std::string& text,
               const std::shared_ptr<Options>& o, Action& action, int (*run)(const Options&)) {
   CLI::App* sub = parent.add_subcommand(name, text);
-  sub->add_option("config", o->config, "shipped name (" + shipped_names() + ") or TOML file")
+  sub->add_option("config", o->config, "shipped name (" + names_of_shipped() + ") or TOML file")
       ->capture_default_str();
   sub->footer(help_footer("the configuration is legal", "", "bitspan config " + name + " depth16"));
   sub->callback([o, &action, run] { action = [o, run] { return run(*o); }; });

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "cli/commands.hpp"
-#include "cli/config_store.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/verdict.hpp"
+#include "config/store.hpp"
 #include "engine/registry.hpp"
 #include "io/atomic_file.hpp"
 #include "io/png.hpp"

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "cli/commands.hpp"
-#include "cli/config_store.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
+#include "config/store.hpp"
 #include "engine/range.hpp"
 #include "engine/registry.hpp"
 #include "report/describe.hpp"
@@ -163,7 +163,7 @@ bool print_record(const std::vector<Story>& stories, const std::vector<const Rec
     }
     row.push_back(ideal ? fmt::format("{:.10g}", *ideal) : "");
     row.push_back(ideal ? fmt::format("{:.3g}", value - *ideal) : "");
-    row.push_back(unit_of(all[i], config));
+    row.emplace_back(unit_of(all[i], config));
     rows.push_back(std::move(row));
   }
   fmt::print("{}", text_table(rows));

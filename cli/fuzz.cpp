@@ -14,13 +14,13 @@
 #include <vector>
 
 #include "cli/commands.hpp"
-#include "cli/config_store.hpp"
 #include "cli/cycles.hpp"
 #include "cli/model_options.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/verdict.hpp"
 #include "config/rtl_timing.hpp"
+#include "config/store.hpp"
 #include "engine/range.hpp"
 #include "engine/registry.hpp"
 #include "golden/precision.hpp"
@@ -244,7 +244,7 @@ class Fuzzer {
       }
     }
     check_writable(replay_path(o, o.first));  // before the work, so that no failure is lost
-    for (const ShippedConfig& shipped : shipped_configs()) {
+    for (const ShippedConfig& shipped : config_texts()) {
       bases_.push_back(find_config(std::string(shipped.name)));
     }
   }

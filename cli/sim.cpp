@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "cli/commands.hpp"
-#include "cli/config_store.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
+#include "config/store.hpp"
 #include "engine/range.hpp"
 #include "io/atomic_file.hpp"
 #include "model/timed/engine_systemc.hpp"

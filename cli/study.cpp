@@ -15,12 +15,12 @@
 #include <vector>
 
 #include "cli/commands.hpp"
-#include "cli/config_store.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/model_options.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/study_results.hpp"
+#include "config/store.hpp"
 #include "io/atomic_file.hpp"
 #include "report/table.hpp"
 #include "study/metrics.hpp"

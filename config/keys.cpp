@@ -295,6 +295,18 @@ std::string to_string(const KeyValue& value) {
   return std::get<std::string>(value);
 }
 
+KeyValue value_in(std::string_view text) {
+  if (text == "true" || text == "false") return text == "true";
+  const char* const last = text.data() + text.size();
+  std::int64_t integer = 0;
+  const auto [end, error] = std::from_chars(text.data(), last, integer);
+  if (error == std::errc() && end == last) return integer;
+  double real = 0;
+  const auto [real_end, real_error] = std::from_chars(text.data(), last, real);
+  if (real_error == std::errc() && real_end == last) return real;
+  return std::string(text);
+}
+
 KeyValue value_of(const Config& config, const Key& key) {
   return std::visit([](const auto& at) { return get(at); }, place(config, key));
 }

@@ -127,6 +127,8 @@ Config used_part(const Config& config);
 // A value as a file or a study gives it. A colour is the string "none" or "[255, 0, 255]".
 using KeyValue = std::variant<bool, std::int64_t, double, std::string>;
 std::string to_string(const KeyValue& value);
+// What a text without quotes stands for: true, false, a number, or else itself.
+KeyValue value_in(std::string_view text);
 KeyValue value_of(const Config& config, const Key& key);
 // What is wrong with the value, and what is legal; none where it is set.
 std::optional<std::string> set_value(Config& config, const Key& key, const KeyValue& value);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "config/modes.hpp"
+#include "engine/rows.hpp"
 #include "golden/depth.hpp"
 #include "golden/edge_walk.hpp"
 #include "golden/fog.hpp"
@@ -22,7 +23,7 @@ namespace {
 
 using namespace golden;
 
-class GoldenEngine final : public Engine {
+class GoldenEngine final : public Engine, public RowEngine {
  public:
   GoldenEngine(const Config& config, Precision precision, bool checked)
       : config_(config), checked_(checked), precision_(std::move(precision)) {
@@ -59,11 +60,7 @@ class GoldenEngine final : public Engine {
   }
 
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
-    Trace& out = trace != nullptr ? *trace : unkept_;
-    if (trace != nullptr && !constants_delivered_) {
-      trace->constants.push_back(constants_.record);
-      constants_delivered_ = true;
-    }
+    Trace& out = begin_batch(trace);
     std::int64_t index = first_index;
     for (const Triangle& triangle : triangles) {
       draw_one(triangle, index++, out);
@@ -71,7 +68,60 @@ class GoldenEngine final : public Engine {
     }
   }
 
+  PlaneOfRows set_plane(const SetupRecord& setup) override {
+    plane_walk_(setup, planes_);
+    return {planes_.plane.major == 1, planes_.rows};
+  }
+  void draw_row(const AnyRow& any, std::size_t plane_row, int texture, Trace* trace) override {
+    Trace& out = begin_batch(trace);
+    const std::size_t first_span = out.span.size();
+    first_ = out.fragment.size();
+    if (const auto* row = std::get_if<RowRecord>(&any)) {
+      out.row.push_back(*row);
+      out.span.push_back(span_of(*row));
+    } else if (const auto* of_plane = std::get_if<PlaneRowRecord>(&any)) {
+      out.plane_row.push_back(*of_plane);
+      out.span.push_back(span_of(*of_plane));
+    } else {
+      ++counters_.rows;
+      if (by_planes()) --counters_.divides_saved;
+      out.span.push_back(std::get<SpanRecord>(any));
+    }
+    std::span<const std::uint8_t> covered;
+    if (by_planes()) {
+      covered = planes_.covered;
+      for (const PlaneRowRecord& before : std::span(planes_.rows).first(plane_row)) {
+        covered = covered.subspan(static_cast<std::size_t>(before.count));
+      }
+    }
+    draw_spans(first_span, by_planes() ? &planes_.plane : nullptr, covered, image(texture), out);
+    unkept_.clear();
+  }
+
  private:
+  // Returns where records go.
+  Trace& begin_batch(Trace* trace) {
+    if (trace != nullptr && !constants_delivered_) {
+      trace->constants.push_back(constants_.record);
+      constants_delivered_ = true;
+    }
+    return trace != nullptr ? *trace : unkept_;
+  }
+  const Texture* image(int texture) const {
+    return texture < 0 ? nullptr : &scene_->textures.at(static_cast<std::size_t>(texture));
+  }
+  SpanRecord span_of(const RowRecord& row) {
+    ++counters_.rows;
+    if (row.r_x > row.l_x) counters_.divides_row += shares_reciprocal(config_.row_slope) ? 1 : 7;
+    return span_setup_(row);
+  }
+  SpanRecord span_of(const PlaneRowRecord& row) {
+    ++counters_.rows;
+    ++counters_.divides_row;
+    --counters_.divides_saved;
+    return plane_span_setup_(planes_.plane, row);
+  }
+
   Arithmetic with(Width width) const { return {width, checked_}; }
   bool by_planes() const { return has_plane_rows(config_.perspective); }
 
@@ -83,8 +133,7 @@ class GoldenEngine final : public Engine {
       return;
     }
     out.setup.push_back(*setup);
-    const Texture* texture =
-        triangle.texture < 0 ? nullptr : &scene_->textures.at(static_cast<std::size_t>(triangle.texture));
+    const Texture* texture = image(triangle.texture);
     first_ = out.fragment.size();
     if (by_planes()) {
       draw_planes(*setup, texture, out);
@@ -106,13 +155,10 @@ class GoldenEngine final : public Engine {
     edge_walk_(setup, with_height, out.row);
     const std::size_t first_span = out.span.size();
     for (std::size_t i = first_row; i < out.row.size(); ++i) {
-      const RowRecord& row = out.row[i];
-      ++counters_.rows;
       if (!has_linear_edges(config_.perspective)) counters_.divides_edge += 2;
-      if (row.r_x > row.l_x) counters_.divides_row += shares_reciprocal(config_.row_slope) ? 1 : 7;
-      out.span.push_back(span_setup_(row));
+      out.span.push_back(span_of(out.row[i]));
     }
-    draw_spans(first_span, nullptr, texture, out);
+    draw_spans(first_span, nullptr, {}, texture, out);
   }
 
   void draw_planes(const SetupRecord& setup, const Texture* texture, Trace& out) {
@@ -121,19 +167,15 @@ class GoldenEngine final : public Engine {
     out.plane.push_back(planes_.plane);
     out.plane_row.insert(out.plane_row.end(), planes_.rows.begin(), planes_.rows.end());
     const std::size_t first_span = out.span.size();
-    for (const PlaneRowRecord& row : planes_.rows) {
-      ++counters_.rows;
-      ++counters_.divides_row;
-      --counters_.divides_saved;
-      out.span.push_back(plane_span_setup_(planes_.plane, row));
-    }
-    draw_spans(first_span, &planes_.plane, texture, out);
+    for (const PlaneRowRecord& row : planes_.rows) out.span.push_back(span_of(row));
+    draw_spans(first_span, &planes_.plane, planes_.covered, texture, out);
   }
 
-  // The triangle's spans, those from first_span on, as many at a time as make a batch of fragments.
-  void draw_spans(std::size_t first_span, const PlaneRecord* plane, const Texture* texture, Trace& out) {
+  // The triangle's spans, those from first_span on, as many at a time as make a batch of fragments. covered:
+  // of their pixels; empty in the modes with horizontal rows.
+  void draw_spans(std::size_t first_span, const PlaneRecord* plane, std::span<const std::uint8_t> covered,
+                  const Texture* texture, Trace& out) {
     const std::span spans = std::span<const SpanRecord>(out.span).subspan(first_span);
-    std::span<const std::uint8_t> covered = planes_.covered;
     std::size_t begin = 0;
     std::size_t count = 0;
     for (std::size_t i = 0; i < spans.size(); ++i) {

@@ -32,10 +32,7 @@ struct Run {
     if (scene == nullptr) {
       throw std::logic_error("Engine::draw before begin");
     }
-    if (trace != nullptr && !constants_delivered) {
-      trace->constants.push_back(pipeline.constants.record);
-      constants_delivered = true;
-    }
+    deliver_constants(trace);
     std::int64_t index = first_index;
     for (const Triangle& triangle : triangles) {
       model::check_triangle(*scene, triangle, index);
@@ -47,11 +44,17 @@ struct Run {
         model::span_to_fragments(pipeline, span, model::geometry_of(rows, i), fragments, counters, watch);
         deliver(trace, span);
         deliver_all(trace, fragments);
-        model::fragments_to_frame(pipeline, fragments, model::texture_of(*scene, triangle), frame, counters,
-                                  trace, watch);
+        model::fragments_to_frame(pipeline, fragments, model::texture_of(*scene, triangle.texture), frame,
+                                  counters, trace, watch);
       }
       ++index;
     }
+  }
+
+  void deliver_constants(Trace* trace) {
+    if (trace == nullptr || constants_delivered) return;
+    trace->constants.push_back(pipeline.constants.record);
+    constants_delivered = true;
   }
 
   Config config;
@@ -67,7 +70,7 @@ struct Run {
   std::vector<FragmentRecord> fragments;
 };
 
-class Model final : public Engine {
+class Model final : public Engine, public RowEngine {
  public:
   Model(const Config& config, bool winners) : run_(config, winners) {}
   std::string_view name() const override { return "model"; }
@@ -77,9 +80,19 @@ class Model final : public Engine {
   }
   const Frame& frame() const override { return run_.frame; }
   const Counters& counters() const override { return run_.counters; }
+  PlaneOfRows set_plane(const SetupRecord& setup) override {
+    plane_rows_ = model::plane_rows(run_.pipeline, setup, run_.walk);
+    return {run_.walk.geometry.along_y, plane_rows_};
+  }
+  void draw_row(const AnyRow& row, std::size_t /*plane_row*/, int texture, Trace* trace) override {
+    run_.deliver_constants(trace);
+    model::row_to_frame(run_.pipeline, row, run_.pipeline.const_depth_rows ? &run_.walk.geometry : nullptr,
+                        model::texture_of(*run_.scene, texture), run_.frame, run_.counters, trace);
+  }
 
  private:
   Run run_;
+  std::vector<PlaneRowRecord> plane_rows_;
 };
 
 class ObservedModel final : public ObservedEngine {

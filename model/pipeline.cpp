@@ -204,6 +204,40 @@ void fragments_to_frame(const Pipeline& pipeline, std::span<const FragmentRecord
   }
 }
 
+void row_to_frame(const Pipeline& pipeline, const AnyRow& any, const PlaneGeometry* geometry,
+                  const Texture* texture_image, Frame& frame, Counters& counters, Trace* trace) {
+  ++counters.rows;
+  if (pipeline.const_depth_rows) --counters.divides_saved;
+  SpanRecord span;
+  int divides = 0;
+  if (const auto* row = std::get_if<RowRecord>(&any)) {
+    deliver(trace, *row);
+    divides = span_setup(pipeline.span_setup, *row, span);
+  } else if (const auto* plane_row = std::get_if<PlaneRowRecord>(&any)) {
+    deliver(trace, *plane_row);
+    divides = span_setup(pipeline.span_setup, *plane_row, *geometry, span);
+  } else {
+    span = std::get<SpanRecord>(any);
+  }
+  counters.divides_row += static_cast<std::uint64_t>(divides);
+  deliver(trace, span);
+  std::vector<FragmentRecord> fragments;
+  span_to_fragments(pipeline, span, geometry, fragments, counters);
+  deliver_all(trace, fragments);
+  fragments_to_frame(pipeline, fragments, texture_image, frame, counters, trace);
+}
+
+std::vector<PlaneRowRecord> plane_rows(const Pipeline& pipeline, const SetupRecord& vertices,
+                                       PlaneWalkState& walk) {
+  start_plane_walk(pipeline.plane_walk, vertices, walk);
+  std::vector<PlaneRowRecord> rows;
+  PlaneRowRecord row;
+  while (!finished(walk)) {
+    if (plane_walk(pipeline.plane_walk, walk, row)) rows.push_back(row);
+  }
+  return rows;
+}
+
 void clear_frame(const Pipeline& pipeline, const Scene& scene, bool winners, Frame& frame) {
   bitspan::clear_frame(frame, scene.width, scene.height, scene.background,
                        static_cast<std::uint32_t>(pipeline.depth.clear), winners);
@@ -215,8 +249,8 @@ Frame cleared_frame(const Pipeline& pipeline, const Scene& scene) {
   return frame;
 }
 
-const Texture* texture_of(const Scene& scene, const Triangle& triangle) {
-  return triangle.texture < 0 ? nullptr : &scene.textures[static_cast<std::size_t>(triangle.texture)];
+const Texture* texture_of(const Scene& scene, int texture) {
+  return texture < 0 ? nullptr : &scene.textures[static_cast<std::size_t>(texture)];
 }
 
 template Pipeline make_pipeline(const Config&, const Scene&, NoObserve);

@@ -13,6 +13,7 @@
 #include "config/config.hpp"
 #include "engine/engine.hpp"
 #include "engine/records.hpp"
+#include "engine/rows.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/depth.hpp"
 #include "model/stages/edge_walk.hpp"
@@ -90,11 +91,20 @@ void fragments_to_frame(const Pipeline& pipeline, std::span<const FragmentRecord
                         const Texture* texture, Frame& frame, Counters& counters, Trace* trace,
                         Watch watch = {});
 
+// A row that was made elsewhere, from behind its stage to the frame; geometry: const_depth_rows only, else
+// null. With a trace, appends its record and those behind it. Counts rows, divides_saved, divides_row and
+// what the steps above count.
+void row_to_frame(const Pipeline& pipeline, const AnyRow& row, const PlaneGeometry* geometry,
+                  const Texture* texture, Frame& frame, Counters& counters, Trace* trace);
+// The walk of a triangle in const_depth_rows; returns its rows.
+std::vector<PlaneRowRecord> plane_rows(const Pipeline& pipeline, const SetupRecord& setup,
+                                       PlaneWalkState& walk);
+
 // Makes the frame of the scene's size: background, cleared depth buffer, no triangle. winners: with the
 // planes u, v and triangle; else they are empty.
 void clear_frame(const Pipeline& pipeline, const Scene& scene, bool winners, Frame& frame);
 Frame cleared_frame(const Pipeline& pipeline, const Scene& scene);
-// The triangle's texture, null for none.
-const Texture* texture_of(const Scene& scene, const Triangle& triangle);
+// The texture by its index, null for none.
+const Texture* texture_of(const Scene& scene, int texture);
 
 }  // namespace bitspan::model

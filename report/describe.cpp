@@ -25,13 +25,13 @@ std::string hex_of(std::int64_t raw, const Field& field, const Config& config) {
   return format ? fmt::format("0x{:0{}x}", bits, (word + 3) / 4) : fmt::format("{:#x}", bits);
 }
 
-std::string unit_of(const Field& field, const Config& config) {
+std::string_view unit_of(const Field& field, const Config& config) {
   const bool linear = has_linear_texture(config.perspective);
   switch (field.kind) {
     case FieldKind::integer:
       return "";
     case FieldKind::format:
-      return std::string(unit_of(field.format));
+      return unit_of(field.format);
     case FieldKind::coordinate:
       return "pixel";
     case FieldKind::depth_code:
@@ -43,9 +43,9 @@ std::string unit_of(const Field& field, const Config& config) {
     case FieldKind::phase:
       return "pixel";
     case FieldKind::texture_acc:
-      return std::string(unit_of(linear ? FormatId::span_uv_acc : FormatId::span_f));
+      return unit_of(linear ? FormatId::span_uv_acc : FormatId::span_f);
     case FieldKind::texture_step:
-      return std::string(unit_of(linear ? FormatId::span_uv_step : FormatId::span_f_step));
+      return unit_of(linear ? FormatId::span_uv_step : FormatId::span_f_step);
   }
   return "";
 }
@@ -155,7 +155,7 @@ std::string describe(const Divergence& d, const Config& config, const RunLabel& 
                    ? fmt::format("{}", raw)
                    : fmt::format("{} ({:.10g})", hex_of(raw, all[i], config), decode(raw, all[i], config));
       };
-      const std::string unit = unit_of(all[i], config);
+      const std::string_view unit = unit_of(all[i], config);
       out += fmt::format("  {} {:<12} {} | {}{}{}\n", a == b ? ' ' : '*', all[i].name, text(a), text(b),
                          unit.empty() ? "" : "  ", unit);
     }

@@ -4,15 +4,17 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "report/compare.hpp"
 
 namespace bitspan {
 
-// Return the value of a raw value, its bits as hexadecimal digits of the format's word, and the field's unit.
+// Return the value of a raw value, its bits as hexadecimal digits of the format's word, and the field's unit,
+// a literal.
 double decode(std::int64_t raw, const Field& field, const Config& config);
 std::string hex_of(std::int64_t raw, const Field& field, const Config& config);
-std::string unit_of(const Field& field, const Config& config);
+std::string_view unit_of(const Field& field, const Config& config);
 
 // Where a divergence was seen, for its report.
 struct RunLabel {

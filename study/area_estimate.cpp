@@ -660,14 +660,6 @@ class ErrorSum {
 
 constexpr std::string_view csv_header = "base,settings,family,luts,ffs,multipliers,memory_bits,tools";
 
-KeyValue value_in(std::string_view text) {
-  if (text == "true" || text == "false") return text == "true";
-  std::int64_t integer = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), integer);
-  if (error == std::errc() && end == text.data() + text.size()) return integer;
-  return std::string(text);
-}
-
 std::int64_t count_in(const std::string& text) {
   std::int64_t value = -1;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

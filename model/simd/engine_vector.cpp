@@ -353,10 +353,7 @@ class VectorModel {
     if (scene_ == nullptr) {
       throw std::logic_error("Engine::draw before begin");
     }
-    if (trace != nullptr && !constants_delivered_) {
-      trace->constants.push_back(pipeline_.constants.record);
-      constants_delivered_ = true;
-    }
+    deliver_constants(trace);
     const auto draw_chunk = [&](std::size_t at, std::size_t n) {
       std::visit(
           [&](auto& drawing) {
@@ -380,10 +377,26 @@ class VectorModel {
     }
   }
 
+  PlaneOfRows set_plane(const SetupRecord& setup) {
+    plane_rows_ = plane_rows(pipeline_, setup, walk_);
+    return {walk_.geometry.along_y, plane_rows_};
+  }
+  void draw_row(const AnyRow& row, int texture, Trace* trace) {
+    deliver_constants(trace);
+    row_to_frame(pipeline_, row, pipeline_.const_depth_rows ? &walk_.geometry : nullptr,
+                 texture_of(*scene_, texture), frame_, counters_, trace);
+  }
+
   const Frame& frame() const { return frame_; }
   const Counters& counters() const { return counters_; }
 
  private:
+  void deliver_constants(Trace* trace) {
+    if (trace == nullptr || constants_delivered_) return;
+    trace->constants.push_back(pipeline_.constants.record);
+    constants_delivered_ = true;
+  }
+
   // All of a scene that a pipeline is made from.
   struct SceneKey {
     int width, height;
@@ -404,10 +417,12 @@ class VectorModel {
   Frame frame_;
   Counters counters_;
   bool constants_delivered_ = false;
+  PlaneWalkState walk_;  // of rows that were made elsewhere
+  std::vector<PlaneRowRecord> plane_rows_;
   std::variant<std::unique_ptr<Drawing<std::int32_t>>, std::unique_ptr<Drawing<std::int64_t>>> drawing_;
 };
 
-class VectorEngine final : public Engine {
+class VectorEngine final : public Engine, public RowEngine {
  public:
   VectorEngine(const Config& config, const ModelOptions& options) : model_(config, options) {}
   std::string_view name() const override { return "model"; }
@@ -417,6 +432,10 @@ class VectorEngine final : public Engine {
   }
   const Frame& frame() const override { return model_.frame(); }
   const Counters& counters() const override { return model_.counters(); }
+  PlaneOfRows set_plane(const SetupRecord& setup) override { return model_.set_plane(setup); }
+  void draw_row(const AnyRow& row, std::size_t /*plane_row*/, int texture, Trace* trace) override {
+    model_.draw_row(row, texture, trace);
+  }
 
  private:
   VectorModel model_;

@@ -221,7 +221,8 @@ TEST(Pipeline, StepsCanBeTakenApart) {
       std::vector<FragmentRecord> fragments;
       model::span_to_fragments(pipeline, span, model::geometry_of(rows, i), fragments, counters);
       const Triangle& t = scene.triangles[static_cast<std::size_t>(span.triangle)];
-      model::fragments_to_frame(pipeline, fragments, model::texture_of(scene, t), frame, counters, nullptr);
+      model::fragments_to_frame(pipeline, fragments, model::texture_of(scene, t.texture), frame, counters,
+                                nullptr);
     }
     EXPECT_EQ(frame.color, engine->frame().color);
     EXPECT_EQ(frame.depth, engine->frame().depth);

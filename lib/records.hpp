@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Records from outside: what must hold before a stage may read them. Each function throws BS_BAD_INPUT,
+// naming the field.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "config/config.hpp"
+#include "engine/rows.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan::capi {
+
+// Every register is within its format.
+void check_registers(const Config& config, RecordType type, std::span<const std::int64_t> record,
+                     const std::string& function);
+// Of `before` only registers and the flags of the fragment's way changed.
+void check_identity(RecordType type, std::span<const std::int64_t> before,
+                    std::span<const std::int64_t> record, const std::string& function);
+// The vertices are in the order of the edge walk, and the triangle has an area.
+void check_setup(const SetupRecord& record, const std::string& function);
+// The pixels lie in the picture.
+void check_pixels(const RowRecord& row, const Scene& scene, const std::string& function);
+void check_pixels(const SpanRecord& span, const Scene& scene, const std::string& function);
+// Returns which of the plane's rows has the row's pixels.
+std::size_t row_of_plane(const AnyRow& row, const PlaneOfRows& plane, const std::string& function);
+
+}  // namespace bitspan::capi

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes of the interface: those that the library reads, and those that a caller describes.
+#include "lib/scene.hpp"
+
+#include <cmath>
+#include <memory>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "config/config.hpp"
+#include "lib/handles.hpp"
+#include "lib/structs.hpp"
+#include "model/pipeline.hpp"
+#include "scene/demo.hpp"
+#include "scene/mesh.hpp"
+#include "scene/picture_size.hpp"
+#include "scene/texture.hpp"
+#include "scene/tri_stream.hpp"
+
+namespace bitspan::capi {
+namespace {
+
+// A scene that was read, and the description of it that the caller gets.
+struct SceneState {
+  Scene scene;
+  std::vector<bs_texture> textures;
+  std::vector<bs_vertex> vertices;
+  std::vector<std::int32_t> texture_of;
+};
+
+// Never destroyed: functions may be called while the program ends.
+Handles<bs_scene, SceneState>& scenes() {
+  static auto* const all = new Handles<bs_scene, SceneState>("bs_scene");
+  return *all;
+}
+
+Scene mesh(const std::string& path, const Size& size) {
+  MeshOptions options;
+  options.width = size.width;
+  options.height = size.height;
+  ProjectReport faces;
+  Scene scene = mesh_scene(read_mesh(path), options, faces);
+  check_scene(scene, path);
+  if (faces.drawn == 0) {
+    throw InputError(path + ": none of " + std::to_string(faces.faces) +
+                     " faces is drawn; expected one that the camera sees from its front");
+  }
+  return scene;
+}
+
+Scene load(const std::string& name, std::int32_t width, std::int32_t height) {
+  const bool sized = width != 0 || height != 0;
+  const Size size = sized ? Size{width, height} : Size{};
+  if (!is_legal(size)) {
+    fail(BS_BAD_INPUT, "bs_scene_load: width, height: " + std::to_string(width) + "x" +
+                           std::to_string(height) + " is out of range; expected 1.." +
+                           std::to_string(picture_size_limit) + " each way and at most " +
+                           std::to_string(picture_area_limit) + " pixels");
+  }
+  if (name == "demo") return demo_scene(size.width, size.height);
+  if (!name.ends_with(".tri")) return mesh(name, size);
+  Scene scene = read_tri(name);
+  if (sized && (scene.width != width || scene.height != height)) {
+    fail(BS_BAD_INPUT, "bs_scene_load: width, height: " + name + " is a stream of " +
+                           std::to_string(scene.width) + "x" + std::to_string(scene.height) +
+                           " pixels; expected these, or 0");
+  }
+  return scene;
+}
+
+std::shared_ptr<SceneState> described(Scene scene) {
+  auto state = std::make_shared<SceneState>();
+  state->scene = std::move(scene);
+  for (const Texture& t : state->scene.textures) {
+    state->textures.push_back({sizeof(bs_texture), t.width, t.height, t.rgba.data(), 0, t.name.c_str()});
+  }
+  for (const Triangle& triangle : state->scene.triangles) {
+    for (const Vertex& v : triangle.v) {
+      state->vertices.push_back({sizeof(bs_vertex), v.x, v.y, v.s, v.u, v.v, v.c[0], v.c[1], v.c[2], v.c[3]});
+    }
+    state->texture_of.push_back(triangle.texture);
+  }
+  return state;
+}
+
+bs_scene_desc describe(const SceneState& state) {
+  const Scene& scene = state.scene;
+  bs_scene_desc out = BS_SCENE_DESC_INIT;
+  out.width = scene.width;
+  out.height = scene.height;
+  out.s_min = scene.s_min;
+  out.s_max = scene.s_max;
+  out.focal = scene.focal;
+  std::copy(scene.background.begin(), scene.background.end(), out.background);
+  if (scene.fog) {
+    out.has_fog = 1;
+    std::copy(scene.fog->color.begin(), scene.fog->color.end(), out.fog_color);
+    out.fog_distance = scene.fog->distance;
+  }
+  out.textures = state.textures.data();
+  out.texture_count = state.textures.size();
+  out.name = scene.name.c_str();
+  return out;
+}
+
+Texture texture_from(const bs_texture& t, const std::string& what) {
+  if (t.width < 1 || t.height < 1 || t.width > texture_size_limit || t.height > texture_size_limit) {
+    fail(BS_BAD_INPUT, what + ": " + std::to_string(t.width) + "x" + std::to_string(t.height) +
+                           " is out of range; expected 1.." + std::to_string(texture_size_limit) + " texels");
+  }
+  need(t.rgba, (what + ".rgba").c_str());
+  const std::size_t row = 4 * static_cast<std::size_t>(t.width);
+  const std::size_t stride = t.stride == 0 ? row : t.stride;
+  if (stride < row) {
+    fail(BS_BAD_INPUT,
+         what + ".stride: " + std::to_string(stride) + "; expected at least " + std::to_string(row));
+  }
+  Texture out;
+  out.name = t.name == nullptr ? what : t.name;
+  out.width = t.width;
+  out.height = t.height;
+  out.rgba.reserve(row * static_cast<std::size_t>(t.height));
+  for (std::size_t y = 0; y < static_cast<std::size_t>(t.height); ++y) {
+    out.rgba.insert(out.rgba.end(), t.rgba + y * stride, t.rgba + y * stride + row);
+  }
+  return out;
+}
+
+}  // namespace
+
+Scene scene_from(const bs_scene_desc* from) {
+  const std::string what = "bs_begin: scene";
+  need(from, what.c_str());
+  const auto d =
+      read_struct(from, bs_scene_desc BS_SCENE_DESC_INIT, BITSPAN_THROUGH(bs_scene_desc, height), what);
+  if (d.has_fog > 1 || d.reserved != 0) {
+    fail(BS_BAD_INPUT, what + ".has_fog, .reserved: " + std::to_string(d.has_fog) + ", " +
+                           std::to_string(d.reserved) + "; expected 0 or 1, and 0");
+  }
+  Scene scene;
+  scene.name = d.name == nullptr ? "scene" : d.name;
+  scene.width = d.width;
+  scene.height = d.height;
+  scene.s_min = d.s_min;
+  scene.s_max = d.s_max;
+  scene.focal = d.focal;
+  std::copy(std::begin(d.background), std::end(d.background), scene.background.begin());
+  if (d.has_fog == 1) {
+    scene.fog.emplace();
+    std::copy(std::begin(d.fog_color), std::end(d.fog_color), scene.fog->color.begin());
+    scene.fog->distance = d.fog_distance;
+  }
+  check_scene(scene, what);
+  if (d.texture_count != 0) need(d.textures, (what + ".textures").c_str());
+  if (d.texture_count > texture_count_limit) {
+    fail(BS_BAD_INPUT, what + ".texture_count: " + std::to_string(d.texture_count) + "; expected at most " +
+                           std::to_string(texture_count_limit));
+  }
+  for (std::size_t i = 0; i < d.texture_count; ++i) {
+    const auto t =
+        read_element(d.textures, i, bs_texture{}, BITSPAN_THROUGH(bs_texture, rgba), what + ".textures");
+    scene.textures.push_back(texture_from(t, what + ".textures[" + std::to_string(i) + "]"));
+  }
+  model::check_scene(scene);
+  return scene;
+}
+
+Triangle triangle_from(const bs_vertex* vertices, std::size_t i, std::int32_t texture, const Scene& scene,
+                       std::int64_t index, const char* function) {
+  const std::string what = std::string(function) + ": v";
+  Triangle out;
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    const auto v =
+        read_element(vertices, 3 * i + corner, bs_vertex BS_VERTEX_INIT, BITSPAN_THROUGH(bs_vertex, s), what);
+    for (const double at : {v.x, v.y}) {
+      if (!(std::fabs(at) <= coordinate_limit)) {
+        fail(BS_BAD_INPUT, what + "[" + std::to_string(3 * i + corner) + "]: x or y is " +
+                               std::to_string(at) + "; expected " +
+                               std::to_string(static_cast<int>(-coordinate_limit)) + " to " +
+                               std::to_string(static_cast<int>(coordinate_limit)));
+      }
+    }
+    out.v[corner] = {v.x, v.y, v.s, v.u, v.v, {v.r, v.g, v.b, v.a}};
+  }
+  check_texture(scene, texture, function);
+  out.texture = texture;
+  model::check_triangle(scene, out, index);
+  return out;
+}
+
+void check_texture(const Scene& scene, std::int32_t texture, const char* function) {
+  if (texture >= -1 && texture < static_cast<std::int64_t>(scene.textures.size())) return;
+  fail(BS_BAD_INPUT, std::string(function) + ": texture: " + std::to_string(texture) +
+                         " is none of the scene's; expected -1 to " +
+                         std::to_string(static_cast<std::int64_t>(scene.textures.size()) - 1));
+}
+
+}  // namespace bitspan::capi
+
+using namespace bitspan;
+using namespace bitspan::capi;
+
+bs_status bs_scene_load(const char* name_or_path, int32_t width, int32_t height, bs_scene** out) {
+  return call([&] {
+    need(name_or_path, "bs_scene_load: name_or_path");
+    need(out, "bs_scene_load: out");
+    *out = scenes().add(described(load(name_or_path, width, height)));
+  });
+}
+
+bs_status bs_scene_get(bs_scene* scene, bs_scene_desc* out) {
+  return call([&] {
+    const auto state = scenes().find(scene, "bs_scene_get");
+    write_struct(out, describe(*state), BITSPAN_THROUGH(bs_scene_desc, height), "bs_scene_get: out");
+  });
+}
+
+bs_status bs_scene_triangles(bs_scene* scene, const bs_vertex** vertices, const int32_t** textures,
+                             size_t* count) {
+  return call([&] {
+    const auto state = scenes().find(scene, "bs_scene_triangles");
+    need(vertices, "bs_scene_triangles: vertices");
+    need(textures, "bs_scene_triangles: textures");
+    need(count, "bs_scene_triangles: count");
+    *vertices = state->vertices.data();
+    *textures = state->texture_of.data();
+    *count = state->texture_of.size();
+  });
+}
+
+void bs_scene_free(bs_scene* scene) { scenes().remove(scene); }

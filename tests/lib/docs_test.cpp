@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tables of docs/c_api.md against the library. BITSPAN_UPDATE_DOCS=1 writes the stages again.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "engine/records.hpp"
+#include "lib/stages.hpp"
+#include "tests/lib/support.hpp"
+
+namespace bitspan {
+namespace {
+
+const std::string page = std::string(BITSPAN_SOURCE_DIR) + "/docs/c_api.md";
+
+std::string text_of_page() {
+  std::ifstream in(page);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::string_view per(const StageRow& row) {
+  constexpr std::array<std::string_view, 5> names{"scene", "triangle", "edge", "row", "pixel"};
+  return names.at(static_cast<std::size_t>(row.per));
+}
+
+TEST(LibDocs, StagesAreTheLibrarys) {
+  const std::string head = "| number | name | fields | one record per |\n|---|---|---|---|\n";
+  std::string table = head;
+  for (bs_stage stage = 0; bs_stage_name(stage) != nullptr; ++stage) {
+    const StageRow& row = row_of(capi::stage_types[static_cast<std::size_t>(stage)]);
+    table += "| " + std::to_string(stage) + " | `" + bs_stage_name(stage) + "` | " +
+             std::to_string(fields_of(row.type).size()) + " | " + std::string(per(row)) + " |\n";
+  }
+  std::string text = text_of_page();
+  const std::size_t begin = text.find(head);
+  ASSERT_NE(begin, std::string::npos);
+  const std::size_t end = text.find("\n\n", begin) + 1;
+  if (std::getenv("BITSPAN_UPDATE_DOCS") != nullptr) {
+    text.replace(begin, end - begin, table);
+    std::ofstream(page) << text;
+  } else {
+    EXPECT_EQ(text.substr(begin, end - begin), table);
+  }
+}
+
+TEST(LibDocs, EveryEngineIsTold) {
+  const std::string text = text_of_page();
+  for (int i = 0; bs_engine_name(i) != nullptr; ++i) {
+    EXPECT_NE(text.find("| `" + std::string(bs_engine_name(i)) + "` | "), std::string::npos)
+        << bs_engine_name(i);
+  }
+}
+
+}  // namespace
+}  // namespace bitspan

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the C interface delivers against the engines behind it: every record, plane, counter and format.
+#include <gtest/gtest.h>
+
+#include <span>
+
+#include "engine/registry.hpp"
+#include "lib/stages.hpp"
+#include "report/describe.hpp"
+#include "scene/demo.hpp"
+#include "scene/random.hpp"
+#include "tests/lib/support.hpp"
+#include "tests/support/same_bits.hpp"
+#include "tests/support/test_config.hpp"
+
+namespace bitspan {
+namespace {
+
+using capi::stage_types;
+
+Scene small_random(std::uint64_t seed) {
+  RandomOptions options;
+  options.triangles = 25;
+  options.size_max = 60;
+  return random_scene(seed, options);
+}
+
+void expect_same_records(const Trace& trace, bs_model* model) {
+  for (bs_stage stage = 0; stage < record_types; ++stage) {
+    const RecordView expected = view_of(trace, stage_types[static_cast<std::size_t>(stage)]);
+    const bs_view view = records_view(model, stage);
+    EXPECT_EQ(view.columns, expected.fields.size());
+    EXPECT_EQ(view.stride, view.columns * sizeof(std::int64_t));
+    EXPECT_EQ(view.element, BS_I64);
+    ASSERT_EQ(view.rows, expected.records) << bs_stage_name(stage);
+    const std::vector<std::int64_t> values(expected.values,
+                                           expected.values + expected.records * expected.fields.size());
+    EXPECT_TRUE(records(model, stage) == values) << bs_stage_name(stage);
+  }
+}
+
+void expect_same_frame(const Frame& frame, bs_model* model) {
+  EXPECT_EQ(plane<std::uint8_t>(model, BS_PLANE_COLOR), frame.color);
+  EXPECT_EQ(plane<std::uint32_t>(model, BS_PLANE_DEPTH), frame.depth);
+  EXPECT_EQ(plane<std::int32_t>(model, BS_PLANE_TRIANGLE), frame.triangle);
+  EXPECT_TRUE(same_bits(plane<double>(model, BS_PLANE_U), frame.u));
+  EXPECT_TRUE(same_bits(plane<double>(model, BS_PLANE_V), frame.v));
+}
+
+void expect_same_counters(const Counters& counters, bs_model* model) {
+  int i = 0;
+  for_each_counter([&](const CounterInfo& info, auto member) {
+    EXPECT_STREQ(bs_counter_name(i++), std::string(info.name).c_str());
+    std::int64_t value = -1;
+    EXPECT_EQ(bs_counter(model, std::string(info.name).c_str(), &value), BS_OK) << bs_last_error();
+    EXPECT_EQ(value, static_cast<std::int64_t>(counters.*member)) << info.name;
+  });
+  EXPECT_EQ(bs_counter_name(i), nullptr);
+}
+
+// Draws by the interface, at once or triangle by triangle, and by the engine itself.
+void compare(const Scene& scene, const std::string& name, const std::string& mode, const std::string& engine,
+             bool one_by_one) {
+  SCOPED_TRACE(scene.name + ", " + name + " " + mode + ", " + engine + (one_by_one ? ", one by one" : ""));
+  const ConfigHandle handle = config_handle(name, mode);
+  Config config = shipped_config(name);
+  for (const Perspective p : all_perspectives) {
+    if (to_string(p) == mode) config.perspective = p;
+  }
+  EXPECT_EQ(bs_config_hash(handle.get()), config_hash(config));
+  const ModelHandle model = open_model(handle.get(), engine);
+  const Described described(scene);
+  ASSERT_EQ(bs_begin(model.get(), &described.desc), BS_OK) << bs_last_error();
+  const auto own = make_engine(engine, config);
+  Trace trace;
+  own->begin(scene);
+  if (one_by_one) {
+    for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+      ASSERT_EQ(bs_triangle(model.get(), &described.vertices[3 * i], described.texture_of[i], 0, i), BS_OK)
+          << bs_last_error();
+      own->draw(std::span(scene.triangles).subspan(i, 1), static_cast<std::int64_t>(i), &trace);
+    }
+  } else {
+    draw(model.get(), described);
+    own->draw(scene.triangles, 0, &trace);
+  }
+  if (find_engine(engine).compared) {
+    EXPECT_GT(trace.fragment.size(), 100U);
+    expect_same_records(trace, model.get());
+  }
+  expect_same_frame(own->frame(), model.get());
+  expect_same_counters(own->counters(), model.get());
+}
+
+TEST(LibEngines, AreThoseOfTheRegistry) {
+  std::size_t i = 0;
+  for (const std::string_view name : engine_names()) EXPECT_EQ(bs_engine_name(static_cast<int>(i++)), name);
+  EXPECT_EQ(i, 4U);
+  EXPECT_EQ(bs_engine_name(4), nullptr);
+  EXPECT_EQ(bs_engine_name(-1), nullptr);
+}
+
+TEST(LibEngines, DemoIsTheEnginesOwn) {
+  const Scene scene = demo_scene(160, 120);
+  for (const std::string name : {"depth16", "depth20"}) {
+    for (const std::string_view engine : engine_names()) compare(scene, name, "", std::string(engine), false);
+  }
+}
+
+TEST(LibEngines, RandomScenesAreTheEnginesOwnInEveryMode) {
+  std::uint64_t seed = 1;
+  for (const Perspective mode : all_perspectives) {
+    const Scene scene = small_random(seed++);
+    for (const std::string_view engine : engine_names()) {
+      compare(scene, "depth16", std::string(to_string(mode)), std::string(engine), seed % 2 == 0);
+      compare(scene, "depth16", std::string(to_string(mode)), std::string(engine), seed % 2 == 1);
+    }
+  }
+}
+
+TEST(LibEngines, TimedCountsCycles) {
+  const Scene scene = small_random(3);
+  const Described described(scene);
+  const ConfigHandle config = config_handle("depth16");
+  const ModelHandle model = open_model(config.get(), "timed");
+  draw(model.get(), described);
+  std::int64_t cycles = 0;
+  EXPECT_EQ(bs_counter(model.get(), "cycles", &cycles), BS_OK);
+  EXPECT_GT(cycles, 1000);
+}
+
+TEST(LibEngines, FieldsAreThoseOfTheRecords) {
+  int integers = 0;
+  for (const std::string name : {"depth16", "depth20"}) {
+    for (const Perspective mode : all_perspectives) {
+      const ConfigHandle handle = config_handle(name, std::string(to_string(mode)));
+      Config config = shipped_config(name);
+      config.perspective = mode;
+      for (bs_stage stage = 0; stage < record_types; ++stage) {
+        const RecordType type = stage_types[static_cast<std::size_t>(stage)];
+        EXPECT_EQ(bs_stage_name(stage), stage_of(type));
+        int i = 0;
+        for (const Field& field : fields_of(type)) {
+          bs_field_info info{};
+          info.size = sizeof info;
+          ASSERT_EQ(bs_field(handle.get(), stage, i++, &info), BS_OK) << bs_last_error();
+          EXPECT_EQ(info.name, field.name);
+          EXPECT_EQ(info.unit, unit_of(field, config));
+          const auto format = format_of(field, config).value_or(Format{0, 0, false, {}, {}, false});
+          EXPECT_EQ(info.word, format.word) << field.name;
+          EXPECT_EQ(info.fraction, format.fraction()) << field.name;
+          EXPECT_EQ(info.is_signed, format.is_signed ? 1 : 0) << field.name;
+          integers += info.word == 0 ? 1 : 0;
+        }
+      }
+    }
+  }
+  EXPECT_GT(integers, 100);
+  EXPECT_EQ(bs_stage_name(record_types), nullptr);
+  EXPECT_EQ(bs_stage_name(-1), nullptr);
+}
+
+TEST(LibEngines, RecordsComeInTheMemoryOfTheTrace) {
+  const Scene scene = small_random(5);
+  const Described described(scene);
+  const ConfigHandle config = config_handle("depth16");
+  const ModelHandle model = open_model(config.get(), "model");
+  draw(model.get(), described);
+  EXPECT_EQ(records_view(model.get(), BS_STAGE_SPAN).base, records_view(model.get(), BS_STAGE_SPAN).base);
+  ASSERT_EQ(bs_clear_records(model.get()), BS_OK);
+  EXPECT_EQ(records_view(model.get(), BS_STAGE_SPAN).rows, 0U);
+  EXPECT_EQ(records_view(model.get(), BS_STAGE_SPAN).base, nullptr);
+}
+
+TEST(LibEngines, TracingOffChangesNoPicture) {
+  const Scene scene = small_random(6);
+  const Described described(scene);
+  const ConfigHandle config = config_handle("depth20");
+  const ModelHandle traced = open_model(config.get(), "model");
+  const ModelHandle plain = open_model(config.get(), "model");
+  ASSERT_EQ(bs_trace(plain.get(), 0), BS_OK);
+  draw(traced.get(), described);
+  draw(plain.get(), described);
+  EXPECT_EQ(plane<std::uint8_t>(plain.get(), BS_PLANE_COLOR),
+            plane<std::uint8_t>(traced.get(), BS_PLANE_COLOR));
+  bs_view view{};
+  view.size = sizeof view;
+  EXPECT_EQ(bs_records(plain.get(), BS_STAGE_SPAN, &view), BS_BAD_ORDER);
+  ASSERT_EQ(bs_trace(plain.get(), 1), BS_OK);
+  EXPECT_EQ(bs_records(plain.get(), BS_STAGE_SPAN, &view), BS_BAD_ORDER);
+  draw(plain.get(), described);
+  EXPECT_TRUE(records(plain.get(), BS_STAGE_SPAN) == records(traced.get(), BS_STAGE_SPAN));
+}
+
+TEST(LibScenes, StreamsAndMeshesAreRead) {
+  bs_scene* scene = nullptr;
+  const std::string spot = std::string(BITSPAN_SOURCE_DIR) + "/tests/data/spot.obj";
+  ASSERT_EQ(bs_scene_load(spot.c_str(), 160, 120, &scene), BS_OK) << bs_last_error();
+  bs_scene_desc desc = BS_SCENE_DESC_INIT;
+  EXPECT_EQ(bs_scene_get(scene, &desc), BS_OK);
+  EXPECT_EQ(desc.width, 160);
+  const bs_vertex* vertices = nullptr;
+  const std::int32_t* textures = nullptr;
+  std::size_t count = 0;
+  EXPECT_EQ(bs_scene_triangles(scene, &vertices, &textures, &count), BS_OK);
+  EXPECT_GT(count, 1000U);
+  bs_scene_free(scene);
+}
+
+TEST(LibConfig, SetChangesWhatTheFileWouldSay) {
+  const ConfigHandle config = config_handle("depth16");
+  ASSERT_EQ(bs_config_set(config.get(), "formats.span.uv.word", "23"), BS_OK) << bs_last_error();
+  ASSERT_EQ(bs_config_set(config.get(), "start_offset.edge_x", "0.5"), BS_OK) << bs_last_error();
+  Config expected = shipped_config("depth16");
+  expected.format(FormatId::span_uv).word = 23;
+  expected.start_offset.edge_x = {false, 0.5};
+  EXPECT_EQ(bs_config_text(config.get()), to_toml(expected));
+  bs_config* again = nullptr;
+  ASSERT_EQ(bs_config_parse(bs_config_text(config.get()), &again), BS_OK) << bs_last_error();
+  EXPECT_STREQ(bs_config_hash(again), bs_config_hash(config.get()));
+  bs_config_free(again);
+}
+
+}  // namespace
+}  // namespace bitspan

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// The header alone, and its initialisers, with every warning on.
+#include "bitspan/bitspan.h"
+
+bs_vertex vertex();
+bs_scene_desc scene();
+
+bs_vertex vertex() {
+  bs_vertex v = BS_VERTEX_INIT;
+  return v;
+}
+
+bs_scene_desc scene() {
+  bs_scene_desc s = BS_SCENE_DESC_INIT;
+  return s;
+}
