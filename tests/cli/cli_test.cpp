@@ -12,6 +12,7 @@
 #include "engine/records.hpp"
 #include "io/png.hpp"
 #include "report/replay.hpp"
+#include "tb/rtl_build.hpp"
 #include "tests/cli/program.hpp"
 #include "tests/rtl/rtl_copy.hpp"
 #include "tests/support/test_config.hpp"
