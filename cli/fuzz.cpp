@@ -25,6 +25,7 @@
 #include "engine/registry.hpp"
 #include "golden/precision.hpp"
 #include "io/atomic_file.hpp"
+#include "io/data_folder.hpp"
 #include "report/error.hpp"
 #include "report/lockstep.hpp"
 #include "report/random_config.hpp"
@@ -412,7 +413,7 @@ void check_rtl(const ReplayOptions& o, const Replay& r) {
   throw InputError(
       fmt::format("{}: found with RTL {}, but {} has RTL {}; BITSPAN_ROOT names another folder, "
                   "--changed-rtl runs it anyway",
-                  o.file, r.rtl, (rtl_root() / "rtl").string(), hash));
+                  o.file, r.rtl, (data_folder() / "rtl").string(), hash));
 }
 
 int replay(const ReplayOptions& o) {

@@ -46,6 +46,7 @@ int run(int argc, char** argv) {
   add_replay(app, action);
   add_study(app, action);
   add_config(app, action);
+  add_completion(app, action);
   const auto commands = app.get_subcommands([](CLI::App*) { return true; });
   const auto named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
   if (argc > 1 && *argv[1] != '-' && std::ranges::none_of(commands, named)) {

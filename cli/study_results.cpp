@@ -8,9 +8,9 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "io/data_folder.hpp"
 #include "study/recommend.hpp"
 #include "tb/programs.hpp"
-#include "tb/rtl_build.hpp"
 
 namespace bitspan {
 namespace {
@@ -70,7 +70,7 @@ bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& sc
 
 void write_study_report(const std::string& database, const std::string& study, const std::string& folder) {
   namespace fs = std::filesystem;
-  const std::string python = (rtl_root() / "python").string();
+  const std::string python = (data_folder() / "python").string();
   ::setenv("PYTHONPATH", python.c_str(), 1);
   const ScratchFolder scratch = temporary_scratch_folder("bitspan-report");
   const fs::path log = scratch / "log";

@@ -17,3 +17,6 @@ const RegisterEngine model_engine{
 
 }  // namespace
 }  // namespace bitspan
+
+// The linker is told to look for this name, and so takes the object above.
+extern "C" void bitspan_model_registration() {}

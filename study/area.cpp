@@ -14,6 +14,7 @@
 
 #include "config/fnv.hpp"
 #include "engine/emit_sv.hpp"
+#include "io/data_folder.hpp"
 #include "tb/programs.hpp"
 #include "tb/rtl_build.hpp"
 
@@ -154,7 +155,7 @@ Tool find_nextpnr(Family family, const Job& job) {
 std::vector<fs::path> area_sources() {
   std::vector<fs::path> sources = rtl_sources();
   for (const std::string_view module : {top_module, pins_module})
-    sources.push_back(rtl_root() / fmt::format("rtl/{}.sv", module));
+    sources.push_back(data_folder() / fmt::format("rtl/{}.sv", module));
   return sources;
 }
 

@@ -18,7 +18,7 @@
 #include "config/modes.hpp"
 #include "config/row_products.hpp"
 #include "config/rtl_timing.hpp"
-#include "tb/rtl_build.hpp"
+#include "io/data_folder.hpp"
 
 namespace bitspan {
 namespace {
@@ -740,7 +740,7 @@ AreaFitErrors area_fit_errors(std::span<const AreaRun> runs, Family family) {
 }
 
 Config config_of(const AreaRun& run) {
-  const std::filesystem::path file = rtl_root() / "config" / (run.base + ".toml");
+  const std::filesystem::path file = data_folder() / "config" / (run.base + ".toml");
   return with_keys(load_config(file.string()), run.settings);
 }
 

@@ -21,3 +21,6 @@ const RegisterEngine rtl_engine{
 
 }  // namespace
 }  // namespace bitspan
+
+// The linker is told to look for this name, and so takes the object above.
+extern "C" void bitspan_rtl_registration() {}

@@ -20,6 +20,7 @@
 #include "config/fnv.hpp"
 #include "config/rtl_timing.hpp"
 #include "engine/emit_sv.hpp"
+#include "io/data_folder.hpp"
 #include "tb/programs.hpp"
 #include "tb/rtl_coverage.hpp"
 
@@ -43,7 +44,6 @@ const std::vector<std::string> plain_compiler_flags = {"-std=c++17",
                                                        "-DVL_TIME_CONTEXT",
                                                        "-DVL_PRINTF=bitspan_rtl_printf"};
 
-constexpr std::string_view root_hint = "BITSPAN_ROOT names the project's folder";
 constexpr std::string_view cache_hint = "BITSPAN_CACHE names the cache folder";
 
 std::vector<std::string> compiler_flags() {
@@ -122,7 +122,7 @@ std::vector<fs::path> build_runtime(const fs::path& cache, const fs::path& root,
     }
     Fnv128 key;
     key.text(flags_text);
-    key.text(read_text(source, root_hint));
+    key.text(read_text(source, data_folder_hint));
     const fs::path object = cache / fmt::format("{}-{}.o", part, key.hex());
     if (!fs::exists(object)) {
       ScratchFolder scratch = build_folder(cache);
@@ -184,8 +184,8 @@ class Progress {
 
 // Below rtl/, in the order of reading.
 std::vector<fs::path> listed_sources(const std::string& list_name) {
-  const fs::path folder = rtl_root() / "rtl";
-  std::istringstream list(read_text(folder / list_name, root_hint));
+  const fs::path folder = data_folder() / "rtl";
+  std::istringstream list(read_text(folder / list_name, data_folder_hint));
   std::vector<fs::path> sources;
   for (std::string name; std::getline(list, name);) {
     if (!name.empty()) sources.push_back(folder / name);
@@ -201,11 +201,6 @@ const std::vector<std::string>& verilator_safe_flags() {
   return flags;
 }
 
-fs::path rtl_root() {
-  const std::string root = environment("BITSPAN_ROOT");
-  return root.empty() ? fs::path(BITSPAN_SOURCE_DIR) : fs::path(root);
-}
-
 std::vector<fs::path> rtl_sources() { return listed_sources("span_interpolator.f"); }
 std::vector<fs::path> pixel_sources() { return listed_sources("pixel_pipe.f"); }
 
@@ -214,7 +209,7 @@ std::string rtl_sources_hash() {
   for (const std::vector<fs::path>& sources : {rtl_sources(), pixel_sources()}) {
     for (const fs::path& source : sources) {
       hash.text(source.filename().string());
-      hash.text(read_text(source, root_hint));
+      hash.text(read_text(source, data_folder_hint));
     }
   }
   return hash.hex();
@@ -238,7 +233,7 @@ std::string without_comments(const std::string& package) {
 }
 
 fs::path build_library(const RtlDesign& design) {
-  const fs::path root = rtl_root();
+  const fs::path root = data_folder();
   const fs::path cache = rtl_cache_folder();
 
   Fnv128 key;
@@ -253,17 +248,17 @@ fs::path build_library(const RtlDesign& design) {
   if (coverage_wanted()) {
     verilator.insert(verilator.end(), coverage_flags().begin(), coverage_flags().end());
     std::vector<std::string> texts;
-    for (const fs::path& source : design.sources) texts.push_back(read_text(source, root_hint));
+    for (const fs::path& source : design.sources) texts.push_back(read_text(source, data_folder_hint));
     covers = handshake_covers(texts);
     key.text(covers);
   }
   for (const std::string& flag : verilator) key.text(flag);
   key.text(without_comments(design.package));
-  for (const fs::path& source : design.sources) key.text(read_text(source, root_hint));
+  for (const fs::path& source : design.sources) key.text(read_text(source, data_folder_hint));
   key.text(design.ports);
   for (const std::string& part : {design.harness, std::string("tb/rtl_abi.hpp"),
                                   std::string("tb/rtl_harness.hpp"), std::string("tb/rtl_printf.hpp")})
-    key.text(read_text(root / part, root_hint));
+    key.text(read_text(root / part, data_folder_hint));
   fs::path library = cache / fmt::format("rtl-{}.so", key.hex());
   std::error_code missing;
   fs::last_write_time(library, fs::file_time_type::clock::now(), missing);  // used now

@@ -4,8 +4,8 @@
 // The package of the configuration (engine/emit_sv) and the sources in rtl/ go through Verilator and the C++
 // compiler into one shared library, kept in a cache folder under a key over every text and flag that it is
 // made from: $BITSPAN_CACHE, else $XDG_CACHE_HOME/bitspan, else ~/.cache/bitspan. Libraries appear there
-// complete or not at all, so processes may build the same one at the same time. The sources are those this
-// program was built from, or those under $BITSPAN_ROOT.
+// complete or not at all, so processes may build the same one at the same time. The sources are those in
+// data_folder().
 #pragma once
 
 #include <array>
@@ -19,8 +19,6 @@
 
 namespace bitspan {
 
-// The project's folder with rtl/ and tb/ in it.
-std::filesystem::path rtl_root();
 // rtl/span_interpolator.f: the sources below the package, in the order of reading.
 std::vector<std::filesystem::path> rtl_sources();
 // rtl/pixel_pipe.f: those of the pixel stages.
@@ -43,7 +41,7 @@ struct RtlDesign {
   std::string package;  // text in front of the sources
   std::vector<std::filesystem::path> sources;
   std::string ports;    // text in front of the harness
-  std::string harness;  // its file below rtl_root()
+  std::string harness;  // its file below data_folder()
 };
 // Builds the library where the cache does not hold it, and returns its path. Throws InputError where
 // Verilator refuses sources under $BITSPAN_ROOT or the cache folder cannot be written; ToolError where a tool

@@ -23,6 +23,12 @@
 #define BITSPAN_MODEL_NUMERIC_LANES_INL
 #endif
 
+#if !defined(__OPTIMIZE__) && HWY_TARGET != HWY_STATIC_TARGET
+// Not inlined, the friends of LanesOf take their vectors in memory where their callers have them in
+// registers.
+#error "vectors need -O1 at least"
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace bitspan::model::HWY_NAMESPACE {
 

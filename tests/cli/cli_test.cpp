@@ -12,6 +12,7 @@
 #include "engine/records.hpp"
 #include "io/png.hpp"
 #include "report/replay.hpp"
+#include "tb/rtl_build.hpp"
 #include "tests/cli/program.hpp"
 #include "tests/rtl/rtl_copy.hpp"
 #include "tests/support/test_config.hpp"
@@ -40,7 +41,7 @@ class Cli : public Program {
 
 TEST_F(Cli, EveryCommandHasHelpWithAnExample) {
   for (const char* command : {"demo", "verify", "render", "explain", "sim", "fuzz", "replay", "config",
-                              "study", "config show", "config check", "config emit-sv"}) {
+                              "study", "completion", "config show", "config check", "config emit-sv"}) {
     const Result r = run(std::string(command) + " --help");
     EXPECT_EQ(r.code, 0) << command;
     EXPECT_NE(r.out.find("Example:\n  bitspan " + std::string(command)), std::string::npos) << r.out;

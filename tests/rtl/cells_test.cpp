@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "io/data_folder.hpp"
 #include "tests/rtl/rtl_copy.hpp"
 #include "tests/rtl/simulate.hpp"
 
@@ -17,7 +18,7 @@ namespace {
 std::vector<std::filesystem::path> sources() {
   std::vector<std::filesystem::path> all{std::string(BITSPAN_SOURCE_DIR) + "/tests/rtl/cells_bench.sv"};
   for (const char* cell : {"delay_line", "mul_pipe", "lzc", "lzc_norm", "shift_add"}) {
-    all.push_back(rtl_root() / fmt::format("rtl/{}.sv", cell));
+    all.push_back(data_folder() / fmt::format("rtl/{}.sv", cell));
   }
   return all;
 }

@@ -5,6 +5,7 @@
 
 #include "config/rtl_timing.hpp"
 #include "engine/emit_sv.hpp"
+#include "io/data_folder.hpp"
 #include "tb/rtl_build.hpp"
 #include "tb/rtl_stream.hpp"
 
@@ -83,7 +84,7 @@ IcarusRun prepare_icarus(const TemporaryFolder& folder, const Config& c, const I
   IcarusRun run;
   run.sources = {folder.write("bitspan_cfg_pkg.sv", emit_sv(c))};
   for (const auto& source : rtl_sources()) run.sources.push_back(source);
-  run.sources.push_back(rtl_root() / "tb/icarus_tb.sv");
+  run.sources.push_back(data_folder() / "tb/icarus_tb.sv");
   run.arguments = {"+inputs=" + folder.write("inputs", input_lines(given.inputs)),
                    "+spans=" + folder.write("spans", span_lines(c, given.spans)),
                    "+pixels=" + folder.write("pixels", pixel_lines(c, given.pixels)), "+seed=7"};

@@ -17,7 +17,7 @@ struct IcarusRun {
   std::string expected;  // the line of success
 };
 
-// Writes the files into the folder; the sources are those of rtl_root().
+// Writes the files into the folder; the sources are those of data_folder().
 IcarusRun prepare_icarus(const TemporaryFolder& folder, const Config& config, const InterpolatorCase& given);
 
 }  // namespace bitspan

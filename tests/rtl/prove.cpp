@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "io/data_folder.hpp"
 #include "tb/programs.hpp"
-#include "tb/rtl_build.hpp"
 #include "tests/support/files.hpp"
 
 namespace bitspan {
@@ -22,7 +22,7 @@ std::string yosys_script(const Proof& proof, const std::string& made) {
   const std::filesystem::path proofs = std::filesystem::path(BITSPAN_SOURCE_DIR) / "tests/formal";
   for (const std::string& cell : proof.cells) {
     const std::filesystem::path helper = proofs / (cell + ".sv");
-    const std::filesystem::path source = rtl_root() / "rtl" / (cell + ".sv");
+    const std::filesystem::path source = data_folder() / "rtl" / (cell + ".sv");
     script += ' ' + (std::filesystem::exists(source) ? source : helper).string();
   }
   script += fmt::format(" {}; hierarchy -check -top {}_proof", (proofs / (proof.name + ".sv")).string(),

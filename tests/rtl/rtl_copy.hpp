@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "tb/rtl_build.hpp"
+#include "io/data_folder.hpp"
 #include "tests/support/environment.hpp"
 #include "tests/support/files.hpp"
 
@@ -21,7 +21,8 @@ class RtlCopy {
  public:
   RtlCopy() {
     for (const char* part : {"rtl", "tb"}) {
-      std::filesystem::copy(rtl_root() / part, folder_.path(part), std::filesystem::copy_options::recursive);
+      std::filesystem::copy(data_folder() / part, folder_.path(part),
+                            std::filesystem::copy_options::recursive);
     }
     root_.emplace("BITSPAN_ROOT", folder_.path());
     cache_.emplace("BITSPAN_CACHE", folder_.path("cache"));

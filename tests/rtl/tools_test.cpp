@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "engine/emit_sv.hpp"
+#include "io/data_folder.hpp"
 #include "tests/rtl/icarus_case.hpp"
 #include "tests/rtl/interpolator_case.hpp"
 #include "tests/rtl/simulate.hpp"
@@ -91,7 +92,7 @@ TEST(Tools, YosysReadsAndChecks) {
     const TemporaryFolder folder;
     const std::string package = folder.write("bitspan_cfg_pkg.sv", emit_sv(c));
     const auto log = folder.path("yosys.log");
-    const std::string script = (rtl_root() / "tb/yosys_cells.sh").string();
+    const std::string script = (data_folder() / "tb/yosys_cells.sh").string();
     EXPECT_EQ(run_program({"sh", script, package, "check"}, log, "this test"), 0)
         << read_file(log) << to_toml(c);
   }
@@ -115,7 +116,8 @@ TEST(Tools, TheReadmeHasTheCellsOfThisRtl) {
   const TemporaryFolder folder;
   const std::string package = folder.write("bitspan_cfg_pkg.sv", emit_sv(shipped_config("narrow")));
   const auto log = folder.path("yosys.log");
-  ASSERT_EQ(run_program({"sh", (rtl_root() / "tb/yosys_cells.sh").string(), package}, log, "this test"), 0);
+  ASSERT_EQ(run_program({"sh", (data_folder() / "tb/yosys_cells.sh").string(), package}, log, "this test"),
+            0);
   const std::string text = read_file(log);
   const std::string label = "Number of cells:";
   ASSERT_NE(text.find(label), std::string::npos) << text;
@@ -124,7 +126,7 @@ TEST(Tools, TheReadmeHasTheCellsOfThisRtl) {
 
 TEST(Tools, YosysScriptRefuses) {
   const TemporaryFolder folder;
-  const std::string script = (rtl_root() / "tb/yosys_cells.sh").string();
+  const std::string script = (data_folder() / "tb/yosys_cells.sh").string();
   const auto log = folder.path("yosys.log");
   EXPECT_EQ(run_program({"sh", script, folder.path("none.sv"), "check"}, log, "this test"), 2);
   const std::string broken = folder.write("broken.sv", "package bitspan_cfg_pkg;\nendpackage\n");

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/data_folder.hpp"
+
+#include <dlfcn.h>
+#include <link.h>
+
+#include <cstdlib>
+#include <string>
+#include <system_error>
+
+#include "config/config.hpp"
+
+namespace bitspan {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The program or the shared library with this function in it.
+fs::path own_file() {
+  Dl_info info{};
+  link_map* object = nullptr;
+  ::dladdr1(reinterpret_cast<void*>(&data_folder), &info, reinterpret_cast<void**>(&object), RTLD_DL_LINKMAP);
+  // The dynamic linker does not name the program itself.
+  const bool library = object != nullptr && *object->l_name != '\0';
+  return fs::canonical(library ? object->l_name : "/proc/self/exe");
+}
+
+fs::path found_near(const fs::path& file) {
+  // lib/x86_64-linux-gnu/ and tests/rtl/ of a build tree stand one level below bin/.
+  constexpr int levels = 3;
+  fs::path folder = file.parent_path();
+  for (int level = 0; level < levels; ++level, folder = folder.parent_path()) {
+    fs::path data = folder / "share/bitspan";
+    std::error_code ignored;
+    if (fs::is_directory(data / "rtl", ignored)) return data;
+  }
+  throw InputError(file.string() + ": has no share/bitspan beside its folder; " + data_folder_hint);
+}
+
+}  // namespace
+
+fs::path data_folder() {
+  const char* const named = std::getenv("BITSPAN_ROOT");
+  if (named != nullptr && *named != '\0') return named;
+  static const fs::path found = found_near(own_file());
+  return found;
+}
+
+}  // namespace bitspan
