@@ -48,7 +48,9 @@ class Prefix(Installed):
     def test_no_file_names_the_build_the_sources_or_the_prefix(self):
         files = [path for path in self.prefix.rglob("*") if path.is_file()]
         self.assertGreater(len(files), 100)
-        self.assertEqual([path for path in self.prefix.rglob("*") if path.is_symlink()], [])
+        links = [path for path in self.prefix.rglob("*") if path.is_symlink()]
+        self.assertEqual([path.name for path in links], ["libbitspan.so"])
+        self.assertEqual(os.readlink(links[0]), "libbitspan.so.0")
         for path in files:
             content = path.read_bytes()
             for folder in (SOURCE, BUILD, self.first):
@@ -108,14 +110,14 @@ class Program(Installed):
 class Users(Installed):
     """Programs of others, with warnings of their own that are not ours."""
 
-    def example(self):
-        """A copy of the example that would not compile under our flags."""
+    def example(self, file):
+        """A copy of an example that would not compile under our flags."""
         folder = self.work / "example"
-        shutil.copytree(SOURCE / "examples/cpp", folder)
-        source = folder / "compare.cpp"
+        shutil.copytree((SOURCE / "examples" / file).parent, folder)
+        source = folder / pathlib.Path(file).name
         text = source.read_text()
-        self.assertIn("int main(int argc, char** argv) {\n", text)
-        source.write_text(text.replace("char** argv) {\n", "char** argv) {\n  int of_the_user = 1;\n"))
+        self.assertRegex(text, r"\nint main\(.*\) \{\n")
+        source.write_text(re.sub(r"(\nint main\(.*\) \{\n)", r"\1  int of_the_user = 1;\n", text))
         return source
 
     def check(self, program):
@@ -124,10 +126,29 @@ class Users(Installed):
 
     def test_find_package(self):
         build = self.work / "build"
-        run(CMAKE, "-S", self.example().parent, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={self.prefix}",
+        run(CMAKE, "-S", self.example("cpp/compare.cpp").parent, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={self.prefix}",
             "-DCMAKE_CXX_STANDARD=17", env=self.env)
         run(CMAKE, "--build", build, env=self.env)
         self.check(build / "compare")
+
+    matched = r"^[1-9]\d+ values matched, [1-9]\d+ non-trivial, 0 records unchecked\n$"
+
+    def test_c_by_find_package(self):
+        build = self.work / "build"
+        run(CMAKE, "-S", self.example("c/bench.c").parent, "-B", build, "-G", "Ninja",
+            f"-DCMAKE_PREFIX_PATH={self.prefix}", env=self.env)
+        run(CMAKE, "--build", build, env=self.env)
+        self.assertRegex(run(build / "bench", env=self.env), self.matched)
+
+    def test_c_by_pkg_config_in_each_language(self):
+        env = {**self.env, "PKG_CONFIG_PATH": str(self.prefix / "lib/pkgconfig")}
+        words = run("pkg-config", "--cflags", "--libs", "bitspan", env=env).split()
+        source = self.example("c/bench.c")
+        for language in (("cc", "-std=c11"), ("c++", "-std=c++17", "-x", "c++"), ("c++", "-std=c++20", "-x", "c++")):
+            program = self.work / "bench"
+            run(*language, "-Wall", "-Wextra", source, "-x", "none", *words, "-o", program, env=env)
+            out = run(program, env={**self.env, "LD_LIBRARY_PATH": str(self.prefix / "lib")})
+            self.assertRegex(out, self.matched)
 
     def test_find_package_of_what_is_not_there(self):
         project = self.work / "CMakeLists.txt"
@@ -142,7 +163,7 @@ class Users(Installed):
         env = {**self.env, "PKG_CONFIG_PATH": str(self.prefix / "lib/pkgconfig")}
         words = run("pkg-config", "--cflags", "--libs", "bitspan-cpp", env=env).split()
         program = self.work / "compare"
-        run("c++", "-std=c++20", "-Wall", "-Wextra", self.example(), *words, "-o", program, env=env)
+        run("c++", "-std=c++20", "-Wall", "-Wextra", self.example("cpp/compare.cpp"), *words, "-o", program, env=env)
         self.check(program)
 
 

@@ -16,8 +16,8 @@ namespace {
 
 const std::string page = std::string(BITSPAN_SOURCE_DIR) + "/docs/c_api.md";
 
-std::string text_of_page() {
-  std::ifstream in(page);
+std::string text_of(const std::string& path) {
+  std::ifstream in(path);
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
@@ -34,7 +34,7 @@ TEST(LibDocs, StagesAreTheLibrarys) {
     table += "| " + std::to_string(stage) + " | `" + bs_stage_name(stage) + "` | " +
              std::to_string(fields_of(row.type).size()) + " | " + std::string(per(row)) + " |\n";
   }
-  std::string text = text_of_page();
+  std::string text = text_of(page);
   const std::size_t begin = text.find(head);
   ASSERT_NE(begin, std::string::npos);
   const std::size_t end = text.find("\n\n", begin) + 1;
@@ -46,8 +46,15 @@ TEST(LibDocs, StagesAreTheLibrarys) {
   }
 }
 
+TEST(LibDocs, TheProgramIsTheExample) {
+  std::string program = text_of(BITSPAN_SOURCE_DIR "/examples/c/bench.c");
+  ASSERT_TRUE(program.starts_with("// SPDX"));
+  program.erase(0, program.find('\n') + 1);
+  EXPECT_NE(text_of(page).find("```c\n" + program + "```\n"), std::string::npos);
+}
+
 TEST(LibDocs, EveryEngineIsTold) {
-  const std::string text = text_of_page();
+  const std::string text = text_of(page);
   for (int i = 0; bs_engine_name(i) != nullptr; ++i) {
     EXPECT_NE(text.find("| `" + std::string(bs_engine_name(i)) + "` | "), std::string::npos)
         << bs_engine_name(i);
