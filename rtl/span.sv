@@ -170,6 +170,12 @@ module span (
   // fu and fv.
   logic [2*AccW-1:0] f_q;
   for (genvar i = 0; i < 2; i++) begin : gen_f
+    // Icarus 11 takes a genvar alone in a port's connection for a new net.
+    logic [AccW-1:0] start;
+    logic [StepW-1:0] step0, step1;
+    assign start = (i == 0) ? res_fu : res_fv;
+    assign step0 = (i == 0) ? res_fu_step0 : res_fv_step0;
+    assign step1 = (i == 0) ? res_fu_step1 : res_fv_step1;
     span_register #(
         .AccW(AccW),
         .AccFrac(bitspan_cfg_pkg::TexAccFrac),
@@ -183,9 +189,9 @@ module span (
         .clk_i,
         .take_i(take),
         .issue_i(issue),
-        .start_i((i == 0) ? res_fu : res_fv),
-        .step0_i((i == 0) ? res_fu_step0 : res_fv_step0),
-        .step1_i((i == 0) ? res_fu_step1 : res_fv_step1),
+        .start_i(start),
+        .step0_i(step0),
+        .step1_i(step1),
         .second_i(step),
         .q_o(f_q[i*AccW+:AccW])
     );
