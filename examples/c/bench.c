@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <stdio.h>
 #include <bitspan/bitspan.h>
+#include <stdio.h>
 
-#define TRY(call) do if ((call) != BS_OK) { fprintf(stderr, "%s\n", bs_last_error()); return 1; } while (0)
+#define TRY(call)                               \
+  do                                            \
+    if ((call) != BS_OK) {                      \
+      fprintf(stderr, "%s\n", bs_last_error()); \
+      return 1;                                 \
+    }                                           \
+  while (0)
 
 static int draw(bs_config* config, const char* engine, bs_scene* scene, bs_model** model) {
   bs_scene_desc desc = BS_SCENE_DESC_INIT;
@@ -27,7 +33,8 @@ int main(void) {
   if (draw(config, "model", scene, &model) || draw(config, "golden", scene, &dut)) return 1;
   TRY(bs_records(dut, BS_STAGE_SPAN, &pixels));
   TRY(bs_check(model, BS_STAGE_SPAN, (const int64_t*)pixels.base, pixels.rows, NULL));
-  printf("%llu values matched, %llu non-trivial, %llu records unchecked\n", (unsigned long long)bs_matched(model),
-         (unsigned long long)bs_nontrivial(model), (unsigned long long)bs_unchecked(model, BS_STAGE_SPAN));
+  printf("%llu values matched, %llu non-trivial, %llu records unchecked\n",
+         (unsigned long long)bs_matched(model), (unsigned long long)bs_nontrivial(model),
+         (unsigned long long)bs_unchecked(model, BS_STAGE_SPAN));
   return bs_matched(model) == 0 || bs_nontrivial(model) == 0 || bs_unchecked(model, BS_STAGE_SPAN) != 0;
 }

@@ -86,8 +86,9 @@ HWY_INLINE TexturePoint<ValueOf<Int>> texture_point(const SpanFormats& f, DepthS
     }
     case Perspective::affine:
     case Perspective::const_depth_rows: {
-      const Value u = quantize(fu, f.f.acc.fraction, f.uv, watch);
-      return {u, quantize(fv, f.f.acc.fraction, f.uv, watch), none, none};
+      // On u's grid they may be wider than a Value.
+      const Value u = quantize(Int(fu), f.f.acc.fraction, f.uv, watch);
+      return {u, quantize(Int(fv), f.f.acc.fraction, f.uv, watch), none, none};
     }
   }
   unreachable();

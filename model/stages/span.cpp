@@ -116,6 +116,8 @@ SpanStage prepare_span(const Config& config, const Constants& constants) {
                            : has_pixel_quotients(config.perspective) ? 2
                                                                      : 0;
   s.fits_int64 = all_fit(config, s);
+  s.shade_fits_int64 = fits_int64(aligned(signed_grid(config.format(FormatId::span_shade_acc)),
+                                          config.format(FormatId::span_shade).fraction() + 1));
   const SpanFormats& f = s.formats;
   const Exponents e = pixel_exponents(config, s.q);
   const int product = f.f.acc.fraction + f.reciprocal.output.fraction;

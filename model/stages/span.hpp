@@ -56,7 +56,8 @@ constexpr SpanFormats span_formats(const Config& config) {
 
 struct SpanStage {
   SpanFormats formats;
-  bool fits_int64 = false;  // every intermediate fits 63 bits
+  bool fits_int64 = false;        // every intermediate fits 63 bits
+  bool shade_fits_int64 = false;  // a shade's accumulator does, also on the grid of the shade
   // delta_f: bits that f m and u1 take beyond their own, on every grid on the way to u (`fits_int64` asks the
   // same of the formats; these let it be asked of the values at hand).
   int product_growth = 0, base_growth = 0;

@@ -157,6 +157,25 @@ TEST(Forms, WidestDepthBuffer) {
   }
 }
 
+// u, v and shades whose accumulators are wider than 64 bits on their grids.
+TEST(Forms, AccumulatorsWiderThanLanesOnTheGridOfTheResult) {
+  for (const Perspective perspective : {Perspective::affine, Perspective::delta_f}) {
+    Config c = shipped_config("depth16");
+    c.perspective = perspective;
+    c.start_offset = {};
+    for (const Overflow overflow : {Overflow::sat, Overflow::wrap}) {
+      for (const FormatId id : {FormatId::span_uv, FormatId::span_shade}) {
+        if (id == FormatId::span_uv && perspective == Perspective::delta_f) continue;  // bounded by the rules
+        Config wide = c;
+        Format& f = wide.format(id);
+        f = {.word = 64, .integer = 0, .is_signed = true, .rounding = f.rounding, .overflow = overflow};
+        check_config(wide, "wide");
+        EXPECT_GT(compare_forms(wide, random_scene(5, small_scenes()), "wide"), 0U);
+      }
+    }
+  }
+}
+
 // Statistics and records of the vector form, register by register, record by record.
 TEST(Forms, StatisticsAndRecords) {
   const std::vector<Config> bases = shipped_configs();

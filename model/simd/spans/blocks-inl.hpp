@@ -39,6 +39,15 @@ bool fits_lanes(const SpanStage& stage, Lanes numerators, Lanes bases) {
           bits_of(numerators) + stage.product_growth <= 61 && bits_of(bases) + stage.base_growth <= 61);
 }
 
+// A shade of the fragments whose accumulators these are.
+template <class Watch>
+HWY_INLINE Lanes shade_of(const SpanStage& stage, const SpanFormats& f, Lanes acc, Watch watch) {
+  if (stage.shade_fits_int64) [[likely]] {
+    return quantize(acc, f.shade_acc.acc.fraction, f.shade, watch);
+  }
+  return quantize(WideLanes(acc), f.shade_acc.acc.fraction, f.shade, watch);
+}
+
 // Fills blocks: ramps first, span by span; u and v when the block is given away, densely.
 template <class T, class Watch, const SpanFormats* fixed>
 class Filler {
@@ -83,8 +92,6 @@ class Filler {
   HWY_INLINE void put(const Sequences& s, std::int64_t u1, std::int64_t v1, std::int64_t first_pixel,
                       const std::int32_t* index, std::size_t n) {
     const FormatsOf<SpanFormats, fixed> f(pipeline_.span.formats);
-    const Register& shade = (*f).shade;
-    const int shade_fraction = (*f).shade_acc.acc.fraction;
     const std::array<T*, 4> shades{block_.r, block_.g, block_.b, block_.a};
     const auto triangle = static_cast<std::int32_t>(triangle_);
     for (std::size_t k = 0; k < n; k += Lanes::count) {
@@ -101,7 +108,7 @@ class Filler {
       hn::StoreU(hn::Set(Half(), triangle), Half(), block_.triangle + to);
       if constexpr (sizeof(T) == sizeof(std::int64_t)) {
         for (std::size_t c = 0; c < channel_count; ++c) {
-          quantize(at(s[3 + c], place), shade_fraction, shade, Watch{}).store(shades[c] + to);
+          shade_of(pipeline_.span, *f, at(s[3 + c], place), Watch{}).store(shades[c] + to);
         }
       }
     }
@@ -109,7 +116,8 @@ class Filler {
       for (std::size_t k = 0; k < n; k += Lanes32::count) {
         const Lanes32 place = Lanes32::load(index + k);
         for (std::size_t c = 0; c < channel_count; ++c) {
-          quantize(at32(s[3 + c], place), shade_fraction, shade, Watch{}).store(shades[c] + block_.size + k);
+          quantize(at32(s[3 + c], place), (*f).shade_acc.acc.fraction, (*f).shade, Watch{})
+              .store(shades[c] + block_.size + k);
         }
       }
     }

@@ -70,8 +70,7 @@ HWY_NOINLINE void fragments_in(const SpanStage& stage, const Sequences& s, const
     }
     if (shades) {
       for (std::size_t c = 0; c < channel_count; ++c) {
-        quantize(at(s[3 + c], index), f.shade_acc.acc.fraction, f.shade, watch)
-            .store(out[fragment_shades[c]] + k);
+        shade_of(stage, f, at(s[3 + c], index), watch).store(out[fragment_shades[c]] + k);
       }
     }
     h = h + h_advance;
