@@ -169,11 +169,11 @@ StageHook hook_of(const ModelState& model, RecordType type) {
   if (own.function == nullptr) return {};
   return [&config = model.config, own, type, before = std::vector<std::int64_t>()](
              std::span<const std::int64_t> in, std::span<std::int64_t> out) mutable {
-    const std::string function = "bs_stage_override";
+    constexpr std::string_view function = "bs_stage_override";
     before.assign(out.begin(), out.end());
     if (own.function(own.user, in.data(), in.size(), out.data(), out.size()) != 0) {
       fail(BS_BAD_INPUT,
-           function + ": " + std::string(stage_of(type)) + ": the function refused; expected 0");
+           std::string(function) + ": " + std::string(stage_of(type)) + ": the function refused; expected 0");
     }
     if (std::ranges::equal(before, out)) return;
     check_registers(config, type, out, function);

@@ -11,14 +11,21 @@
 namespace bitspan::capi {
 namespace {
 
-std::string place(const std::string& function, RecordType type, std::string_view field) {
-  return function + ": " + std::string(stage_of(type)) + ": " + std::string(field) + ": ";
+// Where a value stands. Its text is made for a fault alone: records are checked field by field.
+struct Place {
+  std::string_view function;
+  RecordType type;
+  std::string_view field;
+};
+std::string text_of(const Place& at) {
+  return std::string(at.function) + ": " + std::string(stage_of(at.type)) + ": " + std::string(at.field) +
+         ": ";
 }
 
-void check_range(std::int64_t value, std::int64_t low, std::int64_t high, const std::string& where) {
+void check_range(std::int64_t value, std::int64_t low, std::int64_t high, const Place& at) {
   if (value >= low && value <= high) return;
-  fail(BS_BAD_INPUT, where + std::to_string(value) + " is out of range; expected " + std::to_string(low) +
-                         " to " + std::to_string(high));
+  fail(BS_BAD_INPUT, text_of(at) + std::to_string(value) + " is out of range; expected " +
+                         std::to_string(low) + " to " + std::to_string(high));
 }
 
 constexpr std::int64_t triangle_limit = std::numeric_limits<std::int32_t>::max();
@@ -29,10 +36,10 @@ bool is_flag(std::string_view name) { return name == "covered" || name == "pass"
 }  // namespace
 
 void check_registers(const Config& config, RecordType type, std::span<const std::int64_t> record,
-                     const std::string& function) {
+                     std::string_view function) {
   const auto all = fields_of(type);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const std::string where = place(function, type, all[i].name);
+    const Place where{function, type, all[i].name};
     const std::optional<Format> format = format_of(all[i], config);
     if (!format) {
       if (is_flag(all[i].name)) check_range(record[i], 0, 1, where);
@@ -47,30 +54,31 @@ void check_registers(const Config& config, RecordType type, std::span<const std:
 }
 
 void check_identity(RecordType type, std::span<const std::int64_t> before,
-                    std::span<const std::int64_t> record, const std::string& function) {
+                    std::span<const std::int64_t> record, std::string_view function) {
   const auto all = fields_of(type);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const bool stays =
         (all[i].kind == FieldKind::integer && !is_flag(all[i].name)) || all[i].kind == FieldKind::phase;
     if (!stays || record[i] == before[i]) continue;
-    fail(BS_BAD_INPUT, place(function, type, all[i].name) + "was changed to " + std::to_string(record[i]) +
-                           "; expected " + std::to_string(before[i]) + ", since it is no value of the stage");
+    fail(BS_BAD_INPUT, text_of({function, type, all[i].name}) + "was changed to " +
+                           std::to_string(record[i]) + "; expected " + std::to_string(before[i]) +
+                           ", since it is no value of the stage");
   }
 }
 
-void check_setup(const SetupRecord& r, const std::string& function) {
+void check_setup(const SetupRecord& r, std::string_view function) {
   const auto comes_before = [](std::int64_t ay, std::int64_t ax, std::int64_t by, std::int64_t bx) {
     return ay < by || (ay == by && ax <= bx);
   };
   if (!comes_before(r.y0, r.x0, r.y1, r.x1) || !comes_before(r.y1, r.x1, r.y2, r.x2)) {
-    fail(BS_BAD_INPUT, place(function, RecordType::setup, "y0, y1, y2") +
+    fail(BS_BAD_INPUT, text_of({function, RecordType::setup, "y0, y1, y2"}) +
                            "are not in order; expected vertices from the top, and from the left in a row");
   }
   __extension__ using Wide = __int128;
   const Wide turn =
       static_cast<Wide>(r.x1 - r.x0) * (r.y2 - r.y0) - static_cast<Wide>(r.x2 - r.x0) * (r.y1 - r.y0);
   if (turn == 0 || r.mid_right != (turn > 0 ? 1 : 0)) {
-    fail(BS_BAD_INPUT, place(function, RecordType::setup, "mid_right") + std::to_string(r.mid_right) +
+    fail(BS_BAD_INPUT, text_of({function, RecordType::setup, "mid_right"}) + std::to_string(r.mid_right) +
                            " does not fit the vertices; expected " +
                            (turn == 0  ? "a triangle with an area"
                             : turn > 0 ? "1"
@@ -78,8 +86,8 @@ void check_setup(const SetupRecord& r, const std::string& function) {
   }
 }
 
-void check_pixels(const RowRecord& row, const Scene& scene, const std::string& function) {
-  const auto where = [&](std::string_view field) { return place(function, RecordType::row, field); };
+void check_pixels(const RowRecord& row, const Scene& scene, std::string_view function) {
+  const auto where = [&](std::string_view field) { return Place{function, RecordType::row, field}; };
   check_range(row.y, 0, scene.height - 1, where("y"));
   check_range(row.x_first, 0, scene.width - 1, where("x_first"));
   check_range(row.x_last, row.x_first, scene.width - 1, where("x_last"));
@@ -87,15 +95,15 @@ void check_pixels(const RowRecord& row, const Scene& scene, const std::string& f
   check_range(row.r_edge, 0, 2, where("r_edge"));
 }
 
-void check_pixels(const SpanRecord& span, const Scene& scene, const std::string& function) {
-  const auto where = [&](std::string_view field) { return place(function, RecordType::span, field); };
+void check_pixels(const SpanRecord& span, const Scene& scene, std::string_view function) {
+  const auto where = [&](std::string_view field) { return Place{function, RecordType::span, field}; };
   check_range(span.y, 0, scene.height - 1, where("y"));
   check_range(span.x, 0, scene.width - 1, where("x"));
   check_range(span.count, 1, scene.width - span.x, where("count"));
   check_range(span.phase, 0, 0, where("phase"));
 }
 
-std::size_t row_of_plane(const AnyRow& any, const PlaneOfRows& plane, const std::string& function) {
+std::size_t row_of_plane(const AnyRow& any, const PlaneOfRows& plane, std::string_view function) {
   const auto same_pixels = [&](const PlaneRowRecord& of_plane) {
     if (const auto* row = std::get_if<PlaneRowRecord>(&any)) {
       return row->row == of_plane.row && row->major_first == of_plane.major_first &&
@@ -111,7 +119,7 @@ std::size_t row_of_plane(const AnyRow& any, const PlaneOfRows& plane, const std:
   const auto at = std::ranges::find_if(plane.rows, same_pixels);
   if (at == plane.rows.end()) {
     const bool is_span = std::holds_alternative<SpanRecord>(any);
-    fail(BS_BAD_INPUT, place(function, is_span ? RecordType::span : RecordType::plane_row, "count") +
+    fail(BS_BAD_INPUT, text_of({function, is_span ? RecordType::span : RecordType::plane_row, "count"}) +
                            "the pixels are no row of the triangle; expected one of its " +
                            std::to_string(plane.rows.size()) + " rows");
   }

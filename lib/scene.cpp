@@ -132,8 +132,8 @@ Texture texture_from(const bs_texture& t, const std::string& what) {
 Scene scene_from(const bs_scene_desc* from) {
   const std::string what = "bs_begin: scene";
   need(from, what.c_str());
-  const auto d =
-      read_struct(from, bs_scene_desc BS_SCENE_DESC_INIT, BITSPAN_THROUGH(bs_scene_desc, height), what);
+  const auto d = read_struct(from, bs_scene_desc BS_SCENE_DESC_INIT, BITSPAN_THROUGH(bs_scene_desc, height),
+                             [&] { return std::string(what); });
   if (d.has_fog > 1 || d.reserved != 0) {
     fail(BS_BAD_INPUT, what + ".has_fog, .reserved: " + std::to_string(d.has_fog) + ", " +
                            std::to_string(d.reserved) + "; expected 0 or 1, and 0");
