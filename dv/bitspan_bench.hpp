@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bench in SystemVerilog needs of the C library, once for DPI-C (dpi/) and VPI (vpi/): models by name, a picture
-// in one call, and checks of records of which a design has only some fields. C++17.
+// What a bench in SystemVerilog needs of the C library, apart from any simulator's interface: models by name,
+// a picture in one call, and checks of records of which a design has only some fields. C++17.
 #pragma once
 
 #include <bitspan/bitspan.h>
@@ -179,7 +179,8 @@ inline std::string value_text(std::int64_t raw, double value, const bs_field_inf
   const std::int64_t top = raw >> (info.word - (info.is_signed != 0 ? 1 : 0));
   const bool fits = info.word >= 64 || top == 0 || (info.is_signed != 0 && top == -1);
   const std::uint64_t bits = static_cast<std::uint64_t>(raw) & (fits ? mask : ~std::uint64_t{0});
-  std::snprintf(text.data(), text.size(), "0x%llx (%.9g %s)", static_cast<unsigned long long>(bits), value, info.unit);
+  std::snprintf(text.data(), text.size(), "0x%llx (%.9g %s)", static_cast<unsigned long long>(bits), value,
+                info.unit);
   return text.data();
 }
 
@@ -188,7 +189,9 @@ inline std::string text_of(Bench& bench, const bs_divergence& d) {
   std::string out = bench.name + ": " + bs_stage_name(d.stage) + ": record " + std::to_string(d.record);
   if (d.triangle >= 0) out += ", triangle " + std::to_string(d.triangle);
   const bool pixel = d.stage >= BS_STAGE_SPAN;
-  if (d.x >= 0) out += (pixel ? ", pixel " : ", row that begins at pixel ") + std::to_string(d.x) + " " + std::to_string(d.y);
+  if (d.x >= 0)
+    out += (pixel ? ", pixel " : ", row that begins at pixel ") + std::to_string(d.x) + " " +
+           std::to_string(d.y);
   if (d.kind == BS_DIVERGENCE_EXTRA) return out + ": the model has no such record";
   bs_field_info info{};
   field(&bench, d.stage, d.field, info);
@@ -196,8 +199,8 @@ inline std::string text_of(Bench& bench, const bs_divergence& d) {
          value_text(d.expected, d.expected_value, info);
 }
 
-// Checks a stage's next record. Columns whose bit in `present` is 0 are none of the design's: they are not compared,
-// and not counted.
+// Checks a stage's next record. Columns whose bit in `present` is 0 are none of the design's: they are not
+// compared, and not counted.
 inline bs_status check(Bench* bench, int stage, std::vector<std::int64_t> dut, std::uint64_t present) {
   bs_view view{};
   if (const bs_status status = records(bench, stage, view); status != BS_OK) return status;

@@ -6,8 +6,8 @@
 //       .values_i({64'(pix_x), 64'($signed(pix_u)), 64'($signed(pix_v))}));
 //
 // A record is delivered on a clock where valid and ready are both 1. The first mismatch is printed, and the simulation
-// goes on for ClocksAfterMismatch clocks, so that a waveform has it; then it ends with $fatal. At its end the counts are
-// printed. Nothing matched, nothing non-trivial, and records that were never checked are failures, too.
+// goes on for ClocksAfterMismatch clocks, so that a waveform has it. Then it ends with $fatal. At its end the counts
+// are printed. Nothing matched, nothing non-trivial, and records that were never checked are failures, too.
 module bitspan_checker #(
     parameter string Model = "model",  // as given to bitspan_open
     parameter int Stage = bitspan_pkg::StageSpan,

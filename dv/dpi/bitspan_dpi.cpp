@@ -46,13 +46,16 @@ int bitspan_row(void* model, int stage, const svOpenArrayHandle record) {
   return dv::row(bench_of(model), stage, values_of(record));
 }
 
-int bitspan_column(void* model, int stage, const char* field) { return dv::column(bench_of(model), stage, field); }
+int bitspan_column(void* model, int stage, const char* field) {
+  return dv::column(bench_of(model), stage, field);
+}
 
 // The column of the i-th word of `fields`; -1 where it is no field, -2 behind the last word.
 int bitspan_column_of(void* model, int stage, const char* fields, int i) {
   const std::string text = fields;
   std::size_t at = text.find_first_not_of(' ');
-  for (; i > 0 && at != std::string::npos; --i) at = text.find_first_not_of(' ', std::min(text.find(' ', at), text.size()));
+  for (; i > 0 && at != std::string::npos; --i)
+    at = text.find_first_not_of(' ', std::min(text.find(' ', at), text.size()));
   if (at == std::string::npos) return -2;
   return dv::column(bench_of(model), stage, text.substr(at, std::min(text.find(' ', at), text.size()) - at));
 }
@@ -70,10 +73,12 @@ long long bitspan_records(void* model, int stage) {
 int bitspan_fetch(void* model, int stage, long long i, const svOpenArrayHandle record) {
   bs_view view{};
   if (const bs_status status = dv::records(bench_of(model), stage, view); status != BS_OK) return status;
-  if (i < 0 || static_cast<std::uint64_t>(i) >= view.rows || static_cast<std::size_t>(size_of(record)) < view.columns) {
-    return dv::failed(BS_BAD_INPUT, "record " + std::to_string(i) + " into " + std::to_string(size_of(record)) +
-                                        " values; expected one of " + std::to_string(view.rows) + " into " +
-                                        std::to_string(view.columns) + " at least");
+  if (i < 0 || static_cast<std::uint64_t>(i) >= view.rows ||
+      static_cast<std::size_t>(size_of(record)) < view.columns) {
+    return dv::failed(BS_BAD_INPUT, "record " + std::to_string(i) + " into " +
+                                        std::to_string(size_of(record)) + " values; expected one of " +
+                                        std::to_string(view.rows) + " into " + std::to_string(view.columns) +
+                                        " at least");
   }
   const std::int64_t* values = dv::record(view, static_cast<std::uint64_t>(i));
   for (std::size_t f = 0; f < view.columns; ++f) element(record, static_cast<int>(f)) = values[f];

@@ -2,7 +2,7 @@
 // Two configurations of acme_spi in one simulation. Each takes the rows of a scene from its model, with random gaps and
 // stalls; a checker at its ports compares every pixel. docs/dv.md has the commands.
 //
-//   +scene=FILE +width=N +height=N +settings=KEY=VALUE +flip (a bug in the design) +idle (no stimulus)
+//   +scene=FILE +width=N +height=N +settings=KEY=VALUE +flip (a bug in the design) +rows=N (no more rows)
 bind acme_spi bitspan_checker #(
     .Model(Name),
     .Fields("x last h fu fv recip_m recip_e u v r g b a"),
@@ -29,6 +29,7 @@ module acme_spi_driver #(
   chandle model;
   string scene, settings;
   int width, height;
+  longint limit;
   longint rows, next, row[42], constants[6];
   int quiet;
   logic req_vld, req_rdy, pix_vld, pix_rdy;
@@ -58,7 +59,8 @@ module acme_spi_driver #(
              column("l_a")};
     right = '{column("r_x"), column("r_h"), column("r_u"), column("r_v"), column("r_r"), column("r_g"), column("r_b"),
               column("r_a")};
-    rows = $test$plusargs("idle") != 0 ? 0 : bitspan_records(model, StageEdgeWalk);
+    rows = bitspan_records(model, StageEdgeWalk);
+    if ($value$plusargs("rows=%d", limit) != 0 && limit < rows) rows = limit;
   end
 
   always @(posedge clk) begin
