@@ -85,6 +85,20 @@ class Program(Installed):
         out = self.bitspan("verify", "demo", "--size", "80x60", "--engines", "model,rtl")
         self.assertRegex(out, r"all +model = rtl +\d{5,}")
 
+    def test_the_library_finds_its_plugins_and_these_the_rtl(self):
+        program = """
+import ctypes, sys
+lib = ctypes.CDLL(sys.argv[1])
+lib.bs_last_error.restype = ctypes.c_char_p
+config, model = ctypes.c_void_p(), ctypes.c_void_p()
+assert lib.bs_config_load(b"depth16", ctypes.byref(config)) == 0
+for engine in (b"systemc", b"rtl"):
+    assert lib.bs_open(config, engine, ctypes.byref(model)) == 0, lib.bs_last_error()
+    lib.bs_close(model)
+"""
+        run("/usr/bin/python3", "-c", program, self.prefix / "lib/libbitspan.so.0", env=self.env)
+        self.assertGreater(len(list((self.folder / "home/.cache/bitspan").glob("rtl-*.so"))), 0)
+
     def test_config(self):
         self.assertIn("span.h", self.bitspan("config", "show", "narrow"))
         self.bitspan("config", "show", self.prefix / "share/bitspan/config/depth20.toml")
