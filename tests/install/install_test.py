@@ -101,6 +101,8 @@ for engine in (b"systemc", b"rtl"):
 
     def test_config(self):
         self.assertIn("span.h", self.bitspan("config", "show", "narrow"))
+        schema = (self.prefix / "share/bitspan/schema/configuration.schema.json").read_text()
+        self.assertEqual(schema, self.bitspan("config", "schema"))
         self.bitspan("config", "show", self.prefix / "share/bitspan/config/depth20.toml")
         self.bitspan("config", "emit-sv", "depth16", "--rtl", "rtl")
         self.assertTrue((self.work / "rtl/span_interpolator.sv").is_file())
