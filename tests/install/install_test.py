@@ -132,8 +132,8 @@ class Users(Installed):
         shutil.copytree((SOURCE / "examples" / file).parent, folder)
         source = folder / pathlib.Path(file).name
         text = source.read_text()
-        self.assertRegex(text, r"\nint main\(.*\) \{\n")
-        source.write_text(re.sub(r"(\nint main\(.*\) \{\n)", r"\1  int of_the_user = 1;\n", text))
+        self.assertRegex(text, r"\nint (sc_)?main\(.*\) \{\n")
+        source.write_text(re.sub(r"(\nint (?:sc_)?main\(.*\) \{\n)", r"\1  int of_the_user = 1;\n", text))
         return source
 
     def check(self, program):
@@ -147,6 +147,10 @@ class Users(Installed):
         run(CMAKE, "--build", build, env=self.env)
         self.check(build / "compare")
 
+    def pkg_config(self, name):
+        env = {**self.env, "PKG_CONFIG_PATH": str(self.prefix / "lib/pkgconfig")}
+        return run("pkg-config", "--cflags", "--libs", name, env=env).split()
+
     matched = r"^[1-9]\d+ values matched, [1-9]\d+ non-trivial, 0 records unchecked\n$"
 
     def test_c_by_find_package(self):
@@ -157,14 +161,26 @@ class Users(Installed):
         self.assertRegex(run(build / "bench", env=self.env), self.matched)
 
     def test_c_by_pkg_config_in_each_language(self):
-        env = {**self.env, "PKG_CONFIG_PATH": str(self.prefix / "lib/pkgconfig")}
-        words = run("pkg-config", "--cflags", "--libs", "bitspan", env=env).split()
+        words = self.pkg_config("bitspan")
         source = self.example("c/bench.c")
         for language in (("cc", "-std=c11"), ("c++", "-std=c++17", "-x", "c++"), ("c++", "-std=c++20", "-x", "c++")):
             program = self.work / "bench"
-            run(*language, "-Wall", "-Wextra", source, "-x", "none", *words, "-o", program, env=env)
+            run(*language, "-Wall", "-Wextra", source, "-x", "none", *words, "-o", program, env=self.env)
             out = run(program, env={**self.env, "LD_LIBRARY_PATH": str(self.prefix / "lib")})
             self.assertRegex(out, self.matched)
+
+    def test_tlm_by_find_package_and_pkg_config(self):
+        source = self.example("tlm/platform.cpp")
+        words = self.pkg_config("bitspan-tlm")
+        build = self.work / "build"
+        run(CMAKE, "-S", source.parent, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={self.prefix}", env=self.env)
+        run(CMAKE, "--build", build, env=self.env)
+        run("c++", "-std=c++17", "-Wall", "-Wextra", source, *words, "-o", self.work / "platform", env=self.env)
+        for program in (build / "platform", self.work / "platform"):
+            out = run(program, "demo.ppm", "--size", "64x48", cwd=self.work,
+                      env={**self.env, "LD_LIBRARY_PATH": str(self.prefix / "lib")})
+            self.assertRegex(out, r"demo.ppm: 64x48, [1-9]\d+ cycles")
+            self.assertEqual((self.work / "demo.ppm").stat().st_size, 13 + 64 * 48 * 3)
 
     def test_find_package_of_what_is_not_there(self):
         project = self.work / "CMakeLists.txt"
@@ -176,10 +192,9 @@ class Users(Installed):
             self.assertIn(says, out)
 
     def test_pkg_config(self):
-        env = {**self.env, "PKG_CONFIG_PATH": str(self.prefix / "lib/pkgconfig")}
-        words = run("pkg-config", "--cflags", "--libs", "bitspan-cpp", env=env).split()
+        words = self.pkg_config("bitspan-cpp")
         program = self.work / "compare"
-        run("c++", "-std=c++20", "-Wall", "-Wextra", self.example("cpp/compare.cpp"), *words, "-o", program, env=env)
+        run("c++", "-std=c++20", "-Wall", "-Wextra", self.example("cpp/compare.cpp"), *words, "-o", program, env=self.env)
         self.check(program)
 
 
