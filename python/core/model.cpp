@@ -76,7 +76,7 @@ class Use {
           " arrays show the model's memory, which the call would change; expected that they are deleted, or "
           "were copied, or a new Model");
     }
-    if (session->stopped && std::string_view(what) != "begin") {
+    if (session->stopped && std::string_view(what) != "begin" && std::string_view(what) != "trace") {
       throw StateError(call + "the picture was interrupted; expected begin");
     }
     session_->busy = true;

@@ -76,7 +76,7 @@ class Configs(unittest.TestCase):
 
     def test_keys_of_each_type(self):
         base = bitspan.Config("depth16")
-        changed = base.with_({"formats.span.uv.word": np.int64(23), "texture.transparent": [255, 0, 255], "perspective": "affine"})
+        changed = base.with_({"formats.span.uv.word": np.int64(23), "texture.transparent": [255, 0, 255], "perspective.mode": "affine"})
         self.assertEqual(changed.field("span.u").word, 23)
         self.assertRegex(changed.text, r"transparent = \[ ?255, 0, 255 ?\]")
         self.assertIn('"affine"', changed.text)
@@ -85,9 +85,10 @@ class Configs(unittest.TestCase):
 
     def test_rules_between_keys_hold_for_all_settings_together(self):
         base = bitspan.Config("depth16")
-        with self.assertRaises(bitspan.InputError) as raised:
-            base.with_({"formats.span.h.word": 3})
-        self.assertIn("formats.span.h", str(raised.exception))
+        with self.assertRaisesRegex(bitspan.InputError, "reciprocal.pixel.index_bits: is 9 with operand_bits = 5"):
+            base.with_({"reciprocal.pixel.operand_bits": 5})
+        together = base.with_({"reciprocal.pixel.operand_bits": 5, "reciprocal.pixel.index_bits": 4})
+        self.assertIn("operand_bits = 5", together.text)
 
     def test_fields(self):
         config = bitspan.Config("depth16")
@@ -167,7 +168,7 @@ class Records(unittest.TestCase):
         self.assertEqual(drawn.counters["written"], len(drawn.merge))
 
     def test_plane_rows(self):
-        drawn = small(perspective="const_depth_rows")
+        drawn = small(**{"perspective.mode": "const_depth_rows"})
         self.assertEqual(len(drawn.edge_walk), 0)
         self.assertGreater(len(drawn.plane_walk_row), 10)
 
@@ -313,13 +314,13 @@ class Runs(unittest.TestCase):
 class Errors(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.run = bitspan.render("demo", width=160, height=120)
+        cls.drawn = bitspan.render("demo", width=160, height=120)
         cls.metrics = bitspan.measure("depth16", "demo", 160, 120)
 
     def test_errors_of_records_are_those_of_the_study(self):
         for field, metric in (("span.u", "span.u"), ("span.v", "span.v"), ("span.h", "span.h"), ("depth.z", "depth.z")):
-            error = self.run.error(field)
-            self.assertEqual(error.shape, (len(self.run.records(field.split(".")[0])),))
+            error = self.drawn.error(field)
+            self.assertEqual(error.shape, (len(self.drawn.records(field.split(".")[0])),))
             error = error[~np.isnan(error)]
             self.assertGreater(len(error), 1000)
             self.assertEqual(np.abs(error).max(), self.metrics[f"{metric}.max"])
@@ -328,61 +329,61 @@ class Errors(unittest.TestCase):
             # The metric is the upper edge of a bin of 1/8 octave.
             quantile, p999 = np.quantile(np.abs(error), 0.999), self.metrics[f"{metric}.p999"]
             self.assertTrue(quantile / 2**0.125 <= p999 <= quantile * 2**0.2, (quantile, p999))
-        channels = [self.run.error(f"texture.{c}") for c in "rgb"]
+        channels = [self.drawn.error(f"texture.{c}") for c in "rgb"]
         self.assertEqual(np.nanmax(np.abs(channels)), self.metrics["texture.colour.max"])
-        ends = np.concatenate([self.run.error("edge_walk.l_u"), self.run.error("edge_walk.r_u")])
+        ends = np.concatenate([self.drawn.error("edge_walk.l_u"), self.drawn.error("edge_walk.r_u")])
         self.assertEqual(np.nanmax(np.abs(ends)), self.metrics["edge_walk.u.max"])
-        self.assertEqual(len(ends[~np.isnan(ends)]), 2 * len(self.run.edge_walk))
+        self.assertEqual(len(ends[~np.isnan(ends)]), 2 * len(self.drawn.edge_walk))
 
     def test_error_maps(self):
-        u = self.run.error_map("span.u")
+        u = self.drawn.error_map("span.u")
         self.assertEqual((u.shape, u.dtype.name), ((120, 160), "float64"))
-        shown = self.run.triangle >= 0
+        shown = self.drawn.triangle >= 0
         self.assertTrue((~np.isnan(u) == shown).all())
         self.assertLessEqual(np.nanmax(np.abs(u)), self.metrics["span.u.max"])
-        picture = self.run.error_map("picture.u")
+        picture = self.drawn.error_map("picture.u")
         both = ~np.isnan(picture)
         self.assertTrue(np.allclose(u[both], picture[both], atol=1e-9))
         self.assertEqual(np.nanmax(np.abs(picture)), self.metrics["picture.u.max"])
-        self.assertEqual(np.nanmax(np.abs(self.run.error_map("picture.depth"))), self.metrics["picture.depth.max"])
-        self.assertEqual(self.run.error_map("picture.color").max(), self.metrics["picture.color_max"])
-        self.assertEqual(self.run.error_map("depth.z").shape, (120, 160))
+        self.assertEqual(np.nanmax(np.abs(self.drawn.error_map("picture.depth"))), self.metrics["picture.depth.max"])
+        self.assertEqual(self.drawn.error_map("picture.color").max(), self.metrics["picture.color_max"])
+        self.assertEqual(self.drawn.error_map("depth.z").shape, (120, 160))
 
     def test_fewer_bits_make_larger_errors(self):
         less = bitspan.render("demo", bitspan.Config().with_({"formats.span.uv.word": 19}), width=160, height=120)
-        self.assertGreater(np.nanmean(np.abs(less.error("span.u"))), 3 * np.nanmean(np.abs(self.run.error("span.u"))))
+        self.assertGreater(np.nanmean(np.abs(less.error("span.u"))), 3 * np.nanmean(np.abs(self.drawn.error("span.u"))))
 
     def test_what_has_no_error(self):
         for name, says in (("span.recip_m", "ideal has no value"), ("constants.b", "no records of triangles"),
                            ("span.nothing", "no such field"), ("u", "no field"), ("nothing.u", "no stage")):
             with self.assertRaisesRegex(bitspan.InputError, says):
-                self.run.error(name)
+                self.drawn.error(name)
         for name, says in (("edge_walk.l_u", "no record per pixel"), ("picture.nothing", "expected picture.u"), ("setup.h0", "no record per pixel")):
             with self.assertRaisesRegex(bitspan.InputError, says):
-                self.run.error_map(name)
+                self.drawn.error_map(name)
 
 
 class Compares(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.run = small()
+        cls.drawn = small()
 
     def test_equal_runs(self):
-        found = bitspan.compare(self.run, small("golden"))
+        found = bitspan.compare(self.drawn, small("golden"))
         self.assertTrue(found.equal)
         self.assertIsNone(found.first)
-        values = sum(self.run.table(stage).size for stage in bitspan.STAGES)
+        values = sum(self.drawn.table(stage).size for stage in bitspan.STAGES)
         self.assertEqual(found.matched, values)
         self.assertTrue(0 < found.nontrivial < values)
 
     def test_a_flipped_bit_is_named(self):
-        records = self.run.span.copy()
+        records = self.drawn.span.copy()
         records["u"][77] ^= 4
-        found = bitspan.compare(self.run, records)
+        found = bitspan.compare(self.drawn, records)
         first = found.first
         self.assertFalse(found.equal)
         self.assertEqual((first.kind, first.stage, first.record, first.field, found.differences), ("value", "span", 77, "u", 1))
-        self.assertEqual((first.x, first.y, first.triangle), tuple(int(self.run.span[77][n]) for n in ("x", "y", "triangle")))
+        self.assertEqual((first.x, first.y, first.triangle), tuple(int(self.drawn.span[77][n]) for n in ("x", "y", "triangle")))
         self.assertEqual(first.expected ^ first.actual, 4)
         self.assertEqual((first.expected_value, first.unit), (first.expected / 256, "texel"))
         for shown in (str(first), first._repr_html_(), found._repr_html_()):
@@ -390,36 +391,36 @@ class Compares(unittest.TestCase):
         self.assertIn(f"pixel {first.x} {first.y}", str(found))
 
     def test_the_counts_are_those_of_the_model(self):
-        records = self.run.table("span").copy()
+        records = self.drawn.table("span").copy()
         records[100:200, 5] += 1
         model = bitspan.Model()
-        model.begin(self.run.scene)
-        model.draw(self.run.scene)
+        model.begin(self.drawn.scene)
+        model.draw(self.drawn.scene)
         part = records[:1500]
-        by_model, found = model.check("span", part), bitspan.compare(self.run, part)
+        by_model, found = model.check("span", part), bitspan.compare(self.drawn, part)
         self.assertEqual((model.matched, model.nontrivial, model.unchecked("span")), (found.matched, found.nontrivial, found.unchecked))
         self.assertEqual(found.unchecked, len(records) - 1500)
         for name in ("kind", "stage", "record", "triangle", "x", "y", "field", "expected", "actual", "expected_value", "unit", "differences"):
             self.assertEqual(getattr(by_model, name), getattr(found.first, name), name)
 
     def test_missing_extra_and_empty_records_are_no_success(self):
-        table = self.run.table("span")
-        self.assertFalse(bitspan.compare(self.run, table[:-1]).equal)
-        more = bitspan.compare(self.run, np.concatenate([table, table[-1:]]))
+        table = self.drawn.table("span")
+        self.assertFalse(bitspan.compare(self.drawn, table[:-1]).equal)
+        more = bitspan.compare(self.drawn, np.concatenate([table, table[-1:]]))
         self.assertEqual((more.first.kind, more.first.record, more.differences), ("extra", len(table), table.shape[1]))
-        none = bitspan.compare(self.run, table[:0])
+        none = bitspan.compare(self.drawn, table[:0])
         self.assertFalse(none.equal)
         self.assertEqual((none.matched, none.nontrivial, none.unchecked), (0, 0, len(table)))
 
     def test_stages_in_their_order(self):
-        depth, span = self.run.table("depth").copy(), self.run.table("span").copy()
+        depth, span = self.drawn.table("depth").copy(), self.drawn.table("span").copy()
         depth[0, 5] += 1
         span[9, 5] += 1
-        found = bitspan.compare(self.run, {"depth": depth, "span": span})
+        found = bitspan.compare(self.drawn, {"depth": depth, "span": span})
         self.assertEqual((found.first.stage, found.first.record, found.differences), ("span", 9, 2))
-        columns = {name: self.run.span[name] for name in self.run.names("span")}
-        self.assertTrue(bitspan.compare(self.run, columns).equal)
-        self.assertTrue(bitspan.compare(self.run, self.run.table("fog").astype(np.int32), stage="fog").equal)
+        columns = {name: self.drawn.span[name] for name in self.drawn.names("span")}
+        self.assertTrue(bitspan.compare(self.drawn, columns).equal)
+        self.assertTrue(bitspan.compare(self.drawn, self.drawn.table("fog").astype(np.int32), stage="fog").equal)
 
 
 class Sweeps(unittest.TestCase):
@@ -451,24 +452,24 @@ class Sweeps(unittest.TestCase):
                          table["span.u.p999"][1])
 
     def test_grid_refusals_and_choice(self):
-        table = bitspan.sweep("depth16", {"formats.span.uv.word": range(20, 24), "formats.span.h.word": (34, 3)},
+        table = bitspan.sweep("depth16", {"formats.span.uv.word": range(20, 24), "reciprocal.pixel.operand_bits": (22, 5)},
                               metric=("span.u.p999", "span.u.max"), width=64, height=48, threads=2)
         self.assertEqual(len(table), 8)
-        self.assertEqual(table.columns, ("formats.span.uv.word", "formats.span.h.word", "span.u.p999", "span.u.max"))
-        self.assertEqual(table["formats.span.h.word"].tolist(), [34, 3] * 4)
+        self.assertEqual(table.columns, ("formats.span.uv.word", "reciprocal.pixel.operand_bits", "span.u.p999", "span.u.max"))
+        self.assertEqual(table["reciprocal.pixel.operand_bits"].tolist(), [22, 5] * 4)
         self.assertEqual([bool(r) for r in table.reasons], [False, True] * 4)
-        self.assertIn("formats.span.h", table.reasons[1])
+        self.assertIn("index_bits < operand_bits", table.reasons[1])
         self.assertEqual(np.isnan(table["span.u.p999"]).tolist(), [False, True] * 4)
         error = table["span.u.p999"][::2]
         self.assertTrue((np.diff(error) < 0).all())
-        self.assertEqual(table.choose(at_most=error[2]), {"formats.span.uv.word": 22, "formats.span.h.word": 34})
+        self.assertEqual(table.choose(at_most=error[2]), {"formats.span.uv.word": 22, "reciprocal.pixel.operand_bits": 22})
         self.assertEqual(table.choose(metric="span.u.max", at_least=0)["formats.span.uv.word"], 20)
         with self.assertRaisesRegex(bitspan.InputError, "no point has span.u.p999"):
             table.choose(at_most=1e-9)
         with self.assertRaisesRegex(bitspan.InputError, "no limit"):
             table.choose()
-        with self.assertRaisesRegex(bitspan.InputError, "every point was refused.*formats.span.h"):
-            bitspan.sweep("depth16", {"formats.span.h.word": (3, 4)}, width=64, height=48)
+        with self.assertRaisesRegex(bitspan.InputError, "every point was refused.*index_bits"):
+            bitspan.sweep("depth16", {"reciprocal.pixel.operand_bits": (5, 4)}, width=64, height=48)
 
     def test_shown_written_and_plotted(self):
         os.environ["MPLBACKEND"] = "agg"
@@ -624,7 +625,7 @@ class BadInput(unittest.TestCase):
             (lambda: model.row("span_setup", row.astype(float)), "expected int64"),
             (lambda: model.row("span_setup", np.stack([row, row])), "2 records; expected one"),
             (lambda: model.row("span_setup", outside), "out of range"),
-            (lambda: model.row("span_setup", row, 5), "texture: 5"),
+            (lambda: model.row("span_setup", row, 999), "texture: 999"),
             (lambda: model.row("span_setup", {"x": 1}), "has no column triangle"),
             (lambda: model.records("nothing"), "is no stage"),
             (lambda: model.plane("alpha"), "is no plane"),
