@@ -20,12 +20,6 @@ Handles<bs_config, ConfigState>& configs() {
   return *all;
 }
 
-bs_config* add(Config config) {
-  auto state = std::make_shared<ConfigState>();
-  state->config = std::move(config);
-  return configs().add(std::move(state));
-}
-
 void set(Config& config, const std::string& path, std::string_view value) {
   const Key* const key = find_key(path);
   if (key == nullptr) {
@@ -40,6 +34,12 @@ void set(Config& config, const std::string& path, std::string_view value) {
 }
 
 }  // namespace
+
+bs_config* add(Config config) {
+  auto state = std::make_shared<ConfigState>();
+  state->config = std::move(config);
+  return configs().add(std::move(state));
+}
 
 Config copy_of(const bs_config* handle, const char* function) {
   const auto state = configs().find(handle, function);

@@ -17,6 +17,8 @@ struct ConfigState {
   std::string hash, text;  // what the caller was given
 };
 
+// Returns a new handle.
+bs_config* add(Config config);
 // A copy. Throws BS_BAD_HANDLE.
 Config copy_of(const bs_config* handle, const char* function);
 

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A bit-true, configurable, fixed-point model of a raster pipeline.
+
+    import bitspan
+    run = bitspan.render("demo", bitspan.Config("depth16"))
+    run.color                    # (H, W, 4) uint8
+    run.span["u"]                # raw u of every pixel of every row, (n,) int64
+    run.error_map("span.u")      # u - ideal u of the pixels shown [texel], (H, W) float64
+
+docs/python.md shows it by example. Records and their fields are those of docs/numeric-spec.md.
+"""
+
+import pathlib
+
+from . import _core
+from ._compare import Comparison, Divergence, compare
+from ._config import Config, Field
+from ._core import InputError, StateError
+from ._model import Model
+from ._run import Run, render
+from ._scene import Scene
+from ._sweep import Metric, Table, measure, metrics, sweep
+
+__version__: str = _core.version
+
+#: The stages whose records a run has, in the order of the pipeline.
+STAGES: tuple[str, ...] = _core.stages
+#: What draws: `golden`, `model`, `timed` and `ideal`.
+ENGINES: tuple[str, ...] = _core.engines
+#: The names of Run.counters.
+COUNTERS: tuple[str, ...] = _core.counters
+
+for _error in (InputError, StateError):
+    _error.__module__ = "bitspan"
+InputError.__doc__ = """Something given is not legal. The text has the form "file:line: key: what; expected ..."."""
+StateError.__doc__ = "A call in the wrong order, on a closed model, or on one whose memory is in use."
+
+
+def data_folder() -> pathlib.Path:
+    """Returns the folder with config/, rtl/ and dv/ that the package brings."""
+    return pathlib.Path(_core.data_folder())
+
+
+__all__ = ["COUNTERS", "ENGINES", "STAGES", "Comparison", "Config", "Divergence", "Field", "InputError", "Metric", "Model", "Run",
+           "Scene", "StateError", "Table", "compare", "data_folder", "measure", "metrics", "render", "sweep"]

@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Models that draw, row by row where a bench wants it, and check records."""
+
+from __future__ import annotations
+
+import functools
+import os
+from types import TracebackType
+from typing import Any, Mapping
+
+import numpy as np
+
+from . import _core
+from ._compare import Divergence
+from ._config import Config, config_of
+from ._core import InputError
+from ._scene import Scene
+
+#: The planes of a picture, by their numbers in the C interface.
+PLANES = ("color", "depth", "u", "v", "triangle")
+
+
+@functools.lru_cache(maxsize=None)
+def dtype_of(names: tuple[str, ...]) -> np.dtype:
+    """A record: one int64 per field."""
+    return np.dtype([(name, np.int64) for name in names])
+
+
+def as_records(table: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
+    """A view of an (n, k) array as n records with named fields."""
+    if len(table) == 0:
+        return np.empty(0, dtype_of(names))
+    return np.ndarray(len(table), dtype_of(names), table)
+
+
+def as_table(records: Any, names: tuple[str, ...], what: str) -> np.ndarray:
+    """The (n, k) array of records, which may have names, or be such an array, or a mapping of columns."""
+    if isinstance(records, Mapping):
+        missing = [name for name in names if name not in records]
+        if missing:
+            raise InputError(f"{what}: has no column {', '.join(missing)}; expected {', '.join(names)}")
+        columns = [np.asarray(records[name]) for name in names]
+        if any(column.ndim != 1 or len(column) != len(columns[0]) for column in columns):
+            raise InputError(f"{what}: the columns are not of one length; expected (n,) each")
+        given = np.stack(columns, axis=1) if len(columns[0]) else np.empty((0, len(names)), np.int64)
+    else:
+        given = np.asarray(records)
+        if given.dtype.names is not None:
+            if given.dtype.names != names:
+                raise InputError(f"{what}: the fields are {', '.join(given.dtype.names)}; expected {', '.join(names)}")
+            given = np.ascontiguousarray(given.reshape(-1))
+            if given.dtype != dtype_of(names):
+                given = given.astype(dtype_of(names))
+            return given.view(np.int64).reshape(-1, len(names))
+        if given.size == 0:
+            given = np.empty((0, len(names)), np.int64)
+        elif given.ndim == 1:
+            given = given.reshape(1, -1)
+    if given.ndim != 2 or given.shape[1] != len(names):
+        raise InputError(f"{what}: the shape is {given.shape}; expected (n, {len(names)})")
+    if given.dtype.kind not in "iu" or (given.dtype == np.uint64 and np.any(given > np.uint64(2**63 - 1))):
+        raise InputError(f"{what}: has {given.dtype}; expected int64")
+    return np.ascontiguousarray(given, np.int64)
+
+
+class Model:
+    """An engine for a configuration: `golden`, `model`, `timed` (with clocks) or `ideal` (the truth; it has no records).
+
+    Views: records() and plane() give arrays that show the model's memory, without a copy. They are read-only, and stay valid
+    for as long as they are kept, also after the model is deleted or closed. While one of them lives, begin(), draw(),
+    row() and clear_records() raise StateError, since these would change the memory below it. Delete the array
+    or copy it first, or use a new Model.
+
+    One model is used by one thread at a time. Different models may be used by different threads, and draw without Python's
+    lock. Ctrl-C ends a draw between batches of triangles (not with `timed`); then only begin() may follow.
+    """
+
+    def __init__(self, config: Config | str | os.PathLike[str] = "depth16", engine: str = "model"):
+        self.config = config_of(config)
+        self.engine = str(engine)
+        self._core = _core.Model(self.config._handle, self.engine, False)
+
+    def trace(self, on: bool) -> None:
+        """Whether records are kept from now on, as they are at first. Without them it is faster."""
+        self._core.trace(bool(on))
+
+    def begin(self, scene: Scene) -> None:
+        """Begins a picture: clears planes, records and counters. It draws no triangle of the scene."""
+        self._core.begin(_handle(scene))
+
+    def draw(self, scene: Scene, frame: int = 0, draw: int = 0) -> None:
+        """Draws the scene's triangles. `frame` and `draw` are numbers of the caller's, which a Divergence tells."""
+        self._core.draw(_handle(scene), frame, draw)
+
+    def row(self, stage: str, record: Any, texture: int = -1) -> None:
+        """Draws one row that was made elsewhere, from behind its stage through merge; engines `golden` and `model`.
+
+        stage    "edge_walk" or "span_setup", in const_depth_rows also "plane_walk.row", and "setup" for the triangle of the
+                 rows that follow
+        record   (k,) int64, a record of the stage, or a mapping of its fields
+        texture  index of the scene's, -1 for none
+        """
+        table = as_table(_one(record), self.names(stage), f"{stage}")
+        if len(table) != 1:
+            raise InputError(f"{stage}: {len(table)} records; expected one")
+        self._core.row(stage, table[0], texture)
+
+    def names(self, stage: str) -> tuple[str, ...]:
+        """The fields of a stage's records, in the order of their columns."""
+        return tuple(field.name for field in self.config.fields(stage))
+
+    def records(self, stage: str) -> np.ndarray:
+        """Returns the stage's records since begin() or clear_records(): (n,) with one int64 per field; a view.
+
+        records("span")["u"] is the column of a field. table() has the same as a plain array.
+        """
+        return as_records(self._core.records(stage), self.names(stage))
+
+    def table(self, stage: str) -> np.ndarray:
+        """Returns the stage's records as an (n, fields) array of int64; a view."""
+        return self._core.records(stage)
+
+    def clear_records(self) -> None:
+        """Forgets the records, so that a long run takes no more memory."""
+        self._core.clear_records()
+
+    def plane(self, name: str) -> np.ndarray:
+        """Returns a plane of the picture, from the top; a view.
+
+        "color"     (H, W, 4) uint8: red, green, blue, 255
+        "depth"     (H, W) uint32: the stored code
+        "u", "v"    (H, W) float64 [texel]: of the fragment written last; NaN where there is none
+        "triangle"  (H, W) int32: the triangle of that fragment; -1 where there is none
+        """
+        if name not in PLANES:
+            raise InputError(f"'{name}' is no plane; expected {', '.join(PLANES)}")
+        return self._core.plane(PLANES.index(name))
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """The counters since begin(); "cycles" counts with the engine `timed`."""
+        return {name: self._core.counter(name) for name in _core.counters}
+
+    def check(self, stage: str, records: Any) -> Divergence | None:
+        """Compares records with the stage's next ones, which those of the calls before came in front of.
+
+        records: (n, fields) int64, or (n,) with named fields, or a mapping of columns. Returns None where all are equal, else the
+        first difference.
+        """
+        found = self._core.check(stage, as_table(records, self.names(stage), stage))
+        return None if found is None else Divergence(**found, unit=_unit(self.config, stage, found["field"]))
+
+    @property
+    def matched(self) -> int:
+        """Values that check() found equal. A bench must fail where it is zero."""
+        return self._core.matched
+
+    @property
+    def nontrivial(self) -> int:
+        """Matched values that are neither 0 nor the same field's value in the record before. A bench must fail on zero."""
+        return self._core.nontrivial
+
+    def unchecked(self, stage: str) -> int:
+        """Records of the stage that no check() has reached."""
+        return self._core.unchecked(stage)
+
+    @property
+    def text(self) -> str:
+        """What the records are: "engine model, configuration depth16 (c18c9815f835a626)"."""
+        return self._core.text
+
+    @property
+    def views(self) -> int:
+        """How many arrays show the model's memory."""
+        return self._core.views
+
+    def close(self) -> None:
+        """Ends the model. Its memory is given back with the last array that shows it."""
+        self._core.close()
+
+    def __enter__(self) -> Model:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<bitspan.Model {self.text if self._core.is_open else 'closed'}>"
+
+
+def _one(record: Any) -> Any:
+    if isinstance(record, Mapping):
+        return {name: np.atleast_1d(value) for name, value in record.items()}
+    return record
+
+
+def _unit(config: Config, stage: str, field: str | None) -> str:
+    return "" if field is None else config.field(f"{stage}.{field}").unit
+
+
+def _handle(scene: Scene) -> _core.SceneHandle:
+    if not isinstance(scene, Scene):
+        raise InputError(f"{scene!r} is no scene; expected a bitspan.Scene")
+    return scene._handle

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Sequence
+
+import numpy as np
+
+from ._core import InputError, SceneHandle
+
+#: The columns of a vertex and their defaults: [pixel], [unit of s], [texel], 0 to 1.
+VERTEX = {"x": 0.0, "y": 0.0, "s": 1.0, "u": 0.0, "v": 0.0, "r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0}
+
+
+def _vertices(vertices: Any) -> np.ndarray:
+    try:
+        given = np.asarray(vertices, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"vertices: {error}; expected numbers") from None
+    if given.ndim != 3 or given.shape[1] != 3 or not 3 <= given.shape[2] <= len(VERTEX):
+        raise InputError(f"vertices: the shape is {given.shape}; expected (n, 3, k), k from 3 (x, y, s) to 9 "
+                         "(x, y, s, u, v, r, g, b, a)")
+    out = np.empty((given.shape[0], 3, len(VERTEX)))
+    out[...] = list(VERTEX.values())
+    out[..., : given.shape[2]] = given
+    return out
+
+
+def _codes(what: str, color: Any) -> list[int]:
+    given = np.asarray(color)
+    if given.shape != (3,) or given.dtype.kind not in "iu" or given.min() < 0 or given.max() > 255:
+        raise InputError(f"{what}: {color!r} is no colour; expected three integers of 0 to 255")
+    return [int(c) for c in given]
+
+
+def _texture(i: int, texture: Any) -> np.ndarray:
+    given = np.asarray(texture)
+    if given.ndim != 3 or given.shape[2] not in (3, 4) or given.dtype != np.uint8:
+        raise InputError(f"textures[{i}]: the shape is {given.shape} of {given.dtype}; expected (height, width, 3 or 4) of uint8")
+    out = np.full((*given.shape[:2], 4), 255, np.uint8)
+    out[..., : given.shape[2]] = given
+    return out
+
+
+def _integer(what: str, value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not -(2**31) <= value < 2**31:
+        raise InputError(f"{what}: {value!r}; expected an integer")
+    return int(value)
+
+
+class Scene:
+    """Triangles on the screen in the order of drawing, their textures, and the size of the picture.
+
+    `source` is "demo", a stream (.tri) or a mesh (OBJ, PLY, glTF ...), which a camera around it shows. `width` and
+    `height` are of the picture [pixel]; 0: the stream's own, or 640 x 480. A scene never changes.
+    """
+
+    __slots__ = ("_handle", "__weakref__")
+
+    def __init__(self, source: str | os.PathLike[str] = "demo", width: int = 0, height: int = 0):
+        if not isinstance(source, (str, os.PathLike)):
+            raise InputError(f"bitspan.Scene: {source!r} is no scene; expected a name or a path, or Scene.from_vertices")
+        self._handle = SceneHandle.load(os.fspath(source), _integer("width", width), _integer("height", height))
+
+    @classmethod
+    def from_vertices(cls, vertices: Any, width: int = 640, height: int = 480, *, texture: Any = -1, textures: Sequence[Any] = (),
+                      s_range: tuple[float, float] = (1.0, 1000.0), focal: float = 500.0,
+                      background: Sequence[int] = (0, 0, 0), fog: tuple[Sequence[int], float] | None = None,
+                      name: str = "scene") -> Scene:
+        """Makes a scene of arrays.
+
+        vertices    (n, 3, k): per corner x, y [pixel, origin top left, pixel centres at .5], s [distance along the view axis],
+                    u, v [texel], r, g, b, a [0 to 1]; k from 3 to 9, the columns left out are 0, 0, 1, 1, 1, 1
+        texture     the index into `textures` per triangle, or one for all; -1: none
+        textures    (height, width, 3 or 4) arrays of uint8
+        s_range     the range of s that the formats are scaled for
+        focal       the focal length [pixel]
+        background  red, green, blue, 0 to 255
+        fog         (colour, distance [unit of s]); None: no fog
+        """
+        corners = _vertices(vertices)
+        try:
+            texture_of = np.array(np.broadcast_to(np.asarray(texture), len(corners)))
+        except ValueError:
+            raise InputError(f"texture: has {len(texture)} entries; expected one per triangle, {len(corners)}") from None
+        if texture_of.dtype.kind not in "iu" or np.any(abs(texture_of.astype(np.int64)) >= 2**31):
+            raise InputError(f"texture: {texture!r}; expected integers")
+        try:
+            low, high = map(float, s_range)
+            haze = None if fog is None else (_codes("fog", fog[0]), float(fog[1]))
+            length = float(focal)
+        except (TypeError, ValueError, IndexError) as error:
+            if isinstance(error, InputError):
+                raise
+            raise InputError(f"s_range, focal, fog: {error}; expected (low, high), a number, (colour, distance)") from None
+        out = object.__new__(cls)
+        out._handle = SceneHandle.make(corners, texture_of.astype(np.int32), [_texture(i, t) for i, t in enumerate(textures)],
+                                       _integer("width", width), _integer("height", height), (low, high), length,
+                                       _codes("background", background), haze, str(name))
+        return out
+
+    @property
+    def name(self) -> str:
+        return self._handle.name
+
+    @property
+    def width(self) -> int:
+        """Of the picture [pixel]."""
+        return self._handle.width
+
+    @property
+    def height(self) -> int:
+        """Of the picture [pixel]."""
+        return self._handle.height
+
+    @property
+    def s_range(self) -> tuple[float, float]:
+        return self._handle.s_range
+
+    @property
+    def vertices(self) -> np.ndarray:
+        """(n, 3, 9) float64: x, y, s, u, v, r, g, b, a per corner; a view of the scene's memory."""
+        return self._handle.vertices
+
+    @property
+    def texture_of(self) -> np.ndarray:
+        """(n,) int32: the index of each triangle's texture, -1 for none; a view."""
+        return self._handle.texture_of
+
+    def __len__(self) -> int:
+        return len(self.texture_of)
+
+    def __repr__(self) -> str:
+        return f"<bitspan.Scene {self.name}: {len(self)} triangles, {self.width} x {self.height} pixels>"
+
+
+def scene_of(scene: Scene | str | os.PathLike[str], width: int = 0, height: int = 0) -> Scene:
+    """Returns the scene, or the one that a name or path stands for."""
+    if not isinstance(scene, Scene):
+        return Scene(scene, width, height)
+    if (width or height) and (width, height) != (scene.width, scene.height):
+        raise InputError(f"width, height: {scene!r} has a size already; expected none")
+    return scene

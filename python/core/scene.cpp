@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lib/scene.hpp"
+
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <array>
+
+#include "lib/status.hpp"
+#include "python/core/core.hpp"
+
+namespace bitspan::python {
+namespace {
+
+constexpr std::size_t columns = 9;  // x, y, s, u, v, r, g, b, a
+static_assert(sizeof(bs_vertex) == sizeof(std::size_t) + columns * sizeof(double));
+
+using Rgb = std::array<std::uint8_t, 3>;
+
+SceneHandle make(const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>& vertices,
+                 const Indices& texture_of, const std::vector<Bytes>& textures, std::int32_t width,
+                 std::int32_t height, const std::pair<double, double>& s_range, double focal,
+                 const Rgb& background, const std::optional<std::pair<Rgb, double>>& fog, std::string name) {
+  bs_scene_desc desc = BS_SCENE_DESC_INIT;
+  desc.width = width;
+  desc.height = height;
+  desc.s_min = s_range.first;
+  desc.s_max = s_range.second;
+  desc.focal = focal;
+  std::ranges::copy(background, desc.background);
+  if (fog) {
+    desc.has_fog = 1;
+    std::ranges::copy(fog->first, desc.fog_color);
+    desc.fog_distance = fog->second;
+  }
+  return SceneHandle::make(vertices, texture_of, textures, desc, std::move(name));
+}
+
+// The vertices where the library has them: behind the size that each struct begins with.
+nb::object vertices_of(nb::handle self) {
+  const auto& scene = nb::cast<const SceneHandle&>(self);
+  static const double none = 0;
+  const bool empty = scene.count() == 0;
+  constexpr auto vertex = static_cast<std::int64_t>(sizeof(bs_vertex) / sizeof(double));
+  return nb::cast(nb::ndarray<nb::numpy, nb::ro, const double, nb::ndim<3>>(
+      empty ? &none : &scene.vertices()->x, {scene.count(), 3, columns}, self, {3 * vertex, vertex, 1}));
+}
+
+nb::object texture_of(nb::handle self) {
+  const auto& scene = nb::cast<const SceneHandle&>(self);
+  static const std::int32_t none = 0;
+  return nb::cast(nb::ndarray<nb::numpy, nb::ro, const std::int32_t, nb::ndim<1>>(
+      scene.count() == 0 ? &none : scene.texture_of(), {scene.count()}, self));
+}
+
+}  // namespace
+
+SceneHandle SceneHandle::load(const std::string& name_or_path, std::int32_t width, std::int32_t height) {
+  SceneHandle out;
+  check(bs_scene_load(name_or_path.c_str(), width, height, out.scene_.out()));
+  check(bs_scene_get(out.scene_.get(), &out.desc_));
+  check(bs_scene_triangles(out.scene_.get(), &out.vertices_, &out.texture_of_, &out.count_));
+  return out;
+}
+
+SceneHandle SceneHandle::make(
+    const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>& vertices,
+    const Indices& texture_of, const std::vector<Bytes>& textures, const bs_scene_desc& desc,
+    std::string name) {
+  if (vertices.shape(1) != 3 || vertices.shape(2) != columns || texture_of.shape(0) != vertices.shape(0)) {
+    throw InputError("vertices, texture_of: are not of one length; expected (n, 3, 9) and (n)");
+  }
+  SceneHandle out;
+  out.desc_ = desc;
+  out.name_ = std::make_unique<std::string>(std::move(name));
+  out.desc_.name = out.name_->c_str();
+  const double* from = vertices.data();
+  for (std::size_t i = 0; i < 3 * vertices.shape(0); ++i, from += columns) {
+    out.own_vertices_.push_back(
+        {sizeof(bs_vertex), from[0], from[1], from[2], from[3], from[4], from[5], from[6], from[7], from[8]});
+  }
+  out.own_texture_of_.assign(texture_of.data(), texture_of.data() + texture_of.shape(0));
+  for (const Bytes& t : textures) {
+    if (t.shape(2) != 4) throw InputError("textures: has no four channels; expected (height, width, 4)");
+    out.texels_.emplace_back(t.data(), t.data() + t.size());
+    out.own_textures_.push_back({sizeof(bs_texture), static_cast<std::int32_t>(t.shape(1)),
+                                 static_cast<std::int32_t>(t.shape(0)), out.texels_.back().data(), 0,
+                                 nullptr});
+  }
+  out.desc_.textures = out.own_textures_.data();
+  out.desc_.texture_count = out.own_textures_.size();
+  out.vertices_ = out.own_vertices_.data();
+  out.texture_of_ = out.own_texture_of_.data();
+  out.count_ = out.own_texture_of_.size();
+  static_cast<void>(out.full());  // throws where something is not legal
+  return out;
+}
+
+Scene SceneHandle::full() const {
+  try {
+    Scene out = capi::scene_from(&desc_);
+    out.triangles.reserve(count_);
+    for (std::size_t i = 0; i < count_; ++i) {
+      out.triangles.push_back(capi::triangle_from(vertices_, i, texture_of_[i], out,
+                                                  static_cast<std::int64_t>(i), "bitspan.Scene"));
+    }
+    return out;
+  } catch (const capi::Failure& failure) {
+    throw InputError(failure.text);
+  }
+}
+
+void bind_scene(nb::module_& m) {
+  nb::class_<SceneHandle>(m, "SceneHandle")
+      .def_static("load", &SceneHandle::load, nb::arg("name_or_path"), nb::arg("width"), nb::arg("height"),
+                  nb::call_guard<nb::gil_scoped_release>())
+      .def_static("make", &make, nb::arg("vertices"), nb::arg("texture_of"), nb::arg("textures"),
+                  nb::arg("width"), nb::arg("height"), nb::arg("s_range"), nb::arg("focal"),
+                  nb::arg("background"), nb::arg("fog").none(), nb::arg("name"))
+      .def_prop_ro("name", [](const SceneHandle& s) { return std::string(s.desc().name); })
+      .def_prop_ro("width", [](const SceneHandle& s) { return s.desc().width; })
+      .def_prop_ro("height", [](const SceneHandle& s) { return s.desc().height; })
+      .def_prop_ro("s_range", [](const SceneHandle& s) { return std::pair(s.desc().s_min, s.desc().s_max); })
+      .def_prop_ro("texture_count", [](const SceneHandle& s) { return s.desc().texture_count; })
+      .def_prop_ro("vertices", &vertices_of)
+      .def_prop_ro("texture_of", &texture_of);
+}
+
+}  // namespace bitspan::python
