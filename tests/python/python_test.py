@@ -617,7 +617,7 @@ class BadInput(unittest.TestCase):
             (lambda: bitspan.render(scene, width=5, height=5), "has a size already"),
             (lambda: bitspan.render(scene, "nowhere"), "shipped names"),
             (lambda: bitspan.render(scene, engine="none"), "'none' is no engine"),
-            (lambda: bitspan.Model(config, "rtl"), "'rtl' is no engine"),
+            (lambda: bitspan.Model(config, "rtl"), "libbitspan-rtl.so: no such file"),
             (lambda: model.begin("demo"), "expected a bitspan.Scene"),
             (lambda: model.draw(None), "expected a bitspan.Scene"),
             (lambda: model.row("span", row), "expected .n, 16"),
