@@ -20,7 +20,7 @@ fs::path found_near(const fs::path& file) {
   constexpr int levels = 3;
   fs::path folder = file.parent_path();
   // A plug-in stands one below the library.
-  if (folder.filename() == "bitspan") folder = folder.parent_path();
+  if (file.filename().string().starts_with("libbitspan-")) folder = folder.parent_path();
   for (int level = 0; level < levels; ++level, folder = folder.parent_path()) {
     fs::path data = folder / "share/bitspan";
     std::error_code ignored;

@@ -13,8 +13,8 @@ inline constexpr const char* data_folder_hint = "BITSPAN_ROOT names the folder w
 std::filesystem::path own_file();
 
 // Returns the folder with config/, python/, rtl/ and tb/: the one that $BITSPAN_ROOT names, else
-// share/bitspan beside the folder of own_file(), or one level further up; a folder bitspan/, with plug-ins,
-// counts as the folder that it is in. So an installed program works wherever its prefix is moved; in a build
+// share/bitspan beside the folder of own_file(), or one level further up; a plug-in counts as the library
+// beside its folder. So an installed program works wherever its prefix is moved; in a build
 // tree share/bitspan links to the sources. Throws InputError where there is none.
 std::filesystem::path data_folder();
 
