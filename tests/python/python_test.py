@@ -550,6 +550,47 @@ class Rows(unittest.TestCase):
         third = len(table) // 3
         self.assertTrue(np.array_equal(table[:third], table[third : 2 * third]) and np.array_equal(table[:third], table[2 * third :]))
 
+    @staticmethod
+    def leaked(line):
+        """What a program says at its end that has a model, and a line."""
+        return run(sys.executable, "-c", f"import bitspan\nmodel = bitspan.Model()\nmodel.begin(bitspan.Scene('demo', 8, 8))\n{line}\n")
+
+    def test_a_stage_of_the_users(self):
+        drawn = small()
+        u = drawn.names("span").index("u")
+        seen = []
+
+        def coarse(before, record):
+            seen.append(before)
+            record[u] &= ~4095
+            return record
+
+        model = bitspan.Model()
+        model.override("span", coarse)
+        model.begin(drawn.scene)
+        model.draw(drawn.scene)
+        self.assertTrue(np.array_equal(model.records("span")["u"], drawn.span["u"] & ~4095))
+        self.assertTrue(np.array_equal(model.records("span")["v"], drawn.span["v"]))
+        self.assertFalse(np.array_equal(model.plane("color"), drawn.color))
+        self.assertEqual((len(seen), len(seen[0])), (len(drawn.span), 31))
+        self.assertTrue(model.text.endswith("overridden stages: span; not checked by golden"))
+        for function, error, says in ((lambda before, record: 1 / 0, ZeroDivisionError, "division"), (lambda before, record: record[:3], TypeError, "no record"),
+                                      (lambda before, record: None, TypeError, "no record"),
+                                      (lambda before, record: record[:u] + [2**40] + record[u + 1 :], bitspan.InputError, "u: .*out of range")):
+            model.override("span", function)
+            model.begin(drawn.scene)
+            with self.assertRaisesRegex(error, says):
+                model.draw(drawn.scene)
+        self.assertEqual(self.leaked("model.override('span', lambda before, record: model and record)"), "")
+        model.override("span", None)
+        model.begin(drawn.scene)
+        model.draw(drawn.scene)
+        self.assertTrue(np.array_equal(model.plane("color"), drawn.color))
+        with self.assertRaisesRegex(bitspan.InputError, "cannot be overridden"):
+            model.override("constants", coarse)
+        with self.assertRaisesRegex(bitspan.InputError, "expected model"):
+            bitspan.Model(engine="golden").override("span", coarse)
+
     def test_records_are_forgotten_and_numbers_are_told(self):
         scene = bitspan.Scene("demo", 80, 60)
         model = bitspan.Model()
