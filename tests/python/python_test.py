@@ -70,6 +70,7 @@ class Configs(unittest.TestCase):
     def test_the_text_reads_back(self):
         config = bitspan.Config("narrow").with_({"formats.span.uv.word": 20})
         self.assertEqual(bitspan.Config(config.text), config)
+        self.assertRegex(repr(config), r"^<bitspan.Config narrow, formats.span.uv.word = 20 \([0-9a-f]{16}\)>$")
         self.assertEqual(pickle.loads(pickle.dumps(config)), config)
         self.assertEqual(len({config, bitspan.Config(config.text), bitspan.Config("narrow")}), 2)
 
@@ -419,6 +420,11 @@ class Compares(unittest.TestCase):
         none = bitspan.compare(self.drawn, table[:0])
         self.assertFalse(none.equal)
         self.assertEqual((none.matched, none.nontrivial, none.unchecked), (0, 0, len(table)))
+
+    def test_a_run_without_pixels_is_no_success(self):
+        nothing = bitspan.render(bitspan.Scene.from_vertices(triangle(x=900), 64, 64))
+        found = bitspan.compare(nothing, nothing.span)
+        self.assertEqual((found.first, found.matched, found.unchecked, found.equal), (None, 0, 0, False))
 
     def test_stages_in_their_order(self):
         depth, span = self.drawn.table("depth").copy(), self.drawn.table("span").copy()
