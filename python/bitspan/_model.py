@@ -6,7 +6,7 @@ from __future__ import annotations
 import functools
 import os
 from types import TracebackType
-from typing import Any, Mapping
+from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -119,6 +119,16 @@ class Model:
     def table(self, stage: str) -> np.ndarray:
         """Returns the stage's records as an (n, fields) array of int64; a view."""
         return self._core.records(stage)
+
+    def override(self, stage: str, function: Callable[[tuple[int, ...], list[int]], Sequence[int]] | None) -> None:
+        """Puts a function behind a stage of the engine `model`, from the next begin() on; None takes it away.
+
+        function(before, record) gets the record that feeds the stage, and the one that the stage made, in the order of
+        names(). It returns the record to use in its place: registers may change within their formats, and so may `covered`,
+        `pass` and `killed`. Records behind the stage follow. What it raises ends the draw. `text` then ends with
+        "not checked by golden".
+        """
+        self._core.override(stage, function)
 
     def clear_records(self) -> None:
         """Forgets the records, so that a long run takes no more memory."""
