@@ -387,12 +387,16 @@ void bind_model(nb::module_& m) {
       .def("begin", &Model::begin, nb::arg("scene"))
       .def("draw", &Model::draw, nb::arg("scene"), nb::arg("frame"), nb::arg("draw"))
       .def("row", &Model::row, nb::arg("stage"), nb::arg("record"), nb::arg("texture"))
-      .def("records", &Model::records, nb::arg("stage"))
-      .def("plane", &Model::plane, nb::arg("plane"))
+      .def("records", &Model::records, nb::arg("stage"),
+           nb::sig("def records(self, stage: str) -> numpy.typing.NDArray[numpy.int64]"))
+      .def("plane", &Model::plane, nb::arg("plane"),
+           nb::sig("def plane(self, plane: int) -> numpy.typing.NDArray[typing.Any]"))
       .def("override", &Model::override_stage, nb::arg("stage"), nb::arg("function").none())
       .def("clear_records", &Model::clear_records)
       .def("counter", &Model::counter, nb::arg("name"))
-      .def("check", &Model::check_records, nb::arg("stage"), nb::arg("records"))
+      .def("check", &Model::check_records, nb::arg("stage"), nb::arg("records"),
+           nb::sig("def check(self, stage: str, records: numpy.typing.NDArray[numpy.int64]) -> dict[str, "
+                   "typing.Any] | None"))
       .def_prop_ro("matched", &Model::matched)
       .def_prop_ro("nontrivial", &Model::nontrivial)
       .def("unchecked", &Model::unchecked, nb::arg("stage"))
