@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A design under test with ports of its own: takes the registers of a span, and walks depth, texture coordinates times
 // depth, and shades from pixel to pixel. It has no divider, and so no u and v. The accumulators saturate. Parameters are
-// the words of formats; those of an accumulator and of its step have one fraction. FLIP makes a bug: a wrong bit of the
-// depth at x = 20.
+// the words of formats, and by how many fraction bits a step has more than its accumulator. FLIP makes a bug: a wrong bit
+// of the depth at x = 20.
 module acme_walk #(
     parameter int HW = 34,
     parameter int HStepW = 38,
@@ -11,6 +11,9 @@ module acme_walk #(
     parameter int AccW = 19,
     parameter int StepW = 24,
     parameter int ShadeW = 13,
+    parameter int HShift = 0,
+    parameter int FShift = 0,
+    parameter int Shift = 0,
     parameter int FLIP = 0
 ) (
     input logic clk,
@@ -51,9 +54,9 @@ module acme_walk #(
   assign pix_end = left == 16'd1;
   assign pix_h = 64'(h) ^ 64'(FLIP != 0 && pix_x == 16'd20);
 
-  acme_add #(.AccW(HW), .StepW(HStepW), .Signed(0)) u_h (.acc(h), .step(dh), .sum(h_next));
+  acme_add #(.AccW(HW), .StepW(HStepW), .Shift(HShift), .Signed(0)) u_h (.acc(h), .step(dh), .sum(h_next));
   for (genvar i = 0; i < 2; i++) begin : gen_f
-    acme_add #(.AccW(FW), .StepW(FStepW), .Signed(1)) u_f (.acc(f[i]), .step(df[i]), .sum(f_next[i]));
+    acme_add #(.AccW(FW), .StepW(FStepW), .Shift(FShift), .Signed(1)) u_f (.acc(f[i]), .step(df[i]), .sum(f_next[i]));
     assign pix_f[i] = 64'($signed(f[i]));
     always_ff @(posedge clk) begin
       if (go && idle) begin
@@ -65,7 +68,7 @@ module acme_walk #(
     end
   end
   for (genvar i = 0; i < 4; i++) begin : gen_c
-    acme_add #(.AccW(AccW), .StepW(StepW), .Signed(0)) u_c (
+    acme_add #(.AccW(AccW), .StepW(StepW), .Shift(Shift), .Signed(0)) u_c (
         .acc(c[AccW*i+:AccW]), .step(dc[StepW*i+:StepW]), .sum(c_next[AccW*i+:AccW]));
     assign pix_c[ShadeW*i+:ShadeW] = c[AccW*i+AccW-ShadeW+:ShadeW];
   end
@@ -94,22 +97,25 @@ module acme_walk #(
   end
 endmodule
 
-// acc + step, saturated to acc's format. The step is signed.
+// acc + step, truncated and saturated to acc's format. The step is signed.
 module acme_add #(
     parameter int AccW = 8,
     parameter int StepW = 8,
+    parameter int Shift = 0,
     parameter int Signed = 0
 ) (
     input logic [AccW-1:0] acc,
     input logic [StepW-1:0] step,
     output logic [AccW-1:0] sum
 );
-  localparam int W = (AccW > StepW ? AccW : StepW) + 2;
+  localparam int Up = Shift < 0 ? -Shift : 0;
+  localparam int Down = Shift > 0 ? Shift : 0;
+  localparam int W = (AccW > StepW + Up ? AccW : StepW + Up) + 2;
   localparam logic signed [W-1:0] High = (W'(1) << (AccW - Signed)) - W'(1);
   localparam logic signed [W-1:0] Low = Signed != 0 ? -(W'(1) << (AccW - 1)) : '0;
   logic signed [W-1:0] a, s, t, limited;
   assign a = {{(W - AccW) {Signed != 0 && acc[AccW-1]}}, acc};
-  assign s = {{(W - StepW) {step[StepW-1]}}, step};
+  assign s = $signed({{(W - StepW) {step[StepW-1]}}, step}) <<< Up >>> Down;
   assign t = a + s;
   assign limited = t > High ? High : t < Low ? Low : t;
   assign sum = limited[AccW-1:0];

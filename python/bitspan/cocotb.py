@@ -37,8 +37,8 @@ def random_config(rng: random.Random, base: Config, settings: Mapping[str, Itera
     choices = {key: list(values) for key, values in settings.items()}
     error: InputError | None = None
     for _ in range(tries):
-        config = base.with_({key: rng.choice(values) for key, values in choices.items()})
         try:
+            config = base.with_({key: rng.choice(values) for key, values in choices.items()})
             Model(config).close()
             return config
         except InputError as refused:
@@ -268,7 +268,8 @@ class SpanModel:
     def _offers(self, rows: np.ndarray) -> list[list[int]]:
         """What the input ports have, per row."""
         stage = self.map.input.stage
-        constants = dict(zip(self.model.names("constants"), (int(v) for v in self.model.table("constants")[0])))
+        constants = {name: int(v) for record in self.model.table("constants") for name, v in
+                     zip(self.model.names("constants"), record)}
         names = self.model.names(stage)
         out = []
         for row in rows:
