@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// bitspan config show | check | emit-sv
+// bitspan config show | check | emit-sv | schema
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cli/commands.hpp"
+#include "cli/config_schema.hpp"
 #include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 #include "config/store.hpp"
@@ -138,6 +139,15 @@ int emit(const Options& options) {
   return exit_held;
 }
 
+int schema(const Options& options) {
+  if (options.output.empty()) {
+    fmt::print("{}", config_schema());
+  } else {
+    write_file(options.output, config_schema());
+  }
+  return exit_held;
+}
+
 CLI::App* add(CLI::App& parent, const std::string& name, const std::string& text,
               const std::shared_ptr<Options>& o, Action& action, int (*run)(const Options&)) {
   CLI::App* sub = parent.add_subcommand(name, text);
@@ -180,6 +190,11 @@ void add_config(CLI::App& app, Action& action) {
   sv->footer(help_footer("the configuration is legal", "",
                          "bitspan config emit-sv depth16\n"
                          "  bitspan config emit-sv narrow --prefix near_ --rtl near"));
+  CLI::App* json = group->add_subcommand("schema", "the JSON schema of configuration files, for editors");
+  json->add_option("-o,--output", options->output, "file to write (default: standard output)");
+  json->footer(
+      help_footer("the schema is written", "", "bitspan config schema -o configuration.schema.json"));
+  json->callback([options, &action] { action = [options] { return schema(*options); }; });
 }
 
 }  // namespace bitspan

@@ -15,20 +15,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The program or the shared library with this function in it.
-fs::path own_file() {
-  Dl_info info{};
-  link_map* object = nullptr;
-  ::dladdr1(reinterpret_cast<void*>(&data_folder), &info, reinterpret_cast<void**>(&object), RTLD_DL_LINKMAP);
-  // The dynamic linker does not name the program itself.
-  const bool library = object != nullptr && *object->l_name != '\0';
-  return fs::canonical(library ? object->l_name : "/proc/self/exe");
-}
-
 fs::path found_near(const fs::path& file) {
   // lib/x86_64-linux-gnu/ and tests/rtl/ of a build tree stand one level below bin/.
   constexpr int levels = 3;
   fs::path folder = file.parent_path();
+  // A plug-in stands one below the library.
+  if (file.filename().string().starts_with("libbitspan-")) folder = folder.parent_path();
   for (int level = 0; level < levels; ++level, folder = folder.parent_path()) {
     fs::path data = folder / "share/bitspan";
     std::error_code ignored;
@@ -38,6 +30,15 @@ fs::path found_near(const fs::path& file) {
 }
 
 }  // namespace
+
+fs::path own_file() {
+  Dl_info info{};
+  link_map* object = nullptr;
+  ::dladdr1(reinterpret_cast<void*>(&own_file), &info, reinterpret_cast<void**>(&object), RTLD_DL_LINKMAP);
+  // The dynamic linker does not name the program itself.
+  const bool library = object != nullptr && *object->l_name != '\0';
+  return fs::canonical(library ? object->l_name : "/proc/self/exe");
+}
 
 fs::path data_folder() {
   const char* const named = std::getenv("BITSPAN_ROOT");

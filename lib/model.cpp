@@ -12,6 +12,7 @@
 #include "config/modes.hpp"
 #include "engine/registry.hpp"
 #include "lib/config.hpp"
+#include "lib/engines.hpp"
 #include "lib/handles.hpp"
 #include "lib/records.hpp"
 #include "lib/scene.hpp"
@@ -52,14 +53,14 @@ void need_begun(const ModelState& model, const char* function) {
   }
 }
 
-bool delivers_records(const ModelState& model) { return find_engine(model.engine_name).compared; }
+std::string name_of(const ModelState& model) { return std::string(model.entry->name); }
 
 // The records of a stage can be asked for.
 void need_records(const ModelState& model, const char* function) {
   need_begun(model, function);
-  if (!delivers_records(model)) {
-    fail(BS_UNSUPPORTED, std::string(function) + ": engine " + model.engine_name +
-                             " has no records; expected golden, model or timed");
+  if (!model.entry->compared) {
+    fail(BS_UNSUPPORTED, std::string(function) + ": engine " + name_of(model) +
+                             " has no records; expected golden, model, timed, systemc or rtl");
   }
   if (model.untraced) {
     fail(BS_BAD_ORDER,
@@ -149,7 +150,7 @@ std::pair<AnyRow, std::size_t> row_from(const ModelState& model, RecordType type
 void draw_row(ModelState& model, RecordType type, const std::int64_t* values, std::size_t n,
               std::int32_t texture) {
   if (model.rows == nullptr) {
-    fail(BS_UNSUPPORTED, "bs_row: engine " + model.engine_name + " takes no rows; expected golden or model");
+    fail(BS_UNSUPPORTED, "bs_row: engine " + name_of(model) + " takes no rows; expected golden or model");
   }
   check_texture(model.scene, texture, "bs_row");
   if (type == RecordType::setup && has_plane_rows(model.config.perspective)) {
@@ -228,17 +229,14 @@ bs_view frame_view(const Frame& frame, bs_plane plane) {
 constexpr std::size_t view_least = sizeof(bs_view);
 
 std::shared_ptr<ModelState> open(const bs_config* config, const char* engine) {
-  const auto names = engine_names();
-  if (std::ranges::find(names, engine) == names.end()) {
-    std::string legal;
-    for (const std::string_view name : names) legal.append(legal.empty() ? "" : ", ").append(name);
-    fail(BS_BAD_INPUT, "bs_open: engine: '" + std::string(engine) + "' is no engine; expected " + legal);
-  }
   auto model = std::make_shared<ModelState>();
   model->config = copy_of(config, "bs_open");
-  model->engine_name = engine;
+  model->entry = &engine_entry(engine);
   check_config(model->config, model->config.name);
-  if (!engine_runs(engine, model->config)) fail(BS_UNSUPPORTED, "bs_open: engine: " + engine_needs(engine));
+  if (!model->entry->runs(model->config)) {
+    fail(BS_UNSUPPORTED,
+         std::string("bs_open: engine: ") + engine + " needs " + std::string(model->entry->needs));
+  }
   make_engine(*model);
   return model;
 }
@@ -257,7 +255,7 @@ std::int64_t counter(const Counters& counters, std::string_view name) {
 }
 
 std::string run_text(const ModelState& model) {
-  std::string out = "engine " + model.engine_name + ", configuration " + model.config.name + " (" +
+  std::string out = "engine " + name_of(model) + ", configuration " + model.config.name + " (" +
                     config_hash(model.config) + ")";
   if (model.overridden.empty()) return out;
   return out + ", overridden stages: " + model.overridden + "; not checked by golden";
@@ -278,7 +276,7 @@ void make_engine(ModelState& model) {
     for (std::size_t t = 0; t < hooks.size(); ++t) hooks[t] = hook_of(model, static_cast<RecordType>(t));
     model.engine = make_overridden_model(model.config, std::move(hooks));
   } else {
-    model.engine = bitspan::make_engine(model.engine_name, model.config);
+    model.engine = model.entry->make(model.config, {});
   }
   model.rows = dynamic_cast<RowEngine*>(model.engine.get());
   model.is_current = true;
@@ -297,8 +295,8 @@ const char* bs_stage_name(bs_stage stage) {
   return is_stage(stage) ? row_of(stage_types[static_cast<std::size_t>(stage)]).name.data() : nullptr;
 }
 const char* bs_engine_name(int i) {
-  const auto all = engines();
-  return i >= 0 && static_cast<std::size_t>(i) < all.size() ? all[static_cast<std::size_t>(i)].name.data()
+  const auto all = engine_list();
+  return i >= 0 && static_cast<std::size_t>(i) < all.size() ? all[static_cast<std::size_t>(i)].data()
                                                             : nullptr;
 }
 const char* bs_counter_name(int i) {
@@ -457,9 +455,8 @@ bs_status bs_stage_override(bs_model* handle, bs_stage stage, bs_stage_fn functi
   return call([&] {
     const Use model(handle, "bs_stage_override");
     const RecordType type = type_of(stage, "bs_stage_override");
-    if (model->engine_name != "model") {
-      fail(BS_UNSUPPORTED,
-           "bs_stage_override: engine " + model->engine_name + " has no such; expected model");
+    if (model->entry->name != "model") {
+      fail(BS_UNSUPPORTED, "bs_stage_override: engine " + name_of(*model) + " has no such; expected model");
     }
     if (!may_be_hooked(type)) {
       fail(BS_UNSUPPORTED, "bs_stage_override: stage: " + std::string(stage_of(type)) +

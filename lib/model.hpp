@@ -13,6 +13,7 @@
 #include "bitspan/bitspan.h"
 #include "config/config.hpp"
 #include "engine/engine.hpp"
+#include "engine/registry.hpp"
 #include "engine/rows.hpp"
 
 namespace bitspan::capi {
@@ -38,7 +39,7 @@ struct CheckState {
 
 struct ModelState {
   Config config;
-  std::string engine_name;
+  const EngineEntry* entry = nullptr;  // of the engine
   std::unique_ptr<Engine> engine;
   RowEngine* rows = nullptr;  // the same engine; null where it takes none
   std::array<Override, record_types> overrides{};

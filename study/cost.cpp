@@ -367,4 +367,12 @@ void add_costs(const Config& config, std::map<std::string, double, std::less<>>&
   metrics["cost.table_bits"] = table_bits(config);
 }
 
+void add_timing(const Config& config, std::map<std::string, double, std::less<>>& metrics) {
+  if (!has_rtl(config)) return;
+  const RtlTiming timing = rtl_timing(config);
+  metrics["timing.pixel_unit"] = timing.pixel_unit;
+  metrics["timing.row_unit"] = timing.row.unit;
+  metrics["timing.span"] = timing.span;
+}
+
 }  // namespace bitspan

@@ -57,5 +57,7 @@ double product_bits(const Config& config);
 double table_bits(const Config& config);
 // Adds the three by metric name: "cost.register_bits", "cost.product_bits", "cost.table_bits".
 void add_costs(const Config& config, std::map<std::string, double, std::less<>>& metrics);
+// Adds the clocks of the RTL, "timing.*", where the mode has RTL.
+void add_timing(const Config& config, std::map<std::string, double, std::less<>>& metrics);
 
 }  // namespace bitspan

@@ -15,6 +15,7 @@
 #include "study/bounds/bounds.hpp"
 #include "study/budget.hpp"
 #include "study/check_point.hpp"
+#include "study/cost.hpp"
 #include "study/metrics.hpp"
 #include "study/pictures.hpp"
 
@@ -245,10 +246,7 @@ void write_pictures(const std::string& hash, const std::vector<PointPicture>& pi
 
 void add_estimates(const Config& config, Metrics& metrics) {
   if (!has_rtl(config)) return;
-  const RtlTiming timing = rtl_timing(config);
-  metrics["timing.pixel_unit"] = timing.pixel_unit;
-  metrics["timing.row_unit"] = timing.row.unit;
-  metrics["timing.span"] = timing.span;
+  add_timing(config, metrics);
   for (const Family family : families) {
     const AreaEstimate e = estimate_area(config, family);
     const std::string prefix = fmt::format("estimate.{}.", to_string(family));

@@ -184,7 +184,7 @@ BS_API const char* bs_last_error(void);
 
 /* The names by number, from 0; NULL behind the last one and for what is no number of one. */
 BS_API const char* bs_stage_name(bs_stage stage); /* "setup", "setup.edge", "edge_walk" ... */
-BS_API const char* bs_engine_name(int i);         /* "golden", "model" ... */
+BS_API const char* bs_engine_name(int i);         /* "golden" ... "systemc" where its plug-in is there */
 BS_API const char* bs_counter_name(int i);        /* "triangles", ... "cycles" */
 
 /* ---- configurations ---- */
@@ -224,7 +224,10 @@ BS_API void bs_scene_free(bs_scene* scene);
  *   golden  the quantised golden, in floating point
  *   model   the pipeline in integers; equal to golden, bit for bit
  *   timed   the model with the clocks of the timed model (counter "cycles"); equal to golden, bit for bit
- *   ideal   the truth that errors are measured from; it has no records */
+ *   ideal   the truth that errors are measured from; it has no records
+ *   systemc the clocked timed model, from a plug-in; equal to golden, bit for bit
+ *   rtl     the Verilated RTL, from a plug-in, compiled for each configuration and kept; equal to golden
+ * BS_UNSUPPORTED where a plug-in is missing or comes from another build: docs/c_api.md, "Plug-ins". */
 BS_API bs_status bs_open(bs_config* config, const char* engine, bs_model** out);
 BS_API void bs_close(bs_model* model);
 

@@ -5,6 +5,7 @@
 
 #include <exception>
 #include <fstream>
+#include <mutex>
 #include <system_error>
 #include <systemc>
 
@@ -15,6 +16,12 @@ __attribute__((weak)) int sc_main(int /*argc*/, char** /*argv*/) { return 0; }
 
 namespace bitspan::timed {
 namespace {
+
+// SystemC has one current simulation context per process: whoever works with one holds this.
+std::mutex& kernel_mutex() {
+  static std::mutex one;
+  return one;
+}
 
 // Makes a simulation context the current one for a scope.
 class ContextScope {
@@ -100,6 +107,7 @@ struct Kernel::Impl {
   sc_core::sc_trace_file* trace = nullptr;
 
   ~Impl() {
+    const std::lock_guard lock(kernel_mutex());
     const ContextScope scope(context.get());
     if (trace != nullptr) sc_core::sc_close_vcd_trace_file(trace);
     stages.clear();
@@ -113,6 +121,7 @@ struct Kernel::Impl {
 
 Kernel::Kernel(const std::vector<KernelPart>& parts, const std::filesystem::path& vcd)
     : impl_(std::make_unique<Impl>()) {
+  const std::lock_guard lock(kernel_mutex());
   impl_->context = std::make_unique<sc_core::sc_simcontext>();
   const ContextScope scope(impl_->context.get());
   impl_->clock = std::make_unique<sc_core::sc_clock>("clk", 1, sc_core::SC_NS);
@@ -158,6 +167,7 @@ Kernel::~Kernel() {
 }
 
 void Kernel::run(const std::function<bool()>& done) {
+  const std::lock_guard lock(kernel_mutex());
   const ContextScope scope(impl_->context.get());
   impl_->run.done = &done;
   sc_core::sc_start();
@@ -170,6 +180,7 @@ std::uint64_t Kernel::cycles() const { return impl_->run.now; }
 void Kernel::close_vcd() {
   if (impl_->trace == nullptr) return;
   {
+    const std::lock_guard lock(kernel_mutex());
     const ContextScope scope(impl_->context.get());
     sc_core::sc_close_vcd_trace_file(impl_->trace);
     impl_->trace = nullptr;

@@ -2,7 +2,8 @@
 // The SystemC side of the timed model: a clock, one module per part, a waveform. SystemC stays in kernel.cpp.
 //
 // Each kernel has a simulation context of its own and makes it the current one only while it works, so
-// kernels can follow one another or take turns in one process, in one thread.
+// kernels can follow one another or take turns in one process. One works at a time: those of other threads
+// wait.
 #pragma once
 
 #include <cstdint>

@@ -78,7 +78,7 @@ class Model:
     def __init__(self, config: Config | str | os.PathLike[str] = "depth16", engine: str = "model"):
         self.config = config_of(config)
         self.engine = str(engine)
-        self._core = _core.Model(self.config._handle, self.engine)
+        self._core = _core.Model(self.config._handle, self.engine, False)
 
     def trace(self, on: bool) -> None:
         """Whether records are kept from now on, as they are at first. Without them it is faster."""

@@ -16,6 +16,15 @@ from ._model import Model
 from ._scene import Scene, scene_of
 
 
+class _Kept(Model):
+    """A model whose memory the next one of the same configuration and engine takes over, when no array shows it any more."""
+
+    def __init__(self, config: Config, engine: str):
+        self.config = config
+        self.engine = engine
+        self._core = _core.Model(config._handle, engine, True)
+
+
 class Run:
     """A scene drawn by an engine: its picture, its records, its errors. render() makes it.
 
@@ -30,7 +39,7 @@ class Run:
         self.scene = scene
         self.config = config
         self.engine = engine
-        self._model = Model(config, engine)
+        self._model = _Kept(config, engine)
         self._model.trace(trace)
         self._model.begin(scene)
         self._model.draw(scene)

@@ -197,6 +197,8 @@ def sweep(config: Config | str | os.PathLike[str], keys: Mapping[str, Iterable[A
         _metric(name)
     if not shown:
         raise InputError("sweep: no metric; expected one of bitspan.metrics()")
+    if threads is not None and (not isinstance(threads, int) or threads < 1):
+        raise InputError(f"threads: {threads!r}; expected an integer from 1")
     base = config_of(config)
     names, points = _points(keys)
     meter = _meter(scenes, width, height)

@@ -7,7 +7,6 @@
 #include <new>
 
 #include "io/data_folder.hpp"
-#include "lib/status.hpp"
 
 namespace bitspan::python {
 
@@ -34,15 +33,8 @@ void check(bs_status status) {
 NB_MODULE(_core, m) {
   using namespace bitspan::python;
   m.doc() = "bitspan in C++; use the package bitspan.";
-  nb::register_exception_translator([](const std::exception_ptr& exception, void* /*payload*/) {
-    try {
-      std::rethrow_exception(exception);
-    } catch (const bitspan::capi::Failure& failure) {
-      PyErr_SetString(PyExc_ValueError, failure.text.c_str());
-    }
-  });
-  nb::exception<bitspan::InputError>(m, "InputError", PyExc_ValueError);
-  nb::exception<StateError>(m, "StateError", PyExc_RuntimeError);
+  const nb::exception<bitspan::InputError> input_error(m, "InputError", PyExc_ValueError);
+  const nb::exception<StateError> state_error(m, "StateError", PyExc_RuntimeError);
   m.attr("version") = bs_version();
   nb::list stages;
   for (bs_stage s = 0; bs_stage_name(s) != nullptr; ++s) stages.append(bs_stage_name(s));

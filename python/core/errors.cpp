@@ -16,6 +16,7 @@
 #include "python/core/core.hpp"
 #include "report/describe.hpp"
 #include "report/error.hpp"
+#include "study/cost.hpp"
 #include "study/metrics.hpp"
 #include "study/point.hpp"
 
@@ -89,7 +90,9 @@ class Meter {
   std::map<std::string, double, std::less<>> measure(const ConfigHandle& config) const {
     const Config full = config.full();
     const nb::gil_scoped_release unlocked;
-    return meter_.measure(full, false).metrics;
+    auto metrics = meter_.measure(full, false).metrics;
+    add_timing(full, metrics);
+    return metrics;
   }
 
  private:

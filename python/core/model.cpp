@@ -17,11 +17,49 @@ namespace bitspan::python {
 namespace {
 
 struct Session {
+  std::string key;  // of those that are kept for later; else empty
   Owned<bs_model, bs_close> model;
   std::size_t views = 0;
   bool busy = false;     // a call without Python's lock works on it
   bool stopped = false;  // by an interrupt, in the middle of a picture
 };
+
+// The last session that nobody uses any more, for the next one of the same key: fresh memory for the records
+// of a picture takes several times as long as drawing them. It lives as long as the program.
+Session* kept = nullptr;
+
+// Keeps a session whose records take no more memory than this.
+constexpr std::size_t kept_bytes = std::size_t{256} << 20;
+
+bool worth_keeping(const Session& session) {
+  if (session.key.empty() || session.stopped) return false;
+  std::size_t bytes = 0;
+  for (bs_stage stage = 0; bs_stage_name(stage) != nullptr; ++stage) {
+    bs_view view{};
+    view.size = sizeof view;
+    if (bs_records(session.model.get(), stage, &view) != BS_OK) return false;
+    bytes += view.rows * view.stride;
+  }
+  return bytes <= kept_bytes;
+}
+
+void end(Session* session) {
+  if (worth_keeping(*session)) std::swap(session, kept);
+  delete session;
+}
+
+std::shared_ptr<Session> open(const ConfigHandle& config, const std::string& engine, bool keep) {
+  std::string key;
+  if (keep) key = engine + " " + config.full().name + " " + bs_config_hash(config.get());
+  if (keep && kept != nullptr && kept->key == key) {
+    check(bs_trace(kept->model.get(), 1));
+    return {std::exchange(kept, nullptr), end};
+  }
+  auto session = std::make_unique<Session>();
+  check(bs_open(config.get(), engine.c_str(), session->model.out()));
+  session->key = std::move(key);
+  return {session.release(), end};
+}
 
 enum class Access : std::uint8_t { read, change };
 
@@ -38,7 +76,7 @@ class Use {
           " arrays show the model's memory, which the call would change; expected that they are deleted, or "
           "were copied, or a new Model");
     }
-    if (session->stopped && std::string_view(what) != "begin") {
+    if (session->stopped && std::string_view(what) != "begin" && std::string_view(what) != "trace") {
       throw StateError(call + "the picture was interrupted; expected begin");
     }
     session_->busy = true;
@@ -108,10 +146,10 @@ std::size_t batch_from(const SceneHandle& scene, std::size_t first) {
 
 class Model {
  public:
-  Model(const ConfigHandle& config, const std::string& engine)
-      : session_(std::make_shared<Session>()), engine_(engine) {
-    check(bs_open(config.get(), engine.c_str(), session_->model.out()));
-  }
+  // keep: whether the session may be one that was used before, and may be used again. Its counts of checks go
+  // on.
+  Model(const ConfigHandle& config, const std::string& engine, bool keep)
+      : session_(open(config, engine, keep)), engine_(engine) {}
 
   void close() { session_.reset(); }
 
@@ -252,7 +290,8 @@ class Model {
 
 void bind_model(nb::module_& m) {
   nb::class_<Model>(m, "Model")
-      .def(nb::init<const ConfigHandle&, const std::string&>(), nb::arg("config"), nb::arg("engine"))
+      .def(nb::init<const ConfigHandle&, const std::string&, bool>(), nb::arg("config"), nb::arg("engine"),
+           nb::arg("keep"))
       .def("close", &Model::close)
       .def("trace", &Model::trace, nb::arg("on"))
       .def("begin", &Model::begin, nb::arg("scene"))

@@ -22,7 +22,7 @@ struct Folder {
 };
 
 // Folders of one layer do not include each other.
-constexpr std::array<Folder, 13> folders{{{"config", 0},
+constexpr std::array<Folder, 14> folders{{{"config", 0},
                                           {"io", 1},
                                           {"scene", 2},
                                           {"engine", 3},
@@ -33,6 +33,7 @@ constexpr std::array<Folder, 13> folders{{{"config", 0},
                                           {"study", 6},
                                           {"lib", 7},
                                           {"cli", 8},
+                                          {"python", 8},
                                           {"bench", 9},
                                           {"tests", 10}}};
 

@@ -67,7 +67,7 @@ class Prefix(Installed):
 
     def test_what_a_source_folder_has_is_there(self):
         for part, pattern in (("rtl", "*.sv"), ("rtl", "*.f"), ("config", "**/*.toml"), ("dv", "**/*.?pp"), ("dv", "**/*.sv"), ("tb", "rtl_*harness.cpp"),
-                              ("python", "**/*.py"), ("python", "**/*.js"), ("python", "**/*.css")):
+                              ("python", "bitspan_report/**/*.py"), ("python", "bitspan_report/**/*.js"), ("python", "bitspan_report/**/*.css")):
             wanted = sorted(path.relative_to(SOURCE) for path in (SOURCE / part).glob(pattern))
             self.assertTrue(wanted)
             for path in wanted:
@@ -85,8 +85,24 @@ class Program(Installed):
         out = self.bitspan("verify", "demo", "--size", "80x60", "--engines", "model,rtl")
         self.assertRegex(out, r"all +model = rtl +\d{5,}")
 
+    def test_the_library_finds_its_plugins_and_these_the_rtl(self):
+        program = """
+import ctypes, sys
+lib = ctypes.CDLL(sys.argv[1])
+lib.bs_last_error.restype = ctypes.c_char_p
+config, model = ctypes.c_void_p(), ctypes.c_void_p()
+assert lib.bs_config_load(b"depth16", ctypes.byref(config)) == 0
+for engine in (b"systemc", b"rtl"):
+    assert lib.bs_open(config, engine, ctypes.byref(model)) == 0, lib.bs_last_error()
+    lib.bs_close(model)
+"""
+        run("/usr/bin/python3", "-c", program, self.prefix / "lib/libbitspan.so.0", env=self.env)
+        self.assertGreater(len(list((self.folder / "home/.cache/bitspan").glob("rtl-*.so"))), 0)
+
     def test_config(self):
         self.assertIn("span.h", self.bitspan("config", "show", "narrow"))
+        schema = (self.prefix / "share/bitspan/schema/configuration.schema.json").read_text()
+        self.assertEqual(schema, self.bitspan("config", "schema"))
         self.bitspan("config", "show", self.prefix / "share/bitspan/config/depth20.toml")
         self.bitspan("config", "emit-sv", "depth16", "--rtl", "rtl")
         self.assertTrue((self.work / "rtl/span_interpolator.sv").is_file())
@@ -116,8 +132,8 @@ class Users(Installed):
         shutil.copytree((SOURCE / "examples" / file).parent, folder)
         source = folder / pathlib.Path(file).name
         text = source.read_text()
-        self.assertRegex(text, r"\nint main\(.*\) \{\n")
-        source.write_text(re.sub(r"(\nint main\(.*\) \{\n)", r"\1  int of_the_user = 1;\n", text))
+        self.assertRegex(text, r"\nint (sc_)?main\(.*\) \{\n")
+        source.write_text(re.sub(r"(\nint (?:sc_)?main\(.*\) \{\n)", r"\1  int of_the_user = 1;\n", text))
         return source
 
     def check(self, program):
@@ -131,6 +147,10 @@ class Users(Installed):
         run(CMAKE, "--build", build, env=self.env)
         self.check(build / "compare")
 
+    def pkg_config(self, name):
+        env = {**self.env, "PKG_CONFIG_PATH": str(self.prefix / "lib/pkgconfig")}
+        return run("pkg-config", "--cflags", "--libs", name, env=env).split()
+
     matched = r"^[1-9]\d+ values matched, [1-9]\d+ non-trivial, 0 records unchecked\n$"
 
     def test_c_by_find_package(self):
@@ -141,14 +161,26 @@ class Users(Installed):
         self.assertRegex(run(build / "bench", env=self.env), self.matched)
 
     def test_c_by_pkg_config_in_each_language(self):
-        env = {**self.env, "PKG_CONFIG_PATH": str(self.prefix / "lib/pkgconfig")}
-        words = run("pkg-config", "--cflags", "--libs", "bitspan", env=env).split()
+        words = self.pkg_config("bitspan")
         source = self.example("c/bench.c")
         for language in (("cc", "-std=c11"), ("c++", "-std=c++17", "-x", "c++"), ("c++", "-std=c++20", "-x", "c++")):
             program = self.work / "bench"
-            run(*language, "-Wall", "-Wextra", source, "-x", "none", *words, "-o", program, env=env)
+            run(*language, "-Wall", "-Wextra", source, "-x", "none", *words, "-o", program, env=self.env)
             out = run(program, env={**self.env, "LD_LIBRARY_PATH": str(self.prefix / "lib")})
             self.assertRegex(out, self.matched)
+
+    def test_tlm_by_find_package_and_pkg_config(self):
+        source = self.example("tlm/platform.cpp")
+        words = self.pkg_config("bitspan-tlm")
+        build = self.work / "build"
+        run(CMAKE, "-S", source.parent, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={self.prefix}", env=self.env)
+        run(CMAKE, "--build", build, env=self.env)
+        run("c++", "-std=c++17", "-Wall", "-Wextra", source, *words, "-o", self.work / "platform", env=self.env)
+        for program in (build / "platform", self.work / "platform"):
+            out = run(program, "demo.ppm", "--size", "64x48", cwd=self.work,
+                      env={**self.env, "LD_LIBRARY_PATH": str(self.prefix / "lib")})
+            self.assertRegex(out, r"demo.ppm: 64x48, [1-9]\d+ cycles")
+            self.assertEqual((self.work / "demo.ppm").stat().st_size, 13 + 64 * 48 * 3)
 
     def test_find_package_of_what_is_not_there(self):
         project = self.work / "CMakeLists.txt"
@@ -160,10 +192,9 @@ class Users(Installed):
             self.assertIn(says, out)
 
     def test_pkg_config(self):
-        env = {**self.env, "PKG_CONFIG_PATH": str(self.prefix / "lib/pkgconfig")}
-        words = run("pkg-config", "--cflags", "--libs", "bitspan-cpp", env=env).split()
+        words = self.pkg_config("bitspan-cpp")
         program = self.work / "compare"
-        run("c++", "-std=c++20", "-Wall", "-Wextra", self.example("cpp/compare.cpp"), *words, "-o", program, env=env)
+        run("c++", "-std=c++20", "-Wall", "-Wextra", self.example("cpp/compare.cpp"), *words, "-o", program, env=self.env)
         self.check(program)
 
 

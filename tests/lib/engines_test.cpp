@@ -92,11 +92,13 @@ void compare(const Scene& scene, const std::string& name, const std::string& mod
   expect_same_counters(own->counters(), model.get());
 }
 
-TEST(LibEngines, AreThoseOfTheRegistry) {
+TEST(LibEngines, AreThoseOfTheRegistryAndOfPlugins) {
   std::size_t i = 0;
   for (const std::string_view name : engine_names()) EXPECT_EQ(bs_engine_name(static_cast<int>(i++)), name);
   EXPECT_EQ(i, 4U);
-  EXPECT_EQ(bs_engine_name(4), nullptr);
+  EXPECT_STREQ(bs_engine_name(4), "systemc");
+  EXPECT_STREQ(bs_engine_name(5), "rtl");
+  EXPECT_EQ(bs_engine_name(6), nullptr);
   EXPECT_EQ(bs_engine_name(-1), nullptr);
 }
 

@@ -9,6 +9,7 @@ many of them. Verilator 5.006 counts no toggles of signals inside generate block
 """
 import argparse
 import collections
+import functools
 import os
 import pathlib
 import re
@@ -34,6 +35,12 @@ HANDSHAKES = "_handshakes"
 Point = collections.namedtuple("Point", "module kind line name")
 
 
+@functools.cache
+def resolved(file):
+    """A build tree reaches the RTL through a link."""
+    return pathlib.Path(file).resolve()
+
+
 def parse(lines, root):
     """Returns the count of each point of the RTL below root; what other files have is left out."""
     counts = collections.Counter()
@@ -44,7 +51,7 @@ def parse(lines, root):
         fields = dict(field.split("\x02", 1) for field in body.split("\x01")[1:])
         page, _, where = fields["page"].partition("/")
         module = where.split("__")[0]
-        file = pathlib.Path(fields["f"])
+        file = resolved(fields["f"])
         if module.endswith(HANDSHAKES):
             if page != "v_user":
                 continue

@@ -16,12 +16,14 @@ class Coverage(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        self.root = pathlib.Path(folder.name)
+        self.root = pathlib.Path(folder.name).resolve()
         (self.root / "rtl").mkdir()
         (self.root / "rtl" / "skid.sv").write_text(
             "module skid;\n  if (A) begin : gen_a\n    always_ff @(posedge clk_i) q <= d;\n  end else begin : gen_b\n"
             "    always_ff @(posedge clk_i) q <= e;\n  end\nendmodule\n")
-        file = f"{self.root}/rtl/skid.sv"
+        # A build tree reaches the RTL through a link.
+        (self.root / "link").symlink_to("rtl")
+        file = f"{self.root}/link/skid.sv"
         self.starts = ["# SystemC::Coverage-3\n", point(file, 9, "v_toggle/skid__W8", "q_o[2]", 1)]
         self.ends = [
             "# SystemC::Coverage-3\n",

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: Apache-2.0
+# bitspan::tlm: <bitspan/bitspan_tlm.hpp> with bitspan::c and the SystemC that is here: one that the project made as
+# SystemC::systemc, one with a CMake package, or one that pkg-config knows.
+include(${CMAKE_CURRENT_LIST_DIR}/bitspan-c.cmake)
+if(NOT TARGET SystemC::systemc)
+  find_package(SystemCLanguage QUIET)
+endif()
+set(bitspan_systemc SystemC::systemc)
+if(NOT TARGET SystemC::systemc)
+  find_package(PkgConfig QUIET)
+  if(PkgConfig_FOUND)
+    pkg_check_modules(BITSPAN_SYSTEMC QUIET IMPORTED_TARGET GLOBAL systemc)
+  endif()
+  set(bitspan_systemc PkgConfig::BITSPAN_SYSTEMC)
+endif()
+if(NOT TARGET ${bitspan_systemc})
+  set(bitspan_tlm_FOUND FALSE)
+  string(APPEND bitspan_NOT_FOUND_MESSAGE "bitspan::tlm needs SystemC. ")
+elseif(NOT TARGET bitspan::tlm)
+  add_library(bitspan::tlm INTERFACE IMPORTED)
+  target_link_libraries(bitspan::tlm INTERFACE bitspan::c ${bitspan_systemc})
+  target_compile_features(bitspan::tlm INTERFACE cxx_std_17)
+endif()
