@@ -238,7 +238,7 @@ std::shared_ptr<ModelState> open(const bs_config* config, const char* engine) {
   model->config = copy_of(config, "bs_open");
   model->engine_name = engine;
   check_config(model->config, model->config.name);
-  if (!engine_runs(engine, model->config)) fail(BS_UNSUPPORTED, "bs_open: engine: " + engine_needs(engine));
+  if (!engine_runs(engine, model->config)) fail(BS_UNSUPPORTED, "bs_open: engine: " + engine_needs(engine, model->config));
   make_engine(*model);
   return model;
 }
