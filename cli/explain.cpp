@@ -185,7 +185,7 @@ int explain(const Options& o) {
   for (const std::string& name : parse_engines(o.engines)) {
     if (!find_engine(name).compared) continue;  // ideal is a column of its own
     if (!engine_runs(name, config)) {
-      left_out.push_back(fmt::format("{} left out: {}", name, engine_needs(name)));
+      left_out.push_back(fmt::format("{} left out: {}", name, engine_needs(name, config)));
       continue;
     }
     frames.emplace_back();

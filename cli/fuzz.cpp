@@ -31,7 +31,6 @@
 #include "report/random_config.hpp"
 #include "report/replay.hpp"
 #include "scene/random.hpp"
-#include "tb/rtl_build.hpp"
 
 namespace bitspan {
 namespace {
@@ -235,12 +234,16 @@ class Fuzzer {
     }
     if (o.count == 0U) throw InputError("--count: expected 1 or more");
     if (o.pixels == 0U) throw InputError("--pixels: expected 1 or more");
-    for (const std::string& name : o.configs) {
-      fixed_.push_back(find_config(name));
+    for (const std::string& name : o.configs) fixed_.push_back(find_config(name));
+    // A design for one configuration is compared in that one.
+    for (const std::string& engine : names_) {
+      if (fixed_.empty() && find_engine(engine).only != nullptr) fixed_.push_back(*find_engine(engine).only);
+    }
+    for (const Config& config : fixed_) {
       for (const std::string& engine : names_) {
-        if (o.engines_named && !engine_runs(engine, fixed_.back())) {
-          throw InputError(
-              fmt::format("--engines: {}, which --config {} has not", engine_needs(engine), name));
+        if (o.engines_named && !engine_runs(engine, config)) {
+          throw InputError(fmt::format("--engines: {}, which --config {} has not",
+                                       engine_needs(engine, config), config.name));
         }
       }
     }
@@ -310,7 +313,8 @@ class Fuzzer {
       config_ = fixed_[group % fixed_.size()];
     } else {
       RandomConfigOptions options;
-      options.rtl_only = std::ranges::find(names_, "rtl") != names_.end();
+      options.rtl_only =
+          std::ranges::any_of(names_, [](const std::string& name) { return bool{find_engine(name).design}; });
       options.check = [](const Config& config) { static_cast<void>(golden::choose_precision(config)); };
       config_ = random_config(derived_seed(o_.seed, group, 1), bases_, options);
     }
@@ -378,7 +382,10 @@ class Fuzzer {
       replay.engines.emplace_back(engine->name());
     }
     replay.stall_seed = stall_seed(index);
-    if (takes_part("rtl")) replay.rtl = rtl_sources_hash();
+    for (const std::string& name : replay.engines) {
+      const EngineEntry& entry = find_engine(name);
+      if (entry.design) replay.designs[name] = entry.design(config_);
+    }
     replay.config = config_;
     replay.found = fmt::format("{}; {}", label.command, result.failure);
     replay.scene = in_cycles ? scene : shrink(engines_, config_, scene, label);
@@ -406,14 +413,30 @@ struct ReplayOptions {
   ModelFlags model;
 };
 
-// The RTL under test must be the one that failed, unless the user wants to know whether a change mended it.
-void check_rtl(const ReplayOptions& o, const Replay& r) {
-  const std::string hash = rtl_sources_hash();
-  if (o.changed_rtl || r.rtl.empty() || r.rtl == hash) return;
-  throw InputError(
-      fmt::format("{}: found with RTL {}, but {} has RTL {}; BITSPAN_ROOT names another folder, "
-                  "--changed-rtl runs it anyway",
-                  o.file, r.rtl, (data_folder() / "rtl").string(), hash));
+// What is under test must be what failed, unless the user wants to know whether a change mended it. Returns
+// ", RTL HASH" for the designs that take part.
+std::string check_designs(const ReplayOptions& o, const Replay& r, const std::vector<std::string>& names) {
+  std::string out;
+  for (const std::string& name : names) {
+    const EngineEntry& entry = find_engine(name);
+    if (!entry.design) continue;
+    const std::string hash = entry.design(r.config);
+    const std::string what = entry.users_design ? name : "RTL";
+    const auto recorded = r.designs.find(name);
+    const bool found_with = std::ranges::count(r.engines, name) != 0;
+    if (recorded == r.designs.end() && found_with && entry.users_design) {
+      throw InputError(fmt::format("{}: no hash of {}, with which it was found; expected one in \"designs\"",
+                                   o.file, name));
+    }
+    if (!o.changed_rtl && recorded != r.designs.end() && recorded->second != hash) {
+      throw InputError(fmt::format(
+          "{}: found with {} {}, but {} {}; {}--changed-rtl runs it anyway", o.file, what, recorded->second,
+          entry.users_design ? "its sources have" : (data_folder() / "rtl").string() + " has RTL", hash,
+          entry.users_design ? "" : "BITSPAN_ROOT names another folder, "));
+    }
+    out += fmt::format(", {} {}", what, hash);
+  }
+  return out;
 }
 
 int replay(const ReplayOptions& o) {
@@ -428,12 +451,12 @@ int replay(const ReplayOptions& o) {
   refuse_without_model(o.model, std::ranges::count(names, "model") != 0);
   for (const std::string& name : names) {
     if (!engine_runs(name, r.config)) {
-      throw InputError(fmt::format("{}: {}", o.file, engine_needs(name)));
+      throw InputError(fmt::format("{}: {}", o.file, engine_needs(name, r.config)));
     }
   }
   if (names.size() < 2) throw InputError(fmt::format("{}: fewer than two engines to compare", o.file));
   const bool with_rtl = std::ranges::count(names, "rtl") != 0;
-  if (with_rtl) check_rtl(o, r);
+  const std::string designs = check_designs(o, r, names);
   const Engines engines = make_engines(names, r.config, r.stall_seed, engine_options(o.model, 1));
   check_scene_range(r.config, r.scene);
   const RunLabel label{o.file,
@@ -445,7 +468,7 @@ int replay(const ReplayOptions& o) {
     if (!result.failure.empty()) result.details = result.failure + "\n";
   }
   fmt::print("{}: {} triangles, configuration {} ({}), engines {}{}\n", o.file, r.scene.triangles.size(),
-             r.config.name, config_hash(r.config), list, with_rtl ? ", RTL " + rtl_sources_hash() : "");
+             r.config.name, config_hash(r.config), list, designs);
   if (!result.failure.empty()) {
     fmt::print("{}still fails\n", result.details);
     return exit_difference;
@@ -494,7 +517,8 @@ void add_replay(CLI::App& app, Action& action) {
   sub->add_option("file", o->file, "a .replay.json file")->required();
   sub->add_option("--engines", o->engines, "instead of the file's");
   add_model_options(*sub, o->model, "1");
-  sub->add_flag("--changed-rtl", o->changed_rtl, "run it though the RTL is not the one that failed");
+  sub->add_flag("--changed-rtl", o->changed_rtl,
+                "run it though the RTL, or the design of dut:NAME, is not the one that failed");
   sub->footer(help_footer("it no longer fails", "it fails, or nothing was compared",
                           "bitspan replay fuzz-7-12.replay.json"));
   sub->callback([o, &action] { action = [o] { return replay(*o); }; });

@@ -14,6 +14,7 @@
 #include "cli/commands.hpp"
 #include "cli/scene_options.hpp"
 #include "config/config.hpp"
+#include "engine/registry.hpp"
 #include "tb/programs.hpp"
 
 namespace bitspan {
@@ -47,6 +48,7 @@ int run(int argc, char** argv) {
   add_vectors(app, action);
   add_check(app, action);
   add_study(app, action);
+  add_dut(app, action);
   add_config(app, action);
   add_completion(app, action);
   const auto commands = app.get_subcommands([](CLI::App*) { return true; });
@@ -77,6 +79,8 @@ int guarded(int argc, char** argv) {
     return refuse(error.what());
   } catch (const NothingDrawn& empty) {
     return refuse(empty.what(), exit_difference);
+  } catch (const DesignFault& fault) {
+    return refuse(fmt::format("{} broke off: {}", fault.engine, fault.what()), exit_difference);
   } catch (const ToolError& error) {
     return refuse(error.what(), exit_broken);
   } catch (const std::bad_alloc&) {

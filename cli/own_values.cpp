@@ -3,7 +3,7 @@
 
 #include <numeric>
 
-#include "tb/engine_rtl.hpp"
+#include "engine/registry.hpp"
 
 namespace bitspan {
 
@@ -13,14 +13,12 @@ std::uint64_t OwnValues::total() const {
 
 OwnValues own_values(const Comparison& pair, const Config& config, const Scene& scene) {
   OwnValues own;
-  if (pair.other == "rtl") {
-    const RtlOwn per = rtl_own(config, scene);
+  if (const EngineEntry& engine = find_engine(pair.other); engine.own) {
+    const EngineOwn per = engine.own(config, scene);
     for (std::size_t t = 0; t < own.stages.size(); ++t)
       own.stages[t] = pair.stages[t].records * per.fields[t];
     own.frame = pair.frame.records * per.picture;
     own.counters = per.counters;
-  } else if (pair.other == "systemc") {
-    own.counters = pair.counters.values;
   } else {
     for (std::size_t t = 0; t < own.stages.size(); ++t) own.stages[t] = pair.stages[t].values;
     own.frame = pair.frame.values;

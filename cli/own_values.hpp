@@ -19,9 +19,10 @@ struct OwnValues {
   std::uint64_t total() const;
 };
 
-// Counts the values of the pair's second engine, `other`. golden, model and ideal compute every value. rtl
-// computes what comes out of the Verilated ports (tb/engine_rtl.hpp). systemc calls the model's stage
-// functions for every record, and so computes none; it counts its counters itself.
+// Counts the values of the pair's second engine, `other`, by EngineEntry::own. golden, model and ideal
+// compute every value. rtl computes what comes out of the Verilated ports (tb/engine_rtl.hpp), and dut:NAME
+// what its map has. systemc calls the model's stage functions for every record; it counts its counters
+// itself.
 OwnValues own_values(const Comparison& pair, const Config& config, const Scene& scene);
 
 }  // namespace bitspan

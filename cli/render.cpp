@@ -83,7 +83,7 @@ int render(const Options& o) {
     throw InputError("--engine: one engine draws one picture");
   }
   if (!engine_runs(names[0], config)) {
-    throw InputError(fmt::format("--engine: {}", engine_needs(names[0])));
+    throw InputError(fmt::format("--engine: {}", engine_needs(names[0], config)));
   }
   if (o.statistics && names[0] != "model") {
     throw InputError("--statistics: only the engine model observes its registers");

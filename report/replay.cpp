@@ -23,7 +23,9 @@ std::string replay_json(const Replay& replay) {
   json["found"] = replay.found;
   json["engines"] = replay.engines;
   json["stall_seed"] = replay.stall_seed;
-  if (!replay.rtl.empty()) json["rtl"] = replay.rtl;
+  // The key of the first design that could be under test.
+  for (const auto& [engine, hash] : replay.designs)
+    (engine == "rtl" ? json["rtl"] : json["designs"][engine]) = hash;
   json["scene"] = scene_json(replay.scene);
   json["config_name"] = replay.config.name;
   json["config"] = to_toml(replay.config);
@@ -41,7 +43,8 @@ Replay parse_replay(const std::string& text, const std::string& origin) {
     replay.found = json.value("found", std::string());
     json.at("engines").get_to(replay.engines);
     json.at("stall_seed").get_to(replay.stall_seed);
-    replay.rtl = json.value("rtl", std::string());
+    if (json.contains("designs")) json.at("designs").get_to(replay.designs);
+    if (json.contains("rtl")) json.at("rtl").get_to(replay.designs["rtl"]);
     replay.scene = scene_of(json.at("scene"));
     json.at("config").get_to(toml);
     replay.config.name = json.value("config_name", std::string("replay"));

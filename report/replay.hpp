@@ -2,6 +2,7 @@
 // A failure as one file: the configuration, the scene with its textures, and the engines that differed.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,8 @@ namespace bitspan {
 struct Replay {
   std::vector<std::string> engines;  // the first is the reference
   std::uint64_t stall_seed = 1;
-  std::string rtl;    // rtl_sources_hash() of the RTL under test; empty where none took part
+  // EngineEntry::design of the engines that have one: what was under test.
+  std::map<std::string, std::string> designs;
   std::string found;  // where it came from and what was seen, for people
   Config config;
   Scene scene;

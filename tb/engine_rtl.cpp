@@ -240,8 +240,8 @@ bool rtl_draws_pixels(const Config& config, const Scene& scene) {
   return has_pixel_rtl(config) && holds_textures(scene);
 }
 
-RtlOwn rtl_own(const Config& config, const Scene& scene) {
-  RtlOwn own;
+EngineOwn rtl_own(const Config& config, const Scene& scene) {
+  EngineOwn own;
   const auto fields_of_type = [&](RecordType type) -> std::uint64_t& {
     return own.fields[static_cast<std::size_t>(type)];
   };

@@ -17,6 +17,7 @@
 
 #include "engine/engine.hpp"
 #include "engine/records.hpp"
+#include "engine/registry.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan {
@@ -24,13 +25,7 @@ namespace bitspan {
 // Whether depth, texture, fog and merge of a scene are the RTL's.
 bool rtl_draws_pixels(const Config& config, const Scene& scene);
 
-// How many values are the RTL's own: fields per record of each type, values per pixel of the picture, and
-// counters.
-struct RtlOwn {
-  std::array<std::uint64_t, record_types> fields{};
-  std::uint64_t picture = 0, counters = 0;
-};
-RtlOwn rtl_own(const Config& config, const Scene& scene);
+EngineOwn rtl_own(const Config& config, const Scene& scene);
 
 struct RtlOptions {
   // Random gaps of the input and stalls of the output; values do not depend on them.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the engine `rtl` known.
+// Makes the engine `rtl` and the family `dut:NAME` known.
 #include "config/rtl_timing.hpp"
 #include "engine/registry.hpp"
+#include "tb/engine_dut.hpp"
 #include "tb/engine_rtl.hpp"
+#include "tb/rtl_build.hpp"
 
 namespace bitspan {
 namespace {
@@ -17,7 +19,11 @@ const RegisterEngine rtl_engine{
        RtlOptions options;
        options.stall_seed = o.stall_seed;
        return make_rtl(c, options);
-     }}};
+     },
+     .own = rtl_own,
+     .design = [](const Config&) { return rtl_sources_hash(); }}};
+
+const RegisterEngineFamily duts{{.prefix = dut_prefix, .names = "dut:NAME", .resolve = dut_entry}};
 
 }  // namespace
 }  // namespace bitspan

@@ -72,14 +72,15 @@ std::string first_complaint(const fs::path& log) {
 // Inside the cache, gone when the build is over, unless it is kept for its log.
 ScratchFolder build_folder(const fs::path& cache) { return {cache, "build", cache_hint}; }
 
-void run_or_throw(ScratchFolder& scratch, const std::vector<std::string>& command, const std::string& what) {
+void run_or_throw(ScratchFolder& scratch, const std::vector<std::string>& command, const std::string& what,
+                  bool users_sources = false) {
   const fs::path log = scratch.path() / (what + ".log");
   if (run_program(command, log, "the rtl engine") == 0) return;
   scratch.keep();
   const std::string text = fmt::format("{} refused the RTL of this configuration: {} (all of it in {})",
                                        command.front(), first_complaint(log), log.string());
   // Sources that the user named may be at fault; those that belong to this program are not the user's.
-  if (what == "verilator" && !environment("BITSPAN_ROOT").empty()) throw InputError(text);
+  if (users_sources || (what == "verilator" && !environment("BITSPAN_ROOT").empty())) throw InputError(text);
   throw ToolError(text);
 }
 
@@ -255,6 +256,8 @@ fs::path build_library(const RtlDesign& design) {
   for (const std::string& flag : verilator) key.text(flag);
   key.text(without_comments(design.package));
   for (const fs::path& source : design.sources) key.text(read_text(source, data_folder_hint));
+  for (const std::string& word : design.words) key.text(word);
+  for (const fs::path& file : design.files) key.text(read_text(file));
   key.text(design.ports);
   for (const std::string& part : {design.harness, std::string("tb/rtl_abi.hpp"),
                                   std::string("tb/rtl_harness.hpp"), std::string("tb/rtl_printf.hpp")})
@@ -273,12 +276,13 @@ fs::path build_library(const RtlDesign& design) {
   std::vector<std::string> command = verilator;
   command.insert(command.end(), {"--Mdir", verilated.string(), package_path.string()});
   for (const fs::path& source : design.sources) command.push_back(source.string());
+  command.insert(command.end(), design.words.begin(), design.words.end());
   if (!covers.empty()) {
     const fs::path covers_path = scratch.path() / "handshakes.sv";
     write_text(covers_path, covers, cache_hint);
     command.push_back(covers_path.string());
   }
-  run_or_throw(scratch, command, "verilator");
+  run_or_throw(scratch, command, "verilator", !design.words.empty());
 
   // One translation unit: most of a small one's time goes into the headers. Counters make it so large that
   // the compiler takes all memory: then several.

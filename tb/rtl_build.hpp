@@ -42,10 +42,13 @@ struct RtlDesign {
   std::vector<std::filesystem::path> sources;
   std::string ports;    // text in front of the harness
   std::string harness;  // its file below data_folder()
+  // A design of the user's: further words of Verilator's command, and the files that it reads by them.
+  std::vector<std::string> words{};
+  std::vector<std::filesystem::path> files{};
 };
 // Builds the library where the cache does not hold it, and returns its path. Throws InputError where
-// Verilator refuses sources under $BITSPAN_ROOT or the cache folder cannot be written; ToolError where a tool
-// is missing or refuses otherwise. Writes a line of progress to a terminal.
+// Verilator refuses sources of the user's ($BITSPAN_ROOT, RtlDesign::words) or the cache folder cannot be
+// written; ToolError where a tool is missing or refuses otherwise. Writes a line of progress to a terminal.
 std::filesystem::path build_library(const RtlDesign& design);
 // The span interpolator's library. Throws InputError also where the configuration has none.
 std::filesystem::path build_rtl(const Config& config);

@@ -20,7 +20,9 @@ std::filesystem::path library_of(const RtlModuleDesign& design) {
                         .ports = fmt::format("#include \"V{0}.h\"\n#define BITSPAN_TOP V{0}\n", design.top) +
                                  list("BITSPAN_INPUTS", design.inputs) +
                                  list("BITSPAN_OUTPUTS", design.outputs),
-                        .harness = "tb/rtl_module_harness.cpp"});
+                        .harness = "tb/rtl_module_harness.cpp",
+                        .words = design.words,
+                        .files = design.files});
 }
 
 }  // namespace

@@ -20,6 +20,8 @@ struct RtlModuleDesign {
   std::string package;  // text in front of the sources
   std::vector<std::filesystem::path> sources;
   std::vector<std::string> inputs, outputs;  // the ports' names
+  std::vector<std::string> words{};          // of a user's design: RtlDesign
+  std::vector<std::filesystem::path> files{};
 };
 
 class RtlModule {

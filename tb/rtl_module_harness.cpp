@@ -8,7 +8,13 @@
 
 using Module = Simulation<BITSPAN_TOP>;
 
-BITSPAN_EXPORT void* bitspan_module_create() { return new Module; }
+BITSPAN_EXPORT void* bitspan_module_create() {
+  auto* module = new Module;
+  // A design may ask for plusargs: there are none.
+  const char* name = "bitspan";
+  module->context.commandArgs(1, &name);
+  return module;
+}
 BITSPAN_EXPORT void bitspan_module_destroy(void* module) { destroy<Module>(module); }
 
 BITSPAN_EXPORT const char* bitspan_module_reset(void* handle) {

@@ -11,9 +11,14 @@ const RegisterEngine systemc_engine{
      .order = 3,
      .compared = true,
      .runs = [](const Config&) { return true; },
-     .make = [](const Config& c, const EngineOptions&) -> std::unique_ptr<Engine> {
-       return make_systemc(c);
-     }}};
+     .make = [](const Config& c, const EngineOptions&) -> std::unique_ptr<Engine> { return make_systemc(c); },
+     // The records and the picture come from the model's stage functions.
+     .own =
+         [](const Config&, const Scene&) {
+           EngineOwn own;
+           for_each_counter([&](const CounterInfo& info, auto) { own.counters += info.compared ? 1 : 0; });
+           return own;
+         }}};
 
 }  // namespace
 }  // namespace bitspan

@@ -15,7 +15,7 @@ Replay sample() {
   Replay r;
   r.engines = {"golden", "model"};
   r.stall_seed = 42;
-  r.rtl = "0123456789abcdef";
+  r.designs = {{"rtl", "0123456789abcdef"}, {"dut:acme", "fedcba9876543210"}};
   r.found = "bitspan fuzz";
   r.config = shipped_config("narrow");
   RandomOptions options;
@@ -32,7 +32,7 @@ TEST(Replay, ComesBackBitForBit) {
   const Replay b = parse_replay(replay_json(a), "file");
   EXPECT_EQ(b.engines, a.engines);
   EXPECT_EQ(b.stall_seed, a.stall_seed);
-  EXPECT_EQ(b.rtl, a.rtl);
+  EXPECT_EQ(b.designs, a.designs);
   EXPECT_EQ(config_hash(b.config), config_hash(a.config));
   EXPECT_EQ(replay_json(b), replay_json(a));
   ASSERT_EQ(b.scene.triangles.size(), a.scene.triangles.size());
@@ -50,9 +50,9 @@ TEST(Replay, ComesBackBitForBit) {
 
 TEST(Replay, WithoutAnRtlNoHashIsWritten) {
   Replay a = sample();
-  a.rtl.clear();
+  a.designs.clear();
   EXPECT_EQ(replay_json(a).find("\"rtl\""), std::string::npos);
-  EXPECT_EQ(parse_replay(replay_json(a), "file").rtl, "");
+  EXPECT_TRUE(parse_replay(replay_json(a), "file").designs.empty());
 }
 
 TEST(Replay, BadFilesAreRefusedInOneLine) {

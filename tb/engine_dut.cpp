@@ -1,0 +1,360 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tb/engine_dut.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "config/rtl_timing.hpp"
+#include "model/pipeline.hpp"
+#include "tb/dut_store.hpp"
+#include "tb/dut_wrapper.hpp"
+
+namespace bitspan {
+namespace {
+
+// Rows are collected over triangles until they have this many pixels, and then go through the design in one
+// run.
+constexpr std::int64_t pixels_a_run = 1 << 16;
+// Far longer than any latency.
+constexpr int patience_clocks = 10000;
+// After a run, for what no record asked for; after a reset, for what a design does on its own then.
+constexpr int quiet_clocks = 1000;
+constexpr double in_gap = 0.1;     // probability per clock
+constexpr double out_stall = 0.1;  // probability per clock
+
+// What the wrapper says of a configuration. Found once per run of the program: another text of a source is
+// then another design.
+class Wrappers {
+ public:
+  explicit Wrappers(DutDesign design) : design_(std::move(design)) {}
+  const DutDesign& design() const { return design_; }
+
+  const DutWrapper& of(const Config& config) {
+    const std::lock_guard lock(mutex_);
+    const auto [at, fresh] = known_.try_emplace(config_hash(config));
+    if (fresh) {
+      try {
+        at->second = wrap_dut(design_, config);
+      } catch (...) {
+        known_.erase(at);
+        throw;
+      }
+      const std::string hash = dut_hash(design_, at->second.files);
+      if (sources_.empty()) sources_ = hash;
+      check(hash);
+    }
+    return at->second;
+  }
+  // Throws InputError where a source has changed since the program first read it: a replay would name another
+  // design than the one that failed.
+  void check_unchanged(const DutWrapper& wrapper) {
+    const std::lock_guard lock(mutex_);
+    check(dut_hash(design_, wrapper.files));
+  }
+
+ private:
+  void check(const std::string& hash) const {
+    if (hash != sources_) {
+      throw InputError(
+          fmt::format("dut:{}: a source has changed during the run; run it again", design_.name));
+    }
+  }
+
+  DutDesign design_;
+  std::mutex mutex_;
+  std::map<std::string, DutWrapper> known_;
+  std::string sources_;
+};
+
+class DutEngine final : public Engine {
+ public:
+  DutEngine(const Config& config, std::uint64_t stall_seed, Wrappers& wrappers)
+      : config_(config),
+        stall_seed_(stall_seed),
+        name_(std::string(dut_prefix) + wrappers.design().name),
+        map_(wrappers.design().map),
+        wrapper_(wrappers.of(config)),
+        module_(module_of(wrappers.design(), wrapper_, config.name)) {
+    wrappers.check_unchanged(wrapper_);
+    inputs_.resize(2 + wrapper_.inputs.size());
+    outputs_.resize(2 + wrapper_.outputs.size());
+  }
+
+  std::string_view name() const override { return name_; }
+
+  void begin(const Scene& scene) override {
+    guarded([&] { start(scene); });
+  }
+
+  void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
+    if (scene_ == nullptr) throw std::logic_error("Engine::draw before begin");
+    guarded([&] { draw_all(triangles, first_index, trace); });
+  }
+
+  const Frame& frame() const override { return frame_; }
+  const Counters& counters() const override { return counters_; }
+
+ private:
+  // What the design does wrong is no fault of the program's.
+  template <class Work>
+  void guarded(Work work) const {
+    try {
+      work();
+    } catch (const std::logic_error& error) {
+      throw DesignFault(name_, error.what());
+    }
+  }
+
+  void start(const Scene& scene) {
+    pipeline_ = model::make_pipeline(config_, scene);
+    scene_ = &scene;
+    counters_ = {};
+    constants_delivered_ = false;
+    frame_ = model::cleared_frame(pipeline_, scene);
+    runs_ = 0;
+    module_.reset();
+    std::ranges::fill(inputs_, 0);
+    for (int clock = 0; clock < quiet_clocks; ++clock) module_.clock(inputs_, outputs_);
+  }
+
+  void draw_all(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) {
+    if (trace != nullptr && !constants_delivered_) {
+      trace->constants.push_back(pipeline_.constants.record);
+      constants_delivered_ = true;
+    }
+    rows_.clear();
+    textures_.clear();
+    std::int64_t pixels = 0;
+    std::int64_t index = first_index;
+    for (const Triangle& triangle : triangles) {
+      model::check_triangle(*scene_, triangle, index);
+      const std::size_t before = rows_.size();
+      model::triangle_to_rows(pipeline_, triangle, index, walk_, rows_, counters_, trace);
+      textures_.resize(rows_.size(), triangle.texture);
+      for (std::size_t i = before; i < rows_.rows.size(); ++i)
+        pixels += rows_.rows[i].x_last - rows_.rows[i].x_first + 1;
+      for (std::size_t i = before; i < rows_.plane_rows.size(); ++i) pixels += rows_.plane_rows[i].count;
+      if (pixels >= pixels_a_run) {
+        run(trace);
+        pixels = 0;
+      }
+      ++index;
+    }
+    run(trace);
+  }
+
+  bool delivers_pixels() const { return map_.output.stage == RecordType::fragment; }
+
+  // All rows collected through the design, and what comes out to the frame.
+  void run(Trace* trace) {
+    if (rows_.size() == 0) return;
+    spans_.clear();
+    fragments_.clear();
+    std::vector<std::size_t> ends;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      spans_.push_back(model::row_to_span(pipeline_, rows_, i, counters_));
+      row_fragments_.clear();
+      model::span_to_fragments(pipeline_, spans_.back(), model::geometry_of(rows_, i), row_fragments_,
+                               counters_);
+      fragments_.insert(fragments_.end(), row_fragments_.begin(), row_fragments_.end());
+      ends.push_back(fragments_.size());
+    }
+    const std::size_t expected = delivers_pixels() ? fragments_.size() : spans_.size();
+    transfer(expected);
+    const std::size_t lanes = wrapper_.outputs.size();
+    const std::size_t delivered = lanes == 0 ? 0 : delivered_.size() / lanes;
+    if (delivered != expected && trace == nullptr) {
+      throw std::logic_error(fmt::format("delivers {} records, expected {}", delivered, expected));
+    }
+    std::size_t from = 0;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      if (delivers_pixels()) {
+        deliver(trace, spans_[i]);
+      } else {
+        deliver(trace, replaced(spans_[i], i, false));
+      }
+      row_fragments_.clear();
+      for (std::size_t p = from; p < ends[i]; ++p) {
+        deliver(trace, delivers_pixels() ? replaced(fragments_[p], p, false) : fragments_[p]);
+        const FragmentRecord f = delivers_pixels() ? replaced(fragments_[p], p, true) : fragments_[p];
+        // A wrong position is a difference of the record, not a write outside the frame.
+        if (f.x >= 0 && f.x < frame_.width && f.y >= 0 && f.y < frame_.height) row_fragments_.push_back(f);
+      }
+      from = ends[i];
+      model::fragments_to_frame(pipeline_, row_fragments_, model::texture_of(*scene_, textures_[i]), frame_,
+                                counters_, trace);
+    }
+    // Records that no row asked for; no other engine has them.
+    for (std::size_t i = expected; i < delivered; ++i) {
+      if (delivers_pixels()) {
+        deliver(trace,
+                replaced(FragmentRecord{.triangle = spans_.back().triangle, .y = spans_.back().y}, i, false));
+      } else {
+        deliver(trace,
+                replaced(SpanRecord{.triangle = spans_.back().triangle, .y = spans_.back().y}, i, false));
+      }
+    }
+    rows_.clear();
+    textures_.clear();
+  }
+
+  // The record with what the design delivered in it. in_format: without the bits of a port beyond the field's
+  // register, which the stages behind do not expect.
+  template <class R>
+  R replaced(R record, std::size_t i, bool in_format) const {
+    auto* values = reinterpret_cast<std::int64_t*>(&record);
+    for (std::size_t lane = 0; lane < wrapper_.outputs.size(); ++lane) {
+      const PortWord& word = wrapper_.outputs[lane].word;
+      std::int64_t value = delivered_[i * wrapper_.outputs.size() + lane];
+      if (in_format && word.bits < 64) {
+        const int shift = 64 - word.bits;
+        const auto high = static_cast<std::uint64_t>(value) << shift;
+        value = word.is_signed ? static_cast<std::int64_t>(high) >> shift
+                               : static_cast<std::int64_t>(high >> shift);
+      }
+      values[static_cast<std::size_t>(wrapper_.outputs[lane].field.index)] = value;
+    }
+    return record;
+  }
+
+  std::int64_t input_value(const DutField& field, std::size_t row) const {
+    const auto at = static_cast<std::size_t>(field.index);
+    switch (field.type) {
+      case RecordType::row: {
+        const RowRecord& r = rows_.rows[row];
+        return field.index < 0 ? r.x_last - r.x_first + 1 : raw_values(r)[at];
+      }
+      case RecordType::plane_row:
+        return raw_values(rows_.plane_rows[row])[at];
+      case RecordType::span:
+        return raw_values(spans_[row])[at];
+      case RecordType::constants:
+        return raw_values(pipeline_.constants.record)[at];
+      default: {
+        const model::PlaneGeometry* geometry = model::geometry_of(rows_, row);
+        return field.name.ends_with(".k") ? geometry->k : std::int64_t{geometry->along_y};
+      }
+    }
+  }
+
+  void set_inputs(std::size_t row) {
+    for (std::size_t i = 0; i < wrapper_.inputs.size(); ++i) {
+      const DutLane& lane = wrapper_.inputs[i];
+      const std::int64_t value = input_value(lane.field, row);
+      if (lane.bits < lane.word.bits && (value < 0 || value >> lane.bits != 0)) {
+        throw std::logic_error(fmt::format("{} = {} does not fit the {} bits of port {}", lane.field.name,
+                                           value, lane.bits, lane.port));
+      }
+      inputs_[2 + i] = static_cast<std::uint64_t>(value);
+    }
+  }
+
+  // One clock; returns whether the record offered was accepted. Appends what was delivered.
+  bool clock(bool offered, bool ready) {
+    inputs_[0] = offered ? 1 : 0;
+    inputs_[1] = ready ? 1 : 0;
+    module_.clock(inputs_, outputs_);
+    if (outputs_[1] != 0 && ready) {
+      for (std::size_t i = 2; i < outputs_.size(); ++i)
+        delivered_.push_back(static_cast<std::int64_t>(outputs_[i]));
+    }
+    return offered && outputs_[0] != 0;
+  }
+
+  // Feeds the rows with random gaps and stalls until all are accepted and all that they ask for is there.
+  void transfer(std::size_t expected) {
+    delivered_.clear();
+    std::mt19937_64 random(stall_seed_ + runs_++);
+    const auto happens = [&](double probability) {
+      return static_cast<double>(random() >> 11) * 0x1p-53 < probability;
+    };
+    const std::size_t values = expected * wrapper_.outputs.size();
+    const bool stalls = !map_.output.ready.empty();
+    std::size_t next = 0;
+    bool offered = false;  // once offered, a record stays
+    int idle = 0;
+    while (next < rows_.size() || delivered_.size() < values) {
+      if (!offered && next < rows_.size() && !happens(in_gap)) {
+        offered = true;
+        set_inputs(next);
+      }
+      const std::size_t before = delivered_.size();
+      const bool accepted = clock(offered, !(stalls && happens(out_stall)));
+      ++counters_.cycles;
+      if (accepted) {
+        ++next;
+        offered = false;
+      }
+      idle = accepted || delivered_.size() != before ? 0 : idle + 1;
+      if (idle == patience_clocks) {
+        throw std::logic_error(fmt::format(
+            "stands still: {} of {} records accepted, {} of {} delivered, then nothing for {} clocks", next,
+            rows_.size(), delivered_.size() / wrapper_.outputs.size(), expected, patience_clocks));
+      }
+    }
+    for (int i = 0; i < quiet_clocks; ++i) clock(false, true);
+  }
+
+  Config config_;
+  std::uint64_t stall_seed_;
+  std::string name_;
+  const DutMap& map_;
+  const DutWrapper& wrapper_;
+  RtlModule module_;
+  const Scene* scene_ = nullptr;
+  model::Pipeline pipeline_;
+  Frame frame_;
+  Counters counters_;
+  bool constants_delivered_ = false;             // once per scene
+  std::uint64_t runs_ = 0;                       // since begin: each has its own stalls
+  std::vector<std::uint64_t> inputs_, outputs_;  // of the module
+  std::vector<std::int64_t> delivered_;          // a value per output lane and record
+  // Reused from run to run.
+  model::Rows rows_;
+  model::PlaneWalkState walk_;
+  std::vector<int> textures_;  // Triangle::texture, one per row
+  std::vector<SpanRecord> spans_;
+  std::vector<FragmentRecord> fragments_, row_fragments_;
+};
+
+}  // namespace
+
+EngineEntry dut_entry(std::string_view name) {
+  StoredDut stored = load_dut(std::string(name.substr(dut_prefix.size())));
+  const std::shared_ptr<const Config> only =
+      stored.config ? std::make_shared<const Config>(*stored.config) : nullptr;
+  const auto wrappers = std::make_shared<Wrappers>(std::move(stored.design));
+  const DutMap& map = wrappers->design().map;
+  EngineEntry entry;
+  entry.name = name;
+  entry.compared = true;
+  entry.runs = [only, wrappers](const Config& c) {
+    if (only != nullptr) return config_hash(*only) == config_hash(c);
+    return has_rtl(c) && refusal(wrappers->design().map, c).empty();
+  };
+  entry.needs = fmt::format("a configuration with RTL and with records of {}", stage_of(map.input.stage));
+  entry.make = [wrappers](const Config& c, const EngineOptions& o) -> std::unique_ptr<Engine> {
+    return std::make_unique<DutEngine>(c, o.stall_seed, *wrappers);
+  };
+  entry.own = [wrappers](const Config&, const Scene&) {
+    EngineOwn own;
+    const DutSide& out = wrappers->design().map.output;
+    for (const DutPort& port : out.ports)
+      own.fields[static_cast<std::size_t>(out.stage)] += port.fields.size();
+    return own;
+  };
+  entry.design = [wrappers](const Config& c) { return wrappers->of(c).hash; };
+  entry.users_design = true;
+  entry.only = only;
+  return entry;
+}
+
+}  // namespace bitspan
