@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/npy.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <regex>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -97,13 +98,17 @@ IntegerTable read_npy_table(const std::string& path) {
   if (length > bytes.size() - start) refuse("is cut short");
   const std::string head = bytes.substr(start, length);
   IntegerTable out;
-  const std::regex shape(R"('shape': *\( *(\d{1,10}) *, *(\d{1,6}) *,? *\))");
-  std::smatch extents;
-  if (!std::regex_search(head, extents, shape)) refuse("has not two axes");
+  // (rows, columns), and no third extent.
+  const std::size_t shape = std::min(head.find("'shape':"), head.size());
+  int end = 0;
+  if (std::sscanf(head.c_str() + shape, "'shape': ( %10zu , %6zu %n", &out.rows, &out.columns, &end) != 2 ||
+      end == 0) {
+    refuse("has not two axes");
+  }
+  const std::size_t closed = head.find_first_not_of(", ", shape + static_cast<std::size_t>(end));
+  if (closed == std::string::npos || head[closed] != ')') refuse("has not two axes");
   if (head.find("'descr': '<i8'") == std::string::npos) refuse("is of another type");
   if (head.find("'fortran_order': False") == std::string::npos) refuse("is not in C order");
-  out.rows = std::stoull(extents[1]);
-  out.columns = std::stoull(extents[2]);
   const std::size_t rest = bytes.size() - start - length;
   const std::size_t size = out.rows * out.columns;
   if (rest != size * sizeof(std::int64_t)) refuse("is cut short, or too long");

@@ -185,5 +185,62 @@ TEST(Npy, HeadersAndData) {
   EXPECT_THROW(write_npy("a.npy", {2, 2}, std::span<const double>()), std::invalid_argument);
 }
 
+TEST(Npy, ATableComesBackAndAnythingElseIsRefused) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("a.npy");
+  const std::vector<std::int64_t> values{1, -2, std::numeric_limits<std::int64_t>::min(), 4, 5, 6};
+  write_npy(path, {3, 2}, std::span(values));
+  const std::string good = folder.read("a.npy");
+  IntegerTable table = read_npy_table(path);
+  EXPECT_EQ(table.rows, 3U);
+  EXPECT_EQ(table.columns, 2U);
+  EXPECT_EQ(table.values, values);
+
+  const auto changed = [&](std::string_view from, std::string_view to) {
+    std::string text = good;
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    folder.write("a.npy", text.replace(at, from.size(), to));
+  };
+  const auto refused = [&](std::string_view part) { expect_refusal([&] { read_npy_table(path); }, part); };
+  // As NumPy writes it, and as others may.
+  changed("(3, 2), }", "(3,2), } ");
+  EXPECT_EQ(read_npy_table(path).values, values);
+  changed(", 2), }", ", 2,), ");
+  EXPECT_EQ(read_npy_table(path).values, values);
+  std::string second = good;
+  second[6] = 2;
+  second.insert(10, 2, '\0');
+  folder.write("a.npy", second);
+  EXPECT_EQ(read_npy_table(path).values, values);
+
+  changed("(3, 2), }", "(6,), }  ");
+  refused("has not two axes");
+  changed("(3, 2), }", "(3,2,1), ");
+  refused("has not two axes");
+  changed("(3, 2), }", "(3, 2     ");
+  refused("two axes");
+  changed("(3, 2)", "(2, 3)");
+  EXPECT_EQ(read_npy_table(path).columns, 3U);
+  changed("(3, 2)", "(3, 3)");
+  refused("cut short, or too long");
+  changed("(3, 2)", "(-3,2)");
+  refused("a.npy");
+  changed("<i8", "<f8");
+  refused("another type");
+  changed("False", "True ");
+  refused("C order");
+  changed("NUMPY", "NUMPI");
+  refused("no NumPy file");
+  for (std::size_t size = 0; size < good.size(); ++size) {
+    folder.write("a.npy", good.substr(0, size));
+    refused("a.npy: ");
+  }
+  folder.write("a.npy", good + "x");
+  refused("too long");
+  expect_refusal([&] { read_npy_table(folder.path()); }, "cannot read");
+  expect_refusal([&] { read_npy_table(folder.path("b.npy")); }, "b.npy: cannot read");
+}
+
 }  // namespace
 }  // namespace bitspan

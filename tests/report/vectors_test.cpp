@@ -21,13 +21,13 @@ namespace {
 constexpr std::array formats{VectorFormat::hex, VectorFormat::json, VectorFormat::npy};
 
 Scene small_scene(std::uint64_t seed) {
-  Scene scene = random_scene(seed, {.width = 24,
-                                    .height = 18,
-                                    .triangles = 6,
-                                    .size_max = 20,
+  Scene scene = random_scene(seed, {.width = 16,
+                                    .height = 12,
+                                    .triangles = 4,
+                                    .size_max = 16,
                                     .depth_ratio_max = 4,
                                     .uv_limit = 8,
-                                    .texture_size_max = 8});
+                                    .texture_size_max = 4});
   scene.name = "small";
   return scene;
 }
@@ -98,6 +98,11 @@ void flip(std::string& text, std::size_t line, int bit) {
 }
 
 TEST(Vectors, EveryPlantedBitIsFoundAndNamed) {
+#ifdef __SANITIZE_ADDRESS__
+  constexpr int step = 7;  // one bit in seven: the sanitized build is slow, and looks for other faults
+#else
+  constexpr int step = 1;
+#endif
   std::size_t found = 0;
   for (const auto& [config, scene] : random_cases(100, 1)) {
     for (const Vectors& v : all_stages(config, scene)) {
@@ -108,7 +113,7 @@ TEST(Vectors, EveryPlantedBitIsFoundAndNamed) {
       const std::string good = folder.read("v/" + output_file(v, ".hex"));
       const RecordView view = view_of(v.trace, v.stage);
       const int bits = table.at("bits").get<int>();
-      for (int bit = 0; bit < bits; ++bit) {
+      for (int bit = 0; bit < bits; bit += step) {
         const std::size_t record = static_cast<std::size_t>(bit) % view.records;
         std::string bad = good;
         flip(bad, record, bit);
@@ -135,7 +140,7 @@ TEST(Vectors, EveryPlantedBitIsFoundAndNamed) {
       }
     }
   }
-  EXPECT_GT(found, 2000U);
+  EXPECT_GT(found, 2000U / step);
 }
 
 TEST(Vectors, EveryPlantedBitOfTheInputsIsRefused) {
