@@ -47,8 +47,8 @@ module acme_spi_driver #(
   initial begin
     if ($value$plusargs("scene=%s", scene) == 0) scene = "demo";
     if ($value$plusargs("settings=%s", settings) == 0) settings = "";
-    if ($value$plusargs("width=%d", width) == 0) width = 16;
-    if ($value$plusargs("height=%d", height) == 0) height = 12;
+    if ($value$plusargs("width=%d", width) == 0) width = 12;
+    if ($value$plusargs("height=%d", height) == 0) height = 9;
     next = 0;
     model = $bs_open(Name, Config, settings, "model");
     if (model == 0) stop;
@@ -89,7 +89,7 @@ module acme_spi_driver #(
       quiet <= req_vld || pix_vld ? 0 : quiet + 1;
     end
   end
-  assign done_o = next == rows && quiet >= 400;
+  assign done_o = next == rows && quiet >= 250;
 endmodule
 
 module acme_spi_tb;
