@@ -2,7 +2,7 @@
 // examples/dpi under Icarus, through VPI: two configurations of acme_spi in one simulation. Each takes the rows of a
 // scene from its model, with random gaps and stalls; a checker compares every pixel. docs/dv.md has the commands.
 //
-// Icarus simulates some 75 clocks of both designs per second, so the picture is small.
+// Icarus simulates some 100 clocks of both designs per second, so the picture is small.
 //
 //   +scene=FILE +width=N +height=N +settings=KEY=VALUE +flip (a bug in the design) +rows=N (no more rows)
 module acme_spi_driver #(
@@ -47,8 +47,8 @@ module acme_spi_driver #(
   initial begin
     if ($value$plusargs("scene=%s", scene) == 0) scene = "demo";
     if ($value$plusargs("settings=%s", settings) == 0) settings = "";
-    if ($value$plusargs("width=%d", width) == 0) width = 16;
-    if ($value$plusargs("height=%d", height) == 0) height = 12;
+    if ($value$plusargs("width=%d", width) == 0) width = 12;
+    if ($value$plusargs("height=%d", height) == 0) height = 9;
     next = 0;
     model = $bs_open(Name, Config, settings, "model");
     if (model == 0) stop;
@@ -89,7 +89,7 @@ module acme_spi_driver #(
       quiet <= req_vld || pix_vld ? 0 : quiet + 1;
     end
   end
-  assign done_o = next == rows && quiet >= 400;
+  assign done_o = next == rows && quiet >= 250;
 endmodule
 
 module acme_spi_tb;
