@@ -129,7 +129,9 @@ Elaborated read_xml(const std::string& xml, const fs::path& folder) {
       const std::string name = e.get("filename");
       const fs::path path = folder / name;
       const bool known = std::ranges::count(out.files, path) != 0;
-      if (!name.starts_with('<') && !known) out.files.push_back(path);
+      // Behind an include, Verilator also lists its own input, and a name with a space in part.
+      std::error_code ignored;
+      if (!known && fs::is_regular_file(path, ignored)) out.files.push_back(path);
     } else if (tag == "module") {
       top = e.get("topModule") == "1";
     } else if (tag == "/module") {
@@ -356,7 +358,7 @@ class WrapperMaker {
   }
   static std::string sampled(const std::string& vector, int high, int low, bool is_signed) {
     const int bits = high - low + 1;
-    const std::string part = fmt::format("{}[{}:{}]", vector, high, low);
+    std::string part = fmt::format("{}[{}:{}]", vector, high, low);
     if (bits == 64) return part;
     const std::string bit = is_signed ? fmt::format("{}[{}]", vector, high) : "1'b0";
     return fmt::format("{{{{{}{{{}}}}}, {}}}", 64 - bits, bit, part);

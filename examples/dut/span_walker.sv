@@ -4,7 +4,7 @@
 module span_walker (
     input  logic clk,
     input  logic rst_n,
-    // A span: first pixel, number of pixels, and for depth, texture coordinates and shades a start and a step per pixel.
+    // A span: first pixel, number of pixels; start and step per pixel of depth, texture coordinates and shades.
     input  logic span_valid,
     output logic span_ready,
     input  logic [15:0] span_x,

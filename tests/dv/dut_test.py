@@ -104,7 +104,8 @@ class Dut(unittest.TestCase):
         self.assertEqual(code, 1)
         both = r"dut:span_walker is for configuration affine \(\w{16}\), not for narrow \(\w{16}\)"
         self.assertRegex(out, "FAILED: .*" + both)
-        err = self.refused("--engine: ", "render", "demo", "--config", "narrow", "--engine", "dut:span_walker", "-o", "x")
+        err = self.refused("--engine: ", "render", "demo", "--config", "narrow", "--engine", "dut:span_walker", "-o",
+                           "x")
         self.assertRegex(err, both)
         self.refused("not for depth20", "fuzz", "--config", "depth20", "--engines", "golden,dut:span_walker")
 
@@ -114,8 +115,8 @@ class Dut(unittest.TestCase):
         self.plant_bug()
         self.held("dut", "add", "span_walker.toml")
         out = self.differs(*self.verify())
-        self.assertRegex(out, r"golden against dut:span_walker: triangle \d+, pixel \(\d+, \d+\), stage span, field [uv]: "
-                              r"golden 0x\w+ = \S+ texel, dut:span_walker 0x\w+ = \S+ texel")
+        self.assertRegex(out, r"golden against dut:span_walker: triangle \d+, pixel \(\d+, \d+\), stage span, "
+                              r"field [uv]: golden 0x\w+ = \S+ texel, dut:span_walker 0x\w+ = \S+ texel")
         self.assertIn("fed by span_setup", out)
         place = re.search(r"pixel \((\d+), (\d+)\)", out)
         out = self.differs("explain", "demo", place[1], place[2], "--size", "64x48", "--config", "affine.toml",
@@ -162,7 +163,8 @@ class Dut(unittest.TestCase):
             err = self.refused(text, "dut", "add", "span_walker.toml")
             self.assertRegex(err, r"^bitspan: \S+:\d+:")
             # Of two ports with one field, and of two keys, the second one is at fault.
-            if line is not None and "also at port" not in err and "redefine" not in err and "span_walker.toml:" in err:
+            second = "also at port" in err or "redefine" in err
+            if line is not None and not second and "span_walker.toml:" in err:
                 self.assertIn(f"span_walker.toml:{line}:", err)
 
         bad('clock = "clk"', 'clack = "clk"', "clack: unknown key")
@@ -179,7 +181,7 @@ class Dut(unittest.TestCase):
         bad('span_h = "h"', 'pixel_h = "h"\n#', "port pixel_h of span_walker is an output; expected an input")
         bad('clock = "clk"\n', "", "clock: missing")
         bad('clock = "clk"', 'clock = "span_x"', "clock: port span_x of span_walker has 16 bits; expected 1 bit")
-        bad('ready = "pixel_ready"', 'ready = "pixel_last"', "pixel_last of span_walker is an output; expected an input")
+        bad('ready = "pixel_ready"', 'ready = "pixel_last"', "pixel_last of span_walker is an output; expected")
         bad('["r_step0", "g_step0", "b_step0", "a_step0"]', '["r_step0", "g_step0", "b_step0"]', "array of 3 elements")
         bad('sources = ["span_walker.sv"]', 'sources = ["nowhere.sv"]', "nowhere.sv is no file")
         bad('top = "span_walker"', 'top = "walker"', "top: no module walker in the sources")
@@ -265,7 +267,7 @@ span_shade_o = {{ fields = ["a", "b", "g", "r"] }}
         self.assertIn("any configuration with RTL", out)
         self.assertIn("note: inputs in no part of the map are 0: phase_i, k_i", out)
         self.assertIn("span_setup: 7 of 31 fields are the design's own", out)
-        for config in ("depth16", "narrow"):
+        for config in ("depth16", "depth20"):
             self.held("verify", "demo", "--size", "64x48", "--config", config, "--engines", "golden,dut:setup",
                       "--json", "v.json")
             stages = json.loads((self.folder / "v.json").read_text())["scenes"][0]["pairs"][0]["stages"]
@@ -295,7 +297,8 @@ span_shade_o = {{ fields = ["a", "b", "g", "r"] }}
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn("all held", done.stdout)
         # Its table of maps' keys is complete.
-        for key in ("top", "config", "sources", "parameters", "clock", "reset", "reset_active", "stage", "valid", "ready"):
+        for key in ("top", "config", "sources", "parameters", "clock", "reset", "reset_active", "stage", "valid",
+                    "ready"):
             self.assertIn(f"`{key}`", text)
 
 
