@@ -38,6 +38,8 @@ void add_explain(CLI::App& app, Action& action);
 void add_sim(CLI::App& app, Action& action);
 void add_fuzz(CLI::App& app, Action& action);
 void add_replay(CLI::App& app, Action& action);
+void add_vectors(CLI::App& app, Action& action);
+void add_check(CLI::App& app, Action& action);
 void add_study(CLI::App& app, Action& action);
 void add_config(CLI::App& app, Action& action);
 void add_completion(CLI::App& app, Action& action);

@@ -44,6 +44,8 @@ int run(int argc, char** argv) {
   add_sim(app, action);
   add_fuzz(app, action);
   add_replay(app, action);
+  add_vectors(app, action);
+  add_check(app, action);
   add_study(app, action);
   add_config(app, action);
   add_completion(app, action);

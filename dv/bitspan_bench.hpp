@@ -146,6 +146,38 @@ inline bs_status field(Bench* bench, int stage, int column, bs_field_info& out) 
   return kept(bs_field(bench->config, stage, column, &out));
 }
 
+// Bits of a field's register, 0 for an index, a count or a flag; -1 after a failure. And whether it is
+// signed.
+inline int word(Bench* bench, int stage, int column) {
+  bs_field_info info{};
+  return field(bench, stage, column, info) == BS_OK ? info.word : -1;
+}
+
+inline int is_signed(Bench* bench, int stage, int column) {
+  bs_field_info info{};
+  return field(bench, stage, column, info) == BS_OK ? info.is_signed : -1;
+}
+
+// The value of a key such as "perspective.mode" in the canonical configuration, without quotes; "" where
+// there is none.
+inline std::string setting(Bench* bench, const std::string& path) {
+  if (usable(bench) != BS_OK) return {};
+  const std::string text = std::string("\n") + bs_config_text(bench->config);
+  const std::size_t dot = path.find('.');
+  const std::string table = dot == std::string::npos ? "" : path.substr(0, dot);
+  const std::size_t begin = table.empty() ? 0 : text.find("\n[" + table + "]\n");
+  const std::string key = "\n" + (table.empty() ? path : path.substr(dot + 1)) + " = ";
+  const std::size_t at = begin == std::string::npos ? begin : text.find(key, begin);
+  const std::size_t end = begin == std::string::npos ? begin : text.find("\n[", begin + 1);
+  if (at == std::string::npos || at >= end) {
+    error() = path + ": the configuration has no such key";
+    return {};
+  }
+  std::string value = text.substr(at + key.size(), text.find('\n', at + 1) - at - key.size());
+  value.erase(std::remove(value.begin(), value.end(), '"'), value.end());
+  return value;
+}
+
 // The column of a field, -1 where the stage has none of that name.
 inline int column(Bench* bench, int stage, const std::string& name) {
   bs_field_info info{};

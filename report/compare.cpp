@@ -121,6 +121,20 @@ std::optional<Found> walk(const RecordView& a, const RecordView& b, StageCount& 
   return first;
 }
 
+std::optional<Found> compare_type(const Trace& reference, const Trace& other, RecordType type,
+                                  StageCount& count) {
+  const RecordView a = view_of(reference, type);
+  const RecordView b = view_of(other, type);
+  const std::size_t values = a.records * a.fields.size();
+  if (a.records == b.records &&
+      (values == 0 || std::memcmp(a.values, b.values, values * sizeof(std::int64_t)) == 0)) {
+    count.records += a.records;
+    count.values += values;
+    return std::nullopt;
+  }
+  return walk(a, b, count);
+}
+
 Divergence make_divergence(const Found& found, const Trace& a, const Trace& b, const Comparison& pair) {
   Divergence d;
   d.kind = found.kind;
@@ -300,19 +314,9 @@ void compare_traces(const Trace& reference, const Trace& other,
                     const std::array<std::uint64_t, record_types>& non_trivial, Comparison& into) {
   std::optional<Found> first;
   for (int t = 0; t < record_types; ++t) {
-    const auto type = static_cast<RecordType>(t);
-    const RecordView a = view_of(reference, type);
-    const RecordView b = view_of(other, type);
     StageCount& count = into.stages[static_cast<std::size_t>(t)];
     count.non_trivial += non_trivial[static_cast<std::size_t>(t)];
-    const std::size_t values = a.records * a.fields.size();
-    if (a.records == b.records &&
-        (values == 0 || std::memcmp(a.values, b.values, values * sizeof(std::int64_t)) == 0)) {
-      count.records += a.records;
-      count.values += values;
-      continue;
-    }
-    const auto found = walk(a, b, count);
+    const auto found = compare_type(reference, other, static_cast<RecordType>(t), count);
     if (found && (!first || found->triangle < first->triangle)) {
       first = found;
     }
@@ -320,6 +324,11 @@ void compare_traces(const Trace& reference, const Trace& other,
   if (first && !into.first) {
     into.first = make_divergence(*first, reference, other, into);
   }
+}
+
+void compare_records(const Trace& reference, const Trace& other, RecordType type, Comparison& into) {
+  const auto found = compare_type(reference, other, type, into.stages[static_cast<std::size_t>(type)]);
+  if (found && !into.first) into.first = make_divergence(*found, reference, other, into);
 }
 
 void compare_frames(const Frame& reference, const Frame& other, Comparison& into) {

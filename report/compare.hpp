@@ -27,6 +27,8 @@ struct Divergence {
   int field_number = -1;
   std::int64_t reference = 0, other = 0;  // raw, of value, frame and counter
   std::optional<RecordCopy> reference_record, other_record;
+  std::vector<bool>
+      has_other;  // per field of other_record: the other engine delivered it; empty: all of them
   std::vector<RecordCopy> upstream;  // the records that fed the reference's record
 };
 
@@ -70,6 +72,9 @@ class NonTrivial {
 // record and not a difference in each that follows. Equal vectors cost one memcmp.
 void compare_traces(const Trace& reference, const Trace& other,
                     const std::array<std::uint64_t, record_types>& non_trivial, Comparison& into);
+// Compares the records of one type alone; of the other types the reference's tell what fed a record that
+// differs. Non-trivial values are the caller's to count.
+void compare_records(const Trace& reference, const Trace& other, RecordType type, Comparison& into);
 // Pictures and counters at the end of a scene. NaN equals NaN in u and v.
 void compare_frames(const Frame& reference, const Frame& other, Comparison& into);
 void compare_counters(const Counters& reference, const Counters& other, Comparison& into);

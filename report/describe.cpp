@@ -156,8 +156,9 @@ std::string describe(const Divergence& d, const Config& config, const RunLabel& 
                    : fmt::format("{} ({:.10g})", hex_of(raw, all[i], config), decode(raw, all[i], config));
       };
       const std::string_view unit = unit_of(all[i], config);
-      out += fmt::format("  {} {:<12} {} | {}{}{}\n", a == b ? ' ' : '*', all[i].name, text(a), text(b),
-                         unit.empty() ? "" : "  ", unit);
+      const bool has_b = d.has_other.empty() || d.has_other[i];
+      out += fmt::format("  {} {:<12} {} | {}{}{}\n", a == b ? ' ' : '*', all[i].name, text(a),
+                         has_b ? text(b) : "-", unit.empty() ? "" : "  ", unit);
     }
   } else if (d.reference_record || d.other_record) {
     const RecordCopy& only = d.reference_record ? *d.reference_record : *d.other_record;

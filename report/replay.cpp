@@ -3,13 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <charconv>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "report/scene_json.hpp"
 #include "scene/tri_stream.hpp"
 
 namespace bitspan {
@@ -17,117 +15,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string to_hex(const std::vector<std::uint8_t>& bytes) {
-  constexpr std::string_view digits = "0123456789abcdef";
-  std::string out;
-  out.reserve(bytes.size() * 2);
-  for (const std::uint8_t byte : bytes) {
-    out += digits[byte >> 4];
-    out += digits[byte & 15];
-  }
-  return out;
-}
-
-std::vector<std::uint8_t> from_hex(const std::string& text) {
-  std::vector<std::uint8_t> out(text.size() / 2);
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const char* at = text.data() + 2 * i;
-    if (std::from_chars(at, at + 2, out[i], 16).ptr != at + 2) {
-      throw InputError("texture: rgba is not hexadecimal");
-    }
-  }
-  return out;
-}
-
-Texture texture_of(const Json& json) {
-  Texture texture;
-  json.at("name").get_to(texture.name);
-  json.at("width").get_to(texture.width);
-  json.at("height").get_to(texture.height);
-  texture.rgba = from_hex(json.at("rgba").get<std::string>());
-  if (texture.width < 1 || texture.height < 1 ||
-      texture.rgba.size() !=
-          4 * static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height)) {
-    throw InputError("texture: width, height and rgba do not agree");
-  }
-  return texture;
-}
-
-Json triangle_json(const Triangle& triangle) {
-  Json v = Json::array();
-  Json c = Json::array();
-  for (const Vertex& vertex : triangle.v) {
-    v.push_back({vertex.x, vertex.y, vertex.s, vertex.u, vertex.v});
-    c.push_back(vertex.c);
-  }
-  Json out;
-  out["v"] = std::move(v);
-  out["c"] = std::move(c);
-  if (triangle.texture >= 0) {
-    out["tex"] = triangle.texture;
-  }
-  return out;
-}
-
-Triangle triangle_of(const Json& json) {
-  Triangle triangle;
-  const auto v = json.at("v").get<std::array<std::array<double, 5>, 3>>();
-  const auto c = json.at("c").get<std::array<std::array<double, 4>, 3>>();
-  for (std::size_t i = 0; i < 3; ++i) {
-    triangle.v[i] = {v[i][0], v[i][1], v[i][2], v[i][3], v[i][4], c[i]};
-  }
-  triangle.texture = json.value("tex", -1);
-  return triangle;
-}
-
-Scene scene_of(const Json& json) {
-  Scene scene;
-  json.at("width").get_to(scene.width);
-  json.at("height").get_to(scene.height);
-  json.at("s_min").get_to(scene.s_min);
-  json.at("s_max").get_to(scene.s_max);
-  json.at("focal").get_to(scene.focal);
-  json.at("background").get_to(scene.background);
-  if (json.contains("fog")) {
-    Fog fog;
-    json.at("fog").at("color").get_to(fog.color);
-    json.at("fog").at("distance").get_to(fog.distance);
-    scene.fog = fog;
-  }
-  for (const Json& texture : json.at("textures")) {
-    scene.textures.push_back(texture_of(texture));
-  }
-  for (const Json& triangle : json.at("triangles")) {
-    scene.triangles.push_back(triangle_of(triangle));
-  }
-  return scene;
-}
-
 }  // namespace
 
 std::string replay_json(const Replay& replay) {
-  const Scene& s = replay.scene;
-  Json scene{{"width", s.width}, {"height", s.height}, {"s_min", s.s_min},
-             {"s_max", s.s_max}, {"focal", s.focal},   {"background", s.background}};
-  if (s.fog) {
-    scene["fog"] = {{"color", s.fog->color}, {"distance", s.fog->distance}};
-  }
-  scene["textures"] = Json::array();
-  for (const Texture& t : s.textures) {
-    scene["textures"].push_back(
-        {{"name", t.name}, {"width", t.width}, {"height", t.height}, {"rgba", to_hex(t.rgba)}});
-  }
-  scene["triangles"] = Json::array();
-  for (const Triangle& triangle : s.triangles) {
-    scene["triangles"].push_back(triangle_json(triangle));
-  }
   Json json;
   json["bitspan_replay"] = 1;
   json["found"] = replay.found;
   json["engines"] = replay.engines;
   json["stall_seed"] = replay.stall_seed;
   if (!replay.rtl.empty()) json["rtl"] = replay.rtl;
-  json["scene"] = std::move(scene);
+  json["scene"] = scene_json(replay.scene);
   json["config_name"] = replay.config.name;
   json["config"] = to_toml(replay.config);
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

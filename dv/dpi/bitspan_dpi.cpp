@@ -54,6 +54,18 @@ int bitspan_column_of(void* model, int stage, const char* fields, int i) {
   return dv::column_of(bench_of(model), stage, fields, i);
 }
 
+int bitspan_word(void* model, int stage, int column) { return dv::word(bench_of(model), stage, column); }
+
+int bitspan_is_signed(void* model, int stage, int column) {
+  return dv::is_signed(bench_of(model), stage, column);
+}
+
+const char* bitspan_setting(void* model, const char* key) {
+  static std::string text;
+  text = dv::setting(bench_of(model), key);
+  return text.c_str();
+}
+
 int bitspan_columns(void* model, int stage) { return dv::columns(bench_of(model), stage); }
 
 long long bitspan_records(void* model, int stage) { return dv::record_count(bench_of(model), stage); }

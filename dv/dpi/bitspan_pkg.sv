@@ -43,6 +43,11 @@ package bitspan_pkg;
   // The column of a field, and of the i-th name in a list with spaces. -1: no such field; -2: behind the last name.
   import "DPI-C" function int bitspan_column(input chandle model, input int stage, input string field);
   import "DPI-C" function int bitspan_column_of(input chandle model, input int stage, input string fields, input int i);
+  // Bits of a field's register, 0 for an index, a count or a flag; and whether it is signed. -1 after a failure.
+  import "DPI-C" function int bitspan_word(input chandle model, input int stage, input int column);
+  import "DPI-C" function int bitspan_is_signed(input chandle model, input int stage, input int column);
+  // The value of a key of the configuration, such as "perspective.mode"; "" where it has none of that name.
+  import "DPI-C" function string bitspan_setting(input chandle model, input string key);
   // Copies record i of the stage, as stimulus.
   import "DPI-C" function int bitspan_fetch(input chandle model, input int stage, input longint i,
                                             output longint record[]);

@@ -13,6 +13,9 @@
 //   $bs_records(model, stage)                         64 bits; -1 after a failure
 //   $bs_column(model, stage, field)                   -1: no such field
 //   $bs_column_of(model, stage, fields, i)            -1: no such field; -2: behind the last name
+//   $bs_word(model, stage, column)                    bits of the register; 0 for an index, a count or a
+//   flag; -1: no such $bs_is_signed(model, stage, column)               0 or 1; -1: no such
+//   $bs_setting(model, key)                           a text: the value of a key, such as "perspective.mode"
 //   $bs_fetch(model, stage, i, record)                status; fills the record
 //   $bs_expect(model, stage, record, present)         status; 1 where a value differs
 //   $bs_matched, $bs_nontrivial, $bs_unchecked, $bs_different (model, stage)   64 bits
@@ -292,6 +295,20 @@ void column_of(Arguments& a) {
   give(a.whole() ? dv::column_of(bench, stage, fields, i) : -1);
 }
 
+template <auto Ask>
+void about_column(Arguments& a) {
+  dv::Bench* bench = a.model();
+  const int stage = a.stage();
+  const auto column = static_cast<int>(a.integer());
+  give(a.whole() ? Ask(bench, stage, column) : -1);
+}
+
+void setting(Arguments& a) {
+  dv::Bench* bench = a.model();
+  const std::string key = a.string();
+  give(a.whole() ? dv::setting(bench, key) : "");
+}
+
 void fetch(Arguments& a) {
   dv::Bench* bench = a.model();
   const int stage = a.stage();
@@ -346,6 +363,9 @@ constexpr Function functions[] = {
     {"$bs_records", "model, stage", 64, about_stage<dv::record_count>},
     {"$bs_column", "model, stage, field", 32, column},
     {"$bs_column_of", "model, stage, fields, i", 32, column_of},
+    {"$bs_word", "model, stage, column", 32, about_column<dv::word>},
+    {"$bs_is_signed", "model, stage, column", 32, about_column<dv::is_signed>},
+    {"$bs_setting", "model, key", 8 * text_bytes, setting},
     {"$bs_fetch", "model, stage, i, record", 32, fetch},
     {"$bs_expect", "model, stage, record, present", 32, expect},
     {"$bs_matched", "model, stage", 64, count<&dv::Counts::matched>},

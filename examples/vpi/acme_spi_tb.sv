@@ -2,7 +2,7 @@
 // examples/dpi under Icarus, through VPI: two configurations of acme_spi in one simulation. Each takes the rows of a
 // scene from its model, with random gaps and stalls; a checker compares every pixel. docs/dv.md has the commands.
 //
-// Icarus simulates some 75 clocks of both designs per second, so the picture is small.
+// Icarus simulates some 100 clocks of both designs per second, so the picture is small.
 //
 //   +scene=FILE +width=N +height=N +settings=KEY=VALUE +flip (a bug in the design) +rows=N (no more rows)
 module acme_spi_driver #(

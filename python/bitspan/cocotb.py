@@ -22,6 +22,7 @@ import cocotb
 import numpy as np
 from cocotb.handle import ModifiableObject, NonHierarchyIndexableObject
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
+from numpy.typing import NDArray
 
 from ._compare import Divergence
 from ._config import Config
@@ -29,6 +30,9 @@ from ._core import InputError
 from ._map import DERIVED, Lane, Map, Side, read_map
 from ._model import Model
 from ._scene import Scene, scene_of
+
+#: What random rows are of.
+RANDOM_STAGES = ("edge_walk", "span_setup")
 
 __all__ = ["Map", "SpanModel", "random_config", "read_map"]
 
@@ -196,12 +200,19 @@ class SpanModel:
 
     async def scene(self, scene: Scene | str | os.PathLike[str] = "demo", width: int = 0, height: int = 0,
                     rows: int | None = None) -> None:
-        """Feeds the rows of a scene, or its first `rows`."""
+        """Feeds the rows of a scene, or the first ones alone, where `rows` says how many."""
+        if rows is not None and (self.map.output.stage != "span" or self.map.input.stage not in RANDOM_STAGES):
+            raise InputError(f"SpanModel.scene: rows: {rows}; expected a map from {' or '.join(RANDOM_STAGES)} to span")
         drawn = scene_of(scene, width, height)
         self.model.begin(drawn)
         self.model.draw(drawn)
-        records = self.model.table(self.map.input.stage).copy()
-        await self._run(records if rows is None else records[:rows])
+        records = self.model.table(self.map.input.stage)[:rows].copy()
+        pixels = None
+        if rows is not None:
+            names = self.model.names(self.map.input.stage)
+            pixels = int(records[:, names.index("count")].sum() if "count" in names else
+                         (records[:, names.index("x_last")] - records[:, names.index("x_first")] + 1).sum())
+        await self._run(records, pixels)
 
     async def random(self, rows: int = 100, width: int = 64, height: int = 48,
                      constrain: Callable[[random.Random, dict[str, int]], None] | None = None) -> None:
@@ -215,6 +226,8 @@ class SpanModel:
             if constrain is not None:
                 raise InputError("SpanModel.random: constrain; expected none in const_depth_rows, whose rows belong to triangles")
             return await self.scene(random_triangles(self.rng, max(1, rows // 8), width, height))
+        if stage not in RANDOM_STAGES:
+            raise InputError(f"SpanModel.random: the map feeds {stage}; expected {' or '.join(RANDOM_STAGES)}")
         self.model.begin(Scene.from_vertices(np.zeros((0, 3, 3)), width, height))
         for _ in range(rows):
             row = random_row(self.rng, self.config, stage, width, height)
@@ -262,10 +275,10 @@ class SpanModel:
         if kind is None:
             self.finish()
 
-    async def _run(self, rows: np.ndarray) -> None:
+    async def _run(self, rows: NDArray[np.int64], records: int | None = None) -> None:
         stage = self.map.output.stage
-        # Copies: a view would keep the model from drawing.
-        expected = self.model.table(stage).copy()
+        # A copy: a view would keep the model from drawing. More than `records` must not come.
+        expected = self.model.table(stage)[:records].copy()
         offers = self._offers(rows)
         clock, half, rng, valid, ready = self._clock, self._half, self.rng, self._out_valid, self._out_ready
         no_row, no_take = self.stalls
@@ -318,7 +331,7 @@ class SpanModel:
         if self.first is not None:
             self.finish()  # which raises
 
-    def _offers(self, rows: np.ndarray) -> list[list[int]]:
+    def _offers(self, rows: NDArray[np.int64]) -> list[list[int]]:
         """What the input ports have, per row."""
         stage = self.map.input.stage
         constants = {name: int(v) for record in self.model.table("constants") for name, v in
@@ -334,7 +347,7 @@ class SpanModel:
             out.append([port.pack(lambda lane: of[lane.stage][lane.field]) for port in self._inputs])
         return out
 
-    def _check(self, expected: np.ndarray, i: int) -> bool:
+    def _check(self, expected: NDArray[np.int64], i: int) -> bool:
         """Checks the next record; fields that no port carries are taken from the model, and not counted."""
         stage = self.map.output.stage
         record = np.zeros((1, len(self.model.names(stage))), np.int64)

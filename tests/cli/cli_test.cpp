@@ -41,8 +41,8 @@ class Cli : public Program {
 
 TEST_F(Cli, EveryCommandHasHelpWithAnExample) {
   for (const char* command :
-       {"demo", "verify", "render", "explain", "sim", "fuzz", "replay", "config", "study", "completion",
-        "config show", "config check", "config emit-sv", "config schema"}) {
+       {"demo", "verify", "render", "explain", "sim", "fuzz", "replay", "config", "study", "vectors", "check",
+        "completion", "config show", "config check", "config emit-sv", "config schema"}) {
     const Result r = run(std::string(command) + " --help");
     EXPECT_EQ(r.code, 0) << command;
     EXPECT_NE(r.out.find("Example:\n  bitspan " + std::string(command)), std::string::npos) << r.out;
@@ -53,6 +53,52 @@ TEST_F(Cli, EveryCommandHasHelpWithAnExample) {
   EXPECT_NE(run("--help").out.find("Example:"), std::string::npos);
   EXPECT_NE(run("--help").out.find("Exit: 0 all held; 1 a difference"), std::string::npos);
   EXPECT_TRUE(run("--version").out.starts_with("bitspan 0."));
+}
+
+TEST_F(Cli, VectorsAreWrittenAndChecked) {
+  stream("a.tri");
+  for (const std::string format : {"hex", "json", "npy"}) {
+    const Result made = run("vectors a.tri --stage texture --format " + format + " -o v." + format);
+    EXPECT_EQ(made.code, 0) << made.err;
+    EXPECT_NE(made.out.find("records of texture made from 1 of constants, "), std::string::npos) << made.out;
+    const Result checked = run("check v." + format);
+    EXPECT_EQ(checked.code, 0) << checked.err;
+    EXPECT_NE(checked.out.find("\ntexture: all held\n"), std::string::npos) << checked.out;
+  }
+  EXPECT_EQ(run("vectors a.tri --stage setup.edge --format json").code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder.path("setup.edge.vectors.json")));
+  EXPECT_EQ(run("vectors a.tri --stage depth --format hex").code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder.path("depth.vectors/vectors.vh")));
+
+  // A wrong digit: exit 1, and the field is named.
+  std::string words = folder.read("v.hex/output.texture.hex");
+  words[words.find('\n') - 1] ^= 1;
+  folder.write("answers.hex", words);
+  const Result wrong = run("check v.hex --answers answers.hex");
+  EXPECT_EQ(wrong.code, 1);
+  EXPECT_NE(wrong.out.find("stage texture, field killed: model 0, design 1"), std::string::npos) << wrong.out;
+  EXPECT_NE(wrong.out.find("reproduce      bitspan check v.hex --answers answers.hex\n"), std::string::npos);
+  EXPECT_EQ(run("check v.hex --answers answers.hex --fields x,y").code, 0);
+  folder.write("answers.hex", "");
+  EXPECT_EQ(run("check v.hex --answers answers.hex").code, 1);
+
+  refused("check nowhere", "nowhere");
+  refused("check v.hex --answers v.hex", "v.hex: cannot read");
+  refused("check v.npy --answers v.npy", "v.npy: cannot read");
+  refused("check v.hex --fields x,nothing", "nothing");
+  refused("check v.json --answers answers.hex", "--answers");
+  folder.write("answers.hex", words.substr(0, words.size() / 2 - 3));
+  refused("check v.hex --answers answers.hex", "answers.hex:");
+  refused("vectors a.tri --stage nothing --format hex", "nothing");
+  refused("vectors a.tri --stage span --format xml", "xml");
+  refused("vectors a.tri --stage span", "--format");
+  refused("vectors a.tri --stage span --format hex -o a.tri", "a.tri: cannot write");
+  refused("vectors a.tri --stage span --format json -o none/a.json", "none/a.json: cannot write");
+  refused("vectors none.tri --stage span --format json", "none.tri");
+  const Result none = run("vectors a.tri --stage plane_walk --format json -o none.json");
+  EXPECT_EQ(none.code, 1);
+  EXPECT_NE(none.err.find("makes no record of plane_walk"), std::string::npos) << none.err;
+  EXPECT_FALSE(std::filesystem::exists(folder.path("none.json")));
 }
 
 TEST_F(Cli, BadUsageIsRefused) {

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import unittest
 
-from folder import BUILD, SOURCE, prepare, run
+from folder import BUILD, PREFIX, SOURCE, prepare, run
 
 PYTHON = SOURCE / "build/python/bin/python3"
 PACKAGE = BUILD.parent.parent / "python"
@@ -58,7 +58,12 @@ class Cases(unittest.TestCase):
         for simulator in ("icarus", "verilator"):
             code, out = python("tests/dv/cocotb_run.py", simulator, folder=FOLDER / "cases")
             self.assertEqual(code, 0, out)
-            self.assertIn("TESTS=12 PASS=11 FAIL=0 SKIP=1", out)
+            self.assertIn("TESTS=14 PASS=13 FAIL=0 SKIP=1", out)
+
+    def test_the_shipped_rtl(self):
+        code, out = python("tests/dv/cocotb_rtl.py", PREFIX / "bin/bitspan", folder=FOLDER / "rtl")
+        self.assertEqual(code, 0, out)
+        self.assertRegex(out, r"bitspan: [1-9]\d\d+ values matched, [1-9]\d\d+ non-trivial, 0 records unchecked, 0 records differ")
 
     def test_random_configurations(self):
         seen = set()

@@ -91,10 +91,11 @@ class Rows(unittest.TestCase):
 
     def test_what_is_refused_says_why(self):
         refused = re.findall(r"refused: ([^:]+): (.+)", run(FOLDER, "rows/Vrows_tb")[1])
-        self.assertEqual(len(refused), 20)
+        self.assertEqual(len(refused), 23)
         for text in ("nowhere: no such configuration", "'nothing' is no engine", "name \"rows\"", "stage 99; expected 0 to 11",
                      "merge delivers no row", "record -1 into 64 values", "nothing: span has no such field",
-                     "no field is present", "nowhere.tri: cannot read", "rows: closed; expected an open model"):
+                     "no field is present", "nowhere.tri: cannot read", "perspective.nothing: the configuration has no such key",
+                     "rows: closed; expected an open model"):
             self.assertTrue(any(text in said for _, said in refused), text)
 
 

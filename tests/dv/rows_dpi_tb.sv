@@ -51,6 +51,16 @@ module rows_tb;
     refused("present", bitspan_check(model, StageSpan, pixel, 0));
     refused("begin", bitspan_begin(model, "nowhere.tri", 0, 0));
 
+    refused("word", bitspan_word(model, StageSpan, 16));
+    refused("sign", bitspan_is_signed(model, StageSpan, -1));
+    refused("setting", int'(bitspan_setting(model, "perspective.nothing") == ""));
+    if (bitspan_word(model, StageSpan, bitspan_column(model, StageSpan, "u")) != 25 ||
+        bitspan_is_signed(model, StageSpan, bitspan_column(model, StageSpan, "u")) != 1 ||
+        bitspan_is_signed(model, StageSpan, bitspan_column(model, StageSpan, "h")) != 0 ||
+        bitspan_word(model, StageSpan, 0) != 0 || bitspan_setting(model, "perspective.mode") != "delta_f" ||
+        bitspan_setting(model, "depth.bits") != "16")
+      $fatal(1, "fields and settings");
+
     must(bitspan_begin(model, "demo", 96, 72));
     if (bitspan_records(model, StageSpan) != 0) $fatal(1, "begin has drawn");
     row[bitspan_column(model, StageEdgeWalk, "triangle")] = 0;

@@ -79,6 +79,15 @@ module rows_tb;
     refused($bs_expect(model, "spam", pixel, 1) == 0);
     refused($bs_begin(model, "nowhere.tri", 0, 0) == 0);
 
+    refused($bs_word(model, "span", 16) >= 0);
+    refused($bs_is_signed(model, "span", -1) >= 0);
+    refused($bs_setting(model, "perspective.nothing") != 0);
+    if ($bs_word(model, "span", $bs_column(model, "span", "u")) != 25 ||
+        $bs_is_signed(model, "span", $bs_column(model, "span", "u")) != 1 ||
+        $bs_is_signed(model, "span", $bs_column(model, "span", "h")) != 0 || $bs_word(model, "span", 0) != 0)
+      $fatal(1, "fields");
+    $display("%0s, %0s bits", $bs_setting(model, "perspective.mode"), $bs_setting(model, "depth.bits"));
+
     must($bs_begin(model, "demo", 96, 72));
     if ($bs_records(model, "span") != 0) $fatal(1, "begin has drawn");
     row[$bs_column(model, "edge_walk", "triangle")] = 0;

@@ -88,6 +88,7 @@ class Rows(unittest.TestCase):
         code, out = simulate("rows_tb")
         self.assertEqual(code, 0, out)
         self.assertIn("closed: 176 matched", out)
+        self.assertIn("delta_f, 16 bits", out)
         self.assertIn("176 values matched, 1 non-trivial, 0 records unchecked", out)
 
     def test_nothing_but_trivial_values_fail(self):
@@ -103,7 +104,7 @@ class Rows(unittest.TestCase):
 
     def test_what_is_refused_says_why(self):
         refused = re.findall(r"refused: (.+)", simulate("rows_tb")[1])
-        self.assertEqual(len(refused), 45)
+        self.assertEqual(len(refused), 48)
         for text in ("nowhere: no such configuration", "'nothing' is no engine", "argument 2 is missing", "argument 1 is no text",
                      "argument 1 has x or z", "name \"rows\"", "stage -1; expected 0 to 11", "merge delivers no row",
                      "$bs_row(model, stage, record): argument 4 is one too many", "argument 4 is no integer",

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// A folder's files that appear together, and only when each is complete.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace bitspan {
+
+// Makes files in a folder beside `directory`; commit() gives them their place. Without commit() the
+// destructor removes them. All failures are InputError.
+class AtomicFolder {
+ public:
+  explicit AtomicFolder(const std::string& directory);
+  ~AtomicFolder();
+  AtomicFolder(const AtomicFolder&) = delete;
+  AtomicFolder& operator=(const AtomicFolder&) = delete;
+
+  // Where to write the file `name`.
+  std::string path(std::string_view name);
+  // Puts every file named before into the folder. Files of an existing folder that have other names stay.
+  // There `last` goes first and comes last, so that a folder that has it is one whole set of files.
+  void commit(std::string_view last);
+
+ private:
+  std::string directory_;  // as the caller named it
+  std::filesystem::path target_, temporary_;
+  std::vector<std::string> names_;
+};
+
+}  // namespace bitspan
