@@ -10,12 +10,15 @@ import tomllib
 from dataclasses import dataclass
 from typing import Any
 
-from ._config import Config
+from ._config import Config, Field
 from ._core import InputError
-from ._core import stages as STAGES
 
+#: Records that a design can be fed with, and those that it can deliver.
+STAGES = {"input": ("edge_walk", "plane_walk.row", "span_setup"), "output": ("span_setup", "span")}
 #: What edge_walk's records do not have, but a design is fed with.
 DERIVED = {("edge_walk", "count")}
+#: Fields of a row's triangle that a design of const_depth_rows is fed with.
+OF_TRIANGLE = {("plane_walk", "k"), ("plane_walk", "major")}
 
 
 @dataclass(frozen=True)
@@ -23,13 +26,14 @@ class Lane:
     """A field in a port: `width` bits from `shift` on of the port, or of an element of an array; None: all of them."""
 
     port: str
-    element: int | None  #: of an unpacked array
+    element: int | None  #: of an unpacked array, from its lowest index
     stage: str
     field: str
     signed: bool
     shift: int
     width: int | None
     word: int  #: of the field; 0 for an index, a count or a flag
+    exact: bool  #: whether the lanes fill the port
 
 
 @dataclass(frozen=True)
@@ -140,8 +144,8 @@ def _side(r: _Reader, name: str, config: Config) -> Side:
     table = r.get(r.values, name, dict, "a table")
     r.keys(table, f"{name}.", ("stage", "valid", "ready", "ports"))
     stage = r.get(table, f"{name}.stage", str, "a stage")
-    if stage not in STAGES:
-        raise r.fault(f"{name}.stage", f"'{stage}' is no stage", f"one of {', '.join(STAGES)}")
+    if stage not in STAGES[name]:
+        raise r.fault(f"{name}.stage", f"'{stage}' is no stage for it", f"one of {', '.join(STAGES[name])}")
     ports = r.get(table, f"{name}.ports", dict, "a table of ports")
     if not ports:
         raise r.fault(f"{name}.ports", "is empty", "one port at least")
@@ -189,19 +193,32 @@ def _lanes(r: _Reader, config: Config, side: str, stage: str, port: str, value: 
         of = of or stage
         if side == "output" and of != stage:
             raise r.fault(key, f"'{name}' is of another stage", f"a field of {stage}")
-        if of not in (stage, "constants"):
-            raise r.fault(key, f"'{name}' is of another stage", f"a field of {stage} or of constants")
+        if of not in (stage, "constants") and (stage == "edge_walk" or (of, field) not in OF_TRIANGLE):
+            raise r.fault(key, f"'{name}' is of another stage", f"a field of {stage} or of constants"
+                          + ("" if stage == "edge_walk" else ", plane_walk.k or plane_walk.major"))
         found = [f for f in config.fields(of) if f.name == field]
         if not found and not (side == "input" and (of, field) in DERIVED):
             raise r.fault(key, f"{of} has no field '{field}'", "one of " + ", ".join(f.name for f in config.fields(of)))
-        word = found[0].word if found else 0
-        if packed and not (width or word):
+        about = found[0] if found else Field(field, 0, 0, False, "")
+        bits = width or (_bits(about, config) if packed else None)
+        if bits == 0:
             raise r.fault(key, f"'{field}' has no word of its own", "a width")
-        bits = width or (word if packed else None)
-        if bits is not None and bits < word:
-            raise r.fault(key, f"width {bits}", f"at least the {word} bits of {of}.{field}")
-        # Exponents are indices that may be negative.
-        signed = found[0].signed or field.endswith("recip_e") if found else False
-        out.append(Lane(port, i if array else None, of, field, signed, shift if packed else 0, bits, word))
+        if bits is not None and bits < about.word:
+            raise r.fault(key, f"width {bits}", f"at least the {about.word} bits of {of}.{field}")
+        # Exponents, and rows of const_depth_rows, are indices that may be negative.
+        signed = about.signed or field.endswith("recip_e") or field == "row"
+        out.append(Lane(port, i if array else None, of, field, signed, shift if packed else 0, bits, about.word, bits is not None))
         shift += bits or 0
     return out[::-1]
+
+
+def _bits(field: Field, config: Config) -> int:
+    """The bits of a field in the RTL (docs/rtl.md, "Ports"); 0 for an index of dda edges, whose bits follow from several formats."""
+    fixed = {"covered": 1, "last": 1, "major": 1, "l_edge": 2, "r_edge": 2, "triangle": 32, "recip_e": 8, "l_recip_e": 8, "r_recip_e": 8}
+    if field.word or field.name in fixed:
+        return field.word or fixed[field.name]
+    raster = tomllib.loads(config.text)["raster"]
+    if raster["edge_walk"] != "exact":
+        return 0
+    index = int(min(max(raster["coordinate_bits"], 2), 31))
+    return index + 2 if field.name == "row" else index

@@ -3,22 +3,25 @@
 
     @cocotb.test()
     async def test(dut):
-        bench = bitspan.cocotb.SpanModel(dut, map="acme.toml")
-        await bench.reset()
-        await bench.scene("demo", width=64, height=48)
-        await bench.random(rows=200)
-        bench.finish()
+        async with bitspan.cocotb.SpanModel(dut, map="acme.toml") as bench:
+            await bench.scene("demo", width=64, height=48)
+            await bench.random(rows=200)
 """
 
 from __future__ import annotations
 
 import os
+import pathlib
 import random
+import sys
+import tomllib
+from types import TracebackType
 from typing import Any, Callable, Iterable, Mapping
 
 import cocotb
 import numpy as np
-from cocotb.triggers import Timer
+from cocotb.handle import ModifiableObject, NonHierarchyIndexableObject
+from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 from numpy.typing import NDArray
 
 from ._compare import Divergence
@@ -64,9 +67,19 @@ class _Port:
                 raise InputError(f"{name}: has {self.bits} bits; expected {lane.shift + max(width, lane.word)} at least, for "
                                  f"{lane.stage}.{lane.field}")
             self.lanes.append((lane, lane.shift, (1 << width) - 1, 1 << (width - 1) if lane.signed else 0))
+        used = sum(lane.width or self.bits for lane in lanes)
+        if lanes[0].exact and used != self.bits:
+            raise InputError(f"{name}: has {self.bits} bits; expected {used}, those of " + ", ".join(lane.field for lane in lanes))
 
     def pack(self, value: Callable[[Lane], int]) -> int:
-        return sum((value(lane) & mask) << shift for lane, shift, mask, _ in self.lanes)
+        out = 0
+        for lane, shift, mask, sign in self.lanes:
+            given = value(lane)
+            # An index may have less bits than it needs.
+            if lane.word == 0 and not -sign <= given <= mask - sign:
+                raise InputError(f"{self.name}: {lane.field} is {given}; expected a value of {mask.bit_length()} bits")
+            out |= (given & mask) << shift
+        return out
 
     def read(self) -> int:
         text = self.handle.value.binstr
@@ -76,19 +89,25 @@ class _Port:
             raise AssertionError(f"{self.name}: {text}; expected no x and no z where a record is delivered") from None
 
 
+def _is_array(handle: Any) -> bool:
+    """Whether it is an unpacked array."""
+    return isinstance(handle, NonHierarchyIndexableObject) and not isinstance(handle, ModifiableObject)
+
+
 class SpanModel:
     """Drives a design with rows, takes the records that it delivers with random stalls, and checks each with the model.
 
     dut     the design, as cocotb gives it
-    map     a map file
+    map     a map file; a relative path is looked up in the working folder, then beside the caller's file
     config  replaces the configuration of the map
     engine  of the model
     seed    of the stalls and the random rows; cocotb's by default. It is printed.
     stalls  probabilities of a clock without a row offered, and of one without a record taken
-    period  of the clock [steps of the simulator's precision], which this class drives
+    period  of the clock [steps of the simulator's precision], which this class drives while one of its methods is awaited;
+            None: the bench drives clock and reset
 
-    The clock runs while one of the methods is awaited. Inputs change at its falling edge, and outputs are sampled in front
-    of its rising edge.
+    Inputs change at the clock's falling edge, and outputs are sampled in front of its rising edge. In `async with`, the design
+    is reset at the beginning, and finish() comes at the end.
     """
 
     #: The clocks that the simulation goes on for after the first difference, so that a waveform has it.
@@ -97,9 +116,12 @@ class SpanModel:
     quiet = 500
 
     def __init__(self, dut: Any, map: str | os.PathLike[str], config: Config | str | os.PathLike[str] | None = None,
-                 engine: str = "model", seed: int | None = None, stalls: tuple[float, float] = (0.25, 0.25), period: int = 10):
+                 engine: str = "model", seed: int | None = None, stalls: tuple[float, float] = (0.25, 0.25), period: int | None = 10):
         self.dut = dut
-        self.map = read_map(map, config)
+        path = pathlib.Path(map)
+        if not path.exists():
+            path = pathlib.Path(sys._getframe(1).f_globals.get("__file__", "")).parent / path
+        self.map = read_map(path, config)
         self.config = self.map.config
         self.model = Model(self.config, engine)
         self.seed = cocotb.RANDOM_SEED if seed is None else int(seed)
@@ -111,7 +133,7 @@ class SpanModel:
         self.matched = 0  #: values that were equal, of the fields that the design has
         self.nontrivial = 0  #: those of them that are neither 0 nor the field's value in the record before
         self.unchecked = 0  #: records that the design did not deliver
-        self._half = Timer(max(1, period // 2), "step")
+        self._half = None if period is None else Timer(max(1, period // 2), "step")
         if self.map.top != dut._name:
             raise InputError(f"{self.map.path}: top: '{self.map.top}'; expected {dut._name}, the design")
         self._clock = self._handle(self.map.clock)
@@ -125,7 +147,9 @@ class SpanModel:
         stage = self.map.output.stage
         self._columns = [self.model.names(stage).index(lane.field) for port in self._outputs for lane, *_ in port.lanes]
         self._absent = [c for c in range(len(self.model.names(stage))) if c not in self._columns]
-        dut._log.info("bitspan: seed %d, %s", self.seed, self.config)
+        names = self.model.names(stage)
+        dut._log.info("bitspan: seed %d, %s%s", self.seed, self.config,
+                      "; no port has " + ", ".join(names[c] for c in self._absent) if self._absent else "")
 
     def _handle(self, name: str) -> Any:
         try:
@@ -140,23 +164,31 @@ class SpanModel:
         out = []
         for (name, element), lanes in by_handle.items():
             handle = self._handle(name)
+            elements = sum(port == name for port, _ in by_handle)
+            if (element is not None) != _is_array(handle):
+                raise InputError(f"{name}: is {'an' if element is None else 'no'} array; expected "
+                                 + ("a list of fields in the map" if element is None else "an array of the fields in the map"))
             if element is not None:
-                try:
-                    handle = handle[element]
-                except (IndexError, TypeError):
-                    raise InputError(f"{name}: has no element {element}; expected an array of "
-                                     f"{1 + max(e or 0 for p, e in by_handle if p == name)}") from None
-                name = f"{name}[{element}]"
+                low, high = sorted(handle._range)
+                if high - low + 1 != elements:
+                    raise InputError(f"{name}: has {high - low + 1} elements; expected {elements}, one per field")
+                handle = handle[low + element]
+                name = f"{name}[{low + element}]"
             out.append(_Port(handle, name, lanes))
         return out
 
     async def reset(self, clocks: int = 4) -> None:
-        """Resets the design."""
+        """Resets the design. Where the bench drives clock and reset, it waits until the reset is over."""
         self._in_valid.value = 0
         for port in self._inputs:
             port.handle.value = 0
         if self._out_ready is not None:
             self._out_ready.value = 0
+        if self._half is None:
+            await FallingEdge(self._clock)
+            while self._reset is not None and self._reset.value.binstr != str(1 - self.map.reset_level):
+                await FallingEdge(self._clock)
+            return
         for active in (1, 0):
             if self._reset is not None:
                 self._reset.value = self.map.reset_level if active else 1 - self.map.reset_level
@@ -187,8 +219,13 @@ class SpanModel:
         """Feeds random rows: every register has any value of its format, or one of the ends of the format.
 
         constrain(rng, row) may change the fields of a row before it is drawn. The pixels must be inside a picture of width x height.
+        In const_depth_rows a row belongs to a triangle: the rows are those of rows / 8 random triangles, and cannot be constrained.
         """
         stage = self.map.input.stage
+        if tomllib.loads(self.config.text)["perspective"]["mode"] == "const_depth_rows":
+            if constrain is not None:
+                raise InputError("SpanModel.random: constrain; expected none in const_depth_rows, whose rows belong to triangles")
+            return await self.scene(random_triangles(self.rng, max(1, rows // 8), width, height))
         if stage not in RANDOM_STAGES:
             raise InputError(f"SpanModel.random: the map feeds {stage}; expected {' or '.join(RANDOM_STAGES)}")
         self.model.begin(Scene.from_vertices(np.zeros((0, 3, 3)), width, height))
@@ -230,30 +267,40 @@ class SpanModel:
         return (f"{place}{d.field}: got {got} ({d.actual_value:.9g} {d.unit}), expected {expected} "
                 f"({d.expected_value:.9g} {d.unit})")
 
+    async def __aenter__(self) -> SpanModel:
+        await self.reset()
+        return self
+
+    async def __aexit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if kind is None:
+            self.finish()
+
     async def _run(self, rows: NDArray[np.int64], records: int | None = None) -> None:
         stage = self.map.output.stage
         # A copy: a view would keep the model from drawing. More than `records` must not come.
         expected = self.model.table(stage)[:records].copy()
-        if self.first is not None:
-            return  # the run is red; finish() says so
         offers = self._offers(rows)
         clock, half, rng, valid, ready = self._clock, self._half, self.rng, self._out_valid, self._out_ready
         no_row, no_take = self.stalls
         next_row = delivered = quiet = 0
         offered = False
         clocks_left: int | None = None
+        # Values are set at once: what cocotb schedules costs two thirds more time.
         while quiet < self.quiet and clocks_left != 0:
-            clock.value = 0
+            if half is None:
+                await FallingEdge(clock)
+            else:
+                clock.setimmediatevalue(0)
             if not offered and next_row < len(offers) and rng.random() >= no_row:
                 for port, value in zip(self._inputs, offers[next_row]):
-                    port.handle.value = value
+                    port.handle.setimmediatevalue(value)
                 offered = True
-            self._in_valid.value = int(offered)
+            self._in_valid.setimmediatevalue(int(offered))
             takes = ready is None or rng.random() >= no_take
             if ready is not None:
-                ready.value = int(takes)
-            await half
-            # The clock rises here: these are the values that its edge sees.
+                ready.setimmediatevalue(int(takes))
+            await (ReadOnly() if half is None else half)
+            # The clock rises behind this: these are the values that its edge sees.
             quiet += 1
             if offered and (self._in_ready is None or self._in_ready.value.binstr == "1"):
                 offered = False
@@ -271,24 +318,34 @@ class SpanModel:
             if clocks_left is not None:
                 clocks_left -= 1
             self.clocks += 1
-            clock.value = 1
-            await half
-        self._in_valid.value = 0
+            if half is None:
+                await RisingEdge(clock)
+            else:
+                clock.setimmediatevalue(1)
+                await half
+        if half is None:
+            await FallingEdge(clock)
+        self._in_valid.setimmediatevalue(0)
+        if ready is not None:
+            ready.setimmediatevalue(0)
         self.unchecked += max(0, len(expected) - delivered)
+        if self.first is not None:
+            self.finish()  # which raises
 
     def _offers(self, rows: NDArray[np.int64]) -> list[list[int]]:
         """What the input ports have, per row."""
         stage = self.map.input.stage
         constants = {name: int(v) for record in self.model.table("constants") for name, v in
                      zip(self.model.names("constants"), record)}
+        triangles = {record[0]: dict(zip(self.model.names("plane_walk"), record)) for record in self.model.table("plane_walk").tolist()}
         names = self.model.names(stage)
         out = []
-        for row in rows:
-            values = dict(zip(names, (int(v) for v in row)))
+        for row in rows.tolist():
+            values = dict(zip(names, row))
             if (stage, "count") in DERIVED:
                 values["count"] = values["x_last"] - values["x_first"] + 1
-            out.append([port.pack(lambda lane: (constants if lane.stage == "constants" != stage else values)[lane.field])
-                        for port in self._inputs])
+            of = {stage: values, "constants": constants, "plane_walk": triangles.get(values["triangle"], {})}
+            out.append([port.pack(lambda lane: of[lane.stage][lane.field]) for port in self._inputs])
         return out
 
     def _check(self, expected: NDArray[np.int64], i: int) -> bool:
@@ -320,6 +377,15 @@ class SpanModel:
         if self.first is None:
             self.first = divergence
         return False
+
+
+def random_triangles(rng: random.Random, count: int, width: int, height: int) -> Scene:
+    """A scene of random triangles around the picture."""
+    def corner() -> list[float]:
+        return [rng.uniform(-0.2 * width, 1.2 * width), rng.uniform(-0.2 * height, 1.2 * height), rng.uniform(1, 100),
+                rng.uniform(-500, 500), rng.uniform(-500, 500), rng.random(), rng.random(), rng.random(), rng.random()]
+
+    return Scene.from_vertices([[corner() for _ in range(3)] for _ in range(count)], width, height, name="random triangles")
 
 
 def random_row(rng: random.Random, config: Config, stage: str, width: int, height: int) -> dict[str, int]:

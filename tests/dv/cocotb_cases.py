@@ -10,6 +10,8 @@ import tempfile
 import bitspan
 import bitspan.cocotb
 import cocotb
+from cocotb.clock import Clock
+from cocotb.triggers import FallingEdge
 
 MAP = pathlib.Path(os.environ["EXAMPLE"]) / "acme_walk.toml"
 TEXT = MAP.read_text()
@@ -107,20 +109,60 @@ async def a_record_too_many(dut):
     bench.model.begin(bitspan.Scene("demo", 64, 48))
     for row in rows[:-1]:
         bench.model.row("span_setup", row)
-    await bench._run(rows)
     with Says(AssertionError, r"span: record \d+, .*the model has no such record"):
-        bench.finish()
+        await bench._run(rows)
 
 
 @cocotb.test()
 async def another_configuration(dut):
     config = bitspan.Config("depth16").with_({"formats.span.h.word": 33})
     bench = await bench_of(dut, config=config)
-    await bench.scene("demo", 16, 12)
-    with Says(AssertionError, r"span: record \d+, triangle 0, pixel \d+ 5: h: got 0x\w+ .*, expected 0x\w+ .*seed \d+"):
+    difference = r"span: record \d+, triangle 0, pixel \d+ 5: h: got 0x\w+ .*, expected 0x\w+ .*seed \d+"
+    with Says(AssertionError, difference):
+        await bench.scene("demo", 16, 12)
+    # A bench that goes on stays red.
+    with Says(AssertionError, difference):
         bench.finish()
     # The first difference, and the clocks behind it.
     assert bench.clocks_after_mismatch <= bench.clocks < 150
+
+
+@cocotb.test()
+async def the_end_of_the_block_checks(dut):
+    with Says(AssertionError, "not verified: 0 values matched"):
+        async with bitspan.cocotb.SpanModel(dut, map=MAP):
+            pass
+    with Says(AssertionError, "not verified: [1-9][0-9]* values matched, .* [1-9][0-9]* records unchecked"):
+        async with bitspan.cocotb.SpanModel(dut, map=MAP, stalls=(0.5, 0.5), seed=1) as bench:
+            bench.quiet = 4  # the design stops early, as the bench sees it
+            await bench.scene("demo", 16, 12)
+    with Says(KeyError, "mine"):
+        async with bitspan.cocotb.SpanModel(dut, map=MAP):
+            raise KeyError("mine")
+
+
+@cocotb.test()
+async def the_clock_of_the_bench(dut):
+    own = await bench_of(dut, seed=5)
+    await own.scene("demo", 16, 12)
+    dut.rst_n.value = 0
+    clock = cocotb.start_soon(Clock(dut.clk, 8, "step").start())
+
+    async def release():
+        for _ in range(5):
+            await FallingEdge(dut.clk)
+        dut.rst_n.value = 1
+
+    cocotb.start_soon(release())
+    async with bitspan.cocotb.SpanModel(dut, map=MAP, seed=5, period=None) as theirs:
+        await theirs.scene("demo", 16, 12)
+        await theirs.random(rows=10)
+    clock.kill()
+    own.finish()
+    again = await bench_of(dut, seed=5)
+    await again.scene("demo", 16, 12)
+    await again.random(rows=10)
+    assert (again.matched, again.nontrivial, again.clocks) == (theirs.matched, theirs.nontrivial, theirs.clocks)
 
 
 @cocotb.test()
@@ -150,7 +192,13 @@ async def the_ports_of_the_design(dut):
         ('go_h = "h"', 'go_q = "h"', "'go_q'; expected a port"),
         ('pix_x = "x"', 'pix_x = { field = "x", width = 40 }', "pix_x: has 16 bits; expected 40 at least, for span.x"),
         ('go_h = "h"', 'go_h = "h_step"', "go_h: has 34 bits; expected 38 at least, for span_setup.h_step"),
-        ('go_f = ["fu", "fv"]', 'go_f = ["fu", "fv", "h"]', "go_f: has no element 2; expected an array of 3"),
+        ('go_f = ["fu", "fv"]', 'go_f = ["fu", "fv", "h"]', "go_f: has 2 elements; expected 3, one per field"),
+        ('go_f = ["fu", "fv"]', 'go_f = ["fu"]', "go_f: has 2 elements; expected 1, one per field"),
+        ('go_f = ["fu", "fv"]', 'go_f = "fu"', "go_f: is an array; expected a list of fields in the map"),
+        ('go_h = "h"', 'go_h = ["h"]', "go_h: is no array; expected an array of the fields in the map"),
+        ('pix_x = "x"', 'pix_x = { field = "x", width = 10 }', "pix_x: has 16 bits; expected 10, those of x"),
+        ('pix_c = { fields = ["r", "g", "b", "a"] }', 'pix_c = { fields = ["r", "g", "b"] }', "pix_c: has 52 bits; expected 39, "
+                                                                                             "those of r, g, b"),
     ):
         assert old in TEXT
         with Says(bitspan.InputError, pattern):
@@ -167,12 +215,13 @@ async def maps_that_are_wrong(dut):
         ('clock = "clk"', 'clock = "clk"\nclok = "clk"', r"a.toml:7: clok: is no key of a map; expected one of top, "),
         ('reset = "rst_n"', 'reset = "rst_n"\nreset_active = "never"', r'a.toml:8: reset_active: \'never\'; expected "low" or'),
         ('config = "depth16"', 'config = "depth17"', r"a.toml:4: config: depth17: no such configuration"),
-        ('stage = "span_setup"', 'stage = "spam"', r"a.toml:10: input.stage: 'spam' is no stage; expected one of constants, "),
+        ('stage = "span_setup"', 'stage = "spam"', r"a.toml:10: input.stage: 'spam' is no stage for it; expected one of edge_walk, "),
+        ('stage = "span"\n', 'stage = "depth"\n', r"a.toml:24: output.stage: 'depth' is no stage for it; expected one of span_setup, span"),
+        ('go_n = "count"', 'go_n = "plane_walk.h_x"', r"a.toml:15: .*'plane_walk.h_x' is of another stage; .* plane_walk.k or plane_walk.m"),
         ('go_n = "count"', 'go_n = "number"', r"a.toml:15: input.ports.go_n: span_setup has no field 'number'; expected one of"),
         ('go_n = "count"', 'go_n = "edge_walk.x_last"', r"a.toml:15: input.ports.go_n: 'edge_walk.x_last' is of another stage"),
         ('go_n = "count"', "go_n = 5", r"a.toml:15: input.ports.go_n: 5; expected a field, a list"),
         ('go_n = "count"', "go_n = []", r"a.toml:15: input.ports.go_n: \[\]; expected a field, a list"),
-        ('go_n = "count"', 'go_n = { fields = ["count"] }', r"a.toml:15: .*go_n: 'count' has no word of its own; expected a width"),
         ('pix_h = "h"', 'pix_h = { field = "h", width = 20 }', r"a.toml:30: output.ports.pix_h: width 20; expected at least the 34"),
         ('pix_h = "h"', 'pix_h = { field = "h", width = 99 }', r"a.toml:30: output.ports.pix_h.width: 99; expected a number"),
         ('pix_h = "h"', 'pix_h = { width = 9 }', r"a.toml:30: output.ports.pix_h: has both or none of field and fields"),
@@ -183,6 +232,11 @@ async def maps_that_are_wrong(dut):
         assert old in TEXT, old
         with Says(bitspan.InputError, pattern):
             bitspan.cocotb.read_map(written(TEXT.replace(old, new)))
+    dda = bitspan.Config("depth16").with_({"raster.edge_walk": "dda"})
+    packed = written(TEXT.replace('go_n = "count"', 'go_n = { fields = ["count"] }'))
+    assert bitspan.cocotb.read_map(packed).input.lanes[1].width == 16
+    with Says(bitspan.InputError, r"a.toml:15: .*go_n: 'count' has no word of its own; expected a width"):
+        bitspan.cocotb.read_map(packed, dda)
     with Says(bitspan.InputError, "nowhere.toml: cannot read"):
         bitspan.cocotb.read_map("nowhere.toml")
     with Says(bitspan.InputError, "no legal configuration in 3 tries"):

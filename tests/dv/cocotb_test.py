@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""examples/cocotb on both simulators, right and with a fault; and cocotb_cases. Exit code 77 where cocotb is missing."""
+"""examples/cocotb on both simulators, right and with a fault; cocotb_cases; cocotb_rtl_cases. Exit code 77 where cocotb is missing."""
 
+import os
 import re
+import shutil
 import subprocess
 import sys
 import unittest
@@ -15,7 +17,8 @@ FOLDER = prepare("cocotb")
 
 def python(script, *arguments, folder=FOLDER):
     folder.mkdir(exist_ok=True)
-    return run(folder, PYTHON, "-B", SOURCE / script, *arguments, PYTHONPATH=str(PACKAGE))
+    cache = {"OBJCACHE": "ccache"} if shutil.which("ccache") else {}
+    return run(folder, PYTHON, "-B", SOURCE / script, *arguments, PYTHONPATH=str(PACKAGE), **cache)
 
 
 class Example(unittest.TestCase):
@@ -51,10 +54,11 @@ class Example(unittest.TestCase):
 
 
 class Cases(unittest.TestCase):
-    def test_icarus(self):
-        code, out = python("tests/dv/cocotb_run.py", "icarus", folder=FOLDER / "cases")
-        self.assertEqual(code, 0, out)
-        self.assertIn("TESTS=12 PASS=11 FAIL=0 SKIP=1", out)
+    def test_both_simulators(self):
+        for simulator in ("icarus", "verilator"):
+            code, out = python("tests/dv/cocotb_run.py", simulator, folder=FOLDER / "cases")
+            self.assertEqual(code, 0, out)
+            self.assertIn("TESTS=14 PASS=13 FAIL=0 SKIP=1", out)
 
     def test_the_shipped_rtl(self):
         code, out = python("tests/dv/cocotb_rtl.py", PREFIX / "bin/bitspan", folder=FOLDER / "rtl")
@@ -68,6 +72,13 @@ class Cases(unittest.TestCase):
             self.assertEqual(code, 0, out)
             seen.add(re.search(rf"seed {seed} .*\((\w+)\)>", out)[1])
         self.assertEqual(len(seen), 6)
+
+
+class Rtl(unittest.TestCase):
+    def test_the_rtl_with_rows_of_constant_depth(self):
+        code, out = python("tests/dv/cocotb_rtl_run.py", os.environ["BITSPAN_PROGRAM"], folder=FOLDER / "planes")
+        self.assertEqual(code, 0, out)
+        self.assertIn("TESTS=3 PASS=3 FAIL=0", out)
 
 
 if __name__ == "__main__":
