@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds the RTL of const_depth_rows with Verilator, and runs cocotb_rtl_cases: cocotb_rtl_run.py BITSPAN."""
+"""Builds the RTL of const_depth_rows with Verilator, and runs cocotb_planes_cases: cocotb_planes.py BITSPAN."""
 
 import filecmp
 import os
@@ -13,7 +13,7 @@ from cocotb import runner
 
 config = pathlib.Path("planes.toml").resolve()
 config.write_text(bitspan.Config("depth16").with_({"perspective.mode": "const_depth_rows"}).text)
-os.environ.update(MAP=str(pathlib.Path(__file__).resolve().with_name("cocotb_rtl.toml")), CONFIG=str(config), MAKEFLAGS="-j2")
+os.environ.update(MAP=str(pathlib.Path(__file__).resolve().with_name("cocotb_planes.toml")), CONFIG=str(config), MAKEFLAGS="-j2")
 fresh, rtl = pathlib.Path("fresh"), pathlib.Path("rtl")
 shutil.rmtree(fresh, ignore_errors=True)
 subprocess.run([sys.argv[1], "config", "emit-sv", config, "--part", "interpolator", "--rtl", fresh], check=True)
@@ -25,5 +25,5 @@ for file in fresh.iterdir():
 simulator = runner.get_runner("verilator")
 simulator.build(verilog_sources=[rtl / name for name in (rtl / "bitspan.f").read_text().split()], hdl_toplevel="span_interpolator",
                 build_args=["-fno-const-bit-op-tree", "-Wno-lint", "-CFLAGS", "-O0"], build_dir="verilator")
-tests, failed = runner.get_results(simulator.test(hdl_toplevel="span_interpolator", test_module="cocotb_rtl_cases"))
+tests, failed = runner.get_results(simulator.test(hdl_toplevel="span_interpolator", test_module="cocotb_planes_cases"))
 sys.exit(tests == 0 or failed != 0)

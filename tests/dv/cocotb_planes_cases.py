@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""cocotb_rtl.toml: maps onto the RTL itself in const_depth_rows, with fields of the triangle, and outputs without a ready."""
+"""cocotb_planes.toml: maps onto the RTL itself in const_depth_rows, with fields of the triangle, and outputs without a ready."""
 
 import os
 import pathlib

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""examples/cocotb on both simulators, right and with a fault; cocotb_cases; cocotb_rtl_cases. Exit code 77 where cocotb is missing."""
+"""examples/cocotb on both simulators, right and with a fault; cocotb_cases and cocotb_planes_cases. Exit code 77 where cocotb is missing."""
 
 import os
 import re
@@ -74,9 +74,9 @@ class Cases(unittest.TestCase):
         self.assertEqual(len(seen), 6)
 
 
-class Rtl(unittest.TestCase):
+class Planes(unittest.TestCase):
     def test_the_rtl_with_rows_of_constant_depth(self):
-        code, out = python("tests/dv/cocotb_rtl_run.py", os.environ["BITSPAN_PROGRAM"], folder=FOLDER / "planes")
+        code, out = python("tests/dv/cocotb_planes.py", os.environ["BITSPAN_PROGRAM"], folder=FOLDER / "planes")
         self.assertEqual(code, 0, out)
         self.assertIn("TESTS=3 PASS=3 FAIL=0", out)
 
