@@ -52,7 +52,7 @@ inline bs_status kept(bs_status status) {
 }
 
 inline bs_status usable(const Bench* bench) {
-  if (bench == nullptr) return failed(BS_BAD_HANDLE, "model: null; expected one that bitspan_open returned");
+  if (bench == nullptr) return failed(BS_BAD_HANDLE, "model: none; expected one that was opened");
   if (bench->model == nullptr) return failed(BS_BAD_HANDLE, bench->name + ": closed; expected an open model");
   return BS_OK;
 }
@@ -139,11 +139,6 @@ inline bs_status begin(Bench* bench, const std::string& scene_name, int width, i
   return status;
 }
 
-inline bs_status row(Bench* bench, int stage, const std::vector<std::int64_t>& record) {
-  if (const bs_status status = usable(bench, stage); status != BS_OK) return status;
-  return kept(bs_row(bench->model, stage, record.data(), record.size(), -1));
-}
-
 inline bs_status field(Bench* bench, int stage, int column, bs_field_info& out) {
   if (const bs_status status = usable(bench, stage); status != BS_OK) return status;
   out = {};
@@ -160,6 +155,15 @@ inline int column(Bench* bench, int stage, const std::string& name) {
   return -1;
 }
 
+// The column of the i-th word of `fields`; -1 where it is no field, -2 behind the last word.
+inline int column_of(Bench* bench, int stage, const std::string& fields, int i) {
+  std::size_t at = fields.find_first_not_of(' ');
+  for (; i > 0 && at != std::string::npos; --i)
+    at = fields.find_first_not_of(' ', std::min(fields.find(' ', at), fields.size()));
+  if (at == std::string::npos) return -2;
+  return column(bench, stage, fields.substr(at, std::min(fields.find(' ', at), fields.size()) - at));
+}
+
 inline bs_status records(Bench* bench, int stage, bs_view& out) {
   if (const bs_status status = usable(bench, stage); status != BS_OK) return status;
   out = {};
@@ -167,8 +171,42 @@ inline bs_status records(Bench* bench, int stage, bs_view& out) {
   return kept(bs_records(bench->model, stage, &out));
 }
 
+// Draws a row; what the record has behind the stage's columns is ignored.
+inline bs_status row(Bench* bench, int stage, std::vector<std::int64_t> record) {
+  bs_view view{};
+  if (const bs_status status = records(bench, stage, view); status != BS_OK) return status;
+  record.resize(std::min(record.size(), view.columns));
+  return kept(bs_row(bench->model, stage, record.data(), record.size(), -1));
+}
+
 inline const std::int64_t* record(const bs_view& view, std::uint64_t i) {
   return reinterpret_cast<const std::int64_t*>(static_cast<const char*>(view.base) + i * view.stride);
+}
+
+// Columns and number of the stage's records; -1 after a failure.
+inline int columns(Bench* bench, int stage) {
+  bs_view view{};
+  return records(bench, stage, view) == BS_OK ? static_cast<int>(view.columns) : -1;
+}
+
+inline std::int64_t record_count(Bench* bench, int stage) {
+  bs_view view{};
+  return records(bench, stage, view) == BS_OK ? static_cast<std::int64_t>(view.rows) : -1;
+}
+
+// Record i of the stage, for an array of `room` values.
+inline bs_status fetch(Bench* bench, int stage, std::int64_t i, std::size_t room,
+                       std::vector<std::int64_t>& out) {
+  bs_view view{};
+  if (const bs_status status = records(bench, stage, view); status != BS_OK) return status;
+  if (i < 0 || static_cast<std::uint64_t>(i) >= view.rows || room < view.columns) {
+    return failed(BS_BAD_INPUT, "record " + std::to_string(i) + " into " + std::to_string(room) +
+                                    " values; expected one of " + std::to_string(view.rows) + " into " +
+                                    std::to_string(view.columns) + " at least");
+  }
+  const std::int64_t* values = record(view, static_cast<std::uint64_t>(i));
+  out.assign(values, values + view.columns);
+  return BS_OK;
 }
 
 inline std::string value_text(std::int64_t raw, double value, const bs_field_info& info) {

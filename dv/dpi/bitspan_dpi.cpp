@@ -50,39 +50,20 @@ int bitspan_column(void* model, int stage, const char* field) {
   return dv::column(bench_of(model), stage, field);
 }
 
-// The column of the i-th word of `fields`; -1 where it is no field, -2 behind the last word.
 int bitspan_column_of(void* model, int stage, const char* fields, int i) {
-  const std::string text = fields;
-  std::size_t at = text.find_first_not_of(' ');
-  for (; i > 0 && at != std::string::npos; --i)
-    at = text.find_first_not_of(' ', std::min(text.find(' ', at), text.size()));
-  if (at == std::string::npos) return -2;
-  return dv::column(bench_of(model), stage, text.substr(at, std::min(text.find(' ', at), text.size()) - at));
+  return dv::column_of(bench_of(model), stage, fields, i);
 }
 
-int bitspan_columns(void* model, int stage) {
-  bs_view view{};
-  return dv::records(bench_of(model), stage, view) == BS_OK ? static_cast<int>(view.columns) : -1;
-}
+int bitspan_columns(void* model, int stage) { return dv::columns(bench_of(model), stage); }
 
-long long bitspan_records(void* model, int stage) {
-  bs_view view{};
-  return dv::records(bench_of(model), stage, view) == BS_OK ? static_cast<long long>(view.rows) : -1;
-}
+long long bitspan_records(void* model, int stage) { return dv::record_count(bench_of(model), stage); }
 
 int bitspan_fetch(void* model, int stage, long long i, const svOpenArrayHandle record) {
-  bs_view view{};
-  if (const bs_status status = dv::records(bench_of(model), stage, view); status != BS_OK) return status;
-  if (i < 0 || static_cast<std::uint64_t>(i) >= view.rows ||
-      static_cast<std::size_t>(size_of(record)) < view.columns) {
-    return dv::failed(BS_BAD_INPUT, "record " + std::to_string(i) + " into " +
-                                        std::to_string(size_of(record)) + " values; expected one of " +
-                                        std::to_string(view.rows) + " into " + std::to_string(view.columns) +
-                                        " at least");
-  }
-  const std::int64_t* values = dv::record(view, static_cast<std::uint64_t>(i));
-  for (std::size_t f = 0; f < view.columns; ++f) element(record, static_cast<int>(f)) = values[f];
-  return BS_OK;
+  std::vector<std::int64_t> values;
+  const bs_status status =
+      dv::fetch(bench_of(model), stage, i, static_cast<std::size_t>(size_of(record)), values);
+  for (std::size_t f = 0; f < values.size(); ++f) element(record, static_cast<int>(f)) = values[f];
+  return status;
 }
 
 int bitspan_check(void* model, int stage, const svOpenArrayHandle record, long long present) {

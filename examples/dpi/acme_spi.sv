@@ -25,7 +25,11 @@
         .phase_i('0), .k_i('0), .h_i('0), .gu_i('0), .gv_i('0), .gu_step0_i('0), .gu_step1_i('0), \
         .gv_step0_i('0), .gv_step1_i('0), .shade_i('0), .shade_step0_i('0), .shade_step1_i('0), \
         .out_valid_o(pix_vld), .out_ready_i(pix_rdy), .x_o(x), .last_o(pix_last), .h_o(h), .fu_o(fu), .fv_o(fv), \
-        .recip_m_o(m), .recip_e_o(e), .u_o(u), .v_o(v), .shade_o(shade)); \
+        .recip_m_o(m), .recip_e_o(e), .u_o(u), .v_o(v), .shade_o(shade), \
+        .step_o(), .span_take_o(), .span_x_o(), .span_count_o(), .span_recip_m_o(), .span_recip_e_o(), \
+        .span_phase_o(), .span_fu_diff_o(), .span_fv_diff_o(), .span_h_o(), .span_h_step_o(), .span_u1_o(), \
+        .span_v1_o(), .span_fu_o(), .span_fv_o(), .span_fu_step0_o(), .span_fu_step1_o(), .span_fv_step0_o(), \
+        .span_fv_step1_o(), .span_shade_o(), .span_shade_step0_o(), .span_shade_step1_o()); \
     assign pix_x = 64'(x); \
     assign pix_h = 64'(h); \
     assign pix_fu = 64'(fu); \
@@ -39,8 +43,7 @@
     end
 
 module acme_spi #(
-    parameter int Core = 0,
-    parameter string Name = "near"
+    parameter int Core = 0
 ) (
     input logic clk,
     input logic rst_n,

@@ -4,7 +4,7 @@
 //
 //   +scene=FILE +width=N +height=N +settings=KEY=VALUE +flip (a bug in the design) +rows=N (no more rows)
 bind acme_spi bitspan_checker #(
-    .Model(Name),
+    .Model(Core == 0 ? "near" : "far"),
     .Fields("x last h fu fv recip_m recip_e u v r g b a"),
     .Count(13)
 ) u_bitspan (
@@ -36,7 +36,7 @@ module acme_spi_driver #(
   logic [63:0] req_b, req_x, req_n, req_l[8], req_r[8];
   int left[8], right[8];
 
-  acme_spi #(.Core(Core), .Name(Name)) u_dut (.*, .pix_last(), .pix_x(), .pix_h(), .pix_fu(), .pix_fv(), .pix_m(),
+  acme_spi #(.Core(Core)) u_dut (.*, .pix_last(), .pix_x(), .pix_h(), .pix_fu(), .pix_fv(), .pix_m(),
       .pix_e(), .pix_u(), .pix_v(), .pix_rgba());
 
   function automatic int column(input string name);

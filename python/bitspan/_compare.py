@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+import dataclasses
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _html
 from ._core import InputError
@@ -34,13 +36,13 @@ class Divergence:
     differences: int  #: values that differ, of extra records all
     frame: int = 0  #: as given to Model.draw
     draw: int = 0
-    text: str = field(default="", repr=False)  #: one line
+    text: str = dataclasses.field(default="", repr=False)  #: one line
 
     def __str__(self) -> str:
         return self.text
 
     def _repr_html_(self) -> str:
-        shown = {name: value for name, value in asdict(self).items() if name not in ("text", "frame", "draw")}
+        shown = {name: value for name, value in dataclasses.asdict(self).items() if name not in ("text", "frame", "draw")}
         return _html.table(["first difference", ""], shown.items(), self.text)
 
 
@@ -69,7 +71,7 @@ class Comparison:
         return _html.table(["comparison", ""], rows) + ("" if self.first is None else self.first._repr_html_())
 
 
-def _first_difference(run: Run, stage: str, expected: np.ndarray, actual: np.ndarray, wrong: np.ndarray, differences: int) -> Divergence:
+def _first_difference(run: Run, stage: str, expected: NDArray[np.int64], actual: NDArray[np.int64], wrong: NDArray[np.bool_], differences: int) -> Divergence:
     names = run.names(stage)
     if wrong.any():
         record, column = (int(i) for i in np.unravel_index(int(np.argmax(wrong)), wrong.shape))

@@ -6,9 +6,10 @@ from __future__ import annotations
 import functools
 import os
 from types import TracebackType
-from typing import Any, Mapping
+from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _core
 from ._compare import Divergence
@@ -21,19 +22,19 @@ PLANES = ("color", "depth", "u", "v", "triangle")
 
 
 @functools.lru_cache(maxsize=None)
-def dtype_of(names: tuple[str, ...]) -> np.dtype:
+def dtype_of(names: tuple[str, ...]) -> np.dtype[np.void]:
     """A record: one int64 per field."""
     return np.dtype([(name, np.int64) for name in names])
 
 
-def as_records(table: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
+def as_records(table: NDArray[np.int64], names: tuple[str, ...]) -> NDArray[np.void]:
     """A view of an (n, k) array as n records with named fields."""
     if len(table) == 0:
         return np.empty(0, dtype_of(names))
     return np.ndarray(len(table), dtype_of(names), table)
 
 
-def as_table(records: Any, names: tuple[str, ...], what: str) -> np.ndarray:
+def as_table(records: Any, names: tuple[str, ...], what: str) -> NDArray[np.int64]:
     """The (n, k) array of records, which may have names, or be such an array, or a mapping of columns."""
     if isinstance(records, Mapping):
         missing = [name for name in names if name not in records]
@@ -109,22 +110,32 @@ class Model:
         """The fields of a stage's records, in the order of their columns."""
         return tuple(field.name for field in self.config.fields(stage))
 
-    def records(self, stage: str) -> np.ndarray:
+    def records(self, stage: str) -> NDArray[np.void]:
         """Returns the stage's records since begin() or clear_records(): (n,) with one int64 per field; a view.
 
         records("span")["u"] is the column of a field. table() has the same as a plain array.
         """
         return as_records(self._core.records(stage), self.names(stage))
 
-    def table(self, stage: str) -> np.ndarray:
+    def table(self, stage: str) -> NDArray[np.int64]:
         """Returns the stage's records as an (n, fields) array of int64; a view."""
         return self._core.records(stage)
+
+    def override(self, stage: str, function: Callable[[tuple[int, ...], list[int]], Sequence[int]] | None) -> None:
+        """Puts a function behind a stage of the engine `model`, from the next begin() on; None takes it away.
+
+        function(before, record) gets the record that feeds the stage, and the one that the stage made, in the order of
+        names(). It returns the record to use in its place: registers may change within their formats, and so may `covered`,
+        `pass` and `killed`. Records behind the stage follow. What it raises ends the draw. `text` then ends with
+        "not checked by golden".
+        """
+        self._core.override(stage, function)
 
     def clear_records(self) -> None:
         """Forgets the records, so that a long run takes no more memory."""
         self._core.clear_records()
 
-    def plane(self, name: str) -> np.ndarray:
+    def plane(self, name: str) -> NDArray[Any]:
         """Returns a plane of the picture, from the top; a view.
 
         "color"     (H, W, 4) uint8: red, green, blue, 255

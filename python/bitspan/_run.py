@@ -8,6 +8,7 @@ import os
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _core
 from ._config import Config, config_of, split
@@ -45,27 +46,27 @@ class Run:
         self._model.draw(scene)
 
     @property
-    def color(self) -> np.ndarray:
+    def color(self) -> NDArray[np.uint8]:
         """(H, W, 4) uint8: red, green, blue, 255."""
         return self._model.plane("color")
 
     @property
-    def depth(self) -> np.ndarray:
+    def depth(self) -> NDArray[np.uint32]:
         """(H, W) uint32: the stored depth code."""
         return self._model.plane("depth")
 
     @property
-    def u(self) -> np.ndarray:
+    def u(self) -> NDArray[np.float64]:
         """(H, W) float64 [texel], of the fragment written last; NaN where there is none."""
         return self._model.plane("u")
 
     @property
-    def v(self) -> np.ndarray:
+    def v(self) -> NDArray[np.float64]:
         """(H, W) float64 [texel], of the fragment written last; NaN where there is none."""
         return self._model.plane("v")
 
     @property
-    def triangle(self) -> np.ndarray:
+    def triangle(self) -> NDArray[np.int32]:
         """(H, W) int32: the index of the triangle written last; -1 where there is none."""
         return self._model.plane("triangle")
 
@@ -73,15 +74,15 @@ class Run:
         """The fields of a stage's records, in the order of their columns."""
         return self._model.names(stage)
 
-    def records(self, stage: str) -> np.ndarray:
+    def records(self, stage: str) -> NDArray[np.void]:
         """Returns a stage's records: (n,) with one int64 per field, raw; a view."""
         return self._model.records(stage)
 
-    def table(self, stage: str) -> np.ndarray:
+    def table(self, stage: str) -> NDArray[np.int64]:
         """Returns a stage's records as an (n, fields) array of int64, raw; a view."""
         return self._model.table(stage)
 
-    def __getattr__(self, name: str) -> np.ndarray:
+    def __getattr__(self, name: str) -> NDArray[np.void]:
         stage = {s.replace(".", "_"): s for s in _core.stages}.get(name)
         if stage is None or name.startswith("_"):
             raise AttributeError(f"bitspan.Run has no attribute {name!r}")
@@ -90,13 +91,13 @@ class Run:
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *(s.replace(".", "_") for s in _core.stages)]
 
-    def real(self, name: str) -> np.ndarray:
+    def real(self, name: str) -> NDArray[np.float64]:
         """Returns a field decoded, "span.u": (n,) float64, raw * 2**-fraction, in the unit of config.field(name)."""
         field = self.config.field(name)
         stage, column = split(name)
-        return self.records(stage)[column] * 2.0**-field.fraction
+        return np.asarray(self.records(stage)[column] * 2.0**-field.fraction)
 
-    def error(self, name: str) -> np.ndarray:
+    def error(self, name: str) -> NDArray[np.float64]:
         """Returns engine - ideal of each record of a field, "span.u": (n,) float64, in the field's unit.
 
         It is NaN for what a study does not count: pixels that are not covered, killed ones, fog that is off.
@@ -105,7 +106,7 @@ class Run:
         self.config.field(name)
         return _core.errors(self.config._handle, self.scene._handle, stage, column, self.table(stage))
 
-    def error_map(self, name: str) -> np.ndarray:
+    def error_map(self, name: str) -> NDArray[np.float64]:
         """Returns engine - ideal at each pixel, (H, W) float64; NaN where there is none.
 
         "span.u", "depth.z", "texture.r", "fog.factor" ...: a field of a stage that has a record per pixel, of the fragment that the
@@ -118,7 +119,7 @@ class Run:
             return self._picture_error(column)
         error = self.error(name)
         records = self.records(stage)
-        if "x" not in records.dtype.names or stage == "span_setup":
+        if "x" not in self.names(stage) or stage == "span_setup":
             raise InputError(f"{name}: {stage} has no record per pixel; expected a field of span, depth, texture or fog")
         out = np.full((self.scene.height, self.scene.width), np.nan)
         x, y = records["x"], records["y"]
@@ -127,12 +128,12 @@ class Run:
         out[y[shown], x[shown]] = error[shown]
         return out
 
-    def _picture_error(self, plane: str) -> np.ndarray:
+    def _picture_error(self, plane: str) -> NDArray[np.float64]:
         if plane not in ("u", "v", "depth", "color"):
             raise InputError(f"picture.{plane}: expected picture.u, picture.v, picture.depth or picture.color")
         own, ideal = getattr(self, plane).astype(np.float64), getattr(self.ideal, plane).astype(np.float64)
         if plane == "color":
-            return np.abs(own - ideal).max(axis=2)
+            return np.asarray(np.abs(own - ideal).max(axis=2))
         same = (self.triangle >= 0) & (self.triangle == self.ideal.triangle)
         return np.where(same, own - ideal, np.nan)
 

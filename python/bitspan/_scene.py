@@ -7,6 +7,7 @@ import os
 from typing import Any, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ._core import InputError, SceneHandle
 
@@ -14,7 +15,7 @@ from ._core import InputError, SceneHandle
 VERTEX = {"x": 0.0, "y": 0.0, "s": 1.0, "u": 0.0, "v": 0.0, "r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0}
 
 
-def _vertices(vertices: Any) -> np.ndarray:
+def _vertices(vertices: Any) -> NDArray[np.float64]:
     try:
         given = np.asarray(vertices, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -35,7 +36,7 @@ def _codes(what: str, color: Any) -> list[int]:
     return [int(c) for c in given]
 
 
-def _texture(i: int, texture: Any) -> np.ndarray:
+def _texture(i: int, texture: Any) -> NDArray[np.uint8]:
     given = np.asarray(texture)
     if given.ndim != 3 or given.shape[2] not in (3, 4) or given.dtype != np.uint8:
         raise InputError(f"textures[{i}]: the shape is {given.shape} of {given.dtype}; expected (height, width, 3 or 4) of uint8")
@@ -120,12 +121,12 @@ class Scene:
         return self._handle.s_range
 
     @property
-    def vertices(self) -> np.ndarray:
+    def vertices(self) -> NDArray[np.float64]:
         """(n, 3, 9) float64: x, y, s, u, v, r, g, b, a per corner; a view of the scene's memory."""
         return self._handle.vertices
 
     @property
-    def texture_of(self) -> np.ndarray:
+    def texture_of(self) -> NDArray[np.int32]:
         """(n,) int32: the index of each triangle's texture, -1 for none; a view."""
         return self._handle.texture_of
 

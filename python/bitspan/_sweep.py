@@ -13,6 +13,7 @@ import os
 from typing import TYPE_CHECKING, Any, Iterable, Mapping, NamedTuple, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _core, _html
 from ._config import Config, config_of
@@ -90,7 +91,7 @@ class Table:
     def __len__(self) -> int:
         return len(self._settings)
 
-    def __getitem__(self, column: str) -> np.ndarray:
+    def __getitem__(self, column: str) -> NDArray[Any]:
         if column in self.keys:
             i = self.keys.index(column)
             return np.array([point[i] for point in self._settings])

@@ -116,7 +116,9 @@ nb::list metrics() {
 
 void bind_errors(nb::module_& m) {
   m.def("errors", &errors, nb::arg("config"), nb::arg("scene"), nb::arg("stage"), nb::arg("field"),
-        nb::arg("records"));
+        nb::arg("records"),
+        nb::sig("def errors(config: ConfigHandle, scene: SceneHandle, stage: str, field: str, records: "
+                "numpy.typing.NDArray[numpy.int64]) -> numpy.typing.NDArray[numpy.float64]"));
   m.def("metrics", &metrics, "(name, unit, whether high is better, meaning) of each metric of a study.");
   nb::class_<Meter>(m, "Meter")
       .def(nb::init<const std::vector<const SceneHandle*>&>(), nb::arg("scenes"))

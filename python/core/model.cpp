@@ -6,19 +6,29 @@
 // them. All members of a Session are used under Python's lock only.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "python/core/core.hpp"
 
 namespace bitspan::python {
 namespace {
 
+// A function of the user's behind a stage.
+struct Override {
+  nb::object function;
+  std::optional<nb::python_error> raised;
+};
+
 struct Session {
   std::string key;  // of those that are kept for later; else empty
   Owned<bs_model, bs_close> model;
+  std::map<bs_stage, std::unique_ptr<Override>> overrides;
+  std::vector<std::unique_ptr<Override>> replaced;  // may be called until the next begin
   std::size_t views = 0;
   bool busy = false;     // a call without Python's lock works on it
   bool stopped = false;  // by an interrupt, in the middle of a picture
@@ -144,6 +154,42 @@ std::size_t batch_from(const SceneHandle& scene, std::size_t first) {
   return i - first;
 }
 
+// Calls the user's function with the record that feeds the stage, and with the stage's, which it may change.
+// The arrays hold for the call alone, so the function gets copies.
+std::int32_t call_override(void* user, const std::int64_t* in, std::size_t n_in, std::int64_t* out,
+                           std::size_t n_out) {
+  const nb::gil_scoped_acquire locked;
+  auto& own = *static_cast<Override*>(user);
+  try {
+    nb::list before;
+    for (std::size_t i = 0; i < n_in; ++i) before.append(in[i]);
+    nb::list made;
+    for (std::size_t i = 0; i < n_out; ++i) made.append(out[i]);
+    const auto result = nb::cast<std::vector<std::int64_t>>(own.function(nb::tuple(before), made));
+    if (result.size() != n_out) throw std::length_error("");
+    std::ranges::copy(result, out);
+    return 0;
+  } catch (nb::python_error& error) {
+    own.raised.emplace(error);
+  } catch (const std::exception&) {
+    PyErr_SetString(PyExc_TypeError,
+                    "bitspan.Model.override: the function returned no record; expected its fields");
+    own.raised.emplace();
+  }
+  return 1;
+}
+
+// As check(); what a function of the user's has raised comes first.
+void check_draw(bs_status status, Session& session) {
+  for (auto& [stage, own] : session.overrides) {
+    if (!own->raised) continue;
+    const nb::python_error raised = std::move(*own->raised);
+    own->raised.reset();
+    throw nb::python_error(raised);
+  }
+  check(status);
+}
+
 class Model {
  public:
   // keep: whether the session may be one that was used before, and may be used again. Its counts of checks go
@@ -165,6 +211,7 @@ class Model {
       check(bs_begin(use.get(), &scene.desc()));
     }
     use->stopped = false;
+    use->replaced.clear();
   }
 
   void draw(const SceneHandle& scene, std::uint64_t frame, std::uint64_t draw) {
@@ -173,10 +220,12 @@ class Model {
     const bool whole = engine_ == "timed";
     for (std::size_t at = 0; at < scene.count();) {
       const std::size_t n = whole ? scene.count() : batch_from(scene, at);
+      bs_status status = BS_OK;
       {
         const nb::gil_scoped_release unlocked;
-        check(bs_draw(use.get(), scene.vertices() + 3 * at, scene.texture_of() + at, n, frame, draw));
+        status = bs_draw(use.get(), scene.vertices() + 3 * at, scene.texture_of() + at, n, frame, draw);
       }
+      check_draw(status, *use.operator->());
       at += n;
       if (at < scene.count() && PyErr_CheckSignals() != 0) {
         use->stopped = true;
@@ -188,8 +237,26 @@ class Model {
   void row(const std::string& stage, const Row& record, std::int32_t texture) {
     const bs_stage number = stage_of(stage);
     const Use use(session_, Access::change, "row");
-    const nb::gil_scoped_release unlocked;
-    check(bs_row(use.get(), number, record.data(), record.shape(0), texture));
+    bs_status status = BS_OK;
+    {
+      const nb::gil_scoped_release unlocked;
+      status = bs_row(use.get(), number, record.data(), record.shape(0), texture);
+    }
+    check_draw(status, *use.operator->());
+  }
+
+  void override_stage(const std::string& stage, nb::object function) {
+    const bs_stage number = stage_of(stage);
+    const Use use(session_, Access::read, "override");
+    if (function.is_none()) {
+      check(bs_stage_override(use.get(), number, nullptr, nullptr));
+      return;
+    }
+    auto own = std::make_unique<Override>(Override{std::move(function), {}});
+    check(bs_stage_override(use.get(), number, &call_override, own.get()));
+    // The one before is called no more after the next begin.
+    use->overrides[number].swap(own);
+    if (own != nullptr) use->replaced.push_back(std::move(own));
   }
 
   nb::object records(const std::string& stage) {
@@ -274,6 +341,17 @@ class Model {
   std::size_t views() const { return session_ == nullptr ? 0 : session_->views; }
   bool is_open() const { return session_ != nullptr; }
 
+  // For Python's collector: a function of the user's often knows the model that it is behind.
+  int traverse(visitproc visit, void* arg) const {
+    if (session_ == nullptr) return 0;
+    for (const auto& [stage, own] : session_->overrides) Py_VISIT(own->function.ptr());
+    return 0;
+  }
+  void clear() {
+    if (session_ == nullptr) return;
+    for (auto& [stage, own] : session_->overrides) own->function.reset();
+  }
+
  private:
   static std::size_t columns_of(bs_model* model, bs_stage stage) {
     bs_view view{};
@@ -286,10 +364,22 @@ class Model {
   std::string engine_;
 };
 
+int traverse_model(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  return nb::inst_ready(self) ? nb::inst_ptr<Model>(self)->traverse(visit, arg) : 0;
+}
+int clear_model(PyObject* self) {
+  if (nb::inst_ready(self)) nb::inst_ptr<Model>(self)->clear();
+  return 0;
+}
+PyType_Slot model_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&traverse_model)},
+                             {Py_tp_clear, reinterpret_cast<void*>(&clear_model)},
+                             {0, nullptr}};
+
 }  // namespace
 
 void bind_model(nb::module_& m) {
-  nb::class_<Model>(m, "Model")
+  nb::class_<Model>(m, "Model", nb::type_slots(model_slots))
       .def(nb::init<const ConfigHandle&, const std::string&, bool>(), nb::arg("config"), nb::arg("engine"),
            nb::arg("keep"))
       .def("close", &Model::close)
@@ -297,11 +387,16 @@ void bind_model(nb::module_& m) {
       .def("begin", &Model::begin, nb::arg("scene"))
       .def("draw", &Model::draw, nb::arg("scene"), nb::arg("frame"), nb::arg("draw"))
       .def("row", &Model::row, nb::arg("stage"), nb::arg("record"), nb::arg("texture"))
-      .def("records", &Model::records, nb::arg("stage"))
-      .def("plane", &Model::plane, nb::arg("plane"))
+      .def("records", &Model::records, nb::arg("stage"),
+           nb::sig("def records(self, stage: str) -> numpy.typing.NDArray[numpy.int64]"))
+      .def("plane", &Model::plane, nb::arg("plane"),
+           nb::sig("def plane(self, plane: int) -> numpy.typing.NDArray[typing.Any]"))
+      .def("override", &Model::override_stage, nb::arg("stage"), nb::arg("function").none())
       .def("clear_records", &Model::clear_records)
       .def("counter", &Model::counter, nb::arg("name"))
-      .def("check", &Model::check_records, nb::arg("stage"), nb::arg("records"))
+      .def("check", &Model::check_records, nb::arg("stage"), nb::arg("records"),
+           nb::sig("def check(self, stage: str, records: numpy.typing.NDArray[numpy.int64]) -> dict[str, "
+                   "typing.Any] | None"))
       .def_prop_ro("matched", &Model::matched)
       .def_prop_ro("nontrivial", &Model::nontrivial)
       .def("unchecked", &Model::unchecked, nb::arg("stage"))

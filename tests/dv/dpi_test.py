@@ -1,45 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """examples/dpi: two configurations in one simulation, right and with each kind of fault."""
 
-import os
-import pathlib
 import re
-import subprocess
 import unittest
 
-SOURCE = pathlib.Path(__file__).resolve().parent.parent.parent
-# They stay, so that a second run has nothing to compile.
-FOLDER = pathlib.Path(os.environ["BITSPAN_BUILD"]) / "dpi"
-PREFIX = FOLDER / "prefix"
+from folder import PREFIX, SOURCE, prepare, run, shown
 
-
-def link(name, target):
-    """A place of the prefix, without an installation."""
-    path = PREFIX / name
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.unlink(missing_ok=True)
-    path.symlink_to(target)
-
-
-def run(*command):
-    done = subprocess.run([str(word) for word in command], cwd=FOLDER, env={**os.environ, "PREFIX": str(PREFIX)},
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8", errors="replace")
-    return done.returncode, done.stdout
+FOLDER = prepare("dpi")
 
 
 class Dpi(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        library = pathlib.Path(os.environ["BITSPAN_LIBRARY"]).resolve()
-        link("bin/bitspan", os.environ["BITSPAN_PROGRAM"])
-        link("lib/libbitspan.so", library)
-        link("lib/libbitspan.so.0", library)
-        link("include", SOURCE / "include")
-        link("share/bitspan/dv", SOURCE / "dv")
-        cls.code, cls.out = run(SOURCE / "examples/dpi/run.sh")
+        cls.code, cls.out = run(FOLDER, SOURCE / "examples/dpi/run.sh")
 
     def simulate(self, *arguments):
-        code, out = run("obj_dir/Vacme_spi_tb", *arguments)
+        code, out = run(FOLDER, "obj_dir/Vacme_spi_tb", *arguments)
         self.assertNotEqual(code, 0, out)
         return out
 
@@ -86,10 +62,40 @@ class Dpi(unittest.TestCase):
         self.assertIn("nowhere.tri", self.simulate("+scene=nowhere.tri"))
 
     def test_the_document_shows_the_script(self):
-        script = (SOURCE / "examples/dpi/run.sh").read_text()
-        shown = re.search(r"```sh\n(.*?)```", (SOURCE / "docs/dv.md").read_text(), re.S)[1]
-        self.assertTrue(script.endswith("\n" + shown))
-        self.assertLessEqual(shown.count("\n"), 15)
+        self.assertTrue(shown("examples/dpi/run.sh"))
+
+
+class Rows(unittest.TestCase):
+    """Rows that a bench draws by itself, and calls that are refused."""
+
+    @classmethod
+    def setUpClass(cls):
+        dpi = PREFIX / "share/bitspan/dv/dpi"
+        code, out = run(FOLDER, "verilator", "--binary", "-j", "2", "--Mdir", "rows", "--top-module", "rows_tb", "-CFLAGS",
+                        f"-std=c++17 -O1 -I{PREFIX}/include", "-LDFLAGS",
+                        f"-L{PREFIX}/lib -lbitspan -Wl,-rpath,{PREFIX}/lib", dpi / "bitspan_pkg.sv",
+                        dpi / "bitspan_checker.sv", dpi / "bitspan_dpi.cpp", SOURCE / "tests/dv/rows_dpi_tb.sv")
+        assert code == 0, out
+
+    def test_a_row_matches(self):
+        code, out = run(FOLDER, "rows/Vrows_tb")
+        self.assertEqual(code, 0, out)
+        self.assertIn("closed: 176 matched", out)
+        self.assertIn("176 values matched, 1 non-trivial, 0 records unchecked", out)
+
+    def test_nothing_but_trivial_values_fail(self):
+        code, out = run(FOLDER, "rows/Vrows_tb", "+trivial")
+        self.assertNotEqual(code, 0, out)
+        self.assertIn("176 values matched, 0 non-trivial, 0 records unchecked", out)
+        self.assertIn("not verified", out)
+
+    def test_what_is_refused_says_why(self):
+        refused = re.findall(r"refused: ([^:]+): (.+)", run(FOLDER, "rows/Vrows_tb")[1])
+        self.assertEqual(len(refused), 20)
+        for text in ("nowhere: no such configuration", "'nothing' is no engine", "name \"rows\"", "stage 99; expected 0 to 11",
+                     "merge delivers no row", "record -1 into 64 values", "nothing: span has no such field",
+                     "no field is present", "nowhere.tri: cannot read", "rows: closed; expected an open model"):
+            self.assertTrue(any(text in said for _, said in refused), text)
 
 
 if __name__ == "__main__":

@@ -70,6 +70,7 @@ class Configs(unittest.TestCase):
     def test_the_text_reads_back(self):
         config = bitspan.Config("narrow").with_({"formats.span.uv.word": 20})
         self.assertEqual(bitspan.Config(config.text), config)
+        self.assertRegex(repr(config), r"^<bitspan.Config narrow, formats.span.uv.word = 20 \([0-9a-f]{16}\)>$")
         self.assertEqual(pickle.loads(pickle.dumps(config)), config)
         self.assertEqual(len({config, bitspan.Config(config.text), bitspan.Config("narrow")}), 2)
 
@@ -420,6 +421,11 @@ class Compares(unittest.TestCase):
         self.assertFalse(none.equal)
         self.assertEqual((none.matched, none.nontrivial, none.unchecked), (0, 0, len(table)))
 
+    def test_a_run_without_pixels_is_no_success(self):
+        nothing = bitspan.render(bitspan.Scene.from_vertices(triangle(x=900), 64, 64))
+        found = bitspan.compare(nothing, nothing.span)
+        self.assertEqual((found.first, found.matched, found.unchecked, found.equal), (None, 0, 0, False))
+
     def test_stages_in_their_order(self):
         depth, span = self.drawn.table("depth").copy(), self.drawn.table("span").copy()
         depth[0, 5] += 1
@@ -549,6 +555,47 @@ class Rows(unittest.TestCase):
         table = model.table("span")
         third = len(table) // 3
         self.assertTrue(np.array_equal(table[:third], table[third : 2 * third]) and np.array_equal(table[:third], table[2 * third :]))
+
+    @staticmethod
+    def leaked(line):
+        """What a program says at its end that has a model, and a line."""
+        return run(sys.executable, "-c", f"import bitspan\nmodel = bitspan.Model()\nmodel.begin(bitspan.Scene('demo', 8, 8))\n{line}\n")
+
+    def test_a_stage_of_the_users(self):
+        drawn = small()
+        u = drawn.names("span").index("u")
+        seen = []
+
+        def coarse(before, record):
+            seen.append(before)
+            record[u] &= ~4095
+            return record
+
+        model = bitspan.Model()
+        model.override("span", coarse)
+        model.begin(drawn.scene)
+        model.draw(drawn.scene)
+        self.assertTrue(np.array_equal(model.records("span")["u"], drawn.span["u"] & ~4095))
+        self.assertTrue(np.array_equal(model.records("span")["v"], drawn.span["v"]))
+        self.assertFalse(np.array_equal(model.plane("color"), drawn.color))
+        self.assertEqual((len(seen), len(seen[0])), (len(drawn.span), 31))
+        self.assertTrue(model.text.endswith("overridden stages: span; not checked by golden"))
+        for function, error, says in ((lambda before, record: 1 / 0, ZeroDivisionError, "division"), (lambda before, record: record[:3], TypeError, "no record"),
+                                      (lambda before, record: None, TypeError, "no record"),
+                                      (lambda before, record: record[:u] + [2**40] + record[u + 1 :], bitspan.InputError, "u: .*out of range")):
+            model.override("span", function)
+            model.begin(drawn.scene)
+            with self.assertRaisesRegex(error, says):
+                model.draw(drawn.scene)
+        self.assertEqual(self.leaked("model.override('span', lambda before, record: model and record)"), "")
+        model.override("span", None)
+        model.begin(drawn.scene)
+        model.draw(drawn.scene)
+        self.assertTrue(np.array_equal(model.plane("color"), drawn.color))
+        with self.assertRaisesRegex(bitspan.InputError, "cannot be overridden"):
+            model.override("constants", coarse)
+        with self.assertRaisesRegex(bitspan.InputError, "expected model"):
+            bitspan.Model(engine="golden").override("span", coarse)
 
     def test_records_are_forgotten_and_numbers_are_told(self):
         scene = bitspan.Scene("demo", 80, 60)
