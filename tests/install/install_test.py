@@ -182,6 +182,20 @@ class Users(Installed):
             self.assertRegex(out, r"demo.ppm: 64x48, [1-9]\d+ cycles")
             self.assertEqual((self.work / "demo.ppm").stat().st_size, 13 + 64 * 48 * 3)
 
+    def test_the_starts_of_the_document(self):
+        env = {**self.env, "PKG_CONFIG_PATH": str(self.prefix / "lib/pkgconfig")}
+        page = (SOURCE / "docs/own_bench.md").read_text()
+        for language, package, compiler in (("c", "bitspan", ("cc", "-std=c11")), ("c++", "bitspan-cpp", ("c++", "-std=c++20"))):
+            start = re.search(rf"```{re.escape(language)}\n(.*?)```", page, re.S)[1]
+            self.assertLessEqual(start.count("\n"), 15)
+            source, program = self.work / f"first.{language}", self.work / "first"
+            source.write_text(start)
+            words = run("pkg-config", "--cflags", "--libs", package, env=env).split()
+            run(*compiler, "-Wall", "-Wextra", source, *words, "-o", program, env=env)
+            out = run(program, env={**self.env, "LD_LIBRARY_PATH": str(self.prefix / "lib")})
+            said = re.search(r"prints\s`(.*?)`", page)[1] if language == "c" else "329826 records of span, u of the first: "
+            self.assertTrue(out.startswith(said), out)
+
     def test_find_package_of_what_is_not_there(self):
         project = self.work / "CMakeLists.txt"
         for wanted, says in (("0.2 REQUIRED COMPONENTS nothing", "no component nothing"), ("9.0 REQUIRED", "9.0")):
