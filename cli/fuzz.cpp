@@ -481,6 +481,11 @@ int replay(const ReplayOptions& o) {
                                                       : "a pair compared nothing non-trivial");
     return exit_difference;
   }
+  for (const auto& [name, hash] : r.designs) {
+    if (std::ranges::count(names, name) != 0) continue;
+    fmt::print("FAILED, this says nothing: {}, with which it was found, did not run\n", name);
+    return exit_difference;
+  }
   fmt::print("no longer fails\n");
   return exit_held;
 }

@@ -130,6 +130,8 @@ class Dut(unittest.TestCase):
         out = self.differs("replay", name)
         self.assertIn("still fails", out)
         self.assertIn("dut:span_walker " + hash_found, out)
+        out = self.differs("replay", name, "--engines", "golden,model")
+        self.assertIn("this says nothing: dut:span_walker, with which it was found, did not run", out)
         # Other sources are another design, and so is none.
         self.change(self.design, "34'sd127", "34'sd128")
         self.refused("found with dut:span_walker " + hash_found, "replay", name)
