@@ -13,9 +13,10 @@ docs/python.md shows it by example. Records and their fields are those of docs/n
 import pathlib
 
 from . import _core
-from ._compare import Comparison, Divergence, compare
+from ._compare import Comparison, compare
 from ._config import Config, Field
 from ._core import InputError, StateError
+from ._divergence import Divergence
 from ._model import Model
 from ._run import Run, render
 from ._scene import Scene

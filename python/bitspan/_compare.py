@@ -3,47 +3,17 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Mapping
+from typing import Any, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _html
+from . import _core, _html
 from ._core import InputError
-
-if TYPE_CHECKING:
-    from ._run import Run
-
-
-@dataclass(frozen=True)
-class Divergence:
-    """The first difference."""
-
-    kind: str  #: "value": a field differs; "extra": the model has no more records
-    stage: str
-    record: int  #: index among the records of the stage
-    triangle: int  #: -1 where the record has none, as x and y
-    x: int  #: pixel, or first pixel of the row
-    y: int
-    field: str | None  #: None for "extra"
-    expected: int  #: raw, the model's
-    actual: int
-    expected_value: float  #: decoded [unit]
-    actual_value: float
-    unit: str
-    differences: int  #: values that differ, of extra records all
-    frame: int = 0  #: as given to Model.draw
-    draw: int = 0
-    text: str = dataclasses.field(default="", repr=False)  #: one line
-
-    def __str__(self) -> str:
-        return self.text
-
-    def _repr_html_(self) -> str:
-        shown = {name: value for name, value in dataclasses.asdict(self).items() if name not in ("text", "frame", "draw")}
-        return _html.table(["first difference", ""], shown.items(), self.text)
+from ._divergence import Divergence
+from ._model import as_table
+from ._run import Run
 
 
 @dataclass(frozen=True)
@@ -105,16 +75,12 @@ def compare(run: Run, dut_records: Any, stage: str = "span") -> Comparison:
 
     The stages are compared in the order of the pipeline, and `first` is of the earliest stage that differs.
     """
-    from . import STAGES
-    from ._model import as_table
-    from ._run import Run as RunType
-
-    if not isinstance(run, RunType):
+    if not isinstance(run, Run):
         raise InputError(f"compare: {run!r} is no run; expected what bitspan.render returns")
-    if isinstance(dut_records, RunType):
-        given: dict[str, Any] = {s: dut_records.table(s) for s in STAGES}
-    elif isinstance(dut_records, Mapping) and dut_records and set(dut_records) <= set(STAGES):
-        given = {s: dut_records[s] for s in STAGES if s in dut_records}
+    if isinstance(dut_records, Run):
+        given: dict[str, Any] = {s: dut_records.table(s) for s in _core.stages}
+    elif isinstance(dut_records, Mapping) and dut_records and set(dut_records) <= set(_core.stages):
+        given = {s: dut_records[s] for s in _core.stages if s in dut_records}
     else:
         given = {stage: dut_records}
     first = None

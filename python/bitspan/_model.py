@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from ._compare import Divergence
 from ._config import Config, config_of
 from ._core import InputError
+from ._divergence import Divergence
 from ._scene import Scene
 
 #: The planes of a picture, by their numbers in the C interface.

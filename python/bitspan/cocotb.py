@@ -24,9 +24,9 @@ from cocotb.handle import ModifiableObject, NonHierarchyIndexableObject
 from cocotb.triggers import FallingEdge, ReadOnly, RisingEdge, Timer
 from numpy.typing import NDArray
 
-from ._compare import Divergence
 from ._config import Config
 from ._core import InputError
+from ._divergence import Divergence
 from ._map import DERIVED, Lane, Map, Side, read_map
 from ._model import Model
 from ._scene import Scene, scene_of
