@@ -6,8 +6,8 @@
 
 namespace bitspan {
 
-// Returns JSON Schema 2020-12 over the keys of config/keys.hpp: tables, types, names and ranges. Rules between
-// keys are in no schema; find_config checks them.
+// Returns JSON Schema 2020-12 over the keys of config/keys.hpp: tables, types, names and ranges. Rules
+// between keys are in no schema; find_config checks them.
 std::string config_schema();
 
 }  // namespace bitspan

@@ -161,7 +161,8 @@ void add_render(CLI::App& app, Action& action) {
   sub->add_option("scene", o->scene, "stream (.tri), mesh, demo or extreme/NAME")->required();
   sub->add_option("-o,--output", o->output, "the picture, a PNG");
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
-  sub->add_option("--engine", o->engine, "golden, model, systemc, rtl, ideal or dut:NAME")->capture_default_str();
+  sub->add_option("--engine", o->engine, "golden, model, systemc, rtl, ideal or dut:NAME")
+      ->capture_default_str();
   sub->add_flag("--statistics", o->statistics,
                 "range, bits used, saturations, wraps and bias of each register");
   sub->add_option("--dump", o->dump, "folder for color, depth, u, v, triangle (.npy) and run.json");

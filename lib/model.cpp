@@ -234,8 +234,7 @@ std::shared_ptr<ModelState> open(const bs_config* config, const char* engine) {
   model->entry = &engine_entry(engine);
   check_config(model->config, model->config.name);
   if (!model->entry->runs(model->config)) {
-    fail(BS_UNSUPPORTED,
-         std::string("bs_open: engine: ") + engine + " needs " + model->entry->needs);
+    fail(BS_UNSUPPORTED, std::string("bs_open: engine: ") + engine + " needs " + model->entry->needs);
   }
   make_engine(*model);
   return model;
