@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The JSON schema of configurations takes what the program takes, and refuses what one key alone makes wrong."""
+"""The JSON schemas take what the program takes and writes, and refuse what one key alone makes wrong."""
 
 import copy
 import json
@@ -96,6 +96,66 @@ class Schema(unittest.TestCase):
             self.assertEqual(bitspan("config", "schema", "-o", path).returncode, 0)
             self.assertEqual(json.loads(path.read_text()), self.schema)
             self.assertEqual(bitspan("config", "schema", "-o", path / "no").returncode, 2)
+
+
+def validator(name):
+    """Of a schema in schema/, which may refer to those beside it."""
+    path = SOURCE / "schema" / f"{name}.schema.json"
+    schema = json.loads(path.read_text())
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema, resolver=jsonschema.RefResolver(path.as_uri(), schema))
+
+
+class Files(unittest.TestCase):
+    def test_vectors_of_each_format(self):
+        wanted = validator("vectors")
+        with tempfile.TemporaryDirectory() as folder:
+            for form in ("hex", "json", "npy"):
+                out = pathlib.Path(folder) / form
+                done = bitspan("vectors", "demo", "--size", "48x36", "--stage", "span", "--format", form, "-o", out)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                file = json.loads((out if form == "json" else out / "vectors.json").read_text())
+                wanted.validate(file)
+                self.assertGreater(len(file["scene"]["triangles"]), 100)
+                for change in (lambda f: f.update(bitspan_vectors=2), lambda f: f["scene"]["triangles"][0]["v"].pop(),
+                               lambda f: f["scene"]["textures"][0].update(rgba="00ff"), lambda f: f.pop("scene"),
+                               lambda f: f["tables"][0]["fields"][0].update(word="32"), lambda f: f.update(stage=7)):
+                    changed = copy.deepcopy(file)
+                    change(changed)
+                    self.assertFalse(wanted.is_valid(changed))
+
+    def test_a_replay_has_the_scene_that_vectors_have(self):
+        with tempfile.TemporaryDirectory() as folder:
+            out = pathlib.Path(folder) / "v.json"
+            self.assertEqual(bitspan("vectors", "demo", "--size", "48x36", "--stage", "merge", "--format", "json", "-o", out).returncode, 0)
+            vectors = json.loads(out.read_text())
+            replay = {"bitspan_replay": 1, "engines": ["golden", "model"], "stall_seed": 1, "scene": vectors["scene"],
+                      "config": vectors["configuration"]["toml"]}
+            wanted = validator("replay")
+            path = pathlib.Path(folder) / "r.json"
+            for change, legal in ((lambda r: None, True), (lambda r: r.update(bitspan_replay=2), False), (lambda r: r.pop("engines"), False),
+                                  (lambda r: r["scene"].update(focal="far"), False), (lambda r: r.update(stall_seed="x"), False)):
+                changed = copy.deepcopy(replay)
+                change(changed)
+                path.write_text(json.dumps(changed))
+                self.assertEqual(wanted.is_valid(changed), legal)
+                done = bitspan("replay", path)
+                self.assertEqual(done.returncode, 0 if legal else 2, done.stdout + done.stderr)
+
+    def test_maps(self):
+        wanted = validator("map")
+        maps = [path for folder in ("dv", "examples", "tests/dv") for path in (SOURCE / folder).rglob("*.toml")
+                if "input" in tomllib.loads(path.read_text())]
+        self.assertGreaterEqual(len(maps), 4)
+        for path in maps:
+            table = tomllib.loads(path.read_text())
+            wanted.validate(table)
+            for change in (lambda t: t.update(clocks="clk"), lambda t: t["input"].update(stage="depth"), lambda t: t["output"].pop("valid"),
+                           lambda t: t["output"].update(ports={}), lambda t: t["input"]["ports"].update(p=3), lambda t: t.pop("clock"),
+                           lambda t: t["output"]["ports"].update(p={"field": "u", "fields": ["v"]}), lambda t: t.update(reset_active="up")):
+                changed = copy.deepcopy(table)
+                change(changed)
+                self.assertFalse(wanted.is_valid(changed))
 
 
 if __name__ == "__main__":

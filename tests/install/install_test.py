@@ -66,7 +66,7 @@ class Prefix(Installed):
                 self.assertTrue((root / name).is_file(), f"{header} includes {name}")
 
     def test_what_a_source_folder_has_is_there(self):
-        for part, pattern in (("rtl", "*.sv"), ("rtl", "*.f"), ("config", "**/*.toml"), ("dv", "**/*.?pp"), ("dv", "**/*.sv"), ("tb", "rtl_*harness.cpp"),
+        for part, pattern in (("rtl", "*.sv"), ("rtl", "*.f"), ("config", "**/*.toml"), ("schema", "*.json"), ("dv", "**/*.?pp"), ("dv", "**/*.sv"), ("tb", "rtl_*harness.cpp"),
                               ("python/bitspan_report", "**/*.py"), ("python/bitspan_report", "*.js"), ("python/bitspan_report", "*.css")):
             wanted = sorted(path.relative_to(SOURCE) for path in (SOURCE / part).glob(pattern))
             self.assertTrue(wanted)
