@@ -237,7 +237,7 @@ Elaborated elaborate(const DutDesign& design, const std::string& package) {
 class WrapperMaker {
  public:
   WrapperMaker(const DutDesign& design, const Config& config, const std::vector<DesignPort>& ports)
-      : design_(design), map_(design.map), config_(config), ports_(ports) {}
+      : map_(design.map), config_(config), ports_(ports) {}
 
   void make(DutWrapper& wrapper) {
     const DutSide& in = map_.input;
@@ -416,7 +416,6 @@ class WrapperMaker {
     return out + " u_dut (\n" + connections_ + "\n  );\nendmodule\n";
   }
 
-  const DutDesign& design_;
   const DutMap& map_;
   const Config& config_;
   const std::vector<DesignPort>& ports_;
