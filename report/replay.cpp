@@ -49,7 +49,7 @@ Replay parse_replay(const std::string& text, const std::string& origin) {
     json.at("config").get_to(toml);
     replay.config.name = json.value("config_name", std::string("replay"));
   } catch (const Json::exception& error) {
-    throw InputError(fmt::format("{}: no replay file: {}", origin, error.what()));
+    throw InputError(fmt::format("{}: no replay file: {}", origin, fault_of(error)));
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", origin, error.what()));
   }

@@ -120,4 +120,9 @@ Scene scene_of(const Json& json) {
   return scene;
 }
 
+std::string fault_of(const nlohmann::json::exception& error) {
+  const std::string_view what = error.what();
+  return std::string(what.substr(0, what.find("; last read:")));
+}
+
 }  // namespace bitspan

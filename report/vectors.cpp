@@ -503,7 +503,7 @@ ReadVectors read_vectors(const std::string& path, const VectorCheckOptions& opti
     json.at("configuration").at("name").get_to(out.config.name);
     json.at("configuration").at("hash").get_to(hash);
   } catch (const Json::exception& error) {
-    throw InputError(fmt::format("{}: no vectors: {}", origin, error.what()));
+    throw InputError(fmt::format("{}: no vectors: {}", origin, fault_of(error)));
   } catch (const InputError& error) {
     throw InputError(std::string(error.what()).starts_with(origin)
                          ? error.what()
@@ -533,7 +533,7 @@ ReadVectors read_vectors(const std::string& path, const VectorCheckOptions& opti
     }
     if (!has_output) throw InputError("tables: expected one output of the stage");
   } catch (const Json::exception& error) {
-    throw InputError(fmt::format("{}: no vectors: {}", origin, error.what()));
+    throw InputError(fmt::format("{}: no vectors: {}", origin, fault_of(error)));
   } catch (const InputError& error) {
     const std::string what = error.what();
     const bool names_a_file = what.starts_with(fs::path(origin).parent_path().string() + "/") ||
