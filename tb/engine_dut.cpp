@@ -16,13 +16,11 @@
 #include "model/pipeline.hpp"
 #include "tb/dut_store.hpp"
 #include "tb/dut_wrapper.hpp"
+#include "tb/row_batch.hpp"
 
 namespace bitspan {
 namespace {
 
-// Rows are collected over triangles until they have this many pixels, and then go through the design in one
-// run.
-constexpr std::int64_t pixels_a_run = 1 << 16;
 // Far longer than any latency.
 constexpr int patience_clocks = 10000;
 // After a run, for what no record asked for; after a reset, for what a design does on its own then.
@@ -130,39 +128,22 @@ class DutEngine final : public Engine {
       trace->constants.push_back(pipeline_.constants.record);
       constants_delivered_ = true;
     }
-    rows_.clear();
-    textures_.clear();
-    std::int64_t pixels = 0;
-    std::int64_t index = first_index;
-    for (const Triangle& triangle : triangles) {
-      model::check_triangle(*scene_, triangle, index);
-      const std::size_t before = rows_.size();
-      model::triangle_to_rows(pipeline_, triangle, index, walk_, rows_, counters_, trace);
-      textures_.resize(rows_.size(), triangle.texture);
-      for (std::size_t i = before; i < rows_.rows.size(); ++i)
-        pixels += rows_.rows[i].x_last - rows_.rows[i].x_first + 1;
-      for (std::size_t i = before; i < rows_.plane_rows.size(); ++i) pixels += rows_.plane_rows[i].count;
-      if (pixels >= pixels_a_run) {
-        run(trace);
-        pixels = 0;
-      }
-      ++index;
-    }
-    run(trace);
+    draw_in_batches(pipeline_, *scene_, triangles, first_index, batch_, counters_, trace,
+                    [&] { run(trace); });
   }
 
   bool delivers_pixels() const { return map_.output.stage == RecordType::fragment; }
 
   // All rows collected through the design, and what comes out to the frame.
   void run(Trace* trace) {
-    if (rows_.size() == 0) return;
+    if (batch_.rows.size() == 0) return;
     spans_.clear();
     fragments_.clear();
     std::vector<std::size_t> ends;
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      spans_.push_back(model::row_to_span(pipeline_, rows_, i, counters_));
+    for (std::size_t i = 0; i < batch_.rows.size(); ++i) {
+      spans_.push_back(model::row_to_span(pipeline_, batch_.rows, i, counters_));
       row_fragments_.clear();
-      model::span_to_fragments(pipeline_, spans_.back(), model::geometry_of(rows_, i), row_fragments_,
+      model::span_to_fragments(pipeline_, spans_.back(), model::geometry_of(batch_.rows, i), row_fragments_,
                                counters_);
       fragments_.insert(fragments_.end(), row_fragments_.begin(), row_fragments_.end());
       ends.push_back(fragments_.size());
@@ -175,7 +156,7 @@ class DutEngine final : public Engine {
       throw std::logic_error(fmt::format("delivers {} records, expected {}", delivered, expected));
     }
     std::size_t from = 0;
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
+    for (std::size_t i = 0; i < batch_.rows.size(); ++i) {
       if (delivers_pixels()) {
         deliver(trace, spans_[i]);
       } else {
@@ -183,14 +164,15 @@ class DutEngine final : public Engine {
       }
       row_fragments_.clear();
       for (std::size_t p = from; p < ends[i]; ++p) {
-        deliver(trace, delivers_pixels() ? replaced(fragments_[p], p, false) : fragments_[p]);
-        const FragmentRecord f = delivers_pixels() ? replaced(fragments_[p], p, true) : fragments_[p];
+        FragmentRecord f = fragments_[p];
+        deliver(trace, delivers_pixels() ? replaced(f, p, false) : f);
+        if (delivers_pixels()) f = replaced(f, p, true);
         // A wrong position is a difference of the record, not a write outside the frame.
         if (f.x >= 0 && f.x < frame_.width && f.y >= 0 && f.y < frame_.height) row_fragments_.push_back(f);
       }
       from = ends[i];
-      model::fragments_to_frame(pipeline_, row_fragments_, model::texture_of(*scene_, textures_[i]), frame_,
-                                counters_, trace);
+      model::fragments_to_frame(pipeline_, row_fragments_, model::texture_of(*scene_, batch_.textures[i]),
+                                frame_, counters_, trace);
     }
     // Records that no row asked for; no other engine has them.
     for (std::size_t i = expected; i < delivered; ++i) {
@@ -202,8 +184,7 @@ class DutEngine final : public Engine {
                 replaced(SpanRecord{.triangle = spans_.back().triangle, .y = spans_.back().y}, i, false));
       }
     }
-    rows_.clear();
-    textures_.clear();
+    batch_.clear();
   }
 
   // The record with what the design delivered in it. in_format: without the bits of a port beyond the field's
@@ -229,17 +210,17 @@ class DutEngine final : public Engine {
     const auto at = static_cast<std::size_t>(field.index);
     switch (field.type) {
       case RecordType::row: {
-        const RowRecord& r = rows_.rows[row];
+        const RowRecord& r = batch_.rows.rows[row];
         return field.index < 0 ? r.x_last - r.x_first + 1 : raw_values(r)[at];
       }
       case RecordType::plane_row:
-        return raw_values(rows_.plane_rows[row])[at];
+        return raw_values(batch_.rows.plane_rows[row])[at];
       case RecordType::span:
         return raw_values(spans_[row])[at];
       case RecordType::constants:
         return raw_values(pipeline_.constants.record)[at];
       default: {
-        const model::PlaneGeometry* geometry = model::geometry_of(rows_, row);
+        const model::PlaneGeometry* geometry = model::geometry_of(batch_.rows, row);
         return field.name.ends_with(".k") ? geometry->k : std::int64_t{geometry->along_y};
       }
     }
@@ -281,8 +262,8 @@ class DutEngine final : public Engine {
     std::size_t next = 0;
     bool offered = false;  // once offered, a record stays
     int idle = 0;
-    while (next < rows_.size() || delivered_.size() < values) {
-      if (!offered && next < rows_.size() && !happens(in_gap)) {
+    while (next < batch_.rows.size() || delivered_.size() < values) {
+      if (!offered && next < batch_.rows.size() && !happens(in_gap)) {
         offered = true;
         set_inputs(next);
       }
@@ -297,7 +278,7 @@ class DutEngine final : public Engine {
       if (idle == patience_clocks) {
         throw std::logic_error(fmt::format(
             "stands still: {} of {} records accepted, {} of {} delivered, then nothing for {} clocks", next,
-            rows_.size(), delivered_.size() / wrapper_.outputs.size(), expected, patience_clocks));
+            batch_.rows.size(), delivered_.size() / wrapper_.outputs.size(), expected, patience_clocks));
       }
     }
     for (int i = 0; i < quiet_clocks; ++i) clock(false, true);
@@ -318,9 +299,7 @@ class DutEngine final : public Engine {
   std::vector<std::uint64_t> inputs_, outputs_;  // of the module
   std::vector<std::int64_t> delivered_;          // a value per output lane and record
   // Reused from run to run.
-  model::Rows rows_;
-  model::PlaneWalkState walk_;
-  std::vector<int> textures_;  // Triangle::texture, one per row
+  RowBatch batch_;
   std::vector<SpanRecord> spans_;
   std::vector<FragmentRecord> fragments_, row_fragments_;
 };

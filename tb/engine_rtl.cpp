@@ -11,22 +11,12 @@
 #include "config/modes.hpp"
 #include "engine/emit_pixel_sv.hpp"
 #include "model/pipeline.hpp"
+#include "tb/row_batch.hpp"
 #include "tb/rtl_pixels.hpp"
 #include "tb/rtl_stream.hpp"
 
 namespace bitspan {
 namespace {
-
-// Rows are collected over triangles until they have this many pixels, and then go through the RTL in one run.
-constexpr std::int64_t pixels_a_run = 1 << 16;
-
-std::int64_t pixels_of(const model::Rows& rows, std::size_t from) {
-  std::int64_t pixels = 0;
-  for (std::size_t i = from; i < rows.rows.size(); ++i)
-    pixels += rows.rows[i].x_last - rows.rows[i].x_first + 1;
-  for (std::size_t i = from; i < rows.plane_rows.size(); ++i) pixels += rows.plane_rows[i].count;
-  return pixels;
-}
 
 // Builds the library of the pixel stages side by side with that of the span interpolator.
 Rtl make_span_interpolator(const Config& config) {
@@ -67,23 +57,8 @@ class RtlEngine final : public Engine {
       trace->constants.push_back(pipeline_.constants.record);
       constants_delivered_ = true;
     }
-    rows_.clear();
-    textures_.clear();
-    std::int64_t pixels = 0;
-    std::int64_t index = first_index;
-    for (const Triangle& triangle : triangles) {
-      model::check_triangle(*scene_, triangle, index);
-      const std::size_t before = rows_.size();
-      model::triangle_to_rows(pipeline_, triangle, index, walk_, rows_, counters_, trace);
-      textures_.resize(rows_.size(), triangle.texture);
-      pixels += pixels_of(rows_, before);
-      if (pixels >= pixels_a_run) {
-        run(trace);
-        pixels = 0;
-      }
-      ++index;
-    }
-    run(trace);
+    draw_in_batches(pipeline_, *scene_, triangles, first_index, batch_, counters_, trace,
+                    [&] { run(trace); });
   }
 
   const Frame& frame() const override { return frame_; }
@@ -92,12 +67,13 @@ class RtlEngine final : public Engine {
  private:
   // All rows collected through the RTL, and what comes out to the frame.
   void run(Trace* trace) {
-    if (rows_.size() == 0) return;
+    if (batch_.rows.size() == 0) return;
     const std::int64_t b = pipeline_.constants.record.b;
     inputs_.clear();
-    for (const RowRecord& row : rows_.rows) inputs_.push_back(rtl_inputs(config_, row, b));
-    for (std::size_t i = 0; i < rows_.plane_rows.size(); ++i) {
-      inputs_.push_back(rtl_inputs(config_, rows_.plane_rows[i], model::geometry_of(rows_, i)->k, b));
+    for (const RowRecord& row : batch_.rows.rows) inputs_.push_back(rtl_inputs(config_, row, b));
+    for (std::size_t i = 0; i < batch_.rows.plane_rows.size(); ++i) {
+      inputs_.push_back(
+          rtl_inputs(config_, batch_.rows.plane_rows[i], model::geometry_of(batch_.rows, i)->k, b));
     }
     const RtlStalls stalls{options_.stall_seed + runs_++, options_.in_gap, options_.out_stall};
     const RtlRun result = run_rtl(rtl_, inputs_, stalls, false);
@@ -105,9 +81,9 @@ class RtlEngine final : public Engine {
 
     std::size_t pixel = 0;
     LastSpan last;
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      const model::PlaneGeometry* geometry = model::geometry_of(rows_, i);
-      const SpanRecord modelled = model::row_to_span(pipeline_, rows_, i, counters_);
+    for (std::size_t i = 0; i < batch_.rows.size(); ++i) {
+      const model::PlaneGeometry* geometry = model::geometry_of(batch_.rows, i);
+      const SpanRecord modelled = model::row_to_span(pipeline_, batch_.rows, i, counters_);
       fragments_.clear();
       model::span_to_fragments(pipeline_, modelled, geometry, fragments_, counters_);
       if (i < result.spans.size()) deliver(trace, replaced(modelled, result.spans[i], geometry));
@@ -119,14 +95,13 @@ class RtlEngine final : public Engine {
       std::erase_if(fragments_, [&](const FragmentRecord& f) {
         return f.x < 0 || f.x >= frame_.width || f.y < 0 || f.y >= frame_.height;
       });
-      shade(textures_[i], trace);
+      shade(batch_.textures[i], trace);
       last = {modelled, geometry};
     }
     if (draws_pixels_) pixels_->run(covered_, counters_, trace);
     covered_.clear();
     deliver_surplus(result, pixel, last, trace);
-    rows_.clear();
-    textures_.clear();
+    batch_.clear();
   }
 
   // The fragments of a row from depth to the frame: on the RTL's way, or by the model where it has none.
@@ -137,8 +112,8 @@ class RtlEngine final : public Engine {
       }
       return;
     }
-    const Texture* image = texture < 0 ? nullptr : &scene_->textures[static_cast<std::size_t>(texture)];
-    model::fragments_to_frame(pipeline_, fragments_, image, frame_, counters_, trace);
+    model::fragments_to_frame(pipeline_, fragments_, model::texture_of(*scene_, texture), frame_, counters_,
+                              trace);
   }
 
   struct LastSpan {
@@ -149,12 +124,13 @@ class RtlEngine final : public Engine {
   // Spans and pixels that the RTL delivered beyond those of the rows become records that no other engine has,
   // named by the last row's triangle. Throws std::logic_error where no trace can show them.
   void deliver_surplus(const RtlRun& result, std::size_t pixels, const LastSpan& last, Trace* trace) const {
-    if (result.spans.size() == rows_.size() && result.pixels.size() == pixels) return;
+    if (result.spans.size() == batch_.rows.size() && result.pixels.size() == pixels) return;
     if (trace == nullptr) {
       throw std::logic_error(fmt::format("the RTL delivered {} spans and {} pixels, expected {} and {}",
-                                         result.spans.size(), result.pixels.size(), rows_.size(), pixels));
+                                         result.spans.size(), result.pixels.size(), batch_.rows.size(),
+                                         pixels));
     }
-    for (std::size_t i = rows_.size(); i < result.spans.size(); ++i) {
+    for (std::size_t i = batch_.rows.size(); i < result.spans.size(); ++i) {
       trace->span.push_back(replaced(last.modelled, result.spans[i], last.geometry));
     }
     for (std::size_t i = pixels; i < result.pixels.size(); ++i) {
@@ -226,9 +202,7 @@ class RtlEngine final : public Engine {
   bool constants_delivered_ = false;  // once per scene
   std::uint64_t runs_ = 0;            // since begin: each has its own stalls
   // Reused from run to run.
-  model::Rows rows_;
-  model::PlaneWalkState walk_;
-  std::vector<int> textures_;  // Triangle::texture, one per row
+  RowBatch batch_;
   std::vector<RtlInputs> inputs_;
   std::vector<FragmentRecord> fragments_;
   std::vector<RtlPixels::Fragment> covered_;  // on their way to the pixel stages
