@@ -118,6 +118,15 @@ int check(const Options& options) {
   return exit_held;
 }
 
+int print_or_write(const Options& options, const std::string& text) {
+  if (options.output.empty()) {
+    fmt::print("{}", text);
+  } else {
+    write_file(options.output, text);
+  }
+  return exit_held;
+}
+
 int emit(const Options& options) {
   const bool both = options.part == "both" || (options.part.empty() && !options.folder.empty());
   const RtlChoice choice{.interpolator = both || options.part != "pixels",
@@ -130,23 +139,10 @@ int emit(const Options& options) {
                options.prefix);
     return exit_held;
   }
-  const std::string text = rtl_packages(config, choice);
-  if (options.output.empty()) {
-    fmt::print("{}", text);
-  } else {
-    write_file(options.output, text);
-  }
-  return exit_held;
+  return print_or_write(options, rtl_packages(config, choice));
 }
 
-int schema(const Options& options) {
-  if (options.output.empty()) {
-    fmt::print("{}", config_schema());
-  } else {
-    write_file(options.output, config_schema());
-  }
-  return exit_held;
-}
+int schema(const Options& options) { return print_or_write(options, config_schema()); }
 
 CLI::App* add(CLI::App& parent, const std::string& name, const std::string& text,
               const std::shared_ptr<Options>& o, Action& action, int (*run)(const Options&)) {

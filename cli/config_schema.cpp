@@ -46,7 +46,6 @@ Json table_schema() {
 }
 
 Json schema_of(const Format* /*place*/, const Limits& /*limits*/) {
-  static const Config any;
   Json out = table_schema();
   for (const FieldRow& field : field_rows()) {
     Format format;
@@ -66,18 +65,13 @@ Json& table_in(Json& root, std::string_view path, bool required) {
     const std::string name(path.substr(0, dot));
     path.remove_prefix(dot == std::string_view::npos ? path.size() : dot + 1);
     if (!(*at)["properties"].contains(name)) (*at)["properties"][name] = table_schema();
-    Json& names = (*at)["required"];
-    if (required && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    if (required) {
+      Json& names = (*at)["required"];
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
     at = &(*at)["properties"][name];
   }
   return *at;
-}
-
-// "required" was made where a table was looked for; an empty one is null.
-void drop_empty(Json& table) {
-  if (table.contains("required") && table["required"].is_null()) table.erase("required");
-  if (!table.contains("properties")) return;
-  for (auto& [name, inner] : table["properties"].items()) drop_empty(inner);
 }
 
 }  // namespace
@@ -85,10 +79,8 @@ void drop_empty(Json& table) {
 std::string config_schema() {
   static const Config any;
   Json root{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
-            {"title", "A configuration of bitspan"},
-            {"type", "object"},
-            {"additionalProperties", false},
-            {"properties", Json::object()}};
+            {"title", "A configuration of bitspan"}};
+  root.update(table_schema());
   for (const Key& key : entries()) {
     const bool required = key.presence() == Presence::always;
     Json& table = table_in(root, key.table(), required);
@@ -101,7 +93,6 @@ std::string config_schema() {
     if (required) table["required"].push_back(name);
     table["properties"][name] = std::move(value);
   }
-  drop_empty(root);
   return root.dump(2) + "\n";
 }
 

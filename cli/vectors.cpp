@@ -34,9 +34,7 @@ RecordType stage_named(const std::string& name) {
 
 int vectors(const Options& o) {
   const Config config = find_config(o.config);
-  const VectorFormat format = o.format == "hex"    ? VectorFormat::hex
-                              : o.format == "json" ? VectorFormat::json
-                                                   : VectorFormat::npy;
+  const VectorFormat format = vector_format(o.format);
   const bool is_file = format == VectorFormat::json;
   const std::string output =
       !o.output.empty() ? o.output : o.stage + (is_file ? ".vectors.json" : ".vectors");
@@ -91,7 +89,7 @@ void add_vectors(CLI::App& app, Action& action) {
       ->check(CLI::IsMember(stages));
   sub->add_option("--format", o->format, "hex (one word per record, for $readmemh), json or npy")
       ->required()
-      ->check(CLI::IsMember({"hex", "json", "npy"}));
+      ->check(CLI::IsMember(std::vector<std::string>(vector_formats.begin(), vector_formats.end())));
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
   sub->add_option("-o,--output", o->output,
                   "file (json) or folder (hex, npy); without it STAGE.vectors.json or STAGE.vectors");

@@ -133,7 +133,7 @@ std::vector<Table> tables_of(const Vectors& vectors) {
 
 std::string file_of(const Table& table, VectorFormat format) {
   return fmt::format("{}.{}.{}", table.role, stage_of(table.type),
-                     format == VectorFormat::hex ? "hex" : "npy");
+                     vector_formats[static_cast<std::size_t>(format)]);
 }
 
 Json table_json(const Table& table, const Vectors& vectors, VectorFormat format) {
@@ -168,12 +168,11 @@ std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::er
 
 // What the files are, one table and one record of JSON per line.
 std::string vectors_json(const Vectors& vectors, VectorFormat format, const std::string& version) {
-  constexpr std::string_view names[] = {"hex", "json", "npy"};
   const Config& config = vectors.config;
   Json head;
   head["bitspan_vectors"] = 1;
   head["bitspan"] = version;
-  head["format"] = names[static_cast<std::size_t>(format)];
+  head["format"] = vector_formats[static_cast<std::size_t>(format)];
   head["stage"] = stage_of(vectors.stage);
   head["configuration"] = {{"name", config.name}, {"hash", config_hash(config)}, {"toml", to_toml(config)}};
   head["scene_name"] = vectors.scene.name;
@@ -445,13 +444,6 @@ RecordType type_named(const std::string& name) {
   throw InputError(fmt::format("stage: '{}' is none", name));
 }
 
-VectorFormat format_named(const std::string& name) {
-  if (name == "hex") return VectorFormat::hex;
-  if (name == "json") return VectorFormat::json;
-  if (name == "npy") return VectorFormat::npy;
-  throw InputError(fmt::format("format: '{}'; expected hex, json or npy", name));
-}
-
 ReadTable read_table(const Json& json, VectorFormat format, const fs::path& folder, const std::string& origin,
                      const VectorCheckOptions& options, const Config& config) {
   ReadTable out;
@@ -492,7 +484,7 @@ ReadVectors read_vectors(const std::string& path, const VectorCheckOptions& opti
   try {
     json = Json::parse(text_of(origin));
     if (json.at("bitspan_vectors").get<int>() != 1) throw InputError("bitspan_vectors: expected 1");
-    format = format_named(json.at("format").get<std::string>());
+    format = vector_format(json.at("format").get<std::string>());
     if (format == VectorFormat::json && !options.answers.empty()) {
       throw InputError("--answers: the records of this file are in itself; expected vectors of hex or npy");
     }
@@ -629,6 +621,14 @@ void count(VectorCheck& out, const Answers& a, const RecordView& view) {
 }
 
 }  // namespace
+
+VectorFormat vector_format(std::string_view name) {
+  const auto at = std::ranges::find(vector_formats, name);
+  if (at == vector_formats.end()) {
+    throw InputError(fmt::format("format: '{}'; expected hex, json or npy", name));
+  }
+  return static_cast<VectorFormat>(at - vector_formats.begin());
+}
 
 std::vector<RecordType> inputs_of(const Vectors& vectors) {
   std::vector<RecordType> out;

@@ -3,9 +3,11 @@
 // the answers of a design, read back and compared with the model. docs/vectors.md defines the files.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/engine.hpp"
@@ -16,6 +18,9 @@
 namespace bitspan {
 
 enum class VectorFormat : std::uint8_t { hex, json, npy };
+inline constexpr std::array<std::string_view, 3> vector_formats{"hex", "json", "npy"};  // by number
+// Throws InputError where there is none of that name.
+VectorFormat vector_format(std::string_view name);
 
 struct Vectors {
   Config config;
