@@ -4,6 +4,7 @@
 import re
 import unittest
 
+from acme_spi_cases import AcmeSpi
 from folder import PREFIX, SOURCE, prepare, run, shown
 
 FOLDER = prepare("vpi")
@@ -22,7 +23,13 @@ def simulate(bench, *arguments):
     return run(FOLDER, "vvp", "-n", "-M.", f"{bench}.vvp", *arguments)
 
 
-class Vpi(unittest.TestCase):
+class Vpi(AcmeSpi, unittest.TestCase):
+    pixels = 126
+    least_nontrivial = 500
+    flip = ("+width=24", "+height=12")
+    few_rows = "+rows=5"
+    end_of_simulation = r"Time: (\d+)"
+
     @classmethod
     def setUpClass(cls):
         cls.code, cls.out = EXAMPLE
@@ -31,45 +38,6 @@ class Vpi(unittest.TestCase):
         code, out = simulate("acme_spi_tb", *arguments)
         self.assertNotEqual(code, 0, out)
         return out
-
-    def test_two_configurations_have_no_difference(self):
-        self.assertEqual(self.code, 0, self.out)
-        for name in ("near", "far"):
-            counts = re.search(rf"u_{name}\S*: (\d+) values matched, (\d+) non-trivial, (\d+) records unchecked", self.out)
-            self.assertTrue(counts, self.out)
-            matched, nontrivial, unchecked = map(int, counts.groups())
-            self.assertEqual((matched, unchecked), (13 * 126, 0))
-            self.assertTrue(500 < nontrivial < matched)
-        self.assertNotIn("mismatch", self.out)
-
-    def test_a_flipped_bit_is_named(self):
-        out = self.fails("+flip", "+width=24", "+height=12")
-        for name in ("near", "far"):
-            line = re.search(rf"mismatch at time (\d+): {name}: span: record \d+, triangle \d+, pixel 20 \d+: u: "
-                             r"got 0x([0-9a-f]+) \(-?[\d.]+ texel\), expected 0x([0-9a-f]+) \(-?[\d.]+ texel\)", out)
-            self.assertTrue(line, out)
-            self.assertEqual(int(line[2], 16) ^ int(line[3], 16), 1)
-        self.assertEqual(len(re.findall("mismatch at", out)), 2)
-        # 50 clocks of 10 behind the first one, and the clock that ends.
-        first = int(re.search(r"mismatch at time (\d+)", out)[1])
-        end = int(re.search(r"Time: (\d+)", out)[1])
-        self.assertEqual(end - first, 510)
-
-    def test_without_stimulus_it_fails(self):
-        out = self.fails("+rows=0")
-        self.assertIn("0 values matched, 0 non-trivial, 126 records unchecked", out)
-        self.assertIn("not verified", out)
-        self.assertNotIn("mismatch", out)
-
-    def test_records_that_are_not_checked_fail(self):
-        out = self.fails("+rows=5")
-        self.assertRegex(out, r": [1-9]\d+ values matched, [1-9]\d+ non-trivial, [1-9]\d+ records unchecked")
-        self.assertIn("not verified", out)
-        self.assertNotIn("mismatch", out)
-
-    def test_settings_reach_the_model(self):
-        self.assertRegex(self.fails("+settings=formats.span.uv.word=24"), "mismatch .*: u: got")
-        self.assertIn('setting "nonsense"; expected KEY=VALUE', self.fails("+settings=nonsense"))
 
     def test_the_document_shows_the_script(self):
         self.assertTrue(shown("examples/vpi/run.sh"))
