@@ -229,9 +229,7 @@ CycleVerdict compare_cycles(const Config& config, const Scene& scene, std::size_
   for (std::size_t first = 0; first < all; first += slice_triangles) {
     trace.clear();
     const std::size_t recorded = systemc->handshake().size();
-    const std::span<const Triangle> slice(scene.triangles.data() + first,
-                                          std::min(slice_triangles, all - first));
-    systemc->draw(slice, static_cast<std::int64_t>(first), &trace);
+    draw_scene(*systemc, scene, first, std::min(slice_triangles, all - first), &trace);
     std::vector<RtlHandshake> driven;
     driven.reserve(systemc->handshake().size() - recorded);
     for (std::size_t i = recorded; i < systemc->handshake().size(); ++i) {

@@ -108,7 +108,7 @@ Story run(const std::string& name, const Config& config, const Scene& scene, std
   for (std::size_t done = 0; done < scene.triangles.size();) {
     const std::size_t n = next_batch(scene, done, steps);
     trace.clear();
-    engine->draw({scene.triangles.data() + done, n}, static_cast<std::int64_t>(done), &trace);
+    draw_scene(*engine, scene, done, n, &trace);
     collect(trace, x, y, story);
     done += n;
     progress.update(done, scene.triangles.size());

@@ -142,14 +142,22 @@ Scene shrink(const Engines& engines, const Config& config, Scene scene, const Ru
   for (std::size_t chunk = std::max<std::size_t>(1, scene.triangles.size() / 2); chunk >= 1; chunk /= 2) {
     for (std::size_t at = 0; at < scene.triangles.size();) {
       Scene smaller = scene;
-      const auto from = smaller.triangles.begin() + static_cast<std::ptrdiff_t>(at);
       const std::size_t n = std::min(chunk, smaller.triangles.size() - at);
-      smaller.triangles.erase(from, from + static_cast<std::ptrdiff_t>(n));
+      erase_triangles(smaller, at, n);
       if (!smaller.triangles.empty() && fails(smaller)) {
         scene = std::move(smaller);
       } else {
         at += n;
       }
+    }
+  }
+  for (std::size_t i = 0; i < scene.commands.size();) {
+    Scene smaller = scene;
+    smaller.commands.erase(smaller.commands.begin() + static_cast<std::ptrdiff_t>(i));
+    if (fails(smaller)) {
+      scene = std::move(smaller);
+    } else {
+      ++i;
     }
   }
   Scene without_fog = scene;
@@ -183,7 +191,8 @@ Scene shrink(const Engines& engines, const Config& config, Scene scene, const Ru
 }
 
 // A scene of case `index`; `gentleness` grows where the ones before were refused or covered no pixel.
-Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness) {
+// late_tests: every engine has them.
+Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness, bool late_tests) {
   Random random(derived_seed(seed, index, 2));
   RandomOptions options;
   options.width = static_cast<int>(random.integer(1, 400));
@@ -192,6 +201,9 @@ Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness) {
   options.size_max = random.log_uniform(4, 2000);
   options.depth_ratio_max = std::max(1.5, 1000 / std::pow(3.0, gentleness));
   options.uv_limit = std::max(4.0, 1024 / std::pow(2.0, gentleness));
+  // A generator of its own, so that the triangles of a case stay what they are.
+  if (Random(derived_seed(seed, index, 1U << 20)).chance(1.0 / 3)) options.command_probability = 0.125;
+  options.late_tests = late_tests;
   Scene scene = random_scene(derived_seed(seed, index, 3 + static_cast<std::uint64_t>(gentleness)), options);
   scene.name = fmt::format("fuzz seed {} case {}", seed, index);
   return scene;
@@ -221,7 +233,11 @@ std::string replay_path(const Options& o, std::uint64_t index) {
 class Fuzzer {
  public:
   explicit Fuzzer(const Options& o)
-      : o_(o), names_(parse_engines(o.engines)), engine_options_(engine_options(o.model, 1)) {
+      : o_(o),
+        names_(parse_engines(o.engines)),
+        late_tests_(std::ranges::none_of(
+            names_, [](const std::string& name) { return find_engine(name).early_only; })),
+        engine_options_(engine_options(o.model, 1)) {
     refuse_without_model(o.model, std::ranges::count(names_, "model") != 0);
     if (std::ranges::find(names_, "ideal") != names_.end()) {
       throw InputError("--engines: ideal is not quantised and equals no engine; leave it out of fuzz");
@@ -331,7 +347,7 @@ class Fuzzer {
     take_config(index / o_.streams_per_config);
     bool taken = false;
     for (int draw = 0; draw < draws_per_case; ++draw) {
-      const Scene scene = case_scene(o_.seed, index, draw);
+      const Scene scene = case_scene(o_.seed, index, draw, late_tests_);
       if (!refusal(engines_, config_, scene).empty()) continue;
       taken = true;
       const RunLabel label{scene.name, reproduce(o_, index)};
@@ -398,6 +414,7 @@ class Fuzzer {
 
   Options o_;
   std::vector<std::string> names_;
+  bool late_tests_;  // every engine has them
   EngineOptions engine_options_;
   std::vector<Config> fixed_, bases_;
   Totals totals_;

@@ -118,7 +118,7 @@ int render(const Options& o) {
       const std::size_t step = form == ModelForm::scalar ? 1024 : 16384;
       for (std::size_t done = 0; done < scene.triangles.size(); done += step) {
         const std::size_t n = std::min(step, scene.triangles.size() - done);
-        engine->draw({scene.triangles.data() + done, n}, static_cast<std::int64_t>(done), nullptr);
+        draw_scene(*engine, scene, done, n, nullptr);
         progress.update(done + n, scene.triangles.size());
       }
     }

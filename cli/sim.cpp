@@ -212,7 +212,7 @@ int sim(const Options& o) {
   const auto engine = make_systemc(config, options);
   engine->begin(scene);
   // One call: between two the pipeline would drain, and those clocks are no frame's.
-  engine->draw(scene.triangles, 0, nullptr);
+  draw_scene(*engine, scene, 0, scene.triangles.size(), nullptr);
   engine->close_vcd();
   const TimedReport report = engine->report();
   if (!o.json.empty()) {

@@ -223,7 +223,7 @@ SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const Ver
     out.ideal->begin(scene);
     steps.observe = [&](std::span<const Triangle> triangles, std::int64_t first, const Trace& trace) {
       meter.add(triangles, first, trace);
-      out.ideal->draw(triangles, first, nullptr);
+      draw_scene(*out.ideal, scene, static_cast<std::size_t>(first), triangles.size(), nullptr);
     };
   }
   v.run = run_lock_step(out.engines, scene, steps);

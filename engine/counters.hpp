@@ -17,8 +17,10 @@ namespace bitspan {
   X(std::uint64_t, rows,          true,  "spans, or rows of constant depth (q)")                                \
   X(std::uint64_t, fragments,     true,  "fragments made by the span stage, uncovered ones included")           \
   X(std::uint64_t, covered,       true,  "fragments that cover their pixel (T)")                                \
-  X(std::uint64_t, depth_passed,  true,  "fragments that passed the depth test")                                \
-  X(std::uint64_t, killed,        true,  "fragments killed by the transparent code or alpha 0")                 \
+  X(std::uint64_t, masked,        true,  "covered fragments outside the scissor or the stipple")                \
+  X(std::uint64_t, stencil_failed, true, "fragments that failed the stencil test")                              \
+  X(std::uint64_t, depth_passed,  true,  "fragments that passed the depth test, and the stencil test")                                \
+  X(std::uint64_t, killed,        true,  "fragments killed by the transparent code, alpha 0 or the alpha test")                 \
   X(std::uint64_t, written,       true,  "fragments merged into the frame")                                     \
   X(std::uint64_t, divides_edge,  true,  "reciprocals or divisions made for edges, or planes")                  \
   X(std::uint64_t, divides_row,   true,  "reciprocals or divisions made for rows")                              \

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/records.hpp"
+#include "scene/draw_state.hpp"
 
 namespace bitspan {
 
@@ -16,16 +17,23 @@ namespace bitspan {
 struct Frame {
   int width = 0;
   int height = 0;
-  std::vector<std::uint8_t> color;     // RGBA, A always 255
-  std::vector<std::uint32_t> depth;    // the stored code
-  std::vector<double> u, v;            // texels, of the fragment written last; NaN where none
-  std::vector<std::int32_t> triangle;  // input index of that fragment; -1 where none
+  std::vector<std::uint8_t> color;      // RGBA; A is 255 until the draw state says otherwise
+  std::vector<std::uint32_t> depth;     // the stored code
+  std::vector<double> u, v;             // texels, of the fragment written last; NaN where none
+  std::vector<std::int32_t> triangle;   // input index of that fragment; -1 where none
+  std::vector<std::uint8_t> stencil{};  // empty until a stencil test or a clear of the stencil
+  bool full_alpha = true;               // every A is 255
 };
 
 // Gives the frame its size, the background, the depth buffer's clear code and no triangle. winners: with the
 // planes u, v and triangle; else they are empty.
 void clear_frame(Frame& frame, int width, int height, const std::array<std::uint8_t, 3>& background,
                  std::uint32_t clear_depth, bool winners = true);
+
+// Clears planes of a frame that has its size. farthest: the depth buffer's clear code.
+void clear_planes(Frame& frame, const Clear& clear, std::uint32_t farthest);
+// Gives the frame a stencil plane of zeros where it has none.
+void need_stencil(Frame& frame);
 
 inline std::size_t pixel_of(const Frame& frame, const FragmentRecord& fragment) {
   return static_cast<std::size_t>(fragment.y * frame.width + fragment.x);
@@ -39,16 +47,24 @@ inline void write_winner(Frame& frame, std::size_t pixel, std::int64_t u, std::i
   frame.triangle[pixel] = static_cast<std::int32_t>(triangle);
 }
 
+// Which planes a fragment is written to.
+struct WriteMask {
+  bool color = true, depth = true;
+};
+
 // What merge delivered for a fragment. uv_ulp: the value of 1 in the fragment's u and v.
 inline void write_fragment(Frame& frame, const FragmentRecord& fragment, const MergeRecord& merged,
-                           double uv_ulp) {
+                           double uv_ulp, WriteMask mask = {}) {
   const std::size_t pixel = pixel_of(frame, fragment);
   std::uint8_t* const color = frame.color.data() + 4 * pixel;
-  color[0] = static_cast<std::uint8_t>(merged.r);
-  color[1] = static_cast<std::uint8_t>(merged.g);
-  color[2] = static_cast<std::uint8_t>(merged.b);
-  frame.depth[pixel] = static_cast<std::uint32_t>(merged.z);
-  if (!frame.u.empty()) write_winner(frame, pixel, fragment.u, fragment.v, fragment.triangle, uv_ulp);
+  if (mask.color) {
+    color[0] = static_cast<std::uint8_t>(merged.r);
+    color[1] = static_cast<std::uint8_t>(merged.g);
+    color[2] = static_cast<std::uint8_t>(merged.b);
+  }
+  if (mask.depth) frame.depth[pixel] = static_cast<std::uint32_t>(merged.z);
+  if (mask.color && !frame.u.empty())
+    write_winner(frame, pixel, fragment.u, fragment.v, fragment.triangle, uv_ulp);
 }
 
 }  // namespace bitspan

@@ -79,4 +79,13 @@ int field_index(RecordType type, std::string_view field) {
   return -1;
 }
 
+StateRecord state_record(const DrawState& state, std::int64_t next_index) {
+  StateRecord out;
+  out.triangle = next_index;
+#define BITSPAN_STORE_STATE(A, type, member, ...) out.member = static_cast<std::int64_t>(state.member);
+  BITSPAN_DRAW_STATE(BITSPAN_STORE_STATE, )
+#undef BITSPAN_STORE_STATE
+  return out;
+}
+
 }  // namespace bitspan

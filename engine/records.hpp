@@ -18,6 +18,7 @@
 
 #include "config/config.hpp"
 #include "engine/stages.hpp"
+#include "scene/draw_state.hpp"
 
 namespace bitspan {
 
@@ -55,6 +56,10 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   F(c1, depth_c1)                         \
   F(c0, depth_c0)                         \
   F(fog_scale, fog_scale)
+
+// state: one per change of draw state; the registers hold their values from this triangle on.
+#define BITSPAN_STATE_FIELD(I, type, member, ...) I(member)
+#define BITSPAN_STATE_RECORD(F, I, K) I(triangle) BITSPAN_DRAW_STATE(BITSPAN_STATE_FIELD, I)
 
 // setup: one per triangle that has an area after snapping; vertices in the order of the edge walk.
 #define BITSPAN_VERTEX(n, F, I, K)                                                                         \
@@ -130,6 +135,11 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   I(triangle) I(x) I(y) K(recip_m, pixel_mantissa) I(recip_e) /* linear code only */   \
   K(z, depth_code) K(stored, depth_code) /* the buffer's code before the test */ I(pass)
 
+// stencil: one per fragment that comes to the test; only while stencil.test is on.
+#define BITSPAN_STENCIL_RECORD(F, I, K)                                                                    \
+  I(triangle) I(x) I(y) I(back) /* 1: a back face */ I(stored) /* the plane's value before */              \
+  I(pass) I(op) /* of StencilOp */ I(value) /* the plane's value behind */
+
 // texture: one per fragment that passed the depth test.
 #define BITSPAN_TEXTURE_RECORD(F, I, K)                                                                    \
   I(triangle) I(x) I(y) I(i) I(j) /* nearest texel, or the upper left of four, wrapped */                  \
@@ -147,6 +157,9 @@ std::optional<Format> format_of(const Field& field, const Config& config);
 // merge: one per fragment written.
 #define BITSPAN_MERGE_RECORD(F, I, K)                                                        \
   I(triangle) I(x) I(y) K(z, depth_code) F(r, merge_color) F(g, merge_color) F(b, merge_color)
+
+// merge.alpha: one per fragment written; only where the stored alpha may change.
+#define BITSPAN_MERGE_ALPHA_RECORD(F, I, K) I(triangle) I(x) I(y) I(a)
 
 // clang-format on
 
@@ -244,6 +257,9 @@ void deliver_all(Trace* trace, const R& records) {
   auto& to = records_of<std::ranges::range_value_t<R>>(*trace);
   to.insert(to.end(), records.begin(), records.end());
 }
+
+// The registers from triangle next_index on.
+StateRecord state_record(const DrawState& state, std::int64_t next_index);
 
 // All records of one type in a trace, as rows of raw values.
 struct RecordView {

@@ -18,8 +18,8 @@
 
 namespace bitspan {
 
-// What there is one record for.
-enum class Per : std::uint8_t { scene, triangle, edge, row, pixel };
+// What there is one record for; `change` is a change of draw state.
+enum class Per : std::uint8_t { scene, change, triangle, edge, row, pixel };
 
 inline constexpr std::optional<Stage> no_clock;
 
@@ -36,6 +36,7 @@ inline constexpr std::optional<Stage> no_clock;
 //   made from  the RecordTypes that feed it, in the order of the pipeline; of those of a mode, the ones that it has
 #define BITSPAN_STAGE_TABLE(ROW, X)                                                                                     \
   ROW(X, ConstantsRecord, BITSPAN_CONSTANTS_RECORD, "constants",      constants, no_clock,          scene)              \
+  ROW(X, StateRecord,     BITSPAN_STATE_RECORD,     "state",          state,     no_clock,          change,   constants) \
   ROW(X, SetupRecord,     BITSPAN_SETUP_RECORD,     "setup",          setup,     Stage::setup,      triangle, constants) \
   ROW(X, EdgeRecord,      BITSPAN_EDGE_RECORD,      "setup.edge",     edge,      Stage::setup,      edge,     setup)     \
   ROW(X, RowRecord,       BITSPAN_ROW_RECORD,       "edge_walk",      row,       Stage::edge_walk,  row,      edge)      \
@@ -44,9 +45,11 @@ inline constexpr std::optional<Stage> no_clock;
   ROW(X, SpanRecord,      BITSPAN_SPAN_RECORD,      "span_setup",     span,      Stage::span_setup, row,      row, plane_row) \
   ROW(X, FragmentRecord,  BITSPAN_FRAGMENT_RECORD,  "span",           fragment,  Stage::span,       pixel,    span)      \
   ROW(X, DepthRecord,     BITSPAN_DEPTH_RECORD,     "depth",          depth,     Stage::depth,      pixel,    fragment)  \
+  ROW(X, StencilRecord,   BITSPAN_STENCIL_RECORD,   "stencil",        stencil,   Stage::depth,      pixel,    fragment, depth) \
   ROW(X, TextureRecord,   BITSPAN_TEXTURE_RECORD,   "texture",        texture,   Stage::texture,    pixel,    fragment, depth) \
   ROW(X, FogRecord,       BITSPAN_FOG_RECORD,       "fog",            fog,       Stage::fog,        pixel,    fragment, texture) \
-  ROW(X, MergeRecord,     BITSPAN_MERGE_RECORD,     "merge",          merge,     Stage::merge,      pixel,    depth, texture, fog)
+  ROW(X, MergeRecord,     BITSPAN_MERGE_RECORD,     "merge",          merge,     Stage::merge,      pixel,    depth, texture, fog) \
+  ROW(X, MergeAlphaRecord, BITSPAN_MERGE_ALPHA_RECORD, "merge.alpha", merge_alpha, Stage::merge,    pixel,    merge)
 
 // clang-format on
 

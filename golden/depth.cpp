@@ -17,7 +17,6 @@ class Depth {
  public:
   Depth(const Config& config, const Constants& constants)
       : code_(config.depth_code),
-        func_(config.depth_func),
         q_h_(config.format(FormatId::span_h)),
         q_z_(config.depth_format()),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
@@ -27,8 +26,8 @@ class Depth {
         unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)),
         quick_z_(config.depth_format()) {}
 
-  void operator()(std::span<const FragmentRecord> fragments, std::span<const std::uint32_t> stored, int width,
-                  std::vector<DepthRecord>& out) const {
+  void operator()(std::span<const FragmentRecord> fragments, const DrawState& state,
+                  std::span<const std::uint32_t> stored, int width, std::vector<DepthRecord>& out) const {
     const std::size_t first = out.size();
     const auto covered = std::ranges::count(fragments, 1, &FragmentRecord::covered);
     out.resize(first + static_cast<std::size_t>(covered));
@@ -47,7 +46,12 @@ class Depth {
       if (!quick(records)) {
         for (DepthRecord& record : records) code(record);
       }
-      for (DepthRecord& record : records) record.pass = passes(record.z, record.stored) ? 1 : 0;
+      if (state.depth_bias != 0) {
+        for (DepthRecord& record : records) record.z = biased(record.z, state.depth_bias);
+      }
+      for (DepthRecord& record : records) {
+        record.pass = passes(state.depth_func, record.z, record.stored) ? 1 : 0;
+      }
     }
   }
 
@@ -63,9 +67,14 @@ class Depth {
     }
     unreachable();
   }
+  std::int64_t biased(std::int64_t z, std::int64_t bias) const {
+    const auto largest = static_cast<std::int64_t>(base_of(z_max_));
+    const std::int64_t moved = z + bias;
+    return moved < 0 ? 0 : moved > largest ? largest : moved;
+  }
   // The depth comparison.
-  bool passes(std::int64_t z, std::int64_t stored) const {
-    switch (func_) {
+  bool passes(DepthFunc func, std::int64_t z, std::int64_t stored) const {
+    switch (func) {
       case DepthFunc::never:
         return false;
       case DepthFunc::less:
@@ -133,7 +142,6 @@ class Depth {
   }
 
   DepthCode code_;
-  DepthFunc func_;
   Quantizer<Real> q_h_, q_z_;
   Real b_, c1_, c0_, z_max_;
   ReciprocalUnit<Real> unit_;

@@ -15,6 +15,7 @@
 #include "golden/setup.hpp"
 #include "golden/span.hpp"
 #include "golden/span_setup.hpp"
+#include "golden/stencil.hpp"
 #include "golden/texture.hpp"
 
 namespace bitspan {
@@ -53,6 +54,8 @@ class GoldenEngine final : public Engine, public RowEngine {
     fog_ = make_fog(with(precision_.fog), config_, constants_, scene);
     uv_ulp_ = std::ldexp(1.0, -config_.format(FormatId::span_uv).fraction());
 
+    state_ = first_state(config_);
+    back_ = false;
     constants_delivered_ = false;
     counters_ = {};
     clear_frame(frame_, scene.width, scene.height, scene.background,
@@ -68,6 +71,15 @@ class GoldenEngine final : public Engine, public RowEngine {
     }
   }
 
+  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
+    state_ = changed_state(state_, change, config_);
+    if (state_.stencil_test) need_stencil(frame_);
+    if (trace != nullptr) begin_batch(trace).state.push_back(state_record(state_, next_index));
+  }
+  void clear(const Clear& clear) override {
+    clear_planes(frame_, clear, static_cast<std::uint32_t>(clear_depth(config_)));
+  }
+
   PlaneOfRows set_plane(const SetupRecord& setup) override {
     plane_walk_(setup, planes_);
     return {planes_.plane.major == 1, planes_.rows};
@@ -76,6 +88,7 @@ class GoldenEngine final : public Engine, public RowEngine {
     Trace& out = begin_batch(trace);
     const std::size_t first_span = out.span.size();
     first_ = out.fragment.size();
+    back_ = false;
     if (const auto* row = std::get_if<RowRecord>(&any)) {
       out.row.push_back(*row);
       out.span.push_back(span_of(*row));
@@ -134,6 +147,7 @@ class GoldenEngine final : public Engine, public RowEngine {
     }
     out.setup.push_back(*setup);
     const Texture* texture = image(triangle.texture);
+    back_ = state_.stencil_test && runs_clockwise(config_, triangle);
     first_ = out.fragment.size();
     if (by_planes()) {
       draw_planes(*setup, texture, out);
@@ -197,52 +211,108 @@ class GoldenEngine final : public Engine, public RowEngine {
   // at a pixel of its own and their order does not matter to the frame.
   void draw_fragments(const Texture* texture, Trace& out) {
     const std::span fragments = std::span<const FragmentRecord>(out.fragment).subspan(first_);
-    const std::size_t first_depth = out.depth.size();
-    depth_(fragments, frame_.depth, frame_.width, out.depth);
     alive_.clear();
     depths_.clear();
-    const DepthRecord* depth = out.depth.data() + first_depth;
+    textures_.clear();
+    std::size_t covered = 0;
     for (const FragmentRecord& fragment : fragments) {
       if (fragment.covered == 0) continue;
-      if (depth->pass == 1) {
+      ++covered;
+      if (is_masked(fragment)) {
+        ++counters_.masked;
+      } else {
         alive_.push_back(&fragment);
-        depths_.push_back(depth);
       }
-      ++depth;
     }
-    const std::size_t covered = out.depth.size() - first_depth;
     counters_.covered += covered;
     if (by_planes()) counters_.divides_saved += static_cast<std::int64_t>(covered);
-    counters_.depth_passed += alive_.size();
-
-    const std::size_t first_texture = out.texture.size();
-    texture_(alive_, texture, out.texture);
-    textures_.clear();
-    for (std::size_t i = 0; i < alive_.size(); ++i) {
-      const TextureRecord& textured = out.texture[first_texture + i];
-      if (textured.killed == 1) {
-        ++counters_.killed;
-        continue;
-      }
-      alive_[textures_.size()] = alive_[i];
-      depths_[textures_.size()] = depths_[i];
-      textures_.push_back(&textured);
+    if (is_late(state_.depth_when)) {
+      run_texture(texture, out);
+      run_depth(fragments, covered, out);
+    } else {
+      run_depth(fragments, covered, out);
+      run_texture(texture, out);
     }
-    alive_.resize(textures_.size());
-    depths_.resize(textures_.size());
     counters_.written += alive_.size();
 
     const std::size_t first_fog = out.fog.size();
     fog_(alive_, textures_, out.fog);
     const std::size_t first_merge = out.merge.size();
-    merge_(std::span<const FogRecord>(out.fog).subspan(first_fog), textures_, depths_, frame_.color,
-           frame_.width, out.merge);
+    const std::size_t first_alpha = out.merge_alpha.size();
+    merge_(std::span<const FogRecord>(out.fog).subspan(first_fog), textures_, depths_, state_, frame_.color,
+           frame_.width, out.merge, out.merge_alpha);
+    const WriteMask mask{state_.color_write, state_.depth_write};
     for (std::size_t i = 0; i < alive_.size(); ++i) {
-      write_fragment(frame_, *alive_[i], out.merge[first_merge + i], uv_ulp_);
+      write_fragment(frame_, *alive_[i], out.merge[first_merge + i], uv_ulp_, mask);
+    }
+    if (mask.color) {
+      for (const MergeAlphaRecord& merged : std::span(out.merge_alpha).subspan(first_alpha)) {
+        frame_.color[4 * static_cast<std::size_t>(merged.y * frame_.width + merged.x) + 3] =
+            static_cast<std::uint8_t>(merged.a);
+      }
     }
 
     if (&out == &unkept_) out.clear_pixels();
     first_ = out.fragment.size();
+  }
+
+  // Scissor and stipple.
+  bool is_masked(const FragmentRecord& f) const {
+    const DrawState& s = state_;
+    if (f.x < s.scissor_left || f.x >= s.scissor_right) return true;
+    if (f.y < s.scissor_top || f.y >= s.scissor_bottom) return true;
+    const std::int64_t bit = 8 * (f.y % 4) + f.x % 8;
+    return s.stipple / (std::int64_t{1} << bit) % 2 == 0;
+  }
+
+  // Leaves in alive_, depths_ and textures_ what passes the tests. `all`: the fragments of which `covered`
+  // cover their pixel.
+  void run_depth(std::span<const FragmentRecord> all, std::size_t covered, Trace& out) {
+    const std::size_t first = out.depth.size();
+    if (alive_.size() == covered) {
+      depth_(all, state_, frame_.depth, frame_.width, out.depth);
+    } else {
+      tested_.clear();
+      for (const FragmentRecord* fragment : alive_) tested_.push_back(*fragment);
+      depth_(tested_, state_, frame_.depth, frame_.width, out.depth);
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < alive_.size(); ++i) {
+      const DepthRecord& depth = out.depth[first + i];
+      bool passes = depth.pass == 1;
+      if (state_.stencil_test) {
+        std::uint8_t& plane = frame_.stencil[static_cast<std::size_t>(depth.y * frame_.width + depth.x)];
+        out.stencil.push_back(stencil(state_, back_, depth, plane));
+        plane = static_cast<std::uint8_t>(out.stencil.back().value);
+        if (out.stencil.back().pass == 0) ++counters_.stencil_failed;
+        passes = passes && out.stencil.back().pass == 1;
+      }
+      if (!passes) continue;
+      alive_[kept++] = alive_[i];
+      depths_.push_back(&depth);
+      if (!textures_.empty()) textures_[kept - 1] = textures_[i];
+    }
+    alive_.resize(kept);
+    if (!textures_.empty()) textures_.resize(kept);
+    counters_.depth_passed += kept;
+  }
+  // The same for what the texture does not kill.
+  void run_texture(const Texture* texture, Trace& out) {
+    const std::size_t first = out.texture.size();
+    texture_(alive_, texture, state_, out.texture);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < alive_.size(); ++i) {
+      const TextureRecord& textured = out.texture[first + i];
+      if (textured.killed == 1) {
+        ++counters_.killed;
+        continue;
+      }
+      alive_[kept++] = alive_[i];
+      if (!depths_.empty()) depths_[kept - 1] = depths_[i];
+      textures_.push_back(&textured);
+    }
+    alive_.resize(kept);
+    if (!depths_.empty()) depths_.resize(kept);
   }
 
   Config config_;
@@ -271,8 +341,11 @@ class GoldenEngine final : public Engine, public RowEngine {
   std::vector<const FragmentRecord*> alive_;
   std::vector<const DepthRecord*> depths_;
   std::vector<const TextureRecord*> textures_;
+  std::vector<FragmentRecord> tested_;
   Frame frame_;
   Counters counters_;
+  DrawState state_;
+  bool back_ = false;  // the triangle is a back face
 };
 
 }  // namespace

@@ -6,7 +6,10 @@
 #include <vector>
 
 #include "config/modes.hpp"
+#include "golden/compare.hpp"
+#include "golden/merge.hpp"
 #include "golden/quantize.hpp"
+#include "golden/stencil.hpp"
 
 namespace bitspan {
 
@@ -237,6 +240,64 @@ std::uint8_t nearest_code(double x) {
   return static_cast<std::uint8_t>(std::clamp(std::floor(x + 0.5), 0.0, 255.0));
 }
 
+// The factor of a channel, all in 0..1: src and dst of the channel, a and dst_a of the alphas, k and ka of
+// the constant colour.
+struct IdealShares {
+  double src = 0, dst = 0, a = 0, dst_a = 0, k = 0, ka = 0;
+
+  double of(BlendFactor factor, bool is_alpha) const {
+    switch (factor) {
+      case BlendFactor::zero:
+        return 0;
+      case BlendFactor::one:
+        return 1;
+      case BlendFactor::src_color:
+        return src;
+      case BlendFactor::one_minus_src_color:
+        return 1 - src;
+      case BlendFactor::dst_color:
+        return dst;
+      case BlendFactor::one_minus_dst_color:
+        return 1 - dst;
+      case BlendFactor::src_alpha:
+        return a;
+      case BlendFactor::one_minus_src_alpha:
+        return 1 - a;
+      case BlendFactor::dst_alpha:
+        return dst_a;
+      case BlendFactor::one_minus_dst_alpha:
+        return 1 - dst_a;
+      case BlendFactor::constant_color:
+        return k;
+      case BlendFactor::one_minus_constant_color:
+        return 1 - k;
+      case BlendFactor::constant_alpha:
+        return ka;
+      case BlendFactor::one_minus_constant_alpha:
+        return 1 - ka;
+      case BlendFactor::src_alpha_saturate:
+        return is_alpha ? 1 : std::min(a, 1 - dst_a);
+    }
+    unreachable();
+  }
+};
+
+double ideal_blend(BlendOp op, double src, double dst, double by_src, double by_dst) {
+  switch (op) {
+    case BlendOp::add:
+      return src * by_src + dst * by_dst;
+    case BlendOp::subtract:
+      return src * by_src - dst * by_dst;
+    case BlendOp::reverse_subtract:
+      return dst * by_dst - src * by_src;
+    case BlendOp::min:
+      return std::min(src, dst);
+    case BlendOp::max:
+      return std::max(src, dst);
+  }
+  unreachable();
+}
+
 class IdealEngine final : public Engine {
  public:
   explicit IdealEngine(const Config& config) : config_(config) {}
@@ -253,6 +314,25 @@ class IdealEngine final : public Engine {
     z_.assign(pixels, configured_code(config_, scene, 0, scene.s_max));
     color_.assign(pixels,
                   {double(scene.background[0]), double(scene.background[1]), double(scene.background[2])});
+    alpha_.assign(pixels, 255);
+    state_ = first_state(config_);
+    biased_ = false;
+    stale_ = true;
+  }
+
+  void set(const StateChange& change, std::int64_t /*next_index*/, Trace* /*trace*/) override {
+    state_ = changed_state(state_, change, config_);
+    biased_ = biased_ || state_.depth_bias != 0;
+    if (state_.stencil_test) need_stencil(frame_);
+  }
+  void clear(const Clear& clear) override {
+    clear_planes(frame_, clear, 0);
+    for (std::size_t i = 0; i < color_.size(); ++i) {
+      for (std::size_t c = 0; clear.color && c < 3; ++c) color_[i][c] = (*clear.color)[c];
+      if (clear.alpha) alpha_[i] = *clear.alpha;
+      if (clear.depth) h_[i] = 0;
+      if (clear.depth) z_[i] = configured_code(config_, *scene_, 0, scene_->s_max);
+    }
     stale_ = true;
   }
 
@@ -261,6 +341,7 @@ class IdealEngine final : public Engine {
     for (const Triangle& triangle : triangles) {
       ++counters_.triangles;
       if (const auto t = ideal_triangle(config_, triangle)) {
+        back_ = state_.stencil_test && golden::runs_clockwise(config_, triangle);
         draw_one(*t, index);
       } else {
         ++counters_.degenerate;
@@ -278,7 +359,7 @@ class IdealEngine final : public Engine {
     const auto z_max = static_cast<double>(h_max(config_));
     for (std::size_t i = 0; i < color_.size(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) frame_.color[4 * i + c] = nearest_code(color_[i][c]);
-      frame_.color[4 * i + 3] = 255;
+      frame_.color[4 * i + 3] = nearest_code(alpha_[i]);
       frame_.depth[i] = static_cast<std::uint32_t>(std::clamp(std::floor(z_[i] + 0.5), 0.0, z_max));
     }
     stale_ = false;
@@ -314,32 +395,106 @@ class IdealEngine final : public Engine {
   void pixel(const IdealTriangle& t, std::int64_t index, const Areas& areas, std::int64_t x, std::int64_t y) {
     ++counters_.fragments;
     ++counters_.covered;
+    if (is_masked(x, y)) {
+      ++counters_.masked;
+      return;
+    }
     const auto i = static_cast<std::size_t>(y * frame_.width + x);
     const IdealPoint point = point_at_centre(config_, *scene_, t, areas, x, y);
-    // No distance is beyond s_max, the cleared buffer's, but h of one at s_max may round below 0.
-    const double h = std::max(point.h, 0.0);
-    if (!passes(config_.depth_func, h, h_[i])) return;
-    ++counters_.depth_passed;
+    const bool late = is_late(state_.depth_when);
+    if (!late && !depth_passes(point, i, x, y)) return;
     const IdealFragment fragment = shade(config_, *scene_, t, point);
-    if (fragment.killed) {
+    if (fragment.killed ||
+        !golden::holds<double>(state_.alpha_func, 255 * fragment.alpha, state_.alpha_ref)) {
       ++counters_.killed;
       return;
     }
+    if (late && !depth_passes(point, i, x, y)) return;
     ++counters_.written;
-    const double share = std::min(fragment.alpha, 1.0);
-    for (std::size_t c = 0; c < 3; ++c) color_[i][c] += (fragment.fogged[c] - color_[i][c]) * share;
-    if (share == 1) color_[i] = fragment.fogged;
-    h_[i] = h;
-    z_[i] = fragment.z;
+    if (state_.depth_write) {
+      // No distance is beyond s_max, the cleared buffer's, but h of one at s_max may round below 0.
+      h_[i] = std::max(point.h, 0.0);
+      z_[i] = code_of(point);
+    }
+    if (!state_.color_write) return;
+    blend(fragment, i);
     frame_.u[i] = point.u;
     frame_.v[i] = point.v;
     frame_.triangle[i] = static_cast<std::int32_t>(index);
+  }
+
+  bool is_masked(std::int64_t x, std::int64_t y) const {
+    const bool inside = x >= state_.scissor_left && x < state_.scissor_right && y >= state_.scissor_top &&
+                        y < state_.scissor_bottom;
+    return !inside || (state_.stipple >> (y % 4 * 8 + x % 8)) % 2 == 0;
+  }
+  // The unquantised code with the bias, within the register.
+  double code_of(const IdealPoint& point) const {
+    const double z = configured_code(config_, *scene_, point.h, point.s);
+    if (state_.depth_bias == 0) return z;
+    return std::clamp(z + state_.depth_bias, 0.0, static_cast<double>(h_max(config_)));
+  }
+  bool depth_passes(const IdealPoint& point, std::size_t i, std::int64_t x, std::int64_t y) {
+    bool pass = false;
+    if (biased_) {
+      const double sign = nearer_is_larger(config_.depth_code) ? 1 : -1;
+      pass = passes(state_.depth_func, sign * code_of(point), sign * z_[i]);
+    } else {
+      pass = passes(state_.depth_func, std::max(point.h, 0.0), h_[i]);
+    }
+    if (state_.stencil_test) {
+      const StencilRecord tested =
+          golden::stencil(state_, back_, {.x = x, .y = y, .pass = pass ? 1 : 0}, frame_.stencil[i]);
+      frame_.stencil[i] = static_cast<std::uint8_t>(tested.value);
+      if (tested.pass == 0) ++counters_.stencil_failed;
+      pass = pass && tested.pass == 1;
+    }
+    if (pass) ++counters_.depth_passed;
+    return pass;
+  }
+  void blend(const IdealFragment& fragment, std::size_t i) {
+    const double a = std::min(fragment.alpha, 1.0);
+    const std::array<int, 3> constant{state_.blend_red, state_.blend_green, state_.blend_blue};
+    const auto code = [](double x) { return static_cast<unsigned>(nearest_code(x)); };
+    const double dst_a = alpha_[i] / 255;
+    const double ka = state_.blend_alpha / 255.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double src = fragment.fogged[c];
+      double& dst = color_[i][c];
+      if (state_.logic_op != LogicOp::none) {
+        dst = golden::logic(state_.logic_op, code(src), code(dst));
+        continue;
+      }
+      const IdealShares shares{std::clamp(src / 255, 0.0, 1.0), dst / 255, a, dst_a, constant[c] / 255.0, ka};
+      const double by_src = shares.of(state_.blend_src, false);
+      const double by_dst = shares.of(state_.blend_dst, false);
+      // As a mix where it is one, so that an opaque fragment's colour is its own.
+      const bool mix = state_.blend_op == BlendOp::add && by_src + by_dst == 1;
+      if (mix) {
+        dst = by_src == 1 ? src : dst + (src - dst) * by_src;
+      } else {
+        dst = std::clamp(ideal_blend(state_.blend_op, src, dst, by_src, by_dst), 0.0, 255.0);
+      }
+    }
+    if (state_.logic_op != LogicOp::none) {
+      alpha_[i] = golden::logic(state_.logic_op, code(255 * a), code(alpha_[i]));
+      return;
+    }
+    const IdealShares shares{a, dst_a, a, dst_a, ka, ka};
+    alpha_[i] = std::clamp(
+        ideal_blend(state_.blend_alpha_op, 255 * a, alpha_[i], shares.of(state_.blend_alpha_src, true),
+                    shares.of(state_.blend_alpha_dst, true)),
+        0.0, 255.0);
   }
 
   Config config_;
   const Scene* scene_ = nullptr;
   std::vector<double> h_, z_;
   std::vector<std::array<double, 3>> color_;
+  std::vector<double> alpha_;  // of the picture, 0..255
+  DrawState state_;
+  bool biased_ = false;  // depth.bias was not 0 once: the depth test is on codes
+  bool back_ = false;    // the triangle is a back face
   mutable Frame frame_;
   mutable bool stale_ = true;
   Counters counters_;

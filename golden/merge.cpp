@@ -11,6 +11,127 @@ namespace bitspan::golden {
 
 namespace {
 
+// Any blend and logic operation, in 113 bits.
+class Blending {
+ public:
+  explicit Blending(const Config& config)
+      : in_(config.format(FormatId::fog_color)),
+        alpha_(config.format(FormatId::texture_alpha)),
+        q_(config.format(FormatId::merge_color)) {}
+
+  // r, g and b of the record; stored: the pixel's RGBA.
+  void color(const DrawState& state, const FogRecord& fog, const TextureRecord& texture,
+             std::span<const std::uint8_t> stored, MergeRecord& out) const {
+    const std::array constant{state.blend_red, state.blend_green, state.blend_blue};
+    const std::array source{fog.r, fog.g, fog.b};
+    std::array<std::int64_t, 3> result{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Quad src = in_.value(source[c]);
+      if (state.logic_op != LogicOp::none) {
+        result[c] = logic(state.logic_op, static_cast<unsigned>(q_.raw(q_(src))), stored[c]);
+        continue;
+      }
+      Quad code = floor_of(src);
+      if (code < 0) code = 0;
+      if (code > 255) code = 255;
+      const Shares shares{alpha(texture),   share(code),        share(stored[c]),
+                          share(stored[3]), share(constant[c]), share(state.blend_alpha)};
+      const Quad dst = stored[c];
+      result[c] = q_.raw(q_(combine(state.blend_op, src, dst, shares.of(state.blend_src, false),
+                                    shares.of(state.blend_dst, false))));
+    }
+    out.r = result[0];
+    out.g = result[1];
+    out.b = result[2];
+  }
+
+  std::int64_t alpha(const DrawState& state, const TextureRecord& texture, std::uint8_t stored) const {
+    const Quad a = alpha(texture);
+    const Quad src = floor_of(255 * a + Quad(0.5));
+    if (state.logic_op != LogicOp::none) return logic(state.logic_op, static_cast<unsigned>(src), stored);
+    const Shares shares{
+        a, a, share(stored), share(stored), share(state.blend_alpha), share(state.blend_alpha)};
+    return q_.raw(q_(combine(state.blend_alpha_op, src, stored, shares.of(state.blend_alpha_src, true),
+                             shares.of(state.blend_alpha_dst, true))));
+  }
+
+ private:
+  // The factors' values.
+  struct Shares {
+    Quad a, src_color, dst_color, dst_alpha, constant_color, constant_alpha;
+
+    Quad of(BlendFactor factor, bool is_alpha) const {
+      switch (factor) {
+        case BlendFactor::zero:
+          return 0;
+        case BlendFactor::one:
+          return 1;
+        case BlendFactor::src_color:
+          return src_color;
+        case BlendFactor::one_minus_src_color:
+          return 1 - src_color;
+        case BlendFactor::dst_color:
+          return dst_color;
+        case BlendFactor::one_minus_dst_color:
+          return 1 - dst_color;
+        case BlendFactor::src_alpha:
+          return a;
+        case BlendFactor::one_minus_src_alpha:
+          return 1 - a;
+        case BlendFactor::dst_alpha:
+          return dst_alpha;
+        case BlendFactor::one_minus_dst_alpha:
+          return 1 - dst_alpha;
+        case BlendFactor::constant_color:
+          return constant_color;
+        case BlendFactor::one_minus_constant_color:
+          return 1 - constant_color;
+        case BlendFactor::constant_alpha:
+          return constant_alpha;
+        case BlendFactor::one_minus_constant_alpha:
+          return 1 - constant_alpha;
+        case BlendFactor::src_alpha_saturate:
+          if (is_alpha) return 1;
+          return a < 1 - dst_alpha ? a : 1 - dst_alpha;
+      }
+      return 0;
+    }
+  };
+
+  // c(n)
+  static Quad share(Quad n) { return (n + floor_of(n / 128)) / 256; }
+  Quad alpha(const TextureRecord& texture) const {
+    const Quad a = alpha_.value(texture.a);
+    return a > 1 ? Quad(1) : a;
+  }
+  static Quad combine(BlendOp op, Quad src, Quad dst, Quad by_src, Quad by_dst) {
+    switch (op) {
+      case BlendOp::add:
+        return src * by_src + dst * by_dst;
+      case BlendOp::subtract:
+        return src * by_src - dst * by_dst;
+      case BlendOp::reverse_subtract:
+        return dst * by_dst - src * by_src;
+      case BlendOp::min:
+        return src < dst ? src : dst;
+      case BlendOp::max:
+        return src > dst ? src : dst;
+    }
+    return 0;
+  }
+  Quantizer<Quad> in_, alpha_, q_;
+};
+
+bool keeps_alpha(const DrawState& s) {
+  return s.logic_op == LogicOp::none && s.blend_alpha_src == BlendFactor::zero &&
+         s.blend_alpha_dst == BlendFactor::one && s.blend_alpha_op == BlendOp::add;
+}
+// The blend is T5's: by the fragment's alpha.
+bool mixes_by_alpha(const DrawState& s) {
+  return keeps_alpha(s) && s.blend_src == BlendFactor::src_alpha &&
+         s.blend_dst == BlendFactor::one_minus_src_alpha && s.blend_op == BlendOp::add;
+}
+
 template <class Real>
 class Merging {
  public:
@@ -18,11 +139,13 @@ class Merging {
       : q_in_(config.format(FormatId::fog_color)),
         q_alpha_(config.format(FormatId::texture_alpha)),
         q_(config.format(FormatId::merge_color)),
-        quick_(config.format(FormatId::merge_color)) {}
+        quick_(config.format(FormatId::merge_color)),
+        blending_(config) {}
 
   void operator()(std::span<const FogRecord> fogs, std::span<const TextureRecord* const> textures,
-                  std::span<const DepthRecord* const> depths, std::span<const std::uint8_t> stored, int width,
-                  std::vector<MergeRecord>& out) const {
+                  std::span<const DepthRecord* const> depths, const DrawState& state,
+                  std::span<const std::uint8_t> stored, int width, std::vector<MergeRecord>& out,
+                  std::vector<MergeAlphaRecord>& alphas) const {
     const std::size_t first = out.size();
     out.resize(first + fogs.size());
     for (std::size_t i = 0; i < fogs.size(); ++i) {
@@ -31,6 +154,16 @@ class Merging {
       record.x = fogs[i].x;
       record.y = fogs[i].y;
       record.z = depths[i]->z;
+    }
+    if (!mixes_by_alpha(state)) {
+      for (std::size_t i = 0; i < fogs.size(); ++i) {
+        const auto pixel = stored.subspan(color_at(fogs[i], width), 4);
+        blending_.color(state, fogs[i], *textures[i], pixel, out[first + i]);
+        if (keeps_alpha(state)) continue;
+        alphas.push_back(
+            {fogs[i].triangle, fogs[i].x, fogs[i].y, blending_.alpha(state, *textures[i], pixel[3])});
+      }
+      return;
     }
     for (std::size_t at = 0; at < fogs.size(); at += lanes) {
       const std::size_t n = std::min(lanes, fogs.size() - at);
@@ -95,9 +228,52 @@ class Merging {
 
   Quantizer<Real> q_in_, q_alpha_, q_;
   LaneFormat quick_;
+  Blending blending_;
 };
 
 }  // namespace
+
+int logic(LogicOp op, unsigned src, unsigned dst) {
+  const auto s = static_cast<int>(src);
+  const auto d = static_cast<int>(dst);
+  const auto no = [](int code) { return 255 - code; };
+  switch (op) {
+    case LogicOp::none:
+    case LogicOp::copy:
+      return s;
+    case LogicOp::clear:
+      return 0;
+    case LogicOp::conjunction:
+      return s & d;
+    case LogicOp::and_reverse:
+      return s & no(d);
+    case LogicOp::and_inverted:
+      return no(s) & d;
+    case LogicOp::noop:
+      return d;
+    case LogicOp::exclusive_or:
+      return s ^ d;
+    case LogicOp::disjunction:
+      return s | d;
+    case LogicOp::nor:
+      return no(s | d);
+    case LogicOp::equiv:
+      return no(s ^ d);
+    case LogicOp::invert:
+      return no(d);
+    case LogicOp::or_reverse:
+      return s | no(d);
+    case LogicOp::copy_inverted:
+      return no(s);
+    case LogicOp::or_inverted:
+      return no(s) | d;
+    case LogicOp::nand:
+      return no(s & d);
+    case LogicOp::set:
+      return 255;
+  }
+  return s;
+}
 
 MergeStage make_merge(Arithmetic arithmetic, const Config& config) {
   // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): see with_real.hpp

@@ -12,10 +12,15 @@
 namespace bitspan::golden {
 
 // Takes the colours of fog, the alphas of texture, the codes of depth and the picture's RGBA, `width` pixels
-// per row. Appends a record for each fragment, all of them of one triangle. The picture stays as it is.
-using MergeStage = std::function<void(
-    std::span<const FogRecord>, std::span<const TextureRecord* const>, std::span<const DepthRecord* const>,
-    std::span<const std::uint8_t> stored, int width, std::vector<MergeRecord>& out)>;
+// per row. Appends a record for each fragment, all of them of one triangle; alphas: where the draw state may
+// change the stored alpha. The picture stays as it is.
+using MergeStage = std::function<void(std::span<const FogRecord>, std::span<const TextureRecord* const>,
+                                      std::span<const DepthRecord* const>, const DrawState&,
+                                      std::span<const std::uint8_t> stored, int width,
+                                      std::vector<MergeRecord>& out, std::vector<MergeAlphaRecord>& alphas)>;
 MergeStage make_merge(Arithmetic arithmetic, const Config& config);
+
+// A logic operation on codes 0..255; not `none`.
+int logic(LogicOp op, unsigned src, unsigned dst);
 
 }  // namespace bitspan::golden

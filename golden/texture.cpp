@@ -5,6 +5,7 @@
 #include <array>
 
 #include "config/modes.hpp"
+#include "golden/compare.hpp"
 #include "golden/lanes.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
@@ -28,6 +29,7 @@ class Texturing {
         q_mix_(config.format(FormatId::texture_mix)),
         q_color_(config.format(FormatId::texture_color)),
         q_alpha_(config.format(FormatId::texture_alpha)),
+        alpha_format_(config.format(FormatId::texture_alpha)),
         quick_mix_(config.format(FormatId::texture_mix)),
         quick_color_(config.format(FormatId::texture_color)),
         quick_alpha_(config.format(FormatId::texture_alpha)) {
@@ -38,7 +40,7 @@ class Texturing {
   }
 
   void operator()(std::span<const FragmentRecord* const> fragments, const Texture* texture,
-                  std::vector<TextureRecord>& out) const {
+                  const DrawState& state, std::vector<TextureRecord>& out) const {
     const std::size_t first = out.size();
     out.resize(first + fragments.size());
     for (std::size_t i = 0; i < fragments.size(); ++i) {
@@ -52,6 +54,12 @@ class Texturing {
       const std::span records = std::span(out).subspan(first + at, part.size());
       if (quick(part, texture, records)) continue;
       for (std::size_t i = 0; i < part.size(); ++i) one(*part[i], texture, records[i]);
+    }
+    if (state.alpha_func == CompareFunc::always) return;
+    const Quantizer<Quad> alpha(alpha_format_);
+    for (TextureRecord& record : std::span(out).subspan(first)) {
+      const bool passes = holds(state.alpha_func, alpha.value(record.a) * 255, Quad(state.alpha_ref));
+      if (!passes) record.killed = 1;
     }
   }
 
@@ -286,6 +294,7 @@ class Texturing {
   TextureWrap wrap_;
   std::optional<std::array<std::uint8_t, 3>> transparent_;
   Quantizer<Real> q_uv_, q_shade_, q_frac_, q_mix_, q_color_, q_alpha_;
+  Format alpha_format_;
   std::array<Real, 256> alpha_{};
   Shades<Real> no_texture_;
   LaneFormat quick_mix_, quick_color_, quick_alpha_;

@@ -12,9 +12,9 @@
 
 namespace bitspan::golden {
 
-// Takes fragments and their texture or null; appends a record for each.
+// Takes fragments, their texture or null, and the draw state for its alpha test; appends a record for each.
 using TextureStage = std::function<void(std::span<const FragmentRecord* const>, const Texture*,
-                                        std::vector<TextureRecord>& out)>;
+                                        const DrawState&, std::vector<TextureRecord>& out)>;
 TextureStage make_texture(Arithmetic arithmetic, const Config& config);
 
 }  // namespace bitspan::golden

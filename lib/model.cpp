@@ -19,6 +19,8 @@
 #include "lib/stages.hpp"
 #include "lib/structs.hpp"
 #include "model/engine_override.hpp"
+#include "model/pipeline.hpp"
+#include "scene/tri_stream.hpp"
 
 namespace bitspan::capi {
 namespace {
@@ -81,6 +83,14 @@ void draw_whole(ModelState& model, const Draw& draw) {
   }
 }
 
+// The next triangles have the caller's numbers.
+void number_triangles(ModelState& model, std::uint64_t frame, std::uint64_t draw) {
+  if (model.numbers.empty() || model.numbers.back().frame != frame || model.numbers.back().draw != draw) {
+    model.numbers.push_back({model.triangles, frame, draw});
+  }
+  model.plane.reset();
+}
+
 void draw_triangles(ModelState& model, const bs_vertex* v, const std::int32_t* textures, std::size_t count,
                     std::uint64_t frame, std::uint64_t draw, const char* function) {
   need_begun(model, function);
@@ -97,11 +107,28 @@ void draw_triangles(ModelState& model, const bs_vertex* v, const std::int32_t* t
     triangles.push_back(triangle_from(v, i, textures == nullptr ? -1 : textures[i], model.scene,
                                       model.triangles + static_cast<std::int64_t>(i), function));
   }
-  if (model.numbers.empty() || model.numbers.back().frame != frame || model.numbers.back().draw != draw) {
-    model.numbers.push_back({model.triangles, frame, draw});
-  }
-  model.plane.reset();
+  number_triangles(model, frame, draw);
   draw_whole(model, [&](Trace* trace) { model.engine->draw(triangles, model.triangles, trace); });
+  model.triangles += static_cast<std::int64_t>(count);
+}
+
+void draw_scene(ModelState& model, const Scene& scene, std::size_t first, std::size_t count,
+                std::uint64_t frame, std::uint64_t draw) {
+  need_begun(model, "bs_draw_scene");
+  const std::size_t all = scene.triangles.size();
+  if (first > all || count > all - first) {
+    fail(BS_BAD_INPUT, "bs_draw_scene: first, count: " + std::to_string(first) + ", " +
+                           std::to_string(count) + "; expected a range of the scene's " +
+                           std::to_string(all) + " triangles");
+  }
+  for (std::size_t i = first; i < first + count; ++i) {
+    const Triangle& triangle = scene.triangles[i];
+    model::check_triangle(model.scene, triangle, static_cast<std::int64_t>(i));
+  }
+  number_triangles(model, frame, draw);
+  draw_whole(model, [&](Trace* trace) {
+    bitspan::draw_scene(*model.engine, scene, first, count, model.triangles, trace);
+  });
   model.triangles += static_cast<std::int64_t>(count);
 }
 
@@ -221,8 +248,13 @@ bs_view frame_view(const Frame& frame, bs_plane plane) {
       return plane_view(frame.v, frame, BS_F64, 1);
     case BS_PLANE_TRIANGLE:
       return plane_view(frame.triangle, frame, BS_I32, 1);
+    case BS_PLANE_STENCIL: {
+      bs_view view = plane_view(frame.stencil, frame, BS_U8, 1);
+      if (frame.stencil.empty()) view.rows = 0;
+      return view;
+    }
     default:
-      fail(BS_BAD_INPUT, "bs_frame_view: plane: " + std::to_string(plane) + " is no plane; expected 0 to 4");
+      fail(BS_BAD_INPUT, "bs_frame_view: plane: " + std::to_string(plane) + " is no plane; expected 0 to 5");
   }
 }
 
@@ -358,6 +390,25 @@ bs_status bs_draw(bs_model* handle, const bs_vertex* vertices, const int32_t* te
   return call([&] {
     const Use model(handle, "bs_draw");
     draw_triangles(*model, vertices, textures, count, frame, draw, "bs_draw");
+  });
+}
+
+bs_status bs_draw_scene(bs_model* handle, bs_scene* scene, size_t first, size_t count, uint64_t frame,
+                        uint64_t draw) {
+  return call([&] {
+    const Use model(handle, "bs_draw_scene");
+    draw_scene(*model, *scene_of(scene, "bs_draw_scene"), first, count, frame, draw);
+  });
+}
+
+bs_status bs_command(bs_model* handle, const char* json) {
+  return call([&] {
+    const Use model(handle, "bs_command");
+    need(json, "bs_command: json");
+    need_begun(*model, "bs_command");
+    const DrawCommand command = parse_command(json, "bs_command");
+    if (!model->tracing) model->untraced = true;
+    execute(*model->engine, command, model->triangles, model->tracing ? &model->trace : nullptr);
   });
 }
 

@@ -196,6 +196,11 @@ void check_texture(const Scene& scene, std::int32_t texture, const char* functio
                          std::to_string(static_cast<std::int64_t>(scene.textures.size()) - 1));
 }
 
+std::shared_ptr<const Scene> scene_of(const bs_scene* scene, const char* function) {
+  const std::shared_ptr<SceneState> state = scenes().find(scene, function);
+  return {state, &state->scene};
+}
+
 }  // namespace bitspan::capi
 
 using namespace bitspan;

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "bitspan/bitspan.h"
 #include "scene/scene.hpp"
@@ -19,5 +20,8 @@ Scene scene_from(const bs_scene_desc* from);
 Triangle triangle_from(const bs_vertex* vertices, std::size_t i, std::int32_t texture, const Scene& scene,
                        std::int64_t index, const char* function);
 void check_texture(const Scene& scene, std::int32_t texture, const char* function);
+
+// The scene that was read, as long as the pointer lives. Throws BS_BAD_HANDLE.
+std::shared_ptr<const Scene> scene_of(const bs_scene* scene, const char* function);
 
 }  // namespace bitspan::capi

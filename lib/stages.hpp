@@ -28,6 +28,9 @@ inline constexpr std::array stage_types = [] {
   types[BS_STAGE_TEXTURE] = texture;
   types[BS_STAGE_FOG] = fog;
   types[BS_STAGE_MERGE] = merge;
+  types[BS_STAGE_STATE] = state;
+  types[BS_STAGE_STENCIL] = stencil;
+  types[BS_STAGE_MERGE_ALPHA] = merge_alpha;
   return types;
 }();
 static_assert(std::ranges::all_of(stage_table,

@@ -33,22 +33,17 @@ struct Run {
       throw std::logic_error("Engine::draw before begin");
     }
     deliver_constants(trace);
-    std::int64_t index = first_index;
-    for (const Triangle& triangle : triangles) {
-      model::check_triangle(*scene, triangle, index);
-      rows.clear();
-      model::triangle_to_rows(pipeline, triangle, index, walk, rows, counters, trace, watch);
-      for (std::size_t i = 0; i < rows.size(); ++i) {
-        const SpanRecord span = model::row_to_span(pipeline, rows, i, counters, watch);
-        fragments.clear();
-        model::span_to_fragments(pipeline, span, model::geometry_of(rows, i), fragments, counters, watch);
-        deliver(trace, span);
-        deliver_all(trace, fragments);
-        model::fragments_to_frame(pipeline, fragments, model::texture_of(*scene, triangle.texture), frame,
-                                  counters, trace, watch);
-      }
-      ++index;
-    }
+    model::draw_triangles(pipeline, *scene, triangles, first_index, buffers, frame, counters, trace, watch);
+  }
+
+  void set(const StateChange& change, std::int64_t next_index, Trace* trace) {
+    if (scene == nullptr) throw std::logic_error("Engine::set before begin");
+    deliver_constants(trace);
+    deliver(trace, model::change_state(pipeline, config, change, next_index));
+    model::prepare_frame(pipeline, frame);
+  }
+  void clear(const Clear& clear) {
+    clear_planes(frame, clear, static_cast<std::uint32_t>(pipeline.depth.clear));
   }
 
   void deliver_constants(Trace* trace) {
@@ -64,10 +59,7 @@ struct Run {
   Frame frame;
   Counters counters;
   bool constants_delivered = false;  // once per scene
-  // Reused from triangle to triangle.
-  model::Rows rows;
-  model::PlaneWalkState walk;
-  std::vector<FragmentRecord> fragments;
+  model::DrawBuffers buffers;
 };
 
 class Model final : public Engine, public RowEngine {
@@ -78,16 +70,21 @@ class Model final : public Engine, public RowEngine {
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
     run_.draw(triangles, first_index, trace, NoObserve{});
   }
+  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
+    run_.set(change, next_index, trace);
+  }
+  void clear(const Clear& clear) override { run_.clear(clear); }
   const Frame& frame() const override { return run_.frame; }
   const Counters& counters() const override { return run_.counters; }
   PlaneOfRows set_plane(const SetupRecord& setup) override {
-    plane_rows_ = model::plane_rows(run_.pipeline, setup, run_.walk);
-    return {run_.walk.geometry.along_y, plane_rows_};
+    plane_rows_ = model::plane_rows(run_.pipeline, setup, run_.buffers.walk);
+    return {run_.buffers.walk.geometry.along_y, plane_rows_};
   }
   void draw_row(const AnyRow& row, std::size_t /*plane_row*/, int texture, Trace* trace) override {
     run_.deliver_constants(trace);
-    model::row_to_frame(run_.pipeline, row, run_.pipeline.const_depth_rows ? &run_.walk.geometry : nullptr,
-                        model::texture_of(*run_.scene, texture), run_.frame, run_.counters, trace);
+    model::row_to_frame(run_.pipeline, *run_.scene, row,
+                        run_.pipeline.const_depth_rows ? &run_.buffers.walk.geometry : nullptr,
+                        {.texture = texture}, run_.frame, run_.counters, trace);
   }
 
  private:
@@ -106,6 +103,10 @@ class ObservedModel final : public ObservedEngine {
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
     run_.draw(triangles, first_index, trace, Observe{&statistics_});
   }
+  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
+    run_.set(change, next_index, trace);
+  }
+  void clear(const Clear& clear) override { run_.clear(clear); }
   const Frame& frame() const override { return run_.frame; }
   const Counters& counters() const override { return run_.counters; }
   const Statistics& statistics() const override { return statistics_; }

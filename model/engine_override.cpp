@@ -37,8 +37,20 @@ class OverriddenModel final : public Engine, public RowEngine {
     for (const Triangle& triangle : triangles) {
       model::check_triangle(*scene_, triangle, index);
       texture_ = model::texture_of(*scene_, triangle.texture);
+      back_ = model::surface_of(pipeline_, triangle).back;
       draw_one(triangle, index++);
     }
+  }
+
+  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
+    if (scene_ == nullptr) throw std::logic_error("Engine::set before begin");
+    trace_ = trace;
+    deliver_constants();
+    deliver(trace_, model::change_state(pipeline_, config_, change, next_index));
+    model::prepare_frame(pipeline_, frame_);
+  }
+  void clear(const Clear& clear) override {
+    clear_planes(frame_, clear, static_cast<std::uint32_t>(pipeline_.depth.clear));
   }
 
   PlaneOfRows set_plane(const SetupRecord& setup) override {
@@ -49,6 +61,7 @@ class OverriddenModel final : public Engine, public RowEngine {
   void draw_row(const AnyRow& any, std::size_t /*plane_row*/, int texture, Trace* trace) override {
     trace_ = trace;
     texture_ = model::texture_of(*scene_, texture);
+    back_ = false;
     deliver_constants();
     ++counters_.rows;
     if (pipeline_.const_depth_rows) --counters_.divides_saved;
@@ -158,29 +171,55 @@ class OverriddenModel final : public Engine, public RowEngine {
     if (pipeline_.const_depth_rows) counters_.divides_saved += more;
   }
 
-  void draw_fragment(const FragmentRecord& fragment) {
-    const std::size_t at = pixel_of(frame_, fragment);
-    DepthRecord z;
+  bool passes(const FragmentRecord& fragment, std::size_t at, DepthRecord& z) {
     model::depth(pipeline_.depth, fragment, frame_.depth[at], z);
     finish(fragment, z);
-    if (z.pass == 0) return;
-    ++counters_.depth_passed;
-    TextureRecord texel;
+    bool passed = z.pass == 1;
+    if (pipeline_.stencil.test) {
+      StencilRecord out;
+      model::stencil(pipeline_.stencil, back_, z, frame_.stencil[at], out);
+      finish(z, out);
+      frame_.stencil[at] = static_cast<std::uint8_t>(out.value);
+      if (out.pass == 0) ++counters_.stencil_failed;
+      passed = passed && out.pass == 1;
+    }
+    if (passed) ++counters_.depth_passed;
+    return passed;
+  }
+  bool lives(const FragmentRecord& fragment, TextureRecord& texel) {
     model::texture(pipeline_.texture, texture_, fragment, texel);
     finish(fragment, texel);
-    if (texel.killed == 1) {
-      ++counters_.killed;
+    if (texel.killed == 1) ++counters_.killed;
+    return texel.killed == 0;
+  }
+  void draw_fragment(const FragmentRecord& fragment) {
+    if (!model::is_drawn(pipeline_.state, fragment.x, fragment.y)) {
+      ++counters_.masked;
       return;
+    }
+    const std::size_t at = pixel_of(frame_, fragment);
+    DepthRecord z;
+    TextureRecord texel;
+    if (is_late(pipeline_.state.depth_when)) {
+      if (!lives(fragment, texel) || !passes(fragment, at, z)) return;
+    } else {
+      if (!passes(fragment, at, z) || !lives(fragment, texel)) return;
     }
     FogRecord fogged;
     model::fog(pipeline_.fog, fragment, texel, fogged);
     finish(fragment, fogged);
-    const std::uint8_t* color = frame_.color.data() + 4 * at;
+    std::uint8_t* const color = frame_.color.data() + 4 * at;
     MergeRecord merged;
-    model::merge(pipeline_.merge, z, texel, fogged, {color[0], color[1], color[2]}, merged);
+    model::merge(pipeline_.merge, z, texel, fogged, {color[0], color[1], color[2], color[3]}, merged);
     finish(z, merged);
+    const WriteMask mask = model::write_mask(pipeline_.state);
+    if (pipeline_.merge.changes_alpha) {
+      MergeAlphaRecord alpha = model::merged_alpha(pipeline_.merge, texel, color[3]);
+      finish(merged, alpha);
+      if (mask.color) color[3] = static_cast<std::uint8_t>(alpha.a);
+    }
     ++counters_.written;
-    write_fragment(frame_, fragment, merged, uv_ulp_);
+    write_fragment(frame_, fragment, merged, uv_ulp_, mask);
   }
 
   Config config_;
@@ -194,6 +233,7 @@ class OverriddenModel final : public Engine, public RowEngine {
   // Of the draw under way.
   Trace* trace_ = nullptr;
   const Texture* texture_ = nullptr;
+  bool back_ = false;  // a back face
   // Reused from triangle to triangle.
   model::PlaneWalkState walk_;
   std::vector<PlaneRowRecord> plane_rows_;
@@ -203,7 +243,8 @@ class OverriddenModel final : public Engine, public RowEngine {
 }  // namespace
 
 bool may_be_hooked(RecordType type) {
-  return type != RecordType::constants && type != RecordType::plane && type != RecordType::count;
+  return type != RecordType::constants && type != RecordType::state && type != RecordType::plane &&
+         type != RecordType::count;
 }
 
 std::unique_ptr<Engine> make_overridden_model(const Config& config, StageHooks hooks) {

@@ -49,7 +49,39 @@ Pipeline make_pipeline(const Config& config, const Scene& scene, Watch watch) {
   p.texture = prepare_texture(config);
   p.fog = prepare_fog(config, p.constants, scene, watch);
   p.merge = prepare_merge(config);
+  p.first = first_state(config);
+  set_state(p, p.first);
   return p;
+}
+
+void set_state(Pipeline& pipeline, const DrawState& state) {
+  pipeline.state = state;
+  pipeline.depth.func = state.depth_func;
+  pipeline.depth.bias = state.depth_bias;
+  pipeline.texture.alpha_func = state.alpha_func;
+  pipeline.texture.alpha_ref = state.alpha_ref;
+  pipeline.stencil = prepare_stencil(state);
+  set_blend(pipeline.merge, blend_of(state));
+}
+
+StateRecord change_state(Pipeline& pipeline, const Config& config, const StateChange& change,
+                         std::int64_t next_index) {
+  set_state(pipeline, changed_state(pipeline.state, change, config));
+  return state_record(pipeline.state, next_index);
+}
+
+void prepare_frame(const Pipeline& pipeline, Frame& frame) {
+  if (pipeline.stencil.test) need_stencil(frame);
+  if (pipeline.merge.changes_alpha) frame.full_alpha = false;
+}
+
+bool is_drawn(const DrawState& s, std::int64_t x, std::int64_t y) {
+  return x >= s.scissor_left && x < s.scissor_right && y >= s.scissor_top && y < s.scissor_bottom &&
+         ((s.stipple >> (8 * (y & 3) + (x & 7))) & 1) != 0;
+}
+
+Surface surface_of(const Pipeline& pipeline, const Triangle& triangle) {
+  return {triangle.texture, pipeline.stencil.test && is_back_face(pipeline.setup, triangle)};
 }
 
 void check_triangle(const Scene& scene, const Triangle& triangle, std::int64_t index) {
@@ -168,44 +200,111 @@ void span_to_fragments(const Pipeline& pipeline, const SpanRecord& span, const P
   counters.divides_saved += pipeline.const_depth_rows ? covered : 0;
 }
 
+namespace {
+
+// The fragments of one triangle through depth to merge.
 template <class Watch>
-void fragments_to_frame(const Pipeline& pipeline, std::span<const FragmentRecord> fragments,
-                        const Texture* texture_image, Frame& frame, Counters& counters, Trace* trace,
-                        Watch watch) {
-  DepthRecord z;
-  TextureRecord texel;
-  FogRecord fogged;
-  MergeRecord merged;
+struct FragmentDrawing {
+  const Pipeline& pipeline;
+  const Texture* image;
+  bool back;
+  Frame& frame;
+  Counters& counters;
+  Trace* trace;
+  Watch watch;
   const double uv_ulp = std::ldexp(1.0, -pipeline.texture.uv.fraction);
-  for (const FragmentRecord& fragment : fragments) {
-    if (fragment.covered == 0) {
-      continue;
+  const WriteMask mask = write_mask(pipeline.state);
+  const bool may_be_masked = masks_pixels(pipeline.state);
+  const bool tests_late = is_late(pipeline.state.depth_when);
+  DepthRecord z{};
+  StencilRecord stencilled{};
+  TextureRecord texel{};
+  FogRecord fogged{};
+  MergeRecord merged{};
+
+  bool passes(const FragmentRecord& fragment, std::size_t at) {
+    bool passed = depth(pipeline.depth, fragment, frame.depth[at], z, watch);
+    deliver(trace, z);
+    if (pipeline.stencil.test) {
+      passed = stencil(pipeline.stencil, back, z, frame.stencil[at], stencilled);
+      frame.stencil[at] = static_cast<std::uint8_t>(stencilled.value);
+      deliver(trace, stencilled);
+      if (stencilled.pass == 0) ++counters.stencil_failed;
+    }
+    if (passed) ++counters.depth_passed;
+    return passed;
+  }
+  bool lives(const FragmentRecord& fragment) {
+    const bool alive = texture(pipeline.texture, image, fragment, texel, watch);
+    deliver(trace, texel);
+    if (!alive) ++counters.killed;
+    return alive;
+  }
+  void draw(const FragmentRecord& fragment) {
+    if (may_be_masked && !is_drawn(pipeline.state, fragment.x, fragment.y)) {
+      ++counters.masked;
+      return;
     }
     const std::size_t at = pixel_of(frame, fragment);
-    const bool passed = depth(pipeline.depth, fragment, frame.depth[at], z, watch);
-    deliver(trace, z);
-    if (!passed) {
-      continue;
-    }
-    ++counters.depth_passed;
-    const bool lives = texture(pipeline.texture, texture_image, fragment, texel, watch);
-    deliver(trace, texel);
-    if (!lives) {
-      ++counters.killed;
-      continue;
+    if (tests_late) {
+      if (!lives(fragment) || !passes(fragment, at)) return;
+    } else {
+      if (!passes(fragment, at) || !lives(fragment)) return;
     }
     fog(pipeline.fog, fragment, texel, fogged, watch);
     deliver(trace, fogged);
-    const std::uint8_t* color = frame.color.data() + 4 * at;
-    merge(pipeline.merge, z, texel, fogged, {color[0], color[1], color[2]}, merged, watch);
+    std::uint8_t* color = frame.color.data() + 4 * at;
+    merge(pipeline.merge, z, texel, fogged, {color[0], color[1], color[2], color[3]}, merged, watch);
     deliver(trace, merged);
+    if (pipeline.merge.changes_alpha) {
+      const MergeAlphaRecord alpha = merged_alpha(pipeline.merge, texel, color[3]);
+      deliver(trace, alpha);
+      if (mask.color) color[3] = static_cast<std::uint8_t>(alpha.a);
+    }
     ++counters.written;
-    write_fragment(frame, fragment, merged, uv_ulp);
+    write_fragment(frame, fragment, merged, uv_ulp, mask);
+  }
+};
+
+}  // namespace
+
+template <class Watch>
+void fragments_to_frame(const Pipeline& pipeline, const Scene& scene,
+                        std::span<const FragmentRecord> fragments, const Surface& surface, Frame& frame,
+                        Counters& counters, Trace* trace, Watch watch) {
+  FragmentDrawing<Watch> drawing{
+      pipeline, texture_of(scene, surface.texture), surface.back, frame, counters, trace, watch};
+  for (const FragmentRecord& fragment : fragments) {
+    if (fragment.covered != 0) drawing.draw(fragment);
   }
 }
 
-void row_to_frame(const Pipeline& pipeline, const AnyRow& any, const PlaneGeometry* geometry,
-                  const Texture* texture_image, Frame& frame, Counters& counters, Trace* trace) {
+template <class Watch>
+void draw_triangles(const Pipeline& pipeline, const Scene& scene, std::span<const Triangle> triangles,
+                    std::int64_t first_index, DrawBuffers& buffers, Frame& frame, Counters& counters,
+                    Trace* trace, Watch watch) {
+  auto& [rows, walk, fragments] = buffers;
+  std::int64_t index = first_index;
+  for (const Triangle& triangle : triangles) {
+    check_triangle(scene, triangle, index);
+    rows.clear();
+    triangle_to_rows(pipeline, triangle, index, walk, rows, counters, trace, watch);
+    const Surface surface = surface_of(pipeline, triangle);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const SpanRecord span = row_to_span(pipeline, rows, i, counters, watch);
+      fragments.clear();
+      span_to_fragments(pipeline, span, geometry_of(rows, i), fragments, counters, watch);
+      deliver(trace, span);
+      deliver_all(trace, fragments);
+      fragments_to_frame(pipeline, scene, fragments, surface, frame, counters, trace, watch);
+    }
+    ++index;
+  }
+}
+
+void row_to_frame(const Pipeline& pipeline, const Scene& scene, const AnyRow& any,
+                  const PlaneGeometry* geometry, const Surface& surface, Frame& frame, Counters& counters,
+                  Trace* trace) {
   ++counters.rows;
   if (pipeline.const_depth_rows) --counters.divides_saved;
   SpanRecord span;
@@ -224,7 +323,7 @@ void row_to_frame(const Pipeline& pipeline, const AnyRow& any, const PlaneGeomet
   std::vector<FragmentRecord> fragments;
   span_to_fragments(pipeline, span, geometry, fragments, counters);
   deliver_all(trace, fragments);
-  fragments_to_frame(pipeline, fragments, texture_image, frame, counters, trace);
+  fragments_to_frame(pipeline, scene, fragments, surface, frame, counters, trace);
 }
 
 std::vector<PlaneRowRecord> plane_rows(const Pipeline& pipeline, const SetupRecord& vertices,
@@ -265,9 +364,13 @@ template void span_to_fragments(const Pipeline&, const SpanRecord&, const PlaneG
                                 std::vector<FragmentRecord>&, Counters&, NoObserve);
 template void span_to_fragments(const Pipeline&, const SpanRecord&, const PlaneGeometry*,
                                 std::vector<FragmentRecord>&, Counters&, Observe);
-template void fragments_to_frame(const Pipeline&, std::span<const FragmentRecord>, const Texture*, Frame&,
-                                 Counters&, Trace*, NoObserve);
-template void fragments_to_frame(const Pipeline&, std::span<const FragmentRecord>, const Texture*, Frame&,
-                                 Counters&, Trace*, Observe);
+template void fragments_to_frame(const Pipeline&, const Scene&, std::span<const FragmentRecord>,
+                                 const Surface&, Frame&, Counters&, Trace*, NoObserve);
+template void draw_triangles(const Pipeline&, const Scene&, std::span<const Triangle>, std::int64_t,
+                             DrawBuffers&, Frame&, Counters&, Trace*, NoObserve);
+template void fragments_to_frame(const Pipeline&, const Scene&, std::span<const FragmentRecord>,
+                                 const Surface&, Frame&, Counters&, Trace*, Observe);
+template void draw_triangles(const Pipeline&, const Scene&, std::span<const Triangle>, std::int64_t,
+                             DrawBuffers&, Frame&, Counters&, Trace*, Observe);
 
 }  // namespace bitspan::model

@@ -23,6 +23,7 @@
 #include "model/stages/setup.hpp"
 #include "model/stages/span.hpp"
 #include "model/stages/span_setup.hpp"
+#include "model/stages/stencil.hpp"
 #include "model/stages/texture.hpp"
 #include "scene/scene.hpp"
 
@@ -40,7 +41,29 @@ struct Pipeline {
   TextureStage texture;
   FogStage fog;
   MergeStage merge;
+  StencilStage stencil;
+  DrawState state;  // in force; set_state has told the stages
+  DrawState first;  // of the scene's start
+
+  // Whether the vector form draws: it has the first state alone, and writes pixels whose alpha is 255.
+  bool draws_in_lanes(const Frame& frame) const { return state == first && frame.full_alpha; }
 };
+
+// Gives the stages the registers of a draw state.
+void set_state(Pipeline& pipeline, const DrawState& state);
+// Changes the state in force; throws InputError as changed_state does. Returns the record of the new state.
+StateRecord change_state(Pipeline& pipeline, const Config& config, const StateChange& change,
+                         std::int64_t next_index);
+// Makes the frame ready for the state in force: a stencil plane where it is tested.
+void prepare_frame(const Pipeline& pipeline, Frame& frame);
+// Whether scissor and stipple let a pixel be drawn.
+bool is_drawn(const DrawState& state, std::int64_t x, std::int64_t y);
+// What the fragments of a triangle have in common behind span.
+struct Surface {
+  int texture = -1;   // index into Scene::textures, -1 for none
+  bool back = false;  // a back face; told only where the stencil test asks
+};
+Surface surface_of(const Pipeline& pipeline, const Triangle& triangle);
 
 // Throws InputError where the scene does not fit the configuration, has no size, or has a texture whose
 // pixels do not match its size.
@@ -84,21 +107,38 @@ template <class Watch = NoObserve>
 void span_to_fragments(const Pipeline& pipeline, const SpanRecord& span, const PlaneGeometry* geometry,
                        std::vector<FragmentRecord>& out, Counters& counters, Watch watch = {});
 
-// Step three: depth, texture, fog and merge of fragments of one triangle; texture null for none. With a
-// trace, appends the records of these four stages. Counts depth_passed, killed, written.
+// Step three: depth to merge of fragments of one triangle, in the order of the draw state. With a trace,
+// appends the records of these stages. Counts masked, stencil_failed, depth_passed, killed, written.
 template <class Watch = NoObserve>
-void fragments_to_frame(const Pipeline& pipeline, std::span<const FragmentRecord> fragments,
-                        const Texture* texture, Frame& frame, Counters& counters, Trace* trace,
-                        Watch watch = {});
+void fragments_to_frame(const Pipeline& pipeline, const Scene& scene,
+                        std::span<const FragmentRecord> fragments, const Surface& surface, Frame& frame,
+                        Counters& counters, Trace* trace, Watch watch = {});
+
+// Buffers to reuse from triangle to triangle.
+struct DrawBuffers {
+  Rows rows;
+  PlaneWalkState walk;
+  std::vector<FragmentRecord> fragments;
+};
+// The three steps for triangles in order, one fragment after another, in any draw state. Throws InputError as
+// check_triangle does.
+template <class Watch = NoObserve>
+void draw_triangles(const Pipeline& pipeline, const Scene& scene, std::span<const Triangle> triangles,
+                    std::int64_t first_index, DrawBuffers& buffers, Frame& frame, Counters& counters,
+                    Trace* trace, Watch watch = {});
 
 // A row that was made elsewhere, from behind its stage to the frame; geometry: const_depth_rows only, else
 // null. With a trace, appends its record and those behind it. Counts rows, divides_saved, divides_row and
 // what the steps above count.
-void row_to_frame(const Pipeline& pipeline, const AnyRow& row, const PlaneGeometry* geometry,
-                  const Texture* texture, Frame& frame, Counters& counters, Trace* trace);
+void row_to_frame(const Pipeline& pipeline, const Scene& scene, const AnyRow& row,
+                  const PlaneGeometry* geometry, const Surface& surface, Frame& frame, Counters& counters,
+                  Trace* trace);
 // The walk of a triangle in const_depth_rows; returns its rows.
 std::vector<PlaneRowRecord> plane_rows(const Pipeline& pipeline, const SetupRecord& setup,
                                        PlaneWalkState& walk);
+
+// Which planes fragments are written to.
+inline WriteMask write_mask(const DrawState& state) { return {state.color_write, state.depth_write}; }
 
 // Makes the frame of the scene's size: background, cleared depth buffer, no triangle. winners: with the
 // planes u, v and triangle; else they are empty.

@@ -342,6 +342,7 @@ void compare_frames(const Frame& reference, const Frame& other, Comparison& into
   compare_plane(reference.u, other.u, 1, width, "u", into);
   compare_plane(reference.v, other.v, 1, width, "v", into);
   compare_plane(reference.color, other.color, 4, width, "color", into);
+  compare_plane(reference.stencil, other.stencil, 1, width, "stencil", into);
 }
 
 void compare_counters(const Counters& reference, const Counters& other, Comparison& into) {

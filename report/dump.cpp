@@ -42,6 +42,7 @@ void write_dump(const std::string& directory, const Frame& frame, const Counters
   write_npy(folder.path("u.npy"), {h, w}, frame.u);
   write_npy(folder.path("v.npy"), {h, w}, frame.v);
   write_npy(folder.path("triangle.npy"), {h, w}, frame.triangle);
+  if (!frame.stencil.empty()) write_npy(folder.path("stencil.npy"), {h, w}, frame.stencil);
   write_file(folder.path("run.json"), run_json(frame, counters, config, info));
   folder.commit("run.json");
 }

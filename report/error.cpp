@@ -279,6 +279,11 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
   };
   const bool fogged = scene_->fog.has_value() && has_fog(config_.fog);
 
+  const auto biased = [&](double z) {
+    const auto largest = static_cast<double>((std::int64_t{1} << config_.depth_bits) - 1);
+    return depth_bias_ == 0 ? z : std::clamp(z + static_cast<double>(depth_bias_), 0.0, largest);
+  };
+  std::size_t state = 0;
   std::size_t setup = 0;
   std::size_t row = 0;
   std::size_t fragment = 0;
@@ -330,9 +335,12 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
       for (std::size_t i = 0; i < 4; ++i) note(row_span_shade, shade[i], p.shade[i]);
     }
     coverage(truth, n, std::span(trace.fragment).subspan(begin, fragment - begin));
+    for (; state < trace.state.size() && trace.state[state].triangle <= index; ++state) {
+      depth_bias_ = trace.state[state].depth_bias;
+    }
     for (; depth < trace.depth.size() && trace.depth[depth].triangle == index; ++depth) {
       const DepthRecord& r = trace.depth[depth];
-      note(row_depth_z, r.z, truth.at(n, r.x, r.y).z);
+      note(row_depth_z, r.z, biased(truth.at(n, r.x, r.y).z));
     }
     for (; texture < trace.texture.size() && trace.texture[texture].triangle == index; ++texture) {
       const TextureRecord& r = trace.texture[texture];

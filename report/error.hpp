@@ -94,6 +94,7 @@ class ErrorMeter {
 
   Config config_;
   const Scene* scene_;
+  std::int64_t depth_bias_ = 0;  // of the draw state in force
   ErrorReport report_;
   std::vector<std::uint8_t> hits_;  // per pixel of one triangle's box
 };

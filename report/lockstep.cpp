@@ -28,9 +28,10 @@ double box_pixels(const Triangle& triangle, const Scene& scene) {
 }
 
 // The text of what the engine threw; empty where it did not.
-std::string draw_guarded(Engine& engine, std::span<const Triangle> batch, std::int64_t first, Trace& trace) {
+std::string draw_guarded(Engine& engine, const Scene& scene, std::size_t first, std::size_t count,
+                         Trace& trace) {
   try {
-    engine.draw(batch, first, &trace);
+    draw_scene(engine, scene, first, count, &trace);
   } catch (const InputError&) {
     throw;
   } catch (const std::bad_alloc&) {
@@ -87,7 +88,7 @@ LockStepResult run_lock_step(std::span<const std::unique_ptr<Engine>> engines, c
     const std::span<const Triangle> batch{scene.triangles.data() + done, n};
     const auto first = static_cast<std::int64_t>(done);
     reference.clear();
-    engines[0]->draw(batch, first, &reference);
+    draw_scene(*engines[0], scene, done, n, &reference);
     for (int t = 0; t < record_types; ++t) {
       result.records += view_of(reference, static_cast<RecordType>(t)).records;
     }
@@ -95,7 +96,7 @@ LockStepResult run_lock_step(std::span<const std::unique_ptr<Engine>> engines, c
     for (std::size_t e = 1; e < engines.size(); ++e) {
       Comparison& pair = result.pairs[e - 1];
       other.clear();
-      pair.fault = draw_guarded(*engines[e], batch, first, other);
+      pair.fault = draw_guarded(*engines[e], scene, done, n, other);
       if (pair.fault.empty()) {
         compare_traces(reference, other, counts, pair);
       }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "scene/tri_stream.hpp"
 
 namespace bitspan {
 namespace {
@@ -94,6 +95,11 @@ Json scene_json(const Scene& s) {
   for (const Triangle& triangle : s.triangles) {
     scene["triangles"].push_back(triangle_json(triangle));
   }
+  for (const DrawCommand& command : s.commands) {
+    Json line = Json::parse(command_text(command));
+    line["before"] = command.before;
+    scene["commands"].push_back(std::move(line));
+  }
   return scene;
 }
 
@@ -116,6 +122,12 @@ Scene scene_of(const Json& json) {
   }
   for (const Json& triangle : json.at("triangles")) {
     scene.triangles.push_back(triangle_of(triangle));
+  }
+  for (Json line : json.value("commands", Json::array())) {
+    const auto before = line.at("before").get<std::size_t>();
+    line.erase("before");
+    scene.commands.push_back(parse_command(line.dump(), "commands"));
+    scene.commands.back().before = before;
   }
   return scene;
 }

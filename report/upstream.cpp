@@ -72,6 +72,8 @@ std::vector<std::size_t> feeders_of(const Trace& trace, const RecordView& feeder
   switch (row_of(feeders.type).per) {
     case Per::scene:
       return with_same(feeders, fed, {});
+    case Per::change:  // no other record is made from it
+      return {};
     case Per::triangle:
       return with_same(feeders, fed, {"triangle"});
     case Per::edge:

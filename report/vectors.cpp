@@ -651,7 +651,7 @@ Vectors make_vectors(const Config& config, const Scene& scene, RecordType stage,
   const LockStepOptions steps;
   for (std::size_t done = 0; done < scene.triangles.size();) {
     const std::size_t n = next_batch(scene, done, steps);
-    engine->draw({scene.triangles.data() + done, n}, static_cast<std::int64_t>(done), &out.trace);
+    draw_scene(*engine, scene, done, n, &out.trace);
     done += n;
     if (progress) progress(done, scene.triangles.size());
   }

@@ -143,6 +143,78 @@ std::array<std::uint8_t, 3> random_color(Random& random) {
 
 }  // namespace
 
+namespace {
+
+// "stencil" of "stencil.back.fail".
+std::string_view unit_of_register(std::string_view key) { return key.substr(0, key.find('.')); }
+std::vector<std::string_view> units_of_registers() {
+  std::vector<std::string_view> out;
+  for (const StateRegister& r : state_registers()) {
+    if (out.empty() || out.back() != unit_of_register(r.key)) out.push_back(unit_of_register(r.key));
+  }
+  return out;
+}
+
+// Values that do something: most of a scissor's legal ones are outside of the picture.
+std::int64_t random_value(Random& random, const StateRegister& r, const Scene& scene) {
+  if (r.key == "scissor.left" || r.key == "scissor.top") {
+    return random.integer(0, (r.key == "scissor.left" ? scene.width : scene.height) / 2);
+  }
+  if (r.key == "scissor.right" || r.key == "scissor.bottom") {
+    const int size = r.key == "scissor.right" ? scene.width : scene.height;
+    return random.integer(size / 2, size + 1);
+  }
+  if (r.key == "depth.bias") return random.integer(-4096, 4096);
+  // All bits but a few: a picture without any pixel tells nothing.
+  if (r.key == "stipple") return random.integer(r.low, r.high) | random.integer(r.low, r.high);
+  return random.integer(r.low, r.high);
+}
+
+DrawCommand random_command(Random& random, const Scene& scene, DrawState& state, bool late_tests) {
+  DrawCommand command;
+  if (random.chance(0.1)) {
+    Clear clear;
+    if (random.chance(0.3)) clear.color = random_color(random);
+    if (random.chance(0.3)) clear.alpha = static_cast<std::uint8_t>(random.integer(0, 255));
+    clear.depth = random.chance(0.5);
+    if (random.chance(0.3)) clear.stencil = static_cast<std::uint8_t>(random.integer(0, 255));
+    if (clear == Clear{}) clear.depth = true;
+    command.clear = clear;
+    return command;
+  }
+  StateChange& change = command.state;
+  change.reset = random.chance(0.25);
+  // Each register once, as in a line of a stream.
+  const auto set = [&](std::size_t index, std::int64_t value) {
+    std::erase_if(change.settings, [&](const StateSetting& s) { return s.index == index; });
+    change.settings.push_back({index, value});
+  };
+  const std::vector<std::string_view> units = units_of_registers();
+  for (auto n = random.integer(1, 4); n > 0; --n) {
+    const std::string_view unit =
+        units[static_cast<std::size_t>(random.integer(0, static_cast<std::int64_t>(units.size()) - 1))];
+    if (unit == "stencil" && !late_tests) continue;
+    // A stencil register does nothing without the test.
+    if (unit == "stencil" && random.chance(0.9)) set(*find_state_register("stencil.test"), 1);
+    for (std::size_t index = 0; index < state_registers().size(); ++index) {
+      const StateRegister& r = state_registers()[index];
+      if (unit_of_register(r.key) != unit || r.key == "stencil.test" || !random.chance(0.4)) continue;
+      if (!late_tests && r.key == "depth.when") continue;
+      set(index, random_value(random, r, scene));
+    }
+  }
+  try {
+    state = changed_state(state, change, {});
+  } catch (const InputError&) {
+    // The one rule between registers.
+    set(*find_state_register("depth.when"), static_cast<std::int64_t>(DepthWhen::late));
+    state = changed_state(state, change, {});
+  }
+  return command;
+}
+
+}  // namespace
+
 Scene random_scene(std::uint64_t seed, const RandomOptions& options) {
   Random random(seed);
   Scene scene;
@@ -164,6 +236,13 @@ Scene random_scene(std::uint64_t seed, const RandomOptions& options) {
   while (scene.triangles.size() < static_cast<std::size_t>(options.triangles)) {
     const Triangle triangle = random_triangle(random, scene, options);
     if (orientation(triangle) != 0) scene.triangles.push_back(triangle);
+  }
+  // Last, so that a scene's triangles do not depend on them.
+  DrawState state = first_state({});
+  for (std::size_t i = 0; options.command_probability > 0 && i < scene.triangles.size(); ++i) {
+    if (!random.chance(options.command_probability)) continue;
+    scene.commands.push_back(random_command(random, scene, state, options.late_tests));
+    scene.commands.back().before = i;
   }
   return scene;
 }

@@ -38,6 +38,8 @@ struct RandomOptions {
   int texture_size_max = 64;      // texels
   double fog_probability = 0.5;
   double translucent_probability = 0.3;  // of a triangle to have alpha below 1
+  double command_probability = 0;        // of a triangle to have a change of draw state or a clear in front
+  bool late_tests = true;                // depth.when may be `late`, and stencil.test on
 };
 
 // Returns a scene that a stream can hold: no triangle has zero area, and s is within its range. The same seed

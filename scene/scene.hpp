@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "scene/draw_state.hpp"
+
 namespace bitspan {
 
 // 8-bit RGBA, rows from the top; alpha is the L-buffer of T5 (0 clear, 255 opaque).
@@ -47,6 +49,10 @@ struct Scene {
   std::optional<Fog> fog;
   std::vector<Texture> textures;
   std::vector<Triangle> triangles;
+  std::vector<DrawCommand> commands;  // by `before`; none: every triangle is drawn with the first state
 };
+
+// Takes triangles out; commands that stood in front of them stand in front of the next one.
+void erase_triangles(Scene& scene, std::size_t first, std::size_t count);
 
 }  // namespace bitspan

@@ -153,11 +153,12 @@ void check_area(int width, int height, const Place& place) {
   }
 }
 
-Scene read_header(const Json& line, const Place& place, const std::filesystem::path& folder, int& color_max) {
+Scene read_header(const Json& line, const Place& place, const std::filesystem::path& folder, int& color_max,
+                  int& version) {
   if (!line.is_object() || !line.contains("bitspan")) {
     place.fail("bitspan: no header; expected a first line {\"bitspan\": 1, \"width\": ..., ...}");
   }
-  integer(line["bitspan"], 1, 1, place, "bitspan");
+  version = integer(line["bitspan"], 1, 2, place, "bitspan");
   check_keys(
       line,
       {"bitspan", "width", "height", "s_min", "s_max", "focal", "background", "color_max", "fog", "textures"},
@@ -280,6 +281,83 @@ Triangle read_triangle(const Json& line, const Scene& scene, int color_max, cons
   return triangle;
 }
 
+StateSetting read_setting(const std::string& key, const Json& value, const Place& place) {
+  const auto index = find_state_register(key);
+  if (!index) {
+    std::vector<std::string_view> keys;
+    for (const StateRegister& r : state_registers()) keys.push_back(r.key);
+    place.fail(fmt::format("state.{}: unknown register; expected {}", key, fmt::join(keys, ", ")));
+  }
+  const StateRegister& r = state_registers()[*index];
+  if (r.is_truth) {
+    if (!value.is_boolean())
+      place.fail(fmt::format("state.{}: {} is not legal; expected true or false", key, shown(value)));
+    return {*index, value.get<bool>() ? 1 : 0};
+  }
+  if (!r.names.empty()) {
+    const auto* name = value.get_ptr<const std::string*>();
+    const auto found = name == nullptr ? r.names.end() : std::ranges::find(r.names, std::string_view(*name));
+    if (found == r.names.end()) {
+      place.fail(
+          fmt::format("state.{}: {} is not legal; expected {}", key, shown(value), fmt::join(r.names, ", ")));
+    }
+    return {*index, found - r.names.begin()};
+  }
+  if (!value.is_number_integer() || value < Json(r.low) || value > Json(r.high)) {
+    place.fail(fmt::format("state.{}: {} is not legal; expected a whole number {}..{}", key, shown(value),
+                           r.low, r.high));
+  }
+  return {*index, value.get<std::int64_t>()};
+}
+
+bool is_command(const Json& line) {
+  return line.is_object() && (line.contains("state") || line.contains("clear"));
+}
+
+bool truth(const Json& value, const Place& place, const char* key) {
+  if (!value.is_boolean())
+    place.fail(fmt::format("{}: {} is not legal; expected true or false", key, shown(value)));
+  return value.get<bool>();
+}
+
+DrawCommand read_command(const Json& line, int color_max, const Place& place) {
+  DrawCommand command;
+  if (const auto found = line.find("clear"); found != line.end()) {
+    check_keys(line, {"clear"}, place, "");
+    if (!found->is_object()) {
+      place.fail(
+          "clear: " + shown(*found) +
+          " is not an object; expected {\"color\": [r,g,b], \"alpha\": a, \"depth\": true, \"stencil\": n}");
+    }
+    check_keys(*found, {"color", "alpha", "depth", "stencil"}, place, "clear.");
+    if (found->empty()) place.fail("clear: no plane; expected color, alpha, depth or stencil");
+    Clear clear;
+    for (const auto& [key, value] : found->items()) {
+      if (key == "color") clear.color = color_codes(value, color_max, place, "clear.color");
+      if (key == "alpha")
+        clear.alpha = static_cast<std::uint8_t>(integer(value, 0, 255, place, "clear.alpha"));
+      if (key == "depth") clear.depth = truth(value, place, "clear.depth");
+      if (key == "stencil") {
+        clear.stencil = static_cast<std::uint8_t>(integer(value, 0, 255, place, "clear.stencil"));
+      }
+    }
+    command.clear = clear;
+    return command;
+  }
+  check_keys(line, {"state", "reset"}, place, "");
+  const Json& state = line["state"];
+  if (!state.is_object()) {
+    place.fail("state: " + shown(state) + " is not an object; expected {\"depth.func\": \"lequal\", ...}");
+  }
+  if (const auto found = line.find("reset"); found != line.end()) {
+    command.state.reset = truth(*found, place, "reset");
+  }
+  for (const auto& [key, value] : state.items()) {
+    command.state.settings.push_back(read_setting(key, value, place));
+  }
+  return command;
+}
+
 // The lines of a stream, whose length is bounded.
 class LineReader {
  public:
@@ -357,8 +435,9 @@ std::array<double, 3> fractions(const std::array<std::uint8_t, 3>& codes) {
 }
 
 std::string header_text(const Scene& scene, std::span<const std::string> names) {
-  std::string out =
-      fmt::format("{{\"bitspan\":1,\"width\":{},\"height\":{},\"s_min\":", scene.width, scene.height);
+  const int version = scene.commands.empty() ? 1 : 2;
+  std::string out = fmt::format("{{\"bitspan\":{},\"width\":{},\"height\":{},\"s_min\":", version,
+                                scene.width, scene.height);
   append_number(out, scene.s_min);
   out += ",\"s_max\":";
   append_number(out, scene.s_max);
@@ -409,17 +488,59 @@ void append_triangle(std::string& out, const Triangle& triangle) {
 template <class Sink>
 void write_stream(const Scene& scene, std::span<const std::string> names, const Sink& sink) {
   std::string piece = header_text(scene, names);
+  auto command = scene.commands.begin();
+  const auto append_commands = [&](std::size_t before) {
+    for (; command != scene.commands.end() && command->before == before; ++command) {
+      piece += command_text(*command) + "\n";
+    }
+  };
+  std::size_t index = 0;
   for (const Triangle& triangle : scene.triangles) {
+    append_commands(index++);
     append_triangle(piece, triangle);
     if (piece.size() > (std::size_t{1} << 16)) {
       sink(piece);
       piece.clear();
     }
   }
+  append_commands(index);
   sink(piece);
 }
 
 }  // namespace
+
+std::string command_text(const DrawCommand& command) {
+  Json line;
+  if (command.clear) {
+    Json& clear = line["clear"] = Json::object();
+    if (command.clear->color) clear["color"] = fractions(*command.clear->color);
+    if (command.clear->alpha) clear["alpha"] = *command.clear->alpha;
+    if (command.clear->depth) clear["depth"] = true;
+    if (command.clear->stencil) clear["stencil"] = *command.clear->stencil;
+    return line.dump();
+  }
+  Json& state = line["state"] = Json::object();
+  for (const StateSetting& setting : command.state.settings) {
+    const StateRegister& r = state_registers()[setting.index];
+    Json& value = state[std::string(r.key)];
+    if (r.is_truth) {
+      value = setting.value != 0;
+    } else if (r.names.empty()) {
+      value = setting.value;
+    } else {
+      value = r.names[static_cast<std::size_t>(setting.value)];
+    }
+  }
+  if (command.state.reset) line["reset"] = true;
+  return line.dump();
+}
+
+DrawCommand parse_command(std::string_view json, const std::string& origin) {
+  const Place place{origin, 1};
+  const Json line = parse_line(std::string(json), place);
+  if (!is_command(line)) place.fail(shown(line) + " is no command; expected state or clear");
+  return read_command(line, 1, place);
+}
 
 struct TriReader::State {
   std::ifstream file;
@@ -428,6 +549,26 @@ struct TriReader::State {
   std::string line;
   Scene scene;
   int color_max = 0;
+  int version = 1;
+  std::vector<DrawCommand> commands;  // read, not yet taken
+  std::size_t triangles = 0;
+  DrawState draw_state = first_state({});  // as far as its legality does not depend on a configuration
+
+  void add_command(const Json& json) {
+    if (version < 2) {
+      place.fail("bitspan: a stream of version 1 has no commands; expected a header {\"bitspan\": 2, ...}");
+    }
+    DrawCommand command = read_command(json, color_max, place);
+    command.before = triangles;
+    if (!command.clear) {
+      try {
+        draw_state = changed_state(draw_state, command.state, {});
+      } catch (const InputError& error) {
+        place.fail(std::string("state.") + error.what());
+      }
+    }
+    commands.push_back(std::move(command));
+  }
 
   void open(std::istream& in, const std::string& origin) {
     namespace fs = std::filesystem;
@@ -435,7 +576,7 @@ struct TriReader::State {
     lines.emplace(in);
     while (lines->next(line, place)) {
       if (blank(line)) continue;
-      scene = read_header(parse_line(line, place), place, fs::path(origin).parent_path(), color_max);
+      scene = read_header(parse_line(line, place), place, fs::path(origin).parent_path(), color_max, version);
       scene.name = fs::path(origin).stem().string();
       return;
     }
@@ -472,11 +613,19 @@ bool TriReader::next(Triangle& triangle) {
   State& s = *state_;
   while (s.lines->next(s.line, s.place)) {
     if (blank(s.line)) continue;
-    triangle = read_triangle(parse_line(s.line, s.place), s.scene, s.color_max, s.place);
+    const Json json = parse_line(s.line, s.place);
+    if (is_command(json)) {
+      s.add_command(json);
+      continue;
+    }
+    triangle = read_triangle(json, s.scene, s.color_max, s.place);
+    ++s.triangles;
     return true;
   }
   return false;
 }
+
+std::vector<DrawCommand> TriReader::take_commands() { return std::exchange(state_->commands, {}); }
 
 namespace {
 
@@ -484,6 +633,7 @@ Scene read_all(TriReader& reader) {
   Scene scene = reader.scene();
   Triangle triangle;
   while (reader.next(triangle)) scene.triangles.push_back(triangle);
+  scene.commands = reader.take_commands();
   return scene;
 }
 
@@ -516,6 +666,15 @@ void check_scene(const Scene& scene, const std::string& origin) {
   if (!positive_finite(scene.focal)) place.fail("focal: is not legal; expected a number above 0");
   if (scene.fog && !positive_finite(scene.fog->distance)) {
     place.fail("fog.distance: is not legal; expected a number above 0");
+  }
+  std::size_t least = 0;
+  for (const DrawCommand& command : scene.commands) {
+    if (command.before < least || command.before > scene.triangles.size()) {
+      place.fail(fmt::format("command before triangle {}: out of order; expected {}..{}", command.before,
+                             least, scene.triangles.size()));
+    }
+    least = command.before;
+    parse_command(command_text(command), origin);  // refuses what a stream cannot hold
   }
   for (const Triangle& triangle : scene.triangles) {
     ++place.line;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "scene/picture_size.hpp"
 #include "scene/scene.hpp"
@@ -30,6 +31,9 @@ class TriReader {
   const Scene& scene() const;
   // Gives the next triangle in the order of drawing; returns false at the end of the stream.
   bool next(Triangle& triangle);
+  // Gives the commands that stood in front of the triangles read since the last call; at the end of the
+  // stream those behind the last one, too.
+  std::vector<DrawCommand> take_commands();
 
  private:
   struct State;
@@ -39,6 +43,11 @@ class TriReader {
 // Reads the whole stream at once.
 Scene read_tri(const std::string& path);
 Scene parse_tri(std::string_view text, const std::string& origin);
+
+// A command as its line of a stream: JSON, without the newline; colours as fractions.
+std::string command_text(const DrawCommand& command);
+// The same back; `before` is not in it. Throws InputError "origin:1: key: what; expected ...".
+DrawCommand parse_command(std::string_view json, const std::string& origin);
 
 // Throws InputError where a stream of this scene could not be read back: sizes, ranges, indices, zero areas.
 void check_scene(const Scene& scene, const std::string& origin);

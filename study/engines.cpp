@@ -8,7 +8,7 @@ namespace bitspan {
 Frame drawn(std::string_view engine, const Config& config, const Scene& scene) {
   const auto made = make_engine(engine, config);
   made->begin(scene);
-  made->draw(scene.triangles, 0, nullptr);
+  draw_scene(*made, scene, 0, scene.triangles.size(), nullptr);
   return made->frame();
 }
 

@@ -227,11 +227,10 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
     const SceneTruth& truth = (*truths)[s];
     ErrorMeter meter(config, scene);
     engine->begin(scene);
-    const std::span<const Triangle> all = scene.triangles;
     for (std::size_t b = 0; b < truth.batches.size(); ++b) {
       const std::size_t at = b * batch;
       trace.clear();
-      engine->draw(all.subspan(at, truth.batches[b].size()), static_cast<std::int64_t>(at), &trace);
+      draw_scene(*engine, scene, at, truth.batches[b].size(), &trace);
       meter.add(truth.batches[b], static_cast<std::int64_t>(at), trace);
       if (histograms) note_octaves(trace, config, registers);
     }

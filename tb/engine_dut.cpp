@@ -97,10 +97,25 @@ class DutEngine final : public Engine {
     guarded([&] { draw_all(triangles, first_index, trace); });
   }
 
+  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
+    if (scene_ == nullptr) throw std::logic_error("Engine::set before begin");
+    deliver_constants(trace);
+    deliver(trace, model::change_state(pipeline_, config_, change, next_index));
+    model::prepare_frame(pipeline_, frame_);
+  }
+  void clear(const Clear& clear) override {
+    clear_planes(frame_, clear, static_cast<std::uint32_t>(pipeline_.depth.clear));
+  }
+
   const Frame& frame() const override { return frame_; }
   const Counters& counters() const override { return counters_; }
 
  private:
+  void deliver_constants(Trace* trace) {
+    if (trace == nullptr || constants_delivered_) return;
+    trace->constants.push_back(pipeline_.constants.record);
+    constants_delivered_ = true;
+  }
   // What the design does wrong is no fault of the program's.
   template <class Work>
   void guarded(Work work) const {
@@ -124,10 +139,7 @@ class DutEngine final : public Engine {
   }
 
   void draw_all(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) {
-    if (trace != nullptr && !constants_delivered_) {
-      trace->constants.push_back(pipeline_.constants.record);
-      constants_delivered_ = true;
-    }
+    deliver_constants(trace);
     draw_in_batches(pipeline_, *scene_, triangles, first_index, batch_, counters_, trace,
                     [&] { run(trace); });
   }
@@ -171,8 +183,8 @@ class DutEngine final : public Engine {
         if (f.x >= 0 && f.x < frame_.width && f.y >= 0 && f.y < frame_.height) row_fragments_.push_back(f);
       }
       from = ends[i];
-      model::fragments_to_frame(pipeline_, row_fragments_, model::texture_of(*scene_, batch_.textures[i]),
-                                frame_, counters_, trace);
+      model::fragments_to_frame(pipeline_, *scene_, row_fragments_, batch_.surfaces[i], frame_, counters_,
+                                trace);
     }
     // Records that no row asked for; no other engine has them.
     for (std::size_t i = expected; i < delivered; ++i) {

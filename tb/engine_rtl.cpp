@@ -53,18 +53,33 @@ class RtlEngine final : public Engine {
 
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
     if (scene_ == nullptr) throw std::logic_error("Engine::draw before begin");
-    if (trace != nullptr && !constants_delivered_) {
-      trace->constants.push_back(pipeline_.constants.record);
-      constants_delivered_ = true;
-    }
+    deliver_constants(trace);
     draw_in_batches(pipeline_, *scene_, triangles, first_index, batch_, counters_, trace,
                     [&] { run(trace); });
+  }
+
+  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
+    if (scene_ == nullptr) throw std::logic_error("Engine::set before begin");
+    deliver_constants(trace);
+    deliver(trace, model::change_state(pipeline_, config_, change, next_index));
+    model::prepare_frame(pipeline_, frame_);
+    // The RTL has no draw state.
+    draws_pixels_ = false;
+  }
+  void clear(const Clear& clear) override {
+    clear_planes(frame_, clear, static_cast<std::uint32_t>(pipeline_.depth.clear));
+    draws_pixels_ = false;
   }
 
   const Frame& frame() const override { return frame_; }
   const Counters& counters() const override { return counters_; }
 
  private:
+  void deliver_constants(Trace* trace) {
+    if (trace == nullptr || constants_delivered_) return;
+    trace->constants.push_back(pipeline_.constants.record);
+    constants_delivered_ = true;
+  }
   // All rows collected through the RTL, and what comes out to the frame.
   void run(Trace* trace) {
     if (batch_.rows.size() == 0) return;
@@ -95,7 +110,7 @@ class RtlEngine final : public Engine {
       std::erase_if(fragments_, [&](const FragmentRecord& f) {
         return f.x < 0 || f.x >= frame_.width || f.y < 0 || f.y >= frame_.height;
       });
-      shade(batch_.textures[i], trace);
+      shade(batch_.surfaces[i], trace);
       last = {modelled, geometry};
     }
     if (draws_pixels_) pixels_->run(covered_, counters_, trace);
@@ -105,15 +120,14 @@ class RtlEngine final : public Engine {
   }
 
   // The fragments of a row from depth to the frame: on the RTL's way, or by the model where it has none.
-  void shade(int texture, Trace* trace) {
+  void shade(const model::Surface& surface, Trace* trace) {
     if (draws_pixels_) {
       for (const FragmentRecord& f : fragments_) {
-        if (f.covered != 0) covered_.push_back({f, std::max(texture, -1)});
+        if (f.covered != 0) covered_.push_back({f, std::max(surface.texture, -1)});
       }
       return;
     }
-    model::fragments_to_frame(pipeline_, fragments_, model::texture_of(*scene_, texture), frame_, counters_,
-                              trace);
+    model::fragments_to_frame(pipeline_, *scene_, fragments_, surface, frame_, counters_, trace);
   }
 
   struct LastSpan {
@@ -211,7 +225,7 @@ class RtlEngine final : public Engine {
 }  // namespace
 
 bool rtl_draws_pixels(const Config& config, const Scene& scene) {
-  return has_pixel_rtl(config) && holds_textures(scene);
+  return has_pixel_rtl(config) && holds_textures(scene) && scene.commands.empty();
 }
 
 EngineOwn rtl_own(const Config& config, const Scene& scene) {

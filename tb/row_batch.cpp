@@ -18,7 +18,7 @@ std::int64_t pixels_of(const model::Rows& rows, std::size_t from) {
 
 void RowBatch::clear() {
   rows.clear();
-  textures.clear();
+  surfaces.clear();
 }
 
 void draw_in_batches(const model::Pipeline& pipeline, const Scene& scene, std::span<const Triangle> triangles,
@@ -31,7 +31,7 @@ void draw_in_batches(const model::Pipeline& pipeline, const Scene& scene, std::s
     model::check_triangle(scene, triangle, index);
     const std::size_t before = batch.rows.size();
     model::triangle_to_rows(pipeline, triangle, index, batch.walk, batch.rows, counters, trace);
-    batch.textures.resize(batch.rows.size(), triangle.texture);
+    batch.surfaces.resize(batch.rows.size(), model::surface_of(pipeline, triangle));
     pixels += pixels_of(batch.rows, before);
     if (pixels >= pixels_a_run) {
       run();

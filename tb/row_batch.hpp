@@ -16,7 +16,7 @@ namespace bitspan {
 
 struct RowBatch {
   model::Rows rows;
-  std::vector<int> textures;  // Triangle::texture, one per row
+  std::vector<model::Surface> surfaces;  // one per row
   model::PlaneWalkState walk;
 
   void clear();

@@ -125,7 +125,7 @@ std::optional<std::uint32_t> texel_at(const Scene& scene, std::span<const TexelP
   return texel_word(scene.textures[texture], static_cast<std::int64_t>(i), static_cast<std::int64_t>(j));
 }
 
-StageValues draw_values(const DrawState& s) {
+StageValues draw_values(const RtlDraw& s) {
   const PassingDistances passes = passing_distances(s.func);
   const auto bit = [](bool b) { return std::uint64_t{b}; };
   return {bit(passes.nearer) | bit(passes.equal) << 1 | bit(passes.farther) << 2,
@@ -321,12 +321,12 @@ struct RtlPixels::Pipe {
     places = place_textures(s);
     modelled.clear();
     for (const Texture& t : s.textures) modelled.push_back(!addresses_texels(config, t));
-    DrawState state{.func = p.depth.func,
-                    .filter = p.texture.filter,
-                    .wrap = p.texture.wrap,
-                    .transparent = p.texture.transparent,
-                    .fog = p.fog.mode,
-                    .fog_color = p.fog.fog_color};
+    RtlDraw state{.func = p.depth.func,
+                  .filter = p.texture.filter,
+                  .wrap = p.texture.wrap,
+                  .transparent = p.texture.transparent,
+                  .fog = p.fog.mode,
+                  .fog_color = p.fog.fog_color};
     untextured_draw = draw_values(state);
     textured_draws.clear();
     state.textured = true;

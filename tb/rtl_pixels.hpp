@@ -46,7 +46,7 @@ std::optional<std::uint32_t> texel_at(const Scene& scene, std::span<const TexelP
                                       std::uint64_t address);
 
 // What the stages take from a triangle.
-struct DrawState {
+struct RtlDraw {
   DepthFunc func = DepthFunc::less;
   bool textured = false;
   TextureFilter filter = TextureFilter::nearest;
@@ -58,7 +58,7 @@ struct DrawState {
   bool write_z = true, blend = true, write_color = true;
 };
 // On the channels `draw` and `in`.
-StageValues draw_values(const DrawState& state);
+StageValues draw_values(const RtlDraw& state);
 StageValues fragment_values(const Config& config, const FragmentRecord& fragment);
 
 // What the constants of the design hold, in its order, while nothing is loaded.

@@ -39,7 +39,7 @@ extern "C" {
 #endif
 
 /* Grows with every addition to this file; bs_abi_version() tells the library's. */
-#define BS_ABI_VERSION 1
+#define BS_ABI_VERSION 2
 
 typedef int32_t bs_status;
 enum {
@@ -68,18 +68,22 @@ enum {
   BS_STAGE_DEPTH = 8,          /* per covered pixel */
   BS_STAGE_TEXTURE = 9,        /* per pixel that passed the depth test */
   BS_STAGE_FOG = 10,           /* per pixel that the texture did not kill */
-  BS_STAGE_MERGE = 11          /* per pixel written */
+  BS_STAGE_MERGE = 11,         /* per pixel written */
+  BS_STAGE_STATE = 12,         /* per change of draw state */
+  BS_STAGE_STENCIL = 13,       /* per pixel that comes to the stencil test */
+  BS_STAGE_MERGE_ALPHA = 14    /* per pixel written whose stored alpha may change */
 };
 
 /* The planes of a picture: `height` rows of `width` elements, from the top. */
 typedef int32_t bs_plane;
 enum {
-  BS_PLANE_COLOR = 0, /* BS_U8, 4 channels: red, green, blue, 255 */
+  BS_PLANE_COLOR = 0, /* BS_U8, 4 channels: red, green, blue, alpha, which is 255 at first */
   BS_PLANE_DEPTH = 1, /* BS_U32: the stored code */
   BS_PLANE_U = 2,     /* BS_F64: texels, of the fragment written last; NaN where there is none */
   BS_PLANE_V = 3,     /* BS_F64 */
   BS_PLANE_TRIANGLE =
-      4 /* BS_I32: the triangle of that fragment, counted from bs_begin; -1 where there is none */
+      4, /* BS_I32: the triangle of that fragment, counted from bs_begin; -1 where there is none */
+  BS_PLANE_STENCIL = 5 /* BS_U8; no rows before the first stencil test or clear of the stencil */
 };
 
 typedef int32_t bs_element;
@@ -251,6 +255,15 @@ BS_API bs_status bs_triangle(bs_model* model, const bs_vertex v[3], int32_t text
  * not legal. */
 BS_API bs_status bs_draw(bs_model* model, const bs_vertex* vertices, const int32_t* textures, size_t count,
                          uint64_t frame, uint64_t draw);
+
+/* Changes the draw state, or clears planes, for what is drawn from then on: the line of a triangle stream,
+ * such as {"state": {"depth.func": "lequal"}} or {"clear": {"depth": true}}. docs/formats.md, "Draw state", has
+ * the registers. After bs_begin each holds what the configuration says. */
+BS_API bs_status bs_command(bs_model* model, const char* json);
+/* Draws `count` triangles of a scene from `first` on as bs_draw does, with the commands in front of them, and
+ * those behind the last one where it is among them. The scene is the one that bs_begin was given. */
+BS_API bs_status bs_draw_scene(bs_model* model, bs_scene* scene, size_t first, size_t count, uint64_t frame,
+                               uint64_t draw);
 
 /* Draws one row that was made elsewhere, from behind its stage through merge; engines golden and model. The
  * record has the n columns that bs_field tells of its stage:

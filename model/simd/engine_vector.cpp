@@ -332,6 +332,7 @@ class VectorModel {
       check_scene(scene);
     }
     plan_ = prepare_shade(pipeline_, config_, scene);
+    set_state(pipeline_, pipeline_.first);
     scene_ = &scene;
     counters_ = {};
     constants_delivered_ = false;
@@ -354,6 +355,15 @@ class VectorModel {
       throw std::logic_error("Engine::draw before begin");
     }
     deliver_constants(trace);
+    if (!pipeline_.draws_in_lanes(frame_)) {
+      if (statistics != nullptr) {
+        draw_triangles(pipeline_, *scene_, triangles, first_index, buffers_, frame_, counters_, trace,
+                       Observe{statistics});
+      } else {
+        draw_triangles(pipeline_, *scene_, triangles, first_index, buffers_, frame_, counters_, trace);
+      }
+      return;
+    }
     const auto draw_chunk = [&](std::size_t at, std::size_t n) {
       std::visit(
           [&](auto& drawing) {
@@ -377,14 +387,24 @@ class VectorModel {
     }
   }
 
+  void set(const StateChange& change, std::int64_t next_index, Trace* trace) {
+    if (scene_ == nullptr) throw std::logic_error("Engine::set before begin");
+    deliver_constants(trace);
+    deliver(trace, change_state(pipeline_, config_, change, next_index));
+    prepare_frame(pipeline_, frame_);
+  }
+  void clear(const Clear& clear) {
+    clear_planes(frame_, clear, static_cast<std::uint32_t>(pipeline_.depth.clear));
+  }
+
   PlaneOfRows set_plane(const SetupRecord& setup) {
-    plane_rows_ = plane_rows(pipeline_, setup, walk_);
-    return {walk_.geometry.along_y, plane_rows_};
+    plane_rows_ = plane_rows(pipeline_, setup, buffers_.walk);
+    return {buffers_.walk.geometry.along_y, plane_rows_};
   }
   void draw_row(const AnyRow& row, int texture, Trace* trace) {
     deliver_constants(trace);
-    row_to_frame(pipeline_, row, pipeline_.const_depth_rows ? &walk_.geometry : nullptr,
-                 texture_of(*scene_, texture), frame_, counters_, trace);
+    row_to_frame(pipeline_, *scene_, row, pipeline_.const_depth_rows ? &buffers_.walk.geometry : nullptr,
+                 {.texture = texture}, frame_, counters_, trace);
   }
 
   const Frame& frame() const { return frame_; }
@@ -417,7 +437,7 @@ class VectorModel {
   Frame frame_;
   Counters counters_;
   bool constants_delivered_ = false;
-  PlaneWalkState walk_;  // of rows that were made elsewhere
+  DrawBuffers buffers_;  // of states without a vector form; its walk also of rows that were made elsewhere
   std::vector<PlaneRowRecord> plane_rows_;
   std::variant<std::unique_ptr<Drawing<std::int32_t>>, std::unique_ptr<Drawing<std::int64_t>>> drawing_;
 };
@@ -430,6 +450,10 @@ class VectorEngine final : public Engine, public RowEngine {
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
     model_.draw(triangles, first_index, trace, nullptr);
   }
+  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
+    model_.set(change, next_index, trace);
+  }
+  void clear(const Clear& clear) override { model_.clear(clear); }
   const Frame& frame() const override { return model_.frame(); }
   const Counters& counters() const override { return model_.counters(); }
   PlaneOfRows set_plane(const SetupRecord& setup) override { return model_.set_plane(setup); }
@@ -452,6 +476,10 @@ class ObservedVectorEngine final : public ObservedEngine {
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
     model_.draw(triangles, first_index, trace, &statistics_);
   }
+  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
+    model_.set(change, next_index, trace);
+  }
+  void clear(const Clear& clear) override { model_.clear(clear); }
   const Frame& frame() const override { return model_.frame(); }
   const Counters& counters() const override { return model_.counters(); }
   const Statistics& statistics() const override { return statistics_; }

@@ -32,7 +32,7 @@ bool depth(const DepthStage& stage, const FragmentRecord& fragment, std::int64_t
   out.y = fragment.y;
   out.recip_m = point.recip_m;
   out.recip_e = point.recip_e;
-  out.z = point.z;
+  out.z = stage.bias == 0 ? point.z : std::clamp<std::int64_t>(point.z + stage.bias, 0, f.zmax);
   out.stored = stored;
   const bool pass = HWY_NAMESPACE::depth_passes(f, stage.func, out.z, stored);
   out.pass = pass ? 1 : 0;

@@ -50,6 +50,7 @@ struct DepthScene {
 struct DepthStage {
   DepthFormats formats;
   DepthFunc func = DepthFunc::less;
+  std::int64_t bias = 0;
   bool fits_int64 = false;  // z without a reciprocal, and all in front of it fits 63 bits
   std::int64_t clear = 0;   // what the buffer holds before the first triangle
   ReciprocalUnit reciprocal;

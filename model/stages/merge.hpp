@@ -9,14 +9,33 @@
 #include "engine/records.hpp"
 #include "model/numeric/integers.hpp"
 #include "model/numeric/quantize.hpp"
+#include "scene/draw_state.hpp"
 
 namespace bitspan::model {
+
+// A pair of factors with what is made of the products.
+struct BlendEquation {
+  BlendFactor src = BlendFactor::src_alpha, dst = BlendFactor::one_minus_src_alpha;
+  BlendOp op = BlendOp::add;
+  bool operator==(const BlendEquation&) const = default;
+};
+struct Blend {
+  BlendEquation color, alpha{BlendFactor::zero, BlendFactor::one, BlendOp::add};
+  std::array<std::int64_t, 4> constant{};
+  LogicOp logic = LogicOp::none;
+  bool operator==(const Blend&) const = default;
+};
+Blend blend_of(const DrawState& state);
 
 struct MergeStage {
   bool fits_int64 = false;  // the blend fits int64
   Register color_in, alpha, color;
+  Blend blend;                 // of the draw state; the rest is the configuration's
+  bool is_plain = true;        // blend is the first state's: a mix by alpha, and the stored alpha stays
+  bool changes_alpha = false;  // there is a record of merge.alpha
   bool operator==(const MergeStage&) const = default;
 };
+void set_blend(MergeStage& stage, const Blend& blend);
 constexpr MergeStage prepare_merge(const Config& config) {
   MergeStage s;
   s.color_in = make_register(config, FormatId::fog_color);
@@ -29,10 +48,15 @@ constexpr MergeStage prepare_merge(const Config& config) {
   return s;
 }
 
-// stored: the pixel's red, green, blue before, codes 0..255; the record holds them after, and z.
+// Whether the new colour depends on the stored one. a: of the fragment, raw, texture.alpha.
+bool reads_stored_color(const MergeStage& stage, std::int64_t a);
+
+// stored: the pixel's red, green, blue, alpha before, codes 0..255; the record holds them after, and z.
 template <class Watch = NoObserve>
 void merge(const MergeStage& stage, const DepthRecord& depth, const TextureRecord& texture,
-           const FogRecord& fog, const std::array<std::uint8_t, 3>& stored, MergeRecord& out,
+           const FogRecord& fog, const std::array<std::uint8_t, 4>& stored, MergeRecord& out,
            Watch watch = {});
+// The new alpha of the pixel; only where stage.changes_alpha.
+MergeAlphaRecord merged_alpha(const MergeStage& stage, const TextureRecord& texture, std::uint8_t stored);
 
 }  // namespace bitspan::model

@@ -4,12 +4,19 @@
 #include <array>
 
 #include "model/channels.hpp"
+#include "model/numeric/compare.hpp"
 #include "model/stages/texture-inl.hpp"
 
 namespace bitspan::model {
 namespace {
 
 namespace text = HWY_NAMESPACE;
+
+// 255 a against alpha.ref.
+bool passes_alpha_test(const TextureStage& stage, std::int64_t a) {
+  if (stage.alpha_func == CompareFunc::always) return true;
+  return compares(stage.alpha_func, int128(a) * 255, int128(stage.alpha_ref) << stage.alpha.fraction);
+}
 
 template <class Int, class Watch>
 bool texture_on(const TextureStage& stage, const Texture* texture, const FragmentRecord& fragment,
@@ -22,10 +29,11 @@ bool texture_on(const TextureStage& stage, const Texture* texture, const Fragmen
                                        shade, watch);
   const auto& [v_r, v_g, v_b, v_a] = all.texel;
   const auto& [r, g, b, a] = all.color;
+  const bool killed = all.killed || !passes_alpha_test(stage, a);
   out = {
       fragment.triangle, fragment.x, fragment.y, all.i, all.j, all.ex, all.ey, v_r, v_g, v_b, v_a, r, g, b, a,
-      all.killed ? 1 : 0};
-  return !all.killed;
+      killed ? 1 : 0};
+  return !killed;
 }
 
 }  // namespace

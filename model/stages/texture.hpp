@@ -22,6 +22,8 @@ struct TextureStage {
   bool fits_int64 = false;  // every intermediate fits int64
   Register uv, shade;       // formats of the fragment
   Register frac, mix, color, alpha;
+  CompareFunc alpha_func = CompareFunc::always;
+  int alpha_ref = 0;
   bool operator==(const TextureStage&) const = default;
 };
 constexpr TextureStage prepare_texture(const Config& config) {

@@ -8,6 +8,14 @@
 
 namespace bitspan::timed {
 
+// Whether the fragment comes to depth, for both modes.
+inline bool drawn_values(Run& run, const FragmentItem& item) {
+  if (item.fragment.covered == 0) return false;
+  if (run.is_drawn(item.fragment)) return true;
+  ++run.counters.masked;
+  return false;
+}
+
 // The values of depth for a covered fragment, for both modes; false where it is behind.
 inline bool depth_values(Run& run, FragmentItem& item) {
   const std::uint32_t stored = run.frame.depth[run.pixel(item.fragment)];
@@ -27,10 +35,10 @@ class DepthStage : public PipeStage<FragmentItem> {
 
  private:
   bool may_enter(const FragmentItem& item, std::uint64_t now) override {
-    return item.fragment.covered == 0 || run_.pixel_free[run_.pixel(item.fragment)] <= now;
+    return !run_.is_drawn(item.fragment) || run_.pixel_free[run_.pixel(item.fragment)] <= now;
   }
   bool enters(FragmentItem& item) override {
-    if (item.fragment.covered == 0) return false;
+    if (!drawn_values(run_, item)) return false;
     const std::size_t at = run_.pixel(item.fragment);
     if (traffic_.access(at)) ask_read(traffic_.word_bytes());
     if (!depth_values(run_, item)) return false;

@@ -24,6 +24,14 @@ class MachineEngine final : public TimedEngine {
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
     machine().draw(triangles, first_index, trace);
   }
+  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
+    if (options_.memory == TimedMemory::ports) {
+      throw InputError(
+          "draw state: the RTL's pixel stages have none; expected a scene without changes of state");
+    }
+    machine().set(change, next_index, trace);
+  }
+  void clear(const Clear& clear) override { machine().clear(clear); }
   const Frame& frame() const override { return machine().run().frame; }
   const Counters& counters() const override { return machine().run().counters; }
   TimedReport report() const override { return machine().report(); }

@@ -62,6 +62,22 @@ void Machine::draw(std::span<const Triangle> triangles, std::int64_t first_index
   run_.counters.cycles = cycles();
 }
 
+void Machine::set(const StateChange& change, std::int64_t next_index, Trace* trace) {
+  const DrawState next = changed_state(run_.pipeline.state, change, run_.config);
+  if (is_late(next.depth_when)) {
+    throw InputError(
+        "depth.when: \"late\" is not in the timed model, whose depth stage stands before texture; "
+        "expected \"early\"");
+  }
+  model::set_state(run_.pipeline, next);
+  model::prepare_frame(run_.pipeline, run_.frame);
+  deliver(trace, state_record(next, next_index));
+}
+
+void Machine::clear(const Clear& clear) {
+  clear_planes(run_.frame, clear, static_cast<std::uint32_t>(run_.pipeline.depth.clear));
+}
+
 TimedReport Machine::report() const {
   TimedReport report;
   report.cycles = cycles();

@@ -23,6 +23,9 @@ class Machine {
 
   // As TimedEngine's.
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace);
+  // As Engine's: a change waits until the pipeline is empty, which it is between two draws.
+  void set(const StateChange& change, std::int64_t next_index, Trace* trace);
+  void clear(const Clear& clear);
   TimedReport report() const;
   virtual const std::vector<HandshakeClock>& handshake() const { return no_handshake_; }
   virtual void close_vcd() {}

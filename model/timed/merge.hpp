@@ -9,12 +9,19 @@ namespace bitspan::timed {
 
 // The values of merge, for both modes; writes the frame.
 inline void merge_values(Run& run, FragmentItem& item) {
-  const std::uint8_t* color = run.frame.color.data() + 4 * run.pixel(item.fragment);
+  std::uint8_t* color = run.frame.color.data() + 4 * run.pixel(item.fragment);
+  const WriteMask mask = model::write_mask(run.pipeline.state);
   MergeRecord merged;
-  model::merge(run.pipeline.merge, item.depth, item.texel, item.fog, {color[0], color[1], color[2]}, merged);
-  write_fragment(run.frame, item.fragment, merged, run.uv_ulp);
-  ++run.counters.written;
+  model::merge(run.pipeline.merge, item.depth, item.texel, item.fog, {color[0], color[1], color[2], color[3]},
+               merged);
   deliver(run.trace, merged);
+  if (run.pipeline.merge.changes_alpha) {
+    const MergeAlphaRecord alpha = model::merged_alpha(run.pipeline.merge, item.texel, color[3]);
+    deliver(run.trace, alpha);
+    if (mask.color) color[3] = static_cast<std::uint8_t>(alpha.a);
+  }
+  write_fragment(run.frame, item.fragment, merged, run.uv_ulp, mask);
+  ++run.counters.written;
 }
 
 class MergeStage : public PipeStage<FragmentItem> {
@@ -27,7 +34,8 @@ class MergeStage : public PipeStage<FragmentItem> {
 
  private:
   bool enters(FragmentItem& item) override {
-    const MergeTraffic::Ask ask = traffic_.access(traffic_.blends(item.texel.a), run_.pixel(item.fragment));
+    const MergeTraffic::Ask ask =
+        traffic_.access(traffic_.needs(run_.pipeline, item.texel.a), run_.pixel(item.fragment));
     if (ask.color_read) ask_read(traffic_.color_word_bytes());
     if (ask.color_write) ask_write(traffic_.color_word_bytes());
     if (ask.depth_write) ask_write(traffic_.depth_word_bytes());

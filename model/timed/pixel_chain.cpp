@@ -30,8 +30,7 @@ PixelChain::PixelChain(Run& run, Fifo<RowItem*>& in, const SystemcOptions& optio
       timing_(timing_with_ports(run.config)),
       memory_(options.ports),
       watch_(options.watch_chain),
-      texels_(weighs_texels(run.config.filter) ? 15 : 1),
-      opaque_(opaque_alpha(run.config)) {
+      texels_(weighs_texels(run.config.filter) ? 15 : 1) {
   for (std::size_t i = 0; i < meters_.size(); ++i) {
     meters_[i].report.name = stage_names[static_cast<std::size_t>(Stage::depth) + i];
   }
@@ -78,7 +77,7 @@ PixelFragment PixelChain::values(FragmentItem& item) {
   f.passes = depth_values(run_, item);
   f.lives = f.passes && texture_values(run_, item);
   if (!f.lives) return f;
-  f.reads_color = item.texel.a < opaque_;
+  f.reads_color = model::reads_stored_color(run_.pipeline.merge, item.texel.a);
   fog_values(run_, item);
   merge_values(run_, item);
   return f;

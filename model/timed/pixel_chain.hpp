@@ -41,7 +41,6 @@ class PixelChain : public TimedStage {
   static constexpr int nothing_drawn = -2;
   int drawn_ = nothing_drawn;  // the texture of the draw state
   PortSet texels_;             // of a fragment with a texture
-  std::int64_t opaque_;        // the least raw alpha that is 1 or more
   std::array<StageMeter, 4> meters_;
   std::vector<StageMeter*> interpolator_meters_;
 };

@@ -47,6 +47,11 @@ struct Run {
   const Texture* image(const FragmentItem& item) const {
     return item.texture < 0 ? nullptr : &scene.textures[static_cast<std::size_t>(item.texture)];
   }
+  // Whether the fragment covers its pixel, and scissor and stipple let it be drawn.
+  bool is_drawn(const FragmentRecord& fragment) const {
+    return fragment.covered != 0 &&
+           (!masks_pixels(pipeline.state) || model::is_drawn(pipeline.state, fragment.x, fragment.y));
+  }
   void release(const FragmentRecord& fragment, std::uint64_t now) { pixel_free[pixel(fragment)] = now + 1; }
   // Bytes of a depth code in memory: 1, 2 or 4.
   std::uint64_t depth_bytes() const { return config.depth_bits <= 8 ? 1 : config.depth_bits <= 16 ? 2 : 4; }

@@ -50,14 +50,8 @@ int TextureTraffic::misses(int texture, std::int64_t u, std::int64_t v) {
   return count;
 }
 
-std::int64_t opaque_alpha(const Config& config) {
-  const int fraction = config.format(FormatId::texture_alpha).fraction();
-  return fraction <= 0 ? 1 : std::int64_t{1} << std::min(fraction, 62);
-}
-
 MergeTraffic::MergeTraffic(const Run& run)
-    : opaque_(opaque_alpha(run.config)),
-      depth_bytes_(run.depth_bytes()),
+    : depth_bytes_(run.depth_bytes()),
       color_read_(run.config.memory, color_bytes),
       color_write_(run.config.memory, color_bytes),
       depth_write_(run.config.memory, depth_bytes_) {}

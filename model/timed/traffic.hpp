@@ -71,9 +71,6 @@ class TextureTraffic {
   std::vector<Image> images_;
 };
 
-// The least raw alpha that is 1 or more: a fragment with less is mixed.
-std::int64_t opaque_alpha(const Config& config);
-
 // merge: reads the stored colour where the fragment blends, writes colour and depth code.
 class MergeTraffic {
  public:
@@ -82,17 +79,25 @@ class MergeTraffic {
   struct Ask {
     bool color_read = false, color_write = false, depth_write = false;  // put in this order
   };
+  // What a fragment needs of the memory.
+  struct Needs {
+    bool color_read = false, color_write = true, depth_write = true;
+  };
   // a: texture's, raw.
-  bool blends(std::int64_t a) const { return a < opaque_; }
-  Ask access(bool blends, std::size_t pixel) {
-    return {blends && color_read_.access(pixel * color_bytes), color_write_.access(pixel * color_bytes),
-            depth_write_.access(pixel * depth_bytes_)};
+  Needs needs(const model::Pipeline& pipeline, std::int64_t a) const {
+    const DrawState& state = pipeline.state;
+    return {state.color_write && model::reads_stored_color(pipeline.merge, a), state.color_write,
+            state.depth_write};
+  }
+  Ask access(Needs needs, std::size_t pixel) {
+    return {needs.color_read && color_read_.access(pixel * color_bytes),
+            needs.color_write && color_write_.access(pixel * color_bytes),
+            needs.depth_write && depth_write_.access(pixel * depth_bytes_)};
   }
   std::uint64_t color_word_bytes() const { return color_read_.word_bytes(); }
   std::uint64_t depth_word_bytes() const { return depth_write_.word_bytes(); }
 
  private:
-  std::int64_t opaque_;
   std::uint64_t depth_bytes_;
   WordRegister color_read_, color_write_, depth_write_;
 };

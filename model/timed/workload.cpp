@@ -202,7 +202,7 @@ class Workload::Batch final : model::BlockSink<std::int64_t> {
       add_depth(true);
       const auto pixel = static_cast<std::size_t>(block.pixel[k]);
       bool lives = true;
-      bool blends = false;
+      MergeTraffic::Needs needs;
       if (!shared) {
         fragment.u = block.u[k];
         fragment.v = block.v[k];
@@ -211,10 +211,10 @@ class Workload::Batch final : model::BlockSink<std::int64_t> {
         fragment.b = block.b[k];
         fragment.a = block.a[k];
         lives = model::texture(run_.pipeline.texture, image, fragment, texel);
-        blends = workload_.merge_traffic_.blends(texel.a);
+        needs = workload_.merge_traffic_.needs(run_.pipeline, texel.a);
       }
       workload_.add_texture(pixel, texture, block.u[k], block.v[k], lives);
-      if (lives) workload_.add_merge(pixel, blends);
+      if (lives) workload_.add_merge(pixel, needs);
     }
     shade_kernels_.shade(run_.pipeline, plan_, texture, block, store_depth, run_.frame, run_.counters,
                          nullptr);
@@ -263,7 +263,7 @@ Workload::~Workload() = default;
 void Workload::start(std::span<const Triangle> triangles, std::int64_t first_index) {
   to_set_up_ = triangles;
   index_ = first_index;
-  batched_ = batch_ != nullptr && run_.trace == nullptr;
+  batched_ = batch_ != nullptr && run_.trace == nullptr && run_.pipeline.draws_in_lanes(run_.frame);
   if (batched_) batch_->start(triangles, first_index);
 }
 
@@ -336,7 +336,7 @@ void Workload::make_fragments() {
 void Workload::make_fragment(FragmentItem& item) {
   FragmentWork work;
   work.pixel = static_cast<std::uint32_t>(run_.pixel(item.fragment));
-  if (item.fragment.covered != 0) {
+  if (drawn_values(run_, item)) {
     work.covered = true;
     work.asks = depth_traffic_.access(work.pixel) ? 1 : 0;
     work.kept = depth_values(run_, item);
@@ -347,7 +347,7 @@ void Workload::make_fragment(FragmentItem& item) {
   add_texture(work.pixel, item.texture, item.fragment.u, item.fragment.v, lives);
   if (!lives) return;
   fog_values(run_, item);
-  add_merge(work.pixel, merge_traffic_.blends(item.texel.a));
+  add_merge(work.pixel, merge_traffic_.needs(run_.pipeline, item.texel.a));
   merge_values(run_, item);
 }
 
@@ -359,8 +359,8 @@ void Workload::add_texture(std::size_t pixel, int texture, std::int64_t u, std::
   of(Stage::texture).push(work);
 }
 
-void Workload::add_merge(std::size_t pixel, bool blends) {
-  const MergeTraffic::Ask ask = merge_traffic_.access(blends, pixel);
+void Workload::add_merge(std::size_t pixel, MergeTraffic::Needs needs) {
+  const MergeTraffic::Ask ask = merge_traffic_.access(needs, pixel);
   FragmentWork work;
   work.pixel = static_cast<std::uint32_t>(pixel);
   work.asks = static_cast<std::uint8_t>((ask.color_read ? 1U : 0U) | (ask.color_write ? 2U : 0U) |

@@ -106,7 +106,7 @@ class Workload {
   void make_fragment(FragmentItem& item);
   // Add the work of a fragment that passed the depth test.
   void add_texture(std::size_t pixel, int texture, std::int64_t u, std::int64_t v, bool lives);
-  void add_merge(std::size_t pixel, bool blends);
+  void add_merge(std::size_t pixel, MergeTraffic::Needs needs);
 
   Run& run_;
   std::span<const Triangle> to_set_up_;

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import functools
+import json
 import os
 from types import TracebackType
 from typing import Any, Callable, Mapping, Sequence
@@ -18,7 +19,7 @@ from ._divergence import Divergence
 from ._scene import Scene
 
 #: The planes of a picture, by their numbers in the C interface.
-PLANES = ("color", "depth", "u", "v", "triangle")
+PLANES = ("color", "depth", "u", "v", "triangle", "stencil")
 
 
 @functools.lru_cache(maxsize=None)
@@ -90,8 +91,30 @@ class Model:
         self._core.begin(_handle(scene))
 
     def draw(self, scene: Scene, frame: int = 0, draw: int = 0) -> None:
-        """Draws the scene's triangles. `frame` and `draw` are numbers of the caller's, which a Divergence tells."""
+        """Draws the scene's triangles, with the changes of state that stand between them. `frame` and `draw` are numbers of the caller's, which a Divergence tells."""
         self._core.draw(_handle(scene), frame, draw)
+
+    def state(self, registers: Mapping[str, str | int | bool] | None = None, *, reset: bool = False) -> None:
+        """Changes the draw state for what is drawn from now on: {"depth.func": "lequal", "depth.write": False}.
+
+        docs/formats.md, "Draw state", has the registers; begin() gives each its first value, as reset does.
+        """
+        self._command({"state": dict(registers or {}), "reset": bool(reset)})
+
+    def clear(self, *, color: Sequence[int] | None = None, alpha: int | None = None, depth: bool = False,
+              stencil: int | None = None) -> None:
+        """Clears planes of the picture: color to (red, green, blue), 0 to 255, depth to the farthest code."""
+        planes = {"color": None if color is None else [c / 255 for c in color], "alpha": alpha, "depth": depth or None,
+                  "stencil": stencil}
+        self._command({"clear": {name: value for name, value in planes.items() if value is not None}})
+
+    def _command(self, command: dict[str, Any]) -> None:
+        try:
+            self._core.command(json.dumps(command))
+        except (TypeError, ValueError) as error:
+            if isinstance(error, InputError):
+                raise
+            raise InputError(f"{command}: {error}; expected names, integers and truths") from None
 
     def row(self, stage: str, record: Any, texture: int = -1) -> None:
         """Draws one row that was made elsewhere, from behind its stage through merge; engines `golden` and `model`.
@@ -138,10 +161,11 @@ class Model:
     def plane(self, name: str) -> NDArray[Any]:
         """Returns a plane of the picture, from the top; a view.
 
-        "color"     (H, W, 4) uint8: red, green, blue, 255
+        "color"     (H, W, 4) uint8: red, green, blue, alpha, which is 255 at first
         "depth"     (H, W) uint32: the stored code
         "u", "v"    (H, W) float64 [texel]: of the fragment written last; NaN where there is none
         "triangle"  (H, W) int32: the triangle of that fragment; -1 where there is none
+        "stencil"   (H, W) uint8; (0, W) before the first stencil test or clear of the stencil
         """
         if name not in PLANES:
             raise InputError(f"'{name}' is no plane; expected {', '.join(PLANES)}")

@@ -218,12 +218,14 @@ class Model {
     const Use use(session_, Access::change, "draw");
     // The clocks of a whole picture need all of its triangles at once.
     const bool whole = engine_ == "timed";
-    for (std::size_t at = 0; at < scene.count();) {
+    // A scene without triangles may have commands.
+    std::size_t at = 0;
+    do {
       const std::size_t n = whole ? scene.count() : batch_from(scene, at);
       bs_status status = BS_OK;
       {
         const nb::gil_scoped_release unlocked;
-        status = bs_draw(use.get(), scene.vertices() + 3 * at, scene.texture_of() + at, n, frame, draw);
+        status = scene.draw(use.get(), at, n, frame, draw);
       }
       check_draw(status, *use.operator->());
       at += n;
@@ -231,7 +233,12 @@ class Model {
         use->stopped = true;
         throw nb::python_error();
       }
-    }
+    } while (at < scene.count());
+  }
+
+  void command(const std::string& json) {
+    const Use use(session_, Access::change, "command");
+    check(bs_command(use.get(), json.c_str()));
   }
 
   void row(const std::string& stage, const Row& record, std::int32_t texture) {
@@ -386,6 +393,7 @@ void bind_model(nb::module_& m) {
       .def("trace", &Model::trace, nb::arg("on"))
       .def("begin", &Model::begin, nb::arg("scene"))
       .def("draw", &Model::draw, nb::arg("scene"), nb::arg("frame"), nb::arg("draw"))
+      .def("command", &Model::command, nb::arg("json"))
       .def("row", &Model::row, nb::arg("stage"), nb::arg("record"), nb::arg("texture"))
       .def("records", &Model::records, nb::arg("stage"),
            nb::sig("def records(self, stage: str) -> numpy.typing.NDArray[numpy.int64]"))

@@ -100,6 +100,12 @@ SceneHandle SceneHandle::make(
   return out;
 }
 
+bs_status SceneHandle::draw(bs_model* model, std::size_t at, std::size_t n, std::uint64_t frame,
+                            std::uint64_t draw) const {
+  return scene_.get() != nullptr ? bs_draw_scene(model, scene_.get(), at, n, frame, draw)
+                                 : bs_draw(model, vertices_ + 3 * at, texture_of_ + at, n, frame, draw);
+}
+
 Scene SceneHandle::full() const {
   try {
     Scene out = capi::scene_from(&desc_);
@@ -108,6 +114,7 @@ Scene SceneHandle::full() const {
       out.triangles.push_back(capi::triangle_from(vertices_, i, texture_of_[i], out,
                                                   static_cast<std::int64_t>(i), "bitspan.Scene"));
     }
+    if (scene_.get() != nullptr) out.commands = capi::scene_of(scene_.get(), "bitspan.Scene")->commands;
     return out;
   } catch (const capi::Failure& failure) {
     throw InputError(failure.text);

@@ -40,6 +40,10 @@ class BrokenEngine : public Engine {
       trace->span.erase(trace->span.begin());
     }
   }
+  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
+    inner_->set(change, next_index, trace);
+  }
+  void clear(const Clear& clear) override { inner_->clear(clear); }
   const Frame& frame() const override { return inner_->frame(); }
   const Counters& counters() const override { return inner_->counters(); }
 

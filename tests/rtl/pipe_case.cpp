@@ -70,14 +70,14 @@ PipeCase make_pipe_case(const Config& c, const Scene& given) {
     if (f.covered == 0) continue;
     if (f.triangle != before) {
       const int texture = scene.triangles[static_cast<std::size_t>(f.triangle)].texture;
-      const DrawState state{.func = c.depth_func,
-                            .textured = texture >= 0,
-                            .filter = c.filter,
-                            .wrap = c.wrap,
-                            .place = texture < 0 ? TexelPlace{} : p.places[static_cast<std::size_t>(texture)],
-                            .transparent = c.transparent,
-                            .fog = p.fog.mode,
-                            .fog_color = p.fog.fog_color};
+      const RtlDraw state{.func = c.depth_func,
+                          .textured = texture >= 0,
+                          .filter = c.filter,
+                          .wrap = c.wrap,
+                          .place = texture < 0 ? TexelPlace{} : p.places[static_cast<std::size_t>(texture)],
+                          .transparent = c.transparent,
+                          .fog = p.fog.mode,
+                          .fog_color = p.fog.fog_color};
       const StageValues draw = draw_values(state);
       if (p.batches.empty() || p.batches.back().draw != draw) p.batches.push_back({draw, {}});
       before = f.triangle;
@@ -97,9 +97,9 @@ PipeCase make_pipe_case(const Config& c, const Scene& given) {
 namespace {
 
 // With a texture's number, or -1.
-std::pair<DrawState, int> random_state(Random& random, const PipeCase& p) {
+std::pair<RtlDraw, int> random_state(Random& random, const PipeCase& p) {
   const auto chance = [&](int percent) { return static_cast<int>(random() % 100) < percent; };
-  DrawState s;
+  RtlDraw s;
   s.func = static_cast<DepthFunc>(random() % enum_names<DepthFunc>.size());
   const int texture = static_cast<int>(random() % (p.scene.textures.size() + 1)) - 1;
   s.textured = texture >= 0;

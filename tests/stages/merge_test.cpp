@@ -8,7 +8,7 @@
 namespace bitspan {
 namespace {
 
-MergeRecord merged(const Config& c, double colour, double alpha, std::array<std::uint8_t, 3> stored) {
+MergeRecord merged(const Config& c, double colour, double alpha, std::array<std::uint8_t, 4> stored) {
   DepthRecord z;
   z.triangle = 1;
   z.x = 2;
@@ -69,7 +69,7 @@ TEST(Merge, NarrowAndWideAgree) {
     FogRecord f;
     f.r = static_cast<std::int64_t>(random() % 4096);
     f.g = static_cast<std::int64_t>(random() % 4096);
-    const std::array<std::uint8_t, 3> stored{static_cast<std::uint8_t>(random()),
+    const std::array<std::uint8_t, 4> stored{static_cast<std::uint8_t>(random()),
                                              static_cast<std::uint8_t>(random()),
                                              static_cast<std::uint8_t>(random())};
     MergeRecord a;

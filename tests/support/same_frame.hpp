@@ -13,6 +13,7 @@ inline void expect_same_frame(const Frame& got, const Frame& expected) {
   EXPECT_EQ(got.color, expected.color);
   EXPECT_EQ(got.depth, expected.depth);
   EXPECT_EQ(got.triangle, expected.triangle);
+  EXPECT_EQ(got.stencil, expected.stencil);
   EXPECT_TRUE(same_bits(got.u, expected.u));
   EXPECT_TRUE(same_bits(got.v, expected.v));
 }

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/engine.hpp"
+
+#include <algorithm>
+
+namespace bitspan {
+
+void draw_scene(Engine& engine, const Scene& scene, std::size_t first, std::size_t count, Trace* trace) {
+  draw_scene(engine, scene, first, count, static_cast<std::int64_t>(first), trace);
+}
+
+void draw_scene(Engine& engine, const Scene& scene, std::size_t first, std::size_t count,
+                std::int64_t first_index, Trace* trace) {
+  const std::size_t last = first + count;
+  const bool whole = last == scene.triangles.size();
+  auto command = std::ranges::lower_bound(scene.commands, first, {}, &DrawCommand::before);
+  const auto draw = [&](std::size_t end) {
+    engine.draw(std::span(scene.triangles).subspan(first, end - first), first_index, trace);
+    first_index += static_cast<std::int64_t>(end - first);
+    first = end;
+  };
+  for (; command != scene.commands.end() && (command->before < last || (whole && command->before == last));
+       ++command) {
+    if (command->before > first) draw(command->before);
+    execute(engine, *command, first_index, trace);
+  }
+  // A call without triangles still delivers the constants.
+  if (first < last || count == 0) draw(last);
+}
+
+void execute(Engine& engine, const DrawCommand& command, std::int64_t next_index, Trace* trace) {
+  if (command.clear) {
+    engine.clear(*command.clear);
+  } else {
+    engine.set(command.state, next_index, trace);
+  }
+}
+
+}  // namespace bitspan

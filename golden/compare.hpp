@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// The comparisons by number of docs/numeric-spec.md.
+#pragma once
+
+#include "scene/draw_state.hpp"
+
+namespace bitspan::golden {
+
+// "v func reference" holds.
+template <class T>
+bool holds(CompareFunc func, T v, T reference) {
+  using enum CompareFunc;
+  const bool below = (func == less || func == lequal || func == notequal || func == always) && v < reference;
+  const bool same = (func == equal || func == lequal || func == gequal || func == always) && v == reference;
+  const bool above =
+      (func == greater || func == gequal || func == notequal || func == always) && v > reference;
+  return below || same || above;
+}
+
+}  // namespace bitspan::golden

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/draw_state.hpp"
+
+#include <algorithm>
+#include <string>
+#include <type_traits>
+
+#include "scene/scene.hpp"
+
+namespace bitspan {
+namespace {
+
+constexpr std::array<std::string_view, 2> truth_names{"false", "true"};
+
+template <class T>
+constexpr StateRegister make_register(std::string_view key, std::int64_t low, std::int64_t high,
+                                      std::string_view meaning) {
+  if constexpr (std::is_enum_v<T>) {
+    return {key, enum_names<T>, false, 0, static_cast<std::int64_t>(enum_names<T>.size()) - 1, meaning};
+  } else if constexpr (std::is_same_v<T, bool>) {
+    return {key, truth_names, true, 0, 1, meaning};
+  } else {
+    return {key, {}, false, low, high, meaning};
+  }
+}
+
+constexpr auto registers = std::to_array<StateRegister>({
+#define BITSPAN_STATE_REGISTER(A, type, member, key, low, high, first, meaning) \
+  make_register<type>(key, low, high, meaning),
+    BITSPAN_DRAW_STATE(BITSPAN_STATE_REGISTER, )
+#undef BITSPAN_STATE_REGISTER
+});
+
+void set_register(DrawState& state, std::size_t index, std::int64_t value) {
+  std::size_t i = 0;
+#define BITSPAN_SET_REGISTER(A, type, member, key, low, high, first, meaning) \
+  if (i++ == index) state.member = static_cast<type>(value);
+  BITSPAN_DRAW_STATE(BITSPAN_SET_REGISTER, )
+#undef BITSPAN_SET_REGISTER
+}
+
+}  // namespace
+
+DrawState first_state(const Config& c) {
+  DrawState state;
+#define BITSPAN_FIRST_VALUE(A, type, member, key, low, high, first, meaning) state.member = first;
+  BITSPAN_DRAW_STATE(BITSPAN_FIRST_VALUE, )
+#undef BITSPAN_FIRST_VALUE
+  return state;
+}
+
+bool masks_pixels(const DrawState& s) {
+  return s.scissor_left > 0 || s.scissor_top > 0 || s.scissor_right < scissor_limit ||
+         s.scissor_bottom < scissor_limit || s.stipple != 0xffffffff;
+}
+
+std::span<const StateRegister> state_registers() { return registers; }
+
+std::optional<std::size_t> find_state_register(std::string_view key) {
+  const auto found = std::ranges::find(registers, key, &StateRegister::key);
+  if (found == registers.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - registers.begin());
+}
+
+std::vector<std::int64_t> state_values(const DrawState& state) {
+  return {
+#define BITSPAN_STATE_VALUE(A, type, member, key, low, high, first, meaning) \
+  static_cast<std::int64_t>(state.member),
+      BITSPAN_DRAW_STATE(BITSPAN_STATE_VALUE, )
+#undef BITSPAN_STATE_VALUE
+  };
+}
+
+DrawState changed_state(DrawState state, const StateChange& change, const Config& config) {
+  if (change.reset) state = first_state(config);
+  for (const StateSetting& setting : change.settings) set_register(state, setting.index, setting.value);
+  // Fragments that the texture kills behind an early test would have changed the stencil plane already.
+  if (state.stencil_test && state.depth_when == DepthWhen::early) {
+    throw InputError(
+        "depth.when: \"early\" is not legal with stencil.test, because a fragment that the texture kills "
+        "would change the stencil plane; expected \"late\"");
+  }
+  return state;
+}
+
+void erase_triangles(Scene& scene, std::size_t first, std::size_t count) {
+  const auto from = scene.triangles.begin() + static_cast<std::ptrdiff_t>(first);
+  scene.triangles.erase(from, from + static_cast<std::ptrdiff_t>(count));
+  for (DrawCommand& command : scene.commands) {
+    if (command.before > first)
+      command.before = std::max(first, command.before - std::min(count, command.before));
+  }
+}
+
+}  // namespace bitspan

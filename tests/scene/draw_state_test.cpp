@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draw state: the table of registers, and the commands of a stream.
+#include "scene/draw_state.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "scene/random.hpp"
+#include "scene/tri_stream.hpp"
+#include "tests/support/input_error.hpp"
+
+namespace bitspan {
+namespace {
+
+const std::string header =
+    R"({"bitspan": 2, "width": 64, "height": 48, "s_min": 1, "s_max": 9, "focal": 50, "background": [0, 0, 0]})";
+const std::string triangle =
+    "\n"
+    R"({"v": [[1, 1, 2, 0, 0], [60, 1, 2, 0, 0], [1, 40, 2, 0, 0]]})";
+
+Scene parsed(const std::string& lines) { return parse_tri(header + lines, "s.tri"); }
+std::string refused(const std::string& line) {
+  return error_of([&] { parsed("\n" + line + triangle); });
+}
+
+TEST(DrawState, FirstValuesAreLegalAndTheConfigurations) {
+  Config config;
+  config.depth_func = DepthFunc::gequal;
+  const DrawState state = first_state(config);
+  EXPECT_EQ(state.depth_func, DepthFunc::gequal);
+  const std::vector<std::int64_t> values = state_values(state);
+  ASSERT_EQ(values.size(), state_registers().size());
+  std::set<std::string_view> keys;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const StateRegister& r = state_registers()[i];
+    EXPECT_TRUE(values[i] >= r.low && values[i] <= r.high) << r.key;
+    EXPECT_TRUE(keys.insert(r.key).second) << r.key;
+    EXPECT_EQ(find_state_register(r.key), i);
+    // Each setting changes its register and no other.
+    const std::int64_t other = values[i] == r.low ? r.low + 1 : r.low;
+    StateChange change{false, {{i, other}}};
+    if (r.key == "stencil.test") change.settings.push_back({*find_state_register("depth.when"), 1});
+    const std::vector<std::int64_t> after = state_values(changed_state(state, change, config));
+    EXPECT_EQ(after[i], other) << r.key;
+    for (std::size_t j = 0; j < values.size(); ++j) {
+      const bool other_too = change.settings.size() > 1;  // depth.when
+      EXPECT_TRUE(j == i || other_too || after[j] == values[j]) << r.key;
+    }
+    change.settings.clear();
+    change.reset = true;
+    EXPECT_EQ(changed_state(changed_state(state, {false, {{0, 0}}}, config), change, config), state);
+  }
+}
+
+TEST(DrawState, StencilNeedsLateTests) {
+  const Scene scene = parsed(R"(
+{"state": {"stencil.test": true, "depth.when": "late"}})" +
+                             triangle);
+  ASSERT_EQ(scene.commands.size(), 1U);
+  EXPECT_NE(refused(R"({"state": {"stencil.test": true}})").find("s.tri:2: state.depth.when"),
+            std::string::npos);
+}
+
+TEST(DrawState, CommandsStandBetweenTriangles) {
+  const Scene scene = parsed(R"(
+{"state": {"depth.func": "lequal", "depth.write": false, "depth.bias": -3}})" +
+                             triangle + R"(
+{"clear": {"color": [1, 0.5, 0], "depth": true, "stencil": 7}}
+{"state": {}, "reset": true})" +
+                             triangle + R"(
+{"clear": {"alpha": 0}})");
+  ASSERT_EQ(scene.triangles.size(), 2U);
+  ASSERT_EQ(scene.commands.size(), 4U);
+  EXPECT_EQ(scene.commands[0].before, 0U);
+  const DrawState first = changed_state(first_state({}), scene.commands[0].state, {});
+  EXPECT_EQ(first.depth_func, DepthFunc::lequal);
+  EXPECT_FALSE(first.depth_write);
+  EXPECT_EQ(first.depth_bias, -3);
+  EXPECT_EQ(scene.commands[1].before, 1U);
+  ASSERT_TRUE(scene.commands[1].clear);
+  EXPECT_EQ(*scene.commands[1].clear->color, (std::array<std::uint8_t, 3>{255, 128, 0}));
+  EXPECT_TRUE(scene.commands[1].clear->depth);
+  EXPECT_EQ(scene.commands[1].clear->stencil, 7);
+  EXPECT_TRUE(scene.commands[2].state.reset);
+  EXPECT_EQ(scene.commands[3].before, 2U);
+}
+
+TEST(DrawState, WhatIsRefused) {
+  EXPECT_EQ(
+      refused(R"({"state": {"depth.func": "lesser"}})"),
+      "s.tri:2: state.depth.func: \"lesser\" is not legal; expected never, less, equal, lequal, greater, "
+      "notequal, gequal, always");
+  EXPECT_NE(
+      refused(R"({"state": {"depth.fun": "less"}})").find("state.depth.fun: unknown register; expected"),
+      std::string::npos);
+  EXPECT_EQ(refused(R"({"state": {"alpha.ref": 256}})"),
+            "s.tri:2: state.alpha.ref: 256 is not legal; expected a whole number 0..255");
+  EXPECT_EQ(refused(R"({"state": {"depth.write": 1}})"),
+            "s.tri:2: state.depth.write: 1 is not legal; expected true or false");
+  EXPECT_NE(refused(R"({"state": 3})").find("state: 3 is not an object"), std::string::npos);
+  EXPECT_NE(refused(R"({"state": {}, "v": []})").find("unknown key"), std::string::npos);
+  EXPECT_NE(refused(R"({"clear": {}})").find("clear: no plane"), std::string::npos);
+  EXPECT_NE(refused(R"({"clear": {"depth": 1}})").find("clear.depth: 1 is not legal"), std::string::npos);
+  EXPECT_NE(refused(R"({"clear": {"stencil": 256}})").find("clear.stencil"), std::string::npos);
+  std::string first = header;
+  first.replace(first.find('2'), 1, "1");
+  EXPECT_NE(error_of([&] {
+              parse_tri(first + "\n{\"state\": {}}", "s.tri");
+            }).find("s.tri:2: bitspan: a stream of version 1"),
+            std::string::npos);
+}
+
+TEST(DrawState, RandomCommandsReadBack) {
+  RandomOptions options;
+  options.command_probability = 0.5;
+  for (std::uint64_t seed = 1; seed < 30; ++seed) {
+    const Scene scene = random_scene(seed, options);
+    ASSERT_FALSE(scene.commands.empty());
+    std::ostringstream out;
+    Scene bare = scene;
+    bare.textures.clear();
+    for (Triangle& t : bare.triangles) t.texture = -1;
+    write_tri(out, bare);
+    EXPECT_TRUE(parse_tri(out.str(), "back.tri").commands == scene.commands) << "seed " << seed;
+    options.command_probability = 0;
+    EXPECT_EQ(random_scene(seed, options).triangles.front().v[0].x, scene.triangles.front().v[0].x);
+    options.command_probability = 0.5;
+  }
+}
+
+TEST(DrawState, TrianglesTakenOutLeaveTheCommands) {
+  Scene scene;
+  scene.triangles.resize(10);
+  for (const std::size_t before : {0, 3, 4, 5, 9, 10}) {
+    scene.commands.emplace_back().before = before;
+  }
+  erase_triangles(scene, 3, 4);
+  ASSERT_EQ(scene.triangles.size(), 6U);
+  std::vector<std::size_t> places;
+  for (const DrawCommand& c : scene.commands) places.push_back(c.before);
+  EXPECT_EQ(places, (std::vector<std::size_t>{0, 3, 3, 3, 5, 6}));
+}
+
+// The table of docs/formats.md; BITSPAN_UPDATE_DOCS=1 writes it anew.
+TEST(DrawState, ThePageHasEveryRegister) {
+  const std::vector<std::int64_t> first = state_values(first_state({}));
+  std::vector<std::string> rows{"| register | values | at first | what |", "|---|---|---|---|"};
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const StateRegister& r = state_registers()[i];
+    const auto value = [&](std::int64_t v) {
+      return "`" + (r.names.empty() ? std::to_string(v) : std::string(r.names[static_cast<std::size_t>(v)])) +
+             "`";
+    };
+    std::string values;
+    if (r.names.empty()) {
+      values = std::to_string(r.low) + ".." + std::to_string(r.high);
+    } else {
+      for (const std::string_view name : r.names)
+        values += (values.empty() ? "`" : ", `") + std::string(name) + "`";
+    }
+    // Of the configuration, where it has a key of the name.
+    const std::string at_first = r.key == "depth.func" ? "the configuration's" : value(first[i]);
+    rows.push_back("| `" + std::string(r.key) + "` | " + values + " | " + at_first + " | " +
+                   std::string(r.meaning) + " |");
+  }
+  const std::string path = std::string(BITSPAN_SOURCE_DIR) + "/docs/formats.md";
+  std::ifstream in(path);
+  std::vector<std::string> page;
+  for (std::string line; std::getline(in, line);) page.push_back(line);
+  const auto begin = std::ranges::find(page, "<!-- draw state -->");
+  const auto end = std::ranges::find(page, "<!-- end of draw state -->");
+  ASSERT_TRUE(begin != page.end() && end != page.end());
+  if (std::getenv("BITSPAN_UPDATE_DOCS") != nullptr) {
+    std::vector<std::string> written(page.begin(), begin + 1);
+    written.insert(written.end(), rows.begin(), rows.end());
+    written.insert(written.end(), end, page.end());
+    std::ofstream out(path);
+    for (const std::string& line : written) out << line << "\n";
+    return;
+  }
+  EXPECT_EQ(std::vector<std::string>(begin + 1, end), rows) << "BITSPAN_UPDATE_DOCS=1 writes it anew";
+}
+
+}  // namespace
+}  // namespace bitspan
