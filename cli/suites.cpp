@@ -193,7 +193,7 @@ int verify_suites(const SuiteFlags& o) {
   }
   progress.reset();
   fmt::print(
-      "{} suites of {}, engines {}, seed {}: {} failed; {} values compared, {} non-trivial, {} differences, "
+      "{} of {} suites, engines {}, seed {}: {} failed; {} values compared, {} non-trivial, {} differences, "
       "{:.1f} s\n",
       names.size(), suite_names().size(), o.engines, o.seed, failed, values, non_trivial, differences,
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());

