@@ -135,20 +135,35 @@ TEST(Suites, WhatMustHappenToFragmentsIsAsked) {
   EXPECT_EQ(run_suite(suite, model_and_golden()).trivial, "no fragment was killed");
 }
 
+template <class E>
+std::string list_of() {
+  std::string out;
+  for (const std::string_view name : enum_names<E>) {
+    out += (out.empty() ? "`" : ", `") + std::string(name) + "`";
+  }
+  return out;
+}
+
 // docs/suites.md: "| `group` | `feature`, ... | stage | ...".
 TEST(Suites, ThePageHasEveryFeatureOnce) {
   std::string text = read_file(BITSPAN_SOURCE_DIR "/docs/suites.md");
   text = text.substr(text.find("## The features"));
-  std::map<std::string, std::string> written, expected;
+  // What docs/adding.md counts as files of an addition stays out of the page.
+  const std::map<std::string, std::string> in_words{{list_of<ReciprocalKind>(), "each kind"},
+                                                    {list_of<DepthFunc>(), "each comparison"}};
+  std::map<std::string, std::string> written, expected, features;
   const std::regex row(R"re(\| `(\w+)` \| (.+?) \| ([\w.]+) \| .+ \|)re");
   for (std::sregex_iterator it(text.begin(), text.end(), row), end; it != end; ++it) {
     written[(*it)[1]] = (*it)[3].str() + ": " + (*it)[2].str();
   }
   for (const SuiteFeature& feature : suite_features()) {
     const std::size_t dot = feature.name.find('.');
-    std::string& line = expected[feature.name.substr(0, dot)];
-    line += line.empty() ? std::string(stage_of(feature.stage)) + ": " : ", ";
-    line += "`" + feature.name.substr(dot + 1) + "`";
+    const std::string group = feature.name.substr(0, dot);
+    std::string& list = features[group];
+    list += (list.empty() ? "`" : ", `") + feature.name.substr(dot + 1) + "`";
+    const auto words = in_words.find(list);
+    expected[group] =
+        std::string(stage_of(feature.stage)) + ": " + (words == in_words.end() ? list : words->second);
   }
   EXPECT_EQ(written, expected);
 }
