@@ -27,8 +27,6 @@
 #include "golden/precision.hpp"
 #include "io/atomic_file.hpp"
 #include "io/data_folder.hpp"
-#include "report/error.hpp"
-#include "report/lockstep.hpp"
 #include "report/random_config.hpp"
 #include "report/replay.hpp"
 #include "scene/random.hpp"

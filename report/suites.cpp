@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -273,7 +272,7 @@ void add_texture(std::vector<SuiteFeature>& out) {
     const TextureWrap other = wrap == TextureWrap::cyclic ? TextureWrap::clamp : TextureWrap::cyclic;
     out.push_back(in(choice("wrap", &Config::wrap, wrap, other, RecordType::texture), texture));
   }
-  out.push_back(in({"texture.transparent", RecordType::texture, SuiteNeeds::killing,
+  out.push_back(in({"texel.transparent", RecordType::texture, SuiteNeeds::killing,
                     config_only([](Config& c) { c.transparent = hole; }),
                     config_only([](Config& c) { c.transparent = std::nullopt; })},
                    texture));
@@ -281,7 +280,8 @@ void add_texture(std::vector<SuiteFeature>& out) {
 
 void add_fog_and_merge(std::vector<SuiteFeature>& out) {
   out.push_back(in(choice("fog", &Config::fog, FogMode::linear, FogMode::none, RecordType::fog), fog));
-  for (const auto& [depth_bits, zone_bits] : {std::pair{6, 4}, {8, 2}, {5, 0}}) {
+  for (const auto& split : {std::pair{6, 4}, {8, 2}, {5, 0}}) {
+    const int depth_bits = split.first, zone_bits = split.second;
     out.push_back(in({fmt::format("fog.table_{}_{}", depth_bits, zone_bits), RecordType::fog,
                       SuiteNeeds::effect, config_only([=](Config& c) {
                         c.fog = FogMode::table;

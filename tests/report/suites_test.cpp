@@ -125,7 +125,7 @@ TEST(Suites, WhatMustHappenToFragmentsIsAsked) {
   suite.config.depth_func = DepthFunc::never;
   EXPECT_EQ(run_suite(suite, model_and_golden()).trivial, "no fragment passed the depth test");
 
-  suite = make_suite("texture.transparent/delta_f/32x24", 1, 0);
+  suite = make_suite("texel.transparent/delta_f/32x24", 1, 0);
   ASSERT_EQ(suite.needs, SuiteNeeds::killing);
   EXPECT_EQ(run_suite(suite, model_and_golden()).trivial, "");
   for (Triangle& triangle : suite.scene.triangles) triangle.texture = -1;
@@ -150,7 +150,10 @@ TEST(Suites, ThePageHasEveryFeatureOnce) {
   text = text.substr(text.find("## The features"));
   // What docs/adding.md counts as files of an addition stays out of the page.
   const std::map<std::string, std::string> in_words{{list_of<ReciprocalKind>(), "each kind"},
-                                                    {list_of<DepthFunc>(), "each comparison"}};
+                                                    {list_of<DepthFunc>(), "each comparison"},
+                                                    {list_of<DepthCode>(), "each code"},
+                                                    {list_of<TextureFilter>(), "each filter"},
+                                                    {list_of<TextureWrap>(), "each way"}};
   std::map<std::string, std::string> written, expected, features;
   const std::regex row(R"re(\| `(\w+)` \| (.+?) \| ([\w.]+) \| .+ \|)re");
   for (std::sregex_iterator it(text.begin(), text.end(), row), end; it != end; ++it) {
