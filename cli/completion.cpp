@@ -11,6 +11,7 @@
 #include "cli/commands.hpp"
 #include "config/store.hpp"
 #include "engine/registry.hpp"
+#include "report/suites.hpp"
 
 namespace bitspan {
 namespace {
@@ -32,6 +33,11 @@ std::string values_of(const CLI::Option& option) {
     return words.append(files);
   }
   if (name == "engine" || name == "engines") return fmt::format("{}", fmt::join(engine_names(), " "));
+  if (name == "suite") {
+    std::string words;
+    for (const SuiteFeature& feature : suite_features()) words += feature.name + "/* ";
+    return words;
+  }
   if (name == "scene" || name == "study") return fmt::format("demo extreme {}", files);
   // A choice: "TEXT:{cycle,span}".
   const std::string type = option.get_type_name();

@@ -5,12 +5,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "cli/commands.hpp"
 #include "cli/model_options.hpp"
 #include "cli/scene_options.hpp"
+#include "cli/suites.hpp"
 #include "cli/verdict.hpp"
 #include "config/store.hpp"
 #include "engine/registry.hpp"
@@ -24,6 +26,8 @@ struct Options {
   std::string config{default_config};
   std::string engines = "golden,model,systemc,rtl,ideal";
   std::string junit, json;
+  std::string suite, out = ".";
+  bool list = false;
   std::uint64_t seed = 1;
   bool engines_named = false;  // by the user
   bool allow_missing = false;
@@ -76,18 +80,57 @@ int verify(const Options& o) {
   return held ? exit_held : exit_difference;
 }
 
+// A suite makes its own configuration and scene, so what says others is refused.
+void check_flags(const CLI::App& sub, bool suites) {
+  const std::set<std::string> for_both{"help", "engines", "junit",  "json",
+                                       "seed", "form",    "target", "threads"};
+  const std::set<std::string> for_suites{"suite", "list", "output"};
+  for (const CLI::Option* option : sub.get_options()) {
+    const std::string name = option->get_single_name();
+    if (option->count() == 0 || for_both.contains(name)) continue;
+    if (suites && !for_suites.contains(name)) {
+      throw InputError(
+          fmt::format("--suite: makes its own configuration and scene; leave out {}", option->get_name()));
+    }
+    if (!suites && for_suites.contains(name)) {
+      throw InputError(fmt::format("{}: goes with --suite", option->get_name()));
+    }
+  }
+  if (!suites && sub.count("scene") == 0) throw InputError("scene is required, or --suite GLOB");
+}
+
+int run_suites(const Options& o) {
+  SuiteFlags flags;
+  flags.pattern = o.suite;
+  flags.list = o.list;
+  if (o.engines_named) flags.engines = o.engines;
+  flags.engines_named = o.engines_named;
+  flags.seed = o.seed;
+  flags.junit = o.junit;
+  flags.json = o.json;
+  flags.out = o.out;
+  flags.model = o.model;
+  return verify_suites(flags);
+}
+
 }  // namespace
 
 void add_verify(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("verify", "compare engines over scenes, every record of every stage");
   const auto o = std::make_shared<Options>();
-  sub->add_option("scene", o->scenes, "streams (.tri), meshes, demo, extreme or extreme/NAME")->required();
+  sub->add_option("scene", o->scenes, "streams (.tri), meshes, demo, extreme or extreme/NAME");
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
   sub->add_option("--engines", o->engines, "compared with the first; ideal adds the error table")
       ->capture_default_str();
   sub->add_option("--junit", o->junit, "write JUnit XML");
   sub->add_option("--json", o->json, "write the verdict as JSON");
-  sub->add_option("--seed", o->seed, "of the random stalls of rtl")->capture_default_str();
+  sub->add_option("--seed", o->seed, "of the random stalls of rtl, and of the streams of suites")
+      ->capture_default_str();
+  sub->add_option("--suite", o->suite,
+                  "instead of scenes: the named suites that this pattern matches, as 'depth.*/delta_f/*'; "
+                  "engines are golden,model where none is named");
+  sub->add_flag("--list", o->list, "with --suite: print their names and run none");
+  sub->add_option("-o,--output", o->out, "with --suite: folder for the replay files")->capture_default_str();
   sub->add_flag("--no-cycles", o->no_cycles, "leave out the cycle comparison of systemc and rtl");
   sub->add_flag("--allow-missing", o->allow_missing,
                 "an engine of --engines may be left out, and no pair may be left to compare");
@@ -95,10 +138,16 @@ void add_verify(CLI::App& app, Action& action) {
   add_scene_options(*sub, o->view);
   sub->footer(help_footer("all held",
                           "a difference, nothing compared, an engine named left out, or nothing drawn",
-                          "bitspan verify model.obj --texture skin.png --config depth20 --junit result.xml"));
+                          "bitspan verify model.obj --texture skin.png --config depth20 --junit result.xml\n"
+                          "  bitspan verify --suite 'depth.*/delta_f/64x48'\n"
+                          "  bitspan verify --suite '*' --list"));
   sub->callback([o, sub, &action] {
     o->engines_named = sub->count("--engines") > 0;
-    action = [o] { return verify(*o); };
+    action = [o, sub] {
+      const bool suites = sub->count("--suite") > 0;
+      check_flags(*sub, suites);
+      return suites ? run_suites(*o) : verify(*o);
+    };
   });
 }
 

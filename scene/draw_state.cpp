@@ -83,6 +83,13 @@ DrawState changed_state(DrawState state, const StateChange& change, const Config
   return state;
 }
 
+void check_commands(const Config& config, const Scene& scene) {
+  DrawState state = first_state(config);
+  for (const DrawCommand& command : scene.commands) {
+    if (!command.clear) state = changed_state(state, command.state, config);
+  }
+}
+
 void erase_triangles(Scene& scene, std::size_t first, std::size_t count) {
   const auto from = scene.triangles.begin() + static_cast<std::ptrdiff_t>(first);
   scene.triangles.erase(from, from + static_cast<std::ptrdiff_t>(count));

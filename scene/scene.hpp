@@ -52,6 +52,8 @@ struct Scene {
   std::vector<DrawCommand> commands;  // by `before`; none: every triangle is drawn with the first state
 };
 
+// Throws InputError where a change of state would not be legal.
+void check_commands(const Config& config, const Scene& scene);
 // Takes triangles out; commands that stood in front of them stand in front of the next one.
 void erase_triangles(Scene& scene, std::size_t first, std::size_t count);
 

@@ -118,7 +118,7 @@ void add_area(const std::string& metric, const Config& config, Store& store, con
 void write_search(const StudyPlan& plan, const SearchResult& result, const std::string& base_hash,
                   const std::map<std::string, std::string>& hashes, Store& store) {
   store.transaction([&] {
-    store.run("INSERT OR REPLACE INTO studies VALUES(?, ?, 'search', ?)", {plan.name, plan.text, base_hash});
+    put_study(plan, base_hash, store);
     for (const char* table : {"study_points", "search_steps", "certificate"}) {
       store.run(fmt::format("DELETE FROM {} WHERE study = ?", table), {plan.name});
     }
@@ -132,10 +132,11 @@ void write_search(const StudyPlan& plan, const SearchResult& result, const std::
                 {plan.name, i++, hash, step.cost, holds, std::int64_t{step.best ? 1 : 0}});
     }
     for (const Reduction& r : result.certificate.reductions) {
-      const auto hash = hashes.find(settings_json(settings_of(plan.axes, r.point)));
-      store.run("INSERT INTO certificate VALUES(?, ?, ?, ?, ?, ?)",
+      const std::string settings = settings_json(settings_of(plan.axes, r.point));
+      const auto hash = hashes.find(settings);
+      store.run("INSERT INTO certificate VALUES(?, ?, ?, ?, ?, ?, ?)",
                 {plan.name, r.key, r.from_value, r.to_value, hash == hashes.end() ? "" : hash->second,
-                 fmt::format("{}: {}", to_string(r.outcome), r.text)});
+                 fmt::format("{}: {}", to_string(r.outcome), r.text), settings});
     }
   });
 }

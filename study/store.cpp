@@ -35,13 +35,19 @@ constexpr auto tables = std::to_array<const char*>({
     "signed INTEGER, count INTEGER, min REAL, max REAL, used_bits INTEGER, headroom INTEGER, wraps INTEGER, "
     "saturations INTEGER, zeros INTEGER, octaves TEXT)",
     "CREATE INDEX IF NOT EXISTS registers_hash ON registers(hash)",
-    "CREATE TABLE IF NOT EXISTS studies(name TEXT PRIMARY KEY, plan TEXT, kind TEXT, base_hash TEXT)",
+    "CREATE TABLE IF NOT EXISTS studies(name TEXT PRIMARY KEY, plan TEXT, kind TEXT, base_hash TEXT, "
+    "cost TEXT)",
+    "CREATE TABLE IF NOT EXISTS axes(study TEXT, axis INTEGER, i INTEGER, key TEXT, base TEXT, "
+    "PRIMARY KEY(study, axis, i))",
+    "CREATE TABLE IF NOT EXISTS constraints(study TEXT, i INTEGER, metric TEXT, at_most NUMERIC, at_least "
+    "NUMERIC, PRIMARY KEY(study, i))",
+    "CREATE TABLE IF NOT EXISTS study_metrics(study TEXT, i INTEGER, name TEXT, PRIMARY KEY(study, i))",
     "CREATE TABLE IF NOT EXISTS study_points(study TEXT, i INTEGER, hash TEXT, settings TEXT, holds INTEGER, "
     "PRIMARY KEY(study, i))",
     "CREATE TABLE IF NOT EXISTS search_steps(study TEXT, i INTEGER, hash TEXT, cost REAL, holds INTEGER, "
     "best INTEGER)",
     "CREATE TABLE IF NOT EXISTS certificate(study TEXT, key TEXT, from_value TEXT, to_value TEXT, hash TEXT, "
-    "failed TEXT)",
+    "failed TEXT, settings TEXT)",
     "CREATE TABLE IF NOT EXISTS recommended(study TEXT, hash TEXT, reason TEXT, verified TEXT)",
     "CREATE TABLE IF NOT EXISTS budget(hash TEXT, quantisation TEXT, metric TEXT, base REAL, without REAL, "
     "alone REAL)",

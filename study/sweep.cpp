@@ -64,6 +64,10 @@ std::string cell_text(const Cell& cell) {
   return fmt::format("{}", number_of(cell));
 }
 
+std::string value_json(const KeyValue& value) {
+  return std::visit([](const auto& v) { return nlohmann::json(v).dump(); }, value);
+}
+
 }  // namespace
 
 std::string settings_json(const std::vector<KeySetting>& settings) {
@@ -310,6 +314,34 @@ std::vector<Evaluated> PointRunner::run(const std::vector<Point>& points, const 
   return out;
 }
 
+void put_study(const StudyPlan& plan, const std::string& base_hash, Store& store) {
+  const auto index = [](std::size_t i) { return static_cast<std::int64_t>(i); };
+  const auto limit = [](const std::optional<double>& value) { return value ? Cell(*value) : Cell(); };
+  store.transaction([&] {
+    for (const char* table : {"axes", "constraints", "study_metrics"}) {
+      store.run(fmt::format("DELETE FROM {} WHERE study = ?", table), {plan.name});
+    }
+    store.run("INSERT OR REPLACE INTO studies VALUES(?, ?, ?, ?, ?)",
+              {plan.name, plan.text, std::string(plan.search ? "search" : "sweep"), base_hash,
+               plan.search ? plan.search->cost : plan.cost});
+    for (std::size_t a = 0; a < plan.axes.size(); ++a) {
+      const std::vector<std::string>& keys = plan.axes[a].keys;
+      for (std::size_t k = 0; k < keys.size(); ++k) {
+        const Cell base = keys[k] == s_ratio_key ? Cell() : value_json(value_of_key(plan.base, keys[k]));
+        store.run("INSERT INTO axes VALUES(?, ?, ?, ?, ?)", {plan.name, index(a), index(k), keys[k], base});
+      }
+    }
+    for (std::size_t i = 0; i < plan.constraints.size(); ++i) {
+      const Constraint& c = plan.constraints[i];
+      store.run("INSERT INTO constraints VALUES(?, ?, ?, ?, ?)",
+                {plan.name, index(i), c.metric, limit(c.at_most), limit(c.at_least)});
+    }
+    for (std::size_t i = 0; i < plan.metrics.size(); ++i) {
+      store.run("INSERT INTO study_metrics VALUES(?, ?, ?)", {plan.name, index(i), plan.metrics[i]});
+    }
+  });
+}
+
 SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options) {
   const auto settings = points_of(plan);
   std::vector<Point> points;
@@ -320,8 +352,7 @@ SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, 
 
   store.transaction([&] {
     store.run("DELETE FROM study_points WHERE study = ?", {plan.name});
-    store.run("INSERT OR REPLACE INTO studies VALUES(?, ?, 'sweep', ?)",
-              {plan.name, plan.text, points[count].hash});
+    put_study(plan, points[count].hash, store);
     for (std::size_t i = 0; i < count; ++i) {
       store.run("INSERT INTO study_points VALUES(?, ?, ?, ?, NULL)",
                 {plan.name, static_cast<std::int64_t>(i), points[i].hash, settings_json(settings[i])});

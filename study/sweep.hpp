@@ -110,6 +110,10 @@ class PointRunner {
   Measure meter_;
 };
 
+// Writes what the database says of the study itself: its plan with axes, constraints and metrics.
+// `base_hash` is the hash of the base's point.
+void put_study(const StudyPlan& plan, const std::string& base_hash, Store& store);
+
 struct SweepResult {
   std::size_t points = 0;
   std::size_t known = 0;     // those that were in the database before

@@ -18,6 +18,7 @@ from ._config import Config, Field
 from ._core import InputError, StateError
 from ._divergence import Divergence
 from ._model import Model
+from ._report import report
 from ._run import Run, render
 from ._scene import Scene
 from ._sweep import Metric, Table, measure, metrics, sweep
@@ -43,4 +44,4 @@ def data_folder() -> pathlib.Path:
 
 
 __all__ = ["COUNTERS", "ENGINES", "STAGES", "Comparison", "Config", "Divergence", "Field", "InputError", "Metric", "Model", "Run",
-           "Scene", "StateError", "Table", "compare", "data_folder", "measure", "metrics", "render", "sweep"]
+           "Scene", "StateError", "Table", "compare", "data_folder", "measure", "metrics", "render", "report", "sweep"]

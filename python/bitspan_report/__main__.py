@@ -4,10 +4,9 @@
 from __future__ import annotations
 
 import argparse
-import importlib.util
 import sys
 
-from . import ReportError
+from . import ReportError, write
 
 
 def _arguments() -> argparse.Namespace:
@@ -24,24 +23,11 @@ def _arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _check_libraries() -> None:
-    missing = [name for name in ("matplotlib", "numpy", "plotly") if importlib.util.find_spec(name) is None]
-    if missing:
-        packages = ", ".join(f"python3-{name}" for name in missing)
-        raise ReportError(f"{sys.executable} has no module {', '.join(missing)}; Debian's python3 has it by {packages}")
-
-
 def main() -> int:
     """Returns 0 where the report is written, and 2 for bad input or nowhere to write, with one line that says what."""
     arguments = _arguments()
     try:
-        _check_libraries()
-        from .database import load_study  # imported here, because these modules need the libraries
-
-        study = load_study(arguments.database, arguments.study)
-        from .report import write_report  # imported after bad input is refused: it takes a second to load
-
-        write_report(study, arguments.folder)
+        write(arguments.database, arguments.folder, arguments.study)
     except ReportError as error:
         print(f"bitspan_report: {' '.join(str(error).split())}", file=sys.stderr)
         return 2

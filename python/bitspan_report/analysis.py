@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .study import BudgetRow, Metric, Study, key_value
+from .study import BudgetRow, Metric, Study
 
 Floats = NDArray[np.float64]
 
@@ -103,15 +102,9 @@ class Curve:
     one_at_a_time: bool  # samples differ from the base in the axis alone; else each is the best with its value
 
 
-def base_settings(study: Study) -> dict[str, Any]:
-    """Returns the base's values of all keys that vary, and None where the base was not measured."""
-    config = tomllib.loads(study.points[study.base].config) if study.base is not None else {}
-    return {key: key_value(config, key) for axis in study.axes for key in axis}
-
-
 def read_axes(study: Study) -> list[Axis]:
     """Returns the axes along which the measured points of a study differ."""
-    base = base_settings(study)
+    base = study.base_settings
     axes = []
     for keys in study.axes:
         sets = [tuple(point.settings.get(key, base[key]) for key in keys) for point in study.points]

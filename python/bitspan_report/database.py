@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads one study out of a study database (SQLite, schema 2)."""
+"""Reads one study out of a study database (SQLite, schema 3)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import os
 import pathlib
 import re
 import sqlite3
-import tomllib
 from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import closing
@@ -30,10 +29,9 @@ from .study import (
     Register,
     SearchStep,
     Study,
-    key_value,
 )
 
-SCHEMA = "2"
+SCHEMA = "3"
 
 # Selects the points that a study refers to anywhere; :s is its name.
 _POINTS = """(SELECT hash FROM study_points WHERE study = :s UNION SELECT hash FROM search_steps WHERE study = :s
@@ -108,15 +106,9 @@ def _select_study(path: str, connection: sqlite3.Connection, name: str | None) -
 
 
 def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
-    plan, kind, base_hash = next(reader.rows("SELECT plan, kind, base_hash FROM studies WHERE name = :s"))
-    try:
-        planned = tomllib.loads(plan)
-    except tomllib.TOMLDecodeError as error:
-        raise ReportError(f'{path}: the plan of study "{name}" is no TOML: {error}') from None
-    points = _read_points(reader)
-    base = next((p for p in points if p.hash == base_hash), None)
-    axes = _planned_axes(planned, points)
-    _add_settings(points, base, axes)
+    plan, kind, base_hash, cost = next(reader.rows("SELECT plan, kind, base_hash, cost FROM studies WHERE name = :s"))
+    points = _read_points(reader, base_hash)
+    axes, base_settings = _read_axes(reader)
     indices = {point.hash: i for i, point in enumerate(points)}
     study = Study(
         database=pathlib.Path(path).name,
@@ -129,9 +121,13 @@ def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
         metrics=_read_metrics(reader, indices),
         known=_read_known_metrics(reader),
         axes=axes,
-        constraints=_planned_constraints(planned),
-        chosen_metrics=list(planned.get("study", {}).get("metrics", [])),
-        cost_metric=planned.get("search", planned.get("study", {})).get("cost", "cost.register_bits"),
+        base_settings=base_settings if base_hash in indices else dict.fromkeys(base_settings),
+        constraints=[
+            Constraint(*row)
+            for row in reader.rows("SELECT metric, at_most, at_least FROM constraints WHERE study = :s ORDER BY i")
+        ],
+        chosen_metrics=[row[0] for row in reader.rows("SELECT name FROM study_metrics WHERE study = :s ORDER BY i")],
+        cost_metric=cost,
         errors=_read_errors(reader),
         registers={},
         budget=_read_budget(reader),
@@ -163,7 +159,7 @@ def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
     return study
 
 
-def _read_points(reader: _Reader) -> list[Point]:
+def _read_points(reader: _Reader, base_hash: str) -> list[Point]:
     points: dict[str, Point] = {}
     for h, config_hash, config, scenes, status, message, seconds in reader.rows(
         "SELECT hash, config_hash, config, scenes, status, message, seconds FROM points "
@@ -178,10 +174,23 @@ def _read_points(reader: _Reader) -> list[Point]:
             continue
         point.number, point.settings = i, dict(json.loads(settings))
         point.holds = None if holds is None else bool(holds)
+    for h, settings in reader.rows("SELECT hash, settings FROM certificate WHERE study = :s"):
+        if h in points and points[h].number is None and h != base_hash:
+            points[h].settings = dict(json.loads(settings))
     for h, holds in reader.rows("SELECT hash, holds FROM search_steps WHERE study = :s"):
         if h in points and points[h].holds is None:
             points[h].holds = bool(holds)
     return sorted(points.values(), key=lambda point: math.inf if point.number is None else point.number)
+
+
+def _read_axes(reader: _Reader) -> tuple[list[list[str]], dict[str, Any]]:
+    """Returns the keys that vary, those set together in one list, and what the base has for each, None for none."""
+    axes: dict[int, list[str]] = defaultdict(list)
+    base: dict[str, Any] = {}
+    for axis, key, value in reader.rows("SELECT axis, key, base FROM axes WHERE study = :s ORDER BY axis, i"):
+        axes[axis].append(key)
+        base[key] = None if value is None else json.loads(value)
+    return list(axes.values()), base
 
 
 def _read_metrics(reader: _Reader, indices: dict[str, int]) -> dict[str, list[float]]:
@@ -332,24 +341,3 @@ def _add_area_metrics(study: Study) -> None:
                 if area.status == "ok" and not math.isnan(value):
                     name = f"area.{area.family}.{column}"
                     study.metrics.setdefault(name, [math.nan] * len(study.points))[i] = value
-
-
-def _planned_axes(plan: dict[str, Any], points: list[Point]) -> list[list[str]]:
-    """Returns the keys that vary; keys set together are in one list. A key that no [[vary]] names is an axis alone."""
-    axes = [list(axis["keys"]) for axis in plan.get("vary", [])]
-    named = {key for axis in axes for key in axis}
-    axes += [[key] for key in dict.fromkeys(key for point in points for key in point.settings) if key not in named]
-    return axes
-
-
-def _add_settings(points: list[Point], base: Point | None, axes: list[list[str]]) -> None:
-    """Sets, for points that only a search met, what their configurations say of the keys that vary."""
-    for point in points:
-        if point.number is None and point is not base and point.config:
-            config = tomllib.loads(point.config)
-            values = {key: key_value(config, key) for axis in axes for key in axis}
-            point.settings = {key: value for key, value in values.items() if value is not None}
-
-
-def _planned_constraints(plan: dict[str, Any]) -> list[Constraint]:
-    return [Constraint(c["metric"], c.get("at_most"), c.get("at_least")) for c in plan.get("constraint", [])]

@@ -152,7 +152,7 @@ def recommended(study: Study) -> str:
     """Returns one card per recommended configuration: why, verified how, what it sets, its TOML."""
     if not study.recommended:
         return empty_section("recommended", "Recommended configurations", "This study recommends none.")
-    cards, base_values = [], analysis.base_settings(study)
+    cards, base_values = [], study.base_settings
     for found in study.recommended:
         index = study.index_of(found.hash)
         verified = (

@@ -182,6 +182,7 @@ class Study:
     metrics: dict[str, list[float]]
     known: dict[str, Metric]  # every metric that a study can have, in the order of tables
     axes: list[list[str]]  # keys that were set together
+    base_settings: dict[str, Any]  # the base's value of each of those keys; None where it has none or was not measured
     constraints: list[Constraint]
     chosen_metrics: list[str]  # of the plan; empty: all
     cost_metric: str  # what the search lowered, or what a sweep recommends by
@@ -209,26 +210,3 @@ class Study:
 
     def __post_init__(self) -> None:
         self._indices = {point.hash: i for i, point in enumerate(self.points)}
-
-
-def key_value(config: dict[str, Any], path: str) -> Any:
-    """Returns the value at "formats.span.h.word" of a parsed configuration, or None. Its keys may hold dots.
-
-    "fraction" of a format, which plans may name, is word - int.
-    """
-    head, _, last = path.rpartition(".")
-    if last == "fraction":
-        word, integer = key_value(config, head + ".word"), key_value(config, head + ".int")
-        return None if word is None or integer is None else word - integer
-    parts = path.split(".")
-    for end in range(len(parts), 0, -1):
-        child = config.get(".".join(parts[:end]))
-        if child is None:
-            continue
-        if end == len(parts):
-            return child
-        if isinstance(child, dict):
-            found = key_value(child, ".".join(parts[end:]))
-            if found is not None:
-                return found
-    return None

@@ -545,6 +545,55 @@ TEST_F(Cli, AFailureOfAnRtlReplaysWithThatRtlOnly) {
   EXPECT_NE(mended.out.find("no longer fails"), std::string::npos) << mended.out;
 }
 
+TEST_F(Cli, SuitesAreListedRunAndToldInJunitAndJson) {
+  const Result all = run("verify --suite '*' --list");
+  EXPECT_EQ(all.code, 0) << all.err;
+  EXPECT_GE(std::ranges::count(all.out, '\n'), 240);
+  EXPECT_NE(all.out.find("\ndepth.lequal/delta_f/64x48\n"), std::string::npos);
+  const Result one = run("verify --suite 'depth.[gl]equal/affine/32x24' --junit j.xml --json j.json");
+  EXPECT_EQ(one.code, 0) << one.out << one.err;
+  EXPECT_NE(one.out.find("\n2 of "), std::string::npos) << one.out;
+  EXPECT_NE(one.out.find(", 0 differences, "), std::string::npos) << one.out;
+  EXPECT_NE(folder.read("j.xml").find("name=\"depth.gequal/affine/32x24\""), std::string::npos);
+  const auto json = nlohmann::json::parse(folder.read("j.json"));
+  EXPECT_TRUE(json.at("held"));
+  ASSERT_EQ(json.at("suites").size(), 2U);
+  EXPECT_GT(json.at("suites")[0].at("effect"), 0);
+  EXPECT_EQ(json.at("suites")[0].at("differences"), 0);
+  const std::string digest = json.at("suites")[0].at("digest");
+  EXPECT_NE(one.out.find(digest), std::string::npos);
+  EXPECT_NE(run("verify --suite depth.lequal/affine/32x24").out.find(digest), std::string::npos);
+  EXPECT_EQ(run("verify --suite depth.lequal/affine/32x24 --seed 2").out.find(digest), std::string::npos);
+}
+
+TEST_F(Cli, SuitesRefuseWhatTheyMakeThemselves) {
+  refused("verify --suite 'no.such/*'", "--suite no.such/*: matches none of");
+  refused("verify --suite 'no.such/*' --list", "matches none of");
+  refused("verify --suite ''", "matches none of");
+  refused("verify", "scene is required, or --suite GLOB");
+  refused("verify demo --list", "--list: goes with --suite");
+  refused("verify demo -o .", "--output: goes with --suite");
+  refused("verify demo --suite 'depth.*'", "leave out scene");
+  refused("verify --suite 'depth.*' --config narrow", "leave out --config");
+  refused("verify --suite 'depth.*' --engines golden", "at least two engines");
+  refused("verify --suite 'depth.*' --engines golden,ideal", "ideal is not quantised");
+  refused("verify --suite 'depth.less/*' -o no", "no/suite-depth.less-delta_f-32x24.replay.json");
+}
+
+TEST_F(Cli, AFailureOfASuiteIsToldAndReplays) {
+  const RtlCopy copy;
+  copy.plant_doubled_pixel();
+  const Result r = run("verify --suite 'row_slope.reciprocal/delta_f/32x24' --engines model,rtl");
+  ASSERT_EQ(r.code, 1) << r.out << r.err;
+  EXPECT_NE(r.out.find("\n1 of "), std::string::npos) << r.out;
+  EXPECT_NE(r.out.find(": 1 failed; "), std::string::npos) << r.out;
+  EXPECT_NE(r.out.find("again: BITSPAN_ROOT=" + copy.path() +
+                       " bitspan verify --suite 'row_slope.reciprocal/delta_f/32x24' --engines model,rtl\n"),
+            std::string::npos)
+      << r.out;
+  EXPECT_EQ(run("replay suite-row_slope.reciprocal-delta_f-32x24.replay.json").code, 1);
+}
+
 TEST_F(Cli, AnRtlThatIsNotWhatThePackageSaysIsADifference) {
   stream("a.tri");
   const RtlCopy copy;

@@ -15,6 +15,7 @@ import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 
 try:
     import numpy as np
@@ -614,6 +615,18 @@ class Rows(unittest.TestCase):
 
 
 class BadInput(unittest.TestCase):
+    def test_a_report_refuses_a_missing_library_and_a_missing_database(self):
+        def found(missing=""):
+            return unittest.mock.patch("importlib.util.find_spec", lambda name: None if name == missing else object())
+
+        with tempfile.TemporaryDirectory() as folder:
+            out = pathlib.Path(folder, "out")
+            with found("plotly"), self.assertRaisesRegex(bitspan.InputError, r"^\S+ has no module plotly; [^\n]*pip install plotly$"):
+                bitspan.report(pathlib.Path(folder, "none.db"), out)
+            with found(), self.assertRaisesRegex(bitspan.InputError, r"^\S+/none\.db: no such file$"):
+                bitspan.report(pathlib.Path(folder, "none.db"), out)
+            self.assertFalse(out.exists())
+
     def test_a_bad_toml_has_file_and_line(self):
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder, "mine.toml")
@@ -891,12 +904,29 @@ assert bitspan.data_folder().is_relative_to(sys.prefix) and (bitspan.data_folder
 assert np.nanmax(abs(run.error_map("span.u"))) > 0
 print(bitspan.__version__, bitspan.measure("narrow", "demo", 80, 60)["span.u.p999"])
 """
-            out = run(venv / "bin/python", "-c", program, cwd=folder, env={"PATH": "/usr/bin:/bin", "HOME": name})
+            clean = {"PATH": "/usr/bin:/bin", "HOME": name}
+            out = run(venv / "bin/python", "-c", program, cwd=folder, env=clean)
             version = re.search(r"project\(bitspan VERSION ([0-9.]+)", (SOURCE / "CMakeLists.txt").read_text())[1]
             self.assertRegex(out, rf"^{re.escape(version)} 0\.\d+\n$")
+            # The report as the package writes it, and as the program does: from a folder without the module.
+            run("/usr/bin/python3", "-B", SOURCE / "tests/report_html/make_database.py", folder / "study.db")
+            program = """\
+import sys, bitspan, pathlib
+bitspan.report("study.db", pathlib.Path("ours"), "spans")
+try:
+    bitspan.report("study.db", "ours")
+except bitspan.InputError as error:
+    print(error)
+"""
+            self.assertIn("2 studies; name one", run(venv / "bin/python", "-c", program, cwd=folder, env=clean))
+            program = "import bitspan_report, sys; assert 'bitspan' not in sys.modules; bitspan_report.write('study.db', 'alone', 'spans')"
+            run("/usr/bin/python3", "-B", "-c", program, cwd=folder, env={**clean, "PYTHONPATH": str(SOURCE / "python")})
+            pages = [folder / name / "report.html" for name in ("ours", "alone")]
+            self.assertEqual(pages[0].read_bytes(), pages[1].read_bytes())
+            self.assertEqual(len(list((folder / "ours").iterdir())), len(list((folder / "alone").iterdir())))
             installed = next((venv / "lib").glob("python3*/site-packages/bitspan"))
             self.assertTrue({"py.typed", "_core.pyi", "__init__.py"} <= {path.name for path in installed.iterdir()})
-            for path in installed.rglob("*"):
+            for path in [*installed.rglob("*"), *installed.with_name("bitspan_report").rglob("*")]:
                 if path.is_file():
                     self.assertNotIn(str(source).encode(), path.read_bytes(), f"{path} names the sources")
             self.assertLess(wheel.stat().st_size, 8 << 20)

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The numbers behind the report's plots."""
 
+import contextlib
 import dataclasses
 import math
+import sqlite3
 import tempfile
 import unittest
 from pathlib import Path
@@ -10,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from bitspan_report import analysis, data, figures
 from bitspan_report.database import load_study
-from bitspan_report.study import Bound, BudgetRow, Metric, Point, Register, SearchStep, key_value
+from bitspan_report.study import Bound, BudgetRow, Metric, Point, Register, SearchStep
 from make_database import BASE, write_database
 
 ERROR = Metric("span.u.max", "span.u", "maximum", "texel", False, "result", False, "")
@@ -182,15 +184,9 @@ class Curves(unittest.TestCase):
     def setUpClass(cls):
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
-        write_database(Path(folder.name) / "t.db")
+        cls.database = Path(folder.name) / "t.db"
+        write_database(cls.database)
         cls.study = load_study(str(Path(folder.name) / "t.db"), "spans")
-
-    def test_a_key_is_found_whatever_its_dots(self):
-        config = {"formats": {"span.h": {"word": 34}}, "depth": {"bits": 16}, "a": {"b": {"c": 1}, "b.c": 2}}
-        self.assertEqual(key_value(config, "formats.span.h.word"), 34)
-        self.assertEqual(key_value(config, "depth.bits"), 16)
-        self.assertEqual(key_value(config, "a.b.c"), 2)
-        self.assertIsNone(key_value(config, "formats.span.v.word"))
 
     def test_units_are_those_of_the_database(self):
         for metric, unit in (
@@ -220,7 +216,7 @@ class Curves(unittest.TestCase):
             points = [
                 Point(str(i), "", "", "", False, "", 0, i, dict(zip("ab", values))) for i, values in enumerate(settings)
             ]
-            return analysis.read_axes(dataclasses.replace(self.study, points=points, base=None, axes=[["a", "b"]]))
+            return analysis.read_axes(dataclasses.replace(self.study, points=points, base=None, axes=[["a", "b"]], base_settings={"a": None, "b": None}))
 
         (axis,) = axes_of((1, 5), (2, 5), (3, 6))
         self.assertEqual((axis.shown, axis.values, axis.numeric, axis.label), ("a", [1, 2, 3], True, "a with b"))
@@ -236,10 +232,30 @@ class Curves(unittest.TestCase):
         self.assertEqual(together(["depth.bits", "fog.mode"]), "depth.bits, fog.mode")
         self.assertEqual(together(["a.b", "a.b.c"]), "a: b, b.c")
 
-    def test_fraction_is_what_the_integer_bits_leave(self):
-        config = {"formats": {"span.h": {"word": 34, "int": 16}}}
-        self.assertEqual(key_value(config, "formats.span.h.fraction"), 18)
-        self.assertIsNone(key_value(config, "formats.span.v.fraction"))
+    def changed(self, *statements):
+        """The study after some SQL."""
+        path = self.database.with_name("changed.db")
+        path.write_bytes(self.database.read_bytes())
+        with contextlib.closing(sqlite3.connect(path)) as connection:
+            for statement in statements:
+                connection.execute(statement)
+            connection.commit()
+        return load_study(str(path), "spans")
+
+    def test_a_point_of_the_certificate_alone_has_its_settings(self):
+        row = "hash = (SELECT hash FROM certificate WHERE key = 'formats.span.h.word')"
+        study = self.changed(
+            f"DELETE FROM study_points WHERE {row}", f"UPDATE certificate SET settings = '{{\"x\": 7}}' WHERE {row}"
+        )
+        (alone,) = [point for point in study.points if point.number is None]
+        self.assertEqual(alone.settings, {"x": 7})
+
+    def test_the_base_has_the_values_that_the_database_gives(self):
+        self.assertEqual(self.study.base_settings, {**BASE, "formats.edge.uv.word": BASE["formats.span.uv.word"]})
+        study = self.changed("UPDATE axes SET base = NULL WHERE key = 'formats.span.h.word'")
+        self.assertIsNone(study.base_settings["formats.span.h.word"])
+        study = self.changed("UPDATE studies SET base_hash = 'unmeasured'")
+        self.assertEqual(set(study.base_settings.values()), {None})
 
     def test_the_best_of_all_is_the_lower_edge(self):
         axis = analysis.read_axes(self.study)[0]

@@ -76,10 +76,13 @@ CREATE TABLE fields(hash TEXT, stage TEXT, quantity TEXT, unit TEXT, ulp REAL, c
 CREATE TABLE registers(hash TEXT, name TEXT, format TEXT, word INTEGER, int INTEGER, signed INTEGER, count INTEGER,
   min REAL, max REAL, used_bits INTEGER, headroom INTEGER, wraps INTEGER, saturations INTEGER, zeros INTEGER,
   octaves TEXT);
-CREATE TABLE studies(name TEXT PRIMARY KEY, plan TEXT, kind TEXT, base_hash TEXT);
+CREATE TABLE studies(name TEXT PRIMARY KEY, plan TEXT, kind TEXT, base_hash TEXT, cost TEXT);
+CREATE TABLE axes(study TEXT, axis INTEGER, i INTEGER, key TEXT, base TEXT, PRIMARY KEY(study, axis, i));
+CREATE TABLE constraints(study TEXT, i INTEGER, metric TEXT, at_most NUMERIC, at_least NUMERIC, PRIMARY KEY(study, i));
+CREATE TABLE study_metrics(study TEXT, i INTEGER, name TEXT, PRIMARY KEY(study, i));
 CREATE TABLE study_points(study TEXT, i INTEGER, hash TEXT, settings TEXT, holds INTEGER, PRIMARY KEY(study, i));
 CREATE TABLE search_steps(study TEXT, i INTEGER, hash TEXT, cost REAL, holds INTEGER, best INTEGER);
-CREATE TABLE certificate(study TEXT, key TEXT, from_value TEXT, to_value TEXT, hash TEXT, failed TEXT);
+CREATE TABLE certificate(study TEXT, key TEXT, from_value TEXT, to_value TEXT, hash TEXT, failed TEXT, settings TEXT);
 CREATE TABLE recommended(study TEXT, hash TEXT, reason TEXT, verified TEXT);
 CREATE TABLE budget(hash TEXT, quantisation TEXT, metric TEXT, base REAL, without REAL, alone REAL);
 CREATE TABLE bounds(hash TEXT, place TEXT, unit TEXT, bound REAL, observed REAL);
@@ -413,7 +416,8 @@ def search(writer: Writer, base: str) -> tuple[str, dict[str, int]]:
     names = list(WIDTHS)
     for axis in range(3):
         lower = [i - (k == axis) for k, i in enumerate(at)]
-        h = writer.point(settings_with(*(a[i] for a, i in zip(axes, lower))), listed=False)
+        settings = settings_with(*(a[i] for a, i in zip(axes, lower)))
+        h = writer.point(settings, listed=False)
         values = dict(writer.connection.execute("SELECT name, value FROM metrics WHERE hash = ?", (h,)))
         failed = (
             f"fails: span.u.p999 is {values['span.u.p999']:.3g}, at most 0.25"
@@ -422,7 +426,15 @@ def search(writer: Writer, base: str) -> tuple[str, dict[str, int]]:
         )
         writer.insert(
             "certificate",
-            (writer.study, names[axis], str(axes[axis][at[axis]]), str(axes[axis][lower[axis]]), h, failed),
+            (
+                writer.study,
+                names[axis],
+                str(axes[axis][at[axis]]),
+                str(axes[axis][lower[axis]]),
+                h,
+                failed,
+                json.dumps(settings),
+            ),
         )
     return found, settings_with(*(a[i] for a, i in zip(axes, at)))
 
@@ -433,7 +445,7 @@ def write_database(path: str | pathlib.Path) -> None:
     connection = sqlite3.connect(path)
     connection.executescript(TABLES)
     writer = Writer(connection, "spans")
-    writer.insert("meta", ("schema", "2"), ("version", "0.1.0"))
+    writer.insert("meta", ("schema", "3"), ("version", "0.1.0"))
     writer.insert("known_metrics", *KNOWN_METRICS)
     base = writer.point({})
     for values in itertools.product(*WIDTHS.values()):
@@ -441,8 +453,18 @@ def write_database(path: str | pathlib.Path) -> None:
     found, settings = search(writer, base)
     writer.insert(
         "studies",
-        ("spans", PLAN, "search", base),
-        ("empty", '[study]\nname = "empty"\nbase = "depth16"\n', "sweep", digest("none")),
+        ("spans", PLAN, "search", base, "cost.register_bits"),
+        ("empty", '[study]\nname = "empty"\nbase = "depth16"\n', "sweep", digest("none"), "cost.register_bits"),
+    )
+    writer.insert(
+        "axes",
+        ("spans", 0, 0, "formats.span.h.word", "34"),
+        ("spans", 1, 0, "formats.span.uv.word", "25"),
+        ("spans", 1, 1, "formats.edge.uv.word", "25"),
+        ("spans", 2, 0, "reciprocal.pixel.output.word", "19"),
+    )
+    writer.insert(
+        "constraints", ("spans", 0, "span.u.p999", 0.25, None), ("spans", 1, "picture.wrong_order", 0, None)
     )
     writer.insert(
         "recommended",

@@ -94,6 +94,8 @@ TEST(Recommend, TheSearchLeavesItsStepsAndItsCertificate) {
   EXPECT_EQ(text_of(certificate[0][1]), "22");
   EXPECT_EQ(text_of(certificate[0][2]), "21");
   EXPECT_NE(text_of(certificate[0][3]).find("span.u.p999"), std::string::npos) << text_of(certificate[0][3]);
+  EXPECT_EQ(b.store.rows("SELECT 1 FROM certificate WHERE settings = '{\"formats.span.h.word\":21}'").size(),
+            1U);
   EXPECT_EQ(text_of(certificate[0][4]), b.runner.prepare({{"formats.span.h.word", std::int64_t{21}}}).hash);
   const auto recommended = recommendations(b.plan, b.store);
   ASSERT_EQ(recommended.size(), 1U);

@@ -165,9 +165,9 @@ TEST(Store, FilesThatAreNoStudiesAreRefusedUntouched) {
   EXPECT_EQ(folder.read("other.db"), before);
   {
     Store store(folder.path("later.db"), "9.9");
-    store.run("UPDATE meta SET value = '3' WHERE key = 'schema'");
+    store.run("UPDATE meta SET value = '4' WHERE key = 'schema'");
   }
-  EXPECT_TRUE(names(refused(folder.path("later.db")), "has schema 3, made by another version"));
+  EXPECT_TRUE(names(refused(folder.path("later.db")), "has schema 4, made by another version"));
   EXPECT_TRUE(names(refused(folder.path()), "is a directory"));
   EXPECT_TRUE(names(refused(folder.path("no/such/a.db")), "cannot be opened as a database: No such file"));
   EXPECT_TRUE(names(refused(folder.path("none.db"), Store::Mode::existing), "none.db: no such database"));

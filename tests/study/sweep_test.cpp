@@ -109,6 +109,12 @@ TEST(Sweep, MeasuresEachPointOnceAndKeepsIt) {
   EXPECT_EQ(text_of(study.at(0)[0]), plan.text);
   EXPECT_EQ(text_of(study[0][1]), "sweep");
   EXPECT_EQ(text_of(study[0][2]), point_hash(plan.base, {small_scene()}, "1"));
+  EXPECT_EQ(b.count("studies WHERE cost = 'cost.register_bits'"), 1);
+  EXPECT_EQ(b.count("axes WHERE axis = 0 AND i = 0 AND key = 'formats.span.h.word' AND base = '34'"), 1);
+  EXPECT_EQ(b.count("axes"), 1);
+  EXPECT_EQ(
+      b.count("constraints WHERE i = 0 AND metric = 'span.u.max' AND at_most = 0.01 AND at_least IS NULL"),
+      1);
   const auto rows = b.store->rows("SELECT i, hash, settings FROM study_points ORDER BY i");
   EXPECT_EQ(text_of(rows[1][2]), "{\"formats.span.h.word\":24}");
   Config config = plan.base;

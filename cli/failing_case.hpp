@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// One scene through several engines, and what is left of it where they differ: what `fuzz`, `replay` and
+// `verify --suite` share.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/registry.hpp"
+#include "report/describe.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan {
+
+using Engines = std::vector<std::unique_ptr<Engine>>;
+
+// Makes the engines that run the configuration, in the order of their names.
+Engines make_engines(const std::vector<std::string>& names, const Config& config, std::uint64_t stall_seed,
+                     EngineOptions options);
+
+struct CaseResult {
+  std::string failure;  // one line, empty where all held
+  std::string details;
+  std::uint64_t fragments = 0, covered = 0, values = 0, non_trivial = 0;
+  std::vector<std::string> compared;  // engines that were compared in values that are not trivial
+};
+
+// What a pass over a scene has to say. Coverage is checked against the exact test where the configuration
+// promises it.
+CaseResult check_case(const Engines& engines, const Config& config, const Scene& scene,
+                      const RunLabel& label);
+
+// Returns the text of the scene's refusal, and an empty one where the configuration takes it.
+std::string refusal(const Engines& engines, const Config& config, const Scene& scene);
+
+// Drops triangles, then textures and fog, as long as the case still fails.
+Scene shrink(const Engines& engines, const Config& config, Scene scene, const RunLabel& label);
+
+// Writes a case for `bitspan replay`. `found` says where it came from and what was seen.
+void write_replay(const std::string& path, const Engines& engines, const Config& config, const Scene& scene,
+                  std::uint64_t stall_seed, const std::string& found);
+
+}  // namespace bitspan

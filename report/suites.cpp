@@ -1,0 +1,512 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/suites.hpp"
+
+#include <fmt/format.h>
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "config/check.hpp"
+#include "config/fnv.hpp"
+#include "config/modes.hpp"
+#include "config/store.hpp"
+#include "engine/range.hpp"
+#include "scene/exact.hpp"
+#include "scene/random.hpp"
+
+namespace bitspan {
+namespace {
+
+constexpr std::array<std::pair<int, int>, 3> sizes{{{32, 24}, {64, 48}, {97, 61}}};
+constexpr std::array<std::uint8_t, 3> hole{255, 0, 255};
+
+// ---- What the scenes of a feature have
+
+// Depths that come up again: some triangles lie at s_max, where the cleared buffer is, and each third one is
+// drawn once more in other colours.
+void repeat_depths(Config&, Scene& scene) {
+  const std::vector<Triangle> given = std::move(scene.triangles);
+  scene.triangles.clear();
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    Triangle triangle = given[i];
+    if (i % 4 == 0) {
+      for (Vertex& v : triangle.v) v.s = scene.s_max;
+    }
+    scene.triangles.push_back(triangle);
+    if (i % 3 != 0) continue;
+    for (Vertex& v : triangle.v) std::swap(v.c[0], v.c[2]);
+    scene.triangles.push_back(triangle);
+  }
+}
+
+// A texture with holes and with alpha, on two of three triangles, whose coordinates leave it on every side.
+void texture(Scene& scene) {
+  Texture own;
+  own.name = "suite.png";
+  own.width = 16;
+  own.height = 8;
+  for (int i = 0; i < own.width * own.height; ++i) {
+    const bool is_hole = i % 5 == 0;
+    const auto step = static_cast<std::uint8_t>(i * 37);
+    own.rgba.insert(own.rgba.end(),
+                    {is_hole ? hole[0] : step, is_hole ? hole[1] : static_cast<std::uint8_t>(255 - i),
+                     is_hole ? hole[2] : static_cast<std::uint8_t>(i * 91),
+                     static_cast<std::uint8_t>(i % 3 == 0 ? 96 : 255)});
+  }
+  scene.textures.push_back(std::move(own));
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    if (i % 3 != 2) scene.triangles[i].texture = static_cast<int>(scene.textures.size()) - 1;
+  }
+}
+
+void opaque(Scene& scene) {
+  for (Texture& t : scene.textures) {
+    for (std::size_t i = 3; i < t.rgba.size(); i += 4) t.rgba[i] = 255;
+  }
+  for (Triangle& t : scene.triangles) {
+    for (Vertex& v : t.v) v.c[3] = 1;
+  }
+}
+
+// Each second triangle has its corners on pixel centres, so that edges pass through others.
+void on_centres(Scene& scene) {
+  for (std::size_t i = 0; i < scene.triangles.size(); i += 2) {
+    Triangle snapped = scene.triangles[i];
+    for (Vertex& v : snapped.v) {
+      v.x = std::floor(v.x) + 0.5;
+      v.y = std::floor(v.y) + 0.5;
+    }
+    if (orientation(snapped) != 0) scene.triangles[i] = snapped;
+  }
+}
+
+void fog(Scene& scene) { scene.fog = Fog{{40, 90, 200}, scene.s_max / 2}; }
+
+// ---- The table
+
+// A setting of the configuration alone.
+template <class Set>
+SuiteSetting config_only(Set set) {
+  return [set](Config& config, Scene&) { set(config); };
+}
+
+// A value of a key whose values have names, against another value of it.
+template <class E>
+SuiteFeature choice(const char* group, E Config::*key, E value, E other, RecordType stage) {
+  return {fmt::format("{}.{}", group, to_string(value)), stage, SuiteNeeds::effect,
+          config_only([=](Config& c) { c.*key = value; }), config_only([=](Config& c) { c.*key = other; })};
+}
+
+// The same with what the scene must have.
+SuiteFeature in(SuiteFeature feature, void (*scene)(Scene&)) {
+  for (SuiteSetting* setting : {&feature.with, &feature.without}) {
+    *setting = [set = *setting, scene](Config& c, Scene& s) {
+      scene(s);
+      set(c, s);
+    };
+  }
+  return feature;
+}
+
+std::string lower_case(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return out;
+}
+
+template <class E>
+std::vector<E> all_of() {
+  std::vector<E> out;
+  for (std::size_t i = 0; i < enum_names<E>.size(); ++i) out.push_back(static_cast<E>(i));
+  return out;
+}
+
+bool walks_edges(Perspective p) { return !has_plane_rows(p); }
+bool walks_planes(Perspective p) { return has_plane_rows(p); }
+
+void add_raster(std::vector<SuiteFeature>& out) {
+  using enum RecordType;
+  for (const FillRule rule : all_of<FillRule>()) {
+    const FillRule other = rule == FillRule::top_left ? FillRule::inclusive : FillRule::top_left;
+    out.push_back(in(choice("fill", &Config::fill_rule, rule, other, fragment), on_centres));
+  }
+  for (const DdaUpdate update : all_of<DdaUpdate>()) {
+    out.push_back({fmt::format("dda.{}", to_string(update)), row, SuiteNeeds::effect,
+                   config_only([=](Config& c) {
+                     c.edge_walk = EdgeWalk::dda;
+                     c.dda_update = update;
+                   }),
+                   config_only([](Config& c) { c.edge_walk = EdgeWalk::exact; }), walks_edges});
+  }
+  for (const int bits : {2, 6}) {
+    out.push_back({fmt::format("subpixel.{}", bits), setup, SuiteNeeds::effect,
+                   config_only([=](Config& c) { c.subpixel_bits = bits; }), config_only([](Config&) {})});
+  }
+  for (const Numerator numerator : all_of<Numerator>()) {
+    const Numerator other =
+        numerator == Numerator::pixel_centre ? Numerator::ideal_line : Numerator::pixel_centre;
+    out.push_back(choice("numerator", &Config::numerator, numerator, other, fragment));
+    out.back().applies = walks_planes;
+  }
+}
+
+void add_slopes(std::vector<SuiteFeature>& out) {
+  for (const SlopeForm form : all_of<SlopeForm>()) {
+    const SlopeForm other = form == SlopeForm::divide ? SlopeForm::reciprocal : SlopeForm::divide;
+    out.push_back(choice("edge_slope", &Config::edge_slope, form, other, RecordType::edge));
+    out.back().applies = walks_edges;
+    out.push_back(choice("row_slope", &Config::row_slope, form, other, RecordType::span));
+    out.back().applies = walks_edges;
+  }
+  for (const ReciprocalKind kind : all_of<ReciprocalKind>()) {
+    const auto set = [=](Reciprocal& unit) {
+      unit.kind = kind;
+      unit.normalize = true;
+      unit.operand_bits = 14;
+      unit.index_bits = 6;
+      unit.table_bits = 14;
+      unit.internal_bits = 18;
+      unit.steps = 1;
+    };
+    // One bit less of the table, or of the quotient, gives other values.
+    const auto coarser = [=](Reciprocal& unit) {
+      set(unit);
+      unit.index_bits = 3;
+      --unit.output.word;
+    };
+    out.push_back({fmt::format("pixel_reciprocal.{}", to_string(kind)), RecordType::fragment,
+                   SuiteNeeds::effect, config_only([=](Config& c) {
+                     set(c.pixel_reciprocal);
+                     c.pixel_reciprocal.pipelined = true;
+                   }),
+                   config_only([=](Config& c) {
+                     coarser(c.pixel_reciprocal);
+                     c.pixel_reciprocal.pipelined = true;
+                   }),
+                   has_pixel_reciprocal});
+    out.push_back({fmt::format("row_reciprocal.{}", to_string(kind)), RecordType::span, SuiteNeeds::effect,
+                   config_only([=](Config& c) {
+                     set(c.row_reciprocal);
+                     c.row_slope = SlopeForm::reciprocal;
+                   }),
+                   config_only([=](Config& c) {
+                     coarser(c.row_reciprocal);
+                     c.row_slope = SlopeForm::reciprocal;
+                   })});
+  }
+}
+
+void add_numbers(std::vector<SuiteFeature>& out) {
+  // The register of u and v: five fraction bits, so that every mode has something to round.
+  for (const Rounding rounding : all_of<Rounding>()) {
+    const Rounding other = rounding == Rounding::trn ? Rounding::rnd : Rounding::trn;
+    const auto set = [](Config& c, Rounding mode) {
+      for (const FormatId id : {FormatId::span_uv, FormatId::edge_uv}) {
+        Format& f = c.format(id);
+        f.word = f.integer + 5;
+        f.rounding = mode;
+      }
+    };
+    out.push_back({fmt::format("rounding.{}", lower_case(to_string(rounding)).substr(3)),
+                   RecordType::fragment, SuiteNeeds::effect,
+                   config_only([=](Config& c) { set(c, rounding); }),
+                   config_only([=](Config& c) { set(c, other); })});
+  }
+  // The same register with four integer bits, which u and v leave.
+  for (const Overflow overflow : all_of<Overflow>()) {
+    const Overflow other = overflow == Overflow::wrap ? Overflow::sat : Overflow::wrap;
+    const auto set = [](Config& c, Overflow mode) {
+      Format& f = c.format(FormatId::span_uv);
+      f.word -= f.integer - 4;
+      f.integer = 4;
+      f.overflow = mode;
+      f.overflow_expected = true;
+    };
+    out.push_back({fmt::format("overflow.{}", lower_case(to_string(overflow)).substr(3)),
+                   RecordType::fragment, SuiteNeeds::effect,
+                   config_only([=](Config& c) { set(c, overflow); }),
+                   config_only([=](Config& c) { set(c, other); })});
+  }
+}
+
+void add_depth(std::vector<SuiteFeature>& out) {
+  using enum DepthFunc;
+  for (const DepthFunc func : all_of<DepthFunc>()) {
+    SuiteFeature feature =
+        choice("depth", &Config::depth_func, func, func == always ? less : always, RecordType::depth);
+    // What passes only what is farther has nothing to pass: the cleared buffer is the farthest.
+    if (func != always && func != never && func != greater) feature.needs = SuiteNeeds::passing;
+    for (SuiteSetting* setting : {&feature.with, &feature.without}) {
+      *setting = [set = *setting](Config& c, Scene& s) {
+        repeat_depths(c, s);
+        set(c, s);
+      };
+    }
+    out.push_back(std::move(feature));
+  }
+  for (const DepthCode code : all_of<DepthCode>()) {
+    const DepthCode other = code == DepthCode::inverse ? DepthCode::opengl : DepthCode::inverse;
+    out.push_back(choice("depth_code", &Config::depth_code, code, other, RecordType::depth));
+    out.back().needs = SuiteNeeds::passing;
+  }
+  for (const Rounding rounding : {Rounding::rnd, Rounding::rnd_conv, Rounding::trn}) {
+    const Rounding other = rounding == Rounding::trn ? Rounding::rnd : Rounding::trn;
+    out.push_back({fmt::format("depth_rounding.{}", lower_case(to_string(rounding)).substr(3)),
+                   RecordType::depth, SuiteNeeds::effect,
+                   config_only([=](Config& c) { c.depth_rounding = rounding; }),
+                   config_only([=](Config& c) { c.depth_rounding = other; })});
+  }
+}
+
+void add_texture(std::vector<SuiteFeature>& out) {
+  for (const TextureFilter filter : all_of<TextureFilter>()) {
+    const TextureFilter other =
+        filter == TextureFilter::nearest ? TextureFilter::bilinear : TextureFilter::nearest;
+    out.push_back(in(choice("texture", &Config::filter, filter, other, RecordType::texture), texture));
+  }
+  for (const TextureWrap wrap : all_of<TextureWrap>()) {
+    const TextureWrap other = wrap == TextureWrap::cyclic ? TextureWrap::clamp : TextureWrap::cyclic;
+    out.push_back(in(choice("wrap", &Config::wrap, wrap, other, RecordType::texture), texture));
+  }
+  out.push_back(in({"texel.transparent", RecordType::texture, SuiteNeeds::killing,
+                    config_only([](Config& c) { c.transparent = hole; }),
+                    config_only([](Config& c) { c.transparent = std::nullopt; })},
+                   texture));
+}
+
+void add_fog_and_merge(std::vector<SuiteFeature>& out) {
+  out.push_back(in(choice("fog", &Config::fog, FogMode::linear, FogMode::none, RecordType::fog), fog));
+  for (const auto& split : {std::pair{6, 4}, {8, 2}, {5, 0}}) {
+    const int depth_bits = split.first, zone_bits = split.second;
+    out.push_back(in({fmt::format("fog.table_{}_{}", depth_bits, zone_bits), RecordType::fog,
+                      SuiteNeeds::effect, config_only([=](Config& c) {
+                        c.fog = FogMode::table;
+                        c.fog_depth_bits = depth_bits;
+                        c.fog_zone_bits = zone_bits;
+                      }),
+                      config_only([](Config& c) { c.fog = FogMode::none; })},
+                     fog));
+  }
+  out.push_back(in({"merge.blend", RecordType::merge, SuiteNeeds::effect,
+                    [](Config&, Scene& s) {
+                      for (Triangle& t : s.triangles) t.v[0].c[3] = 0.5;
+                    },
+                    [](Config&, Scene& s) { opaque(s); }},
+                   texture));
+}
+
+std::vector<SuiteFeature> make_features() {
+  std::vector<SuiteFeature> out;
+  add_raster(out);
+  add_slopes(out);
+  add_numbers(out);
+  add_depth(out);
+  add_texture(out);
+  add_fog_and_merge(out);
+  return out;
+}
+
+// ---- Cases
+
+struct Named {
+  const SuiteFeature* feature;
+  Perspective perspective;
+  int width, height;
+  std::string name;
+};
+
+const std::vector<Named>& all_suites() {
+  static const std::vector<Named> all = [] {
+    std::vector<Named> out;
+    for (const SuiteFeature& feature : suite_features()) {
+      for (const Perspective p : all_of<Perspective>()) {
+        if (feature.applies != nullptr && !feature.applies(p)) continue;
+        for (const auto& [width, height] : sizes) {
+          out.push_back({&feature, p, width, height,
+                         fmt::format("{}/{}/{}x{}", feature.name, to_string(p), width, height)});
+        }
+      }
+    }
+    return out;
+  }();
+  return all;
+}
+
+bool is_legal(const Config& config) {
+  try {
+    check_config(config, "suite");
+  } catch (const InputError&) {
+    return false;
+  }
+  return true;
+}
+
+std::uint64_t number_of(const Fnv128& hash) { return std::stoull(hash.hex().substr(16), nullptr, 16); }
+
+// All records of the scene, and the picture in the engine.
+Trace trace_of(Engine& engine, const Scene& scene) {
+  Trace out;
+  engine.begin(scene);
+  engine.draw(scene.triangles, 0, &out);
+  return out;
+}
+
+std::string trivial_of(const SuiteCase& suite, const SuiteResult& result) {
+  const Counters& n = result.counters;
+  if (n.covered == 0) return "the scene covers no pixel centre";
+  if (result.run.pairs.empty()) return "there is one engine only";
+  for (const Comparison& pair : result.run.pairs) {
+    if (pair.total().non_trivial == 0) return pair.other + " was compared in nothing non-trivial";
+  }
+  if (result.effect == 0) {
+    return fmt::format("every record of {} is the same without the feature", stage_of(suite.stage));
+  }
+  switch (suite.needs) {
+    case SuiteNeeds::effect:
+      break;
+    case SuiteNeeds::passing:
+      if (n.depth_passed == 0) return "no fragment passed the depth test";
+      if (n.depth_passed == n.covered) return "no fragment failed the depth test";
+      break;
+    case SuiteNeeds::killing:
+      if (n.killed == 0) return "no fragment was killed";
+      if (n.written == 0) return "every fragment was killed";
+      break;
+  }
+  return "";
+}
+
+}  // namespace
+
+const std::vector<SuiteFeature>& suite_features() {
+  static const std::vector<SuiteFeature> features = make_features();
+  return features;
+}
+
+std::vector<std::string> suite_names() {
+  std::vector<std::string> out;
+  for (const Named& suite : all_suites()) out.push_back(suite.name);
+  return out;
+}
+
+std::vector<std::string> matching_suites(const std::string& pattern) {
+  std::vector<std::string> out;
+  for (const Named& suite : all_suites()) {
+    if (::fnmatch(pattern.c_str(), suite.name.c_str(), 0) == 0) out.push_back(suite.name);
+  }
+  return out;
+}
+
+SuiteCase make_suite(const std::string& name, std::uint64_t seed, int attempt) {
+  const auto found = std::ranges::find(all_suites(), name, &Named::name);
+  if (found == all_suites().end()) throw InputError(name + ": no such suite");
+  Fnv128 hash;
+  hash.text(name);
+  hash.number(seed);
+  hash.number(attempt);
+  Random random(number_of(hash));
+
+  RandomOptions options;
+  options.width = found->width;
+  options.height = found->height;
+  options.triangles = 40;
+  options.size_min = 4;
+  options.size_max = 2.0 * found->width;
+  options.depth_ratio_max = std::max(4.0, 100 / std::pow(2.0, attempt));
+  options.uv_limit = std::max(24.0, 128 / std::pow(2.0, attempt));
+  options.texture_size_max = 32;
+  SuiteCase out;
+  out.scene = random_scene(random.bits(), options);
+  out.scene.name = name;
+  out.scene_without = out.scene;
+  out.name = name;
+  out.stage = found->feature->stage;
+  out.needs = found->feature->needs;
+  // The first shipped configuration, from one at random on, with which the feature is legal.
+  const auto bases = config_texts();
+  const auto first = static_cast<std::size_t>(random.integer(0, static_cast<std::int64_t>(bases.size()) - 1));
+  for (std::size_t i = 0; i < bases.size(); ++i) {
+    const Config base = find_config(std::string(bases[(first + i) % bases.size()].name));
+    Scene scene = out.scene, scene_without = out.scene_without;
+    out.config = out.config_without = base;
+    out.config.perspective = out.config_without.perspective = found->perspective;
+    found->feature->with(out.config, scene);
+    found->feature->without(out.config_without, scene_without);
+    out.config.name = out.config_without.name = name;
+    if (!is_legal(out.config) || !is_legal(out.config_without)) continue;
+    out.scene = std::move(scene);
+    out.scene_without = std::move(scene_without);
+    return out;
+  }
+  throw std::logic_error(name + ": no shipped configuration takes the feature");
+}
+
+std::uint64_t SuiteResult::values() const {
+  std::uint64_t out = 0;
+  for (const Comparison& pair : run.pairs) out += pair.total().values;
+  return out;
+}
+
+std::uint64_t SuiteResult::non_trivial() const {
+  std::uint64_t out = 0;
+  for (const Comparison& pair : run.pairs) out += pair.total().non_trivial;
+  return out;
+}
+
+std::uint64_t SuiteResult::differences() const {
+  std::uint64_t out = 0;
+  for (const Comparison& pair : run.pairs) out += pair.differences();
+  return out;
+}
+
+bool SuiteResult::agree() const {
+  return std::ranges::all_of(run.pairs, [](const Comparison& pair) { return pair.held(); });
+}
+
+SuiteResult run_suite(const SuiteCase& suite, const SuiteEngines& engines) {
+  check_scene_range(suite.config, suite.scene);
+  check_scene_range(suite.config_without, suite.scene_without);
+  const auto with = engines.reference(suite.config);
+  const auto without = engines.reference(suite.config_without);
+  Comparison effect;
+  const Trace records = trace_of(*with, suite.scene);
+  compare_records(records, trace_of(*without, suite.scene_without), suite.stage, effect);
+
+  SuiteResult out;
+  const std::vector<std::unique_ptr<Engine>> compared = engines.all(suite.config);
+  out.run = run_lock_step(compared, suite.scene, {});
+  out.counters = compared[0]->counters();
+  const StageCount& stage = effect.stages[static_cast<std::size_t>(suite.stage)];
+  out.effect = stage.differences + stage.unmatched;
+  Fnv128 hash;
+  hash.text(config_hash(suite.config));
+  const Frame& frame = compared[0]->frame();
+  for (const std::uint8_t byte : frame.color) hash.byte(byte);
+  for (const std::uint32_t code : frame.depth) hash.number(std::uint64_t{code});
+  hash.number(out.counters.fragments);
+  out.digest = hash.hex().substr(16);
+  out.trivial = trivial_of(suite, out);
+  return out;
+}
+
+SuiteRun run_named_suite(const std::string& name, std::uint64_t seed, const SuiteEngines& engines) {
+  SuiteRun out;
+  for (int attempt = 0; attempt < suite_attempts; ++attempt) {
+    out.suite = make_suite(name, seed, attempt);
+    try {
+      out.result = run_suite(out.suite, engines);
+    } catch (const InputError& error) {
+      out.result = {};
+      out.result.trivial = fmt::format("the scene is refused: {}", error.what());
+      continue;
+    }
+    if (!out.result.agree() || out.result.trivial.empty()) break;
+  }
+  return out;
+}
+
+}  // namespace bitspan
