@@ -196,7 +196,7 @@ Scene read_header(const Json& line, const Place& place, const std::filesystem::p
   }
   if (const auto found = line.find("textures"); found != line.end()) {
     if (!found->is_array())
-      place.fail("textures: " + shown(*found) + " is not an array; expected a list of PNG file names");
+      place.fail("textures: " + shown(*found) + " is not an array; expected a list of image file names");
     for (std::size_t i = 0; i < found->size(); ++i) {
       const Json& entry = (*found)[i];
       if (!entry.is_string() || entry.get_ref<const std::string&>().empty()) {
