@@ -104,7 +104,7 @@ bool holds_textures(const Scene& scene) {
 
 bool addresses_texels(const Config& config, const Texture& texture) {
   const auto repeats = [](int size) { return std::has_single_bit(static_cast<unsigned>(size)); };
-  return clamps_to_border(config.wrap) || (repeats(texture.width) && repeats(texture.height));
+  return stops_at_edge(config.wrap) || (repeats(texture.width) && repeats(texture.height));
 }
 
 std::uint32_t texel_word(const Texture& texture, std::int64_t i, std::int64_t j) {
@@ -132,7 +132,7 @@ StageValues draw_values(const DrawState& s) {
           bit(s.write_z),
           bit(s.textured),
           bit(weighs_texels(s.filter)),
-          bit(clamps_to_border(s.wrap)),
+          bit(stops_at_edge(s.wrap)),
           s.place.last_i,
           s.place.last_j,
           s.place.pitch,

@@ -18,7 +18,7 @@ TextureTraffic::TextureTraffic(const Run& run)
   const auto axis = [&](int size) {
     return Axis{.size = size,
                 .power_of_two = std::has_single_bit(static_cast<unsigned>(size)),
-                .clamp = clamps_to_border(run.config.wrap)};
+                .wrap = run.config.wrap};
   };
   std::uint64_t next = 0;
   for (const Texture& texture : run.scene.textures) {
