@@ -193,6 +193,8 @@ Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness) {
   options.depth_ratio_max = std::max(1.5, 1000 / std::pow(3.0, gentleness));
   options.uv_limit = std::max(4.0, 1024 / std::pow(2.0, gentleness));
   Scene scene = random_scene(derived_seed(seed, index, 3 + static_cast<std::uint64_t>(gentleness)), options);
+  Random formats(derived_seed(seed, index, 100));
+  draw_texel_formats(formats, scene, 0.3);
   scene.name = fmt::format("fuzz seed {} case {}", seed, index);
   return scene;
 }

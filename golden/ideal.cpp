@@ -7,6 +7,7 @@
 
 #include "config/modes.hpp"
 #include "golden/quantize.hpp"
+#include "golden/texel.hpp"
 
 namespace bitspan {
 
@@ -168,10 +169,7 @@ class Sampler {
     const double column = wrapped(i, texture_.width);
     const double row = wrapped(j, texture_.height);
     if (column < 0 || row < 0 || column >= texture_.width || row >= texture_.height) return config_.border;
-    const std::size_t place = 4 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(texture_.width) +
-                                   static_cast<std::size_t>(column));
-    const std::uint8_t* p = &texture_.rgba[place];
-    return {p[0], p[1], p[2], p[3]};
+    return golden::fetch_texel(texture_, static_cast<std::int64_t>(column), static_cast<std::int64_t>(row));
   }
   static Texel texel(const Codes& c) { return {double(c[0]), double(c[1]), double(c[2]), c[3] / 255.0}; }
   bool reserved(const Codes& c) const {

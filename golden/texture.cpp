@@ -6,6 +6,7 @@
 
 #include "config/modes.hpp"
 #include "golden/lanes.hpp"
+#include "golden/texel.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
 
@@ -222,8 +223,7 @@ class Texturing {
   // i and j are wrapped.
   Texel fetch(const Texture& texture, std::int64_t i, std::int64_t j) const {
     if (i < 0 || j < 0 || i == texture.width || j == texture.height) return border_;
-    const std::uint8_t* at = &texture.rgba[static_cast<std::size_t>(channels * (j * texture.width + i))];
-    return {at[0], at[1], at[2], at[3]};
+    return fetch_texel(texture, i, j);
   }
   bool reserved(const Texel& texel) const {
     return transparent_ && texel[0] == (*transparent_)[0] && texel[1] == (*transparent_)[1] &&

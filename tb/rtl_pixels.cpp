@@ -14,6 +14,7 @@
 #include "config/pixel_timing.hpp"
 #include "engine/emit_pixel_sv.hpp"
 #include "engine/sv_writer.hpp"
+#include "model/stages/texel.hpp"
 #include "tb/rtl_build.hpp"
 
 namespace bitspan {
@@ -108,7 +109,7 @@ bool addresses_texels(const Config& config, const Texture& texture) {
 }
 
 std::uint32_t texel_word(const Texture& texture, std::int64_t i, std::int64_t j) {
-  const std::uint8_t* p = texture.rgba.data() + 4 * (j * texture.width + i);
+  const model::TexelCodes p = model::texel_of(texture, i, j);
   return p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
 }
 

@@ -106,12 +106,11 @@ ShadeTexture prepare_image(const TextureStage& stage, const Texture& source) {
     for (std::int32_t x = 0; x < t.stride; ++x) {
       const std::int32_t i = inside(x - t.border, t.width);
       const bool outside = i < 0 || j < 0 || i >= t.width || j >= t.height;
-      const std::uint8_t* p =
-          outside ? stage.border.data()
-                  : source.rgba.data() + 4 * (std::size_t(j) * std::size_t(t.width) + std::size_t(i));
+      const TexelCodes p = outside ? stage.border : texel_of(source, i, j);
       out[x] = p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
       t.has_reserved =
-          t.has_reserved || (stage.transparent && std::equal(p, p + 3, stage.transparent->begin()));
+          t.has_reserved ||
+          (stage.transparent && std::equal(stage.transparent->begin(), stage.transparent->end(), p.begin()));
       t.opaque = t.opaque && p[3] == 255;
     }
   }

@@ -14,6 +14,7 @@
 
 #include "config/modes.hpp"
 #include "model/numeric/ratio-inl.hpp"
+#include "model/stages/texel.hpp"
 #include "model/stages/texture.hpp"
 
 #if defined(BITSPAN_MODEL_STAGES_TEXTURE_INL) == defined(HWY_TARGET_TOGGLE)
@@ -108,8 +109,7 @@ struct TextureImage {
   static bool may_be_reserved() { return true; }
   std::int64_t word(std::int64_t i, std::int64_t j) const {
     if (i < 0 || j < 0 || i >= texture->width || j >= texture->height) return border;
-    const std::uint8_t* p = texture->rgba.data() + 4 * (j * texture->width + i);
-    return p[0] | p[1] << 8 | p[2] << 16 | std::int64_t{p[3]} << 24;
+    return word_of(texel_of(*texture, i, j));
   }
   std::int64_t nearest(std::int64_t& i, std::int64_t& j) const {
     i = wrapped(i, texture->width, wrap);

@@ -3,6 +3,8 @@
 
 #include <bit>
 
+#include "scene/texels.hpp"
+
 namespace bitspan::timed {
 
 TextureTraffic::TextureTraffic(const Run& run)
@@ -22,8 +24,8 @@ TextureTraffic::TextureTraffic(const Run& run)
   };
   std::uint64_t next = 0;
   for (const Texture& texture : run.scene.textures) {
-    images_.push_back({axis(texture.width), axis(texture.height), next});
-    next += (texture.rgba.size() + line - 1) / line * line;
+    images_.push_back({axis(texture.width), axis(texture.height), next, texture.format});
+    next += (byte_count(texture) + line - 1) / line * line;
   }
 }
 

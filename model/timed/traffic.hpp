@@ -67,9 +67,13 @@ class TextureTraffic {
   struct Image {
     Axis across, down;
     std::uint64_t base = 0;  // byte address
+    TexelFormat format = TexelFormat::rgba8888;
   };
   bool misses(const Image& image, std::int64_t i, std::int64_t j) {
     if (i < 0 || j < 0) return false;
+    if (image.format != TexelFormat::rgba8888) {
+      return !cache_.access(image.base + block_at(image.format, static_cast<int>(image.across.size), i, j));
+    }
     return !cache_.access(image.base + static_cast<std::uint64_t>(j * image.across.size + i) * color_bytes);
   }
   // floor(raw 2^-fraction - 1/2) where the filter weighs texels, else floor(raw 2^-fraction)
