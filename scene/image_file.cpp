@@ -9,9 +9,9 @@
 #include "config/config.hpp"
 #include "scene/texture.hpp"
 
-// Only what meshes come with. Memory starts as zeros, so that a decoder that misses a damaged file gives no
-// foreign bytes; one code path, so that a picture decodes alike on every processor.
-#define STBI_ONLY_JPEG
+// Only what meshes come with, and what damaged files do no harm in. Memory starts as zeros, so that a decoder
+// that misses a damaged file gives no foreign bytes; one code path, so that a picture decodes alike on every
+// processor.
 #define STBI_ONLY_BMP
 #define STBI_ONLY_TGA
 #define STBI_ONLY_GIF

@@ -14,6 +14,7 @@
 
 #include "config/config.hpp"
 #include "scene/image_file.hpp"
+#include "scene/jpeg.hpp"
 
 namespace bitspan {
 namespace {
@@ -83,6 +84,7 @@ bool decode(Decoder& decoder) {
 }  // namespace
 
 Texture decode_texture(std::span<const std::uint8_t> file, const std::string& origin) {
+  if (is_jpeg(file)) return decode_jpeg(file, origin);
   if (file.size() < 8 || png_sig_cmp(file.data(), 0, 8) != 0) return decode_image(file, origin);
   Decoder decoder;
   decoder.data = file;

@@ -174,7 +174,7 @@ std::vector<std::uint8_t> read_bytes(const std::filesystem::path& path, std::siz
 void append_lists(const Json& value, std::size_t length, int low, int high, const Place& place,
                   const std::string& key, std::vector<std::int16_t>& out) {
   for (std::size_t k = 0; k < value.size(); ++k) {
-    const std::string at = fmt::format("{}[{}]", key, k);
+    std::string at = fmt::format("{}[{}]", key, k);
     array(
         value[k], length, place, [&] { return at; }, "a list of integers");
     for (const Json& number : value[k]) {
@@ -220,7 +220,7 @@ std::vector<std::int16_t> read_texel_table(const Json& entry, TexelFormat format
     ys.push_back(required(*yiq, "y", place, "16 integers"));
     append_lists(ys, 16, 0, 255, place, name + ".y", out);
     for (const char* const part : {"i", "q"}) {
-      const std::string at = fmt::format("{}.{}", name, part);
+      std::string at = fmt::format("{}.{}", name, part);
       const Json& lists = required(*yiq, part, place, "4 lists [red, green, blue]");
       array(
           lists, 4, place, [&] { return at; }, "4 lists [red, green, blue]");

@@ -27,15 +27,15 @@ Color rgb565(int w) { return {repeat5(w >> 11 & 31), repeat6(w >> 5 & 63), repea
 
 Color yiq(int w, std::span<const std::int16_t> table) {
   const int y = table[static_cast<std::size_t>(w >> 4 & 15)];
-  const auto of_i = static_cast<std::size_t>(16 + 3 * (w >> 2 & 3));
-  const auto of_q = static_cast<std::size_t>(28 + 3 * (w & 3));
+  const auto of_i = 16 + 3 * static_cast<std::size_t>(w >> 2 & 3);
+  const auto of_q = 28 + 3 * static_cast<std::size_t>(w & 3);
   Color out{};
   for (std::size_t c = 0; c < 3; ++c) out[c] = std::clamp(y + table[of_i + c] + table[of_q + c], 0, 255);
   return out;
 }
 
 Color of_palette(int w, std::span<const std::int16_t> table) {
-  const std::int16_t* entry = table.data() + 4 * (w & 255);
+  const std::int16_t* entry = &table[4 * static_cast<std::size_t>(w & 255)];
   return {entry[0], entry[1], entry[2]};
 }
 
@@ -133,9 +133,9 @@ TexelCodes decode(TexelFormat format, const std::uint8_t* block, int i, int j,
     case TexelFormat::dxt5:
       return codes(dxt_color(block + 8, place, true, clear), dxt5_alpha(block, place));
     case TexelFormat::uyvy:
-      return codes(yuv(block[1 + 2 * i], block[0], block[2]), 255);
+      return codes(yuv(block[i == 0 ? 1 : 3], block[0], block[2]), 255);
     case TexelFormat::yuyv:
-      return codes(yuv(block[2 * i], block[1], block[3]), 255);
+      return codes(yuv(block[i == 0 ? 0 : 2], block[1], block[3]), 255);
   }
   unreachable();
 }

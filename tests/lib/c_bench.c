@@ -20,7 +20,8 @@ _Static_assert(BS_PLANE_COLOR == 0 && BS_PLANE_DEPTH == 1 && BS_PLANE_U == 2 && 
 _Static_assert(BS_PLANE_TRIANGLE == 4, "plane");
 _Static_assert(BS_I64 == 0 && BS_U8 == 1 && BS_U32 == 2 && BS_I32 == 3 && BS_F64 == 4, "element");
 _Static_assert(BS_TEXEL_RGBA8888 == 0 && BS_TEXEL_RGB332 == 1 && BS_TEXEL_YIQ422 == 2, "texel format");
-_Static_assert(BS_TEXEL_A8 == 3 && BS_TEXEL_I8 == 4 && BS_TEXEL_AI44 == 5 && BS_TEXEL_P8 == 6, "texel format");
+_Static_assert(BS_TEXEL_A8 == 3 && BS_TEXEL_I8 == 4 && BS_TEXEL_AI44 == 5 && BS_TEXEL_P8 == 6,
+               "texel format");
 _Static_assert(BS_TEXEL_ARGB8332 == 7 && BS_TEXEL_RGB565 == 8 && BS_TEXEL_ARGB1555 == 9, "texel format");
 _Static_assert(BS_TEXEL_ARGB4444 == 10 && BS_TEXEL_AI88 == 11 && BS_TEXEL_AP88 == 12, "texel format");
 _Static_assert(BS_TEXEL_AYIQ8422 == 13 && BS_TEXEL_DXT1 == 14 && BS_TEXEL_DXT3 == 15, "texel format");

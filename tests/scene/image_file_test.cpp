@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Images that are not PNG. The expected texels of BMP, TGA, GIF and PNM are worked by hand from the formats'
-// descriptions; those of JPEG come from libjpeg.
+// descriptions; JPEGs are written by libjpeg, and read again near what was written.
 #include "scene/image_file.hpp"
 
 #include <gtest/gtest.h>
 #include <jpeglib.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 #include <vector>
@@ -66,8 +67,8 @@ TEST(ImageFile, ReadsFormatsWithoutLoss) {
   EXPECT_EQ(texture.height, 1);
 }
 
-// Through libjpeg: 32 x 24 texels, either way.
-Bytes jpeg_of(const Bytes& rgb, bool progressive) {
+// Through libjpeg: 32 x 24 texels, either way; of red, green and blue, or of four inks.
+Bytes jpeg_of(const Bytes& pixels, bool progressive, int channels = 3) {
   jpeg_compress_struct c;
   jpeg_error_mgr errors;
   c.err = jpeg_std_error(&errors);
@@ -77,15 +78,16 @@ Bytes jpeg_of(const Bytes& rgb, bool progressive) {
   jpeg_mem_dest(&c, &out, &size);
   c.image_width = 32;
   c.image_height = 24;
-  c.input_components = 3;
-  c.in_color_space = JCS_RGB;
+  c.input_components = channels;
+  c.in_color_space = channels == 3 ? JCS_RGB : JCS_CMYK;
   jpeg_set_defaults(&c);
   jpeg_set_quality(&c, 95, TRUE);
   if (progressive) jpeg_simple_progression(&c);
   jpeg_start_compress(&c, TRUE);
+  const std::size_t pitch = 32 * static_cast<std::size_t>(channels);
   for (std::size_t y = 0; y < 24; ++y) {
-    Bytes row(rgb.begin() + static_cast<std::ptrdiff_t>(96 * y),
-              rgb.begin() + static_cast<std::ptrdiff_t>(96 * (y + 1)));
+    Bytes row(pixels.begin() + static_cast<std::ptrdiff_t>(pitch * y),
+              pixels.begin() + static_cast<std::ptrdiff_t>(pitch * (y + 1)));
     JSAMPROW rows[] = {row.data()};
     jpeg_write_scanlines(&c, rows, 1);
   }
@@ -116,6 +118,19 @@ TEST(ImageFile, ReadsJpegsNearWhatWasWritten) {
       for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(t.rgba[4 * i + c], rgb[3 * i + c], 16) << i;
       EXPECT_EQ(t.rgba[4 * i + 3], 255);
     }
+  }
+}
+
+// Inks as Adobe stores them: 255 is no ink.
+TEST(ImageFile, ReadsJpegsForPrint) {
+  Bytes inks;
+  for (int i = 0; i < 32 * 24; ++i) inks.insert(inks.end(), {200, 100, 50, 128});
+  const Texture t = decode_texture(jpeg_of(inks, false, 4), "t.jpg");
+  for (std::size_t i = 0; i < 32 * 24; ++i) {
+    EXPECT_NEAR(t.rgba[4 * i], 100, 2);
+    EXPECT_NEAR(t.rgba[4 * i + 1], 50, 2);
+    EXPECT_NEAR(t.rgba[4 * i + 2], 25, 2);
+    EXPECT_EQ(t.rgba[4 * i + 3], 255);
   }
 }
 
@@ -156,6 +171,15 @@ TEST(ImageFile, RefusesSizesBeyondTheLimitAndHollowOnes) {
             std::string::npos);
   EXPECT_EQ(decode_texture(bytes_of("P5\n16384 1\n255\n") + Bytes(16384), "t").width, 16384);
   EXPECT_NE(error(bytes_of("P5\n16384 16384\n255\n") + Bytes(100)).find("far too short"), std::string::npos);
+  // The size in the frame header of a JPEG: behind the marker 0xc0, its length and the precision.
+  Bytes jpeg = jpeg_of(smooth_picture(), false);
+  const Bytes frame{0xff, 0xc0};
+  const auto size = std::ranges::search(jpeg, frame).begin() + 5;
+  for (const auto& [high, what] : {std::pair{0x40, "far too short"}, {0x41, "too large"}}) {
+    size[0] = size[2] = static_cast<std::uint8_t>(high);
+    size[1] = size[3] = 0;
+    EXPECT_NE(error(jpeg).find(what), std::string::npos) << error(jpeg);
+  }
   EXPECT_NE(error(bytes_of("P5\n1 1\n65535\n") + Bytes(2)).find("largest number is not 255"),
             std::string::npos);
 }
