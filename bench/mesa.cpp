@@ -11,6 +11,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "model/stages/texel.hpp"
+
 namespace bitspan::bench {
 namespace {
 
@@ -72,7 +74,13 @@ void set_fog(const Fog& fog) {
 
 // The texels, those of the reserved colour with alpha 0.
 std::vector<std::uint8_t> with_holes(const Texture& t, bool& holes) {
-  std::vector<std::uint8_t> rgba = t.rgba;
+  std::vector<std::uint8_t> rgba;
+  for (std::int64_t j = 0; j < t.height; ++j) {
+    for (std::int64_t i = 0; i < t.width; ++i) {
+      const model::TexelCodes texel = model::texel_of(t, i, j);
+      rgba.insert(rgba.end(), texel.begin(), texel.end());
+    }
+  }
   for (std::size_t i = 0; i < rgba.size(); i += 4) {
     if (rgba[i] == 255 && rgba[i + 1] == 0 && rgba[i + 2] == 255) {
       rgba[i + 3] = 0;

@@ -40,6 +40,10 @@ Json schema_of(const Color* /*place*/, const Limits& /*limits*/) {
   const Json code{{"type", "integer"}, {"minimum", 0}, {"maximum", 255}};
   return any_of({{"const", "none"}}, {{"type", "array"}, {"items", code}, {"minItems", 3}, {"maxItems", 3}});
 }
+Json schema_of(const Rgba* /*place*/, const Limits& /*limits*/) {
+  const Json code{{"type", "integer"}, {"minimum", 0}, {"maximum", 255}};
+  return {{"type", "array"}, {"items", code}, {"minItems", 4}, {"maxItems", 4}};
+}
 
 Json table_schema() {
   return {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}};

@@ -70,6 +70,8 @@ Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness, bool l
   if (Random(derived_seed(seed, index, 1U << 20)).chance(1.0 / 3)) options.command_probability = 0.125;
   options.late_tests = late_tests;
   Scene scene = random_scene(derived_seed(seed, index, 3 + static_cast<std::uint64_t>(gentleness)), options);
+  Random formats(derived_seed(seed, index, 100));
+  draw_texel_formats(formats, scene, 0.3);
   scene.name = fmt::format("fuzz seed {} case {}", seed, index);
   return scene;
 }

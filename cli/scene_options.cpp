@@ -69,6 +69,7 @@ void refuse_camera(const std::string& name, const SceneOptions& o) {
   refuse(!o.texture.empty(), "--texture");
   refuse(!o.fog.empty(), "--fog");
   refuse(o.no_cull, "--no-cull");
+  refuse(o.strict, "--strict");
 }
 
 void refuse_size(const std::string& name, const Scene& scene, const SceneOptions& o) {
@@ -112,7 +113,12 @@ LoadedScene load_mesh(const std::string& name, const SceneOptions& o) {
   }
   options.project.cull = !o.no_cull;
   ProjectReport faces;
-  Scene scene = mesh_scene(read_mesh(name, options.texture), options, faces);
+  std::vector<std::string> bad_textures;
+  Mesh mesh = read_mesh(name, options.texture, o.strict ? nullptr : &bad_textures);
+  for (const std::string& what : bad_textures) {
+    fmt::print(stderr, "bitspan: warning: {}; its faces are white (--strict refuses this)\n", what);
+  }
+  Scene scene = mesh_scene(std::move(mesh), options, faces);
   check_scene(scene, name);
   return {std::move(scene), faces};
 }
@@ -133,9 +139,11 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
       ->group(group);
   command.add_option("--near", o.near, "mesh: s_min (default: just before the model)")->group(group);
   command.add_option("--far", o.far, "mesh: s_max (default: just behind the model)")->group(group);
-  command.add_option("--texture", o.texture, "mesh: a PNG for every face")->group(group);
+  command.add_option("--texture", o.texture, "mesh: an image for every face")->group(group);
   command.add_option("--fog", o.fog, "mesh: r,g,b,distance of a fog")->group(group);
   command.add_flag("--no-cull", o.no_cull, "mesh: draw faces seen from behind too")->group(group);
+  command.add_flag("--strict", o.strict, "mesh: refuse it where a texture that it names is missing or bad")
+      ->group(group);
   add_allow_empty(command, o);
 }
 
@@ -272,6 +280,7 @@ std::string flags_text(const SceneOptions& o) {
   text("--texture", o.texture);
   text("--fog", o.fog);
   out += o.no_cull ? " --no-cull" : "";
+  out += o.strict ? " --strict" : "";
   out += o.allow_empty ? " --allow-empty" : "";
   return out;
 }

@@ -24,6 +24,7 @@ struct SceneOptions {
   std::string texture;
   std::string fog;  // "r,g,b,distance"
   bool no_cull = false;
+  bool strict = false;       // a texture that a mesh names must be there
   bool allow_empty = false;  // a scene that draws nothing is no failure
 };
 

@@ -34,7 +34,7 @@ BITSPAN_ENUM(DepthCode, inverse, linear, opengl);
 // By distance: `less` passes what is nearer, whatever the direction of the code.
 BITSPAN_ENUM(DepthFunc, never, less, equal, lequal, greater, notequal, gequal, always);
 BITSPAN_ENUM(TextureFilter, nearest, bilinear);
-BITSPAN_ENUM(TextureWrap, cyclic, clamp);
+BITSPAN_ENUM(TextureWrap, cyclic, clamp, mirror, border);
 BITSPAN_ENUM(FogMode, none, linear, table);
 
 // One reciprocal unit R; docs/numeric-spec.md, "Reciprocal", defines each kind in the value domain.
@@ -97,6 +97,7 @@ struct RtlShape {
 
 // Red, green, blue; or none.
 using Color = std::optional<std::array<std::uint8_t, 3>>;
+using Rgba = std::array<std::uint8_t, 4>;
 
 inline constexpr int max_fog_index_bits = 12;
 
@@ -153,6 +154,7 @@ struct Config {
   // [texture]
   TextureFilter filter = TextureFilter::nearest;
   TextureWrap wrap = TextureWrap::cyclic;
+  Rgba border{};      // of texels outside of the texture, where wrap = border
   Color transparent;  // T4: the reserved texel value
 
   // [fog]

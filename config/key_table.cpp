@@ -16,6 +16,7 @@ Place place_of(int& v) { return &v; }
 Place place_of(bool& v) { return &v; }
 Place place_of(StartOffset& v) { return &v; }
 Place place_of(Color& v) { return &v; }
+Place place_of(Rgba& v) { return &v; }
 Place place_of(Format& v) { return &v; }
 template <class E>
 requires std::is_enum_v<E> Place place_of(E& v) {
@@ -38,6 +39,7 @@ std::string for_kind(const Config& c, std::size_t i) {
 }
 bool in_rtl_unit(std::size_t i) { return i != 0; }
 
+bool reads_border(const Config& c, std::size_t /*i*/) { return has_border_color(c.wrap); }
 bool reads_fog_table(const Config& c, std::size_t /*i*/) { return has_fog_table(c.fog); }
 std::string beside_depth_bits(const Config& c, std::size_t /*i*/) {
   return " beside " + std::to_string(c.fog_depth_bits) + " depth_bits, so that the index has at most " +
@@ -266,13 +268,25 @@ constexpr KeyRow rows[] = {
     {"depth.overflow", MEMBER(depth_overflow), {}, " but SC_WRAP_SM", values, "of the stored code"},
 
     {"texture.filter", MEMBER(filter), {}, "", ideal | values | clocks, "one texel; T3, four"},
-    {"texture.wrap", MEMBER(wrap), {}, "", ideal | values | clocks, "T7; the edge texel goes on"},
+    {"texture.wrap",
+     MEMBER(wrap),
+     {},
+     "",
+     ideal | values | clocks,
+     "T7; the edge texel goes on; every second copy is turned round; `texture.border`"},
     {"texture.transparent",
      MEMBER(transparent),
      {},
      "",
      ideal | values,
      "T4: texels of exactly this colour are holes"},
+    {"texture.border",
+     MEMBER(border),
+     {},
+     "",
+     ideal | values,
+     "border: the colour and alpha of every texel outside of the texture",
+     {.presence = Presence::later, .used = reads_border}},
 
     {"fog.mode",
      MEMBER(fog),

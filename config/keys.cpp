@@ -68,6 +68,7 @@ std::vector<Key> make_keys() {
 
 constexpr std::string_view legal_offset = "a finite number, \"half_ulp\"";
 constexpr std::string_view legal_color = "\"none\", an array of three integers 0..255";
+constexpr std::string_view legal_rgba = "an array of four integers 0..255";
 
 std::string join(std::span<const std::string_view> names) {
   std::string out;
@@ -129,11 +130,12 @@ Fault set(StartOffset* to, const KeyValue& value) {
   return std::nullopt;
 }
 
-// Of "[255, 0, 255]".
-Color color_in(std::string_view text) {
+// Reads "[255, 0, 255]", or as many codes as there are in `Codes`.
+template <class Codes>
+std::optional<Codes> codes_in(std::string_view text) {
   if (!text.starts_with('[') || !text.ends_with(']')) return std::nullopt;
   text = text.substr(1, text.size() - 2);
-  std::array<std::uint8_t, 3> out{};
+  Codes out{};
   for (std::size_t i = 0; i < out.size(); ++i) {
     text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out[i]);
@@ -144,15 +146,24 @@ Color color_in(std::string_view text) {
     if (!text.starts_with(',')) return std::nullopt;
     text.remove_prefix(1);
   }
-  return text.empty() ? Color(out) : std::nullopt;
+  return text.empty() ? std::optional(out) : std::nullopt;
 }
 
 Fault set(Color* to, const KeyValue& value) {
   const auto* text = std::get_if<std::string>(&value);
   if (text == nullptr) return is_a(value) + std::string(legal_color);
-  const Color color = color_in(*text);
+  const Color color = codes_in<Color::value_type>(*text);
   if (!color && *text != "none") return "is no colour; legal: " + std::string(legal_color);
   *to = color;
+  return std::nullopt;
+}
+
+Fault set(Rgba* to, const KeyValue& value) {
+  const auto* text = std::get_if<std::string>(&value);
+  if (text == nullptr) return is_a(value) + std::string(legal_rgba);
+  const std::optional<Rgba> color = codes_in<Rgba>(*text);
+  if (!color) return "is no colour with alpha; legal: " + std::string(legal_rgba);
+  *to = *color;
   return std::nullopt;
 }
 
@@ -168,12 +179,13 @@ KeyValue get(const StartOffset* v) {
   if (v->value == 0) return std::int64_t{0};
   return v->value;
 }
-KeyValue get(const Color* v) {
-  if (!*v) return std::string("none");
+std::string list_of(std::span<const std::uint8_t> codes) {
   std::string list;
-  for (const int code : **v) list.append(list.empty() ? "[" : ", ").append(std::to_string(code));
+  for (const int code : codes) list.append(list.empty() ? "[" : ", ").append(std::to_string(code));
   return list + "]";
 }
+KeyValue get(const Color* v) { return *v ? list_of(**v) : std::string("none"); }
+KeyValue get(const Rgba* v) { return list_of(*v); }
 KeyValue get(const Format* /*v*/) { return std::string("a format"); }
 
 template <class T>
@@ -322,6 +334,7 @@ std::string legal_values(const Key& key) {
   if (const auto* choice = std::get_if<Choice>(&at)) return join(choice->names);
   if (std::holds_alternative<StartOffset*>(at)) return std::string(legal_offset);
   if (std::holds_alternative<Color*>(at)) return std::string(legal_color);
+  if (std::holds_alternative<Rgba*>(at)) return std::string(legal_rgba);
   return "an integer";
 }
 

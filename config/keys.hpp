@@ -24,7 +24,7 @@ struct Choice {
   std::span<const std::string_view> names;
 };
 // Where a key's value stands in a configuration.
-using Place = std::variant<int*, bool*, Choice, StartOffset*, Color*, Format*>;
+using Place = std::variant<int*, bool*, Choice, StartOffset*, Color*, Rgba*, Format*>;
 
 // What an integer may be.
 struct Limits {

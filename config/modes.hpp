@@ -284,9 +284,24 @@ constexpr bool is_in_rtl(TextureFilter filter) {
   unreachable();
 }
 
+// rtl/texture.sv has the wrap mode.
+constexpr bool is_in_rtl(TextureWrap wrap) {
+  switch (wrap) {
+    case TextureWrap::cyclic:
+    case TextureWrap::clamp:
+      return true;
+    case TextureWrap::mirror:
+    case TextureWrap::border:
+      return false;
+  }
+  unreachable();
+}
+
 // rtl/pixel_pipe.sv has every stage behind span that the configuration asks for, in the mode that it asks
 // for.
-constexpr bool pixel_stages_are_in_rtl(const Config& config) { return is_in_rtl(config.filter); }
+constexpr bool pixel_stages_are_in_rtl(const Config& config) {
+  return is_in_rtl(config.filter) && is_in_rtl(config.wrap);
+}
 
 // ---------------------------------------------------------------- texture and fog
 
@@ -301,13 +316,42 @@ constexpr bool weighs_texels(TextureFilter filter) {
   unreachable();
 }
 
-// Texels outside of the texture are those of its border; elsewhere the texture repeats.
-constexpr bool clamps_to_border(TextureWrap wrap) {
+// Texels outside of the texture are those of its edge, or have a colour of their own; elsewhere the texture
+// repeats.
+constexpr bool stops_at_edge(TextureWrap wrap) {
   switch (wrap) {
     case TextureWrap::cyclic:
+    case TextureWrap::mirror:
       return false;
     case TextureWrap::clamp:
+    case TextureWrap::border:
       return true;
+  }
+  unreachable();
+}
+
+// Texels outside of the texture have the colour texture.border.
+constexpr bool has_border_color(TextureWrap wrap) {
+  switch (wrap) {
+    case TextureWrap::border:
+      return true;
+    case TextureWrap::cyclic:
+    case TextureWrap::clamp:
+    case TextureWrap::mirror:
+      return false;
+  }
+  unreachable();
+}
+
+// The copies of a texture that repeats are turned round by turns.
+constexpr bool mirrors(TextureWrap wrap) {
+  switch (wrap) {
+    case TextureWrap::mirror:
+      return true;
+    case TextureWrap::cyclic:
+    case TextureWrap::clamp:
+    case TextureWrap::border:
+      return false;
   }
   unreachable();
 }

@@ -60,7 +60,7 @@ void read_key(const Section& s, const Key& key, Config& config) {
   if (!needed && !s.has(name)) return;
   const toml::node& node = s.need(name, s.has(name) ? "" : legal_values(key));
   const Place at = place(config, key);
-  const bool color = std::holds_alternative<Color*>(at);
+  const bool color = std::holds_alternative<Color*>(at) || std::holds_alternative<Rgba*>(at);
   KeyValue value;
   if (const auto* truth = node.as_boolean()) {
     value = truth->get();

@@ -30,6 +30,9 @@ std::string text(const std::string& /*member*/, const Color* v) {
   if (!*v) return "std::nullopt";
   return fmt::format("std::array<std::uint8_t, 3>{{{}, {}, {}}}", (**v)[0], (**v)[1], (**v)[2]);
 }
+std::string text(const std::string& /*member*/, const Rgba* v) {
+  return fmt::format("std::array<std::uint8_t, 4>{{{}, {}, {}, {}}}", (*v)[0], (*v)[1], (*v)[2], (*v)[3]);
+}
 std::string text(const std::string& /*member*/, const Format* /*v*/) {
   throw std::logic_error("a format is written by its fields");
 }

@@ -24,7 +24,8 @@ std::string toml_value(const Config& config, const Key& key) {
   }
   const KeyValue value = value_of(config, key);
   const auto* text = std::get_if<std::string>(&value);
-  const bool list = std::holds_alternative<Color*>(at) && text->starts_with('[');
+  const bool list =
+      (std::holds_alternative<Color*>(at) || std::holds_alternative<Rgba*>(at)) && text->starts_with('[');
   return text == nullptr || list ? to_string(value) : quoted(*text);
 }
 

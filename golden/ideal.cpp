@@ -10,6 +10,7 @@
 #include "golden/merge.hpp"
 #include "golden/quantize.hpp"
 #include "golden/stencil.hpp"
+#include "golden/texel.hpp"
 
 namespace bitspan {
 
@@ -117,7 +118,7 @@ class Sampler {
 
   // Gives false where the transparent code kills the fragment.
   bool sample(double u, double v, Texel& out) const {
-    const std::size_t nearest = at(std::floor(u), std::floor(v));
+    const Codes nearest = at(std::floor(u), std::floor(v));
     switch (config_.filter) {
       case TextureFilter::nearest:
         out = texel(nearest);
@@ -128,7 +129,7 @@ class Sampler {
         const double ex = u - 0.5 - left;
         const double ey = v - 0.5 - top;
         const auto visible = [&](double i, double j) {
-          const std::size_t own = at(i, j);
+          const Codes own = at(i, j);
           return texel(reserved(own) ? nearest : own);
         };
         const Texel v1 = visible(left, top);
@@ -147,29 +148,36 @@ class Sampler {
   }
 
  private:
-  std::size_t wrapped(double i, int size) const {
+  using Codes = std::array<std::uint8_t, 4>;
+
+  // A place below 0 or at `size` is outside.
+  double wrapped(double i, int size) const {
     switch (config_.wrap) {
       case TextureWrap::clamp:
-        return static_cast<std::size_t>(std::clamp(i, 0.0, size - 1.0));
+        return std::clamp(i, 0.0, size - 1.0);
+      case TextureWrap::border:
+        return std::clamp(i, -1.0, double(size));
+      case TextureWrap::mirror: {
+        const double from_middle = std::fabs(std::remainder(i + 0.5, 2.0 * size));
+        return std::floor(from_middle);
+      }
       case TextureWrap::cyclic: {
         const double rest = std::fmod(i, size);
-        return static_cast<std::size_t>(rest < 0 ? rest + size : rest);
+        return rest < 0 ? rest + size : rest;
       }
     }
     unreachable();
   }
-  // Returns the place of the texel's first byte.
-  std::size_t at(double i, double j) const {
-    return 4 * (wrapped(j, texture_.height) * static_cast<std::size_t>(texture_.width) +
-                wrapped(i, texture_.width));
+  Codes at(double i, double j) const {
+    const double column = wrapped(i, texture_.width);
+    const double row = wrapped(j, texture_.height);
+    if (column < 0 || row < 0 || column >= texture_.width || row >= texture_.height) return config_.border;
+    return golden::fetch_texel(texture_, static_cast<std::int64_t>(column), static_cast<std::int64_t>(row));
   }
-  Texel texel(std::size_t i) const {
-    const auto& p = texture_.rgba;
-    return {double(p[i]), double(p[i + 1]), double(p[i + 2]), p[i + 3] / 255.0};
-  }
-  bool reserved(std::size_t i) const {
-    return config_.transparent && std::equal(config_.transparent->begin(), config_.transparent->end(),
-                                             texture_.rgba.begin() + static_cast<std::ptrdiff_t>(i));
+  static Texel texel(const Codes& c) { return {double(c[0]), double(c[1]), double(c[2]), c[3] / 255.0}; }
+  bool reserved(const Codes& c) const {
+    return config_.transparent &&
+           std::equal(config_.transparent->begin(), config_.transparent->end(), c.begin());
   }
 
   const Config& config_;

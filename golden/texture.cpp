@@ -7,6 +7,7 @@
 #include "config/modes.hpp"
 #include "golden/compare.hpp"
 #include "golden/lanes.hpp"
+#include "golden/texel.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
 
@@ -22,6 +23,7 @@ class Texturing {
   explicit Texturing(const Config& config)
       : filter_(config.filter),
         wrap_(config.wrap),
+        border_(config.border),
         transparent_(config.transparent),
         q_uv_(config.format(FormatId::span_uv)),
         q_shade_(config.format(FormatId::span_shade)),
@@ -215,13 +217,21 @@ class Texturing {
         const std::int64_t rest = i % size;
         return rest < 0 ? rest + size : rest;
       }
+      case TextureWrap::mirror: {
+        // Copy number 0 lies at 0 .. size-1; those with odd numbers are turned round.
+        const std::int64_t copy = i >= 0 ? i / size : -1 - (-1 - i) / size;
+        const std::int64_t within = i - copy * size;
+        return copy % 2 == 0 ? within : size - 1 - within;
+      }
+      case TextureWrap::border:
+        return i < 0 ? -1 : size;
     }
     unreachable();
   }
   // i and j are wrapped.
-  static Texel fetch(const Texture& texture, std::int64_t i, std::int64_t j) {
-    const std::uint8_t* at = &texture.rgba[static_cast<std::size_t>(channels * (j * texture.width + i))];
-    return {at[0], at[1], at[2], at[3]};
+  Texel fetch(const Texture& texture, std::int64_t i, std::int64_t j) const {
+    if (i < 0 || j < 0 || i == texture.width || j == texture.height) return border_;
+    return fetch_texel(texture, i, j);
   }
   bool reserved(const Texel& texel) const {
     return transparent_ && texel[0] == (*transparent_)[0] && texel[1] == (*transparent_)[1] &&
@@ -292,6 +302,7 @@ class Texturing {
 
   TextureFilter filter_;
   TextureWrap wrap_;
+  Texel border_;
   std::optional<std::array<std::uint8_t, 3>> transparent_;
   Quantizer<Real> q_uv_, q_shade_, q_frac_, q_mix_, q_color_, q_alpha_;
   Format alpha_format_;

@@ -12,6 +12,7 @@
 #include "lib/handles.hpp"
 #include "lib/structs.hpp"
 #include "model/pipeline.hpp"
+#include "model/stages/texel.hpp"
 #include "scene/demo.hpp"
 #include "scene/mesh.hpp"
 #include "scene/picture_size.hpp"
@@ -24,6 +25,7 @@ namespace {
 // A scene that was read, and the description of it that the caller gets.
 struct SceneState {
   Scene scene;
+  std::vector<std::vector<std::uint8_t>> decoded;  // of textures of another format than rgba8888
   std::vector<bs_texture> textures;
   std::vector<bs_vertex> vertices;
   std::vector<std::int32_t> texture_of;
@@ -69,11 +71,38 @@ Scene load(const std::string& name, std::int32_t width, std::int32_t height) {
   return scene;
 }
 
+static_assert(BS_TEXEL_YUYV + 1 == enum_names<TexelFormat>.size() &&
+              BS_TEXEL_DXT1 == static_cast<int>(TexelFormat::dxt1));
+
+std::vector<std::uint8_t> decoded(const Texture& t) {
+  std::vector<std::uint8_t> out;
+  for (std::int64_t j = 0; j < t.height; ++j) {
+    for (std::int64_t i = 0; i < t.width; ++i) {
+      const model::TexelCodes texel = model::texel_of(t, i, j);
+      out.insert(out.end(), texel.begin(), texel.end());
+    }
+  }
+  return out;
+}
+
 std::shared_ptr<SceneState> described(Scene scene) {
   auto state = std::make_shared<SceneState>();
   state->scene = std::move(scene);
   for (const Texture& t : state->scene.textures) {
-    state->textures.push_back({sizeof(bs_texture), t.width, t.height, t.rgba.data(), 0, t.name.c_str()});
+    bs_texture out = BS_TEXTURE_INIT;
+    out.width = t.width;
+    out.height = t.height;
+    out.rgba = t.rgba.data();
+    out.name = t.name.c_str();
+    if (t.format != TexelFormat::rgba8888) {
+      out.rgba = state->decoded.emplace_back(decoded(t)).data();
+      out.format = static_cast<bs_texel_format>(t.format);
+      out.raw = t.raw.data();
+      out.raw_size = t.raw.size();
+      out.table = t.table.empty() ? nullptr : t.table.data();
+      out.table_size = t.table.size();
+    }
+    state->textures.push_back(out);
   }
   for (const Triangle& triangle : state->scene.triangles) {
     for (const Vertex& v : triangle.v) {
@@ -104,11 +133,49 @@ bs_scene_desc describe(const SceneState& state) {
   return out;
 }
 
+// Of another format than rgba8888.
+Texture formatted_from(const bs_texture& t, const std::string& what) {
+  const auto formats = static_cast<std::int32_t>(enum_names<TexelFormat>.size());
+  if (t.format < 0 || t.format >= formats || t.reserved != 0) {
+    fail(BS_BAD_INPUT, what + ".format, .reserved: " + std::to_string(t.format) + ", " +
+                           std::to_string(t.reserved) + "; expected 0.." + std::to_string(formats - 1) +
+                           ", and 0");
+  }
+  Texture out;
+  out.name = t.name == nullptr ? what : t.name;
+  out.width = t.width;
+  out.height = t.height;
+  out.format = static_cast<TexelFormat>(t.format);
+  const std::size_t size = raw_size(out.format, out.width, out.height);
+  const auto table_size = static_cast<std::size_t>(texel_layout(out.format).table_size);
+  if (t.raw_size != size || t.table_size != table_size) {
+    fail(BS_BAD_INPUT, what + ".raw_size, .table_size: " + std::to_string(t.raw_size) + ", " +
+                           std::to_string(t.table_size) + "; expected " + std::to_string(size) + ", " +
+                           std::to_string(table_size) + " for " + std::string(to_string(out.format)));
+  }
+  need(t.raw, (what + ".raw").c_str());
+  out.raw.assign(t.raw, t.raw + size);
+  if (table_size != 0) {
+    need(t.table, (what + ".table").c_str());
+    out.table.assign(t.table, t.table + table_size);
+    const bool is_palette = table_size == palette_size;
+    for (std::size_t k = 0; k < table_size; ++k) {
+      const int low = is_palette || k < 16 ? 0 : -256;
+      if (out.table[k] < low || out.table[k] > 255) {
+        fail(BS_BAD_INPUT, what + ".table: value " + std::to_string(k) + " is " +
+                               std::to_string(out.table[k]) + "; expected " + std::to_string(low) + "..255");
+      }
+    }
+  }
+  return out;
+}
+
 Texture texture_from(const bs_texture& t, const std::string& what) {
   if (t.width < 1 || t.height < 1 || t.width > texture_size_limit || t.height > texture_size_limit) {
     fail(BS_BAD_INPUT, what + ": " + std::to_string(t.width) + "x" + std::to_string(t.height) +
                            " is out of range; expected 1.." + std::to_string(texture_size_limit) + " texels");
   }
+  if (t.format != BS_TEXEL_RGBA8888) return formatted_from(t, what);
   need(t.rgba, (what + ".rgba").c_str());
   const std::size_t row = 4 * static_cast<std::size_t>(t.width);
   const std::size_t stride = t.stride == 0 ? row : t.stride;

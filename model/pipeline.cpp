@@ -6,6 +6,7 @@
 #include <string>
 
 #include "config/modes.hpp"
+#include "scene/texels.hpp"
 
 namespace bitspan::model {
 
@@ -19,8 +20,7 @@ void check_scene(const Scene& scene) {
            " is not within 1.." + std::to_string(largest));
   }
   for (const Texture& t : scene.textures) {
-    const auto pixels = static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height);
-    if (t.width < 1 || t.height < 1 || t.rgba.size() != 4 * pixels) {
+    if (!is_whole(t)) {
       refuse("texture '" + t.name + "' is empty, or its pixels do not match its size");
     }
   }

@@ -63,6 +63,8 @@ void draw_value(Random& random, const Config& c, const Key& key, const Place& to
   } else if (const auto* color = std::get_if<Color*>(&to)) {
     **color = std::nullopt;
     if (random.chance(0.5)) **color = {{255, 0, 255}};
+  } else if (const auto* rgba = std::get_if<Rgba*>(&to)) {
+    for (std::uint8_t& code : **rgba) code = static_cast<std::uint8_t>(random.integer(0, 255));
   }
 }
 

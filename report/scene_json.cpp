@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/scene_json.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <string>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "scene/texels.hpp"
 #include "scene/tri_stream.hpp"
 
 namespace bitspan {
@@ -26,12 +28,12 @@ std::string to_hex(const std::vector<std::uint8_t>& bytes) {
   return out;
 }
 
-std::vector<std::uint8_t> from_hex(const std::string& text) {
+std::vector<std::uint8_t> from_hex(const std::string& text, const char* what) {
   std::vector<std::uint8_t> out(text.size() / 2);
   for (std::size_t i = 0; i < out.size(); ++i) {
     const char* at = text.data() + 2 * i;
     if (std::from_chars(at, at + 2, out[i], 16).ptr != at + 2) {
-      throw InputError("texture: rgba is not hexadecimal");
+      throw InputError(std::string("texture: ") + what + " is not hexadecimal");
     }
   }
   return out;
@@ -42,11 +44,19 @@ Texture texture_of(const Json& json) {
   json.at("name").get_to(texture.name);
   json.at("width").get_to(texture.width);
   json.at("height").get_to(texture.height);
-  texture.rgba = from_hex(json.at("rgba").get<std::string>());
-  if (texture.width < 1 || texture.height < 1 ||
-      texture.rgba.size() !=
-          4 * static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height)) {
-    throw InputError("texture: width, height and rgba do not agree");
+  if (json.contains("format")) {
+    const auto name = json.at("format").get<std::string>();
+    const auto found = std::ranges::find(enum_names<TexelFormat>, name);
+    if (found == enum_names<TexelFormat>.end()) throw InputError("texture: unknown format " + name);
+    texture.format = static_cast<TexelFormat>(found - enum_names<TexelFormat>.begin());
+    texture.raw = from_hex(json.at("raw").get<std::string>(), "raw");
+    json.at("table").get_to(texture.table);
+  } else {
+    texture.rgba = from_hex(json.at("rgba").get<std::string>(), "rgba");
+  }
+  if (!is_whole(texture)) {
+    throw InputError("texture: width, height and " + std::string(json.contains("format") ? "raw" : "rgba") +
+                     " do not agree");
   }
   return texture;
 }
@@ -88,8 +98,15 @@ Json scene_json(const Scene& s) {
   }
   scene["textures"] = Json::array();
   for (const Texture& t : s.textures) {
-    scene["textures"].push_back(
-        {{"name", t.name}, {"width", t.width}, {"height", t.height}, {"rgba", to_hex(t.rgba)}});
+    Json texture{{"name", t.name}, {"width", t.width}, {"height", t.height}};
+    if (t.format == TexelFormat::rgba8888) {
+      texture["rgba"] = to_hex(t.rgba);
+    } else {
+      texture["format"] = to_string(t.format);
+      texture["raw"] = to_hex(t.raw);
+      texture["table"] = t.table;
+    }
+    scene["textures"].push_back(std::move(texture));
   }
   scene["triangles"] = Json::array();
   for (const Triangle& triangle : s.triangles) {

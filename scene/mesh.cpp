@@ -48,12 +48,21 @@ struct Surface {
 // Textures of one import: each file or embedded picture once.
 class TextureSet {
  public:
-  TextureSet(const aiScene& scene, std::string path, std::vector<Texture>& textures)
-      : scene_(scene), path_(std::move(path)), textures_(textures) {}
+  TextureSet(const aiScene& scene, std::string path, std::vector<Texture>& textures,
+             std::vector<std::string>* bad)
+      : scene_(scene), path_(std::move(path)), textures_(textures), bad_(bad) {}
 
+  // Returns -1 for a bad texture, where bad ones are gathered.
   int find_or_load(const std::string& name) {
     const auto [entry, is_new] = known_.try_emplace(name, static_cast<int>(textures_.size()));
-    if (is_new) textures_.push_back(load(name));
+    if (!is_new) return entry->second;
+    try {
+      textures_.push_back(load(name));
+    } catch (const InputError& error) {
+      if (bad_ == nullptr) throw;
+      bad_->emplace_back(error.what());
+      entry->second = -1;
+    }
     return entry->second;
   }
 
@@ -87,6 +96,7 @@ class TextureSet {
   const aiScene& scene_;
   std::string path_;
   std::vector<Texture>& textures_;
+  std::vector<std::string>* bad_;
   std::map<std::string, int> known_;
 };
 
@@ -187,7 +197,8 @@ void check_readable(const std::string& path) {
 
 }  // namespace
 
-Mesh read_mesh(const std::string& path, const std::optional<std::string>& texture) {
+Mesh read_mesh(const std::string& path, const std::optional<std::string>& texture,
+               std::vector<std::string>* bad_textures) {
   check_readable(path);
   Mesh mesh;
   mesh.name = std::filesystem::path(path).stem().string();
@@ -217,7 +228,7 @@ Mesh read_mesh(const std::string& path, const std::optional<std::string>& textur
                      "; expected OBJ, PLY, glTF or another format that Assimp reads");
   }
 
-  TextureSet textures(*scene, path, mesh.textures);
+  TextureSet textures(*scene, path, mesh.textures, bad_textures);
   std::vector<Surface> surfaces;
   bool has_uv = false;
   for (const aiMaterial* material : std::span(scene->mMaterials, scene->mNumMaterials)) {

@@ -40,7 +40,7 @@ struct MeshOptions {
   int width = 640, height = 480;
   Camera camera;
   std::optional<std::string>
-      texture;  // a PNG for every face, in place of the materials' textures and colours
+      texture;  // an image for every face, in place of the materials' textures and colours
   ProjectOptions project;
   std::array<std::uint8_t, 3> background{};
   std::optional<Fog> fog;
@@ -48,10 +48,12 @@ struct MeshOptions {
 
 // Reads a mesh. Nodes are flattened, polygons are triangulated, points and lines are left out. The colour is
 // the vertex colour times the material's diffuse colour and opacity; a material that the file does not define
-// counts as white. Texture files are relative to the mesh; embedded PNGs work too. u, v become texels of the
-// face's texture, with v turned to run downward. Throws InputError with one line where the file is unreadable
-// or has no triangles, a number is not finite, or a texture is bad.
-Mesh read_mesh(const std::string& path, const std::optional<std::string>& texture = std::nullopt);
+// counts as white. Texture files are relative to the mesh; embedded images work too. u, v become texels of
+// the face's texture, with v turned to run downward. Throws InputError with one line where the file is
+// unreadable or has no triangles, a number is not finite, or a texture is bad. With `bad_textures`, a bad
+// texture that the mesh names appends its line there instead, and its faces have no texture.
+Mesh read_mesh(const std::string& path, const std::optional<std::string>& texture = std::nullopt,
+               std::vector<std::string>* bad_textures = nullptr);
 
 // Returns the view of the camera. Throws InputError where the camera is impossible.
 View make_view(const Mesh& mesh, const Camera& camera, int width, int height);

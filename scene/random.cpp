@@ -7,6 +7,7 @@
 #include <string>
 
 #include "scene/exact.hpp"
+#include "scene/texels.hpp"
 
 namespace bitspan {
 
@@ -245,6 +246,27 @@ Scene random_scene(std::uint64_t seed, const RandomOptions& options) {
     scene.commands.back().before = i;
   }
   return scene;
+}
+
+void draw_texel_formats(Random& random, Scene& scene, double probability) {
+  for (Texture& texture : scene.textures) {
+    if (!random.chance(probability)) continue;
+    const auto last = static_cast<std::int64_t>(enum_names<TexelFormat>.size()) - 1;
+    const auto format = static_cast<TexelFormat>(random.integer(1, last));
+    const int table_size = texel_layout(format).table_size;
+    if (table_size == 0) {
+      texture = converted(texture, format, {});
+      continue;
+    }
+    texture.format = format;
+    texture.rgba.clear();
+    texture.raw.resize(raw_size(format, texture.width, texture.height));
+    for (std::uint8_t& byte : texture.raw) byte = static_cast<std::uint8_t>(random.integer(0, 255));
+    for (int k = 0; k < table_size; ++k) {
+      const bool is_signed = table_size == yiq_table_size && k >= 16;
+      texture.table.push_back(static_cast<std::int16_t>(random.integer(is_signed ? -256 : 0, 255)));
+    }
+  }
 }
 
 }  // namespace bitspan

@@ -46,4 +46,8 @@ struct RandomOptions {
 // and options give the same scene.
 Scene random_scene(std::uint64_t seed, const RandomOptions& options = {});
 
+// Gives the textures of a scene texel formats, each of its own with that probability: the image converted,
+// or any bits with a random table.
+void draw_texel_formats(Random& random, Scene& scene, double probability);
+
 }  // namespace bitspan

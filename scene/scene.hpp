@@ -10,15 +10,20 @@
 #include <vector>
 
 #include "scene/draw_state.hpp"
+#include "scene/texel_format.hpp"
 
 namespace bitspan {
 
-// 8-bit RGBA, rows from the top; alpha is the L-buffer of T5 (0 clear, 255 opaque).
+// Rows from the top; alpha is the L-buffer of T5 (0 clear, 255 opaque). A texture of the format rgba8888 has
+// 4 bytes per texel in `rgba`, and the last two empty. One of another format has `rgba` empty.
 struct Texture {
   std::string name;
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> rgba;
+  TexelFormat format = TexelFormat::rgba8888;
+  std::vector<std::uint8_t> raw{};  // as in the memory of the hardware; scene/texel_format.hpp has the layout
+  std::vector<std::int16_t> table{};  // the palette, or what YIQ codes stand for; empty for the others
 };
 
 // x, y in pixels (origin top left, pixel centres at .5); s distance along the view axis; u, v in texels

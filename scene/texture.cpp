@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "scene/image_file.hpp"
+#include "scene/jpeg.hpp"
 
 namespace bitspan {
 namespace {
@@ -81,12 +83,11 @@ bool decode(Decoder& decoder) {
 
 }  // namespace
 
-Texture decode_texture(std::span<const std::uint8_t> png, const std::string& origin) {
-  if (png.size() < 8 || png_sig_cmp(png.data(), 0, 8) != 0) {
-    throw InputError(origin + ": not a PNG file; expected a PNG texture");
-  }
+Texture decode_texture(std::span<const std::uint8_t> file, const std::string& origin) {
+  if (is_jpeg(file)) return decode_jpeg(file, origin);
+  if (file.size() < 8 || png_sig_cmp(file.data(), 0, 8) != 0) return decode_image(file, origin);
   Decoder decoder;
-  decoder.data = png;
+  decoder.data = file;
   decoder.texture.name = origin;
   decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, on_error, on_warning);
   if (decoder.png) decoder.info = png_create_info_struct(decoder.png);
@@ -100,17 +101,19 @@ Texture decode_texture(std::span<const std::uint8_t> png, const std::string& ori
 }
 
 Texture read_texture(const std::string& path) {
+  const std::string expected = std::string(image_formats) + " file";
   std::error_code code;
   if (std::filesystem::is_directory(path, code)) {
-    throw InputError(path + ": cannot read the texture: is a folder; expected a PNG file");
+    throw InputError(path + ": cannot read the texture: is a folder; expected a " + expected);
   }
   std::ifstream file(path, std::ios::binary);
   if (!file) {
-    throw InputError(path + ": cannot read the texture: " + std::strerror(errno) + "; expected a PNG file");
+    throw InputError(path + ": cannot read the texture: " + std::strerror(errno) + "; expected a " +
+                     expected);
   }
   const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file),
                                         std::istreambuf_iterator<char>()};
-  if (file.bad()) throw InputError(path + ": cannot read the texture; expected a PNG file");
+  if (file.bad()) throw InputError(path + ": cannot read the texture; expected a " + expected);
   return decode_texture(bytes, path);
 }
 

@@ -20,6 +20,7 @@
 #include "io/atomic_file.hpp"
 #include "io/png.hpp"
 #include "scene/exact.hpp"
+#include "scene/texels.hpp"
 #include "scene/texture.hpp"
 
 namespace bitspan {
@@ -153,6 +154,130 @@ void check_area(int width, int height, const Place& place) {
   }
 }
 
+// The bytes of a file of that size beside the stream.
+std::vector<std::uint8_t> read_bytes(const std::filesystem::path& path, std::size_t size, const Place& place,
+                                     const std::string& key) {
+  std::error_code code;
+  const std::uintmax_t found = std::filesystem::file_size(path, code);
+  if (code) place.fail(fmt::format("{}: {}: cannot read: {}", key, path.string(), code.message()));
+  if (found != size) {
+    place.fail(fmt::format("{}: {}: has {} bytes; expected {}", key, path.string(), found, size));
+  }
+  std::vector<std::uint8_t> bytes(size);
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  if (!file) place.fail(fmt::format("{}: {}: cannot read; expected a readable file", key, path.string()));
+  return bytes;
+}
+
+// Lists of `length` integers each, one list after the other.
+void append_lists(const Json& value, std::size_t length, int low, int high, const Place& place,
+                  const std::string& key, std::vector<std::int16_t>& out) {
+  for (std::size_t k = 0; k < value.size(); ++k) {
+    std::string at = fmt::format("{}[{}]", key, k);
+    array(
+        value[k], length, place, [&] { return at; }, "a list of integers");
+    for (const Json& number : value[k]) {
+      out.push_back(static_cast<std::int16_t>(integer(number, low, high, place, at.c_str())));
+    }
+  }
+}
+
+// What the codes of the format stand for; empty where the entry does not say.
+std::vector<std::int16_t> read_texel_table(const Json& entry, TexelFormat format, const Place& place,
+                                           const std::filesystem::path& folder, const std::string& key) {
+  std::vector<std::int16_t> out;
+  const int size = texel_layout(format).table_size;
+  const auto refuse = [&](const char* name) {
+    if (entry.contains(name)) {
+      place.fail(
+          fmt::format("{}.{}: the format {} has none; expected no such key", key, name, to_string(format)));
+    }
+  };
+  if (size != palette_size) refuse("palette");
+  if (size != yiq_table_size) refuse("yiq");
+  if (const auto palette = entry.find("palette"); palette != entry.end()) {
+    const std::string name = key + ".palette";
+    if (palette->is_string()) {
+      const auto bytes =
+          read_bytes(folder / palette->get_ref<const std::string&>(), palette_size, place, name);
+      out.assign(bytes.begin(), bytes.end());
+      return out;
+    }
+    if (!palette->is_array() || palette->empty() || palette->size() > 256) {
+      place.fail(name +
+                 ": is not legal; expected a file name, or 1 to 256 colours [red, green, blue, alpha]");
+    }
+    append_lists(*palette, 4, 0, 255, place, name, out);
+    out.resize(palette_size);
+  }
+  if (const auto yiq = entry.find("yiq"); yiq != entry.end()) {
+    const std::string name = key + ".yiq";
+    if (!yiq->is_object())
+      place.fail(name + R"(: is not an object; expected {"y": ..., "i": ..., "q": ...})");
+    check_keys(*yiq, {"y", "i", "q"}, place, name + ".");
+    Json ys = Json::array();
+    ys.push_back(required(*yiq, "y", place, "16 integers"));
+    append_lists(ys, 16, 0, 255, place, name + ".y", out);
+    for (const char* const part : {"i", "q"}) {
+      std::string at = fmt::format("{}.{}", name, part);
+      const Json& lists = required(*yiq, part, place, "4 lists [red, green, blue]");
+      array(
+          lists, 4, place, [&] { return at; }, "4 lists [red, green, blue]");
+      append_lists(lists, 3, -256, 255, place, at, out);
+    }
+  }
+  return out;
+}
+
+// A texture that is not a mere file name: an image to be converted, or texels as they lie in memory.
+Texture read_formatted(const Json& entry, const Place& place, const std::filesystem::path& folder,
+                       const std::string& key) {
+  const bool raw = entry.contains("raw");
+  const char* const source = raw ? "raw" : "file";
+  const std::string inside = key + ".";
+  if (raw) {
+    check_keys(entry, {"raw", "format", "width", "height", "palette", "yiq"}, place, inside);
+  } else {
+    check_keys(entry, {"file", "format", "palette", "yiq"}, place, inside);
+  }
+  const Json& name = required(entry, source, place, "a file name");
+  if (!name.is_string() || name.get_ref<const std::string&>().empty()) {
+    place.fail(fmt::format("{}{}: {} is not a file name; expected a string", inside, source, shown(name)));
+  }
+  const Json& wanted = required(entry, "format", place, "the name of a texel format");
+  const auto names = enum_names<TexelFormat>;
+  const auto found =
+      wanted.is_string() ? std::ranges::find(names, wanted.get_ref<const std::string&>()) : names.end();
+  if (found == names.end()) {
+    place.fail(fmt::format("{}format: {} is not legal; expected one of {}", inside, shown(wanted),
+                           fmt::join(names, ", ")));
+  }
+  const auto format = static_cast<TexelFormat>(found - names.begin());
+  std::vector<std::int16_t> table = read_texel_table(entry, format, place, folder, key);
+  const std::filesystem::path path = folder / name.get_ref<const std::string&>();
+  if (!raw) {
+    try {
+      return converted(read_texture(path.string()), format, std::move(table));
+    } catch (const InputError& error) {
+      place.fail(fmt::format("{}: {}", key, error.what()));
+    }
+  }
+  if (static_cast<int>(table.size()) != texel_layout(format).table_size) {
+    const char* const part = texel_layout(format).table_size == palette_size ? "palette" : "yiq";
+    place.fail(
+        fmt::format("{}{}: key is missing; expected the table of {}", inside, part, to_string(format)));
+  }
+  Texture out;
+  out.format = format;
+  out.width = integer(required(entry, "width", place, "texels"), 1, texture_size_limit, place, "width");
+  out.height = integer(required(entry, "height", place, "texels"), 1, texture_size_limit, place, "height");
+  out.table = std::move(table);
+  auto& texels = format == TexelFormat::rgba8888 ? out.rgba : out.raw;
+  texels = read_bytes(path, raw_size(format, out.width, out.height), place, inside + "raw");
+  return out;
+}
+
 Scene read_header(const Json& line, const Place& place, const std::filesystem::path& folder, int& color_max,
                   int& version) {
   if (!line.is_object() || !line.contains("bitspan")) {
@@ -197,9 +322,14 @@ Scene read_header(const Json& line, const Place& place, const std::filesystem::p
   }
   if (const auto found = line.find("textures"); found != line.end()) {
     if (!found->is_array())
-      place.fail("textures: " + shown(*found) + " is not an array; expected a list of PNG file names");
+      place.fail("textures: " + shown(*found) + " is not an array; expected a list of image file names");
     for (std::size_t i = 0; i < found->size(); ++i) {
       const Json& entry = (*found)[i];
+      if (version >= 2 && entry.is_object()) {
+        scene.textures.push_back(read_formatted(entry, place, folder, fmt::format("textures[{}]", i)));
+        scene.textures.back().name = entry[entry.contains("raw") ? "raw" : "file"].get<std::string>();
+        continue;
+      }
       if (!entry.is_string() || entry.get_ref<const std::string&>().empty()) {
         place.fail(fmt::format("textures[{}]: {} is not a file name; expected a string", i, shown(entry)));
       }
@@ -434,8 +564,38 @@ std::array<double, 3> fractions(const std::array<std::uint8_t, 3>& codes) {
   return {codes[0] / 255.0, codes[1] / 255.0, codes[2] / 255.0};
 }
 
+bool is_formatted(const Texture& texture) { return texture.format != TexelFormat::rgba8888; }
+
+// Lists of `length` integers each, or one list where length is 0.
+Json lists_of(std::span<const std::int16_t> values, std::size_t length) {
+  Json out = Json::array();
+  for (std::size_t k = 0; k < values.size(); k += length == 0 ? 1 : length) {
+    length == 0 ? out.push_back(values[k]) : out.push_back(lists_of(values.subspan(k, length), 0));
+  }
+  return out;
+}
+
+// The entry of the header for a texture: its name where it is an image.
+Json texture_entry(const Texture& texture, const std::string& name) {
+  if (!is_formatted(texture)) return name;
+  Json out;
+  out["raw"] = name;
+  out["format"] = std::string(to_string(texture.format));
+  out["width"] = texture.width;
+  out["height"] = texture.height;
+  const std::span table(texture.table);
+  if (table.size() == palette_size) out["palette"] = lists_of(table, 4);
+  if (table.size() == yiq_table_size) {
+    out["yiq"]["y"] = lists_of(table.first(16), 0);
+    out["yiq"]["i"] = lists_of(table.subspan(16, 12), 3);
+    out["yiq"]["q"] = lists_of(table.subspan(28, 12), 3);
+  }
+  return out;
+}
+
 std::string header_text(const Scene& scene, std::span<const std::string> names) {
-  const int version = scene.commands.empty() ? 1 : 2;
+  const bool second = !scene.commands.empty() || std::ranges::any_of(scene.textures, is_formatted);
+  const int version = second ? 2 : 1;
   std::string out = fmt::format("{{\"bitspan\":{},\"width\":{},\"height\":{},\"s_min\":", version,
                                 scene.width, scene.height);
   append_number(out, scene.s_min);
@@ -454,7 +614,11 @@ std::string header_text(const Scene& scene, std::span<const std::string> names) 
   }
   if (!names.empty()) {
     out += ",\"textures\":";
-    out += Json(std::vector<std::string>(names.begin(), names.end())).dump();
+    Json entries = Json::array();
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      entries.push_back(texture_entry(scene.textures[i], names[i]));
+    }
+    out += entries.dump();
   }
   out += "}\n";
   return out;
@@ -713,9 +877,11 @@ void write_tri_file(const std::string& path, const Scene& scene) {
   std::vector<std::string> names;
   std::vector<std::unique_ptr<AtomicFile>> pictures;
   for (const Texture& texture : scene.textures) {
-    names.push_back(fmt::format("{}.{}.png", target.stem().string(), names.size()));
+    const bool formatted = is_formatted(texture);
+    names.push_back(fmt::format("{}.{}.{}", target.stem().string(), names.size(), formatted ? "bin" : "png"));
     pictures.push_back(std::make_unique<AtomicFile>((target.parent_path() / names.back()).string()));
-    pictures.back()->write(encode_png(texture.width, texture.height, 4, texture.rgba));
+    pictures.back()->write(formatted ? texture.raw
+                                     : encode_png(texture.width, texture.height, 4, texture.rgba));
   }
   write_stream(scene, names, [&](std::string_view piece) { stream.write(piece); });
   for (const auto& picture : pictures) picture->commit();

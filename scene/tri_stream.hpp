@@ -55,8 +55,8 @@ void check_scene(const Scene& scene, const std::string& origin);
 // Writes the stream. Each number is the shortest that reads back as the same double. Textures go by their
 // names.
 void write_tri(std::ostream& out, const Scene& scene);
-// Writes `path` and, beside it, each texture as STEM.N.png; the files appear complete or not at all. Throws
-// InputError where they cannot be written.
+// Writes `path` and, beside it, each texture as STEM.N.png, or its texels as STEM.N.bin; the files appear
+// complete or not at all. Throws InputError where they cannot be written.
 void write_tri_file(const std::string& path, const Scene& scene);
 
 }  // namespace bitspan

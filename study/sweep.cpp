@@ -117,6 +117,10 @@ std::string scene_hash(const Scene& scene) {
     h.number(texture.width);
     h.number(texture.height);
     for (const std::uint8_t code : texture.rgba) h.byte(code);
+    if (texture.format == TexelFormat::rgba8888) continue;
+    h.byte(static_cast<std::uint8_t>(texture.format));
+    for (const std::uint8_t byte : texture.raw) h.byte(byte);
+    for (const std::int16_t value : texture.table) h.number(static_cast<std::uint64_t>(value));
   }
   h.number(static_cast<std::uint64_t>(scene.triangles.size()));
   for (const Triangle& triangle : scene.triangles) {

@@ -14,6 +14,7 @@
 #include "config/pixel_timing.hpp"
 #include "engine/emit_pixel_sv.hpp"
 #include "engine/sv_writer.hpp"
+#include "model/stages/texel.hpp"
 #include "tb/rtl_build.hpp"
 
 namespace bitspan {
@@ -104,11 +105,11 @@ bool holds_textures(const Scene& scene) {
 
 bool addresses_texels(const Config& config, const Texture& texture) {
   const auto repeats = [](int size) { return std::has_single_bit(static_cast<unsigned>(size)); };
-  return clamps_to_border(config.wrap) || (repeats(texture.width) && repeats(texture.height));
+  return stops_at_edge(config.wrap) || (repeats(texture.width) && repeats(texture.height));
 }
 
 std::uint32_t texel_word(const Texture& texture, std::int64_t i, std::int64_t j) {
-  const std::uint8_t* p = texture.rgba.data() + 4 * (j * texture.width + i);
+  const model::TexelCodes p = model::texel_of(texture, i, j);
   return p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
 }
 
@@ -132,7 +133,7 @@ StageValues draw_values(const RtlDraw& s) {
           bit(s.write_z),
           bit(s.textured),
           bit(weighs_texels(s.filter)),
-          bit(clamps_to_border(s.wrap)),
+          bit(stops_at_edge(s.wrap)),
           s.place.last_i,
           s.place.last_j,
           s.place.pitch,

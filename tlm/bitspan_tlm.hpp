@@ -529,7 +529,11 @@ class Device : public sc_core::sc_module,
                    texels.data() + texels.size() - row, row);
     }
     texels_.push_back(std::move(texels));
-    textures_.push_back({sizeof(bs_texture), from.width, from.height, texels_.back().data(), 0, nullptr});
+    bs_texture texture = BS_TEXTURE_INIT;
+    texture.width = from.width;
+    texture.height = from.height;
+    texture.rgba = texels_.back().data();
+    textures_.push_back(texture);
   }
 
   void triangle(const bs_tlm_triangle& from) {

@@ -93,14 +93,49 @@ typedef struct bs_config bs_config;
 typedef struct bs_scene bs_scene;
 typedef struct bs_model bs_model;
 
-/* 8-bit RGBA, rows from the top; alpha 0 is clear and 255 opaque. */
+/* Formats of texels; docs/numeric-spec.md, "texel formats". */
+typedef int32_t bs_texel_format;
+enum {
+  BS_TEXEL_RGBA8888 = 0,
+  BS_TEXEL_RGB332 = 1,
+  BS_TEXEL_YIQ422 = 2,
+  BS_TEXEL_A8 = 3,
+  BS_TEXEL_I8 = 4,
+  BS_TEXEL_AI44 = 5,
+  BS_TEXEL_P8 = 6,
+  BS_TEXEL_ARGB8332 = 7,
+  BS_TEXEL_RGB565 = 8,
+  BS_TEXEL_ARGB1555 = 9,
+  BS_TEXEL_ARGB4444 = 10,
+  BS_TEXEL_AI88 = 11,
+  BS_TEXEL_AP88 = 12,
+  BS_TEXEL_AYIQ8422 = 13,
+  BS_TEXEL_DXT1 = 14,
+  BS_TEXEL_DXT3 = 15,
+  BS_TEXEL_DXT5 = 16,
+  BS_TEXEL_UYVY = 17,
+  BS_TEXEL_YUYV = 18
+};
+
+/* 8-bit RGBA, rows from the top; alpha 0 is clear and 255 opaque. A texture of another format has its texels
+ * in `raw` and its `rgba` is not read; bs_scene_get gives both, the latter decoded. BS_TEXTURE_INIT has the
+ * defaults. */
 typedef struct bs_texture {
   size_t size;
   int32_t width, height; /* texels, 1 to 16384 */
   const uint8_t* rgba;
-  size_t stride;    /* bytes from row to row; 0: 4 * width, the default */
-  const char* name; /* for messages; NULL: none, the default */
+  size_t stride;          /* bytes from row to row; 0: 4 * width, the default */
+  const char* name;       /* for messages; NULL: none, the default */
+  bs_texel_format format; /* default BS_TEXEL_RGBA8888 */
+  int32_t reserved;       /* 0 */
+  const uint8_t* raw;   /* blocks row by row from the top left, without gaps; words have the low byte first */
+  size_t raw_size;      /* bytes */
+  const int16_t* table; /* palette: 256 times red, green, blue, alpha; YIQ: 16 of Y, 12 of I, 12 of Q */
+  size_t table_size;    /* values: 0, 1024 or 40 */
 } bs_texture;
+
+#define BS_TEXTURE_INIT \
+  { sizeof(bs_texture), 1, 1, NULL, 0, NULL, BS_TEXEL_RGBA8888, 0, NULL, 0, NULL, 0 }
 
 /* What a picture is drawn with, except its triangles. BS_SCENE_DESC_INIT has the defaults. */
 typedef struct bs_scene_desc {

@@ -191,11 +191,23 @@ struct PlanImage {
     return (size & (size - 1)) == 0 ? i & V(size - 1) : modulo(i, size);
   }
   HWY_INLINE V index(V i, V j) const { return (j + V(border)) * V(stride) + i + V(border); }
+  // Where the copy is the one that is turned round.
+  HWY_INLINE V turned_back(V i, std::int32_t size) const {
+    return select(i < V(size), i, V(2 * size - 1) - i);
+  }
   HWY_INLINE V nearest(V& i, V& j) const {
     switch (wrap) {
       case TextureWrap::cyclic:
         i = cyclic(i, width);
         j = cyclic(j, height);
+        break;
+      case TextureWrap::mirror:
+        i = turned_back(cyclic(i, 2 * width), width);
+        j = turned_back(cyclic(j, 2 * height), height);
+        break;
+      case TextureWrap::border:
+        i = min(max(i, V(-1)), V(width));
+        j = min(max(j, V(-1)), V(height));
         break;
       case TextureWrap::clamp:
         i = min(max(i, V(0)), V(width - 1));
@@ -218,6 +230,22 @@ struct PlanImage {
         at = index(i, j);
         i = max(i, V(0));
         j = max(j, V(0));
+        break;
+      case TextureWrap::mirror:
+        // The copy that is turned round stands behind the other one.
+        i = cyclic(i, 2 * width);
+        j = cyclic(j, 2 * height);
+        at = index(i, j);
+        i = turned_back(i, width);
+        j = turned_back(j, height);
+        break;
+      case TextureWrap::border:
+        // A pair that starts at -2 or at the width is outside as a whole.
+        i = min(max(i, V(-2)), V(width));
+        j = min(max(j, V(-2)), V(height));
+        at = index(i, j);
+        i = max(i, V(-1));
+        j = max(j, V(-1));
         break;
     }
     const V below = at + V(stride);
@@ -246,7 +274,7 @@ template <class Int, ImageKind kind>
 HWY_INLINE auto image_for(const ShadePlan& plan, const ShadeFormats& formats, int texture) {
   if constexpr (std::is_same_v<Int, int128>) {
     return TextureImage{texture < 0 ? nullptr : plan.textures[static_cast<std::size_t>(texture)].source,
-                        formats.texture.wrap};
+                        formats.texture.wrap, word_of(formats.texture.border)};
   } else {
     return PlanImage<Int, kind>(plan, formats, texture);
   }

@@ -86,26 +86,31 @@ ShadeTexture prepare_image(const TextureStage& stage, const Texture& source) {
   t.width = source.width;
   t.height = source.height;
   const bool pairs = weighs_texels(stage.filter);
-  const bool clamps = clamps_to_border(stage.wrap);
-  // Clamped, i = -1 is a pair of its own: (0, 0).
-  t.border = pairs && clamps ? 1 : 0;
-  const std::int32_t after = pairs ? 1 : 0;
-  t.stride = t.width + t.border + after;
-  const std::int32_t rows = t.height + t.border + after;
+  const bool colored = has_border_color(stage.wrap);
+  // At an edge where the texture ends, i = -1 is a pair of its own: (0, 0), or border and 0. In front of the
+  // latter there is a pair of two borders.
+  t.border = colored ? (pairs ? 2 : 1) : pairs && stops_at_edge(stage.wrap) ? 1 : 0;
+  const std::int32_t after = (pairs ? 1 : 0) + (colored ? 1 : 0);
+  // A copy that is turned round follows, where pairs go over its edges.
+  const std::int32_t copies = pairs && mirrors(stage.wrap) ? 2 : 1;
+  t.stride = copies * t.width + t.border + after;
+  const std::int32_t rows = copies * t.height + t.border + after;
   t.words.assign(static_cast<std::size_t>(t.stride) * static_cast<std::size_t>(rows) + 2, 0);
   const auto inside = [&](std::int32_t i, std::int32_t size) {
-    return clamps ? std::clamp(i, 0, size - 1) : i % size;
+    return static_cast<std::int32_t>(HWY_STATIC_DISPATCH(wrapped)(i, size, stage.wrap));
   };
   t.opaque = t.never_killed = true;
   for (std::int32_t y = 0; y < rows; ++y) {
     const std::int32_t j = inside(y - t.border, t.height);
-    const std::uint8_t* row = source.rgba.data() + 4 * std::size_t(j) * std::size_t(t.width);
     std::uint32_t* out = t.words.data() + std::size_t(y) * std::size_t(t.stride);
     for (std::int32_t x = 0; x < t.stride; ++x) {
-      const std::uint8_t* p = row + 4 * std::size_t(inside(x - t.border, t.width));
+      const std::int32_t i = inside(x - t.border, t.width);
+      const bool outside = i < 0 || j < 0 || i >= t.width || j >= t.height;
+      const TexelCodes p = outside ? stage.border : texel_of(source, i, j);
       out[x] = p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
       t.has_reserved =
-          t.has_reserved || (stage.transparent && std::equal(p, p + 3, stage.transparent->begin()));
+          t.has_reserved ||
+          (stage.transparent && std::equal(stage.transparent->begin(), stage.transparent->end(), p.begin()));
       t.opaque = t.opaque && p[3] == 255;
     }
   }

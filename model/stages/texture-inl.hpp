@@ -14,6 +14,7 @@
 
 #include "config/modes.hpp"
 #include "model/numeric/ratio-inl.hpp"
+#include "model/stages/texel.hpp"
 #include "model/stages/texture.hpp"
 
 #if defined(BITSPAN_MODEL_STAGES_TEXTURE_INL) == defined(HWY_TARGET_TOGGLE)
@@ -80,21 +81,35 @@ inline std::int64_t wrapped(std::int64_t i, std::int64_t size, TextureWrap wrap)
       const std::int64_t rest = i % size;
       return rest < 0 ? rest + size : rest;
     }
+    case TextureWrap::mirror: {
+      const std::int64_t turned = 2 * size - 1;  // the last place of a copy and the copy turned round
+      const std::int64_t rest = i % (2 * size);
+      const std::int64_t at = rest < 0 ? rest + 2 * size : rest;
+      return at < size ? at : turned - at;
+    }
+    case TextureWrap::border:
+      return std::clamp<std::int64_t>(i, -1, size);
   }
   unreachable();
+}
+
+// A texel as a word, red in the lowest byte.
+inline std::int64_t word_of(const std::array<std::uint8_t, 4>& c) {
+  return c[0] | c[1] << 8 | c[2] << 16 | std::int64_t{c[3]} << 24;
 }
 
 // A texture, or none, for one integer.
 struct TextureImage {
   const Texture* texture;
   TextureWrap wrap;
+  std::int64_t border;  // the word of what is outside, where the mode has such texels
 
   bool present() const { return texture != nullptr; }
   static TextureFilter filter(const TextureStage& stage) { return stage.filter; }
   static bool may_be_reserved() { return true; }
   std::int64_t word(std::int64_t i, std::int64_t j) const {
-    const std::uint8_t* p = texture->rgba.data() + 4 * (j * texture->width + i);
-    return p[0] | p[1] << 8 | p[2] << 16 | std::int64_t{p[3]} << 24;
+    if (i < 0 || j < 0 || i >= texture->width || j >= texture->height) return border;
+    return word_of(texel_of(*texture, i, j));
   }
   std::int64_t nearest(std::int64_t& i, std::int64_t& j) const {
     i = wrapped(i, texture->width, wrap);

@@ -25,8 +25,9 @@ bool texture_on(const TextureStage& stage, const Texture* texture, const Fragmen
   for (std::size_t c = 0; c < channel_count; ++c) {
     shade[c] = fragment.*fragment_shades[c];
   }
-  const auto all = text::textured<Int>(stage, text::TextureImage{texture, stage.wrap}, fragment.u, fragment.v,
-                                       shade, watch);
+  const auto all =
+      text::textured<Int>(stage, text::TextureImage{texture, stage.wrap, text::word_of(stage.border)},
+                          fragment.u, fragment.v, shade, watch);
   const auto& [v_r, v_g, v_b, v_a] = all.texel;
   const auto& [r, g, b, a] = all.color;
   const bool killed = all.killed || !passes_alpha_test(stage, a);

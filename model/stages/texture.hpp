@@ -18,6 +18,7 @@ namespace bitspan::model {
 struct TextureStage {
   TextureFilter filter = TextureFilter::nearest;
   TextureWrap wrap = TextureWrap::cyclic;
+  Rgba border{};
   std::optional<std::array<std::uint8_t, 3>> transparent;
   bool fits_int64 = false;  // every intermediate fits int64
   Register uv, shade;       // formats of the fragment
@@ -30,6 +31,7 @@ constexpr TextureStage prepare_texture(const Config& config) {
   TextureStage s;
   s.filter = config.filter;
   s.wrap = config.wrap;
+  s.border = config.border;
   s.transparent = config.transparent;
   s.uv = make_register(config, FormatId::span_uv);
   s.shade = make_register(config, FormatId::span_shade);

@@ -3,6 +3,8 @@
 
 #include <bit>
 
+#include "scene/texels.hpp"
+
 namespace bitspan::timed {
 
 TextureTraffic::TextureTraffic(const Run& run)
@@ -18,12 +20,12 @@ TextureTraffic::TextureTraffic(const Run& run)
   const auto axis = [&](int size) {
     return Axis{.size = size,
                 .power_of_two = std::has_single_bit(static_cast<unsigned>(size)),
-                .clamp = clamps_to_border(run.config.wrap)};
+                .wrap = run.config.wrap};
   };
   std::uint64_t next = 0;
   for (const Texture& texture : run.scene.textures) {
-    images_.push_back({axis(texture.width), axis(texture.height), next});
-    next += (texture.rgba.size() + line - 1) / line * line;
+    images_.push_back({axis(texture.width), axis(texture.height), next, texture.format});
+    next += (byte_count(texture) + line - 1) / line * line;
   }
 }
 

@@ -41,19 +41,39 @@ class TextureTraffic {
   struct Axis {
     std::int64_t size = 1;
     bool power_of_two = true;
-    bool clamp = false;
+    TextureWrap wrap = TextureWrap::cyclic;
+    // -1: outside, where no texel is read.
     std::int64_t wrapped(std::int64_t i) const {
-      if (clamp) return std::clamp<std::int64_t>(i, 0, size - 1);
-      if (power_of_two) return i & (size - 1);
-      const std::int64_t rest = i % size;
-      return rest < 0 ? rest + size : rest;
+      switch (wrap) {
+        case TextureWrap::clamp:
+          return std::clamp<std::int64_t>(i, 0, size - 1);
+        case TextureWrap::border:
+          return i >= 0 && i < size ? i : -1;
+        case TextureWrap::cyclic:
+          return modulo(i, size);
+        case TextureWrap::mirror: {
+          const std::int64_t at = modulo(i, 2 * size);
+          return at < size ? at : 2 * size - 1 - at;
+        }
+      }
+      unreachable();
+    }
+    std::int64_t modulo(std::int64_t i, std::int64_t period) const {
+      if (power_of_two) return i & (period - 1);
+      const std::int64_t rest = i % period;
+      return rest < 0 ? rest + period : rest;
     }
   };
   struct Image {
     Axis across, down;
     std::uint64_t base = 0;  // byte address
+    TexelFormat format = TexelFormat::rgba8888;
   };
   bool misses(const Image& image, std::int64_t i, std::int64_t j) {
+    if (i < 0 || j < 0) return false;
+    if (image.format != TexelFormat::rgba8888) {
+      return !cache_.access(image.base + block_at(image.format, static_cast<int>(image.across.size), i, j));
+    }
     return !cache_.access(image.base + static_cast<std::uint64_t>(j * image.across.size + i) * color_bytes);
   }
   // floor(raw 2^-fraction - 1/2) where the filter weighs texels, else floor(raw 2^-fraction)

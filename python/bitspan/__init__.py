@@ -20,7 +20,7 @@ from ._divergence import Divergence
 from ._model import Model
 from ._report import report
 from ._run import Run, render
-from ._scene import Scene
+from ._scene import Scene, Texels
 from ._sweep import Metric, Table, measure, metrics, sweep
 
 __version__: str = _core.version
@@ -44,4 +44,4 @@ def data_folder() -> pathlib.Path:
 
 
 __all__ = ["COUNTERS", "ENGINES", "STAGES", "Comparison", "Config", "Divergence", "Field", "InputError", "Metric", "Model", "Run",
-           "Scene", "StateError", "Table", "compare", "data_folder", "measure", "metrics", "render", "report", "sweep"]
+           "Scene", "StateError", "Table", "Texels", "compare", "data_folder", "measure", "metrics", "render", "report", "sweep"]

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from typing import Any, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core import InputError, SceneHandle
+from ._core import InputError, SceneHandle, texel_formats
 
 #: The columns of a vertex and their defaults: [pixel], [unit of s], [texel], 0 to 1.
 VERTEX = {"x": 0.0, "y": 0.0, "s": 1.0, "u": 0.0, "v": 0.0, "r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0}
@@ -36,7 +37,33 @@ def _codes(what: str, color: Any) -> list[int]:
     return [int(c) for c in given]
 
 
-def _texture(i: int, texture: Any) -> NDArray[np.uint8]:
+@dataclasses.dataclass(frozen=True)
+class Texels:
+    """A texture of a texel format of the specification, other than rgba8888, as it lies in memory.
+
+    format         "rgb565", "dxt1" ...
+    raw            its bytes, blocks row by row from the top left
+    width, height  [texel]
+    table          p8, ap88: 256 times red, green, blue, alpha; yiq422, ayiq8422: 16 of Y, 12 of I, 12 of Q
+    """
+
+    format: str
+    raw: bytes
+    width: int
+    height: int
+    table: Sequence[int] = ()
+
+
+def _texture(i: int, texture: Any) -> Any:
+    if isinstance(texture, Texels):
+        if texture.format not in texel_formats[1:]:
+            raise InputError(f"textures[{i}].format: {texture.format!r}; expected one of {', '.join(texel_formats[1:])}")
+        try:
+            table = np.asarray(texture.table, dtype=np.int16).ravel().tolist()
+            raw = bytes(memoryview(texture.raw))
+        except (TypeError, ValueError, OverflowError) as error:
+            raise InputError(f"textures[{i}]: {error}; expected bytes, and a table of integers") from None
+        return (texel_formats.index(texture.format), _integer("width", texture.width), _integer("height", texture.height), raw, table)
     given = np.asarray(texture)
     if given.ndim != 3 or given.shape[2] not in (3, 4) or given.dtype != np.uint8:
         raise InputError(f"textures[{i}]: the shape is {given.shape} of {given.dtype}; expected (height, width, 3 or 4) of uint8")
@@ -75,7 +102,7 @@ class Scene:
         vertices    (n, 3, k): per corner x, y [pixel, origin top left, pixel centres at .5], s [distance along the view axis],
                     u, v [texel], r, g, b, a [0 to 1]; k from 3 to 9, the columns left out are 0, 0, 1, 1, 1, 1
         texture     the index into `textures` per triangle, or one for all; -1: none
-        textures    (height, width, 3 or 4) arrays of uint8
+        textures    (height, width, 3 or 4) arrays of uint8, or Texels
         s_range     the range of s that the formats are scaled for
         focal       the focal length [pixel]
         background  red, green, blue, 0 to 255

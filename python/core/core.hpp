@@ -14,7 +14,9 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "bitspan/bitspan.h"
@@ -72,6 +74,8 @@ class ConfigHandle {
 bs_stage stage_of(const std::string& name);
 
 using Numbers = nb::ndarray<const double, nb::device::cpu>;
+// Of a texture of another format than rgba8888: format, width, height, bytes, table.
+using Formatted = std::tuple<std::int32_t, std::int32_t, std::int32_t, nb::bytes, std::vector<std::int16_t>>;
 using Bytes = nb::ndarray<const std::uint8_t, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 using Indices = nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Table = nb::ndarray<const std::int64_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
@@ -84,8 +88,8 @@ class SceneHandle {
   // vertices: (n, 3, 9), which are x, y, s, u, v, r, g, b, a. texture_of: (n).
   static SceneHandle make(
       const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>& vertices,
-      const Indices& texture_of, const std::vector<Bytes>& textures, const bs_scene_desc& desc,
-      std::string name);
+      const Indices& texture_of, const std::vector<std::variant<Bytes, Formatted>>& textures,
+      const bs_scene_desc& desc, std::string name);
   const bs_scene_desc& desc() const { return desc_; }
   const bs_vertex* vertices() const { return vertices_; }
   const std::int32_t* texture_of() const { return texture_of_; }
@@ -101,6 +105,7 @@ class SceneHandle {
   // Of a scene made of arrays.
   std::unique_ptr<std::string> name_;
   std::vector<std::vector<std::uint8_t>> texels_;
+  std::vector<std::vector<std::int16_t>> tables_;
   std::vector<bs_texture> own_textures_;
   std::vector<bs_vertex> own_vertices_;
   std::vector<std::int32_t> own_texture_of_;

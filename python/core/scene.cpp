@@ -5,6 +5,8 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
@@ -22,9 +24,10 @@ static_assert(sizeof(bs_vertex) == sizeof(std::size_t) + columns * sizeof(double
 using Rgb = std::array<std::uint8_t, 3>;
 
 SceneHandle make(const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>& vertices,
-                 const Indices& texture_of, const std::vector<Bytes>& textures, std::int32_t width,
-                 std::int32_t height, const std::pair<double, double>& s_range, double focal,
-                 const Rgb& background, const std::optional<std::pair<Rgb, double>>& fog, std::string name) {
+                 const Indices& texture_of, const std::vector<std::variant<Bytes, Formatted>>& textures,
+                 std::int32_t width, std::int32_t height, const std::pair<double, double>& s_range,
+                 double focal, const Rgb& background, const std::optional<std::pair<Rgb, double>>& fog,
+                 std::string name) {
   bs_scene_desc desc = BS_SCENE_DESC_INIT;
   desc.width = width;
   desc.height = height;
@@ -69,8 +72,8 @@ SceneHandle SceneHandle::load(const std::string& name_or_path, std::int32_t widt
 
 SceneHandle SceneHandle::make(
     const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>& vertices,
-    const Indices& texture_of, const std::vector<Bytes>& textures, const bs_scene_desc& desc,
-    std::string name) {
+    const Indices& texture_of, const std::vector<std::variant<Bytes, Formatted>>& textures,
+    const bs_scene_desc& desc, std::string name) {
   if (vertices.shape(1) != 3 || vertices.shape(2) != columns || texture_of.shape(0) != vertices.shape(0)) {
     throw InputError("vertices, texture_of: are not of one length; expected (n, 3, 9) and (n)");
   }
@@ -84,12 +87,25 @@ SceneHandle SceneHandle::make(
         {sizeof(bs_vertex), from[0], from[1], from[2], from[3], from[4], from[5], from[6], from[7], from[8]});
   }
   out.own_texture_of_.assign(texture_of.data(), texture_of.data() + texture_of.shape(0));
-  for (const Bytes& t : textures) {
+  for (const auto& given : textures) {
+    bs_texture& texture = out.own_textures_.emplace_back(bs_texture BS_TEXTURE_INIT);
+    if (const auto* formatted = std::get_if<Formatted>(&given)) {
+      const auto& [format, width, height, raw, table] = *formatted;
+      const auto* const bytes = static_cast<const std::uint8_t*>(raw.data());
+      texture.format = format;
+      texture.width = width;
+      texture.height = height;
+      texture.raw = out.texels_.emplace_back(bytes, bytes + raw.size()).data();
+      texture.raw_size = raw.size();
+      texture.table = out.tables_.emplace_back(table).data();
+      texture.table_size = table.size();
+      continue;
+    }
+    const auto& t = std::get<Bytes>(given);
     if (t.shape(2) != 4) throw InputError("textures: has no four channels; expected (height, width, 4)");
-    out.texels_.emplace_back(t.data(), t.data() + t.size());
-    out.own_textures_.push_back({sizeof(bs_texture), static_cast<std::int32_t>(t.shape(1)),
-                                 static_cast<std::int32_t>(t.shape(0)), out.texels_.back().data(), 0,
-                                 nullptr});
+    texture.width = static_cast<std::int32_t>(t.shape(1));
+    texture.height = static_cast<std::int32_t>(t.shape(0));
+    texture.rgba = out.texels_.emplace_back(t.data(), t.data() + t.size()).data();
   }
   out.desc_.textures = out.own_textures_.data();
   out.desc_.texture_count = out.own_textures_.size();
@@ -122,6 +138,10 @@ Scene SceneHandle::full() const {
 }
 
 void bind_scene(nb::module_& m) {
+  nb::list formats;
+  for (const std::string_view name : enum_names<TexelFormat>)
+    formats.append(nb::str(name.data(), name.size()));
+  m.attr("texel_formats") = nb::tuple(formats);
   nb::class_<SceneHandle>(m, "SceneHandle")
       .def_static("load", &SceneHandle::load, nb::arg("name_or_path"), nb::arg("width"), nb::arg("height"),
                   nb::call_guard<nb::gil_scoped_release>())

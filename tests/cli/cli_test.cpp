@@ -55,6 +55,18 @@ TEST_F(Cli, EveryCommandHasHelpWithAnExample) {
   EXPECT_TRUE(run("--version").out.starts_with("bitspan 0."));
 }
 
+TEST_F(Cli, TexturesThatAMeshMissesAreWarningsUnlessStrict) {
+  folder.write("q.obj", "mtllib q.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n");
+  folder.write("q.mtl", "newmtl m\nmap_Kd none.jpg\n");
+  const Result r = run("render q.obj --no-cull --size 32x24 -o a.png");
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_NE(r.err.find("bitspan: warning: "), std::string::npos) << r.err;
+  EXPECT_NE(r.err.find("none.jpg: cannot read the texture"), std::string::npos) << r.err;
+  EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << r.err;
+  refused("render q.obj --no-cull --size 32x24 --strict -o b.png", "none.jpg: cannot read the texture");
+  refused("render demo --strict -o b.png", "--strict is for meshes");
+}
+
 TEST_F(Cli, VectorsAreWrittenAndChecked) {
   stream("a.tri");
   for (const std::string format : {"hex", "json", "npy"}) {

@@ -55,6 +55,10 @@ std::string legal_text(const KeyRow& row) {
   } else if (std::holds_alternative<Color*>(at)) {
     out = "`\"none\"`, `[r, g, b]`";
     by_default = "`\"none\"`";
+  } else if (const auto* color = std::get_if<Rgba*>(&at)) {
+    out = "`[r, g, b, a]`";
+    for (const int code : **color) by_default += (by_default.empty() ? "`[" : ", ") + std::to_string(code);
+    by_default += "]`";
   } else {
     out = "a format";
   }

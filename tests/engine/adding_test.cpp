@@ -80,6 +80,7 @@ TEST(Adding, KeepsItsPromises) {
                                             {"An option on one register that one stage reads", 12},
                                             {"A stage between depth and merge", 33},
                                             {"A texture filter", 25},
+                                            {"A texel format", 9},
                                             {"A kind of reciprocal", 16},
                                             {"A depth comparison", 12},
                                             {"A metric of the picture", 3},

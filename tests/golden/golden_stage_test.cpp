@@ -288,6 +288,27 @@ void texture_by_hand(Arithmetic arithmetic) {
   EXPECT_EQ(r.r, 100 * 16);
   EXPECT_EQ(r.a, 51);  // 51/255 = 0.2 = 51.2/256
   EXPECT_EQ(r.killed, 0);
+  c.wrap = TextureWrap::mirror;
+  for (const auto& [u, i] :
+       {std::pair{-2.5, 1}, {-1.5, 1}, {-0.5, 0}, {0.5, 0}, {2.5, 1}, {3.5, 0}, {4.5, 0}}) {
+    EXPECT_EQ(textured(arithmetic, c, fragment_at(u, 0.5, 1, 1), t).i, i) << u;
+    EXPECT_EQ(textured(arithmetic, c, fragment_at(0.5, u, 1, 1), t).j, i) << u;
+  }
+  c.wrap = TextureWrap::border;
+  c.border = {40, 50, 60, 51};
+  r = textured(arithmetic, c, fragment_at(-9.5, 0.5, 1, 1), t);
+  EXPECT_EQ(r.i, -1);
+  EXPECT_EQ(r.j, 0);
+  EXPECT_EQ(r.texel_r, 40 * 16);
+  EXPECT_EQ(r.texel_a, 51);
+  c.filter = TextureFilter::bilinear;
+  r = textured(arithmetic, c, fragment_at(1.75, 0.5, 1, 1), t);
+  EXPECT_EQ(r.i, 1);
+  EXPECT_EQ(r.texel_r, 58 * 16);  // 64 * 3/4 + 40 / 4
+  r = textured(arithmetic, c, fragment_at(0.5, 9.0, 1, 1), t);
+  EXPECT_EQ(r.j, 2);
+  EXPECT_EQ(r.texel_r, 40 * 16);
+  c.filter = TextureFilter::nearest;
   c.wrap = TextureWrap::clamp;
   r = textured(arithmetic, c, fragment_at(3.25, -0.5, 1, 0), t);
   EXPECT_EQ(r.i, 1);

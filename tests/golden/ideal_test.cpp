@@ -197,6 +197,20 @@ TEST(Ideal, FogAndTextureByHand) {
   EXPECT_NEAR(f.fog_factor, 0.75, 1e-12);
   EXPECT_NEAR(f.fogged[0], 90 + (100 - 90) * 0.75, 1e-9);
   EXPECT_FALSE(f.killed);
+  const auto texel_at = [&](double u, TextureWrap wrap) {
+    c.wrap = wrap;
+    for (Vertex& v : in.v) v.u = u;
+    t = ideal_triangle(c, in);
+    return ideal_at(c, scene, *t, 5, 6).texel;
+  };
+  c.border = {40, 0, 0, 102};
+  EXPECT_NEAR(texel_at(2.25, TextureWrap::mirror)[0], 200, 1e-9);
+  EXPECT_NEAR(texel_at(3.25, TextureWrap::mirror)[0], 50, 1e-9);
+  EXPECT_NEAR(texel_at(-0.75, TextureWrap::mirror)[0], 50, 1e-9);
+  EXPECT_NEAR(texel_at(2, TextureWrap::border)[0], 120, 1e-9);
+  EXPECT_NEAR(texel_at(-9, TextureWrap::border)[0], 40, 1e-9);
+  EXPECT_NEAR(texel_at(-9, TextureWrap::border)[3], 0.4, 1e-12);
+  texel_at(1, TextureWrap::clamp);
   c.fog = FogMode::table;
   const double x = 5.5 - scene.width / 2.0;
   const double y = 6.5 - scene.height / 2.0;

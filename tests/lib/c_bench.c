@@ -8,7 +8,7 @@
 
 #include "bitspan/bitspan.h"
 
-_Static_assert(BS_ABI_VERSION == 1, "renew the numbers below and tests/lib/libbitspan.abi");
+_Static_assert(BS_ABI_VERSION == 2, "renew the numbers below and tests/lib/libbitspan.abi");
 _Static_assert(BS_OK == 0 && BS_DIFFERENT == 1 && BS_BAD_INPUT == 2 && BS_BAD_HANDLE == 3, "status");
 _Static_assert(BS_BAD_ORDER == 4 && BS_UNSUPPORTED == 5 && BS_BUSY == 6 && BS_NO_MEMORY == 7, "status");
 _Static_assert(BS_INTERNAL == 8, "status");
@@ -19,6 +19,13 @@ _Static_assert(BS_STAGE_TEXTURE == 9 && BS_STAGE_FOG == 10 && BS_STAGE_MERGE == 
 _Static_assert(BS_PLANE_COLOR == 0 && BS_PLANE_DEPTH == 1 && BS_PLANE_U == 2 && BS_PLANE_V == 3, "plane");
 _Static_assert(BS_PLANE_TRIANGLE == 4, "plane");
 _Static_assert(BS_I64 == 0 && BS_U8 == 1 && BS_U32 == 2 && BS_I32 == 3 && BS_F64 == 4, "element");
+_Static_assert(BS_TEXEL_RGBA8888 == 0 && BS_TEXEL_RGB332 == 1 && BS_TEXEL_YIQ422 == 2, "texel format");
+_Static_assert(BS_TEXEL_A8 == 3 && BS_TEXEL_I8 == 4 && BS_TEXEL_AI44 == 5 && BS_TEXEL_P8 == 6,
+               "texel format");
+_Static_assert(BS_TEXEL_ARGB8332 == 7 && BS_TEXEL_RGB565 == 8 && BS_TEXEL_ARGB1555 == 9, "texel format");
+_Static_assert(BS_TEXEL_ARGB4444 == 10 && BS_TEXEL_AI88 == 11 && BS_TEXEL_AP88 == 12, "texel format");
+_Static_assert(BS_TEXEL_AYIQ8422 == 13 && BS_TEXEL_DXT1 == 14 && BS_TEXEL_DXT3 == 15, "texel format");
+_Static_assert(BS_TEXEL_DXT5 == 16 && BS_TEXEL_UYVY == 17 && BS_TEXEL_YUYV == 18, "texel format");
 _Static_assert(BS_DIVERGENCE_NONE == 0 && BS_DIVERGENCE_VALUE == 1 && BS_DIVERGENCE_EXTRA == 2, "kind");
 
 static void expect(int holds, const char* what) {

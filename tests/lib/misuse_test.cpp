@@ -279,7 +279,11 @@ TEST(LibMisuse, BadScenes) {
   const auto texture_refused = [&](const std::function<void(bs_texture&)>& change) {
     refused([&](Described& d) {
       static const std::array<std::uint8_t, 16> texels{};
-      d.textures.assign(1, {sizeof(bs_texture), 2, 2, texels.data(), 0, nullptr});
+      bs_texture texture = BS_TEXTURE_INIT;
+      texture.width = texture.height = 2;
+      texture.rgba = texture.raw = texels.data();
+      texture.raw_size = 8;
+      d.textures.assign(1, texture);
       change(d.textures[0]);
       d.desc.textures = d.textures.data();
       d.desc.texture_count = 1;
@@ -289,6 +293,23 @@ TEST(LibMisuse, BadScenes) {
   texture_refused([](bs_texture& t) { t.height = 16385; });
   texture_refused([](bs_texture& t) { t.rgba = nullptr; });
   texture_refused([](bs_texture& t) { t.stride = 7; });
+  texture_refused([](bs_texture& t) { t.format = BS_TEXEL_RGBA8888 - 1; });
+  texture_refused([](bs_texture& t) { t.format = BS_TEXEL_YUYV + 1; });
+  texture_refused([](bs_texture& t) { t.format = BS_TEXEL_I8; });
+  texture_refused([](bs_texture& t) {
+    t.format = BS_TEXEL_RGB565;
+    t.raw = nullptr;
+  });
+  texture_refused([](bs_texture& t) {
+    t.format = BS_TEXEL_RGB565;
+    t.reserved = 1;
+  });
+  static const std::vector<std::int16_t> palette(1024, 256);
+  texture_refused([](bs_texture& t) {
+    t.format = BS_TEXEL_AP88;
+    t.table = palette.data();
+    t.table_size = 1024;
+  });
 }
 
 TEST(LibMisuse, BadVerticesDrawNothing) {

@@ -7,7 +7,10 @@
 #include <cstddef>
 #include <cstring>
 
+#include "model/stages/texel.hpp"
+#include "scene/tri_stream.hpp"
 #include "tests/lib/support.hpp"
+#include "tests/support/files.hpp"
 
 namespace bitspan {
 namespace {
@@ -112,6 +115,50 @@ TEST(LibStructs, TexturesOfEverySize) {
   }
   EXPECT_EQ(begun(restrided(b.described.textures, through_rgba - 8).data()), BS_BAD_INPUT);
   EXPECT_EQ(begun(restrided(b.described.textures, sizeof(bs_texture) + 8, 1).data()), BS_UNSUPPORTED);
+}
+
+// What a description with a texel format draws, and what bs_scene_get gives of such a texture.
+TEST(LibStructs, TexelFormatsOfTextures) {
+  Bench b;
+  const Texture image = b.scene.textures[0];
+  for (std::size_t f = 1; f < enum_names<TexelFormat>.size(); ++f) {
+    const auto format = static_cast<TexelFormat>(f);
+    Texture t{"t", image.width, image.height, {}};
+    t.format = format;
+    for (std::size_t k = 0; k < raw_size(format, t.width, t.height); ++k) {
+      t.raw.push_back(static_cast<std::uint8_t>(200 - k * 3));
+    }
+    for (int k = 0; k < texel_layout(format).table_size; ++k)
+      t.table.push_back(static_cast<std::int16_t>(90 + k % 60));
+    Scene plain = b.scene;
+    plain.textures[0].rgba.clear();
+    for (int j = 0; j < t.height; ++j) {
+      for (int i = 0; i < t.width; ++i) {
+        const model::TexelCodes c = model::texel_of(t, i, j);
+        plain.textures[0].rgba.insert(plain.textures[0].rgba.end(), c.begin(), c.end());
+      }
+    }
+    Scene formatted = b.scene;
+    formatted.textures[0] = t;
+    const Described want(plain), have(formatted);
+    draw(b.model.get(), want);
+    const auto expected = picture(b.model.get());
+    draw(b.model.get(), have);
+    EXPECT_EQ(picture(b.model.get()), expected) << to_string(format);
+
+    const TemporaryFolder folder;
+    write_tri_file(folder.path("t.tri"), formatted);
+    bs_scene* loaded = nullptr;
+    ASSERT_EQ(bs_scene_load(folder.path("t.tri").c_str(), 0, 0, &loaded), BS_OK) << bs_last_error();
+    const std::unique_ptr<bs_scene, CloseHandle> scene(loaded);
+    bs_scene_desc desc = BS_SCENE_DESC_INIT;
+    ASSERT_EQ(bs_scene_get(scene.get(), &desc), BS_OK);
+    const bs_texture& got = desc.textures[0];
+    EXPECT_EQ(got.format, static_cast<bs_texel_format>(format));
+    EXPECT_EQ(std::vector(got.raw, got.raw + got.raw_size), t.raw);
+    EXPECT_EQ(std::vector(got.table, got.table + got.table_size), t.table);
+    EXPECT_EQ(std::vector(got.rgba, got.rgba + plain.textures[0].rgba.size()), plain.textures[0].rgba);
+  }
 }
 
 TEST(LibStructs, ARowStrideOfATexture) {

@@ -40,7 +40,17 @@ inline ModelHandle open_model(bs_config* config, const std::string& engine) {
 struct Described {
   explicit Described(const Scene& s) {
     for (const Texture& t : s.textures) {
-      textures.push_back({sizeof(bs_texture), t.width, t.height, t.rgba.data(), 0, t.name.c_str()});
+      bs_texture& out = textures.emplace_back(bs_texture BS_TEXTURE_INIT);
+      out.width = t.width;
+      out.height = t.height;
+      out.rgba = t.rgba.data();
+      out.name = t.name.c_str();
+      if (t.format == TexelFormat::rgba8888) continue;
+      out.format = static_cast<bs_texel_format>(t.format);
+      out.raw = t.raw.data();
+      out.raw_size = t.raw.size();
+      out.table = t.table.data();
+      out.table_size = t.table.size();
     }
     for (const Triangle& t : s.triangles) {
       for (const Vertex& v : t.v) {

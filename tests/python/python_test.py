@@ -130,6 +130,21 @@ class Scenes(unittest.TestCase):
         fogged = bitspan.render(bitspan.Scene.from_vertices(triangle(), 64, 64, texture=0, textures=[texels], fog=((255, 0, 0), 4.0)))
         self.assertGreater(int(fogged.color[12, 12, 0]), 20)
 
+    def test_textures_of_texel_formats(self):
+        raw = np.full((8, 4), 31 << 11, "<u2")  # red of rgb565
+        red = bitspan.Texels("rgb565", raw.tobytes(), 4, 8)
+        scene = bitspan.Scene.from_vertices(triangle(), 64, 64, texture=0, textures=[red])
+        self.assertEqual(bitspan.render(scene).color[12, 12].tolist(), [255, 0, 0, 255])
+        table = np.zeros((256, 4), int)
+        table[7] = [0, 0, 200, 255]
+        blue = bitspan.Texels("p8", bytes([7] * 32), 4, 8, table)
+        scene = bitspan.Scene.from_vertices(triangle(), 64, 64, texture=1, textures=[red, blue])
+        self.assertEqual(bitspan.render(scene).color[12, 12].tolist(), [0, 0, 200, 255])
+        for bad in (bitspan.Texels("rgb5", b"", 1, 1), bitspan.Texels("i8", b"12", 1, 1), bitspan.Texels("p8", b"1", 1, 1),
+                    bitspan.Texels("i8", "text", 1, 1), bitspan.Texels("i8", b"1", 0, 1)):
+            with self.assertRaises(bitspan.InputError):
+                bitspan.Scene.from_vertices(triangle(), 64, 64, texture=0, textures=[bad])
+
     def test_a_scene_outlives_its_handle(self):
         vertices = bitspan.Scene("demo", 80, 60).vertices
         gc.collect()

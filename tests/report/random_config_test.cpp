@@ -57,6 +57,7 @@ std::vector<std::string> values_to_draw(const Key& key) {
   if (std::holds_alternative<bool*>(at)) return {"true", "false"};
   if (std::holds_alternative<StartOffset*>(at)) return {"half_ulp", "0", "a number"};
   if (std::holds_alternative<Color*>(at)) return {"none", "a colour"};
+  if (std::holds_alternative<Rgba*>(at)) return {"[0, 0, 0, 0]", "a colour"};
   if (const auto* choice = std::get_if<Choice>(&at)) {
     for (const std::string_view name : choice->names) out.emplace_back(name);
     return out;
@@ -76,6 +77,7 @@ std::string drawn_value(const Config& c, const Key& key) {
   if (std::holds_alternative<StartOffset*>(at))
     return value == "half_ulp" || value == "0" ? value : "a number";
   if (std::holds_alternative<Color*>(at)) return value == "none" ? value : "a colour";
+  if (std::holds_alternative<Rgba*>(at)) return value == "[0, 0, 0, 0]" ? value : "a colour";
   return value;
 }
 

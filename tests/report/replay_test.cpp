@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "scene/random.hpp"
 #include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
@@ -46,6 +48,28 @@ TEST(Replay, ComesBackBitForBit) {
   }
   ASSERT_EQ(b.scene.textures.size(), a.scene.textures.size());
   EXPECT_EQ(b.scene.textures[0].rgba, a.scene.textures[0].rgba);
+}
+
+TEST(Replay, KeepsTexelFormats) {
+  Replay a = sample();
+  Random random(1);
+  a.scene.textures.resize(40, a.scene.textures[0]);
+  draw_texel_formats(random, a.scene, 0.8);
+  const Replay b = parse_replay(replay_json(a), "file");
+  EXPECT_EQ(replay_json(b), replay_json(a));
+  ASSERT_EQ(b.scene.textures.size(), 40U);
+  std::set<TexelFormat> formats;
+  for (std::size_t i = 0; i < 40; ++i) {
+    const Texture& x = a.scene.textures[i];
+    const Texture& y = b.scene.textures[i];
+    EXPECT_TRUE(x.format == y.format && x.rgba == y.rgba && x.raw == y.raw && x.table == y.table);
+    formats.insert(x.format);
+  }
+  EXPECT_GT(formats.size(), 10U);
+  std::string bad = replay_json(a);
+  const std::size_t at = bad.find("\"raw\":");
+  bad.erase(bad.find('"', at + 6) + 1, 2);
+  EXPECT_NE(input_error([&] { parse_replay(bad, "file"); }).find("raw do not agree"), std::string::npos);
 }
 
 TEST(Replay, WithoutAnRtlNoHashIsWritten) {

@@ -55,7 +55,7 @@ PipeCase make_pipe_case(const Config& c, const Scene& given) {
   PipeCase p;
   p.config = c;
   p.scene = given;
-  if (!clamps_to_border(c.wrap)) continue_textures(p.scene);
+  if (!stops_at_edge(c.wrap)) continue_textures(p.scene);
   const Scene& scene = p.scene;
   p.places = place_textures(p.scene);
   p.constants = model::make_constants(c, scene);

@@ -99,6 +99,18 @@ TEST(Mesh, TextureByFlagTakesThePlaceOfMaterials) {
   EXPECT_EQ(mesh.faces[0].corner[0].c, (std::array<double, 4>{1, 1, 1, 1}));
 }
 
+TEST(Mesh, BadTexturesAreGatheredAndTheirFacesAreWhite) {
+  const TemporaryFolder folder;
+  const std::string path = folder.write("q.obj", quad_obj);
+  folder.write("q.mtl", "newmtl skin\nmap_Kd none.png\n");
+  std::vector<std::string> bad;
+  const Mesh mesh = read_mesh(path, std::nullopt, &bad);
+  ASSERT_EQ(bad.size(), 1U);
+  EXPECT_NE(bad[0].find("none.png: cannot read the texture"), std::string::npos);
+  EXPECT_TRUE(mesh.textures.empty());
+  for (const Face& face : mesh.faces) EXPECT_EQ(face.texture, -1);
+}
+
 TEST(Mesh, TextureWithoutCoordinatesIsRefused) {
   const TemporaryFolder folder;
   write_png(folder.path("t.png"), 4, 2, 3, checker);

@@ -51,6 +51,9 @@ void expect_same(const Scene& a, const Scene& b) {
     EXPECT_EQ(a.textures[i].width, b.textures[i].width);
     EXPECT_EQ(a.textures[i].height, b.textures[i].height);
     EXPECT_EQ(a.textures[i].rgba, b.textures[i].rgba);
+    EXPECT_EQ(a.textures[i].format, b.textures[i].format);
+    EXPECT_EQ(a.textures[i].raw, b.textures[i].raw);
+    EXPECT_EQ(a.textures[i].table, b.textures[i].table);
   }
   ASSERT_EQ(a.triangles.size(), b.triangles.size());
   for (std::size_t i = 0; i < a.triangles.size(); ++i) {
@@ -123,7 +126,7 @@ struct Refusal {
 
 TEST(TriStream, RefusesBadHeaders) {
   const Refusal cases[] = {
-      {"\"bitspan\": 1", "\"bitspan\": 2", "x.tri:1: bitspan: 2 is not legal; expected a whole number 1..1"},
+      {"\"bitspan\": 1", "\"bitspan\": 3", "x.tri:1: bitspan: 3 is not legal; expected a whole number 1..2"},
       {"\"bitspan\": 1, ", "", "x.tri:1: bitspan: no header"},
       {"\"width\": 64, ", "", "x.tri:1: width: key is missing"},
       {"\"height\": 48, ", "", "x.tri:1: height: key is missing"},
@@ -284,6 +287,105 @@ TEST(TriStream, RoundTripsEveryBit) {
   write_tri(second, read_tri(folder.path("demo.tri")));
   EXPECT_EQ(first.str(), second.str());
   EXPECT_NE(first.str().find("\"color_max\":1"), std::string::npos);
+}
+
+// Version 2: a texture of each format, among images.
+TEST(TriStream, RoundTripsTexelFormats) {
+  const TemporaryFolder folder;
+  Scene scene = demo_scene(64, 48);
+  const Texture image = scene.textures[0];
+  for (std::size_t f = 1; f < enum_names<TexelFormat>.size(); ++f) {
+    const auto format = static_cast<TexelFormat>(f);
+    Texture t;
+    t.name = "t";
+    t.format = format;
+    t.width = 5;
+    t.height = static_cast<int>(f);
+    for (std::size_t k = 0; k < raw_size(format, 5, t.height); ++k) {
+      t.raw.push_back(static_cast<std::uint8_t>(k * 31 + f));
+    }
+    for (int k = 0; k < texel_layout(format).table_size; ++k) {
+      t.table.push_back(static_cast<std::int16_t>(k < 28 ? k * 7 % 256 : k * 5 % 256));
+    }
+    if (texel_layout(format).table_size == yiq_table_size) t.table[20] = -256;
+    scene.textures.push_back(t);
+  }
+  scene.textures.push_back(image);
+  write_tri_file(folder.path("f.tri"), scene);
+  EXPECT_TRUE(folder.read("f.tri").starts_with("{\"bitspan\":2,"));
+  const Scene back = read_tri(folder.path("f.tri"));
+  expect_same(scene, back);
+  write_tri_file(folder.path("f.tri"), back);
+  expect_same(scene, read_tri(folder.path("f.tri")));
+}
+
+std::string header2(const std::string& textures) {
+  return replaced(replaced(header, "\"bitspan\": 1", "\"bitspan\": 2"), "}",
+                  ", \"textures\": [" + textures + "]}");
+}
+
+TEST(TriStream, ReadsImagesInAFormatAndRawTexels) {
+  const TemporaryFolder folder;
+  write_png(folder.path("t.png"), 2, 1, 4, std::vector<std::uint8_t>{255, 0, 255, 0, 8, 130, 66, 255});
+  folder.write("t.bin", std::string("\x01\x02\x03\x04", 4));
+  std::string palette(1024, '\x07');
+  folder.write("p.bin", palette);
+  const auto read = [&](const std::string& textures) {
+    return read_tri(folder.write("a.tri", header2(textures) + triangle)).textures.at(0);
+  };
+  Texture t = read(R"({"file": "t.png", "format": "rgb565"})");
+  EXPECT_EQ(t.name, "t.png");
+  EXPECT_EQ(t.format, TexelFormat::rgb565);
+  EXPECT_EQ(t.raw, (std::vector<std::uint8_t>{0x1f, 0xf8, 0x08, 0x0c}));  // 31, 0, 31; 1, 32, 8
+  t = read(R"({"raw": "t.bin", "format": "ai88", "width": 1, "height": 2})");
+  EXPECT_EQ(t.name, "t.bin");
+  EXPECT_EQ(t.raw, (std::vector<std::uint8_t>{1, 2, 3, 4}));
+  EXPECT_EQ(t.height, 2);
+  t = read(R"({"raw": "t.bin", "format": "rgba8888", "width": 1, "height": 1})");
+  EXPECT_EQ(t.rgba, (std::vector<std::uint8_t>{1, 2, 3, 4}));
+  EXPECT_TRUE(t.raw.empty());
+  t = read(R"({"raw": "t.bin", "format": "p8", "width": 4, "height": 1, "palette": "p.bin"})");
+  EXPECT_EQ(t.table, std::vector<std::int16_t>(1024, 7));
+  t = read(R"({"raw": "t.bin", "format": "p8", "width": 4, "height": 1, "palette": [[1,2,3,4],[5,6,7,8]]})");
+  ASSERT_EQ(t.table.size(), 1024U);
+  EXPECT_EQ(t.table[6], 7);
+  EXPECT_EQ(t.table[8], 0);
+  EXPECT_EQ(read("\"t.png\"").rgba.size(), 8U);
+}
+
+TEST(TriStream, RefusesBadTexelFormats) {
+  const TemporaryFolder folder;
+  write_png(folder.path("t.png"), 1, 1, 4, std::vector<std::uint8_t>{1, 2, 3, 4});
+  folder.write("t.bin", "1234");
+  const auto refused = [&](const std::string& textures, const std::string& part, bool second = true) {
+    const std::string head = header2(textures);
+    const std::string text = second ? head : replaced(head, "\"bitspan\": 2", "\"bitspan\": 1");
+    const std::string path = folder.write("a.tri", text + triangle);
+    const std::string message = input_error([&] { read_tri(path); });
+    EXPECT_NE(message.find("a.tri:1: " + part), std::string::npos) << message;
+  };
+  refused(R"({"file": "t.png", "format": "rgb565"})",
+          "textures[0]: {\"file\":\"t.png\",\"format\":\"rgb565\"} is not", false);
+  refused(R"({"file": "t.png", "format": "rgb556"})",
+          "textures[0].format: \"rgb556\" is not legal; expected one of rgba8888,");
+  refused(R"({"file": "t.png"})", "format: key is missing");
+  refused(R"({"format": "i8"})", "file: key is missing");
+  refused(R"({"file": "n.png", "format": "i8"})", "textures[0]: ");
+  refused(R"({"file": "t.png", "format": "i8", "width": 3})", "textures[0].\"width\": unknown key");
+  refused(R"({"file": "t.png", "format": "i8", "palette": "p.bin"})",
+          "textures[0].palette: the format i8 has none");
+  refused(R"({"file": "t.png", "format": "yiq422"})", "textures[0]: ");
+  refused(R"({"raw": "t.bin", "format": "i8", "width": 3, "height": 1})", "textures[0].raw: ");
+  refused(R"({"raw": "t.bin", "format": "dxt1", "width": 1, "height": 1})", "textures[0].raw: ");
+  refused(R"({"raw": "t.bin", "format": "i8", "width": 16385, "height": 1})", "width: 16385 is not legal");
+  refused(R"({"raw": "t.bin", "format": "p8", "width": 4, "height": 1})",
+          "textures[0].palette: key is missing");
+  refused(R"({"raw": "t.bin", "format": "p8", "width": 4, "height": 1, "palette": "t.bin"})",
+          "textures[0].palette: ");
+  refused(R"({"raw": "t.bin", "format": "p8", "width": 4, "height": 1, "palette": [[1, 2, 3, 256]]})",
+          "textures[0].palette[0]: 256 is not legal");
+  refused(R"({"raw": "t.bin", "format": "yiq422", "width": 4, "height": 1, "yiq": {"y": [1]}})",
+          "textures[0].yiq.y[0]: has 1 elements");
 }
 
 TEST(TriStream, RoundTripsExtremeNumbers) {

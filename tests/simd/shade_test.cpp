@@ -355,11 +355,13 @@ TEST(Shade, ShippedConfigurationsEqualTheScalarStages) {
   std::uint64_t seed = 1;
   for (const Config& base : bases()) {
     for (const TextureFilter filter : {TextureFilter::nearest, TextureFilter::bilinear}) {
-      for (const TextureWrap wrap : {TextureWrap::cyclic, TextureWrap::clamp}) {
+      for (const TextureWrap wrap :
+           {TextureWrap::cyclic, TextureWrap::clamp, TextureWrap::mirror, TextureWrap::border}) {
         for (const FogMode fog : {FogMode::none, FogMode::table, FogMode::linear}) {
           Config config = base;
           config.filter = filter;
           config.wrap = wrap;
+          config.border = {90, 160, 30, static_cast<std::uint8_t>(seed % 2 == 0 ? 255 : 120)};
           config.fog = fog;
           check_config(config, "test");
           check_config_blocks(config, ++seed, tally);

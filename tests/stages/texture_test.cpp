@@ -79,6 +79,57 @@ TEST(Texture, NearestCyclicAndClamped) {
   EXPECT_EQ(clamped(99, 0, &image).i, 3);
 }
 
+TEST(Texture, MirrorTurnsEverySecondCopyRound) {
+  const Texture image = small_image();
+  Config c = plain_config();
+  c.wrap = TextureWrap::mirror;
+  const Lookup mirror(c);
+  // Columns -9 .. 12 by hand, of a texture that is 4 wide.
+  const std::array<int, 22> columns{0, 0, 1, 2, 3, 3, 2, 1, 0, 0, 1, 2, 3, 3, 2, 1, 0, 0, 1, 2, 3, 3};
+  for (int i = -9; i <= 12; ++i) {
+    EXPECT_EQ(mirror(i + 0.5, 0.5, &image).i, columns[static_cast<std::size_t>(i + 9)]) << i;
+  }
+  EXPECT_EQ(mirror(0.5, -0.5, &image).j, 0);
+  EXPECT_EQ(mirror(0.5, -1.5, &image).j, 1);
+  EXPECT_EQ(mirror(0.5, 2.5, &image).j, 1);
+  // Both neighbours of an edge are the edge's own texel.
+  c.filter = TextureFilter::bilinear;
+  const Lookup smooth(c);
+  EXPECT_EQ(smooth.red(smooth(0.0, 0.5, &image)), 0);
+  EXPECT_EQ(smooth.red(smooth(4.25, 0.5, &image)), 30);
+  // In the copy that is turned round: from texel 3 towards texel 2.
+  EXPECT_EQ(smooth.red(smooth(4.75, 0.5, &image)), 27.5);
+  EXPECT_EQ(smooth(4.75, 0.5, &image).i, 3);
+}
+
+TEST(Texture, BorderIsARingOfTexels) {
+  const Texture image = small_image();
+  Config c = plain_config();
+  c.wrap = TextureWrap::border;
+  c.border = {200, 40, 60, 51};
+  const Lookup nearest(c);
+  const TextureRecord left = nearest(-7.5, 0.5, &image);
+  EXPECT_EQ(nearest.red(left), 200);
+  EXPECT_EQ(decoded(left.texel_a, c.format(FormatId::texture_alpha)), 205.0 / 1024);  // 0.2, to 1/1024
+  EXPECT_EQ(left.i, -1);
+  EXPECT_EQ(left.j, 0);
+  EXPECT_EQ(nearest(99, 99, &image).i, 4);
+  EXPECT_EQ(nearest(99, 99, &image).j, 2);
+  EXPECT_EQ(nearest.red(nearest(3.5, 1.5, &image)), 31);
+  EXPECT_EQ(nearest.red(nearest(3.5, 2.0, &image)), 200);
+  c.filter = TextureFilter::bilinear;
+  const Lookup smooth(c);
+  EXPECT_EQ(smooth.red(smooth(0.25, 0.5, &image)), 200 * 0.25);
+  EXPECT_EQ(smooth.red(smooth(3.75, 0.5, &image)), 30 * 0.75 + 200 * 0.25);
+  EXPECT_EQ(smooth.red(smooth(3.5, 1.75, &image)), 31 * 0.75 + 200 * 0.25);
+  EXPECT_EQ(smooth.red(smooth(-0.5, 0.5, &image)), 200);
+  EXPECT_EQ(smooth.red(smooth(-40.25, 0.5, &image)), 200);
+  // A border of the reserved colour kills where it is nearest.
+  c.transparent = {200, 40, 60};
+  EXPECT_EQ(Lookup(c)(-0.25, 0.5, &image).killed, 1);
+  EXPECT_EQ(Lookup(c).red(Lookup(c)(0.25, 0.5, &image)), 0);
+}
+
 TEST(Texture, BilinearMeetsTexelsAtTheirCentres) {
   const Texture image = small_image();
   Config c = plain_config();

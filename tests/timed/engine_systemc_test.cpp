@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 
 #include "config/config.hpp"
@@ -15,6 +16,7 @@
 #include "model/timed/stage_timings.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
+#include "scene/texels.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/same_frame.hpp"
 #include "tests/support/test_config.hpp"
@@ -384,6 +386,62 @@ TEST(EngineSystemc, TheCacheSeesEachTexelAccess) {
   EXPECT_LE(large.cache_misses, lines);
   EXPECT_GT(small.cache_misses, large.cache_misses);
   EXPECT_GE(small.memory.reads, small.cache_misses);
+}
+
+// The cache holds all: each line that a texel of the model's records lies in misses once.
+TEST(EngineSystemc, TexelsOfFewerBytesTakeFewerLines) {
+  Config config = shipped_config("depth16");
+  config.memory.cache_sets = 4096;
+  config.filter = TextureFilter::nearest;
+  config.wrap = TextureWrap::mirror;
+  Scene scene = small_scene(3, 30);
+  Texture image{.name = "image", .width = 64, .height = 64, .rgba = {}};
+  for (std::size_t k = 0; k < std::size_t{64} * 64 * 4; ++k) {
+    image.rgba.push_back(k % 4 == 3 ? 255 : static_cast<std::uint8_t>(k * k / 64));
+  }
+  for (Triangle& t : scene.triangles) {
+    t.texture = 0;
+    for (Vertex& v : t.v) {
+      v.u = v.x;
+      v.v = v.y;
+    }
+  }
+  const auto misses = [&](TexelFormat format) {
+    scene.textures = {converted(image, format, {})};
+    const auto engine = make_systemc(config);
+    engine->begin(scene);
+    engine->draw(scene.triangles, 0, nullptr);
+    const TimedReport report = engine->report();
+    EXPECT_EQ(report.cache_hits + report.cache_misses, engine->counters().depth_passed);
+    Trace trace;
+    const auto model = make_model(config);
+    model->begin(scene);
+    model->draw(scene.triangles, 0, &trace);
+    std::set<std::size_t> lines;
+    for (const TextureRecord& r : trace.texture) {
+      lines.insert(block_at(format, 64, r.i, r.j) / static_cast<std::size_t>(config.memory.cache_line_bytes));
+    }
+    EXPECT_EQ(report.cache_misses, lines.size()) << to_string(format);
+    return report.cache_misses;
+  };
+  const std::uint64_t plain = misses(TexelFormat::rgba8888);
+  const std::uint64_t words = misses(TexelFormat::rgb565);
+  const std::uint64_t bytes = misses(TexelFormat::i8);
+  EXPECT_GT(plain, words + words / 3);
+  EXPECT_GT(words, bytes + bytes / 3);
+  EXPECT_EQ(misses(TexelFormat::uyvy), words);
+  EXPECT_GT(bytes, misses(TexelFormat::dxt1) + misses(TexelFormat::dxt1) / 3);
+  // Outside of the texture nothing is read.
+  scene.textures = {image};
+  for (Triangle& t : scene.triangles) {
+    for (Vertex& v : t.v) v.u = -5;
+  }
+  config.wrap = TextureWrap::border;
+  const auto engine = make_systemc(config);
+  engine->begin(scene);
+  engine->draw(scene.triangles, 0, nullptr);
+  EXPECT_GT(engine->counters().depth_passed, 100U);
+  EXPECT_EQ(engine->report().cache_hits + engine->report().cache_misses, 0U);
 }
 
 TEST(EngineSystemc, WritesAWaveformOfEveryStage) {

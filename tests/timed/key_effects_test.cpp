@@ -140,6 +140,8 @@ std::vector<Config> changed(const Config& base, const Key& key) {
   } else if (std::holds_alternative<Color*>(at)) {
     add(std::string("none"));
     add(std::string("[255, 0, 255]"));
+  } else if (std::holds_alternative<Rgba*>(at)) {
+    add(std::string("[255, 90, 10, 200]"));
   } else {
     const int value = **std::get_if<int*>(&at);
     for (const int v : {value - 8, value - 4, value - 1, value + 1, value / 2, value * 2, 1, 2, 4, 300}) {
@@ -209,6 +211,8 @@ const std::vector<Directed>& directed() {
         {"reciprocal.pixel.output.int", integer(-14)}}},
       // A code without most of its offset.
       {"depth.overflow", {{"formats.depth.c0.word", integer(6)}, {"formats.depth.c0.int", integer(2)}}},
+      // Texels outside.
+      {"texture.border", {{"texture.wrap", std::string("border")}}},
       // Colours from 128 on become negative.
       {"formats.merge.color.overflow",
        {{"formats.fog.color.signed", true}, {"formats.fog.color.overflow", std::string("SC_WRAP")}}},

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the bits of a texel stand for, in integers. docs/numeric-spec.md, "texel formats".
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "scene/scene.hpp"
+
+namespace bitspan::model {
+
+using TexelCodes = std::array<std::uint8_t, 4>;  // red, green, blue, alpha
+
+// The texel in column i and row j of a block; table: the format's, as in Texture.
+TexelCodes decode(TexelFormat format, const std::uint8_t* block, int i, int j,
+                  std::span<const std::int16_t> table);
+
+// The texel (i, j) of a texture, which has it.
+inline TexelCodes texel_of(const Texture& texture, std::int64_t i, std::int64_t j) {
+  if (texture.format == TexelFormat::rgba8888) {
+    const std::uint8_t* p = texture.rgba.data() + 4 * (j * texture.width + i);
+    return {p[0], p[1], p[2], p[3]};
+  }
+  const TexelLayout layout = texel_layout(texture.format);
+  return decode(texture.format, texture.raw.data() + block_at(texture.format, texture.width, i, j),
+                static_cast<int>(i % layout.block_width), static_cast<int>(j % layout.block_height),
+                texture.table);
+}
+
+}  // namespace bitspan::model
