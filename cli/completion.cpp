@@ -32,7 +32,7 @@ std::string values_of(const CLI::Option& option) {
     return words.append(files);
   }
   if (name == "engine" || name == "engines") return fmt::format("{}", fmt::join(engine_names(), " "));
-  if (name == "scene" || name == "study") return fmt::format("demo extreme {}", files);
+  if (name == "scene" || name == "study") return fmt::format("demo floor extreme {}", files);
   // A choice: "TEXT:{cycle,span}".
   const std::string type = option.get_type_name();
   const std::size_t open = type.find('{');

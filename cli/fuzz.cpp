@@ -19,6 +19,7 @@
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/verdict.hpp"
+#include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 #include "config/store.hpp"
 #include "engine/range.hpp"
@@ -183,7 +184,7 @@ Scene shrink(const Engines& engines, const Config& config, Scene scene, const Ru
 }
 
 // A scene of case `index`; `gentleness` grows where the ones before were refused or covered no pixel.
-Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness) {
+Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness, bool mip_chains) {
   Random random(derived_seed(seed, index, 2));
   RandomOptions options;
   options.width = static_cast<int>(random.integer(1, 400));
@@ -192,6 +193,7 @@ Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness) {
   options.size_max = random.log_uniform(4, 2000);
   options.depth_ratio_max = std::max(1.5, 1000 / std::pow(3.0, gentleness));
   options.uv_limit = std::max(4.0, 1024 / std::pow(2.0, gentleness));
+  options.mip_chains = mip_chains;
   Scene scene = random_scene(derived_seed(seed, index, 3 + static_cast<std::uint64_t>(gentleness)), options);
   scene.name = fmt::format("fuzz seed {} case {}", seed, index);
   return scene;
@@ -331,7 +333,7 @@ class Fuzzer {
     take_config(index / o_.streams_per_config);
     bool taken = false;
     for (int draw = 0; draw < draws_per_case; ++draw) {
-      const Scene scene = case_scene(o_.seed, index, draw);
+      const Scene scene = case_scene(o_.seed, index, draw, has_lod(config_));
       if (!refusal(engines_, config_, scene).empty()) continue;
       taken = true;
       const RunLabel label{scene.name, reproduce(o_, index)};

@@ -2,8 +2,8 @@
 // The truth that errors are measured from; docs/numeric-spec.md, "ideal". It is a closed form at each point,
 // not incremental. Only the vertices' positions are quantised, since they are the hardware's input.
 //
-// The configuration decides only the snap (raster), the fill rule, the depth code, the texture's filter, wrap
-// and transparent colour, and the fog's mode. Perspective is always correct, whatever mode the hardware has.
+// The configuration decides only the snap (raster), the fill rule, the depth code, the texture's filter, wrap,
+// mip chain and transparent colour, the level of detail, and the fog's mode. Perspective is always correct, whatever mode the hardware has.
 // The values are computed in long double (64 significant bits) from exact integer areas, and delivered as
 // double.
 #pragma once

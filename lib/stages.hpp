@@ -28,6 +28,8 @@ inline constexpr std::array stage_types = [] {
   types[BS_STAGE_TEXTURE] = texture;
   types[BS_STAGE_FOG] = fog;
   types[BS_STAGE_MERGE] = merge;
+  types[BS_STAGE_SETUP_GRADIENT] = gradient;
+  types[BS_STAGE_LOD] = lod;
   return types;
 }();
 static_assert(std::ranges::all_of(stage_table,

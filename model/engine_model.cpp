@@ -44,8 +44,8 @@ struct Run {
         model::span_to_fragments(pipeline, span, model::geometry_of(rows, i), fragments, counters, watch);
         deliver(trace, span);
         deliver_all(trace, fragments);
-        model::fragments_to_frame(pipeline, fragments, model::texture_of(*scene, triangle.texture), frame,
-                                  counters, trace, watch);
+        model::fragments_to_frame(pipeline, fragments, model::texture_of(*scene, triangle.texture),
+                                  model::gradient_of(rows, index), frame, counters, trace, watch);
       }
       ++index;
     }

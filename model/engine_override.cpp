@@ -49,6 +49,7 @@ class OverriddenModel final : public Engine, public RowEngine {
   void draw_row(const AnyRow& any, std::size_t /*plane_row*/, int texture, Trace* trace) override {
     trace_ = trace;
     texture_ = model::texture_of(*scene_, texture);
+    model::check_draws_rows(pipeline_);
     deliver_constants();
     ++counters_.rows;
     if (pipeline_.const_depth_rows) --counters_.divides_saved;
@@ -91,6 +92,11 @@ class OverriddenModel final : public Engine, public RowEngine {
       return;
     }
     finish(pipeline_.constants.record, vertices);
+    if (pipeline_.has_gradients) {
+      gradient_ = model::setup_gradients(pipeline_.plane_walk, vertices);
+      finish(vertices, gradient_);
+      if (!pipeline_.const_depth_rows) counters_.divides_edge += model::divides_per_gradients;
+    }
     if (pipeline_.const_depth_rows) {
       draw_planes(vertices);
     } else {
@@ -166,7 +172,12 @@ class OverriddenModel final : public Engine, public RowEngine {
     if (z.pass == 0) return;
     ++counters_.depth_passed;
     TextureRecord texel;
-    model::texture(pipeline_.texture, texture_, fragment, texel);
+    LodRecord level;
+    if (pipeline_.has_lod) {
+      model::fragment_lod(pipeline_, fragment, texture_, &gradient_, level, nullptr);
+      finish(fragment, level);
+    }
+    model::fragment_texture(pipeline_, fragment, texture_, level, texel);
     finish(fragment, texel);
     if (texel.killed == 1) {
       ++counters_.killed;
@@ -194,6 +205,7 @@ class OverriddenModel final : public Engine, public RowEngine {
   // Of the draw under way.
   Trace* trace_ = nullptr;
   const Texture* texture_ = nullptr;
+  GradientRecord gradient_;  // of the triangle under way
   // Reused from triangle to triangle.
   model::PlaneWalkState walk_;
   std::vector<PlaneRowRecord> plane_rows_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/pipeline.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <string>
@@ -46,6 +47,12 @@ Pipeline make_pipeline(const Config& config, const Scene& scene, Watch watch) {
   p.span_setup = prepare_span_setup(config, p.constants);
   p.span = prepare_span(config, p.constants);
   p.depth = prepare_depth(config, p.constants);
+  p.has_lod = has_lod(config);
+  p.has_gradients = has_lod_gradients(config);
+  if (p.has_lod) {
+    p.lod = prepare_lod(config, p.constants, watch);
+    p.mip_chains = MipChains(config, scene);
+  }
   p.texture = prepare_texture(config);
   p.fog = prepare_fog(config, p.constants, scene, watch);
   p.merge = prepare_merge(config);
@@ -87,6 +94,7 @@ void Rows::clear() {
   plane_rows.clear();
   planes.clear();
   plane_of.clear();
+  gradients.clear();
 }
 
 template <class Watch>
@@ -99,6 +107,11 @@ bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::i
     return false;
   }
   deliver(trace, vertices);
+  if (pipeline.has_gradients) {
+    out.gradients.push_back(setup_gradients(pipeline.plane_walk, vertices, watch));
+    deliver(trace, out.gradients.back());
+    if (!pipeline.const_depth_rows) counters.divides_edge += divides_per_gradients;
+  }
   if (pipeline.const_depth_rows) {
     start_plane_walk(pipeline.plane_walk, vertices, walk, watch);
     deliver(trace, walk.record);
@@ -145,6 +158,11 @@ SpanRecord row_to_span(const Pipeline& pipeline, const Rows& rows, std::size_t i
   return span;
 }
 
+const GradientRecord* gradient_of(const Rows& rows, std::int64_t triangle) {
+  const auto found = std::ranges::lower_bound(rows.gradients, triangle, {}, &GradientRecord::triangle);
+  return found == rows.gradients.end() || found->triangle != triangle ? nullptr : &*found;
+}
+
 const PlaneGeometry* geometry_of(const Rows& rows, std::size_t i) {
   return rows.plane_of.empty() ? nullptr : &rows.planes[static_cast<std::size_t>(rows.plane_of[i])];
 }
@@ -169,10 +187,35 @@ void span_to_fragments(const Pipeline& pipeline, const SpanRecord& span, const P
 }
 
 template <class Watch>
+void fragment_lod(const Pipeline& pipeline, const FragmentRecord& fragment, const Texture* texture,
+                  const GradientRecord* gradient, LodRecord& out, Trace* trace, Watch watch) {
+  if (!pipeline.has_lod) return;
+  const MipChain* chain = pipeline.mip_chains.of(texture);
+  lod(pipeline.lod, fragment, gradient, chain == nullptr ? 1 : static_cast<int>(chain->size()), out, watch);
+  deliver(trace, out);
+}
+
+template <class Watch>
+bool fragment_texture(const Pipeline& pipeline, const FragmentRecord& fragment, const Texture* image,
+                      const LodRecord& lod, TextureRecord& out, Watch watch) {
+  return pipeline.has_lod
+             ? texture(pipeline.texture, pipeline.mip_chains.of(image), fragment, lod, out, watch)
+             : texture(pipeline.texture, image, fragment, out, watch);
+}
+
+void check_draws_rows(const Pipeline& pipeline) {
+  if (!pipeline.has_gradients) return;
+  throw InputError(
+      "lod.mode = gradient takes gradients of a whole triangle, and a row has none; legal: draw triangles, or "
+      "lod.mode none, zone_s");
+}
+
+template <class Watch>
 void fragments_to_frame(const Pipeline& pipeline, std::span<const FragmentRecord> fragments,
-                        const Texture* texture_image, Frame& frame, Counters& counters, Trace* trace,
-                        Watch watch) {
+                        const Texture* texture_image, const GradientRecord* gradient, Frame& frame,
+                        Counters& counters, Trace* trace, Watch watch) {
   DepthRecord z;
+  LodRecord level;
   TextureRecord texel;
   FogRecord fogged;
   MergeRecord merged;
@@ -188,7 +231,8 @@ void fragments_to_frame(const Pipeline& pipeline, std::span<const FragmentRecord
       continue;
     }
     ++counters.depth_passed;
-    const bool lives = texture(pipeline.texture, texture_image, fragment, texel, watch);
+    fragment_lod(pipeline, fragment, texture_image, gradient, level, trace, watch);
+    const bool lives = fragment_texture(pipeline, fragment, texture_image, level, texel, watch);
     deliver(trace, texel);
     if (!lives) {
       ++counters.killed;
@@ -206,6 +250,7 @@ void fragments_to_frame(const Pipeline& pipeline, std::span<const FragmentRecord
 
 void row_to_frame(const Pipeline& pipeline, const AnyRow& any, const PlaneGeometry* geometry,
                   const Texture* texture_image, Frame& frame, Counters& counters, Trace* trace) {
+  check_draws_rows(pipeline);
   ++counters.rows;
   if (pipeline.const_depth_rows) --counters.divides_saved;
   SpanRecord span;
@@ -224,7 +269,7 @@ void row_to_frame(const Pipeline& pipeline, const AnyRow& any, const PlaneGeomet
   std::vector<FragmentRecord> fragments;
   span_to_fragments(pipeline, span, geometry, fragments, counters);
   deliver_all(trace, fragments);
-  fragments_to_frame(pipeline, fragments, texture_image, frame, counters, trace);
+  fragments_to_frame(pipeline, fragments, texture_image, nullptr, frame, counters, trace);
 }
 
 std::vector<PlaneRowRecord> plane_rows(const Pipeline& pipeline, const SetupRecord& vertices,
@@ -265,9 +310,13 @@ template void span_to_fragments(const Pipeline&, const SpanRecord&, const PlaneG
                                 std::vector<FragmentRecord>&, Counters&, NoObserve);
 template void span_to_fragments(const Pipeline&, const SpanRecord&, const PlaneGeometry*,
                                 std::vector<FragmentRecord>&, Counters&, Observe);
-template void fragments_to_frame(const Pipeline&, std::span<const FragmentRecord>, const Texture*, Frame&,
-                                 Counters&, Trace*, NoObserve);
-template void fragments_to_frame(const Pipeline&, std::span<const FragmentRecord>, const Texture*, Frame&,
-                                 Counters&, Trace*, Observe);
+template void fragment_lod(const Pipeline&, const FragmentRecord&, const Texture*, const GradientRecord*,
+                           LodRecord&, Trace*, NoObserve);
+template bool fragment_texture(const Pipeline&, const FragmentRecord&, const Texture*, const LodRecord&,
+                               TextureRecord&, NoObserve);
+template void fragments_to_frame(const Pipeline&, std::span<const FragmentRecord>, const Texture*,
+                                 const GradientRecord*, Frame&, Counters&, Trace*, NoObserve);
+template void fragments_to_frame(const Pipeline&, std::span<const FragmentRecord>, const Texture*,
+                                 const GradientRecord*, Frame&, Counters&, Trace*, Observe);
 
 }  // namespace bitspan::model

@@ -39,7 +39,7 @@ extern "C" {
 #endif
 
 /* Grows with every addition to this file; bs_abi_version() tells the library's. */
-#define BS_ABI_VERSION 1
+#define BS_ABI_VERSION 2
 
 typedef int32_t bs_status;
 enum {
@@ -68,7 +68,9 @@ enum {
   BS_STAGE_DEPTH = 8,          /* per covered pixel */
   BS_STAGE_TEXTURE = 9,        /* per pixel that passed the depth test */
   BS_STAGE_FOG = 10,           /* per pixel that the texture did not kill */
-  BS_STAGE_MERGE = 11          /* per pixel written */
+  BS_STAGE_MERGE = 11,         /* per pixel written */
+  BS_STAGE_SETUP_GRADIENT = 12, /* per triangle that has an area; lod.mode = gradient */
+  BS_STAGE_LOD = 13            /* per pixel that passed the depth test; texture.mip other than none */
 };
 
 /* The planes of a picture: `height` rows of `width` elements, from the top. */

@@ -12,6 +12,7 @@
 
 #include "config/check.hpp"
 #include "config/keys.hpp"
+#include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 #include "engine/emit_sv.hpp"
 #include "golden/ideal.hpp"
@@ -32,6 +33,7 @@ Scene small_scene() {
   options.depth_ratio_max = 50;
   options.uv_limit = 60;
   options.fog_probability = 1;
+  options.mip_chains = true;
   Scene scene = random_scene(4, options);
   for (Triangle& t : scene.triangles) t.texture = 0;
   // Edges through pixel centres, of which the fill rule decides.
@@ -181,6 +183,20 @@ std::vector<Config> bases() {
         unit->bits_per_cycle = 2;
       }
       for (Format& f : c.formats) f.overflow_expected = true;
+      switch (kind) {  // levels by the kind, so that the other kinds keep lanes and the RTL
+        case ReciprocalKind::restoring:
+        case ReciprocalKind::lut_quadratic:
+          break;
+        case ReciprocalKind::lut_linear:
+          c.mip = MipMode::linear;
+          c.lod = LodMode::zone_s;
+          c.lod_first = 9000;
+          break;
+        case ReciprocalKind::lut_newton:
+          c.mip = MipMode::linear;
+          c.lod = has_linear_edges(c.perspective) ? LodMode::none : LodMode::gradient;
+          break;
+      }
       EXPECT_FALSE(first_violation(c).has_value()) << first_violation(c)->key << first_violation(c)->text;
       out.push_back(c);
     }
