@@ -240,9 +240,10 @@ Result first_violation(const Config& c) {
                          std::to_string(2 * c.rtl.product_digits)};
   }
   if (has_lod_gradients(c) && has_linear_edges(c.perspective)) {
-    return Violation{"lod.mode",
-                     "is gradient, and an affine texture has no gradients in perspective; legal: none, zone_s, or "
-                     "another perspective.mode"};
+    return Violation{
+        "lod.mode",
+        "is gradient, and an affine texture has no gradients in perspective; legal: none, zone_s, or "
+        "another perspective.mode"};
   }
   if (c.depth_overflow == Overflow::wrap_sm) {
     return Violation{

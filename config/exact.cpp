@@ -404,7 +404,8 @@ void lod(const Config& c, List& list, const Unit& pixel_unit) {
   const Grid bias{6, 4, true};
   const bool has_unit = has_pixel_reciprocal(c.perspective) || is_linear_in_distance(c.depth_code);
   const Grid level{6, 1, true};
-  list.value("lod", "lambda - level", {F::lod_lambda, F::lod_frac}, list.of(F::lod_lambda) - level, F::lod_frac);
+  list.value("lod", "lambda - level", {F::lod_lambda, F::lod_frac}, list.of(F::lod_lambda) - level,
+             F::lod_frac);
   switch (c.lod) {
     case LodMode::none:
       list.value("lod", "lambda = bias", {F::lod_lambda}, bias, F::lod_lambda);
@@ -426,9 +427,9 @@ void lod(const Config& c, List& list, const Unit& pixel_unit) {
     case LodMode::gradient: {
       if (!has_unit) list.unit(pixel_unit);
       list.product("lod", "u_x = (gu_x - u h_x) m 2^-e",
-                   {F::plane_g_grad, F::span_uv, F::plane_h_grad, F::span_h, F::setup_b, F::lod_slope}, nullptr,
-                   list.of(F::plane_g_grad) - list.of(F::span_uv) * list.of(F::plane_h_grad), pixel_unit,
-                   F::lod_slope);
+                   {F::plane_g_grad, F::span_uv, F::plane_h_grad, F::span_h, F::setup_b, F::lod_slope},
+                   nullptr, list.of(F::plane_g_grad) - list.of(F::span_uv) * list.of(F::plane_h_grad),
+                   pixel_unit, F::lod_slope);
       const Grid log{8, c.format(F::lod_slope).word, true};
       list.value("lod", "lambda = E + (rho 2^-E - 1) + bias", {F::lod_slope, F::lod_lambda}, log + bias,
                  F::lod_lambda);

@@ -304,7 +304,8 @@ constexpr KeyRow rows[] = {
      {1, 65536},
      "",
      ideal | values,
-     "zone_s: the distance of level 0 in 2^-16 of 2^E, where s_max is at most 2^E; each further level doubles "
+     "zone_s: the distance of level 0 in 2^-16 of 2^E, where s_max is at most 2^E; each further level "
+     "doubles "
      "it",
      {.presence = Presence::later, .used = reads_zones, .unused = Unused::initial}},
 

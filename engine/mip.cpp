@@ -16,9 +16,9 @@ void check_mip_textures(const Config& config, const Scene& scene) {
   for (const Texture& t : scene.textures) {
     if (legal(t.width) && legal(t.height)) continue;
     throw InputError("scene '" + scene.name + "': texture '" + t.name + "' has " + std::to_string(t.width) +
-                     "x" + std::to_string(t.height) + " texels, and texture.mip = " +
-                     std::string(to_string(config.mip)) + " needs sides that are powers of two, at most " +
-                     std::to_string(1 << max_mip_level));
+                     "x" + std::to_string(t.height) +
+                     " texels, and texture.mip = " + std::string(to_string(config.mip)) +
+                     " needs sides that are powers of two, at most " + std::to_string(1 << max_mip_level));
   }
 }
 

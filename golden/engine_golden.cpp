@@ -88,7 +88,8 @@ class GoldenEngine final : public Engine, public RowEngine {
   void draw_row(const AnyRow& any, std::size_t plane_row, int texture, Trace* trace) override {
     if (has_lod_gradients(config_)) {
       throw InputError(
-          "lod.mode = gradient takes gradients of a whole triangle, and a row has none; legal: draw triangles, "
+          "lod.mode = gradient takes gradients of a whole triangle, and a row has none; legal: draw "
+          "triangles, "
           "or lod.mode none, zone_s");
     }
     Trace& out = begin_batch(trace);
@@ -241,7 +242,8 @@ class GoldenEngine final : public Engine, public RowEngine {
     const std::size_t first_texture = out.texture.size();
     if (has_lod(config_)) {
       const std::vector<Texture>* levels =
-          texture == nullptr ? nullptr : &levels_[static_cast<std::size_t>(texture - scene_->textures.data())];
+          texture == nullptr ? nullptr
+                             : &levels_[static_cast<std::size_t>(texture - scene_->textures.data())];
       const std::size_t first_lod = out.lod.size();
       lod_(alive_, gradient_, levels == nullptr ? 1 : static_cast<int>(levels->size()), out.lod);
       mip_texture_(alive_, std::span<const LodRecord>(out.lod).subspan(first_lod), levels, out.texture);

@@ -250,6 +250,7 @@ double level_of_zone(const Config& config, const Scene& scene, double s, int lev
   return zone + std::max(s / std::ldexp(first, zone) - 1, 0.0);
 }
 
+// Before it is held in the chain.
 double level_of_detail(const Config& config, const Scene& scene, const IdealTriangle& t,
                        const IdealPoint& point, int levels) {
   double level = config.lod_bias / 16.0;
@@ -263,7 +264,7 @@ double level_of_detail(const Config& config, const Scene& scene, const IdealTria
       level += std::log2(std::max(largest_derivative(t, point), 0x1p-60));
       break;
   }
-  return std::clamp(level, 0.0, levels - 1.0);
+  return level;
 }
 
 // From the levels of a chain; gives false where the transparent code kills the fragment.
@@ -271,7 +272,8 @@ bool sample_levels(const Config& config, const std::vector<Texture>& levels, dou
                    Texel& out) {
   const auto sample = [&](double whole, Texel& to) {
     const int l = static_cast<int>(whole);
-    return Sampler(config, levels[static_cast<std::size_t>(l)]).sample(std::ldexp(u, -l), std::ldexp(v, -l), to);
+    return Sampler(config, levels[static_cast<std::size_t>(l)])
+        .sample(std::ldexp(u, -l), std::ldexp(v, -l), to);
   };
   if (!mixes_levels(config.mip)) return sample(std::floor(level + 0.5), out);
   const double whole = std::floor(level);
@@ -304,8 +306,10 @@ IdealFragment shade(const Config& config, const Scene& scene, const IdealTriangl
     const Texture& texture = scene.textures.at(static_cast<std::size_t>(t.texture));
     if (has_lod(config)) {
       const std::vector<Texture>& chain = levels == nullptr ? remembered_levels(texture) : *levels;
-      const double level = level_of_detail(config, scene, t, point, static_cast<int>(chain.size()));
-      out.killed = !sample_levels(config, chain, level, point.u, point.v, out.texel);
+      out.lambda = level_of_detail(config, scene, t, point, static_cast<int>(chain.size()));
+      const double last = static_cast<double>(chain.size()) - 1;
+      out.killed =
+          !sample_levels(config, chain, std::clamp(out.lambda, 0.0, last), point.u, point.v, out.texel);
     } else {
       out.killed = !Sampler(config, texture).sample(point.u, point.v, out.texel);
     }

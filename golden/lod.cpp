@@ -98,8 +98,8 @@ class Leveling {
     }
   }
 
-  void operator()(std::span<const FragmentRecord* const> fragments, const GradientRecord& gradient, int levels,
-                  std::vector<LodRecord>& out) const {
+  void operator()(std::span<const FragmentRecord* const> fragments, const GradientRecord& gradient,
+                  int levels, std::vector<LodRecord>& out) const {
     for (const FragmentRecord* fragment : fragments) {
       LodRecord& record = out.emplace_back();
       record.triangle = fragment->triangle;
@@ -120,7 +120,8 @@ class Leveling {
   }
 
  private:
-  Real level(const FragmentRecord& fragment, const GradientRecord& gradient, int levels, LodRecord& out) const {
+  Real level(const FragmentRecord& fragment, const GradientRecord& gradient, int levels,
+             LodRecord& out) const {
     switch (mode_) {
       case LodMode::none:
         return Real(0);
@@ -146,7 +147,8 @@ class Leveling {
     return inverse;
   }
 
-  Real level_by_gradient(const FragmentRecord& fragment, const GradientRecord& gradient, LodRecord& out) const {
+  Real level_by_gradient(const FragmentRecord& fragment, const GradientRecord& gradient,
+                         LodRecord& out) const {
     const Inverse<Real> inverse = invert(fragment, out);
     const auto derivative = [&](std::int64_t g, std::int64_t h, std::int64_t w) {
       return q_slope_.product(inverse.times(q_g_grad_.value(g) - q_uv_.value(w) * q_h_grad_.value(h)));

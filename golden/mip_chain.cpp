@@ -10,12 +10,15 @@ std::vector<Texture> mip_levels(const Texture& texture) {
   std::vector<Texture> levels{texture};
   for (int level = 1; texture.width >> level > 0 || texture.height >> level > 0; ++level) {
     const Texture& finer = levels.back();
-    Texture coarser{texture.name, std::max(texture.width >> level, 1), std::max(texture.height >> level, 1), {}};
-    coarser.rgba.resize(4 * static_cast<std::size_t>(coarser.width) * static_cast<std::size_t>(coarser.height));
+    Texture coarser{
+        texture.name, std::max(texture.width >> level, 1), std::max(texture.height >> level, 1), {}};
+    coarser.rgba.resize(4 * static_cast<std::size_t>(coarser.width) *
+                        static_cast<std::size_t>(coarser.height));
     const auto code = [&finer](int i, int j, int channel) {
       const int column = std::min(i, finer.width - 1);
       const int row = std::min(j, finer.height - 1);
-      return static_cast<double>(finer.rgba[static_cast<std::size_t>(4 * (row * finer.width + column) + channel)]);
+      return static_cast<double>(
+          finer.rgba[static_cast<std::size_t>(4 * (row * finer.width + column) + channel)]);
     };
     std::size_t at = 0;
     for (int j = 0; j < coarser.height; ++j) {

@@ -206,7 +206,8 @@ bool fragment_texture(const Pipeline& pipeline, const FragmentRecord& fragment, 
 void check_draws_rows(const Pipeline& pipeline) {
   if (!pipeline.has_gradients) return;
   throw InputError(
-      "lod.mode = gradient takes gradients of a whole triangle, and a row has none; legal: draw triangles, or "
+      "lod.mode = gradient takes gradients of a whole triangle, and a row has none; legal: draw triangles, "
+      "or "
       "lod.mode none, zone_s");
 }
 

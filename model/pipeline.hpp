@@ -64,8 +64,8 @@ void check_triangle(const Scene& scene, const Triangle& triangle, std::int64_t i
 struct Rows {
   std::vector<RowRecord> rows;
   std::vector<PlaneRowRecord> plane_rows;
-  std::vector<PlaneGeometry> planes;   // const_depth_rows: one per triangle that has an area
-  std::vector<std::int32_t> plane_of;  // index into planes, one a plane row
+  std::vector<PlaneGeometry> planes;      // const_depth_rows: one per triangle that has an area
+  std::vector<std::int32_t> plane_of;     // index into planes, one a plane row
   std::vector<GradientRecord> gradients;  // where lod takes them: one per triangle that has an area
   std::size_t size() const { return rows.size() + plane_rows.size(); }
   void clear();

@@ -157,8 +157,7 @@ std::vector<RegisterRule> make_rules() {
                            [](const Config& c) { return affine(c) || plane_rows(c); }),
       rule<F::span_shade_acc>("span", 4, kAlways, always),
       {"span", "phase", 1, kPlane, plane_rows, phase_word},
-      {"span", "reciprocal.pixel.output", 1, kPixelUnit,
-       pixel_unit, pixel_output},
+      {"span", "reciprocal.pixel.output", 1, kPixelUnit, pixel_unit, pixel_output},
       rule<F::span_uv>("span", 2, kAlways, always),
       rule<F::span_shade>("span", 4, kAlways, always),
 

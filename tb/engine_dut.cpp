@@ -172,7 +172,8 @@ class DutEngine final : public Engine {
       }
       from = ends[i];
       model::fragments_to_frame(pipeline_, row_fragments_, model::texture_of(*scene_, batch_.textures[i]),
-                                model::gradient_of(batch_.rows, spans_[i].triangle), frame_, counters_, trace);
+                                model::gradient_of(batch_.rows, spans_[i].triangle), frame_, counters_,
+                                trace);
     }
     // Records that no row asked for; no other engine has them.
     for (std::size_t i = expected; i < delivered; ++i) {

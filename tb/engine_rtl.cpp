@@ -112,9 +112,10 @@ class RtlEngine final : public Engine {
       }
       return;
     }
-    model::fragments_to_frame(pipeline_, fragments_, model::texture_of(*scene_, texture),
-                              fragments_.empty() ? nullptr : model::gradient_of(batch_.rows, fragments_.front().triangle),
-                              frame_, counters_, trace);
+    model::fragments_to_frame(
+        pipeline_, fragments_, model::texture_of(*scene_, texture),
+        fragments_.empty() ? nullptr : model::gradient_of(batch_.rows, fragments_.front().triangle), frame_,
+        counters_, trace);
   }
 
   struct LastSpan {

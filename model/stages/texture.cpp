@@ -51,8 +51,8 @@ bool texture_on_levels(const TextureStage& stage, const MipChain* chain, const F
     const auto coarser = at_level(lod.level + 1);
     for (std::size_t c = 0; c < channel_count; ++c) {
       const Register& r = c < 3 ? stage.mix : stage.alpha;
-      all.texel[c] = text::blend<Int>(all.texel[c], coarser.texel[c], lod.f, stage.share.fraction, r.fraction,
-                                      r, watch);
+      all.texel[c] =
+          text::blend<Int>(all.texel[c], coarser.texel[c], lod.f, stage.share.fraction, r.fraction, r, watch);
     }
   }
   text::colour<Int>(stage, shades_of(fragment), all, watch);

@@ -60,8 +60,8 @@ constexpr TextureStage prepare_texture(const Config& config) {
                  fits_int64(alpha * rest_of_level + alpha * level) &&
                  std::max(uv.word, uv.fraction() + max_mip_level) + 2 <= 63;
   }
-  s.fits_int64 = levels_fit && mixes(integer_grid(8)) && mixes(mix) && mixes(alpha) && fits_int64(mix * shade) &&
-                 fits_int64(alpha * shade) && fits_int64(below);
+  s.fits_int64 = levels_fit && mixes(integer_grid(8)) && mixes(mix) && mixes(alpha) &&
+                 fits_int64(mix * shade) && fits_int64(alpha * shade) && fits_int64(below);
   return s;
 }
 

@@ -9,7 +9,8 @@ namespace bitspan::timed {
 
 // The values of texture, for both modes; false where the fragment is killed.
 inline bool texture_values(Run& run, FragmentItem& item) {
-  const bool lives = model::fragment_texture(run.pipeline, item.fragment, run.image(item), item.lod, item.texel);
+  const bool lives =
+      model::fragment_texture(run.pipeline, item.fragment, run.image(item), item.lod, item.texel);
   deliver(run.trace, item.texel);
   if (!lives) ++run.counters.killed;
   return lives;

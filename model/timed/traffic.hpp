@@ -71,8 +71,8 @@ class TextureTraffic {
   int shift_ = -1;  // fraction_, where 64 bits are enough
   std::int64_t half_ = 0;
   Cache cache_;
-  std::vector<Image> images_;               // each texture, with a mip chain each of its levels
-  std::vector<std::size_t> first_of_;       // by texture
+  std::vector<Image> images_;          // each texture, with a mip chain each of its levels
+  std::vector<std::size_t> first_of_;  // by texture
 };
 
 // The least raw alpha that is 1 or more: a fragment with less is mixed.
