@@ -102,7 +102,8 @@ struct Format {
   X(span_shade, "span.shade", "1", "the fragment's colour and alpha factors")                           \
   X(depth_c1, "depth.c1", "1", "scale constant of the linear depth code H6")                            \
   X(depth_c0, "depth.c0", "1", "offset constant of the linear depth code H6")                           \
-  X(distance_a, "distance.a", "depth code", "constant A' of the distance", FormatId::setup_b)           \
+  X(distance_a, "distance.a", "depth code", "constant A' of the distance",                              \
+    Format{44, 24, false, Rounding::rnd, Overflow::sat, false})                                         \
   X(distance_s, "distance.s", "s / 2^E", "distance along the view axis of a fragment",                  \
     Format{24, 1, false, Rounding::rnd, Overflow::sat, false})                                          \
   X(lod_k, "lod.k", "2^E / s", "reciprocal of a zone's width",                                          \
