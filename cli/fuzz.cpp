@@ -20,6 +20,7 @@
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/verdict.hpp"
+#include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 #include "config/store.hpp"
 #include "engine/range.hpp"
@@ -56,8 +57,8 @@ std::uint64_t derived_seed(std::uint64_t seed, std::uint64_t index, std::uint64_
 }
 
 // A scene of case `index`; `gentleness` grows where the ones before were refused or covered no pixel.
-// late_tests: every engine has them.
-Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness, bool late_tests) {
+// late_tests: every engine has them. mip_chains: textures have sides that are powers of two.
+Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness, bool late_tests, bool mip_chains) {
   Random random(derived_seed(seed, index, 2));
   RandomOptions options;
   options.width = static_cast<int>(random.integer(1, 400));
@@ -69,6 +70,7 @@ Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness, bool l
   // A generator of its own, so that the triangles of a case stay what they are.
   if (Random(derived_seed(seed, index, 1U << 20)).chance(1.0 / 3)) options.command_probability = 0.125;
   options.late_tests = late_tests;
+  options.mip_chains = mip_chains;
   Scene scene = random_scene(derived_seed(seed, index, 3 + static_cast<std::uint64_t>(gentleness)), options);
   Random formats(derived_seed(seed, index, 100));
   draw_texel_formats(formats, scene, 0.3);
@@ -214,7 +216,7 @@ class Fuzzer {
     take_config(index / o_.streams_per_config);
     bool taken = false;
     for (int draw = 0; draw < draws_per_case; ++draw) {
-      const Scene scene = case_scene(o_.seed, index, draw, late_tests_);
+      const Scene scene = case_scene(o_.seed, index, draw, late_tests_, has_lod(config_));
       if (!refusal(engines_, config_, scene).empty()) continue;
       taken = true;
       const RunLabel label{scene.name, reproduce(o_, index)};

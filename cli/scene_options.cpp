@@ -192,6 +192,12 @@ std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions
     out.push_back({demo_scene(size.width, size.height), std::nullopt});
     return out;
   }
+  if (name == "floor") {
+    refuse_camera(name, options);
+    const Size size = picture_size(options.size);
+    out.push_back({floor_scene(size.width, size.height), std::nullopt});
+    return out;
+  }
   if (name == "extreme" || name.starts_with(extreme_prefix)) {
     refuse_camera(name, options);
     std::vector<Scene> all = extreme_scenes();

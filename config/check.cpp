@@ -152,6 +152,10 @@ Result check_formats(const Config& c) {
   if (frac.is_signed || frac.integer != 0) {
     return Violation{"formats.texture.frac", "is " + describe(frac) + "; legal: unsigned, int 0"};
   }
+  const Format& share = c.format(F::lod_frac);
+  if (share.is_signed || share.integer != 0) {
+    return Violation{"formats.lod.frac", "is " + describe(share) + "; legal: unsigned, int 0"};
+  }
   for (const F id : {F::texture_alpha, F::fog_factor}) {
     if (!holds_one(c.format(id))) {
       return Violation{"formats." + std::string(key_of(id)),
@@ -234,6 +238,12 @@ Result first_violation(const Config& c) {
                      "is " + std::to_string(c.rtl.pixel_clocks) + ", and u and v have one multiplier for " +
                          std::to_string(c.rtl.product_digits) + " clocks each; legal: 1, or at least " +
                          std::to_string(2 * c.rtl.product_digits)};
+  }
+  if (has_lod_gradients(c) && has_linear_edges(c.perspective)) {
+    return Violation{
+        "lod.mode",
+        "is gradient, and an affine texture has no gradients in perspective; legal: none, zone_s, or "
+        "another perspective.mode"};
   }
   if (c.depth_overflow == Overflow::wrap_sm) {
     return Violation{

@@ -35,6 +35,10 @@ BITSPAN_ENUM(DepthCode, inverse, linear, opengl);
 BITSPAN_ENUM(DepthFunc, never, less, equal, lequal, greater, notequal, gequal, always);
 BITSPAN_ENUM(TextureFilter, nearest, bilinear);
 BITSPAN_ENUM(TextureWrap, cyclic, clamp, mirror, border);
+// Levels of a texture's mip chain: the texture alone; the nearest level; the two nearest, mixed.
+BITSPAN_ENUM(MipMode, none, nearest, linear);
+// What a level is chosen by: the bias alone; zones of the distance s; the gradients of u and v on the screen.
+BITSPAN_ENUM(LodMode, none, zone_s, gradient);
 BITSPAN_ENUM(FogMode, none, linear, table);
 
 // One reciprocal unit R; docs/numeric-spec.md, "Reciprocal", defines each kind in the value domain.
@@ -101,6 +105,9 @@ using Rgba = std::array<std::uint8_t, 4>;
 
 inline constexpr int max_fog_index_bits = 12;
 
+// A texture with a mip chain has sides of at most 2^this texels.
+inline constexpr int max_mip_level = 15;
+
 // What a register's row in BITSPAN_FORMATS says where a file leaves the register out, beside the `formats` of
 // the others; none where the file must give it.
 constexpr std::optional<Format> default_format(const std::array<Format, format_count>& formats, FormatId id) {
@@ -156,6 +163,13 @@ struct Config {
   TextureWrap wrap = TextureWrap::cyclic;
   Rgba border{};      // of texels outside of the texture, where wrap = border
   Color transparent;  // T4: the reserved texel value
+
+  MipMode mip = MipMode::none;
+
+  // [lod]
+  LodMode lod = LodMode::none;
+  int lod_bias = 0;      // added to the level, in sixteenths of one
+  int lod_first = 4096;  // distance of level 0, in 2^-16 of a normalised s; each further level doubles it
 
   // [fog]
   FogMode fog = FogMode::table;

@@ -385,6 +385,59 @@ void depth(const Config& c, List& list, const Unit& pixel_unit) {
   }
 }
 
+void gradients(List& list, Grid coordinate) {
+  using F = FormatId;
+  const Grid d = coordinate - coordinate;
+  const Grid area = d * d - d * d;
+  const auto n = [&d](Grid w) { return (w - w) * d - (w - w) * d; };
+  const Grid h = list.of(F::setup_h);
+  list.value("setup.gradient", "gu_i = u_i (h_i + B)", {F::setup_uv, F::setup_h, F::setup_b, F::plane_g},
+             list.of(F::setup_uv) * (h + list.of(F::setup_b)), F::plane_g);
+  list.quotient("setup.gradient", "h_x = nx(h) / area", {F::setup_h, F::plane_h_grad}, n(h), area,
+                F::plane_h_grad);
+  list.quotient("setup.gradient", "gu_x = nx(gu) / area", {F::plane_g, F::plane_g_grad},
+                n(list.of(F::plane_g)), area, F::plane_g_grad);
+}
+
+void lod(const Config& c, List& list, const Unit& pixel_unit) {
+  using F = FormatId;
+  const Grid bias{6, 4, true};
+  const bool has_unit = has_pixel_reciprocal(c.perspective) || is_linear_in_distance(c.depth_code);
+  const Grid level{6, 1, true};
+  list.value("lod", "lambda - level", {F::lod_lambda, F::lod_frac}, list.of(F::lod_lambda) - level,
+             F::lod_frac);
+  switch (c.lod) {
+    case LodMode::none:
+      list.value("lod", "lambda = bias", {F::lod_lambda}, bias, F::lod_lambda);
+      break;
+    case LodMode::zone_s: {
+      if (!has_unit) list.unit(pixel_unit);
+      list.value("lod", "A' = B s_max'", {F::setup_b, F::setup_s, F::distance_a},
+                 list.of(F::setup_b) * list.of(F::setup_s), F::distance_a);
+      list.product("lod", "s = A' m 2^-e", {F::distance_a, F::span_h, F::setup_b, F::distance_s}, nullptr,
+                   list.of(F::distance_a), pixel_unit, F::distance_s);
+      const Grid start{max_mip_level + 2, 16, true};
+      list.quotient("lod", "k_i = 1 / S_i", {F::lod_k}, Grid{2, 0, true}, start, F::lod_k);
+      list.value("lod", "f = (s - S_z) k_z", {F::distance_s, F::lod_k, F::lod_frac},
+                 (list.of(F::distance_s) - start) * list.of(F::lod_k), F::lod_frac);
+      list.value("lod", "lambda = z + f + bias", {F::lod_frac, F::lod_lambda},
+                 level + list.of(F::lod_frac) + bias, F::lod_lambda);
+      break;
+    }
+    case LodMode::gradient: {
+      if (!has_unit) list.unit(pixel_unit);
+      list.product("lod", "u_x = (gu_x - u h_x) m 2^-e",
+                   {F::plane_g_grad, F::span_uv, F::plane_h_grad, F::span_h, F::setup_b, F::lod_slope},
+                   nullptr, list.of(F::plane_g_grad) - list.of(F::span_uv) * list.of(F::plane_h_grad),
+                   pixel_unit, F::lod_slope);
+      const Grid log{8, c.format(F::lod_slope).word, true};
+      list.value("lod", "lambda = E + (rho 2^-E - 1) + bias", {F::lod_slope, F::lod_lambda}, log + bias,
+                 F::lod_lambda);
+      break;
+    }
+  }
+}
+
 void texture(const Config& c, List& list) {
   using F = FormatId;
   const Grid code{8, 0, true};
@@ -395,14 +448,23 @@ void texture(const Config& c, List& list) {
   if (weighs_texels(c.filter)) {
     const Grid e = list.of(F::texture_frac);
     const Grid rest = Grid{1, 0, true} - e;
+    const Grid u = list.of(F::span_uv);
     list.value("texture", "Ex = u - 1/2 - i'", {F::span_uv, F::texture_frac},
-               list.of(F::span_uv) - Grid{0, 1, true}, F::texture_frac);
+               aligned(u, u.fraction + (has_lod(c) ? max_mip_level : 0)) - Grid{0, 1, true}, F::texture_frac);
     list.value("texture", "V5 = V1 (1 - Ex) + V4 Ex", {F::texture_frac, F::texture_mix},
                code * rest + code * e, F::texture_mix);
     list.value("texture", "V = V5 (1 - Ey) + V6 Ey", {F::texture_mix, F::texture_frac}, mix * rest + mix * e,
                F::texture_mix);
     list.value("texture", "alpha of V = alpha of V5 (1 - Ey) + alpha of V6 Ey",
                {F::texture_alpha, F::texture_frac}, alpha * rest + alpha * e, F::texture_alpha);
+  }
+  if (mixes_levels(c.mip)) {
+    const Grid f = list.of(F::lod_frac);
+    const Grid rest = Grid{1, 0, true} - f;
+    list.value("texture", "V = V_l (1 - f) + V_l+1 f", {F::texture_mix, F::lod_frac}, mix * rest + mix * f,
+               F::texture_mix);
+    list.value("texture", "alpha of V = alpha of V_l (1 - f) + alpha of V_l+1 f",
+               {F::texture_alpha, F::lod_frac}, alpha * rest + alpha * f, F::texture_alpha);
   }
   list.value("texture", "r = V_r r", {F::texture_mix, F::span_shade, F::texture_color},
              mix * list.of(F::span_shade), F::texture_color);
@@ -463,6 +525,8 @@ std::vector<ExactIntermediate> exact_intermediates(const Config& c) {
   span_setup(c, list, row_unit, coordinate);
   span(c, list, pixel_unit);
   depth(c, list, pixel_unit);
+  if (has_lod_gradients(c)) gradients(list, coordinate);
+  if (has_lod(c)) lod(c, list, pixel_unit);
   texture(c, list);
   fog(c, list, pixel_unit);
   merge(list);

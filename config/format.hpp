@@ -102,6 +102,18 @@ struct Format {
   X(span_shade, "span.shade", "1", "the fragment's colour and alpha factors")                           \
   X(depth_c1, "depth.c1", "1", "scale constant of the linear depth code H6")                            \
   X(depth_c0, "depth.c0", "1", "offset constant of the linear depth code H6")                           \
+  X(distance_a, "distance.a", "depth code", "constant A' of the distance",                              \
+    Format{44, 24, false, Rounding::rnd, Overflow::sat, false})                                         \
+  X(distance_s, "distance.s", "s / 2^E", "distance along the view axis of a fragment",                  \
+    Format{24, 1, false, Rounding::rnd, Overflow::sat, false})                                          \
+  X(lod_k, "lod.k", "2^E / s", "reciprocal of a zone's width",                                          \
+    Format{34, 17, false, Rounding::rnd, Overflow::sat, false})                                         \
+  X(lod_slope, "lod.slope", "texel/pixel", "screen derivatives of u and v",                             \
+    Format{28, 14, true, Rounding::rnd, Overflow::sat, false})                                          \
+  X(lod_lambda, "lod.lambda", "level", "level of detail",                                               \
+    Format{13, 6, true, Rounding::rnd, Overflow::sat, false})                                           \
+  X(lod_frac, "lod.frac", "level", "share of the coarser level",                                        \
+    Format{7, 0, false, Rounding::trn, Overflow::sat, false})                                           \
   X(texture_frac, "texture.frac", "texel", "Ex, Ey of the bilinear filter")                             \
   X(texture_mix, "texture.mix", "colour code", "V5, V6, V of the bilinear filter")                      \
   X(texture_color, "texture.color", "colour code", "texel times colour")                                \

@@ -47,6 +47,9 @@ std::string beside_depth_bits(const Config& c, std::size_t /*i*/) {
 }
 std::string of_depth_bits(const Config& /*c*/, std::size_t /*i*/) { return ", and at most depth.bits"; }
 
+bool reads_lod(const Config& c, std::size_t /*i*/) { return has_lod(c); }
+bool reads_zones(const Config& c, std::size_t /*i*/) { return has_lod_zones(c); }
+
 // The clocks of the others follow from the RTL.
 bool has_own_clocks(const Config& /*c*/, std::size_t i) { return static_cast<Stage>(i) < Stage::span_setup; }
 
@@ -287,6 +290,38 @@ constexpr KeyRow rows[] = {
      ideal | values,
      "border: the colour and alpha of every texel outside of the texture",
      {.presence = Presence::later, .used = reads_border}},
+
+    {"texture.mip",
+     MEMBER(mip),
+     {},
+     "; with a chain, textures have sides that are powers of two",
+     ideal | values | clocks,
+     "T10: no mip chain; the nearest level of it; T11: the two nearest levels, mixed",
+     {.presence = Presence::later}},
+
+    {"lod.mode",
+     MEMBER(lod),
+     {},
+     ", gradient not in affine",
+     ideal | values,
+     "what a level is chosen by: lod.bias alone; zones of the distance s; the gradients of u and v",
+     {.presence = Presence::later, .used = reads_lod, .unused = Unused::initial}},
+    {"lod.bias",
+     MEMBER(lod_bias),
+     {-256, 256, false, " sixteenths of a level"},
+     "",
+     ideal | values,
+     "added to the level",
+     {.presence = Presence::later, .used = reads_lod, .unused = Unused::initial}},
+    {"lod.first",
+     MEMBER(lod_first),
+     {1, 65536},
+     "",
+     ideal | values,
+     "zone_s: the distance of level 0 in 2^-16 of 2^E, where s_max is at most 2^E; each further level "
+     "doubles "
+     "it",
+     {.presence = Presence::later, .used = reads_zones, .unused = Unused::initial}},
 
     {"fog.mode",
      MEMBER(fog),

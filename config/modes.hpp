@@ -296,14 +296,80 @@ constexpr bool is_in_rtl(TextureWrap wrap) {
   }
   unreachable();
 }
+// The RTL has levels of detail.
+constexpr bool is_in_rtl(MipMode mip) {
+  switch (mip) {
+    case MipMode::none:
+      return true;
+    case MipMode::nearest:
+    case MipMode::linear:
+      return false;
+  }
+  unreachable();
+}
 
 // rtl/pixel_pipe.sv has every stage behind span that the configuration asks for, in the mode that it asks
 // for.
 constexpr bool pixel_stages_are_in_rtl(const Config& config) {
-  return is_in_rtl(config.filter) && is_in_rtl(config.wrap);
+  return is_in_rtl(config.filter) && is_in_rtl(config.wrap) && is_in_rtl(config.mip);
 }
 
-// ---------------------------------------------------------------- texture and fog
+// ---------------------------------------------------------------- texture, level of detail and fog
+
+// Textures have a mip chain.
+constexpr bool has_mip_chain(MipMode mip) {
+  switch (mip) {
+    case MipMode::none:
+      return false;
+    case MipMode::nearest:
+    case MipMode::linear:
+      return true;
+  }
+  unreachable();
+}
+
+// Two levels of the chain are mixed.
+constexpr bool mixes_levels(MipMode mip) {
+  switch (mip) {
+    case MipMode::none:
+    case MipMode::nearest:
+      return false;
+    case MipMode::linear:
+      return true;
+  }
+  unreachable();
+}
+
+// A level goes by zones of the distance s.
+constexpr bool has_zones(LodMode lod) {
+  switch (lod) {
+    case LodMode::zone_s:
+      return true;
+    case LodMode::none:
+    case LodMode::gradient:
+      return false;
+  }
+  unreachable();
+}
+
+// A level goes by the gradients of u and v, which setup forms per triangle.
+constexpr bool has_gradients(LodMode lod) {
+  switch (lod) {
+    case LodMode::gradient:
+      return true;
+    case LodMode::none:
+    case LodMode::zone_s:
+      return false;
+  }
+  unreachable();
+}
+
+// The stage lod has records; its key `mode` counts only there.
+constexpr bool has_lod(const Config& config) { return has_mip_chain(config.mip); }
+constexpr bool has_lod_zones(const Config& config) { return has_lod(config) && has_zones(config.lod); }
+constexpr bool has_lod_gradients(const Config& config) {
+  return has_lod(config) && has_gradients(config.lod);
+}
 
 // A texel is weighed with its neighbours by texture.frac.
 constexpr bool weighs_texels(TextureFilter filter) {

@@ -253,6 +253,10 @@ class RangeCheck {
       add(F::depth_c1, hmax * b_ * s_max_ / (s_max_ - s_min_), kNoTriangle);
       add(F::depth_c0, b, kNoTriangle);
     }
+    if (has_lod_zones(c_)) {
+      add(F::distance_a, b_ * s_max_, kNoTriangle);
+      add(F::distance_s, Interval{s_min_, s_max_}, kNoTriangle);
+    }
     if (scene_.fog && is_linear_in_distance(c_.fog)) linear_fog();
     if (!scene_.fog || !has_fog(c_.fog)) add(F::fog_factor, 1, kNoTriangle);
   }
@@ -356,11 +360,12 @@ class RangeCheck {
       }
     }
     const bool planes = has_plane_rows(c_.perspective);
-    if (planes) {
+    if (planes || has_lod_gradients(c_)) {
       for (const Point& v : p) {
         for (const Real t : v.uv) add(F::plane_g, t * (v.h + b_), index);
       }
-    } else {
+    }
+    if (!planes) {
       edge(p[0], p[2], index);
       edge(p[0], p[1], index);
       edge(p[1], p[2], index);

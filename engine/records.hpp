@@ -78,6 +78,12 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   F(fu_step, edge_f_step) F(fv_step, edge_f_step) F(r_step, edge_shade_step) F(g_step, edge_shade_step)     \
   F(b_step, edge_shade_step) F(a_step, edge_shade_step)
 
+// setup, where the level of detail goes by gradients: one per triangle.
+#define BITSPAN_GRADIENT_RECORD(F, I, K)                                                                    \
+  I(triangle) F(gu0, plane_g) F(gv0, plane_g) F(gu1, plane_g) F(gv1, plane_g) F(gu2, plane_g)               \
+  F(gv2, plane_g) F(h_x, plane_h_grad) F(h_y, plane_h_grad) F(gu_x, plane_g_grad) F(gu_y, plane_g_grad)     \
+  F(gv_x, plane_g_grad) F(gv_y, plane_g_grad)
+
 // edge_walk: one per row that has pixels inside the viewport; l and r are its left and right end.
 #define BITSPAN_ROW_END(p, F, I, K)                                                                         \
   I(p##_edge) F(p##_x_acc, edge_x_acc) F(p##_x, edge_x) F(p##_h_acc, edge_h_acc) F(p##_h, edge_h)           \
@@ -139,6 +145,13 @@ std::optional<Format> format_of(const Field& field, const Config& config);
 #define BITSPAN_STENCIL_RECORD(F, I, K)                                                                    \
   I(triangle) I(x) I(y) I(back) /* 1: a back face */ I(stored) /* the plane's value before */              \
   I(pass) I(op) /* of StencilOp */ I(value) /* the plane's value behind */
+
+// lod, where textures have mip chains: one per fragment that passed the depth test.
+#define BITSPAN_LOD_RECORD(F, I, K)                                                                        \
+  I(triangle) I(x) I(y) K(recip_m, pixel_mantissa) I(recip_e) /* modes zone_s and gradient */              \
+  F(s, distance_s) /* zone_s */                                                                            \
+  F(u_x, lod_slope) F(u_y, lod_slope) F(v_x, lod_slope) F(v_y, lod_slope) /* gradient */                   \
+  F(lambda, lod_lambda) I(level) F(f, lod_frac)
 
 // texture: one per fragment that passed the depth test.
 #define BITSPAN_TEXTURE_RECORD(F, I, K)                                                                    \

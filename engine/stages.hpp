@@ -39,6 +39,7 @@ inline constexpr std::optional<Stage> no_clock;
   ROW(X, StateRecord,     BITSPAN_STATE_RECORD,     "state",          state,     no_clock,          change,   constants) \
   ROW(X, SetupRecord,     BITSPAN_SETUP_RECORD,     "setup",          setup,     Stage::setup,      triangle, constants) \
   ROW(X, EdgeRecord,      BITSPAN_EDGE_RECORD,      "setup.edge",     edge,      Stage::setup,      edge,     setup)     \
+  ROW(X, GradientRecord,  BITSPAN_GRADIENT_RECORD,  "setup.gradient", gradient,  Stage::setup,      triangle, setup)     \
   ROW(X, RowRecord,       BITSPAN_ROW_RECORD,       "edge_walk",      row,       Stage::edge_walk,  row,      edge)      \
   ROW(X, PlaneRecord,     BITSPAN_PLANE_RECORD,     "plane_walk",     plane,     Stage::edge_walk,  triangle, setup)     \
   ROW(X, PlaneRowRecord,  BITSPAN_PLANE_ROW_RECORD, "plane_walk.row", plane_row, Stage::edge_walk,  row,      plane)     \
@@ -46,7 +47,8 @@ inline constexpr std::optional<Stage> no_clock;
   ROW(X, FragmentRecord,  BITSPAN_FRAGMENT_RECORD,  "span",           fragment,  Stage::span,       pixel,    span)      \
   ROW(X, DepthRecord,     BITSPAN_DEPTH_RECORD,     "depth",          depth,     Stage::depth,      pixel,    fragment)  \
   ROW(X, StencilRecord,   BITSPAN_STENCIL_RECORD,   "stencil",        stencil,   Stage::depth,      pixel,    fragment, depth) \
-  ROW(X, TextureRecord,   BITSPAN_TEXTURE_RECORD,   "texture",        texture,   Stage::texture,    pixel,    fragment, depth) \
+  ROW(X, LodRecord,       BITSPAN_LOD_RECORD,       "lod",            lod,       Stage::depth,      pixel,    gradient, fragment, depth) \
+  ROW(X, TextureRecord,   BITSPAN_TEXTURE_RECORD,   "texture",        texture,   Stage::texture,    pixel,    fragment, depth, lod) \
   ROW(X, FogRecord,       BITSPAN_FOG_RECORD,       "fog",            fog,       Stage::fog,        pixel,    fragment, texture) \
   ROW(X, MergeRecord,     BITSPAN_MERGE_RECORD,     "merge",          merge,     Stage::merge,      pixel,    depth, texture, fog) \
   ROW(X, MergeAlphaRecord, BITSPAN_MERGE_ALPHA_RECORD, "merge.alpha", merge_alpha, Stage::merge,    pixel,    merge)

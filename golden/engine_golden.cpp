@@ -4,12 +4,15 @@
 #include <cmath>
 
 #include "config/modes.hpp"
+#include "engine/mip.hpp"
 #include "engine/rows.hpp"
 #include "golden/depth.hpp"
 #include "golden/edge_walk.hpp"
 #include "golden/fog.hpp"
 #include "golden/lanes.hpp"
+#include "golden/lod.hpp"
 #include "golden/merge.hpp"
+#include "golden/mip_chain.hpp"
 #include "golden/plane_walk.hpp"
 #include "golden/precision.hpp"
 #include "golden/setup.hpp"
@@ -50,6 +53,16 @@ class GoldenEngine final : public Engine, public RowEngine {
       span_setup_ = make_span_setup(with(precision_.span_setup), config_, constants_);
     }
     span_ = make_span(with(precision_.span), config_, constants_);
+    if (has_lod_gradients(config_)) {
+      gradients_ = make_gradients(with(precision_.gradient), config_, constants_);
+    }
+    if (has_lod(config_)) {
+      check_mip_textures(config_, scene);
+      lod_ = make_lod(with(precision_.lod), config_, constants_);
+      mip_texture_ = make_mip_texture(with(precision_.texture), config_);
+      levels_.clear();
+      for (const Texture& texture : scene.textures) levels_.push_back(mip_levels(texture));
+    }
     depth_ = make_depth(with(precision_.depth), config_, constants_);
     fog_ = make_fog(with(precision_.fog), config_, constants_, scene);
     uv_ulp_ = std::ldexp(1.0, -config_.format(FormatId::span_uv).fraction());
@@ -85,6 +98,12 @@ class GoldenEngine final : public Engine, public RowEngine {
     return {planes_.plane.major == 1, planes_.rows};
   }
   void draw_row(const AnyRow& any, std::size_t plane_row, int texture, Trace* trace) override {
+    if (has_lod_gradients(config_)) {
+      throw InputError(
+          "lod.mode = gradient takes gradients of a whole triangle, and a row has none; legal: draw "
+          "triangles, "
+          "or lod.mode none, zone_s");
+    }
     Trace& out = begin_batch(trace);
     const std::size_t first_span = out.span.size();
     first_ = out.fragment.size();
@@ -146,6 +165,11 @@ class GoldenEngine final : public Engine, public RowEngine {
       return;
     }
     out.setup.push_back(*setup);
+    if (has_lod_gradients(config_)) {
+      gradient_ = gradients_(*setup);
+      out.gradient.push_back(gradient_);
+      if (!by_planes()) counters_.divides_edge += 6;
+    }
     const Texture* texture = image(triangle.texture);
     back_ = state_.stencil_test && runs_clockwise(config_, triangle);
     first_ = out.fragment.size();
@@ -299,7 +323,17 @@ class GoldenEngine final : public Engine, public RowEngine {
   // The same for what the texture does not kill.
   void run_texture(const Texture* texture, Trace& out) {
     const std::size_t first = out.texture.size();
-    texture_(alive_, texture, state_, out.texture);
+    if (has_lod(config_)) {
+      const std::vector<Texture>* levels =
+          texture == nullptr ? nullptr
+                             : &levels_[static_cast<std::size_t>(texture - scene_->textures.data())];
+      const std::size_t first_lod = out.lod.size();
+      lod_(alive_, gradient_, levels == nullptr ? 1 : static_cast<int>(levels->size()), out.lod);
+      mip_texture_(alive_, std::span<const LodRecord>(out.lod).subspan(first_lod), levels, state_,
+                   out.texture);
+    } else {
+      texture_(alive_, texture, state_, out.texture);
+    }
     std::size_t kept = 0;
     for (std::size_t i = 0; i < alive_.size(); ++i) {
       const TextureRecord& textured = out.texture[first + i];
@@ -330,9 +364,14 @@ class GoldenEngine final : public Engine, public RowEngine {
   PlaneSpanSetupStage plane_span_setup_;
   SpanStage span_;
   DepthStage depth_;
+  GradientStage gradients_;
+  LodStage lod_;
   TextureStage texture_;
+  MipTextureStage mip_texture_;
   FogStage fog_;
   MergeStage merge_;
+  std::vector<std::vector<Texture>> levels_;  // with mip chains: of each texture
+  GradientRecord gradient_;                   // of the triangle under way, where lod takes it
   // Reused from triangle to triangle.
   PlaneRows planes_;
   Trace unkept_;           // records of one triangle that nobody asked for

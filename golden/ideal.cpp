@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "config/modes.hpp"
+#include "engine/mip.hpp"
 #include "golden/compare.hpp"
 #include "golden/merge.hpp"
+#include "golden/mip_chain.hpp"
 #include "golden/quantize.hpp"
 #include "golden/stencil.hpp"
 #include "golden/texel.hpp"
@@ -222,15 +224,106 @@ bool passes(DepthFunc func, double h, double stored_h) {
   return h > stored_h ? passing.nearer : passing.farther;
 }
 
-IdealFragment shade(const Config& config, const Scene& scene, const IdealTriangle& t,
-                    const IdealPoint& point) {
+// The largest derivative of u and v along x and y, texels per pixel.
+double largest_derivative(const IdealTriangle& t, const IdealPoint& point) {
+  const auto& v = t.v;
+  const long double pixel = std::ldexp(1.0L, t.subpixel_bits);
+  const std::array<long double, 2> x{static_cast<long double>(v[1].x - v[0].x) / pixel,
+                                     static_cast<long double>(v[2].x - v[0].x) / pixel};
+  const std::array<long double, 2> y{static_cast<long double>(v[1].y - v[0].y) / pixel,
+                                     static_cast<long double>(v[2].y - v[0].y) / pixel};
+  const long double area = x[0] * y[1] - x[1] * y[0];
+  // What is linear on the screen: along x, and along y.
+  const auto gradient = [&](long double w0, long double w1, long double w2) {
+    return std::array{((w1 - w0) * y[1] - (w2 - w0) * y[0]) / area,
+                      ((w2 - w0) * x[0] - (w1 - w0) * x[1]) / area};
+  };
+  const auto q = gradient(1 / v[0].s, 1 / v[1].s, 1 / v[2].s);
+  long double most = 0;
+  for (const bool down : {false, true}) {
+    const auto over_s = [down](const Corner& c) { return (down ? c.v : c.u) / c.s; };
+    const auto g = gradient(over_s(v[0]), over_s(v[1]), over_s(v[2]));
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const long double w = down ? point.v : point.u;
+      most = std::max(most, std::abs((g[axis] - w * q[axis]) * point.s));
+    }
+  }
+  return static_cast<double>(most);
+}
+
+double level_of_zone(const Config& config, const Scene& scene, double s, int levels) {
+  int exponent = 0;
+  if (std::frexp(scene.s_max, &exponent) == 0.5) --exponent;  // s_max <= 2^exponent
+  const double first = std::ldexp(config.lod_first, exponent - 16);
+  int zone = 0;
+  while (zone < levels - 1 && s >= std::ldexp(first, zone + 1)) ++zone;
+  if (zone == levels - 1) return zone;
+  return zone + std::max(s / std::ldexp(first, zone) - 1, 0.0);
+}
+
+// Before it is held in the chain.
+double level_of_detail(const Config& config, const Scene& scene, const IdealTriangle& t,
+                       const IdealPoint& point, int levels) {
+  double level = config.lod_bias / 16.0;
+  switch (config.lod) {
+    case LodMode::none:
+      break;
+    case LodMode::zone_s:
+      level += level_of_zone(config, scene, point.s, levels);
+      break;
+    case LodMode::gradient:
+      level += std::log2(std::max(largest_derivative(t, point), 0x1p-60));
+      break;
+  }
+  return level;
+}
+
+// From the levels of a chain; gives false where the transparent code kills the fragment.
+bool sample_levels(const Config& config, const std::vector<Texture>& levels, double level, double u, double v,
+                   Texel& out) {
+  const auto sample = [&](double whole, Texel& to) {
+    const int l = static_cast<int>(whole);
+    return Sampler(config, levels[static_cast<std::size_t>(l)])
+        .sample(std::ldexp(u, -l), std::ldexp(v, -l), to);
+  };
+  if (!mixes_levels(config.mip)) return sample(std::floor(level + 0.5), out);
+  const double whole = std::floor(level);
+  const double f = level - whole;
+  const bool lives = sample(whole, out);
+  if (f == 0) return lives;
+  Texel coarser{};
+  sample(whole + 1, coarser);
+  for (std::size_t c = 0; c < out.size(); ++c) out[c] = out[c] * (1 - f) + coarser[c] * f;
+  return lives;
+}
+
+// The chain of the texture that was asked for last, for functions that have no place to keep it.
+const std::vector<Texture>& remembered_levels(const Texture& texture) {
+  thread_local std::vector<Texture> levels;
+  if (levels.empty() || levels[0].width != texture.width || levels[0].rgba != texture.rgba) {
+    levels = golden::mip_levels(texture);
+  }
+  return levels;
+}
+
+// levels: the chain of the triangle's texture, null where it is not at hand.
+IdealFragment shade(const Config& config, const Scene& scene, const IdealTriangle& t, const IdealPoint& point,
+                    const std::vector<Texture>* levels) {
   IdealFragment out;
   out.point = point;
   out.z = configured_code(config, scene, point.h, point.s);
   out.texel = {255, 255, 255, 1};
   if (t.texture >= 0) {
     const Texture& texture = scene.textures.at(static_cast<std::size_t>(t.texture));
-    out.killed = !Sampler(config, texture).sample(point.u, point.v, out.texel);
+    if (has_lod(config)) {
+      const std::vector<Texture>& chain = levels == nullptr ? remembered_levels(texture) : *levels;
+      out.lambda = level_of_detail(config, scene, t, point, static_cast<int>(chain.size()));
+      const double last = static_cast<double>(chain.size()) - 1;
+      out.killed =
+          !sample_levels(config, chain, std::clamp(out.lambda, 0.0, last), point.u, point.v, out.texel);
+    } else {
+      out.killed = !Sampler(config, texture).sample(point.u, point.v, out.texel);
+    }
   }
   out.alpha = out.texel[3] * point.shade[3];
   out.killed = out.killed || out.alpha == 0;
@@ -315,6 +408,11 @@ class IdealEngine final : public Engine {
 
   void begin(const Scene& scene) override {
     scene_ = &scene;
+    levels_.clear();
+    if (has_lod(config_)) {
+      check_mip_textures(config_, scene);
+      for (const Texture& texture : scene.textures) levels_.push_back(golden::mip_levels(texture));
+    }
     counters_ = {};
     const auto pixels = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height);
     clear_frame(frame_, scene.width, scene.height, scene.background, 0);
@@ -411,7 +509,9 @@ class IdealEngine final : public Engine {
     const IdealPoint point = point_at_centre(config_, *scene_, t, areas, x, y);
     const bool late = is_late(state_.depth_when);
     if (!late && !depth_passes(point, i, x, y)) return;
-    const IdealFragment fragment = shade(config_, *scene_, t, point);
+    const std::vector<Texture>* levels =
+        t.texture < 0 || levels_.empty() ? nullptr : &levels_[static_cast<std::size_t>(t.texture)];
+    const IdealFragment fragment = shade(config_, *scene_, t, point, levels);
     if (fragment.killed ||
         !golden::holds<double>(state_.alpha_func, 255 * fragment.alpha, state_.alpha_ref)) {
       ++counters_.killed;
@@ -497,6 +597,7 @@ class IdealEngine final : public Engine {
 
   Config config_;
   const Scene* scene_ = nullptr;
+  std::vector<std::vector<Texture>> levels_;  // with mip chains: of each texture
   std::vector<double> h_, z_;
   std::vector<std::array<double, 3>> color_;
   std::vector<double> alpha_;  // of the picture, 0..255
@@ -591,7 +692,7 @@ IdealPoint ideal_at_vertex(const Config& config, const Scene& scene, const Ideal
 IdealFragment ideal_at(const Config& config, const Scene& scene, const IdealTriangle& triangle,
                        std::int64_t x, std::int64_t y) {
   const Areas areas = areas_at(triangle, centre_of(triangle, x, y));
-  return shade(config, scene, triangle, point_at_centre(config, scene, triangle, areas, x, y));
+  return shade(config, scene, triangle, point_at_centre(config, scene, triangle, areas, x, y), nullptr);
 }
 
 std::unique_ptr<Engine> make_ideal(const Config& config) { return std::make_unique<IdealEngine>(config); }

@@ -2,10 +2,10 @@
 // The truth that errors are measured from; docs/numeric-spec.md, "ideal". It is a closed form at each point,
 // not incremental. Only the vertices' positions are quantised, since they are the hardware's input.
 //
-// The configuration decides only the snap (raster), the fill rule, the depth code, the texture's filter, wrap
-// and transparent colour, and the fog's mode. Perspective is always correct, whatever mode the hardware has.
-// The values are computed in long double (64 significant bits) from exact integer areas, and delivered as
-// double.
+// The configuration decides only the snap (raster), the fill rule, the depth code, the texture's filter,
+// wrap, mip chain and transparent colour, the level of detail, and the fog's mode. Perspective is always
+// correct, whatever mode the hardware has. The values are computed in long double (64 significant bits) from
+// exact integer areas, and delivered as double.
 #pragma once
 
 #include <array>
@@ -62,6 +62,7 @@ IdealPoint ideal_at_vertex(const Config& config, const Scene& scene, const Ideal
 struct IdealFragment {
   IdealPoint point;                // at the pixel's centre
   double z = 0;                    // the configured depth code
+  double lambda = 0;               // level of detail, where textures have mip chains
   std::array<double, 4> texel{};   // V: colour codes 0..255, and alpha 0..1
   std::array<double, 3> color{};   // V times shade, colour codes
   double alpha = 1;                // of texel and shade

@@ -235,6 +235,8 @@ class Chooser {
     }
     out_.span = span();
     out_.depth = depth();
+    if (has_lod_gradients(c_)) out_.gradient = gradient();
+    if (has_lod(c_)) out_.lod = lod();
     out_.texture = texture();
     out_.fog = fog();
     out_.merge = merge();
@@ -556,6 +558,70 @@ class Chooser {
     return s.choose();
   }
 
+  Width gradient() {
+    StageNeeds s("setup.gradient", out_.rows);
+    s.reg("coordinate", c_.coordinate_format());
+    const Range h = reg(s, FormatId::setup_h);
+    const Range uv = reg(s, FormatId::setup_uv);
+    const Range g = reg(s, FormatId::plane_g);
+    reg(s, FormatId::plane_h_grad);
+    reg(s, FormatId::plane_g_grad);
+    s.q_product("u (h + B)", term(uv, depth_sum(s, h)), f(FormatId::plane_g));
+    const Range area = s.exact("area", {-2 * k_, 2 * c_.coordinate_bits + 1});
+    const auto slope = [&](const std::string& w, Range values, FormatId out) {
+      const Range rise = s.exact("difference of " + w, sum(values, values));
+      const Range cross = product(rise, d_xy_);
+      const Range n = s.exact_pair("nx(" + w + ")", sum(cross, cross), std::max(rise.bits(), d_xy_.bits()));
+      s.q_quotient_of_pairs("nx(" + w + ") / area", n, area, f(out).fraction());
+    };
+    slope("h", h, FormatId::plane_h_grad);
+    slope("gu", g, FormatId::plane_g_grad);
+    return s.choose();
+  }
+
+  Width lod() {
+    StageNeeds s("lod", out_.rows);
+    const Range share = reg(s, FormatId::lod_frac);
+    reg(s, FormatId::lod_lambda);
+    const Format& lambda = f(FormatId::lod_lambda);
+    s.exact("lambda - level", {std::min(-lambda.fraction(), -1), std::max(lambda.integer, 5) + 1});
+    Range x{0, 0};
+    switch (c_.lod) {
+      case LodMode::none:
+        break;
+      case LodMode::zone_s: {
+        const Range a = reg(s, FormatId::distance_a);
+        const Range distance = reg(s, FormatId::distance_s);
+        const Range k = reg(s, FormatId::lod_k);
+        const Range normal_s = at_most(reg(s, FormatId::setup_s), 0);
+        s.q_product("B s_max'", term(b_, normal_s), f(FormatId::distance_a));
+        const InverseRange inverse =
+            s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, reg(s, FormatId::span_h)));
+        s.q_product("A' m 2^-e", inverse.times(a), f(FormatId::distance_s));
+        s.q_quotient("1 / S_i", {0, 0}, {-16, max_mip_level}, f(FormatId::lod_k).fraction());
+        const Range beyond = s.exact("s - S_z", sum(distance, {-16, max_mip_level}));
+        s.q_product("(s - S_z) k_z", term(beyond, k), f(FormatId::lod_frac));
+        x = s.exact("z + f", {std::min(share.lo, 0), 5});
+        break;
+      }
+      case LodMode::gradient: {
+        const Range h_grad = reg(s, FormatId::plane_h_grad);
+        const Range g_grad = reg(s, FormatId::plane_g_grad);
+        const Range uv = reg(s, FormatId::span_uv);
+        const Format& slope = f(FormatId::lod_slope);
+        reg(s, FormatId::lod_slope);
+        const InverseRange inverse =
+            s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, reg(s, FormatId::span_h)));
+        const Range n = s.exact("gu_x - u h_x", sum(g_grad, product(uv, h_grad)));
+        s.q_product("(gu_x - u h_x) m 2^-e", inverse.times(n), slope);
+        x = s.exact("E + (rho 2^-E - 1)", {-slope.word, 7});
+        break;
+      }
+    }
+    s.q_sum("x + bias", {term(x), term({-4, 5})}, lambda);
+    return s.choose();
+  }
+
   Width texture() {
     StageNeeds s("texture", out_.rows);
     const Range uv = reg(s, FormatId::span_uv);
@@ -565,7 +631,7 @@ class Chooser {
     const Range code{0, 8};
     reg(s, FormatId::texture_color);
     s.q_quotient("a / 255", code, code, f(FormatId::texture_alpha).fraction());
-    s.exact("u - 1/2", sum(uv, {-1, -1}));
+    s.exact("u - 1/2", sum({has_lod(c_) ? uv.lo - max_mip_level : uv.lo, uv.hi}, {-1, -1}));
     s.exact("V * shade", product(mix, shade));
     s.exact("alpha * shade", product(alpha, shade));
     if (weighs_texels(c_.filter)) {
@@ -575,6 +641,17 @@ class Chooser {
       s.q_sum("V1 (1-Ex) + V4 Ex", {term(product(widest_v, rest)), term(product(widest_v, frac))},
               f(FormatId::texture_mix));
       s.q_sum("alpha1 (1-Ex) + alpha4 Ex", {term(product(alpha, rest)), term(product(alpha, frac))},
+              f(FormatId::texture_alpha));
+    }
+    if (mixes_levels(c_.mip)) {
+      const Range level = reg(s, FormatId::lod_frac);
+      const Range rest = s.exact("1 - f", sum(level, {0, 0}));
+      s.q_sum("V_l (1-f) + V_l+1 f",
+              {term(s.exact("V_l (1-f)", product(mix, rest))), term(s.exact("V_l+1 f", product(mix, level)))},
+              f(FormatId::texture_mix));
+      s.q_sum("alpha_l (1-f) + alpha_l+1 f",
+              {term(s.exact("alpha_l (1-f)", product(alpha, rest))),
+               term(s.exact("alpha_l+1 f", product(alpha, level)))},
               f(FormatId::texture_alpha));
     }
     return s.choose();

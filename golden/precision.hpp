@@ -37,6 +37,8 @@ struct Precision {
   Width span_setup = Width::quad;
   Width span = Width::quad;
   Width depth = Width::quad;
+  Width gradient = Width::quad;  // where lod takes gradients
+  Width lod = Width::quad;       // where textures have mip chains
   Width texture = Width::quad;
   Width fog = Width::quad;
   Width merge = Width::quad;

@@ -32,6 +32,8 @@ class Texturing {
         q_color_(config.format(FormatId::texture_color)),
         q_alpha_(config.format(FormatId::texture_alpha)),
         alpha_format_(config.format(FormatId::texture_alpha)),
+        mixes_levels_(mixes_levels(config.mip)),
+        q_level_(config.format(FormatId::lod_frac)),
         quick_mix_(config.format(FormatId::texture_mix)),
         quick_color_(config.format(FormatId::texture_color)),
         quick_alpha_(config.format(FormatId::texture_alpha)) {
@@ -57,15 +59,37 @@ class Texturing {
       if (quick(part, texture, records)) continue;
       for (std::size_t i = 0; i < part.size(); ++i) one(*part[i], texture, records[i]);
     }
+    test_alpha(state, std::span(out).subspan(first));
+  }
+
+  void operator()(std::span<const FragmentRecord* const> fragments, std::span<const LodRecord> lods,
+                  const std::vector<Texture>* levels, const DrawState& state,
+                  std::vector<TextureRecord>& out) const {
+    const std::size_t first = out.size();
+    for (std::size_t i = 0; i < fragments.size(); ++i) {
+      TextureRecord& record = out.emplace_back();
+      record.triangle = fragments[i]->triangle;
+      record.x = fragments[i]->x;
+      record.y = fragments[i]->y;
+      if (levels == nullptr) {
+        one(*fragments[i], nullptr, record);
+      } else {
+        one_of_levels(*fragments[i], *levels, lods[i], record);
+      }
+    }
+    test_alpha(state, std::span(out).subspan(first));
+  }
+
+ private:
+  void test_alpha(const DrawState& state, std::span<TextureRecord> records) const {
     if (state.alpha_func == CompareFunc::always) return;
     const Quantizer<Quad> alpha(alpha_format_);
-    for (TextureRecord& record : std::span(out).subspan(first)) {
+    for (TextureRecord& record : records) {
       const bool passes = holds(state.alpha_func, alpha.value(record.a) * 255, Quad(state.alpha_ref));
       if (!passes) record.killed = 1;
     }
   }
 
- private:
   // Where a fragment looks, and what it finds there.
   struct Place {
     std::int64_t i = 0, j = 0;   // wrapped
@@ -88,6 +112,38 @@ class Texturing {
       killed = place.killed;
       texel = sample(place);
     }
+    finish(fragment, texel, killed, out);
+  }
+
+  void one_of_levels(const FragmentRecord& fragment, const std::vector<Texture>& levels, const LodRecord& lod,
+                     TextureRecord& out) const {
+    const auto place_in = [&](std::int64_t level) {
+      const Real size = pow2<Real>(static_cast<int>(-level));
+      return look_up(levels[static_cast<std::size_t>(level)], q_uv_.value(fragment.u) * size,
+                     q_uv_.value(fragment.v) * size);
+    };
+    const Place place = place_in(lod.level);
+    out.i = place.i;
+    out.j = place.j;
+    if (weighs_texels(filter_)) {
+      out.ex = q_frac_.raw(place.ex);
+      out.ey = q_frac_.raw(place.ey);
+    }
+    Shades<Real> texel = sample(place);
+    if (mixes_levels_) {
+      const std::int64_t coarser = std::min(lod.level + 1, static_cast<std::int64_t>(levels.size()) - 1);
+      const Shades<Real> other = sample(place_in(coarser));
+      const Real f = q_level_.value(lod.f);
+      for (std::size_t c = 0; c < channels; ++c) {
+        const Quantizer<Real>& q = c == channels - 1 ? q_alpha_ : q_mix_;
+        texel[c] = q.sum(texel[c] * (1 - f), other[c] * f);
+      }
+    }
+    finish(fragment, texel, place.killed, out);
+  }
+
+  void finish(const FragmentRecord& fragment, const Shades<Real>& texel, bool killed,
+              TextureRecord& out) const {
     const Shades<Real> shade = load_shades(q_shade_, fragment.r, fragment.g, fragment.b, fragment.a);
     const Real alpha = q_alpha_(texel[3] * shade[3]);
     out.texel_r = q_mix_.raw(texel[0]);
@@ -308,6 +364,8 @@ class Texturing {
   Format alpha_format_;
   std::array<Real, 256> alpha_{};
   Shades<Real> no_texture_;
+  bool mixes_levels_;
+  Quantizer<Real> q_level_;
   LaneFormat quick_mix_, quick_color_, quick_alpha_;
 };
 
@@ -316,6 +374,11 @@ class Texturing {
 TextureStage make_texture(Arithmetic arithmetic, const Config& config) {
   // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): see with_real.hpp
   return with_real(arithmetic, [&]<class Real>() -> TextureStage { return Texturing<Real>(config); });
+}
+
+MipTextureStage make_mip_texture(Arithmetic arithmetic, const Config& config) {
+  // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): see with_real.hpp
+  return with_real(arithmetic, [&]<class Real>() -> MipTextureStage { return Texturing<Real>(config); });
 }
 
 }  // namespace bitspan::golden

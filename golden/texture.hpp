@@ -17,4 +17,10 @@ using TextureStage = std::function<void(std::span<const FragmentRecord* const>, 
                                         const DrawState&, std::vector<TextureRecord>& out)>;
 TextureStage make_texture(Arithmetic arithmetic, const Config& config);
 
+// The same from the levels of a mip chain that lod has chosen per fragment; null for no texture. [T10, T11]
+using MipTextureStage = std::function<void(std::span<const FragmentRecord* const>, std::span<const LodRecord>,
+                                           const std::vector<Texture>* levels, const DrawState&,
+                                           std::vector<TextureRecord>& out)>;
+MipTextureStage make_mip_texture(Arithmetic arithmetic, const Config& config);
+
 }  // namespace bitspan::golden

@@ -31,6 +31,8 @@ inline constexpr std::array stage_types = [] {
   types[BS_STAGE_STATE] = state;
   types[BS_STAGE_STENCIL] = stencil;
   types[BS_STAGE_MERGE_ALPHA] = merge_alpha;
+  types[BS_STAGE_SETUP_GRADIENT] = gradient;
+  types[BS_STAGE_LOD] = lod;
   return types;
 }();
 static_assert(std::ranges::all_of(stage_table,

@@ -62,6 +62,7 @@ class OverriddenModel final : public Engine, public RowEngine {
     trace_ = trace;
     texture_ = model::texture_of(*scene_, texture);
     back_ = false;
+    model::check_draws_rows(pipeline_);
     deliver_constants();
     ++counters_.rows;
     if (pipeline_.const_depth_rows) --counters_.divides_saved;
@@ -104,6 +105,11 @@ class OverriddenModel final : public Engine, public RowEngine {
       return;
     }
     finish(pipeline_.constants.record, vertices);
+    if (pipeline_.has_gradients) {
+      gradient_ = model::setup_gradients(pipeline_.plane_walk, vertices);
+      finish(vertices, gradient_);
+      if (!pipeline_.const_depth_rows) counters_.divides_edge += model::divides_per_gradients;
+    }
     if (pipeline_.const_depth_rows) {
       draw_planes(vertices);
     } else {
@@ -187,7 +193,12 @@ class OverriddenModel final : public Engine, public RowEngine {
     return passed;
   }
   bool lives(const FragmentRecord& fragment, TextureRecord& texel) {
-    model::texture(pipeline_.texture, texture_, fragment, texel);
+    LodRecord level;
+    if (pipeline_.has_lod) {
+      model::fragment_lod(pipeline_, fragment, texture_, &gradient_, level, nullptr);
+      finish(fragment, level);
+    }
+    model::fragment_texture(pipeline_, fragment, texture_, level, texel);
     finish(fragment, texel);
     if (texel.killed == 1) ++counters_.killed;
     return texel.killed == 0;
@@ -233,7 +244,8 @@ class OverriddenModel final : public Engine, public RowEngine {
   // Of the draw under way.
   Trace* trace_ = nullptr;
   const Texture* texture_ = nullptr;
-  bool back_ = false;  // a back face
+  bool back_ = false;        // a back face
+  GradientRecord gradient_;  // of the triangle under way
   // Reused from triangle to triangle.
   model::PlaneWalkState walk_;
   std::vector<PlaneRowRecord> plane_rows_;

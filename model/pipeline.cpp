@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/pipeline.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <string>
@@ -46,6 +47,12 @@ Pipeline make_pipeline(const Config& config, const Scene& scene, Watch watch) {
   p.span_setup = prepare_span_setup(config, p.constants);
   p.span = prepare_span(config, p.constants);
   p.depth = prepare_depth(config, p.constants);
+  p.has_lod = has_lod(config);
+  p.has_gradients = has_lod_gradients(config);
+  if (p.has_lod) {
+    p.lod = prepare_lod(config, p.constants, watch);
+    p.mip_chains = MipChains(config, scene);
+  }
   p.texture = prepare_texture(config);
   p.fog = prepare_fog(config, p.constants, scene, watch);
   p.merge = prepare_merge(config);
@@ -119,6 +126,7 @@ void Rows::clear() {
   plane_rows.clear();
   planes.clear();
   plane_of.clear();
+  gradients.clear();
 }
 
 template <class Watch>
@@ -131,6 +139,11 @@ bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::i
     return false;
   }
   deliver(trace, vertices);
+  if (pipeline.has_gradients) {
+    out.gradients.push_back(setup_gradients(pipeline.plane_walk, vertices, watch));
+    deliver(trace, out.gradients.back());
+    if (!pipeline.const_depth_rows) counters.divides_edge += divides_per_gradients;
+  }
   if (pipeline.const_depth_rows) {
     start_plane_walk(pipeline.plane_walk, vertices, walk, watch);
     deliver(trace, walk.record);
@@ -177,6 +190,11 @@ SpanRecord row_to_span(const Pipeline& pipeline, const Rows& rows, std::size_t i
   return span;
 }
 
+const GradientRecord* gradient_of(const Rows& rows, std::int64_t triangle) {
+  const auto found = std::ranges::lower_bound(rows.gradients, triangle, {}, &GradientRecord::triangle);
+  return found == rows.gradients.end() || found->triangle != triangle ? nullptr : &*found;
+}
+
 const PlaneGeometry* geometry_of(const Rows& rows, std::size_t i) {
   return rows.plane_of.empty() ? nullptr : &rows.planes[static_cast<std::size_t>(rows.plane_of[i])];
 }
@@ -200,6 +218,31 @@ void span_to_fragments(const Pipeline& pipeline, const SpanRecord& span, const P
   counters.divides_saved += pipeline.const_depth_rows ? covered : 0;
 }
 
+template <class Watch>
+void fragment_lod(const Pipeline& pipeline, const FragmentRecord& fragment, const Texture* texture,
+                  const GradientRecord* gradient, LodRecord& out, Trace* trace, Watch watch) {
+  if (!pipeline.has_lod) return;
+  const MipChain* chain = pipeline.mip_chains.of(texture);
+  lod(pipeline.lod, fragment, gradient, chain == nullptr ? 1 : static_cast<int>(chain->size()), out, watch);
+  deliver(trace, out);
+}
+
+template <class Watch>
+bool fragment_texture(const Pipeline& pipeline, const FragmentRecord& fragment, const Texture* image,
+                      const LodRecord& lod, TextureRecord& out, Watch watch) {
+  return pipeline.has_lod
+             ? texture(pipeline.texture, pipeline.mip_chains.of(image), fragment, lod, out, watch)
+             : texture(pipeline.texture, image, fragment, out, watch);
+}
+
+void check_draws_rows(const Pipeline& pipeline) {
+  if (!pipeline.has_gradients) return;
+  throw InputError(
+      "lod.mode = gradient takes gradients of a whole triangle, and a row has none; legal: draw triangles, "
+      "or "
+      "lod.mode none, zone_s");
+}
+
 namespace {
 
 // The fragments of one triangle through depth to merge.
@@ -207,6 +250,7 @@ template <class Watch>
 struct FragmentDrawing {
   const Pipeline& pipeline;
   const Texture* image;
+  const GradientRecord* gradient;
   bool back;
   Frame& frame;
   Counters& counters;
@@ -218,6 +262,7 @@ struct FragmentDrawing {
   const bool tests_late = is_late(pipeline.state.depth_when);
   DepthRecord z{};
   StencilRecord stencilled{};
+  LodRecord level{};
   TextureRecord texel{};
   FogRecord fogged{};
   MergeRecord merged{};
@@ -235,7 +280,8 @@ struct FragmentDrawing {
     return passed;
   }
   bool lives(const FragmentRecord& fragment) {
-    const bool alive = texture(pipeline.texture, image, fragment, texel, watch);
+    fragment_lod(pipeline, fragment, image, gradient, level, trace, watch);
+    const bool alive = fragment_texture(pipeline, fragment, image, level, texel, watch);
     deliver(trace, texel);
     if (!alive) ++counters.killed;
     return alive;
@@ -270,10 +316,11 @@ struct FragmentDrawing {
 
 template <class Watch>
 void fragments_to_frame(const Pipeline& pipeline, const Scene& scene,
-                        std::span<const FragmentRecord> fragments, const Surface& surface, Frame& frame,
-                        Counters& counters, Trace* trace, Watch watch) {
+                        std::span<const FragmentRecord> fragments, const Surface& surface,
+                        const GradientRecord* gradient, Frame& frame, Counters& counters, Trace* trace,
+                        Watch watch) {
   FragmentDrawing<Watch> drawing{
-      pipeline, texture_of(scene, surface.texture), surface.back, frame, counters, trace, watch};
+      pipeline, texture_of(scene, surface.texture), gradient, surface.back, frame, counters, trace, watch};
   for (const FragmentRecord& fragment : fragments) {
     if (fragment.covered != 0) drawing.draw(fragment);
   }
@@ -296,7 +343,8 @@ void draw_triangles(const Pipeline& pipeline, const Scene& scene, std::span<cons
       span_to_fragments(pipeline, span, geometry_of(rows, i), fragments, counters, watch);
       deliver(trace, span);
       deliver_all(trace, fragments);
-      fragments_to_frame(pipeline, scene, fragments, surface, frame, counters, trace, watch);
+      fragments_to_frame(pipeline, scene, fragments, surface, gradient_of(rows, index), frame, counters,
+                         trace, watch);
     }
     ++index;
   }
@@ -305,6 +353,7 @@ void draw_triangles(const Pipeline& pipeline, const Scene& scene, std::span<cons
 void row_to_frame(const Pipeline& pipeline, const Scene& scene, const AnyRow& any,
                   const PlaneGeometry* geometry, const Surface& surface, Frame& frame, Counters& counters,
                   Trace* trace) {
+  check_draws_rows(pipeline);
   ++counters.rows;
   if (pipeline.const_depth_rows) --counters.divides_saved;
   SpanRecord span;
@@ -323,7 +372,7 @@ void row_to_frame(const Pipeline& pipeline, const Scene& scene, const AnyRow& an
   std::vector<FragmentRecord> fragments;
   span_to_fragments(pipeline, span, geometry, fragments, counters);
   deliver_all(trace, fragments);
-  fragments_to_frame(pipeline, scene, fragments, surface, frame, counters, trace);
+  fragments_to_frame(pipeline, scene, fragments, surface, nullptr, frame, counters, trace);
 }
 
 std::vector<PlaneRowRecord> plane_rows(const Pipeline& pipeline, const SetupRecord& vertices,
@@ -364,12 +413,16 @@ template void span_to_fragments(const Pipeline&, const SpanRecord&, const PlaneG
                                 std::vector<FragmentRecord>&, Counters&, NoObserve);
 template void span_to_fragments(const Pipeline&, const SpanRecord&, const PlaneGeometry*,
                                 std::vector<FragmentRecord>&, Counters&, Observe);
+template void fragment_lod(const Pipeline&, const FragmentRecord&, const Texture*, const GradientRecord*,
+                           LodRecord&, Trace*, NoObserve);
+template bool fragment_texture(const Pipeline&, const FragmentRecord&, const Texture*, const LodRecord&,
+                               TextureRecord&, NoObserve);
 template void fragments_to_frame(const Pipeline&, const Scene&, std::span<const FragmentRecord>,
-                                 const Surface&, Frame&, Counters&, Trace*, NoObserve);
+                                 const Surface&, const GradientRecord*, Frame&, Counters&, Trace*, NoObserve);
 template void draw_triangles(const Pipeline&, const Scene&, std::span<const Triangle>, std::int64_t,
                              DrawBuffers&, Frame&, Counters&, Trace*, NoObserve);
 template void fragments_to_frame(const Pipeline&, const Scene&, std::span<const FragmentRecord>,
-                                 const Surface&, Frame&, Counters&, Trace*, Observe);
+                                 const Surface&, const GradientRecord*, Frame&, Counters&, Trace*, Observe);
 template void draw_triangles(const Pipeline&, const Scene&, std::span<const Triangle>, std::int64_t,
                              DrawBuffers&, Frame&, Counters&, Trace*, Observe);
 

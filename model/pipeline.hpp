@@ -14,10 +14,12 @@
 #include "engine/engine.hpp"
 #include "engine/records.hpp"
 #include "engine/rows.hpp"
+#include "model/mip_chain.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/depth.hpp"
 #include "model/stages/edge_walk.hpp"
 #include "model/stages/fog.hpp"
+#include "model/stages/lod.hpp"
 #include "model/stages/merge.hpp"
 #include "model/stages/plane_walk.hpp"
 #include "model/stages/setup.hpp"
@@ -38,6 +40,9 @@ struct Pipeline {
   SpanSetupStage span_setup;
   SpanStage span;
   DepthStage depth;
+  bool has_lod = false, has_gradients = false;  // as in config/modes.hpp
+  LodStage lod;
+  MipChains mip_chains;
   TextureStage texture;
   FogStage fog;
   MergeStage merge;
@@ -82,8 +87,9 @@ void check_triangle(const Scene& scene, const Triangle& triangle, std::int64_t i
 struct Rows {
   std::vector<RowRecord> rows;
   std::vector<PlaneRowRecord> plane_rows;
-  std::vector<PlaneGeometry> planes;   // const_depth_rows: one per triangle that has an area
-  std::vector<std::int32_t> plane_of;  // index into planes, one a plane row
+  std::vector<PlaneGeometry> planes;      // const_depth_rows: one per triangle that has an area
+  std::vector<std::int32_t> plane_of;     // index into planes, one a plane row
+  std::vector<GradientRecord> gradients;  // where lod takes them: one per triangle that has an area
   std::size_t size() const { return rows.size() + plane_rows.size(); }
   void clear();
 };
@@ -99,6 +105,8 @@ bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::i
 template <class Watch = NoObserve>
 SpanRecord row_to_span(const Pipeline& pipeline, const Rows& rows, std::size_t i, Counters& counters,
                        Watch watch = {});
+// The gradients of a triangle by its index; null where lod takes none.
+const GradientRecord* gradient_of(const Rows& rows, std::int64_t triangle);
 // The digital line of row i for start_span; null in the other modes.
 const PlaneGeometry* geometry_of(const Rows& rows, std::size_t i);
 // Step two, second half: appends the span's fragments. Counts fragments, covered, divides_pixel,
@@ -107,12 +115,23 @@ template <class Watch = NoObserve>
 void span_to_fragments(const Pipeline& pipeline, const SpanRecord& span, const PlaneGeometry* geometry,
                        std::vector<FragmentRecord>& out, Counters& counters, Watch watch = {});
 
-// Step three: depth to merge of fragments of one triangle, in the order of the draw state. With a trace,
+// lod and texture of a fragment that passed the depth test; texture null for none, gradient as for lod. The
+// record of lod is made and delivered by the first, where textures have mip chains.
+template <class Watch = NoObserve>
+void fragment_lod(const Pipeline& pipeline, const FragmentRecord& fragment, const Texture* texture,
+                  const GradientRecord* gradient, LodRecord& out, Trace* trace, Watch watch = {});
+template <class Watch = NoObserve>
+bool fragment_texture(const Pipeline& pipeline, const FragmentRecord& fragment, const Texture* texture,
+                      const LodRecord& lod, TextureRecord& out, Watch watch = {});
+
+// Step three: depth to merge of fragments of one triangle, in the order of the draw state; gradient as
+// gradient_of gives it. With a trace,
 // appends the records of these stages. Counts masked, stencil_failed, depth_passed, killed, written.
 template <class Watch = NoObserve>
 void fragments_to_frame(const Pipeline& pipeline, const Scene& scene,
-                        std::span<const FragmentRecord> fragments, const Surface& surface, Frame& frame,
-                        Counters& counters, Trace* trace, Watch watch = {});
+                        std::span<const FragmentRecord> fragments, const Surface& surface,
+                        const GradientRecord* gradient, Frame& frame, Counters& counters, Trace* trace,
+                        Watch watch = {});
 
 // Buffers to reuse from triangle to triangle.
 struct DrawBuffers {
@@ -127,6 +146,8 @@ void draw_triangles(const Pipeline& pipeline, const Scene& scene, std::span<cons
                     std::int64_t first_index, DrawBuffers& buffers, Frame& frame, Counters& counters,
                     Trace* trace, Watch watch = {});
 
+// Throws InputError where lod takes gradients: a row that was made elsewhere has no triangle's.
+void check_draws_rows(const Pipeline& pipeline);
 // A row that was made elsewhere, from behind its stage to the frame; geometry: const_depth_rows only, else
 // null. With a trace, appends its record and those behind it. Counts rows, divides_saved, divides_row and
 // what the steps above count.

@@ -135,6 +135,9 @@ std::optional<double> ideal_value(RecordType type, std::string_view field,
   if (field == "z") {
     return f.z;
   }
+  if (type == RecordType::lod) {
+    return field == "lambda" && t->texture >= 0 ? std::optional(f.lambda) : std::nullopt;
+  }
   const auto channel = std::string_view("rgb").find(field);
   const bool is_channel = field.size() == 1 && channel != std::string_view::npos;
   if (type == RecordType::texture && !f.killed) {

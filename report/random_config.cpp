@@ -77,7 +77,7 @@ bool keeps_range(FormatId id) {
 // Formats whose integer bits are fixed by rules between keys.
 bool keeps_integer(FormatId id) {
   return id == FormatId::texture_alpha || id == FormatId::fog_factor || id == FormatId::texture_frac ||
-         id == FormatId::plane_k;
+         id == FormatId::lod_frac || id == FormatId::plane_k;
 }
 
 // How many of the bits of depth.bits a format's integer bits hold.

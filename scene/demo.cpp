@@ -217,13 +217,49 @@ void add_pane(std::vector<Face>& faces, const Vec3& left, const Vec3& right, dou
   add_quad(faces, {left, right, right + up, left + up}, 0, 0, u, v, {color, color, color, color}, texture);
 }
 
-}  // namespace
+Rgba checker_texel(int i, int j) {
+  return (i / 8 + j / 8) % 2 == 0 ? Rgba{240, 240, 240, 255} : Rgba{16, 16, 16, 255};
+}
 
-Scene demo_scene(int width, int height) {
+void check_size(const char* scene, int width, int height) {
   if (width < 1 || height < 1 || width > 16384 || height > 16384 || width > 2.4 * height) {
     throw InputError("size: " + std::to_string(width) + "x" + std::to_string(height) +
-                     " is not legal for the demo; expected 1..16384 pixels, width at most 2.4 times height");
+                     " is not legal for the " + scene +
+                     "; expected 1..16384 pixels, width at most 2.4 times height");
   }
+}
+
+}  // namespace
+
+Scene floor_scene(int width, int height) {
+  check_size("floor", width, height);
+  Scene scene;
+  scene.name = "floor";
+  scene.width = width;
+  scene.height = height;
+  scene.s_min = 1;
+  scene.s_max = 1000;
+  scene.focal = std::max(0.95 * height, 0.65 * width);
+  scene.background = {176, 196, 214};
+  scene.textures = {make_texture("checker.png", 64, 64, checker_texel)};
+  View view;
+  view.width = width;
+  view.height = height;
+  view.focal = scene.focal;
+  view.s_min = scene.s_min;
+  view.s_max = scene.s_max;
+  look_at(view, {0, 7, 0}, {3, 4, -24}, {0, 1, 0});
+  std::vector<Face> faces;
+  const double half = 960, far = -1010;
+  add_quad(faces, {Vec3{-half, 0, 2}, Vec3{half, 0, 2}, Vec3{half, 0, far}, Vec3{-half, 0, far}}, -4 * half,
+           4 * far, 4 * half, 8, {white, white, white, white}, 0);
+  ProjectReport report;
+  project(faces, view, {.cull = true, .clip_sides = true}, scene.triangles, report);
+  return scene;
+}
+
+Scene demo_scene(int width, int height) {
+  check_size("demo", width, height);
   Scene scene;
   scene.name = "demo";
   scene.width = width;

@@ -15,6 +15,11 @@ namespace bitspan {
 // times the height.
 Scene demo_scene(int width, int height);
 
+// Returns a floor of black and white squares, 8 texels each, from below the viewer to the horizon; its
+// texture has a mip chain (64 x 64 texels). Sizes as for the demo. A picture of K times the size shows the
+// same view, so that K x K of its pixels are samples of one pixel.
+Scene floor_scene(int width, int height);
+
 // Returns legal but extreme triangles. Each scene has one theme and is named after it: slivers, one-pixel
 // triangles, outside the screen, touching s_min and s_max, 16384 pixels wide, closed fans that share edges,
 // both windings, flat tops and bottoms, vertices on pixel centres.

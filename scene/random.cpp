@@ -61,11 +61,15 @@ bool Random::chance(double probability) { return unit() < probability; }
 
 namespace {
 
-Texture random_texture(Random& random, int index, int size_max) {
+Texture random_texture(Random& random, int index, int size_max, bool mip_chains) {
   Texture texture;
   texture.name = "random" + std::to_string(index) + ".png";
   texture.width = static_cast<int>(random.integer(1, size_max));
   texture.height = static_cast<int>(random.integer(1, size_max));
+  if (mip_chains) {
+    texture.width = static_cast<int>(std::bit_floor(static_cast<unsigned>(texture.width)));
+    texture.height = static_cast<int>(std::bit_floor(static_cast<unsigned>(texture.height)));
+  }
   const bool has_alpha = random.chance(0.4);
   const bool has_holes = random.chance(0.5);
   const std::size_t texels =
@@ -232,7 +236,7 @@ Scene random_scene(std::uint64_t seed, const RandomOptions& options) {
   }
   const auto textures = random.integer(0, options.textures);
   for (int i = 0; i < textures; ++i)
-    scene.textures.push_back(random_texture(random, i, options.texture_size_max));
+    scene.textures.push_back(random_texture(random, i, options.texture_size_max, options.mip_chains));
   scene.triangles.reserve(static_cast<std::size_t>(options.triangles));
   while (scene.triangles.size() < static_cast<std::size_t>(options.triangles)) {
     const Triangle triangle = random_triangle(random, scene, options);

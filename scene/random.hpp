@@ -36,6 +36,7 @@ struct RandomOptions {
   double uv_limit = 1024;         // |u|, |v| of a vertex, texels
   int textures = 3;               // at most
   int texture_size_max = 64;      // texels
+  bool mip_chains = false;        // textures have sides that are powers of two
   double fog_probability = 0.5;
   double translucent_probability = 0.3;  // of a triangle to have alpha below 1
   double command_probability = 0;        // of a triangle to have a change of draw state or a clear in front

@@ -27,8 +27,14 @@ bool row_unit(const Config& c) { return plane_rows(c) || shares_reciprocal(c.row
 bool linear_depth(const Config& c) { return is_linear_in_distance(c.depth_code); }
 bool linear_fog(const Config& c) { return is_linear_in_distance(c.fog); }
 bool any_fog(const Config& c) { return has_fog(c.fog); }
-// The three users at a pixel take the reciprocal of the same h + B, so they share one unit.
-bool pixel_unit(const Config& c) { return delta_f(c) || linear_depth(c) || linear_fog(c); }
+bool zones(const Config& c) { return has_lod_zones(c); }
+bool gradients(const Config& c) { return has_lod_gradients(c); }
+bool levels(const Config& c) { return has_lod(c); }
+bool two_levels(const Config& c) { return mixes_levels(c.mip); }
+// The users at a pixel take the reciprocal of the same h + B, so they share one unit.
+bool pixel_unit(const Config& c) {
+  return delta_f(c) || linear_depth(c) || linear_fog(c) || zones(c) || gradients(c);
+}
 bool bilinear(const Config& c) {
   switch (c.filter) {
     case TextureFilter::nearest:
@@ -48,10 +54,20 @@ bool nearest(const Config& c) {
   unreachable();
 }
 
+bool two_nearest(const Config& c) { return two_levels(c) && nearest(c); }
+bool two_bilinear(const Config& c) { return two_levels(c) && bilinear(c); }
+bool row_gradients(const Config& c) { return gradients(c) && horizontal(c); }
+
 constexpr std::string_view kAlways = "always";
 constexpr std::string_view kHorizontal = "all modes but const_depth_rows";
 constexpr std::string_view kDda = "edge_walk = dda, all modes but const_depth_rows";
 constexpr std::string_view kPlane = "const_depth_rows";
+constexpr std::string_view kZones = "lod.mode = zone_s";
+constexpr std::string_view kGradients = "lod.mode = gradient, all modes but const_depth_rows";
+constexpr std::string_view kTwoNearest = "texture.mip = linear, texture.filter = nearest";
+constexpr std::string_view kTwoBilinear = "texture.mip = linear, texture.filter = bilinear";
+constexpr std::string_view kPixelUnit =
+    "delta_f, or depth.code = linear, or fog.mode = linear, or lod.mode = zone_s, gradient";
 constexpr std::string_view kEnds = "delta_f, hyperbolic";
 
 template <F id>
@@ -78,6 +94,8 @@ std::vector<RegisterRule> make_rules() {
       rule<F::setup_b>("constants", 1, kAlways, always),
       rule<F::depth_c1>("constants", 1, "depth.code = linear", linear_depth),
       rule<F::depth_c0>("constants", 1, "depth.code = linear", linear_depth),
+      rule<F::distance_a>("constants", 1, kZones, zones),
+      rule<F::lod_k>("constants", max_mip_level, kZones, zones),
       rule<F::fog_scale>("constants", 1, "fog.mode = linear", linear_fog),
 
       // Three vertices wait for one another. s is not needed after h is formed.
@@ -95,6 +113,11 @@ std::vector<RegisterRule> make_rules() {
       rule<F::edge_f_diff>("setup.edge", 2, kHorizontal, horizontal),
       rule<F::edge_f_step>("setup.edge", 6, kHorizontal, horizontal),
       rule<F::edge_shade_step>("setup.edge", 12, kHorizontal, horizontal),
+
+      // plane_walk has these anyway.
+      rule<F::plane_g>("setup.gradient", 6, kGradients, row_gradients),
+      rule<F::plane_h_grad>("setup.gradient", 2, kGradients, row_gradients),
+      rule<F::plane_g_grad>("setup.gradient", 4, kGradients, row_gradients),
 
       // The row has two ends.
       rule<F::edge_x_acc>("edge_walk", 2, kDda, dda),
@@ -134,20 +157,30 @@ std::vector<RegisterRule> make_rules() {
                            [](const Config& c) { return affine(c) || plane_rows(c); }),
       rule<F::span_shade_acc>("span", 4, kAlways, always),
       {"span", "phase", 1, kPlane, plane_rows, phase_word},
-      {"span", "reciprocal.pixel.output", 1, "delta_f, or depth.code = linear, or fog.mode = linear",
-       pixel_unit, pixel_output},
+      {"span", "reciprocal.pixel.output", 1, kPixelUnit, pixel_unit, pixel_output},
       rule<F::span_uv>("span", 2, kAlways, always),
       rule<F::span_shade>("span", 4, kAlways, always),
 
       {"depth", "depth.z", 1, kAlways, always, depth_word},
 
+      rule<F::distance_s>("lod", 1, kZones, zones),
+      rule<F::lod_slope>("lod", 4, "lod.mode = gradient", gradients),
+      rule<F::lod_lambda>("lod", 1, "texture.mip = nearest, linear", levels),
+      rule<F::lod_frac>("lod", 1, "texture.mip = linear", two_levels),
+
       // Three colours and alpha pass: the texel, V1..V4, V5, V6 and V of the filter, and the fragment's own.
       rule<F::texture_frac>("texture", 2, "texture.filter = bilinear", bilinear),
       rule<F::texture_mix>("texture", 3, "texture.filter = nearest", nearest),
       rule<F::texture_mix>("texture", 9, "texture.filter = bilinear", bilinear),
+      // The second level has a filter of its own; then both are mixed.
+      rule<F::texture_frac>("texture", 2, kTwoBilinear, two_bilinear),
+      rule<F::texture_mix>("texture", 6, kTwoNearest, two_nearest),
+      rule<F::texture_mix>("texture", 12, kTwoBilinear, two_bilinear),
       rule<F::texture_color>("texture", 3, kAlways, always),
       rule<F::texture_alpha>("texture", 2, "texture.filter = nearest", nearest),
       rule<F::texture_alpha>("texture", 8, "texture.filter = bilinear", bilinear),
+      rule<F::texture_alpha>("texture", 2, kTwoNearest, two_nearest),
+      rule<F::texture_alpha>("texture", 8, kTwoBilinear, two_bilinear),
 
       rule<F::fog_factor>("fog", 1, "fog.mode = linear, table", any_fog),
       rule<F::fog_color>("fog", 3, kAlways, always),
@@ -185,6 +218,11 @@ class Products {
       setup_edge();
       edge_walk();
       span_setup();
+    }
+    if (row_gradients(c_)) {
+      add("setup.gradient", "u (h + B)", at(F::setup_uv), depth_sum(c_, F::setup_h), 2);
+      add("setup.gradient", "nx(h), ny(h)", at(F::setup_h) - at(F::setup_h), between_coordinates(), 4);
+      add("setup.gradient", "nx(gu), ny(gu)", at(F::plane_g) - at(F::plane_g), between_coordinates(), 8);
     }
     pixel();
     return std::move(list_);
@@ -300,11 +338,29 @@ class Products {
     if (pixel_unit(c_)) inside({"span", "reciprocal.pixel", &c_.pixel_reciprocal});
     if (delta_f(c_)) add("span", "fu m", at(F::span_f), m, 2);
     if (linear_depth(c_)) add("depth", "c1 m", at(F::depth_c1), m, 1);
+    if (zones(c_)) {
+      add("lod", "A' m", at(F::distance_a), m, 1);
+      add("lod", "(s - S_z) k_z", as_signed(at(F::distance_s)), at(F::lod_k), 1);
+    }
+    if (gradients(c_)) {
+      const Grid product = at(F::span_uv) * at(F::plane_h_grad);
+      add("lod", "u h_x, u h_y", at(F::span_uv), at(F::plane_h_grad), 4);
+      add("lod", "(gu_x - u h_x) m", at(F::plane_g_grad) - product, m, 4);
+    }
     if (bilinear(c_)) {
       // a (1 - E) + b E = a + (b - a) E, so V5, V6 and V have one product each.
       add("texture", "(V4 - V1) Ex, (V3 - V2) Ex", kCode - kCode, frac, 6);
       add("texture", "(V6 - V5) Ey", mix - mix, frac, 3);
       add("texture", "the same for alpha", alpha - alpha, frac, 3);
+    }
+    if (two_levels(c_)) {
+      if (bilinear(c_)) {
+        add("texture", "(V4 - V1) Ex, (V3 - V2) Ex of the second level", kCode - kCode, frac, 6);
+        add("texture", "(V6 - V5) Ey of the second level", mix - mix, frac, 3);
+        add("texture", "the same for its alpha", alpha - alpha, frac, 3);
+      }
+      add("texture", "(V_l+1 - V_l) f", mix - mix, at(F::lod_frac), 3);
+      add("texture", "the same for alpha of both", alpha - alpha, at(F::lod_frac), 1);
     }
     add("texture", "V shade", mix, shade, 3);
     add("texture", "V_a shade a", alpha, shade, 1);

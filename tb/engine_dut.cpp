@@ -183,7 +183,8 @@ class DutEngine final : public Engine {
         if (f.x >= 0 && f.x < frame_.width && f.y >= 0 && f.y < frame_.height) row_fragments_.push_back(f);
       }
       from = ends[i];
-      model::fragments_to_frame(pipeline_, *scene_, row_fragments_, batch_.surfaces[i], frame_, counters_,
+      model::fragments_to_frame(pipeline_, *scene_, row_fragments_, batch_.surfaces[i],
+                                model::gradient_of(batch_.rows, spans_[i].triangle), frame_, counters_,
                                 trace);
     }
     // Records that no row asked for; no other engine has them.

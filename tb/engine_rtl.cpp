@@ -127,7 +127,10 @@ class RtlEngine final : public Engine {
       }
       return;
     }
-    model::fragments_to_frame(pipeline_, *scene_, fragments_, surface, frame_, counters_, trace);
+    model::fragments_to_frame(
+        pipeline_, *scene_, fragments_, surface,
+        fragments_.empty() ? nullptr : model::gradient_of(batch_.rows, fragments_.front().triangle), frame_,
+        counters_, trace);
   }
 
   struct LastSpan {

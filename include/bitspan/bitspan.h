@@ -71,7 +71,9 @@ enum {
   BS_STAGE_MERGE = 11,         /* per pixel written */
   BS_STAGE_STATE = 12,         /* per change of draw state */
   BS_STAGE_STENCIL = 13,       /* per pixel that comes to the stencil test */
-  BS_STAGE_MERGE_ALPHA = 14    /* per pixel written whose stored alpha may change */
+  BS_STAGE_MERGE_ALPHA = 14,   /* per pixel written whose stored alpha may change */
+  BS_STAGE_SETUP_GRADIENT = 15, /* per triangle that has an area; lod.mode = gradient */
+  BS_STAGE_LOD = 16            /* per pixel that comes to the texture; texture.mip other than none */
 };
 
 /* The planes of a picture: `height` rows of `width` elements, from the top. */

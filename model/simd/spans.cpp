@@ -35,6 +35,7 @@ SpanKernels<std::int64_t> span_kernels(VectorTarget target) {
 }
 
 const char* spans_refusal(const Config& config) {
+  if (has_lod(config)) return "texture.mip is not in lanes";
   const auto of = [&](FormatId id) { return signed_grid(config.format(id)); };
   return !has_plane_rows(config.perspective) && (of(FormatId::span_h) + of(FormatId::setup_b)).bits() > 63
              ? "h + B needs more than 63 bits"

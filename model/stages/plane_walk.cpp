@@ -38,6 +38,43 @@ Gradient gradient(const Geometry& g, const Values& w) {
           (w[2] - w[0]) * (g.x[1] - g.x[0]) - (w[1] - w[0]) * (g.x[2] - g.x[0])};
 }
 
+template <class Watch>
+void put(const Geometry& g, const Values& w, const Register& r, Watch watch, std::int64_t& x,
+         std::int64_t& y) {
+  const Gradient n = gradient(g, w);
+  x = quantize_ratio(n.nx, g.area, r, watch);
+  y = quantize_ratio(n.ny, g.area, r, watch);
+}
+
+template <class Watch>
+GradientRecord gradients_of(const PlaneWalkStage& stage, const SetupRecord& setup,
+                            const std::array<SetupVertex, 3>& v, const Geometry& g, Watch watch) {
+  GradientRecord out;
+  out.triangle = setup.triangle;
+  Values h;
+  std::array<std::array<std::int64_t, 2>, 3> numerators{};  // gu, gv of each vertex, raw
+  for (std::size_t i = 0; i < 3; ++i) {
+    h[i] = value_of(v[i].h, stage.vertex_h);
+    const Exact q = h[i] + stage.b;
+    numerators[i] = {quantize(value_of(v[i].u, stage.vertex_uv) * q, stage.g, watch),
+                     quantize(value_of(v[i].v, stage.vertex_uv) * q, stage.g, watch)};
+  }
+  out.gu0 = numerators[0][0];
+  out.gv0 = numerators[0][1];
+  out.gu1 = numerators[1][0];
+  out.gv1 = numerators[1][1];
+  out.gu2 = numerators[2][0];
+  out.gv2 = numerators[2][1];
+  const auto numerator = [&](std::size_t i) {
+    return Values{value_of(numerators[0][i], stage.g), value_of(numerators[1][i], stage.g),
+                  value_of(numerators[2][i], stage.g)};
+  };
+  put(g, h, stage.h_grad, watch, out.h_x, out.h_y);
+  put(g, numerator(0), stage.g_grad, watch, out.gu_x, out.gu_y);
+  put(g, numerator(1), stage.g_grad, watch, out.gv_x, out.gv_y);
+  return out;
+}
+
 Exact magnitude(Exact a) { return a.raw < 0 ? -a : a; }
 
 // Pixels n of column m for which (m, n) is covered and in the viewport: first..last, empty where first >
@@ -166,6 +203,12 @@ PlaneWalkStage prepare_plane_walk(const Config& config, const Constants& constan
 }
 
 template <class Watch>
+GradientRecord setup_gradients(const PlaneWalkStage& stage, const SetupRecord& setup, Watch watch) {
+  const std::array<SetupVertex, 3> v{vertex_of(setup, 0), vertex_of(setup, 1), vertex_of(setup, 2)};
+  return gradients_of(stage, setup, v, geometry_of(v, stage.subpixel_bits), watch);
+}
+
+template <class Watch>
 void start_plane_walk(const PlaneWalkStage& stage, const SetupRecord& setup, PlaneWalkState& state,
                       Watch watch) {
   const std::array<SetupVertex, 3> v{vertex_of(setup, 0), vertex_of(setup, 1), vertex_of(setup, 2)};
@@ -175,38 +218,26 @@ void start_plane_walk(const PlaneWalkStage& stage, const SetupRecord& setup, Pla
   out = {};
   out.triangle = setup.triangle;
 
-  const auto put = [&](const Values& w, const Register& r, std::int64_t& x, std::int64_t& y) {
-    const Gradient n = gradient(g, w);
-    x = quantize_ratio(n.nx, g.area, r, watch);
-    y = quantize_ratio(n.ny, g.area, r, watch);
-  };
-  Values h;
-  std::array<std::array<std::int64_t, 2>, 3> numerators{};  // gu, gv of each vertex, raw
-  for (std::size_t i = 0; i < 3; ++i) {
-    h[i] = value_of(v[i].h, stage.vertex_h);
-    const Exact q = h[i] + stage.b;
-    numerators[i] = {quantize(value_of(v[i].u, stage.vertex_uv) * q, stage.g, watch),
-                     quantize(value_of(v[i].v, stage.vertex_uv) * q, stage.g, watch)};
-  }
-  out.gu0 = numerators[0][0];
-  out.gv0 = numerators[0][1];
-  out.gu1 = numerators[1][0];
-  out.gv1 = numerators[1][1];
-  out.gu2 = numerators[2][0];
-  out.gv2 = numerators[2][1];
-  const auto numerator = [&](std::size_t i) {
-    return Values{value_of(numerators[0][i], stage.g), value_of(numerators[1][i], stage.g),
-                  value_of(numerators[2][i], stage.g)};
-  };
-  put(h, stage.h_grad, out.h_x, out.h_y);
-  put(numerator(0), stage.g_grad, out.gu_x, out.gu_y);
-  put(numerator(1), stage.g_grad, out.gv_x, out.gv_y);
+  const GradientRecord of_texture = gradients_of(stage, setup, v, g, watch);
+  out.gu0 = of_texture.gu0;
+  out.gv0 = of_texture.gv0;
+  out.gu1 = of_texture.gu1;
+  out.gv1 = of_texture.gv1;
+  out.gu2 = of_texture.gu2;
+  out.gv2 = of_texture.gv2;
+  out.h_x = of_texture.h_x;
+  out.h_y = of_texture.h_y;
+  out.gu_x = of_texture.gu_x;
+  out.gu_y = of_texture.gu_y;
+  out.gv_x = of_texture.gv_x;
+  out.gv_y = of_texture.gv_y;
   for (std::size_t c = 0; c < channel_count; ++c) {
     const auto at = [&](std::size_t i) { return value_of(v[i].c[c], stage.vertex_shade); };
-    put({at(0), at(1), at(2)}, stage.shade_grad, out.*plane_x[c], out.*plane_y[c]);
+    put(g, {at(0), at(1), at(2)}, stage.shade_grad, watch, out.*plane_x[c], out.*plane_y[c]);
   }
 
-  const Gradient n = gradient(g, h);
+  const Gradient n = gradient(g, {value_of(v[0].h, stage.vertex_h), value_of(v[1].h, stage.vertex_h),
+                                  value_of(v[2].h, stage.vertex_h)});
   const bool along_y = sign_of(magnitude(n.nx) - magnitude(n.ny)) > 0;
   const Exact over = along_y ? n.nx : n.ny;
   out.major = along_y ? 1 : 0;
@@ -292,6 +323,8 @@ bool plane_walk(const PlaneWalkStage& stage, PlaneWalkState& state, PlaneRowReco
   return true;
 }
 
+template GradientRecord setup_gradients(const PlaneWalkStage&, const SetupRecord&, NoObserve);
+template GradientRecord setup_gradients(const PlaneWalkStage&, const SetupRecord&, Observe);
 template void start_plane_walk(const PlaneWalkStage&, const SetupRecord&, PlaneWalkState&, NoObserve);
 template void start_plane_walk(const PlaneWalkStage&, const SetupRecord&, PlaneWalkState&, Observe);
 template bool plane_walk(const PlaneWalkStage&, PlaneWalkState&, PlaneRowRecord&, NoObserve);

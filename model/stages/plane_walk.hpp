@@ -16,6 +16,8 @@ namespace bitspan::model {
 
 // Divisions per plane: two gradients of h, gu, gv and the four shades, and k.
 inline constexpr std::uint64_t divides_per_plane = 15;
+// Divisions of setup_gradients: two each of h, gu and gv.
+inline constexpr std::uint64_t divides_per_gradients = 6;
 
 struct PlaneWalkStage {
   std::int64_t width = 0, height = 0;  // of the viewport, pixels
@@ -51,6 +53,10 @@ struct PlaneWalkState {
   std::vector<Run> runs;  // by row - row_begin
 };
 inline bool finished(const PlaneWalkState& state) { return state.row >= state.row_end; }
+
+// The gradients that the level of detail takes, in every mode; docs/numeric-spec.md, "Gradients".
+template <class Watch = NoObserve>
+GradientRecord setup_gradients(const PlaneWalkStage& stage, const SetupRecord& setup, Watch watch = {});
 
 // Gradients, and the rows' extents. The record is always delivered, also where no pixel is covered.
 template <class Watch = NoObserve>

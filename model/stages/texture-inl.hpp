@@ -136,10 +136,10 @@ HWY_INLINE ValueOf<Int> blend(ValueOf<Int> a, ValueOf<Int> b, ValueOf<Int> e, in
   return quantize(Int(a) * (one - Int(e)) + Int(b) * Int(e), fraction + e_fraction, r, watch);
 }
 
+// Where a fragment looks and what it finds there, its colour apart; fraction: of u and v.
 template <class Int, class Image, class Watch>
-HWY_INLINE Textured<ValueOf<Int>> textured(const TextureStage& stage, const Image& image, ValueOf<Int> u,
-                                           ValueOf<Int> v, const std::array<ValueOf<Int>, 4>& shade,
-                                           Watch watch) {
+HWY_INLINE Textured<ValueOf<Int>> sampled(const TextureStage& stage, const Image& image, ValueOf<Int> u,
+                                          ValueOf<Int> v, int fraction, Watch watch) {
   using V = ValueOf<Int>;
   Textured<V> out;
   out.i = out.j = out.ex = out.ey = V(0);
@@ -148,7 +148,6 @@ HWY_INLINE Textured<ValueOf<Int>> textured(const TextureStage& stage, const Imag
     const V full = as_value<Int>(quantize(V(255), 0, stage.mix, watch));
     out.texel = {full, full, full, as_value<Int>(quantize(V(1), 0, stage.alpha, watch))};
   } else {
-    const int fraction = stage.uv.fraction;
     const bool reserved = stage.transparent && image.may_be_reserved();
     const TextureFilter filter = image.filter(stage);
     V nearest_word(0);
@@ -205,6 +204,14 @@ HWY_INLINE Textured<ValueOf<Int>> textured(const TextureStage& stage, const Imag
       }
     }
   }
+  return out;
+}
+
+// The product with the fragment's colour.
+template <class Int, class Watch>
+HWY_INLINE void colour(const TextureStage& stage, const std::array<ValueOf<Int>, 4>& shade,
+                       Textured<ValueOf<Int>>& out, Watch watch) {
+  using V = ValueOf<Int>;
   for (std::size_t c = 0; c < 4; ++c) {
     const Register& from = c < 3 ? stage.mix : stage.alpha;
     const Register& to = c < 3 ? stage.color : stage.alpha;
@@ -212,6 +219,14 @@ HWY_INLINE Textured<ValueOf<Int>> textured(const TextureStage& stage, const Imag
         quantize(Int(out.texel[c]) * Int(shade[c]), from.fraction + stage.shade.fraction, to, watch);
   }
   out.killed = out.killed | (out.color[3] == V(0));
+}
+
+template <class Int, class Image, class Watch>
+HWY_INLINE Textured<ValueOf<Int>> textured(const TextureStage& stage, const Image& image, ValueOf<Int> u,
+                                           ValueOf<Int> v, const std::array<ValueOf<Int>, 4>& shade,
+                                           Watch watch) {
+  Textured<ValueOf<Int>> out = sampled<Int>(stage, image, u, v, stage.uv.fraction, watch);
+  colour<Int>(stage, shade, out, watch);
   return out;
 }
 

@@ -3,12 +3,15 @@
 // docs/numeric-spec.md, "texture" (T3, T4, T5).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
 
 #include "config/config.hpp"
+#include "config/modes.hpp"
 #include "engine/records.hpp"
+#include "model/mip_chain.hpp"
 #include "model/numeric/integers.hpp"
 #include "model/numeric/quantize.hpp"
 #include "scene/scene.hpp"
@@ -25,6 +28,8 @@ struct TextureStage {
   Register frac, mix, color, alpha;
   CompareFunc alpha_func = CompareFunc::always;
   int alpha_ref = 0;
+  bool mixes_levels = false;
+  Register share;  // of the coarser level
   bool operator==(const TextureStage&) const = default;
 };
 constexpr TextureStage prepare_texture(const Config& config) {
@@ -47,8 +52,20 @@ constexpr TextureStage prepare_texture(const Config& config) {
   const Grid shade = signed_grid(config.format(FormatId::span_shade));
   // u - 1/2, and its floor plus one.
   const Grid below = signed_grid(config.format(FormatId::span_uv)) - Grid{0, 1, true};
-  s.fits_int64 = mixes(integer_grid(8)) && mixes(mix) && mixes(alpha) && fits_int64(mix * shade) &&
-                 fits_int64(alpha * shade) && fits_int64(below);
+  s.mixes_levels = mixes_levels(config.mip);
+  s.share = make_register(config, FormatId::lod_frac);
+  bool levels_fit = true;
+  if (has_lod(config)) {
+    const Grid level = signed_grid(config.format(FormatId::lod_frac));
+    const Grid rest_of_level = integer_grid(1) - level;
+    const Format& uv = config.format(FormatId::span_uv);
+    // u - 1/2 on the grid of u 2^-l.
+    levels_fit = fits_int64(mix * rest_of_level + mix * level) &&
+                 fits_int64(alpha * rest_of_level + alpha * level) &&
+                 std::max(uv.word, uv.fraction() + max_mip_level) + 2 <= 63;
+  }
+  s.fits_int64 = levels_fit && mixes(integer_grid(8)) && mixes(mix) && mixes(alpha) &&
+                 fits_int64(mix * shade) && fits_int64(alpha * shade) && fits_int64(below);
   return s;
 }
 
@@ -56,5 +73,9 @@ constexpr TextureStage prepare_texture(const Config& config) {
 template <class Watch = NoObserve>
 bool texture(const TextureStage& stage, const Texture* image, const FragmentRecord& fragment,
              TextureRecord& out, Watch watch = {});
+// The same from the levels of the texture's chain that lod has chosen; chain null for no texture.
+template <class Watch = NoObserve>
+bool texture(const TextureStage& stage, const MipChain* chain, const FragmentRecord& fragment,
+             const LodRecord& lod, TextureRecord& out, Watch watch = {});
 
 }  // namespace bitspan::model

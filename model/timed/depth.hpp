@@ -3,6 +3,7 @@
 // fragment back while an earlier one of its pixel is on its way to merge.
 #pragma once
 
+#include "model/timed/lod.hpp"
 #include "model/timed/run.hpp"
 #include "model/timed/traffic.hpp"
 
@@ -21,8 +22,10 @@ inline bool depth_values(Run& run, FragmentItem& item) {
   const std::uint32_t stored = run.frame.depth[run.pixel(item.fragment)];
   const bool passed = model::depth(run.pipeline.depth, item.fragment, stored, item.depth);
   deliver(run.trace, item.depth);
-  if (passed) ++run.counters.depth_passed;
-  return passed;
+  if (!passed) return false;
+  ++run.counters.depth_passed;
+  lod_values(run, item);
+  return true;
 }
 
 class DepthStage : public PipeStage<FragmentItem> {

@@ -32,6 +32,7 @@ struct FragmentItem {
   int texture = -1;
   FragmentRecord fragment;
   DepthRecord depth;
+  LodRecord lod;
   TextureRecord texel;
   FogRecord fog;
 };

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <deque>
 #include <limits>
 #include <string_view>
 #include <vector>
@@ -33,7 +34,8 @@ struct Run {
   Frame frame;
   double uv_ulp;  // the value of 1 in a fragment's u and v
   Counters counters;
-  Trace* trace = nullptr;  // of the draw under way; may be null
+  Trace* trace = nullptr;                // of the draw under way; may be null
+  std::deque<GradientRecord> gradients;  // where lod takes them: of the triangles between setup and depth
   Pool<TriangleItem> triangles;
   Pool<RowItem> rows;
   Pool<FragmentItem> fragments;

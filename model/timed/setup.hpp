@@ -17,6 +17,11 @@ inline bool setup_values(Run& run, TriangleItem& item) {
     return false;
   }
   deliver(run.trace, item.setup);
+  if (run.pipeline.has_gradients) {
+    run.gradients.push_back(model::setup_gradients(run.pipeline.plane_walk, item.setup));
+    deliver(run.trace, run.gradients.back());
+    if (!run.pipeline.const_depth_rows) counters.divides_edge += model::divides_per_gradients;
+  }
   if (run.pipeline.const_depth_rows) return true;
   item.edges = model::setup_edges(run.pipeline.setup, item.setup);
   counters.divides_edge += static_cast<std::uint64_t>(item.edges.count) *

@@ -107,8 +107,8 @@ struct Pipe : Part {
   std::vector<Entry> entries;  // record n at n & mask
   std::uint64_t mask = 0;
   std::uint64_t entered = 0, left = 0;
-  std::uint32_t asks = 0;  // of the newest record, still to be put: as in FragmentWork
-  std::array<Request, 4> requests;
+  std::uint32_t asks = 0;           // of the newest record, still to be put: as in FragmentWork
+  std::array<Request, 8> requests;  // of two levels, four texels each
 
   std::uint64_t inside() const { return entered - left; }
   bool idle() const { return in.size() == 0 && inside() == 0 && asks == 0; }

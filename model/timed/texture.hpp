@@ -9,7 +9,8 @@ namespace bitspan::timed {
 
 // The values of texture, for both modes; false where the fragment is killed.
 inline bool texture_values(Run& run, FragmentItem& item) {
-  const bool lives = model::texture(run.pipeline.texture, run.image(item), item.fragment, item.texel);
+  const bool lives =
+      model::fragment_texture(run.pipeline, item.fragment, run.image(item), item.lod, item.texel);
   deliver(run.trace, item.texel);
   if (!lives) ++run.counters.killed;
   return lives;
@@ -28,7 +29,7 @@ class TextureStage : public PipeStage<FragmentItem> {
  private:
   bool enters(FragmentItem& item) override {
     const bool lives = texture_values(run_, item);
-    for (int n = traffic_.misses(item.texture, item.fragment.u, item.fragment.v); n > 0; --n)
+    for (int n = traffic_.misses(item.texture, item.fragment.u, item.fragment.v, item.lod); n > 0; --n)
       ask_read(line_bytes_);
     return lives;
   }

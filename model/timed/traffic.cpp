@@ -23,29 +23,44 @@ TextureTraffic::TextureTraffic(const Run& run)
                 .wrap = run.config.wrap};
   };
   std::uint64_t next = 0;
-  for (const Texture& texture : run.scene.textures) {
-    images_.push_back({axis(texture.width), axis(texture.height), next, texture.format});
+  const auto place = [&](const Texture& texture, int level) {
+    images_.push_back({axis(texture.width), axis(texture.height), next, texture.format, level});
     next += (byte_count(texture) + line - 1) / line * line;
+  };
+  const auto& chains = run.pipeline.mip_chains.all();
+  for (std::size_t i = 0; i < run.scene.textures.size(); ++i) {
+    first_of_.push_back(images_.size());
+    if (chains.empty()) {
+      place(run.scene.textures[i], 0);
+    } else {
+      for (std::size_t level = 0; level < chains[i].size(); ++level)
+        place(chains[i][level], static_cast<int>(level));
+    }
   }
 }
 
-int TextureTraffic::misses(int texture, std::int64_t u, std::int64_t v) {
+int TextureTraffic::misses(int texture, std::int64_t u, std::int64_t v, const LodRecord& lod) {
   if (texture < 0) return 0;
-  const Image& image = images_[static_cast<std::size_t>(texture)];
-  const std::int64_t i = texel(u);
-  const std::int64_t j = texel(v);
+  const auto at = first_of_[static_cast<std::size_t>(texture)] + static_cast<std::size_t>(lod.level);
+  const int own = misses(images_[at], u, v);
+  return lod.f == 0 ? own : own + misses(images_[at + 1], u, v);
+}
+
+int TextureTraffic::misses(const Image& image, std::int64_t u, std::int64_t v) {
+  const std::int64_t i = texel(u, image.level);
+  const std::int64_t j = texel(v, image.level);
   const std::int64_t i0 = image.across.wrapped(i);
   const std::int64_t j0 = image.down.wrapped(j);
-  int count = misses(image, i0, j0) ? 1 : 0;
+  int count = misses_texel(image, i0, j0) ? 1 : 0;
   switch (filter_) {
     case TextureFilter::nearest:
       break;
     case TextureFilter::bilinear: {
       const std::int64_t i1 = image.across.wrapped(i + 1);
       const std::int64_t j1 = image.down.wrapped(j + 1);
-      count += misses(image, i1, j0) ? 1 : 0;
-      count += misses(image, i0, j1) ? 1 : 0;
-      count += misses(image, i1, j1) ? 1 : 0;
+      count += misses_texel(image, i1, j0) ? 1 : 0;
+      count += misses_texel(image, i0, j1) ? 1 : 0;
+      count += misses_texel(image, i1, j1) ? 1 : 0;
       break;
     }
   }

@@ -32,8 +32,9 @@ class DepthTraffic {
 class TextureTraffic {
  public:
   explicit TextureTraffic(const Run& run);
-  // The lines to fetch for a fragment that comes to texture, 0..4; texture: -1 for none, u and v raw.
-  int misses(int texture, std::int64_t u, std::int64_t v);
+  // The lines to fetch for a fragment that comes to texture, 0..4 per level; texture: -1 for none, u and v
+  // raw. Without mip chains `lod` is not read.
+  int misses(int texture, std::int64_t u, std::int64_t v, const LodRecord& lod);
   const Cache& cache() const { return cache_; }
 
  private:
@@ -68,19 +69,21 @@ class TextureTraffic {
     Axis across, down;
     std::uint64_t base = 0;  // byte address
     TexelFormat format = TexelFormat::rgba8888;
+    int level = 0;
   };
-  bool misses(const Image& image, std::int64_t i, std::int64_t j) {
+  int misses(const Image& image, std::int64_t u, std::int64_t v);
+  bool misses_texel(const Image& image, std::int64_t i, std::int64_t j) {
     if (i < 0 || j < 0) return false;
     if (image.format != TexelFormat::rgba8888) {
       return !cache_.access(image.base + block_at(image.format, static_cast<int>(image.across.size), i, j));
     }
     return !cache_.access(image.base + static_cast<std::uint64_t>(j * image.across.size + i) * color_bytes);
   }
-  // floor(raw 2^-fraction - 1/2) where the filter weighs texels, else floor(raw 2^-fraction)
-  std::int64_t texel(std::int64_t raw) const {
-    if (shift_ >= 0) return (raw - half_) >> shift_;
-    return static_cast<std::int64_t>(
-        model::floor_of(model::Exact{raw, fraction_} - model::Exact{weighs_texels(filter_) ? 1 : 0, 1}));
+  // Of x = raw 2^-(fraction + level): floor(x - 1/2) where the filter weighs texels, else floor(x).
+  std::int64_t texel(std::int64_t raw, int level) const {
+    if (shift_ >= 0 && level == 0) return (raw - half_) >> shift_;
+    return static_cast<std::int64_t>(model::floor_of(model::Exact{raw, fraction_ + level} -
+                                                     model::Exact{weighs_texels(filter_) ? 1 : 0, 1}));
   }
 
   TextureFilter filter_;
@@ -88,7 +91,8 @@ class TextureTraffic {
   int shift_ = -1;  // fraction_, where 64 bits are enough
   std::int64_t half_ = 0;
   Cache cache_;
-  std::vector<Image> images_;
+  std::vector<Image> images_;          // each texture, with a mip chain each of its levels
+  std::vector<std::size_t> first_of_;  // by texture
 };
 
 // merge: reads the stored colour where the fragment blends, writes colour and depth code.

@@ -213,7 +213,7 @@ class Workload::Batch final : model::BlockSink<std::int64_t> {
         lives = model::texture(run_.pipeline.texture, image, fragment, texel);
         needs = workload_.merge_traffic_.needs(run_.pipeline, texel.a);
       }
-      workload_.add_texture(pixel, texture, block.u[k], block.v[k], lives);
+      workload_.add_texture(pixel, texture, block.u[k], block.v[k], {}, lives);
       if (lives) workload_.add_merge(pixel, needs);
     }
     shade_kernels_.shade(run_.pipeline, plan_, texture, block, store_depth, run_.frame, run_.counters,
@@ -344,17 +344,18 @@ void Workload::make_fragment(FragmentItem& item) {
   of(Stage::depth).push(work);
   if (!work.kept) return;
   const bool lives = texture_values(run_, item);
-  add_texture(work.pixel, item.texture, item.fragment.u, item.fragment.v, lives);
+  add_texture(work.pixel, item.texture, item.fragment.u, item.fragment.v, item.lod, lives);
   if (!lives) return;
   fog_values(run_, item);
   add_merge(work.pixel, merge_traffic_.needs(run_.pipeline, item.texel.a));
   merge_values(run_, item);
 }
 
-void Workload::add_texture(std::size_t pixel, int texture, std::int64_t u, std::int64_t v, bool lives) {
+void Workload::add_texture(std::size_t pixel, int texture, std::int64_t u, std::int64_t v,
+                           const LodRecord& lod, bool lives) {
   FragmentWork work;
   work.pixel = static_cast<std::uint32_t>(pixel);
-  work.asks = static_cast<std::uint8_t>((1U << texture_traffic_.misses(texture, u, v)) - 1);
+  work.asks = static_cast<std::uint8_t>((1U << texture_traffic_.misses(texture, u, v, lod)) - 1);
   work.kept = lives;
   of(Stage::texture).push(work);
 }

@@ -105,7 +105,8 @@ class Workload {
   void make_fragments();
   void make_fragment(FragmentItem& item);
   // Add the work of a fragment that passed the depth test.
-  void add_texture(std::size_t pixel, int texture, std::int64_t u, std::int64_t v, bool lives);
+  void add_texture(std::size_t pixel, int texture, std::int64_t u, std::int64_t v, const LodRecord& lod,
+                   bool lives);
   void add_merge(std::size_t pixel, MergeTraffic::Needs needs);
 
   Run& run_;

@@ -18,6 +18,7 @@ std::vector<Config> row_reciprocal_variants();
 std::vector<Config> pixel_reciprocal_variants();
 std::vector<Config> depth_variants();    // codes, widths, rounding and overflow of the depth buffer
 std::vector<Config> shading_variants();  // texture and fog
+std::vector<Config> mip_variants();      // levels of textures
 std::vector<Config> format_variants();   // rounding and overflow of every format
 std::vector<Config> timing_variants();   // latencies, intervals, FIFOs and memory: clocks only
 

@@ -102,6 +102,17 @@ TEST(Frozen, RowReciprocal) { check_variants("row_reciprocal", row_reciprocal_va
 TEST(Frozen, PixelReciprocal) { check_variants("pixel_reciprocal", pixel_reciprocal_variants()); }
 TEST(Frozen, Depth) { check_variants("depth", depth_variants()); }
 TEST(Frozen, Shading) { check_variants("shading", shading_variants()); }
+// On textures with chains.
+TEST(Frozen, Mip) {
+  DigestFile file("mip");
+  const std::vector<Scene> scenes{floor_scene(96, 72), spot_scene(96, 72)};
+  for (const Scene& scene : scenes) check_scene_section(file, scene);
+  for (const Config& config : mip_variants()) {
+    check_config_section(file, config);
+    for (const Scene& scene : scenes) check_case(file, config, scene, ClockedBy::both);
+  }
+  file.finish();
+}
 TEST(Frozen, Formats) { check_variants("formats", format_variants()); }
 TEST(Frozen, Timing) { check_variants("timing", timing_variants(), What::clocks); }
 

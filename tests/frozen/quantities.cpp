@@ -168,11 +168,15 @@ void expect_equal_results(Equality& equality, const char* who, const Engine& got
   expect_equal_counters(equality, who, got.counters(), expected.counters());
 }
 
-// Takes all registers, in the order of their names.
+// Takes the registers in the order of their names: all that every file gives, and the others where they saw a
+// value.
 std::string digest_of_statistics(const model::Statistics& statistics) {
   std::map<std::string, const model::FieldStatistics*> by_name;
   for (int i = 0; i < model::register_count; ++i) {
     const auto id = static_cast<model::RegisterId>(i);
+    const bool by_default = i < format_count && !std::holds_alternative<std::monostate>(
+                                                    format_defaults[static_cast<std::size_t>(i)]);
+    if (by_default && statistics.of(id).count == 0) continue;
     by_name.emplace(model::name_of(id), &statistics.of(id));
   }
   Fnv128 digest;

@@ -16,6 +16,7 @@ _Static_assert(BS_STAGE_CONSTANTS == 0 && BS_STAGE_SETUP == 1 && BS_STAGE_SETUP_
 _Static_assert(BS_STAGE_EDGE_WALK == 3 && BS_STAGE_PLANE_WALK == 4 && BS_STAGE_PLANE_WALK_ROW == 5, "stage");
 _Static_assert(BS_STAGE_SPAN_SETUP == 6 && BS_STAGE_SPAN == 7 && BS_STAGE_DEPTH == 8, "stage");
 _Static_assert(BS_STAGE_TEXTURE == 9 && BS_STAGE_FOG == 10 && BS_STAGE_MERGE == 11, "stage");
+_Static_assert(BS_STAGE_SETUP_GRADIENT == 12 && BS_STAGE_LOD == 13, "stage");
 _Static_assert(BS_PLANE_COLOR == 0 && BS_PLANE_DEPTH == 1 && BS_PLANE_U == 2 && BS_PLANE_V == 3, "plane");
 _Static_assert(BS_PLANE_TRIANGLE == 4, "plane");
 _Static_assert(BS_I64 == 0 && BS_U8 == 1 && BS_U32 == 2 && BS_I32 == 3 && BS_F64 == 4, "element");
@@ -55,7 +56,7 @@ static void check_names(void) {
                                       "depth",      "texture",        "fog",        "merge"};
   const int32_t count = (int32_t)(sizeof names / sizeof *names);
   for (int32_t i = 0; i < count; ++i) expect(strcmp(bs_stage_name(i), names[i]) == 0, names[i]);
-  expect(count == BS_STAGE_MERGE + 1 && bs_stage_name(count) == NULL, "every stage has its name here");
+  expect(count == BS_STAGE_LOD + 1 && bs_stage_name(count) == NULL, "every stage has its name here");
 }
 
 int main(void) {

@@ -40,6 +40,7 @@ inline Config plain_config() {
   c.format(FormatId::depth_c1) = {62, 42, true, Rounding::rnd, Overflow::sat, false};  // about hmax^2
   c.format(FormatId::plane_k) = {22, 2, true, Rounding::rnd, Overflow::sat, false};
   c.format(FormatId::texture_frac) = {8, 0, false, Rounding::trn, Overflow::sat, false};
+  is_unsigned(FormatId::lod_frac, 8, 0);
   is_unsigned(FormatId::texture_mix, 12, 8);
   is_unsigned(FormatId::texture_color, 12, 8);
   is_unsigned(FormatId::texture_alpha, 11, 1);

@@ -12,6 +12,7 @@
 
 #include "config/check.hpp"
 #include "config/keys.hpp"
+#include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 #include "engine/emit_sv.hpp"
 #include "golden/ideal.hpp"
@@ -23,7 +24,7 @@
 namespace bitspan {
 namespace {
 
-Scene small_scene() {
+Scene small_scene(bool mip_chains = false) {
   RandomOptions options;
   options.width = 40;
   options.height = 30;
@@ -32,6 +33,7 @@ Scene small_scene() {
   options.depth_ratio_max = 50;
   options.uv_limit = 60;
   options.fog_probability = 1;
+  options.mip_chains = mip_chains;
   Scene scene = random_scene(4, options);
   for (Triangle& t : scene.triangles) t.texture = 0;
   // Edges through pixel centres, of which the fill rule decides.
@@ -101,20 +103,23 @@ bool differ(const std::optional<Outcome>& a, const std::optional<Outcome>& b) {
 
 using Measure = std::function<std::optional<Outcome>(const Config&)>;
 
-std::optional<Outcome> ideal_of(const Config& c) {
-  static const Scene scene = small_scene();
-  return outcome(*make_ideal(c), scene, true);
+// Textures that a chain wants, where there are chains.
+const Scene& scene_for(const Config& c) {
+  static const Scene plain = small_scene();
+  static const Scene chains = small_scene(true);
+  return has_lod(c) ? chains : plain;
 }
+
+std::optional<Outcome> ideal_of(const Config& c) { return outcome(*make_ideal(c), scene_for(c), true); }
 std::optional<Outcome> values_of(const Config& c) {
-  static const Scene scene = small_scene();
-  return outcome(*make_model(c, {.form = ModelForm::scalar}), scene, true);
+  return outcome(*make_model(c, {.form = ModelForm::scalar}), scene_for(c), true);
 }
 // The clocks alone, of two scenes.
 std::optional<Outcome> clocks_of(const Config& c) {
-  static const std::array scenes{small_scene(), specks()};
+  static const Scene none_covered = specks();
   Outcome out;
-  for (const Scene& scene : scenes) {
-    const auto found = outcome(*make_systemc(c, {.mode = TimedMode::span}), scene, false);
+  for (const Scene* scene : {&scene_for(c), has_lod(c) ? &scene_for(c) : &none_covered}) {
+    const auto found = outcome(*make_systemc(c, {.mode = TimedMode::span}), *scene, false);
     if (!found) return std::nullopt;
     out.cycles = (out.cycles << 32) + found->cycles;
   }
@@ -186,6 +191,15 @@ std::vector<Config> bases() {
       EXPECT_FALSE(first_violation(c).has_value()) << first_violation(c)->key << first_violation(c)->text;
       out.push_back(c);
     }
+  }
+  // Levels of textures, at the end: what the others show stays theirs.
+  for (const LodMode lod : {LodMode::none, LodMode::zone_s, LodMode::gradient}) {
+    Config c = out.front();
+    c.mip = MipMode::linear;
+    c.lod = lod;
+    c.lod_first = 9000;
+    EXPECT_FALSE(first_violation(c).has_value()) << first_violation(c)->key << first_violation(c)->text;
+    out.push_back(c);
   }
   return out;
 }

@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Draw the checkered floor with each choice of levels, and measure the pictures.
+
+    examples/mip/pictures.py BITSPAN CONFIG.toml FOLDER
+
+writes FOLDER/mip-NAME.png and prints one row of a table per picture. The truth is 16 x 16 samples per pixel of
+the engine `ideal`, averaged. PSNR is of the floor's rows and below the horizon alone: the sky is equal in all.
+"""
+
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import matplotlib.image
+import numpy
+
+WIDTH, HEIGHT, SAMPLES = 256, 192, 16
+
+# name, what the table says of it, the filter, and [texture] mip, [lod] mode, bias, first
+PICTURES = [
+    ("nearest", "no chain, one texel", "nearest", "none", "none", 0, 4096),
+    ("bilinear", "no chain, four texels", "bilinear", "none", "none", 0, 4096),
+    ("zones", "T10, T11: zones of s, trilinear", "bilinear", "linear", "zone_s", 0, 700),
+    ("gradient-nearest", "T10: gradients, the nearest level", "bilinear", "nearest", "gradient", 0, 4096),
+    ("gradient", "T10: gradients, trilinear", "bilinear", "linear", "gradient", 0, 4096),
+]
+
+
+def configured(text: str, texture_filter: str, mip: str, mode: str, bias: int, first: int) -> str:
+    lines = []
+    for line in text.splitlines():
+        if line.startswith("filter = "):
+            line = f'filter = "{texture_filter}"\nmip = "{mip}"'
+        lines.append(line)
+    return "\n".join(lines) + f'\n[lod]\nmode = "{mode}"\nbias = {bias}\nfirst = {first}\n'
+
+
+def draw(bitspan: str, config: pathlib.Path, engine: str, size: str, out: pathlib.Path) -> numpy.ndarray:
+    subprocess.run(
+        [bitspan, "render", "floor", "--config", str(config), "--engine", engine, "--size", size, "-o", str(out)],
+        check=True, stdout=subprocess.DEVNULL)
+    return numpy.round(matplotlib.image.imread(out)[:, :, :3] * 255).astype(numpy.float64)
+
+
+def main() -> int:
+    if len(sys.argv) != 4:
+        print(__doc__, file=sys.stderr)
+        return 2
+    bitspan, base, folder = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+    text = base.read_text()
+    with tempfile.TemporaryDirectory() as scratch_name:
+        scratch = pathlib.Path(scratch_name)
+        config = scratch / "floor.toml"
+        config.write_text(configured(text, "nearest", "none", "none", 0, 4096))
+        fine = draw(bitspan, config, "ideal", f"{WIDTH * SAMPLES}x{HEIGHT * SAMPLES}", scratch / "fine.png")
+        truth = fine.reshape(HEIGHT, SAMPLES, WIDTH, SAMPLES, 3).mean(axis=(1, 3))
+        matplotlib.image.imsave(folder / "mip-truth.png", numpy.round(truth).astype(numpy.uint8))
+        floor = numpy.any(truth != truth[0, 0], axis=(1, 2))  # rows with any floor
+        for name, what, *keys in PICTURES:
+            config.write_text(configured(text, *keys))
+            picture = draw(bitspan, config, "model", f"{WIDTH}x{HEIGHT}", folder / f"mip-{name}.png")
+            error = numpy.mean((picture[floor] - truth[floor]) ** 2)
+            print(f"| {name} | {what} | {10 * numpy.log10(255**2 / error):.1f} |")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/lod.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "config/modes.hpp"
+#include "golden/reciprocal.hpp"
+#include "golden/values.hpp"
+#include "golden/with_real.hpp"
+
+namespace bitspan::golden {
+
+namespace {
+
+template <class Real>
+class GradientForming {
+ public:
+  GradientForming(const Config& config, const Constants& constants)
+      : vertex_(config),
+        q_g_(config.format(FormatId::plane_g)),
+        q_h_grad_(config.format(FormatId::plane_h_grad)),
+        q_g_grad_(config.format(FormatId::plane_g_grad)),
+        b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)) {}
+
+  GradientRecord operator()(const SetupRecord& triangle) const {
+    std::array<VertexValues<Real>, 3> p;
+    std::array<Real, 3> h, gu, gv;
+    for (std::size_t i = 0; i < 3; ++i) {
+      p[i] = vertex_.load(triangle, static_cast<int>(i));
+      h[i] = p[i].h;
+      gu[i] = q_g_.product(p[i].u, h[i] + b_);
+      gv[i] = q_g_.product(p[i].v, h[i] + b_);
+    }
+    const Real area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
+    // The plane through the three values rises by this over the area, along x and along y.
+    const auto along_x = [&](const std::array<Real, 3>& w, const Quantizer<Real>& q) {
+      return q.raw(q.quotient(ExactSum(exact_product(w[1] - w[0], p[2].y - p[0].y))
+                                  .add(exact_product(w[2] - w[0], p[0].y - p[1].y))
+                                  .get(),
+                              PairOf<Real>{base_of(area), 0}));
+    };
+    const auto along_y = [&](const std::array<Real, 3>& w, const Quantizer<Real>& q) {
+      return q.raw(q.quotient(ExactSum(exact_product(w[2] - w[0], p[1].x - p[0].x))
+                                  .add(exact_product(w[1] - w[0], p[0].x - p[2].x))
+                                  .get(),
+                              PairOf<Real>{base_of(area), 0}));
+    };
+    GradientRecord out;
+    out.triangle = triangle.triangle;
+    out.gu0 = q_g_.raw(gu[0]);
+    out.gv0 = q_g_.raw(gv[0]);
+    out.gu1 = q_g_.raw(gu[1]);
+    out.gv1 = q_g_.raw(gv[1]);
+    out.gu2 = q_g_.raw(gu[2]);
+    out.gv2 = q_g_.raw(gv[2]);
+    out.h_x = along_x(h, q_h_grad_);
+    out.h_y = along_y(h, q_h_grad_);
+    out.gu_x = along_x(gu, q_g_grad_);
+    out.gu_y = along_y(gu, q_g_grad_);
+    out.gv_x = along_x(gv, q_g_grad_);
+    out.gv_y = along_y(gv, q_g_grad_);
+    return out;
+  }
+
+ private:
+  VertexFormats<Real> vertex_;
+  Quantizer<Real> q_g_, q_h_grad_, q_g_grad_;
+  Real b_;
+};
+
+template <class Real>
+class Leveling {
+ public:
+  Leveling(const Config& config, const Constants& constants)
+      : mip_(config.mip),
+        mode_(config.lod),
+        q_h_(config.format(FormatId::span_h)),
+        q_uv_(config.format(FormatId::span_uv)),
+        q_h_grad_(config.format(FormatId::plane_h_grad)),
+        q_g_grad_(config.format(FormatId::plane_g_grad)),
+        q_s_(config.format(FormatId::distance_s)),
+        q_slope_(config.format(FormatId::lod_slope)),
+        q_lambda_(config.format(FormatId::lod_lambda)),
+        q_frac_(config.format(FormatId::lod_frac)),
+        b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
+        bias_(Real(config.lod_bias) * pow2<Real>(-4)),
+        unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)) {
+    if (!has_lod_zones(config)) return;
+    const Real s_max = Quantizer<Real>(config.format(FormatId::setup_s)).value(constants.record.s_max);
+    a_ = Quantizer<Real>(config.format(FormatId::distance_a)).product(b_, s_max);
+    const Quantizer<Real> q_k(config.format(FormatId::lod_k));
+    Real start = Real(config.lod_first) * pow2<Real>(-16);
+    for (std::size_t i = 0; i < start_.size(); ++i) {
+      start_[i] = start;
+      k_[i] = q_k.quotient(Real(1), start);
+      start = start + start;
+    }
+  }
+
+  void operator()(std::span<const FragmentRecord* const> fragments, const GradientRecord& gradient,
+                  int levels, std::vector<LodRecord>& out) const {
+    for (const FragmentRecord* fragment : fragments) {
+      LodRecord& record = out.emplace_back();
+      record.triangle = fragment->triangle;
+      record.x = fragment->x;
+      record.y = fragment->y;
+      const Real x = level(*fragment, gradient, levels, record);
+      const Real lambda = q_lambda_.sum(x, bias_);
+      record.lambda = q_lambda_.raw(lambda);
+      const Real held = std::clamp(lambda, Real(0), Real(levels - 1));
+      if (mixes_levels(mip_)) {
+        const Real whole = floor_of(held);
+        record.level = to_integer(whole);
+        record.f = q_frac_.raw(q_frac_(held - whole));
+      } else {
+        record.level = to_integer(floor_of(held + Real(0.5)));
+      }
+    }
+  }
+
+ private:
+  Real level(const FragmentRecord& fragment, const GradientRecord& gradient, int levels,
+             LodRecord& out) const {
+    switch (mode_) {
+      case LodMode::none:
+        return Real(0);
+      case LodMode::zone_s: {
+        const Real s = q_s_.product(invert(fragment, out).times(a_));
+        out.s = q_s_.raw(s);
+        int zone = levels - 1;
+        while (zone > 0 && s < start_[static_cast<std::size_t>(zone)]) --zone;
+        if (zone == levels - 1) return Real(zone);
+        const auto z = static_cast<std::size_t>(zone);
+        return Real(zone) + q_frac_.product(s - start_[z], k_[z]);
+      }
+      case LodMode::gradient:
+        return level_by_gradient(fragment, gradient, out);
+    }
+    unreachable();
+  }
+
+  Inverse<Real> invert(const FragmentRecord& fragment, LodRecord& out) const {
+    const Inverse<Real> inverse = unit_(q_h_.value(fragment.h) + b_);
+    out.recip_m = unit_.raw(inverse.m);
+    out.recip_e = inverse.e;
+    return inverse;
+  }
+
+  Real level_by_gradient(const FragmentRecord& fragment, const GradientRecord& gradient,
+                         LodRecord& out) const {
+    const Inverse<Real> inverse = invert(fragment, out);
+    const auto derivative = [&](std::int64_t g, std::int64_t h, std::int64_t w) {
+      return q_slope_.product(inverse.times(q_g_grad_.value(g) - q_uv_.value(w) * q_h_grad_.value(h)));
+    };
+    const std::array<Real, 4> t{derivative(gradient.gu_x, gradient.h_x, fragment.u),
+                                derivative(gradient.gu_y, gradient.h_y, fragment.u),
+                                derivative(gradient.gv_x, gradient.h_x, fragment.v),
+                                derivative(gradient.gv_y, gradient.h_y, fragment.v)};
+    out.u_x = q_slope_.raw(t[0]);
+    out.u_y = q_slope_.raw(t[1]);
+    out.v_x = q_slope_.raw(t[2]);
+    out.v_y = q_slope_.raw(t[3]);
+    Real rho = q_slope_.ulp();
+    for (const Real each : t) rho = std::max(rho, each < 0 ? -each : each);
+    const int e = exponent_of(rho);
+    return Real(e - 1) + rho * pow2<Real>(-e);
+  }
+
+  MipMode mip_;
+  LodMode mode_;
+  Quantizer<Real> q_h_, q_uv_, q_h_grad_, q_g_grad_, q_s_, q_slope_, q_lambda_, q_frac_;
+  Real b_, bias_;
+  ReciprocalUnit<Real> unit_;
+  Real a_ = 0;
+  std::array<Real, max_mip_level + 1> start_{}, k_{};
+};
+
+}  // namespace
+
+GradientStage make_gradients(Arithmetic arithmetic, const Config& config, const Constants& constants) {
+  // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): see with_real.hpp
+  return with_real(arithmetic,
+                   [&]<class Real>() -> GradientStage { return GradientForming<Real>(config, constants); });
+}
+
+LodStage make_lod(Arithmetic arithmetic, const Config& config, const Constants& constants) {
+  // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): see with_real.hpp
+  return with_real(arithmetic, [&]<class Real>() -> LodStage { return Leveling<Real>(config, constants); });
+}
+
+}  // namespace bitspan::golden

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// The mip chains of a scene's textures; docs/numeric-spec.md, "Levels".
+#pragma once
+
+#include <vector>
+
+#include "config/config.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan::model {
+
+// The levels of a texture, the texture itself first.
+using MipChain = std::vector<Texture>;
+MipChain make_mip_chain(const Texture& texture);
+
+class MipChains {
+ public:
+  MipChains() = default;
+  // Without chains in the configuration there are none. Throws InputError where a texture can have none.
+  MipChains(const Config& config, const Scene& scene);
+  // The chain of a texture of the scene, null for null; the scene's textures have not moved.
+  const MipChain* of(const Texture* texture) const {
+    return texture == nullptr ? nullptr : &chains_[static_cast<std::size_t>(texture - first_)];
+  }
+  // By the texture's place in the scene; empty without chains.
+  const std::vector<MipChain>& all() const { return chains_; }
+
+ private:
+  const Texture* first_ = nullptr;
+  std::vector<MipChain> chains_;
+};
+
+}  // namespace bitspan::model

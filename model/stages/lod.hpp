@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// lod: the level of detail of a fragment, from the distance's zone or from the gradients of u and v.
+// docs/numeric-spec.md, "lod" (T10, T11).
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "config/config.hpp"
+#include "engine/records.hpp"
+#include "model/numeric/quantize.hpp"
+#include "model/numeric/reciprocal.hpp"
+#include "model/stages/constants.hpp"
+
+namespace bitspan::model {
+
+struct LodStage {
+  MipMode mip = MipMode::none;
+  LodMode mode = LodMode::none;
+  Exact b, a;  // B and A'
+  Exact bias;
+  struct Zone {
+    Exact start, k;
+  };
+  std::array<Zone, max_mip_level + 1> zones{};  // by level
+  ReciprocalUnit reciprocal;                    // R_pixel
+  Register h, uv, h_grad, g_grad;               // formats of the fragment and of the gradients
+  Register s, slope, lambda, frac;
+};
+template <class Watch = NoObserve>
+LodStage prepare_lod(const Config& config, const Constants& constants, Watch watch = {});
+
+// A fragment that passed the depth test, of a texture with so many levels; gradient: of its triangle, null
+// but in mode gradient.
+template <class Watch = NoObserve>
+void lod(const LodStage& stage, const FragmentRecord& fragment, const GradientRecord* gradient, int levels,
+         LodRecord& out, Watch watch = {});
+
+}  // namespace bitspan::model
