@@ -258,7 +258,8 @@ void read_scenes(const Section& study, const std::string& path, StudyPlan& plan)
   for (const std::string& name : study.texts("scenes", legal)) {
     if (name == "-")
       study.fail("scenes", "standard input is read once, and a study goes on later; legal: files");
-    const bool embedded = name == "demo" || name == "floor" || name == "extreme" || name.starts_with("extreme/");
+    const bool embedded =
+        name == "demo" || name == "floor" || name == "extreme" || name.starts_with("extreme/");
     std::string scene = embedded ? name : file_beside(path, name);
     std::error_code ignored;
     if (!embedded && !fs::exists(scene, ignored)) {

@@ -206,7 +206,8 @@ TEST(LibMisuse, BadArguments) {
       {"check no stage", [&] { return bs_check(m, BS_STAGE_LOD + 1, &number, 1, nullptr); }, BS_BAD_INPUT},
       {"unchecked of no stage", [&] { return bs_unchecked(m, BS_STAGE_LOD + 1) == 0 ? BS_BAD_INPUT : BS_OK; },
        BS_BAD_INPUT},
-      {"override no stage", [&] { return bs_stage_override(m, BS_STAGE_LOD + 1, nullptr, nullptr); }, BS_BAD_INPUT},
+      {"override no stage", [&] { return bs_stage_override(m, BS_STAGE_LOD + 1, nullptr, nullptr); },
+       BS_BAD_INPUT},
       {"override constants", [&] { return bs_stage_override(m, 0, nullptr, nullptr); }, BS_UNSUPPORTED},
   });
   EXPECT_EQ(c, nullptr);

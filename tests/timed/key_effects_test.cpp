@@ -110,9 +110,7 @@ const Scene& scene_for(const Config& c) {
   return has_lod(c) ? chains : plain;
 }
 
-std::optional<Outcome> ideal_of(const Config& c) {
-  return outcome(*make_ideal(c), scene_for(c), true);
-}
+std::optional<Outcome> ideal_of(const Config& c) { return outcome(*make_ideal(c), scene_for(c), true); }
 std::optional<Outcome> values_of(const Config& c) {
   return outcome(*make_model(c, {.form = ModelForm::scalar}), scene_for(c), true);
 }
