@@ -308,7 +308,7 @@ constexpr KeyRow rows[] = {
      {.presence = Presence::later, .used = reads_lod, .unused = Unused::initial}},
     {"lod.bias",
      MEMBER(lod_bias),
-     {-256, 256, false, " sixteenths of a level"},
+     {-31, 32, false, " sixteenths of a level"},
      "",
      ideal | values,
      "added to the level",
