@@ -55,7 +55,13 @@ class Suites {
   explicit Suites(const SuiteFlags& o) : o_(o), names_(engines_of(o)) {
     options_ = engine_options(o.model, 1);
     options_.stall_seed = o.seed;
-    engines_.all = [this](const Config& config) { return make_engines(names_, config, o_.seed, options_); };
+    engines_.all = [this](const Config& config, const Scene& scene) {
+      std::vector<std::string> names = names_;
+      if (has_late_tests(scene)) {
+        std::erase_if(names, [](const std::string& name) { return find_engine(name).early_only; });
+      }
+      return make_engines(names, config, o_.seed, options_);
+    };
     engines_.reference = [this](const Config& config) { return make_engine(names_[0], config, options_); };
   }
 
@@ -97,7 +103,7 @@ class Suites {
  private:
   // Writes the replay file; returns the line that tells of it.
   std::string keep(const SuiteCase& suite, const RunLabel& label, const std::string& failure) {
-    const Engines engines = engines_.all(suite.config);
+    const Engines engines = engines_.all(suite.config, suite.scene);
     const Scene shown = shrink(engines, suite.config, suite.scene, label);
     const std::string path = replay_path(o_, suite.name);
     write_replay(path, engines, suite.config, shown, o_.seed, fmt::format("{}; {}", label.command, failure));

@@ -17,6 +17,7 @@
 #include "engine/range.hpp"
 #include "scene/exact.hpp"
 #include "scene/random.hpp"
+#include "scene/texels.hpp"
 
 namespace bitspan {
 namespace {
@@ -127,6 +128,7 @@ std::vector<E> all_of() {
 
 bool walks_edges(Perspective p) { return !has_plane_rows(p); }
 bool walks_planes(Perspective p) { return has_plane_rows(p); }
+bool divides_by_depth(Perspective p) { return !has_linear_edges(p); }
 
 void add_raster(std::vector<SuiteFeature>& out) {
   using enum RecordType;
@@ -278,6 +280,125 @@ void add_texture(std::vector<SuiteFeature>& out) {
                    texture));
 }
 
+// The random scene's textures give way to one whose sides are powers of two.
+void one_texture(Scene& scene) {
+  scene.textures.clear();
+  for (Triangle& t : scene.triangles) t.texture = -1;
+  texture(scene);
+}
+
+// What the codes of a format stand for; a palette takes the image's own colours.
+std::vector<std::int16_t> texel_table(TexelFormat format) {
+  if (texel_layout(format).table_size != yiq_table_size) return {};
+  std::vector<std::int16_t> out;
+  for (int y = 0; y < 16; ++y) out.push_back(static_cast<std::int16_t>(17 * y));
+  for (int k = 0; k < 24; ++k) out.push_back(static_cast<std::int16_t>(k * 37 % 161 - 80));
+  return out;
+}
+
+void add_levels(std::vector<SuiteFeature>& out) {
+  for (const MipMode mip : {MipMode::nearest, MipMode::linear}) {
+    out.push_back(in({fmt::format("mip.{}", to_string(mip)), RecordType::texture, SuiteNeeds::effect,
+                      config_only([=](Config& c) {
+                        c.mip = mip;
+                        c.lod = LodMode::zone_s;
+                      }),
+                      config_only([](Config& c) { c.mip = MipMode::none; })},
+                     one_texture));
+  }
+  for (const LodMode lod : {LodMode::zone_s, LodMode::gradient}) {
+    const auto set = [](Config& c, LodMode mode) {
+      c.mip = MipMode::linear;
+      c.lod = mode;
+    };
+    out.push_back(in({fmt::format("lod.{}", to_string(lod)), RecordType::lod, SuiteNeeds::effect,
+                      config_only([=](Config& c) { set(c, lod); }),
+                      config_only([=](Config& c) { set(c, LodMode::none); })},
+                     one_texture));
+    if (has_gradients(lod)) out.back().applies = divides_by_depth;
+  }
+  for (const TexelFormat format : all_of<TexelFormat>()) {
+    if (format == TexelFormat::rgba8888) continue;
+    const auto converts = [=](Config&, Scene& s) {
+      for (Texture& t : s.textures) t = converted(t, format, texel_table(format));
+    };
+    out.push_back(in({fmt::format("texel_format.{}", to_string(format)), RecordType::texture,
+                      SuiteNeeds::effect, converts, [](Config&, Scene&) {}},
+                     one_texture));
+  }
+}
+
+// A register of the draw state and what it holds.
+using Register = std::pair<std::string_view, std::int64_t>;
+
+// Draws everything in a state.
+SuiteSetting in_state(std::vector<Register> registers) {
+  return [registers = std::move(registers)](Config&, Scene& scene) {
+    StateChange change;
+    for (const auto& [key, value] : registers) change.settings.push_back({*find_state_register(key), value});
+    scene.commands.insert(scene.commands.begin(), {0, std::move(change), {}});
+  };
+}
+template <class E>
+std::int64_t number(E value) {
+  return static_cast<std::int64_t>(value);
+}
+// A register whose values have names: each of them against another one, with further registers.
+template <class E>
+void add_values(std::vector<SuiteFeature>& out, const char* group, std::string_view key, RecordType stage,
+                E first, E second, const std::vector<Register>& further) {
+  for (const E value : all_of<E>()) {
+    const auto with = [&](E v) {
+      std::vector<Register> all = further;
+      all.emplace_back(key, number(v));
+      return in_state(std::move(all));
+    };
+    out.push_back(in({fmt::format("{}.{}", group, to_string(value)), stage, SuiteNeeds::effect, with(value),
+                      with(value == first ? second : first)},
+                     texture));
+  }
+}
+
+void add_states(std::vector<SuiteFeature>& out) {
+  using enum RecordType;
+  const auto add = [&](std::string name, RecordType stage, std::vector<Register> registers) {
+    out.push_back(in(
+        {std::move(name), stage, SuiteNeeds::effect, in_state(std::move(registers)), in_state({})}, texture));
+  };
+  add("depth_bias.plus", depth, {{"depth.bias", 300}});
+  add("depth_bias.minus", depth, {{"depth.bias", -300}});
+  add("depth_write.off", depth, {{"depth.write", 0}});
+  add("scissor.inside", depth,
+      {{"scissor.left", 5}, {"scissor.top", 3}, {"scissor.right", 27}, {"scissor.bottom", 20}});
+  add("stipple.holes", depth, {{"stipple", 0xa5c30f69}});
+  add("color_write.off", merge, {{"color.write", 0}, {"depth.func", number(DepthFunc::always)}});
+  add_values(out, "alpha_test", "alpha.func", RecordType::texture, CompareFunc::always, CompareFunc::never,
+             {{"alpha.ref", 128}});
+  // The test needs late tests; each case changes the plane, so that values come up on either side.
+  const std::vector<Register> counting{{"depth.when", number(DepthWhen::late)},
+                                       {"stencil.test", 1},
+                                       {"stencil.ref", 1},
+                                       {"stencil.mask", 3},
+                                       {"stencil.fail", number(StencilOp::increment_wrap)},
+                                       {"stencil.zfail", number(StencilOp::increment_wrap)},
+                                       {"stencil.pass", number(StencilOp::increment_wrap)}};
+  add_values(out, "stencil_func", "stencil.func", stencil, CompareFunc::always, CompareFunc::never, counting);
+  const std::vector<Register> passing{{"depth.when", number(DepthWhen::late)},
+                                      {"stencil.test", 1},
+                                      {"stencil.ref", 9},
+                                      {"stencil.write", 0x3f},
+                                      {"stencil.zfail", number(StencilOp::invert)}};
+  add_values(out, "stencil_op", "stencil.pass", stencil, StencilOp::keep, StencilOp::increment, passing);
+  const std::vector<Register> constant{
+      {"blend.red", 100}, {"blend.green", 150}, {"blend.blue", 200}, {"blend.alpha", 90}};
+  add_values(out, "blend_src", "blend.src", merge, BlendFactor::zero, BlendFactor::one, constant);
+  add_values(out, "blend_dst", "blend.dst", merge, BlendFactor::zero, BlendFactor::one, constant);
+  add_values(out, "blend_op", "blend.op", merge, BlendOp::add, BlendOp::max, constant);
+  for (const LogicOp op : all_of<LogicOp>()) {
+    if (op != LogicOp::none) add(fmt::format("logic.{}", to_string(op)), merge, {{"logic.op", number(op)}});
+  }
+}
+
 void add_fog_and_merge(std::vector<SuiteFeature>& out) {
   out.push_back(in(choice("fog", &Config::fog, FogMode::linear, FogMode::none, RecordType::fog), fog));
   for (const auto& split : {std::pair{6, 4}, {8, 2}, {5, 0}}) {
@@ -306,6 +427,8 @@ std::vector<SuiteFeature> make_features() {
   add_numbers(out);
   add_depth(out);
   add_texture(out);
+  add_levels(out);
+  add_states(out);
   add_fog_and_merge(out);
   return out;
 }
@@ -351,7 +474,7 @@ std::uint64_t number_of(const Fnv128& hash) { return std::stoull(hash.hex().subs
 Trace trace_of(Engine& engine, const Scene& scene) {
   Trace out;
   engine.begin(scene);
-  engine.draw(scene.triangles, 0, &out);
+  draw_scene(engine, scene, 0, scene.triangles.size(), &out);
   return out;
 }
 
@@ -477,7 +600,7 @@ SuiteResult run_suite(const SuiteCase& suite, const SuiteEngines& engines) {
   compare_records(records, trace_of(*without, suite.scene_without), suite.stage, effect);
 
   SuiteResult out;
-  const std::vector<std::unique_ptr<Engine>> compared = engines.all(suite.config);
+  const std::vector<std::unique_ptr<Engine>> compared = engines.all(suite.config, suite.scene);
   out.run = run_lock_step(compared, suite.scene, {});
   out.counters = compared[0]->counters();
   const StageCount& stage = effect.stages[static_cast<std::size_t>(suite.stage)];

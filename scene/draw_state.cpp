@@ -90,6 +90,15 @@ void check_commands(const Config& config, const Scene& scene) {
   }
 }
 
+bool has_late_tests(const Scene& scene) {
+  const std::size_t when = *find_state_register("depth.when");
+  return std::ranges::any_of(scene.commands, [&](const DrawCommand& command) {
+    return std::ranges::any_of(command.state.settings, [&](const StateSetting& setting) {
+      return setting.index == when && setting.value == static_cast<std::int64_t>(DepthWhen::late);
+    });
+  });
+}
+
 void erase_triangles(Scene& scene, std::size_t first, std::size_t count) {
   const auto from = scene.triangles.begin() + static_cast<std::ptrdiff_t>(first);
   scene.triangles.erase(from, from + static_cast<std::ptrdiff_t>(count));
