@@ -31,7 +31,7 @@ void fill(std::vector<R>& out, RecordType type) {
           raw[at] = value;
         }
       };
-      const bool one_a_triangle = type == RecordType::setup || type == RecordType::plane;
+      const bool one_a_triangle = row_of(type).per == Per::triangle;
       set("triangle", one_a_triangle ? per_triangle * t + i : t);
       set("edge", i);
       set("row", i);
