@@ -31,8 +31,8 @@ void fill(std::vector<R>& out, RecordType type) {
           raw[at] = value;
         }
       };
-      const bool one_a_triangle =
-          type == RecordType::setup || type == RecordType::plane || type == RecordType::state;
+      const Per per = row_of(type).per;
+      const bool one_a_triangle = per == Per::triangle || per == Per::change;
       set("triangle", one_a_triangle ? per_triangle * t + i : t);
       set("edge", i);
       set("row", i);

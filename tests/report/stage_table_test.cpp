@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "config/modes.hpp"
 #include "engine/registry.hpp"
 #include "report/upstream.hpp"
 #include "scene/random.hpp"
@@ -29,6 +30,7 @@ std::vector<DrawnRun> runs() {
   RandomOptions options;
   options.triangles = 25;
   options.size_max = 60;
+  options.mip_chains = true;
   const Scene scene = random_scene(11, options);
   std::vector<DrawnRun> out;
   for (const EngineEntry& entry : engines()) {
@@ -36,6 +38,8 @@ std::vector<DrawnRun> runs() {
     for (const Perspective mode : all_perspectives) {
       Config config = shipped_config("depth16");
       config.perspective = mode;
+      config.mip = MipMode::linear;
+      config.lod = has_linear_edges(mode) ? LodMode::zone_s : LodMode::gradient;
       const auto engine = entry.make(config, {});
       DrawnRun& run = out.emplace_back();
       run.name = std::string(entry.name) + " in " + std::string(to_string(mode));
