@@ -360,18 +360,17 @@ void add_values(std::vector<SuiteFeature>& out, const char* group, std::string_v
 }
 
 void add_states(std::vector<SuiteFeature>& out) {
-  using enum RecordType;
   const auto add = [&](std::string name, RecordType stage, std::vector<Register> registers) {
     out.push_back(in(
         {std::move(name), stage, SuiteNeeds::effect, in_state(std::move(registers)), in_state({})}, texture));
   };
-  add("depth_bias.plus", depth, {{"depth.bias", 300}});
-  add("depth_bias.minus", depth, {{"depth.bias", -300}});
-  add("depth_write.off", depth, {{"depth.write", 0}});
-  add("scissor.inside", depth,
+  add("depth_bias.plus", RecordType::depth, {{"depth.bias", 300}});
+  add("depth_bias.minus", RecordType::depth, {{"depth.bias", -300}});
+  add("depth_write.off", RecordType::depth, {{"depth.write", 0}});
+  add("scissor.inside", RecordType::depth,
       {{"scissor.left", 5}, {"scissor.top", 3}, {"scissor.right", 27}, {"scissor.bottom", 20}});
-  add("stipple.holes", depth, {{"stipple", 0xa5c30f69}});
-  add("color_write.off", merge, {{"color.write", 0}, {"depth.func", number(DepthFunc::always)}});
+  add("stipple.holes", RecordType::depth, {{"stipple", 0xa5c30f69}});
+  add("color_write.off", RecordType::merge, {{"color.write", 0}, {"depth.func", number(DepthFunc::always)}});
   add_values(out, "alpha_test", "alpha.func", RecordType::texture, CompareFunc::always, CompareFunc::never,
              {{"alpha.ref", 128}});
   // The test needs late tests; each case changes the plane, so that values come up on either side.
@@ -382,20 +381,23 @@ void add_states(std::vector<SuiteFeature>& out) {
                                        {"stencil.fail", number(StencilOp::increment_wrap)},
                                        {"stencil.zfail", number(StencilOp::increment_wrap)},
                                        {"stencil.pass", number(StencilOp::increment_wrap)}};
-  add_values(out, "stencil_func", "stencil.func", stencil, CompareFunc::always, CompareFunc::never, counting);
+  add_values(out, "stencil_func", "stencil.func", RecordType::stencil, CompareFunc::always,
+             CompareFunc::never, counting);
   const std::vector<Register> passing{{"depth.when", number(DepthWhen::late)},
                                       {"stencil.test", 1},
                                       {"stencil.ref", 9},
                                       {"stencil.write", 0x3f},
                                       {"stencil.zfail", number(StencilOp::invert)}};
-  add_values(out, "stencil_op", "stencil.pass", stencil, StencilOp::keep, StencilOp::increment, passing);
+  add_values(out, "stencil_op", "stencil.pass", RecordType::stencil, StencilOp::keep, StencilOp::increment,
+             passing);
   const std::vector<Register> constant{
       {"blend.red", 100}, {"blend.green", 150}, {"blend.blue", 200}, {"blend.alpha", 90}};
-  add_values(out, "blend_src", "blend.src", merge, BlendFactor::zero, BlendFactor::one, constant);
-  add_values(out, "blend_dst", "blend.dst", merge, BlendFactor::zero, BlendFactor::one, constant);
-  add_values(out, "blend_op", "blend.op", merge, BlendOp::add, BlendOp::max, constant);
+  add_values(out, "blend_src", "blend.src", RecordType::merge, BlendFactor::zero, BlendFactor::one, constant);
+  add_values(out, "blend_dst", "blend.dst", RecordType::merge, BlendFactor::zero, BlendFactor::one, constant);
+  add_values(out, "blend_op", "blend.op", RecordType::merge, BlendOp::add, BlendOp::max, constant);
   for (const LogicOp op : all_of<LogicOp>()) {
-    if (op != LogicOp::none) add(fmt::format("logic.{}", to_string(op)), merge, {{"logic.op", number(op)}});
+    if (op != LogicOp::none)
+      add(fmt::format("logic.{}", to_string(op)), RecordType::merge, {{"logic.op", number(op)}});
   }
 }
 

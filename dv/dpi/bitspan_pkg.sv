@@ -17,6 +17,11 @@ package bitspan_pkg;
   localparam int StageTexture = 9;
   localparam int StageFog = 10;
   localparam int StageMerge = 11;
+  localparam int StageState = 12;
+  localparam int StageStencil = 13;
+  localparam int StageMergeAlpha = 14;
+  localparam int StageSetupGradient = 15;
+  localparam int StageLod = 16;
   // No stage has more columns.
   localparam int MaxColumns = 64;
   // bitspan_check: the design's record is not the model's.

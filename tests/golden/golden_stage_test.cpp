@@ -25,7 +25,7 @@ constexpr Arithmetic unchecked_double{Width::f64, false};  // in columns
 TextureRecord textured(Arithmetic arithmetic, const Config& c, const FragmentRecord& f, const Texture& t) {
   const FragmentRecord* one = &f;
   std::vector<TextureRecord> out;
-  make_texture(arithmetic, c)({&one, 1}, &t, out);
+  make_texture(arithmetic, c)({&one, 1}, &t, first_state(c), out);
   return out.at(0);
 }
 FogRecord fogged(Arithmetic arithmetic, const Config& c, const Constants& k, const Scene& scene,
@@ -44,7 +44,10 @@ MergeRecord merged_onto(const std::array<std::uint8_t, 3>& stored, Arithmetic ar
   std::vector<std::uint8_t> picture(4 * pixels);
   std::copy(stored.begin(), stored.end(), picture.end() - 4);
   std::vector<MergeRecord> out;
-  make_merge(arithmetic, c)({&fog, 1}, {&texture, 1}, {&depth, 1}, picture, static_cast<int>(pixels), out);
+  std::vector<MergeAlphaRecord> alphas;
+  make_merge(arithmetic, c)({&fog, 1}, {&texture, 1}, {&depth, 1}, first_state(c), picture,
+                            static_cast<int>(pixels), out, alphas);
+  EXPECT_TRUE(alphas.empty());
   return out.at(0);
 }
 
@@ -338,7 +341,7 @@ void depth_codes_by_hand(Arithmetic arithmetic) {
     c.depth_rounding = Rounding::rnd;
     const auto code_stored = static_cast<std::uint32_t>(stored);
     std::vector<DepthRecord> out;
-    make_depth(arithmetic, c, k)({&f, 1}, {&code_stored, 1}, 1, out);
+    make_depth(arithmetic, c, k)({&f, 1}, first_state(c), {&code_stored, 1}, 1, out);
     return out.at(0);
   };
   EXPECT_EQ(run(DepthCode::inverse, 1000).z, 1001);

@@ -16,9 +16,10 @@ _Static_assert(BS_STAGE_CONSTANTS == 0 && BS_STAGE_SETUP == 1 && BS_STAGE_SETUP_
 _Static_assert(BS_STAGE_EDGE_WALK == 3 && BS_STAGE_PLANE_WALK == 4 && BS_STAGE_PLANE_WALK_ROW == 5, "stage");
 _Static_assert(BS_STAGE_SPAN_SETUP == 6 && BS_STAGE_SPAN == 7 && BS_STAGE_DEPTH == 8, "stage");
 _Static_assert(BS_STAGE_TEXTURE == 9 && BS_STAGE_FOG == 10 && BS_STAGE_MERGE == 11, "stage");
-_Static_assert(BS_STAGE_SETUP_GRADIENT == 12 && BS_STAGE_LOD == 13, "stage");
+_Static_assert(BS_STAGE_STATE == 12 && BS_STAGE_STENCIL == 13 && BS_STAGE_MERGE_ALPHA == 14, "stage");
+_Static_assert(BS_STAGE_SETUP_GRADIENT == 15 && BS_STAGE_LOD == 16, "stage");
 _Static_assert(BS_PLANE_COLOR == 0 && BS_PLANE_DEPTH == 1 && BS_PLANE_U == 2 && BS_PLANE_V == 3, "plane");
-_Static_assert(BS_PLANE_TRIANGLE == 4, "plane");
+_Static_assert(BS_PLANE_TRIANGLE == 4 && BS_PLANE_STENCIL == 5, "plane");
 _Static_assert(BS_I64 == 0 && BS_U8 == 1 && BS_U32 == 2 && BS_I32 == 3 && BS_F64 == 4, "element");
 _Static_assert(BS_TEXEL_RGBA8888 == 0 && BS_TEXEL_RGB332 == 1 && BS_TEXEL_YIQ422 == 2, "texel format");
 _Static_assert(BS_TEXEL_A8 == 3 && BS_TEXEL_I8 == 4 && BS_TEXEL_AI44 == 5 && BS_TEXEL_P8 == 6,

@@ -72,7 +72,7 @@ MergeCase expect_of(const Config& c, std::vector<Drawn> drawn) {
     TextureRecord texture;
     texture.a = d.blend ? d.a : one;
     MergeRecord record;
-    model::merge(stage, {}, texture, d.fog, stored, record);
+    model::merge(stage, {}, texture, d.fog, {stored[0], stored[1], stored[2], 255}, record);
     made.reads += d.blend && d.a < one ? 1 : 0;
     if (!d.write) continue;
     const StageValues colour{static_cast<std::uint64_t>(record.r), static_cast<std::uint64_t>(record.g),

@@ -218,7 +218,8 @@ void check_block(const Case& c, const std::vector<FragmentRecord>& fragments, in
   // The scalar stages; statistics of texture, fog and merge alone.
   Expected want;
   want.frame = start;
-  fragments_to_frame(c.pipeline, fragments, image, want.frame, want.counters, &want.trace);
+  fragments_to_frame(c.pipeline, c.scene, fragments, {.texture = texture}, nullptr, want.frame, want.counters,
+                     &want.trace);
   const Observe observe{&want.statistics};
   {
     Frame frame = start;

@@ -132,8 +132,8 @@ TEST(DepthFunc, EveryOrderOfEveryCode) {
           fragment.h = encoded(h, depth.config.format(FormatId::span_h));
           const auto buffer = static_cast<std::uint32_t>(stored);
           std::vector<DepthRecord> out;
-          golden::make_depth({golden::Width::x87, true}, depth.config, constants)({&fragment, 1},
-                                                                                  {&buffer, 1}, 1, out);
+          golden::make_depth({golden::Width::x87, true}, depth.config, constants)(
+              {&fragment, 1}, first_state(depth.config), {&buffer, 1}, 1, out);
           EXPECT_EQ(out.at(0).z, z);
           EXPECT_EQ(out.at(0).pass, expected)
               << "golden, " << name_of(depth.config) << ": " << z << " " << stored;

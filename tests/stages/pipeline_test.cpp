@@ -221,7 +221,7 @@ TEST(Pipeline, StepsCanBeTakenApart) {
       std::vector<FragmentRecord> fragments;
       model::span_to_fragments(pipeline, span, model::geometry_of(rows, i), fragments, counters);
       const Triangle& t = scene.triangles[static_cast<std::size_t>(span.triangle)];
-      model::fragments_to_frame(pipeline, fragments, model::texture_of(scene, t.texture), frame, counters,
+      model::fragments_to_frame(pipeline, scene, fragments, {.texture = t.texture}, nullptr, frame, counters,
                                 nullptr);
     }
     EXPECT_EQ(frame.color, engine->frame().color);
