@@ -10,10 +10,12 @@ namespace bitspan::golden {
 template <class T>
 bool holds(CompareFunc func, T v, T reference) {
   using enum CompareFunc;
-  const bool below = (func == less || func == lequal || func == notequal || func == always) && v < reference;
-  const bool same = (func == equal || func == lequal || func == gequal || func == always) && v == reference;
+  const bool below =
+      (func == less || func == less_equal || func == not_equal || func == always) && v < reference;
+  const bool same =
+      (func == equal || func == less_equal || func == greater_equal || func == always) && v == reference;
   const bool above =
-      (func == greater || func == gequal || func == notequal || func == always) && v > reference;
+      (func == greater || func == greater_equal || func == not_equal || func == always) && v > reference;
   return below || same || above;
 }
 

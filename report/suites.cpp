@@ -102,6 +102,12 @@ SuiteFeature choice(const char* group, E Config::*key, E value, E other, RecordT
           config_only([=](Config& c) { c.*key = value; }), config_only([=](Config& c) { c.*key = other; })};
 }
 
+// Another value: the first one, or the second one of the first.
+template <class E>
+E another(E value) {
+  return static_cast<E>(static_cast<int>(value) == 0 ? 1 : 0);
+}
+
 // The same with what the scene must have.
 SuiteFeature in(SuiteFeature feature, void (*scene)(Scene&)) {
   for (SuiteSetting* setting : {&feature.with, &feature.without}) {
@@ -133,7 +139,7 @@ bool divides_by_depth(Perspective p) { return !has_linear_edges(p); }
 void add_raster(std::vector<SuiteFeature>& out) {
   using enum RecordType;
   for (const FillRule rule : all_of<FillRule>()) {
-    const FillRule other = rule == FillRule::top_left ? FillRule::inclusive : FillRule::top_left;
+    const FillRule other = another(rule);
     out.push_back(in(choice("fill", &Config::fill_rule, rule, other, fragment), on_centres));
   }
   for (const DdaUpdate update : all_of<DdaUpdate>()) {
@@ -149,8 +155,7 @@ void add_raster(std::vector<SuiteFeature>& out) {
                    config_only([=](Config& c) { c.subpixel_bits = bits; }), config_only([](Config&) {})});
   }
   for (const Numerator numerator : all_of<Numerator>()) {
-    const Numerator other =
-        numerator == Numerator::pixel_centre ? Numerator::ideal_line : Numerator::pixel_centre;
+    const Numerator other = another(numerator);
     out.push_back(choice("numerator", &Config::numerator, numerator, other, fragment));
     out.back().applies = walks_planes;
   }
@@ -158,7 +163,7 @@ void add_raster(std::vector<SuiteFeature>& out) {
 
 void add_slopes(std::vector<SuiteFeature>& out) {
   for (const SlopeForm form : all_of<SlopeForm>()) {
-    const SlopeForm other = form == SlopeForm::divide ? SlopeForm::reciprocal : SlopeForm::divide;
+    const SlopeForm other = another(form);
     out.push_back(choice("edge_slope", &Config::edge_slope, form, other, RecordType::edge));
     out.back().applies = walks_edges;
     out.push_back(choice("row_slope", &Config::row_slope, form, other, RecordType::span));
@@ -251,7 +256,7 @@ void add_depth(std::vector<SuiteFeature>& out) {
     out.push_back(std::move(feature));
   }
   for (const DepthCode code : all_of<DepthCode>()) {
-    const DepthCode other = code == DepthCode::inverse ? DepthCode::opengl : DepthCode::inverse;
+    const DepthCode other = another(code);
     out.push_back(choice("depth_code", &Config::depth_code, code, other, RecordType::depth));
     out.back().needs = SuiteNeeds::passing;
   }
@@ -266,12 +271,11 @@ void add_depth(std::vector<SuiteFeature>& out) {
 
 void add_texture(std::vector<SuiteFeature>& out) {
   for (const TextureFilter filter : all_of<TextureFilter>()) {
-    const TextureFilter other =
-        filter == TextureFilter::nearest ? TextureFilter::bilinear : TextureFilter::nearest;
+    const TextureFilter other = another(filter);
     out.push_back(in(choice("texture", &Config::filter, filter, other, RecordType::texture), texture));
   }
   for (const TextureWrap wrap : all_of<TextureWrap>()) {
-    const TextureWrap other = wrap == TextureWrap::cyclic ? TextureWrap::clamp : TextureWrap::cyclic;
+    const TextureWrap other = another(wrap);
     out.push_back(in(choice("wrap", &Config::wrap, wrap, other, RecordType::texture), texture));
   }
   out.push_back(in({"texel.transparent", RecordType::texture, SuiteNeeds::killing,
@@ -287,12 +291,19 @@ void one_texture(Scene& scene) {
   texture(scene);
 }
 
-// What the codes of a format stand for; a palette takes the image's own colours.
+// What the codes of a format stand for: a palette that has few of an image's colours.
 std::vector<std::int16_t> texel_table(TexelFormat format) {
-  if (texel_layout(format).table_size != yiq_table_size) return {};
   std::vector<std::int16_t> out;
-  for (int y = 0; y < 16; ++y) out.push_back(static_cast<std::int16_t>(17 * y));
-  for (int k = 0; k < 24; ++k) out.push_back(static_cast<std::int16_t>(k * 37 % 161 - 80));
+  const int size = texel_layout(format).table_size;
+  if (size == yiq_table_size) {
+    for (int y = 0; y < 16; ++y) out.push_back(static_cast<std::int16_t>(17 * y));
+    for (int k = 0; k < 24; ++k) out.push_back(static_cast<std::int16_t>(k * 37 % 161 - 80));
+  }
+  for (int k = 0; size == palette_size && k < 256; ++k) {
+    for (const int code : {36 * (k % 8), 36 * (k / 8 % 8), 85 * (k / 64), 255}) {
+      out.push_back(static_cast<std::int16_t>(code));
+    }
+  }
   return out;
 }
 
@@ -330,6 +341,19 @@ void add_levels(std::vector<SuiteFeature>& out) {
 
 // A register of the draw state and what it holds.
 using Register = std::pair<std::string_view, std::int64_t>;
+
+// A picture whose alpha is not 1 anywhere, so that factors of it tell.
+SuiteFeature on_alpha(SuiteFeature feature) {
+  for (SuiteSetting* setting : {&feature.with, &feature.without}) {
+    *setting = [set = *setting](Config& c, Scene& s) {
+      set(c, s);
+      Clear clear;
+      clear.alpha = 100;
+      s.commands.insert(s.commands.begin(), {0, {}, clear});
+    };
+  }
+  return feature;
+}
 
 // Draws everything in a state.
 SuiteSetting in_state(std::vector<Register> registers) {
@@ -371,8 +395,17 @@ void add_states(std::vector<SuiteFeature>& out) {
       {{"scissor.left", 5}, {"scissor.top", 3}, {"scissor.right", 27}, {"scissor.bottom", 20}});
   add("stipple.holes", RecordType::depth, {{"stipple", 0xa5c30f69}});
   add("color_write.off", RecordType::merge, {{"color.write", 0}, {"depth.func", number(DepthFunc::always)}});
-  add_values(out, "alpha_test", "alpha.func", RecordType::texture, CompareFunc::always, CompareFunc::never,
-             {{"alpha.ref", 128}});
+  for (const CompareFunc func : all_of<CompareFunc>()) {
+    // The largest code is the one that fragments have exactly.
+    const int ref = func == CompareFunc::equal || func == CompareFunc::not_equal ? 255 : 128;
+    const auto with = [&](CompareFunc f) {
+      return in_state({{"alpha.ref", ref}, {"alpha.func", number(f)}});
+    };
+    const CompareFunc other = func == CompareFunc::always ? CompareFunc::never : CompareFunc::always;
+    out.push_back(in({fmt::format("alpha_test.{}", to_string(func)), RecordType::texture, SuiteNeeds::effect,
+                      with(func), with(other)},
+                     texture));
+  }
   // The test needs late tests; each case changes the plane, so that values come up on either side.
   const std::vector<Register> counting{{"depth.when", number(DepthWhen::late)},
                                        {"stencil.test", 1},
@@ -392,9 +425,11 @@ void add_states(std::vector<SuiteFeature>& out) {
              passing);
   const std::vector<Register> constant{
       {"blend.red", 100}, {"blend.green", 150}, {"blend.blue", 200}, {"blend.alpha", 90}};
+  const std::size_t first_blend = out.size();
   add_values(out, "blend_src", "blend.src", RecordType::merge, BlendFactor::zero, BlendFactor::one, constant);
   add_values(out, "blend_dst", "blend.dst", RecordType::merge, BlendFactor::zero, BlendFactor::one, constant);
   add_values(out, "blend_op", "blend.op", RecordType::merge, BlendOp::add, BlendOp::max, constant);
+  for (std::size_t i = first_blend; i < out.size(); ++i) out[i] = on_alpha(std::move(out[i]));
   for (const LogicOp op : all_of<LogicOp>()) {
     if (op != LogicOp::none)
       add(fmt::format("logic.{}", to_string(op)), RecordType::merge, {{"logic.op", number(op)}});

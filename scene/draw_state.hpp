@@ -17,7 +17,7 @@
 namespace bitspan {
 
 // By number, of alpha and of stencil values: whether a value passes against another.
-BITSPAN_ENUM(CompareFunc, never, less, equal, lequal, greater, notequal, gequal, always);
+BITSPAN_ENUM(CompareFunc, never, less, equal, less_equal, greater, not_equal, greater_equal, always);
 // The depth test stands before the texture, or behind the stage that may kill a fragment.
 BITSPAN_ENUM(DepthWhen, early, late);
 BITSPAN_ENUM(StencilOp, keep, zero, replace, increment, decrement, invert, increment_wrap, decrement_wrap);

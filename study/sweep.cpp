@@ -16,6 +16,7 @@
 #include <type_traits>
 
 #include "config/fnv.hpp"
+#include "scene/tri_stream.hpp"
 #include "study/metrics.hpp"
 
 namespace bitspan {
@@ -129,6 +130,10 @@ std::string scene_hash(const Scene& scene) {
       for (const double value : {v.x, v.y, v.s, v.u, v.v}) h.number(value);
       for (const double value : v.c) h.number(value);
     }
+  }
+  for (const DrawCommand& command : scene.commands) {
+    h.number(static_cast<std::uint64_t>(command.before));
+    h.text(command_text(command));
   }
   return h.hex();
 }

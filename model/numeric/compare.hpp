@@ -16,13 +16,13 @@ constexpr bool compares(CompareFunc func, Int a, Int b) {
       return a < b;
     case CompareFunc::equal:
       return a == b;
-    case CompareFunc::lequal:
+    case CompareFunc::less_equal:
       return a <= b;
     case CompareFunc::greater:
       return a > b;
-    case CompareFunc::notequal:
+    case CompareFunc::not_equal:
       return a != b;
-    case CompareFunc::gequal:
+    case CompareFunc::greater_equal:
       return a >= b;
     case CompareFunc::always:
       return true;

@@ -97,6 +97,11 @@ TEST(Stages, EachHasAHeadingInTheSpecificationInTheirOrder) {
   EXPECT_EQ(headings, stages_in_order());
 }
 
+bool has_clock(std::string_view stage) {
+  return std::ranges::any_of(
+      stage_table, [&](const StageRow& row) { return row.stage() == stage && row.clock.has_value(); });
+}
+
 // docs/timing.md: "| setup | ...", or "| edge_walk, plane_walk | ...", in the table headed "stage | takes".
 TEST(Stages, EachThatHasAClockIsInTheTableOfTheTimedModel) {
   std::vector<std::string> found;
@@ -115,7 +120,7 @@ TEST(Stages, EachThatHasAClockIsInTheTableOfTheTimedModel) {
     found.push_back(names);
   }
   std::vector<std::string> expected = stages_in_order();
-  std::erase(expected, "constants");
+  std::erase_if(expected, [](const std::string& stage) { return !has_clock(stage); });
   EXPECT_EQ(found, expected);
 }
 
@@ -124,7 +129,7 @@ TEST(Stages, ReadmeListsThem) {
   std::ranges::replace(text, '\n', ' ');
   std::string list;
   for (const std::string& stage : stages_in_order()) {
-    if (stage != "constants") list += (list.empty() ? "" : ", ") + code(stage);
+    if (has_clock(stage)) list += (list.empty() ? "" : ", ") + code(stage);
   }
   EXPECT_NE(text.find("A stage has one name everywhere: " + list + " "), std::string::npos) << list;
 }

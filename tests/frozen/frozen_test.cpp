@@ -18,6 +18,7 @@
 
 #include "engine/records.hpp"
 #include "scene/demo.hpp"
+#include "scene/random.hpp"
 #include "tests/frozen/cases.hpp"
 #include "tests/frozen/digest_file.hpp"
 #include "tests/frozen/quantities.hpp"
@@ -26,7 +27,7 @@
 namespace bitspan::frozen {
 namespace {
 
-enum class What { all, clocks };
+enum class What { all, values, clocks };
 
 void check_config_section(DigestFile& file, const Config& config) {
   file.check("configuration " + config.name, config_quantities(config));
@@ -40,8 +41,8 @@ void check_case(DigestFile& file, const Config& config, const Scene& scene, Cloc
                 What what = What::all) {
   Computed computed;
   try {
-    if (what == What::all) computed = value_quantities(config, scene);
-    const Computed clocks = clock_quantities(config, scene, by);
+    if (what != What::clocks) computed = value_quantities(config, scene);
+    const Computed clocks = what == What::values ? Computed{} : clock_quantities(config, scene, by);
     computed.quantities.insert(computed.quantities.end(), clocks.quantities.begin(), clocks.quantities.end());
     computed.disagreements.insert(computed.disagreements.end(), clocks.disagreements.begin(),
                                   clocks.disagreements.end());
@@ -110,6 +111,25 @@ TEST(Frozen, Mip) {
   for (const Config& config : mip_variants()) {
     check_config_section(file, config);
     for (const Scene& scene : scenes) check_case(file, config, scene, ClockedBy::both);
+  }
+  file.finish();
+}
+// Changes of draw state; the timed model has no late tests.
+TEST(Frozen, State) {
+  DigestFile file("state");
+  RandomOptions options;
+  options.width = 96;
+  options.height = 72;
+  options.command_probability = 0.4;
+  options.late_tests = false;
+  const Scene early = random_scene(71, options);
+  options.late_tests = true;
+  const Scene late = random_scene(72, options);
+  for (const Scene& scene : {early, late}) check_scene_section(file, scene);
+  for (const Config& config : shipped_configs()) {
+    check_config_section(file, config);
+    check_case(file, config, early, ClockedBy::both);
+    check_case(file, config, late, ClockedBy::both, What::values);
   }
   file.finish();
 }

@@ -194,7 +194,7 @@ std::string digest_of_statistics(const model::Statistics& statistics) {
 
 void draw_whole(Engine& engine, const Scene& scene) {
   engine.begin(scene);
-  engine.draw(scene.triangles, 0, nullptr);
+  draw_scene(engine, scene, 0, scene.triangles.size(), nullptr);
 }
 
 // Draws with `model` and `golden` side by side.
@@ -206,11 +206,11 @@ RecordDigests records_of(Equality& equality, Engine& model, Engine& golden, cons
   Trace of_model;
   Trace of_golden;
   for (std::size_t i = 0; i < all.size(); i += batch) {
-    const auto part = all.subspan(i, std::min(batch, all.size() - i));
+    const std::size_t part = std::min(batch, all.size() - i);
     of_model.clear();
     of_golden.clear();
-    model.draw(part, static_cast<std::int64_t>(i), &of_model);
-    golden.draw(part, static_cast<std::int64_t>(i), &of_golden);
+    draw_scene(model, scene, i, part, &of_model);
+    draw_scene(golden, scene, i, part, &of_golden);
     expect_equal_traces(equality, "golden", of_golden, of_model);
     out.add(of_model);
   }

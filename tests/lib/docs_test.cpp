@@ -22,7 +22,8 @@ std::string text_of(const std::string& path) {
 }
 
 std::string_view per(const StageRow& row) {
-  constexpr std::array<std::string_view, 5> names{"scene", "triangle", "edge", "row", "pixel"};
+  constexpr std::array<std::string_view, 6> names{"scene", "change of state", "triangle", "edge", "row",
+                                                  "pixel"};
   return names.at(static_cast<std::size_t>(row.per));
 }
 

@@ -209,7 +209,7 @@ TEST(LibMisuse, BadArguments) {
       {"row of no stage", [&] { return bs_row(m, BS_STAGE_LOD + 1, &number, 1, -1); }, BS_BAD_INPUT},
       {"records of no stage", [&] { return bs_records(m, BS_STAGE_LOD + 1, &view); }, BS_BAD_INPUT},
       {"records to NULL", [&] { return bs_records(m, 7, nullptr); }, BS_BAD_INPUT},
-      {"plane 5", [&] { return bs_frame_view(m, 5, &view); }, BS_BAD_INPUT},
+      {"plane 6", [&] { return bs_frame_view(m, 6, &view); }, BS_BAD_INPUT},
       {"plane to NULL", [&] { return bs_frame_view(m, 0, nullptr); }, BS_BAD_INPUT},
       {"counter NULL", [&] { return bs_counter(m, nullptr, &number); }, BS_BAD_INPUT},
       {"no counter", [&] { return bs_counter(m, "bugs", &number); }, BS_BAD_INPUT},

@@ -23,7 +23,9 @@ Scene scene_of(std::uint64_t seed) {
   return random_scene(seed, options);
 }
 
-bool may_be_overridden(bs_stage stage) { return stage != BS_STAGE_CONSTANTS && stage != BS_STAGE_PLANE_WALK; }
+bool may_be_overridden(bs_stage stage) {
+  return stage != BS_STAGE_CONSTANTS && stage != BS_STAGE_STATE && stage != BS_STAGE_PLANE_WALK;
+}
 
 std::int32_t count_calls(void* user, const std::int64_t*, std::size_t n_in, std::int64_t*,
                          std::size_t n_out) {

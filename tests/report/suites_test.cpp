@@ -162,6 +162,7 @@ TEST(Suites, ThePageHasEveryFeatureOnce) {
       {list_of<DepthCode>(), "each code"},
       {list_of<TextureFilter>(), "each filter"},
       {list_of<TextureWrap>(), "each way"},
+      {list_of<CompareFunc>(), "each comparison"},
       {list_of<StencilOp>(), "each operation"},
       {list_of<BlendFactor>(), "each factor"},
       {list_of<BlendOp>(), "each equation"},

@@ -277,7 +277,7 @@ std::vector<Config> with_effect(const Config& base, const Key& key) {
     add(c);
   };
   for (const int bits : {12, 8, 16, 4, 20, 24, 28, 2}) narrower(bits, 0);
-  for (const int bits : {3, 6, 12}) narrower(0, bits);
+  for (const int bits : {3, 6, 12, 20}) narrower(0, bits);
   return out;
 }
 
