@@ -66,6 +66,9 @@ std::string emptiness(const SceneVerdict& v) {
 // The last stages of the pipeline, as far as no engine delivered a record of them. A stage before one with
 // records has none where the configuration does without it.
 std::vector<std::string> stages_not_reached(const LockStepResult& run) {
+  // A configuration or a draw state switches these on: without records they are off.
+  constexpr std::array switched{RecordType::state, RecordType::gradient, RecordType::stencil, RecordType::lod,
+                                RecordType::merge_alpha};
   std::vector<std::string> out;  // since the last stage with records
   for (const StageRow& row : stage_table) {
     const auto reached = [&row](const Comparison& pair) {
@@ -74,7 +77,7 @@ std::vector<std::string> stages_not_reached(const LockStepResult& run) {
     };
     if (std::ranges::any_of(run.pairs, reached)) {
       out.clear();
-    } else {
+    } else if (std::ranges::find(switched, row.type) == switched.end()) {
       out.emplace_back(row.name);
     }
   }
