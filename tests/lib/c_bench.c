@@ -52,9 +52,10 @@ static bs_model* drawn(bs_config* config, const char* engine, bs_scene* scene) {
 
 /* The names belong to the numbers. */
 static void check_names(void) {
-  static const char* const names[] = {"constants",  "setup",          "setup.edge", "edge_walk",
-                                      "plane_walk", "plane_walk.row", "span_setup", "span",
-                                      "depth",      "texture",        "fog",        "merge"};
+  static const char* const names[] = {
+      "constants",  "setup",   "setup.edge",  "edge_walk",      "plane_walk", "plane_walk.row",
+      "span_setup", "span",    "depth",       "texture",        "fog",        "merge",
+      "state",      "stencil", "merge.alpha", "setup.gradient", "lod"};
   const int32_t count = (int32_t)(sizeof names / sizeof *names);
   for (int32_t i = 0; i < count; ++i) expect(strcmp(bs_stage_name(i), names[i]) == 0, names[i]);
   expect(count == BS_STAGE_LOD + 1 && bs_stage_name(count) == NULL, "every stage has its name here");

@@ -259,7 +259,7 @@ TEST(Triangles, RandomConfigurations) {
     }
   }
   // The test is of the lanes, so many must take them. Wide formats, which are drawn too, do not.
-  EXPECT_GT(in_lanes, 112);
+  EXPECT_GT(in_lanes, 100);  // levels of textures have no lanes
 }
 
 // Registers that all round by adding a constant and saturate: these have a text of their own.
