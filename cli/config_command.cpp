@@ -111,6 +111,12 @@ int check(const Options& options) {
     }
   }
   fmt::print("{}\n{}", text_table(rows), paths_text(config));
+  if (has_setup_plane(config)) {
+    fmt::print(
+        "RTL: none (slope.row is plane); the timed model counts {} clocks for span_setup, a row every {}\n",
+        row_schedule_by_plane(config).latency, row_schedule_by_plane(config).interval);
+  }
+  if (!has_rtl(config)) return exit_held;
   const RtlTiming timing = rtl_timing(config);
   fmt::print("RTL: span_setup {} clocks, a row every {}; span {} clocks, a pixel every {}\n",
              timing.row.latency, timing.row.interval, timing.span,

@@ -92,7 +92,8 @@ class ChainBeside {
         pixels_(pixels),
         verdict_(verdict),
         pipeline_(model::make_pipeline(config, scene)),
-        frame_(model::cleared_frame(pipeline_, scene)) {
+        frame_(model::cleared_frame(pipeline_, scene)),
+        state_(pipeline_.first) {
     rtl_.reset();
     pixels_.begin(pipeline_, scene, frame_);
     // The scoreboards' places are cleared; the timed model's frame begins behind that.
@@ -101,7 +102,11 @@ class ChainBeside {
   }
 
   Trace& trace() { return trace_; }
-  const Frame& frame() const { return frame_; }
+  // Behind the last of `triangles` triangles.
+  const Frame& finished_frame(std::size_t triangles) {
+    execute_before(triangles == scene_.triangles.size() ? triangles + 1 : triangles);
+    return frame_;
+  }
 
   void clock(const ChainClock& model) {
     if (verdict_.differences != 0) return;
@@ -129,6 +134,19 @@ class ChainBeside {
   }
 
  private:
+  // The scene's commands in front of a triangle. When its first pixel comes, all pixels before it have left.
+  void execute_before(std::size_t triangle) {
+    for (; next_command_ < scene_.commands.size() && scene_.commands[next_command_].before < triangle;
+         ++next_command_) {
+      const DrawCommand& command = scene_.commands[next_command_];
+      if (command.clear) {
+        model::clear_planes(pipeline_, frame_, *command.clear);
+      } else {
+        state_ = changed_state(state_, command.state, config_);
+        pixels_.set(state_);
+      }
+    }
+  }
   // The next row, at the RTL's ports, where it stays: B may not change while a row is inside.
   void offer_row() {
     const std::int64_t b = pipeline_.constants.record.b;
@@ -144,6 +162,7 @@ class ChainBeside {
   // The pixel at the output: the RTL's values that the pixel stages take, and what it does not have.
   void stand(const RtlPixel& rtl) {
     if (pixel_stands_) return;
+    execute_before(static_cast<std::size_t>(trace_.fragment[next_pixel_].triangle) + 1);
     const FragmentRecord values = fragment_record(config_, rtl);
     pixel_.record = trace_.fragment[next_pixel_];
     pixel_.record.h = values.h;
@@ -197,7 +216,8 @@ class ChainBeside {
   Frame frame_;
   Counters counters_;
   Trace trace_;
-  std::size_t next_row_ = 0, next_plane_ = 0, next_pixel_ = 0;
+  DrawState state_;
+  std::size_t next_row_ = 0, next_plane_ = 0, next_pixel_ = 0, next_command_ = 0;
   bool row_stands_ = false, pixel_stands_ = false;
   RtlDrive rows_{};
   RtlPixels::Fragment pixel_;
@@ -303,11 +323,11 @@ std::vector<ChainVerdict> compare_chain(const Config& config, const Scene& scene
       options.watch_chain = [&beside](const ChainClock& clock) { beside.clock(clock); };
       const auto systemc = make_systemc(config, options);
       systemc->begin(scene);
-      systemc->draw(std::span(scene.triangles).first(std::min(triangles, scene.triangles.size())), 0,
-                    &beside.trace());
+      const std::size_t count = std::min(triangles, scene.triangles.size());
+      draw_scene(*systemc, scene, 0, count, &beside.trace());
       const Frame& frame = systemc->frame();
-      if (verdict.differences == 0 &&
-          (frame.depth != beside.frame().depth || frame.color != beside.frame().color)) {
+      const Frame& rtl_frame = beside.finished_frame(count);
+      if (verdict.differences == 0 && (frame.depth != rtl_frame.depth || frame.color != rtl_frame.color)) {
         verdict.differences = 1;
         verdict.first = "the pictures of systemc and rtl differ";
       }

@@ -5,7 +5,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +47,7 @@ struct Story {
   std::string engine;
   std::vector<Touch> touches;
   std::vector<RecordCopy> constants;
+  std::optional<RecordCopy> state;  // in force behind the batches so far; none: the first one
 };
 
 // A record's place among those of its type: a span's says which row of constant depth it comes from.
@@ -59,6 +62,14 @@ std::optional<std::size_t> place_of(const Trace& trace, const RecordCopy& record
 // The records of one batch that touch the pixel.
 void collect(const Trace& trace, std::int64_t x, std::int64_t y, Story& story) {
   const RecordView fragments = view_of(trace, RecordType::fragment);
+  std::size_t next_state = 0;
+  // Draw states come into force in the order of the triangles.
+  const auto enter_states = [&](std::int64_t triangle) {
+    for (; next_state < trace.state.size() && trace.state[next_state].triangle <= triangle; ++next_state) {
+      const auto raw = raw_values(trace.state[next_state]);
+      story.state = RecordCopy{RecordType::state, "", {raw.begin(), raw.end()}};
+    }
+  };
   for (std::size_t i = 0; i < trace.fragment.size(); ++i) {
     const FragmentRecord& f = trace.fragment[i];
     if (f.x != x || f.y != y) {
@@ -66,6 +77,7 @@ void collect(const Trace& trace, std::int64_t x, std::int64_t y, Story& story) {
     }
     Touch touch;
     touch.triangle = f.triangle;
+    enter_states(f.triangle);
     // Upwards from the fragment: span, row, edges or plane, setup.
     const auto raw = fragments.record(i);
     touch.records.push_back({RecordType::fragment, "", {raw.begin(), raw.end()}});
@@ -89,8 +101,10 @@ void collect(const Trace& trace, std::int64_t x, std::int64_t y, Story& story) {
         }
       }
     }
+    if (story.state) touch.records.insert(touch.records.begin(), *story.state);
     story.touches.push_back(std::move(touch));
   }
+  enter_states(std::numeric_limits<std::int64_t>::max());
   for (const ConstantsRecord& c : trace.constants) {
     const auto raw = raw_values(c);
     story.constants.push_back({RecordType::constants, "", {raw.begin(), raw.end()}});
@@ -99,7 +113,8 @@ void collect(const Trace& trace, std::int64_t x, std::int64_t y, Story& story) {
 
 Story run(const std::string& name, const Config& config, const Scene& scene, std::int64_t x, std::int64_t y,
           Frame* frame) {
-  Story story{name, {}, {}};
+  Story story;
+  story.engine = name;
   const auto engine = make_engine(name, config);
   engine->begin(scene);
   Progress progress(fmt::format("{} {}", name, scene.name));
@@ -119,7 +134,7 @@ Story run(const std::string& name, const Config& config, const Scene& scene, std
   return story;
 }
 
-// One record type of all engines: one row per field.
+// One record type of all engines: one row per field; of a draw state, those that are not as in the first one.
 bool print_record(const std::vector<Story>& stories, const std::vector<const RecordCopy*>& records,
                   const Config& config, const Scene& scene, const Triangle* triangle) {
   const RecordCopy* reference = records.front();
@@ -137,7 +152,13 @@ bool print_record(const std::vector<Story>& stories, const std::vector<const Rec
     rows[0].emplace_back(title);
   }
   const auto all = fields_of(reference->type);
+  const bool is_state = reference->type == RecordType::state;
+  const std::vector<std::int64_t> first =
+      is_state ? state_values(first_state(config)) : std::vector<std::int64_t>{};
   for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool is_register = is_state && i > 0;  // behind the triangle's index
+    const auto as_first = [&](const RecordCopy* r) { return r != nullptr && r->values[i] == first[i - 1]; };
+    if (is_register && std::ranges::all_of(records, as_first)) continue;
     std::vector<std::string> row{"", std::string(all[i].name)};
     const std::int64_t raw = reference->values[i];
     const bool integer = all[i].kind == FieldKind::integer;
@@ -156,9 +177,13 @@ bool print_record(const std::vector<Story>& stories, const std::vector<const Rec
       }
     }
     const double value = decode(raw, all[i], config);
-    row.push_back(integer ? "" : fmt::format("{:.10g}", value));
+    if (is_register && !state_registers()[i - 1].names.empty()) {
+      row.emplace_back(state_registers()[i - 1].names[static_cast<std::size_t>(raw)]);
+    } else {
+      row.push_back(integer ? "" : fmt::format("{:.10g}", value));
+    }
     std::optional<double> ideal;
-    if (triangle != nullptr) {
+    if (triangle != nullptr && !is_state) {
       ideal = ideal_value(reference->type, all[i].name, reference->values, config, scene, *triangle);
     }
     row.push_back(ideal ? fmt::format("{:.10g}", *ideal) : "");
@@ -229,7 +254,8 @@ int explain(const Options& o) {
     const Triangle& triangle = scene.triangles[static_cast<std::size_t>(first->triangle)];
     for (std::size_t r = 0; r < first->records.size(); ++r) {
       const RecordType type = first->records[r].type;
-      if (o.brief && row_of(type).per != Per::pixel) {
+      const Per per = row_of(type).per;
+      if (o.brief && per != Per::pixel && per != Per::change) {
         continue;
       }
       std::vector<const RecordCopy*> records;

@@ -28,6 +28,29 @@ Engines make_engines(const std::vector<std::string>& names, const Config& config
   return out;
 }
 
+PairFailure failure_of(const Comparison& pair, const Config& config, const RunLabel& label) {
+  if (!pair.first) {
+    const std::string line = fmt::format("{} broke off: {}", pair.other, pair.fault);
+    return {line, line + "\n"};
+  }
+  return {fmt::format("{} against {}: {}", pair.reference, pair.other, summary(*pair.first, config)),
+          describe(*pair.first, config, label)};
+}
+
+std::vector<std::string> engines_to_compare(const ModelFlags& model, const std::string& list,
+                                            std::string_view who, std::string_view one) {
+  std::vector<std::string> names = parse_engines(list);
+  refuse_without_model(model, std::ranges::count(names, "model") != 0);
+  if (std::ranges::find(names, "ideal") != names.end()) {
+    throw InputError(
+        fmt::format("--engines: ideal is not quantised and equals no engine; leave it out of {}", who));
+  }
+  if (names.size() < 2) {
+    throw InputError(fmt::format("--engines: {} compares at least two engines", one));
+  }
+  return names;
+}
+
 CaseResult check_case(const Engines& engines, const Config& config, const Scene& scene,
                       const RunLabel& label) {
   CaseResult out;
@@ -54,10 +77,9 @@ CaseResult check_case(const Engines& engines, const Config& config, const Scene&
     out.non_trivial += total.non_trivial;
     if (total.non_trivial > 0) out.compared.push_back(pair.other);
     if (!pair.held() && out.failure.empty()) {
-      out.failure = pair.first ? fmt::format("{} against {}: {}", pair.reference, pair.other,
-                                             summary(*pair.first, config))
-                               : fmt::format("{} broke off: {}", pair.other, pair.fault);
-      out.details = pair.first ? describe(*pair.first, config, label) : out.failure + "\n";
+      const PairFailure failure = failure_of(pair, config, label);
+      out.failure = failure.line;
+      out.details = failure.details;
     }
   }
   const ErrorReport& errors = meter.report();

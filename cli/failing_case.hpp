@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/model_options.hpp"
 #include "engine/registry.hpp"
 #include "report/describe.hpp"
 #include "scene/scene.hpp"
@@ -16,6 +17,10 @@ namespace bitspan {
 
 using Engines = std::vector<std::unique_ptr<Engine>>;
 
+// The engines of a list, two at least and not ideal. Throws InputError; `who` ("suites") is to leave ideal
+// out, and `one` ("a suite") compares.
+std::vector<std::string> engines_to_compare(const ModelFlags& model, const std::string& list,
+                                            std::string_view who, std::string_view one);
 // Makes the engines that run the configuration, in the order of their names.
 Engines make_engines(const std::vector<std::string>& names, const Config& config, std::uint64_t stall_seed,
                      EngineOptions options);
@@ -26,6 +31,12 @@ struct CaseResult {
   std::uint64_t fragments = 0, covered = 0, values = 0, non_trivial = 0;
   std::vector<std::string> compared;  // engines that were compared in values that are not trivial
 };
+
+// What is wrong with a pair that does not hold: one line, and the whole story.
+struct PairFailure {
+  std::string line, details;
+};
+PairFailure failure_of(const Comparison& pair, const Config& config, const RunLabel& label);
 
 // What a pass over a scene has to say. Coverage is checked against the exact test where the configuration
 // promises it.

@@ -57,8 +57,8 @@ std::uint64_t derived_seed(std::uint64_t seed, std::uint64_t index, std::uint64_
 }
 
 // A scene of case `index`; `gentleness` grows where the ones before were refused or covered no pixel.
-// late_tests: every engine has them. mip_chains: textures have sides that are powers of two.
-Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness, bool late_tests, bool mip_chains) {
+// mip_chains: textures have sides that are powers of two.
+Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness, bool mip_chains) {
   Random random(derived_seed(seed, index, 2));
   RandomOptions options;
   options.width = static_cast<int>(random.integer(1, 400));
@@ -69,7 +69,6 @@ Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness, bool l
   options.uv_limit = std::max(4.0, 1024 / std::pow(2.0, gentleness));
   // A generator of its own, so that the triangles of a case stay what they are.
   if (Random(derived_seed(seed, index, 1U << 20)).chance(1.0 / 3)) options.command_probability = 0.125;
-  options.late_tests = late_tests;
   options.mip_chains = mip_chains;
   Scene scene = random_scene(derived_seed(seed, index, 3 + static_cast<std::uint64_t>(gentleness)), options);
   Random formats(derived_seed(seed, index, 100));
@@ -103,17 +102,8 @@ class Fuzzer {
  public:
   explicit Fuzzer(const Options& o)
       : o_(o),
-        names_(parse_engines(o.engines)),
-        late_tests_(std::ranges::none_of(
-            names_, [](const std::string& name) { return find_engine(name).early_only; })),
+        names_(engines_to_compare(o.model, o.engines, "fuzz", "fuzz")),
         engine_options_(engine_options(o.model, 1)) {
-    refuse_without_model(o.model, std::ranges::count(names_, "model") != 0);
-    if (std::ranges::find(names_, "ideal") != names_.end()) {
-      throw InputError("--engines: ideal is not quantised and equals no engine; leave it out of fuzz");
-    }
-    if (names_.size() < 2) {
-      throw InputError("--engines: fuzz compares at least two engines");
-    }
     if (o.streams_per_config == 0) {
       throw InputError("--streams-per-config: expected 1 or more");
     }
@@ -216,7 +206,7 @@ class Fuzzer {
     take_config(index / o_.streams_per_config);
     bool taken = false;
     for (int draw = 0; draw < draws_per_case; ++draw) {
-      const Scene scene = case_scene(o_.seed, index, draw, late_tests_, has_lod(config_));
+      const Scene scene = case_scene(o_.seed, index, draw, has_lod(config_));
       if (!refusal(engines_, config_, scene).empty()) continue;
       taken = true;
       const RunLabel label{scene.name, reproduce(o_, index)};
@@ -273,7 +263,6 @@ class Fuzzer {
 
   Options o_;
   std::vector<std::string> names_;
-  bool late_tests_;  // every engine has them
   EngineOptions engine_options_;
   std::vector<Config> fixed_, bases_;
   Totals totals_;

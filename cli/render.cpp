@@ -14,6 +14,7 @@
 #include "cli/commands.hpp"
 #include "cli/model_options.hpp"
 #include "cli/progress.hpp"
+#include "cli/resolved.hpp"
 #include "cli/scene_options.hpp"
 #include "config/store.hpp"
 #include "engine/range.hpp"
@@ -23,6 +24,7 @@
 #include "model/engine_model.hpp"
 #include "model/numeric/register.hpp"
 #include "model/paths.hpp"
+#include "model/stages/texel.hpp"
 #include "report/dump.hpp"
 #include "report/lockstep.hpp"
 #include "report/table.hpp"
@@ -38,7 +40,9 @@ struct Options {
   std::string engine = "model";
   bool statistics = false;
   std::string dump;
+  bool position = false;
   std::string emit_tri;
+  bool plain_textures = false;
   ModelFlags model;
   SceneOptions view;
 };
@@ -73,6 +77,24 @@ void check_dump(const std::string& folder) {
   check_writable((exists ? path / "run.json" : path.has_filename() ? path : path.parent_path()).string());
 }
 
+// The scene with each texture as the fetch gives it, in 8-bit RGBA.
+Scene with_plain_textures(Scene scene) {
+  for (Texture& t : scene.textures) {
+    Texture plain;
+    plain.name = t.name;
+    plain.width = t.width;
+    plain.height = t.height;
+    for (int j = 0; j < t.height; ++j) {
+      for (int i = 0; i < t.width; ++i) {
+        const model::TexelCodes texel = model::texel_of(t, i, j);
+        plain.rgba.insert(plain.rgba.end(), texel.begin(), texel.end());
+      }
+    }
+    t = std::move(plain);
+  }
+  return scene;
+}
+
 int render(const Options& o) {
   if (o.output.empty() && o.dump.empty() && o.emit_tri.empty()) {
     throw InputError("render: nothing to write; give -o PICTURE.png, --dump DIR or --emit-tri FILE.tri");
@@ -87,6 +109,12 @@ int render(const Options& o) {
   }
   if (o.statistics && names[0] != "model") {
     throw InputError("--statistics: only the engine model observes its registers");
+  }
+  if (o.plain_textures && o.emit_tri.empty()) {
+    throw InputError("--plain-textures: says how textures are emitted; give --emit-tri FILE.tri too");
+  }
+  if (o.position && o.dump.empty()) {
+    throw InputError("--position: says what a dump has; give --dump DIR too");
   }
   if (o.statistics && o.output.empty() && o.dump.empty()) {
     throw InputError("--statistics: of a drawn picture; give -o PICTURE.png or --dump DIR too");
@@ -116,19 +144,28 @@ int render(const Options& o) {
       engine->begin(scene);
       // Vectors sort what they are given into bands: the more, the better.
       const std::size_t step = form == ModelForm::scalar ? 1024 : 16384;
-      for (std::size_t done = 0; done < scene.triangles.size(); done += step) {
+      std::size_t done = 0;
+      // A scene without triangles may have commands.
+      do {
         const std::size_t n = std::min(step, scene.triangles.size() - done);
         draw_scene(*engine, scene, done, n, nullptr);
-        progress.update(done + n, scene.triangles.size());
-      }
+        done += n;
+        progress.update(done, scene.triangles.size());
+      } while (done < scene.triangles.size());
     }
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const Frame& frame = engine->frame();
+    const int k = o.view.supersample;
+    const std::vector<std::uint8_t> resolved =
+        k > 1 ? resolved_picture(*engine, config, k) : std::vector<std::uint8_t>{};
     if (!o.output.empty()) {
-      write_png(o.output, frame.width, frame.height, 4, frame.color);
+      write_png(o.output, frame.width / k, frame.height / k, 4, k > 1 ? resolved : frame.color);
     }
     if (!o.dump.empty()) {
       DumpInfo info{BITSPAN_VERSION, scene.name, names[0], seconds, {}};
+      info.supersample = k;
+      info.resolved = resolved;
+      if (o.position) info.positions = positions_of(config, scene, frame);
       if (is_model) {
         const bool vectors = form != ModelForm::scalar;
         const VectorTarget target =
@@ -140,15 +177,18 @@ int render(const Options& o) {
       write_dump(o.dump, frame, engine->counters(), config, info);
     }
     const Counters& c = engine->counters();
-    fmt::print("{}: {}x{}, {} triangles, {} fragments, {} written, {} ({}), {}\n", scene.name, frame.width,
-               frame.height, c.triangles, c.fragments, c.written, config.name, config_hash(config), names[0]);
+    const std::string averaged =
+        k > 1 ? fmt::format(" averaged to {}x{}", frame.width / k, frame.height / k) : "";
+    fmt::print("{}: {}x{}{}, {} triangles, {} fragments, {} written, {} ({}), {}\n", scene.name, frame.width,
+               frame.height, averaged, c.triangles, c.fragments, c.written, config.name, config_hash(config),
+               names[0]);
     fmt::print("{}", faces_line(loaded));
     if (o.statistics) {
       fmt::print("{}", statistics_text(config, observed->statistics()));
     }
   }
   if (!o.emit_tri.empty()) {
-    write_tri_file(o.emit_tri, scene);
+    write_tri_file(o.emit_tri, o.plain_textures ? with_plain_textures(scene) : scene);
   }
   return exit_held;
 }
@@ -166,12 +206,20 @@ void add_render(CLI::App& app, Action& action) {
   sub->add_flag("--statistics", o->statistics,
                 "range, bits used, saturations, wraps and bias of each register");
   sub->add_option("--dump", o->dump, "folder for color, depth, u, v, triangle (.npy) and run.json");
+  sub->add_flag(
+      "--position", o->position,
+      "with --dump: s.npy and position.npy too, each pixel's distance and point back from its depth");
   sub->add_option("--emit-tri", o->emit_tri, "write the triangles as a stream, textures beside it");
+  sub->add_flag("--plain-textures", o->plain_textures,
+                "with --emit-tri: every texture as a PNG, those of a texel format or computed ones decoded");
   add_model_options(*sub, o->model, "0");
   add_scene_options(*sub, o->view);
+  add_supersample(*sub, o->view);
   sub->footer(help_footer("the picture is written, also where a stream covers no pixel",
                           "no face of a mesh is drawn (--allow-empty accepts this)",
-                          "bitspan render demo -o demo.png --config narrow --dump demo.dump"));
+                          "bitspan render demo -o demo.png --config narrow --dump demo.dump --position\n"
+                          "  bitspan render floor -o floor.png --supersample 4\n"
+                          "  bitspan render sea.tri -o sea.png --frame 1"));
   sub->callback([o, &action] { action = [o] { return render(*o); }; });
 }
 

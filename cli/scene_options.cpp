@@ -11,6 +11,7 @@
 #include "config/config.hpp"
 #include "scene/demo.hpp"
 #include "scene/mesh.hpp"
+#include "scene/supersample.hpp"
 #include "scene/tri_stream.hpp"
 #include "tb/programs.hpp"
 
@@ -18,6 +19,7 @@ namespace bitspan {
 namespace {
 
 constexpr std::string_view extreme_prefix = "extreme/";
+constexpr std::string_view triangles_prefix = "triangles/";
 
 bool is_stream(const std::string& name) { return name == "-" || name.ends_with(".tri"); }
 
@@ -70,6 +72,10 @@ void refuse_camera(const std::string& name, const SceneOptions& o) {
   refuse(!o.fog.empty(), "--fog");
   refuse(o.no_cull, "--no-cull");
   refuse(o.strict, "--strict");
+}
+
+void refuse_frame(const std::string& name, const SceneOptions& o) {
+  if (o.frame) throw InputError(name + ": --frame is for streams (.tri) with dynamic textures; leave it out");
 }
 
 void refuse_size(const std::string& name, const Scene& scene, const SceneOptions& o) {
@@ -144,7 +150,19 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
   command.add_flag("--no-cull", o.no_cull, "mesh: draw faces seen from behind too")->group(group);
   command.add_flag("--strict", o.strict, "mesh: refuse it where a texture that it names is missing or bad")
       ->group(group);
+  command.add_option("--frame", o.frame, "stream: the image that dynamic textures show at first (default 0)")
+      ->type_name("K")
+      ->group(group);
   add_allow_empty(command, o);
+}
+
+void add_supersample(CLI::App& command, SceneOptions& o) {
+  command
+      .add_option("--supersample", o.supersample,
+                  fmt::format("draw K x K samples per pixel, K = 1..{}, and average them", supersample_limit))
+      ->type_name("K")
+      ->check(CLI::Range(1, supersample_limit))
+      ->group("Scene");
 }
 
 void add_allow_empty(CLI::App& command, SceneOptions& o) {
@@ -184,8 +202,11 @@ Size picture_size(const std::string& text) {
   return *size;
 }
 
-std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions& options) {
+namespace {
+
+std::vector<LoadedScene> scenes_of_pixels(const std::string& name, const SceneOptions& options) {
   std::vector<LoadedScene> out;
+  if (!is_stream(name)) refuse_frame(name, options);
   if (name == "demo") {
     refuse_camera(name, options);
     const Size size = picture_size(options.size);
@@ -196,6 +217,20 @@ std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions
     refuse_camera(name, options);
     const Size size = picture_size(options.size);
     out.push_back({floor_scene(size.width, size.height), std::nullopt});
+    return out;
+  }
+  if (name.starts_with(triangles_prefix)) {
+    refuse_camera(name, options);
+    const Size size = picture_size(options.size);
+    int pixels = 0;
+    const char* const end = name.data() + name.size();
+    const auto [at, error] = std::from_chars(name.data() + triangles_prefix.size(), end, pixels);
+    if (error != std::errc{} || at != end || pixels < 1 || pixels > 1024) {
+      throw InputError(fmt::format("{}: expected triangles/SIZE, 1..1024 pixels", name));
+    }
+    Scene scene = triangles_scene(pixels, size.width, size.height);
+    scene.name = name;
+    out.push_back({std::move(scene), std::nullopt});
     return out;
   }
   if (name == "extreme" || name.starts_with(extreme_prefix)) {
@@ -221,12 +256,22 @@ std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions
   }
   if (is_stream(name)) {
     refuse_camera(name, options);
-    out.push_back({read_tri(name), std::nullopt});
+    out.push_back({read_tri(name, options.frame), std::nullopt});
     refuse_size(name, out.back().scene, options);
   } else {
     out.push_back(load_mesh(name, options));
   }
   out.back().scene.name = name;
+  return out;
+}
+
+}  // namespace
+
+std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions& options) {
+  std::vector<LoadedScene> out = scenes_of_pixels(name, options);
+  for (LoadedScene& loaded : out) {
+    if (options.supersample > 1) loaded.scene = supersampled(std::move(loaded.scene), options.supersample);
+  }
   return out;
 }
 
@@ -287,7 +332,9 @@ std::string flags_text(const SceneOptions& o) {
   text("--fog", o.fog);
   out += o.no_cull ? " --no-cull" : "";
   out += o.strict ? " --strict" : "";
+  out += o.frame ? fmt::format(" --frame {}", *o.frame) : "";
   out += o.allow_empty ? " --allow-empty" : "";
+  out += o.supersample > 1 ? fmt::format(" --supersample {}", o.supersample) : "";
   return out;
 }
 

@@ -26,6 +26,8 @@ struct SceneOptions {
   bool no_cull = false;
   bool strict = false;       // a texture that a mesh names must be there
   bool allow_empty = false;  // a scene that draws nothing is no failure
+  int supersample = 1;       // samples per pixel, each way
+  std::optional<int> frame;  // which image dynamic textures of a stream show at first
 };
 
 struct LoadedScene {
@@ -50,14 +52,18 @@ void add_scene_options(CLI::App& command, SceneOptions& options);
 // --allow-empty alone, which add_scene_options has too.
 void add_allow_empty(CLI::App& command, SceneOptions& options);
 
+// --supersample, of the commands that average the samples.
+void add_supersample(CLI::App& command, SceneOptions& options);
+
 // What --size says, 640x480 where it is empty; throws InputError where it is no size or beyond what a stream
 // may have.
 Size picture_size(const std::string& text);
 
-// The scenes that a name stands for: `demo`; `extreme`, which is several, or one of them as `extreme/NAME`; a
-// triangle stream (.tri, or - for standard input); or else a mesh. A stream's coordinates are pixels, so its
-// size is its own: another --size is refused, and so are camera flags. A mesh may come without a triangle
-// where no face is drawn. Throws InputError.
+// The scenes that a name stands for: `demo`; `extreme`, which is several, or one of them as `extreme/NAME`;
+// `triangles/SIZE`, of that many pixels; a triangle stream (.tri, or - for standard input); or else a mesh. A
+// stream's coordinates are pixels, so its size is its own: another --size is refused, and so are camera
+// flags. A mesh may come without a triangle where no face is drawn. With --supersample each scene is as much
+// larger. Throws InputError.
 std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions& options);
 // The same where one picture is wanted. Throws NothingDrawn too, as refuse_without_faces.
 LoadedScene load_scene(const std::string& name, const SceneOptions& options);

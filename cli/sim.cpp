@@ -9,6 +9,7 @@
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
+#include "config/modes.hpp"
 #include "config/store.hpp"
 #include "engine/range.hpp"
 #include "io/atomic_file.hpp"
@@ -34,7 +36,8 @@ struct Options {
   double port_stall = 0;
   std::uint64_t seed = 1;
   bool asks_for_ports = false;  // by an option that nothing else reads
-  std::string vcd, json;
+  bool caches = false;
+  std::string vcd, json, access_log;
   SceneOptions view;
 };
 
@@ -86,6 +89,43 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
   return fmt::format("{:.1f}", 100 * share(part, whole));
 }
 
+// Empty where none was measured.
+std::string caches_text(const TimedReport& r) {
+  if (r.caches.empty()) return "";
+  std::vector<std::vector<std::string>> rows{{"cache", "reads", "writes", "hits %", "compulsory", "capacity",
+                                              "conflict", "written back", "flushed"}};
+  for (const CacheReport& c : r.caches) {
+    const auto count = [&](CacheResult result) { return c.results[static_cast<std::size_t>(result)]; };
+    rows.push_back({std::string(c.name), fmt::format("{}", c.reads), fmt::format("{}", c.writes),
+                    percent(count(CacheResult::hit), c.reads + c.writes),
+                    fmt::format("{}", count(CacheResult::compulsory)),
+                    fmt::format("{}", count(CacheResult::capacity)),
+                    fmt::format("{}", count(CacheResult::conflict)), fmt::format("{}", c.written_back),
+                    fmt::format("{}", c.flushed)});
+  }
+  return text_table(rows);
+}
+
+nlohmann::ordered_json caches_json(const TimedReport& r) {
+  auto out = nlohmann::ordered_json::array();
+  for (const CacheReport& c : r.caches) {
+    nlohmann::ordered_json cache{{"cache", c.name}, {"reads", c.reads}, {"writes", c.writes}};
+    for (std::size_t i = 0; i < c.results.size(); ++i) {
+      cache[std::string(enum_names<CacheResult>[i])] = c.results[i];
+    }
+    cache["written_back"] = c.written_back;
+    cache["flushed"] = c.flushed;
+    out.push_back(std::move(cache));
+  }
+  return out;
+}
+
+std::string log_line(const CacheAccess& a) {
+  if (a.kind == CacheAccessKind::flush) return fmt::format("{},flush,,,\n", a.cache);
+  return fmt::format("{},{},{},{},{}\n", a.cache, to_string(a.kind), a.address, to_string(a.result),
+                     a.writes_back ? 1 : 0);
+}
+
 // What stands behind the pixel stages, and what they have asked of it.
 std::string memory_text(const SystemcOptions& options, const TimedReport& r) {
   if (options.memory == TimedMemory::bus) {
@@ -93,7 +133,8 @@ std::string memory_text(const SystemcOptions& options, const TimedReport& r) {
     return fmt::format("texture cache: {} accesses, {} misses ({} %)\n", texels, r.cache_misses,
                        percent(r.cache_misses, texels)) +
            fmt::format("memory: {} reads, {} writes, data bus taken {} clocks ({} %)\n", r.memory.reads,
-                       r.memory.writes, r.memory.beats, percent(r.memory.beats, r.cycles));
+                       r.memory.writes, r.memory.beats, percent(r.memory.beats, r.cycles)) +
+           caches_text(r);
   }
   std::vector<std::vector<std::string>> rows{{"port", "reads", "writes", "stalled %"}};
   for (std::size_t p = 0; p < r.ports.size(); ++p) {
@@ -168,6 +209,7 @@ std::string sim_json(const Scene& scene, const Config& config, const SystemcOpti
   json["stages"] = std::move(stages);
   if (options.memory == TimedMemory::bus) {
     json["cache"] = {{"hits", r.cache_hits}, {"misses", r.cache_misses}};
+    if (!r.caches.empty()) json["caches"] = caches_json(r);
     json["memory"] = {{"reads", r.memory.reads}, {"writes", r.memory.writes}, {"beats", r.memory.beats}};
   } else {
     const PortTiming& p = options.ports;
@@ -194,6 +236,7 @@ int sim(const Options& o) {
   const Config config = find_config(o.config);
   check_writable(o.json);
   check_writable(o.vcd);
+  check_writable(o.access_log);
   const LoadedScene loaded = load_scene(o.scene, o.view);
   const Scene& scene = loaded.scene;
   check_scene_range(config, scene);
@@ -201,11 +244,23 @@ int sim(const Options& o) {
   SystemcOptions options;
   options.mode = chosen_mode(o);
   if (o.memory == "ports") {
+    if (o.caches || !o.access_log.empty()) {
+      throw InputError("--caches and --access-log describe caches: --memory bus has them");
+    }
     options.memory = TimedMemory::ports;
     options.ports = parse_ports(o);
   } else if (o.asks_for_ports) {
     throw InputError(
         "--port-latency, --port-stall and --seed describe the RTL's ports: --memory ports reads them");
+  }
+  const bool has_caches =
+      has_cache(config.memory.depth_cache.mode) || has_cache(config.memory.color_cache.mode);
+  options.measure_texture_cache = o.caches || !o.access_log.empty() || has_caches;
+  std::optional<AtomicFile> log;
+  if (!o.access_log.empty()) {
+    log.emplace(o.access_log);
+    log->write("cache,access,byte,result,writes_back\n");
+    options.watch_caches = [&log](const CacheAccess& access) { log->write(log_line(access)); };
   }
   options.vcd = o.vcd;
   options.progress = [&](std::uint64_t done) { progress.update(done, scene.triangles.size()); };
@@ -215,6 +270,7 @@ int sim(const Options& o) {
   draw_scene(*engine, scene, 0, scene.triangles.size(), nullptr);
   engine->close_vcd();
   const TimedReport report = engine->report();
+  if (log) log->commit();
   if (!o.json.empty()) {
     write_file(o.json, sim_json(scene, config, options, report, engine->counters()));
   }
@@ -250,6 +306,9 @@ void add_sim(CLI::App& app, Action& action) {
       ->capture_default_str();
   sub->add_option("--vcd", o->vcd, "write a waveform; mode cycle only");
   sub->add_option("--json", o->json, "write the numbers as JSON");
+  sub->add_flag("--caches", o->caches, "count the misses of each cache by their kind; with --memory bus");
+  sub->add_option("--access-log", o->access_log,
+                  "write each access of the caches as a line of CSV; with --memory bus");
   add_scene_options(*sub, o->view);
   sub->footer(help_footer("the clocks are counted", "no face of a mesh is drawn (--allow-empty accepts this)",
                           "bitspan sim demo --size 160x120 --vcd demo.vcd\n"

@@ -40,28 +40,13 @@ std::string replay_path(const SuiteFlags& o, std::string name) {
   return fmt::format("{}/suite-{}.replay.json", o.out, name);
 }
 
-std::vector<std::string> engines_of(const SuiteFlags& o) {
-  std::vector<std::string> names = parse_engines(o.engines);
-  refuse_without_model(o.model, std::ranges::count(names, "model") != 0);
-  if (std::ranges::find(names, "ideal") != names.end()) {
-    throw InputError("--engines: ideal is not quantised and equals no engine; leave it out of suites");
-  }
-  if (names.size() < 2) throw InputError("--engines: a suite compares at least two engines");
-  return names;
-}
-
 class Suites {
  public:
-  explicit Suites(const SuiteFlags& o) : o_(o), names_(engines_of(o)) {
+  explicit Suites(const SuiteFlags& o)
+      : o_(o), names_(engines_to_compare(o.model, o.engines, "suites", "a suite")) {
     options_ = engine_options(o.model, 1);
     options_.stall_seed = o.seed;
-    engines_.all = [this](const Config& config, const Scene& scene) {
-      std::vector<std::string> names = names_;
-      if (has_late_tests(scene)) {
-        std::erase_if(names, [](const std::string& name) { return find_engine(name).early_only; });
-      }
-      return make_engines(names, config, o_.seed, options_);
-    };
+    engines_.all = [this](const Config& config) { return make_engines(names_, config, o_.seed, options_); };
     engines_.reference = [this](const Config& config) { return make_engine(names_[0], config, options_); };
   }
 
@@ -80,11 +65,9 @@ class Suites {
       took_part_.insert(pair.other);
       if (pair.held() || !out.failure.empty()) continue;
       const RunLabel label{name, command_of(o_, name)};
-      out.failure = pair.first ? fmt::format("{} against {}: {}", pair.reference, pair.other,
-                                             summary(*pair.first, config))
-                               : fmt::format("{} broke off: {}", pair.other, pair.fault);
-      out.details = (pair.first ? describe(*pair.first, config, label) : out.failure + "\n") +
-                    keep(out.run.suite, label, out.failure);
+      const PairFailure failure = failure_of(pair, config, label);
+      out.failure = failure.line;
+      out.details = failure.details + keep(out.run.suite, label, failure.line);
     }
     if (out.failure.empty() && !result.trivial.empty()) out.failure = "it shows nothing: " + result.trivial;
     out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -103,7 +86,7 @@ class Suites {
  private:
   // Writes the replay file; returns the line that tells of it.
   std::string keep(const SuiteCase& suite, const RunLabel& label, const std::string& failure) {
-    const Engines engines = engines_.all(suite.config, suite.scene);
+    const Engines engines = engines_.all(suite.config);
     const Scene shown = shrink(engines, suite.config, suite.scene, label);
     const std::string path = replay_path(o_, suite.name);
     write_replay(path, engines, suite.config, shown, o_.seed, fmt::format("{}; {}", label.command, failure));

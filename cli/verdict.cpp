@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -39,6 +38,11 @@ void judge_differences(SceneVerdict& v) {
       v.failures.push_back(fmt::format("{} broke off: {}", pair.other, pair.fault));
     }
   }
+  for (std::size_t p = 0; p < v.resolved.size(); ++p) {
+    if (v.resolved[p].count.differences == 0) continue;
+    v.failures.push_back(fmt::format("{} against {}: {}", v.run.pairs[p].reference, v.run.pairs[p].other,
+                                     v.resolved[p].first));
+  }
   // A run that stopped early has not drawn all that the exact test covers.
   if (v.has_errors && coverage_is_exact(v.config) && v.errors.coverage_differences() > 0) {
     v.failures.push_back(
@@ -66,9 +70,6 @@ std::string emptiness(const SceneVerdict& v) {
 // The last stages of the pipeline, as far as no engine delivered a record of them. A stage before one with
 // records has none where the configuration does without it.
 std::vector<std::string> stages_not_reached(const LockStepResult& run) {
-  // A configuration or a draw state switches these on: without records they are off.
-  constexpr std::array switched{RecordType::state, RecordType::gradient, RecordType::stencil, RecordType::lod,
-                                RecordType::merge_alpha};
   std::vector<std::string> out;  // since the last stage with records
   for (const StageRow& row : stage_table) {
     const auto reached = [&row](const Comparison& pair) {
@@ -77,7 +78,7 @@ std::vector<std::string> stages_not_reached(const LockStepResult& run) {
     };
     if (std::ranges::any_of(run.pairs, reached)) {
       out.clear();
-    } else if (std::ranges::find(switched, row.type) == switched.end()) {
+    } else if (!is_switched(row.type)) {
       out.emplace_back(row.name);
     }
   }
@@ -153,17 +154,27 @@ std::unique_ptr<Engine> make_guarded(const std::string& name, const Config& conf
   }
 }
 
-// Adds up a pair's stages, picture and the counters together.
-StageCount total_of(const Comparison& pair) {
-  StageCount all = pair.total();
-  for (const StageCount* more : {&pair.frame, &pair.counters}) {
-    all.records += more->records;
-    all.values += more->values;
-    all.non_trivial += more->non_trivial;
-    all.differences += more->differences;
-    all.unmatched += more->unmatched;
-  }
-  return all;
+struct Total {
+  StageCount count;
+  std::uint64_t own = 0;  // of its values: by arithmetic of the other engine's own
+};
+// Adds up the stages, pictures and counters of pair p.
+Total total_of(const SceneVerdict& v, std::size_t p) {
+  const Comparison& pair = v.run.pairs[p];
+  Total out{pair.total(), v.own[p].total()};
+  const auto add = [&out](const StageCount& more) {
+    out.count.records += more.records;
+    out.count.values += more.values;
+    out.count.non_trivial += more.non_trivial;
+    out.count.differences += more.differences;
+    out.count.unmatched += more.unmatched;
+  };
+  add(pair.frame);
+  add(pair.counters);
+  if (v.resolved.empty()) return out;
+  add(v.resolved[p].count);
+  out.own += v.resolved[p].own;
+  return out;
 }
 
 }  // namespace
@@ -235,10 +246,18 @@ SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const Ver
   if (!v.run.pairs.empty() && !v.run.stopped && v.counters.covered != 0) {
     v.not_reached = stages_not_reached(v.run);
   }
+  if (options.supersample > 1 && !v.run.stopped) {
+    for (std::size_t e = 1; e < out.engines.size(); ++e) {
+      v.resolved.push_back(compare_resolved(*out.engines[0], *out.engines[e], config, options.supersample));
+    }
+  }
   if (out.ideal) {
     meter.add_pictures(out.engines[0]->frame(), out.ideal->frame());
     v.errors = meter.report();
     v.has_errors = true;
+    if (options.supersample > 1 && !v.run.stopped) {
+      v.resolved_psnr_db = resolved_psnr_db(*out.engines[0], *out.ideal, config, options.supersample);
+    }
     v.truth_draws = v.errors.covered > 0;
   }
   if (options.cycles && systemc && rtl && !v.run.stopped) {
@@ -270,11 +289,16 @@ std::vector<std::vector<std::string>> comparison_table(const SceneVerdict& verdi
   }
   for (std::size_t p = 0; p < pairs.size(); ++p)
     add("picture", pairs[p], pairs[p].frame, verdict.own[p].frame);
+  for (std::size_t p = 0; p < verdict.resolved.size(); ++p) {
+    const ResolvedComparison& resolved = verdict.resolved[p];
+    add("resolve_samples", pairs[p], resolved.count, resolved.own);
+  }
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     add("counters", pairs[p], pairs[p].counters, verdict.own[p].counters);
   }
   for (std::size_t p = 0; p < pairs.size(); ++p) {
-    add("all", pairs[p], total_of(pairs[p]), verdict.own[p].total());
+    const Total all = total_of(verdict, p);
+    add("all", pairs[p], all.count, all.own);
   }
   return rows;
 }
@@ -314,6 +338,8 @@ std::vector<std::string> verdict_lines(const SceneVerdict& v) {
                     "surplus, {} drawn twice)",
                     e.covered, e.coverage_differences(), e.missed, e.surplus, e.doubled));
     lines.push_back("picture against ideal: " + picture_words(e));
+    if (v.resolved_psnr_db)
+      lines.push_back("averaged picture against ideal: PSNR " + psnr_text(*v.resolved_psnr_db));
   }
   if (v.cycles) {
     const CycleVerdict& y = *v.cycles;
@@ -389,6 +415,11 @@ void append_junit(const SceneVerdict& v, std::vector<JunitCase>& cases) {
       cases.back().skipped = "no pixel reaches this stage";
     }
     add("frame", pair.frame);
+    if (!v.resolved.empty()) {
+      const ResolvedComparison& resolved = v.resolved[static_cast<std::size_t>(&pair - v.run.pairs.data())];
+      add("resolve_samples", resolved.count);
+      if (!resolved.first.empty()) cases.back().failure = resolved.first;
+    }
     add("counters", pair.counters);
   }
   for (const std::string& text : v.left_out) {
@@ -453,7 +484,12 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
       }
       one["picture"] = count_json(pair.frame, own.frame);
       one["counters"] = count_json(pair.counters, own.counters);
-      one["all"] = count_json(total_of(pair), own.total());
+      if (!v.resolved.empty()) {
+        const ResolvedComparison& resolved = v.resolved[p];
+        one["resolve_samples"] = count_json(resolved.count, resolved.own);
+      }
+      const Total all = total_of(v, p);
+      one["all"] = count_json(all.count, all.own);
       if (!pair.fault.empty()) {
         one["fault"] = pair.fault;
       }
@@ -490,6 +526,8 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
         }
       }
     }
+    // As above: null where the pictures are equal.
+    if (v.resolved_psnr_db) scene["resolve_samples"]["psnr_db"] = *v.resolved_psnr_db;
     if (v.cycles) {
       scene["cycles"] = {{"systemc", v.cycles->model_cycles},
                          {"rtl", v.cycles->rtl_cycles},

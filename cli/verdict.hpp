@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cli/own_values.hpp"
+#include "cli/resolved.hpp"
 #include "cli/scene_options.hpp"
 #include "engine/registry.hpp"
 #include "report/compare.hpp"
@@ -46,8 +47,10 @@ struct SceneVerdict {
   Config config;
   RunLabel label;
   LockStepResult run;
-  std::vector<OwnValues> own;  // one per pair
-  Counters counters;           // of the first engine
+  std::vector<OwnValues> own;                // one per pair
+  std::vector<ResolvedComparison> resolved;  // one per pair, where samples are averaged
+  std::optional<double> resolved_psnr_db;    // of the first engine against ideal
+  Counters counters;                         // of the first engine
   ErrorReport errors;
   bool has_errors = false;   // `ideal` took part
   bool truth_draws = false;  // by the exact test, some pixel is covered
@@ -73,6 +76,7 @@ struct VerifyOptions {
   bool allow_missing = false;        // an engine may be left out, and no pair may be left
   bool allow_empty = false;          // the scene may cover no pixel, and pixels may reach no merge
   bool cycles = true;
+  int supersample = 1;  // the scene has that many samples per pixel, each way
   EngineOptions engine;
 };
 

@@ -44,6 +44,7 @@ int verify(const Options& o) {
   options.engines_named = o.engines_named;
   options.allow_missing = o.allow_missing;
   options.allow_empty = o.view.allow_empty;
+  options.supersample = o.view.supersample;
   refuse_without_model(o.model, std::ranges::count(options.engines, "model") != 0);
   check_writable(o.junit);
   check_writable(o.json);
@@ -136,11 +137,13 @@ void add_verify(CLI::App& app, Action& action) {
                 "an engine of --engines may be left out, and no pair may be left to compare");
   add_model_options(*sub, o->model, "1");
   add_scene_options(*sub, o->view);
+  add_supersample(*sub, o->view);
   sub->footer(help_footer("all held",
                           "a difference, nothing compared, an engine named left out, or nothing drawn",
                           "bitspan verify model.obj --texture skin.png --config depth20 --junit result.xml\n"
                           "  bitspan verify --suite 'depth.*/delta_f/64x48'\n"
-                          "  bitspan verify --suite '*' --list"));
+                          "  bitspan verify --suite '*' --list\n"
+                          "  bitspan verify floor --size 64x48 --supersample 4 --engines golden,model"));
   sub->callback([o, sub, &action] {
     o->engines_named = sub->count("--engines") > 0;
     action = [o, sub] {

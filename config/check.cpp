@@ -156,6 +156,12 @@ Result check_formats(const Config& c) {
   if (share.is_signed || share.integer != 0) {
     return Violation{"formats.lod.frac", "is " + describe(share) + "; legal: unsigned, int 0"};
   }
+  // Squares of its values times that of a focal length are compared exactly.
+  const Format& g = c.format(F::distance_g);
+  if (g.is_signed || g.integer < 1 || g.fraction() < 0 || g.word > 32) {
+    return Violation{"formats.distance.g",
+                     "is " + describe(g) + "; legal: unsigned, int 1..word, word 1..32"};
+  }
   for (const F id : {F::texture_alpha, F::fog_factor}) {
     if (!holds_one(c.format(id))) {
       return Violation{"formats." + std::string(key_of(id)),
@@ -185,11 +191,18 @@ Result check_formats(const Config& c) {
 
 Result check_memory(const Config& c) {
   const MemoryTiming& m = c.memory;
-  if (m.cache_line_bytes >= m.width_bytes) return std::nullopt;
-  return Violation{"memory.cache_line_bytes",
-                   "is " + std::to_string(m.cache_line_bytes) +
-                       ", less than one beat of the memory; legal: at least width_bytes, " +
-                       std::to_string(m.width_bytes)};
+  const auto too_short = [&](bool is_used, const std::string& key, int line_bytes) -> Result {
+    if (!is_used || line_bytes >= m.width_bytes) return std::nullopt;
+    return Violation{key, "is " + std::to_string(line_bytes) +
+                              ", less than one beat of the memory; legal: at least width_bytes, " +
+                              std::to_string(m.width_bytes)};
+  };
+  if (auto v = too_short(true, "memory.cache_line_bytes", m.cache_line_bytes)) return v;
+  if (auto v = too_short(has_cache(m.depth_cache.mode), "memory.depth_cache_line_bytes",
+                         m.depth_cache.line_bytes)) {
+    return v;
+  }
+  return too_short(has_cache(m.color_cache.mode), "memory.color_cache_line_bytes", m.color_cache.line_bytes);
 }
 
 Result check_exact(const Config& c) {
@@ -240,10 +253,15 @@ Result first_violation(const Config& c) {
                          std::to_string(2 * c.rtl.product_digits)};
   }
   if (has_lod_gradients(c) && has_linear_edges(c.perspective)) {
+    return Violation{"lod.mode", "is " + std::string(to_string(c.lod)) +
+                                     ", and an affine texture has no gradients in perspective; legal: none, "
+                                     "zone_s, zone_d, or another perspective.mode"};
+  }
+  if (has_setup_plane(c) && has_plane_rows(c.perspective)) {
     return Violation{
-        "lod.mode",
-        "is gradient, and an affine texture has no gradients in perspective; legal: none, zone_s, or "
-        "another perspective.mode"};
+        "slope.row",
+        "is plane, and const_depth_rows has no row slopes; legal: divide, reciprocal, or another "
+        "perspective.mode"};
   }
   if (c.depth_overflow == Overflow::wrap_sm) {
     return Violation{

@@ -29,17 +29,29 @@ BITSPAN_ENUM(DdaUpdate, accumulate, multiply);
 BITSPAN_ENUM(Perspective, delta_f, const_depth_rows, hyperbolic, affine);
 BITSPAN_ENUM(Numerator, pixel_centre, ideal_line);
 BITSPAN_ENUM(SlopeForm, divide, reciprocal);
+// What a row starts from: its ends, by slopes of one of these forms; or the plane of its triangle.
+BITSPAN_ENUM(RowSlope, divide, reciprocal, plane);
 BITSPAN_ENUM(ReciprocalKind, restoring, lut_linear, lut_newton, lut_quadratic);
-BITSPAN_ENUM(DepthCode, inverse, linear, opengl);
+BITSPAN_ENUM(DepthCode, inverse, linear, opengl, w_float, float_dz);
 // By distance: `less` passes what is nearer, whatever the direction of the code.
 BITSPAN_ENUM(DepthFunc, never, less, equal, lequal, greater, notequal, gequal, always);
 BITSPAN_ENUM(TextureFilter, nearest, bilinear);
 BITSPAN_ENUM(TextureWrap, cyclic, clamp, mirror, border);
 // Levels of a texture's mip chain: the texture alone; the nearest level; the two nearest, mixed.
 BITSPAN_ENUM(MipMode, none, nearest, linear);
-// What a level is chosen by: the bias alone; zones of the distance s; the gradients of u and v on the screen.
-BITSPAN_ENUM(LodMode, none, zone_s, gradient);
-BITSPAN_ENUM(FogMode, none, linear, table);
+// What a level is chosen by: the bias alone; zones of the distance s; the gradients of u and v on the screen;
+// zones of the true distance d; the differences of u and v to the pixels right and below.
+BITSPAN_ENUM(LodMode, none, zone_s, gradient, zone_d, finite);
+// What the fog's factor is formed of: s, linearly; a table by depth and zone; one by d; one by log2 of s,
+// between whose entries it is linear.
+BITSPAN_ENUM(FogMode, none, linear, table, distance, log);
+// The zones of a pixel's distance r from the picture's middle have equal widths in r^2, or in r.
+BITSPAN_ENUM(FogZone, r2, r);
+// A cache between the pixel stages and a buffer: none; one whose writes go on to the memory at once; one that
+// keeps them until the line is replaced.
+BITSPAN_ENUM(BufferCacheMode, none, write_through, write_back);
+// Which set of a cache a line goes into: by its low bits; by these XOR the bits above them.
+BITSPAN_ENUM(SetHash, none, xor_upper);
 
 // One reciprocal unit R; docs/numeric-spec.md, "Reciprocal", defines each kind in the value domain.
 struct Reciprocal {
@@ -78,12 +90,24 @@ struct StageTiming {
   bool operator==(const StageTiming&) const = default;
 };
 
+// The cache of the depth or the colour buffer.
+struct BufferCache {
+  BufferCacheMode mode = BufferCacheMode::none;
+  int line_bytes = 64;
+  int sets = 64;
+  int ways = 2;
+  SetHash hash = SetHash::none;
+  bool operator==(const BufferCache&) const = default;
+};
+
 struct MemoryTiming {
-  int latency = 20;     // clocks from a read request to its first beat
-  int width_bytes = 8;  // bytes per clock
-  int cache_line_bytes = 64;
+  int latency = 20;           // clocks from a read request to its first beat
+  int width_bytes = 8;        // bytes per clock
+  int cache_line_bytes = 64;  // of the texture cache, as the next three
   int cache_sets = 64;
   int cache_ways = 2;
+  SetHash cache_hash = SetHash::none;
+  BufferCache depth_cache{}, color_cache{};
   bool operator==(const MemoryTiming&) const = default;
 };
 
@@ -104,6 +128,8 @@ using Color = std::optional<std::array<std::uint8_t, 3>>;
 using Rgba = std::array<std::uint8_t, 4>;
 
 inline constexpr int max_fog_index_bits = 12;
+
+inline constexpr int max_subspan_bits = 6;
 
 // A texture with a mip chain has sides of at most 2^this texels.
 inline constexpr int max_mip_level = 15;
@@ -140,10 +166,11 @@ struct Config {
   // [perspective]
   Perspective perspective = Perspective::delta_f;
   Numerator numerator = Numerator::pixel_centre;
+  int subspan_bits = 0;  // delta_f: u and v are exact at each 2^this-th pixel, and linear between them
 
   // [slope]
   SlopeForm edge_slope = SlopeForm::divide;
-  SlopeForm row_slope = SlopeForm::reciprocal;
+  RowSlope row_slope = RowSlope::reciprocal;
 
   // [reciprocal.edge], [reciprocal.row], [reciprocal.pixel]
   Reciprocal edge_reciprocal, row_reciprocal, pixel_reciprocal;
@@ -173,8 +200,9 @@ struct Config {
 
   // [fog]
   FogMode fog = FogMode::table;
-  int fog_depth_bits = 6;  // of the table's index: top bits of h
-  int fog_zone_bits = 4;   // and the zone of r^2
+  int fog_depth_bits = 6;          // of the table's index: top bits of h, of d, or of log2 of s
+  int fog_zone_bits = 4;           // of the zone of r; `table` has it in its index, too
+  FogZone fog_zone = FogZone::r2;  // what the zones divide evenly
 
   // [formats]
   std::array<Format, format_count> formats = initial_formats();

@@ -7,6 +7,7 @@
 
 #include "config/grid.hpp"
 #include "config/modes.hpp"
+#include "config/pixel_timing.hpp"
 #include "config/reciprocal.hpp"
 
 namespace bitspan {
@@ -154,7 +155,15 @@ void setup_edge(const Config& c, List& list, const Unit& edge_unit, Grid coordin
   const Grid uv = list.of(F::setup_uv);
   const Grid shade = list.of(F::setup_shade);
   const bool affine = has_linear_edges(c.perspective);
-  if (shares_reciprocal(c.edge_slope)) list.unit(edge_unit);
+  const bool by_plane = has_setup_plane(c);
+  if (shares_reciprocal(c.edge_slope) && (!by_plane || has_x_step(c))) list.unit(edge_unit);
+  if (by_plane) {
+    if (has_x_step(c)) {
+      list.slope("setup.edge", "x_step", "(x2 - x1)", {F::edge_x_step}, dy, dy, c.edge_slope, edge_unit,
+                 F::edge_x_step);
+    }
+    return;
+  }
   list.slope("setup.edge", "h_step", "(h2 - h1)", {F::setup_h, F::edge_h_step}, h - h, dy, c.edge_slope,
              edge_unit, F::edge_h_step);
   if (has_x_step(c)) {
@@ -174,10 +183,36 @@ void setup_edge(const Config& c, List& list, const Unit& edge_unit, Grid coordin
              c.edge_slope, edge_unit, F::edge_shade_step);
 }
 
-void edge_walk(const Config& c, List& list, const Unit& pixel_unit, Grid coordinate) {
+void setup_plane(const Config& c, List& list, const Unit& area_unit, Grid coordinate) {
   using F = FormatId;
-  // t = y + 1/2 - y1
-  const Grid t = Grid{coordinate.integer, 1, true} - coordinate;
+  const Grid d = coordinate - coordinate;
+  const Grid area = d * d - d * d;
+  const Grid uv = list.of(F::setup_uv);
+  const Grid q = list.of(F::setup_h) + list.of(F::setup_b);
+  if (shares_reciprocal(c.edge_slope)) list.unit(area_unit);
+  if (has_pixel_reciprocal(c.perspective)) {
+    list.value("setup.plane", "u1 = u of vertex 0", {F::setup_uv, F::edge_uv}, uv, F::edge_uv);
+    list.value("setup.plane", "fu_i = (u_i - u1)(h_i + B)",
+               {F::setup_uv, F::edge_uv, F::setup_h, F::setup_b, F::plane_g}, (uv - list.of(F::edge_uv)) * q,
+               F::plane_g);
+  } else if (has_pixel_quotients(c.perspective)) {
+    list.value("setup.plane", "fu_i = u_i (h_i + B)", {F::setup_uv, F::setup_h, F::setup_b, F::plane_g},
+               uv * q, F::plane_g);
+  } else {
+    list.value("setup.plane", "fu_i = u_i", {F::setup_uv, F::plane_g}, uv, F::plane_g);
+  }
+  const auto gradient = [&](const std::string& w, F of, F into) {
+    const Grid rise = list.of(of) - list.of(of);
+    list.slope("setup.plane", w + "_x", "nx(" + w + ")", {of, into}, rise * d - rise * d, area, c.edge_slope,
+               area_unit, into);
+  };
+  gradient("h", F::setup_h, F::plane_h_grad);
+  gradient("fu", F::plane_g, F::plane_g_grad);
+  gradient("r", F::setup_shade, F::plane_shade_grad);
+}
+
+void end_values(const Config& c, List& list, const Unit& pixel_unit, Grid t) {
+  using F = FormatId;
   const bool affine = has_linear_edges(c.perspective);
   list.value("edge_walk", "h_acc = h1 + h_step t0 + offset", {F::setup_h, F::edge_h_step, F::edge_h_acc},
              with_offset(list.of(F::setup_h) + list.of(F::edge_h_step) * t, c.start_offset.edge_h,
@@ -211,6 +246,13 @@ void edge_walk(const Config& c, List& list, const Unit& pixel_unit, Grid coordin
                  {F::setup_uv, F::edge_h, F::setup_b, F::edge_f, F::edge_uv}, &base, list.of(F::edge_f),
                  pixel_unit, F::edge_uv);
   }
+}
+
+void edge_walk(const Config& c, List& list, const Unit& pixel_unit, Grid coordinate) {
+  using F = FormatId;
+  // t = y + 1/2 - y1
+  const Grid t = Grid{coordinate.integer, 1, true} - coordinate;
+  if (!has_setup_plane(c)) end_values(c, list, pixel_unit, t);
   const Grid dx = coordinate - coordinate;
   if (!has_x_step(c)) {
     list.quotient("edge_walk", "x = (x1 dy + (x2 - x1) t) / dy", {F::edge_x}, coordinate * dx + dx * t, dx,
@@ -275,6 +317,26 @@ void plane_walk(const Config& c, List& list, Grid coordinate) {
              F::span_shade_step);
 }
 
+// span_setup, where slope.row = plane.
+void span_of_plane(const Config& c, List& list, Grid coordinate) {
+  using F = FormatId;
+  // From a vertex to a pixel's centre.
+  const Grid centre = Grid{coordinate.integer, 1, true} - coordinate;
+  const auto line = [&](const std::string& w, F from, F gradient, const StartOffset& offset, F acc, F step) {
+    const Grid g = list.of(gradient);
+    list.value("span_setup", w + " = " + w + "0 + " + w + "_x X + " + w + "_y Y + offset",
+               {from, gradient, acc},
+               with_offset(list.of(from) + g * centre + g * centre, offset, c.format(acc)), acc);
+    list.value("span_setup", w + "_step = " + w + "_x", {gradient, step}, g, step);
+  };
+  const bool linear = has_linear_texture(c.perspective);
+  line("h", F::setup_h, F::plane_h_grad, c.start_offset.span_h, F::span_h, F::span_h_step);
+  line("fu", F::plane_g, F::plane_g_grad, c.start_offset.span_f, linear ? F::span_uv_acc : F::span_f,
+       linear ? F::span_uv_step : F::span_f_step);
+  line("r", F::setup_shade, F::plane_shade_grad, c.start_offset.span_shade, F::span_shade_acc,
+       F::span_shade_step);
+}
+
 void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordinate) {
   using F = FormatId;
   if (has_plane_rows(c.perspective)) {
@@ -288,21 +350,26 @@ void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordina
                  row_unit, F::span_uv_step);
     return;
   }
+  if (has_setup_plane(c)) {
+    span_of_plane(c, list, coordinate);
+    return;
+  }
+  const SlopeForm form = form_of(c.row_slope);
   const Grid length = list.of(F::edge_x) - list.of(F::edge_x);
   const Grid p = Grid{coordinate.integer, 1, true} - list.of(F::edge_x);
-  if (shares_reciprocal(c.row_slope)) list.unit(row_unit);
+  if (shares_reciprocal(form)) list.unit(row_unit);
   const Grid h = list.of(F::edge_h);
   const Grid uv = list.of(F::edge_uv);
   const Grid shade = list.of(F::edge_shade);
   list.slope("span_setup", "h_step", "(h_r - h_l)", {F::edge_h, F::edge_x, F::span_h_step}, h - h, length,
-             c.row_slope, row_unit, F::span_h_step);
+             form, row_unit, F::span_h_step);
   list.value("span_setup", "h = h_l + h_step p + offset", {F::edge_h, F::span_h_step, F::edge_x, F::span_h},
              with_offset(h + list.of(F::span_h_step) * p, c.start_offset.span_h, c.format(F::span_h)),
              F::span_h);
   const Grid q = h + list.of(F::setup_b);
   if (has_linear_edges(c.perspective)) {
     list.slope("span_setup", "fu_step", "(u_r - u_l)", {F::edge_uv, F::edge_x, F::span_uv_step}, uv - uv,
-               length, c.row_slope, row_unit, F::span_uv_step);
+               length, form, row_unit, F::span_uv_step);
     list.value(
         "span_setup", "fu = u_l + fu_step p + offset",
         {F::edge_uv, F::span_uv_step, F::edge_x, F::span_uv_acc},
@@ -315,8 +382,8 @@ void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordina
                {F::edge_uv, F::edge_h, F::setup_b, F::span_f_diff}, hyperbolic ? uv * q : (uv - uv) * q,
                F::span_f_diff);
     list.slope("span_setup", "fu_step", hyperbolic ? "(gr - gl)" : "fu_diff",
-               {F::span_f_diff, F::edge_x, F::span_f_step}, hyperbolic ? f - f : f, length, c.row_slope,
-               row_unit, F::span_f_step);
+               {F::span_f_diff, F::edge_x, F::span_f_step}, hyperbolic ? f - f : f, length, form, row_unit,
+               F::span_f_step);
     Grid start = list.of(F::span_f_step) * p;
     if (hyperbolic) start = start + f;
     list.value("span_setup", hyperbolic ? "fu = gl + fu_step p + offset" : "fu = fu_step p + offset",
@@ -324,7 +391,7 @@ void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordina
                with_offset(start, c.start_offset.span_f, c.format(F::span_f)), F::span_f);
   }
   list.slope("span_setup", "r_step", "(r_r - r_l)", {F::edge_shade, F::edge_x, F::span_shade_step},
-             shade - shade, length, c.row_slope, row_unit, F::span_shade_step);
+             shade - shade, length, form, row_unit, F::span_shade_step);
   list.value("span_setup", "r = r_l + r_step p + offset",
              {F::edge_shade, F::span_shade_step, F::edge_x, F::span_shade_acc},
              with_offset(shade + list.of(F::span_shade_step) * p, c.start_offset.span_shade,
@@ -372,6 +439,7 @@ void depth(const Config& c, List& list, const Unit& pixel_unit) {
       list.value("depth", "z = h", {F::span_h}, h, c.depth_format(), "depth");
       break;
     case DepthCode::opengl:
+    case DepthCode::float_dz:
       list.value("depth", "z = zmax - h", {F::span_h}, Grid{c.depth_bits, 0, true} - h, c.depth_format(),
                  "depth");
       break;
@@ -380,6 +448,15 @@ void depth(const Config& c, List& list, const Unit& pixel_unit) {
       const Grid base = list.of(F::depth_c0);
       list.product("depth", "z = c1 m 2^-e - c0", {F::depth_c1, F::depth_c0, F::span_h, F::setup_b}, &base,
                    list.of(F::depth_c1), pixel_unit, c.depth_format(), "depth");
+      break;
+    }
+    case DepthCode::w_float: {
+      // K is at most one more than the places of hmax or B.
+      const Grid q = h + list.of(F::setup_b);
+      const int top = std::max(c.depth_bits, list.of(F::setup_b).integer) + q.fraction;
+      list.value("depth", "z = 2^p (L + 2 - (h + B) 2^(L+1-K))", {F::span_h, F::setup_b},
+                 Grid{c.depth_bits + 1, top - (c.depth_bits - w_float_exponent_bits), true}, c.depth_format(),
+                 "depth");
       break;
     }
   }
@@ -399,10 +476,31 @@ void gradients(List& list, Grid coordinate) {
                 n(list.of(F::plane_g)), area, F::plane_g_grad);
 }
 
-void lod(const Config& c, List& list, const Unit& pixel_unit) {
+bool span_or_depth_has_unit(const Config& c) {
+  return has_pixel_reciprocal(c.perspective) || is_linear_in_distance(c.depth_code);
+}
+
+// s of a stage.
+void along_axis(const Config& c, List& list, const Unit& pixel_unit, const std::string& stage) {
+  using F = FormatId;
+  if (!span_or_depth_has_unit(c)) list.unit(pixel_unit);
+  list.value(stage, "A' = B s_max'", {F::setup_b, F::setup_s, F::distance_a},
+             list.of(F::setup_b) * list.of(F::setup_s), F::distance_a);
+  list.product(stage, "s = A' m 2^-e", {F::distance_a, F::span_h, F::setup_b, F::distance_s}, nullptr,
+               list.of(F::distance_a), pixel_unit, F::distance_s);
+}
+
+void distance(const Config& c, List& list, const Unit& pixel_unit) {
+  using F = FormatId;
+  along_axis(c, list, pixel_unit, "distance");
+  if (!has_true_distance(c)) return;
+  list.value("distance", "d = s G", {F::distance_s, F::distance_g, F::distance_d},
+             list.of(F::distance_s) * list.of(F::distance_g), F::distance_d);
+}
+
+void lod(const Config& c, List& list, const Unit& pixel_unit, const Unit& neighbour_unit) {
   using F = FormatId;
   const Grid bias{6, 4, true};
-  const bool has_unit = has_pixel_reciprocal(c.perspective) || is_linear_in_distance(c.depth_code);
   const Grid level{6, 1, true};
   list.value("lod", "lambda - level", {F::lod_lambda, F::lod_frac}, list.of(F::lod_lambda) - level,
              F::lod_frac);
@@ -410,26 +508,27 @@ void lod(const Config& c, List& list, const Unit& pixel_unit) {
     case LodMode::none:
       list.value("lod", "lambda = bias", {F::lod_lambda}, bias, F::lod_lambda);
       break;
-    case LodMode::zone_s: {
-      if (!has_unit) list.unit(pixel_unit);
-      list.value("lod", "A' = B s_max'", {F::setup_b, F::setup_s, F::distance_a},
-                 list.of(F::setup_b) * list.of(F::setup_s), F::distance_a);
-      list.product("lod", "s = A' m 2^-e", {F::distance_a, F::span_h, F::setup_b, F::distance_s}, nullptr,
-                   list.of(F::distance_a), pixel_unit, F::distance_s);
-      const Grid start{max_mip_level + 2, 16, true};
+    case LodMode::zone_s:
+    case LodMode::zone_d: {
+      const bool by_d = takes_true_distance(c.lod);
+      if (!by_d) along_axis(c, list, pixel_unit, "lod");
+      const Grid start = zone_starts();
       list.quotient("lod", "k_i = 1 / S_i", {F::lod_k}, Grid{2, 0, true}, start, F::lod_k);
-      list.value("lod", "f = (s - S_z) k_z", {F::distance_s, F::lod_k, F::lod_frac},
-                 (list.of(F::distance_s) - start) * list.of(F::lod_k), F::lod_frac);
+      const F by = by_d ? F::distance_d : F::distance_s;
+      list.value("lod", by_d ? "f = (d - S_z) k_z" : "f = (s - S_z) k_z", {by, F::lod_k, F::lod_frac},
+                 (list.of(by) - start) * list.of(F::lod_k), F::lod_frac);
       list.value("lod", "lambda = z + f + bias", {F::lod_frac, F::lod_lambda},
                  level + list.of(F::lod_frac) + bias, F::lod_lambda);
       break;
     }
-    case LodMode::gradient: {
-      if (!has_unit) list.unit(pixel_unit);
+    case LodMode::gradient:
+    case LodMode::finite: {
+      const Unit& unit = has_neighbours(c.lod) ? neighbour_unit : pixel_unit;
+      if (has_neighbours(c.lod) || !span_or_depth_has_unit(c)) list.unit(unit);
       list.product("lod", "u_x = (gu_x - u h_x) m 2^-e",
                    {F::plane_g_grad, F::span_uv, F::plane_h_grad, F::span_h, F::setup_b, F::lod_slope},
-                   nullptr, list.of(F::plane_g_grad) - list.of(F::span_uv) * list.of(F::plane_h_grad),
-                   pixel_unit, F::lod_slope);
+                   nullptr, list.of(F::plane_g_grad) - list.of(F::span_uv) * list.of(F::plane_h_grad), unit,
+                   F::lod_slope);
       const Grid log{8, c.format(F::lod_slope).word, true};
       list.value("lod", "lambda = E + (rho 2^-E - 1) + bias", {F::lod_slope, F::lod_lambda}, log + bias,
                  F::lod_lambda);
@@ -472,6 +571,27 @@ void texture(const Config& c, List& list) {
              F::texture_alpha);
 }
 
+void texture_second(List& list) {
+  using F = FormatId;
+  const Grid code{8, 0, true};
+  const Grid mix = list.of(F::texture_mix);
+  const Grid alpha = list.of(F::texture_alpha);
+  const Grid color = list.of(F::texture_color);
+  const Grid rest = Grid{1, 0, true} - alpha;
+  list.quotient("texture.second", "F = V / 255", {F::texture_mix, F::texture_alpha}, mix, code,
+                F::texture_alpha);
+  list.value("texture.second", "r = r F 2^2", {F::texture_color, F::texture_alpha}, scaled(color * alpha, -2),
+             F::texture_color);
+  list.value("texture.second", "r = r (1 - V_a) + V_r V_a",
+             {F::texture_color, F::texture_mix, F::texture_alpha}, color * rest + mix * alpha,
+             F::texture_color);
+  list.value("texture.second", "r = r (1 - F) + K F", {F::texture_color, F::texture_alpha},
+             color * rest + code * alpha, F::texture_color);
+  list.value("texture.second", "r = r + V_r", {F::texture_color, F::texture_mix}, color + mix,
+             F::texture_color);
+  list.value("texture.second", "a = a V_a", {F::texture_alpha}, alpha * alpha, F::texture_alpha);
+}
+
 void fog(const Config& c, List& list, const Unit& pixel_unit) {
   using F = FormatId;
   const Grid color = list.of(F::texture_color);
@@ -484,6 +604,13 @@ void fog(const Config& c, List& list, const Unit& pixel_unit) {
     const Grid base{1, 0, true};
     list.product("fog", "factor = 1 - fog_scale m 2^-e", {F::fog_scale, F::span_h, F::setup_b, F::fog_factor},
                  &base, list.of(F::fog_scale), pixel_unit, F::fog_factor);
+  }
+  if (takes_distance(c.fog) && !takes_true_distance(c.fog)) {
+    // The place between two entries has the bits of s below its highest one.
+    const Grid entry = list.of(F::fog_factor);
+    const Grid place{1, c.format(F::distance_s).word + 3, true};
+    list.value("fog", "factor = f_i + (f_i+1 - f_i) t", {F::distance_s, F::fog_factor},
+               entry + (entry - entry) * place, F::fog_factor);
   }
   const Grid vt{8, 0, true};
   list.value("fog", "r = VT_r + (r - VT_r) factor", {F::texture_color, F::fog_factor, F::fog_color},
@@ -509,9 +636,12 @@ std::vector<ExactIntermediate> exact_intermediates(const Config& c) {
   const Grid edge_q = list.of(F::edge_h) + list.of(F::setup_b);
   const Grid span_q = list.of(F::span_h) + list.of(F::setup_b);
   const Unit edge_unit{"reciprocal.edge", c.edge_reciprocal, positive(dy)};
+  const Unit area_unit{"reciprocal.edge", c.edge_reciprocal, positive(dy * dy - dy * dy)};
   const Unit row_unit{"reciprocal.row", c.row_reciprocal, positive(rows_of_depth ? span_q : length)};
   const Unit edge_pixel_unit{"reciprocal.pixel", c.pixel_reciprocal, positive(edge_q)};
   const Unit pixel_unit{"reciprocal.pixel", c.pixel_reciprocal, positive(span_q)};
+  const Unit neighbour_unit{"reciprocal.pixel", c.pixel_reciprocal,
+                            positive(span_q + list.of(F::plane_h_grad))};
 
   constants(c, list);
   list.value("setup", "area = (x1-x0)(y2-y0) - (x2-x0)(y1-y0)", {}, dy * dy - dy * dy, Format{1, 1, true},
@@ -520,14 +650,17 @@ std::vector<ExactIntermediate> exact_intermediates(const Config& c) {
     plane_walk(c, list, coordinate);
   } else {
     setup_edge(c, list, edge_unit, coordinate);
+    if (has_setup_plane(c)) setup_plane(c, list, area_unit, coordinate);
     edge_walk(c, list, edge_pixel_unit, coordinate);
   }
   span_setup(c, list, row_unit, coordinate);
   span(c, list, pixel_unit);
   depth(c, list, pixel_unit);
-  if (has_lod_gradients(c)) gradients(list, coordinate);
-  if (has_lod(c)) lod(c, list, pixel_unit);
+  if (has_setup_gradients(c)) gradients(list, coordinate);
+  if (has_distance(c)) distance(c, list, pixel_unit);
+  if (has_lod(c)) lod(c, list, pixel_unit, neighbour_unit);
   texture(c, list);
+  texture_second(list);
   fog(c, list, pixel_unit);
   merge(list);
   return list.take();

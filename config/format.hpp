@@ -106,6 +106,10 @@ struct Format {
     Format{44, 24, false, Rounding::rnd, Overflow::sat, false})                                         \
   X(distance_s, "distance.s", "s / 2^E", "distance along the view axis of a fragment",                  \
     Format{24, 1, false, Rounding::rnd, Overflow::sat, false})                                          \
+  X(distance_g, "distance.g", "1", "true distance over that along the view axis, per zone",             \
+    Format{16, 2, false, Rounding::rnd, Overflow::sat, false})                                          \
+  X(distance_d, "distance.d", "s / 2^E", "true distance of a fragment from the viewer",                 \
+    Format{25, 3, false, Rounding::rnd, Overflow::sat, false})                                          \
   X(lod_k, "lod.k", "2^E / s", "reciprocal of a zone's width",                                          \
     Format{34, 17, false, Rounding::rnd, Overflow::sat, false})                                         \
   X(lod_slope, "lod.slope", "texel/pixel", "screen derivatives of u and v",                             \

@@ -40,15 +40,24 @@ std::string for_kind(const Config& c, std::size_t i) {
 bool in_rtl_unit(std::size_t i) { return i != 0; }
 
 bool reads_border(const Config& c, std::size_t /*i*/) { return has_border_color(c.wrap); }
-bool reads_fog_table(const Config& c, std::size_t /*i*/) { return has_fog_table(c.fog); }
+bool reads_fog_table(const Config& c, std::size_t /*i*/) { return fog_entries(c) > 0; }
+bool reads_pixel_zones(const Config& c, std::size_t /*i*/) { return has_pixel_zones(c); }
 std::string beside_depth_bits(const Config& c, std::size_t /*i*/) {
   return " beside " + std::to_string(c.fog_depth_bits) + " depth_bits, so that the index has at most " +
          std::to_string(max_fog_index_bits);
 }
 std::string of_depth_bits(const Config& /*c*/, std::size_t /*i*/) { return ", and at most depth.bits"; }
 
+bool reads_subspans(const Config& c, std::size_t /*i*/) { return has_pixel_reciprocal(c.perspective); }
 bool reads_lod(const Config& c, std::size_t /*i*/) { return has_lod(c); }
 bool reads_zones(const Config& c, std::size_t /*i*/) { return has_lod_zones(c); }
+
+BufferCache& cache_of(Config& c, std::size_t i) {
+  return i == 0 ? c.memory.depth_cache : c.memory.color_cache;
+}
+bool has_buffer_cache(const Config& c, std::size_t i) {
+  return has_cache(i == 0 ? c.memory.depth_cache.mode : c.memory.color_cache.mode);
+}
 
 // The clocks of the others follow from the RTL.
 bool has_own_clocks(const Config& /*c*/, std::size_t i) { return static_cast<Stage>(i) < Stage::span_setup; }
@@ -78,11 +87,15 @@ constexpr KeyUse of_newton{Presence::where_used, "the kinds without steps", is_n
                            in_rtl_unit};
 constexpr KeyUse of_restoring{Presence::where_used, "the table kinds", is_restoring,
                               Unused::zero,         for_kind,          in_rtl_unit};
+constexpr KeyUse of_buffer_cache{
+    .presence = Presence::later, .used = has_buffer_cache, .unused = Unused::initial};
 constexpr KeyUse of_own_clocks{
     .presence = Presence::where_used, .unused_for = "the stages from span_setup on", .used = has_own_clocks};
 
 #define MEMBER(m) #m, [](Config & c, [[maybe_unused]] std::size_t i) { return place_of(c.m); }
 #define IN_UNIT(m) "UNIT_reciprocal." #m, [](Config& c, std::size_t i) { return place_of(unit_of(c, i).m); }
+#define IN_CACHE(m) \
+  "memory.BUFFER_cache." #m, [](Config& c, std::size_t i) { return place_of(cache_of(c, i).m); }
 
 constexpr KeyRow rows[] = {
     {"raster.subpixel_bits",
@@ -128,6 +141,14 @@ constexpr KeyRow rows[] = {
      "",
      values,
      "const_depth_rows: where u q and v q are taken"},
+    {"perspective.subspan_bits",
+     MEMBER(subspan_bits),
+     {0, max_subspan_bits},
+     "",
+     values | rtl,
+     "delta_f: u and v are exact at each 2^this-th pixel of a row, and linear between them; 0: at every "
+     "pixel",
+     {.presence = Presence::later, .used = reads_subspans, .unused = Unused::initial}},
 
     {"slope.edge",
      MEMBER(edge_slope),
@@ -138,9 +159,10 @@ constexpr KeyRow rows[] = {
     {"slope.row",
      MEMBER(row_slope),
      {},
-     "",
+     ", plane not in const_depth_rows",
      values | clocks | rtl,
-     "the same for a row; const_depth_rows has no row slopes"},
+     "the same for a row, whose ends then carry values; or none: gradients of the triangle, divided as "
+     "slope.edge says by its area; const_depth_rows has no row slopes"},
 
     {"reciprocal.UNIT.kind",
      IN_UNIT(kind),
@@ -259,7 +281,12 @@ constexpr KeyRow rows[] = {
      "",
      ideal | values | clocks,
      "the depth buffer's bits; hmax = 2^bits - 1"},
-    {"depth.code", MEMBER(depth_code), {}, "", ideal | values | clocks, "D1; the two codes of H6"},
+    {"depth.code",
+     MEMBER(depth_code),
+     {},
+     "",
+     ideal | values | clocks,
+     "D1; the two codes of H6; floating point of W; floating point with the logarithm of dz"},
     {"depth.func",
      MEMBER(depth_func),
      {},
@@ -302,9 +329,10 @@ constexpr KeyRow rows[] = {
     {"lod.mode",
      MEMBER(lod),
      {},
-     ", gradient not in affine",
+     ", gradient and finite not in affine",
      ideal | values,
-     "what a level is chosen by: lod.bias alone; zones of the distance s; the gradients of u and v",
+     "what a level is chosen by: lod.bias alone; zones of the distance s; the gradients of u and v; zones of "
+     "the true distance; differences of u and v to the next pixels",
      {.presence = Presence::later, .used = reads_lod, .unused = Unused::initial}},
     {"lod.bias",
      MEMBER(lod_bias),
@@ -318,7 +346,8 @@ constexpr KeyRow rows[] = {
      {1, 65536},
      "",
      ideal | values,
-     "zone_s: the distance of level 0 in 2^-16 of 2^E, where s_max is at most 2^E; each further level "
+     "zone_s, zone_d: the distance of level 0 in 2^-16 of 2^E, where s_max is at most 2^E; each further "
+     "level "
      "doubles "
      "it",
      {.presence = Presence::later, .used = reads_zones, .unused = Unused::initial}},
@@ -328,13 +357,14 @@ constexpr KeyRow rows[] = {
      {},
      "",
      ideal | values | clocks,
-     "F3: 1 - S/DT; F2: a table by depth and distance from the picture's middle"},
+     "F3: 1 - S/DT; F2: a table by depth and distance from the picture's middle; F1: a table by the true "
+     "distance; by log2 of the distance, linear between entries"},
     {"fog.depth_bits",
      MEMBER(fog_depth_bits),
      {1, max_fog_index_bits, false, "", most_fog_depth_bits},
      ", at most depth.bits",
      values,
-     "of the table's index: top bits of h",
+     "of the table's index: top bits of h, of the true distance, or of log2 of the distance",
      {.presence = Presence::optional,
       .used = reads_fog_table,
       .unused = Unused::initial,
@@ -344,11 +374,18 @@ constexpr KeyRow rows[] = {
      {0, 8, false, "", most_fog_zone_bits},
      ", at most 12 with depth_bits",
      values | clocks,
-     "and bits of the zone of r^2",
+     "bits of the zone of a pixel's distance r from the picture's middle",
      {.presence = Presence::optional,
-      .used = reads_fog_table,
+      .used = reads_pixel_zones,
       .unused = Unused::initial,
       .reason = beside_depth_bits}},
+    {"fog.zone",
+     MEMBER(fog_zone),
+     {},
+     "",
+     values,
+     "what the zones divide into equal parts: r^2; r",
+     {.presence = Presence::later, .used = reads_pixel_zones, .unused = Unused::initial}},
 
     {"formats.FORMAT",
      MEMBER(formats[i]),
@@ -396,6 +433,32 @@ constexpr KeyRow rows[] = {
      "the texture cache's line"},
     {"memory.cache_sets", MEMBER(memory.cache_sets), {1, 65536, true}, "", clocks, "its sets"},
     {"memory.cache_ways", MEMBER(memory.cache_ways), {1, 64}, "", clocks, "its lines per set"},
+    {"memory.cache_hash",
+     MEMBER(memory.cache_hash),
+     {},
+     "",
+     clocks,
+     "a line's set: its number mod cache_sets; or this XOR (number / cache_sets) mod cache_sets",
+     {.presence = Presence::later}},
+    {"memory.BUFFER_cache",
+     IN_CACHE(mode),
+     {},
+     "",
+     clocks,
+     "BUFFER is depth or color. Its cache: none; writes go on to the memory; a line written is kept until it "
+     "is "
+     "replaced",
+     {.presence = Presence::later}},
+    {"memory.BUFFER_cache_line_bytes",
+     IN_CACHE(line_bytes),
+     {4, 4096, true},
+     ", at least width_bytes",
+     clocks,
+     "its line",
+     of_buffer_cache},
+    {"memory.BUFFER_cache_sets", IN_CACHE(sets), {1, 65536, true}, "", clocks, "its sets", of_buffer_cache},
+    {"memory.BUFFER_cache_ways", IN_CACHE(ways), {1, 64}, "", clocks, "its lines per set", of_buffer_cache},
+    {"memory.BUFFER_cache_hash", IN_CACHE(hash), {}, "", clocks, "as cache_hash", of_buffer_cache},
 
     {"rtl.product_clocks",
      MEMBER(rtl.product_clocks),
@@ -451,6 +514,7 @@ constexpr KeyRow rows[] = {
 
 #undef MEMBER
 #undef IN_UNIT
+#undef IN_CACHE
 #define FIELD(m) #m, [](Format & f) { return place_of(f.m); }
 
 constexpr FieldRow fields[] = {

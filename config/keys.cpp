@@ -20,7 +20,7 @@ void replace(std::string& text, std::string_view what, std::string_view by) {
   if (const auto at = text.find(what); at != std::string::npos) text.replace(at, what.size(), by);
 }
 
-constexpr std::string_view stages = "STAGE", units = "UNIT", formats = "FORMAT";
+constexpr std::string_view stages = "STAGE", units = "UNIT", buffers = "BUFFER", formats = "FORMAT";
 
 std::vector<Key> make_entries() {
   std::vector<Key> out;
@@ -28,12 +28,14 @@ std::vector<Key> make_entries() {
     const auto has = [&row](std::string_view name) { return row.path.find(name) != std::string_view::npos; };
     const std::size_t count = has(stages)    ? static_cast<std::size_t>(stage_count)
                               : has(units)   ? unit_names.size()
+                              : has(buffers) ? buffer_names.size()
                               : has(formats) ? static_cast<std::size_t>(format_count)
                                              : 1;
     for (std::size_t i = 0; i < count; ++i) {
       Key key{std::string(row.path), row.path.rfind('.') + 1, &row, i, nullptr};
       if (has(stages)) replace(key.path, stages, enum_names<Stage>[i]);
       if (has(units)) replace(key.path, units, unit_names[i]);
+      if (has(buffers)) replace(key.path, buffers, buffer_names[i]);
       if (has(formats)) {
         replace(key.path, formats, key_of(static_cast<FormatId>(i)));
       } else {
@@ -274,6 +276,7 @@ std::string member_of(const Key& key) {
   std::string out(key.row->member);
   replace(out, "[i]", std::string("[").append(std::to_string(key.i)).append("]"));
   if (key.row->path.find(units) != std::string_view::npos) replace(out, units, unit_names[key.i]);
+  if (key.row->path.find(buffers) != std::string_view::npos) replace(out, buffers, buffer_names[key.i]);
   return key.field == nullptr ? out : out + "." + std::string(key.field->member);
 }
 

@@ -65,8 +65,8 @@ struct KeyUse {
 };
 
 struct KeyRow {
-  std::string_view path;    // UNIT, STAGE and FORMAT stand for the names of each
-  std::string_view member;  // of Config, as in C++; [i] and UNIT stand for each
+  std::string_view path;    // UNIT, STAGE, BUFFER and FORMAT stand for the names of each
+  std::string_view member;  // of Config, as in C++; [i], UNIT and BUFFER stand for each
   Place (*place)(Config&, std::size_t i);
   Limits limits;
   std::string_view rule;  // what check.cpp adds to the limits, for the documentation
@@ -84,6 +84,8 @@ struct FieldRow {
 };
 // The reciprocal units that UNIT stands for, in their order.
 inline constexpr std::array<std::string_view, 3> unit_names{"edge", "row", "pixel"};
+// The buffers that BUFFER stands for.
+inline constexpr std::array<std::string_view, 2> buffer_names{"depth", "color"};
 
 std::span<const KeyRow> key_rows();
 std::span<const FieldRow> field_rows();
@@ -93,7 +95,7 @@ struct Key {
   std::string path;       // "reciprocal.row.kind", "formats.span.h"
   std::size_t name_at;    // where its name begins: behind the last dot, or a format's whole key
   const KeyRow* row;      // of the table
-  std::size_t i = 0;      // which UNIT, STAGE or FORMAT
+  std::size_t i = 0;      // which UNIT, STAGE, BUFFER or FORMAT
   const FieldRow* field;  // null: the whole value
 
   std::string_view name() const { return std::string_view(path).substr(name_at); }

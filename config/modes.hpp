@@ -160,6 +160,31 @@ constexpr bool shares_reciprocal(SlopeForm form) {
   unreachable();
 }
 
+// A row's start values and steps come from the plane of its triangle, so that its ends have a position alone.
+constexpr bool is_by_plane(RowSlope slope) {
+  switch (slope) {
+    case RowSlope::plane:
+      return true;
+    case RowSlope::divide:
+    case RowSlope::reciprocal:
+      return false;
+  }
+  unreachable();
+}
+constexpr bool has_setup_plane(const Config& config) { return is_by_plane(config.row_slope); }
+
+// How the slopes between a row's ends are formed; of no meaning where there are none.
+constexpr SlopeForm form_of(RowSlope slope) {
+  switch (slope) {
+    case RowSlope::reciprocal:
+      return SlopeForm::reciprocal;
+    case RowSlope::divide:
+    case RowSlope::plane:
+      return SlopeForm::divide;
+  }
+  unreachable();
+}
+
 // The unit has a table, and with it operand_bits, index_bits, table_bits and internal_bits.
 constexpr bool has_table(ReciprocalKind kind) {
   switch (kind) {
@@ -212,10 +237,33 @@ constexpr bool nearer_is_larger(DepthCode code) {
       return true;
     case DepthCode::linear:
     case DepthCode::opengl:
+    case DepthCode::w_float:
+    case DepthCode::float_dz:
       return false;
   }
   unreachable();
 }
+
+// Bits of the exponent of the code w_float; the others are its mantissa's.
+inline constexpr int w_float_exponent_bits = 4;
+
+// The stored word packs a floating-point z and the logarithm of dz, which goes by the gradients of h.
+constexpr bool has_dz(DepthCode code) {
+  switch (code) {
+    case DepthCode::float_dz:
+      return true;
+    case DepthCode::inverse:
+    case DepthCode::linear:
+    case DepthCode::opengl:
+    case DepthCode::w_float:
+      return false;
+  }
+  unreachable();
+}
+// Bits of the word that hold the logarithm of dz, and the exponent of z; the others are its mantissa's.
+inline constexpr int dz_bits = 4;
+inline constexpr int float_dz_exponent_bits = 3;
+inline constexpr int largest_dz = (1 << dz_bits) - 1;
 
 // The distances that pass the depth test, seen from the one that is stored.
 struct PassingDistances {
@@ -243,6 +291,11 @@ constexpr PassingDistances passing_distances(DepthFunc func) {
   }
   unreachable();
 }
+// With has_dz: depths within the tolerance are as far for the comparison. Nearer or farther alone has none.
+constexpr bool takes_tolerance(DepthFunc func) {
+  const PassingDistances passes = passing_distances(func);
+  return passes.nearer == passes.farther ? passes.nearer != passes.equal : passes.equal;
+}
 // Kernels have a loop of their own for this case, which nearly every picture is drawn with.
 constexpr bool passes_only_nearer(DepthFunc func) {
   return passing_distances(func) == PassingDistances{.nearer = true};
@@ -255,6 +308,8 @@ constexpr bool is_linear_in_distance(DepthCode code) {
       return true;
     case DepthCode::inverse:
     case DepthCode::opengl:
+    case DepthCode::w_float:
+    case DepthCode::float_dz:
       return false;
   }
   unreachable();
@@ -267,12 +322,45 @@ constexpr bool is_complement_of_h(DepthCode code) {
       return true;
     case DepthCode::inverse:
     case DepthCode::linear:
+    case DepthCode::w_float:
+    case DepthCode::float_dz:  // what it packs is
       return false;
   }
   unreachable();
 }
 
+// Between pixels with exact u and v there are some with linear ones.
+constexpr bool has_subspans(const Config& config) {
+  return config.subspan_bits > 0 && has_pixel_reciprocal(config.perspective);
+}
+
 // ---------------------------------------------------------------- RTL
+
+// rtl/span_setup.sv starts rows so.
+constexpr bool is_in_rtl(RowSlope slope) {
+  switch (slope) {
+    case RowSlope::divide:
+    case RowSlope::reciprocal:
+      return true;
+    case RowSlope::plane:
+      return false;
+  }
+  unreachable();
+}
+
+// rtl/depth_code.sv has the code.
+constexpr bool is_in_rtl(DepthCode code) {
+  switch (code) {
+    case DepthCode::inverse:
+    case DepthCode::linear:
+    case DepthCode::opengl:
+      return true;
+    case DepthCode::w_float:
+    case DepthCode::float_dz:
+      return false;
+  }
+  unreachable();
+}
 
 // rtl/texture.sv has the filter.
 constexpr bool is_in_rtl(TextureFilter filter) {
@@ -307,11 +395,25 @@ constexpr bool is_in_rtl(MipMode mip) {
   }
   unreachable();
 }
+// rtl/fog.sv has the mode.
+constexpr bool is_in_rtl(FogMode mode) {
+  switch (mode) {
+    case FogMode::none:
+    case FogMode::linear:
+    case FogMode::table:
+      return true;
+    case FogMode::distance:
+    case FogMode::log:
+      return false;
+  }
+  unreachable();
+}
 
 // rtl/pixel_pipe.sv has every stage behind span that the configuration asks for, in the mode that it asks
 // for.
 constexpr bool pixel_stages_are_in_rtl(const Config& config) {
-  return is_in_rtl(config.filter) && is_in_rtl(config.wrap) && is_in_rtl(config.mip);
+  return is_in_rtl(config.depth_code) && is_in_rtl(config.filter) && is_in_rtl(config.wrap) &&
+         is_in_rtl(config.mip) && is_in_rtl(config.fog);
 }
 
 // ---------------------------------------------------------------- texture, level of detail and fog
@@ -340,13 +442,29 @@ constexpr bool mixes_levels(MipMode mip) {
   unreachable();
 }
 
-// A level goes by zones of the distance s.
+// A level goes by zones of a distance.
 constexpr bool has_zones(LodMode lod) {
   switch (lod) {
     case LodMode::zone_s:
+    case LodMode::zone_d:
       return true;
     case LodMode::none:
     case LodMode::gradient:
+    case LodMode::finite:
+      return false;
+  }
+  unreachable();
+}
+
+// The distance is the true one, d.
+constexpr bool takes_true_distance(LodMode lod) {
+  switch (lod) {
+    case LodMode::zone_d:
+      return true;
+    case LodMode::none:
+    case LodMode::zone_s:
+    case LodMode::gradient:
+    case LodMode::finite:
       return false;
   }
   unreachable();
@@ -356,9 +474,25 @@ constexpr bool has_zones(LodMode lod) {
 constexpr bool has_gradients(LodMode lod) {
   switch (lod) {
     case LodMode::gradient:
+    case LodMode::finite:
       return true;
     case LodMode::none:
     case LodMode::zone_s:
+    case LodMode::zone_d:
+      return false;
+  }
+  unreachable();
+}
+
+// u and v are compared with those of the pixels right and below, each by a reciprocal of its own.
+constexpr bool has_neighbours(LodMode lod) {
+  switch (lod) {
+    case LodMode::finite:
+      return true;
+    case LodMode::none:
+    case LodMode::zone_s:
+    case LodMode::gradient:
+    case LodMode::zone_d:
       return false;
   }
   unreachable();
@@ -369,6 +503,10 @@ constexpr bool has_lod(const Config& config) { return has_mip_chain(config.mip);
 constexpr bool has_lod_zones(const Config& config) { return has_lod(config) && has_zones(config.lod); }
 constexpr bool has_lod_gradients(const Config& config) {
   return has_lod(config) && has_gradients(config.lod);
+}
+// setup.gradient has records.
+constexpr bool has_setup_gradients(const Config& config) {
+  return has_lod_gradients(config) || has_dz(config.depth_code);
 }
 
 // A texel is weighed with its neighbours by texture.frac.
@@ -429,6 +567,8 @@ constexpr bool has_fog(FogMode mode) {
       return false;
     case FogMode::linear:
     case FogMode::table:
+    case FogMode::distance:
+    case FogMode::log:
       return true;
   }
   unreachable();
@@ -441,7 +581,51 @@ constexpr bool has_fog_table(FogMode mode) {
       return true;
     case FogMode::none:
     case FogMode::linear:
+    case FogMode::distance:
+    case FogMode::log:
       return false;
+  }
+  unreachable();
+}
+
+// The fog's factor is formed of the record of stage `distance`: of s, or of the true distance d.
+constexpr bool takes_distance(FogMode mode) {
+  switch (mode) {
+    case FogMode::distance:
+    case FogMode::log:
+      return true;
+    case FogMode::none:
+    case FogMode::linear:
+    case FogMode::table:
+      return false;
+  }
+  unreachable();
+}
+constexpr bool takes_true_distance(FogMode mode) {
+  switch (mode) {
+    case FogMode::distance:
+      return true;
+    case FogMode::none:
+    case FogMode::linear:
+    case FogMode::table:
+    case FogMode::log:
+      return false;
+  }
+  unreachable();
+}
+
+// How many entries the fog's tables have.
+constexpr std::int64_t fog_entries(const Config& config) {
+  switch (config.fog) {
+    case FogMode::none:
+    case FogMode::linear:
+      return 0;
+    case FogMode::table:
+      return std::int64_t{1} << config.fog_index_bits();
+    case FogMode::distance:
+      return std::int64_t{1} << config.fog_depth_bits;
+    case FogMode::log:
+      return (std::int64_t{1} << config.fog_depth_bits) + 1;  // at both ends of an interval
   }
   unreachable();
 }
@@ -453,6 +637,62 @@ constexpr bool is_linear_in_distance(FogMode mode) {
       return true;
     case FogMode::none:
     case FogMode::table:
+    case FogMode::distance:
+    case FogMode::log:
+      return false;
+  }
+  unreachable();
+}
+
+// ---------------------------------------------------------------- distance
+
+// The stage distance forms d, of s and the pixel's zone.
+constexpr bool has_true_distance(const Config& config) {
+  return (has_lod(config) && takes_true_distance(config.lod)) || takes_true_distance(config.fog);
+}
+// The stage distance has records.
+constexpr bool has_distance(const Config& config) {
+  return has_true_distance(config) || takes_distance(config.fog);
+}
+// s is formed, here or by lod for itself.
+constexpr bool has_s(const Config& config) { return has_distance(config) || has_lod_zones(config); }
+// Pixels have zones.
+constexpr bool has_pixel_zones(const Config& config) {
+  return has_fog_table(config.fog) || has_true_distance(config);
+}
+
+// ---------------------------------------------------------------- memory
+
+// There is a cache in front of the buffer.
+constexpr bool has_cache(BufferCacheMode mode) {
+  switch (mode) {
+    case BufferCacheMode::none:
+      return false;
+    case BufferCacheMode::write_through:
+    case BufferCacheMode::write_back:
+      return true;
+  }
+  unreachable();
+}
+
+// A write stays in the cache until its line is replaced; elsewhere it goes on to the memory.
+constexpr bool keeps_writes(BufferCacheMode mode) {
+  switch (mode) {
+    case BufferCacheMode::write_back:
+      return true;
+    case BufferCacheMode::none:
+    case BufferCacheMode::write_through:
+      return false;
+  }
+  unreachable();
+}
+
+// The bits of a line's number above those of its set have a say in the set.
+constexpr bool folds_upper_bits(SetHash hash) {
+  switch (hash) {
+    case SetHash::xor_upper:
+      return true;
+    case SetHash::none:
       return false;
   }
   unreachable();

@@ -27,9 +27,50 @@ DepthTiming depth_timing(const Config& config, int pixel_unit) {
     case DepthCode::linear:
       t.code = 1 + pixel_unit + multiply_round_clocks(t.product);  // h + B, R_pixel in front
       break;
+    case DepthCode::w_float:   // h + B, its highest bit, the shift, Q
+    case DepthCode::float_dz:  // zmax - h, Q, the exponent, the shift
+      t.code = 4;
+      break;
   }
   // The scoreboard; z and its FIFO, or request, memory and answer; join, compare, out.
   t.total = 4 + std::max(t.code + 1, 3) + 3;
+  return t;
+}
+
+LodTiming lod_timing(const Config& config, int pixel_unit) {
+  using F = FormatId;
+  const auto grid = [&](F id) { return grid_of(config.format(id)); };
+  const int mantissa = signed_bits(config.pixel_reciprocal.output);
+  const Grid into = as_signed(grid(F::distance_s)) - zone_starts();
+  // One place more than a sum needs, as in the RTL.
+  const Grid product = as_signed(grid(F::span_uv)) * as_signed(grid(F::plane_h_grad));
+  const Grid numerator = as_signed(grid(F::plane_g_grad)) - product;
+  LodTiming t;
+  t.distance_product = product_clocks(signed_bits(config.format(F::distance_a)), mantissa);
+  t.zone_product = product_clocks(into.bits(), signed_bits(config.format(F::lod_k)));
+  t.gradient_product =
+      product_clocks(signed_bits(config.format(F::span_uv)), signed_bits(config.format(F::plane_h_grad)));
+  t.slope_product = product_clocks(numerator.bits(), mantissa);
+  const int inverse = 1 + pixel_unit;
+  int sum = 0;
+  switch (config.lod) {
+    case LodMode::none:
+    case LodMode::zone_d:  // rtl/lod.sv does not have these two
+    case LodMode::finite:
+      break;
+    case LodMode::zone_s:
+      // s; what it reaches, the zone, its start, s - S_z; the product, Q; the sum.
+      sum = inverse + multiply_round_clocks(t.distance_product) + 4 + t.zone_product + 1 + 1;
+      break;
+    case LodMode::gradient:
+      // The slopes; their sizes, the larger ones, the largest; the logarithm; the sum.
+      sum = std::max(t.gradient_product + 1, inverse) + multiply_round_clocks(t.slope_product) + 3 +
+            config.rtl.normalise_clocks + 1;
+      break;
+  }
+  // Lambda; held; level and f.
+  t.clocks = sum + 3;
+  t.total = t.clocks + 1;
   return t;
 }
 
@@ -44,6 +85,9 @@ TextureTiming texture_timing(const Config& config) {
   const int shade = signed_bits(config.format(F::span_shade));
   TextureTiming t;
   t.filter_product = std::max(blend_product(mix, mix, frac), blend_product(alpha, alpha, frac));
+  const Format& share = config.format(F::lod_frac);
+  t.level_product = std::max(blend_product(mix, mix, share), blend_product(alpha, alpha, share));
+  t.levels = 2 * (3 + t.filter_product) + 3 + t.level_product;
   t.shade_product =
       std::max(product_clocks(as_signed(mix).bits(), shade), product_clocks(as_signed(alpha).bits(), shade));
   // u - 1/2, whole and fraction, wrapping, two shifts by the pitch, plus the base.
@@ -81,6 +125,12 @@ MergeTiming merge_timing(const Config& config) {
   t.product =
       blend_product(grid_of(config.format(FormatId::merge_color)),
                     grid_of(config.format(FormatId::fog_color)), config.format(FormatId::texture_alpha));
+  const Grid code{8, 0, true};
+  const Grid factor = Grid{1, 8, true} - aligned(grid_of(config.format(FormatId::texture_alpha)), 0);
+  const Grid color = as_signed(aligned(grid_of(config.format(FormatId::fog_color)), 0));
+  t.any_product = product_clocks(std::max(color.bits(), code.bits()), factor.bits());
+  // Operands, factors; the products; operation, Q.
+  t.any_blend = 2 + t.any_product + 2;
   // Join; difference, product, sum, Q.
   t.clocks = 1 + t.product + 3;
   // The scoreboard, FIFO; join and blend, out.
@@ -110,6 +160,7 @@ PixelTiming pixel_timing(const Config& config) {
       static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::clamp(config.memory.latency + 8, 16, 64))));
   t.pixel_unit = reciprocal_latency(config.pixel_reciprocal, pixel_operand(config), config.rtl);
   t.depth = depth_timing(config, t.pixel_unit);
+  t.lod = lod_timing(config, t.pixel_unit);
   t.texture = texture_timing(config);
   t.fog = fog_timing(config, t.pixel_unit);
   t.merge = merge_timing(config);

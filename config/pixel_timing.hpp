@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clocks and internal widths of the pixel stages in RTL, as a pure function of the configuration: depth,
+// Clocks and internal widths of the pixel stages in RTL, as a pure function of the configuration: depth, lod,
 // texture, fog and merge. engine/emit_pixel_sv writes them into the package; the RTL asserts that its
 // structure has them.
 #pragma once
@@ -22,6 +22,8 @@ struct DepthTiming {
 // Two segments with a skid behind each, and the texels' way in between.
 struct TextureTiming {
   int filter_product = 1;  // of a blend of two texels
+  int level_product = 1;   // of a blend of two levels
+  int levels = 0;          // rtl/texture_levels.sv: from the texels of two levels to the skid at its output
   int shade_product = 1;   // of the mixed texel and the fragment's colour
   int address = 0;         // from acceptance to the skid in front of the requests
   int color = 0;           // from the texels to the skid at the output
@@ -35,9 +37,20 @@ struct FogTiming {
 };
 struct MergeTiming {
   int product = 1;         // of the blend
+  int any_product = 1;     // rtl/blend_unit.sv: of a colour or alpha and its factor
+  int any_blend = 0;       // rtl/blend_unit.sv: from acceptance to the skid at its output
   int clocks = 0;          // from the join with the stored colour to the skid at the output
   int total = 0;           // acceptance to write_valid_o without a read
   int total_blending = 0;  // with one, answered on the clock after its acceptance
+};
+// rtl/lod.sv, which takes R_pixel only in the modes zone_s and gradient.
+struct LodTiming {
+  int distance_product = 1;  // zone_s: of A' and m
+  int zone_product = 1;      // zone_s: of s - S_z and k_z
+  int gradient_product = 1;  // gradient: of u and h_x
+  int slope_product = 1;     // gradient: of gu_x - u h_x and m
+  int clocks = 0;            // from acceptance to the skid at the output
+  int total = 0;             // acceptance to out_valid_o
 };
 struct PixelTiming {
   int in_flight = 0;    // fragments that a stage holds while a memory answers
@@ -45,10 +58,14 @@ struct PixelTiming {
   int slot_bits = 2;    // draw states in flight: 2^slot_bits
   int pixel_unit = 0;   // latency of R_pixel
   DepthTiming depth;
+  LodTiming lod;
   TextureTiming texture;
   FogTiming fog;
   MergeTiming merge;
 };
+
+// The distances at which the zones of a mip chain begin, S_i = lod.first 2^(i-16), as signed numbers.
+constexpr Grid zone_starts() { return {max_mip_level + 2, 16, true}; }
 
 // Whether a stage behind span takes R_pixel: the linear depth code, linear fog.
 bool pixel_stages_have_reciprocal(const Config& config);

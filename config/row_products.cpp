@@ -77,7 +77,7 @@ Products row_products(const Config& config) {
   // A value that is linear along the row: its slope, and its start from the left end.
   const Grid p = pre_step(config);
   const auto line = [&](P slope, Grid difference, F step, P start, Grid left, Grid offset, F acc) {
-    if (shares_reciprocal(config.row_slope))
+    if (shares_reciprocal(form_of(config.row_slope)))
       of(slope) = Product{difference, m, e, none, {}, config.format(step)};
     of(start) = Product{grid(step), p, {}, left, offset, config.format(acc)};
   };

@@ -26,13 +26,14 @@ int restoring_clocks(const Reciprocal& unit, int iterations) {
 }
 
 bool row_divides(const Config& c) {
-  return !has_plane_rows(c.perspective) && !shares_reciprocal(c.row_slope);
+  return !has_plane_rows(c.perspective) && !shares_reciprocal(form_of(c.row_slope));
 }
 
 }  // namespace
 
 bool has_rtl(const Config& config) {
-  return !has_pixel_reciprocal(config.perspective) || config.pixel_reciprocal.pipelined;
+  return is_in_rtl(config.row_slope) && (!has_pixel_reciprocal(config.perspective) ||
+                                         (config.pixel_reciprocal.pipelined && !has_subspans(config)));
 }
 
 int pixel_index_bits(const Config& config) {
@@ -253,7 +254,33 @@ RowSchedule row_schedule(const Config& config) {
 
 }  // namespace
 
+RowSchedule row_schedule_by_plane(const Config& config) {
+  const std::size_t lines = config.rtl.shades ? start_products.size() : 3;
+  const int products = 2 * static_cast<int>(lines);
+  const int multipliers = std::min(config.rtl.setup_multipliers, products);
+  RowSchedule s;
+  s.product = 1 + multiply_round_clocks(shared_product_clocks(config.rtl));
+  s.interval = ceil_div(products, multipliers) * config.rtl.product_digits;
+  Multipliers slots(multipliers, s.interval, config.rtl.product_digits);
+  for (std::size_t i = 0; i < lines; ++i) {
+    for (const RowProduct p : {slope_products[i], start_products[i]}) {
+      RowSchedule::Slot& slot = s.slots[static_cast<std::size_t>(p)];
+      slot = slots.take(1);
+      s.latency = std::max(s.latency, slot.tick + s.product + 1);  // and the sum of both
+    }
+  }
+  return s;
+}
+
 RtlTiming rtl_timing(const Config& config) {
+  if (has_subspans(config)) {
+    throw InputError(config.name + ": perspective.subspan_bits is " + std::to_string(config.subspan_bits) +
+                     "; the RTL divides at every pixel and needs 0");
+  }
+  if (!is_in_rtl(config.row_slope)) {
+    throw InputError(config.name +
+                     ": slope.row is plane, which the RTL does not have; it needs divide or reciprocal");
+  }
   if (!has_rtl(config)) {
     throw InputError(
         config.name +

@@ -14,8 +14,8 @@
 
 namespace bitspan {
 
-// Whether the RTL has the configuration: one pixel per clock takes a pixel unit that is pipelined, where
-// there is one.
+// Whether the RTL has the configuration: no rows by a triangle's plane, and, where there is a pixel unit, one
+// that is pipelined, for one pixel per clock, and that every pixel takes.
 bool has_rtl(const Config& config);
 
 // Width of the RTL's pixel index and count, unsigned: every pixel in the viewport that a record can name.
@@ -109,5 +109,9 @@ struct RtlTiming {
 
 // Throws InputError where the configuration has no RTL.
 RtlTiming rtl_timing(const Config& config);
+
+// The timed model's clocks of span_setup with slope.row = plane, which the RTL does not have: in the place of
+// a slope's product stands gradient times Y, in that of a start's gradient times X; docs/timing.md.
+RowSchedule row_schedule_by_plane(const Config& config);
 
 }  // namespace bitspan

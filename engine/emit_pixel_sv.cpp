@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <initializer_list>
+#include <span>
 #include <utility>
 
 #include "config/modes.hpp"
@@ -17,6 +19,20 @@ namespace {
 void formats(SvWriter& w, const Config& config,
              std::initializer_list<std::pair<const char*, FormatId>> named) {
   for (const auto& [name, id] : named) w.format(name, config.format(id));
+}
+
+// The numbers of an enumeration: StencilOpIncrementWrap of increment_wrap.
+template <class E>
+void numbers(SvWriter& w, const std::string& prefix) {
+  for (std::size_t i = 0; i < enum_names<E>.size(); ++i) {
+    std::string name = prefix;
+    bool begins = true;
+    for (const char c : enum_names<E>[i]) {
+      if (c != '_') name += begins ? static_cast<char>(std::toupper(c)) : c;
+      begins = c == '_';
+    }
+    w.integer(name, static_cast<std::int64_t>(i));
+  }
 }
 
 // What several stages have: coordinates, R_pixel, the fragments in flight.
@@ -50,9 +66,44 @@ void depth_section(SvWriter& w, const Config& config, const PixelTiming& timing)
   w.integer("DepthCode", static_cast<int>(config.depth_code));
   w.integer("DepthNearerIsLarger", nearer_is_larger(config.depth_code) ? 1 : 0);
   w.format("DepthZ", config.depth_format());
+  w.line("  // Of depth.bias: no bias beyond the largest code does more than that code.");
+  w.integer("DepthBiasW", config.depth_bits + 1);
   formats(w, config, {{"DepthC1", FormatId::depth_c1}, {"DepthC0", FormatId::depth_c0}});
   w.integer("DepthProductClocks", timing.depth.product);
   w.integer("DepthCodeClocks", timing.depth.code);
+}
+
+void lod_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
+  w.line("");
+  w.line("  // lod.");
+  formats(w, config,
+          {{"DistanceA", FormatId::distance_a},
+           {"DistanceS", FormatId::distance_s},
+           {"PlaneHGrad", FormatId::plane_h_grad},
+           {"PlaneGGrad", FormatId::plane_g_grad},
+           {"LodK", FormatId::lod_k},
+           {"LodSlope", FormatId::lod_slope},
+           {"LodLambda", FormatId::lod_lambda},
+           {"LodFrac", FormatId::lod_frac}});
+  w.integer("LodModeZone", static_cast<int>(LodMode::zone_s));
+  w.integer("LodModeGradient", static_cast<int>(LodMode::gradient));
+  w.integer("LodMode", static_cast<int>(config.lod));
+  w.integer("LodMixesLevels", mixes_levels(config.mip) ? 1 : 0);
+  w.integer("LodLevelW", std::bit_width(static_cast<unsigned>(max_mip_level)));
+  w.line("  // In sixteenths of a level, and the first start in 2^-16.");
+  w.integer("LodBias", config.lod_bias);
+  w.integer("LodFirst", config.lod_first);
+  w.integer("LodDistanceProductClocks", timing.lod.distance_product);
+  w.integer("LodZoneProductClocks", timing.lod.zone_product);
+  w.integer("LodGradientProductClocks", timing.lod.gradient_product);
+  w.integer("LodSlopeProductClocks", timing.lod.slope_product);
+  w.integer("LodClocks", timing.lod.clocks);
+}
+
+void stencil_section(SvWriter& w) {
+  w.line("");
+  w.line("  // stencil.");
+  numbers<StencilOp>(w, "StencilOp");
 }
 
 void texture_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
@@ -69,6 +120,8 @@ void texture_section(SvWriter& w, const Config& config, const PixelTiming& timin
   w.integer("TexelPitchW", std::bit_width(static_cast<unsigned>(texel_index_bits)));
   w.integer("TexelAddressW", texel_address_bits);
   w.integer("TextureFilterProductClocks", timing.texture.filter_product);
+  w.integer("TextureLevelProductClocks", timing.texture.level_product);
+  w.integer("TextureLevelsClocks", timing.texture.levels);
   w.integer("TextureShadeProductClocks", timing.texture.shade_product);
   w.integer("TextureAddressClocks", timing.texture.address);
   w.integer("TextureColorClocks", timing.texture.color);
@@ -104,6 +157,10 @@ void merge_section(SvWriter& w, const Config& config, const PixelTiming& timing)
   formats(w, config, {{"MergeColor", FormatId::merge_color}});
   w.integer("MergeProductClocks", timing.merge.product);
   w.integer("MergeClocks", timing.merge.clocks);
+  w.integer("BlendProductClocks", timing.merge.any_product);
+  w.integer("BlendClocks", timing.merge.any_blend);
+  numbers<BlendFactor>(w, "BlendFactor");
+  numbers<BlendOp>(w, "BlendOp");
 }
 
 }  // namespace
@@ -113,7 +170,40 @@ bool has_pixel_rtl(const Config& config) {
   return pixel_stages_are_in_rtl(config) && (has_unit || !pixel_stages_have_reciprocal(config));
 }
 
+bool mixes_by_alpha(const DrawState& s) {
+  return s.blend_op == BlendOp::add && s.blend_src == BlendFactor::src_alpha &&
+         s.blend_dst == BlendFactor::one_minus_src_alpha;
+}
+
+namespace {
+// Whatever stood at the pixel, and whatever the fragment's alpha.
+bool replaces_color(const DrawState& s) {
+  return s.blend_op == BlendOp::add && s.blend_src == BlendFactor::one && s.blend_dst == BlendFactor::zero;
+}
+}  // namespace
+
+bool pixel_rtl_takes(const DrawState& s) {
+  return !s.stencil_test && !is_late(s.depth_when) && s.alpha_func == CompareFunc::always &&
+         s.target_format == TargetFormat::rgba8888 && s.chroma_test == ChromaTest::none &&
+         !has_second_texture(s) && s.logic_op == LogicOp::none && s.blend_alpha_op == BlendOp::add &&
+         s.blend_alpha_src == BlendFactor::zero && s.blend_alpha_dst == BlendFactor::one &&
+         (mixes_by_alpha(s) || replaces_color(s));
+}
+
+bool pixel_rtl_takes(const Config& config, std::span<const DrawCommand> commands) {
+  DrawState state = first_state(config);
+  return std::ranges::all_of(commands, [&](const DrawCommand& command) {
+    if (command.clear) return true;
+    state = changed_state(state, command.state, config);
+    return pixel_rtl_takes(state);
+  });
+}
+
 std::string emit_pixel_sv(const Config& config) {
+  if (!is_in_rtl(config.depth_code)) {
+    throw InputError(config.name + ": depth.code is " + std::string(to_string(config.depth_code)) +
+                     ", which the RTL does not have; it needs inverse, linear or opengl");
+  }
   const PixelTiming timing = pixel_timing(config);
   if (pixel_stages_have_reciprocal(config)) check_operand(pixel_operand(config), "reciprocal.pixel");
   SvWriter w;
@@ -123,6 +213,8 @@ std::string emit_pixel_sv(const Config& config) {
   w.line("package bitspan_pixel_pkg;");
   common_section(w, config, timing);
   depth_section(w, config, timing);
+  lod_section(w, config, timing);
+  stencil_section(w);
   texture_section(w, config, timing);
   fog_section(w, config, timing);
   merge_section(w, config, timing);

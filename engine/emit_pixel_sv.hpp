@@ -3,9 +3,11 @@
 #pragma once
 
 #include <bit>
+#include <span>
 #include <string>
 
 #include "config/config.hpp"
+#include "scene/draw_state.hpp"
 #include "scene/texture.hpp"
 
 namespace bitspan {
@@ -17,6 +19,14 @@ inline constexpr int texel_address_bits = 32;
 // Whether the pixel stages of a configuration exist in RTL, in its modes. Where one takes R_pixel, that must
 // be pipelined, and its operand must fit the unit.
 bool has_pixel_rtl(const Config& config);
+
+// Whether the pixel stages in RTL draw in a draw state. They have early tests without stencil and alpha test,
+// and colours that are mixed by the fragment's alpha, or replaced.
+bool pixel_rtl_takes(const DrawState& state);
+// The same for every state that a scene's commands make.
+bool pixel_rtl_takes(const Config& config, std::span<const DrawCommand> commands);
+// Whether a draw state mixes colours as the first state does.
+bool mixes_by_alpha(const DrawState& state);
 
 // The package's text: formats, the depth code, reciprocal unit and the latencies of config/pixel_timing. What
 // may change between triangles or scenes is not in it: comparison, filter, wrap, blend and so on are ports.

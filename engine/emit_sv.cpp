@@ -109,7 +109,7 @@ std::string emit_sv(const Config& config) {
   w.integer("PixelQuotients", has_pixel_quotients(config.perspective) ? 1 : 0);
   w.line("  // Colour and alpha; where 0, their ports are there, and nothing is behind them.");
   w.integer("Shades", config.rtl.shades ? 1 : 0);
-  w.integer("RowSlopeDivide", !const_rows && !shares_reciprocal(config.row_slope) ? 1 : 0);
+  w.integer("RowSlopeDivide", !const_rows && !shares_reciprocal(form_of(config.row_slope)) ? 1 : 0);
   w.integer("PixelIndexW", pixel_index_bits(config));
   w.integer("ExponentW", exponent_bits);
 

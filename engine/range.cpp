@@ -253,9 +253,17 @@ class RangeCheck {
       add(F::depth_c1, hmax * b_ * s_max_ / (s_max_ - s_min_), kNoTriangle);
       add(F::depth_c0, b, kNoTriangle);
     }
-    if (has_lod_zones(c_)) {
+    if (has_s(c_)) {
       add(F::distance_a, b_ * s_max_, kNoTriangle);
       add(F::distance_s, Interval{s_min_, s_max_}, kNoTriangle);
+    }
+    if (has_true_distance(c_)) {
+      // From the middle to the corners.
+      const Real x = static_cast<Real>(scene_.width) / 2, y = static_cast<Real>(scene_.height) / 2;
+      const Real focal = static_cast<Real>(scene_.focal);
+      const Interval g{1, std::sqrt(1 + (x * x + y * y) / (focal * focal))};
+      add(F::distance_g, g, kNoTriangle);
+      add(F::distance_d, Interval{s_min_, s_max_ * g.hi}, kNoTriangle);
     }
     if (scene_.fog && is_linear_in_distance(c_.fog)) linear_fog();
     if (!scene_.fog || !has_fog(c_.fog)) add(F::fog_factor, 1, kNoTriangle);
@@ -291,6 +299,9 @@ class RangeCheck {
     const Interval setup = add_depth(F::setup_h, h, 0);
     if (has_plane_rows(c_.perspective)) {
       add_depth(F::span_h, setup, 0);
+    } else if (has_setup_plane(c_)) {
+      const Real shift = offset(c_.start_offset.span_h, c_.depth_format());
+      add_depth(F::span_h, setup + shift, shift);
     } else {
       const Real shift = offset(c_.start_offset.edge_h, format(F::edge_h));
       const Interval edge = add_depth(F::edge_h, add_depth(F::edge_h_acc, setup + shift, shift), shift);
@@ -360,7 +371,7 @@ class RangeCheck {
       }
     }
     const bool planes = has_plane_rows(c_.perspective);
-    if (planes || has_lod_gradients(c_)) {
+    if (planes || has_setup_gradients(c_)) {
       for (const Point& v : p) {
         for (const Real t : v.uv) add(F::plane_g, t * (v.h + b_), index);
       }
@@ -373,10 +384,16 @@ class RangeCheck {
     const auto [left, right] = std::minmax({p[0].x, p[1].x, p[2].x});
     const bool seen = left < scene_.width && right > 0 && p[0].y < scene_.height && p[2].y > 0;
     if (!seen) return;
-    for (std::size_t i = 0; i < 2; ++i) planes ? plane_texture(p, i, index) : span_texture(p, i, index);
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (has_setup_plane(c_)) {
+        triangle_texture(p, i, index);
+      } else {
+        planes ? plane_texture(p, i, index) : span_texture(p, i, index);
+      }
+    }
     for (std::size_t i = 0; i < 4; ++i) {
       Interval shade = hull(p, [i](const Point& v) { return v.c[i]; });
-      if (!planes) {
+      if (!planes && !has_setup_plane(c_)) {
         shade = q(F::edge_shade_acc, shade + offset(c_.start_offset.edge_shade, format(F::edge_shade)));
         shade = q(F::edge_shade, shade);
       }
@@ -399,6 +416,10 @@ class RangeCheck {
     const Real from = std::max(a.y, Real{0.5L});
     const Real to = std::min(b.y, static_cast<Real>(scene_.height) - 0.5L);
     const bool walked = from <= to;
+    if (has_setup_plane(c_)) {
+      if (walked) edge_x(a, b, from, to, index);
+      return;
+    }
     for (std::size_t i = 0; i < 2; ++i) {
       const Real diff = (b.uv[i] - a.uv[i]) * (affine ? 1 : b.h + b_);
       add(F::edge_f_diff, diff, index);
@@ -418,6 +439,10 @@ class RangeCheck {
       add(F::edge_shade_acc, shade, index);
       add(F::edge_shade, q(F::edge_shade_acc, shade), index);
     }
+    edge_x(a, b, from, to, index);
+  }
+
+  void edge_x(const Point& a, const Point& b, Real from, Real to, int index) {
     for (const Real y : {from, to}) {
       Real x = a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y);
       if (has_x_step(c_)) {
@@ -454,6 +479,24 @@ class RangeCheck {
     }
     add(F::span_f_diff, diff, index);
     add(F::span_f, q(F::span_f_diff, diff) + offset(c_.start_offset.span_f, format(F::span_f)), index);
+  }
+
+  // slope.row = plane: the numerator is linear on the screen, so it is extreme at a vertex.
+  void triangle_texture(const std::array<Point, 3>& p, std::size_t i, int index) {
+    Real from = 0;
+    if (has_pixel_reciprocal(c_.perspective)) {
+      add(F::edge_uv, p[0].uv[i], index);
+      from = q(F::edge_uv, p[0].uv[i]);
+    }
+    const bool affine = has_linear_edges(c_.perspective);
+    const Interval f = hull(p, [&](const Point& v) { return (v.uv[i] - from) * (affine ? 1 : v.h + b_); });
+    add(F::plane_g, f, index);
+    if (affine) {
+      linear_texture(q(F::plane_g, f), index);
+      return;
+    }
+    add(F::span_f, q(F::plane_g, f) + offset(c_.start_offset.span_f, format(F::span_f)), index);
+    add(F::span_uv, hull(p, [i](const Point& v) { return v.uv[i]; }), index);
   }
 
   void plane_texture(const std::array<Point, 3>& p, std::size_t i, int index) {

@@ -80,12 +80,9 @@ int field_index(RecordType type, std::string_view field) {
 }
 
 StateRecord state_record(const DrawState& state, std::int64_t next_index) {
-  StateRecord out;
-  out.triangle = next_index;
-#define BITSPAN_STORE_STATE(A, type, member, ...) out.member = static_cast<std::int64_t>(state.member);
-  BITSPAN_DRAW_STATE(BITSPAN_STORE_STATE, )
-#undef BITSPAN_STORE_STATE
-  return out;
+#define BITSPAN_STATE_VALUE(A, type, member, ...) static_cast<std::int64_t>(state.member),
+  return {next_index, BITSPAN_DRAW_STATE(BITSPAN_STATE_VALUE, )};
+#undef BITSPAN_STATE_VALUE
 }
 
 }  // namespace bitspan

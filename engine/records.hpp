@@ -84,6 +84,15 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   F(gv2, plane_g) F(h_x, plane_h_grad) F(h_y, plane_h_grad) F(gu_x, plane_g_grad) F(gu_y, plane_g_grad)     \
   F(gv_x, plane_g_grad) F(gv_y, plane_g_grad)
 
+// setup, where rows start from the triangle's plane: one per triangle.
+#define BITSPAN_SETUP_PLANE_RECORD(F, I, K)                                                                 \
+  I(triangle) K(recip_m, edge_mantissa) I(recip_e) F(u1, edge_uv) F(v1, edge_uv)                            \
+  F(fu0, plane_g) F(fv0, plane_g) F(fu1, plane_g) F(fv1, plane_g) F(fu2, plane_g) F(fv2, plane_g)           \
+  F(h_x, plane_h_grad) F(h_y, plane_h_grad) F(fu_x, plane_g_grad) F(fu_y, plane_g_grad)                     \
+  F(fv_x, plane_g_grad) F(fv_y, plane_g_grad) F(r_x, plane_shade_grad) F(r_y, plane_shade_grad)             \
+  F(g_x, plane_shade_grad) F(g_y, plane_shade_grad) F(b_x, plane_shade_grad) F(b_y, plane_shade_grad)       \
+  F(a_x, plane_shade_grad) F(a_y, plane_shade_grad)
+
 // edge_walk: one per row that has pixels inside the viewport; l and r are its left and right end.
 #define BITSPAN_ROW_END(p, F, I, K)                                                                         \
   I(p##_edge) F(p##_x_acc, edge_x_acc) F(p##_x, edge_x) F(p##_h_acc, edge_h_acc) F(p##_h, edge_h)           \
@@ -146,11 +155,16 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   I(triangle) I(x) I(y) I(back) /* 1: a back face */ I(stored) /* the plane's value before */              \
   I(pass) I(op) /* of StencilOp */ I(value) /* the plane's value behind */
 
+// distance, where lod or fog takes it: one per fragment that comes to the texture.
+#define BITSPAN_DISTANCE_RECORD(F, I, K)                                                                   \
+  I(triangle) I(x) I(y) K(recip_m, pixel_mantissa) I(recip_e) F(s, distance_s)                             \
+  I(zone) F(d, distance_d) /* where the true distance is taken */
+
 // lod, where textures have mip chains: one per fragment that passed the depth test.
 #define BITSPAN_LOD_RECORD(F, I, K)                                                                        \
-  I(triangle) I(x) I(y) K(recip_m, pixel_mantissa) I(recip_e) /* modes zone_s and gradient */              \
+  I(triangle) I(x) I(y) K(recip_m, pixel_mantissa) I(recip_e) /* zone_s, gradient; finite: right */        \
   F(s, distance_s) /* zone_s */                                                                            \
-  F(u_x, lod_slope) F(u_y, lod_slope) F(v_x, lod_slope) F(v_y, lod_slope) /* gradient */                   \
+  F(u_x, lod_slope) F(u_y, lod_slope) F(v_x, lod_slope) F(v_y, lod_slope) /* gradient, finite */           \
   F(lambda, lod_lambda) I(level) F(f, lod_frac)
 
 // texture: one per fragment that passed the depth test.
@@ -161,9 +175,17 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   F(r, texture_color) F(g, texture_color) F(b, texture_color) F(a, texture_alpha)                          \
   I(killed) /* transparent code or alpha 0 */
 
+// texture.second: one per fragment that the first unit does not kill; only while texture1 is on.
+#define BITSPAN_TEXTURE_SECOND_RECORD(F, I, K)                                                             \
+  I(triangle) I(x) I(y) I(level) F(f, lod_frac) /* of the unit's own chain */                              \
+  I(i) I(j) F(ex, texture_frac) F(ey, texture_frac)                                                        \
+  F(texel_r, texture_mix) F(texel_g, texture_mix) F(texel_b, texture_mix) F(texel_a, texture_alpha)        \
+  F(r, texture_color) F(g, texture_color) F(b, texture_color) F(a, texture_alpha)                          \
+  I(killed) /* alpha 0 or the alpha test, of the combined alpha */
+
 // fog: one per fragment that the texture did not kill.
 #define BITSPAN_FOG_RECORD(F, I, K)                                                                        \
-  I(triangle) I(x) I(y) I(index) /* of the table, -1 in the other modes */                                 \
+  I(triangle) I(x) I(y) I(index) /* of a table, -1 in modes without */                                     \
   K(recip_m, pixel_mantissa) I(recip_e) /* linear fog only */                                              \
   F(factor, fog_factor) F(r, fog_color) F(g, fog_color) F(b, fog_color)
 

@@ -60,8 +60,6 @@ struct EngineEntry {
   std::function<std::string(const Config&)> design{};
   // A design of the user's: nobody's clocks are compared with its own.
   bool users_design = false;
-  // It has no late depth test, and so no stencil test.
-  bool early_only = false;
   // The one configuration that it is for; null: whatever `runs` says.
   std::shared_ptr<const Config> only{};
 };

@@ -20,6 +20,10 @@ struct PlaneOfRows {
   std::span<const PlaneRowRecord> rows;
 };
 
+// Throws InputError where a row needs more of its triangle than a row that was made elsewhere has: lod and
+// depth its gradients, and span_setup its plane.
+void check_draws_rows(const Config& config, const AnyRow& row);
+
 // The callers promise: registers within their formats, pixels within the picture, and in const_depth_rows a
 // setup record with an area, and the pixels of one of its rows.
 class RowEngine {

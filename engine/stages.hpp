@@ -40,17 +40,20 @@ inline constexpr std::optional<Stage> no_clock;
   ROW(X, SetupRecord,     BITSPAN_SETUP_RECORD,     "setup",          setup,     Stage::setup,      triangle, constants) \
   ROW(X, EdgeRecord,      BITSPAN_EDGE_RECORD,      "setup.edge",     edge,      Stage::setup,      edge,     setup)     \
   ROW(X, GradientRecord,  BITSPAN_GRADIENT_RECORD,  "setup.gradient", gradient,  Stage::setup,      triangle, setup)     \
+  ROW(X, SetupPlaneRecord, BITSPAN_SETUP_PLANE_RECORD, "setup.plane",  setup_plane, Stage::setup,    triangle, setup)     \
   ROW(X, RowRecord,       BITSPAN_ROW_RECORD,       "edge_walk",      row,       Stage::edge_walk,  row,      edge)      \
   ROW(X, PlaneRecord,     BITSPAN_PLANE_RECORD,     "plane_walk",     plane,     Stage::edge_walk,  triangle, setup)     \
   ROW(X, PlaneRowRecord,  BITSPAN_PLANE_ROW_RECORD, "plane_walk.row", plane_row, Stage::edge_walk,  row,      plane)     \
-  ROW(X, SpanRecord,      BITSPAN_SPAN_RECORD,      "span_setup",     span,      Stage::span_setup, row,      row, plane_row) \
+  ROW(X, SpanRecord,      BITSPAN_SPAN_RECORD,      "span_setup",     span,      Stage::span_setup, row,      setup_plane, row, plane_row) \
   ROW(X, FragmentRecord,  BITSPAN_FRAGMENT_RECORD,  "span",           fragment,  Stage::span,       pixel,    span)      \
-  ROW(X, DepthRecord,     BITSPAN_DEPTH_RECORD,     "depth",          depth,     Stage::depth,      pixel,    fragment)  \
+  ROW(X, DepthRecord,     BITSPAN_DEPTH_RECORD,     "depth",          depth,     Stage::depth,      pixel,    gradient, fragment) \
   ROW(X, StencilRecord,   BITSPAN_STENCIL_RECORD,   "stencil",        stencil,   Stage::depth,      pixel,    fragment, depth) \
-  ROW(X, LodRecord,       BITSPAN_LOD_RECORD,       "lod",            lod,       Stage::depth,      pixel,    gradient, fragment, depth) \
+  ROW(X, DistanceRecord,  BITSPAN_DISTANCE_RECORD,  "distance",       distance,  Stage::depth,      pixel,    fragment, depth) \
+  ROW(X, LodRecord,       BITSPAN_LOD_RECORD,       "lod",            lod,       Stage::depth,      pixel,    gradient, fragment, depth, distance) \
   ROW(X, TextureRecord,   BITSPAN_TEXTURE_RECORD,   "texture",        texture,   Stage::texture,    pixel,    fragment, depth, lod) \
-  ROW(X, FogRecord,       BITSPAN_FOG_RECORD,       "fog",            fog,       Stage::fog,        pixel,    fragment, texture) \
-  ROW(X, MergeRecord,     BITSPAN_MERGE_RECORD,     "merge",          merge,     Stage::merge,      pixel,    depth, texture, fog) \
+  ROW(X, TextureSecondRecord, BITSPAN_TEXTURE_SECOND_RECORD, "texture.second", texture_second, Stage::texture, pixel, fragment, depth, lod, texture) \
+  ROW(X, FogRecord,       BITSPAN_FOG_RECORD,       "fog",            fog,       Stage::fog,        pixel,    fragment, distance, texture, texture_second) \
+  ROW(X, MergeRecord,     BITSPAN_MERGE_RECORD,     "merge",          merge,     Stage::merge,      pixel,    depth, texture, texture_second, fog) \
   ROW(X, MergeAlphaRecord, BITSPAN_MERGE_ALPHA_RECORD, "merge.alpha", merge_alpha, Stage::merge,    pixel,    merge)
 
 // clang-format on
@@ -100,6 +103,13 @@ inline constexpr auto stage_table = [] {
   return std::array<StageRow, record_types>{BITSPAN_STAGE_TABLE(BITSPAN_STAGE_ROW, )};
 #undef BITSPAN_STAGE_ROW
 }();
+
+// Whether a configuration or a draw state switches the record on, so that a run without any has it off.
+constexpr bool is_switched(RecordType type) {
+  return type == RecordType::state || type == RecordType::gradient || type == RecordType::setup_plane ||
+         type == RecordType::stencil || type == RecordType::distance || type == RecordType::lod ||
+         type == RecordType::texture_second || type == RecordType::merge_alpha;
+}
 
 constexpr const StageRow& row_of(RecordType type) { return stage_table[static_cast<std::size_t>(type)]; }
 

@@ -12,10 +12,10 @@
 
 namespace bitspan::golden {
 
-// Takes fragments of one triangle, so each at a pixel of its own, and the picture's stored codes, `width` per
-// row. Appends a record for each covered fragment.
+// Takes fragments of one triangle, so each at a pixel of its own, its gradients (which float_dz alone reads),
+// and the picture's stored codes, `width` per row. Appends a record for each covered fragment.
 using DepthStage =
-    std::function<void(std::span<const FragmentRecord>, const DrawState&,
+    std::function<void(std::span<const FragmentRecord>, const GradientRecord&, const DrawState&,
                        std::span<const std::uint32_t> stored, int width, std::vector<DepthRecord>& out)>;
 DepthStage make_depth(Arithmetic arithmetic, const Config& config, const Constants& constants);
 

@@ -48,6 +48,7 @@ class EdgeWalker {
         pixel_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::edge_h)),
         edge_x_(edge_x_of(config)),
         linear_(has_linear_edges(config.perspective)),
+        by_plane_(has_setup_plane(config)),
         fill_rule_(config.fill_rule) {
     const StartOffsets& offset = config.start_offset;
     const auto f = [&](FormatId id) { return config.format(id); };
@@ -126,20 +127,17 @@ class EdgeWalker {
 
   void begin(Edge<Real>& edge, std::int64_t y) const {
     const Real t = below(edge, y);
+    if (has_x_step(edge_x_)) edge.x_acc = start_x_(q_x_acc_, edge.from.x, edge.x_step, t);
+    if (by_plane_) return;
     edge.h_acc = start_h_(q_h_acc_, edge.from.h, edge.h_step, t);
     edge.fu = start_f_(q_f_, linear_ ? edge.from.u : Real(0), edge.fu_step, t);
     edge.fv = start_f_(q_f_, linear_ ? edge.from.v : Real(0), edge.fv_step, t);
     for (std::size_t i = 0; i < channels; ++i) {
       edge.acc[i] = start_shade_(q_shade_acc_, edge.from.c[i], edge.step[i], t);
     }
-    if (has_x_step(edge_x_)) edge.x_acc = start_x_(q_x_acc_, edge.from.x, edge.x_step, t);
   }
 
   void step(Edge<Real>& edge, std::int64_t y) const {
-    edge.h_acc = q_h_acc_.sum(edge.h_acc, edge.h_step);
-    edge.fu = q_f_.sum(edge.fu, edge.fu_step);
-    edge.fv = q_f_.sum(edge.fv, edge.fv_step);
-    for (std::size_t i = 0; i < channels; ++i) edge.acc[i] = q_shade_acc_.sum(edge.acc[i], edge.step[i]);
     switch (edge_x_) {
       case EdgeX::quotient:
         break;
@@ -150,6 +148,11 @@ class EdgeWalker {
         edge.x_acc = start_x_(q_x_acc_, edge.from.x, edge.x_step, below(edge, y));
         break;
     }
+    if (by_plane_) return;
+    edge.h_acc = q_h_acc_.sum(edge.h_acc, edge.h_step);
+    edge.fu = q_f_.sum(edge.fu, edge.fu_step);
+    edge.fv = q_f_.sum(edge.fv, edge.fv_step);
+    for (std::size_t i = 0; i < channels; ++i) edge.acc[i] = q_shade_acc_.sum(edge.acc[i], edge.step[i]);
   }
 
   // X dy of an exact edge: X is this over dy.
@@ -161,13 +164,14 @@ class EdgeWalker {
   }
 
   struct EndValues {
-    Real x, h, u, v;
+    Real x = 0, h = 0, u = 0, v = 0;
     Inverse<Real> inverse;
-    Shades<Real> c;
+    Shades<Real> c{};
   };
   EndValues end_values(const Edge<Real>& edge, std::int64_t y) const {
     EndValues out;
     out.x = has_x_step(edge_x_) ? q_x_(edge.x_acc) : q_x_.quotient(exact_numerator(edge, y), edge.dy);
+    if (by_plane_) return out;
     out.h = q_h_(edge.h_acc);
     if (linear_) {
       out.u = q_uv_(edge.fu);
@@ -231,7 +235,8 @@ class EdgeWalker {
   Real b_;
   ReciprocalUnit<Real> pixel_;
   EdgeX edge_x_;
-  bool linear_;  // edges carry u and v themselves
+  bool linear_;    // edges carry u and v themselves
+  bool by_plane_;  // edges carry nothing but x
   FillRule fill_rule_;
   Start start_x_, start_h_, start_f_, start_shade_;
 };

@@ -4,22 +4,26 @@
 #include <cmath>
 
 #include "config/modes.hpp"
-#include "engine/mip.hpp"
 #include "engine/rows.hpp"
 #include "golden/depth.hpp"
+#include "golden/distance.hpp"
 #include "golden/edge_walk.hpp"
 #include "golden/fog.hpp"
 #include "golden/lanes.hpp"
 #include "golden/lod.hpp"
+#include "golden/mask.hpp"
 #include "golden/merge.hpp"
 #include "golden/mip_chain.hpp"
 #include "golden/plane_walk.hpp"
 #include "golden/precision.hpp"
 #include "golden/setup.hpp"
+#include "golden/setup_plane.hpp"
 #include "golden/span.hpp"
 #include "golden/span_setup.hpp"
 #include "golden/stencil.hpp"
+#include "golden/target.hpp"
 #include "golden/texture.hpp"
+#include "golden/texture_second.hpp"
 
 namespace bitspan {
 
@@ -32,6 +36,7 @@ class GoldenEngine final : public Engine, public RowEngine {
   GoldenEngine(const Config& config, Precision precision, bool checked)
       : config_(config), checked_(checked), precision_(std::move(precision)) {
     texture_ = make_texture(with(precision_.texture), config_);
+    texture_second_ = make_texture_second(with(precision_.texture_second), config_);
     merge_ = make_merge(with(precision_.merge), config_);
   }
 
@@ -50,18 +55,24 @@ class GoldenEngine final : public Engine, public RowEngine {
     } else {
       edge_setup_ = make_edge_setup(with(precision_.edge_setup), config_, constants_);
       edge_walk_ = make_edge_walk(with(precision_.edge_walk), config_, constants_, scene.width, scene.height);
-      span_setup_ = make_span_setup(with(precision_.span_setup), config_, constants_);
+      if (has_setup_plane(config_)) {
+        setup_plane_ = make_setup_plane(with(precision_.setup_plane), config_, constants_);
+        triangle_span_setup_ = make_triangle_span_setup(with(precision_.span_setup), config_);
+      } else {
+        span_setup_ = make_span_setup(with(precision_.span_setup), config_, constants_);
+      }
     }
     span_ = make_span(with(precision_.span), config_, constants_);
-    if (has_lod_gradients(config_)) {
+    if (has_setup_gradients(config_)) {
       gradients_ = make_gradients(with(precision_.gradient), config_, constants_);
     }
+    if (has_distance(config_)) {
+      distance_ = make_distance(with(precision_.distance), config_, constants_, scene);
+    }
     if (has_lod(config_)) {
-      check_mip_textures(config_, scene);
       lod_ = make_lod(with(precision_.lod), config_, constants_);
       mip_texture_ = make_mip_texture(with(precision_.texture), config_);
-      levels_.clear();
-      for (const Texture& texture : scene.textures) levels_.push_back(mip_levels(texture));
+      levels_ = scene_levels(config_, scene);
     }
     depth_ = make_depth(with(precision_.depth), config_, constants_);
     fog_ = make_fog(with(precision_.fog), config_, constants_, scene);
@@ -85,12 +96,12 @@ class GoldenEngine final : public Engine, public RowEngine {
   }
 
   void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    state_ = changed_state(state_, change, config_);
+    state_ = changed_state(state_, change, config_, scene_->textures.size());
     if (state_.stencil_test) need_stencil(frame_);
     if (trace != nullptr) begin_batch(trace).state.push_back(state_record(state_, next_index));
   }
   void clear(const Clear& clear) override {
-    clear_planes(frame_, clear, static_cast<std::uint32_t>(clear_depth(config_)));
+    clear_planes(frame_, held(state_, clear), static_cast<std::uint32_t>(clear_depth(config_)));
   }
 
   PlaneOfRows set_plane(const SetupRecord& setup) override {
@@ -98,12 +109,7 @@ class GoldenEngine final : public Engine, public RowEngine {
     return {planes_.plane.major == 1, planes_.rows};
   }
   void draw_row(const AnyRow& any, std::size_t plane_row, int texture, Trace* trace) override {
-    if (has_lod_gradients(config_)) {
-      throw InputError(
-          "lod.mode = gradient takes gradients of a whole triangle, and a row has none; legal: draw "
-          "triangles, "
-          "or lod.mode none, zone_s");
-    }
+    check_draws_rows(config_, any);
     Trace& out = begin_batch(trace);
     const std::size_t first_span = out.span.size();
     first_ = out.fragment.size();
@@ -144,7 +150,8 @@ class GoldenEngine final : public Engine, public RowEngine {
   }
   SpanRecord span_of(const RowRecord& row) {
     ++counters_.rows;
-    if (row.r_x > row.l_x) counters_.divides_row += shares_reciprocal(config_.row_slope) ? 1 : 7;
+    if (has_setup_plane(config_)) return triangle_span_setup_(row, setup_record_, plane_);
+    if (row.r_x > row.l_x) counters_.divides_row += shares_reciprocal(form_of(config_.row_slope)) ? 1 : 7;
     return span_setup_(row);
   }
   SpanRecord span_of(const PlaneRowRecord& row) {
@@ -165,7 +172,7 @@ class GoldenEngine final : public Engine, public RowEngine {
       return;
     }
     out.setup.push_back(*setup);
-    if (has_lod_gradients(config_)) {
+    if (has_setup_gradients(config_)) {
       gradient_ = gradients_(*setup);
       out.gradient.push_back(gradient_);
       if (!by_planes()) counters_.divides_edge += 6;
@@ -184,16 +191,23 @@ class GoldenEngine final : public Engine, public RowEngine {
     std::array<EdgeRecord, 3> edges;
     const int edge_count = edge_setup_(setup, edges);
     const std::span<const EdgeRecord> with_height(edges.data(), static_cast<std::size_t>(edge_count));
-    const int slopes = has_x_step(config_) ? 8 : 7;
-    counters_.divides_edge +=
-        static_cast<std::uint64_t>(edge_count * (shares_reciprocal(config_.edge_slope) ? 1 : slopes));
+    const bool by_plane = has_setup_plane(config_);
+    const bool shared = shares_reciprocal(config_.edge_slope);
+    const int slopes = (by_plane ? 0 : 7) + (has_x_step(config_) ? 1 : 0);
+    counters_.divides_edge += static_cast<std::uint64_t>(edge_count * (shared && slopes > 0 ? 1 : slopes));
+    if (by_plane) {
+      setup_record_ = setup;
+      plane_ = setup_plane_(setup);
+      out.setup_plane.push_back(plane_);
+      counters_.divides_edge += shared ? 1 : 14;
+    }
     out.edge.insert(out.edge.end(), with_height.begin(), with_height.end());
 
     const std::size_t first_row = out.row.size();
     edge_walk_(setup, with_height, out.row);
     const std::size_t first_span = out.span.size();
     for (std::size_t i = first_row; i < out.row.size(); ++i) {
-      if (!has_linear_edges(config_.perspective)) counters_.divides_edge += 2;
+      if (!by_plane && !has_linear_edges(config_.perspective)) counters_.divides_edge += 2;
       out.span.push_back(span_of(out.row[i]));
     }
     draw_spans(first_span, nullptr, {}, texture, out);
@@ -223,6 +237,14 @@ class GoldenEngine final : public Engine, public RowEngine {
       span_(spans.subspan(begin, i + 1 - begin), plane, flags, out.fragment);
       counters_.fragments += count;
       if (has_pixel_reciprocal(config_.perspective)) counters_.divides_pixel += count;
+      if (has_subspans(config_)) {
+        // A subspan has one exact fragment; what is behind the last of them is exact.
+        const std::int64_t length = std::int64_t{1} << config_.subspan_bits;
+        for (const SpanRecord& span : spans.subspan(begin, i + 1 - begin)) {
+          const std::int64_t subspans = (span.count - 1) / length;
+          counters_.divides_pixel -= static_cast<std::uint64_t>(subspans * (length - 1));
+        }
+      }
       if (has_pixel_quotients(config_.perspective)) counters_.divides_pixel += 2 * count;
       draw_fragments(texture, out);
       if (plane != nullptr) covered = covered.subspan(count);
@@ -238,11 +260,12 @@ class GoldenEngine final : public Engine, public RowEngine {
     alive_.clear();
     depths_.clear();
     textures_.clear();
+    distances_.clear();
     std::size_t covered = 0;
     for (const FragmentRecord& fragment : fragments) {
       if (fragment.covered == 0) continue;
       ++covered;
-      if (is_masked(fragment)) {
+      if (is_masked(state_, fragment.x, fragment.y)) {
         ++counters_.masked;
       } else {
         alive_.push_back(&fragment);
@@ -260,7 +283,7 @@ class GoldenEngine final : public Engine, public RowEngine {
     counters_.written += alive_.size();
 
     const std::size_t first_fog = out.fog.size();
-    fog_(alive_, textures_, out.fog);
+    fog_(alive_, textures_, distances_, out.fog);
     const std::size_t first_merge = out.merge.size();
     const std::size_t first_alpha = out.merge_alpha.size();
     merge_(std::span<const FogRecord>(out.fog).subspan(first_fog), textures_, depths_, state_, frame_.color,
@@ -280,25 +303,16 @@ class GoldenEngine final : public Engine, public RowEngine {
     first_ = out.fragment.size();
   }
 
-  // Scissor and stipple.
-  bool is_masked(const FragmentRecord& f) const {
-    const DrawState& s = state_;
-    if (f.x < s.scissor_left || f.x >= s.scissor_right) return true;
-    if (f.y < s.scissor_top || f.y >= s.scissor_bottom) return true;
-    const std::int64_t bit = 8 * (f.y % 4) + f.x % 8;
-    return s.stipple / (std::int64_t{1} << bit) % 2 == 0;
-  }
-
   // Leaves in alive_, depths_ and textures_ what passes the tests. `all`: the fragments of which `covered`
   // cover their pixel.
   void run_depth(std::span<const FragmentRecord> all, std::size_t covered, Trace& out) {
     const std::size_t first = out.depth.size();
     if (alive_.size() == covered) {
-      depth_(all, state_, frame_.depth, frame_.width, out.depth);
+      depth_(all, gradient_, state_, frame_.depth, frame_.width, out.depth);
     } else {
       tested_.clear();
       for (const FragmentRecord* fragment : alive_) tested_.push_back(*fragment);
-      depth_(tested_, state_, frame_.depth, frame_.width, out.depth);
+      depth_(tested_, gradient_, state_, frame_.depth, frame_.width, out.depth);
     }
     std::size_t kept = 0;
     for (std::size_t i = 0; i < alive_.size(); ++i) {
@@ -315,28 +329,38 @@ class GoldenEngine final : public Engine, public RowEngine {
       alive_[kept++] = alive_[i];
       depths_.push_back(&depth);
       if (!textures_.empty()) textures_[kept - 1] = textures_[i];
+      if (!distances_.empty()) distances_[kept - 1] = distances_[i];
     }
     alive_.resize(kept);
     if (!textures_.empty()) textures_.resize(kept);
+    if (!distances_.empty()) distances_.resize(kept);
     counters_.depth_passed += kept;
   }
   // The same for what the texture does not kill.
   void run_texture(const Texture* texture, Trace& out) {
     const std::size_t first = out.texture.size();
+    const std::size_t first_distance = out.distance.size();
+    const std::size_t first_lod = out.lod.size();
+    if (has_distance(config_)) distance_(alive_, out.distance);
+    const std::span distances = std::span<const DistanceRecord>(out.distance).subspan(first_distance);
     if (has_lod(config_)) {
       const std::vector<Texture>* levels =
           texture == nullptr ? nullptr
                              : &levels_[static_cast<std::size_t>(texture - scene_->textures.data())];
-      const std::size_t first_lod = out.lod.size();
-      lod_(alive_, gradient_, levels == nullptr ? 1 : static_cast<int>(levels->size()), out.lod);
+      lod_(alive_, gradient_, distances, levels == nullptr ? 1 : static_cast<int>(levels->size()), out.lod);
       mip_texture_(alive_, std::span<const LodRecord>(out.lod).subspan(first_lod), levels, state_,
                    out.texture);
     } else {
       texture_(alive_, texture, state_, out.texture);
     }
+    std::span textured_all = std::span<const TextureRecord>(out.texture).subspan(first);
+    if (has_second_texture(state_)) {
+      run_texture_second(textured_all, std::span<const LodRecord>(out.lod).subspan(first_lod), out);
+      textured_all = combined_;
+    }
     std::size_t kept = 0;
     for (std::size_t i = 0; i < alive_.size(); ++i) {
-      const TextureRecord& textured = out.texture[first + i];
+      const TextureRecord& textured = textured_all[i];
       if (textured.killed == 1) {
         ++counters_.killed;
         continue;
@@ -344,9 +368,40 @@ class GoldenEngine final : public Engine, public RowEngine {
       alive_[kept++] = alive_[i];
       if (!depths_.empty()) depths_[kept - 1] = depths_[i];
       textures_.push_back(&textured);
+      if (!distances.empty()) distances_.push_back(&distances[i]);
     }
     alive_.resize(kept);
     if (!depths_.empty()) depths_.resize(kept);
+  }
+
+  // Leaves in combined_ what the first unit's records are behind the second one. lods: none without mip
+  // chains.
+  void run_texture_second(std::span<const TextureRecord> firsts, std::span<const LodRecord> lods,
+                          Trace& out) {
+    std::vector<const FragmentRecord*> fragments;
+    std::vector<const TextureRecord*> before;
+    std::vector<const LodRecord*> levels;
+    for (std::size_t i = 0; i < firsts.size(); ++i) {
+      if (firsts[i].killed == 1) continue;
+      fragments.push_back(alive_[i]);
+      before.push_back(&firsts[i]);
+      if (!lods.empty()) levels.push_back(&lods[i]);
+    }
+    std::size_t next = out.texture_second.size();
+    const auto index = static_cast<std::size_t>(state_.texture1);
+    const std::span<const Texture> images =
+        has_lod(config_) ? std::span<const Texture>(levels_[index]) : std::span(&scene_->textures[index], 1);
+    texture_second_(fragments, before, levels, images, state_, out.texture_second);
+    combined_.assign(firsts.begin(), firsts.end());
+    for (TextureRecord& record : combined_) {
+      if (record.killed == 1) continue;
+      const TextureSecondRecord& second = out.texture_second[next++];
+      record.r = second.r;
+      record.g = second.g;
+      record.b = second.b;
+      record.a = second.a;
+      record.killed = second.killed;
+    }
   }
 
   Config config_;
@@ -358,20 +413,27 @@ class GoldenEngine final : public Engine, public RowEngine {
   double uv_ulp_ = 1;
   SetupStage setup_;
   EdgeSetupStage edge_setup_;
+  SetupPlaneStage setup_plane_;
   EdgeWalkStage edge_walk_;
   PlaneWalkStage plane_walk_;
   SpanSetupStage span_setup_;
+  TriangleSpanSetupStage triangle_span_setup_;
   PlaneSpanSetupStage plane_span_setup_;
   SpanStage span_;
   DepthStage depth_;
   GradientStage gradients_;
+  DistanceStage distance_;
   LodStage lod_;
   TextureStage texture_;
   MipTextureStage mip_texture_;
+  TextureSecondStage texture_second_;
   FogStage fog_;
   MergeStage merge_;
-  std::vector<std::vector<Texture>> levels_;  // with mip chains: of each texture
-  GradientRecord gradient_;                   // of the triangle under way, where lod takes it
+  SceneLevels levels_;
+  GradientRecord gradient_;  // of the triangle under way, where there is one
+  // Of the triangle under way, where slope.row = plane.
+  SetupRecord setup_record_;
+  SetupPlaneRecord plane_;
   // Reused from triangle to triangle.
   PlaneRows planes_;
   Trace unkept_;           // records of one triangle that nobody asked for
@@ -379,7 +441,9 @@ class GoldenEngine final : public Engine, public RowEngine {
   // The fragments of a batch that are alive, and their records.
   std::vector<const FragmentRecord*> alive_;
   std::vector<const DepthRecord*> depths_;
-  std::vector<const TextureRecord*> textures_;
+  std::vector<const TextureRecord*> textures_;  // behind both texture units
+  std::vector<TextureRecord> combined_;
+  std::vector<const DistanceRecord*> distances_;  // where there are any
   std::vector<FragmentRecord> tested_;
   Frame frame_;
   Counters counters_;

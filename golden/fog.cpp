@@ -5,7 +5,9 @@
 #include <limits>
 
 #include "config/modes.hpp"
+#include "golden/distance.hpp"
 #include "golden/lanes.hpp"
+#include "golden/log2.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
@@ -13,6 +15,15 @@
 namespace bitspan::golden {
 
 namespace {
+
+// The exponent of the least power of two, 1 or more, that no G exceeds.
+int fog_range(const Config& config, const Scene& scene) {
+  const std::vector<std::int64_t> factors = zone_factors(config, scene);
+  const Quad most = Quantizer<Quad>(config.format(FormatId::distance_g)).value(std::ranges::max(factors));
+  int exponent = 0;
+  while (pow2<Quad>(exponent) < most) ++exponent;
+  return exponent;
+}
 
 constexpr double never = std::numeric_limits<double>::infinity();  // a share that takes the colour as it is
 
@@ -22,13 +33,14 @@ class Fogging {
   Fogging(const Config& config, const Constants& constants, const Scene& scene)
       : mode_(scene.fog ? config.fog : FogMode::none),
         q_h_(config.format(FormatId::span_h)),
+        q_s_(config.format(FormatId::distance_s)),
+        q_d_(config.format(FormatId::distance_d)),
         q_in_(config.format(FormatId::texture_color)),
         q_factor_(config.format(FormatId::fog_factor)),
         q_color_(config.format(FormatId::fog_color)),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         scale_(Quantizer<Real>(config.format(FormatId::fog_scale)).value(constants.record.fog_scale)),
-        width_(scene.width),
-        height_(scene.height),
+        zone_(config, scene),
         depth_steps_(1 << config.fog_depth_bits),
         zones_(1 << config.fog_zone_bits),
         depth_step_(pow2<Real>(-(config.depth_bits - config.fog_depth_bits))),
@@ -38,11 +50,17 @@ class Fogging {
     if (scene.fog) {
       for (std::size_t i = 0; i < 3; ++i) fog_[i] = Real(scene.fog->color[i]);
     }
-    if (has_fog_table(mode_)) table_ = fog_table(config, constants, scene);
+    if (!has_fog(mode_) || fog_entries(config) == 0) return;
+    table_ = fog_table(config, constants, scene);
+    if (takes_true_distance(mode_)) {
+      distance_step_ = pow2<Real>(config.fog_depth_bits - fog_range(config, scene));
+    }
+    log_step_ = pow2<Real>(config.fog_depth_bits - 4);
   }
 
   void operator()(std::span<const FragmentRecord* const> fragments,
-                  std::span<const TextureRecord* const> textures, std::vector<FogRecord>& out) const {
+                  std::span<const TextureRecord* const> textures,
+                  std::span<const DistanceRecord* const> distances, std::vector<FogRecord>& out) const {
     const std::size_t first = out.size();
     out.resize(first + fragments.size());
     for (std::size_t i = 0; i < fragments.size(); ++i) {
@@ -50,7 +68,7 @@ class Fogging {
       record.triangle = fragments[i]->triangle;
       record.x = fragments[i]->x;
       record.y = fragments[i]->y;
-      set_factor(*fragments[i], record);
+      set_factor(*fragments[i], distances.empty() ? nullptr : distances[i], record);
     }
     for (std::size_t at = 0; at < textures.size(); at += lanes) {
       const std::span part = textures.subspan(at, std::min(lanes, textures.size() - at));
@@ -61,7 +79,13 @@ class Fogging {
   }
 
  private:
-  void set_factor(const FragmentRecord& fragment, FogRecord& out) const {
+  // The step of a table that a number of steps lies in.
+  std::int64_t step_of(Real steps) const {
+    const Real whole = floor_of(steps);
+    return whole < 0 ? 0 : whole >= depth_steps_ ? depth_steps_ - 1 : to_integer(whole);
+  }
+
+  void set_factor(const FragmentRecord& fragment, const DistanceRecord* distance, FogRecord& out) const {
     out.index = -1;
     const Real h = q_h_.value(fragment.h);
     switch (mode_) {
@@ -76,10 +100,22 @@ class Fogging {
         break;
       }
       case FogMode::table: {
-        const Real top = floor_of(h * depth_step_);
-        const std::int64_t hi = top < 0 ? 0 : top >= depth_steps_ ? depth_steps_ - 1 : to_integer(top);
-        out.index = hi * zones_ + zone(fragment.x, fragment.y);
+        out.index = step_of(h * depth_step_) * zones_ + zone_(fragment.x, fragment.y);
         out.factor = table_[static_cast<std::size_t>(out.index)];
+        break;
+      }
+      case FogMode::distance:
+        out.index = step_of(q_d_.value(distance->d) * distance_step_);
+        out.factor = table_[static_cast<std::size_t>(out.index)];
+        break;
+      case FogMode::log: {
+        const Real s = std::max(q_s_.value(distance->s), q_s_.ulp());
+        const Real place = std::clamp((linear_log2(s) + Real(16)) * log_step_, Real(0), Real(depth_steps_));
+        out.index = step_of(place);
+        const auto at = static_cast<std::size_t>(out.index);
+        const Real from = q_factor_.value(table_[at]);
+        const Real to = q_factor_.value(table_[at + 1]);
+        out.factor = q_factor_.raw(q_factor_.sum(exact_product(to - from, place - Real(out.index)), from));
         break;
       }
     }
@@ -124,21 +160,13 @@ class Fogging {
     return false;
   }
 
-  std::int64_t zone(std::int64_t x, std::int64_t y) const {
-    const Real dx = Real(2 * x + 1 - width_);
-    const Real dy = Real(2 * y + 1 - height_);
-    const Real r2 = dx * dx + dy * dy;
-    const Real r2_max = Real(width_ * width_ + height_ * height_);
-    return std::min<std::int64_t>(zones_ - 1, to_integer(whole_of_quotient(r2 * zones_, r2_max).whole));
-  }
-
   FogMode mode_;
-  Quantizer<Real> q_h_, q_in_, q_factor_, q_color_;
+  Quantizer<Real> q_h_, q_s_, q_d_, q_in_, q_factor_, q_color_;
   Real b_, scale_;
   std::array<Real, 3> fog_{};
-  std::int64_t width_, height_;
+  Zoning<Real> zone_;
   int depth_steps_, zones_;
-  Real depth_step_;
+  Real depth_step_, distance_step_ = 0, log_step_ = 0;  // steps per unit of what the index is made of
   ReciprocalUnit<Real> unit_;
   std::vector<std::int64_t> table_;
   std::int64_t no_fog_ = 0;
@@ -162,25 +190,38 @@ std::vector<std::int64_t> fog_table(const Config& config, const Constants& const
   const Quantizer<Quad> q(config.format(FormatId::fog_factor));
   const Quad b = Quantizer<Quad>(config.format(FormatId::setup_b)).value(constants.record.b);
   const Quad a = b * Quad(scene.s_max);
-  const Quad half_width = Quad(scene.width) / 2;
-  const Quad half_height = Quad(scene.height) / 2;
-  const Quad r2_max = half_width * half_width + half_height * half_height;
+  const Quad diagonal2 = Quad(scene.width) * Quad(scene.width) + Quad(scene.height) * Quad(scene.height);
   const Quad focal2 = Quad(scene.focal) * Quad(scene.focal);
   const int depth_steps = 1 << config.fog_depth_bits;
   const int zones = 1 << config.fog_zone_bits;
   const Quad depth_step = pow2<Quad>(config.depth_bits) / depth_steps;
   std::vector<std::int64_t> table;
-  table.reserve(static_cast<std::size_t>(depth_steps) * static_cast<std::size_t>(zones));
+  table.reserve(static_cast<std::size_t>(fog_entries(config)));
+  const auto add = [&](Quad d) {
+    const Quad factor = expq(-d / Quad(scene.fog->distance));
+    const std::int64_t low = q.raw(q(factor * (1 - margin)));
+    const std::int64_t high = q.raw(q(factor * (1 + margin)));
+    if (low != high) throw std::logic_error("golden: a fog table entry is too near a rounding boundary");
+    table.push_back(low);
+  };
+  const Quad normal = pow2<Quad>(constants.s_exponent);
+  if (takes_true_distance(config.fog)) {
+    const Quad step = pow2<Quad>(fog_range(config, scene) - config.fog_depth_bits) * normal;
+    for (int i = 0; i < depth_steps; ++i) add((Quad(i) + Quad(0.5)) * step);
+    return table;
+  }
+  if (takes_distance(config.fog)) {
+    for (int i = 0; i <= depth_steps; ++i) {
+      const Quad octaves = Quad(i) * 16 / depth_steps - 16;
+      const Quad octave = floorq(octaves);
+      add(pow2<Quad>(static_cast<int>(octave)) * (1 + octaves - octave) * normal);
+    }
+    return table;
+  }
   for (int hi = 0; hi < depth_steps; ++hi) {
     const Quad s = a / ((Quad(hi) + Quad(0.5)) * depth_step + b);
     for (int zone = 0; zone < zones; ++zone) {
-      const Quad r2 = (Quad(zone) + Quad(0.5)) / zones * r2_max;
-      const Quad t = s * sqrtq(1 + r2 / focal2) / Quad(scene.fog->distance);
-      const Quad factor = expq(-t);
-      const std::int64_t low = q.raw(q(factor * (1 - margin)));
-      const std::int64_t high = q.raw(q(factor * (1 + margin)));
-      if (low != high) throw std::logic_error("golden: a fog table entry is too near a rounding boundary");
-      table.push_back(low);
+      add(s * sqrtq(1 + middle_of_zone(config, zone) * diagonal2 / focal2));
     }
   }
   return table;

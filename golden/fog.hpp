@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage `fog`: moves a fragment's colour toward the fog's. [F2, F3]
+// Stage `fog`: moves a fragment's colour toward the fog's. [F1, F2, F3]
 #pragma once
 
 #include <functional>
@@ -13,14 +13,16 @@
 
 namespace bitspan::golden {
 
-// Takes fragments and the texture stage's record of each; appends a record for each.
-using FogStage = std::function<void(std::span<const FragmentRecord* const>,
-                                    std::span<const TextureRecord* const>, std::vector<FogRecord>& out)>;
+// Takes fragments, the texture stage's record of each, and the distance of each where the mode takes it;
+// appends a record for each.
+using FogStage =
+    std::function<void(std::span<const FragmentRecord* const>, std::span<const TextureRecord* const>,
+                       std::span<const DistanceRecord* const>, std::vector<FogRecord>& out)>;
 FogStage make_fog(Arithmetic arithmetic, const Config& config, const Constants& constants,
                   const Scene& scene);
 
-// Returns the fog table's raw entries on fog.factor; the entries of one depth step are adjacent. The scene
-// has fog. [F2]
+// Returns the fog table's raw entries on fog.factor; those of one depth step are adjacent in mode table. The
+// scene has fog. [F1, F2]
 std::vector<std::int64_t> fog_table(const Config& config, const Constants& constants, const Scene& scene);
 
 }  // namespace bitspan::golden

@@ -2,17 +2,20 @@
 #include "golden/ideal.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <vector>
 
 #include "config/modes.hpp"
-#include "engine/mip.hpp"
+#include "golden/blend.hpp"
 #include "golden/compare.hpp"
+#include "golden/mask.hpp"
 #include "golden/merge.hpp"
 #include "golden/mip_chain.hpp"
 #include "golden/quantize.hpp"
 #include "golden/stencil.hpp"
 #include "golden/texel.hpp"
+#include "golden/texture_second.hpp"
 
 namespace bitspan {
 
@@ -116,7 +119,9 @@ using Texel = std::array<double, 4>;  // colour codes, and alpha 0..1
 
 class Sampler {
  public:
-  Sampler(const Config& config, const Texture& texture) : config_(config), texture_(texture) {}
+  // state: for its chroma range; null for the second texture unit, which has no transparent texels.
+  Sampler(const Config& config, const DrawState* state, const Texture& texture)
+      : config_(config), state_(state), texture_(texture) {}
 
   // Gives false where the transparent code kills the fragment.
   bool sample(double u, double v, Texel& out) const {
@@ -178,13 +183,37 @@ class Sampler {
   }
   static Texel texel(const Codes& c) { return {double(c[0]), double(c[1]), double(c[2]), c[3] / 255.0}; }
   bool reserved(const Codes& c) const {
-    return config_.transparent &&
-           std::equal(config_.transparent->begin(), config_.transparent->end(), c.begin());
+    if (state_ == nullptr) return false;
+    if (config_.transparent &&
+        std::equal(config_.transparent->begin(), config_.transparent->end(), c.begin())) {
+      return true;
+    }
+    const std::array low{state_->chroma_low_red, state_->chroma_low_green, state_->chroma_low_blue};
+    const std::array high{state_->chroma_high_red, state_->chroma_high_green, state_->chroma_high_blue};
+    bool in_range = true;
+    for (std::size_t i = 0; i < 3; ++i) in_range = in_range && c[i] >= low[i] && c[i] <= high[i];
+    switch (state_->chroma_test) {
+      case ChromaTest::none:
+        return false;
+      case ChromaTest::inside:
+        return in_range;
+      case ChromaTest::outside:
+        return !in_range;
+    }
+    unreachable();
   }
 
   const Config& config_;
+  const DrawState* state_;
   const Texture& texture_;
 };
+
+// The distance from the viewer.
+double true_distance(const Scene& scene, const IdealPoint& p) {
+  const double x = p.x - scene.width / 2.0;
+  const double y = p.y - scene.height / 2.0;
+  return p.s * std::sqrt(1 + (x * x + y * y) / (scene.focal * scene.focal));
+}
 
 double fog_factor(const Config& config, const Scene& scene, const IdealPoint& p) {
   if (!scene.fog) return 1;
@@ -194,11 +223,11 @@ double fog_factor(const Config& config, const Scene& scene, const IdealPoint& p)
       return 1;
     case FogMode::linear:
       return std::clamp(1 - p.s / distance, 0.0, 1.0);
-    case FogMode::table: {
-      const double x = p.x - scene.width / 2.0;
-      const double y = p.y - scene.height / 2.0;
-      return std::exp(-p.s * std::sqrt(1 + (x * x + y * y) / (scene.focal * scene.focal)) / distance);
-    }
+    case FogMode::table:
+    case FogMode::distance:
+      return std::exp(-true_distance(scene, p) / distance);
+    case FogMode::log:
+      return std::exp(-p.s / distance);
   }
   unreachable();
 }
@@ -211,10 +240,79 @@ double configured_code(const Config& config, const Scene& scene, double h, doubl
       return h;
     case DepthCode::opengl:
       return z_max - h;
+    case DepthCode::float_dz:  // in front of bias and packing; h at s_max may round below 0
+      return z_max - std::max(h, 0.0);
     case DepthCode::linear:
       return z_max * (s - scene.s_min) / (scene.s_max - scene.s_min);
+    case DepthCode::w_float: {
+      const double b = z_max * scene.s_min / (scene.s_max - scene.s_min);
+      if (h + b <= 0) return z_max;
+      const double place = std::ldexp(h + b, -std::ilogb(h + b));  // 1 .. 2
+      int top = std::ilogb(z_max + b);
+      if (std::ldexp(1, top) < z_max + b) ++top;
+      const double octave = top - 1 - std::ilogb(h + b);
+      return std::clamp(std::ldexp(octave + 2 - place, config.depth_bits - w_float_exponent_bits), 0.0,
+                        z_max);
+    }
   }
   unreachable();
+}
+
+// The code with the bias, within the register.
+double biased(const Config& config, double z, std::int64_t bias) {
+  if (bias == 0) return z;
+  return std::clamp(z + static_cast<double>(bias), 0.0, static_cast<double>(h_max(config)));
+}
+
+// How much a value that is linear on the screen rises per pixel along x and along y, by the three vertices.
+struct ScreenPlane {
+  std::array<long double, 2> x, y;  // from vertex 0
+  long double area;
+
+  explicit ScreenPlane(const IdealTriangle& t) {
+    const long double pixel = std::ldexp(1.0L, t.subpixel_bits);
+    for (std::size_t i = 0; i < 2; ++i) {
+      x[i] = static_cast<long double>(t.v[i + 1].x - t.v[0].x) / pixel;
+      y[i] = static_cast<long double>(t.v[i + 1].y - t.v[0].y) / pixel;
+    }
+    area = x[0] * y[1] - x[1] * y[0];
+  }
+  std::array<long double, 2> gradient(long double w0, long double w1, long double w2) const {
+    return {((w1 - w0) * y[1] - (w2 - w0) * y[0]) / area, ((w2 - w0) * x[0] - (w1 - w0) * x[1]) / area};
+  }
+};
+
+// float_dz: the logarithm of |dz/dx| + |dz/dy|, rounded up; 0 for the other codes.
+int log2_of_dz(const Config& config, const Scene& scene, const IdealTriangle& t) {
+  if (!has_dz(config.depth_code)) return 0;
+  const auto h = [&](std::size_t i) { return depth_code(config, scene, 1 / t.v[i].s); };
+  const auto [along_x, along_y] = ScreenPlane(t).gradient(h(0), h(1), h(2));
+  const long double d = std::abs(along_x) + std::abs(along_y);
+  int log2 = 0;
+  while (log2 < largest_dz && std::ldexp(1.0L, log2) < d) ++log2;
+  return log2;
+}
+
+// float_dz: z as a number of 3 bits of exponent, without the mantissa's rounding.
+double floating_z(const Config& config, double z) {
+  const double whole = std::ldexp(1.0, config.depth_bits);
+  const double mantissas = std::ldexp(1.0, config.depth_bits - dz_bits - float_dz_exponent_bits);
+  double exponent = 0;
+  double start = 0;
+  double length = whole / 2;
+  while (exponent < (1 << float_dz_exponent_bits) - 1 && z >= start + length) {
+    start += length;
+    ++exponent;
+    if (exponent < (1 << float_dz_exponent_bits) - 1) length /= 2;
+  }
+  return mantissas * (exponent + (z - start) / length);
+}
+
+// The word of float_dz as the dump has it: z to the nearest code.
+double rounded_word(const Config& config, double z, int dz) {
+  const double largest = std::ldexp(1.0, config.depth_bits - dz_bits) - 1;
+  const double code = std::clamp(std::floor(floating_z(config, z) + 0.5), 0.0, largest);
+  return std::ldexp(code, dz_bits) + dz;
 }
 
 // The depth comparison. h falls with distance, whatever the depth code is.
@@ -224,28 +322,21 @@ bool passes(DepthFunc func, double h, double stored_h) {
   return h > stored_h ? passing.nearer : passing.farther;
 }
 
-// The largest derivative of u and v along x and y, texels per pixel.
-double largest_derivative(const IdealTriangle& t, const IdealPoint& point) {
+// The largest derivative of u and v along x and y, texels per pixel; or the largest difference to the pixels
+// right and below.
+double largest_derivative(const IdealTriangle& t, const IdealPoint& point, bool to_neighbours) {
   const auto& v = t.v;
-  const long double pixel = std::ldexp(1.0L, t.subpixel_bits);
-  const std::array<long double, 2> x{static_cast<long double>(v[1].x - v[0].x) / pixel,
-                                     static_cast<long double>(v[2].x - v[0].x) / pixel};
-  const std::array<long double, 2> y{static_cast<long double>(v[1].y - v[0].y) / pixel,
-                                     static_cast<long double>(v[2].y - v[0].y) / pixel};
-  const long double area = x[0] * y[1] - x[1] * y[0];
-  // What is linear on the screen: along x, and along y.
-  const auto gradient = [&](long double w0, long double w1, long double w2) {
-    return std::array{((w1 - w0) * y[1] - (w2 - w0) * y[0]) / area,
-                      ((w2 - w0) * x[0] - (w1 - w0) * x[1]) / area};
-  };
-  const auto q = gradient(1 / v[0].s, 1 / v[1].s, 1 / v[2].s);
+  const ScreenPlane plane(t);
+  const auto q = plane.gradient(1 / v[0].s, 1 / v[1].s, 1 / v[2].s);
   long double most = 0;
   for (const bool down : {false, true}) {
     const auto over_s = [down](const Corner& c) { return (down ? c.v : c.u) / c.s; };
-    const auto g = gradient(over_s(v[0]), over_s(v[1]), over_s(v[2]));
+    const auto g = plane.gradient(over_s(v[0]), over_s(v[1]), over_s(v[2]));
     for (std::size_t axis = 0; axis < 2; ++axis) {
       const long double w = down ? point.v : point.u;
-      most = std::max(most, std::abs((g[axis] - w * q[axis]) * point.s));
+      // Beyond the horizon a neighbour has no distance.
+      const long double next = 1 / static_cast<long double>(point.s) + (to_neighbours ? q[axis] : 0);
+      most = std::max(most, std::abs((g[axis] - w * q[axis]) / std::max(next, 0x1p-60L)));
     }
   }
   return static_cast<double>(most);
@@ -271,19 +362,23 @@ double level_of_detail(const Config& config, const Scene& scene, const IdealTria
     case LodMode::zone_s:
       level += level_of_zone(config, scene, point.s, levels);
       break;
+    case LodMode::zone_d:
+      level += level_of_zone(config, scene, true_distance(scene, point), levels);
+      break;
     case LodMode::gradient:
-      level += std::log2(std::max(largest_derivative(t, point), 0x1p-60));
+    case LodMode::finite:
+      level += std::log2(std::max(largest_derivative(t, point, has_neighbours(config.lod)), 0x1p-60));
       break;
   }
   return level;
 }
 
 // From the levels of a chain; gives false where the transparent code kills the fragment.
-bool sample_levels(const Config& config, const std::vector<Texture>& levels, double level, double u, double v,
-                   Texel& out) {
+bool sample_levels(const Config& config, const DrawState* state, const std::vector<Texture>& levels,
+                   double level, double u, double v, Texel& out) {
   const auto sample = [&](double whole, Texel& to) {
     const int l = static_cast<int>(whole);
-    return Sampler(config, levels[static_cast<std::size_t>(l)])
+    return Sampler(config, state, levels[static_cast<std::size_t>(l)])
         .sample(std::ldexp(u, -l), std::ldexp(v, -l), to);
   };
   if (!mixes_levels(config.mip)) return sample(std::floor(level + 0.5), out);
@@ -297,39 +392,62 @@ bool sample_levels(const Config& config, const std::vector<Texture>& levels, dou
   return lives;
 }
 
-// The chain of the texture that was asked for last, for functions that have no place to keep it.
-const std::vector<Texture>& remembered_levels(const Texture& texture) {
-  thread_local std::vector<Texture> levels;
-  if (levels.empty() || levels[0].width != texture.width || levels[0].rgba != texture.rgba) {
-    levels = golden::mip_levels(texture);
-  }
-  return levels;
+// From texture `index` of the scene, or from its chain, in which lambda is held; levels: null where they are
+// not at hand. Gives false where the transparent code kills the fragment.
+bool sample_texture(const Config& config, const DrawState* state, const Scene& scene, std::size_t index,
+                    const golden::SceneLevels* levels, double lambda, const IdealPoint& point, Texel& out) {
+  const Texture& texture = scene.textures.at(index);
+  if (!has_lod(config)) return Sampler(config, state, texture).sample(point.u, point.v, out);
+  const std::vector<Texture> own = levels == nullptr ? golden::mip_levels(texture) : std::vector<Texture>();
+  const std::vector<Texture>& chain = levels == nullptr ? own : levels->at(index);
+  const double last = static_cast<double>(chain.size()) - 1;
+  return sample_levels(config, state, chain, std::clamp(lambda, 0.0, last), point.u, point.v, out);
 }
 
-// levels: the chain of the triangle's texture, null where it is not at hand.
-IdealFragment shade(const Config& config, const Scene& scene, const IdealTriangle& t, const IdealPoint& point,
-                    const std::vector<Texture>* levels) {
+// The second texture unit.
+void combine(const Config& config, const DrawState& state, const Scene& scene,
+             const golden::SceneLevels* levels, IdealFragment& out) {
+  Texel texel{};
+  sample_texture(config, nullptr, scene, static_cast<std::size_t>(state.texture1), levels, out.lambda,
+                 out.point, texel);
+  const std::array<int, 3> constants{state.texture1_red, state.texture1_green, state.texture1_blue};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto sum = golden::combined_color<double>(state.texture1_op, out.color[c], texel[c], texel[c] / 255,
+                                                    texel[3], constants[c], 1 << state.texture1_scale);
+    out.color[c] = sum.a * sum.by_a + sum.b * sum.by_b;
+    if (sum.saturates) out.color[c] = std::min(out.color[c], 255.0);
+  }
+  if (golden::takes_texel_alpha(state.texture1_op)) {
+    out.alpha = texel[3];
+  } else if (!golden::keeps_first_alpha(state.texture1_op)) {
+    out.alpha *= texel[3];
+  }
+}
+
+// levels: null where they are not at hand.
+IdealFragment shade(const Config& config, const DrawState& state, const Scene& scene, const IdealTriangle& t,
+                    const IdealPoint& point, const golden::SceneLevels* levels) {
   IdealFragment out;
   out.point = point;
   out.z = configured_code(config, scene, point.h, point.s);
+  out.dz = log2_of_dz(config, scene, t);
   out.texel = {255, 255, 255, 1};
   if (t.texture >= 0) {
-    const Texture& texture = scene.textures.at(static_cast<std::size_t>(t.texture));
-    if (has_lod(config)) {
-      const std::vector<Texture>& chain = levels == nullptr ? remembered_levels(texture) : *levels;
-      out.lambda = level_of_detail(config, scene, t, point, static_cast<int>(chain.size()));
-      const double last = static_cast<double>(chain.size()) - 1;
-      out.killed =
-          !sample_levels(config, chain, std::clamp(out.lambda, 0.0, last), point.u, point.v, out.texel);
-    } else {
-      out.killed = !Sampler(config, texture).sample(point.u, point.v, out.texel);
-    }
+    const auto index = static_cast<std::size_t>(t.texture);
+    const Texture& texture = scene.textures.at(index);
+    const auto side = static_cast<unsigned>(std::max(texture.width, texture.height));
+    if (has_lod(config))
+      out.lambda = level_of_detail(config, scene, t, point, static_cast<int>(std::bit_width(side)));
+    out.killed = !sample_texture(config, &state, scene, index, levels, out.lambda, point, out.texel);
+  } else if (has_lod(config) && has_second_texture(state)) {
+    out.lambda = level_of_detail(config, scene, t, point, 1);
   }
   out.alpha = out.texel[3] * point.shade[3];
+  for (std::size_t c = 0; c < 3; ++c) out.color[c] = out.texel[c] * point.shade[c];
+  if (has_second_texture(state)) combine(config, state, scene, levels, out);
   out.killed = out.killed || out.alpha == 0;
   out.fog_factor = fog_factor(config, scene, point);
   for (std::size_t c = 0; c < 3; ++c) {
-    out.color[c] = out.texel[c] * point.shade[c];
     const double fog = scene.fog ? scene.fog->color[c] : 0;
     out.fogged[c] = fog + (out.color[c] - fog) * out.fog_factor;
     if (out.fog_factor == 1) out.fogged[c] = out.color[c];
@@ -341,64 +459,6 @@ std::uint8_t nearest_code(double x) {
   return static_cast<std::uint8_t>(std::clamp(std::floor(x + 0.5), 0.0, 255.0));
 }
 
-// The factor of a channel, all in 0..1: src and dst of the channel, a and dst_a of the alphas, k and ka of
-// the constant colour.
-struct IdealShares {
-  double src = 0, dst = 0, a = 0, dst_a = 0, k = 0, ka = 0;
-
-  double of(BlendFactor factor, bool is_alpha) const {
-    switch (factor) {
-      case BlendFactor::zero:
-        return 0;
-      case BlendFactor::one:
-        return 1;
-      case BlendFactor::src_color:
-        return src;
-      case BlendFactor::one_minus_src_color:
-        return 1 - src;
-      case BlendFactor::dst_color:
-        return dst;
-      case BlendFactor::one_minus_dst_color:
-        return 1 - dst;
-      case BlendFactor::src_alpha:
-        return a;
-      case BlendFactor::one_minus_src_alpha:
-        return 1 - a;
-      case BlendFactor::dst_alpha:
-        return dst_a;
-      case BlendFactor::one_minus_dst_alpha:
-        return 1 - dst_a;
-      case BlendFactor::constant_color:
-        return k;
-      case BlendFactor::one_minus_constant_color:
-        return 1 - k;
-      case BlendFactor::constant_alpha:
-        return ka;
-      case BlendFactor::one_minus_constant_alpha:
-        return 1 - ka;
-      case BlendFactor::src_alpha_saturate:
-        return is_alpha ? 1 : std::min(a, 1 - dst_a);
-    }
-    unreachable();
-  }
-};
-
-double ideal_blend(BlendOp op, double src, double dst, double by_src, double by_dst) {
-  switch (op) {
-    case BlendOp::add:
-      return src * by_src + dst * by_dst;
-    case BlendOp::subtract:
-      return src * by_src - dst * by_dst;
-    case BlendOp::reverse_subtract:
-      return dst * by_dst - src * by_src;
-    case BlendOp::min:
-      return std::min(src, dst);
-    case BlendOp::max:
-      return std::max(src, dst);
-  }
-  unreachable();
-}
-
 class IdealEngine final : public Engine {
  public:
   explicit IdealEngine(const Config& config) : config_(config) {}
@@ -408,16 +468,13 @@ class IdealEngine final : public Engine {
 
   void begin(const Scene& scene) override {
     scene_ = &scene;
-    levels_.clear();
-    if (has_lod(config_)) {
-      check_mip_textures(config_, scene);
-      for (const Texture& texture : scene.textures) levels_.push_back(golden::mip_levels(texture));
-    }
+    levels_ = golden::scene_levels(config_, scene);
     counters_ = {};
     const auto pixels = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height);
     clear_frame(frame_, scene.width, scene.height, scene.background, 0);
     h_.assign(pixels, 0);
     z_.assign(pixels, configured_code(config_, scene, 0, scene.s_max));
+    dz_.assign(has_dz(config_.depth_code) ? pixels : 0, 0);
     color_.assign(pixels,
                   {double(scene.background[0]), double(scene.background[1]), double(scene.background[2])});
     alpha_.assign(pixels, 255);
@@ -427,7 +484,7 @@ class IdealEngine final : public Engine {
   }
 
   void set(const StateChange& change, std::int64_t /*next_index*/, Trace* /*trace*/) override {
-    state_ = changed_state(state_, change, config_);
+    state_ = changed_state(state_, change, config_, scene_->textures.size());
     biased_ = biased_ || state_.depth_bias != 0;
     if (state_.stencil_test) need_stencil(frame_);
   }
@@ -435,10 +492,11 @@ class IdealEngine final : public Engine {
     clear_planes(frame_, clear, 0);
     for (std::size_t i = 0; i < color_.size(); ++i) {
       for (std::size_t c = 0; clear.color && c < 3; ++c) color_[i][c] = (*clear.color)[c];
-      if (clear.alpha) alpha_[i] = *clear.alpha;
+      if (clear.alpha) alpha_[i] = has_alpha() ? *clear.alpha : 255;
       if (clear.depth) h_[i] = 0;
       if (clear.depth) z_[i] = configured_code(config_, *scene_, 0, scene_->s_max);
     }
+    if (clear.depth) std::ranges::fill(dz_, 0);
     stale_ = true;
   }
 
@@ -448,6 +506,7 @@ class IdealEngine final : public Engine {
       ++counters_.triangles;
       if (const auto t = ideal_triangle(config_, triangle)) {
         back_ = state_.stencil_test && golden::runs_clockwise(config_, triangle);
+        triangle_dz_ = log2_of_dz(config_, *scene_, *t);
         draw_one(*t, index);
       } else {
         ++counters_.degenerate;
@@ -466,7 +525,9 @@ class IdealEngine final : public Engine {
     for (std::size_t i = 0; i < color_.size(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) frame_.color[4 * i + c] = nearest_code(color_[i][c]);
       frame_.color[4 * i + 3] = nearest_code(alpha_[i]);
-      frame_.depth[i] = static_cast<std::uint32_t>(std::clamp(std::floor(z_[i] + 0.5), 0.0, z_max));
+      const double code = dz_.empty() ? std::clamp(std::floor(z_[i] + 0.5), 0.0, z_max)
+                                      : rounded_word(config_, z_[i], dz_[i]);
+      frame_.depth[i] = static_cast<std::uint32_t>(code);
     }
     stale_ = false;
     return frame_;
@@ -501,7 +562,7 @@ class IdealEngine final : public Engine {
   void pixel(const IdealTriangle& t, std::int64_t index, const Areas& areas, std::int64_t x, std::int64_t y) {
     ++counters_.fragments;
     ++counters_.covered;
-    if (is_masked(x, y)) {
+    if (golden::is_masked(state_, x, y)) {
       ++counters_.masked;
       return;
     }
@@ -509,11 +570,9 @@ class IdealEngine final : public Engine {
     const IdealPoint point = point_at_centre(config_, *scene_, t, areas, x, y);
     const bool late = is_late(state_.depth_when);
     if (!late && !depth_passes(point, i, x, y)) return;
-    const std::vector<Texture>* levels =
-        t.texture < 0 || levels_.empty() ? nullptr : &levels_[static_cast<std::size_t>(t.texture)];
-    const IdealFragment fragment = shade(config_, *scene_, t, point, levels);
+    const IdealFragment fragment = shade(config_, state_, *scene_, t, point, &levels_);
     if (fragment.killed ||
-        !golden::holds<double>(state_.alpha_func, 255 * fragment.alpha, state_.alpha_ref)) {
+        !golden::holds<double>(state_.alpha_func, nearest_code(255 * fragment.alpha), state_.alpha_ref)) {
       ++counters_.killed;
       return;
     }
@@ -523,6 +582,7 @@ class IdealEngine final : public Engine {
       // No distance is beyond s_max, the cleared buffer's, but h of one at s_max may round below 0.
       h_[i] = std::max(point.h, 0.0);
       z_[i] = code_of(point);
+      if (!dz_.empty()) dz_[i] = triangle_dz_;
     }
     if (!state_.color_write) return;
     blend(fragment, i);
@@ -531,20 +591,18 @@ class IdealEngine final : public Engine {
     frame_.triangle[i] = static_cast<std::int32_t>(index);
   }
 
-  bool is_masked(std::int64_t x, std::int64_t y) const {
-    const bool inside = x >= state_.scissor_left && x < state_.scissor_right && y >= state_.scissor_top &&
-                        y < state_.scissor_bottom;
-    return !inside || (state_.stipple >> (y % 4 * 8 + x % 8)) % 2 == 0;
-  }
   // The unquantised code with the bias, within the register.
   double code_of(const IdealPoint& point) const {
-    const double z = configured_code(config_, *scene_, point.h, point.s);
-    if (state_.depth_bias == 0) return z;
-    return std::clamp(z + state_.depth_bias, 0.0, static_cast<double>(h_max(config_)));
+    return biased(config_, configured_code(config_, *scene_, point.h, point.s), state_.depth_bias);
   }
   bool depth_passes(const IdealPoint& point, std::size_t i, std::int64_t x, std::int64_t y) {
     bool pass = false;
-    if (biased_) {
+    if (!dz_.empty()) {
+      const double z = code_of(point);
+      const double tolerance = std::ldexp(1.0, std::max(triangle_dz_, dz_[i]));
+      const bool as_far = takes_tolerance(state_.depth_func) && std::abs(z - z_[i]) <= tolerance;
+      pass = passes(state_.depth_func, as_far ? -z_[i] : -z, -z_[i]);
+    } else if (biased_) {
       const double sign = nearer_is_larger(config_.depth_code) ? 1 : -1;
       pass = passes(state_.depth_func, sign * code_of(point), sign * z_[i]);
     } else {
@@ -560,6 +618,7 @@ class IdealEngine final : public Engine {
     if (pass) ++counters_.depth_passed;
     return pass;
   }
+  bool has_alpha() const { return target_bits(state_.target_format)[3] > 0; }
   void blend(const IdealFragment& fragment, std::size_t i) {
     const double a = std::min(fragment.alpha, 1.0);
     const std::array<int, 3> constant{state_.blend_red, state_.blend_green, state_.blend_blue};
@@ -573,7 +632,8 @@ class IdealEngine final : public Engine {
         dst = golden::logic(state_.logic_op, code(src), code(dst));
         continue;
       }
-      const IdealShares shares{std::clamp(src / 255, 0.0, 1.0), dst / 255, a, dst_a, constant[c] / 255.0, ka};
+      const golden::BlendShares<double> shares{
+          a, std::clamp(src / 255, 0.0, 1.0), dst / 255, dst_a, constant[c] / 255.0, ka};
       const double by_src = shares.of(state_.blend_src, false);
       const double by_dst = shares.of(state_.blend_dst, false);
       // As a mix where it is one, so that an opaque fragment's colour is its own.
@@ -581,24 +641,30 @@ class IdealEngine final : public Engine {
       if (mix) {
         dst = by_src == 1 ? src : dst + (src - dst) * by_src;
       } else {
-        dst = std::clamp(ideal_blend(state_.blend_op, src, dst, by_src, by_dst), 0.0, 255.0);
+        dst = std::clamp(golden::combine(state_.blend_op, src, dst, by_src, by_dst), 0.0, 255.0);
       }
+    }
+    if (!has_alpha()) {
+      alpha_[i] = 255;
+      return;
     }
     if (state_.logic_op != LogicOp::none) {
       alpha_[i] = golden::logic(state_.logic_op, code(255 * a), code(alpha_[i]));
       return;
     }
-    const IdealShares shares{a, dst_a, a, dst_a, ka, ka};
+    const golden::BlendShares<double> shares{a, a, dst_a, dst_a, ka, ka};
     alpha_[i] = std::clamp(
-        ideal_blend(state_.blend_alpha_op, 255 * a, alpha_[i], shares.of(state_.blend_alpha_src, true),
-                    shares.of(state_.blend_alpha_dst, true)),
+        golden::combine(state_.blend_alpha_op, 255 * a, alpha_[i], shares.of(state_.blend_alpha_src, true),
+                        shares.of(state_.blend_alpha_dst, true)),
         0.0, 255.0);
   }
 
   Config config_;
   const Scene* scene_ = nullptr;
-  std::vector<std::vector<Texture>> levels_;  // with mip chains: of each texture
+  golden::SceneLevels levels_;
   std::vector<double> h_, z_;
+  std::vector<int> dz_;  // beside z_, float_dz alone
+  int triangle_dz_ = 0;  // of the triangle under way
   std::vector<std::array<double, 3>> color_;
   std::vector<double> alpha_;  // of the picture, 0..255
   DrawState state_;
@@ -690,9 +756,15 @@ IdealPoint ideal_at_vertex(const Config& config, const Scene& scene, const Ideal
 }
 
 IdealFragment ideal_at(const Config& config, const Scene& scene, const IdealTriangle& triangle,
-                       std::int64_t x, std::int64_t y) {
+                       std::int64_t x, std::int64_t y, const golden::SceneLevels* levels) {
   const Areas areas = areas_at(triangle, centre_of(triangle, x, y));
-  return shade(config, scene, triangle, point_at_centre(config, scene, triangle, areas, x, y), nullptr);
+  return shade(config, first_state(config), scene, triangle,
+               point_at_centre(config, scene, triangle, areas, x, y), levels);
+}
+
+double ideal_stored_code(const Config& config, const IdealFragment& fragment, std::int64_t bias) {
+  const double z = biased(config, fragment.z, bias);
+  return has_dz(config.depth_code) ? std::ldexp(floating_z(config, z), dz_bits) + fragment.dz : z;
 }
 
 std::unique_ptr<Engine> make_ideal(const Config& config) { return std::make_unique<IdealEngine>(config); }

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "config/config.hpp"
 #include "engine/engine.hpp"
@@ -61,7 +62,8 @@ IdealPoint ideal_at_vertex(const Config& config, const Scene& scene, const Ideal
 // The fragment of pixel (x, y), through texture and fog.
 struct IdealFragment {
   IdealPoint point;                // at the pixel's centre
-  double z = 0;                    // the configured depth code
+  double z = 0;                    // the configured depth code, in front of bias and packing
+  int dz = 0;                      // float_dz: log2 of dz, as the word holds it
   double lambda = 0;               // level of detail, where textures have mip chains
   std::array<double, 4> texel{};   // V: colour codes 0..255, and alpha 0..1
   std::array<double, 3> color{};   // V times shade, colour codes
@@ -71,9 +73,14 @@ struct IdealFragment {
   bool killed = false;             // by the transparent code or alpha 0
 };
 
-// Returns the values of the triangle's plane at pixel (x, y), whether the triangle covers it or not.
+// Returns the values of the triangle's plane at pixel (x, y), whether the triangle covers it or not. levels:
+// the scene's golden::scene_levels; null: the chain is formed for this call alone.
 IdealFragment ideal_at(const Config& config, const Scene& scene, const IdealTriangle& triangle,
-                       std::int64_t x, std::int64_t y);
+                       std::int64_t x, std::int64_t y,
+                       const std::vector<std::vector<Texture>>* levels = nullptr);
+
+// Returns the unquantised depth code as it is stored: with the bias, and packed where the code is.
+double ideal_stored_code(const Config& config, const IdealFragment& fragment, std::int64_t bias);
 
 // Makes an engine that draws with the functions above. It has no registers, so it appends nothing to a trace.
 // It fills these counters: triangles, degenerate, fragments, covered, depth_passed, killed and written.

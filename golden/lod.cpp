@@ -5,6 +5,8 @@
 #include <array>
 
 #include "config/modes.hpp"
+#include "golden/gradient.hpp"
+#include "golden/log2.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
@@ -24,42 +26,27 @@ class GradientForming {
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)) {}
 
   GradientRecord operator()(const SetupRecord& triangle) const {
-    std::array<VertexValues<Real>, 3> p;
-    std::array<Real, 3> h, gu, gv;
-    for (std::size_t i = 0; i < 3; ++i) {
-      p[i] = vertex_.load(triangle, static_cast<int>(i));
-      h[i] = p[i].h;
-      gu[i] = q_g_.product(p[i].u, h[i] + b_);
-      gv[i] = q_g_.product(p[i].v, h[i] + b_);
-    }
-    const Real area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
-    // The plane through the three values rises by this over the area, along x and along y.
-    const auto along_x = [&](const std::array<Real, 3>& w, const Quantizer<Real>& q) {
-      return q.raw(q.quotient(ExactSum(exact_product(w[1] - w[0], p[2].y - p[0].y))
-                                  .add(exact_product(w[2] - w[0], p[0].y - p[1].y))
-                                  .get(),
-                              PairOf<Real>{base_of(area), 0}));
-    };
-    const auto along_y = [&](const std::array<Real, 3>& w, const Quantizer<Real>& q) {
-      return q.raw(q.quotient(ExactSum(exact_product(w[2] - w[0], p[1].x - p[0].x))
-                                  .add(exact_product(w[1] - w[0], p[0].x - p[2].x))
-                                  .get(),
-                              PairOf<Real>{base_of(area), 0}));
-    };
+    std::array<VertexValues<Real>, 3> v;
+    for (std::size_t i = 0; i < v.size(); ++i) v[i] = vertex_.load(triangle, static_cast<int>(i));
+    const PlaneShape<Real> shape(v);
+    const Numerators<Real> g(v, b_, q_g_);
+    const Gradient<Real> h = shape.gradient({v[0].h, v[1].h, v[2].h}, q_h_grad_);
+    const Gradient<Real> gu = shape.gradient(g.gu, q_g_grad_);
+    const Gradient<Real> gv = shape.gradient(g.gv, q_g_grad_);
     GradientRecord out;
     out.triangle = triangle.triangle;
-    out.gu0 = q_g_.raw(gu[0]);
-    out.gv0 = q_g_.raw(gv[0]);
-    out.gu1 = q_g_.raw(gu[1]);
-    out.gv1 = q_g_.raw(gv[1]);
-    out.gu2 = q_g_.raw(gu[2]);
-    out.gv2 = q_g_.raw(gv[2]);
-    out.h_x = along_x(h, q_h_grad_);
-    out.h_y = along_y(h, q_h_grad_);
-    out.gu_x = along_x(gu, q_g_grad_);
-    out.gu_y = along_y(gu, q_g_grad_);
-    out.gv_x = along_x(gv, q_g_grad_);
-    out.gv_y = along_y(gv, q_g_grad_);
+    out.gu0 = q_g_.raw(g.gu[0]);
+    out.gv0 = q_g_.raw(g.gv[0]);
+    out.gu1 = q_g_.raw(g.gu[1]);
+    out.gv1 = q_g_.raw(g.gv[1]);
+    out.gu2 = q_g_.raw(g.gu[2]);
+    out.gv2 = q_g_.raw(g.gv[2]);
+    out.h_x = q_h_grad_.raw(h.x);
+    out.h_y = q_h_grad_.raw(h.y);
+    out.gu_x = q_g_grad_.raw(gu.x);
+    out.gu_y = q_g_grad_.raw(gu.y);
+    out.gv_x = q_g_grad_.raw(gv.x);
+    out.gv_y = q_g_grad_.raw(gv.y);
     return out;
   }
 
@@ -80,12 +67,15 @@ class Leveling {
         q_h_grad_(config.format(FormatId::plane_h_grad)),
         q_g_grad_(config.format(FormatId::plane_g_grad)),
         q_s_(config.format(FormatId::distance_s)),
+        q_d_(config.format(FormatId::distance_d)),
         q_slope_(config.format(FormatId::lod_slope)),
         q_lambda_(config.format(FormatId::lod_lambda)),
         q_frac_(config.format(FormatId::lod_frac)),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         bias_(Real(config.lod_bias) * pow2<Real>(-4)),
-        unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)) {
+        unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)),
+        neighbour_unit_(config.pixel_reciprocal, std::max(depth_sum_fraction(config, FormatId::span_h),
+                                                          config.format(FormatId::plane_h_grad).fraction())) {
     if (!has_lod_zones(config)) return;
     const Real s_max = Quantizer<Real>(config.format(FormatId::setup_s)).value(constants.record.s_max);
     a_ = Quantizer<Real>(config.format(FormatId::distance_a)).product(b_, s_max);
@@ -99,13 +89,14 @@ class Leveling {
   }
 
   void operator()(std::span<const FragmentRecord* const> fragments, const GradientRecord& gradient,
-                  int levels, std::vector<LodRecord>& out) const {
-    for (const FragmentRecord* fragment : fragments) {
+                  std::span<const DistanceRecord> distances, int levels, std::vector<LodRecord>& out) const {
+    for (std::size_t i = 0; i < fragments.size(); ++i) {
+      const FragmentRecord* fragment = fragments[i];
       LodRecord& record = out.emplace_back();
       record.triangle = fragment->triangle;
       record.x = fragment->x;
       record.y = fragment->y;
-      const Real x = level(*fragment, gradient, levels, record);
+      const Real x = level(*fragment, gradient, distances.empty() ? nullptr : &distances[i], levels, record);
       const Real lambda = q_lambda_.sum(x, bias_);
       record.lambda = q_lambda_.raw(lambda);
       const Real held = std::clamp(lambda, Real(0), Real(levels - 1));
@@ -120,24 +111,40 @@ class Leveling {
   }
 
  private:
-  Real level(const FragmentRecord& fragment, const GradientRecord& gradient, int levels,
-             LodRecord& out) const {
+  Real level(const FragmentRecord& fragment, const GradientRecord& gradient, const DistanceRecord* distance,
+             int levels, LodRecord& out) const {
     switch (mode_) {
       case LodMode::none:
         return Real(0);
       case LodMode::zone_s: {
         const Real s = q_s_.product(invert(fragment, out).times(a_));
         out.s = q_s_.raw(s);
-        int zone = levels - 1;
-        while (zone > 0 && s < start_[static_cast<std::size_t>(zone)]) --zone;
-        if (zone == levels - 1) return Real(zone);
-        const auto z = static_cast<std::size_t>(zone);
-        return Real(zone) + q_frac_.product(s - start_[z], k_[z]);
+        return level_by_zone(s, levels);
       }
-      case LodMode::gradient:
-        return level_by_gradient(fragment, gradient, out);
+      case LodMode::zone_d:
+        return level_by_zone(q_d_.value(distance->d), levels);
+      case LodMode::gradient: {
+        const Inverse<Real> inverse = invert(fragment, out);
+        return level_by_gradient(fragment, gradient, inverse, inverse, out);
+      }
+      case LodMode::finite: {
+        const Real q = q_h_.value(fragment.h) + b_;
+        const Inverse<Real> right = neighbour_unit_(q + q_h_grad_.value(gradient.h_x));
+        const Inverse<Real> below = neighbour_unit_(q + q_h_grad_.value(gradient.h_y));
+        out.recip_m = neighbour_unit_.raw(right.m);
+        out.recip_e = right.e;
+        return level_by_gradient(fragment, gradient, right, below, out);
+      }
     }
     unreachable();
+  }
+
+  Real level_by_zone(Real distance, int levels) const {
+    int zone = levels - 1;
+    while (zone > 0 && distance < start_[static_cast<std::size_t>(zone)]) --zone;
+    if (zone == levels - 1) return Real(zone);
+    const auto z = static_cast<std::size_t>(zone);
+    return Real(zone) + q_frac_.product(distance - start_[z], k_[z]);
   }
 
   Inverse<Real> invert(const FragmentRecord& fragment, LodRecord& out) const {
@@ -148,30 +155,29 @@ class Leveling {
   }
 
   Real level_by_gradient(const FragmentRecord& fragment, const GradientRecord& gradient,
-                         LodRecord& out) const {
-    const Inverse<Real> inverse = invert(fragment, out);
-    const auto derivative = [&](std::int64_t g, std::int64_t h, std::int64_t w) {
+                         const Inverse<Real>& along_x, const Inverse<Real>& along_y, LodRecord& out) const {
+    const auto derivative = [&](std::int64_t g, std::int64_t h, std::int64_t w,
+                                const Inverse<Real>& inverse) {
       return q_slope_.product(inverse.times(q_g_grad_.value(g) - q_uv_.value(w) * q_h_grad_.value(h)));
     };
-    const std::array<Real, 4> t{derivative(gradient.gu_x, gradient.h_x, fragment.u),
-                                derivative(gradient.gu_y, gradient.h_y, fragment.u),
-                                derivative(gradient.gv_x, gradient.h_x, fragment.v),
-                                derivative(gradient.gv_y, gradient.h_y, fragment.v)};
+    const std::array<Real, 4> t{derivative(gradient.gu_x, gradient.h_x, fragment.u, along_x),
+                                derivative(gradient.gu_y, gradient.h_y, fragment.u, along_y),
+                                derivative(gradient.gv_x, gradient.h_x, fragment.v, along_x),
+                                derivative(gradient.gv_y, gradient.h_y, fragment.v, along_y)};
     out.u_x = q_slope_.raw(t[0]);
     out.u_y = q_slope_.raw(t[1]);
     out.v_x = q_slope_.raw(t[2]);
     out.v_y = q_slope_.raw(t[3]);
     Real rho = q_slope_.ulp();
     for (const Real each : t) rho = std::max(rho, each < 0 ? -each : each);
-    const int e = exponent_of(rho);
-    return Real(e - 1) + rho * pow2<Real>(-e);
+    return linear_log2(rho);
   }
 
   MipMode mip_;
   LodMode mode_;
-  Quantizer<Real> q_h_, q_uv_, q_h_grad_, q_g_grad_, q_s_, q_slope_, q_lambda_, q_frac_;
+  Quantizer<Real> q_h_, q_uv_, q_h_grad_, q_g_grad_, q_s_, q_d_, q_slope_, q_lambda_, q_frac_;
   Real b_, bias_;
-  ReciprocalUnit<Real> unit_;
+  ReciprocalUnit<Real> unit_, neighbour_unit_;
   Real a_ = 0;
   std::array<Real, max_mip_level + 1> start_{}, k_{};
 };

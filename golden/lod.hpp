@@ -15,10 +15,11 @@ namespace bitspan::golden {
 using GradientStage = std::function<GradientRecord(const SetupRecord&)>;
 GradientStage make_gradients(Arithmetic arithmetic, const Config& config, const Constants& constants);
 
-// Takes fragments of one triangle, its gradients (which only mode gradient reads), and how many levels its
-// texture has; appends a record for each.
-using LodStage = std::function<void(std::span<const FragmentRecord* const>, const GradientRecord&, int levels,
-                                    std::vector<LodRecord>& out)>;
+// Takes fragments of one triangle, its gradients (which only modes gradient and finite read), the fragments'
+// distances (zone_d alone), and how many levels its texture has; appends a record for each.
+using LodStage =
+    std::function<void(std::span<const FragmentRecord* const>, const GradientRecord&,
+                       std::span<const DistanceRecord>, int levels, std::vector<LodRecord>& out)>;
 LodStage make_lod(Arithmetic arithmetic, const Config& config, const Constants& constants);
 
 }  // namespace bitspan::golden

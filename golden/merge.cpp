@@ -3,7 +3,9 @@
 
 #include <algorithm>
 
+#include "golden/blend.hpp"
 #include "golden/lanes.hpp"
+#include "golden/target.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
 
@@ -31,11 +33,11 @@ class Blending {
         result[c] = logic(state.logic_op, static_cast<unsigned>(q_.raw(q_(src))), stored[c]);
         continue;
       }
-      Quad code = floor_of(src);
+      Quad code = floor_of(src + Quad(0.5));
       if (code < 0) code = 0;
       if (code > 255) code = 255;
-      const Shares shares{alpha(texture),   share(code),        share(stored[c]),
-                          share(stored[3]), share(constant[c]), share(state.blend_alpha)};
+      const BlendShares<Quad> shares{alpha(texture),   share(code),        share(stored[c]),
+                                     share(stored[3]), share(constant[c]), share(state.blend_alpha)};
       const Quad dst = stored[c];
       result[c] = q_.raw(q_(combine(state.blend_op, src, dst, shares.of(state.blend_src, false),
                                     shares.of(state.blend_dst, false))));
@@ -49,75 +51,18 @@ class Blending {
     const Quad a = alpha(texture);
     const Quad src = floor_of(255 * a + Quad(0.5));
     if (state.logic_op != LogicOp::none) return logic(state.logic_op, static_cast<unsigned>(src), stored);
-    const Shares shares{
+    const BlendShares<Quad> shares{
         a, a, share(stored), share(stored), share(state.blend_alpha), share(state.blend_alpha)};
-    return q_.raw(q_(combine(state.blend_alpha_op, src, stored, shares.of(state.blend_alpha_src, true),
-                             shares.of(state.blend_alpha_dst, true))));
+    return q_.raw(q_(combine<Quad>(state.blend_alpha_op, src, stored, shares.of(state.blend_alpha_src, true),
+                                   shares.of(state.blend_alpha_dst, true))));
   }
 
  private:
-  // The factors' values.
-  struct Shares {
-    Quad a, src_color, dst_color, dst_alpha, constant_color, constant_alpha;
-
-    Quad of(BlendFactor factor, bool is_alpha) const {
-      switch (factor) {
-        case BlendFactor::zero:
-          return 0;
-        case BlendFactor::one:
-          return 1;
-        case BlendFactor::src_color:
-          return src_color;
-        case BlendFactor::one_minus_src_color:
-          return 1 - src_color;
-        case BlendFactor::dst_color:
-          return dst_color;
-        case BlendFactor::one_minus_dst_color:
-          return 1 - dst_color;
-        case BlendFactor::src_alpha:
-          return a;
-        case BlendFactor::one_minus_src_alpha:
-          return 1 - a;
-        case BlendFactor::dst_alpha:
-          return dst_alpha;
-        case BlendFactor::one_minus_dst_alpha:
-          return 1 - dst_alpha;
-        case BlendFactor::constant_color:
-          return constant_color;
-        case BlendFactor::one_minus_constant_color:
-          return 1 - constant_color;
-        case BlendFactor::constant_alpha:
-          return constant_alpha;
-        case BlendFactor::one_minus_constant_alpha:
-          return 1 - constant_alpha;
-        case BlendFactor::src_alpha_saturate:
-          if (is_alpha) return 1;
-          return a < 1 - dst_alpha ? a : 1 - dst_alpha;
-      }
-      return 0;
-    }
-  };
-
   // c(n)
   static Quad share(Quad n) { return (n + floor_of(n / 128)) / 256; }
   Quad alpha(const TextureRecord& texture) const {
     const Quad a = alpha_.value(texture.a);
     return a > 1 ? Quad(1) : a;
-  }
-  static Quad combine(BlendOp op, Quad src, Quad dst, Quad by_src, Quad by_dst) {
-    switch (op) {
-      case BlendOp::add:
-        return src * by_src + dst * by_dst;
-      case BlendOp::subtract:
-        return src * by_src - dst * by_dst;
-      case BlendOp::reverse_subtract:
-        return dst * by_dst - src * by_src;
-      case BlendOp::min:
-        return src < dst ? src : dst;
-      case BlendOp::max:
-        return src > dst ? src : dst;
-    }
-    return 0;
   }
   Quantizer<Quad> in_, alpha_, q_;
 };
@@ -155,13 +100,19 @@ class Merging {
       record.y = fogs[i].y;
       record.z = depths[i]->z;
     }
-    if (!mixes_by_alpha(state)) {
+    const bool narrow = is_narrow(state.target_format);
+    if (narrow || !mixes_by_alpha(state)) {
       for (std::size_t i = 0; i < fogs.size(); ++i) {
-        const auto pixel = stored.subspan(color_at(fogs[i], width), 4);
-        blending_.color(state, fogs[i], *textures[i], pixel, out[first + i]);
-        if (keeps_alpha(state)) continue;
-        alphas.push_back(
-            {fogs[i].triangle, fogs[i].x, fogs[i].y, blending_.alpha(state, *textures[i], pixel[3])});
+        const FogRecord& fog = fogs[i];
+        MergeRecord& merged = out[first + i];
+        const auto pixel = stored.subspan(color_at(fog, width), 4);
+        blending_.color(state, fog, *textures[i], pixel, merged);
+        if (!narrow && keeps_alpha(state)) continue;
+        const std::int64_t alpha = blending_.alpha(state, *textures[i], pixel[3]);
+        merged.r = held(state, 0, merged.r, fog.x, fog.y);
+        merged.g = held(state, 1, merged.g, fog.x, fog.y);
+        merged.b = held(state, 2, merged.b, fog.x, fog.y);
+        alphas.push_back({fog.triangle, fog.x, fog.y, held(state, 3, alpha, fog.x, fog.y)});
       }
       return;
     }

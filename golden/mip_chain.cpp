@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "config/modes.hpp"
+#include "engine/mip.hpp"
 #include "golden/texel.hpp"
 
 namespace bitspan::golden {
@@ -37,6 +39,14 @@ std::vector<Texture> mip_levels(const Texture& texture) {
     levels.push_back(std::move(coarser));
   }
   return levels;
+}
+
+SceneLevels scene_levels(const Config& config, const Scene& scene) {
+  if (!has_lod(config)) return {};
+  check_mip_textures(config, scene);
+  SceneLevels out;
+  for (const Texture& texture : scene.textures) out.push_back(mip_levels(texture));
+  return out;
 }
 
 }  // namespace bitspan::golden

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "config/modes.hpp"
+#include "golden/gradient.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
@@ -13,11 +14,6 @@
 namespace bitspan::golden {
 
 namespace {
-
-template <class Real>
-struct Gradient {
-  Real x = 0, y = 0;
-};
 
 // w(m, n) = w0 + along_major (m - M0) + along_minor (n - N0)
 template <class Real>
@@ -92,34 +88,19 @@ class PlaneWalker {
     p.triangle = triangle.triangle;
     for (int i = 0; i < 3; ++i) p.v[static_cast<std::size_t>(i)] = vertex_.load(triangle, i);
     const auto& v = p.v;
-    const Real x1 = v[1].x - v[0].x;
-    const Real y1 = v[1].y - v[0].y;
-    const Real x2 = v[2].x - v[0].x;
-    const Real y2 = v[2].y - v[0].y;
-    p.area = x1 * y2 - x2 * y1;
-    for (std::size_t i = 0; i < 3; ++i) {
-      p.gu[i] = q_g_.product(v[i].u, v[i].h + b_);
-      p.gv[i] = q_g_.product(v[i].v, v[i].h + b_);
-    }
-    const auto nx = [&](Real w0, Real w1, Real w2) {
-      return ExactSum(exact_product(w1 - w0, y2)).add(exact_product(w0 - w2, y1)).get();
-    };
-    const auto ny = [&](Real w0, Real w1, Real w2) {
-      return ExactSum(exact_product(w2 - w0, x1)).add(exact_product(w0 - w1, x2)).get();
-    };
-    const PairOf<Real> area{base_of(p.area), 0};
-    const auto gradient = [&](Real w0, Real w1, Real w2, const Quantizer<Real>& q) {
-      if (w0 == w1 && w0 == w2) return Gradient<Real>{};
-      return Gradient<Real>{q.quotient(nx(w0, w1, w2), area), q.quotient(ny(w0, w1, w2), area)};
-    };
-    p.h = gradient(v[0].h, v[1].h, v[2].h, q_h_grad_);
-    p.gu_xy = gradient(p.gu[0], p.gu[1], p.gu[2], q_g_grad_);
-    p.gv_xy = gradient(p.gv[0], p.gv[1], p.gv[2], q_g_grad_);
+    const PlaneShape<Real> shape(v);
+    p.area = shape.area;
+    const Numerators<Real> numerators(v, b_, q_g_);
+    p.gu = numerators.gu;
+    p.gv = numerators.gv;
+    p.h = shape.gradient({v[0].h, v[1].h, v[2].h}, q_h_grad_);
+    p.gu_xy = shape.gradient(p.gu, q_g_grad_);
+    p.gv_xy = shape.gradient(p.gv, q_g_grad_);
     for (std::size_t i = 0; i < channels; ++i) {
-      p.c[i] = gradient(v[0].c[i], v[1].c[i], v[2].c[i], q_shade_grad_);
+      p.c[i] = shape.gradient({v[0].c[i], v[1].c[i], v[2].c[i]}, q_shade_grad_);
     }
-    const PairOf<Real> h_nx = nx(v[0].h, v[1].h, v[2].h);
-    const PairOf<Real> h_ny = ny(v[0].h, v[1].h, v[2].h);
+    const PairOf<Real> h_nx = shape.nx(v[0].h, v[1].h, v[2].h);
+    const PairOf<Real> h_ny = shape.ny(v[0].h, v[1].h, v[2].h);
     p.major_is_y = is_longer(h_nx, h_ny);
     if (p.major_is_y) {
       p.k = q_k_.quotient(-h_ny, h_nx);

@@ -230,14 +230,17 @@ class Chooser {
       out_.span_setup = plane_span_setup();
     } else {
       out_.edge_setup = edge_setup();
+      if (by_plane()) out_.setup_plane = setup_plane();
       out_.edge_walk = edge_walk();
-      out_.span_setup = span_setup();
+      out_.span_setup = by_plane() ? triangle_span_setup() : span_setup();
     }
     out_.span = span();
     out_.depth = depth();
-    if (has_lod_gradients(c_)) out_.gradient = gradient();
+    if (has_setup_gradients(c_)) out_.gradient = gradient();
+    if (has_distance(c_)) out_.distance = distance();
     if (has_lod(c_)) out_.lod = lod();
     out_.texture = texture();
+    out_.texture_second = texture_second();
     out_.fog = fog();
     out_.merge = merge();
     return out_;
@@ -248,6 +251,20 @@ class Chooser {
   static std::string name(FormatId id) { return std::string(key_of(id)); }
   Range reg(StageNeeds& s, FormatId id) const { return s.reg(name(id), f(id)); }
   Range depth_sum(StageNeeds& s, Range h) const { return s.exact("h + B", sum(h, b_)); }
+  Range exact_area(StageNeeds& s) const { return s.exact("area", {-2 * k_, 2 * c_.coordinate_bits + 1}); }
+  // What a plane's gradient of w is divided from.
+  Range numerator_of(StageNeeds& s, const std::string& w, Range values) const {
+    const Range rise = sum(values, values);
+    const Range cross = product(rise, d_xy_);
+    return s.exact_pair("nx(" + w + ")", sum(cross, cross), std::max(rise.bits(), d_xy_.bits()));
+  }
+  // A plane's gradient of w, whose register is `out`; returns the range of its numerator.
+  Range gradient_of(StageNeeds& s, const std::string& w, Range values, Range area, FormatId out) const {
+    const Range n = numerator_of(s, w, values);
+    s.q_quotient_of_pairs("nx(" + w + ") / area", n, area, f(out).fraction());
+    return n;
+  }
+  bool by_plane() const { return has_setup_plane(c_); }
   bool linear_edges() const { return has_linear_edges(c_.perspective); }
   bool linear_uv() const { return has_linear_texture(c_.perspective); }
 
@@ -306,7 +323,7 @@ class Chooser {
     const Range n = product(b_, normal_s);
     s.need("B (s_max - s)", n.bits(), std::max(b_.bits(), normal_s.bits()));
     s.q_quotient_of_pairs("B (s_max - s) / s", n, normal_s, f(FormatId::setup_h).fraction());
-    s.exact("area", {-2 * k_, 2 * c_.coordinate_bits + 1});
+    exact_area(s);
     return s.choose();
   }
 
@@ -322,11 +339,14 @@ class Chooser {
     reg(s, FormatId::edge_shade_step);
     const SlopeForm form = c_.edge_slope;
     InverseRange inverse;
-    if (shares_reciprocal(form)) inverse = s.inverse("R_edge", c_.edge_reciprocal, d_xy_);
+    if (shares_reciprocal(form) && (!by_plane() || has_x_step(c_))) {
+      inverse = s.inverse("R_edge", c_.edge_reciprocal, d_xy_);
+    }
     if (has_x_step(c_)) {
       reg(s, FormatId::edge_x_step);
       s.slope("(x2 - x1)", d_xy_, d_xy_, form, inverse, f(FormatId::edge_x_step));
     }
+    if (by_plane()) return s.choose();
     const Range d_uv = s.exact("u2 - u1", sum(uv, uv));
     const Range scale = linear_edges() ? Range{0, 0} : depth_sum(s, h);
     s.q_product("(u2 - u1)(h2 + B)", term(d_uv, scale), f(FormatId::edge_f_diff));
@@ -334,6 +354,64 @@ class Chooser {
     s.slope("fu_diff", f_diff, d_xy_, form, inverse, f(FormatId::edge_f_step));
     s.slope("(r2 - r1)", s.exact("r2 - r1", sum(shade, shade)), d_xy_, form, inverse,
             f(FormatId::edge_shade_step));
+    return s.choose();
+  }
+
+  Width setup_plane() {
+    StageNeeds s("setup.plane", out_.rows);
+    s.reg("coordinate", c_.coordinate_format());
+    const Range h = reg(s, FormatId::setup_h);
+    const Range uv = reg(s, FormatId::setup_uv);
+    const Range shade = reg(s, FormatId::setup_shade);
+    const Range g = reg(s, FormatId::plane_g);
+    reg(s, FormatId::plane_h_grad);
+    reg(s, FormatId::plane_g_grad);
+    reg(s, FormatId::plane_shade_grad);
+    if (!linear_edges()) {
+      const Range base = reg(s, FormatId::edge_uv);
+      const Range from = has_pixel_reciprocal(c_.perspective) ? s.exact("u_i - u1", sum(uv, base)) : uv;
+      s.q_product("(u_i - u1)(h_i + B)", term(from, depth_sum(s, h)), f(FormatId::plane_g));
+    }
+    const Range area = exact_area(s);
+    const SlopeForm form = c_.edge_slope;
+    InverseRange inverse;
+    if (shares_reciprocal(form)) inverse = s.inverse("R_edge of the area", c_.edge_reciprocal, area);
+    const auto gradient = [&](const std::string& w, Range values, FormatId into) {
+      s.exact("difference of " + w, sum(values, values));
+      if (shares_reciprocal(form)) {
+        s.slope("nx(" + w + ")", numerator_of(s, w, values), area, form, inverse, f(into));
+      } else {
+        gradient_of(s, w, values, area, into);
+      }
+    };
+    gradient("h", h, FormatId::plane_h_grad);
+    gradient("fu", g, FormatId::plane_g_grad);
+    gradient("r", shade, FormatId::plane_shade_grad);
+    return s.choose();
+  }
+
+  Width triangle_span_setup() {
+    StageNeeds s("span_setup", out_.rows);
+    s.reg("coordinate", c_.coordinate_format());
+    reg(s, FormatId::edge_uv);
+    const auto line = [&](const std::string& w, FormatId from, FormatId gradient, FormatId start,
+                          FormatId step, Term by) {
+      const Range g = reg(s, gradient);
+      reg(s, step);
+      reg(s, start);
+      s.q_sum(w + "0 + " + w + "_x X + " + w + "_y Y + offset",
+              {term(reg(s, from)), term(g, centre_), term(g, centre_), by}, f(start));
+      s.q_sum(w + "_step", {term(g)}, f(step));
+    };
+    const StartOffsets& o = c_.start_offset;
+    line("h", FormatId::setup_h, FormatId::plane_h_grad, FormatId::span_h, FormatId::span_h_step,
+         offset(o.span_h, c_.depth_format()));
+    const FormatId start = linear_uv() ? FormatId::span_uv_acc : FormatId::span_f;
+    line("fu", FormatId::plane_g, FormatId::plane_g_grad, start,
+         linear_uv() ? FormatId::span_uv_step : FormatId::span_f_step,
+         offset(o.span_f, f(linear_uv() ? FormatId::span_uv : FormatId::span_f)));
+    line("r", FormatId::setup_shade, FormatId::plane_shade_grad, FormatId::span_shade_acc,
+         FormatId::span_shade_step, offset(o.span_shade, f(FormatId::span_shade)));
     return s.choose();
   }
 
@@ -367,6 +445,7 @@ class Chooser {
                c_.coordinate_format());
       s.q_sum("x_acc + x_step", {term(range_of(acc)), term(x_step)}, acc);
     }
+    if (by_plane()) return s.choose();
     pre_step(s, "h1 + h_step t + offset", setup_h, h_step, t, c_.start_offset.edge_h, f(FormatId::edge_h),
              f(FormatId::edge_h_acc), f(FormatId::setup_h));
     s.q_sum("h_acc + h_step", {term(h_acc), term(h_step)}, f(FormatId::edge_h_acc));
@@ -402,17 +481,10 @@ class Chooser {
     reg(s, FormatId::span_shade_step);
 
     s.q_product("u (h + B)", term(uv, depth_sum(s, h)), f(FormatId::plane_g));
-    const Range area = s.exact("area", {-2 * k_, 2 * c_.coordinate_bits + 1});
-    const auto cross = [&](Range w) { return product(sum(w, w), d_xy_); };
-    const auto gradient = [&](const std::string& w, Range values, FormatId out) {
-      const Range n = s.exact_pair("nx(" + w + ")", sum(cross(values), cross(values)),
-                                   std::max(sum(values, values).bits(), d_xy_.bits()));
-      s.q_quotient_of_pairs("nx(" + w + ") / area", n, area, f(out).fraction());
-      return n;
-    };
-    const Range nx_h = gradient("h", h, FormatId::plane_h_grad);
-    gradient("gu", g, FormatId::plane_g_grad);
-    gradient("r", shade, FormatId::plane_shade_grad);
+    const Range area = exact_area(s);
+    const Range nx_h = gradient_of(s, "h", h, area, FormatId::plane_h_grad);
+    gradient_of(s, "gu", g, area, FormatId::plane_g_grad);
+    gradient_of(s, "r", shade, area, FormatId::plane_shade_grad);
     s.q_quotient_of_pairs("nx(h) / ny(h)", nx_h, nx_h, f(FormatId::plane_k).fraction());
 
     const Range crossing =
@@ -474,7 +546,7 @@ class Chooser {
 
     const Range length = s.exact("L", sum(x, x));
     const Range pre = s.exact("p", {std::min(x.lo, -1), std::max(xy_.hi, x.hi) + 1});
-    const SlopeForm form = c_.row_slope;
+    const SlopeForm form = form_of(c_.row_slope);
     InverseRange inverse;
     if (shares_reciprocal(form)) inverse = s.inverse("R_row", c_.row_reciprocal, at_most(length, x.hi + 1));
     s.slope("h_r - h_l", s.exact("h_r - h_l", sum(h, h)), length, form, inverse, f(FormatId::span_h_step));
@@ -546,12 +618,28 @@ class Chooser {
       case DepthCode::opengl:
         s.q_sum("zmax - h", {term({0, c_.depth_bits}), term(h)}, c_.depth_format());
         break;
+      case DepthCode::float_dz: {
+        s.q_sum("zmax - h", {term({0, c_.depth_bits}), term(h)}, c_.depth_format());
+        const Range gradient = reg(s, FormatId::plane_h_grad);
+        s.exact("|h_x| + |h_y|", sum(gradient, gradient));
+        break;
+      }
       case DepthCode::linear: {
         const Range c1 = reg(s, FormatId::depth_c1);
         const Range c0 = reg(s, FormatId::depth_c0);
         const InverseRange inverse = s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, h));
         s.q_far("c1 m 2^-e - c0", inverse.times(c1), {term(c0)}, c_.depth_format(),
                 FarBound(c_.depth_format(), {f(FormatId::depth_c0)}));
+        break;
+      }
+      case DepthCode::w_float: {
+        const Range q = depth_sum(s, h);
+        s.exact("hmax + B", sum({0, c_.depth_bits}, b_));
+        // Within its octave q keeps its bits; its last place moves with K.
+        const Range place{c_.depth_bits - w_float_exponent_bits + 1 - q.bits(), c_.depth_bits + 1};
+        s.exact("2^p (L + 2) - 2^p q 2^(L+1-K)", place);
+        s.q_sum("2^p (L + 2) - 2^p q 2^(L+1-K)", {term({0, c_.depth_bits + 1}), term(place)},
+                c_.depth_format());
         break;
       }
     }
@@ -567,15 +655,45 @@ class Chooser {
     reg(s, FormatId::plane_h_grad);
     reg(s, FormatId::plane_g_grad);
     s.q_product("u (h + B)", term(uv, depth_sum(s, h)), f(FormatId::plane_g));
-    const Range area = s.exact("area", {-2 * k_, 2 * c_.coordinate_bits + 1});
-    const auto slope = [&](const std::string& w, Range values, FormatId out) {
-      const Range rise = s.exact("difference of " + w, sum(values, values));
-      const Range cross = product(rise, d_xy_);
-      const Range n = s.exact_pair("nx(" + w + ")", sum(cross, cross), std::max(rise.bits(), d_xy_.bits()));
-      s.q_quotient_of_pairs("nx(" + w + ") / area", n, area, f(out).fraction());
-    };
-    slope("h", h, FormatId::plane_h_grad);
-    slope("gu", g, FormatId::plane_g_grad);
+    const Range area = exact_area(s);
+    s.exact("difference of h", sum(h, h));
+    gradient_of(s, "h", h, area, FormatId::plane_h_grad);
+    s.exact("difference of gu", sum(g, g));
+    gradient_of(s, "gu", g, area, FormatId::plane_g_grad);
+    return s.choose();
+  }
+
+  // s of a stage.
+  Range along_axis(StageNeeds& s) const {
+    const Range a = reg(s, FormatId::distance_a);
+    const Range normal_s = at_most(reg(s, FormatId::setup_s), 0);
+    s.q_product("B s_max'", term(b_, normal_s), f(FormatId::distance_a));
+    const InverseRange inverse =
+        s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, reg(s, FormatId::span_h)));
+    s.q_product("A' m 2^-e", inverse.times(a), f(FormatId::distance_s));
+    return reg(s, FormatId::distance_s);
+  }
+
+  // The comparison by which a pixel has its zone. A picture's side is a coordinate.
+  void zone(StageNeeds& s) const {
+    switch (c_.fog_zone) {
+      case FogZone::r2:
+        s.exact("16 ((2x+1-W)^2 + (2y+1-H)^2)", {0, 2 * c_.coordinate_bits + 5});
+        break;
+      case FogZone::r:
+        s.exact("4^j ((2x+1-W)^2 + (2y+1-H)^2)", {0, 2 * c_.coordinate_bits + 1 + 2 * c_.fog_zone_bits});
+        break;
+    }
+  }
+
+  Width distance() {
+    StageNeeds s("distance", out_.rows);
+    const Range along = along_axis(s);
+    if (has_true_distance(c_)) {
+      zone(s);
+      reg(s, FormatId::distance_d);
+      s.q_product("s G", term(along, reg(s, FormatId::distance_g)), f(FormatId::distance_d));
+    }
     return s.choose();
   }
 
@@ -589,29 +707,26 @@ class Chooser {
     switch (c_.lod) {
       case LodMode::none:
         break;
-      case LodMode::zone_s: {
-        const Range a = reg(s, FormatId::distance_a);
-        const Range distance = reg(s, FormatId::distance_s);
+      case LodMode::zone_s:
+      case LodMode::zone_d: {
+        const Range distance = takes_true_distance(c_.lod) ? reg(s, FormatId::distance_d) : along_axis(s);
         const Range k = reg(s, FormatId::lod_k);
-        const Range normal_s = at_most(reg(s, FormatId::setup_s), 0);
-        s.q_product("B s_max'", term(b_, normal_s), f(FormatId::distance_a));
-        const InverseRange inverse =
-            s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, reg(s, FormatId::span_h)));
-        s.q_product("A' m 2^-e", inverse.times(a), f(FormatId::distance_s));
         s.q_quotient("1 / S_i", {0, 0}, {-16, max_mip_level}, f(FormatId::lod_k).fraction());
         const Range beyond = s.exact("s - S_z", sum(distance, {-16, max_mip_level}));
         s.q_product("(s - S_z) k_z", term(beyond, k), f(FormatId::lod_frac));
         x = s.exact("z + f", {std::min(share.lo, 0), 5});
         break;
       }
-      case LodMode::gradient: {
+      case LodMode::gradient:
+      case LodMode::finite: {
         const Range h_grad = reg(s, FormatId::plane_h_grad);
         const Range g_grad = reg(s, FormatId::plane_g_grad);
         const Range uv = reg(s, FormatId::span_uv);
         const Format& slope = f(FormatId::lod_slope);
         reg(s, FormatId::lod_slope);
-        const InverseRange inverse =
-            s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, reg(s, FormatId::span_h)));
+        const Range own = depth_sum(s, reg(s, FormatId::span_h));
+        const Range next = has_neighbours(c_.lod) ? s.exact("h + B + h_x", sum(own, h_grad)) : own;
+        const InverseRange inverse = s.inverse("R_pixel", c_.pixel_reciprocal, next);
         const Range n = s.exact("gu_x - u h_x", sum(g_grad, product(uv, h_grad)));
         s.q_product("(gu_x - u h_x) m 2^-e", inverse.times(n), slope);
         x = s.exact("E + (rho 2^-E - 1)", {-slope.word, 7});
@@ -622,18 +737,14 @@ class Chooser {
     return s.choose();
   }
 
-  Width texture() {
-    StageNeeds s("texture", out_.rows);
+  // What a texture unit finds: V and its alpha.
+  void texel(StageNeeds& s) const {
     const Range uv = reg(s, FormatId::span_uv);
-    const Range shade = reg(s, FormatId::span_shade);
     const Range mix = reg(s, FormatId::texture_mix);
     const Range alpha = reg(s, FormatId::texture_alpha);
     const Range code{0, 8};
-    reg(s, FormatId::texture_color);
     s.q_quotient("a / 255", code, code, f(FormatId::texture_alpha).fraction());
     s.exact("u - 1/2", sum({has_lod(c_) ? uv.lo - max_mip_level : uv.lo, uv.hi}, {-1, -1}));
-    s.exact("V * shade", product(mix, shade));
-    s.exact("alpha * shade", product(alpha, shade));
     if (weighs_texels(c_.filter)) {
       const Range frac = reg(s, FormatId::texture_frac);
       const Range rest = s.exact("1 - Ex", sum(frac, {0, 0}));
@@ -654,6 +765,45 @@ class Chooser {
                term(s.exact("alpha_l+1 f", product(alpha, level)))},
               f(FormatId::texture_alpha));
     }
+  }
+
+  Width texture() {
+    StageNeeds s("texture", out_.rows);
+    const Range shade = reg(s, FormatId::span_shade);
+    reg(s, FormatId::texture_color);
+    texel(s);
+    s.exact("V * shade", product(range_of(f(FormatId::texture_mix)), shade));
+    s.exact("alpha * shade", product(range_of(f(FormatId::texture_alpha)), shade));
+    return s.choose();
+  }
+
+  Width texture_second() {
+    StageNeeds s("texture.second", out_.rows);
+    texel(s);
+    const Range mix = range_of(f(FormatId::texture_mix));
+    const Range alpha = range_of(f(FormatId::texture_alpha));
+    const Range color = reg(s, FormatId::texture_color);
+    const Range code{0, 8};
+    if (has_lod(c_)) {
+      reg(s, FormatId::lod_frac);
+      const Range lambda = reg(s, FormatId::lod_lambda);
+      s.exact("lambda - level", {std::min(lambda.lo, -1), std::max(lambda.hi, 5) + 1});
+    }
+    s.q_quotient("V / 255", mix, code, f(FormatId::texture_alpha).fraction());
+    s.exact("alpha alpha", product(alpha, alpha));
+    const Range scaled = s.exact("C F 2^scale", product(color, {alpha.lo, alpha.hi + 2}));
+    const Range both = s.exact("C + V", sum(color, mix));
+    s.q_sum("min(255, C F 2^scale)", {term({std::min(scaled.lo, 0), std::max(scaled.hi, 8)})},
+            f(FormatId::texture_color));
+    s.q_sum("min(255, C + V)", {term({std::min(both.lo, 0), std::max(both.hi, 8)})},
+            f(FormatId::texture_color));
+    const Range rest = s.exact("1 - alpha", sum(alpha, {0, 0}));
+    s.q_sum(
+        "C (1 - alpha) + V alpha",
+        {term(s.exact("C (1 - alpha)", product(color, rest))), term(s.exact("V alpha", product(mix, alpha)))},
+        f(FormatId::texture_color));
+    s.q_sum("C (1 - F) + CC F", {term(product(color, rest)), term(s.exact("CC F", product(code, alpha)))},
+            f(FormatId::texture_color));
     return s.choose();
   }
 
@@ -678,9 +828,21 @@ class Chooser {
         break;
       }
       case FogMode::table:
-        // A picture's side is a coordinate.
-        s.exact("16 ((2x+1-W)^2 + (2y+1-H)^2)", {0, 2 * c_.coordinate_bits + 5});
+        zone(s);
         break;
+      case FogMode::distance:
+        reg(s, FormatId::distance_d);
+        break;
+      case FogMode::log: {
+        reg(s, FormatId::distance_s);
+        const Format& along = f(FormatId::distance_s);
+        s.exact("Lg(s) + 16", {1 - along.word, 8});
+        const Range place = s.exact("(Lg(s) + 16) 2^(n-4)",
+                                    {std::min(0, c_.fog_depth_bits - 3 - along.word), c_.fog_depth_bits + 1});
+        const Range rise = s.exact("f_i+1 - f_i", sum(factor, factor));
+        s.q_sum("f_i + (f_i+1 - f_i) t", {term(factor), term(rise, place)}, f(FormatId::fog_factor));
+        break;
+      }
     }
     return s.choose();
   }

@@ -31,15 +31,18 @@ struct PrecisionRow {
 struct Precision {
   std::vector<PrecisionRow> rows;
   Width setup = Width::quad;
-  Width edge_setup = Width::quad;  // modes with horizontal rows
-  Width edge_walk = Width::quad;   // modes with horizontal rows
-  Width plane_walk = Width::quad;  // const_depth_rows
+  Width edge_setup = Width::quad;   // modes with horizontal rows
+  Width setup_plane = Width::quad;  // slope.row = plane
+  Width edge_walk = Width::quad;    // modes with horizontal rows
+  Width plane_walk = Width::quad;   // const_depth_rows
   Width span_setup = Width::quad;
   Width span = Width::quad;
   Width depth = Width::quad;
   Width gradient = Width::quad;  // where lod takes gradients
+  Width distance = Width::quad;  // where lod or fog takes it
   Width lod = Width::quad;       // where textures have mip chains
   Width texture = Width::quad;
+  Width texture_second = Width::quad;
   Width fog = Width::quad;
   Width merge = Width::quad;
 };

@@ -88,7 +88,8 @@ class EdgeSetup {
         form_(config.edge_slope),
         unit_(config.edge_reciprocal, config.subpixel_bits),
         has_x_step_(has_x_step(config)),
-        linear_(has_linear_edges(config.perspective)) {}
+        linear_(has_linear_edges(config.perspective)),
+        by_plane_(has_setup_plane(config)) {}
 
   int operator()(const SetupRecord& triangle, std::array<EdgeRecord, 3>& out) const {
     constexpr std::array<std::array<std::size_t, 2>, 3> ends{{{0, 2}, {0, 1}, {1, 2}}};
@@ -109,16 +110,18 @@ class EdgeSetup {
 
  private:
   EdgeRecord make(const VertexValues<Real>& from, const VertexValues<Real>& to) const {
+    if (by_plane_ && !has_x_step_) return {};
     const Divisor<Real> rows(to.y - from.y, form_, unit_);
-    const Real scale = linear_ ? Real(1) : to.h + b_;
-    const Real fu_diff = q_f_diff_.product(to.u - from.u, scale);
-    const Real fv_diff = q_f_diff_.product(to.v - from.v, scale);
     EdgeRecord out;
     if (rows.reciprocal) {
       out.recip_m = unit_.raw(rows.inverse.m);
       out.recip_e = rows.inverse.e;
     }
     if (has_x_step_) out.x_step = q_x_step_.raw(rows.slope(to.x - from.x, q_x_step_));
+    if (by_plane_) return out;
+    const Real scale = linear_ ? Real(1) : to.h + b_;
+    const Real fu_diff = q_f_diff_.product(to.u - from.u, scale);
+    const Real fv_diff = q_f_diff_.product(to.v - from.v, scale);
     out.h_step = q_h_step_.raw(rows.slope(to.h - from.h, q_h_step_));
     out.fu_diff = q_f_diff_.raw(fu_diff);
     out.fv_diff = q_f_diff_.raw(fv_diff);
@@ -135,7 +138,7 @@ class EdgeSetup {
   Real b_;
   SlopeForm form_;
   ReciprocalUnit<Real> unit_;
-  bool has_x_step_, linear_;
+  bool has_x_step_, linear_, by_plane_;
 };
 
 }  // namespace

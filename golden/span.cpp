@@ -44,6 +44,8 @@ class SpanWalker {
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         least_(pow2<Real>(-depth_sum_fraction(config, FormatId::span_h))),
         unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)),
+        subspan_bits_(has_subspans(config) ? config.subspan_bits : 0),
+        wide_uv_(config.format(FormatId::span_uv)),
         quick_uv_(config.format(FormatId::span_uv)),
         quick_shade_(config.format(FormatId::span_shade)) {}
 
@@ -63,6 +65,13 @@ class SpanWalker {
     }
     for (std::size_t at = 0; at < count; at += lanes) {
       finish(fragments.subspan(at, std::min(lanes, count - at)));
+    }
+    if (subspan_bits_ == 0) return;
+    rest = fragments;
+    for (const SpanRecord& span : spans) {
+      const auto n = static_cast<std::size_t>(span.count);
+      interpolate(rest.first(n));
+      rest = rest.subspan(n);
     }
   }
 
@@ -98,6 +107,22 @@ class SpanWalker {
       return 0;
     }
   };
+
+  // Puts linear u and v between the exact ones of a row at each subspan's ends.
+  void interpolate(std::span<FragmentRecord> row) const {
+    const std::size_t length = std::size_t{1} << subspan_bits_;
+    for (std::size_t a = 0; a + length < row.size(); a += length) {
+      for (const auto field : {&FragmentRecord::u, &FragmentRecord::v}) {
+        const Quad near = wide_uv_.value(row[a].*field);
+        const Quad far = wide_uv_.value(row[a + length].*field);
+        for (std::size_t j = 1; j < length; ++j) {
+          const Quad share = Quad(static_cast<double>(j)) / Quad(static_cast<double>(length));
+          row[a + j].*field = wide_uv_.raw(wide_uv_.sum(near, (far - near) * share));
+        }
+      }
+      for (std::size_t j = 1; j < length; ++j) row[a + j].recip_m = row[a + j].recip_e = 0;
+    }
+  }
 
   // The registers in front of each pixel. What finish() makes of them stands in their place until then: u1
   // and v1 in u and v, the shades' accumulators in r, g, b and a.
@@ -268,6 +293,8 @@ class SpanWalker {
       q_k_;
   Real phase_ulp_, b_, least_;
   ReciprocalUnit<Real> unit_;
+  int subspan_bits_;
+  Quantizer<Quad> wide_uv_;
   LaneFormat quick_uv_, quick_shade_;
 };
 

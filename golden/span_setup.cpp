@@ -27,7 +27,7 @@ class SpanSetup {
         q_shade_step_(config.format(FormatId::span_shade_step)),
         q_shade_acc_(config.format(FormatId::span_shade_acc)),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
-        form_(config.row_slope),
+        form_(form_of(config.row_slope)),
         unit_(config.row_reciprocal, config.format(FormatId::edge_x).fraction()) {
     const StartOffsets& offset = config.start_offset;
     const auto f = [&](FormatId id) { return config.format(id); };
@@ -122,6 +122,82 @@ class SpanSetup {
   Start start_h_, start_f_, start_shade_;
 };
 
+// slope.row = plane.
+template <class Real>
+class TriangleSpanSetup {
+ public:
+  explicit TriangleSpanSetup(const Config& config)
+      : vertex_(config),
+        q_g_(config.format(FormatId::plane_g)),
+        q_h_grad_(config.format(FormatId::plane_h_grad)),
+        q_g_grad_(config.format(FormatId::plane_g_grad)),
+        q_shade_grad_(config.format(FormatId::plane_shade_grad)),
+        q_h_(config.format(FormatId::span_h)),
+        q_h_step_(config.format(FormatId::span_h_step)),
+        q_f_(config.format(linear(config) ? FormatId::span_uv_acc : FormatId::span_f)),
+        q_f_step_(config.format(linear(config) ? FormatId::span_uv_step : FormatId::span_f_step)),
+        q_shade_acc_(config.format(FormatId::span_shade_acc)),
+        q_shade_step_(config.format(FormatId::span_shade_step)),
+        offset_h_(start_offset<Real>(config.start_offset.span_h, config.depth_format())),
+        offset_f_(start_offset<Real>(config.start_offset.span_f,
+                                     config.format(linear(config) ? FormatId::span_uv : FormatId::span_f))),
+        offset_shade_(
+            start_offset<Real>(config.start_offset.span_shade, config.format(FormatId::span_shade))) {}
+
+  SpanRecord operator()(const RowRecord& row, const SetupRecord& triangle,
+                        const SetupPlaneRecord& plane) const {
+    const VertexValues<Real> origin = vertex_.load(triangle, 0);
+    const Real right = Real(row.x_first) + Real(0.5) - origin.x;
+    const Real down = Real(row.y) + Real(0.5) - origin.y;
+    const auto at = [&](const Quantizer<Real>& q, Real from, Real x, Real y, Real offset) {
+      return q.raw(q.sum(exact_product(x, right), exact_product(y, down), from, offset));
+    };
+    SpanRecord out;
+    out.triangle = row.triangle;
+    out.x = row.x_first;
+    out.y = row.y;
+    out.count = row.x_last - row.x_first + 1;
+    out.u1 = plane.u1;
+    out.v1 = plane.v1;
+    const Real h_x = q_h_grad_.value(plane.h_x);
+    out.h = at(q_h_, origin.h, h_x, q_h_grad_.value(plane.h_y), offset_h_);
+    out.h_step = q_h_step_.raw(q_h_step_(h_x));
+    const auto texture = [&](std::int64_t f0, std::int64_t x, std::int64_t y) {
+      return at(q_f_, q_g_.value(f0), q_g_grad_.value(x), q_g_grad_.value(y), offset_f_);
+    };
+    out.fu = texture(plane.fu0, plane.fu_x, plane.fu_y);
+    out.fv = texture(plane.fv0, plane.fv_x, plane.fv_y);
+    out.fu_step0 = out.fu_step1 = q_f_step_.raw(q_f_step_(q_g_grad_.value(plane.fu_x)));
+    out.fv_step0 = out.fv_step1 = q_f_step_.raw(q_f_step_(q_g_grad_.value(plane.fv_x)));
+    const std::array<std::int64_t, channels> raw_x{plane.r_x, plane.g_x, plane.b_x, plane.a_x};
+    const std::array<std::int64_t, channels> raw_y{plane.r_y, plane.g_y, plane.b_y, plane.a_y};
+    std::array<std::int64_t, channels> start{};
+    std::array<std::int64_t, channels> step{};
+    for (std::size_t i = 0; i < channels; ++i) {
+      const Real x = q_shade_grad_.value(raw_x[i]);
+      start[i] = at(q_shade_acc_, origin.c[i], x, q_shade_grad_.value(raw_y[i]), offset_shade_);
+      step[i] = q_shade_step_.raw(q_shade_step_(x));
+    }
+    out.r = start[0];
+    out.g = start[1];
+    out.b = start[2];
+    out.a = start[3];
+    out.r_step0 = out.r_step1 = step[0];
+    out.g_step0 = out.g_step1 = step[1];
+    out.b_step0 = out.b_step1 = step[2];
+    out.a_step0 = out.a_step1 = step[3];
+    return out;
+  }
+
+ private:
+  static bool linear(const Config& config) { return has_linear_texture(config.perspective); }
+
+  VertexFormats<Real> vertex_;
+  Quantizer<Real> q_g_, q_h_grad_, q_g_grad_, q_shade_grad_, q_h_, q_h_step_, q_f_, q_f_step_, q_shade_acc_,
+      q_shade_step_;
+  Real offset_h_, offset_f_, offset_shade_;
+};
+
 template <class Real>
 class PlaneSpanSetup {
  public:
@@ -186,6 +262,12 @@ SpanSetupStage make_span_setup(Arithmetic arithmetic, const Config& config, cons
   // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): see with_real.hpp
   return with_real(arithmetic,
                    [&]<class Real>() -> SpanSetupStage { return SpanSetup<Real>(config, constants); });
+}
+
+TriangleSpanSetupStage make_triangle_span_setup(Arithmetic arithmetic, const Config& config) {
+  // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): see with_real.hpp
+  return with_real(arithmetic,
+                   [&]<class Real>() -> TriangleSpanSetupStage { return TriangleSpanSetup<Real>(config); });
 }
 
 PlaneSpanSetupStage make_plane_span_setup(Arithmetic arithmetic, const Config& config,

@@ -9,6 +9,11 @@
 #include "config/modes.hpp"
 
 namespace bitspan::golden {
+
+double expanded(std::uint64_t c, double values) {
+  return std::min(255.0, std::floor(256.0 * static_cast<double>(c) / (values - 1)));
+}
+
 namespace {
 
 // All values are small rationals. A quotient that is not whole lies 1/255 or more from a whole number, so
@@ -41,10 +46,6 @@ class Fields {
   std::uint64_t value_ = 0;
 };
 
-// E_n(c), for the 2^n values of n bits.
-double expanded(std::uint64_t c, double values) {
-  return std::min(255.0, std::floor(256.0 * static_cast<double>(c) / (values - 1)));
-}
 double clamped(double x) { return std::min(255.0, std::max(0.0, x)); }
 
 Rgb from_565(std::uint64_t word) {
@@ -138,6 +139,86 @@ TexelCodes codes(const Rgb& c, double alpha) {
   return {code(c[0]), code(c[1]), code(c[2]), code(alpha)};
 }
 
+// ---- Procedural textures, of whole numbers below 2^53
+
+double whole_part(double n, double d) { return std::floor(n / d); }
+double rest_of(double n, double d) { return n - d * std::floor(n / d); }
+
+// hash(x, y, seed)
+double hash_of(double x, double y, double seed) {
+  constexpr double word = 4294967296;
+  double n = rest_of(1640531 * x + 1274127 * y + 1013901 * seed + 668265, word);
+  for (const double factor : {1597335.0, 2018697.0, 1394573.0}) {
+    const auto mixed = static_cast<std::uint64_t>(n) ^ static_cast<std::uint64_t>(whole_part(n, 32768));
+    n = rest_of(factor * static_cast<double>(mixed), word);
+  }
+  return whole_part(n, 16777216);
+}
+
+class Pattern {
+ public:
+  Pattern(const Texture& texture, double i, double j) : t_(texture), i_(i), j_(j) {}
+
+  TexelCodes checker() const {
+    const double cells = whole_part(i_, value(checker_width)) + whole_part(j_, value(checker_height));
+    return rest_of(cells, 2) == 0 ? mixed(0) : mixed(255);
+  }
+  TexelCodes brick() const {
+    const double width = value(brick_width);
+    const double height = value(brick_height);
+    const double row = whole_part(j_, height);
+    const double along = i_ + value(brick_shift) * rest_of(row, 2);
+    if (rest_of(along, width) < value(brick_mortar) || rest_of(j_, height) < value(brick_mortar))
+      return mixed(255);
+    const double column = rest_of(whole_part(along, width), std::ceil(t_.width / width));
+    const double share = value(brick_vary) * hash_of(column, row, value(brick_seed)) / 65536;
+    TexelCodes out = mixed(0);
+    for (std::size_t c = 0; c < 3; ++c) {
+      out[c] = static_cast<std::uint8_t>(out[c] - std::floor(out[c] * share));
+    }
+    return out;
+  }
+  TexelCodes noise() const {
+    double sum = 0;
+    double weights = 0;
+    for (double octave = 0; octave < value(noise_octaves); ++octave) {
+      const double weight = std::exp2(value(noise_octaves) - 1 - octave);
+      sum += weight * std::floor(smooth(std::exp2(value(noise_cell) - octave), octave));
+      weights += weight;
+    }
+    return mixed(whole_part(sum, weights));
+  }
+
+ private:
+  double value(std::size_t index) const { return t_.table.at(index); }
+  // The first colour where t is 0, the second where it is 255.
+  TexelCodes mixed(double t) const {
+    TexelCodes out{};
+    for (std::size_t c = 0; c < 4; ++c) {
+      out[c] = static_cast<std::uint8_t>(whole_part(value(c) * (255 - t) + value(4 + c) * t + 127, 255));
+    }
+    return out;
+  }
+  // Between the corners of the cell that holds the texel.
+  double smooth(double cell, double octave) const {
+    const double columns = std::ceil(t_.width / cell);
+    const double rows = std::ceil(t_.height / cell);
+    const double left = whole_part(i_, cell);
+    const double top = whole_part(j_, cell);
+    const double across = i_ / cell - left;
+    const double down = j_ / cell - top;
+    const auto corner = [&](double x, double y) {
+      return hash_of(rest_of(x, columns), rest_of(y, rows), value(noise_seed) + octave);
+    };
+    const double above = corner(left, top) * (1 - across) + corner(left + 1, top) * across;
+    const double below = corner(left, top + 1) * (1 - across) + corner(left + 1, top + 1) * across;
+    return above * (1 - down) + below * down;
+  }
+
+  const Texture& t_;
+  double i_, j_;
+};
+
 }  // namespace
 
 TexelCodes fetch_texel(const Texture& t, std::int64_t i, std::int64_t j) {
@@ -151,6 +232,7 @@ TexelCodes fetch_texel(const Texture& t, std::int64_t i, std::int64_t j) {
   const auto place = static_cast<std::uint64_t>(4 * (j % 4) + i % 4);  // in a block of 4 x 4
   const bool second = i % 2 == 1;                                      // of a pair
   Fields f(bytes.size() <= 2 ? bytes : bytes.first(0));
+  const Pattern pattern(t, static_cast<double>(i), static_cast<double>(j));
   switch (t.format) {
     case TexelFormat::rgba8888:
       break;
@@ -218,6 +300,12 @@ TexelCodes fetch_texel(const Texture& t, std::int64_t i, std::int64_t j) {
       return codes(from_yuv(bytes[second ? 3 : 1], bytes[0], bytes[2]), 255);
     case TexelFormat::yuyv:
       return codes(from_yuv(bytes[second ? 2 : 0], bytes[1], bytes[3]), 255);
+    case TexelFormat::checker:
+      return pattern.checker();
+    case TexelFormat::brick:
+      return pattern.brick();
+    case TexelFormat::noise:
+      return pattern.noise();
   }
   unreachable();
 }

@@ -12,7 +12,8 @@
 
 namespace bitspan::golden {
 
-// Takes fragments, their texture or null, and the draw state for its alpha test; appends a record for each.
+// Takes fragments, their texture or null, and the draw state for its chroma and alpha tests; appends a record
+// for each.
 using TextureStage = std::function<void(std::span<const FragmentRecord* const>, const Texture*,
                                         const DrawState&, std::vector<TextureRecord>& out)>;
 TextureStage make_texture(Arithmetic arithmetic, const Config& config);

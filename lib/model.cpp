@@ -510,7 +510,7 @@ bs_status bs_stage_override(bs_model* handle, bs_stage stage, bs_stage_fn functi
     }
     if (!may_be_hooked(type)) {
       fail(BS_UNSUPPORTED, "bs_stage_override: stage: " + std::string(stage_of(type)) +
-                               " cannot be overridden; expected any but constants and plane_walk");
+                               " cannot be overridden; expected any but constants, state and plane_walk");
     }
     model->overrides[static_cast<std::size_t>(type)] = {function, user};
     model->is_current = false;

@@ -16,6 +16,7 @@
 #include "scene/demo.hpp"
 #include "scene/mesh.hpp"
 #include "scene/picture_size.hpp"
+#include "scene/procedural.hpp"
 #include "scene/texture.hpp"
 #include "scene/tri_stream.hpp"
 
@@ -71,7 +72,7 @@ Scene load(const std::string& name, std::int32_t width, std::int32_t height) {
   return scene;
 }
 
-static_assert(BS_TEXEL_YUYV + 1 == enum_names<TexelFormat>.size() &&
+static_assert(BS_TEXEL_NOISE + 1 == enum_names<TexelFormat>.size() &&
               BS_TEXEL_DXT1 == static_cast<int>(TexelFormat::dxt1));
 
 std::vector<std::uint8_t> decoded(const Texture& t) {
@@ -153,11 +154,19 @@ Texture formatted_from(const bs_texture& t, const std::string& what) {
                            std::to_string(t.table_size) + "; expected " + std::to_string(size) + ", " +
                            std::to_string(table_size) + " for " + std::string(to_string(out.format)));
   }
-  need(t.raw, (what + ".raw").c_str());
-  out.raw.assign(t.raw, t.raw + size);
+  if (size != 0) {
+    need(t.raw, (what + ".raw").c_str());
+    out.raw.assign(t.raw, t.raw + size);
+  }
   if (table_size != 0) {
     need(t.table, (what + ".table").c_str());
     out.table.assign(t.table, t.table + table_size);
+    if (is_procedural(out.format)) {
+      if (const std::string wrong = procedural_fault(out); !wrong.empty()) {
+        fail(BS_BAD_INPUT, what + ".table: " + wrong);
+      }
+      return out;
+    }
     const bool is_palette = table_size == palette_size;
     for (std::size_t k = 0; k < table_size; ++k) {
       const int low = is_palette || k < 16 ? 0 : -256;

@@ -33,6 +33,9 @@ inline constexpr std::array stage_types = [] {
   types[BS_STAGE_MERGE_ALPHA] = merge_alpha;
   types[BS_STAGE_SETUP_GRADIENT] = gradient;
   types[BS_STAGE_LOD] = lod;
+  types[BS_STAGE_DISTANCE] = distance;
+  types[BS_STAGE_SETUP_PLANE] = setup_plane;
+  types[BS_STAGE_TEXTURE_SECOND] = texture_second;
   return types;
 }();
 static_assert(std::ranges::all_of(stage_table,

@@ -19,6 +19,10 @@ inline constexpr Channels<PlaneRecord> plane_x{&PlaneRecord::r_x, &PlaneRecord::
                                                &PlaneRecord::a_x};
 inline constexpr Channels<PlaneRecord> plane_y{&PlaneRecord::r_y, &PlaneRecord::g_y, &PlaneRecord::b_y,
                                                &PlaneRecord::a_y};
+inline constexpr Channels<SetupPlaneRecord> setup_plane_x{&SetupPlaneRecord::r_x, &SetupPlaneRecord::g_x,
+                                                          &SetupPlaneRecord::b_x, &SetupPlaneRecord::a_x};
+inline constexpr Channels<SetupPlaneRecord> setup_plane_y{&SetupPlaneRecord::r_y, &SetupPlaneRecord::g_y,
+                                                          &SetupPlaneRecord::b_y, &SetupPlaneRecord::a_y};
 inline constexpr Channels<PlaneRowRecord> plane_row_starts{&PlaneRowRecord::r, &PlaneRowRecord::g,
                                                            &PlaneRowRecord::b, &PlaneRowRecord::a};
 inline constexpr Channels<PlaneRowRecord> plane_row_steps0{

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "model/pipeline.hpp"
+#include "model/scene_run.hpp"
 #include "model/simd/engine_vector.hpp"
 
 namespace bitspan {
@@ -15,50 +16,24 @@ using model::Observe;
 using model::Statistics;
 
 // What make_model and make_observed_model share: everything but the observer.
-struct Run {
+struct Run : model::SceneRun {
   Run(const Config& c, bool keep_winners) : config(c), winners(keep_winners) {}
 
   template <class Watch>
   void begin(const Scene& s, Watch watch) {
     pipeline = model::make_pipeline(config, s, watch);
-    scene = &s;
-    counters = {};
-    constants_delivered = false;
-    model::clear_frame(pipeline, s, winners, frame);
+    SceneRun::begin(s, winners);
   }
 
   template <class Watch>
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace, Watch watch) {
-    if (scene == nullptr) {
-      throw std::logic_error("Engine::draw before begin");
-    }
+    need_begun("draw");
     deliver_constants(trace);
     model::draw_triangles(pipeline, *scene, triangles, first_index, buffers, frame, counters, trace, watch);
   }
 
-  void set(const StateChange& change, std::int64_t next_index, Trace* trace) {
-    if (scene == nullptr) throw std::logic_error("Engine::set before begin");
-    deliver_constants(trace);
-    deliver(trace, model::change_state(pipeline, config, change, next_index));
-    model::prepare_frame(pipeline, frame);
-  }
-  void clear(const Clear& clear) {
-    clear_planes(frame, clear, static_cast<std::uint32_t>(pipeline.depth.clear));
-  }
-
-  void deliver_constants(Trace* trace) {
-    if (trace == nullptr || constants_delivered) return;
-    trace->constants.push_back(pipeline.constants.record);
-    constants_delivered = true;
-  }
-
   Config config;
   bool winners;
-  const Scene* scene = nullptr;
-  model::Pipeline pipeline;
-  Frame frame;
-  Counters counters;
-  bool constants_delivered = false;  // once per scene
   model::DrawBuffers buffers;
 };
 
@@ -71,7 +46,7 @@ class Model final : public Engine, public RowEngine {
     run_.draw(triangles, first_index, trace, NoObserve{});
   }
   void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    run_.set(change, next_index, trace);
+    run_.set(run_.config, change, next_index, trace);
   }
   void clear(const Clear& clear) override { run_.clear(clear); }
   const Frame& frame() const override { return run_.frame; }
@@ -81,6 +56,7 @@ class Model final : public Engine, public RowEngine {
     return {run_.buffers.walk.geometry.along_y, plane_rows_};
   }
   void draw_row(const AnyRow& row, std::size_t /*plane_row*/, int texture, Trace* trace) override {
+    check_draws_rows(run_.config, row);
     run_.deliver_constants(trace);
     model::row_to_frame(run_.pipeline, *run_.scene, row,
                         run_.pipeline.const_depth_rows ? &run_.buffers.walk.geometry : nullptr,
@@ -104,7 +80,7 @@ class ObservedModel final : public ObservedEngine {
     run_.draw(triangles, first_index, trace, Observe{&statistics_});
   }
   void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    run_.set(change, next_index, trace);
+    run_.set(run_.config, change, next_index, trace);
   }
   void clear(const Clear& clear) override { run_.clear(clear); }
   const Frame& frame() const override { return run_.frame; }

@@ -2,13 +2,13 @@
 #include "model/engine_override.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "engine/rows.hpp"
 #include "model/pipeline.hpp"
+#include "model/scene_run.hpp"
 
 namespace bitspan {
 namespace {
@@ -17,55 +17,45 @@ class OverriddenModel final : public Engine, public RowEngine {
  public:
   OverriddenModel(const Config& config, StageHooks hooks) : config_(config), hooks_(std::move(hooks)) {}
   std::string_view name() const override { return "model"; }
-  const Frame& frame() const override { return frame_; }
-  const Counters& counters() const override { return counters_; }
+  const Frame& frame() const override { return run_.frame; }
+  const Counters& counters() const override { return run_.counters; }
 
   void begin(const Scene& scene) override {
-    pipeline_ = model::make_pipeline(config_, scene);
-    scene_ = &scene;
-    counters_ = {};
-    constants_delivered_ = false;
-    uv_ulp_ = std::ldexp(1.0, -pipeline_.texture.uv.fraction);
-    model::clear_frame(pipeline_, scene, true, frame_);
+    run_.pipeline = model::make_pipeline(config_, scene);
+    run_.begin(scene, true);
   }
 
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
-    if (scene_ == nullptr) throw std::logic_error("Engine::draw before begin");
+    run_.need_begun("draw");
     trace_ = trace;
-    deliver_constants();
+    run_.deliver_constants(trace);
     std::int64_t index = first_index;
     for (const Triangle& triangle : triangles) {
-      model::check_triangle(*scene_, triangle, index);
-      texture_ = model::texture_of(*scene_, triangle.texture);
-      back_ = model::surface_of(pipeline_, triangle).back;
+      model::check_triangle(*run_.scene, triangle, index);
+      texture_ = model::texture_of(*run_.scene, triangle.texture);
+      back_ = model::surface_of(run_.pipeline, triangle).back;
       draw_one(triangle, index++);
     }
   }
 
   void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    if (scene_ == nullptr) throw std::logic_error("Engine::set before begin");
-    trace_ = trace;
-    deliver_constants();
-    deliver(trace_, model::change_state(pipeline_, config_, change, next_index));
-    model::prepare_frame(pipeline_, frame_);
+    run_.set(config_, change, next_index, trace);
   }
-  void clear(const Clear& clear) override {
-    clear_planes(frame_, clear, static_cast<std::uint32_t>(pipeline_.depth.clear));
-  }
+  void clear(const Clear& clear) override { run_.clear(clear); }
 
   PlaneOfRows set_plane(const SetupRecord& setup) override {
-    plane_rows_ = model::plane_rows(pipeline_, setup, walk_);
+    plane_rows_ = model::plane_rows(run_.pipeline, setup, walk_);
     return {walk_.geometry.along_y, plane_rows_};
   }
   // The row comes from elsewhere, so its own stage has no hook.
   void draw_row(const AnyRow& any, std::size_t /*plane_row*/, int texture, Trace* trace) override {
     trace_ = trace;
-    texture_ = model::texture_of(*scene_, texture);
+    texture_ = model::texture_of(*run_.scene, texture);
     back_ = false;
-    model::check_draws_rows(pipeline_);
-    deliver_constants();
-    ++counters_.rows;
-    if (pipeline_.const_depth_rows) --counters_.divides_saved;
+    check_draws_rows(config_, any);
+    run_.deliver_constants(trace);
+    ++run_.counters.rows;
+    if (run_.pipeline.const_depth_rows) --run_.counters.divides_saved;
     if (const auto* row = std::get_if<RowRecord>(&any)) {
       deliver(trace_, *row);
       draw_span(*row);
@@ -79,11 +69,6 @@ class OverriddenModel final : public Engine, public RowEngine {
   }
 
  private:
-  void deliver_constants() {
-    if (trace_ == nullptr || constants_delivered_) return;
-    trace_->constants.push_back(pipeline_.constants.record);
-    constants_delivered_ = true;
-  }
   template <class In, class Record>
   void hook(const In& in, Record& out) const {
     const StageHook& function = hooks_[static_cast<std::size_t>(record_type<Record>)];
@@ -98,19 +83,19 @@ class OverriddenModel final : public Engine, public RowEngine {
   }
 
   void draw_one(const Triangle& triangle, std::int64_t index) {
-    ++counters_.triangles;
+    ++run_.counters.triangles;
     SetupRecord vertices;
-    if (!model::setup(pipeline_.setup, triangle, index, vertices)) {
-      ++counters_.degenerate;
+    if (!model::setup(run_.pipeline.setup, triangle, index, vertices)) {
+      ++run_.counters.degenerate;
       return;
     }
-    finish(pipeline_.constants.record, vertices);
-    if (pipeline_.has_gradients) {
-      gradient_ = model::setup_gradients(pipeline_.plane_walk, vertices);
+    finish(run_.pipeline.constants.record, vertices);
+    if (run_.pipeline.has_gradients) {
+      gradient_ = model::setup_gradients(run_.pipeline.plane_walk, vertices);
       finish(vertices, gradient_);
-      if (!pipeline_.const_depth_rows) counters_.divides_edge += model::divides_per_gradients;
+      if (!run_.pipeline.const_depth_rows) run_.counters.divides_edge += model::divides_per_gradients;
     }
-    if (pipeline_.const_depth_rows) {
+    if (run_.pipeline.const_depth_rows) {
       draw_planes(vertices);
     } else {
       draw_rows(vertices);
@@ -118,30 +103,36 @@ class OverriddenModel final : public Engine, public RowEngine {
   }
 
   void draw_planes(const SetupRecord& vertices) {
-    model::start_plane_walk(pipeline_.plane_walk, vertices, walk_);
+    model::start_plane_walk(run_.pipeline.plane_walk, vertices, walk_);
     deliver(trace_, walk_.record);
-    counters_.divides_edge += model::divides_per_plane;
+    run_.counters.divides_edge += model::divides_per_plane;
     PlaneRowRecord row;
     while (!finished(walk_)) {
-      if (!model::plane_walk(pipeline_.plane_walk, walk_, row)) continue;
-      ++counters_.rows;
-      --counters_.divides_saved;
+      if (!model::plane_walk(run_.pipeline.plane_walk, walk_, row)) continue;
+      ++run_.counters.rows;
+      --run_.counters.divides_saved;
       finish(walk_.record, row);
       draw_span(row);
     }
   }
 
   void draw_rows(const SetupRecord& vertices) {
-    model::Edges edges = model::setup_edges(pipeline_.setup, vertices);
+    model::Edges edges = model::setup_edges(run_.pipeline.setup, vertices);
     const auto with_height = std::span(edges.edge).first(static_cast<std::size_t>(edges.count));
-    counters_.divides_edge += with_height.size() * static_cast<std::size_t>(pipeline_.setup.divides_per_edge);
+    run_.counters.divides_edge +=
+        with_height.size() * static_cast<std::size_t>(run_.pipeline.setup.divides_per_edge);
     for (EdgeRecord& edge : with_height) finish(vertices, edge);
-    model::EdgeWalkState state = model::start_edge_walk(pipeline_.edge_walk, vertices, edges);
+    if (run_.pipeline.by_plane) {
+      plane_ = model::setup_plane(run_.pipeline.setup_plane, vertices);
+      finish(vertices, plane_.record);
+      run_.counters.divides_edge += static_cast<std::uint64_t>(run_.pipeline.setup_plane.divides_per_plane);
+    }
+    model::EdgeWalkState state = model::start_edge_walk(run_.pipeline.edge_walk, vertices, edges);
     RowRecord row;
     while (!finished(state)) {
-      if (!model::edge_walk(pipeline_.edge_walk, state, row)) continue;
-      ++counters_.rows;
-      counters_.divides_edge += static_cast<std::uint64_t>(pipeline_.edge_walk.divides_per_row);
+      if (!model::edge_walk(run_.pipeline.edge_walk, state, row)) continue;
+      ++run_.counters.rows;
+      run_.counters.divides_edge += static_cast<std::uint64_t>(run_.pipeline.edge_walk.divides_per_row);
       finish(*std::ranges::find(with_height, row.l_edge, &EdgeRecord::edge), row);
       draw_span(row);
     }
@@ -149,103 +140,49 @@ class OverriddenModel final : public Engine, public RowEngine {
 
   void draw_span(const RowRecord& row) {
     SpanRecord span;
-    counters_.divides_row += static_cast<std::uint64_t>(model::span_setup(pipeline_.span_setup, row, span));
+    run_.counters.divides_row += static_cast<std::uint64_t>(
+        run_.pipeline.by_plane ? model::span_setup(run_.pipeline.span_setup, row, plane_, span)
+                               : model::span_setup(run_.pipeline.span_setup, row, span));
     finish(row, span);
     draw_fragments(span);
   }
   void draw_span(const PlaneRowRecord& row) {
     SpanRecord span;
-    counters_.divides_row +=
-        static_cast<std::uint64_t>(model::span_setup(pipeline_.span_setup, row, walk_.geometry, span));
+    run_.counters.divides_row +=
+        static_cast<std::uint64_t>(model::span_setup(run_.pipeline.span_setup, row, walk_.geometry, span));
     finish(row, span);
     draw_fragments(span);
   }
 
   void draw_fragments(const SpanRecord& span) {
     fragments_.clear();
-    model::span_to_fragments(pipeline_, span, pipeline_.const_depth_rows ? &walk_.geometry : nullptr,
-                             fragments_, counters_);
+    model::span_to_fragments(run_.pipeline, span, run_.pipeline.const_depth_rows ? &walk_.geometry : nullptr,
+                             fragments_, run_.counters);
+    const auto finish_fragment = [this](const auto& in, auto& out) { finish(in, out); };
+    model::FragmentDrawing<decltype(finish_fragment)> drawing{
+        run_.pipeline, texture_, &gradient_, back_, run_.frame, run_.counters, finish_fragment};
     for (FragmentRecord& fragment : fragments_) {
       const std::int64_t covered = fragment.covered;
       finish(span, fragment);
       count_covered(fragment.covered - covered);
-      if (fragment.covered == 1) draw_fragment(fragment);
+      if (fragment.covered == 1) drawing.draw(fragment);
     }
   }
   void count_covered(std::int64_t more) {
-    counters_.covered += static_cast<std::uint64_t>(more);
-    if (pipeline_.const_depth_rows) counters_.divides_saved += more;
-  }
-
-  bool passes(const FragmentRecord& fragment, std::size_t at, DepthRecord& z) {
-    model::depth(pipeline_.depth, fragment, frame_.depth[at], z);
-    finish(fragment, z);
-    bool passed = z.pass == 1;
-    if (pipeline_.stencil.test) {
-      StencilRecord out;
-      model::stencil(pipeline_.stencil, back_, z, frame_.stencil[at], out);
-      finish(z, out);
-      frame_.stencil[at] = static_cast<std::uint8_t>(out.value);
-      if (out.pass == 0) ++counters_.stencil_failed;
-      passed = passed && out.pass == 1;
-    }
-    if (passed) ++counters_.depth_passed;
-    return passed;
-  }
-  bool lives(const FragmentRecord& fragment, TextureRecord& texel) {
-    LodRecord level;
-    if (pipeline_.has_lod) {
-      model::fragment_lod(pipeline_, fragment, texture_, &gradient_, level, nullptr);
-      finish(fragment, level);
-    }
-    model::fragment_texture(pipeline_, fragment, texture_, level, texel);
-    finish(fragment, texel);
-    if (texel.killed == 1) ++counters_.killed;
-    return texel.killed == 0;
-  }
-  void draw_fragment(const FragmentRecord& fragment) {
-    if (!model::is_drawn(pipeline_.state, fragment.x, fragment.y)) {
-      ++counters_.masked;
-      return;
-    }
-    const std::size_t at = pixel_of(frame_, fragment);
-    DepthRecord z;
-    TextureRecord texel;
-    if (is_late(pipeline_.state.depth_when)) {
-      if (!lives(fragment, texel) || !passes(fragment, at, z)) return;
-    } else {
-      if (!passes(fragment, at, z) || !lives(fragment, texel)) return;
-    }
-    FogRecord fogged;
-    model::fog(pipeline_.fog, fragment, texel, fogged);
-    finish(fragment, fogged);
-    std::uint8_t* const color = frame_.color.data() + 4 * at;
-    MergeRecord merged;
-    model::merge(pipeline_.merge, z, texel, fogged, {color[0], color[1], color[2], color[3]}, merged);
-    finish(z, merged);
-    const WriteMask mask = model::write_mask(pipeline_.state);
-    if (pipeline_.merge.changes_alpha) {
-      MergeAlphaRecord alpha = model::merged_alpha(pipeline_.merge, texel, color[3]);
-      finish(merged, alpha);
-      if (mask.color) color[3] = static_cast<std::uint8_t>(alpha.a);
-    }
-    ++counters_.written;
-    write_fragment(frame_, fragment, merged, uv_ulp_, mask);
+    run_.counters.covered += static_cast<std::uint64_t>(more);
+    if (run_.pipeline.const_depth_rows) run_.counters.divides_saved += more;
   }
 
   Config config_;
   StageHooks hooks_;
-  const Scene* scene_ = nullptr;
-  model::Pipeline pipeline_;
-  double uv_ulp_ = 1;
-  Frame frame_;
-  Counters counters_;
-  bool constants_delivered_ = false;  // once per scene
+  model::SceneRun run_;
   // Of the draw under way.
   Trace* trace_ = nullptr;
   const Texture* texture_ = nullptr;
-  bool back_ = false;        // a back face
-  GradientRecord gradient_;  // of the triangle under way
+  bool back_ = false;  // a back face
+  // Of the triangle under way.
+  GradientRecord gradient_;
+  model::TrianglePlane plane_;
   // Reused from triangle to triangle.
   model::PlaneWalkState walk_;
   std::vector<PlaneRowRecord> plane_rows_;

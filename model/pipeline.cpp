@@ -42,44 +42,92 @@ Pipeline make_pipeline(const Config& config, const Scene& scene, Watch watch) {
   p.const_depth_rows = has_plane_rows(config.perspective);
   p.constants = make_constants(config, scene, watch);
   p.setup = prepare_setup(config, p.constants);
+  p.by_plane = has_setup_plane(config);
+  if (p.by_plane) p.setup_plane = prepare_setup_plane(config, p.constants);
   p.edge_walk = prepare_edge_walk(config, p.constants, scene.width, scene.height);
   p.plane_walk = prepare_plane_walk(config, p.constants, scene.width, scene.height);
   p.span_setup = prepare_span_setup(config, p.constants);
   p.span = prepare_span(config, p.constants);
   p.depth = prepare_depth(config, p.constants);
+  p.has_distance = has_distance(config);
+  if (p.has_distance) p.distance = prepare_distance(config, p.constants, scene, watch);
   p.has_lod = has_lod(config);
-  p.has_gradients = has_lod_gradients(config);
+  p.has_gradients = has_setup_gradients(config);
   if (p.has_lod) {
     p.lod = prepare_lod(config, p.constants, watch);
     p.mip_chains = MipChains(config, scene);
   }
   p.texture = prepare_texture(config);
+  p.texture_second = prepare_texture_second(config);
   p.fog = prepare_fog(config, p.constants, scene, watch);
   p.merge = prepare_merge(config);
   p.first = first_state(config);
-  set_state(p, p.first);
+  set_state(p, scene, p.first);
   return p;
 }
 
-void set_state(Pipeline& pipeline, const DrawState& state) {
+namespace {
+
+bool is_constant(BlendFactor factor) {
+  return factor >= BlendFactor::constant_color && factor <= BlendFactor::one_minus_constant_alpha;
+}
+
+// Whether two states draw alike because what they differ in is not looked at.
+bool act_alike(DrawState s, const DrawState& other) {
+  if (s.alpha_func == CompareFunc::always) s.alpha_ref = other.alpha_ref;
+  if (!is_constant(s.blend_src) && !is_constant(s.blend_dst) && !is_constant(s.blend_alpha_src) &&
+      !is_constant(s.blend_alpha_dst)) {
+    s.blend_red = other.blend_red;
+    s.blend_green = other.blend_green;
+    s.blend_blue = other.blend_blue;
+    s.blend_alpha = other.blend_alpha;
+  }
+  if (!is_narrow(s.target_format)) s.target_dither = other.target_dither;
+  if (s.chroma_test == ChromaTest::none) {
+    s.chroma_low_red = other.chroma_low_red;
+    s.chroma_low_green = other.chroma_low_green;
+    s.chroma_low_blue = other.chroma_low_blue;
+    s.chroma_high_red = other.chroma_high_red;
+    s.chroma_high_green = other.chroma_high_green;
+    s.chroma_high_blue = other.chroma_high_blue;
+  }
+  if (!has_second_texture(s)) {
+    s.texture1_op = other.texture1_op;
+    s.texture1_scale = other.texture1_scale;
+    s.texture1_red = other.texture1_red;
+    s.texture1_green = other.texture1_green;
+    s.texture1_blue = other.texture1_blue;
+  }
+  return s == other;
+}
+
+}  // namespace
+
+void set_state(Pipeline& pipeline, const Scene& scene, const DrawState& state) {
   pipeline.state = state;
+  pipeline.acts_as_first = act_alike(state, pipeline.first);
+  pipeline.masks_pixels = masks_pixels(state);
   pipeline.depth.func = state.depth_func;
   pipeline.depth.bias = state.depth_bias;
   pipeline.texture.alpha_func = state.alpha_func;
   pipeline.texture.alpha_ref = state.alpha_ref;
+  pipeline.texture.chroma = chroma_of(state);
+  pipeline.texture.is_last = !has_second_texture(state);
+  set_texture_second(pipeline.texture_second, state, texture_of(scene, state.texture1));
   pipeline.stencil = prepare_stencil(state);
   set_blend(pipeline.merge, blend_of(state));
 }
 
-StateRecord change_state(Pipeline& pipeline, const Config& config, const StateChange& change,
-                         std::int64_t next_index) {
-  set_state(pipeline, changed_state(pipeline.state, change, config));
-  return state_record(pipeline.state, next_index);
-}
-
-void prepare_frame(const Pipeline& pipeline, Frame& frame) {
+void change_state(Pipeline& pipeline, const Scene& scene, Frame& frame, const DrawState& state,
+                  std::int64_t next_index, Trace* trace) {
+  set_state(pipeline, scene, state);
   if (pipeline.stencil.test) need_stencil(frame);
   if (pipeline.merge.changes_alpha) frame.full_alpha = false;
+  if (trace != nullptr) deliver(trace, state_record(state, next_index));
+}
+
+void clear_planes(const Pipeline& pipeline, Frame& frame, const Clear& clear) {
+  bitspan::clear_planes(frame, held(pipeline.merge, clear), static_cast<std::uint32_t>(pipeline.depth.clear));
 }
 
 bool is_drawn(const DrawState& s, std::int64_t x, std::int64_t y) {
@@ -127,6 +175,7 @@ void Rows::clear() {
   planes.clear();
   plane_of.clear();
   gradients.clear();
+  triangle_planes.clear();
 }
 
 template <class Watch>
@@ -166,6 +215,11 @@ bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::i
   const auto edge_count = static_cast<std::size_t>(edges.count);
   counters.divides_edge += edge_count * static_cast<std::size_t>(pipeline.setup.divides_per_edge);
   deliver_all(trace, std::span(edges.edge).first(edge_count));
+  if (pipeline.by_plane) {
+    out.triangle_planes.push_back(setup_plane(pipeline.setup_plane, vertices, watch));
+    counters.divides_edge += static_cast<std::uint64_t>(pipeline.setup_plane.divides_per_plane);
+    deliver(trace, out.triangle_planes.back().record);
+  }
   EdgeWalkState state = start_edge_walk(pipeline.edge_walk, vertices, edges);
   RowRecord row;
   while (!finished(state)) {
@@ -183,9 +237,15 @@ template <class Watch>
 SpanRecord row_to_span(const Pipeline& pipeline, const Rows& rows, std::size_t i, Counters& counters,
                        Watch watch) {
   SpanRecord span;
-  const int divides = pipeline.const_depth_rows ? span_setup(pipeline.span_setup, rows.plane_rows[i],
-                                                             *geometry_of(rows, i), span, watch)
-                                                : span_setup(pipeline.span_setup, rows.rows[i], span, watch);
+  int divides = 0;
+  if (pipeline.const_depth_rows) {
+    divides = span_setup(pipeline.span_setup, rows.plane_rows[i], *geometry_of(rows, i), span, watch);
+  } else if (pipeline.by_plane) {
+    const RowRecord& row = rows.rows[i];
+    divides = span_setup(pipeline.span_setup, row, triangle_plane_of(rows, row.triangle), span, watch);
+  } else {
+    divides = span_setup(pipeline.span_setup, rows.rows[i], span, watch);
+  }
   counters.divides_row += static_cast<std::uint64_t>(divides);
   return span;
 }
@@ -193,6 +253,11 @@ SpanRecord row_to_span(const Pipeline& pipeline, const Rows& rows, std::size_t i
 const GradientRecord* gradient_of(const Rows& rows, std::int64_t triangle) {
   const auto found = std::ranges::lower_bound(rows.gradients, triangle, {}, &GradientRecord::triangle);
   return found == rows.gradients.end() || found->triangle != triangle ? nullptr : &*found;
+}
+
+const TrianglePlane& triangle_plane_of(const Rows& rows, std::int64_t triangle) {
+  return *std::ranges::lower_bound(rows.triangle_planes, triangle, {},
+                                   [](const TrianglePlane& p) { return p.record.triangle; });
 }
 
 const PlaneGeometry* geometry_of(const Rows& rows, std::size_t i) {
@@ -206,25 +271,27 @@ void span_to_fragments(const Pipeline& pipeline, const SpanRecord& span, const P
   auto at = out.size();
   out.resize(at + static_cast<std::size_t>(span.count));
   std::int64_t covered = 0;
+  int divides = 0;
   while (!finished(state)) {
     bitspan::model::span(pipeline.span, state, out[at], watch);
     covered += out[at].covered;
+    divides += state.divides;
     ++at;
   }
   const auto count = static_cast<std::uint64_t>(span.count);
   counters.fragments += count;
   counters.covered += static_cast<std::uint64_t>(covered);
-  counters.divides_pixel += count * static_cast<std::uint64_t>(pipeline.span.divides_per_fragment);
+  counters.divides_pixel += static_cast<std::uint64_t>(divides);
   counters.divides_saved += pipeline.const_depth_rows ? covered : 0;
 }
 
 template <class Watch>
 void fragment_lod(const Pipeline& pipeline, const FragmentRecord& fragment, const Texture* texture,
-                  const GradientRecord* gradient, LodRecord& out, Trace* trace, Watch watch) {
-  if (!pipeline.has_lod) return;
+                  const GradientRecord* gradient, const DistanceRecord& distance, LodRecord& out,
+                  Watch watch) {
   const MipChain* chain = pipeline.mip_chains.of(texture);
-  lod(pipeline.lod, fragment, gradient, chain == nullptr ? 1 : static_cast<int>(chain->size()), out, watch);
-  deliver(trace, out);
+  lod(pipeline.lod, fragment, gradient, distance, chain == nullptr ? 1 : static_cast<int>(chain->size()), out,
+      watch);
 }
 
 template <class Watch>
@@ -235,92 +302,22 @@ bool fragment_texture(const Pipeline& pipeline, const FragmentRecord& fragment, 
              : texture(pipeline.texture, image, fragment, out, watch);
 }
 
-void check_draws_rows(const Pipeline& pipeline) {
-  if (!pipeline.has_gradients) return;
-  throw InputError(
-      "lod.mode = gradient takes gradients of a whole triangle, and a row has none; legal: draw triangles, "
-      "or "
-      "lod.mode none, zone_s");
-}
-
-namespace {
-
-// The fragments of one triangle through depth to merge.
 template <class Watch>
-struct FragmentDrawing {
-  const Pipeline& pipeline;
-  const Texture* image;
-  const GradientRecord* gradient;
-  bool back;
-  Frame& frame;
-  Counters& counters;
-  Trace* trace;
-  Watch watch;
-  const double uv_ulp = std::ldexp(1.0, -pipeline.texture.uv.fraction);
-  const WriteMask mask = write_mask(pipeline.state);
-  const bool may_be_masked = masks_pixels(pipeline.state);
-  const bool tests_late = is_late(pipeline.state.depth_when);
-  DepthRecord z{};
-  StencilRecord stencilled{};
-  LodRecord level{};
-  TextureRecord texel{};
-  FogRecord fogged{};
-  MergeRecord merged{};
-
-  bool passes(const FragmentRecord& fragment, std::size_t at) {
-    bool passed = depth(pipeline.depth, fragment, frame.depth[at], z, watch);
-    deliver(trace, z);
-    if (pipeline.stencil.test) {
-      passed = stencil(pipeline.stencil, back, z, frame.stencil[at], stencilled);
-      frame.stencil[at] = static_cast<std::uint8_t>(stencilled.value);
-      deliver(trace, stencilled);
-      if (stencilled.pass == 0) ++counters.stencil_failed;
-    }
-    if (passed) ++counters.depth_passed;
-    return passed;
-  }
-  bool lives(const FragmentRecord& fragment) {
-    fragment_lod(pipeline, fragment, image, gradient, level, trace, watch);
-    const bool alive = fragment_texture(pipeline, fragment, image, level, texel, watch);
-    deliver(trace, texel);
-    if (!alive) ++counters.killed;
-    return alive;
-  }
-  void draw(const FragmentRecord& fragment) {
-    if (may_be_masked && !is_drawn(pipeline.state, fragment.x, fragment.y)) {
-      ++counters.masked;
-      return;
-    }
-    const std::size_t at = pixel_of(frame, fragment);
-    if (tests_late) {
-      if (!lives(fragment) || !passes(fragment, at)) return;
-    } else {
-      if (!passes(fragment, at) || !lives(fragment)) return;
-    }
-    fog(pipeline.fog, fragment, texel, fogged, watch);
-    deliver(trace, fogged);
-    std::uint8_t* color = frame.color.data() + 4 * at;
-    merge(pipeline.merge, z, texel, fogged, {color[0], color[1], color[2], color[3]}, merged, watch);
-    deliver(trace, merged);
-    if (pipeline.merge.changes_alpha) {
-      const MergeAlphaRecord alpha = merged_alpha(pipeline.merge, texel, color[3]);
-      deliver(trace, alpha);
-      if (mask.color) color[3] = static_cast<std::uint8_t>(alpha.a);
-    }
-    ++counters.written;
-    write_fragment(frame, fragment, merged, uv_ulp, mask);
-  }
-};
-
-}  // namespace
+bool fragment_texture_second(const Pipeline& pipeline, const FragmentRecord& fragment, const LodRecord& lod,
+                             const TextureRecord& first, TextureSecondRecord& out, Watch watch) {
+  const TextureSecondStage& stage = pipeline.texture_second;
+  return texture_second(stage, pipeline.has_lod ? pipeline.mip_chains.of(stage.image) : nullptr, fragment,
+                        lod, first, out, watch);
+}
 
 template <class Watch>
 void fragments_to_frame(const Pipeline& pipeline, const Scene& scene,
                         std::span<const FragmentRecord> fragments, const Surface& surface,
                         const GradientRecord* gradient, Frame& frame, Counters& counters, Trace* trace,
                         Watch watch) {
-  FragmentDrawing<Watch> drawing{
-      pipeline, texture_of(scene, surface.texture), gradient, surface.back, frame, counters, trace, watch};
+  const auto finish = [trace](const auto& /*in*/, const auto& out) { deliver(trace, out); };
+  FragmentDrawing<decltype(finish), Watch> drawing{
+      pipeline, texture_of(scene, surface.texture), gradient, surface.back, frame, counters, finish, watch};
   for (const FragmentRecord& fragment : fragments) {
     if (fragment.covered != 0) drawing.draw(fragment);
   }
@@ -353,7 +350,6 @@ void draw_triangles(const Pipeline& pipeline, const Scene& scene, std::span<cons
 void row_to_frame(const Pipeline& pipeline, const Scene& scene, const AnyRow& any,
                   const PlaneGeometry* geometry, const Surface& surface, Frame& frame, Counters& counters,
                   Trace* trace) {
-  check_draws_rows(pipeline);
   ++counters.rows;
   if (pipeline.const_depth_rows) --counters.divides_saved;
   SpanRecord span;
@@ -414,9 +410,11 @@ template void span_to_fragments(const Pipeline&, const SpanRecord&, const PlaneG
 template void span_to_fragments(const Pipeline&, const SpanRecord&, const PlaneGeometry*,
                                 std::vector<FragmentRecord>&, Counters&, Observe);
 template void fragment_lod(const Pipeline&, const FragmentRecord&, const Texture*, const GradientRecord*,
-                           LodRecord&, Trace*, NoObserve);
+                           const DistanceRecord&, LodRecord&, NoObserve);
 template bool fragment_texture(const Pipeline&, const FragmentRecord&, const Texture*, const LodRecord&,
                                TextureRecord&, NoObserve);
+template bool fragment_texture_second(const Pipeline&, const FragmentRecord&, const LodRecord&,
+                                      const TextureRecord&, TextureSecondRecord&, NoObserve);
 template void fragments_to_frame(const Pipeline&, const Scene&, std::span<const FragmentRecord>,
                                  const Surface&, const GradientRecord*, Frame&, Counters&, Trace*, NoObserve);
 template void draw_triangles(const Pipeline&, const Scene&, std::span<const Triangle>, std::int64_t,

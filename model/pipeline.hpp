@@ -6,27 +6,32 @@
 // place of the second; the timed model calls the stage functions of model/stages/ itself.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "config/config.hpp"
 #include "engine/engine.hpp"
+#include "engine/frame.hpp"
 #include "engine/records.hpp"
 #include "engine/rows.hpp"
 #include "model/mip_chain.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/depth.hpp"
+#include "model/stages/distance.hpp"
 #include "model/stages/edge_walk.hpp"
 #include "model/stages/fog.hpp"
 #include "model/stages/lod.hpp"
 #include "model/stages/merge.hpp"
 #include "model/stages/plane_walk.hpp"
 #include "model/stages/setup.hpp"
+#include "model/stages/setup_plane.hpp"
 #include "model/stages/span.hpp"
 #include "model/stages/span_setup.hpp"
 #include "model/stages/stencil.hpp"
 #include "model/stages/texture.hpp"
+#include "model/stages/texture_second.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan::model {
@@ -35,34 +40,44 @@ struct Pipeline {
   bool const_depth_rows = false;
   Constants constants;
   SetupStage setup;
+  bool by_plane = false;  // slope.row = plane
+  SetupPlaneStage setup_plane;
   EdgeWalkStage edge_walk;
   PlaneWalkStage plane_walk;
   SpanSetupStage span_setup;
   SpanStage span;
   DepthStage depth;
-  bool has_lod = false, has_gradients = false;  // as in config/modes.hpp
+  bool has_distance = false, has_lod = false, has_gradients = false;  // as in config/modes.hpp
+  DistanceStage distance;
   LodStage lod;
   MipChains mip_chains;
   TextureStage texture;
+  TextureSecondStage texture_second;
   FogStage fog;
   MergeStage merge;
   StencilStage stencil;
-  DrawState state;  // in force; set_state has told the stages
-  DrawState first;  // of the scene's start
+  DrawState state;            // in force; set_state has told the stages
+  DrawState first;            // of the scene's start
+  bool masks_pixels = false;  // scissor or stipple may keep a pixel of `state` from being drawn
+  bool acts_as_first =
+      true;  // `state` differs from the first one in registers at most that it does not look at
 
-  // Whether the vector form draws: it has the first state alone, and writes pixels whose alpha is 255.
-  bool draws_in_lanes(const Frame& frame) const { return state == first && frame.full_alpha; }
+  // Whether the vector form draws: it acts as the first state does, and writes pixels whose alpha is 255.
+  bool draws_in_lanes(const Frame& frame) const { return acts_as_first && frame.full_alpha; }
 };
 
-// Gives the stages the registers of a draw state.
-void set_state(Pipeline& pipeline, const DrawState& state);
-// Changes the state in force; throws InputError as changed_state does. Returns the record of the new state.
-StateRecord change_state(Pipeline& pipeline, const Config& config, const StateChange& change,
-                         std::int64_t next_index);
-// Makes the frame ready for the state in force: a stencil plane where it is tested.
-void prepare_frame(const Pipeline& pipeline, Frame& frame);
+// Gives the stages the registers of a draw state; scene: whose textures it names.
+void set_state(Pipeline& pipeline, const Scene& scene, const DrawState& state);
+// The same, makes the frame ready for it (a stencil plane where that is tested), and delivers its record.
+void change_state(Pipeline& pipeline, const Scene& scene, Frame& frame, const DrawState& state,
+                  std::int64_t next_index, Trace* trace);
+// As Engine::clear.
+void clear_planes(const Pipeline& pipeline, Frame& frame, const Clear& clear);
 // Whether scissor and stipple let a pixel be drawn.
 bool is_drawn(const DrawState& state, std::int64_t x, std::int64_t y);
+inline bool is_drawn(const Pipeline& pipeline, const FragmentRecord& fragment) {
+  return !pipeline.masks_pixels || is_drawn(pipeline.state, fragment.x, fragment.y);
+}
 // What the fragments of a triangle have in common behind span.
 struct Surface {
   int texture = -1;   // index into Scene::textures, -1 for none
@@ -89,7 +104,8 @@ struct Rows {
   std::vector<PlaneRowRecord> plane_rows;
   std::vector<PlaneGeometry> planes;      // const_depth_rows: one per triangle that has an area
   std::vector<std::int32_t> plane_of;     // index into planes, one a plane row
-  std::vector<GradientRecord> gradients;  // where lod takes them: one per triangle that has an area
+  std::vector<GradientRecord> gradients;  // where depth or lod takes them: one per triangle that has an area
+  std::vector<TrianglePlane> triangle_planes;  // slope.row = plane: one per triangle that has an area
   std::size_t size() const { return rows.size() + plane_rows.size(); }
   void clear();
 };
@@ -105,8 +121,10 @@ bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::i
 template <class Watch = NoObserve>
 SpanRecord row_to_span(const Pipeline& pipeline, const Rows& rows, std::size_t i, Counters& counters,
                        Watch watch = {});
-// The gradients of a triangle by its index; null where lod takes none.
+// The gradients of a triangle by its index; null where nothing takes them.
 const GradientRecord* gradient_of(const Rows& rows, std::int64_t triangle);
+// The plane of a triangle by its index, where slope.row = plane.
+const TrianglePlane& triangle_plane_of(const Rows& rows, std::int64_t triangle);
 // The digital line of row i for start_span; null in the other modes.
 const PlaneGeometry* geometry_of(const Rows& rows, std::size_t i);
 // Step two, second half: appends the span's fragments. Counts fragments, covered, divides_pixel,
@@ -115,18 +133,112 @@ template <class Watch = NoObserve>
 void span_to_fragments(const Pipeline& pipeline, const SpanRecord& span, const PlaneGeometry* geometry,
                        std::vector<FragmentRecord>& out, Counters& counters, Watch watch = {});
 
-// lod and texture of a fragment that passed the depth test; texture null for none, gradient as for lod. The
-// record of lod is made and delivered by the first, where textures have mip chains.
+// lod and texture of a fragment; texture null for none, gradient and distance as for lod. There is lod only
+// where textures have mip chains.
 template <class Watch = NoObserve>
 void fragment_lod(const Pipeline& pipeline, const FragmentRecord& fragment, const Texture* texture,
-                  const GradientRecord* gradient, LodRecord& out, Trace* trace, Watch watch = {});
+                  const GradientRecord* gradient, const DistanceRecord& distance, LodRecord& out,
+                  Watch watch = {});
 template <class Watch = NoObserve>
 bool fragment_texture(const Pipeline& pipeline, const FragmentRecord& fragment, const Texture* texture,
                       const LodRecord& lod, TextureRecord& out, Watch watch = {});
+// texture.second of a fragment that the first unit does not kill, while the second one is on.
+template <class Watch = NoObserve>
+bool fragment_texture_second(const Pipeline& pipeline, const FragmentRecord& fragment, const LodRecord& lod,
+                             const TextureRecord& first, TextureSecondRecord& out, Watch watch = {});
+
+// Which planes fragments are written to.
+inline WriteMask write_mask(const DrawState& state) { return {state.color_write, state.depth_write}; }
+
+// From depth to the frame, in the order of the draw state: the fragments of one triangle, one after another.
+// finish(in, out) is called with each record when it is made, and the one that it was made from; it may
+// change it. Counts masked, stencil_failed, depth_passed, killed, written.
+template <class Finish, class Watch = NoObserve>
+struct FragmentDrawing {
+  const Pipeline& pipeline;
+  const Texture* image;            // null for none
+  const GradientRecord* gradient;  // as for depth and lod
+  bool back;                       // a back face
+  Frame& frame;
+  Counters& counters;
+  Finish finish;
+  Watch watch{};
+
+  const double uv_ulp = std::ldexp(1.0, -pipeline.texture.uv.fraction);
+  const WriteMask mask = write_mask(pipeline.state);
+  const bool tests_late = is_late(pipeline.state.depth_when);
+  DepthRecord z{};
+  StencilRecord stencilled{};
+  DistanceRecord far{};
+  LodRecord level{};
+  TextureRecord texel{};  // behind both units
+  TextureSecondRecord second{};
+  FogRecord fogged{};
+  MergeRecord merged{};
+
+  bool passes(const FragmentRecord& fragment, std::size_t at) {
+    depth(pipeline.depth, fragment, gradient, frame.depth[at], z, watch);
+    finish(fragment, z);
+    bool passed = z.pass == 1;
+    if (pipeline.stencil.test) {
+      stencil(pipeline.stencil, back, z, frame.stencil[at], stencilled);
+      finish(z, stencilled);
+      frame.stencil[at] = static_cast<std::uint8_t>(stencilled.value);
+      if (stencilled.pass == 0) ++counters.stencil_failed;
+      passed = passed && stencilled.pass == 1;
+    }
+    if (passed) ++counters.depth_passed;
+    return passed;
+  }
+  bool lives(const FragmentRecord& fragment) {
+    if (pipeline.has_distance) {
+      distance(pipeline.distance, fragment, far, watch);
+      finish(fragment, far);
+    }
+    if (pipeline.has_lod) {
+      fragment_lod(pipeline, fragment, image, gradient, far, level, watch);
+      finish(fragment, level);
+    }
+    fragment_texture(pipeline, fragment, image, level, texel, watch);
+    finish(fragment, texel);
+    if (pipeline.texture_second.is_on() && texel.killed == 0) {
+      fragment_texture_second(pipeline, fragment, level, texel, second, watch);
+      finish(fragment, second);
+      texel = combined(texel, second);
+    }
+    if (texel.killed == 1) ++counters.killed;
+    return texel.killed == 0;
+  }
+  // A fragment that covers its pixel.
+  void draw(const FragmentRecord& fragment) {
+    if (!is_drawn(pipeline, fragment)) {
+      ++counters.masked;
+      return;
+    }
+    const std::size_t at = pixel_of(frame, fragment);
+    if (tests_late) {
+      if (!lives(fragment) || !passes(fragment, at)) return;
+    } else {
+      if (!passes(fragment, at) || !lives(fragment)) return;
+    }
+    fog(pipeline.fog, fragment, far, texel, fogged, watch);
+    finish(fragment, fogged);
+    std::uint8_t* const color = frame.color.data() + 4 * at;
+    merge(pipeline.merge, z, texel, fogged, {color[0], color[1], color[2], color[3]}, merged, watch);
+    finish(z, merged);
+    if (pipeline.merge.changes_alpha) {
+      MergeAlphaRecord alpha = merged_alpha(pipeline.merge, texel, color[3]);
+      finish(merged, alpha);
+      if (mask.color) color[3] = static_cast<std::uint8_t>(alpha.a);
+    }
+    ++counters.written;
+    write_fragment(frame, fragment, merged, uv_ulp, mask);
+  }
+};
 
 // Step three: depth to merge of fragments of one triangle, in the order of the draw state; gradient as
-// gradient_of gives it. With a trace,
-// appends the records of these stages. Counts masked, stencil_failed, depth_passed, killed, written.
+// gradient_of gives it. With a trace, appends the records of these stages. Counts masked, stencil_failed,
+// depth_passed, killed, written.
 template <class Watch = NoObserve>
 void fragments_to_frame(const Pipeline& pipeline, const Scene& scene,
                         std::span<const FragmentRecord> fragments, const Surface& surface,
@@ -146,8 +258,6 @@ void draw_triangles(const Pipeline& pipeline, const Scene& scene, std::span<cons
                     std::int64_t first_index, DrawBuffers& buffers, Frame& frame, Counters& counters,
                     Trace* trace, Watch watch = {});
 
-// Throws InputError where lod takes gradients: a row that was made elsewhere has no triangle's.
-void check_draws_rows(const Pipeline& pipeline);
 // A row that was made elsewhere, from behind its stage to the frame; geometry: const_depth_rows only, else
 // null. With a trace, appends its record and those behind it. Counts rows, divides_saved, divides_row and
 // what the steps above count.
@@ -157,9 +267,6 @@ void row_to_frame(const Pipeline& pipeline, const Scene& scene, const AnyRow& ro
 // The walk of a triangle in const_depth_rows; returns its rows.
 std::vector<PlaneRowRecord> plane_rows(const Pipeline& pipeline, const SetupRecord& setup,
                                        PlaneWalkState& walk);
-
-// Which planes fragments are written to.
-inline WriteMask write_mask(const DrawState& state) { return {state.color_write, state.depth_write}; }
 
 // Makes the frame of the scene's size: background, cleared depth buffer, no triangle. winners: with the
 // planes u, v and triangle; else they are empty.

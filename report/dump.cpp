@@ -24,6 +24,7 @@ std::string run_json(const Frame& frame, const Counters& counters, const Config&
   json["scene"] = info.scene;
   json["width"] = frame.width;
   json["height"] = frame.height;
+  if (info.supersample > 1) json["supersample"] = info.supersample;
   json["configuration"] = {{"name", config.name}, {"hash", config_hash(config)}, {"toml", to_toml(config)}};
   for_each_counter([&](const CounterInfo& info, auto member) {
     json["counters"][std::string(info.name)] = counters.*member;
@@ -43,6 +44,14 @@ void write_dump(const std::string& directory, const Frame& frame, const Counters
   write_npy(folder.path("v.npy"), {h, w}, frame.v);
   write_npy(folder.path("triangle.npy"), {h, w}, frame.triangle);
   if (!frame.stencil.empty()) write_npy(folder.path("stencil.npy"), {h, w}, frame.stencil);
+  if (info.supersample > 1) {
+    const auto k = static_cast<std::size_t>(info.supersample);
+    write_npy(folder.path("resolved.npy"), {h / k, w / k, 4}, info.resolved);
+  }
+  if (info.positions) {
+    write_npy(folder.path("s.npy"), {h, w}, info.positions->s);
+    write_npy(folder.path("position.npy"), {h, w, 3}, info.positions->points);
+  }
   write_file(folder.path("run.json"), run_json(frame, counters, config, info));
   folder.commit("run.json");
 }

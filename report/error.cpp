@@ -94,6 +94,16 @@ std::optional<double> surface_value(std::string_view name, const IdealPoint& p) 
   return channel == std::string_view::npos ? std::nullopt : std::optional(p.shade[channel]);
 }
 
+// Whether the second texture unit, which the closed form does not have, is on in some draw state.
+bool combines_textures(const Scene& scene) {
+  const std::size_t index = *find_state_register("texture1");
+  return std::ranges::any_of(scene.commands, [&](const DrawCommand& command) {
+    return std::ranges::any_of(command.state.settings, [&](const StateSetting& setting) {
+      return setting.index == index && setting.value >= 0;
+    });
+  });
+}
+
 }  // namespace
 
 std::optional<double> ideal_value(RecordType type, std::string_view field,
@@ -123,7 +133,9 @@ std::optional<double> ideal_value(RecordType type, std::string_view field,
     }
     const auto edge = static_cast<int>(value(field.front() == 'l' ? "l_edge" : "r_edge"));
     const IdealPoint p = ideal_on_edge(config, scene, *t, edge, value("y"));
-    return field.substr(2) == "x" ? std::optional(p.x) : surface_value(field.substr(2), p);
+    if (field.substr(2) == "x") return p.x;
+    if (has_setup_plane(config)) return std::nullopt;  // ends have a position alone
+    return surface_value(field.substr(2), p);
   }
   if (type < RecordType::fragment) {
     return std::nullopt;
@@ -133,7 +145,7 @@ std::optional<double> ideal_value(RecordType type, std::string_view field,
     return surface_value(field, f.point);
   }
   if (field == "z") {
-    return f.z;
+    return ideal_stored_code(config, f, 0);
   }
   if (type == RecordType::lod) {
     return field == "lambda" && t->texture >= 0 ? std::optional(f.lambda) : std::nullopt;
@@ -155,7 +167,7 @@ std::optional<double> ideal_value(RecordType type, std::string_view field,
     if (field == "factor") {
       return f.fog_factor;
     }
-    return is_channel ? std::optional(f.fogged[channel]) : std::nullopt;
+    return is_channel && !combines_textures(scene) ? std::optional(f.fogged[channel]) : std::nullopt;
   }
   return std::nullopt;  // what merge stores depends on what was there before
 }
@@ -272,7 +284,9 @@ void ErrorMeter::coverage(const Truth& truth, std::size_t triangle,
 }
 
 void ErrorMeter::add(std::span<const Triangle> triangles, std::int64_t first_index, const Trace& trace) {
-  add(Truth(config_, *scene_, triangles), first_index, trace);
+  if (levels_ == nullptr)
+    levels_ = std::make_shared<golden::SceneLevels>(golden::scene_levels(config_, *scene_));
+  add(Truth(config_, *scene_, triangles, levels_), first_index, trace);
 }
 
 void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& trace) {
@@ -282,10 +296,6 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
   };
   const bool fogged = scene_->fog.has_value() && has_fog(config_.fog);
 
-  const auto biased = [&](double z) {
-    const auto largest = static_cast<double>((std::int64_t{1} << config_.depth_bits) - 1);
-    return depth_bias_ == 0 ? z : std::clamp(z + static_cast<double>(depth_bias_), 0.0, largest);
-  };
   std::size_t state = 0;
   std::size_t setup = 0;
   std::size_t row = 0;
@@ -317,6 +327,7 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
                            std::int64_t v) {
         const IdealPoint p = truth.on_edge(n, static_cast<int>(edge), r.y);
         note(row_edge_x, x, p.x);
+        if (has_setup_plane(config_)) return;  // ends have a position alone
         note(row_edge_h, h, p.h);
         note(row_edge_u, u, p.u);
         note(row_edge_v, v, p.v);
@@ -340,10 +351,11 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
     coverage(truth, n, std::span(trace.fragment).subspan(begin, fragment - begin));
     for (; state < trace.state.size() && trace.state[state].triangle <= index; ++state) {
       depth_bias_ = trace.state[state].depth_bias;
+      combines_ = trace.state[state].texture1 >= 0;
     }
     for (; depth < trace.depth.size() && trace.depth[depth].triangle == index; ++depth) {
       const DepthRecord& r = trace.depth[depth];
-      note(row_depth_z, r.z, biased(truth.at(n, r.x, r.y).z));
+      note(row_depth_z, r.z, ideal_stored_code(config_, truth.at(n, r.x, r.y), depth_bias_));
     }
     for (; texture < trace.texture.size() && trace.texture[texture].triangle == index; ++texture) {
       const TextureRecord& r = trace.texture[texture];
@@ -362,7 +374,8 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
       }
       note(row_fog_factor, r.factor, f.fog_factor);
       const std::array<std::int64_t, 3> rgb{r.r, r.g, r.b};
-      for (std::size_t i = 0; i < 3; ++i) note(row_fog_color, rgb[i], f.fogged[i]);
+      // The closed form has the first texture unit alone.
+      for (std::size_t i = 0; !combines_ && i < 3; ++i) note(row_fog_color, rgb[i], f.fogged[i]);
     }
   }
 }

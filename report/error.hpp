@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,6 +15,7 @@
 
 #include "engine/engine.hpp"
 #include "golden/ideal.hpp"
+#include "golden/mip_chain.hpp"
 #include "report/truth.hpp"
 
 namespace bitspan {
@@ -94,7 +96,9 @@ class ErrorMeter {
 
   Config config_;
   const Scene* scene_;
-  std::int64_t depth_bias_ = 0;  // of the draw state in force
+  std::shared_ptr<const golden::SceneLevels> levels_;  // of the truths that it makes itself
+  std::int64_t depth_bias_ = 0;                        // of the draw state in force
+  bool combines_ = false;                              // the same: it has a second texture unit
   ErrorReport report_;
   std::vector<std::uint8_t> hits_;  // per pixel of one triangle's box
 };

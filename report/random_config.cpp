@@ -182,6 +182,9 @@ Config draw(Random& random, std::span<const Config> bases, const RandomConfigOpt
   if (c.coordinate_bits < options.least_coordinate_bits) {
     c.coordinate_bits = between(random, options.least_coordinate_bits, 24);
   }
+  if (has_setup_plane(c) && (options.rtl_only || has_plane_rows(c.perspective))) {
+    c.row_slope = RowSlope::reciprocal;
+  }
   if (options.rtl_only) {
     c.perspective = random.chance(0.4) ? Perspective::delta_f : any_name<Perspective>(random);
   }

@@ -16,6 +16,7 @@
 #include "config/store.hpp"
 #include "engine/range.hpp"
 #include "scene/exact.hpp"
+#include "scene/procedural.hpp"
 #include "scene/random.hpp"
 #include "scene/texels.hpp"
 
@@ -41,6 +42,26 @@ void repeat_depths(Config&, Scene& scene) {
     if (i % 3 != 0) continue;
     for (Vertex& v : triangle.v) std::swap(v.c[0], v.c[2]);
     scene.triangles.push_back(triangle);
+  }
+}
+
+// On each third triangle another one of its plane, over the middle of its sides: as far but for rounding.
+void lay_decals(Config&, Scene& scene) {
+  const std::vector<Triangle> given = std::move(scene.triangles);
+  scene.triangles.clear();
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    scene.triangles.push_back(given[i]);
+    if (i % 3 != 0) continue;
+    Triangle decal = given[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vertex& a = given[i].v[k];
+      const Vertex& b = given[i].v[(k + 1) % 3];
+      decal.v[k].x = (a.x + b.x) / 2;
+      decal.v[k].y = (a.y + b.y) / 2;
+      decal.v[k].s = std::clamp(2 / (1 / a.s + 1 / b.s), scene.s_min, scene.s_max);
+      std::swap(decal.v[k].c[0], decal.v[k].c[2]);
+    }
+    scene.triangles.push_back(decal);
   }
 }
 
@@ -95,17 +116,21 @@ SuiteSetting config_only(Set set) {
   return [set](Config& config, Scene&) { set(config); };
 }
 
-// A value of a key whose values have names, against another value of it.
-template <class E>
-SuiteFeature choice(const char* group, E Config::*key, E value, E other, RecordType stage) {
-  return {fmt::format("{}.{}", group, to_string(value)), stage, SuiteNeeds::effect,
-          config_only([=](Config& c) { c.*key = value; }), config_only([=](Config& c) { c.*key = other; })};
-}
-
 // Another value: the first one, or the second one of the first.
 template <class E>
 E another(E value) {
   return static_cast<E>(static_cast<int>(value) == 0 ? 1 : 0);
+}
+
+// A value of a key whose values have names, against another value of it.
+template <class E>
+SuiteFeature choice(const char* group, E Config::*key, E value, RecordType stage, E other) {
+  return {fmt::format("{}.{}", group, to_string(value)), stage, SuiteNeeds::effect,
+          config_only([=](Config& c) { c.*key = value; }), config_only([=](Config& c) { c.*key = other; })};
+}
+template <class E>
+SuiteFeature choice(const char* group, E Config::*key, E value, RecordType stage) {
+  return choice(group, key, value, stage, another(value));
 }
 
 // The same with what the scene must have.
@@ -139,8 +164,7 @@ bool divides_by_depth(Perspective p) { return !has_linear_edges(p); }
 void add_raster(std::vector<SuiteFeature>& out) {
   using enum RecordType;
   for (const FillRule rule : all_of<FillRule>()) {
-    const FillRule other = another(rule);
-    out.push_back(in(choice("fill", &Config::fill_rule, rule, other, fragment), on_centres));
+    out.push_back(in(choice("fill", &Config::fill_rule, rule, fragment), on_centres));
   }
   for (const DdaUpdate update : all_of<DdaUpdate>()) {
     out.push_back({fmt::format("dda.{}", to_string(update)), row, SuiteNeeds::effect,
@@ -155,18 +179,18 @@ void add_raster(std::vector<SuiteFeature>& out) {
                    config_only([=](Config& c) { c.subpixel_bits = bits; }), config_only([](Config&) {})});
   }
   for (const Numerator numerator : all_of<Numerator>()) {
-    const Numerator other = another(numerator);
-    out.push_back(choice("numerator", &Config::numerator, numerator, other, fragment));
+    out.push_back(choice("numerator", &Config::numerator, numerator, fragment));
     out.back().applies = walks_planes;
   }
 }
 
 void add_slopes(std::vector<SuiteFeature>& out) {
   for (const SlopeForm form : all_of<SlopeForm>()) {
-    const SlopeForm other = another(form);
-    out.push_back(choice("edge_slope", &Config::edge_slope, form, other, RecordType::edge));
+    out.push_back(choice("edge_slope", &Config::edge_slope, form, RecordType::edge));
     out.back().applies = walks_edges;
-    out.push_back(choice("row_slope", &Config::row_slope, form, other, RecordType::span));
+  }
+  for (const RowSlope form : all_of<RowSlope>()) {
+    out.push_back(choice("row_slope", &Config::row_slope, form, RecordType::span));
     out.back().applies = walks_edges;
   }
   for (const ReciprocalKind kind : all_of<ReciprocalKind>()) {
@@ -198,12 +222,20 @@ void add_slopes(std::vector<SuiteFeature>& out) {
     out.push_back({fmt::format("row_reciprocal.{}", to_string(kind)), RecordType::span, SuiteNeeds::effect,
                    config_only([=](Config& c) {
                      set(c.row_reciprocal);
-                     c.row_slope = SlopeForm::reciprocal;
+                     c.row_slope = RowSlope::reciprocal;
                    }),
                    config_only([=](Config& c) {
                      coarser(c.row_reciprocal);
-                     c.row_slope = SlopeForm::reciprocal;
+                     c.row_slope = RowSlope::reciprocal;
                    })});
+  }
+}
+
+void add_subspans(std::vector<SuiteFeature>& out) {
+  for (const int bits : {1, 3, 4}) {
+    out.push_back({fmt::format("subspan.{}", bits), RecordType::fragment, SuiteNeeds::effect,
+                   config_only([=](Config& c) { c.subspan_bits = bits; }),
+                   config_only([](Config& c) { c.subspan_bits = 0; }), has_pixel_reciprocal});
   }
 }
 
@@ -244,7 +276,7 @@ void add_depth(std::vector<SuiteFeature>& out) {
   using enum DepthFunc;
   for (const DepthFunc func : all_of<DepthFunc>()) {
     SuiteFeature feature =
-        choice("depth", &Config::depth_func, func, func == always ? less : always, RecordType::depth);
+        choice("depth", &Config::depth_func, func, RecordType::depth, func == always ? less : always);
     // What passes only what is farther has nothing to pass: the cleared buffer is the farthest.
     if (func != always && func != never && func != greater) feature.needs = SuiteNeeds::passing;
     for (SuiteSetting* setting : {&feature.with, &feature.without}) {
@@ -256,9 +288,21 @@ void add_depth(std::vector<SuiteFeature>& out) {
     out.push_back(std::move(feature));
   }
   for (const DepthCode code : all_of<DepthCode>()) {
-    const DepthCode other = another(code);
-    out.push_back(choice("depth_code", &Config::depth_code, code, other, RecordType::depth));
+    out.push_back(choice("depth_code", &Config::depth_code, code, RecordType::depth));
     out.back().needs = SuiteNeeds::passing;
+  }
+  for (const DepthFunc func : all_of<DepthFunc>()) {
+    if (!takes_tolerance(func)) continue;
+    const auto set = [=](DepthCode code) -> SuiteSetting {
+      return [=](Config& c, Scene& s) {
+        repeat_depths(c, s);
+        lay_decals(c, s);
+        c.depth_code = code;
+        c.depth_func = func;
+      };
+    };
+    out.push_back({fmt::format("depth_dz.{}", to_string(func)), RecordType::depth, SuiteNeeds::passing,
+                   set(DepthCode::float_dz), set(DepthCode::opengl)});
   }
   for (const Rounding rounding : {Rounding::rnd, Rounding::rnd_conv, Rounding::trn}) {
     const Rounding other = rounding == Rounding::trn ? Rounding::rnd : Rounding::trn;
@@ -271,12 +315,10 @@ void add_depth(std::vector<SuiteFeature>& out) {
 
 void add_texture(std::vector<SuiteFeature>& out) {
   for (const TextureFilter filter : all_of<TextureFilter>()) {
-    const TextureFilter other = another(filter);
-    out.push_back(in(choice("texture", &Config::filter, filter, other, RecordType::texture), texture));
+    out.push_back(in(choice("texture", &Config::filter, filter, RecordType::texture), texture));
   }
   for (const TextureWrap wrap : all_of<TextureWrap>()) {
-    const TextureWrap other = another(wrap);
-    out.push_back(in(choice("wrap", &Config::wrap, wrap, other, RecordType::texture), texture));
+    out.push_back(in(choice("wrap", &Config::wrap, wrap, RecordType::texture), texture));
   }
   out.push_back(in({"texel.transparent", RecordType::texture, SuiteNeeds::killing,
                     config_only([](Config& c) { c.transparent = hole; }),
@@ -317,7 +359,7 @@ void add_levels(std::vector<SuiteFeature>& out) {
                       config_only([](Config& c) { c.mip = MipMode::none; })},
                      one_texture));
   }
-  for (const LodMode lod : {LodMode::zone_s, LodMode::gradient}) {
+  for (const LodMode lod : {LodMode::zone_s, LodMode::gradient, LodMode::zone_d, LodMode::finite}) {
     const auto set = [](Config& c, LodMode mode) {
       c.mip = MipMode::linear;
       c.lod = mode;
@@ -329,12 +371,32 @@ void add_levels(std::vector<SuiteFeature>& out) {
     if (has_gradients(lod)) out.back().applies = divides_by_depth;
   }
   for (const TexelFormat format : all_of<TexelFormat>()) {
-    if (format == TexelFormat::rgba8888) continue;
+    if (format == TexelFormat::rgba8888 || is_procedural(format)) continue;
     const auto converts = [=](Config&, Scene& s) {
       for (Texture& t : s.textures) t = converted(t, format, texel_table(format));
     };
     out.push_back(in({fmt::format("texel_format.{}", to_string(format)), RecordType::texture,
                       SuiteNeeds::effect, converts, [](Config&, Scene&) {}},
+                     one_texture));
+  }
+}
+
+void add_procedural(std::vector<SuiteFeature>& out) {
+  for (const TexelFormat format : all_of<TexelFormat>()) {
+    if (!is_procedural(format)) continue;
+    const auto computes = [=](Config&, Scene& s) {
+      // Several, as one alone may have a single colour.
+      Random random(1);
+      const Texture image = s.textures.at(0);
+      s.textures.clear();
+      for (int i = 0; i < 4; ++i)
+        s.textures.push_back(random_procedural(random, format, image.width, image.height));
+      for (std::size_t i = 0; i < s.triangles.size(); ++i) {
+        if (s.triangles[i].texture >= 0) s.triangles[i].texture = static_cast<int>(i % 4);
+      }
+    };
+    out.push_back(in({fmt::format("procedural.{}", to_string(format)), RecordType::texture,
+                      SuiteNeeds::effect, computes, [](Config&, Scene&) {}},
                      one_texture));
   }
 }
@@ -381,6 +443,46 @@ void add_values(std::vector<SuiteFeature>& out, const char* group, std::string_v
                       with(value == first ? second : first)},
                      texture));
   }
+}
+
+// The scene's only texture and another one, of another size.
+void two_textures(Scene& scene) {
+  one_texture(scene);
+  Texture own;
+  own.name = "second.png";
+  own.width = 7;
+  own.height = 12;
+  for (int i = 0; i < own.width * own.height; ++i) {
+    own.rgba.insert(own.rgba.end(), {static_cast<std::uint8_t>(i * 53), static_cast<std::uint8_t>(i * 7 + 20),
+                                     static_cast<std::uint8_t>(255 - i * 3),
+                                     static_cast<std::uint8_t>(i % 4 == 0 ? 130 : 255)});
+  }
+  scene.textures.push_back(std::move(own));
+}
+
+void add_second_texture(std::vector<SuiteFeature>& out) {
+  const auto with = [](TextureOp op, int scale) {
+    return in_state({{"texture1", 1},
+                     {"texture1.op", number(op)},
+                     {"texture1.scale", scale},
+                     {"texture1.red", 200},
+                     {"texture1.green", 30},
+                     {"texture1.blue", 90}});
+  };
+  for (const TextureOp op : all_of<TextureOp>()) {
+    const TextureOp other = op == TextureOp::replace ? TextureOp::modulate : TextureOp::replace;
+    out.push_back(in({fmt::format("texture1.{}", to_string(op)), RecordType::texture_second,
+                      SuiteNeeds::effect, with(op, 1), with(other, 1)},
+                     two_textures));
+  }
+  for (const int scale : {1, 2}) {
+    out.push_back(in({fmt::format("texture1_scale.{}", scale), RecordType::texture_second, SuiteNeeds::effect,
+                      with(TextureOp::modulate_scaled, scale), with(TextureOp::modulate_scaled, 0)},
+                     two_textures));
+  }
+  out.push_back(in({"texture1_on.modulate", RecordType::fog, SuiteNeeds::effect, with(TextureOp::modulate, 0),
+                    in_state({})},
+                   two_textures));
 }
 
 void add_states(std::vector<SuiteFeature>& out) {
@@ -434,10 +536,26 @@ void add_states(std::vector<SuiteFeature>& out) {
     if (op != LogicOp::none)
       add(fmt::format("logic.{}", to_string(op)), RecordType::merge, {{"logic.op", number(op)}});
   }
+  for (const TargetFormat format : all_of<TargetFormat>()) {
+    if (!is_narrow(format)) continue;
+    add(fmt::format("target.{}", to_string(format)), RecordType::merge, {{"target.format", number(format)}});
+    for (const Dither dither : all_of<Dither>()) {
+      if (dither == Dither::none) continue;
+      const Register target{"target.format", number(format)};
+      out.push_back(
+          in({fmt::format("dither_{}.{}", to_string(format), to_string(dither)), RecordType::merge,
+              SuiteNeeds::effect, in_state({target, {"target.dither", number(dither)}}), in_state({target})},
+             texture));
+    }
+  }
+  for (const ChromaTest test : {ChromaTest::inside, ChromaTest::outside}) {
+    add(fmt::format("chroma.{}", to_string(test)), RecordType::texture,
+        {{"chroma.test", number(test)}, {"chroma.high.red", 160}, {"chroma.low.green", 50}});
+  }
 }
 
 void add_fog_and_merge(std::vector<SuiteFeature>& out) {
-  out.push_back(in(choice("fog", &Config::fog, FogMode::linear, FogMode::none, RecordType::fog), fog));
+  out.push_back(in(choice("fog", &Config::fog, FogMode::linear, RecordType::fog, FogMode::none), fog));
   for (const auto& split : {std::pair{6, 4}, {8, 2}, {5, 0}}) {
     const int depth_bits = split.first, zone_bits = split.second;
     out.push_back(in({fmt::format("fog.table_{}_{}", depth_bits, zone_bits), RecordType::fog,
@@ -449,6 +567,18 @@ void add_fog_and_merge(std::vector<SuiteFeature>& out) {
                       config_only([](Config& c) { c.fog = FogMode::none; })},
                      fog));
   }
+  for (const FogMode mode : {FogMode::distance, FogMode::log}) {
+    out.push_back(in(choice("fog", &Config::fog, mode, RecordType::fog, FogMode::none), fog));
+  }
+  out.push_back(in({"fog_zone.r", RecordType::fog, SuiteNeeds::effect, config_only([](Config& c) {
+                      c.fog = FogMode::table;
+                      c.fog_zone = FogZone::r;
+                    }),
+                    config_only([](Config& c) {
+                      c.fog = FogMode::table;
+                      c.fog_zone = FogZone::r2;
+                    })},
+                   fog));
   out.push_back(in({"merge.blend", RecordType::merge, SuiteNeeds::effect,
                     [](Config&, Scene& s) {
                       for (Triangle& t : s.triangles) t.v[0].c[3] = 0.5;
@@ -461,11 +591,14 @@ std::vector<SuiteFeature> make_features() {
   std::vector<SuiteFeature> out;
   add_raster(out);
   add_slopes(out);
+  add_subspans(out);
   add_numbers(out);
   add_depth(out);
   add_texture(out);
   add_levels(out);
+  add_procedural(out);
   add_states(out);
+  add_second_texture(out);
   add_fog_and_merge(out);
   return out;
 }
@@ -637,7 +770,7 @@ SuiteResult run_suite(const SuiteCase& suite, const SuiteEngines& engines) {
   compare_records(records, trace_of(*without, suite.scene_without), suite.stage, effect);
 
   SuiteResult out;
-  const std::vector<std::unique_ptr<Engine>> compared = engines.all(suite.config, suite.scene);
+  const std::vector<std::unique_ptr<Engine>> compared = engines.all(suite.config);
   out.run = run_lock_step(compared, suite.scene, {});
   out.counters = compared[0]->counters();
   const StageCount& stage = effect.stages[static_cast<std::size_t>(suite.stage)];

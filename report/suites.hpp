@@ -67,10 +67,9 @@ struct SuiteResult {
   bool agree() const;  // the engines
 };
 
-// Engines of a configuration that draw a scene, the first of which is the reference; and another one of the
-// reference alone.
+// Engines of a configuration, the first of which is the reference; and another one of the reference alone.
 struct SuiteEngines {
-  std::function<std::vector<std::unique_ptr<Engine>>(const Config&, const Scene&)> all;
+  std::function<std::vector<std::unique_ptr<Engine>>(const Config&)> all;
   std::function<std::unique_ptr<Engine>(const Config&)> reference;
 };
 

@@ -27,8 +27,11 @@ Config truth_config(const Config& config) {
   return out;
 }
 
-Truth::Truth(const Config& config, const Scene& scene, std::span<const Triangle> triangles)
-    : config_(truth_config(config)), scene_(&scene) {
+Truth::Truth(const Config& config, const Scene& scene, std::span<const Triangle> triangles,
+             std::shared_ptr<const golden::SceneLevels> levels)
+    : config_(truth_config(config)), scene_(&scene), levels_(std::move(levels)) {
+  if (levels_ == nullptr)
+    levels_ = std::make_shared<golden::SceneLevels>(golden::scene_levels(config_, scene));
   const int k = config.subpixel_bits;
   for (const Triangle& triangle : triangles) {
     Entry& e = triangles_.emplace_back();
@@ -58,7 +61,7 @@ Truth::Truth(const Config& config, const Scene& scene, std::span<const Triangle>
       row.first = x0;
       while (row.first < x1 && !ideal_covers(config_, t, row.first, y)) ++row.first;
       for (row.end = row.first; row.end < x1 && ideal_covers(config_, t, row.end, y); ++row.end) {
-        fragments_.push_back(ideal_at(config_, scene, t, row.end, y));
+        fragments_.push_back(ideal_at(config_, scene, t, row.end, y, levels_.get()));
       }
     }
   }
@@ -85,7 +88,7 @@ IdealFragment Truth::at(std::size_t i, std::int64_t x, std::int64_t y) const {
     const Row& row = rows_[e.row + static_cast<std::size_t>(y - e.y)];
     if (x >= row.first && x < row.end) return fragments_[row.at + static_cast<std::size_t>(x - row.first)];
   }
-  return ideal_at(config_, *scene_, *e.shape, x, y);
+  return ideal_at(config_, *scene_, *e.shape, x, y, levels_.get());
 }
 
 std::size_t Truth::bytes() const {

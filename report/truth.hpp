@@ -4,12 +4,14 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "config/config.hpp"
 #include "golden/ideal.hpp"
+#include "golden/mip_chain.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan {
@@ -20,8 +22,10 @@ Config truth_config(const Config& config);
 
 class Truth {
  public:
-  // The scene must outlive it; triangles: of the scene.
-  Truth(const Config& config, const Scene& scene, std::span<const Triangle> triangles);
+  // The scene must outlive it; triangles: of the scene. levels: of the scene, from golden::scene_levels, as
+  // shared by several truths; null: its own.
+  Truth(const Config& config, const Scene& scene, std::span<const Triangle> triangles,
+        std::shared_ptr<const golden::SceneLevels> levels = nullptr);
 
   std::size_t size() const { return triangles_.size(); }
   // Returns triangle i of the span given; none where it has no area. The functions below need one with an
@@ -61,6 +65,7 @@ class Truth {
 
   Config config_;
   const Scene* scene_;
+  std::shared_ptr<const golden::SceneLevels> levels_;
   std::vector<Entry> triangles_;
   std::vector<Row> rows_;
   std::vector<IdealPoint> edges_;

@@ -44,6 +44,9 @@ module depth #(
     output logic [ bitspan_pixel_pkg::CoordW-1:0] write_x_o,
     output logic [ bitspan_pixel_pkg::CoordW-1:0] write_y_o,
     output logic [ bitspan_pixel_pkg::DepthZW-1:0] write_z_o,
+    // Added to the code, which then saturates; the fragment of bias_rest_o has it on the same clock.
+    input  logic [ bitspan_pixel_pkg::DepthBiasW-1:0] bias_i,
+    output logic [                     RestW-1:0] bias_rest_o,
     // A fragment that passed; its fate brings x, y, z and mark back.
     output logic                                  out_valid_o,
     input  logic                                  out_ready_i,
@@ -215,6 +218,13 @@ module depth #(
     assign waited_recip = recip;
   end
 
+  // The code with its bias, held within its range.
+  logic [ZW-1:0] biased_z;
+  logic signed [ZW+1:0] biased;
+  assign bias_rest_o = waited[RestW-1:0];
+  assign biased = (ZW + 2)'($signed({1'b0, waited_z})) + (ZW + 2)'($signed(bias_i));
+  assign biased_z = biased[ZW+1] ? '0 : biased[ZW] ? '1 : biased[ZW-1:0];
+
   // join | compare | pass: all of it shifts on en.
   localparam int TestW = WaitW + 2 * ZW + RecipW;
   logic en, joined_q, compared_q, less_q, equal_q, pass;
@@ -234,7 +244,7 @@ module depth #(
   end
   always_ff @(posedge clk_i) begin
     if (en) begin
-      joined <= {waited_recip, waited_z, stored, waited};
+      joined <= {waited_recip, biased_z, stored, waited};
       compared <= joined;
       less_q <= joined_z < joined_stored;
       equal_q <= joined_z == joined_stored;

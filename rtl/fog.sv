@@ -76,12 +76,7 @@ module fog #(
   localparam int Clocks = FactorAt + 3 + BlendProductClocks;
 
   logic en;
-  logic [Clocks-1:0] valid_q;
-  assign in_ready_o = en;
-  always_ff @(posedge clk_i or negedge rst_ni) begin
-    if (!rst_ni) valid_q <= '0;
-    else if (en) valid_q <= {valid_q[Clocks-2:0], in_valid_i};
-  end
+  assign en = in_ready_o;
 
   // ---------------------------------------------------------------- table
 
@@ -339,7 +334,6 @@ module fog #(
   // What waits beside the blend.
   logic [IndexW-1:0] index_out;
   logic [FactorW-1:0] factor_out;
-  logic [RestW-1:0] rest_out;
   ring_line #(
       .Width(IndexW),
       .Depth(Clocks - EntryAt + 1)
@@ -361,28 +355,31 @@ module fog #(
       .q_o(factor_out)
   );
   ring_line #(
-      .Width(2 + RestW),
-      .Depth(Clocks)
-  ) u_rest_line (
+      .Width(2),
+      .Depth(Clocks - EntryAt)
+  ) u_mode_out_line (
       .clk_i,
       .rst_ni,
       .en_i(en),
-      .d_i({in_mode_i, in_rest_i}),
-      .q_o({mode_out, rest_out})
+      .d_i(mode),
+      .q_o(mode_out)
   );
-  localparam int RecordW = IndexW + 1 + MW + EW + FactorW + 3 * ColorW;
-  skid #(
-      .Width(RecordW + RestW)
-  ) u_out_skid (
+  shift_stage #(
+      .Clocks(Clocks),
+      .RestW(RestW),
+      .Width(IndexW + 1 + MW + EW + FactorW + 3 * ColorW)
+  ) u_stage (
       .clk_i,
       .rst_ni,
-      .in_valid_i(valid_q[Clocks-1]),
-      .in_ready_o(en),
-      .in_i({(mode_out == ModeTable) ? {1'b0, index_out} : '1, (mode_out == ModeLinear) ? recip_out : '0, factor_out,
-             mixed, rest_out}),
+      .in_valid_i,
+      .in_ready_o,
+      .in_rest_i,
+      .made_i({(mode_out == ModeTable) ? {1'b0, index_out} : '1, (mode_out == ModeLinear) ? recip_out : '0,
+               factor_out, mixed}),
       .out_valid_o,
       .out_ready_i,
-      .out_o({out_index_o, out_recip_m_o, out_recip_e_o, out_factor_o, out_r_o, out_g_o, out_b_o, out_rest_o})
+      .out_made_o({out_index_o, out_recip_m_o, out_recip_e_o, out_factor_o, out_r_o, out_g_o, out_b_o}),
+      .out_rest_o
   );
 
   logic unused_load;

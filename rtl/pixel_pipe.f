@@ -17,6 +17,7 @@ depth_operand.sv
 pixel_reciprocal.sv
 blend.sv
 scoreboard.sv
+shift_stage.sv
 depth_code.sv
 depth.sv
 texture_filter.sv

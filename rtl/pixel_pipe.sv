@@ -33,6 +33,7 @@ module pixel_pipe (
     output logic draw_ready_o,
     input  logic [2:0] draw_func_i,
     input  logic draw_write_z_i,
+    input  logic [bitspan_pixel_pkg::DepthBiasW-1:0] draw_bias_i,
     input  logic draw_textured_i,
     input  logic draw_bilinear_i,
     input  logic draw_clamp_i,
@@ -182,7 +183,9 @@ module pixel_pipe (
   // Each stage's part, by slot.
   localparam int TextureStateW = 4 + 2 * IndexW + PitchW + AddressW + 24;
   localparam int FogStateW = 2 + 24;
+  localparam int BiasW = bitspan_pixel_pkg::DepthBiasW;
   logic fate_state[Slots];
+  logic [BiasW-1:0] bias_state[Slots];
   logic [TextureStateW-1:0] texture_state[Slots];
   logic [FogStateW-1:0] fog_state[Slots];
   logic [1:0] merge_state[Slots];
@@ -190,6 +193,7 @@ module pixel_pipe (
     if (draw_taken) begin
       func_q <= draw_func_i;
       fate_state[next_slot] <= draw_write_z_i;
+      bias_state[next_slot] <= draw_bias_i;
       texture_state[next_slot] <= {
         draw_textured_i, draw_bilinear_i, draw_clamp_i, draw_last_i_i, draw_last_j_i, draw_pitch_i, draw_base_i,
         draw_transparent_i, draw_reserved_i
@@ -254,7 +258,9 @@ module pixel_pipe (
   logic fate_valid, fate_ready, fate_mark, fate_write;
   logic [CoordW-1:0] textured_x, textured_y;
   logic [ZW-1:0] textured_z;
-  logic [SlotW+ShadesW-1:0] record_rest;
+  logic [SlotW+ShadesW-1:0] record_rest, bias_rest;
+  logic [BiasW-1:0] bias;
+  assign bias = bias_state[bias_rest[ShadesW+:SlotW]];
   depth #(
       .RestW(SlotW + ShadesW)
   ) u_depth (
@@ -282,6 +288,8 @@ module pixel_pipe (
       .write_x_o(z_write_x_o),
       .write_y_o(z_write_y_o),
       .write_z_o(z_write_z_o),
+      .bias_i(bias),
+      .bias_rest_o(bias_rest),
       .out_valid_o(tested_valid),
       .out_ready_i(tested_ready),
       .out_x_o(tested_x),
@@ -310,7 +318,7 @@ module pixel_pipe (
   assign left[0] = depth_record_valid_o && !depth_record_pass_o;
   assign left_slot[0] = record_rest[ShadesW+:SlotW];
   logic unused_record;
-  assign unused_record = ^record_rest[ShadesW-1:0];
+  assign unused_record = ^{record_rest[ShadesW-1:0], bias_rest[ShadesW-1:0]};
 
   // ---------------------------------------------------------------- texture
 

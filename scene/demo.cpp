@@ -221,72 +221,67 @@ Rgba checker_texel(int i, int j) {
   return (i / 8 + j / 8) % 2 == 0 ? Rgba{240, 240, 240, 255} : Rgba{16, 16, 16, 255};
 }
 
-void check_size(const char* scene, int width, int height) {
-  if (width < 1 || height < 1 || width > 16384 || height > 16384 || width > 2.4 * height) {
-    throw InputError("size: " + std::to_string(width) + "x" + std::to_string(height) +
-                     " is not legal for the " + scene +
-                     "; expected 1..16384 pixels, width at most 2.4 times height");
-  }
+// One quad from below the viewer to beyond the horizon, with 4 texels per unit.
+void add_floor(std::vector<Face>& faces, int texture) {
+  const double half = 960, far = -1010;
+  add_quad(faces, {Vec3{-half, 0, 2}, Vec3{half, 0, 2}, Vec3{half, 0, far}, Vec3{-half, 0, far}}, -4 * half,
+           4 * far, 4 * half, 8, {white, white, white, white}, texture);
 }
 
-}  // namespace
-
-Scene floor_scene(int width, int height) {
-  check_size("floor", width, height);
+// The picture, the range of s and the sky of both scenes.
+Scene empty_scene(const char* name, int width, int height) {
+  if (width < 1 || height < 1 || width > 16384 || height > 16384 || width > 2.4 * height) {
+    throw InputError("size: " + std::to_string(width) + "x" + std::to_string(height) +
+                     " is not legal for the " + name +
+                     "; expected 1..16384 pixels, width at most 2.4 times height");
+  }
   Scene scene;
-  scene.name = "floor";
+  scene.name = name;
   scene.width = width;
   scene.height = height;
   scene.s_min = 1;
   scene.s_max = 1000;
   scene.focal = std::max(0.95 * height, 0.65 * width);
   scene.background = {176, 196, 214};
-  scene.textures = {make_texture("checker.png", 64, 64, checker_texel)};
+  return scene;
+}
+
+View view_of(const Scene& scene, const Vec3& target) {
   View view;
-  view.width = width;
-  view.height = height;
+  view.width = scene.width;
+  view.height = scene.height;
   view.focal = scene.focal;
   view.s_min = scene.s_min;
   view.s_max = scene.s_max;
-  look_at(view, {0, 7, 0}, {3, 4, -24}, {0, 1, 0});
+  look_at(view, {0, 7, 0}, target, {0, 1, 0});
+  return view;
+}
+
+}  // namespace
+
+Scene floor_scene(int width, int height) {
+  Scene scene = empty_scene("floor", width, height);
+  scene.textures = {make_texture("checker.png", 64, 64, checker_texel)};
+  const View view = view_of(scene, {3, 4, -24});
   std::vector<Face> faces;
-  const double half = 960, far = -1010;
-  add_quad(faces, {Vec3{-half, 0, 2}, Vec3{half, 0, 2}, Vec3{half, 0, far}, Vec3{-half, 0, far}}, -4 * half,
-           4 * far, 4 * half, 8, {white, white, white, white}, 0);
+  add_floor(faces, 0);
   ProjectReport report;
   project(faces, view, {.cull = true, .clip_sides = true}, scene.triangles, report);
   return scene;
 }
 
 Scene demo_scene(int width, int height) {
-  check_size("demo", width, height);
-  Scene scene;
-  scene.name = "demo";
-  scene.width = width;
-  scene.height = height;
-  scene.s_min = 1;
-  scene.s_max = 1000;
-  scene.focal = std::max(0.95 * height, 0.65 * width);
-  scene.background = {176, 196, 214};
+  Scene scene = empty_scene("demo", width, height);
   scene.fog = Fog{{176, 196, 214}, 240};
   scene.textures = {
       make_texture("floor.png", 32, 32, floor_texel),   make_texture("brick.png", 48, 30, brick_texel),
       make_texture("wood.png", 37, 53, wood_texel),     make_texture("globe.png", 64, 48, globe_texel),
       make_texture("grille.png", 20, 20, grille_texel), make_texture("glass.png", 52, 24, glass_texel)};
 
-  View view;
-  view.width = width;
-  view.height = height;
-  view.focal = scene.focal;
-  view.s_min = scene.s_min;
-  view.s_max = scene.s_max;
-  look_at(view, {0, 7, 0}, {0, 4, -24}, {0, 1, 0});
+  const View view = view_of(scene, {0, 4, -24});
 
   std::vector<Face> solids;
-  // The floor is one quad from below the viewer to beyond the horizon, with 4 texels per unit.
-  const double half = 960, far = -1010;
-  add_quad(solids, {Vec3{-half, 0, 2}, Vec3{half, 0, 2}, Vec3{half, 0, far}, Vec3{-half, 0, far}}, -4 * half,
-           4 * far, 4 * half, 8, {white, white, white, white}, floor_texture);
+  add_floor(solids, floor_texture);
   add_box(solids, {-7, 0, -29}, 4, 4, 8, 0.5, 48, 30, brick_texture);
   add_pyramid(solids, {-4, 0, -26}, 6, 10, 0.2, wood_texture);
   add_sphere(solids, {7.5, 4.5, -27}, 4.5, globe_texture);

@@ -25,4 +25,10 @@ Scene floor_scene(int width, int height);
 // both windings, flat tops and bottoms, vertices on pixel centres.
 std::vector<Scene> extreme_scenes();
 
+// Returns triangles whose corners lie in squares of `size` pixels, 1 to 1024, strewn over the picture:
+// together they have about as many pixels for every size, up to 40000 triangles. Each is a piece of a surface
+// of its own, whose s changes by a quarter across it and whose texture has 1/4 to 4 texels per pixel; s from
+// 1 to 1000. The scene is the same in every call. Sizes as for the demo.
+Scene triangles_scene(int size, int width, int height);
+
 }  // namespace bitspan

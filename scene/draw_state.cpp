@@ -83,20 +83,22 @@ DrawState changed_state(DrawState state, const StateChange& change, const Config
   return state;
 }
 
+DrawState changed_state(const DrawState& state, const StateChange& change, const Config& config,
+                        std::size_t textures) {
+  const DrawState next = changed_state(state, change, config);
+  if (next.texture1 >= 0 && static_cast<std::size_t>(next.texture1) >= textures) {
+    throw InputError("texture1: texture " + std::to_string(next.texture1) +
+                     " does not exist, the scene has " + std::to_string(textures) + "; expected -1 to " +
+                     std::to_string(static_cast<std::int64_t>(textures) - 1));
+  }
+  return next;
+}
+
 void check_commands(const Config& config, const Scene& scene) {
   DrawState state = first_state(config);
   for (const DrawCommand& command : scene.commands) {
-    if (!command.clear) state = changed_state(state, command.state, config);
+    if (!command.clear) state = changed_state(state, command.state, config, scene.textures.size());
   }
-}
-
-bool has_late_tests(const Scene& scene) {
-  const std::size_t when = *find_state_register("depth.when");
-  return std::ranges::any_of(scene.commands, [&](const DrawCommand& command) {
-    return std::ranges::any_of(command.state.settings, [&](const StateSetting& setting) {
-      return setting.index == when && setting.value == static_cast<std::int64_t>(DepthWhen::late);
-    });
-  });
 }
 
 void erase_triangles(Scene& scene, std::size_t first, std::size_t count) {

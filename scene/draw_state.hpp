@@ -53,8 +53,38 @@ inline constexpr auto enum_names<LogicOp> = std::to_array<std::string_view>(
     {"none", "clear", "and", "and_reverse", "copy", "and_inverted", "noop", "xor", "or", "nor", "equiv",
      "invert", "or_reverse", "copy_inverted", "or_inverted", "nand", "set"});
 
+// What the picture can hold: its channels from the high bit down, and their bits.
+BITSPAN_ENUM(TargetFormat, rgba8888, rgb565, argb1555, argb4444, rgb332);
+// How a channel with fewer than 8 bits takes a code. `sst1_4` and `sst1_2` are the tables of the 3dfx SST-1.
+BITSPAN_ENUM(Dither, none, matrix4, matrix2, sst1_4, sst1_2);
+// Texels whose three colours lie in a range, or outside of it, are transparent.
+BITSPAN_ENUM(ChromaTest, none, inside, outside);
+// How the second texture unit combines its texel with the colour and alpha of the first one.
+BITSPAN_ENUM(TextureOp, replace, modulate, decal, blend, add, modulate_scaled);
+
+// Bits of red, green, blue and alpha; a format without alpha has 0 of them.
+constexpr std::array<int, 4> target_bits(TargetFormat format) {
+  switch (format) {
+    case TargetFormat::rgba8888:
+      return {8, 8, 8, 8};
+    case TargetFormat::rgb565:
+      return {5, 6, 5, 0};
+    case TargetFormat::argb1555:
+      return {5, 5, 5, 1};
+    case TargetFormat::argb4444:
+      return {4, 4, 4, 4};
+    case TargetFormat::rgb332:
+      return {3, 3, 2, 0};
+  }
+  return {};
+}
+// Whether the format has fewer than 8 bits in any channel.
+constexpr bool is_narrow(TargetFormat format) { return target_bits(format) != std::array{8, 8, 8, 8}; }
+
 // A register's end of the picture: no picture is larger.
 inline constexpr int scissor_limit = 32768;
+// The largest index that texture1 takes.
+inline constexpr int texture1_limit = 65535;
 
 // The lists read as tables.
 // clang-format off
@@ -97,7 +127,22 @@ inline constexpr int scissor_limit = 32768;
   X(A, std::int32_t, blend_green,     "blend.green",     0, 255, 0, "green of the constant colour")                        \
   X(A, std::int32_t, blend_blue,      "blend.blue",      0, 255, 0, "blue of the constant colour")                         \
   X(A, std::int32_t, blend_alpha,     "blend.alpha",     0, 255, 0, "alpha of the constant colour")                        \
-  X(A, LogicOp,      logic_op,        "logic.op",        0, 0, LogicOp::none, "in place of the blend: bit by bit, on the codes")
+  X(A, LogicOp,      logic_op,        "logic.op",        0, 0, LogicOp::none, "in place of the blend: bit by bit, on the codes") \
+  X(A, TargetFormat, target_format,   "target.format",   0, 0, TargetFormat::rgba8888, "what the picture holds of a colour and its alpha") \
+  X(A, Dither,       target_dither,   "target.dither",   0, 0, Dither::none, "how colours are narrowed to a format with fewer bits") \
+  X(A, ChromaTest,   chroma_test,     "chroma.test",     0, 0, ChromaTest::none, "whether texels inside or outside of the range are transparent") \
+  X(A, std::int32_t, chroma_low_red,  "chroma.low.red",  0, 255, 0, "smallest red of the range")                           \
+  X(A, std::int32_t, chroma_low_green, "chroma.low.green", 0, 255, 0, "smallest green of the range")                       \
+  X(A, std::int32_t, chroma_low_blue, "chroma.low.blue", 0, 255, 0, "smallest blue of the range")                          \
+  X(A, std::int32_t, chroma_high_red, "chroma.high.red", 0, 255, 255, "largest red of the range")                          \
+  X(A, std::int32_t, chroma_high_green, "chroma.high.green", 0, 255, 255, "largest green of the range")                    \
+  X(A, std::int32_t, chroma_high_blue, "chroma.high.blue", 0, 255, 255, "largest blue of the range")                       \
+  X(A, std::int32_t, texture1,        "texture1",        -1, texture1_limit, -1, "index of the scene's texture that the second texture unit fetches; -1: the unit is off") \
+  X(A, TextureOp,    texture1_op,     "texture1.op",     0, 0, TextureOp::modulate, "how that unit combines its texel with the first one's colour") \
+  X(A, std::int32_t, texture1_scale,  "texture1.scale",  0, 2, 0, "modulate_scaled multiplies by 2 to this power")         \
+  X(A, std::int32_t, texture1_red,    "texture1.red",    0, 255, 0, "red of the constant colour of blend")                 \
+  X(A, std::int32_t, texture1_green,  "texture1.green",  0, 255, 0, "green of the constant colour of blend")               \
+  X(A, std::int32_t, texture1_blue,   "texture1.blue",   0, 255, 0, "blue of the constant colour of blend")
 
 // clang-format on
 
@@ -111,6 +156,9 @@ struct DrawState {
 // Whether scissor or stipple may keep a pixel from being drawn.
 bool masks_pixels(const DrawState& state);
 constexpr bool is_late(DepthWhen when) { return when == DepthWhen::late; }
+
+// Whether the second texture unit is on.
+constexpr bool has_second_texture(const DrawState& state) { return state.texture1 >= 0; }
 
 // What the registers hold at the start of a scene.
 DrawState first_state(const Config& config);
@@ -145,6 +193,10 @@ struct StateChange {
 };
 // Throws InputError, whose text begins with the key, where the new state is not legal: see refuse_state.
 DrawState changed_state(DrawState state, const StateChange& change, const Config& config);
+// The same; throws, too, where the new state names a texture that a scene with so many textures does not
+// have.
+DrawState changed_state(const DrawState& state, const StateChange& change, const Config& config,
+                        std::size_t textures);
 
 // Planes that are cleared; the others stay.
 struct Clear {

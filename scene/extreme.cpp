@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// extreme_scenes() of scene/demo.hpp: legal triangles at the ends of every range.
+// extreme_scenes() and triangles_scene() of scene/demo.hpp: legal triangles at the ends of every range, and
+// of a size.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -214,6 +215,31 @@ Scene centres() {
 }
 
 }  // namespace
+
+Scene triangles_scene(int size, int width, int height) {
+  Scene scene = frame("triangles", width, height);
+  Random random(static_cast<std::uint64_t>(size));
+  const auto area = static_cast<double>(size) * size;
+  const double wanted = 8.0 * width * height / area;
+  const std::size_t count = static_cast<std::size_t>(std::clamp(wanted, 200.0, 40000.0));
+  while (scene.triangles.size() < count) {
+    const double x = random.uniform(0, width), y = random.uniform(0, height);
+    const double s = random.log_uniform(scene.s_min * 1.25, scene.s_max / 1.25);
+    const double texels = size * random.log_uniform(0.25, 4);
+    Triangle t;
+    t.texture = 0;
+    for (Vertex& v : t.v) {
+      v.x = std::round((x + random.uniform(-0.5, 0.5) * size) * 1024) / 1024;
+      v.y = std::round((y + random.uniform(-0.5, 0.5) * size) * 1024) / 1024;
+      v.s = s * random.uniform(0.875, 1.125);
+      v.u = random.uniform(-0.5, 0.5) * texels;
+      v.v = random.uniform(-0.5, 0.5) * texels;
+      for (std::size_t i = 0; i < 3; ++i) v.c[i] = random.unit();
+    }
+    if (orientation(t) != 0) scene.triangles.push_back(t);
+  }
+  return scene;
+}
 
 std::vector<Scene> extreme_scenes() {
   std::vector<Scene> scenes;

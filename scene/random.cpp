@@ -7,6 +7,7 @@
 #include <string>
 
 #include "scene/exact.hpp"
+#include "scene/procedural.hpp"
 #include "scene/texels.hpp"
 
 namespace bitspan {
@@ -152,9 +153,12 @@ namespace {
 
 // "stencil" of "stencil.back.fail".
 std::string_view unit_of_register(std::string_view key) { return key.substr(0, key.find('.')); }
-std::vector<std::string_view> units_of_registers() {
+std::vector<std::string_view> units_of_registers(const RandomOptions& options) {
   std::vector<std::string_view> out;
   for (const StateRegister& r : state_registers()) {
+    const bool of_target = r.key.starts_with("target.") || r.key.starts_with("chroma.");
+    if (of_target && !options.targets) continue;
+    if (r.key.starts_with("texture1") && !options.second_texture) continue;
     if (out.empty() || out.back() != unit_of_register(r.key)) out.push_back(unit_of_register(r.key));
   }
   return out;
@@ -170,12 +174,17 @@ std::int64_t random_value(Random& random, const StateRegister& r, const Scene& s
     return random.integer(size / 2, size + 1);
   }
   if (r.key == "depth.bias") return random.integer(-4096, 4096);
+  if (r.key == "texture1") return random.integer(-1, static_cast<std::int64_t>(scene.textures.size()) - 1);
+  // A range that holds neither every texel nor hardly any.
+  if (r.key.starts_with("chroma.low.")) return random.integer(0, 160);
+  if (r.key.starts_with("chroma.high.")) return random.integer(96, 255);
   // All bits but a few: a picture without any pixel tells nothing.
   if (r.key == "stipple") return random.integer(r.low, r.high) | random.integer(r.low, r.high);
   return random.integer(r.low, r.high);
 }
 
-DrawCommand random_command(Random& random, const Scene& scene, DrawState& state, bool late_tests) {
+DrawCommand random_command(Random& random, const Scene& scene, DrawState& state,
+                           const RandomOptions& options) {
   DrawCommand command;
   if (random.chance(0.1)) {
     Clear clear;
@@ -194,17 +203,22 @@ DrawCommand random_command(Random& random, const Scene& scene, DrawState& state,
     std::erase_if(change.settings, [&](const StateSetting& s) { return s.index == index; });
     change.settings.push_back({index, value});
   };
-  const std::vector<std::string_view> units = units_of_registers();
+  const std::vector<std::string_view> units = units_of_registers(options);
   for (auto n = random.integer(1, 4); n > 0; --n) {
     const std::string_view unit =
         units[static_cast<std::size_t>(random.integer(0, static_cast<std::int64_t>(units.size()) - 1))];
-    if (unit == "stencil" && !late_tests) continue;
+    if (unit == "stencil" && !options.late_tests) continue;
     // A stencil register does nothing without the test.
     if (unit == "stencil" && random.chance(0.9)) set(*find_state_register("stencil.test"), 1);
+    // Nor do the others of the second texture unit while it is off.
+    if (unit == "texture1" && random.chance(0.9)) {
+      const std::size_t index = *find_state_register("texture1");
+      set(index, random_value(random, state_registers()[index], scene));
+    }
     for (std::size_t index = 0; index < state_registers().size(); ++index) {
       const StateRegister& r = state_registers()[index];
       if (unit_of_register(r.key) != unit || r.key == "stencil.test" || !random.chance(0.4)) continue;
-      if (!late_tests && r.key == "depth.when") continue;
+      if (!options.late_tests && r.key == "depth.when") continue;
       set(index, random_value(random, r, scene));
     }
   }
@@ -246,7 +260,7 @@ Scene random_scene(std::uint64_t seed, const RandomOptions& options) {
   DrawState state = first_state({});
   for (std::size_t i = 0; options.command_probability > 0 && i < scene.triangles.size(); ++i) {
     if (!random.chance(options.command_probability)) continue;
-    scene.commands.push_back(random_command(random, scene, state, options.late_tests));
+    scene.commands.push_back(random_command(random, scene, state, options));
     scene.commands.back().before = i;
   }
   return scene;
@@ -258,6 +272,10 @@ void draw_texel_formats(Random& random, Scene& scene, double probability) {
     const auto last = static_cast<std::int64_t>(enum_names<TexelFormat>.size()) - 1;
     const auto format = static_cast<TexelFormat>(random.integer(1, last));
     const int table_size = texel_layout(format).table_size;
+    if (is_procedural(format)) {
+      texture = random_procedural(random, format, texture.width, texture.height);
+      continue;
+    }
     if (table_size == 0) {
       texture = converted(texture, format, {});
       continue;

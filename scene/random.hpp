@@ -41,6 +41,8 @@ struct RandomOptions {
   double translucent_probability = 0.3;  // of a triangle to have alpha below 1
   double command_probability = 0;        // of a triangle to have a change of draw state or a clear in front
   bool late_tests = true;                // depth.when may be `late`, and stencil.test on
+  bool targets = true;                   // registers of the target and of the chroma range may change
+  bool second_texture = true;            // registers of the second texture unit may change
 };
 
 // Returns a scene that a stream can hold: no triangle has zero area, and s is within its range. The same seed
@@ -48,7 +50,7 @@ struct RandomOptions {
 Scene random_scene(std::uint64_t seed, const RandomOptions& options = {});
 
 // Gives the textures of a scene texel formats, each of its own with that probability: the image converted,
-// or any bits with a random table.
+// any bits with a random table, or a procedural texture.
 void draw_texel_formats(Random& random, Scene& scene, double probability);
 
 }  // namespace bitspan

@@ -59,8 +59,6 @@ struct Scene {
 
 // Throws InputError where a change of state would not be legal.
 void check_commands(const Config& config, const Scene& scene);
-// Whether some triangles are drawn with late depth tests.
-bool has_late_tests(const Scene& scene);
 // Takes triangles out; commands that stood in front of them stand in front of the next one.
 void erase_triangles(Scene& scene, std::size_t first, std::size_t count);
 

@@ -12,18 +12,63 @@
 namespace bitspan {
 
 BITSPAN_ENUM(TexelFormat, rgba8888, rgb332, yiq422, a8, i8, ai44, p8, argb8332, rgb565, argb1555, argb4444,
-             ai88, ap88, ayiq8422, dxt1, dxt3, dxt5, uyvy, yuyv);
+             ai88, ap88, ayiq8422, dxt1, dxt3, dxt5, uyvy, yuyv, checker, brick, noise);
 
 // Texels lie in blocks, row by row of blocks from the top left. The last block of a row or column may reach
 // beyond the texture.
 struct TexelLayout {
   int block_width = 1, block_height = 1;  // texels
-  int block_bytes = 4;
-  int table_size = 0;  // of Texture::table
+  int block_bytes = 4;                    // 0: no memory
+  int table_size = 0;                     // of Texture::table
 };
 
 inline constexpr int palette_size = 256 * 4;    // red, green, blue, alpha of each code
 inline constexpr int yiq_table_size = 16 + 24;  // 16 of Y; red, green, blue of 4 of I; the same of 4 of Q
+
+// Procedural textures [T9]: a texel is computed from its column and row. The table has two colours of red,
+// green, blue and alpha, and then:
+enum CheckerValue : std::uint8_t { checker_width = 8, checker_height, checker_table_size };
+enum BrickValue : std::uint8_t {
+  brick_width = 8,
+  brick_height,
+  brick_mortar,
+  brick_shift,
+  brick_vary,
+  brick_seed,
+  brick_table_size
+};
+enum NoiseValue : std::uint8_t { noise_cell = 8, noise_octaves, noise_seed, noise_table_size };
+
+// Texels are computed; none is in memory.
+constexpr bool is_procedural(TexelFormat format) {
+  switch (format) {
+    case TexelFormat::checker:
+    case TexelFormat::brick:
+    case TexelFormat::noise:
+      return true;
+    case TexelFormat::rgba8888:
+    case TexelFormat::rgb332:
+    case TexelFormat::yiq422:
+    case TexelFormat::a8:
+    case TexelFormat::i8:
+    case TexelFormat::ai44:
+    case TexelFormat::p8:
+    case TexelFormat::argb8332:
+    case TexelFormat::rgb565:
+    case TexelFormat::argb1555:
+    case TexelFormat::argb4444:
+    case TexelFormat::ai88:
+    case TexelFormat::ap88:
+    case TexelFormat::ayiq8422:
+    case TexelFormat::dxt1:
+    case TexelFormat::dxt3:
+    case TexelFormat::dxt5:
+    case TexelFormat::uyvy:
+    case TexelFormat::yuyv:
+      return false;
+  }
+  unreachable();
+}
 
 constexpr TexelLayout texel_layout(TexelFormat format) {
   switch (format) {
@@ -56,6 +101,12 @@ constexpr TexelLayout texel_layout(TexelFormat format) {
     case TexelFormat::uyvy:
     case TexelFormat::yuyv:
       return {2, 1, 4, 0};
+    case TexelFormat::checker:
+      return {1, 1, 0, checker_table_size};
+    case TexelFormat::brick:
+      return {1, 1, 0, brick_table_size};
+    case TexelFormat::noise:
+      return {1, 1, 0, noise_table_size};
   }
   unreachable();
 }

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "config/config.hpp"
+#include "scene/procedural.hpp"
 
 namespace bitspan {
 namespace {
@@ -91,6 +92,11 @@ class Converter {
           for (int i = 0; i < image_.width; i += 2) pair(i, j);
         }
         break;
+      case TexelFormat::checker:
+      case TexelFormat::brick:
+      case TexelFormat::noise:
+        throw InputError(std::string(to_string(out_.format)) +
+                         ": is computed and takes no image; expected a format with texels in memory");
     }
   }
 
@@ -159,6 +165,9 @@ class Converter {
       case TexelFormat::dxt5:
       case TexelFormat::uyvy:
       case TexelFormat::yuyv:
+      case TexelFormat::checker:
+      case TexelFormat::brick:
+      case TexelFormat::noise:
         break;
     }
     unreachable();
@@ -281,7 +290,7 @@ bool is_whole(const Texture& t) {
   const auto table = static_cast<std::size_t>(texel_layout(t.format).table_size);
   const bool plain = t.format == TexelFormat::rgba8888;
   return (plain ? t.rgba : t.raw).size() == size && (plain ? t.raw : t.rgba).empty() &&
-         t.table.size() == table;
+         t.table.size() == table && (!is_procedural(t.format) || procedural_fault(t).empty());
 }
 
 std::size_t byte_count(const Texture& texture) {

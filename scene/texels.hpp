@@ -10,7 +10,8 @@
 
 namespace bitspan {
 
-// Whether the sizes of rgba, raw and table are those of the format, width and height.
+// Whether the sizes of rgba, raw and table are those of the format, width and height, and the table of a
+// procedural texture is legal.
 bool is_whole(const Texture& texture);
 
 // Bytes of the texels in the memory of the hardware.

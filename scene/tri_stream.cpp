@@ -20,6 +20,7 @@
 #include "io/atomic_file.hpp"
 #include "io/png.hpp"
 #include "scene/exact.hpp"
+#include "scene/procedural.hpp"
 #include "scene/texels.hpp"
 #include "scene/texture.hpp"
 
@@ -117,13 +118,17 @@ std::array<std::uint8_t, 3> color_codes(const Json& value, int scale, const Plac
   return codes;
 }
 
-void check_keys(const Json& object, std::initializer_list<std::string_view> known, const Place& place,
+void check_keys(const Json& object, std::span<const std::string_view> known, const Place& place,
                 const std::string& inside) {
   for (const auto& [key, value] : object.items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     place.fail(
         fmt::format("{}{}: unknown key; expected {}", inside, shown(Json(key)), fmt::join(known, ", ")));
   }
+}
+void check_keys(const Json& object, std::initializer_list<std::string_view> known, const Place& place,
+                const std::string& inside) {
+  check_keys(object, std::span(known.begin(), known.size()), place, inside);
 }
 
 const Json& required(const Json& object, const char* key, const Place& place, const char* expected) {
@@ -246,7 +251,8 @@ Texture read_formatted(const Json& entry, const Place& place, const std::filesys
     place.fail(fmt::format("{}{}: {} is not a file name; expected a string", inside, source, shown(name)));
   }
   const Json& wanted = required(entry, "format", place, "the name of a texel format");
-  const auto names = enum_names<TexelFormat>;
+  // The procedural ones stand behind those that lie in memory.
+  const auto names = std::span(enum_names<TexelFormat>).first(static_cast<std::size_t>(TexelFormat::checker));
   const auto found =
       wanted.is_string() ? std::ranges::find(names, wanted.get_ref<const std::string&>()) : names.end();
   if (found == names.end()) {
@@ -278,8 +284,106 @@ Texture read_formatted(const Json& entry, const Place& place, const std::filesys
   return out;
 }
 
+// A texture whose texels are computed [T9].
+Texture read_procedural(const Json& entry, const Place& place, const std::string& key) {
+  check_keys(entry, {"procedural"}, place, key + ".");
+  const Json& from = entry["procedural"];
+  const std::string inside = key + ".procedural.";
+  if (!from.is_object()) {
+    place.fail(fmt::format("{}.procedural: {} is not an object; expected {{\"kind\": \"checker\", ...}}", key,
+                           shown(from)));
+  }
+  const auto kinds =
+      std::span(enum_names<TexelFormat>).subspan(static_cast<std::size_t>(TexelFormat::checker));
+  const Json& wanted = required(from, "kind", place, "checker, brick or noise");
+  const auto found =
+      wanted.is_string() ? std::ranges::find(kinds, wanted.get_ref<const std::string&>()) : kinds.end();
+  if (found == kinds.end()) {
+    place.fail(fmt::format("{}kind: {} is not legal; expected one of {}", inside, shown(wanted),
+                           fmt::join(kinds, ", ")));
+  }
+  Texture out;
+  out.name = *found;
+  out.format = static_cast<TexelFormat>(static_cast<int>(TexelFormat::checker) + (found - kinds.begin()));
+  const auto values = procedural_values(out.format);
+  std::vector<std::string_view> known{"kind", "width", "height", "colors"};
+  for (const ProceduralValue& value : values) known.push_back(value.key);
+  check_keys(from, known, place, inside);
+  const auto whole = [&](std::string_view name, int low, int high) {
+    const std::string at = inside + std::string(name);
+    const auto value = from.find(std::string(name));
+    if (value == from.end()) place.fail(at + ": key is missing; expected a whole number");
+    return integer(*value, low, high, place, at.c_str());
+  };
+  out.width = whole("width", 1, texture_size_limit);
+  out.height = whole("height", 1, texture_size_limit);
+  const auto colors = from.find("colors");
+  if (colors == from.end() || !colors->is_array() || colors->size() != 2) {
+    place.fail(inside + "colors: is not legal; expected two colours [red, green, blue, alpha]");
+  }
+  append_lists(*colors, 4, 0, 255, place, inside + "colors", out.table);
+  for (const ProceduralValue& value : values) {
+    out.table.push_back(static_cast<std::int16_t>(whole(value.key, value.low, value.high)));
+  }
+  if (const std::string fault = procedural_fault(out); !fault.empty()) place.fail(inside + fault);
+  return out;
+}
+
+// A texture of the header, whatever it is made of; not a dynamic one.
+Texture read_entry(const Json& entry, int version, const Place& place, const std::filesystem::path& folder,
+                   const std::string& key) {
+  if (version >= 2 && entry.is_object()) {
+    if (entry.contains("procedural")) return read_procedural(entry, place, key);
+    Texture out = read_formatted(entry, place, folder, key);
+    out.name = entry[entry.contains("raw") ? "raw" : "file"].get<std::string>();
+    return out;
+  }
+  if (!entry.is_string() || entry.get_ref<const std::string&>().empty()) {
+    place.fail(fmt::format("{}: {} is not a file name; expected a string", key, shown(entry)));
+  }
+  const auto& name = entry.get_ref<const std::string&>();
+  try {
+    Texture out = read_texture((folder / name).string());
+    out.name = name;
+    return out;
+  } catch (const InputError& error) {
+    place.fail(fmt::format("{}: {}", key, error.what()));
+  }
+}
+
+// Where a texture of the header stands among the scene's. frames: how many images a dynamic one has; 0: it is
+// none.
+struct HeaderTexture {
+  int first = 0, frames = 0;
+};
+
+HeaderTexture append_texture(const Json& entry, int version, const Place& place,
+                             const std::filesystem::path& folder, const std::string& key,
+                             std::vector<Texture>& textures) {
+  HeaderTexture out{static_cast<int>(textures.size()), 0};
+  if (version < 2 || !entry.is_object() || !entry.contains("frames")) {
+    textures.push_back(read_entry(entry, version, place, folder, key));
+    return out;
+  }
+  check_keys(entry, {"frames"}, place, key + ".");
+  const Json& frames = entry["frames"];
+  if (!frames.is_array() || frames.empty()) {
+    place.fail(fmt::format("{}.frames: {} is not legal; expected a list of textures", key, shown(frames)));
+  }
+  for (const Json& frame : frames) {
+    const std::string at = fmt::format("{}.frames[{}]", key, out.frames++);
+    textures.push_back(read_entry(frame, version, place, folder, at));
+    const Texture& first = textures[static_cast<std::size_t>(out.first)];
+    const Texture& own = textures.back();
+    if (own.width == first.width && own.height == first.height) continue;
+    place.fail(fmt::format("{}: has {} x {} texels; expected {} x {}, as frames[0]", at, own.width,
+                           own.height, first.width, first.height));
+  }
+  return out;
+}
+
 Scene read_header(const Json& line, const Place& place, const std::filesystem::path& folder, int& color_max,
-                  int& version) {
+                  int& version, std::vector<HeaderTexture>& textures) {
   if (!line.is_object() || !line.contains("bitspan")) {
     place.fail("bitspan: no header; expected a first line {\"bitspan\": 1, \"width\": ..., ...}");
   }
@@ -324,22 +428,8 @@ Scene read_header(const Json& line, const Place& place, const std::filesystem::p
     if (!found->is_array())
       place.fail("textures: " + shown(*found) + " is not an array; expected a list of image file names");
     for (std::size_t i = 0; i < found->size(); ++i) {
-      const Json& entry = (*found)[i];
-      if (version >= 2 && entry.is_object()) {
-        scene.textures.push_back(read_formatted(entry, place, folder, fmt::format("textures[{}]", i)));
-        scene.textures.back().name = entry[entry.contains("raw") ? "raw" : "file"].get<std::string>();
-        continue;
-      }
-      if (!entry.is_string() || entry.get_ref<const std::string&>().empty()) {
-        place.fail(fmt::format("textures[{}]: {} is not a file name; expected a string", i, shown(entry)));
-      }
-      const auto& name = entry.get_ref<const std::string&>();
-      try {
-        scene.textures.push_back(read_texture((folder / name).string()));
-      } catch (const InputError& error) {
-        place.fail(fmt::format("textures[{}]: {}", i, error.what()));
-      }
-      scene.textures.back().name = name;
+      textures.push_back(append_texture((*found)[i], version, place, folder, fmt::format("textures[{}]", i),
+                                        scene.textures));
     }
   }
   return scene;
@@ -367,7 +457,8 @@ void check_shape(const Triangle& triangle, const Place& place) {
   }
 }
 
-Triangle read_triangle(const Json& line, const Scene& scene, int color_max, const Place& place) {
+Triangle read_triangle(const Json& line, const Scene& scene, std::span<const HeaderTexture> textures,
+                       int frame, int color_max, const Place& place) {
   if (!line.is_object())
     place.fail(shown(line) + " is not an object; expected {\"v\": [...], \"c\": [...], \"tex\": 0}");
   check_keys(line, {"v", "c", "tex"}, place, "");
@@ -406,7 +497,9 @@ Triangle read_triangle(const Json& line, const Scene& scene, int color_max, cons
   }
   if (const auto tex = line.find("tex"); tex != line.end()) {
     if (scene.textures.empty()) place.fail("tex: the header names no textures; expected no \"tex\"");
-    triangle.texture = integer(*tex, 0, static_cast<int>(scene.textures.size()) - 1, place, "tex");
+    const int index = integer(*tex, 0, static_cast<int>(textures.size()) - 1, place, "tex");
+    const HeaderTexture& texture = textures[static_cast<std::size_t>(index)];
+    triangle.texture = texture.first + (texture.frames == 0 ? 0 : frame);
   }
   return triangle;
 }
@@ -441,7 +534,7 @@ StateSetting read_setting(const std::string& key, const Json& value, const Place
 }
 
 bool is_command(const Json& line) {
-  return line.is_object() && (line.contains("state") || line.contains("clear"));
+  return line.is_object() && (line.contains("state") || line.contains("clear") || line.contains("frame"));
 }
 
 bool truth(const Json& value, const Place& place, const char* key) {
@@ -579,6 +672,18 @@ Json lists_of(std::span<const std::int16_t> values, std::size_t length) {
 Json texture_entry(const Texture& texture, const std::string& name) {
   if (!is_formatted(texture)) return name;
   Json out;
+  if (is_procedural(texture.format)) {
+    Json& values = out["procedural"];
+    values["kind"] = std::string(to_string(texture.format));
+    values["width"] = texture.width;
+    values["height"] = texture.height;
+    values["colors"] = lists_of(std::span(texture.table).first(8), 4);
+    std::size_t at = 8;
+    for (const ProceduralValue& value : procedural_values(texture.format)) {
+      values[std::string(value.key)] = texture.table[at++];
+    }
+    return out;
+  }
   out["raw"] = name;
   out["format"] = std::string(to_string(texture.format));
   out["width"] = texture.width;
@@ -712,21 +817,54 @@ struct TriReader::State {
   std::optional<LineReader> lines;
   std::string line;
   Scene scene;
+  std::vector<HeaderTexture> textures;  // of the header
+  int frame = 0;                        // that its dynamic textures show
   int color_max = 0;
   int version = 1;
   std::vector<DrawCommand> commands;  // read, not yet taken
   std::size_t triangles = 0;
   DrawState draw_state = first_state({});  // as far as its legality does not depend on a configuration
 
+  // The image with that number must be there in all dynamic textures.
+  void show_frame(const Json& value) {
+    int frames = texture_size_limit;
+    bool dynamic = false;
+    for (const HeaderTexture& texture : textures) {
+      if (texture.frames == 0) continue;
+      dynamic = true;
+      frames = std::min(frames, texture.frames);
+    }
+    if (!dynamic) place.fail("frame: the header has no dynamic texture; expected one with \"frames\"");
+    frame = integer(value, 0, frames - 1, place, "frame");
+  }
+
+  // The header's number of texture1 becomes the scene's: of a dynamic texture that of the image shown.
+  void show_texture(StateSetting& setting) const {
+    if (setting.index != *find_state_register("texture1") || setting.value < 0) return;
+    if (setting.value >= static_cast<std::int64_t>(textures.size())) {
+      place.fail(
+          fmt::format("state.texture1: texture {} does not exist, the header has {}; expected -1 to {}",
+                      setting.value, textures.size(), static_cast<int>(textures.size()) - 1));
+    }
+    const HeaderTexture& texture = textures[static_cast<std::size_t>(setting.value)];
+    setting.value = texture.first + (texture.frames == 0 ? 0 : frame);
+  }
+
   void add_command(const Json& json) {
     if (version < 2) {
       place.fail("bitspan: a stream of version 1 has no commands; expected a header {\"bitspan\": 2, ...}");
     }
+    if (json.contains("frame")) {
+      check_keys(json, {"frame"}, place, "");
+      show_frame(json["frame"]);
+      return;
+    }
     DrawCommand command = read_command(json, color_max, place);
     command.before = triangles;
     if (!command.clear) {
+      for (StateSetting& setting : command.state.settings) show_texture(setting);
       try {
-        draw_state = changed_state(draw_state, command.state, {});
+        draw_state = changed_state(draw_state, command.state, {}, scene.textures.size());
       } catch (const InputError& error) {
         place.fail(std::string("state.") + error.what());
       }
@@ -734,13 +872,15 @@ struct TriReader::State {
     commands.push_back(std::move(command));
   }
 
-  void open(std::istream& in, const std::string& origin) {
+  void open(std::istream& in, const std::string& origin, std::optional<int> first_frame) {
     namespace fs = std::filesystem;
     place.file = origin;
     lines.emplace(in);
     while (lines->next(line, place)) {
       if (blank(line)) continue;
-      scene = read_header(parse_line(line, place), place, fs::path(origin).parent_path(), color_max, version);
+      scene = read_header(parse_line(line, place), place, fs::path(origin).parent_path(), color_max, version,
+                          textures);
+      if (first_frame) show_frame(*first_frame);
       scene.name = fs::path(origin).stem().string();
       return;
     }
@@ -749,9 +889,9 @@ struct TriReader::State {
   }
 };
 
-TriReader::TriReader(const std::string& path) : state_(std::make_unique<State>()) {
+TriReader::TriReader(const std::string& path, std::optional<int> frame) : state_(std::make_unique<State>()) {
   if (path == "-") {
-    state_->open(std::cin, "stdin");
+    state_->open(std::cin, "stdin", frame);
     return;
   }
   std::error_code code;
@@ -762,11 +902,12 @@ TriReader::TriReader(const std::string& path) : state_(std::make_unique<State>()
   if (!state_->file) {
     throw InputError(path + ": cannot read: " + std::strerror(errno) + "; expected a triangle stream (.tri)");
   }
-  state_->open(state_->file, path);
+  state_->open(state_->file, path, frame);
 }
 
-TriReader::TriReader(std::istream& in, const std::string& origin) : state_(std::make_unique<State>()) {
-  state_->open(in, origin);
+TriReader::TriReader(std::istream& in, const std::string& origin, std::optional<int> frame)
+    : state_(std::make_unique<State>()) {
+  state_->open(in, origin, frame);
 }
 
 TriReader::~TriReader() = default;
@@ -782,7 +923,7 @@ bool TriReader::next(Triangle& triangle) {
       s.add_command(json);
       continue;
     }
-    triangle = read_triangle(json, s.scene, s.color_max, s.place);
+    triangle = read_triangle(json, s.scene, s.textures, s.frame, s.color_max, s.place);
     ++s.triangles;
     return true;
   }
@@ -803,14 +944,14 @@ Scene read_all(TriReader& reader) {
 
 }  // namespace
 
-Scene read_tri(const std::string& path) {
-  TriReader reader(path);
+Scene read_tri(const std::string& path, std::optional<int> frame) {
+  TriReader reader(path, frame);
   return read_all(reader);
 }
 
-Scene parse_tri(std::string_view text, const std::string& origin) {
+Scene parse_tri(std::string_view text, const std::string& origin, std::optional<int> frame) {
   std::istringstream in{std::string(text)};
-  TriReader reader(in, origin);
+  TriReader reader(in, origin, frame);
   return read_all(reader);
 }
 
@@ -878,6 +1019,10 @@ void write_tri_file(const std::string& path, const Scene& scene) {
   std::vector<std::unique_ptr<AtomicFile>> pictures;
   for (const Texture& texture : scene.textures) {
     const bool formatted = is_formatted(texture);
+    if (is_procedural(texture.format)) {
+      names.emplace_back();  // of no file
+      continue;
+    }
     names.push_back(fmt::format("{}.{}.{}", target.stem().string(), names.size(), formatted ? "bin" : "png"));
     pictures.push_back(std::make_unique<AtomicFile>((target.parent_path() / names.back()).string()));
     pictures.back()->write(formatted ? texture.raw

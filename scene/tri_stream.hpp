@@ -4,6 +4,7 @@
 
 #include <iosfwd>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,14 +21,16 @@ inline constexpr double coordinate_limit = 32767;  // |x|, |y| of a vertex, pixe
 class TriReader {
  public:
   // Reads the header and the textures it names, relative to the file's folder. "-" reads standard input.
-  explicit TriReader(const std::string& path);
+  // frame: which image dynamic textures [T8] show at first; without it the first one, and a stream with it
+  // must have such a texture.
+  explicit TriReader(const std::string& path, std::optional<int> frame = std::nullopt);
   // Reads from `in`, which must outlive the reader; `origin` stands for the file's name.
-  TriReader(std::istream& in, const std::string& origin);
+  TriReader(std::istream& in, const std::string& origin, std::optional<int> frame = std::nullopt);
   ~TriReader();
   TriReader(const TriReader&) = delete;
   TriReader& operator=(const TriReader&) = delete;
 
-  // Returns the scene without its triangles.
+  // Returns the scene without its triangles. Each image of a dynamic texture is a texture of its own.
   const Scene& scene() const;
   // Gives the next triangle in the order of drawing; returns false at the end of the stream.
   bool next(Triangle& triangle);
@@ -41,8 +44,8 @@ class TriReader {
 };
 
 // Reads the whole stream at once.
-Scene read_tri(const std::string& path);
-Scene parse_tri(std::string_view text, const std::string& origin);
+Scene read_tri(const std::string& path, std::optional<int> frame = std::nullopt);
+Scene parse_tri(std::string_view text, const std::string& origin, std::optional<int> frame = std::nullopt);
 
 // A command as its line of a stream: JSON, without the newline; colours as fractions.
 std::string command_text(const DrawCommand& command);

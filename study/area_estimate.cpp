@@ -227,7 +227,7 @@ class Counter {
     const int sum = as_signed(depth_sum(c_, F::edge_h)).bits();
     const int p = pre_step(c_).bits();
     const int length = row_operand(c_).bits();
-    const bool divides = !shares_reciprocal(c_.row_slope);
+    const bool divides = !shares_reciprocal(form_of(c_.row_slope));
     const bool hyperbolic = has_pixel_quotients(c_.perspective);
     const bool affine = has_linear_texture(c_.perspective);
     const std::vector<Line> all = lines();

@@ -22,18 +22,33 @@ bool delta_f(const Config& c) { return has_pixel_reciprocal(c.perspective); }
 bool hyperbolic(const Config& c) { return has_pixel_quotients(c.perspective); }
 bool perspective_ends(const Config& c) { return delta_f(c) || hyperbolic(c); }
 bool dda(const Config& c) { return horizontal(c) && has_x_step(c); }
-bool edge_unit(const Config& c) { return horizontal(c) && shares_reciprocal(c.edge_slope); }
-bool row_unit(const Config& c) { return plane_rows(c) || shares_reciprocal(c.row_slope); }
+// Rows start from the triangle's plane; or else from their ends.
+bool by_plane(const Config& c) { return has_setup_plane(c); }
+bool row_ends(const Config& c) { return horizontal(c) && !by_plane(c); }
+bool edge_unit(const Config& c) {
+  return horizontal(c) && shares_reciprocal(c.edge_slope) && (row_ends(c) || has_x_step(c));
+}
+bool plane_unit(const Config& c) { return by_plane(c) && shares_reciprocal(c.edge_slope); }
+// Both take the same unit, of edges and of areas.
+bool triangle_unit(const Config& c) { return edge_unit(c) || plane_unit(c); }
+bool row_unit(const Config& c) {
+  return plane_rows(c) || (row_ends(c) && shares_reciprocal(form_of(c.row_slope)));
+}
 bool linear_depth(const Config& c) { return is_linear_in_distance(c.depth_code); }
 bool linear_fog(const Config& c) { return is_linear_in_distance(c.fog); }
 bool any_fog(const Config& c) { return has_fog(c.fog); }
+bool own_s(const Config& c) { return has_lod_zones(c) && !takes_true_distance(c.lod); }
 bool zones(const Config& c) { return has_lod_zones(c); }
+bool any_distance(const Config& c) { return has_distance(c); }
+bool true_distance(const Config& c) { return has_true_distance(c); }
+bool fog_by_log(const Config& c) { return takes_distance(c.fog) && !takes_true_distance(c.fog); }
+bool neighbours(const Config& c) { return has_lod_gradients(c) && has_neighbours(c.lod); }
 bool gradients(const Config& c) { return has_lod_gradients(c); }
 bool levels(const Config& c) { return has_lod(c); }
 bool two_levels(const Config& c) { return mixes_levels(c.mip); }
 // The users at a pixel take the reciprocal of the same h + B, so they share one unit.
 bool pixel_unit(const Config& c) {
-  return delta_f(c) || linear_depth(c) || linear_fog(c) || zones(c) || gradients(c);
+  return delta_f(c) || linear_depth(c) || linear_fog(c) || has_s(c) || (gradients(c) && !neighbours(c));
 }
 bool bilinear(const Config& c) {
   switch (c.filter) {
@@ -56,19 +71,31 @@ bool nearest(const Config& c) {
 
 bool two_nearest(const Config& c) { return two_levels(c) && nearest(c); }
 bool two_bilinear(const Config& c) { return two_levels(c) && bilinear(c); }
-bool row_gradients(const Config& c) { return gradients(c) && horizontal(c); }
+bool divided_ends(const Config& c) { return row_ends(c) && perspective_ends(c); }
+bool delta_f_ends(const Config& c) { return row_ends(c) && delta_f(c); }
+bool hyperbolic_ends(const Config& c) { return row_ends(c) && hyperbolic(c); }
+bool row_gradients(const Config& c) { return has_setup_gradients(c) && horizontal(c); }
+bool packed_depth(const Config& c) { return has_dz(c.depth_code); }
 
 constexpr std::string_view kAlways = "always";
 constexpr std::string_view kHorizontal = "all modes but const_depth_rows";
+constexpr std::string_view kRowEnds = "all modes but const_depth_rows, slope.row = divide, reciprocal";
+constexpr std::string_view kByPlane = "slope.row = plane";
 constexpr std::string_view kDda = "edge_walk = dda, all modes but const_depth_rows";
 constexpr std::string_view kPlane = "const_depth_rows";
-constexpr std::string_view kZones = "lod.mode = zone_s";
-constexpr std::string_view kGradients = "lod.mode = gradient, all modes but const_depth_rows";
+constexpr std::string_view kZones = "lod.mode = zone_s, zone_d";
+constexpr std::string_view kDistance = "lod.mode = zone_d, or fog.mode = distance, log";
+constexpr std::string_view kS = "lod.mode = zone_s, zone_d, or fog.mode = distance, log";
+constexpr std::string_view kTrueDistance = "lod.mode = zone_d, or fog.mode = distance";
+constexpr std::string_view kGradients =
+    "lod.mode = gradient, finite, or depth.code = float_dz, all modes but const_depth_rows";
 constexpr std::string_view kTwoNearest = "texture.mip = linear, texture.filter = nearest";
 constexpr std::string_view kTwoBilinear = "texture.mip = linear, texture.filter = bilinear";
 constexpr std::string_view kPixelUnit =
-    "delta_f, or depth.code = linear, or fog.mode = linear, or lod.mode = zone_s, gradient";
+    "delta_f, or depth.code = linear, or fog.mode = linear, distance, log, or lod.mode = zone_s, zone_d, "
+    "gradient";
 constexpr std::string_view kEnds = "delta_f, hyperbolic";
+constexpr std::string_view kDividedEnds = "delta_f, hyperbolic, slope.row = divide, reciprocal";
 
 template <F id>
 int word(const Config& c) {
@@ -76,6 +103,7 @@ int word(const Config& c) {
 }
 int coordinate_word(const Config& c) { return c.coordinate_format().word; }
 int depth_word(const Config& c) { return c.depth_bits; }
+int dz_word(const Config&) { return dz_bits; }
 int phase_word(const Config& c) { return c.format(F::plane_k).fraction(); }
 int edge_output(const Config& c) { return c.edge_reciprocal.output.word; }
 int row_output(const Config& c) { return c.row_reciprocal.output.word; }
@@ -94,7 +122,7 @@ std::vector<RegisterRule> make_rules() {
       rule<F::setup_b>("constants", 1, kAlways, always),
       rule<F::depth_c1>("constants", 1, "depth.code = linear", linear_depth),
       rule<F::depth_c0>("constants", 1, "depth.code = linear", linear_depth),
-      rule<F::distance_a>("constants", 1, kZones, zones),
+      rule<F::distance_a>("constants", 1, kS, [](const Config& c) { return has_s(c); }),
       rule<F::lod_k>("constants", max_mip_level, kZones, zones),
       rule<F::fog_scale>("constants", 1, "fog.mode = linear", linear_fog),
 
@@ -107,28 +135,36 @@ std::vector<RegisterRule> make_rules() {
 
       // Three edges' slopes are held while the triangle is walked. The rest passes through.
       {"setup.edge", "reciprocal.edge.output", 1, "slope.edge = reciprocal, all modes but const_depth_rows",
-       edge_unit, edge_output},
+       triangle_unit, edge_output},
       rule<F::edge_x_step>("setup.edge", 3, kDda, dda),
-      rule<F::edge_h_step>("setup.edge", 3, kHorizontal, horizontal),
-      rule<F::edge_f_diff>("setup.edge", 2, kHorizontal, horizontal),
-      rule<F::edge_f_step>("setup.edge", 6, kHorizontal, horizontal),
-      rule<F::edge_shade_step>("setup.edge", 12, kHorizontal, horizontal),
+      rule<F::edge_h_step>("setup.edge", 3, kRowEnds, row_ends),
+      rule<F::edge_f_diff>("setup.edge", 2, kRowEnds, row_ends),
+      rule<F::edge_f_step>("setup.edge", 6, kRowEnds, row_ends),
+      rule<F::edge_shade_step>("setup.edge", 12, kRowEnds, row_ends),
 
       // plane_walk has these anyway.
       rule<F::plane_g>("setup.gradient", 6, kGradients, row_gradients),
       rule<F::plane_h_grad>("setup.gradient", 2, kGradients, row_gradients),
       rule<F::plane_g_grad>("setup.gradient", 4, kGradients, row_gradients),
 
+      // The numerators at three vertices, and two gradients of each quantity.
+      rule<F::edge_uv>("setup.plane", 2, "delta_f, slope.row = plane",
+                       [](const Config& c) { return by_plane(c) && delta_f(c); }),
+      rule<F::plane_g>("setup.plane", 6, kByPlane, by_plane),
+      rule<F::plane_h_grad>("setup.plane", 2, kByPlane, by_plane),
+      rule<F::plane_g_grad>("setup.plane", 4, kByPlane, by_plane),
+      rule<F::plane_shade_grad>("setup.plane", 8, kByPlane, by_plane),
+
       // The row has two ends.
       rule<F::edge_x_acc>("edge_walk", 2, kDda, dda),
       rule<F::edge_x>("edge_walk", 2, kHorizontal, horizontal),
-      rule<F::edge_h_acc>("edge_walk", 2, kHorizontal, horizontal),
-      rule<F::edge_h>("edge_walk", 2, kHorizontal, horizontal),
-      rule<F::edge_f>("edge_walk", 4, kHorizontal, horizontal),
-      {"edge_walk", "reciprocal.pixel.output", 1, kEnds, perspective_ends, pixel_output},
-      rule<F::edge_uv>("edge_walk", 4, kHorizontal, horizontal),
-      rule<F::edge_shade_acc>("edge_walk", 8, kHorizontal, horizontal),
-      rule<F::edge_shade>("edge_walk", 8, kHorizontal, horizontal),
+      rule<F::edge_h_acc>("edge_walk", 2, kRowEnds, row_ends),
+      rule<F::edge_h>("edge_walk", 2, kRowEnds, row_ends),
+      rule<F::edge_f>("edge_walk", 4, kRowEnds, row_ends),
+      {"edge_walk", "reciprocal.pixel.output", 1, kDividedEnds, divided_ends, pixel_output},
+      rule<F::edge_uv>("edge_walk", 4, kRowEnds, row_ends),
+      rule<F::edge_shade_acc>("edge_walk", 8, kRowEnds, row_ends),
+      rule<F::edge_shade>("edge_walk", 8, kRowEnds, row_ends),
 
       // gu and gv stand at three vertices. Each has two gradients, and each has two steps per row.
       rule<F::plane_g>("plane_walk", 6, kPlane, plane_rows),
@@ -142,8 +178,8 @@ std::vector<RegisterRule> make_rules() {
       {"span_setup", "reciprocal.row.output", 1, "slope.row = reciprocal, or const_depth_rows", row_unit,
        row_output},
       rule<F::span_h_step>("span_setup", 1, kHorizontal, horizontal),
-      rule<F::span_f_diff>("span_setup", 2, "delta_f", delta_f),
-      rule<F::span_f_diff>("span_setup", 4, "hyperbolic", hyperbolic),
+      rule<F::span_f_diff>("span_setup", 2, "delta_f, slope.row = divide, reciprocal", delta_f_ends),
+      rule<F::span_f_diff>("span_setup", 4, "hyperbolic, slope.row = divide, reciprocal", hyperbolic_ends),
       rule<F::span_f_step>("span_setup", 2, kEnds, perspective_ends),
       rule<F::span_uv_step>("span_setup", 2, "affine", affine),
       rule<F::span_uv_step>("span_setup", 4, kPlane, plane_rows),
@@ -162,9 +198,13 @@ std::vector<RegisterRule> make_rules() {
       rule<F::span_shade>("span", 4, kAlways, always),
 
       {"depth", "depth.z", 1, kAlways, always, depth_word},
+      {"depth", "dz", 1, "depth.code = float_dz", packed_depth, dz_word},
 
-      rule<F::distance_s>("lod", 1, kZones, zones),
-      rule<F::lod_slope>("lod", 4, "lod.mode = gradient", gradients),
+      rule<F::distance_s>("distance", 1, kDistance, any_distance),
+      rule<F::distance_d>("distance", 1, kTrueDistance, true_distance),
+      rule<F::distance_s>("lod", 1, "lod.mode = zone_s", own_s),
+      {"lod", "reciprocal.pixel.output", 2, "lod.mode = finite", neighbours, pixel_output},
+      rule<F::lod_slope>("lod", 4, "lod.mode = gradient, finite", gradients),
       rule<F::lod_lambda>("lod", 1, "texture.mip = nearest, linear", levels),
       rule<F::lod_frac>("lod", 1, "texture.mip = linear", two_levels),
 
@@ -182,7 +222,7 @@ std::vector<RegisterRule> make_rules() {
       rule<F::texture_alpha>("texture", 2, kTwoNearest, two_nearest),
       rule<F::texture_alpha>("texture", 8, kTwoBilinear, two_bilinear),
 
-      rule<F::fog_factor>("fog", 1, "fog.mode = linear, table", any_fog),
+      rule<F::fog_factor>("fog", 1, "fog.mode = linear, table, distance, log", any_fog),
       rule<F::fog_color>("fog", 3, kAlways, always),
       rule<F::merge_color>("merge", 3, kAlways, always),
   };
@@ -196,10 +236,14 @@ struct Unit {
 
 std::vector<Unit> units(const Config& c) {
   std::vector<Unit> list;
-  if (edge_unit(c)) list.push_back({"setup.edge", "reciprocal.edge", &c.edge_reciprocal});
-  if (perspective_ends(c)) list.push_back({"edge_walk", "reciprocal.pixel", &c.pixel_reciprocal});
+  if (triangle_unit(c)) list.push_back({"setup.edge", "reciprocal.edge", &c.edge_reciprocal});
+  if (divided_ends(c)) list.push_back({"edge_walk", "reciprocal.pixel", &c.pixel_reciprocal});
   if (row_unit(c)) list.push_back({"span_setup", "reciprocal.row", &c.row_reciprocal});
   if (pixel_unit(c)) list.push_back({"span", "reciprocal.pixel", &c.pixel_reciprocal});
+  // That of the pixel to the right, and that of the pixel below.
+  for (int axis = 0; neighbours(c) && axis < 2; ++axis) {
+    list.push_back({"lod", "reciprocal.pixel", &c.pixel_reciprocal});
+  }
   return list;
 }
 
@@ -216,8 +260,9 @@ class Products {
       plane_span_setup();
     } else {
       setup_edge();
+      if (by_plane(c_)) setup_plane();
       edge_walk();
-      span_setup();
+      by_plane(c_) ? triangle_span_setup() : span_setup();
     }
     if (row_gradients(c_)) {
       add("setup.gradient", "u (h + B)", at(F::setup_uv), depth_sum(c_, F::setup_h), 2);
@@ -254,14 +299,34 @@ class Products {
 
   void setup_edge() {
     const Grid h = at(F::setup_h), uv = at(F::setup_uv), shade = at(F::setup_shade);
-    if (!affine(c_)) add("setup.edge", "(u2 - u1)(h2 + B)", uv - uv, depth_sum(c_, F::setup_h), 2);
+    if (row_ends(c_) && !affine(c_)) {
+      add("setup.edge", "(u2 - u1)(h2 + B)", uv - uv, depth_sum(c_, F::setup_h), 2);
+    }
+    if (triangle_unit(c_)) inside({"setup.edge", "reciprocal.edge", &c_.edge_reciprocal});
     if (!edge_unit(c_)) return;
-    inside({"setup.edge", "reciprocal.edge", &c_.edge_reciprocal});
     const Grid m = grid_of(c_.edge_reciprocal.output);
     if (dda(c_)) add("setup.edge", "(x2 - x1) m", between_coordinates(), m, 1);
+    if (by_plane(c_)) return;
     add("setup.edge", "(h2 - h1) m", h - h, m, 1);
     add("setup.edge", "fu_diff m", at(F::edge_f_diff), m, 2);
     add("setup.edge", "(r2 - r1) m", shade - shade, m, 4);
+  }
+
+  void setup_plane() {
+    const Grid h = at(F::setup_h), uv = at(F::setup_uv), shade = at(F::setup_shade), g = at(F::plane_g);
+    const Grid d = between_coordinates();
+    if (delta_f(c_)) add("setup.plane", "(u - u1)(h + B)", uv - at(F::edge_uv), depth_sum(c_, F::setup_h), 2);
+    if (hyperbolic(c_)) add("setup.plane", "u (h + B)", uv, depth_sum(c_, F::setup_h), 2);
+    // nx has two products, and so has ny.
+    add("setup.plane", "nx(h), ny(h)", h - h, d, 4);
+    add("setup.plane", "nx(fu), ny(fu)", g - g, d, 8);
+    add("setup.plane", "nx(r), ny(r)", shade - shade, d, 16);
+    if (!plane_unit(c_)) return;
+    const Grid m = grid_of(c_.edge_reciprocal.output);
+    const auto rise = [&](Grid w) { return (w - w) * d - (w - w) * d; };
+    add("setup.plane", "nx(h) m, ny(h) m", rise(h), m, 2);
+    add("setup.plane", "nx(fu) m, ny(fu) m", rise(g), m, 4);
+    add("setup.plane", "nx(r) m, ny(r) m", rise(shade), m, 8);
   }
 
   void edge_walk() {
@@ -270,6 +335,7 @@ class Products {
     } else {
       add("edge_walk", "(x2 - x1) t", between_coordinates(), rows_down(), 1);
     }
+    if (by_plane(c_)) return;
     add("edge_walk", "h_step t0", at(F::edge_h_step), rows_down(), 1);
     add("edge_walk", "fu_step t0", at(F::edge_f_step), rows_down(), 2);
     add("edge_walk", "r_step t0", at(F::edge_shade_step), rows_down(), 4);
@@ -297,6 +363,12 @@ class Products {
     add("span_setup", "h_step p", at(F::span_h_step), p, 1);
     add("span_setup", "fu_step p", at(affine(c_) ? F::span_uv_step : F::span_f_step), p, 2);
     add("span_setup", "r_step p", at(F::span_shade_step), p, 4);
+  }
+
+  void triangle_span_setup() {
+    add("span_setup", "h_x X, h_y Y", at(F::plane_h_grad), from_vertex(), 2);
+    add("span_setup", "fu_x X, fu_y Y", at(F::plane_g_grad), from_vertex(), 4);
+    add("span_setup", "r_x X, r_y Y", at(F::plane_shade_grad), from_vertex(), 8);
   }
 
   void plane_walk() {
@@ -337,10 +409,20 @@ class Products {
     const Grid shade = at(F::span_shade), color = at(F::texture_color);
     if (pixel_unit(c_)) inside({"span", "reciprocal.pixel", &c_.pixel_reciprocal});
     if (delta_f(c_)) add("span", "fu m", at(F::span_f), m, 2);
+    if (has_subspans(c_)) {
+      const Grid uv = at(F::span_uv);
+      add("span", "(u_b - u_a) j", uv - uv, Grid{c_.subspan_bits, 0, false}, 2);
+    }
     if (linear_depth(c_)) add("depth", "c1 m", at(F::depth_c1), m, 1);
+    if (any_distance(c_)) add("distance", "A' m", at(F::distance_a), m, 1);
+    if (true_distance(c_)) add("distance", "s G", at(F::distance_s), at(F::distance_g), 1);
+    if (own_s(c_)) add("lod", "A' m", at(F::distance_a), m, 1);
     if (zones(c_)) {
-      add("lod", "A' m", at(F::distance_a), m, 1);
-      add("lod", "(s - S_z) k_z", as_signed(at(F::distance_s)), at(F::lod_k), 1);
+      const F by = own_s(c_) ? F::distance_s : F::distance_d;
+      add("lod", own_s(c_) ? "(s - S_z) k_z" : "(d - S_z) k_z", as_signed(at(by)), at(F::lod_k), 1);
+    }
+    for (int axis = 0; neighbours(c_) && axis < 2; ++axis) {
+      inside({"lod", "reciprocal.pixel", &c_.pixel_reciprocal});
     }
     if (gradients(c_)) {
       const Grid product = at(F::span_uv) * at(F::plane_h_grad);
@@ -365,6 +447,10 @@ class Products {
     add("texture", "V shade", mix, shade, 3);
     add("texture", "V_a shade a", alpha, shade, 1);
     if (linear_fog(c_)) add("fog", "fog_scale m", at(F::fog_scale), m, 1);
+    if (fog_by_log(c_)) {
+      const Grid place{1, c_.format(F::distance_s).word - 1, false};
+      add("fog", "(f_i+1 - f_i) t", at(F::fog_factor) - at(F::fog_factor), place, 1);
+    }
     if (any_fog(c_)) add("fog", "(r - VT_r) factor", color - kCode, at(F::fog_factor), 3);
     add("merge", "(r - dst_r) a", at(F::fog_color) - kCode, alpha, 3);
   }
@@ -411,8 +497,9 @@ double product_bits(const Config& config) {
 double table_bits(const Config& config) {
   std::int64_t bits = 0;
   for (const Unit& u : units(config)) bits += parts_of(*u.r).table_bits;
-  if (has_fog_table(config.fog)) {
-    bits += (std::int64_t{1} << config.fog_index_bits()) * config.format(F::fog_factor).word;
+  bits += fog_entries(config) * config.format(F::fog_factor).word;
+  if (true_distance(config)) {
+    bits += (std::int64_t{1} << config.fog_zone_bits) * config.format(F::distance_g).word;
   }
   return static_cast<double>(bits);
 }

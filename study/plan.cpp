@@ -254,12 +254,14 @@ std::string file_beside(const std::string& path, const std::string& name) {
 }
 
 void read_scenes(const Section& study, const std::string& path, StudyPlan& plan) {
-  const std::string legal = "an array of scenes: demo, floor, extreme, extreme/NAME, streams (.tri), meshes";
+  const std::string legal =
+      "an array of scenes: demo, floor, extreme, extreme/NAME, triangles/SIZE, streams (.tri), "
+      "meshes";
   for (const std::string& name : study.texts("scenes", legal)) {
     if (name == "-")
       study.fail("scenes", "standard input is read once, and a study goes on later; legal: files");
-    const bool embedded =
-        name == "demo" || name == "floor" || name == "extreme" || name.starts_with("extreme/");
+    const bool embedded = name == "demo" || name == "floor" || name == "extreme" ||
+                          name.starts_with("extreme/") || name.starts_with("triangles/");
     std::string scene = embedded ? name : file_beside(path, name);
     std::error_code ignored;
     if (!embedded && !fs::exists(scene, ignored)) {

@@ -38,9 +38,10 @@ struct SceneTruth {
 
 SceneTruth make_truth(const Config& config, const Scene& scene) {
   SceneTruth out;
+  const auto levels = std::make_shared<golden::SceneLevels>(golden::scene_levels(config, scene));
   const std::span<const Triangle> all = scene.triangles;
   for (std::size_t at = 0; at < all.size(); at += batch) {
-    out.batches.emplace_back(config, scene, all.subspan(at, std::min(batch, all.size() - at)));
+    out.batches.emplace_back(config, scene, all.subspan(at, std::min(batch, all.size() - at)), levels);
   }
   out.frame = drawn("ideal", config, scene);
   return out;

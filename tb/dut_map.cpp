@@ -262,6 +262,9 @@ std::string refusal(const DutMap& map, const Config& config) {
   if (!planes && std::ranges::any_of(map.input.ports, of_plane)) {
     return fmt::format("{} has no records of plane_walk", to_string(config.perspective));
   }
+  if (has_setup_plane(config) && stage != RecordType::span) {
+    return "slope.row = plane starts rows from setup.plane, which a design has no port for";
+  }
   return "";
 }
 

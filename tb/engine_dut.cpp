@@ -14,6 +14,7 @@
 
 #include "config/rtl_timing.hpp"
 #include "model/pipeline.hpp"
+#include "model/scene_run.hpp"
 #include "tb/dut_store.hpp"
 #include "tb/dut_wrapper.hpp"
 #include "tb/row_batch.hpp"
@@ -93,29 +94,19 @@ class DutEngine final : public Engine {
   }
 
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
-    if (scene_ == nullptr) throw std::logic_error("Engine::draw before begin");
+    run_.need_begun("draw");
     guarded([&] { draw_all(triangles, first_index, trace); });
   }
 
   void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    if (scene_ == nullptr) throw std::logic_error("Engine::set before begin");
-    deliver_constants(trace);
-    deliver(trace, model::change_state(pipeline_, config_, change, next_index));
-    model::prepare_frame(pipeline_, frame_);
+    run_.set(config_, change, next_index, trace);
   }
-  void clear(const Clear& clear) override {
-    clear_planes(frame_, clear, static_cast<std::uint32_t>(pipeline_.depth.clear));
-  }
+  void clear(const Clear& clear) override { run_.clear(clear); }
 
-  const Frame& frame() const override { return frame_; }
-  const Counters& counters() const override { return counters_; }
+  const Frame& frame() const override { return run_.frame; }
+  const Counters& counters() const override { return run_.counters; }
 
  private:
-  void deliver_constants(Trace* trace) {
-    if (trace == nullptr || constants_delivered_) return;
-    trace->constants.push_back(pipeline_.constants.record);
-    constants_delivered_ = true;
-  }
   // What the design does wrong is no fault of the program's.
   template <class Work>
   void guarded(Work work) const {
@@ -127,11 +118,8 @@ class DutEngine final : public Engine {
   }
 
   void start(const Scene& scene) {
-    pipeline_ = model::make_pipeline(config_, scene);
-    scene_ = &scene;
-    counters_ = {};
-    constants_delivered_ = false;
-    frame_ = model::cleared_frame(pipeline_, scene);
+    run_.pipeline = model::make_pipeline(config_, scene);
+    run_.begin(scene, true);
     runs_ = 0;
     module_.reset();
     std::ranges::fill(inputs_, 0);
@@ -139,8 +127,8 @@ class DutEngine final : public Engine {
   }
 
   void draw_all(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) {
-    deliver_constants(trace);
-    draw_in_batches(pipeline_, *scene_, triangles, first_index, batch_, counters_, trace,
+    run_.deliver_constants(trace);
+    draw_in_batches(run_.pipeline, *run_.scene, triangles, first_index, batch_, run_.counters, trace,
                     [&] { run(trace); });
   }
 
@@ -153,10 +141,10 @@ class DutEngine final : public Engine {
     fragments_.clear();
     std::vector<std::size_t> ends;
     for (std::size_t i = 0; i < batch_.rows.size(); ++i) {
-      spans_.push_back(model::row_to_span(pipeline_, batch_.rows, i, counters_));
+      spans_.push_back(model::row_to_span(run_.pipeline, batch_.rows, i, run_.counters));
       row_fragments_.clear();
-      model::span_to_fragments(pipeline_, spans_.back(), model::geometry_of(batch_.rows, i), row_fragments_,
-                               counters_);
+      model::span_to_fragments(run_.pipeline, spans_.back(), model::geometry_of(batch_.rows, i),
+                               row_fragments_, run_.counters);
       fragments_.insert(fragments_.end(), row_fragments_.begin(), row_fragments_.end());
       ends.push_back(fragments_.size());
     }
@@ -180,12 +168,13 @@ class DutEngine final : public Engine {
         deliver(trace, delivers_pixels() ? replaced(f, p, false) : f);
         if (delivers_pixels()) f = replaced(f, p, true);
         // A wrong position is a difference of the record, not a write outside the frame.
-        if (f.x >= 0 && f.x < frame_.width && f.y >= 0 && f.y < frame_.height) row_fragments_.push_back(f);
+        if (f.x >= 0 && f.x < run_.frame.width && f.y >= 0 && f.y < run_.frame.height)
+          row_fragments_.push_back(f);
       }
       from = ends[i];
-      model::fragments_to_frame(pipeline_, *scene_, row_fragments_, batch_.surfaces[i],
-                                model::gradient_of(batch_.rows, spans_[i].triangle), frame_, counters_,
-                                trace);
+      model::fragments_to_frame(run_.pipeline, *run_.scene, row_fragments_, batch_.surfaces[i],
+                                model::gradient_of(batch_.rows, spans_[i].triangle), run_.frame,
+                                run_.counters, trace);
     }
     // Records that no row asked for; no other engine has them.
     for (std::size_t i = expected; i < delivered; ++i) {
@@ -231,7 +220,7 @@ class DutEngine final : public Engine {
       case RecordType::span:
         return raw_values(spans_[row])[at];
       case RecordType::constants:
-        return raw_values(pipeline_.constants.record)[at];
+        return raw_values(run_.pipeline.constants.record)[at];
       default: {
         const model::PlaneGeometry* geometry = model::geometry_of(batch_.rows, row);
         return field.name.ends_with(".k") ? geometry->k : std::int64_t{geometry->along_y};
@@ -282,7 +271,7 @@ class DutEngine final : public Engine {
       }
       const std::size_t before = delivered_.size();
       const bool accepted = clock(offered, !(stalls && happens(out_stall)));
-      ++counters_.cycles;
+      ++run_.counters.cycles;
       if (accepted) {
         ++next;
         offered = false;
@@ -303,11 +292,7 @@ class DutEngine final : public Engine {
   const DutMap& map_;
   const DutWrapper& wrapper_;
   RtlModule module_;
-  const Scene* scene_ = nullptr;
-  model::Pipeline pipeline_;
-  Frame frame_;
-  Counters counters_;
-  bool constants_delivered_ = false;             // once per scene
+  model::SceneRun run_;
   std::uint64_t runs_ = 0;                       // since begin: each has its own stalls
   std::vector<std::uint64_t> inputs_, outputs_;  // of the module
   std::vector<std::int64_t> delivered_;          // a value per output lane and record

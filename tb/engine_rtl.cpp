@@ -11,6 +11,7 @@
 #include "config/modes.hpp"
 #include "engine/emit_pixel_sv.hpp"
 #include "model/pipeline.hpp"
+#include "model/scene_run.hpp"
 #include "tb/row_batch.hpp"
 #include "tb/rtl_pixels.hpp"
 #include "tb/rtl_stream.hpp"
@@ -40,50 +41,37 @@ class RtlEngine final : public Engine {
   std::string_view name() const override { return "rtl"; }
 
   void begin(const Scene& scene) override {
-    pipeline_ = model::make_pipeline(config_, scene);
-    scene_ = &scene;
-    counters_ = {};
-    constants_delivered_ = false;
-    frame_ = model::cleared_frame(pipeline_, scene);
+    run_.pipeline = model::make_pipeline(config_, scene);
+    run_.begin(scene, true);
     runs_ = 0;
     rtl_.reset();
-    draws_pixels_ = rtl_draws_pixels(config_, scene);
-    if (draws_pixels_) pixels_->begin(pipeline_, scene, frame_);
+    holds_scene_ = has_pixel_rtl(config_) && holds_textures(scene);
+    draws_pixels_ = holds_scene_;
+    if (holds_scene_) pixels_->begin(run_.pipeline, scene, run_.frame);
   }
 
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
-    if (scene_ == nullptr) throw std::logic_error("Engine::draw before begin");
-    deliver_constants(trace);
-    draw_in_batches(pipeline_, *scene_, triangles, first_index, batch_, counters_, trace,
+    run_.need_begun("draw");
+    run_.deliver_constants(trace);
+    draw_in_batches(run_.pipeline, *run_.scene, triangles, first_index, batch_, run_.counters, trace,
                     [&] { run(trace); });
   }
 
   void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    if (scene_ == nullptr) throw std::logic_error("Engine::set before begin");
-    deliver_constants(trace);
-    deliver(trace, model::change_state(pipeline_, config_, change, next_index));
-    model::prepare_frame(pipeline_, frame_);
-    // The RTL has no draw state.
-    draws_pixels_ = false;
+    run_.set(config_, change, next_index, trace);
+    draws_pixels_ = holds_scene_ && pixel_rtl_takes(run_.pipeline.state);
+    if (draws_pixels_) pixels_->set(run_.pipeline.state);
   }
-  void clear(const Clear& clear) override {
-    clear_planes(frame_, clear, static_cast<std::uint32_t>(pipeline_.depth.clear));
-    draws_pixels_ = false;
-  }
+  void clear(const Clear& clear) override { run_.clear(clear); }
 
-  const Frame& frame() const override { return frame_; }
-  const Counters& counters() const override { return counters_; }
+  const Frame& frame() const override { return run_.frame; }
+  const Counters& counters() const override { return run_.counters; }
 
  private:
-  void deliver_constants(Trace* trace) {
-    if (trace == nullptr || constants_delivered_) return;
-    trace->constants.push_back(pipeline_.constants.record);
-    constants_delivered_ = true;
-  }
   // All rows collected through the RTL, and what comes out to the frame.
   void run(Trace* trace) {
     if (batch_.rows.size() == 0) return;
-    const std::int64_t b = pipeline_.constants.record.b;
+    const std::int64_t b = run_.pipeline.constants.record.b;
     inputs_.clear();
     for (const RowRecord& row : batch_.rows.rows) inputs_.push_back(rtl_inputs(config_, row, b));
     for (std::size_t i = 0; i < batch_.rows.plane_rows.size(); ++i) {
@@ -92,15 +80,15 @@ class RtlEngine final : public Engine {
     }
     const RtlStalls stalls{options_.stall_seed + runs_++, options_.in_gap, options_.out_stall};
     const RtlRun result = run_rtl(rtl_, inputs_, stalls, false);
-    counters_.cycles += result.clocks;
+    run_.counters.cycles += result.clocks;
 
     std::size_t pixel = 0;
     LastSpan last;
     for (std::size_t i = 0; i < batch_.rows.size(); ++i) {
       const model::PlaneGeometry* geometry = model::geometry_of(batch_.rows, i);
-      const SpanRecord modelled = model::row_to_span(pipeline_, batch_.rows, i, counters_);
+      const SpanRecord modelled = model::row_to_span(run_.pipeline, batch_.rows, i, run_.counters);
       fragments_.clear();
-      model::span_to_fragments(pipeline_, modelled, geometry, fragments_, counters_);
+      model::span_to_fragments(run_.pipeline, modelled, geometry, fragments_, run_.counters);
       if (i < result.spans.size()) deliver(trace, replaced(modelled, result.spans[i], geometry));
       const std::span pixels = std::span(result.pixels).subspan(pixel, fragments_.size());
       replace(fragments_, modelled, pixels, geometry);
@@ -108,12 +96,12 @@ class RtlEngine final : public Engine {
       deliver_all(trace, fragments_);
       // A wrong position is a difference of the record, not a write outside the frame.
       std::erase_if(fragments_, [&](const FragmentRecord& f) {
-        return f.x < 0 || f.x >= frame_.width || f.y < 0 || f.y >= frame_.height;
+        return f.x < 0 || f.x >= run_.frame.width || f.y < 0 || f.y >= run_.frame.height;
       });
       shade(batch_.surfaces[i], trace);
       last = {modelled, geometry};
     }
-    if (draws_pixels_) pixels_->run(covered_, counters_, trace);
+    if (draws_pixels_) pixels_->run(covered_, run_.counters, trace);
     covered_.clear();
     deliver_surplus(result, pixel, last, trace);
     batch_.clear();
@@ -123,14 +111,19 @@ class RtlEngine final : public Engine {
   void shade(const model::Surface& surface, Trace* trace) {
     if (draws_pixels_) {
       for (const FragmentRecord& f : fragments_) {
-        if (f.covered != 0) covered_.push_back({f, std::max(surface.texture, -1)});
+        if (f.covered == 0) continue;
+        if (model::is_drawn(run_.pipeline, f)) {
+          covered_.push_back({f, std::max(surface.texture, -1)});
+        } else {
+          ++run_.counters.masked;
+        }
       }
       return;
     }
     model::fragments_to_frame(
-        pipeline_, *scene_, fragments_, surface,
-        fragments_.empty() ? nullptr : model::gradient_of(batch_.rows, fragments_.front().triangle), frame_,
-        counters_, trace);
+        run_.pipeline, *run_.scene, fragments_, surface,
+        fragments_.empty() ? nullptr : model::gradient_of(batch_.rows, fragments_.front().triangle),
+        run_.frame, run_.counters, trace);
   }
 
   struct LastSpan {
@@ -211,13 +204,10 @@ class RtlEngine final : public Engine {
   RtlOptions options_;
   Rtl rtl_;
   std::unique_ptr<RtlPixels> pixels_;  // none where the configuration has no pixel stages in RTL
-  bool draws_pixels_ = false;          // they take this scene
-  const Scene* scene_ = nullptr;
-  model::Pipeline pipeline_;
-  Frame frame_;
-  Counters counters_;
-  bool constants_delivered_ = false;  // once per scene
-  std::uint64_t runs_ = 0;            // since begin: each has its own stalls
+  bool holds_scene_ = false;           // they hold the textures of this scene
+  bool draws_pixels_ = false;          // and take the draw state in force
+  model::SceneRun run_;
+  std::uint64_t runs_ = 0;  // since begin: each has its own stalls
   // Reused from run to run.
   RowBatch batch_;
   std::vector<RtlInputs> inputs_;
@@ -228,7 +218,7 @@ class RtlEngine final : public Engine {
 }  // namespace
 
 bool rtl_draws_pixels(const Config& config, const Scene& scene) {
-  return has_pixel_rtl(config) && holds_textures(scene) && scene.commands.empty();
+  return has_pixel_rtl(config) && holds_textures(scene) && pixel_rtl_takes(config, scene.commands);
 }
 
 EngineOwn rtl_own(const Config& config, const Scene& scene) {

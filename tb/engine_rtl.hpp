@@ -7,8 +7,9 @@
 // of the later records but triangle. The picture is their memory.
 //
 // The model takes over where the RTL cannot: shades where rtl.shades is false, the pixel stages of a
-// configuration or of a scene that they do not take (rtl_draws_pixels), and the indices of the texels of a
-// texture that repeats and has a size that is no power of two (addresses_texels).
+// configuration, of a scene or of a draw state that they do not take (rtl_draws_pixels, pixel_rtl_takes), and
+// the indices of the texels of a texture that repeats and has a size that is no power of two
+// (addresses_texels).
 #pragma once
 
 #include <array>
@@ -22,7 +23,7 @@
 
 namespace bitspan {
 
-// Whether depth, texture, fog and merge of a scene are the RTL's.
+// Whether depth, texture, fog and merge of a scene are the RTL's, in all its draw states.
 bool rtl_draws_pixels(const Config& config, const Scene& scene);
 
 EngineOwn rtl_own(const Config& config, const Scene& scene);

@@ -48,8 +48,8 @@ StageDesign pixel_pipe_design(const Config& config) {
       .package = emit_pixel_sv(config),
       .channels = {{ChannelKind::in,
                     "draw",
-                    {"func", "write_z", "textured", "bilinear", "clamp", "last_i", "last_j", "pitch", "base",
-                     "transparent", "reserved", "fog", "fog_color", "blend", "write_color"}},
+                    {"func", "write_z", "bias", "textured", "bilinear", "clamp", "last_i", "last_j", "pitch",
+                     "base", "transparent", "reserved", "fog", "fog_color", "blend", "write_color"}},
                    {ChannelKind::in, "in", {"x", "y", "h", "u", "v", "r", "g", "b", "a"}},
                    {ChannelKind::out, "z_request", {"x", "y"}},
                    {ChannelKind::in, "z_answer", {"z"}},
@@ -126,11 +126,13 @@ std::optional<std::uint32_t> texel_at(const Scene& scene, std::span<const TexelP
   return texel_word(scene.textures[texture], static_cast<std::int64_t>(i), static_cast<std::int64_t>(j));
 }
 
-StageValues draw_values(const RtlDraw& s) {
+StageValues draw_values(const Config& config, const RtlDraw& s) {
+  const std::int64_t zmax = (std::int64_t{1} << config.depth_bits) - 1;
   const PassingDistances passes = passing_distances(s.func);
   const auto bit = [](bool b) { return std::uint64_t{b}; };
   return {bit(passes.nearer) | bit(passes.equal) << 1 | bit(passes.farther) << 2,
           bit(s.write_z),
+          Rtl::to_port(std::clamp(s.bias, -zmax, zmax), config.depth_bits + 1),
           bit(s.textured),
           bit(weighs_texels(s.filter)),
           bit(stops_at_edge(s.wrap)),
@@ -173,11 +175,10 @@ StageValues frame_values(const Config& config, const ConstantsRecord& k, const S
 
 std::vector<FogLoad> fog_loads(const Config& config, const model::FogStage& fog) {
   std::vector<FogLoad> loads;
-  const std::int64_t all = fog.width * fog.width + fog.height * fog.height;
   const std::int64_t zones = std::int64_t{1} << config.fog_zone_bits;
   for (std::int64_t z = 1; z < zones; ++z) {
     loads.push_back(
-        {true, static_cast<std::uint64_t>(z), static_cast<std::uint64_t>((z * all + zones - 1) / zones)});
+        {true, static_cast<std::uint64_t>(z), static_cast<std::uint64_t>(zone_start(fog.zones, z))});
   }
   const int word = config.format(FormatId::fog_factor).word;
   for (std::size_t i = 0; i < fog.table.size(); ++i) {
@@ -317,24 +318,33 @@ struct RtlPixels::Pipe {
     }
     inputs[load] = 0;
     clocks = 0;
-    drawn = nothing_drawn;
 
     places = place_textures(s);
     modelled.clear();
     for (const Texture& t : s.textures) modelled.push_back(!addresses_texels(config, t));
-    RtlDraw state{.func = p.depth.func,
-                  .filter = p.texture.filter,
-                  .wrap = p.texture.wrap,
-                  .transparent = p.texture.transparent,
-                  .fog = p.fog.mode,
-                  .fog_color = p.fog.fog_color};
-    untextured_draw = draw_values(state);
+    set(p.state);
+  }
+
+  void set(const DrawState& s) {
+    writes_color = s.color_write;
+    RtlDraw state{.func = s.depth_func,
+                  .filter = pipeline->texture.filter,
+                  .wrap = pipeline->texture.wrap,
+                  .transparent = pipeline->texture.transparent,
+                  .fog = pipeline->fog.mode,
+                  .fog_color = pipeline->fog.fog_color,
+                  .write_z = s.depth_write,
+                  .blend = mixes_by_alpha(s),
+                  .write_color = s.color_write,
+                  .bias = s.depth_bias};
+    untextured_draw = draw_values(config, state);
     textured_draws.clear();
     state.textured = true;
     for (std::size_t i = 0; i < places.size(); ++i) {
       state.place = modelled[i] ? modelled_place : places[i];
-      textured_draws.push_back(draw_values(state));
+      textured_draws.push_back(draw_values(config, state));
     }
+    drawn = nothing_drawn;
   }
 
   const StageValues& draw_of(int texture) const {
@@ -458,7 +468,8 @@ struct RtlPixels::Pipe {
       const FragmentRecord& f = sent[fogged.take(last)].record;
       if (trace != nullptr) deliver(trace, record(merge, f.triangle));
       ++counters->written;
-      if (const auto at = pixel_at(merge.first)) write_winner(*frame, *at, f.u, f.v, f.triangle, uv_ulp);
+      const auto at = pixel_at(merge.first);
+      if (at && writes_color) write_winner(*frame, *at, f.u, f.v, f.triangle, uv_ulp);
     }
     return moved;
   }
@@ -600,6 +611,7 @@ struct RtlPixels::Pipe {
   std::vector<bool> modelled;      // the model says which texels of a texture are meant
   StageValues untextured_draw;
   std::vector<StageValues> textured_draws;  // by texture
+  bool writes_color = true;
   static constexpr int nothing_drawn = -2;
   int drawn = nothing_drawn;  // the texture of the draw state that was transferred last
   std::uint64_t clocks = 0;   // behind the loading
@@ -627,6 +639,8 @@ RtlPixels::~RtlPixels() = default;
 void RtlPixels::begin(const model::Pipeline& pipeline, const Scene& scene, Frame& frame) {
   pipe_->begin(pipeline, scene, frame);
 }
+
+void RtlPixels::set(const DrawState& state) { pipe_->set(state); }
 
 void RtlPixels::run(std::span<const Fragment> fragments, Counters& counters, Trace* trace) {
   if (!fragments.empty()) pipe_->run(fragments, counters, trace);

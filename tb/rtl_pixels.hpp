@@ -56,9 +56,10 @@ struct RtlDraw {
   FogMode fog = FogMode::none;
   std::array<std::uint8_t, 3> fog_color{};
   bool write_z = true, blend = true, write_color = true;
+  std::int64_t bias = 0;  // any: what is beyond the port's range does no more than its ends
 };
 // On the channels `draw` and `in`.
-StageValues draw_values(const RtlDraw& state);
+StageValues draw_values(const Config& config, const RtlDraw& state);
 StageValues fragment_values(const Config& config, const FragmentRecord& fragment);
 
 // What the constants of the design hold, in its order, while nothing is loaded.
@@ -85,8 +86,11 @@ class RtlPixels {
   // itself, the model says which a fragment reads, and gives i and j of its texture record.
   void begin(const model::Pipeline& pipeline, const Scene& scene, Frame& frame);
 
+  // The draw state of the fragments that follow, one that pixel_rtl_takes. Not while fragments are inside.
+  void set(const DrawState& state);
+
   struct Fragment {
-    FragmentRecord record;  // covered, and inside the frame
+    FragmentRecord record;  // covered, inside the frame, and not masked
     int texture = -1;       // index into Scene::textures, -1 for none
   };
   // Sends the fragments, in order, until all have left, and runs on until the stages must be empty. Appends

@@ -22,6 +22,9 @@ package bitspan_pkg;
   localparam int StageMergeAlpha = 14;
   localparam int StageSetupGradient = 15;
   localparam int StageLod = 16;
+  localparam int StageDistance = 17;
+  localparam int StageSetupPlane = 18;
+  localparam int StageTextureSecond = 19;
   // No stage has more columns.
   localparam int MaxColumns = 64;
   // bitspan_check: the design's record is not the model's.

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draw the checkered floor with each choice of levels, and measure the pictures.
+"""Draw the checkered floor with each choice of levels and of samples, and measure the pictures.
 
     examples/mip/pictures.py BITSPAN CONFIG.toml FOLDER
 
-writes FOLDER/mip-NAME.png and prints one row of a table per picture. The truth is 16 x 16 samples per pixel of
+writes FOLDER/mip-NAME.png and prints one row of a table per picture, and then one per number of samples. The truth is 16 x 16 samples per pixel of
 the engine `ideal`, averaged. PSNR is of the floor's rows and below the horizon alone: the sky is equal in all.
 """
 
@@ -27,6 +27,10 @@ PICTURES = [
     ("gradient", "T10: gradients, trilinear", "bilinear", "linear", "gradient", 0, 4096),
 ]
 
+# The same keys, drawn with 1 x 1 to 8 x 8 samples per pixel.
+SAMPLED = [PICTURES[0], PICTURES[1], PICTURES[4]]
+COUNTS = [1, 2, 4, 8]
+
 
 def configured(text: str, texture_filter: str, mip: str, mode: str, bias: int, first: int) -> str:
     lines = []
@@ -37,9 +41,11 @@ def configured(text: str, texture_filter: str, mip: str, mode: str, bias: int, f
     return "\n".join(lines) + f'\n[lod]\nmode = "{mode}"\nbias = {bias}\nfirst = {first}\n'
 
 
-def draw(bitspan: str, config: pathlib.Path, engine: str, size: str, out: pathlib.Path) -> numpy.ndarray:
+def draw(bitspan: str, config: pathlib.Path, engine: str, size: str, out: pathlib.Path,
+         samples: int = 1) -> numpy.ndarray:
     subprocess.run(
-        [bitspan, "render", "floor", "--config", str(config), "--engine", engine, "--size", size, "-o", str(out)],
+        [bitspan, "render", "floor", "--config", str(config), "--engine", engine, "--size", size, "-o", str(out),
+         "--supersample", str(samples)],
         check=True, stdout=subprocess.DEVNULL)
     return numpy.round(matplotlib.image.imread(out)[:, :, :3] * 255).astype(numpy.float64)
 
@@ -58,11 +64,18 @@ def main() -> int:
         truth = fine.reshape(HEIGHT, SAMPLES, WIDTH, SAMPLES, 3).mean(axis=(1, 3))
         matplotlib.image.imsave(folder / "mip-truth.png", numpy.round(truth).astype(numpy.uint8))
         floor = numpy.any(truth != truth[0, 0], axis=(1, 2))  # rows with any floor
+
+        def psnr(picture: numpy.ndarray) -> str:
+            return f"{10 * numpy.log10(255**2 / numpy.mean((picture[floor] - truth[floor]) ** 2)):.1f}"
+
         for name, what, *keys in PICTURES:
             config.write_text(configured(text, *keys))
             picture = draw(bitspan, config, "model", f"{WIDTH}x{HEIGHT}", folder / f"mip-{name}.png")
-            error = numpy.mean((picture[floor] - truth[floor]) ** 2)
-            print(f"| {name} | {what} | {10 * numpy.log10(255**2 / error):.1f} |")
+            print(f"| {name} | {what} | {psnr(picture)} |")
+        for name, _, *keys in SAMPLED:
+            config.write_text(configured(text, *keys))
+            drawn = [draw(bitspan, config, "model", f"{WIDTH}x{HEIGHT}", scratch / "drawn.png", k) for k in COUNTS]
+            print(f"| {name} | {' | '.join(psnr(picture) for picture in drawn)} |")
     return 0
 
 

@@ -39,7 +39,7 @@ extern "C" {
 #endif
 
 /* Grows with every addition to this file; bs_abi_version() tells the library's. */
-#define BS_ABI_VERSION 2
+#define BS_ABI_VERSION 3
 
 typedef int32_t bs_status;
 enum {
@@ -73,7 +73,10 @@ enum {
   BS_STAGE_STENCIL = 13,        /* per pixel that comes to the stencil test */
   BS_STAGE_MERGE_ALPHA = 14,    /* per pixel written whose stored alpha may change */
   BS_STAGE_SETUP_GRADIENT = 15, /* per triangle that has an area; lod.mode = gradient */
-  BS_STAGE_LOD = 16             /* per pixel that comes to the texture; texture.mip other than none */
+  BS_STAGE_LOD = 16,            /* per pixel that comes to the texture; texture.mip other than none */
+  BS_STAGE_DISTANCE = 17,       /* the same; lod.mode = zone_d, or fog.mode = distance, log */
+  BS_STAGE_SETUP_PLANE = 18,    /* per triangle that has an area; slope.row = plane */
+  BS_STAGE_TEXTURE_SECOND = 19  /* per pixel that the first texture unit did not kill; texture1 not -1 */
 };
 
 /* The planes of a picture: `height` rows of `width` elements, from the top. */
@@ -116,7 +119,10 @@ enum {
   BS_TEXEL_DXT3 = 15,
   BS_TEXEL_DXT5 = 16,
   BS_TEXEL_UYVY = 17,
-  BS_TEXEL_YUYV = 18
+  BS_TEXEL_YUYV = 18,
+  BS_TEXEL_CHECKER = 19, /* this and the next are computed: no bytes, and a table alone */
+  BS_TEXEL_BRICK = 20,
+  BS_TEXEL_NOISE = 21
 };
 
 /* 8-bit RGBA, rows from the top; alpha 0 is clear and 255 opaque. A texture of another format has its texels
@@ -132,8 +138,9 @@ typedef struct bs_texture {
   int32_t reserved;       /* 0 */
   const uint8_t* raw;   /* blocks row by row from the top left, without gaps; words have the low byte first */
   size_t raw_size;      /* bytes */
-  const int16_t* table; /* palette: 256 times red, green, blue, alpha; YIQ: 16 of Y, 12 of I, 12 of Q */
-  size_t table_size;    /* values: 0, 1024 or 40 */
+  const int16_t* table; /* palette: 256 times red, green, blue, alpha; YIQ: 16 of Y, 12 of I, 12 of Q;
+                           computed: docs/numeric-spec.md, "procedural textures" */
+  size_t table_size;    /* values: 0, 1024 or 40; 10, 14 or 11 */
 } bs_texture;
 
 #define BS_TEXTURE_INIT \

@@ -276,16 +276,30 @@ HWY_INLINE Int shifted_up(Int x, ValueOf<Int> by) {
   return x << by;
 }
 template <class Int>
-HWY_INLINE Int at_least_one(Int x) {
+HWY_INLINE Int at_least(Int x, Int least) {
   if constexpr (std::is_same_v<Int, Lanes>) {
-    return max(x, Lanes(1));
+    return max(x, least);
   } else {
-    return x < 1 ? Int{1} : x;
+    return x < least ? least : x;
+  }
+}
+template <class Int>
+HWY_INLINE Int at_least_one(Int x) {
+  return at_least(x, Int(1));
+}
+template <class Int>
+HWY_INLINE Int at_most(Int x, Int most) {
+  if constexpr (std::is_same_v<Int, Lanes>) {
+    return min(x, most);
+  } else {
+    return x > most ? most : x;
   }
 }
 
 // The same words for one integer.
 HWY_INLINE std::int64_t select(bool m, std::int64_t a, std::int64_t b) { return m ? a : b; }
+HWY_INLINE std::int64_t top_bit(std::int64_t x) { return bit_length(static_cast<std::uint64_t>(x)) - 1; }
+HWY_INLINE std::int64_t top_bit(int128 x) { return bit_length(static_cast<uint128>(x)) - 1; }
 HWY_INLINE std::int64_t min(std::int64_t a, std::int64_t b) { return a < b ? a : b; }
 HWY_INLINE std::int64_t max(std::int64_t a, std::int64_t b) { return a > b ? a : b; }
 HWY_INLINE bool any(bool m) { return m; }

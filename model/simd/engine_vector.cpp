@@ -13,6 +13,7 @@
 
 #include "model/numeric/from_double.hpp"
 #include "model/pipeline.hpp"
+#include "model/scene_run.hpp"
 #include "model/simd/shade.hpp"
 #include "model/simd/shipped.hpp"
 #include "model/simd/spans.hpp"
@@ -281,7 +282,7 @@ class Drawing {
       for (const FragmentRecord& fragment : worker.fragments) {
         if (fragment.covered == 0) continue;
         const std::size_t pixel = pixel_of(*worker.frame, fragment);
-        const bool passed = depth(pipeline_.depth, fragment, worker.frame->depth[pixel], z, watch);
+        const bool passed = depth(pipeline_.depth, fragment, nullptr, worker.frame->depth[pixel], z, watch);
         deliver(trace, z);
         if (!passed) continue;
         ++counters.depth_passed;
@@ -325,50 +326,45 @@ class VectorModel {
                        scene.focal, scene.fog.has_value(), fog.color,   fog.distance};
     if (statistics != nullptr || !(key_ == key)) {
       key_.reset();
-      pipeline_ = statistics != nullptr ? make_pipeline(config_, scene, Observe{statistics})
-                                        : make_pipeline(config_, scene);
+      run_.pipeline = statistics != nullptr ? make_pipeline(config_, scene, Observe{statistics})
+                                            : make_pipeline(config_, scene);
       key_ = key;
     } else {
       check_scene(scene);
     }
-    plan_ = prepare_shade(pipeline_, config_, scene);
-    set_state(pipeline_, pipeline_.first);
-    scene_ = &scene;
-    counters_ = {};
-    constants_delivered_ = false;
-    clear_frame(pipeline_, scene, options_.winners, frame_);
+    plan_ = prepare_shade(run_.pipeline, config_, scene);
+    run_.begin(scene, options_.winners);
     const bool small = plan_.held_in == ShadeLanes::int32 && plan_.branch_free &&
-                       spans_fit_int32(pipeline_.span.formats) && is_branch_free(pipeline_.depth.formats.z) &&
-                       statistics == nullptr;
+                       spans_fit_int32(run_.pipeline.span.formats) &&
+                       is_branch_free(run_.pipeline.depth.formats.z) && statistics == nullptr;
     if (small) {
       drawing_.template emplace<std::unique_ptr<Drawing<std::int32_t>>>(
-          std::make_unique<Drawing<std::int32_t>>(pipeline_, plan_, options_, shipped_));
+          std::make_unique<Drawing<std::int32_t>>(run_.pipeline, plan_, options_, shipped_));
     } else {
       drawing_.template emplace<std::unique_ptr<Drawing<std::int64_t>>>(
-          std::make_unique<Drawing<std::int64_t>>(pipeline_, plan_, options_, ShippedIndex{}));
+          std::make_unique<Drawing<std::int64_t>>(run_.pipeline, plan_, options_, ShippedIndex{}));
     }
   }
 
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace,
             Statistics* statistics) {
-    if (scene_ == nullptr) {
-      throw std::logic_error("Engine::draw before begin");
-    }
-    deliver_constants(trace);
-    if (!pipeline_.draws_in_lanes(frame_)) {
+    run_.need_begun("draw");
+    run_.deliver_constants(trace);
+    if (!run_.pipeline.draws_in_lanes(run_.frame)) {
       if (statistics != nullptr) {
-        draw_triangles(pipeline_, *scene_, triangles, first_index, buffers_, frame_, counters_, trace,
-                       Observe{statistics});
+        draw_triangles(run_.pipeline, *run_.scene, triangles, first_index, buffers_, run_.frame,
+                       run_.counters, trace, Observe{statistics});
       } else {
-        draw_triangles(pipeline_, *scene_, triangles, first_index, buffers_, frame_, counters_, trace);
+        draw_triangles(run_.pipeline, *run_.scene, triangles, first_index, buffers_, run_.frame,
+                       run_.counters, trace);
       }
       return;
     }
     const auto draw_chunk = [&](std::size_t at, std::size_t n) {
       std::visit(
           [&](auto& drawing) {
-            drawing->draw(triangles.subspan(at, n), first_index + static_cast<std::int64_t>(at), frame_,
-                          counters_, trace, statistics);
+            drawing->draw(triangles.subspan(at, n), first_index + static_cast<std::int64_t>(at), run_.frame,
+                          run_.counters, trace, statistics);
           },
           drawing_);
     };
@@ -376,11 +372,11 @@ class VectorModel {
     while (at < triangles.size()) {
       const std::size_t most = std::min(triangles.size() - at, chunk_triangles);
       std::size_t good = 0;
-      while (good < most && plainly_good(*scene_, triangles[at + good])) ++good;
+      while (good < most && plainly_good(*run_.scene, triangles[at + good])) ++good;
       draw_chunk(at, good);
       at += good;
       if (good == most) continue;
-      check_triangle(*scene_, triangles[at], first_index + static_cast<std::int64_t>(at));
+      check_triangle(*run_.scene, triangles[at], first_index + static_cast<std::int64_t>(at));
       // Only large numbers, whose sum was not finite: drawn on its own.
       draw_chunk(at, 1);
       ++at;
@@ -388,35 +384,26 @@ class VectorModel {
   }
 
   void set(const StateChange& change, std::int64_t next_index, Trace* trace) {
-    if (scene_ == nullptr) throw std::logic_error("Engine::set before begin");
-    deliver_constants(trace);
-    deliver(trace, change_state(pipeline_, config_, change, next_index));
-    prepare_frame(pipeline_, frame_);
+    run_.set(config_, change, next_index, trace);
   }
-  void clear(const Clear& clear) {
-    clear_planes(frame_, clear, static_cast<std::uint32_t>(pipeline_.depth.clear));
-  }
+  void clear(const Clear& clear) { run_.clear(clear); }
 
   PlaneOfRows set_plane(const SetupRecord& setup) {
-    plane_rows_ = plane_rows(pipeline_, setup, buffers_.walk);
+    plane_rows_ = plane_rows(run_.pipeline, setup, buffers_.walk);
     return {buffers_.walk.geometry.along_y, plane_rows_};
   }
   void draw_row(const AnyRow& row, int texture, Trace* trace) {
-    deliver_constants(trace);
-    row_to_frame(pipeline_, *scene_, row, pipeline_.const_depth_rows ? &buffers_.walk.geometry : nullptr,
-                 {.texture = texture}, frame_, counters_, trace);
+    check_draws_rows(config_, row);
+    run_.deliver_constants(trace);
+    row_to_frame(run_.pipeline, *run_.scene, row,
+                 run_.pipeline.const_depth_rows ? &buffers_.walk.geometry : nullptr, {.texture = texture},
+                 run_.frame, run_.counters, trace);
   }
 
-  const Frame& frame() const { return frame_; }
-  const Counters& counters() const { return counters_; }
+  const Frame& frame() const { return run_.frame; }
+  const Counters& counters() const { return run_.counters; }
 
  private:
-  void deliver_constants(Trace* trace) {
-    if (trace == nullptr || constants_delivered_) return;
-    trace->constants.push_back(pipeline_.constants.record);
-    constants_delivered_ = true;
-  }
-
   // All of a scene that a pipeline is made from.
   struct SceneKey {
     int width, height;
@@ -430,13 +417,9 @@ class VectorModel {
   Config config_;
   ModelOptions options_;
   ShippedIndex shipped_;
-  const Scene* scene_ = nullptr;
   std::optional<SceneKey> key_;
-  Pipeline pipeline_;
+  SceneRun run_;
   ShadePlan plan_;
-  Frame frame_;
-  Counters counters_;
-  bool constants_delivered_ = false;
   DrawBuffers buffers_;  // of states without a vector form; its walk also of rows that were made elsewhere
   std::vector<PlaneRowRecord> plane_rows_;
   std::variant<std::unique_ptr<Drawing<std::int32_t>>, std::unique_ptr<Drawing<std::int64_t>>> drawing_;

@@ -325,8 +325,8 @@ HWY_INLINE void table_factors(const FogStage& stage, const ShadePlan& plan, cons
       // Neighbours mostly share the step: its entries are one register, where they are sixteen or fewer.
       static_assert(Lanes32::count == 16);
       const std::int32_t one = block.fog_step[i];
-      if (stage.zone_bits <= 4 && all(step == Lanes32(one))) {
-        const Lanes32 entries = Lanes32::load(table + (one << stage.zone_bits));
+      if (stage.zones.bits <= 4 && all(step == Lanes32(one))) {
+        const Lanes32 entries = Lanes32::load(table + (one << stage.zones.bits));
         const auto which = hn::IndicesFromVec(Lanes32::Tag(), zone.v);
         Lanes32::from(hn::TableLookupLanes(entries.v, which)).store(out.factor + i);
         continue;

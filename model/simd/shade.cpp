@@ -119,8 +119,8 @@ ShadeTexture prepare_image(const TextureStage& stage, const Texture& source) {
 
 // Row by row; the zone grows with the distance from the middle column.
 std::vector<std::uint8_t> zones_of(const FogStage& fog) {
-  const auto width = static_cast<std::size_t>(fog.width);
-  const auto height = static_cast<std::size_t>(fog.height);
+  const auto width = static_cast<std::size_t>(fog.zones.width);
+  const auto height = static_cast<std::size_t>(fog.zones.height);
   std::vector<std::uint8_t> zones(width * height + 64);
   for (std::size_t y = 0; y < height; ++y) {
     std::uint8_t* row = zones.data() + y * width;
@@ -132,13 +132,13 @@ std::vector<std::uint8_t> zones_of(const FogStage& fog) {
     std::size_t x = 0;
     while (x < width) {
       // To the last pixel of the zone, on this half of the row.
-      const int zone = fog_zone(fog, std::int64_t(x), std::int64_t(y));
+      const int zone = zone_of(fog.zones, std::int64_t(x), std::int64_t(y));
       const bool left = x < width / 2;
       std::size_t low = x;
       std::size_t high = left ? width / 2 : width;
       while (high - low > 1) {
         const std::size_t middle = (low + high) / 2;
-        (fog_zone(fog, std::int64_t(middle), std::int64_t(y)) == zone ? low : high) = middle;
+        (zone_of(fog.zones, std::int64_t(middle), std::int64_t(y)) == zone ? low : high) = middle;
       }
       std::fill(row + x, row + high, static_cast<std::uint8_t>(zone));
       x = high;
@@ -199,7 +199,7 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
     }
   }
   ShadePlan::ShadeChain& chain = plan.chain;
-  chain.edges = !has_plane_rows(config.perspective);
+  chain.edges = !has_plane_rows(config.perspective) && !has_setup_plane(config);
   chain.edge_offset = offset_value(config.start_offset.edge_shade, config.format(FormatId::edge_shade));
   chain.span_offset = offset_value(config.start_offset.span_shade, config.format(FormatId::span_shade));
   chain.vertex = make_register(config, FormatId::setup_shade);

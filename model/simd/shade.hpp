@@ -59,7 +59,7 @@ struct ShadePlan {
 
   // What gives the fragments' value of a channel that is the same at all three vertices.
   struct ShadeChain {
-    bool edges = false;  // through the edge walk; const_depth_rows: not
+    bool edges = false;  // through the edge walk, which carries no value where rows start from a plane
     Exact edge_offset, span_offset;
     Register vertex, edge_acc, edge, span_acc, span;
   } chain;

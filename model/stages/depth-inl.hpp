@@ -28,8 +28,10 @@ HWY_INLINE DepthPoint<ValueOf<Int>> depth_point(const DepthFormats& f, const Dep
   switch (f.code) {
     case DepthCode::inverse:
       return {quantize(h, f.h.fraction, f.z, watch), none, none};
-    case DepthCode::opengl: {
-      const int up = f.h.fraction < 0 ? -f.h.fraction : 0;  // zmax - h on a grid that holds both
+    case DepthCode::opengl:
+    case DepthCode::float_dz: {
+      // zmax - h on a grid that holds both. float_dz is packed when it has its bias.
+      const int up = f.h.fraction < 0 ? -f.h.fraction : 0;
       const Int difference = (Int(Value(f.zmax)) << (f.h.fraction + up)) - (Int(h) << up);
       return {quantize(difference, f.h.fraction + up, f.z, watch), none, none};
     }
@@ -42,6 +44,17 @@ HWY_INLINE DepthPoint<ValueOf<Int>> depth_point(const DepthFormats& f, const Dep
       const Value z =
           quantize(scaled - (Int(Value(scene.c0)) << (common - Value(f.c0_fraction))), common, f.z, watch);
       return {z, inverse.m, inverse.e};
+    }
+    case DepthCode::w_float: {
+      using Sum = DepthSumOf<Int>;
+      const Sum q = (Sum(h) << f.h_up) + depth_constant<Int>(scene.b);
+      const Sum farthest = depth_constant<Int>(scene.w_far);
+      const Sum held = at_most(at_least(q, farthest), (Sum(1) << scene.w_top) - Sum(1));
+      const int top = scene.w_top - 1;  // of the octave that is the nearest
+      const Value octave = Value(top) - top_bit(held);
+      const Int code = (Int(octave + Value(2)) << top) - (Int(held) << octave);
+      const Value z = quantize(code, top - f.mantissa_bits, f.z, watch);
+      return {select(q < farthest, Value(f.zmax), z), none, none};
     }
   }
   unreachable();
@@ -75,6 +88,16 @@ HWY_INLINE auto depth_passes(const DepthFormats& f, DepthFunc func, Value z, Val
       return !is_nearer(f, z, z);
   }
   unreachable();
+}
+
+// The same for a word as the buffer holds it, in any code.
+inline bool depth_word_passes(const DepthFormats& f, DepthFunc func, std::int64_t word, std::int64_t stored) {
+  if (!has_dz(f.code)) return depth_passes(f, func, word, stored);
+  const PackedDepth a = unpacked_depth(word, f.z.word);
+  const PackedDepth b = unpacked_depth(stored, f.z.word);
+  const std::int64_t apart = a.z < b.z ? b.z - a.z : a.z - b.z;
+  const bool as_far = takes_tolerance(func) && apart <= std::int64_t{1} << std::max(a.dz, b.dz);
+  return depth_passes(f, func, as_far ? b.z : a.z, b.z);
 }
 
 }  // namespace bitspan::model::HWY_NAMESPACE

@@ -68,10 +68,11 @@ void start_edge(const EdgeWalkStage& stage, EdgeState& e, std::int64_t y, Watch 
       set_dda_x(stage, e, y, watch);
       break;
   }
+  e.started = true;
+  if (stage.by_plane) return;
   const EdgeRecord& edge = e.edge;
   e.acc = HWY_NAMESPACE::start_accumulators(stage, e.start, edge.h_step, edge.fu_step, edge.fv_step,
                                             {edge.r_step, edge.g_step, edge.b_step, edge.a_step}, t, watch);
-  e.started = true;
 }
 
 template <class Watch>
@@ -95,6 +96,7 @@ void step_edge(const EdgeWalkStage& stage, EdgeState& e, std::int64_t y, Watch w
       set_dda_x(stage, e, y, watch);
       break;
   }
+  if (stage.by_plane) return;
   advance(e.acc.h, stage.h_acc, e.edge.h_step);
   advance(e.acc.fu, stage.f, e.edge.fu_step);
   advance(e.acc.fv, stage.f, e.edge.fv_step);
@@ -129,6 +131,7 @@ RowEnd make_end(const EdgeWalkStage& stage, const EdgeState& e, Watch watch) {
       out.x = HWY_NAMESPACE::narrowed<std::int64_t>(stage.x, e.x_acc, watch);
       break;
   }
+  if (stage.by_plane) return out;
   const auto end = HWY_NAMESPACE::end_values(stage, e.acc, e.start.u, e.start.v, watch);
   out.h_acc = e.acc.h;
   out.h = end.h;
@@ -157,6 +160,7 @@ EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants
   s.owns_every_edge = owns_every_edge(config.fill_rule);
   s.edge_x = edge_x_of(config);
   s.linear_edges = has_linear_edges(config.perspective);
+  s.by_plane = has_setup_plane(config);
   s.subpixel_bits = config.subpixel_bits;
   s.t_fraction = std::max(1, config.subpixel_bits);
   const Register coordinate = make_register(config.coordinate_format());
@@ -207,7 +211,7 @@ EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants
   const Register uv = reg(FormatId::edge_uv);
   s.uv = make_perspective_point(uv, vertex_uv, s.f.acc, s.reciprocal.output(), s.depth.e);
   s.linear_uv = make_narrowing(uv, magnitude_of(s.f.acc));
-  s.divides_per_row = s.linear_edges ? 0 : 2;
+  s.divides_per_row = s.by_plane || s.linear_edges ? 0 : 2;
   s.fits_lanes = x_fits_lanes && lanes_hold(t) && s.h_start.fits_lanes && s.f_start.fits_lanes &&
                  s.shade_start.fits_lanes && s.h.fits_lanes && s.shade.fits_lanes &&
                  (s.linear_edges ? s.linear_uv.fits_lanes : lanes_hold(s.depth.magnitude) && s.uv.fits_lanes);

@@ -23,6 +23,7 @@ struct EdgeWalkStage {
   bool owns_every_edge = false;
   EdgeX edge_x = EdgeX::quotient;
   bool linear_edges = false;  // edges carry u and v themselves
+  bool by_plane = false;      // edges have a position alone
   int subpixel_bits = 0;
   int t_fraction = 1;  // of t = y + 1/2 - y1e
   // Fraction bits of the walked x. quotient: edge.x's and a guard bit at least; elsewhere edge.x_acc's.

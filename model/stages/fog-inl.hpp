@@ -81,7 +81,7 @@ HWY_INLINE V fog_step(const FogStage& stage, V h) {
 // The entry of the table.
 template <class V>
 HWY_INLINE V fog_index(const FogStage& stage, V step, V zone) {
-  return (step << stage.zone_bits) + zone;
+  return (step << stage.zones.bits) + zone;
 }
 
 }  // namespace bitspan::model::HWY_NAMESPACE

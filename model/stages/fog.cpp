@@ -7,6 +7,7 @@
 #include <array>
 
 #include "config/modes.hpp"
+#include "model/numeric/log2.hpp"
 #include "model/stages/fog-inl.hpp"
 
 namespace bitspan::model {
@@ -30,10 +31,16 @@ void set(Real& out, Exact x) {  // 0 <= x.raw < 2^64
   mpfr_mul_2si(out.get(), out.get(), -x.fraction, MPFR_RNDN);
 }
 
-// exp(-D/DT) at a working precision. Its relative error is below 2^(16 - precision) while D/DT < 2^12, a few
-// units of the last place times D/DT; beyond, the entry is far below any register's last place.
-void exact_entry(Real& out, const Config& config, const Constants& constants, const Scene& scene, int hi,
-                 int zone, mpfr_prec_t precision) {
+// out = exp(-D/DT); D is lost.
+void fade(Real& out, Real& d, const Scene& scene) {
+  mpfr_div_d(d.get(), d.get(), scene.fog->distance, MPFR_RNDN);
+  mpfr_neg(d.get(), d.get(), MPFR_RNDN);
+  mpfr_exp(out.get(), d.get(), MPFR_RNDN);
+}
+
+// The factor at a step of depth and a zone, at a working precision.
+void factor_at_depth(Real& out, const Config& config, const Constants& constants, const Scene& scene, int hi,
+                     int zone, mpfr_prec_t precision) {
   Real s(precision);
   Real t(precision);
   Real r(precision);
@@ -44,21 +51,17 @@ void exact_entry(Real& out, const Config& config, const Constants& constants, co
   mpfr_add(t.get(), t.get(), s.get(), MPFR_RNDN);
   mpfr_mul_d(s.get(), s.get(), scene.s_max, MPFR_RNDN);
   mpfr_div(s.get(), s.get(), t.get(), MPFR_RNDN);
-  // r2 = (zone + 1/2) / 2^zone_bits (W^2 + H^2)/4
   const auto w = static_cast<unsigned long>(scene.width);
   const auto h = static_cast<unsigned long>(scene.height);
-  mpfr_set_ui(r.get(), w * w + h * h, MPFR_RNDN);
-  mpfr_mul_ui(r.get(), r.get(), 2 * static_cast<unsigned long>(zone) + 1, MPFR_RNDN);
-  mpfr_div_2ui(r.get(), r.get(), static_cast<unsigned long>(config.fog_zone_bits) + 3, MPFR_RNDN);
+  set(r, middle_of(screen_zones(config, scene), zone));
+  mpfr_mul_ui(r.get(), r.get(), w * w + h * h, MPFR_RNDN);
   // D = S sqrt(1 + r2/F^2)
   mpfr_div_d(r.get(), r.get(), scene.focal, MPFR_RNDN);
   mpfr_div_d(r.get(), r.get(), scene.focal, MPFR_RNDN);
   mpfr_add_ui(r.get(), r.get(), 1, MPFR_RNDN);
   mpfr_sqrt(r.get(), r.get(), MPFR_RNDN);
   mpfr_mul(s.get(), s.get(), r.get(), MPFR_RNDN);
-  mpfr_div_d(s.get(), s.get(), scene.fog->distance, MPFR_RNDN);
-  mpfr_neg(s.get(), s.get(), MPFR_RNDN);
-  mpfr_exp(out.get(), s.get(), MPFR_RNDN);
+  fade(out, s, scene);
 }
 
 // floor(x 2^fraction) where it fits 126 bits; 0 <= x.
@@ -74,29 +77,18 @@ int128 floor_at(Real& x, int fraction) {
   return static_cast<int128>(uint128{words[1]} << 64 | words[0]);
 }
 
-}  // namespace
-
-std::int64_t fog_step(const FogStage& stage, std::int64_t h) { return HWY_NAMESPACE::fog_step(stage, h); }
-
-int fog_zone(const FogStage& stage, std::int64_t x, std::int64_t y) {
-  // In half pixels.
-  const std::int64_t dx = 2 * x + 1 - stage.width;
-  const std::int64_t dy = 2 * y + 1 - stage.height;
-  const std::int64_t all = stage.width * stage.width + stage.height * stage.height;
-  const std::int64_t zones = std::int64_t{1} << stage.zone_bits;
-  return static_cast<int>(std::min(zones - 1, zones * (dx * dx + dy * dy) / all));
-}
-
-template <class Watch>
-std::int64_t fog_entry(const Config& config, const Constants& constants, const Scene& scene, int hi, int zone,
-                       Watch watch) {
+// Q[fog.factor] of what factor(out, precision) gives: exp(-D/DT) at a working precision. Its relative error
+// is below 2^(16 - precision) while D/DT < 2^12, a few units of the last place times D/DT; beyond, the entry
+// is far below any register's last place.
+template <class Factor, class Watch>
+std::int64_t rounded_entry(const Config& config, Factor factor, Watch watch) {
   const Register r = make_register(config, FormatId::fog_factor);
   // The entry is irrational: kept bits, a guard bit, and something below. More precision until the bits down
   // to the guard are the same at both ends of the error interval.
   const int fraction = std::max(0, r.fraction + 1);
   for (mpfr_prec_t precision = 128;; precision *= 2) {
     Real x(precision);
-    exact_entry(x, config, constants, scene, hi, zone, precision);
+    factor(x, precision);
     Real error(precision);
     mpfr_mul_2si(error.get(), x.get(), 16 - static_cast<long>(precision), MPFR_RNDU);
     Real low(precision);
@@ -109,13 +101,83 @@ std::int64_t fog_entry(const Config& config, const Constants& constants, const S
   }
 }
 
+// Q of exp(-D/DT) at D 2^-E.
+template <class Watch>
+std::int64_t entry_at(const Config& config, const Constants& constants, const Scene& scene, Exact distance,
+                      Watch watch) {
+  return rounded_entry(
+      config,
+      [&](Real& out, mpfr_prec_t precision) {
+        Real d(precision);
+        set(d, scaled(distance, -constants.exponent));
+        fade(out, d, scene);
+      },
+      watch);
+}
+
+// The distance at which entry k of mode log stands: Lg of it is k 2^(4 - n) - 16.
+Exact log_distance(int k, int index_bits) {
+  const Exact place = Exact{k, index_bits - log_octave_bits} - Exact{1 << log_octave_bits, 0};
+  const int128 octave = floor_of(place);
+  return scaled(Exact{1, 0} + (place - Exact{octave, 0}), -static_cast<int>(octave));
+}
+
+// The exponent of the least power of two, 1 or more, that no G exceeds.
+template <class Watch>
+int reach_of(const Config& config, const Scene& scene, Watch watch) {
+  const Register g = make_register(config, FormatId::distance_g);
+  const std::vector<std::int64_t> factors = zone_factors(config, scene, watch);
+  const Exact most = value_of(std::ranges::max(factors), g);
+  int exponent = 0;
+  while (sign_of(most - scaled(Exact{1, 0}, -exponent)) > 0) ++exponent;
+  return exponent;
+}
+
+struct Blend {
+  std::int64_t index, factor;
+};
+// Mode log: the interval of s and the factor inside it.
+template <class Watch>
+Blend between_entries(const FogStage& stage, std::int64_t s, Watch watch) {
+  const Exact octaves = linear_log2(static_cast<uint128>(std::max<std::int64_t>(s, 1)), stage.s.fraction) +
+                        Exact{1 << log_octave_bits, 0};
+  Exact place = scaled(octaves, log_octave_bits - stage.index_bits);
+  const Exact end{stage.last_step + 1, 0};
+  if (place.raw < 0) place = {0, 0};
+  if (sign_of(place - end) > 0) place = end;
+  const std::int64_t i = std::min(static_cast<std::int64_t>(floor_of(place)), stage.last_step);
+  const Exact from = value_of(stage.table[static_cast<std::size_t>(i)], stage.factor);
+  const Exact to = value_of(stage.table[static_cast<std::size_t>(i) + 1], stage.factor);
+  return {i, quantize(from + (to - from) * (place - Exact{i, 0}), stage.factor, watch)};
+}
+
+// Mode distance: the entry of d.
+std::int64_t distance_step(const FogStage& stage, std::int64_t d) {
+  const Exact steps = scaled(value_of(d, stage.d), stage.range - stage.index_bits);
+  return static_cast<std::int64_t>(std::clamp<int128>(floor_of(steps), 0, stage.last_step));
+}
+
+}  // namespace
+
+std::int64_t fog_step(const FogStage& stage, std::int64_t h) { return HWY_NAMESPACE::fog_step(stage, h); }
+
+template <class Watch>
+std::int64_t fog_entry(const Config& config, const Constants& constants, const Scene& scene, int hi, int zone,
+                       Watch watch) {
+  return rounded_entry(
+      config,
+      [&](Real& out, mpfr_prec_t precision) {
+        factor_at_depth(out, config, constants, scene, hi, zone, precision);
+      },
+      watch);
+}
+
 template <class Watch>
 FogStage prepare_fog(const Config& config, const Constants& constants, const Scene& scene, Watch watch) {
   FogStage s;
   s.mode = scene.fog ? config.fog : FogMode::none;
-  s.width = scene.width;
-  s.height = scene.height;
-  s.zone_bits = config.fog_zone_bits;
+  s.zones = screen_zones(config, scene);
+  s.index_bits = config.fog_depth_bits;
   s.last_step = (std::int64_t{1} << config.fog_depth_bits) - 1;
   // Farther, no bit of h is left, or every h but 0 is past the last step.
   s.step_shift = std::clamp(
@@ -127,16 +189,26 @@ FogStage prepare_fog(const Config& config, const Constants& constants, const Sce
   if (scene.fog) {
     s.fog_color = scene.fog->color;
   }
-  if (has_fog_table(s.mode)) {
+  s.s = make_register(config, FormatId::distance_s);
+  s.d = make_register(config, FormatId::distance_d);
+  if (has_fog_table(s.mode) || takes_distance(s.mode)) {
     if (!(scene.fog->distance > 0 && scene.fog->distance <= 1e300 && scene.focal > 0 &&
           scene.focal <= 1e300)) {
       throw InputError("scene '" + scene.name +
                        "': the fog's distance and the focal length must be positive and finite");
     }
-    s.table.reserve(std::size_t{1} << config.fog_index_bits());
-    for (int hi = 0; hi <= s.last_step; ++hi) {
-      for (int zone = 0; zone < 1 << s.zone_bits; ++zone) {
-        s.table.push_back(fog_entry(config, constants, scene, hi, zone, watch));
+    const int entries = static_cast<int>(fog_entries(config));
+    s.table.reserve(static_cast<std::size_t>(entries));
+    if (takes_true_distance(s.mode)) s.range = reach_of(config, scene, watch);
+    for (int i = 0; i < entries; ++i) {
+      if (has_fog_table(s.mode)) {
+        s.table.push_back(
+            fog_entry(config, constants, scene, i >> s.zones.bits, i & ((1 << s.zones.bits) - 1), watch));
+      } else if (takes_true_distance(s.mode)) {
+        s.table.push_back(
+            entry_at(config, constants, scene, Exact{2 * i + 1, s.index_bits + 1 - s.range}, watch));
+      } else {
+        s.table.push_back(entry_at(config, constants, scene, log_distance(i, s.index_bits), watch));
       }
     }
     mpfr_free_cache2(MPFR_FREE_LOCAL_CACHE);  // the thread may end after this
@@ -145,8 +217,8 @@ FogStage prepare_fog(const Config& config, const Constants& constants, const Sce
 }
 
 template <class Watch>
-void fog(const FogStage& stage, const FragmentRecord& fragment, const TextureRecord& texture, FogRecord& out,
-         Watch watch) {
+void fog(const FogStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
+         const TextureRecord& texture, FogRecord& out, Watch watch) {
   out.triangle = fragment.triangle;
   out.x = fragment.x;
   out.y = fragment.y;
@@ -169,9 +241,19 @@ void fog(const FogStage& stage, const FragmentRecord& fragment, const TextureRec
     }
     case FogMode::table:
       out.index = text::fog_index<std::int64_t>(stage, fog_step(stage, fragment.h),
-                                                fog_zone(stage, fragment.x, fragment.y));
+                                                zone_of(stage.zones, fragment.x, fragment.y));
       out.factor = stage.table[static_cast<std::size_t>(out.index)];
       break;
+    case FogMode::distance:
+      out.index = distance_step(stage, distance.d);
+      out.factor = stage.table[static_cast<std::size_t>(out.index)];
+      break;
+    case FogMode::log: {
+      const Blend blend = between_entries(stage, distance.s, watch);
+      out.index = blend.index;
+      out.factor = blend.factor;
+      break;
+    }
   }
   for (std::size_t c = 0; c < own.size(); ++c) {
     if (!has_fog(stage.mode)) {
@@ -191,7 +273,9 @@ template std::int64_t fog_entry(const Config&, const Constants&, const Scene&, i
 template std::int64_t fog_entry(const Config&, const Constants&, const Scene&, int, int, Observe);
 template FogStage prepare_fog(const Config&, const Constants&, const Scene&, NoObserve);
 template FogStage prepare_fog(const Config&, const Constants&, const Scene&, Observe);
-template void fog(const FogStage&, const FragmentRecord&, const TextureRecord&, FogRecord&, NoObserve);
-template void fog(const FogStage&, const FragmentRecord&, const TextureRecord&, FogRecord&, Observe);
+template void fog(const FogStage&, const FragmentRecord&, const DistanceRecord&, const TextureRecord&,
+                  FogRecord&, NoObserve);
+template void fog(const FogStage&, const FragmentRecord&, const DistanceRecord&, const TextureRecord&,
+                  FogRecord&, Observe);
 
 }  // namespace bitspan::model

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// fog: the share of the fragment's own colour, linear (F3) or from a table (F2), and the mix
-// with the fog's colour. docs/numeric-spec.md, "fog".
+// fog: the share of the fragment's own colour, linear (F3) or from a table (F1, F2), and the mix with the
+// fog's colour. docs/numeric-spec.md, "fog".
 #pragma once
 
 #include <array>
@@ -12,6 +12,7 @@
 #include "model/numeric/integers.hpp"
 #include "model/numeric/reciprocal.hpp"
 #include "model/stages/constants.hpp"
+#include "model/stages/distance.hpp"
 #include "model/stages/span.hpp"
 #include "scene/scene.hpp"
 
@@ -42,31 +43,32 @@ constexpr FogFormats fog_formats(const Config& config) {
 struct FogStage : FogFormats {
   FogMode mode = FogMode::none;  // none also where the scene has no fog
   std::array<std::uint8_t, 3> fog_color{};
-  std::int64_t width = 0, height = 0;  // of the picture
-  int zone_bits = 4;
-  std::int64_t last_step = 63;  // of depth
+  ScreenZones zones;
+  int index_bits = 6;           // fog.depth_bits
+  std::int64_t last_step = 63;  // of depth, or of a distance
   int step_shift = 10;          // bits of h below a step; negative where a step is finer than h
   InverseDepth q;
   ReciprocalUnit reciprocal;        // R_pixel
   Exact scale;                      // fog_scale
-  std::vector<std::int64_t> table;  // raw, fog.factor; table mode only
+  Register s, d;                    // formats of the distances
+  int range = 0;                    // mode distance: the table reaches to 2^range
+  std::vector<std::int64_t> table;  // raw, fog.factor; modes table, distance, log
 };
+// Octaves below 2^E that the table of mode log has entries for, as a power of two.
+inline constexpr int log_octave_bits = 4;
 // Throws InputError where a table is wanted and the scene's fog distance or focal length is not positive.
 template <class Watch = NoObserve>
 FogStage prepare_fog(const Config& config, const Constants& constants, const Scene& scene, Watch watch = {});
 
-// A fragment that the texture stage let live.
+// A fragment that the texture stage let live; distance: read in modes distance and log.
 template <class Watch = NoObserve>
-void fog(const FogStage& stage, const FragmentRecord& fragment, const TextureRecord& texture, FogRecord& out,
-         Watch watch = {});
+void fog(const FogStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
+         const TextureRecord& texture, FogRecord& out, Watch watch = {});
 
 // The step of depth of h (raw, span.h): its top bits.
 std::int64_t fog_step(const FogStage& stage, std::int64_t h);
 
-// The zone of a pixel, by the square of its distance from the picture's middle.
-int fog_zone(const FogStage& stage, std::int64_t x, std::int64_t y);
-
-// Entry of the table for a step of depth and a zone: Q[fog.factor](exp(-D/DT)), correctly rounded.
+// Entry of mode table for a step of depth and a zone: Q[fog.factor](exp(-D/DT)), correctly rounded.
 template <class Watch = NoObserve>
 std::int64_t fog_entry(const Config& config, const Constants& constants, const Scene& scene, int hi, int zone,
                        Watch watch = {});

@@ -4,44 +4,43 @@
 #include <algorithm>
 
 #include "config/modes.hpp"
+#include "model/numeric/log2.hpp"
 #include "model/numeric/ratio.hpp"
+#include "model/stages/distance.hpp"
 
 namespace bitspan::model {
 namespace {
 
-// The distance and, of it, the level with its fraction.
+// Of a distance, the level with its fraction.
 template <class Watch>
-Exact level_by_zone(const LodStage& stage, Exact inverse, int levels, LodRecord& out, Watch watch) {
-  out.s = quantize(stage.a * inverse, stage.s, watch);
-  const Exact s = value_of(out.s, stage.s);
+Exact level_by_zone(const LodStage& stage, Exact distance, int levels, Watch watch) {
   std::size_t zone = 0;
   const auto last = static_cast<std::size_t>(levels - 1);
-  while (zone < last && sign_of(s - stage.zones[zone + 1].start) >= 0) ++zone;
+  while (zone < last && sign_of(distance - stage.zones[zone + 1].start) >= 0) ++zone;
   const Exact level{static_cast<std::int64_t>(zone), 0};
   if (zone == last) return level;
-  const Exact into = (s - stage.zones[zone].start) * stage.zones[zone].k;
+  const Exact into = (distance - stage.zones[zone].start) * stage.zones[zone].k;
   return level + value_of(quantize(into, stage.frac, watch), stage.frac);
 }
 
-// The derivatives and, of the longest, its logarithm: the exponent, and the rest of it taken as linear.
+// The derivatives, by a reciprocal along each axis, and, of the longest, its logarithm.
 template <class Watch>
-Exact level_by_gradient(const LodStage& stage, Exact inverse, const FragmentRecord& fragment,
-                        const GradientRecord& gradient, LodRecord& out, Watch watch) {
-  const auto derivative = [&](std::int64_t g, std::int64_t h, std::int64_t w) {
+Exact level_by_gradient(const LodStage& stage, Exact inverse_x, Exact inverse_y,
+                        const FragmentRecord& fragment, const GradientRecord& gradient, LodRecord& out,
+                        Watch watch) {
+  const auto derivative = [&](std::int64_t g, std::int64_t h, std::int64_t w, Exact inverse) {
     const Exact n = value_of(g, stage.g_grad) - value_of(w, stage.uv) * value_of(h, stage.h_grad);
     return quantize(n * inverse, stage.slope, watch);
   };
-  out.u_x = derivative(gradient.gu_x, gradient.h_x, fragment.u);
-  out.u_y = derivative(gradient.gu_y, gradient.h_y, fragment.u);
-  out.v_x = derivative(gradient.gv_x, gradient.h_x, fragment.v);
-  out.v_y = derivative(gradient.gv_y, gradient.h_y, fragment.v);
+  out.u_x = derivative(gradient.gu_x, gradient.h_x, fragment.u, inverse_x);
+  out.u_y = derivative(gradient.gu_y, gradient.h_y, fragment.u, inverse_y);
+  out.v_x = derivative(gradient.gv_x, gradient.h_x, fragment.v, inverse_x);
+  out.v_y = derivative(gradient.gv_y, gradient.h_y, fragment.v, inverse_y);
   uint128 rho = 1;  // one ulp, where all are 0
   for (const std::int64_t t : {out.u_x, out.u_y, out.v_x, out.v_y}) {
     rho = std::max(rho, static_cast<uint128>(t < 0 ? -int128{t} : int128{t}));
   }
-  const int top = bit_length(rho) - 1;
-  const int128 rest = static_cast<int128>(rho) - (int128{1} << top);
-  return Exact{top - stage.slope.fraction, 0} + Exact{rest, top};
+  return linear_log2(rho, stage.slope.fraction);
 }
 
 }  // namespace
@@ -59,13 +58,12 @@ LodStage prepare_lod(const Config& config, const Constants& constants, Watch wat
   s.h_grad = make_register(config, FormatId::plane_h_grad);
   s.g_grad = make_register(config, FormatId::plane_g_grad);
   s.s = make_register(config, FormatId::distance_s);
+  s.d = make_register(config, FormatId::distance_d);
   s.slope = make_register(config, FormatId::lod_slope);
   s.lambda = make_register(config, FormatId::lod_lambda);
   s.frac = make_register(config, FormatId::lod_frac);
   if (!has_lod_zones(config)) return s;
-  const Register a = make_register(config, FormatId::distance_a);
-  const Exact s_max = value_of(constants.record.s_max, make_register(config, FormatId::setup_s));
-  s.a = value_of(quantize(s.b * s_max, a, watch), a);
+  s.a = distance_constant(config, constants, watch);
   const Register k = make_register(config, FormatId::lod_k);
   for (std::size_t i = 0; i < s.zones.size(); ++i) {
     const Exact start = scaled(Exact{config.lod_first, 16}, -static_cast<int>(i));
@@ -75,37 +73,56 @@ LodStage prepare_lod(const Config& config, const Constants& constants, Watch wat
 }
 
 template <class Watch>
-void lod(const LodStage& stage, const FragmentRecord& fragment, const GradientRecord* gradient, int levels,
-         LodRecord& out, Watch watch) {
+void lod(const LodStage& stage, const FragmentRecord& fragment, const GradientRecord* gradient,
+         const DistanceRecord& distance, int levels, LodRecord& out, Watch watch) {
   out = {};
   out.triangle = fragment.triangle;
   out.x = fragment.x;
   out.y = fragment.y;
-  const auto invert = [&] {
-    const Inverse r = stage.reciprocal(value_of(fragment.h, stage.h) + stage.b, watch);
+  const auto invert = [&](Exact q) {
+    const Inverse r = stage.reciprocal(q, watch);
     out.recip_m = r.m;
     out.recip_e = r.e;
     return stage.reciprocal.value(r);
   };
+  const Exact q = value_of(fragment.h, stage.h) + stage.b;
   Exact level{0, 0};
   switch (stage.mode) {
     case LodMode::none:
       break;
     case LodMode::zone_s:
-      level = level_by_zone(stage, invert(), levels, out, watch);
+      out.s = quantize(stage.a * invert(q), stage.s, watch);
+      level = level_by_zone(stage, value_of(out.s, stage.s), levels, watch);
       break;
-    case LodMode::gradient:
-      level = level_by_gradient(stage, invert(), fragment, *gradient, out, watch);
+    case LodMode::zone_d:
+      level = level_by_zone(stage, value_of(distance.d, stage.d), levels, watch);
       break;
+    case LodMode::gradient: {
+      const Exact inverse = invert(q);
+      level = level_by_gradient(stage, inverse, inverse, fragment, *gradient, out, watch);
+      break;
+    }
+    case LodMode::finite: {
+      // The record has the reciprocal of the pixel to the right.
+      const Exact below = invert(q + value_of(gradient->h_y, stage.h_grad));
+      const Exact right = invert(q + value_of(gradient->h_x, stage.h_grad));
+      level = level_by_gradient(stage, right, below, fragment, *gradient, out, watch);
+      break;
+    }
   }
   out.lambda = quantize(level + stage.bias, stage.lambda, watch);
-  Exact held = value_of(out.lambda, stage.lambda);
+  hold_level(value_of(out.lambda, stage.lambda), levels, mixes_levels(stage.mip), stage.frac, out, watch);
+}
+
+template <class Watch>
+void hold_level(Exact lambda, int levels, bool mixes, const Register& frac, LodRecord& out, Watch watch) {
   const Exact last{levels - 1, 0};
+  Exact held = lambda;
   if (held.raw < 0) held = {0, 0};
   if (sign_of(held - last) > 0) held = last;
-  if (mixes_levels(stage.mip)) {
+  if (mixes) {
     out.level = static_cast<std::int64_t>(floor_of(held));
-    out.f = quantize(held - Exact{out.level, 0}, stage.frac, watch);
+    out.f = quantize(held - Exact{out.level, 0}, frac, watch);
   } else {
     out.level = static_cast<std::int64_t>(floor_of(held + Exact{1, 1}));
   }
@@ -113,7 +130,11 @@ void lod(const LodStage& stage, const FragmentRecord& fragment, const GradientRe
 
 template LodStage prepare_lod(const Config&, const Constants&, NoObserve);
 template LodStage prepare_lod(const Config&, const Constants&, Observe);
-template void lod(const LodStage&, const FragmentRecord&, const GradientRecord*, int, LodRecord&, NoObserve);
-template void lod(const LodStage&, const FragmentRecord&, const GradientRecord*, int, LodRecord&, Observe);
+template void hold_level(Exact, int, bool, const Register&, LodRecord&, NoObserve);
+template void hold_level(Exact, int, bool, const Register&, LodRecord&, Observe);
+template void lod(const LodStage&, const FragmentRecord&, const GradientRecord*, const DistanceRecord&, int,
+                  LodRecord&, NoObserve);
+template void lod(const LodStage&, const FragmentRecord&, const GradientRecord*, const DistanceRecord&, int,
+                  LodRecord&, Observe);
 
 }  // namespace bitspan::model

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// lod: the level of detail of a fragment, from the distance's zone or from the gradients of u and v.
+// lod: the level of detail of a fragment, from a distance's zone, or from the gradients of u and v or their
+// differences to the next pixels.
 // docs/numeric-spec.md, "lod" (T10, T11).
 #pragma once
 
@@ -25,15 +26,19 @@ struct LodStage {
   std::array<Zone, max_mip_level + 1> zones{};  // by level
   ReciprocalUnit reciprocal;                    // R_pixel
   Register h, uv, h_grad, g_grad;               // formats of the fragment and of the gradients
-  Register s, slope, lambda, frac;
+  Register s, d, slope, lambda, frac;
 };
 template <class Watch = NoObserve>
 LodStage prepare_lod(const Config& config, const Constants& constants, Watch watch = {});
 
+// The level and the fraction that lambda has in a chain of so many levels.
+template <class Watch>
+void hold_level(Exact lambda, int levels, bool mixes, const Register& frac, LodRecord& out, Watch watch);
+
 // A fragment that passed the depth test, of a texture with so many levels; gradient: of its triangle, null
-// but in mode gradient.
+// but in modes gradient and finite; distance: read in mode zone_d alone.
 template <class Watch = NoObserve>
-void lod(const LodStage& stage, const FragmentRecord& fragment, const GradientRecord* gradient, int levels,
-         LodRecord& out, Watch watch = {});
+void lod(const LodStage& stage, const FragmentRecord& fragment, const GradientRecord* gradient,
+         const DistanceRecord& distance, int levels, LodRecord& out, Watch watch = {});
 
 }  // namespace bitspan::model

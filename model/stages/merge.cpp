@@ -6,11 +6,14 @@
 
 #include "config/modes.hpp"
 #include "model/stages/merge-inl.hpp"
+#include "model/stages/texel.hpp"
+#include "model/stages/texture.hpp"
 
 namespace bitspan::model {
 namespace {
 
 constexpr int code_bits = 8;
+constexpr std::size_t alpha_channel = 3;
 
 // A factor or a colour on its own grid.
 struct Fixed {
@@ -116,6 +119,47 @@ bool reads_stored(const BlendEquation& equation) {
   return !scales || equation.dst != BlendFactor::zero || is_stored(equation.src);
 }
 
+// The matrix in sixteenths of a step, from the bits of the place: 8 (x0 xor y0) + 4 y0 + 2 (x1 xor y1) + y1.
+int matrix4(int x, int y) {
+  const int low = (x ^ y) & 1;
+  const int high = (x ^ y) >> 1 & 1;
+  return low << 3 | (y & 1) << 2 | high << 1 | (y >> 1 & 1);
+}
+// The same with the two high bits alone.
+int matrix2(int x, int y) { return matrix4(x & 1, y & 1); }
+
+// A code 0..255 as one of `bits` bits.
+int narrowed(Dither dither, int bits, int code, int x, int y) {
+  const auto by_matrix = [&](int d) { return std::min(((code << bits) + (d << 4)) >> 8, (1 << bits) - 1); };
+  // 255 parts in place of 256, by which the code of white is all ones without saturation.
+  const auto by_table = [&](int d) {
+    return ((code << bits) + ((d - (code >> 4) + (code >> (12 - bits))) << 4)) >> 8;
+  };
+  switch (dither) {
+    case Dither::none:
+      return code >> (code_bits - bits);
+    case Dither::matrix4:
+      return by_matrix(matrix4(x, y));
+    case Dither::matrix2:
+      return by_matrix(matrix2(x, y));
+    case Dither::sst1_4:
+      return by_table(matrix4(x, y));
+    case Dither::sst1_2:
+      return by_table(matrix2(x, y) | 2);
+  }
+  unreachable();
+}
+
+// What the target's channel holds in place of a code.
+std::int64_t held(const Blend& blend, std::size_t channel, std::int64_t code, std::int64_t x,
+                  std::int64_t y) {
+  const int bits = target_bits(blend.target)[channel];
+  if (bits == 0) return 255;
+  const Dither dither = channel == alpha_channel ? Dither::none : blend.dither;
+  return repeated(
+      narrowed(dither, bits, static_cast<int>(code), static_cast<int>(x & 3), static_cast<int>(y & 3)), bits);
+}
+
 // A fragment's alpha, at most 1.
 Fixed alpha_of(const MergeStage& stage, std::int64_t raw) {
   // A grid that has 1.
@@ -124,29 +168,30 @@ Fixed alpha_of(const MergeStage& stage, std::int64_t raw) {
   return {std::min(a, int128{1} << grid), grid};
 }
 
-// floor(255 a + 1/2)
-std::int64_t alpha_code(const Fixed& a) {
-  return static_cast<std::int64_t>((510 * a.raw + (int128{1} << a.fraction)) >> (a.fraction + 1));
-}
-
 }  // namespace
 
 Blend blend_of(const DrawState& s) {
   return {{s.blend_src, s.blend_dst, s.blend_op},
           {s.blend_alpha_src, s.blend_alpha_dst, s.blend_alpha_op},
           {s.blend_red, s.blend_green, s.blend_blue, s.blend_alpha},
-          s.logic_op};
+          s.logic_op,
+          s.target_format,
+          s.target_dither};
 }
 
 void set_blend(MergeStage& stage, const Blend& blend) {
   const Blend first;
   stage.blend = blend;
-  stage.changes_alpha = blend.logic != LogicOp::none || blend.alpha != first.alpha;
-  stage.is_plain = blend.logic == LogicOp::none && blend.color == first.color && !stage.changes_alpha;
+  const bool keeps_alpha = blend.logic == LogicOp::none && blend.alpha == first.alpha;
+  stage.is_plain = keeps_alpha && blend.color == first.color;
+  stage.is_narrow = is_narrow(blend.target);
+  stage.changes_alpha = !keeps_alpha || stage.is_narrow;
 }
 
 bool reads_stored_color(const MergeStage& stage, std::int64_t a) {
-  if (stage.is_plain) return a < HWY_NAMESPACE::opaque_alpha(stage);
+  // The alpha of a narrow target shares the colour's word.
+  const bool has_alpha = target_bits(stage.blend.target)[alpha_channel] > 0;
+  if (stage.is_plain) return a < HWY_NAMESPACE::opaque_alpha(stage) || (stage.is_narrow && has_alpha);
   switch (stage.blend.logic) {
     case LogicOp::clear:
     case LogicOp::copy:
@@ -154,7 +199,8 @@ bool reads_stored_color(const MergeStage& stage, std::int64_t a) {
     case LogicOp::set:
       return false;
     case LogicOp::none:
-      return reads_stored(stage.blend.color) || (stage.changes_alpha && reads_stored(stage.blend.alpha));
+      return reads_stored(stage.blend.color) ||
+             (stage.changes_alpha && has_alpha && reads_stored(stage.blend.alpha));
     default:
       return true;
   }
@@ -165,7 +211,7 @@ MergeAlphaRecord merged_alpha(const MergeStage& stage, const TextureRecord& text
   Operands o;
   o.a = alpha_of(stage, texture.a);
   o.is_alpha = true;
-  o.src_code = alpha_code(o.a);
+  o.src_code = alpha_code(stage.alpha, texture.a);
   o.dst_code = o.dst_alpha = stored;
   o.constant = o.constant_alpha = blend.constant[3];
   o.src = {o.src_code, 0};
@@ -177,7 +223,22 @@ MergeAlphaRecord merged_alpha(const MergeStage& stage, const TextureRecord& text
     const Fixed value = combined(blend.alpha, o);
     out.a = quantize(value.raw, value.fraction, stage.color, NoObserve{});
   }
+  if (stage.is_narrow) out.a = held(blend, alpha_channel, out.a, out.x, out.y);
   return out;
+}
+
+Clear held(const MergeStage& stage, Clear clear) {
+  if (!stage.is_narrow) return clear;
+  Blend plain = stage.blend;
+  plain.dither = Dither::none;
+  const auto hold = [&](std::size_t channel, std::uint8_t& code) {
+    code = static_cast<std::uint8_t>(held(plain, channel, code, 0, 0));
+  };
+  if (clear.color) {
+    for (std::size_t c = 0; c < clear.color->size(); ++c) hold(c, (*clear.color)[c]);
+  }
+  if (clear.alpha) hold(alpha_channel, *clear.alpha);
+  return clear;
 }
 
 namespace {
@@ -195,7 +256,9 @@ std::int64_t mixed(const MergeStage& stage, std::int64_t own, const std::array<s
   o.src = {int128{own} << (grid - stage.color_in.fraction), grid};
   o.dst = {stored[channel], 0};
   o.a = alpha_of(stage, a);
-  o.src_code = static_cast<std::int64_t>(std::clamp<int128>(o.src.raw >> grid, 0, 255));
+  // To the nearest code, halves up.
+  o.src_code = static_cast<std::int64_t>(
+      std::clamp<int128>(((o.src.raw << 1) + (int128{1} << grid)) >> (grid + 1), 0, 255));
   o.dst_code = stored[channel];
   o.dst_alpha = stored[3];
   o.constant = blend.constant[channel];
@@ -226,6 +289,7 @@ void merge(const MergeStage& stage, const DepthRecord& depth, const TextureRecor
     } else {
       own[c] = text::blended<int128>(stage, own[c], stored[c], texture.a, watch);
     }
+    if (stage.is_narrow) own[c] = held(stage.blend, c, own[c], out.x, out.y);
   }
   out.r = own[0];
   out.g = own[1];

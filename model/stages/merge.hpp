@@ -23,6 +23,8 @@ struct Blend {
   BlendEquation color, alpha{BlendFactor::zero, BlendFactor::one, BlendOp::add};
   std::array<std::int64_t, 4> constant{};
   LogicOp logic = LogicOp::none;
+  TargetFormat target = TargetFormat::rgba8888;
+  Dither dither = Dither::none;
   bool operator==(const Blend&) const = default;
 };
 Blend blend_of(const DrawState& state);
@@ -31,7 +33,8 @@ struct MergeStage {
   bool fits_int64 = false;  // the blend fits int64
   Register color_in, alpha, color;
   Blend blend;                 // of the draw state; the rest is the configuration's
-  bool is_plain = true;        // blend is the first state's: a mix by alpha, and the stored alpha stays
+  bool is_plain = true;        // its equations are the first state's: a mix by alpha, and alpha stays
+  bool is_narrow = false;      // the target holds fewer bits than the codes have
   bool changes_alpha = false;  // there is a record of merge.alpha
   bool operator==(const MergeStage&) const = default;
 };
@@ -51,12 +54,15 @@ constexpr MergeStage prepare_merge(const Config& config) {
 // Whether the new colour depends on the stored one. a: of the fragment, raw, texture.alpha.
 bool reads_stored_color(const MergeStage& stage, std::int64_t a);
 
-// stored: the pixel's red, green, blue, alpha before, codes 0..255; the record holds them after, and z.
+// stored: the pixel's red, green, blue, alpha before, codes 0..255; the record holds what the target holds
+// after, and z.
 template <class Watch = NoObserve>
 void merge(const MergeStage& stage, const DepthRecord& depth, const TextureRecord& texture,
            const FogRecord& fog, const std::array<std::uint8_t, 4>& stored, MergeRecord& out,
            Watch watch = {});
 // The new alpha of the pixel; only where stage.changes_alpha.
 MergeAlphaRecord merged_alpha(const MergeStage& stage, const TextureRecord& texture, std::uint8_t stored);
+// The clear with the codes that the target holds.
+Clear held(const MergeStage& stage, Clear clear);
 
 }  // namespace bitspan::model

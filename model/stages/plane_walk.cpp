@@ -6,52 +6,27 @@
 
 #include "config/modes.hpp"
 #include "model/channels.hpp"
+#include "model/gradient.hpp"
 #include "model/numeric/ratio.hpp"
 #include "model/stages/setup.hpp"
 
 namespace bitspan::model {
 namespace {
 
-using Values = std::array<Exact, 3>;  // of a quantity at the vertices
-
-struct Gradient {
-  Exact nx, ny;  // over area
-};
-
-struct Geometry {
-  std::array<Exact, 3> x, y;
-  Exact area;
-};
-
-Geometry geometry_of(const std::array<SetupVertex, 3>& v, int subpixel_bits) {
-  Geometry g;
-  for (std::size_t i = 0; i < 3; ++i) {
-    g.x[i] = {v[i].x, subpixel_bits};
-    g.y[i] = {v[i].y, subpixel_bits};
-  }
-  g.area = (g.x[1] - g.x[0]) * (g.y[2] - g.y[0]) - (g.x[2] - g.x[0]) * (g.y[1] - g.y[0]);
-  return g;
-}
-
-Gradient gradient(const Geometry& g, const Values& w) {
-  return {(w[1] - w[0]) * (g.y[2] - g.y[0]) - (w[2] - w[0]) * (g.y[1] - g.y[0]),
-          (w[2] - w[0]) * (g.x[1] - g.x[0]) - (w[1] - w[0]) * (g.x[2] - g.x[0])};
-}
-
 template <class Watch>
-void put(const Geometry& g, const Values& w, const Register& r, Watch watch, std::int64_t& x,
+void put(const TriangleShape& g, const VertexTriple& w, const Register& r, Watch watch, std::int64_t& x,
          std::int64_t& y) {
-  const Gradient n = gradient(g, w);
+  const Rises n = rises(g, w);
   x = quantize_ratio(n.nx, g.area, r, watch);
   y = quantize_ratio(n.ny, g.area, r, watch);
 }
 
 template <class Watch>
 GradientRecord gradients_of(const PlaneWalkStage& stage, const SetupRecord& setup,
-                            const std::array<SetupVertex, 3>& v, const Geometry& g, Watch watch) {
+                            const std::array<SetupVertex, 3>& v, const TriangleShape& g, Watch watch) {
   GradientRecord out;
   out.triangle = setup.triangle;
-  Values h;
+  VertexTriple h;
   std::array<std::array<std::int64_t, 2>, 3> numerators{};  // gu, gv of each vertex, raw
   for (std::size_t i = 0; i < 3; ++i) {
     h[i] = value_of(v[i].h, stage.vertex_h);
@@ -66,8 +41,8 @@ GradientRecord gradients_of(const PlaneWalkStage& stage, const SetupRecord& setu
   out.gu2 = numerators[2][0];
   out.gv2 = numerators[2][1];
   const auto numerator = [&](std::size_t i) {
-    return Values{value_of(numerators[0][i], stage.g), value_of(numerators[1][i], stage.g),
-                  value_of(numerators[2][i], stage.g)};
+    return VertexTriple{value_of(numerators[0][i], stage.g), value_of(numerators[1][i], stage.g),
+                        value_of(numerators[2][i], stage.g)};
   };
   put(g, h, stage.h_grad, watch, out.h_x, out.h_y);
   put(g, numerator(0), stage.g_grad, watch, out.gu_x, out.gu_y);
@@ -104,7 +79,7 @@ std::int64_t line_at(const PlaneGeometry& g, std::int64_t from_anchor) {
   return static_cast<std::int64_t>(floor_divide(twice, 2 * int128{g.one}).floor);
 }
 
-void find_runs(const PlaneWalkStage& stage, const Geometry& g, PlaneWalkState& state) {
+void find_runs(const PlaneWalkStage& stage, const TriangleShape& g, PlaneWalkState& state) {
   const bool along_y = state.geometry.along_y;
   const auto& major = along_y ? g.y : g.x;
   const std::int64_t major_size = along_y ? stage.height : stage.width;
@@ -205,14 +180,14 @@ PlaneWalkStage prepare_plane_walk(const Config& config, const Constants& constan
 template <class Watch>
 GradientRecord setup_gradients(const PlaneWalkStage& stage, const SetupRecord& setup, Watch watch) {
   const std::array<SetupVertex, 3> v{vertex_of(setup, 0), vertex_of(setup, 1), vertex_of(setup, 2)};
-  return gradients_of(stage, setup, v, geometry_of(v, stage.subpixel_bits), watch);
+  return gradients_of(stage, setup, v, shape_of(v, stage.subpixel_bits), watch);
 }
 
 template <class Watch>
 void start_plane_walk(const PlaneWalkStage& stage, const SetupRecord& setup, PlaneWalkState& state,
                       Watch watch) {
   const std::array<SetupVertex, 3> v{vertex_of(setup, 0), vertex_of(setup, 1), vertex_of(setup, 2)};
-  const Geometry g = geometry_of(v, stage.subpixel_bits);
+  const TriangleShape g = shape_of(v, stage.subpixel_bits);
   state.setup = setup;
   PlaneRecord& out = state.record;
   out = {};
@@ -236,8 +211,8 @@ void start_plane_walk(const PlaneWalkStage& stage, const SetupRecord& setup, Pla
     put(g, {at(0), at(1), at(2)}, stage.shade_grad, watch, out.*plane_x[c], out.*plane_y[c]);
   }
 
-  const Gradient n = gradient(g, {value_of(v[0].h, stage.vertex_h), value_of(v[1].h, stage.vertex_h),
-                                  value_of(v[2].h, stage.vertex_h)});
+  const Rises n = rises(g, {value_of(v[0].h, stage.vertex_h), value_of(v[1].h, stage.vertex_h),
+                            value_of(v[2].h, stage.vertex_h)});
   const bool along_y = sign_of(magnitude(n.nx) - magnitude(n.ny)) > 0;
   const Exact over = along_y ? n.nx : n.ny;
   out.major = along_y ? 1 : 0;

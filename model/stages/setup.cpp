@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/stages/setup.hpp"
 
+#include <algorithm>
+
 #include "config/modes.hpp"
 #include "model/channels.hpp"
 #include "model/stages/setup-inl.hpp"
@@ -23,6 +25,16 @@ template <class Watch>
 SetupVertex quantize_vertex(const SetupStage& stage, const Vertex& in, Watch watch) {
   return HWY_NAMESPACE::setup_vertex<std::int64_t>(
       stage, HWY_NAMESPACE::RealVertex<double>{in.x, in.y, in.s, in.u, in.v, in.c}, watch);
+}
+
+// The slope of an edge that has a position alone.
+template <class Watch>
+void put_x_step(const SetupStage& stage, const SetupVertex& a, const SetupVertex& b, EdgeRecord& out,
+                Watch watch) {
+  const auto dy = HWY_NAMESPACE::make_length<std::int64_t>(stage.dy, int128{b.y} - a.y, watch);
+  out.recip_m = dy.inverse.m;
+  out.recip_e = dy.inverse.e;
+  out.x_step = HWY_NAMESPACE::slope<std::int64_t>(stage.x_step, stage.dy, int128{b.x} - a.x, dy, watch);
 }
 
 }  // namespace
@@ -59,8 +71,9 @@ SetupStage prepare_setup(const Config& config, const Constants& constants) {
   s.fits_lanes = lanes_hold(dy) && lanes_hold(above) && lanes_hold(magnitude_of(b)) &&
                  (magnitude_of(b) * above).bits() <= 126 && s.h_step.fits_lanes && s.f_diff.fits_lanes &&
                  s.f_step.fits_lanes && s.shade_step.fits_lanes && (!s.has_x_step || s.x_step.fits_lanes);
-  const int slopes = s.has_x_step ? 8 : 7;
-  s.divides_per_edge = shares_reciprocal(config.edge_slope) ? 1 : slopes;
+  s.by_plane = has_setup_plane(config);
+  const int slopes = (s.by_plane ? 0 : 7) + (s.has_x_step ? 1 : 0);
+  s.divides_per_edge = shares_reciprocal(config.edge_slope) ? std::min(1, slopes) : slopes;
   return s;
 }
 
@@ -116,6 +129,10 @@ Edges setup_edges(const SetupStage& stage, const SetupRecord& record, Watch watc
     e = {};
     e.triangle = record.triangle;
     e.edge = static_cast<std::int64_t>(i);
+    if (stage.by_plane) {
+      if (stage.has_x_step) put_x_step(stage, a, b, e, watch);
+      continue;
+    }
     const auto made = HWY_NAMESPACE::setup_edge(stage, a, b, int128{b.y} - a.y, watch);
     e.recip_m = made.recip_m;
     e.recip_e = made.recip_e;

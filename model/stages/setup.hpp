@@ -27,6 +27,7 @@ struct SetupStage {
   LengthForm dy;  // R_edge
   Slope x_step, h_step, f_step, shade_step;
   Product f_diff;
+  bool by_plane = false;  // edges have a position alone
   int divides_per_edge = 0;
   bool fits_lanes = false;  // no intermediate is wider than lanes hold
 };

@@ -19,6 +19,46 @@ void accumulate(std::int64_t& acc, std::int64_t step, const Adder& adder, Watch 
   acc = accumulated<Int>(acc, step, adder, watch);
 }
 
+// u and v from the registers.
+template <class Int, class Watch>
+auto point_at(const SpanStage& stage, const SpanState& state, Watch watch) {
+  return texture_point<Int>(stage.formats, HWY_NAMESPACE::depth_constant<Int>(stage.q.b),
+                            stage.reciprocal.table().data(), state.h, state.fu, state.fv, state.u1, state.v1,
+                            false, watch);
+}
+
+// Behind an exact fragment: where the row has the next one, finds its u and v.
+template <class Int>
+void enter_subspan(const SpanStage& stage, SpanState& state, const FragmentRecord& exact) {
+  const int length = 1 << stage.subspan_bits;
+  if (state.left <= length) return;
+  SpanState next = state;
+  for (int i = 0; i < length; ++i) {
+    accumulate<Int>(next.h, next.h_step, stage.formats.h, NoObserve{});
+    accumulate<Int>(next.fu, next.fu_step[0], stage.formats.f, NoObserve{});
+    accumulate<Int>(next.fv, next.fv_step[0], stage.formats.f, NoObserve{});
+  }
+  const auto point = point_at<Int>(stage, next, NoObserve{});
+  state.near = {exact.u, exact.v};
+  state.far = {point.u, point.v};
+  state.linear_left = length - 1;
+}
+
+template <class Watch>
+void linear_point(const SpanStage& stage, SpanState& state, FragmentRecord& out, Watch watch) {
+  const int bits = stage.subspan_bits;
+  const int128 j = (1 << bits) - state.linear_left;
+  const auto between = [&](std::size_t c) {
+    const int128 value = (int128{state.near[c]} << bits) + (int128{state.far[c]} - state.near[c]) * j;
+    return quantize(value, stage.formats.uv.fraction + bits, stage.formats.uv, watch);
+  };
+  out.recip_m = out.recip_e = 0;
+  out.u = between(0);
+  out.v = between(1);
+  state.divides = 0;
+  --state.linear_left;
+}
+
 template <class Int, class Watch>
 void span_on(const SpanStage& stage, SpanState& state, FragmentRecord& out, Watch watch) {
   out.triangle = state.triangle;
@@ -30,13 +70,17 @@ void span_on(const SpanStage& stage, SpanState& state, FragmentRecord& out, Watc
   out.fu = state.fu;
   out.fv = state.fv;
   const SpanFormats& f = stage.formats;
-  const auto point =
-      texture_point<Int>(f, HWY_NAMESPACE::depth_constant<Int>(stage.q.b), stage.reciprocal.table().data(),
-                         state.h, state.fu, state.fv, state.u1, state.v1, false, watch);
-  out.recip_m = point.recip_m;
-  out.recip_e = point.recip_e;
-  out.u = point.u;
-  out.v = point.v;
+  if (state.linear_left > 0) {
+    linear_point(stage, state, out, watch);
+  } else {
+    const auto point = point_at<Int>(stage, state, watch);
+    out.recip_m = point.recip_m;
+    out.recip_e = point.recip_e;
+    out.u = point.u;
+    out.v = point.v;
+    state.divides = stage.divides_per_fragment;
+    if (stage.subspan_bits > 0) enter_subspan<Int>(stage, state, out);
+  }
   for (std::size_t c = 0; c < channel_count; ++c) {
     out.*fragment_shades[c] = quantize(state.shade[c], f.shade_acc.acc.fraction, f.shade, watch);
   }
@@ -115,6 +159,7 @@ SpanStage prepare_span(const Config& config, const Constants& constants) {
   s.divides_per_fragment = has_pixel_reciprocal(config.perspective)  ? 1
                            : has_pixel_quotients(config.perspective) ? 2
                                                                      : 0;
+  s.subspan_bits = has_subspans(config) ? config.subspan_bits : 0;
   s.fits_int64 = all_fit(config, s);
   s.shade_fits_int64 = fits_int64(aligned(signed_grid(config.format(FormatId::span_shade_acc)),
                                           config.format(FormatId::span_shade).fraction() + 1));

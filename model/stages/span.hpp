@@ -67,6 +67,7 @@ struct SpanStage {
   InverseDepth q;
   ReciprocalUnit reciprocal;  // R_pixel
   int divides_per_fragment = 0;
+  int subspan_bits = 0;  // 0: every fragment is exact
 };
 SpanStage prepare_span(const Config& config, const Constants& constants);
 
@@ -82,6 +83,11 @@ struct SpanState {
   std::int64_t k = 0, one = 1;  // digital line: phase + k against 1; never steps where k = 0, phase = 0
   bool along_y = false;
   const Coverage* coverage = nullptr;  // none: every fragment is covered
+  // Of the fragment delivered last.
+  int divides = 0;
+  // Where subspans are on: linear fragments to come, and u and v of the exact ones at both ends.
+  int linear_left = 0;
+  std::array<std::int64_t, 2> near{}, far{};
 };
 inline bool finished(const SpanState& state) { return state.left == 0; }
 

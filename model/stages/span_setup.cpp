@@ -15,19 +15,27 @@ SpanSetupStage prepare_span_setup(const Config& config, const Constants& constan
   const auto reg = [&](FormatId id) { return make_register(config, id); };
   const bool linear = has_linear_texture(config.perspective);
   s.perspective = config.perspective;
-  s.form = config.row_slope;
+  s.form = form_of(config.row_slope);
   s.b = b_of(config, constants.record);
   s.reciprocal = ReciprocalUnit(config.row_reciprocal, RegisterId::row_reciprocal);
-  const Exact h_offset = offset_value(config.start_offset.span_h, config.depth_format());
+  const Exact h_offset = s.h_offset = offset_value(config.start_offset.span_h, config.depth_format());
   s.f_offset =
       offset_value(config.start_offset.span_f, config.format(linear ? FormatId::span_uv : FormatId::span_f));
-  const Exact shade_offset =
+  const Exact shade_offset = s.shade_offset =
       offset_value(config.start_offset.span_shade, config.format(FormatId::span_shade));
   s.plane_h = reg(FormatId::span_h);
   s.plane_f = reg(FormatId::span_f);
   s.plane_f_step = reg(FormatId::span_f_step);
   s.f = reg(linear ? FormatId::span_uv_acc : FormatId::span_f);
   s.uv_step = reg(linear ? FormatId::span_uv_step : FormatId::span_f_step);
+
+  s.subpixel_bits = config.subpixel_bits;
+  s.vertex_h = reg(FormatId::setup_h);
+  s.vertex_shade = reg(FormatId::setup_shade);
+  s.g = reg(FormatId::plane_g);
+  s.h_grad = reg(FormatId::plane_h_grad);
+  s.g_grad = reg(FormatId::plane_g_grad);
+  s.shade_grad = reg(FormatId::plane_shade_grad);
 
   const Register x = reg(FormatId::edge_x);
   const Register h = reg(FormatId::edge_h);
@@ -36,7 +44,7 @@ SpanSetupStage prepare_span_setup(const Config& config, const Constants& constan
   s.p_fraction = std::max(1, x.fraction);
   s.x_up = s.p_fraction - x.fraction;
   const Grid p = magnitude_of(x) + Grid{20, 1};  // a picture is 2^20 pixels wide at most
-  s.length = make_length_form(config.row_slope, s.reciprocal, magnitude_of(x) + magnitude_of(x));
+  s.length = make_length_form(s.form, s.reciprocal, magnitude_of(x) + magnitude_of(x));
   s.depth = make_depth_sum(h, s.b, config.pixel_reciprocal);
   s.h_step = make_slope(reg(FormatId::span_h_step), magnitude_of(h) + magnitude_of(h), s.length);
   s.h_start = make_line(reg(FormatId::span_h), &h, s.h_step.r, p, h_offset);
@@ -54,22 +62,33 @@ SpanSetupStage prepare_span_setup(const Config& config, const Constants& constan
   s.shade_step =
       make_slope(reg(FormatId::span_shade_step), magnitude_of(shade) + magnitude_of(shade), s.length);
   s.shade_start = make_line(reg(FormatId::span_shade_acc), &shade, s.shade_step.r, p, shade_offset);
-  s.fits_lanes = lanes_hold(p) && s.length.fits_lanes && s.h_step.fits_lanes && s.h_start.fits_lanes &&
-                 s.f_step.fits_lanes && s.f_start.fits_lanes && s.shade_step.fits_lanes &&
-                 s.shade_start.fits_lanes &&
+  // The lanes have rows by their ends alone.
+  s.fits_lanes = !has_setup_plane(config) && lanes_hold(p) && s.length.fits_lanes && s.h_step.fits_lanes &&
+                 s.h_start.fits_lanes && s.f_step.fits_lanes && s.f_start.fits_lanes &&
+                 s.shade_step.fits_lanes && s.shade_start.fits_lanes &&
                  (linear || (lanes_hold(s.depth.magnitude) && s.f_diff.fits_lanes));
   return s;
 }
+
+namespace {
+
+// Where the row's pixels lie; the rest is 0.
+SpanRecord span_of(const RowRecord& row) {
+  SpanRecord out{};
+  out.triangle = row.triangle;
+  out.x = row.x_first;
+  out.y = row.y;
+  out.count = row.x_last - row.x_first + 1;
+  return out;
+}
+
+}  // namespace
 
 template <class Watch>
 int span_setup(const SpanSetupStage& stage, const RowRecord& row, SpanRecord& out, Watch watch) {
   const RowEnd l = row_end(row, Side::left);
   const RowEnd r = row_end(row, Side::right);
-  out = {};
-  out.triangle = row.triangle;
-  out.x = row.x_first;
-  out.y = row.y;
-  out.count = row.x_last - row.x_first + 1;
+  out = span_of(row);
   const auto values = [](const RowEnd& e) {
     return HWY_NAMESPACE::SpanEnd<std::int64_t>{e.x, e.h, e.u, e.v, e.shade};
   };
@@ -92,6 +111,41 @@ int span_setup(const SpanSetupStage& stage, const RowRecord& row, SpanRecord& ou
     out.*span_starts[c] = span.shade[c];
   }
   return span.has_length ? divides_of(stage) : 0;
+}
+
+template <class Watch>
+int span_setup(const SpanSetupStage& stage, const RowRecord& row, const TrianglePlane& plane, SpanRecord& out,
+               Watch watch) {
+  const SetupPlaneRecord& p = plane.record;
+  out = span_of(row);
+  out.u1 = p.u1;
+  out.v1 = p.v1;
+  const Exact half{1, 1};
+  const Exact right = Exact{row.x_first, 0} + half - Exact{plane.origin.x, stage.subpixel_bits};
+  const Exact down = Exact{row.y, 0} + half - Exact{plane.origin.y, stage.subpixel_bits};
+  const auto at = [&](Exact from, Exact x, Exact y, Exact offset, const Register& r) {
+    return quantize(from + x * right + y * down + offset, r, watch);
+  };
+  const Exact h_x = value_of(p.h_x, stage.h_grad);
+  out.h = at(value_of(plane.origin.h, stage.vertex_h), h_x, value_of(p.h_y, stage.h_grad), stage.h_offset,
+             stage.plane_h);
+  out.h_step = quantize(h_x, stage.h_step.r, watch);
+  const auto texture = [&](std::int64_t f0, std::int64_t x, std::int64_t y, std::int64_t& start,
+                           std::int64_t& step0, std::int64_t& step1) {
+    const Exact along = value_of(x, stage.g_grad);
+    start = at(value_of(f0, stage.g), along, value_of(y, stage.g_grad), stage.f_offset, stage.f);
+    step0 = step1 = quantize(along, stage.uv_step, watch);
+  };
+  texture(p.fu0, p.fu_x, p.fu_y, out.fu, out.fu_step0, out.fu_step1);
+  texture(p.fv0, p.fv_x, p.fv_y, out.fv, out.fv_step0, out.fv_step1);
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    const Exact along = value_of(p.*setup_plane_x[c], stage.shade_grad);
+    out.*span_starts[c] =
+        at(value_of(plane.origin.c[c], stage.vertex_shade), along,
+           value_of(p.*setup_plane_y[c], stage.shade_grad), stage.shade_offset, stage.shade_start.r);
+    out.*span_steps0[c] = out.*span_steps1[c] = quantize(along, stage.shade_step.r, watch);
+  }
+  return 0;
 }
 
 template <class Watch>
@@ -130,6 +184,9 @@ int span_setup(const SpanSetupStage& stage, const PlaneRowRecord& row, const Pla
 
 template int span_setup(const SpanSetupStage&, const RowRecord&, SpanRecord&, NoObserve);
 template int span_setup(const SpanSetupStage&, const RowRecord&, SpanRecord&, Observe);
+template int span_setup(const SpanSetupStage&, const RowRecord&, const TrianglePlane&, SpanRecord&,
+                        NoObserve);
+template int span_setup(const SpanSetupStage&, const RowRecord&, const TrianglePlane&, SpanRecord&, Observe);
 template int span_setup(const SpanSetupStage&, const PlaneRowRecord&, const PlaneGeometry&, SpanRecord&,
                         NoObserve);
 template int span_setup(const SpanSetupStage&, const PlaneRowRecord&, const PlaneGeometry&, SpanRecord&,

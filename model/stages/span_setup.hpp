@@ -11,6 +11,7 @@
 #include "model/numeric/slope.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/plane_walk.hpp"
+#include "model/stages/setup_plane.hpp"
 
 namespace bitspan::model {
 
@@ -25,6 +26,11 @@ struct SpanSetupStage {
   Product f_diff;
   Line h_start, f_start, shade_start;
   bool fits_lanes = false;  // no intermediate is wider than lanes hold
+  // slope.row = plane.
+  int subpixel_bits = 0;
+  Exact h_offset, shade_offset;
+  Register vertex_h, vertex_shade;         // formats of the setup record
+  Register g, h_grad, g_grad, shade_grad;  // of the setup.plane record
   // const_depth_rows.
   Exact b;
   ReciprocalUnit reciprocal;  // R_row
@@ -41,6 +47,10 @@ constexpr int divides_of(const SpanSetupStage& stage) { return shares_reciprocal
 // All modes but const_depth_rows.
 template <class Watch = NoObserve>
 int span_setup(const SpanSetupStage& stage, const RowRecord& row, SpanRecord& out, Watch watch = {});
+// The same with slope.row = plane, which takes no divide.
+template <class Watch = NoObserve>
+int span_setup(const SpanSetupStage& stage, const RowRecord& row, const TrianglePlane& plane, SpanRecord& out,
+               Watch watch = {});
 // const_depth_rows.
 template <class Watch = NoObserve>
 int span_setup(const SpanSetupStage& stage, const PlaneRowRecord& row, const PlaneGeometry& geometry,

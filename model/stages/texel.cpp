@@ -8,22 +8,14 @@ namespace {
 
 using Color = std::array<int, 3>;
 
-// The bits repeated from the top.
-constexpr int repeat1(int c) { return -c & 255; }
-constexpr int repeat2(int c) { return c << 6 | c << 4 | c << 2 | c; }
-constexpr int repeat3(int c) { return c << 5 | c << 2 | c >> 1; }
-constexpr int repeat4(int c) { return c << 4 | c; }
-constexpr int repeat5(int c) { return c << 3 | c >> 2; }
-constexpr int repeat6(int c) { return c << 2 | c >> 4; }
-
 TexelCodes codes(const Color& c, int alpha) {
   const auto byte = [](int x) { return static_cast<std::uint8_t>(x); };
   return {byte(c[0]), byte(c[1]), byte(c[2]), byte(alpha)};
 }
 TexelCodes grey(int i, int alpha) { return codes({i, i, i}, alpha); }
 
-Color rgb332(int w) { return {repeat3(w >> 5 & 7), repeat3(w >> 2 & 7), repeat2(w & 3)}; }
-Color rgb565(int w) { return {repeat5(w >> 11 & 31), repeat6(w >> 5 & 63), repeat5(w & 31)}; }
+Color rgb332(int w) { return {repeated(w >> 5 & 7, 3), repeated(w >> 2 & 7, 3), repeated(w & 3, 2)}; }
+Color rgb565(int w) { return {repeated(w >> 11 & 31, 5), repeated(w >> 5 & 63, 6), repeated(w & 31, 5)}; }
 
 Color yiq(int w, std::span<const std::int16_t> table) {
   const int y = table[static_cast<std::size_t>(w >> 4 & 15)];
@@ -82,7 +74,75 @@ int dxt5_alpha(const std::uint8_t* p, int place) {
   return (first * (6 - code) + second * (code - 1)) / 5;
 }
 
+// ---- Procedural textures
+
+std::uint32_t hash(std::uint32_t x, std::uint32_t y, std::uint32_t seed) {
+  std::uint32_t n = 1640531U * x + 1274127U * y + 1013901U * seed + 668265U;
+  for (const std::uint32_t factor : {1597335U, 2018697U, 1394573U}) n = (n ^ n >> 15) * factor;
+  return n >> 24;
+}
+
+// t of 255 parts of the second colour.
+TexelCodes mixed(std::span<const std::int16_t> table, int t) {
+  TexelCodes out{};
+  for (std::size_t c = 0; c < 4; ++c) {
+    out[c] = static_cast<std::uint8_t>((table[c] * (255 - t) + table[4 + c] * t + 127) / 255);
+  }
+  return out;
+}
+
+TexelCodes brick(const Texture& texture, int i, int j) {
+  const std::span<const std::int16_t> v(texture.table);
+  const int row = j / v[brick_height];
+  const int along = (row & 1) != 0 ? i + v[brick_shift] : i;
+  if (along % v[brick_width] < v[brick_mortar] || j % v[brick_height] < v[brick_mortar]) return mixed(v, 255);
+  const int columns = (texture.width + v[brick_width] - 1) / v[brick_width];
+  const auto column = static_cast<std::uint32_t>(along / v[brick_width] % columns);
+  const int darker = v[brick_vary] * static_cast<int>(hash(column, static_cast<std::uint32_t>(row),
+                                                           static_cast<std::uint32_t>(v[brick_seed])));
+  TexelCodes out = mixed(v, 0);
+  for (std::size_t c = 0; c < 3; ++c) out[c] = static_cast<std::uint8_t>(out[c] - (out[c] * darker >> 16));
+  return out;
+}
+
+// Whole codes of one octave: its cells are 2^log2_cell texels wide.
+int octave_of_noise(const Texture& texture, int i, int j, int log2_cell, std::uint32_t seed) {
+  const int cell = 1 << log2_cell;
+  const int columns = (texture.width + cell - 1) >> log2_cell;
+  const int rows = (texture.height + cell - 1) >> log2_cell;
+  const int x = i >> log2_cell;
+  const int y = j >> log2_cell;
+  const std::int64_t right = i & (cell - 1);
+  const std::int64_t down = j & (cell - 1);
+  const auto corner = [&](int dx, int dy) -> std::int64_t {
+    return hash(static_cast<std::uint32_t>((x + dx) % columns), static_cast<std::uint32_t>((y + dy) % rows),
+                seed);
+  };
+  const std::int64_t above = corner(0, 0) * (cell - right) + corner(1, 0) * right;
+  const std::int64_t below = corner(0, 1) * (cell - right) + corner(1, 1) * right;
+  return static_cast<int>((above * (cell - down) + below * down) >> (2 * log2_cell));
+}
+
+TexelCodes noise(const Texture& texture, int i, int j) {
+  const std::span<const std::int16_t> v(texture.table);
+  int sum = 0;
+  for (int octave = 0; octave < v[noise_octaves]; ++octave) {
+    const auto seed = static_cast<std::uint32_t>(v[noise_seed] + octave);
+    sum = 2 * sum + octave_of_noise(texture, i, j, v[noise_cell] - octave, seed);
+  }
+  return mixed(v, sum / ((1 << v[noise_octaves]) - 1));
+}
+
 }  // namespace
+
+TexelCodes computed_texel(const Texture& texture, std::int64_t i64, std::int64_t j64) {
+  const auto i = static_cast<int>(i64);
+  const auto j = static_cast<int>(j64);
+  const std::vector<std::int16_t>& v = texture.table;
+  if (texture.format == TexelFormat::brick) return brick(texture, i, j);
+  if (texture.format == TexelFormat::noise) return noise(texture, i, j);
+  return mixed(v, ((i / v[checker_width] + j / v[checker_height]) & 1) != 0 ? 255 : 0);
+}
 
 TexelCodes decode(TexelFormat format, const std::uint8_t* block, int i, int j,
                   std::span<const std::int16_t> table) {
@@ -101,7 +161,7 @@ TexelCodes decode(TexelFormat format, const std::uint8_t* block, int i, int j,
     case TexelFormat::i8:
       return grey(block[0], 255);
     case TexelFormat::ai44:
-      return grey(repeat4(block[0] & 15), repeat4(block[0] >> 4));
+      return grey(repeated(block[0] & 15, 4), repeated(block[0] >> 4, 4));
     case TexelFormat::p8:
       return codes(of_palette(block[0], table), table[4 * std::size_t{block[0]} + 3]);
     case TexelFormat::argb8332:
@@ -110,11 +170,13 @@ TexelCodes decode(TexelFormat format, const std::uint8_t* block, int i, int j,
       return codes(rgb565(word()), 255);
     case TexelFormat::argb1555: {
       const int w = word();
-      return codes({repeat5(w >> 10 & 31), repeat5(w >> 5 & 31), repeat5(w & 31)}, repeat1(w >> 15));
+      return codes({repeated(w >> 10 & 31, 5), repeated(w >> 5 & 31, 5), repeated(w & 31, 5)},
+                   repeated(w >> 15, 1));
     }
     case TexelFormat::argb4444: {
       const int w = word();
-      return codes({repeat4(w >> 8 & 15), repeat4(w >> 4 & 15), repeat4(w & 15)}, repeat4(w >> 12));
+      return codes({repeated(w >> 8 & 15, 4), repeated(w >> 4 & 15, 4), repeated(w & 15, 4)},
+                   repeated(w >> 12, 4));
     }
     case TexelFormat::ai88:
       return grey(block[0], block[1]);
@@ -128,7 +190,7 @@ TexelCodes decode(TexelFormat format, const std::uint8_t* block, int i, int j,
     }
     case TexelFormat::dxt3: {
       const int nibble = static_cast<int>(low_first(block, 8) >> (4 * place) & 15);
-      return codes(dxt_color(block + 8, place, true, clear), repeat4(nibble));
+      return codes(dxt_color(block + 8, place, true, clear), repeated(nibble, 4));
     }
     case TexelFormat::dxt5:
       return codes(dxt_color(block + 8, place, true, clear), dxt5_alpha(block, place));
@@ -136,6 +198,10 @@ TexelCodes decode(TexelFormat format, const std::uint8_t* block, int i, int j,
       return codes(yuv(block[i == 0 ? 1 : 3], block[0], block[2]), 255);
     case TexelFormat::yuyv:
       return codes(yuv(block[i == 0 ? 0 : 2], block[1], block[3]), 255);
+    case TexelFormat::checker:
+    case TexelFormat::brick:
+    case TexelFormat::noise:
+      break;
   }
   unreachable();
 }

@@ -64,8 +64,23 @@ HWY_INLINE V quantize_code(V code, const Register& r, Watch watch) {
   }
 }
 
+// A texel that the chroma test takes for a transparent one.
+inline bool is_keyed(const ChromaRange& chroma, std::int64_t word) {
+  bool in_range = true;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::int64_t code = channel_of(word, c);
+    in_range = in_range && code >= chroma.low[c] && code <= chroma.high[c];
+  }
+  return in_range == (chroma.test == ChromaTest::inside);
+}
+
+// A texel of the reserved colour, or a keyed one. Not both tests are off.
 template <class V>
 HWY_INLINE Truth<V> is_reserved(const TextureStage& stage, V word) {
+  if constexpr (std::is_same_v<V, std::int64_t>) {
+    if (stage.chroma.test != ChromaTest::none && is_keyed(stage.chroma, word)) return true;
+    if (!stage.transparent) return false;
+  }
   const auto& c = *stage.transparent;
   return (word & V(0xffffff)) == V(c[0] | c[1] << 8 | c[2] << 16);
 }
@@ -148,7 +163,8 @@ HWY_INLINE Textured<ValueOf<Int>> sampled(const TextureStage& stage, const Image
     const V full = as_value<Int>(quantize(V(255), 0, stage.mix, watch));
     out.texel = {full, full, full, as_value<Int>(quantize(V(1), 0, stage.alpha, watch))};
   } else {
-    const bool reserved = stage.transparent && image.may_be_reserved();
+    const bool reserved =
+        (stage.transparent && image.may_be_reserved()) || stage.chroma.test != ChromaTest::none;
     const TextureFilter filter = image.filter(stage);
     V nearest_word(0);
     if (!weighs_texels(filter) || reserved) {

@@ -12,12 +12,6 @@ namespace {
 
 namespace text = HWY_NAMESPACE;
 
-// 255 a against alpha.ref.
-bool passes_alpha_test(const TextureStage& stage, std::int64_t a) {
-  if (stage.alpha_func == CompareFunc::always) return true;
-  return compares(stage.alpha_func, int128(a) * 255, int128(stage.alpha_ref) << stage.alpha.fraction);
-}
-
 std::array<std::int64_t, channel_count> shades_of(const FragmentRecord& fragment) {
   std::array<std::int64_t, channel_count> shade{};
   for (std::size_t c = 0; c < channel_count; ++c) {
@@ -26,11 +20,15 @@ std::array<std::int64_t, channel_count> shades_of(const FragmentRecord& fragment
   return shade;
 }
 
-bool record(const TextureStage& stage, const FragmentRecord& fragment,
-            const text::Textured<std::int64_t>& all, TextureRecord& out) {
+// The product of what was found with the fragment's colour, and its record.
+template <class Int, class Watch>
+bool finish(const TextureStage& stage, const FragmentRecord& fragment, text::Textured<std::int64_t> all,
+            TextureRecord& out, Watch watch) {
+  const bool transparent = all.killed;
+  text::colour<Int>(stage, shades_of(fragment), all, watch);
   const auto& [v_r, v_g, v_b, v_a] = all.texel;
   const auto& [r, g, b, a] = all.color;
-  const bool killed = all.killed || !passes_alpha_test(stage, a);
+  const bool killed = stage.is_last ? all.killed || !passes_alpha_test(stage, a) : transparent;
   out = {
       fragment.triangle, fragment.x, fragment.y, all.i, all.j, all.ex, all.ey, v_r, v_g, v_b, v_a, r, g, b, a,
       killed ? 1 : 0};
@@ -38,18 +36,16 @@ bool record(const TextureStage& stage, const FragmentRecord& fragment,
 }
 
 template <class Int, class Watch>
-bool texture_on(const TextureStage& stage, const Texture* texture, const FragmentRecord& fragment,
-                TextureRecord& out, Watch watch) {
-  return record(
-      stage, fragment,
-      text::textured<Int>(stage, text::TextureImage{texture, stage.wrap, text::word_of(stage.border)},
-                          fragment.u, fragment.v, shades_of(fragment), watch),
-      out);
+text::Textured<std::int64_t> found(const TextureStage& stage, const Texture* texture,
+                                   const FragmentRecord& fragment, Watch watch) {
+  return text::sampled<Int>(stage, text::TextureImage{texture, stage.wrap, text::word_of(stage.border)},
+                            fragment.u, fragment.v, stage.uv.fraction, watch);
 }
 
 template <class Int, class Watch>
-bool texture_on_levels(const TextureStage& stage, const MipChain* chain, const FragmentRecord& fragment,
-                       const LodRecord& lod, TextureRecord& out, Watch watch) {
+text::Textured<std::int64_t> found_in_levels(const TextureStage& stage, const MipChain* chain,
+                                             const FragmentRecord& fragment, const LodRecord& lod,
+                                             Watch watch) {
   const auto at_level = [&](std::int64_t level) {
     const Texture* image = chain == nullptr ? nullptr : &(*chain)[static_cast<std::size_t>(level)];
     return text::sampled<Int>(stage, text::TextureImage{image, stage.wrap, text::word_of(stage.border)},
@@ -65,26 +61,69 @@ bool texture_on_levels(const TextureStage& stage, const MipChain* chain, const F
           text::blend<Int>(all.texel[c], coarser.texel[c], lod.f, stage.share.fraction, r.fraction, r, watch);
     }
   }
-  text::colour<Int>(stage, shades_of(fragment), all, watch);
-  return record(stage, fragment, all, out);
+  return all;
+}
+
+template <class Int, class Watch>
+Sampled sample_on(const TextureStage& stage, const Texture& image, const MipChain* chain,
+                  const FragmentRecord& fragment, const LodRecord& level, Watch watch) {
+  const text::Textured<std::int64_t> all = chain == nullptr
+                                               ? found<Int>(stage, &image, fragment, watch)
+                                               : found_in_levels<Int>(stage, chain, fragment, level, watch);
+  return {all.i, all.j, all.ex, all.ey, all.texel};
 }
 
 }  // namespace
 
+std::int64_t alpha_code(const Register& alpha, std::int64_t raw) {
+  const int grid = std::max(alpha.fraction, 0);
+  const int128 one = int128{1} << grid;
+  const int128 a = std::min(int128{raw} << (grid - alpha.fraction), one);
+  return static_cast<std::int64_t>((510 * a + one) >> (grid + 1));
+}
+
+bool passes_alpha_test(const TextureStage& stage, std::int64_t a) {
+  if (stage.alpha_func == CompareFunc::always) return true;
+  return compares(stage.alpha_func, alpha_code(stage.alpha, a), std::int64_t{stage.alpha_ref});
+}
+
+ChromaRange chroma_of(const DrawState& s) {
+  return {s.chroma_test,
+          {s.chroma_low_red, s.chroma_low_green, s.chroma_low_blue},
+          {s.chroma_high_red, s.chroma_high_green, s.chroma_high_blue}};
+}
+
 template <class Watch>
 bool texture(const TextureStage& stage, const Texture* image, const FragmentRecord& fragment,
              TextureRecord& out, Watch watch) {
-  return stage.fits_int64 ? texture_on<std::int64_t>(stage, image, fragment, out, watch)
-                          : texture_on<int128>(stage, image, fragment, out, watch);
+  return stage.fits_int64
+             ? finish<std::int64_t>(stage, fragment, found<std::int64_t>(stage, image, fragment, watch), out,
+                                    watch)
+             : finish<int128>(stage, fragment, found<int128>(stage, image, fragment, watch), out, watch);
 }
 
 template <class Watch>
 bool texture(const TextureStage& stage, const MipChain* chain, const FragmentRecord& fragment,
              const LodRecord& lod, TextureRecord& out, Watch watch) {
-  return stage.fits_int64 ? texture_on_levels<std::int64_t>(stage, chain, fragment, lod, out, watch)
-                          : texture_on_levels<int128>(stage, chain, fragment, lod, out, watch);
+  return stage.fits_int64
+             ? finish<std::int64_t>(stage, fragment,
+                                    found_in_levels<std::int64_t>(stage, chain, fragment, lod, watch), out,
+                                    watch)
+             : finish<int128>(stage, fragment, found_in_levels<int128>(stage, chain, fragment, lod, watch),
+                              out, watch);
 }
 
+template <class Watch>
+Sampled sample(const TextureStage& stage, const Texture& image, const MipChain* chain,
+               const FragmentRecord& fragment, const LodRecord& level, Watch watch) {
+  return stage.fits_int64 ? sample_on<std::int64_t>(stage, image, chain, fragment, level, watch)
+                          : sample_on<int128>(stage, image, chain, fragment, level, watch);
+}
+
+template Sampled sample(const TextureStage&, const Texture&, const MipChain*, const FragmentRecord&,
+                        const LodRecord&, NoObserve);
+template Sampled sample(const TextureStage&, const Texture&, const MipChain*, const FragmentRecord&,
+                        const LodRecord&, Observe);
 template bool texture(const TextureStage&, const MipChain*, const FragmentRecord&, const LodRecord&,
                       TextureRecord&, NoObserve);
 template bool texture(const TextureStage&, const MipChain*, const FragmentRecord&, const LodRecord&,

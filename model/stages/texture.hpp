@@ -14,20 +14,35 @@
 #include "model/mip_chain.hpp"
 #include "model/numeric/integers.hpp"
 #include "model/numeric/quantize.hpp"
+#include "scene/draw_state.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan::model {
+
+// Colours low..high, both included, with red in element 0.
+struct ChromaRange {
+  ChromaTest test = ChromaTest::none;
+  std::array<std::int64_t, 3> low{}, high{255, 255, 255};
+  bool operator==(const ChromaRange&) const = default;
+};
+ChromaRange chroma_of(const DrawState& state);
+
+// AS: the code of a fragment's alpha, floor(255 a + 1/2) of the smaller one of 1 and it. raw: in the format
+// texture.alpha, which `alpha` is.
+std::int64_t alpha_code(const Register& alpha, std::int64_t raw);
 
 struct TextureStage {
   TextureFilter filter = TextureFilter::nearest;
   TextureWrap wrap = TextureWrap::cyclic;
   Rgba border{};
   std::optional<std::array<std::uint8_t, 3>> transparent;
+  ChromaRange chroma;       // of the draw state; lanes draw without one
   bool fits_int64 = false;  // every intermediate fits int64
   Register uv, shade;       // formats of the fragment
   Register frac, mix, color, alpha;
   CompareFunc alpha_func = CompareFunc::always;
   int alpha_ref = 0;
+  bool is_last = true;  // no second unit behind it, so that alpha 0 and the alpha test kill here
   bool mixes_levels = false;
   Register share;  // of the coarser level
   bool operator==(const TextureStage&) const = default;
@@ -68,6 +83,19 @@ constexpr TextureStage prepare_texture(const Config& config) {
                  fits_int64(mix * shade) && fits_int64(alpha * shade) && fits_int64(below);
   return s;
 }
+
+// Where a unit looks, and what it finds there.
+struct Sampled {
+  std::int64_t i = 0, j = 0, ex = 0, ey = 0;  // as in the record
+  std::array<std::int64_t, 4> texel{};        // on texture.mix, alpha on texture.alpha
+};
+// Looks up a fragment's u and v. chain: the levels of which `level` has chosen; null without mip chains,
+// where `level` is not read.
+template <class Watch = NoObserve>
+Sampled sample(const TextureStage& stage, const Texture& image, const MipChain* chain,
+               const FragmentRecord& fragment, const LodRecord& level, Watch watch = {});
+// The alpha test; a: raw, texture.alpha.
+bool passes_alpha_test(const TextureStage& stage, std::int64_t a);
 
 // A fragment that passed the depth test; texture null for none. True where it lives (not out.killed).
 template <class Watch = NoObserve>

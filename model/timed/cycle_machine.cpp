@@ -34,9 +34,21 @@ class CycleMachine final : public ClockedMachine {
     ClockedMachine::fill(report);
     report.cache_hits = texture_.cache().hits();
     report.cache_misses = texture_.cache().misses();
+    add_reports(texture_.cache(), depth_.traffic(), merge_.traffic(), report);
     report.memory = memory_.report();
   }
+  void cleared(const Clear& clear) override {
+    depth_.traffic().cleared(clear);
+    merge_.traffic().cleared(clear);
+  }
   bool rests() const override { return memory_.idle(); }
+  // The FIFO in front of a stage stays there, whichever stage is in front of it.
+  void state_changed() override {
+    const bool late = run_.tests_late();
+    interpolator_.set_out(late ? to_texture_ : to_depth_);
+    depth_.set_out(late ? to_fog_ : to_texture_);
+    texture_.set_out(late ? to_depth_ : to_fog_);
+  }
 
   Memory memory_;
   Fifo<FragmentItem*> to_depth_, to_texture_, to_fog_, to_merge_;

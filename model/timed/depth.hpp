@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// depth, timed: drops fragments that are not covered or behind; reads the stored code from memory; holds a
-// fragment back while an earlier one of its pixel is on its way to merge.
+// depth and stencil, timed: drops fragments that a test fails; reads the stored code and the stencil plane
+// from memory; holds a fragment back while an earlier one of its pixel may still change what it is tested
+// against.
 #pragma once
 
 #include "model/timed/lod.hpp"
@@ -9,24 +10,31 @@
 
 namespace bitspan::timed {
 
-// Whether the fragment comes to depth, for both modes.
-inline bool drawn_values(Run& run, const FragmentItem& item) {
-  if (item.fragment.covered == 0) return false;
-  if (run.is_drawn(item.fragment)) return true;
-  ++run.counters.masked;
-  return false;
-}
-
-// The values of depth for a covered fragment, for both modes; false where it is behind.
+// The values of depth and stencil for a fragment that is drawn, for both modes; false where a test fails.
 inline bool depth_values(Run& run, FragmentItem& item) {
-  const std::uint32_t stored = run.frame.depth[run.pixel(item.fragment)];
-  const bool passed = model::depth(run.pipeline.depth, item.fragment, stored, item.depth);
+  const std::size_t at = run.pixel(item.fragment);
+  const GradientRecord* gradient = run.depth_gradients.of(item.fragment);
+  bool passed = model::depth(run.pipeline.depth, item.fragment, gradient, run.frame.depth[at], item.depth);
   deliver(run.trace, item.depth);
+  if (run.pipeline.stencil.test) {
+    passed = model::stencil(run.pipeline.stencil, item.surface.back, item.depth, run.frame.stencil[at],
+                            item.stencil);
+    deliver(run.trace, item.stencil);
+    run.frame.stencil[at] = static_cast<std::uint8_t>(item.stencil.value);
+    if (item.stencil.pass == 0) ++run.counters.stencil_failed;
+  }
   if (!passed) return false;
   ++run.counters.depth_passed;
-  lod_values(run, item);
+  if (!run.tests_late()) {
+    distance_values(run, item);
+    lod_values(run, item);
+  }
   return true;
 }
+
+// Whether a fragment that is tested holds its pixel from here on: one that goes on may write its depth code,
+// and each writes the stencil plane.
+inline bool holds_pixel(const Run& run, bool passed) { return passed || run.pipeline.stencil.test; }
 
 class DepthStage : public PipeStage<FragmentItem> {
  public:
@@ -35,18 +43,24 @@ class DepthStage : public PipeStage<FragmentItem> {
                   Memory::Port::depth, run.config.memory.latency),
         run_(run),
         traffic_(run) {}
+  DepthTraffic& traffic() { return traffic_; }
+  const DepthTraffic& traffic() const { return traffic_; }
 
  private:
   bool may_enter(const FragmentItem& item, std::uint64_t now) override {
     return !run_.is_drawn(item.fragment) || run_.pixel_free[run_.pixel(item.fragment)] <= now;
   }
   bool enters(FragmentItem& item) override {
-    if (!drawn_values(run_, item)) return false;
+    if (!run_.tests_late() && !drawn_values(run_, item)) return false;
+    const bool passed = depth_values(run_, item);
     const std::size_t at = run_.pixel(item.fragment);
-    if (traffic_.access(at)) ask_read(traffic_.word_bytes());
-    if (!depth_values(run_, item)) return false;
-    run_.pixel_free[at] = Run::never;
-    return true;
+    ask(traffic_.accesses(), traffic_.ask(run_.pipeline, at, passed, item.stencil));
+    item.holds_pixel = holds_pixel(run_, passed);
+    if (item.holds_pixel) run_.pixel_free[at] = Run::never;
+    return passed;
+  }
+  void leaves(FragmentItem& item, bool kept, std::uint64_t now) override {
+    if (!kept) run_.release(item, now);
   }
   Run& run_;
   DepthTraffic traffic_;

@@ -12,13 +12,13 @@ class EdgeWalk {
   explicit EdgeWalk(Run& run) : run_(run) {}
 
   void start(TriangleItem& item) {
-    texture_ = item.triangle->texture;
+    surface_ = model::surface_of(run_.pipeline, *item.triangle);
     state_ = model::start_edge_walk(run_.pipeline.edge_walk, item.setup, item.edges);
   }
   bool finished() const { return model::finished(state_); }
   bool row(RowItem& item) {
     if (!model::edge_walk(run_.pipeline.edge_walk, state_, item.row)) return false;
-    item.texture = texture_;
+    item.surface = surface_;
     item.count = item.row.x_last - item.row.x_first + 1;
     ++run_.counters.rows;
     run_.counters.divides_edge += static_cast<std::uint64_t>(run_.pipeline.edge_walk.divides_per_row);
@@ -28,7 +28,7 @@ class EdgeWalk {
 
  private:
   Run& run_;
-  int texture_ = -1;
+  model::Surface surface_;
   model::EdgeWalkState state_;
 };
 

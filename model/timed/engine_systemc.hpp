@@ -39,6 +39,11 @@ struct SystemcOptions {
   TimedMemory memory = TimedMemory::bus;
   PortTiming ports{};                                    // TimedMemory::ports only
   std::function<void(const ChainClock&)> watch_chain{};  // the same; called on every clock, may be empty
+  // TimedMemory::bus only:
+  bool measure_texture_cache = false;  // TimedReport::caches has it; takes time
+  // Called with each access of the caches that TimedReport::caches has, for each cache in the order of the
+  // fragments; may be empty.
+  CacheWatch watch_caches{};
   // Mode cycle only:
   std::filesystem::path vcd{};    // waveform of the run since begin(); empty for none
   bool record_handshake = false;  // keep the span interpolator's handshake, four bits per clock

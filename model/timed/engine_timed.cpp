@@ -25,10 +25,6 @@ class MachineEngine final : public TimedEngine {
     machine().draw(triangles, first_index, trace);
   }
   void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    if (options_.memory == TimedMemory::ports) {
-      throw InputError(
-          "draw state: the RTL's pixel stages have none; expected a scene without changes of state");
-    }
     machine().set(change, next_index, trace);
   }
   void clear(const Clear& clear) override { machine().clear(clear); }

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "engine/records.hpp"
+#include "model/pipeline.hpp"
 #include "model/stages/plane_walk.hpp"
 #include "model/stages/setup.hpp"
 #include "scene/scene.hpp"
@@ -20,7 +21,7 @@ struct TriangleItem {
 };
 
 struct RowItem {
-  int texture = -1;               // index into Scene::textures
+  model::Surface surface;         // of its triangle
   std::int64_t count = 0;         // pixels
   RowRecord row;                  // edge_walk
   PlaneRowRecord plane_row;       // plane_walk
@@ -29,11 +30,15 @@ struct RowItem {
 };
 
 struct FragmentItem {
-  int texture = -1;
+  model::Surface surface;
+  bool holds_pixel = false;  // mode cycle: as in FragmentWork
   FragmentRecord fragment;
   DepthRecord depth;
+  DistanceRecord distance;
+  StencilRecord stencil;  // with the stencil test
   LodRecord lod;
-  TextureRecord texel;
+  LodRecord second_lod;  // of the second texture unit, while it is on
+  TextureRecord texel;   // behind both texture units
   FogRecord fog;
 };
 

@@ -27,7 +27,8 @@ std::uint64_t longest_rest(const Run& run, const SystemcOptions& options) {
   const MemoryTiming& memory = config.memory;
   // Each port's requests may have to wait for those of the others.
   const std::uint64_t largest =
-      std::max({wide(memory.cache_line_bytes), wide(memory.width_bytes), color_bytes});
+      std::max({wide(memory.cache_line_bytes), wide(memory.depth_cache.line_bytes),
+                wide(memory.color_cache.line_bytes), wide(memory.width_bytes), color_bytes});
   clocks += 8 * (wide(memory.latency) + largest / wide(memory.width_bytes) + 1);
   if (options.memory == TimedMemory::ports) {
     // A read and the fragments in front of it; a port that stalls takes a hundred times as long at most.
@@ -39,7 +40,7 @@ std::uint64_t longest_rest(const Run& run, const SystemcOptions& options) {
 }  // namespace
 
 Machine::Machine(const Config& config, const Scene& scene, const SystemcOptions& options)
-    : run_(config, scene),
+    : run_(config, scene, options),
       progress_(options.progress),
       watchdog_clocks_(options.watchdog_clocks != 0 ? options.watchdog_clocks : longest_rest(run_, options)) {
 }
@@ -63,19 +64,14 @@ void Machine::draw(std::span<const Triangle> triangles, std::int64_t first_index
 }
 
 void Machine::set(const StateChange& change, std::int64_t next_index, Trace* trace) {
-  const DrawState next = changed_state(run_.pipeline.state, change, run_.config);
-  if (is_late(next.depth_when)) {
-    throw InputError(
-        "depth.when: \"late\" is not in the timed model, whose depth stage stands before texture; "
-        "expected \"early\"");
-  }
-  model::set_state(run_.pipeline, next);
-  model::prepare_frame(run_.pipeline, run_.frame);
-  deliver(trace, state_record(next, next_index));
+  const DrawState next = changed_state(run_.pipeline.state, change, run_.config, run_.scene.textures.size());
+  model::change_state(run_.pipeline, run_.scene, run_.frame, next, next_index, trace);
+  state_changed();
 }
 
 void Machine::clear(const Clear& clear) {
-  clear_planes(run_.frame, clear, static_cast<std::uint32_t>(run_.pipeline.depth.clear));
+  model::clear_planes(run_.pipeline, run_.frame, clear);
+  cleared(clear);
 }
 
 TimedReport Machine::report() const {

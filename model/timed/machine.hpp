@@ -35,6 +35,10 @@ class Machine {
   // Clocks until the last record of these triangles is through; at least one triangle.
   virtual void clock_until_drained(std::span<const Triangle> triangles, std::int64_t first_index) = 0;
   virtual std::uint64_t cycles() const = 0;
+  // The draw state has changed; nothing is inside. Throws InputError where the machine has no such state.
+  virtual void state_changed() {}
+  // Planes have been cleared; nothing is inside.
+  virtual void cleared(const Clear& /*clear*/) {}
   // The stages, the cache and the memory.
   virtual void fill(TimedReport& report) const = 0;
 

@@ -16,6 +16,14 @@
 
 namespace bitspan::timed {
 
+// An access of the memory by a stage.
+struct Access {
+  std::uint64_t bytes = 0;
+  bool is_read = false;
+};
+// Which ones of a stage's accesses a record asks for: bit i for the i-th; the lowest bit is put first.
+using Asks = std::uint16_t;
+
 class Memory : public Clocked {
  public:
   // Downstream first: what drains the pipeline goes before what fills it.

@@ -31,20 +31,17 @@ class MergeStage : public PipeStage<FragmentItem> {
                   Memory::Port::merge, run.config.memory.latency),
         run_(run),
         traffic_(run) {}
+  MergeTraffic& traffic() { return traffic_; }
+  const MergeTraffic& traffic() const { return traffic_; }
 
  private:
   bool enters(FragmentItem& item) override {
-    const MergeTraffic::Ask ask =
-        traffic_.access(traffic_.needs(run_.pipeline, item.texel.a), run_.pixel(item.fragment));
-    if (ask.color_read) ask_read(traffic_.color_word_bytes());
-    if (ask.color_write) ask_write(traffic_.color_word_bytes());
-    if (ask.depth_write) ask_write(traffic_.depth_word_bytes());
+    ask(traffic_.accesses(),
+        traffic_.ask(traffic_.needs(run_.pipeline, item.texel.a), run_.pixel(item.fragment)));
     merge_values(run_, item);
     return true;
   }
-  void leaves(FragmentItem& item, bool /*kept*/, std::uint64_t now) override {
-    run_.release(item.fragment, now);
-  }
+  void leaves(FragmentItem& item, bool /*kept*/, std::uint64_t now) override { run_.release(item, now); }
   Run& run_;
   MergeTraffic traffic_;
 };

@@ -47,9 +47,9 @@ std::vector<StageMeter*> PixelChain::meters() {
 
 void PixelChain::clock(std::uint64_t now) {
   const FragmentItem* pixel = interpolator_.waiting();
-  const bool covered = pixel != nullptr && pixel->fragment.covered != 0;
+  const bool covered = pixel != nullptr && run_.is_drawn(pixel->fragment);
   PixelChainDrive drive;
-  const int texture = covered ? std::max(pixel->texture, -1) : drawn_;
+  const int texture = covered ? std::max(pixel->surface.texture, -1) : drawn_;
   drive.draw_valid = texture != drawn_;
   drive.in_valid = covered && !drive.draw_valid;
   memory_.drive(now, drive);
@@ -64,6 +64,7 @@ void PixelChain::clock(std::uint64_t now) {
             .drive = drive,
             .ports = c.ports});
   }
+  if (delivered != nullptr && !covered && delivered->fragment.covered != 0) ++run_.counters.masked;
   if (delivered != nullptr) run_.fragments.put(delivered);
   count(drive, c);
 }
@@ -72,8 +73,9 @@ PixelFragment PixelChain::values(FragmentItem& item) {
   PixelFragment f;
   f.x = static_cast<std::uint32_t>(item.fragment.x);
   f.y = static_cast<std::uint32_t>(item.fragment.y);
-  f.texels = item.texture < 0 ? PortSet{0} : texels_;
-  f.writes_z = f.writes_color = true;
+  f.texels = item.surface.texture < 0 ? PortSet{0} : texels_;
+  f.writes_z = run_.pipeline.state.depth_write;
+  f.writes_color = run_.pipeline.state.color_write;
   f.passes = depth_values(run_, item);
   f.lives = f.passes && texture_values(run_, item);
   if (!f.lives) return f;

@@ -2,8 +2,9 @@
 // span_setup to merge, timed, with the RTL's ports: the span interpolator and the pixel stages as they are
 // connected in RTL, clock for clock, and a memory behind each port.
 //
-// A pixel at the interpolator's output that is not covered is taken at once. One whose texture is not that of
-// the draw state waits until the next draw state was transferred. Any other is offered to the pixel stages.
+// A pixel at the interpolator's output that is not covered, or is masked, is taken at once. One whose texture
+// is not that of the draw state, or that is the first one behind a change of state, waits until the next draw
+// state was transferred. Any other is offered to the pixel stages.
 #pragma once
 
 #include <array>
@@ -23,6 +24,8 @@ class PixelChain : public TimedStage {
              std::vector<HandshakeClock>* handshake);
 
   void clock(std::uint64_t now) override;
+  // The next fragment waits for a draw state of its own.
+  void draw_state_changed() { drawn_ = nothing_drawn; }
   bool idle() const override { return interpolator_.idle() && timing_.empty(); }
   std::vector<StageMeter*> meters() override;
   std::string_view module() const override { return "pixel_chain"; }

@@ -12,7 +12,7 @@ class PlaneWalk {
   explicit PlaneWalk(Run& run) : run_(run) {}
 
   void start(TriangleItem& item) {
-    texture_ = item.triangle->texture;
+    surface_ = model::surface_of(run_.pipeline, *item.triangle);
     model::start_plane_walk(run_.pipeline.plane_walk, item.setup, state_);
     run_.counters.divides_edge += model::divides_per_plane;
     deliver(run_.trace, state_.record);
@@ -20,7 +20,7 @@ class PlaneWalk {
   bool finished() const { return model::finished(state_); }
   bool row(RowItem& item) {
     if (!model::plane_walk(run_.pipeline.plane_walk, state_, item.plane_row)) return false;
-    item.texture = texture_;
+    item.surface = surface_;
     item.count = item.plane_row.count;
     item.geometry = state_.geometry;
     ++run_.counters.rows;
@@ -31,7 +31,7 @@ class PlaneWalk {
 
  private:
   Run& run_;
-  int texture_ = -1;
+  model::Surface surface_;
   model::PlaneWalkState state_;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The timed model with the RTL's ports: clock by clock in both modes, span mode without SystemC.
+#include "engine/emit_pixel_sv.hpp"
 #include "model/timed/clocked_machine.hpp"
 #include "model/timed/pixel_chain.hpp"
 
@@ -19,6 +20,14 @@ class PortsMachine final : public ClockedMachine {
     report.ports.assign(chain_.ports().begin(), chain_.ports().end());
   }
   bool rests() const override { return true; }
+  void state_changed() override {
+    if (!pixel_rtl_takes(run_.pipeline.state)) {
+      throw InputError(
+          "draw state: the RTL's pixel stages do not have it; expected early tests without stencil and alpha "
+          "test, and a blend by alpha or none");
+    }
+    chain_.draw_state_changed();
+  }
 
   PixelChain chain_;
 };

@@ -18,8 +18,7 @@ const RegisterEngine systemc_engine{
            EngineOwn own;
            for_each_counter([&](const CounterInfo& info, auto) { own.counters += info.compared ? 1 : 0; });
            return own;
-         },
-     .early_only = true}};
+         }}};
 
 }  // namespace
 }  // namespace bitspan

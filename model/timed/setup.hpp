@@ -18,14 +18,21 @@ inline bool setup_values(Run& run, TriangleItem& item) {
   }
   deliver(run.trace, item.setup);
   if (run.pipeline.has_gradients) {
-    run.gradients.push_back(model::setup_gradients(run.pipeline.plane_walk, item.setup));
-    deliver(run.trace, run.gradients.back());
+    const GradientRecord gradient = model::setup_gradients(run.pipeline.plane_walk, item.setup);
+    run.depth_gradients.put(gradient);
+    run.lod_gradients.put(gradient);
+    deliver(run.trace, gradient);
     if (!run.pipeline.const_depth_rows) counters.divides_edge += model::divides_per_gradients;
   }
   if (run.pipeline.const_depth_rows) return true;
   item.edges = model::setup_edges(run.pipeline.setup, item.setup);
   counters.divides_edge += static_cast<std::uint64_t>(item.edges.count) *
                            static_cast<std::uint64_t>(run.pipeline.setup.divides_per_edge);
+  if (run.pipeline.by_plane) {
+    run.planes.push_back(model::setup_plane(run.pipeline.setup_plane, item.setup));
+    counters.divides_edge += static_cast<std::uint64_t>(run.pipeline.setup_plane.divides_per_plane);
+    deliver(run.trace, run.planes.back().record);
+  }
   deliver_all(run.trace, std::span(item.edges.edge).first(static_cast<std::size_t>(item.edges.count)));
   return true;
 }

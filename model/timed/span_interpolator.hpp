@@ -20,6 +20,8 @@ class SpanInterpolator : public TimedStage {
   void clock(std::uint64_t now) override {
     if (FragmentItem* item = step(now, out_->can_push(now))) out_->push(now) = item;
   }
+  // Where the pixels go from now on; none is inside.
+  void set_out(Fifo<FragmentItem*>& out) { out_ = &out; }
   // The pixel that stands at the output; null for none.
   const FragmentItem* waiting() const { return timing_.out_valid() ? in_span_.front() : nullptr; }
   // A clock whose out_ready the caller gives; returns the pixel delivered, or null.

@@ -38,11 +38,10 @@ namespace {
 
 using namespace span_mode;
 
-// The stages behind span, each a pipe of fragments.
-constexpr Stage before(Stage stage) { return static_cast<Stage>(static_cast<int>(stage) - 1); }
-constexpr Stage after(Stage stage) { return static_cast<Stage>(static_cast<int>(stage) + 1); }
-constexpr Stage first_fragment_stage = after(Stage::span);
-constexpr Stage last_stage = before(Stage::count);
+// The stages behind span, each a pipe of fragments. Depth stands in front of texture or, with late tests,
+// behind it.
+constexpr Stage first_fragment_stage = Stage::depth;
+constexpr Stage last_stage = Stage::merge;
 constexpr std::size_t fragment_stages =
     static_cast<std::size_t>(Stage::count) - static_cast<std::size_t>(first_fragment_stage);
 constexpr Stage fragment_stage(std::size_t i) {
@@ -62,14 +61,13 @@ class SpanMachine final : public Machine {
     prepare(setup_, Stage::setup);
     for (std::size_t i = 0; i < fragment_stages; ++i) prepare(fragment_pipes_[i], fragment_stage(i));
     const auto width = static_cast<std::uint64_t>(config.memory.width_bytes);
-    const auto beats = [&](std::uint64_t bytes) { return (bytes + width - 1) / width; };
-    const std::uint64_t depth_beats = beats(workload_.depth_word_bytes());
-    const std::uint64_t color_beats = beats(workload_.color_word_bytes());
-    pipe<Stage::depth>().requests.fill({depth_beats, true});
-    pipe<Stage::texture>().requests.fill(
-        {beats(static_cast<std::uint64_t>(config.memory.cache_line_bytes)), true});
-    pipe<Stage::merge>().requests = {Request{color_beats, true}, Request{color_beats, false},
-                                     Request{depth_beats, false}};
+    for (const Stage stage : {Stage::depth, Stage::texture, Stage::merge}) {
+      std::ranges::transform(workload_.accesses(stage), fragment_pipe(stage).requests.begin(),
+                             [&](const Access& access) {
+                               return Request{(access.bytes + width - 1) / width, access.is_read};
+                             });
+    }
+    state_changed();
     // A latency of at least 1 keeps a clock's askers from seeing an answer of that clock.
     bus_.latency = std::max<Clock>(static_cast<Clock>(config.memory.latency), 1);
 
@@ -96,6 +94,8 @@ class SpanMachine final : public Machine {
     p.mask = p.entries.size() - 1;
   }
 
+  void state_changed() override;
+  void cleared(const Clear& clear) override { workload_.cleared(clear); }
   void clock_until_drained(std::span<const Triangle> triangles, std::int64_t first_index) override;
   std::uint64_t cycles() const override { return cycles_; }
   void fill(TimedReport& report) const override;
@@ -115,16 +115,24 @@ class SpanMachine final : public Machine {
     if constexpr (stage == Stage::setup) {
       return setup_;
     } else {
-      return fragment_pipes_[static_cast<std::size_t>(stage) -
-                             static_cast<std::size_t>(first_fragment_stage)];
+      return fragment_pipe(stage);
     }
   }
-  // The pipes of fragments that are due at `now`, from merge upstream.
-  template <Stage stage = last_stage>
-  void clock_fragment_pipes(Clock now) {
+  Pipe& fragment_pipe(Stage stage) {
+    return fragment_pipes_[static_cast<std::size_t>(stage) - static_cast<std::size_t>(first_fragment_stage)];
+  }
+  template <Stage stage>
+  void clock_where_due(Clock now) {
     Pipe& p = pipe<stage>();
     if (p.wake <= now) clock_pipe<stage>(p, now);
-    if constexpr (stage != first_fragment_stage) clock_fragment_pipes<before(stage)>(now);
+  }
+  // From merge upstream.
+  void clock_fragment_pipes(Clock now) {
+    clock_where_due<Stage::merge>(now);
+    clock_where_due<Stage::fog>(now);
+    if (tests_late_) clock_where_due<Stage::depth>(now);
+    clock_where_due<Stage::texture>(now);
+    if (!tests_late_) clock_where_due<Stage::depth>(now);
   }
   Clock next_wake() const;
   bool drained() const;
@@ -136,7 +144,7 @@ class SpanMachine final : public Machine {
 
   Workload workload_;
   std::vector<std::uint8_t> in_flight_;                    // per pixel: whether depth has to wait for it
-  std::array<std::uint32_t, fragment_stages> released_{};  // by the stages behind depth on the clock before
+  std::array<std::uint32_t, fragment_stages> released_{};  // by the stages from depth on, on the clock before
   std::size_t releases_ = 0;                               // how many
   std::uint32_t awaited_pixel_ = 0;                        // the one depth has waited for last
   Bus bus_;
@@ -145,8 +153,23 @@ class SpanMachine final : public Machine {
   Walk walk_;
   Interpolator interpolator_;
   std::array<Pipe, fragment_stages> fragment_pipes_;
+  Pipe* first_pipe_ = nullptr;  // behind span
+  bool tests_late_ = false;
   Clock cycles_ = 0;
 };
+
+void SpanMachine::state_changed() {
+  tests_late_ = run_.tests_late();
+  std::array<Stage, fragment_stages> order{Stage::depth, Stage::texture, Stage::fog, Stage::merge};
+  if (tests_late_) std::swap(order[0], order[1]);
+  first_pipe_ = &fragment_pipe(order[0]);
+  Part* from = &interpolator_;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    Pipe& p = fragment_pipe(order[i]);
+    p.from = std::exchange(from, &p);
+    p.to = i + 1 < order.size() ? &fragment_pipe(order[i + 1]) : nullptr;
+  }
+}
 
 void SpanMachine::clock_bus(Clock now) {
   const std::array<Part*, 3> askers{&pipe<Stage::merge>(), &pipe<Stage::depth>(), &pipe<Stage::texture>()};
@@ -240,7 +263,7 @@ void SpanMachine::clock_walk(Clock now) {
 void SpanMachine::clock_interpolator(Clock now) {
   Interpolator& s = interpolator_;
   const bool in_valid = s.in.size() > 0;
-  Pipe& next_pipe = pipe<first_fragment_stage>();
+  Pipe& next_pipe = *first_pipe_;
   const bool out_ready = next_pipe.in.room(now);
   if (now > s.seen) s.timing.skip(now - s.seen);
   s.seen = now + 1;
@@ -311,16 +334,14 @@ void SpanMachine::clock_pipe(Pipe& p, Clock now) {
     if constexpr (stage == Stage::setup) {
       return walk_;
     } else {
-      return pipe<after(stage)>();
+      return *p.to;
     }
   };
   const auto writer = [&]() -> Part& {
     if constexpr (stage == Stage::setup) {
       return source_;
-    } else if constexpr (stage == first_fragment_stage) {
-      return interpolator_;
     } else {
-      return pipe<before(stage)>();
+      return *p.from;
     }
   };
 
@@ -338,10 +359,8 @@ void SpanMachine::clock_pipe(Pipe& p, Clock now) {
     if (!has_room) {
       blocked = true;
     } else {
-      if constexpr (stage > Stage::depth) {
-        if (stage == last_stage || !head.kept) {
-          released_[releases_++] = head.pixel;
-        }
+      if constexpr (asks_memory) {
+        if (head.holds_pixel && (stage == last_stage || !head.kept)) released_[releases_++] = head.pixel;
       }
       if (head.kept) {
         ++p.meter.out;
@@ -376,7 +395,8 @@ void SpanMachine::clock_pipe(Pipe& p, Clock now) {
       entry.open = p.asks = work.asks;
       entry.pixel = work.pixel;
       entry.kept = work.kept;
-      if (stage == Stage::depth && work.kept) in_flight_[work.pixel] = 1;
+      entry.holds_pixel = work.holds_pixel;
+      if (stage == Stage::depth && work.holds_pixel) in_flight_[work.pixel] = 1;
       accepted = true;
     }
   }
@@ -509,8 +529,9 @@ void SpanMachine::fill(TimedReport& report) const {
   add(interpolator_.setup, &interpolator_.in);
   add(interpolator_.span, nullptr);
   for (const Pipe& p : fragment_pipes_) add(p.meter, &p.in);
-  report.cache_hits = workload_.cache().hits();
-  report.cache_misses = workload_.cache().misses();
+  report.cache_hits = workload_.texture_cache().hits();
+  report.cache_misses = workload_.texture_cache().misses();
+  workload_.add_reports(report);
   report.memory = bus_.report;
 }
 

@@ -90,6 +90,7 @@ struct Entry {
   std::uint32_t open = 0;  // of its asks: reads that the bus has not taken, writes that have not been put
   std::uint32_t pixel = 0;  // as in FragmentWork
   bool kept = false;
+  bool holds_pixel = false;
 
   // For the memory.
   bool waits(Clock now) const { return due <= now && ready > now; }
@@ -99,6 +100,9 @@ struct Entry {
 
 // setup, depth, texture, fog, merge: PipeStage (stage.hpp) without virtual calls and records.
 struct Pipe : Part {
+  // Behind span: the part in front, and the pipe behind; null for merge.
+  Part* from = nullptr;
+  Pipe* to = nullptr;
   Meter meter;
   Level in;
   Clock latency = 1, interval = 1;
@@ -107,8 +111,8 @@ struct Pipe : Part {
   std::vector<Entry> entries;  // record n at n & mask
   std::uint64_t mask = 0;
   std::uint64_t entered = 0, left = 0;
-  std::uint32_t asks = 0;           // of the newest record, still to be put: as in FragmentWork
-  std::array<Request, 8> requests;  // of two levels, four texels each
+  std::uint32_t asks = 0;            // of the newest record, still to be put: as in FragmentWork
+  std::array<Request, 16> requests;  // of two texture units, two levels, four texels each
 
   std::uint64_t inside() const { return entered - left; }
   bool idle() const { return in.size() == 0 && inside() == 0 && asks == 0; }

@@ -6,8 +6,11 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -188,7 +191,7 @@ class PipeStage : public TimedStage {
     }
     if (!requests_.empty()) {
       if (memory_->can_request(port_, now)) {
-        const Request request = requests_.front();
+        const Access request = requests_.front();
         requests_.pop();
         if (request.is_read) {
           newest_->ticket = memory_->read(port_, request.bytes, now);
@@ -208,6 +211,8 @@ class PipeStage : public TimedStage {
   }
 
   bool idle() const final { return line_.empty() && requests_.empty(); }
+  // Where the records go from now on; nothing is inside.
+  void set_out(Fifo<T*>& out) { out_ = &out; }
   std::vector<StageMeter*> meters() final { return {&meter_}; }
 
  protected:
@@ -218,14 +223,13 @@ class PipeStage : public TimedStage {
   // The item leaves, to the next stage (kept) or for good.
   virtual void leaves(T& /*item*/, bool /*kept*/, std::uint64_t /*now*/) {}
 
-  void ask_read(std::uint64_t bytes) { requests_.push({bytes, true}); }
-  void ask_write(std::uint64_t bytes) { requests_.push({bytes, false}); }
+  void ask(std::span<const Access> accesses, Asks asks) {
+    for (; asks != 0; asks = static_cast<Asks>(asks & (asks - 1))) {
+      requests_.push(accesses[static_cast<std::size_t>(std::countr_zero(asks))]);
+    }
+  }
 
  private:
-  struct Request {
-    std::uint64_t bytes = 0;
-    bool is_read = false;
-  };
   Fifo<T*>& in_;
   Fifo<T*>* out_;
   Pool<T>& pool_;
@@ -233,7 +237,7 @@ class PipeStage : public TimedStage {
   Memory::Port port_;
   DelayLine<T> line_;
   typename DelayLine<T>::Entry* newest_ = nullptr;
-  Ring<Request> requests_;  // of the newest item, not yet handed to the memory: one per clock
+  Ring<Access> requests_;  // of the newest item, not yet handed to the memory: one per clock
   StageMeter meter_;
 };
 

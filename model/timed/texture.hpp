@@ -2,18 +2,41 @@
 // texture, timed: looks its texels up in the cache and fetches the lines that are missing.
 #pragma once
 
+#include "model/timed/lod.hpp"
 #include "model/timed/run.hpp"
 #include "model/timed/traffic.hpp"
 
 namespace bitspan::timed {
 
+// The same of the second unit, where it is on. It looks up every fragment that the first one does; `lives`:
+// what the first one does not kill.
+inline bool second_values(Run& run, FragmentItem& item, bool lives) {
+  const model::TextureSecondStage& stage = run.pipeline.texture_second;
+  if (!stage.is_on()) return lives;
+  const int levels =
+      run.pipeline.has_lod ? static_cast<int>(run.pipeline.mip_chains.of(stage.image)->size()) : 1;
+  item.second_lod = model::second_level(stage, item.lod, levels);
+  if (!lives) return false;
+  TextureSecondRecord second;
+  const bool goes_on =
+      model::fragment_texture_second(run.pipeline, item.fragment, item.lod, item.texel, second);
+  deliver(run.trace, second);
+  item.texel = model::combined(item.texel, second);
+  return goes_on;
+}
+
 // The values of texture, for both modes; false where the fragment is killed.
 inline bool texture_values(Run& run, FragmentItem& item) {
+  if (run.tests_late()) {
+    distance_values(run, item);
+    lod_values(run, item);
+  }
   const bool lives =
       model::fragment_texture(run.pipeline, item.fragment, run.image(item), item.lod, item.texel);
   deliver(run.trace, item.texel);
-  if (!lives) ++run.counters.killed;
-  return lives;
+  const bool goes_on = second_values(run, item, lives);
+  if (!goes_on) ++run.counters.killed;
+  return goes_on;
 }
 
 class TextureStage : public PipeStage<FragmentItem> {
@@ -22,23 +45,21 @@ class TextureStage : public PipeStage<FragmentItem> {
       : PipeStage(to_string(Stage::texture), run.timing(Stage::texture), in, &out, run.fragments, &memory,
                   Memory::Port::texture, run.config.memory.latency),
         run_(run),
-        line_bytes_(static_cast<std::uint64_t>(run.config.memory.cache_line_bytes)),
         traffic_(run) {}
   const Cache& cache() const { return traffic_.cache(); }
 
  private:
   bool enters(FragmentItem& item) override {
+    if (run_.tests_late() && !drawn_values(run_, item)) return false;
     const bool lives = texture_values(run_, item);
-    for (int n = traffic_.misses(item.texture, item.fragment.u, item.fragment.v, item.lod); n > 0; --n)
-      ask_read(line_bytes_);
+    ask(traffic_.accesses(), traffic_.ask(run_.pipeline.state, item));
     return lives;
   }
   void leaves(FragmentItem& item, bool kept, std::uint64_t now) override {
-    if (!kept) run_.release(item.fragment, now);
+    if (!kept) run_.release(item, now);
   }
 
   Run& run_;
-  std::uint64_t line_bytes_;
   TextureTraffic traffic_;
 };
 

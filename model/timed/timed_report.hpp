@@ -2,10 +2,14 @@
 // What a timed run measured, as plain numbers; docs/timing.md says what each promises.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "config/names.hpp"
 #include "model/timed/memory_ports.hpp"
 
 namespace bitspan {
@@ -39,11 +43,37 @@ struct MemoryReport {
   std::uint64_t beats = 0;  // clocks the data bus was taken
 };
 
+// What became of an access of a cache. A miss is compulsory where a cache without end would miss, too; else
+// it is of capacity where a cache of as many lines in a single set would miss, too; else it is a conflict.
+BITSPAN_ENUM(CacheResult, hit, compulsory, capacity, conflict);
+BITSPAN_ENUM(CacheAccessKind, read, write, flush);
+
+struct CacheReport {
+  std::string_view name;  // "texture", "depth", "color"
+  std::uint64_t reads = 0, writes = 0;
+  std::array<std::uint64_t, enum_names<CacheResult>.size()> results{};  // of both
+  std::uint64_t written_back = 0;  // lines that had been written, when they were replaced
+  std::uint64_t flushed = 0;       // such lines at a clear, and those that there are now
+  bool operator==(const CacheReport&) const = default;
+};
+
+// A line of a cache's log.
+struct CacheAccess {
+  std::string_view cache{};
+  CacheAccessKind kind = CacheAccessKind::read;
+  std::uint64_t address = 0;  // byte; of a flush 0, as the rest
+  CacheResult result = CacheResult::hit;
+  bool writes_back = false;  // the line that is replaced had been written
+};
+using CacheWatch = std::function<void(const CacheAccess&)>;
+
 struct TimedReport {
   std::uint64_t cycles = 0;         // clocks since begin()
   std::vector<StageReport> stages;  // in the order of the pipeline
   std::uint64_t cache_hits = 0;     // texel accesses, four a bilinear fragment
   std::uint64_t cache_misses = 0;
+  // Of the caches of depth and colour that there are; of the texture cache where it was asked for.
+  std::vector<CacheReport> caches;
   MemoryReport memory;
   // With the RTL's ports instead of cache and bus: depth, colour, four of texels. Else empty.
   std::vector<PortReport> ports;

@@ -2,21 +2,47 @@
 #include "model/timed/traffic.hpp"
 
 #include <bit>
+#include <utility>
 
 #include "scene/texels.hpp"
 
 namespace bitspan::timed {
 
+std::optional<Cache> make_buffer_cache(const Run& run, std::string_view name, const BufferCache& cache) {
+  if (!has_cache(cache.mode)) return std::nullopt;
+  std::optional<Cache> out(std::in_place, CacheShape{cache.line_bytes, cache.sets, cache.ways, cache.hash},
+                           keeps_writes(cache.mode));
+  out->measure(name, run.watch_caches);
+  return out;
+}
+
+DepthTraffic::DepthTraffic(const Run& run)
+    : depth_bytes_(run.depth_bytes()),
+      depth_(run.config.memory, depth_bytes_),
+      stencil_read_(run.config.memory, 1),
+      stencil_write_(run.config.memory, 1),
+      cache_(make_buffer_cache(run, "depth", run.config.memory.depth_cache)) {
+  const auto line = static_cast<std::uint64_t>(run.config.memory.depth_cache.line_bytes);
+  accesses_ = {{{line, false},
+                {line, true},
+                {depth_.word_bytes(), true},
+                {stencil_read_.word_bytes(), true},
+                {stencil_write_.word_bytes(), false}}};
+}
+
 TextureTraffic::TextureTraffic(const Run& run)
     : filter_(run.config.filter),
       fraction_(run.config.format(FormatId::span_uv).fraction()),
-      cache_(run.config.memory.cache_line_bytes, run.config.memory.cache_sets, run.config.memory.cache_ways) {
+      cache_({run.config.memory.cache_line_bytes, run.config.memory.cache_sets, run.config.memory.cache_ways,
+              run.config.memory.cache_hash}) {
+  if (run.measures_texture_cache) cache_.measure("texture", run.watch_caches);
   // A word that leaves room for half a texel less.
   if (fraction_ >= 1 && fraction_ <= 62 && run.config.format(FormatId::span_uv).word <= 62) {
     shift_ = fraction_;
     half_ = weighs_texels(filter_) ? std::int64_t{1} << (fraction_ - 1) : 0;
   }
   const auto line = static_cast<std::uint64_t>(run.config.memory.cache_line_bytes);
+  accesses_.fill({line, true});
   const auto axis = [&](int size) {
     return Axis{.size = size,
                 .power_of_two = std::has_single_bit(static_cast<unsigned>(size)),
@@ -71,6 +97,27 @@ MergeTraffic::MergeTraffic(const Run& run)
     : depth_bytes_(run.depth_bytes()),
       color_read_(run.config.memory, color_bytes),
       color_write_(run.config.memory, color_bytes),
-      depth_write_(run.config.memory, depth_bytes_) {}
+      depth_write_(run.config.memory, depth_bytes_),
+      cache_(make_buffer_cache(run, "color", run.config.memory.color_cache)),
+      keeps_color_(keeps_writes(run.config.memory.color_cache.mode)),
+      keeps_depth_(keeps_writes(run.config.memory.depth_cache.mode)) {
+  const auto line = static_cast<std::uint64_t>(run.config.memory.color_cache.line_bytes);
+  accesses_ = {{{line, false},
+                {line, true},
+                {color_read_.word_bytes(), true},
+                {color_write_.word_bytes(), false},
+                {depth_write_.word_bytes(), false}}};
+}
+
+void add_reports(const Cache& texture, const DepthTraffic& depth, const MergeTraffic& merge,
+                 TimedReport& report) {
+  const auto add = [&](const Cache* cache) {
+    if (cache == nullptr) return;
+    if (const auto measured = cache->report()) report.caches.push_back(*measured);
+  };
+  add(&texture);
+  add(depth.cache() ? &*depth.cache() : nullptr);
+  add(merge.cache() ? &*merge.cache() : nullptr);
+}
 
 }  // namespace bitspan::timed

@@ -4,7 +4,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "config/modes.hpp"
@@ -15,26 +18,65 @@
 
 namespace bitspan::timed {
 
-// depth: reads the stored code of each covered fragment.
+// The cache of a buffer; none where the configuration has none.
+std::optional<Cache> make_buffer_cache(const Run& run, std::string_view name, const BufferCache& cache);
+// The first two accesses of a stage with such a cache: a replaced line's write, a line's read.
+inline unsigned line_asks(const Cache::LookUp& found) {
+  return (found.writes_back ? 1U : 0U) | (found.fetches ? 2U : 0U);
+}
+
+// depth: reads the stored code of each fragment that it tests; with the stencil test it reads the plane's
+// value, too, and writes it where it changes.
 class DepthTraffic {
  public:
-  explicit DepthTraffic(const Run& run) : bytes_(run.depth_bytes()), word_(run.config.memory, bytes_) {}
-  std::uint64_t word_bytes() const { return word_.word_bytes(); }
-  // True where the pixel's code has to be read.
-  bool access(std::size_t pixel) { return word_.access(pixel * bytes_); }
+  explicit DepthTraffic(const Run& run);
+  // A line's write and read with a cache, the code's read without, the stencil plane's read and write.
+  const std::array<Access, 5>& accesses() const { return accesses_; }
+  // Of a fragment that is tested; without the stencil test `stencil` is not read.
+  Asks ask(const model::Pipeline& pipeline, std::size_t pixel, bool passed, const StencilRecord& stencil) {
+    const std::uint64_t address = pixel * depth_bytes_;
+    unsigned asks = 0;
+    if (cache_) {
+      asks = line_asks(cache_->look_up(address, false));
+      // Its line is there, whatever becomes of the fragment behind the tests.
+      if (passed && pipeline.state.depth_write) cache_->look_up(address, true);
+    } else if (depth_.access(address)) {
+      asks = 4;
+    }
+    if (!pipeline.stencil.test) return static_cast<Asks>(asks);
+    if (stencil_read_.access(pixel)) asks |= 8U;
+    if (stencil.value != stencil.stored && stencil_write_.access(pixel)) asks |= 16U;
+    return static_cast<Asks>(asks);
+  }
+  void cleared(const Clear& clear) {
+    if (cache_ && clear.depth) cache_->flush();
+  }
+  const std::optional<Cache>& cache() const { return cache_; }
 
  private:
-  std::uint64_t bytes_;
-  WordRegister word_;
+  std::uint64_t depth_bytes_;
+  WordRegister depth_, stencil_read_, stencil_write_;
+  std::optional<Cache> cache_;
+  std::array<Access, 5> accesses_;
 };
 
 // texture: the texels of each fragment through the cache.
 class TextureTraffic {
  public:
   explicit TextureTraffic(const Run& run);
-  // The lines to fetch for a fragment that comes to texture, 0..4 per level; texture: -1 for none, u and v
-  // raw. Without mip chains `lod` is not read.
-  int misses(int texture, std::int64_t u, std::int64_t v, const LodRecord& lod);
+  // Lines to fetch, 4 per level and unit.
+  const std::array<Access, 16>& accesses() const { return accesses_; }
+  // Of a fragment that comes to texture, by the first unit alone; texture: -1 for none, u and v raw. Without
+  // mip chains `lod` is not read.
+  Asks ask(int texture, std::int64_t u, std::int64_t v, const LodRecord& lod) {
+    return asks_of(misses(texture, u, v, lod));
+  }
+  // The same by both units, the first one's texels before the second one's.
+  Asks ask(const DrawState& state, const FragmentItem& item) {
+    const FragmentRecord& f = item.fragment;
+    const int first = misses(item.surface.texture, f.u, f.v, item.lod);
+    return asks_of(first + misses(state.texture1, f.u, f.v, item.second_lod));
+  }
   const Cache& cache() const { return cache_; }
 
  private:
@@ -71,9 +113,11 @@ class TextureTraffic {
     TexelFormat format = TexelFormat::rgba8888;
     int level = 0;
   };
+  static Asks asks_of(int misses) { return static_cast<Asks>((1U << misses) - 1); }
+  int misses(int texture, std::int64_t u, std::int64_t v, const LodRecord& lod);
   int misses(const Image& image, std::int64_t u, std::int64_t v);
   bool misses_texel(const Image& image, std::int64_t i, std::int64_t j) {
-    if (i < 0 || j < 0) return false;
+    if (i < 0 || j < 0 || is_procedural(image.format)) return false;
     if (image.format != TexelFormat::rgba8888) {
       return !cache_.access(image.base + block_at(image.format, static_cast<int>(image.across.size), i, j));
     }
@@ -91,6 +135,7 @@ class TextureTraffic {
   int shift_ = -1;  // fraction_, where 64 bits are enough
   std::int64_t half_ = 0;
   Cache cache_;
+  std::array<Access, 16> accesses_{};
   std::vector<Image> images_;          // each texture, with a mip chain each of its levels
   std::vector<std::size_t> first_of_;  // by texture
 };
@@ -99,10 +144,9 @@ class TextureTraffic {
 class MergeTraffic {
  public:
   explicit MergeTraffic(const Run& run);
+  // A line's write and read with a cache, the colour's read without, the writes of colour and depth code.
+  const std::array<Access, 5>& accesses() const { return accesses_; }
 
-  struct Ask {
-    bool color_read = false, color_write = false, depth_write = false;  // put in this order
-  };
   // What a fragment needs of the memory.
   struct Needs {
     bool color_read = false, color_write = true, depth_write = true;
@@ -113,17 +157,34 @@ class MergeTraffic {
     return {state.color_write && model::reads_stored_color(pipeline.merge, a), state.color_write,
             state.depth_write};
   }
-  Ask access(Needs needs, std::size_t pixel) {
-    return {needs.color_read && color_read_.access(pixel * color_bytes),
-            needs.color_write && color_write_.access(pixel * color_bytes),
-            needs.depth_write && depth_write_.access(pixel * depth_bytes_)};
+  Asks ask(Needs needs, std::size_t pixel) {
+    const std::uint64_t address = pixel * color_bytes;
+    unsigned asks = 0;
+    if (cache_) {
+      if (needs.color_read) asks |= line_asks(cache_->look_up(address, false));
+      if (needs.color_write) asks |= line_asks(cache_->look_up(address, true));
+    } else if (needs.color_read && color_read_.access(address)) {
+      asks |= 4U;
+    }
+    if (needs.color_write && !keeps_color_ && color_write_.access(address)) asks |= 8U;
+    if (needs.depth_write && !keeps_depth_ && depth_write_.access(pixel * depth_bytes_)) asks |= 16U;
+    return static_cast<Asks>(asks);
   }
-  std::uint64_t color_word_bytes() const { return color_read_.word_bytes(); }
-  std::uint64_t depth_word_bytes() const { return depth_write_.word_bytes(); }
+  void cleared(const Clear& clear) {
+    if (cache_ && (clear.color || clear.alpha)) cache_->flush();
+  }
+  const std::optional<Cache>& cache() const { return cache_; }
 
  private:
   std::uint64_t depth_bytes_;
   WordRegister color_read_, color_write_, depth_write_;
+  std::optional<Cache> cache_;
+  bool keeps_color_, keeps_depth_;  // in a cache: no write goes to the memory by itself
+  std::array<Access, 5> accesses_;
 };
+
+// Of all caches that are measured.
+void add_reports(const Cache& texture, const DepthTraffic& depth, const MergeTraffic& merge,
+                 TimedReport& report);
 
 }  // namespace bitspan::timed

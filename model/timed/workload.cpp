@@ -174,9 +174,9 @@ class Workload::Batch final : model::BlockSink<std::int64_t> {
   void add_depth(bool passed) {
     FragmentWork work;
     work.pixel = static_cast<std::uint32_t>(at_pixel_);
-    work.asks = workload_.depth_traffic_.access(work.pixel) ? 1 : 0;
+    work.asks = workload_.depth_traffic_.ask(run_.pipeline, work.pixel, passed, {});
     work.covered = true;
-    work.kept = passed;
+    work.kept = work.holds_pixel = passed;
     workload_.of(Stage::depth).push(work);
     if (++at_pixel_ == end_pixel_) {
       ++at_span_;
@@ -213,7 +213,8 @@ class Workload::Batch final : model::BlockSink<std::int64_t> {
         lives = model::texture(run_.pipeline.texture, image, fragment, texel);
         needs = workload_.merge_traffic_.needs(run_.pipeline, texel.a);
       }
-      workload_.add_texture(pixel, texture, block.u[k], block.v[k], {}, lives);
+      const Asks asks = workload_.texture_traffic_.ask(texture, block.u[k], block.v[k], {});
+      workload_.add_texture(pixel, asks, lives);
       if (lives) workload_.add_merge(pixel, needs);
     }
     shade_kernels_.shade(run_.pipeline, plan_, texture, block, store_depth, run_.frame, run_.counters,
@@ -334,40 +335,60 @@ void Workload::make_fragments() {
 }
 
 void Workload::make_fragment(FragmentItem& item) {
-  FragmentWork work;
-  work.pixel = static_cast<std::uint32_t>(run_.pixel(item.fragment));
-  if (drawn_values(run_, item)) {
-    work.covered = true;
-    work.asks = depth_traffic_.access(work.pixel) ? 1 : 0;
-    work.kept = depth_values(run_, item);
-  }
-  of(Stage::depth).push(work);
-  if (!work.kept) return;
-  const bool lives = texture_values(run_, item);
-  add_texture(work.pixel, item.texture, item.fragment.u, item.fragment.v, item.lod, lives);
-  if (!lives) return;
+  const bool drawn = drawn_values(run_, item);
+  const bool goes_on = run_.tests_late() ? make_texture(item, drawn) && make_depth(item, true)
+                                         : make_depth(item, drawn) && make_texture(item, true);
+  if (!goes_on) return;
   fog_values(run_, item);
-  add_merge(work.pixel, merge_traffic_.needs(run_.pipeline, item.texel.a));
+  add_merge(run_.pixel(item.fragment), merge_traffic_.needs(run_.pipeline, item.texel.a));
   merge_values(run_, item);
 }
 
-void Workload::add_texture(std::size_t pixel, int texture, std::int64_t u, std::int64_t v,
-                           const LodRecord& lod, bool lives) {
+bool Workload::make_depth(FragmentItem& item, bool drawn) {
+  FragmentWork work;
+  work.pixel = static_cast<std::uint32_t>(run_.pixel(item.fragment));
+  if (drawn) {
+    work.covered = true;
+    work.kept = depth_values(run_, item);
+    work.holds_pixel = holds_pixel(run_, work.kept);
+    work.asks = depth_traffic_.ask(run_.pipeline, work.pixel, work.kept, item.stencil);
+  }
+  of(Stage::depth).push(work);
+  return work.kept;
+}
+
+bool Workload::make_texture(FragmentItem& item, bool drawn) {
+  const std::size_t pixel = run_.pixel(item.fragment);
+  if (!drawn) {
+    of(Stage::texture).push({.pixel = static_cast<std::uint32_t>(pixel)});
+    return false;
+  }
+  const bool lives = texture_values(run_, item);
+  add_texture(pixel, texture_traffic_.ask(run_.pipeline.state, item), lives);
+  return lives;
+}
+
+void Workload::add_texture(std::size_t pixel, Asks asks, bool lives) {
   FragmentWork work;
   work.pixel = static_cast<std::uint32_t>(pixel);
-  work.asks = static_cast<std::uint8_t>((1U << texture_traffic_.misses(texture, u, v, lod)) - 1);
+  work.asks = asks;
   work.kept = lives;
+  work.holds_pixel = !run_.tests_late();
   of(Stage::texture).push(work);
 }
 
 void Workload::add_merge(std::size_t pixel, MergeTraffic::Needs needs) {
-  const MergeTraffic::Ask ask = merge_traffic_.access(needs, pixel);
   FragmentWork work;
   work.pixel = static_cast<std::uint32_t>(pixel);
-  work.asks = static_cast<std::uint8_t>((ask.color_read ? 1U : 0U) | (ask.color_write ? 2U : 0U) |
-                                        (ask.depth_write ? 4U : 0U));
-  work.kept = true;
+  work.asks = merge_traffic_.ask(needs, pixel);
+  work.kept = work.holds_pixel = true;
   of(Stage::merge).push(work);
+}
+
+std::span<const Access> Workload::accesses(Stage stage) const {
+  return stage == Stage::depth     ? std::span<const Access>(depth_traffic_.accesses())
+         : stage == Stage::texture ? std::span<const Access>(texture_traffic_.accesses())
+                                   : std::span<const Access>(merge_traffic_.accesses());
 }
 
 void Workload::forget(const Read& read) {

@@ -47,11 +47,11 @@ struct WalkStep {
 // A fragment in front of depth, texture or merge.
 struct FragmentWork {
   std::uint32_t pixel = 0;  // index into the frame
-  // Requests to put, bit 0 first. For merge, 0 reads colour, 1 writes colour, 2 writes depth; the others only
-  // read.
-  std::uint8_t asks = 0;
-  bool covered = false;  // before depth: may not enter while its pixel is busy
-  bool kept = false;     // goes on to the next stage
+  Asks asks = 0;
+  bool covered : 1 = false;  // before depth: it is tested, and so may not enter while its pixel is held
+  bool kept : 1 = false;     // goes on to the next stage
+  // From depth on: later fragments of the pixel wait in front of depth until this one ends.
+  bool holds_pixel : 1 = false;
 };
 
 class Workload {
@@ -88,9 +88,16 @@ class Workload {
   // Forgets the work in front of what each stage has read.
   void forget(const Read& read);
 
-  std::uint64_t depth_word_bytes() const { return depth_traffic_.word_bytes(); }
-  std::uint64_t color_word_bytes() const { return merge_traffic_.color_word_bytes(); }
-  const Cache& cache() const { return texture_traffic_.cache(); }
+  // Of depth, texture or merge.
+  std::span<const Access> accesses(Stage stage) const;
+  const Cache& texture_cache() const { return texture_traffic_.cache(); }
+  void add_reports(TimedReport& report) const {
+    timed::add_reports(texture_cache(), depth_traffic_, merge_traffic_, report);
+  }
+  void cleared(const Clear& clear) {
+    depth_traffic_.cleared(clear);
+    merge_traffic_.cleared(clear);
+  }
 
  private:
   class Batch;
@@ -104,9 +111,12 @@ class Workload {
   void make_rows(Walk& walk);
   void make_fragments();
   void make_fragment(FragmentItem& item);
-  // Add the work of a fragment that passed the depth test.
-  void add_texture(std::size_t pixel, int texture, std::int64_t u, std::int64_t v, const LodRecord& lod,
-                   bool lives);
+  // Make the values of a fragment in front of the stage, and add its work; false where it ends there. drawn:
+  // as drawn_values says.
+  bool make_depth(FragmentItem& item, bool drawn);
+  bool make_texture(FragmentItem& item, bool drawn);
+  // Add the work of a fragment that is drawn.
+  void add_texture(std::size_t pixel, Asks asks, bool lives);
   void add_merge(std::size_t pixel, MergeTraffic::Needs needs);
 
   Run& run_;

@@ -36,12 +36,24 @@ bool is_bounded(Perspective p) {
   }
   unreachable();
 }
+bool is_bounded(RowSlope slope) {
+  switch (slope) {
+    case RowSlope::divide:
+    case RowSlope::reciprocal:
+      return true;
+    case RowSlope::plane:
+      return false;
+  }
+  unreachable();
+}
 bool is_bounded(DepthCode code) {
   switch (code) {
     case DepthCode::inverse:
     case DepthCode::opengl:
       return true;
     case DepthCode::linear:
+    case DepthCode::w_float:
+    case DepthCode::float_dz:
       return false;
   }
   unreachable();
@@ -52,6 +64,12 @@ void check_modes(const Config& config) {
   };
   if (!is_bounded(config.perspective)) {
     refuse("perspective.mode", to_string(config.perspective), "delta_f");
+  }
+  if (has_subspans(config)) {
+    refuse("perspective.subspan_bits", std::to_string(config.subspan_bits), "0");
+  }
+  if (!is_bounded(config.row_slope)) {
+    refuse("slope.row", to_string(config.row_slope), "divide, reciprocal");
   }
   if (!is_bounded(config.depth_code)) refuse("depth.code", to_string(config.depth_code), "inverse, opengl");
 }
@@ -83,7 +101,8 @@ void check_range(const InputRange& r) {
 }  // namespace
 
 bool has_bounds(const Config& config) {
-  return is_bounded(config.perspective) && is_bounded(config.depth_code);
+  return is_bounded(config.perspective) && !has_subspans(config) && is_bounded(config.row_slope) &&
+         is_bounded(config.depth_code);
 }
 
 std::vector<Bound> error_bounds(const Config& config, const InputRange& range) {

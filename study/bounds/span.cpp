@@ -26,7 +26,7 @@ void ErrorAnalysis::span() {
   const int additions = static_cast<int>(std::min<double>(in_.width - 1, std::floor(distance)));
   // The registers of a row's ends are at least an ulp of edge.x apart, or nothing is divided.
   const double shortest = std::clamp(next_down(in_.shortest_row - off.width()), unit_x, longest);
-  const Slopes slopes{c_.row_slope, row_.error({shortest, longest}), shortest};
+  const Slopes slopes{form_of(c_.row_slope), row_.error({shortest, longest}), shortest};
   out_.worst.span_distance = distance;
   out_.worst.pixels = additions;
   const int p_grid = std::max(1, x_format.fraction());

@@ -124,6 +124,20 @@ class Files(unittest.TestCase):
                     change(changed)
                     self.assertFalse(wanted.is_valid(changed))
 
+    def test_scenes_with_texel_formats(self):
+        wanted = validator("vectors")
+        with tempfile.TemporaryDirectory() as folder:
+            out = pathlib.Path(folder) / "v.json"
+            sea = SOURCE / "tests/data/sea.tri"
+            self.assertEqual(bitspan("vectors", sea, "--stage", "merge", "--format", "json", "-o", out).returncode, 0)
+            file = json.loads(out.read_text())
+            wanted.validate(file)
+            self.assertEqual(file["scene"]["textures"][0]["format"], "noise")
+            for change in ({"rgba": "00000000"}, {"raw": "0"}, {"table": "1"}, {"colors": []}):
+                changed = copy.deepcopy(file)
+                changed["scene"]["textures"][0].update(change)
+                self.assertFalse(wanted.is_valid(changed), change)
+
     def test_a_replay_has_the_scene_that_vectors_have(self):
         with tempfile.TemporaryDirectory() as folder:
             out = pathlib.Path(folder) / "v.json"

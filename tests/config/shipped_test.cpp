@@ -26,7 +26,8 @@ TEST(Shipped, EachIsLegalWithAnyModeChangedByItsKey) {
                 Config c = file;
                 c.perspective = mode;
                 c.edge_walk = walk;
-                c.edge_slope = c.row_slope = form;
+                c.edge_slope = form;
+                c.row_slope = form == SlopeForm::divide ? RowSlope::divide : RowSlope::reciprocal;
                 c.depth_code = code;
                 c.fog = fog;
                 c.numerator = numerator;

@@ -83,6 +83,7 @@ TEST(Adding, KeepsItsPromises) {
                                             {"A texel format", 9},
                                             {"A kind of reciprocal", 16},
                                             {"A depth comparison", 12},
+                                            {"A register of the draw state", 14},
                                             {"A metric of the picture", 3},
                                             {"A metric per field", 6}};
   EXPECT_EQ(limits, promised);

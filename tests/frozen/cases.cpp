@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "config/modes.hpp"
 #include "engine/range.hpp"
 #include "golden/precision.hpp"
 #include "model/engine_model.hpp"
@@ -24,9 +25,11 @@ namespace {
 
 using Change = std::function<void(Config&)>;
 
-// Collects legal variants of depth16.
+// Collects legal variants of depth16, or of another shipped configuration.
 class Variants {
  public:
+  Variants() = default;
+  explicit Variants(const std::string& base) : base_(shipped_config(base)) {}
   void add(const std::string& name, const Change& change) {
     Config config = base_;
     change(config);
@@ -49,6 +52,7 @@ std::string text(T value) {
 constexpr std::array fill_rules{FillRule::top_left, FillRule::inclusive};
 constexpr std::array numerators{Numerator::pixel_centre, Numerator::ideal_line};
 constexpr std::array slope_forms{SlopeForm::divide, SlopeForm::reciprocal};
+constexpr std::array row_slopes{RowSlope::divide, RowSlope::reciprocal};
 constexpr std::array reciprocal_kinds{ReciprocalKind::restoring, ReciprocalKind::lut_linear,
                                       ReciprocalKind::lut_newton};
 constexpr std::array depth_codes{DepthCode::inverse, DepthCode::linear, DepthCode::opengl};
@@ -165,9 +169,9 @@ std::vector<Config> slope_variants() {
   Variants variants;
   for (const Perspective perspective : all_perspectives) {
     for (const SlopeForm edge : slope_forms) {
-      for (const SlopeForm row : slope_forms) {
+      for (const RowSlope row : row_slopes) {
         const bool has_slopes = perspective != Perspective::const_depth_rows;
-        if (!has_slopes && (edge != SlopeForm::divide || row != SlopeForm::divide)) continue;
+        if (!has_slopes && (edge != SlopeForm::divide || row != RowSlope::divide)) continue;
         variants.add(text(perspective) + ", edge " + text(edge) + ", row " + text(row), [&](Config& c) {
           c.perspective = perspective;
           c.edge_slope = edge;
@@ -250,6 +254,37 @@ std::vector<Config> depth_variants() {
   return variants.take();
 }
 
+std::vector<Config> depth_dz_variants() {
+  Variants variants;
+  for (const Perspective perspective : all_perspectives) {
+    for (const DepthFunc func : {DepthFunc::less, DepthFunc::lequal}) {
+      variants.add(text(perspective) + ", " + text(func), [&](Config& c) {
+        c.perspective = perspective;
+        c.depth_code = DepthCode::float_dz;
+        c.depth_func = func;
+      });
+    }
+  }
+  variants.add("row plane", [](Config& c) {
+    c.depth_code = DepthCode::float_dz;
+    c.row_slope = RowSlope::plane;
+  });
+  variants.add("lod gradient", [](Config& c) {
+    c.depth_code = DepthCode::float_dz;
+    c.mip = MipMode::linear;
+    c.lod = LodMode::gradient;
+  });
+  Variants wide("depth20");
+  wide.add("18 bits", [](Config& c) {
+    c.depth_code = DepthCode::float_dz;
+    c.depth_bits = 18;
+    c.depth_func = DepthFunc::lequal;
+  });
+  std::vector<Config> out = variants.take();
+  for (Config& config : wide.take()) out.push_back(std::move(config));
+  return out;
+}
+
 std::vector<Config> shading_variants() {
   Variants variants;
   for (const TextureFilter filter : {TextureFilter::nearest, TextureFilter::bilinear}) {
@@ -309,6 +344,63 @@ std::vector<Config> mip_variants() {
           c.filter = TextureFilter::bilinear;
           c.transparent.reset();
         });
+      }
+    }
+  }
+  return variants.take();
+}
+
+std::vector<Config> distance_variants() {
+  Variants variants;
+  for (const Perspective perspective : {Perspective::delta_f, Perspective::const_depth_rows}) {
+    for (const LodMode lod : {LodMode::zone_d, LodMode::finite}) {
+      variants.add("lod " + text(lod) + ", " + text(perspective), [&](Config& c) {
+        c.mip = MipMode::linear;
+        c.lod = lod;
+        c.lod_first = 900;
+        c.perspective = perspective;
+        c.filter = TextureFilter::bilinear;
+      });
+    }
+    for (const FogMode fog : {FogMode::table, FogMode::distance, FogMode::log}) {
+      variants.add("fog " + text(fog) + " by zones of r, " + text(perspective), [&](Config& c) {
+        c.fog = fog;
+        if (has_pixel_zones(c)) c.fog_zone = FogZone::r;
+        c.perspective = perspective;
+      });
+    }
+  }
+  return variants.take();
+}
+
+std::vector<Config> plane_variants() {
+  Variants variants;
+  for (const Perspective perspective : {Perspective::delta_f, Perspective::hyperbolic, Perspective::affine}) {
+    for (const SlopeForm edge : slope_forms) {
+      variants.add(text(perspective) + ", edge " + text(edge) + ", row plane", [&](Config& c) {
+        c.perspective = perspective;
+        c.edge_slope = edge;
+        c.edge_walk = edge == SlopeForm::divide ? EdgeWalk::exact : EdgeWalk::dda;
+        c.row_slope = RowSlope::plane;
+      });
+    }
+  }
+  return variants.take();
+}
+
+std::vector<Config> cache_variants() {
+  Variants variants;
+  for (const BufferCacheMode mode : {BufferCacheMode::write_through, BufferCacheMode::write_back}) {
+    for (const SetHash hash : {SetHash::none, SetHash::xor_upper}) {
+      for (const int ways : {1, 4}) {
+        variants.add("caches " + text(mode) + ", hash " + text(hash) + ", ways " + std::to_string(ways),
+                     [&](Config& c) {
+                       c.memory.cache_sets = 16;
+                       c.memory.cache_ways = ways;
+                       c.memory.cache_hash = hash;
+                       c.memory.depth_cache = {mode, 32, 16 / ways, ways, hash};
+                       c.memory.color_cache = {mode, 64, 16 / ways, ways, hash};
+                     });
       }
     }
   }

@@ -9,16 +9,19 @@
 // configurations in configs/ anew.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/records.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
+#include "scene/tri_stream.hpp"
 #include "tests/frozen/cases.hpp"
 #include "tests/frozen/digest_file.hpp"
 #include "tests/frozen/quantities.hpp"
@@ -102,7 +105,27 @@ TEST(Frozen, EdgeReciprocal) { check_variants("edge_reciprocal", edge_reciprocal
 TEST(Frozen, RowReciprocal) { check_variants("row_reciprocal", row_reciprocal_variants()); }
 TEST(Frozen, PixelReciprocal) { check_variants("pixel_reciprocal", pixel_reciprocal_variants()); }
 TEST(Frozen, Depth) { check_variants("depth", depth_variants()); }
+// The code float_dz, with early and with late tests.
+TEST(Frozen, DepthDz) {
+  DigestFile file("depth_dz");
+  RandomOptions options;
+  options.width = 96;
+  options.height = 72;
+  options.targets = false;
+  options.second_texture = false;
+  options.command_probability = 0.4;
+  options.mip_chains = true;
+  const std::vector<Scene> scenes{spot_scene(96, 72), floor_scene(96, 72), random_scene(72, options)};
+  for (const Scene& scene : scenes) check_scene_section(file, scene);
+  for (const Config& config : depth_dz_variants()) {
+    check_config_section(file, config);
+    for (const Scene& scene : scenes) check_case(file, config, scene, ClockedBy::both);
+  }
+  file.finish();
+}
 TEST(Frozen, Shading) { check_variants("shading", shading_variants()); }
+// Rows from the triangle's plane.
+TEST(Frozen, Plane) { check_variants("plane", plane_variants()); }
 // On textures with chains.
 TEST(Frozen, Mip) {
   DigestFile file("mip");
@@ -114,7 +137,20 @@ TEST(Frozen, Mip) {
   }
   file.finish();
 }
-// Changes of draw state; the timed model has no late tests.
+// True distances, and fog by them.
+TEST(Frozen, Distance) {
+  DigestFile file("distance");
+  Scene foggy = floor_scene(96, 72);
+  foggy.fog = Fog{{200, 210, 220}, foggy.s_max / 8};
+  const std::vector<Scene> scenes{foggy, spot_scene(96, 72)};
+  for (const Scene& scene : scenes) check_scene_section(file, scene);
+  for (const Config& config : distance_variants()) {
+    check_config_section(file, config);
+    for (const Scene& scene : scenes) check_case(file, config, scene, ClockedBy::both);
+  }
+  file.finish();
+}
+// Changes of draw state.
 TEST(Frozen, State) {
   DigestFile file("state");
   RandomOptions options;
@@ -122,6 +158,8 @@ TEST(Frozen, State) {
   options.height = 72;
   options.command_probability = 0.4;
   options.late_tests = false;
+  options.second_texture = false;
+  options.targets = false;
   const Scene early = random_scene(71, options);
   options.late_tests = true;
   const Scene late = random_scene(72, options);
@@ -130,6 +168,106 @@ TEST(Frozen, State) {
     check_config_section(file, config);
     check_case(file, config, early, ClockedBy::both);
     check_case(file, config, late, ClockedBy::both, What::values);
+  }
+  file.finish();
+}
+// Targets with dither, and chroma ranges.
+TEST(Frozen, Target) {
+  DigestFile file("target");
+  RandomOptions options;
+  options.width = 96;
+  options.height = 72;
+  options.command_probability = 0.5;
+  options.late_tests = false;
+  options.second_texture = false;
+  const Scene scene = random_scene(73, options);
+  check_scene_section(file, scene);
+  for (const Config& config : shipped_configs()) {
+    check_config_section(file, config);
+    check_case(file, config, scene, ClockedBy::both);
+  }
+  file.finish();
+}
+// The second texture unit, on textures without and with chains.
+TEST(Frozen, SecondTexture) {
+  DigestFile file("second_texture");
+  RandomOptions options;
+  options.width = 96;
+  options.height = 72;
+  options.command_probability = 0.5;
+  options.late_tests = false;
+  options.mip_chains = true;
+  options.second_texture = false;
+  Scene scene = random_scene(75, options);
+  // Every function on every texture.
+  std::int64_t n = 0;
+  for (DrawCommand& command : scene.commands) {
+    if (command.clear) continue;
+    const auto textures = static_cast<std::int64_t>(scene.textures.size());
+    const std::array<std::pair<const char*, std::int64_t>, 4> values{{{"texture1", n % (textures + 1) - 1},
+                                                                      {"texture1.op", n % 6},
+                                                                      {"texture1.scale", n % 3},
+                                                                      {"texture1.red", 200}}};
+    for (const auto& [key, value] : values)
+      command.state.settings.push_back({*find_state_register(key), value});
+    ++n;
+  }
+  check_scene_section(file, scene);
+  std::vector<Config> configs = shipped_configs();
+  for (const MipMode mip : {MipMode::nearest, MipMode::linear}) {
+    Config& config = configs.emplace_back(shipped_config("depth16"));
+    config.name = "depth16-" + std::string(to_string(mip));
+    config.mip = mip;
+    config.lod = LodMode::gradient;
+    config.filter = TextureFilter::bilinear;
+  }
+  for (const Config& config : configs) {
+    check_config_section(file, config);
+    check_case(file, config, scene, ClockedBy::both);
+  }
+  file.finish();
+}
+// Computed and dynamic textures.
+TEST(Frozen, Textures) {
+  DigestFile file("textures");
+  std::vector<Scene> scenes;
+  for (int frame = 0; frame < 3; ++frame) {
+    scenes.push_back(read_tri(BITSPAN_SOURCE_DIR "/tests/data/sea.tri", frame));
+    scenes.back().name = "sea " + std::to_string(frame);
+    check_scene_section(file, scenes.back());
+  }
+  for (const Config& config : shipped_configs()) {
+    check_config_section(file, config);
+    for (const Scene& scene : scenes) check_case(file, config, scene, ClockedBy::both);
+  }
+  file.finish();
+}
+// The clocks of late depth and stencil tests.
+TEST(Frozen, Late) {
+  DigestFile file("late");
+  RandomOptions options;
+  options.width = 96;
+  options.height = 72;
+  options.targets = false;
+  options.second_texture = false;
+  options.command_probability = 0.4;
+  for (const std::uint64_t seed : {72U, 73U}) {
+    const Scene scene = random_scene(seed, options);
+    check_scene_section(file, scene);
+    for (const Config& config : shipped_configs()) {
+      check_case(file, config, scene, ClockedBy::both, What::clocks);
+    }
+  }
+  file.finish();
+}
+// The counters of caches, written out.
+TEST(Frozen, Caches) {
+  DigestFile file("caches");
+  const std::vector<Scene> scenes{demo_scene(96, 72), spot_scene(96, 72)};
+  for (const Scene& scene : scenes) check_scene_section(file, scene);
+  for (const Config& config : cache_variants()) {
+    check_config_section(file, config);
+    for (const Scene& scene : scenes) check_case(file, config, scene, ClockedBy::both, What::clocks);
   }
   file.finish();
 }

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "config/fnv.hpp"
+#include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 #include "engine/emit_sv.hpp"
 #include "engine/engine.hpp"
@@ -81,6 +82,23 @@ void for_each_record(const Visit& visit) {
 #undef BITSPAN_VISIT
 }
 
+// A change of state holds registers that are younger than the digests: those from target.format on enter one
+// where they do not hold their first value, with their place.
+std::vector<std::int64_t> digested_values(const StateRecord& record) {
+  const std::span<const std::int64_t> all = raw_values(record);
+  const std::vector<std::int64_t> first = state_values(first_state({}));
+  const std::size_t young = 1 + *find_state_register("target.format");  // behind the triangle
+  std::vector<std::int64_t> out(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(young));
+  for (std::size_t i = young; i < all.size(); ++i) {
+    if (all[i] != first[i - 1]) out.insert(out.end(), {static_cast<std::int64_t>(i), all[i]});
+  }
+  return out;
+}
+template <class Record>
+std::span<const std::int64_t> digested_values(const Record& record) {
+  return raw_values(record);
+}
+
 // Counts the records of each type, and digests their values.
 class RecordDigests {
  public:
@@ -88,7 +106,7 @@ class RecordDigests {
     for_each_record([&](const char* stage, auto member) {
       Entry& entry = entries_[stage];
       for (const auto& record : trace.*member) {
-        for (const std::int64_t value : raw_values(record))
+        for (const std::int64_t value : digested_values(record))
           entry.digest.number(static_cast<std::uint64_t>(value));
       }
       entry.count += (trace.*member).size();
@@ -237,6 +255,14 @@ Quantities report_quantities(const TimedReport& report) {
                                                      {"high", s.fifo_high_water}}));
   }
   out.emplace_back("cache", numbers({{"hits", report.cache_hits}, {"misses", report.cache_misses}}));
+  for (const CacheReport& c : report.caches) {
+    std::string counters = numbers({{"reads", c.reads}, {"writes", c.writes}});
+    for (std::size_t i = 0; i < c.results.size(); ++i) {
+      counters += " " + std::string(enum_names<CacheResult>[i]) + " " + std::to_string(c.results[i]);
+    }
+    out.emplace_back("cache " + std::string(c.name),
+                     counters + " " + numbers({{"written_back", c.written_back}, {"flushed", c.flushed}}));
+  }
   out.emplace_back("memory", numbers({{"reads", report.memory.reads},
                                       {"writes", report.memory.writes},
                                       {"beats", report.memory.beats}}));
@@ -334,12 +360,15 @@ Computed clock_quantities(const Config& config, const Scene& scene, ClockedBy by
   Equality equality(out);
   const auto model = make_model(config);
   draw_whole(*model, scene);
-  const auto span = make_systemc(config, {.mode = TimedMode::span});
+  const bool has_caches =
+      has_cache(config.memory.depth_cache.mode) || has_cache(config.memory.color_cache.mode);
+  const auto span = make_systemc(config, {.mode = TimedMode::span, .measure_texture_cache = has_caches});
   draw_whole(*span, scene);
   out.quantities = report_quantities(span->report());
   expect_equal_results(equality, "systemc in mode span", *span, *model);
   if (by == ClockedBy::both) {
-    const auto cycle = make_systemc(config, {.mode = TimedMode::cycle, .record_handshake = true});
+    const auto cycle = make_systemc(
+        config, {.mode = TimedMode::cycle, .measure_texture_cache = has_caches, .record_handshake = true});
     draw_whole(*cycle, scene);
     expect_equal_results(equality, "systemc in mode cycle", *cycle, *model);
     const Quantities of_cycle = report_quantities(cycle->report());

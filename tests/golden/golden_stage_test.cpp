@@ -33,7 +33,7 @@ FogRecord fogged(Arithmetic arithmetic, const Config& c, const Constants& k, con
   const FragmentRecord* fragment = &f;
   const TextureRecord* texture = &t;
   std::vector<FogRecord> out;
-  make_fog(arithmetic, c, k, scene)({&fragment, 1}, {&texture, 1}, out);
+  make_fog(arithmetic, c, k, scene)({&fragment, 1}, {&texture, 1}, {}, out);
   return out.at(0);
 }
 MergeRecord merged_onto(const std::array<std::uint8_t, 3>& stored, Arithmetic arithmetic, const Config& c,
@@ -107,7 +107,7 @@ TEST(GoldenStage, EdgesAndSpansEqualTheSpecification) {
   for (int i = 0; i < 60; ++i) {
     Config c = exact_config(i % 2 == 0 ? "depth16" : "narrow", Perspective::delta_f, FillRule::top_left);
     c.edge_slope = i % 3 == 0 ? SlopeForm::reciprocal : SlopeForm::divide;
-    c.row_slope = i % 3 == 1 ? SlopeForm::divide : SlopeForm::reciprocal;
+    c.row_slope = i % 3 == 1 ? RowSlope::divide : RowSlope::reciprocal;
     c.pixel_reciprocal.kind = ReciprocalKind::restoring;
     for (Format& f : c.formats) f.rounding = static_cast<Rounding>(draw.integer(0, rounding_modes - 1));
     const auto f = [&](FormatId id) -> const Format& { return c.format(id); };
@@ -174,7 +174,7 @@ TEST(GoldenStage, EdgesAndSpansEqualTheSpecification) {
       Rational h_step = 0;
       if (length > 0) {
         const Rational inverse =
-            c.row_slope == SlopeForm::divide
+            c.row_slope == RowSlope::divide
                 ? Rational(1 / length)
                 : scale(value_of(c.row_reciprocal.output, p.recip_m), -static_cast<int>(p.recip_e));
         ASSERT_EQ(Int(p.h_step), oracle_raw(f(FormatId::span_h_step), (h_r - h_l) * inverse));
@@ -336,12 +336,13 @@ void depth_codes_by_hand(Arithmetic arithmetic) {
   FragmentRecord f;
   f.covered = 1;
   f.h = 1000 * 256 + 128;
+  GradientRecord gradient;
   const auto run = [&](DepthCode code, std::int64_t stored) {
     c.depth_code = code;
     c.depth_rounding = Rounding::rnd;
     const auto code_stored = static_cast<std::uint32_t>(stored);
     std::vector<DepthRecord> out;
-    make_depth(arithmetic, c, k)({&f, 1}, first_state(c), {&code_stored, 1}, 1, out);
+    make_depth(arithmetic, c, k)({&f, 1}, gradient, first_state(c), {&code_stored, 1}, 1, out);
     return out.at(0);
   };
   EXPECT_EQ(run(DepthCode::inverse, 1000).z, 1001);
@@ -350,7 +351,18 @@ void depth_codes_by_hand(Arithmetic arithmetic) {
   EXPECT_EQ(run(DepthCode::opengl, 65535).z, 65535 - 1000);  // 64534.5 rounds up
   EXPECT_EQ(run(DepthCode::opengl, 64536).pass, 1);
   EXPECT_EQ(run(DepthCode::opengl, 64535).pass, 0);
+  // hmax + B = 65635: K = 17; q = 1100.5 lies in octave 6: 4096 (8 - 1100.5 / 1024) = 28366
+  EXPECT_EQ(run(DepthCode::w_float, 28367).z, 28366);
+  EXPECT_EQ(run(DepthCode::w_float, 28367).pass, 1);
+  EXPECT_EQ(run(DepthCode::w_float, 28366).pass, 0);
   EXPECT_EQ(clear_depth(c), 65535);
+  // z = 64535, 6 ones and 23 above them: 512 * 6 + 23; dz 4, of |-1.25| + |2| in the gradients' format.
+  gradient.h_x = std::llround(std::ldexp(-1.25, c.format(FormatId::plane_h_grad).fraction()));
+  gradient.h_y = std::llround(std::ldexp(2, c.format(FormatId::plane_h_grad).fraction()));
+  EXPECT_EQ(run(DepthCode::float_dz, 49600).z, 16 * 3095 + 2);
+  EXPECT_EQ(run(DepthCode::float_dz, 16 * 3096).pass, 1);
+  EXPECT_EQ(run(DepthCode::float_dz, 16 * 3095).pass, 0);
+  EXPECT_EQ(clear_depth(c), 65520);
   c.depth_code = DepthCode::inverse;
   EXPECT_EQ(clear_depth(c), 0);
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "golden/engine_golden.hpp"
+#include "golden/mip_chain.hpp"
 #include "tests/golden/golden_support.hpp"
 
 namespace bitspan::test {
@@ -223,6 +224,34 @@ TEST(Ideal, FogAndTextureByHand) {
   f = ideal_at(c, scene, *t, 5, 6);
   EXPECT_FALSE(f.killed);
   EXPECT_NEAR(f.texel[0], 200, 1e-9);
+}
+
+// Two textures of one size and of a format whose texels are not in `rgba`.
+TEST(Ideal, EachTextureHasItsOwnLevels) {
+  Config c = plain_config();
+  c.filter = TextureFilter::nearest;
+  c.mip = MipMode::nearest;
+  c.lod_bias = 16;  // level 1: one texel
+  Scene scene = test_scene();
+  scene.textures.clear();
+  for (const int code : {40, 200}) {
+    Texture t;
+    t.width = 2;
+    t.height = 2;
+    t.format = TexelFormat::i8;
+    t.raw.assign(4, static_cast<std::uint8_t>(code));
+    scene.textures.push_back(t);
+  }
+  Triangle in = corners(-50, -50, 300, -50, -50, 300);
+  for (const int texture : {0, 1, 0}) {
+    in.texture = texture;
+    const auto t = ideal_triangle(c, in);
+    ASSERT_TRUE(t);
+    const golden::SceneLevels levels = golden::scene_levels(c, scene);
+    const double expected = texture == 0 ? 40 : 200;
+    EXPECT_EQ(ideal_at(c, scene, *t, 5, 6).texel[0], expected);
+    EXPECT_EQ(ideal_at(c, scene, *t, 5, 6, &levels).texel[0], expected);
+  }
 }
 
 // The engine writes what ideal_at says, wherever one triangle alone is drawn; golden is near it.

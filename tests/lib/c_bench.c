@@ -8,7 +8,7 @@
 
 #include "bitspan/bitspan.h"
 
-_Static_assert(BS_ABI_VERSION == 2, "renew the numbers below and tests/lib/libbitspan.abi");
+_Static_assert(BS_ABI_VERSION == 3, "renew the numbers below and tests/lib/libbitspan.abi");
 _Static_assert(BS_OK == 0 && BS_DIFFERENT == 1 && BS_BAD_INPUT == 2 && BS_BAD_HANDLE == 3, "status");
 _Static_assert(BS_BAD_ORDER == 4 && BS_UNSUPPORTED == 5 && BS_BUSY == 6 && BS_NO_MEMORY == 7, "status");
 _Static_assert(BS_INTERNAL == 8, "status");
@@ -17,7 +17,8 @@ _Static_assert(BS_STAGE_EDGE_WALK == 3 && BS_STAGE_PLANE_WALK == 4 && BS_STAGE_P
 _Static_assert(BS_STAGE_SPAN_SETUP == 6 && BS_STAGE_SPAN == 7 && BS_STAGE_DEPTH == 8, "stage");
 _Static_assert(BS_STAGE_TEXTURE == 9 && BS_STAGE_FOG == 10 && BS_STAGE_MERGE == 11, "stage");
 _Static_assert(BS_STAGE_STATE == 12 && BS_STAGE_STENCIL == 13 && BS_STAGE_MERGE_ALPHA == 14, "stage");
-_Static_assert(BS_STAGE_SETUP_GRADIENT == 15 && BS_STAGE_LOD == 16, "stage");
+_Static_assert(BS_STAGE_SETUP_GRADIENT == 15 && BS_STAGE_LOD == 16 && BS_STAGE_DISTANCE == 17, "stage");
+_Static_assert(BS_STAGE_SETUP_PLANE == 18 && BS_STAGE_TEXTURE_SECOND == 19, "stage");
 _Static_assert(BS_PLANE_COLOR == 0 && BS_PLANE_DEPTH == 1 && BS_PLANE_U == 2 && BS_PLANE_V == 3, "plane");
 _Static_assert(BS_PLANE_TRIANGLE == 4 && BS_PLANE_STENCIL == 5, "plane");
 _Static_assert(BS_I64 == 0 && BS_U8 == 1 && BS_U32 == 2 && BS_I32 == 3 && BS_F64 == 4, "element");
@@ -28,6 +29,7 @@ _Static_assert(BS_TEXEL_ARGB8332 == 7 && BS_TEXEL_RGB565 == 8 && BS_TEXEL_ARGB15
 _Static_assert(BS_TEXEL_ARGB4444 == 10 && BS_TEXEL_AI88 == 11 && BS_TEXEL_AP88 == 12, "texel format");
 _Static_assert(BS_TEXEL_AYIQ8422 == 13 && BS_TEXEL_DXT1 == 14 && BS_TEXEL_DXT3 == 15, "texel format");
 _Static_assert(BS_TEXEL_DXT5 == 16 && BS_TEXEL_UYVY == 17 && BS_TEXEL_YUYV == 18, "texel format");
+_Static_assert(BS_TEXEL_CHECKER == 19 && BS_TEXEL_BRICK == 20 && BS_TEXEL_NOISE == 21, "texel format");
 _Static_assert(BS_DIVERGENCE_NONE == 0 && BS_DIVERGENCE_VALUE == 1 && BS_DIVERGENCE_EXTRA == 2, "kind");
 
 static void expect(int holds, const char* what) {
@@ -52,13 +54,15 @@ static bs_model* drawn(bs_config* config, const char* engine, bs_scene* scene) {
 
 /* The names belong to the numbers. */
 static void check_names(void) {
-  static const char* const names[] = {
-      "constants",  "setup",   "setup.edge",  "edge_walk",      "plane_walk", "plane_walk.row",
-      "span_setup", "span",    "depth",       "texture",        "fog",        "merge",
-      "state",      "stencil", "merge.alpha", "setup.gradient", "lod"};
+  static const char* const names[] = {"constants",  "setup",          "setup.edge",  "edge_walk",
+                                      "plane_walk", "plane_walk.row", "span_setup",  "span",
+                                      "depth",      "texture",        "fog",         "merge",
+                                      "state",      "stencil",        "merge.alpha", "setup.gradient",
+                                      "lod",        "distance",       "setup.plane", "texture.second"};
   const int32_t count = (int32_t)(sizeof names / sizeof *names);
   for (int32_t i = 0; i < count; ++i) expect(strcmp(bs_stage_name(i), names[i]) == 0, names[i]);
-  expect(count == BS_STAGE_LOD + 1 && bs_stage_name(count) == NULL, "every stage has its name here");
+  expect(count == BS_STAGE_TEXTURE_SECOND + 1 && bs_stage_name(count) == NULL,
+         "every stage has its name here");
 }
 
 int main(void) {

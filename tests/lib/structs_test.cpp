@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cctype>
 #include <cstddef>
 #include <cstring>
+#include <string>
 
 #include "model/stages/texel.hpp"
+#include "scene/procedural.hpp"
 #include "scene/tri_stream.hpp"
 #include "tests/lib/support.hpp"
 #include "tests/support/files.hpp"
@@ -128,8 +131,12 @@ TEST(LibStructs, TexelFormatsOfTextures) {
     for (std::size_t k = 0; k < raw_size(format, t.width, t.height); ++k) {
       t.raw.push_back(static_cast<std::uint8_t>(200 - k * 3));
     }
-    for (int k = 0; k < texel_layout(format).table_size; ++k)
+    for (int k = 0; k < texel_layout(format).table_size && !is_procedural(format); ++k)
       t.table.push_back(static_cast<std::int16_t>(90 + k % 60));
+    if (is_procedural(format)) {
+      Random random(f);
+      t.table = random_procedural(random, format, t.width, t.height).table;
+    }
     Scene plain = b.scene;
     plain.textures[0].rgba.clear();
     for (int j = 0; j < t.height; ++j) {
@@ -255,6 +262,22 @@ TEST(LibStructs, FilledByTheCallersSize) {
   expect_filled<bs_scene_desc>(offsetof(bs_scene_desc, s_min),
                                [&](bs_scene_desc* to) { return bs_scene_get(scene, to); });
   bs_scene_free(scene);
+}
+
+// The package of SystemVerilog names the stages by the same numbers.
+TEST(DpiPackage, NumbersEveryStage) {
+  const std::string package = read_file(BITSPAN_SOURCE_DIR "/dv/dpi/bitspan_pkg.sv");
+  for (bs_stage stage = 0; bs_stage_name(stage) != nullptr; ++stage) {
+    std::string name = "Stage";  // StageSetupEdge of setup.edge
+    bool begins = true;
+    for (const char* c = bs_stage_name(stage); *c != '\0'; ++c) {
+      const bool is_letter = *c != '.' && *c != '_';
+      if (is_letter) name += begins ? static_cast<char>(std::toupper(*c)) : *c;
+      begins = !is_letter;
+    }
+    EXPECT_NE(package.find("localparam int " + name + " = " + std::to_string(stage) + ";"), std::string::npos)
+        << name;
+  }
 }
 
 }  // namespace

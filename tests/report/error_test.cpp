@@ -72,6 +72,28 @@ TEST(Error, TheModelIsCloseAndCoversExactly) {
   EXPECT_LT(row(report, "fog", "factor").stat.max, 0.1);
 }
 
+// Rows by the triangle's plane have no values at their ends, and so no error there.
+TEST(Error, EndsWithoutValuesAreNotMeasured) {
+  const Scene s = scene();
+  Config c = config();
+  c.row_slope = RowSlope::plane;
+  const auto engine = make_model(c);
+  engine->begin(s);
+  Trace trace;
+  engine->draw(s.triangles, 0, &trace);
+  ErrorMeter meter(c, s);
+  meter.add(s.triangles, 0, trace);
+  const ErrorReport& report = meter.report();
+  EXPECT_GT(row(report, "edge_walk", "x").stat.count, 0U);
+  EXPECT_EQ(row(report, "edge_walk", "h").stat.count, 0U);
+  EXPECT_EQ(row(report, "edge_walk", "u").stat.count, 0U);
+  EXPECT_LT(row(report, "span", "h").stat.max, 0.01);
+  EXPECT_LT(row(report, "span", "u").stat.max, 0.01);
+  const auto raw = raw_values(trace.row[0]);
+  EXPECT_TRUE(ideal_value(RecordType::row, "l_x", raw, c, s, s.triangles[0]));
+  EXPECT_FALSE(ideal_value(RecordType::row, "l_h", raw, c, s, s.triangles[0]));
+}
+
 TEST(Error, AnOffsetIsMeasuredAsItself) {
   const Scene s = scene();
   Trace trace = draw(s);

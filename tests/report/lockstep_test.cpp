@@ -9,20 +9,20 @@
 #include "model/engine_model.hpp"
 #include "scene/random.hpp"
 #include "tests/support/test_config.hpp"
+#include "tests/support/wrapped_engine.hpp"
 
 namespace bitspan {
 namespace {
 
 // The model, with one record changed on its way out.
-class BrokenEngine : public Engine {
+class BrokenEngine : public WrappedEngine {
  public:
   enum class Fault { none, fragment, lost_span, throws };
   BrokenEngine(const Config& config, std::int64_t triangle, Fault fault)
-      : inner_(make_model(config)), triangle_(triangle), fault_(fault) {}
+      : WrappedEngine(make_model(config)), triangle_(triangle), fault_(fault) {}
   std::string_view name() const override { return "broken"; }
-  void begin(const Scene& scene) override { inner_->begin(scene); }
   void draw(std::span<const Triangle> triangles, std::int64_t first, Trace* trace) override {
-    inner_->draw(triangles, first, trace);
+    WrappedEngine::draw(triangles, first, trace);
     const bool mine = first <= triangle_ && triangle_ < first + static_cast<std::int64_t>(triangles.size());
     if (!mine || trace == nullptr) {
       return;
@@ -40,15 +40,8 @@ class BrokenEngine : public Engine {
       trace->span.erase(trace->span.begin());
     }
   }
-  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    inner_->set(change, next_index, trace);
-  }
-  void clear(const Clear& clear) override { inner_->clear(clear); }
-  const Frame& frame() const override { return inner_->frame(); }
-  const Counters& counters() const override { return inner_->counters(); }
 
  private:
-  std::unique_ptr<Engine> inner_;
   std::int64_t triangle_;
   Fault fault_;
 };

@@ -35,21 +35,27 @@ std::vector<DrawnRun> runs() {
   std::vector<DrawnRun> out;
   for (const EngineEntry& entry : engines()) {
     if (!entry.compared) continue;
-    for (const Perspective mode : all_perspectives) {
+    const auto draw = [&](Perspective mode, RowSlope slope, const std::string& name) {
       Config config = shipped_config("depth16");
       config.perspective = mode;
+      config.row_slope = slope;
+      if (!engine_runs(entry.name, config)) return;
       config.mip = MipMode::linear;
       config.lod = has_linear_edges(mode) ? LodMode::zone_s : LodMode::gradient;
+      config.fog = FogMode::distance;
       const auto engine = entry.make(config, {});
       DrawnRun& run = out.emplace_back();
-      run.name = std::string(entry.name) + " in " + std::string(to_string(mode));
+      run.name = std::string(entry.name) + " in " + name;
       engine->begin(scene);
       engine->draw(scene.triangles, 0, &run.trace);
       run.counters = engine->counters();
+    };
+    for (const Perspective mode : all_perspectives) {
+      draw(mode, RowSlope::reciprocal, std::string(to_string(mode)));
     }
-    if (entry.early_only) continue;
+    draw(Perspective::delta_f, RowSlope::plane, "rows by planes");
     options.command_probability = 0.5;
-    const Scene changing = random_scene(12, options);
+    const Scene changing = random_scene(19, options);
     const auto engine = entry.make(shipped_config("depth16"), {});
     DrawnRun& run = out.emplace_back();
     run.name = std::string(entry.name) + " with changes of state";
@@ -135,7 +141,9 @@ TEST(StageTable, EachRecordIsMadeFromOnesThatThereAre) {
           const auto n = std::ranges::count(upstream, type, &RecordCopy::type);
           // A late depth test comes behind the texture, and not for what that kills.
           const bool late = run.has_states && row.type == RecordType::texture && type == RecordType::depth;
-          EXPECT_TRUE(n == 1 || (n == 2 && type == RecordType::edge) || (n == 0 && late))
+          // The second texture unit is on for some of the triangles.
+          const bool off = run.has_states && type == RecordType::texture_second;
+          EXPECT_TRUE(n == 1 || (n == 2 && type == RecordType::edge) || (n == 0 && (late || off)))
               << run.name << ": record " << i << " of " << row.name << " is made from " << n << " of "
               << row_of(type).name;
           if (n > 0) fed.insert(row.type);

@@ -35,8 +35,8 @@ StageDesign design_of(const Config& c) {
                        {ChannelKind::tap,
                         "record",
                         {"x", "y", "recip_m", "recip_e", "z", "stored", "pass", "rest"}}},
-          .constants = {"b", "c1", "c0"},
-          .levels = {}};
+          .constants = {"b", "c1", "c0", "bias"},
+          .levels = {"bias_rest"}};
 }
 
 std::uint64_t port_of(DepthFunc func) {
@@ -52,6 +52,7 @@ struct Drawn {
 
 struct DepthCase {
   model::Constants constants;
+  std::int64_t bias = 0;
   std::vector<Drawn> drawn;
   std::vector<DepthRecord> records;  // one per fragment
   std::map<StageMemory::Address, std::uint64_t> stored;
@@ -64,10 +65,13 @@ std::uint64_t initial_code(const model::DepthStage& stage, const StageMemory::Ad
 }
 
 // What the sequential model makes of the fragments.
-DepthCase expect_of(const Config& c, const model::Constants& constants, std::vector<Drawn> drawn) {
+DepthCase expect_of(const Config& c, const model::Constants& constants, std::vector<Drawn> drawn,
+                    std::int64_t bias = 0) {
   DepthCase made;
   made.constants = constants;
+  made.bias = bias;
   model::DepthStage stage = model::prepare_depth(c, constants);
+  stage.bias = bias;
   for (const Drawn& d : drawn) {
     const StageMemory::Address at{static_cast<std::uint64_t>(d.fragment.x),
                                   static_cast<std::uint64_t>(d.fragment.y)};
@@ -75,7 +79,7 @@ DepthCase expect_of(const Config& c, const model::Constants& constants, std::vec
     const std::uint64_t stored = found == made.stored.end() ? initial_code(stage, at) : found->second;
     stage.func = d.func;
     DepthRecord record;
-    const bool pass = model::depth(stage, d.fragment, static_cast<std::int64_t>(stored), record);
+    const bool pass = model::depth(stage, d.fragment, nullptr, static_cast<std::int64_t>(stored), record);
     if (pass && d.written) made.stored[at] = static_cast<std::uint64_t>(record.z);
     made.records.push_back(record);
   }
@@ -119,7 +123,9 @@ DepthCase make_case(Random& random, const Config& c, int count, std::uint64_t wi
     d.func = static_cast<DepthFunc>(random() % enum_names<DepthFunc>.size());
     d.written = random() % 5 != 0;
   }
-  return expect_of(c, made.constants, std::move(drawn));
+  const std::int64_t zmax = (std::int64_t{1} << c.depth_bits) - 1;
+  const std::int64_t biases[] = {0, 1, -1, zmax / 3, -zmax / 3, zmax, -zmax};
+  return expect_of(c, made.constants, std::move(drawn), biases[random() % std::size(biases)]);
 }
 
 struct Way {
@@ -144,6 +150,7 @@ DepthRun run_depth(const Config& c, const DepthCase& given, const Way& way) {
   bench.set_constant("b", port(FormatId::setup_b, k.b));
   bench.set_constant("c1", port(FormatId::depth_c1, k.c1));
   bench.set_constant("c0", port(FormatId::depth_c0, k.c0));
+  bench.set_constant("bias", Rtl::to_port(given.bias, c.depth_bits + 1));
   bench.set_stalls(way.stalls);
   bench.set_stalls("in", {way.in_gap, 0});
   const model::DepthStage stage = model::prepare_depth(c, given.constants);
@@ -315,6 +322,17 @@ TEST(Depth, PlantedBugsAreSeen) {
   };
   expect_seen(bugs, run);
   expect_seen(scoreboard_bugs, run);
+  constexpr PlantedBug bias_bugs[] = {
+      {"rtl/depth.sv", "biased[ZW+1] ? '0", "1'b0 ? '0"},
+      {"rtl/depth.sv", "biased[ZW] ? '1", "1'b0 ? '1"},
+      {"rtl/depth.sv", "(ZW + 2)'($signed(bias_i))", "(ZW + 2)'(bias_i)"},
+  };
+  const std::int64_t bias = std::int64_t{1} << (c.depth_bits - 1);
+  expect_seen(bias_bugs, [&] {
+    for (const std::int64_t by : {bias, -bias}) {
+      run_depth(c, expect_of(c, given.constants, given.drawn, by), {0, {}, {1, 1}, true, 11});
+    }
+  });
   Config linear = c;
   linear.depth_code = DepthCode::linear;
   DepthCase far = make_case(random, linear, 300, 3, 2);

@@ -2,6 +2,7 @@
 // The engine `rtl` against the engine `model` over random triangles: every record and the frame.
 #include "tb/engine_rtl.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -59,10 +60,11 @@ void compare(const Config& config, const Scene& scene) {
   const auto rtl = make_rtl(config, {11, 0.2, 0.3});
   Trace expected;
   Trace got;
+  const std::size_t all = scene.triangles.size();
   model->begin(scene);
-  model->draw(scene.triangles, 0, &expected);
+  draw_scene(*model, scene, 0, all, &expected);
   rtl->begin(scene);
-  rtl->draw(scene.triangles, 0, &got);
+  draw_scene(*rtl, scene, 0, all, &got);
 #define BITSPAN_COMPARE(Record, LIST, stage, member)             \
   EXPECT_EQ(got.member.size(), expected.member.size()) << stage; \
   EXPECT_TRUE(got.member == expected.member) << stage;
@@ -80,9 +82,8 @@ void compare(const Config& config, const Scene& scene) {
   // In two draws, of a new run, it is the same.
   Trace again;
   rtl->begin(scene);
-  const std::span<const Triangle> triangles(scene.triangles);
-  rtl->draw(triangles.first(10), 0, &again);
-  rtl->draw(triangles.subspan(10), 10, &again);
+  draw_scene(*rtl, scene, 0, 10, &again);
+  draw_scene(*rtl, scene, 10, all - 10, &again);
   EXPECT_TRUE(again.fragment == expected.fragment);
   EXPECT_TRUE(again.merge == expected.merge);
 }
@@ -176,6 +177,81 @@ TEST(EngineRtl, LeavesToTheModelWhatThePixelStagesDoNotTake) {
   texture.height = 1;
   texture.rgba.assign(std::size_t{4} * static_cast<std::size_t>(texture.width), 200);
   expect_modelled(shipped_config("depth16"), wide);
+}
+
+StateSetting setting(const char* key, std::int64_t value) { return {*find_state_register(key), value}; }
+
+// In front of every few triangles a change of what the pixel stages take. others: and, in front of some, of
+// what they leave to the model, until the next reset.
+Scene with_draw_states(Scene scene, std::uint64_t seed, bool others) {
+  Random random(seed);
+  const auto below = [&](std::uint64_t n) { return static_cast<std::int64_t>(random() % n); };
+  constexpr std::int64_t every_pixel = 0xffffffff;
+  for (std::size_t i = 0; i < scene.triangles.size(); i += 1 + random() % 3) {
+    StateChange change;
+    const bool returns = random() % 3 == 0;
+    change.reset = returns;
+    if (random() % 2 == 0) change.settings.push_back(setting("depth.func", 1 + below(7)));
+    if (random() % 2 == 0) change.settings.push_back(setting("depth.write", below(2)));
+    if (random() % 2 == 0) change.settings.push_back(setting("depth.bias", below(4000) - 2000));
+    if (random() % 3 == 0) change.settings.push_back(setting("color.write", below(2)));
+    if (random() % 2 == 0) change.settings.push_back(setting("scissor.left", below(30)));
+    if (random() % 2 == 0) change.settings.push_back(setting("scissor.bottom", 40 + below(30)));
+    if (random() % 2 == 0)
+      change.settings.push_back(setting("stipple", below(every_pixel) | below(every_pixel)));
+    if (random() % 4 == 0) {
+      change.settings.push_back(setting("blend.src", static_cast<int>(BlendFactor::one)));
+      change.settings.push_back(setting("blend.dst", static_cast<int>(BlendFactor::zero)));
+    }
+    if (others && !returns && random() % 4 == 0) change.settings.push_back(setting("alpha.func", below(8)));
+    if (others && !returns && random() % 4 == 0) change.settings.push_back(setting("depth.when", below(2)));
+    if (others && !returns && random() % 4 == 0) change.settings.push_back(setting("logic.op", below(17)));
+    if (others && !returns && random() % 4 == 0)
+      change.settings.push_back(setting("blend.alpha.dst", below(15)));
+    if (others && !returns && random() % 4 == 0) {
+      change.settings.push_back(setting("target.format", below(5)));
+      change.settings.push_back(setting("target.dither", below(5)));
+    }
+    if (others && !returns && random() % 4 == 0) {
+      change.settings.push_back(setting("chroma.test", below(3)));
+      change.settings.push_back(setting("chroma.low.red", below(128)));
+    }
+    if (others && !returns && random() % 4 == 0) {
+      change.settings.push_back(setting("texture1", below(scene.textures.size())));
+      change.settings.push_back(setting("texture1.op", below(6)));
+    }
+    scene.commands.push_back({i, change, {}});
+    if (random() % 5 == 0) {
+      Clear clear;
+      clear.depth = true;
+      scene.commands.push_back({i, {}, clear});
+    }
+  }
+  return scene;
+}
+
+TEST(EngineRtl, DrawsInTheStatesThatThePixelStagesTake) {
+  for (const char* name : {"depth16", "narrow"}) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      SCOPED_TRACE(fmt::format("{}, seed {}", name, seed));
+      const Config c = shipped_config(name);
+      const Scene scene = with_draw_states(random_scene(seed, 120), seed, false);
+      ASSERT_TRUE(rtl_draws_pixels(c, scene));
+      EXPECT_EQ(own_fields(c, scene, RecordType::depth), fields<DepthRecord>.size() - 1);
+      compare(c, scene);
+    }
+  }
+}
+
+TEST(EngineRtl, LeavesOtherStatesToTheModelAndTakesTheNextAgain) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    SCOPED_TRACE(seed);
+    const Config c = shipped_config("depth16");
+    const Scene scene = with_draw_states(random_scene(seed, 120), seed, true);
+    EXPECT_FALSE(rtl_draws_pixels(c, scene));
+    EXPECT_EQ(own_fields(c, scene, RecordType::depth), 0U);
+    compare(c, scene);
+  }
 }
 
 TEST(EngineRtl, EqualsTheModelInRandomConfigurations) {

@@ -18,6 +18,7 @@
 #include "tests/rtl/rtl_copy.hpp"
 #include "tests/rtl/stage_bench.hpp"
 #include "tests/rtl/stage_case.hpp"
+#include "tests/rtl/unit_run.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -52,8 +53,10 @@ struct FogCase {
     stage = model::prepare_fog(c, constants, Scene{});
     draw_constants(random);
     const int most = std::min(1 << (pixel_index_bits(c) - 1), 20000);
-    stage.width = chance(random, 0.3) ? between(random, 1, std::min(most, 20)) : between(random, 1, most);
-    stage.height = chance(random, 0.3) ? between(random, 1, std::min(most, 20)) : between(random, 1, most);
+    stage.zones.width =
+        chance(random, 0.3) ? between(random, 1, std::min(most, 20)) : between(random, 1, most);
+    stage.zones.height =
+        chance(random, 0.3) ? between(random, 1, std::min(most, 20)) : between(random, 1, most);
     stage.table.resize(std::size_t{1} << c.fog_index_bits());
     for (std::int64_t& entry : stage.table) entry = random_raw(random, c.format(FormatId::fog_factor));
   }
@@ -75,10 +78,14 @@ void load(StageBench& bench, const FogCase& t) {
     bench.set_constant("load_data", data);
     bench.clock();
   };
-  const std::int64_t all = t.stage.width * t.stage.width + t.stage.height * t.stage.height;
-  const std::int64_t zones = std::int64_t{1} << t.stage.zone_bits;
+  const std::int64_t all =
+      t.stage.zones.width * t.stage.zones.width + t.stage.zones.height * t.stage.zones.height;
+  const std::int64_t zones = std::int64_t{1} << t.stage.zones.bits;
   for (std::int64_t k = 1; k < zones; ++k) {
-    write(true, static_cast<std::uint64_t>(k), static_cast<std::uint64_t>((k * all + zones - 1) / zones));
+    const bool by_r = t.stage.zones.by == FogZone::r;  // then k zones have k^2 shares of r^2
+    const std::int64_t share = by_r ? k * k : k;
+    const std::int64_t of = by_r ? zones * zones : zones;
+    write(true, static_cast<std::uint64_t>(k), static_cast<std::uint64_t>((share * all + of - 1) / of));
   }
   for (std::size_t i = 0; i < t.stage.table.size(); ++i) {
     write(false, i, port(t.stage.table[i], t.config.format(FormatId::fog_factor)));
@@ -86,11 +93,7 @@ void load(StageBench& bench, const FogCase& t) {
   bench.set_constant("load", 0);
 }
 
-struct Given {
-  StageValues in, out;
-};
-
-Given random_fragment(Random& random, FogCase& t, std::uint64_t number) {
+Exchange random_fragment(Random& random, FogCase& t, std::uint64_t number) {
   const Config& c = t.config;
   if (chance(random, 0.2)) t.draw_constants(random);
   t.stage.mode = is_linear_in_distance(c.fog) && chance(random, 0.5) ? FogMode::linear
@@ -102,14 +105,14 @@ Given random_fragment(Random& random, FogCase& t, std::uint64_t number) {
   const Format& factor = c.format(FormatId::fog_factor);
   const Format& mixed = c.format(FormatId::fog_color);
   FragmentRecord f;
-  f.x = static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(t.stage.width));
-  f.y = static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(t.stage.height));
+  f.x = static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(t.stage.zones.width));
+  f.y = static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(t.stage.zones.height));
   f.h = random_raw(random, h);
   TextureRecord texel;
   for (std::int64_t* v : {&texel.r, &texel.g, &texel.b}) *v = random_raw(random, color);
   FogRecord r;
-  model::fog(t.stage, f, texel, r);
-  Given g;
+  model::fog(t.stage, f, {}, texel, r);
+  Exchange g;
   const auto unsigned_of = [](std::int64_t v) { return static_cast<std::uint64_t>(v); };
   g.in = {unsigned_of(f.x),
           unsigned_of(f.y),
@@ -121,8 +124,8 @@ Given random_fragment(Random& random, FogCase& t, std::uint64_t number) {
           unsigned_of(static_cast<int>(t.stage.mode)),
           t.stage.fog_color[0] | std::uint64_t{t.stage.fog_color[1]} << 8 |
               std::uint64_t{t.stage.fog_color[2]} << 16,
-          unsigned_of(t.stage.width),
-          unsigned_of(t.stage.height),
+          unsigned_of(t.stage.zones.width),
+          unsigned_of(t.stage.zones.height),
           port(t.constants.record.b, c.format(FormatId::setup_b)),
           port(t.constants.record.fog_scale, c.format(FormatId::fog_scale))};
   g.out = {Rtl::to_port(r.index, c.fog_index_bits() + 1),
@@ -136,9 +139,7 @@ Given random_fragment(Random& random, FogCase& t, std::uint64_t number) {
   return g;
 }
 
-struct FogRun {
-  std::size_t fragments = 0;
-  std::uint64_t offered = 0, first_out = 0, last_out = 0;  // clocks
+struct FogRun : UnitRun {
   std::vector<std::size_t> modes = std::vector<std::size_t>(3);
   std::size_t indices = 0;  // different ones
 };
@@ -146,7 +147,8 @@ struct FogRun {
 // Sends `count` fragments; throws where one comes out otherwise, is lost, doubled, or comes after the last.
 // `reset_after`: clocks of other fragments in front, then a reset.
 FogRun run_fog(FogCase& t, Random& random, int count, const StageStalls& stalls, int reset_after = 0) {
-  StageBench bench(design_of(t.config), random());
+  const StageDesign unit = design_of(t.config);
+  StageBench bench(unit, random());
   load(bench, t);
   bench.set_stalls(stalls);
   if (reset_after > 0) {
@@ -154,32 +156,18 @@ FogRun run_fog(FogCase& t, Random& random, int count, const StageStalls& stalls,
     for (int n = 0; n < reset_after; ++n) bench.clock();
     bench.reset();
   }
-  std::vector<Given> given;
   FogRun r;
   std::vector<bool> seen(t.stage.table.size());
-  for (int n = 0; n < count; ++n) {
-    given.push_back(random_fragment(random, t, static_cast<std::uint64_t>(n) * 0x9e3779b1 & 0xffffffff));
-    bench.send("in", given.back().in);
-    ++r.modes[given.back().in[7]];
-    if (t.stage.mode == FogMode::table) seen[given.back().out[0]] = true;
-  }
+  static_cast<UnitRun&>(r) = run_unit(
+      bench, unit, static_cast<std::size_t>(count),
+      [&](std::uint64_t n) {
+        Exchange g = random_fragment(random, t, mark_of(n));
+        ++r.modes[g.in[7]];
+        if (t.stage.mode == FogMode::table) seen[g.out[0]] = true;
+        return g;
+      },
+      to_toml(t.config));
   r.indices = static_cast<std::size_t>(std::ranges::count(seen, true));
-  r.offered = bench.clocks();
-  bench.on_transfer("out", [&](const StageValues& v) {
-    if (r.fragments == given.size()) throw std::logic_error("a fragment after the last");
-    const Given& g = given[r.fragments];
-    for (std::size_t k = 0; k < v.size(); ++k) {
-      if (v[k] == g.out[k]) continue;
-      std::string text;
-      for (std::size_t m = 0; m < inputs.size(); ++m) text += fmt::format(" {} {:#x}", inputs[m], g.in[m]);
-      throw std::logic_error(fmt::format("fragment {}: {} is {:#x}, expected {:#x};{}\n{}", r.fragments,
-                                         outputs[k], v[k], g.out[k], text, to_toml(t.config)));
-    }
-    if (r.fragments == 0) r.first_out = bench.clocks() - 1;
-    r.last_out = bench.clocks() - 1;
-    ++r.fragments;
-  });
-  bench.run_until([&] { return r.fragments == given.size(); });
   return r;
 }
 
@@ -240,7 +228,7 @@ TEST(Fog, RefusesLinearFogWhereItIsNotBuilt) {
   Random random(3);
   FogCase t(shipped_config("narrow"), random);
   StageBench bench(design_of(t.config), 1);
-  Given g = random_fragment(random, t, 0);
+  Exchange g = random_fragment(random, t, 0);
   g.in[7] = static_cast<std::uint64_t>(FogMode::linear);
   bench.send("in", g.in);
   EXPECT_THROW(bench.clock(), std::logic_error);

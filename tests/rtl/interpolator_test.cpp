@@ -125,7 +125,7 @@ TEST(Interpolator, Depth16InEveryMode) {
       c.rtl.shades = shades;
       check_config_on(random, c, 200);
       // Slopes by division.
-      c.row_slope = SlopeForm::divide;
+      c.row_slope = RowSlope::divide;
       if (mode != Perspective::const_depth_rows) check_config_on(random, c, 100);
     }
   }
@@ -322,7 +322,7 @@ TEST(Interpolator, WrongBitsAreSeenInEveryMode) {
       {ends, "left_q[(StartTick-1)/Interval*EndW+:EndW];",
        "left_q[(StartTick-1)/Interval*EndW+:EndW] ^ EndW'(1);"},
   };
-  const auto seen = [](Perspective mode, SlopeForm form, std::span<const PlantedBug> bugs) {
+  const auto seen = [](Perspective mode, RowSlope form, std::span<const PlantedBug> bugs) {
     Config c = shipped_config("narrow");
     c.rtl.shades = true;
     c.perspective = mode;
@@ -335,11 +335,11 @@ TEST(Interpolator, WrongBitsAreSeenInEveryMode) {
     EXPECT_NO_THROW(check_values(c));
     expect_seen(bugs, [&] { check_values(c); });
   };
-  seen(Perspective::delta_f, SlopeForm::reciprocal, shades);
-  seen(Perspective::affine, SlopeForm::divide, shades_by_division);
-  seen(Perspective::const_depth_rows, SlopeForm::reciprocal, plane_shades);
-  seen(Perspective::hyperbolic, SlopeForm::reciprocal, hyperbolic);
-  seen(Perspective::affine, SlopeForm::reciprocal, affine);
+  seen(Perspective::delta_f, RowSlope::reciprocal, shades);
+  seen(Perspective::affine, RowSlope::divide, shades_by_division);
+  seen(Perspective::const_depth_rows, RowSlope::reciprocal, plane_shades);
+  seen(Perspective::hyperbolic, RowSlope::reciprocal, hyperbolic);
+  seen(Perspective::affine, RowSlope::reciprocal, affine);
 }
 
 TEST(Interpolator, AssertionsSpeak) {

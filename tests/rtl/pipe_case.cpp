@@ -78,7 +78,7 @@ PipeCase make_pipe_case(const Config& c, const Scene& given) {
                           .transparent = c.transparent,
                           .fog = p.fog.mode,
                           .fog_color = p.fog.fog_color};
-      const StageValues draw = draw_values(state);
+      const StageValues draw = draw_values(c, state);
       if (p.batches.empty() || p.batches.back().draw != draw) p.batches.push_back({draw, {}});
       before = f.triangle;
     }
@@ -114,6 +114,9 @@ std::pair<RtlDraw, int> random_state(Random& random, const PipeCase& p) {
   s.write_z = chance(80);
   s.blend = chance(70);
   s.write_color = chance(90);
+  // Small, of any size that a code has, or any at all.
+  const int bits = chance(50) ? 4 : chance(70) ? p.config.depth_bits : 30;
+  if (chance(50)) s.bias = static_cast<std::int64_t>(random() >> (64 - bits)) * (chance(50) ? 1 : -1);
   return {s, texture};
 }
 
@@ -153,8 +156,9 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
   const std::int64_t one = std::int64_t{1} << c.format(FormatId::texture_alpha).fraction();
   for (int batch = 0; batch < batches; ++batch) {
     const auto [s, number] = random_state(random, p);
-    p.batches.push_back({draw_values(s), {}});
+    p.batches.push_back({draw_values(c, s), {}});
     depth.func = s.func;
+    depth.bias = s.bias;
     texture.filter = s.filter;
     texture.wrap = s.wrap;
     texture.transparent = s.transparent;
@@ -174,14 +178,14 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
       TextureRecord t;
       FogRecord mist;
       MergeRecord m;
-      const bool pass = model::depth(depth, f, p.frame.depth[at], d);
+      const bool pass = model::depth(depth, f, nullptr, p.frame.depth[at], d);
       p.records["depth_record"].push_back(record_ports(c, d));
       if (!pass) continue;
       const Texture* image = number < 0 ? nullptr : &p.scene.textures[static_cast<std::size_t>(number)];
       const bool lives = model::texture(texture, image, f, t);
       p.records["texture_record"].push_back(record_ports(c, t));
       if (!lives) continue;
-      model::fog(p.fog, f, t, mist);
+      model::fog(p.fog, f, {}, t, mist);
       p.records["fog_record"].push_back(record_ports(c, mist));
       if (!s.blend) t.a = one;
       std::uint8_t* color = p.frame.color.data() + 4 * at;

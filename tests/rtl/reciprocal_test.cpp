@@ -32,7 +32,7 @@ std::vector<Config> unit_configs() {
       for (const bool pipelined : {true, false}) {
         Config c = shipped_config("depth16");
         c.perspective = Perspective::delta_f;
-        c.row_slope = SlopeForm::reciprocal;
+        c.row_slope = RowSlope::reciprocal;
         const int fraction = static_cast<int>(random() % 6);
         c.format(FormatId::edge_x) = {operand_bits,  operand_bits - fraction, false,
                                       Rounding::trn, Overflow::sat,           false};

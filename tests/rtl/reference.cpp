@@ -127,7 +127,7 @@ SpanRecord span_setup(const Config& c, const RowRecord& row, std::int64_t b) {
   Rational inverse = 0;  // of a row without length: every slope is 0
   if (length > 0) {
     inverse = 1 / length;
-    if (c.row_slope == SlopeForm::reciprocal) {
+    if (c.row_slope == RowSlope::reciprocal) {
       const MantissaExponent r = reciprocal(length, ulp(c.format(FormatId::edge_x)), c.row_reciprocal);
       s.recip_m = r.m;
       s.recip_e = r.e;

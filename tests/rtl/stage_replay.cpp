@@ -2,10 +2,13 @@
 #include "tests/rtl/stage_replay.hpp"
 
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <stdexcept>
 
+#include "tb/programs.hpp"
+#include "tb/rtl_build.hpp"
 #include "tests/rtl/simulate.hpp"
 #include "tests/support/files.hpp"
 
@@ -94,6 +97,34 @@ std::size_t replay_under_icarus(const StageDesign& design, const StageTrace& tra
   const std::size_t at = printed.find("compared ");
   if (at == std::string::npos) throw std::runtime_error("the bench came to no end\n" + printed);
   return std::stoull(printed.substr(at + 9));
+}
+
+void expect_tools_agree(const StageDesign& design, StageTrace& trace) {
+  const TemporaryFolder folder;
+  const std::string package = folder.write("bitspan_pixel_pkg.sv", design.package);
+  const auto log = folder.path("log");
+  std::vector<std::string> lint = {"verilator", "--lint-only",  "-Wall",    "--assert", "--max-num-width",
+                                   "1048576",   "--top-module", design.top, package};
+  std::string script = "read_verilog -sv -DSYNTHESIS " + package;
+  for (const auto& source : pixel_sources()) {
+    lint.push_back(source.string());
+    script += fmt::format(" {}", source.string());
+  }
+  EXPECT_EQ(run_program(lint, log, "this test"), 0) << design.name;
+  EXPECT_EQ(read_file(log), "") << design.name;
+
+  const std::size_t compared = replay_under_icarus(design, trace, pixel_sources(), true);
+  EXPECT_GT(compared, trace.outputs.size());
+  const std::string netlist = folder.path("netlist.v");
+  script += fmt::format(
+      "; hierarchy -check -top {0}; prep -flatten -top {0}; check -assert; memory_map; write_verilog -noattr "
+      "{1}",
+      design.top, netlist);
+  ASSERT_EQ(run_program({"yosys", "-q", "-p", script}, log, "this test"), 0) << read_file(log);
+  EXPECT_EQ(replay_under_icarus(design, trace, {netlist}, false), compared);
+  // The replay can fail.
+  trace.outputs[5].front() ^= 1;
+  EXPECT_THROW(replay_under_icarus(design, trace, {netlist}, false), std::runtime_error);
 }
 
 }  // namespace bitspan

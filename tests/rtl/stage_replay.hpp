@@ -17,4 +17,8 @@ namespace bitspan {
 std::size_t replay_under_icarus(const StageDesign& design, const StageTrace& trace,
                                 const std::vector<std::filesystem::path>& sources, bool with_package);
 
+// Verilator's lint is silent, and what Icarus makes of the sources, and of the netlist that Yosys understood,
+// is what the trace has. The trace is changed at the end, which must show.
+void expect_tools_agree(const StageDesign& design, StageTrace& trace);
+
 }  // namespace bitspan

@@ -116,9 +116,38 @@ TEST(DrawState, WhatIsRefused) {
             std::string::npos);
 }
 
+// A texture beyond the scene's is refused by reader and table.
+TEST(DrawState, TheSecondTextureIsOneOfTheScene) {
+  EXPECT_EQ(refused(R"({"state": {"texture1": 0}})"),
+            "s.tri:2: state.texture1: texture 0 does not exist, the header has 0; expected -1 to -1");
+  EXPECT_EQ(refused(R"({"state": {"texture1": -2}})"),
+            "s.tri:2: state.texture1: -2 is not legal; expected a whole number -1..65535");
+  EXPECT_EQ(
+      refused(R"({"state": {"texture1.op": "mix"}})"),
+      "s.tri:2: state.texture1.op: \"mix\" is not legal; expected replace, modulate, decal, blend, add, "
+      "modulate_scaled");
+  const Scene scene = parsed(
+      "\n"
+      R"({"state": {"texture1": -1, "texture1.scale": 2}})" +
+      triangle);
+  EXPECT_EQ(scene.commands.size(), 1U);
+  const StateChange change{false, {{*find_state_register("texture1"), 2}}};
+  EXPECT_EQ(changed_state(first_state({}), change, {}, 3).texture1, 2);
+  EXPECT_EQ(error_of([&] { changed_state(first_state({}), change, {}, 2); }),
+            "texture1: texture 2 does not exist, the scene has 2; expected -1 to 1");
+  // Commands are seen by the same rule.
+  Scene own;
+  own.commands = {{0, change, {}}};
+  own.textures.resize(2);
+  EXPECT_NE(error_of([&] { check_commands({}, own); }), "");
+  own.textures.resize(3);
+  EXPECT_EQ(error_of([&] { check_commands({}, own); }), "");
+}
+
 TEST(DrawState, RandomCommandsReadBack) {
   RandomOptions options;
   options.command_probability = 0.5;
+  options.second_texture = false;  // the textures are not written
   for (std::uint64_t seed = 1; seed < 30; ++seed) {
     const Scene scene = random_scene(seed, options);
     ASSERT_FALSE(scene.commands.empty());

@@ -9,6 +9,7 @@
 
 #include "io/png.hpp"
 #include "scene/demo.hpp"
+#include "scene/procedural.hpp"
 #include "scene/random.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
@@ -296,6 +297,11 @@ TEST(TriStream, RoundTripsTexelFormats) {
   const Texture image = scene.textures[0];
   for (std::size_t f = 1; f < enum_names<TexelFormat>.size(); ++f) {
     const auto format = static_cast<TexelFormat>(f);
+    if (is_procedural(format)) {
+      Random random(f);
+      scene.textures.push_back(random_procedural(random, format, 5, static_cast<int>(f)));
+      continue;
+    }
     Texture t;
     t.name = "t";
     t.format = format;
@@ -386,6 +392,151 @@ TEST(TriStream, RefusesBadTexelFormats) {
           "textures[0].palette[0]: 256 is not legal");
   refused(R"({"raw": "t.bin", "format": "yiq422", "width": 4, "height": 1, "yiq": {"y": [1]}})",
           "textures[0].yiq.y[0]: has 1 elements");
+}
+
+// A checker of 8 x 4 texels whose first colour is red, with that code.
+std::string checker(int red) {
+  return R"({"procedural": {"kind": "checker", "width": 8, "height": 4, "cell_width": 2, "cell_height": 1, "colors": [[)" +
+         std::to_string(red) + ", 0, 0, 255], [9, 8, 7, 6]]}}";
+}
+
+TEST(TriStream, ReadsProceduralTextures) {
+  const Scene scene = parse_tri(
+      header2(
+          checker(3) +
+          R"(, {"procedural": {"kind": "brick", "width": 32, "height": 16, "colors": [[1, 2, 3, 4], [5, 6, 7, 8]], "brick_width": 8, "brick_height": 4, "mortar": 1, "shift": 3, "vary": 100, "seed": 12}})"
+          R"(, {"procedural": {"kind": "noise", "width": 1, "height": 2, "colors": [[1, 2, 3, 4], [5, 6, 7, 8]], "log2_cell": 5, "octaves": 6, "seed": 32767}})"),
+      "a.tri");
+  ASSERT_EQ(scene.textures.size(), 3U);
+  using Table = std::vector<std::int16_t>;
+  EXPECT_EQ(scene.textures[0].format, TexelFormat::checker);
+  EXPECT_EQ(scene.textures[0].width, 8);
+  EXPECT_EQ(scene.textures[0].height, 4);
+  EXPECT_EQ(scene.textures[0].table, (Table{3, 0, 0, 255, 9, 8, 7, 6, 2, 1}));
+  EXPECT_EQ(scene.textures[1].table, (Table{1, 2, 3, 4, 5, 6, 7, 8, 8, 4, 1, 3, 100, 12}));
+  EXPECT_EQ(scene.textures[2].table, (Table{1, 2, 3, 4, 5, 6, 7, 8, 5, 6, 32767}));
+}
+
+TEST(TriStream, RefusesBadProceduralTextures) {
+  const auto refused = [&](const std::string& from, const std::string& to, const std::string& part) {
+    const std::string message = parse_error(header2(replaced(checker(1), from, to)));
+    EXPECT_TRUE(message.starts_with("dir/x.tri:1: textures[0].procedural" + part)) << message;
+  };
+  refused("\"checker\"", "\"marble\"",
+          ".kind: \"marble\" is not legal; expected one of checker, brick, noise");
+  refused("\"width\": 8", "\"width\": 0", ".width: 0 is not legal");
+  refused("\"width\": 8, ", "", ".width: key is missing");
+  refused("\"cell_width\": 2, ", "", ".cell_width: key is missing");
+  refused("\"cell_width\": 2", "\"cell_width\": 0",
+          ".cell_width: 0 is not legal; expected a whole number 1..16384");
+  refused("\"cell_width\"", "\"mortar\": 1, \"cell_width\"", ".\"mortar\": unknown key");
+  refused("[9, 8, 7, 6]", "[9, 8, 7, 256]", ".colors[1]: 256 is not legal");
+  refused(", [9, 8, 7, 6]", "", ".colors: is not legal; expected two colours");
+  EXPECT_NE(parse_error(header2(R"({"procedural": 3})")).find("textures[0].procedural: 3 is not an object"),
+            std::string::npos);
+  const std::string noise = parse_error(header2(
+      R"({"procedural": {"kind": "noise", "width": 1, "height": 2, "colors": [[1, 2, 3, 4], [5, 6, 7, 8]],)"
+      R"("log2_cell": 2, "octaves": 4, "seed": 1}})"));
+  EXPECT_NE(noise.find(".octaves: 4 is out of range; expected 1..3"), std::string::npos) << noise;
+  EXPECT_NE(parse_error(replaced(header2(checker(1)), "\"bitspan\": 2", "\"bitspan\": 1"))
+                .find("is not a file name"),
+            std::string::npos);
+  EXPECT_NE(
+      parse_error(header2(R"({"file": "a.png", "format": "noise"})")).find("format: \"noise\" is not legal"),
+      std::string::npos);
+}
+
+const std::string second_triangle =
+    R"({"v": [[1, 2, 3, 4, 5], [10.5, 2, 4, 5, 6], [1, 20, 1000, -7, 8e2]], "tex": 1})"
+    "\n";
+// Textures: one alone, one of three images.
+const std::string frames =
+    checker(50) + ", {\"frames\": [" + checker(60) + "," + checker(61) + "," + checker(62) + "]}";
+
+// What a triangle's first texture code is.
+int red_of(const Scene& scene, std::size_t triangle) {
+  return scene.textures.at(static_cast<std::size_t>(scene.triangles.at(triangle).texture)).table.at(0);
+}
+
+TEST(TriStream, DynamicTexturesShowTheirFrame) {
+  const std::string text = header2(frames) + second_triangle + "{\"frame\": 2}\n" + second_triangle +
+                           replaced(second_triangle, "\"tex\": 1", "\"tex\": 0") + "{\"frame\": 0}\n" +
+                           second_triangle;
+  const Scene scene = parse_tri(text, "a.tri");
+  EXPECT_EQ(scene.textures.size(), 4U);
+  EXPECT_EQ(red_of(scene, 0), 60);
+  EXPECT_EQ(red_of(scene, 1), 62);
+  EXPECT_EQ(red_of(scene, 2), 50);  // not dynamic
+  EXPECT_EQ(red_of(scene, 3), 60);
+  EXPECT_TRUE(scene.commands.empty());
+  // From the command line; a line of the stream has the last word.
+  const Scene first = parse_tri(text, "a.tri", 1);
+  EXPECT_EQ(red_of(first, 0), 61);
+  EXPECT_EQ(red_of(first, 1), 62);
+  // Written and read again it draws the same.
+  const TemporaryFolder folder;
+  write_tri_file(folder.path("b.tri"), first);
+  const Scene back = read_tri(folder.path("b.tri"));
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(red_of(back, i), red_of(first, i));
+}
+
+// texture1 names a texture of the header, and so one of the scene's images.
+TEST(TriStream, TheSecondTextureIsOfTheHeader) {
+  const auto state = [](int texture) {
+    return "{\"state\": {\"texture1\": " + std::to_string(texture) + "}}\n";
+  };
+  const std::string text = header2(frames) + state(1) + second_triangle + "{\"frame\": 2}\n" + state(1) +
+                           second_triangle + state(0) + second_triangle + state(-1) + second_triangle;
+  const auto values = [](const Scene& scene) {
+    std::vector<std::int64_t> out;
+    for (const DrawCommand& command : scene.commands) out.push_back(command.state.settings.at(0).value);
+    return out;
+  };
+  EXPECT_EQ(values(parse_tri(text, "a.tri")), (std::vector<std::int64_t>{1, 3, 0, -1}));
+  const Scene scene = parse_tri(text, "a.tri", 1);
+  EXPECT_EQ(values(scene), (std::vector<std::int64_t>{2, 3, 0, -1}));
+  const TemporaryFolder folder;
+  write_tri_file(folder.path("b.tri"), scene);
+  EXPECT_TRUE(read_tri(folder.path("b.tri")).commands == scene.commands);
+  EXPECT_NE(input_error([&] {
+              parse_tri(header2(frames) + state(2), "a.tri");
+            }).find("2: state.texture1: texture 2 does not exist, the header has 2; expected -1 to 1"),
+            std::string::npos);
+}
+
+TEST(TriStream, ReaderTakesAFrameToo) {
+  std::istringstream in(header2(frames) + second_triangle);
+  TriReader reader(in, "a.tri", 2);
+  Triangle triangle;
+  ASSERT_TRUE(reader.next(triangle));
+  EXPECT_EQ(triangle.texture, 3);
+}
+
+TEST(TriStream, RefusesFramesThatAreNotThere) {
+  const auto refused = [](const std::string& text, const std::string& part,
+                          std::optional<int> frame = std::nullopt) {
+    const std::string message = input_error([&] { parse_tri(text, "dir/x.tri", frame); });
+    EXPECT_TRUE(message.starts_with("dir/x.tri:" + part)) << message;
+  };
+  const std::string head = header2(frames);
+  refused(head + "{\"frame\": 3}\n", "2: frame: 3 is not legal; expected a whole number 0..2");
+  refused(head + "{\"frame\": -1}\n", "2: frame: -1 is not legal");
+  refused(head + "{\"frame\": 1, \"state\": {}}\n", "2: \"state\": unknown key");
+  refused(head, "1: frame: 3 is not legal", 3);
+  refused(header2(checker(1)), "1: frame: the header has no dynamic texture", 0);
+  refused(header2(checker(1)) + "{\"frame\": 0}\n", "2: frame: the header has no dynamic texture");
+  // The shortest list counts.
+  refused(header2(frames + ", {\"frames\": [" + checker(1) + "]}"), "1: frame: 1 is not legal", 1);
+  refused(header + "{\"frame\": 0}\n", "2: bitspan: a stream of version 1 has no commands");
+  refused(header2("{\"frames\": []}"), "1: textures[0].frames: [] is not legal; expected a list");
+  refused(header2("{\"frames\": [" + checker(1) + "], \"format\": \"i8\"}"),
+          "1: textures[0].\"format\": unknown key");
+  refused(header2("{\"frames\": [" + checker(1) + ", \"none.png\"]}"),
+          "1: textures[0].frames[1]: dir/none.png");
+  refused(header2("{\"frames\": [{\"frames\": []}]}"), "1: textures[0].frames[0]");
+  refused(header2("{\"frames\": [" + checker(1) + ", " +
+                  replaced(checker(1), "\"width\": 8", "\"width\": 9") + "]}"),
+          "1: textures[0].frames[1]: has 9 x 4 texels; expected 8 x 4, as frames[0]");
 }
 
 TEST(TriStream, RoundTripsExtremeNumbers) {

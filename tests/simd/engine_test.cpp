@@ -112,7 +112,7 @@ TEST(Forms, RandomConfigurations) {
   const std::vector<Config> bases = shipped_configs();
   std::uint64_t written = 0;
   int drawn_scenes = 0;
-  for (std::uint64_t seed = 1; seed <= 80; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 160; ++seed) {
     const Config config = random_config(seed, bases);
     const std::uint64_t n = vector_refusal(config) != nullptr
                                 ? 0

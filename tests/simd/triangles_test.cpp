@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "config/modes.hpp"
 #include "model/simd/targets.hpp"
 #include "report/random_config.hpp"
 #include "scene/demo.hpp"
@@ -221,7 +222,7 @@ TEST(Triangles, RandomScenesInEveryMode) {
             c.edge_walk = walk == 0 ? EdgeWalk::exact : EdgeWalk::dda;
             c.dda_update = walk == 2 ? DdaUpdate::multiply : DdaUpdate::accumulate;
             c.edge_slope = form;
-            c.row_slope = form == SlopeForm::divide ? SlopeForm::reciprocal : SlopeForm::divide;
+            c.row_slope = form == SlopeForm::divide ? RowSlope::reciprocal : RowSlope::divide;
             ++seed;
             if (!check(c, random_scene(seed, small_scenes()), "seed " + std::to_string(seed))) {
               return;
@@ -240,6 +241,7 @@ TEST(Triangles, RandomConfigurations) {
     if (c.perspective == Perspective::const_depth_rows) {
       throw InputError("not walked by rows");
     }
+    if (has_dz(c.depth_code)) throw InputError("its gradients are not in lanes");
   };
   RandomOptions scenes = small_scenes();
   scenes.triangles = 24;
@@ -259,7 +261,7 @@ TEST(Triangles, RandomConfigurations) {
     }
   }
   // The test is of the lanes, so many must take them. Wide formats, which are drawn too, do not.
-  EXPECT_GT(in_lanes, 100);  // levels of textures have no lanes
+  EXPECT_GT(in_lanes, 60);  // levels of textures and rows by planes have no lanes
 }
 
 // Registers that all round by adding a constant and saturate: these have a text of their own.
@@ -270,6 +272,7 @@ TEST(Triangles, RandomConfigurationsOfBranchFreeRegisters) {
     if (c.perspective == Perspective::const_depth_rows) {
       throw InputError("not walked by rows");
     }
+    if (has_dz(c.depth_code)) throw InputError("its gradients are not in lanes");
   };
   RandomOptions scenes = small_scenes();
   scenes.triangles = 24;

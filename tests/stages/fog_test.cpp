@@ -23,7 +23,7 @@ struct Foggy {
     TextureRecord t;
     t.r = t.g = t.b = encoded(colour, config.format(FormatId::texture_color));
     FogRecord out;
-    model::fog(stage, f, t, out);
+    model::fog(stage, f, {}, t, out);
     return out;
   }
   double factor(const FogRecord& r) const { return decoded(r.factor, config.format(FormatId::fog_factor)); }

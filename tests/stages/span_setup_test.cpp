@@ -101,7 +101,7 @@ TEST(SpanSetup, Affine) {
 // L = 8 has an exact reciprocal: one divide, the same values. L = 12 has not.
 TEST(SpanSetup, OneReciprocalServesAllSlopes) {
   Config c = plain_config();
-  c.row_slope = SlopeForm::reciprocal;
+  c.row_slope = RowSlope::reciprocal;
   c.row_reciprocal.output = {5, 1, false, Rounding::trn, Overflow::sat, false};
   const SpanSetup setup(c);
   RowRecord row = setup.row();
@@ -118,7 +118,7 @@ TEST(SpanSetup, OneReciprocalServesAllSlopes) {
 }
 
 TEST(SpanSetup, NoLengthNoStepsNoDivide) {
-  for (const SlopeForm form : {SlopeForm::divide, SlopeForm::reciprocal}) {
+  for (const RowSlope form : {RowSlope::divide, RowSlope::reciprocal}) {
     Config c = plain_config();
     c.row_slope = form;
     const SpanSetup setup(c);

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <vector>
 
+#include "golden/constants.hpp"
+#include "golden/span.hpp"
 #include "tests/stages/worked.hpp"
 
 namespace bitspan {
@@ -39,6 +42,65 @@ SpanRecord straight_span(const Config& c) {
   s.r = encoded(0.25, c.format(FormatId::span_shade_acc));
   s.r_step0 = s.r_step1 = encoded(0.125, c.format(FormatId::span_shade_step));
   return s;
+}
+
+// Ten pixels in subspans of four: 0, 4 and 8 are exact, and 9, which no subspan has.
+TEST(Span, SubspansAreLinearBetweenExactPixels) {
+  Config c = plain_config();
+  SpanRecord row = straight_span(c);
+  row.count = 10;
+  const auto exact = walk(stage_of(c), row);
+  c.subspan_bits = 2;
+  const auto stage = stage_of(c);
+  const auto fragments = walk(stage, row);
+  ASSERT_EQ(fragments.size(), 10U);
+  const auto u = [&](std::size_t i) { return decoded(fragments[i].u, c.format(FormatId::span_uv)); };
+  for (std::size_t i = 0; i < 10; ++i) {
+    FragmentRecord same = fragments[i];
+    if (i % 4 == 0 || i == 9) {
+      EXPECT_EQ(same, exact[i]) << i;
+      EXPECT_NE(same.recip_m, 0);
+      continue;
+    }
+    EXPECT_EQ(same.recip_m, 0);
+    EXPECT_EQ(same.recip_e, 0);
+    const std::size_t a = i / 4 * 4;
+    EXPECT_NEAR(u(i), u(a) + (u(a + 4) - u(a)) * static_cast<double>(i - a) / 4, 0x1p-21) << i;
+    EXPECT_NE(same.u, exact[i].u);
+    // All else is as without subspans.
+    same.u = exact[i].u;
+    same.v = exact[i].v;
+    same.recip_m = exact[i].recip_m;
+    same.recip_e = exact[i].recip_e;
+    EXPECT_EQ(same, exact[i]) << i;
+  }
+}
+
+// Of every length of a row: how many pixels divide, and what golden makes of the same row.
+TEST(Span, SubspansOfEveryRowEqualGoldens) {
+  for (const int bits : {1, 2, 3, 6}) {
+    Config c = shipped_config("depth16");
+    c.subspan_bits = bits;
+    const Scene scene = worked_scene();
+    const auto stage = model::prepare_span(c, model::make_constants(c, scene));
+    const auto golden = golden::make_span({}, c, golden::make_constants(c, scene));
+    for (std::int64_t count = 1; count <= 150; ++count) {
+      SpanRecord row = straight_span(c);
+      row.count = count;
+      row.fu_step0 = row.fu_step1 = encoded(77, c.format(FormatId::span_f_step));
+      row.fv = encoded(-5000, c.format(FormatId::span_f));
+      row.v1 = encoded(3, c.format(FormatId::edge_uv));
+      const auto fragments = walk(stage, row);
+      std::vector<FragmentRecord> expected;
+      golden(std::array{row}, nullptr, {}, expected);
+      ASSERT_EQ(fragments, expected) << bits << " " << count;
+      std::int64_t divides = 0;
+      for (const FragmentRecord& f : fragments) divides += f.recip_m != 0 ? 1 : 0;
+      const std::int64_t length = std::int64_t{1} << bits;
+      const std::int64_t subspans = (count - 1) / length;
+      EXPECT_EQ(divides, subspans + count - subspans * length);
+    }
+  }
 }
 
 TEST(Span, DeltaF) {

@@ -6,9 +6,11 @@
 
 #include <cstdlib>
 #include <random>
+#include <set>
 #include <string>
 
 #include "golden/texel.hpp"
+#include "scene/procedural.hpp"
 #include "scene/texels.hpp"
 #include "tests/support/input_error.hpp"
 
@@ -18,9 +20,14 @@ namespace {
 using Codes = std::array<std::uint8_t, 4>;
 using Bytes = std::vector<std::uint8_t>;
 
+constexpr std::array procedural_formats{TexelFormat::checker, TexelFormat::brick, TexelFormat::noise};
+
+// Those whose texels lie in memory.
 std::vector<TexelFormat> formats() {
   std::vector<TexelFormat> out;
-  for (std::size_t f = 0; f < enum_names<TexelFormat>.size(); ++f) out.push_back(static_cast<TexelFormat>(f));
+  for (std::size_t f = 0; f < enum_names<TexelFormat>.size(); ++f) {
+    if (!is_procedural(static_cast<TexelFormat>(f))) out.push_back(static_cast<TexelFormat>(f));
+  }
   return out;
 }
 
@@ -328,6 +335,136 @@ TEST(Texel, ConvertedBlocksKeepWhatTheyCanHold) {
     EXPECT_EQ(c[3], format == F::i8 ? 255 : 51) << to_string(format);
     EXPECT_EQ(c[0], format == F::a8 ? 51 : format == F::ai44 ? 102 : 100) << to_string(format);
   }
+}
+
+// ---- Procedural textures
+
+// The specification's hash, in 64 bits with remainders.
+int hash(std::uint64_t x, std::uint64_t y, std::uint64_t seed) {
+  constexpr std::uint64_t word = std::uint64_t{1} << 32;
+  std::uint64_t n = (x * 1640531 + y * 1274127 + seed * 1013901 + 668265) % word;
+  for (const std::uint64_t factor : {1597335, 2018697, 1394573}) n = (n ^ n / 32768) * factor % word;
+  return static_cast<int>(n / 16777216);
+}
+
+Texture pattern(TexelFormat format, int width, int height, const std::vector<int>& values) {
+  std::vector<std::int16_t> table{10, 20, 30, 255, 110, 220, 130, 0};
+  for (const int value : values) table.push_back(static_cast<std::int16_t>(value));
+  return texture_of(format, width, height, {}, table);
+}
+
+TEST(Procedural, CheckerByHand) {
+  const Texture t = pattern(TexelFormat::checker, 16, 16, {3, 5});
+  const Codes first{10, 20, 30, 255}, second{110, 220, 130, 0};
+  EXPECT_EQ(texel(t, 0, 0), first);
+  EXPECT_EQ(texel(t, 2, 4), first);
+  EXPECT_EQ(texel(t, 3, 4), second);
+  EXPECT_EQ(texel(t, 3, 5), first);
+  EXPECT_EQ(texel(t, 0, 5), second);
+  EXPECT_EQ(texel(t, 15, 15), first);
+}
+
+TEST(Procedural, BricksByHand) {
+  EXPECT_EQ(hash(0, 0, 0), 189);  // as another program has it
+  EXPECT_EQ(hash(2, 3, 5), 112);
+  EXPECT_EQ(hash(16383, 16383, 32767), 228);
+  // Bricks of 8 x 4 texels, joints of one texel, each second row shifted by 3.
+  const Texture plain = pattern(TexelFormat::brick, 16, 12, {8, 4, 1, 3, 0, 5});
+  const Codes brick{10, 20, 30, 255}, mortar{110, 220, 130, 0};
+  EXPECT_EQ(texel(plain, 1, 1), brick);
+  EXPECT_EQ(texel(plain, 0, 1), mortar);
+  EXPECT_EQ(texel(plain, 8, 1), mortar);
+  EXPECT_EQ(texel(plain, 3, 0), mortar);
+  EXPECT_EQ(texel(plain, 5, 5), mortar);  // 5 + 3 = 8
+  EXPECT_EQ(texel(plain, 0, 5), brick);
+  EXPECT_EQ(texel(plain, 8, 9), mortar);  // the third row is not shifted
+  // Darker by floor(c vary hash / 65536), alpha as it is. Column 1 of row 2.
+  const Texture varied = pattern(TexelFormat::brick, 16, 12, {8, 4, 1, 3, 255, 5});
+  const int share = 255 * hash(1, 2, 5);
+  const auto darker = [&](int c) { return static_cast<std::uint8_t>(c - c * share / 65536); };
+  EXPECT_EQ(texel(varied, 9, 9), (Codes{darker(10), darker(20), darker(30), 255}));
+  EXPECT_LT(darker(30), 30);
+  // Row 1 is shifted out of the texture: its last brick is column 2 of two, which is 0.
+  const int first = 255 * hash(0, 1, 5);
+  EXPECT_EQ(texel(varied, 14, 5)[2], 30 - 30 * first / 65536);
+}
+
+TEST(Procedural, NoiseByHand) {
+  const auto mixed = [](int from, int to, int t) {
+    return static_cast<std::uint8_t>((from * (255 - t) + to * t + 127) / 255);
+  };
+  // Cells of one texel: the hash itself.
+  const Texture dots = pattern(TexelFormat::noise, 4, 4, {0, 1, 9});
+  for (int j = 0; j < 4; ++j) {
+    for (int i = 0; i < 4; ++i) {
+      EXPECT_EQ(texel(dots, i, j)[1],
+                mixed(20, 220, hash(static_cast<unsigned>(i), static_cast<unsigned>(j), 9)));
+    }
+  }
+  // Cells of four texels; corners 244, 248 and 224, 73. Texel (1, 2): (3 244 + 248) / 4 = 245 above,
+  // (3 224 + 73) / 4 = 186.25 below, 215.625 between.
+  const Texture smooth = pattern(TexelFormat::noise, 8, 8, {2, 1, 9});
+  EXPECT_EQ(texel(smooth, 0, 0)[1], mixed(20, 220, 244));
+  EXPECT_EQ(texel(smooth, 1, 2)[1], mixed(20, 220, 215));
+  // A lattice of one column and one row: each corner is the same, so that the texture repeats without a seam.
+  const Texture flat = pattern(TexelFormat::noise, 4, 4, {2, 1, 9});
+  EXPECT_EQ(texel(flat, 3, 3)[1], mixed(20, 220, 244));
+  // Two octaves: twice the coarse one and once the fine one, of the next seed, over three.
+  const Texture two = pattern(TexelFormat::noise, 8, 8, {2, 2, 9});
+  const int above =
+      (hash(0, 1, 10) + hash(1, 1, 10)) / 2;  // cells of two texels: (1, 2) lies between two corners
+  EXPECT_EQ(texel(two, 1, 2)[1], mixed(20, 220, (2 * 215 + above) / 3));
+}
+
+// Any legal table, textures of any size: every texel.
+TEST(Procedural, GoldenEqualsTheModel) {
+  const std::uint64_t seed = 11;
+  Random random(seed);
+  std::size_t compared = 0, colors = 0;
+  for (int n = 0; n < 300; ++n) {
+    const TexelFormat format = procedural_formats[static_cast<std::size_t>(n % 3)];
+    const Texture t = random_procedural(random, format, static_cast<int>(random.integer(1, 90)),
+                                        static_cast<int>(random.integer(1, 90)));
+    std::set<Codes> seen;
+    for (int j = 0; j < t.height; ++j) {
+      for (int i = 0; i < t.width; ++i, ++compared) {
+        const Codes c = model::texel_of(t, i, j);
+        ASSERT_EQ(golden::fetch_texel(t, i, j), c)
+            << to_string(format) << " seed " << seed << " texture " << n << " at " << i << ", " << j;
+        seen.insert(c);
+      }
+    }
+    colors += seen.size();
+  }
+  EXPECT_GT(compared, 300000U);
+  EXPECT_GT(colors, 5000U);
+  // The largest of everything.
+  for (const TexelFormat format : procedural_formats) {
+    const std::vector<int> largest = format == TexelFormat::checker ? std::vector<int>{16384, 16384}
+                                     : format == TexelFormat::brick
+                                         ? std::vector<int>{16384, 16384, 1, 16384, 255, 32767}
+                                         : std::vector<int>{14, 15, 32767};
+    const Texture t = pattern(format, 16384, 16384, largest);
+    for (int k = 0; k < 20000; ++k) texel(t, random.integer(0, 16383), random.integer(0, 16383));
+  }
+}
+
+// Neighbours, and seeds, tell nothing of each other; every code comes about as often.
+TEST(Procedural, TheHashScatters) {
+  std::array<int, 256> count{};
+  double same_row = 0, same_column = 0, seeds = 0, square = 0;
+  for (unsigned y = 0; y < 256; ++y) {
+    for (unsigned x = 0; x < 256; ++x) {
+      const double here = hash(x, y, 0) - 127.5;
+      ++count[static_cast<std::size_t>(hash(x, y, 0))];
+      square += here * here;
+      same_row += here * (hash(x + 1, y, 0) - 127.5);
+      same_column += here * (hash(x, y + 1, 0) - 127.5);
+      seeds += here * (hash(x, y, 1) - 127.5);
+    }
+  }
+  for (const double sum : {same_row, same_column, seeds}) EXPECT_LT(std::fabs(sum), 0.02 * square);
+  for (const int n : count) EXPECT_NEAR(n, 256, 80);  // five standard deviations
 }
 
 }  // namespace

@@ -3,6 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "golden/texture.hpp"
 #include "tests/stages/worked.hpp"
 
 namespace bitspan {
@@ -182,6 +188,77 @@ TEST(Texture, TransparentCode) {
   EXPECT_GT(Lookup(c).red(Lookup(c)(1.9, 1.5, &image)), 100);
 }
 
+// Golden against the model over every range of red and a place in each texel.
+TEST(Texture, ChromaRange) {
+  const Texture image = small_image();
+  Config c = plain_config();
+  DrawState state = first_state(c);
+  const auto lookup = [&] {
+    Lookup out(c);
+    out.stage.chroma = model::chroma_of(state);
+    return out;
+  };
+  // Red 10..20 is the texels (1, 0), (1, 1) = 11 and (2, 0); both ends count.
+  state.chroma_low_red = 10;
+  state.chroma_high_red = 20;
+  EXPECT_EQ(lookup()(1.5, 0.5, &image).killed, 0);
+  state.chroma_test = ChromaTest::inside;
+  EXPECT_EQ(lookup()(1.5, 0.5, &image).killed, 1);
+  EXPECT_EQ(lookup()(2.5, 0.5, &image).killed, 1);
+  EXPECT_EQ(lookup()(3.5, 0.5, &image).killed, 0);
+  EXPECT_EQ(lookup()(3, 4, nullptr).killed, 0);
+  // All three colours decide.
+  state.chroma_low_green = 101;
+  EXPECT_EQ(lookup()(1.5, 0.5, &image).killed, 0);
+  state.chroma_low_green = 100;
+  state.chroma_test = ChromaTest::outside;
+  EXPECT_EQ(lookup()(1.5, 0.5, &image).killed, 0);
+  EXPECT_EQ(lookup()(3.5, 0.5, &image).killed, 1);
+  EXPECT_EQ(lookup()(3, 4, nullptr).killed, 0);
+  // The reserved colour stays transparent, inside of the range, too.
+  c.transparent = {20, 100, 255};
+  EXPECT_EQ(lookup()(2.5, 0.5, &image).killed, 1);
+  EXPECT_EQ(lookup()(1.5, 0.5, &image).killed, 0);
+  c.transparent.reset();
+  // Between 20 and the keyed 30 there is 20 alone.
+  c.filter = TextureFilter::bilinear;
+  EXPECT_EQ(lookup().red(lookup()(2.9, 0.5, &image)), 20);
+  EXPECT_EQ(lookup()(2.9, 0.5, &image).killed, 0);
+  EXPECT_EQ(lookup()(3.1, 0.5, &image).killed, 1);
+
+  std::uint64_t killed = 0;
+  for (const TextureFilter filter : {TextureFilter::nearest, TextureFilter::bilinear}) {
+    c.filter = filter;
+    const auto golden = golden::make_texture({}, c);
+    for (const ChromaTest test : {ChromaTest::none, ChromaTest::inside, ChromaTest::outside}) {
+      state.chroma_test = test;
+      for (int low = 0; low < 36; low += 3) {
+        for (int high = 0; high < 36; high += 3) {
+          state.chroma_low_red = low;
+          state.chroma_high_red = high;
+          const Lookup model = lookup();
+          for (int place = 0; place < 32; ++place) {
+            FragmentRecord f;
+            f.triangle = 1;
+            f.x = 2;
+            f.y = 3;
+            f.u = encoded(0.25 + 0.5 * (place % 8), c.format(FormatId::span_uv));
+            f.v = encoded(0.25 + 0.5 * (place / 8), c.format(FormatId::span_uv));
+            f.r = f.g = f.b = f.a = encoded(1, c.format(FormatId::span_shade));
+            const std::array<const FragmentRecord*, 1> fragments{&f};
+            std::vector<TextureRecord> out;
+            golden(fragments, &image, state, out);
+            const TextureRecord got = model(0.25 + 0.5 * (place % 8), 0.25 + 0.5 * (place / 8), &image);
+            ASSERT_EQ(out.at(0), got) << to_string(test) << " " << low << ".." << high << " at " << place;
+            killed += static_cast<std::uint64_t>(got.killed);
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(killed, 5000U);
+}
+
 TEST(Texture, ColourAndAlphaAreProducts) {
   Texture image = small_image();
   image.rgba[3] = 51;  // a fifth
@@ -199,6 +276,40 @@ TEST(Texture, ColourAndAlphaAreProducts) {
   lookup.shade[3] = 1;
   image.rgba[3] = 0;
   EXPECT_EQ(lookup(0.5, 0.5, &image).killed, 1);
+}
+
+// The alpha n / 255 has the code n in the alpha test, as in OpenGL, where alpha is rounded to the nearest
+// code.
+TEST(Texture, AlphaTestComparesCodes) {
+  constexpr std::array<std::string_view, 8> passing{"", "<", "=", "<=", ">", "<>", ">=", "<=>"};
+  std::uint64_t killed = 0;
+  for (const std::string name : {"depth16", "depth20"}) {
+    const Config config = shipped_config(name);
+    const golden::TextureStage definition = golden::make_texture({}, config);
+    model::TextureStage stage = model::prepare_texture(config);
+    DrawState state = first_state(config);
+    FragmentRecord fragment;
+    const std::array<const FragmentRecord*, 1> fragments{&fragment};
+    for (std::size_t func = 0; func < passing.size(); ++func) {
+      state.alpha_func = stage.alpha_func = static_cast<CompareFunc>(func);
+      for (int code = 1; code < 256; ++code) {
+        fragment.a = encoded(code / 255.0, config.format(FormatId::span_shade));
+        for (const int ref : {0, 1, code - 1, code, std::min(code + 1, 255), 128, 255}) {
+          state.alpha_ref = stage.alpha_ref = ref;
+          const char order = code < ref ? '<' : code > ref ? '>' : '=';
+          const bool lives = passing.at(func).find(order) != std::string_view::npos;
+          TextureRecord out;
+          ASSERT_EQ(model::texture(stage, static_cast<const Texture*>(nullptr), fragment, out), lives)
+              << name << ", function " << func << ", alpha " << code << ", reference " << ref;
+          std::vector<TextureRecord> expected;
+          definition(fragments, nullptr, state, expected);
+          ASSERT_EQ(std::vector{out}, expected);
+          killed += lives ? 0U : 1U;
+        }
+      }
+    }
+  }
+  EXPECT_GT(killed, 10000U);
 }
 
 TEST(Texture, NarrowAndWideAgree) {

@@ -81,7 +81,7 @@ TEST(AreaEstimate, KnowsTheKindsOfReciprocal) {
   config.pixel_reciprocal.steps = 2;
   EXPECT_GT(area_shape(config).blocks, newton.blocks);
   config = base;
-  config.row_slope = SlopeForm::divide;
+  config.row_slope = RowSlope::divide;
   EXPECT_EQ(area_shape(config).blocks, newton.blocks);  // one multiplier forms the products that are left
   EXPECT_GT(area_shape(config).steps, newton.steps);
 }

@@ -218,7 +218,7 @@ TEST_P(ShippedBounds, HoldOnRandomScenesInBothEdgeWalks) {
 TEST_P(ShippedBounds, HoldInTheOtherFormsOfSlopesAndCoverage) {
   Config config = shipped_config(shipped_names[static_cast<std::size_t>(GetParam())]);
   config.edge_slope = SlopeForm::reciprocal;
-  config.row_slope = SlopeForm::divide;
+  config.row_slope = RowSlope::divide;
   config.fill_rule = FillRule::inclusive;
   config.depth_code = DepthCode::opengl;
   config.edge_reciprocal.normalize = false;
@@ -564,6 +564,10 @@ TEST(Bounds, ModesAndRangesWithoutABoundAreRefused) {
     expect_refusal([&] { error_bounds(config, range); }, "perspective.mode: no bound is known for ");
     expect_refusal([&] { error_bounds(config, demo_scene(64, 48)); }, "perspective.mode");
   }
+  Config plane = shipped_config("depth16");
+  plane.row_slope = RowSlope::plane;
+  EXPECT_FALSE(has_bounds(plane));
+  expect_refusal([&] { error_bounds(plane, range); }, "slope.row: no bound is known for plane");
   Config linear = shipped_config("depth16");
   linear.depth_code = DepthCode::linear;
   EXPECT_FALSE(has_bounds(linear));

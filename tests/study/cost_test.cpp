@@ -22,7 +22,7 @@ std::vector<Config> all_modes(const Config& base) {
   for (const Perspective perspective : all_perspectives) {
     for (const auto walk : {EdgeWalk::exact, EdgeWalk::dda}) {
       for (const auto edge : {SlopeForm::divide, SlopeForm::reciprocal}) {
-        for (const auto row : {SlopeForm::divide, SlopeForm::reciprocal}) {
+        for (const auto row : {RowSlope::divide, RowSlope::reciprocal, RowSlope::plane}) {
           for (const auto code : {DepthCode::inverse, DepthCode::linear, DepthCode::opengl}) {
             for (const auto filter : {TextureFilter::nearest, TextureFilter::bilinear}) {
               for (const auto fog : {FogMode::none, FogMode::linear, FogMode::table}) {
@@ -156,7 +156,7 @@ TEST(Cost, OtherModesByHand) {
   EXPECT_EQ(bits_of(multipliers(h), "span_setup") - bits_of(multipliers(plain), "span_setup"),
             4 * 25 * 39 - 2 * 26 * 39 + 2 * 21);
   EXPECT_EQ(register_bits(h) - register_bits(plain), 2 * 40 - 19 - newton);
-  h.row_slope = SlopeForm::divide;
+  h.row_slope = RowSlope::divide;
   EXPECT_EQ(bits_of(multipliers(h), "span_setup"), 4 * 25 * 39 + 38 * 29 + 2 * 42 * 29 + 4 * 24 * 29);
 
   Config a = plain;

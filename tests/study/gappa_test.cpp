@@ -71,7 +71,7 @@ TEST(Gappa, ProvesOtherRoundingsWidthsAndForms) {
   for (int mode = 0; mode < rounding_modes; ++mode) {
     Config config = shipped_config("depth16");
     config.edge_slope = SlopeForm::reciprocal;
-    config.row_slope = mode % 2 == 0 ? SlopeForm::divide : SlopeForm::reciprocal;
+    config.row_slope = mode % 2 == 0 ? RowSlope::divide : RowSlope::reciprocal;
     const auto rounding = static_cast<Rounding>(mode);
     for (const FormatId id :
          {FormatId::edge_h_step, FormatId::edge_h_acc, FormatId::edge_h, FormatId::span_h_step,

@@ -26,8 +26,9 @@ TEST(Truth, IsIdealOfAnyConfiguration) {
     RandomOptions options;
     options.width = 64;
     options.height = 48;
-    options.triangles = 16;
+    options.triangles = 24;
     options.size_max = 60;
+    options.mip_chains = has_lod(config);
     const Scene scene = random_scene(seed, options);
     const Truth truth(config, scene, scene.triangles);
     ASSERT_EQ(truth.size(), scene.triangles.size());

@@ -41,13 +41,14 @@ inline Config plain_config() {
   c.format(FormatId::plane_k) = {22, 2, true, Rounding::rnd, Overflow::sat, false};
   c.format(FormatId::texture_frac) = {8, 0, false, Rounding::trn, Overflow::sat, false};
   is_unsigned(FormatId::lod_frac, 8, 0);
+  is_unsigned(FormatId::distance_g, 16, 2);
   is_unsigned(FormatId::texture_mix, 12, 8);
   is_unsigned(FormatId::texture_color, 12, 8);
   is_unsigned(FormatId::texture_alpha, 11, 1);
   is_unsigned(FormatId::fog_factor, 11, 1);
   is_unsigned(FormatId::fog_color, 12, 8);
   is_unsigned(FormatId::merge_color, 8, 8);
-  c.row_slope = SlopeForm::divide;
+  c.row_slope = RowSlope::divide;
   c.fog = FogMode::none;
   Reciprocal exact;  // 1 / n to 30 bits
   exact.output = {31, 1, false, Rounding::rnd, Overflow::sat, false};

@@ -20,6 +20,7 @@
 #include "tests/support/files.hpp"
 #include "tests/support/same_frame.hpp"
 #include "tests/support/test_config.hpp"
+#include "tests/timed/square_half.hpp"
 
 namespace bitspan {
 namespace {
@@ -163,16 +164,7 @@ TEST(EngineSystemc, FragmentsOfOnePixelWaitForEachOther) {
 }
 
 TEST(EngineSystemc, OneTriangleByHand) {
-  // A square half of 4 rows of 4, 3, 2, 1 pixels: offered at clock 0.
-  Scene scene;
-  scene.width = scene.height = 8;
-  scene.s_min = 1;
-  scene.s_max = 100;
-  Triangle t;
-  t.v[0] = {.x = 0, .y = 0, .s = 2};
-  t.v[1] = {.x = 4.25, .y = 0, .s = 2};
-  t.v[2] = {.x = 0, .y = 4.25, .s = 2};
-  scene.triangles.push_back(t);
+  const Scene scene = square_half();  // offered at clock 0
   Config config = shipped_config("depth16");
   set_timing(config, 1, 1, 4, {.latency = 1, .width_bytes = 1024});
   config.row_reciprocal.pipelined = true;
@@ -204,6 +196,103 @@ TEST(EngineSystemc, OneTriangleByHand) {
   EXPECT_EQ(report.stages[3].busy, 10U);
   EXPECT_EQ(report.memory.reads, 1U);   // the depth word
   EXPECT_EQ(report.memory.writes, 2U);  // colour and depth words
+}
+
+TimedReport report_of(const Config& config, const Scene& scene, TimedMode mode) {
+  const auto engine = make_systemc(config, {.mode = mode});
+  engine->begin(scene);
+  draw_scene(*engine, scene, 0, scene.triangles.size(), nullptr);
+  return engine->report();
+}
+
+const std::vector<std::pair<std::string, std::int64_t>> late_tests{{"depth.when", 1}};
+
+TEST(EngineSystemc, LateTestsByHand) {
+  Config config = shipped_config("depth16");
+  set_timing(config, 1, 1, 4, {.latency = 1, .width_bytes = 1024});
+  config.row_reciprocal.pipelined = true;
+  config.rtl.setup_multipliers = 16;
+  config.rtl.fifo = 2;
+  for (const TimedMode mode : {TimedMode::cycle, TimedMode::span}) {
+    const auto report = [&](const Scene& scene) { return report_of(config, scene, mode); };
+    const auto in_state = [](std::vector<std::pair<std::string, std::int64_t>> state) {
+      state.insert(state.end(), late_tests.begin(), late_tests.end());
+      return state;
+    };
+    const TimedReport early = report(square_half({}));
+    // The same stages in another order, and the change itself takes no clock.
+    const TimedReport late = report(square_half(late_tests));
+    EXPECT_EQ(late.cycles, early.cycles);
+    EXPECT_EQ(late.memory.reads, 1U);
+    EXPECT_EQ(late.memory.writes, 2U);
+    EXPECT_EQ(late.stages[4].name, "depth");
+    EXPECT_EQ(late.stages[4].records_in, 10U);
+    EXPECT_EQ(late.stages[5].records_in, 10U);
+
+    // The first fragment asks for the depth word and the stencil word, and writes the latter: two clocks on
+    // which no other one enters depth. The others follow one by one; so merge's second write costs no clock.
+    const TimedReport stencil = report(
+        square_half(in_state({{"stencil.test", 1}, {"stencil.ref", 1}, {"stencil.pass", 2}})));  // replace
+    EXPECT_EQ(stencil.cycles, early.cycles + 1);
+    EXPECT_EQ(stencil.memory.reads, 2U);
+    EXPECT_EQ(stencil.memory.writes, 3U);
+    EXPECT_EQ(stencil.stages[4].memory, 2U);
+    // The plane keeps what it has: no write.
+    const TimedReport kept = report(square_half(in_state({{"stencil.test", 1}})));
+    EXPECT_EQ(kept.memory.reads, 2U);
+    EXPECT_EQ(kept.memory.writes, 2U);
+
+    // What texture kills reads no depth code behind it, and one in front of it.
+    const TimedReport killed_early = report(square_half({}, 0));
+    EXPECT_EQ(killed_early.memory.reads, 1U);
+    EXPECT_EQ(killed_early.stages[4].records_in, 10U);
+    const TimedReport killed_late = report(square_half(late_tests, 0));
+    EXPECT_EQ(killed_late.memory.reads, 0U);
+    EXPECT_EQ(killed_late.stages[4].records_in, 0U);
+    EXPECT_EQ(killed_late.stages[5].records_out, 0U);
+    EXPECT_LT(killed_late.cycles, late.cycles);
+
+    // What fails the depth test has had its texels looked up; what is masked has not.
+    const TimedReport behind = report(square_half(in_state({{"depth.func", 0}})));  // never
+    EXPECT_EQ(behind.stages[5].records_out, 10U);
+    EXPECT_EQ(behind.stages[4].records_out, 0U);
+    const TimedReport masked = report(square_half(in_state({{"scissor.right", 1}})));
+    EXPECT_EQ(masked.stages[5].records_in, 10U);
+    EXPECT_EQ(masked.stages[5].records_out, 4U);
+    EXPECT_EQ(masked.stages[4].records_in, 4U);
+  }
+}
+
+// With the stencil test a fragment that fails changes the plane, too: the next one of its pixel enters depth
+// when it has left, one clock later. Without it nothing waits for a fragment that fails.
+TEST(EngineSystemc, StencilTestsOfOnePixelWaitForEachOther) {
+  Config config = shipped_config("depth16");
+  set_timing(config, 1, 1, 4, {.latency = 1, .width_bytes = 1024});
+  config.row_reciprocal.pipelined = true;
+  config.rtl.setup_multipliers = 16;  // a row each clock
+  const auto latency = static_cast<std::uint64_t>(
+      timed::stage_timings(config)[static_cast<std::size_t>(Stage::depth)].latency);
+  const auto with_stencil = [](bool test) {
+    std::vector<std::pair<std::string, std::int64_t>> state = late_tests;
+    state.emplace_back("depth.func", 0);  // never
+    state.emplace_back("stencil.test", test ? 1 : 0);
+    state.emplace_back("stencil.zfail", 3);  // increment
+    return state;
+  };
+  for (const TimedMode mode : {TimedMode::cycle, TimedMode::span}) {
+    const auto cycles = [&](bool test, std::size_t triangles) {
+      Scene scene = square_half(with_stencil(test));
+      Triangle& t = scene.triangles[0];
+      t.v[0] = {.x = 1.25, .y = 1.25, .s = 50};
+      t.v[1] = {.x = 2.25, .y = 1.25, .s = 50};
+      t.v[2] = {.x = 1.25, .y = 2.25, .s = 50};
+      for (Vertex& v : t.v) v.c = {1, 1, 1, 1};
+      scene.triangles.resize(triangles, Triangle(t));
+      return report_of(config, scene, mode).cycles;
+    };
+    EXPECT_EQ(cycles(true, 60) - cycles(true, 40), 20 * (latency + 1));
+    EXPECT_LT(cycles(false, 60) - cycles(false, 40), 20 * (latency + 1));
+  }
 }
 
 TEST(EngineSystemc, SlowerIsNeverFaster) {
@@ -386,6 +475,55 @@ TEST(EngineSystemc, TheCacheSeesEachTexelAccess) {
   EXPECT_LE(large.cache_misses, lines);
   EXPECT_GT(small.cache_misses, large.cache_misses);
   EXPECT_GE(small.memory.reads, small.cache_misses);
+}
+
+// With the second texture unit each fragment looks two textures up, in both modes alike. Where both units
+// show the same texture, the second one never misses.
+TEST(EngineSystemc, BothTextureUnitsFetch) {
+  Config config = shipped_config("depth16");
+  config.memory.cache_sets = 4096;
+  config.filter = TextureFilter::nearest;
+  Scene scene = small_scene(3, 30);
+  Texture image{.name = "image", .width = 64, .height = 64, .rgba = {}};
+  for (std::size_t k = 0; k < std::size_t{64} * 64 * 4; ++k) {
+    image.rgba.push_back(k % 4 == 3 ? 255 : static_cast<std::uint8_t>(k * k / 64));
+  }
+  scene.textures = {image, image};
+  for (Triangle& t : scene.triangles) {
+    t.texture = 0;
+    for (Vertex& v : t.v) {
+      v.u = v.x;
+      v.v = v.y;
+    }
+  }
+  const auto report = [&](int second, TimedMode mode) {
+    scene.commands = {{0, {false, {{*find_state_register("texture1"), second}}}, {}}};
+    SystemcOptions options;
+    options.mode = mode;
+    const auto engine = make_systemc(config, options);
+    engine->begin(scene);
+    draw_scene(*engine, scene, 0, scene.triangles.size(), nullptr);
+    const std::uint64_t looked_up = engine->counters().depth_passed * (second < 0 ? 1U : 2U);
+    const TimedReport out = engine->report();
+    EXPECT_EQ(out.cache_hits + out.cache_misses, looked_up);
+    return out;
+  };
+  for (const TimedMode mode : {TimedMode::cycle, TimedMode::span}) {
+    const TimedReport off = report(-1, mode), same = report(0, mode), other = report(1, mode);
+    EXPECT_GT(off.cache_misses, 20U);
+    EXPECT_EQ(same.cache_misses, off.cache_misses);
+    EXPECT_EQ(same.cycles, off.cycles);
+    // The same lines once more, of another texture: each is a read, with its beats of the bus.
+    EXPECT_EQ(other.cache_misses, 2 * off.cache_misses);
+    EXPECT_EQ(other.memory.reads - off.memory.reads, off.cache_misses);
+    EXPECT_EQ(other.memory.beats - off.memory.beats,
+              off.cache_misses *
+                  static_cast<std::uint64_t>(config.memory.cache_line_bytes / config.memory.width_bytes));
+    EXPECT_GT(other.cycles, off.cycles);
+    if (mode == TimedMode::span) {
+      EXPECT_EQ(other.cycles, report(1, TimedMode::cycle).cycles);
+    }
+  }
 }
 
 // The cache holds all: each line that a texel of the model's records lies in misses once.

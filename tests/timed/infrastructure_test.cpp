@@ -92,7 +92,7 @@ TEST(Cache, EqualsANaiveReference) {
   std::mt19937 random(3);
   for (const auto& [line, sets, ways] :
        {std::tuple{64, 64, 2}, {1, 1, 1}, {4, 1, 4}, {16, 8, 1}, {32, 3, 5}, {8, 5, 2}}) {
-    Cache cache(line, sets, ways);
+    Cache cache({line, sets, ways});
     std::vector<std::list<std::uint64_t>> reference(static_cast<std::size_t>(sets));  // most recent first
     std::uint64_t misses = 0;
     const int accesses = 20000;

@@ -37,15 +37,15 @@ struct Outcome {
   Trace trace;
 };
 
-// `batch` triangles per call; 0: all.
+// With the scene's commands; `batch` triangles per call; 0: all.
 Outcome run(const Config& config, const Scene& scene, const SystemcOptions& options, std::size_t batch = 0) {
   const auto engine = make_systemc(config, options);
   Outcome r;
   engine->begin(scene);
-  const std::span<const Triangle> all = scene.triangles;
-  const std::size_t step = batch == 0 ? all.size() : batch;
-  for (std::size_t i = 0; i < all.size(); i += step) {
-    engine->draw(all.subspan(i, std::min(step, all.size() - i)), static_cast<std::int64_t>(i), &r.trace);
+  const std::size_t all = scene.triangles.size();
+  const std::size_t step = batch == 0 ? all : batch;
+  for (std::size_t i = 0; i < all; i += step) {
+    draw_scene(*engine, scene, i, std::min(step, all - i), &r.trace);
   }
   r.report = engine->report();
   r.counters = engine->counters();
@@ -70,7 +70,7 @@ void expect_consistent(const Outcome& r) {
   EXPECT_GT(moved, 0U);
   const Counters& c = r.counters;
   ASSERT_EQ(r.report.stages.size(), 8U);
-  EXPECT_EQ(r.report.stages[4].records_in, c.covered);
+  EXPECT_EQ(r.report.stages[4].records_in, c.covered - c.masked);
   EXPECT_EQ(r.report.stages[4].records_out, c.depth_passed);
   EXPECT_EQ(r.report.stages[5].records_in, c.depth_passed);
   EXPECT_EQ(r.report.stages[5].records_out, c.written);
@@ -124,6 +124,39 @@ TEST(Ports, BothModesAreEqualAndTheValuesAreTheBuss) {
   }
   EXPECT_GT(seed, 5U);
   EXPECT_GT(uncovered, 10U);
+}
+
+StateSetting setting(const char* key, std::int64_t value) { return {*find_state_register(key), value}; }
+
+// Which planes are written, and which pixels.
+TEST(Ports, DrawState) {
+  const Config config = shipped_config("depth16");
+  Scene scene = random_scene(4, {.width = 64, .height = 48, .triangles = 20, .size_max = 40});
+  scene.commands = {{3, {false, {setting("depth.write", 0), setting("depth.bias", 300)}}, {}},
+                    {6, {false, {setting("color.write", 0), setting("depth.write", 1)}}, {}},
+                    {9, {true, {setting("stipple", 0x5aa55aa5), setting("scissor.left", 9)}}, {}},
+                    {12, {}, Clear{{}, {}, true, {}}},
+                    {14, {false, {setting("depth.func", static_cast<int>(DepthFunc::always))}}, {}}};
+  const Outcome bus = run(config, scene, {.mode = TimedMode::span});
+  for (const PortTiming& ports : {PortTiming{}, {1, 40, 0.3, 5}}) {
+    const Outcome span = run(config, scene, with_ports(ports));
+    const Outcome cycle = run(config, scene, with_ports(ports, TimedMode::cycle), 6);
+    EXPECT_EQ(span.report.cycles, run(config, scene, with_ports(ports, TimedMode::cycle)).report.cycles);
+    expect_same_records(span, bus);
+    expect_same_records(cycle, bus);
+    for (const Outcome* r : {&span, &cycle}) {
+      EXPECT_GT(r->counters.masked, 20U);
+      EXPECT_EQ(r->report.stages[4].records_in, r->counters.covered - r->counters.masked);
+      EXPECT_LT(r->report.ports[z_port].writes, r->counters.written);
+      EXPECT_LT(r->report.ports[color_port].writes, r->counters.written);
+    }
+  }
+  scene.commands = {{3, {false, {setting("alpha.func", static_cast<int>(CompareFunc::less))}}, {}}};
+  EXPECT_THROW(run(config, scene, with_ports({})), InputError);
+  scene.textures.resize(1, Texture{.name = "one", .width = 1, .height = 1, .rgba = {1, 2, 3, 255}});
+  for (Triangle& t : scene.triangles) t.texture = -1;
+  scene.commands = {{3, {false, {setting("texture1", 0)}}, {}}};
+  EXPECT_THROW(run(config, scene, with_ports({})), InputError);
 }
 
 TEST(Ports, TheSeedDecides) {

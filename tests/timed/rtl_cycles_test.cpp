@@ -24,7 +24,7 @@ struct Case {
   Perspective mode = Perspective::delta_f;
   bool pipelined = true;
   ReciprocalKind row = ReciprocalKind::restoring;
-  SlopeForm row_slope = SlopeForm::reciprocal;
+  RowSlope row_slope = RowSlope::reciprocal;
   bool shades = true;
 };
 
@@ -158,19 +158,19 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Case{.name = "depth16_one_at_a_time", .base = "depth16", .pipelined = false},
                     Case{.name = "depth20_pipelined", .base = "depth20"},
                     Case{.name = "narrow_lut_linear", .base = "narrow", .row = ReciprocalKind::lut_linear},
-                    Case{.name = "rows_divided", .base = "depth16", .row_slope = SlopeForm::divide},
+                    Case{.name = "rows_divided", .base = "depth16", .row_slope = RowSlope::divide},
                     Case{.name = "constant_depth", .base = "depth16", .mode = Perspective::const_depth_rows},
                     Case{.name = "without_shades", .base = "depth16", .shades = false},
                     Case{.name = "hyperbolic", .base = "depth16", .mode = Perspective::hyperbolic},
                     Case{.name = "hyperbolic_divided",
                          .base = "narrow",
                          .mode = Perspective::hyperbolic,
-                         .row_slope = SlopeForm::divide},
+                         .row_slope = RowSlope::divide},
                     Case{.name = "affine", .base = "depth16", .mode = Perspective::affine},
                     Case{.name = "affine_divided",
                          .base = "depth16",
                          .mode = Perspective::affine,
-                         .row_slope = SlopeForm::divide,
+                         .row_slope = RowSlope::divide,
                          .shades = false},
                     Case{.name = "constant_depth_one_at_a_time",
                          .base = "narrow",

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <iostream>
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -14,6 +13,7 @@
 
 #include "config/check.hpp"
 #include "config/config.hpp"
+#include "config/modes.hpp"
 #include "model/timed/engine_systemc.hpp"
 #include "report/random_config.hpp"
 #include "scene/demo.hpp"
@@ -28,12 +28,16 @@ namespace {
 struct Totals {
   std::uint64_t runs = 0, cycles = 0, fragments = 0, records = 0;
   std::uint64_t blocked = 0, memory = 0, misses = 0, full_fifos = 0, killed = 0, uncovered = 0;
+  std::uint64_t stencilled = 0;  // fragments that met a stencil test
+  std::int64_t late = 0;         // changes of state to late tests
+  std::uint64_t combined = 0;    // fragments in the second texture unit
 
   void print() const {
     std::cout << "equal: " << runs << " runs, " << cycles << " clocks, " << fragments << " fragments, "
               << records << " records; in them " << blocked << " clocks of a stage blocked, " << memory
               << " waiting for memory, " << full_fifos << " FIFOs full, " << misses << " cache misses, "
-              << killed << " fragments killed, " << uncovered << " not covered\n";
+              << killed << " fragments killed, " << uncovered << " not covered, " << stencilled
+              << " stencil tests\n";
   }
 };
 
@@ -41,6 +45,7 @@ void expect_equal_reports(const TimedReport& span, const TimedReport& cycle, Tot
   EXPECT_EQ(span.cycles, cycle.cycles);
   EXPECT_EQ(span.cache_hits, cycle.cache_hits);
   EXPECT_EQ(span.cache_misses, cycle.cache_misses);
+  EXPECT_TRUE(span.caches == cycle.caches);
   EXPECT_EQ(span.memory.reads, cycle.memory.reads);
   EXPECT_EQ(span.memory.writes, cycle.memory.writes);
   EXPECT_EQ(span.memory.beats, cycle.memory.beats);
@@ -79,13 +84,13 @@ void expect_equal_modes(const Config& config, const Scene& scene, std::size_t ba
   cycle->begin(scene);
   span->begin(scene);
   bare->begin(scene);
-  const std::span<const Triangle> all = scene.triangles;
+  const std::vector<Triangle>& all = scene.triangles;
   const std::size_t step = batch == 0 ? all.size() : batch;
   for (std::size_t i = 0; i < all.size(); i += step) {
-    const auto part = all.subspan(i, std::min(step, all.size() - i));
-    cycle->draw(part, static_cast<std::int64_t>(i), &of_cycle);
-    span->draw(part, static_cast<std::int64_t>(i), &of_span);
-    bare->draw(part, static_cast<std::int64_t>(i), nullptr);
+    const std::size_t part = std::min(step, all.size() - i);
+    draw_scene(*cycle, scene, i, part, &of_cycle);
+    draw_scene(*span, scene, i, part, &of_span);
+    draw_scene(*bare, scene, i, part, nullptr);
     expect_equal_reports(span->report(), cycle->report(), totals);
     SCOPED_TRACE("without a trace");
     expect_equal_reports(bare->report(), cycle->report(), totals);
@@ -105,6 +110,9 @@ void expect_equal_modes(const Config& config, const Scene& scene, std::size_t ba
   totals.fragments += counters.fragments;
   totals.killed += counters.killed;
   totals.uncovered += counters.fragments - counters.covered;
+  totals.stencilled += of_cycle.stencil.size();
+  totals.late += std::ranges::count(of_cycle.state, 1, &StateRecord::depth_when);
+  totals.combined += of_cycle.texture_second.size();
 }
 
 // Each number of the timing on its own: mostly small, sometimes large.
@@ -127,6 +135,13 @@ void randomize_timing(Config& config, Random& random) {
   memory.cache_line_bytes = std::max(memory.width_bytes, line);
   memory.cache_sets = 1 << random.integer(0, 6);
   memory.cache_ways = static_cast<int>(random.integer(1, 4));
+  for (BufferCache* cache : {&memory.depth_cache, &memory.color_cache}) {
+    cache->mode = static_cast<BufferCacheMode>(random.integer(0, 2));
+    cache->line_bytes = memory.cache_line_bytes;
+    cache->sets = 1 << random.integer(0, 5);
+    cache->ways = static_cast<int>(random.integer(1, 4));
+    cache->hash = random.chance(0.5) ? SetHash::none : SetHash::xor_upper;
+  }
   config.row_reciprocal.pipelined = random.chance(0.5);
   config.pixel_reciprocal.pipelined = random.chance(0.7);
 }
@@ -218,6 +233,40 @@ TEST(SpanMode, EqualsCycleModeOnRandomConfigurations) {
   }
   EXPECT_GT(totals.runs, 30U);
   EXPECT_EQ(totals.runs + refused, 60U);
+  totals.print();
+}
+
+// The order of the tests changes between draws; so does what a fragment asks of the memory.
+TEST(SpanMode, EqualsCycleModeThroughChangesOfState) {
+  Totals totals;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    Config config = shipped_config(seed % 3 == 0 ? "depth20" : seed % 3 == 1 ? "depth16" : "narrow");
+    config.perspective = all_perspectives[seed / 3 % 4];
+    config.filter = random.chance(0.5) ? TextureFilter::nearest : TextureFilter::bilinear;
+    const bool chains = random.chance(0.3);
+    if (chains) {
+      config.mip = MipMode::linear;
+      config.lod = has_linear_edges(config.perspective) ? LodMode::zone_s : LodMode::gradient;
+    }
+    randomize_timing(config, random);
+    const Scene scene = random_scene(seed, {.width = 40,
+                                            .height = 30,
+                                            .triangles = 60,
+                                            .size_min = 4,
+                                            .size_max = 40,
+                                            .mip_chains = chains,
+                                            .command_probability = 0.2});
+    expect_equal_modes(config, scene, random.chance(0.5) ? 0 : 7, totals);
+    if (HasFailure()) return;
+  }
+  EXPECT_EQ(totals.runs, 60U);
+  EXPECT_GT(totals.late, 250U);
+  EXPECT_GT(totals.combined, 2000U);
+  EXPECT_GT(totals.stencilled, 8000U);
+  EXPECT_GT(totals.killed, 1000U);
+  EXPECT_GT(totals.memory, 100000U);
   totals.print();
 }
 

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdint>
 #include <set>
 #include <vector>
@@ -143,7 +144,8 @@ class ReadingStage : public PipeStage<Item> {
 
  private:
   bool enters(Item&) override {
-    for (int i = 0; i < reads_per_item; ++i) ask_read(8);
+    static constexpr std::array<Access, 3> accesses{{{8, true}, {8, true}, {8, true}}};
+    ask(accesses, static_cast<Asks>((1U << reads_per_item) - 1));
     return true;
   }
 };

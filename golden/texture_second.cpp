@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/texture_second.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "config/modes.hpp"
+#include "golden/sampling.hpp"
+#include "golden/values.hpp"
+#include "golden/with_real.hpp"
+
+namespace bitspan::golden {
+
+namespace {
+
+// The second unit has neither a reserved colour nor a chroma range.
+Config without_transparency(Config config) {
+  config.transparent.reset();
+  return config;
+}
+
+template <class Real>
+class SecondTexturing : Sampling<Real> {
+  using Place = typename Sampling<Real>::Place;
+  using Sampling<Real>::filter_;
+  using Sampling<Real>::q_alpha_;
+  using Sampling<Real>::q_frac_;
+  using Sampling<Real>::q_level_;
+  using Sampling<Real>::q_mix_;
+  using Sampling<Real>::sample;
+
+ public:
+  explicit SecondTexturing(const Config& config)
+      : Sampling<Real>(without_transparency(config)),
+        mip_(config.mip),
+        q_lambda_(config.format(FormatId::lod_lambda)),
+        q_color_(config.format(FormatId::texture_color)),
+        alpha_format_(config.format(FormatId::texture_alpha)) {}
+
+  void operator()(std::span<const FragmentRecord* const> fragments,
+                  std::span<const TextureRecord* const> firsts, std::span<const LodRecord* const> lods,
+                  std::span<const Texture> levels, const DrawState& state,
+                  std::vector<TextureSecondRecord>& out) const {
+    const DrawState plain;  // without a chroma range
+    for (std::size_t i = 0; i < fragments.size(); ++i) {
+      const FragmentRecord& fragment = *fragments[i];
+      TextureSecondRecord& record = out.emplace_back();
+      record.triangle = fragment.triangle;
+      record.x = fragment.x;
+      record.y = fragment.y;
+      if (!lods.empty()) choose_level(*lods[i], static_cast<int>(levels.size()), record);
+      const Place place = this->look_up_level(plain, levels, record.level, fragment);
+      record.i = place.i;
+      record.j = place.j;
+      if (weighs_texels(filter_)) {
+        record.ex = q_frac_.raw(place.ex);
+        record.ey = q_frac_.raw(place.ey);
+      }
+      Shades<Real> texel = sample(place);
+      if (mixes_levels(mip_)) this->mix_levels(plain, levels, record.level, record.f, fragment, texel);
+      combine(state, *firsts[i], texel, record);
+    }
+  }
+
+ private:
+  void choose_level(const LodRecord& lod, int levels, TextureSecondRecord& out) const {
+    const Real held = std::clamp(q_lambda_.value(lod.lambda), Real(0), Real(levels - 1));
+    if (mixes_levels(mip_)) {
+      const Real whole = floor_of(held);
+      out.level = to_integer(whole);
+      out.f = q_level_.raw(q_level_(held - whole));
+    } else {
+      out.level = to_integer(floor_of(held + Real(0.5)));
+    }
+  }
+
+  void combine(const DrawState& state, const TextureRecord& first, const Shades<Real>& texel,
+               TextureSecondRecord& out) const {
+    const std::array<int, 3> constants{state.texture1_red, state.texture1_green, state.texture1_blue};
+    const std::array<std::int64_t, 3> before{first.r, first.g, first.b};
+    std::array<std::int64_t, 3> color{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Real share = q_alpha_.quotient(texel[c], Real(255));
+      const CombinedColor<Real> sum =
+          combined_color<Real>(state.texture1_op, q_color_.value(before[c]), texel[c], share, texel[3],
+                               Real(constants[c]), Real(1 << state.texture1_scale));
+      color[c] = q_color_.raw(narrowed(sum));
+    }
+    const Real a = q_alpha_.value(first.a);
+    const Real alpha = keeps_first_alpha(state.texture1_op)   ? a
+                       : takes_texel_alpha(state.texture1_op) ? texel[3]
+                                                              : q_alpha_(a * texel[3]);
+    out.texel_r = q_mix_.raw(texel[0]);
+    out.texel_g = q_mix_.raw(texel[1]);
+    out.texel_b = q_mix_.raw(texel[2]);
+    out.texel_a = q_alpha_.raw(texel[3]);
+    out.r = color[0];
+    out.g = color[1];
+    out.b = color[2];
+    out.a = q_alpha_.raw(alpha);
+    out.killed = alpha == 0 || !passes_alpha_test(state, alpha_format_, out.a) ? 1 : 0;
+  }
+  Real narrowed(const CombinedColor<Real>& sum) const {
+    if (!sum.saturates) return q_color_.sum(sum.a * sum.by_a, sum.b * sum.by_b);
+    return q_color_(std::min(sum.a * sum.by_a + sum.b * sum.by_b, Real(255)));
+  }
+
+  MipMode mip_;
+  Quantizer<Real> q_lambda_, q_color_;
+  Format alpha_format_;
+};
+
+}  // namespace
+
+TextureSecondStage make_texture_second(Arithmetic arithmetic, const Config& config) {
+  // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): see with_real.hpp
+  return with_real(arithmetic,
+                   [&]<class Real>() -> TextureSecondStage { return SecondTexturing<Real>(config); });
+}
+
+}  // namespace bitspan::golden

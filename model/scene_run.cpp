@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "model/scene_run.hpp"
+
+#include <stdexcept>
+#include <string>
+
+namespace bitspan::model {
+
+void SceneRun::begin(const Scene& s, bool winners) {
+  scene = &s;
+  counters = {};
+  constants_delivered = false;
+  set_state(pipeline, s, pipeline.first);
+  clear_frame(pipeline, s, winners, frame);
+}
+
+void SceneRun::need_begun(const char* call) const {
+  if (scene == nullptr) throw std::logic_error(std::string("Engine::") + call + " before begin");
+}
+
+void SceneRun::deliver_constants(Trace* trace) {
+  if (trace == nullptr || constants_delivered) return;
+  trace->constants.push_back(pipeline.constants.record);
+  constants_delivered = true;
+}
+
+void SceneRun::set(const Config& config, const StateChange& change, std::int64_t next_index, Trace* trace) {
+  need_begun("set");
+  deliver_constants(trace);
+  const DrawState next = changed_state(pipeline.state, change, config, scene->textures.size());
+  change_state(pipeline, *scene, frame, next, next_index, trace);
+}
+
+}  // namespace bitspan::model
