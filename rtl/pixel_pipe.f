@@ -20,8 +20,13 @@ scoreboard.sv
 shift_stage.sv
 depth_code.sv
 depth.sv
+stencil.sv
+lod.sv
 texture_filter.sv
+texture_levels.sv
 texture.sv
 fog.sv
 merge.sv
+blend_equation.sv
+blend_unit.sv
 pixel_pipe.sv
