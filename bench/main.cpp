@@ -50,6 +50,8 @@ int run_all(const Arguments& a, const std::vector<std::string>& sections) {
       bench_engines(a.options, report);
     } else if (section == "interface") {
       bench_interface(a.options, report);
+    } else if (section == "state") {
+      bench_state(a.options, report);
     } else {
       bench_frames(section == "mesh" ? a.options.mesh : section, a.options, report);
     }
@@ -80,10 +82,10 @@ int run(int argc, char** argv) {
   CLI::App app("Benchmarks, as ratios against something run in turn with it");
   app.add_flag("--quick", a.quick, "few rounds: minutes become seconds, and spreads wide");
   app.add_option("--rounds", a.rounds, "samples of each (default 11, quick 3)")->check(CLI::Range(1, 1000));
-  app.add_option(
-         "--only", a.options.only,
-         "sections: kernels, big, medium, small, big-back, medium-back, small-back, demo or mesh, engines, "
-         "interface")
+  app.add_option("--only", a.options.only,
+                 "sections: kernels, big, medium, small, big-back, medium-back, small-back, big-mip, "
+                 "big-blend, state, "
+                 "demo or mesh, engines, interface")
       ->delimiter(',');
   app.add_option("--mesh", a.options.mesh, "draw this mesh in place of the embedded demo");
   app.add_option("--texture", a.options.texture, "mesh: a PNG for every face");
@@ -98,8 +100,8 @@ int run(int argc, char** argv) {
   }
   a.options.rounds = a.rounds > 0 ? a.rounds : a.quick ? 3 : 11;
   a.options.kernel_time = a.quick ? 0.02 : 0.1;
-  std::vector<std::string> sections{"kernels",  "big",         "medium",    "small",
-                                    "big-back", "medium-back", "small-back"};
+  std::vector<std::string> sections{"kernels",     "big",        "medium",  "small",     "big-back",
+                                    "medium-back", "small-back", "big-mip", "big-blend", "state"};
   sections.push_back(a.options.mesh.empty() ? "demo" : "mesh");
   sections.insert(sections.end(), {"engines", "interface"});
   for (const std::string& name : a.options.only) {

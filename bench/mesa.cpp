@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "model/mip_chain.hpp"
 #include "model/stages/texel.hpp"
 
 namespace bitspan::bench {
@@ -90,6 +91,19 @@ std::vector<std::uint8_t> with_holes(const Texture& t, bool& holes) {
   return rgba;
 }
 
+GLint minification(TextureFilter filter, MipMode mip) {
+  const bool nearest = filter == TextureFilter::nearest;
+  switch (mip) {
+    case MipMode::none:
+      return nearest ? GL_NEAREST : GL_LINEAR;
+    case MipMode::nearest:
+      return nearest ? GL_NEAREST_MIPMAP_NEAREST : GL_LINEAR_MIPMAP_NEAREST;
+    case MipMode::linear:
+      return nearest ? GL_NEAREST_MIPMAP_LINEAR : GL_LINEAR_MIPMAP_LINEAR;
+  }
+  return GL_NEAREST;
+}
+
 bool translucent(const Scene& scene) {
   const auto vertex = [](const Vertex& v) { return v.c[3] < 1; };
   return std::ranges::any_of(scene.triangles,
@@ -112,7 +126,8 @@ struct Mesa::State {
   }
 };
 
-Mesa::Mesa(const Scene& scene, TextureFilter filter, int depth_bits) : state_(std::make_unique<State>()) {
+Mesa::Mesa(const Scene& scene, TextureFilter filter, int depth_bits, MipMode mip)
+    : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.context = OSMesaCreateContextExt(OSMESA_RGBA, depth_bits, 0, 0, nullptr);
   s.picture.resize(4 * static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height));
@@ -133,12 +148,16 @@ Mesa::Mesa(const Scene& scene, TextureFilter filter, int depth_bits) : state_(st
   for (std::size_t i = 0; i < s.textures.size(); ++i) {
     const Texture& t = scene.textures[i];
     glBindTexture(GL_TEXTURE_2D, s.textures[i]);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, mode);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, minification(filter, mip));
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, mode);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, t.width, t.height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
-                 with_holes(t, holes).data());
+    const model::MipChain levels = mip == MipMode::none ? model::MipChain{t} : model::make_mip_chain(t);
+    for (std::size_t level = 0; level < levels.size(); ++level) {
+      const Texture& image = levels[level];
+      glTexImage2D(GL_TEXTURE_2D, static_cast<GLint>(level), GL_RGBA8, image.width, image.height, 0, GL_RGBA,
+                   GL_UNSIGNED_BYTE, with_holes(image, holes).data());
+    }
   }
   glTexEnvi(GL_TEXTURE_ENV, GL_TEXTURE_ENV_MODE, GL_MODULATE);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mesa's software renderers through OSMesa: the same triangles, texture, depth test and fog in OpenGL.
+// Mesa's software renderers through OSMesa: the same triangles, texture, depth test, blend and fog in OpenGL.
 //
 // GALLIUM_DRIVER (llvmpipe, softpipe) and LP_NUM_THREADS choose the renderer. Mesa reads them once per
 // process, so bench/mesa_process.hpp starts one process per renderer.
@@ -18,8 +18,9 @@ namespace bitspan::bench {
 class Mesa {
  public:
   // Uploads the scene's triangles and textures, which it does not need afterwards. depth_bits: 16, 24 or 32.
-  // Throws InputError where OSMesa gives no such context.
-  Mesa(const Scene& scene, TextureFilter filter, int depth_bits);
+  // mip: linear has bitspan's own levels and mixes two; nearest takes the nearest one. Throws InputError
+  // where OSMesa gives no such context.
+  Mesa(const Scene& scene, TextureFilter filter, int depth_bits, MipMode mip = MipMode::none);
   ~Mesa();
   Mesa(const Mesa&) = delete;
   Mesa& operator=(const Mesa&) = delete;

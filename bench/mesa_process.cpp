@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -47,6 +48,13 @@ bool write_all(int to, const void* data, std::size_t size) {
 bool read_all(int from, void* data, std::size_t size) {
   auto* const at = static_cast<char*>(data);
   return move_all(size, [&](std::size_t done, std::size_t left) { return ::read(from, at + done, left); });
+}
+
+template <class Enum>
+Enum value_of(std::string_view name) {
+  const auto found = std::ranges::find(enum_names<Enum>, name);
+  if (found == enum_names<Enum>.end()) throw InputError("no such mode: " + std::string(name));
+  return static_cast<Enum>(found - enum_names<Enum>.begin());
 }
 
 bool answer(int to, const void* data, std::size_t size) {
@@ -98,8 +106,9 @@ MesaProcess::MesaProcess(const std::string& scene, const std::string& texture, c
                                      mesa_child_flag,
                                      scene,
                                      texture,
-                                     options.filter == TextureFilter::nearest ? "nearest" : "bilinear",
-                                     std::to_string(options.depth_bits)};
+                                     std::string(to_string(options.filter)),
+                                     std::to_string(options.depth_bits),
+                                     std::string(to_string(options.mip))};
   std::vector<std::string> environment = environment_for(options);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -174,14 +183,13 @@ int mesa_child(int argc, char** argv) {
   dup2(STDERR_FILENO, STDOUT_FILENO);
   std::optional<Mesa> mesa;
   try {
-    if (argc != 6) {
+    if (argc != 7) {
       throw InputError("wrong number of arguments");
     }
-    const TextureFilter filter =
-        std::string_view(argv[4]) == "nearest" ? TextureFilter::nearest : TextureFilter::bilinear;
+    const auto filter = value_of<TextureFilter>(argv[4]);
     int depth_bits = 0;
     std::from_chars(argv[5], argv[5] + std::strlen(argv[5]), depth_bits);
-    mesa.emplace(frame_scene(argv[2], argv[3]), filter, depth_bits);
+    mesa.emplace(frame_scene(argv[2], argv[3]), filter, depth_bits, value_of<MipMode>(argv[6]));
   } catch (const std::exception& e) {
     answer(to, std::string(e.what()));
     return 1;

@@ -15,6 +15,7 @@ struct MesaOptions {
   int threads = 0;                  // LP_NUM_THREADS: 0 draws in the calling thread alone
   TextureFilter filter = TextureFilter::nearest;
   int depth_bits = 16;
+  MipMode mip = MipMode::none;
 };
 
 class MesaProcess {

@@ -46,6 +46,7 @@ void bench_kernels(const Options& options, Report& report);
 void bench_frames(const std::string& scene, const Options& options, Report& report);
 void bench_engines(const Options& options, Report& report);
 void bench_interface(const Options& options, Report& report);
+void bench_state(const Options& options, Report& report);
 
 // Time and memory against the number of pixels and of triangles, as a text and a JSON object.
 struct Growth {

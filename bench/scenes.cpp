@@ -8,6 +8,8 @@
 #include <functional>
 #include <numbers>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 #include "scene/demo.hpp"
 #include "scene/mesh.hpp"
@@ -18,14 +20,15 @@ namespace {
 constexpr int frame_width = 1024;
 constexpr int frame_height = 768;
 constexpr int texture_size = 256;
-constexpr std::string_view back_suffix = "-back";
+constexpr std::string_view back_suffix = "-back", mip_suffix = "-mip", blend_suffix = "-blend";
+constexpr double mip_texels = 4;    // per pixel
 constexpr double far_viewer = 1e6;  // focal length, pixels
 constexpr std::array<Cloud, 3> all_clouds{Cloud{"big", 200, 40000}, Cloud{"medium", 20000, 400},
                                           Cloud{"small", 500000, 16}};
 
 // Smooth waves with a little noise from texel to texel: a renderer that takes the wrong texel shows, one that
-// takes the neighbour does not.
-Texture make_texture() {
+// takes the neighbour does not. Of noise alone, one that leaves levels out shows, too.
+Texture make_texture(double height, int noise) {
   Texture t;
   t.name = "waves";
   t.width = texture_size;
@@ -35,7 +38,7 @@ Texture make_texture() {
     return std::sin(2 * std::numbers::pi * static_cast<double>(i) / texture_size);
   };
   const auto code = [&](double level) {
-    return static_cast<std::uint8_t>(std::lround(128 + 96 * level) + random.integer(-16, 16));
+    return static_cast<std::uint8_t>(std::lround(128 + height * level) + random.integer(-noise, noise));
   };
   for (int y = 0; y < texture_size; ++y) {
     for (int x = 0; x < texture_size; ++x) {
@@ -47,6 +50,9 @@ Texture make_texture() {
   }
   return t;
 }
+
+// A code from 64 to 191, so that every triangle of the scene shows the ones behind it.
+double translucent_alpha(std::size_t index) { return static_cast<double>(64 + index * 37 % 128) / 255; }
 
 Scene mesh_frame(const std::string& path, const std::string& texture) {
   const std::optional<std::string> skin = texture.empty() ? std::nullopt : std::optional(texture);
@@ -75,7 +81,7 @@ Scene empty_scene(std::string_view name, int width, int height) {
   s.focal = far_viewer;
   s.background = {96, 112, 128};
   s.fog = Fog{s.background, 6};
-  s.textures.push_back(make_texture());
+  s.textures.push_back(make_texture(96, 16));
   return s;
 }
 
@@ -126,14 +132,23 @@ Triangle CloudStream::next() {
 }
 
 Scene frame_scene(const std::string& name, const std::string& texture) {
-  const bool back = name.ends_with(back_suffix);
-  const std::string cloud_name = back ? name.substr(0, name.size() - back_suffix.size()) : name;
+  const bool mip = name.ends_with(mip_suffix);
+  const bool blend = name.ends_with(blend_suffix);
+  const bool back = name.ends_with(back_suffix) || blend;
+  const std::string cloud_name = back || mip ? name.substr(0, name.rfind('-')) : name;
   for (const Cloud& cloud : all_clouds) {
     if (cloud_name == cloud.name) {
       Scene scene = empty_scene(name, frame_width, frame_height);
       CloudStream stream(1, scene, cloud.pixels);
       for (std::int64_t i = 0; i < cloud.triangles; ++i) {
         scene.triangles.push_back(stream.next());
+      }
+      if (mip) scene.textures.front() = make_texture(0, 127);
+      for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+        for (Vertex& v : scene.triangles[i].v) {
+          if (mip) std::tie(v.u, v.v) = std::pair(v.u * mip_texels, v.v * mip_texels);
+          if (blend) v.c[3] = translucent_alpha(i);
+        }
       }
       if (back) {
         const auto distance = [](const Triangle& t) { return t.v[0].s + t.v[1].s + t.v[2].s; };

@@ -43,8 +43,9 @@ class CloudStream {
 
 // Returns a scene by name. `big`, `medium` and `small` have random depths, so that most fragments fail the
 // depth test. `big-back` and so on have the same triangles from the farthest to the nearest, and nearly every
-// fragment passes. `demo` is the embedded scene. Any other name is a mesh file, in `texture` where one is
-// named. Throws InputError.
+// fragment passes. `big-mip` and so on have four texels per pixel on each axis, so that levels of the texture
+// count. `big-blend` and so on are translucent; they come from the farthest to the nearest. `demo` is the
+// embedded scene. Any other name is a mesh file, in `texture` where one is named. Throws InputError.
 Scene frame_scene(const std::string& name, const std::string& texture = {});
 
 }  // namespace bitspan::bench

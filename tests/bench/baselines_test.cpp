@@ -33,6 +33,13 @@ Scene few_triangles() {
   return scene;
 }
 
+Config with_levels(Config config) {
+  config.filter = TextureFilter::bilinear;
+  config.mip = MipMode::linear;
+  config.lod = LodMode::gradient;
+  return config;
+}
+
 bool operator_equal(const Triangle& a, const Triangle& b) { return std::memcmp(&a.v, &b.v, sizeof a.v) == 0; }
 
 TEST(Scenes, CloudsHaveTheirSize) {
@@ -67,6 +74,66 @@ TEST(Scenes, BackGoesFromFarToNear) {
   for (std::size_t i = 1; i < scene.triangles.size(); ++i) {
     ASSERT_GE(distance(scene.triangles[i - 1]), distance(scene.triangles[i]));
   }
+}
+
+TEST(Scenes, LevelsAndBlendsAreOfTheSameTriangles) {
+  const Scene plain = frame_scene("big");
+  const Scene mip = frame_scene("big-mip");
+  ASSERT_EQ(mip.triangles.size(), plain.triangles.size());
+  for (std::size_t i = 0; i < mip.triangles.size(); ++i) {
+    for (std::size_t v = 0; v < 3; ++v) {
+      ASSERT_EQ(mip.triangles[i].v[v].x, plain.triangles[i].v[v].x);
+      ASSERT_DOUBLE_EQ(mip.triangles[i].v[v].u, 4 * plain.triangles[i].v[v].u);
+    }
+  }
+  const Scene back = frame_scene("big-back");
+  const Scene blend = frame_scene("big-blend");
+  ASSERT_EQ(blend.triangles.size(), back.triangles.size());
+  for (std::size_t i = 0; i < blend.triangles.size(); ++i) {
+    for (std::size_t v = 0; v < 3; ++v) {
+      ASSERT_EQ(blend.triangles[i].v[v].x, back.triangles[i].v[v].x);
+      ASSERT_TRUE(blend.triangles[i].v[v].c[3] > 0.2 && blend.triangles[i].v[v].c[3] < 0.8);
+    }
+  }
+}
+
+// With many texels per pixel, pictures with levels are not like those without.
+TEST(Mesa, DrawsTheModelsLevels) {
+  Scene scene = few_triangles();
+  scene.textures = frame_scene("big-mip").textures;
+  for (Triangle& t : scene.triangles) {
+    for (Vertex& v : t.v) {
+      v.u *= 4;
+      v.v *= 4;
+    }
+  }
+  const Config trilinear = with_levels(shipped_config("depth16"));
+  Config bilinear = shipped_config("depth16");
+  bilinear.filter = TextureFilter::bilinear;
+  Mesa mesa(scene, TextureFilter::bilinear, 16, MipMode::linear);
+  mesa.draw();
+  const Likeness with = compare(by_model(trilinear, scene), mesa.picture(), scene);
+  EXPECT_TRUE(alike(with)) << "PSNR " << with.psnr << ", drawn " << with.drawn;
+  const Likeness without = compare(by_model(bilinear, scene), mesa.picture(), scene);
+  EXPECT_FALSE(alike(without)) << "PSNR " << without.psnr;
+  EXPECT_GT(with.psnr, without.psnr + 10);
+}
+
+// A side that does not blend shows.
+TEST(Mesa, DrawsTheModelsBlend) {
+  Scene scene = few_triangles();
+  const Scene opaque = scene;
+  for (Triangle& t : scene.triangles) {
+    for (Vertex& v : t.v) v.c[3] = 0.4;
+  }
+  Config config = shipped_config("depth16");
+  config.filter = TextureFilter::bilinear;
+  Mesa mesa(scene, TextureFilter::bilinear, 16);
+  mesa.draw();
+  const Likeness with = compare(by_model(config, scene), mesa.picture(), scene);
+  EXPECT_TRUE(alike(with)) << "PSNR " << with.psnr << ", drawn " << with.drawn;
+  const Likeness without = compare(by_model(config, opaque), mesa.picture(), scene);
+  EXPECT_FALSE(alike(without)) << "PSNR " << without.psnr;
 }
 
 TEST(Mesa, DrawsTheModelsPicture) {
@@ -124,6 +191,12 @@ TEST(MesaProcess, DrawsInTurnWithAnother) {
   EXPECT_GT(one.draw(), 0);
   EXPECT_GT(other.draw(), 0);
   EXPECT_GT(one.draw(), 0);
+  // The child takes the levels that it is told.
+  MesaProcess levels("big-mip", "", {"llvmpipe", 0, TextureFilter::bilinear, 16, MipMode::linear});
+  MesaProcess no_levels("big-mip", "", {"llvmpipe", 0, TextureFilter::bilinear, 16});
+  levels.draw();
+  no_levels.draw();
+  EXPECT_NE(levels.picture(), no_levels.picture());
   const Scene scene = empty_scene("big", 1024, 768);
   const Likeness l = compare(one.picture(), other.picture(), scene);
   EXPECT_TRUE(alike(l)) << "PSNR " << l.psnr;
