@@ -55,31 +55,39 @@ void check_case(DigestFile& file, const Config& config, const Scene& scene, Cloc
   file.check(config.name + " on " + scene.name, computed);
 }
 
-// The shipped configurations, on pictures of the usual size.
-void check_shipped(const std::string& file_name, const std::vector<Scene>& scenes) {
+// Each configuration on each scene.
+void check_all(const std::string& file_name, const std::vector<Config>& configs,
+               const std::vector<Scene>& scenes, What what = What::all, ClockedBy by = ClockedBy::both) {
   DigestFile file(file_name);
   for (const Scene& scene : scenes) check_scene_section(file, scene);
-  for (const Config& config : shipped_configs()) {
+  for (const Config& config : configs) {
     check_config_section(file, config);
-    for (const Scene& scene : scenes) check_case(file, config, scene, ClockedBy::span);
+    for (const Scene& scene : scenes) check_case(file, config, scene, by, what);
   }
   file.finish();
 }
 
-// Variants of depth16, on small pictures.
+// On pictures of the usual size.
+void check_shipped(const std::string& file_name, const std::vector<Scene>& scenes) {
+  check_all(file_name, shipped_configs(), scenes, What::all, ClockedBy::span);
+}
+
+// Variants of depth16.
 void check_variants(const std::string& file_name, const std::vector<Config>& variants,
                     What what = What::all) {
-  DigestFile file(file_name);
-  std::vector<Scene> scenes;
-  scenes.push_back(demo_scene(96, 72));
-  scenes.push_back(small_extreme_scene());
-  scenes.push_back(spot_scene(96, 72));
-  for (const Scene& scene : scenes) check_scene_section(file, scene);
-  for (const Config& config : variants) {
-    check_config_section(file, config);
-    for (const Scene& scene : scenes) check_case(file, config, scene, ClockedBy::both, what);
-  }
-  file.finish();
+  check_all(file_name, variants, {demo_scene(96, 72), small_extreme_scene(), spot_scene(96, 72)}, what);
+}
+
+// Random changes of draw state, in early tests, on the first target, by one texture unit.
+RandomOptions random_states(double command_probability) {
+  RandomOptions options;
+  options.width = 96;
+  options.height = 72;
+  options.command_probability = command_probability;
+  options.late_tests = false;
+  options.second_texture = false;
+  options.targets = false;
+  return options;
 }
 
 void check_random(const std::string& file_name, int first, int last) {
@@ -107,97 +115,42 @@ TEST(Frozen, PixelReciprocal) { check_variants("pixel_reciprocal", pixel_recipro
 TEST(Frozen, Depth) { check_variants("depth", depth_variants()); }
 // The code float_dz, with early and with late tests.
 TEST(Frozen, DepthDz) {
-  DigestFile file("depth_dz");
-  RandomOptions options;
-  options.width = 96;
-  options.height = 72;
-  options.targets = false;
-  options.second_texture = false;
-  options.command_probability = 0.4;
+  RandomOptions options = random_states(0.4);
+  options.late_tests = true;
   options.mip_chains = true;
-  const std::vector<Scene> scenes{spot_scene(96, 72), floor_scene(96, 72), random_scene(72, options)};
-  for (const Scene& scene : scenes) check_scene_section(file, scene);
-  for (const Config& config : depth_dz_variants()) {
-    check_config_section(file, config);
-    for (const Scene& scene : scenes) check_case(file, config, scene, ClockedBy::both);
-  }
-  file.finish();
+  check_all("depth_dz", depth_dz_variants(),
+            {spot_scene(96, 72), floor_scene(96, 72), random_scene(72, options)});
 }
 TEST(Frozen, Shading) { check_variants("shading", shading_variants()); }
 // Rows from the triangle's plane.
 TEST(Frozen, Plane) { check_variants("plane", plane_variants()); }
 // On textures with chains.
-TEST(Frozen, Mip) {
-  DigestFile file("mip");
-  const std::vector<Scene> scenes{floor_scene(96, 72), spot_scene(96, 72)};
-  for (const Scene& scene : scenes) check_scene_section(file, scene);
-  for (const Config& config : mip_variants()) {
-    check_config_section(file, config);
-    for (const Scene& scene : scenes) check_case(file, config, scene, ClockedBy::both);
-  }
-  file.finish();
-}
+TEST(Frozen, Mip) { check_all("mip", mip_variants(), {floor_scene(96, 72), spot_scene(96, 72)}); }
 // True distances, and fog by them.
 TEST(Frozen, Distance) {
-  DigestFile file("distance");
   Scene foggy = floor_scene(96, 72);
   foggy.fog = Fog{{200, 210, 220}, foggy.s_max / 8};
-  const std::vector<Scene> scenes{foggy, spot_scene(96, 72)};
-  for (const Scene& scene : scenes) check_scene_section(file, scene);
-  for (const Config& config : distance_variants()) {
-    check_config_section(file, config);
-    for (const Scene& scene : scenes) check_case(file, config, scene, ClockedBy::both);
-  }
-  file.finish();
+  check_all("distance", distance_variants(), {foggy, spot_scene(96, 72)});
 }
 // Changes of draw state.
-TEST(Frozen, State) {
-  DigestFile file("state");
-  RandomOptions options;
-  options.width = 96;
-  options.height = 72;
-  options.command_probability = 0.4;
-  options.late_tests = false;
-  options.second_texture = false;
-  options.targets = false;
-  const Scene early = random_scene(71, options);
+TEST(Frozen, State) { check_all("state", shipped_configs(), {random_scene(71, random_states(0.4))}); }
+// Late depth and stencil tests.
+TEST(Frozen, Late) {
+  RandomOptions options = random_states(0.4);
   options.late_tests = true;
-  const Scene late = random_scene(72, options);
-  for (const Scene& scene : {early, late}) check_scene_section(file, scene);
-  for (const Config& config : shipped_configs()) {
-    check_config_section(file, config);
-    check_case(file, config, early, ClockedBy::both);
-    check_case(file, config, late, ClockedBy::both, What::values);
-  }
-  file.finish();
+  check_all("late", shipped_configs(), {random_scene(72, options), random_scene(73, options)});
 }
 // Targets with dither, and chroma ranges.
 TEST(Frozen, Target) {
-  DigestFile file("target");
-  RandomOptions options;
-  options.width = 96;
-  options.height = 72;
-  options.command_probability = 0.5;
-  options.late_tests = false;
-  options.second_texture = false;
-  const Scene scene = random_scene(73, options);
-  check_scene_section(file, scene);
-  for (const Config& config : shipped_configs()) {
-    check_config_section(file, config);
-    check_case(file, config, scene, ClockedBy::both);
-  }
-  file.finish();
+  RandomOptions options = random_states(0.5);
+  options.targets = true;
+  check_all("target", shipped_configs(), {random_scene(73, options)});
 }
 // The second texture unit, on textures without and with chains.
 TEST(Frozen, SecondTexture) {
-  DigestFile file("second_texture");
-  RandomOptions options;
-  options.width = 96;
-  options.height = 72;
-  options.command_probability = 0.5;
-  options.late_tests = false;
+  RandomOptions options = random_states(0.5);
+  options.targets = true;
   options.mip_chains = true;
-  options.second_texture = false;
   Scene scene = random_scene(75, options);
   // Every function on every texture.
   std::int64_t n = 0;
@@ -212,7 +165,6 @@ TEST(Frozen, SecondTexture) {
       command.state.settings.push_back({*find_state_register(key), value});
     ++n;
   }
-  check_scene_section(file, scene);
   std::vector<Config> configs = shipped_configs();
   for (const MipMode mip : {MipMode::nearest, MipMode::linear}) {
     Config& config = configs.emplace_back(shipped_config("depth16"));
@@ -221,55 +173,20 @@ TEST(Frozen, SecondTexture) {
     config.lod = LodMode::gradient;
     config.filter = TextureFilter::bilinear;
   }
-  for (const Config& config : configs) {
-    check_config_section(file, config);
-    check_case(file, config, scene, ClockedBy::both);
-  }
-  file.finish();
+  check_all("second_texture", configs, {scene});
 }
 // Computed and dynamic textures.
 TEST(Frozen, Textures) {
-  DigestFile file("textures");
   std::vector<Scene> scenes;
   for (int frame = 0; frame < 3; ++frame) {
     scenes.push_back(read_tri(BITSPAN_SOURCE_DIR "/tests/data/sea.tri", frame));
     scenes.back().name = "sea " + std::to_string(frame);
-    check_scene_section(file, scenes.back());
   }
-  for (const Config& config : shipped_configs()) {
-    check_config_section(file, config);
-    for (const Scene& scene : scenes) check_case(file, config, scene, ClockedBy::both);
-  }
-  file.finish();
-}
-// The clocks of late depth and stencil tests.
-TEST(Frozen, Late) {
-  DigestFile file("late");
-  RandomOptions options;
-  options.width = 96;
-  options.height = 72;
-  options.targets = false;
-  options.second_texture = false;
-  options.command_probability = 0.4;
-  for (const std::uint64_t seed : {72U, 73U}) {
-    const Scene scene = random_scene(seed, options);
-    check_scene_section(file, scene);
-    for (const Config& config : shipped_configs()) {
-      check_case(file, config, scene, ClockedBy::both, What::clocks);
-    }
-  }
-  file.finish();
+  check_all("textures", shipped_configs(), scenes);
 }
 // The counters of caches, written out.
 TEST(Frozen, Caches) {
-  DigestFile file("caches");
-  const std::vector<Scene> scenes{demo_scene(96, 72), spot_scene(96, 72)};
-  for (const Scene& scene : scenes) check_scene_section(file, scene);
-  for (const Config& config : cache_variants()) {
-    check_config_section(file, config);
-    for (const Scene& scene : scenes) check_case(file, config, scene, ClockedBy::both, What::clocks);
-  }
-  file.finish();
+  check_all("caches", cache_variants(), {demo_scene(96, 72), spot_scene(96, 72)}, What::clocks);
 }
 TEST(Frozen, Formats) { check_variants("formats", format_variants()); }
 TEST(Frozen, Timing) { check_variants("timing", timing_variants(), What::clocks); }
