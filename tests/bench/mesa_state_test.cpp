@@ -33,6 +33,7 @@
 
 #include "engine/registry.hpp"
 #include "scene/random.hpp"
+#include "tests/support/long_run.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -514,7 +515,7 @@ void add(Tally& tally, const std::vector<DrawState>& states) {
 }
 
 Tally compare(const Kind& kind, const std::string& driver, std::uint64_t cases) {
-  if (std::getenv("BITSPAN_LONG") != nullptr) cases *= 20;
+  if (is_long_run()) cases *= 20;
   const Config config = shipped_config("depth20");
   const auto make = [&](std::uint64_t number) {
     Random random(seed() * 1'000'003 + number);

@@ -4,13 +4,13 @@
 #include <GL/osmesa.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <memory>
 #include <random>
 #include <string_view>
 #include <vector>
 
 #include "model/stages/texel.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace bitspan {
 namespace {
@@ -50,7 +50,7 @@ TEST(TexelFormats, DxtBlocksAreMesas) {
   ASSERT_TRUE(OSMesaMakeCurrent(context.get(), picture.data(), GL_UNSIGNED_BYTE, 16, 16));
   const std::string_view extensions(reinterpret_cast<const char*>(glGetString(GL_EXTENSIONS)));
   ASSERT_NE(extensions.find("GL_EXT_texture_compression_s3tc"), std::string_view::npos);
-  const int rounds = std::getenv("BITSPAN_LONG") != nullptr ? 62 : 2;  // of 16,384 blocks
+  const int rounds = is_long_run() ? 62 : 2;  // of 16,384 blocks
   std::mt19937_64 random(1);
   std::vector<std::uint8_t> decoded(std::size_t{4} * 4 * blocks_a_row * 4 * block_rows);
   std::size_t compared = 0;

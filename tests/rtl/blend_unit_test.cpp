@@ -3,7 +3,6 @@
 // operation, of colour and of alpha, in shipped and random configurations, gaps and stalls.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <set>
 #include <tuple>
 
@@ -16,6 +15,7 @@
 #include "tests/rtl/stage_case.hpp"
 #include "tests/rtl/stage_replay.hpp"
 #include "tests/rtl/unit_run.hpp"
+#include "tests/support/long_run.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -98,9 +98,7 @@ BlendRun run_blend(const Config& c, Random& random, std::size_t count, const Sta
   return r;
 }
 
-std::size_t count_of(std::size_t fragments) {
-  return std::getenv("BITSPAN_LONG") == nullptr ? fragments : 60 * fragments;
-}
+std::size_t count_of(std::size_t fragments) { return is_long_run() ? 60 * fragments : fragments; }
 
 TEST(BlendUnit, EveryEquation) {
   for (const Config& c : shipped_configs()) {

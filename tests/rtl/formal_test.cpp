@@ -3,16 +3,13 @@
 // take more than a minute wait for $BITSPAN_LONG.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-
 #include "tests/rtl/prove.hpp"
 #include "tests/rtl/rtl_copy.hpp"
 #include "tests/rtl/stage_case.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace bitspan {
 namespace {
-
-bool is_long() { return std::getenv("BITSPAN_LONG") != nullptr; }
 
 // Induction proves what holds after few clocks; to show a bug takes more of them.
 Proof refutable(Proof proof, int clocks) {
@@ -123,7 +120,7 @@ TEST(Formal, RoundingToOneBit) {
                                         {"EMax", 10}})));
 }
 TEST(Formal, RoundingOfWiderProducts) {
-  if (!is_long()) GTEST_SKIP() << "minutes: BITSPAN_LONG asks for it";
+  if (!is_long_run()) GTEST_SKIP() << "minutes: BITSPAN_LONG asks for it";
   EXPECT_NO_THROW(prove(multiply_round({{"AW", 6}, {"AFrac", 3}, {"BW", 2}, {"CW", 4}, {"EMax", 6}})));
   EXPECT_NO_THROW(
       prove(multiply_round({{"AW", 6}, {"AFrac", 3}, {"BW", 1}, {"CW", 4}, {"EMin", -3}, {"EMax", 4}}, 1)));

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <vector>
 
 #include "config/check.hpp"
@@ -23,6 +22,7 @@
 #include "tests/rtl/stage_case.hpp"
 #include "tests/rtl/stage_replay.hpp"
 #include "tests/rtl/unit_run.hpp"
+#include "tests/support/long_run.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -134,7 +134,7 @@ LodRun run_lod(const LodCase& t, Random& random, int count, const StageStalls& s
 constexpr StageStalls conditions[] = {{0, 0}, {0.3, 0}, {0, 0.4}, {0.3, 0.3}};
 
 // Fragments per condition; more in the long test.
-int count_of(int fragments) { return std::getenv("BITSPAN_LONG") == nullptr ? fragments : 90 * fragments; }
+int count_of(int fragments) { return is_long_run() ? 90 * fragments : fragments; }
 
 LodRun check(const Config& config, std::uint64_t seed, int count) {
   SCOPED_TRACE(fmt::format("{}, seed {}", config.name, seed));

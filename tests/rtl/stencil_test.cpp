@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <set>
 #include <tuple>
 
@@ -15,6 +14,7 @@
 #include "tests/rtl/stage_bench.hpp"
 #include "tests/rtl/stage_replay.hpp"
 #include "tests/rtl/unit_run.hpp"
+#include "tests/support/long_run.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -87,7 +87,7 @@ StencilRun run_stencil(Random& random, std::size_t count, const StageStalls& sta
 }
 
 TEST(Stencil, EveryComparisonWithEveryOperation) {
-  const std::size_t count = std::getenv("BITSPAN_LONG") == nullptr ? 60000 : 3000000;
+  const std::size_t count = is_long_run() ? 3000000 : 60000;
   for (const StageStalls& stalls : {StageStalls{0, 0}, {0.3, 0.3}}) {
     Random random(3);
     const StencilRun r = run_stencil(random, count, stalls);

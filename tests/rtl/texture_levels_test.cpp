@@ -3,8 +3,6 @@
 // chain of two levels, gaps and stalls.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-
 #include "config/check.hpp"
 #include "config/modes.hpp"
 #include "config/pixel_timing.hpp"
@@ -18,6 +16,7 @@
 #include "tests/rtl/stage_case.hpp"
 #include "tests/rtl/stage_replay.hpp"
 #include "tests/rtl/unit_run.hpp"
+#include "tests/support/long_run.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -116,9 +115,7 @@ LevelsRun run_levels(const Config& c, Random& random, std::size_t count, const S
   return r;
 }
 
-std::size_t count_of(std::size_t fragments) {
-  return std::getenv("BITSPAN_LONG") == nullptr ? fragments : 90 * fragments;
-}
+std::size_t count_of(std::size_t fragments) { return is_long_run() ? 90 * fragments : fragments; }
 
 TEST(TextureLevels, ShippedConfigurations) {
   for (Config c : shipped_configs()) {

@@ -16,6 +16,7 @@
 #include "model/pipeline.hpp"
 #include "scene/random.hpp"
 #include "tests/stages/worked.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace bitspan {
 namespace {
@@ -317,8 +318,7 @@ TEST(Lod, GoldenAndModelAreEqual) {
 }
 
 // The environment asks for the longer form.
-bool is_long() { return std::getenv("BITSPAN_LONG") != nullptr; }
-std::uint64_t lambda_scenes() { return is_long() ? 10000 : 60; }
+std::uint64_t lambda_scenes() { return is_long_run() ? 10000 : 60; }
 
 // lambda against the base-2 logarithm of the longest derivative as the registers give it; docs/bounds.md.
 TEST(Lod, LambdaIsWithinItsBound) {
@@ -370,7 +370,7 @@ TEST(Lod, LambdaIsWithinItsBound) {
       }
     }
   }
-  EXPECT_GT(checked, is_long() ? 10000000U : 50000U);
+  EXPECT_GT(checked, is_long_run() ? 10000000U : 50000U);
 }
 
 }  // namespace

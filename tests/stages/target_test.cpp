@@ -8,13 +8,13 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 #include <vector>
 
 #include "golden/merge.hpp"
 #include "model/stages/merge.hpp"
 #include "tests/stages/worked.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace bitspan {
 namespace {
@@ -282,7 +282,7 @@ int share(int code) { return code + (code >= 128 ? 1 : 0); }
 
 // 225 pairs of factors, 65,536 pairs of codes; without $BITSPAN_LONG some of them. Three pairs per fragment.
 TEST(Target, EveryPairOfFactors) {
-  const bool whole = std::getenv("BITSPAN_LONG") != nullptr;
+  const bool whole = is_long_run();
   const int step = whole ? 1 : 9;
   const auto factors = all_of<BlendFactor>();
   std::uint64_t compared = 0;

@@ -13,6 +13,7 @@
 #include "scene/procedural.hpp"
 #include "scene/texels.hpp"
 #include "tests/support/input_error.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace bitspan {
 namespace {
@@ -174,7 +175,7 @@ TEST(Texel, GoldenEqualsTheModelOverEveryCode) {
 }
 
 TEST(Texel, GoldenEqualsTheModelOverRandomBlocks) {
-  const int blocks = std::getenv("BITSPAN_LONG") != nullptr ? 1000000 : 20000;
+  const int blocks = is_long_run() ? 1000000 : 20000;
   std::mt19937_64 random(2);
   for (const TexelFormat format :
        {TexelFormat::dxt1, TexelFormat::dxt3, TexelFormat::dxt5, TexelFormat::uyvy, TexelFormat::yuyv}) {
