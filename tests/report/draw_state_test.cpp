@@ -23,7 +23,7 @@ namespace {
 
 using Engines = std::vector<std::unique_ptr<Engine>>;
 
-Scene stream(std::uint64_t seed, bool late_tests) {
+RandomOptions stream_options() {
   RandomOptions options;
   options.width = 61;
   options.height = 47;
@@ -31,10 +31,16 @@ Scene stream(std::uint64_t seed, bool late_tests) {
   options.size_max = 60;
   options.depth_ratio_max = 8;
   options.uv_limit = 64;
+  return options;
+}
+Scene stream(std::uint64_t seed, bool late_tests) {
+  RandomOptions options = stream_options();
   options.command_probability = 0.4;
   options.late_tests = late_tests;
   return random_scene(seed, options);
 }
+
+StateSetting setting(std::string_view key, std::int64_t value) { return {*find_state_register(key), value}; }
 
 Engines engines_of(const Config& config) {
   Engines out;
@@ -83,8 +89,6 @@ TEST_P(States, EnginesAgreeOnRandomStreams) {
 INSTANTIATE_TEST_SUITE_P(Tests, States, testing::Bool(),
                          [](const auto& info) { return info.param ? "late" : "early"; });
 
-StateSetting setting(std::string_view key, std::int64_t value) { return {*find_state_register(key), value}; }
-
 // The second texture unit with all functions, without mip chains and with, all that the engines keep of it.
 TEST(States, EnginesAgreeOnTheSecondTexture) {
   std::uint64_t combined = 0;
@@ -98,13 +102,7 @@ TEST(States, EnginesAgreeOnTheSecondTexture) {
       config.transparent = {255, 0, 255};
       const Engines engines = engines_of(config);
       for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-        RandomOptions options;
-        options.width = 61;
-        options.height = 47;
-        options.triangles = 40;
-        options.size_max = 60;
-        options.depth_ratio_max = 8;
-        options.uv_limit = 64;
+        RandomOptions options = stream_options();
         options.mip_chains = true;
         options.command_probability = 0.2;
         options.late_tests = seed % 2 == 0;
@@ -117,9 +115,9 @@ TEST(States, EnginesAgreeOnTheSecondTexture) {
             return state_registers()[s.index].key.starts_with("texture1");
           });
           command.state.settings.push_back(
-              {*find_state_register("texture1"), at % static_cast<std::int64_t>(scene.textures.size())});
-          command.state.settings.push_back({*find_state_register("texture1.op"), at % 6});
-          command.state.settings.push_back({*find_state_register("texture1.scale"), at % 3});
+              setting("texture1", at % static_cast<std::int64_t>(scene.textures.size())));
+          command.state.settings.push_back(setting("texture1.op", at % 6));
+          command.state.settings.push_back(setting("texture1.scale", at % 3));
         }
         const LockStepResult result = run_lock_step(engines, scene, {});
         for (const Comparison& pair : result.pairs) {
@@ -144,8 +142,8 @@ TEST(States, TheSecondTextureIsOneOfTheScene) {
   engines.push_back(make_ideal(config));
   for (const auto& engine : engines) {
     engine->begin(scene);
-    EXPECT_THROW(engine->set({false, {{*find_state_register("texture1"), 0}}}, 0, nullptr), InputError);
-    engine->set({false, {{*find_state_register("texture1"), -1}}}, 0, nullptr);
+    EXPECT_THROW(engine->set({false, {setting("texture1", 0)}}, 0, nullptr), InputError);
+    engine->set({false, {setting("texture1", -1)}}, 0, nullptr);
   }
 }
 
@@ -206,12 +204,9 @@ TEST(States, IdealCombinesTextures) {
     // Lg lies up to 0.0861 below the logarithm, and so does the share of a level.
     const int most = mip == MipMode::none ? 4 : 16;
     for (std::int64_t op = 0; op < 6; ++op) {
-      RandomOptions options;
-      options.width = 61;
-      options.height = 47;
+      RandomOptions options = stream_options();
       options.triangles = 20;
       options.size_min = 20;
-      options.size_max = 60;
       options.depth_ratio_max = 4;
       options.uv_limit = 32;
       options.mip_chains = true;
