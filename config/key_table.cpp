@@ -52,12 +52,9 @@ bool reads_subspans(const Config& c, std::size_t /*i*/) { return has_pixel_recip
 bool reads_lod(const Config& c, std::size_t /*i*/) { return has_lod(c); }
 bool reads_zones(const Config& c, std::size_t /*i*/) { return has_lod_zones(c); }
 
-BufferCache& cache_of(Config& c, std::size_t i) {
-  return i == 0 ? c.memory.depth_cache : c.memory.color_cache;
-}
-bool has_buffer_cache(const Config& c, std::size_t i) {
-  return has_cache(i == 0 ? c.memory.depth_cache.mode : c.memory.color_cache.mode);
-}
+// Of a Config, const or not.
+auto& cache_of(auto& c, std::size_t i) { return i == 0 ? c.memory.depth_cache : c.memory.color_cache; }
+bool has_buffer_cache(const Config& c, std::size_t i) { return has_cache(cache_of(c, i).mode); }
 
 // The clocks of the others follow from the RTL.
 bool has_own_clocks(const Config& /*c*/, std::size_t i) { return static_cast<Stage>(i) < Stage::span_setup; }
@@ -445,9 +442,8 @@ constexpr KeyRow rows[] = {
      {},
      "",
      clocks,
-     "BUFFER is depth or color. Its cache: none; writes go on to the memory; a line written is kept until it "
-     "is "
-     "replaced",
+     "BUFFER is depth or color. Its cache: none; writes go on to the memory; a line written is kept until "
+     "it is replaced",
      {.presence = Presence::later}},
     {"memory.BUFFER_cache_line_bytes",
      IN_CACHE(line_bytes),

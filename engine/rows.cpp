@@ -2,10 +2,21 @@
 #include "engine/rows.hpp"
 
 #include <string>
+#include <string_view>
 
 #include "config/modes.hpp"
 
 namespace bitspan {
+
+namespace {
+
+[[noreturn]] void refuse_gradients(const std::string& setting, std::string_view legal) {
+  throw InputError(setting +
+                   " takes gradients of a whole triangle, and a row has none; legal: draw triangles, or " +
+                   std::string(legal));
+}
+
+}  // namespace
 
 void check_draws_rows(const Config& config, const AnyRow& row) {
   if (has_setup_plane(config) && std::holds_alternative<RowRecord>(row)) {
@@ -14,14 +25,11 @@ void check_draws_rows(const Config& config, const AnyRow& row) {
         "legal: draw triangles or rows of span_setup, or slope.row divide, reciprocal");
   }
   if (has_dz(config.depth_code)) {
-    throw InputError("depth.code = " + std::string(to_string(config.depth_code)) +
-                     " takes gradients of a whole triangle, and a row has none; "
-                     "legal: draw triangles, or another depth.code");
+    refuse_gradients("depth.code = " + std::string(to_string(config.depth_code)), "another depth.code");
   }
-  if (!has_lod_gradients(config)) return;
-  throw InputError("lod.mode = " + std::string(to_string(config.lod)) +
-                   " takes gradients of a whole triangle, and a row has none; "
-                   "legal: draw triangles, or lod.mode none, zone_s, zone_d");
+  if (has_lod_gradients(config)) {
+    refuse_gradients("lod.mode = " + std::string(to_string(config.lod)), "lod.mode none, zone_s, zone_d");
+  }
 }
 
 }  // namespace bitspan

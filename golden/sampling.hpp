@@ -54,6 +54,15 @@ class Sampling {
     bool killed = false;
   };
 
+  // Into the record of texture or texture.second.
+  template <class Record>
+  void tell(const Place& place, Record& out) const {
+    out.i = place.i;
+    out.j = place.j;
+    out.ex = q_frac_.raw(place.ex);
+    out.ey = q_frac_.raw(place.ey);
+  }
+
   std::int64_t wrapped(std::int64_t i, std::int64_t size) const {
     if (i >= 0 && i < size) return i;
     switch (wrap_) {

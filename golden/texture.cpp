@@ -25,6 +25,7 @@ class Texturing : Sampling<Real> {
   using Sampling<Real>::q_mix_;
   using Sampling<Real>::q_uv_;
   using Sampling<Real>::sample;
+  using Sampling<Real>::tell;
 
  public:
   explicit Texturing(const Config& config)
@@ -91,12 +92,7 @@ class Texturing : Sampling<Real> {
     bool killed = false;
     if (texture != nullptr) {
       const Place place = look_up(state, *texture, q_uv_.value(fragment.u), q_uv_.value(fragment.v));
-      out.i = place.i;
-      out.j = place.j;
-      if (weighs_texels(filter_)) {
-        out.ex = q_frac_.raw(place.ex);
-        out.ey = q_frac_.raw(place.ey);
-      }
+      tell(place, out);
       killed = place.killed;
       texel = sample(place);
     }
@@ -106,12 +102,7 @@ class Texturing : Sampling<Real> {
   void one_of_levels(const DrawState& state, const FragmentRecord& fragment,
                      const std::vector<Texture>& levels, const LodRecord& lod, TextureRecord& out) const {
     const Place place = this->look_up_level(state, levels, lod.level, fragment);
-    out.i = place.i;
-    out.j = place.j;
-    if (weighs_texels(filter_)) {
-      out.ex = q_frac_.raw(place.ex);
-      out.ey = q_frac_.raw(place.ey);
-    }
+    tell(place, out);
     Shades<Real> texel = sample(place);
     if (mixes_levels_) this->mix_levels(state, levels, lod.level, lod.f, fragment, texel);
     finish(state, fragment, texel, place.killed, out);

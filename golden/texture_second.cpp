@@ -22,12 +22,11 @@ Config without_transparency(Config config) {
 template <class Real>
 class SecondTexturing : Sampling<Real> {
   using Place = typename Sampling<Real>::Place;
-  using Sampling<Real>::filter_;
   using Sampling<Real>::q_alpha_;
-  using Sampling<Real>::q_frac_;
   using Sampling<Real>::q_level_;
   using Sampling<Real>::q_mix_;
   using Sampling<Real>::sample;
+  using Sampling<Real>::tell;
 
  public:
   explicit SecondTexturing(const Config& config)
@@ -50,12 +49,7 @@ class SecondTexturing : Sampling<Real> {
       record.y = fragment.y;
       if (!lods.empty()) choose_level(*lods[i], static_cast<int>(levels.size()), record);
       const Place place = this->look_up_level(plain, levels, record.level, fragment);
-      record.i = place.i;
-      record.j = place.j;
-      if (weighs_texels(filter_)) {
-        record.ex = q_frac_.raw(place.ex);
-        record.ey = q_frac_.raw(place.ey);
-      }
+      tell(place, record);
       Shades<Real> texel = sample(place);
       if (mixes_levels(mip_)) this->mix_levels(plain, levels, record.level, record.f, fragment, texel);
       combine(state, *firsts[i], texel, record);

@@ -59,8 +59,8 @@ struct Pipeline {
   DrawState state;            // in force; set_state has told the stages
   DrawState first;            // of the scene's start
   bool masks_pixels = false;  // scissor or stipple may keep a pixel of `state` from being drawn
-  bool acts_as_first =
-      true;  // `state` differs from the first one in registers at most that it does not look at
+  // `state` differs from the first one in registers at most that it does not look at.
+  bool acts_as_first = true;
 
   // Whether the vector form draws: it acts as the first state does, and writes pixels whose alpha is 255.
   bool draws_in_lanes(const Frame& frame) const { return acts_as_first && frame.full_alpha; }

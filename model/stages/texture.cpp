@@ -12,6 +12,12 @@ namespace {
 
 namespace text = HWY_NAMESPACE;
 
+// f.operator()<Int>(), Int being as wide as the values of the stage need.
+template <class F>
+auto with_integers(const TextureStage& stage, F f) {
+  return stage.fits_int64 ? f.template operator()<std::int64_t>() : f.template operator()<int128>();
+}
+
 std::array<std::int64_t, channel_count> shades_of(const FragmentRecord& fragment) {
   std::array<std::int64_t, channel_count> shade{};
   for (std::size_t c = 0; c < channel_count; ++c) {
@@ -64,15 +70,6 @@ text::Textured<std::int64_t> found_in_levels(const TextureStage& stage, const Mi
   return all;
 }
 
-template <class Int, class Watch>
-Sampled sample_on(const TextureStage& stage, const Texture& image, const MipChain* chain,
-                  const FragmentRecord& fragment, const LodRecord& level, Watch watch) {
-  const text::Textured<std::int64_t> all = chain == nullptr
-                                               ? found<Int>(stage, &image, fragment, watch)
-                                               : found_in_levels<Int>(stage, chain, fragment, level, watch);
-  return {all.i, all.j, all.ex, all.ey, all.texel};
-}
-
 }  // namespace
 
 std::int64_t alpha_code(const Register& alpha, std::int64_t raw) {
@@ -96,28 +93,28 @@ ChromaRange chroma_of(const DrawState& s) {
 template <class Watch>
 bool texture(const TextureStage& stage, const Texture* image, const FragmentRecord& fragment,
              TextureRecord& out, Watch watch) {
-  return stage.fits_int64
-             ? finish<std::int64_t>(stage, fragment, found<std::int64_t>(stage, image, fragment, watch), out,
-                                    watch)
-             : finish<int128>(stage, fragment, found<int128>(stage, image, fragment, watch), out, watch);
+  return with_integers(stage, [&]<class Int>() {
+    return finish<Int>(stage, fragment, found<Int>(stage, image, fragment, watch), out, watch);
+  });
 }
 
 template <class Watch>
 bool texture(const TextureStage& stage, const MipChain* chain, const FragmentRecord& fragment,
              const LodRecord& lod, TextureRecord& out, Watch watch) {
-  return stage.fits_int64
-             ? finish<std::int64_t>(stage, fragment,
-                                    found_in_levels<std::int64_t>(stage, chain, fragment, lod, watch), out,
-                                    watch)
-             : finish<int128>(stage, fragment, found_in_levels<int128>(stage, chain, fragment, lod, watch),
-                              out, watch);
+  return with_integers(stage, [&]<class Int>() {
+    return finish<Int>(stage, fragment, found_in_levels<Int>(stage, chain, fragment, lod, watch), out, watch);
+  });
 }
 
 template <class Watch>
 Sampled sample(const TextureStage& stage, const Texture& image, const MipChain* chain,
                const FragmentRecord& fragment, const LodRecord& level, Watch watch) {
-  return stage.fits_int64 ? sample_on<std::int64_t>(stage, image, chain, fragment, level, watch)
-                          : sample_on<int128>(stage, image, chain, fragment, level, watch);
+  return with_integers(stage, [&]<class Int>() {
+    const text::Textured<std::int64_t> all = chain == nullptr
+                                                 ? found<Int>(stage, &image, fragment, watch)
+                                                 : found_in_levels<Int>(stage, chain, fragment, level, watch);
+    return Sampled{all.i, all.j, all.ex, all.ey, all.texel};
+  });
 }
 
 template Sampled sample(const TextureStage&, const Texture&, const MipChain*, const FragmentRecord&,
