@@ -430,7 +430,6 @@ IdealFragment shade(const Config& config, const DrawState& state, const Scene& s
   IdealFragment out;
   out.point = point;
   out.z = configured_code(config, scene, point.h, point.s);
-  out.dz = log2_of_dz(config, scene, t);
   out.texel = {255, 255, 255, 1};
   if (t.texture >= 0) {
     const auto index = static_cast<std::size_t>(t.texture);
@@ -758,8 +757,10 @@ IdealPoint ideal_at_vertex(const Config& config, const Scene& scene, const Ideal
 IdealFragment ideal_at(const Config& config, const Scene& scene, const IdealTriangle& triangle,
                        std::int64_t x, std::int64_t y, const golden::SceneLevels* levels) {
   const Areas areas = areas_at(triangle, centre_of(triangle, x, y));
-  return shade(config, first_state(config), scene, triangle,
-               point_at_centre(config, scene, triangle, areas, x, y), levels);
+  IdealFragment out = shade(config, first_state(config), scene, triangle,
+                            point_at_centre(config, scene, triangle, areas, x, y), levels);
+  out.dz = log2_of_dz(config, scene, triangle);
+  return out;
 }
 
 double ideal_stored_code(const Config& config, const IdealFragment& fragment, std::int64_t bias) {
