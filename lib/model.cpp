@@ -20,6 +20,7 @@
 #include "lib/structs.hpp"
 #include "model/engine_override.hpp"
 #include "model/pipeline.hpp"
+#include "report/position.hpp"
 #include "scene/tri_stream.hpp"
 
 namespace bitspan::capi {
@@ -236,7 +237,8 @@ bs_view plane_view(const std::vector<T>& plane, const Frame& frame, bs_element e
   return view;
 }
 
-bs_view frame_view(const Frame& frame, bs_plane plane) {
+bs_view frame_view(ModelState& model, bs_plane plane) {
+  const Frame& frame = model.engine->frame();
   switch (plane) {
     case BS_PLANE_COLOR:
       return plane_view(frame.color, frame, BS_U8, 4);
@@ -253,8 +255,13 @@ bs_view frame_view(const Frame& frame, bs_plane plane) {
       if (frame.stencil.empty()) view.rows = 0;
       return view;
     }
+    case BS_PLANE_POSITION:
+      // Views of an unchanged picture stay as they are.
+      model.positions.resize(3 * frame.depth.size());
+      std::ranges::copy(positions_of(model.config, model.scene, frame).points, model.positions.begin());
+      return plane_view(model.positions, frame, BS_F64, 3);
     default:
-      fail(BS_BAD_INPUT, "bs_frame_view: plane: " + std::to_string(plane) + " is no plane; expected 0 to 5");
+      fail(BS_BAD_INPUT, "bs_frame_view: plane: " + std::to_string(plane) + " is no plane; expected 0 to 6");
   }
 }
 
@@ -455,7 +462,7 @@ bs_status bs_frame_view(bs_model* handle, bs_plane plane, bs_view* out) {
   return call([&] {
     const Use model(handle, "bs_frame_view");
     need_begun(*model, "bs_frame_view");
-    write_struct(out, frame_view(model->engine->frame(), plane), view_least, "bs_frame_view: out");
+    write_struct(out, frame_view(*model, plane), view_least, "bs_frame_view: out");
   });
 }
 

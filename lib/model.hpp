@@ -58,7 +58,9 @@ struct ModelState {
   std::array<CheckState, record_types> checks;
   std::uint64_t matched = 0, nontrivial = 0;
 
-  std::string run_text;       // what the caller was given
+  // What the caller was given.
+  std::string run_text;
+  std::vector<double> positions;
   std::atomic_flag in_use{};  // by a call
 };
 

@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -52,20 +54,24 @@ Scene mesh(const std::string& path, const Size& size) {
   return scene;
 }
 
-Scene load(const std::string& name, std::int32_t width, std::int32_t height) {
+Scene load(const std::string& name, std::int32_t width, std::int32_t height, std::optional<int> frame,
+           const std::string& function) {
   const bool sized = width != 0 || height != 0;
   const Size size = sized ? Size{width, height} : Size{};
   if (!is_legal(size)) {
-    fail(BS_BAD_INPUT, "bs_scene_load: width, height: " + std::to_string(width) + "x" +
-                           std::to_string(height) + " is out of range; expected 1.." +
-                           std::to_string(picture_size_limit) + " each way and at most " +
-                           std::to_string(picture_area_limit) + " pixels");
+    fail(BS_BAD_INPUT, function + ": width, height: " + std::to_string(width) + "x" + std::to_string(height) +
+                           " is out of range; expected 1.." + std::to_string(picture_size_limit) +
+                           " each way and at most " + std::to_string(picture_area_limit) + " pixels");
+  }
+  if (frame && !name.ends_with(".tri")) {
+    fail(BS_BAD_INPUT, function + ": name_or_path: " + name +
+                           " has no dynamic textures; expected a stream (.tri) with some, or bs_scene_load");
   }
   if (name == "demo") return demo_scene(size.width, size.height);
   if (!name.ends_with(".tri")) return mesh(name, size);
-  Scene scene = read_tri(name);
+  Scene scene = read_tri(name, frame);
   if (sized && (scene.width != width || scene.height != height)) {
-    fail(BS_BAD_INPUT, "bs_scene_load: width, height: " + name + " is a stream of " +
+    fail(BS_BAD_INPUT, function + ": width, height: " + name + " is a stream of " +
                            std::to_string(scene.width) + "x" + std::to_string(scene.height) +
                            " pixels; expected these, or 0");
   }
@@ -282,12 +288,24 @@ std::shared_ptr<const Scene> scene_of(const bs_scene* scene, const char* functio
 using namespace bitspan;
 using namespace bitspan::capi;
 
-bs_status bs_scene_load(const char* name_or_path, int32_t width, int32_t height, bs_scene** out) {
+namespace {
+bs_status load_as(const std::string& function, const char* name_or_path, std::int32_t width,
+                  std::int32_t height, std::optional<int> frame, bs_scene** out) {
   return call([&] {
-    need(name_or_path, "bs_scene_load: name_or_path");
-    need(out, "bs_scene_load: out");
-    *out = scenes().add(described(load(name_or_path, width, height)));
+    need(name_or_path, (function + ": name_or_path").c_str());
+    need(out, (function + ": out").c_str());
+    *out = scenes().add(described(load(name_or_path, width, height, frame, function)));
   });
+}
+}  // namespace
+
+bs_status bs_scene_load(const char* name_or_path, int32_t width, int32_t height, bs_scene** out) {
+  return load_as("bs_scene_load", name_or_path, width, height, std::nullopt, out);
+}
+
+bs_status bs_scene_load_frame(const char* name_or_path, int32_t width, int32_t height, int32_t frame,
+                              bs_scene** out) {
+  return load_as("bs_scene_load_frame", name_or_path, width, height, frame, out);
 }
 
 bs_status bs_scene_get(bs_scene* scene, bs_scene_desc* out) {

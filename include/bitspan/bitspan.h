@@ -88,7 +88,10 @@ enum {
   BS_PLANE_V = 3,     /* BS_F64 */
   BS_PLANE_TRIANGLE =
       4, /* BS_I32: the triangle of that fragment, counted from bs_begin; -1 where there is none */
-  BS_PLANE_STENCIL = 5 /* BS_U8; no rows before the first stencil test or clear of the stencil */
+  BS_PLANE_STENCIL = 5, /* BS_U8; no rows before the first stencil test or clear of the stencil */
+  /* BS_F64, 3 channels: the point that the stored code stands for, x to the right, y downward, s, in the unit
+   * of s; NaN where the code is that of the cleared plane. Formed by the call that asks for it. */
+  BS_PLANE_POSITION = 6
 };
 
 typedef int32_t bs_element;
@@ -259,6 +262,9 @@ BS_API bs_status bs_field(bs_config* config, bs_stage stage, int i, bs_field_inf
 /* Reads a scene: "demo", a triangle stream (.tri) or a mesh (OBJ, PLY, glTF ...), which a camera around it
  * shows. width and height are of the picture; 0: the stream's own, or 640x480. */
 BS_API bs_status bs_scene_load(const char* name_or_path, int32_t width, int32_t height, bs_scene** out);
+/* The same, where the dynamic textures of a stream show image `frame`, from 0, instead of their first one. */
+BS_API bs_status bs_scene_load_frame(const char* name_or_path, int32_t width, int32_t height, int32_t frame,
+                                     bs_scene** out);
 /* Describes the scene for bs_begin. What it points to holds until the scene is freed. */
 BS_API bs_status bs_scene_get(bs_scene* scene, bs_scene_desc* out);
 /* Its triangles for bs_draw: 3 vertices and a texture each, as long as the scene is not freed. */

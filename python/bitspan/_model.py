@@ -19,7 +19,7 @@ from ._divergence import Divergence
 from ._scene import Scene
 
 #: The planes of a picture, by their numbers in the C interface.
-PLANES = ("color", "depth", "u", "v", "triangle", "stencil")
+PLANES = ("color", "depth", "u", "v", "triangle", "stencil", "position")
 
 
 @functools.lru_cache(maxsize=None)
@@ -166,6 +166,8 @@ class Model:
         "u", "v"    (H, W) float64 [texel]: of the fragment written last; NaN where there is none
         "triangle"  (H, W) int32: the triangle of that fragment; -1 where there is none
         "stencil"   (H, W) uint8; (0, W) before the first stencil test or clear of the stencil
+        "position"  (H, W, 3) float64 [unit of s]: the point that the stored code stands for, x to the right, y downward, s;
+                    NaN where the code is that of the cleared plane
         """
         if name not in PLANES:
             raise InputError(f"'{name}' is no plane; expected {', '.join(PLANES)}")

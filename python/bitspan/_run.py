@@ -66,6 +66,11 @@ class Run:
         return self._model.plane("v")
 
     @property
+    def position(self) -> NDArray[np.float64]:
+        """(H, W, 3) float64 [unit of s]: the point that each stored code stands for; NaN where it is that of the cleared plane."""
+        return self._model.plane("position")
+
+    @property
     def triangle(self) -> NDArray[np.int32]:
         """(H, W) int32: the index of the triangle written last; -1 where there is none."""
         return self._model.plane("triangle")

@@ -82,15 +82,17 @@ class Scene:
     """Triangles on the screen in the order of drawing, their textures, and the size of the picture.
 
     `source` is "demo", a stream (.tri) or a mesh (OBJ, PLY, glTF ...), which a camera around it shows. `width` and
-    `height` are of the picture [pixel]; 0: the stream's own, or 640 x 480. A scene never changes.
+    `height` are of the picture [pixel]; 0: the stream's own, or 640 x 480. `frame` is the image that a stream's
+    dynamic textures show at first, from 0. A scene never changes.
     """
 
     __slots__ = ("_handle", "__weakref__")
 
-    def __init__(self, source: str | os.PathLike[str] = "demo", width: int = 0, height: int = 0):
+    def __init__(self, source: str | os.PathLike[str] = "demo", width: int = 0, height: int = 0, frame: int | None = None):
         if not isinstance(source, (str, os.PathLike)):
             raise InputError(f"bitspan.Scene: {source!r} is no scene; expected a name or a path, or Scene.from_vertices")
-        self._handle = SceneHandle.load(os.fspath(source), _integer("width", width), _integer("height", height))
+        self._handle = SceneHandle.load(os.fspath(source), _integer("width", width), _integer("height", height),
+                                        None if frame is None else _integer("frame", frame))
 
     @classmethod
     def from_vertices(cls, vertices: Any, width: int = 640, height: int = 480, *, texture: Any = -1, textures: Sequence[Any] = (),

@@ -84,7 +84,8 @@ using Row = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::devic
 // A scene that the library has read, or one made of arrays.
 class SceneHandle {
  public:
-  static SceneHandle load(const std::string& name_or_path, std::int32_t width, std::int32_t height);
+  static SceneHandle load(const std::string& name_or_path, std::int32_t width, std::int32_t height,
+                          std::optional<std::int32_t> frame);
   // vertices: (n, 3, 9), which are x, y, s, u, v, r, g, b, a. texture_of: (n).
   static SceneHandle make(
       const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>& vertices,

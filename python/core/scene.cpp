@@ -62,9 +62,11 @@ nb::object texture_of(nb::handle self) {
 
 }  // namespace
 
-SceneHandle SceneHandle::load(const std::string& name_or_path, std::int32_t width, std::int32_t height) {
+SceneHandle SceneHandle::load(const std::string& name_or_path, std::int32_t width, std::int32_t height,
+                              std::optional<std::int32_t> frame) {
   SceneHandle out;
-  check(bs_scene_load(name_or_path.c_str(), width, height, out.scene_.out()));
+  check(frame ? bs_scene_load_frame(name_or_path.c_str(), width, height, *frame, out.scene_.out())
+              : bs_scene_load(name_or_path.c_str(), width, height, out.scene_.out()));
   check(bs_scene_get(out.scene_.get(), &out.desc_));
   check(bs_scene_triangles(out.scene_.get(), &out.vertices_, &out.texture_of_, &out.count_));
   return out;
@@ -144,7 +146,7 @@ void bind_scene(nb::module_& m) {
   m.attr("texel_formats") = nb::tuple(formats);
   nb::class_<SceneHandle>(m, "SceneHandle")
       .def_static("load", &SceneHandle::load, nb::arg("name_or_path"), nb::arg("width"), nb::arg("height"),
-                  nb::call_guard<nb::gil_scoped_release>())
+                  nb::arg("frame").none(), nb::call_guard<nb::gil_scoped_release>())
       .def_static("make", &make, nb::arg("vertices"), nb::arg("texture_of"), nb::arg("textures"),
                   nb::arg("width"), nb::arg("height"), nb::arg("s_range"), nb::arg("focal"),
                   nb::arg("background"), nb::arg("fog").none(), nb::arg("name"))

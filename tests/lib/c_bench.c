@@ -20,7 +20,7 @@ _Static_assert(BS_STAGE_STATE == 12 && BS_STAGE_STENCIL == 13 && BS_STAGE_MERGE_
 _Static_assert(BS_STAGE_SETUP_GRADIENT == 15 && BS_STAGE_LOD == 16 && BS_STAGE_DISTANCE == 17, "stage");
 _Static_assert(BS_STAGE_SETUP_PLANE == 18 && BS_STAGE_TEXTURE_SECOND == 19, "stage");
 _Static_assert(BS_PLANE_COLOR == 0 && BS_PLANE_DEPTH == 1 && BS_PLANE_U == 2 && BS_PLANE_V == 3, "plane");
-_Static_assert(BS_PLANE_TRIANGLE == 4 && BS_PLANE_STENCIL == 5, "plane");
+_Static_assert(BS_PLANE_TRIANGLE == 4 && BS_PLANE_STENCIL == 5 && BS_PLANE_POSITION == 6, "plane");
 _Static_assert(BS_I64 == 0 && BS_U8 == 1 && BS_U32 == 2 && BS_I32 == 3 && BS_F64 == 4, "element");
 _Static_assert(BS_TEXEL_RGBA8888 == 0 && BS_TEXEL_RGB332 == 1 && BS_TEXEL_YIQ422 == 2, "texel format");
 _Static_assert(BS_TEXEL_A8 == 3 && BS_TEXEL_I8 == 4 && BS_TEXEL_AI44 == 5 && BS_TEXEL_P8 == 6,

@@ -6,9 +6,12 @@
 
 #include "engine/registry.hpp"
 #include "lib/stages.hpp"
+#include "model/engine_model.hpp"
 #include "report/describe.hpp"
+#include "report/position.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
+#include "scene/tri_stream.hpp"
 #include "tests/lib/support.hpp"
 #include "tests/support/same_bits.hpp"
 #include "tests/support/test_config.hpp"
@@ -89,6 +92,8 @@ void compare(const Scene& scene, const std::string& name, const std::string& mod
     expect_same_records(trace, model.get());
   }
   expect_same_frame(own->frame(), model.get());
+  EXPECT_TRUE(same_bits(plane<double>(model.get(), BS_PLANE_POSITION),
+                        positions_of(config, scene, own->frame()).points));
   expect_same_counters(own->counters(), model.get());
 }
 
@@ -207,6 +212,29 @@ TEST(LibScenes, StreamsAndMeshesAreRead) {
   EXPECT_EQ(bs_scene_triangles(scene, &vertices, &textures, &count), BS_OK);
   EXPECT_GT(count, 1000U);
   bs_scene_free(scene);
+}
+
+TEST(LibScenes, AFrameOfDynamicTextures) {
+  const std::string sea = std::string(BITSPAN_SOURCE_DIR) + "/tests/data/sea.tri";
+  const ConfigHandle config = config_handle("depth16");
+  std::vector<std::vector<std::uint8_t>> pictures;
+  for (int frame = 0; frame < 3; ++frame) {
+    bs_scene* loaded = nullptr;
+    ASSERT_EQ(bs_scene_load_frame(sea.c_str(), 0, 0, frame, &loaded), BS_OK) << bs_last_error();
+    const std::unique_ptr<bs_scene, CloseHandle> scene(loaded);
+    const Scene same = read_tri(sea, frame);
+    const auto engine = make_model(shipped_config("depth16"));
+    engine->begin(same);
+    draw_scene(*engine, same, 0, same.triangles.size(), nullptr);
+    bs_scene_desc desc = BS_SCENE_DESC_INIT;
+    ASSERT_EQ(bs_scene_get(scene.get(), &desc), BS_OK);
+    const ModelHandle model = open_model(config.get(), "model");
+    ASSERT_EQ(bs_begin(model.get(), &desc), BS_OK) << bs_last_error();
+    ASSERT_EQ(bs_draw_scene(model.get(), scene.get(), 0, same.triangles.size(), 0, 0), BS_OK);
+    expect_same_frame(engine->frame(), model.get());
+    pictures.push_back(engine->frame().color);
+  }
+  EXPECT_NE(pictures[0], pictures[2]);
 }
 
 TEST(LibConfig, SetChangesWhatTheFileWouldSay) {

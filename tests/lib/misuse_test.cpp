@@ -167,6 +167,7 @@ TEST(LibMisuse, BadArguments) {
   std::int64_t number = 0;
   const std::string folder = BITSPAN_SOURCE_DIR;
   const std::string readme = folder + "/README.md";
+  const std::string sea = folder + "/tests/data/sea.tri";
   expect_failures({
       {"load NULL", [&] { return bs_config_load(nullptr, &c); }, BS_BAD_INPUT},
       {"load to NULL", [&] { return bs_config_load("depth16", nullptr); }, BS_BAD_INPUT},
@@ -198,6 +199,9 @@ TEST(LibMisuse, BadArguments) {
       {"no mesh", [&] { return bs_scene_load(readme.c_str(), 0, 0, &s); }, BS_BAD_INPUT},
       {"scene of no size", [&] { return bs_scene_load("demo", -1, 5, &s); }, BS_BAD_INPUT},
       {"scene too wide", [&] { return bs_scene_load("demo", 5000, 5, &s); }, BS_BAD_INPUT},
+      {"frame of a demo", [&] { return bs_scene_load_frame("demo", 0, 0, 0, &s); }, BS_BAD_INPUT},
+      {"frame behind the last", [&] { return bs_scene_load_frame(sea.c_str(), 0, 0, 3, &s); }, BS_BAD_INPUT},
+      {"frame -1", [&] { return bs_scene_load_frame(sea.c_str(), 0, 0, -1, &s); }, BS_BAD_INPUT},
       {"trace 2", [&] { return bs_trace(m, 2); }, BS_BAD_INPUT},
       {"begin NULL", [&] { return bs_begin(m, nullptr); }, BS_BAD_INPUT},
       {"triangle NULL", [&] { return bs_triangle(m, nullptr, -1, 0, 0); }, BS_BAD_INPUT},
@@ -212,7 +216,7 @@ TEST(LibMisuse, BadArguments) {
       {"records of no stage", [&] { return bs_records(m, BS_STAGE_TEXTURE_SECOND + 1, &view); },
        BS_BAD_INPUT},
       {"records to NULL", [&] { return bs_records(m, 7, nullptr); }, BS_BAD_INPUT},
-      {"plane 6", [&] { return bs_frame_view(m, 6, &view); }, BS_BAD_INPUT},
+      {"plane 7", [&] { return bs_frame_view(m, 7, &view); }, BS_BAD_INPUT},
       {"plane to NULL", [&] { return bs_frame_view(m, 0, nullptr); }, BS_BAD_INPUT},
       {"counter NULL", [&] { return bs_counter(m, nullptr, &number); }, BS_BAD_INPUT},
       {"no counter", [&] { return bs_counter(m, "bugs", &number); }, BS_BAD_INPUT},

@@ -160,6 +160,29 @@ class Records(unittest.TestCase):
                          [((60, 80, 4), "uint8"), ((60, 80), "uint32"), ((60, 80), "float64"), ((60, 80), "float64"), ((60, 80), "int32")])
         self.assertTrue((drawn.color[..., 3] == 255).all())
 
+    def test_positions(self):
+        drawn = small()
+        position = drawn.position
+        self.assertEqual((position.shape, position.dtype.name), ((60, 80, 3), "float64"))
+        covered = drawn.triangle >= 0
+        self.assertTrue(np.isnan(position[~covered]).all())
+        self.assertTrue(np.isfinite(position[covered]).all())
+        # Along its ray: x / s = (column - middle) / focal.
+        columns = np.broadcast_to(np.arange(80) + 0.5 - 40, (60, 80))[covered]
+        ratio = position[covered][:, 0] / position[covered][:, 2] / columns
+        self.assertLess(np.ptp(ratio), 1e-12)
+
+    def test_frames_of_a_stream(self):
+        sea = SOURCE / "tests/data/sea.tri"
+        pictures = []
+        for frame in range(3):
+            pictures.append(bitspan.render(bitspan.Scene(sea, frame=frame)).color)
+        self.assertFalse(np.array_equal(pictures[0], pictures[2]))
+        with self.assertRaisesRegex(bitspan.InputError, "0..2"):
+            bitspan.Scene(sea, frame=3)
+        with self.assertRaisesRegex(bitspan.InputError, "no dynamic textures"):
+            bitspan.Scene("demo", frame=0)
+
     def test_the_picture_is_that_of_the_program(self):
         from matplotlib import image
 
