@@ -224,8 +224,11 @@ def curves(
             else:
                 panel.xaxis.get_major_locator().set_params(integer=True)
         else:
-            panel.set_xticks(positions, [str(s[0]) for s in drawn.samples], rotation=90 if len(positions) > 5 else 0)
-            panel.tick_params(axis="x", labelsize=6 if len(positions) > 5 else 8)
+            crowded = len(positions) > 5
+            # Values of several keys that vary together stand below one another, so that neighbours do not meet.
+            labels = [str(s[0]) if crowded else str(s[0]).replace(" ", "\n") for s in drawn.samples]
+            panel.set_xticks(positions, labels, rotation=90 if crowded else 0)
+            panel.tick_params(axis="x", labelsize=6 if crowded else 8)
         panel.set_title(
             "one at a time" if drawn.one_at_a_time else "best of all", fontsize=7, color="#606060", loc="left"
         )
