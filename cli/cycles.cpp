@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -61,7 +62,7 @@ std::string port_differences(const ChainClock& model, const RtlSample& rows, con
   bit("idle", model.ports.idle, rtl.idle);
   constexpr std::array<std::string_view, read_ports> names{"z",      "color",  "texel0",
                                                            "texel1", "texel2", "texel3"};
-  constexpr std::array<std::string_view, 4> taps{"depth", "texture", "fog", "merge"};
+  constexpr std::array<std::string_view, 5> taps{"depth", "texture", "fog", "merge", "stencil"};
   const auto each = [&](auto list, std::size_t count, const char* what, unsigned of_model, unsigned of_rtl) {
     for (std::size_t p = 0; p < count; ++p) {
       bit(fmt::format("{}{}", list[p], what), (of_model >> p & 1) != 0, (of_rtl >> p & 1) != 0);
@@ -85,20 +86,25 @@ bool transfers(const PixelChainDrive& drive, const PixelChainPorts& ports) {
 // compared.
 class ChainBeside {
  public:
-  ChainBeside(const Config& config, const Scene& scene, Rtl& rtl, RtlPixels& pixels, ChainVerdict& verdict)
+  // chains: the pixel stages for early tests, and for late ones where the scene has them.
+  ChainBeside(const Config& config, const Scene& scene, Rtl& rtl, std::span<RtlPixels* const> chains,
+              ChainVerdict& verdict)
       : config_(config),
         scene_(scene),
         rtl_(rtl),
-        pixels_(pixels),
+        chains_(chains),
+        pixels_(chains.front()),
         verdict_(verdict),
         pipeline_(model::make_pipeline(config, scene)),
         frame_(model::cleared_frame(pipeline_, scene)),
         state_(pipeline_.first) {
     rtl_.reset();
-    pixels_.begin(pipeline_, scene, frame_);
     // The scoreboards' places are cleared; the timed model's frame begins behind that.
     const int sweep = (1 << pixel_timing(config).place_bits) + 4;
-    for (int i = 0; i < sweep; ++i) pixels_.clock({}, nullptr, counters_);
+    for (RtlPixels* chain : chains_) {
+      chain->begin(pipeline_, scene, frame_);
+      for (int i = 0; i < sweep; ++i) chain->clock({}, nullptr, counters_);
+    }
   }
 
   Trace& trace() { return trace_; }
@@ -118,7 +124,7 @@ class ChainBeside {
     const bool has_pixel = model.rows.out_valid && sample.out_valid != 0;
     if (has_pixel) stand(sample.pixel);
     const bool offers = has_pixel && (model.drive.draw_valid || model.drive.in_valid);
-    const PixelChainPorts ports = pixels_.clock(model.drive, offers ? &pixel_ : nullptr, counters_);
+    const PixelChainPorts ports = pixels_->clock(model.drive, offers ? &pixel_ : nullptr, counters_);
     const std::string text = port_differences(model, sample, ports);
     if (!text.empty()) {
       verdict_.differences = 1;
@@ -143,7 +149,12 @@ class ChainBeside {
         model::clear_planes(pipeline_, frame_, *command.clear);
       } else {
         state_ = changed_state(state_, command.state, config_);
-        pixels_.set(state_);
+        if (state_.stencil_test) need_stencil(frame_);
+        // The chain that the state asks for; nothing is inside the other one, which rests.
+        RtlPixels* const chain = chains_[is_late(state_.depth_when) ? 1 : 0];
+        for (int i = 0; i < rest_clocks && chain != pixels_; ++i) chain->clock({}, nullptr, counters_);
+        pixels_ = chain;
+        pixels_->set(state_);
       }
     }
   }
@@ -174,7 +185,9 @@ class ChainBeside {
       pixel_.record.b = values.b;
       pixel_.record.a = values.a;
     }
-    pixel_.texture = std::max(scene_.triangles[static_cast<std::size_t>(pixel_.record.triangle)].texture, -1);
+    const Triangle& triangle = scene_.triangles[static_cast<std::size_t>(pixel_.record.triangle)];
+    pixel_.texture = std::max(triangle.texture, -1);
+    pixel_.back = state_.stencil_test && model::is_back_face(pipeline_.setup, triangle);
     pixel_stands_ = true;
   }
   // What has been read of the trace is forgotten, so that one draw call may have any number of triangles.
@@ -202,6 +215,7 @@ class ChainBeside {
     ++next_pixel_;
     forget(trace_.fragment, next_pixel_);
     trace_.depth.clear();
+    trace_.stencil.clear();
     trace_.texture.clear();
     trace_.fog.clear();
     trace_.merge.clear();
@@ -210,7 +224,9 @@ class ChainBeside {
   const Config& config_;
   const Scene& scene_;
   Rtl& rtl_;
-  RtlPixels& pixels_;
+  std::span<RtlPixels* const> chains_;
+  RtlPixels* pixels_;
+  static constexpr int rest_clocks = 8;  // until an empty chain says so
   ChainVerdict& verdict_;
   model::Pipeline pipeline_;
   Frame frame_;
@@ -224,6 +240,16 @@ class ChainBeside {
   std::uint64_t clock_ = 0;
 };
 
+}  // namespace
+
+namespace {
+bool has_late_tests(const Config& config, const Scene& scene) {
+  DrawState state = first_state(config);
+  return std::ranges::any_of(scene.commands, [&](const DrawCommand& command) {
+    if (!command.clear) state = changed_state(state, command.state, config);
+    return is_late(state.depth_when);
+  });
+}
 }  // namespace
 
 CycleVerdict compare_cycles(const Config& config, const Scene& scene, std::size_t triangles) {
@@ -311,12 +337,18 @@ std::vector<ChainVerdict> compare_chain(const Config& config, const Scene& scene
       {"ideal memory", {}}, {fmt::format("1 to 25 clocks, stalls, seed {}", seed), random}};
   std::vector<ChainVerdict> out;
   Rtl rtl(config);
-  RtlPixels pixels(config);
+  RtlPixels early(config);
+  std::unique_ptr<RtlPixels> late;
+  std::vector<RtlPixels*> chains{&early};
+  if (has_late_tests(config, scene)) {
+    late = std::make_unique<RtlPixels>(config, DepthWhen::late);
+    chains.push_back(late.get());
+  }
   for (const auto& [name, ports] : memories) {
     ChainVerdict& verdict = out.emplace_back();
     verdict.memory = name;
     try {
-      ChainBeside beside(config, scene, rtl, pixels, verdict);
+      ChainBeside beside(config, scene, rtl, chains, verdict);
       SystemcOptions options;
       options.memory = TimedMemory::ports;
       options.ports = ports;
@@ -327,7 +359,8 @@ std::vector<ChainVerdict> compare_chain(const Config& config, const Scene& scene
       draw_scene(*systemc, scene, 0, count, &beside.trace());
       const Frame& frame = systemc->frame();
       const Frame& rtl_frame = beside.finished_frame(count);
-      if (verdict.differences == 0 && (frame.depth != rtl_frame.depth || frame.color != rtl_frame.color)) {
+      if (verdict.differences == 0 && (frame.depth != rtl_frame.depth || frame.color != rtl_frame.color ||
+                                       frame.stencil != rtl_frame.stencil)) {
         verdict.differences = 1;
         verdict.first = "the pictures of systemc and rtl differ";
       }

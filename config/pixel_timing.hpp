@@ -19,6 +19,11 @@ struct DepthTiming {
   int total =
       0;  // acceptance to out_valid_o where the answer comes on the clock after the request's acceptance
 };
+// rtl/stencil.sv, behind depth where the tests are late.
+struct StencilTiming {
+  int clocks = 2;  // from acceptance to the skid at the output: the comparison, the operation
+  int total = 3;   // acceptance to out_valid_o
+};
 // Two segments with a skid behind each, and the texels' way in between.
 struct TextureTiming {
   int filter_product = 1;  // of a blend of two texels
@@ -58,6 +63,7 @@ struct PixelTiming {
   int slot_bits = 2;    // draw states in flight: 2^slot_bits
   int pixel_unit = 0;   // latency of R_pixel
   DepthTiming depth;
+  StencilTiming stencil;
   LodTiming lod;
   TextureTiming texture;
   FogTiming fog;

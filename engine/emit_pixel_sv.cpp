@@ -57,9 +57,10 @@ void common_section(SvWriter& w, const Config& config, const PixelTiming& timing
   w.integer("PixelUnitClocks", timing.pixel_unit);
 }
 
-void depth_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
+void depth_section(SvWriter& w, const Config& config, const PixelTiming& timing, DepthWhen when) {
   w.line("");
-  w.line("  // depth.");
+  w.line("  // depth. With DepthIsLate it stands behind texture, and stencil behind it.");
+  w.integer("DepthIsLate", is_late(when) ? 1 : 0);
   w.integer("DepthInverse", static_cast<int>(DepthCode::inverse));
   w.integer("DepthOpengl", static_cast<int>(DepthCode::opengl));
   w.integer("DepthLinear", static_cast<int>(DepthCode::linear));
@@ -100,9 +101,10 @@ void lod_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
   w.integer("LodClocks", timing.lod.clocks);
 }
 
-void stencil_section(SvWriter& w) {
+void stencil_section(SvWriter& w, const PixelTiming& timing) {
   w.line("");
   w.line("  // stencil.");
+  w.integer("StencilClocks", timing.stencil.clocks);
   numbers<StencilOp>(w, "StencilOp");
 }
 
@@ -183,8 +185,7 @@ bool replaces_color(const DrawState& s) {
 }  // namespace
 
 bool pixel_rtl_takes(const DrawState& s) {
-  return !s.stencil_test && !is_late(s.depth_when) && s.alpha_func == CompareFunc::always &&
-         s.target_format == TargetFormat::rgba8888 && s.chroma_test == ChromaTest::none &&
+  return s.target_format == TargetFormat::rgba8888 && s.chroma_test == ChromaTest::none &&
          !has_second_texture(s) && s.logic_op == LogicOp::none && s.blend_alpha_op == BlendOp::add &&
          s.blend_alpha_src == BlendFactor::zero && s.blend_alpha_dst == BlendFactor::one &&
          (mixes_by_alpha(s) || replaces_color(s));
@@ -199,7 +200,7 @@ bool pixel_rtl_takes(const Config& config, std::span<const DrawCommand> commands
   });
 }
 
-std::string emit_pixel_sv(const Config& config) {
+std::string emit_pixel_sv(const Config& config, DepthWhen when) {
   if (!is_in_rtl(config.depth_code)) {
     throw InputError(config.name + ": depth.code is " + std::string(to_string(config.depth_code)) +
                      ", which the RTL does not have; it needs inverse, linear or opengl");
@@ -212,9 +213,9 @@ std::string emit_pixel_sv(const Config& config) {
   w.line("/* verilator lint_off UNUSED */");
   w.line("package bitspan_pixel_pkg;");
   common_section(w, config, timing);
-  depth_section(w, config, timing);
+  depth_section(w, config, timing, when);
   lod_section(w, config, timing);
-  stencil_section(w);
+  stencil_section(w, timing);
   texture_section(w, config, timing);
   fog_section(w, config, timing);
   merge_section(w, config, timing);

@@ -20,8 +20,8 @@ inline constexpr int texel_address_bits = 32;
 // be pipelined, and its operand must fit the unit.
 bool has_pixel_rtl(const Config& config);
 
-// Whether the pixel stages in RTL draw in a draw state. They have early tests without stencil and alpha test,
-// and colours that are mixed by the fragment's alpha, or replaced.
+// Whether the pixel stages in RTL draw in a draw state, where they are built for the state's order of tests.
+// They have colours that are mixed by the fragment's alpha, or replaced.
 bool pixel_rtl_takes(const DrawState& state);
 // The same for every state that a scene's commands make.
 bool pixel_rtl_takes(const Config& config, std::span<const DrawCommand> commands);
@@ -30,7 +30,9 @@ bool mixes_by_alpha(const DrawState& state);
 
 // The package's text: formats, the depth code, reciprocal unit and the latencies of config/pixel_timing. What
 // may change between triangles or scenes is not in it: comparison, filter, wrap, blend and so on are ports.
-// The same configuration gives the same text, byte for byte. Throws InputError where there is no such RTL.
-std::string emit_pixel_sv(const Config& config);
+// `when`: the order of tests that the chain is built for; it draws in no state of the other order. The
+// stencil test is in the late one alone. The same configuration and order give the same text, byte for byte.
+// Throws InputError where there is no such RTL.
+std::string emit_pixel_sv(const Config& config, DepthWhen when = DepthWhen::early);
 
 }  // namespace bitspan

@@ -6,16 +6,22 @@
 //                              +-> all the rest -------> FIFO --+
 //   fate in ------------------------------> write -> memory
 //
-// A fragment that comes out must come back as its fate: whether it is written, which the transparent code or an alpha
-// of 0 may prevent. A later fragment at its pixel waits in front of the scoreboard until the fate is known and the
-// write, if any, is accepted. It cannot be forwarded to: a code that may be killed is not yet the pixel's. Fates may
-// come back in any order. Fragments that fail leave the scoreboard by themselves.
+// A fragment that comes out must come back as its fate: whether it is written, which what stands behind may prevent:
+// the transparent code, an alpha of 0, the alpha test, or the stencil test. A later fragment at its pixel waits in front
+// of the scoreboard until the fate is known and the write, if any, is accepted. It cannot be forwarded to: a code that
+// may be killed is not yet the pixel's. Fates may come back in any order. Fragments that fail leave the scoreboard by
+// themselves.
+//
+// HasStencil: a memory's word holds the pixel's stencil value beside its code, so that one read and one write serve both
+// tests. The value comes out beside the fragment, and the fate brings the new one and says which parts of the word are
+// written. A fragment with in_keep_i comes out where the comparison fails, too; out_pass_o says what it said.
 //
 // Nothing behind the scoreboard waits for the clocks of z: the FIFOs hold as many fragments as may be in flight.
 // A read that is accepted on a later clock than a write must see what was written.
 module depth #(
     // Whatever else a fragment brings along.
-    parameter int RestW = 32
+    parameter int RestW = 32,
+    parameter int HasStencil = 0
 ) (
     input  logic                                  clk_i,
     input  logic                                  rst_ni,
@@ -30,6 +36,7 @@ module depth #(
     input  logic [ bitspan_pixel_pkg::CoordW-1:0] in_y_i,
     input  logic [ bitspan_pixel_pkg::SpanHW-1:0] in_h_i,
     input  logic [                           2:0] in_func_i,
+    input  logic                                  in_keep_i,
     input  logic [                     RestW-1:0] in_rest_i,
     // The depth memory.
     output logic                                  request_valid_o,
@@ -39,11 +46,15 @@ module depth #(
     input  logic                                  answer_valid_i,
     output logic                                  answer_ready_o,
     input  logic [ bitspan_pixel_pkg::DepthZW-1:0] answer_z_i,
+    input  logic [                           7:0] answer_stencil_i,
     output logic                                  write_valid_o,
     input  logic                                  write_ready_i,
     output logic [ bitspan_pixel_pkg::CoordW-1:0] write_x_o,
     output logic [ bitspan_pixel_pkg::CoordW-1:0] write_y_o,
     output logic [ bitspan_pixel_pkg::DepthZW-1:0] write_z_o,
+    output logic [                           7:0] write_stencil_o,
+    // What of the word is written: bit 0 the code, bit 1 the stencil value.
+    output logic [                           1:0] write_mask_o,
     // Added to the code, which then saturates; the fragment of bias_rest_o has it on the same clock.
     input  logic [ bitspan_pixel_pkg::DepthBiasW-1:0] bias_i,
     output logic [                     RestW-1:0] bias_rest_o,
@@ -55,6 +66,8 @@ module depth #(
     output logic [ bitspan_pixel_pkg::SpanHW-1:0] out_h_o,
     output logic [ bitspan_pixel_pkg::DepthZW-1:0] out_z_o,
     output logic                                  out_mark_o,
+    output logic                                  out_pass_o,
+    output logic [                           7:0] out_stencil_o,
     output logic [                     RestW-1:0] out_rest_o,
     input  logic                                  fate_valid_i,
     output logic                                  fate_ready_o,
@@ -62,7 +75,10 @@ module depth #(
     input  logic [ bitspan_pixel_pkg::CoordW-1:0] fate_y_i,
     input  logic [ bitspan_pixel_pkg::DepthZW-1:0] fate_z_i,
     input  logic                                  fate_mark_i,
-    input  logic                                  fate_write_i,
+    input  logic [                           1:0] fate_write_i,
+    input  logic [                           7:0] fate_stencil_i,
+    // A fate waits for its write.
+    output logic                                  fate_waits_o,
     // Tap: the depth record, as a fragment leaves the comparison.
     output logic                                  record_valid_o,
     output logic [ bitspan_pixel_pkg::CoordW-1:0] record_x_o,
@@ -72,6 +88,7 @@ module depth #(
     output logic [ bitspan_pixel_pkg::DepthZW-1:0] record_z_o,
     output logic [ bitspan_pixel_pkg::DepthZW-1:0] record_stored_o,
     output logic                                  record_pass_o,
+    output logic                                  record_keep_o,
     output logic [                     RestW-1:0] record_rest_o
 );
   localparam int CoordW = bitspan_pixel_pkg::CoordW;
@@ -80,20 +97,26 @@ module depth #(
   localparam int InFlight = bitspan_pixel_pkg::FragmentsInFlight;
   localparam int CodeClocks = bitspan_pixel_pkg::DepthCodeClocks;
   localparam int RecipW = bitspan_pixel_pkg::PixelRecipOutW + bitspan_pixel_pkg::ExponentW;
+  // What a fragment's func and a memory's word have: with a stencil its keep bit, and a value.
+  localparam int FuncW = (HasStencil != 0) ? 4 : 3;
+  localparam int WordW = (HasStencil != 0) ? ZW + 8 : ZW;
+
+  logic [FuncW-1:0] in_func;
+  logic [WordW-1:0] answer;
 
   // The scoreboard.
   localparam int PlaceW = bitspan_pixel_pkg::ScoreboardPlaceW;
   logic entry_valid, entry_ready, mark_failed, mark_fate, request_ready, rest_ready, enter;
   logic [CoordW-1:0] entry_x, entry_y;
   logic [HW-1:0] entry_h;
-  logic [2:0] entry_func;
+  logic [FuncW-1:0] entry_func;
   logic [RestW-1:0] entry_rest;
   logic failed, tested_mark_failed, fate_done, fate_mark;
   logic [CoordW-1:0] tested_x, tested_y;
   assign entry_ready = request_ready && rest_ready;
   assign enter = entry_valid && entry_ready;
   scoreboard #(
-      .Width (HW + 3 + RestW),
+      .Width (HW + FuncW + RestW),
       .CoordW(CoordW),
       .PlaceW(PlaceW)
   ) u_scoreboard (
@@ -103,7 +126,7 @@ module depth #(
       .in_ready_o,
       .in_x_i,
       .in_y_i,
-      .in_i          ({in_h_i, in_func_i, in_rest_i}),
+      .in_i          ({in_h_i, in_func, in_rest_i}),
       .out_valid_o   (entry_valid),
       .out_ready_i   (entry_ready),
       .out_x_o       (entry_x),
@@ -154,10 +177,11 @@ module depth #(
   );
 
   // Fragments in flight.
-  localparam int WaitW = 2 * CoordW + HW + 3 + 2 + RestW;
+  localparam int WaitW = 2 * CoordW + HW + FuncW + 2 + RestW;
   logic rest_valid, z_valid, z_ready, answer_valid, join_valid, take;
   logic [WaitW-1:0] waited;
-  logic [ZW-1:0] waited_z, stored;
+  logic [ZW-1:0] waited_z;
+  logic [WordW-1:0] stored;
   logic [RecipW-1:0] waited_recip;
   fifo #(
       .Width(WaitW),
@@ -186,13 +210,13 @@ module depth #(
       .out_o      (waited_z)
   );
   skid #(
-      .Width(ZW)
+      .Width(WordW)
   ) u_answer (
       .clk_i,
       .rst_ni,
       .in_valid_i (answer_valid_i),
       .in_ready_o (answer_ready_o),
-      .in_i       (answer_z_i),
+      .in_i       (answer),
       .out_valid_o(answer_valid),
       .out_ready_i(take),
       .out_o      (stored)
@@ -226,7 +250,7 @@ module depth #(
   assign biased_z = biased[ZW+1] ? '0 : biased[ZW] ? '1 : biased[ZW-1:0];
 
   // join | compare | pass: all of it shifts on en.
-  localparam int TestW = WaitW + 2 * ZW + RecipW;
+  localparam int TestW = WaitW + ZW + WordW + RecipW;
   logic en, joined_q, compared_q, less_q, equal_q, pass;
   logic [TestW-1:0] joined;
   logic [ZW-1:0] joined_z, joined_stored;
@@ -250,34 +274,43 @@ module depth #(
       equal_q <= joined_z == joined_stored;
     end
   end
-  assign joined_z = joined[WaitW+ZW+:ZW];
+  assign joined_z = joined[WaitW+WordW+:ZW];
   assign joined_stored = joined[WaitW+:ZW];
 
   logic [RecipW-1:0] tested_recip;
   logic [ZW-1:0] tested_z, tested_stored;
+  logic [WordW-1:0] tested_word;
   logic [HW-1:0] tested_h;
-  logic [2:0] tested_func;
+  logic [FuncW-1:0] tested_func;
   logic [RestW-1:0] tested_rest;
-  logic tested_mark_fate, nearer, farther;
-  assign {tested_recip, tested_z, tested_stored, tested_x, tested_y, tested_h, tested_func, tested_mark_failed,
+  logic tested_mark_fate, nearer, farther, comes_out;
+  assign {tested_recip, tested_z, tested_word, tested_x, tested_y, tested_h, tested_func, tested_mark_failed,
           tested_mark_fate, tested_rest} = compared;
   assign nearer = (bitspan_pixel_pkg::DepthNearerIsLarger != 0) ? !less_q && !equal_q : less_q;
   assign farther = (bitspan_pixel_pkg::DepthNearerIsLarger != 0) ? less_q : !less_q && !equal_q;
   assign pass = (nearer && tested_func[0]) || (equal_q && tested_func[1]) || (farther && tested_func[2]);
-  assign failed = compared_q && en && !pass;
+  assign tested_stored = tested_word[ZW-1:0];
+  assign comes_out = pass || record_keep_o;
+  assign failed = compared_q && en && !comes_out;
+  // With a stencil, its stored value and what the comparison said.
+  localparam int PassedW = 2 * CoordW + HW + ZW + 1 + RestW;
+  localparam int OutW = (HasStencil != 0) ? PassedW + 9 : PassedW;
+  logic [PassedW-1:0] passed_early;
+  logic [OutW-1:0] passed, out;
+  assign passed_early = {tested_x, tested_y, tested_h, tested_z, tested_mark_fate, tested_rest};
   skid #(
-      .Width(2 * CoordW + HW + ZW + 1 + RestW)
+      .Width(OutW)
   ) u_out (
       .clk_i,
       .rst_ni,
-      .in_valid_i (compared_q && pass),
+      .in_valid_i (compared_q && comes_out),
       .in_ready_o (en),
-      .in_i       ({tested_x, tested_y, tested_h, tested_z, tested_mark_fate, tested_rest}),
+      .in_i       (passed),
       .out_valid_o,
       .out_ready_i,
-      .out_o      ({out_x_o, out_y_o, out_h_o, out_z_o, out_mark_o, out_rest_o})
+      .out_o      (out)
   );
-
+  assign {out_x_o, out_y_o, out_h_o, out_z_o, out_mark_o, out_rest_o} = out[PassedW-1:0];
   assign record_valid_o = compared_q && en;
   assign record_x_o = tested_x;
   assign record_y_o = tested_y;
@@ -288,19 +321,48 @@ module depth #(
   assign record_rest_o = tested_rest;
 
   // Fates.
+  localparam int KnownW = 2 * CoordW + ZW + 2;
+  localparam int FateW = (HasStencil != 0) ? KnownW + 9 : KnownW;
   logic fate_valid, fate_write;
+  logic [KnownW-1:0] fate_known;
+  logic [FateW-1:0] fate_in, fate;
+  assign fate_known = {fate_x_i, fate_y_i, fate_z_i, fate_mark_i, fate_write_i[0]};
   skid #(
-      .Width(2 * CoordW + ZW + 2)
+      .Width(FateW)
   ) u_fate (
       .clk_i,
       .rst_ni,
       .in_valid_i (fate_valid_i),
       .in_ready_o (fate_ready_o),
-      .in_i       ({fate_x_i, fate_y_i, fate_z_i, fate_mark_i, fate_write_i}),
+      .in_i       (fate_in),
       .out_valid_o(fate_valid),
       .out_ready_i(!fate_write || write_ready_i),
-      .out_o      ({write_x_o, write_y_o, write_z_o, fate_mark, fate_write})
+      .out_o      (fate)
   );
+  assign {write_x_o, write_y_o, write_z_o, fate_mark, write_mask_o[0]} = fate[KnownW-1:0];
+  assign fate_write = |write_mask_o;
+  assign fate_waits_o = fate_valid;
+
+  // What there is with a stencil alone.
+  if (HasStencil != 0) begin : gen_stencil
+    assign in_func = {in_keep_i, in_func_i};
+    assign answer = {answer_stencil_i, answer_z_i};
+    assign record_keep_o = tested_func[FuncW-1];
+    assign passed = {pass, tested_word[WordW-1-:8], passed_early};
+    assign {out_pass_o, out_stencil_o} = out[OutW-1-:9];
+    assign fate_in = {fate_write_i[1], fate_stencil_i, fate_known};
+    assign {write_mask_o[1], write_stencil_o} = fate[FateW-1-:9];
+  end else begin : gen_no_stencil
+    assign in_func = in_func_i;
+    assign answer = answer_z_i;
+    assign record_keep_o = 1'b0;
+    assign passed = passed_early;
+    assign {out_pass_o, out_stencil_o} = {1'b1, 8'd0};
+    assign fate_in = fate_known;
+    assign {write_mask_o[1], write_stencil_o} = 9'd0;
+    logic unused;
+    assign unused = ^{in_keep_i, answer_stencil_i, fate_write_i[1], fate_stencil_i};
+  end
   assign write_valid_o = fate_valid && fate_write;
   assign fate_done = fate_valid && (!fate_write || write_ready_i);
 

@@ -5,6 +5,12 @@
 //          ^  z read      four texels  |          colour read
 //          +-- fate -> z write <-------+
 //
+// With DepthIsLate the tests stand behind texture, and there is a stencil test:
+//
+//   in -> texture ------> depth -> stencil -----+-> fog -> merge -> colour write
+//         four texels      ^  z, stencil read   |          colour read
+//                          +-- fate -> z, stencil write
+//
 // Draw state: what may change between triangles. A transfer on `draw` holds for all fragments that are accepted on later
 // clocks. The stages look it up by the slot that a fragment carries; draw_ready_o waits until no fragment of the next
 // slot is in flight.
@@ -28,7 +34,7 @@ module pixel_pipe (
     input  logic load_threshold_i,
     input  logic [bitspan_pixel_pkg::FogIndexW-1:0] load_place_i,
     input  logic [bitspan_pixel_pkg::FogLoadW-1:0] load_data_i,
-    // Draw state, as depth, texture, fog and merge describe it.
+    // Draw state, as depth, texture, stencil, fog and merge describe it.
     input  logic draw_valid_i,
     output logic draw_ready_o,
     input  logic [2:0] draw_func_i,
@@ -47,6 +53,21 @@ module pixel_pipe (
     input  logic [23:0] draw_fog_color_i,
     input  logic draw_blend_i,
     input  logic draw_write_color_i,
+    input  logic [2:0] draw_alpha_func_i,
+    input  logic [7:0] draw_alpha_ref_i,
+    // The stencil test: whether there is one, what both sides of a triangle have, its front, its back.
+    input  logic draw_stencil_test_i,
+    input  logic [7:0] draw_stencil_ref_i,
+    input  logic [7:0] draw_stencil_mask_i,
+    input  logic [7:0] draw_stencil_write_i,
+    input  logic [2:0] draw_stencil_func_i,
+    input  logic [2:0] draw_stencil_fail_i,
+    input  logic [2:0] draw_stencil_zfail_i,
+    input  logic [2:0] draw_stencil_pass_i,
+    input  logic [2:0] draw_stencil_back_func_i,
+    input  logic [2:0] draw_stencil_back_fail_i,
+    input  logic [2:0] draw_stencil_back_zfail_i,
+    input  logic [2:0] draw_stencil_back_pass_i,
     // A covered fragment.
     input  logic in_valid_i,
     output logic in_ready_o,
@@ -59,7 +80,9 @@ module pixel_pipe (
     input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_g_i,
     input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_b_i,
     input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_a_i,
-    // The depth memory.
+    input  logic in_back_i,  // of a back face
+    // The depth memory. With DepthIsLate a word holds the stencil value, too; mask tells what is written of it: bit 0 the
+    // code, bit 1 the stencil value.
     output logic z_request_valid_o,
     input  logic z_request_ready_i,
     output logic [bitspan_pixel_pkg::CoordW-1:0] z_request_x_o,
@@ -67,11 +90,14 @@ module pixel_pipe (
     input  logic z_answer_valid_i,
     output logic z_answer_ready_o,
     input  logic [bitspan_pixel_pkg::DepthZW-1:0] z_answer_z_i,
+    input  logic [7:0] z_answer_stencil_i,
     output logic z_write_valid_o,
     input  logic z_write_ready_i,
     output logic [bitspan_pixel_pkg::CoordW-1:0] z_write_x_o,
     output logic [bitspan_pixel_pkg::CoordW-1:0] z_write_y_o,
     output logic [bitspan_pixel_pkg::DepthZW-1:0] z_write_z_o,
+    output logic [7:0] z_write_stencil_o,
+    output logic [1:0] z_write_mask_o,
     // Four ports of the texel memory.
     output logic texel0_request_valid_o,
     input  logic texel0_request_ready_i,
@@ -123,6 +149,14 @@ module pixel_pipe (
     output logic [bitspan_pixel_pkg::DepthZW-1:0] depth_record_z_o,
     output logic [bitspan_pixel_pkg::DepthZW-1:0] depth_record_stored_o,
     output logic depth_record_pass_o,
+    output logic stencil_record_valid_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] stencil_record_x_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] stencil_record_y_o,
+    output logic stencil_record_back_o,
+    output logic [7:0] stencil_record_stored_o,
+    output logic stencil_record_pass_o,
+    output logic [2:0] stencil_record_op_o,
+    output logic [7:0] stencil_record_value_o,
     output logic texture_record_valid_o,
     output logic [bitspan_pixel_pkg::CoordW-1:0] texture_record_x_o,
     output logic [bitspan_pixel_pkg::CoordW-1:0] texture_record_y_o,
@@ -157,11 +191,13 @@ module pixel_pipe (
     output logic [bitspan_pixel_pkg::MergeColorW-1:0] merge_record_g_o,
     output logic [bitspan_pixel_pkg::MergeColorW-1:0] merge_record_b_o
 );
+  localparam int Late = bitspan_pixel_pkg::DepthIsLate;
   localparam int CoordW = bitspan_pixel_pkg::CoordW;
   localparam int HW = bitspan_pixel_pkg::SpanHW;
   localparam int ZW = bitspan_pixel_pkg::DepthZW;
   localparam int UvW = bitspan_pixel_pkg::SpanUvW;
   localparam int ShadeW = bitspan_pixel_pkg::SpanShadeW;
+  localparam int ColorW = bitspan_pixel_pkg::TextureColorW;
   localparam int AlphaW = bitspan_pixel_pkg::TextureAlphaW;
   localparam int IndexW = bitspan_pixel_pkg::TexelIndexW;
   localparam int PitchW = bitspan_pixel_pkg::TexelPitchW;
@@ -184,7 +220,12 @@ module pixel_pipe (
   localparam int TextureStateW = 4 + 2 * IndexW + PitchW + AddressW + 24;
   localparam int FogStateW = 2 + 24;
   localparam int BiasW = bitspan_pixel_pkg::DepthBiasW;
+  localparam int StencilStateW = 3 * 8 + 2 * 4 * 3;
   logic fate_state[Slots];
+  logic [2:0] func_state[Slots];
+  logic [10:0] alpha_state[Slots];
+  logic test_state[Slots];
+  logic [StencilStateW-1:0] stencil_state[Slots];
   logic [BiasW-1:0] bias_state[Slots];
   logic [TextureStateW-1:0] texture_state[Slots];
   logic [FogStateW-1:0] fog_state[Slots];
@@ -192,6 +233,14 @@ module pixel_pipe (
   always_ff @(posedge clk_i) begin
     if (draw_taken) begin
       func_q <= draw_func_i;
+      func_state[next_slot] <= draw_func_i;
+      alpha_state[next_slot] <= {draw_alpha_func_i, draw_alpha_ref_i};
+      test_state[next_slot] <= draw_stencil_test_i;
+      stencil_state[next_slot] <= {
+        draw_stencil_ref_i, draw_stencil_mask_i, draw_stencil_write_i, draw_stencil_back_func_i, draw_stencil_back_fail_i,
+        draw_stencil_back_zfail_i, draw_stencil_back_pass_i, draw_stencil_func_i, draw_stencil_fail_i,
+        draw_stencil_zfail_i, draw_stencil_pass_i
+      };
       fate_state[next_slot] <= draw_write_z_i;
       bias_state[next_slot] <= draw_bias_i;
       texture_state[next_slot] <= {
@@ -205,8 +254,10 @@ module pixel_pipe (
 
   // Fragments in flight per slot; those that leave are counted a clock later. settled_q: no fragment of the slot before
   // can still be on its way to the count.
-  logic [2:0] left, left_q;
-  logic [SlotW-1:0] left_slot[3], left_slot_q[3];
+  localparam int Ways = 4;
+  logic [Ways-1:0] left, left_q;
+  logic [SlotW-1:0] left_slot[Ways], left_slot_q[Ways];
+  logic fate_waits;
   logic in_q, settled_q;
   logic [SlotW-1:0] in_slot_q;
   logic [CountW-1:0] count_q[Slots];
@@ -225,19 +276,19 @@ module pixel_pipe (
       left_q <= left;
       settled_q <= !draw_taken;
       draw_ready_o <= none[next_slot] && settled_q && !draw_taken;
-      idle_o <= (&none) && !in_q && !in_taken;
+      idle_o <= (&none) && !in_q && !in_taken && !fate_waits;
     end
   end
   always_ff @(posedge clk_i) begin
     in_slot_q <= slot_q;
-    for (int i = 0; i < 3; i++) left_slot_q[i] <= left_slot[i];
+    for (int i = 0; i < Ways; i++) left_slot_q[i] <= left_slot[i];
   end
   for (genvar s = 0; s < Slots; s++) begin : gen_count
     logic enters;
-    logic [1:0] leave;
+    logic [2:0] leave;
     assign enters = in_q && in_slot_q == SlotW'(s);
-    assign leave = 2'(left_q[0] && left_slot_q[0] == SlotW'(s)) + 2'(left_q[1] && left_slot_q[1] == SlotW'(s)) +
-                   2'(left_q[2] && left_slot_q[2] == SlotW'(s));
+    assign leave = 3'(left_q[0] && left_slot_q[0] == SlotW'(s)) + 3'(left_q[1] && left_slot_q[1] == SlotW'(s)) +
+                   3'(left_q[2] && left_slot_q[2] == SlotW'(s)) + 3'(left_q[3] && left_slot_q[3] == SlotW'(s));
     always_ff @(posedge clk_i or negedge rst_ni) begin
       if (!rst_ni) count_q[s] <= '0;
       else count_q[s] <= count_q[s] + CountW'(enters) - CountW'(leave);
@@ -245,37 +296,173 @@ module pixel_pipe (
     assign none[s] = count_q[s] == '0;
   end
 
-  // ---------------------------------------------------------------- depth
+  // ---------------------------------------------------------------- the order of the stages
 
+  // What stands at a fragment's slot in front of depth, and of texture, and what comes out of them.
   localparam int ShadesW = 2 * UvW + 4 * ShadeW;
-  logic tested_valid, tested_ready, tested_mark;
+  localparam int DepthRestW = SlotW + ((Late != 0) ? 1 + 3 * ColorW + AlphaW : ShadesW);
+  localparam int TextureRestW = SlotW + 2 * CoordW + HW + ((Late != 0) ? 1 : ZW + 1);
+  logic depth_valid, depth_ready, depth_keep;
+  logic [2:0] depth_func;
+  logic [CoordW-1:0] depth_x, depth_y;
+  logic [HW-1:0] depth_h;
+  logic [DepthRestW-1:0] depth_rest, tested_rest;
+  logic tested_valid, tested_ready, tested_mark, tested_pass;
   logic [CoordW-1:0] tested_x, tested_y;
   logic [HW-1:0] tested_h;
   logic [ZW-1:0] tested_z;
+  logic [7:0] tested_stencil;
   logic [SlotW-1:0] tested_slot;
-  logic [UvW-1:0] tested_u, tested_v;
-  logic [ShadeW-1:0] tested_r, tested_g, tested_b, tested_a;
-  logic fate_valid, fate_ready, fate_mark, fate_write;
+  assign tested_slot = tested_rest[DepthRestW-1-:SlotW];
+  logic texture_valid, texture_ready;
+  logic [SlotW-1:0] texture_slot;
+  logic [UvW-1:0] texture_u, texture_v;
+  logic [ShadeW-1:0] texture_r, texture_g, texture_b, texture_a;
+  logic [TextureRestW-1:0] texture_rest, textured_rest;
+  logic textured_valid, textured_ready, killed;
+  logic [SlotW-1:0] textured_slot;
   logic [CoordW-1:0] textured_x, textured_y;
-  logic [ZW-1:0] textured_z;
-  logic [SlotW+ShadesW-1:0] record_rest, bias_rest;
+  logic [HW-1:0] textured_h;
+  assign {textured_slot, textured_x, textured_y, textured_h} = textured_rest[TextureRestW-1-:SlotW+2*CoordW+HW];
+
+  // What comes out of the second of the two, where everything is known that may stop a fragment: lives goes on to fog.
+  logic judged_valid, judged_ready, judged_mark, lives, fog_ready;
+  logic [SlotW-1:0] judged_slot;
+  logic [CoordW-1:0] judged_x, judged_y;
+  logic [HW-1:0] judged_h;
+  logic [ZW-1:0] judged_z;
+  logic [ColorW-1:0] judged_r, judged_g, judged_b;
+  logic [AlphaW-1:0] judged_a;
+  logic [7:0] judged_stencil;
+  logic fate_valid, fate_ready;
+  logic [1:0] fate_write;
+  // The fate, and where it lives the fragment, leave on one clock.
+  assign judged_ready = fate_ready && (fog_ready || !lives);
+  assign fate_valid = judged_valid && (fog_ready || !lives);
+  assign fate_write[0] = lives && fate_state[judged_slot];
+
+  if (Late != 0) begin : gen_late
+    assign texture_valid = in_valid_i;
+    assign in_ready_o = texture_ready;
+    assign texture_slot = slot_q;
+    assign {texture_u, texture_v, texture_r, texture_g, texture_b, texture_a} = {
+      in_u_i, in_v_i, in_r_i, in_g_i, in_b_i, in_a_i
+    };
+    assign texture_rest = {slot_q, in_x_i, in_y_i, in_h_i, in_back_i};
+
+    assign depth_valid = textured_valid && !killed;
+    assign textured_ready = depth_ready || killed;
+    assign depth_x = textured_x;
+    assign depth_y = textured_y;
+    assign depth_h = textured_h;
+    assign depth_func = func_state[textured_slot];
+    assign depth_keep = test_state[textured_slot];
+    assign depth_rest = {
+      textured_slot, textured_rest[0], texture_record_r_o, texture_record_g_o, texture_record_b_o, texture_record_a_o
+    };
+
+    // Without a test a fragment passes, and the plane stays as it is.
+    logic test, back, judged_test;
+    logic [7:0] ref_value, mask, write;
+    logic [11:0] front_side, back_side, side;
+    assign test = test_state[tested_slot];
+    assign {ref_value, mask, write, back_side, front_side} = stencil_state[tested_slot];
+    assign back = tested_rest[DepthRestW-SlotW-1];
+    assign side = back ? back_side : front_side;
+    stencil #(
+        .RestW(1 + 8 + 2 * CoordW + HW + ZW + 1 + DepthRestW)
+    ) u_stencil (
+        .clk_i,
+        .rst_ni,
+        .in_valid_i(tested_valid),
+        .in_ready_o(tested_ready),
+        .in_stored_i(tested_stencil),
+        .in_z_pass_i(tested_pass),
+        .in_rest_i({test, tested_stencil, tested_x, tested_y, tested_h, tested_z, tested_mark, tested_rest}),
+        .in_func_i(test ? side[11:9] : 3'b111),
+        .in_fail_i(side[8:6]),
+        .in_zfail_i(side[5:3]),
+        .in_pass_i(side[2:0]),
+        .in_ref_i(ref_value),
+        .in_mask_i(mask),
+        .in_write_i(write & {8{test}}),
+        .out_valid_o(judged_valid),
+        .out_ready_i(judged_ready),
+        .out_pass_o(stencil_record_pass_o),
+        .out_op_o(stencil_record_op_o),
+        .out_value_o(judged_stencil),
+        .out_go_o(lives),
+        .out_rest_o({
+          judged_test, stencil_record_stored_o, judged_x, judged_y, judged_h, judged_z, judged_mark, judged_slot,
+          stencil_record_back_o, judged_r, judged_g, judged_b, judged_a
+        })
+    );
+    assign fate_write[1] = judged_stencil != stencil_record_stored_o;
+    assign stencil_record_valid_o = judged_valid && judged_ready && judged_test;
+    assign stencil_record_x_o = judged_x;
+    assign stencil_record_y_o = judged_y;
+    assign stencil_record_value_o = judged_stencil;
+    assign left[3] = judged_valid && judged_ready && !lives;
+    logic unused;
+    assign unused = ^func_q;
+  end else begin : gen_early
+    assign depth_valid = in_valid_i;
+    assign in_ready_o = depth_ready;
+    assign depth_x = in_x_i;
+    assign depth_y = in_y_i;
+    assign depth_h = in_h_i;
+    assign depth_func = func_q;
+    assign depth_keep = 1'b0;
+    assign depth_rest = {slot_q, in_u_i, in_v_i, in_r_i, in_g_i, in_b_i, in_a_i};
+
+    assign texture_valid = tested_valid;
+    assign tested_ready = texture_ready;
+    assign {texture_slot, texture_u, texture_v, texture_r, texture_g, texture_b, texture_a} = tested_rest;
+    assign texture_rest = {tested_slot, tested_x, tested_y, tested_h, tested_z, tested_mark};
+
+    assign judged_valid = textured_valid;
+    assign textured_ready = judged_ready;
+    assign lives = !killed;
+    assign {judged_slot, judged_x, judged_y, judged_h, judged_z, judged_mark} = textured_rest;
+    assign judged_r = texture_record_r_o;
+    assign judged_g = texture_record_g_o;
+    assign judged_b = texture_record_b_o;
+    assign judged_a = texture_record_a_o;
+    assign judged_stencil = '0;
+    assign fate_write[1] = 1'b0;
+    assign stencil_record_valid_o = 1'b0;
+    assign {stencil_record_x_o, stencil_record_y_o, stencil_record_back_o, stencil_record_stored_o} = '0;
+    assign {stencil_record_pass_o, stencil_record_op_o, stencil_record_value_o} = '0;
+    assign left[3] = 1'b0;
+    logic unused;
+    assign unused = ^{in_back_i, tested_pass, tested_stencil, func_state[slot_q], test_state[slot_q], stencil_state[slot_q],
+                      textured_x, textured_y, textured_h};
+  end
+  assign left_slot[3] = judged_slot;
+
+  // ---------------------------------------------------------------- depth
+
+  logic record_keep;
+  logic [DepthRestW-1:0] record_rest, bias_rest;
   logic [BiasW-1:0] bias;
-  assign bias = bias_state[bias_rest[ShadesW+:SlotW]];
+  assign bias = bias_state[bias_rest[DepthRestW-1-:SlotW]];
   depth #(
-      .RestW(SlotW + ShadesW)
+      .RestW(DepthRestW),
+      .HasStencil(Late)
   ) u_depth (
       .clk_i,
       .rst_ni,
       .b_i,
       .c1_i,
       .c0_i,
-      .in_valid_i,
-      .in_ready_o,
-      .in_x_i,
-      .in_y_i,
-      .in_h_i,
-      .in_func_i(func_q),
-      .in_rest_i({slot_q, in_u_i, in_v_i, in_r_i, in_g_i, in_b_i, in_a_i}),
+      .in_valid_i(depth_valid),
+      .in_ready_o(depth_ready),
+      .in_x_i(depth_x),
+      .in_y_i(depth_y),
+      .in_h_i(depth_h),
+      .in_func_i(depth_func),
+      .in_keep_i(depth_keep),
+      .in_rest_i(depth_rest),
       .request_valid_o(z_request_valid_o),
       .request_ready_i(z_request_ready_i),
       .request_x_o(z_request_x_o),
@@ -283,11 +470,14 @@ module pixel_pipe (
       .answer_valid_i(z_answer_valid_i),
       .answer_ready_o(z_answer_ready_o),
       .answer_z_i(z_answer_z_i),
+      .answer_stencil_i(z_answer_stencil_i),
       .write_valid_o(z_write_valid_o),
       .write_ready_i(z_write_ready_i),
       .write_x_o(z_write_x_o),
       .write_y_o(z_write_y_o),
       .write_z_o(z_write_z_o),
+      .write_stencil_o(z_write_stencil_o),
+      .write_mask_o(z_write_mask_o),
       .bias_i(bias),
       .bias_rest_o(bias_rest),
       .out_valid_o(tested_valid),
@@ -297,14 +487,18 @@ module pixel_pipe (
       .out_h_o(tested_h),
       .out_z_o(tested_z),
       .out_mark_o(tested_mark),
-      .out_rest_o({tested_slot, tested_u, tested_v, tested_r, tested_g, tested_b, tested_a}),
+      .out_pass_o(tested_pass),
+      .out_stencil_o(tested_stencil),
+      .out_rest_o(tested_rest),
       .fate_valid_i(fate_valid),
       .fate_ready_o(fate_ready),
-      .fate_x_i(textured_x),
-      .fate_y_i(textured_y),
-      .fate_z_i(textured_z),
-      .fate_mark_i(fate_mark),
+      .fate_x_i(judged_x),
+      .fate_y_i(judged_y),
+      .fate_z_i(judged_z),
+      .fate_mark_i(judged_mark),
       .fate_write_i(fate_write),
+      .fate_stencil_i(judged_stencil),
+      .fate_waits_o(fate_waits),
       .record_valid_o(depth_record_valid_o),
       .record_x_o(depth_record_x_o),
       .record_y_o(depth_record_y_o),
@@ -313,12 +507,13 @@ module pixel_pipe (
       .record_z_o(depth_record_z_o),
       .record_stored_o(depth_record_stored_o),
       .record_pass_o(depth_record_pass_o),
+      .record_keep_o(record_keep),
       .record_rest_o(record_rest)
   );
-  assign left[0] = depth_record_valid_o && !depth_record_pass_o;
-  assign left_slot[0] = record_rest[ShadesW+:SlotW];
+  assign left[0] = depth_record_valid_o && !depth_record_pass_o && !record_keep;
+  assign left_slot[0] = record_rest[DepthRestW-1-:SlotW];
   logic unused_record;
-  assign unused_record = ^{record_rest[ShadesW-1:0], bias_rest[ShadesW-1:0]};
+  assign unused_record = ^{record_rest[DepthRestW-SlotW-1:0], bias_rest[DepthRestW-SlotW-1:0]};
 
   // ---------------------------------------------------------------- texture
 
@@ -328,24 +523,28 @@ module pixel_pipe (
   logic [AddressW-1:0] base;
   logic [23:0] reserved;
   assign {use_texture, use_bilinear, use_clamp, last_i, last_j, pitch, base, use_transparent, reserved} =
-      texture_state[tested_slot];
-  logic textured_valid, textured_ready, killed, lives;
-  logic [SlotW-1:0] textured_slot;
-  logic [HW-1:0] textured_h;
+      texture_state[texture_slot];
+  // The alpha test looks its part up where a fragment leaves the stage.
+  logic [2:0] alpha_func;
+  logic [7:0] alpha_ref;
+  logic [TextureRestW-1:0] alpha_rest;
+  assign {alpha_func, alpha_ref} = alpha_state[alpha_rest[TextureRestW-1-:SlotW]];
+  logic unused_alpha_rest;
+  assign unused_alpha_rest = ^alpha_rest[TextureRestW-SlotW-1:0];
   texture #(
-      .RestW(SlotW + 2 * CoordW + HW + ZW + 1)
+      .RestW(TextureRestW)
   ) u_texture (
       .clk_i,
       .rst_ni,
-      .in_valid_i(tested_valid),
-      .in_ready_o(tested_ready),
-      .in_u_i(tested_u),
-      .in_v_i(tested_v),
-      .in_r_i(tested_r),
-      .in_g_i(tested_g),
-      .in_b_i(tested_b),
-      .in_a_i(tested_a),
-      .in_rest_i({tested_slot, tested_x, tested_y, tested_h, tested_z, tested_mark}),
+      .in_valid_i(texture_valid),
+      .in_ready_o(texture_ready),
+      .in_u_i(texture_u),
+      .in_v_i(texture_v),
+      .in_r_i(texture_r),
+      .in_g_i(texture_g),
+      .in_b_i(texture_b),
+      .in_a_i(texture_a),
+      .in_rest_i(texture_rest),
       .in_textured_i(use_texture),
       .in_bilinear_i(use_bilinear),
       .in_clamp_i(use_clamp),
@@ -355,6 +554,9 @@ module pixel_pipe (
       .in_base_i(base),
       .in_transparent_i(use_transparent),
       .in_reserved_i(reserved),
+      .alpha_func_i(alpha_func),
+      .alpha_ref_i(alpha_ref),
+      .alpha_rest_o(alpha_rest),
       .request0_valid_o(texel0_request_valid_o),
       .request0_ready_i(texel0_request_ready_i),
       .request0_address_o(texel0_request_address_o),
@@ -394,15 +596,9 @@ module pixel_pipe (
       .out_b_o(texture_record_b_o),
       .out_a_o(texture_record_a_o),
       .out_killed_o(killed),
-      .out_rest_o({textured_slot, textured_x, textured_y, textured_h, textured_z, fate_mark})
+      .out_rest_o(textured_rest)
   );
 
-  // The fate, and where it lives the fragment, leave on one clock.
-  logic fog_ready;
-  assign lives = !killed;
-  assign textured_ready = fate_ready && (fog_ready || killed);
-  assign fate_valid = textured_valid && (fog_ready || killed);
-  assign fate_write = lives && fate_state[textured_slot];
   assign left[1] = textured_valid && textured_ready && killed;
   assign left_slot[1] = textured_slot;
   assign texture_record_valid_o = textured_valid && textured_ready;
@@ -414,7 +610,7 @@ module pixel_pipe (
 
   logic [1:0] fog_mode;
   logic [23:0] fog_color;
-  assign {fog_mode, fog_color} = fog_state[textured_slot];
+  assign {fog_mode, fog_color} = fog_state[judged_slot];
   logic fogged_valid, fogged_ready;
   logic [SlotW-1:0] fogged_slot;
   logic [ZW-1:0] fogged_z;
@@ -428,15 +624,15 @@ module pixel_pipe (
       .load_threshold_i,
       .load_place_i,
       .load_data_i,
-      .in_valid_i(textured_valid && lives && fate_ready),
+      .in_valid_i(judged_valid && lives && fate_ready),
       .in_ready_o(fog_ready),
-      .in_x_i(textured_x),
-      .in_y_i(textured_y),
-      .in_h_i(textured_h),
-      .in_r_i(texture_record_r_o),
-      .in_g_i(texture_record_g_o),
-      .in_b_i(texture_record_b_o),
-      .in_rest_i({textured_slot, textured_x, textured_y, textured_z, texture_record_a_o}),
+      .in_x_i(judged_x),
+      .in_y_i(judged_y),
+      .in_h_i(judged_h),
+      .in_r_i(judged_r),
+      .in_g_i(judged_g),
+      .in_b_i(judged_b),
+      .in_rest_i({judged_slot, judged_x, judged_y, judged_z, judged_a}),
       .in_mode_i(fog_mode),
       .in_color_i(fog_color),
       .in_width_i(width_i),

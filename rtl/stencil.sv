@@ -33,6 +33,8 @@ module stencil #(
     output logic             out_go_o,
     output logic [RestW-1:0] out_rest_o
 );
+  localparam int Clocks = 2;
+
   logic en;
   assign en = in_ready_o;
 
@@ -82,7 +84,7 @@ module stencil #(
   end
 
   shift_stage #(
-      .Clocks(2),
+      .Clocks(Clocks),
       .RestW(RestW),
       .Width(13)
   ) u_stage (
@@ -97,4 +99,11 @@ module stencil #(
       .out_made_o({out_pass_o, out_op_o, out_value_o, out_go_o}),
       .out_rest_o
   );
+
+`ifndef SYNTHESIS
+  initial begin
+    assert (bitspan_pixel_pkg::StencilClocks == Clocks)
+    else $fatal(1, "stencil: has %0d clocks, told %0d", Clocks, bitspan_pixel_pkg::StencilClocks);
+  end
+`endif
 endmodule

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// texture of docs/numeric-spec.md: a fragment that passed the depth test in, its texel times its colour out; one per
-// clock.
+// texture of docs/numeric-spec.md: a fragment in, its texel times its colour out; one per clock.
 //
 //   in --> address ---> skid --> requests ------------------> four texel ports
 //    |     (6 clocks)               |                              |
@@ -45,6 +44,11 @@ module texture #(
     input  logic [bitspan_pixel_pkg::TexelAddressW-1:0] in_base_i,
     input  logic in_transparent_i,
     input  logic [23:0] in_reserved_i,
+    // The alpha test of the fragment of alpha_rest_o, on the same clock. func: bit 0 passes where the fragment's alpha code
+    // is less than the reference, bit 1 where it is equal, bit 2 where it is greater.
+    input  logic [2:0] alpha_func_i,
+    input  logic [7:0] alpha_ref_i,
+    output logic [RestW-1:0] alpha_rest_o,
     output logic request0_valid_o,
     input  logic request0_ready_i,
     output logic [bitspan_pixel_pkg::TexelAddressW-1:0] request0_address_o,
@@ -119,6 +123,8 @@ module texture #(
   localparam int MixedAt = FilterAt + 2 * BlendClocks;
   localparam int FactorsAt = MixedAt + 1;
   localparam int ColorClocks = FactorsAt + ShadeClocks + 1;
+  // Beside the last of them: the reference; its wholes and byte; the least alpha.
+  localparam int AlphaTestClocks = 3;
 
   // ---------------------------------------------------------------- address
 
@@ -676,12 +682,22 @@ module texture #(
   );
   ring_line #(
       .Width(RestW),
-      .Depth(ColorClocks)
+      .Depth(ColorClocks - AlphaTestClocks)
   ) u_rest_line (
       .clk_i,
       .rst_ni,
       .en_i(color_en),
       .d_i(rest),
+      .q_o(alpha_rest_o)
+  );
+  ring_line #(
+      .Width(RestW),
+      .Depth(AlphaTestClocks)
+  ) u_rest_end_line (
+      .clk_i,
+      .rst_ni,
+      .en_i(color_en),
+      .d_i(alpha_rest_o),
       .q_o(rest_out)
   );
   localparam int TexelsW = 3 * MixW + AlphaW;
@@ -705,6 +721,78 @@ module texture #(
       .d_i(hole_3),
       .q_o(hole_out)
   );
+  // The alpha test: no division is left where the fragment leaves. Its code floor(255 a + 1/2) reaches k from
+  // a = (2 k - 1) / 510 on; a's least raw value for the reference and for the next code are formed beside the products.
+  // n / 255 is n's whole 255s, and behind the point the rest's byte for ever.
+  localparam int CompareAlphaW = ((AlphaW > AlphaFrac + 1) ? AlphaW : AlphaFrac + 1) + 1;
+  localparam int Digits = 8 * Copies;
+  logic [2:0] alpha_func_1, alpha_func_2, alpha_func_3;
+  logic [7:0] alpha_ref_1;
+  logic ref_is_zero_2, ref_is_last_2, ref_is_last_3;
+  logic signed [CompareAlphaW-1:0] alpha_least_q[2];
+  always_ff @(posedge clk_i) begin
+    if (color_en) begin
+      alpha_func_1 <= alpha_func_i;
+      alpha_func_2 <= alpha_func_1;
+      alpha_func_3 <= alpha_func_2;
+      alpha_ref_1 <= alpha_ref_i;
+      ref_is_zero_2 <= alpha_ref_1 == '0;
+      ref_is_last_2 <= &alpha_ref_1;
+      ref_is_last_3 <= ref_is_last_2;
+    end
+  end
+  for (genvar k = 0; k < 2; k++) begin : gen_least
+    // 2 k - 1 for the reference, which is above 0, and the code behind it.
+    logic [8:0] odd_1;
+    logic whole_1, whole_2;
+    logic [7:0] byte_1, byte_2;
+    logic [Digits:0] exact_2, floor_2;
+    logic signed [CompareAlphaW-1:0] least_2;
+    if (k == 0) begin : gen_reference
+      assign odd_1 = {alpha_ref_1, 1'b0} - 9'd1;
+    end else begin : gen_next
+      assign odd_1 = {alpha_ref_1, 1'b1};
+    end
+    assign whole_1 = odd_1 >= 9'd255;
+    assign byte_1 = odd_1[7:0] + {7'd0, whole_1};
+    assign exact_2 = {whole_2, {Copies{byte_2}}};
+    assign floor_2 = exact_2 >> (Digits + 1 - AlphaFrac);
+    logic unused_floor;
+    assign unused_floor = ^floor_2;
+    // Rounded up. Without a fraction, what is cut off is whole, too.
+    assign least_2 = CompareAlphaW'(floor_2) + CompareAlphaW'((|byte_2) || ((AlphaFrac == 0) && whole_2));
+    if (k == 0) begin : gen_zero
+      // Code 0 begins below 0: at -1 / 510.
+      logic [Digits:0] ones, below;
+      logic signed [CompareAlphaW-1:0] below_wide;
+      assign ones = {1'b0, {Copies{8'd1}}};
+      assign below = ones >> (Digits + 1 - AlphaFrac);
+      assign below_wide = CompareAlphaW'(below);
+      logic unused_ones;
+      assign unused_ones = ^below;
+      always_ff @(posedge clk_i) begin
+        if (color_en) alpha_least_q[k] <= ref_is_zero_2 ? -below_wide : least_2;
+      end
+    end else begin : gen_others
+      always_ff @(posedge clk_i) begin
+        if (color_en) alpha_least_q[k] <= least_2;
+      end
+    end
+    always_ff @(posedge clk_i) begin
+      if (color_en) begin
+        whole_2 <= whole_1;
+        byte_2 <= byte_1;
+      end
+    end
+  end
+  logic signed [CompareAlphaW-1:0] alpha_wide;
+  logic reaches_ref, is_above_ref, alpha_passes;
+  assign alpha_wide = CompareAlphaW'($signed({(AlphaSigned != 0) & alpha_q[AlphaW-1], alpha_q}));
+  assign reaches_ref = alpha_wide >= alpha_least_q[0];
+  assign is_above_ref = alpha_wide >= alpha_least_q[1] && !ref_is_last_3;
+  assign alpha_passes = (!reaches_ref && alpha_func_3[0]) || (reaches_ref && !is_above_ref && alpha_func_3[1]) ||
+                        (is_above_ref && alpha_func_3[2]);
+
   localparam int RecordW = 2 * IndexW + 2 * FracW + TexelsW + 3 * ColorW + AlphaW + 1;
   skid #(
       .Width(RecordW + RestW)
@@ -714,7 +802,7 @@ module texture #(
       .in_valid_i(color_valid_q[ColorClocks-1]),
       .in_ready_o(color_en),
       .in_i({index_out, ex_out, ey_out, texels_out, color_q[0], color_q[1], color_q[2], alpha_q,
-             hole_out || alpha_q == '0, rest_out}),
+             hole_out || alpha_q == '0 || !alpha_passes, rest_out}),
       .out_valid_o,
       .out_ready_i,
       .out_o({out_i_o, out_j_o, out_ex_o, out_ey_o, out_texel_r_o, out_texel_g_o, out_texel_b_o, out_texel_a_o,

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <future>
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -35,7 +37,7 @@ class RtlEngine final : public Engine {
  public:
   RtlEngine(const Config& config, const RtlOptions& options)
       : config_(config), options_(options), rtl_(make_span_interpolator(config)) {
-    if (has_pixel_rtl(config)) pixels_ = std::make_unique<RtlPixels>(config);
+    if (has_pixel_rtl(config)) chain_of(DepthWhen::early).pixels = std::make_unique<RtlPixels>(config);
   }
 
   std::string_view name() const override { return "rtl"; }
@@ -46,8 +48,8 @@ class RtlEngine final : public Engine {
     runs_ = 0;
     rtl_.reset();
     holds_scene_ = has_pixel_rtl(config_) && holds_textures(scene);
-    draws_pixels_ = holds_scene_;
-    if (holds_scene_) pixels_->begin(run_.pipeline, scene, run_.frame);
+    for (Chain& chain : chains_) chain.has_begun = false;
+    take_state();
   }
 
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
@@ -59,8 +61,7 @@ class RtlEngine final : public Engine {
 
   void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
     run_.set(config_, change, next_index, trace);
-    draws_pixels_ = holds_scene_ && pixel_rtl_takes(run_.pipeline.state);
-    if (draws_pixels_) pixels_->set(run_.pipeline.state);
+    take_state();
   }
   void clear(const Clear& clear) override { run_.clear(clear); }
 
@@ -68,6 +69,29 @@ class RtlEngine final : public Engine {
   const Counters& counters() const override { return run_.counters; }
 
  private:
+  // The pixel stages, built for an order of tests.
+  struct Chain {
+    std::unique_ptr<RtlPixels> pixels;  // none before a state asks for them
+    bool has_begun = false;             // they have the scene
+  };
+  Chain& chain_of(DepthWhen when) { return chains_[is_late(when) ? 1 : 0]; }
+
+  // The pixel stages for the draw state in force, if they take it.
+  void take_state() {
+    pixels_ = nullptr;
+    const DrawState& state = run_.pipeline.state;
+    if (!holds_scene_ || !pixel_rtl_takes(state)) return;
+    Chain& chain = chain_of(state.depth_when);
+    if (!chain.pixels) chain.pixels = std::make_unique<RtlPixels>(config_, state.depth_when);
+    pixels_ = chain.pixels.get();
+    if (chain.has_begun) {
+      pixels_->set(state);
+    } else {
+      pixels_->begin(run_.pipeline, *run_.scene, run_.frame);
+      chain.has_begun = true;
+    }
+  }
+
   // All rows collected through the RTL, and what comes out to the frame.
   void run(Trace* trace) {
     if (batch_.rows.size() == 0) return;
@@ -101,7 +125,7 @@ class RtlEngine final : public Engine {
       shade(batch_.surfaces[i], trace);
       last = {modelled, geometry};
     }
-    if (draws_pixels_) pixels_->run(covered_, run_.counters, trace);
+    if (pixels_ != nullptr) pixels_->run(covered_, run_.counters, trace);
     covered_.clear();
     deliver_surplus(result, pixel, last, trace);
     batch_.clear();
@@ -109,11 +133,11 @@ class RtlEngine final : public Engine {
 
   // The fragments of a row from depth to the frame: on the RTL's way, or by the model where it has none.
   void shade(const model::Surface& surface, Trace* trace) {
-    if (draws_pixels_) {
+    if (pixels_ != nullptr) {
       for (const FragmentRecord& f : fragments_) {
         if (f.covered == 0) continue;
         if (model::is_drawn(run_.pipeline, f)) {
-          covered_.push_back({f, std::max(surface.texture, -1)});
+          covered_.push_back({f, std::max(surface.texture, -1), surface.back});
         } else {
           ++run_.counters.masked;
         }
@@ -203,9 +227,9 @@ class RtlEngine final : public Engine {
   Config config_;
   RtlOptions options_;
   Rtl rtl_;
-  std::unique_ptr<RtlPixels> pixels_;  // none where the configuration has no pixel stages in RTL
-  bool holds_scene_ = false;           // they hold the textures of this scene
-  bool draws_pixels_ = false;          // and take the draw state in force
+  std::array<Chain, 2> chains_;  // early, late
+  bool holds_scene_ = false;  // the configuration has pixel stages in RTL, and they hold the scene's textures
+  RtlPixels* pixels_ = nullptr;  // those for the draw state in force; null where the model draws
   model::SceneRun run_;
   std::uint64_t runs_ = 0;  // since begin: each has its own stalls
   // Reused from run to run.
@@ -215,6 +239,16 @@ class RtlEngine final : public Engine {
   std::vector<RtlPixels::Fragment> covered_;  // on their way to the pixel stages
 };
 
+}  // namespace
+
+namespace {
+bool tests_stencil(const Config& config, std::span<const DrawCommand> commands) {
+  DrawState state = first_state(config);
+  return std::ranges::any_of(commands, [&](const DrawCommand& command) {
+    if (!command.clear) state = changed_state(state, command.state, config);
+    return state.stencil_test;
+  });
+}
 }  // namespace
 
 bool rtl_draws_pixels(const Config& config, const Scene& scene) {
@@ -237,16 +271,19 @@ EngineOwn rtl_own(const Config& config, const Scene& scene) {
   // Elsewhere step_o is always 0, and a fragment's y is its row's.
   if (!has_plane_rows(config.perspective)) --fields_of_type(RecordType::fragment);
   if (!rtl_draws_pixels(config, scene)) return own;
-  for (const RecordType type : {RecordType::depth, RecordType::texture, RecordType::fog, RecordType::merge}) {
+  for (const RecordType type :
+       {RecordType::depth, RecordType::stencil, RecordType::texture, RecordType::fog, RecordType::merge}) {
     fields_of_type(type) = fields_of(type).size() - 1;  // all but the triangle
   }
   // i and j, although the RTL finds those of the other textures.
   const bool finds_all = std::ranges::all_of(
       scene.textures, [&](const Texture& texture) { return addresses_texels(config, texture); });
   if (!finds_all) fields_of_type(RecordType::texture) -= 2;
-  own.picture =
-      6;  // depth, u, v and three channels of colour; not the triangle, nor the alpha that stays 255
-  own.counters = 3;  // depth_passed, killed, written
+  const bool has_stencil = tests_stencil(config, scene.commands);
+  // depth, u, v and three channels of colour, stencil; not the triangle, nor the alpha that stays 255
+  own.picture = has_stencil ? 7 : 6;
+  // depth_passed, killed, written, stencil_failed
+  own.counters = has_stencil ? 4 : 3;
   return own;
 }
 

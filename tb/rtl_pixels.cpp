@@ -41,29 +41,57 @@ std::uint64_t packed(const std::array<std::uint8_t, 3>& color) {
 
 }  // namespace
 
-StageDesign pixel_pipe_design(const Config& config) {
-  StageDesign d{
-      .name = config.name,
-      .top = "pixel_pipe",
-      .package = emit_pixel_sv(config),
-      .channels = {{ChannelKind::in,
-                    "draw",
-                    {"func", "write_z", "bias", "textured", "bilinear", "clamp", "last_i", "last_j", "pitch",
-                     "base", "transparent", "reserved", "fog", "fog_color", "blend", "write_color"}},
-                   {ChannelKind::in, "in", {"x", "y", "h", "u", "v", "r", "g", "b", "a"}},
-                   {ChannelKind::out, "z_request", {"x", "y"}},
-                   {ChannelKind::in, "z_answer", {"z"}},
-                   {ChannelKind::out, "z_write", {"x", "y", "z"}},
-                   {ChannelKind::out, "color_request", {"x", "y"}},
-                   {ChannelKind::in, "color_answer", {"r", "g", "b"}},
-                   {ChannelKind::out, "color_write", {"x", "y", "r", "g", "b"}},
-                   tap_of<DepthRecord>("depth_record"),
-                   tap_of<TextureRecord>("texture_record"),
-                   tap_of<FogRecord>("fog_record"),
-                   tap_of<MergeRecord>("merge_record")},
-      .constants = {"b", "c1", "c0", "scale", "width", "height", "load", "load_threshold", "load_place",
-                    "load_data"},
-      .levels = {"idle"}};
+StageDesign pixel_pipe_design(const Config& config, DepthWhen when) {
+  StageDesign d{.name = config.name,
+                .top = "pixel_pipe",
+                .package = emit_pixel_sv(config, when),
+                .channels = {{ChannelKind::in,
+                              "draw",
+                              {"func",
+                               "write_z",
+                               "bias",
+                               "textured",
+                               "bilinear",
+                               "clamp",
+                               "last_i",
+                               "last_j",
+                               "pitch",
+                               "base",
+                               "transparent",
+                               "reserved",
+                               "fog",
+                               "fog_color",
+                               "blend",
+                               "write_color",
+                               "alpha_func",
+                               "alpha_ref",
+                               "stencil_test",
+                               "stencil_ref",
+                               "stencil_mask",
+                               "stencil_write",
+                               "stencil_func",
+                               "stencil_fail",
+                               "stencil_zfail",
+                               "stencil_pass",
+                               "stencil_back_func",
+                               "stencil_back_fail",
+                               "stencil_back_zfail",
+                               "stencil_back_pass"}},
+                             {ChannelKind::in, "in", {"x", "y", "h", "u", "v", "r", "g", "b", "a", "back"}},
+                             {ChannelKind::out, "z_request", {"x", "y"}},
+                             {ChannelKind::in, "z_answer", {"z", "stencil"}},
+                             {ChannelKind::out, "z_write", {"x", "y", "z", "stencil", "mask"}},
+                             {ChannelKind::out, "color_request", {"x", "y"}},
+                             {ChannelKind::in, "color_answer", {"r", "g", "b"}},
+                             {ChannelKind::out, "color_write", {"x", "y", "r", "g", "b"}},
+                             tap_of<DepthRecord>("depth_record"),
+                             tap_of<StencilRecord>("stencil_record"),
+                             tap_of<TextureRecord>("texture_record"),
+                             tap_of<FogRecord>("fog_record"),
+                             tap_of<MergeRecord>("merge_record")},
+                .constants = {"b", "c1", "c0", "scale", "width", "height", "load", "load_threshold",
+                              "load_place", "load_data"},
+                .levels = {"idle"}};
   for (int port = 0; port < texel_ports; ++port) {
     d.channels.push_back({ChannelKind::out, fmt::format("texel{}_request", port), {"address"}});
     d.channels.push_back({ChannelKind::in, fmt::format("texel{}_answer", port), {"texel"}});
@@ -126,35 +154,73 @@ std::optional<std::uint32_t> texel_at(const Scene& scene, std::span<const TexelP
   return texel_word(scene.textures[texture], static_cast<std::int64_t>(i), static_cast<std::int64_t>(j));
 }
 
+RtlStencil rtl_stencil(const DrawState& s) {
+  RtlStencil out{s.stencil_test, s.stencil_ref, s.stencil_mask, s.stencil_write, {}, {}};
+  out.front = {s.stencil_func, s.stencil_fail, s.stencil_zfail, s.stencil_pass};
+  out.back = out.front;
+  if (s.stencil_two_sided) {
+    out.back = {s.stencil_back_func, s.stencil_back_fail, s.stencil_back_zfail, s.stencil_back_pass};
+  }
+  return out;
+}
+
+namespace {
+
+// The bits of a comparison's port are those of its number: less, equal, greater.
+constexpr std::uint64_t compare_bits(CompareFunc func) { return static_cast<std::uint64_t>(func); }
+static_assert(compare_bits(CompareFunc::never) == 0 && compare_bits(CompareFunc::less) == 1 &&
+              compare_bits(CompareFunc::equal) == 2 && compare_bits(CompareFunc::less_equal) == 3 &&
+              compare_bits(CompareFunc::greater) == 4 && compare_bits(CompareFunc::not_equal) == 5 &&
+              compare_bits(CompareFunc::greater_equal) == 6 && compare_bits(CompareFunc::always) == 7);
+
+void add_side(StageValues& values, const RtlStencilSide& side) {
+  values.push_back(compare_bits(side.func));
+  for (const StencilOp op : {side.fail, side.zfail, side.pass})
+    values.push_back(static_cast<std::uint64_t>(op));
+}
+
+}  // namespace
+
 StageValues draw_values(const Config& config, const RtlDraw& s) {
   const std::int64_t zmax = (std::int64_t{1} << config.depth_bits) - 1;
   const PassingDistances passes = passing_distances(s.func);
   const auto bit = [](bool b) { return std::uint64_t{b}; };
-  return {bit(passes.nearer) | bit(passes.equal) << 1 | bit(passes.farther) << 2,
-          bit(s.write_z),
-          Rtl::to_port(std::clamp(s.bias, -zmax, zmax), config.depth_bits + 1),
-          bit(s.textured),
-          bit(weighs_texels(s.filter)),
-          bit(stops_at_edge(s.wrap)),
-          s.place.last_i,
-          s.place.last_j,
-          s.place.pitch,
-          s.place.base,
-          bit(s.transparent.has_value()),
-          s.transparent ? packed(*s.transparent) : 0,
-          static_cast<std::uint64_t>(s.fog),
-          packed(s.fog_color),
-          bit(s.blend),
-          bit(s.write_color)};
+  StageValues values{bit(passes.nearer) | bit(passes.equal) << 1 | bit(passes.farther) << 2,
+                     bit(s.write_z),
+                     Rtl::to_port(std::clamp(s.bias, -zmax, zmax), config.depth_bits + 1),
+                     bit(s.textured),
+                     bit(weighs_texels(s.filter)),
+                     bit(stops_at_edge(s.wrap)),
+                     s.place.last_i,
+                     s.place.last_j,
+                     s.place.pitch,
+                     s.place.base,
+                     bit(s.transparent.has_value()),
+                     s.transparent ? packed(*s.transparent) : 0,
+                     static_cast<std::uint64_t>(s.fog),
+                     packed(s.fog_color),
+                     bit(s.blend),
+                     bit(s.write_color),
+                     compare_bits(s.alpha_func),
+                     static_cast<std::uint64_t>(s.alpha_ref),
+                     bit(s.stencil.test),
+                     static_cast<std::uint64_t>(s.stencil.ref),
+                     static_cast<std::uint64_t>(s.stencil.mask),
+                     static_cast<std::uint64_t>(s.stencil.write)};
+  add_side(values, s.stencil.front);
+  add_side(values, s.stencil.back);
+  return values;
 }
 
-StageValues fragment_values(const Config& config, const FragmentRecord& f) {
+StageValues fragment_values(const Config& config, const FragmentRecord& f, bool back) {
   const auto port = [&config](std::int64_t raw, FormatId id) {
     return Rtl::to_port(raw, config.format(id).word);
   };
-  return {static_cast<std::uint64_t>(f.x), static_cast<std::uint64_t>(f.y), port(f.h, FormatId::span_h),
-          port(f.u, FormatId::span_uv),    port(f.v, FormatId::span_uv),    port(f.r, FormatId::span_shade),
-          port(f.g, FormatId::span_shade), port(f.b, FormatId::span_shade), port(f.a, FormatId::span_shade)};
+  return {static_cast<std::uint64_t>(f.x), static_cast<std::uint64_t>(f.y),
+          port(f.h, FormatId::span_h),     port(f.u, FormatId::span_uv),
+          port(f.v, FormatId::span_uv),    port(f.r, FormatId::span_shade),
+          port(f.g, FormatId::span_shade), port(f.b, FormatId::span_shade),
+          port(f.a, FormatId::span_shade), std::uint64_t{back}};
 }
 
 StageValues frame_values(const Config& config, const ConstantsRecord& k, const Scene& scene) {
@@ -222,9 +288,11 @@ struct Underway {
 }  // namespace
 
 struct RtlPixels::Pipe {
-  Pipe(const Config& c, const StageDesign& d) : Pipe(c, d, module_of(d)) {}
-  Pipe(const Config& c, const StageDesign& d, const RtlModuleDesign& m)
+  Pipe(const Config& c, DepthWhen when) : Pipe(c, when, pixel_pipe_design(c, when)) {}
+  Pipe(const Config& c, DepthWhen when, const StageDesign& d) : Pipe(c, when, d, module_of(d)) {}
+  Pipe(const Config& c, DepthWhen when, const StageDesign& d, const RtlModuleDesign& m)
       : config(c),
+        is_late(bitspan::is_late(when)),
         module(m),
         inputs(m.inputs.size()),
         outputs(m.outputs.size()),
@@ -239,17 +307,19 @@ struct RtlPixels::Pipe {
     z_write = find("z_write");
     color_write = find("color_write");
     depth = tap<DepthRecord>(find("depth_record"));
+    stencil = tap<StencilRecord>(find("stencil_record"));
     texture = tap<TextureRecord>(find("texture_record"));
     fog = tap<FogRecord>(find("fog_record"));
     merge = tap<MergeRecord>(find("merge_record"));
-    z = {find("z_request"), find("z_answer"), {}};
+    z = {find("z_request"), find("z_answer"), {}, 2};
     color = {find("color_request"), find("color_answer"), {}, 3};
     for (std::size_t port = 0; port < texels.size(); ++port) {
       texels[port] = {
           find(fmt::format("texel{}_request", port)), find(fmt::format("texel{}_answer", port)), {}};
     }
     const PixelTiming t = pixel_timing(config);
-    clocks_until_empty = t.depth.total + t.texture.total + t.fog.total + t.merge.total_blending + t.in_flight;
+    clocks_until_empty = t.depth.total + t.stencil.total + t.texture.total + t.fog.total +
+                         t.merge.total_blending + t.in_flight;
     merged_color = config.format(FormatId::merge_color);
   }
 
@@ -327,6 +397,7 @@ struct RtlPixels::Pipe {
 
   void set(const DrawState& s) {
     writes_color = s.color_write;
+    tests_stencil = s.stencil_test;
     RtlDraw state{.func = s.depth_func,
                   .filter = pipeline->texture.filter,
                   .wrap = pipeline->texture.wrap,
@@ -336,7 +407,10 @@ struct RtlPixels::Pipe {
                   .write_z = s.depth_write,
                   .blend = mixes_by_alpha(s),
                   .write_color = s.color_write,
-                  .bias = s.depth_bias};
+                  .bias = s.depth_bias,
+                  .alpha_func = s.alpha_func,
+                  .alpha_ref = s.alpha_ref,
+                  .stencil = rtl_stencil(s)};
     untextured_draw = draw_values(config, state);
     textured_draws.clear();
     state.textured = true;
@@ -384,7 +458,8 @@ struct RtlPixels::Pipe {
     bool moved = false;
     if (asked(z.request)) {
       const auto at = pixel_at(z.request.first);
-      z.values.push_back({at ? frame->depth[*at] : 0});
+      z.values.push_back({at ? frame->depth[*at] : 0,
+                          at && !frame->stencil.empty() ? frame->stencil[*at] : std::uint64_t{0}});
       moved = true;
     }
     if (asked(color.request)) {
@@ -412,7 +487,11 @@ struct RtlPixels::Pipe {
     bool moved = false;
     if (asked(z_write)) {
       if (const auto at = pixel_at(z_write.first)) {
-        frame->depth[*at] = static_cast<std::uint32_t>(outputs[z_write.first + 2]);
+        const std::uint64_t mask = outputs[z_write.first + 4];
+        if ((mask & 1) != 0) frame->depth[*at] = static_cast<std::uint32_t>(outputs[z_write.first + 2]);
+        if ((mask & 2) != 0 && !frame->stencil.empty()) {
+          frame->stencil[*at] = static_cast<std::uint8_t>(outputs[z_write.first + 3]);
+        }
       }
       moved = true;
     }
@@ -430,22 +509,35 @@ struct RtlPixels::Pipe {
 
   // What the taps show of the fragments.
   bool records() {
-    const bool moved =
-        (outputs[depth.valid] | outputs[texture.valid] | outputs[fog.valid] | outputs[merge.valid]) != 0;
+    const bool moved = (outputs[depth.valid] | outputs[stencil.valid] | outputs[texture.valid] |
+                        outputs[fog.valid] | outputs[merge.valid]) != 0;
     if (sent.empty()) return moved;  // only faulty RTL shows anything then
     const std::size_t last = sent.size() - 1;
     if (outputs[depth.valid] != 0) {
-      const std::size_t f = std::min(tested++, last);
+      const std::size_t f = is_late ? alive.take(last) : std::min(tested, last);
+      ++tested;
       const DepthRecord r = record(depth, sent[f].record.triangle);
       deliver(trace, r);
-      if (r.pass != 0) {
-        ++counters->depth_passed;
-        passed.fragments.push_back(f);
-        if (is_modelled(sent[f])) find_texels(sent[f]);
+      if (tests_stencil) {
+        depth_tested.fragments.push_back(f);
+        depth_passes.push_back(r.pass);
+      } else if (r.pass != 0) {
+        pass(f);
+      }
+    }
+    if (outputs[stencil.valid] != 0) {
+      const std::size_t at = depth_tested.next;
+      const std::size_t f = depth_tested.take(last);
+      const StencilRecord r = record(stencil, sent[f].record.triangle);
+      deliver(trace, r);
+      if (r.pass == 0) {
+        ++counters->stencil_failed;
+      } else if (at < depth_passes.size() && depth_passes[at] != 0) {
+        pass(f);
       }
     }
     if (outputs[texture.valid] != 0) {
-      const std::size_t f = passed.take(last);
+      const std::size_t f = is_late ? std::min(textured++, last) : passed.take(last);
       TextureRecord r = record(texture, sent[f].record.triangle);
       if (is_modelled(sent[f]) && texels_shown < modelled_texels.size()) {
         const ModelledTexel& t = modelled_texels[texels_shown++];
@@ -460,7 +552,7 @@ struct RtlPixels::Pipe {
       }
     }
     if (outputs[fog.valid] != 0) {
-      const std::size_t f = alive.take(last);
+      const std::size_t f = is_late ? passed.take(last) : alive.take(last);
       if (trace != nullptr) deliver(trace, record(fog, sent[f].record.triangle));
       fogged.fragments.push_back(f);
     }
@@ -474,10 +566,19 @@ struct RtlPixels::Pipe {
     return moved;
   }
 
+  // A fragment that passes the tests.
+  void pass(std::size_t f) {
+    ++counters->depth_passed;
+    passed.fragments.push_back(f);
+    if (!is_late) goes_to_texture(sent[f]);
+  }
+  void goes_to_texture(const Fragment& f) {
+    if (is_modelled(f)) find_texels(f);
+  }
   bool is_modelled(const Fragment& f) const {
     return f.texture >= 0 && modelled[static_cast<std::size_t>(f.texture)];
   }
-  // The texels of a fragment that passed, by the model's indices in a texture that repeats.
+  // The texels of a fragment on its way to texture, by the model's indices in a texture that repeats.
   void find_texels(const Fragment& f) {
     const Texture& image = scene->textures[static_cast<std::size_t>(f.texture)];
     TextureRecord r;
@@ -495,7 +596,9 @@ struct RtlPixels::Pipe {
   void forget_fragments() {
     stepped.clear();
     tested = 0;
-    for (Underway* u : {&passed, &alive, &fogged}) *u = {};
+    textured = 0;
+    for (Underway* u : {&passed, &alive, &fogged, &depth_tested}) *u = {};
+    depth_passes.clear();
     modelled_texels.clear();
     texels_asked = {};
     texels_shown = 0;
@@ -511,7 +614,7 @@ struct RtlPixels::Pipe {
     inputs[in.valid] = drive.in_valid ? 1 : 0;
     if (offered != nullptr) {
       put(draw, draw_of(offered->texture));
-      put(in, fragment_values(config, offered->record));
+      put(in, fragment_values(config, offered->record, offered->back));
     }
     const auto all = answers();
     for (std::size_t p = 0; p < all.size(); ++p) {
@@ -529,7 +632,10 @@ struct RtlPixels::Pipe {
     if (drive.in_valid && offered != nullptr) stepped.push_back(*offered);
     sent = stepped;
     clock_as_driven();
-    if (drive.in_valid && offered != nullptr && !taken(in)) stepped.pop_back();
+    if (drive.in_valid && offered != nullptr) {
+      if (!taken(in)) stepped.pop_back();
+      if (taken(in) && is_late) goes_to_texture(*offered);
+    }
 
     PixelChainPorts out;
     out.draw_ready = outputs[draw.ready] != 0;
@@ -543,7 +649,8 @@ struct RtlPixels::Pipe {
       out.answer_ready |= bit(all[p]->answer.ready, p);
     }
     out.write_valid = bit(z_write.valid, z_port) | bit(color_write.valid, color_port);
-    out.records = bit(depth.valid, 0) | bit(texture.valid, 1) | bit(fog.valid, 2) | bit(merge.valid, 3);
+    out.records = bit(depth.valid, 0) | bit(texture.valid, 1) | bit(fog.valid, 2) | bit(merge.valid, 3) |
+                  bit(stencil.valid, 4);
     return out;
   }
 
@@ -564,7 +671,7 @@ struct RtlPixels::Pipe {
       if (draws_first) {
         put(draw, draw_of(sent[next].texture));
       } else if (sends && shown != next) {
-        put(in, fragment_values(config, sent[next].record));
+        put(in, fragment_values(config, sent[next].record, sent[next].back));
         shown = next;
       }
       bool moved = clock();
@@ -573,6 +680,7 @@ struct RtlPixels::Pipe {
         moved = true;
       }
       if (taken(in)) {
+        if (is_late) goes_to_texture(sent[next]);
         ++next;
         moved = true;
       }
@@ -588,12 +696,14 @@ struct RtlPixels::Pipe {
   }
 
   Config config;
+  bool is_late;  // the tests are behind texture
   RtlModule module;
   std::vector<std::uint64_t> inputs, outputs;
   // Places of ports.
   std::size_t constants, load, idle;
   ChannelPorts draw, in, z_write, color_write;
   Tap<DepthRecord> depth;
+  Tap<StencilRecord> stencil;
   Tap<TextureRecord> texture;
   Tap<FogRecord> fog;
   Tap<MergeRecord> merge;
@@ -611,7 +721,7 @@ struct RtlPixels::Pipe {
   std::vector<bool> modelled;      // the model says which texels of a texture are meant
   StageValues untextured_draw;
   std::vector<StageValues> textured_draws;  // by texture
-  bool writes_color = true;
+  bool writes_color = true, tests_stencil = false;
   static constexpr int nothing_drawn = -2;
   int drawn = nothing_drawn;  // the texture of the draw state that was transferred last
   std::uint64_t clocks = 0;   // behind the loading
@@ -621,19 +731,20 @@ struct RtlPixels::Pipe {
   std::vector<Fragment> stepped;  // by step(): accepted since nothing was inside
   Counters* counters = nullptr;
   Trace* trace = nullptr;
-  std::size_t tested = 0;
-  Underway passed, alive, fogged;
+  std::size_t tested = 0, textured = 0;
+  // On the way to texture, or fog, where the tests are late; the other way round; to merge; to stencil.
+  Underway passed, alive, fogged, depth_tested;
+  std::vector<std::int64_t> depth_passes;  // of all that came to stencil
   struct ModelledTexel {
     std::int64_t i, j;
     std::array<std::uint32_t, texel_ports> words;
   };
-  std::vector<ModelledTexel> modelled_texels;  // of those that passed
+  std::vector<ModelledTexel> modelled_texels;  // of those that came to texture
   std::array<std::size_t, texel_ports> texels_asked{};
   std::size_t texels_shown = 0;
 };
 
-RtlPixels::RtlPixels(const Config& config)
-    : pipe_(std::make_unique<Pipe>(config, pixel_pipe_design(config))) {}
+RtlPixels::RtlPixels(const Config& config, DepthWhen when) : pipe_(std::make_unique<Pipe>(config, when)) {}
 RtlPixels::~RtlPixels() = default;
 
 void RtlPixels::begin(const model::Pipeline& pipeline, const Scene& scene, Frame& frame) {

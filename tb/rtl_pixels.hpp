@@ -22,9 +22,9 @@
 
 namespace bitspan {
 
-// The channels of rtl/pixel_pipe.sv. A tap has the fields of its record, without the triangle. Throws
-// InputError where the configuration has no pixel stages in RTL.
-StageDesign pixel_pipe_design(const Config& config);
+// The channels of rtl/pixel_pipe.sv, built for an order of tests. A tap has the fields of its record, without
+// the triangle. Throws InputError where the configuration has no pixel stages in RTL.
+StageDesign pixel_pipe_design(const Config& config, DepthWhen when = DepthWhen::early);
 
 // How the bits of a pixel record's field stand at its port.
 Format port_format(const Field& field, const Config& config);
@@ -45,6 +45,18 @@ std::uint32_t texel_word(const Texture& texture, std::int64_t i, std::int64_t j)
 std::optional<std::uint32_t> texel_at(const Scene& scene, std::span<const TexelPlace> places,
                                       std::uint64_t address);
 
+// The registers of the stencil test as the ports have them: both sides are there, whether they differ or not.
+struct RtlStencilSide {
+  CompareFunc func = CompareFunc::always;
+  StencilOp fail = StencilOp::keep, zfail = StencilOp::keep, pass = StencilOp::keep;
+};
+struct RtlStencil {
+  bool test = false;
+  std::int32_t ref = 0, mask = 255, write = 255;
+  RtlStencilSide front, back;
+};
+RtlStencil rtl_stencil(const DrawState& state);
+
 // What the stages take from a triangle.
 struct RtlDraw {
   DepthFunc func = DepthFunc::less;
@@ -57,10 +69,13 @@ struct RtlDraw {
   std::array<std::uint8_t, 3> fog_color{};
   bool write_z = true, blend = true, write_color = true;
   std::int64_t bias = 0;  // any: what is beyond the port's range does no more than its ends
+  CompareFunc alpha_func = CompareFunc::always;
+  std::int32_t alpha_ref = 0;
+  RtlStencil stencil{};  // read where the tests are late
 };
 // On the channels `draw` and `in`.
 StageValues draw_values(const Config& config, const RtlDraw& state);
-StageValues fragment_values(const Config& config, const FragmentRecord& fragment);
+StageValues fragment_values(const Config& config, const FragmentRecord& fragment, bool back = false);
 
 // What the constants of the design hold, in its order, while nothing is loaded.
 StageValues frame_values(const Config& config, const ConstantsRecord& constants, const Scene& scene);
@@ -76,7 +91,7 @@ std::vector<FogLoad> fog_loads(const Config& config, const model::FogStage& fog)
 class RtlPixels {
  public:
   // Builds or finds the library, loads it and resets. Throws as RtlModule does.
-  explicit RtlPixels(const Config& config);
+  explicit RtlPixels(const Config& config, DepthWhen when = DepthWhen::early);
   ~RtlPixels();
   RtlPixels(const RtlPixels&) = delete;
   RtlPixels& operator=(const RtlPixels&) = delete;
@@ -86,17 +101,19 @@ class RtlPixels {
   // itself, the model says which a fragment reads, and gives i and j of its texture record.
   void begin(const model::Pipeline& pipeline, const Scene& scene, Frame& frame);
 
-  // The draw state of the fragments that follow, one that pixel_rtl_takes. Not while fragments are inside.
+  // The draw state of the fragments that follow, one that pixel_rtl_takes, with the order of tests that the
+  // stages are built for. The frame has a stencil plane where it is tested. Not while fragments are inside.
   void set(const DrawState& state);
 
   struct Fragment {
     FragmentRecord record;  // covered, inside the frame, and not masked
     int texture = -1;       // index into Scene::textures, -1 for none
+    bool back = false;      // of a back face
   };
   // Sends the fragments, in order, until all have left, and runs on until the stages must be empty. Appends
-  // the records of the four stages to the trace, where there is one, also those that no fragment asked for.
-  // Counts depth_passed, killed, written. Throws std::logic_error where an assertion in the RTL fails, or
-  // where nothing moves although it should.
+  // the records of the stages to the trace, where there is one, also those that no fragment asked for.
+  // Counts stencil_failed, depth_passed, killed, written. Throws std::logic_error where an assertion in the
+  // RTL fails, or where nothing moves although it should.
   void run(std::span<const Fragment> fragments, Counters& counters, Trace* trace);
 
   // One clock whose handshakes are driven from outside, for the comparison of clocks: `offered` stands at the

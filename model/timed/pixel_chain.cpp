@@ -13,12 +13,15 @@
 namespace bitspan::timed {
 namespace {
 
-PixelTiming timing_with_ports(const Config& config) {
+// A frame begins when its constants and its fog's table are loaded and the scoreboards' places are clear.
+PixelChainTiming rested_chain(const Config& config, DepthWhen when) {
   if (!has_pixel_rtl(config)) {
     throw InputError(config.name +
                      ": no run with the RTL's ports: the configuration has no pixel stages in RTL");
   }
-  return pixel_timing(config);
+  PixelChainTiming chain(pixel_timing(config), when);
+  while (!chain.cleared() || !chain.draw_ready()) chain.clock({}, {});
+  return chain;
 }
 
 }  // namespace
@@ -27,16 +30,21 @@ PixelChain::PixelChain(Run& run, Fifo<RowItem*>& in, const SystemcOptions& optio
                        std::vector<HandshakeClock>* handshake)
     : run_(run),
       interpolator_(run, in, nullptr, handshake),
-      timing_(timing_with_ports(run.config)),
+      timing_(rested_chain(run.config, when_)),
       memory_(options.ports),
       watch_(options.watch_chain),
       texels_(weighs_texels(run.config.filter) ? 15 : 1) {
   for (std::size_t i = 0; i < meters_.size(); ++i) {
     meters_[i].report.name = stage_names[static_cast<std::size_t>(Stage::depth) + i];
   }
-  // A frame begins when its constants and its fog's table are loaded and the scoreboards' places are clear.
-  while (!timing_.cleared() || !timing_.draw_ready()) timing_.clock({}, {});
   for (StageMeter* meter : interpolator_.meters()) interpolator_meters_.push_back(meter);
+}
+
+void PixelChain::choose_chain() {
+  const DepthWhen when = run_.pipeline.state.depth_when;
+  if (is_late(when) == is_late(when_)) return;
+  when_ = when;
+  timing_ = rested_chain(run_.config, when);
 }
 
 std::vector<StageMeter*> PixelChain::meters() {
@@ -47,6 +55,7 @@ std::vector<StageMeter*> PixelChain::meters() {
 
 void PixelChain::clock(std::uint64_t now) {
   const FragmentItem* pixel = interpolator_.waiting();
+  if (pixel != nullptr) choose_chain();
   const bool covered = pixel != nullptr && run_.is_drawn(pixel->fragment);
   PixelChainDrive drive;
   const int texture = covered ? std::max(pixel->surface.texture, -1) : drawn_;
@@ -76,25 +85,46 @@ PixelFragment PixelChain::values(FragmentItem& item) {
   f.texels = item.surface.texture < 0 ? PortSet{0} : texels_;
   f.writes_z = run_.pipeline.state.depth_write;
   f.writes_color = run_.pipeline.state.color_write;
-  f.passes = depth_values(run_, item);
-  f.lives = f.passes && texture_values(run_, item);
-  if (!f.lives) return f;
+  if (run_.tests_late()) {
+    f.lives = texture_values(run_, item);
+    if (f.lives) test(item, f);
+    if (!f.goes_on) return f;
+  } else {
+    test(item, f);
+    f.lives = f.goes_on && texture_values(run_, item);
+    if (!f.lives) return f;
+  }
   f.reads_color = model::reads_stored_color(run_.pipeline.merge, item.texel.a);
   fog_values(run_, item);
   merge_values(run_, item);
   return f;
 }
 
+void PixelChain::test(FragmentItem& item, PixelFragment& f) {
+  f.goes_on = depth_values(run_, item);
+  f.passes = item.depth.pass != 0;
+  f.is_stencilled = run_.pipeline.stencil.test;
+  f.writes_stencil = f.is_stencilled && item.stencil.value != item.stencil.stored;
+}
+
 // A stage is busy on the clocks on which it takes a fragment. One that is refused is blocked where what the
 // stage has made stands at its output, or where nothing of it goes to memory.
 void PixelChain::count(const PixelChainDrive& drive, const PixelChainClock& c) {
+  const bool late = is_late(when_);
+  const Stage first = late ? Stage::texture : Stage::depth;
+  // What a test drops or texture kills goes nowhere: the stage behind says what it takes.
+  const auto taken_by = [&](Stage stage) {
+    const PixelStageClock& s =
+        c.stages[static_cast<std::size_t>(stage) - static_cast<std::size_t>(Stage::depth)];
+    return s.in_valid && s.in_ready;
+  };
   for (std::size_t i = 0; i < meters_.size(); ++i) {
     const PixelStageClock& s = c.stages[i];
     StageMeter& meter = meters_[i];
     const auto stage = static_cast<Stage>(static_cast<std::size_t>(Stage::depth) + i);
     const bool accepts = s.in_valid && s.in_ready;
     const bool stands = s.out_valid && !s.out_ready;
-    const bool waits_for_draw = stage == Stage::depth && drive.draw_valid;
+    const bool waits_for_draw = stage == first && drive.draw_valid;
     meter.signals = {s.in_valid, s.in_ready, s.out_valid, s.out_ready, 0, 0};
     meter.count(accepts                                           ? StageState::busy
                 : !s.in_valid && !waits_for_draw                  ? StageState::starved
@@ -103,9 +133,9 @@ void PixelChain::count(const PixelChainDrive& drive, const PixelChainClock& c) {
                                                                   : StageState::memory);
     meter.report.records_in += accepts ? 1 : 0;
     const bool leaves = s.out_valid && s.out_ready;
-    // What texture kills goes nowhere.
-    const bool delivers =
-        stage == Stage::texture ? c.stages[i + 1].in_valid && c.stages[i + 1].in_ready : leaves;
+    const bool delivers = stage == Stage::texture         ? taken_by(late ? Stage::depth : Stage::fog)
+                          : stage == Stage::depth && late ? taken_by(Stage::fog)
+                                                          : leaves;
     meter.report.records_out += delivers ? 1 : 0;
     meter.moves += accepts || leaves ? 1 : 0;
   }

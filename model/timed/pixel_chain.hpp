@@ -5,6 +5,9 @@
 // A pixel at the interpolator's output that is not covered, or is masked, is taken at once. One whose texture
 // is not that of the draw state, or that is the first one behind a change of state, waits until the next draw
 // state was transferred. Any other is offered to the pixel stages.
+//
+// The pixel stages are built for one order of tests. There is a chain of them per order; the one that the
+// draw state asks for takes the pixels, and the other one rests.
 #pragma once
 
 #include <array>
@@ -24,7 +27,7 @@ class PixelChain : public TimedStage {
              std::vector<HandshakeClock>* handshake);
 
   void clock(std::uint64_t now) override;
-  // The next fragment waits for a draw state of its own.
+  // Nothing is inside. The next fragment waits for a draw state of its own.
   void draw_state_changed() { drawn_ = nothing_drawn; }
   bool idle() const override { return interpolator_.idle() && timing_.empty(); }
   std::vector<StageMeter*> meters() override;
@@ -34,10 +37,15 @@ class PixelChain : public TimedStage {
  private:
   // The values of the pixel that is accepted, from depth to the frame.
   PixelFragment values(FragmentItem& item);
+  // The chain for the draw state in force takes the pixels from here on.
+  void choose_chain();
+  // Of depth and stencil.
+  void test(FragmentItem& item, PixelFragment& f);
   void count(const PixelChainDrive& drive, const PixelChainClock& c);
 
   Run& run_;
   SpanInterpolator interpolator_;
+  DepthWhen when_ = DepthWhen::early;  // of the chain that takes the pixels
   PixelChainTiming timing_;
   MemoryPorts memory_;
   std::function<void(const ChainClock&)> watch_;

@@ -18,11 +18,13 @@ PortSet only(int port, bool is_in) { return static_cast<PortSet>(is_in ? 1U << p
 
 }  // namespace
 
-PixelChainTiming::PixelChainTiming(const PixelTiming& timing)
+PixelChainTiming::PixelChainTiming(const PixelTiming& timing, DepthWhen when)
     : timing_(timing),
+      late_(is_late(when)),
       in_slot_(std::size_t{1} << timing.slot_bits),
       depth_board_(timing.place_bits),
       z_rest_{static_cast<std::size_t>(timing.in_flight)},
+      stencil_(timing.stencil.clocks),
       held_{static_cast<std::size_t>(timing.in_flight)},
       address_(timing.texture.address),
       texels_{static_cast<std::size_t>(timing.in_flight)},
@@ -61,18 +63,22 @@ PixelChainTiming::Entry PixelChainTiming::entry_of(const PixelFragment& offered)
           .texels = offered.texels,
           .passes = offered.passes,
           .lives = offered.lives,
-          .writes_z = offered.lives && offered.writes_z,
+          .is_stencilled = offered.is_stencilled,
+          .goes_on = late_ ? offered.goes_on : offered.lives,
+          .writes_word =
+              ((late_ ? offered.goes_on : offered.lives) && offered.writes_z) || offered.writes_stencil,
           .reads_color = offered.reads_color,
           .writes_color = offered.writes_color};
 }
 
 // The registers of the draw state: rtl/pixel_pipe.sv, "draw state".
-void PixelChainTiming::count(bool in_taken, bool draw_taken, const std::array<const Entry*, 3>& left) {
+void PixelChainTiming::count(bool in_taken, bool draw_taken, bool fate_waits,
+                             const std::array<const Entry*, ways>& left) {
   const auto next_slot = static_cast<std::uint8_t>((slot_ + 1U) % in_slot_.size());
   const bool none_next = in_slot_[next_slot] == 0;
   const bool none = std::ranges::all_of(in_slot_, [](int n) { return n == 0; });
   draw_ready_ = none_next && settled_ && !draw_taken;
-  idle_ = none && entered_ < 0 && !in_taken;
+  idle_ = none && entered_ < 0 && !in_taken && !fate_waits;
   settled_ = !draw_taken;
   if (entered_ >= 0) ++in_slot_[static_cast<std::size_t>(entered_)];
   for (const int slot : left_) {
@@ -96,15 +102,24 @@ PixelChainClock PixelChainTiming::clock(const PixelChainDrive& drive, const Pixe
       color_rest_.valid() && (!color_rest_.ring.front().reads_color || color_answer_.valid()) && blend_en;
   const bool merge_enters = merge_board_.valid() && color_request_.ready() && color_rest_.ready();
   const bool merge_takes = fogged_.valid() && merge_board_.entry.ready();
-  // fog, and the fate behind texture.
+  // fog, and the fate behind the later one of texture and depth.
+  Queue& judged = late_ ? judged_ : textured_;
   const bool fog_en = fogged_.ready();
+  const bool judged_valid = judged.valid();
+  const bool goes_on = judged_valid && judged.ring.front().goes_on;
+  const bool judged_ready = fate_.ready() && (fog_en || !goes_on);
+  const bool is_judged = judged_valid && judged_ready;
+  const bool fog_takes = is_judged && goes_on;
+  const bool fate_waits = fate_.valid();
+  const bool writes_z = fate_.valid() && fate_.ring.front().writes_word;
+  const bool fate_done = fate_.valid() && (!writes_z || has(drive.write_ready, z_port));
+  // The fragments between texture and depth: `textured` in one order, `tested` in the other.
   const bool textured_valid = textured_.valid();
   const bool lives = textured_valid && textured_.ring.front().lives;
-  const bool textured_ready = fate_.ready() && (fog_en || !lives);
+  const bool textured_ready = late_ ? depth_board_.entry.ready() || !lives : judged_ready;
   const bool is_textured = textured_valid && textured_ready;
-  const bool fog_takes = is_textured && lives;
-  const bool writes_z = fate_.valid() && fate_.ring.front().writes_z;
-  const bool fate_done = fate_.valid() && (!writes_z || has(drive.write_ready, z_port));
+  const bool stencil_en = judged_.ready();
+  const bool stencil_takes = late_ && tested_.valid() && stencil_en;
   // texture.
   const bool color_en = textured_.ready();
   bool texels_join = awaiting_.valid() && color_en;
@@ -120,7 +135,8 @@ PixelChainClock PixelChainTiming::clock(const PixelChainDrive& drive, const Pixe
   const bool ask_taken = ask_.valid() && (texel_requests & ~texel_ready) == 0;
   const bool address_en = ask_.ready();
   const bool texture_ready = address_en && held_.ready();
-  const bool texture_takes = tested_.valid() && texture_ready;
+  const bool texture_offered = late_ ? drive.in_valid : tested_.valid();
+  const bool texture_takes = texture_offered && texture_ready;
   // depth.
   const bool tested_en = tested_.ready();
   const bool compares = compared_.valid && tested_en;
@@ -128,6 +144,7 @@ PixelChainClock PixelChainTiming::clock(const PixelChainDrive& drive, const Pixe
   const bool depth_enters = depth_board_.valid() && z_request_.ready() && z_rest_.ready();
   const bool in_taken = drive.in_valid && in_ready();
   const bool draw_taken = drive.draw_valid && draw_ready_;
+  const Entry entered = in_taken ? entry_of(offered) : Entry{};
 
   PixelChainClock now;
   PixelChainPorts& ports = now.ports;
@@ -143,18 +160,21 @@ PixelChainClock PixelChainTiming::clock(const PixelChainDrive& drive, const Pixe
     ports.answer_ready |= only(first_texel_port + p, texel_answer_[static_cast<std::size_t>(p)].ready());
   }
   ports.write_valid = static_cast<PortSet>(only(z_port, writes_z) | only(color_port, writes_color));
+  const bool is_stencilled = late_ && is_judged && judged.ring.front().is_stencilled;
   ports.records = static_cast<std::uint8_t>(only(0, compares) | only(1, is_textured) | only(2, merge_takes) |
-                                            only(3, leaves));
-  now.stages = {{{drive.in_valid, ports.in_ready, tested_.valid(), texture_ready},
-                 {tested_.valid(), texture_ready, textured_valid, textured_ready},
-                 {lives && fate_.ready(), fog_en, fogged_.valid(), merge_board_.entry.ready()},
+                                            only(3, leaves) | only(4, is_stencilled));
+  const PixelStageClock depth_clock{drive.in_valid, ports.in_ready, tested_.valid(), texture_ready};
+  const PixelStageClock late_depth_clock{lives, depth_board_.entry.ready(), judged_valid, judged_ready};
+  now.stages = {{late_ ? late_depth_clock : depth_clock,
+                 {texture_offered, texture_ready, textured_valid, textured_ready},
+                 {goes_on && fate_.ready(), fog_en, fogged_.valid(), merge_board_.entry.ready()},
                  {fogged_.valid(), merge_board_.entry.ready(), done_valid, leaves}}};
 
   // The edge, in the same order. A queue that is popped on this clock has its front copied first.
   const PortSet asks = static_cast<PortSet>(ports.request_valid & drive.request_ready);
   const PortSet answers = static_cast<PortSet>(ports.answer_ready & drive.answer_valid);
-  std::array<const Entry*, 3> left{};
-  Entry failed, killed, merged;
+  std::array<const Entry*, ways> left{};
+  Entry failed, killed, merged, rejected;
   if (leaves) {
     merged = done_.ring.front();
     left[2] = &merged;
@@ -183,21 +203,35 @@ PixelChainClock PixelChainTiming::clock(const PixelChainDrive& drive, const Pixe
     fogged_.ring.pop();
   }
 
-  if (fog_en) fog_.shift(fog_takes, fog_takes ? textured_.ring.front() : Entry{}, fogged_);
+  if (fog_en) fog_.shift(fog_takes, fog_takes ? judged.ring.front() : Entry{}, fogged_);
   if (fate_done) {
     depth_board_.taken[fate_.ring.front().place] = 0;
     fate_.ring.pop();
     --inside_;
   }
   if (fog_takes) ++inside_;
-  if (is_textured) {
-    const Entry& entry = textured_.ring.front();
+  if (is_judged) {
+    const Entry& entry = judged.ring.front();
     fate_.ring.push(entry);
-    if (!entry.lives) {
-      killed = entry;
+    if (late_ && !entry.goes_on) {
+      rejected = entry;
+      left[3] = &rejected;
+    }
+    if (late_) judged_.ring.pop();
+  }
+  Entry textured;
+  if (is_textured) {
+    textured = textured_.ring.front();
+    if (!textured.lives) {
+      killed = textured;
       left[1] = &killed;
+      if (late_) --inside_;
     }
     textured_.ring.pop();
+  }
+  if (late_ && stencil_en) {
+    stencil_.shift(stencil_takes, stencil_takes ? tested_.ring.front() : Entry{}, judged_);
+    if (stencil_takes) tested_.ring.pop();
   }
 
   if (color_en) {
@@ -225,13 +259,15 @@ PixelChainClock PixelChainTiming::clock(const PixelChainDrive& drive, const Pixe
   } else {
     asked_ = static_cast<PortSet>(asked_ | (texel_requests & texel_ready));
   }
-  if (texture_takes) held_.ring.push(tested_.ring.front());
-  if (address_en) address_.shift(texture_takes, texture_takes ? tested_.ring.front() : Entry{}, ask_);
-  if (texture_takes) tested_.ring.pop();
+  Entry shaded;
+  if (texture_takes) shaded = late_ ? entered : tested_.ring.front();
+  if (texture_takes) held_.ring.push(shaded);
+  if (address_en) address_.shift(texture_takes, shaded, ask_);
+  if (texture_takes && !late_) tested_.ring.pop();
 
   if (tested_en) {
-    if (compares && compared_.entry.passes) tested_.ring.push(compared_.entry);
-    if (compares && !compared_.entry.passes) {
+    if (compares && compared_.entry.leaves_depth()) tested_.ring.push(compared_.entry);
+    if (compares && !compared_.entry.leaves_depth()) {
       failed = compared_.entry;
       left[0] = &failed;
       depth_board_.taken[failed.place] = 0;
@@ -255,11 +291,9 @@ PixelChainClock PixelChainTiming::clock(const PixelChainDrive& drive, const Pixe
     ++z_request_.held;
   }
   depth_board_.clock(depth_enters, is_cleared);
-  if (in_taken) {
-    depth_board_.entry.ring.push(entry_of(offered));
-    ++inside_;
-  }
-  count(in_taken, draw_taken, left);
+  if (late_ ? is_textured && lives : in_taken) depth_board_.entry.ring.push(late_ ? textured : entered);
+  if (in_taken) ++inside_;
+  count(in_taken, draw_taken, fate_waits, left);
   ++clocks_;
   return now;
 }

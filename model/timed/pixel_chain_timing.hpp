@@ -3,7 +3,8 @@
 //
 // docs/rtl.md, "depth, merge and the chain", is the contract: given the same inputs of all handshakes, and
 // per fragment what its values decide, every handshake's output equals the RTL's on every clock. Every skid
-// and FIFO of the RTL is a queue here, every part that shifts as one a pipe.
+// and FIFO of the RTL is a queue here, every part that shifts as one a pipe. With late tests texture stands
+// in front of depth, and stencil between depth and fog.
 #pragma once
 
 #include <array>
@@ -13,6 +14,7 @@
 
 #include "config/pixel_timing.hpp"
 #include "model/timed/ring.hpp"
+#include "scene/draw_state.hpp"
 
 namespace bitspan {
 
@@ -25,12 +27,15 @@ using PortSet = std::uint8_t;
 // What a fragment's values and its draw state decide.
 struct PixelFragment {
   std::uint32_t x = 0, y = 0;
-  bool passes = false;        // the depth test
-  bool lives = false;         // texture does not kill it
-  PortSet texels = 0;         // asked for: bit 0 for the first texel port
-  bool writes_z = false;      // where it lives
-  bool reads_color = false;   // it is mixed
-  bool writes_color = false;  // where it lives
+  bool passes = false;          // the depth test
+  bool lives = false;           // texture does not kill it
+  bool is_stencilled = false;   // late: there is a stencil test, which takes it whether it passes or not
+  bool goes_on = false;         // late: both tests pass
+  PortSet texels = 0;           // asked for: bit 0 for the first texel port
+  bool writes_z = false;        // where it goes to fog
+  bool writes_stencil = false;  // late: the stencil test changes the plane
+  bool reads_color = false;     // it is mixed
+  bool writes_color = false;    // where it lives
 };
 
 // The inputs of the handshakes on one clock.
@@ -49,7 +54,7 @@ struct PixelChainPorts {
   PortSet request_valid = 0;
   PortSet answer_ready = 0;
   PortSet write_valid = 0;
-  std::uint8_t records = 0;  // taps that are valid: bits 0 to 3 for depth, texture, fog, merge
+  std::uint8_t records = 0;  // taps that are valid: bits 0 to 4 for depth, texture, fog, merge, stencil
   bool operator==(const PixelChainPorts&) const = default;
 };
 
@@ -59,19 +64,19 @@ struct PixelStageClock {
 };
 struct PixelChainClock {
   PixelChainPorts ports;
-  std::array<PixelStageClock, 4> stages;  // depth, texture, fog, merge
+  std::array<PixelStageClock, 4> stages;  // depth, texture, fog, merge; stencil is a part of depth
 };
 
 class PixelChainTiming {
  public:
   // As the RTL is after a reset.
-  explicit PixelChainTiming(const PixelTiming& timing);
+  explicit PixelChainTiming(const PixelTiming& timing, DepthWhen when = DepthWhen::early);
 
   // One rising edge. `offered` is read where it is accepted.
   PixelChainClock clock(const PixelChainDrive& drive, const PixelFragment& offered);
   // What the next clock will see of them.
   bool draw_ready() const { return draw_ready_; }
-  bool in_ready() const { return depth_board_.entry.ready(); }
+  bool in_ready() const { return late_ ? ask_.ready() && held_.ready() : depth_board_.entry.ready(); }
 
   // No fragment is inside, and all that they write was accepted.
   bool empty() const { return inside_ == 0; }
@@ -84,7 +89,10 @@ class PixelChainTiming {
     std::uint16_t place = 0;
     std::uint8_t slot = 0;  // of its draw state
     PortSet texels = 0;
-    bool passes = false, lives = false, writes_z = false, reads_color = false, writes_color = false;
+    bool passes = false, lives = false, is_stencilled = false, goes_on = false, writes_word = false;
+    bool reads_color = false, writes_color = false;
+
+    bool leaves_depth() const { return passes || is_stencilled; }
   };
   // rtl/fifo.sv; rtl/skid.sv has two places.
   struct Queue {
@@ -131,18 +139,21 @@ class PixelChainTiming {
   };
 
   Entry entry_of(const PixelFragment& offered) const;
-  void count(bool in_taken, bool draw_taken, const std::array<const Entry*, 3>& left);
+  // The ways out of the chain: depth, texture, merge, stencil.
+  static constexpr std::size_t ways = 4;
+  void count(bool in_taken, bool draw_taken, bool fate_waits, const std::array<const Entry*, ways>& left);
 
   PixelTiming timing_;
+  bool late_;
   Clock clocks_ = 0;
   std::size_t inside_ = 0;  // fates and colours to come
 
   // Draw state.
   std::uint8_t slot_ = 0;
   bool draw_ready_ = false, idle_ = false, settled_ = false;
-  int entered_ = -1;                     // the slot of the fragment accepted on the clock before; -1: none
-  std::array<int, 3> left_{-1, -1, -1};  // the same of those that left
-  std::vector<int> in_slot_;             // fragments per slot, a clock late
+  int entered_ = -1;  // the slot of the fragment accepted on the clock before; -1: none
+  std::array<int, ways> left_{-1, -1, -1, -1};  // the same of those that left
+  std::vector<int> in_slot_;                    // fragments per slot, a clock late
   // depth.
   Scoreboard depth_board_;
   Count z_request_, z_answer_;
@@ -150,6 +161,9 @@ class PixelChainTiming {
   timed::Ring<Clock> z_due_;  // of those in z_rest_: the first clock that sees their code
   Register joined_, compared_;
   Queue tested_, fate_;
+  // stencil, where the tests are late.
+  Pipe stencil_;
+  Queue judged_;
   // texture.
   Queue held_;
   Pipe address_;

@@ -23,8 +23,7 @@ class PortsMachine final : public ClockedMachine {
   void state_changed() override {
     if (!pixel_rtl_takes(run_.pipeline.state)) {
       throw InputError(
-          "draw state: the RTL's pixel stages do not have it; expected early tests without stencil and alpha "
-          "test, and a blend by alpha or none");
+          "draw state: the RTL's pixel stages do not have it; expected a blend by alpha or none");
     }
     chain_.draw_state_changed();
   }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <utility>
@@ -55,7 +56,8 @@ Scene random_scene(std::uint64_t seed, int triangles) {
   return scene;
 }
 
-void compare(const Config& config, const Scene& scene) {
+// Returns the records.
+Trace compare(const Config& config, const Scene& scene) {
   const auto model = make_model(config);
   const auto rtl = make_rtl(config, {11, 0.2, 0.3});
   Trace expected;
@@ -72,7 +74,7 @@ void compare(const Config& config, const Scene& scene) {
 #undef BITSPAN_COMPARE
   EXPECT_GT(expected.fragment.size(), 1000U);
   EXPECT_GT(expected.merge.size(), 100U);
-  EXPECT_LT(expected.merge.size(), expected.depth.size());
+  EXPECT_LT(expected.merge.size(), std::max(expected.depth.size(), expected.texture.size()));
   expect_same_frame(rtl->frame(), model->frame());
   Counters counters = rtl->counters();
   EXPECT_GT(counters.cycles, counters.fragments);
@@ -86,6 +88,7 @@ void compare(const Config& config, const Scene& scene) {
   draw_scene(*rtl, scene, 10, all - 10, &again);
   EXPECT_TRUE(again.fragment == expected.fragment);
   EXPECT_TRUE(again.merge == expected.merge);
+  return expected;
 }
 
 TEST(EngineRtl, EqualsTheModel) {
@@ -181,12 +184,41 @@ TEST(EngineRtl, LeavesToTheModelWhatThePixelStagesDoNotTake) {
 
 StateSetting setting(const char* key, std::int64_t value) { return {*find_state_register(key), value}; }
 
+// Of the stencil test, in either way the alpha test.
+void add_tests(Random& random, StateChange& change, bool& is_late) {
+  const auto below = [&](std::uint64_t n) { return static_cast<std::int64_t>(random() % n); };
+  if (change.reset) is_late = false;
+  if (random() % 3 == 0) {
+    is_late = random() % 3 != 0;
+    change.settings.push_back(setting("depth.when", is_late ? 1 : 0));
+    if (!is_late) change.settings.push_back(setting("stencil.test", 0));
+  }
+  if (random() % 2 == 0) {
+    change.settings.push_back(setting("alpha.func", 1 + below(7)));
+    change.settings.push_back(setting("alpha.ref", below(200)));
+  }
+  if (!is_late) return;
+  if (random() % 4 != 0) change.settings.push_back(setting("stencil.test", below(4) != 0));
+  for (const char* key : {"stencil.func", "stencil.back.func"}) {
+    if (random() % 2 == 0) change.settings.push_back(setting(key, 1 + below(7)));
+  }
+  for (const char* key : {"stencil.fail", "stencil.zfail", "stencil.pass", "stencil.back.fail",
+                          "stencil.back.zfail", "stencil.back.pass"}) {
+    if (random() % 2 == 0) change.settings.push_back(setting(key, below(8)));
+  }
+  for (const char* key : {"stencil.ref", "stencil.mask", "stencil.write"}) {
+    if (random() % 3 == 0) change.settings.push_back(setting(key, random() % 2 == 0 ? below(4) : below(256)));
+  }
+  if (random() % 2 == 0) change.settings.push_back(setting("stencil.two_sided", below(2)));
+}
+
 // In front of every few triangles a change of what the pixel stages take. others: and, in front of some, of
 // what they leave to the model, until the next reset.
-Scene with_draw_states(Scene scene, std::uint64_t seed, bool others) {
+Scene with_draw_states(Scene scene, std::uint64_t seed, bool others, bool late = false) {
   Random random(seed);
   const auto below = [&](std::uint64_t n) { return static_cast<std::int64_t>(random() % n); };
   constexpr std::int64_t every_pixel = 0xffffffff;
+  bool is_late = false;
   for (std::size_t i = 0; i < scene.triangles.size(); i += 1 + random() % 3) {
     StateChange change;
     const bool returns = random() % 3 == 0;
@@ -203,8 +235,7 @@ Scene with_draw_states(Scene scene, std::uint64_t seed, bool others) {
       change.settings.push_back(setting("blend.src", static_cast<int>(BlendFactor::one)));
       change.settings.push_back(setting("blend.dst", static_cast<int>(BlendFactor::zero)));
     }
-    if (others && !returns && random() % 4 == 0) change.settings.push_back(setting("alpha.func", below(8)));
-    if (others && !returns && random() % 4 == 0) change.settings.push_back(setting("depth.when", below(2)));
+    if (late) add_tests(random, change, is_late);
     if (others && !returns && random() % 4 == 0) change.settings.push_back(setting("logic.op", below(17)));
     if (others && !returns && random() % 4 == 0)
       change.settings.push_back(setting("blend.alpha.dst", below(15)));
@@ -224,6 +255,7 @@ Scene with_draw_states(Scene scene, std::uint64_t seed, bool others) {
     if (random() % 5 == 0) {
       Clear clear;
       clear.depth = true;
+      if (late && random() % 2 == 0) clear.stencil = static_cast<std::uint8_t>(below(4));
       scene.commands.push_back({i, {}, clear});
     }
   }
@@ -243,11 +275,31 @@ TEST(EngineRtl, DrawsInTheStatesThatThePixelStagesTake) {
   }
 }
 
+// Both orders of tests in one scene, with alpha and stencil test: each has a chain of its own.
+TEST(EngineRtl, DrawsWithLateTestsAndStencil) {
+  Config linear = shipped_config("depth16");
+  linear.depth_code = DepthCode::linear;
+  linear.filter = TextureFilter::bilinear;
+  std::uint64_t stencilled = 0;
+  for (const Config& c : {shipped_config("depth16"), shipped_config("narrow"), linear}) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      SCOPED_TRACE(fmt::format("{}, seed {}", c.name, seed));
+      const Scene scene = with_draw_states(random_scene(seed, 120), seed, false, true);
+      ASSERT_TRUE(rtl_draws_pixels(c, scene));
+      EXPECT_EQ(own_fields(c, scene, RecordType::stencil), fields<StencilRecord>.size() - 1);
+      EXPECT_EQ(rtl_own(c, scene).picture, 7U);
+      EXPECT_EQ(rtl_own(c, scene).counters, 4U);
+      stencilled += compare(c, scene).stencil.size();
+    }
+  }
+  EXPECT_GT(stencilled, 15000U);
+}
+
 TEST(EngineRtl, LeavesOtherStatesToTheModelAndTakesTheNextAgain) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     SCOPED_TRACE(seed);
     const Config c = shipped_config("depth16");
-    const Scene scene = with_draw_states(random_scene(seed, 120), seed, true);
+    const Scene scene = with_draw_states(random_scene(seed, 120), seed, true, seed % 2 == 0);
     EXPECT_FALSE(rtl_draws_pixels(c, scene));
     EXPECT_EQ(own_fields(c, scene, RecordType::depth), 0U);
     compare(c, scene);

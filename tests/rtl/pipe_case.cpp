@@ -11,8 +11,10 @@
 
 #include "config/modes.hpp"
 #include "model/engine_model.hpp"
+#include "model/pipeline.hpp"
 #include "model/stages/depth.hpp"
 #include "model/stages/merge.hpp"
+#include "model/stages/stencil.hpp"
 #include "model/stages/texture.hpp"
 #include "tests/rtl/stage_case.hpp"
 
@@ -49,12 +51,29 @@ void continue_textures(Scene& scene) {
   }
 }
 
+StateSetting setting(const char* key, auto value) {
+  return {*find_state_register(key), static_cast<std::int64_t>(value)};
+}
+
 }  // namespace
 
-PipeCase make_pipe_case(const Config& c, const Scene& given) {
+PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
   PipeCase p;
   p.config = c;
+  p.when = when;
   p.scene = given;
+  if (is_late(when)) {
+    const StateChange change{
+        false,
+        {setting("depth.when", when), setting("alpha.func", CompareFunc::greater), setting("alpha.ref", 8),
+         setting("stencil.test", 1), setting("stencil.ref", 2),
+         setting("stencil.func", CompareFunc::greater_equal), setting("stencil.fail", StencilOp::invert),
+         setting("stencil.pass", StencilOp::increment), setting("stencil.two_sided", 1),
+         setting("stencil.back.func", CompareFunc::not_equal),
+         setting("stencil.back.zfail", StencilOp::increment_wrap),
+         setting("stencil.back.pass", StencilOp::decrement_wrap)}};
+    p.scene.commands.insert(p.scene.commands.begin(), DrawCommand{0, change, {}});
+  }
   if (!stops_at_edge(c.wrap)) continue_textures(p.scene);
   const Scene& scene = p.scene;
   p.places = place_textures(p.scene);
@@ -63,13 +82,21 @@ PipeCase make_pipe_case(const Config& c, const Scene& given) {
   const auto model = make_model(c);
   Trace trace;
   model->begin(scene);
-  model->draw(scene.triangles, 0, &trace);
+  draw_scene(*model, scene, 0, scene.triangles.size(), &trace);
   p.frame = model->frame();
+  DrawState registers = first_state(c);
+  for (const DrawCommand& command : scene.commands) {
+    registers = changed_state(registers, command.state, c);
+  }
+  const model::SetupStage setup = model::make_pipeline(c, scene).setup;
+  bool back = false;
   std::int64_t before = -1;
   for (const FragmentRecord& f : trace.fragment) {
     if (f.covered == 0) continue;
     if (f.triangle != before) {
-      const int texture = scene.triangles[static_cast<std::size_t>(f.triangle)].texture;
+      const Triangle& triangle = scene.triangles[static_cast<std::size_t>(f.triangle)];
+      const int texture = triangle.texture;
+      back = model::is_back_face(setup, triangle);
       const RtlDraw state{.func = c.depth_func,
                           .textured = texture >= 0,
                           .filter = c.filter,
@@ -77,17 +104,21 @@ PipeCase make_pipe_case(const Config& c, const Scene& given) {
                           .place = texture < 0 ? TexelPlace{} : p.places[static_cast<std::size_t>(texture)],
                           .transparent = c.transparent,
                           .fog = p.fog.mode,
-                          .fog_color = p.fog.fog_color};
+                          .fog_color = p.fog.fog_color,
+                          .alpha_func = registers.alpha_func,
+                          .alpha_ref = registers.alpha_ref,
+                          .stencil = rtl_stencil(registers)};
       const StageValues draw = draw_values(c, state);
       if (p.batches.empty() || p.batches.back().draw != draw) p.batches.push_back({draw, {}});
       before = f.triangle;
     }
-    p.batches.back().fragments.push_back(fragment_values(c, f));
+    p.batches.back().fragments.push_back(fragment_values(c, f, back));
   }
   const auto add = [&](const char* tap, const auto& records) {
     for (const auto& r : records) p.records[tap].push_back(record_ports(c, r));
   };
   add("depth_record", trace.depth);
+  add("stencil_record", trace.stencil);
   add("texture_record", trace.texture);
   add("fog_record", trace.fog);
   add("merge_record", trace.merge);
@@ -95,6 +126,40 @@ PipeCase make_pipe_case(const Config& c, const Scene& given) {
 }
 
 namespace {
+
+// Few values, so that comparisons and operations often meet their ends.
+RtlStencil random_stencil(Random& random) {
+  const auto byte = [&] {
+    return static_cast<std::int32_t>(random() % 2 == 0   ? random() % 3
+                                     : random() % 2 == 0 ? 255
+                                                         : random() % 256);
+  };
+  const auto side = [&] {
+    const auto op = [&] { return static_cast<StencilOp>(random() % enum_names<StencilOp>.size()); };
+    const auto func = random() % 2 == 0 ? CompareFunc::always
+                                        : static_cast<CompareFunc>(random() % enum_names<CompareFunc>.size());
+    return RtlStencilSide{func, op(), op(), op()};
+  };
+  RtlStencil s;
+  s.test = random() % 10 < 7;  // the others stand at the ports, and are not to be read
+  s.ref = byte();
+  if (random() % 2 == 0) s.mask = byte();
+  if (random() % 2 == 0) s.write = byte();
+  s.front = side();
+  s.back = random() % 2 == 0 ? s.front : side();
+  return s;
+}
+
+model::StencilStage modelled(const RtlStencil& s) {
+  model::StencilStage stage;
+  stage.test = s.test;
+  stage.ref = s.ref;
+  stage.mask = s.mask;
+  stage.write = s.write;
+  stage.side[0] = {s.front.func, s.front.fail, s.front.zfail, s.front.pass};
+  stage.side[1] = {s.back.func, s.back.fail, s.back.zfail, s.back.pass};
+  return stage;
+}
 
 // With a texture's number, or -1.
 std::pair<RtlDraw, int> random_state(Random& random, const PipeCase& p) {
@@ -114,6 +179,14 @@ std::pair<RtlDraw, int> random_state(Random& random, const PipeCase& p) {
   s.write_z = chance(80);
   s.blend = chance(70);
   s.write_color = chance(90);
+  if (chance(40)) {
+    s.alpha_func = static_cast<CompareFunc>(random() % enum_names<CompareFunc>.size());
+    // The ends, what half an alpha is rounded to, or any.
+    s.alpha_ref = static_cast<std::int32_t>(chance(20)   ? random() % 2 * 255
+                                            : chance(40) ? 127 + random() % 2
+                                                         : random() % 256);
+  }
+  if (is_late(p.when)) s.stencil = random_stencil(random);
   // Small, of any size that a code has, or any at all.
   const int bits = chance(50) ? 4 : chance(70) ? p.config.depth_bits : 30;
   if (chance(50)) s.bias = static_cast<std::int64_t>(random() >> (64 - bits)) * (chance(50) ? 1 : -1);
@@ -122,9 +195,11 @@ std::pair<RtlDraw, int> random_state(Random& random, const PipeCase& p) {
 
 }  // namespace
 
-PipeCase random_pipe_case(Random& random, const Config& c, int batches, const PipeExtent& extent) {
+PipeCase random_pipe_case(Random& random, const Config& c, int batches, const PipeExtent& extent,
+                          DepthWhen when) {
   PipeCase p;
   p.config = c;
+  p.when = when;
   p.scene.width = extent.width;
   p.scene.height = extent.height;
   p.scene.background = {10, 20, 30};
@@ -153,6 +228,7 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
   for (std::int64_t& entry : p.fog.table) entry = random_raw(random, c.format(FormatId::fog_factor));
   const model::MergeStage merge = model::prepare_merge(c);
   clear_frame(p.frame, p.scene.width, p.scene.height, p.scene.background, clear_code(c), false);
+  need_stencil(p.frame);
   const std::int64_t one = std::int64_t{1} << c.format(FormatId::texture_alpha).fraction();
   for (int batch = 0; batch < batches; ++batch) {
     const auto [s, number] = random_state(random, p);
@@ -162,6 +238,9 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
     texture.filter = s.filter;
     texture.wrap = s.wrap;
     texture.transparent = s.transparent;
+    texture.alpha_func = s.alpha_func;
+    texture.alpha_ref = s.alpha_ref;
+    const model::StencilStage stencil = modelled(s.stencil);
     p.fog.mode = s.fog;
     p.fog.fog_color = s.fog_color;
     for (std::uint64_t n = random() % 6; n > 0; --n) {
@@ -172,19 +251,31 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
       for (std::int64_t* uv : {&f.u, &f.v}) *uv = random_raw(random, c.format(FormatId::span_uv));
       for (std::int64_t* v : {&f.r, &f.g, &f.b, &f.a})
         *v = random_raw(random, c.format(FormatId::span_shade));
-      p.batches.back().fragments.push_back(fragment_values(c, f));
+      if (random() % 4 == 0) f.a = half_of(c.format(FormatId::span_shade)).value_or(f.a);
+      const bool back = random() % 2 == 0;
+      p.batches.back().fragments.push_back(fragment_values(c, f, back));
       const std::size_t at = pixel_of(p.frame, f);
       DepthRecord d;
       TextureRecord t;
       FogRecord mist;
       MergeRecord m;
-      const bool pass = model::depth(depth, f, nullptr, p.frame.depth[at], d);
-      p.records["depth_record"].push_back(record_ports(c, d));
-      if (!pass) continue;
       const Texture* image = number < 0 ? nullptr : &p.scene.textures[static_cast<std::size_t>(number)];
-      const bool lives = model::texture(texture, image, f, t);
-      p.records["texture_record"].push_back(record_ports(c, t));
-      if (!lives) continue;
+      const auto lives = [&] {
+        const bool is_alive = model::texture(texture, image, f, t);
+        p.records["texture_record"].push_back(record_ports(c, t));
+        return is_alive;
+      };
+      const auto passes = [&] {
+        bool pass = model::depth(depth, f, nullptr, p.frame.depth[at], d);
+        p.records["depth_record"].push_back(record_ports(c, d));
+        if (!stencil.test) return pass;
+        StencilRecord r;
+        pass = model::stencil(stencil, back, d, p.frame.stencil[at], r);
+        p.records["stencil_record"].push_back(record_ports(c, r));
+        p.frame.stencil[at] = static_cast<std::uint8_t>(r.value);
+        return pass;
+      };
+      if (is_late(when) ? !lives() || !passes() : !passes() || !lives()) continue;
       model::fog(p.fog, f, {}, t, mist);
       p.records["fog_record"].push_back(record_ports(c, mist));
       if (!s.blend) t.a = one;
@@ -204,7 +295,7 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
 namespace {
 
 void load_frame_state(StageBench& bench, const PipeCase& p) {
-  const StageDesign design = pixel_pipe_design(p.config);
+  const StageDesign design = pixel_pipe_design(p.config, p.when);
   const StageValues values = frame_values(p.config, p.constants.record, p.scene);
   for (std::size_t i = 0; i < values.size(); ++i) bench.set_constant(design.constants[i], values[i]);
   for (const FogLoad& load : fog_loads(p.config, p.fog)) {
@@ -227,15 +318,22 @@ std::uint64_t texel_of(const PipeCase& p, std::uint64_t address) {
 
 PipeRun run_pipe(const PipeCase& p, const PipeWay& way, StageTrace* trace) {
   const Config& c = p.config;
-  StageBench bench(pixel_pipe_design(c), way.seed);
+  StageBench bench(pixel_pipe_design(c, p.when), way.seed);
   if (trace != nullptr) bench.keep_trace(*trace);
   if (way.sweeps_first) await_sweep(bench, c);
   load_frame_state(bench, p);
   bench.set_stalls(way.stalls);
   bench.set_stalls("in", {way.in_gap, 0});
   if (way.write_stall > 0) bench.set_stalls("color_write", {0, way.write_stall});
+  if (way.z_write_stall > 0) bench.set_stalls("z_write", {0, way.z_write_stall});
   StageMemory z(bench, "z_request", "z_answer", "z_write", 2, way.latency, way.seed,
-                [&](const StageMemory::Address&) { return StageValues{clear_code(c)}; });
+                [&](const StageMemory::Address&) {
+                  return StageValues{clear_code(c), 0};
+                });
+  z.merge_writes([](const StageValues& held, const StageValues& written) {
+    const std::uint64_t mask = written[2];
+    return StageValues{(mask & 1) != 0 ? written[0] : held[0], (mask & 2) != 0 ? written[1] : held[1]};
+  });
   StageMemory color(bench, "color_request", "color_answer", "color_write", 2, way.latency, way.seed,
                     [&](const StageMemory::Address&) {
                       const auto& b = p.scene.background;
@@ -299,11 +397,12 @@ PipeRun run_pipe(const PipeCase& p, const PipeWay& way, StageTrace* trace) {
       const auto at = static_cast<std::size_t>(y * p.frame.width + x);
       const StageMemory::Address address{static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y)};
       const std::uint8_t* wanted = p.frame.color.data() + 4 * at;
-      if (z.at(address) != StageValues{p.frame.depth[at]} ||
+      const std::uint64_t stencil = p.frame.stencil.empty() ? 0 : p.frame.stencil[at];
+      if (z.at(address) != StageValues{p.frame.depth[at], stencil} ||
           color.at(address) != StageValues{wanted[0], wanted[1], wanted[2]}) {
         throw std::logic_error(fmt::format("pixel {}, {} differs", x, y));
       }
-      run.compared += 4;
+      run.compared += p.frame.stencil.empty() ? 4 : 5;
     }
   }
   return run;

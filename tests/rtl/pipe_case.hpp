@@ -24,7 +24,8 @@ struct PipeBatch {
 
 struct PipeCase {
   Config config;
-  Scene scene;  // its textures, its background and its size
+  DepthWhen when = DepthWhen::early;  // the order of tests of the pipe
+  Scene scene;                        // its textures, its background and its size
   std::vector<TexelPlace> places;
   model::Constants constants;
   model::FogStage fog;
@@ -33,8 +34,9 @@ struct PipeCase {
   Frame frame;
 };
 
-// The fragments of a scene.
-PipeCase make_pipe_case(const Config& c, const Scene& given);
+// The fragments of a scene. Late: with a stencil test that counts front faces up and back faces down, and an
+// alpha test that passes most fragments.
+PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when = DepthWhen::early);
 
 // The picture, the textures, and an address in front of theirs.
 struct PipeExtent {
@@ -44,7 +46,8 @@ struct PipeExtent {
 };
 
 // Raw fragments, a new draw state for every few of them, through the model's stages one after another.
-PipeCase random_pipe_case(Random& random, const Config& c, int batches, const PipeExtent& extent = {});
+PipeCase random_pipe_case(Random& random, const Config& c, int batches, const PipeExtent& extent = {},
+                          DepthWhen when = DepthWhen::early);
 
 struct PipeWay {
   double in_gap = 0;
@@ -54,6 +57,7 @@ struct PipeWay {
   int reset_after = 0;       // clocks of the same fragments in front, then a reset
   bool sweeps_first = true;  // nothing is sent before the places are cleared
   double write_stall = 0;    // of colours, in place of that in `stalls`
+  double z_write_stall = 0;  // of depth codes
 };
 
 struct PipeRun {

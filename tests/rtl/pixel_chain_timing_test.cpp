@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -24,8 +25,8 @@ namespace {
 // The ports of a recorded clock, by their meaning.
 class TracePorts {
  public:
-  TracePorts(const Config& config, const StageTrace& trace)
-      : design_(pixel_pipe_design(config)), module_(module_of(design_)), trace_(trace) {
+  TracePorts(const Config& config, DepthWhen when, const StageTrace& trace)
+      : design_(pixel_pipe_design(config, when)), module_(module_of(design_)), trace_(trace) {
     draw_ = find("draw");
     in_ = find("in");
     for (int p = 0; p < read_ports; ++p) {
@@ -36,7 +37,8 @@ class TracePorts {
       answer_.push_back(find(name + "_answer"));
       if (p < write_ports) write_.push_back(find(name + "_write"));
     }
-    for (const char* tap : {"depth_record", "texture_record", "fog_record", "merge_record"}) {
+    for (const char* tap :
+         {"depth_record", "texture_record", "fog_record", "merge_record", "stencil_record"}) {
       taps_.push_back(find(tap));
     }
     idle_ = port_place(module_.outputs, "idle_o");
@@ -99,16 +101,20 @@ class TracePorts {
 };
 
 // What the values decide, as the trace itself shows it: the draw states and the taps do not depend on clocks.
-std::vector<PixelFragment> fragments_of(const Config& config, const TracePorts& ports, std::size_t from,
-                                        std::size_t to) {
+std::vector<PixelFragment> fragments_of(const Config& config, DepthWhen when, const TracePorts& ports,
+                                        std::size_t from, std::size_t to) {
   const std::int64_t one = std::int64_t{1} << config.format(FormatId::texture_alpha).fraction();
   std::vector<PixelFragment> all;
   std::vector<std::uint8_t> blends;
-  std::vector<std::size_t> passed;
+  // Those that come to the second of depth and texture, and to stencil.
+  std::vector<std::size_t> second;
+  std::vector<std::size_t> stencilled;
   PixelFragment drawn;
   bool blend = false;
   std::size_t tested = 0;
   std::size_t textured = 0;
+  std::size_t judged = 0;
+  const bool late = is_late(when);
   for (std::size_t t = from; t < to; ++t) {
     const PixelChainDrive d = ports.drive(t);
     const PixelChainPorts p = ports.ports(t);
@@ -125,18 +131,28 @@ std::vector<PixelFragment> fragments_of(const Config& config, const TracePorts& 
       drawn.writes_z = ports.in_field(t, "draw", "write_z") != 0;
       drawn.writes_color = ports.in_field(t, "draw", "write_color") != 0;
       blend = ports.in_field(t, "draw", "blend") != 0;
+      drawn.is_stencilled = late && ports.in_field(t, "draw", "stencil_test") != 0;
     }
     if ((p.records & 1) != 0) {
-      const std::size_t f = tested++;
+      const std::size_t f = late ? second.at(tested++) : tested++;
       all.at(f).passes = ports.out_field(t, "depth_record", "pass") != 0;
-      if (all[f].passes) passed.push_back(f);
+      all[f].goes_on = all[f].passes;
+      if (all[f].passes && !late) second.push_back(f);
+      if (all[f].is_stencilled) stencilled.push_back(f);
+    }
+    if ((p.records & 16) != 0) {
+      PixelFragment& f = all.at(stencilled.at(judged++));
+      f.goes_on = f.passes && ports.out_field(t, "stencil_record", "pass") != 0;
+      f.writes_stencil =
+          ports.out_field(t, "stencil_record", "value") != ports.out_field(t, "stencil_record", "stored");
     }
     if ((p.records & 2) != 0) {
-      const std::size_t f = passed.at(textured++);
-      all[f].lives = ports.out_field(t, "texture_record", "killed") == 0;
+      const std::size_t f = late ? textured++ : second.at(textured++);
+      all.at(f).lives = ports.out_field(t, "texture_record", "killed") == 0;
       const std::int64_t alpha =
           Rtl::from_port(ports.out_field(t, "texture_record", "a"), config.format(FormatId::texture_alpha));
       all[f].reads_color = blends[f] != 0 && alpha < one;
+      if (all[f].lives && late) second.push_back(f);
     }
   }
   return all;
@@ -149,21 +165,21 @@ struct Compared {
 };
 
 std::string text_of(const PixelChainPorts& p) {
-  return fmt::format("draw {} in {} idle {} requests {:06b} answers {:06b} writes {:02b} records {:04b}",
+  return fmt::format("draw {} in {} idle {} requests {:06b} answers {:06b} writes {:02b} records {:05b}",
                      int{p.draw_ready}, int{p.in_ready}, int{p.idle}, p.request_valid, p.answer_ready,
                      p.write_valid, p.records);
 }
 
 // Replays a recorded run through the timing; throws std::logic_error at the first clock that differs.
-Compared replay(const Config& config, const StageTrace& trace, const PixelTiming& timing) {
-  const TracePorts ports(config, trace);
+Compared replay(const Config& config, DepthWhen when, const StageTrace& trace, const PixelTiming& timing) {
+  const TracePorts ports(config, when, trace);
   Compared out;
   std::vector<std::size_t> ends = trace.resets;
   ends.push_back(trace.inputs.size());
   std::size_t from = 0;
   for (const std::size_t to : ends) {
-    const std::vector<PixelFragment> fragments = fragments_of(config, ports, from, to);
-    PixelChainTiming chain(timing);
+    const std::vector<PixelFragment> fragments = fragments_of(config, when, ports, from, to);
+    PixelChainTiming chain(timing, when);
     std::size_t next = 0;
     for (std::size_t t = from; t < to; ++t) {
       const PixelChainDrive d = ports.drive(t);
@@ -193,7 +209,7 @@ Compared replay(const Config& config, const StageTrace& trace, const PixelTiming
 Compared run_and_replay(const PipeCase& p, const PipeWay& way) {
   StageTrace trace;
   run_pipe(p, way, &trace);
-  return replay(p.config, trace, pixel_timing(p.config));
+  return replay(p.config, p.when, trace, pixel_timing(p.config));
 }
 
 // An ideal memory, one of fixed latency, ones of random latency; with gaps and stalls.
@@ -206,25 +222,32 @@ std::vector<PipeWay> ways(std::uint64_t seed) {
           {0.1, {0.4, 0.6}, {1, 25}, seed},
           {0, {0, 0.9}, {1, 3}, seed},
           // Behind slow writes all queues are full: killed fragments meet a fog that takes none.
-          {0, {}, {1, 1}, seed, 0, true, 0.8}};
+          {0, {}, {1, 1}, seed, 0, true, 0.8},
+          // The same in front of the depth memory.
+          {0, {}, {1, 1}, seed, 0, true, 0, 0.9}};
 }
 
 TEST(PixelChainTiming, EqualsTheRtlOnEveryClock) {
   Compared all;
+  Compared late;
   const auto check = [&](const Config& c, std::uint64_t seed) {
-    Random random(seed);
-    const PipeCase small = random_pipe_case(random, c, 300);
-    const PipeCase large =
-        random_pipe_case(random, c, 200, {.width = 700, .height = 90, .textures = {{4, 4}}});
-    for (const PipeWay& way : ways(seed)) {
-      for (const PipeCase* p : {&small, &large}) {
-        const Compared r = run_and_replay(*p, way);
-        all.clocks += r.clocks;
-        all.fragments += r.fragments;
-        all.stalled += r.stalled;
-        all.refused += r.refused;
-        all.answers_wait += r.answers_wait;
-        all.draws_wait += r.draws_wait;
+    for (const DepthWhen when : {DepthWhen::early, DepthWhen::late}) {
+      SCOPED_TRACE(to_string(when));
+      Random random(seed);
+      const PipeCase small = random_pipe_case(random, c, 300, {}, when);
+      const PipeCase large =
+          random_pipe_case(random, c, 200, {.width = 700, .height = 90, .textures = {{4, 4}}}, when);
+      for (const PipeWay& way : ways(seed)) {
+        for (const PipeCase* p : {&small, &large}) {
+          const Compared r = run_and_replay(*p, way);
+          Compared& sum = is_late(when) ? late : all;
+          sum.clocks += r.clocks;
+          sum.fragments += r.fragments;
+          sum.stalled += r.stalled;
+          sum.refused += r.refused;
+          sum.answers_wait += r.answers_wait;
+          sum.draws_wait += r.draws_wait;
+        }
       }
     }
   };
@@ -236,12 +259,14 @@ TEST(PixelChainTiming, EqualsTheRtlOnEveryClock) {
     SCOPED_TRACE(stage_seed_text(seed));
     check(random_stage_config(seed), seed);
   }
-  EXPECT_GT(all.clocks, 300000U);
-  EXPECT_GT(all.fragments, 30000U);
-  EXPECT_GT(all.stalled, 30000U);
-  EXPECT_GT(all.refused, 30000U);
-  EXPECT_GT(all.answers_wait, 1000U);
-  EXPECT_GT(all.draws_wait, 10000U);
+  for (const Compared& sum : {all, late}) {
+    EXPECT_GT(sum.clocks, 300000U);
+    EXPECT_GT(sum.fragments, 30000U);
+    EXPECT_GT(sum.stalled, 30000U);
+    EXPECT_GT(sum.refused, 30000U);
+    EXPECT_GT(sum.answers_wait, 1000U);
+    EXPECT_GT(sum.draws_wait, 10000U);
+  }
 }
 
 // The demo: one fragment per clock, and so many at once that the FIFOs fill.
@@ -254,23 +279,29 @@ TEST(PixelChainTiming, EqualsTheRtlWhereFragmentsFollowOneAnother) {
   configs.push_back(shipped_config("depth16"));
   configs.back().memory.latency = 60;
   for (const Config& c : configs) {
-    const PipeCase p = make_pipe_case(c, demo_scene(96, 72));
-    for (const PipeWay& way : ways(4)) {
-      SCOPED_TRACE(fmt::format("{} latency {} to {}", c.name, way.latency.least, way.latency.most));
-      EXPECT_GT(run_and_replay(p, way).fragments, 3000U);
+    for (const DepthWhen when : {DepthWhen::early, DepthWhen::late}) {
+      const PipeCase p = make_pipe_case(c, demo_scene(96, 72), when);
+      for (const PipeWay& way : ways(4)) {
+        SCOPED_TRACE(fmt::format("{} {} latency {} to {}", c.name, to_string(when), way.latency.least,
+                                 way.latency.most));
+        EXPECT_GT(run_and_replay(p, way).fragments, 3000U);
+      }
     }
   }
 }
 
 TEST(PixelChainTiming, EqualsTheRtlFromResetOnAndAfterAResetAmidFragments) {
-  Random random(31);
-  const PipeCase p = random_pipe_case(random, shipped_config("depth16"), 100);
-  for (const int clocks : {2, 20, 60, 150}) {
-    SCOPED_TRACE(clocks);
-    EXPECT_GT(run_and_replay(p, {0.1, {0.2, 0.2}, {1, 20}, 7, clocks}).fragments, 200U);
-    // Fragments wait for the places to be cleared.
-    const Compared r = run_and_replay(p, {0.1, {0.2, 0.2}, {1, 20}, 7, clocks, false});
-    EXPECT_GT(r.refused, 300U);
+  for (const DepthWhen when : {DepthWhen::early, DepthWhen::late}) {
+    Random random(31);
+    const PipeCase p = random_pipe_case(random, shipped_config("depth16"), 100, {}, when);
+    for (const int clocks : {2, 20, 60, 150}) {
+      SCOPED_TRACE(clocks);
+      EXPECT_GT(run_and_replay(p, {0.1, {0.2, 0.2}, {1, 20}, 7, clocks}).fragments, 200U);
+      // Fragments wait for the places to be cleared.
+      const Compared r = run_and_replay(p, {0.1, {0.2, 0.2}, {1, 20}, 7, clocks, false});
+      // Late, texture takes some, and the next draw state waits for them.
+      EXPECT_GT(r.refused + (is_late(when) ? r.draws_wait : 0), 300U);
+    }
   }
 }
 
@@ -280,36 +311,40 @@ TEST(PixelChainTiming, EveryNumberIsSeen) {
   c.depth_code = DepthCode::linear;
   Random random(5);
   // Draw states and places that change often; FIFOs that fill.
-  const PipeCase changing = random_pipe_case(random, c, 400, {.width = 700, .height = 90});
-  const PipeCase rows = make_pipe_case(c, demo_scene(96, 72));
-  std::array<StageTrace, 2> traces;
-  run_pipe(changing, {0, {}, {1, 1}, 1}, traces.data());
-  run_pipe(rows, {0, {}, {90, 90}, 1}, &traces[1]);
-  const PixelTiming right = pixel_timing(c);
-  for (const StageTrace& trace : traces) EXPECT_NO_THROW(replay(c, trace, right));
-  const auto seen = [&](const char* what, const std::function<void(PixelTiming&, int)>& change) {
-    for (const int by : {-1, 1}) {
-      PixelTiming wrong = right;
-      change(wrong, by);
-      const auto differs = [&](const StageTrace& trace) {
-        try {
-          replay(c, trace, wrong);
-          return false;
-        } catch (const std::logic_error&) {
-          return true;
-        }
-      };
-      EXPECT_TRUE(std::ranges::any_of(traces, differs)) << what << " by " << by;
-    }
-  };
-  seen("in_flight", [](PixelTiming& t, int by) { t.in_flight += by; });
-  seen("depth.code", [](PixelTiming& t, int by) { t.depth.code += by; });
-  seen("texture.address", [](PixelTiming& t, int by) { t.texture.address += by; });
-  seen("texture.color", [](PixelTiming& t, int by) { t.texture.color += by; });
-  seen("fog.clocks", [](PixelTiming& t, int by) { t.fog.clocks += by; });
-  seen("merge.clocks", [](PixelTiming& t, int by) { t.merge.clocks += by; });
-  seen("place_bits", [](PixelTiming& t, int by) { t.place_bits += by; });
-  seen("slot_bits", [](PixelTiming& t, int by) { t.slot_bits += by; });
+  for (const DepthWhen when : {DepthWhen::early, DepthWhen::late}) {
+    SCOPED_TRACE(to_string(when));
+    const PipeCase changing = random_pipe_case(random, c, 400, {.width = 700, .height = 90}, when);
+    const PipeCase rows = make_pipe_case(c, demo_scene(96, 72), when);
+    std::array<StageTrace, 2> traces;
+    run_pipe(changing, {0, {}, {1, 1}, 1}, traces.data());
+    run_pipe(rows, {0, {}, {90, 90}, 1}, &traces[1]);
+    const PixelTiming right = pixel_timing(c);
+    for (const StageTrace& trace : traces) EXPECT_NO_THROW(replay(c, when, trace, right));
+    const auto seen = [&](const char* what, const std::function<void(PixelTiming&, int)>& change) {
+      for (const int by : {-1, 1}) {
+        PixelTiming wrong = right;
+        change(wrong, by);
+        const auto differs = [&](const StageTrace& trace) {
+          try {
+            replay(c, when, trace, wrong);
+            return false;
+          } catch (const std::logic_error&) {
+            return true;
+          }
+        };
+        EXPECT_TRUE(std::ranges::any_of(traces, differs)) << what << " by " << by;
+      }
+    };
+    seen("in_flight", [](PixelTiming& t, int by) { t.in_flight += by; });
+    seen("depth.code", [](PixelTiming& t, int by) { t.depth.code += by; });
+    seen("texture.address", [](PixelTiming& t, int by) { t.texture.address += by; });
+    seen("texture.color", [](PixelTiming& t, int by) { t.texture.color += by; });
+    seen("fog.clocks", [](PixelTiming& t, int by) { t.fog.clocks += by; });
+    seen("merge.clocks", [](PixelTiming& t, int by) { t.merge.clocks += by; });
+    seen("place_bits", [](PixelTiming& t, int by) { t.place_bits += by; });
+    seen("slot_bits", [](PixelTiming& t, int by) { t.slot_bits += by; });
+    if (is_late(when)) seen("stencil.clocks", [](PixelTiming& t, int by) { t.stencil.clocks += by; });
+  }
 }
 
 // Bugs of the RTL that cost clocks and change no value: the records stay right, and the clocks show them.
@@ -326,17 +361,30 @@ TEST(PixelChainTiming, PlantedBugsAreSeen) {
       {"rtl/merge.sv", "assign join_valid = rest_valid && (answer_valid || !waited_reads);",
        "assign join_valid = rest_valid && (answer_valid || !waited_reads) && !valid_q[0];"},
   };
-  Random random(5);
-  const PipeCase p = random_pipe_case(random, shipped_config("depth16"), 400);
+  constexpr PlantedBug late_bugs[] = {
+      {"rtl/pixel_pipe.sv", "assign textured_ready = depth_ready || killed;",
+       "assign textured_ready = depth_ready;"},
+      {"rtl/pixel_pipe.sv", "assign fate_write[1] = judged_stencil != stencil_record_stored_o;",
+       "assign fate_write[1] = judged_test;"},
+  };
   const RtlCopy copy;
-  for (const PlantedBug& bug : bugs) {
-    SCOPED_TRACE(bug.to);
-    copy.replace(bug.file, bug.from, bug.to);
-    StageTrace trace;
-    EXPECT_NO_THROW(run_pipe(p, {0.1, {0.2, 0.3}, {1, 25}, 5}, &trace));
-    EXPECT_THROW(replay(p.config, trace, pixel_timing(p.config)), std::logic_error);
-    copy.replace(bug.file, bug.to, bug.from);
-  }
+  // Where memories are slow, and where depth codes alone are written late.
+  const PipeWay slow{0.1, {0.2, 0.3}, {1, 25}, 5};
+  const PipeWay late_writes{0, {}, {1, 1}, 5, 0, true, 0, 0.9};
+  const auto see = [&](const PipeCase& p, const PipeWay& way, std::span<const PlantedBug> planted) {
+    EXPECT_NO_THROW(run_and_replay(p, way));
+    for (const PlantedBug& bug : planted) {
+      SCOPED_TRACE(bug.to);
+      copy.replace(bug.file, bug.from, bug.to);
+      StageTrace trace;
+      EXPECT_NO_THROW(run_pipe(p, way, &trace));
+      EXPECT_THROW(replay(p.config, p.when, trace, pixel_timing(p.config)), std::logic_error);
+      copy.replace(bug.file, bug.to, bug.from);
+    }
+  };
+  Random random(5);
+  see(random_pipe_case(random, shipped_config("depth16"), 400), slow, bugs);
+  see(random_pipe_case(random, shipped_config("depth16"), 400, {}, DepthWhen::late), late_writes, late_bugs);
 }
 
 }  // namespace

@@ -43,6 +43,21 @@ TEST(PixelPipe, TheDemo) {
   }
 }
 
+// The same with late tests: texture first, then depth and stencil.
+TEST(PixelPipe, TheDemoWithLateTests) {
+  for (const Config& c : shipped_configs()) {
+    const PipeCase p = make_pipe_case(c, demo_scene(128, 96), DepthWhen::late);
+    SCOPED_TRACE(c.name);
+    const auto records = [&](const char* tap) { return p.records.at(tap).size(); };
+    ASSERT_GT(records("texture_record"), records("depth_record"));
+    ASSERT_EQ(records("depth_record"), records("stencil_record"));
+    ASSERT_GT(records("stencil_record"), records("merge_record") + 1000);
+    ASSERT_GT(records("merge_record"), 1000U);
+    EXPECT_GT(run_pipe(p, {0, {}, {1, 1}, 1}).compared, 300000U);
+    run_pipe(p, {0.2, {0.2, 0.3}, {1, 25}, 2});
+  }
+}
+
 // Every mode of a stage, over depth16.
 TEST(PixelPipe, Modes) {
   const Scene scene = demo_scene(96, 72);
@@ -70,12 +85,18 @@ TEST(PixelPipe, Modes) {
 // A new draw state for every few fragments, any raw values, any configuration.
 TEST(PixelPipe, RandomDrawStates) {
   const auto check = [](const Config& c, std::uint64_t seed) {
-    Random random(seed);
-    const PipeCase p = random_pipe_case(random, c, 400);
-    ASSERT_GT(p.records.at("depth_record").size(), 500U);
-    EXPECT_GT(run_pipe(p, {0, {}, {1, 1}, seed}).compared, 4000U);
-    run_pipe(p, {0.2, {0.2, 0.3}, {1, 25}, seed});
-    run_pipe(p, {0, {}, {15, 30}, seed});
+    for (const DepthWhen when : {DepthWhen::early, DepthWhen::late}) {
+      SCOPED_TRACE(to_string(when));
+      Random random(seed);
+      const PipeCase p = random_pipe_case(random, c, 400, {}, when);
+      ASSERT_GT(p.records.at(is_late(when) ? "texture_record" : "depth_record").size(), 500U);
+      if (is_late(when)) {
+        ASSERT_GT(p.records.at("stencil_record").size(), 30U);
+      }
+      EXPECT_GT(run_pipe(p, {0, {}, {1, 1}, seed}).compared, 4000U);
+      run_pipe(p, {0.2, {0.2, 0.3}, {1, 25}, seed});
+      run_pipe(p, {0, {}, {15, 30}, seed});
+    }
   };
   for (const Config& c : shipped_configs()) check(c, 9);
   for (const std::uint64_t seed : stage_seeds(4)) {
@@ -104,11 +125,42 @@ TEST(PixelPipe, LargePicturesAndTextures) {
 }
 
 TEST(PixelPipe, ResetAmidFragments) {
-  Random random(31);
-  const PipeCase p = random_pipe_case(random, shipped_config("depth16"), 100);
-  for (const int clocks : {2, 20, 60, 150}) {
-    SCOPED_TRACE(clocks);
-    EXPECT_GT(run_pipe(p, {0.1, {0.2, 0.2}, {1, 20}, 7, clocks}).compared, 1000U);
+  for (const DepthWhen when : {DepthWhen::early, DepthWhen::late}) {
+    Random random(31);
+    const PipeCase p = random_pipe_case(random, shipped_config("depth16"), 100, {}, when);
+    for (const int clocks : {2, 20, 60, 150}) {
+      SCOPED_TRACE(clocks);
+      EXPECT_GT(run_pipe(p, {0.1, {0.2, 0.2}, {1, 20}, 7, clocks}).compared, 1000U);
+    }
+  }
+}
+
+// The last depth codes wait long behind the last colours: the pipe is idle no clock before they are written.
+TEST(PixelPipe, IsIdleBehindTheLastWrite) {
+  const RtlCopy copy;
+  for (const DepthWhen when : {DepthWhen::early, DepthWhen::late}) {
+    SCOPED_TRACE(to_string(when));
+    const RtlModuleDesign module = module_of(pixel_pipe_design(shipped_config("depth16"), when));
+    const std::size_t idle = port_place(module.outputs, "idle_o");
+    const std::size_t write = port_place(module.outputs, "z_write_valid_o");
+    const auto idle_before_a_write = [&] {
+      std::size_t clocks = 0;
+      for (const std::uint64_t seed : {1, 2, 3, 4}) {
+        Random random(seed);
+        const PipeCase p = random_pipe_case(random, shipped_config("depth16"), 20, {}, when);
+        StageTrace trace;
+        run_pipe(p, {.in_gap = 0.98, .stalls = {}, .latency = {1, 1}, .seed = seed, .z_write_stall = 0.985},
+                 &trace);
+        for (const auto& outputs : trace.outputs) clocks += outputs[idle] & outputs[write];
+      }
+      return clocks;
+    };
+    EXPECT_EQ(idle_before_a_write(), 0U);
+    const char* line = "idle_o <= (&none) && !in_q && !in_taken && !fate_waits;";
+    const char* bug = "idle_o <= (&none) && !in_q && !in_taken;";
+    copy.replace("rtl/pixel_pipe.sv", line, bug);
+    EXPECT_GT(idle_before_a_write(), 0U);
+    copy.replace("rtl/pixel_pipe.sv", bug, line);
   }
 }
 
@@ -149,11 +201,14 @@ std::vector<Config> tool_configs() {
 
 TEST(PixelPipe, VerilatorLintIsSilent) {
   for (const Config& c : tool_configs()) {
-    for (const char* top : {"depth", "texture", "fog", "merge", "pixel_pipe"}) {
+    for (const char* top : {"depth", "texture", "fog", "merge", "pixel_pipe", "late"}) {
+      const bool late = std::string_view(top) == "late";
+      if (late) top = "pixel_pipe";
       const TemporaryFolder folder;
       std::vector<std::string> command = {"verilator",       "--lint-only", "-Wall",        "--assert",
                                           "--max-num-width", "1048576",     "--top-module", top};
-      command.push_back(folder.write("bitspan_pixel_pkg.sv", emit_pixel_sv(c)));
+      command.push_back(
+          folder.write("bitspan_pixel_pkg.sv", emit_pixel_sv(c, late ? DepthWhen::late : DepthWhen::early)));
       for (const auto& source : pixel_sources()) command.push_back(source.string());
       const auto log = folder.path("lint.log");
       EXPECT_EQ(run_program(command, log, "this test"), 0) << to_toml(c);
@@ -164,23 +219,25 @@ TEST(PixelPipe, VerilatorLintIsSilent) {
 
 // What Icarus makes of the sources, and of the netlist that Yosys understood, is what Verilator made of them.
 TEST(PixelPipe, IcarusAndYosysAgree) {
-  for (const Config& c : tool_configs()) {
+  const auto check = [](const Config& c, DepthWhen when) {
     Random random(21);
-    const PipeCase p = random_pipe_case(random, c, 40);
+    const PipeCase p = random_pipe_case(random, c, 40, {}, when);
     StageTrace trace;
     run_pipe(p, {0.2, {0.2, 0.3}, {1, 9}, 4}, &trace);
-    expect_tools_agree(pixel_pipe_design(c), trace);
-  }
+    expect_tools_agree(pixel_pipe_design(c, when), trace);
+  };
+  for (const Config& c : tool_configs()) check(c, DepthWhen::early);
+  check(shipped_config("narrow"), DepthWhen::late);
 }
 
 TEST(PixelPipe, PlantedBugsAreSeen) {
   constexpr PlantedBug bugs[] = {
-      {"rtl/pixel_pipe.sv", "assign fate_write = lives && fate_state[textured_slot];",
-       "assign fate_write = fate_state[textured_slot];"},
+      {"rtl/pixel_pipe.sv", "assign fate_write[0] = lives && fate_state[judged_slot];",
+       "assign fate_write[0] = fate_state[judged_slot];"},
       {"rtl/pixel_pipe.sv", "draw_ready_o <= none[next_slot] && settled_q && !draw_taken;",
        "draw_ready_o <= 1'b1;"},
-      {"rtl/pixel_pipe.sv", ".in_valid_i(textured_valid && lives && fate_ready)",
-       ".in_valid_i(textured_valid && lives)"},
+      {"rtl/pixel_pipe.sv", ".in_valid_i(judged_valid && lives && fate_ready)",
+       ".in_valid_i(judged_valid && lives)"},
       {"rtl/pixel_pipe.sv", "assign left[1] = textured_valid && textured_ready && killed;",
        "assign left[1] = textured_valid && killed;"},
   };
@@ -192,6 +249,34 @@ TEST(PixelPipe, PlantedBugsAreSeen) {
   };
   run();
   expect_seen(bugs, run);
+}
+
+TEST(PixelPipe, PlantedBugsAreSeenWithLateTests) {
+  constexpr PlantedBug bugs[] = {
+      {"rtl/pixel_pipe.sv", "assign depth_valid = textured_valid && !killed;",
+       "assign depth_valid = textured_valid;"},
+      {"rtl/pixel_pipe.sv", "assign side = back ? back_side : front_side;", "assign side = front_side;"},
+      {"rtl/pixel_pipe.sv", ".in_func_i(test ? side[11:9] : 3'b111),", ".in_func_i(side[11:9]),"},
+      {"rtl/pixel_pipe.sv", ".in_write_i(write & {8{test}}),", ".in_write_i(write),"},
+      {"rtl/pixel_pipe.sv", "assign fate_write[1] = judged_stencil != stencil_record_stored_o;",
+       "assign fate_write[1] = lives;"},
+      {"rtl/pixel_pipe.sv", "assign left[3] = judged_valid && judged_ready && !lives;",
+       "assign left[3] = judged_valid && judged_ready && 1'b0;"},
+      {"rtl/pixel_pipe.sv",
+       "assign {alpha_func, alpha_ref} = alpha_state[alpha_rest[TextureRestW-1-:SlotW]];",
+       "assign {alpha_func, alpha_ref} = alpha_state[slot_q];"},
+      {"rtl/depth.sv", "assign comes_out = pass || record_keep_o;", "assign comes_out = pass;"},
+      {"rtl/depth.sv", "assign {write_mask_o[1], write_stencil_o} = fate[FateW-1-:9];",
+       "assign {write_mask_o[1], write_stencil_o} = {write_mask_o[0], fate[FateW-2-:8]};"},
+      {"rtl/texture.sv", "alpha_wide >= alpha_least_q[1] && !ref_is_last_3",
+       "alpha_wide >= alpha_least_q[1]"},
+  };
+  Random random(5);
+  const PipeCase p = random_pipe_case(random, shipped_config("depth16"), 600, {}, DepthWhen::late);
+  expect_seen(bugs, [&] {
+    run_pipe(p, {0.1, {0.2, 0.3}, {1, 25}, 5});
+    run_pipe(p, {0, {0, 0.8}, {1, 3}, 5});
+  });
 }
 
 }  // namespace

@@ -115,4 +115,11 @@ std::int64_t random_k(Random& random, const Config& c) {
   }
 }
 
+std::optional<std::int64_t> half_of(const Format& format) {
+  const int place = format.fraction() - 1;
+  const int places = format.is_signed ? format.word - 1 : format.word;
+  if (place < 0 || place >= places) return std::nullopt;
+  return std::int64_t{1} << place;
+}
+
 }  // namespace bitspan

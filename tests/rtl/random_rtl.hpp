@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -21,5 +22,8 @@ std::vector<RowRecord> random_rows(Random& random, const Config& config, int cou
 std::vector<PlaneRowRecord> random_plane_rows(Random& random, const Config& config, int count, int longest);
 // A slope in -1..1 on plane.k, 0, 1 and -1 among them.
 std::int64_t random_k(Random& random, const Config& config);
+
+// One half, raw, where the format holds it.
+std::optional<std::int64_t> half_of(const Format& format);
 
 }  // namespace bitspan

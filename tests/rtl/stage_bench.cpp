@@ -160,7 +160,8 @@ StageMemory::StageMemory(StageBench& bench, const std::string& request, const st
     if (std::ranges::find(in_flight_, address) != in_flight_.end()) {
       throw std::logic_error(answer + ": an address is written while it is read");
     }
-    written_[address] = StageValues(split, v.end());
+    StageValues written(split, v.end());
+    written_[address] = merge_ ? merge_(at(address), written) : written;
     if (on_write_) on_write_(v);
   });
 }

@@ -111,6 +111,10 @@ class StageMemory {
   StageMemory(const StageMemory&) = delete;
   StageMemory& operator=(const StageMemory&) = delete;
 
+  // What an address holds behind a write, of what it held and what was written; without it, what was written.
+  void merge_writes(std::function<StageValues(const StageValues& held, const StageValues& written)> merge) {
+    merge_ = std::move(merge);
+  }
   // Called on each write, once the memory holds it.
   void on_write(std::function<void(const StageValues&)> call) { on_write_ = std::move(call); }
   // As at first: after a reset of the bench.
@@ -125,6 +129,7 @@ class StageMemory {
 
  private:
   std::function<StageValues(const Address&)> initial_;
+  std::function<StageValues(const StageValues&, const StageValues&)> merge_;
   std::function<void(const StageValues&)> on_write_;
   std::map<Address, StageValues> written_;
   std::deque<Address> in_flight_;  // and some that were answered since

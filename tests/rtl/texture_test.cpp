@@ -14,6 +14,7 @@
 
 #include "config/pixel_timing.hpp"
 #include "engine/emit_pixel_sv.hpp"
+#include "model/numeric/compare.hpp"
 #include "tests/rtl/random_rtl.hpp"
 #include "tests/rtl/rtl_copy.hpp"
 #include "tests/rtl/stage_bench.hpp"
@@ -37,6 +38,7 @@ StageDesign design(const Config& config) {
     d.channels.push_back({ChannelKind::in, fmt::format("answer{}", port), {"texel"}});
   }
   d.channels.push_back({ChannelKind::out, "out", outputs});
+  d.constants = {"alpha_func", "alpha_ref"};
   return d;
 }
 
@@ -152,6 +154,8 @@ Given random_fragment(Random& random, Case& t, std::uint64_t number, bool plain)
   f.u = random_coordinate(random, uv, placed.texture.width);
   f.v = random_coordinate(random, uv, placed.texture.height);
   for (std::int64_t* s : {&f.r, &f.g, &f.b, &f.a}) *s = random_raw(random, shade);
+  // Without a texture, alpha is then halfway between the codes 127 and 128, and takes the upper one.
+  if (chance(random, 0.3)) f.a = half_of(shade).value_or(f.a);
   TextureRecord r;
   model::texture(t.stage, textured ? &placed.texture : nullptr, f, r);
   const auto bit = [](bool b) { return std::uint64_t{b}; };
@@ -194,6 +198,8 @@ struct Conditions {
   StageMemory::Latency latency;
   bool plain = false;
   int reset_after = 0;  // clocks of other fragments in front, then a reset
+  CompareFunc alpha_func = CompareFunc::always;
+  int alpha_ref = 0;
 };
 
 struct Outcome {
@@ -207,6 +213,14 @@ struct Outcome {
 Outcome run(Case& t, Random& random, int count, const Conditions& conditions) {
   StageBench bench(design(t.config), random());
   bench.set_stalls(conditions.stalls);
+  t.stage.alpha_func = conditions.alpha_func;
+  t.stage.alpha_ref = conditions.alpha_ref;
+  // Bits: less, equal, greater.
+  const auto passes = [&](int code) {
+    return std::uint64_t{model::compares(conditions.alpha_func, code, 1)};
+  };
+  bench.set_constant("alpha_func", passes(0) | passes(1) << 1 | passes(2) << 2);
+  bench.set_constant("alpha_ref", static_cast<std::uint64_t>(conditions.alpha_ref));
   std::deque<StageMemory> memories;
   for (int p = 0; p < 4; ++p) {
     memories.emplace_back(
@@ -252,14 +266,16 @@ void check(const Config& config, std::uint64_t seed, int count) {
   Case t(config, random);
   const Conditions conditions[] = {
       {{0, 0}, {1, 1}},
-      {{0.3, 0}, {1, 4}},
-      {{0, 0.4}, {20, 20}},
-      {{0.2, 0.2}, {1, 40}},
+      {{0.3, 0}, {1, 4}, false, 0, CompareFunc::greater_equal, 128},
+      {{0, 0.4}, {20, 20}, false, 0, CompareFunc::less, 200},
+      {{0.2, 0.2}, {1, 40}, false, 0, CompareFunc::not_equal, 255},
   };
   for (const Conditions& c : conditions) {
     const Outcome r = run(t, random, count, c);
     EXPECT_GT(r.killed, static_cast<std::size_t>(count) / 50);
-    EXPECT_LT(r.killed, static_cast<std::size_t>(count) * 49 / 50);
+    // An alpha test may kill all of them.
+    const int living = c.alpha_func == CompareFunc::always ? count / 50 : 0;
+    EXPECT_LE(r.killed, static_cast<std::size_t>(count - living));
     EXPECT_GE(r.most_in_flight, c.latency.least >= 20 ? 8U : 1U);
   }
 }
@@ -304,6 +320,7 @@ TEST(Texture, RefusesCyclicSizesThatAreNoPowersOfTwo) {
   Case t(shipped_config("narrow"), random);
   for (const char* axis : {"last_i", "last_j"}) {
     StageBench bench(design(t.config), 1);
+    bench.set_constant("alpha_func", 7);
     Given g = random_fragment(random, t, 0, true);
     g.in[static_cast<std::size_t>(std::ranges::find(inputs, axis) - inputs.begin())] = 4;
     bench.send("in", g.in);
@@ -337,6 +354,21 @@ TEST(Texture, PlantedBugsAreSeen) {
   const Conditions conditions{{0.2, 0.4}, {1, 60}};
   run(t, random, 1000, conditions);
   expect_seen(bugs, [&] { run(t, random, 1000, conditions); });
+
+  constexpr PlantedBug alpha_bugs[] = {
+      {"rtl/texture.sv", "assign reaches_ref = alpha_wide >= alpha_least_q[0];",
+       "assign reaches_ref = alpha_wide > alpha_least_q[0];"},
+      {"rtl/texture.sv", "assign odd_1 = {alpha_ref_1, 1'b0} - 9'd1;", "assign odd_1 = {alpha_ref_1, 1'b0};"},
+      {"rtl/texture.sv", "assign byte_1 = odd_1[7:0] + {7'd0, whole_1};", "assign byte_1 = odd_1[7:0];"},
+      {"rtl/texture.sv", "<= ref_is_zero_2 ? -below_wide : least_2;", "<= 1'b0 ? -below_wide : least_2;"},
+  };
+  const auto test_alpha = [&] {
+    for (const int ref : {128, 200, 0}) {
+      run(t, random, 1000, {{0.2, 0.4}, {1, 60}, false, 0, CompareFunc::greater_equal, ref});
+    }
+  };
+  test_alpha();
+  expect_seen(alpha_bugs, test_alpha);
 }
 
 }  // namespace

@@ -151,12 +151,50 @@ TEST(Ports, DrawState) {
       EXPECT_LT(r->report.ports[color_port].writes, r->counters.written);
     }
   }
-  scene.commands = {{3, {false, {setting("alpha.func", static_cast<int>(CompareFunc::less))}}, {}}};
+  scene.commands = {{3, {false, {setting("target.format", static_cast<int>(TargetFormat::rgb565))}}, {}}};
   EXPECT_THROW(run(config, scene, with_ports({})), InputError);
   scene.textures.resize(1, Texture{.name = "one", .width = 1, .height = 1, .rgba = {1, 2, 3, 255}});
   for (Triangle& t : scene.triangles) t.texture = -1;
   scene.commands = {{3, {false, {setting("texture1", 0)}}, {}}};
   EXPECT_THROW(run(config, scene, with_ports({})), InputError);
+}
+
+// Both orders of tests in one scene, with alpha and stencil test.
+TEST(Ports, LateTests) {
+  const Config config = shipped_config("depth16");
+  Scene scene = random_scene(4, {.width = 64, .height = 48, .triangles = 24, .size_max = 40});
+  const auto increment = static_cast<std::int64_t>(StencilOp::increment);
+  scene.commands = {
+      {2, {false, {setting("depth.when", 1), setting("alpha.func", 4), setting("alpha.ref", 60)}}, {}},
+      {6,
+       {false,
+        {setting("stencil.test", 1), setting("stencil.pass", increment), setting("stencil.zfail", increment),
+         setting("stencil.func", 6), setting("stencil.ref", 1)}},
+       {}},
+      {12, {}, Clear{{}, {}, true, 0}},
+      {14, {true, {setting("alpha.func", 1), setting("alpha.ref", 200)}}, {}},
+      {18, {true, {setting("depth.when", 1), setting("stencil.test", 1), setting("stencil.func", 1)}}, {}}};
+  const Outcome bus = run(config, scene, {.mode = TimedMode::span});
+  for (const PortTiming& ports : {PortTiming{}, {1, 40, 0.3, 5}}) {
+    const Outcome span = run(config, scene, with_ports(ports));
+    const Outcome cycle = run(config, scene, with_ports(ports, TimedMode::cycle), 5);
+    EXPECT_EQ(span.report.cycles, run(config, scene, with_ports(ports, TimedMode::cycle)).report.cycles);
+    expect_same_records(span, bus);
+    expect_same_records(cycle, bus);
+    for (const Outcome* r : {&span, &cycle}) {
+      Counters counters = r->counters;
+      counters.cycles = bus.counters.cycles;
+      EXPECT_EQ(counters, bus.counters);
+      EXPECT_GT(counters.stencil_failed, 20U);
+      EXPECT_GT(counters.killed, 20U);
+      EXPECT_EQ(r->report.stages[4].records_in, r->trace.depth.size());
+      EXPECT_EQ(r->report.stages[4].records_out, counters.depth_passed);
+      EXPECT_EQ(r->report.stages[5].records_in, r->trace.texture.size());
+      EXPECT_EQ(r->report.stages[7].records_out, counters.written);
+      EXPECT_EQ(r->report.ports[z_port].requests, r->trace.depth.size());
+      EXPECT_GT(r->trace.stencil.size(), 50U);
+    }
+  }
 }
 
 TEST(Ports, TheSeedDecides) {
