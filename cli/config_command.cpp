@@ -30,6 +30,7 @@ struct Options {
   std::string output;
   bool toml = false;
   std::string part;
+  DepthWhen when = DepthWhen::early;
   std::string prefix;
   std::string folder;
 };
@@ -137,6 +138,7 @@ int emit(const Options& options) {
   const bool both = options.part == "both" || (options.part.empty() && !options.folder.empty());
   const RtlChoice choice{.interpolator = both || options.part != "pixels",
                          .pixels = both || options.part == "pixels",
+                         .when = options.when,
                          .prefix = options.prefix};
   const Config config = find_config(options.config);
   if (!options.folder.empty()) {
@@ -176,6 +178,14 @@ void add_config(CLI::App& app, Action& action) {
   sv->add_option("--part", options->part,
                  "span interpolator, pixel stages or both (default: interpolator; with --rtl both)")
       ->check(CLI::IsMember({"interpolator", "pixels", "both"}));
+  sv->add_option_function<std::string>(
+        "--depth-when",
+        [options](const std::string& when) {
+          options->when = when == to_string(DepthWhen::late) ? DepthWhen::late : DepthWhen::early;
+        },
+        "the order of tests that the pixel stages are built for: early (default), or late, with a stencil "
+        "test")
+      ->check(CLI::IsMember({"early", "late"}));
   sv->add_option_function<std::string>(
       "--prefix",
       [options](const std::string& prefix) {

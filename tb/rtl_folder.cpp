@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 std::vector<std::string> package_texts(const Config& config, const RtlChoice& choice) {
   std::vector<std::string> texts;
   if (choice.interpolator) texts.push_back(emit_sv(config));
-  if (choice.pixels) texts.push_back(emit_pixel_sv(config));
+  if (choice.pixels) texts.push_back(emit_pixel_sv(config, choice.when));
   return texts;
 }
 

@@ -6,13 +6,15 @@
 #include <string>
 
 #include "config/config.hpp"
+#include "scene/draw_state.hpp"
 
 namespace bitspan {
 
 struct RtlChoice {
-  bool interpolator = true;  // rtl/span_interpolator.f and what it needs
-  bool pixels = false;       // rtl/pixel_pipe.f and what it needs
-  std::string prefix;        // in front of every module and package; empty: names as they are
+  bool interpolator = true;           // rtl/span_interpolator.f and what it needs
+  bool pixels = false;                // rtl/pixel_pipe.f and what it needs
+  DepthWhen when = DepthWhen::early;  // the order of tests that the pixel stages are built for
+  std::string prefix;                 // in front of every module and package; empty: names as they are
 };
 
 // The packages' text. Throws InputError as emit_sv, emit_pixel_sv and check_prefix.

@@ -243,6 +243,9 @@ TEST_F(Cli, EmitSvPrefixesAndWritesTheRtl) {
   const auto emitted = [&](const std::string& arguments) { return run("config emit-sv " + arguments).out; };
   EXPECT_NE(emitted("--prefix a_").find("package a_bitspan_cfg_pkg;"), std::string::npos);
   EXPECT_NE(emitted("--part pixels").find("package bitspan_pixel_pkg;"), std::string::npos);
+  EXPECT_NE(emitted("--part pixels").find("DepthIsLate = 0;"), std::string::npos);
+  EXPECT_EQ(emitted("--part pixels --depth-when early"), emitted("--part pixels"));
+  EXPECT_NE(emitted("--part pixels --depth-when late").find("DepthIsLate = 1;"), std::string::npos);
   EXPECT_EQ(emitted("--part both --prefix a_"),
             emitted("--part interpolator --prefix a_") + emitted("--part pixels --prefix a_"));
   const Result r = run("config emit-sv narrow --prefix a_ --rtl sub/a");
@@ -259,6 +262,7 @@ TEST_F(Cli, EmitSvPrefixesAndWritesTheRtl) {
     refused("config emit-sv --rtl c --prefix " + prefix, "--prefix: ");
   }
   refused("config emit-sv --part all", "all");
+  refused("config emit-sv --part pixels --depth-when never", "never");
   refused("config emit-sv --rtl c -o d", "excludes");
   refused("config emit-sv --rtl ''", "--rtl");
   refused("config emit-sv --rtl c --prefix row_", "row_divide");
