@@ -52,6 +52,9 @@ BITSPAN_ENUM(FogZone, r2, r);
 BITSPAN_ENUM(BufferCacheMode, none, write_through, write_back);
 // Which set of a cache a line goes into: by its low bits; by these XOR the bits above them.
 BITSPAN_ENUM(SetHash, none, xor_upper);
+// What merge in RTL makes of a fragment and the stored colour: one mix by alpha; any blend and logic
+// operation.
+BITSPAN_ENUM(RtlBlend, alpha, equation);
 
 // One reciprocal unit R; docs/numeric-spec.md, "Reciprocal", defines each kind in the value domain.
 struct Reciprocal {
@@ -111,15 +114,16 @@ struct MemoryTiming {
   bool operator==(const MemoryTiming&) const = default;
 };
 
-// How the RTL of span_setup and span is cut into clocks and multipliers. No value changes with it.
+// How the RTL is cut into clocks and multipliers, and what it has. No value changes with it.
 struct RtlShape {
-  int product_clocks = 3;     // of each multiplication
-  int normalise_clocks = 3;   // of a reciprocal unit's operand
-  int setup_multipliers = 1;  // products that span_setup may form per clock
-  int product_digits = 1;     // clocks for which a product that takes turns has its multiplier
-  int fifo = 1;               // span records that fit between span_setup and span
-  int pixel_clocks = 1;       // delta_f: clocks per pixel of span; from 2 on u and v take turns
-  bool shades = true;         // the RTL has colour and alpha; else the engine `rtl` takes the model's
+  int product_clocks = 3;            // of each multiplication
+  int normalise_clocks = 3;          // of a reciprocal unit's operand
+  int setup_multipliers = 1;         // products that span_setup may form per clock
+  int product_digits = 1;            // clocks for which a product that takes turns has its multiplier
+  int fifo = 1;                      // span records that fit between span_setup and span
+  int pixel_clocks = 1;              // delta_f: clocks per pixel of span; from 2 on u and v take turns
+  bool shades = true;                // the RTL has colour and alpha; else the engine `rtl` takes the model's
+  RtlBlend blend = RtlBlend::alpha;  // of merge; in other draw states the engine `rtl` takes the model's
   bool operator==(const RtlShape&) const = default;
 };
 

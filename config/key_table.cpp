@@ -506,6 +506,15 @@ constexpr KeyRow rows[] = {
      clocks | rtl,
      "the span interpolator has colour and alpha; or the engine `rtl` takes the model's",
      {.presence = Presence::later}},
+    {"rtl.blend",
+     MEMBER(rtl.blend),
+     {},
+     "",
+     clocks,
+     "what merge in RTL has: the mix by alpha alone; or every blend, logic operation and destination alpha "
+     "of "
+     "the draw state",
+     {.presence = Presence::later}},
 };
 
 #undef MEMBER

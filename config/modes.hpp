@@ -409,6 +409,17 @@ constexpr bool is_in_rtl(FogMode mode) {
   unreachable();
 }
 
+// merge in RTL has the equations, the logic operations and the alpha of every draw state.
+constexpr bool has_blend_equation(RtlBlend blend) {
+  switch (blend) {
+    case RtlBlend::alpha:
+      return false;
+    case RtlBlend::equation:
+      return true;
+  }
+  unreachable();
+}
+
 // rtl/pixel_pipe.sv has every stage behind span that the configuration asks for, in the mode that it asks
 // for.
 constexpr bool pixel_stages_are_in_rtl(const Config& config) {

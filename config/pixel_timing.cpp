@@ -131,8 +131,8 @@ MergeTiming merge_timing(const Config& config) {
   t.any_product = product_clocks(std::max(color.bits(), code.bits()), factor.bits());
   // Operands, factors; the products; operation, Q.
   t.any_blend = 2 + t.any_product + 2;
-  // Join; difference, product, sum, Q.
-  t.clocks = 1 + t.product + 3;
+  // Join; difference, product, sum, Q; or the unit.
+  t.clocks = 1 + (has_blend_equation(config.rtl.blend) ? t.any_blend : t.product + 3);
   // The scoreboard, FIFO; join and blend, out.
   t.total = 4 + 1 + t.clocks + 1;
   // Request, memory and answer instead of the FIFO.

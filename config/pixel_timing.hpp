@@ -41,7 +41,7 @@ struct FogTiming {
   int total = 0;          // acceptance to out_valid_o
 };
 struct MergeTiming {
-  int product = 1;         // of the blend
+  int product = 1;         // of the mix by alpha: rtl.blend = alpha
   int any_product = 1;     // rtl/blend_unit.sv: of a colour or alpha and its factor
   int any_blend = 0;       // rtl/blend_unit.sv: from acceptance to the skid at its output
   int clocks = 0;          // from the join with the stored colour to the skid at the output

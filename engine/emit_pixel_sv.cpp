@@ -157,6 +157,8 @@ void merge_section(SvWriter& w, const Config& config, const PixelTiming& timing)
   w.line("");
   w.line("  // merge.");
   formats(w, config, {{"MergeColor", FormatId::merge_color}});
+  w.line("  // Whether it has blend_unit, in place of the mix by alpha.");
+  w.integer("MergeByEquation", has_blend_equation(config.rtl.blend) ? 1 : 0);
   w.integer("MergeProductClocks", timing.merge.product);
   w.integer("MergeClocks", timing.merge.clocks);
   w.integer("BlendProductClocks", timing.merge.any_product);
@@ -182,13 +184,18 @@ namespace {
 bool replaces_color(const DrawState& s) {
   return s.blend_op == BlendOp::add && s.blend_src == BlendFactor::one && s.blend_dst == BlendFactor::zero;
 }
+// The picture's alpha stays, and the colour is blended.
+bool keeps_alpha(const DrawState& s) {
+  return s.logic_op == LogicOp::none && s.blend_alpha_op == BlendOp::add &&
+         s.blend_alpha_src == BlendFactor::zero && s.blend_alpha_dst == BlendFactor::one;
+}
 }  // namespace
 
-bool pixel_rtl_takes(const DrawState& s) {
+bool pixel_rtl_takes(const Config& config, const DrawState& s) {
   return s.target_format == TargetFormat::rgba8888 && s.chroma_test == ChromaTest::none &&
-         !has_second_texture(s) && s.logic_op == LogicOp::none && s.blend_alpha_op == BlendOp::add &&
-         s.blend_alpha_src == BlendFactor::zero && s.blend_alpha_dst == BlendFactor::one &&
-         (mixes_by_alpha(s) || replaces_color(s));
+         !has_second_texture(s) &&
+         (has_blend_equation(config.rtl.blend) ||
+          (keeps_alpha(s) && (mixes_by_alpha(s) || replaces_color(s))));
 }
 
 bool pixel_rtl_takes(const Config& config, std::span<const DrawCommand> commands) {
@@ -196,7 +203,7 @@ bool pixel_rtl_takes(const Config& config, std::span<const DrawCommand> commands
   return std::ranges::all_of(commands, [&](const DrawCommand& command) {
     if (command.clear) return true;
     state = changed_state(state, command.state, config);
-    return pixel_rtl_takes(state);
+    return pixel_rtl_takes(config, state);
   });
 }
 

@@ -21,8 +21,9 @@ inline constexpr int texel_address_bits = 32;
 bool has_pixel_rtl(const Config& config);
 
 // Whether the pixel stages in RTL draw in a draw state, where they are built for the state's order of tests.
-// They have colours that are mixed by the fragment's alpha, or replaced.
-bool pixel_rtl_takes(const DrawState& state);
+// They have colours that are mixed by the fragment's alpha, or replaced; with rtl.blend = equation any blend
+// and logic operation.
+bool pixel_rtl_takes(const Config& config, const DrawState& state);
 // The same for every state that a scene's commands make.
 bool pixel_rtl_takes(const Config& config, std::span<const DrawCommand> commands);
 // Whether a draw state mixes colours as the first state does.

@@ -26,7 +26,8 @@ texture_filter.sv
 texture_levels.sv
 texture.sv
 fog.sv
-merge.sv
+blend_needs.sv
 blend_equation.sv
 blend_unit.sv
+merge.sv
 pixel_pipe.sv

@@ -68,6 +68,16 @@ module pixel_pipe (
     input  logic [2:0] draw_stencil_back_fail_i,
     input  logic [2:0] draw_stencil_back_zfail_i,
     input  logic [2:0] draw_stencil_back_pass_i,
+    // With MergeByEquation instead of `blend`: factors and operations by their numbers, the constant colour with red in its
+    // lowest byte, the logic operation, 0 for none.
+    input  logic [3:0] draw_src_i,
+    input  logic [3:0] draw_dst_i,
+    input  logic [2:0] draw_op_i,
+    input  logic [3:0] draw_alpha_src_i,
+    input  logic [3:0] draw_alpha_dst_i,
+    input  logic [2:0] draw_alpha_op_i,
+    input  logic [31:0] draw_constant_i,
+    input  logic [4:0] draw_logic_i,
     // A covered fragment.
     input  logic in_valid_i,
     output logic in_ready_o,
@@ -123,7 +133,7 @@ module pixel_pipe (
     input  logic texel3_answer_valid_i,
     output logic texel3_answer_ready_o,
     input  logic [31:0] texel3_answer_texel_i,
-    // The colour memory.
+    // The colour memory. Alpha is read and written only with MergeByEquation, and written where has_a is 1.
     output logic color_request_valid_o,
     input  logic color_request_ready_i,
     output logic [bitspan_pixel_pkg::CoordW-1:0] color_request_x_o,
@@ -133,6 +143,7 @@ module pixel_pipe (
     input  logic [bitspan_pixel_pkg::MergeColorW-1:0] color_answer_r_i,
     input  logic [bitspan_pixel_pkg::MergeColorW-1:0] color_answer_g_i,
     input  logic [bitspan_pixel_pkg::MergeColorW-1:0] color_answer_b_i,
+    input  logic [bitspan_pixel_pkg::MergeColorW-1:0] color_answer_a_i,
     output logic color_write_valid_o,
     input  logic color_write_ready_i,
     output logic [bitspan_pixel_pkg::CoordW-1:0] color_write_x_o,
@@ -140,6 +151,8 @@ module pixel_pipe (
     output logic [bitspan_pixel_pkg::MergeColorW-1:0] color_write_r_o,
     output logic [bitspan_pixel_pkg::MergeColorW-1:0] color_write_g_o,
     output logic [bitspan_pixel_pkg::MergeColorW-1:0] color_write_b_o,
+    output logic [bitspan_pixel_pkg::MergeColorW-1:0] color_write_a_o,
+    output logic color_write_has_a_o,
     // Taps: the records of docs/numeric-spec.md, as a fragment leaves a stage.
     output logic depth_record_valid_o,
     output logic [bitspan_pixel_pkg::CoordW-1:0] depth_record_x_o,
@@ -189,7 +202,11 @@ module pixel_pipe (
     output logic [bitspan_pixel_pkg::DepthZW-1:0] merge_record_z_o,
     output logic [bitspan_pixel_pkg::MergeColorW-1:0] merge_record_r_o,
     output logic [bitspan_pixel_pkg::MergeColorW-1:0] merge_record_g_o,
-    output logic [bitspan_pixel_pkg::MergeColorW-1:0] merge_record_b_o
+    output logic [bitspan_pixel_pkg::MergeColorW-1:0] merge_record_b_o,
+    output logic merge_alpha_record_valid_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] merge_alpha_record_x_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] merge_alpha_record_y_o,
+    output logic [bitspan_pixel_pkg::MergeColorW-1:0] merge_alpha_record_a_o
 );
   localparam int Late = bitspan_pixel_pkg::DepthIsLate;
   localparam int CoordW = bitspan_pixel_pkg::CoordW;
@@ -229,7 +246,7 @@ module pixel_pipe (
   logic [BiasW-1:0] bias_state[Slots];
   logic [TextureStateW-1:0] texture_state[Slots];
   logic [FogStateW-1:0] fog_state[Slots];
-  logic [1:0] merge_state[Slots];
+  logic write_color_state[Slots];
   always_ff @(posedge clk_i) begin
     if (draw_taken) begin
       func_q <= draw_func_i;
@@ -248,7 +265,7 @@ module pixel_pipe (
         draw_transparent_i, draw_reserved_i
       };
       fog_state[next_slot] <= {draw_fog_i, draw_fog_color_i};
-      merge_state[next_slot] <= {draw_blend_i, draw_write_color_i};
+      write_color_state[next_slot] <= draw_write_color_i;
     end
   end
 
@@ -654,8 +671,59 @@ module pixel_pipe (
 
   // ---------------------------------------------------------------- merge
 
-  logic blend, write_color;
-  assign {blend, write_color} = merge_state[fogged_slot];
+  logic blend, reads, write_color;
+  assign write_color = write_color_state[fogged_slot];
+  logic [SlotW+ZW-1:0] joined_rest;
+  logic [3:0] joined_src, joined_dst, joined_alpha_src, joined_alpha_dst;
+  logic [2:0] joined_op, joined_alpha_op;
+  logic [31:0] joined_constant;
+  logic [4:0] joined_logic;
+  logic joined_has_a;
+  if (bitspan_pixel_pkg::MergeByEquation != 0) begin : gen_equation
+    // What decides on a read is looked up in front of the scoreboard, the rest where a colour joins what is stored.
+    localparam int EquationW = 4 * 4 + 2 * 3 + 32 + 5 + 1;
+    logic by_alpha, always_reads, changes_alpha;
+    logic [1:0] needs_state[Slots];
+    logic [EquationW-1:0] equation_state[Slots];
+    blend_needs u_needs (
+        .src_i(draw_src_i),
+        .dst_i(draw_dst_i),
+        .op_i(draw_op_i),
+        .alpha_src_i(draw_alpha_src_i),
+        .alpha_dst_i(draw_alpha_dst_i),
+        .alpha_op_i(draw_alpha_op_i),
+        .logic_i(draw_logic_i),
+        .by_alpha_o(by_alpha),
+        .reads_o(always_reads),
+        .changes_alpha_o(changes_alpha)
+    );
+    always_ff @(posedge clk_i) begin
+      if (draw_taken) begin
+        needs_state[next_slot] <= {by_alpha, always_reads};
+        equation_state[next_slot] <= {
+          draw_src_i, draw_dst_i, draw_op_i, draw_alpha_src_i, draw_alpha_dst_i, draw_alpha_op_i, draw_constant_i,
+          draw_logic_i, changes_alpha
+        };
+      end
+    end
+    assign {blend, reads} = needs_state[fogged_slot];
+    assign {joined_src, joined_dst, joined_op, joined_alpha_src, joined_alpha_dst, joined_alpha_op, joined_constant,
+            joined_logic, joined_has_a} = equation_state[joined_rest[ZW+:SlotW]];
+    logic unused;
+    assign unused = ^{draw_blend_i, joined_rest[ZW-1:0]};
+  end else begin : gen_by_alpha
+    logic blend_state[Slots];
+    always_ff @(posedge clk_i) begin
+      if (draw_taken) blend_state[next_slot] <= draw_blend_i;
+    end
+    assign blend = blend_state[fogged_slot];
+    assign reads = 1'b0;
+    assign {joined_src, joined_dst, joined_op, joined_alpha_src, joined_alpha_dst, joined_alpha_op, joined_constant,
+            joined_logic, joined_has_a} = '0;
+    logic unused;
+    assign unused = ^{draw_src_i, draw_dst_i, draw_op_i, draw_alpha_src_i, draw_alpha_dst_i, draw_alpha_op_i,
+                      draw_constant_i, draw_logic_i, joined_rest};
+  end
   merge #(
       .RestW(SlotW + ZW)
   ) u_merge (
@@ -670,8 +738,19 @@ module pixel_pipe (
       .in_b_i(fog_record_b_o),
       .in_a_i(fogged_a),
       .in_blend_i(blend),
+      .in_reads_i(reads),
       .in_write_i(write_color),
       .in_rest_i({fogged_slot, fogged_z}),
+      .joined_rest_o(joined_rest),
+      .joined_src_i(joined_src),
+      .joined_dst_i(joined_dst),
+      .joined_op_i(joined_op),
+      .joined_alpha_src_i(joined_alpha_src),
+      .joined_alpha_dst_i(joined_alpha_dst),
+      .joined_alpha_op_i(joined_alpha_op),
+      .joined_constant_i(joined_constant),
+      .joined_logic_i(joined_logic),
+      .joined_has_a_i(joined_has_a),
       .request_valid_o(color_request_valid_o),
       .request_ready_i(color_request_ready_i),
       .request_x_o(color_request_x_o),
@@ -681,6 +760,7 @@ module pixel_pipe (
       .answer_r_i(color_answer_r_i),
       .answer_g_i(color_answer_g_i),
       .answer_b_i(color_answer_b_i),
+      .answer_a_i(color_answer_a_i),
       .write_valid_o(color_write_valid_o),
       .write_ready_i(color_write_ready_i),
       .write_x_o(color_write_x_o),
@@ -688,6 +768,8 @@ module pixel_pipe (
       .write_r_o(color_write_r_o),
       .write_g_o(color_write_g_o),
       .write_b_o(color_write_b_o),
+      .write_a_o(color_write_a_o),
+      .write_has_a_o(color_write_has_a_o),
       .record_valid_o(merge_record_valid_o),
       .record_rest_o({left_slot[2], merge_record_z_o})
   );
@@ -697,4 +779,8 @@ module pixel_pipe (
   assign merge_record_r_o = color_write_r_o;
   assign merge_record_g_o = color_write_g_o;
   assign merge_record_b_o = color_write_b_o;
+  assign merge_alpha_record_valid_o = merge_record_valid_o && color_write_has_a_o;
+  assign merge_alpha_record_x_o = color_write_x_o;
+  assign merge_alpha_record_y_o = color_write_y_o;
+  assign merge_alpha_record_a_o = color_write_a_o;
 endmodule

@@ -80,7 +80,7 @@ class RtlEngine final : public Engine {
   void take_state() {
     pixels_ = nullptr;
     const DrawState& state = run_.pipeline.state;
-    if (!holds_scene_ || !pixel_rtl_takes(state)) return;
+    if (!holds_scene_ || !pixel_rtl_takes(config_, state)) return;
     Chain& chain = chain_of(state.depth_when);
     if (!chain.pixels) chain.pixels = std::make_unique<RtlPixels>(config_, state.depth_when);
     pixels_ = chain.pixels.get();
@@ -280,8 +280,12 @@ EngineOwn rtl_own(const Config& config, const Scene& scene) {
       scene.textures, [&](const Texture& texture) { return addresses_texels(config, texture); });
   if (!finds_all) fields_of_type(RecordType::texture) -= 2;
   const bool has_stencil = tests_stencil(config, scene.commands);
-  // depth, u, v and three channels of colour, stencil; not the triangle, nor the alpha that stays 255
+  // depth, u, v and three channels of colour, not the triangle; stencil; alpha where merge writes it
   own.picture = has_stencil ? 7 : 6;
+  if (has_blend_equation(config.rtl.blend)) {
+    fields_of_type(RecordType::merge_alpha) = fields_of(RecordType::merge_alpha).size() - 1;
+    ++own.picture;
+  }
   // depth_passed, killed, written, stencil_failed
   own.counters = has_stencil ? 4 : 3;
   return own;

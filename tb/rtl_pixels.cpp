@@ -76,19 +76,28 @@ StageDesign pixel_pipe_design(const Config& config, DepthWhen when) {
                                "stencil_back_func",
                                "stencil_back_fail",
                                "stencil_back_zfail",
-                               "stencil_back_pass"}},
+                               "stencil_back_pass",
+                               "src",
+                               "dst",
+                               "op",
+                               "alpha_src",
+                               "alpha_dst",
+                               "alpha_op",
+                               "constant",
+                               "logic"}},
                              {ChannelKind::in, "in", {"x", "y", "h", "u", "v", "r", "g", "b", "a", "back"}},
                              {ChannelKind::out, "z_request", {"x", "y"}},
                              {ChannelKind::in, "z_answer", {"z", "stencil"}},
                              {ChannelKind::out, "z_write", {"x", "y", "z", "stencil", "mask"}},
                              {ChannelKind::out, "color_request", {"x", "y"}},
-                             {ChannelKind::in, "color_answer", {"r", "g", "b"}},
-                             {ChannelKind::out, "color_write", {"x", "y", "r", "g", "b"}},
+                             {ChannelKind::in, "color_answer", {"r", "g", "b", "a"}},
+                             {ChannelKind::out, "color_write", {"x", "y", "r", "g", "b", "a", "has_a"}},
                              tap_of<DepthRecord>("depth_record"),
                              tap_of<StencilRecord>("stencil_record"),
                              tap_of<TextureRecord>("texture_record"),
                              tap_of<FogRecord>("fog_record"),
-                             tap_of<MergeRecord>("merge_record")},
+                             tap_of<MergeRecord>("merge_record"),
+                             tap_of<MergeAlphaRecord>("merge_alpha_record")},
                 .constants = {"b", "c1", "c0", "scale", "width", "height", "load", "load_threshold",
                               "load_place", "load_data"},
                 .levels = {"idle"}};
@@ -185,6 +194,11 @@ StageValues draw_values(const Config& config, const RtlDraw& s) {
   const std::int64_t zmax = (std::int64_t{1} << config.depth_bits) - 1;
   const PassingDistances passes = passing_distances(s.func);
   const auto bit = [](bool b) { return std::uint64_t{b}; };
+  const auto number = [](auto name) { return static_cast<std::uint64_t>(name); };
+  std::uint64_t constant = 0;
+  for (std::size_t c = 0; c < s.equation.constant.size(); ++c) {
+    constant |= static_cast<std::uint64_t>(s.equation.constant[c]) << 8 * c;
+  }
   StageValues values{bit(passes.nearer) | bit(passes.equal) << 1 | bit(passes.farther) << 2,
                      bit(s.write_z),
                      Rtl::to_port(std::clamp(s.bias, -zmax, zmax), config.depth_bits + 1),
@@ -209,6 +223,10 @@ StageValues draw_values(const Config& config, const RtlDraw& s) {
                      static_cast<std::uint64_t>(s.stencil.write)};
   add_side(values, s.stencil.front);
   add_side(values, s.stencil.back);
+  values.insert(values.end(),
+                {number(s.equation.color.src), number(s.equation.color.dst), number(s.equation.color.op),
+                 number(s.equation.alpha.src), number(s.equation.alpha.dst), number(s.equation.alpha.op),
+                 constant, number(s.equation.logic)});
   return values;
 }
 
@@ -258,7 +276,7 @@ namespace {
 // Answers of a memory, in the order of the requests.
 struct Answers {
   ChannelPorts request, answer;
-  std::vector<std::array<std::uint64_t, 3>> values;
+  std::vector<std::array<std::uint64_t, 4>> values;
   std::size_t fields = 1, next = 0;
 
   void clear() {
@@ -311,8 +329,9 @@ struct RtlPixels::Pipe {
     texture = tap<TextureRecord>(find("texture_record"));
     fog = tap<FogRecord>(find("fog_record"));
     merge = tap<MergeRecord>(find("merge_record"));
+    merge_alpha = tap<MergeAlphaRecord>(find("merge_alpha_record"));
     z = {find("z_request"), find("z_answer"), {}, 2};
-    color = {find("color_request"), find("color_answer"), {}, 3};
+    color = {find("color_request"), find("color_answer"), {}, 4};
     for (std::size_t port = 0; port < texels.size(); ++port) {
       texels[port] = {
           find(fmt::format("texel{}_request", port)), find(fmt::format("texel{}_answer", port)), {}};
@@ -408,6 +427,7 @@ struct RtlPixels::Pipe {
                   .blend = mixes_by_alpha(s),
                   .write_color = s.color_write,
                   .bias = s.depth_bias,
+                  .equation = model::blend_of(s),
                   .alpha_func = s.alpha_func,
                   .alpha_ref = s.alpha_ref,
                   .stencil = rtl_stencil(s)};
@@ -465,7 +485,7 @@ struct RtlPixels::Pipe {
     if (asked(color.request)) {
       const auto at = pixel_at(color.request.first);
       const std::uint8_t* c = frame->color.data() + (at ? 4 * *at : 0);
-      color.values.push_back({c[0], c[1], c[2]});
+      color.values.push_back({c[0], c[1], c[2], c[3]});
       moved = true;
     }
     for (std::size_t port = 0; port < texels.size(); ++port) {
@@ -497,7 +517,8 @@ struct RtlPixels::Pipe {
     }
     if (asked(color_write)) {
       if (const auto at = pixel_at(color_write.first)) {
-        for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t written = outputs[color_write.first + 6] != 0 ? 4 : 3;
+        for (std::size_t c = 0; c < written; ++c) {
           frame->color[4 * *at + c] =
               static_cast<std::uint8_t>(Rtl::from_port(outputs[color_write.first + 2 + c], merged_color));
         }
@@ -559,6 +580,7 @@ struct RtlPixels::Pipe {
     if (outputs[merge.valid] != 0) {
       const FragmentRecord& f = sent[fogged.take(last)].record;
       if (trace != nullptr) deliver(trace, record(merge, f.triangle));
+      if (outputs[merge_alpha.valid] != 0) deliver(trace, record(merge_alpha, f.triangle));
       ++counters->written;
       const auto at = pixel_at(merge.first);
       if (at && writes_color) write_winner(*frame, *at, f.u, f.v, f.triangle, uv_ulp);
@@ -707,6 +729,7 @@ struct RtlPixels::Pipe {
   Tap<TextureRecord> texture;
   Tap<FogRecord> fog;
   Tap<MergeRecord> merge;
+  Tap<MergeAlphaRecord> merge_alpha;
   Answers z, color;
   std::array<Answers, texel_ports> texels;
   int clocks_until_empty = 0;

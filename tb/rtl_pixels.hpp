@@ -68,7 +68,8 @@ struct RtlDraw {
   FogMode fog = FogMode::none;
   std::array<std::uint8_t, 3> fog_color{};
   bool write_z = true, blend = true, write_color = true;
-  std::int64_t bias = 0;  // any: what is beyond the port's range does no more than its ends
+  std::int64_t bias = 0;    // any: what is beyond the port's range does no more than its ends
+  model::Blend equation{};  // with rtl.blend = equation, in place of `blend`
   CompareFunc alpha_func = CompareFunc::always;
   std::int32_t alpha_ref = 0;
   RtlStencil stencil{};  // read where the tests are late

@@ -21,9 +21,10 @@ class PortsMachine final : public ClockedMachine {
   }
   bool rests() const override { return true; }
   void state_changed() override {
-    if (!pixel_rtl_takes(run_.pipeline.state)) {
+    if (!pixel_rtl_takes(run_.config, run_.pipeline.state)) {
       throw InputError(
-          "draw state: the RTL's pixel stages do not have it; expected a blend by alpha or none");
+          "draw state: the RTL's pixel stages do not have it; expected a blend by alpha or none, or any with "
+          "rtl.blend = equation");
     }
     chain_.draw_state_changed();
   }

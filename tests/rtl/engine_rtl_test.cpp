@@ -145,6 +145,11 @@ TEST(EngineRtl, CountsItsOwnValues) {
   EXPECT_EQ(own_fields(c, scene, RecordType::merge), fields<MergeRecord>.size() - 1);
   EXPECT_EQ(rtl_own(c, scene).picture, 6U);
   EXPECT_EQ(rtl_own(c, scene).counters, 3U);
+  EXPECT_EQ(own_fields(c, scene, RecordType::merge_alpha), 0U);
+  c.rtl.blend = RtlBlend::equation;
+  EXPECT_EQ(rtl_own(c, scene).picture, 7U);
+  EXPECT_EQ(own_fields(c, scene, RecordType::merge_alpha), fields<MergeAlphaRecord>.size() - 1);
+  c.rtl.blend = RtlBlend::alpha;
   // Without i and j, since one texture has a size that is no power of two.
   EXPECT_EQ(own_fields(c, scene, RecordType::texture), fields<TextureRecord>.size() - 3);
   scene.textures.pop_back();
@@ -212,9 +217,26 @@ void add_tests(Random& random, StateChange& change, bool& is_late) {
   if (random() % 2 == 0) change.settings.push_back(setting("stencil.two_sided", below(2)));
 }
 
+// A new blend, which rtl.blend = equation has.
+void blend_by_equation(Random& random, StateChange& change) {
+  const auto any = [&](const char* key, std::int64_t n) {
+    change.settings.push_back(
+        setting(key, static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(n))));
+  };
+  for (const char* key : {"blend.src", "blend.dst", "blend.alpha.src", "blend.alpha.dst"}) {
+    if (random() % 4 != 0) any(key, 15);
+  }
+  for (const char* key : {"blend.op", "blend.alpha.op"}) {
+    if (random() % 2 == 0) any(key, 5);
+  }
+  for (const char* key : {"blend.red", "blend.green", "blend.blue", "blend.alpha"}) any(key, 256);
+  if (random() % 3 == 0) any("logic.op", 17);
+}
+
 // In front of every few triangles a change of what the pixel stages take. others: and, in front of some, of
-// what they leave to the model, until the next reset.
-Scene with_draw_states(Scene scene, std::uint64_t seed, bool others, bool late = false) {
+// what they leave to the model, until the next reset. late: and of the tests; by_equation: and of the blend.
+Scene with_draw_states(Scene scene, std::uint64_t seed, bool others, bool late = false,
+                       bool by_equation = false) {
   Random random(seed);
   const auto below = [&](std::uint64_t n) { return static_cast<std::int64_t>(random() % n); };
   constexpr std::int64_t every_pixel = 0xffffffff;
@@ -236,6 +258,7 @@ Scene with_draw_states(Scene scene, std::uint64_t seed, bool others, bool late =
       change.settings.push_back(setting("blend.dst", static_cast<int>(BlendFactor::zero)));
     }
     if (late) add_tests(random, change, is_late);
+    if (by_equation && random() % 3 != 0) blend_by_equation(random, change);
     if (others && !returns && random() % 4 == 0) change.settings.push_back(setting("logic.op", below(17)));
     if (others && !returns && random() % 4 == 0)
       change.settings.push_back(setting("blend.alpha.dst", below(15)));
@@ -295,10 +318,32 @@ TEST(EngineRtl, DrawsWithLateTestsAndStencil) {
   EXPECT_GT(stencilled, 15000U);
 }
 
+TEST(EngineRtl, DrawsWithAnyBlendWhereItHasTheEquation) {
+  std::size_t changed = 0;
+  for (const char* name : {"depth16", "narrow"}) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      SCOPED_TRACE(fmt::format("{}, seed {}", name, seed));
+      Config c = shipped_config(name);
+      const Scene scene = with_draw_states(random_scene(seed, 120), seed, false, seed == 3, true);
+      EXPECT_FALSE(rtl_draws_pixels(c, scene));
+      c.rtl.blend = RtlBlend::equation;
+      ASSERT_TRUE(rtl_draws_pixels(c, scene));
+      EXPECT_EQ(own_fields(c, scene, RecordType::merge_alpha), fields<MergeAlphaRecord>.size() - 1);
+      compare(c, scene);
+      const auto rtl = make_rtl(c);
+      rtl->begin(scene);
+      draw_scene(*rtl, scene, 0, scene.triangles.size(), nullptr);
+      for (std::size_t i = 3; i < rtl->frame().color.size(); i += 4) changed += rtl->frame().color[i] != 255;
+    }
+  }
+  EXPECT_GT(changed, 5000U);  // of 36,864 alphas
+}
+
 TEST(EngineRtl, LeavesOtherStatesToTheModelAndTakesTheNextAgain) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     SCOPED_TRACE(seed);
-    const Config c = shipped_config("depth16");
+    Config c = shipped_config("depth16");
+    if (seed == 3) c.rtl.blend = RtlBlend::equation;
     const Scene scene = with_draw_states(random_scene(seed, 120), seed, true, seed % 2 == 0);
     EXPECT_FALSE(rtl_draws_pixels(c, scene));
     EXPECT_EQ(own_fields(c, scene, RecordType::depth), 0U);
@@ -312,11 +357,16 @@ TEST(EngineRtl, EqualsTheModelInRandomConfigurations) {
   while (drawn < 3) {
     const Config c = random_rtl_config(random);
     const Scene scene = random_scene(random(), 120);
+    const auto model = make_model(c);
     try {
-      make_model(c)->begin(scene);
+      model->begin(scene);
     } catch (const InputError&) {
       continue;  // a configuration that this scene does not fit
     }
+    draw_scene(*model, scene, 0, scene.triangles.size(), nullptr);
+    const Counters& counters = model->counters();
+    if (counters.written <= 100 || counters.written == counters.covered)
+      continue;  // a comparison of the depth
     SCOPED_TRACE(to_toml(c));
     compare(c, scene);
     ++drawn;

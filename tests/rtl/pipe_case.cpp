@@ -122,7 +122,34 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
   add("texture_record", trace.texture);
   add("fog_record", trace.fog);
   add("merge_record", trace.merge);
+  add("merge_alpha_record", trace.merge_alpha);
+  const model::MergeStage merge = model::prepare_merge(c);
+  for (const TextureRecord& t : trace.texture) {
+    p.reads += t.killed == 0 && model::reads_stored_color(merge, t.a) ? 1 : 0;
+  }
   return p;
+}
+
+StageValues merged_color(const StageValues& held, const StageValues& written) {
+  return {written[0], written[1], written[2], written[4] != 0 ? written[3] : held[3]};
+}
+
+model::Blend random_blend(Random& random) {
+  const auto any = [&]<class E>(E& name) { name = static_cast<E>(random() % enum_names<E>.size()); };
+  model::Blend blend;
+  const model::Blend first;
+  for (model::BlendEquation* e : {&blend.color, &blend.alpha}) {
+    any(e->src);
+    any(e->dst);
+    any(e->op);
+    // Factors of the fragment alone, so that many states read nothing.
+    if (random() % 4 == 0) *e = {e->src, BlendFactor::zero, BlendOp::add};
+  }
+  for (std::int64_t& code : blend.constant) code = static_cast<std::int64_t>(random() % 256);
+  if (random() % 4 == 0) any(blend.logic);
+  if (random() % 4 == 0) blend.color = first.color;
+  if (random() % 2 == 0) blend.alpha = first.alpha;
+  return blend;
 }
 
 namespace {
@@ -190,6 +217,7 @@ std::pair<RtlDraw, int> random_state(Random& random, const PipeCase& p) {
   // Small, of any size that a code has, or any at all.
   const int bits = chance(50) ? 4 : chance(70) ? p.config.depth_bits : 30;
   if (chance(50)) s.bias = static_cast<std::int64_t>(random() >> (64 - bits)) * (chance(50) ? 1 : -1);
+  if (has_blend_equation(p.config.rtl.blend)) s.equation = random_blend(random);
   return {s, texture};
 }
 
@@ -226,7 +254,9 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
   p.fog.scale.raw = k.fog_scale;
   p.fog.table.resize(std::size_t{1} << c.fog_index_bits());
   for (std::int64_t& entry : p.fog.table) entry = random_raw(random, c.format(FormatId::fog_factor));
-  const model::MergeStage merge = model::prepare_merge(c);
+  model::MergeStage merge = model::prepare_merge(c);
+  const bool by_equation = has_blend_equation(c.rtl.blend);
+  p.records["merge_alpha_record"] = {};
   clear_frame(p.frame, p.scene.width, p.scene.height, p.scene.background, clear_code(c), false);
   need_stencil(p.frame);
   const std::int64_t one = std::int64_t{1} << c.format(FormatId::texture_alpha).fraction();
@@ -243,6 +273,7 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
     const model::StencilStage stencil = modelled(s.stencil);
     p.fog.mode = s.fog;
     p.fog.fog_color = s.fog_color;
+    model::set_blend(merge, s.equation);
     for (std::uint64_t n = random() % 6; n > 0; --n) {
       FragmentRecord f;
       f.x = static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(p.scene.width));
@@ -278,15 +309,19 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
       if (is_late(when) ? !lives() || !passes() : !passes() || !lives()) continue;
       model::fog(p.fog, f, {}, t, mist);
       p.records["fog_record"].push_back(record_ports(c, mist));
-      if (!s.blend) t.a = one;
+      if (!by_equation && !s.blend) t.a = one;
       std::uint8_t* color = p.frame.color.data() + 4 * at;
-      model::merge(merge, d, t, mist, {color[0], color[1], color[2]}, m);
+      model::merge(merge, d, t, mist, {color[0], color[1], color[2], color[3]}, m);
       p.records["merge_record"].push_back(record_ports(c, m));
+      const MergeAlphaRecord alpha = model::merged_alpha(merge, t, color[3]);
+      if (merge.changes_alpha) p.records["merge_alpha_record"].push_back(record_ports(c, alpha));
+      p.reads += model::reads_stored_color(merge, t.a) ? 1 : 0;
       if (s.write_z) p.frame.depth[at] = static_cast<std::uint32_t>(d.z);
       if (!s.write_color) continue;
       color[0] = static_cast<std::uint8_t>(m.r);
       color[1] = static_cast<std::uint8_t>(m.g);
       color[2] = static_cast<std::uint8_t>(m.b);
+      if (merge.changes_alpha) color[3] = static_cast<std::uint8_t>(alpha.a);
     }
   }
   return p;
@@ -337,8 +372,9 @@ PipeRun run_pipe(const PipeCase& p, const PipeWay& way, StageTrace* trace) {
   StageMemory color(bench, "color_request", "color_answer", "color_write", 2, way.latency, way.seed,
                     [&](const StageMemory::Address&) {
                       const auto& b = p.scene.background;
-                      return StageValues{b[0], b[1], b[2]};
+                      return StageValues{b[0], b[1], b[2], 255};
                     });
+  color.merge_writes(merged_color);
   std::deque<StageMemory> texels;
   for (int port = 0; port < 4; ++port) {
     texels.emplace_back(bench, fmt::format("texel{}_request", port), fmt::format("texel{}_answer", port), "",
@@ -356,6 +392,7 @@ PipeRun run_pipe(const PipeCase& p, const PipeWay& way, StageTrace* trace) {
     for (StageMemory* memory : {&z, &color}) memory->forget();
     if (way.sweeps_first) await_sweep(bench, c);
   }
+  const std::uint64_t reads_before = bench.transfers("color_request");
   PipeRun run;
   std::size_t expected = 0;
   std::size_t arrived = 0;
@@ -391,6 +428,10 @@ PipeRun run_pipe(const PipeCase& p, const PipeWay& way, StageTrace* trace) {
     return batch == p.batches.size() && arrived == expected;
   });
   if (arrived != expected) throw std::logic_error("a record after the last");
+  if (bench.transfers("color_request") - reads_before != p.reads) {
+    throw std::logic_error(fmt::format("{} reads of colours, expected {}",
+                                       bench.transfers("color_request") - reads_before, p.reads));
+  }
   if (bench.level("idle") != 1) throw std::logic_error("the pipe is not idle");
   for (int y = 0; y < p.frame.height; ++y) {
     for (int x = 0; x < p.frame.width; ++x) {
@@ -399,10 +440,10 @@ PipeRun run_pipe(const PipeCase& p, const PipeWay& way, StageTrace* trace) {
       const std::uint8_t* wanted = p.frame.color.data() + 4 * at;
       const std::uint64_t stencil = p.frame.stencil.empty() ? 0 : p.frame.stencil[at];
       if (z.at(address) != StageValues{p.frame.depth[at], stencil} ||
-          color.at(address) != StageValues{wanted[0], wanted[1], wanted[2]}) {
+          color.at(address) != StageValues{wanted[0], wanted[1], wanted[2], wanted[3]}) {
         throw std::logic_error(fmt::format("pixel {}, {} differs", x, y));
       }
-      run.compared += p.frame.stencil.empty() ? 4 : 5;
+      run.compared += p.frame.stencil.empty() ? 5 : 6;
     }
   }
   return run;

@@ -10,6 +10,7 @@
 
 #include "model/stages/constants.hpp"
 #include "model/stages/fog.hpp"
+#include "model/stages/merge.hpp"
 #include "tb/rtl_pixels.hpp"
 #include "tests/rtl/random_rtl.hpp"
 #include "tests/rtl/stage_bench.hpp"
@@ -32,7 +33,14 @@ struct PipeCase {
   std::vector<PipeBatch> batches;
   std::map<std::string, std::vector<StageValues>> records;  // by tap
   Frame frame;
+  std::uint64_t reads = 0;  // of colours
 };
+
+// What a colour memory holds behind a write of r, g, b, a and has_a: alpha is kept where has_a is 0.
+StageValues merged_color(const StageValues& held, const StageValues& written);
+
+// Any equations, factors, operations and logic operations; often some of the first state's.
+model::Blend random_blend(Random& random);
 
 // The fragments of a scene. Late: with a stencil test that counts front faces up and back faces down, and an
 // alpha test that passes most fragments.

@@ -12,13 +12,13 @@
 namespace bitspan {
 namespace {
 
-Comparison compare() {
-  const Config config = shipped_config("depth16");
+Comparison compare(const Config& config, const Scene& scene) {
   std::vector<std::unique_ptr<Engine>> engines;
   engines.push_back(make_model(config));
   engines.push_back(make_rtl(config));
-  return run_lock_step(engines, demo_scene(128, 96), {}).pairs.at(0);
+  return run_lock_step(engines, scene, {}).pairs.at(0);
 }
+Comparison compare() { return compare(shipped_config("depth16"), demo_scene(128, 96)); }
 
 struct PixelBug {
   PlantedBug bug;
@@ -68,6 +68,48 @@ TEST(PixelBugs, TheFirstDivergenceNamesTheStage) {
   copy.replace("rtl/pixel_pipe.sv", "assign lives = !killed;", "assign lives = 1'b1;");
   const std::string fault = compare().fault;
   EXPECT_NE(fault.find("the RTL's pixel stages stand still at clock"), std::string::npos) << fault;
+}
+
+TEST(PixelBugs, OfABlendByEquation) {
+  constexpr PixelBug bugs[] = {
+      {{"rtl/blend_equation.sv", "sum_q <= stored - own;", "sum_q <= stored + own;"}, RecordType::merge, "r"},
+      {{"rtl/blend_unit.sv", "(c == 3) ? in_alpha_op_i : in_op_i", "(c == 3) ? in_op_i : in_op_i"},
+       RecordType::merge_alpha,
+       "a"},
+      {{"rtl/blend_needs.sv", "BlendFactorZero ||", "BlendFactorZero && 1'b0 ||"}, RecordType::merge, "r"},
+  };
+  Config config = shipped_config("depth16");
+  config.rtl.blend = RtlBlend::equation;
+  Scene scene = demo_scene(128, 96);
+  const auto set = [&](std::size_t before,
+                       std::initializer_list<std::pair<const char*, std::int64_t>> registers) {
+    DrawCommand command{before, {}, {}};
+    for (const auto& [key, value] : registers) {
+      command.state.settings.push_back({*find_state_register(key), value});
+    }
+    scene.commands.push_back(command);
+  };
+  const auto number = [](auto name) { return static_cast<std::int64_t>(name); };
+  set(0, {{"blend.op", number(BlendOp::reverse_subtract)},
+          {"blend.alpha.src", number(BlendFactor::one)},
+          {"blend.alpha.op", number(BlendOp::add)}});
+  set(scene.triangles.size() / 2,
+      {{"blend.src", number(BlendFactor::one)}, {"blend.op", number(BlendOp::add)}});
+  const RtlCopy copy;
+  const Comparison right = compare(config, scene);
+  EXPECT_TRUE(right.held());
+  EXPECT_GT(right.stages[static_cast<std::size_t>(RecordType::merge_alpha)].records, 1000U);
+  for (const auto& [bug, type, field] : bugs) {
+    SCOPED_TRACE(bug.to);
+    copy.replace(bug.file, bug.from, bug.to);
+    const Comparison pair = compare(config, scene);
+    copy.replace(bug.file, bug.to, bug.from);
+    EXPECT_EQ(pair.fault, "");
+    ASSERT_TRUE(pair.first);
+    EXPECT_EQ(pair.first->stage, stage_of(type));
+    EXPECT_EQ(pair.first->field, field);
+    EXPECT_GT(pair.frame.differences, 0U);
+  }
 }
 
 }  // namespace

@@ -13,6 +13,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "config/modes.hpp"
+#include "model/stages/merge.hpp"
 #include "scene/demo.hpp"
 #include "tests/rtl/pipe_case.hpp"
 #include "tests/rtl/rtl_copy.hpp"
@@ -100,17 +102,39 @@ class TracePorts {
   std::size_t idle_ = 0;
 };
 
+// Whether a fragment reads the stored colour, where its alpha is below 1 and where it is not.
+struct Reads {
+  bool translucent = false, opaque = false;
+};
+// By the draw state that is taken on a clock.
+Reads reads_of(const Config& config, const TracePorts& ports, std::size_t t) {
+  const auto field = [&](const char* name) { return ports.in_field(t, "draw", name); };
+  if (!has_blend_equation(config.rtl.blend)) return {field("blend") != 0, false};
+  model::MergeStage stage = model::prepare_merge(config);
+  const auto equation = [&](const char* src, const char* dst, const char* op) {
+    return model::BlendEquation{static_cast<BlendFactor>(field(src)), static_cast<BlendFactor>(field(dst)),
+                                static_cast<BlendOp>(field(op))};
+  };
+  model::Blend blend;
+  blend.color = equation("src", "dst", "op");
+  blend.alpha = equation("alpha_src", "alpha_dst", "alpha_op");
+  blend.logic = static_cast<LogicOp>(field("logic"));
+  model::set_blend(stage, blend);
+  const std::int64_t one = std::int64_t{1} << config.format(FormatId::texture_alpha).fraction();
+  return {model::reads_stored_color(stage, one - 1), model::reads_stored_color(stage, one)};
+}
+
 // What the values decide, as the trace itself shows it: the draw states and the taps do not depend on clocks.
 std::vector<PixelFragment> fragments_of(const Config& config, DepthWhen when, const TracePorts& ports,
                                         std::size_t from, std::size_t to) {
   const std::int64_t one = std::int64_t{1} << config.format(FormatId::texture_alpha).fraction();
   std::vector<PixelFragment> all;
-  std::vector<std::uint8_t> blends;
+  std::vector<Reads> reads;
   // Those that come to the second of depth and texture, and to stencil.
   std::vector<std::size_t> second;
   std::vector<std::size_t> stencilled;
   PixelFragment drawn;
-  bool blend = false;
+  Reads drawn_reads;
   std::size_t tested = 0;
   std::size_t textured = 0;
   std::size_t judged = 0;
@@ -123,14 +147,14 @@ std::vector<PixelFragment> fragments_of(const Config& config, DepthWhen when, co
       f.x = static_cast<std::uint32_t>(ports.in_field(t, "in", "x"));
       f.y = static_cast<std::uint32_t>(ports.in_field(t, "in", "y"));
       all.push_back(f);
-      blends.push_back(blend ? 1 : 0);
+      reads.push_back(drawn_reads);
     }
     if (d.draw_valid && p.draw_ready) {
       const bool quad = ports.in_field(t, "draw", "bilinear") != 0;
       drawn.texels = ports.in_field(t, "draw", "textured") == 0 ? 0 : quad ? 15 : 1;
       drawn.writes_z = ports.in_field(t, "draw", "write_z") != 0;
       drawn.writes_color = ports.in_field(t, "draw", "write_color") != 0;
-      blend = ports.in_field(t, "draw", "blend") != 0;
+      drawn_reads = reads_of(config, ports, t);
       drawn.is_stencilled = late && ports.in_field(t, "draw", "stencil_test") != 0;
     }
     if ((p.records & 1) != 0) {
@@ -151,7 +175,7 @@ std::vector<PixelFragment> fragments_of(const Config& config, DepthWhen when, co
       all.at(f).lives = ports.out_field(t, "texture_record", "killed") == 0;
       const std::int64_t alpha =
           Rtl::from_port(ports.out_field(t, "texture_record", "a"), config.format(FormatId::texture_alpha));
-      all[f].reads_color = blends[f] != 0 && alpha < one;
+      all[f].reads_color = alpha < one ? reads[f].translucent : reads[f].opaque;
       if (all[f].lives && late) second.push_back(f);
     }
   }
@@ -251,8 +275,10 @@ TEST(PixelChainTiming, EqualsTheRtlOnEveryClock) {
       }
     }
   };
-  for (const Config& c : shipped_configs()) {
+  for (Config c : shipped_configs()) {
     SCOPED_TRACE(c.name);
+    check(c, 9);
+    c.rtl.blend = RtlBlend::equation;
     check(c, 9);
   }
   for (const std::uint64_t seed : stage_seeds(4)) {
@@ -278,6 +304,8 @@ TEST(PixelChainTiming, EqualsTheRtlWhereFragmentsFollowOneAnother) {
   configs.back().filter = TextureFilter::bilinear;
   configs.push_back(shipped_config("depth16"));
   configs.back().memory.latency = 60;
+  configs.push_back(shipped_config("depth16"));
+  configs.back().rtl.blend = RtlBlend::equation;
   for (const Config& c : configs) {
     for (const DepthWhen when : {DepthWhen::early, DepthWhen::late}) {
       const PipeCase p = make_pipe_case(c, demo_scene(96, 72), when);
@@ -291,9 +319,13 @@ TEST(PixelChainTiming, EqualsTheRtlWhereFragmentsFollowOneAnother) {
 }
 
 TEST(PixelChainTiming, EqualsTheRtlFromResetOnAndAfterAResetAmidFragments) {
-  for (const DepthWhen when : {DepthWhen::early, DepthWhen::late}) {
+  for (const auto& [when, blend] : {std::pair{DepthWhen::early, RtlBlend::alpha},
+                                    {DepthWhen::early, RtlBlend::equation},
+                                    {DepthWhen::late, RtlBlend::alpha}}) {
+    Config c = shipped_config("depth16");
+    c.rtl.blend = blend;
     Random random(31);
-    const PipeCase p = random_pipe_case(random, shipped_config("depth16"), 100, {}, when);
+    const PipeCase p = random_pipe_case(random, c, 100, {}, when);
     for (const int clocks : {2, 20, 60, 150}) {
       SCOPED_TRACE(clocks);
       EXPECT_GT(run_and_replay(p, {0.1, {0.2, 0.2}, {1, 20}, 7, clocks}).fragments, 200U);
@@ -359,7 +391,11 @@ TEST(PixelChainTiming, PlantedBugsAreSeen) {
       {"rtl/texture.sv", "assign ask_taken = &(~wanted | asked_q | request_ready);",
        "assign ask_taken = &(~wanted | asked_q | request_ready) && asked_valid == join_taken;"},
       {"rtl/merge.sv", "assign join_valid = rest_valid && (answer_valid || !waited_reads);",
-       "assign join_valid = rest_valid && (answer_valid || !waited_reads) && !valid_q[0];"},
+       "assign join_valid = rest_valid && (answer_valid || !waited_reads) && !gen_by_alpha.valid_q[0];"},
+  };
+  constexpr PlantedBug bugs_of_equations[] = {
+      {"rtl/merge.sv", "assign join_valid = rest_valid && (answer_valid || !waited_reads);",
+       "assign join_valid = rest_valid && (answer_valid || !waited_reads) && !gen_equation.valid_q;"},
   };
   constexpr PlantedBug late_bugs[] = {
       {"rtl/pixel_pipe.sv", "assign textured_ready = depth_ready || killed;",
@@ -385,6 +421,9 @@ TEST(PixelChainTiming, PlantedBugsAreSeen) {
   Random random(5);
   see(random_pipe_case(random, shipped_config("depth16"), 400), slow, bugs);
   see(random_pipe_case(random, shipped_config("depth16"), 400, {}, DepthWhen::late), late_writes, late_bugs);
+  Config by_equation = shipped_config("depth16");
+  by_equation.rtl.blend = RtlBlend::equation;
+  see(random_pipe_case(random, by_equation, 400), slow, bugs_of_equations);
 }
 
 }  // namespace

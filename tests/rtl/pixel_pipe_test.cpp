@@ -99,11 +99,32 @@ TEST(PixelPipe, RandomDrawStates) {
     }
   };
   for (const Config& c : shipped_configs()) check(c, 9);
+  for (Config c : shipped_configs()) {
+    c.rtl.blend = RtlBlend::equation;
+    check(c, 10);
+  }
   for (const std::uint64_t seed : stage_seeds(4)) {
     SCOPED_TRACE(stage_seed_text(seed));
     check(random_stage_config(seed), seed);
     if (HasFailure()) return;
   }
+}
+
+// All equations behind one another, on few pixels, whose alpha they change.
+TEST(PixelPipe, EveryEquation) {
+  Config c = shipped_config("narrow");
+  c.rtl.blend = RtlBlend::equation;
+  Random random(12);
+  const PipeCase p = random_pipe_case(random, c, 6000, {.width = 5, .height = 3});
+  const std::size_t merged = p.records.at("merge_record").size();
+  const std::size_t alphas = p.records.at("merge_alpha_record").size();
+  EXPECT_GT(merged, 2000U);
+  EXPECT_GT(alphas, merged / 4);
+  EXPECT_LT(alphas, merged);
+  EXPECT_GT(p.reads, merged / 3);
+  EXPECT_LT(p.reads, merged);
+  run_pipe(p, {0, {}, {1, 1}, 2});
+  run_pipe(p, {0.1, {0.2, 0.2}, {1, 12}, 3});
 }
 
 // Pictures and textures that need every bit of a coordinate, of a texel's index and of an address.
@@ -194,7 +215,8 @@ std::vector<Config> tool_configs() {
   Config linear = shipped_config("depth16");
   linear.depth_code = DepthCode::linear;
   linear.fog = FogMode::linear;
-  std::vector<Config> configs{shipped_config("narrow"), linear};
+  std::vector<Config> configs{shipped_config("narrow"), linear, shipped_config("narrow")};
+  configs.back().rtl.blend = RtlBlend::equation;
   for (const std::uint64_t seed : stage_seeds(1)) configs.push_back(random_stage_config(100 + seed));
   return configs;
 }
@@ -277,6 +299,35 @@ TEST(PixelPipe, PlantedBugsAreSeenWithLateTests) {
     run_pipe(p, {0.1, {0.2, 0.3}, {1, 25}, 5});
     run_pipe(p, {0, {0, 0.8}, {1, 3}, 5});
   });
+}
+
+TEST(PixelPipe, PlantedBugsOfEquationsAreSeen) {
+  constexpr PlantedBug bugs[] = {
+      // Where nothing is read, although the result depends on what is stored, 0 stands for it.
+      {"rtl/blend_needs.sv", "bitspan_pixel_pkg::BlendOpMin ||", "bitspan_pixel_pkg::BlendOpMin + 8 ||"},
+      {"rtl/blend_needs.sv", "BlendFactorDstAlpha ||", "BlendFactorDstAlpha + 16 ||"},
+      {"rtl/blend_needs.sv", "BlendFactorSrcAlphaSaturate;", "BlendFactorSrcAlphaSaturate + 16;"},
+      {"rtl/blend_needs.sv", "truth[0] != truth[1] ||", "truth[1] != truth[1] ||"},
+      {"rtl/blend_needs.sv", "!keeps_alpha && equation_reads(alpha_src_i",
+       "(mixes && !mixes) && equation_reads(alpha_src_i"},
+      // What reads, although it need not, is a read too many.
+      {"rtl/blend_needs.sv", "(!mixes || !keeps_alpha) && equation_reads",
+       "(mixes || !mixes) && equation_reads"},
+      {"rtl/blend_needs.sv", "!keeps_alpha && equation_reads(alpha_src_i",
+       "(mixes || !mixes) && equation_reads(alpha_src_i"},
+      {"rtl/blend_needs.sv", "logic_i == '0 && 32'(alpha_src_i)",
+       "(logic_i == '0 || mixes) && 32'(alpha_src_i)"},
+      {"rtl/pixel_pipe.sv", "equation_state[joined_rest[ZW+:SlotW]];", "equation_state[fogged_slot];"},
+      {"rtl/pixel_pipe.sv", "= merge_record_valid_o && color_write_has_a_o;",
+       "= merge_record_valid_o && (color_write_has_a_o || !color_write_has_a_o);"},
+  };
+  Config c = shipped_config("depth16");
+  c.rtl.blend = RtlBlend::equation;
+  Random random(5);
+  const PipeCase p = random_pipe_case(random, c, 1500, {.width = 5, .height = 3});
+  const auto run = [&] { run_pipe(p, {0.1, {0.2, 0.3}, {1, 25}, 5}); };
+  run();
+  expect_seen(bugs, run);
 }
 
 }  // namespace

@@ -197,6 +197,40 @@ TEST(Ports, LateTests) {
   }
 }
 
+// With rtl.blend = equation, any blend: which fragments read the stored colour, the new alpha, a clock more.
+TEST(Ports, AnyBlend) {
+  Config config = shipped_config("depth16");
+  Scene scene = demo_scene(96, 72);
+  const auto number = [](auto name) { return static_cast<std::int64_t>(name); };
+  scene.commands = {
+      {0, {false, {setting("blend.dst", number(BlendFactor::zero))}}, {}},
+      {150,
+       {false, {setting("blend.op", number(BlendOp::max)), setting("blend.alpha.op", number(BlendOp::min))}},
+       {}},
+      {300, {false, {setting("logic.op", number(LogicOp::copy_inverted))}}, {}},
+      {450, {true, {setting("logic.op", number(LogicOp::equiv))}}, {}}};
+  EXPECT_THROW(run(config, scene, with_ports({})), InputError);
+  config.rtl.blend = RtlBlend::equation;
+  const Outcome bus = run(config, scene, {.mode = TimedMode::span});
+  EXPECT_GT(bus.trace.merge_alpha.size(), 500U);
+  for (const PortTiming& ports : {PortTiming{}, {1, 40, 0.3, 5}}) {
+    const Outcome span = run(config, scene, with_ports(ports));
+    expect_same_records(span, bus);
+    expect_same_records(run(config, scene, with_ports(ports, TimedMode::cycle), 100), bus);
+    std::uint64_t reads = 0;
+    for (const MergeRecord& r : bus.trace.merge) {
+      reads += (r.triangle >= 150 && r.triangle < 300) || r.triangle >= 450 ? 1 : 0;
+    }
+    EXPECT_GT(reads, 500U);
+    EXPECT_LT(reads, bus.trace.merge.size() - 500);
+    EXPECT_EQ(span.report.ports[color_port].requests, reads);
+  }
+  scene.commands.clear();
+  const std::uint64_t by_equation = run(config, scene, with_ports({})).report.cycles;
+  config.rtl.blend = RtlBlend::alpha;
+  EXPECT_GT(by_equation, run(config, scene, with_ports({})).report.cycles);
+}
+
 TEST(Ports, TheSeedDecides) {
   const Config config = shipped_config("depth16");
   const Scene scene = demo_scene(160, 120);
