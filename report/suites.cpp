@@ -133,6 +133,17 @@ SuiteFeature choice(const char* group, E Config::*key, E value, RecordType stage
   return choice(group, key, value, stage, another(value));
 }
 
+// The same where merge in RTL has every blend, so that the engine `rtl` takes part.
+SuiteFeature in_rtl_by_equation(SuiteFeature feature) {
+  for (SuiteSetting* setting : {&feature.with, &feature.without}) {
+    *setting = [set = *setting](Config& c, Scene& s) {
+      c.rtl.blend = RtlBlend::equation;
+      set(c, s);
+    };
+  }
+  return feature;
+}
+
 // The same with what the scene must have.
 SuiteFeature in(SuiteFeature feature, void (*scene)(Scene&)) {
   for (SuiteSetting* setting : {&feature.with, &feature.without}) {
@@ -536,6 +547,7 @@ void add_states(std::vector<SuiteFeature>& out) {
     if (op != LogicOp::none)
       add(fmt::format("logic.{}", to_string(op)), RecordType::merge, {{"logic.op", number(op)}});
   }
+  for (std::size_t i = first_blend; i < out.size(); ++i) out[i] = in_rtl_by_equation(std::move(out[i]));
   for (const TargetFormat format : all_of<TargetFormat>()) {
     if (!is_narrow(format)) continue;
     add(fmt::format("target.{}", to_string(format)), RecordType::merge, {{"target.format", number(format)}});
