@@ -45,6 +45,7 @@ bool fog_by_log(const Config& c) { return takes_distance(c.fog) && !takes_true_d
 bool neighbours(const Config& c) { return has_lod_gradients(c) && has_neighbours(c.lod); }
 bool gradients(const Config& c) { return has_lod_gradients(c); }
 bool levels(const Config& c) { return has_lod(c); }
+bool blends_by_equation(const Config& c) { return has_blend_equation(c.rtl.blend); }
 bool two_levels(const Config& c) { return mixes_levels(c.mip); }
 // The users at a pixel take the reciprocal of the same h + B, so they share one unit.
 bool pixel_unit(const Config& c) {
@@ -225,6 +226,7 @@ std::vector<RegisterRule> make_rules() {
       rule<F::fog_factor>("fog", 1, "fog.mode = linear, table, distance, log", any_fog),
       rule<F::fog_color>("fog", 3, kAlways, always),
       rule<F::merge_color>("merge", 3, kAlways, always),
+      rule<F::merge_color>("merge", 1, "rtl.blend = equation", blends_by_equation),
   };
 }
 
@@ -452,7 +454,14 @@ class Products {
       add("fog", "(f_i+1 - f_i) t", at(F::fog_factor) - at(F::fog_factor), place, 1);
     }
     if (any_fog(c_)) add("fog", "(r - VT_r) factor", color - kCode, at(F::fog_factor), 3);
-    add("merge", "(r - dst_r) a", at(F::fog_color) - kCode, alpha, 3);
+    if (blends_by_equation(c_)) {
+      // 1 minus a code's share, or minus alpha.
+      const Grid factor = Grid{1, 8, true} - aligned(alpha, 0);
+      add("merge", "src Fs", at(F::fog_color), factor, 3);
+      add("merge", "AS Fs, dst Fd, DA Fd", kCode, factor, 5);
+    } else {
+      add("merge", "(r - dst_r) a", at(F::fog_color) - kCode, alpha, 3);
+    }
   }
 
   const Config& c_;

@@ -90,6 +90,12 @@ TEST(Cost, Depth16ByHand) {
   EXPECT_EQ(bits_of(products, "merge"), 3 * 13 * 11);
   EXPECT_EQ(product_bits(c), 27271);
 
+  // Factors of 13 bits: those of alpha, which has 10 fraction bits, as signed numbers up to 2.
+  Config equation = c;
+  equation.rtl.blend = RtlBlend::equation;
+  EXPECT_EQ(bits_of(register_places(equation), "merge"), 4 * 8);
+  EXPECT_EQ(bits_of(multipliers(equation), "merge"), 3 * 12 * 13 + 5 * 8 * 13);
+
   EXPECT_EQ(table_bits(c), 2 * 512 * 13 + 1024 * 10);
 
   std::map<std::string, double, std::less<>> metrics{{"other", 1.0}};
