@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <deque>
+#include <set>
 #include <stdexcept>
 
 #include "config/modes.hpp"
@@ -124,8 +125,10 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
   add("merge_record", trace.merge);
   add("merge_alpha_record", trace.merge_alpha);
   const model::MergeStage merge = model::prepare_merge(c);
+  std::set<std::array<std::int64_t, 3>> merged;
+  for (const MergeRecord& m : trace.merge) merged.insert({m.triangle, m.x, m.y});
   for (const TextureRecord& t : trace.texture) {
-    p.reads += t.killed == 0 && model::reads_stored_color(merge, t.a) ? 1 : 0;
+    p.reads += merged.contains({t.triangle, t.x, t.y}) && model::reads_stored_color(merge, t.a) ? 1 : 0;
   }
   return p;
 }
