@@ -60,9 +60,9 @@ std::string port_differences(const ChainClock& model, const RtlSample& rows, con
   bit("draw_ready", model.ports.draw_ready, rtl.draw_ready);
   bit("in_ready of depth", model.ports.in_ready, rtl.in_ready);
   bit("idle", model.ports.idle, rtl.idle);
-  constexpr std::array<std::string_view, read_ports> names{"z",      "color",  "texel0",
-                                                           "texel1", "texel2", "texel3"};
-  constexpr std::array<std::string_view, 5> taps{"depth", "texture", "fog", "merge", "stencil"};
+  constexpr std::array<std::string_view, read_ports> names{"z",      "color",  "texel0", "texel1", "texel2",
+                                                           "texel3", "texel4", "texel5", "texel6", "texel7"};
+  constexpr std::array<std::string_view, 6> taps{"depth", "texture", "fog", "merge", "stencil", "lod"};
   const auto each = [&](auto list, std::size_t count, const char* what, unsigned of_model, unsigned of_rtl) {
     for (std::size_t p = 0; p < count; ++p) {
       bit(fmt::format("{}{}", list[p], what), (of_model >> p & 1) != 0, (of_rtl >> p & 1) != 0);
@@ -185,10 +185,19 @@ class ChainBeside {
       pixel_.record.b = values.b;
       pixel_.record.a = values.a;
     }
+    if (has_lod_gradients(config_)) {
+      gradient_ = gradient_of(pixel_.record.triangle);
+      pixel_.gradient = &gradient_;
+    }
     const Triangle& triangle = scene_.triangles[static_cast<std::size_t>(pixel_.record.triangle)];
     pixel_.texture = std::max(triangle.texture, -1);
     pixel_.back = state_.stencil_test && model::is_back_face(pipeline_.setup, triangle);
     pixel_stands_ = true;
+  }
+  // The gradients of a triangle; setup has delivered them. Pixels come in the order of their triangles.
+  const GradientRecord& gradient_of(std::int64_t triangle) {
+    while (trace_.gradient[next_gradient_].triangle != triangle) ++next_gradient_;
+    return trace_.gradient[next_gradient_];
   }
   // What has been read of the trace is forgotten, so that one draw call may have any number of triangles.
   static constexpr std::size_t kept_records = 1 << 14;
@@ -214,8 +223,10 @@ class ChainBeside {
     pixel_stands_ = false;
     ++next_pixel_;
     forget(trace_.fragment, next_pixel_);
+    forget(trace_.gradient, next_gradient_);
     trace_.depth.clear();
     trace_.stencil.clear();
+    trace_.lod.clear();
     trace_.texture.clear();
     trace_.fog.clear();
     trace_.merge.clear();
@@ -233,10 +244,11 @@ class ChainBeside {
   Counters counters_;
   Trace trace_;
   DrawState state_;
-  std::size_t next_row_ = 0, next_plane_ = 0, next_pixel_ = 0, next_command_ = 0;
+  std::size_t next_row_ = 0, next_plane_ = 0, next_pixel_ = 0, next_gradient_ = 0, next_command_ = 0;
   bool row_stands_ = false, pixel_stands_ = false;
   RtlDrive rows_{};
   RtlPixels::Fragment pixel_;
+  GradientRecord gradient_;  // of its triangle
   std::uint64_t clock_ = 0;
 };
 

@@ -76,8 +76,9 @@ std::string latency_words(const PortTiming& p) {
   return text;
 }
 
-constexpr std::array<std::string_view, read_ports> port_names{"depth",   "colour",  "texel 0",
-                                                              "texel 1", "texel 2", "texel 3"};
+constexpr std::array<std::string_view, read_ports> port_names{"depth",   "colour",  "texel 0", "texel 1",
+                                                              "texel 2", "texel 3", "texel 4", "texel 5",
+                                                              "texel 6", "texel 7"};
 
 std::string_view to_string(TimedMode mode) { return mode == TimedMode::cycle ? "cycle" : "span"; }
 

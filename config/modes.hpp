@@ -384,13 +384,15 @@ constexpr bool is_in_rtl(TextureWrap wrap) {
   }
   unreachable();
 }
-// The RTL has levels of detail.
-constexpr bool is_in_rtl(MipMode mip) {
-  switch (mip) {
-    case MipMode::none:
+// rtl/lod.sv has the mode.
+constexpr bool is_in_rtl(LodMode lod) {
+  switch (lod) {
+    case LodMode::none:
+    case LodMode::zone_s:
+    case LodMode::gradient:
       return true;
-    case MipMode::nearest:
-    case MipMode::linear:
+    case LodMode::zone_d:
+    case LodMode::finite:
       return false;
   }
   unreachable();
@@ -418,13 +420,6 @@ constexpr bool has_blend_equation(RtlBlend blend) {
       return true;
   }
   unreachable();
-}
-
-// rtl/pixel_pipe.sv has every stage behind span that the configuration asks for, in the mode that it asks
-// for.
-constexpr bool pixel_stages_are_in_rtl(const Config& config) {
-  return is_in_rtl(config.depth_code) && is_in_rtl(config.filter) && is_in_rtl(config.wrap) &&
-         is_in_rtl(config.mip) && is_in_rtl(config.fog);
 }
 
 // ---------------------------------------------------------------- texture, level of detail and fog
@@ -503,6 +498,20 @@ constexpr bool has_neighbours(LodMode lod) {
     case LodMode::none:
     case LodMode::zone_s:
     case LodMode::gradient:
+    case LodMode::zone_d:
+      return false;
+  }
+  unreachable();
+}
+
+// A level goes by R_pixel, which lod forms for itself.
+constexpr bool takes_pixel_reciprocal(LodMode lod) {
+  switch (lod) {
+    case LodMode::zone_s:
+    case LodMode::gradient:
+    case LodMode::finite:
+      return true;
+    case LodMode::none:
     case LodMode::zone_d:
       return false;
   }
@@ -653,6 +662,16 @@ constexpr bool is_linear_in_distance(FogMode mode) {
       return false;
   }
   unreachable();
+}
+
+// The RTL has levels of textures, in the mode that the configuration asks for.
+constexpr bool has_levels_in_rtl(const Config& config) { return has_lod(config) && is_in_rtl(config.lod); }
+
+// rtl/pixel_pipe.sv has every stage behind span that the configuration asks for, in the mode that it asks
+// for.
+constexpr bool pixel_stages_are_in_rtl(const Config& config) {
+  return is_in_rtl(config.depth_code) && is_in_rtl(config.filter) && is_in_rtl(config.wrap) &&
+         (!has_lod(config) || is_in_rtl(config.lod)) && is_in_rtl(config.fog);
 }
 
 // ---------------------------------------------------------------- distance

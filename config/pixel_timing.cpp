@@ -90,12 +90,16 @@ TextureTiming texture_timing(const Config& config) {
   t.levels = 2 * (3 + t.filter_product) + 3 + t.level_product;
   t.shade_product =
       std::max(product_clocks(as_signed(mix).bits(), shade), product_clocks(as_signed(alpha).bits(), shade));
-  // u - 1/2, whole and fraction, wrapping, two shifts by the pitch, plus the base.
-  t.address = 6;
-  // Words, reserved texels, their replacement; two blends; factors, product, Q.
-  t.color = 3 + 2 * (3 + t.filter_product) + 1 + t.shade_product + 1;
-  // The skids of requests and answers, and that of the output.
-  t.total = t.address + 1 + 1 + 1 + t.color + 1;
+  const bool has_levels = has_levels_in_rtl(config);
+  // Two shifts by the level; u - 1/2, whole and fraction, wrapping, two shifts by the pitch, plus the base.
+  t.address = (has_levels ? 2 : 0) + 6;
+  // Words, reserved texels, their replacement; the filter of two levels, or two blends; factors, product, Q.
+  const int shade_clocks = 1 + t.shade_product + 1;
+  const bool mixes = has_levels && mixes_levels(config.mip);
+  t.color = 3 + (mixes ? t.levels : 2 * (3 + t.filter_product) + shade_clocks);
+  t.shade = mixes ? shade_clocks : 0;
+  // The skids of requests and answers, and those behind the segments.
+  t.total = t.address + 1 + 1 + 1 + t.color + 1 + (mixes ? t.shade + 1 : 0);
   return t;
 }
 
@@ -145,7 +149,8 @@ MergeTiming merge_timing(const Config& config) {
 int product_clocks(int a_bits, int b_bits) { return a_bits <= 18 && b_bits <= 18 ? 1 : 3; }
 
 bool pixel_stages_have_reciprocal(const Config& config) {
-  return is_linear_in_distance(config.depth_code) || is_linear_in_distance(config.fog);
+  return is_linear_in_distance(config.depth_code) || is_linear_in_distance(config.fog) ||
+         (has_levels_in_rtl(config) && takes_pixel_reciprocal(config.lod));
 }
 
 PixelTiming pixel_timing(const Config& config) {
@@ -158,6 +163,9 @@ PixelTiming pixel_timing(const Config& config) {
   // The memory's latency, and the clocks to and from it.
   t.in_flight =
       static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::clamp(config.memory.latency + 8, 16, 64))));
+  t.has_lod = has_levels_in_rtl(config);
+  // A draw state per triangle, and triangles may have few fragments.
+  if (t.has_lod && has_gradients(config.lod)) t.slot_bits = 4;
   t.pixel_unit = reciprocal_latency(config.pixel_reciprocal, pixel_operand(config), config.rtl);
   t.depth = depth_timing(config, t.pixel_unit);
   t.lod = lod_timing(config, t.pixel_unit);

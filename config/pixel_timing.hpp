@@ -24,14 +24,16 @@ struct StencilTiming {
   int clocks = 2;  // from acceptance to the skid at the output: the comparison, the operation
   int total = 3;   // acceptance to out_valid_o
 };
-// Two segments with a skid behind each, and the texels' way in between.
+// Two segments with a skid behind each, and the texels' way in between. Where two levels are mixed, the
+// product with the fragment's colour is a third segment.
 struct TextureTiming {
   int filter_product = 1;  // of a blend of two texels
   int level_product = 1;   // of a blend of two levels
   int levels = 0;          // rtl/texture_levels.sv: from the texels of two levels to the skid at its output
   int shade_product = 1;   // of the mixed texel and the fragment's colour
   int address = 0;         // from acceptance to the skid in front of the requests
-  int color = 0;           // from the texels to the skid at the output
+  int color = 0;           // from the texels to the skid at the output, or to that behind two levels
+  int shade = 0;           // from there to the skid at the output; 0 where no levels are mixed
   int total = 0;           // acceptance to out_valid_o where the texels come on the clock after their request
 };
 struct FogTiming {
@@ -58,10 +60,11 @@ struct LodTiming {
   int total = 0;             // acceptance to out_valid_o
 };
 struct PixelTiming {
-  int in_flight = 0;    // fragments that a stage holds while a memory answers
-  int place_bits = 10;  // a scoreboard has 2^place_bits places: many times the fragments in flight
-  int slot_bits = 2;    // draw states in flight: 2^slot_bits
-  int pixel_unit = 0;   // latency of R_pixel
+  int in_flight = 0;     // fragments that a stage holds while a memory answers
+  int place_bits = 10;   // a scoreboard has 2^place_bits places: many times the fragments in flight
+  int slot_bits = 2;     // draw states in flight: 2^slot_bits; more where each triangle has its own
+  bool has_lod = false;  // lod stands between depth and texture
+  int pixel_unit = 0;    // latency of R_pixel
   DepthTiming depth;
   StencilTiming stencil;
   LodTiming lod;
@@ -73,7 +76,7 @@ struct PixelTiming {
 // The distances at which the zones of a mip chain begin, S_i = lod.first 2^(i-16), as signed numbers.
 constexpr Grid zone_starts() { return {max_mip_level + 2, 16, true}; }
 
-// Whether a stage behind span takes R_pixel: the linear depth code, linear fog.
+// Whether a stage behind span takes R_pixel in RTL: the linear depth code, linear fog, lod.
 bool pixel_stages_have_reciprocal(const Config& config);
 
 // Throws InputError where a stage takes an R_pixel that is not pipelined.

@@ -89,6 +89,8 @@ void lod_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
   w.integer("LodModeZone", static_cast<int>(LodMode::zone_s));
   w.integer("LodModeGradient", static_cast<int>(LodMode::gradient));
   w.integer("LodMode", static_cast<int>(config.lod));
+  w.line("  // lod stands between depth and texture, which fetches levels.");
+  w.integer("TextureHasLevels", has_levels_in_rtl(config) ? 1 : 0);
   w.integer("LodMixesLevels", mixes_levels(config.mip) ? 1 : 0);
   w.integer("LodLevelW", std::bit_width(static_cast<unsigned>(max_mip_level)));
   w.line("  // In sixteenths of a level, and the first start in 2^-16.");
@@ -127,6 +129,8 @@ void texture_section(SvWriter& w, const Config& config, const PixelTiming& timin
   w.integer("TextureShadeProductClocks", timing.texture.shade_product);
   w.integer("TextureAddressClocks", timing.texture.address);
   w.integer("TextureColorClocks", timing.texture.color);
+  w.line("  // Behind two levels.");
+  w.integer("TextureShadeClocks", timing.texture.shade);
 }
 
 void fog_section(SvWriter& w, const Config& config, const PixelTiming& timing) {

@@ -24,6 +24,8 @@ stencil.sv
 lod.sv
 texture_filter.sv
 texture_levels.sv
+texture_address.sv
+texture_words.sv
 texture.sv
 fog.sv
 blend_needs.sv

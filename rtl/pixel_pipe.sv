@@ -11,12 +11,15 @@
 //         four texels      ^  z, stencil read   |          colour read
 //                          +-- fate -> z, stencil write
 //
+// Where textures have levels (TextureHasLevels), lod stands in front of texture; where two of them are mixed, texture
+// reads eight texels.
+//
 // Draw state: what may change between triangles. A transfer on `draw` holds for all fragments that are accepted on later
 // clocks. The stages look it up by the slot that a fragment carries; draw_ready_o waits until no fragment of the next
 // slot is in flight.
 //
-// Frame state: the constants b, c1, c0 and scale, the picture's size and the fog's table. It must stay as it is while
-// idle_o is 0. idle_o tells that every fragment has left and that all it writes was accepted.
+// Frame state: the constants b, c1, c0, scale and lod_a (A'), the picture's size, the fog's table, and k of each zone of lod. It
+// must stay as it is while idle_o is 0. idle_o tells that every fragment has left and that all it writes was accepted.
 //
 // A read that is accepted on a later clock than a write must see what was written. Answers come in the order of requests.
 module pixel_pipe (
@@ -34,6 +37,10 @@ module pixel_pipe (
     input  logic load_threshold_i,
     input  logic [bitspan_pixel_pkg::FogIndexW-1:0] load_place_i,
     input  logic [bitspan_pixel_pkg::FogLoadW-1:0] load_data_i,
+    input  logic [bitspan_pixel_pkg::DistanceAW-1:0] lod_a_i,
+    input  logic load_k_i,
+    input  logic [bitspan_pixel_pkg::LodLevelW-1:0] load_k_place_i,
+    input  logic [bitspan_pixel_pkg::LodKW-1:0] load_k_data_i,
     // Draw state, as depth, texture, stencil, fog and merge describe it.
     input  logic draw_valid_i,
     output logic draw_ready_o,
@@ -78,6 +85,14 @@ module pixel_pipe (
     input  logic [2:0] draw_alpha_op_i,
     input  logic [31:0] draw_constant_i,
     input  logic [4:0] draw_logic_i,
+    // The texture's last level, and the triangle's gradients: without levels, and in modes of lod without gradients, ignored.
+    input  logic [bitspan_pixel_pkg::LodLevelW-1:0] draw_last_level_i,
+    input  logic [bitspan_pixel_pkg::PlaneHGradW-1:0] draw_h_x_i,
+    input  logic [bitspan_pixel_pkg::PlaneHGradW-1:0] draw_h_y_i,
+    input  logic [bitspan_pixel_pkg::PlaneGGradW-1:0] draw_gu_x_i,
+    input  logic [bitspan_pixel_pkg::PlaneGGradW-1:0] draw_gu_y_i,
+    input  logic [bitspan_pixel_pkg::PlaneGGradW-1:0] draw_gv_x_i,
+    input  logic [bitspan_pixel_pkg::PlaneGGradW-1:0] draw_gv_y_i,
     // A covered fragment.
     input  logic in_valid_i,
     output logic in_ready_o,
@@ -133,6 +148,31 @@ module pixel_pipe (
     input  logic texel3_answer_valid_i,
     output logic texel3_answer_ready_o,
     input  logic [31:0] texel3_answer_texel_i,
+    // Four more, of the next level: without mixed levels they never ask.
+    output logic texel4_request_valid_o,
+    input  logic texel4_request_ready_i,
+    output logic [bitspan_pixel_pkg::TexelAddressW-1:0] texel4_request_address_o,
+    input  logic texel4_answer_valid_i,
+    output logic texel4_answer_ready_o,
+    input  logic [31:0] texel4_answer_texel_i,
+    output logic texel5_request_valid_o,
+    input  logic texel5_request_ready_i,
+    output logic [bitspan_pixel_pkg::TexelAddressW-1:0] texel5_request_address_o,
+    input  logic texel5_answer_valid_i,
+    output logic texel5_answer_ready_o,
+    input  logic [31:0] texel5_answer_texel_i,
+    output logic texel6_request_valid_o,
+    input  logic texel6_request_ready_i,
+    output logic [bitspan_pixel_pkg::TexelAddressW-1:0] texel6_request_address_o,
+    input  logic texel6_answer_valid_i,
+    output logic texel6_answer_ready_o,
+    input  logic [31:0] texel6_answer_texel_i,
+    output logic texel7_request_valid_o,
+    input  logic texel7_request_ready_i,
+    output logic [bitspan_pixel_pkg::TexelAddressW-1:0] texel7_request_address_o,
+    input  logic texel7_answer_valid_i,
+    output logic texel7_answer_ready_o,
+    input  logic [31:0] texel7_answer_texel_i,
     // The colour memory. Alpha is read and written only with MergeByEquation, and written where has_a is 1.
     output logic color_request_valid_o,
     input  logic color_request_ready_i,
@@ -170,6 +210,20 @@ module pixel_pipe (
     output logic stencil_record_pass_o,
     output logic [2:0] stencil_record_op_o,
     output logic [7:0] stencil_record_value_o,
+    // Without levels, 0.
+    output logic lod_record_valid_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] lod_record_x_o,
+    output logic [bitspan_pixel_pkg::CoordW-1:0] lod_record_y_o,
+    output logic [bitspan_pixel_pkg::PixelRecipOutW-1:0] lod_record_recip_m_o,
+    output logic [bitspan_pixel_pkg::ExponentW-1:0] lod_record_recip_e_o,
+    output logic [bitspan_pixel_pkg::DistanceSW-1:0] lod_record_s_o,
+    output logic [bitspan_pixel_pkg::LodSlopeW-1:0] lod_record_u_x_o,
+    output logic [bitspan_pixel_pkg::LodSlopeW-1:0] lod_record_u_y_o,
+    output logic [bitspan_pixel_pkg::LodSlopeW-1:0] lod_record_v_x_o,
+    output logic [bitspan_pixel_pkg::LodSlopeW-1:0] lod_record_v_y_o,
+    output logic [bitspan_pixel_pkg::LodLambdaW-1:0] lod_record_lambda_o,
+    output logic [bitspan_pixel_pkg::LodLevelW-1:0] lod_record_level_o,
+    output logic [bitspan_pixel_pkg::LodFracW-1:0] lod_record_f_o,
     output logic texture_record_valid_o,
     output logic [bitspan_pixel_pkg::CoordW-1:0] texture_record_x_o,
     output logic [bitspan_pixel_pkg::CoordW-1:0] texture_record_y_o,
@@ -532,6 +586,98 @@ module pixel_pipe (
   logic unused_record;
   assign unused_record = ^{record_rest[DepthRestW-SlotW-1:0], bias_rest[DepthRestW-SlotW-1:0]};
 
+  // ---------------------------------------------------------------- lod
+
+  // Its part of the draw state, by slot: the last level, and the gradients.
+  localparam int LevelW = bitspan_pixel_pkg::LodLevelW;
+  localparam int ShareW = bitspan_pixel_pkg::LodFracW;
+  localparam int HGradW = bitspan_pixel_pkg::PlaneHGradW;
+  localparam int GGradW = bitspan_pixel_pkg::PlaneGGradW;
+  localparam int HasLevels = bitspan_pixel_pkg::TextureHasLevels;
+  localparam int LodStateW = LevelW + 2 * HGradW + 4 * GGradW;
+  localparam int LodRestW = TextureRestW + ShadesW;
+  logic levelled_valid, levelled_ready;
+  logic [LodRestW-1:0] texture_all, levelled_all;
+  assign texture_all = {texture_rest, texture_u, texture_v, texture_r, texture_g, texture_b, texture_a};
+  logic [TextureRestW-1:0] levelled_rest;
+  logic [UvW-1:0] levelled_u, levelled_v;
+  logic [ShadeW-1:0] levelled_r, levelled_g, levelled_b, levelled_a;
+  assign {levelled_rest, levelled_u, levelled_v, levelled_r, levelled_g, levelled_b, levelled_a} = levelled_all;
+  logic [SlotW-1:0] levelled_slot;
+  logic [CoordW-1:0] levelled_x, levelled_y;
+  assign {levelled_slot, levelled_x, levelled_y} = levelled_rest[TextureRestW-1-:SlotW+2*CoordW];
+  logic [LevelW-1:0] level;
+  logic [ShareW-1:0] share;
+  if (HasLevels != 0) begin : gen_lod
+    logic [LodStateW-1:0] lod_state[Slots];
+    always_ff @(posedge clk_i) begin
+      if (draw_taken) begin
+        lod_state[next_slot] <= {
+          draw_last_level_i, draw_h_x_i, draw_h_y_i, draw_gu_x_i, draw_gu_y_i, draw_gv_x_i, draw_gv_y_i
+        };
+      end
+    end
+    logic [LevelW-1:0] last_level;
+    logic [HGradW-1:0] h_x, h_y;
+    logic [GGradW-1:0] gu_x, gu_y, gv_x, gv_y;
+    assign {last_level, h_x, h_y, gu_x, gu_y, gv_x, gv_y} = lod_state[texture_slot];
+    lod #(
+        .RestW(LodRestW)
+    ) u_lod (
+        .clk_i,
+        .rst_ni,
+        .b_i,
+        .a_i(lod_a_i),
+        .load_i(load_k_i),
+        .load_place_i(load_k_place_i),
+        .load_data_i(load_k_data_i),
+        .in_valid_i(texture_valid),
+        .in_ready_o(texture_ready),
+        .in_h_i(texture_rest[TextureRestW-SlotW-2*CoordW-1-:HW]),
+        .in_u_i(texture_u),
+        .in_v_i(texture_v),
+        .in_h_x_i(h_x),
+        .in_h_y_i(h_y),
+        .in_gu_x_i(gu_x),
+        .in_gu_y_i(gu_y),
+        .in_gv_x_i(gv_x),
+        .in_gv_y_i(gv_y),
+        .in_last_i(last_level),
+        .in_rest_i(texture_all),
+        .out_valid_o(levelled_valid),
+        .out_ready_i(levelled_ready),
+        .out_recip_m_o(lod_record_recip_m_o),
+        .out_recip_e_o(lod_record_recip_e_o),
+        .out_s_o(lod_record_s_o),
+        .out_u_x_o(lod_record_u_x_o),
+        .out_u_y_o(lod_record_u_y_o),
+        .out_v_x_o(lod_record_v_x_o),
+        .out_v_y_o(lod_record_v_y_o),
+        .out_lambda_o(lod_record_lambda_o),
+        .out_level_o(level),
+        .out_f_o(share),
+        .out_rest_o(levelled_all)
+    );
+    assign lod_record_valid_o = levelled_valid && levelled_ready;
+    assign lod_record_x_o = levelled_x;
+    assign lod_record_y_o = levelled_y;
+    assign lod_record_level_o = level;
+    assign lod_record_f_o = share;
+  end else begin : gen_no_lod
+    assign levelled_valid = texture_valid;
+    assign texture_ready = levelled_ready;
+    assign levelled_all = texture_all;
+    assign level = '0;
+    assign share = '0;
+    assign lod_record_valid_o = 1'b0;
+    assign {lod_record_x_o, lod_record_y_o, lod_record_recip_m_o, lod_record_recip_e_o, lod_record_s_o} = '0;
+    assign {lod_record_u_x_o, lod_record_u_y_o, lod_record_v_x_o, lod_record_v_y_o} = '0;
+    assign {lod_record_lambda_o, lod_record_level_o, lod_record_f_o} = '0;
+    logic unused;
+    assign unused = ^{draw_last_level_i, draw_h_x_i, draw_h_y_i, draw_gu_x_i, draw_gu_y_i, draw_gv_x_i, draw_gv_y_i,
+                      lod_a_i, load_k_i, load_k_place_i, load_k_data_i};
+  end
+
   // ---------------------------------------------------------------- texture
 
   logic use_texture, use_bilinear, use_clamp, use_transparent;
@@ -540,7 +686,7 @@ module pixel_pipe (
   logic [AddressW-1:0] base;
   logic [23:0] reserved;
   assign {use_texture, use_bilinear, use_clamp, last_i, last_j, pitch, base, use_transparent, reserved} =
-      texture_state[texture_slot];
+      texture_state[levelled_slot];
   // The alpha test looks its part up where a fragment leaves the stage.
   logic [2:0] alpha_func;
   logic [7:0] alpha_ref;
@@ -553,15 +699,17 @@ module pixel_pipe (
   ) u_texture (
       .clk_i,
       .rst_ni,
-      .in_valid_i(texture_valid),
-      .in_ready_o(texture_ready),
-      .in_u_i(texture_u),
-      .in_v_i(texture_v),
-      .in_r_i(texture_r),
-      .in_g_i(texture_g),
-      .in_b_i(texture_b),
-      .in_a_i(texture_a),
-      .in_rest_i(texture_rest),
+      .in_valid_i(levelled_valid),
+      .in_ready_o(levelled_ready),
+      .in_u_i(levelled_u),
+      .in_v_i(levelled_v),
+      .in_r_i(levelled_r),
+      .in_g_i(levelled_g),
+      .in_b_i(levelled_b),
+      .in_a_i(levelled_a),
+      .in_level_i(level),
+      .in_f_i(share),
+      .in_rest_i(levelled_rest),
       .in_textured_i(use_texture),
       .in_bilinear_i(use_bilinear),
       .in_clamp_i(use_clamp),
@@ -598,6 +746,30 @@ module pixel_pipe (
       .answer3_valid_i(texel3_answer_valid_i),
       .answer3_ready_o(texel3_answer_ready_o),
       .answer3_texel_i(texel3_answer_texel_i),
+      .request4_valid_o(texel4_request_valid_o),
+      .request4_ready_i(texel4_request_ready_i),
+      .request4_address_o(texel4_request_address_o),
+      .answer4_valid_i(texel4_answer_valid_i),
+      .answer4_ready_o(texel4_answer_ready_o),
+      .answer4_texel_i(texel4_answer_texel_i),
+      .request5_valid_o(texel5_request_valid_o),
+      .request5_ready_i(texel5_request_ready_i),
+      .request5_address_o(texel5_request_address_o),
+      .answer5_valid_i(texel5_answer_valid_i),
+      .answer5_ready_o(texel5_answer_ready_o),
+      .answer5_texel_i(texel5_answer_texel_i),
+      .request6_valid_o(texel6_request_valid_o),
+      .request6_ready_i(texel6_request_ready_i),
+      .request6_address_o(texel6_request_address_o),
+      .answer6_valid_i(texel6_answer_valid_i),
+      .answer6_ready_o(texel6_answer_ready_o),
+      .answer6_texel_i(texel6_answer_texel_i),
+      .request7_valid_o(texel7_request_valid_o),
+      .request7_ready_i(texel7_request_ready_i),
+      .request7_address_o(texel7_request_address_o),
+      .answer7_valid_i(texel7_answer_valid_i),
+      .answer7_ready_o(texel7_answer_ready_o),
+      .answer7_texel_i(texel7_answer_texel_i),
       .out_valid_o(textured_valid),
       .out_ready_i(textured_ready),
       .out_i_o(texture_record_i_o),

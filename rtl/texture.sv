@@ -2,7 +2,7 @@
 // texture of docs/numeric-spec.md: a fragment in, its texel times its colour out; one per clock.
 //
 //   in --> address ---> skid --> requests ------------------> four texel ports
-//    |     (6 clocks)               |                              |
+//    |                              |                              |
 //    |                              +--> FIFO `asked`, skid    4 skids
 //    |                                       |                     |
 //    +--> FIFO `held` (shades, rest) --------+--> join <-----------+
@@ -12,9 +12,14 @@
 // `address` and `filter and colour` each shift as one on the ready of the skid behind them, which is a register. The
 // FIFOs have InFlight entries; a fragment is accepted where `held` has room, so that `asked` never overflows.
 //
-// A texel is 32 bits: red in the lowest byte, then green, blue, alpha. Texel (i, j) of a texture has the address
-// base + j 2^pitch + i, with base a multiple of 2^pitch and 2^pitch at least the texture's width. Port 0 reads the
-// nearest texel or V1, port 1 V4, port 2 V2, port 3 V3. Each port answers in the order of its requests.
+// A texel is 32 bits: red in the lowest byte, then green, blue, alpha. texture_address says where it lies; the base is a
+// multiple of 2^pitch, and 2^pitch at least the texture's width. Port 0 reads the nearest texel or V1, port 1 V4, port 2 V2,
+// port 3 V3. Each port answers in the order of its requests.
+//
+// Where textures have levels, the fragment brings the one that lod chose. Where two are mixed, ports 4 to 7 read those of the
+// next level as 0 to 3 those of the level, for fragments with f above 0; texture_levels is the filter, with a skid of its own,
+// and the product with the fragment's colour a segment behind it. Elsewhere f and those ports' inputs are ignored, and they
+// never ask.
 //
 // A killed fragment is delivered, too: killed_o says so. The stage is not made for cyclic textures of another width or
 // height than a power of two; an assertion stops them.
@@ -32,6 +37,8 @@ module texture #(
     input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_g_i,
     input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_b_i,
     input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_a_i,
+    input  logic [bitspan_pixel_pkg::LodLevelW-1:0] in_level_i,
+    input  logic [bitspan_pixel_pkg::LodFracW-1:0] in_f_i,
     input  logic [RestW-1:0] in_rest_i,
     // The draw state, taken with the fragment: a texture or none, bilinear or nearest, clamp or cyclic, the last column
     // and row of texels, the pitch, the address of texel (0, 0), and the reserved colour, if there is one.
@@ -73,6 +80,30 @@ module texture #(
     input  logic answer3_valid_i,
     output logic answer3_ready_o,
     input  logic [31:0] answer3_texel_i,
+    output logic request4_valid_o,
+    input  logic request4_ready_i,
+    output logic [bitspan_pixel_pkg::TexelAddressW-1:0] request4_address_o,
+    input  logic answer4_valid_i,
+    output logic answer4_ready_o,
+    input  logic [31:0] answer4_texel_i,
+    output logic request5_valid_o,
+    input  logic request5_ready_i,
+    output logic [bitspan_pixel_pkg::TexelAddressW-1:0] request5_address_o,
+    input  logic answer5_valid_i,
+    output logic answer5_ready_o,
+    input  logic [31:0] answer5_texel_i,
+    output logic request6_valid_o,
+    input  logic request6_ready_i,
+    output logic [bitspan_pixel_pkg::TexelAddressW-1:0] request6_address_o,
+    input  logic answer6_valid_i,
+    output logic answer6_ready_o,
+    input  logic [31:0] answer6_texel_i,
+    output logic request7_valid_o,
+    input  logic request7_ready_i,
+    output logic [bitspan_pixel_pkg::TexelAddressW-1:0] request7_address_o,
+    input  logic answer7_valid_i,
+    output logic answer7_ready_o,
+    input  logic [31:0] answer7_texel_i,
     // The record of docs/numeric-spec.md.
     output logic out_valid_o,
     input  logic out_ready_i,
@@ -91,9 +122,6 @@ module texture #(
     output logic out_killed_o,
     output logic [RestW-1:0] out_rest_o
 );
-  localparam int UvW = bitspan_pixel_pkg::SpanUvW;
-  localparam int UvFrac = bitspan_pixel_pkg::SpanUvFrac;
-  localparam int UvSigned = bitspan_pixel_pkg::SpanUvSigned;
   localparam int ShadeW = bitspan_pixel_pkg::SpanShadeW;
   localparam int ShadeFrac = bitspan_pixel_pkg::SpanShadeFrac;
   localparam int ShadeSigned = bitspan_pixel_pkg::SpanShadeSigned;
@@ -110,30 +138,27 @@ module texture #(
   localparam int ColorW = bitspan_pixel_pkg::TextureColorW;
   localparam int FracW = bitspan_pixel_pkg::TextureFracW;
   localparam int IndexW = bitspan_pixel_pkg::TexelIndexW;
-  localparam int PitchW = bitspan_pixel_pkg::TexelPitchW;
   localparam int AddressW = bitspan_pixel_pkg::TexelAddressW;
+  localparam int LevelW = bitspan_pixel_pkg::LodLevelW;
   localparam int InFlight = bitspan_pixel_pkg::FragmentsInFlight;
+  // Two levels.
+  localparam bit Mixes = bitspan_pixel_pkg::TextureHasLevels != 0 && bitspan_pixel_pkg::LodMixesLevels != 0;
+  localparam int ShareW = Mixes ? bitspan_pixel_pkg::LodFracW : 0;
+  localparam int Ports = 8;
 
-  localparam int AddressClocks = 6;
+  localparam int AddressClocks = bitspan_pixel_pkg::TextureAddressClocks;
   localparam int FilterClocks = bitspan_pixel_pkg::TextureFilterProductClocks;
-  localparam int ShadeClocks = bitspan_pixel_pkg::TextureShadeProductClocks;
+  localparam int ShadeProductClocks = bitspan_pixel_pkg::TextureShadeProductClocks;
   localparam int BlendClocks = 3 + FilterClocks;
   // Words, reserved colours, replacement; the filter; factors, product, Q.
   localparam int FilterAt = 3;
   localparam int MixedAt = FilterAt + 2 * BlendClocks;
-  localparam int FactorsAt = MixedAt + 1;
-  localparam int ColorClocks = FactorsAt + ShadeClocks + 1;
+  localparam int ShadeClocks = 1 + ShadeProductClocks + 1;
+  localparam int ColorClocks = Mixes ? FilterAt + bitspan_pixel_pkg::TextureLevelsClocks : MixedAt + ShadeClocks;
   // Beside the last of them: the reference; its wholes and byte; the least alpha.
   localparam int AlphaTestClocks = 3;
 
   // ---------------------------------------------------------------- address
-
-  // u on a grid that has the half, as a signed number that can lose it.
-  localparam int Grid = (UvFrac > 1) ? UvFrac : 1;
-  localparam int LowW = UvW + Grid - UvFrac + ((UvSigned != 0) ? 1 : 2);
-  localparam int WholeW = LowW - Grid;
-  // A texel's index beside the wholes of u, which may be the narrower.
-  localparam int CompareW = (WholeW > IndexW + 1) ? WholeW : IndexW + 1;
 
   logic address_en, held_ready, in_taken;
   logic [AddressClocks-1:0] address_valid_q;
@@ -144,174 +169,130 @@ module texture #(
     else if (address_en) address_valid_q <= {address_valid_q[AddressClocks-2:0], in_taken};
   end
 
-  // Axis 0 is u, 1 is v.
-  logic [UvW-1:0] in_uv[2];
-  logic [IndexW-1:0] in_last[2];
-  assign in_uv[0] = in_u_i;
-  assign in_uv[1] = in_v_i;
-  assign in_last[0] = in_last_i_i;
-  assign in_last[1] = in_last_j_i;
-  logic textured_1, quad_1, clamp_1;
-  always_ff @(posedge clk_i) begin
-    if (address_en) begin
-      textured_1 <= in_textured_i;
-      quad_1 <= in_textured_i && in_bilinear_i;
-      clamp_1 <= in_clamp_i;
-    end
-  end
+  // What the filter must know of a level whose texels are on their way, and the requests.
+  localparam int AskedW = 2 + 2 * IndexW + 2 * FracW;
+  localparam int RowsW = IndexW + 2 * AddressW;
   logic textured_6, quad_6;
-  delay_line #(
-      .Width(2),
-      .Depth(AddressClocks - 1)
-  ) u_filter_line (
-      .clk_i,
-      .en_i(address_en),
-      .d_i({textured_1, quad_1}),
-      .q_o({textured_6, quad_6})
-  );
-
-  // No unpacked array: Yosys 0.23 would take a word at an output port for a read of memory.
-  logic [2*FracW-1:0] frac_6;
-  logic [1:0] upper_6;  // of the two texels along an axis, the second one is nearest
-  logic [IndexW-1:0] first_3[2], second_3[2];
-  for (genvar axis = 0; axis < 2; axis++) begin : gen_axis
-    // Clock 1: u - 1/2, or u for the nearest texel.
-    logic signed [LowW-1:0] low, low_1;
-    logic [IndexW-1:0] last_1;
-    assign low = LowW'($signed({(UvSigned != 0) & in_uv[axis][UvW-1], in_uv[axis]})) <<< (Grid - UvFrac);
-    always_ff @(posedge clk_i) begin
-      if (address_en) begin
-        low_1 <= low - ((in_bilinear_i) ? LowW'(1) <<< (Grid - 1) : '0);
-        last_1 <= in_last[axis];
-      end
-    end
-
-    // Clock 2: the texels' indices before they are wrapped, where they lie, and E.
-    logic signed [CompareW-1:0] whole;
-    logic [FracW-1:0] frac;
-    assign whole = CompareW'($signed(low_1[LowW-1:Grid]));
-    quantize #(
-        .InW(Grid + 1),
-        .InFrac(Grid),
-        .OutW(FracW),
-        .OutFrac(FracW),
-        .OutSigned(0),
-        .Rounding(bitspan_pixel_pkg::TextureFracRnd),
-        .Overflow(bitspan_pixel_pkg::TextureFracOvf)
-    ) u_frac (
-        .x_i($signed({1'b0, low_1[Grid-1:0]})),
-        .sticky_i(1'b0),
-        .q_o(frac)
-    );
-    logic [IndexW-1:0] first_2, second_2, last_2;
-    logic zero_2, first_past_2, second_past_2, cyclic_2, upper_2;
-    logic [FracW-1:0] frac_2;
-    always_ff @(posedge clk_i) begin
-      if (address_en) begin
-        first_2 <= whole[IndexW-1:0];
-        second_2 <= whole[IndexW-1:0] + IndexW'(1);
-        zero_2 <= !textured_1 || (clamp_1 && whole < 0);
-        first_past_2 <= clamp_1 && whole > $signed(CompareW'({1'b0, last_1}));
-        second_past_2 <= clamp_1 && whole >= $signed(CompareW'({1'b0, last_1}));
-        cyclic_2 <= !clamp_1;
-        last_2 <= last_1;
-        upper_2 <= quad_1 && low_1[Grid-1];
-        frac_2 <= quad_1 ? frac : '0;
-      end
-    end
-
-    // Clock 3: wrapped. The last index of a cyclic texture is a mask.
-    always_ff @(posedge clk_i) begin
-      if (address_en) begin
-        first_3[axis] <= zero_2 ? '0 : first_past_2 ? last_2 : first_2 & (last_2 | {IndexW{!cyclic_2}});
-        second_3[axis] <= zero_2 ? '0 : second_past_2 ? last_2 : second_2 & (last_2 | {IndexW{!cyclic_2}});
-      end
-    end
-
-    delay_line #(
-        .Width(FracW + 1),
-        .Depth(AddressClocks - 2)
-    ) u_frac_line (
-        .clk_i,
-        .en_i(address_en),
-        .d_i({upper_2, frac_2}),
-        .q_o({upper_6[axis], frac_6[axis*FracW+:FracW]})
-    );
-  end
-
-  // Clocks 4 and 5: rows by the pitch, first by its two low bits; clock 6: plus the base.
-  logic [PitchW-1:0] pitch_3;
-  logic [PitchW-3:0] pitch_high_4;
-  logic [AddressW-1:0] base_5;
-  delay_line #(
-      .Width(PitchW),
-      .Depth(3)
-  ) u_pitch_line (
-      .clk_i,
-      .en_i(address_en),
-      .d_i(in_pitch_i),
-      .q_o(pitch_3)
-  );
-  ring_line #(
-      .Width(AddressW),
-      .Depth(5)
-  ) u_base_line (
+  logic [1:0] upper_6;
+  logic [AddressW-1:0] first_row_6, second_row_6;
+  logic [IndexW-1:0] first_i_6, second_i_6, first_j_6;
+  logic [FracW-1:0] ex_6, ey_6;
+  texture_address u_address (
       .clk_i,
       .rst_ni,
       .en_i(address_en),
-      .d_i(in_base_i),
-      .q_o(base_5)
+      .u_i(in_u_i),
+      .v_i(in_v_i),
+      .level_i(in_level_i),
+      .textured_i(in_textured_i),
+      .bilinear_i(in_bilinear_i),
+      .clamp_i(in_clamp_i),
+      .last_i_i(in_last_i_i),
+      .last_j_i(in_last_j_i),
+      .pitch_i(in_pitch_i),
+      .base_i(in_base_i),
+      .textured_o(textured_6),
+      .quad_o(quad_6),
+      .first_row_o(first_row_6),
+      .second_row_o(second_row_6),
+      .first_i_o(first_i_6),
+      .second_i_o(second_i_6),
+      .first_j_o(first_j_6),
+      .upper_o(upper_6),
+      .ex_o(ex_6),
+      .ey_o(ey_6)
   );
-  logic [AddressW-1:0] first_row_4, second_row_4, first_row_5, second_row_5, first_row_6, second_row_6;
-  always_ff @(posedge clk_i) begin
-    if (address_en) begin
-      pitch_high_4 <= pitch_3[PitchW-1:2];
-      first_row_4 <= AddressW'(first_3[1]) << pitch_3[1:0];
-      second_row_4 <= AddressW'(second_3[1]) << pitch_3[1:0];
-      first_row_5 <= first_row_4 << {pitch_high_4, 2'b00};
-      second_row_5 <= second_row_4 << {pitch_high_4, 2'b00};
-      first_row_6 <= base_5 + first_row_5;
-      second_row_6 <= base_5 + second_row_5;
-    end
+  // The next level, where it is mixed in.
+  logic next_6;
+  logic [AskedW-1:0] next_asked_6;
+  logic [RowsW-1:0] next_rows_6;
+  logic unused_share;
+  if (Mixes) begin : gen_next_address
+    logic next_textured, next_quad, mixed_in;
+    logic [1:0] next_upper;
+    logic [AddressW-1:0] next_first_row, next_second_row;
+    logic [IndexW-1:0] next_first_i, next_second_i, next_first_j;
+    logic [FracW-1:0] next_ex, next_ey;
+    texture_address u_next_address (
+        .clk_i,
+        .rst_ni,
+        .en_i(address_en),
+        .u_i(in_u_i),
+        .v_i(in_v_i),
+        .level_i(in_level_i + LevelW'(1)),
+        .textured_i(in_textured_i),
+        .bilinear_i(in_bilinear_i),
+        .clamp_i(in_clamp_i),
+        .last_i_i(in_last_i_i),
+        .last_j_i(in_last_j_i),
+        .pitch_i(in_pitch_i),
+        .base_i(in_base_i),
+        .textured_o(next_textured),
+        .quad_o(next_quad),
+        .first_row_o(next_first_row),
+        .second_row_o(next_second_row),
+        .first_i_o(next_first_i),
+        .second_i_o(next_second_i),
+        .first_j_o(next_first_j),
+        .upper_o(next_upper),
+        .ex_o(next_ex),
+        .ey_o(next_ey)
+    );
+    delay_line #(
+        .Width(1),
+        .Depth(AddressClocks)
+    ) u_next_line (
+        .clk_i,
+        .en_i(address_en),
+        .d_i(in_f_i != '0),
+        .q_o(mixed_in)
+    );
+    assign next_6 = mixed_in && next_textured;
+    assign next_asked_6 = {next_upper, next_first_i, next_first_j, next_ex, next_ey};
+    assign next_rows_6 = {next_second_i, next_first_row, next_second_row};
+    assign unused_share = next_quad;
+  end else begin : gen_no_next_address
+    assign next_6 = 1'b0;
+    assign next_asked_6 = '0;
+    assign next_rows_6 = '0;
+    assign unused_share = ^in_f_i;
   end
-  logic [IndexW-1:0] first_i_6, second_i_6, first_j_6;
-  delay_line #(
-      .Width(3 * IndexW),
-      .Depth(3)
-  ) u_index_line (
-      .clk_i,
-      .en_i(address_en),
-      .d_i({first_3[0], second_3[0], first_3[1]}),
-      .q_o({first_i_6, second_i_6, first_j_6})
-  );
 
   // ---------------------------------------------------------------- requests
 
-  // What the filter needs to know of a fragment whose texels are on their way.
-  localparam int AskedW = 4 + 2 * IndexW + 2 * FracW;
-  logic ask_valid, ask_taken, ask_textured, ask_quad;
-  logic [1:0] ask_upper;
-  logic [AddressW-1:0] first_row, second_row;
-  logic [IndexW-1:0] first_i, second_i, ask_j;
-  logic [FracW-1:0] ask_ex, ask_ey;
+  // What is of the next level stands in the highest places, where there is one.
+  localparam int LevelAskedW = 2 + AskedW;
+  localparam int AllAskedW = LevelAskedW + (Mixes ? 1 + AskedW : 0);
+  localparam int AllRowsW = RowsW + (Mixes ? RowsW : 0);
+  logic ask_valid, ask_taken, ask_textured, ask_quad, ask_next;
+  logic [AskedW-1:0] ask_level, ask_next_level;
+  logic [AllAskedW-1:0] ask_all;
+  logic [AllRowsW-1:0] ask_rows;
+  logic [AddressW-1:0] first_row, second_row, next_first_row, next_second_row;
+  logic [IndexW-1:0] first_i, second_i, next_first_i, next_second_i;
   skid #(
-      .Width(AskedW + IndexW + 2 * AddressW)
+      .Width(AllAskedW + AllRowsW)
   ) u_address_skid (
       .clk_i,
       .rst_ni,
       .in_valid_i(address_valid_q[AddressClocks-1]),
       .in_ready_o(address_en),
-      .in_i({textured_6, quad_6, upper_6, first_i_6, first_j_6, frac_6[FracW-1:0], frac_6[2*FracW-1:FracW], second_i_6, first_row_6,
-             second_row_6}),
+      .in_i({AllAskedW'({next_6, next_asked_6, textured_6, quad_6, upper_6, first_i_6, first_j_6, ex_6, ey_6}),
+             AllRowsW'({next_rows_6, second_i_6, first_row_6, second_row_6})}),
       .out_valid_o(ask_valid),
       .out_ready_i(ask_taken),
-      .out_o({ask_textured, ask_quad, ask_upper, first_i, ask_j, ask_ex, ask_ey, second_i, first_row, second_row})
+      .out_o({ask_all, ask_rows})
   );
+  localparam int BothAskedW = 1 + AskedW + LevelAskedW;
+  assign {ask_next, ask_next_level, ask_textured, ask_quad, ask_level} = BothAskedW'(ask_all);
+  assign {next_second_i, next_first_row, next_second_row, second_i, first_row, second_row} = (2 * RowsW)'(ask_rows);
+  assign first_i = ask_level[AskedW-3-:IndexW];
+  assign next_first_i = ask_next_level[AskedW-3-:IndexW];
 
   // A fragment leaves when the ports have taken all its requests, on this clock or before.
-  logic [3:0] wanted, asked_q, request_valid, request_ready;
-  assign wanted = {{3{ask_quad}}, ask_textured};
-  assign request_valid = {4{ask_valid}} & wanted & ~asked_q;
+  logic [Ports-1:0] wanted, asked_q, request_valid, request_ready;
+  assign wanted = {{3{ask_next && ask_quad}}, ask_next, {3{ask_quad}}, ask_textured};
+  assign request_valid = {Ports{ask_valid}} & wanted & ~asked_q;
   assign ask_taken = &(~wanted | asked_q | request_ready);
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) asked_q <= '0;
@@ -329,31 +310,43 @@ module texture #(
   assign request3_valid_o = request_valid[3];
   assign request_ready[3] = request3_ready_i;
   assign request3_address_o = second_row | AddressW'(second_i);
+  assign request4_valid_o = request_valid[4];
+  assign request_ready[4] = request4_ready_i;
+  assign request4_address_o = next_first_row | AddressW'(next_first_i);
+  assign request5_valid_o = request_valid[5];
+  assign request_ready[5] = request5_ready_i;
+  assign request5_address_o = next_first_row | AddressW'(next_second_i);
+  assign request6_valid_o = request_valid[6];
+  assign request_ready[6] = request6_ready_i;
+  assign request6_address_o = next_second_row | AddressW'(next_first_i);
+  assign request7_valid_o = request_valid[7];
+  assign request_ready[7] = request7_ready_i;
+  assign request7_address_o = next_second_row | AddressW'(next_second_i);
 
   // ---------------------------------------------------------------- join
 
   logic color_en, join_valid, join_taken;
   logic queue_valid, queue_ready, queue_taken, asked_valid, held_valid;
-  logic textured, quad;
-  logic [1:0] upper;
-  logic [2*IndexW-1:0] index;
-  logic [FracW-1:0] ex, ey;
-  logic [AskedW-1:0] queue;
+  logic textured, quad, next;
+  logic [1:0] upper, next_upper;
+  logic [2*IndexW-1:0] index, next_index;
+  logic [FracW-1:0] ex, ey, next_ex, next_ey;
+  logic [AllAskedW-1:0] queue, asked;
   fifo #(
-      .Width(AskedW),
+      .Width(AllAskedW),
       .Depth(InFlight)
   ) u_asked (
       .clk_i,
       .rst_ni,
       .in_valid_i(ask_valid && ask_taken),
       .in_ready_o(queue_ready),
-      .in_i({ask_textured, ask_quad, ask_upper, first_i, ask_j, ask_ex, ask_ey}),
+      .in_i(ask_all),
       .out_valid_o(queue_valid),
       .out_ready_i(queue_taken),
       .out_o(queue)
   );
   skid #(
-      .Width(AskedW)
+      .Width(AllAskedW)
   ) u_asked_skid (
       .clk_i,
       .rst_ni,
@@ -362,14 +355,19 @@ module texture #(
       .in_i(queue),
       .out_valid_o(asked_valid),
       .out_ready_i(join_taken),
-      .out_o({textured, quad, upper, index, ex, ey})
+      .out_o(asked)
   );
+  assign {next, next_upper, next_index, next_ex, next_ey, textured, quad, upper, index, ex, ey} = BothAskedW'(asked);
 
-  localparam int HeldW = 4 * ShadeW + 25 + RestW;
+  // f waits in front of the rest, where there is one.
+  localparam int HeldRestW = ShareW + RestW;
+  localparam int HeldW = 4 * ShadeW + 25 + HeldRestW;
   logic [4*ShadeW-1:0] shades;
   logic has_reserved;
   logic [23:0] reserved;
+  logic [HeldRestW-1:0] held_rest;
   logic [RestW-1:0] rest;
+  assign rest = held_rest[RestW-1:0];
   fifo #(
       .Width(HeldW),
       .Depth(InFlight)
@@ -378,136 +376,103 @@ module texture #(
       .rst_ni,
       .in_valid_i(in_valid_i && address_en),
       .in_ready_o(held_ready),
-      .in_i({in_a_i, in_b_i, in_g_i, in_r_i, in_textured_i && in_transparent_i, in_reserved_i, in_rest_i}),
+      .in_i({in_a_i, in_b_i, in_g_i, in_r_i, in_textured_i && in_transparent_i, in_reserved_i,
+             HeldRestW'({in_f_i, in_rest_i})}),
       .out_valid_o(held_valid),
       .out_ready_i(join_taken),
-      .out_o({shades, has_reserved, reserved, rest})
+      .out_o({shades, has_reserved, reserved, held_rest})
   );
 
-  logic [3:0] answer_valid, answer_ready, skid_valid, skid_taken;
-  logic [31:0] answer[4], texel[4];
+  logic [Ports-1:0] answer_valid, answer_ready, skid_valid, skid_taken;
+  logic [32*Ports-1:0] answer, texel;
   assign answer_valid[0] = answer0_valid_i;
   assign answer0_ready_o = answer_ready[0];
-  assign answer[0] = answer0_texel_i;
+  assign answer[0+:32] = answer0_texel_i;
   assign answer_valid[1] = answer1_valid_i;
   assign answer1_ready_o = answer_ready[1];
-  assign answer[1] = answer1_texel_i;
+  assign answer[32+:32] = answer1_texel_i;
   assign answer_valid[2] = answer2_valid_i;
   assign answer2_ready_o = answer_ready[2];
-  assign answer[2] = answer2_texel_i;
+  assign answer[64+:32] = answer2_texel_i;
   assign answer_valid[3] = answer3_valid_i;
   assign answer3_ready_o = answer_ready[3];
-  assign answer[3] = answer3_texel_i;
-  for (genvar p = 0; p < 4; p++) begin : gen_answer
-    skid #(
-        .Width(32)
-    ) u_skid (
-        .clk_i,
-        .rst_ni,
-        .in_valid_i(answer_valid[p]),
-        .in_ready_o(answer_ready[p]),
-        .in_i(answer[p]),
-        .out_valid_o(skid_valid[p]),
-        .out_ready_i(skid_taken[p]),
-        .out_o(texel[p])
-    );
+  assign answer[96+:32] = answer3_texel_i;
+  assign answer_valid[4] = answer4_valid_i;
+  assign answer4_ready_o = answer_ready[4];
+  assign answer[128+:32] = answer4_texel_i;
+  assign answer_valid[5] = answer5_valid_i;
+  assign answer5_ready_o = answer_ready[5];
+  assign answer[160+:32] = answer5_texel_i;
+  assign answer_valid[6] = answer6_valid_i;
+  assign answer6_ready_o = answer_ready[6];
+  assign answer[192+:32] = answer6_texel_i;
+  assign answer_valid[7] = answer7_valid_i;
+  assign answer7_ready_o = answer_ready[7];
+  assign answer[224+:32] = answer7_texel_i;
+  for (genvar p = 0; p < Ports; p++) begin : gen_answer
+    if (Mixes || p < 4) begin : gen_port
+      // Icarus 11 takes a genvar in the connection of a port here for a new net.
+      logic [31:0] word, word_q;
+      logic valid, ready, valid_q, taken;
+      assign word = answer[32*p+:32];
+      assign valid = answer_valid[p];
+      assign taken = skid_taken[p];
+      skid #(
+          .Width(32)
+      ) u_skid (
+          .clk_i,
+          .rst_ni,
+          .in_valid_i(valid),
+          .in_ready_o(ready),
+          .in_i(word),
+          .out_valid_o(valid_q),
+          .out_ready_i(taken),
+          .out_o(word_q)
+      );
+      assign answer_ready[p] = ready;
+      assign skid_valid[p] = valid_q;
+      assign texel[32*p+:32] = word_q;
+    end else begin : gen_no_port
+      assign answer_ready[p] = 1'b0;
+      assign skid_valid[p] = 1'b0;
+      assign texel[32*p+:32] = '0;
+      logic unused;
+      assign unused = ^{answer_valid[p], answer[32*p+:32], skid_taken[p]};
+    end
   end
-  logic [3:0] awaited;
-  assign awaited = {{3{quad}}, textured};
+  logic [Ports-1:0] awaited;
+  assign awaited = {{3{next && quad}}, next, {3{quad}}, textured};
   assign join_valid = asked_valid && (&(~awaited | skid_valid));
   assign join_taken = join_valid && color_en;
-  assign skid_taken = {4{join_taken}} & awaited;
+  assign skid_taken = {Ports{join_taken}} & awaited;
 
-  // ---------------------------------------------------------------- filter and colour
+  // ---------------------------------------------------------------- filter
 
-  logic [ColorClocks-1:0] color_valid_q;
+  // Up to the filter of two levels, or behind that of one.
+  localparam int ColorValidW = Mixes ? FilterAt : MixedAt;
+  logic [ColorValidW-1:0] color_valid_q;
   always_ff @(posedge clk_i or negedge rst_ni) begin
     if (!rst_ni) color_valid_q <= '0;
-    else if (color_en) color_valid_q <= {color_valid_q[ColorClocks-2:0], join_valid};
+    else if (color_en) color_valid_q <= {color_valid_q[ColorValidW-2:0], join_valid};
   end
 
-  // Clock 1: the words; a single texel stands for all four, and no texture for white.
-  logic [31:0] word_1[4];
-  logic [1:0] upper_1;
-  logic has_reserved_1;
-  logic [23:0] reserved_1;
-  always_ff @(posedge clk_i) begin
-    if (color_en) begin
-      for (int p = 0; p < 4; p++) word_1[p] <= quad ? texel[p] : textured ? texel[0] : '1;
-      upper_1 <= upper;
-      has_reserved_1 <= has_reserved;
-      reserved_1 <= reserved;
-    end
-  end
-
-  // Clock 2: which texels are reserved, and Q of alpha; place 4 is the texel nearest to the fragment.
-  //
-  // a / 255 in binary is a, repeated for ever behind the point; for 255 it is 1.
-  localparam int Copies = AlphaFrac / 8 + 1;
-  logic [31:0] word[5];
-  logic [3:0] reserved_2;
-  logic [23:0] color_2[5];
-  logic [AlphaW-1:0] alpha_2[5];
-  for (genvar p = 0; p < 5; p++) begin : gen_word
-    if (p < 4) begin : gen_texel
-      assign word[p] = word_1[p];
-    end else begin : gen_nearest
-      // Texels 0, 1, 2, 3 are V1, V4, V2, V3.
-      assign word[p] = word_1[upper_1];
-    end
-    logic [7:0] code;
-    logic opaque;
-    logic signed [8*Copies+1:0] exact;
-    logic [AlphaW-1:0] alpha;
-    assign code = word[p][31:24];
-    assign opaque = &code;
-    assign exact = opaque ? {2'b01, {8 * Copies{1'b0}}} : {2'b00, {Copies{code}}};
-    quantize #(
-        .InW(8 * Copies + 2),
-        .InFrac(8 * Copies),
-        .OutW(AlphaW),
-        .OutFrac(AlphaFrac),
-        .OutSigned(AlphaSigned),
-        .Rounding(AlphaRnd),
-        .Overflow(AlphaOvf)
-    ) u_alpha (
-        .x_i(exact),
-        .sticky_i(!opaque && code != '0),
-        .q_o(alpha)
-    );
-    always_ff @(posedge clk_i) begin
-      if (color_en) begin
-        color_2[p] <= word[p][23:0];
-        alpha_2[p] <= alpha;
-      end
-    end
-    if (p < 4) begin : gen_reserved
-      always_ff @(posedge clk_i) begin
-        if (color_en) reserved_2[p] <= has_reserved_1 && word[p][23:0] == reserved_1;
-      end
-    end
-  end
-  logic [1:0] upper_2;
-  always_ff @(posedge clk_i) begin
-    if (color_en) upper_2 <= upper_1;
-  end
-
-  // Clock 3: the nearest texel in place of reserved ones.
-  logic [23:0] color_3[4];
-  logic [AlphaW-1:0] alpha_3[4];
+  logic [95:0] color_3;
+  logic [4*AlphaW-1:0] alpha_3;
   logic hole_3;
-  always_ff @(posedge clk_i) begin
-    if (color_en) begin
-      for (int p = 0; p < 4; p++) begin
-        color_3[p] <= reserved_2[p] ? color_2[4] : color_2[p];
-        alpha_3[p] <= reserved_2[p] ? alpha_2[4] : alpha_2[p];
-      end
-      hole_3 <= reserved_2[upper_2];
-    end
-  end
-
-  // The filter.
-  logic [FracW-1:0] ex_at_filter, ey_at_second;
+  texture_words u_words (
+      .clk_i,
+      .en_i(color_en),
+      .words_i(texel[127:0]),
+      .textured_i(textured),
+      .quad_i(quad),
+      .upper_i(upper),
+      .has_reserved_i(has_reserved),
+      .reserved_i(reserved),
+      .colors_o(color_3),
+      .alphas_o(alpha_3),
+      .hole_o(hole_3)
+  );
+  logic [FracW-1:0] ex_at_filter;
   delay_line #(
       .Width(FracW),
       .Depth(FilterAt)
@@ -517,77 +482,252 @@ module texture #(
       .d_i(ex),
       .q_o(ex_at_filter)
   );
-  ring_line #(
-      .Width(FracW),
-      .Depth(FilterAt + BlendClocks)
-  ) u_ey_line (
-      .clk_i,
-      .rst_ni,
-      .en_i(color_en),
-      .d_i(ey),
-      .q_o(ey_at_second)
-  );
-  logic [MixW-1:0] mixed[3];
-  logic [AlphaW-1:0] mixed_a;
-  for (genvar c = 0; c < 3; c++) begin : gen_filter
-    texture_filter #(
-        .InW(8),
-        .FracW(FracW),
-        .OutW(MixW),
-        .OutFrac(MixFrac),
-        .OutSigned(MixSigned),
-        .OutRnd(MixRnd),
-        .OutOvf(MixOvf),
-        .ProductClocks(FilterClocks),
-        .BlendClocks(BlendClocks)
-    ) u_filter (
+
+  // Behind the filter the product's segment begins, which may be the same one: V, and a clock later the shades. Behind the
+  // product: V, the rest of the record, and what the fragment brings along.
+  localparam int TexelsW = 3 * MixW + AlphaW;
+  localparam int BesideW = 2 * IndexW + 2 * FracW;
+  logic shade_en, shade_valid;
+  logic [TexelsW-1:0] mixed, texels_out;
+  logic [4*ShadeW-1:0] shades_mixed;
+  logic [BesideW-1:0] beside_out;
+  logic [RestW-1:0] rest_out;
+  logic hole_out;
+  if (Mixes) begin : gen_two_levels
+    // The other level's texels.
+    logic [95:0] next_color_3;
+    logic [4*AlphaW-1:0] next_alpha_3;
+    logic [FracW-1:0] ey_at_filter, next_ex_at_filter, next_ey_at_filter;
+    logic [ShareW-1:0] share_at_filter;
+    logic next_hole;
+    texture_words u_next_words (
         .clk_i,
         .en_i(color_en),
-        .v1_i(color_3[0][8*c+:8]),
-        .v4_i(color_3[1][8*c+:8]),
-        .v2_i(color_3[2][8*c+:8]),
-        .v3_i(color_3[3][8*c+:8]),
+        .words_i(texel[255:128]),
+        .textured_i(next),
+        .quad_i(next && quad),
+        .upper_i(next_upper),
+        .has_reserved_i(has_reserved),
+        .reserved_i(reserved),
+        .colors_o(next_color_3),
+        .alphas_o(next_alpha_3),
+        .hole_o(next_hole)
+    );
+    delay_line #(
+        .Width(3 * FracW + ShareW),
+        .Depth(FilterAt)
+    ) u_shares_line (
+        .clk_i,
+        .en_i(color_en),
+        .d_i({ey, next_ex, next_ey, held_rest[RestW+:ShareW]}),
+        .q_o({ey_at_filter, next_ex_at_filter, next_ey_at_filter, share_at_filter})
+    );
+    localparam int BroughtW = 4 * ShadeW + BesideW + RestW;
+    logic [BroughtW-1:0] brought;
+    delay_line #(
+        .Width(BroughtW),
+        .Depth(FilterAt)
+    ) u_brought_line (
+        .clk_i,
+        .en_i(color_en),
+        .d_i({shades, index, ex, ey, rest}),
+        .q_o(brought)
+    );
+    logic hole_levels;
+    logic [4*ShadeW-1:0] shades_levels;
+    logic [BesideW-1:0] beside_levels;
+    logic [RestW-1:0] rest_levels;
+    texture_levels #(
+        .RestW(1 + BroughtW)
+    ) u_levels (
+        .clk_i,
+        .rst_ni,
+        .in_valid_i(color_valid_q[FilterAt-1]),
+        .in_ready_o(color_en),
+        .in_color1_i(color_3[23:0]),
+        .in_color4_i(color_3[47:24]),
+        .in_color2_i(color_3[71:48]),
+        .in_color3_i(color_3[95:72]),
+        .in_alpha1_i(alpha_3[0+:AlphaW]),
+        .in_alpha4_i(alpha_3[AlphaW+:AlphaW]),
+        .in_alpha2_i(alpha_3[2*AlphaW+:AlphaW]),
+        .in_alpha3_i(alpha_3[3*AlphaW+:AlphaW]),
+        .in_ex_i(ex_at_filter),
+        .in_ey_i(ey_at_filter),
+        .in_next_color1_i(next_color_3[23:0]),
+        .in_next_color4_i(next_color_3[47:24]),
+        .in_next_color2_i(next_color_3[71:48]),
+        .in_next_color3_i(next_color_3[95:72]),
+        .in_next_alpha1_i(next_alpha_3[0+:AlphaW]),
+        .in_next_alpha4_i(next_alpha_3[AlphaW+:AlphaW]),
+        .in_next_alpha2_i(next_alpha_3[2*AlphaW+:AlphaW]),
+        .in_next_alpha3_i(next_alpha_3[3*AlphaW+:AlphaW]),
+        .in_next_ex_i(next_ex_at_filter),
+        .in_next_ey_i(next_ey_at_filter),
+        .in_f_i(share_at_filter),
+        .in_rest_i({hole_3, brought}),
+        .out_valid_o(shade_valid),
+        .out_ready_i(shade_en),
+        .out_r_o(mixed[0+:MixW]),
+        .out_g_o(mixed[MixW+:MixW]),
+        .out_b_o(mixed[2*MixW+:MixW]),
+        .out_a_o(mixed[3*MixW+:AlphaW]),
+        .out_rest_o({hole_levels, shades_levels, beside_levels, rest_levels})
+    );
+    ring_line #(
+        .Width(1 + TexelsW + BesideW),
+        .Depth(ShadeClocks)
+    ) u_out_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(shade_en),
+        .d_i({hole_levels, mixed, beside_levels}),
+        .q_o({hole_out, texels_out, beside_out})
+    );
+    ring_line #(
+        .Width(RestW),
+        .Depth(ShadeClocks - AlphaTestClocks)
+    ) u_rest_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(shade_en),
+        .d_i(rest_levels),
+        .q_o(alpha_rest_o)
+    );
+    always_ff @(posedge clk_i) begin
+      if (shade_en) shades_mixed <= shades_levels;
+    end
+    logic unused;
+    assign unused = ^{next_hole, next_index};
+  end else begin : gen_one_level
+    assign color_en = shade_en;
+    assign shade_valid = color_valid_q[MixedAt-1];
+    logic [FracW-1:0] ey_at_second;
+    ring_line #(
+        .Width(FracW),
+        .Depth(FilterAt + BlendClocks)
+    ) u_ey_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(color_en),
+        .d_i(ey),
+        .q_o(ey_at_second)
+    );
+    for (genvar c = 0; c < 3; c++) begin : gen_filter
+      logic [7:0] v1, v4, v2, v3;
+      logic [MixW-1:0] v;
+      assign v1 = color_3[8*c+:8];
+      assign v4 = color_3[24+8*c+:8];
+      assign v2 = color_3[48+8*c+:8];
+      assign v3 = color_3[72+8*c+:8];
+      texture_filter #(
+          .InW(8),
+          .FracW(FracW),
+          .OutW(MixW),
+          .OutFrac(MixFrac),
+          .OutSigned(MixSigned),
+          .OutRnd(MixRnd),
+          .OutOvf(MixOvf),
+          .ProductClocks(FilterClocks),
+          .BlendClocks(BlendClocks)
+      ) u_filter (
+          .clk_i,
+          .en_i(color_en),
+          .v1_i(v1),
+          .v4_i(v4),
+          .v2_i(v2),
+          .v3_i(v3),
+          .ex_i(ex_at_filter),
+          .ey_i(ey_at_second),
+          .v_o(v)
+      );
+      assign mixed[c*MixW+:MixW] = v;
+    end
+    texture_filter #(
+        .InW(AlphaW),
+        .InFrac(AlphaFrac),
+        .InSigned(AlphaSigned),
+        .FracW(FracW),
+        .OutW(AlphaW),
+        .OutFrac(AlphaFrac),
+        .OutSigned(AlphaSigned),
+        .OutRnd(AlphaRnd),
+        .OutOvf(AlphaOvf),
+        .ProductClocks(FilterClocks),
+        .BlendClocks(BlendClocks)
+    ) u_filter_a (
+        .clk_i,
+        .en_i(color_en),
+        .v1_i(alpha_3[0+:AlphaW]),
+        .v4_i(alpha_3[AlphaW+:AlphaW]),
+        .v2_i(alpha_3[2*AlphaW+:AlphaW]),
+        .v3_i(alpha_3[3*AlphaW+:AlphaW]),
         .ex_i(ex_at_filter),
         .ey_i(ey_at_second),
-        .v_o(mixed[c])
+        .v_o(mixed[3*MixW+:AlphaW])
     );
+
+    // What waits beside the filter and the products.
+    ring_line #(
+        .Width(4 * ShadeW),
+        .Depth(MixedAt + 1)
+    ) u_shade_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(color_en),
+        .d_i(shades),
+        .q_o(shades_mixed)
+    );
+    ring_line #(
+        .Width(BesideW),
+        .Depth(ColorClocks)
+    ) u_record_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(color_en),
+        .d_i({index, ex, ey}),
+        .q_o(beside_out)
+    );
+    ring_line #(
+        .Width(RestW),
+        .Depth(ColorClocks - AlphaTestClocks)
+    ) u_rest_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(color_en),
+        .d_i(rest),
+        .q_o(alpha_rest_o)
+    );
+    delay_line #(
+        .Width(TexelsW),
+        .Depth(ShadeClocks)
+    ) u_texel_line (
+        .clk_i,
+        .en_i(color_en),
+        .d_i(mixed),
+        .q_o(texels_out)
+    );
+    delay_line #(
+        .Width(1),
+        .Depth(ColorClocks - FilterAt)
+    ) u_hole_line (
+        .clk_i,
+        .en_i(color_en),
+        .d_i(hole_3),
+        .q_o(hole_out)
+    );
+    logic unused;
+    assign unused = ^{next_upper, next_index, next_ex, next_ey, texel[255:128]};
   end
-  texture_filter #(
-      .InW(AlphaW),
-      .InFrac(AlphaFrac),
-      .InSigned(AlphaSigned),
-      .FracW(FracW),
-      .OutW(AlphaW),
-      .OutFrac(AlphaFrac),
-      .OutSigned(AlphaSigned),
-      .OutRnd(AlphaRnd),
-      .OutOvf(AlphaOvf),
-      .ProductClocks(FilterClocks),
-      .BlendClocks(BlendClocks)
-  ) u_filter_a (
-      .clk_i,
-      .en_i(color_en),
-      .v1_i(alpha_3[0]),
-      .v4_i(alpha_3[1]),
-      .v2_i(alpha_3[2]),
-      .v3_i(alpha_3[3]),
-      .ex_i(ex_at_filter),
-      .ey_i(ey_at_second),
-      .v_o(mixed_a)
-  );
+
+  // ---------------------------------------------------------------- colour
 
   // Times the shades: factors, product, Q. The factors have registers of their own, near the multipliers.
-  logic [4*ShadeW-1:0] shades_mixed;
-  ring_line #(
-      .Width(4 * ShadeW),
-      .Depth(FactorsAt)
-  ) u_shade_line (
-      .clk_i,
-      .rst_ni,
-      .en_i(color_en),
-      .d_i(shades),
-      .q_o(shades_mixed)
-  );
+  logic [ShadeClocks-1:0] shade_valid_q;
+  always_ff @(posedge clk_i or negedge rst_ni) begin
+    if (!rst_ni) shade_valid_q <= '0;
+    else if (shade_en) shade_valid_q <= {shade_valid_q[ShadeClocks-2:0], shade_valid};
+  end
   localparam int ShadeFactorW = ShadeW + ((ShadeSigned != 0) ? 0 : 1);
   localparam int MixFactorW = MixW + ((MixSigned != 0) ? 0 : 1);
   localparam int AlphaFactorW = AlphaW + ((AlphaSigned != 0) ? 0 : 1);
@@ -604,10 +744,10 @@ module texture #(
     mul_pipe #(
         .AW(MixFactorW),
         .BW(ShadeFactorW),
-        .Clocks(ShadeClocks)
+        .Clocks(ShadeProductClocks)
     ) u_product (
         .clk_i,
-        .en_i(color_en),
+        .en_i(shade_en),
         .a_i(factor_q),
         .b_i(shade[c]),
         .p_o(product)
@@ -626,8 +766,8 @@ module texture #(
         .q_o(color)
     );
     always_ff @(posedge clk_i) begin
-      if (color_en) begin
-        factor_q <= MixFactorW'($signed({(MixSigned != 0) & mixed[c][MixW-1], mixed[c]}));
+      if (shade_en) begin
+        factor_q <= MixFactorW'($signed({(MixSigned != 0) & mixed[(c+1)*MixW-1], mixed[c*MixW+:MixW]}));
         color_q[c] <= color;
       end
     end
@@ -638,10 +778,10 @@ module texture #(
   mul_pipe #(
       .AW(AlphaFactorW),
       .BW(ShadeFactorW),
-      .Clocks(ShadeClocks)
+      .Clocks(ShadeProductClocks)
   ) u_product_a (
       .clk_i,
-      .en_i(color_en),
+      .en_i(shade_en),
       .a_i(factor_a_q),
       .b_i(shade[3]),
       .p_o(product_a)
@@ -660,78 +800,34 @@ module texture #(
       .q_o(alpha)
   );
   always_ff @(posedge clk_i) begin
-    if (color_en) begin
-      factor_a_q <= AlphaFactorW'($signed({(AlphaSigned != 0) & mixed_a[AlphaW-1], mixed_a}));
+    if (shade_en) begin
+      factor_a_q <= AlphaFactorW'($signed({(AlphaSigned != 0) & mixed[TexelsW-1], mixed[3*MixW+:AlphaW]}));
       alpha_q <= alpha;
     end
   end
 
-  // What waits beside the filter and the products.
-  logic [2*IndexW-1:0] index_out;
-  logic [FracW-1:0] ex_out, ey_out;
-  logic [RestW-1:0] rest_out;
-  ring_line #(
-      .Width(2 * IndexW + 2 * FracW),
-      .Depth(ColorClocks)
-  ) u_record_line (
-      .clk_i,
-      .rst_ni,
-      .en_i(color_en),
-      .d_i({index, ex, ey}),
-      .q_o({index_out, ex_out, ey_out})
-  );
-  ring_line #(
-      .Width(RestW),
-      .Depth(ColorClocks - AlphaTestClocks)
-  ) u_rest_line (
-      .clk_i,
-      .rst_ni,
-      .en_i(color_en),
-      .d_i(rest),
-      .q_o(alpha_rest_o)
-  );
   ring_line #(
       .Width(RestW),
       .Depth(AlphaTestClocks)
   ) u_rest_end_line (
       .clk_i,
       .rst_ni,
-      .en_i(color_en),
+      .en_i(shade_en),
       .d_i(alpha_rest_o),
       .q_o(rest_out)
-  );
-  localparam int TexelsW = 3 * MixW + AlphaW;
-  logic [TexelsW-1:0] texels_out;
-  delay_line #(
-      .Width(TexelsW),
-      .Depth(ColorClocks - MixedAt)
-  ) u_texel_line (
-      .clk_i,
-      .en_i(color_en),
-      .d_i({mixed[0], mixed[1], mixed[2], mixed_a}),
-      .q_o(texels_out)
-  );
-  logic hole_out;
-  delay_line #(
-      .Width(1),
-      .Depth(ColorClocks - FilterAt)
-  ) u_hole_line (
-      .clk_i,
-      .en_i(color_en),
-      .d_i(hole_3),
-      .q_o(hole_out)
   );
   // The alpha test: no division is left where the fragment leaves. Its code floor(255 a + 1/2) reaches k from
   // a = (2 k - 1) / 510 on; a's least raw value for the reference and for the next code are formed beside the products.
   // n / 255 is n's whole 255s, and behind the point the rest's byte for ever.
   localparam int CompareAlphaW = ((AlphaW > AlphaFrac + 1) ? AlphaW : AlphaFrac + 1) + 1;
+  localparam int Copies = AlphaFrac / 8 + 1;
   localparam int Digits = 8 * Copies;
   logic [2:0] alpha_func_1, alpha_func_2, alpha_func_3;
   logic [7:0] alpha_ref_1;
   logic ref_is_zero_2, ref_is_last_2, ref_is_last_3;
   logic signed [CompareAlphaW-1:0] alpha_least_q[2];
   always_ff @(posedge clk_i) begin
-    if (color_en) begin
+    if (shade_en) begin
       alpha_func_1 <= alpha_func_i;
       alpha_func_2 <= alpha_func_1;
       alpha_func_3 <= alpha_func_2;
@@ -771,15 +867,15 @@ module texture #(
       logic unused_ones;
       assign unused_ones = ^below;
       always_ff @(posedge clk_i) begin
-        if (color_en) alpha_least_q[k] <= ref_is_zero_2 ? -below_wide : least_2;
+        if (shade_en) alpha_least_q[k] <= ref_is_zero_2 ? -below_wide : least_2;
       end
     end else begin : gen_others
       always_ff @(posedge clk_i) begin
-        if (color_en) alpha_least_q[k] <= least_2;
+        if (shade_en) alpha_least_q[k] <= least_2;
       end
     end
     always_ff @(posedge clk_i) begin
-      if (color_en) begin
+      if (shade_en) begin
         whole_2 <= whole_1;
         byte_2 <= byte_1;
       end
@@ -793,31 +889,31 @@ module texture #(
   assign alpha_passes = (!reaches_ref && alpha_func_3[0]) || (reaches_ref && !is_above_ref && alpha_func_3[1]) ||
                         (is_above_ref && alpha_func_3[2]);
 
-  localparam int RecordW = 2 * IndexW + 2 * FracW + TexelsW + 3 * ColorW + AlphaW + 1;
+  localparam int RecordW = BesideW + TexelsW + 3 * ColorW + AlphaW + 1;
   skid #(
       .Width(RecordW + RestW)
   ) u_out_skid (
       .clk_i,
       .rst_ni,
-      .in_valid_i(color_valid_q[ColorClocks-1]),
-      .in_ready_o(color_en),
-      .in_i({index_out, ex_out, ey_out, texels_out, color_q[0], color_q[1], color_q[2], alpha_q,
+      .in_valid_i(shade_valid_q[ShadeClocks-1]),
+      .in_ready_o(shade_en),
+      .in_i({beside_out, texels_out, color_q[0], color_q[1], color_q[2], alpha_q,
              hole_out || alpha_q == '0 || !alpha_passes, rest_out}),
       .out_valid_o,
       .out_ready_i,
-      .out_o({out_i_o, out_j_o, out_ex_o, out_ey_o, out_texel_r_o, out_texel_g_o, out_texel_b_o, out_texel_a_o,
+      .out_o({out_i_o, out_j_o, out_ex_o, out_ey_o, out_texel_a_o, out_texel_b_o, out_texel_g_o, out_texel_r_o,
               out_r_o, out_g_o, out_b_o, out_a_o, out_killed_o, out_rest_o})
   );
 
   logic unused;
-  assign unused = ^{queue_ready, held_valid};
+  assign unused = ^{queue_ready, held_valid, unused_share, ask_level, ask_next_level};
 
 `ifndef SYNTHESIS
   initial begin
-    assert (bitspan_pixel_pkg::TextureAddressClocks == AddressClocks &&
-            bitspan_pixel_pkg::TextureColorClocks == ColorClocks)
-    else $fatal(1, "texture: has %0d and %0d clocks, told %0d and %0d", AddressClocks, ColorClocks,
-                bitspan_pixel_pkg::TextureAddressClocks, bitspan_pixel_pkg::TextureColorClocks);
+    assert (bitspan_pixel_pkg::TextureColorClocks == ColorClocks &&
+            bitspan_pixel_pkg::TextureShadeClocks == (Mixes ? ShadeClocks : 0))
+    else $fatal(1, "texture: has %0d and %0d clocks, told %0d and %0d", ColorClocks, ShadeClocks,
+                bitspan_pixel_pkg::TextureColorClocks, bitspan_pixel_pkg::TextureShadeClocks);
   end
   always @(posedge clk_i) begin
     if (in_taken && in_textured_i) begin

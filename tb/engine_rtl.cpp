@@ -47,7 +47,7 @@ class RtlEngine final : public Engine {
     run_.begin(scene, true);
     runs_ = 0;
     rtl_.reset();
-    holds_scene_ = has_pixel_rtl(config_) && holds_textures(scene);
+    holds_scene_ = has_pixel_rtl(config_) && holds_textures(config_, scene);
     for (Chain& chain : chains_) chain.has_begun = false;
     take_state();
   }
@@ -133,21 +133,21 @@ class RtlEngine final : public Engine {
 
   // The fragments of a row from depth to the frame: on the RTL's way, or by the model where it has none.
   void shade(const model::Surface& surface, Trace* trace) {
+    const GradientRecord* gradient =
+        fragments_.empty() ? nullptr : model::gradient_of(batch_.rows, fragments_.front().triangle);
     if (pixels_ != nullptr) {
       for (const FragmentRecord& f : fragments_) {
         if (f.covered == 0) continue;
         if (model::is_drawn(run_.pipeline, f)) {
-          covered_.push_back({f, std::max(surface.texture, -1), surface.back});
+          covered_.push_back({f, std::max(surface.texture, -1), surface.back, gradient});
         } else {
           ++run_.counters.masked;
         }
       }
       return;
     }
-    model::fragments_to_frame(
-        run_.pipeline, *run_.scene, fragments_, surface,
-        fragments_.empty() ? nullptr : model::gradient_of(batch_.rows, fragments_.front().triangle),
-        run_.frame, run_.counters, trace);
+    model::fragments_to_frame(run_.pipeline, *run_.scene, fragments_, surface, gradient, run_.frame,
+                              run_.counters, trace);
   }
 
   struct LastSpan {
@@ -252,7 +252,7 @@ bool tests_stencil(const Config& config, std::span<const DrawCommand> commands) 
 }  // namespace
 
 bool rtl_draws_pixels(const Config& config, const Scene& scene) {
-  return has_pixel_rtl(config) && holds_textures(scene) && pixel_rtl_takes(config, scene.commands);
+  return has_pixel_rtl(config) && holds_textures(config, scene) && pixel_rtl_takes(config, scene.commands);
 }
 
 EngineOwn rtl_own(const Config& config, const Scene& scene) {
@@ -275,6 +275,7 @@ EngineOwn rtl_own(const Config& config, const Scene& scene) {
        {RecordType::depth, RecordType::stencil, RecordType::texture, RecordType::fog, RecordType::merge}) {
     fields_of_type(type) = fields_of(type).size() - 1;  // all but the triangle
   }
+  if (has_lod(config)) fields_of_type(RecordType::lod) = fields_of(RecordType::lod).size() - 1;
   // i and j, although the RTL finds those of the other textures.
   const bool finds_all = std::ranges::all_of(
       scene.textures, [&](const Texture& texture) { return addresses_texels(config, texture); });

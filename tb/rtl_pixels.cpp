@@ -14,6 +14,7 @@
 #include "config/pixel_timing.hpp"
 #include "engine/emit_pixel_sv.hpp"
 #include "engine/sv_writer.hpp"
+#include "model/numeric/exact.hpp"
 #include "model/stages/texel.hpp"
 #include "tb/rtl_build.hpp"
 
@@ -24,7 +25,30 @@ constexpr std::uint64_t texel_indices = std::uint64_t{1} << texel_index_bits;
 // In front of this address lie the textures. Behind it the address says only that the model names the texel.
 constexpr std::uint64_t modelled_base = std::uint64_t{1} << (texel_address_bits - 1);
 // A texture of any size that the RTL repeats.
-constexpr TexelPlace modelled_place{texel_indices - 1, texel_indices - 1, texel_index_bits, modelled_base};
+constexpr TexelPlace modelled_place{
+    texel_indices - 1, texel_indices - 1, texel_index_bits, modelled_base, 0, false};
+
+// An exact value that a format holds, at its port.
+std::uint64_t raw_port(model::Exact value, const Format& format) {
+  return Rtl::to_port(static_cast<std::int64_t>(model::on_grid(value, format.fraction())), format.word);
+}
+
+// Behind a texture and its levels: the texture lies as many texels behind the base as it has.
+std::uint64_t end_of(const TexelPlace& p) {
+  return p.base + ((p.last_j + 1) << (p.pitch + (p.has_levels ? 1 : 0)));
+}
+
+// The texel so many places behind the base: of that level that begins there or in front.
+std::optional<std::uint32_t> texel_in_chain(const model::MipChain& chain, std::uint64_t place) {
+  for (const Texture& level : chain) {
+    const auto width = static_cast<std::uint64_t>(level.width);
+    const std::uint64_t begin = width * static_cast<std::uint64_t>(level.height);
+    if (place < begin || place >= 2 * begin) continue;
+    return texel_word(level, static_cast<std::int64_t>((place - begin) % width),
+                      static_cast<std::int64_t>((place - begin) / width));
+  }
+  return std::nullopt;
+}
 
 // A tap's fields are its record's, in their order; all pixel records begin with the triangle.
 template <class R>
@@ -84,7 +108,14 @@ StageDesign pixel_pipe_design(const Config& config, DepthWhen when) {
                                "alpha_dst",
                                "alpha_op",
                                "constant",
-                               "logic"}},
+                               "logic",
+                               "last_level",
+                               "h_x",
+                               "h_y",
+                               "gu_x",
+                               "gu_y",
+                               "gv_x",
+                               "gv_y"}},
                              {ChannelKind::in, "in", {"x", "y", "h", "u", "v", "r", "g", "b", "a", "back"}},
                              {ChannelKind::out, "z_request", {"x", "y"}},
                              {ChannelKind::in, "z_answer", {"z", "stencil"}},
@@ -97,9 +128,10 @@ StageDesign pixel_pipe_design(const Config& config, DepthWhen when) {
                              tap_of<TextureRecord>("texture_record"),
                              tap_of<FogRecord>("fog_record"),
                              tap_of<MergeRecord>("merge_record"),
-                             tap_of<MergeAlphaRecord>("merge_alpha_record")},
+                             tap_of<MergeAlphaRecord>("merge_alpha_record"),
+                             tap_of<LodRecord>("lod_record")},
                 .constants = {"b", "c1", "c0", "scale", "width", "height", "load", "load_threshold",
-                              "load_place", "load_data"},
+                              "load_place", "load_data", "lod_a", "load_k", "load_k_place", "load_k_data"},
                 .levels = {"idle"}};
   for (int port = 0; port < texel_ports; ++port) {
     d.channels.push_back({ChannelKind::out, fmt::format("texel{}_request", port), {"address"}});
@@ -119,7 +151,7 @@ Format port_format(const Field& field, const Config& config) {
   return f;
 }
 
-std::vector<TexelPlace> place_textures(const Scene& scene, std::uint64_t end) {
+std::vector<TexelPlace> place_textures(const Config& config, const Scene& scene, std::uint64_t end) {
   std::vector<TexelPlace> places;
   for (const Texture& t : scene.textures) {
     TexelPlace p;
@@ -127,16 +159,17 @@ std::vector<TexelPlace> place_textures(const Scene& scene, std::uint64_t end) {
     p.last_j = static_cast<std::uint64_t>(t.height - 1);
     p.pitch = static_cast<std::uint64_t>(std::bit_width(p.last_i));
     p.base = ((end >> p.pitch) + 1) << p.pitch;
-    end = p.base + ((p.last_j + 1) << p.pitch);
+    p.has_levels = has_levels_in_rtl(config);
+    if (p.has_levels) p.last_level = static_cast<std::uint64_t>(std::bit_width(p.last_i | p.last_j));
+    end = end_of(p);
     places.push_back(p);
   }
   return places;
 }
 
-bool holds_textures(const Scene& scene) {
-  return std::ranges::all_of(place_textures(scene), [](const TexelPlace& p) {
-    const std::uint64_t end = p.base + ((p.last_j + 1) << p.pitch);
-    return std::max(p.last_i, p.last_j) < texel_indices && end <= modelled_base;
+bool holds_textures(const Config& config, const Scene& scene) {
+  return std::ranges::all_of(place_textures(config, scene), [](const TexelPlace& p) {
+    return std::max(p.last_i, p.last_j) < texel_indices && end_of(p) <= modelled_base;
   });
 }
 
@@ -150,13 +183,14 @@ std::uint32_t texel_word(const Texture& texture, std::int64_t i, std::int64_t j)
   return p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
 }
 
-std::optional<std::uint32_t> texel_at(const Scene& scene, std::span<const TexelPlace> places,
-                                      std::uint64_t address) {
+std::optional<std::uint32_t> texel_at(const Scene& scene, std::span<const model::MipChain> chains,
+                                      std::span<const TexelPlace> places, std::uint64_t address) {
   const auto after =
       std::ranges::upper_bound(places, address, {}, [](const TexelPlace& p) { return p.base; });
   if (after == places.begin()) return std::nullopt;
   const auto texture = static_cast<std::size_t>(after - places.begin()) - 1;
   const TexelPlace& p = places[texture];
+  if (p.has_levels) return texel_in_chain(chains[texture], address - p.base);
   const std::uint64_t j = (address - p.base) >> p.pitch;
   const std::uint64_t i = (address - p.base) & ((std::uint64_t{1} << p.pitch) - 1);
   if (i > p.last_i || j > p.last_j) return std::nullopt;
@@ -227,6 +261,15 @@ StageValues draw_values(const Config& config, const RtlDraw& s) {
                 {number(s.equation.color.src), number(s.equation.color.dst), number(s.equation.color.op),
                  number(s.equation.alpha.src), number(s.equation.alpha.dst), number(s.equation.alpha.op),
                  constant, number(s.equation.logic)});
+  const auto port = [&config](std::int64_t raw, FormatId id) {
+    return Rtl::to_port(raw, config.format(id).word);
+  };
+  values.push_back(s.place.last_level);
+  for (const std::int64_t h : {s.gradient.h_x, s.gradient.h_y})
+    values.push_back(port(h, FormatId::plane_h_grad));
+  for (const std::int64_t g : {s.gradient.gu_x, s.gradient.gu_y, s.gradient.gv_x, s.gradient.gv_y}) {
+    values.push_back(port(g, FormatId::plane_g_grad));
+  }
   return values;
 }
 
@@ -241,7 +284,8 @@ StageValues fragment_values(const Config& config, const FragmentRecord& f, bool 
           port(f.a, FormatId::span_shade), std::uint64_t{back}};
 }
 
-StageValues frame_values(const Config& config, const ConstantsRecord& k, const Scene& scene) {
+StageValues frame_values(const Config& config, const ConstantsRecord& k, const Scene& scene,
+                         const model::LodStage& lod) {
   const auto port = [&config](std::int64_t raw, FormatId id) {
     return Rtl::to_port(raw, config.format(id).word);
   };
@@ -254,7 +298,20 @@ StageValues frame_values(const Config& config, const ConstantsRecord& k, const S
           0,
           0,
           0,
+          0,
+          has_lod_zones(config) ? raw_port(lod.a, config.format(FormatId::distance_a)) : 0,
+          0,
+          0,
           0};
+}
+
+std::vector<std::uint64_t> zone_loads(const Config& config, const model::LodStage& lod) {
+  std::vector<std::uint64_t> loads;
+  if (!has_lod_zones(config)) return loads;
+  for (const model::LodStage::Zone& zone : lod.zones) {
+    loads.push_back(raw_port(zone.k, config.format(FormatId::lod_k)));
+  }
+  return loads;
 }
 
 std::vector<FogLoad> fog_loads(const Config& config, const model::FogStage& fog) {
@@ -316,6 +373,7 @@ struct RtlPixels::Pipe {
         outputs(m.outputs.size()),
         constants(port_place(m.inputs, d.constants.front() + "_i")),
         load(port_place(m.inputs, "load_i")),
+        load_k(port_place(m.inputs, "load_k_i")),
         idle(port_place(m.outputs, "idle_o")) {
     const auto find = [&](const std::string& name) {
       return ports_of(m, *std::ranges::find(d.channels, name, &StageChannel::name));
@@ -330,6 +388,7 @@ struct RtlPixels::Pipe {
     fog = tap<FogRecord>(find("fog_record"));
     merge = tap<MergeRecord>(find("merge_record"));
     merge_alpha = tap<MergeAlphaRecord>(find("merge_alpha_record"));
+    lod = tap<LodRecord>(find("lod_record"));
     z = {find("z_request"), find("z_answer"), {}, 2};
     color = {find("color_request"), find("color_answer"), {}, 4};
     for (std::size_t port = 0; port < texels.size(); ++port) {
@@ -339,6 +398,8 @@ struct RtlPixels::Pipe {
     const PixelTiming t = pixel_timing(config);
     clocks_until_empty = t.depth.total + t.stencil.total + t.texture.total + t.fog.total +
                          t.merge.total_blending + t.in_flight;
+    if (t.has_lod) clocks_until_empty += t.lod.total;
+    draws_each_triangle = has_lod_gradients(config);
     merged_color = config.format(FormatId::merge_color);
   }
 
@@ -391,7 +452,7 @@ struct RtlPixels::Pipe {
     uv_ulp = std::ldexp(1.0, -p.texture.uv.fraction);
     module.reset();
     std::ranges::fill(inputs, 0);
-    const StageValues values = frame_values(config, p.constants.record, s);
+    const StageValues values = frame_values(config, p.constants.record, s, p.lod);
     std::ranges::copy(values, inputs.begin() + static_cast<std::ptrdiff_t>(constants));
     for (const ChannelPorts* out : {&z.request, &z_write, &color.request, &color_write}) {
       inputs[out->ready] = 1;
@@ -406,9 +467,17 @@ struct RtlPixels::Pipe {
       module.clock(inputs, outputs);
     }
     inputs[load] = 0;
+    const std::vector<std::uint64_t> zones = zone_loads(config, p.lod);
+    for (std::size_t level = 0; level < zones.size(); ++level) {
+      inputs[load_k] = 1;
+      inputs[load_k + 1] = level;
+      inputs[load_k + 2] = zones[level];
+      module.clock(inputs, outputs);
+    }
+    inputs[load_k] = 0;
     clocks = 0;
 
-    places = place_textures(s);
+    places = place_textures(config, s);
     modelled.clear();
     for (const Texture& t : s.textures) modelled.push_back(!addresses_texels(config, t));
     set(p.state);
@@ -438,15 +507,33 @@ struct RtlPixels::Pipe {
       state.place = modelled[i] ? modelled_place : places[i];
       textured_draws.push_back(draw_values(config, state));
     }
-    drawn = nothing_drawn;
+    drawn = {};
   }
 
-  const StageValues& draw_of(int texture) const {
-    return texture < 0 ? untextured_draw : textured_draws[static_cast<std::size_t>(texture)];
+  // The draw state of a fragment, at the port.
+  void put_draw(const Fragment& f) {
+    put(draw, f.texture < 0 ? untextured_draw : textured_draws[static_cast<std::size_t>(f.texture)]);
+    if (f.gradient == nullptr) return;
+    const auto values = draw_values(config, {.gradient = *f.gradient});
+    const auto gradient = std::span(values).last(gradient_ports);
+    std::ranges::copy(
+        gradient, inputs.begin() + static_cast<std::ptrdiff_t>(draw.first + values.size() - gradient_ports));
   }
 
-  std::array<Answers*, 2 + texel_ports> answers() {
-    return {&z, &color, texels.data(), &texels[1], &texels[2], &texels[3]};
+  std::array<Answers*, read_ports> answers() {
+    std::array<Answers*, read_ports> all{&z, &color};
+    for (std::size_t port = 0; port < texels.size(); ++port) all[first_texel_port + port] = &texels[port];
+    return all;
+  }
+
+  // What a fragment's draw state is of: a texture, and a triangle where it has the triangle's gradients.
+  struct Drawn {
+    int texture = -2;  // none
+    std::int64_t triangle = -1;
+    bool operator==(const Drawn&) const = default;
+  };
+  Drawn drawn_for(const Fragment& f) const {
+    return {f.texture, draws_each_triangle ? f.record.triangle : -1};
   }
 
   // Runs one clock; returns whether anything but the fragments' own handshake moved.
@@ -492,13 +579,17 @@ struct RtlPixels::Pipe {
       Answers& t = texels[port];
       if (!asked(t.request)) continue;
       const std::uint64_t address = outputs[t.request.first];
-      t.values.push_back({address < modelled_base ? texel_at(*scene, places, address).value_or(0)
+      t.values.push_back({address < modelled_base ? texel_at(*scene, chains(), places, address).value_or(0)
                                                   : next_modelled_texel(port)});
       moved = true;
     }
     return moved;
   }
+  std::span<const model::MipChain> chains() const { return pipeline->mip_chains.all(); }
+  // Textures with levels are not among those that are modelled, so that the ports of the next level never
+  // ask.
   std::uint32_t next_modelled_texel(std::size_t port) {
+    if (port >= texels_asked.size()) return 0;
     const std::size_t i = texels_asked[port]++;
     return i < modelled_texels.size() ? modelled_texels[i].words[port] : 0;
   }
@@ -530,8 +621,8 @@ struct RtlPixels::Pipe {
 
   // What the taps show of the fragments.
   bool records() {
-    const bool moved = (outputs[depth.valid] | outputs[stencil.valid] | outputs[texture.valid] |
-                        outputs[fog.valid] | outputs[merge.valid]) != 0;
+    const bool moved = (outputs[depth.valid] | outputs[stencil.valid] | outputs[lod.valid] |
+                        outputs[texture.valid] | outputs[fog.valid] | outputs[merge.valid]) != 0;
     if (sent.empty()) return moved;  // only faulty RTL shows anything then
     const std::size_t last = sent.size() - 1;
     if (outputs[depth.valid] != 0) {
@@ -556,6 +647,10 @@ struct RtlPixels::Pipe {
       } else if (at < depth_passes.size() && depth_passes[at] != 0) {
         pass(f);
       }
+    }
+    if (outputs[lod.valid] != 0) {
+      const std::size_t f = before_lod.take(last);
+      if (trace != nullptr) deliver(trace, record(lod, sent[f].record.triangle));
     }
     if (outputs[texture.valid] != 0) {
       const std::size_t f = is_late ? std::min(textured++, last) : passed.take(last);
@@ -592,10 +687,12 @@ struct RtlPixels::Pipe {
   void pass(std::size_t f) {
     ++counters->depth_passed;
     passed.fragments.push_back(f);
-    if (!is_late) goes_to_texture(sent[f]);
+    if (!is_late) goes_to_texture(f);
   }
-  void goes_to_texture(const Fragment& f) {
-    if (is_modelled(f)) find_texels(f);
+  // By way of lod, where there is one.
+  void goes_to_texture(std::size_t f) {
+    if (has_levels_in_rtl(config)) before_lod.fragments.push_back(f);
+    if (is_modelled(sent[f])) find_texels(sent[f]);
   }
   bool is_modelled(const Fragment& f) const {
     return f.texture >= 0 && modelled[static_cast<std::size_t>(f.texture)];
@@ -619,7 +716,7 @@ struct RtlPixels::Pipe {
     stepped.clear();
     tested = 0;
     textured = 0;
-    for (Underway* u : {&passed, &alive, &fogged, &depth_tested}) *u = {};
+    for (Underway* u : {&passed, &before_lod, &alive, &fogged, &depth_tested}) *u = {};
     depth_passes.clear();
     modelled_texels.clear();
     texels_asked = {};
@@ -631,11 +728,11 @@ struct RtlPixels::Pipe {
     trace = nullptr;
     // idle is a clock late.
     if (outputs[idle] != 0 && !taken(in)) forget_fragments();
-    const auto has = [](PortSet set, std::size_t p) { return std::uint64_t{set >> p & 1U}; };
+    const auto has = [](PortSet set, std::size_t p) { return std::uint64_t{unsigned{set} >> p & 1U}; };
     inputs[draw.valid] = drive.draw_valid ? 1 : 0;
     inputs[in.valid] = drive.in_valid ? 1 : 0;
     if (offered != nullptr) {
-      put(draw, draw_of(offered->texture));
+      put_draw(*offered);
       put(in, fragment_values(config, offered->record, offered->back));
     }
     const auto all = answers();
@@ -656,7 +753,7 @@ struct RtlPixels::Pipe {
     clock_as_driven();
     if (drive.in_valid && offered != nullptr) {
       if (!taken(in)) stepped.pop_back();
-      if (taken(in) && is_late) goes_to_texture(*offered);
+      if (taken(in) && is_late) goes_to_texture(stepped.size() - 1);
     }
 
     PixelChainPorts out;
@@ -671,8 +768,8 @@ struct RtlPixels::Pipe {
       out.answer_ready |= bit(all[p]->answer.ready, p);
     }
     out.write_valid = bit(z_write.valid, z_port) | bit(color_write.valid, color_port);
-    out.records = bit(depth.valid, 0) | bit(texture.valid, 1) | bit(fog.valid, 2) | bit(merge.valid, 3) |
-                  bit(stencil.valid, 4);
+    out.records = static_cast<std::uint8_t>(bit(depth.valid, 0) | bit(texture.valid, 1) | bit(fog.valid, 2) |
+                                            bit(merge.valid, 3) | bit(stencil.valid, 4) | bit(lod.valid, 5));
     return out;
   }
 
@@ -687,22 +784,22 @@ struct RtlPixels::Pipe {
     std::size_t shown = sent.size();  // the fragment whose values stand at the port
     while (true) {
       const bool sends = next < sent.size();
-      const bool draws_first = sends && sent[next].texture != drawn;
+      const bool draws_first = sends && drawn_for(sent[next]) != drawn;
       inputs[draw.valid] = draws_first ? 1 : 0;
       inputs[in.valid] = sends && !draws_first ? 1 : 0;
       if (draws_first) {
-        put(draw, draw_of(sent[next].texture));
+        put_draw(sent[next]);
       } else if (sends && shown != next) {
         put(in, fragment_values(config, sent[next].record, sent[next].back));
         shown = next;
       }
       bool moved = clock();
       if (taken(draw)) {
-        drawn = sent[next].texture;
+        drawn = drawn_for(sent[next]);
         moved = true;
       }
       if (taken(in)) {
-        if (is_late) goes_to_texture(sent[next]);
+        if (is_late) goes_to_texture(next);
         ++next;
         moved = true;
       }
@@ -722,7 +819,7 @@ struct RtlPixels::Pipe {
   RtlModule module;
   std::vector<std::uint64_t> inputs, outputs;
   // Places of ports.
-  std::size_t constants, load, idle;
+  std::size_t constants, load, load_k, idle;
   ChannelPorts draw, in, z_write, color_write;
   Tap<DepthRecord> depth;
   Tap<StencilRecord> stencil;
@@ -730,6 +827,7 @@ struct RtlPixels::Pipe {
   Tap<FogRecord> fog;
   Tap<MergeRecord> merge;
   Tap<MergeAlphaRecord> merge_alpha;
+  Tap<LodRecord> lod;
   Answers z, color;
   std::array<Answers, texel_ports> texels;
   int clocks_until_empty = 0;
@@ -745,9 +843,10 @@ struct RtlPixels::Pipe {
   StageValues untextured_draw;
   std::vector<StageValues> textured_draws;  // by texture
   bool writes_color = true, tests_stencil = false;
-  static constexpr int nothing_drawn = -2;
-  int drawn = nothing_drawn;  // the texture of the draw state that was transferred last
-  std::uint64_t clocks = 0;   // behind the loading
+  static constexpr std::size_t gradient_ports = 6;  // the last ones of the draw state
+  bool draws_each_triangle = false;
+  Drawn drawn;               // of the draw state that was transferred last
+  std::uint64_t clocks = 0;  // behind the loading
 
   // Set by run() and step().
   std::span<const Fragment> sent;
@@ -755,15 +854,16 @@ struct RtlPixels::Pipe {
   Counters* counters = nullptr;
   Trace* trace = nullptr;
   std::size_t tested = 0, textured = 0;
-  // On the way to texture, or fog, where the tests are late; the other way round; to merge; to stencil.
-  Underway passed, alive, fogged, depth_tested;
+  // On the way to texture, or fog, where the tests are late; the other way round; to merge; to stencil; to
+  // lod.
+  Underway passed, alive, fogged, depth_tested, before_lod;
   std::vector<std::int64_t> depth_passes;  // of all that came to stencil
   struct ModelledTexel {
     std::int64_t i, j;
-    std::array<std::uint32_t, texel_ports> words;
+    std::array<std::uint32_t, level_texel_ports> words;
   };
   std::vector<ModelledTexel> modelled_texels;  // of those that came to texture
-  std::array<std::size_t, texel_ports> texels_asked{};
+  std::array<std::size_t, level_texel_ports> texels_asked{};
   std::size_t texels_shown = 0;
 };
 

@@ -15,7 +15,9 @@
 #include "engine/counters.hpp"
 #include "engine/frame.hpp"
 #include "engine/records.hpp"
+#include "model/mip_chain.hpp"
 #include "model/pipeline.hpp"
+#include "model/stages/lod.hpp"
 #include "model/timed/pixel_chain_timing.hpp"
 #include "scene/scene.hpp"
 #include "tb/rtl_channels.hpp"
@@ -29,21 +31,25 @@ StageDesign pixel_pipe_design(const Config& config, DepthWhen when = DepthWhen::
 // How the bits of a pixel record's field stand at its port.
 Format port_format(const Field& field, const Config& config);
 
-// Where a texture lies in the texel memory, and its last column and row: a row takes 2^pitch texels.
+// Where a texture lies in the texel memory, and its last column and row: a row takes 2^pitch texels. A
+// texture with a mip chain has `last_level` above 0 or a single texel; its levels lie as
+// rtl/texture_address.sv says.
 struct TexelPlace {
-  std::uint64_t last_i = 0, last_j = 0, pitch = 0, base = 0;
+  std::uint64_t last_i = 0, last_j = 0, pitch = 0, base = 0, last_level = 0;
+  bool has_levels = false;
 };
 // One per texture, behind the address `end`.
-std::vector<TexelPlace> place_textures(const Scene& scene, std::uint64_t end = 0);
+std::vector<TexelPlace> place_textures(const Config& config, const Scene& scene, std::uint64_t end = 0);
 // Whether the RTL's indices and addresses are wide enough for all textures.
-bool holds_textures(const Scene& scene);
+bool holds_textures(const Config& config, const Scene& scene);
 // Whether the RTL finds a texture's texels by itself: it repeats only textures whose sizes are powers of two.
 bool addresses_texels(const Config& config, const Texture& texture);
 // A texel's word, red in the lowest byte.
 std::uint32_t texel_word(const Texture& texture, std::int64_t i, std::int64_t j);
-// None where the address holds no texel.
-std::optional<std::uint32_t> texel_at(const Scene& scene, std::span<const TexelPlace> places,
-                                      std::uint64_t address);
+// None where the address holds no texel. chains: of the scene's textures, read where their places have
+// levels.
+std::optional<std::uint32_t> texel_at(const Scene& scene, std::span<const model::MipChain> chains,
+                                      std::span<const TexelPlace> places, std::uint64_t address);
 
 // The registers of the stencil test as the ports have them: both sides are there, whether they differ or not.
 struct RtlStencilSide {
@@ -72,20 +78,24 @@ struct RtlDraw {
   model::Blend equation{};  // with rtl.blend = equation, in place of `blend`
   CompareFunc alpha_func = CompareFunc::always;
   std::int32_t alpha_ref = 0;
-  RtlStencil stencil{};  // read where the tests are late
+  RtlStencil stencil{};       // read where the tests are late
+  GradientRecord gradient{};  // of the triangle, where lod takes it
 };
 // On the channels `draw` and `in`.
 StageValues draw_values(const Config& config, const RtlDraw& state);
 StageValues fragment_values(const Config& config, const FragmentRecord& fragment, bool back = false);
 
 // What the constants of the design hold, in its order, while nothing is loaded.
-StageValues frame_values(const Config& config, const ConstantsRecord& constants, const Scene& scene);
+StageValues frame_values(const Config& config, const ConstantsRecord& constants, const Scene& scene,
+                         const model::LodStage& lod);
 // One clock of the port `load`: the fields load_threshold, load_place and load_data.
 struct FogLoad {
   bool threshold = false;
   std::uint64_t place = 0, data = 0;
 };
 std::vector<FogLoad> fog_loads(const Config& config, const model::FogStage& fog);
+// What the port `load_k` gets, by level; empty where lod has no zones.
+std::vector<std::uint64_t> zone_loads(const Config& config, const model::LodStage& lod);
 
 // Fragments through the Verilated stages. In run() memories answer on the clock after a request, and nothing
 // stalls.
@@ -107,9 +117,10 @@ class RtlPixels {
   void set(const DrawState& state);
 
   struct Fragment {
-    FragmentRecord record;  // covered, inside the frame, and not masked
-    int texture = -1;       // index into Scene::textures, -1 for none
-    bool back = false;      // of a back face
+    FragmentRecord record;                     // covered, inside the frame, and not masked
+    int texture = -1;                          // index into Scene::textures, -1 for none
+    bool back = false;                         // of a back face
+    const GradientRecord* gradient = nullptr;  // of its triangle, where lod takes it
   };
   // Sends the fragments, in order, until all have left, and runs on until the stages must be empty. Appends
   // the records of the stages to the trace, where there is one, also those that no fragment asked for.

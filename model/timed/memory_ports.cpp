@@ -18,10 +18,11 @@ void check_ports(const PortTiming& ports) {
 
 namespace timed {
 
-MemoryPorts::MemoryPorts(const PortTiming& timing)
+MemoryPorts::MemoryPorts(const PortTiming& timing, int ports)
     : timing_(timing),
       stall_(static_cast<std::uint64_t>(std::ldexp(timing.stall, 32))),
-      random_(timing.seed) {
+      random_(timing.seed),
+      due_(static_cast<std::size_t>(ports)) {
   check_ports(timing);
 }
 
@@ -36,7 +37,7 @@ PortSet MemoryPorts::ready(int ports) {
 }
 
 void MemoryPorts::drive(std::uint64_t now, PixelChainDrive& drive) {
-  drive.request_ready = ready(read_ports);
+  drive.request_ready = ready(static_cast<int>(due_.size()));
   drive.write_ready = ready(write_ports);
   drive.answer_valid = 0;
   for (std::size_t p = 0; p < due_.size(); ++p) {

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstdint>
 #include <random>
+#include <span>
+#include <vector>
 
 #include "model/timed/pixel_chain_timing.hpp"
 #include "model/timed/ring.hpp"
@@ -32,13 +34,14 @@ namespace timed {
 
 class MemoryPorts {
  public:
-  explicit MemoryPorts(const PortTiming& timing);
+  // The first `ports` of all ports are there.
+  explicit MemoryPorts(const PortTiming& timing, int ports = read_ports);
 
   // What the memories drive on clock `now`; once per clock.
   void drive(std::uint64_t now, PixelChainDrive& drive);
   // What became of it.
   void see(std::uint64_t now, const PixelChainDrive& drive, const PixelChainPorts& ports);
-  const std::array<PortReport, read_ports>& reports() const { return reports_; }
+  std::span<const PortReport> reports() const { return std::span(reports_).first(due_.size()); }
 
  private:
   PortSet ready(int ports);
@@ -46,7 +49,7 @@ class MemoryPorts {
   PortTiming timing_;
   std::uint64_t stall_;  // of 2^32
   std::mt19937_64 random_;
-  std::array<Ring<std::uint64_t>, read_ports> due_;  // of the requests that wait for their answer
+  std::vector<Ring<std::uint64_t>> due_;  // by port: of the requests that wait for their answer
   std::array<PortReport, read_ports> reports_{};
 };
 

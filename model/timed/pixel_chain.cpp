@@ -31,8 +31,9 @@ PixelChain::PixelChain(Run& run, Fifo<RowItem*>& in, const SystemcOptions& optio
     : run_(run),
       interpolator_(run, in, nullptr, handshake),
       timing_(rested_chain(run.config, when_)),
-      memory_(options.ports),
+      memory_(options.ports, read_ports_of(pixel_timing(run.config))),
       watch_(options.watch_chain),
+      draws_each_triangle_(has_lod_gradients(run.config)),
       texels_(weighs_texels(run.config.filter) ? 15 : 1) {
   for (std::size_t i = 0; i < meters_.size(); ++i) {
     meters_[i].report.name = stage_names[static_cast<std::size_t>(Stage::depth) + i];
@@ -58,15 +59,19 @@ void PixelChain::clock(std::uint64_t now) {
   if (pixel != nullptr) choose_chain();
   const bool covered = pixel != nullptr && run_.is_drawn(pixel->fragment);
   PixelChainDrive drive;
-  const int texture = covered ? std::max(pixel->surface.texture, -1) : drawn_;
-  drive.draw_valid = texture != drawn_;
+  Drawn wanted = drawn_;
+  if (covered) {
+    wanted.texture = std::max(pixel->surface.texture, -1);
+    if (draws_each_triangle_) wanted.triangle = pixel->fragment.triangle;
+  }
+  drive.draw_valid = wanted != drawn_;
   drive.in_valid = covered && !drive.draw_valid;
   memory_.drive(now, drive);
   const bool accepted = drive.in_valid && timing_.in_ready();
   FragmentItem* delivered = interpolator_.step(now, accepted || !covered);
   const PixelChainClock c = timing_.clock(drive, accepted ? values(*delivered) : PixelFragment{});
   memory_.see(now, drive, c.ports);
-  if (drive.draw_valid && c.ports.draw_ready) drawn_ = texture;
+  if (drive.draw_valid && c.ports.draw_ready) drawn_ = wanted;
   if (watch_) {
     const StageSignals& rows = interpolator_meters_.front()->signals;
     watch_({.rows = {rows.in_valid, accepted || !covered, rows.in_ready, pixel != nullptr},
@@ -87,10 +92,12 @@ PixelFragment PixelChain::values(FragmentItem& item) {
   f.writes_color = run_.pipeline.state.color_write;
   if (run_.tests_late()) {
     f.lives = texture_values(run_, item);
+    ask_next_level(item, f);
     if (f.lives) test(item, f);
     if (!f.goes_on) return f;
   } else {
     test(item, f);
+    if (f.goes_on) ask_next_level(item, f);
     f.lives = f.goes_on && texture_values(run_, item);
     if (!f.lives) return f;
   }
@@ -98,6 +105,13 @@ PixelFragment PixelChain::values(FragmentItem& item) {
   fog_values(run_, item);
   merge_values(run_, item);
   return f;
+}
+
+// The next level is mixed in where f is not 0.
+void PixelChain::ask_next_level(const FragmentItem& item, PixelFragment& f) const {
+  if (run_.pipeline.has_lod && item.lod.f != 0) {
+    f.texels = static_cast<PortSet>(f.texels | f.texels << level_texel_ports);
+  }
 }
 
 void PixelChain::test(FragmentItem& item, PixelFragment& f) {

@@ -11,7 +11,9 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -28,11 +30,11 @@ class PixelChain : public TimedStage {
 
   void clock(std::uint64_t now) override;
   // Nothing is inside. The next fragment waits for a draw state of its own.
-  void draw_state_changed() { drawn_ = nothing_drawn; }
+  void draw_state_changed() { drawn_ = {}; }
   bool idle() const override { return interpolator_.idle() && timing_.empty(); }
   std::vector<StageMeter*> meters() override;
   std::string_view module() const override { return "pixel_chain"; }
-  const std::array<PortReport, read_ports>& ports() const { return memory_.reports(); }
+  std::span<const PortReport> ports() const { return memory_.reports(); }
 
  private:
   // The values of the pixel that is accepted, from depth to the frame.
@@ -41,6 +43,8 @@ class PixelChain : public TimedStage {
   void choose_chain();
   // Of depth and stencil.
   void test(FragmentItem& item, PixelFragment& f);
+  // Behind lod.
+  void ask_next_level(const FragmentItem& item, PixelFragment& f) const;
   void count(const PixelChainDrive& drive, const PixelChainClock& c);
 
   Run& run_;
@@ -49,9 +53,15 @@ class PixelChain : public TimedStage {
   PixelChainTiming timing_;
   MemoryPorts memory_;
   std::function<void(const ChainClock&)> watch_;
-  static constexpr int nothing_drawn = -2;
-  int drawn_ = nothing_drawn;  // the texture of the draw state
-  PortSet texels_;             // of a fragment with a texture
+  // What the draw state was transferred for: a texture, and a triangle where it has the triangle's gradients.
+  struct Drawn {
+    int texture = -2;  // none
+    std::int64_t triangle = -1;
+    bool operator==(const Drawn&) const = default;
+  };
+  Drawn drawn_;
+  bool draws_each_triangle_;
+  PortSet texels_;  // of a fragment with a texture, in its level
   std::array<StageMeter, 4> meters_;
   std::vector<StageMeter*> interpolator_meters_;
 };

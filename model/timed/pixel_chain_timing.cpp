@@ -18,6 +18,10 @@ PortSet only(int port, bool is_in) { return static_cast<PortSet>(is_in ? 1U << p
 
 }  // namespace
 
+int read_ports_of(const PixelTiming& timing) {
+  return timing.texture.shade > 0 ? read_ports : first_texel_port + level_texel_ports;
+}
+
 PixelChainTiming::PixelChainTiming(const PixelTiming& timing, DepthWhen when)
     : timing_(timing),
       late_(is_late(when)),
@@ -25,10 +29,12 @@ PixelChainTiming::PixelChainTiming(const PixelTiming& timing, DepthWhen when)
       depth_board_(timing.place_bits),
       z_rest_{static_cast<std::size_t>(timing.in_flight)},
       stencil_(timing.stencil.clocks),
+      lod_(timing.lod.clocks),
       held_{static_cast<std::size_t>(timing.in_flight)},
       address_(timing.texture.address),
       texels_{static_cast<std::size_t>(timing.in_flight)},
       color_(timing.texture.color),
+      shade_(timing.texture.shade),
       fog_(timing.fog.clocks),
       merge_board_(timing.place_bits),
       color_rest_{static_cast<std::size_t>(timing.in_flight)},
@@ -121,7 +127,11 @@ PixelChainClock PixelChainTiming::clock(const PixelChainDrive& drive, const Pixe
   const bool stencil_en = judged_.ready();
   const bool stencil_takes = late_ && tested_.valid() && stencil_en;
   // texture.
-  const bool color_en = textured_.ready();
+  const bool mixes_levels = timing_.texture.shade > 0;
+  const bool shade_en = textured_.ready();
+  const bool filtered = mixes_levels && filtered_.valid() && shade_en;
+  Queue& colored = mixes_levels ? filtered_ : textured_;
+  const bool color_en = colored.ready();
   bool texels_join = awaiting_.valid() && color_en;
   for (int p = 0; p < texel_ports; ++p) {
     if (texels_join && has(awaiting_.ring.front().texels, p)) {
@@ -135,8 +145,14 @@ PixelChainClock PixelChainTiming::clock(const PixelChainDrive& drive, const Pixe
   const bool ask_taken = ask_.valid() && (texel_requests & ~texel_ready) == 0;
   const bool address_en = ask_.ready();
   const bool texture_ready = address_en && held_.ready();
-  const bool texture_offered = late_ ? drive.in_valid : tested_.valid();
+  // What comes to lod, or to texture where there is none.
+  const bool offered_first = late_ ? drive.in_valid : tested_.valid();
+  const bool texture_offered = timing_.has_lod ? levelled_.valid() : offered_first;
   const bool texture_takes = texture_offered && texture_ready;
+  // lod.
+  const bool lod_en = levelled_.ready();
+  const bool lod_takes = timing_.has_lod && offered_first && lod_en;
+  const bool first_ready = timing_.has_lod ? lod_en : texture_ready;
   // depth.
   const bool tested_en = tested_.ready();
   const bool compares = compared_.valid && tested_en;
@@ -162,11 +178,12 @@ PixelChainClock PixelChainTiming::clock(const PixelChainDrive& drive, const Pixe
   ports.write_valid = static_cast<PortSet>(only(z_port, writes_z) | only(color_port, writes_color));
   const bool is_stencilled = late_ && is_judged && judged.ring.front().is_stencilled;
   ports.records = static_cast<std::uint8_t>(only(0, compares) | only(1, is_textured) | only(2, merge_takes) |
-                                            only(3, leaves) | only(4, is_stencilled));
-  const PixelStageClock depth_clock{drive.in_valid, ports.in_ready, tested_.valid(), texture_ready};
+                                            only(3, leaves) | only(4, is_stencilled) |
+                                            only(5, timing_.has_lod && texture_takes));
+  const PixelStageClock depth_clock{drive.in_valid, ports.in_ready, tested_.valid(), first_ready};
   const PixelStageClock late_depth_clock{lives, depth_board_.entry.ready(), judged_valid, judged_ready};
   now.stages = {{late_ ? late_depth_clock : depth_clock,
-                 {texture_offered, texture_ready, textured_valid, textured_ready},
+                 {offered_first, first_ready, textured_valid, textured_ready},
                  {goes_on && fate_.ready(), fog_en, fogged_.valid(), merge_board_.entry.ready()},
                  {fogged_.valid(), merge_board_.entry.ready(), done_valid, leaves}}};
 
@@ -234,9 +251,13 @@ PixelChainClock PixelChainTiming::clock(const PixelChainDrive& drive, const Pixe
     if (stencil_takes) tested_.ring.pop();
   }
 
+  if (mixes_levels && shade_en) {
+    shade_.shift(filtered, filtered ? filtered_.ring.front() : Entry{}, textured_);
+    if (filtered) filtered_.ring.pop();
+  }
   if (color_en) {
     const Entry joins = texels_join ? awaiting_.ring.front() : Entry{};
-    color_.shift(texels_join, texels_join ? held_.ring.front() : joins, textured_);
+    color_.shift(texels_join, texels_join ? held_.ring.front() : joins, colored);
     if (texels_join) {
       for (int p = 0; p < texel_ports; ++p) {
         if (has(joins.texels, p)) --texel_answer_[static_cast<std::size_t>(p)].held;
@@ -259,11 +280,16 @@ PixelChainClock PixelChainTiming::clock(const PixelChainDrive& drive, const Pixe
   } else {
     asked_ = static_cast<PortSet>(asked_ | (texel_requests & texel_ready));
   }
-  Entry shaded;
-  if (texture_takes) shaded = late_ ? entered : tested_.ring.front();
+  // What lod and texture take: the fragment that is offered, or depth's.
+  Entry first;
+  const bool first_takes = timing_.has_lod ? lod_takes : texture_takes;
+  if (first_takes) first = late_ ? entered : tested_.ring.front();
+  const Entry shaded = !timing_.has_lod ? first : texture_takes ? levelled_.ring.front() : Entry{};
   if (texture_takes) held_.ring.push(shaded);
   if (address_en) address_.shift(texture_takes, shaded, ask_);
-  if (texture_takes && !late_) tested_.ring.pop();
+  if (timing_.has_lod && texture_takes) levelled_.ring.pop();
+  if (timing_.has_lod && lod_en) lod_.shift(lod_takes, first, levelled_);
+  if (first_takes && !late_) tested_.ring.pop();
 
   if (tested_en) {
     if (compares && compared_.entry.leaves_depth()) tested_.ring.push(compared_.entry);

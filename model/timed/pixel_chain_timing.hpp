@@ -18,11 +18,13 @@
 
 namespace bitspan {
 
-// The ports that read: depth, colour, four of texels. The first two write, too. A set of ports has bit p for
-// port p.
-inline constexpr int z_port = 0, color_port = 1, first_texel_port = 2, texel_ports = 4;
+// The ports that read: depth, colour, four of texels, and four more of texels of the next level. The first
+// two write, too. A set of ports has bit p for port p.
+inline constexpr int z_port = 0, color_port = 1, first_texel_port = 2, level_texel_ports = 4, texel_ports = 8;
 inline constexpr int write_ports = 2, read_ports = first_texel_port + texel_ports;
-using PortSet = std::uint8_t;
+using PortSet = std::uint16_t;
+// Those of them that a configuration has: the last four only where two levels are mixed.
+int read_ports_of(const PixelTiming& timing);
 
 // What a fragment's values and its draw state decide.
 struct PixelFragment {
@@ -54,7 +56,7 @@ struct PixelChainPorts {
   PortSet request_valid = 0;
   PortSet answer_ready = 0;
   PortSet write_valid = 0;
-  std::uint8_t records = 0;  // taps that are valid: bits 0 to 4 for depth, texture, fog, merge, stencil
+  std::uint8_t records = 0;  // taps that are valid: bits 0 to 5 for depth, texture, fog, merge, stencil, lod
   bool operator==(const PixelChainPorts&) const = default;
 };
 
@@ -64,7 +66,8 @@ struct PixelStageClock {
 };
 struct PixelChainClock {
   PixelChainPorts ports;
-  std::array<PixelStageClock, 4> stages;  // depth, texture, fog, merge; stencil is a part of depth
+  // depth, and stencil behind it; texture, and lod in front of it; fog; merge
+  std::array<PixelStageClock, 4> stages;
 };
 
 class PixelChainTiming {
@@ -76,7 +79,11 @@ class PixelChainTiming {
   PixelChainClock clock(const PixelChainDrive& drive, const PixelFragment& offered);
   // What the next clock will see of them.
   bool draw_ready() const { return draw_ready_; }
-  bool in_ready() const { return late_ ? ask_.ready() && held_.ready() : depth_board_.entry.ready(); }
+  bool in_ready() const {
+    return !late_            ? depth_board_.entry.ready()
+           : timing_.has_lod ? levelled_.ready()
+                             : ask_.ready() && held_.ready();
+  }
 
   // No fragment is inside, and all that they write was accepted.
   bool empty() const { return inside_ == 0; }
@@ -164,6 +171,9 @@ class PixelChainTiming {
   // stencil, where the tests are late.
   Pipe stencil_;
   Queue judged_;
+  // lod, where it is there.
+  Pipe lod_;
+  Queue levelled_;
   // texture.
   Queue held_;
   Pipe address_;
@@ -173,6 +183,8 @@ class PixelChainTiming {
   Queue awaiting_;
   std::array<Count, texel_ports> texel_answer_;
   Pipe color_;
+  Queue filtered_;  // where two levels are mixed, as the next
+  Pipe shade_;
   Queue textured_;
   // fog.
   Pipe fog_;

@@ -9,6 +9,8 @@ namespace bitspan::timed {
 std::array<StageTiming, stage_count> stage_timings(const Config& config) {
   Config like_rtl = config;
   like_rtl.pixel_reciprocal.pipelined = true;
+  // With the bus, lod works in the clock of depth, and texture has the latency of a single level.
+  like_rtl.mip = MipMode::none;
   const PixelTiming rtl = pixel_timing(like_rtl);
   std::array<StageTiming, stage_count> timings = config.timing;
   const auto follow = [&](Stage stage, int latency, bool takes_unit) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <utility>
@@ -13,13 +14,20 @@
 #include "engine/emit_pixel_sv.hpp"
 #include "model/engine_model.hpp"
 #include "tests/rtl/random_rtl.hpp"
+#include "tests/rtl/stage_case.hpp"
 #include "tests/support/same_frame.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
 
-Scene random_scene(std::uint64_t seed, int triangles) {
+// The RTL repeats the first texture by itself.
+using Sizes = std::array<std::pair<int, int>, 2>;
+constexpr Sizes any_sizes{{{16, 8}, {20, 7}}};
+// Textures that have levels.
+constexpr Sizes powers_of_two{{{64, 8}, {32, 32}}};
+
+Scene random_scene(std::uint64_t seed, int triangles, const Sizes& sizes = any_sizes) {
   Random random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   Scene scene;
@@ -27,8 +35,7 @@ Scene random_scene(std::uint64_t seed, int triangles) {
   scene.height = 64;
   scene.s_min = 2;
   scene.s_max = 500;
-  // The RTL repeats the first one by itself.
-  for (const auto& [width, height] : {std::pair{16, 8}, std::pair{20, 7}}) {
+  for (const auto& [width, height] : sizes) {
     Texture texture{"noise", width, height, {}};
     for (int i = 0; i < width * height * 4; ++i) {
       texture.rgba.push_back(static_cast<std::uint8_t>(random() % 256));
@@ -127,6 +134,20 @@ TEST(EngineRtl, EqualsTheModelInOtherModesOfThePixelStages) {
   }
 }
 
+TEST(EngineRtl, EqualsTheModelWithLevels) {
+  for (const Config& c : level_configs()) {
+    SCOPED_TRACE(fmt::format("mip {}, lod {}", to_string(c.mip), to_string(c.lod)));
+    const Scene scene = random_scene(5, 120, powers_of_two);
+    ASSERT_TRUE(rtl_draws_pixels(c, scene));
+    compare(c, scene);
+  }
+  // Gradients come with rows of constant depth, too.
+  Config plane = level_configs()[2];
+  plane.perspective = Perspective::const_depth_rows;
+  plane.wrap = TextureWrap::clamp;
+  compare(plane, random_scene(6, 60, powers_of_two));
+}
+
 std::uint64_t own_fields(const Config& config, const Scene& scene, RecordType type) {
   return rtl_own(config, scene).fields[static_cast<std::size_t>(type)];
 }
@@ -154,6 +175,9 @@ TEST(EngineRtl, CountsItsOwnValues) {
   EXPECT_EQ(own_fields(c, scene, RecordType::texture), fields<TextureRecord>.size() - 3);
   scene.textures.pop_back();
   EXPECT_EQ(own_fields(c, scene, RecordType::texture), fields<TextureRecord>.size() - 1);
+  EXPECT_EQ(own_fields(c, scene, RecordType::lod), 0U);
+  EXPECT_EQ(own_fields(level_configs()[1], scene, RecordType::lod), fields<LodRecord>.size() - 1);
+  EXPECT_EQ(own_fields(level_configs()[1], scene, RecordType::texture), fields<TextureRecord>.size() - 1);
   c.perspective = Perspective::const_depth_rows;
   EXPECT_EQ(own_fields(c, scene, fragment), fields<FragmentRecord>.size() - 2);
   c.rtl.shades = false;
@@ -164,7 +188,8 @@ TEST(EngineRtl, CountsItsOwnValues) {
 void expect_modelled(const Config& config, const Scene& scene) {
   EXPECT_FALSE(rtl_draws_pixels(config, scene));
   EXPECT_EQ(own_fields(config, scene, RecordType::span), fields<SpanRecord>.size() - 2);
-  for (const RecordType type : {RecordType::depth, RecordType::texture, RecordType::fog, RecordType::merge}) {
+  for (const RecordType type :
+       {RecordType::depth, RecordType::lod, RecordType::texture, RecordType::fog, RecordType::merge}) {
     EXPECT_EQ(own_fields(config, scene, type), 0U);
   }
   EXPECT_EQ(rtl_own(config, scene).picture, 0U);
@@ -178,6 +203,12 @@ TEST(EngineRtl, LeavesToTheModelWhatThePixelStagesDoNotTake) {
   iterative.fog = FogMode::linear;
   iterative.pixel_reciprocal.pipelined = false;
   expect_modelled(iterative, random_scene(3, 60));
+
+  for (const LodMode mode : {LodMode::zone_d, LodMode::finite}) {
+    Config other = level_configs()[2];
+    other.lod = mode;
+    expect_modelled(other, random_scene(3, 60, powers_of_two));
+  }
 
   Scene wide = random_scene(3, 60);
   Texture& texture = wide.textures.front();
@@ -337,6 +368,19 @@ TEST(EngineRtl, DrawsWithAnyBlendWhereItHasTheEquation) {
     }
   }
   EXPECT_GT(changed, 5000U);  // of 36,864 alphas
+}
+
+TEST(EngineRtl, DrawsInTheseStatesWithLevels) {
+  for (const std::size_t i : {1U, 2U}) {
+    const Config c = level_configs()[i];
+    const Scene scene = with_draw_states(random_scene(4, 120, powers_of_two), 4, false);
+    ASSERT_TRUE(rtl_draws_pixels(c, scene));
+    compare(c, scene);
+    compare(c, with_draw_states(random_scene(4, 120, powers_of_two), 4, true));
+    const Scene late = with_draw_states(random_scene(5, 120, powers_of_two), 5, false, true);
+    ASSERT_TRUE(rtl_draws_pixels(c, late));
+    compare(c, late);
+  }
 }
 
 TEST(EngineRtl, LeavesOtherStatesToTheModelAndTakesTheNextAgain) {

@@ -56,6 +56,11 @@ StateSetting setting(const char* key, auto value) {
   return {*find_state_register(key), static_cast<std::int64_t>(value)};
 }
 
+void make_chains(PipeCase& p) {
+  if (!has_levels_in_rtl(p.config)) return;
+  for (const Texture& t : p.scene.textures) p.chains.push_back(model::make_mip_chain(t));
+}
+
 }  // namespace
 
 PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
@@ -77,8 +82,10 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
   }
   if (!stops_at_edge(c.wrap)) continue_textures(p.scene);
   const Scene& scene = p.scene;
-  p.places = place_textures(p.scene);
+  p.places = place_textures(c, p.scene);
+  make_chains(p);
   p.constants = model::make_constants(c, scene);
+  p.lod = model::prepare_lod(c, p.constants);
   p.fog = model::prepare_fog(c, p.constants, scene);
   const auto model = make_model(c);
   Trace trace;
@@ -91,6 +98,8 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
   }
   const model::SetupStage setup = model::make_pipeline(c, scene).setup;
   bool back = false;
+  std::map<std::int64_t, GradientRecord> gradients;  // by triangle, where lod takes them
+  for (const GradientRecord& g : trace.gradient) gradients[g.triangle] = g;
   std::int64_t before = -1;
   for (const FragmentRecord& f : trace.fragment) {
     if (f.covered == 0) continue;
@@ -98,17 +107,19 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
       const Triangle& triangle = scene.triangles[static_cast<std::size_t>(f.triangle)];
       const int texture = triangle.texture;
       back = model::is_back_face(setup, triangle);
-      const RtlDraw state{.func = c.depth_func,
-                          .textured = texture >= 0,
-                          .filter = c.filter,
-                          .wrap = c.wrap,
-                          .place = texture < 0 ? TexelPlace{} : p.places[static_cast<std::size_t>(texture)],
-                          .transparent = c.transparent,
-                          .fog = p.fog.mode,
-                          .fog_color = p.fog.fog_color,
-                          .alpha_func = registers.alpha_func,
-                          .alpha_ref = registers.alpha_ref,
-                          .stencil = rtl_stencil(registers)};
+      const RtlDraw state{
+          .func = c.depth_func,
+          .textured = texture >= 0,
+          .filter = c.filter,
+          .wrap = c.wrap,
+          .place = texture < 0 ? TexelPlace{} : p.places[static_cast<std::size_t>(texture)],
+          .transparent = c.transparent,
+          .fog = p.fog.mode,
+          .fog_color = p.fog.fog_color,
+          .alpha_func = registers.alpha_func,
+          .alpha_ref = registers.alpha_ref,
+          .stencil = rtl_stencil(registers),
+          .gradient = gradients.contains(f.triangle) ? gradients.at(f.triangle) : GradientRecord{}};
       const StageValues draw = draw_values(c, state);
       if (p.batches.empty() || p.batches.back().draw != draw) p.batches.push_back({draw, {}});
       before = f.triangle;
@@ -130,6 +141,7 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
   for (const TextureRecord& t : trace.texture) {
     p.reads += merged.contains({t.triangle, t.x, t.y}) && model::reads_stored_color(merge, t.a) ? 1 : 0;
   }
+  if (has_levels_in_rtl(c)) add("lod_record", trace.lod);
   return p;
 }
 
@@ -226,6 +238,25 @@ std::pair<RtlDraw, int> random_state(Random& random, const PipeCase& p) {
 
 }  // namespace
 
+namespace {
+
+// Half of the values small, so that levels of any size come.
+std::int64_t random_value(Random& random, const Format& f, bool small) {
+  const std::int64_t raw = random_raw(random, f);
+  return !small || random() % 2 == 0 ? raw : raw >> (random() % static_cast<std::uint64_t>(f.word));
+}
+
+GradientRecord random_gradient(Random& random, const Config& c) {
+  GradientRecord g;
+  for (std::int64_t* w : {&g.h_x, &g.h_y}) *w = random_value(random, c.format(FormatId::plane_h_grad), true);
+  for (std::int64_t* w : {&g.gu_x, &g.gu_y, &g.gv_x, &g.gv_y}) {
+    *w = random_value(random, c.format(FormatId::plane_g_grad), true);
+  }
+  return g;
+}
+
+}  // namespace
+
 PipeCase random_pipe_case(Random& random, const Config& c, int batches, const PipeExtent& extent,
                           DepthWhen when) {
   PipeCase p;
@@ -245,12 +276,18 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
     }
     p.scene.textures.push_back(t);
   }
-  p.places = place_textures(p.scene, extent.address);
+  p.places = place_textures(c, p.scene, extent.address);
+  make_chains(p);
   ConstantsRecord& k = p.constants.record;
   k.b = std::max<std::int64_t>(1, random_raw(random, c.format(FormatId::setup_b)));
   k.c1 = is_linear_in_distance(c.depth_code) ? random_raw(random, c.format(FormatId::depth_c1)) : 0;
   k.c0 = is_linear_in_distance(c.depth_code) ? random_raw(random, c.format(FormatId::depth_c0)) : 0;
   k.fog_scale = random_raw(random, c.format(FormatId::fog_scale));
+  const bool has_levels = has_levels_in_rtl(c);
+  if (has_levels) {
+    k.s_max = std::max<std::int64_t>(1, random_raw(random, c.format(FormatId::setup_s)));
+    p.lod = model::prepare_lod(c, p.constants);
+  }
   model::DepthStage depth = model::prepare_depth(c, p.constants);
   model::TextureStage texture = model::prepare_texture(c);
   p.fog = model::prepare_fog(c, p.constants, p.scene);
@@ -264,7 +301,8 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
   need_stencil(p.frame);
   const std::int64_t one = std::int64_t{1} << c.format(FormatId::texture_alpha).fraction();
   for (int batch = 0; batch < batches; ++batch) {
-    const auto [s, number] = random_state(random, p);
+    auto [s, number] = random_state(random, p);
+    if (has_levels && has_lod_gradients(c)) s.gradient = random_gradient(random, c);
     p.batches.push_back({draw_values(c, s), {}});
     depth.func = s.func;
     depth.bias = s.bias;
@@ -281,8 +319,9 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
       FragmentRecord f;
       f.x = static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(p.scene.width));
       f.y = static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(p.scene.height));
-      f.h = random_raw(random, c.format(FormatId::span_h));
-      for (std::int64_t* uv : {&f.u, &f.v}) *uv = random_raw(random, c.format(FormatId::span_uv));
+      f.h = random_value(random, c.format(FormatId::span_h), has_levels);
+      for (std::int64_t* uv : {&f.u, &f.v})
+        *uv = random_value(random, c.format(FormatId::span_uv), has_levels);
       for (std::int64_t* v : {&f.r, &f.g, &f.b, &f.a})
         *v = random_raw(random, c.format(FormatId::span_shade));
       if (random() % 4 == 0) f.a = half_of(c.format(FormatId::span_shade)).value_or(f.a);
@@ -294,8 +333,17 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
       FogRecord mist;
       MergeRecord m;
       const Texture* image = number < 0 ? nullptr : &p.scene.textures[static_cast<std::size_t>(number)];
+      const model::MipChain* chain =
+          has_levels && number >= 0 ? &p.chains[static_cast<std::size_t>(number)] : nullptr;
       const auto lives = [&] {
-        const bool is_alive = model::texture(texture, image, f, t);
+        LodRecord level;
+        if (has_levels) {
+          model::lod(p.lod, f, &s.gradient, {}, chain == nullptr ? 1 : static_cast<int>(chain->size()),
+                     level);
+          p.records["lod_record"].push_back(record_ports(c, level));
+        }
+        const bool is_alive =
+            has_levels ? model::texture(texture, chain, f, level, t) : model::texture(texture, image, f, t);
         p.records["texture_record"].push_back(record_ports(c, t));
         return is_alive;
       };
@@ -334,7 +382,7 @@ namespace {
 
 void load_frame_state(StageBench& bench, const PipeCase& p) {
   const StageDesign design = pixel_pipe_design(p.config, p.when);
-  const StageValues values = frame_values(p.config, p.constants.record, p.scene);
+  const StageValues values = frame_values(p.config, p.constants.record, p.scene, p.lod);
   for (std::size_t i = 0; i < values.size(); ++i) bench.set_constant(design.constants[i], values[i]);
   for (const FogLoad& load : fog_loads(p.config, p.fog)) {
     bench.set_constant("load", 1);
@@ -344,10 +392,18 @@ void load_frame_state(StageBench& bench, const PipeCase& p) {
     bench.clock();
   }
   bench.set_constant("load", 0);
+  const std::vector<std::uint64_t> zones = zone_loads(p.config, p.lod);
+  for (std::size_t level = 0; level < zones.size(); ++level) {
+    bench.set_constant("load_k", 1);
+    bench.set_constant("load_k_place", level);
+    bench.set_constant("load_k_data", zones[level]);
+    bench.clock();
+  }
+  bench.set_constant("load_k", 0);
 }
 
 std::uint64_t texel_of(const PipeCase& p, std::uint64_t address) {
-  const std::optional<std::uint32_t> texel = texel_at(p.scene, p.places, address);
+  const std::optional<std::uint32_t> texel = texel_at(p.scene, p.chains, p.places, address);
   if (!texel) throw std::logic_error(fmt::format("address {} holds no texel", address));
   return *texel;
 }
@@ -379,7 +435,7 @@ PipeRun run_pipe(const PipeCase& p, const PipeWay& way, StageTrace* trace) {
                     });
   color.merge_writes(merged_color);
   std::deque<StageMemory> texels;
-  for (int port = 0; port < 4; ++port) {
+  for (int port = 0; port < texel_ports; ++port) {
     texels.emplace_back(bench, fmt::format("texel{}_request", port), fmt::format("texel{}_answer", port), "",
                         1, way.latency, way.seed + static_cast<std::uint64_t>(port),
                         [&](const StageMemory::Address& at) { return StageValues{texel_of(p, at[0])}; });

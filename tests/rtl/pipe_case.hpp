@@ -8,8 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "model/mip_chain.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/fog.hpp"
+#include "model/stages/lod.hpp"
 #include "model/stages/merge.hpp"
 #include "tb/rtl_pixels.hpp"
 #include "tests/rtl/random_rtl.hpp"
@@ -28,7 +30,9 @@ struct PipeCase {
   DepthWhen when = DepthWhen::early;  // the order of tests of the pipe
   Scene scene;                        // its textures, its background and its size
   std::vector<TexelPlace> places;
+  std::vector<model::MipChain> chains;  // of the textures, where they have levels
   model::Constants constants;
+  model::LodStage lod;
   model::FogStage fog;
   std::vector<PipeBatch> batches;
   std::map<std::string, std::vector<StageValues>> records;  // by tap

@@ -7,18 +7,19 @@
 #include "scene/demo.hpp"
 #include "tb/engine_rtl.hpp"
 #include "tests/rtl/rtl_copy.hpp"
+#include "tests/rtl/stage_case.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
 
-Comparison compare(const Config& config, const Scene& scene) {
+Comparison compare(const Config& config = shipped_config("depth16"),
+                   const Scene& scene = demo_scene(128, 96)) {
   std::vector<std::unique_ptr<Engine>> engines;
   engines.push_back(make_model(config));
   engines.push_back(make_rtl(config));
   return run_lock_step(engines, scene, {}).pairs.at(0);
 }
-Comparison compare() { return compare(shipped_config("depth16"), demo_scene(128, 96)); }
 
 struct PixelBug {
   PlantedBug bug;
@@ -63,6 +64,32 @@ TEST(PixelBugs, TheFirstDivergenceNamesTheStage) {
     EXPECT_TRUE(pair.first->triangle);
     EXPECT_GT(pair.frame.differences, 0U);
     EXPECT_EQ(pair.stages[static_cast<std::size_t>(RecordType::fragment)].differences, 0U);
+  }
+  // Of levels.
+  constexpr PixelBug of_levels[] = {
+      {{"rtl/lod.sv", "level_q <= held_q[HeldFrac+:LevelW];",
+        "level_q <= held_q[HeldFrac+:LevelW] ^ LevelW'(8);"},
+       RecordType::lod,
+       "level"},
+      {{"rtl/texture_address.sv", "rows_3 <= {1'b0, last_2", "rows_3 <= {1'b1, last_2"},
+       RecordType::texture,
+       "texel_r"},
+      {{"rtl/texture.sv", ".in_f_i(share_at_filter)", ".in_f_i(share_at_filter >> 1)"},
+       RecordType::texture,
+       "texel_r"},
+  };
+  const Config levels = level_configs()[2];
+  const Scene floor = floor_scene(64, 48);
+  EXPECT_TRUE(compare(levels, floor).held());
+  for (const auto& [bug, type, field] : of_levels) {
+    SCOPED_TRACE(bug.to);
+    copy.replace(bug.file, bug.from, bug.to);
+    const Comparison pair = compare(levels, floor);
+    copy.replace(bug.file, bug.to, bug.from);
+    EXPECT_EQ(pair.fault, "");
+    ASSERT_TRUE(pair.first);
+    EXPECT_EQ(pair.first->stage, stage_of(type));
+    EXPECT_EQ(pair.first->field, field);
   }
   // A pipe that never empties.
   copy.replace("rtl/pixel_pipe.sv", "assign lives = !killed;", "assign lives = 1'b1;");

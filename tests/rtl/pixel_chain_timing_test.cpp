@@ -12,6 +12,8 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "config/modes.hpp"
 #include "model/stages/merge.hpp"
@@ -40,7 +42,7 @@ class TracePorts {
       if (p < write_ports) write_.push_back(find(name + "_write"));
     }
     for (const char* tap :
-         {"depth_record", "texture_record", "fog_record", "merge_record", "stencil_record"}) {
+         {"depth_record", "texture_record", "fog_record", "merge_record", "stencil_record", "lod_record"}) {
       taps_.push_back(find(tap));
     }
     idle_ = port_place(module_.outputs, "idle_o");
@@ -65,7 +67,7 @@ class TracePorts {
     p.request_valid = set(request_, out, &ChannelPorts::valid);
     p.answer_ready = set(answer_, out, &ChannelPorts::ready);
     p.write_valid = set(write_, out, &ChannelPorts::valid);
-    p.records = set(taps_, out, &ChannelPorts::valid);
+    p.records = static_cast<std::uint8_t>(set(taps_, out, &ChannelPorts::valid));
     return p;
   }
   std::uint64_t in_field(std::size_t t, const char* channel, const char* field) const {
@@ -136,6 +138,7 @@ std::vector<PixelFragment> fragments_of(const Config& config, DepthWhen when, co
   PixelFragment drawn;
   Reads drawn_reads;
   std::size_t tested = 0;
+  std::size_t levelled = 0;
   std::size_t textured = 0;
   std::size_t judged = 0;
   const bool late = is_late(when);
@@ -170,6 +173,13 @@ std::vector<PixelFragment> fragments_of(const Config& config, DepthWhen when, co
       f.writes_stencil =
           ports.out_field(t, "stencil_record", "value") != ports.out_field(t, "stencil_record", "stored");
     }
+    if ((p.records & 32) != 0) {
+      PixelFragment& f = all.at(late ? levelled : second.at(levelled));
+      ++levelled;
+      // The texels of the next level.
+      const bool mixed = ports.out_field(t, "lod_record", "f") != 0;
+      if (mixed) f.texels = static_cast<PortSet>(f.texels | f.texels << level_texel_ports);
+    }
     if ((p.records & 2) != 0) {
       const std::size_t f = late ? textured++ : second.at(textured++);
       all.at(f).lives = ports.out_field(t, "texture_record", "killed") == 0;
@@ -189,7 +199,7 @@ struct Compared {
 };
 
 std::string text_of(const PixelChainPorts& p) {
-  return fmt::format("draw {} in {} idle {} requests {:06b} answers {:06b} writes {:02b} records {:05b}",
+  return fmt::format("draw {} in {} idle {} requests {:010b} answers {:010b} writes {:02b} records {:06b}",
                      int{p.draw_ready}, int{p.in_ready}, int{p.idle}, p.request_valid, p.answer_ready,
                      p.write_valid, p.records);
 }
@@ -281,6 +291,10 @@ TEST(PixelChainTiming, EqualsTheRtlOnEveryClock) {
     c.rtl.blend = RtlBlend::equation;
     check(c, 9);
   }
+  for (const Config& c : level_configs()) {
+    SCOPED_TRACE(fmt::format("mip {}, lod {}", to_string(c.mip), to_string(c.lod)));
+    check(c, 9);
+  }
   for (const std::uint64_t seed : stage_seeds(4)) {
     SCOPED_TRACE(stage_seed_text(seed));
     check(random_stage_config(seed), seed);
@@ -306,6 +320,7 @@ TEST(PixelChainTiming, EqualsTheRtlWhereFragmentsFollowOneAnother) {
   configs.back().memory.latency = 60;
   configs.push_back(shipped_config("depth16"));
   configs.back().rtl.blend = RtlBlend::equation;
+  configs.push_back(level_configs()[2]);
   for (const Config& c : configs) {
     for (const DepthWhen when : {DepthWhen::early, DepthWhen::late}) {
       const PipeCase p = make_pipe_case(c, demo_scene(96, 72), when);
@@ -337,45 +352,58 @@ TEST(PixelChainTiming, EqualsTheRtlFromResetOnAndAfterAResetAmidFragments) {
   }
 }
 
+using Changes = std::vector<std::pair<const char*, std::function<void(PixelTiming&, int)>>>;
+
 // A wrong number of the configuration's is seen on some clock.
+void expect_every_number_seen(const Config& c, DepthWhen when, const Changes& changes) {
+  Random random(5);
+  // Draw states and places that change often; FIFOs that fill.
+  const PipeCase changing = random_pipe_case(random, c, 400, {.width = 700, .height = 90}, when);
+  const PipeCase rows = make_pipe_case(c, demo_scene(96, 72), when);
+  std::array<StageTrace, 2> traces;
+  run_pipe(changing, {0, {}, {1, 1}, 1}, traces.data());
+  run_pipe(rows, {0, {}, {90, 90}, 1}, &traces[1]);
+  const PixelTiming right = pixel_timing(c);
+  for (const StageTrace& trace : traces) EXPECT_NO_THROW(replay(c, when, trace, right));
+  for (const auto& [what, change] : changes) {
+    for (const int by : {-1, 1}) {
+      PixelTiming wrong = right;
+      change(wrong, by);
+      const auto differs = [&](const StageTrace& trace) {
+        try {
+          replay(c, when, trace, wrong);
+          return false;
+        } catch (const std::logic_error&) {
+          return true;
+        }
+      };
+      EXPECT_TRUE(std::ranges::any_of(traces, differs)) << what << " by " << by;
+    }
+  }
+}
+
 TEST(PixelChainTiming, EveryNumberIsSeen) {
   Config c = shipped_config("depth16");
   c.depth_code = DepthCode::linear;
-  Random random(5);
-  // Draw states and places that change often; FIFOs that fill.
+  const Changes of_both{{"in_flight", [](PixelTiming& t, int by) { t.in_flight += by; }},
+                        {"depth.code", [](PixelTiming& t, int by) { t.depth.code += by; }},
+                        {"texture.address", [](PixelTiming& t, int by) { t.texture.address += by; }},
+                        {"texture.color", [](PixelTiming& t, int by) { t.texture.color += by; }},
+                        {"fog.clocks", [](PixelTiming& t, int by) { t.fog.clocks += by; }},
+                        {"merge.clocks", [](PixelTiming& t, int by) { t.merge.clocks += by; }},
+                        {"place_bits", [](PixelTiming& t, int by) { t.place_bits += by; }},
+                        {"slot_bits", [](PixelTiming& t, int by) { t.slot_bits += by; }}};
+  expect_every_number_seen(c, DepthWhen::early, of_both);
+  Changes of_late = of_both;
+  of_late.push_back({"stencil.clocks", [](PixelTiming& t, int by) { t.stencil.clocks += by; }});
+  expect_every_number_seen(c, DepthWhen::late, of_late);
   for (const DepthWhen when : {DepthWhen::early, DepthWhen::late}) {
-    SCOPED_TRACE(to_string(when));
-    const PipeCase changing = random_pipe_case(random, c, 400, {.width = 700, .height = 90}, when);
-    const PipeCase rows = make_pipe_case(c, demo_scene(96, 72), when);
-    std::array<StageTrace, 2> traces;
-    run_pipe(changing, {0, {}, {1, 1}, 1}, traces.data());
-    run_pipe(rows, {0, {}, {90, 90}, 1}, &traces[1]);
-    const PixelTiming right = pixel_timing(c);
-    for (const StageTrace& trace : traces) EXPECT_NO_THROW(replay(c, when, trace, right));
-    const auto seen = [&](const char* what, const std::function<void(PixelTiming&, int)>& change) {
-      for (const int by : {-1, 1}) {
-        PixelTiming wrong = right;
-        change(wrong, by);
-        const auto differs = [&](const StageTrace& trace) {
-          try {
-            replay(c, when, trace, wrong);
-            return false;
-          } catch (const std::logic_error&) {
-            return true;
-          }
-        };
-        EXPECT_TRUE(std::ranges::any_of(traces, differs)) << what << " by " << by;
-      }
-    };
-    seen("in_flight", [](PixelTiming& t, int by) { t.in_flight += by; });
-    seen("depth.code", [](PixelTiming& t, int by) { t.depth.code += by; });
-    seen("texture.address", [](PixelTiming& t, int by) { t.texture.address += by; });
-    seen("texture.color", [](PixelTiming& t, int by) { t.texture.color += by; });
-    seen("fog.clocks", [](PixelTiming& t, int by) { t.fog.clocks += by; });
-    seen("merge.clocks", [](PixelTiming& t, int by) { t.merge.clocks += by; });
-    seen("place_bits", [](PixelTiming& t, int by) { t.place_bits += by; });
-    seen("slot_bits", [](PixelTiming& t, int by) { t.slot_bits += by; });
-    if (is_late(when)) seen("stencil.clocks", [](PixelTiming& t, int by) { t.stencil.clocks += by; });
+    expect_every_number_seen(level_configs()[2], when,
+                             {{"lod.clocks", [](PixelTiming& t, int by) { t.lod.clocks += by; }},
+                              {"texture.address", [](PixelTiming& t, int by) { t.texture.address += by; }},
+                              {"texture.color", [](PixelTiming& t, int by) { t.texture.color += by; }},
+                              {"texture.shade", [](PixelTiming& t, int by) { t.texture.shade += by; }},
+                              {"slot_bits", [](PixelTiming& t, int by) { t.slot_bits += by; }}});
   }
 }
 
@@ -403,6 +431,12 @@ TEST(PixelChainTiming, PlantedBugsAreSeen) {
       {"rtl/pixel_pipe.sv", "assign fate_write[1] = judged_stencil != stencil_record_stored_o;",
        "assign fate_write[1] = judged_test;"},
   };
+  constexpr PlantedBug of_levels[] = {
+      {"rtl/texture.sv", "assign ask_taken = &(~wanted | asked_q | request_ready);",
+       "assign ask_taken = &(~wanted | asked_q | request_ready) && (!ask_next || asked_q[0]);"},
+      {"rtl/texture.sv", ".d_i(in_f_i != '0),",
+       ".d_i(in_f_i != '0 || in_level_i == '0 && in_last_i_i != '0),"},
+  };
   const RtlCopy copy;
   // Where memories are slow, and where depth codes alone are written late.
   const PipeWay slow{0.1, {0.2, 0.3}, {1, 25}, 5};
@@ -424,6 +458,7 @@ TEST(PixelChainTiming, PlantedBugsAreSeen) {
   Config by_equation = shipped_config("depth16");
   by_equation.rtl.blend = RtlBlend::equation;
   see(random_pipe_case(random, by_equation, 400), slow, bugs_of_equations);
+  see(random_pipe_case(random, level_configs()[2], 400), slow, of_levels);
 }
 
 }  // namespace

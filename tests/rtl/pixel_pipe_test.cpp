@@ -6,6 +6,7 @@
 
 #include <bit>
 #include <deque>
+#include <span>
 #include <stdexcept>
 
 #include "config/modes.hpp"
@@ -58,6 +59,17 @@ TEST(PixelPipe, TheDemoWithLateTests) {
   }
 }
 
+TEST(PixelPipe, TheDemoWithLevels) {
+  for (const Config& c : level_configs()) {
+    SCOPED_TRACE(fmt::format("mip {}, lod {}", to_string(c.mip), to_string(c.lod)));
+    const PipeCase p = make_pipe_case(c, demo_scene(128, 96));
+    ASSERT_EQ(p.records.at("lod_record").size(), p.records.at("texture_record").size());
+    EXPECT_GT(run_pipe(p, {0, {}, {1, 1}, 1}).compared, 400000U);
+    run_pipe(p, {0.2, {0.2, 0.3}, {1, 25}, 2});
+    run_pipe(make_pipe_case(c, demo_scene(128, 96), DepthWhen::late), {0.2, {0.2, 0.3}, {1, 25}, 3});
+  }
+}
+
 // Every mode of a stage, over depth16.
 TEST(PixelPipe, Modes) {
   const Scene scene = demo_scene(96, 72);
@@ -103,6 +115,10 @@ TEST(PixelPipe, RandomDrawStates) {
     c.rtl.blend = RtlBlend::equation;
     check(c, 10);
   }
+  for (const Config& c : level_configs()) {
+    SCOPED_TRACE(fmt::format("mip {}, lod {}", to_string(c.mip), to_string(c.lod)));
+    check(c, 9);
+  }
   for (const std::uint64_t seed : stage_seeds(4)) {
     SCOPED_TRACE(stage_seed_text(seed));
     check(random_stage_config(seed), seed);
@@ -133,6 +149,7 @@ TEST(PixelPipe, LargePicturesAndTextures) {
   configs[1].depth_code = DepthCode::linear;
   configs[1].fog = FogMode::linear;
   configs[2].depth_code = DepthCode::opengl;
+  configs.push_back(level_configs()[2]);
   Random random(41);
   for (const Config& c : configs) {
     const int most = (1 << c.coordinate_bits) - 1;
@@ -187,7 +204,9 @@ TEST(PixelPipe, IsIdleBehindTheLastWrite) {
 
 // Rows of pixels, none of them twice: one per clock, with the memories' latency added once.
 TEST(PixelPipe, OneFragmentPerClock) {
-  for (const Config& c : shipped_configs()) {
+  std::vector<Config> configs = shipped_configs();
+  for (const Config& c : level_configs()) configs.push_back(c);
+  for (const Config& c : configs) {
     Scene scene;
     scene.width = 200;
     scene.height = 20;
@@ -202,8 +221,8 @@ TEST(PixelPipe, OneFragmentPerClock) {
     const auto fragments = static_cast<std::uint64_t>(p.records.at("merge_record").size());
     ASSERT_GT(fragments, 3500U);
     const PixelTiming t = pixel_timing(c);
-    const auto latency =
-        static_cast<std::uint64_t>(t.depth.total + t.texture.total + t.fog.total + t.merge.total_blending);
+    const auto latency = static_cast<std::uint64_t>(t.depth.total + (t.has_lod ? t.lod.total : 0) +
+                                                    t.texture.total + t.fog.total + t.merge.total_blending);
     // Four clocks: the draw state's transfer and what the last record and its count take.
     EXPECT_LE(run_pipe(p, {0, {}, {1, 1}, 1}).clocks, fragments + latency + 4) << c.name;
     // Three memories answer twelve clocks later.
@@ -215,15 +234,16 @@ std::vector<Config> tool_configs() {
   Config linear = shipped_config("depth16");
   linear.depth_code = DepthCode::linear;
   linear.fog = FogMode::linear;
-  std::vector<Config> configs{shipped_config("narrow"), linear, shipped_config("narrow")};
-  configs.back().rtl.blend = RtlBlend::equation;
+  std::vector<Config> configs{shipped_config("narrow"), linear, level_configs()[1]};
+  configs.front().rtl.blend = RtlBlend::equation;
   for (const std::uint64_t seed : stage_seeds(1)) configs.push_back(random_stage_config(100 + seed));
   return configs;
 }
 
 TEST(PixelPipe, VerilatorLintIsSilent) {
   for (const Config& c : tool_configs()) {
-    for (const char* top : {"depth", "texture", "fog", "merge", "pixel_pipe", "late"}) {
+    for (const char* top :
+         {"depth", "texture_address", "texture_words", "texture", "fog", "merge", "pixel_pipe", "late"}) {
       const bool late = std::string_view(top) == "late";
       if (late) top = "pixel_pipe";
       const TemporaryFolder folder;
@@ -328,6 +348,31 @@ TEST(PixelPipe, PlantedBugsOfEquationsAreSeen) {
   const auto run = [&] { run_pipe(p, {0.1, {0.2, 0.3}, {1, 25}, 5}); };
   run();
   expect_seen(bugs, run);
+}
+
+TEST(PixelPipe, PlantedBugsOfLevelsAreSeen) {
+  constexpr PlantedBug of_gradients[] = {
+      {"rtl/pixel_pipe.sv", "= lod_state[texture_slot];", "= lod_state[slot_q];"},
+      {"rtl/pixel_pipe.sv", "texture_state[levelled_slot]", "texture_state[texture_slot]"},
+      {"rtl/pixel_pipe.sv", "draw_last_level_i, draw_h_x_i, draw_h_y_i,",
+       "draw_last_level_i, draw_h_y_i, draw_h_x_i,"},
+      {"rtl/pixel_pipe.sv", ".in_f_i(share),", ".in_f_i(share >> 1),"},
+      {"rtl/pixel_pipe.sv", ".in_level_i(level),", ".in_level_i(level & LevelW'(7)),"},
+  };
+  constexpr PlantedBug of_zones[] = {
+      {"rtl/pixel_pipe.sv", ".a_i(lod_a_i),", ".a_i(~lod_a_i),"},
+      {"rtl/pixel_pipe.sv", ".load_place_i(load_k_place_i),", ".load_place_i(~load_k_place_i),"},
+  };
+  const auto seen = [](std::span<const PlantedBug> bugs, const Config& c, std::uint64_t seed) {
+    Random random(seed);
+    const PipeCase p = random_pipe_case(random, c, 600, {.textures = {{1, 2}, {4, 8}, {16, 512}}});
+    const auto run = [&] { run_pipe(p, {0.1, {0.2, 0.3}, {1, 25}, 5}); };
+    run();
+    expect_seen(bugs, run);
+  };
+  seen(of_gradients, level_configs()[2], 5);
+  // Scenes whose A' is so small that s is.
+  seen(of_zones, level_configs()[1], 6);
 }
 
 }  // namespace

@@ -29,6 +29,24 @@ Config random_stage_config(std::uint64_t seed) {
                                                  }});
 }
 
+std::vector<Config> level_configs() {
+  std::vector<Config> configs(4, shipped_config("depth16"));
+  for (Config& c : configs) {
+    c.lod_bias = 3;
+    c.lod_first = 300;
+    c.filter = TextureFilter::bilinear;
+    c.mip = MipMode::linear;
+  }
+  configs[0].mip = MipMode::nearest;
+  configs[0].lod = LodMode::gradient;
+  configs[0].filter = TextureFilter::nearest;
+  configs[1].lod = LodMode::zone_s;
+  configs[2].lod = LodMode::gradient;
+  configs[3].lod = LodMode::none;
+  configs[3].lod_bias = 21;
+  return configs;
+}
+
 void await_sweep(StageBench& bench, const Config& config) {
   for (int i = 0; i < 1 << pixel_timing(config).place_bits; ++i) bench.clock();
 }

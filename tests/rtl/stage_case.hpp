@@ -18,6 +18,8 @@ std::vector<std::uint64_t> stage_seeds(int count);
 std::string stage_seed_text(std::uint64_t seed);
 // Legal, of any mode, and with a package for the pixel stages.
 Config random_stage_config(std::uint64_t seed);
+// depth16 with mip chains: both kinds of level, each mode of lod that the RTL has, both filters.
+std::vector<Config> level_configs();
 // Runs the clocks in which a stage clears its scoreboard after reset.
 void await_sweep(StageBench& bench, const Config& config);
 

@@ -12,9 +12,13 @@
 #include <optional>
 #include <vector>
 
+#include "config/modes.hpp"
 #include "config/pixel_timing.hpp"
 #include "engine/emit_pixel_sv.hpp"
+#include "model/mip_chain.hpp"
 #include "model/numeric/compare.hpp"
+#include "model/timed/pixel_chain_timing.hpp"
+#include "tb/rtl_pixels.hpp"
 #include "tests/rtl/random_rtl.hpp"
 #include "tests/rtl/rtl_copy.hpp"
 #include "tests/rtl/stage_bench.hpp"
@@ -24,16 +28,16 @@
 namespace bitspan {
 namespace {
 
-const std::vector<std::string> inputs = {"u",     "v",        "r",           "g",       "b",      "a",
-                                         "rest",  "textured", "bilinear",    "clamp",   "last_i", "last_j",
-                                         "pitch", "base",     "transparent", "reserved"};
+const std::vector<std::string> inputs = {"u",     "v",        "r",           "g",        "b",      "a",
+                                         "rest",  "textured", "bilinear",    "clamp",    "last_i", "last_j",
+                                         "pitch", "base",     "transparent", "reserved", "level",  "f"};
 const std::vector<std::string> outputs = {"i",       "j", "ex", "ey", "texel_r", "texel_g", "texel_b",
                                           "texel_a", "r", "g",  "b",  "a",       "killed",  "rest"};
 
 StageDesign design(const Config& config) {
   StageDesign d{config.name, "texture", emit_pixel_sv(config), {}, {}, {}};
   d.channels.push_back({ChannelKind::in, "in", inputs});
-  for (int port = 0; port < 4; ++port) {
+  for (int port = 0; port < texel_ports; ++port) {
     d.channels.push_back({ChannelKind::out, fmt::format("request{}", port), {"address"}});
     d.channels.push_back({ChannelKind::in, fmt::format("answer{}", port), {"texel"}});
   }
@@ -47,10 +51,16 @@ int between(Random& random, int low, int high) {
 }
 bool chance(Random& random, double p) { return std::bernoulli_distribution(p)(random); }
 
-// A texture as the stage's memory holds it.
+// A texture as the stage's memory holds it; with levels, its chain.
 struct Placed {
   Texture texture;
   std::uint64_t pitch = 0, base = 0;
+  model::MipChain chain{};
+
+  // Behind the base and the last texel.
+  std::uint64_t end() const {
+    return base + ((chain.empty() ? 1U : 2U) * static_cast<std::uint64_t>(texture.height) << pitch);
+  }
 };
 
 bool is_cyclic(const Texture& t) {
@@ -60,7 +70,7 @@ bool is_cyclic(const Texture& t) {
 
 // Half the texels are of few colours, among them the reserved one.
 Placed random_texture(Random& random, int width, int height, std::uint64_t after,
-                      const std::array<std::uint8_t, 3>& reserved) {
+                      const std::array<std::uint8_t, 3>& reserved, bool has_levels) {
   Placed p{{"t", width, height, {}}, 0, 0};
   for (int texel = 0; texel < width * height; ++texel) {
     const bool hole = chance(random, 0.2);
@@ -77,12 +87,22 @@ Placed random_texture(Random& random, int width, int height, std::uint64_t after
     const int kind = between(random, 0, 3);
     p.texture.rgba.push_back(kind == 0 ? 255 : kind == 1 ? 0 : static_cast<std::uint8_t>(random()));
   }
-  p.pitch = static_cast<std::uint64_t>(std::bit_width(static_cast<unsigned>(width - 1))) + random() % 2;
+  p.pitch = static_cast<std::uint64_t>(std::bit_width(static_cast<unsigned>(width - 1)));
+  if (has_levels) {
+    // Levels that are no means of each other, with reserved texels in each.
+    p.chain = model::make_mip_chain(p.texture);
+    for (std::size_t l = 1; l < p.chain.size(); ++l) {
+      p.chain[l] = random_texture(random, p.chain[l].width, p.chain[l].height, 0, reserved, false).texture;
+    }
+  } else {
+    p.pitch += random() % 2;
+  }
   p.base = ((after >> p.pitch) + 1 + random() % 5) << p.pitch;
   return p;
 }
 
-std::vector<Placed> random_textures(Random& random, const std::array<std::uint8_t, 3>& reserved) {
+std::vector<Placed> random_textures(Random& random, const std::array<std::uint8_t, 3>& reserved,
+                                    bool has_levels) {
   std::vector<Placed> all;
   std::uint64_t after = 0;
   const std::pair<int, int> sizes[] = {
@@ -90,8 +110,9 @@ std::vector<Placed> random_textures(Random& random, const std::array<std::uint8_
       {64, 32}, {3, 5},   {7, 1},    {1, 3},    {33, 9},
       {100, 3}, {256, 2}, {1000, 1}, {1, 1024}, {between(random, 1, 40), between(random, 1, 40)}};
   for (const auto& [width, height] : sizes) {
-    all.push_back(random_texture(random, width, height, after, reserved));
-    after = all.back().base + (static_cast<std::uint64_t>(height) << all.back().pitch);
+    if (has_levels && !is_cyclic({"", width, height, {}})) continue;
+    all.push_back(random_texture(random, width, height, after, reserved, has_levels));
+    after = all.back().end();
   }
   return all;
 }
@@ -99,7 +120,15 @@ std::vector<Placed> random_textures(Random& random, const std::array<std::uint8_
 // What lies at an address; anything but a texel is an error.
 std::uint64_t texel_at(const std::vector<Placed>& textures, std::uint64_t address) {
   for (const Placed& p : textures) {
-    if (address < p.base) break;
+    if (address < p.base || address >= p.end()) continue;
+    for (const Texture& level : p.chain) {
+      const auto width = static_cast<std::uint64_t>(level.width);
+      const std::uint64_t begin = p.base + width * static_cast<std::uint64_t>(level.height);
+      if (address < begin || address - begin >= begin - p.base) continue;
+      return texel_word(level, static_cast<std::int64_t>((address - begin) % width),
+                        static_cast<std::int64_t>((address - begin) / width));
+    }
+    if (!p.chain.empty()) break;
     const std::uint64_t i = (address - p.base) & ((std::uint64_t{1} << p.pitch) - 1);
     const std::uint64_t j = (address - p.base) >> p.pitch;
     if (i >= static_cast<std::uint64_t>(p.texture.width) || j >= static_cast<std::uint64_t>(p.texture.height))
@@ -128,7 +157,7 @@ struct Case {
 
   Case(const Config& c, Random& random) : config(c), stage(model::prepare_texture(c)) {
     for (auto& channel : reserved) channel = static_cast<std::uint8_t>(random());
-    textures = random_textures(random, reserved);
+    textures = random_textures(random, reserved, has_levels_in_rtl(c));
   }
 };
 
@@ -157,7 +186,19 @@ Given random_fragment(Random& random, Case& t, std::uint64_t number, bool plain)
   // Without a texture, alpha is then halfway between the codes 127 and 128, and takes the upper one.
   if (chance(random, 0.3)) f.a = half_of(shade).value_or(f.a);
   TextureRecord r;
-  model::texture(t.stage, textured ? &placed.texture : nullptr, f, r);
+  LodRecord lod;
+  if (textured && !placed.chain.empty()) {
+    const auto last = static_cast<std::int64_t>(placed.chain.size()) - 1;
+    lod.level = between(random, 0, static_cast<int>(last));
+    if (mixes_levels(c.mip) && lod.level < last && chance(random, 0.7)) {
+      lod.f = random_raw(random, c.format(FormatId::lod_frac));
+    }
+  }
+  if (has_levels_in_rtl(c)) {
+    model::texture(t.stage, textured ? &placed.chain : nullptr, f, lod, r);
+  } else {
+    model::texture(t.stage, textured ? &placed.texture : nullptr, f, r);
+  }
   const auto bit = [](bool b) { return std::uint64_t{b}; };
   Given g;
   g.in = {port(f.u, uv),
@@ -175,7 +216,9 @@ Given random_fragment(Random& random, Case& t, std::uint64_t number, bool plain)
           placed.pitch,
           placed.base,
           bit(t.stage.transparent.has_value()),
-          t.reserved[0] | std::uint64_t{t.reserved[1]} << 8 | std::uint64_t{t.reserved[2]} << 16};
+          t.reserved[0] | std::uint64_t{t.reserved[1]} << 8 | std::uint64_t{t.reserved[2]} << 16,
+          static_cast<std::uint64_t>(lod.level),
+          static_cast<std::uint64_t>(lod.f)};
   const auto out = [&](std::int64_t raw, FormatId id) { g.out.push_back(port(raw, c.format(id))); };
   g.out = {static_cast<std::uint64_t>(r.i), static_cast<std::uint64_t>(r.j)};
   out(r.ex, FormatId::texture_frac);
@@ -222,7 +265,7 @@ Outcome run(Case& t, Random& random, int count, const Conditions& conditions) {
   bench.set_constant("alpha_func", passes(0) | passes(1) << 1 | passes(2) << 2);
   bench.set_constant("alpha_ref", static_cast<std::uint64_t>(conditions.alpha_ref));
   std::deque<StageMemory> memories;
-  for (int p = 0; p < 4; ++p) {
+  for (int p = 0; p < texel_ports; ++p) {
     memories.emplace_back(
         bench, fmt::format("request{}", p), fmt::format("answer{}", p), "", 1, conditions.latency, random(),
         [&t](const StageMemory::Address& a) { return StageValues{texel_at(t.textures, a[0])}; });
@@ -284,6 +327,22 @@ TEST(Texture, Shipped) {
   for (const Config& config : shipped_configs()) check(config, 11, 4000);
 }
 
+Config levels_config(const std::string& name, MipMode mip) {
+  Config c = shipped_config(name);
+  c.mip = mip;
+  c.lod = LodMode::none;
+  return c;
+}
+
+TEST(Texture, Levels) {
+  for (const MipMode mip : {MipMode::nearest, MipMode::linear}) {
+    for (const std::string& name : shipped_names) {
+      SCOPED_TRACE(to_string(mip));
+      check(levels_config(name, mip), 11, 4000);
+    }
+  }
+}
+
 TEST(Texture, Random) {
   for (const std::uint64_t seed : stage_seeds(6)) {
     SCOPED_TRACE(stage_seed_text(seed));
@@ -293,17 +352,21 @@ TEST(Texture, Random) {
 
 // One fragment per clock, and the latency that config/pixel_timing says.
 TEST(Texture, Clocks) {
-  const Config config = shipped_config("depth16");
-  const TextureTiming timing = pixel_timing(config).texture;
-  Random random(5);
-  Case t(config, random);
-  for (const bool plain : {true, false}) {
+  const auto clocks = [](const Config& config, bool plain) {
+    const TextureTiming timing = pixel_timing(config).texture;
+    Random random(5);
+    Case t(config, random);
     const Outcome one = run(t, random, 1, {{0, 0}, {1, 1}, plain});
     EXPECT_EQ(one.clocks, static_cast<std::uint64_t>(timing.total) + 1);
     for (const int latency : {1, 20}) {
       const Outcome many = run(t, random, 2000, {{0, 0}, {latency, latency}, plain});
       EXPECT_EQ(many.clocks, static_cast<std::uint64_t>(timing.total + latency - 1) + 2000) << latency;
     }
+  };
+  for (const bool plain : {true, false}) {
+    clocks(shipped_config("depth16"), plain);
+    for (const MipMode mip : {MipMode::nearest, MipMode::linear})
+      clocks(levels_config("depth16", mip), plain);
   }
 }
 
@@ -335,14 +398,14 @@ TEST(Texture, RefusesCyclicSizesThatAreNoPowersOfTwo) {
 
 TEST(Texture, PlantedBugsAreSeen) {
   constexpr PlantedBug bugs[] = {
-      {"rtl/texture.sv", "clamp_1 && whole >= ", "clamp_1 && whole > 1 + "},
-      {"rtl/texture.sv", "quad_1 && low_1[Grid-1]", "quad_1 && !low_1[Grid-1]"},
+      {"rtl/texture_address.sv", "clamp_1 && whole >= ", "clamp_1 && whole > 1 + "},
+      {"rtl/texture_address.sv", "quad_1 && low_1[Grid-1]", "quad_1 && !low_1[Grid-1]"},
       {"rtl/texture.sv", "asked_q | (request_valid & request_ready)",
        "request_valid & request_ready & ~wanted"},
-      {"rtl/texture.sv", "assign skid_taken = {4{join_taken}} & awaited;",
-       "assign skid_taken = {4{join_valid}} & awaited;"},
-      {"rtl/texture.sv", "hole_3 <= reserved_2[upper_2];", "hole_3 <= reserved_2[0];"},
-      {"rtl/texture.sv", "reserved_2[p] ? alpha_2[4] : alpha_2[p]",
+      {"rtl/texture.sv", "assign skid_taken = {Ports{join_taken}} & awaited;",
+       "assign skid_taken = {Ports{join_valid}} & awaited;"},
+      {"rtl/texture_words.sv", "hole_o <= reserved_2[upper_2];", "hole_o <= reserved_2[0];"},
+      {"rtl/texture_words.sv", "reserved_2[p] ? alpha_2[4] : alpha_2[p]",
        "reserved_2[p] ? alpha_2[p] : alpha_2[p]"},
       {"rtl/texture.sv", "assign in_ready_o = address_en && held_ready;", "assign in_ready_o = address_en;"},
       {"rtl/texture_filter.sv", ".a_i(row[0+:OutW]),", ".a_i(row[OutW+:OutW]),"},
@@ -369,6 +432,29 @@ TEST(Texture, PlantedBugsAreSeen) {
   };
   test_alpha();
   expect_seen(alpha_bugs, test_alpha);
+}
+
+TEST(Texture, PlantedBugsOfLevelsAreSeen) {
+  constexpr PlantedBug bugs[] = {
+      {"rtl/texture_address.sv", "<<< {~high, 2'b00};", "<<< {2'b11, 2'b00};"},
+      {"rtl/texture_address.sv", "low_a <<< ~level_a;", "low_a <<< level_a;"},
+      {"rtl/texture_address.sv", "last_b <= last_a >> level_a;", "last_b <= last_a >> (level_a & 2'b01);"},
+      {"rtl/texture_address.sv", "pitch_i - PitchW'(level_i) : '0;", "pitch_i - PitchW'(level_i) : pitch_i;"},
+      {"rtl/texture_address.sv", "rows_3 | {1'b0, second_3[IndexW+:IndexW]}",
+       "{1'b0, second_3[IndexW+:IndexW]}"},
+      {"rtl/texture.sv", ".level_i(in_level_i + LevelW'(1))", ".level_i(in_level_i)"},
+      {"rtl/texture.sv", "assign next_6 = mixed_in && next_textured;", "assign next_6 = next_textured;"},
+      {"rtl/texture.sv", "{{3{next && quad}}, next, {3{quad}}, textured}", "{4'b0000, {3{quad}}, textured}"},
+      {"rtl/texture.sv", ".in_f_i(share_at_filter)", ".in_f_i(~share_at_filter)"},
+      {"rtl/texture.sv", ".upper_i(next_upper)", ".upper_i(upper)"},
+      {"rtl/texture.sv", ".in_next_ey_i(next_ey_at_filter)", ".in_next_ey_i(ey_at_filter)"},
+      {"rtl/texture.sv", "if (shade_en) shades_mixed <= shades_levels;", "shades_mixed <= shades_levels;"},
+  };
+  Random random(5);
+  Case t(levels_config("depth16", MipMode::linear), random);
+  const Conditions conditions{{0.2, 0.4}, {1, 60}};
+  run(t, random, 1500, conditions);
+  expect_seen(bugs, [&] { run(t, random, 1500, conditions); });
 }
 
 }  // namespace

@@ -223,7 +223,14 @@ TEST(Lod, WhatIsNotThereIsRefusedByName) {
   EXPECT_EQ(first_violation(c)->key, "formats.lod.frac");
   c = with_levels(shipped_config("depth16"), MipMode::linear, LodMode::zone_s);
   EXPECT_THROW(make_model(c, {.form = ModelForm::vector}), InputError);
-  EXPECT_FALSE(pixel_stages_are_in_rtl(c));
+  EXPECT_TRUE(pixel_stages_are_in_rtl(c));
+  for (const LodMode mode : {LodMode::zone_d, LodMode::finite}) {
+    c.lod = mode;
+    EXPECT_FALSE(pixel_stages_are_in_rtl(c));
+    c.mip = MipMode::none;
+    EXPECT_TRUE(pixel_stages_are_in_rtl(c));
+    c.mip = MipMode::linear;
+  }
 }
 
 // Level l of a texture, at u 2^-l, is the texture of that level itself; and the mix of two is T11's.

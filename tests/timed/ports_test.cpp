@@ -61,7 +61,7 @@ void expect_same_records(const Outcome& a, const Outcome& b) {
   expect_same_frame(a.frame, b.frame);
 }
 
-void expect_consistent(const Outcome& r) {
+void expect_consistent(const Outcome& r, const Config& config) {
   std::uint64_t moved = 0;
   for (const StageReport& s : r.report.stages) {
     EXPECT_EQ(s.busy + s.starved + s.blocked + s.memory, r.report.cycles) << s.name;
@@ -75,7 +75,8 @@ void expect_consistent(const Outcome& r) {
   EXPECT_EQ(r.report.stages[5].records_in, c.depth_passed);
   EXPECT_EQ(r.report.stages[5].records_out, c.written);
   EXPECT_EQ(r.report.stages[7].records_out, c.written);
-  ASSERT_EQ(r.report.ports.size(), static_cast<std::size_t>(read_ports));
+  const bool mixes = has_levels_in_rtl(config) && mixes_levels(config.mip);
+  ASSERT_EQ(r.report.ports.size(), mixes ? 10U : 6U);
   EXPECT_EQ(r.report.ports[z_port].requests, c.covered);
   EXPECT_EQ(r.report.ports[z_port].writes, c.written);
   EXPECT_EQ(r.report.ports[color_port].writes, c.written);
@@ -93,11 +94,21 @@ TEST(Ports, BothModesAreEqualAndTheValuesAreTheBuss) {
   }
   configs.push_back(shipped_config("depth16"));
   configs.back().perspective = Perspective::const_depth_rows;
+  for (const LodMode lod : {LodMode::zone_s, LodMode::gradient}) {
+    for (const MipMode mip : {MipMode::nearest, MipMode::linear}) {
+      configs.push_back(shipped_config("depth16"));
+      configs.back().mip = mip;
+      configs.back().lod = lod;
+      configs.back().lod_first = 300;
+    }
+  }
   std::uint64_t seed = 1;
   std::uint64_t uncovered = 0;
+  std::uint64_t next_levels = 0;
   for (const Config& config : configs) {
     SCOPED_TRACE(config.name);
-    const Scene scene = random_scene(seed, {.width = 64, .height = 48, .triangles = 14, .size_max = 40});
+    const Scene scene = random_scene(
+        seed, {.width = 64, .height = 48, .triangles = 14, .size_max = 40, .mip_chains = has_lod(config)});
     Outcome bus;
     try {
       bus = run(config, scene, {.mode = TimedMode::span});
@@ -116,14 +127,16 @@ TEST(Ports, BothModesAreEqualAndTheValuesAreTheBuss) {
         }
         expect_same_records(span, bus);
         expect_same_records(cycle, bus);
-        expect_consistent(span);
+        expect_consistent(span, config);
         uncovered += span.counters.fragments - span.counters.covered;
+        if (span.report.ports.size() > 6) next_levels += span.report.ports[6].requests;
       }
     }
     ++seed;
   }
   EXPECT_GT(seed, 5U);
   EXPECT_GT(uncovered, 10U);
+  EXPECT_GT(next_levels, 100U);
 }
 
 StateSetting setting(const char* key, std::int64_t value) { return {*find_state_register(key), value}; }
