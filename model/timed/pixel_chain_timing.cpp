@@ -172,7 +172,7 @@ PixelChainClock PixelChainTiming::clock(const PixelChainDrive& drive, const Pixe
                            texel_requests << first_texel_port);
   ports.answer_ready =
       static_cast<PortSet>(only(z_port, z_answer_.ready()) | only(color_port, color_answer_.ready()));
-  for (int p = 0; p < texel_ports; ++p) {
+  for (int p = 0; p < read_ports_of(timing_) - first_texel_port; ++p) {
     ports.answer_ready |= only(first_texel_port + p, texel_answer_[static_cast<std::size_t>(p)].ready());
   }
   ports.write_valid = static_cast<PortSet>(only(z_port, writes_z) | only(color_port, writes_color));

@@ -354,8 +354,7 @@ TEST(PixelPipe, PlantedBugsOfLevelsAreSeen) {
   constexpr PlantedBug of_gradients[] = {
       {"rtl/pixel_pipe.sv", "= lod_state[texture_slot];", "= lod_state[slot_q];"},
       {"rtl/pixel_pipe.sv", "texture_state[levelled_slot]", "texture_state[texture_slot]"},
-      {"rtl/pixel_pipe.sv", "draw_last_level_i, draw_h_x_i, draw_h_y_i,",
-       "draw_last_level_i, draw_h_y_i, draw_h_x_i,"},
+      {"rtl/pixel_pipe.sv", ".in_h_x_i(h_x),", ".in_h_x_i(h_y),"},
       {"rtl/pixel_pipe.sv", ".in_f_i(share),", ".in_f_i(share >> 1),"},
       {"rtl/pixel_pipe.sv", ".in_level_i(level),", ".in_level_i(level & LevelW'(7)),"},
   };
