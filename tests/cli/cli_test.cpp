@@ -691,7 +691,7 @@ TEST_F(Cli, TheChainKeepsItsClocksInEveryDrawStateThatItHas) {
   const auto pairs = nlohmann::json::parse(folder.read("v.json")).at("scenes")[0].at("pairs");
   EXPECT_GT(pairs.at(1).at("stages").at("depth").at("own").get<std::uint64_t>(), 400U);
 
-  scene.commands.push_back({20, {false, {set("alpha.ref", 9), set("alpha.func", 1)}}, {}});
+  scene.commands.push_back({20, {false, {set("target.format", 1)}}, {}});
   write_tri_file(folder.path("states.tri"), scene);
   const Result other = run(verify);
   EXPECT_EQ(other.code, 0) << other.out << other.err;
