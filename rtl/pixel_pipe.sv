@@ -675,7 +675,7 @@ module pixel_pipe (
     assign {lod_record_lambda_o, lod_record_level_o, lod_record_f_o} = '0;
     logic unused;
     assign unused = ^{draw_last_level_i, draw_h_x_i, draw_h_y_i, draw_gu_x_i, draw_gu_y_i, draw_gv_x_i, draw_gv_y_i,
-                      lod_a_i, load_k_i, load_k_place_i, load_k_data_i};
+                      lod_a_i, load_k_i, load_k_place_i, load_k_data_i, texture_slot, levelled_x, levelled_y};
   end
 
   // ---------------------------------------------------------------- texture
