@@ -254,16 +254,6 @@ class ChainBeside {
 
 }  // namespace
 
-namespace {
-bool has_late_tests(const Config& config, const Scene& scene) {
-  DrawState state = first_state(config);
-  return std::ranges::any_of(scene.commands, [&](const DrawCommand& command) {
-    if (!command.clear) state = changed_state(state, command.state, config);
-    return is_late(state.depth_when);
-  });
-}
-}  // namespace
-
 CycleVerdict compare_cycles(const Config& config, const Scene& scene, std::size_t triangles) {
   // Triangles a call: bounds the records held; the pipelines drain in between, and the clock goes on.
   constexpr std::size_t slice_triangles = 512;
@@ -352,7 +342,8 @@ std::vector<ChainVerdict> compare_chain(const Config& config, const Scene& scene
   RtlPixels early(config);
   std::unique_ptr<RtlPixels> late;
   std::vector<RtlPixels*> chains{&early};
-  if (has_late_tests(config, scene)) {
+  if (std::ranges::any_of(states_of(config, scene.commands),
+                          [](const DrawState& state) { return is_late(state.depth_when); })) {
     late = std::make_unique<RtlPixels>(config, DepthWhen::late);
     chains.push_back(late.get());
   }

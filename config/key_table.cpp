@@ -512,8 +512,7 @@ constexpr KeyRow rows[] = {
      "",
      clocks,
      "what merge in RTL has: the mix by alpha alone; or every blend, logic operation and destination alpha "
-     "of "
-     "the draw state",
+     "of the draw state",
      {.presence = Presence::later}},
 };
 

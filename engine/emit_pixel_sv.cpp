@@ -203,12 +203,8 @@ bool pixel_rtl_takes(const Config& config, const DrawState& s) {
 }
 
 bool pixel_rtl_takes(const Config& config, std::span<const DrawCommand> commands) {
-  DrawState state = first_state(config);
-  return std::ranges::all_of(commands, [&](const DrawCommand& command) {
-    if (command.clear) return true;
-    state = changed_state(state, command.state, config);
-    return pixel_rtl_takes(config, state);
-  });
+  return std::ranges::all_of(states_of(config, commands),
+                             [&](const DrawState& state) { return pixel_rtl_takes(config, state); });
 }
 
 std::string emit_pixel_sv(const Config& config, DepthWhen when) {

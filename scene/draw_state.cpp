@@ -94,6 +94,15 @@ DrawState changed_state(const DrawState& state, const StateChange& change, const
   return next;
 }
 
+std::vector<DrawState> states_of(const Config& config, std::span<const DrawCommand> commands) {
+  std::vector<DrawState> out;
+  DrawState state = first_state(config);
+  for (const DrawCommand& command : commands) {
+    if (!command.clear) out.push_back(state = changed_state(state, command.state, config));
+  }
+  return out;
+}
+
 void check_commands(const Config& config, const Scene& scene) {
   DrawState state = first_state(config);
   for (const DrawCommand& command : scene.commands) {

@@ -214,5 +214,7 @@ struct DrawCommand {
   std::optional<Clear> clear;  // in place of `state`
   bool operator==(const DrawCommand&) const = default;
 };
+// The states that the changes among the commands make, one after another; the first state is not among them.
+std::vector<DrawState> states_of(const Config& config, std::span<const DrawCommand> commands);
 
 }  // namespace bitspan

@@ -241,16 +241,6 @@ class RtlEngine final : public Engine {
 
 }  // namespace
 
-namespace {
-bool tests_stencil(const Config& config, std::span<const DrawCommand> commands) {
-  DrawState state = first_state(config);
-  return std::ranges::any_of(commands, [&](const DrawCommand& command) {
-    if (!command.clear) state = changed_state(state, command.state, config);
-    return state.stencil_test;
-  });
-}
-}  // namespace
-
 bool rtl_draws_pixels(const Config& config, const Scene& scene) {
   return has_pixel_rtl(config) && holds_textures(config, scene) && pixel_rtl_takes(config, scene.commands);
 }
@@ -280,7 +270,7 @@ EngineOwn rtl_own(const Config& config, const Scene& scene) {
   const bool finds_all = std::ranges::all_of(
       scene.textures, [&](const Texture& texture) { return addresses_texels(config, texture); });
   if (!finds_all) fields_of_type(RecordType::texture) -= 2;
-  const bool has_stencil = tests_stencil(config, scene.commands);
+  const bool has_stencil = std::ranges::any_of(states_of(config, scene.commands), &DrawState::stencil_test);
   // depth, u, v and three channels of colour, not the triangle; stencil; alpha where merge writes it
   own.picture = has_stencil ? 7 : 6;
   if (has_blend_equation(config.rtl.blend)) {
