@@ -255,6 +255,18 @@ struct ValueOfType<WideLanes> {
 template <class Int>
 using ValueOf = typename ValueOfType<Int>::type;
 
+// ElementOf<Int>: one integer of such a value.
+template <class Int>
+struct ElementOfType {
+  using type = std::int64_t;
+};
+template <class T>
+struct ElementOfType<LanesOf<T>> {
+  using type = T;
+};
+template <class Int>
+using ElementOf = typename ElementOfType<Int>::type;
+
 // a b in Int, exactly.
 template <class Int>
 HWY_INLINE Int times(ValueOf<Int> a, ValueOf<Int> b) {
@@ -277,7 +289,7 @@ HWY_INLINE Int shifted_up(Int x, ValueOf<Int> by) {
 }
 template <class Int>
 HWY_INLINE Int at_least(Int x, Int least) {
-  if constexpr (std::is_same_v<Int, Lanes>) {
+  if constexpr (std::is_same_v<Int, Lanes> || std::is_same_v<Int, Lanes32>) {
     return max(x, least);
   } else {
     return x < least ? least : x;
@@ -289,7 +301,7 @@ HWY_INLINE Int at_least_one(Int x) {
 }
 template <class Int>
 HWY_INLINE Int at_most(Int x, Int most) {
-  if constexpr (std::is_same_v<Int, Lanes>) {
+  if constexpr (std::is_same_v<Int, Lanes> || std::is_same_v<Int, Lanes32>) {
     return min(x, most);
   } else {
     return x > most ? most : x;

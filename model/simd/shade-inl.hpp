@@ -28,18 +28,6 @@ inline constexpr std::size_t lanes_in = 1;
 template <class T>
 inline constexpr std::size_t lanes_in<LanesOf<T>> = LanesOf<T>::count;
 
-template <class Int>
-struct ElementOfType {
-  using type = std::int64_t;
-};
-template <class T>
-struct ElementOfType<LanesOf<T>> {
-  using type = T;
-};
-// The elements of a block whose fragments are computed in Int.
-template <class Int>
-using ElementOf = typename ElementOfType<Int>::type;
-
 template <class V>
 HWY_INLINE V load_as(const std::int64_t* p) requires(std::is_same_v<V, std::int64_t>) {
   return *p;

@@ -62,6 +62,10 @@ void merge(const MergeStage& stage, const DepthRecord& depth, const TextureRecor
            Watch watch = {});
 // The new alpha of the pixel; only where stage.changes_alpha.
 MergeAlphaRecord merged_alpha(const MergeStage& stage, const TextureRecord& texture, std::uint8_t stored);
+// Red, green, blue and alpha of a pixel as the target holds them; codes as merge makes them, alpha as
+// merged_alpha does.
+std::array<std::uint8_t, 4> held(const MergeStage& stage, std::array<std::uint8_t, 4> codes, std::int64_t x,
+                                 std::int64_t y);
 // The clear with the codes that the target holds.
 Clear held(const MergeStage& stage, Clear clear);
 

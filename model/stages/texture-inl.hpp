@@ -65,24 +65,27 @@ HWY_INLINE V quantize_code(V code, const Register& r, Watch watch) {
 }
 
 // A texel that the chroma test takes for a transparent one.
-inline bool is_keyed(const ChromaRange& chroma, std::int64_t word) {
-  bool in_range = true;
+template <class V>
+HWY_INLINE Truth<V> is_keyed(const ChromaRange& chroma, V word) {
+  Truth<V> in_range = V(0) == V(0);
   for (std::size_t c = 0; c < 3; ++c) {
-    const std::int64_t code = channel_of(word, c);
-    in_range = in_range && code >= chroma.low[c] && code <= chroma.high[c];
+    const V code = channel_of(word, c);
+    in_range = in_range & (code >= V(static_cast<ElementOf<V>>(chroma.low[c]))) &
+               (code <= V(static_cast<ElementOf<V>>(chroma.high[c])));
   }
-  return in_range == (chroma.test == ChromaTest::inside);
+  return chroma.test == ChromaTest::inside ? in_range : !in_range;
 }
 
-// A texel of the reserved colour, or a keyed one. Not both tests are off.
+// A texel of the reserved colour, or a keyed one.
 template <class V>
 HWY_INLINE Truth<V> is_reserved(const TextureStage& stage, V word) {
-  if constexpr (std::is_same_v<V, std::int64_t>) {
-    if (stage.chroma.test != ChromaTest::none && is_keyed(stage.chroma, word)) return true;
-    if (!stage.transparent) return false;
+  Truth<V> found = V(0) != V(0);
+  if (stage.chroma.test != ChromaTest::none) found = is_keyed(stage.chroma, word);
+  if (stage.transparent) {
+    const auto& c = *stage.transparent;
+    found = found | ((word & V(0xffffff)) == V(c[0] | c[1] << 8 | c[2] << 16));
   }
-  const auto& c = *stage.transparent;
-  return (word & V(0xffffff)) == V(c[0] | c[1] << 8 | c[2] << 16);
+  return found;
 }
 
 inline std::int64_t wrapped(std::int64_t i, std::int64_t size, TextureWrap wrap) {
@@ -149,6 +152,41 @@ HWY_INLINE ValueOf<Int> blend(ValueOf<Int> a, ValueOf<Int> b, ValueOf<Int> e, in
                               const Register& r, Watch watch) {
   const Int one = Int(1) << e_fraction;
   return quantize(Int(a) * (one - Int(e)) + Int(b) * Int(e), fraction + e_fraction, r, watch);
+}
+
+// AS: floor(255 a + 1/2) of an alpha of at most 1, a 2^-fraction.
+template <class Int>
+HWY_INLINE ValueOf<Int> code_of_alpha(Int a, int fraction) {
+  return as_value<Int>((Int(510) * a + (Int(1) << fraction)) >> (fraction + 1));
+}
+
+// a: on the format texture.alpha, which `alpha` is.
+template <class V>
+HWY_INLINE Truth<V> passes_alpha_test(const Register& alpha, const AlphaTest& test, V a) {
+  const auto reaches = [&](std::int64_t least) HWY_ATTR {
+    // In range, a lane holds it.
+    if (least > alpha.max) return V(0) != V(0);
+    return a >= V(static_cast<ElementOf<V>>(least < alpha.min ? alpha.min : least));
+  };
+  switch (test.func) {
+    case CompareFunc::never:
+      return V(0) != V(0);
+    case CompareFunc::less:
+      return !reaches(test.least);
+    case CompareFunc::equal:
+      return reaches(test.least) & !reaches(test.least_above);
+    case CompareFunc::less_equal:
+      return !reaches(test.least_above);
+    case CompareFunc::greater:
+      return reaches(test.least_above);
+    case CompareFunc::not_equal:
+      return !(reaches(test.least) & !reaches(test.least_above));
+    case CompareFunc::greater_equal:
+      return reaches(test.least);
+    case CompareFunc::always:
+      return V(0) == V(0);
+  }
+  unreachable();
 }
 
 // Where a fragment looks and what it finds there, its colour apart; fraction: of u and v.
@@ -221,6 +259,16 @@ HWY_INLINE Textured<ValueOf<Int>> sampled(const TextureStage& stage, const Image
     }
   }
   return out;
+}
+
+// The mix with what the next coarser level has there; f: its share.
+template <class Int, class Watch>
+HWY_INLINE void mix_level(const TextureStage& stage, const Textured<ValueOf<Int>>& coarser, ValueOf<Int> f,
+                          Textured<ValueOf<Int>>& out, Watch watch) {
+  for (std::size_t c = 0; c < 4; ++c) {
+    const Register& r = c < 3 ? stage.mix : stage.alpha;
+    out.texel[c] = blend<Int>(out.texel[c], coarser.texel[c], f, stage.share.fraction, r.fraction, r, watch);
+  }
 }
 
 // The product with the fragment's colour.

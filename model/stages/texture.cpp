@@ -2,9 +2,9 @@
 #include "model/stages/texture.hpp"
 
 #include <array>
+#include <limits>
 
 #include "model/channels.hpp"
-#include "model/numeric/compare.hpp"
 #include "model/stages/texture-inl.hpp"
 
 namespace bitspan::model {
@@ -60,28 +60,28 @@ text::Textured<std::int64_t> found_in_levels(const TextureStage& stage, const Mi
   auto all = at_level(lod.level);
   // Where f is 0 the mix is the level's own value.
   if (stage.mixes_levels && lod.f != 0) {
-    const auto coarser = at_level(lod.level + 1);
-    for (std::size_t c = 0; c < channel_count; ++c) {
-      const Register& r = c < 3 ? stage.mix : stage.alpha;
-      all.texel[c] =
-          text::blend<Int>(all.texel[c], coarser.texel[c], lod.f, stage.share.fraction, r.fraction, r, watch);
-    }
+    text::mix_level<Int>(stage, at_level(lod.level + 1), lod.f, all, watch);
   }
   return all;
 }
 
 }  // namespace
 
-std::int64_t alpha_code(const Register& alpha, std::int64_t raw) {
-  const int grid = std::max(alpha.fraction, 0);
-  const int128 one = int128{1} << grid;
-  const int128 a = std::min(int128{raw} << (grid - alpha.fraction), one);
-  return static_cast<std::int64_t>((510 * a + one) >> (grid + 1));
+AlphaTest alpha_test_of(CompareFunc func, std::int64_t ref, const Register& alpha) {
+  // floor(255 a + 1/2) >= code where a >= (2 code - 1) / 510.
+  const auto least = [&](std::int64_t code) {
+    if (code <= 0) return alpha.min;
+    if (code > 255) return std::numeric_limits<std::int64_t>::max();
+    const int grid = std::max(alpha.fraction, 0);
+    const int128 on_grid = (((int128{2 * code - 1}) << grid) + 509) / 510;
+    const int down = grid - alpha.fraction;
+    return static_cast<std::int64_t>((on_grid + (int128{1} << down) - 1) >> down);
+  };
+  return {func, least(ref), least(ref + 1)};
 }
 
 bool passes_alpha_test(const TextureStage& stage, std::int64_t a) {
-  if (stage.alpha_func == CompareFunc::always) return true;
-  return compares(stage.alpha_func, alpha_code(stage.alpha, a), std::int64_t{stage.alpha_ref});
+  return text::passes_alpha_test(stage.alpha, stage.alpha_test, a);
 }
 
 ChromaRange chroma_of(const DrawState& s) {

@@ -27,21 +27,26 @@ struct ChromaRange {
 };
 ChromaRange chroma_of(const DrawState& state);
 
-// AS: the code of a fragment's alpha, floor(255 a + 1/2) of the smaller one of 1 and it. raw: in the format
-// texture.alpha, which `alpha` is.
-std::int64_t alpha_code(const Register& alpha, std::int64_t raw);
+// The alpha test of a draw state. The codes of two alphas, AS, compare as the alphas do with the least ones,
+// raw on texture.alpha, whose code is the reference's or above it.
+struct AlphaTest {
+  CompareFunc func = CompareFunc::always;
+  std::int64_t least = 0, least_above = 0;
+  bool operator==(const AlphaTest&) const = default;
+};
+// alpha: the format texture.alpha.
+AlphaTest alpha_test_of(CompareFunc func, std::int64_t ref, const Register& alpha);
 
 struct TextureStage {
   TextureFilter filter = TextureFilter::nearest;
   TextureWrap wrap = TextureWrap::cyclic;
   Rgba border{};
   std::optional<std::array<std::uint8_t, 3>> transparent;
-  ChromaRange chroma;       // of the draw state; lanes draw without one
+  ChromaRange chroma;       // of the draw state
   bool fits_int64 = false;  // every intermediate fits int64
   Register uv, shade;       // formats of the fragment
   Register frac, mix, color, alpha;
-  CompareFunc alpha_func = CompareFunc::always;
-  int alpha_ref = 0;
+  AlphaTest alpha_test;
   bool is_last = true;  // no second unit behind it, so that alpha 0 and the alpha test kill here
   bool mixes_levels = false;
   Register share;  // of the coarser level
@@ -94,7 +99,7 @@ struct Sampled {
 template <class Watch = NoObserve>
 Sampled sample(const TextureStage& stage, const Texture& image, const MipChain* chain,
                const FragmentRecord& fragment, const LodRecord& level, Watch watch = {});
-// The alpha test; a: raw, texture.alpha.
+// a: raw, texture.alpha.
 bool passes_alpha_test(const TextureStage& stage, std::int64_t a);
 
 // A fragment that passed the depth test; texture null for none. True where it lives (not out.killed).

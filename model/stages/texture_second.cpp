@@ -55,8 +55,7 @@ TextureSecondStage prepare_texture_second(const Config& config) {
 
 void set_texture_second(TextureSecondStage& stage, const DrawState& state, const Texture* image) {
   stage.image = image;
-  stage.fetch.alpha_func = state.alpha_func;
-  stage.fetch.alpha_ref = state.alpha_ref;
+  stage.fetch.alpha_test = alpha_test_of(state.alpha_func, state.alpha_ref, stage.fetch.alpha);
   stage.op = state.texture1_op;
   stage.scale = state.texture1_scale;
   stage.constant = {state.texture1_red, state.texture1_green, state.texture1_blue};

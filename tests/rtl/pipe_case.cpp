@@ -309,8 +309,7 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
     texture.filter = s.filter;
     texture.wrap = s.wrap;
     texture.transparent = s.transparent;
-    texture.alpha_func = s.alpha_func;
-    texture.alpha_ref = s.alpha_ref;
+    texture.alpha_test = model::alpha_test_of(s.alpha_func, s.alpha_ref, texture.alpha);
     const model::StencilStage stencil = modelled(s.stencil);
     p.fog.mode = s.fog;
     p.fog.fog_color = s.fog_color;

@@ -256,8 +256,7 @@ struct Outcome {
 Outcome run(Case& t, Random& random, int count, const Conditions& conditions) {
   StageBench bench(design(t.config), random());
   bench.set_stalls(conditions.stalls);
-  t.stage.alpha_func = conditions.alpha_func;
-  t.stage.alpha_ref = conditions.alpha_ref;
+  t.stage.alpha_test = model::alpha_test_of(conditions.alpha_func, conditions.alpha_ref, t.stage.alpha);
   // Bits: less, equal, greater.
   const auto passes = [&](int code) {
     return std::uint64_t{model::compares(conditions.alpha_func, code, 1)};

@@ -262,7 +262,7 @@ TEST(TextureSecond, LeavesTheFirstUnitItsTransparentTexels) {
   for (const bool second : {false, true}) {
     state.texture1 = second ? 0 : -1;
     model::TextureStage stage = model::prepare_texture(c);
-    stage.alpha_func = state.alpha_func;
+    stage.alpha_test = model::alpha_test_of(state.alpha_func, state.alpha_ref, stage.alpha);
     stage.is_last = !second;
     const auto golden = golden::make_texture({}, c);
     const auto in_columns = golden::make_texture({golden::Width::f64, false}, c);

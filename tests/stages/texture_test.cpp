@@ -291,11 +291,12 @@ TEST(Texture, AlphaTestComparesCodes) {
     FragmentRecord fragment;
     const std::array<const FragmentRecord*, 1> fragments{&fragment};
     for (std::size_t func = 0; func < passing.size(); ++func) {
-      state.alpha_func = stage.alpha_func = static_cast<CompareFunc>(func);
+      state.alpha_func = static_cast<CompareFunc>(func);
       for (int code = 1; code < 256; ++code) {
         fragment.a = encoded(code / 255.0, config.format(FormatId::span_shade));
         for (const int ref : {0, 1, code - 1, code, std::min(code + 1, 255), 128, 255}) {
-          state.alpha_ref = stage.alpha_ref = ref;
+          state.alpha_ref = ref;
+          stage.alpha_test = model::alpha_test_of(state.alpha_func, ref, stage.alpha);
           const char order = code < ref ? '<' : code > ref ? '>' : '=';
           const bool lives = passing.at(func).find(order) != std::string_view::npos;
           TextureRecord out;
@@ -310,6 +311,31 @@ TEST(Texture, AlphaTestComparesCodes) {
     }
   }
   EXPECT_GT(killed, 10000U);
+}
+
+// Every alpha of a format against every reference, by the definition of the alpha's code.
+TEST(Texture, AlphaTestOfEveryAlpha) {
+  std::uint64_t tests = 0;
+  Config config = shipped_config("depth16");
+  for (const int fraction : {0, 1, 4, 7, 8, 9, 12}) {
+    config.format(FormatId::texture_alpha).word = fraction + 1;
+    model::TextureStage stage = model::prepare_texture(config);
+    const std::int64_t one = std::int64_t{1} << fraction;
+    for (std::int64_t a = stage.alpha.min; a <= stage.alpha.max; ++a) {
+      const std::int64_t code = (510 * std::min(a, one) + one) / (2 * one);
+      for (std::int64_t ref = 0; ref < 256; ++ref) {
+        const auto passes = [&](CompareFunc func) {
+          stage.alpha_test = model::alpha_test_of(func, ref, stage.alpha);
+          return model::passes_alpha_test(stage, a);
+        };
+        ASSERT_EQ(passes(CompareFunc::less), code < ref) << a << " / " << one << ", reference " << ref;
+        ASSERT_EQ(passes(CompareFunc::less_equal), code <= ref) << a << " / " << one << ", reference " << ref;
+        ASSERT_EQ(passes(CompareFunc::equal), code == ref) << a << " / " << one << ", reference " << ref;
+        tests += 3;
+      }
+    }
+  }
+  EXPECT_GT(tests, 1000000U);
 }
 
 TEST(Texture, NarrowAndWideAgree) {
