@@ -62,8 +62,11 @@ struct Pipeline {
   // `state` differs from the first one in registers at most that it does not look at.
   bool acts_as_first = true;
 
-  // Whether the vector form draws: it acts as the first state does, and writes pixels whose alpha is 255.
-  bool draws_in_lanes(const Frame& frame) const { return acts_as_first && frame.full_alpha; }
+  // Whether the vector form draws its short way: in a state that acts as the first one does, to pixels whose
+  // alpha is 255, without levels of textures.
+  bool draws_in_lanes(const Frame& frame) const { return acts_as_first && frame.full_alpha && !has_lod; }
+  // Whether it draws in this state at all.
+  bool takes_lanes() const { return !const_depth_rows && !texture_second.is_on(); }
 };
 
 // Gives the stages the registers of a draw state; scene: whose textures it names.

@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "config/modes.hpp"
 #include "model/numeric/from_double.hpp"
 #include "model/pipeline.hpp"
 #include "model/scene_run.hpp"
@@ -106,13 +107,15 @@ struct Worker final : BlockSink<T> {
   Frame* frame = nullptr;
   Trace* trace = nullptr;
   Statistics* statistics = nullptr;
+  const TriangleGradients* gradients = nullptr;  // of draws in any state; null in the short way
 
-  void operator()(const FragmentBlock<T>& block, int texture, bool store_depth) override {
-    if (statistics != nullptr) {
-      shade->shade_observed(*pipeline, *plan, texture, block, store_depth, *frame, counters, trace,
-                            *statistics);
+  void operator()(const FragmentBlock<T>& block, const BlockDraw& draw) override {
+    if (gradients != nullptr) {
+      shade->shade_any(*pipeline, *plan, draw, block, *gradients, *frame, counters);
+    } else if (statistics != nullptr) {
+      shade->shade_observed(*pipeline, *plan, draw, block, *frame, counters, trace, *statistics);
     } else {
-      shade->shade(*pipeline, *plan, texture, block, store_depth, *frame, counters, trace);
+      shade->shade(*pipeline, *plan, draw, block, *frame, counters, trace);
     }
   }
 };
@@ -160,7 +163,9 @@ class Drawing {
   // Triangles that check_triangle accepts, in order; their number is not larger than a chunk.
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Frame& frame, Counters& counters,
             Trace* trace, Statistics* statistics) {
+    any_state_ = !pipeline_.draws_in_lanes(frame);
     for (auto& worker : workers_) {
+      worker->gradients = any_state_ ? &gradients_ : nullptr;
       worker->counters = {};
       worker->pipeline = &pipeline_;
       worker->plan = &plan_;
@@ -173,6 +178,7 @@ class Drawing {
       draw_planes(*workers_[0], triangles, first_index, trace, statistics);
     } else {
       find_draws(triangles);
+      if (any_state_ && pipeline_.has_gradients) find_gradients(triangles, first_index, counters);
       // Records and statistics come in the order of the triangles.
       const bool watched = trace != nullptr || statistics != nullptr;
       Bands& bands = watched ? whole_ : bands_;
@@ -218,14 +224,35 @@ class Drawing {
         spans_.draw_traced(pipeline_, worker.spans, draws_, rest.first_index, worker.work, *worker.frame,
                            worker.counters, worker, trace, worker.statistics);
       } else {
-        spans_.draw(pipeline_, worker.spans, draws_, rest.first_index, worker.work, *worker.frame,
-                    worker.counters, worker);
+        const auto draw = any_state_ ? spans_.draw_any : spans_.draw;
+        draw(pipeline_, worker.spans, draws_, rest.first_index, worker.work, *worker.frame, worker.counters,
+             worker);
       }
+    }
+  }
+
+  void find_gradients(std::span<const Triangle> triangles, std::int64_t first_index, Counters& counters) {
+    gradients_.first_index = first_index;
+    gradients_.of.resize(triangles.size());
+    SetupRecord vertices;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      if (!setup(pipeline_.setup, triangles[i], first_index + static_cast<std::int64_t>(i), vertices))
+        continue;
+      gradients_.of[i] = setup_gradients(pipeline_.plane_walk, vertices);
+      // Where triangles are done one by one, they count their own.
+      if (triangles_in_lanes(pipeline_)) counters.divides_edge += divides_per_gradients;
     }
   }
 
   void find_draws(std::span<const Triangle> triangles) {
     draws_.resize(triangles.size());
+    if (any_state_) {
+      for (std::size_t i = 0; i < triangles.size(); ++i) {
+        const Surface surface = surface_of(pipeline_, triangles[i]);
+        draws_[i] = {surface.texture < 0 ? -1 : surface.texture, false, surface.back};
+      }
+      return;
+    }
     const Register& shade = pipeline_.setup.shade;
     const auto alpha = [&](double a) { return quantize(exact_of(a), shade, NoObserve{}); };
     const std::int64_t full = alpha(1.0);
@@ -239,10 +266,11 @@ class Drawing {
           last = !may_show_through(plan_, texture, full, full, full);
           last_texture = texture;
         }
-        draws_[i] = {texture, last};
+        draws_[i] = {.texture = texture, .shared = last};
       } else {
-        draws_[i] = {texture, !may_show_through(plan_, texture, alpha(t.v[0].c[3]), alpha(t.v[1].c[3]),
-                                                alpha(t.v[2].c[3]))};
+        draws_[i] = {.texture = texture,
+                     .shared = !may_show_through(plan_, texture, alpha(t.v[0].c[3]), alpha(t.v[1].c[3]),
+                                                 alpha(t.v[2].c[3]))};
       }
     }
   }
@@ -269,7 +297,7 @@ class Drawing {
     triangle_to_rows(pipeline_, triangle, index, worker.walk, worker.rows, counters, trace, watch);
     const int texture = triangle.texture < 0 ? -1 : triangle.texture;
     const auto flush = [&] {
-      if (block.size != 0) worker(block, texture, true);
+      if (block.size != 0) worker(block, {texture});
       block.size = 0;
     };
     DepthRecord z;
@@ -299,7 +327,9 @@ class Drawing {
   SpanKernels<T> spans_;
   ShadeKernels<T> shade_;
   std::vector<std::unique_ptr<Worker<T>>> workers_;
+  bool any_state_ = false;       // draw_any and shade_any draw
   std::vector<SpanDraw> draws_;  // of the chunk
+  TriangleGradients gradients_;  // of the chunk, where lod takes them
   Bands bands_;
   Bands whole_;
   tbb::task_arena arena_;
@@ -324,7 +354,8 @@ class VectorModel {
     const Fog fog = scene.fog.value_or(Fog{});
     const SceneKey key{scene.width, scene.height,          scene.s_min, scene.s_max,
                        scene.focal, scene.fog.has_value(), fog.color,   fog.distance};
-    if (statistics != nullptr || !(key_ == key)) {
+    // Levels of textures are the scene's own.
+    if (statistics != nullptr || run_.pipeline.has_lod || !(key_ == key)) {
       key_.reset();
       run_.pipeline = statistics != nullptr ? make_pipeline(config_, scene, Observe{statistics})
                                             : make_pipeline(config_, scene);
@@ -350,7 +381,9 @@ class VectorModel {
             Statistics* statistics) {
     run_.need_begun("draw");
     run_.deliver_constants(trace);
-    if (!run_.pipeline.draws_in_lanes(run_.frame)) {
+    const bool watched = trace != nullptr || statistics != nullptr;
+    if (!run_.pipeline.draws_in_lanes(run_.frame) &&
+        (watched || !plan_.holds_any || !run_.pipeline.takes_lanes())) {
       if (statistics != nullptr) {
         draw_triangles(run_.pipeline, *run_.scene, triangles, first_index, buffers_, run_.frame,
                        run_.counters, trace, Observe{statistics});
@@ -484,6 +517,11 @@ std::unique_ptr<ObservedEngine> make_observed_vector_model(const Config& config,
   return std::make_unique<ObservedVectorEngine>(config, options);
 }
 
-const char* vector_refusal(const Config& config) { return spans_refusal(config); }
+const char* vector_refusal(const Config& config) {
+  if (const char* refusal = spans_refusal(config)) return refusal;
+  // Without lanes that hold levels, nothing of a draw is in lanes.
+  const bool holds = !has_lod(config) || holds_any_shading(config, lanes_for_shading(config, config.fog));
+  return holds ? nullptr : "texture.mip with texels or shares this wide is not in lanes";
+}
 
 }  // namespace bitspan::model

@@ -32,4 +32,11 @@ struct FragmentBlock {
   alignas(64) std::int32_t triangle[padded];  // input index
 };
 
+// What the fragments of a block have in common.
+struct BlockDraw {
+  int texture = -1;         // index into Scene::textures, -1 for none
+  bool store_depth = true;  // false where the depth is stored already
+  bool back = false;        // of a back face, in blocks of one triangle
+};
+
 }  // namespace bitspan::model

@@ -6,6 +6,8 @@
 
 #include "config/modes.hpp"
 #include "model/simd/fixed.hpp"
+#include "model/simd/levels-inl.hpp"
+#include "model/simd/pixel_tests.hpp"
 #include "model/simd/shade.hpp"
 #include "model/stages/fog-inl.hpp"
 #include "model/stages/merge-inl.hpp"
@@ -145,9 +147,8 @@ struct PlanImage {
   std::int32_t width, height, border, stride;
   bool reserved, all_opaque;
 
-  PlanImage(const ShadePlan& plan, const ShadeFormats& formats, int texture)
-      : image(texture < 0 ? nullptr : &plan.textures[static_cast<std::size_t>(texture)]),
-        wrap(formats.texture.wrap) {
+  PlanImage(const ShadePlan& plan, const ShadeFormats& formats, const ShadeTexture* texture)
+      : image(texture), wrap(formats.texture.wrap) {
     if constexpr (sizeof(T) == 4) {
       alphas = plan.alpha32.data();
     } else {
@@ -259,10 +260,10 @@ struct PlanImage {
 
 // The image that goes with Int.
 template <class Int, ImageKind kind>
-HWY_INLINE auto image_for(const ShadePlan& plan, const ShadeFormats& formats, int texture) {
+HWY_INLINE auto image_for(const ShadePlan& plan, const ShadeFormats& formats, const ShadeTexture* texture) {
   if constexpr (std::is_same_v<Int, int128>) {
-    return TextureImage{texture < 0 ? nullptr : plan.textures[static_cast<std::size_t>(texture)].source,
-                        formats.texture.wrap, word_of(formats.texture.border)};
+    return TextureImage{texture == nullptr ? nullptr : texture->source, formats.texture.wrap,
+                        word_of(formats.texture.border)};
   } else {
     return PlanImage<Int, kind>(plan, formats, texture);
   }
@@ -277,8 +278,27 @@ struct ShadeColumns {
   HWY_ALIGN std::int32_t index[FragmentBlock<T>::padded];    // of the fog table
   HWY_ALIGN std::int64_t recip_m[FragmentBlock<T>::padded];  // linear fog, for records
   HWY_ALIGN std::int64_t recip_e[FragmentBlock<T>::padded];
-  HWY_ALIGN std::int32_t word[FragmentBlock<T>::padded];  // r + 256 g + 65536 b; -1: not to be written
+  HWY_ALIGN std::int32_t word[FragmentBlock<T>::padded];   // r + 256 g + 65536 b; -1: not to be written
+  HWY_ALIGN std::int32_t alpha[FragmentBlock<T>::padded];  // of the pixel, where the draw state changes it
 };
+
+// The images that the fragments of a block are looked up in.
+struct BlockImages {
+  const ShadeTexture* image = nullptr;  // null: none
+  int level = 0;
+  const ShadeTexture* coarser = nullptr;  // the next level, where it has a share
+};
+inline const ShadeTexture* image_of(const ShadePlan& plan, int texture) {
+  return texture < 0 ? nullptr : &plan.textures[static_cast<std::size_t>(texture)];
+}
+inline BlockImages images_of(const ShadePlan& plan, int texture, int level, bool mixes) {
+  if (texture < 0) return {};
+  const std::vector<ShadeTexture>& levels = plan.levels[static_cast<std::size_t>(texture)];
+  const auto at = [&](int l) {
+    return l == 0 ? image_of(plan, texture) : &levels[static_cast<std::size_t>(l - 1)];
+  };
+  return {at(level), level, mixes && level < std::ssize(levels) ? at(level + 1) : nullptr};
+}
 
 // Whether pixels i .. i + lanes - 1 of a column follow one another.
 HWY_INLINE bool contiguous(const std::int32_t* pixel) {
@@ -371,13 +391,12 @@ void append(const ShadeFields& f, const FragmentBlock<T>& block, std::size_t at,
   }
 }
 
-// The stored colours of a vector's pixels, 24 bits each; 0 where not active.
+// The stored colours of a vector's pixels, 32 bits each; 0 where not active.
 template <class V>
 HWY_INLINE V stored_words(const std::uint8_t* color, const std::int32_t* pixel, std::size_t n) {
   HWY_ALIGN std::int32_t each[lanes_in<V>] = {};
   for (std::size_t l = 0; l < lanes_in<V> && l < n; ++l) {
-    const std::uint8_t* p = color + 4 * static_cast<std::size_t>(pixel[l]);
-    each[l] = p[0] | p[1] << 8 | p[2] << 16;
+    std::memcpy(&each[l], color + 4 * static_cast<std::size_t>(pixel[l]), 4);
   }
   V out;
   load_words(each, out);
@@ -385,17 +404,20 @@ HWY_INLINE V stored_words(const std::uint8_t* color, const std::int32_t* pixel, 
 }
 
 // Texture, fog and merge: from the block to out.word. Linear fog's factor comes from out.factor where Int is
-// Lanes32, and is formed here elsewhere.
-template <class Int, ImageKind image_kind, const ShadeFormats* fixed, class Watch>
-HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, FogMode fog, int texture,
+// Lanes32, and is formed here elsewhere. any_state: in a draw state that is not the first one, or with
+// levels, of which `shares` has the coarser ones'.
+template <class Int, ImageKind image_kind, const ShadeFormats* fixed, bool any_state, class Watch>
+HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFormats& given,
+                              FogMode fog, const BlockImages& images, const ElementOf<Int>* shares,
                               const FragmentBlock<ElementOf<Int>>& block, const Frame& frame,
                               ShadeColumns<ElementOf<Int>>& out, Counters& counters, Trace* trace,
                               Watch watch_all) {
   using V = ValueOf<Int>;
   constexpr std::size_t lanes = lanes_in<V>;
-  const FormatsOf<ShadeFormats, fixed> local(plan.formats);
+  const FormatsOf<ShadeFormats, fixed> local(given);
   const ShadeFormats& formats = *local;
-  const auto image = image_for<Int, image_kind>(plan, formats, texture);
+  const auto image = image_for<Int, image_kind>(plan, formats, images.image);
+  const auto coarser = image_for<Int, image_kind>(plan, formats, images.coarser);
   const std::array<std::uint8_t, 3> fog_color = pipeline.fog.fog_color;
   const V opaque = V(static_cast<ElementOf<Int>>(opaque_alpha(formats.merge)));
   std::size_t killed = 0;
@@ -404,8 +426,22 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, F
     const auto watch = on<V>(watch_all, active);
     const std::array<V, 4> shade{load_as<V>(block.r + at), load_as<V>(block.g + at), load_as<V>(block.b + at),
                                  load_as<V>(block.a + at)};
-    const Textured<V> texel = textured<Int>(formats.texture, image, load_as<V>(block.u + at),
-                                            load_as<V>(block.v + at), shade, watch);
+    const V u = load_as<V>(block.u + at);
+    const V v = load_as<V>(block.v + at);
+    Textured<V> texel;
+    if constexpr (any_state) {
+      const TextureStage& stage = formats.texture;
+      const int fraction = stage.uv.fraction + images.level;
+      texel = sampled<Int>(stage, image, u, v, fraction, watch);
+      if (images.coarser != nullptr) {
+        mix_level<Int>(stage, sampled<Int>(stage, coarser, u, v, fraction + 1, watch),
+                       load_as<V>(shares + at), texel, watch);
+      }
+      colour<Int>(stage, shade, texel, watch);
+      texel.killed = texel.killed | !passes_alpha_test(stage.alpha, stage.alpha_test, texel.color[3]);
+    } else {
+      texel = textured<Int>(formats.texture, image, u, v, shade, watch);
+    }
     const Truth<V> lives = active & !texel.killed;
     killed += count_of(active & texel.killed);
     const auto watch_lives = on<V>(watch_all, lives);
@@ -428,13 +464,29 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, F
           own[c] = fogged<Int>(formats.fog, own[c], fog_color[c], linear.factor, watch_lives);
         }
       }
-      if (all_of((texel.color[3] >= opaque) | !lives)) {
+      if (any_state && !formats.merge.is_plain) {
+        if constexpr (any_state) {
+          const V stored = stored_words<V>(frame.color.data(), block.pixel + at, block.size - at);
+          const V stored_alpha = channel_of(stored, 3);
+          for (std::size_t c = 0; c < 3; ++c) {
+            merged[c] = mixed<Int>(formats.merge, own[c], {channel_of(stored, c), stored_alpha}, c,
+                                   texel.color[3], watch_lives);
+          }
+        }
+      } else if (all_of((texel.color[3] >= opaque) | !lives)) {
         for (std::size_t c = 0; c < 3; ++c) merged[c] = replaced(formats.merge, own[c], watch_lives);
       } else {
         const V stored = stored_words<V>(frame.color.data(), block.pixel + at, block.size - at);
         for (std::size_t c = 0; c < 3; ++c) {
           merged[c] = blended<Int>(formats.merge, own[c], channel_of(stored, c), texel.color[3], watch_lives);
         }
+      }
+    }
+    if constexpr (any_state) {
+      if (formats.merge.changes_alpha) {
+        const V stored = stored_words<V>(frame.color.data(), block.pixel + at, block.size - at);
+        store_words(mixed_alpha<Int>(formats.merge, channel_of(stored, 3), texel.color[3], watch_lives),
+                    out.alpha + at);
       }
     }
     store_words(select(lives, merged[0] | merged[1] << 8 | merged[2] << 16, V(-1)), out.word + at);
@@ -512,11 +564,13 @@ void store_winners(const ShadeColumns<T>& columns, const FragmentBlock<T>& block
 template <class T, const ShadeFormats* fixed, class Watch>
 void colours(const Pipeline& pipeline, const ShadePlan& plan, int texture, const FragmentBlock<T>& block,
              const Frame& frame, ShadeColumns<T>& columns, Counters& counters, Trace* trace, Watch watch) {
+  const BlockImages images{image_of(plan, texture)};
   const FormatsOf<ShadeFormats, fixed> local(plan.formats);
   const ShadeFormats& formats = *local;
   const FogMode fog = pipeline.fog.mode;
   const auto run = [&]<class Int, ImageKind kind>(FogMode mode, auto w) HWY_ATTR {
-    shade_block<Int, kind, fixed>(pipeline, plan, mode, texture, block, frame, columns, counters, trace, w);
+    shade_block<Int, kind, fixed, false>(pipeline, plan, plan.formats, mode, images, nullptr, block, frame,
+                                         columns, counters, trace, w);
   };
   constexpr bool of_int32 = sizeof(T) == 4;
   if constexpr (sizeof(T) == 8 && !std::is_same_v<Watch, ObserveLanes>) {
@@ -556,11 +610,9 @@ void colours(const Pipeline& pipeline, const ShadePlan& plan, int texture, const
   }
 }
 
-template <class T, const ShadeFormats* fixed, class Watch>
-void shade_watched(const Pipeline& pipeline, const ShadePlan& plan, int texture,
-                   const FragmentBlock<T>& block, bool store_depth, Frame& frame, Counters& counters,
-                   Trace* trace, Watch watch) {
-  ShadeColumns<T> columns;
+template <class T, const ShadeFormats* fixed>
+void fog_factors(const Pipeline& pipeline, const ShadePlan& plan, const FragmentBlock<T>& block, bool traced,
+                 ShadeColumns<T>& columns) {
   const FogMode fog = pipeline.fog.mode;
   if (has_fog_table(fog)) {
     table_factors(pipeline.fog, plan, block, columns);
@@ -568,14 +620,22 @@ void shade_watched(const Pipeline& pipeline, const ShadePlan& plan, int texture,
   if constexpr (sizeof(T) == 4) {
     if (is_linear_in_distance(fog)) {
       const FormatsOf<ShadeFormats, fixed> formats(plan.formats);
-      trace != nullptr ? linear_factors<true>(pipeline.fog, (*formats).fog, block, columns)
-                       : linear_factors<false>(pipeline.fog, (*formats).fog, block, columns);
+      traced ? linear_factors<true>(pipeline.fog, (*formats).fog, block, columns)
+             : linear_factors<false>(pipeline.fog, (*formats).fog, block, columns);
     }
   }
-  colours<T, fixed>(pipeline, plan, texture, block, frame, columns, counters, trace, watch);
+}
+
+template <class T, const ShadeFormats* fixed, class Watch>
+void shade_watched(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw& draw,
+                   const FragmentBlock<T>& block, Frame& frame, Counters& counters, Trace* trace,
+                   Watch watch) {
+  ShadeColumns<T> columns;
+  fog_factors<T, fixed>(pipeline, plan, block, trace != nullptr, columns);
+  colours<T, fixed>(pipeline, plan, draw.texture, block, frame, columns, counters, trace, watch);
   constexpr std::int32_t opaque_byte = static_cast<std::int32_t>(0xff000000U);
   store_pixels(columns.word, block.pixel, block.size, opaque_byte, frame.color.data(), columns.word);
-  if (store_depth) {
+  if (draw.store_depth) {
     store_pixels(block.z, block.pixel, block.size, 0, frame.depth.data(), columns.word);
   }
   if (!frame.u.empty()) {
@@ -584,16 +644,147 @@ void shade_watched(const Pipeline& pipeline, const ShadePlan& plan, int texture,
 }
 
 template <class T, const ShadeFormats* fixed>
-void shade(const Pipeline& pipeline, const ShadePlan& plan, int texture, const FragmentBlock<T>& block,
-           bool store_depth, Frame& frame, Counters& counters, Trace* trace) {
-  shade_watched<T, fixed>(pipeline, plan, texture, block, store_depth, frame, counters, trace, NoObserve{});
+void shade(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw& draw,
+           const FragmentBlock<T>& block, Frame& frame, Counters& counters, Trace* trace) {
+  shade_watched<T, fixed>(pipeline, plan, draw, block, frame, counters, trace, NoObserve{});
 }
 template <class T, const ShadeFormats* fixed>
-void shade_observed(const Pipeline& pipeline, const ShadePlan& plan, int texture,
-                    const FragmentBlock<T>& block, bool store_depth, Frame& frame, Counters& counters,
-                    Trace* trace, Statistics& statistics) {
-  shade_watched<T, fixed>(pipeline, plan, texture, block, store_depth, frame, counters, trace,
-                          Observe{&statistics});
+void shade_observed(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw& draw,
+                    const FragmentBlock<T>& block, Frame& frame, Counters& counters, Trace* trace,
+                    Statistics& statistics) {
+  shade_watched<T, fixed>(pipeline, plan, draw, block, frame, counters, trace, Observe{&statistics});
+}
+
+// ---------------------------------------------------------------- any draw state, and levels
+
+// What passes between the steps of a block.
+template <class T>
+struct AnyColumns {
+  LevelColumns<T> levels;
+  // The fragments of one level.
+  FragmentBlock<T> part;
+  HWY_ALIGN T shares[FragmentBlock<T>::padded];
+  HWY_ALIGN std::int32_t places[FragmentBlock<T>::padded];  // in the block
+  ShadeColumns<T> of_part;
+};
+
+template <class T>
+void colours_any(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFormats& formats,
+                 const BlockImages& images, const T* shares, const FragmentBlock<T>& block,
+                 const Frame& frame, ShadeColumns<T>& columns, Counters& counters) {
+  const FogMode fog = pipeline.fog.mode;
+  fog_factors<T, nullptr>(pipeline, plan, block, false, columns);
+  const auto run = [&]<class Int>(auto watch) HWY_ATTR {
+    shade_block<Int, ImageKind::any, nullptr, true>(pipeline, plan, formats, fog, images, shares, block,
+                                                    frame, columns, counters, nullptr, watch);
+  };
+  if constexpr (sizeof(T) == 4) {
+    run.template operator()<Lanes32>(BranchFree{});
+  } else if (plan.held_in == ShadeLanes::scalar) {
+    run.template operator()<int128>(NoObserve{});
+  } else {
+    run.template operator()<Lanes>(NoObserve{});
+  }
+}
+
+// The fragments of a level among a block's. Returns whether there are some.
+template <class T>
+bool take_level(const FragmentBlock<T>& from, std::int32_t level, AnyColumns<T>& any) {
+  FragmentBlock<T>& to = any.part;
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < from.size; ++i) {
+    any.places[n] = static_cast<std::int32_t>(i);
+    n += any.levels.level[i] == level ? 1 : 0;
+  }
+  to.size = n;
+  const auto take = [&](const auto& column, auto& out) {
+    for (std::size_t k = 0; k < n; ++k) out[k] = column[any.places[k]];
+  };
+  take(from.pixel, to.pixel);
+  take(from.u, to.u);
+  take(from.v, to.v);
+  take(from.r, to.r);
+  take(from.g, to.g);
+  take(from.b, to.b);
+  take(from.a, to.a);
+  take(from.fog_step, to.fog_step);
+  take(from.h, to.h);
+  take(any.levels.share, any.shares);
+  return n != 0;
+}
+
+// Finds the levels, and shades the fragments of each on their own.
+template <class T>
+void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFormats& formats,
+                       int texture, const FragmentBlock<T>& block, const TriangleGradients& gradients,
+                       const Frame& frame, ShadeColumns<T>& columns, Counters& counters) {
+  if (texture < 0) {
+    colours_any<T>(pipeline, plan, formats, {}, nullptr, block, frame, columns, counters);
+    return;
+  }
+  AnyColumns<T> any;
+  const auto levels = static_cast<int>(plan.levels[static_cast<std::size_t>(texture)].size()) + 1;
+  find_levels(pipeline, block, levels, gradients, frame.width, any.levels);
+  const auto [least, most] = std::minmax_element(any.levels.level, any.levels.level + block.size);
+  const bool mixes = formats.texture.mixes_levels;
+  if (*least == *most) {
+    colours_any(pipeline, plan, formats, images_of(plan, texture, *least, mixes), any.levels.share, block,
+                frame, columns, counters);
+    return;
+  }
+  for (std::int32_t level = *least; level <= *most; ++level) {
+    if (!take_level(block, level, any)) continue;
+    colours_any(pipeline, plan, formats, images_of(plan, texture, level, mixes), any.shares, any.part, frame,
+                any.of_part, counters);
+    for (std::size_t k = 0; k < any.part.size; ++k) {
+      columns.word[any.places[k]] = any.of_part.word[k];
+      columns.alpha[any.places[k]] = any.of_part.alpha[k];
+    }
+  }
+}
+
+template <class T>
+void shade_any(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw& draw,
+               const FragmentBlock<T>& block, const TriangleGradients& gradients, Frame& frame,
+               Counters& counters) {
+  ShadeColumns<T> columns;
+  const ShadeFormats formats{pipeline.texture, plan.formats.fog, pipeline.merge};
+  if (pipeline.has_lod) {
+    colours_of_levels(pipeline, plan, formats, draw.texture, block, gradients, frame, columns, counters);
+  } else {
+    colours_any<T>(pipeline, plan, formats, {image_of(plan, draw.texture)}, nullptr, block, frame, columns,
+                   counters);
+  }
+  if (is_late(pipeline.state.depth_when)) {
+    const PixelTests tests{pipeline, draw.back, frame, counters};
+    for (std::size_t i = 0; i < block.size; ++i) {
+      if (columns.word[i] < 0 ||
+          tests.passes(static_cast<std::uint32_t>(block.z[i]), static_cast<std::size_t>(block.pixel[i]))) {
+        continue;
+      }
+      columns.word[i] = -1;
+      --counters.written;
+    }
+  }
+  const WriteMask mask = write_mask(pipeline.state);
+  if (mask.color) {
+    for (std::size_t i = 0; i < block.size; ++i) {
+      if (columns.word[i] < 0) continue;
+      const std::int32_t pixel = block.pixel[i];
+      std::uint8_t* color = frame.color.data() + 4 * static_cast<std::size_t>(pixel);
+      std::array<std::uint8_t, 4> codes{0, 0, 0, color[3]};
+      std::memcpy(codes.data(), &columns.word[i], 3);
+      if (pipeline.merge.changes_alpha) {
+        codes[3] = static_cast<std::uint8_t>(columns.alpha[i]);
+        codes = held(pipeline.merge, codes, pixel % frame.width, pixel / frame.width);
+      }
+      std::memcpy(color, codes.data(), codes.size());
+    }
+    if (!frame.u.empty()) store_winners(columns, block, pipeline.texture.uv, frame);
+  }
+  if (mask.depth) {
+    store_pixels(block.z, block.pixel, block.size, 0, frame.depth.data(), columns.word);
+  }
 }
 
 // The kernels; fixed: a shipped configuration's formats, null for those of the plan.
@@ -601,6 +792,7 @@ template <class T, const ShadeFormats* fixed>
 ShadeKernels<T> shade_table() {
   ShadeKernels<T> out;
   out.shade = &shade<T, fixed>;
+  if constexpr (fixed == nullptr) out.shade_any = &shade_any<T>;
   if constexpr (sizeof(T) == 8) {
     out.shade_observed = &shade_observed<T, fixed>;
   }

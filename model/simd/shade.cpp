@@ -19,6 +19,7 @@ HWY_AFTER_NAMESPACE();
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "model/numeric/ratio.hpp"
 #include "model/simd/targets.hpp"
@@ -74,6 +75,31 @@ bool fits(const Config& c, FogMode fog, int bits) {
   if (is_linear_in_distance(fog)) {
     // In lanes of 64 bits whatever the others are.
     fit = fit && fits_int64(of(F::span_h) + of(F::setup_b)) && held_in(64, c.format(F::fog_scale));
+  }
+  return fit;
+}
+
+// What shade_any computes besides.
+bool fits_any(const Config& c, int bits) {
+  using F = FormatId;
+  const auto of = [&](F id) { return signed_grid(c.format(id)); };
+  const auto narrows = [&](Grid value, F id) { return narrows_in(bits, value, c.format(id)); };
+  // A factor is an alpha, a code's share, or 1 without it.
+  const Grid share{2, std::max(of(F::texture_alpha).fraction, 8), true};
+  const Grid color = aligned(of(F::fog_color), 0);
+  const Grid code = integer_grid(8);
+  bool fit = narrows(color * share + code * share, F::merge_color) &&
+             narrows(code * share + code * share, F::merge_color) && color.bits() <= bits - 2 &&
+             (integer_grid(10) * aligned(of(F::texture_alpha), 0)).bits() <= bits - 2;
+  if (has_lod(c)) {
+    const Grid u = of(F::span_uv);
+    const Grid below{0, std::max(u.fraction, 1) + max_mip_level, true};
+    const Grid f = of(F::lod_frac);
+    const Grid rest = integer_grid(1) - f;
+    const auto mixes = [&](F id) { return narrows(of(id) * rest + of(id) * f, id); };
+    fit = fit && held_in(bits, c.format(F::lod_frac)) && below.bits() <= bits - 2 &&
+          aligned(u, 1).bits() <= bits - 2 && narrows(below, F::texture_frac) && mixes(F::texture_mix) &&
+          mixes(F::texture_alpha);
   }
   return fit;
 }
@@ -159,6 +185,18 @@ ShadeLanes lanes_for_shading(const Config& config, FogMode fog) {
                                  : ShadeLanes::scalar;
 }
 
+bool holds_any_shading(const Config& config, ShadeLanes lanes) {
+  switch (lanes) {
+    case ShadeLanes::int32:
+      return fits_any(config, 32);
+    case ShadeLanes::int64:
+      return fits_any(config, 64);
+    case ShadeLanes::scalar:
+      return true;
+  }
+  unreachable();
+}
+
 bool branch_free_shade(const ShadeFormats& formats) {
   const TextureStage& t = formats.texture;
   return t.mix.fraction >= 0 && t.mix.max >= std::int64_t{255} << t.mix.fraction && is_branch_free(t.frac) &&
@@ -175,9 +213,16 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
     plan.textures.push_back(prepare_image(plan.formats.texture, t));
     small = small && plan.textures.back().words.size() < std::size_t{1} << 28;
   }
+  for (const MipChain& chain : pipeline.mip_chains.all()) {
+    std::vector<ShadeTexture>& levels = plan.levels.emplace_back();
+    for (const Texture& level : chain | std::views::drop(1)) {
+      levels.push_back(prepare_image(plan.formats.texture, level));
+    }
+  }
   if (small) {
     plan.held_in = lanes_for_shading(config, fog);
   }
+  plan.holds_any = holds_any_shading(config, plan.held_in);
   const TextureStage& t = plan.formats.texture;
   plan.branch_free = branch_free_shade(plan.formats);
   for (int a = 0; a < 256; ++a) {

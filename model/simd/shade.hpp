@@ -32,6 +32,8 @@ constexpr ShadeFormats shade_formats(const Config& config) {
 enum class ShadeLanes : std::uint8_t { int32, int64, scalar };
 // By the formats; scenes with a texture of 2^28 texels and more are scalar. fog: none in a scene without fog.
 ShadeLanes lanes_for_shading(const Config& config, FogMode fog);
+// Whether shade_any can be held in the same lanes.
+bool holds_any_shading(const Config& config, ShadeLanes lanes);
 
 // A texture as the kernels read it: words, red in the lowest byte, with a border that repeats what the
 // wrapping gives there, so that the four texels of the bilinear filter are two pairs side by side.
@@ -49,10 +51,13 @@ struct ShadeTexture {
 // Prepared once per scene, which must outlive it.
 struct ShadePlan {
   ShadeLanes held_in = ShadeLanes::scalar;
+  bool holds_any = false;    // what shade_any computes besides fits the same lanes
   bool branch_free = false;  // every register rounds by adding a constant, and saturates
   ShadeFormats formats;
   std::vector<ShadeTexture> textures;  // by the scene's numbers
-  std::vector<std::int32_t> alpha32;   // Q[texture.alpha](a / 255); empty where int32 does not hold it
+  std::vector<std::vector<ShadeTexture>>
+      levels;                         // of each texture, from level 1 on; empty without mip chains
+  std::vector<std::int32_t> alpha32;  // Q[texture.alpha](a / 255); empty where int32 does not hold it
   std::vector<std::int64_t> alpha64;
   std::vector<std::uint8_t> zones;        // of the fog table, one per pixel; padded
   std::vector<std::int32_t> fog_table32;  // raw, fog.factor, padded; empty where int32 does not hold it
@@ -76,19 +81,30 @@ std::int64_t constant_shade(const ShadePlan& plan, std::int64_t vertex);
 // alphas, raw, setup.shade; texture: -1 for none.
 bool may_show_through(const ShadePlan& plan, int texture, std::int64_t a0, std::int64_t a1, std::int64_t a2);
 
+// The gradients of triangles, by their input indices from `first_index` on.
+struct TriangleGradients {
+  std::int64_t first_index = 0;
+  std::vector<GradientRecord> of;
+};
+
 // T: of the block; std::int32_t only where plan.held_in is int32, std::int64_t with any plan.
 template <class T>
 struct ShadeKernels {
-  // Computes texture, fog and merge of a block's fragments, all of one texture (-1: none), and writes the
-  // frame's colour. Where a fragment is not killed it also writes the frame's depth if store_depth, and u, v
-  // and the triangle if the frame keeps them (u is not empty). Pixels may repeat in a block only where none
-  // of its fragments can be killed and all are opaque: the later one stays. Counts killed and written. With a
-  // trace it appends the records of texture, fog and merge; then no pixel may repeat.
-  void (*shade)(const Pipeline&, const ShadePlan&, int texture, const FragmentBlock<T>&, bool store_depth,
-                Frame&, Counters&, Trace*) = nullptr;
+  // Computes texture, fog and merge of a block's fragments, and writes the frame's colour. Where a fragment
+  // is not killed it also writes the frame's depth if draw.store_depth, and u, v and the triangle if the
+  // frame keeps them (u is not empty). Pixels may repeat in a block only where none of its fragments can be
+  // killed and all are opaque: the later one stays. Counts killed and written. With a trace it appends the
+  // records of texture, fog and merge; then no pixel may repeat.
+  void (*shade)(const Pipeline&, const ShadePlan&, const BlockDraw&, const FragmentBlock<T>&, Frame&,
+                Counters&, Trace*) = nullptr;
   // The same with observers; null for std::int32_t.
-  void (*shade_observed)(const Pipeline&, const ShadePlan&, int texture, const FragmentBlock<T>&,
-                         bool store_depth, Frame&, Counters&, Trace*, Statistics&) = nullptr;
+  void (*shade_observed)(const Pipeline&, const ShadePlan&, const BlockDraw&, const FragmentBlock<T>&, Frame&,
+                         Counters&, Trace*, Statistics&) = nullptr;
+  // The same in any draw state that lanes take, and with levels of textures; plan.holds_any. No pixel
+  // repeats. Where the state's tests are late, they come behind the texture, and count as PixelTests does.
+  // gradients: read where lod takes them.
+  void (*shade_any)(const Pipeline&, const ShadePlan&, const BlockDraw&, const FragmentBlock<T>&,
+                    const TriangleGradients& gradients, Frame&, Counters&) = nullptr;
 };
 // Throws InputError where the processor lacks the target. T: std::int32_t or std::int64_t.
 template <class T>

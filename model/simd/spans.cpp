@@ -35,7 +35,9 @@ SpanKernels<std::int64_t> span_kernels(VectorTarget target) {
 }
 
 const char* spans_refusal(const Config& config) {
-  if (has_lod(config)) return "texture.mip is not in lanes";
+  if (has_lod(config) && has_plane_rows(config.perspective)) {
+    return "texture.mip is not in lanes with rows of constant depth";
+  }
   if (has_dz(config.depth_code)) return "depth.code = float_dz is not in lanes";
   if (has_subspans(config)) return "perspective.subspan_bits is not in lanes";
   if (takes_distance(config.fog)) return "fog by distance is not in lanes";

@@ -26,13 +26,14 @@ struct SpanDraw {
   // None of its fragments can be killed and all are opaque: they may share a block with other triangles', and
   // their depth is stored when it is tested.
   bool shared = false;
+  bool back = false;  // a back face; told only where the stencil test asks
 };
 
-// Where blocks go: texture, fog and merge. store_depth: false where the depth is stored already.
+// Where blocks go: texture, fog and merge.
 template <class T>
 struct BlockSink {
   virtual ~BlockSink() = default;
-  virtual void operator()(const FragmentBlock<T>& block, int texture, bool store_depth) = 0;
+  virtual void operator()(const FragmentBlock<T>& block, const BlockDraw& draw) = 0;
 };
 
 // A span's registers in closed form: value i of a register is start + i increment where every linear[span]
@@ -63,7 +64,11 @@ struct SpanKernels {
   // index, first_index the one of draws[0]. Counts fragments, covered, depth_passed, divides_pixel.
   void (*draw)(const Pipeline&, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
                std::int64_t first_index, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&) = nullptr;
-  // The same for every fragment, passed or not, with its records, or with observers at every register.
+  // The same in any draw state that lanes take (takes_lanes), of formats read at run time. No draw is shared.
+  // Counts masked and stencil_failed, too; where the tests are late, they are the sink's.
+  void (*draw_any)(const Pipeline&, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
+                   std::int64_t first_index, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&) = nullptr;
+  // The first one for every fragment, passed or not, with its records, or with observers at every register.
   void (*draw_traced)(const Pipeline&, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
                       std::int64_t first_index, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&, Trace*,
                       Statistics*) = nullptr;

@@ -6,8 +6,10 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 
 #include "config/config.hpp"
+#include "config/modes.hpp"
 #include "engine/records.hpp"
 #include "model/numeric/quantize.hpp"
 #include "model/numeric/reciprocal.hpp"
@@ -30,6 +32,14 @@ struct LodStage {
 };
 template <class Watch = NoObserve>
 LodStage prepare_lod(const Config& config, const Constants& constants, Watch watch = {});
+
+// Whether lanes of 64 bits hold the logarithm, lambda and the level; only gradients come in lanes
+// (model/simd/levels-inl.hpp), whose products may need 128 bits, and which tell it by their values.
+inline bool fits_lanes(const LodStage& stage) {
+  return has_gradients(stage.mode) && !has_neighbours(stage.mode) && stage.slope.word <= 50 &&
+         std::abs(stage.slope.fraction) <= 64 && stage.lambda.word <= 40 && stage.lambda.fraction >= 0 &&
+         stage.lambda.fraction <= 40 && stage.frac.fraction <= 40;
+}
 
 // The level and the fraction that lambda has in a chain of so many levels.
 template <class Watch>

@@ -191,7 +191,8 @@ class Workload::Batch final : model::BlockSink<std::int64_t> {
     }
   }
 
-  void operator()(const model::FragmentBlock<std::int64_t>& block, int texture, bool store_depth) override {
+  void operator()(const model::FragmentBlock<std::int64_t>& block, const model::BlockDraw& draw) override {
+    const int texture = draw.texture;
     const Texture* image = texture < 0 ? nullptr : &run_.scene.textures[static_cast<std::size_t>(texture)];
     const auto first = static_cast<std::size_t>(block.triangle[0] - first_index_);
     const bool shared = block.size > 0 && draws_[first].shared;
@@ -217,8 +218,7 @@ class Workload::Batch final : model::BlockSink<std::int64_t> {
       workload_.add_texture(pixel, asks, lives);
       if (lives) workload_.add_merge(pixel, needs);
     }
-    shade_kernels_.shade(run_.pipeline, plan_, texture, block, store_depth, run_.frame, run_.counters,
-                         nullptr);
+    shade_kernels_.shade(run_.pipeline, plan_, draw, block, run_.frame, run_.counters, nullptr);
   }
 
   Workload& workload_;
@@ -254,7 +254,8 @@ Workload::Workload(Run& run)
       texture_traffic_(run),
       merge_traffic_(run) {
   const bool small = run.frame.depth.size() <= std::numeric_limits<std::int32_t>::max();
-  if (small && !run.pipeline.const_depth_rows && model::spans_refusal(run.config) == nullptr) {
+  if (small && !run.pipeline.const_depth_rows && !run.pipeline.has_lod &&
+      model::spans_refusal(run.config) == nullptr) {
     batch_ = std::make_unique<Batch>(*this);
   }
 }

@@ -12,6 +12,7 @@
 #include "model/simd/shipped.hpp"
 #include "model/simd/targets.hpp"
 #include "report/random_config.hpp"
+#include "report/suites.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
 #include "tests/support/same_bits.hpp"
@@ -27,6 +28,7 @@ void expect_same(const Engine& got, const Engine& expected, const std::string& w
   const Frame& b = expected.frame();
   EXPECT_EQ(a.color, b.color) << where;
   EXPECT_EQ(a.depth, b.depth) << where;
+  EXPECT_EQ(a.stencil, b.stencil) << where;
   if (!a.u.empty()) {
     EXPECT_EQ(a.triangle, b.triangle) << where;
     EXPECT_TRUE(same_bits(a.u, b.u)) << where;
@@ -41,7 +43,7 @@ std::unique_ptr<Engine> drawn(const Config& config, const Scene& scene, const Mo
   engine->begin(scene);
   for (std::size_t i = 0; i < scene.triangles.size(); i += at_once) {
     const std::size_t n = std::min(at_once, scene.triangles.size() - i);
-    engine->draw(std::span(scene.triangles).subspan(i, n), static_cast<std::int64_t>(i), nullptr);
+    draw_scene(*engine, scene, i, n, nullptr);
   }
   return engine;
 }
@@ -123,6 +125,108 @@ TEST(Forms, RandomConfigurations) {
   }
   EXPECT_GT(drawn_scenes, 30);
   EXPECT_GT(written, 100000U);
+}
+
+RandomOptions scenes_of_states() {
+  RandomOptions o = small_scenes();
+  o.command_probability = 0.3;
+  o.mip_chains = true;
+  return o;
+}
+
+// Every draw state that lanes take, and some that they do not, in one stream.
+TEST(Forms, RandomDrawStates) {
+  const std::vector<Config> bases = shipped_configs();
+  std::uint64_t written = 0;
+  for (std::uint64_t seed = 1; seed <= 120; ++seed) {
+    RandomOptions options = scenes_of_states();
+    options.second_texture = seed % 8 == 0;  // which lanes leave to the scalar form
+    const Config config = seed % 2 == 0 ? random_config(seed, bases) : bases[seed / 2 % bases.size()];
+    if (vector_refusal(config) != nullptr) continue;
+    written += compare_forms(config, random_scene(seed, options), "states of seed " + std::to_string(seed));
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(written, 100000U);
+}
+
+// The named suites, whose features are draw states for the most part.
+TEST(Forms, NamedSuites) {
+  std::uint64_t written = 0;
+  for (const std::string& name : matching_suites("*/delta_f/32x24")) {
+    const SuiteCase suite = make_suite(name, 0, 0);
+    if (vector_refusal(suite.config) == nullptr) written += compare_forms(suite.config, suite.scene, name);
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(written, 20000U);
+}
+
+// Textures with levels, by every way to find them, in the first state and in others.
+TEST(Forms, Levels) {
+  const std::vector<Config> bases = shipped_configs();
+  std::uint64_t written = 0;
+  std::uint64_t seed = 500;
+  for (const Config& base : bases) {
+    for (const LodMode lod :
+         {LodMode::none, LodMode::zone_s, LodMode::zone_d, LodMode::gradient, LodMode::finite}) {
+      for (const MipMode mip : {MipMode::nearest, MipMode::linear}) {
+        for (const TextureFilter filter : {TextureFilter::nearest, TextureFilter::bilinear}) {
+          ++seed;
+          Config c = base;
+          c.lod = lod;
+          c.mip = mip;
+          c.filter = filter;
+          c.lod_bias = static_cast<int>(seed % 33) - 16;
+          RandomOptions options = scenes_of_states();
+          if (seed % 2 == 0) options.command_probability = 0;
+          written += compare_forms(c, random_scene(seed, options),
+                                   base.name + ", levels, seed " + std::to_string(seed));
+          if (HasFailure()) return;
+        }
+      }
+    }
+  }
+  EXPECT_GT(written, 100000U);
+}
+
+// Derivatives from those that 64-bit lanes hold to those that no lanes do.
+TEST(Forms, LevelsOfRandomConfigurations) {
+  const std::vector<Config> bases = shipped_configs();
+  std::uint64_t written = 0;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    Config c = random_config(seed, bases);
+    c.mip = seed % 3 == 0 ? MipMode::nearest : MipMode::linear;
+    c.lod = LodMode::gradient;
+    try {
+      check_config(c, "levels");
+    } catch (const InputError&) {
+      continue;
+    }
+    if (vector_refusal(c) != nullptr) continue;
+    written += compare_forms(c, random_scene(seed, scenes_of_states()), "seed " + std::to_string(seed));
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(written, 100000U);
+}
+
+// A second scene with other textures has levels of its own.
+TEST(Forms, LevelsOfTheNextScene) {
+  Config c = shipped_config("depth16");
+  c.mip = MipMode::linear;
+  c.lod = LodMode::gradient;
+  RandomOptions options = scenes_of_states();
+  options.command_probability = 0;
+  const Scene scene = random_scene(1, options);
+  Scene second = scene;
+  for (Texture& texture : second.textures) {
+    for (std::uint8_t& code : texture.rgba) code = static_cast<std::uint8_t>(255 - code);
+  }
+  const std::unique_ptr<Engine> engine = make_model(c);
+  for (const Scene* each : {&scene, static_cast<const Scene*>(&second)}) {
+    engine->begin(*each);
+    engine->draw(each->triangles, 0, nullptr);
+  }
+  expect_same(*engine, *drawn(c, second, {.form = ModelForm::scalar}, second.triangles.size()),
+              "second scene");
 }
 
 TEST(Forms, SplitsOfTheFogTable) {

@@ -74,6 +74,20 @@ TEST(Paths, WhatLanesCannotHoldIsScalar) {
   EXPECT_EQ(model::chosen_form(c, ModelForm::automatic), ModelForm::scalar);
 }
 
+TEST(Paths, LevelsByGradientsAreInLanes) {
+  Config c = shipped_config("narrow");
+  c.mip = MipMode::linear;
+  c.lod = LodMode::gradient;
+  EXPECT_EQ(path(c, "lod").path, "64-bit lanes, 128-bit where values are large");
+  EXPECT_EQ(path(c, "setup.gradient").path, "scalar");
+  EXPECT_EQ(path(c, "texture").path, "32-bit lanes");
+  c.lod = LodMode::zone_s;
+  EXPECT_EQ(path(c, "lod").path, "scalar");
+  EXPECT_EQ(path(c, "texture").path, "32-bit lanes");
+  c.perspective = Perspective::const_depth_rows;
+  EXPECT_EQ(path(c, "texture").path, "scalar");
+}
+
 TEST(Paths, RowsOfConstantDepthAreScalarUpToTheDepthTest) {
   Config c = shipped_config("narrow");
   c.perspective = Perspective::const_depth_rows;

@@ -270,12 +270,12 @@ void check_block(const Case& c, const std::vector<FragmentRecord>& fragments, in
     for (const bool traced : {false, true}) {
       if (traced && pixels == Pixels::repeating) continue;
       check([&](Frame& f, Counters& n,
-                Trace* t) { kernels64.shade(c.pipeline, c.plan, texture, *block64, true, f, n, t); },
+                Trace* t) { kernels64.shade(c.pipeline, c.plan, {texture}, *block64, f, n, t); },
             traced, traced ? "int64 traced" : "int64");
       Statistics seen;
       check(
           [&](Frame& f, Counters& n, Trace* t) {
-            kernels64.shade_observed(c.pipeline, c.plan, texture, *block64, true, f, n, t, seen);
+            kernels64.shade_observed(c.pipeline, c.plan, {texture}, *block64, f, n, t, seen);
           },
           traced, traced ? "int64 observed, traced" : "int64 observed");
       for (int id = 0; id < register_count; ++id) {
@@ -286,7 +286,7 @@ void check_block(const Case& c, const std::vector<FragmentRecord>& fragments, in
         const auto block32 = block_of<std::int32_t>(c, fragments, start);
         const auto kernels32 = shade_kernels<std::int32_t>(target);
         check([&](Frame& f, Counters& n,
-                  Trace* t) { kernels32.shade(c.pipeline, c.plan, texture, *block32, true, f, n, t); },
+                  Trace* t) { kernels32.shade(c.pipeline, c.plan, {texture}, *block32, f, n, t); },
               traced, traced ? "int32 traced" : "int32");
       }
     }

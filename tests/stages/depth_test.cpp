@@ -473,10 +473,10 @@ TEST(DepthFunc, EveryOrderOfEveryCode) {
 template <class T>
 struct Kept final : model::BlockSink<T> {
   explicit Kept(Frame& to) : frame(to) {}
-  void operator()(const model::FragmentBlock<T>& block, int /*texture*/, bool store_depth) override {
+  void operator()(const model::FragmentBlock<T>& block, const model::BlockDraw& draw) override {
     for (std::size_t k = 0; k < block.size; ++k) {
       passed.emplace_back(block.triangle[k], block.pixel[k]);
-      if (store_depth)
+      if (draw.store_depth)
         frame.depth[static_cast<std::size_t>(block.pixel[k])] = static_cast<std::uint32_t>(block.z[k]);
     }
   }

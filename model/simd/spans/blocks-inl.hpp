@@ -58,11 +58,11 @@ class Filler {
   }
   // Before the fragments of a triangle.
   HWY_INLINE void join(const SpanDraw& draw, std::int64_t triangle) {
-    const bool may = draw.texture == texture_ && ((draw.shared && shared_) || triangle == triangle_);
+    const bool may =
+        draw.texture == draw_.texture && ((draw.shared && draw_.shared) || triangle == triangle_);
     if (!may) {
       if (block_.size != 0) flush();
-      texture_ = draw.texture;
-      shared_ = draw.shared;
+      draw_ = draw;
     }
     triangle_ = triangle;
   }
@@ -85,7 +85,7 @@ class Filler {
     } else {
       evaluate<WideLanes>();
     }
-    sink_(block_, texture_, !shared_);
+    sink_(block_, {draw_.texture, !draw_.shared, draw_.back});
     block_.size = 0;
   }
   // Fragments at index[0 .. n) of a span. There is room.
@@ -124,7 +124,7 @@ class Filler {
     block_.size += n;
   }
   FragmentBlock<T>& block() { return block_; }
-  bool shared() const { return shared_; }
+  bool shared() const { return draw_.shared; }
 
  private:
   // A ramp of a register of at most 31 bits, in whose range all its values are.
@@ -167,8 +167,7 @@ class Filler {
   SpanWork<T>& work_;
   FragmentBlock<T>& block_;
   BlockSink<T>& sink_;
-  std::int32_t texture_ = -1;
-  bool shared_ = false;
+  SpanDraw draw_;
   std::int64_t triangle_ = -1;
 };
 

@@ -176,7 +176,7 @@ void draw_every(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std:
   std::int32_t texture = -1;
   std::int64_t last_triangle = -1;
   const auto flush = [&] {
-    if (block.size != 0) sink(block, texture, true);
+    if (block.size != 0) sink(block, {texture});
     block.size = 0;
   };
   Sequences s;

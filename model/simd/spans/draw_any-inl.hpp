@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// Spans to blocks in any draw state that lanes take, a triangle's fragments at a time. Where the tests are
+// early, those of a pixel come before its u, v and shades; where they are late, with what shades the block.
+#include <algorithm>
+#include <cstring>
+
+#include "config/modes.hpp"
+#include "model/simd/pixel_tests.hpp"
+#include "model/simd/spans/blocks-inl.hpp"
+#include "model/simd/spans/depth_test-inl.hpp"
+
+#if defined(BITSPAN_MODEL_SIMD_SPANS_DRAW_ANY_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef BITSPAN_MODEL_SIMD_SPANS_DRAW_ANY_INL
+#undef BITSPAN_MODEL_SIMD_SPANS_DRAW_ANY_INL
+#else
+#define BITSPAN_MODEL_SIMD_SPANS_DRAW_ANY_INL
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace bitspan::model::HWY_NAMESPACE {
+namespace {
+
+// The depth codes of pixels from .. to of a span, with the draw state's bias.
+template <class Watch>
+HWY_NOINLINE void biased_codes(const DepthStage& stage, const Sequence& h, std::size_t from, std::size_t to,
+                               std::int32_t* codes) {
+  const DepthFormats f = stage.formats;
+  const Lanes bias(stage.bias);
+  const Lanes zmax(f.zmax);
+  for (std::size_t k = from; k < to; k += Lanes::count) {
+    const Lanes place = Lanes::iota(static_cast<std::int64_t>(k));
+    Lanes z = depth_code_of(stage, f, at(h, place), Watch{}).z;
+    if (stage.bias != 0) z = min(max(z + bias, Lanes(0)), zmax);
+    store_as(codes + (k - from), z);
+  }
+}
+
+// The places and codes of those that pass, side by side; returns how many.
+inline std::size_t keep_passing(const DepthStage& stage, const std::uint32_t* stored, std::size_t from,
+                                std::size_t to, std::int32_t* places, std::int32_t* codes) {
+  const Lanes32::Tag d;
+  const Lanes32 flip(stage.formats.z.word > 31 ? INT32_MIN : 0);
+  const auto* buffer = reinterpret_cast<const std::int32_t*>(stored);
+  std::size_t n = 0;
+  for (std::size_t k = from; k < to; k += Lanes32::count) {
+    const Lanes32::Mask inside = first_lanes<std::int32_t>(to - k);
+    const Lanes32 z = Lanes32::load(codes + (k - from));
+    const Lanes32 old = Lanes32::from(hn::MaskedLoad(inside.m, d, buffer + k));
+    const Lanes32::Mask pass = depth_passes(stage.formats, stage.func, z ^ flip, old ^ flip) & inside;
+    if (!any(pass)) continue;
+    packed(Lanes32::iota(static_cast<std::int32_t>(k)), pass).store(places + n);
+    packed(z, pass).store(codes + n);
+    n += set_in(pass);
+  }
+  return n;
+}
+
+template <class T>
+void draw_any(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
+              std::int64_t first_index, SpanWork<T>& work, Frame& frame, Counters& counters,
+              BlockSink<T>& sink) {
+  using Watch = std::conditional_t<sizeof(T) == 4, BranchFree, NoObserve>;
+  find_ramps<nullptr>(pipeline.span.formats, spans, work.ramps);
+  Filler<T, Watch, nullptr> filler(pipeline, work, sink);
+  PixelTests tests{pipeline, false, frame, counters};
+  const bool late = is_late(pipeline.state.depth_when);
+  std::uint64_t fragments = 0;
+  Sequences s;
+  HWY_ALIGN std::int32_t places[block_size + column_slack];
+  HWY_ALIGN std::int32_t codes[block_size + column_slack];
+  for (std::size_t i = 0; i < spans.size; ++i) {
+    const std::int64_t triangle = spans[&SpanRecord::triangle][i];
+    const SpanDraw& draw = draws[static_cast<std::size_t>(triangle - first_index)];
+    const std::int64_t x = spans[&SpanRecord::x][i];
+    const std::int64_t y = spans[&SpanRecord::y][i];
+    const std::int64_t first_pixel = y * frame.width + x;
+    const auto count = static_cast<std::size_t>(spans[&SpanRecord::count][i]);
+    tests.back = draw.back;
+    fragments += count;
+    // Gives another triangle's block away: from here on a pixel may repeat.
+    filler.join(draw, triangle);
+    registers_of(pipeline.span, spans, i, work, s);
+    for (std::size_t from = 0; from < count; from += block_size) {
+      const std::size_t to = std::min(count, from + block_size);
+      biased_codes<Watch>(pipeline.depth, s[0], from, to, codes);
+      std::size_t n = 0;
+      if (!late && tests.depth_alone()) {
+        n = keep_passing(pipeline.depth, frame.depth.data() + first_pixel, from, to, places, codes);
+        counters.depth_passed += n;
+      } else {
+        for (std::size_t k = from; k < to; ++k) {
+          const auto at = static_cast<std::int64_t>(k);
+          const std::int32_t z = codes[k - from];
+          if (!tests.is_drawn(x + at, y)) continue;
+          if (!late &&
+              !tests.passes(static_cast<std::uint32_t>(z), static_cast<std::size_t>(first_pixel + at))) {
+            continue;
+          }
+          places[n] = static_cast<std::int32_t>(at);
+          codes[n++] = z;
+        }
+      }
+      if (n == 0) continue;
+      Lanes32(0).store(places + n);  // vectors look past the end
+      filler.need(n);
+      std::memcpy(filler.block().z + filler.block().size, codes, n * sizeof(std::int32_t));
+      filler.put(s, spans[&SpanRecord::u1][i], spans[&SpanRecord::v1][i], first_pixel, places, n);
+    }
+  }
+  filler.flush();
+  counters.fragments += fragments;
+  counters.covered += fragments;
+  counters.divides_pixel += fragments * static_cast<std::uint64_t>(pipeline.span.divides_per_fragment);
+}
+
+}  // namespace
+}  // namespace bitspan::model::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
