@@ -6,6 +6,7 @@
 
 #include <bit>
 #include <deque>
+#include <ostream>
 #include <span>
 #include <stdexcept>
 
@@ -230,18 +231,36 @@ TEST(PixelPipe, OneFragmentPerClock) {
   }
 }
 
-std::vector<Config> tool_configs() {
-  Config linear = shipped_config("depth16");
-  linear.depth_code = DepthCode::linear;
-  linear.fog = FogMode::linear;
-  std::vector<Config> configs{shipped_config("narrow"), linear, level_configs()[1]};
-  configs.front().rtl.blend = RtlBlend::equation;
-  for (const std::uint64_t seed : stage_seeds(1)) configs.push_back(random_stage_config(100 + seed));
-  return configs;
-}
+// What the tools read, one after another: each takes Icarus some 40 seconds.
+struct ToolCase {
+  const char* name;
+  Config (*config)();
+  DepthWhen when = DepthWhen::early;
+
+  friend void PrintTo(const ToolCase& c, std::ostream* out) { *out << c.name; }
+};
+const ToolCase tool_cases[] = {
+    {"Equation",
+     [] {
+       Config c = shipped_config("narrow");
+       c.rtl.blend = RtlBlend::equation;
+       return c;
+     }},
+    {"Linear",
+     [] {
+       Config c = shipped_config("depth16");
+       c.depth_code = DepthCode::linear;
+       c.fog = FogMode::linear;
+       return c;
+     }},
+    {"Levels", [] { return level_configs()[1]; }},
+    {"Random", [] { return random_stage_config(100 + stage_seeds(1)[0]); }},
+    {"Late", [] { return shipped_config("narrow"); }, DepthWhen::late},
+};
 
 TEST(PixelPipe, VerilatorLintIsSilent) {
-  for (const Config& c : tool_configs()) {
+  for (const ToolCase& tool_case : tool_cases) {
+    const Config c = tool_case.config();
     for (const char* top :
          {"depth", "texture_address", "texture_words", "texture", "fog", "merge", "pixel_pipe", "late"}) {
       const bool late = std::string_view(top) == "late";
@@ -259,18 +278,20 @@ TEST(PixelPipe, VerilatorLintIsSilent) {
   }
 }
 
+class PixelPipeIn : public ::testing::TestWithParam<ToolCase> {};
+
 // What Icarus makes of the sources, and of the netlist that Yosys understood, is what Verilator made of them.
-TEST(PixelPipe, IcarusAndYosysAgree) {
-  const auto check = [](const Config& c, DepthWhen when) {
-    Random random(21);
-    const PipeCase p = random_pipe_case(random, c, 40, {}, when);
-    StageTrace trace;
-    run_pipe(p, {0.2, {0.2, 0.3}, {1, 9}, 4}, &trace);
-    expect_tools_agree(pixel_pipe_design(c, when), trace);
-  };
-  for (const Config& c : tool_configs()) check(c, DepthWhen::early);
-  check(shipped_config("narrow"), DepthWhen::late);
+TEST_P(PixelPipeIn, IcarusAndYosysAgree) {
+  const Config c = GetParam().config();
+  Random random(21);
+  const PipeCase p = random_pipe_case(random, c, 40, {}, GetParam().when);
+  StageTrace trace;
+  run_pipe(p, {0.2, {0.2, 0.3}, {1, 9}, 4}, &trace);
+  expect_tools_agree(pixel_pipe_design(c, GetParam().when), trace);
 }
+
+INSTANTIATE_TEST_SUITE_P(Cases, PixelPipeIn, ::testing::ValuesIn(tool_cases),
+                         [](const auto& info) { return info.param.name; });
 
 TEST(PixelPipe, PlantedBugsAreSeen) {
   constexpr PlantedBug bugs[] = {

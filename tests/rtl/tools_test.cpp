@@ -46,9 +46,14 @@ TEST(Tools, VerilatorLintIsSilent) {
   }
 }
 
-TEST(Tools, IcarusAgrees) {
-  Random random(5);
-  for (const Config& c : configs(200, 4)) {
+// A shipped configuration and a random one, for each mode on its own: together they take minutes.
+class ToolsIn : public ::testing::TestWithParam<std::size_t> {};
+
+TEST_P(ToolsIn, IcarusAgrees) {
+  Random random(5 + GetParam());
+  const std::vector<Config> all = configs(200, static_cast<int>(all_perspectives.size()));
+  for (const std::size_t i : {GetParam(), GetParam() + all_perspectives.size()}) {
+    const Config& c = all[i];
     const InterpolatorCase given = make_interpolator_case(random, c, 150, 10);
     const TemporaryFolder folder;
     const IcarusRun run = prepare_icarus(folder, c, given);
@@ -56,6 +61,8 @@ TEST(Tools, IcarusAgrees) {
     EXPECT_NE(printed.find(run.expected), std::string::npos) << printed << to_toml(c);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Perspectives, ToolsIn, ::testing::Range(std::size_t{0}, all_perspectives.size()));
 
 // What Yosys understood, written back as a netlist, computes the same values too.
 TEST(Tools, YosysNetlistAgrees) {
