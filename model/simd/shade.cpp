@@ -19,7 +19,6 @@ HWY_AFTER_NAMESPACE();
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 #include "model/numeric/ratio.hpp"
 #include "model/simd/targets.hpp"
@@ -215,8 +214,8 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
   }
   for (const MipChain& chain : pipeline.mip_chains.all()) {
     std::vector<ShadeTexture>& levels = plan.levels.emplace_back();
-    for (const Texture& level : chain | std::views::drop(1)) {
-      levels.push_back(prepare_image(plan.formats.texture, level));
+    for (std::size_t k = 1; k < chain.size(); ++k) {
+      levels.push_back(prepare_image(plan.formats.texture, chain[k]));
     }
   }
   if (small) {

@@ -70,8 +70,9 @@ HWY_INLINE Truth<V> is_keyed(const ChromaRange& chroma, V word) {
   Truth<V> in_range = V(0) == V(0);
   for (std::size_t c = 0; c < 3; ++c) {
     const V code = channel_of(word, c);
-    in_range = in_range & (code >= V(static_cast<ElementOf<V>>(chroma.low[c]))) &
-               (code <= V(static_cast<ElementOf<V>>(chroma.high[c])));
+    const Truth<V> reaches_low = code >= V(static_cast<ElementOf<V>>(chroma.low[c]));
+    const Truth<V> within_high = code <= V(static_cast<ElementOf<V>>(chroma.high[c]));
+    in_range = in_range & reaches_low & within_high;
   }
   return chroma.test == ChromaTest::inside ? in_range : !in_range;
 }
@@ -168,21 +169,23 @@ HWY_INLINE Truth<V> passes_alpha_test(const Register& alpha, const AlphaTest& te
     if (least > alpha.max) return V(0) != V(0);
     return a >= V(static_cast<ElementOf<V>>(least < alpha.min ? alpha.min : least));
   };
+  const Truth<V> below = !reaches(test.least);
+  const Truth<V> above = reaches(test.least_above);
   switch (test.func) {
     case CompareFunc::never:
       return V(0) != V(0);
     case CompareFunc::less:
-      return !reaches(test.least);
+      return below;
     case CompareFunc::equal:
-      return reaches(test.least) & !reaches(test.least_above);
+      return !(below | above);
     case CompareFunc::less_equal:
-      return !reaches(test.least_above);
+      return !above;
     case CompareFunc::greater:
-      return reaches(test.least_above);
+      return above;
     case CompareFunc::not_equal:
-      return !(reaches(test.least) & !reaches(test.least_above));
+      return below | above;
     case CompareFunc::greater_equal:
-      return reaches(test.least);
+      return !below;
     case CompareFunc::always:
       return V(0) == V(0);
   }
