@@ -177,8 +177,8 @@ class Drawing {
     if (pipeline_.const_depth_rows) {
       draw_planes(*workers_[0], triangles, first_index, trace, statistics);
     } else {
-      find_draws(triangles);
       if (any_state_ && pipeline_.has_gradients) find_gradients(triangles, first_index, counters);
+      find_draws(triangles);
       // Records and statistics come in the order of the triangles.
       const bool watched = trace != nullptr || statistics != nullptr;
       Bands& bands = watched ? whole_ : bands_;
@@ -250,6 +250,9 @@ class Drawing {
       for (std::size_t i = 0; i < triangles.size(); ++i) {
         const Surface surface = surface_of(pipeline_, triangles[i]);
         draws_[i] = {surface.texture < 0 ? -1 : surface.texture, false, surface.back};
+        if (has_dz(pipeline_.depth.formats.code)) {
+          draws_[i].log2_dz = log2_of_dz(pipeline_.depth.formats, gradients_.of[i]);
+        }
       }
       return;
     }
@@ -329,7 +332,7 @@ class Drawing {
   std::vector<std::unique_ptr<Worker<T>>> workers_;
   bool any_state_ = false;       // draw_any and shade_any draw
   std::vector<SpanDraw> draws_;  // of the chunk
-  TriangleGradients gradients_;  // of the chunk, where lod takes them
+  TriangleGradients gradients_;  // of the chunk, where depth or lod takes them
   Bands bands_;
   Bands whole_;
   tbb::task_arena arena_;

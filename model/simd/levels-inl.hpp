@@ -108,6 +108,24 @@ struct GradientLod {
   }
 };
 
+// What scalar stages behind the depth test read of fragment k; width: of the frame.
+template <class T>
+FragmentRecord fragment_of(const FragmentBlock<T>& block, std::size_t k, int width) {
+  FragmentRecord f;
+  f.triangle = block.triangle[k];
+  f.x = block.pixel[k] % width;
+  f.y = block.pixel[k] / width;
+  f.h = block.h[k];
+  f.u = block.u[k];
+  f.v = block.v[k];
+  return f;
+}
+inline DistanceRecord distance_of(const Pipeline& pipeline, const FragmentRecord& fragment) {
+  DistanceRecord out;
+  if (pipeline.has_distance) distance(pipeline.distance, fragment, out);
+  return out;
+}
+
 // width: of the frame; levels: of the block's texture.
 template <class T>
 HWY_NOINLINE void find_levels(const Pipeline& pipeline, const FragmentBlock<T>& block, int levels,
@@ -149,15 +167,8 @@ HWY_NOINLINE void find_levels(const Pipeline& pipeline, const FragmentBlock<T>& 
       run.template operator()<WideLanes>();
     } else {
       for (std::size_t k = first; k < end; ++k) {
-        FragmentRecord f;
-        f.triangle = triangle;
-        f.x = block.pixel[k] % width;
-        f.y = block.pixel[k] / width;
-        f.h = block.h[k];
-        f.u = block.u[k];
-        f.v = block.v[k];
-        DistanceRecord far;
-        if (pipeline.has_distance) distance(pipeline.distance, f, far);
+        const FragmentRecord f = fragment_of(block, k, width);
+        const DistanceRecord far = distance_of(pipeline, f);
         LodRecord record;
         model::lod(pipeline.lod, f, gradient, far, levels, record);
         out.level[k] = static_cast<std::int32_t>(record.level);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "config/modes.hpp"
 #include "engine/engine.hpp"
 #include "model/pipeline.hpp"
 
@@ -16,8 +17,10 @@ struct PixelTests {
   Frame& frame;
   Counters& counters;
 
-  // Whether the depth comparison alone decides about a pixel.
-  bool depth_alone() const { return !pipeline.stencil.test && !pipeline.masks_pixels; }
+  // Whether a comparison of depth codes alone decides about a pixel.
+  bool depth_alone() const {
+    return !pipeline.stencil.test && !pipeline.masks_pixels && !has_dz(pipeline.depth.formats.code);
+  }
   // Scissor and stipple. Counts masked.
   bool is_drawn(std::int64_t x, std::int64_t y) const {
     if (!pipeline.masks_pixels || model::is_drawn(pipeline.state, x, y)) return true;

@@ -674,6 +674,11 @@ void colours_any(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFor
                  const Frame& frame, ShadeColumns<T>& columns, Counters& counters) {
   const FogMode fog = pipeline.fog.mode;
   fog_factors<T, nullptr>(pipeline, plan, block, false, columns);
+  for (std::size_t k = 0; takes_distance(fog) && k < block.size; ++k) {
+    const FragmentRecord fragment = fragment_of(block, k, frame.width);
+    columns.factor[k] =
+        static_cast<T>(fog_factor(pipeline.fog, fragment, distance_of(pipeline, fragment)).factor);
+  }
   const auto run = [&]<class Int>(auto watch) HWY_ATTR {
     shade_block<Int, ImageKind::any, nullptr, true>(pipeline, plan, formats, fog, images, shares, block,
                                                     frame, columns, counters, nullptr, watch);

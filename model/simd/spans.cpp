@@ -35,12 +35,12 @@ SpanKernels<std::int64_t> span_kernels(VectorTarget target) {
 }
 
 const char* spans_refusal(const Config& config) {
-  if (has_lod(config) && has_plane_rows(config.perspective)) {
-    return "texture.mip is not in lanes with rows of constant depth";
+  if (has_plane_rows(config.perspective) &&
+      (has_lod(config) || has_distance(config) || has_dz(config.depth_code))) {
+    return "rows of constant depth are not in lanes with texture.mip, fog by distance or depth.code = "
+           "float_dz";
   }
-  if (has_dz(config.depth_code)) return "depth.code = float_dz is not in lanes";
   if (has_subspans(config)) return "perspective.subspan_bits is not in lanes";
-  if (takes_distance(config.fog)) return "fog by distance is not in lanes";
   const auto of = [&](FormatId id) { return signed_grid(config.format(id)); };
   return !has_plane_rows(config.perspective) &&
                  aligned(of(FormatId::span_h) + of(FormatId::setup_b), 0).bits() > 63

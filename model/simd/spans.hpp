@@ -27,6 +27,7 @@ struct SpanDraw {
   // their depth is stored when it is tested.
   bool shared = false;
   bool back = false;  // a back face; told only where the stencil test asks
+  int log2_dz = 0;    // for depth.code = float_dz
 };
 
 // Where blocks go: texture, fog and merge.

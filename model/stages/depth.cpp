@@ -6,17 +6,13 @@
 #include "model/stages/depth-inl.hpp"
 
 namespace bitspan::model {
-namespace {
 
-// The smallest power of two that is not below |h_x| + |h_y|, as far as its logarithm is one of the word's.
 int log2_of_dz(const DepthFormats& f, const GradientRecord& gradient) {
   const auto size = [](std::int64_t raw) { return raw < 0 ? -int128{raw} : int128{raw}; };
   const int128 d = size(gradient.h_x) + size(gradient.h_y);
   if (d == 0) return 0;
   return std::clamp(bit_length(static_cast<uint128>(d - 1)) - f.gradient_fraction, 0, largest_dz);
 }
-
-}  // namespace
 
 DepthStage prepare_depth(const Config& config, const Constants& constants) {
   DepthStage s;

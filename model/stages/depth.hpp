@@ -86,6 +86,10 @@ constexpr std::int64_t packed_depth(PackedDepth depth, int bits) {
   return (std::int64_t{exponent} << mantissa_bits | mantissa) << dz_bits | depth.dz;
 }
 
+// Of a triangle, for float_dz: the smallest power of two that is not below |h_x| + |h_y|, as far as its
+// logarithm is one of the word's.
+int log2_of_dz(const DepthFormats& formats, const GradientRecord& gradient);
+
 // What it computes by of the scene, raw.
 struct DepthScene {
   int128 b = 0;                         // on the grid of h + B

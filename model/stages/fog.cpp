@@ -217,44 +217,46 @@ FogStage prepare_fog(const Config& config, const Constants& constants, const Sce
 }
 
 template <class Watch>
+FogFactor fog_factor(const FogStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
+                     Watch watch) {
+  namespace text = HWY_NAMESPACE;
+  const auto entry = [&](std::int64_t index) {
+    return FogFactor{.index = index, .factor = stage.table[static_cast<std::size_t>(index)]};
+  };
+  switch (stage.mode) {
+    case FogMode::none:
+      return {.factor = quantize(std::int64_t{1}, 0, stage.factor, watch)};
+    case FogMode::linear: {
+      const auto linear = text::linear_fog<int128>(stage, stage, fragment.h, watch);
+      return {.recip_m = linear.recip_m, .recip_e = linear.recip_e, .factor = linear.factor};
+    }
+    case FogMode::table:
+      return entry(text::fog_index<std::int64_t>(stage, fog_step(stage, fragment.h),
+                                                 zone_of(stage.zones, fragment.x, fragment.y)));
+    case FogMode::distance:
+      return entry(distance_step(stage, distance.d));
+    case FogMode::log: {
+      const Blend blend = between_entries(stage, distance.s, watch);
+      return {.index = blend.index, .factor = blend.factor};
+    }
+  }
+  unreachable();
+}
+
+template <class Watch>
 void fog(const FogStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
          const TextureRecord& texture, FogRecord& out, Watch watch) {
+  namespace text = HWY_NAMESPACE;
+  const FogFormats& formats = stage;
+  const FogFactor found = fog_factor(stage, fragment, distance, watch);
   out.triangle = fragment.triangle;
   out.x = fragment.x;
   out.y = fragment.y;
-  out.index = -1;
-  out.recip_m = 0;
-  out.recip_e = 0;
+  out.index = found.index;
+  out.recip_m = found.recip_m;
+  out.recip_e = found.recip_e;
+  out.factor = found.factor;
   std::array own{texture.r, texture.g, texture.b};
-  namespace text = HWY_NAMESPACE;
-  const FogFormats& formats = stage;
-  switch (stage.mode) {
-    case FogMode::none:
-      out.factor = quantize(std::int64_t{1}, 0, formats.factor, watch);
-      break;
-    case FogMode::linear: {
-      const auto linear = text::linear_fog<int128>(stage, formats, fragment.h, watch);
-      out.recip_m = linear.recip_m;
-      out.recip_e = linear.recip_e;
-      out.factor = linear.factor;
-      break;
-    }
-    case FogMode::table:
-      out.index = text::fog_index<std::int64_t>(stage, fog_step(stage, fragment.h),
-                                                zone_of(stage.zones, fragment.x, fragment.y));
-      out.factor = stage.table[static_cast<std::size_t>(out.index)];
-      break;
-    case FogMode::distance:
-      out.index = distance_step(stage, distance.d);
-      out.factor = stage.table[static_cast<std::size_t>(out.index)];
-      break;
-    case FogMode::log: {
-      const Blend blend = between_entries(stage, distance.s, watch);
-      out.index = blend.index;
-      out.factor = blend.factor;
-      break;
-    }
-  }
   for (std::size_t c = 0; c < own.size(); ++c) {
     if (!has_fog(stage.mode)) {
       own[c] = text::unfogged(formats, own[c], watch);
@@ -273,6 +275,8 @@ template std::int64_t fog_entry(const Config&, const Constants&, const Scene&, i
 template std::int64_t fog_entry(const Config&, const Constants&, const Scene&, int, int, Observe);
 template FogStage prepare_fog(const Config&, const Constants&, const Scene&, NoObserve);
 template FogStage prepare_fog(const Config&, const Constants&, const Scene&, Observe);
+template FogFactor fog_factor(const FogStage&, const FragmentRecord&, const DistanceRecord&, NoObserve);
+template FogFactor fog_factor(const FogStage&, const FragmentRecord&, const DistanceRecord&, Observe);
 template void fog(const FogStage&, const FragmentRecord&, const DistanceRecord&, const TextureRecord&,
                   FogRecord&, NoObserve);
 template void fog(const FogStage&, const FragmentRecord&, const DistanceRecord&, const TextureRecord&,

@@ -60,6 +60,16 @@ inline constexpr int log_octave_bits = 4;
 template <class Watch = NoObserve>
 FogStage prepare_fog(const Config& config, const Constants& constants, const Scene& scene, Watch watch = {});
 
+// The factor of a fragment, with how it was found; distance: read in modes distance and log.
+struct FogFactor {
+  std::int64_t index = -1;  // of a table
+  std::int64_t recip_m = 0, recip_e = 0;
+  std::int64_t factor = 0;
+};
+template <class Watch = NoObserve>
+FogFactor fog_factor(const FogStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
+                     Watch watch = {});
+
 // A fragment that the texture stage let live; distance: read in modes distance and log.
 template <class Watch = NoObserve>
 void fog(const FogStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,

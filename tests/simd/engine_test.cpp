@@ -188,6 +188,31 @@ TEST(Forms, Levels) {
   EXPECT_GT(written, 100000U);
 }
 
+// What a plain pipeline has not, beside levels.
+TEST(Forms, DistancesAndDz) {
+  std::uint64_t written = 0;
+  std::uint64_t seed = 700;
+  for (const Config& base : shipped_configs()) {
+    for (const FogMode fog : {FogMode::table, FogMode::distance, FogMode::log}) {
+      for (const DepthCode code : {DepthCode::inverse, DepthCode::float_dz}) {
+        for (const double commands : {0.0, 0.3}) {
+          ++seed;
+          Config c = base;
+          c.fog = fog;
+          c.depth_code = code;
+          RandomOptions options = small_scenes();
+          options.command_probability = commands;
+          options.fog_probability = 1;
+          written +=
+              compare_forms(c, random_scene(seed, options), base.name + ", seed " + std::to_string(seed));
+          if (HasFailure()) return;
+        }
+      }
+    }
+  }
+  EXPECT_GT(written, 50000U);
+}
+
 // Derivatives from those that 64-bit lanes hold to those that no lanes do.
 TEST(Forms, LevelsOfRandomConfigurations) {
   const std::vector<Config> bases = shipped_configs();

@@ -617,7 +617,6 @@ TEST(DepthFunc, TwoTrianglesOfEqualDepth) {
         scene.triangles[1].v[0].c = {1, 0, 0, 1};
         std::vector<std::pair<std::string, std::unique_ptr<Engine>>> engines;
         for (const ModelForm form : {ModelForm::scalar, ModelForm::vector, ModelForm::automatic}) {
-          if (form == ModelForm::vector && has_dz(code)) continue;  // not in lanes
           engines.emplace_back("model", make_model(config, {.form = form}));
         }
         engines.emplace_back("golden", make_golden(config));

@@ -20,10 +20,11 @@ HWY_BEFORE_NAMESPACE();
 namespace bitspan::model::HWY_NAMESPACE {
 namespace {
 
-// The depth codes of pixels from .. to of a span, with the draw state's bias.
+// The depth buffer's words of pixels from .. to of a span, with the draw state's bias; log2_dz: of the
+// triangle.
 template <class Watch>
-HWY_NOINLINE void biased_codes(const DepthStage& stage, const Sequence& h, std::size_t from, std::size_t to,
-                               std::int32_t* codes) {
+HWY_NOINLINE void depth_words(const DepthStage& stage, const Sequence& h, int log2_dz, std::size_t from,
+                              std::size_t to, std::int32_t* codes) {
   const DepthFormats f = stage.formats;
   const Lanes bias(stage.bias);
   const Lanes zmax(f.zmax);
@@ -32,6 +33,10 @@ HWY_NOINLINE void biased_codes(const DepthStage& stage, const Sequence& h, std::
     Lanes z = depth_code_of(stage, f, at(h, place), Watch{}).z;
     if (stage.bias != 0) z = min(max(z + bias, Lanes(0)), zmax);
     store_as(codes + (k - from), z);
+  }
+  for (std::size_t k = 0; has_dz(f.code) && k < to - from; ++k) {
+    const std::int64_t z = static_cast<std::uint32_t>(codes[k]);
+    codes[k] = static_cast<std::int32_t>(packed_depth({z, log2_dz}, f.z.word));
   }
 }
 
@@ -82,7 +87,7 @@ void draw_any(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::s
     registers_of(pipeline.span, spans, i, work, s);
     for (std::size_t from = 0; from < count; from += block_size) {
       const std::size_t to = std::min(count, from + block_size);
-      biased_codes<Watch>(pipeline.depth, s[0], from, to, codes);
+      depth_words<Watch>(pipeline.depth, s[0], draw.log2_dz, from, to, codes);
       std::size_t n = 0;
       if (!late && tests.depth_alone()) {
         n = keep_passing(pipeline.depth, frame.depth.data() + first_pixel, from, to, places, codes);
