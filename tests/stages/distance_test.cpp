@@ -444,7 +444,6 @@ TEST(Distance, WhatIsNotThereIsRefusedByName) {
   c.fog = FogMode::distance;
   EXPECT_FALSE(first_violation(c).has_value());
   EXPECT_FALSE(pixel_stages_are_in_rtl(c));
-  EXPECT_THROW(make_model(c, {.form = ModelForm::vector}), InputError);
   c.format(FormatId::distance_g).word = 33;
   ASSERT_TRUE(first_violation(c).has_value());
   EXPECT_EQ(first_violation(c)->key, "formats.distance.g");

@@ -222,7 +222,6 @@ TEST(Lod, WhatIsNotThereIsRefusedByName) {
   c.format(FormatId::lod_frac).integer = 1;
   EXPECT_EQ(first_violation(c)->key, "formats.lod.frac");
   c = with_levels(shipped_config("depth16"), MipMode::linear, LodMode::zone_s);
-  EXPECT_THROW(make_model(c, {.form = ModelForm::vector}), InputError);
   EXPECT_TRUE(pixel_stages_are_in_rtl(c));
   for (const LodMode mode : {LodMode::zone_d, LodMode::finite}) {
     c.lod = mode;
