@@ -145,7 +145,10 @@ class ChainBeside {
     for (; next_command_ < scene_.commands.size() && scene_.commands[next_command_].before < triangle;
          ++next_command_) {
       const DrawCommand& command = scene_.commands[next_command_];
-      if (command.clear) {
+      if (command.target) {
+        model::select_target(pipeline_, scene_, targets_, *command.target, frame_);
+        if (state_.stencil_test) need_stencil(frame_);
+      } else if (command.clear) {
         model::clear_planes(pipeline_, frame_, *command.clear);
       } else {
         state_ = changed_state(state_, command.state, config_);
@@ -241,6 +244,7 @@ class ChainBeside {
   ChainVerdict& verdict_;
   model::Pipeline pipeline_;
   Frame frame_;
+  Targets<Frame> targets_;
   Counters counters_;
   Trace trace_;
   DrawState state_;

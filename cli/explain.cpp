@@ -243,6 +243,10 @@ int explain(const Options& o) {
     }
     print_type(constants, RecordType::constants, nullptr);
   }
+  // In front of a triangle; behind the last one, what is shown.
+  const auto target_text = [&, several = targets_of(scene.commands).size() > 1](std::size_t triangle) {
+    return several ? fmt::format(", target {}", target_at(scene.commands, triangle)) : "";
+  };
   for (std::size_t t = 0; t < touches; ++t) {
     const Touch* first = nullptr;
     for (const Story& story : stories) {
@@ -250,8 +254,9 @@ int explain(const Options& o) {
         first = &story.touches[t];
       }
     }
-    fmt::print("\nfragment {} of {}: triangle {}\n", t + 1, touches, first->triangle);
-    const Triangle& triangle = scene.triangles[static_cast<std::size_t>(first->triangle)];
+    const auto index = static_cast<std::size_t>(first->triangle);
+    fmt::print("\nfragment {} of {}: triangle {}{}\n", t + 1, touches, first->triangle, target_text(index));
+    const Triangle& triangle = scene.triangles[index];
     for (std::size_t r = 0; r < first->records.size(); ++r) {
       const RecordType type = first->records[r].type;
       const Per per = row_of(type).per;
@@ -269,7 +274,7 @@ int explain(const Options& o) {
   }
   const std::size_t at =
       static_cast<std::size_t>(o.y) * static_cast<std::size_t>(scene.width) + static_cast<std::size_t>(o.x);
-  fmt::print("\npicture at ({}, {})\n", o.x, o.y);
+  fmt::print("\npicture at ({}, {}){}\n", o.x, o.y, target_text(scene.triangles.size()));
   std::vector<std::vector<std::string>> rows{{"engine", "triangle", "depth", "u", "v", "R", "G", "B"}};
   const auto add = [&](const std::string& engine, const Frame& f) {
     const std::uint8_t* c = &f.color[4 * at];

@@ -74,8 +74,21 @@ void refuse_camera(const std::string& name, const SceneOptions& o) {
   refuse(o.strict, "--strict");
 }
 
-void refuse_frame(const std::string& name, const SceneOptions& o) {
+void refuse_stream_options(const std::string& name, const SceneOptions& o) {
   if (o.frame) throw InputError(name + ": --frame is for streams (.tri) with dynamic textures; leave it out");
+  if (o.target)
+    throw InputError(name + ": --show-target is for streams (.tri) with several targets; leave it out");
+}
+
+// Ends the scene on that target, which must be one that it draws on.
+void show_target(const std::string& name, int target, Scene& scene) {
+  const std::vector<int> drawn_on = targets_of(scene.commands);
+  if (!std::ranges::binary_search(drawn_on, target)) {
+    throw InputError(
+        fmt::format("{}: --show-target {}: the stream does not draw on it; expected {}", name, target,
+                    drawn_on.size() == 1 ? "0" : fmt::format("one of {}", fmt::join(drawn_on, ", "))));
+  }
+  scene.commands.push_back({.before = scene.triangles.size(), .target = target});
 }
 
 void refuse_size(const std::string& name, const Scene& scene, const SceneOptions& o) {
@@ -153,6 +166,11 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
   command.add_option("--frame", o.frame, "stream: the image that dynamic textures show at first (default 0)")
       ->type_name("K")
       ->group(group);
+  command
+      .add_option("--show-target", o.target,
+                  "stream: the target that is shown (default: the last one drawn on)")
+      ->type_name("K")
+      ->group(group);
   add_allow_empty(command, o);
 }
 
@@ -206,7 +224,7 @@ namespace {
 
 std::vector<LoadedScene> scenes_of_pixels(const std::string& name, const SceneOptions& options) {
   std::vector<LoadedScene> out;
-  if (!is_stream(name)) refuse_frame(name, options);
+  if (!is_stream(name)) refuse_stream_options(name, options);
   if (name == "demo") {
     refuse_camera(name, options);
     const Size size = picture_size(options.size);
@@ -257,6 +275,7 @@ std::vector<LoadedScene> scenes_of_pixels(const std::string& name, const SceneOp
   if (is_stream(name)) {
     refuse_camera(name, options);
     out.push_back({read_tri(name, options.frame), std::nullopt});
+    if (options.target) show_target(name, *options.target, out.back().scene);
     refuse_size(name, out.back().scene, options);
   } else {
     out.push_back(load_mesh(name, options));
@@ -333,6 +352,7 @@ std::string flags_text(const SceneOptions& o) {
   out += o.no_cull ? " --no-cull" : "";
   out += o.strict ? " --strict" : "";
   out += o.frame ? fmt::format(" --frame {}", *o.frame) : "";
+  out += o.target ? fmt::format(" --show-target {}", *o.target) : "";
   out += o.allow_empty ? " --allow-empty" : "";
   out += o.supersample > 1 ? fmt::format(" --supersample {}", o.supersample) : "";
   return out;

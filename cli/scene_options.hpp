@@ -24,10 +24,11 @@ struct SceneOptions {
   std::string texture;
   std::string fog;  // "r,g,b,distance"
   bool no_cull = false;
-  bool strict = false;       // a texture that a mesh names must be there
-  bool allow_empty = false;  // a scene that draws nothing is no failure
-  int supersample = 1;       // samples per pixel, each way
-  std::optional<int> frame;  // which image dynamic textures of a stream show at first
+  bool strict = false;        // a texture that a mesh names must be there
+  bool allow_empty = false;   // a scene that draws nothing is no failure
+  int supersample = 1;        // samples per pixel, each way
+  std::optional<int> frame;   // which image dynamic textures of a stream show at first
+  std::optional<int> target;  // of a stream, that is shown
 };
 
 struct LoadedScene {

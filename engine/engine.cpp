@@ -29,7 +29,9 @@ void draw_scene(Engine& engine, const Scene& scene, std::size_t first, std::size
 }
 
 void execute(Engine& engine, const DrawCommand& command, std::int64_t next_index, Trace* trace) {
-  if (command.clear) {
+  if (command.target) {
+    engine.target(*command.target);
+  } else if (command.clear) {
     engine.clear(*command.clear);
   } else {
     engine.set(command.state, next_index, trace);

@@ -34,11 +34,15 @@ class Engine {
   virtual void set(const StateChange& change, std::int64_t next_index, Trace* trace) = 0;
   // Clears planes of the frame. It takes no clock.
   virtual void clear(const Clear& clear) = 0;
+  // Draws on target k from here on; begin() gives target 0. One that has not been drawn on yet is as begin()
+  // clears it. The draw state stays. It takes no clock. Throws InputError where k is not below target_limit.
+  virtual void target(int k) = 0;
+  // Of the target that is drawn on.
   virtual const Frame& frame() const = 0;
   virtual const Counters& counters() const = 0;
 };
 
-// Sets or clears, as the command says; next_index and trace as Engine::set takes them.
+// Sets, clears or takes another target, as the command says; next_index and trace as Engine::set takes them.
 void execute(Engine& engine, const DrawCommand& command, std::int64_t next_index, Trace* trace);
 // Draws `count` triangles of a scene from `first` on, with the commands in front of them, and those behind
 // the scene's last triangle where it is among them.

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "engine/records.hpp"
@@ -34,6 +36,33 @@ void clear_frame(Frame& frame, int width, int height, const std::array<std::uint
 void clear_planes(Frame& frame, const Clear& clear, std::uint32_t farthest);
 // Gives the frame a stencil plane of zeros where it has none.
 void need_stencil(Frame& frame);
+
+// Throws InputError where there is no target k.
+void check_target(int k);
+
+// The targets of a run but the one that is drawn on. Planes: what an engine has per target, a Frame at least.
+template <class Planes>
+class Targets {
+ public:
+  // Puts `planes` away, and takes out those of target k. Returns whether it has been drawn on before: else
+  // they are Planes{}, for the caller to clear. Throws InputError where there is no target k.
+  bool select(int k, Planes& planes) {
+    check_target(k);
+    if (k == current_) return true;
+    away_[static_cast<std::size_t>(current_)] = std::move(planes);
+    current_ = k;
+    std::optional<Planes>& kept = away_[static_cast<std::size_t>(k)];
+    const bool is_kept = kept.has_value();
+    planes = is_kept ? std::move(*kept) : Planes{};
+    kept.reset();
+    return is_kept;
+  }
+  int current() const { return current_; }
+
+ private:
+  int current_ = 0;
+  std::array<std::optional<Planes>, target_limit> away_;
+};
 
 inline std::size_t pixel_of(const Frame& frame, const FragmentRecord& fragment) {
   return static_cast<std::size_t>(fragment.y * frame.width + fragment.x);

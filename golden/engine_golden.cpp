@@ -82,8 +82,8 @@ class GoldenEngine final : public Engine, public RowEngine {
     back_ = false;
     constants_delivered_ = false;
     counters_ = {};
-    clear_frame(frame_, scene.width, scene.height, scene.background,
-                static_cast<std::uint32_t>(clear_depth(config_)));
+    targets_ = {};
+    clear_target();
   }
 
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
@@ -99,6 +99,10 @@ class GoldenEngine final : public Engine, public RowEngine {
     state_ = changed_state(state_, change, config_, scene_->textures.size());
     if (state_.stencil_test) need_stencil(frame_);
     if (trace != nullptr) begin_batch(trace).state.push_back(state_record(state_, next_index));
+  }
+  void target(int k) override {
+    if (!targets_.select(k, frame_)) clear_target();
+    if (state_.stencil_test) need_stencil(frame_);
   }
   void clear(const Clear& clear) override {
     clear_planes(frame_, held(state_, clear), static_cast<std::uint32_t>(clear_depth(config_)));
@@ -137,6 +141,10 @@ class GoldenEngine final : public Engine, public RowEngine {
   }
 
  private:
+  void clear_target() {
+    clear_frame(frame_, scene_->width, scene_->height, scene_->background,
+                static_cast<std::uint32_t>(clear_depth(config_)));
+  }
   // Returns where records go.
   Trace& begin_batch(Trace* trace) {
     if (trace != nullptr && !constants_delivered_) {
@@ -446,6 +454,7 @@ class GoldenEngine final : public Engine, public RowEngine {
   std::vector<const DistanceRecord*> distances_;  // where there are any
   std::vector<FragmentRecord> tested_;
   Frame frame_;
+  Targets<Frame> targets_;
   Counters counters_;
   DrawState state_;
   bool back_ = false;  // the triangle is a back face

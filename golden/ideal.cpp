@@ -469,34 +469,31 @@ class IdealEngine final : public Engine {
     scene_ = &scene;
     levels_ = golden::scene_levels(config_, scene);
     counters_ = {};
-    const auto pixels = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height);
-    clear_frame(frame_, scene.width, scene.height, scene.background, 0);
-    h_.assign(pixels, 0);
-    z_.assign(pixels, configured_code(config_, scene, 0, scene.s_max));
-    dz_.assign(has_dz(config_.depth_code) ? pixels : 0, 0);
-    color_.assign(pixels,
-                  {double(scene.background[0]), double(scene.background[1]), double(scene.background[2])});
-    alpha_.assign(pixels, 255);
     state_ = first_state(config_);
     biased_ = false;
-    stale_ = true;
+    targets_ = {};
+    clear_target();
   }
 
   void set(const StateChange& change, std::int64_t /*next_index*/, Trace* /*trace*/) override {
     state_ = changed_state(state_, change, config_, scene_->textures.size());
     biased_ = biased_ || state_.depth_bias != 0;
-    if (state_.stencil_test) need_stencil(frame_);
+    if (state_.stencil_test) need_stencil(planes_.frame);
+  }
+  void target(int k) override {
+    if (!targets_.select(k, planes_)) clear_target();
+    if (state_.stencil_test) need_stencil(planes_.frame);
   }
   void clear(const Clear& clear) override {
-    clear_planes(frame_, clear, 0);
-    for (std::size_t i = 0; i < color_.size(); ++i) {
-      for (std::size_t c = 0; clear.color && c < 3; ++c) color_[i][c] = (*clear.color)[c];
-      if (clear.alpha) alpha_[i] = has_alpha() ? *clear.alpha : 255;
-      if (clear.depth) h_[i] = 0;
-      if (clear.depth) z_[i] = configured_code(config_, *scene_, 0, scene_->s_max);
+    clear_planes(planes_.frame, clear, 0);
+    for (std::size_t i = 0; i < planes_.color.size(); ++i) {
+      for (std::size_t c = 0; clear.color && c < 3; ++c) planes_.color[i][c] = (*clear.color)[c];
+      if (clear.alpha) planes_.alpha[i] = has_alpha() ? *clear.alpha : 255;
+      if (clear.depth) planes_.h[i] = 0;
+      if (clear.depth) planes_.z[i] = configured_code(config_, *scene_, 0, scene_->s_max);
     }
-    if (clear.depth) std::ranges::fill(dz_, 0);
-    stale_ = true;
+    if (clear.depth) std::ranges::fill(planes_.dz, 0);
+    planes_.stale = true;
   }
 
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* /*trace*/) override {
@@ -512,33 +509,55 @@ class IdealEngine final : public Engine {
       }
       ++index;
     }
-    stale_ = true;
+    planes_.stale = true;
   }
 
   // The planes of 8-bit colour and of depth codes are rounded here, and nowhere else.
   const Frame& frame() const override {
-    if (!stale_) return frame_;
-    frame_.color.resize(4 * color_.size());
-    frame_.depth.resize(z_.size());
+    if (!planes_.stale) return planes_.frame;
+    planes_.frame.color.resize(4 * planes_.color.size());
+    planes_.frame.depth.resize(planes_.z.size());
     const auto z_max = static_cast<double>(h_max(config_));
-    for (std::size_t i = 0; i < color_.size(); ++i) {
-      for (std::size_t c = 0; c < 3; ++c) frame_.color[4 * i + c] = nearest_code(color_[i][c]);
-      frame_.color[4 * i + 3] = nearest_code(alpha_[i]);
-      const double code = dz_.empty() ? std::clamp(std::floor(z_[i] + 0.5), 0.0, z_max)
-                                      : rounded_word(config_, z_[i], dz_[i]);
-      frame_.depth[i] = static_cast<std::uint32_t>(code);
+    for (std::size_t i = 0; i < planes_.color.size(); ++i) {
+      for (std::size_t c = 0; c < 3; ++c) planes_.frame.color[4 * i + c] = nearest_code(planes_.color[i][c]);
+      planes_.frame.color[4 * i + 3] = nearest_code(planes_.alpha[i]);
+      const double code = planes_.dz.empty() ? std::clamp(std::floor(planes_.z[i] + 0.5), 0.0, z_max)
+                                             : rounded_word(config_, planes_.z[i], planes_.dz[i]);
+      planes_.frame.depth[i] = static_cast<std::uint32_t>(code);
     }
-    stale_ = false;
-    return frame_;
+    planes_.stale = false;
+    return planes_.frame;
   }
 
  private:
+  // Of a target. The frame's colour and depth codes are stale until they are asked for.
+  struct Planes {
+    std::vector<double> h, z;
+    std::vector<int> dz;  // beside z, float_dz alone
+    std::vector<std::array<double, 3>> color;
+    std::vector<double> alpha;  // 0..255
+    Frame frame;
+    bool stale = true;
+  };
+  void clear_target() {
+    const Scene& scene = *scene_;
+    const auto pixels = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height);
+    clear_frame(planes_.frame, scene.width, scene.height, scene.background, 0);
+    planes_.h.assign(pixels, 0);
+    planes_.z.assign(pixels, configured_code(config_, scene, 0, scene.s_max));
+    planes_.dz.assign(has_dz(config_.depth_code) ? pixels : 0, 0);
+    planes_.color.assign(
+        pixels, {double(scene.background[0]), double(scene.background[1]), double(scene.background[2])});
+    planes_.alpha.assign(pixels, 255);
+    planes_.stale = true;
+  }
+
   void draw_one(const IdealTriangle& t, std::int64_t index) {
     const auto [left, right] = std::minmax({t.v[0].x, t.v[1].x, t.v[2].x});
     const std::int64_t x_first = std::max<std::int64_t>(0, left >> t.subpixel_bits);
-    const std::int64_t x_last = std::min<std::int64_t>(frame_.width - 1, right >> t.subpixel_bits);
+    const std::int64_t x_last = std::min<std::int64_t>(planes_.frame.width - 1, right >> t.subpixel_bits);
     const std::int64_t y_first = std::max<std::int64_t>(0, t.v[0].y >> t.subpixel_bits);
-    const std::int64_t y_last = std::min<std::int64_t>(frame_.height - 1, t.v[2].y >> t.subpixel_bits);
+    const std::int64_t y_last = std::min<std::int64_t>(planes_.frame.height - 1, t.v[2].y >> t.subpixel_bits);
     if (x_first > x_last || y_first > y_last) return;
     // The areas are linear in the point, so one pixel to the right adds a constant, exactly.
     const Areas here = areas_at(t, centre_of(t, 0, 0));
@@ -565,7 +584,7 @@ class IdealEngine final : public Engine {
       ++counters_.masked;
       return;
     }
-    const auto i = static_cast<std::size_t>(y * frame_.width + x);
+    const auto i = static_cast<std::size_t>(y * planes_.frame.width + x);
     const IdealPoint point = point_at_centre(config_, *scene_, t, areas, x, y);
     const bool late = is_late(state_.depth_when);
     if (!late && !depth_passes(point, i, x, y)) return;
@@ -579,15 +598,15 @@ class IdealEngine final : public Engine {
     ++counters_.written;
     if (state_.depth_write) {
       // No distance is beyond s_max, the cleared buffer's, but h of one at s_max may round below 0.
-      h_[i] = std::max(point.h, 0.0);
-      z_[i] = code_of(point);
-      if (!dz_.empty()) dz_[i] = triangle_dz_;
+      planes_.h[i] = std::max(point.h, 0.0);
+      planes_.z[i] = code_of(point);
+      if (!planes_.dz.empty()) planes_.dz[i] = triangle_dz_;
     }
     if (!state_.color_write) return;
     blend(fragment, i);
-    frame_.u[i] = point.u;
-    frame_.v[i] = point.v;
-    frame_.triangle[i] = static_cast<std::int32_t>(index);
+    planes_.frame.u[i] = point.u;
+    planes_.frame.v[i] = point.v;
+    planes_.frame.triangle[i] = static_cast<std::int32_t>(index);
   }
 
   // The unquantised code with the bias, within the register.
@@ -596,21 +615,21 @@ class IdealEngine final : public Engine {
   }
   bool depth_passes(const IdealPoint& point, std::size_t i, std::int64_t x, std::int64_t y) {
     bool pass = false;
-    if (!dz_.empty()) {
+    if (!planes_.dz.empty()) {
       const double z = code_of(point);
-      const double tolerance = std::ldexp(1.0, std::max(triangle_dz_, dz_[i]));
-      const bool as_far = takes_tolerance(state_.depth_func) && std::abs(z - z_[i]) <= tolerance;
-      pass = passes(state_.depth_func, as_far ? -z_[i] : -z, -z_[i]);
+      const double tolerance = std::ldexp(1.0, std::max(triangle_dz_, planes_.dz[i]));
+      const bool as_far = takes_tolerance(state_.depth_func) && std::abs(z - planes_.z[i]) <= tolerance;
+      pass = passes(state_.depth_func, as_far ? -planes_.z[i] : -z, -planes_.z[i]);
     } else if (biased_) {
       const double sign = nearer_is_larger(config_.depth_code) ? 1 : -1;
-      pass = passes(state_.depth_func, sign * code_of(point), sign * z_[i]);
+      pass = passes(state_.depth_func, sign * code_of(point), sign * planes_.z[i]);
     } else {
-      pass = passes(state_.depth_func, std::max(point.h, 0.0), h_[i]);
+      pass = passes(state_.depth_func, std::max(point.h, 0.0), planes_.h[i]);
     }
     if (state_.stencil_test) {
       const StencilRecord tested =
-          golden::stencil(state_, back_, {.x = x, .y = y, .pass = pass ? 1 : 0}, frame_.stencil[i]);
-      frame_.stencil[i] = static_cast<std::uint8_t>(tested.value);
+          golden::stencil(state_, back_, {.x = x, .y = y, .pass = pass ? 1 : 0}, planes_.frame.stencil[i]);
+      planes_.frame.stencil[i] = static_cast<std::uint8_t>(tested.value);
       if (tested.pass == 0) ++counters_.stencil_failed;
       pass = pass && tested.pass == 1;
     }
@@ -622,11 +641,11 @@ class IdealEngine final : public Engine {
     const double a = std::min(fragment.alpha, 1.0);
     const std::array<int, 3> constant{state_.blend_red, state_.blend_green, state_.blend_blue};
     const auto code = [](double x) { return static_cast<unsigned>(nearest_code(x)); };
-    const double dst_a = alpha_[i] / 255;
+    const double dst_a = planes_.alpha[i] / 255;
     const double ka = state_.blend_alpha / 255.0;
     for (std::size_t c = 0; c < 3; ++c) {
       const double src = fragment.fogged[c];
-      double& dst = color_[i][c];
+      double& dst = planes_.color[i][c];
       if (state_.logic_op != LogicOp::none) {
         dst = golden::logic(state_.logic_op, code(src), code(dst));
         continue;
@@ -644,33 +663,29 @@ class IdealEngine final : public Engine {
       }
     }
     if (!has_alpha()) {
-      alpha_[i] = 255;
+      planes_.alpha[i] = 255;
       return;
     }
     if (state_.logic_op != LogicOp::none) {
-      alpha_[i] = golden::logic(state_.logic_op, code(255 * a), code(alpha_[i]));
+      planes_.alpha[i] = golden::logic(state_.logic_op, code(255 * a), code(planes_.alpha[i]));
       return;
     }
     const golden::BlendShares<double> shares{a, a, dst_a, dst_a, ka, ka};
-    alpha_[i] = std::clamp(
-        golden::combine(state_.blend_alpha_op, 255 * a, alpha_[i], shares.of(state_.blend_alpha_src, true),
-                        shares.of(state_.blend_alpha_dst, true)),
+    planes_.alpha[i] = std::clamp(
+        golden::combine(state_.blend_alpha_op, 255 * a, planes_.alpha[i],
+                        shares.of(state_.blend_alpha_src, true), shares.of(state_.blend_alpha_dst, true)),
         0.0, 255.0);
   }
 
   Config config_;
   const Scene* scene_ = nullptr;
   golden::SceneLevels levels_;
-  std::vector<double> h_, z_;
-  std::vector<int> dz_;  // beside z_, float_dz alone
   int triangle_dz_ = 0;  // of the triangle under way
-  std::vector<std::array<double, 3>> color_;
-  std::vector<double> alpha_;  // of the picture, 0..255
   DrawState state_;
   bool biased_ = false;  // depth.bias was not 0 once: the depth test is on codes
   bool back_ = false;    // the triangle is a back face
-  mutable Frame frame_;
-  mutable bool stale_ = true;
+  mutable Planes planes_;
+  Targets<Planes> targets_;
   Counters counters_;
 };
 

@@ -49,6 +49,7 @@ class Model final : public Engine, public RowEngine {
     run_.set(run_.config, change, next_index, trace);
   }
   void clear(const Clear& clear) override { run_.clear(clear); }
+  void target(int k) override { run_.target(k); }
   const Frame& frame() const override { return run_.frame; }
   const Counters& counters() const override { return run_.counters; }
   PlaneOfRows set_plane(const SetupRecord& setup) override {
@@ -83,6 +84,7 @@ class ObservedModel final : public ObservedEngine {
     run_.set(run_.config, change, next_index, trace);
   }
   void clear(const Clear& clear) override { run_.clear(clear); }
+  void target(int k) override { run_.target(k); }
   const Frame& frame() const override { return run_.frame; }
   const Counters& counters() const override { return run_.counters; }
   const Statistics& statistics() const override { return statistics_; }

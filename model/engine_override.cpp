@@ -42,6 +42,7 @@ class OverriddenModel final : public Engine, public RowEngine {
     run_.set(config_, change, next_index, trace);
   }
   void clear(const Clear& clear) override { run_.clear(clear); }
+  void target(int k) override { run_.target(k); }
 
   PlaneOfRows set_plane(const SetupRecord& setup) override {
     plane_rows_ = model::plane_rows(run_.pipeline, setup, walk_);

@@ -392,6 +392,13 @@ Frame cleared_frame(const Pipeline& pipeline, const Scene& scene) {
   return frame;
 }
 
+void select_target(const Pipeline& pipeline, const Scene& scene, Targets<Frame>& targets, int k,
+                   Frame& frame) {
+  const bool winners = !frame.u.empty();
+  if (!targets.select(k, frame)) clear_frame(pipeline, scene, winners, frame);
+  if (pipeline.stencil.test) need_stencil(frame);
+}
+
 const Texture* texture_of(const Scene& scene, int texture) {
   return texture < 0 ? nullptr : &scene.textures[static_cast<std::size_t>(texture)];
 }

@@ -277,6 +277,10 @@ std::vector<PlaneRowRecord> plane_rows(const Pipeline& pipeline, const SetupReco
 // planes u, v and triangle; else they are empty.
 void clear_frame(const Pipeline& pipeline, const Scene& scene, bool winners, Frame& frame);
 Frame cleared_frame(const Pipeline& pipeline, const Scene& scene);
+// Takes target k in the frame's place, cleared where it has not been drawn on, and with a stencil plane where
+// that is tested. Throws InputError where k is not below target_limit.
+void select_target(const Pipeline& pipeline, const Scene& scene, Targets<Frame>& targets, int k,
+                   Frame& frame);
 // The texture by its index, null for none.
 const Texture* texture_of(const Scene& scene, int texture);
 

@@ -11,6 +11,7 @@ void SceneRun::begin(const Scene& s, bool winners) {
   counters = {};
   constants_delivered = false;
   set_state(pipeline, s, pipeline.first);
+  targets = {};
   clear_frame(pipeline, s, winners, frame);
 }
 
@@ -29,6 +30,11 @@ void SceneRun::set(const Config& config, const StateChange& change, std::int64_t
   deliver_constants(trace);
   const DrawState next = changed_state(pipeline.state, change, config, scene->textures.size());
   change_state(pipeline, *scene, frame, next, next_index, trace);
+}
+
+void SceneRun::target(int k) {
+  need_begun("target");
+  select_target(pipeline, *scene, targets, k, frame);
 }
 
 }  // namespace bitspan::model

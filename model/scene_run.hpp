@@ -14,6 +14,7 @@ struct SceneRun {
   const Scene* scene = nullptr;
   Pipeline pipeline;
   Frame frame;
+  Targets<Frame> targets;
   Counters counters;
   bool constants_delivered = false;  // once per scene
 
@@ -26,6 +27,7 @@ struct SceneRun {
   // As Engine's.
   void set(const Config& config, const StateChange& change, std::int64_t next_index, Trace* trace);
   void clear(const Clear& clear) { clear_planes(pipeline, frame, clear); }
+  void target(int k);
 };
 
 }  // namespace bitspan::model

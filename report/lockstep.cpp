@@ -110,8 +110,17 @@ LockStepResult run_lock_step(std::span<const std::unique_ptr<Engine>> engines, c
       options.progress(done, scene.triangles.size());
     }
   } while (done < scene.triangles.size() && !result.stopped);
+  std::vector<int> targets = targets_of(scene.commands);
+  const int shown = target_at(scene.commands, scene.triangles.size());
+  std::erase(targets, shown);
+  targets.push_back(shown);  // last, so that it is what the engines show
+  for (const int k : targets) {
+    for (const auto& engine : engines) engine->target(k);
+    for (std::size_t e = 1; e < engines.size(); ++e) {
+      compare_frames(engines[0]->frame(), engines[e]->frame(), result.pairs[e - 1]);
+    }
+  }
   for (std::size_t e = 1; e < engines.size(); ++e) {
-    compare_frames(engines[0]->frame(), engines[e]->frame(), result.pairs[e - 1]);
     compare_counters(engines[0]->counters(), engines[e]->counters(), result.pairs[e - 1]);
     result.stopped =
         result.stopped || (result.pairs[e - 1].first.has_value() && done < scene.triangles.size());

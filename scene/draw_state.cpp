@@ -98,7 +98,27 @@ std::vector<DrawState> states_of(const Config& config, std::span<const DrawComma
   std::vector<DrawState> out;
   DrawState state = first_state(config);
   for (const DrawCommand& command : commands) {
-    if (!command.clear) out.push_back(state = changed_state(state, command.state, config));
+    if (command.changes_state()) out.push_back(state = changed_state(state, command.state, config));
+  }
+  return out;
+}
+
+std::vector<int> targets_of(std::span<const DrawCommand> commands) {
+  std::vector<int> out{0};
+  for (const DrawCommand& command : commands) {
+    if (command.target) out.push_back(*command.target);
+  }
+  std::ranges::sort(out);
+  const auto rest = std::ranges::unique(out);
+  out.erase(rest.begin(), rest.end());
+  return out;
+}
+
+int target_at(std::span<const DrawCommand> commands, std::size_t index) {
+  int out = 0;
+  for (const DrawCommand& command : commands) {
+    if (command.before > index) break;
+    out = command.target.value_or(out);
   }
   return out;
 }
@@ -106,7 +126,7 @@ std::vector<DrawState> states_of(const Config& config, std::span<const DrawComma
 void check_commands(const Config& config, const Scene& scene) {
   DrawState state = first_state(config);
   for (const DrawCommand& command : scene.commands) {
-    if (!command.clear) state = changed_state(state, command.state, config, scene.textures.size());
+    if (command.changes_state()) state = changed_state(state, command.state, config, scene.textures.size());
   }
 }
 

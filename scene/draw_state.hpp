@@ -207,14 +207,24 @@ struct Clear {
   bool operator==(const Clear&) const = default;
 };
 
-// What stands between triangles of a stream: a change of state, or a clear.
+// A stream draws on one of this many targets at a time: pictures of the scene's size, each with its depth
+// buffer and stencil plane, and cleared as at the beginning of the scene.
+inline constexpr int target_limit = 8;
+
+// What stands between triangles of a stream: a change of state, a clear, or another target.
 struct DrawCommand {
   std::size_t before = 0;  // index of the triangle that follows; their number where none does
-  StateChange state;
-  std::optional<Clear> clear;  // in place of `state`
+  StateChange state{};
+  std::optional<Clear> clear{};  // in place of `state`
+  std::optional<int> target{};   // in place of both: what is drawn on from here on; 0 at first
+  bool changes_state() const { return !clear && !target; }
   bool operator==(const DrawCommand&) const = default;
 };
 // The states that the changes among the commands make, one after another; the first state is not among them.
 std::vector<DrawState> states_of(const Config& config, std::span<const DrawCommand> commands);
+// The targets that a scene with these commands draws on or shows, ascending, 0 among them.
+std::vector<int> targets_of(std::span<const DrawCommand> commands);
+// The target of triangle `index`; that of the number of triangles is what the scene shows.
+int target_at(std::span<const DrawCommand> commands, std::size_t index);
 
 }  // namespace bitspan

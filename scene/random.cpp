@@ -258,7 +258,12 @@ Scene random_scene(std::uint64_t seed, const RandomOptions& options) {
   }
   // Last, so that a scene's triangles do not depend on them.
   DrawState state = first_state({});
+  Random targets(~seed);  // its own, so that nothing else of a scene depends on its targets
+  const double target_probability = options.several_targets ? options.command_probability / 4 : 0;
   for (std::size_t i = 0; options.command_probability > 0 && i < scene.triangles.size(); ++i) {
+    if (targets.chance(target_probability)) {
+      scene.commands.push_back({.before = i, .target = static_cast<int>(targets.integer(0, 2))});
+    }
     if (!random.chance(options.command_probability)) continue;
     scene.commands.push_back(random_command(random, scene, state, options));
     scene.commands.back().before = i;

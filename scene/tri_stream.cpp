@@ -534,7 +534,8 @@ StateSetting read_setting(const std::string& key, const Json& value, const Place
 }
 
 bool is_command(const Json& line) {
-  return line.is_object() && (line.contains("state") || line.contains("clear") || line.contains("frame"));
+  return line.is_object() && (line.contains("state") || line.contains("clear") || line.contains("target") ||
+                              line.contains("frame"));
 }
 
 bool truth(const Json& value, const Place& place, const char* key) {
@@ -545,6 +546,11 @@ bool truth(const Json& value, const Place& place, const char* key) {
 
 DrawCommand read_command(const Json& line, int color_max, const Place& place) {
   DrawCommand command;
+  if (const auto found = line.find("target"); found != line.end()) {
+    check_keys(line, {"target"}, place, "");
+    command.target = integer(*found, 0, target_limit - 1, place, "target");
+    return command;
+  }
   if (const auto found = line.find("clear"); found != line.end()) {
     check_keys(line, {"clear"}, place, "");
     if (!found->is_object()) {
@@ -780,6 +786,10 @@ void write_stream(const Scene& scene, std::span<const std::string> names, const 
 
 std::string command_text(const DrawCommand& command) {
   Json line;
+  if (command.target) {
+    line["target"] = *command.target;
+    return line.dump();
+  }
   if (command.clear) {
     Json& clear = line["clear"] = Json::object();
     if (command.clear->color) clear["color"] = fractions(*command.clear->color);
@@ -807,7 +817,7 @@ std::string command_text(const DrawCommand& command) {
 DrawCommand parse_command(std::string_view json, const std::string& origin) {
   const Place place{origin, 1};
   const Json line = parse_line(std::string(json), place);
-  if (!is_command(line)) place.fail(shown(line) + " is no command; expected state or clear");
+  if (!is_command(line)) place.fail(shown(line) + " is no command; expected state, clear or target");
   return read_command(line, 1, place);
 }
 
@@ -861,7 +871,7 @@ struct TriReader::State {
     }
     DrawCommand command = read_command(json, color_max, place);
     command.before = triangles;
-    if (!command.clear) {
+    if (command.changes_state()) {
       for (StateSetting& setting : command.state.settings) show_texture(setting);
       try {
         draw_state = changed_state(draw_state, command.state, {}, scene.textures.size());

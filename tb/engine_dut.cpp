@@ -102,6 +102,7 @@ class DutEngine final : public Engine {
     run_.set(config_, change, next_index, trace);
   }
   void clear(const Clear& clear) override { run_.clear(clear); }
+  void target(int k) override { run_.target(k); }
 
   const Frame& frame() const override { return run_.frame; }
   const Counters& counters() const override { return run_.counters; }

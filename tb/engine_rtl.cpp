@@ -64,6 +64,7 @@ class RtlEngine final : public Engine {
     take_state();
   }
   void clear(const Clear& clear) override { run_.clear(clear); }
+  void target(int k) override { run_.target(k); }
 
   const Frame& frame() const override { return run_.frame; }
   const Counters& counters() const override { return run_.counters; }

@@ -306,9 +306,10 @@ BS_API bs_status bs_triangle(bs_model* model, const bs_vertex v[3], int32_t text
 BS_API bs_status bs_draw(bs_model* model, const bs_vertex* vertices, const int32_t* textures, size_t count,
                          uint64_t frame, uint64_t draw);
 
-/* Changes the draw state, or clears planes, for what is drawn from then on: the line of a triangle stream,
- * such as {"state": {"depth.func": "lequal"}} or {"clear": {"depth": true}}. docs/formats.md, "Draw state",
- * has the registers. After bs_begin each holds what the configuration says. */
+/* Changes the draw state, clears planes, or takes another target, for what is drawn from then on: the line
+ * of a triangle stream, such as {"state": {"depth.func": "lequal"}}, {"clear": {"depth": true}} or
+ * {"target": 1}. docs/formats.md, "Draw state", has the registers. After bs_begin each holds what the
+ * configuration says, and target 0 is drawn on; bs_frame_view shows the target drawn on. */
 BS_API bs_status bs_command(bs_model* model, const char* json);
 /* Draws `count` triangles of a scene from `first` on as bs_draw does, with the commands in front of them, and
  * those behind the last one where it is among them. The scene is the one that bs_begin was given. */

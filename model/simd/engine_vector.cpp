@@ -423,6 +423,7 @@ class VectorModel {
     run_.set(config_, change, next_index, trace);
   }
   void clear(const Clear& clear) { run_.clear(clear); }
+  void target(int k) { run_.target(k); }
 
   PlaneOfRows set_plane(const SetupRecord& setup) {
     plane_rows_ = plane_rows(run_.pipeline, setup, buffers_.walk);
@@ -473,6 +474,7 @@ class VectorEngine final : public Engine, public RowEngine {
     model_.set(change, next_index, trace);
   }
   void clear(const Clear& clear) override { model_.clear(clear); }
+  void target(int k) override { model_.target(k); }
   const Frame& frame() const override { return model_.frame(); }
   const Counters& counters() const override { return model_.counters(); }
   PlaneOfRows set_plane(const SetupRecord& setup) override { return model_.set_plane(setup); }
@@ -499,6 +501,7 @@ class ObservedVectorEngine final : public ObservedEngine {
     model_.set(change, next_index, trace);
   }
   void clear(const Clear& clear) override { model_.clear(clear); }
+  void target(int k) override { model_.target(k); }
   const Frame& frame() const override { return model_.frame(); }
   const Counters& counters() const override { return model_.counters(); }
   const Statistics& statistics() const override { return statistics_; }

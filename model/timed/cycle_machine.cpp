@@ -41,6 +41,10 @@ class CycleMachine final : public ClockedMachine {
     depth_.traffic().cleared(clear);
     merge_.traffic().cleared(clear);
   }
+  void target_changed() override {
+    depth_.traffic().target_changed();
+    merge_.traffic().target_changed();
+  }
   bool rests() const override { return memory_.idle(); }
   // The FIFO in front of a stage stays there, whichever stage is in front of it.
   void state_changed() override {

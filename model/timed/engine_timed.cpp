@@ -28,6 +28,7 @@ class MachineEngine final : public TimedEngine {
     machine().set(change, next_index, trace);
   }
   void clear(const Clear& clear) override { machine().clear(clear); }
+  void target(int k) override { machine().target(k); }
   const Frame& frame() const override { return machine().run().frame; }
   const Counters& counters() const override { return machine().run().counters; }
   TimedReport report() const override { return machine().report(); }

@@ -74,6 +74,12 @@ void Machine::clear(const Clear& clear) {
   cleared(clear);
 }
 
+void Machine::target(int k) {
+  if (k == targets_.current()) return;
+  model::select_target(run_.pipeline, run_.scene, targets_, k, run_.frame);
+  target_changed();
+}
+
 TimedReport Machine::report() const {
   TimedReport report;
   report.cycles = cycles();

@@ -26,6 +26,7 @@ class Machine {
   // As Engine's: a change waits until the pipeline is empty, which it is between two draws.
   void set(const StateChange& change, std::int64_t next_index, Trace* trace);
   void clear(const Clear& clear);
+  void target(int k);
   TimedReport report() const;
   virtual const std::vector<HandshakeClock>& handshake() const { return no_handshake_; }
   virtual void close_vcd() {}
@@ -39,6 +40,8 @@ class Machine {
   virtual void state_changed() {}
   // Planes have been cleared; nothing is inside.
   virtual void cleared(const Clear& /*clear*/) {}
+  // Depth, stencil and colour are others from here on; nothing is inside.
+  virtual void target_changed() {}
   // The stages, the cache and the memory.
   virtual void fill(TimedReport& report) const = 0;
 
@@ -48,6 +51,7 @@ class Machine {
   [[noreturn]] void nothing_moved(std::uint64_t cycle, std::string states) const;
 
   Run run_;
+  Targets<Frame> targets_;
   std::function<void(std::uint64_t)> progress_;
   static constexpr std::uint64_t progress_clocks = 65536;
   std::uint64_t watchdog_clocks_;

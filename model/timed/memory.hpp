@@ -76,6 +76,8 @@ class WordRegister {
     next_word_ = next_word;
     return true;
   }
+  // The next access goes to the memory.
+  void forget() { next_word_ = 0; }
 
  private:
   int word_shift_;

@@ -96,6 +96,7 @@ class SpanMachine final : public Machine {
 
   void state_changed() override;
   void cleared(const Clear& clear) override { workload_.cleared(clear); }
+  void target_changed() override { workload_.target_changed(); }
   void clock_until_drained(std::span<const Triangle> triangles, std::int64_t first_index) override;
   std::uint64_t cycles() const override { return cycles_; }
   void fill(TimedReport& report) const override;

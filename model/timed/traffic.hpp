@@ -51,6 +51,11 @@ class DepthTraffic {
   void cleared(const Clear& clear) {
     if (cache_ && clear.depth) cache_->flush();
   }
+  // Its planes are elsewhere in memory from here on.
+  void target_changed() {
+    if (cache_) cache_->flush();
+    for (WordRegister* word : {&depth_, &stencil_read_, &stencil_write_}) word->forget();
+  }
   const std::optional<Cache>& cache() const { return cache_; }
 
  private:
@@ -172,6 +177,11 @@ class MergeTraffic {
   }
   void cleared(const Clear& clear) {
     if (cache_ && (clear.color || clear.alpha)) cache_->flush();
+  }
+  // As DepthTraffic's.
+  void target_changed() {
+    if (cache_) cache_->flush();
+    for (WordRegister* word : {&color_read_, &color_write_, &depth_write_}) word->forget();
   }
   const std::optional<Cache>& cache() const { return cache_; }
 

@@ -98,6 +98,10 @@ class Workload {
     depth_traffic_.cleared(clear);
     merge_traffic_.cleared(clear);
   }
+  void target_changed() {
+    depth_traffic_.target_changed();
+    merge_traffic_.target_changed();
+  }
 
  private:
   class Batch;

@@ -108,6 +108,10 @@ class Model:
                   "stencil": stencil}
         self._command({"clear": {name: value for name, value in planes.items() if value is not None}})
 
+    def target(self, k: int) -> None:
+        """Draws on target k from now on, 0 to 7: a picture of its own, with its depth buffer. plane() gives that of the target drawn on."""
+        self._command({"target": k})
+
     def _command(self, command: dict[str, Any]) -> None:
         try:
             self._core.command(json.dumps(command))

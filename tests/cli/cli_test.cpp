@@ -505,6 +505,44 @@ TEST_F(Cli, DynamicAndProceduralTexturesAreDrawnAndStored) {
   EXPECT_EQ(folder.read("two.png"), folder.read("stored.png"));
 }
 
+// Two triangles, each on a target of its own.
+TEST_F(Cli, AnyTargetOfAStreamIsShown) {
+  const std::string header =
+      R"({"bitspan": 2, "width": 32, "height": 24, "s_min": 2, "s_max": 50, "focal": 20, "background": [9, 9, 9]})";
+  const auto triangle = [](const std::string& color) {
+    return "{\"v\": [[2, 2, 4, 0, 0], [30, 2, 4, 0, 0], [2, 20, 9, 0, 0]], \"c\": [" + color + ", " + color +
+           ", " + color + "]}\n";
+  };
+  const std::string red = triangle("[255, 0, 0, 255]"), blue = triangle("[0, 0, 255, 255]");
+  folder.write("red.tri", header + "\n" + red);
+  folder.write("blue.tri", header + "\n" + blue);
+  folder.write("two.tri", header + "\n" + red + "{\"target\": 4}\n" + blue);
+  for (const char* name : {"red", "blue"}) {
+    ASSERT_EQ(run(std::string("render ") + name + ".tri -o " + name + ".png").code, 0);
+  }
+  for (const char* engine : {"golden", "model", "systemc", "ideal"}) {
+    const std::string render = std::string("render two.tri --engine ") + engine;
+    ASSERT_EQ(run(render + " -o last.png").code, 0) << engine;
+    ASSERT_EQ(run(render + " -o four.png --show-target 4").code, 0) << engine;
+    ASSERT_EQ(run(render + " -o zero.png --show-target 0").code, 0) << engine;
+    EXPECT_EQ(folder.read("last.png"), folder.read("four.png")) << engine;
+    EXPECT_EQ(folder.read("zero.png"), folder.read("red.png")) << engine;
+    EXPECT_EQ(folder.read("four.png"), folder.read("blue.png")) << engine;
+  }
+  const Result held = run("verify two.tri --show-target 0");
+  EXPECT_EQ(held.code, 0) << held.err;
+  EXPECT_NE(run("explain two.tri 5 5 --show-target 0").out.find("triangle 0, target 0"), std::string::npos);
+  EXPECT_NE(run("explain two.tri 5 5 --show-target 0").out.find("picture at (5, 5), target 0"),
+            std::string::npos);
+  EXPECT_NE(run("explain two.tri 5 5").out.find("triangle 1, target 4"), std::string::npos);
+  refused("render two.tri -o a.png --show-target 1",
+          "--show-target 1: the stream does not draw on it; expected one of 0, 4");
+  refused("render red.tri -o a.png --show-target 1",
+          "--show-target 1: the stream does not draw on it; expected 0");
+  refused("render demo -o a.png --show-target 0", "demo: --show-target is for streams");
+  refused("verify --suite 'fill.*' --show-target 0", "leave out --show-target");
+}
+
 TEST_F(Cli, FramesAndSamplesThatAreNoneAreRefused) {
   stream("a.tri");
   const std::string sea = std::string("'") + BITSPAN_SOURCE_DIR + "/tests/data/sea.tri'";
@@ -681,6 +719,7 @@ TEST_F(Cli, TheChainKeepsItsClocksInEveryDrawStateThatItHas) {
                     {6, {false, {set("color.write", 0), set("depth.write", 1)}}, {}},
                     {9, {true, {set("stipple", 0x5aa55aa5), set("scissor.left", 9)}}, {}},
                     {12, {}, Clear{{{1, 2, 3}}, {}, true, {}}},
+                    {13, {}, {}, 1},
                     {14, {false, {set("depth.func", static_cast<int>(DepthFunc::always))}}, {}},
                     {20, {}, Clear{{}, {}, true, {}}}};
   write_tri_file(folder.path("states.tri"), scene);

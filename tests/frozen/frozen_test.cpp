@@ -78,7 +78,7 @@ void check_variants(const std::string& file_name, const std::vector<Config>& var
   check_all(file_name, variants, {demo_scene(96, 72), small_extreme_scene(), spot_scene(96, 72)}, what);
 }
 
-// Random changes of draw state, in early tests, on the first target, by one texture unit.
+// Random changes of draw state, in early tests, on one target of the first format, by one texture unit.
 RandomOptions random_states(double command_probability) {
   RandomOptions options;
   options.width = 96;
@@ -87,6 +87,7 @@ RandomOptions random_states(double command_probability) {
   options.late_tests = false;
   options.second_texture = false;
   options.targets = false;
+  options.several_targets = false;
   return options;
 }
 

@@ -636,6 +636,37 @@ class Rows(unittest.TestCase):
         with self.assertRaisesRegex(bitspan.InputError, "expected model"):
             bitspan.Model(engine="golden").override("span", coarse)
 
+    def test_states_clears_and_targets(self):
+        scene = bitspan.Scene("demo", 80, 60)
+        model = bitspan.Model()
+        model.begin(scene)
+        empty = model.plane("color").copy()
+        model.draw(scene)
+        drawn = model.plane("color").copy()
+        self.assertFalse(np.array_equal(drawn, empty))
+        model.target(3)
+        self.assertTrue(np.array_equal(model.plane("color"), empty))
+        model.state({"color.write": False})
+        model.draw(scene)
+        self.assertTrue(np.array_equal(model.plane("color"), empty))
+        depth = model.plane("depth").copy()
+        model.clear(color=(1, 2, 3), depth=True)
+        self.assertEqual(model.plane("color")[0, 0].tolist(), [1, 2, 3, 255])
+        model.target(0)
+        self.assertTrue(np.array_equal(model.plane("color"), drawn))
+        self.assertTrue(np.array_equal(model.plane("depth"), depth))
+        model.target(3)
+        self.assertFalse(model.plane("depth").any())
+        model.state(reset=True)
+        model.draw(scene)
+        self.assertTrue(np.array_equal(model.plane("depth"), depth))
+        with self.assertRaisesRegex(bitspan.InputError, "target: 8 is not legal; expected a whole number 0..7"):
+            model.target(8)
+        column = model.plane("u")
+        with self.assertRaisesRegex(bitspan.StateError, "1 arrays show the model's memory"):
+            model.target(0)
+        del column
+
     def test_records_are_forgotten_and_numbers_are_told(self):
         scene = bitspan.Scene("demo", 80, 60)
         model = bitspan.Model()

@@ -2,6 +2,7 @@
 // Draw state in all engines: random streams with changes of state, and what each register does.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <memory>
 #include <string>
@@ -15,8 +16,10 @@
 #include "report/lockstep.hpp"
 #include "scene/random.hpp"
 #include "scene/tri_stream.hpp"
+#include "tests/support/input_error.hpp"
 #include "tests/support/same_frame.hpp"
 #include "tests/support/test_config.hpp"
+#include "tests/support/wrapped_engine.hpp"
 
 namespace bitspan {
 namespace {
@@ -110,7 +113,7 @@ TEST(States, EnginesAgreeOnTheSecondTexture) {
         if (scene.textures.empty()) continue;
         for (DrawCommand& command : scene.commands) {
           const auto at = static_cast<std::int64_t>(command.before);
-          if (command.clear) continue;
+          if (!command.changes_state()) continue;
           std::erase_if(command.state.settings, [](const StateSetting& s) {
             return state_registers()[s.index].key.starts_with("texture1");
           });
@@ -156,7 +159,7 @@ TEST(States, EarlyAndLateDrawTheSamePicture) {
     early->begin(scene);
     draw_scene(*early, scene, 0, scene.triangles.size(), nullptr);
     for (DrawCommand& command : scene.commands) {
-      if (!command.clear) {
+      if (command.changes_state()) {
         command.state.settings.push_back(setting("depth.when", static_cast<std::int64_t>(DepthWhen::late)));
       }
     }
@@ -170,6 +173,103 @@ TEST(States, EarlyAndLateDrawTheSamePicture) {
     expect_same_frame(early->frame(), late->frame());
     EXPECT_EQ(early->counters().written, late->counters().written);
   }
+}
+
+// Triangles, clears and states of a stream without the target lines, those of one target alone: what draws on
+// a target is drawn as in a stream of its own, whatever is drawn on others between.
+TEST(Targets, EachIsDrawnAsAlone) {
+  std::uint64_t others = 0;
+  for (const char* name : {"depth16", "depth20", "narrow"}) {
+    const Config config = shipped_config(name);
+    Engines engines = engines_of(config);
+    engines.push_back(make_ideal(config));
+    for (std::uint64_t seed = 700; seed < 706; ++seed) {
+      Scene scene = stream(seed, true);
+      std::erase_if(scene.commands, [](const DrawCommand& command) { return command.target.has_value(); });
+      std::vector<DrawCommand> commands;
+      std::array<Scene, 3> alone{scene, scene, scene};
+      for (Scene& s : alone) {
+        s.triangles.clear();
+        s.commands.clear();
+      }
+      // Triangle i goes to target i / 2 mod 3, whose number is another one.
+      constexpr std::array<int, 3> numbers{0, 5, 7};
+      auto command = scene.commands.begin();
+      for (std::size_t i = 0; i <= scene.triangles.size(); ++i) {
+        const std::size_t t = i / 2 % 3;
+        if (i % 2 == 0) commands.push_back({.before = i, .target = numbers.at(t)});
+        for (; command != scene.commands.end() && command->before == i; ++command) {
+          commands.push_back(*command);
+          for (std::size_t k = 0; k < 3; ++k) {
+            if (k != t && command->clear) continue;  // a change of state is for all
+            alone.at(k).commands.push_back(*command);
+            alone.at(k).commands.back().before = alone.at(k).triangles.size();
+          }
+        }
+        if (i < scene.triangles.size()) alone.at(t).triangles.push_back(scene.triangles[i]);
+      }
+      scene.commands = commands;
+      for (const auto& engine : engines) {
+        SCOPED_TRACE(std::string(name) + ", seed " + std::to_string(seed) + ", " +
+                     std::string(engine->name()));
+        std::vector<Frame> expected;
+        for (const Scene& s : alone) {
+          engine->begin(s);
+          draw_scene(*engine, s, 0, s.triangles.size(), nullptr);
+          expected.push_back(engine->frame());
+        }
+        engine->begin(scene);
+        draw_scene(*engine, scene, 0, scene.triangles.size(), nullptr);
+        for (std::size_t k = 0; k < 3; ++k) {
+          engine->target(numbers.at(k));
+          Frame shown = engine->frame();
+          // Indices count all triangles of a stream.
+          std::ranges::fill(shown.triangle, 0);
+          std::ranges::fill(expected.at(k).triangle, 0);
+          shown.stencil.resize(expected.at(k).stencil.size());
+          expect_same_frame(shown, expected.at(k));
+        }
+        engine->target(3);  // not drawn on
+        others += static_cast<std::uint64_t>(std::ranges::count(engine->frame().triangle, -1));
+        EXPECT_EQ(error_of([&] { engine->target(8); }), "target: 8 does not exist; expected 0..7");
+        EXPECT_EQ(error_of([&] { engine->target(-1); }), "target: -1 does not exist; expected 0..7");
+        engine->begin(scene);  // target 0 again, and nothing is kept
+        others += static_cast<std::uint64_t>(std::ranges::count(engine->frame().triangle, -1));
+        engine->target(5);
+        others += static_cast<std::uint64_t>(std::ranges::count(engine->frame().triangle, -1));
+      }
+    }
+  }
+  EXPECT_EQ(others, 3U * 6 * 7 * 3 * 61 * 47);
+}
+
+// Clears the stencil plane to another value than it is told.
+class OtherClear final : public WrappedEngine {
+ public:
+  using WrappedEngine::WrappedEngine;
+  void clear(const Clear& c) override {
+    Clear other = c;
+    if (other.stencil) *other.stencil ^= 1;
+    WrappedEngine::clear(other);
+  }
+};
+
+// A target that is not shown is compared, too.
+TEST(Targets, ADifferenceInOneThatIsNotShownIsSeen) {
+  const Config config = shipped_config("depth16");
+  Scene scene = stream(3, false);
+  scene.commands = {{.before = 0, .target = 1},
+                    {0, {true, {setting("depth.when", 1), setting("stencil.test", 1)}}, {}, {}},
+                    {10, {}, Clear{{}, {}, false, 7}, {}},
+                    {.before = 10, .target = 0}};
+  Engines engines;
+  engines.push_back(make_golden(config, true));
+  engines.push_back(make_model(config));
+  EXPECT_TRUE(run_lock_step(engines, scene, {}).pairs.at(0).held());
+  EXPECT_EQ(engines[0]->frame().stencil, engines[1]->frame().stencil);
+  EXPECT_EQ(engines[0]->frame().stencil.at(0), 0);
+  engines[1] = std::make_unique<OtherClear>(std::move(engines[1]));
+  EXPECT_FALSE(run_lock_step(engines, scene, {}).pairs.at(0).held());
 }
 
 // A state register that does nothing in a scene leaves every record as it is; bias and scissor by hand.

@@ -116,6 +116,33 @@ TEST(DrawState, WhatIsRefused) {
             std::string::npos);
 }
 
+TEST(DrawState, TargetsOfAStream) {
+  const std::string lines =
+      "\n{\"target\": 7}" + triangle + "\n{\"target\": 2}" + triangle + triangle + "\n{\"target\": 7}";
+  const Scene scene = parsed(lines);
+  ASSERT_EQ(scene.commands.size(), 3U);
+  EXPECT_EQ(scene.commands[0].target, 7);
+  EXPECT_FALSE(scene.commands[0].changes_state());
+  EXPECT_EQ(targets_of(scene.commands), (std::vector<int>{0, 2, 7}));
+  EXPECT_EQ(target_at(scene.commands, 0), 7);
+  EXPECT_EQ(target_at(scene.commands, 1), 2);
+  EXPECT_EQ(target_at(scene.commands, 2), 2);
+  EXPECT_EQ(target_at(scene.commands, 3), 7);
+  EXPECT_EQ(targets_of({}), std::vector<int>{0});
+  EXPECT_TRUE(states_of({}, scene.commands).empty());
+  std::ostringstream out;
+  write_tri(out, scene);
+  EXPECT_TRUE(parse_tri(out.str(), "back.tri").commands == scene.commands);
+  for (const char* value : {"8", "-1", "1.5", "\"a\"", "null"}) {
+    EXPECT_NE(
+        refused(R"({"target": )" + std::string(value) + "}")
+            .find("s.tri:2: target: " + std::string(value) + " is not legal; expected a whole number 0..7"),
+        std::string::npos)
+        << refused(R"({"target": )" + std::string(value) + "}");
+  }
+  EXPECT_NE(refused(R"({"target": 1, "state": {}})").find("unknown key"), std::string::npos);
+}
+
 // A texture beyond the scene's is refused by reader and table.
 TEST(DrawState, TheSecondTextureIsOneOfTheScene) {
   EXPECT_EQ(refused(R"({"state": {"texture1": 0}})"),

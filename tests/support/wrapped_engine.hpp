@@ -21,6 +21,7 @@ class WrappedEngine : public Engine {
     inner_->set(change, next_index, trace);
   }
   void clear(const Clear& clear) override { inner_->clear(clear); }
+  void target(int k) override { inner_->target(k); }
   const Frame& frame() const override { return inner_->frame(); }
   const Counters& counters() const override { return inner_->counters(); }
 

@@ -283,6 +283,36 @@ TEST(Caches, MemoryTrafficByHand) {
   EXPECT_EQ(narrow.beats, 28U);
 }
 
+// A change of target writes a cache back and empties it; one to the target that is drawn on does nothing.
+TEST(Caches, AChangeOfTargetFlushes) {
+  Config config = shipped_config("depth16");
+  config.memory.depth_cache = config.memory.color_cache = {
+      .mode = BufferCacheMode::write_back, .line_bytes = 256, .sets = 64, .ways = 4};
+  const auto flushes = [&](const std::vector<int>& targets, TimedMode mode) {
+    Scene scene = random_scene(6, {.width = 40, .height = 30, .triangles = 12, .size_min = 20});
+    for (std::size_t i = 0; i < targets.size(); ++i)
+      scene.commands.push_back({.before = 2 * i + 2, .target = targets[i]});
+    const CachedRun run = run_of(config, scene, mode);
+    std::array<std::size_t, 2> n{};
+    for (const CacheReport& cache : run.report.caches) {
+      if (cache.name == "texture") continue;
+      const std::vector<CacheAccess>& log = run.logs.at(std::string(cache.name));
+      n.at(cache.name == "depth" ? 0 : 1) =
+          static_cast<std::size_t>(std::ranges::count(log, CacheAccessKind::flush, &CacheAccess::kind));
+      EXPECT_EQ(cache.written_back, 0U);
+      if (targets.empty()) continue;
+      EXPECT_GT(cache.flushed, 1U);
+      EXPECT_EQ(cache.results[static_cast<std::size_t>(CacheResult::capacity)], 0U);
+    }
+    return n;
+  };
+  for (const TimedMode mode : {TimedMode::cycle, TimedMode::span}) {
+    EXPECT_EQ(flushes({}, mode), (std::array<std::size_t, 2>{0, 0}));
+    EXPECT_EQ(flushes({0, 0}, mode), (std::array<std::size_t, 2>{0, 0}));
+    EXPECT_EQ(flushes({1, 0, 2, 2, 1}, mode), (std::array<std::size_t, 2>{4, 4}));
+  }
+}
+
 // ---------------------------------------------------------------- docs/timing.md
 
 using Rows = std::vector<std::string>;

@@ -149,6 +149,7 @@ TEST(Ports, DrawState) {
                     {6, {false, {setting("color.write", 0), setting("depth.write", 1)}}, {}},
                     {9, {true, {setting("stipple", 0x5aa55aa5), setting("scissor.left", 9)}}, {}},
                     {12, {}, Clear{{}, {}, true, {}}},
+                    {13, {}, {}, 2},
                     {14, {false, {setting("depth.func", static_cast<int>(DepthFunc::always))}}, {}}};
   const Outcome bus = run(config, scene, {.mode = TimedMode::span});
   for (const PortTiming& ports : {PortTiming{}, {1, 40, 0.3, 5}}) {
