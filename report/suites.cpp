@@ -440,6 +440,14 @@ template <class E>
 std::int64_t number(E value) {
   return static_cast<std::int64_t>(value);
 }
+// Each triangle on the next of n targets.
+SuiteSetting on_targets(int n) {
+  return [=](Config&, Scene& scene) {
+    for (std::size_t i = 0; n > 1 && i < scene.triangles.size(); ++i) {
+      scene.commands.push_back({.before = i, .target = static_cast<int>(i) % n});
+    }
+  };
+}
 // A register whose values have names: each of them against another one, with further registers.
 template <class E>
 void add_values(std::vector<SuiteFeature>& out, const char* group, std::string_view key, RecordType stage,
@@ -543,6 +551,14 @@ void add_states(std::vector<SuiteFeature>& out) {
   add_values(out, "blend_dst", "blend.dst", RecordType::merge, BlendFactor::zero, BlendFactor::one, constant);
   add_values(out, "blend_op", "blend.op", RecordType::merge, BlendOp::add, BlendOp::max, constant);
   for (std::size_t i = first_blend; i < out.size(); ++i) out[i] = on_alpha(std::move(out[i]));
+  const std::size_t first_alpha = out.size();
+  add_values(out, "blend_alpha_src", "blend.alpha.src", RecordType::merge_alpha, BlendFactor::zero,
+             BlendFactor::one, constant);
+  add_values(out, "blend_alpha_dst", "blend.alpha.dst", RecordType::merge_alpha, BlendFactor::zero,
+             BlendFactor::one, constant);
+  add_values(out, "blend_alpha_op", "blend.alpha.op", RecordType::merge_alpha, BlendOp::add, BlendOp::max,
+             {{"blend.alpha.src", number(BlendFactor::one)}});
+  for (std::size_t i = first_alpha; i < out.size(); ++i) out[i] = on_alpha(std::move(out[i]));
   for (const LogicOp op : all_of<LogicOp>()) {
     if (op != LogicOp::none)
       add(fmt::format("logic.{}", to_string(op)), RecordType::merge, {{"logic.op", number(op)}});
@@ -560,6 +576,8 @@ void add_states(std::vector<SuiteFeature>& out) {
              texture));
     }
   }
+  out.push_back(
+      in({"targets.three", RecordType::depth, SuiteNeeds::effect, on_targets(3), on_targets(1)}, texture));
   for (const ChromaTest test : {ChromaTest::inside, ChromaTest::outside}) {
     add(fmt::format("chroma.{}", to_string(test)), RecordType::texture,
         {{"chroma.test", number(test)}, {"chroma.high.red", 160}, {"chroma.low.green", 50}});
