@@ -117,16 +117,26 @@ void set_state(Pipeline& pipeline, const Scene& scene, const DrawState& state) {
   set_blend(pipeline.merge, blend_of(state));
 }
 
+namespace {
+
+// What is drawn from here on may leave other alphas in the frame.
+void note_alpha(const Pipeline& pipeline, Frame& frame) {
+  if (pipeline.merge.changes_alpha) frame.full_alpha = false;
+}
+
+}  // namespace
+
 void change_state(Pipeline& pipeline, const Scene& scene, Frame& frame, const DrawState& state,
                   std::int64_t next_index, Trace* trace) {
   set_state(pipeline, scene, state);
   if (pipeline.stencil.test) need_stencil(frame);
-  if (pipeline.merge.changes_alpha) frame.full_alpha = false;
+  note_alpha(pipeline, frame);
   if (trace != nullptr) deliver(trace, state_record(state, next_index));
 }
 
 void clear_planes(const Pipeline& pipeline, Frame& frame, const Clear& clear) {
   bitspan::clear_planes(frame, held(pipeline.merge, clear), static_cast<std::uint32_t>(pipeline.depth.clear));
+  note_alpha(pipeline, frame);
 }
 
 bool is_drawn(const DrawState& s, std::int64_t x, std::int64_t y) {
@@ -397,6 +407,7 @@ void select_target(const Pipeline& pipeline, const Scene& scene, Targets<Frame>&
   const bool winners = !frame.u.empty();
   if (!targets.select(k, frame)) clear_frame(pipeline, scene, winners, frame);
   if (pipeline.stencil.test) need_stencil(frame);
+  note_alpha(pipeline, frame);
 }
 
 const Texture* texture_of(const Scene& scene, int texture) {

@@ -2,6 +2,7 @@
 #include "scene/draw_state.hpp"
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <type_traits>
 
@@ -104,14 +105,11 @@ std::vector<DrawState> states_of(const Config& config, std::span<const DrawComma
 }
 
 std::vector<int> targets_of(std::span<const DrawCommand> commands) {
-  std::vector<int> out{0};
+  std::set<int> out{0};
   for (const DrawCommand& command : commands) {
-    if (command.target) out.push_back(*command.target);
+    if (command.target) out.insert(*command.target);
   }
-  std::ranges::sort(out);
-  const auto rest = std::ranges::unique(out);
-  out.erase(rest.begin(), rest.end());
-  return out;
+  return {out.begin(), out.end()};
 }
 
 int target_at(std::span<const DrawCommand> commands, std::size_t index) {

@@ -134,6 +134,26 @@ RandomOptions scenes_of_states() {
   return o;
 }
 
+// The first state keeps an alpha that another one wrote: behind a clear of alpha to 255, and on a target that
+// was taken in that other state.
+TEST(Forms, AlphasOutliveTheStateThatWroteThem) {
+  const Config config = shipped_config("depth16");
+  RandomOptions options = small_scenes();
+  options.triangles = 30;
+  Scene scene = random_scene(8, options);
+  const StateSetting writes_alpha{*find_state_register("blend.alpha.dst"),
+                                  static_cast<std::int64_t>(BlendFactor::zero)};
+  Clear opaque;
+  opaque.alpha = 255;
+  const std::vector<DrawCommand> between{{.before = 5, .clear = opaque}, {.before = 5, .target = 2}};
+  for (const DrawCommand& command : between) {
+    scene.commands = {{.before = 0, .state = {false, {writes_alpha}}},
+                      command,
+                      {.before = 20, .state = {.reset = true, .settings = {}}}};
+    compare_forms(config, scene, command.target ? "target" : "clear");
+  }
+}
+
 // Every draw state that lanes take, and some that they do not, in one stream.
 TEST(Forms, RandomDrawStates) {
   const std::vector<Config> bases = shipped_configs();
