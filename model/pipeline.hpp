@@ -68,7 +68,7 @@ struct Pipeline {
   // alpha is 255, in a plain pipeline.
   bool draws_in_lanes(const Frame& frame) const { return acts_as_first && frame.full_alpha && is_plain(); }
   // Whether it draws in this state at all.
-  bool takes_lanes() const { return !const_depth_rows && !texture_second.is_on(); }
+  bool takes_lanes() const { return !const_depth_rows; }
 };
 
 // Gives the stages the registers of a draw state; scene: whose textures it names.

@@ -385,8 +385,9 @@ class VectorModel {
     run_.need_begun("draw");
     run_.deliver_constants(trace);
     const bool watched = trace != nullptr || statistics != nullptr;
+    const bool second = run_.pipeline.texture_second.is_on();
     if (!run_.pipeline.draws_in_lanes(run_.frame) &&
-        (watched || !plan_.holds_any || !run_.pipeline.takes_lanes())) {
+        (watched || !(second ? plan_.holds_second : plan_.holds_any) || !run_.pipeline.takes_lanes())) {
       if (statistics != nullptr) {
         draw_triangles(run_.pipeline, *run_.scene, triangles, first_index, buffers_, run_.frame,
                        run_.counters, trace, Observe{statistics});
@@ -396,6 +397,7 @@ class VectorModel {
       }
       return;
     }
+    if (second) prepare_second_texture(plan_);
     const auto draw_chunk = [&](std::size_t at, std::size_t n) {
       std::visit(
           [&](auto& drawing) {

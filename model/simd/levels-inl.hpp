@@ -43,8 +43,7 @@ struct GradientLod {
   int n_fraction = std::max(stage.g_grad.fraction, product_fraction);
   int g_up = n_fraction - stage.g_grad.fraction;
   int w_up = n_fraction - product_fraction;
-  std::int64_t last = 0;  // level of the chain
-  int excess = 1;         // bits of n m beyond 61, at least 1 and below 64
+  int excess = 1;  // bits of n m beyond 61, at least 1 and below 64
 
   // Bits of n, and of n m also on the grid of lod.slope; coordinate_bits: of the largest |u| or |v|.
   struct Bits {
@@ -79,9 +78,9 @@ struct GradientLod {
     return quantize(product, fraction, stage.slope, NoObserve{});
   }
 
-  // Level and f of fragments.
+  // Of fragments.
   template <class Int>
-  HWY_INLINE std::array<Lanes, 2> level(const GradientRecord& g, Lanes h, Lanes u, Lanes v) const {
+  HWY_INLINE Lanes lambda(const GradientRecord& g, Lanes h, Lanes u, Lanes v) const {
     const InverseOf<Lanes> inverse =
         reciprocal(unit, stage.reciprocal.table().data(), (h << h_up) + b, q_fraction, NoObserve{});
     Lanes rho(1);  // one ulp, where all are 0
@@ -96,8 +95,10 @@ struct GradientLod {
     const Lanes rest = rho - (Lanes(1) << top);
     const Lanes logarithm = ((top - Lanes(stage.slope.fraction)) << grid) + (rest << (Lanes(grid) - top));
     const Lanes bias(static_cast<std::int64_t>(stage.bias.raw << (grid - stage.bias.fraction)));
-    const Lanes lambda = quantize(logarithm + bias, grid, stage.lambda, NoObserve{});
-    // hold_level of lod.hpp.
+    return quantize(logarithm + bias, grid, stage.lambda, NoObserve{});
+  }
+  // Level and f in a chain whose last level this is: hold_level of lod.hpp.
+  HWY_INLINE std::array<Lanes, 2> level(Lanes lambda, std::int64_t last) const {
     const int point = stage.lambda.fraction;
     const Lanes held = min(max(lambda, Lanes(0)), Lanes(last << point));
     if (mixes_levels(stage.mip)) {
@@ -126,12 +127,17 @@ inline DistanceRecord distance_of(const Pipeline& pipeline, const FragmentRecord
   return out;
 }
 
-// width: of the frame; levels: of the block's texture.
+// width: of the frame; levels: of the block's texture and of the second unit's, 1 where there is none.
 template <class T>
-HWY_NOINLINE void find_levels(const Pipeline& pipeline, const FragmentBlock<T>& block, int levels,
-                              const TriangleGradients& gradients, int width, LevelColumns<T>& out) {
+HWY_NOINLINE void find_levels(const Pipeline& pipeline, const FragmentBlock<T>& block,
+                              const std::array<int, 2>& levels, const TriangleGradients& gradients, int width,
+                              std::array<LevelColumns<T>, 2>& out) {
   GradientLod lod{pipeline.lod};
-  lod.last = levels - 1;
+  const std::size_t units = pipeline.texture_second.is_on() ? 2 : 1;
+  if (units == 1) {
+    std::fill_n(out[1].level, block.size, 0);
+    std::fill_n(out[1].share, block.size, T{0});
+  }
   const bool in_lanes = fits_lanes(pipeline.lod);
   Lanes sizes(0);
   for (std::size_t k = 0; in_lanes && k < block.size; k += Lanes::count) {
@@ -154,10 +160,13 @@ HWY_NOINLINE void find_levels(const Pipeline& pipeline, const FragmentBlock<T>& 
         in_lanes ? lod.bits_of(*gradient, coordinate_bits) : GradientLod::Bits{128, 128};
     const auto run = [&]<class Int>() HWY_ATTR {
       for (std::size_t k = first; k < end; k += Lanes::count) {
-        const auto [level, share] = lod.level<Int>(*gradient, Lanes::load(block.h + k),
-                                                   load_wide(block.u + k), load_wide(block.v + k));
-        store_as(out.level + k, level);
-        store_as(out.share + k, share);
+        const Lanes lambda = lod.lambda<Int>(*gradient, Lanes::load(block.h + k), load_wide(block.u + k),
+                                             load_wide(block.v + k));
+        for (std::size_t unit = 0; unit < units; ++unit) {
+          const auto [level, share] = lod.level(lambda, levels[unit] - 1);
+          store_as(out[unit].level + k, level);
+          store_as(out[unit].share + k, share);
+        }
       }
     };
     if (bits.product <= 61) {
@@ -170,9 +179,12 @@ HWY_NOINLINE void find_levels(const Pipeline& pipeline, const FragmentBlock<T>& 
         const FragmentRecord f = fragment_of(block, k, width);
         const DistanceRecord far = distance_of(pipeline, f);
         LodRecord record;
-        model::lod(pipeline.lod, f, gradient, far, levels, record);
-        out.level[k] = static_cast<std::int32_t>(record.level);
-        out.share[k] = static_cast<T>(record.f);
+        model::lod(pipeline.lod, f, gradient, far, levels[0], record);
+        for (std::size_t unit = 0; unit < units; ++unit) {
+          if (unit == 1) record = second_level(pipeline.texture_second, record, levels[1]);
+          out[unit].level[k] = static_cast<std::int32_t>(record.level);
+          out[unit].share[k] = static_cast<T>(record.f);
+        }
       }
     }
   }

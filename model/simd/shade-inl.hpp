@@ -12,6 +12,7 @@
 #include "model/stages/fog-inl.hpp"
 #include "model/stages/merge-inl.hpp"
 #include "model/stages/texture-inl.hpp"
+#include "model/stages/texture_second-inl.hpp"
 
 #if defined(BITSPAN_MODEL_SIMD_SHADE_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef BITSPAN_MODEL_SIMD_SHADE_INL
@@ -282,11 +283,17 @@ struct ShadeColumns {
   HWY_ALIGN std::int32_t alpha[FragmentBlock<T>::padded];  // of the pixel, where the draw state changes it
 };
 
-// The images that the fragments of a block are looked up in.
+// The images that a texture unit looks the fragments of a block up in.
 struct BlockImages {
   const ShadeTexture* image = nullptr;  // null: none
   int level = 0;
   const ShadeTexture* coarser = nullptr;  // the next level, where it has a share
+};
+// What the two units take of a block.
+template <class T>
+struct BlockUnits {
+  std::array<BlockImages, 2> images;
+  std::array<const T*, 2> shares{};  // of the coarser levels; read where there is one
 };
 inline const ShadeTexture* image_of(const ShadePlan& plan, int texture) {
   return texture < 0 ? nullptr : &plan.textures[static_cast<std::size_t>(texture)];
@@ -403,12 +410,43 @@ HWY_INLINE V stored_words(const std::uint8_t* color, const std::int32_t* pixel, 
   return out;
 }
 
+// What a unit finds, with levels.
+template <class Int, class Image, class Watch>
+HWY_INLINE Textured<ValueOf<Int>> found(const TextureStage& stage, const BlockImages& images,
+                                        const Image& image, const Image& coarser,
+                                        const ElementOf<Int>* shares, ValueOf<Int> u, ValueOf<Int> v,
+                                        Watch watch) {
+  const int fraction = stage.uv.fraction + images.level;
+  Textured<ValueOf<Int>> out = sampled<Int>(stage, image, u, v, fraction, watch);
+  if (images.coarser != nullptr) {
+    mix_level<Int>(stage, sampled<Int>(stage, coarser, u, v, fraction + 1, watch),
+                   load_as<ValueOf<Int>>(shares), out, watch);
+  }
+  return out;
+}
+
+// Q[texture.alpha](v / 255) of a colour on texture.mix.
+template <class Int>
+struct ShareOfColor {
+  using V = ValueOf<Int>;
+  const ShadePlan& plan;
+  const TextureStage& stage;
+  HWY_INLINE V operator()(V v) const {
+    if constexpr (std::is_same_v<Int, int128>) {
+      return quantize_ratio(v, 255, -stage.mix.fraction, stage.alpha, NoObserve{});
+    } else {
+      const V index = v - V(static_cast<ElementOf<Int>>(stage.mix.min));
+      return lookup(plan.template shares<ElementOf<Int>>().data(), index);
+    }
+  }
+};
+
 // Texture, fog and merge: from the block to out.word. Linear fog's factor comes from out.factor where Int is
 // Lanes32, and is formed here elsewhere. any_state: in a draw state that is not the first one, or with
-// levels, of which `shares` has the coarser ones'.
+// levels.
 template <class Int, ImageKind image_kind, const ShadeFormats* fixed, bool any_state, class Watch>
 HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFormats& given,
-                              FogMode fog, const BlockImages& images, const ElementOf<Int>* shares,
+                              FogMode fog, const BlockUnits<ElementOf<Int>>& units,
                               const FragmentBlock<ElementOf<Int>>& block, const Frame& frame,
                               ShadeColumns<ElementOf<Int>>& out, Counters& counters, Trace* trace,
                               Watch watch_all) {
@@ -416,8 +454,12 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, c
   constexpr std::size_t lanes = lanes_in<V>;
   const FormatsOf<ShadeFormats, fixed> local(given);
   const ShadeFormats& formats = *local;
-  const auto image = image_for<Int, image_kind>(plan, formats, images.image);
-  const auto coarser = image_for<Int, image_kind>(plan, formats, images.coarser);
+  const auto image_of_unit = [&](const ShadeTexture* image)
+                                 HWY_ATTR { return image_for<Int, image_kind>(plan, formats, image); };
+  const auto image = image_of_unit(units.images[0].image);
+  const auto coarser = image_of_unit(units.images[0].coarser);
+  const auto second = image_of_unit(units.images[1].image);
+  const auto second_coarser = image_of_unit(units.images[1].coarser);
   const std::array<std::uint8_t, 3> fog_color = pipeline.fog.fog_color;
   const V opaque = V(static_cast<ElementOf<Int>>(opaque_alpha(formats.merge)));
   std::size_t killed = 0;
@@ -431,13 +473,16 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, c
     Textured<V> texel;
     if constexpr (any_state) {
       const TextureStage& stage = formats.texture;
-      const int fraction = stage.uv.fraction + images.level;
-      texel = sampled<Int>(stage, image, u, v, fraction, watch);
-      if (images.coarser != nullptr) {
-        mix_level<Int>(stage, sampled<Int>(stage, coarser, u, v, fraction + 1, watch),
-                       load_as<V>(shares + at), texel, watch);
-      }
+      texel = found<Int>(stage, units.images[0], image, coarser, units.shares[0] + at, u, v, watch);
+      Truth<V> killed_first = texel.killed;
       colour<Int>(stage, shade, texel, watch);
+      if (!stage.is_last) {
+        const TextureSecondStage& unit = pipeline.texture_second;
+        const Textured<V> other = found<Int>(unit.fetch, units.images[1], second, second_coarser,
+                                             units.shares[1] + at, u, v, watch);
+        combine<Int>(unit, other.texel, ShareOfColor<Int>{plan, unit.fetch}, texel.color, watch);
+        texel.killed = killed_first | (texel.color[3] == V(0));
+      }
       texel.killed = texel.killed | !passes_alpha_test(stage.alpha, stage.alpha_test, texel.color[3]);
     } else {
       texel = textured<Int>(formats.texture, image, u, v, shade, watch);
@@ -564,13 +609,13 @@ void store_winners(const ShadeColumns<T>& columns, const FragmentBlock<T>& block
 template <class T, const ShadeFormats* fixed, class Watch>
 void colours(const Pipeline& pipeline, const ShadePlan& plan, int texture, const FragmentBlock<T>& block,
              const Frame& frame, ShadeColumns<T>& columns, Counters& counters, Trace* trace, Watch watch) {
-  const BlockImages images{image_of(plan, texture)};
+  const BlockUnits<T> units{{BlockImages{image_of(plan, texture)}, BlockImages{}}};
   const FormatsOf<ShadeFormats, fixed> local(plan.formats);
   const ShadeFormats& formats = *local;
   const FogMode fog = pipeline.fog.mode;
   const auto run = [&]<class Int, ImageKind kind>(FogMode mode, auto w) HWY_ATTR {
-    shade_block<Int, kind, fixed, false>(pipeline, plan, plan.formats, mode, images, nullptr, block, frame,
-                                         columns, counters, trace, w);
+    shade_block<Int, kind, fixed, false>(pipeline, plan, plan.formats, mode, units, block, frame, columns,
+                                         counters, trace, w);
   };
   constexpr bool of_int32 = sizeof(T) == 4;
   if constexpr (sizeof(T) == 8 && !std::is_same_v<Watch, ObserveLanes>) {
@@ -657,21 +702,21 @@ void shade_observed(const Pipeline& pipeline, const ShadePlan& plan, const Block
 
 // ---------------------------------------------------------------- any draw state, and levels
 
-// What passes between the steps of a block.
+// What passes between the steps of a block, per texture unit where there are two.
 template <class T>
 struct AnyColumns {
-  LevelColumns<T> levels;
-  // The fragments of one level.
+  std::array<LevelColumns<T>, 2> levels;
+  // The fragments that look up the same levels.
   FragmentBlock<T> part;
-  HWY_ALIGN T shares[FragmentBlock<T>::padded];
+  HWY_ALIGN T shares[2][FragmentBlock<T>::padded];
   HWY_ALIGN std::int32_t places[FragmentBlock<T>::padded];  // in the block
   ShadeColumns<T> of_part;
 };
 
 template <class T>
 void colours_any(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFormats& formats,
-                 const BlockImages& images, const T* shares, const FragmentBlock<T>& block,
-                 const Frame& frame, ShadeColumns<T>& columns, Counters& counters) {
+                 const BlockUnits<T>& units, const FragmentBlock<T>& block, const Frame& frame,
+                 ShadeColumns<T>& columns, Counters& counters) {
   const FogMode fog = pipeline.fog.mode;
   fog_factors<T, nullptr>(pipeline, plan, block, false, columns);
   for (std::size_t k = 0; takes_distance(fog) && k < block.size; ++k) {
@@ -680,8 +725,8 @@ void colours_any(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFor
         static_cast<T>(fog_factor(pipeline.fog, fragment, distance_of(pipeline, fragment)).factor);
   }
   const auto run = [&]<class Int>(auto watch) HWY_ATTR {
-    shade_block<Int, ImageKind::any, nullptr, true>(pipeline, plan, formats, fog, images, shares, block,
-                                                    frame, columns, counters, nullptr, watch);
+    shade_block<Int, ImageKind::any, nullptr, true>(pipeline, plan, formats, fog, units, block, frame,
+                                                    columns, counters, nullptr, watch);
   };
   if constexpr (sizeof(T) == 4) {
     run.template operator()<Lanes32>(BranchFree{});
@@ -692,14 +737,15 @@ void colours_any(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFor
   }
 }
 
-// The fragments of a level among a block's. Returns whether there are some.
+// The fragments among a block's that look up these levels. Returns whether there are some.
 template <class T>
-bool take_level(const FragmentBlock<T>& from, std::int32_t level, AnyColumns<T>& any) {
+bool take_levels(const FragmentBlock<T>& from, const std::array<std::int32_t, 2>& levels,
+                 AnyColumns<T>& any) {
   FragmentBlock<T>& to = any.part;
   std::size_t n = 0;
   for (std::size_t i = 0; i < from.size; ++i) {
     any.places[n] = static_cast<std::int32_t>(i);
-    n += any.levels.level[i] == level ? 1 : 0;
+    n += any.levels[0].level[i] == levels[0] && any.levels[1].level[i] == levels[1] ? 1 : 0;
   }
   to.size = n;
   const auto take = [&](const auto& column, auto& out) {
@@ -714,36 +760,48 @@ bool take_level(const FragmentBlock<T>& from, std::int32_t level, AnyColumns<T>&
   take(from.a, to.a);
   take(from.fog_step, to.fog_step);
   take(from.h, to.h);
-  take(any.levels.share, any.shares);
+  for (std::size_t unit = 0; unit < 2; ++unit) take(any.levels[unit].share, any.shares[unit]);
   return n != 0;
 }
 
-// Finds the levels, and shades the fragments of each on their own.
+// Finds the levels, and shades the fragments of each on their own. textures: of the units, -1 for none.
 template <class T>
 void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFormats& formats,
-                       int texture, const FragmentBlock<T>& block, const TriangleGradients& gradients,
-                       const Frame& frame, ShadeColumns<T>& columns, Counters& counters) {
-  if (texture < 0) {
-    colours_any<T>(pipeline, plan, formats, {}, nullptr, block, frame, columns, counters);
-    return;
-  }
+                       const std::array<int, 2>& textures, const FragmentBlock<T>& block,
+                       const TriangleGradients& gradients, const Frame& frame, ShadeColumns<T>& columns,
+                       Counters& counters) {
   AnyColumns<T> any;
-  const auto levels = static_cast<int>(plan.levels[static_cast<std::size_t>(texture)].size()) + 1;
-  find_levels(pipeline, block, levels, gradients, frame.width, any.levels);
-  const auto [least, most] = std::minmax_element(any.levels.level, any.levels.level + block.size);
+  const auto levels_of = [&](int texture) {
+    return texture < 0 ? 1 : static_cast<int>(plan.levels[static_cast<std::size_t>(texture)].size()) + 1;
+  };
+  find_levels(pipeline, block, {levels_of(textures[0]), levels_of(textures[1])}, gradients, frame.width,
+              any.levels);
+  std::array<std::int32_t, 2> least{}, most{};
+  for (std::size_t unit = 0; unit < 2; ++unit) {
+    const std::int32_t* of = any.levels[unit].level;
+    const auto [low, high] = std::minmax_element(of, of + block.size);
+    least[unit] = *low;
+    most[unit] = *high;
+  }
   const bool mixes = formats.texture.mixes_levels;
-  if (*least == *most) {
-    colours_any(pipeline, plan, formats, images_of(plan, texture, *least, mixes), any.levels.share, block,
-                frame, columns, counters);
+  const auto images = [&](const std::array<std::int32_t, 2>& levels) {
+    return std::array{images_of(plan, textures[0], levels[0], mixes),
+                      images_of(plan, textures[1], levels[1], mixes)};
+  };
+  if (least == most) {
+    colours_any<T>(pipeline, plan, formats, {images(least), {any.levels[0].share, any.levels[1].share}},
+                   block, frame, columns, counters);
     return;
   }
-  for (std::int32_t level = *least; level <= *most; ++level) {
-    if (!take_level(block, level, any)) continue;
-    colours_any(pipeline, plan, formats, images_of(plan, texture, level, mixes), any.shares, any.part, frame,
-                any.of_part, counters);
-    for (std::size_t k = 0; k < any.part.size; ++k) {
-      columns.word[any.places[k]] = any.of_part.word[k];
-      columns.alpha[any.places[k]] = any.of_part.alpha[k];
+  for (std::array<std::int32_t, 2> levels = least; levels[0] <= most[0]; ++levels[0]) {
+    for (levels[1] = least[1]; levels[1] <= most[1]; ++levels[1]) {
+      if (!take_levels(block, levels, any)) continue;
+      colours_any<T>(pipeline, plan, formats, {images(levels), {any.shares[0], any.shares[1]}}, any.part,
+                     frame, any.of_part, counters);
+      for (std::size_t k = 0; k < any.part.size; ++k) {
+        columns.word[any.places[k]] = any.of_part.word[k];
+        columns.alpha[any.places[k]] = any.of_part.alpha[k];
+      }
     }
   }
 }
@@ -754,11 +812,13 @@ void shade_any(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw&
                Counters& counters) {
   ShadeColumns<T> columns;
   const ShadeFormats formats{pipeline.texture, plan.formats.fog, pipeline.merge};
-  if (pipeline.has_lod) {
-    colours_of_levels(pipeline, plan, formats, draw.texture, block, gradients, frame, columns, counters);
+  const std::array<int, 2> textures{draw.texture, pipeline.state.texture1};
+  if (pipeline.has_lod && (textures[0] >= 0 || textures[1] >= 0)) {
+    colours_of_levels(pipeline, plan, formats, textures, block, gradients, frame, columns, counters);
   } else {
-    colours_any<T>(pipeline, plan, formats, {image_of(plan, draw.texture)}, nullptr, block, frame, columns,
-                   counters);
+    const BlockUnits<T> units{
+        {BlockImages{image_of(plan, textures[0])}, BlockImages{image_of(plan, textures[1])}}};
+    colours_any(pipeline, plan, formats, units, block, frame, columns, counters);
   }
   if (is_late(pipeline.state.depth_when)) {
     const PixelTests tests{pipeline, draw.back, frame, counters};

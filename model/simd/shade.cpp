@@ -103,6 +103,30 @@ bool fits_any(const Config& c, int bits) {
   return fit;
 }
 
+// The table of shares has a raw value of texture.mix each.
+constexpr int most_share_bits = 14;
+
+// What the second texture unit computes besides.
+bool fits_second(const Config& c, int bits) {
+  using F = FormatId;
+  const auto of = [&](F id) { return signed_grid(c.format(id)); };
+  const auto narrows = [&](Grid value, F id) { return narrows_in(bits, value, c.format(id)); };
+  const Grid first = of(F::texture_color), texel = of(F::texture_mix);
+  const Grid share = aligned(of(F::texture_alpha), 0);
+  const Grid rest = integer_grid(1) - share;
+  const Grid code = integer_grid(8);
+  bool fit = c.format(F::texture_mix).word <= most_share_bits &&
+             narrows(first * rest + texel * share, F::texture_color) &&
+             narrows(first * rest + code * share, F::texture_color) &&
+             narrows(aligned(first + texel, 0), F::texture_color) &&
+             narrows(of(F::texture_alpha) * of(F::texture_alpha), F::texture_alpha);
+  for (int k = 0; k <= 2; ++k) {
+    const Grid product = first * of(F::texture_alpha);
+    fit = fit && narrows(aligned(Grid{product.integer + k, product.fraction - k, true}, 0), F::texture_color);
+  }
+  return fit;
+}
+
 // ---------------------------------------------------------------- textures and zones
 
 ShadeTexture prepare_image(const TextureStage& stage, const Texture& source) {
@@ -203,6 +227,18 @@ bool branch_free_shade(const ShadeFormats& formats) {
          is_branch_free(formats.fog.color) && is_branch_free(formats.merge.color);
 }
 
+bool holds_second_texture(const Config& config, ShadeLanes lanes) {
+  switch (lanes) {
+    case ShadeLanes::int32:
+      return fits_second(config, 32);
+    case ShadeLanes::int64:
+      return fits_second(config, 64);
+    case ShadeLanes::scalar:
+      return true;
+  }
+  unreachable();
+}
+
 ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Scene& scene) {
   ShadePlan plan;
   plan.formats = shade_formats(config);
@@ -222,6 +258,7 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
     plan.held_in = lanes_for_shading(config, fog);
   }
   plan.holds_any = holds_any_shading(config, plan.held_in);
+  plan.holds_second = plan.holds_any && holds_second_texture(config, plan.held_in);
   const TextureStage& t = plan.formats.texture;
   plan.branch_free = branch_free_shade(plan.formats);
   for (int a = 0; a < 256; ++a) {
@@ -252,6 +289,15 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
   chain.span_acc = make_register(config, FormatId::span_shade_acc);
   chain.span = make_register(config, FormatId::span_shade);
   return plan;
+}
+
+void prepare_second_texture(ShadePlan& plan) {
+  if (plan.held_in == ShadeLanes::scalar || !plan.shares64.empty()) return;
+  const TextureStage& t = plan.formats.texture;
+  for (std::int64_t v = t.mix.min; v <= t.mix.max; ++v) {
+    plan.shares64.push_back(quantize_ratio(v, 255, -t.mix.fraction, t.alpha, NoObserve{}));
+  }
+  if (fits_int32(plan.shares64)) plan.shares32.assign(plan.shares64.begin(), plan.shares64.end());
 }
 
 // Slopes and gradients of equal values are 0, so what is left of the walks is their start and the narrowings.

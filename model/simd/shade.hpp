@@ -32,8 +32,9 @@ constexpr ShadeFormats shade_formats(const Config& config) {
 enum class ShadeLanes : std::uint8_t { int32, int64, scalar };
 // By the formats; scenes with a texture of 2^28 texels and more are scalar. fog: none in a scene without fog.
 ShadeLanes lanes_for_shading(const Config& config, FogMode fog);
-// Whether shade_any can be held in the same lanes.
+// Whether shade_any can be held in the same lanes, and the second texture unit with it.
 bool holds_any_shading(const Config& config, ShadeLanes lanes);
+bool holds_second_texture(const Config& config, ShadeLanes lanes);
 
 // A texture as the kernels read it: words, red in the lowest byte, with a border that repeats what the
 // wrapping gives there, so that the four texels of the bilinear filter are two pairs side by side.
@@ -51,14 +52,26 @@ struct ShadeTexture {
 // Prepared once per scene, which must outlive it.
 struct ShadePlan {
   ShadeLanes held_in = ShadeLanes::scalar;
-  bool holds_any = false;    // what shade_any computes besides fits the same lanes
-  bool branch_free = false;  // every register rounds by adding a constant, and saturates
+  bool holds_any = false;     // what shade_any computes besides fits the same lanes
+  bool holds_second = false;  // and what the second texture unit does
+  bool branch_free = false;   // every register rounds by adding a constant, and saturates
   ShadeFormats formats;
   std::vector<ShadeTexture> textures;  // by the scene's numbers
   std::vector<std::vector<ShadeTexture>>
       levels;                         // of each texture, from level 1 on; empty without mip chains
   std::vector<std::int32_t> alpha32;  // Q[texture.alpha](a / 255); empty where int32 does not hold it
   std::vector<std::int64_t> alpha64;
+  // Q[texture.alpha](v / 255) of every raw v of texture.mix from its smallest on: prepare_second_texture().
+  std::vector<std::int32_t> shares32;
+  std::vector<std::int64_t> shares64;
+  template <class T>
+  const std::vector<T>& shares() const {
+    if constexpr (sizeof(T) == 4) {
+      return shares32;
+    } else {
+      return shares64;
+    }
+  }
   std::vector<std::uint8_t> zones;        // of the fog table, one per pixel; padded
   std::vector<std::int32_t> fog_table32;  // raw, fog.factor, padded; empty where int32 does not hold it
 
@@ -72,6 +85,8 @@ struct ShadePlan {
 // Whether every register of the three stages rounds by adding a constant, and saturates.
 bool branch_free_shade(const ShadeFormats& formats);
 ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Scene& scene);
+// To be called before a block is shaded in a state with a second texture, where plan.holds_second.
+void prepare_second_texture(ShadePlan& plan);
 
 // The value of a colour or alpha channel on every fragment of a triangle whose vertices all have it as
 // `vertex` (raw, setup.shade): raw, span.shade.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // merge: the text that one fragment and lanes of fragments share. docs/numeric-spec.md, "merge".
 #include "model/numeric/quantize-inl.hpp"
+#include "model/numeric/scaled-inl.hpp"
 #include "model/stages/merge.hpp"
 #include "model/stages/texture-inl.hpp"
 
@@ -40,24 +41,9 @@ HWY_INLINE ValueOf<Int> blended(const MergeStage& stage, ValueOf<Int> own, Value
 
 // ---------------------------------------------------------------- any blend
 
-// A factor or a colour on its own grid.
-template <class Int>
-struct Fixed {
-  Int raw;
-  int fraction;
-};
-
-template <class Int>
-HWY_INLINE Int on_grid(const Fixed<Int>& x, int fraction) {
-  return x.raw << (fraction - x.fraction);
-}
-template <class Int>
-HWY_INLINE Fixed<Int> one_minus(const Fixed<Int>& x) {
-  return {(Int(1) << x.fraction) - x.raw, x.fraction};
-}
 // c(n): a code 0..255 as 0..1.
 template <class Int>
-HWY_INLINE Fixed<Int> share_of_code(ValueOf<Int> code) {
+HWY_INLINE Scaled<Int> share_of_code(ValueOf<Int> code) {
   return {Int(code + (code >> 7)), 8};
 }
 
@@ -65,14 +51,14 @@ HWY_INLINE Fixed<Int> share_of_code(ValueOf<Int> code) {
 template <class Int>
 struct Operands {
   using V = ValueOf<Int>;
-  Fixed<Int> src, dst, a;
+  Scaled<Int> src, dst, a;
   V src_code, dst_code, dst_alpha;
   std::int64_t constant = 0, constant_alpha = 0;
   bool is_alpha = false;
 };
 
 template <class Int>
-HWY_INLINE Fixed<Int> factor_of(BlendFactor factor, const Operands<Int>& o) {
+HWY_INLINE Scaled<Int> factor_of(BlendFactor factor, const Operands<Int>& o) {
   using V = ValueOf<Int>;
   const auto constant = [](std::int64_t code)
                             HWY_ATTR { return share_of_code<Int>(V(static_cast<ElementOf<Int>>(code))); };
@@ -107,23 +93,20 @@ HWY_INLINE Fixed<Int> factor_of(BlendFactor factor, const Operands<Int>& o) {
       return one_minus(constant(o.constant_alpha));
     case BlendFactor::src_alpha_saturate: {
       if (o.is_alpha) return {Int(1), 0};
-      const Fixed<Int> free = one_minus(share_of_code<Int>(o.dst_alpha));
-      const int grid = std::max(o.a.fraction, free.fraction);
-      return {at_most(on_grid(o.a, grid), on_grid(free, grid)), grid};
+      return smaller(o.a, one_minus(share_of_code<Int>(o.dst_alpha)));
     }
   }
   unreachable();
 }
 
 template <class Int>
-HWY_INLINE Fixed<Int> combined(const BlendEquation& equation, const Operands<Int>& o) {
-  const auto scaled = [&](const Fixed<Int>& x, BlendFactor factor) HWY_ATTR -> Fixed<Int> {
+HWY_INLINE Scaled<Int> combined(const BlendEquation& equation, const Operands<Int>& o) {
+  const auto scaled = [&](const Scaled<Int>& x, BlendFactor factor) HWY_ATTR -> Scaled<Int> {
     if (equation.op == BlendOp::min || equation.op == BlendOp::max) return x;
-    const Fixed<Int> f = factor_of(factor, o);
-    return {x.raw * f.raw, x.fraction + f.fraction};
+    return x * factor_of(factor, o);
   };
-  const Fixed<Int> p = scaled(o.src, equation.src);
-  const Fixed<Int> r = scaled(o.dst, equation.dst);
+  const Scaled<Int> p = scaled(o.src, equation.src);
+  const Scaled<Int> r = scaled(o.dst, equation.dst);
   const int grid = std::max(p.fraction, r.fraction);
   const Int own = on_grid(p, grid);
   const Int stored = on_grid(r, grid);
@@ -156,7 +139,7 @@ HWY_INLINE V logic(LogicOp op, V src, V dst) {
 
 // A fragment's alpha, at most 1; raw: on texture.alpha.
 template <class Int>
-HWY_INLINE Fixed<Int> alpha_of(const MergeStage& stage, ValueOf<Int> raw) {
+HWY_INLINE Scaled<Int> alpha_of(const MergeStage& stage, ValueOf<Int> raw) {
   // A grid that has 1.
   const int grid = stage.alpha.fraction > 0 ? stage.alpha.fraction : 0;
   return {at_most(Int(raw) << (grid - stage.alpha.fraction), Int(1) << grid), grid};
@@ -186,7 +169,7 @@ HWY_INLINE ValueOf<Int> mixed(const MergeStage& stage, ValueOf<Int> own, StoredC
   o.dst_alpha = stored.alpha;
   o.constant = blend.constant[channel];
   o.constant_alpha = blend.constant[3];
-  const Fixed<Int> value = combined(blend.color, o);
+  const Scaled<Int> value = combined(blend.color, o);
   return quantize(value.raw, value.fraction, stage.color, watch);
 }
 
@@ -204,7 +187,7 @@ HWY_INLINE ValueOf<Int> mixed_alpha(const MergeStage& stage, ValueOf<Int> stored
   o.constant = o.constant_alpha = blend.constant[3];
   o.src = {Int(o.src_code), 0};
   o.dst = {Int(stored), 0};
-  const Fixed<Int> value = combined(blend.alpha, o);
+  const Scaled<Int> value = combined(blend.alpha, o);
   return quantize(value.raw, value.fraction, stage.color, watch);
 }
 

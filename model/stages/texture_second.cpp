@@ -5,43 +5,9 @@
 
 #include "config/modes.hpp"
 #include "model/numeric/ratio.hpp"
+#include "model/stages/texture_second-inl.hpp"
 
 namespace bitspan::model {
-namespace {
-
-// Colours above the largest code become that one.
-Exact saturated(Exact code) {
-  const Exact most{255, 0};
-  return sign_of(code - most) > 0 ? most : code;
-}
-
-struct Colors {
-  Exact first, texel;  // codes
-  Exact share;         // the texel's as 0..1
-  Exact alpha;         // the texel's
-  Exact constant;      // a code
-};
-
-Exact combine(TextureOp op, int scale, const Colors& c) {
-  const Exact one{1, 0};
-  switch (op) {
-    case TextureOp::replace:
-      return c.texel;
-    case TextureOp::modulate:
-      return c.first * c.share;
-    case TextureOp::decal:
-      return c.first * (one - c.alpha) + c.texel * c.alpha;
-    case TextureOp::blend:
-      return c.first * (one - c.share) + c.constant * c.share;
-    case TextureOp::add:
-      return saturated(c.first + c.texel);
-    case TextureOp::modulate_scaled:
-      return saturated(scaled(c.first * c.share, -scale));
-  }
-  unreachable();
-}
-
-}  // namespace
 
 TextureSecondStage prepare_texture_second(const Config& config) {
   TextureSecondStage s;
@@ -75,33 +41,12 @@ bool texture_second(const TextureSecondStage& stage, const MipChain* chain, cons
                     const LodRecord& lod, const TextureRecord& first, TextureSecondRecord& out, Watch watch) {
   const LodRecord level = second_level(stage, lod, chain == nullptr ? 1 : static_cast<int>(chain->size()));
   const Sampled found = sample(stage.fetch, *stage.image, chain, fragment, level, watch);
-  const std::int64_t v_r = found.texel[0], v_g = found.texel[1], v_b = found.texel[2], v_a = found.texel[3];
+  const auto& [v_r, v_g, v_b, v_a] = found.texel;
   const TextureStage& f = stage.fetch;
-
-  const auto color = [&](std::int64_t of_first, std::int64_t texel, std::int64_t constant) {
-    const Exact v = value_of(texel, f.mix);
-    Colors c{value_of(of_first, f.color), v, {}, value_of(v_a, f.alpha), {constant, 0}};
-    c.share = value_of(quantize_ratio(v, Exact{255, 0}, f.alpha, watch), f.alpha);
-    return quantize(combine(stage.op, stage.scale, c), f.color, watch);
-  };
-  const auto alpha = [&] {
-    switch (stage.op) {
-      case TextureOp::replace:
-        return v_a;
-      case TextureOp::decal:
-        return first.a;
-      case TextureOp::modulate:
-      case TextureOp::blend:
-      case TextureOp::add:
-      case TextureOp::modulate_scaled:
-        return quantize(value_of(first.a, f.alpha) * value_of(v_a, f.alpha), f.alpha, watch);
-    }
-    unreachable();
-  };
-  const std::int64_t r = color(first.r, v_r, stage.constant[0]);
-  const std::int64_t g = color(first.g, v_g, stage.constant[1]);
-  const std::int64_t b = color(first.b, v_b, stage.constant[2]);
-  const std::int64_t a = alpha();
+  const auto share = [&](std::int64_t v) { return quantize_ratio(v, 255, -f.mix.fraction, f.alpha, watch); };
+  std::array<std::int64_t, 4> color{first.r, first.g, first.b, first.a};
+  HWY_NAMESPACE::combine<int128>(stage, found.texel, share, color, watch);
+  const auto& [r, g, b, a] = color;
   const bool killed = a == 0 || !passes_alpha_test(f, a);
   out = {fragment.triangle,
          fragment.x,
