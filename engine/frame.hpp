@@ -52,10 +52,8 @@ class Targets {
     away_[static_cast<std::size_t>(current_)] = std::move(planes);
     current_ = k;
     std::optional<Planes>& kept = away_[static_cast<std::size_t>(k)];
-    const bool is_kept = kept.has_value();
-    planes = is_kept ? std::move(*kept) : Planes{};
-    kept.reset();
-    return is_kept;
+    planes = kept ? std::move(*kept) : Planes{};
+    return kept.has_value();
   }
   int current() const { return current_; }
 

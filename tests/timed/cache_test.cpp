@@ -14,6 +14,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "config/check.hpp"
@@ -310,6 +311,29 @@ TEST(Caches, AChangeOfTargetFlushes) {
     EXPECT_EQ(flushes({}, mode), (std::array<std::size_t, 2>{0, 0}));
     EXPECT_EQ(flushes({0, 0}, mode), (std::array<std::size_t, 2>{0, 0}));
     EXPECT_EQ(flushes({1, 0, 2, 2, 1}, mode), (std::array<std::size_t, 2>{4, 4}));
+  }
+}
+
+// The words touched last are another target's: one translucent pixel, twice, with stencil and depth written.
+TEST(Caches, AChangeOfTargetForgetsTheWordsTouchedLast) {
+  const Config config = shipped_config("depth16");
+  const auto memory = [&](int target, TimedMode mode) {
+    Scene scene = square_half({{"depth.when", 1},
+                               {"depth.func", static_cast<std::int64_t>(DepthFunc::always)},
+                               {"stencil.test", 1},
+                               {"stencil.pass", static_cast<std::int64_t>(StencilOp::invert)}},
+                              0.5);
+    scene.triangles[0].v[1].x = scene.triangles[0].v[2].y = 1.25;
+    scene.triangles.push_back(scene.triangles[0]);
+    scene.commands.push_back({.before = 1, .target = target});
+    const CachedRun run = run_of(config, scene, mode);
+    EXPECT_EQ(run.trace.merge.size(), 2U);
+    return std::pair(run.report.memory.reads, run.report.memory.writes);
+  };
+  for (const TimedMode mode : {TimedMode::cycle, TimedMode::span}) {
+    // Depth, stencil and colour are read and written once each, and once more on the other target.
+    EXPECT_EQ(memory(0, mode), (std::pair<std::uint64_t, std::uint64_t>(3, 3)));
+    EXPECT_EQ(memory(1, mode), (std::pair<std::uint64_t, std::uint64_t>(6, 6)));
   }
 }
 
