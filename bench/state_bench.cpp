@@ -38,7 +38,8 @@ Scene small_stream(Change change) {
   for (std::size_t i = 0; i < triangles; ++i) {
     scene.triangles.push_back(stream.next());
     if (change(i) == none) continue;
-    scene.commands.push_back({i, {false, {{constant, change(i)}, {when, change(i) != 0 ? 1 : 0}}}, {}});
+    scene.commands.push_back(
+        {i, StateChange{false, {{constant, change(i)}, {when, change(i) != 0 ? 1 : 0}}}});
   }
   return scene;
 }

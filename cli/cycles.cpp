@@ -144,22 +144,22 @@ class ChainBeside {
   void execute_before(std::size_t triangle) {
     for (; next_command_ < scene_.commands.size() && scene_.commands[next_command_].before < triangle;
          ++next_command_) {
-      const DrawCommand& command = scene_.commands[next_command_];
-      if (command.target) {
-        model::select_target(pipeline_, scene_, targets_, *command.target, frame_);
-        if (state_.stencil_test) need_stencil(frame_);
-      } else if (command.clear) {
-        model::clear_planes(pipeline_, frame_, *command.clear);
-      } else {
-        state_ = changed_state(state_, command.state, config_);
-        if (state_.stencil_test) need_stencil(frame_);
-        // The chain that the state asks for; nothing is inside the other one, which rests.
-        RtlPixels* const chain = chains_[is_late(state_.depth_when) ? 1 : 0];
-        for (int i = 0; i < rest_clocks && chain != pixels_; ++i) chain->clock({}, nullptr, counters_);
-        pixels_ = chain;
-        pixels_->set(state_);
-      }
+      std::visit([&](const auto& what) { run(what); }, scene_.commands[next_command_].what);
     }
+  }
+  void run(const StateChange& change) {
+    state_ = changed_state(state_, change, config_);
+    if (state_.stencil_test) need_stencil(frame_);
+    // The chain that the state asks for; nothing is inside the other one, which rests.
+    RtlPixels* const chain = chains_[is_late(state_.depth_when) ? 1 : 0];
+    for (int i = 0; i < rest_clocks && chain != pixels_; ++i) chain->clock({}, nullptr, counters_);
+    pixels_ = chain;
+    pixels_->set(state_);
+  }
+  void run(const Clear& clear) { model::clear_planes(pipeline_, frame_, clear); }
+  void run(const Target& target) {
+    model::select_target(pipeline_, scene_, targets_, target.k, frame_);
+    if (state_.stencil_test) need_stencil(frame_);
   }
   // The next row, at the RTL's ports, where it stays: B may not change while a row is inside.
   void offer_row() {

@@ -88,7 +88,7 @@ void show_target(const std::string& name, int target, Scene& scene) {
         fmt::format("{}: --show-target {}: the stream does not draw on it; expected {}", name, target,
                     drawn_on.size() == 1 ? "0" : fmt::format("one of {}", fmt::join(drawn_on, ", "))));
   }
-  scene.commands.push_back({.before = scene.triangles.size(), .target = target});
+  scene.commands.push_back({.before = scene.triangles.size(), .what = Target{target}});
 }
 
 void refuse_size(const std::string& name, const Scene& scene, const SceneOptions& o) {

@@ -22,20 +22,10 @@ void draw_scene(Engine& engine, const Scene& scene, std::size_t first, std::size
   for (; command != scene.commands.end() && (command->before < last || (whole && command->before == last));
        ++command) {
     if (command->before > first) draw(command->before);
-    execute(engine, *command, first_index, trace);
+    engine.execute(*command, first_index, trace);
   }
   // A call without triangles still delivers the constants.
   if (first < last || count == 0) draw(last);
-}
-
-void execute(Engine& engine, const DrawCommand& command, std::int64_t next_index, Trace* trace) {
-  if (command.target) {
-    engine.target(*command.target);
-  } else if (command.clear) {
-    engine.clear(*command.clear);
-  } else {
-    engine.set(command.state, next_index, trace);
-  }
 }
 
 }  // namespace bitspan

@@ -28,22 +28,20 @@ class Engine {
   // Draws triangles in order; first_index is the input index of triangles[0]. With a trace, every record is
   // appended to it. All records of these triangles have been delivered when it returns.
   virtual void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) = 0;
-  // Changes the draw state for the triangles from next_index on; begin() gives the configuration's. With a
-  // trace, the record of the new state is appended to it. Throws InputError where the new state is not legal,
-  // or the engine does not have it.
-  virtual void set(const StateChange& change, std::int64_t next_index, Trace* trace) = 0;
-  // Clears planes of the frame. It takes no clock.
-  virtual void clear(const Clear& clear) = 0;
-  // Draws on target k from here on; begin() gives target 0. One that has not been drawn on yet is as begin()
-  // clears it. The draw state stays. It takes no clock. Throws InputError where k is not below target_limit.
-  virtual void target(int k) = 0;
+  // Does what the command says, for the triangles from next_index on; it takes no clock. With a trace, the
+  // command's records are appended to it.
+  //   StateChange  the draw state; begin() gives the configuration's. The record is that of the new state.
+  //                Throws InputError where the new state is not legal, or the engine does not have it.
+  //   Clear        fills planes of the frame.
+  //   Target       draws on target k from here on; begin() gives target 0. One that has not been drawn on yet
+  //                is as begin() clears it. The draw state stays. Throws InputError where k is not below
+  //                target_limit.
+  virtual void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) = 0;
   // Of the target that is drawn on.
   virtual const Frame& frame() const = 0;
   virtual const Counters& counters() const = 0;
 };
 
-// Sets, clears or takes another target, as the command says; next_index and trace as Engine::set takes them.
-void execute(Engine& engine, const DrawCommand& command, std::int64_t next_index, Trace* trace);
 // Draws `count` triangles of a scene from `first` on, with the commands in front of them, and those behind
 // the scene's last triangle where it is among them.
 void draw_scene(Engine& engine, const Scene& scene, std::size_t first, std::size_t count, Trace* trace);

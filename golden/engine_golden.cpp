@@ -95,17 +95,8 @@ class GoldenEngine final : public Engine, public RowEngine {
     }
   }
 
-  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    state_ = changed_state(state_, change, config_, scene_->textures.size());
-    if (state_.stencil_test) need_stencil(frame_);
-    if (trace != nullptr) begin_batch(trace).state.push_back(state_record(state_, next_index));
-  }
-  void target(int k) override {
-    if (!targets_.select(k, frame_)) clear_target();
-    if (state_.stencil_test) need_stencil(frame_);
-  }
-  void clear(const Clear& clear) override {
-    clear_planes(frame_, held(state_, clear), static_cast<std::uint32_t>(clear_depth(config_)));
+  void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
+    std::visit([&](const auto& what) { run(what, next_index, trace); }, command.what);
   }
 
   PlaneOfRows set_plane(const SetupRecord& setup) override {
@@ -141,6 +132,18 @@ class GoldenEngine final : public Engine, public RowEngine {
   }
 
  private:
+  void run(const StateChange& change, std::int64_t next_index, Trace* trace) {
+    state_ = changed_state(state_, change, config_, scene_->textures.size());
+    if (state_.stencil_test) need_stencil(frame_);
+    if (trace != nullptr) begin_batch(trace).state.push_back(state_record(state_, next_index));
+  }
+  void run(const Clear& clear, std::int64_t /*next_index*/, Trace* /*trace*/) {
+    clear_planes(frame_, held(state_, clear), static_cast<std::uint32_t>(clear_depth(config_)));
+  }
+  void run(const Target& target, std::int64_t /*next_index*/, Trace* /*trace*/) {
+    if (!targets_.select(target.k, frame_)) clear_target();
+    if (state_.stencil_test) need_stencil(frame_);
+  }
   void clear_target() {
     clear_frame(frame_, scene_->width, scene_->height, scene_->background,
                 static_cast<std::uint32_t>(clear_depth(config_)));

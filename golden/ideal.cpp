@@ -475,16 +475,19 @@ class IdealEngine final : public Engine {
     clear_target();
   }
 
-  void set(const StateChange& change, std::int64_t /*next_index*/, Trace* /*trace*/) override {
+  void execute(const DrawCommand& command, std::int64_t /*next_index*/, Trace* /*trace*/) override {
+    std::visit([&](const auto& what) { run(what); }, command.what);
+  }
+  void run(const StateChange& change) {
     state_ = changed_state(state_, change, config_, scene_->textures.size());
     biased_ = biased_ || state_.depth_bias != 0;
     if (state_.stencil_test) need_stencil(planes_.frame);
   }
-  void target(int k) override {
-    if (!targets_.select(k, planes_)) clear_target();
+  void run(const Target& target) {
+    if (!targets_.select(target.k, planes_)) clear_target();
     if (state_.stencil_test) need_stencil(planes_.frame);
   }
-  void clear(const Clear& clear) override {
+  void run(const Clear& clear) {
     clear_planes(planes_.frame, clear, 0);
     for (std::size_t i = 0; i < planes_.color.size(); ++i) {
       for (std::size_t c = 0; clear.color && c < 3; ++c) planes_.color[i][c] = (*clear.color)[c];

@@ -415,7 +415,7 @@ bs_status bs_command(bs_model* handle, const char* json) {
     need_begun(*model, "bs_command");
     const DrawCommand command = parse_command(json, "bs_command");
     if (!model->tracing) model->untraced = true;
-    execute(*model->engine, command, model->triangles, model->tracing ? &model->trace : nullptr);
+    model->engine->execute(command, model->triangles, model->tracing ? &model->trace : nullptr);
   });
 }
 

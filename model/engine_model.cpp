@@ -45,11 +45,9 @@ class Model final : public Engine, public RowEngine {
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
     run_.draw(triangles, first_index, trace, NoObserve{});
   }
-  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    run_.set(run_.config, change, next_index, trace);
+  void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
+    run_.execute(run_.config, command, next_index, trace);
   }
-  void clear(const Clear& clear) override { run_.clear(clear); }
-  void target(int k) override { run_.target(k); }
   const Frame& frame() const override { return run_.frame; }
   const Counters& counters() const override { return run_.counters; }
   PlaneOfRows set_plane(const SetupRecord& setup) override {
@@ -80,11 +78,9 @@ class ObservedModel final : public ObservedEngine {
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
     run_.draw(triangles, first_index, trace, Observe{&statistics_});
   }
-  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    run_.set(run_.config, change, next_index, trace);
+  void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
+    run_.execute(run_.config, command, next_index, trace);
   }
-  void clear(const Clear& clear) override { run_.clear(clear); }
-  void target(int k) override { run_.target(k); }
   const Frame& frame() const override { return run_.frame; }
   const Counters& counters() const override { return run_.counters; }
   const Statistics& statistics() const override { return statistics_; }

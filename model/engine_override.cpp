@@ -38,11 +38,9 @@ class OverriddenModel final : public Engine, public RowEngine {
     }
   }
 
-  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    run_.set(config_, change, next_index, trace);
+  void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
+    run_.execute(config_, command, next_index, trace);
   }
-  void clear(const Clear& clear) override { run_.clear(clear); }
-  void target(int k) override { run_.target(k); }
 
   PlaneOfRows set_plane(const SetupRecord& setup) override {
     plane_rows_ = model::plane_rows(run_.pipeline, setup, walk_);

@@ -25,16 +25,26 @@ void SceneRun::deliver_constants(Trace* trace) {
   constants_delivered = true;
 }
 
-void SceneRun::set(const Config& config, const StateChange& change, std::int64_t next_index, Trace* trace) {
-  need_begun("set");
+void SceneRun::execute(const Config& config, const DrawCommand& command, std::int64_t next_index,
+                       Trace* trace) {
+  need_begun("execute");
+  std::visit([&](const auto& what) { run(config, what, next_index, trace); }, command.what);
+}
+
+void SceneRun::run(const Config& config, const StateChange& change, std::int64_t next_index, Trace* trace) {
   deliver_constants(trace);
   const DrawState next = changed_state(pipeline.state, change, config, scene->textures.size());
   change_state(pipeline, *scene, frame, next, next_index, trace);
 }
 
-void SceneRun::target(int k) {
-  need_begun("target");
-  select_target(pipeline, *scene, targets, k, frame);
+void SceneRun::run(const Config& /*config*/, const Clear& clear, std::int64_t /*next_index*/,
+                   Trace* /*trace*/) {
+  clear_planes(pipeline, frame, clear);
+}
+
+void SceneRun::run(const Config& /*config*/, const Target& target, std::int64_t /*next_index*/,
+                   Trace* /*trace*/) {
+  select_target(pipeline, *scene, targets, target.k, frame);
 }
 
 }  // namespace bitspan::model

@@ -25,9 +25,12 @@ struct SceneRun {
   // The record of the constants, in front of a scene's first records.
   void deliver_constants(Trace* trace);
   // As Engine's.
-  void set(const Config& config, const StateChange& change, std::int64_t next_index, Trace* trace);
-  void clear(const Clear& clear) { clear_planes(pipeline, frame, clear); }
-  void target(int k);
+  void execute(const Config& config, const DrawCommand& command, std::int64_t next_index, Trace* trace);
+
+ private:
+  void run(const Config& config, const StateChange& change, std::int64_t next_index, Trace* trace);
+  void run(const Config& config, const Clear& clear, std::int64_t next_index, Trace* trace);
+  void run(const Config& config, const Target& target, std::int64_t next_index, Trace* trace);
 };
 
 }  // namespace bitspan::model

@@ -98,9 +98,10 @@ std::optional<double> surface_value(std::string_view name, const IdealPoint& p) 
 bool combines_textures(const Scene& scene) {
   const std::size_t index = *find_state_register("texture1");
   return std::ranges::any_of(scene.commands, [&](const DrawCommand& command) {
-    return std::ranges::any_of(command.state.settings, [&](const StateSetting& setting) {
-      return setting.index == index && setting.value >= 0;
-    });
+    const auto* change = std::get_if<StateChange>(&command.what);
+    return change != nullptr && std::ranges::any_of(change->settings, [&](const StateSetting& setting) {
+             return setting.index == index && setting.value >= 0;
+           });
   });
 }
 

@@ -115,7 +115,8 @@ LockStepResult run_lock_step(std::span<const std::unique_ptr<Engine>> engines, c
   std::erase(targets, shown);
   targets.push_back(shown);  // last, so that it is what the engines show
   for (const int k : targets) {
-    for (const auto& engine : engines) engine->target(k);
+    for (const auto& engine : engines)
+      engine->execute({.what = Target{k}}, static_cast<std::int64_t>(done), nullptr);
     for (std::size_t e = 1; e < engines.size(); ++e) {
       compare_frames(engines[0]->frame(), engines[e]->frame(), result.pairs[e - 1]);
     }

@@ -422,7 +422,7 @@ SuiteFeature on_alpha(SuiteFeature feature) {
       set(c, s);
       Clear clear;
       clear.alpha = 100;
-      s.commands.insert(s.commands.begin(), {0, {}, clear});
+      s.commands.insert(s.commands.begin(), {0, clear});
     };
   }
   return feature;
@@ -433,7 +433,7 @@ SuiteSetting in_state(std::vector<Register> registers) {
   return [registers = std::move(registers)](Config&, Scene& scene) {
     StateChange change;
     for (const auto& [key, value] : registers) change.settings.push_back({*find_state_register(key), value});
-    scene.commands.insert(scene.commands.begin(), {0, std::move(change), {}});
+    scene.commands.insert(scene.commands.begin(), {0, std::move(change)});
   };
 }
 template <class E>
@@ -444,7 +444,7 @@ std::int64_t number(E value) {
 SuiteSetting on_targets(int n) {
   return [=](Config&, Scene& scene) {
     for (std::size_t i = 0; n > 1 && i < scene.triangles.size(); ++i) {
-      scene.commands.push_back({.before = i, .target = static_cast<int>(i) % n});
+      scene.commands.push_back({.before = i, .what = Target{static_cast<int>(i) % n}});
     }
   };
 }

@@ -99,7 +99,9 @@ std::vector<DrawState> states_of(const Config& config, std::span<const DrawComma
   std::vector<DrawState> out;
   DrawState state = first_state(config);
   for (const DrawCommand& command : commands) {
-    if (command.changes_state()) out.push_back(state = changed_state(state, command.state, config));
+    if (const auto* change = std::get_if<StateChange>(&command.what)) {
+      out.push_back(state = changed_state(state, *change, config));
+    }
   }
   return out;
 }
@@ -107,7 +109,7 @@ std::vector<DrawState> states_of(const Config& config, std::span<const DrawComma
 std::vector<int> targets_of(std::span<const DrawCommand> commands) {
   std::set<int> out{0};
   for (const DrawCommand& command : commands) {
-    if (command.target) out.insert(*command.target);
+    if (const auto* target = std::get_if<Target>(&command.what)) out.insert(target->k);
   }
   return {out.begin(), out.end()};
 }
@@ -116,7 +118,7 @@ int target_at(std::span<const DrawCommand> commands, std::size_t index) {
   int out = 0;
   for (const DrawCommand& command : commands) {
     if (command.before > index) break;
-    out = command.target.value_or(out);
+    if (const auto* target = std::get_if<Target>(&command.what)) out = target->k;
   }
   return out;
 }
@@ -124,7 +126,9 @@ int target_at(std::span<const DrawCommand> commands, std::size_t index) {
 void check_commands(const Config& config, const Scene& scene) {
   DrawState state = first_state(config);
   for (const DrawCommand& command : scene.commands) {
-    if (command.changes_state()) state = changed_state(state, command.state, config, scene.textures.size());
+    if (const auto* change = std::get_if<StateChange>(&command.what)) {
+      state = changed_state(state, *change, config, scene.textures.size());
+    }
   }
 }
 

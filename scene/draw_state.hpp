@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "config/config.hpp"
@@ -211,13 +212,16 @@ struct Clear {
 // buffer and stencil plane, and cleared as at the beginning of the scene.
 inline constexpr int target_limit = 8;
 
-// What stands between triangles of a stream: a change of state, a clear, or another target.
+// What is drawn on from here on; target 0 at first.
+struct Target {
+  int k = 0;  // below target_limit
+  bool operator==(const Target&) const = default;
+};
+
+// What stands between triangles of a stream.
 struct DrawCommand {
   std::size_t before = 0;  // index of the triangle that follows; their number where none does
-  StateChange state{};
-  std::optional<Clear> clear{};  // in place of `state`
-  std::optional<int> target{};   // in place of both: what is drawn on from here on; 0 at first
-  bool changes_state() const { return !clear && !target; }
+  std::variant<StateChange, Clear, Target> what{};
   bool operator==(const DrawCommand&) const = default;
 };
 // The states that the changes among the commands make, one after another; the first state is not among them.

@@ -185,7 +185,6 @@ std::int64_t random_value(Random& random, const StateRegister& r, const Scene& s
 
 DrawCommand random_command(Random& random, const Scene& scene, DrawState& state,
                            const RandomOptions& options) {
-  DrawCommand command;
   if (random.chance(0.1)) {
     Clear clear;
     if (random.chance(0.3)) clear.color = random_color(random);
@@ -193,10 +192,9 @@ DrawCommand random_command(Random& random, const Scene& scene, DrawState& state,
     clear.depth = random.chance(0.5);
     if (random.chance(0.3)) clear.stencil = static_cast<std::uint8_t>(random.integer(0, 255));
     if (clear == Clear{}) clear.depth = true;
-    command.clear = clear;
-    return command;
+    return {.what = clear};
   }
-  StateChange& change = command.state;
+  StateChange change;
   change.reset = random.chance(0.25);
   // Each register once, as in a line of a stream.
   const auto set = [&](std::size_t index, std::int64_t value) {
@@ -229,7 +227,7 @@ DrawCommand random_command(Random& random, const Scene& scene, DrawState& state,
     set(*find_state_register("depth.when"), static_cast<std::int64_t>(DepthWhen::late));
     state = changed_state(state, change, {});
   }
-  return command;
+  return {.what = change};
 }
 
 }  // namespace
@@ -262,7 +260,7 @@ Scene random_scene(std::uint64_t seed, const RandomOptions& options) {
   const double target_probability = options.several_targets ? options.command_probability / 4 : 0;
   for (std::size_t i = 0; options.command_probability > 0 && i < scene.triangles.size(); ++i) {
     if (targets.chance(target_probability)) {
-      scene.commands.push_back({.before = i, .target = static_cast<int>(targets.integer(0, 2))});
+      scene.commands.push_back({.before = i, .what = Target{static_cast<int>(targets.integer(0, 2))}});
     }
     if (!random.chance(options.command_probability)) continue;
     scene.commands.push_back(random_command(random, scene, state, options));

@@ -34,7 +34,9 @@ Scene supersampled(Scene scene, int k) {
     }
   }
   for (DrawCommand& command : scene.commands) {
-    for (StateSetting& setting : command.state.settings) {
+    auto* change = std::get_if<StateChange>(&command.what);
+    if (change == nullptr) continue;
+    for (StateSetting& setting : change->settings) {
       if (!state_registers()[setting.index].key.starts_with("scissor.")) continue;
       setting.value = std::min<std::int64_t>(setting.value * k, scissor_limit);
     }

@@ -545,11 +545,9 @@ bool truth(const Json& value, const Place& place, const char* key) {
 }
 
 DrawCommand read_command(const Json& line, int color_max, const Place& place) {
-  DrawCommand command;
   if (const auto found = line.find("target"); found != line.end()) {
     check_keys(line, {"target"}, place, "");
-    command.target = integer(*found, 0, target_limit - 1, place, "target");
-    return command;
+    return {.what = Target{integer(*found, 0, target_limit - 1, place, "target")}};
   }
   if (const auto found = line.find("clear"); found != line.end()) {
     check_keys(line, {"clear"}, place, "");
@@ -570,21 +568,21 @@ DrawCommand read_command(const Json& line, int color_max, const Place& place) {
         clear.stencil = static_cast<std::uint8_t>(integer(value, 0, 255, place, "clear.stencil"));
       }
     }
-    command.clear = clear;
-    return command;
+    return {.what = clear};
   }
   check_keys(line, {"state", "reset"}, place, "");
   const Json& state = line["state"];
   if (!state.is_object()) {
     place.fail("state: " + shown(state) + " is not an object; expected {\"depth.func\": \"lequal\", ...}");
   }
+  StateChange change;
   if (const auto found = line.find("reset"); found != line.end()) {
-    command.state.reset = truth(*found, place, "reset");
+    change.reset = truth(*found, place, "reset");
   }
   for (const auto& [key, value] : state.items()) {
-    command.state.settings.push_back(read_setting(key, value, place));
+    change.settings.push_back(read_setting(key, value, place));
   }
-  return command;
+  return {.what = change};
 }
 
 // The lines of a stream, whose length is bounded.
@@ -784,22 +782,23 @@ void write_stream(const Scene& scene, std::span<const std::string> names, const 
 
 }  // namespace
 
-std::string command_text(const DrawCommand& command) {
+namespace {
+
+Json line_of(const Target& target) { return {{"target", target.k}}; }
+
+Json line_of(const Clear& clear) {
+  Json planes = Json::object();
+  if (clear.color) planes["color"] = fractions(*clear.color);
+  if (clear.alpha) planes["alpha"] = *clear.alpha;
+  if (clear.depth) planes["depth"] = true;
+  if (clear.stencil) planes["stencil"] = *clear.stencil;
+  return {{"clear", planes}};
+}
+
+Json line_of(const StateChange& change) {
   Json line;
-  if (command.target) {
-    line["target"] = *command.target;
-    return line.dump();
-  }
-  if (command.clear) {
-    Json& clear = line["clear"] = Json::object();
-    if (command.clear->color) clear["color"] = fractions(*command.clear->color);
-    if (command.clear->alpha) clear["alpha"] = *command.clear->alpha;
-    if (command.clear->depth) clear["depth"] = true;
-    if (command.clear->stencil) clear["stencil"] = *command.clear->stencil;
-    return line.dump();
-  }
   Json& state = line["state"] = Json::object();
-  for (const StateSetting& setting : command.state.settings) {
+  for (const StateSetting& setting : change.settings) {
     const StateRegister& r = state_registers()[setting.index];
     Json& value = state[std::string(r.key)];
     if (r.is_truth) {
@@ -810,8 +809,14 @@ std::string command_text(const DrawCommand& command) {
       value = r.names[static_cast<std::size_t>(setting.value)];
     }
   }
-  if (command.state.reset) line["reset"] = true;
-  return line.dump();
+  if (change.reset) line["reset"] = true;
+  return line;
+}
+
+}  // namespace
+
+std::string command_text(const DrawCommand& command) {
+  return std::visit([](const auto& what) { return line_of(what).dump(); }, command.what);
 }
 
 DrawCommand parse_command(std::string_view json, const std::string& origin) {
@@ -871,10 +876,10 @@ struct TriReader::State {
     }
     DrawCommand command = read_command(json, color_max, place);
     command.before = triangles;
-    if (command.changes_state()) {
-      for (StateSetting& setting : command.state.settings) show_texture(setting);
+    if (auto* change = std::get_if<StateChange>(&command.what)) {
+      for (StateSetting& setting : change->settings) show_texture(setting);
       try {
-        draw_state = changed_state(draw_state, command.state, {}, scene.textures.size());
+        draw_state = changed_state(draw_state, *change, {}, scene.textures.size());
       } catch (const InputError& error) {
         place.fail(std::string("state.") + error.what());
       }

@@ -98,11 +98,9 @@ class DutEngine final : public Engine {
     guarded([&] { draw_all(triangles, first_index, trace); });
   }
 
-  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    run_.set(config_, change, next_index, trace);
+  void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
+    run_.execute(config_, command, next_index, trace);
   }
-  void clear(const Clear& clear) override { run_.clear(clear); }
-  void target(int k) override { run_.target(k); }
 
   const Frame& frame() const override { return run_.frame; }
   const Counters& counters() const override { return run_.counters; }

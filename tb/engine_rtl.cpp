@@ -59,12 +59,10 @@ class RtlEngine final : public Engine {
                     [&] { run(trace); });
   }
 
-  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    run_.set(config_, change, next_index, trace);
-    take_state();
+  void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
+    run_.execute(config_, command, next_index, trace);
+    if (std::holds_alternative<StateChange>(command.what)) take_state();
   }
-  void clear(const Clear& clear) override { run_.clear(clear); }
-  void target(int k) override { run_.target(k); }
 
   const Frame& frame() const override { return run_.frame; }
   const Counters& counters() const override { return run_.counters; }

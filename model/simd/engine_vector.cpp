@@ -421,11 +421,9 @@ class VectorModel {
     }
   }
 
-  void set(const StateChange& change, std::int64_t next_index, Trace* trace) {
-    run_.set(config_, change, next_index, trace);
+  void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) {
+    run_.execute(config_, command, next_index, trace);
   }
-  void clear(const Clear& clear) { run_.clear(clear); }
-  void target(int k) { run_.target(k); }
 
   PlaneOfRows set_plane(const SetupRecord& setup) {
     plane_rows_ = plane_rows(run_.pipeline, setup, buffers_.walk);
@@ -472,11 +470,9 @@ class VectorEngine final : public Engine, public RowEngine {
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
     model_.draw(triangles, first_index, trace, nullptr);
   }
-  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    model_.set(change, next_index, trace);
+  void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
+    model_.execute(command, next_index, trace);
   }
-  void clear(const Clear& clear) override { model_.clear(clear); }
-  void target(int k) override { model_.target(k); }
   const Frame& frame() const override { return model_.frame(); }
   const Counters& counters() const override { return model_.counters(); }
   PlaneOfRows set_plane(const SetupRecord& setup) override { return model_.set_plane(setup); }
@@ -499,11 +495,9 @@ class ObservedVectorEngine final : public ObservedEngine {
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
     model_.draw(triangles, first_index, trace, &statistics_);
   }
-  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    model_.set(change, next_index, trace);
+  void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
+    model_.execute(command, next_index, trace);
   }
-  void clear(const Clear& clear) override { model_.clear(clear); }
-  void target(int k) override { model_.target(k); }
   const Frame& frame() const override { return model_.frame(); }
   const Counters& counters() const override { return model_.counters(); }
   const Statistics& statistics() const override { return statistics_; }

@@ -24,11 +24,9 @@ class MachineEngine final : public TimedEngine {
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
     machine().draw(triangles, first_index, trace);
   }
-  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    machine().set(change, next_index, trace);
+  void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
+    machine().execute(command, next_index, trace);
   }
-  void clear(const Clear& clear) override { machine().clear(clear); }
-  void target(int k) override { machine().target(k); }
   const Frame& frame() const override { return machine().run().frame; }
   const Counters& counters() const override { return machine().run().counters; }
   TimedReport report() const override { return machine().report(); }

@@ -63,20 +63,24 @@ void Machine::draw(std::span<const Triangle> triangles, std::int64_t first_index
   run_.counters.cycles = cycles();
 }
 
-void Machine::set(const StateChange& change, std::int64_t next_index, Trace* trace) {
+void Machine::execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) {
+  std::visit([&](const auto& what) { run(what, next_index, trace); }, command.what);
+}
+
+void Machine::run(const StateChange& change, std::int64_t next_index, Trace* trace) {
   const DrawState next = changed_state(run_.pipeline.state, change, run_.config, run_.scene.textures.size());
   model::change_state(run_.pipeline, run_.scene, run_.frame, next, next_index, trace);
   state_changed();
 }
 
-void Machine::clear(const Clear& clear) {
+void Machine::run(const Clear& clear, std::int64_t /*next_index*/, Trace* /*trace*/) {
   model::clear_planes(run_.pipeline, run_.frame, clear);
   cleared(clear);
 }
 
-void Machine::target(int k) {
-  if (k == targets_.current()) return;
-  model::select_target(run_.pipeline, run_.scene, targets_, k, run_.frame);
+void Machine::run(const Target& target, std::int64_t /*next_index*/, Trace* /*trace*/) {
+  if (target.k == targets_.current()) return;
+  model::select_target(run_.pipeline, run_.scene, targets_, target.k, run_.frame);
   target_changed();
 }
 

@@ -23,10 +23,8 @@ class Machine {
 
   // As TimedEngine's.
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace);
-  // As Engine's: a change waits until the pipeline is empty, which it is between two draws.
-  void set(const StateChange& change, std::int64_t next_index, Trace* trace);
-  void clear(const Clear& clear);
-  void target(int k);
+  // As Engine's: a command waits until the pipeline is empty, which it is between two draws.
+  void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace);
   TimedReport report() const;
   virtual const std::vector<HandshakeClock>& handshake() const { return no_handshake_; }
   virtual void close_vcd() {}
@@ -58,6 +56,10 @@ class Machine {
   std::uint64_t last_move_ = 0;  // cycles() after the last clock on which a stage moved something
 
  private:
+  void run(const StateChange& change, std::int64_t next_index, Trace* trace);
+  void run(const Clear& clear, std::int64_t next_index, Trace* trace);
+  void run(const Target& target, std::int64_t next_index, Trace* trace);
+
   bool failed_ = false;
   std::vector<HandshakeClock> no_handshake_;
 };

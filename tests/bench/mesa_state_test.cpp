@@ -179,7 +179,7 @@ class Mesa {
     auto command = scene.commands.begin();
     for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
       for (; command != scene.commands.end() && command->before <= i; ++command) {
-        state = changed_state(state, command->state, config);
+        state = changed_state(state, std::get<StateChange>(command->what), config);
         apply(state);
       }
       glBegin(GL_TRIANGLES);
@@ -441,7 +441,7 @@ Case make_case(const Kind& kind, Random& random, std::uint64_t number, const Con
   first.depth_func = kind.is_single ? DepthFunc::always : DepthFunc::less;
   first.blend_src = first.blend_alpha_src = BlendFactor::one;
   first.blend_dst = first.blend_alpha_dst = BlendFactor::zero;
-  scene.commands.push_back({0, change_to(first), {}});
+  scene.commands.push_back({0, change_to(first)});
   const int triangles = kind.is_single ? below + 1 : above;
   for (int i = 0; i < triangles; ++i) {
     scene.triangles.push_back(random_triangle(random, kind.is_flat || (kind.is_single && i < below)));
@@ -470,7 +470,7 @@ Case make_case(const Kind& kind, Random& random, std::uint64_t number, const Con
       state.blend_dst = static_cast<BlendFactor>(number / gl_factor.size() % gl_factor.size());
       state.blend_op = static_cast<BlendOp>(number * gl_equation.size() / blend_triples % gl_equation.size());
     }
-    scene.commands.push_back({i, change_to(state), {}});
+    scene.commands.push_back({i, change_to(state)});
     out.states.push_back(state);
   }
   return out;

@@ -715,13 +715,13 @@ TEST_F(Cli, TheChainKeepsItsClocksInEveryDrawStateThatItHas) {
     return StateSetting{*find_state_register(key), value};
   };
   Scene scene = random_scene(4, {.width = 64, .height = 48, .triangles = 20, .size_max = 40});
-  scene.commands = {{3, {false, {set("depth.write", 0), set("depth.bias", 300)}}, {}},
-                    {6, {false, {set("color.write", 0), set("depth.write", 1)}}, {}},
-                    {9, {true, {set("stipple", 0x5aa55aa5), set("scissor.left", 9)}}, {}},
-                    {12, {}, Clear{{{1, 2, 3}}, {}, true, {}}},
-                    {13, {}, {}, 1},
-                    {14, {false, {set("depth.func", static_cast<int>(DepthFunc::always))}}, {}},
-                    {20, {}, Clear{{}, {}, true, {}}}};
+  scene.commands = {{3, StateChange{false, {set("depth.write", 0), set("depth.bias", 300)}}},
+                    {6, StateChange{false, {set("color.write", 0), set("depth.write", 1)}}},
+                    {9, StateChange{true, {set("stipple", 0x5aa55aa5), set("scissor.left", 9)}}},
+                    {12, Clear{{{1, 2, 3}}, {}, true, {}}},
+                    {13, Target{1}},
+                    {14, StateChange{false, {set("depth.func", static_cast<int>(DepthFunc::always))}}},
+                    {20, Clear{{}, {}, true, {}}}};
   write_tri_file(folder.path("states.tri"), scene);
   const std::string verify = "verify states.tri --engines model,systemc,rtl";
   const Result held = run(verify + " --json v.json");
@@ -730,7 +730,7 @@ TEST_F(Cli, TheChainKeepsItsClocksInEveryDrawStateThatItHas) {
   const auto pairs = nlohmann::json::parse(folder.read("v.json")).at("scenes")[0].at("pairs");
   EXPECT_GT(pairs.at(1).at("stages").at("depth").at("own").get<std::uint64_t>(), 400U);
 
-  scene.commands.push_back({20, {false, {set("target.format", 1)}}, {}});
+  scene.commands.push_back({20, StateChange{false, {set("target.format", 1)}}});
   write_tri_file(folder.path("states.tri"), scene);
   const Result other = run(verify);
   EXPECT_EQ(other.code, 0) << other.out << other.err;

@@ -156,14 +156,15 @@ TEST(Frozen, SecondTexture) {
   // Every function on every texture.
   std::int64_t n = 0;
   for (DrawCommand& command : scene.commands) {
-    if (command.clear) continue;
+    if (std::holds_alternative<Clear>(command.what)) continue;
     const auto textures = static_cast<std::int64_t>(scene.textures.size());
     const std::array<std::pair<const char*, std::int64_t>, 4> values{{{"texture1", n % (textures + 1) - 1},
                                                                       {"texture1.op", n % 6},
                                                                       {"texture1.scale", n % 3},
                                                                       {"texture1.red", 200}}};
-    for (const auto& [key, value] : values)
-      command.state.settings.push_back({*find_state_register(key), value});
+    if (auto* change = std::get_if<StateChange>(&command.what)) {
+      for (const auto& [key, value] : values) change->settings.push_back({*find_state_register(key), value});
+    }
     ++n;
   }
   std::vector<Config> configs = shipped_configs();

@@ -113,14 +113,15 @@ TEST(States, EnginesAgreeOnTheSecondTexture) {
         if (scene.textures.empty()) continue;
         for (DrawCommand& command : scene.commands) {
           const auto at = static_cast<std::int64_t>(command.before);
-          if (!command.changes_state()) continue;
-          std::erase_if(command.state.settings, [](const StateSetting& s) {
+          auto* change = std::get_if<StateChange>(&command.what);
+          if (change == nullptr) continue;
+          std::erase_if(change->settings, [](const StateSetting& s) {
             return state_registers()[s.index].key.starts_with("texture1");
           });
-          command.state.settings.push_back(
+          change->settings.push_back(
               setting("texture1", at % static_cast<std::int64_t>(scene.textures.size())));
-          command.state.settings.push_back(setting("texture1.op", at % 6));
-          command.state.settings.push_back(setting("texture1.scale", at % 3));
+          change->settings.push_back(setting("texture1.op", at % 6));
+          change->settings.push_back(setting("texture1.scale", at % 3));
         }
         const LockStepResult result = run_lock_step(engines, scene, {});
         for (const Comparison& pair : result.pairs) {
@@ -145,8 +146,8 @@ TEST(States, TheSecondTextureIsOneOfTheScene) {
   engines.push_back(make_ideal(config));
   for (const auto& engine : engines) {
     engine->begin(scene);
-    EXPECT_THROW(engine->set({false, {setting("texture1", 0)}}, 0, nullptr), InputError);
-    engine->set({false, {setting("texture1", -1)}}, 0, nullptr);
+    EXPECT_THROW(engine->execute({0, StateChange{false, {setting("texture1", 0)}}}, 0, nullptr), InputError);
+    engine->execute({0, StateChange{false, {setting("texture1", -1)}}}, 0, nullptr);
   }
 }
 
@@ -159,13 +160,13 @@ TEST(States, EarlyAndLateDrawTheSamePicture) {
     early->begin(scene);
     draw_scene(*early, scene, 0, scene.triangles.size(), nullptr);
     for (DrawCommand& command : scene.commands) {
-      if (command.changes_state()) {
-        command.state.settings.push_back(setting("depth.when", static_cast<std::int64_t>(DepthWhen::late)));
+      if (auto* change = std::get_if<StateChange>(&command.what)) {
+        change->settings.push_back(setting("depth.when", static_cast<std::int64_t>(DepthWhen::late)));
       }
     }
     scene.commands.insert(
         scene.commands.begin(),
-        {0, {false, {setting("depth.when", static_cast<std::int64_t>(DepthWhen::late))}}, {}});
+        {0, StateChange{false, {setting("depth.when", static_cast<std::int64_t>(DepthWhen::late))}}});
     const auto late = make_golden(config);
     late->begin(scene);
     draw_scene(*late, scene, 0, scene.triangles.size(), nullptr);
@@ -185,7 +186,8 @@ TEST(Targets, EachIsDrawnAsAlone) {
     engines.push_back(make_ideal(config));
     for (std::uint64_t seed = 700; seed < 706; ++seed) {
       Scene scene = stream(seed, true);
-      std::erase_if(scene.commands, [](const DrawCommand& command) { return command.target.has_value(); });
+      std::erase_if(scene.commands,
+                    [](const DrawCommand& command) { return std::holds_alternative<Target>(command.what); });
       std::vector<DrawCommand> commands;
       std::array<Scene, 3> alone{scene, scene, scene};
       for (Scene& s : alone) {
@@ -197,11 +199,12 @@ TEST(Targets, EachIsDrawnAsAlone) {
       auto command = scene.commands.begin();
       for (std::size_t i = 0; i <= scene.triangles.size(); ++i) {
         const std::size_t t = i / 2 % 3;
-        if (i % 2 == 0) commands.push_back({.before = i, .target = numbers.at(t)});
+        if (i % 2 == 0) commands.push_back({.before = i, .what = Target{numbers.at(t)}});
         for (; command != scene.commands.end() && command->before == i; ++command) {
           commands.push_back(*command);
           for (std::size_t k = 0; k < 3; ++k) {
-            if (k != t && command->clear) continue;  // a change of state is for all
+            if (k != t && std::holds_alternative<Clear>(command->what))
+              continue;  // a change of state is for all
             alone.at(k).commands.push_back(*command);
             alone.at(k).commands.back().before = alone.at(k).triangles.size();
           }
@@ -221,7 +224,7 @@ TEST(Targets, EachIsDrawnAsAlone) {
         engine->begin(scene);
         draw_scene(*engine, scene, 0, scene.triangles.size(), nullptr);
         for (std::size_t k = 0; k < 3; ++k) {
-          engine->target(numbers.at(k));
+          engine->execute({0, Target{numbers.at(k)}}, 0, nullptr);
           Frame shown = engine->frame();
           // Indices count all triangles of a stream.
           std::ranges::fill(shown.triangle, 0);
@@ -229,13 +232,19 @@ TEST(Targets, EachIsDrawnAsAlone) {
           shown.stencil.resize(expected.at(k).stencil.size());
           expect_same_frame(shown, expected.at(k));
         }
-        engine->target(3);  // not drawn on
+        engine->execute({0, Target{3}}, 0, nullptr);  // not drawn on
         others += static_cast<std::uint64_t>(std::ranges::count(engine->frame().triangle, -1));
-        EXPECT_EQ(error_of([&] { engine->target(8); }), "target: 8 does not exist; expected 0..7");
-        EXPECT_EQ(error_of([&] { engine->target(-1); }), "target: -1 does not exist; expected 0..7");
+        EXPECT_EQ(error_of([&] {
+                    engine->execute({0, Target{8}}, 0, nullptr);
+                  }),
+                  "target: 8 does not exist; expected 0..7");
+        EXPECT_EQ(error_of([&] {
+                    engine->execute({0, Target{-1}}, 0, nullptr);
+                  }),
+                  "target: -1 does not exist; expected 0..7");
         engine->begin(scene);  // target 0 again, and nothing is kept
         others += static_cast<std::uint64_t>(std::ranges::count(engine->frame().triangle, -1));
-        engine->target(5);
+        engine->execute({0, Target{5}}, 0, nullptr);
         others += static_cast<std::uint64_t>(std::ranges::count(engine->frame().triangle, -1));
       }
     }
@@ -247,10 +256,11 @@ TEST(Targets, EachIsDrawnAsAlone) {
 class OtherClear final : public WrappedEngine {
  public:
   using WrappedEngine::WrappedEngine;
-  void clear(const Clear& c) override {
-    Clear other = c;
-    if (other.stencil) *other.stencil ^= 1;
-    WrappedEngine::clear(other);
+  void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
+    DrawCommand other = command;
+    auto* clear = std::get_if<Clear>(&other.what);
+    if (clear != nullptr && clear->stencil) *clear->stencil ^= 1;
+    WrappedEngine::execute(other, next_index, trace);
   }
 };
 
@@ -258,10 +268,10 @@ class OtherClear final : public WrappedEngine {
 TEST(Targets, ADifferenceInOneThatIsNotShownIsSeen) {
   const Config config = shipped_config("depth16");
   Scene scene = stream(3, false);
-  scene.commands = {{.before = 0, .target = 1},
-                    {0, {true, {setting("depth.when", 1), setting("stencil.test", 1)}}, {}, {}},
-                    {10, {}, Clear{{}, {}, false, 7}, {}},
-                    {.before = 10, .target = 0}};
+  scene.commands = {{0, Target{1}},
+                    {0, StateChange{true, {setting("depth.when", 1), setting("stencil.test", 1)}}},
+                    {10, Clear{{}, {}, false, 7}},
+                    {10, Target{0}}};
   Engines engines;
   engines.push_back(make_golden(config, true));
   engines.push_back(make_model(config));
@@ -314,11 +324,9 @@ TEST(States, IdealCombinesTextures) {
       Scene scene = random_scene(500 + static_cast<std::uint64_t>(op), options);
       if (scene.textures.empty()) scene = random_scene(520, options);
       ASSERT_FALSE(scene.textures.empty());
-      scene.commands = {{0,
-                         {false,
-                          {setting("texture1", 0), setting("texture1.op", op), setting("texture1.scale", 1),
-                           setting("texture1.red", 255)}},
-                         {}}};
+      scene.commands = {{0, StateChange{false,
+                                        {setting("texture1", 0), setting("texture1.op", op),
+                                         setting("texture1.scale", 1), setting("texture1.red", 255)}}}};
       const auto ideal = make_ideal(config);
       const auto golden = make_golden(config, true);
       for (Engine* engine : {ideal.get(), golden.get()}) {

@@ -305,12 +305,12 @@ Scene with_draw_states(Scene scene, std::uint64_t seed, bool others, bool late =
       change.settings.push_back(setting("texture1", below(scene.textures.size())));
       change.settings.push_back(setting("texture1.op", below(6)));
     }
-    scene.commands.push_back({i, change, {}});
+    scene.commands.push_back({i, change});
     if (random() % 5 == 0) {
       Clear clear;
       clear.depth = true;
       if (late && random() % 2 == 0) clear.stencil = static_cast<std::uint8_t>(below(4));
-      scene.commands.push_back({i, {}, clear});
+      scene.commands.push_back({i, clear});
     }
   }
   return scene;

@@ -78,7 +78,7 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
          setting("stencil.back.func", CompareFunc::not_equal),
          setting("stencil.back.zfail", StencilOp::increment_wrap),
          setting("stencil.back.pass", StencilOp::decrement_wrap)}};
-    p.scene.commands.insert(p.scene.commands.begin(), DrawCommand{0, change, {}});
+    p.scene.commands.insert(p.scene.commands.begin(), DrawCommand{0, change});
   }
   if (!stops_at_edge(c.wrap)) continue_textures(p.scene);
   const Scene& scene = p.scene;
@@ -94,7 +94,7 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
   p.frame = model->frame();
   DrawState registers = first_state(c);
   for (const DrawCommand& command : scene.commands) {
-    registers = changed_state(registers, command.state, c);
+    registers = changed_state(registers, std::get<StateChange>(command.what), c);
   }
   const model::SetupStage setup = model::make_pipeline(c, scene).setup;
   bool back = false;

@@ -110,11 +110,11 @@ TEST(PixelBugs, OfABlendByEquation) {
   Scene scene = demo_scene(128, 96);
   const auto set = [&](std::size_t before,
                        std::initializer_list<std::pair<const char*, std::int64_t>> registers) {
-    DrawCommand command{before, {}, {}};
+    StateChange change;
     for (const auto& [key, value] : registers) {
-      command.state.settings.push_back({*find_state_register(key), value});
+      change.settings.push_back({*find_state_register(key), value});
     }
-    scene.commands.push_back(command);
+    scene.commands.push_back({before, change});
   };
   const auto number = [](auto name) { return static_cast<std::int64_t>(name); };
   set(0, {{"blend.op", number(BlendOp::reverse_subtract)},

@@ -32,7 +32,7 @@ TEST(Supersample, WhatIsMeasuredInPixelsGrows) {
                                            {*find_state_register("scissor.right"), 60},
                                            {*find_state_register("depth.bias"), 7},
                                            {*find_state_register("stipple"), 255}};
-  EXPECT_EQ(three.commands[0].state.settings, expected);
+  EXPECT_EQ(std::get<StateChange>(three.commands[0].what).settings, expected);
   EXPECT_EQ(three.commands[1], one.commands[1]);
   EXPECT_EQ(three.s_min, one.s_min);
   EXPECT_EQ(three.s_max, one.s_max);
@@ -59,8 +59,9 @@ TEST(Supersample, OfOneSampleIsTheScene) {
 
 TEST(Supersample, AScissorEndsAtItsLargestValue) {
   Scene scene = parse_tri(stream, "s.tri");
-  scene.commands[0].state.settings = {{*find_state_register("scissor.bottom"), scissor_limit}};
-  EXPECT_EQ(supersampled(scene, 16).commands[0].state.settings[0].value, scissor_limit);
+  std::get<StateChange>(scene.commands[0].what).settings = {
+      {*find_state_register("scissor.bottom"), scissor_limit}};
+  EXPECT_EQ(std::get<StateChange>(supersampled(scene, 16).commands[0].what).settings[0].value, scissor_limit);
 }
 
 TEST(Supersample, WhatAStreamCannotHoldIsRefused) {

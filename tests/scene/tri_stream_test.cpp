@@ -489,7 +489,9 @@ TEST(TriStream, TheSecondTextureIsOfTheHeader) {
                            second_triangle + state(0) + second_triangle + state(-1) + second_triangle;
   const auto values = [](const Scene& scene) {
     std::vector<std::int64_t> out;
-    for (const DrawCommand& command : scene.commands) out.push_back(command.state.settings.at(0).value);
+    for (const DrawCommand& command : scene.commands) {
+      out.push_back(std::get<StateChange>(command.what).settings.at(0).value);
+    }
     return out;
   };
   EXPECT_EQ(values(parse_tri(text, "a.tri")), (std::vector<std::int64_t>{1, 3, 0, -1}));

@@ -147,12 +147,11 @@ TEST(Forms, AlphasOutliveTheStateThatWroteThem) {
                                   static_cast<std::int64_t>(BlendFactor::zero)};
   Clear opaque;
   opaque.alpha = 255;
-  const std::vector<DrawCommand> between{{.before = 5, .clear = opaque}, {.before = 5, .target = 2}};
+  const std::vector<DrawCommand> between{{5, opaque}, {5, Target{2}}};
   for (const DrawCommand& command : between) {
-    scene.commands = {{.before = 0, .state = {false, {writes_alpha}}},
-                      command,
-                      {.before = 20, .state = {.reset = true, .settings = {}}}};
-    compare_forms(config, scene, command.target ? "target" : "clear");
+    scene.commands = {
+        {0, StateChange{false, {writes_alpha}}}, command, {20, StateChange{.reset = true, .settings = {}}}};
+    compare_forms(config, scene, std::holds_alternative<Target>(command.what) ? "target" : "clear");
   }
 }
 
@@ -280,13 +279,13 @@ TEST(Forms, TheSecondTexture) {
           for (std::size_t i = 0; i < scene.triangles.size(); i += 2) {
             const auto n = static_cast<std::int64_t>(i);
             scene.commands.push_back(
-                {i,
-                 {false,
-                  {set("texture1",
-                       i % 16 == 14 ? -1 : n / 2 % static_cast<std::int64_t>(scene.textures.size())),
-                   set("texture1.op", n / 2 % 6), set("texture1.scale", n / 6 % 3),
-                   set("texture1.red", 7 * n % 256), set("texture1.blue", 200),
-                   set("alpha.func", i % 10 == 0 ? 6 : 7), set("alpha.ref", 100)}}});
+                {i, StateChange{
+                        false,
+                        {set("texture1",
+                             i % 16 == 14 ? -1 : n / 2 % static_cast<std::int64_t>(scene.textures.size())),
+                         set("texture1.op", n / 2 % 6), set("texture1.scale", n / 6 % 3),
+                         set("texture1.red", 7 * n % 256), set("texture1.blue", 200),
+                         set("alpha.func", i % 10 == 0 ? 6 : 7), set("alpha.ref", 100)}}});
           }
           written += compare_forms(c, scene, base.name + ", second texture, seed " + std::to_string(seed));
           EXPECT_TRUE(holds_second_texture(c, lanes_for_shading(c, c.fog)));

@@ -17,11 +17,9 @@ class WrappedEngine : public Engine {
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
     inner_->draw(triangles, first_index, trace);
   }
-  void set(const StateChange& change, std::int64_t next_index, Trace* trace) override {
-    inner_->set(change, next_index, trace);
+  void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
+    inner_->execute(command, next_index, trace);
   }
-  void clear(const Clear& clear) override { inner_->clear(clear); }
-  void target(int k) override { inner_->target(k); }
   const Frame& frame() const override { return inner_->frame(); }
   const Counters& counters() const override { return inner_->counters(); }
 

@@ -292,7 +292,7 @@ TEST(Caches, AChangeOfTargetFlushes) {
   const auto flushes = [&](const std::vector<int>& targets, TimedMode mode) {
     Scene scene = random_scene(6, {.width = 40, .height = 30, .triangles = 12, .size_min = 20});
     for (std::size_t i = 0; i < targets.size(); ++i)
-      scene.commands.push_back({.before = 2 * i + 2, .target = targets[i]});
+      scene.commands.push_back({.before = 2 * i + 2, .what = Target{targets[i]}});
     const CachedRun run = run_of(config, scene, mode);
     std::array<std::size_t, 2> n{};
     for (const CacheReport& cache : run.report.caches) {
@@ -325,7 +325,7 @@ TEST(Caches, AChangeOfTargetForgetsTheWordsTouchedLast) {
                               0.5);
     scene.triangles[0].v[1].x = scene.triangles[0].v[2].y = 1.25;
     scene.triangles.push_back(scene.triangles[0]);
-    scene.commands.push_back({.before = 1, .target = target});
+    scene.commands.push_back({.before = 1, .what = Target{target}});
     const CachedRun run = run_of(config, scene, mode);
     EXPECT_EQ(run.trace.merge.size(), 2U);
     return std::pair(run.report.memory.reads, run.report.memory.writes);

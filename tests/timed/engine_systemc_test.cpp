@@ -497,7 +497,7 @@ TEST(EngineSystemc, BothTextureUnitsFetch) {
     }
   }
   const auto report = [&](int second, TimedMode mode) {
-    scene.commands = {{0, {false, {{*find_state_register("texture1"), second}}}, {}}};
+    scene.commands = {{0, StateChange{false, {{*find_state_register("texture1"), second}}}}};
     SystemcOptions options;
     options.mode = mode;
     const auto engine = make_systemc(config, options);

@@ -145,12 +145,12 @@ StateSetting setting(const char* key, std::int64_t value) { return {*find_state_
 TEST(Ports, DrawState) {
   const Config config = shipped_config("depth16");
   Scene scene = random_scene(4, {.width = 64, .height = 48, .triangles = 20, .size_max = 40});
-  scene.commands = {{3, {false, {setting("depth.write", 0), setting("depth.bias", 300)}}, {}},
-                    {6, {false, {setting("color.write", 0), setting("depth.write", 1)}}, {}},
-                    {9, {true, {setting("stipple", 0x5aa55aa5), setting("scissor.left", 9)}}, {}},
-                    {12, {}, Clear{{}, {}, true, {}}},
-                    {13, {}, {}, 2},
-                    {14, {false, {setting("depth.func", static_cast<int>(DepthFunc::always))}}, {}}};
+  scene.commands = {{3, StateChange{false, {setting("depth.write", 0), setting("depth.bias", 300)}}},
+                    {6, StateChange{false, {setting("color.write", 0), setting("depth.write", 1)}}},
+                    {9, StateChange{true, {setting("stipple", 0x5aa55aa5), setting("scissor.left", 9)}}},
+                    {12, Clear{{}, {}, true, {}}},
+                    {13, Target{2}},
+                    {14, StateChange{false, {setting("depth.func", static_cast<int>(DepthFunc::always))}}}};
   const Outcome bus = run(config, scene, {.mode = TimedMode::span});
   for (const PortTiming& ports : {PortTiming{}, {1, 40, 0.3, 5}}) {
     const Outcome span = run(config, scene, with_ports(ports));
@@ -165,11 +165,12 @@ TEST(Ports, DrawState) {
       EXPECT_LT(r->report.ports[color_port].writes, r->counters.written);
     }
   }
-  scene.commands = {{3, {false, {setting("target.format", static_cast<int>(TargetFormat::rgb565))}}, {}}};
+  scene.commands = {
+      {3, StateChange{false, {setting("target.format", static_cast<int>(TargetFormat::rgb565))}}}};
   EXPECT_THROW(run(config, scene, with_ports({})), InputError);
   scene.textures.resize(1, Texture{.name = "one", .width = 1, .height = 1, .rgba = {1, 2, 3, 255}});
   for (Triangle& t : scene.triangles) t.texture = -1;
-  scene.commands = {{3, {false, {setting("texture1", 0)}}, {}}};
+  scene.commands = {{3, StateChange{false, {setting("texture1", 0)}}}};
   EXPECT_THROW(run(config, scene, with_ports({})), InputError);
 }
 
@@ -179,15 +180,15 @@ TEST(Ports, LateTests) {
   Scene scene = random_scene(4, {.width = 64, .height = 48, .triangles = 24, .size_max = 40});
   const auto increment = static_cast<std::int64_t>(StencilOp::increment);
   scene.commands = {
-      {2, {false, {setting("depth.when", 1), setting("alpha.func", 4), setting("alpha.ref", 60)}}, {}},
-      {6,
-       {false,
-        {setting("stencil.test", 1), setting("stencil.pass", increment), setting("stencil.zfail", increment),
-         setting("stencil.func", 6), setting("stencil.ref", 1)}},
-       {}},
-      {12, {}, Clear{{}, {}, true, 0}},
-      {14, {true, {setting("alpha.func", 1), setting("alpha.ref", 200)}}, {}},
-      {18, {true, {setting("depth.when", 1), setting("stencil.test", 1), setting("stencil.func", 1)}}, {}}};
+      {2, StateChange{false, {setting("depth.when", 1), setting("alpha.func", 4), setting("alpha.ref", 60)}}},
+      {6, StateChange{false,
+                      {setting("stencil.test", 1), setting("stencil.pass", increment),
+                       setting("stencil.zfail", increment), setting("stencil.func", 6),
+                       setting("stencil.ref", 1)}}},
+      {12, Clear{{}, {}, true, 0}},
+      {14, StateChange{true, {setting("alpha.func", 1), setting("alpha.ref", 200)}}},
+      {18, StateChange{true,
+                       {setting("depth.when", 1), setting("stencil.test", 1), setting("stencil.func", 1)}}}};
   const Outcome bus = run(config, scene, {.mode = TimedMode::span});
   for (const PortTiming& ports : {PortTiming{}, {1, 40, 0.3, 5}}) {
     const Outcome span = run(config, scene, with_ports(ports));
@@ -216,13 +217,12 @@ TEST(Ports, AnyBlend) {
   Config config = shipped_config("depth16");
   Scene scene = demo_scene(96, 72);
   const auto number = [](auto name) { return static_cast<std::int64_t>(name); };
-  scene.commands = {
-      {0, {false, {setting("blend.dst", number(BlendFactor::zero))}}, {}},
-      {150,
-       {false, {setting("blend.op", number(BlendOp::max)), setting("blend.alpha.op", number(BlendOp::min))}},
-       {}},
-      {300, {false, {setting("logic.op", number(LogicOp::copy_inverted))}}, {}},
-      {450, {true, {setting("logic.op", number(LogicOp::equiv))}}, {}}};
+  scene.commands = {{0, StateChange{false, {setting("blend.dst", number(BlendFactor::zero))}}},
+                    {150, StateChange{false,
+                                      {setting("blend.op", number(BlendOp::max)),
+                                       setting("blend.alpha.op", number(BlendOp::min))}}},
+                    {300, StateChange{false, {setting("logic.op", number(LogicOp::copy_inverted))}}},
+                    {450, StateChange{true, {setting("logic.op", number(LogicOp::equiv))}}}};
   EXPECT_THROW(run(config, scene, with_ports({})), InputError);
   config.rtl.blend = RtlBlend::equation;
   const Outcome bus = run(config, scene, {.mode = TimedMode::span});

@@ -24,9 +24,9 @@ inline Scene square_half(const std::vector<std::pair<std::string, std::int64_t>>
   t.v[2] = {.x = 0, .y = 4.25, .s = 2};
   for (Vertex& v : t.v) v.c = {1, 1, 1, alpha};
   scene.triangles.push_back(t);
-  DrawCommand command;
-  for (const auto& [key, value] : state) command.state.settings.push_back({*find_state_register(key), value});
-  if (!state.empty()) scene.commands.push_back(command);
+  StateChange change;
+  for (const auto& [key, value] : state) change.settings.push_back({*find_state_register(key), value});
+  if (!state.empty()) scene.commands.push_back({0, change});
   return scene;
 }
 
