@@ -156,6 +156,8 @@ class ChainBeside {
     pixels_ = chain;
     pixels_->set(state_);
   }
+  template <class Other>
+  void run(const Other& /*what*/) {}  // of scenes that are not compared
   void run(const Clear& clear) { model::clear_planes(pipeline_, frame_, clear); }
   void run(const Target& target) {
     model::select_target(pipeline_, scene_, targets_, target.k, frame_);
@@ -275,13 +277,18 @@ CycleVerdict compare_cycles(const Config& config, const Scene& scene, std::size_
   rtl.reset();
   systemc->begin(scene);
   Trace trace;
-  systemc->draw({}, 0, &trace);  // delivers the constants
-  const std::int64_t b = trace.constants.at(0).b;
   const std::size_t all = std::min(triangles, scene.triangles.size());
-  for (std::size_t first = 0; first < all; first += slice_triangles) {
+  for (std::size_t first = 0, count = 0; first < all; first += count) {
+    count = std::min(slice_triangles, all - first);
+    // B is that of the view, which may not change inside a slice.
+    for (const DrawCommand& command : scene.commands) {
+      const bool inside = command.before > first && command.before < first + count;
+      if (inside && may_change_view(command)) count = command.before - first;
+    }
+    const std::int64_t b = model::make_constants(config, with_view(view_at(scene, first))).record.b;
     trace.clear();
     const std::size_t recorded = systemc->handshake().size();
-    draw_scene(*systemc, scene, first, std::min(slice_triangles, all - first), &trace);
+    draw_scene(*systemc, scene, first, count, &trace);
     std::vector<RtlHandshake> driven;
     driven.reserve(systemc->handshake().size() - recorded);
     for (std::size_t i = recorded; i < systemc->handshake().size(); ++i) {
@@ -337,7 +344,7 @@ CycleVerdict compare_cycles(const Config& config, const Scene& scene, std::size_
 
 std::vector<ChainVerdict> compare_chain(const Config& config, const Scene& scene, std::uint64_t seed,
                                         std::size_t triangles) {
-  if (!rtl_draws_pixels(config, scene)) return {};
+  if (!rtl_draws_pixels(config, scene) || changes_scene(scene.commands)) return {};
   const PortTiming random{.least = 1, .most = 25, .stall = 0.1, .seed = seed};
   const std::pair<std::string, PortTiming> memories[] = {
       {"ideal memory", {}}, {fmt::format("1 to 25 clocks, stalls, seed {}", seed), random}};

@@ -199,9 +199,10 @@ int explain(const Options& o) {
   const Config config = find_config(o.config);
   const LoadedScene loaded = load_scene(o.scene, o.view);
   const Scene& scene = loaded.scene;
-  if (o.x < 0 || o.y < 0 || o.x >= scene.width || o.y >= scene.height) {
+  const View shown = view_at(scene, scene.triangles.size());
+  if (o.x < 0 || o.y < 0 || o.x >= shown.width || o.y >= shown.height) {
     throw InputError(fmt::format("explain: pixel ({}, {}) is outside the picture of {}x{}", o.x, o.y,
-                                 scene.width, scene.height));
+                                 shown.width, shown.height));
   }
   check_scene_range(config, scene);
   std::vector<Story> stories;
@@ -231,17 +232,24 @@ int explain(const Options& o) {
     touches = std::max(touches, story.touches.size());
   }
   fmt::print("fragments on it: {}\n", touches);
+  Scene seen;  // what the closed form takes: one view
+  static_cast<View&>(seen) = scene;
+  seen.textures = scene.textures;
+  seen.commands = scene.commands;
   const auto print_type = [&](const std::vector<const RecordCopy*>& records, RecordType type,
                               const Triangle* triangle) {
     fmt::print("\n  {}\n", stage_of(type));
-    equal = print_record(stories, records, config, scene, triangle) && equal;
+    equal = print_record(stories, records, config, seen, triangle) && equal;
   };
   if (touches > 0 && !o.brief) {
-    std::vector<const RecordCopy*> constants;
-    for (const Story& story : stories) {
-      constants.push_back(story.constants.empty() ? nullptr : story.constants.data());
+    // One per view.
+    for (std::size_t k = 0; k < stories.front().constants.size(); ++k) {
+      std::vector<const RecordCopy*> constants;
+      for (const Story& story : stories) {
+        constants.push_back(k < story.constants.size() ? &story.constants[k] : nullptr);
+      }
+      print_type(constants, RecordType::constants, nullptr);
     }
-    print_type(constants, RecordType::constants, nullptr);
   }
   // In front of a triangle; behind the last one, what is shown.
   const auto target_text = [&, several = targets_of(scene.commands).size() > 1](std::size_t triangle) {
@@ -257,6 +265,8 @@ int explain(const Options& o) {
     const auto index = static_cast<std::size_t>(first->triangle);
     fmt::print("\nfragment {} of {}: triangle {}{}\n", t + 1, touches, first->triangle, target_text(index));
     const Triangle& triangle = scene.triangles[index];
+    // The closed form takes the triangle's view.
+    static_cast<View&>(seen) = view_at(scene, index);
     for (std::size_t r = 0; r < first->records.size(); ++r) {
       const RecordType type = first->records[r].type;
       const Per per = row_of(type).per;
@@ -273,7 +283,7 @@ int explain(const Options& o) {
     }
   }
   const std::size_t at =
-      static_cast<std::size_t>(o.y) * static_cast<std::size_t>(scene.width) + static_cast<std::size_t>(o.x);
+      static_cast<std::size_t>(o.y) * static_cast<std::size_t>(ideal.width) + static_cast<std::size_t>(o.x);
   fmt::print("\npicture at ({}, {}){}\n", o.x, o.y, target_text(scene.triangles.size()));
   std::vector<std::vector<std::string>> rows{{"engine", "triangle", "depth", "u", "v", "R", "G", "B"}};
   const auto add = [&](const std::string& engine, const Frame& f) {

@@ -165,7 +165,10 @@ int render(const Options& o) {
       DumpInfo info{BITSPAN_VERSION, scene.name, names[0], seconds, {}};
       info.supersample = k;
       info.resolved = resolved;
-      if (o.position) info.positions = positions_of(config, scene, frame);
+      if (o.position) {
+        const View shown = view_at(scene, scene.triangles.size());
+        info.positions = positions_of(config, with_view(shown), frame);
+      }
       if (is_model) {
         const bool vectors = form != ModelForm::scalar;
         const VectorTarget target =

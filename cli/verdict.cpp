@@ -233,10 +233,12 @@ SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const Ver
   Progress progress(scene.name);
   LockStepOptions steps;
   steps.progress = [&](std::size_t done, std::size_t total) { progress.update(done, total); };
+  // The closed form of errors knows one view.
+  const bool has_errors = out.ideal != nullptr && !changes_scene(scene.commands);
   if (out.ideal) {
     out.ideal->begin(scene);
     steps.observe = [&](std::span<const Triangle> triangles, std::int64_t first, const Trace& trace) {
-      meter.add(triangles, first, trace);
+      if (has_errors) meter.add(triangles, first, trace);
       draw_scene(*out.ideal, scene, static_cast<std::size_t>(first), triangles.size(), nullptr);
     };
   }
@@ -251,7 +253,7 @@ SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const Ver
       v.resolved.push_back(compare_resolved(*out.engines[0], *out.engines[e], config, options.supersample));
     }
   }
-  if (out.ideal) {
+  if (has_errors) {
     meter.add_pictures(out.engines[0]->frame(), out.ideal->frame());
     v.errors = meter.report();
     v.has_errors = true;

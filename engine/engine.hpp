@@ -33,17 +33,23 @@ class Engine {
   //   StateChange  the draw state; begin() gives the configuration's. The record is that of the new state.
   //                Throws InputError where the new state is not legal, or the engine does not have it.
   //   Clear        fills planes of the frame.
-  //   Target       draws on target k from here on; begin() gives target 0. One that has not been drawn on yet
-  //                is as begin() clears it. The draw state stays. Throws InputError where k is not below
-  //                target_limit.
+  //   Target       draws on target k from here on, with its view; begin() gives target 0. One that has not
+  //                been drawn on yet takes the view in force, and is cleared as begin() clears. The draw
+  //                state stays. Throws InputError where k is not below target_limit.
+  //   ViewChange   the view of the target that is drawn on; begin() gives the scene's. With another size it
+  //                is cleared as begin() clears. The constants of another view are delivered as a record of
+  //                their own in front of the next records. Throws InputError where the new view is not legal,
+  //                or does not fit the configuration.
   virtual void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) = 0;
   // Of the target that is drawn on.
   virtual const Frame& frame() const = 0;
   virtual const Counters& counters() const = 0;
 };
 
-// Draws `count` triangles of a scene from `first` on, with the commands in front of them, and those behind
-// the scene's last triangle where it is among them.
+// The commands in front of `count` triangles of a scene from `first` on, and those behind the scene's last
+// triangle where it is among them.
+std::span<const DrawCommand> commands_of(const Scene& scene, std::size_t first, std::size_t count);
+// Draws `count` triangles of a scene from `first` on, with commands_of() them.
 void draw_scene(Engine& engine, const Scene& scene, std::size_t first, std::size_t count, Trace* trace);
 // The same, where triangle `first` has input index first_index.
 void draw_scene(Engine& engine, const Scene& scene, std::size_t first, std::size_t count,

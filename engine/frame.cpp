@@ -4,9 +4,6 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
-#include <string>
-
-#include "config/config.hpp"
 
 namespace bitspan {
 
@@ -42,12 +39,6 @@ void clear_planes(Frame& frame, const Clear& clear, std::uint32_t farthest) {
   }
   if (clear.depth) std::ranges::fill(frame.depth, farthest);
   if (clear.stencil) frame.stencil.assign(pixels, *clear.stencil);
-}
-
-void check_target(int k) {
-  if (k >= 0 && k < target_limit) return;
-  throw InputError("target: " + std::to_string(k) + " does not exist; expected 0.." +
-                   std::to_string(target_limit - 1));
 }
 
 void need_stencil(Frame& frame) {

@@ -37,9 +37,6 @@ void clear_planes(Frame& frame, const Clear& clear, std::uint32_t farthest);
 // Gives the frame a stencil plane of zeros where it has none.
 void need_stencil(Frame& frame);
 
-// Throws InputError where there is no target k.
-void check_target(int k);
-
 // The targets of a run but the one that is drawn on. Planes: what an engine has per target, a Frame at least.
 template <class Planes>
 class Targets {

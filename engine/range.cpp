@@ -521,6 +521,30 @@ class RangeCheck {
 
 }  // namespace
 
-void check_scene_range(const Config& config, const Scene& scene) { RangeCheck(config, scene).run(); }
+void check_scene_range(const Config& config, const Scene& scene) {
+  if (!changes_scene(scene.commands)) {
+    RangeCheck(config, scene).run();
+    return;
+  }
+  // Each view with the triangles that are drawn with it.
+  Scene part;
+  part.name = scene.name;
+  part.textures = scene.textures;
+  Views views(scene);
+  std::size_t first = 0;
+  const auto check = [&](std::size_t end) {
+    static_cast<View&>(part) = views.now();
+    part.triangles.assign(scene.triangles.begin() + static_cast<std::ptrdiff_t>(first),
+                          scene.triangles.begin() + static_cast<std::ptrdiff_t>(end));
+    if (end > first) RangeCheck(config, part).run();
+    first = end;
+  };
+  for (const DrawCommand& command : scene.commands) {
+    if (!may_change_view(command)) continue;
+    check(command.before);
+    views.execute(command);
+  }
+  check(scene.triangles.size());
+}
 
 }  // namespace bitspan

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "config/modes.hpp"
+#include "engine/drawn_scene.hpp"
 #include "engine/rows.hpp"
 #include "golden/depth.hpp"
 #include "golden/distance.hpp"
@@ -36,6 +37,7 @@ class GoldenEngine final : public Engine, public RowEngine {
   GoldenEngine(const Config& config, Precision precision, bool checked)
       : config_(config), checked_(checked), precision_(std::move(precision)) {
     texture_ = make_texture(with(precision_.texture), config_);
+    if (has_lod(config_)) mip_texture_ = make_mip_texture(with(precision_.texture), config_);
     texture_second_ = make_texture_second(with(precision_.texture_second), config_);
     merge_ = make_merge(with(precision_.merge), config_);
   }
@@ -45,42 +47,13 @@ class GoldenEngine final : public Engine, public RowEngine {
   const Counters& counters() const override { return counters_; }
 
   void begin(const Scene& scene) override {
-    constants_ = make_constants(config_, scene);
-    scene_ = &scene;
-    setup_ = make_setup(with(precision_.setup), config_, constants_);
-    if (by_planes()) {
-      plane_walk_ =
-          make_plane_walk(with(precision_.plane_walk), config_, constants_, scene.width, scene.height);
-      plane_span_setup_ = make_plane_span_setup(with(precision_.span_setup), config_, constants_);
-    } else {
-      edge_setup_ = make_edge_setup(with(precision_.edge_setup), config_, constants_);
-      edge_walk_ = make_edge_walk(with(precision_.edge_walk), config_, constants_, scene.width, scene.height);
-      if (has_setup_plane(config_)) {
-        setup_plane_ = make_setup_plane(with(precision_.setup_plane), config_, constants_);
-        triangle_span_setup_ = make_triangle_span_setup(with(precision_.span_setup), config_);
-      } else {
-        span_setup_ = make_span_setup(with(precision_.span_setup), config_, constants_);
-      }
-    }
-    span_ = make_span(with(precision_.span), config_, constants_);
-    if (has_setup_gradients(config_)) {
-      gradients_ = make_gradients(with(precision_.gradient), config_, constants_);
-    }
-    if (has_distance(config_)) {
-      distance_ = make_distance(with(precision_.distance), config_, constants_, scene);
-    }
-    if (has_lod(config_)) {
-      lod_ = make_lod(with(precision_.lod), config_, constants_);
-      mip_texture_ = make_mip_texture(with(precision_.texture), config_);
-      levels_ = scene_levels(config_, scene);
-    }
-    depth_ = make_depth(with(precision_.depth), config_, constants_);
-    fog_ = make_fog(with(precision_.fog), config_, constants_, scene);
+    scene_.begin(scene);
+    prepare_view();
+    levels_ = scene_levels(config_, scene);
     uv_ulp_ = std::ldexp(1.0, -config_.format(FormatId::span_uv).fraction());
 
     state_ = first_state(config_);
     back_ = false;
-    constants_delivered_ = false;
     counters_ = {};
     targets_ = {};
     clear_target();
@@ -141,8 +114,56 @@ class GoldenEngine final : public Engine, public RowEngine {
     clear_planes(frame_, held(state_, clear), static_cast<std::uint32_t>(clear_depth(config_)));
   }
   void run(const Target& target, std::int64_t /*next_index*/, Trace* /*trace*/) {
+    const std::uint64_t before = scene_.version();
+    scene_.run(target);
+    take_scene(before);
     if (!targets_.select(target.k, frame_)) clear_target();
     if (state_.stencil_test) need_stencil(frame_);
+  }
+  void run(const ViewChange& change, std::int64_t /*next_index*/, Trace* /*trace*/) {
+    const std::uint64_t before = scene_.version();
+    scene_.run(change);
+    take_scene(before);
+    if (frame_.width == scene_->width && frame_.height == scene_->height) return;
+    clear_target();
+    if (state_.stencil_test) need_stencil(frame_);
+  }
+  // What depends on the view.
+  void prepare_view() {
+    const Scene& scene = *scene_;
+    constants_ = make_constants(config_, scene);
+    constants_delivered_ = false;
+    setup_ = make_setup(with(precision_.setup), config_, constants_);
+    if (by_planes()) {
+      plane_walk_ =
+          make_plane_walk(with(precision_.plane_walk), config_, constants_, scene.width, scene.height);
+      plane_span_setup_ = make_plane_span_setup(with(precision_.span_setup), config_, constants_);
+    } else {
+      edge_setup_ = make_edge_setup(with(precision_.edge_setup), config_, constants_);
+      edge_walk_ = make_edge_walk(with(precision_.edge_walk), config_, constants_, scene.width, scene.height);
+      if (has_setup_plane(config_)) {
+        setup_plane_ = make_setup_plane(with(precision_.setup_plane), config_, constants_);
+        triangle_span_setup_ = make_triangle_span_setup(with(precision_.span_setup), config_);
+      } else {
+        span_setup_ = make_span_setup(with(precision_.span_setup), config_, constants_);
+      }
+    }
+    span_ = make_span(with(precision_.span), config_, constants_);
+    if (has_setup_gradients(config_)) {
+      gradients_ = make_gradients(with(precision_.gradient), config_, constants_);
+    }
+    if (has_distance(config_)) {
+      distance_ = make_distance(with(precision_.distance), config_, constants_, scene);
+    }
+    if (has_lod(config_)) {
+      lod_ = make_lod(with(precision_.lod), config_, constants_);
+    }
+    depth_ = make_depth(with(precision_.depth), config_, constants_);
+    fog_ = make_fog(with(precision_.fog), config_, constants_, scene);
+  }
+  // Prepares what the scene has become since that version.
+  void take_scene(std::uint64_t since) {
+    if (scene_.view_version() > since) prepare_view();
   }
   void clear_target() {
     clear_frame(frame_, scene_->width, scene_->height, scene_->background,
@@ -418,9 +439,9 @@ class GoldenEngine final : public Engine, public RowEngine {
   Config config_;
   bool checked_;
   Precision precision_;
-  const Scene* scene_ = nullptr;
+  DrawnScene scene_;
   Constants constants_;
-  bool constants_delivered_ = false;  // once per scene, in front of its first record
+  bool constants_delivered_ = false;  // once per view, in front of its first record
   double uv_ulp_ = 1;
   SetupStage setup_;
   EdgeSetupStage edge_setup_;

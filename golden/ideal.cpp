@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "config/modes.hpp"
+#include "engine/drawn_scene.hpp"
 #include "golden/blend.hpp"
 #include "golden/compare.hpp"
 #include "golden/mask.hpp"
@@ -466,7 +467,7 @@ class IdealEngine final : public Engine {
   const Counters& counters() const override { return counters_; }
 
   void begin(const Scene& scene) override {
-    scene_ = &scene;
+    scene_.begin(scene);
     levels_ = golden::scene_levels(config_, scene);
     counters_ = {};
     state_ = first_state(config_);
@@ -484,7 +485,14 @@ class IdealEngine final : public Engine {
     if (state_.stencil_test) need_stencil(planes_.frame);
   }
   void run(const Target& target) {
+    scene_.run(target);
     if (!targets_.select(target.k, planes_)) clear_target();
+    if (state_.stencil_test) need_stencil(planes_.frame);
+  }
+  void run(const ViewChange& change) {
+    scene_.run(change);
+    if (planes_.frame.width == scene_->width && planes_.frame.height == scene_->height) return;
+    clear_target();
     if (state_.stencil_test) need_stencil(planes_.frame);
   }
   void run(const Clear& clear) {
@@ -681,7 +689,7 @@ class IdealEngine final : public Engine {
   }
 
   Config config_;
-  const Scene* scene_ = nullptr;
+  DrawnScene scene_;
   golden::SceneLevels levels_;
   int triangle_dz_ = 0;  // of the triangle under way
   DrawState state_;

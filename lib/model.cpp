@@ -106,7 +106,8 @@ void draw_triangles(ModelState& model, const bs_vertex* v, const std::int32_t* t
   triangles.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     triangles.push_back(triangle_from(v, i, textures == nullptr ? -1 : textures[i], model.scene,
-                                      model.triangles + static_cast<std::int64_t>(i), function));
+                                      model.views.now(), model.triangles + static_cast<std::int64_t>(i),
+                                      function));
   }
   number_triangles(model, frame, draw);
   draw_whole(model, [&](Trace* trace) { model.engine->draw(triangles, model.triangles, trace); });
@@ -122,14 +123,20 @@ void draw_scene(ModelState& model, const Scene& scene, std::size_t first, std::s
                            std::to_string(count) + "; expected a range of the scene's " +
                            std::to_string(all) + " triangles");
   }
+  Views views = model.views;
+  const std::span<const DrawCommand> commands = commands_of(scene, first, count);
+  auto command = commands.begin();
   for (std::size_t i = first; i < first + count; ++i) {
-    const Triangle& triangle = scene.triangles[i];
-    model::check_triangle(model.scene, triangle, static_cast<std::int64_t>(i));
+    for (; command != commands.end() && command->before <= i; ++command) views.execute(*command);
+    model::check_triangle(views.now(), model.scene.textures.size(), scene.triangles[i],
+                          static_cast<std::int64_t>(i));
   }
+  for (; command != commands.end(); ++command) views.execute(*command);
   number_triangles(model, frame, draw);
   draw_whole(model, [&](Trace* trace) {
     bitspan::draw_scene(*model.engine, scene, first, count, model.triangles, trace);
   });
+  model.views = views;
   model.triangles += static_cast<std::int64_t>(count);
 }
 
@@ -154,14 +161,14 @@ std::pair<AnyRow, std::size_t> row_from(const ModelState& model, RecordType type
   AnyRow row;
   if (type == RecordType::row && !planes) {
     const auto record = record_from<RowRecord>(model, values, n);
-    check_pixels(record, model.scene, "bs_row");
+    check_pixels(record, model.views.now(), "bs_row");
     return {record, 0};
   }
   if (type == RecordType::plane_row && planes) {
     row = record_from<PlaneRowRecord>(model, values, n);
   } else if (type == RecordType::span) {
     const auto record = record_from<SpanRecord>(model, values, n);
-    if (!planes) check_pixels(record, model.scene, "bs_row");
+    if (!planes) check_pixels(record, model.views.now(), "bs_row");
     row = record;
   } else {
     fail(BS_BAD_INPUT, "bs_row: stage: " + std::string(stage_of(type)) +
@@ -258,7 +265,8 @@ bs_view frame_view(ModelState& model, bs_plane plane) {
     case BS_PLANE_POSITION:
       // Views of an unchanged picture stay as they are.
       model.positions.resize(3 * frame.depth.size());
-      std::ranges::copy(positions_of(model.config, model.scene, frame).points, model.positions.begin());
+      std::ranges::copy(positions_of(model.config, with_view(model.views.now()), frame).points,
+                        model.positions.begin());
       return plane_view(model.positions, frame, BS_F64, 3);
     default:
       fail(BS_BAD_INPUT, "bs_frame_view: plane: " + std::to_string(plane) + " is no plane; expected 0 to 6");
@@ -378,6 +386,7 @@ bs_status bs_begin(bs_model* handle, const bs_scene_desc* scene) {
     model->plane.reset();
     for (CheckState& check : model->checks) check = {};
     model->scene = std::move(next);
+    model->views = Views(model->scene);
     if (!model->is_current) make_engine(*model);
     model->engine->begin(model->scene);
     model->begun = true;
@@ -415,7 +424,14 @@ bs_status bs_command(bs_model* handle, const char* json) {
     need_begun(*model, "bs_command");
     const DrawCommand command = parse_command(json, "bs_command");
     if (!model->tracing) model->untraced = true;
+    Views views = model->views;
+    views.execute(command);
+    // A view that does not fit the configuration leaves a picture that cannot go on.
+    const bool other = views.now() != model->views.now();
+    if (other) model->begun = false;
     model->engine->execute(command, model->triangles, model->tracing ? &model->trace : nullptr);
+    model->begun = true;
+    model->views = views;
   });
 }
 

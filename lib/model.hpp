@@ -47,6 +47,7 @@ struct ModelState {
   std::string overridden;  // stages of the engine, "" where there are none
 
   Scene scene;
+  Views views;  // of the targets
   bool begun = false;
   std::int64_t triangles = 0;
   std::vector<DrawNumbers> numbers;

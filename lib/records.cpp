@@ -86,20 +86,20 @@ void check_setup(const SetupRecord& r, std::string_view function) {
   }
 }
 
-void check_pixels(const RowRecord& row, const Scene& scene, std::string_view function) {
+void check_pixels(const RowRecord& row, const View& view, std::string_view function) {
   const auto where = [&](std::string_view field) { return Place{function, RecordType::row, field}; };
-  check_range(row.y, 0, scene.height - 1, where("y"));
-  check_range(row.x_first, 0, scene.width - 1, where("x_first"));
-  check_range(row.x_last, row.x_first, scene.width - 1, where("x_last"));
+  check_range(row.y, 0, view.height - 1, where("y"));
+  check_range(row.x_first, 0, view.width - 1, where("x_first"));
+  check_range(row.x_last, row.x_first, view.width - 1, where("x_last"));
   check_range(row.l_edge, 0, 2, where("l_edge"));
   check_range(row.r_edge, 0, 2, where("r_edge"));
 }
 
-void check_pixels(const SpanRecord& span, const Scene& scene, std::string_view function) {
+void check_pixels(const SpanRecord& span, const View& view, std::string_view function) {
   const auto where = [&](std::string_view field) { return Place{function, RecordType::span, field}; };
-  check_range(span.y, 0, scene.height - 1, where("y"));
-  check_range(span.x, 0, scene.width - 1, where("x"));
-  check_range(span.count, 1, scene.width - span.x, where("count"));
+  check_range(span.y, 0, view.height - 1, where("y"));
+  check_range(span.x, 0, view.width - 1, where("x"));
+  check_range(span.count, 1, view.width - span.x, where("count"));
   check_range(span.phase, 0, 0, where("phase"));
 }
 

@@ -23,8 +23,8 @@ void check_identity(RecordType type, std::span<const std::int64_t> before,
 // The vertices are in the order of the edge walk, and the triangle has an area.
 void check_setup(const SetupRecord& record, std::string_view function);
 // The pixels lie in the picture.
-void check_pixels(const RowRecord& row, const Scene& scene, std::string_view function);
-void check_pixels(const SpanRecord& span, const Scene& scene, std::string_view function);
+void check_pixels(const RowRecord& row, const View& view, std::string_view function);
+void check_pixels(const SpanRecord& span, const View& view, std::string_view function);
 // Returns which of the plane's rows has the row's pixels.
 std::size_t row_of_plane(const AnyRow& row, const PlaneOfRows& plane, std::string_view function);
 

@@ -249,7 +249,7 @@ Scene scene_from(const bs_scene_desc* from) {
 }
 
 Triangle triangle_from(const bs_vertex* vertices, std::size_t i, std::int32_t texture, const Scene& scene,
-                       std::int64_t index, const char* function) {
+                       const View& view, std::int64_t index, const char* function) {
   const std::string what = std::string(function) + ": v";
   Triangle out;
   for (std::size_t corner = 0; corner < 3; ++corner) {
@@ -267,7 +267,7 @@ Triangle triangle_from(const bs_vertex* vertices, std::size_t i, std::int32_t te
   }
   check_texture(scene, texture, function);
   out.texture = texture;
-  model::check_triangle(scene, out, index);
+  model::check_triangle(view, scene.textures.size(), out, index);
   return out;
 }
 

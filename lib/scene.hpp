@@ -18,7 +18,7 @@ inline constexpr std::size_t texture_count_limit = 65536;
 Scene scene_from(const bs_scene_desc* from);
 // Returns triangle i of an array of vertices. index: its input index, for messages.
 Triangle triangle_from(const bs_vertex* vertices, std::size_t i, std::int32_t texture, const Scene& scene,
-                       std::int64_t index, const char* function);
+                       const View& view, std::int64_t index, const char* function);
 void check_texture(const Scene& scene, std::int32_t texture, const char* function);
 
 // The scene that was read, as long as the pointer lives. Throws BS_BAD_HANDLE.

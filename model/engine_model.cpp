@@ -73,6 +73,7 @@ class ObservedModel final : public ObservedEngine {
   std::string_view name() const override { return "model"; }
   void begin(const Scene& scene) override {
     statistics_ = {};
+    run_.statistics = &statistics_;
     run_.begin(scene, Observe{&statistics_});
   }
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {

@@ -51,4 +51,6 @@ MipChains::MipChains(const Config& config, const Scene& scene) {
   for (const Texture& texture : scene.textures) chains_.push_back(make_mip_chain(texture));
 }
 
+void MipChains::update(const DrawnScene& scene) { first_ = scene->textures.data(); }
+
 }  // namespace bitspan::model

@@ -35,31 +35,39 @@ namespace {
 
 }  // namespace
 
+namespace {
+
+// What depends on the view.
 template <class Watch>
-Pipeline make_pipeline(const Config& config, const Scene& scene, Watch watch) {
-  check_scene(scene);
-  Pipeline p;
-  p.const_depth_rows = has_plane_rows(config.perspective);
+void prepare_view(Pipeline& p, const Config& config, const Scene& scene, Watch watch) {
   p.constants = make_constants(config, scene, watch);
   p.setup = prepare_setup(config, p.constants);
-  p.by_plane = has_setup_plane(config);
   if (p.by_plane) p.setup_plane = prepare_setup_plane(config, p.constants);
   p.edge_walk = prepare_edge_walk(config, p.constants, scene.width, scene.height);
   p.plane_walk = prepare_plane_walk(config, p.constants, scene.width, scene.height);
   p.span_setup = prepare_span_setup(config, p.constants);
   p.span = prepare_span(config, p.constants);
   p.depth = prepare_depth(config, p.constants);
-  p.has_distance = has_distance(config);
   if (p.has_distance) p.distance = prepare_distance(config, p.constants, scene, watch);
+  if (p.has_lod) p.lod = prepare_lod(config, p.constants, watch);
+  p.fog = prepare_fog(config, p.constants, scene, watch);
+}
+
+}  // namespace
+
+template <class Watch>
+Pipeline make_pipeline(const Config& config, const Scene& scene, Watch watch) {
+  check_scene(scene);
+  Pipeline p;
+  p.const_depth_rows = has_plane_rows(config.perspective);
+  p.by_plane = has_setup_plane(config);
+  p.has_distance = has_distance(config);
   p.has_lod = has_lod(config);
   p.has_gradients = has_setup_gradients(config);
-  if (p.has_lod) {
-    p.lod = prepare_lod(config, p.constants, watch);
-    p.mip_chains = MipChains(config, scene);
-  }
+  prepare_view(p, config, scene, watch);
+  p.mip_chains = MipChains(config, scene);
   p.texture = prepare_texture(config);
   p.texture_second = prepare_texture_second(config);
-  p.fog = prepare_fog(config, p.constants, scene, watch);
   p.merge = prepare_merge(config);
   p.first = first_state(config);
   set_state(p, scene, p.first);
@@ -134,6 +142,15 @@ void change_state(Pipeline& pipeline, const Scene& scene, Frame& frame, const Dr
   if (trace != nullptr) deliver(trace, state_record(state, next_index));
 }
 
+template <class Watch>
+void update_pipeline(Pipeline& pipeline, const Config& config, const DrawnScene& scene, std::uint64_t since,
+                     Watch watch) {
+  if (scene.version() == since) return;
+  if (scene.view_version() > since) prepare_view(pipeline, config, *scene, watch);
+  pipeline.mip_chains.update(scene);
+  set_state(pipeline, *scene, pipeline.state);
+}
+
 void clear_planes(const Pipeline& pipeline, Frame& frame, const Clear& clear) {
   bitspan::clear_planes(frame, held(pipeline.merge, clear), static_cast<std::uint32_t>(pipeline.depth.clear));
   note_alpha(pipeline, frame);
@@ -148,7 +165,7 @@ Surface surface_of(const Pipeline& pipeline, const Triangle& triangle) {
   return {triangle.texture, pipeline.stencil.test && is_back_face(pipeline.setup, triangle)};
 }
 
-void check_triangle(const Scene& scene, const Triangle& triangle, std::int64_t index) {
+void check_triangle(const View& view, std::size_t textures, const Triangle& triangle, std::int64_t index) {
   const auto text = [](double v) {
     std::ostringstream out;
     out << v;
@@ -161,10 +178,10 @@ void check_triangle(const Scene& scene, const Triangle& triangle, std::int64_t i
         refuse_vertex(index, i, "a coordinate is " + text(number) + ", a finite number is needed");
       }
     }
-    if (!(v.s >= scene.s_min && v.s <= scene.s_max)) {
-      refuse_vertex(index, i,
-                    "s " + text(v.s) + " is outside s_min.." + "s_max, " + text(scene.s_min) + ".." +
-                        text(scene.s_max));
+    if (!(v.s >= view.s_min && v.s <= view.s_max)) {
+      refuse_vertex(
+          index, i,
+          "s " + text(v.s) + " is outside s_min.." + "s_max, " + text(view.s_min) + ".." + text(view.s_max));
     }
     for (const double c : v.c) {
       if (!(c >= 0 && c <= 1)) {
@@ -172,9 +189,9 @@ void check_triangle(const Scene& scene, const Triangle& triangle, std::int64_t i
       }
     }
   }
-  if (triangle.texture >= static_cast<int>(scene.textures.size())) {
+  if (triangle.texture >= static_cast<std::int64_t>(textures)) {
     throw InputError("triangle " + std::to_string(index) + ": texture " + std::to_string(triangle.texture) +
-                     " does not exist, the scene has " + std::to_string(scene.textures.size()));
+                     " does not exist, the scene has " + std::to_string(textures));
   }
 }
 
@@ -402,6 +419,13 @@ Frame cleared_frame(const Pipeline& pipeline, const Scene& scene) {
   return frame;
 }
 
+void resize_frame(const Pipeline& pipeline, const Scene& scene, Frame& frame) {
+  if (frame.width == scene.width && frame.height == scene.height) return;
+  clear_frame(pipeline, scene, !frame.u.empty(), frame);
+  if (pipeline.stencil.test) need_stencil(frame);
+  note_alpha(pipeline, frame);
+}
+
 void select_target(const Pipeline& pipeline, const Scene& scene, Targets<Frame>& targets, int k,
                    Frame& frame) {
   const bool winners = !frame.u.empty();
@@ -416,6 +440,8 @@ const Texture* texture_of(const Scene& scene, int texture) {
 
 template Pipeline make_pipeline(const Config&, const Scene&, NoObserve);
 template Pipeline make_pipeline(const Config&, const Scene&, Observe);
+template void update_pipeline(Pipeline&, const Config&, const DrawnScene&, std::uint64_t, NoObserve);
+template void update_pipeline(Pipeline&, const Config&, const DrawnScene&, std::uint64_t, Observe);
 template bool triangle_to_rows(const Pipeline&, const Triangle&, std::int64_t, PlaneWalkState&, Rows&,
                                Counters&, Trace*, NoObserve);
 template bool triangle_to_rows(const Pipeline&, const Triangle&, std::int64_t, PlaneWalkState&, Rows&,

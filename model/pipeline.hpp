@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "engine/drawn_scene.hpp"
 #include "engine/engine.hpp"
 #include "engine/frame.hpp"
 #include "engine/records.hpp"
@@ -95,12 +96,21 @@ Surface surface_of(const Pipeline& pipeline, const Triangle& triangle);
 template <class Watch = NoObserve>
 Pipeline make_pipeline(const Config& config, const Scene& scene, Watch watch = {});
 
+// Brings the pipeline to what a scene has become since that version of it, with the draw state as it is.
+// Throws InputError where a new view does not fit the configuration.
+template <class Watch = NoObserve>
+void update_pipeline(Pipeline& pipeline, const Config& config, const DrawnScene& scene, std::uint64_t since,
+                     Watch watch = {});
+
 // Throws InputError where the picture has no size or a texture's pixels do not match its size.
 void check_scene(const Scene& scene);
 
 // Throws InputError, naming the triangle's input index and the vertex, where a number is not finite, s is
 // outside [s_min, s_max], a colour is outside 0..1, or the texture does not exist.
-void check_triangle(const Scene& scene, const Triangle& triangle, std::int64_t index);
+void check_triangle(const View& view, std::size_t textures, const Triangle& triangle, std::int64_t index);
+inline void check_triangle(const Scene& scene, const Triangle& triangle, std::int64_t index) {
+  check_triangle(scene, scene.textures.size(), triangle, index);
+}
 
 // Rows of one or more triangles with what span_setup and span need of them; one of rows and plane_rows is
 // empty.
@@ -277,6 +287,8 @@ std::vector<PlaneRowRecord> plane_rows(const Pipeline& pipeline, const SetupReco
 // planes u, v and triangle; else they are empty.
 void clear_frame(const Pipeline& pipeline, const Scene& scene, bool winners, Frame& frame);
 Frame cleared_frame(const Pipeline& pipeline, const Scene& scene);
+// Gives the frame of the target drawn on the size of the scene's view: cleared where it had another one.
+void resize_frame(const Pipeline& pipeline, const Scene& scene, Frame& frame);
 // Takes target k in the frame's place, cleared where it has not been drawn on, and with a stencil plane where
 // that is tested. Throws InputError where k is not below target_limit.
 void select_target(const Pipeline& pipeline, const Scene& scene, Targets<Frame>& targets, int k,

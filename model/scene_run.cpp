@@ -7,7 +7,7 @@
 namespace bitspan::model {
 
 void SceneRun::begin(const Scene& s, bool winners) {
-  scene = &s;
+  scene.begin(s);
   counters = {};
   constants_delivered = false;
   set_state(pipeline, s, pipeline.first);
@@ -16,7 +16,7 @@ void SceneRun::begin(const Scene& s, bool winners) {
 }
 
 void SceneRun::need_begun(const char* call) const {
-  if (scene == nullptr) throw std::logic_error(std::string("Engine::") + call + " before begin");
+  if (!scene.has_begun()) throw std::logic_error(std::string("Engine::") + call + " before begin");
 }
 
 void SceneRun::deliver_constants(Trace* trace) {
@@ -42,9 +42,29 @@ void SceneRun::run(const Config& /*config*/, const Clear& clear, std::int64_t /*
   clear_planes(pipeline, frame, clear);
 }
 
-void SceneRun::run(const Config& /*config*/, const Target& target, std::int64_t /*next_index*/,
+void SceneRun::run(const Config& config, const Target& target, std::int64_t /*next_index*/,
                    Trace* /*trace*/) {
+  const std::uint64_t before = scene.version();
+  scene.run(target);
+  update(config, before);
   select_target(pipeline, *scene, targets, target.k, frame);
+}
+
+void SceneRun::run(const Config& config, const ViewChange& change, std::int64_t /*next_index*/,
+                   Trace* /*trace*/) {
+  const std::uint64_t before = scene.version();
+  scene.run(change);
+  update(config, before);
+  resize_frame(pipeline, *scene, frame);
+}
+
+void SceneRun::update(const Config& config, std::uint64_t since) {
+  if (statistics != nullptr) {
+    update_pipeline(pipeline, config, scene, since, Observe{statistics});
+  } else {
+    update_pipeline(pipeline, config, scene, since);
+  }
+  if (scene.view_version() > since) constants_delivered = false;
 }
 
 }  // namespace bitspan::model

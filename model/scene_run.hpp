@@ -5,24 +5,26 @@
 
 #include <cstdint>
 
+#include "engine/drawn_scene.hpp"
 #include "engine/engine.hpp"
 #include "model/pipeline.hpp"
 
 namespace bitspan::model {
 
 struct SceneRun {
-  const Scene* scene = nullptr;
+  DrawnScene scene;
   Pipeline pipeline;
   Frame frame;
   Targets<Frame> targets;
   Counters counters;
-  bool constants_delivered = false;  // once per scene
+  bool constants_delivered = false;  // once per view
+  Statistics* statistics = nullptr;  // of what is computed for a view, where they are wanted
 
   // After `pipeline` is made for the scene. winners: as for clear_frame.
   void begin(const Scene& s, bool winners);
   // Throws std::logic_error before begin(); `call` is its name.
   void need_begun(const char* call) const;
-  // The record of the constants, in front of a scene's first records.
+  // The record of the constants, in front of a view's first records.
   void deliver_constants(Trace* trace);
   // As Engine's.
   void execute(const Config& config, const DrawCommand& command, std::int64_t next_index, Trace* trace);
@@ -31,6 +33,9 @@ struct SceneRun {
   void run(const Config& config, const StateChange& change, std::int64_t next_index, Trace* trace);
   void run(const Config& config, const Clear& clear, std::int64_t next_index, Trace* trace);
   void run(const Config& config, const Target& target, std::int64_t next_index, Trace* trace);
+  void run(const Config& config, const ViewChange& change, std::int64_t next_index, Trace* trace);
+  // Prepares what the scene has become since that version.
+  void update(const Config& config, std::uint64_t since);
 };
 
 }  // namespace bitspan::model

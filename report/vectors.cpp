@@ -644,6 +644,10 @@ std::vector<RecordType> inputs_of(const Vectors& vectors) {
 
 Vectors make_vectors(const Config& config, const Scene& scene, RecordType stage,
                      const DrawProgress& progress) {
+  if (changes_scene(scene.commands)) {
+    throw InputError(scene.name +
+                     ": vectors have the constants of one view; expected a scene that no command changes");
+  }
   check_scene_range(config, scene);
   Vectors out{config, scene, stage, {}};
   const auto engine = make_engine("model", config);

@@ -246,8 +246,8 @@ Scene empty_scene(const char* name, int width, int height) {
   return scene;
 }
 
-View view_of(const Scene& scene, const Vec3& target) {
-  View view;
+Viewpoint view_of(const Scene& scene, const Vec3& target) {
+  Viewpoint view;
   view.width = scene.width;
   view.height = scene.height;
   view.focal = scene.focal;
@@ -262,7 +262,7 @@ View view_of(const Scene& scene, const Vec3& target) {
 Scene floor_scene(int width, int height) {
   Scene scene = empty_scene("floor", width, height);
   scene.textures = {make_texture("checker.png", 64, 64, checker_texel)};
-  const View view = view_of(scene, {3, 4, -24});
+  const Viewpoint view = view_of(scene, {3, 4, -24});
   std::vector<Face> faces;
   add_floor(faces, 0);
   ProjectReport report;
@@ -278,7 +278,7 @@ Scene demo_scene(int width, int height) {
       make_texture("wood.png", 37, 53, wood_texel),     make_texture("globe.png", 64, 48, globe_texel),
       make_texture("grille.png", 20, 20, grille_texel), make_texture("glass.png", 52, 24, glass_texel)};
 
-  const View view = view_of(scene, {0, 4, -24});
+  const Viewpoint view = view_of(scene, {0, 4, -24});
 
   std::vector<Face> solids;
   add_floor(solids, floor_texture);

@@ -114,6 +114,38 @@ std::vector<int> targets_of(std::span<const DrawCommand> commands) {
   return {out.begin(), out.end()};
 }
 
+void check_target(int k) {
+  if (k >= 0 && k < target_limit) return;
+  throw InputError("target: " + std::to_string(k) + " does not exist; expected 0.." +
+                   std::to_string(target_limit - 1));
+}
+
+void Views::select(int k) {
+  check_target(k);
+  std::optional<View>& view = of_[static_cast<std::size_t>(k)];
+  if (!view) view = now();
+  target_ = k;
+}
+
+void Views::change(const ViewChange& change) {
+  View& view = *of_[static_cast<std::size_t>(target_)];
+  view = changed_view(view, change);
+}
+
+void Views::execute(const DrawCommand& command) {
+  if (const auto* target = std::get_if<Target>(&command.what)) select(target->k);
+  if (const auto* view = std::get_if<ViewChange>(&command.what)) change(*view);
+}
+
+bool may_change_view(const DrawCommand& command) {
+  return std::holds_alternative<ViewChange>(command.what) || std::holds_alternative<Target>(command.what);
+}
+
+bool changes_scene(std::span<const DrawCommand> commands) {
+  return std::ranges::any_of(commands,
+                             [](const DrawCommand& c) { return std::holds_alternative<ViewChange>(c.what); });
+}
+
 int target_at(std::span<const DrawCommand> commands, std::size_t index) {
   int out = 0;
   for (const DrawCommand& command : commands) {
@@ -123,9 +155,20 @@ int target_at(std::span<const DrawCommand> commands, std::size_t index) {
   return out;
 }
 
+View view_at(const Scene& scene, std::size_t index) {
+  Views views(scene);
+  for (const DrawCommand& command : scene.commands) {
+    if (command.before > index) break;
+    views.execute(command);
+  }
+  return views.now();
+}
+
 void check_commands(const Config& config, const Scene& scene) {
   DrawState state = first_state(config);
+  Views views(scene);
   for (const DrawCommand& command : scene.commands) {
+    views.execute(command);
     if (const auto* change = std::get_if<StateChange>(&command.what)) {
       state = changed_state(state, *change, config, scene.textures.size());
     }

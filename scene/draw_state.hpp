@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "scene/view.hpp"
 
 namespace bitspan {
 
@@ -208,9 +209,11 @@ struct Clear {
   bool operator==(const Clear&) const = default;
 };
 
-// A stream draws on one of this many targets at a time: pictures of the scene's size, each with its depth
-// buffer and stencil plane, and cleared as at the beginning of the scene.
+// A stream draws on one of this many targets at a time: pictures, each with its depth buffer, its stencil
+// plane and its view. It is cleared as at the beginning of the scene when it is first drawn on.
 inline constexpr int target_limit = 8;
+// Throws InputError where there is no target k.
+void check_target(int k);
 
 // What is drawn on from here on; target 0 at first.
 struct Target {
@@ -221,13 +224,38 @@ struct Target {
 // What stands between triangles of a stream.
 struct DrawCommand {
   std::size_t before = 0;  // index of the triangle that follows; their number where none does
-  std::variant<StateChange, Clear, Target> what{};
+  std::variant<StateChange, Clear, Target, ViewChange> what{};
   bool operator==(const DrawCommand&) const = default;
 };
 // The states that the changes among the commands make, one after another; the first state is not among them.
 std::vector<DrawState> states_of(const Config& config, std::span<const DrawCommand> commands);
 // The targets that a scene with these commands draws on or shows, ascending, 0 among them.
 std::vector<int> targets_of(std::span<const DrawCommand> commands);
+// The views of a scene's targets while its commands are gone through: a target that is drawn on for the first
+// time takes the view in force.
+class Views {
+ public:
+  explicit Views(const View& first = {}) { of_[0] = first; }
+  // Of the target that is drawn on.
+  const View& now() const { return *of_[static_cast<std::size_t>(target_)]; }
+  int target() const { return target_; }
+  // None of a target that has not been drawn on.
+  const std::optional<View>& of(int k) const { return of_[static_cast<std::size_t>(k)]; }
+  // Throw InputError where there is no target k, and where the new view is not legal.
+  void select(int k);
+  void change(const ViewChange& change);
+  // One of both, where the command is one of them.
+  void execute(const DrawCommand& command);
+
+ private:
+  int target_ = 0;
+  std::array<std::optional<View>, target_limit> of_;
+};
+// Whether a command may make the view in force another one.
+bool may_change_view(const DrawCommand& command);
+// Whether a command makes something of the scene another one that no draw state holds.
+bool changes_scene(std::span<const DrawCommand> commands);
+
 // The target of triangle `index`; that of the number of triangles is what the scene shows.
 int target_at(std::span<const DrawCommand> commands, std::size_t index);
 

@@ -246,7 +246,7 @@ Mesh read_mesh(const std::string& path, const std::optional<std::string>& textur
   return mesh;
 }
 
-View make_view(const Mesh& mesh, const Camera& camera, int width, int height) {
+Viewpoint make_view(const Mesh& mesh, const Camera& camera, int width, int height) {
   Vec3 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
            std::numeric_limits<double>::infinity()};
   Vec3 high = low * -1;
@@ -265,7 +265,7 @@ View make_view(const Mesh& mesh, const Camera& camera, int width, int height) {
   if (!(radius > 0))
     throw InputError(mesh.name + ": the mesh has no extent; expected vertices at different places");
 
-  View view;
+  Viewpoint view;
   view.width = width;
   view.height = height;
   const double fov = camera.fov_degrees.value_or(default_fov_degrees);
@@ -312,7 +312,7 @@ View make_view(const Mesh& mesh, const Camera& camera, int width, int height) {
 }
 
 Scene mesh_scene(Mesh mesh, const MeshOptions& options, ProjectReport& report) {
-  const View view = make_view(mesh, options.camera, options.width, options.height);
+  const Viewpoint view = make_view(mesh, options.camera, options.width, options.height);
   Scene scene;
   scene.name = mesh.name;
   scene.width = view.width;

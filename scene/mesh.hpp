@@ -56,7 +56,7 @@ Mesh read_mesh(const std::string& path, const std::optional<std::string>& textur
                std::vector<std::string>* bad_textures = nullptr);
 
 // Returns the view of the camera. Throws InputError where the camera is impossible.
-View make_view(const Mesh& mesh, const Camera& camera, int width, int height);
+Viewpoint make_view(const Mesh& mesh, const Camera& camera, int width, int height);
 
 // Returns the picture's scene; `report` says what became of the faces.
 Scene mesh_scene(Mesh mesh, const MeshOptions& options, ProjectReport& report);

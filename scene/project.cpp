@@ -12,14 +12,14 @@ namespace {
 constexpr double guard_band_pixels = 16384;
 
 // Seen from outside, the corners run counter-clockwise: the volume spanned with the viewer is positive.
-bool faces_viewer(const Face& face, const View& view) {
+bool faces_viewer(const Face& face, const Viewpoint& view) {
   const Vec3 a = face.corner[0].position - view.position;
   const Vec3 b = face.corner[1].position - view.position;
   const Vec3 c = face.corner[2].position - view.position;
   return dot(a, cross(b - a, c - a)) < 0;
 }
 
-Vertex to_screen(const ClipVertex& p, const View& view) {
+Vertex to_screen(const ClipVertex& p, const Viewpoint& view) {
   return {view.width / 2.0 * (1 + p.x / p.s),
           view.height / 2.0 * (1 + p.y / p.s),
           std::clamp(p.s, view.s_min, view.s_max),
@@ -31,7 +31,7 @@ Vertex to_screen(const ClipVertex& p, const View& view) {
 
 }  // namespace
 
-void project(std::span<const Face> faces, const View& view, const ProjectOptions& options,
+void project(std::span<const Face> faces, const Viewpoint& view, const ProjectOptions& options,
              std::vector<Triangle>& triangles, ProjectReport& report) {
   ClipVolume volume{1, 1, view.s_min, view.s_max};
   if (!options.clip_sides) {

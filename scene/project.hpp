@@ -31,7 +31,7 @@ struct ProjectReport {
 
 // Appends the triangles to `triangles` in the order of the faces; a clipped face becomes a fan. Every s lies
 // in [s_min, s_max]. Adds the counts to `report`.
-void project(std::span<const Face> faces, const View& view, const ProjectOptions& options,
+void project(std::span<const Face> faces, const Viewpoint& view, const ProjectOptions& options,
              std::vector<Triangle>& triangles, ProjectReport& report);
 
 }  // namespace bitspan

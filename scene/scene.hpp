@@ -11,6 +11,7 @@
 
 #include "scene/draw_state.hpp"
 #include "scene/texel_format.hpp"
+#include "scene/view.hpp"
 
 namespace bitspan {
 
@@ -38,26 +39,19 @@ struct Triangle {
   int texture = -1;  // index into Scene::textures, -1 for none
 };
 
-struct Fog {
-  std::array<std::uint8_t, 3> color{};
-  double distance = 1;  // DT, in the unit of s
-};
-
-struct Scene {
+// The view is that of its first triangles, and of target 0, until a command changes it.
+struct Scene : View {
   std::string name;
-  int width = 640;
-  int height = 480;
-  double s_min = 1;
-  double s_max = 1000;
-  double focal = 500;  // F, in pixels
-  std::array<std::uint8_t, 3> background{};
-  std::optional<Fog> fog;
   std::vector<Texture> textures;
   std::vector<Triangle> triangles;
   std::vector<DrawCommand> commands;  // by `before`; none: every triangle is drawn with the first state
 };
 
-// Throws InputError where a change of state would not be legal.
+// Nothing but a view.
+inline Scene with_view(const View& view) { return {view, {}, {}, {}, {}}; }
+// The view that triangle `index` is drawn with; that of the number of triangles is the last one.
+View view_at(const Scene& scene, std::size_t index);
+// Throws InputError where a change of state or view would not be legal.
 void check_commands(const Config& config, const Scene& scene);
 // Takes triangles out; commands that stood in front of them stand in front of the next one.
 void erase_triangles(Scene& scene, std::size_t first, std::size_t count);

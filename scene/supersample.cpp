@@ -34,6 +34,11 @@ Scene supersampled(Scene scene, int k) {
     }
   }
   for (DrawCommand& command : scene.commands) {
+    if (auto* view = std::get_if<ViewChange>(&command.what)) {
+      if (view->width) *view->width *= k;
+      if (view->height) *view->height *= k;
+      if (view->focal) *view->focal *= k;
+    }
     auto* change = std::get_if<StateChange>(&command.what);
     if (change == nullptr) continue;
     for (StateSetting& setting : change->settings) {

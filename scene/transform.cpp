@@ -5,7 +5,7 @@
 
 namespace bitspan {
 
-void look_at(View& view, const Vec3& position, const Vec3& target, const Vec3& up) {
+void look_at(Viewpoint& view, const Vec3& position, const Vec3& target, const Vec3& up) {
   const Vec3 line = target - position;
   const double distance = length(line);
   if (!(distance > 0) || !std::isfinite(distance)) {
@@ -22,7 +22,7 @@ void look_at(View& view, const Vec3& position, const Vec3& target, const Vec3& u
   view.down = cross(view.forward, view.right);
 }
 
-ClipVertex to_normalised(const Corner& corner, const View& view) {
+ClipVertex to_normalised(const Corner& corner, const Viewpoint& view) {
   const Vec3 d = corner.position - view.position;
   return {dot(view.right, d) * (2 * view.focal / view.width),
           dot(view.down, d) * (2 * view.focal / view.height),

@@ -7,7 +7,7 @@
 namespace bitspan {
 
 // A viewer. right, down and forward are orthonormal; distances along forward are s.
-struct View {
+struct Viewpoint {
   Vec3 position;
   Vec3 right{1, 0, 0}, down{0, 1, 0}, forward{0, 0, 1};
   int width = 640, height = 480;  // pixels
@@ -17,7 +17,7 @@ struct View {
 
 // Sets the axes so that the viewer looks from `position` at `target`, `up` pointing up in the picture. Throws
 // InputError where the two coincide or `up` lies along the line of sight.
-void look_at(View& view, const Vec3& position, const Vec3& target, const Vec3& up);
+void look_at(Viewpoint& view, const Vec3& position, const Vec3& target, const Vec3& up);
 
 // A corner in the normalised volume: the visible part of space is -s <= x <= s, -s <= y <= s, s_min <= s <=
 // s_max, whatever the picture's shape; y points down.
@@ -26,6 +26,6 @@ struct ClipVertex {
   std::array<double, 4> c{1, 1, 1, 1};
 };
 
-ClipVertex to_normalised(const Corner& corner, const View& view);
+ClipVertex to_normalised(const Corner& corner, const Viewpoint& view);
 
 }  // namespace bitspan

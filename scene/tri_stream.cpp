@@ -382,6 +382,23 @@ HeaderTexture append_texture(const Json& entry, int version, const Place& place,
   return out;
 }
 
+Fog read_fog(const Json& value, int color_max, const Place& place, const std::string& inside) {
+  const std::string key = inside + "fog";
+  if (!value.is_object()) {
+    place.fail(key + ": " + shown(value) +
+               " is not an object; expected {\"color\": [r,g,b], \"distance\": d}");
+  }
+  check_keys(value, {"color", "distance"}, place, key + ".");
+  Fog fog;
+  if (!value.contains("color")) place.fail(key + ".color: key is missing; expected [red, green, blue]");
+  if (!value.contains("distance")) {
+    place.fail(key + ".distance: key is missing; expected a distance above 0");
+  }
+  fog.color = color_codes(value["color"], color_max, place, (key + ".color").c_str());
+  fog.distance = positive(value["distance"], place, (key + ".distance").c_str());
+  return fog;
+}
+
 Scene read_header(const Json& line, const Place& place, const std::filesystem::path& folder, int& color_max,
                   int& version, std::vector<HeaderTexture>& textures) {
   if (!line.is_object() || !line.contains("bitspan")) {
@@ -413,16 +430,7 @@ Scene read_header(const Json& line, const Place& place, const std::filesystem::p
   scene.background =
       color_codes(required(line, "background", place, "[red, green, blue]"), color_max, place, "background");
   if (const auto found = line.find("fog"); found != line.end()) {
-    if (!found->is_object())
-      place.fail("fog: " + shown(*found) +
-                 " is not an object; expected {\"color\": [r,g,b], \"distance\": d}");
-    check_keys(*found, {"color", "distance"}, place, "fog.");
-    Fog fog;
-    if (!found->contains("color")) place.fail("fog.color: key is missing; expected [red, green, blue]");
-    if (!found->contains("distance")) place.fail("fog.distance: key is missing; expected a distance above 0");
-    fog.color = color_codes((*found)["color"], color_max, place, "fog.color");
-    fog.distance = positive((*found)["distance"], place, "fog.distance");
-    scene.fog = fog;
+    scene.fog = read_fog(*found, color_max, place, "");
   }
   if (const auto found = line.find("textures"); found != line.end()) {
     if (!found->is_array())
@@ -436,7 +444,7 @@ Scene read_header(const Json& line, const Place& place, const std::filesystem::p
 }
 
 // Ranges of one vertex; the same for streams read and scenes written.
-void check_vertex(const Vertex& vertex, std::size_t i, const Scene& scene, const Place& place) {
+void check_vertex(const Vertex& vertex, std::size_t i, const View& view, const Place& place) {
   const auto check_coordinate = [&](double value, const char* axis, int index) {
     if (!(std::fabs(value) <= coordinate_limit)) {
       place.fail(fmt::format("v[{}][{}]: {} = {} is out of range; expected {}..{} pixels", i, index, axis,
@@ -445,9 +453,9 @@ void check_vertex(const Vertex& vertex, std::size_t i, const Scene& scene, const
   };
   check_coordinate(vertex.x, "x", 0);
   check_coordinate(vertex.y, "y", 1);
-  if (!(vertex.s >= scene.s_min && vertex.s <= scene.s_max)) {
+  if (!(vertex.s >= view.s_min && vertex.s <= view.s_max)) {
     place.fail(fmt::format("v[{}][2]: s = {} is out of range; expected s_min..s_max, {}..{}", i,
-                           shortest(vertex.s), shortest(scene.s_min), shortest(scene.s_max)));
+                           shortest(vertex.s), shortest(view.s_min), shortest(view.s_max)));
   }
 }
 
@@ -457,8 +465,9 @@ void check_shape(const Triangle& triangle, const Place& place) {
   }
 }
 
-Triangle read_triangle(const Json& line, const Scene& scene, std::span<const HeaderTexture> textures,
-                       int frame, int color_max, const Place& place) {
+Triangle read_triangle(const Json& line, const Scene& scene, const View& view,
+                       std::span<const HeaderTexture> textures, int frame, int color_max,
+                       const Place& place) {
   if (!line.is_object())
     place.fail(shown(line) + " is not an object; expected {\"v\": [...], \"c\": [...], \"tex\": 0}");
   check_keys(line, {"v", "c", "tex"}, place, "");
@@ -479,7 +488,7 @@ Triangle read_triangle(const Json& line, const Scene& scene, std::span<const Hea
     vertex.s = value[2];
     vertex.u = value[3];
     vertex.v = value[4];
-    check_vertex(vertex, i, scene, place);
+    check_vertex(vertex, i, view, place);
   }
   check_shape(triangle, place);
   if (const auto c = line.find("c"); c != line.end()) {
@@ -535,7 +544,7 @@ StateSetting read_setting(const std::string& key, const Json& value, const Place
 
 bool is_command(const Json& line) {
   return line.is_object() && (line.contains("state") || line.contains("clear") || line.contains("target") ||
-                              line.contains("frame"));
+                              line.contains("view") || line.contains("frame"));
 }
 
 bool truth(const Json& value, const Place& place, const char* key) {
@@ -544,7 +553,36 @@ bool truth(const Json& value, const Place& place, const char* key) {
   return value.get<bool>();
 }
 
+ViewChange read_view(const Json& value, int color_max, const Place& place) {
+  constexpr std::string_view expected = "width, height, s_min, s_max, focal, background or fog";
+  if (!value.is_object()) {
+    place.fail(fmt::format("view: {} is not an object; expected {{\"width\": 256, ...}}", shown(value)));
+  }
+  check_keys(value, {"width", "height", "s_min", "s_max", "focal", "background", "fog"}, place, "view.");
+  if (value.empty()) place.fail(fmt::format("view: no key; expected {}", expected));
+  ViewChange change;
+  for (const auto& [key, part] : value.items()) {
+    const std::string name = "view." + key;
+    const char* const at = name.c_str();
+    if (key == "width") change.width = integer(part, 1, picture_size_limit, place, at);
+    if (key == "height") change.height = integer(part, 1, picture_size_limit, place, at);
+    if (key == "s_min") change.s_min = positive(part, place, at);
+    if (key == "s_max") change.s_max = positive(part, place, at);
+    if (key == "focal") change.focal = positive(part, place, at);
+    if (key == "background") change.background = color_codes(part, color_max, place, at);
+    if (key == "fog") {
+      change.fog.emplace();
+      if (!part.is_null()) *change.fog = read_fog(part, color_max, place, "view.");
+    }
+  }
+  return change;
+}
+
 DrawCommand read_command(const Json& line, int color_max, const Place& place) {
+  if (const auto found = line.find("view"); found != line.end()) {
+    check_keys(line, {"view"}, place, "");
+    return {.what = read_view(*found, color_max, place)};
+  }
   if (const auto found = line.find("target"); found != line.end()) {
     check_keys(line, {"target"}, place, "");
     return {.what = Target{integer(*found, 0, target_limit - 1, place, "target")}};
@@ -786,6 +824,22 @@ namespace {
 
 Json line_of(const Target& target) { return {{"target", target.k}}; }
 
+Json line_of(const ViewChange& change) {
+  Json view = Json::object();
+  if (change.width) view["width"] = *change.width;
+  if (change.height) view["height"] = *change.height;
+  if (change.s_min) view["s_min"] = *change.s_min;
+  if (change.s_max) view["s_max"] = *change.s_max;
+  if (change.focal) view["focal"] = *change.focal;
+  if (change.background) view["background"] = fractions(*change.background);
+  if (change.fog) {
+    Json& fog = view["fog"];
+    if (*change.fog)
+      fog = {{"color", fractions((*change.fog)->color)}, {"distance", (*change.fog)->distance}};
+  }
+  return {{"view", view}};
+}
+
 Json line_of(const Clear& clear) {
   Json planes = Json::object();
   if (clear.color) planes["color"] = fractions(*clear.color);
@@ -822,7 +876,7 @@ std::string command_text(const DrawCommand& command) {
 DrawCommand parse_command(std::string_view json, const std::string& origin) {
   const Place place{origin, 1};
   const Json line = parse_line(std::string(json), place);
-  if (!is_command(line)) place.fail(shown(line) + " is no command; expected state, clear or target");
+  if (!is_command(line)) place.fail(shown(line) + " is no command; expected state, clear, target or view");
   return read_command(line, 1, place);
 }
 
@@ -838,6 +892,7 @@ struct TriReader::State {
   int version = 1;
   std::vector<DrawCommand> commands;  // read, not yet taken
   std::size_t triangles = 0;
+  Views views;                             // of the targets
   DrawState draw_state = first_state({});  // as far as its legality does not depend on a configuration
 
   // The image with that number must be there in all dynamic textures.
@@ -884,6 +939,11 @@ struct TriReader::State {
         place.fail(std::string("state.") + error.what());
       }
     }
+    try {
+      views.execute(command);
+    } catch (const InputError& error) {
+      place.fail(std::string("view.") + error.what());
+    }
     commands.push_back(std::move(command));
   }
 
@@ -895,6 +955,7 @@ struct TriReader::State {
       if (blank(line)) continue;
       scene = read_header(parse_line(line, place), place, fs::path(origin).parent_path(), color_max, version,
                           textures);
+      views = Views(scene);
       if (first_frame) show_frame(*first_frame);
       scene.name = fs::path(origin).stem().string();
       return;
@@ -938,7 +999,7 @@ bool TriReader::next(Triangle& triangle) {
       s.add_command(json);
       continue;
     }
-    triangle = read_triangle(json, s.scene, s.textures, s.frame, s.color_max, s.place);
+    triangle = read_triangle(json, s.scene, s.views.now(), s.textures, s.frame, s.color_max, s.place);
     ++s.triangles;
     return true;
   }
@@ -972,6 +1033,7 @@ Scene parse_tri(std::string_view text, const std::string& origin, std::optional<
 
 void check_scene(const Scene& scene, const std::string& origin) {
   Place place{origin, 1};
+  Views views(scene);
   if (scene.width < 1 || scene.width > picture_size_limit || scene.height < 1 ||
       scene.height > picture_size_limit) {
     place.fail(fmt::format("width: {} x {} is not legal; expected 1..{} pixels", scene.width, scene.height,
@@ -996,11 +1058,13 @@ void check_scene(const Scene& scene, const std::string& origin) {
     least = command.before;
     parse_command(command_text(command), origin);  // refuses what a stream cannot hold
   }
+  auto command = scene.commands.begin();
   for (const Triangle& triangle : scene.triangles) {
-    ++place.line;
+    const auto index = static_cast<std::size_t>(place.line++ - 1);
+    for (; command != scene.commands.end() && command->before <= index; ++command) views.execute(*command);
     for (std::size_t i = 0; i < 3; ++i) {
       const Vertex& v = triangle.v[i];
-      check_vertex(v, i, scene, place);
+      check_vertex(v, i, views.now(), place);
       if (!std::isfinite(v.u) || !std::isfinite(v.v)) {
         place.fail(fmt::format("v[{}]: u, v are not finite; expected finite numbers", i));
       }

@@ -163,6 +163,10 @@ struct PointMeter::Truths {
 PointMeter::PointMeter(std::vector<Scene> scenes)
     : scenes_(std::move(scenes)), truths_(std::make_unique<Truths>()) {
   if (scenes_.empty()) throw InputError("a study without scenes: name at least one");
+  for (const Scene& scene : scenes_) {
+    if (!changes_scene(scene.commands)) continue;
+    throw InputError(scene.name + ": a study measures one view; expected a scene that no command changes");
+  }
 }
 PointMeter::~PointMeter() = default;
 

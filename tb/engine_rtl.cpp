@@ -47,9 +47,7 @@ class RtlEngine final : public Engine {
     run_.begin(scene, true);
     runs_ = 0;
     rtl_.reset();
-    holds_scene_ = has_pixel_rtl(config_) && holds_textures(config_, scene);
-    for (Chain& chain : chains_) chain.has_begun = false;
-    take_state();
+    take_scene();
   }
 
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
@@ -60,7 +58,12 @@ class RtlEngine final : public Engine {
   }
 
   void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
+    const std::uint64_t before = run_.scene.version();
     run_.execute(config_, command, next_index, trace);
+    if (run_.scene.version() != before) {
+      take_scene();
+      return;
+    }
     if (std::holds_alternative<StateChange>(command.what)) take_state();
   }
 
@@ -74,6 +77,13 @@ class RtlEngine final : public Engine {
     bool has_begun = false;             // they have the scene
   };
   Chain& chain_of(DepthWhen when) { return chains_[is_late(when) ? 1 : 0]; }
+
+  // What the pixel stages have of the scene is loaded anew.
+  void take_scene() {
+    holds_scene_ = has_pixel_rtl(config_) && holds_textures(config_, *run_.scene);
+    for (Chain& chain : chains_) chain.has_begun = false;
+    take_state();
+  }
 
   // The pixel stages for the draw state in force, if they take it.
   void take_state() {

@@ -354,30 +354,19 @@ class VectorModel {
 
   void begin(const Scene& scene, Statistics* statistics) {
     // A new pipeline only where it would be another one: the fog table alone costs milliseconds.
-    const Fog fog = scene.fog.value_or(Fog{});
-    const SceneKey key{scene.width, scene.height,          scene.s_min, scene.s_max,
-                       scene.focal, scene.fog.has_value(), fog.color,   fog.distance};
+    run_.statistics = statistics;
     // Levels of textures are the scene's own.
-    if (statistics != nullptr || run_.pipeline.has_lod || !(key_ == key)) {
+    if (statistics != nullptr || run_.pipeline.has_lod || key_ != static_cast<const View&>(scene)) {
       key_.reset();
       run_.pipeline = statistics != nullptr ? make_pipeline(config_, scene, Observe{statistics})
                                             : make_pipeline(config_, scene);
-      key_ = key;
+      key_ = scene;
     } else {
       check_scene(scene);
     }
     plan_ = prepare_shade(run_.pipeline, config_, scene);
     run_.begin(scene, options_.winners);
-    const bool small = plan_.held_in == ShadeLanes::int32 && plan_.branch_free &&
-                       spans_fit_int32(run_.pipeline.span.formats) &&
-                       is_branch_free(run_.pipeline.depth.formats.z) && statistics == nullptr;
-    if (small) {
-      drawing_.template emplace<std::unique_ptr<Drawing<std::int32_t>>>(
-          std::make_unique<Drawing<std::int32_t>>(run_.pipeline, plan_, options_, shipped_));
-    } else {
-      drawing_.template emplace<std::unique_ptr<Drawing<std::int64_t>>>(
-          std::make_unique<Drawing<std::int64_t>>(run_.pipeline, plan_, options_, ShippedIndex{}));
-    }
+    prepare_drawing();
   }
 
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace,
@@ -422,7 +411,12 @@ class VectorModel {
   }
 
   void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) {
+    const std::uint64_t before = run_.scene.version();
     run_.execute(config_, command, next_index, trace);
+    if (run_.scene.version() == before) return;
+    key_.reset();  // the pipeline is that of another view
+    update_shade(plan_, run_.pipeline, config_, run_.scene, before);
+    prepare_drawing();
   }
 
   PlaneOfRows set_plane(const SetupRecord& setup) {
@@ -441,20 +435,24 @@ class VectorModel {
   const Counters& counters() const { return run_.counters; }
 
  private:
-  // All of a scene that a pipeline is made from.
-  struct SceneKey {
-    int width, height;
-    double s_min, s_max, focal;
-    bool has_fog;
-    std::array<std::uint8_t, 3> fog_color;
-    double fog_distance;
-    bool operator==(const SceneKey&) const = default;
-  };
+  // In the lanes that hold the plan.
+  void prepare_drawing() {
+    const bool small = plan_.held_in == ShadeLanes::int32 && plan_.branch_free &&
+                       spans_fit_int32(run_.pipeline.span.formats) &&
+                       is_branch_free(run_.pipeline.depth.formats.z) && run_.statistics == nullptr;
+    if (small) {
+      drawing_.template emplace<std::unique_ptr<Drawing<std::int32_t>>>(
+          std::make_unique<Drawing<std::int32_t>>(run_.pipeline, plan_, options_, shipped_));
+    } else {
+      drawing_.template emplace<std::unique_ptr<Drawing<std::int64_t>>>(
+          std::make_unique<Drawing<std::int64_t>>(run_.pipeline, plan_, options_, ShippedIndex{}));
+    }
+  }
 
   Config config_;
   ModelOptions options_;
   ShippedIndex shipped_;
-  std::optional<SceneKey> key_;
+  std::optional<View> key_;  // the pipeline is made for it
   SceneRun run_;
   ShadePlan plan_;
   DrawBuffers buffers_;  // of states without a vector form; its walk also of rows that were made elsewhere

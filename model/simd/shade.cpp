@@ -239,26 +239,45 @@ bool holds_second_texture(const Config& config, ShadeLanes lanes) {
   unreachable();
 }
 
+namespace {
+
+// A texture of the scene, and its levels.
+void prepare_texture(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene, std::size_t index) {
+  ShadeTexture& image = plan.textures[index];
+  image = prepare_image(plan.formats.texture, scene.textures[index]);
+  image.never_killed =
+      !image.has_reserved && std::none_of(image.words.begin(), image.words.end() - 2,
+                                          [&](std::uint32_t word) { return plan.alpha64[word >> 24] == 0; });
+  if (plan.levels.empty()) return;
+  const MipChain& chain = pipeline.mip_chains.all()[index];
+  plan.levels[index].clear();
+  for (std::size_t k = 1; k < chain.size(); ++k) {
+    plan.levels[index].push_back(prepare_image(plan.formats.texture, chain[k]));
+  }
+}
+
+// What depends on the view.
+void prepare_view(ShadePlan& plan, const Pipeline& pipeline, const Config& config) {
+  const FogMode fog = pipeline.fog.mode;
+  const bool small = std::ranges::all_of(
+      plan.textures, [](const ShadeTexture& t) { return t.words.size() < std::size_t{1} << 28; });
+  plan.held_in = small ? lanes_for_shading(config, fog) : ShadeLanes::scalar;
+  plan.holds_any = holds_any_shading(config, plan.held_in);
+  plan.holds_second = plan.holds_any && holds_second_texture(config, plan.held_in);
+  if (!has_fog_table(fog)) return;
+  plan.zones = zones_of(pipeline.fog);
+  plan.fog_table32.clear();
+  if (fits_int32(pipeline.fog.table)) {
+    plan.fog_table32.assign(pipeline.fog.table.begin(), pipeline.fog.table.end());
+    plan.fog_table32.resize(plan.fog_table32.size() + 16);
+  }
+}
+
+}  // namespace
+
 ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Scene& scene) {
   ShadePlan plan;
   plan.formats = shade_formats(config);
-  const FogMode fog = pipeline.fog.mode;
-  bool small = true;
-  for (const Texture& t : scene.textures) {
-    plan.textures.push_back(prepare_image(plan.formats.texture, t));
-    small = small && plan.textures.back().words.size() < std::size_t{1} << 28;
-  }
-  for (const MipChain& chain : pipeline.mip_chains.all()) {
-    std::vector<ShadeTexture>& levels = plan.levels.emplace_back();
-    for (std::size_t k = 1; k < chain.size(); ++k) {
-      levels.push_back(prepare_image(plan.formats.texture, chain[k]));
-    }
-  }
-  if (small) {
-    plan.held_in = lanes_for_shading(config, fog);
-  }
-  plan.holds_any = holds_any_shading(config, plan.held_in);
-  plan.holds_second = plan.holds_any && holds_second_texture(config, plan.held_in);
   const TextureStage& t = plan.formats.texture;
   plan.branch_free = branch_free_shade(plan.formats);
   for (int a = 0; a < 256; ++a) {
@@ -267,18 +286,10 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
   if (fits_int32(plan.alpha64)) {
     plan.alpha32.assign(plan.alpha64.begin(), plan.alpha64.end());
   }
-  for (ShadeTexture& image : plan.textures) {
-    image.never_killed = !image.has_reserved &&
-                         std::none_of(image.words.begin(), image.words.end() - 2,
-                                      [&](std::uint32_t word) { return plan.alpha64[word >> 24] == 0; });
-  }
-  if (has_fog_table(fog)) {
-    plan.zones = zones_of(pipeline.fog);
-    if (fits_int32(pipeline.fog.table)) {
-      plan.fog_table32.assign(pipeline.fog.table.begin(), pipeline.fog.table.end());
-      plan.fog_table32.resize(plan.fog_table32.size() + 16);
-    }
-  }
+  plan.textures.resize(scene.textures.size());
+  plan.levels.resize(pipeline.mip_chains.all().size());
+  for (std::size_t i = 0; i < plan.textures.size(); ++i) prepare_texture(plan, pipeline, scene, i);
+  prepare_view(plan, pipeline, config);
   ShadePlan::ShadeChain& chain = plan.chain;
   chain.edges = !has_plane_rows(config.perspective) && !has_setup_plane(config);
   chain.edge_offset = offset_value(config.start_offset.edge_shade, config.format(FormatId::edge_shade));
@@ -289,6 +300,12 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
   chain.span_acc = make_register(config, FormatId::span_shade_acc);
   chain.span = make_register(config, FormatId::span_shade);
   return plan;
+}
+
+void update_shade(ShadePlan& plan, const Pipeline& pipeline, const Config& config, const DrawnScene& scene,
+                  std::uint64_t since) {
+  for (std::size_t i = 0; i < plan.textures.size(); ++i) plan.textures[i].source = &scene->textures[i];
+  if (scene.view_version() > since) prepare_view(plan, pipeline, config);
 }
 
 void prepare_second_texture(ShadePlan& plan) {

@@ -85,6 +85,9 @@ struct ShadePlan {
 // Whether every register of the three stages rounds by adding a constant, and saturates.
 bool branch_free_shade(const ShadeFormats& formats);
 ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Scene& scene);
+// Brings the plan to what the scene has become since that version of it; the pipeline is there already.
+void update_shade(ShadePlan& plan, const Pipeline& pipeline, const Config& config, const DrawnScene& scene,
+                  std::uint64_t since);
 // To be called before a block is shaded in a state with a second texture, where plan.holds_second.
 void prepare_second_texture(ShadePlan& plan);
 

@@ -45,6 +45,9 @@ class CycleMachine final : public ClockedMachine {
     depth_.traffic().target_changed();
     merge_.traffic().target_changed();
   }
+  void scene_changed(std::uint64_t /*since*/) override {
+    run_.pixel_free.resize(std::max(run_.pixel_free.size(), run_.frame.depth.size()));
+  }
   bool rests() const override { return memory_.idle(); }
   // The FIFO in front of a stage stays there, whichever stage is in front of it.
   void state_changed() override {

@@ -46,11 +46,9 @@ Machine::Machine(const Config& config, const Scene& scene, const SystemcOptions&
 }
 
 void Machine::draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) {
-  if (trace != nullptr && run_.counters.triangles == 0) {
-    trace->constants.push_back(run_.pipeline.constants.record);
-  }
+  run_.deliver_constants(trace);
   std::int64_t index = first_index;
-  for (const Triangle& triangle : triangles) model::check_triangle(run_.scene, triangle, index++);
+  for (const Triangle& triangle : triangles) model::check_triangle(*run_.scene, triangle, index++);
   if (triangles.empty()) return;
   if (failed_) throw std::logic_error("Engine::draw after a failed run");
 
@@ -64,24 +62,13 @@ void Machine::draw(std::span<const Triangle> triangles, std::int64_t first_index
 }
 
 void Machine::execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) {
-  std::visit([&](const auto& what) { run(what, next_index, trace); }, command.what);
-}
-
-void Machine::run(const StateChange& change, std::int64_t next_index, Trace* trace) {
-  const DrawState next = changed_state(run_.pipeline.state, change, run_.config, run_.scene.textures.size());
-  model::change_state(run_.pipeline, run_.scene, run_.frame, next, next_index, trace);
-  state_changed();
-}
-
-void Machine::run(const Clear& clear, std::int64_t /*next_index*/, Trace* /*trace*/) {
-  model::clear_planes(run_.pipeline, run_.frame, clear);
-  cleared(clear);
-}
-
-void Machine::run(const Target& target, std::int64_t /*next_index*/, Trace* /*trace*/) {
-  if (target.k == targets_.current()) return;
-  model::select_target(run_.pipeline, run_.scene, targets_, target.k, run_.frame);
-  target_changed();
+  const int target = run_.targets.current();
+  const std::uint64_t version = run_.scene.version();
+  run_.execute(run_.config, command, next_index, trace);
+  if (run_.targets.current() != target) target_changed();
+  if (run_.scene.version() != version) scene_changed(version);
+  if (std::holds_alternative<StateChange>(command.what)) state_changed();
+  if (const auto* clear = std::get_if<Clear>(&command.what)) cleared(*clear);
 }
 
 TimedReport Machine::report() const {

@@ -40,6 +40,9 @@ class Machine {
   virtual void cleared(const Clear& /*clear*/) {}
   // Depth, stencil and colour are others from here on; nothing is inside.
   virtual void target_changed() {}
+  // The scene is another one than at that version; nothing is inside. Throws InputError where the machine
+  // draws one scene.
+  virtual void scene_changed(std::uint64_t /*since*/) {}
   // The stages, the cache and the memory.
   virtual void fill(TimedReport& report) const = 0;
 
@@ -49,17 +52,12 @@ class Machine {
   [[noreturn]] void nothing_moved(std::uint64_t cycle, std::string states) const;
 
   Run run_;
-  Targets<Frame> targets_;
   std::function<void(std::uint64_t)> progress_;
   static constexpr std::uint64_t progress_clocks = 65536;
   std::uint64_t watchdog_clocks_;
   std::uint64_t last_move_ = 0;  // cycles() after the last clock on which a stage moved something
 
  private:
-  void run(const StateChange& change, std::int64_t next_index, Trace* trace);
-  void run(const Clear& clear, std::int64_t next_index, Trace* trace);
-  void run(const Target& target, std::int64_t next_index, Trace* trace);
-
   bool failed_ = false;
   std::vector<HandshakeClock> no_handshake_;
 };

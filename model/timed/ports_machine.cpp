@@ -19,6 +19,10 @@ class PortsMachine final : public ClockedMachine {
     ClockedMachine::fill(report);
     report.ports.assign(chain_.ports().begin(), chain_.ports().end());
   }
+  void scene_changed(std::uint64_t /*since*/) override {
+    throw InputError(
+        "view: the RTL's pixel stages are loaded once per scene; expected no view line with their ports");
+  }
   bool rests() const override { return true; }
   void state_changed() override {
     if (!pixel_rtl_takes(run_.config, run_.pipeline.state)) {

@@ -13,6 +13,7 @@
 #include "config/modes.hpp"
 #include "engine/engine.hpp"
 #include "model/pipeline.hpp"
+#include "model/scene_run.hpp"
 #include "model/timed/engine_systemc.hpp"
 #include "model/timed/items.hpp"
 #include "model/timed/stage.hpp"
@@ -40,26 +41,22 @@ class WaitingGradients {
   std::deque<GradientRecord> waiting_;
 };
 
-struct Run {
+struct Run : model::SceneRun {
   Run(const Config& c, const Scene& s, const SystemcOptions& options)
       : config(c),
-        scene(s),
         measures_texture_cache(options.measure_texture_cache),
         watch_caches(options.watch_caches),
-        timings(stage_timings(c)),
-        pipeline(model::make_pipeline(c, s)),
-        frame(model::cleared_frame(pipeline, s)),
-        uv_ulp(std::ldexp(1.0, -pipeline.texture.uv.fraction)) {}
+        timings(stage_timings(c)) {
+    pipeline = model::make_pipeline(c, s);
+    uv_ulp = std::ldexp(1.0, -pipeline.texture.uv.fraction);
+    begin(s, true);
+  }
 
   const Config& config;
-  const Scene& scene;
   bool measures_texture_cache;
   CacheWatch watch_caches;
   std::array<StageTiming, stage_count> timings;
-  model::Pipeline pipeline;
-  Frame frame;
-  double uv_ulp;  // the value of 1 in a fragment's u and v
-  Counters counters;
+  double uv_ulp = 1;       // the value of 1 in a fragment's u and v
   Trace* trace = nullptr;  // of the draw under way; may be null
   WaitingGradients depth_gradients{has_dz(config.depth_code)}, lod_gradients{has_lod_gradients(config)};
   std::deque<model::TrianglePlane>
@@ -75,7 +72,7 @@ struct Run {
   std::size_t pixel(const FragmentRecord& fragment) const { return pixel_of(frame, fragment); }
   // The fragment's texture, null for none.
   const Texture* image(const FragmentItem& item) const {
-    return model::texture_of(scene, item.surface.texture);
+    return model::texture_of(*scene, item.surface.texture);
   }
   // Whether the fragment covers its pixel, and scissor and stipple let it be drawn.
   bool is_drawn(const FragmentRecord& fragment) const {

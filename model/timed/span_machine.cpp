@@ -97,6 +97,10 @@ class SpanMachine final : public Machine {
   void state_changed() override;
   void cleared(const Clear& clear) override { workload_.cleared(clear); }
   void target_changed() override { workload_.target_changed(); }
+  void scene_changed(std::uint64_t since) override {
+    in_flight_.resize(std::max(in_flight_.size(), run_.frame.depth.size()));
+    workload_.scene_changed(since);
+  }
   void clock_until_drained(std::span<const Triangle> triangles, std::int64_t first_index) override;
   std::uint64_t cycles() const override { return cycles_; }
   void fill(TimedReport& report) const override;

@@ -54,10 +54,10 @@ TextureTraffic::TextureTraffic(const Run& run)
     next += (byte_count(texture) + line - 1) / line * line;
   };
   const auto& chains = run.pipeline.mip_chains.all();
-  for (std::size_t i = 0; i < run.scene.textures.size(); ++i) {
+  for (std::size_t i = 0; i < run.scene->textures.size(); ++i) {
     first_of_.push_back(images_.size());
     if (chains.empty()) {
-      place(run.scene.textures[i], 0);
+      place(run.scene->textures[i], 0);
     } else {
       for (std::size_t level = 0; level < chains[i].size(); ++level)
         place(chains[i][level], static_cast<int>(level));

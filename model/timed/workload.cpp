@@ -44,10 +44,14 @@ class Workload::Batch final : model::BlockSink<std::int64_t> {
   explicit Batch(Workload& workload)
       : workload_(workload),
         run_(workload.run_),
-        plan_(model::prepare_shade(run_.pipeline, run_.config, run_.scene)),
+        plan_(model::prepare_shade(run_.pipeline, run_.config, *run_.scene)),
         triangle_kernels_(model::triangle_kernels(VectorTarget::best)),
         span_kernels_(model::span_kernels<std::int64_t>(VectorTarget::best)),
         shade_kernels_(model::shade_kernels<std::int64_t>(VectorTarget::best)) {}
+
+  void scene_changed(std::uint64_t since) {
+    model::update_shade(plan_, run_.pipeline, run_.config, run_.scene, since);
+  }
 
   void start(std::span<const Triangle> triangles, std::int64_t first_index) {
     to_draw_ = triangles;
@@ -193,7 +197,7 @@ class Workload::Batch final : model::BlockSink<std::int64_t> {
 
   void operator()(const model::FragmentBlock<std::int64_t>& block, const model::BlockDraw& draw) override {
     const int texture = draw.texture;
-    const Texture* image = texture < 0 ? nullptr : &run_.scene.textures[static_cast<std::size_t>(texture)];
+    const Texture* image = texture < 0 ? nullptr : &run_.scene->textures[static_cast<std::size_t>(texture)];
     const auto first = static_cast<std::size_t>(block.triangle[0] - first_index_);
     const bool shared = block.size > 0 && draws_[first].shared;
     FragmentRecord fragment;
@@ -261,6 +265,10 @@ Workload::Workload(Run& run)
 }
 
 Workload::~Workload() = default;
+
+void Workload::scene_changed(std::uint64_t since) {
+  if (batch_) batch_->scene_changed(since);
+}
 
 void Workload::start(std::span<const Triangle> triangles, std::int64_t first_index) {
   to_set_up_ = triangles;

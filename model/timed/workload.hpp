@@ -98,6 +98,7 @@ class Workload {
     depth_traffic_.cleared(clear);
     merge_traffic_.cleared(clear);
   }
+  void scene_changed(std::uint64_t since);
   void target_changed() {
     depth_traffic_.target_changed();
     merge_traffic_.target_changed();

@@ -53,6 +53,9 @@ nb::object errors(const ConfigHandle& handle, const SceneHandle& scene_handle, c
   }
   const Config config = handle.full();
   const Scene scene = scene_handle.full();
+  if (changes_scene(scene.commands)) {
+    throw InputError("errors: the closed form knows one view; expected a scene that no command changes");
+  }
   const std::size_t n = records.shape(0);
   auto out = std::make_unique<std::vector<double>>(n, std::numeric_limits<double>::quiet_NaN());
   bool any = n == 0;

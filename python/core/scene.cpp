@@ -126,13 +126,13 @@ bs_status SceneHandle::draw(bs_model* model, std::size_t at, std::size_t n, std:
 
 Scene SceneHandle::full() const {
   try {
+    if (scene_.get() != nullptr) return *capi::scene_of(scene_.get(), "bitspan.Scene");
     Scene out = capi::scene_from(&desc_);
     out.triangles.reserve(count_);
     for (std::size_t i = 0; i < count_; ++i) {
-      out.triangles.push_back(capi::triangle_from(vertices_, i, texture_of_[i], out,
+      out.triangles.push_back(capi::triangle_from(vertices_, i, texture_of_[i], out, out,
                                                   static_cast<std::int64_t>(i), "bitspan.Scene"));
     }
-    if (scene_.get() != nullptr) out.commands = capi::scene_of(scene_.get(), "bitspan.Scene")->commands;
     return out;
   } catch (const capi::Failure& failure) {
     throw InputError(failure.text);

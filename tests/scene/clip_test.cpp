@@ -139,8 +139,8 @@ TEST(Clip, NeighboursShareTheirCuts) {
   EXPECT_GT(cuts, 1000);
 }
 
-View view() {
-  View v;
+Viewpoint view() {
+  Viewpoint v;
   v.width = 200;
   v.height = 100;
   v.focal = 150;
@@ -256,14 +256,14 @@ TEST(Project, PiecesOfACutFaceTileTheScreen) {
 }
 
 TEST(Transform, ImpossibleCameras) {
-  View v;
+  Viewpoint v;
   EXPECT_THROW(look_at(v, {1, 2, 3}, {1, 2, 3}, {0, 1, 0}), InputError);
   EXPECT_THROW(look_at(v, {0, 0, 0}, {0, 5, 0}, {0, 1, 0}), InputError);
   EXPECT_THROW(look_at(v, {0, 0, 0}, {0, 5, 0}, {0, 0, 0}), InputError);
 }
 
 TEST(Transform, AxesAreOrthonormal) {
-  View v;
+  Viewpoint v;
   look_at(v, {1, 2, 3}, {-4, 0, 9}, {0.1, 1, 0.3});
   EXPECT_NEAR(length(v.right), 1, 1e-15);
   EXPECT_NEAR(length(v.down), 1, 1e-15);

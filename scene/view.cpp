@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/view.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "config/config.hpp"
+#include "scene/picture_size.hpp"
+
+namespace bitspan {
+
+View changed_view(View view, const ViewChange& change) {
+  view.width = change.width.value_or(view.width);
+  view.height = change.height.value_or(view.height);
+  view.s_min = change.s_min.value_or(view.s_min);
+  view.s_max = change.s_max.value_or(view.s_max);
+  view.focal = change.focal.value_or(view.focal);
+  view.background = change.background.value_or(view.background);
+  view.fog = change.fog.value_or(view.fog);
+  if (!is_legal({view.width, view.height})) {
+    throw InputError(fmt::format("width: {} x {} is not legal; expected 1..{} pixels each way and {} in all",
+                                 view.width, view.height, picture_size_limit, picture_area_limit));
+  }
+  const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
+  if (!positive(view.s_min) || !positive(view.s_max) || view.s_min >= view.s_max) {
+    throw InputError(fmt::format("s_min: {} to s_max = {} is not legal; expected 0 < s_min < s_max",
+                                 view.s_min, view.s_max));
+  }
+  if (!positive(view.focal)) throw InputError("focal: is not legal; expected a number above 0");
+  if (view.fog && !positive(view.fog->distance)) {
+    throw InputError("fog.distance: is not legal; expected a number above 0");
+  }
+  return view;
+}
+
+}  // namespace bitspan
