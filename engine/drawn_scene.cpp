@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/drawn_scene.hpp"
 
+#include <utility>
+
 namespace bitspan {
 
 void DrawnScene::begin(const Scene& scene) {
   now_ = &scene;
   views_ = Views(scene);
   version_ = view_version_ = 0;
+  texture_versions_.clear();
 }
 
 void DrawnScene::run(const Target& target) {
@@ -17,6 +20,12 @@ void DrawnScene::run(const Target& target) {
 void DrawnScene::run(const ViewChange& change) {
   views_.change(change);
   take_view();
+}
+
+void DrawnScene::set_texture(std::size_t index, Texture texture) {
+  own().textures.at(index) = std::move(texture);
+  texture_versions_.resize(own_.textures.size());
+  texture_versions_[index] = ++version_;
 }
 
 Scene& DrawnScene::own() {

@@ -2,7 +2,9 @@
 // The scene of a run as its commands leave it. Storage, and no arithmetic: so golden and the model share it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "scene/scene.hpp"
 
@@ -25,10 +27,15 @@ class DrawnScene {
 
   std::uint64_t version() const { return version_; }
   std::uint64_t view_version() const { return view_version_; }
+  std::uint64_t texture_version(std::size_t index) const {
+    return index < texture_versions_.size() ? texture_versions_[index] : 0;
+  }
 
   // As Engine::execute says, of the view alone.
   void run(const Target& target);
   void run(const ViewChange& change);
+  // Puts a texture of the same size in the place of one.
+  void set_texture(std::size_t index, Texture texture);
 
  private:
   Scene& own();
@@ -38,6 +45,7 @@ class DrawnScene {
   Scene own_;
   Views views_;
   std::uint64_t version_ = 0, view_version_ = 0;
+  std::vector<std::uint64_t> texture_versions_;  // empty before the first change
 };
 
 }  // namespace bitspan

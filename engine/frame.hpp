@@ -53,6 +53,10 @@ class Targets {
     return kept.has_value();
   }
   int current() const { return current_; }
+  // Those of target k, which has been drawn on; `planes` are those of the current one.
+  const Planes& of(int k, const Planes& planes) const {
+    return k == current_ ? planes : away_[static_cast<std::size_t>(k)].value();
+  }
 
  private:
   int current_ = 0;

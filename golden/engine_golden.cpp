@@ -164,6 +164,9 @@ class GoldenEngine final : public Engine, public RowEngine {
   // Prepares what the scene has become since that version.
   void take_scene(std::uint64_t since) {
     if (scene_.view_version() > since) prepare_view();
+    for (std::size_t i = 0; i < levels_.size(); ++i) {
+      if (scene_.texture_version(i) > since) levels_[i] = mip_levels(scene_->textures[i]);
+    }
   }
   void clear_target() {
     clear_frame(frame_, scene_->width, scene_->height, scene_->background,

@@ -51,6 +51,11 @@ MipChains::MipChains(const Config& config, const Scene& scene) {
   for (const Texture& texture : scene.textures) chains_.push_back(make_mip_chain(texture));
 }
 
-void MipChains::update(const DrawnScene& scene) { first_ = scene->textures.data(); }
+void MipChains::update(const DrawnScene& scene, std::uint64_t since) {
+  first_ = scene->textures.data();
+  for (std::size_t i = 0; i < chains_.size(); ++i) {
+    if (scene.texture_version(i) > since) chains_[i] = make_mip_chain(scene->textures[i]);
+  }
+}
 
 }  // namespace bitspan::model

@@ -19,8 +19,8 @@ class MipChains {
   MipChains() = default;
   // Without chains in the configuration there are none. Throws InputError where a texture can have none.
   MipChains(const Config& config, const Scene& scene);
-  // For what the scene has become.
-  void update(const DrawnScene& scene);
+  // Brings the chains to what the scene has become since that version of it.
+  void update(const DrawnScene& scene, std::uint64_t since);
   // The chain of a texture of the scene, null for null; the scene's textures have not moved.
   const MipChain* of(const Texture* texture) const {
     return texture == nullptr ? nullptr : &chains_[static_cast<std::size_t>(texture - first_)];

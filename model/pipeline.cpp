@@ -147,7 +147,7 @@ void update_pipeline(Pipeline& pipeline, const Config& config, const DrawnScene&
                      Watch watch) {
   if (scene.version() == since) return;
   if (scene.view_version() > since) prepare_view(pipeline, config, *scene, watch);
-  pipeline.mip_chains.update(scene);
+  pipeline.mip_chains.update(scene, since);
   set_state(pipeline, *scene, pipeline.state);
 }
 

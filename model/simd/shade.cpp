@@ -304,7 +304,10 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
 
 void update_shade(ShadePlan& plan, const Pipeline& pipeline, const Config& config, const DrawnScene& scene,
                   std::uint64_t since) {
-  for (std::size_t i = 0; i < plan.textures.size(); ++i) plan.textures[i].source = &scene->textures[i];
+  for (std::size_t i = 0; i < plan.textures.size(); ++i) {
+    plan.textures[i].source = &scene->textures[i];
+    if (scene.texture_version(i) > since) prepare_texture(plan, pipeline, *scene, i);
+  }
   if (scene.view_version() > since) prepare_view(plan, pipeline, config);
 }
 

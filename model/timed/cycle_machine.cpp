@@ -45,7 +45,8 @@ class CycleMachine final : public ClockedMachine {
     depth_.traffic().target_changed();
     merge_.traffic().target_changed();
   }
-  void scene_changed(std::uint64_t /*since*/) override {
+  void scene_changed(std::uint64_t since) override {
+    texture_.traffic().scene_changed(run_, since);
     run_.pixel_free.resize(std::max(run_.pixel_free.size(), run_.frame.depth.size()));
   }
   bool rests() const override { return memory_.idle(); }

@@ -47,6 +47,7 @@ class TextureStage : public PipeStage<FragmentItem> {
         run_(run),
         traffic_(run) {}
   const Cache& cache() const { return traffic_.cache(); }
+  TextureTraffic& traffic() { return traffic_; }
 
  private:
   bool enters(FragmentItem& item) override {

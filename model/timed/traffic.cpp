@@ -43,6 +43,23 @@ TextureTraffic::TextureTraffic(const Run& run)
   }
   const auto line = static_cast<std::uint64_t>(run.config.memory.cache_line_bytes);
   accesses_.fill({line, true});
+  place_textures(run);
+}
+
+void TextureTraffic::scene_changed(const Run& run, std::uint64_t since) {
+  bool others = false;
+  for (std::size_t i = 0; i < run.scene->textures.size(); ++i) {
+    others = others || run.scene.texture_version(i) > since;
+  }
+  if (!others) return;
+  place_textures(run);
+  cache_.flush();
+}
+
+void TextureTraffic::place_textures(const Run& run) {
+  images_.clear();
+  first_of_.clear();
+  const auto line = static_cast<std::uint64_t>(run.config.memory.cache_line_bytes);
   const auto axis = [&](int size) {
     return Axis{.size = size,
                 .power_of_two = std::has_single_bit(static_cast<unsigned>(size)),

@@ -69,6 +69,8 @@ class DepthTraffic {
 class TextureTraffic {
  public:
   explicit TextureTraffic(const Run& run);
+  // The scene is another one than at that version: the cache forgets the texels where a texture is.
+  void scene_changed(const Run& run, std::uint64_t since);
   // Lines to fetch, 4 per level and unit.
   const std::array<Access, 16>& accesses() const { return accesses_; }
   // Of a fragment that comes to texture, by the first unit alone; texture: -1 for none, u and v raw. Without
@@ -118,6 +120,7 @@ class TextureTraffic {
     TexelFormat format = TexelFormat::rgba8888;
     int level = 0;
   };
+  void place_textures(const Run& run);
   static Asks asks_of(int misses) { return static_cast<Asks>((1U << misses) - 1); }
   int misses(int texture, std::int64_t u, std::int64_t v, const LodRecord& lod);
   int misses(const Image& image, std::int64_t u, std::int64_t v);

@@ -268,6 +268,7 @@ Workload::~Workload() = default;
 
 void Workload::scene_changed(std::uint64_t since) {
   if (batch_) batch_->scene_changed(since);
+  texture_traffic_.scene_changed(run_, since);
 }
 
 void Workload::start(std::span<const Triangle> triangles, std::int64_t first_index) {
