@@ -300,6 +300,10 @@ TexelCodes fetch_texel(const Texture& t, std::int64_t i, std::int64_t j) {
       return codes(from_yuv(bytes[second ? 3 : 1], bytes[0], bytes[2]), 255);
     case TexelFormat::yuyv:
       return codes(from_yuv(bytes[second ? 2 : 0], bytes[1], bytes[3]), 255);
+    case TexelFormat::depth: {
+      const double light = bytes[3];  // the word's top eight bits
+      return codes({light, light, light}, 255);
+    }
     case TexelFormat::checker:
       return pattern.checker();
     case TexelFormat::brick:

@@ -78,7 +78,7 @@ Scene load(const std::string& name, std::int32_t width, std::int32_t height, std
   return scene;
 }
 
-static_assert(BS_TEXEL_NOISE + 1 == enum_names<TexelFormat>.size() &&
+static_assert(BS_TEXEL_DEPTH + 1 == enum_names<TexelFormat>.size() &&
               BS_TEXEL_DXT1 == static_cast<int>(TexelFormat::dxt1));
 
 std::vector<std::uint8_t> decoded(const Texture& t) {

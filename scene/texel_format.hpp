@@ -12,7 +12,7 @@
 namespace bitspan {
 
 BITSPAN_ENUM(TexelFormat, rgba8888, rgb332, yiq422, a8, i8, ai44, p8, argb8332, rgb565, argb1555, argb4444,
-             ai88, ap88, ayiq8422, dxt1, dxt3, dxt5, uyvy, yuyv, checker, brick, noise);
+             ai88, ap88, ayiq8422, dxt1, dxt3, dxt5, uyvy, yuyv, checker, brick, noise, depth);
 
 // Texels lie in blocks, row by row of blocks from the top left. The last block of a row or column may reach
 // beyond the texture.
@@ -65,6 +65,7 @@ constexpr bool is_procedural(TexelFormat format) {
     case TexelFormat::dxt5:
     case TexelFormat::uyvy:
     case TexelFormat::yuyv:
+    case TexelFormat::depth:
       return false;
   }
   unreachable();
@@ -73,6 +74,7 @@ constexpr bool is_procedural(TexelFormat format) {
 constexpr TexelLayout texel_layout(TexelFormat format) {
   switch (format) {
     case TexelFormat::rgba8888:
+    case TexelFormat::depth:
       return {1, 1, 4, 0};
     case TexelFormat::rgb332:
     case TexelFormat::a8:

@@ -77,6 +77,7 @@ class Converter {
       case TexelFormat::ai88:
       case TexelFormat::ap88:
       case TexelFormat::ayiq8422:
+      case TexelFormat::depth:
         words();
         break;
       case TexelFormat::dxt1:
@@ -159,6 +160,8 @@ class Converter {
       case TexelFormat::ap88:
       case TexelFormat::ayiq8422:
         return c[3] << 8 | entry;
+      case TexelFormat::depth:
+        return intensity(c) << 24;
       case TexelFormat::rgba8888:
       case TexelFormat::dxt1:
       case TexelFormat::dxt3:

@@ -251,15 +251,18 @@ Texture read_formatted(const Json& entry, const Place& place, const std::filesys
     place.fail(fmt::format("{}{}: {} is not a file name; expected a string", inside, source, shown(name)));
   }
   const Json& wanted = required(entry, "format", place, "the name of a texel format");
-  // The procedural ones stand behind those that lie in memory.
-  const auto names = std::span(enum_names<TexelFormat>).first(static_cast<std::size_t>(TexelFormat::checker));
+  const auto all = std::span(enum_names<TexelFormat>);
   const auto found =
-      wanted.is_string() ? std::ranges::find(names, wanted.get_ref<const std::string&>()) : names.end();
-  if (found == names.end()) {
+      wanted.is_string() ? std::ranges::find(all, wanted.get_ref<const std::string&>()) : all.end();
+  const auto format = static_cast<TexelFormat>(found - all.begin());
+  if (found == all.end() || is_procedural(format)) {
+    std::vector<std::string_view> names;
+    for (std::size_t f = 0; f < all.size(); ++f) {
+      if (!is_procedural(static_cast<TexelFormat>(f))) names.push_back(all[f]);
+    }
     place.fail(fmt::format("{}format: {} is not legal; expected one of {}", inside, shown(wanted),
                            fmt::join(names, ", ")));
   }
-  const auto format = static_cast<TexelFormat>(found - names.begin());
   std::vector<std::int16_t> table = read_texel_table(entry, format, place, folder, key);
   const std::filesystem::path path = folder / name.get_ref<const std::string&>();
   if (!raw) {
@@ -294,7 +297,7 @@ Texture read_procedural(const Json& entry, const Place& place, const std::string
                            shown(from)));
   }
   const auto kinds =
-      std::span(enum_names<TexelFormat>).subspan(static_cast<std::size_t>(TexelFormat::checker));
+      std::span(enum_names<TexelFormat>).subspan(static_cast<std::size_t>(TexelFormat::checker), 3);
   const Json& wanted = required(from, "kind", place, "checker, brick or noise");
   const auto found =
       wanted.is_string() ? std::ranges::find(kinds, wanted.get_ref<const std::string&>()) : kinds.end();

@@ -39,7 +39,7 @@ extern "C" {
 #endif
 
 /* Grows with every addition to this file; bs_abi_version() tells the library's. */
-#define BS_ABI_VERSION 3
+#define BS_ABI_VERSION 4
 
 typedef int32_t bs_status;
 enum {
@@ -123,9 +123,10 @@ enum {
   BS_TEXEL_DXT5 = 16,
   BS_TEXEL_UYVY = 17,
   BS_TEXEL_YUYV = 18,
-  BS_TEXEL_CHECKER = 19, /* this and the next are computed: no bytes, and a table alone */
+  BS_TEXEL_CHECKER = 19, /* this and the next two are computed: no bytes, and a table alone */
   BS_TEXEL_BRICK = 20,
-  BS_TEXEL_NOISE = 21
+  BS_TEXEL_NOISE = 21,
+  BS_TEXEL_DEPTH = 22
 };
 
 /* 8-bit RGBA, rows from the top; alpha 0 is clear and 255 opaque. A texture of another format has its texels

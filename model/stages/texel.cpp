@@ -198,6 +198,8 @@ TexelCodes decode(TexelFormat format, const std::uint8_t* block, int i, int j,
       return codes(yuv(block[i == 0 ? 1 : 3], block[0], block[2]), 255);
     case TexelFormat::yuyv:
       return codes(yuv(block[i == 0 ? 0 : 2], block[1], block[3]), 255);
+    case TexelFormat::depth:
+      return grey(static_cast<int>(low_first(block, 4) >> 24), 255);
     case TexelFormat::checker:
     case TexelFormat::brick:
     case TexelFormat::noise:

@@ -74,6 +74,7 @@ TEST(Texel, ByHand) {
   EXPECT_EQ(texel(F::rgb332, {0b101'010'01}), (Codes{0b10110110, 0b01001001, 0b01010101, 255}));
   EXPECT_EQ(texel(F::a8, {77}), (Codes{77, 77, 77, 77}));
   EXPECT_EQ(texel(F::i8, {77}), (Codes{77, 77, 77, 255}));
+  EXPECT_EQ(texel(F::depth, {1, 2, 3, 77}), (Codes{77, 77, 77, 255}));
   EXPECT_EQ(texel(F::ai44, {0x3c}), (Codes{0xcc, 0xcc, 0xcc, 0x33}));
   EXPECT_EQ(texel(F::argb8332, {0b101'010'01, 9}), (Codes{0b10110110, 0b01001001, 0b01010101, 9}));
   // The low byte first: 10011 100101 00110.
