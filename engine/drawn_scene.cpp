@@ -22,6 +22,24 @@ void DrawnScene::run(const ViewChange& change) {
   take_view();
 }
 
+void DrawnScene::run(const Copy& copy, const Frame& frame, int depth_bits) {
+  Texture texture;
+  texture.name = now_->textures.at(static_cast<std::size_t>(copy.texture)).name;
+  texture.width = frame.width;
+  texture.height = frame.height;
+  if (copy.plane == CopyPlane::color) {
+    texture.rgba = frame.color;
+  } else {
+    texture.format = TexelFormat::depth;
+    texture.raw.reserve(4 * frame.depth.size());
+    for (const std::uint32_t code : frame.depth) {
+      const std::uint32_t word = code << (32 - depth_bits);  // the code's top bit on the word's
+      for (int at = 0; at < 32; at += 8) texture.raw.push_back(static_cast<std::uint8_t>(word >> at));
+    }
+  }
+  set_texture(static_cast<std::size_t>(copy.texture), std::move(texture));
+}
+
 void DrawnScene::set_texture(std::size_t index, Texture texture) {
   own().textures.at(index) = std::move(texture);
   texture_versions_.resize(own_.textures.size());

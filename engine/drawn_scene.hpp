@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/frame.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan {
@@ -25,6 +26,7 @@ class DrawnScene {
   const Scene& operator*() const { return *now_; }
   const Scene* operator->() const { return now_; }
 
+  const Views& views() const { return views_; }
   std::uint64_t version() const { return version_; }
   std::uint64_t view_version() const { return view_version_; }
   std::uint64_t texture_version(std::size_t index) const {
@@ -34,6 +36,8 @@ class DrawnScene {
   // As Engine::execute says, of the view alone.
   void run(const Target& target);
   void run(const ViewChange& change);
+  // frame: of the target that is copied; depth_bits: of its codes.
+  void run(const Copy& copy, const Frame& frame, int depth_bits);
   // Puts a texture of the same size in the place of one.
   void set_texture(std::size_t index, Texture texture);
 

@@ -40,6 +40,8 @@ class Engine {
   //                is cleared as begin() clears. The constants of another view are delivered as a record of
   //                their own in front of the next records. Throws InputError where the new view is not legal,
   //                or does not fit the configuration.
+  //   Copy         makes a plane of a target the texels of a texture, for what is drawn from then on, its mip
+  //                chain included. Throws InputError as check_copy does.
   virtual void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) = 0;
   // Of the target that is drawn on.
   virtual const Frame& frame() const = 0;

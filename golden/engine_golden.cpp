@@ -128,6 +128,12 @@ class GoldenEngine final : public Engine, public RowEngine {
     clear_target();
     if (state_.stencil_test) need_stencil(frame_);
   }
+  void run(const Copy& copy, std::int64_t /*next_index*/, Trace* /*trace*/) {
+    check_copy(*scene_, scene_.views(), copy);
+    const std::uint64_t before = scene_.version();
+    scene_.run(copy, targets_.of(copy.target, frame_), config_.depth_bits);
+    take_scene(before);
+  }
   // What depends on the view.
   void prepare_view() {
     const Scene& scene = *scene_;

@@ -495,6 +495,16 @@ class IdealEngine final : public Engine {
     clear_target();
     if (state_.stencil_test) need_stencil(planes_.frame);
   }
+  // The codes are those of the rounded picture.
+  void run(const Copy& copy) {
+    check_copy(*scene_, scene_.views(), copy);
+    const int shown = targets_.current();
+    run(Target{copy.target});
+    scene_.run(copy, frame(), config_.depth_bits);
+    run(Target{shown});
+    const auto index = static_cast<std::size_t>(copy.texture);
+    if (!levels_.empty()) levels_[index] = golden::mip_levels(scene_->textures[index]);
+  }
   void run(const Clear& clear) {
     clear_planes(planes_.frame, clear, 0);
     for (std::size_t i = 0; i < planes_.color.size(); ++i) {

@@ -58,6 +58,13 @@ void SceneRun::run(const Config& config, const ViewChange& change, std::int64_t 
   resize_frame(pipeline, *scene, frame);
 }
 
+void SceneRun::run(const Config& config, const Copy& copy, std::int64_t /*next_index*/, Trace* /*trace*/) {
+  check_copy(*scene, scene.views(), copy);
+  const std::uint64_t before = scene.version();
+  scene.run(copy, targets.of(copy.target, frame), config.depth_bits);
+  update(config, before);
+}
+
 void SceneRun::update(const Config& config, std::uint64_t since) {
   if (statistics != nullptr) {
     update_pipeline(pipeline, config, scene, since, Observe{statistics});

@@ -142,8 +142,9 @@ bool may_change_view(const DrawCommand& command) {
 }
 
 bool changes_scene(std::span<const DrawCommand> commands) {
-  return std::ranges::any_of(commands,
-                             [](const DrawCommand& c) { return std::holds_alternative<ViewChange>(c.what); });
+  return std::ranges::any_of(commands, [](const DrawCommand& c) {
+    return std::holds_alternative<ViewChange>(c.what) || std::holds_alternative<Copy>(c.what);
+  });
 }
 
 int target_at(std::span<const DrawCommand> commands, std::size_t index) {
@@ -153,6 +154,29 @@ int target_at(std::span<const DrawCommand> commands, std::size_t index) {
     if (const auto* target = std::get_if<Target>(&command.what)) out = target->k;
   }
   return out;
+}
+
+void check_copy(const Scene& scene, const Views& views, const Copy& copy) {
+  const auto& textures = scene.textures;
+  if (copy.texture < 0 || static_cast<std::size_t>(copy.texture) >= textures.size()) {
+    throw InputError("copy.texture: " + std::to_string(copy.texture) + " does not exist, the scene has " +
+                     std::to_string(textures.size()) + " textures; expected an index below");
+  }
+  check_target(copy.target);
+  const std::optional<View>& view = views.of(copy.target);
+  if (!view) {
+    throw InputError("copy.target: " + std::to_string(copy.target) +
+                     " has not been drawn on; expected a line {\"target\": " + std::to_string(copy.target) +
+                     "} in front");
+  }
+  const Texture& texture = textures[static_cast<std::size_t>(copy.texture)];
+  if (texture.width == view->width && texture.height == view->height) return;
+  const auto size = [](int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+  };
+  throw InputError("copy: texture " + std::to_string(copy.texture) + " has " +
+                   size(texture.width, texture.height) + " texels, target " + std::to_string(copy.target) +
+                   " has " + size(view->width, view->height) + " pixels; expected the same size");
 }
 
 View view_at(const Scene& scene, std::size_t index) {
@@ -169,6 +193,7 @@ void check_commands(const Config& config, const Scene& scene) {
   Views views(scene);
   for (const DrawCommand& command : scene.commands) {
     views.execute(command);
+    if (const auto* copy = std::get_if<Copy>(&command.what)) check_copy(scene, views, *copy);
     if (const auto* change = std::get_if<StateChange>(&command.what)) {
       state = changed_state(state, *change, config, scene.textures.size());
     }

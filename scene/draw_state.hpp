@@ -221,10 +221,20 @@ struct Target {
   bool operator==(const Target&) const = default;
 };
 
+// Makes a plane of a target the texels of a texture of its size: colour and alpha of the format rgba8888, or
+// depth codes of the format depth. What is drawn on the target later leaves the texture as it is.
+BITSPAN_ENUM(CopyPlane, color, depth);
+struct Copy {
+  int target = 0;  // one that has been drawn on
+  CopyPlane plane = CopyPlane::color;
+  int texture = 0;  // index into Scene::textures
+  bool operator==(const Copy&) const = default;
+};
+
 // What stands between triangles of a stream.
 struct DrawCommand {
   std::size_t before = 0;  // index of the triangle that follows; their number where none does
-  std::variant<StateChange, Clear, Target, ViewChange> what{};
+  std::variant<StateChange, Clear, Target, ViewChange, Copy> what{};
   bool operator==(const DrawCommand&) const = default;
 };
 // The states that the changes among the commands make, one after another; the first state is not among them.

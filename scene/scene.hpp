@@ -51,7 +51,9 @@ struct Scene : View {
 inline Scene with_view(const View& view) { return {view, {}, {}, {}, {}}; }
 // The view that triangle `index` is drawn with; that of the number of triangles is the last one.
 View view_at(const Scene& scene, std::size_t index);
-// Throws InputError where a change of state or view would not be legal.
+// Throws InputError where there is no such texture, the target has not been drawn on, or their sizes differ.
+void check_copy(const Scene& scene, const Views& views, const Copy& copy);
+// Throws InputError where a change of state or view, or a copy, would not be legal.
 void check_commands(const Config& config, const Scene& scene);
 // Takes triangles out; commands that stood in front of them stand in front of the next one.
 void erase_triangles(Scene& scene, std::size_t first, std::size_t count);

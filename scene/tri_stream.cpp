@@ -547,7 +547,7 @@ StateSetting read_setting(const std::string& key, const Json& value, const Place
 
 bool is_command(const Json& line) {
   return line.is_object() && (line.contains("state") || line.contains("clear") || line.contains("target") ||
-                              line.contains("view") || line.contains("frame"));
+                              line.contains("view") || line.contains("copy") || line.contains("frame"));
 }
 
 bool truth(const Json& value, const Place& place, const char* key) {
@@ -581,7 +581,32 @@ ViewChange read_view(const Json& value, int color_max, const Place& place) {
   return change;
 }
 
+Copy read_copy(const Json& value, const Place& place) {
+  if (!value.is_object()) {
+    place.fail("copy: " + shown(value) +
+               " is not an object; expected {\"target\": K, \"plane\": \"color\", \"texture\": N}");
+  }
+  check_keys(value, {"target", "plane", "texture"}, place, "copy.");
+  const auto of = [&](const char* key, const char* expected) -> const Json& {
+    if (!value.contains(key)) place.fail(fmt::format("copy.{}: key is missing; expected {}", key, expected));
+    return value[key];
+  };
+  Copy copy;
+  copy.target = integer(of("target", "a target"), 0, target_limit - 1, place, "copy.target");
+  const Json& plane = of("plane", "color or depth");
+  if (plane != Json("color") && plane != Json("depth")) {
+    place.fail(fmt::format("copy.plane: {} is not legal; expected color or depth", shown(plane)));
+  }
+  copy.plane = plane == Json("depth") ? CopyPlane::depth : CopyPlane::color;
+  copy.texture = integer(of("texture", "an index"), 0, texture1_limit, place, "copy.texture");
+  return copy;
+}
+
 DrawCommand read_command(const Json& line, int color_max, const Place& place) {
+  if (const auto found = line.find("copy"); found != line.end()) {
+    check_keys(line, {"copy"}, place, "");
+    return {.what = read_copy(*found, place)};
+  }
   if (const auto found = line.find("view"); found != line.end()) {
     check_keys(line, {"view"}, place, "");
     return {.what = read_view(*found, color_max, place)};
@@ -827,6 +852,10 @@ namespace {
 
 Json line_of(const Target& target) { return {{"target", target.k}}; }
 
+Json line_of(const Copy& copy) {
+  return {{"copy", {{"target", copy.target}, {"plane", to_string(copy.plane)}, {"texture", copy.texture}}}};
+}
+
 Json line_of(const ViewChange& change) {
   Json view = Json::object();
   if (change.width) view["width"] = *change.width;
@@ -879,7 +908,8 @@ std::string command_text(const DrawCommand& command) {
 DrawCommand parse_command(std::string_view json, const std::string& origin) {
   const Place place{origin, 1};
   const Json line = parse_line(std::string(json), place);
-  if (!is_command(line)) place.fail(shown(line) + " is no command; expected state, clear, target or view");
+  if (!is_command(line))
+    place.fail(shown(line) + " is no command; expected state, clear, target, view or copy");
   return read_command(line, 1, place);
 }
 
@@ -923,6 +953,26 @@ struct TriReader::State {
     setting.value = texture.first + (texture.frames == 0 ? 0 : frame);
   }
 
+  // The header's number of the texture becomes the scene's.
+  void check_copied(Copy& copy) const {
+    if (copy.texture >= static_cast<int>(textures.size())) {
+      place.fail(
+          fmt::format("copy.texture: texture {} does not exist, the header has {}; expected an index below",
+                      copy.texture, textures.size()));
+    }
+    const HeaderTexture& texture = textures[static_cast<std::size_t>(copy.texture)];
+    if (texture.frames != 0) {
+      place.fail(
+          fmt::format("copy.texture: texture {} is dynamic; expected one of a single image", copy.texture));
+    }
+    copy.texture = texture.first;
+    try {
+      check_copy(scene, views, copy);
+    } catch (const InputError& error) {
+      place.fail(error.what());
+    }
+  }
+
   void add_command(const Json& json) {
     if (version < 2) {
       place.fail("bitspan: a stream of version 1 has no commands; expected a header {\"bitspan\": 2, ...}");
@@ -947,6 +997,7 @@ struct TriReader::State {
     } catch (const InputError& error) {
       place.fail(std::string("view.") + error.what());
     }
+    if (auto* copy = std::get_if<Copy>(&command.what)) check_copied(*copy);
     commands.push_back(std::move(command));
   }
 
