@@ -116,6 +116,66 @@ TEST(DrawState, WhatIsRefused) {
             std::string::npos);
 }
 
+TEST(DrawState, ViewsOfAStream) {
+  const std::string far =
+      "\n"
+      R"({"v": [[1, 1, 20, 0, 0], [60, 1, 20, 0, 0], [1, 40, 20, 0, 0]]})";
+  const Scene scene = parsed(
+      R"(
+{"view": {"s_max": 90, "fog": {"color": [1, 0, 0], "distance": 7}}}
+{"target": 2})" +
+      far + R"(
+{"view": {"width": 32, "height": 16, "s_min": 2, "focal": 9, "background": [0, 0, 1], "fog": null}})" +
+      far + "\n{\"target\": 0}" + far);
+  ASSERT_EQ(scene.commands.size(), 4U);
+  EXPECT_EQ(view_at(scene, 0).s_max, 90);
+  EXPECT_EQ(view_at(scene, 0).fog, (Fog{{255, 0, 0}, 7}));
+  EXPECT_EQ(view_at(scene, 1), (View{32, 16, 2, 90, 9, {0, 0, 255}, {}}));
+  EXPECT_EQ(view_at(scene, 2), view_at(scene, 0));  // each target has its own
+  EXPECT_TRUE(changes_scene(scene.commands));
+  std::ostringstream out;
+  write_tri(out, scene);
+  EXPECT_TRUE(parse_tri(out.str(), "back.tri").commands == scene.commands);
+  EXPECT_EQ(error_of([&] { check_scene(scene, "s"); }), "");
+
+  EXPECT_EQ(refused(R"({"view": {}})"),
+            "s.tri:2: view: no key; expected width, height, s_min, s_max, focal, background or fog");
+  EXPECT_EQ(refused(R"({"view": {"width": 0}})"),
+            "s.tri:2: view.width: 0 is not legal; expected a whole number 1..32768");
+  EXPECT_EQ(refused(R"({"view": {"s_max": 1}})"),
+            "s.tri:2: view.s_min: 1 to s_max = 1 is not legal; expected 0 < s_min < s_max");
+  EXPECT_NE(refused(R"({"view": {"s_max": 1.5}})").find("s.tri:3: v[0][2]: s = 2 is out of range"),
+            std::string::npos);
+  EXPECT_NE(refused(R"({"view": {"zoom": 1}})").find("unknown key"), std::string::npos);
+  EXPECT_NE(refused(R"({"view": {"fog": {"color": [0, 0, 0]}}})").find("view.fog.distance: key is missing"),
+            std::string::npos);
+}
+
+TEST(DrawState, CopiesOfAStream) {
+  const std::string with_texture =
+      R"({"bitspan": 2, "width": 64, "height": 48, "s_min": 1, "s_max": 9, "focal": 50, "background": [0, 0, 0], "textures": [{"procedural": {"kind": "checker", "width": 64, "height": 48, "colors": [[0, 0, 0, 0], [0, 0, 0, 0]], "cell_width": 1, "cell_height": 1}}]})";
+  const auto read = [&](const std::string& lines) { return parse_tri(with_texture + lines, "s.tri"); };
+  const std::string copy =
+      "\n"
+      R"({"copy": {"target": 0, "plane": "depth", "texture": 0}})";
+  const Scene scene = read(triangle + copy + triangle);
+  ASSERT_EQ(scene.commands.size(), 1U);
+  EXPECT_EQ(std::get<Copy>(scene.commands[0].what), (Copy{0, CopyPlane::depth, 0}));
+  EXPECT_EQ(parse_command(command_text(scene.commands[0]), "back").what, scene.commands[0].what);
+  const auto fault = [&](const std::string& lines) { return error_of([&] { read("\n" + lines); }); };
+  EXPECT_EQ(fault(R"({"copy": {"target": 1, "plane": "color", "texture": 0}})"),
+            "s.tri:2: copy.target: 1 has not been drawn on; expected a line {\"target\": 1} in front");
+  EXPECT_EQ(fault(R"({"copy": {"target": 0, "plane": "color", "texture": 1}})"),
+            "s.tri:2: copy.texture: texture 1 does not exist, the header has 1; expected an index below");
+  EXPECT_EQ(fault(R"({"copy": {"target": 0, "plane": "stencil", "texture": 0}})"),
+            "s.tri:2: copy.plane: \"stencil\" is not legal; expected color or depth");
+  EXPECT_NE(fault(R"({"copy": {"target": 0, "plane": "color"}})").find("copy.texture: key is missing"),
+            std::string::npos);
+  EXPECT_EQ(fault("{\"view\": {\"width\": 32}}\n"
+                  R"({"copy": {"target": 0, "plane": "color", "texture": 0}})"),
+            "s.tri:3: copy: texture 0 has 64x48 texels, target 0 has 32x48 pixels; expected the same size");
+}
+
 TEST(DrawState, TargetsOfAStream) {
   const std::string lines =
       "\n{\"target\": 7}" + triangle + "\n{\"target\": 2}" + triangle + triangle + "\n{\"target\": 7}";
