@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// A picture in passes: what is drawn on which target, with which view and state, in which order. A plan
+// becomes a scene, whose commands every engine executes; docs/adding.md, "A pass plan".
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scene/scene.hpp"
+
+namespace bitspan {
+
+// A pass is appended again until it adds 0 to a counter of the engine. Throws InputError where it still adds
+// something at `limit` times in all.
+struct Repeat {
+  std::string counter;
+  int limit = 64;
+};
+
+struct Pass {
+  std::string name;  // for messages
+  int target = 0;
+  std::optional<ViewChange> view{};
+  std::vector<Copy> copies{};         // in front of all else
+  std::vector<StateChange> states{};  // behind the view
+  std::optional<Clear> clear{};       // behind the states
+  std::vector<Triangle> triangles{};  // one at least
+  std::optional<Repeat> repeat{};
+};
+
+// Draws what the scene has had appended since the call before, and returns by how much that grew the counter.
+using DrawPass = std::function<std::uint64_t(const Scene& scene, const std::string& counter)>;
+
+// Appends the commands and triangles of the passes to a scene, which has a view and textures already. draw:
+// an engine that has begun with the scene; needed where a pass is repeated. Throws InputError where a pass
+// has no triangle.
+void flatten(std::span<const Pass> passes, Scene& scene, const DrawPass& draw = {});
+
+}  // namespace bitspan
