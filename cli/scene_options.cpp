@@ -231,10 +231,11 @@ std::vector<LoadedScene> scenes_of_pixels(const std::string& name, const SceneOp
     out.push_back({demo_scene(size.width, size.height), std::nullopt});
     return out;
   }
-  if (name == "floor") {
+  if (name == "floor" || name == "mirror") {
     refuse_camera(name, options);
     const Size size = picture_size(options.size);
-    out.push_back({floor_scene(size.width, size.height), std::nullopt});
+    const auto make = name == "floor" ? floor_scene : mirror_scene;
+    out.push_back({make(size.width, size.height), std::nullopt});
     return out;
   }
   if (name.starts_with(triangles_prefix)) {

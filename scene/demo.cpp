@@ -11,6 +11,7 @@
 
 #include "config/config.hpp"
 #include "scene/geometry.hpp"
+#include "scene/plan.hpp"
 #include "scene/project.hpp"
 #include "scene/transform.hpp"
 
@@ -257,6 +258,35 @@ Viewpoint view_of(const Scene& scene, const Vec3& target) {
   return view;
 }
 
+// The textures of the demo, by the numbers above.
+std::vector<Texture> demo_textures() {
+  return {make_texture("floor.png", 32, 32, floor_texel),   make_texture("brick.png", 48, 30, brick_texel),
+          make_texture("wood.png", 37, 53, wood_texel),     make_texture("globe.png", 64, 48, globe_texel),
+          make_texture("grille.png", 20, 20, grille_texel), make_texture("glass.png", 52, 24, glass_texel)};
+}
+
+std::vector<Face> demo_solids() {
+  std::vector<Face> solids;
+  add_floor(solids, floor_texture);
+  add_box(solids, {-7, 0, -29}, 4, 4, 8, 0.5, 48, 30, brick_texture);
+  add_pyramid(solids, {-4, 0, -26}, 6, 10, 0.2, wood_texture);
+  add_sphere(solids, {7.5, 4.5, -27}, 4.5, globe_texture);
+  add_torus(solids, {7.5, 4.5, -27}, 5.2, 1.4, 0.6);
+  for (const double z : {-50.0, -80.0, -130.0, -210.0, -340.0, -550.0}) {
+    add_box(solids, {-14, 0, z}, 2, 2, 18, 0, 24, 90, brick_texture);
+    add_box(solids, {14, 0, z}, 2, 2, 18, 0, 24, 90, brick_texture);
+  }
+  return solids;
+}
+
+// Seen from both sides, and drawn last.
+std::vector<Face> demo_sheets() {
+  std::vector<Face> sheets;
+  add_pane(sheets, {-9, 0, -19}, {-1, 0, -15}, 3, 90, 30, white, grille_texture);
+  add_pane(sheets, {2, 0, -17}, {9, 0, -19}, 5.5, 52, 24, {1, 1, 1, 0.875}, glass_texture);
+  return sheets;
+}
+
 }  // namespace
 
 Scene floor_scene(int width, int height) {
@@ -273,30 +303,58 @@ Scene floor_scene(int width, int height) {
 Scene demo_scene(int width, int height) {
   Scene scene = empty_scene("demo", width, height);
   scene.fog = Fog{{176, 196, 214}, 240};
-  scene.textures = {
-      make_texture("floor.png", 32, 32, floor_texel),   make_texture("brick.png", 48, 30, brick_texel),
-      make_texture("wood.png", 37, 53, wood_texel),     make_texture("globe.png", 64, 48, globe_texel),
-      make_texture("grille.png", 20, 20, grille_texel), make_texture("glass.png", 52, 24, glass_texel)};
-
+  scene.textures = demo_textures();
   const Viewpoint view = view_of(scene, {0, 4, -24});
-
-  std::vector<Face> solids;
-  add_floor(solids, floor_texture);
-  add_box(solids, {-7, 0, -29}, 4, 4, 8, 0.5, 48, 30, brick_texture);
-  add_pyramid(solids, {-4, 0, -26}, 6, 10, 0.2, wood_texture);
-  add_sphere(solids, {7.5, 4.5, -27}, 4.5, globe_texture);
-  add_torus(solids, {7.5, 4.5, -27}, 5.2, 1.4, 0.6);
-  for (const double z : {-50.0, -80.0, -130.0, -210.0, -340.0, -550.0}) {
-    add_box(solids, {-14, 0, z}, 2, 2, 18, 0, 24, 90, brick_texture);
-    add_box(solids, {14, 0, z}, 2, 2, 18, 0, 24, 90, brick_texture);
-  }
-  std::vector<Face> sheets;
-  add_pane(sheets, {-9, 0, -19}, {-1, 0, -15}, 3, 90, 30, white, grille_texture);
-  add_pane(sheets, {2, 0, -17}, {9, 0, -19}, 5.5, 52, 24, {1, 1, 1, 0.875}, glass_texture);
-
   ProjectReport report;
-  project(solids, view, {.cull = true, .clip_sides = true}, scene.triangles, report);
-  project(sheets, view, {.cull = false, .clip_sides = true}, scene.triangles, report);
+  project(demo_solids(), view, {.cull = true, .clip_sides = true}, scene.triangles, report);
+  project(demo_sheets(), view, {.cull = false, .clip_sides = true}, scene.triangles, report);
+  return scene;
+}
+
+Scene mirror_scene(int width, int height) {
+  Scene scene = empty_scene("mirror", width, height);
+  scene.fog = Fog{{176, 196, 214}, 240};
+  scene.textures = demo_textures();
+  constexpr int size = 256;  // of the mirror's picture, pixels
+  const auto mirror_texture = static_cast<int>(scene.textures.size());
+  scene.textures.push_back(make_texture("mirror.png", size, size, [](int, int) { return Rgba{}; }));
+  const Vec3 eye{0, 7, 0};
+  constexpr double at = -36, half = 7.5, low = 1, high = 13;  // z, and the ends of x and y
+
+  // The eye behind the mirror, which looks through it: nothing in front of the mirror's plane is seen.
+  Viewpoint behind;
+  behind.width = behind.height = size;
+  behind.focal = 16 * -at;  // a unit of the mirror is 16 pixels
+  behind.s_min = -at;
+  behind.s_max = scene.s_max;
+  const Vec3 image{eye.x, eye.y, 2 * at - eye.z};
+  look_at(behind, image, image + Vec3{0, 0, 1}, {0, 1, 0});
+  Pass reflection{
+      .name = "reflection",
+      .target = 1,
+      .view = ViewChange{.width = size, .height = size, .s_min = behind.s_min, .focal = behind.focal}};
+  ProjectReport report;
+  project(demo_solids(), behind, {.cull = true, .clip_sides = true}, reflection.triangles, report);
+  project(demo_sheets(), behind, {.cull = false, .clip_sides = true}, reflection.triangles, report);
+
+  // Where a point of the mirror lies in that picture.
+  const auto u = [](double x) { return size / 2.0 - 16 * x; };
+  const auto v = [&](double y) { return size / 2.0 - 16 * (y - eye.y); };
+  std::vector<Face> solids = demo_solids();
+  constexpr double border = 0.75, behind_it = 0.25;
+  add_flat_quad(
+      solids,
+      {Vec3{-half - border, low - border, at - behind_it}, Vec3{half + border, low - border, at - behind_it},
+       Vec3{half + border, high + border, at - behind_it},
+       Vec3{-half - border, high + border, at - behind_it}},
+      37, 53, wood_texture);
+  add_quad(solids, {Vec3{-half, low, at}, Vec3{half, low, at}, Vec3{half, high, at}, Vec3{-half, high, at}},
+           u(-half), v(high), u(half), v(low), {white, white, white, white}, mirror_texture);
+  Pass picture{.name = "picture", .copies = {{1, CopyPlane::color, mirror_texture}}};
+  const Viewpoint view = view_of(scene, {0, 4, -24});
+  project(solids, view, {.cull = true, .clip_sides = true}, picture.triangles, report);
+  project(demo_sheets(), view, {.cull = false, .clip_sides = true}, picture.triangles, report);
+  flatten(std::array{reflection, picture}, scene);
   return scene;
 }
 

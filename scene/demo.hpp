@@ -15,6 +15,10 @@ namespace bitspan {
 // times the height.
 Scene demo_scene(int width, int height);
 
+// Returns the demo with a mirror behind its solids, in two passes: what the mirror shows is drawn on target 1
+// and copied to a texture, which the picture on target 0 has. Sizes as for the demo.
+Scene mirror_scene(int width, int height);
+
 // Returns a floor of black and white squares, 8 texels each, from below the viewer to the horizon; its
 // texture has a mip chain (64 x 64 texels). Sizes as for the demo. A picture of K times the size shows the
 // same view, so that K x K of its pixels are samples of one pixel.
