@@ -397,6 +397,23 @@ TEST_F(Cli, AnEmittedStreamDrawsTheSamePicture) {
   EXPECT_EQ(folder.read("a.png"), folder.read("b.png"));
 }
 
+// A stream with views and a copy; the pictures of both targets.
+TEST_F(Cli, TheMirrorIsDrawnInTwoPasses) {
+  const Result r = run("verify mirror --size 96x72 --engines golden,model,systemc");
+  EXPECT_EQ(r.code, 0) << r.out << r.err;
+  EXPECT_NE(r.out.find("constants   golden = model"), std::string::npos) << r.out;
+  ASSERT_EQ(run("render mirror --size 96x72 -o a.png --emit-tri m.tri").code, 0);
+  ASSERT_EQ(run("render m.tri -o b.png --dump d --position").code, 0);
+  EXPECT_EQ(folder.read("a.png"), folder.read("b.png"));
+  ASSERT_EQ(run("render m.tri -o c.png --show-target 1 --dump e").code, 0);
+  EXPECT_NE(folder.read("e/depth.npy").find("'shape': (256, 256)"), std::string::npos);
+  const Result told = run("explain mirror 48 30 --size 96x72");
+  EXPECT_EQ(told.code, 0) << told.out << told.err;
+  EXPECT_NE(told.out.find(", target 0"), std::string::npos) << told.out;
+  refused("verify mirror --size 96x72 --supersample 2 --engines golden,model", "copy");
+  refused("vectors mirror --stage span", "expected a scene that no command changes");
+}
+
 // What an array of NumPy holds behind its header.
 std::string data_of(const std::string& npy) { return npy.substr(npy.find('\n') + 1); }
 bool has_shape(const std::string& npy, const std::string& shape) {

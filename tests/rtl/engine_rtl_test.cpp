@@ -13,6 +13,7 @@
 
 #include "engine/emit_pixel_sv.hpp"
 #include "model/engine_model.hpp"
+#include "scene/demo.hpp"
 #include "tests/rtl/random_rtl.hpp"
 #include "tests/rtl/stage_case.hpp"
 #include "tests/support/same_frame.hpp"
@@ -392,6 +393,17 @@ TEST(EngineRtl, LeavesOtherStatesToTheModelAndTakesTheNextAgain) {
     EXPECT_FALSE(rtl_draws_pixels(c, scene));
     EXPECT_EQ(own_fields(c, scene, RecordType::depth), 0U);
     compare(c, scene);
+  }
+}
+
+// Two passes: what the first one draws with a view of its own is a texture of the second one.
+TEST(EngineRtl, DrawsPassesWithViewsAndCopies) {
+  const Scene scene = mirror_scene(96, 72);
+  for (const char* name : {"depth16", "narrow"}) {
+    SCOPED_TRACE(name);
+    const Config c = shipped_config(name);
+    ASSERT_TRUE(rtl_draws_pixels(c, scene));
+    EXPECT_EQ(compare(c, scene).constants.size(), 2U);
   }
 }
 
