@@ -307,9 +307,11 @@ BS_API bs_status bs_triangle(bs_model* model, const bs_vertex v[3], int32_t text
 BS_API bs_status bs_draw(bs_model* model, const bs_vertex* vertices, const int32_t* textures, size_t count,
                          uint64_t frame, uint64_t draw);
 
-/* Changes the draw state, clears planes, or takes another target, for what is drawn from then on: the line
- * of a triangle stream, such as {"state": {"depth.func": "lequal"}}, {"clear": {"depth": true}} or
- * {"target": 1}. docs/formats.md, "Draw state", has the registers. After bs_begin each holds what the
+/* Changes the draw state, clears planes, takes another target or view, or copies a plane to a texture, for
+ * what is drawn from then on: the line of a triangle stream, such as {"state": {"depth.func": "lequal"}},
+ * {"clear": {"depth": true}}, {"target": 1}, {"view": {"width": 256}} or {"copy": {"target": 1,
+ * "plane": "color", "texture": 0}}. Each target has its own view, whose size its planes have. Where a view
+ * does not fit the configuration, only bs_begin may follow. docs/formats.md, "Draw state", has the registers. After bs_begin each holds what the
  * configuration says, and target 0 is drawn on; bs_frame_view shows the target drawn on. */
 BS_API bs_status bs_command(bs_model* model, const char* json);
 /* Draws `count` triangles of a scene from `first` on as bs_draw does, with the commands in front of them, and

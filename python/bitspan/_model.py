@@ -112,6 +112,19 @@ class Model:
         """Draws on target k from now on, 0 to 7: a picture of its own, with its depth buffer. plane() gives that of the target drawn on."""
         self._command({"target": k})
 
+    def view(self, **changes: Any) -> None:
+        """Changes the view of the target drawn on: width, height, s_min, s_max, focal, background, 0 to 255, and fog, which is None or (color, distance). With another size it is cleared."""
+        if changes.get("background") is not None:
+            changes["background"] = [c / 255 for c in changes["background"]]
+        if changes.get("fog") is not None:
+            color, distance = changes["fog"]
+            changes["fog"] = {"color": [c / 255 for c in color], "distance": distance}
+        self._command({"view": changes})
+
+    def copy(self, target: int, plane: str, texture: int) -> None:
+        """Makes a plane of a target, "color" or "depth", the texels of a texture of its size, for what is drawn from now on."""
+        self._command({"copy": {"target": target, "plane": plane, "texture": texture}})
+
     def _command(self, command: dict[str, Any]) -> None:
         try:
             self._core.command(json.dumps(command))

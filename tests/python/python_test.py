@@ -636,6 +636,25 @@ class Rows(unittest.TestCase):
         with self.assertRaisesRegex(bitspan.InputError, "expected model"):
             bitspan.Model(engine="golden").override("span", coarse)
 
+    def test_views_and_copies(self):
+        corners = [[[0, 0, 2, 0, 0], [64, 0, 2, 64, 0], [0, 64, 2, 0, 64]]]
+        scene = bitspan.Scene.from_vertices(np.array(corners, float), 40, 30, texture=0, s_range=(1, 9),
+                                            textures=[np.zeros((32, 32, 4), np.uint8)])
+        model = bitspan.Model()
+        model.begin(scene)
+        model.target(1)
+        model.view(width=32, height=32, s_max=20, background=(10, 20, 30), fog=((1, 2, 3), 9))
+        self.assertEqual(model.plane("color").shape, (32, 32, 4))
+        model.copy(1, "color", 0)
+        model.target(0)
+        model.draw(scene)
+        self.assertEqual(model.plane("color").shape, (30, 40, 4))
+        self.assertEqual(model.plane("color")[4, 4, :3].tolist(), [10, 20, 30])
+        with self.assertRaisesRegex(bitspan.InputError, "target 2|copy.target: 2 has not been drawn on"):
+            model.copy(2, "depth", 0)
+        with self.assertRaisesRegex(bitspan.InputError, "view.width: 0 is not legal"):
+            model.view(width=0)
+
     def test_states_clears_and_targets(self):
         scene = bitspan.Scene("demo", 80, 60)
         model = bitspan.Model()
