@@ -84,6 +84,8 @@ TEST(Adding, KeepsItsPromises) {
                                             {"A kind of reciprocal", 16},
                                             {"A depth comparison", 12},
                                             {"A register of the draw state", 14},
+                                            {"A command", 12},
+                                            {"A pass plan", 5},
                                             {"A metric of the picture", 3},
                                             {"A metric per field", 6}};
   EXPECT_EQ(limits, promised);
