@@ -15,6 +15,7 @@
 #include "golden/mip_chain.hpp"
 #include "golden/quantize.hpp"
 #include "golden/stencil.hpp"
+#include "golden/surface.hpp"
 #include "golden/texel.hpp"
 #include "golden/texture_second.hpp"
 
@@ -22,64 +23,12 @@ namespace bitspan {
 
 namespace {
 
-using Wide = __int128;  // areas: coordinates have at most 40 bits with the half pixel
+using golden::Areas;
+using golden::areas_at;
+using golden::centre_of;
+using golden::depth_code;
+using golden::h_max;
 using Corner = IdealTriangle::Corner;
-
-// Points in units of 2^-(subpixel_bits + 1) pixel, in which pixel centres and vertices are both integers.
-struct Point {
-  std::int64_t x = 0, y = 0;
-};
-Point centre_of(const IdealTriangle& t, std::int64_t x, std::int64_t y) {
-  const std::int64_t pixel = std::int64_t{1} << t.subpixel_bits;
-  return {(2 * x + 1) * pixel, (2 * y + 1) * pixel};
-}
-Point point_of(const Corner& c) { return {2 * c.x, 2 * c.y}; }
-
-Wide area_of(Point a, Point b, Point c) {
-  return Wide(b.x - a.x) * (c.y - a.y) - Wide(b.y - a.y) * (c.x - a.x);
-}
-
-// The signed areas opposite to each vertex; they sum up to the triangle's own.
-struct Areas {
-  std::array<Wide, 3> part{};
-  Wide whole = 0;
-};
-Areas areas_at(const IdealTriangle& t, Point p) {
-  const Point a = point_of(t.v[0]);
-  const Point b = point_of(t.v[1]);
-  const Point c = point_of(t.v[2]);
-  return {{area_of(b, c, p), area_of(c, a, p), area_of(a, b, p)}, area_of(a, b, c)};
-}
-
-// Inside by the fill rule, seen from the edge from a to b of a triangle whose area has the sign of `whole`.
-bool on_inner_side(Wide part, Wide whole, Point a, Point b, FillRule rule) {
-  const bool positive = whole > 0;
-  if (part != 0) return (part > 0) == positive;
-  if (owns_every_edge(rule)) return true;
-  // The centre lies on the edge: inside on a left edge, or on a top one. The distance to the inner side grows
-  // with x by (a.y - b.y) and with y by (b.x - a.x), in a triangle of positive area.
-  const std::int64_t right = positive ? a.y - b.y : b.y - a.y;
-  const std::int64_t down = positive ? b.x - a.x : a.x - b.x;
-  return right > 0 || (right == 0 && down > 0);
-}
-
-bool covers(const IdealTriangle& t, const Areas& areas, FillRule rule) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Point a = point_of(t.v[(i + 1) % 3]);
-    const Point b = point_of(t.v[(i + 2) % 3]);
-    if (!on_inner_side(areas.part[i], areas.whole, a, b, rule)) return false;
-  }
-  return true;
-}
-
-long double h_max(const Config& config) { return std::ldexp(1.0L, config.depth_bits) - 1; }
-
-// h of 1/S = q. [D1]
-long double depth_code(const Config& config, const Scene& scene, long double q) {
-  const long double s_min = scene.s_min;
-  const long double s_max = scene.s_max;
-  return h_max(config) * s_min * (s_max * q - 1) / (s_max - s_min);
-}
 
 IdealPoint blend(const Config& config, const Scene& scene, const IdealTriangle& t,
                  const std::array<long double, 3>& weight) {
@@ -524,7 +473,9 @@ class IdealEngine final : public Engine {
       if (const auto t = ideal_triangle(config_, triangle)) {
         back_ = state_.stencil_test && golden::runs_clockwise(config_, triangle);
         triangle_dz_ = log2_of_dz(config_, *scene_, *t);
-        draw_one(*t, index);
+        golden::for_each_covered(
+            *t, config_.fill_rule, planes_.frame.width, planes_.frame.height,
+            [&](const Areas& areas, std::int64_t x, std::int64_t y) { pixel(*t, index, areas, x, y); });
       } else {
         ++counters_.degenerate;
       }
@@ -571,31 +522,6 @@ class IdealEngine final : public Engine {
         pixels, {double(scene.background[0]), double(scene.background[1]), double(scene.background[2])});
     planes_.alpha.assign(pixels, 255);
     planes_.stale = true;
-  }
-
-  void draw_one(const IdealTriangle& t, std::int64_t index) {
-    const auto [left, right] = std::minmax({t.v[0].x, t.v[1].x, t.v[2].x});
-    const std::int64_t x_first = std::max<std::int64_t>(0, left >> t.subpixel_bits);
-    const std::int64_t x_last = std::min<std::int64_t>(planes_.frame.width - 1, right >> t.subpixel_bits);
-    const std::int64_t y_first = std::max<std::int64_t>(0, t.v[0].y >> t.subpixel_bits);
-    const std::int64_t y_last = std::min<std::int64_t>(planes_.frame.height - 1, t.v[2].y >> t.subpixel_bits);
-    if (x_first > x_last || y_first > y_last) return;
-    // The areas are linear in the point, so one pixel to the right adds a constant, exactly.
-    const Areas here = areas_at(t, centre_of(t, 0, 0));
-    const Areas next = areas_at(t, centre_of(t, 1, 0));
-    for (std::int64_t y = y_first; y <= y_last; ++y) {
-      Areas areas = areas_at(t, centre_of(t, x_first, y));
-      bool entered = false;
-      for (std::int64_t x = x_first; x <= x_last; ++x) {
-        if (covers(t, areas, config_.fill_rule)) {
-          entered = true;
-          pixel(t, index, areas, x, y);
-        } else if (entered) {
-          break;  // a triangle is convex
-        }
-        for (std::size_t i = 0; i < 3; ++i) areas.part[i] += next.part[i] - here.part[i];
-      }
-    }
   }
 
   void pixel(const IdealTriangle& t, std::int64_t index, const Areas& areas, std::int64_t x, std::int64_t y) {
@@ -711,33 +637,6 @@ class IdealEngine final : public Engine {
 };
 
 }  // namespace
-
-std::optional<IdealTriangle> ideal_triangle(const Config& config, const Triangle& triangle) {
-  const golden::Quantizer<long double> snap(config.coordinate_format());
-  IdealTriangle out;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vertex& in = triangle.v[i];
-    Corner& corner = out.v[i];
-    corner.x = snap.raw(snap(in.x));
-    corner.y = snap.raw(snap(in.y));
-    corner.s = in.s;
-    corner.u = in.u;
-    corner.v = in.v;
-    std::copy(in.c.begin(), in.c.end(), corner.c.begin());
-  }
-  std::stable_sort(out.v.begin(), out.v.end(),
-                   [](const Corner& a, const Corner& b) { return a.y < b.y || (a.y == b.y && a.x < b.x); });
-  const Wide area = area_of(point_of(out.v[0]), point_of(out.v[1]), point_of(out.v[2]));
-  if (area == 0) return std::nullopt;
-  out.subpixel_bits = config.subpixel_bits;
-  out.mid_right = area > 0;
-  out.texture = triangle.texture;
-  return out;
-}
-
-bool ideal_covers(const Config& config, const IdealTriangle& triangle, std::int64_t x, std::int64_t y) {
-  return covers(triangle, areas_at(triangle, centre_of(triangle, x, y)), config.fill_rule);
-}
 
 IdealPoint ideal_point(const Config& config, const Scene& scene, const IdealTriangle& triangle, double x,
                        double y) {

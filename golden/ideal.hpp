@@ -11,33 +11,14 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "config/config.hpp"
 #include "engine/engine.hpp"
+#include "golden/surface.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan {
-
-// A triangle after the snap, its vertices in the order of the edge walk (as in SetupRecord).
-struct IdealTriangle {
-  struct Corner {
-    std::int64_t x = 0, y = 0;  // in units of 2^-subpixel_bits pixel
-    long double s = 1, u = 0, v = 0;
-    std::array<long double, 4> c{};
-  };
-  std::array<Corner, 3> v;
-  int subpixel_bits = 0;
-  bool mid_right = false;  // vertex 1 lies right of the edge from vertex 0 to 2
-  int texture = -1;
-};
-
-// Returns none where the snapped triangle has no area.
-std::optional<IdealTriangle> ideal_triangle(const Config& config, const Triangle& triangle);
-
-// Says whether the centre of pixel (x, y) is inside. Exact, by three signed areas; independent of any walk.
-bool ideal_covers(const Config& config, const IdealTriangle& triangle, std::int64_t x, std::int64_t y);
 
 // The surface's values at a point of the picture.
 struct IdealPoint {
