@@ -152,8 +152,8 @@ int demo(const Options& o) {
   const LoadedScene loaded = load_scene("demo", o.view);
   VerifyOptions options;
   options.engines = parse_engines(o.engines);
-  if (std::ranges::find(options.engines, "ideal") == options.engines.end()) {
-    options.engines.emplace_back("ideal");  // the pictures of the errors need it
+  if (std::ranges::find(options.engines, truth_name()) == options.engines.end()) {
+    options.engines.emplace_back(truth_name());  // the pictures of the errors need it
   }
   options.engines_named = o.engines_named;
   options.allow_missing = o.allow_missing;

@@ -209,7 +209,7 @@ int explain(const Options& o) {
   std::vector<Frame> frames;
   std::vector<std::string> left_out;
   for (const std::string& name : parse_engines(o.engines)) {
-    if (!find_engine(name).compared) continue;  // ideal is a column of its own
+    if (!find_engine(name).compared) continue;  // the truth is a column of its own
     if (!engine_runs(name, config)) {
       left_out.push_back(fmt::format("{} left out: {}", name, engine_needs(name, config)));
       continue;
@@ -220,8 +220,9 @@ int explain(const Options& o) {
   if (stories.empty()) {
     throw InputError("--engines: name at least one of golden, model, systemc, rtl");
   }
+  const std::string truth(truth_name());
   Frame ideal;
-  run("ideal", config, scene, o.x, o.y, &ideal);
+  run(truth, config, scene, o.x, o.y, &ideal);
 
   fmt::print("pixel ({}, {}) of {}, configuration {} ({})\n", o.x, o.y, scene.name, config.name,
              config_hash(config));
@@ -299,7 +300,7 @@ int explain(const Options& o) {
             frames[i].depth[at] == frames[0].depth[at] &&
             std::equal(&frames[i].color[4 * at], &frames[i].color[4 * at] + 4, &frames[0].color[4 * at]);
   }
-  add("ideal", ideal);
+  add(truth, ideal);
   fmt::print("{}", text_table(rows));
   fmt::print("\n");
   const bool missing = o.engines_named && !o.allow_missing && !left_out.empty();

@@ -41,9 +41,10 @@ std::vector<std::string> engines_to_compare(const ModelFlags& model, const std::
                                             std::string_view who, std::string_view one) {
   std::vector<std::string> names = parse_engines(list);
   refuse_without_model(model, std::ranges::count(names, "model") != 0);
-  if (std::ranges::find(names, "ideal") != names.end()) {
+  for (const std::string& name : names) {
+    if (find_engine(name).compared) continue;
     throw InputError(
-        fmt::format("--engines: ideal is not quantised and equals no engine; leave it out of {}", who));
+        fmt::format("--engines: {} is not quantised and equals no engine; leave it out of {}", name, who));
   }
   if (names.size() < 2) {
     throw InputError(fmt::format("--engines: {} compares at least two engines", one));

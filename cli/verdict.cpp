@@ -219,7 +219,7 @@ SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const Ver
       v.notes.push_back(
           fmt::format("clocks of {} are not compared: the timed model's are those of rtl", name));
     }
-    if (name == "ideal") {
+    if (!find_engine(name).compared) {
       out.ideal = std::move(engine);
     } else {
       out.engines.push_back(std::move(engine));

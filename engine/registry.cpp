@@ -47,6 +47,12 @@ std::vector<std::string_view> engine_names() {
   return names;
 }
 
+std::string_view truth_name() {
+  const auto at = std::ranges::find(entries(), false, &EngineEntry::compared);
+  if (at == entries().end()) throw std::logic_error("no engine is the truth");
+  return at->name;
+}
+
 const EngineEntry& find_engine(std::string_view name) {
   const auto at = std::ranges::find(entries(), name, &EngineEntry::name);
   if (at != entries().end()) return *at;

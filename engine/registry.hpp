@@ -84,6 +84,9 @@ struct RegisterEngineFamily {
 // Those linked into this program, in their order; none of a family.
 std::span<const EngineEntry> engines();
 std::vector<std::string_view> engine_names();
+// The engine that errors are measured from: the one that is not compared. Throws std::logic_error where none
+// is linked.
+std::string_view truth_name();
 // Throws InputError with the names that are known. An engine of a family is resolved once, and stays as it
 // was then.
 const EngineEntry& find_engine(std::string_view name);
