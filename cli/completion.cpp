@@ -11,6 +11,7 @@
 #include "cli/commands.hpp"
 #include "config/store.hpp"
 #include "engine/registry.hpp"
+#include "golden/oracle.hpp"
 #include "report/suites.hpp"
 
 namespace bitspan {
@@ -33,6 +34,7 @@ std::string values_of(const CLI::Option& option) {
     return words.append(files);
   }
   if (name == "engine" || name == "engines") return fmt::format("{}", fmt::join(engine_names(), " "));
+  if (name == "oracles") return "all " + oracle_names(" ");
   if (name == "suite") {
     std::string words;
     for (const SuiteFeature& feature : suite_features()) words += feature.name + "/* ";

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cli/commands.hpp"
+#include "cli/oracles.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "config/store.hpp"
@@ -33,6 +34,7 @@ struct Options {
   std::string engines = "golden,model,systemc,rtl";
   bool engines_named = false;  // by the user
   bool allow_missing = false;
+  std::string oracles;
   bool brief = false;
   SceneOptions view;
 };
@@ -195,6 +197,37 @@ bool print_record(const std::vector<Story>& stories, const std::vector<const Rec
   return equal;
 }
 
+// What the oracles say of the pixel.
+struct OracleWords {
+  std::vector<std::string> lines;  // one per oracle
+  bool held = true;
+  bool left_out = false;
+};
+// Adds what each oracle sees at the pixel to the rows of the picture.
+OracleWords ask_oracles(const Options& o, const Config& config, const Scene& scene, const Frame& frame,
+                        const std::string& engine, std::vector<std::vector<std::string>>& rows) {
+  OracleWords out;
+  if (o.oracles.empty()) return out;
+  std::string why;
+  const std::optional<Visibility> visibility = visibility_of(config, scene, why);
+  for (const Oracle* oracle : parse_oracles(o.oracles)) {
+    if (visibility) why = own_refusal(*oracle, config, scene);
+    if (!why.empty()) {
+      out.lines.push_back(fmt::format("oracle {} left out: {}", oracle->name, why));
+      out.left_out = true;
+      continue;
+    }
+    const std::vector<Visible> picture = visibility->picture(*oracle);
+    const Visible& seen = picture[static_cast<std::size_t>(o.y * scene.width + o.x)];
+    rows.push_back({std::string(oracle->name), fmt::format("{}", seen.triangle),
+                    fmt::format("h {:.10g}", visibility->depth_of(seen)), "-", "-", "-", "-", "-"});
+    const PixelFinding found = visibility->at(*oracle, picture, frame, engine, o.x, o.y);
+    out.lines.push_back(fmt::format("oracle {} against {}: {}", oracle->name, engine, pixel_text(found)));
+    if (oracle->is_truth && found.verdict == PixelVerdict::unexplained) out.held = false;
+  }
+  return out;
+}
+
 int explain(const Options& o) {
   const Config config = find_config(o.config);
   const LoadedScene loaded = load_scene(o.scene, o.view);
@@ -301,14 +334,17 @@ int explain(const Options& o) {
             std::equal(&frames[i].color[4 * at], &frames[i].color[4 * at] + 4, &frames[0].color[4 * at]);
   }
   add(truth, ideal);
+  const OracleWords words = ask_oracles(o, config, scene, frames[0], stories[0].engine, rows);
   fmt::print("{}", text_table(rows));
   fmt::print("\n");
+  for (const std::string& text : words.lines) fmt::print("{}\n", text);
   const bool missing = o.engines_named && !o.allow_missing && !left_out.empty();
   for (const std::string& text : left_out) fmt::print("{}: {}\n", missing ? "FAILED" : "note", text);
+  const bool oracles_held = words.held && (o.allow_missing || !words.left_out);
   fmt::print("{}\n", !equal                ? "the engines DIFFER on this pixel (marked *)"
                      : stories.size() == 1 ? "one engine: nothing was compared"
                                            : "all engines agree on this pixel");
-  return equal && !missing ? exit_held : exit_difference;
+  return equal && !missing && oracles_held ? exit_held : exit_difference;
 }
 
 }  // namespace
@@ -321,12 +357,15 @@ void add_explain(CLI::App& app, Action& action) {
   sub->add_option("y", o->y, "pixel row, 0 at the top")->required();
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
   sub->add_option("--engines", o->engines, "columns, in this order")->capture_default_str();
+  sub->add_option("--oracles", o->oracles, "what these oracles see there: names, or all");
   sub->add_flag("--brief", o->brief, "from the fragment on; without setup, rows and spans");
   add_scene_options(*sub, o->view);
-  sub->add_flag("--allow-missing", o->allow_missing, "an engine of --engines may be left out");
-  sub->footer(help_footer("the engines agree on the pixel, or one is shown alone",
-                          "they differ there, an engine named is left out, or no face of a mesh is drawn",
-                          "bitspan explain demo 320 300 --config narrow"));
+  sub->add_flag("--allow-missing", o->allow_missing, "an engine of --engines, or an oracle, may be left out");
+  sub->footer(help_footer(
+      "the engines agree on the pixel, or one is shown alone",
+      "they differ there, or from an oracle, one named is left out, or no face of a mesh is drawn",
+      "bitspan explain demo 320 300 --config narrow\n"
+      "  bitspan explain demo 320 300 --oracles all"));
   sub->callback([o, sub, &action] {
     o->engines_named = sub->count("--engines") > 0;
     action = [o] { return explain(*o); };

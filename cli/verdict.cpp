@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "cli/cycles.hpp"
+#include "cli/oracles.hpp"
 #include "cli/progress.hpp"
 #include "config/modes.hpp"
 #include "engine/range.hpp"
@@ -48,6 +49,11 @@ void judge_differences(SceneVerdict& v) {
     v.failures.push_back(
         fmt::format("coverage differs from the exact test: {} missed, {} surplus, {} drawn twice",
                     v.errors.missed, v.errors.surplus, v.errors.doubled));
+  }
+  for (const VisibilityReport& oracle : v.oracles) {
+    if (oracle.held()) continue;
+    v.failures.push_back(fmt::format("oracle {} against {}: {} pixels are unexplained; the first: {}",
+                                     oracle.oracle, oracle.engine, oracle.unexplained, oracle.first));
   }
   if (v.cycles && v.cycles->differences > 0) {
     v.failures.push_back(
@@ -116,7 +122,10 @@ void judge_emptiness(SceneVerdict& v, const VerifyOptions& options) {
   for (const std::string& text : v.left_out) {
     fail_unless(options.allow_missing || !options.engines_named, "--allow-missing", text);
   }
-  if (v.run.pairs.empty()) {
+  for (const std::string& text : v.oracles_left_out) {
+    fail_unless(options.allow_missing, "--allow-missing", text);
+  }
+  if (v.run.pairs.empty() && !v.has_true_oracle()) {
     fail_unless(options.allow_missing, "--allow-missing", "nothing was compared");
   }
   if (const std::string text = emptiness(v); !text.empty()) {
@@ -136,6 +145,24 @@ void judge_emptiness(SceneVerdict& v, const VerifyOptions& options) {
   }
   if (v.cycles && v.cycles->pixels == 0) {
     v.failures.emplace_back("cycles of the span interpolator: no pixel was compared");
+  }
+}
+
+void compare_oracles(const VerifyOptions& options, const Scene& scene, const Engine& engine,
+                     SceneVerdict& v) {
+  if (options.oracles.empty()) return;
+  std::string why;
+  const std::optional<Visibility> visibility = visibility_of(v.config, scene, why);
+  for (const Oracle* oracle : options.oracles) {
+    if (visibility) why = own_refusal(*oracle, v.config, scene);
+    if (why.empty()) {
+      v.oracles.push_back(
+          visibility->compare(*oracle, visibility->picture(*oracle), engine.frame(), engine.name()));
+      if (v.oracles.back().compared() != 0 || v.counters.covered == 0) continue;
+      why = "at each pixel a triangle may be seen whose fragments may be killed";
+      v.oracles.pop_back();
+    }
+    v.oracles_left_out.push_back(fmt::format("oracle {} left out: {}", oracle->name, why));
   }
 }
 
@@ -180,7 +207,12 @@ Total total_of(const SceneVerdict& v, std::size_t p) {
 }  // namespace
 
 bool SceneVerdict::compared() const {
-  return !run.pairs.empty() && counters.covered != 0 && std::ranges::none_of(run.pairs, is_trivial);
+  return (!run.pairs.empty() || has_true_oracle()) && counters.covered != 0 &&
+         std::ranges::none_of(run.pairs, is_trivial);
+}
+
+bool SceneVerdict::has_true_oracle() const {
+  return std::ranges::any_of(oracles, &VisibilityReport::is_truth);
 }
 
 std::string_view SceneVerdict::outcome() const {
@@ -266,6 +298,7 @@ SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const Ver
     v.cycles = compare_cycles(config, scene);
     v.chain = compare_chain(config, scene, options.engine.stall_seed);
   }
+  if (!v.run.stopped) compare_oracles(options, scene, *out.engines[0], v);
   judge_differences(v);
   judge_emptiness(v, options);
   return out;
@@ -356,6 +389,9 @@ std::vector<std::string> verdict_lines(const SceneVerdict& v) {
                     "{} fragments, {} differences",
                     y.memory, y.model_cycles, y.rtl_cycles, y.fragments, y.differences));
   }
+  for (const VisibilityReport& oracle : v.oracles) {
+    lines.push_back("oracle " + visibility_text(oracle));
+  }
   for (const std::string& note : v.notes) {
     lines.push_back("note: " + note);
   }
@@ -428,6 +464,21 @@ void append_junit(const SceneVerdict& v, std::vector<JunitCase>& cases) {
     JunitCase one;
     one.class_name = class_name;
     one.name = text.substr(0, text.find(':'));
+    one.skipped = text;
+    cases.push_back(std::move(one));
+  }
+  for (const VisibilityReport& oracle : v.oracles) {
+    JunitCase one;
+    one.class_name = class_name;
+    one.name = fmt::format("oracle {} = {}", oracle.oracle, oracle.engine);
+    if (!oracle.held()) one.failure = fmt::format("{} pixels are unexplained", oracle.unexplained);
+    if (!oracle.held()) one.details = visibility_text(oracle) + "\n" + oracle.first + "\n";
+    cases.push_back(std::move(one));
+  }
+  for (const std::string& text : v.oracles_left_out) {
+    JunitCase one;
+    one.class_name = class_name;
+    one.name = text.substr(0, text.find(" left out:"));
     one.skipped = text;
     cases.push_back(std::move(one));
   }
@@ -544,6 +595,18 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
                                 {"fragments", y.fragments},
                                 {"differences", y.differences}});
     }
+    for (const VisibilityReport& oracle : v.oracles) {
+      scene["oracles"].push_back({{"oracle", oracle.oracle},
+                                  {"engine", oracle.engine},
+                                  {"truth", oracle.is_truth},
+                                  {"equal", oracle.equal},
+                                  {"ties", oracle.ties},
+                                  {"unexplained", oracle.unexplained},
+                                  {"left_out", oracle.left_out},
+                                  {"background", oracle.background},
+                                  {"first", oracle.first}});
+    }
+    if (!v.oracles_left_out.empty()) scene["oracles_left_out"] = v.oracles_left_out;
     scenes.push_back(std::move(scene));
   }
   Json json;

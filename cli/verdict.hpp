@@ -19,6 +19,7 @@
 #include "report/error.hpp"
 #include "report/junit.hpp"
 #include "report/lockstep.hpp"
+#include "report/visibility.hpp"
 #include "scene/project.hpp"
 
 namespace bitspan {
@@ -55,16 +56,20 @@ struct SceneVerdict {
   bool has_errors = false;   // `ideal` took part
   bool truth_draws = false;  // by the exact test, some pixel is covered
   std::optional<CycleVerdict> cycles;
-  std::vector<ChainVerdict> chain;       // one per memory
-  std::optional<ProjectReport> faces;    // of a mesh
-  std::vector<std::string> left_out;     // one line per engine that was asked for and does not run this
-  std::vector<std::string> not_reached;  // stages without a record although the scene covers pixels
-  std::vector<std::string> notes;        // what was left out or empty, and is allowed to be
-  std::vector<std::string> failures;     // one line each; empty: all held
+  std::vector<ChainVerdict> chain;            // one per memory
+  std::vector<VisibilityReport> oracles;      // against the first engine
+  std::optional<ProjectReport> faces;         // of a mesh
+  std::vector<std::string> left_out;          // one line per engine that was asked for and does not run this
+  std::vector<std::string> oracles_left_out;  // one line per oracle that does not draw this
+  std::vector<std::string> not_reached;       // stages without a record although the scene covers pixels
+  std::vector<std::string> notes;             // what was left out or empty, and is allowed to be
+  std::vector<std::string> failures;          // one line each; empty: all held
 
   bool held() const { return failures.empty(); }
-  // Whether there is a pair, and every pair compared values that are not trivial, of a scene that draws.
+  // Whether there is a pair or an oracle of the truth, and every pair compared values that are not trivial,
+  // of a scene that draws.
   bool compared() const;
+  bool has_true_oracle() const;
   // "all held", "FAILED", or what --allow-missing or --allow-empty let pass without a comparison of all
   // stages.
   std::string_view outcome() const;
@@ -76,7 +81,8 @@ struct VerifyOptions {
   bool allow_missing = false;        // an engine may be left out, and no pair may be left
   bool allow_empty = false;          // the scene may cover no pixel, and pixels may reach no merge
   bool cycles = true;
-  int supersample = 1;  // the scene has that many samples per pixel, each way
+  std::vector<const Oracle*> oracles{};  // whose pictures the first engine's is compared with
+  int supersample = 1;                   // the scene has that many samples per pixel, each way
   EngineOptions engine;
 };
 
@@ -90,9 +96,10 @@ struct SceneRun {
 bool coverage_is_exact(const Config& config);
 
 // Runs and judges. Fails where a value differs, where the cycles do, and where coverage that is exact by
-// configuration differs from the exact test. Fails too where the verdict would be empty: no pair of engines,
-// an engine named that does not run the configuration, a pair without non-trivial values, a scene that covers
-// no pixel, a stage that no pixel reaches. Throws InputError for bad input.
+// configuration differs from the exact test, and where a pixel differs from an oracle's, unexplained. Fails
+// too where the verdict would be empty: neither a pair of engines nor an oracle of the truth, an engine or an
+// oracle named that does not run the configuration, a pair without non-trivial values, a scene that covers no
+// pixel, a stage that no pixel reaches. Throws InputError for bad input.
 SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const VerifyOptions& options,
                       const RunLabel& label);
 

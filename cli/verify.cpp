@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <set>
 #include <string>
@@ -16,6 +17,7 @@
 #include "cli/verdict.hpp"
 #include "config/store.hpp"
 #include "engine/registry.hpp"
+#include "golden/oracle.hpp"
 #include "io/atomic_file.hpp"
 
 namespace bitspan {
@@ -27,6 +29,7 @@ struct Options {
   std::string engines = "golden,model,systemc,rtl,ideal";
   std::string junit, json;
   std::string suite, out = ".";
+  std::string oracles, oracle_maps;
   bool list = false;
   std::uint64_t seed = 1;
   bool engines_named = false;  // by the user
@@ -35,6 +38,18 @@ struct Options {
   ModelFlags model;
   SceneOptions view;
 };
+
+void write_maps(const std::string& folder, const SceneVerdict& verdict) {
+  if (folder.empty()) return;
+  std::string name = std::filesystem::path(verdict.scene).generic_string();
+  std::ranges::replace(name, '/', '-');
+  for (const VisibilityReport& oracle : verdict.oracles) {
+    const std::string path =
+        (std::filesystem::path(folder) / fmt::format("{}-{}.png", name, oracle.oracle)).string();
+    write_visibility_map(path, oracle);
+    fmt::print("map: {}\n", path);
+  }
+}
 
 int verify(const Options& o) {
   const Config config = find_config(o.config);
@@ -46,6 +61,11 @@ int verify(const Options& o) {
   options.allow_empty = o.view.allow_empty;
   options.supersample = o.view.supersample;
   refuse_without_model(o.model, std::ranges::count(options.engines, "model") != 0);
+  if (!o.oracles.empty()) options.oracles = parse_oracles(o.oracles);
+  if (!o.oracle_maps.empty()) {
+    if (options.oracles.empty()) throw InputError("--oracle-maps: goes with --oracles");
+    make_writable_folder(o.oracle_maps);
+  }
   check_writable(o.junit);
   check_writable(o.json);
   options.engine = engine_options(o.model, 1);
@@ -56,15 +76,17 @@ int verify(const Options& o) {
     for (const LoadedScene& loaded : load_scenes(name, o.view)) {
       const std::string& scene = loaded.scene.name;
       const RunLabel label{
-          scene, fmt::format("{}bitspan verify {} --config {}{} --seed {}{}{}{}{}", command_environment(),
+          scene, fmt::format("{}bitspan verify {} --config {}{}{} --seed {}{}{}{}{}", command_environment(),
                              shell_word(scene), shell_word(o.config),
-                             o.engines_named ? " --engines " + o.engines : "", o.seed,
+                             o.engines_named ? " --engines " + o.engines : "",
+                             o.oracles.empty() ? "" : " --oracles " + o.oracles, o.seed,
                              o.allow_missing ? " --allow-missing" : "", o.no_cycles ? " --no-cycles" : "",
                              flags_text(o.model), flags_text(o.view))};
       SceneRun run = verify_scene(config, loaded, options, label);
       fmt::print("{}{}", verdicts.empty() ? "" : "\n", verdict_text(run.verdict));
       std::fflush(stdout);
       held = held && run.verdict.held();
+      write_maps(o.oracle_maps, run.verdict);
       verdicts.push_back(std::move(run.verdict));
     }
   }
@@ -123,6 +145,13 @@ void add_verify(CLI::App& app, Action& action) {
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
   sub->add_option("--engines", o->engines, "compared with the first; ideal adds the error table")
       ->capture_default_str();
+  std::string known;
+  for (const Oracle& oracle : oracles()) known += fmt::format("; {}: {}", oracle.name, oracle.meaning);
+  sub->add_option(
+      "--oracles", o->oracles,
+      "compare the first engine's picture with these, by the proved bounds: all, or names" + known);
+  sub->add_option("--oracle-maps", o->oracle_maps,
+                  "with --oracles: folder for a map per oracle: equal, tie, unexplained");
   sub->add_option("--junit", o->junit, "write JUnit XML");
   sub->add_option("--json", o->json, "write the verdict as JSON");
   sub->add_option("--seed", o->seed, "of the random stalls of rtl, and of the streams of suites")
@@ -138,12 +167,15 @@ void add_verify(CLI::App& app, Action& action) {
   add_model_options(*sub, o->model, "1");
   add_scene_options(*sub, o->view);
   add_supersample(*sub, o->view);
-  sub->footer(help_footer("all held",
-                          "a difference, nothing compared, an engine named left out, or nothing drawn",
-                          "bitspan verify model.obj --texture skin.png --config depth20 --junit result.xml\n"
-                          "  bitspan verify --suite 'depth.*/delta_f/64x48'\n"
-                          "  bitspan verify --suite '*' --list\n"
-                          "  bitspan verify floor --size 64x48 --supersample 4 --engines golden,model"));
+  sub->footer(
+      help_footer("all held",
+                  "a difference, a pixel unexplained, nothing compared, an engine or oracle named left out, "
+                  "or nothing drawn",
+                  "bitspan verify model.obj --texture skin.png --config depth20 --junit result.xml\n"
+                  "  bitspan verify --suite 'depth.*/delta_f/64x48'\n"
+                  "  bitspan verify --suite '*' --list\n"
+                  "  bitspan verify spot.obj --oracles all --oracle-maps maps\n"
+                  "  bitspan verify floor --size 64x48 --supersample 4 --engines golden,model"));
   sub->callback([o, sub, &action] {
     o->engines_named = sub->count("--engines") > 0;
     action = [o, sub] {

@@ -96,7 +96,7 @@ struct InverseDistance {
 InverseDistance inverse_distance(const IdealTriangle& t, const Areas& inside);
 // Exact: greater is nearer.
 std::strong_ordering operator<=>(const InverseDistance& a, const InverseDistance& b);
-inline bool operator==(const InverseDistance& a, const InverseDistance& b) { return (a <=> b) == 0; }
+inline bool operator==(const InverseDistance& a, const InverseDistance& b) { return std::is_eq(a <=> b); }
 
 // h of 1/S = q. [D1]
 long double depth_code(const Config& config, const Scene& scene, long double q);

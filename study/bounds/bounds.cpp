@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -143,6 +144,21 @@ std::vector<Bound> error_bounds(const Config& config, const Scene& scene) {
     }
   }
   return explained(config, places, worst);
+}
+
+std::vector<double> stored_depth_bounds(const Config& config, const Scene& scene) {
+  check_modes(config);
+  ErrorAnalysis analysis(config);
+  std::vector<double> out;
+  for (const std::optional<InputRange>& range : ranges_of_triangles(config, scene)) {
+    out.push_back(0);
+    if (!range || !range->covers) continue;
+    check_range(*range);
+    const PlaceErrors own = analysis.run(*range);
+    const PlaceError& z = own.places[bounds::depth_z];
+    out.back() = z.bound() + z.resolution;
+  }
+  return out;
 }
 
 Hypotheses bound_hypotheses(const Config& config, const InputRange& range) {

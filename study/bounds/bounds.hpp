@@ -47,6 +47,10 @@ std::vector<Bound> error_bounds(const Config& config, const InputRange& range);
 // Returns, for each place, the largest of the bounds of a scene's triangles. It is narrower than error_bounds
 // of the scene's hull, because a triangle that is large or steep or far is seldom all of them.
 std::vector<Bound> error_bounds(const Config& config, const Scene& scene);
+// Returns, for each triangle of a scene, how many codes the stored depth of its pixels in the picture may be
+// off from the exact h, or from its complement where the code is that; the narrowing to whole codes is part
+// of it. 0 where the triangle covers no centre. Throws as error_bounds does.
+std::vector<double> stored_depth_bounds(const Config& config, const Scene& scene);
 // Whether error_bounds has an answer for the modes.
 bool has_bounds(const Config& config);
 

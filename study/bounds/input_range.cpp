@@ -225,12 +225,20 @@ std::optional<InputRange> triangle_range(const Config& config, const Scene& scen
 
 }  // namespace
 
-std::vector<InputRange> triangle_ranges(const Config& config, const Scene& scene) {
-  std::vector<InputRange> out;
+std::vector<std::optional<InputRange>> ranges_of_triangles(const Config& config, const Scene& scene) {
+  std::vector<std::optional<InputRange>> out;
   std::function<double(const InputRange&)> position_error;
   if (has_x_step(config)) position_error = edge_position_error(config);
   for (const Triangle& triangle : scene.triangles) {
-    if (const auto r = triangle_range(config, scene, triangle, position_error)) out.push_back(*r);
+    out.push_back(triangle_range(config, scene, triangle, position_error));
+  }
+  return out;
+}
+
+std::vector<InputRange> triangle_ranges(const Config& config, const Scene& scene) {
+  std::vector<InputRange> out;
+  for (const auto& range : ranges_of_triangles(config, scene)) {
+    if (range) out.push_back(*range);
   }
   return out;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "config/config.hpp"
@@ -38,5 +39,7 @@ InputRange input_range(const Config& config, const Scene& scene);
 // coverage are known exactly with edge_walk = exact, and up to the dda's own error otherwise. With edge_walk
 // = dda it throws as error_bounds does.
 std::vector<InputRange> triangle_ranges(const Config& config, const Scene& scene);
+// The same for each triangle; none where it has no area.
+std::vector<std::optional<InputRange>> ranges_of_triangles(const Config& config, const Scene& scene);
 
 }  // namespace bitspan

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Oracles over a scene: what `verify` and `explain` share.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "report/visibility.hpp"
+
+namespace bitspan {
+
+// Returns the scene with its proved bounds, as oracles are compared over it. Where no oracle draws it, or no
+// bound is known, there is none, and `why` says so in one line.
+std::optional<Visibility> visibility_of(const Config& config, const Scene& scene, std::string& why);
+
+// Why this oracle does not draw a scene that visibility_of takes; empty where it does.
+std::string own_refusal(const Oracle& oracle, const Config& config, const Scene& scene);
+
+}  // namespace bitspan

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// Oracles: pictures by another algorithm. An oracle says which triangle is seen at each pixel, and how far
+// it is there. It has no registers and no records; report/visibility.hpp compares it with an engine.
+//
+// Each file of golden/oracles makes one oracle or several known. It ends with the function NAME_oracle, for
+// NAME.cpp, which the linker is told to look for.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "golden/surface.hpp"
+
+namespace bitspan {
+
+// A triangle of a scene, as an oracle gets it.
+struct OracleFace {
+  std::int32_t index = 0;  // of the scene's triangles
+  IdealTriangle shape;
+};
+
+struct OracleInput {
+  const Config& config;               // for the fill rule, and what a triangle is after the snap
+  const Scene& scene;                 // for its size, and its range of S
+  std::span<const OracleFace> faces;  // by their index; those that a pixel may show
+};
+
+// What is seen at a pixel.
+struct Visible {
+  std::int32_t triangle = -1;  // input index; -1 where none
+  golden::InverseDistance q;   // at the pixel's centre
+};
+
+struct Oracle {
+  std::string_view name;
+  std::string_view meaning;  // a line of help
+  // False: its wrong pixels are counted, and no such pixel is a failure.
+  bool is_truth = true;
+  // Why it does not draw a scene, beside what no oracle draws; empty where it does. Null: it draws all.
+  std::string (*refuses)(const Config& config, const Scene& scene) = nullptr;
+  // Returns height * width pixels, rows from the top. Of faces that are exactly as far, the one of the least
+  // index is seen.
+  std::vector<Visible> (*visible)(const OracleInput& input) = nullptr;
+};
+
+// An object of this type at namespace scope makes an oracle known before main(). Throws std::logic_error
+// where the name is known already.
+struct RegisterOracle {
+  explicit RegisterOracle(const Oracle& oracle);
+};
+
+// By their names.
+std::span<const Oracle> oracles();
+// Their names, with `between` between two.
+std::string oracle_names(std::string_view between);
+// "half_planes,simplex" -> the oracles, each known and named once; "all" stands for every one. Throws
+// InputError, which names --oracles, otherwise.
+std::vector<const Oracle*> parse_oracles(const std::string& list);
+
+namespace golden {
+
+// Whether a point belongs to a triangle, its edges as the fill rule says.
+using CoverageTest = std::function<bool(const IdealTriangle& t, Point p)>;
+// The nearest face at each pixel: the test is asked at every centre of a face's bounding box.
+std::vector<Visible> nearest_faces(const OracleInput& input, const CoverageTest& covers);
+
+}  // namespace golden
+}  // namespace bitspan

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/visibility.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+#include <variant>
+
+#include "config/modes.hpp"
+#include "golden/mip_chain.hpp"
+#include "golden/quantize.hpp"
+#include "golden/texel.hpp"
+#include "report/heatmap.hpp"
+
+namespace bitspan {
+
+namespace {
+
+bool is_opaque(const Texture& texture, const Config& config) {
+  for (std::int64_t j = 0; j < texture.height; ++j) {
+    for (std::int64_t i = 0; i < texture.width; ++i) {
+      const golden::TexelCodes texel = golden::fetch_texel(texture, i, j);
+      if (texel[3] != 255) return false;
+      if (config.transparent &&
+          std::equal(config.transparent->begin(), config.transparent->end(), texel.begin())) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+// Of each texture: whether no texel of it, of its levels, or of its border kills a fragment.
+std::vector<bool> opaque_textures(const Config& config, const Scene& scene) {
+  bool border_kills = false;
+  if (has_border_color(config.wrap)) {
+    border_kills = config.border[3] != 255 ||
+                   (config.transparent && std::equal(config.transparent->begin(), config.transparent->end(),
+                                                     config.border.begin()));
+  }
+  const golden::SceneLevels levels = golden::scene_levels(config, scene);
+  std::vector<bool> out;
+  for (std::size_t t = 0; t < scene.textures.size(); ++t) {
+    bool opaque = !border_kills && is_opaque(scene.textures[t], config);
+    if (!levels.empty()) {
+      opaque = opaque &&
+               std::ranges::all_of(levels[t], [&](const Texture& level) { return is_opaque(level, config); });
+    }
+    out.push_back(opaque);
+  }
+  return out;
+}
+
+// Whether an alpha of 1 at the vertices and in the texels is above 0 when it reaches the last register, in
+// delta_f. Registers may be too narrow for it, and their overflow may give 0.
+bool keeps_alpha(const Config& config) {
+  using Q = golden::Quantizer<long double>;
+  const auto offset = [](const StartOffset& o, const Format& kept) {
+    return o.half_ulp ? std::ldexp(0.5L, -kept.fraction()) : static_cast<long double>(o.value);
+  };
+  const auto walked = [&](long double a, FormatId acc, FormatId out, const StartOffset& o) {
+    return Q(config.format(out))(Q(config.format(acc)).sum(a, offset(o, config.format(out))));
+  };
+  long double shade = Q(config.format(FormatId::setup_shade))(1.0L);
+  shade = walked(shade, FormatId::edge_shade_acc, FormatId::edge_shade, config.start_offset.edge_shade);
+  shade = walked(shade, FormatId::span_shade_acc, FormatId::span_shade, config.start_offset.span_shade);
+  const Q narrow(config.format(FormatId::texture_alpha));
+  const long double texel = narrow(1.0L);
+  const long double first = narrow.product(texel, shade);
+  return first > 0 && narrow.product(first, texel) > 0;  // with a second texture, too
+}
+
+// Why the triangle that is seen is not the nearest one in a draw state; empty where it is.
+std::string refusal_of(const DrawState& state, const std::vector<bool>& opaque) {
+  const auto refuse = [](std::string_view key, std::string_view legal) {
+    return fmt::format("{}: legal for oracles: {}", key, legal);
+  };
+  const PassingDistances passing = passing_distances(state.depth_func);
+  if (!passing.nearer || passing.farther) return refuse("depth.func", "less, lequal");
+  if (!state.depth_write) return refuse("depth.write", "true");
+  if (state.depth_bias != 0) return refuse("depth.bias", "0");
+  if (!state.color_write) return refuse("color.write", "true");
+  if (masks_pixels(state)) return refuse("scissor, stipple", "the whole picture");
+  if (state.stencil_test) return refuse("stencil.test", "false");
+  if (state.alpha_func != CompareFunc::always) return refuse("alpha.func", "always");
+  if (state.chroma_test != ChromaTest::none) return refuse("chroma.test", "none");
+  if (has_second_texture(state) && !opaque[static_cast<std::size_t>(state.texture1)]) {
+    return refuse("texture1", "a texture that is opaque everywhere");
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string pixel_text(const PixelFinding& found) {
+  switch (found.verdict) {
+    case PixelVerdict::background:
+      return "neither shows a triangle";
+    case PixelVerdict::equal:
+      return "equal";
+    case PixelVerdict::tie:
+      return "a tie that the bounds predict";
+    case PixelVerdict::unexplained:
+      return "unexplained: " + found.why;
+    case PixelVerdict::left_out:
+      return "left out: a triangle may be seen there whose fragments may be killed";
+  }
+  unreachable();
+}
+
+std::string visibility_text(const VisibilityReport& r) {
+  std::string out = fmt::format("{} against {}: {} pixels equal, {} ties that the bounds predict, {} {}",
+                                r.oracle, r.engine, r.equal, r.ties, r.unexplained,
+                                r.is_truth ? "unexplained" : "wrong, as this algorithm may be");
+  if (r.left_out != 0) out += fmt::format("; {} left out, whose fragments may be killed", r.left_out);
+  return out;
+}
+
+void write_visibility_map(const std::string& path, const VisibilityReport& report) {
+  std::vector<double> values;
+  for (const PixelVerdict verdict : report.pixels) {
+    switch (verdict) {
+      case PixelVerdict::equal:
+        values.push_back(0);
+        break;
+      case PixelVerdict::tie:
+        values.push_back(1);
+        break;
+      case PixelVerdict::unexplained:
+        values.push_back(2);
+        break;
+      case PixelVerdict::background:
+      case PixelVerdict::left_out:
+        values.push_back(std::numeric_limits<double>::quiet_NaN());
+        break;
+    }
+  }
+  HeatMapOptions options;
+  options.title = report.is_truth ? "0 equal, 1 tie, 2 unexplained" : "0 equal, 1 tie, 2 wrong";
+  options.high = 2;
+  write_heat_map(path, report.width, report.height, values, options);
+}
+
+std::string visibility_refusal(const Config& config, const Scene& scene) {
+  if (has_x_step(config)) {
+    return "raster.edge_walk: a dda's coverage is not that of the exact test; legal for oracles: exact";
+  }
+  if (!keeps_alpha(config)) {
+    return "formats.*.shade, formats.texture.alpha: an alpha of 1 becomes 0 on its way, so that every "
+           "fragment is "
+           "killed";
+  }
+  check_commands(config, scene);
+  for (const DrawCommand& command : scene.commands) {
+    if (!std::holds_alternative<StateChange>(command.what)) {
+      return "the stream has a command that is no change of state: no oracle knows what it leaves of the "
+             "picture";
+    }
+  }
+  const std::vector<bool> opaque = opaque_textures(config, scene);
+  if (std::string why = refusal_of(first_state(config), opaque); !why.empty()) return why;
+  for (const DrawState& state : states_of(config, scene.commands)) {
+    if (std::string why = refusal_of(state, opaque); !why.empty()) return why;
+  }
+  return "";
+}
+
+Visibility::Visibility(const Config& config, const Scene& scene, std::vector<double> bounds)
+    : config_(config), scene_(&scene), bounds_(std::move(bounds)) {
+  if (bounds_.size() != scene.triangles.size())
+    throw std::invalid_argument("Visibility: a bound per triangle");
+  const std::vector<bool> opaque = opaque_textures(config, scene);
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    const Triangle& triangle = scene.triangles[i];
+    const auto shape = ideal_triangle(config, triangle);
+    if (!shape) continue;
+    bool vanishes = triangle.texture >= 0 && !opaque[static_cast<std::size_t>(triangle.texture)];
+    for (const Vertex& v : triangle.v) vanishes = vanishes || v.c[3] != 1;
+    (vanishes ? vanishing_ : faces_).push_back({static_cast<std::int32_t>(i), *shape});
+  }
+}
+
+std::vector<Visible> Visibility::picture(const Oracle& oracle) const {
+  return oracle.visible({config_, *scene_, faces_});
+}
+
+double Visibility::depth_of(const Visible& seen) const {
+  if (seen.triangle < 0) return 0;
+  return static_cast<double>(golden::depth_code(config_, *scene_, seen.q.value));
+}
+
+double Visibility::stored_h(std::uint32_t code) const {
+  const double z = code;
+  return is_complement_of_h(config_.depth_code) ? static_cast<double>(golden::h_max(config_)) - z : z;
+}
+
+std::vector<bool> Visibility::doubtful(std::span<const Visible> picture) const {
+  std::vector<bool> out(picture.size());
+  for (const OracleFace& face : vanishing_) {
+    const double own = bounds_[static_cast<std::size_t>(face.index)];
+    golden::for_each_covered(face.shape, config_.fill_rule, scene_->width, scene_->height,
+                             [&](const golden::Areas& areas, std::int64_t x, std::int64_t y) {
+                               const auto at = static_cast<std::size_t>(y * scene_->width + x);
+                               const Visible& seen = picture[at];
+                               const Visible here{face.index, golden::inverse_distance(face.shape, areas)};
+                               const double other =
+                                   seen.triangle < 0 ? 0 : bounds_[static_cast<std::size_t>(seen.triangle)];
+                               if (depth_of(here) >= depth_of(seen) - (own + other)) out[at] = true;
+                             });
+  }
+  return out;
+}
+
+PixelFinding Visibility::judge(const Oracle& oracle, const Visible& seen, const Frame& frame,
+                               std::string_view engine, std::int64_t x, std::int64_t y) const {
+  const auto at = static_cast<std::size_t>(y * frame.width + x);
+  const std::int32_t drawn = frame.triangle[at];
+  const double stored = stored_h(frame.depth[at]);
+  const auto unexplained = [&](const std::string& why) {
+    return PixelFinding{PixelVerdict::unexplained, fmt::format("pixel ({}, {}): {}", x, y, why)};
+  };
+  const double seen_h = depth_of(seen);
+  const double seen_bound = seen.triangle < 0 ? 0 : bounds_[static_cast<std::size_t>(seen.triangle)];
+  if (drawn < 0) {
+    if (stored != 0)
+      return unexplained(fmt::format("{} shows no triangle, and stores h = {}", engine, stored));
+    if (seen.triangle < 0) return {PixelVerdict::background};
+    // The cleared buffer is as a surface at h = 0.
+    if (seen_h <= seen_bound) return {PixelVerdict::tie};
+    return unexplained(
+        fmt::format("{} sees triangle {} at h = {:.10g}, and {} shows none; the bound is {:.4g}", oracle.name,
+                    seen.triangle, seen_h, engine, seen_bound));
+  }
+  const auto face = std::ranges::lower_bound(faces_, drawn, {}, &OracleFace::index);
+  if (face == faces_.end() || face->index != drawn || !ideal_covers(config_, face->shape, x, y)) {
+    return unexplained(fmt::format("{} shows triangle {}, which does not cover it", engine, drawn));
+  }
+  const golden::Areas areas = golden::areas_at(face->shape, golden::centre_of(face->shape, x, y));
+  const Visible shown{drawn, golden::inverse_distance(face->shape, areas)};
+  const double shown_h = depth_of(shown);
+  const double shown_bound = bounds_[static_cast<std::size_t>(drawn)];
+  if (!(std::abs(stored - shown_h) <= shown_bound)) {
+    return unexplained(
+        fmt::format("{} stores h = {} of triangle {}, which is at {:.10g}; the bound is {:.4g}", engine,
+                    stored, drawn, shown_h, shown_bound));
+  }
+  if (seen.triangle < 0) {
+    return unexplained(fmt::format("{} sees no triangle, and {} shows {}", oracle.name, engine, drawn));
+  }
+  if (seen.triangle == drawn) {
+    if (seen.q == shown.q) return {PixelVerdict::equal};
+    return unexplained(fmt::format("{} sees triangle {} at h = {:.10g}, and it is at {:.10g}", oracle.name,
+                                   drawn, seen_h, shown_h));
+  }
+  if (std::abs(seen_h - shown_h) <= seen_bound + shown_bound) return {PixelVerdict::tie};
+  return unexplained(fmt::format(
+      "{} sees triangle {} at h = {:.10g}, and {} shows {}, which is at {:.10g}; the bounds are {:.4g} "
+      "and {:.4g}",
+      oracle.name, seen.triangle, seen_h, engine, drawn, shown_h, seen_bound, shown_bound));
+}
+
+PixelFinding Visibility::at(const Oracle& oracle, std::span<const Visible> picture, const Frame& frame,
+                            std::string_view engine, std::int64_t x, std::int64_t y) const {
+  const auto i = static_cast<std::size_t>(y * frame.width + x);
+  if (doubtful(picture)[i]) return {PixelVerdict::left_out};
+  return judge(oracle, picture[i], frame, engine, x, y);
+}
+
+VisibilityReport Visibility::compare(const Oracle& oracle, std::span<const Visible> picture,
+                                     const Frame& frame, std::string_view engine) const {
+  VisibilityReport out;
+  out.oracle = oracle.name;
+  out.engine = engine;
+  out.is_truth = oracle.is_truth;
+  out.width = frame.width;
+  out.height = frame.height;
+  if (picture.size() != frame.triangle.size()) {
+    throw std::invalid_argument("Visibility: the engine and the oracle have pictures of two sizes");
+  }
+  const std::vector<bool> doubt = doubtful(picture);
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    if (doubt[i]) {
+      ++out.left_out;
+      out.pixels.push_back(PixelVerdict::left_out);
+      continue;
+    }
+    const auto x = static_cast<std::int64_t>(i) % frame.width;
+    const auto y = static_cast<std::int64_t>(i) / frame.width;
+    PixelFinding found = judge(oracle, picture[i], frame, engine, x, y);
+    out.pixels.push_back(found.verdict);
+    switch (found.verdict) {
+      case PixelVerdict::background:
+        ++out.background;
+        break;
+      case PixelVerdict::equal:
+        ++out.equal;
+        break;
+      case PixelVerdict::tie:
+        ++out.ties;
+        break;
+      case PixelVerdict::unexplained:
+        if (++out.unexplained == 1) out.first = std::move(found.why);
+        break;
+      case PixelVerdict::left_out:
+        break;
+    }
+  }
+  return out;
+}
+
+}  // namespace bitspan

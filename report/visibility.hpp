@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compares the picture of an oracle with an engine's: the triangle that is seen at each pixel, and its stored
+// depth.
+//
+// An engine compares codes. Of two triangles it shows the one whose code is at least as near, and a code is
+// off from the exact h by no more than its proved bound. So the engine may show another triangle than the
+// oracle only where both h differ by no more than the sum of the two bounds: a tie, which is predicted. There
+// is no other tolerance. docs/verify.md, "Oracles".
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/config.hpp"
+#include "engine/frame.hpp"
+#include "golden/oracle.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan {
+
+enum class PixelVerdict : std::uint8_t {
+  background,   // neither shows a triangle
+  equal,        // both show the same one, at a depth within its bound
+  tie,          // they show two whose order the bounds leave open
+  unexplained,  // anything else
+  left_out      // a triangle may be seen there whose fragments may be killed
+};
+
+struct VisibilityReport {
+  std::string oracle, engine;
+  bool is_truth = true;
+  int width = 0, height = 0;
+  std::uint64_t background = 0, equal = 0, ties = 0, unexplained = 0, left_out = 0;
+  std::string first;  // the first unexplained pixel, in one line; empty without one
+  std::vector<PixelVerdict> pixels;
+
+  std::uint64_t compared() const { return equal + ties + unexplained; }
+  bool held() const { return !is_truth || unexplained == 0; }
+};
+// What a pixel is found to be, and why it is unexplained.
+struct PixelFinding {
+  PixelVerdict verdict = PixelVerdict::background;
+  std::string why{};
+};
+std::string pixel_text(const PixelFinding& found);
+// "half_planes against golden: 812 pixels equal, 3 ties that the bounds predict, 0 unexplained".
+std::string visibility_text(const VisibilityReport& report);
+// The verdict per pixel as a PNG file: 0 equal, 1 tie, 2 unexplained; grey where nothing is compared.
+void write_visibility_map(const std::string& path, const VisibilityReport& report);
+
+// Why no oracle draws the scene: one line that names the key or the command. Empty where the triangle seen
+// at each pixel is a matter of the nearest depth alone, but for fragments that are killed. Throws InputError
+// where the scene's commands are not legal.
+std::string visibility_refusal(const Config& config, const Scene& scene);
+
+// A scene, as oracles and engines are compared over it.
+class Visibility {
+ public:
+  // bounds: for each triangle, by how many codes its stored depth may be off (stored_depth_bounds). The scene
+  // must outlive it. Expects a scene that is not refused, and a depth code that is h or its complement.
+  Visibility(const Config& config, const Scene& scene, std::vector<double> bounds);
+  std::vector<Visible> picture(const Oracle& oracle) const;
+  // frame: of an engine that has drawn the whole scene, with its winners.
+  VisibilityReport compare(const Oracle& oracle, std::span<const Visible> picture, const Frame& frame,
+                           std::string_view engine) const;
+  // Of one pixel.
+  PixelFinding at(const Oracle& oracle, std::span<const Visible> picture, const Frame& frame,
+                  std::string_view engine, std::int64_t x, std::int64_t y) const;
+  // The exact h of what an oracle sees; 0 where it is nothing.
+  double depth_of(const Visible& seen) const;
+
+ private:
+  PixelFinding judge(const Oracle& oracle, const Visible& seen, const Frame& frame, std::string_view engine,
+                     std::int64_t x, std::int64_t y) const;
+  // The pixels where a triangle that may be killed may be seen.
+  std::vector<bool> doubtful(std::span<const Visible> picture) const;
+  double stored_h(std::uint32_t code) const;
+
+  Config config_;
+  const Scene* scene_;
+  std::vector<double> bounds_;
+  std::vector<OracleFace> faces_;      // none of whose fragments can be killed
+  std::vector<OracleFace> vanishing_;  // the others
+};
+
+}  // namespace bitspan
