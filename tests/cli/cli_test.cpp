@@ -594,6 +594,45 @@ TEST_F(Cli, VerifyHoldsAndWritesItsReports) {
   EXPECT_GT(json.at("scenes")[0].at("pairs")[0].at("stages").at("span").at("non_trivial"), 1000);
 }
 
+TEST_F(Cli, OraclesAreComparedAndShown) {
+  stream("a.tri");
+  const Result r =
+      run("verify a.tri --engines golden,model --oracles all --oracle-maps maps --junit j.xml --json v.json");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+  EXPECT_NE(r.out.find("oracle half_planes against golden: "), std::string::npos) << r.out;
+  EXPECT_NE(r.out.find(" ties that the bounds predict, 0 unexplained\n"), std::string::npos) << r.out;
+  EXPECT_TRUE(std::filesystem::exists(folder.path("maps/a.tri-simplex.png")));
+  EXPECT_NE(folder.read("j.xml").find("oracle rotations = golden"), std::string::npos);
+  const auto json = nlohmann::json::parse(folder.read("v.json"));
+  const auto& oracles = json.at("scenes")[0].at("oracles");
+  ASSERT_EQ(oracles.size(), 4U);
+  for (const auto& oracle : oracles) {
+    EXPECT_EQ(oracle.at("unexplained"), 0);
+    EXPECT_GT(oracle.at("equal"), 100);
+  }
+  // An oracle is enough of a comparison, but for one that is not of the truth.
+  EXPECT_EQ(run("verify a.tri --engines model --oracles simplex").code, 0);
+  EXPECT_EQ(run("verify a.tri --engines model --oracles painter_mid_z").code, 1);
+  const Result explained = run("explain a.tri 8 8 --engines golden,model --oracles half_planes");
+  EXPECT_EQ(explained.code, 0) << explained.out;
+  EXPECT_NE(explained.out.find("oracle half_planes against golden: equal"), std::string::npos)
+      << explained.out;
+
+  // What no oracle draws is told, and is a failure unless it is allowed.
+  std::string text = folder.read("a.tri");
+  text[text.find('1')] = '2';  // the format
+  folder.write("clear.tri", text + "{\"clear\": {\"depth\": true}}\n");
+  const Result left_out = run("verify clear.tri --engines golden,model --oracles simplex --junit j.xml");
+  EXPECT_EQ(left_out.code, 1) << left_out.out;
+  EXPECT_NE(left_out.out.find("FAILED: oracle simplex left out: the stream has a command"), std::string::npos)
+      << left_out.out;
+  EXPECT_EQ(run("verify clear.tri --engines golden,model --oracles simplex --allow-missing").code, 0);
+  EXPECT_EQ(run("explain clear.tri 8 8 --engines golden --oracles simplex").code, 1);
+  refused("verify a.tri --oracles ray", "'ray' is no oracle; legal: all, half_planes, ");
+  refused("verify a.tri --engines golden,model --oracle-maps maps", "--oracle-maps: goes with --oracles");
+  refused("verify --suite 'fill.*' --oracles all", "leave out --oracles");
+}
+
 TEST_F(Cli, VerifySaysWhereNothingIsDrawn) {
   stream("off.tri", "{\"v\": [[-20, 2, 2, 0, 0], [-3, 4, 50, 20, 0], [-5, 22, 9, 0, 20]]}\n");
   const Result r = run("verify off.tri --engines golden,model,ideal --junit j.xml");

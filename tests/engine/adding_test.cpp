@@ -87,6 +87,7 @@ TEST(Adding, KeepsItsPromises) {
                                             {"A command", 12},
                                             {"A pass plan", 5},
                                             {"A metric of the picture", 3},
+                                            {"An oracle", 3},
                                             {"A metric per field", 6}};
   EXPECT_EQ(limits, promised);
 }
