@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -204,13 +205,14 @@ struct OracleWords {
   bool left_out = false;
 };
 // Adds what each oracle sees at the pixel to the rows of the picture.
-OracleWords ask_oracles(const Options& o, const Config& config, const Scene& scene, const Frame& frame,
-                        const std::string& engine, std::vector<std::vector<std::string>>& rows) {
+OracleWords ask_oracles(const Options& o, std::span<const Oracle* const> oracles, const Config& config,
+                        const Scene& scene, const Frame& frame, const std::string& engine,
+                        std::vector<std::vector<std::string>>& rows) {
   OracleWords out;
-  if (o.oracles.empty()) return out;
+  if (oracles.empty()) return out;
   std::string why;
   const std::optional<Visibility> visibility = visibility_of(config, scene, why);
-  for (const Oracle* oracle : parse_oracles(o.oracles)) {
+  for (const Oracle* oracle : oracles) {
     if (visibility) why = own_refusal(*oracle, config, scene);
     if (!why.empty()) {
       out.lines.push_back(fmt::format("oracle {} left out: {}", oracle->name, why));
@@ -230,6 +232,8 @@ OracleWords ask_oracles(const Options& o, const Config& config, const Scene& sce
 
 int explain(const Options& o) {
   const Config config = find_config(o.config);
+  std::vector<const Oracle*> oracles;
+  if (!o.oracles.empty()) oracles = parse_oracles(o.oracles);
   const LoadedScene loaded = load_scene(o.scene, o.view);
   const Scene& scene = loaded.scene;
   const View shown = view_at(scene, scene.triangles.size());
@@ -334,7 +338,7 @@ int explain(const Options& o) {
             std::equal(&frames[i].color[4 * at], &frames[i].color[4 * at] + 4, &frames[0].color[4 * at]);
   }
   add(truth, ideal);
-  const OracleWords words = ask_oracles(o, config, scene, frames[0], stories[0].engine, rows);
+  const OracleWords words = ask_oracles(o, oracles, config, scene, frames[0], stories[0].engine, rows);
   fmt::print("{}", text_table(rows));
   fmt::print("\n");
   for (const std::string& text : words.lines) fmt::print("{}\n", text);

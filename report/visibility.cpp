@@ -237,7 +237,7 @@ PixelFinding Visibility::judge(const Oracle& oracle, const Visible& seen, const 
   }
   const auto face = std::ranges::lower_bound(faces_, drawn, {}, &OracleFace::index);
   if (face == faces_.end() || face->index != drawn || !ideal_covers(config_, face->shape, x, y)) {
-    return unexplained(fmt::format("{} shows triangle {}, which does not cover it", engine, drawn));
+    return unexplained(fmt::format("{} shows triangle {}, which cannot be seen there", engine, drawn));
   }
   const golden::Areas areas = golden::areas_at(face->shape, golden::centre_of(face->shape, x, y));
   const Visible shown{drawn, golden::inverse_distance(face->shape, areas)};

@@ -628,6 +628,7 @@ TEST_F(Cli, OraclesAreComparedAndShown) {
       << left_out.out;
   EXPECT_EQ(run("verify clear.tri --engines golden,model --oracles simplex --allow-missing").code, 0);
   EXPECT_EQ(run("explain clear.tri 8 8 --engines golden --oracles simplex").code, 1);
+  refused("explain a.tri 8 8 --oracles ray", "'ray' is no oracle");
   refused("verify a.tri --oracles ray", "'ray' is no oracle; legal: all, half_planes, ");
   refused("verify a.tri --engines golden,model --oracle-maps maps", "--oracle-maps: goes with --oracles");
   refused("verify --suite 'fill.*' --oracles all", "leave out --oracles");

@@ -151,7 +151,7 @@ TEST(Visibility, OnePixelOfCoverageIsFound) {
   surplus.depth[outside] = right.depth[inside];
   VisibilityReport report = compared(by_areas, config, scene, surplus);
   EXPECT_EQ(report.unexplained, 1U);
-  EXPECT_NE(report.first.find("pixel (3, 4): engine shows triangle 0, which does not cover it"),
+  EXPECT_NE(report.first.find("pixel (3, 4): engine shows triangle 0, which cannot be seen there"),
             std::string::npos)
       << report.first;
   Frame missing = right;
