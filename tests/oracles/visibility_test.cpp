@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <boost/multiprecision/cpp_int.hpp>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 
@@ -314,6 +315,31 @@ TEST(Surface, InverseDistancesCompareExactly) {
     equal += p == q ? 1 : 0;
     close += p != q && std::abs(p.value - q.value) <= 0x1p-50L * p.value ? 1 : 0;
   }
+  // Off by less than the approximate values can tell: an ulp of the distance of the corner that counts least.
+  int closest = 0;
+  for (int round = 0; round < 400; ++round) {
+    const auto corner = [&] {
+      return test::At{draw.uniform(0, 64), draw.uniform(0, 48), draw.log_uniform(1, 1e4)};
+    };
+    const auto t = ideal_triangle(config, triangle_of(corner(), corner(), corner()));
+    if (!t) continue;
+    golden::for_each_covered(
+        *t, config.fill_rule, 64, 48, [&](const golden::Areas& areas, std::int64_t x, std::int64_t y) {
+          if ((x + y) % 16 != 0) return;
+          const golden::InverseDistance p = golden::inverse_distance(*t, areas);
+          const auto share = [&](std::size_t i) { return static_cast<long double>(p.part[i]) / p.s[i]; };
+          std::size_t least = 0;
+          for (std::size_t i = 1; i < 3; ++i) least = share(i) < share(least) ? i : least;
+          if (p.part[least] == 0) return;
+          IdealTriangle farther = *t;
+          farther.v[least].s = std::nextafter(static_cast<double>(p.s[least]), 1e9);
+          const golden::InverseDistance q = golden::inverse_distance(farther, areas);
+          EXPECT_TRUE(q < p);
+          EXPECT_TRUE(p > q);
+          closest += std::abs(p.value - q.value) <= 0x1p-59L * p.value ? 1 : 0;
+        });
+  }
+  EXPECT_GT(closest, 20);
   EXPECT_GT(equal, 100);
   EXPECT_GT(close, 200);
 }
