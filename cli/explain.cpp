@@ -155,6 +155,7 @@ bool print_record(const std::vector<Story>& stories, const std::vector<const Rec
     rows[0].emplace_back(title);
   }
   const auto all = fields_of(reference->type);
+  const std::int64_t channel = channel_of(reference->type, reference->values);
   const bool is_state = reference->type == RecordType::state;
   const std::vector<std::int64_t> first =
       is_state ? state_values(first_state(config)) : std::vector<std::int64_t>{};
@@ -173,13 +174,13 @@ bool print_record(const std::vector<Story>& stories, const std::vector<const Rec
         continue;
       }
       row.push_back(integer ? fmt::format("{}", record->values[i])
-                            : hex_of(record->values[i], all[i], config));
+                            : hex_of(record->values[i], all[i], config, channel));
       if (record->values[i] != raw) {
         row[0] = "*";
         equal = false;
       }
     }
-    const double value = decode(raw, all[i], config);
+    const double value = decode(raw, all[i], config, channel);
     if (is_register && !state_registers()[i - 1].names.empty()) {
       row.emplace_back(state_registers()[i - 1].names[static_cast<std::size_t>(raw)]);
     } else {
@@ -191,7 +192,7 @@ bool print_record(const std::vector<Story>& stories, const std::vector<const Rec
     }
     row.push_back(ideal ? fmt::format("{:.10g}", *ideal) : "");
     row.push_back(ideal ? fmt::format("{:.3g}", value - *ideal) : "");
-    row.emplace_back(unit_of(all[i], config));
+    row.emplace_back(unit_of(all[i], config, channel));
     rows.push_back(std::move(row));
   }
   fmt::print("{}", text_table(rows));

@@ -124,6 +124,12 @@ struct Format {
   X(texture_alpha, "texture.alpha", "1", "alpha of texel and fragment, 0 to 1")                         \
   X(fog_scale, "fog.scale", "depth code", "constant of linear fog")                                     \
   X(fog_factor, "fog.factor", "1", "share of the object's own colour, 0 to 1; the fog table's entry")   \
+  X(fog_vertex, "fog.vertex", "1", "channel fog: the fog's factor at a vertex", FormatId::setup_shade)  \
+  X(fog_grad, "fog.grad", "1/pixel", "channel fog: its screen gradient", FormatId::plane_shade_grad)    \
+  X(fog_step, "fog.step", "1/pixel", "channel fog: its slope along an edge, and along a row",           \
+    FormatId::span_shade_step)                                                                          \
+  X(fog_acc, "fog.acc", "1", "channel fog: its accumulator along an edge, and along a row",             \
+    FormatId::span_shade_acc)                                                                           \
   X(fog_color, "fog.color", "colour code", "colour after fog")                                          \
   X(merge_color, "merge.color", "colour code", "colour as stored in the frame buffer")
 

@@ -1,17 +1,53 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/records.hpp"
 
-#include "config/modes.hpp"
+#include "config/lines.hpp"
 
 namespace bitspan {
 
-std::optional<Format> format_of(const Field& field, const Config& config) {
-  const bool linear_uv = has_linear_texture(config.perspective);
+std::optional<FormatId> register_of(const Field& field, const Config& config, std::int64_t channel) {
+  const Line texture = line_of(LineId::fu, config.perspective);
+  const Line own = line_of(channel_line(channel), config.perspective);
   switch (field.kind) {
     case FieldKind::integer:
+    case FieldKind::coordinate:
+    case FieldKind::depth_code:
+    case FieldKind::edge_mantissa:
+    case FieldKind::row_mantissa:
+    case FieldKind::pixel_mantissa:
+    case FieldKind::phase:
       return std::nullopt;
     case FieldKind::format:
-      return config.format(field.format);
+      return field.format;
+    case FieldKind::texture_acc:
+      return texture.row.acc;
+    case FieldKind::texture_step:
+      return texture.row.step;
+    case FieldKind::channel_vertex:
+      return own.vertex;
+    case FieldKind::channel_product:
+      return own.product.value_or(own.vertex);
+    case FieldKind::channel_edge_step:
+      return own.edge.step;
+    case FieldKind::channel_edge_acc:
+      return own.edge.acc;
+    case FieldKind::channel_edge:
+      return own.edge.kept;
+    case FieldKind::channel_gradient:
+      return own.gradient;
+    case FieldKind::channel_step:
+      return own.row.step;
+    case FieldKind::channel_acc:
+      return own.row.acc;
+    case FieldKind::channel_value:
+      return own.row.kept;
+  }
+  return std::nullopt;
+}
+
+std::optional<Format> format_of(const Field& field, const Config& config, std::int64_t channel) {
+  if (const auto id = register_of(field, config, channel)) return config.format(*id);
+  switch (field.kind) {
     case FieldKind::coordinate:
       return config.coordinate_format();
     case FieldKind::depth_code:
@@ -25,12 +61,9 @@ std::optional<Format> format_of(const Field& field, const Config& config) {
     case FieldKind::phase:
       return Format{
           config.format(FormatId::plane_k).fraction(), 0, false, Rounding::trn, Overflow::sat, false};
-    case FieldKind::texture_acc:
-      return config.format(linear_uv ? FormatId::span_uv_acc : FormatId::span_f);
-    case FieldKind::texture_step:
-      return config.format(linear_uv ? FormatId::span_uv_step : FormatId::span_f_step);
+    default:  // an integer
+      return std::nullopt;
   }
-  return std::nullopt;
 }
 
 std::string_view stage_of(RecordType type) {
@@ -77,6 +110,11 @@ int field_index(RecordType type, std::string_view field) {
     }
   }
   return -1;
+}
+
+std::int64_t channel_of(RecordType type, std::span<const std::int64_t> record) {
+  const int at = field_index(type, "channel");
+  return at < 0 ? 0 : record[static_cast<std::size_t>(at)];
 }
 
 StateRecord state_record(const DrawState& state, std::int64_t next_index) {

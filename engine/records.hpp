@@ -34,6 +34,15 @@ enum class FieldKind : std::uint8_t {
   phase,           // unsigned, no integer bits, the fraction bits of plane.k
   texture_acc,     // span.f in delta_f and hyperbolic, span.uv_acc in const_depth_rows and affine
   texture_step,    // span.f_step in delta_f and hyperbolic, span.uv_step in const_depth_rows and affine
+  channel_vertex,  // on the registers of the record's channel, config/lines.hpp
+  channel_product,
+  channel_edge_step,
+  channel_edge_acc,
+  channel_edge,
+  channel_gradient,
+  channel_step,
+  channel_acc,
+  channel_value,
 };
 
 struct Field {
@@ -42,8 +51,11 @@ struct Field {
   FormatId format;  // for FieldKind::format
 };
 
+// The register that holds a field, where it is one of [formats]; channel: of the record, which only records
+// per channel have.
+std::optional<FormatId> register_of(const Field& field, const Config& config, std::int64_t channel = 0);
 // The format a field's raw value is on; none for integers.
-std::optional<Format> format_of(const Field& field, const Config& config);
+std::optional<Format> format_of(const Field& field, const Config& config, std::int64_t channel = 0);
 
 // The lists read as tables.
 // clang-format off
@@ -93,6 +105,13 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   F(g_x, plane_shade_grad) F(g_y, plane_shade_grad) F(b_x, plane_shade_grad) F(b_y, plane_shade_grad)       \
   F(a_x, plane_shade_grad) F(a_y, plane_shade_grad)
 
+// setup, of a channel: one per triangle that has an area.
+#define BITSPAN_SETUP_CHANNEL_RECORD(F, I, K)                                                               \
+  I(triangle) I(channel) K(w0, channel_vertex) K(w1, channel_vertex) K(w2, channel_vertex)                  \
+  K(f0, channel_product) K(f1, channel_product) K(f2, channel_product) /* homogeneous only */               \
+  K(step0, channel_edge_step) K(step1, channel_edge_step) K(step2, channel_edge_step) /* of edges 0..2 */   \
+  K(w_x, channel_gradient) K(w_y, channel_gradient)
+
 // edge_walk: one per row that has pixels inside the viewport; l and r are its left and right end.
 #define BITSPAN_ROW_END(p, F, I, K)                                                                         \
   I(p##_edge) F(p##_x_acc, edge_x_acc) F(p##_x, edge_x) F(p##_h_acc, edge_h_acc) F(p##_h, edge_h)           \
@@ -103,6 +122,11 @@ std::optional<Format> format_of(const Field& field, const Config& config);
 #define BITSPAN_ROW_RECORD(F, I, K)               \
   I(triangle) I(y) I(x_first) I(x_last)           \
   BITSPAN_ROW_END(l, F, I, K) BITSPAN_ROW_END(r, F, I, K)
+
+// edge_walk, of a channel: one per row.
+#define BITSPAN_ROW_CHANNEL_RECORD(F, I, K)                                                                 \
+  I(triangle) I(y) I(channel) K(l_acc, channel_edge_acc) K(l, channel_edge) K(r_acc, channel_edge_acc)      \
+  K(r, channel_edge)
 
 // plane_walk (const_depth_rows only): gradients, one per triangle.
 #define BITSPAN_PLANE_RECORD(F, I, K)                                                                          \
@@ -139,11 +163,18 @@ std::optional<Format> format_of(const Field& field, const Config& config);
   F(g_step1, span_shade_step) F(b_step0, span_shade_step) F(b_step1, span_shade_step)                       \
   F(a_step0, span_shade_step) F(a_step1, span_shade_step)
 
+// span_setup, of a channel: one per span.
+#define BITSPAN_SPAN_CHANNEL_RECORD(F, I, K)                                                                \
+  I(triangle) I(x) I(y) I(channel) K(w, channel_acc) K(w_step0, channel_step) K(w_step1, channel_step)
+
 // span: one per pixel of a span.
 #define BITSPAN_FRAGMENT_RECORD(F, I, K)                                                                    \
   I(triangle) I(x) I(y) I(covered) I(last)                                                                  \
   F(h, span_h) K(fu, texture_acc) K(fv, texture_acc) K(recip_m, pixel_mantissa) I(recip_e)                  \
   F(u, span_uv) F(v, span_uv) F(r, span_shade) F(g, span_shade) F(b, span_shade) F(a, span_shade)
+
+// span, of a channel: one per pixel of a span.
+#define BITSPAN_FRAGMENT_CHANNEL_RECORD(F, I, K) I(triangle) I(x) I(y) I(channel) K(w, channel_value)
 
 // depth: one per covered fragment.
 #define BITSPAN_DEPTH_RECORD(F, I, K)                                                  \
@@ -314,5 +345,7 @@ std::string_view stage_of(RecordType type);
 std::span<const Field> fields_of(RecordType type);
 // Position of a field in its record; -1 where the record has none of that name.
 int field_index(RecordType type, std::string_view field);
+// The channel that a record is of; 0 where it is of none.
+std::int64_t channel_of(RecordType type, std::span<const std::int64_t> record);
 
 }  // namespace bitspan

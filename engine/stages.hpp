@@ -32,7 +32,7 @@ inline constexpr std::optional<Stage> no_clock;
 //   name       the stage's; STAGE.PART for the second record of a stage
 //   member     the records' vector in Trace, and their RecordType
 //   clock      Stage::NAME, or no_clock for what is made before the first clock
-//   per        what there is one record for
+//   per        what there is one record for; of STAGE.channel, per channel in use
 //   made from  the RecordTypes that feed it, in the order of the pipeline; of those of a mode, the ones that it has
 #define BITSPAN_STAGE_TABLE(ROW, X)                                                                                     \
   ROW(X, ConstantsRecord, BITSPAN_CONSTANTS_RECORD, "constants",      constants, no_clock,          scene)              \
@@ -41,18 +41,22 @@ inline constexpr std::optional<Stage> no_clock;
   ROW(X, EdgeRecord,      BITSPAN_EDGE_RECORD,      "setup.edge",     edge,      Stage::setup,      edge,     setup)     \
   ROW(X, GradientRecord,  BITSPAN_GRADIENT_RECORD,  "setup.gradient", gradient,  Stage::setup,      triangle, setup)     \
   ROW(X, SetupPlaneRecord, BITSPAN_SETUP_PLANE_RECORD, "setup.plane",  setup_plane, Stage::setup,    triangle, setup)     \
+  ROW(X, SetupChannelRecord, BITSPAN_SETUP_CHANNEL_RECORD, "setup.channel", setup_channel, Stage::setup, triangle, setup, setup_plane) \
   ROW(X, RowRecord,       BITSPAN_ROW_RECORD,       "edge_walk",      row,       Stage::edge_walk,  row,      edge)      \
+  ROW(X, RowChannelRecord, BITSPAN_ROW_CHANNEL_RECORD, "edge_walk.channel", row_channel, Stage::edge_walk, row, setup_channel, row) \
   ROW(X, PlaneRecord,     BITSPAN_PLANE_RECORD,     "plane_walk",     plane,     Stage::edge_walk,  triangle, setup)     \
   ROW(X, PlaneRowRecord,  BITSPAN_PLANE_ROW_RECORD, "plane_walk.row", plane_row, Stage::edge_walk,  row,      plane)     \
   ROW(X, SpanRecord,      BITSPAN_SPAN_RECORD,      "span_setup",     span,      Stage::span_setup, row,      setup_plane, row, plane_row) \
+  ROW(X, SpanChannelRecord, BITSPAN_SPAN_CHANNEL_RECORD, "span_setup.channel", span_channel, Stage::span_setup, row, setup_channel, row_channel, span) \
   ROW(X, FragmentRecord,  BITSPAN_FRAGMENT_RECORD,  "span",           fragment,  Stage::span,       pixel,    span)      \
+  ROW(X, FragmentChannelRecord, BITSPAN_FRAGMENT_CHANNEL_RECORD, "span.channel", fragment_channel, Stage::span, pixel, span_channel, fragment) \
   ROW(X, DepthRecord,     BITSPAN_DEPTH_RECORD,     "depth",          depth,     Stage::depth,      pixel,    gradient, fragment) \
   ROW(X, StencilRecord,   BITSPAN_STENCIL_RECORD,   "stencil",        stencil,   Stage::depth,      pixel,    fragment, depth) \
   ROW(X, DistanceRecord,  BITSPAN_DISTANCE_RECORD,  "distance",       distance,  Stage::depth,      pixel,    fragment, depth) \
   ROW(X, LodRecord,       BITSPAN_LOD_RECORD,       "lod",            lod,       Stage::depth,      pixel,    gradient, fragment, depth, distance) \
   ROW(X, TextureRecord,   BITSPAN_TEXTURE_RECORD,   "texture",        texture,   Stage::texture,    pixel,    fragment, depth, lod) \
   ROW(X, TextureSecondRecord, BITSPAN_TEXTURE_SECOND_RECORD, "texture.second", texture_second, Stage::texture, pixel, fragment, depth, lod, texture) \
-  ROW(X, FogRecord,       BITSPAN_FOG_RECORD,       "fog",            fog,       Stage::fog,        pixel,    fragment, distance, texture, texture_second) \
+  ROW(X, FogRecord,       BITSPAN_FOG_RECORD,       "fog",            fog,       Stage::fog,        pixel,    fragment, fragment_channel, distance, texture, texture_second) \
   ROW(X, MergeRecord,     BITSPAN_MERGE_RECORD,     "merge",          merge,     Stage::merge,      pixel,    depth, texture, texture_second, fog) \
   ROW(X, MergeAlphaRecord, BITSPAN_MERGE_ALPHA_RECORD, "merge.alpha", merge_alpha, Stage::merge,    pixel,    merge)
 
@@ -81,7 +85,7 @@ class RecordTypes {
   constexpr std::size_t size() const { return size_; }
 
  private:
-  std::array<RecordType, 4> types_{};
+  std::array<RecordType, record_types> types_{};  // each at most once
   std::size_t size_;
 };
 
@@ -94,6 +98,8 @@ struct StageRow {
 
   // The name without its part: the heading of docs/numeric-spec.md that defines the record.
   constexpr std::string_view stage() const { return name.substr(0, name.find('.')); }
+  // There is one per channel in use of what `per` says.
+  constexpr bool per_channel() const { return name.ends_with(".channel"); }
 };
 
 inline constexpr auto stage_table = [] {
@@ -104,13 +110,13 @@ inline constexpr auto stage_table = [] {
 #undef BITSPAN_STAGE_ROW
 }();
 
+constexpr const StageRow& row_of(RecordType type) { return stage_table[static_cast<std::size_t>(type)]; }
+
 // Whether a configuration or a draw state switches the record on, so that a run without any has it off.
 constexpr bool is_switched(RecordType type) {
   return type == RecordType::state || type == RecordType::gradient || type == RecordType::setup_plane ||
          type == RecordType::stencil || type == RecordType::distance || type == RecordType::lod ||
-         type == RecordType::texture_second || type == RecordType::merge_alpha;
+         type == RecordType::texture_second || type == RecordType::merge_alpha || row_of(type).per_channel();
 }
-
-constexpr const StageRow& row_of(RecordType type) { return stage_table[static_cast<std::size_t>(type)]; }
 
 }  // namespace bitspan

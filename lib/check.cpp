@@ -69,8 +69,9 @@ bool check_records(ModelState& model, RecordType type, const std::int64_t* dut, 
         first.field_name = field.name.data();
         first.expected = expected[f];
         first.actual = actual[f];
-        first.expected_value = decode(expected[f], field, model.config);
-        first.actual_value = decode(actual[f], field, model.config);
+        const std::int64_t channel = channel_of(type, expected);
+        first.expected_value = decode(expected[f], field, model.config, channel);
+        first.actual_value = decode(actual[f], field, model.config, channel);
       }
     }
     std::ranges::copy(expected, state.previous.begin());

@@ -38,9 +38,10 @@ bool is_flag(std::string_view name) { return name == "covered" || name == "pass"
 void check_registers(const Config& config, RecordType type, std::span<const std::int64_t> record,
                      std::string_view function) {
   const auto all = fields_of(type);
+  const std::int64_t channel = channel_of(type, record);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Place where{function, type, all[i].name};
-    const std::optional<Format> format = format_of(all[i], config);
+    const std::optional<Format> format = format_of(all[i], config, channel);
     if (!format) {
       if (is_flag(all[i].name)) check_range(record[i], 0, 1, where);
       if (all[i].name == "triangle") check_range(record[i], 0, triangle_limit, where);

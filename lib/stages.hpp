@@ -36,6 +36,10 @@ inline constexpr std::array stage_types = [] {
   types[BS_STAGE_DISTANCE] = distance;
   types[BS_STAGE_SETUP_PLANE] = setup_plane;
   types[BS_STAGE_TEXTURE_SECOND] = texture_second;
+  types[BS_STAGE_SETUP_CHANNEL] = setup_channel;
+  types[BS_STAGE_EDGE_WALK_CHANNEL] = row_channel;
+  types[BS_STAGE_SPAN_SETUP_CHANNEL] = span_channel;
+  types[BS_STAGE_SPAN_CHANNEL] = fragment_channel;
   return types;
 }();
 static_assert(std::ranges::all_of(stage_table,

@@ -13,7 +13,8 @@ namespace {
 constexpr std::size_t resync_window = 4096;
 
 bool is_identity(std::string_view name) {
-  return name == "triangle" || name == "edge" || name == "row" || name == "x" || name == "y";
+  return name == "triangle" || name == "edge" || name == "row" || name == "x" || name == "y" ||
+         name == "channel";
 }
 
 std::vector<int> identity_of(RecordType type) {

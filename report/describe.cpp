@@ -6,17 +6,15 @@
 #include <bit>
 #include <cmath>
 
-#include "config/modes.hpp"
-
 namespace bitspan {
 
-double decode(std::int64_t raw, const Field& field, const Config& config) {
-  const auto format = format_of(field, config);
+double decode(std::int64_t raw, const Field& field, const Config& config, std::int64_t channel) {
+  const auto format = format_of(field, config, channel);
   return format ? std::ldexp(static_cast<double>(raw), -format->fraction()) : static_cast<double>(raw);
 }
 
-std::string hex_of(std::int64_t raw, const Field& field, const Config& config) {
-  const auto format = format_of(field, config);
+std::string hex_of(std::int64_t raw, const Field& field, const Config& config, std::int64_t channel) {
+  const auto format = format_of(field, config, channel);
   const int word = format ? format->word : 64;
   auto bits = static_cast<std::uint64_t>(raw);
   if (word < 64) {
@@ -25,14 +23,11 @@ std::string hex_of(std::int64_t raw, const Field& field, const Config& config) {
   return format ? fmt::format("0x{:0{}x}", bits, (word + 3) / 4) : fmt::format("{:#x}", bits);
 }
 
-std::string_view unit_of(const Field& field, const Config& config) {
-  const bool linear = has_linear_texture(config.perspective);
+std::string_view unit_of(const Field& field, const Config& config, std::int64_t channel) {
+  if (const auto id = register_of(field, config, channel)) return unit_of(*id);
   switch (field.kind) {
-    case FieldKind::integer:
-      return "";
-    case FieldKind::format:
-      return unit_of(field.format);
     case FieldKind::coordinate:
+    case FieldKind::phase:
       return "pixel";
     case FieldKind::depth_code:
       return "depth code";
@@ -40,27 +35,23 @@ std::string_view unit_of(const Field& field, const Config& config) {
     case FieldKind::row_mantissa:
     case FieldKind::pixel_mantissa:
       return "1/operand, times 2^e";
-    case FieldKind::phase:
-      return "pixel";
-    case FieldKind::texture_acc:
-      return unit_of(linear ? FormatId::span_uv_acc : FormatId::span_f);
-    case FieldKind::texture_step:
-      return unit_of(linear ? FormatId::span_uv_step : FormatId::span_f_step);
+    default:  // an integer
+      return "";
   }
-  return "";
 }
 
 std::string describe_record(const RecordCopy& record, const Config& config, int indent) {
   std::string out;
   const auto all = fields_of(record.type);
+  const std::int64_t channel = channel_of(record.type, record.values);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::int64_t raw = record.values[i];
     out += fmt::format("{:{}}{:<12} ", "", indent, all[i].name);
     if (all[i].kind == FieldKind::integer) {
       out += fmt::format("{}\n", raw);
     } else {
-      out += fmt::format("{} = {:.10g} {}\n", hex_of(raw, all[i], config), decode(raw, all[i], config),
-                         unit_of(all[i], config));
+      out += fmt::format("{} = {:.10g} {}\n", hex_of(raw, all[i], config, channel),
+                         decode(raw, all[i], config, channel), unit_of(all[i], config, channel));
     }
   }
   return out;
@@ -97,8 +88,9 @@ std::string value_text(const Divergence& d, std::int64_t raw, const Config& conf
     if (field.kind == FieldKind::integer) {
       return fmt::format("{}", raw);
     }
-    return fmt::format("{} = {:.12g} {}", hex_of(raw, field, config), decode(raw, field, config),
-                       unit_of(field, config));
+    const std::int64_t channel = channel_of(d.type, d.reference_record->values);
+    return fmt::format("{} = {:.12g} {}", hex_of(raw, field, config, channel),
+                       decode(raw, field, config, channel), unit_of(field, config, channel));
   }
   if (d.kind == DivergenceKind::frame && (d.field == "u" || d.field == "v")) {
     return fmt::format("{:.12g} texel", std::bit_cast<double>(raw));
@@ -138,13 +130,14 @@ std::string describe(const Divergence& d, const Config& config, const RunLabel& 
   }
   if (d.kind == DivergenceKind::value) {
     const Field& field = fields_of(d.type)[static_cast<std::size_t>(d.field_number)];
-    const auto format = format_of(field, config);
+    const auto format = format_of(field, config, channel_of(d.type, d.reference_record->values));
     out += format ? fmt::format("  distance       {} ULP (1 ULP = 2^{})\n", distance(d.reference, d.other),
                                 -format->fraction())
                   : fmt::format("  distance       {}\n", distance(d.reference, d.other));
   }
   if (d.reference_record && d.other_record) {
     const auto all = fields_of(d.type);
+    const std::int64_t channel = channel_of(d.type, d.reference_record->values);
     out +=
         fmt::format("  record of {}, both sides ({} | {}):\n", d.stage, d.reference_engine, d.other_engine);
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -153,9 +146,10 @@ std::string describe(const Divergence& d, const Config& config, const RunLabel& 
       const auto text = [&](std::int64_t raw) {
         return all[i].kind == FieldKind::integer
                    ? fmt::format("{}", raw)
-                   : fmt::format("{} ({:.10g})", hex_of(raw, all[i], config), decode(raw, all[i], config));
+                   : fmt::format("{} ({:.10g})", hex_of(raw, all[i], config, channel),
+                                 decode(raw, all[i], config, channel));
       };
-      const std::string_view unit = unit_of(all[i], config);
+      const std::string_view unit = unit_of(all[i], config, channel);
       const bool has_b = d.has_other.empty() || d.has_other[i];
       out += fmt::format("  {} {:<12} {} | {}{}{}\n", a == b ? ' ' : '*', all[i].name, text(a),
                          has_b ? text(b) : "-", unit.empty() ? "" : "  ", unit);

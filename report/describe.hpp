@@ -12,9 +12,9 @@ namespace bitspan {
 
 // Return the value of a raw value, its bits as hexadecimal digits of the format's word, and the field's unit,
 // a literal.
-double decode(std::int64_t raw, const Field& field, const Config& config);
-std::string hex_of(std::int64_t raw, const Field& field, const Config& config);
-std::string_view unit_of(const Field& field, const Config& config);
+double decode(std::int64_t raw, const Field& field, const Config& config, std::int64_t channel = 0);
+std::string hex_of(std::int64_t raw, const Field& field, const Config& config, std::int64_t channel = 0);
+std::string_view unit_of(const Field& field, const Config& config, std::int64_t channel = 0);
 
 // Where a divergence was seen, for its report.
 struct RunLabel {

@@ -48,12 +48,10 @@ SceneTruth make_truth(const Config& config, const Scene& scene) {
 }
 
 // Returns the register that a field's values come from, and none for integers.
-std::optional<model::RegisterId> register_of(const Field& field, const Config& config) {
+std::optional<model::RegisterId> observed_register(const Field& field, const Config& config) {
   using model::RegisterId;
-  const bool linear = has_linear_texture(config.perspective);
+  if (const auto id = register_of(field, config)) return model::id_of(*id);
   switch (field.kind) {
-    case FieldKind::format:
-      return model::id_of(field.format);
     case FieldKind::coordinate:
       return RegisterId::coordinate;
     case FieldKind::depth_code:
@@ -64,15 +62,9 @@ std::optional<model::RegisterId> register_of(const Field& field, const Config& c
       return RegisterId::row_reciprocal;
     case FieldKind::pixel_mantissa:
       return RegisterId::pixel_reciprocal;
-    case FieldKind::texture_acc:
-      return model::id_of(linear ? FormatId::span_uv_acc : FormatId::span_f);
-    case FieldKind::texture_step:
-      return model::id_of(linear ? FormatId::span_uv_step : FormatId::span_f_step);
-    case FieldKind::integer:
-    case FieldKind::phase:
-      break;
+    default:  // an integer, or the phase
+      return std::nullopt;
   }
-  return std::nullopt;
 }
 
 // Counts the values of a trace by octave.
@@ -88,7 +80,7 @@ void note_octaves(const Trace& trace, const Config& config, std::vector<Register
     if (view.records == 0) continue;
     observed.clear();
     for (std::size_t f = 0; f < view.fields.size(); ++f) {
-      if (const auto id = register_of(view.fields[f], config)) {
+      if (const auto id = observed_register(view.fields[f], config)) {
         RegisterUse& use = registers[static_cast<std::size_t>(*id)];
         observed.push_back({f, &use, 64 - use.format.fraction()});
       }

@@ -57,26 +57,30 @@ enum {
 /* The records of the pipeline, in its order. docs/numeric-spec.md defines every field. */
 typedef int32_t bs_stage;
 enum {
-  BS_STAGE_CONSTANTS = 0,       /* one record per scene */
-  BS_STAGE_SETUP = 1,           /* per triangle that has an area */
-  BS_STAGE_SETUP_EDGE = 2,      /* per edge that has a height */
-  BS_STAGE_EDGE_WALK = 3,       /* per row; all modes but const_depth_rows */
-  BS_STAGE_PLANE_WALK = 4,      /* per triangle; const_depth_rows only */
-  BS_STAGE_PLANE_WALK_ROW = 5,  /* per row of constant depth; const_depth_rows only */
-  BS_STAGE_SPAN_SETUP = 6,      /* per row */
-  BS_STAGE_SPAN = 7,            /* per pixel of a row */
-  BS_STAGE_DEPTH = 8,           /* per covered pixel */
-  BS_STAGE_TEXTURE = 9,         /* per pixel that passed the depth test */
-  BS_STAGE_FOG = 10,            /* per pixel that the texture did not kill */
-  BS_STAGE_MERGE = 11,          /* per pixel written */
-  BS_STAGE_STATE = 12,          /* per change of draw state */
-  BS_STAGE_STENCIL = 13,        /* per pixel that comes to the stencil test */
-  BS_STAGE_MERGE_ALPHA = 14,    /* per pixel written whose stored alpha may change */
-  BS_STAGE_SETUP_GRADIENT = 15, /* per triangle that has an area; lod.mode = gradient */
-  BS_STAGE_LOD = 16,            /* per pixel that comes to the texture; texture.mip other than none */
-  BS_STAGE_DISTANCE = 17,       /* the same; lod.mode = zone_d, or fog.mode = distance, log */
-  BS_STAGE_SETUP_PLANE = 18,    /* per triangle that has an area; slope.row = plane */
-  BS_STAGE_TEXTURE_SECOND = 19  /* per pixel that the first texture unit did not kill; texture1 not -1 */
+  BS_STAGE_CONSTANTS = 0,           /* one record per scene */
+  BS_STAGE_SETUP = 1,               /* per triangle that has an area */
+  BS_STAGE_SETUP_EDGE = 2,          /* per edge that has a height */
+  BS_STAGE_EDGE_WALK = 3,           /* per row; all modes but const_depth_rows */
+  BS_STAGE_PLANE_WALK = 4,          /* per triangle; const_depth_rows only */
+  BS_STAGE_PLANE_WALK_ROW = 5,      /* per row of constant depth; const_depth_rows only */
+  BS_STAGE_SPAN_SETUP = 6,          /* per row */
+  BS_STAGE_SPAN = 7,                /* per pixel of a row */
+  BS_STAGE_DEPTH = 8,               /* per covered pixel */
+  BS_STAGE_TEXTURE = 9,             /* per pixel that passed the depth test */
+  BS_STAGE_FOG = 10,                /* per pixel that the texture did not kill */
+  BS_STAGE_MERGE = 11,              /* per pixel written */
+  BS_STAGE_STATE = 12,              /* per change of draw state */
+  BS_STAGE_STENCIL = 13,            /* per pixel that comes to the stencil test */
+  BS_STAGE_MERGE_ALPHA = 14,        /* per pixel written whose stored alpha may change */
+  BS_STAGE_SETUP_GRADIENT = 15,     /* per triangle that has an area; lod.mode = gradient */
+  BS_STAGE_LOD = 16,                /* per pixel that comes to the texture; texture.mip other than none */
+  BS_STAGE_DISTANCE = 17,           /* the same; lod.mode = zone_d, or fog.mode = distance, log */
+  BS_STAGE_SETUP_PLANE = 18,        /* per triangle that has an area; slope.row = plane */
+  BS_STAGE_TEXTURE_SECOND = 19,     /* per pixel that the first texture unit did not kill; texture1 not -1 */
+  BS_STAGE_SETUP_CHANNEL = 20,      /* per triangle that has an area and channel in use */
+  BS_STAGE_EDGE_WALK_CHANNEL = 21,  /* per row and channel; not with slope.row = plane */
+  BS_STAGE_SPAN_SETUP_CHANNEL = 22, /* per row and channel */
+  BS_STAGE_SPAN_CHANNEL = 23        /* per pixel of a row and channel */
 };
 
 /* The planes of a picture: `height` rows of `width` elements, from the top. */

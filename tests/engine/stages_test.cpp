@@ -68,9 +68,9 @@ TEST(Stages, TheTableIsTheOneOfTheSpecification) {
   for (const StageRow& row : stage_table) {
     std::string from;
     for (const RecordType type : row.made_from) from += (from.empty() ? "" : ", ") + code(row_of(type).name);
-    expected.push_back("| " + code(row.name) + " | " + to_string(row.per) + " | " +
-                       (from.empty() ? "the scene" : from) + " | " +
-                       (row.clock ? code(to_string(*row.clock)) : "none") + " |");
+    expected.push_back("| " + code(row.name) + " | " + to_string(row.per) +
+                       (row.per_channel() ? " and channel | " : " | ") + (from.empty() ? "the scene" : from) +
+                       " | " + (row.clock ? code(to_string(*row.clock)) : "none") + " |");
   }
   EXPECT_EQ(rows_of("docs/numeric-spec.md", "stages"), expected);
 }
@@ -167,6 +167,7 @@ TEST(Stages, ARecordIsMadeFromEarlierOnesThatStandForAsMuchOrMore) {
     const bool has_pixel = field_index(row.type, "x") >= 0 && field_index(row.type, "y") >= 0;
     EXPECT_EQ(has_triangle, row.per != Per::scene) << row.name;
     EXPECT_EQ(field_index(row.type, "edge") >= 0, row.per == Per::edge) << row.name;
+    EXPECT_EQ(field_index(row.type, "channel") >= 0, row.per_channel()) << row.name;
     if (row.per == Per::pixel) {
       EXPECT_TRUE(has_pixel) << row.name;
     }

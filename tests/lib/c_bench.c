@@ -18,7 +18,7 @@ _Static_assert(BS_STAGE_SPAN_SETUP == 6 && BS_STAGE_SPAN == 7 && BS_STAGE_DEPTH 
 _Static_assert(BS_STAGE_TEXTURE == 9 && BS_STAGE_FOG == 10 && BS_STAGE_MERGE == 11, "stage");
 _Static_assert(BS_STAGE_STATE == 12 && BS_STAGE_STENCIL == 13 && BS_STAGE_MERGE_ALPHA == 14, "stage");
 _Static_assert(BS_STAGE_SETUP_GRADIENT == 15 && BS_STAGE_LOD == 16 && BS_STAGE_DISTANCE == 17, "stage");
-_Static_assert(BS_STAGE_SETUP_PLANE == 18 && BS_STAGE_TEXTURE_SECOND == 19, "stage");
+_Static_assert(BS_STAGE_TEXTURE_SECOND == 19 && BS_STAGE_SPAN_CHANNEL == 23, "stage");
 _Static_assert(BS_PLANE_COLOR == 0 && BS_PLANE_DEPTH == 1 && BS_PLANE_U == 2 && BS_PLANE_V == 3, "plane");
 _Static_assert(BS_PLANE_TRIANGLE == 4 && BS_PLANE_STENCIL == 5 && BS_PLANE_POSITION == 6, "plane");
 _Static_assert(BS_I64 == 0 && BS_U8 == 1 && BS_U32 == 2 && BS_I32 == 3 && BS_F64 == 4, "element");
@@ -61,7 +61,7 @@ static void check_names(void) {
                                       "lod",        "distance",       "setup.plane", "texture.second"};
   const int32_t count = (int32_t)(sizeof names / sizeof *names);
   for (int32_t i = 0; i < count; ++i) expect(strcmp(bs_stage_name(i), names[i]) == 0, names[i]);
-  expect(count == BS_STAGE_TEXTURE_SECOND + 1 && bs_stage_name(count) == NULL,
+  expect(count == BS_STAGE_SPAN_CHANNEL + 1 && bs_stage_name(count) == NULL,
          "every stage has its name here");
 }
 

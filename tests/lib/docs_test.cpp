@@ -21,10 +21,10 @@ std::string text_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-std::string_view per(const StageRow& row) {
+std::string per(const StageRow& row) {
   constexpr std::array<std::string_view, 6> names{"scene", "change of state", "triangle", "edge", "row",
                                                   "pixel"};
-  return names.at(static_cast<std::size_t>(row.per));
+  return std::string(names.at(static_cast<std::size_t>(row.per))) + (row.per_channel() ? " and channel" : "");
 }
 
 TEST(LibDocs, StagesAreTheLibrarys) {
@@ -33,7 +33,7 @@ TEST(LibDocs, StagesAreTheLibrarys) {
   for (bs_stage stage = 0; bs_stage_name(stage) != nullptr; ++stage) {
     const StageRow& row = row_of(capi::stage_types[static_cast<std::size_t>(stage)]);
     table += "| " + std::to_string(stage) + " | `" + bs_stage_name(stage) + "` | " +
-             std::to_string(fields_of(row.type).size()) + " | " + std::string(per(row)) + " |\n";
+             std::to_string(fields_of(row.type).size()) + " | " + per(row) + " |\n";
   }
   std::string text = text_of(page);
   const std::size_t begin = text.find(head);

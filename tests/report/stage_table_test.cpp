@@ -81,8 +81,9 @@ std::vector<std::string_view> identity(const StageRow& row) {
     case Per::row:
       // Rows of constant depth may run along y.
       if (row.type == RecordType::plane_row) return {"triangle", "row"};
-      return row.type == RecordType::span ? std::vector<std::string_view>{"triangle", "x", "y"}
-                                          : std::vector<std::string_view>{"triangle", "y"};
+      return row.type == RecordType::span || row.type == RecordType::span_channel
+                 ? std::vector<std::string_view>{"triangle", "x", "y"}
+                 : std::vector<std::string_view>{"triangle", "y"};
     case Per::pixel:
       return {"triangle", "x", "y"};
   }
@@ -101,7 +102,9 @@ TEST(StageTable, ThereIsOneRecordPerWhatItSays) {
       std::set<std::vector<std::int64_t>> seen;
       for (std::size_t i = 0; i < view.records; ++i) {
         std::vector<std::int64_t> key;
-        for (const std::string_view field : identity(row)) {
+        std::vector<std::string_view> fields = identity(row);
+        if (row.per_channel()) fields.emplace_back("channel");
+        for (const std::string_view field : fields) {
           const int at = field_index(row.type, field);
           ASSERT_GE(at, 0) << row.name << " has no " << field;
           key.push_back(view.record(i)[static_cast<std::size_t>(at)]);

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// The table of lines: every value that setup interpolates over a triangle, with its registers at the
+// vertices, along an edge and along a row. docs/numeric-spec.md says how each is formed.
+//
+// The first seven are fields of the records of their stages. The others are channels: they have records of
+// their own, and only where they are in use.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "config/config.hpp"
+#include "config/modes.hpp"
+
+namespace bitspan {
+
+enum class LineId : std::uint8_t { h, fu, fv, r, g, b, a, fog, count };
+inline constexpr int line_count = static_cast<int>(LineId::count);
+// The lines that every triangle has, and those beside them.
+inline constexpr int fixed_lines = static_cast<int>(LineId::fog);
+inline constexpr int channel_limit = line_count - fixed_lines;
+
+// How a line goes on, along an edge or along a row.
+struct LineWalk {
+  FormatId step, acc;  // the slope; the register that adds it up
+  FormatId kept;       // what the stage behind takes of acc
+  // Added where acc starts; null: nothing is. Half an ulp of it is one of half_ulp_of; none: of the depth
+  // code.
+  StartOffset StartOffsets::*offset = nullptr;
+  std::optional<FormatId> half_ulp_of = std::nullopt;
+  std::optional<FormatId> difference = std::nullopt;  // a register between two ends and their slope
+};
+
+struct Line {
+  LineId id;
+  std::string_view name;
+  FormatId vertex;
+  LineWalk edge;
+  FormatId gradient;  // of the triangle's plane
+  LineWalk row;
+  // A homogeneous line is formed as w (h + B) at a vertex, in the register `product`, and the consumer
+  // divides it by this line's value, which is h + B for h. None: the line is linear.
+  std::optional<LineId> divisor = std::nullopt;
+  std::optional<FormatId> product = std::nullopt;
+
+  constexpr bool is_homogeneous() const { return divisor.has_value(); }
+};
+
+constexpr Line line_of(LineId id, Perspective perspective) {
+  using F = FormatId;
+  using S = StartOffsets;
+  const auto shade = [&](std::string_view name) {
+    return Line{.id = id,
+                .name = name,
+                .vertex = F::setup_shade,
+                .edge = {F::edge_shade_step, F::edge_shade_acc, F::edge_shade, &S::edge_shade, F::edge_shade},
+                .gradient = F::plane_shade_grad,
+                .row = {F::span_shade_step, F::span_shade_acc, F::span_shade, &S::span_shade, F::span_shade}};
+  };
+  // u and v: by their numerators u (h + B), or by themselves.
+  const auto texture = [&](std::string_view name) {
+    Line line{.id = id,
+              .name = name,
+              .vertex = F::setup_uv,
+              .edge = {F::edge_f_step, F::edge_f, F::edge_uv, &S::edge_f, F::edge_f, F::edge_f_diff},
+              .gradient = F::plane_g_grad,
+              .row = {F::span_f_step, F::span_f, F::span_uv, &S::span_f, F::span_f, F::span_f_diff},
+              .product = F::plane_g};
+    if (!has_linear_edges(perspective)) line.divisor = LineId::h;
+    if (has_linear_texture(perspective)) {
+      line.row = {F::span_uv_step, F::span_uv_acc, F::span_uv, &S::span_f, F::span_uv};
+    }
+    return line;
+  };
+  // A channel that is linear. The register behind its accumulator rounds by itself.
+  const auto channel = [&](std::string_view name, F vertex, F step, F acc, F gradient, F consumer) {
+    return Line{.id = id,
+                .name = name,
+                .vertex = vertex,
+                .edge = {step, acc, acc},
+                .gradient = gradient,
+                .row = {step, acc, consumer}};
+  };
+  switch (id) {
+    case LineId::h:
+      return {.id = id,
+              .name = "h",
+              .vertex = F::setup_h,
+              .edge = {F::edge_h_step, F::edge_h_acc, F::edge_h, &S::edge_h, F::edge_h},
+              .gradient = F::plane_h_grad,
+              .row = {F::span_h_step, F::span_h, F::span_h, &S::span_h}};
+    case LineId::fu:
+      return texture("fu");
+    case LineId::fv:
+      return texture("fv");
+    case LineId::r:
+      return shade("r");
+    case LineId::g:
+      return shade("g");
+    case LineId::b:
+      return shade("b");
+    case LineId::a:
+      return shade("a");
+    case LineId::fog:
+      return channel("fog", F::fog_vertex, F::fog_step, F::fog_acc, F::fog_grad, F::fog_factor);
+    case LineId::count:
+      break;
+  }
+  unreachable();
+}
+
+// The line of a channel by its number in the records.
+constexpr LineId channel_line(std::int64_t channel) { return static_cast<LineId>(fixed_lines + channel); }
+// Whether the configuration has the channel, in a scene that asks for it.
+constexpr bool has_channel(const Config& /*config*/, LineId line) {
+  switch (line) {
+    case LineId::h:
+    case LineId::fu:
+    case LineId::fv:
+    case LineId::r:
+    case LineId::g:
+    case LineId::b:
+    case LineId::a:
+    case LineId::count:
+      return false;
+    case LineId::fog:
+      return false;
+  }
+  unreachable();
+}
+
+// The numbers of the channels that a configuration has, in their order.
+class ChannelList {
+ public:
+  constexpr explicit ChannelList(const Config& config) {
+    for (int c = 0; c < channel_limit; ++c) {
+      if (has_channel(config, channel_line(c))) channels_[static_cast<std::size_t>(size_++)] = c;
+    }
+  }
+  constexpr const int* begin() const { return channels_.data(); }
+  constexpr const int* end() const { return channels_.data() + size_; }
+  constexpr std::size_t size() const { return size_; }
+
+ private:
+  std::array<int, channel_limit> channels_{};
+  std::size_t size_ = 0;
+};
+
+}  // namespace bitspan
