@@ -33,10 +33,8 @@ double distance(const ClipVertex& p, const ClipVolume& volume, ClipBit plane) {
 ClipVertex cut(const ClipVertex& inner, const ClipVertex& outer, const ClipVolume& volume, ClipBit plane) {
   const double inside = distance(inner, volume, plane);
   const double t = inside / (inside - distance(outer, volume, plane));
-  const auto mix = [t](double a, double b) { return a + (b - a) * t; };
-  ClipVertex p{mix(inner.x, outer.x), mix(inner.y, outer.y), mix(inner.s, outer.s),
-               mix(inner.u, outer.u), mix(inner.v, outer.v), {}};
-  for (std::size_t i = 0; i < 4; ++i) p.c[i] = mix(inner.c[i], outer.c[i]);
+  ClipVertex p{mix(inner.x, outer.x, t), mix(inner.y, outer.y, t), mix(inner.s, outer.s, t),
+               mix(inner, outer, t)};
   // Onto the plane exactly, so that rounding leaves no vertex beyond it.
   switch (plane) {
     case clip_left:

@@ -29,7 +29,7 @@ enum ClipBit : std::uint8_t {
 std::uint8_t outcode(const ClipVertex& vertex, const ClipVolume& volume);
 
 // Replaces the polygon by its part inside the planes named in `planes` (Sutherland-Hodgman); it may become
-// empty. New vertices interpolate u, v and colour linearly in space. An edge is cut at the same point, bit
+// empty. New vertices interpolate attributes linearly in space. An edge is cut at the same point, bit
 // for bit, from whichever side it is walked, so that neighbours stay neighbours.
 void clip_polygon(std::vector<ClipVertex>& polygon, const ClipVolume& volume, std::uint8_t planes);
 

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "scene/attributes.hpp"
+
 namespace bitspan {
 
 struct Vec3 {
@@ -21,12 +23,11 @@ inline Vec3 cross(const Vec3& a, const Vec3& b) {
 }
 inline double length(const Vec3& a) { return std::hypot(a.x, a.y, a.z); }
 
-// A corner of a face: position in world space, u, v in texels (v downward), colour and alpha in 0..1.
-struct Corner {
+struct WorldPoint {
   Vec3 position;
-  double u = 0, v = 0;
-  std::array<double, 4> c{1, 1, 1, 1};
 };
+// A corner of a face.
+struct Corner : WorldPoint, Attributes {};
 
 // Corners run counter-clockwise seen from outside.
 struct Face {

@@ -125,8 +125,7 @@ Surface read_surface(const aiMaterial& material, TextureSet& textures) {
 
 bool finite(const Corner& corner) {
   return std::isfinite(corner.position.x) && std::isfinite(corner.position.y) &&
-         std::isfinite(corner.position.z) && std::isfinite(corner.u) && std::isfinite(corner.v) &&
-         std::all_of(corner.c.begin(), corner.c.end(), [](double c) { return std::isfinite(c); });
+         std::isfinite(corner.position.z) && is_finite(corner);
 }
 
 void append_faces(const aiMesh& part, const Surface& surface, const std::string& path, Mesh& mesh) {
@@ -151,8 +150,7 @@ void append_faces(const aiMesh& part, const Surface& surface, const std::string&
                        one_line(part.mName.C_Str()) +
                        "\" is not finite; expected finite positions, texture coordinates and colours");
     }
-    for (double& c : corner.c) c = std::clamp(c, 0.0, 1.0);
-    return corner;
+    return Corner{{corner.position}, clamped(corner)};
   };
   for (const aiFace& face : std::span(part.mFaces, part.mNumFaces)) {
     if (face.mNumIndices != 3) continue;

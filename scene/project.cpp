@@ -20,13 +20,8 @@ bool faces_viewer(const Face& face, const Viewpoint& view) {
 }
 
 Vertex to_screen(const ClipVertex& p, const Viewpoint& view) {
-  return {view.width / 2.0 * (1 + p.x / p.s),
-          view.height / 2.0 * (1 + p.y / p.s),
-          std::clamp(p.s, view.s_min, view.s_max),
-          p.u,
-          p.v,
-          {std::clamp(p.c[0], 0.0, 1.0), std::clamp(p.c[1], 0.0, 1.0), std::clamp(p.c[2], 0.0, 1.0),
-           std::clamp(p.c[3], 0.0, 1.0)}};
+  return {view.width / 2.0 * (1 + p.x / p.s), view.height / 2.0 * (1 + p.y / p.s),
+          std::clamp(p.s, view.s_min, view.s_max), clamped(p)};
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/attributes.hpp"
 #include "scene/draw_state.hpp"
 #include "scene/texel_format.hpp"
 #include "scene/view.hpp"
@@ -27,12 +28,11 @@ struct Texture {
   std::vector<std::int16_t> table{};  // the palette, or what YIQ codes stand for; empty for the others
 };
 
-// x, y in pixels (origin top left, pixel centres at .5); s distance along the view axis; u, v in texels
-// (texel centres at .5, v downward); c red, green, blue, alpha in 0..1.
-struct Vertex {
-  double x = 0, y = 0, s = 1, u = 0, v = 0;
-  std::array<double, 4> c{1, 1, 1, 1};
+// x, y in pixels (origin top left, pixel centres at .5); s distance along the view axis.
+struct ScreenPoint {
+  double x = 0, y = 0, s = 1;
 };
+struct Vertex : ScreenPoint, Attributes {};
 
 struct Triangle {
   std::array<Vertex, 3> v;

@@ -19,12 +19,12 @@ struct Viewpoint {
 // InputError where the two coincide or `up` lies along the line of sight.
 void look_at(Viewpoint& view, const Vec3& position, const Vec3& target, const Vec3& up);
 
-// A corner in the normalised volume: the visible part of space is -s <= x <= s, -s <= y <= s, s_min <= s <=
-// s_max, whatever the picture's shape; y points down.
-struct ClipVertex {
-  double x = 0, y = 0, s = 0, u = 0, v = 0;
-  std::array<double, 4> c{1, 1, 1, 1};
+// In the normalised volume the visible part of space is -s <= x <= s, -s <= y <= s, s_min <= s <= s_max,
+// whatever the picture's shape; y points down.
+struct ClipPoint {
+  double x = 0, y = 0, s = 0;
 };
+struct ClipVertex : ClipPoint, Attributes {};
 
 ClipVertex to_normalised(const Corner& corner, const Viewpoint& view);
 

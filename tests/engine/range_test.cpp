@@ -155,7 +155,7 @@ TEST(Range, CoordinatesNameTheBitsTheyNeed) {
       const auto with = [&](double value) {
         Scene scene;
         scene.triangles.resize(1);
-        scene.triangles[0].v = {Vertex{1, 1, 2}, Vertex{90, 5, 2}, Vertex{5, 80, 2}};
+        scene.triangles[0].v = {Vertex{{1, 1, 2}, {}}, Vertex{{90, 5, 2}, {}}, Vertex{{5, 80, 2}, {}}};
         (vertical ? scene.triangles[0].v[1].y : scene.triangles[0].v[1].x) = value;
         Config wide = c;
         for (Format& f : wide.formats) f.overflow_expected = true;
@@ -335,7 +335,7 @@ TEST(Range, DegenerateAndInvisibleTrianglesAskForNothingTheyDoNotUse) {
   scene.triangles[0].v[2].y = 9;
   EXPECT_TRUE(names(refusal(c, scene), F::setup_uv));
   c.format(F::span_shade) = {4, -2, false};
-  scene.triangles[0].v = {Vertex{-30, 1, 2}, Vertex{-20, 2, 2}, Vertex{-25, 30, 2}};
+  scene.triangles[0].v = {Vertex{{-30, 1, 2}, {}}, Vertex{{-20, 2, 2}, {}}, Vertex{{-25, 30, 2}, {}}};
   EXPECT_EQ(refusal(c, scene), "") << "left of the picture: no span";
   scene.triangles[0].v[0].x = 30;
   EXPECT_TRUE(names(refusal(c, scene), F::span_shade));

@@ -75,9 +75,9 @@ TEST(Ideal, DepthCodeAtItsEnds) {
   const Config c = shipped_config("depth16");
   const Scene scene = test_scene();
   Triangle in;
-  in.v[0] = {.x = 1, .y = 1, .s = scene.s_min};
-  in.v[1] = {.x = 30, .y = 2, .s = scene.s_max};
-  in.v[2] = {.x = 3, .y = 40, .s = scene.s_min};
+  in.v[0] = {{1, 1, scene.s_min}, {}};
+  in.v[1] = {{30, 2, scene.s_max}, {}};
+  in.v[2] = {{3, 40, scene.s_min}, {}};
   const auto t = ideal_triangle(c, in);
   ASSERT_TRUE(t);
   EXPECT_NEAR(ideal_at_vertex(c, scene, *t, 0).h, 65535, 1e-9);
@@ -126,9 +126,9 @@ int covered_pixels(const Config& c, const Triangle& in, std::int64_t size) {
 
 Triangle corners(double x0, double y0, double x1, double y1, double x2, double y2) {
   Triangle t;
-  t.v[0] = {.x = x0, .y = y0};
-  t.v[1] = {.x = x1, .y = y1};
-  t.v[2] = {.x = x2, .y = y2};
+  t.v[0] = {{x0, y0}, {}};
+  t.v[1] = {{x1, y1}, {}};
+  t.v[2] = {{x2, y2}, {}};
   return t;
 }
 

@@ -201,9 +201,9 @@ TEST(Precision, ExtremeInputs) {
   Scene scene = test_scene();
   const Constants k = make_constants(c, scene);
   Triangle t;
-  t.v[0] = {.x = 0, .y = 0, .s = 2, .u = -1e-310, .v = 5e-324};
-  t.v[1] = {.x = 1e308, .y = 0, .s = 2, .u = 1e308, .v = -1e308};
-  t.v[2] = {.x = 0, .y = 9, .s = 2, .u = -1e-10, .v = -5e-324};
+  t.v[0] = {{0, 0, 2}, {-1e-310, 5e-324}};
+  t.v[1] = {{1e308, 0, 2}, {1e308, -1e308}};
+  t.v[2] = {{0, 9, 2}, {-1e-10, -5e-324}};
   for (const Width width : {Width::f64, Width::x87, Width::quad}) {
     const auto r = make_setup({width, false}, c, k)(t, 0);
     ASSERT_TRUE(r);

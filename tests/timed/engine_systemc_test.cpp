@@ -147,9 +147,9 @@ TEST(EngineSystemc, FragmentsOfOnePixelWaitForEachOther) {
   for (int i = 0; i < 40; ++i) {
     const double s = 50.0 - i + (i * 7 % 5);  // mostly nearer than the last, not always
     Triangle t;
-    t.v[0] = {.x = 1.25, .y = 1.25, .s = s, .u = 0, .v = 0, .c = {1, 0.5, i / 40.0, 0.5}};
-    t.v[1] = {.x = 2.25, .y = 1.25, .s = s, .u = 0, .v = 0, .c = {1, 0.5, i / 40.0, 0.5}};
-    t.v[2] = {.x = 1.25, .y = 2.25, .s = s, .u = 0, .v = 0, .c = {1, 0.5, i / 40.0, 0.5}};
+    t.v[0] = {{1.25, 1.25, s}, {0, 0, {1, 0.5, i / 40.0, 0.5}}};
+    t.v[1] = {{2.25, 1.25, s}, {0, 0, {1, 0.5, i / 40.0, 0.5}}};
+    t.v[2] = {{1.25, 2.25, s}, {0, 0, {1, 0.5, i / 40.0, 0.5}}};
     scene.triangles.push_back(t);
   }
   Config config = shipped_config("depth16");
@@ -283,9 +283,9 @@ TEST(EngineSystemc, StencilTestsOfOnePixelWaitForEachOther) {
     const auto cycles = [&](bool test, std::size_t triangles) {
       Scene scene = square_half(with_stencil(test));
       Triangle& t = scene.triangles[0];
-      t.v[0] = {.x = 1.25, .y = 1.25, .s = 50};
-      t.v[1] = {.x = 2.25, .y = 1.25, .s = 50};
-      t.v[2] = {.x = 1.25, .y = 2.25, .s = 50};
+      t.v[0] = {{1.25, 1.25, 50}, {}};
+      t.v[1] = {{2.25, 1.25, 50}, {}};
+      t.v[2] = {{1.25, 2.25, 50}, {}};
       for (Vertex& v : t.v) v.c = {1, 1, 1, 1};
       scene.triangles.resize(triangles, Triangle(t));
       return report_of(config, scene, mode).cycles;

@@ -305,9 +305,9 @@ TEST(SpanMode, EqualsCycleModeOnOnePixel) {
     const double s = 50.0 - i / 2.0 + (i * 7 % 5);  // mostly nearer than the last
     const double alpha = i % 3 == 0 ? 1 : i % 3 == 1 ? 0.5 : 0;
     Triangle t;
-    t.v[0] = {.x = 1.25, .y = 1.25, .s = s, .u = 0, .v = 0, .c = {1, 0.5, i / 60.0, alpha}};
-    t.v[1] = {.x = 2.25, .y = 1.25, .s = s, .u = 0, .v = 0, .c = {1, 0.5, i / 60.0, alpha}};
-    t.v[2] = {.x = 1.25, .y = 2.25, .s = s, .u = 0, .v = 0, .c = {1, 0.5, i / 60.0, alpha}};
+    t.v[0] = {{1.25, 1.25, s}, {0, 0, {1, 0.5, i / 60.0, alpha}}};
+    t.v[1] = {{2.25, 1.25, s}, {0, 0, {1, 0.5, i / 60.0, alpha}}};
+    t.v[2] = {{1.25, 2.25, s}, {0, 0, {1, 0.5, i / 60.0, alpha}}};
     scene.triangles.push_back(t);
   }
   Totals totals;

@@ -19,9 +19,9 @@ inline Scene square_half(const std::vector<std::pair<std::string, std::int64_t>>
   scene.s_min = 1;
   scene.s_max = 100;
   Triangle t;
-  t.v[0] = {.x = 0, .y = 0, .s = 2};
-  t.v[1] = {.x = 4.25, .y = 0, .s = 2};
-  t.v[2] = {.x = 0, .y = 4.25, .s = 2};
+  t.v[0] = {{0, 0, 2}, {}};
+  t.v[1] = {{4.25, 0, 2}, {}};
+  t.v[2] = {{0, 4.25, 2}, {}};
   for (Vertex& v : t.v) v.c = {1, 1, 1, alpha};
   scene.triangles.push_back(t);
   StateChange change;
