@@ -73,6 +73,8 @@ Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness, bool m
   Scene scene = random_scene(derived_seed(seed, index, 3 + static_cast<std::uint64_t>(gentleness)), options);
   Random formats(derived_seed(seed, index, 100));
   draw_texel_formats(formats, scene, 0.3);
+  Random given(derived_seed(seed, index, 101));
+  draw_given_attributes(given, scene, 0.3);
   scene.name = fmt::format("fuzz seed {} case {}", seed, index);
   return scene;
 }

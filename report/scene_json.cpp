@@ -71,6 +71,10 @@ Json triangle_json(const Triangle& triangle) {
   Json out;
   out["v"] = std::move(v);
   out["c"] = std::move(c);
+  for (const GivenAttribute& given : given_attributes) {
+    if (!given.is_given(triangle.v)) continue;
+    for (const Vertex& vertex : triangle.v) out["given"][given.key].push_back(vertex.*given.member);
+  }
   if (triangle.texture >= 0) {
     out["tex"] = triangle.texture;
   }
@@ -83,6 +87,11 @@ Triangle triangle_of(const Json& json) {
   const auto c = json.at("c").get<std::array<std::array<double, 4>, 3>>();
   for (std::size_t i = 0; i < 3; ++i) {
     triangle.v[i] = {v[i][0], v[i][1], v[i][2], v[i][3], v[i][4], c[i]};
+  }
+  for (const GivenAttribute& given : given_attributes) {
+    if (!json.contains("given") || !json["given"].contains(given.key)) continue;
+    const auto values = json["given"][given.key].get<std::array<double, 3>>();
+    for (std::size_t i = 0; i < 3; ++i) triangle.v[i].*given.member = values[i];
   }
   triangle.texture = json.value("tex", -1);
   return triangle;

@@ -6,27 +6,58 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <string_view>
 
 namespace bitspan {
 
-// u, v in texels (texel centres at .5, v downward); c red, green, blue, alpha in 0..1.
-struct Attributes {
-  double u = 0, v = 0;
-  std::array<double, 4> c{1, 1, 1, 1};
-};
-
-enum class AttributeRange {
+enum class AttributeRange : std::uint8_t {
   any,   // every finite number
   unit,  // 0..1
 };
 
-// The list of the attributes: calls f(range, number of each of `of`...) once per number that a vertex
-// carries.
+// X(name, range, value where it is not given): what a triangle may give per vertex besides u, v and c. In a
+// stream `name` is a key of the triangle, with one number per vertex.
+#define BITSPAN_GIVEN_ATTRIBUTES(X) \
+  X(fog, unit, -1) /* share of the object's own colour [F4]; else it follows from the distance */
+
+// u, v in texels (texel centres at .5, v downward); c red, green, blue, alpha in 0..1; and what may be given.
+struct Attributes {
+  double u = 0, v = 0;
+  std::array<double, 4> c{1, 1, 1, 1};
+#define BITSPAN_ATTRIBUTE(name, range, not_given) double name = not_given;
+  BITSPAN_GIVEN_ATTRIBUTES(BITSPAN_ATTRIBUTE)
+#undef BITSPAN_ATTRIBUTE
+};
+
+struct GivenAttribute {
+  std::string_view key;
+  AttributeRange range;
+  double not_given;
+  double Attributes::*member;
+
+  bool is_legal(double value) const {
+    return range == AttributeRange::any ? std::isfinite(value) : value >= 0 && value <= 1;
+  }
+  // Of a triangle.
+  bool is_given(const auto& vertices) const {
+    return std::ranges::any_of(vertices, [&](const auto& v) { return v.*member != not_given; });
+  }
+};
+inline constexpr auto given_attributes = std::to_array<GivenAttribute>({
+#define BITSPAN_ATTRIBUTE(name, range, not_given) \
+  {#name, AttributeRange::range, not_given, &Attributes::name},
+    BITSPAN_GIVEN_ATTRIBUTES(BITSPAN_ATTRIBUTE)
+#undef BITSPAN_ATTRIBUTE
+});
+
+// The list of all: calls f(range, number of each of `of`...) once per number that a vertex carries.
 template <class F, class... Of>
 constexpr void for_each_attribute(F f, Of&... of) {
   f(AttributeRange::any, of.u...);
   f(AttributeRange::any, of.v...);
   for (std::size_t i = 0; i < 4; ++i) f(AttributeRange::unit, of.c[i]...);
+  for (const GivenAttribute& given : given_attributes) f(given.range, of.*given.member...);
 }
 
 static_assert(
@@ -48,14 +79,15 @@ constexpr Attributes mix(const Attributes& a, const Attributes& b, double t) {
   return out;
 }
 
-// Returns the attributes within their ranges.
+// Returns the attributes within their ranges; what is not given stays so.
 constexpr Attributes clamped(const Attributes& a) {
+  const Attributes none;
   Attributes out = a;
   for_each_attribute(
-      [](AttributeRange range, double& value) {
-        if (range == AttributeRange::unit) value = std::clamp(value, 0.0, 1.0);
+      [](AttributeRange range, double& value, double not_given) {
+        if (range == AttributeRange::unit && value != not_given) value = std::clamp(value, 0.0, 1.0);
       },
-      out);
+      out, none);
   return out;
 }
 

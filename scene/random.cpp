@@ -269,6 +269,18 @@ Scene random_scene(std::uint64_t seed, const RandomOptions& options) {
   return scene;
 }
 
+void draw_given_attributes(Random& random, Scene& scene, double probability) {
+  for (Triangle& triangle : scene.triangles) {
+    for (const GivenAttribute& given : given_attributes) {
+      if (!random.chance(probability)) continue;
+      for (Vertex& v : triangle.v) {
+        const double value = random.uniform(-0.25, 1.25);  // so that the ends of 0..1 come often
+        v.*given.member = given.range == AttributeRange::unit ? std::clamp(value, 0.0, 1.0) : value;
+      }
+    }
+  }
+}
+
 void draw_texel_formats(Random& random, Scene& scene, double probability) {
   for (Texture& texture : scene.textures) {
     if (!random.chance(probability)) continue;

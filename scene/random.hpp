@@ -54,4 +54,7 @@ Scene random_scene(std::uint64_t seed, const RandomOptions& options = {});
 // any bits with a random table, or a procedural texture.
 void draw_texel_formats(Random& random, Scene& scene, double probability);
 
+// Lets triangles of a scene give each of given_attributes with that probability.
+void draw_given_attributes(Random& random, Scene& scene, double probability);
+
 }  // namespace bitspan

@@ -462,6 +462,17 @@ void check_vertex(const Vertex& vertex, std::size_t i, const View& view, const P
   }
 }
 
+void check_given(const Triangle& triangle, const Place& place) {
+  for (const GivenAttribute& given : given_attributes) {
+    for (std::size_t i = 0; i < 3 && given.is_given(triangle.v); ++i) {
+      const double value = triangle.v[i].*given.member;
+      if (given.is_legal(value)) continue;
+      place.fail(fmt::format("{}[{}]: {} is out of range; expected {}", given.key, i, shortest(value),
+                             given.range == AttributeRange::unit ? "0..1" : "a finite number"));
+    }
+  }
+}
+
 void check_shape(const Triangle& triangle, const Place& place) {
   if (orientation(triangle) == 0) {
     place.fail("v: the triangle has no area; expected three positions that are not on one line");
@@ -469,11 +480,15 @@ void check_shape(const Triangle& triangle, const Place& place) {
 }
 
 Triangle read_triangle(const Json& line, const Scene& scene, const View& view,
-                       std::span<const HeaderTexture> textures, int frame, int color_max,
+                       std::span<const HeaderTexture> textures, int frame, int color_max, int version,
                        const Place& place) {
   if (!line.is_object())
     place.fail(shown(line) + " is not an object; expected {\"v\": [...], \"c\": [...], \"tex\": 0}");
-  check_keys(line, {"v", "c", "tex"}, place, "");
+  std::vector<std::string_view> keys{"v", "c", "tex"};
+  for (const GivenAttribute& given : given_attributes) {
+    if (version >= 2) keys.push_back(given.key);
+  }
+  check_keys(line, keys, place, "");
   Triangle triangle;
   const Json& v = required(line, "v", place, "three vertices [x, y, s, u, v]");
   array(
@@ -507,6 +522,17 @@ Triangle read_triangle(const Json& line, const Scene& scene, const View& view,
     normalize(components, color_max, place, [] { return "c"; });
     for (std::size_t i = 0; i < 12; ++i) triangle.v[i / 4].c[i % 4] = components[i];
   }
+  for (const GivenAttribute& given : given_attributes) {
+    const auto values = line.find(given.key);
+    if (values == line.end()) continue;
+    array(
+        *values, 3, place, [&] { return given.key; }, "a number per vertex");
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto key = [&] { return fmt::format("{}[{}]", given.key, i); };
+      triangle.v[i].*given.member = number((*values)[i], place, key);
+    }
+  }
+  check_given(triangle, place);
   if (const auto tex = line.find("tex"); tex != line.end()) {
     if (scene.textures.empty()) place.fail("tex: the header names no textures; expected no \"tex\"");
     const int index = integer(*tex, 0, static_cast<int>(textures.size()) - 1, place, "tex");
@@ -727,6 +753,10 @@ std::array<double, 3> fractions(const std::array<std::uint8_t, 3>& codes) {
   return {codes[0] / 255.0, codes[1] / 255.0, codes[2] / 255.0};
 }
 
+bool gives_more(const Triangle& triangle) {
+  return std::ranges::any_of(given_attributes, [&](const auto& given) { return given.is_given(triangle.v); });
+}
+
 bool is_formatted(const Texture& texture) { return texture.format != TexelFormat::rgba8888; }
 
 // Lists of `length` integers each, or one list where length is 0.
@@ -769,7 +799,8 @@ Json texture_entry(const Texture& texture, const std::string& name) {
 }
 
 std::string header_text(const Scene& scene, std::span<const std::string> names) {
-  const bool second = !scene.commands.empty() || std::ranges::any_of(scene.textures, is_formatted);
+  const bool second = !scene.commands.empty() || std::ranges::any_of(scene.textures, is_formatted) ||
+                      std::ranges::any_of(scene.triangles, gives_more);
   const int version = second ? 2 : 1;
   std::string out = fmt::format("{{\"bitspan\":{},\"width\":{},\"height\":{},\"s_min\":", version,
                                 scene.width, scene.height);
@@ -818,6 +849,12 @@ void append_triangle(std::string& out, const Triangle& triangle) {
       separator = ',';
     }
     out += ']';
+  }
+  for (const GivenAttribute& given : given_attributes) {
+    if (!given.is_given(triangle.v)) continue;
+    out += fmt::format(",\"{}\":", given.key);
+    const auto& v = triangle.v;
+    append_array(out, std::array{v[0].*given.member, v[1].*given.member, v[2].*given.member});
   }
   if (triangle.texture >= 0) out += fmt::format(",\"tex\":{}", triangle.texture);
   out += "}\n";
@@ -1053,7 +1090,8 @@ bool TriReader::next(Triangle& triangle) {
       s.add_command(json);
       continue;
     }
-    triangle = read_triangle(json, s.scene, s.views.now(), s.textures, s.frame, s.color_max, s.place);
+    triangle =
+        read_triangle(json, s.scene, s.views.now(), s.textures, s.frame, s.color_max, s.version, s.place);
     ++s.triangles;
     return true;
   }
@@ -1127,6 +1165,7 @@ void check_scene(const Scene& scene, const std::string& origin) {
           place.fail(fmt::format("c[{}]: component {} is out of range; expected 0..1", i, shortest(c)));
       }
     }
+    check_given(triangle, place);
     check_shape(triangle, place);
     if (triangle.texture < -1 || triangle.texture >= static_cast<int>(scene.textures.size())) {
       place.fail(fmt::format("tex: {} is out of range; expected an index below {}", triangle.texture,

@@ -129,6 +129,9 @@ std::string scene_hash(const Scene& scene) {
     for (const Vertex& v : triangle.v) {
       for (const double value : {v.x, v.y, v.s, v.u, v.v}) h.number(value);
       for (const double value : v.c) h.number(value);
+      for (const GivenAttribute& given : given_attributes) {
+        if (given.is_given(triangle.v)) h.number(v.*given.member);
+      }
     }
   }
   for (const DrawCommand& command : scene.commands) {

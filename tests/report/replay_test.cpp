@@ -26,6 +26,8 @@ Replay sample() {
   for (std::uint64_t seed = 0; r.scene.textures.empty(); ++seed) {
     r.scene = random_scene(seed, options);
   }
+  Random given(3);
+  draw_given_attributes(given, r.scene, 0.5);
   return r;
 }
 
@@ -43,7 +45,8 @@ TEST(Replay, ComesBackBitForBit) {
     for (std::size_t v = 0; v < 3; ++v) {
       const Vertex& x = a.scene.triangles[i].v[v];
       const Vertex& y = b.scene.triangles[i].v[v];
-      EXPECT_TRUE(x.x == y.x && x.y == y.y && x.s == y.s && x.u == y.u && x.v == y.v && x.c == y.c);
+      EXPECT_TRUE(x.x == y.x && x.y == y.y && x.s == y.s && x.u == y.u && x.v == y.v && x.c == y.c &&
+                  x.fog == y.fog);
     }
   }
   ASSERT_EQ(b.scene.textures.size(), a.scene.textures.size());

@@ -23,6 +23,7 @@ ClipVertex random_vertex(Random& random) {
   p.u = 3 * p.x - p.y + 0.5 * p.s + 7;
   p.v = p.y - 2 * p.s;
   p.c = {p.x / 400 + 0.5, p.y / 400 + 0.5, p.s / 400 + 0.5, 1};
+  p.fog = p.y / 500 + 0.5;
   return p;
 }
 
@@ -80,6 +81,7 @@ TEST(Clip, ResultLiesInsideAndKeepsLinearAttributes) {
       ASSERT_NEAR(p.v, p.y - 2 * p.s, 1e-9);
       ASSERT_NEAR(p.c[0], p.x / 400 + 0.5, 1e-12);
       ASSERT_EQ(p.c[3], 1);
+      ASSERT_NEAR(p.fog, p.y / 500 + 0.5, 1e-12);
     }
     ASSERT_LE(polygon.size(), 9U);
   }
@@ -172,6 +174,25 @@ TEST(Project, PositionsAndDepth) {
   EXPECT_DOUBLE_EQ(t[0].v[1].u, 3);
   EXPECT_DOUBLE_EQ(t[0].v[2].y, 50 - 7.5) << "+y is up";
   EXPECT_DOUBLE_EQ(t[0].v[2].s, 20);
+}
+
+TEST(Project, TheFogsFactorIsLinearInSpace) {
+  Face face{{corner(0, 0, -1), corner(1, 0, -3), corner(0, 1, -3)}, -1, false};
+  face.corner[0].fog = 0;
+  face.corner[1].fog = face.corner[2].fog = 1;
+  ProjectReport report;
+  const auto t = projected({face}, {}, report);  // s_min is 2: half way
+  ASSERT_EQ(t.size(), 2U);
+  int cut = 0;
+  for (const Triangle& triangle : t) {
+    for (const Vertex& v : triangle.v) {
+      EXPECT_EQ(v.fog, v.s == 2 ? 0.5 : 1);
+      cut += v.s == 2;
+    }
+  }
+  EXPECT_EQ(cut, 3);
+  for (Corner& c : face.corner) c.fog = -1;
+  for (const Vertex& v : projected({face}, {}, report)[0].v) EXPECT_EQ(v.fog, -1) << "not given";
 }
 
 TEST(Project, CullsBackFacesOnly) {

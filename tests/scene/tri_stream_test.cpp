@@ -5,6 +5,7 @@
 
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "io/png.hpp"
@@ -66,6 +67,7 @@ void expect_same(const Scene& a, const Scene& b) {
                   same_bits(p.v, q.v))
           << "triangle " << i << " vertex " << k;
       for (std::size_t c = 0; c < 4; ++c) ASSERT_TRUE(same_bits(p.c[c], q.c[c])) << "triangle " << i;
+      ASSERT_TRUE(same_bits(p.fog, q.fog)) << "triangle " << i;
     }
   }
 }
@@ -117,6 +119,31 @@ TEST(TriStream, ColoursWithoutScaleSpeakForThemselves) {
   const auto x =
       colored(replaced(header, "}", ", \"color_max\": 255}"), "[[1, 0, 0, 1], [0, 1, 0, 1], [0, 0, 1, 1]]");
   EXPECT_EQ(x[0].c[3], 1 / 255.0);
+}
+
+TEST(TriStream, TrianglesGiveTheFogsFactor) {
+  const std::string second = replaced(header, "\"bitspan\": 1", "\"bitspan\": 2");
+  const auto line = [](const std::string& fog) { return replaced(triangle, "}", ", \"fog\": " + fog + "}"); };
+  const Scene scene = parse_tri(second + line("[0, 0.25, 1]") + triangle, "x.tri");
+  EXPECT_EQ(scene.triangles[0].v[0].fog, 0);
+  EXPECT_EQ(scene.triangles[0].v[1].fog, 0.25);
+  EXPECT_EQ(scene.triangles[0].v[2].fog, 1);
+  EXPECT_EQ(scene.triangles[1].v[0].fog, -1);
+  std::ostringstream out;
+  write_tri(out, scene);
+  EXPECT_NE(out.str().find("\"bitspan\":2"), std::string::npos);
+  expect_same(scene, parse_tri(out.str(), "x.tri"));
+  EXPECT_NE(parse_error(second + line("[0, 1]")).find("x.tri:2: fog: "), std::string::npos);
+  EXPECT_NE(
+      parse_error(second + line("[0, 1.5, 1]")).find("x.tri:2: fog[1]: 1.5 is out of range; expected 0..1"),
+      std::string::npos);
+  EXPECT_NE(parse_error(header + line("[0, 0, 1]")).find("unknown key; expected v, c, tex"),
+            std::string::npos);
+  Scene bad = scene;
+  for (const double value : {-1.0, 1.5, std::numeric_limits<double>::quiet_NaN()}) {
+    bad.triangles[0].v[2].fog = value;
+    EXPECT_NE(input_error([&] { check_scene(bad, "x"); }).find("x:2: fog[2]: "), std::string::npos);
+  }
 }
 
 struct Refusal {
