@@ -19,10 +19,8 @@ struct Edge {
   std::int64_t number = 0;
   VertexValues<Real> from;
   Real dx = 0, dy = 0;
-  Real x_step = 0, h_step = 0, fu_step = 0, fv_step = 0;
-  Shades<Real> step{};
-  Real x_acc = 0, h_acc = 0, fu = 0, fv = 0;
-  Shades<Real> acc{};
+  Real x_step = 0, x_acc = 0;
+  std::array<Real, line_count> step{}, acc{};
 };
 
 template <class Real>
@@ -35,33 +33,27 @@ class EdgeWalker {
         q_x_step_(config.format(FormatId::edge_x_step)),
         q_x_acc_(config.format(FormatId::edge_x_acc)),
         q_x_(config.format(FormatId::edge_x)),
-        q_h_step_(config.format(FormatId::edge_h_step)),
-        q_h_acc_(config.format(FormatId::edge_h_acc)),
-        q_h_(config.format(FormatId::edge_h)),
-        q_f_step_(config.format(FormatId::edge_f_step)),
-        q_f_(config.format(FormatId::edge_f)),
-        q_uv_(config.format(FormatId::edge_uv)),
-        q_shade_step_(config.format(FormatId::edge_shade_step)),
-        q_shade_acc_(config.format(FormatId::edge_shade_acc)),
-        q_shade_(config.format(FormatId::edge_shade)),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         pixel_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::edge_h)),
         edge_x_(edge_x_of(config)),
-        linear_(has_linear_edges(config.perspective)),
+        divides_(!has_linear_edges(config.perspective)),
         by_plane_(has_setup_plane(config)),
-        fill_rule_(config.fill_rule) {
-    const StartOffsets& offset = config.start_offset;
-    const auto f = [&](FormatId id) { return config.format(id); };
-    start_x_ = Start(offset.edge_x, f(FormatId::edge_x));
-    start_h_ = Start(offset.edge_h, f(FormatId::edge_h));
-    start_f_ = Start(offset.edge_f, f(FormatId::edge_f));
-    start_shade_ = Start(offset.edge_shade, f(FormatId::edge_shade));
+        fill_rule_(config.fill_rule),
+        start_x_(start_offset<Real>(config.start_offset.edge_x, config.format(FormatId::edge_x))) {
+    for (const Line& line : lines_of(config)) {
+      EdgeLine& of = lines_.emplace_back();
+      of.id = line.id;
+      of.divides = line.is_homogeneous();
+      of.q_step = Quantizer<Real>(config.format(line.edge.step));
+      of.q_acc = Quantizer<Real>(config.format(line.edge.acc));
+      of.q_kept = Quantizer<Real>(config.format(line.edge.kept));
+      of.start = Start(start_offset<Real>(config, line.edge));
+    }
   }
 
   void operator()(const SetupRecord& triangle, std::span<const EdgeRecord> records,
                   std::vector<RowRecord>& rows) const {
-    const std::array<VertexValues<Real>, 3> v{vertex_.load(triangle, 0), vertex_.load(triangle, 1),
-                                              vertex_.load(triangle, 2)};
+    const std::array<VertexValues<Real>, 3> v = vertex_.load(triangle);
     const std::int64_t first = first_row(v[0].y);
     const Whole<Real> end = whole_of(v[2].y);
     const std::int64_t last = std::min<std::int64_t>(height_ - 1, to_integer(last_before(end)));
@@ -94,6 +86,13 @@ class EdgeWalker {
  private:
   using Start = PreStep<Real>;
 
+  struct EdgeLine {
+    LineId id{};
+    bool divides = false;  // w = from.w + acc / (h + B); else acc is w itself
+    Quantizer<Real> q_step, q_acc, q_kept;
+    Start start;
+  };
+
   // The first row, not above the picture, whose centre is at or below y.
   static std::int64_t first_row(Real y) {
     return std::max<std::int64_t>(0, to_integer(ceil_less_half(whole_of(y))));
@@ -118,10 +117,10 @@ class EdgeWalker {
     out.dx = to.x - from.x;
     out.dy = to.y - from.y;
     out.x_step = q_x_step_.value(record.x_step);
-    out.h_step = q_h_step_.value(record.h_step);
-    out.fu_step = q_f_step_.value(record.fu_step);
-    out.fv_step = q_f_step_.value(record.fv_step);
-    out.step = load_shades(q_shade_step_, record.r_step, record.g_step, record.b_step, record.a_step);
+    for (const EdgeLine& line : lines_) {
+      const std::size_t i = index_of(line.id);
+      out.step[i] = line.q_step.value(record.*edge_fields[i].step);
+    }
     return out;
   }
 
@@ -129,11 +128,9 @@ class EdgeWalker {
     const Real t = below(edge, y);
     if (has_x_step(edge_x_)) edge.x_acc = start_x_(q_x_acc_, edge.from.x, edge.x_step, t);
     if (by_plane_) return;
-    edge.h_acc = start_h_(q_h_acc_, edge.from.h, edge.h_step, t);
-    edge.fu = start_f_(q_f_, linear_ ? edge.from.u : Real(0), edge.fu_step, t);
-    edge.fv = start_f_(q_f_, linear_ ? edge.from.v : Real(0), edge.fv_step, t);
-    for (std::size_t i = 0; i < channels; ++i) {
-      edge.acc[i] = start_shade_(q_shade_acc_, edge.from.c[i], edge.step[i], t);
+    for (const EdgeLine& line : lines_) {
+      const std::size_t i = index_of(line.id);
+      edge.acc[i] = line.start(line.q_acc, line.divides ? Real(0) : edge.from.line[i], edge.step[i], t);
     }
   }
 
@@ -149,10 +146,10 @@ class EdgeWalker {
         break;
     }
     if (by_plane_) return;
-    edge.h_acc = q_h_acc_.sum(edge.h_acc, edge.h_step);
-    edge.fu = q_f_.sum(edge.fu, edge.fu_step);
-    edge.fv = q_f_.sum(edge.fv, edge.fv_step);
-    for (std::size_t i = 0; i < channels; ++i) edge.acc[i] = q_shade_acc_.sum(edge.acc[i], edge.step[i]);
+    for (const EdgeLine& line : lines_) {
+      const std::size_t i = index_of(line.id);
+      edge.acc[i] = line.q_acc.sum(edge.acc[i], edge.step[i]);
+    }
   }
 
   // X dy of an exact edge: X is this over dy.
@@ -164,24 +161,20 @@ class EdgeWalker {
   }
 
   struct EndValues {
-    Real x = 0, h = 0, u = 0, v = 0;
+    Real x = 0;
     Inverse<Real> inverse;
-    Shades<Real> c{};
+    std::array<Real, line_count> line{};
   };
   EndValues end_values(const Edge<Real>& edge, std::int64_t y) const {
     EndValues out;
     out.x = has_x_step(edge_x_) ? q_x_(edge.x_acc) : q_x_.quotient(exact_numerator(edge, y), edge.dy);
     if (by_plane_) return out;
-    out.h = q_h_(edge.h_acc);
-    if (linear_) {
-      out.u = q_uv_(edge.fu);
-      out.v = q_uv_(edge.fv);
-    } else {
-      out.inverse = pixel_(out.h + b_);
-      out.u = q_uv_.sum(out.inverse.times(edge.fu), edge.from.u);
-      out.v = q_uv_.sum(out.inverse.times(edge.fv), edge.from.v);
+    for (const EdgeLine& line : lines_) {
+      const std::size_t i = index_of(line.id);
+      out.line[i] = line.divides ? line.q_kept.sum(out.inverse.times(edge.acc[i]), edge.from.line[i])
+                                 : line.q_kept(edge.acc[i]);
+      if (line.id == LineId::h && divides_) out.inverse = pixel_(out.line[i] + b_);
     }
-    for (std::size_t i = 0; i < channels; ++i) out.c[i] = q_shade_(edge.acc[i]);
     return out;
   }
 
@@ -202,43 +195,35 @@ class EdgeWalker {
     out.l_edge = left.number;
     out.l_x_acc = q_x_acc_.raw(left.x_acc);
     out.l_x = q_x_.raw(l.x);
-    out.l_h_acc = q_h_acc_.raw(left.h_acc);
-    out.l_h = q_h_.raw(l.h);
-    out.l_fu = q_f_.raw(left.fu);
-    out.l_fv = q_f_.raw(left.fv);
     out.l_recip_m = pixel_.raw(l.inverse.m);
     out.l_recip_e = l.inverse.e;
-    out.l_u = q_uv_.raw(l.u);
-    out.l_v = q_uv_.raw(l.v);
-    store_shades(q_shade_acc_, left.acc, out.l_r_acc, out.l_g_acc, out.l_b_acc, out.l_a_acc);
-    store_shades(q_shade_, l.c, out.l_r, out.l_g, out.l_b, out.l_a);
     out.r_edge = right.number;
     out.r_x_acc = q_x_acc_.raw(right.x_acc);
     out.r_x = q_x_.raw(r.x);
-    out.r_h_acc = q_h_acc_.raw(right.h_acc);
-    out.r_h = q_h_.raw(r.h);
-    out.r_fu = q_f_.raw(right.fu);
-    out.r_fv = q_f_.raw(right.fv);
     out.r_recip_m = pixel_.raw(r.inverse.m);
     out.r_recip_e = r.inverse.e;
-    out.r_u = q_uv_.raw(r.u);
-    out.r_v = q_uv_.raw(r.v);
-    store_shades(q_shade_acc_, right.acc, out.r_r_acc, out.r_g_acc, out.r_b_acc, out.r_a_acc);
-    store_shades(q_shade_, r.c, out.r_r, out.r_g, out.r_b, out.r_a);
+    for (const EdgeLine& line : lines_) {
+      const std::size_t i = index_of(line.id);
+      const RowFields& field = row_fields[i];
+      out.*field.l_acc = line.q_acc.raw(left.acc[i]);
+      out.*field.l = line.q_kept.raw(l.line[i]);
+      out.*field.r_acc = line.q_acc.raw(right.acc[i]);
+      out.*field.r = line.q_kept.raw(r.line[i]);
+    }
     rows.push_back(out);
   }
 
   std::int64_t width_, height_;
   VertexFormats<Real> vertex_;
-  Quantizer<Real> q_x_step_, q_x_acc_, q_x_, q_h_step_, q_h_acc_, q_h_, q_f_step_, q_f_, q_uv_, q_shade_step_,
-      q_shade_acc_, q_shade_;
+  Quantizer<Real> q_x_step_, q_x_acc_, q_x_;
   Real b_;
   ReciprocalUnit<Real> pixel_;
   EdgeX edge_x_;
-  bool linear_;    // edges carry u and v themselves
+  bool divides_;   // a row's end takes R_pixel for u and v
   bool by_plane_;  // edges carry nothing but x
   FillRule fill_rule_;
-  Start start_x_, start_h_, start_f_, start_shade_;
+  Start start_x_;
+  std::vector<EdgeLine> lines_;  // h first
 };
 
 }  // namespace

@@ -40,17 +40,19 @@ struct PlaneShape {
   }
 };
 
-// The numerators gu = Q[plane.g](u (h + B)) of the vertices, and gv; b: B.
+// Returns what a line is at the vertices.
 template <class Real>
-struct Numerators {
-  std::array<Real, 3> gu, gv;
+std::array<Real, 3> at_vertices(const std::array<VertexValues<Real>, 3>& v, LineId id) {
+  return {v[0][id], v[1][id], v[2][id]};
+}
 
-  Numerators(const std::array<VertexValues<Real>, 3>& v, Real b, const Quantizer<Real>& q) {
-    for (std::size_t i = 0; i < v.size(); ++i) {
-      gu[i] = q.product(v[i].u, v[i].h + b);
-      gv[i] = q.product(v[i].v, v[i].h + b);
-    }
-  }
-};
+// The same as numerators, Q(w (h + B)); b: B.
+template <class Real>
+std::array<Real, 3> numerators_at(const std::array<VertexValues<Real>, 3>& v, LineId id, Real b,
+                                  const Quantizer<Real>& q) {
+  std::array<Real, 3> out;
+  for (std::size_t i = 0; i < v.size(); ++i) out[i] = q.product(v[i][id], v[i][LineId::h] + b);
+  return out;
+}
 
 }  // namespace bitspan::golden

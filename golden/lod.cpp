@@ -26,21 +26,21 @@ class GradientForming {
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)) {}
 
   GradientRecord operator()(const SetupRecord& triangle) const {
-    std::array<VertexValues<Real>, 3> v;
-    for (std::size_t i = 0; i < v.size(); ++i) v[i] = vertex_.load(triangle, static_cast<int>(i));
+    const std::array<VertexValues<Real>, 3> v = vertex_.load(triangle);
     const PlaneShape<Real> shape(v);
-    const Numerators<Real> g(v, b_, q_g_);
-    const Gradient<Real> h = shape.gradient({v[0].h, v[1].h, v[2].h}, q_h_grad_);
-    const Gradient<Real> gu = shape.gradient(g.gu, q_g_grad_);
-    const Gradient<Real> gv = shape.gradient(g.gv, q_g_grad_);
+    const auto gu_at = numerators_at(v, LineId::fu, b_, q_g_);
+    const auto gv_at = numerators_at(v, LineId::fv, b_, q_g_);
+    const Gradient<Real> h = shape.gradient(at_vertices(v, LineId::h), q_h_grad_);
+    const Gradient<Real> gu = shape.gradient(gu_at, q_g_grad_);
+    const Gradient<Real> gv = shape.gradient(gv_at, q_g_grad_);
     GradientRecord out;
     out.triangle = triangle.triangle;
-    out.gu0 = q_g_.raw(g.gu[0]);
-    out.gv0 = q_g_.raw(g.gv[0]);
-    out.gu1 = q_g_.raw(g.gu[1]);
-    out.gv1 = q_g_.raw(g.gv[1]);
-    out.gu2 = q_g_.raw(g.gu[2]);
-    out.gv2 = q_g_.raw(g.gv[2]);
+    out.gu0 = q_g_.raw(gu_at[0]);
+    out.gv0 = q_g_.raw(gv_at[0]);
+    out.gu1 = q_g_.raw(gu_at[1]);
+    out.gv1 = q_g_.raw(gv_at[1]);
+    out.gu2 = q_g_.raw(gu_at[2]);
+    out.gv2 = q_g_.raw(gv_at[2]);
     out.h_x = q_h_grad_.raw(h.x);
     out.h_y = q_h_grad_.raw(h.y);
     out.gu_x = q_g_grad_.raw(gu.x);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <vector>
 
 #include "config/modes.hpp"
 #include "golden/gradient.hpp"
@@ -37,21 +38,23 @@ class PlaneWalker {
         height_(height),
         vertex_(config),
         q_g_(config.format(FormatId::plane_g)),
-        q_h_grad_(config.format(FormatId::plane_h_grad)),
-        q_g_grad_(config.format(FormatId::plane_g_grad)),
-        q_shade_grad_(config.format(FormatId::plane_shade_grad)),
         q_k_(config.format(FormatId::plane_k)),
-        q_h_(config.format(FormatId::span_h)),
-        q_f_(config.format(FormatId::span_f)),
-        q_f_step_(config.format(FormatId::span_f_step)),
-        q_shade_acc_(config.format(FormatId::span_shade_acc)),
-        q_shade_step_(config.format(FormatId::span_shade_step)),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         phase_scale_(pow2<Real>(config.format(FormatId::plane_k).fraction())),
-        offset_shade_(
-            start_offset<Real>(config.start_offset.span_shade, config.format(FormatId::span_shade))),
-        inclusive_(owns_every_edge(config.fill_rule)),
-        ideal_line_(is_on_ideal_line(config.numerator)) {}
+        inclusive_(owns_every_edge(config.fill_rule)) {
+    // u and v go along a row as the numerators do in a mode that divides per pixel; span_setup divides.
+    const bool ideal_line = is_on_ideal_line(config.numerator);
+    for (const Line& line : lines_of(config)) {
+      PlaneLine& of = lines_.emplace_back();
+      of.id = line.id;
+      of.product = line.is_homogeneous();
+      of.on_ideal_line = line.id == LineId::h || (of.product && ideal_line);
+      of.q_gradient = Quantizer<Real>(config.format(line.gradient));
+      of.q_start = Quantizer<Real>(config.format(of.product ? FormatId::span_f : line.row.acc));
+      of.q_step = Quantizer<Real>(config.format(of.product ? FormatId::span_f_step : line.row.step));
+      if (!of.on_ideal_line && !of.product) of.offset = start_offset<Real>(config, line.row);
+    }
+  }
 
   void operator()(const SetupRecord& triangle, PlaneRows& out) const {
     out.rows.clear();
@@ -62,13 +65,20 @@ class PlaneWalker {
   }
 
  private:
+  struct PlaneLine {
+    LineId id{};
+    bool product = false;        // Q[plane.g](w (h + B)) in place of w
+    bool on_ideal_line = false;  // a row's values belong to it, else to the pixels' centres
+    Quantizer<Real> q_gradient, q_start, q_step;
+    Real offset = 0;
+  };
+
   struct Plane {
     std::int64_t triangle = 0;
     std::array<VertexValues<Real>, 3> v;
     Real area = 0;
-    std::array<Real, 3> gu, gv;
-    Gradient<Real> h, gu_xy, gv_xy;
-    std::array<Gradient<Real>, channels> c;
+    std::array<std::array<Real, 3>, line_count> at{};  // the vertices
+    std::array<Gradient<Real>, line_count> rise{};
     Real k = 0;
     bool major_is_y = false;
     std::int64_t major_first = 0;
@@ -86,21 +96,18 @@ class PlaneWalker {
   Plane make_plane(const SetupRecord& triangle) const {
     Plane p;
     p.triangle = triangle.triangle;
-    for (int i = 0; i < 3; ++i) p.v[static_cast<std::size_t>(i)] = vertex_.load(triangle, i);
+    p.v = vertex_.load(triangle);
     const auto& v = p.v;
     const PlaneShape<Real> shape(v);
     p.area = shape.area;
-    const Numerators<Real> numerators(v, b_, q_g_);
-    p.gu = numerators.gu;
-    p.gv = numerators.gv;
-    p.h = shape.gradient({v[0].h, v[1].h, v[2].h}, q_h_grad_);
-    p.gu_xy = shape.gradient(p.gu, q_g_grad_);
-    p.gv_xy = shape.gradient(p.gv, q_g_grad_);
-    for (std::size_t i = 0; i < channels; ++i) {
-      p.c[i] = shape.gradient({v[0].c[i], v[1].c[i], v[2].c[i]}, q_shade_grad_);
+    for (const PlaneLine& line : lines_) {
+      std::array<Real, 3>& at = p.at[index_of(line.id)];
+      at = line.product ? numerators_at(v, line.id, b_, q_g_) : at_vertices(v, line.id);
+      p.rise[index_of(line.id)] = shape.gradient(at, line.q_gradient);
     }
-    const PairOf<Real> h_nx = shape.nx(v[0].h, v[1].h, v[2].h);
-    const PairOf<Real> h_ny = shape.ny(v[0].h, v[1].h, v[2].h);
+    const auto& h = p.at[index_of(LineId::h)];
+    const PairOf<Real> h_nx = shape.nx(h[0], h[1], h[2]);
+    const PairOf<Real> h_ny = shape.ny(h[0], h[1], h[2]);
     p.major_is_y = is_longer(h_nx, h_ny);
     if (p.major_is_y) {
       p.k = q_k_.quotient(-h_ny, h_nx);
@@ -117,20 +124,13 @@ class PlaneWalker {
     out.triangle = p.triangle;
     out.major = p.major_is_y ? 1 : 0;
     out.major_first = p.major_first;
-    out.gu0 = q_g_.raw(p.gu[0]);
-    out.gv0 = q_g_.raw(p.gv[0]);
-    out.gu1 = q_g_.raw(p.gu[1]);
-    out.gv1 = q_g_.raw(p.gv[1]);
-    out.gu2 = q_g_.raw(p.gu[2]);
-    out.gv2 = q_g_.raw(p.gv[2]);
-    out.h_x = q_h_grad_.raw(p.h.x);
-    out.h_y = q_h_grad_.raw(p.h.y);
-    out.gu_x = q_g_grad_.raw(p.gu_xy.x);
-    out.gu_y = q_g_grad_.raw(p.gu_xy.y);
-    out.gv_x = q_g_grad_.raw(p.gv_xy.x);
-    out.gv_y = q_g_grad_.raw(p.gv_xy.y);
-    store_shades(q_shade_grad_, {p.c[0].x, p.c[1].x, p.c[2].x, p.c[3].x}, out.r_x, out.g_x, out.b_x, out.a_x);
-    store_shades(q_shade_grad_, {p.c[0].y, p.c[1].y, p.c[2].y, p.c[3].y}, out.r_y, out.g_y, out.b_y, out.a_y);
+    for (const PlaneLine& line : lines_) {
+      const std::size_t i = index_of(line.id);
+      const PlaneFields<PlaneRecord>& field = plane_fields[i];
+      for (std::size_t k = 0; k < 3 && line.product; ++k) out.*field.at_vertex[k] = q_g_.raw(p.at[i][k]);
+      out.*field.x = line.q_gradient.raw(p.rise[i].x);
+      out.*field.y = line.q_gradient.raw(p.rise[i].y);
+    }
     out.k = q_k_.raw(p.k);
     return out;
   }
@@ -241,47 +241,33 @@ class PlaneWalker {
     const Real from_minor = Real(n) + Real(0.5) - p.minor_of(p.v[0]);
     out.phase = to_integer(phase * phase_scale_);
 
-    const Slopes<Real> h = p.along(p.h);
-    out.h = q_h_.raw(q_h_.sum(exact_product(h.major, from_major), exact_product(h.minor, from_minor),
-                              exact_product(h.minor, above), p.v[0].h));
-    const auto numerator = [&](Real g0, const Slopes<Real>& g, std::int64_t& start, std::int64_t& step0,
-                               std::int64_t& step1) {
-      if (ideal_line_) {
-        start = q_f_.raw(q_f_.sum(exact_product(g.major, from_major), exact_product(g.minor, from_minor),
-                                  exact_product(g.minor, above), g0));
-        step0 = step1 = q_f_step_.raw(q_f_step_.sum(exact_product(p.k, g.minor), g.major));
+    for (const PlaneLine& line : lines_) {
+      const std::size_t i = index_of(line.id);
+      const PlaneRowFields& field = plane_row_fields[i];
+      const Slopes<Real> w = p.along(p.rise[i]);
+      const auto major = exact_product(w.major, from_major);
+      const auto minor = exact_product(w.minor, from_minor);
+      out.*field.start = line.q_start.raw(
+          line.on_ideal_line ? line.q_start.sum(major, minor, exact_product(w.minor, above), p.at[i][0])
+                             : line.q_start.sum(major, minor, p.at[i][0], line.offset));
+      if (field.step0 == nullptr) continue;
+      if (line.on_ideal_line) {
+        out.*field.step0 = line.q_step.raw(line.q_step.sum(exact_product(p.k, w.minor), w.major));
+        out.*field.step1 = out.*field.step0;
       } else {
-        start =
-            q_f_.raw(q_f_.sum(exact_product(g.major, from_major), exact_product(g.minor, from_minor), g0));
-        step0 = q_f_step_.raw(q_f_step_(g.major));
-        step1 = q_f_step_.raw(q_f_step_.sum(g.major, p.k < 0 ? -g.minor : g.minor));
+        out.*field.step0 = line.q_step.raw(line.q_step(w.major));
+        out.*field.step1 = line.q_step.raw(line.q_step.sum(w.major, p.k < 0 ? -w.minor : w.minor));
       }
-    };
-    numerator(p.gu[0], p.along(p.gu_xy), out.gu, out.gu_step0, out.gu_step1);
-    numerator(p.gv[0], p.along(p.gv_xy), out.gv, out.gv_step0, out.gv_step1);
-
-    Shades<Real> start;
-    Shades<Real> step0;
-    Shades<Real> step1;
-    for (std::size_t i = 0; i < channels; ++i) {
-      const Slopes<Real> c = p.along(p.c[i]);
-      start[i] = q_shade_acc_.sum(exact_product(c.major, from_major), exact_product(c.minor, from_minor),
-                                  p.v[0].c[i], offset_shade_);
-      step0[i] = q_shade_step_(c.major);
-      step1[i] = q_shade_step_.sum(c.major, p.k < 0 ? -c.minor : c.minor);
     }
-    store_shades(q_shade_acc_, start, out.r, out.g, out.b, out.a);
-    store_shades(q_shade_step_, step0, out.r_step0, out.g_step0, out.b_step0, out.a_step0);
-    store_shades(q_shade_step_, step1, out.r_step1, out.g_step1, out.b_step1, out.a_step1);
     return out;
   }
 
   std::int64_t width_, height_;
   VertexFormats<Real> vertex_;
-  Quantizer<Real> q_g_, q_h_grad_, q_g_grad_, q_shade_grad_, q_k_, q_h_, q_f_, q_f_step_, q_shade_acc_,
-      q_shade_step_;
-  Real b_, phase_scale_, offset_shade_;
-  bool inclusive_, ideal_line_;
+  Quantizer<Real> q_g_, q_k_;
+  Real b_, phase_scale_;
+  bool inclusive_;
+  std::vector<PlaneLine> lines_;
 };
 
 }  // namespace

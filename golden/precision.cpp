@@ -249,6 +249,16 @@ class Chooser {
  private:
   const Format& f(FormatId id) const { return c_.format(id); }
   static std::string name(FormatId id) { return std::string(key_of(id)); }
+  // What the lines of a triangle need: v needs what u does, and the shades what red does.
+  std::vector<Line> lines() const {
+    std::vector<Line> out;
+    for (const LineId id : {LineId::h, LineId::fu, LineId::r}) out.push_back(line_of(id, c_.perspective));
+    return out;
+  }
+  // The line as it stands in an expression; w: fu or u.
+  static std::string name(const Line& line, const std::string& w) {
+    return line.product ? w : std::string(line.name);
+  }
   Range reg(StageNeeds& s, FormatId id) const { return s.reg(name(id), f(id)); }
   Range depth_sum(StageNeeds& s, Range h) const { return s.exact("h + B", sum(h, b_)); }
   Range exact_area(StageNeeds& s) const { return s.exact("area", {-2 * k_, 2 * c_.coordinate_bits + 1}); }
@@ -265,8 +275,6 @@ class Chooser {
     return n;
   }
   bool by_plane() const { return has_setup_plane(c_); }
-  bool linear_edges() const { return has_linear_edges(c_.perspective); }
-  bool linear_uv() const { return has_linear_texture(c_.perspective); }
 
   static Term offset(const StartOffset& o, const Format& kept) {
     const auto value = start_offset<double>(o, kept);
@@ -282,6 +290,24 @@ class Chooser {
     return term({lo, hi});
   }
 
+  Term offset(const LineWalk& walk) const {
+    if (walk.offset == nullptr) return term({0, 0});
+    return offset(c_.start_offset.*walk.offset, kept_of(walk));
+  }
+  Format kept_of(const LineWalk& walk) const {
+    return walk.half_ulp_of ? f(*walk.half_ulp_of) : c_.depth_format();
+  }
+  // The start of a line on its walk from a value in `from`.
+  void pre_step(StageNeeds& s, const std::string& expression, FormatId from, Range distance,
+                const LineWalk& walk) {
+    if (walk.offset == nullptr) {
+      s.q_far(expression, term(range_of(f(walk.step)), distance), {term(range_of(f(from)))}, f(walk.acc),
+              FarBound(f(walk.acc), {f(from)}));
+      return;
+    }
+    pre_step(s, expression, range_of(f(from)), range_of(f(walk.step)), distance, c_.start_offset.*walk.offset,
+             kept_of(walk), f(walk.acc), f(from));
+  }
   void pre_step(StageNeeds& s, const std::string& expression, Range from, Range step, Range distance,
                 const StartOffset& o, const Format& kept, const Format& accumulator,
                 const Format& from_format) {
@@ -330,13 +356,6 @@ class Chooser {
   Width edge_setup() {
     StageNeeds s("setup.edge", out_.rows);
     s.reg("coordinate", c_.coordinate_format());
-    const Range h = reg(s, FormatId::setup_h);
-    const Range uv = reg(s, FormatId::setup_uv);
-    const Range shade = reg(s, FormatId::setup_shade);
-    const Range f_diff = reg(s, FormatId::edge_f_diff);
-    reg(s, FormatId::edge_h_step);
-    reg(s, FormatId::edge_f_step);
-    reg(s, FormatId::edge_shade_step);
     const SlopeForm form = c_.edge_slope;
     InverseRange inverse;
     if (shares_reciprocal(form) && (!by_plane() || has_x_step(c_))) {
@@ -347,13 +366,21 @@ class Chooser {
       s.slope("(x2 - x1)", d_xy_, d_xy_, form, inverse, f(FormatId::edge_x_step));
     }
     if (by_plane()) return s.choose();
-    const Range d_uv = s.exact("u2 - u1", sum(uv, uv));
-    const Range scale = linear_edges() ? Range{0, 0} : depth_sum(s, h);
-    s.q_product("(u2 - u1)(h2 + B)", term(d_uv, scale), f(FormatId::edge_f_diff));
-    s.slope("(h2 - h1)", s.exact("h2 - h1", sum(h, h)), d_xy_, form, inverse, f(FormatId::edge_h_step));
-    s.slope("fu_diff", f_diff, d_xy_, form, inverse, f(FormatId::edge_f_step));
-    s.slope("(r2 - r1)", s.exact("r2 - r1", sum(shade, shade)), d_xy_, form, inverse,
-            f(FormatId::edge_shade_step));
+    for (const Line& line : lines()) {
+      const Range vertex = reg(s, line.vertex);
+      const std::string w = name(line, "u");
+      const std::string rise = w + "2 - " + w + "1";
+      const Range difference = s.exact(rise, sum(vertex, vertex));
+      const Format& step = f(line.edge.step);
+      reg(s, line.edge.step);
+      if (!line.edge.difference) {
+        s.slope("(" + rise + ")", difference, d_xy_, form, inverse, step);
+        continue;
+      }
+      const Range scale = line.is_homogeneous() ? depth_sum(s, range_of(f(FormatId::setup_h))) : Range{0, 0};
+      s.q_product("(u2 - u1)(h2 + B)", term(difference, scale), f(*line.edge.difference));
+      s.slope("fu_diff", reg(s, *line.edge.difference), d_xy_, form, inverse, step);
+    }
     return s.choose();
   }
 
@@ -361,32 +388,28 @@ class Chooser {
     StageNeeds s("setup.plane", out_.rows);
     s.reg("coordinate", c_.coordinate_format());
     const Range h = reg(s, FormatId::setup_h);
-    const Range uv = reg(s, FormatId::setup_uv);
-    const Range shade = reg(s, FormatId::setup_shade);
-    const Range g = reg(s, FormatId::plane_g);
-    reg(s, FormatId::plane_h_grad);
-    reg(s, FormatId::plane_g_grad);
-    reg(s, FormatId::plane_shade_grad);
-    if (!linear_edges()) {
-      const Range base = reg(s, FormatId::edge_uv);
-      const Range from = has_pixel_reciprocal(c_.perspective) ? s.exact("u_i - u1", sum(uv, base)) : uv;
-      s.q_product("(u_i - u1)(h_i + B)", term(from, depth_sum(s, h)), f(FormatId::plane_g));
-    }
     const Range area = exact_area(s);
     const SlopeForm form = c_.edge_slope;
     InverseRange inverse;
     if (shares_reciprocal(form)) inverse = s.inverse("R_edge of the area", c_.edge_reciprocal, area);
-    const auto gradient = [&](const std::string& w, Range values, FormatId into) {
+    for (const Line& line : lines()) {
+      Range values = reg(s, line.vertex);
+      if (line.product && line.is_homogeneous()) {
+        const Range base = reg(s, FormatId::edge_uv);
+        const Range from =
+            has_pixel_reciprocal(c_.perspective) ? s.exact("u_i - u1", sum(values, base)) : values;
+        s.q_product("(u_i - u1)(h_i + B)", term(from, depth_sum(s, h)), f(*line.product));
+      }
+      if (line.product) values = reg(s, *line.product);
+      reg(s, line.gradient);
+      const std::string w = name(line, "fu");
       s.exact("difference of " + w, sum(values, values));
       if (shares_reciprocal(form)) {
-        s.slope("nx(" + w + ")", numerator_of(s, w, values), area, form, inverse, f(into));
+        s.slope("nx(" + w + ")", numerator_of(s, w, values), area, form, inverse, f(line.gradient));
       } else {
-        gradient_of(s, w, values, area, into);
+        gradient_of(s, w, values, area, line.gradient);
       }
-    };
-    gradient("h", h, FormatId::plane_h_grad);
-    gradient("fu", g, FormatId::plane_g_grad);
-    gradient("r", shade, FormatId::plane_shade_grad);
+    }
     return s.choose();
   }
 
@@ -394,43 +417,24 @@ class Chooser {
     StageNeeds s("span_setup", out_.rows);
     s.reg("coordinate", c_.coordinate_format());
     reg(s, FormatId::edge_uv);
-    const auto line = [&](const std::string& w, FormatId from, FormatId gradient, FormatId start,
-                          FormatId step, Term by) {
-      const Range g = reg(s, gradient);
-      reg(s, step);
-      reg(s, start);
+    for (const Line& line : lines()) {
+      const Range g = reg(s, line.gradient);
+      reg(s, line.row.step);
+      reg(s, line.row.acc);
+      const std::string w = name(line, "fu");
       s.q_sum(w + "0 + " + w + "_x X + " + w + "_y Y + offset",
-              {term(reg(s, from)), term(g, centre_), term(g, centre_), by}, f(start));
-      s.q_sum(w + "_step", {term(g)}, f(step));
-    };
-    const StartOffsets& o = c_.start_offset;
-    line("h", FormatId::setup_h, FormatId::plane_h_grad, FormatId::span_h, FormatId::span_h_step,
-         offset(o.span_h, c_.depth_format()));
-    const FormatId start = linear_uv() ? FormatId::span_uv_acc : FormatId::span_f;
-    line("fu", FormatId::plane_g, FormatId::plane_g_grad, start,
-         linear_uv() ? FormatId::span_uv_step : FormatId::span_f_step,
-         offset(o.span_f, f(linear_uv() ? FormatId::span_uv : FormatId::span_f)));
-    line("r", FormatId::setup_shade, FormatId::plane_shade_grad, FormatId::span_shade_acc,
-         FormatId::span_shade_step, offset(o.span_shade, f(FormatId::span_shade)));
+              {term(reg(s, line.product.value_or(line.vertex))), term(g, centre_), term(g, centre_),
+               offset(line.row)},
+              f(line.row.acc));
+      s.q_sum(w + "_step", {term(g)}, f(line.row.step));
+    }
     return s.choose();
   }
 
   Width edge_walk() {
     StageNeeds s("edge_walk", out_.rows);
     s.reg("coordinate", c_.coordinate_format());
-    const Range setup_h = reg(s, FormatId::setup_h);
-    const Range setup_uv = reg(s, FormatId::setup_uv);
-    const Range setup_shade = reg(s, FormatId::setup_shade);
-    const Range h_step = reg(s, FormatId::edge_h_step);
-    const Range h_acc = reg(s, FormatId::edge_h_acc);
-    const Range h = reg(s, FormatId::edge_h);
-    const Range f_step = reg(s, FormatId::edge_f_step);
-    const Range fu = reg(s, FormatId::edge_f);
-    const Range shade_step = reg(s, FormatId::edge_shade_step);
-    const Range shade_acc = reg(s, FormatId::edge_shade_acc);
     const Range t = centre_;
-    reg(s, FormatId::edge_uv);
-    reg(s, FormatId::edge_shade);
     reg(s, FormatId::edge_x);
     reg(s, FormatId::edge_x_acc);
     if (!has_x_step(c_)) {
@@ -446,19 +450,20 @@ class Chooser {
       s.q_sum("x_acc + x_step", {term(range_of(acc)), term(x_step)}, acc);
     }
     if (by_plane()) return s.choose();
-    pre_step(s, "h1 + h_step t + offset", setup_h, h_step, t, c_.start_offset.edge_h, f(FormatId::edge_h),
-             f(FormatId::edge_h_acc), f(FormatId::setup_h));
-    s.q_sum("h_acc + h_step", {term(h_acc), term(h_step)}, f(FormatId::edge_h_acc));
-    pre_step(s, linear_edges() ? "u1 + fu_step t + offset" : "fu_step t + offset", setup_uv, f_step, t,
-             c_.start_offset.edge_f, f(FormatId::edge_f), f(FormatId::edge_f), f(FormatId::setup_uv));
-    s.q_sum("fu + fu_step", {term(fu), term(f_step)}, f(FormatId::edge_f));
-    pre_step(s, "r1 + r_step t + offset", setup_shade, shade_step, t, c_.start_offset.edge_shade,
-             f(FormatId::edge_shade), f(FormatId::edge_shade_acc), f(FormatId::setup_shade));
-    s.q_sum("r_acc + r_step", {term(shade_acc), term(shade_step)}, f(FormatId::edge_shade_acc));
-    if (!linear_edges()) {
-      const InverseRange inverse = s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, h));
-      s.q_far("u1 + fu m 2^-e", inverse.times(fu), {term(setup_uv)}, f(FormatId::edge_uv),
-              FarBound(f(FormatId::edge_uv), {f(FormatId::setup_uv)}));
+    for (const Line& line : lines()) {
+      const Range vertex = reg(s, line.vertex);
+      const Range step = reg(s, line.edge.step);
+      const Range acc = reg(s, line.edge.acc);
+      reg(s, line.edge.kept);
+      const std::string w = name(line, "fu");
+      const std::string from = line.is_homogeneous() ? "" : w + "1 + ";
+      pre_step(s, from + w + "_step t + offset", line.vertex, t, line.edge);
+      s.q_sum(w + " + " + w + "_step", {term(acc), term(step)}, f(line.edge.acc));
+      if (!line.is_homogeneous()) continue;
+      const InverseRange inverse =
+          s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, range_of(f(FormatId::edge_h))));
+      s.q_far("u1 + fu m 2^-e", inverse.times(acc), {term(vertex)}, f(line.edge.kept),
+              FarBound(f(line.edge.kept), {f(line.vertex)}));
     }
     return s.choose();
   }
@@ -467,49 +472,41 @@ class Chooser {
     StageNeeds s("plane_walk", out_.rows);
     s.reg("coordinate", c_.coordinate_format());
     const Range h = reg(s, FormatId::setup_h);
-    const Range uv = reg(s, FormatId::setup_uv);
-    const Range shade = reg(s, FormatId::setup_shade);
-    const Range g = reg(s, FormatId::plane_g);
-    const Range h_grad = reg(s, FormatId::plane_h_grad);
-    const Range g_grad = reg(s, FormatId::plane_g_grad);
-    const Range shade_grad = reg(s, FormatId::plane_shade_grad);
     const Range k = at_most(reg(s, FormatId::plane_k), 0);
-    reg(s, FormatId::span_h);
-    reg(s, FormatId::span_f);
-    reg(s, FormatId::span_f_step);
-    reg(s, FormatId::span_shade_acc);
-    reg(s, FormatId::span_shade_step);
-
-    s.q_product("u (h + B)", term(uv, depth_sum(s, h)), f(FormatId::plane_g));
     const Range area = exact_area(s);
-    const Range nx_h = gradient_of(s, "h", h, area, FormatId::plane_h_grad);
-    gradient_of(s, "gu", g, area, FormatId::plane_g_grad);
-    gradient_of(s, "r", shade, area, FormatId::plane_shade_grad);
-    s.q_quotient_of_pairs("nx(h) / ny(h)", nx_h, nx_h, f(FormatId::plane_k).fraction());
-
     const Range crossing =
         s.exact("distance of a centre from an edge", {-k_ - std::max(k_, 1), 2 * c_.coordinate_bits + 1});
     s.floor_of_quotient("crossing of an edge", crossing, d_xy_);
-    const Range line = s.exact("k (m - m0) + 1/2", sum(product(k, {0, c_.coordinate_bits}), {-1, -1}));
-    const Range above = {line.lo, 0};
-    s.q_sum("h0 + h_M (Mc - M0) + h_N (Nl - N0)",
-            {term(h), term(h_grad, centre_), term(h_grad, centre_), term(h_grad, above)},
-            f(FormatId::span_h));
-    if (is_on_ideal_line(c_.numerator)) {
-      s.q_sum("gu0 + gu_M (Mc - M0) + gu_N (Nl - N0)",
-              {term(g), term(g_grad, centre_), term(g_grad, centre_), term(g_grad, above)},
-              f(FormatId::span_f));
-      s.q_sum("gu_M + k gu_N", {term(g_grad), term(k, g_grad)}, f(FormatId::span_f_step));
-    } else {
-      s.q_sum("gu0 + gu_M (Mc - M0) + gu_N (Np - N0)",
-              {term(g), term(g_grad, centre_), term(g_grad, centre_)}, f(FormatId::span_f));
-      s.q_sum("gu_M + sg gu_N", {term(g_grad), term(g_grad)}, f(FormatId::span_f_step));
+    const Range above = {s.exact("k (m - m0) + 1/2", sum(product(k, {0, c_.coordinate_bits}), {-1, -1})).lo,
+                         0};
+    for (const Line& line : lines()) {
+      Range values = reg(s, line.vertex);
+      if (line.is_homogeneous()) {
+        s.q_product("u (h + B)", term(values, depth_sum(s, h)), f(*line.product));
+        values = reg(s, *line.product);
+      }
+      // The numerators of u and v go along a row in the registers of a mode that divides per pixel.
+      const FormatId start = line.is_homogeneous() ? FormatId::span_f : line.row.acc;
+      const FormatId step = line.is_homogeneous() ? FormatId::span_f_step : line.row.step;
+      const std::string w = name(line, "gu");
+      const Range g = reg(s, line.gradient);
+      reg(s, start);
+      const Range n = gradient_of(s, w, values, area, line.gradient);
+      if (line.id == LineId::h) {
+        s.q_quotient_of_pairs("nx(h) / ny(h)", n, n, f(FormatId::plane_k).fraction());
+      }
+      if (line.id == LineId::h || (line.is_homogeneous() && is_on_ideal_line(c_.numerator))) {
+        s.q_sum(w + "0 + " + w + "_M (Mc - M0) + " + w + "_N (Nl - N0)",
+                {term(values), term(g, centre_), term(g, centre_), term(g, above)}, f(start));
+        if (line.id != LineId::h) s.q_sum(w + "_M + k " + w + "_N", {term(g), term(k, g)}, f(step));
+      } else {
+        const Term by = line.is_homogeneous() ? term({0, 0}) : offset(line.row);
+        s.q_sum(w + "0 + " + w + "_M (Mc - M0) + " + w + "_N (Np - N0) + offset",
+                {term(values), term(g, centre_), term(g, centre_), by}, f(start));
+        s.q_sum(w + "_M + sg " + w + "_N", {term(g), term(g)}, f(step));
+      }
+      if (line.id != LineId::h) reg(s, step);
     }
-    s.q_sum("r0 + r_M (Mc - M0) + r_N (Np - N0) + offset",
-            {term(shade), term(shade_grad, centre_), term(shade_grad, centre_),
-             offset(c_.start_offset.span_shade, f(FormatId::span_shade))},
-            f(FormatId::span_shade_acc));
-    s.q_sum("r_M + sg r_N", {term(shade_grad), term(shade_grad)}, f(FormatId::span_shade_step));
     return s.choose();
   }
 
@@ -533,62 +530,44 @@ class Chooser {
     StageNeeds s("span_setup", out_.rows);
     const Range x = reg(s, FormatId::edge_x);
     const Range h = reg(s, FormatId::edge_h);
-    const Range uv = reg(s, FormatId::edge_uv);
-    const Range shade = reg(s, FormatId::edge_shade);
-    const FormatId step_id = linear_edges() ? FormatId::span_uv_step : FormatId::span_f_step;
-    const FormatId start_id = linear_edges() ? FormatId::span_uv_acc : FormatId::span_f;
-    const Range h_step = reg(s, FormatId::span_h_step);
-    const Range uv_step = reg(s, step_id);
-    const Range shade_step = reg(s, FormatId::span_shade_step);
-    reg(s, FormatId::span_h);
-    reg(s, start_id);
-    reg(s, FormatId::span_shade_acc);
-
     const Range length = s.exact("L", sum(x, x));
     const Range pre = s.exact("p", {std::min(x.lo, -1), std::max(xy_.hi, x.hi) + 1});
     const SlopeForm form = form_of(c_.row_slope);
     InverseRange inverse;
     if (shares_reciprocal(form)) inverse = s.inverse("R_row", c_.row_reciprocal, at_most(length, x.hi + 1));
-    s.slope("h_r - h_l", s.exact("h_r - h_l", sum(h, h)), length, form, inverse, f(FormatId::span_h_step));
-    pre_step(s, "h_l + h_step p + offset", h, h_step, pre, c_.start_offset.span_h, c_.depth_format(),
-             f(FormatId::span_h), f(FormatId::edge_h));
-    const Range d_uv = s.exact("u_r - u_l", sum(uv, uv));
-    Range numerator = d_uv;
-    FormatId from = FormatId::edge_uv;
-    if (!linear_edges()) {
-      const Range diff = reg(s, FormatId::span_f_diff);
-      const bool hyperbolic = has_pixel_quotients(c_.perspective);
-      s.q_product(hyperbolic ? "u_r (h_r + B)" : "(u_r - u_l)(h_r + B)",
-                  term(hyperbolic ? uv : d_uv, depth_sum(s, h)), f(FormatId::span_f_diff));
-      numerator = hyperbolic ? s.exact("gr - gl", sum(diff, diff)) : diff;
-      if (hyperbolic) from = FormatId::span_f_diff;
+    for (const Line& line : lines()) {
+      const Range end = reg(s, line.edge.kept);
+      reg(s, line.row.step);
+      reg(s, line.row.acc);
+      const std::string w = name(line, "u");
+      const std::string rise = w + "_r - " + w + "_l";
+      Range numerator = s.exact(rise, sum(end, end));
+      FormatId from = line.edge.kept;
+      if (line.row.difference) {
+        const Range difference = reg(s, *line.row.difference);
+        const bool hyperbolic = has_pixel_quotients(c_.perspective);
+        s.q_product(hyperbolic ? "u_r (h_r + B)" : "(u_r - u_l)(h_r + B)",
+                    term(hyperbolic ? end : numerator, depth_sum(s, h)), f(*line.row.difference));
+        numerator = hyperbolic ? s.exact("gr - gl", sum(difference, difference)) : difference;
+        if (hyperbolic) from = *line.row.difference;
+      }
+      s.slope(rise, numerator, length, form, inverse, f(line.row.step));
+      pre_step(s, w + "_l + " + w + "_step p + offset", from, pre, line.row);
     }
-    s.slope("fu_diff", numerator, length, form, inverse, f(step_id));
-    pre_step(s, "start + fu_step p + offset", range_of(f(from)), uv_step, pre, c_.start_offset.span_f,
-             f(linear_edges() ? FormatId::span_uv : FormatId::span_f), f(start_id), f(from));
-    s.slope("r_r - r_l", s.exact("r_r - r_l", sum(shade, shade)), length, form, inverse,
-            f(FormatId::span_shade_step));
-    pre_step(s, "r_l + r_step p + offset", shade, shade_step, pre, c_.start_offset.span_shade,
-             f(FormatId::span_shade), f(FormatId::span_shade_acc), f(FormatId::edge_shade));
     return s.choose();
   }
 
   Width span() {
     StageNeeds s("span", out_.rows);
-    const FormatId step_id = linear_uv() ? FormatId::span_uv_step : FormatId::span_f_step;
-    const FormatId acc_id = linear_uv() ? FormatId::span_uv_acc : FormatId::span_f;
-    const Range h = reg(s, FormatId::span_h);
-    const Range h_step = reg(s, FormatId::span_h_step);
-    const Range acc = reg(s, acc_id);
-    const Range step = reg(s, step_id);
+    for (const Line& line : lines()) {
+      const std::string w = name(line, "fu");
+      const Range step = reg(s, line.row.step);
+      s.q_sum(w + " + " + w + "_step", {term(reg(s, line.row.acc)), term(step)}, f(line.row.acc));
+      reg(s, line.row.kept);
+    }
+    const Range h = range_of(f(FormatId::span_h));
+    const Range acc = range_of(f(line_of(LineId::fu, c_.perspective).row.acc));
     const Range edge_uv = reg(s, FormatId::edge_uv);
-    const Range shade_acc = reg(s, FormatId::span_shade_acc);
-    const Range shade_step = reg(s, FormatId::span_shade_step);
-    reg(s, FormatId::span_uv);
-    reg(s, FormatId::span_shade);
-    s.q_sum("h + h_step", {term(h), term(h_step)}, f(FormatId::span_h));
-    s.q_sum("fu + fu_step", {term(acc), term(step)}, f(acc_id));
-    s.q_sum("r + r_step", {term(shade_acc), term(shade_step)}, f(FormatId::span_shade_acc));
     switch (c_.perspective) {
       case Perspective::delta_f: {
         const InverseRange inverse = s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, h));

@@ -37,7 +37,7 @@ class Setup {
     SetupRecord out;
     out.triangle = index;
     out.mid_right = area > 0 ? 1 : 0;
-    for (int i = 0; i < 3; ++i) vertex_.store(v[static_cast<std::size_t>(i)], out, i);
+    for (std::size_t i = 0; i < 3; ++i) vertex_.store(v[i], out, i);
     return out;
   }
 
@@ -60,10 +60,15 @@ class Setup {
     const bool moderate = s_exponent_ > -1000 && s_exponent_ < 1000;
     const Real s = q_s_(Real(moderate ? in.s * s_scale_ : std::ldexp(in.s, -s_exponent_)));
     if (s <= 0) throw InputError("setup.s: a vertex's s is not above 0 in this format");
-    out.h = vertex_.h.quotient(exact_product(b_, s_max_ - s), PairOf<Real>{base_of(s), 0});
-    out.u = vertex_.uv(input(in.u));
-    out.v = vertex_.uv(input(in.v));
-    for (std::size_t i = 0; i < channels; ++i) out.c[i] = vertex_.shade(input(in.c[i]));
+    const Real h = vertex_[LineId::h].quotient(exact_product(b_, s_max_ - s), PairOf<Real>{base_of(s), 0});
+    const auto narrowed = [&](LineId id, double w) { return vertex_[id](input(w)); };
+    out.line = {h,
+                narrowed(LineId::fu, in.u),
+                narrowed(LineId::fv, in.v),
+                narrowed(LineId::r, in.c[0]),
+                narrowed(LineId::g, in.c[1]),
+                narrowed(LineId::b, in.c[2]),
+                narrowed(LineId::a, in.c[3])};
     return out;
   }
 
@@ -80,21 +85,22 @@ class EdgeSetup {
   EdgeSetup(const Config& config, const Constants& constants)
       : vertex_(config),
         q_x_step_(config.format(FormatId::edge_x_step)),
-        q_h_step_(config.format(FormatId::edge_h_step)),
-        q_f_diff_(config.format(FormatId::edge_f_diff)),
-        q_f_step_(config.format(FormatId::edge_f_step)),
-        q_shade_step_(config.format(FormatId::edge_shade_step)),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         form_(config.edge_slope),
         unit_(config.edge_reciprocal, config.subpixel_bits),
         has_x_step_(has_x_step(config)),
-        linear_(has_linear_edges(config.perspective)),
-        by_plane_(has_setup_plane(config)) {}
+        by_plane_(has_setup_plane(config)) {
+    for (const Line& line : lines_of(config)) {
+      SlopedLine& of = lines_.emplace_back();
+      of.line = line;
+      of.q_step = Quantizer<Real>(config.format(line.edge.step));
+      if (line.edge.difference) of.q_difference = Quantizer<Real>(config.format(*line.edge.difference));
+    }
+  }
 
   int operator()(const SetupRecord& triangle, std::array<EdgeRecord, 3>& out) const {
     constexpr std::array<std::array<std::size_t, 2>, 3> ends{{{0, 2}, {0, 1}, {1, 2}}};
-    const std::array<VertexValues<Real>, 3> v{vertex_.load(triangle, 0), vertex_.load(triangle, 1),
-                                              vertex_.load(triangle, 2)};
+    const std::array<VertexValues<Real>, 3> v = vertex_.load(triangle);
     int count = 0;
     for (std::size_t edge = 0; edge < 3; ++edge) {
       const VertexValues<Real>& from = v[ends[edge][0]];
@@ -119,26 +125,32 @@ class EdgeSetup {
     }
     if (has_x_step_) out.x_step = q_x_step_.raw(rows.slope(to.x - from.x, q_x_step_));
     if (by_plane_) return out;
-    const Real scale = linear_ ? Real(1) : to.h + b_;
-    const Real fu_diff = q_f_diff_.product(to.u - from.u, scale);
-    const Real fv_diff = q_f_diff_.product(to.v - from.v, scale);
-    out.h_step = q_h_step_.raw(rows.slope(to.h - from.h, q_h_step_));
-    out.fu_diff = q_f_diff_.raw(fu_diff);
-    out.fv_diff = q_f_diff_.raw(fv_diff);
-    out.fu_step = q_f_step_.raw(rows.slope(fu_diff, q_f_step_));
-    out.fv_step = q_f_step_.raw(rows.slope(fv_diff, q_f_step_));
-    Shades<Real> step;
-    for (std::size_t i = 0; i < channels; ++i) step[i] = rows.slope(to.c[i] - from.c[i], q_shade_step_);
-    store_shades(q_shade_step_, step, out.r_step, out.g_step, out.b_step, out.a_step);
+    for (const SlopedLine& of : lines_) {
+      const LineId id = of.line.id;
+      const EdgeFields& field = edge_fields[index_of(id)];
+      Real difference = to[id] - from[id];
+      if (of.line.edge.difference) {
+        const Real scale = of.line.is_homogeneous() ? to[LineId::h] + b_ : Real(1);
+        difference = of.q_difference.product(difference, scale);
+        out.*field.difference = of.q_difference.raw(difference);
+      }
+      out.*field.step = of.q_step.raw(rows.slope(difference, of.q_step));
+    }
     return out;
   }
 
+  struct SlopedLine {
+    Line line;
+    Quantizer<Real> q_step, q_difference;
+  };
+
   VertexFormats<Real> vertex_;
-  Quantizer<Real> q_x_step_, q_h_step_, q_f_diff_, q_f_step_, q_shade_step_;
+  Quantizer<Real> q_x_step_;
   Real b_;
   SlopeForm form_;
   ReciprocalUnit<Real> unit_;
-  bool has_x_step_, linear_, by_plane_;
+  bool has_x_step_, by_plane_;
+  std::vector<SlopedLine> lines_;
 };
 
 }  // namespace

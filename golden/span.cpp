@@ -13,8 +13,6 @@ namespace bitspan::golden {
 
 namespace {
 
-constexpr std::size_t walked = 7;  // registers that are stepped: h, fu, fv and the shades
-
 // A register that is stepped, with a step for either move of the digital line.
 template <class Real>
 struct Walked {
@@ -31,12 +29,9 @@ class SpanWalker {
   SpanWalker(const Config& config, const Constants& constants)
       : perspective_(config.perspective),
         q_h_(config.format(FormatId::span_h)),
-        q_h_step_(config.format(FormatId::span_h_step)),
-        q_acc_(config.format(linear() ? FormatId::span_uv_acc : FormatId::span_f)),
-        q_step_(config.format(linear() ? FormatId::span_uv_step : FormatId::span_f_step)),
+        q_acc_(config.format(line_of(LineId::fu, perspective_).row.acc)),
         q_edge_uv_(config.format(FormatId::edge_uv)),
         q_uv_(config.format(FormatId::span_uv)),
-        q_shade_step_(config.format(FormatId::span_shade_step)),
         q_shade_acc_(config.format(FormatId::span_shade_acc)),
         q_shade_(config.format(FormatId::span_shade)),
         q_k_(config.format(FormatId::plane_k)),
@@ -47,7 +42,12 @@ class SpanWalker {
         subspan_bits_(has_subspans(config) ? config.subspan_bits : 0),
         wide_uv_(config.format(FormatId::span_uv)),
         quick_uv_(config.format(FormatId::span_uv)),
-        quick_shade_(config.format(FormatId::span_shade)) {}
+        quick_shade_(config.format(FormatId::span_shade)) {
+    for (const Line& line : lines_of(config)) {
+      walked_[index_of(line.id)] = {Quantizer<Real>(config.format(line.row.acc)),
+                                    Quantizer<Real>(config.format(line.row.step))};
+    }
+  }
 
   void operator()(std::span<const SpanRecord> spans, const PlaneRecord* plane,
                   std::span<const std::uint8_t> covered, std::vector<FragmentRecord>& out) const {
@@ -76,13 +76,15 @@ class SpanWalker {
   }
 
  private:
-  bool linear() const { return has_linear_texture(perspective_); }
+  struct WalkedLine {
+    Quantizer<Real> q, q_step;
+  };
 
   // The digital line that the pixels follow; horizontal without a plane.
-  struct Line {
+  struct DigitalLine {
     bool slanted, major_is_y;
     Real k, phase;
-    Line(const PlaneRecord* plane, Real slope, Real start)
+    DigitalLine(const PlaneRecord* plane, Real slope, Real start)
         : slanted(plane != nullptr), major_is_y(slanted && plane->major == 1), k(slope), phase(start) {}
 
     // Moves to the next pixel; 1 where the line steps in the minor coordinate, else 0.
@@ -128,23 +130,18 @@ class SpanWalker {
   // and v1 in u and v, the shades' accumulators in r, g, b and a.
   void walk(const SpanRecord& span, const PlaneRecord* plane, std::span<const std::uint8_t> covered,
             std::span<FragmentRecord> out) const {
-    std::array<Walked<Real>, walked> registers;
-    const auto set = [&](std::size_t i, const Quantizer<Real>& q, std::int64_t start,
-                         const Quantizer<Real>& q_step, std::int64_t step0, std::int64_t step1) {
-      registers[i] = {&q, q.value(start), {q_step.value(step0), q_step.value(step1)}};
-    };
-    set(0, q_h_, span.h, q_h_step_, span.h_step, span.h_step);
-    set(1, q_acc_, span.fu, q_step_, span.fu_step0, span.fu_step1);
-    set(2, q_acc_, span.fv, q_step_, span.fv_step0, span.fv_step1);
-    set(3, q_shade_acc_, span.r, q_shade_step_, span.r_step0, span.r_step1);
-    set(4, q_shade_acc_, span.g, q_shade_step_, span.g_step0, span.g_step1);
-    set(5, q_shade_acc_, span.b, q_shade_step_, span.b_step0, span.b_step1);
-    set(6, q_shade_acc_, span.a, q_shade_step_, span.a_step0, span.a_step1);
+    std::array<Walked<Real>, fixed_lines> registers;
+    for (std::size_t i = 0; i < fixed_lines; ++i) {
+      const auto& [q, q_step] = walked_[i];
+      const SpanFields& field = span_fields[i];
+      registers[i] = {
+          &q, q.value(span.*field.start), {q_step.value(span.*field.step0), q_step.value(span.*field.step1)}};
+    }
     // Where every sum is on its register's grid and in its range, Q changes none of them.
     bool exact = true;
     for (const Walked<Real>& r : registers) exact = exact && r.q->holds_walk(r.value, r.step, span.count);
 
-    Line line(plane, plane != nullptr ? q_k_.value(plane->k) : Real(0), Real(span.phase) * phase_ulp_);
+    DigitalLine line(plane, plane != nullptr ? q_k_.value(plane->k) : Real(0), Real(span.phase) * phase_ulp_);
     std::int64_t x = span.x;
     std::int64_t y = span.y;
     for (std::size_t i = 0; i < out.size(); ++i) {
@@ -153,15 +150,11 @@ class SpanWalker {
       f.x = x;
       f.y = y;
       f.covered = plane != nullptr ? covered[i] : 1;
-      f.h = q_h_.raw(registers[0].value);
-      f.fu = q_acc_.raw(registers[1].value);
-      f.fv = q_acc_.raw(registers[2].value);
+      for (std::size_t k = 0; k < fixed_lines; ++k) {
+        f.*fragment_fields[k] = registers[k].q->raw(registers[k].value);
+      }
       f.u = span.u1;
       f.v = span.v1;
-      f.r = q_shade_acc_.raw(registers[3].value);
-      f.g = q_shade_acc_.raw(registers[4].value);
-      f.b = q_shade_acc_.raw(registers[5].value);
-      f.a = q_shade_acc_.raw(registers[6].value);
       const std::size_t move = line.advance(x, y);
       if (exact) {
         for (Walked<Real>& r : registers) r.value += r.step[move];
@@ -289,8 +282,8 @@ class SpanWalker {
   }
 
   Perspective perspective_;
-  Quantizer<Real> q_h_, q_h_step_, q_acc_, q_step_, q_edge_uv_, q_uv_, q_shade_step_, q_shade_acc_, q_shade_,
-      q_k_;
+  Quantizer<Real> q_h_, q_acc_, q_edge_uv_, q_uv_, q_shade_acc_, q_shade_, q_k_;
+  std::array<WalkedLine, fixed_lines> walked_;
   Real phase_ulp_, b_, least_;
   ReciprocalUnit<Real> unit_;
   int subspan_bits_;

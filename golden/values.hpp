@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records as values: the vertices of a SetupRecord and the groups of four shades, read and written by
-// position.
+// Records as values: the vertices of a SetupRecord, read and written by position, and four shades.
 #pragma once
 
 #include <array>
 #include <span>
 
 #include "engine/records.hpp"
+#include "golden/lines.hpp"
 #include "golden/quantize.hpp"
 
 namespace bitspan::golden {
@@ -18,13 +18,16 @@ using Shades = std::array<Real, channels>;
 
 template <class Real>
 struct VertexValues {
-  Real x = 0, y = 0, h = 0, u = 0, v = 0;
-  Shades<Real> c{};
+  Real x = 0, y = 0;
+  std::array<Real, line_count> line{};
+
+  Real operator[](LineId id) const { return line[index_of(id)]; }
 };
 
-inline constexpr std::size_t vertex_fields = 9;
+inline constexpr std::size_t vertex_fields = 2 + fixed_lines;
 inline constexpr std::size_t first_vertex_field = 2;
 static_assert(fields<SetupRecord>[first_vertex_field].name == "x0");
+static_assert(fields<SetupRecord>[first_vertex_field + 2].name == "h0");
 static_assert(fields<SetupRecord>[first_vertex_field + vertex_fields].name == "x1");
 static_assert(fields<SetupRecord>[first_vertex_field + vertex_fields + 8].name == "a1");
 
@@ -36,30 +39,27 @@ std::span<std::int64_t> mutable_raw_values(R& record) {
 // The formats of a vertex.
 template <class Real>
 struct VertexFormats {
-  Quantizer<Real> xy, h, uv, shade;
-  explicit VertexFormats(const Config& config)
-      : xy(config.coordinate_format()),
-        h(config.format(FormatId::setup_h)),
-        uv(config.format(FormatId::setup_uv)),
-        shade(config.format(FormatId::setup_shade)) {}
+  Quantizer<Real> xy;
+  std::array<Quantizer<Real>, line_count> line;
+  explicit VertexFormats(const Config& config) : xy(config.coordinate_format()) {
+    for (const Line& of : lines_of(config)) line[index_of(of.id)] = Quantizer<Real>(config.format(of.vertex));
+  }
+  const Quantizer<Real>& operator[](LineId id) const { return line[index_of(id)]; }
 
-  VertexValues<Real> load(const SetupRecord& record, int vertex) const {
-    const auto raw =
-        raw_values(record).subspan(first_vertex_field + vertex_fields * static_cast<std::size_t>(vertex));
-    VertexValues<Real> out{xy.value(raw[0]), xy.value(raw[1]), h.value(raw[2]),
-                           uv.value(raw[3]), uv.value(raw[4]), {}};
-    for (std::size_t i = 0; i < channels; ++i) out.c[i] = shade.value(raw[5 + i]);
+  VertexValues<Real> load(const SetupRecord& record, std::size_t vertex) const {
+    const auto raw = raw_values(record).subspan(first_vertex_field + vertex_fields * vertex);
+    VertexValues<Real> out{xy.value(raw[0]), xy.value(raw[1]), {}};
+    for (std::size_t i = 0; i < fixed_lines; ++i) out.line[i] = line[i].value(raw[2 + i]);
     return out;
   }
-  void store(const VertexValues<Real>& v, SetupRecord& record, int vertex) const {
-    const auto raw = mutable_raw_values(record).subspan(first_vertex_field +
-                                                        vertex_fields * static_cast<std::size_t>(vertex));
+  std::array<VertexValues<Real>, 3> load(const SetupRecord& record) const {
+    return {load(record, 0), load(record, 1), load(record, 2)};
+  }
+  void store(const VertexValues<Real>& v, SetupRecord& record, std::size_t vertex) const {
+    const auto raw = mutable_raw_values(record).subspan(first_vertex_field + vertex_fields * vertex);
     raw[0] = xy.raw(v.x);
     raw[1] = xy.raw(v.y);
-    raw[2] = h.raw(v.h);
-    raw[3] = uv.raw(v.u);
-    raw[4] = uv.raw(v.v);
-    for (std::size_t i = 0; i < channels; ++i) raw[5 + i] = shade.raw(v.c[i]);
+    for (std::size_t i = 0; i < fixed_lines; ++i) raw[2 + i] = line[i].raw(v.line[i]);
   }
 };
 
@@ -69,19 +69,18 @@ Shades<Real> load_shades(const Quantizer<Real>& q, std::int64_t r, std::int64_t 
   return {q.value(r), q.value(g), q.value(b), q.value(a)};
 }
 
-template <class Real>
-void store_shades(const Quantizer<Real>& q, const Shades<Real>& c, std::int64_t& r, std::int64_t& g,
-                  std::int64_t& b, std::int64_t& a) {
-  r = q.raw(c[0]);
-  g = q.raw(c[1]);
-  b = q.raw(c[2]);
-  a = q.raw(c[3]);
-}
-
 // Returns a start offset as a value; `kept` is the format whose half ulp it may be.
 template <class Real>
 Real start_offset(const StartOffset& offset, const Format& kept) {
   return offset.half_ulp ? pow2<Real>(-kept.fraction() - 1) : Real(offset.value);
+}
+
+// Returns the offset that a line's accumulator starts with, on a walk of config/lines.hpp.
+template <class Real>
+Real start_offset(const Config& config, const LineWalk& walk) {
+  if (walk.offset == nullptr) return 0;
+  return start_offset<Real>(config.start_offset.*walk.offset,
+                            walk.half_ulp_of ? config.format(*walk.half_ulp_of) : config.depth_format());
 }
 
 // Returns the start value of an accumulator, Q(from + step distance + offset); all of them are formed by this
@@ -90,7 +89,7 @@ template <class Real>
 class PreStep {
  public:
   PreStep() = default;
-  PreStep(const StartOffset& offset, const Format& kept) : offset_(start_offset<Real>(offset, kept)) {}
+  explicit PreStep(Real offset) : offset_(offset) {}
   Real operator()(const Quantizer<Real>& q, Real from, Real step, Real distance) const {
     const auto product = exact_product(step, distance);
     return offset_ == 0 ? q.sum(product, from) : q.sum(product, from, offset_);
