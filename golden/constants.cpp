@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "config/modes.hpp"
+#include "golden/channel.hpp"
 #include "golden/quantize.hpp"
 
 namespace bitspan::golden {
@@ -61,6 +62,8 @@ Constants make_constants(const Config& config, const Scene& scene) {
                 .c1 = q_c1.raw(c1),
                 .c0 = q_c0.raw(c0),
                 .fog_scale = q_fog.raw(fog_scale)};
+  out.channels = channels_in_use(config, scene);
+  if (scene.fog) out.fog_distance = scene.fog->distance;
   return out;
 }
 

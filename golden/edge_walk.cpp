@@ -29,7 +29,7 @@ class EdgeWalker {
   EdgeWalker(const Config& config, const Constants& constants, int width, int height)
       : width_(width),
         height_(height),
-        vertex_(config),
+        vertex_(config, constants.channels),
         q_x_step_(config.format(FormatId::edge_x_step)),
         q_x_acc_(config.format(FormatId::edge_x_acc)),
         q_x_(config.format(FormatId::edge_x)),
@@ -40,10 +40,10 @@ class EdgeWalker {
         by_plane_(has_setup_plane(config)),
         fill_rule_(config.fill_rule),
         start_x_(start_offset<Real>(config.start_offset.edge_x, config.format(FormatId::edge_x))) {
-    for (const Line& line : lines_of(config)) {
+    for (const Line& line : lines_of(config, constants.channels)) {
       EdgeLine& of = lines_.emplace_back();
       of.id = line.id;
-      of.divides = line.is_homogeneous();
+      of.divides = is_divided(line);
       of.q_step = Quantizer<Real>(config.format(line.edge.step));
       of.q_acc = Quantizer<Real>(config.format(line.edge.acc));
       of.q_kept = Quantizer<Real>(config.format(line.edge.kept));
@@ -52,8 +52,9 @@ class EdgeWalker {
   }
 
   void operator()(const SetupRecord& triangle, std::span<const EdgeRecord> records,
-                  std::vector<RowRecord>& rows) const {
-    const std::array<VertexValues<Real>, 3> v = vertex_.load(triangle);
+                  std::span<const SetupChannelRecord> channels, std::vector<RowRecord>& rows,
+                  std::vector<RowChannelRecord>& row_channels) const {
+    const std::array<VertexValues<Real>, 3> v = vertex_.load(triangle, channels);
     const std::int64_t first = first_row(v[0].y);
     const Whole<Real> end = whole_of(v[2].y);
     const std::int64_t last = std::min<std::int64_t>(height_ - 1, to_integer(last_before(end)));
@@ -64,7 +65,7 @@ class EdgeWalker {
     std::array<std::int64_t, 3> start{};
     for (const EdgeRecord& record : records) {
       const auto i = static_cast<std::size_t>(record.edge);
-      edges[i] = load(record, v[i == 2 ? 1 : 0], v[i == 1 ? 1 : 2]);
+      edges[i] = load(record, channels, v[i == 2 ? 1 : 0], v[i == 1 ? 1 : 2]);
       has_height[i] = true;
       start[i] = first_row(edges[i].from.y);
     }
@@ -79,7 +80,8 @@ class EdgeWalker {
         }
       }
       const bool edge0_left = triangle.mid_right == 1;
-      row(triangle.triangle, y, edge0_left ? edges[0] : other, edge0_left ? other : edges[0], rows);
+      row(triangle.triangle, y, edge0_left ? edges[0] : other, edge0_left ? other : edges[0], rows,
+          row_channels);
     }
   }
 
@@ -109,8 +111,8 @@ class EdgeWalker {
   }
   static Real below(const Edge<Real>& edge, std::int64_t y) { return (Real(y) + Real(0.5)) - edge.from.y; }
 
-  Edge<Real> load(const EdgeRecord& record, const VertexValues<Real>& from,
-                  const VertexValues<Real>& to) const {
+  Edge<Real> load(const EdgeRecord& record, std::span<const SetupChannelRecord> channels,
+                  const VertexValues<Real>& from, const VertexValues<Real>& to) const {
     Edge<Real> out;
     out.number = record.edge;
     out.from = from;
@@ -119,7 +121,13 @@ class EdgeWalker {
     out.x_step = q_x_step_.value(record.x_step);
     for (const EdgeLine& line : lines_) {
       const std::size_t i = index_of(line.id);
-      out.step[i] = line.q_step.value(record.*edge_fields[i].step);
+      if (is_channel(line.id)) {
+        out.step[i] =
+            line.q_step.value(channels.front().*channel_steps[static_cast<std::size_t>(record.edge)]);
+        channels = channels.subspan(1);
+      } else {
+        out.step[i] = line.q_step.value(record.*edge_fields[i].step);
+      }
     }
     return out;
   }
@@ -179,7 +187,7 @@ class EdgeWalker {
   }
 
   void row(std::int64_t triangle, std::int64_t y, const Edge<Real>& left, const Edge<Real>& right,
-           std::vector<RowRecord>& rows) const {
+           std::vector<RowRecord>& rows, std::vector<RowChannelRecord>& channels) const {
     const Real last = last_before(position(right, y));
     const std::int64_t x_first = std::max<std::int64_t>(0, to_integer(ceil_less_half(position(left, y))));
     const std::int64_t x_last = std::min<std::int64_t>(width_ - 1, to_integer(last));
@@ -204,6 +212,17 @@ class EdgeWalker {
     out.r_recip_e = r.inverse.e;
     for (const EdgeLine& line : lines_) {
       const std::size_t i = index_of(line.id);
+      if (is_channel(line.id)) {
+        if (by_plane_) continue;
+        channels.push_back({.triangle = triangle,
+                            .y = y,
+                            .channel = channel_of(line.id),
+                            .l_acc = line.q_acc.raw(left.acc[i]),
+                            .l = line.q_kept.raw(l.line[i]),
+                            .r_acc = line.q_acc.raw(right.acc[i]),
+                            .r = line.q_kept.raw(r.line[i])});
+        continue;
+      }
       const RowFields& field = row_fields[i];
       out.*field.l_acc = line.q_acc.raw(left.acc[i]);
       out.*field.l = line.q_kept.raw(l.line[i]);

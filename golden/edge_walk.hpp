@@ -12,9 +12,11 @@
 
 namespace bitspan::golden {
 
-// Takes a triangle and its edges that have height; appends the rows to the last argument.
+// Takes a triangle, its edges that have height, and its channels; appends the rows, and their channels where
+// edges carry values.
 using EdgeWalkStage =
-    std::function<void(const SetupRecord&, std::span<const EdgeRecord>, std::vector<RowRecord>&)>;
+    std::function<void(const SetupRecord&, std::span<const EdgeRecord>, std::span<const SetupChannelRecord>,
+                       std::vector<RowRecord>&, std::vector<RowChannelRecord>&)>;
 EdgeWalkStage make_edge_walk(Arithmetic arithmetic, const Config& config, const Constants& constants,
                              int width, int height);
 

@@ -73,7 +73,7 @@ class GoldenEngine final : public Engine, public RowEngine {
   }
 
   PlaneOfRows set_plane(const SetupRecord& setup) override {
-    plane_walk_(setup, planes_);
+    plane_walk_(setup, {}, planes_);
     return {planes_.plane.major == 1, planes_.rows};
   }
   void draw_row(const AnyRow& any, std::size_t plane_row, int texture, Trace* trace) override {
@@ -81,10 +81,11 @@ class GoldenEngine final : public Engine, public RowEngine {
     Trace& out = begin_batch(trace);
     const std::size_t first_span = out.span.size();
     first_ = out.fragment.size();
+    first_channel_ = out.fragment_channel.size();
     back_ = false;
     if (const auto* row = std::get_if<RowRecord>(&any)) {
       out.row.push_back(*row);
-      out.span.push_back(span_of(*row));
+      out.span.push_back(span_of(*row, {}, out));
     } else if (const auto* of_plane = std::get_if<PlaneRowRecord>(&any)) {
       out.plane_row.push_back(*of_plane);
       out.span.push_back(span_of(*of_plane));
@@ -149,7 +150,7 @@ class GoldenEngine final : public Engine, public RowEngine {
       edge_walk_ = make_edge_walk(with(precision_.edge_walk), config_, constants_, scene.width, scene.height);
       if (has_setup_plane(config_)) {
         setup_plane_ = make_setup_plane(with(precision_.setup_plane), config_, constants_);
-        triangle_span_setup_ = make_triangle_span_setup(with(precision_.span_setup), config_);
+        triangle_span_setup_ = make_triangle_span_setup(with(precision_.span_setup), config_, constants_);
       } else {
         span_setup_ = make_span_setup(with(precision_.span_setup), config_, constants_);
       }
@@ -189,11 +190,16 @@ class GoldenEngine final : public Engine, public RowEngine {
   const Texture* image(int texture) const {
     return texture < 0 ? nullptr : &scene_->textures.at(static_cast<std::size_t>(texture));
   }
-  SpanRecord span_of(const RowRecord& row) {
+  // channels: of the row.
+  SpanRecord span_of(const RowRecord& row, std::span<const RowChannelRecord> channels, Trace& out) {
     ++counters_.rows;
-    if (has_setup_plane(config_)) return triangle_span_setup_(row, setup_record_, plane_);
-    if (row.r_x > row.l_x) counters_.divides_row += shares_reciprocal(form_of(config_.row_slope)) ? 1 : 7;
-    return span_setup_(row);
+    if (has_setup_plane(config_)) {
+      return triangle_span_setup_(row, setup_record_, plane_, channels_, out.span_channel);
+    }
+    if (row.r_x > row.l_x) {
+      counters_.divides_row += shares_reciprocal(form_of(config_.row_slope)) ? 1 : lines();
+    }
+    return span_setup_(row, channels, out.span_channel);
   }
   SpanRecord span_of(const PlaneRowRecord& row) {
     ++counters_.rows;
@@ -204,10 +210,13 @@ class GoldenEngine final : public Engine, public RowEngine {
 
   Arithmetic with(Width width) const { return {width, checked_}; }
   bool by_planes() const { return has_plane_rows(config_.perspective); }
+  // Of a triangle.
+  std::size_t lines() const { return fixed_lines + constants_.channels.size(); }
 
   void draw_one(const Triangle& triangle, std::int64_t index, Trace& out) {
     ++counters_.triangles;
-    const std::optional<SetupRecord> setup = setup_(triangle, index);
+    channels_.clear();
+    const std::optional<SetupRecord> setup = setup_(triangle, index, channels_);
     if (!setup) {
       ++counters_.degenerate;
       return;
@@ -221,6 +230,7 @@ class GoldenEngine final : public Engine, public RowEngine {
     const Texture* texture = image(triangle.texture);
     back_ = state_.stencil_test && runs_clockwise(config_, triangle);
     first_ = out.fragment.size();
+    first_channel_ = out.fragment_channel.size();
     if (by_planes()) {
       draw_planes(*setup, texture, out);
     } else {
@@ -230,37 +240,44 @@ class GoldenEngine final : public Engine, public RowEngine {
 
   void draw_rows(const SetupRecord& setup, const Texture* texture, Trace& out) {
     std::array<EdgeRecord, 3> edges;
-    const int edge_count = edge_setup_(setup, edges);
+    const int edge_count = edge_setup_(setup, edges, channels_);
     const std::span<const EdgeRecord> with_height(edges.data(), static_cast<std::size_t>(edge_count));
     const bool by_plane = has_setup_plane(config_);
     const bool shared = shares_reciprocal(config_.edge_slope);
-    const int slopes = (by_plane ? 0 : 7) + (has_x_step(config_) ? 1 : 0);
-    counters_.divides_edge += static_cast<std::uint64_t>(edge_count * (shared && slopes > 0 ? 1 : slopes));
+    const std::size_t slopes = (by_plane ? 0 : lines()) + (has_x_step(config_) ? 1 : 0);
+    counters_.divides_edge += static_cast<std::size_t>(edge_count) * (shared && slopes > 0 ? 1 : slopes);
     if (by_plane) {
       setup_record_ = setup;
-      plane_ = setup_plane_(setup);
+      plane_ = setup_plane_(setup, channels_);
       out.setup_plane.push_back(plane_);
-      counters_.divides_edge += shared ? 1 : 14;
+      counters_.divides_edge += shared ? 1 : 2 * lines();
     }
+    out.setup_channel.insert(out.setup_channel.end(), channels_.begin(), channels_.end());
     out.edge.insert(out.edge.end(), with_height.begin(), with_height.end());
 
     const std::size_t first_row = out.row.size();
-    edge_walk_(setup, with_height, out.row);
+    const std::size_t first_row_channel = out.row_channel.size();
+    edge_walk_(setup, with_height, channels_, out.row, out.row_channel);
+    std::span<const RowChannelRecord> row_channels = std::span(out.row_channel).subspan(first_row_channel);
+    const std::size_t of_row = by_plane ? 0 : channels_.size();
     const std::size_t first_span = out.span.size();
     for (std::size_t i = first_row; i < out.row.size(); ++i) {
       if (!by_plane && !has_linear_edges(config_.perspective)) counters_.divides_edge += 2;
-      out.span.push_back(span_of(out.row[i]));
+      out.span.push_back(span_of(out.row[i], row_channels.first(of_row), out));
+      row_channels = row_channels.subspan(of_row);
     }
     draw_spans(first_span, nullptr, {}, texture, out);
   }
 
   void draw_planes(const SetupRecord& setup, const Texture* texture, Trace& out) {
-    plane_walk_(setup, planes_);
-    counters_.divides_edge += 15;  // 14 gradients and k
+    plane_walk_(setup, channels_, planes_);
+    counters_.divides_edge += 2 * lines() + 1;  // gradients and k
+    out.setup_channel.insert(out.setup_channel.end(), channels_.begin(), channels_.end());
     out.plane.push_back(planes_.plane);
     out.plane_row.insert(out.plane_row.end(), planes_.rows.begin(), planes_.rows.end());
     const std::size_t first_span = out.span.size();
     for (const PlaneRowRecord& row : planes_.rows) out.span.push_back(span_of(row));
+    out.span_channel.insert(out.span_channel.end(), planes_.channels.begin(), planes_.channels.end());
     draw_spans(first_span, &planes_.plane, planes_.covered, texture, out);
   }
 
@@ -269,13 +286,17 @@ class GoldenEngine final : public Engine, public RowEngine {
   void draw_spans(std::size_t first_span, const PlaneRecord* plane, std::span<const std::uint8_t> covered,
                   const Texture* texture, Trace& out) {
     const std::span spans = std::span<const SpanRecord>(out.span).subspan(first_span);
+    const std::size_t of_span = constants_.channels.size();
+    const std::span channels =
+        std::span<const SpanChannelRecord>(out.span_channel).last(spans.size() * of_span);
     std::size_t begin = 0;
     std::size_t count = 0;
     for (std::size_t i = 0; i < spans.size(); ++i) {
       count += static_cast<std::size_t>(spans[i].count);
       if (count < lanes && i + 1 < spans.size()) continue;
       const auto flags = plane != nullptr ? covered.first(count) : std::span<const std::uint8_t>();
-      span_(spans.subspan(begin, i + 1 - begin), plane, flags, out.fragment);
+      span_(spans.subspan(begin, i + 1 - begin), channels.subspan(begin * of_span, (i + 1 - begin) * of_span),
+            plane, flags, out.fragment, out.fragment_channel);
       counters_.fragments += count;
       if (has_pixel_reciprocal(config_.perspective)) counters_.divides_pixel += count;
       if (has_subspans(config_)) {
@@ -323,8 +344,13 @@ class GoldenEngine final : public Engine, public RowEngine {
     }
     counters_.written += alive_.size();
 
+    alive_channels_.clear();
+    for (std::size_t i = 0; i < alive_.size() && !constants_.channels.empty(); ++i) {
+      const auto at = static_cast<std::size_t>(alive_[i] - fragments.data());
+      alive_channels_.push_back(&out.fragment_channel[first_channel_ + at * constants_.channels.size()]);
+    }
     const std::size_t first_fog = out.fog.size();
-    fog_(alive_, textures_, distances_, out.fog);
+    fog_(alive_, textures_, distances_, alive_channels_, out.fog);
     const std::size_t first_merge = out.merge.size();
     const std::size_t first_alpha = out.merge_alpha.size();
     merge_(std::span<const FogRecord>(out.fog).subspan(first_fog), textures_, depths_, state_, frame_.color,
@@ -342,6 +368,7 @@ class GoldenEngine final : public Engine, public RowEngine {
 
     if (&out == &unkept_) out.clear_pixels();
     first_ = out.fragment.size();
+    first_channel_ = out.fragment_channel.size();
   }
 
   // Leaves in alive_, depths_ and textures_ what passes the tests. `all`: the fragments of which `covered`
@@ -475,16 +502,19 @@ class GoldenEngine final : public Engine, public RowEngine {
   // Of the triangle under way, where slope.row = plane.
   SetupRecord setup_record_;
   SetupPlaneRecord plane_;
+  std::vector<SetupChannelRecord> channels_;  // of the triangle under way, those in use
   // Reused from triangle to triangle.
   PlaneRows planes_;
-  Trace unkept_;           // records of one triangle that nobody asked for
-  std::size_t first_ = 0;  // of the fragments that are not yet in the frame
+  Trace unkept_;                   // records of one triangle that nobody asked for
+  std::size_t first_ = 0;          // of the fragments that are not yet in the frame
+  std::size_t first_channel_ = 0;  // of their channels
   // The fragments of a batch that are alive, and their records.
   std::vector<const FragmentRecord*> alive_;
   std::vector<const DepthRecord*> depths_;
   std::vector<const TextureRecord*> textures_;  // behind both texture units
   std::vector<TextureRecord> combined_;
-  std::vector<const DistanceRecord*> distances_;  // where there are any
+  std::vector<const DistanceRecord*> distances_;              // where there are any
+  std::vector<const FragmentChannelRecord*> alive_channels_;  // the first of each, where any are in use
   std::vector<FragmentRecord> tested_;
   Frame frame_;
   Targets<Frame> targets_;

@@ -60,7 +60,9 @@ class Fogging {
 
   void operator()(std::span<const FragmentRecord* const> fragments,
                   std::span<const TextureRecord* const> textures,
-                  std::span<const DistanceRecord* const> distances, std::vector<FogRecord>& out) const {
+                  std::span<const DistanceRecord* const> distances,
+                  std::span<const FragmentChannelRecord* const> /*channels*/,
+                  std::vector<FogRecord>& out) const {
     const std::size_t first = out.size();
     out.resize(first + fragments.size());
     for (std::size_t i = 0; i < fragments.size(); ++i) {
@@ -182,11 +184,19 @@ FogStage make_fog(Arithmetic arithmetic, const Config& config, const Constants& 
                    [&]<class Real>() -> FogStage { return Fogging<Real>(config, constants, scene); });
 }
 
-std::vector<std::int64_t> fog_table(const Config& config, const Constants& constants, const Scene& scene) {
+std::int64_t faded(const Quantizer<Quad>& q, Quad d, Quad distance) {
   // The exponential is never on a rounding boundary (it is transcendental), so an enclosure by the error of
-  // the quadruple-precision result decides the rounding; the margin is far above that error for every D / DT
-  // that does not underflow.
+  // the quadruple-precision result decides the rounding; the margin is far above that error for every d that
+  // does not underflow. The result is below 1, however small d is.
   const Quad margin = pow2<Quad>(-96);
+  const Quad factor = expq(-d / distance);
+  const std::int64_t low = q.raw(q(factor * (1 - margin)));
+  const std::int64_t high = q.raw(q(std::min(factor * (1 + margin), 1 - pow2<Quad>(-112))));
+  if (low != high) throw std::logic_error("golden: a factor of the fog is too near a rounding boundary");
+  return low;
+}
+
+std::vector<std::int64_t> fog_table(const Config& config, const Constants& constants, const Scene& scene) {
   const Quantizer<Quad> q(config.format(FormatId::fog_factor));
   const Quad b = Quantizer<Quad>(config.format(FormatId::setup_b)).value(constants.record.b);
   const Quad a = b * Quad(scene.s_max);
@@ -197,13 +207,7 @@ std::vector<std::int64_t> fog_table(const Config& config, const Constants& const
   const Quad depth_step = pow2<Quad>(config.depth_bits) / depth_steps;
   std::vector<std::int64_t> table;
   table.reserve(static_cast<std::size_t>(fog_entries(config)));
-  const auto add = [&](Quad d) {
-    const Quad factor = expq(-d / Quad(scene.fog->distance));
-    const std::int64_t low = q.raw(q(factor * (1 - margin)));
-    const std::int64_t high = q.raw(q(factor * (1 + margin)));
-    if (low != high) throw std::logic_error("golden: a fog table entry is too near a rounding boundary");
-    table.push_back(low);
-  };
+  const auto add = [&](Quad d) { table.push_back(faded(q, d, Quad(scene.fog->distance))); };
   const Quad normal = pow2<Quad>(constants.s_exponent);
   if (takes_true_distance(config.fog)) {
     const Quad step = pow2<Quad>(fog_range(config, scene) - config.fog_depth_bits) * normal;

@@ -45,6 +45,11 @@ IdealPoint blend(const Config& config, const Scene& scene, const IdealTriangle& 
     for (std::size_t j = 0; j < 4; ++j) c[j] += weight[i] * corner.c[j];
   }
   IdealPoint out;
+  for (const GivenAttribute& attribute : given_attributes) {
+    long double sum = 0;
+    for (std::size_t i = 0; i < 3; ++i) sum += weight[i] * t.v[i].given.*attribute.member;
+    out.given.*attribute.member = static_cast<double>(sum);
+  }
   out.h = static_cast<double>(depth_code(config, scene, q));
   out.s = static_cast<double>(1 / q);
   out.u = static_cast<double>(u / q);

@@ -27,6 +27,7 @@ struct IdealPoint {
   double s = 0;                   // distance, in the scene's unit
   double u = 0, v = 0;            // texels
   std::array<double, 4> shade{};  // red, green, blue, alpha, 0..1
+  Attributes given;               // of given_attributes, linear on the screen
 };
 
 // Returns the values anywhere on the triangle's plane in front of the eye.

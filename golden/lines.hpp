@@ -12,11 +12,18 @@
 namespace bitspan::golden {
 
 constexpr std::size_t index_of(LineId id) { return static_cast<std::size_t>(id); }
+constexpr bool is_channel(LineId id) { return index_of(id) >= fixed_lines; }
+constexpr std::int64_t channel_of(LineId id) { return static_cast<std::int64_t>(id) - fixed_lines; }
 
-// The lines of a triangle, in their order.
-inline std::vector<Line> lines_of(const Config& config) {
+// u and v where their numerators are walked: the stages that walk them divide by h + B, too. What a channel
+// is divided by is its consumer's.
+constexpr bool is_divided(const Line& line) { return line.is_homogeneous() && !is_channel(line.id); }
+
+// The lines of a triangle, in their order; channels: those in use.
+inline std::vector<Line> lines_of(const Config& config, const std::vector<LineId>& channels = {}) {
   std::vector<Line> out;
   for (int i = 0; i < fixed_lines; ++i) out.push_back(line_of(static_cast<LineId>(i), config.perspective));
+  for (const LineId id : channels) out.push_back(line_of(id, config.perspective));
   return out;
 }
 
@@ -111,6 +118,13 @@ inline constexpr std::array<SpanFields, fixed_lines> span_fields = [] {
       {&S::a, &S::a_step0, &S::a_step1},
   }};
 }();
+
+inline constexpr std::array<FieldOf<SetupChannelRecord>, 3> channel_vertices{
+    &SetupChannelRecord::w0, &SetupChannelRecord::w1, &SetupChannelRecord::w2};
+inline constexpr std::array<FieldOf<SetupChannelRecord>, 3> channel_products{
+    &SetupChannelRecord::f0, &SetupChannelRecord::f1, &SetupChannelRecord::f2};
+inline constexpr std::array<FieldOf<SetupChannelRecord>, 3> channel_steps{
+    &SetupChannelRecord::step0, &SetupChannelRecord::step1, &SetupChannelRecord::step2};
 
 // A pixel's registers. What finish() of the stage makes of a shade stands in the same field.
 inline constexpr std::array<FieldOf<FragmentRecord>, fixed_lines> fragment_fields{

@@ -36,7 +36,7 @@ class PlaneWalker {
   PlaneWalker(const Config& config, const Constants& constants, int width, int height)
       : width_(width),
         height_(height),
-        vertex_(config),
+        vertex_(config, constants.channels),
         q_g_(config.format(FormatId::plane_g)),
         q_k_(config.format(FormatId::plane_k)),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
@@ -44,10 +44,10 @@ class PlaneWalker {
         inclusive_(owns_every_edge(config.fill_rule)) {
     // u and v go along a row as the numerators do in a mode that divides per pixel; span_setup divides.
     const bool ideal_line = is_on_ideal_line(config.numerator);
-    for (const Line& line : lines_of(config)) {
+    for (const Line& line : lines_of(config, constants.channels)) {
       PlaneLine& of = lines_.emplace_back();
       of.id = line.id;
-      of.product = line.is_homogeneous();
+      of.product = is_divided(line);
       of.on_ideal_line = line.id == LineId::h || (of.product && ideal_line);
       of.q_gradient = Quantizer<Real>(config.format(line.gradient));
       of.q_start = Quantizer<Real>(config.format(of.product ? FormatId::span_f : line.row.acc));
@@ -56,11 +56,17 @@ class PlaneWalker {
     }
   }
 
-  void operator()(const SetupRecord& triangle, PlaneRows& out) const {
+  void operator()(const SetupRecord& triangle, std::span<SetupChannelRecord> channels, PlaneRows& out) const {
     out.rows.clear();
     out.covered.clear();
-    const Plane plane = make_plane(triangle);
+    out.channels.clear();
+    const Plane plane = make_plane(triangle, channels);
     out.plane = record_of(plane);
+    for (std::size_t k = 0; k < channels.size(); ++k) {
+      const PlaneLine& line = lines_[fixed_lines + k];
+      channels[k].w_x = line.q_gradient.raw(plane.rise[index_of(line.id)].x);
+      channels[k].w_y = line.q_gradient.raw(plane.rise[index_of(line.id)].y);
+    }
     walk(plane, out);
   }
 
@@ -93,10 +99,10 @@ class PlaneWalker {
     std::int64_t digital_line(std::int64_t m) const { return to_integer(floor_of(line(m) + Real(0.5))); }
   };
 
-  Plane make_plane(const SetupRecord& triangle) const {
+  Plane make_plane(const SetupRecord& triangle, std::span<const SetupChannelRecord> channels) const {
     Plane p;
     p.triangle = triangle.triangle;
-    p.v = vertex_.load(triangle);
+    p.v = vertex_.load(triangle, channels);
     const auto& v = p.v;
     const PlaneShape<Real> shape(v);
     p.area = shape.area;
@@ -125,6 +131,7 @@ class PlaneWalker {
     out.major = p.major_is_y ? 1 : 0;
     out.major_first = p.major_first;
     for (const PlaneLine& line : lines_) {
+      if (is_channel(line.id)) continue;
       const std::size_t i = index_of(line.id);
       const PlaneFields<PlaneRecord>& field = plane_fields[i];
       for (std::size_t k = 0; k < 3 && line.product; ++k) out.*field.at_vertex[k] = q_g_.raw(p.at[i][k]);
@@ -222,12 +229,12 @@ class PlaneWalker {
         out.covered.push_back(n >= column.first && n <= column.last ? 1 : 0);
       }
       const std::int64_t line = columns[static_cast<std::size_t>(extent.first - m_begin)].line;
-      out.rows.push_back(make_row(p, row, extent.first, extent.last, row + line));
+      out.rows.push_back(make_row(p, row, extent.first, extent.last, row + line, out.channels));
     }
   }
 
   PlaneRowRecord make_row(const Plane& p, std::int64_t row, std::int64_t m, std::int64_t m_last,
-                          std::int64_t n) const {
+                          std::int64_t n, std::vector<SpanChannelRecord>& channels) const {
     PlaneRowRecord out;
     out.triangle = p.triangle;
     out.row = row;
@@ -243,21 +250,35 @@ class PlaneWalker {
 
     for (const PlaneLine& line : lines_) {
       const std::size_t i = index_of(line.id);
-      const PlaneRowFields& field = plane_row_fields[i];
       const Slopes<Real> w = p.along(p.rise[i]);
       const auto major = exact_product(w.major, from_major);
       const auto minor = exact_product(w.minor, from_minor);
-      out.*field.start = line.q_start.raw(
+      const std::int64_t start = line.q_start.raw(
           line.on_ideal_line ? line.q_start.sum(major, minor, exact_product(w.minor, above), p.at[i][0])
                              : line.q_start.sum(major, minor, p.at[i][0], line.offset));
-      if (field.step0 == nullptr) continue;
-      if (line.on_ideal_line) {
-        out.*field.step0 = line.q_step.raw(line.q_step.sum(exact_product(p.k, w.minor), w.major));
-        out.*field.step1 = out.*field.step0;
-      } else {
-        out.*field.step0 = line.q_step.raw(line.q_step(w.major));
-        out.*field.step1 = line.q_step.raw(line.q_step.sum(w.major, p.k < 0 ? -w.minor : w.minor));
+      if (line.id == LineId::h) {  // is constant along the row
+        out.h = start;
+        continue;
       }
+      const std::int64_t step0 = line.q_step.raw(
+          line.on_ideal_line ? line.q_step.sum(exact_product(p.k, w.minor), w.major) : line.q_step(w.major));
+      const std::int64_t step1 =
+          line.on_ideal_line ? step0
+                             : line.q_step.raw(line.q_step.sum(w.major, p.k < 0 ? -w.minor : w.minor));
+      if (is_channel(line.id)) {
+        channels.push_back({.triangle = p.triangle,
+                            .x = p.major_is_y ? n : m,
+                            .y = p.major_is_y ? m : n,
+                            .channel = channel_of(line.id),
+                            .w = start,
+                            .w_step0 = step0,
+                            .w_step1 = step1});
+        continue;
+      }
+      const PlaneRowFields& field = plane_row_fields[i];
+      out.*field.start = start;
+      out.*field.step0 = step0;
+      out.*field.step1 = step1;
     }
     return out;
   }

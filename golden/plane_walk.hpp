@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "engine/records.hpp"
@@ -14,7 +15,8 @@ namespace bitspan::golden {
 struct PlaneRows {
   PlaneRecord plane;
   std::vector<PlaneRowRecord> rows;
-  std::vector<std::uint8_t> covered;  // 1 or 0 for each walked pixel, row after row
+  std::vector<SpanChannelRecord> channels;  // of each row, those in use
+  std::vector<std::uint8_t> covered;        // 1 or 0 for each walked pixel, row after row
 
   // The stage works in these and keeps them from triangle to triangle. A Column holds the covered pixels of
   // one column of the major axis (minor coordinates first..last, none where first > last) and the digital
@@ -29,8 +31,9 @@ struct PlaneRows {
   std::vector<Extent> extents;
 };
 
-// Takes a triangle and replaces what `out` held.
-using PlaneWalkStage = std::function<void(const SetupRecord&, PlaneRows& out)>;
+// Takes a triangle, writes the gradients of its channels, and replaces what `out` held.
+using PlaneWalkStage =
+    std::function<void(const SetupRecord&, std::span<SetupChannelRecord> channels, PlaneRows& out)>;
 PlaneWalkStage make_plane_walk(Arithmetic arithmetic, const Config& config, const Constants& constants,
                                int width, int height);
 

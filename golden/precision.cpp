@@ -249,10 +249,11 @@ class Chooser {
  private:
   const Format& f(FormatId id) const { return c_.format(id); }
   static std::string name(FormatId id) { return std::string(key_of(id)); }
-  // What the lines of a triangle need: v needs what u does, and the shades what red does.
+  // What the lines of a triangle need: v needs what u does, the shades what red does.
   std::vector<Line> lines() const {
     std::vector<Line> out;
     for (const LineId id : {LineId::h, LineId::fu, LineId::r}) out.push_back(line_of(id, c_.perspective));
+    for (const int channel : ChannelList(c_)) out.push_back(line_of(channel_line(channel), c_.perspective));
     return out;
   }
   // The line as it stands in an expression; w: fu or u.
@@ -343,9 +344,11 @@ class Chooser {
     StageNeeds s("setup", out_.rows);
     s.reg("coordinate", c_.coordinate_format());
     const Range normal_s = at_most(reg(s, FormatId::setup_s), 0);
-    reg(s, FormatId::setup_h);
-    reg(s, FormatId::setup_uv);
-    reg(s, FormatId::setup_shade);
+    for (const Line& line : lines()) {
+      const Range vertex = reg(s, line.vertex);
+      if (!is_channel(line.id) || !line.is_homogeneous()) continue;
+      s.q_product("w (h + B)", term(vertex, depth_sum(s, range_of(f(FormatId::setup_h)))), f(*line.product));
+    }
     const Range n = product(b_, normal_s);
     s.need("B (s_max - s)", n.bits(), std::max(b_.bits(), normal_s.bits()));
     s.q_quotient_of_pairs("B (s_max - s) / s", n, normal_s, f(FormatId::setup_h).fraction());
@@ -377,7 +380,7 @@ class Chooser {
         s.slope("(" + rise + ")", difference, d_xy_, form, inverse, step);
         continue;
       }
-      const Range scale = line.is_homogeneous() ? depth_sum(s, range_of(f(FormatId::setup_h))) : Range{0, 0};
+      const Range scale = is_divided(line) ? depth_sum(s, range_of(f(FormatId::setup_h))) : Range{0, 0};
       s.q_product("(u2 - u1)(h2 + B)", term(difference, scale), f(*line.edge.difference));
       s.slope("fu_diff", reg(s, *line.edge.difference), d_xy_, form, inverse, step);
     }
@@ -394,7 +397,7 @@ class Chooser {
     if (shares_reciprocal(form)) inverse = s.inverse("R_edge of the area", c_.edge_reciprocal, area);
     for (const Line& line : lines()) {
       Range values = reg(s, line.vertex);
-      if (line.product && line.is_homogeneous()) {
+      if (line.product && is_divided(line)) {
         const Range base = reg(s, FormatId::edge_uv);
         const Range from =
             has_pixel_reciprocal(c_.perspective) ? s.exact("u_i - u1", sum(values, base)) : values;
@@ -456,10 +459,10 @@ class Chooser {
       const Range acc = reg(s, line.edge.acc);
       reg(s, line.edge.kept);
       const std::string w = name(line, "fu");
-      const std::string from = line.is_homogeneous() ? "" : w + "1 + ";
+      const std::string from = is_divided(line) ? "" : w + "1 + ";
       pre_step(s, from + w + "_step t + offset", line.vertex, t, line.edge);
       s.q_sum(w + " + " + w + "_step", {term(acc), term(step)}, f(line.edge.acc));
-      if (!line.is_homogeneous()) continue;
+      if (!is_divided(line)) continue;
       const InverseRange inverse =
           s.inverse("R_pixel", c_.pixel_reciprocal, depth_sum(s, range_of(f(FormatId::edge_h))));
       s.q_far("u1 + fu m 2^-e", inverse.times(acc), {term(vertex)}, f(line.edge.kept),
@@ -481,13 +484,13 @@ class Chooser {
                          0};
     for (const Line& line : lines()) {
       Range values = reg(s, line.vertex);
-      if (line.is_homogeneous()) {
+      if (is_divided(line)) {
         s.q_product("u (h + B)", term(values, depth_sum(s, h)), f(*line.product));
         values = reg(s, *line.product);
       }
       // The numerators of u and v go along a row in the registers of a mode that divides per pixel.
-      const FormatId start = line.is_homogeneous() ? FormatId::span_f : line.row.acc;
-      const FormatId step = line.is_homogeneous() ? FormatId::span_f_step : line.row.step;
+      const FormatId start = is_divided(line) ? FormatId::span_f : line.row.acc;
+      const FormatId step = is_divided(line) ? FormatId::span_f_step : line.row.step;
       const std::string w = name(line, "gu");
       const Range g = reg(s, line.gradient);
       reg(s, start);
@@ -495,12 +498,12 @@ class Chooser {
       if (line.id == LineId::h) {
         s.q_quotient_of_pairs("nx(h) / ny(h)", n, n, f(FormatId::plane_k).fraction());
       }
-      if (line.id == LineId::h || (line.is_homogeneous() && is_on_ideal_line(c_.numerator))) {
+      if (line.id == LineId::h || (is_divided(line) && is_on_ideal_line(c_.numerator))) {
         s.q_sum(w + "0 + " + w + "_M (Mc - M0) + " + w + "_N (Nl - N0)",
                 {term(values), term(g, centre_), term(g, centre_), term(g, above)}, f(start));
         if (line.id != LineId::h) s.q_sum(w + "_M + k " + w + "_N", {term(g), term(k, g)}, f(step));
       } else {
-        const Term by = line.is_homogeneous() ? term({0, 0}) : offset(line.row);
+        const Term by = is_divided(line) ? term({0, 0}) : offset(line.row);
         s.q_sum(w + "0 + " + w + "_M (Mc - M0) + " + w + "_N (Np - N0) + offset",
                 {term(values), term(g, centre_), term(g, centre_), by}, f(start));
         s.q_sum(w + "_M + sg " + w + "_N", {term(g), term(g)}, f(step));

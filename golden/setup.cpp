@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "config/modes.hpp"
+#include "golden/channel.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
@@ -16,14 +17,21 @@ template <class Real>
 class Setup {
  public:
   Setup(const Config& config, const Constants& constants)
-      : vertex_(config),
+      : vertex_(config, constants.channels),
         q_s_(config.format(FormatId::setup_s)),
         s_max_(q_s_.value(constants.record.s_max)),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         s_exponent_(constants.s_exponent),
-        s_scale_(std::ldexp(1.0, -s_exponent_)) {}
+        s_scale_(std::ldexp(1.0, -s_exponent_)),
+        constants_(constants) {
+    for (const LineId id : constants.channels) {
+      const Line line = line_of(id, config.perspective);
+      channels_.push_back({line, Quantizer<Quad>(config.format(line.vertex))});
+    }
+  }
 
-  std::optional<SetupRecord> operator()(const Triangle& triangle, std::int64_t index) const {
+  std::optional<SetupRecord> operator()(const Triangle& triangle, std::int64_t index,
+                                        std::vector<SetupChannelRecord>& channels) const {
     std::array<VertexValues<Real>, 3> v;
     for (std::size_t i = 0; i < 3; ++i) {
       // In its place behind those that do not come after it.
@@ -38,10 +46,26 @@ class Setup {
     out.triangle = index;
     out.mid_right = area > 0 ? 1 : 0;
     for (std::size_t i = 0; i < 3; ++i) vertex_.store(v[i], out, i);
+    for (const auto& [line, q_vertex] : channels_) {
+      SetupChannelRecord& channel = channels.emplace_back();
+      channel.triangle = index;
+      channel.channel = channel_of(line.id);
+      for (std::size_t i = 0; i < 3; ++i) {
+        channel.*channel_vertices[i] = vertex_[line.id].raw(v[i][line.id]);
+        if (!line.is_homogeneous()) continue;
+        const Quantizer<Real>& q = vertex_.product[index_of(line.id)];
+        channel.*channel_products[i] = q.raw(q.product(v[i][line.id], v[i][LineId::h] + b_));
+      }
+    }
     return out;
   }
 
  private:
+  struct Channel {
+    Line line;
+    Quantizer<Quad> q_vertex;
+  };
+
   static bool comes_before(const VertexValues<Real>& a, const VertexValues<Real>& b) {
     return a.y < b.y || (a.y == b.y && a.x < b.x);
   }
@@ -69,6 +93,10 @@ class Setup {
                 narrowed(LineId::g, in.c[1]),
                 narrowed(LineId::b, in.c[2]),
                 narrowed(LineId::a, in.c[3])};
+    for (const Channel& channel : channels_) {
+      out.line[index_of(channel.line.id)] =
+          vertex_[channel.line.id].value(channel_at(channel.line.id, in, constants_, channel.q_vertex));
+    }
     return out;
   }
 
@@ -77,20 +105,22 @@ class Setup {
   Real s_max_, b_;
   int s_exponent_;
   double s_scale_;
+  Constants constants_;
+  std::vector<Channel> channels_;
 };
 
 template <class Real>
 class EdgeSetup {
  public:
   EdgeSetup(const Config& config, const Constants& constants)
-      : vertex_(config),
+      : vertex_(config, constants.channels),
         q_x_step_(config.format(FormatId::edge_x_step)),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         form_(config.edge_slope),
         unit_(config.edge_reciprocal, config.subpixel_bits),
         has_x_step_(has_x_step(config)),
         by_plane_(has_setup_plane(config)) {
-    for (const Line& line : lines_of(config)) {
+    for (const Line& line : lines_of(config, constants.channels)) {
       SlopedLine& of = lines_.emplace_back();
       of.line = line;
       of.q_step = Quantizer<Real>(config.format(line.edge.step));
@@ -98,16 +128,17 @@ class EdgeSetup {
     }
   }
 
-  int operator()(const SetupRecord& triangle, std::array<EdgeRecord, 3>& out) const {
+  int operator()(const SetupRecord& triangle, std::array<EdgeRecord, 3>& out,
+                 std::span<SetupChannelRecord> channels) const {
     constexpr std::array<std::array<std::size_t, 2>, 3> ends{{{0, 2}, {0, 1}, {1, 2}}};
-    const std::array<VertexValues<Real>, 3> v = vertex_.load(triangle);
+    const std::array<VertexValues<Real>, 3> v = vertex_.load(triangle, channels);
     int count = 0;
     for (std::size_t edge = 0; edge < 3; ++edge) {
       const VertexValues<Real>& from = v[ends[edge][0]];
       const VertexValues<Real>& to = v[ends[edge][1]];
       if (from.y == to.y) continue;
       EdgeRecord& record = out[static_cast<std::size_t>(count++)];
-      record = make(from, to);
+      record = make(from, to, edge, channels);
       record.triangle = triangle.triangle;
       record.edge = static_cast<std::int64_t>(edge);
     }
@@ -115,7 +146,8 @@ class EdgeSetup {
   }
 
  private:
-  EdgeRecord make(const VertexValues<Real>& from, const VertexValues<Real>& to) const {
+  EdgeRecord make(const VertexValues<Real>& from, const VertexValues<Real>& to, std::size_t edge,
+                  std::span<SetupChannelRecord> channels) const {
     if (by_plane_ && !has_x_step_) return {};
     const Divisor<Real> rows(to.y - from.y, form_, unit_);
     EdgeRecord out;
@@ -127,8 +159,13 @@ class EdgeSetup {
     if (by_plane_) return out;
     for (const SlopedLine& of : lines_) {
       const LineId id = of.line.id;
-      const EdgeFields& field = edge_fields[index_of(id)];
       Real difference = to[id] - from[id];
+      if (is_channel(id)) {
+        channels.front().*channel_steps[edge] = of.q_step.raw(rows.slope(difference, of.q_step));
+        channels = channels.subspan(1);
+        continue;
+      }
+      const EdgeFields& field = edge_fields[index_of(id)];
       if (of.line.edge.difference) {
         const Real scale = of.line.is_homogeneous() ? to[LineId::h] + b_ : Real(1);
         difference = of.q_difference.product(difference, scale);

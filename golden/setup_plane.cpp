@@ -18,19 +18,19 @@ class PlaneForming {
  public:
   PlaneForming(const Config& config, const Constants& constants)
       : perspective_(config.perspective),
-        vertex_(config),
+        vertex_(config, constants.channels),
         q_uv_(config.format(FormatId::edge_uv)),
         q_g_(config.format(FormatId::plane_g)),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         reciprocal_(shares_reciprocal(config.edge_slope)),
         unit_(config.edge_reciprocal, 2 * config.subpixel_bits) {
-    for (const Line& line : lines_of(config)) {
+    for (const Line& line : lines_of(config, constants.channels)) {
       lines_.push_back({line, Quantizer<Real>(config.format(line.gradient))});
     }
   }
 
-  SetupPlaneRecord operator()(const SetupRecord& triangle) const {
-    const std::array<VertexValues<Real>, 3> v = vertex_.load(triangle);
+  SetupPlaneRecord operator()(const SetupRecord& triangle, std::span<SetupChannelRecord> channels) const {
+    const std::array<VertexValues<Real>, 3> v = vertex_.load(triangle, channels);
     const PlaneShape<Real> shape(v);
     SetupPlaneRecord out;
     out.triangle = triangle.triangle;
@@ -47,8 +47,14 @@ class PlaneForming {
       return q.raw(q.sum(inverse.times(Real(n.high)), inverse.times(Real(n.low))));
     };
     for (const RisingLine& of : lines_) {
-      const PlaneFields<SetupPlaneRecord>& field = setup_plane_fields[index_of(of.line.id)];
       std::array<Real, 3> w = at_vertices(v, of.line.id);
+      if (is_channel(of.line.id)) {
+        channels.front().w_x = slope(shape.nx(w[0], w[1], w[2]), of.q_gradient);
+        channels.front().w_y = slope(shape.ny(w[0], w[1], w[2]), of.q_gradient);
+        channels = channels.subspan(1);
+        continue;
+      }
+      const PlaneFields<SetupPlaneRecord>& field = setup_plane_fields[index_of(of.line.id)];
       if (of.line.product) {
         Real from = 0;
         if (has_pixel_reciprocal(perspective_)) {

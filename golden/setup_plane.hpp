@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 
 #include "engine/records.hpp"
 #include "golden/arithmetic.hpp"
@@ -11,8 +12,9 @@
 
 namespace bitspan::golden {
 
-// Takes a triangle that has an area.
-using SetupPlaneStage = std::function<SetupPlaneRecord(const SetupRecord&)>;
+// Takes a triangle that has an area; writes the gradients of its channels.
+using SetupPlaneStage =
+    std::function<SetupPlaneRecord(const SetupRecord&, std::span<SetupChannelRecord> channels)>;
 SetupPlaneStage make_setup_plane(Arithmetic arithmetic, const Config& config, const Constants& constants);
 
 }  // namespace bitspan::golden

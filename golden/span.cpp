@@ -43,14 +43,16 @@ class SpanWalker {
         wide_uv_(config.format(FormatId::span_uv)),
         quick_uv_(config.format(FormatId::span_uv)),
         quick_shade_(config.format(FormatId::span_shade)) {
-    for (const Line& line : lines_of(config)) {
-      walked_[index_of(line.id)] = {Quantizer<Real>(config.format(line.row.acc)),
-                                    Quantizer<Real>(config.format(line.row.step))};
+    for (const Line& line : lines_of(config, constants.channels)) {
+      walked_.push_back({line.id, Quantizer<Real>(config.format(line.row.acc)),
+                         Quantizer<Real>(config.format(line.row.step)),
+                         Quantizer<Real>(config.format(line.row.kept))});
     }
   }
 
-  void operator()(std::span<const SpanRecord> spans, const PlaneRecord* plane,
-                  std::span<const std::uint8_t> covered, std::vector<FragmentRecord>& out) const {
+  void operator()(std::span<const SpanRecord> spans, std::span<const SpanChannelRecord> channels,
+                  const PlaneRecord* plane, std::span<const std::uint8_t> covered,
+                  std::vector<FragmentRecord>& out, std::vector<FragmentChannelRecord>& out_channels) const {
     const std::size_t first = out.size();
     std::size_t count = 0;
     for (const SpanRecord& span : spans) count += static_cast<std::size_t>(span.count);
@@ -60,6 +62,9 @@ class SpanWalker {
     for (const SpanRecord& span : spans) {
       const auto n = static_cast<std::size_t>(span.count);
       walk(span, plane, covered, rest.first(n));
+      const std::size_t of_span = walked_.size() - fixed_lines;
+      walk_channels(span, channels.first(of_span), plane, out_channels);
+      channels = channels.subspan(of_span);
       rest = rest.subspan(n);
       if (plane != nullptr) covered = covered.subspan(n);
     }
@@ -77,7 +82,8 @@ class SpanWalker {
 
  private:
   struct WalkedLine {
-    Quantizer<Real> q, q_step;
+    LineId id{};
+    Quantizer<Real> q, q_step, q_kept;
   };
 
   // The digital line that the pixels follow; horizontal without a plane.
@@ -132,16 +138,15 @@ class SpanWalker {
             std::span<FragmentRecord> out) const {
     std::array<Walked<Real>, fixed_lines> registers;
     for (std::size_t i = 0; i < fixed_lines; ++i) {
-      const auto& [q, q_step] = walked_[i];
+      const WalkedLine& line = walked_[i];
       const SpanFields& field = span_fields[i];
-      registers[i] = {
-          &q, q.value(span.*field.start), {q_step.value(span.*field.step0), q_step.value(span.*field.step1)}};
+      registers[i] = start_of(line, span.*field.start, span.*field.step0, span.*field.step1);
     }
     // Where every sum is on its register's grid and in its range, Q changes none of them.
     bool exact = true;
     for (const Walked<Real>& r : registers) exact = exact && r.q->holds_walk(r.value, r.step, span.count);
 
-    DigitalLine line(plane, plane != nullptr ? q_k_.value(plane->k) : Real(0), Real(span.phase) * phase_ulp_);
+    DigitalLine line = line_along(span, plane);
     std::int64_t x = span.x;
     std::int64_t y = span.y;
     for (std::size_t i = 0; i < out.size(); ++i) {
@@ -163,6 +168,40 @@ class SpanWalker {
       }
     }
     out.back().last = 1;
+  }
+
+  static Walked<Real> start_of(const WalkedLine& line, std::int64_t start, std::int64_t step0,
+                               std::int64_t step1) {
+    return {&line.q, line.q.value(start), {line.q_step.value(step0), line.q_step.value(step1)}};
+  }
+
+  // The channels of the same pixels.
+  void walk_channels(const SpanRecord& span, std::span<const SpanChannelRecord> channels,
+                     const PlaneRecord* plane, std::vector<FragmentChannelRecord>& out) const {
+    if (channels.empty()) return;
+    std::array<Walked<Real>, channel_limit> registers;
+    for (std::size_t k = 0; k < channels.size(); ++k) {
+      const SpanChannelRecord& from = channels[k];
+      registers[k] = start_of(walked_[fixed_lines + k], from.w, from.w_step0, from.w_step1);
+    }
+    DigitalLine line = line_along(span, plane);
+    std::int64_t x = span.x;
+    std::int64_t y = span.y;
+    for (std::int64_t i = 0; i < span.count; ++i) {
+      for (std::size_t k = 0; k < channels.size(); ++k) {
+        const WalkedLine& of = walked_[fixed_lines + k];
+        out.push_back({.triangle = span.triangle,
+                       .x = x,
+                       .y = y,
+                       .channel = channel_of(of.id),
+                       .w = of.q_kept.raw(of.q_kept(registers[k].value))});
+      }
+      const std::size_t move = line.advance(x, y);
+      for (std::size_t k = 0; k < channels.size(); ++k) registers[k].advance(move);
+    }
+  }
+  DigitalLine line_along(const SpanRecord& span, const PlaneRecord* plane) const {
+    return {plane, plane != nullptr ? q_k_.value(plane->k) : Real(0), Real(span.phase) * phase_ulp_};
   }
 
   // At most `lanes` fragments.
@@ -283,7 +322,7 @@ class SpanWalker {
 
   Perspective perspective_;
   Quantizer<Real> q_h_, q_acc_, q_edge_uv_, q_uv_, q_shade_acc_, q_shade_, q_k_;
-  std::array<WalkedLine, fixed_lines> walked_;
+  std::vector<WalkedLine> walked_;
   Real phase_ulp_, b_, least_;
   ReciprocalUnit<Real> unit_;
   int subspan_bits_;

@@ -12,10 +12,12 @@
 
 namespace bitspan::golden {
 
-// Takes spans of a triangle, its plane and the covered flags of their pixels; appends the fragments to the
-// last argument. The plane is null and the flags are empty in the modes with horizontal rows.
-using SpanStage = std::function<void(std::span<const SpanRecord>, const PlaneRecord*,
-                                     std::span<const std::uint8_t>, std::vector<FragmentRecord>&)>;
+// Takes spans of a triangle, the channels in use of each, its plane and the covered flags of their pixels;
+// appends the fragments, and their channels. The plane is null and the flags are empty in the modes with
+// horizontal rows.
+using SpanStage = std::function<void(std::span<const SpanRecord>, std::span<const SpanChannelRecord>,
+                                     const PlaneRecord*, std::span<const std::uint8_t>,
+                                     std::vector<FragmentRecord>&, std::vector<FragmentChannelRecord>&)>;
 SpanStage make_span(Arithmetic arithmetic, const Config& config, const Constants& constants);
 
 }  // namespace bitspan::golden

@@ -10,6 +10,17 @@ namespace bitspan::golden {
 
 namespace {
 
+void append_channel(std::vector<SpanChannelRecord>& channels, const SpanRecord& span, LineId id,
+                    std::int64_t w, std::int64_t step) {
+  channels.push_back({.triangle = span.triangle,
+                      .x = span.x,
+                      .y = span.y,
+                      .channel = channel_of(id),
+                      .w = w,
+                      .w_step0 = step,
+                      .w_step1 = step});
+}
+
 template <class Real>
 class SpanSetup {
  public:
@@ -20,10 +31,10 @@ class SpanSetup {
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         form_(form_of(config.row_slope)),
         unit_(config.row_reciprocal, config.format(FormatId::edge_x).fraction()) {
-    for (const Line& line : lines_of(config)) {
+    for (const Line& line : lines_of(config, constants.channels)) {
       RowLine& of = lines_.emplace_back();
       of.id = line.id;
-      of.divides = line.is_homogeneous();
+      of.divides = is_divided(line);
       of.q_end = Quantizer<Real>(config.format(line.edge.kept));
       of.q_step = Quantizer<Real>(config.format(line.row.step));
       of.q_start = Quantizer<Real>(config.format(line.row.acc));
@@ -32,7 +43,8 @@ class SpanSetup {
     }
   }
 
-  SpanRecord operator()(const RowRecord& row) const {
+  SpanRecord operator()(const RowRecord& row, std::span<const RowChannelRecord> row_channels,
+                        std::vector<SpanChannelRecord>& channels) const {
     const Real x_l = q_x_.value(row.l_x);
     const Real length = q_x_.value(row.r_x) - x_l;
     const Real pre = Real(row.x_first) + Real(0.5) - x_l;
@@ -52,6 +64,15 @@ class SpanSetup {
     const Real q_r = q_edge_h_.value(row.r_h) + b_;
     for (const RowLine& line : lines_) {
       const std::size_t i = index_of(line.id);
+      if (is_channel(line.id)) {
+        const Real from = line.q_end.value(row_channels.front().l);
+        const Real step =
+            sloped ? pixels.slope(line.q_end.value(row_channels.front().r) - from, line.q_step) : Real(0);
+        row_channels = row_channels.subspan(1);
+        append_channel(channels, out, line.id, line.q_start.raw(line.start(line.q_start, from, step, pre)),
+                       line.q_step.raw(step));
+        continue;
+      }
       const SpanFields& field = span_fields[i];
       const std::int64_t raw_l = row.*row_fields[i].l;
       Real from = line.q_end.value(raw_l);
@@ -104,8 +125,8 @@ class SpanSetup {
 template <class Real>
 class TriangleSpanSetup {
  public:
-  explicit TriangleSpanSetup(const Config& config) : vertex_(config) {
-    for (const Line& line : lines_of(config)) {
+  TriangleSpanSetup(const Config& config, const Constants& constants) : vertex_(config, constants.channels) {
+    for (const Line& line : lines_of(config, constants.channels)) {
       RisenLine& of = lines_.emplace_back();
       of.id = line.id;
       of.q_vertex = Quantizer<Real>(config.format(line.product.value_or(line.vertex)));
@@ -116,9 +137,10 @@ class TriangleSpanSetup {
     }
   }
 
-  SpanRecord operator()(const RowRecord& row, const SetupRecord& triangle,
-                        const SetupPlaneRecord& plane) const {
-    const VertexValues<Real> origin = vertex_.load(triangle, 0);
+  SpanRecord operator()(const RowRecord& row, const SetupRecord& triangle, const SetupPlaneRecord& plane,
+                        std::span<const SetupChannelRecord> of_triangle,
+                        std::vector<SpanChannelRecord>& channels) const {
+    const VertexValues<Real> origin = vertex_.load(triangle, 0, of_triangle);
     const Real right = Real(row.x_first) + Real(0.5) - origin.x;
     const Real down = Real(row.y) + Real(0.5) - origin.y;
     SpanRecord out;
@@ -130,13 +152,22 @@ class TriangleSpanSetup {
     out.v1 = plane.v1;
     for (const RisenLine& line : lines_) {
       const std::size_t i = index_of(line.id);
+      const auto start = [&](Real at, Real x, Real y) {
+        return line.q_start.raw(
+            line.q_start.sum(exact_product(x, right), exact_product(y, down), at, line.offset));
+      };
+      if (is_channel(line.id)) {
+        const Real x = line.q_gradient.value(of_triangle.front().w_x);
+        const Real y = line.q_gradient.value(of_triangle.front().w_y);
+        of_triangle = of_triangle.subspan(1);
+        append_channel(channels, out, line.id, start(origin.line[i], x, y), line.q_step.raw(line.q_step(x)));
+        continue;
+      }
       const PlaneFields<SetupPlaneRecord>& from = setup_plane_fields[i];
       const Real at =
           from.at_vertex[0] == nullptr ? origin.line[i] : line.q_vertex.value(plane.*from.at_vertex[0]);
       const Real x = line.q_gradient.value(plane.*from.x);
-      const Real y = line.q_gradient.value(plane.*from.y);
-      out.*span_fields[i].start = line.q_start.raw(
-          line.q_start.sum(exact_product(x, right), exact_product(y, down), at, line.offset));
+      out.*span_fields[i].start = start(at, x, line.q_gradient.value(plane.*from.y));
       out.*span_fields[i].step0 = out.*span_fields[i].step1 = line.q_step.raw(line.q_step(x));
     }
     return out;
@@ -165,7 +196,7 @@ class PlaneSpanSetup {
     for (const Line& line : lines_of(config)) {
       DividedLine& of = lines_.emplace_back();
       of.id = line.id;
-      of.divides = line.is_homogeneous();
+      of.divides = is_divided(line);
       of.q_start = Quantizer<Real>(config.format(line.row.acc));
       of.q_step = Quantizer<Real>(config.format(line.row.step));
       of.offset = start_offset<Real>(config, line.row);
@@ -221,10 +252,12 @@ SpanSetupStage make_span_setup(Arithmetic arithmetic, const Config& config, cons
                    [&]<class Real>() -> SpanSetupStage { return SpanSetup<Real>(config, constants); });
 }
 
-TriangleSpanSetupStage make_triangle_span_setup(Arithmetic arithmetic, const Config& config) {
+TriangleSpanSetupStage make_triangle_span_setup(Arithmetic arithmetic, const Config& config,
+                                                const Constants& constants) {
   // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): see with_real.hpp
-  return with_real(arithmetic,
-                   [&]<class Real>() -> TriangleSpanSetupStage { return TriangleSpanSetup<Real>(config); });
+  return with_real(arithmetic, [&]<class Real>() -> TriangleSpanSetupStage {
+    return TriangleSpanSetup<Real>(config, constants);
+  });
 }
 
 PlaneSpanSetupStage make_plane_span_setup(Arithmetic arithmetic, const Config& config,

@@ -21,6 +21,7 @@ std::optional<IdealTriangle> ideal_triangle(const Config& config, const Triangle
     corner.s = in.s;
     corner.u = in.u;
     corner.v = in.v;
+    corner.given = static_cast<const Attributes&>(in);
     std::copy(in.c.begin(), in.c.end(), corner.c.begin());
   }
   std::stable_sort(out.v.begin(), out.v.end(),

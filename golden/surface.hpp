@@ -20,6 +20,7 @@ struct IdealTriangle {
     std::int64_t x = 0, y = 0;  // in units of 2^-subpixel_bits pixel
     long double s = 1, u = 0, v = 0;
     std::array<long double, 4> c{};
+    Attributes given;  // of given_attributes
   };
   std::array<Corner, 3> v;
   int subpixel_bits = 0;

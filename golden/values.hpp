@@ -41,19 +41,33 @@ template <class Real>
 struct VertexFormats {
   Quantizer<Real> xy;
   std::array<Quantizer<Real>, line_count> line;
-  explicit VertexFormats(const Config& config) : xy(config.coordinate_format()) {
-    for (const Line& of : lines_of(config)) line[index_of(of.id)] = Quantizer<Real>(config.format(of.vertex));
+  std::array<Quantizer<Real>, line_count> product;  // of homogeneous channels
+  explicit VertexFormats(const Config& config, const std::vector<LineId>& channels = {})
+      : xy(config.coordinate_format()) {
+    for (const Line& of : lines_of(config, channels)) {
+      line[index_of(of.id)] = Quantizer<Real>(config.format(of.vertex));
+      if (of.product) product[index_of(of.id)] = Quantizer<Real>(config.format(*of.product));
+    }
   }
   const Quantizer<Real>& operator[](LineId id) const { return line[index_of(id)]; }
 
-  VertexValues<Real> load(const SetupRecord& record, std::size_t vertex) const {
+  // channels: the triangle's records of them; a homogeneous one is what is interpolated, w (h + B).
+  VertexValues<Real> load(const SetupRecord& record, std::size_t vertex,
+                          std::span<const SetupChannelRecord> channels = {}) const {
     const auto raw = raw_values(record).subspan(first_vertex_field + vertex_fields * vertex);
     VertexValues<Real> out{xy.value(raw[0]), xy.value(raw[1]), {}};
     for (std::size_t i = 0; i < fixed_lines; ++i) out.line[i] = line[i].value(raw[2 + i]);
+    for (const SetupChannelRecord& channel : channels) {
+      const std::size_t i = index_of(channel_line(channel.channel));
+      const bool homogeneous = line_of(channel_line(channel.channel), {}).is_homogeneous();
+      out.line[i] = homogeneous ? product[i].value(channel.*channel_products[vertex])
+                                : line[i].value(channel.*channel_vertices[vertex]);
+    }
     return out;
   }
-  std::array<VertexValues<Real>, 3> load(const SetupRecord& record) const {
-    return {load(record, 0), load(record, 1), load(record, 2)};
+  std::array<VertexValues<Real>, 3> load(const SetupRecord& record,
+                                         std::span<const SetupChannelRecord> channels = {}) const {
+    return {load(record, 0, channels), load(record, 1, channels), load(record, 2, channels)};
   }
   void store(const VertexValues<Real>& v, SetupRecord& record, std::size_t vertex) const {
     const auto raw = mutable_raw_values(record).subspan(first_vertex_field + vertex_fields * vertex);

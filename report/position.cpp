@@ -18,12 +18,13 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 DistanceOfCode::DistanceOfCode(const Config& config, const Scene& scene)
     : depth_code_(config.depth_code), largest_(std::exp2(config.depth_bits) - 1), bits_(config.depth_bits) {
-  const auto [record, exponent] = golden::make_constants(config, scene);
+  const golden::Constants constants = golden::make_constants(config, scene);
+  const ConstantsRecord& record = constants.record;
   const auto value = [&](std::int64_t raw, FormatId id) {
     return std::ldexp(static_cast<double>(raw), -config.format(id).fraction());
   };
   b_ = value(record.b, FormatId::setup_b);
-  a_ = std::ldexp(b_ * value(record.s_max, FormatId::setup_s), exponent);
+  a_ = std::ldexp(b_ * value(record.s_max, FormatId::setup_s), constants.s_exponent);
   c1_ = value(record.c1, FormatId::depth_c1);
   c0_ = value(record.c0, FormatId::depth_c0);
   w_step_ = std::exp2(config.depth_bits - w_float_exponent_bits);

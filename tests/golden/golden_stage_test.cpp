@@ -33,7 +33,7 @@ FogRecord fogged(Arithmetic arithmetic, const Config& c, const Constants& k, con
   const FragmentRecord* fragment = &f;
   const TextureRecord* texture = &t;
   std::vector<FogRecord> out;
-  make_fog(arithmetic, c, k, scene)({&fragment, 1}, {&texture, 1}, {}, out);
+  make_fog(arithmetic, c, k, scene)({&fragment, 1}, {&texture, 1}, {}, {}, out);
   return out.at(0);
 }
 MergeRecord merged_onto(const std::array<std::uint8_t, 3>& stored, Arithmetic arithmetic, const Config& c,

@@ -123,7 +123,8 @@ TEST(Precision, ConstructedWorstCaseOfTheVertexDepth) {
     std::sort(h.begin(), h.end());
     for (const Width width : {Width::f64, Width::x87, Width::quad}) {
       for (const bool checked : {false, true}) {
-        const auto record = make_setup({width, checked}, c, k)(t, 0);
+        std::vector<SetupChannelRecord> channels;
+        const auto record = make_setup({width, checked}, c, k)(t, 0, channels);
         if (!record) continue;
         std::array<Int, 3> got{record->h0, record->h1, record->h2};
         std::sort(got.begin(), got.end());
@@ -205,7 +206,8 @@ TEST(Precision, ExtremeInputs) {
   t.v[1] = {{1e308, 0, 2}, {1e308, -1e308}};
   t.v[2] = {{0, 9, 2}, {-1e-10, -5e-324}};
   for (const Width width : {Width::f64, Width::x87, Width::quad}) {
-    const auto r = make_setup({width, false}, c, k)(t, 0);
+    std::vector<SetupChannelRecord> channels;
+    const auto r = make_setup({width, false}, c, k)(t, 0, channels);
     ASSERT_TRUE(r);
     EXPECT_EQ(r->u0, -1) << to_string(width);
     EXPECT_EQ(r->v0, 0);

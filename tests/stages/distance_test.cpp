@@ -55,7 +55,7 @@ struct Worked {
     const TextureRecord* textures = &t;
     const DistanceRecord* distances = &distance;
     golden::make_fog({golden::Width::quad, true}, config, golden::make_constants(config, scene), scene)(
-        {&fragments, 1}, {&textures, 1}, {&distances, 1}, same);
+        {&fragments, 1}, {&textures, 1}, {&distances, 1}, {}, same);
     EXPECT_EQ(same, std::vector{out});
     return out;
   }

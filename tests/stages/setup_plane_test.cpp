@@ -37,7 +37,7 @@ struct Planed {
     EXPECT_TRUE(model::setup(pipeline.setup, t, 3, setup));
     plane = model::setup_plane(pipeline.setup_plane, setup);
     const golden::Constants constants = golden::make_constants(c, scene);
-    EXPECT_EQ(golden::make_setup_plane({golden::Width::quad, true}, c, constants)(setup), plane.record);
+    EXPECT_EQ(golden::make_setup_plane({golden::Width::quad, true}, c, constants)(setup, {}), plane.record);
     model::Rows rows;
     model::PlaneWalkState walk;
     Trace trace;
@@ -45,10 +45,11 @@ struct Planed {
     EXPECT_EQ(trace.setup_plane, std::vector{plane.record});
     edges = trace.edge;
     this->rows = trace.row;
-    const auto span = golden::make_triangle_span_setup({golden::Width::quad, true}, c);
+    const auto span = golden::make_triangle_span_setup({golden::Width::quad, true}, c, constants);
+    std::vector<SpanChannelRecord> channels;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       spans.push_back(model::row_to_span(pipeline, rows, i, counters));
-      EXPECT_EQ(span(rows.rows[i], setup, plane.record), spans.back());
+      EXPECT_EQ(span(rows.rows[i], setup, plane.record, {}, channels), spans.back());
     }
   }
   double value(std::int64_t raw, FormatId id) const { return decoded(raw, config.format(id)); }

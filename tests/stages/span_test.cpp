@@ -92,7 +92,8 @@ TEST(Span, SubspansOfEveryRowEqualGoldens) {
       row.v1 = encoded(3, c.format(FormatId::edge_uv));
       const auto fragments = walk(stage, row);
       std::vector<FragmentRecord> expected;
-      golden(std::array{row}, nullptr, {}, expected);
+      std::vector<FragmentChannelRecord> channels;
+      golden(std::array{row}, {}, nullptr, {}, expected, channels);
       ASSERT_EQ(fragments, expected) << bits << " " << count;
       std::int64_t divides = 0;
       for (const FragmentRecord& f : fragments) divides += f.recip_m != 0 ? 1 : 0;

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/channel.hpp"
+
+namespace bitspan::golden {
+
+namespace {
+
+bool asks_for(const Scene& /*scene*/, LineId channel) {
+  switch (channel) {
+    case LineId::fog:
+    case LineId::h:
+    case LineId::fu:
+    case LineId::fv:
+    case LineId::r:
+    case LineId::g:
+    case LineId::b:
+    case LineId::a:
+    case LineId::count:
+      break;
+  }
+  unreachable();  // no channel
+}
+
+}  // namespace
+
+std::vector<LineId> channels_in_use(const Config& config, const Scene& scene) {
+  std::vector<LineId> out;
+  for (const int channel : ChannelList(config)) {
+    if (asks_for(scene, channel_line(channel))) out.push_back(channel_line(channel));
+  }
+  return out;
+}
+
+std::int64_t channel_at(LineId channel, const Vertex& /*vertex*/, const Constants& /*constants*/,
+                        const Quantizer<Quad>& /*q*/) {
+  switch (channel) {
+    case LineId::fog:
+    case LineId::h:
+    case LineId::fu:
+    case LineId::fv:
+    case LineId::r:
+    case LineId::g:
+    case LineId::b:
+    case LineId::a:
+    case LineId::count:
+      break;
+  }
+  unreachable();  // no channel
+}
+
+}  // namespace bitspan::golden

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// The channels of a scene: which of them are in use, and what each is at a vertex. docs/numeric-spec.md,
+// "Channels".
+#pragma once
+
+#include <vector>
+
+#include "config/lines.hpp"
+#include "golden/constants.hpp"
+#include "golden/quantize.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan::golden {
+
+std::vector<LineId> channels_in_use(const Config& config, const Scene& scene);
+
+// Returns Q of the value at a vertex as a raw value; q is that of the channel's register there.
+std::int64_t channel_at(LineId channel, const Vertex& vertex, const Constants& constants,
+                        const Quantizer<Quad>& q);
+
+}  // namespace bitspan::golden
