@@ -62,6 +62,22 @@ std::optional<std::size_t> place_of(const Trace& trace, const RecordCopy& record
   return std::nullopt;
 }
 
+// The records of a channel that led to its record r of the pixel, in front of that one, which stands at
+// `end`.
+void add_channel(const Trace& trace, const RecordView& view, std::size_t r, std::size_t end, Touch& touch) {
+  const auto record = view.record(r);
+  auto level = upstream_of(trace, view.type, record, r);
+  while (!level.empty()) {
+    std::erase_if(level, [](const RecordCopy& c) { return !row_of(c.type).per_channel(); });
+    if (level.empty()) break;
+    touch.records.insert(touch.records.begin() + static_cast<std::ptrdiff_t>(end), level.begin(),
+                         level.end());
+    const RecordCopy lowest = touch.records[end + level.size() - 1];
+    if (level.size() > 1) break;  // of the row and of the triangle: all there is
+    level = upstream_of(trace, lowest.type, lowest.values, place_of(trace, lowest));
+  }
+}
+
 // The records of one batch that touch the pixel.
 void collect(const Trace& trace, std::int64_t x, std::int64_t y, Story& story) {
   const RecordView fragments = view_of(trace, RecordType::fragment);
@@ -99,8 +115,11 @@ void collect(const Trace& trace, std::int64_t x, std::int64_t y, Story& story) {
       for (std::size_t r = 0; r < view.records; ++r) {
         const auto record = view.record(r);
         if (record[triangle_at] == f.triangle && record[x_at] == x && record[y_at] == y) {
+          const std::size_t end = touch.records.size();
           touch.records.push_back({stage.type, "", {record.begin(), record.end()}});
-          break;
+          // Of a channel, what led to it stands in front.
+          if (stage.per_channel()) add_channel(trace, view, r, end, touch);
+          if (!stage.per_channel()) break;
         }
       }
     }

@@ -6,12 +6,15 @@
 #include <utility>
 
 #include "config/grid.hpp"
+#include "config/lines.hpp"
 #include "config/modes.hpp"
 #include "config/pixel_timing.hpp"
 #include "config/reciprocal.hpp"
 
 namespace bitspan {
 namespace {
+
+using F = FormatId;
 
 std::string describe(const Format& f) {
   return std::string(f.is_signed ? "fixed<" : "ufixed<") + std::to_string(f.word) + "," +
@@ -132,8 +135,77 @@ Grid with_offset(Grid g, const StartOffset& offset, const Format& accumulator) {
   return g + aligned(signed_grid(accumulator), accumulator.fraction() + 1);
 }
 
+Grid with_offset(const Config& c, Grid g, const LineWalk& walk) {
+  return walk.offset == nullptr ? g : with_offset(g, c.start_offset.*walk.offset, c.format(walk.acc));
+}
+
+// What stands for the lines of one arithmetic in expressions: h, r for the shades, w for a channel.
+struct LinearLine {
+  std::string w;
+  Line line;
+};
+LinearLine linear_line(const Config& c, LineId id, std::string w) {
+  return {std::move(w), line_of(id, c.perspective)};
+}
+
+// A linear line along an edge: its slope; its start, its steps, and what is kept of them.
+void edge_slope(const Config& c, List& list, const std::string& stage, const LinearLine& l, Grid dy,
+                const Unit& unit) {
+  const Grid vertex = list.of(l.line.walked());
+  list.slope(stage, l.w + "_step", "(" + l.w + "2 - " + l.w + "1)", {l.line.walked(), l.line.edge.step},
+             vertex - vertex, dy, c.edge_slope, unit, l.line.edge.step);
+}
+void walk_of_edge(const Config& c, List& list, const std::string& stage, const LinearLine& l, Grid t) {
+  const auto& [w, line] = l;
+  const LineWalk& walk = line.edge;
+  const std::string offset = walk.offset == nullptr ? "" : " + offset";
+  list.value(stage, w + "_acc = " + w + "1 + " + w + "_step t0" + offset,
+             {line.walked(), walk.step, walk.acc},
+             with_offset(c, list.of(line.walked()) + list.of(walk.step) * t, walk), walk.acc);
+  list.value(stage, w + "_acc + " + w + "_step", {walk.acc, walk.step},
+             list.of(walk.acc) + list.of(walk.step), walk.acc);
+  if (walk.kept != walk.acc) {
+    list.value(stage, w + " = " + w + "_acc", {walk.acc, walk.kept}, list.of(walk.acc), walk.kept);
+  }
+}
+// The gradients of a linear line.
+void plane_gradient(List& list, const std::string& stage, const LinearLine& l, Grid d) {
+  const Grid w = list.of(l.line.walked());
+  list.quotient(stage, l.w + "_x = nx(" + l.w + ") / area", {l.line.walked(), l.line.gradient},
+                (w - w) * d - (w - w) * d, d * d - d * d, l.line.gradient);
+}
+// Its slope between a row's ends and its start; its start on the triangle's plane; its steps along the row.
+void row_from_ends(const Config& c, List& list, const std::string& stage, const LinearLine& l, Grid length,
+                   Grid p, SlopeForm form, const Unit& unit) {
+  const auto& [w, line] = l;
+  const F end = line.edge.kept;
+  const std::string offset = line.row.offset == nullptr ? "" : " + offset";
+  list.slope(stage, w + "_step", "(" + w + "_r - " + w + "_l)", {end, F::edge_x, line.row.step},
+             list.of(end) - list.of(end), length, form, unit, line.row.step);
+  list.value(stage, w + " = " + w + "_l + " + w + "_step p" + offset,
+             {end, line.row.step, F::edge_x, line.row.acc},
+             with_offset(c, list.of(end) + list.of(line.row.step) * p, line.row), line.row.acc);
+}
+void row_from_plane(const Config& c, List& list, const std::string& stage, const std::string& w, F from,
+                    const Line& line, Grid centre) {
+  const Grid g = list.of(line.gradient);
+  const std::string offset = line.row.offset == nullptr ? "" : " + offset";
+  list.value(stage, w + " = " + w + "0 + " + w + "_x X + " + w + "_y Y" + offset,
+             {from, line.gradient, line.row.acc},
+             with_offset(c, list.of(from) + g * centre + g * centre, line.row), line.row.acc);
+  list.value(stage, w + "_step = " + w + "_x", {line.gradient, line.row.step}, g, line.row.step);
+}
+void steps_of_row(List& list, const std::string& stage, const LinearLine& l) {
+  const auto& [w, line] = l;
+  const LineWalk& walk = line.row;
+  list.value(stage, w + " + " + w + "_step", {walk.acc, walk.step}, list.of(walk.acc) + list.of(walk.step),
+             walk.acc);
+  if (walk.kept != walk.acc) {
+    list.value(stage, w + " = " + w + " register", {walk.acc, walk.kept}, list.of(walk.acc), walk.kept);
+  }
+}
+
 void constants(const Config& c, List& list) {
-  using F = FormatId;
   const Grid hmax{c.depth_bits, 0, true};
   const Grid s = list.of(F::setup_s);
   list.quotient("constants", "B = hmax s_min' / (s_max' - s_min')", {F::setup_s, F::setup_b}, hmax * s, s - s,
@@ -149,11 +221,9 @@ void constants(const Config& c, List& list) {
 }
 
 void setup_edge(const Config& c, List& list, const Unit& edge_unit, Grid coordinate) {
-  using F = FormatId;
   const Grid dy = coordinate - coordinate;
   const Grid h = list.of(F::setup_h);
   const Grid uv = list.of(F::setup_uv);
-  const Grid shade = list.of(F::setup_shade);
   const bool affine = has_linear_edges(c.perspective);
   const bool by_plane = has_setup_plane(c);
   if (shares_reciprocal(c.edge_slope) && (!by_plane || has_x_step(c))) list.unit(edge_unit);
@@ -164,8 +234,7 @@ void setup_edge(const Config& c, List& list, const Unit& edge_unit, Grid coordin
     }
     return;
   }
-  list.slope("setup.edge", "h_step", "(h2 - h1)", {F::setup_h, F::edge_h_step}, h - h, dy, c.edge_slope,
-             edge_unit, F::edge_h_step);
+  edge_slope(c, list, "setup.edge", linear_line(c, LineId::h, "h"), dy, edge_unit);
   if (has_x_step(c)) {
     list.slope("setup.edge", "x_step", "(x2 - x1)", {F::edge_x_step}, dy, dy, c.edge_slope, edge_unit,
                F::edge_x_step);
@@ -179,12 +248,10 @@ void setup_edge(const Config& c, List& list, const Unit& edge_unit, Grid coordin
   }
   list.slope("setup.edge", "fu_step", "fu_diff", {F::edge_f_diff, F::edge_f_step}, list.of(F::edge_f_diff),
              dy, c.edge_slope, edge_unit, F::edge_f_step);
-  list.slope("setup.edge", "r_step", "(r2 - r1)", {F::setup_shade, F::edge_shade_step}, shade - shade, dy,
-             c.edge_slope, edge_unit, F::edge_shade_step);
+  edge_slope(c, list, "setup.edge", linear_line(c, LineId::r, "r"), dy, edge_unit);
 }
 
 void setup_plane(const Config& c, List& list, const Unit& area_unit, Grid coordinate) {
-  using F = FormatId;
   const Grid d = coordinate - coordinate;
   const Grid area = d * d - d * d;
   const Grid uv = list.of(F::setup_uv);
@@ -212,15 +279,8 @@ void setup_plane(const Config& c, List& list, const Unit& area_unit, Grid coordi
 }
 
 void end_values(const Config& c, List& list, const Unit& pixel_unit, Grid t) {
-  using F = FormatId;
   const bool affine = has_linear_edges(c.perspective);
-  list.value("edge_walk", "h_acc = h1 + h_step t0 + offset", {F::setup_h, F::edge_h_step, F::edge_h_acc},
-             with_offset(list.of(F::setup_h) + list.of(F::edge_h_step) * t, c.start_offset.edge_h,
-                         c.format(F::edge_h_acc)),
-             F::edge_h_acc);
-  list.value("edge_walk", "h_acc + h_step", {F::edge_h_acc, F::edge_h_step},
-             list.of(F::edge_h_acc) + list.of(F::edge_h_step), F::edge_h_acc);
-  list.value("edge_walk", "h = h_acc", {F::edge_h_acc, F::edge_h}, list.of(F::edge_h_acc), F::edge_h);
+  walk_of_edge(c, list, "edge_walk", linear_line(c, LineId::h, "h"), t);
   Grid f = list.of(F::edge_f_step) * t;
   if (affine) f = f + list.of(F::setup_uv);
   list.value("edge_walk", affine ? "fu = u1 + fu_step t0 + offset" : "fu = fu_step t0 + offset",
@@ -228,15 +288,7 @@ void end_values(const Config& c, List& list, const Unit& pixel_unit, Grid t) {
              with_offset(f, c.start_offset.edge_f, c.format(F::edge_f)), F::edge_f);
   list.value("edge_walk", "fu + fu_step", {F::edge_f, F::edge_f_step},
              list.of(F::edge_f) + list.of(F::edge_f_step), F::edge_f);
-  list.value("edge_walk", "r_acc = r1 + r_step t0 + offset",
-             {F::setup_shade, F::edge_shade_step, F::edge_shade_acc},
-             with_offset(list.of(F::setup_shade) + list.of(F::edge_shade_step) * t, c.start_offset.edge_shade,
-                         c.format(F::edge_shade_acc)),
-             F::edge_shade_acc);
-  list.value("edge_walk", "r_acc + r_step", {F::edge_shade_acc, F::edge_shade_step},
-             list.of(F::edge_shade_acc) + list.of(F::edge_shade_step), F::edge_shade_acc);
-  list.value("edge_walk", "r = r_acc", {F::edge_shade_acc, F::edge_shade}, list.of(F::edge_shade_acc),
-             F::edge_shade);
+  walk_of_edge(c, list, "edge_walk", linear_line(c, LineId::r, "r"), t);
   if (affine) {
     list.value("edge_walk", "u = fu", {F::edge_f, F::edge_uv}, list.of(F::edge_f), F::edge_uv);
   } else {
@@ -249,7 +301,6 @@ void end_values(const Config& c, List& list, const Unit& pixel_unit, Grid t) {
 }
 
 void edge_walk(const Config& c, List& list, const Unit& pixel_unit, Grid coordinate) {
-  using F = FormatId;
   // t = y + 1/2 - y1
   const Grid t = Grid{coordinate.integer, 1, true} - coordinate;
   if (!has_setup_plane(c)) end_values(c, list, pixel_unit, t);
@@ -276,7 +327,6 @@ void edge_walk(const Config& c, List& list, const Unit& pixel_unit, Grid coordin
 }
 
 void plane_walk(const Config& c, List& list, Grid coordinate) {
-  using F = FormatId;
   const Grid d = coordinate - coordinate;
   const Grid area = d * d - d * d;
   const auto n = [&d](Grid w) { return (w - w) * d - (w - w) * d; };
@@ -290,8 +340,7 @@ void plane_walk(const Config& c, List& list, Grid coordinate) {
                 F::plane_h_grad);
   list.quotient("plane_walk", "gu_x = nx(gu) / area", {F::plane_g, F::plane_g_grad}, n(g), area,
                 F::plane_g_grad);
-  list.quotient("plane_walk", "r_x = nx(r) / area", {F::setup_shade, F::plane_shade_grad}, n(shade), area,
-                F::plane_shade_grad);
+  plane_gradient(list, "plane_walk", linear_line(c, LineId::r, "r"), d);
   list.quotient("plane_walk", "k = -nx(h) / ny(h)", {F::setup_h, F::plane_k}, n(h), n(h), F::plane_k);
   const Grid centre = d + Grid{d.integer, 1, true};                           // Mc - M0, Np - N0
   const Grid line = centre + Grid{coordinate.integer + 1, k.fraction, true};  // Nl - N0: |k| <= 1
@@ -319,26 +368,17 @@ void plane_walk(const Config& c, List& list, Grid coordinate) {
 
 // span_setup, where slope.row = plane.
 void span_of_plane(const Config& c, List& list, Grid coordinate) {
-  using F = FormatId;
   // From a vertex to a pixel's centre.
   const Grid centre = Grid{coordinate.integer, 1, true} - coordinate;
-  const auto line = [&](const std::string& w, F from, F gradient, const StartOffset& offset, F acc, F step) {
-    const Grid g = list.of(gradient);
-    list.value("span_setup", w + " = " + w + "0 + " + w + "_x X + " + w + "_y Y + offset",
-               {from, gradient, acc},
-               with_offset(list.of(from) + g * centre + g * centre, offset, c.format(acc)), acc);
-    list.value("span_setup", w + "_step = " + w + "_x", {gradient, step}, g, step);
+  const auto line = [&](const std::string& w, LineId id, F from) {
+    row_from_plane(c, list, "span_setup", w, from, line_of(id, c.perspective), centre);
   };
-  const bool linear = has_linear_texture(c.perspective);
-  line("h", F::setup_h, F::plane_h_grad, c.start_offset.span_h, F::span_h, F::span_h_step);
-  line("fu", F::plane_g, F::plane_g_grad, c.start_offset.span_f, linear ? F::span_uv_acc : F::span_f,
-       linear ? F::span_uv_step : F::span_f_step);
-  line("r", F::setup_shade, F::plane_shade_grad, c.start_offset.span_shade, F::span_shade_acc,
-       F::span_shade_step);
+  line("h", LineId::h, F::setup_h);
+  line("fu", LineId::fu, F::plane_g);
+  line("r", LineId::r, F::setup_shade);
 }
 
 void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordinate) {
-  using F = FormatId;
   if (has_plane_rows(c.perspective)) {
     list.unit(row_unit);
     const Format& acc = c.format(F::span_uv_acc);
@@ -360,12 +400,7 @@ void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordina
   if (shares_reciprocal(form)) list.unit(row_unit);
   const Grid h = list.of(F::edge_h);
   const Grid uv = list.of(F::edge_uv);
-  const Grid shade = list.of(F::edge_shade);
-  list.slope("span_setup", "h_step", "(h_r - h_l)", {F::edge_h, F::edge_x, F::span_h_step}, h - h, length,
-             form, row_unit, F::span_h_step);
-  list.value("span_setup", "h = h_l + h_step p + offset", {F::edge_h, F::span_h_step, F::edge_x, F::span_h},
-             with_offset(h + list.of(F::span_h_step) * p, c.start_offset.span_h, c.format(F::span_h)),
-             F::span_h);
+  row_from_ends(c, list, "span_setup", linear_line(c, LineId::h, "h"), length, p, form, row_unit);
   const Grid q = h + list.of(F::setup_b);
   if (has_linear_edges(c.perspective)) {
     list.slope("span_setup", "fu_step", "(u_r - u_l)", {F::edge_uv, F::edge_x, F::span_uv_step}, uv - uv,
@@ -390,17 +425,10 @@ void span_setup(const Config& c, List& list, const Unit& row_unit, Grid coordina
                {F::span_f_diff, F::span_f_step, F::edge_x, F::span_f},
                with_offset(start, c.start_offset.span_f, c.format(F::span_f)), F::span_f);
   }
-  list.slope("span_setup", "r_step", "(r_r - r_l)", {F::edge_shade, F::edge_x, F::span_shade_step},
-             shade - shade, length, form, row_unit, F::span_shade_step);
-  list.value("span_setup", "r = r_l + r_step p + offset",
-             {F::edge_shade, F::span_shade_step, F::edge_x, F::span_shade_acc},
-             with_offset(shade + list.of(F::span_shade_step) * p, c.start_offset.span_shade,
-                         c.format(F::span_shade_acc)),
-             F::span_shade_acc);
+  row_from_ends(c, list, "span_setup", linear_line(c, LineId::r, "r"), length, p, form, row_unit);
 }
 
 void span(const Config& c, List& list, const Unit& pixel_unit) {
-  using F = FormatId;
   const Grid q = list.of(F::span_h) + list.of(F::setup_b);
   switch (c.perspective) {
     case Perspective::delta_f: {
@@ -419,20 +447,64 @@ void span(const Config& c, List& list, const Unit& pixel_unit) {
       list.value("span", "u = fu", {F::span_uv_acc, F::span_uv}, list.of(F::span_uv_acc), F::span_uv);
       break;
   }
-  const bool linear_uv = has_linear_texture(c.perspective);
-  const F acc = linear_uv ? F::span_uv_acc : F::span_f;
-  const F step = linear_uv ? F::span_uv_step : F::span_f_step;
-  list.value("span", "h + h_step", {F::span_h, F::span_h_step}, list.of(F::span_h) + list.of(F::span_h_step),
-             F::span_h);
-  list.value("span", "fu + fu_step", {acc, step}, list.of(acc) + list.of(step), acc);
-  list.value("span", "r + r_step", {F::span_shade_acc, F::span_shade_step},
-             list.of(F::span_shade_acc) + list.of(F::span_shade_step), F::span_shade_acc);
-  list.value("span", "r = r register", {F::span_shade_acc, F::span_shade}, list.of(F::span_shade_acc),
-             F::span_shade);
+  const LineWalk texture = line_of(LineId::fu, c.perspective).row;
+  steps_of_row(list, "span", linear_line(c, LineId::h, "h"));
+  list.value("span", "fu + fu_step", {texture.acc, texture.step},
+             list.of(texture.acc) + list.of(texture.step), texture.acc);
+  steps_of_row(list, "span", linear_line(c, LineId::r, "r"));
+}
+
+// The channels, stage by stage.
+std::vector<LinearLine> channel_lines(const Config& c) {
+  std::vector<LinearLine> out;
+  for (const int channel : ChannelList(c)) out.push_back(linear_line(c, channel_line(channel), "w"));
+  return out;
+}
+void setup_channels(const Config& c, List& list, const Unit& edge_unit, const Unit& area_unit,
+                    Grid coordinate) {
+  const Grid d = coordinate - coordinate;
+  for (const LinearLine& l : channel_lines(c)) {
+    if (l.line.is_homogeneous()) {
+      list.value("setup.channel", "f = w (h + B)", {l.line.vertex, F::setup_h, F::setup_b, *l.line.product},
+                 list.of(l.line.vertex) * (list.of(F::setup_h) + list.of(F::setup_b)), *l.line.product);
+    }
+    if (has_plane_rows(c.perspective)) {
+      plane_gradient(list, "setup.channel", l, d);
+    } else if (has_setup_plane(c)) {
+      const Grid rise = list.of(l.line.walked()) - list.of(l.line.walked());
+      list.slope("setup.channel", "w_x", "nx(w)", {l.line.walked(), l.line.gradient}, rise * d - rise * d,
+                 d * d - d * d, c.edge_slope, area_unit, l.line.gradient);
+    } else {
+      edge_slope(c, list, "setup.channel", l, d, edge_unit);
+    }
+  }
+}
+void edge_walk_channels(const Config& c, List& list, Grid coordinate) {
+  if (has_plane_rows(c.perspective) || has_setup_plane(c)) return;
+  const Grid t = Grid{coordinate.integer, 1, true} - coordinate;
+  for (const LinearLine& l : channel_lines(c)) walk_of_edge(c, list, "edge_walk.channel", l, t);
+}
+void span_setup_channels(const Config& c, List& list, const Unit& row_unit, Grid coordinate) {
+  const Grid centre = Grid{coordinate.integer, 1, true} - coordinate;
+  for (const LinearLine& l : channel_lines(c)) {
+    if (has_plane_rows(c.perspective) || has_setup_plane(c)) {
+      row_from_plane(c, list, "span_setup.channel", l.w, l.line.walked(), l.line, centre);
+    } else {
+      row_from_ends(c, list, "span_setup.channel", l, list.of(F::edge_x) - list.of(F::edge_x),
+                    Grid{coordinate.integer, 1, true} - list.of(F::edge_x), form_of(c.row_slope), row_unit);
+    }
+    if (has_plane_rows(c.perspective)) {
+      const Grid g = list.of(l.line.gradient);
+      list.value("span_setup.channel", "w_step1 = w_M + sg w_N", {l.line.gradient, l.line.row.step}, g + g,
+                 l.line.row.step);
+    }
+  }
+}
+void span_channels(const Config& c, List& list) {
+  for (const LinearLine& l : channel_lines(c)) steps_of_row(list, "span.channel", l);
 }
 
 void depth(const Config& c, List& list, const Unit& pixel_unit) {
-  using F = FormatId;
   const Grid h = list.of(F::span_h);
   switch (c.depth_code) {
     case DepthCode::inverse:
@@ -463,7 +535,6 @@ void depth(const Config& c, List& list, const Unit& pixel_unit) {
 }
 
 void gradients(List& list, Grid coordinate) {
-  using F = FormatId;
   const Grid d = coordinate - coordinate;
   const Grid area = d * d - d * d;
   const auto n = [&d](Grid w) { return (w - w) * d - (w - w) * d; };
@@ -482,7 +553,6 @@ bool span_or_depth_has_unit(const Config& c) {
 
 // s of a stage.
 void along_axis(const Config& c, List& list, const Unit& pixel_unit, const std::string& stage) {
-  using F = FormatId;
   if (!span_or_depth_has_unit(c)) list.unit(pixel_unit);
   list.value(stage, "A' = B s_max'", {F::setup_b, F::setup_s, F::distance_a},
              list.of(F::setup_b) * list.of(F::setup_s), F::distance_a);
@@ -491,7 +561,6 @@ void along_axis(const Config& c, List& list, const Unit& pixel_unit, const std::
 }
 
 void distance(const Config& c, List& list, const Unit& pixel_unit) {
-  using F = FormatId;
   along_axis(c, list, pixel_unit, "distance");
   if (!has_true_distance(c)) return;
   list.value("distance", "d = s G", {F::distance_s, F::distance_g, F::distance_d},
@@ -499,7 +568,6 @@ void distance(const Config& c, List& list, const Unit& pixel_unit) {
 }
 
 void lod(const Config& c, List& list, const Unit& pixel_unit, const Unit& neighbour_unit) {
-  using F = FormatId;
   const Grid bias{6, 4, true};
   const Grid level{6, 1, true};
   list.value("lod", "lambda - level", {F::lod_lambda, F::lod_frac}, list.of(F::lod_lambda) - level,
@@ -538,7 +606,6 @@ void lod(const Config& c, List& list, const Unit& pixel_unit, const Unit& neighb
 }
 
 void texture(const Config& c, List& list) {
-  using F = FormatId;
   const Grid code{8, 0, true};
   const Grid mix = list.of(F::texture_mix);
   const Grid alpha = list.of(F::texture_alpha);
@@ -572,7 +639,6 @@ void texture(const Config& c, List& list) {
 }
 
 void texture_second(List& list) {
-  using F = FormatId;
   const Grid code{8, 0, true};
   const Grid mix = list.of(F::texture_mix);
   const Grid alpha = list.of(F::texture_alpha);
@@ -593,7 +659,6 @@ void texture_second(List& list) {
 }
 
 void fog(const Config& c, List& list, const Unit& pixel_unit) {
-  using F = FormatId;
   const Grid color = list.of(F::texture_color);
   if (!has_fog(c.fog)) {
     list.value("fog", "r = r of texture", {F::texture_color, F::fog_color}, color, F::fog_color);
@@ -618,7 +683,6 @@ void fog(const Config& c, List& list, const Unit& pixel_unit) {
 }
 
 void merge(List& list) {
-  using F = FormatId;
   const Grid dst{8, 0, true};
   list.value("merge", "r = dst_r + (r - dst_r) a", {F::fog_color, F::texture_alpha, F::merge_color},
              dst + (list.of(F::fog_color) - dst) * list.of(F::texture_alpha), F::merge_color);
@@ -627,7 +691,6 @@ void merge(List& list) {
 }  // namespace
 
 std::vector<ExactIntermediate> exact_intermediates(const Config& c) {
-  using F = FormatId;
   List list(c);
   const Grid coordinate = signed_grid(c.coordinate_format());
   const bool rows_of_depth = has_plane_rows(c.perspective);
@@ -646,15 +709,21 @@ std::vector<ExactIntermediate> exact_intermediates(const Config& c) {
   constants(c, list);
   list.value("setup", "area = (x1-x0)(y2-y0) - (x2-x0)(y1-y0)", {}, dy * dy - dy * dy, Format{1, 1, true},
              "raster");
+  if (!rows_of_depth) {
+    setup_edge(c, list, edge_unit, coordinate);
+    if (has_setup_plane(c)) setup_plane(c, list, area_unit, coordinate);
+  }
+  setup_channels(c, list, edge_unit, area_unit, coordinate);
   if (rows_of_depth) {
     plane_walk(c, list, coordinate);
   } else {
-    setup_edge(c, list, edge_unit, coordinate);
-    if (has_setup_plane(c)) setup_plane(c, list, area_unit, coordinate);
     edge_walk(c, list, edge_pixel_unit, coordinate);
+    edge_walk_channels(c, list, coordinate);
   }
   span_setup(c, list, row_unit, coordinate);
+  span_setup_channels(c, list, row_unit, coordinate);
   span(c, list, pixel_unit);
+  span_channels(c, list);
   depth(c, list, pixel_unit);
   if (has_setup_gradients(c)) gradients(list, coordinate);
   if (has_distance(c)) distance(c, list, pixel_unit);

@@ -47,6 +47,8 @@ struct Line {
   std::optional<FormatId> product = std::nullopt;
 
   constexpr bool is_homogeneous() const { return divisor.has_value(); }
+  // What is interpolated from: the product, or the vertex itself.
+  constexpr FormatId walked() const { return is_homogeneous() ? *product : vertex; }
 };
 
 constexpr Line line_of(LineId id, Perspective perspective) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "config/lines.hpp"
 #include "config/modes.hpp"
 
 namespace bitspan {
@@ -23,6 +24,11 @@ void check_draws_rows(const Config& config, const AnyRow& row) {
     throw InputError(
         "slope.row = plane starts a row from the plane of a triangle, and a row of edge_walk has none; "
         "legal: draw triangles or rows of span_setup, or slope.row divide, reciprocal");
+  }
+  if (ChannelList(config).size() > 0) {
+    throw InputError(
+        "the configuration has channels, which are interpolated over a triangle, and a row has none; "
+        "legal: draw triangles, or another fog.mode");
   }
   if (has_dz(config.depth_code)) {
     refuse_gradients("depth.code = " + std::string(to_string(config.depth_code)), "another depth.code");

@@ -81,6 +81,20 @@ class OverriddenModel final : public Engine, public RowEngine {
     deliver(trace_, out);
   }
 
+  // The hooks and the records of the channels in use; in: the records that feed them.
+  template <class In, class Record>
+  void finish_channels(const model::PerChannel<In>& in, model::PerChannel<Record>& out) const {
+    for (std::size_t c = 0; c < run_.pipeline.channels.in_use.size(); ++c) finish(in[c], out[c]);
+  }
+  void set_up_channels(const Triangle& triangle, const SetupRecord& vertices, const model::Edges* edges) {
+    if (!run_.pipeline.channels.any()) return;
+    channels_ = model::setup_channels(run_.pipeline.channels, triangle, vertices, edges, &plane_);
+    run_.counters.divides_edge += static_cast<std::uint64_t>(channels_.divides);
+    model::PerChannel<SetupRecord> in;
+    in.fill(vertices);
+    finish_channels(in, channels_.record);
+  }
+
   void draw_one(const Triangle& triangle, std::int64_t index) {
     ++run_.counters.triangles;
     SetupRecord vertices;
@@ -95,13 +109,14 @@ class OverriddenModel final : public Engine, public RowEngine {
       if (!run_.pipeline.const_depth_rows) run_.counters.divides_edge += model::divides_per_gradients;
     }
     if (run_.pipeline.const_depth_rows) {
-      draw_planes(vertices);
+      draw_planes(triangle, vertices);
     } else {
-      draw_rows(vertices);
+      draw_rows(triangle, vertices);
     }
   }
 
-  void draw_planes(const SetupRecord& vertices) {
+  void draw_planes(const Triangle& triangle, const SetupRecord& vertices) {
+    set_up_channels(triangle, vertices, nullptr);
     model::start_plane_walk(run_.pipeline.plane_walk, vertices, walk_);
     deliver(trace_, walk_.record);
     run_.counters.divides_edge += model::divides_per_plane;
@@ -115,7 +130,7 @@ class OverriddenModel final : public Engine, public RowEngine {
     }
   }
 
-  void draw_rows(const SetupRecord& vertices) {
+  void draw_rows(const Triangle& triangle, const SetupRecord& vertices) {
     model::Edges edges = model::setup_edges(run_.pipeline.setup, vertices);
     const auto with_height = std::span(edges.edge).first(static_cast<std::size_t>(edges.count));
     run_.counters.divides_edge +=
@@ -126,6 +141,7 @@ class OverriddenModel final : public Engine, public RowEngine {
       finish(vertices, plane_.record);
       run_.counters.divides_edge += static_cast<std::uint64_t>(run_.pipeline.setup_plane.divides_per_plane);
     }
+    set_up_channels(triangle, vertices, &edges);
     model::EdgeWalkState state = model::start_edge_walk(run_.pipeline.edge_walk, vertices, edges);
     RowRecord row;
     while (!finished(state)) {
@@ -133,6 +149,10 @@ class OverriddenModel final : public Engine, public RowEngine {
       ++run_.counters.rows;
       run_.counters.divides_edge += static_cast<std::uint64_t>(run_.pipeline.edge_walk.divides_per_row);
       finish(*std::ranges::find(with_height, row.l_edge, &EdgeRecord::edge), row);
+      if (run_.pipeline.channels.any() && !run_.pipeline.by_plane) {
+        row_channels_ = model::row_channels(run_.pipeline.channels, channels_, row);
+        finish_channels(channels_.record, row_channels_);
+      }
       draw_span(row);
     }
   }
@@ -143,6 +163,8 @@ class OverriddenModel final : public Engine, public RowEngine {
         run_.pipeline.by_plane ? model::span_setup(run_.pipeline.span_setup, row, plane_, span)
                                : model::span_setup(run_.pipeline.span_setup, row, span));
     finish(row, span);
+    const bool has_ends = !run_.pipeline.by_plane;
+    start_channels(span, has_ends ? &row : nullptr, has_ends ? &row_channels_ : nullptr);
     draw_fragments(span);
   }
   void draw_span(const PlaneRowRecord& row) {
@@ -150,7 +172,18 @@ class OverriddenModel final : public Engine, public RowEngine {
     run_.counters.divides_row +=
         static_cast<std::uint64_t>(model::span_setup(run_.pipeline.span_setup, row, walk_.geometry, span));
     finish(row, span);
+    start_channels(span, nullptr, nullptr);
     draw_fragments(span);
+  }
+
+  void start_channels(const SpanRecord& span, const RowRecord* row, const model::RowChannels* ends) {
+    if (!run_.pipeline.channels.any()) return;
+    const model::PlaneGeometry* geometry = run_.pipeline.const_depth_rows ? &walk_.geometry : nullptr;
+    model::SpanChannels start =
+        model::span_channels(run_.pipeline.channels, channels_, span, row, ends, geometry);
+    run_.counters.divides_row += static_cast<std::uint64_t>(start.divides);
+    finish_channels(channels_.record, start.record);
+    channel_walk_ = {.geometry = geometry, .span = start.record};
   }
 
   void draw_fragments(const SpanRecord& span) {
@@ -164,7 +197,13 @@ class OverriddenModel final : public Engine, public RowEngine {
       const std::int64_t covered = fragment.covered;
       finish(span, fragment);
       count_covered(fragment.covered - covered);
-      if (fragment.covered == 1) drawing.draw(fragment);
+      model::FragmentChannels channels;
+      if (run_.pipeline.channels.any()) {
+        const auto of_span = channel_walk_.span;
+        channels = model::fragment_channels(run_.pipeline.channels, channel_walk_, fragment);
+        finish_channels(of_span, channels);
+      }
+      if (fragment.covered == 1) drawing.draw(fragment, &channels);
     }
   }
   void count_covered(std::int64_t more) {
@@ -182,6 +221,9 @@ class OverriddenModel final : public Engine, public RowEngine {
   // Of the triangle under way.
   GradientRecord gradient_;
   model::TrianglePlane plane_;
+  model::TriangleChannels channels_;
+  model::RowChannels row_channels_;
+  model::ChannelWalk channel_walk_;
   // Reused from triangle to triangle.
   model::PlaneWalkState walk_;
   std::vector<PlaneRowRecord> plane_rows_;

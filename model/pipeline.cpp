@@ -47,6 +47,7 @@ void prepare_view(Pipeline& p, const Config& config, const Scene& scene, Watch w
   p.plane_walk = prepare_plane_walk(config, p.constants, scene.width, scene.height);
   p.span_setup = prepare_span_setup(config, p.constants);
   p.span = prepare_span(config, p.constants);
+  p.channels = prepare_channels(config, p.constants, scene);
   p.depth = prepare_depth(config, p.constants);
   if (p.has_distance) p.distance = prepare_distance(config, p.constants, scene, watch);
   if (p.has_lod) p.lod = prepare_lod(config, p.constants, watch);
@@ -188,6 +189,14 @@ void check_triangle(const View& view, std::size_t textures, const Triangle& tria
         refuse_vertex(index, i, "colour or alpha " + text(c) + " is outside 0..1");
       }
     }
+    for (const GivenAttribute& given : given_attributes) {
+      if (given.is_given(triangle.v) && !given.is_legal(v.*given.member)) {
+        refuse_vertex(index, i,
+                      std::string(given.key) + " " + text(v.*given.member) + " is not legal, " +
+                          (given.range == AttributeRange::unit ? "0..1" : "a finite number") +
+                          " is needed, or none at all three");
+      }
+    }
   }
   if (triangle.texture >= static_cast<std::int64_t>(textures)) {
     throw InputError("triangle " + std::to_string(index) + ": texture " + std::to_string(triangle.texture) +
@@ -202,7 +211,24 @@ void Rows::clear() {
   plane_of.clear();
   gradients.clear();
   triangle_planes.clear();
+  triangle_channels.clear();
+  row_channels.clear();
 }
+
+namespace {
+
+template <class Watch>
+void add_channels(const Pipeline& pipeline, const Triangle& triangle, const SetupRecord& vertices,
+                  const Edges* edges, Rows& out, Counters& counters, Trace* trace, Watch watch) {
+  if (!pipeline.channels.any()) return;
+  const TrianglePlane* plane = pipeline.by_plane ? &out.triangle_planes.back() : nullptr;
+  out.triangle_channels.push_back(setup_channels(pipeline.channels, triangle, vertices, edges, plane, watch));
+  const TriangleChannels& made = out.triangle_channels.back();
+  counters.divides_edge += static_cast<std::uint64_t>(made.divides);
+  deliver_channels(trace, pipeline.channels, made.record);
+}
+
+}  // namespace
 
 template <class Watch>
 bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::int64_t index,
@@ -220,6 +246,7 @@ bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::i
     if (!pipeline.const_depth_rows) counters.divides_edge += divides_per_gradients;
   }
   if (pipeline.const_depth_rows) {
+    add_channels(pipeline, triangle, vertices, nullptr, out, counters, trace, watch);
     start_plane_walk(pipeline.plane_walk, vertices, walk, watch);
     deliver(trace, walk.record);
     const auto plane = static_cast<std::int32_t>(out.planes.size());
@@ -246,6 +273,8 @@ bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::i
     counters.divides_edge += static_cast<std::uint64_t>(pipeline.setup_plane.divides_per_plane);
     deliver(trace, out.triangle_planes.back().record);
   }
+  add_channels(pipeline, triangle, vertices, &edges, out, counters, trace, watch);
+  const bool ends_have_channels = pipeline.channels.any() && !pipeline.by_plane;
   EdgeWalkState state = start_edge_walk(pipeline.edge_walk, vertices, edges);
   RowRecord row;
   while (!finished(state)) {
@@ -254,6 +283,10 @@ bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::i
       ++counters.rows;
       counters.divides_edge += static_cast<std::uint64_t>(pipeline.edge_walk.divides_per_row);
       deliver(trace, row);
+      if (ends_have_channels) {
+        out.row_channels.push_back(row_channels(pipeline.channels, out.triangle_channels.back(), row, watch));
+        deliver_channels(trace, pipeline.channels, out.row_channels.back());
+      }
     }
   }
   return true;
@@ -284,6 +317,30 @@ const GradientRecord* gradient_of(const Rows& rows, std::int64_t triangle) {
 const TrianglePlane& triangle_plane_of(const Rows& rows, std::int64_t triangle) {
   return *std::ranges::lower_bound(rows.triangle_planes, triangle, {},
                                    [](const TrianglePlane& p) { return p.record.triangle; });
+}
+
+TriangleChannels& triangle_channels_of(Rows& rows, std::int64_t triangle) {
+  return *std::ranges::lower_bound(rows.triangle_channels, triangle, {},
+                                   [](const TriangleChannels& c) { return c.setup.triangle; });
+}
+
+template <class Watch>
+void channels_of_row(const Pipeline& pipeline, Rows& rows, std::size_t i, const SpanRecord& span,
+                     std::span<const FragmentRecord> fragments, std::vector<FragmentChannels>& out,
+                     Counters& counters, Trace* trace, Watch watch) {
+  const PlaneGeometry* geometry = geometry_of(rows, i);
+  const bool has_ends = !rows.row_channels.empty();
+  const SpanChannels start = span_channels(pipeline.channels, triangle_channels_of(rows, span.triangle), span,
+                                           has_ends ? &rows.rows[i] : nullptr,
+                                           has_ends ? &rows.row_channels[i] : nullptr, geometry, watch);
+  counters.divides_row += static_cast<std::uint64_t>(start.divides);
+  deliver_channels(trace, pipeline.channels, start.record);
+  ChannelWalk walk{.geometry = geometry, .span = start.record};
+  out.clear();
+  for (const FragmentRecord& fragment : fragments) {
+    out.push_back(fragment_channels(pipeline.channels, walk, fragment, watch));
+    deliver_channels(trace, pipeline.channels, out.back());
+  }
 }
 
 const PlaneGeometry* geometry_of(const Rows& rows, std::size_t i) {
@@ -340,12 +397,12 @@ template <class Watch>
 void fragments_to_frame(const Pipeline& pipeline, const Scene& scene,
                         std::span<const FragmentRecord> fragments, const Surface& surface,
                         const GradientRecord* gradient, Frame& frame, Counters& counters, Trace* trace,
-                        Watch watch) {
+                        Watch watch, std::span<const FragmentChannels> channels) {
   const auto finish = [trace](const auto& /*in*/, const auto& out) { deliver(trace, out); };
   FragmentDrawing<decltype(finish), Watch> drawing{
       pipeline, texture_of(scene, surface.texture), gradient, surface.back, frame, counters, finish, watch};
-  for (const FragmentRecord& fragment : fragments) {
-    if (fragment.covered != 0) drawing.draw(fragment);
+  for (std::size_t i = 0; i < fragments.size(); ++i) {
+    if (fragments[i].covered != 0) drawing.draw(fragments[i], channels.empty() ? nullptr : &channels[i]);
   }
 }
 
@@ -353,7 +410,7 @@ template <class Watch>
 void draw_triangles(const Pipeline& pipeline, const Scene& scene, std::span<const Triangle> triangles,
                     std::int64_t first_index, DrawBuffers& buffers, Frame& frame, Counters& counters,
                     Trace* trace, Watch watch) {
-  auto& [rows, walk, fragments] = buffers;
+  auto& [rows, walk, fragments, channels] = buffers;
   std::int64_t index = first_index;
   for (const Triangle& triangle : triangles) {
     check_triangle(scene, triangle, index);
@@ -366,8 +423,11 @@ void draw_triangles(const Pipeline& pipeline, const Scene& scene, std::span<cons
       span_to_fragments(pipeline, span, geometry_of(rows, i), fragments, counters, watch);
       deliver(trace, span);
       deliver_all(trace, fragments);
+      if (pipeline.channels.any()) {
+        channels_of_row(pipeline, rows, i, span, fragments, channels, counters, trace, watch);
+      }
       fragments_to_frame(pipeline, scene, fragments, surface, gradient_of(rows, index), frame, counters,
-                         trace, watch);
+                         trace, watch, channels);
     }
     ++index;
   }
@@ -458,12 +518,17 @@ template bool fragment_texture(const Pipeline&, const FragmentRecord&, const Tex
                                TextureRecord&, NoObserve);
 template bool fragment_texture_second(const Pipeline&, const FragmentRecord&, const LodRecord&,
                                       const TextureRecord&, TextureSecondRecord&, NoObserve);
+template void channels_of_row(const Pipeline&, Rows&, std::size_t, const SpanRecord&,
+                              std::span<const FragmentRecord>, std::vector<FragmentChannels>&, Counters&,
+                              Trace*, NoObserve);
 template void fragments_to_frame(const Pipeline&, const Scene&, std::span<const FragmentRecord>,
-                                 const Surface&, const GradientRecord*, Frame&, Counters&, Trace*, NoObserve);
+                                 const Surface&, const GradientRecord*, Frame&, Counters&, Trace*, NoObserve,
+                                 std::span<const FragmentChannels>);
 template void draw_triangles(const Pipeline&, const Scene&, std::span<const Triangle>, std::int64_t,
                              DrawBuffers&, Frame&, Counters&, Trace*, NoObserve);
 template void fragments_to_frame(const Pipeline&, const Scene&, std::span<const FragmentRecord>,
-                                 const Surface&, const GradientRecord*, Frame&, Counters&, Trace*, Observe);
+                                 const Surface&, const GradientRecord*, Frame&, Counters&, Trace*, Observe,
+                                 std::span<const FragmentChannels>);
 template void draw_triangles(const Pipeline&, const Scene&, std::span<const Triangle>, std::int64_t,
                              DrawBuffers&, Frame&, Counters&, Trace*, Observe);
 

@@ -18,6 +18,7 @@
 #include "engine/records.hpp"
 #include "engine/rows.hpp"
 #include "model/mip_chain.hpp"
+#include "model/stages/channel.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/depth.hpp"
 #include "model/stages/distance.hpp"
@@ -47,6 +48,7 @@ struct Pipeline {
   PlaneWalkStage plane_walk;
   SpanSetupStage span_setup;
   SpanStage span;
+  ChannelStage channels;
   DepthStage depth;
   bool has_distance = false, has_lod = false, has_gradients = false;  // as in config/modes.hpp
   DistanceStage distance;
@@ -63,13 +65,13 @@ struct Pipeline {
   // `state` differs from the first one in registers at most that it does not look at.
   bool acts_as_first = true;
 
-  // Without levels of textures, distances and gradients.
-  bool is_plain() const { return !has_lod && !has_distance && !has_gradients; }
+  // Without levels of textures, distances, gradients and channels.
+  bool is_plain() const { return !has_lod && !has_distance && !has_gradients && !channels.any(); }
   // Whether the vector form draws its short way: in a state that acts as the first one does, to pixels whose
   // alpha is 255, in a plain pipeline.
   bool draws_in_lanes(const Frame& frame) const { return acts_as_first && frame.full_alpha && is_plain(); }
   // Whether it draws in this state at all.
-  bool takes_lanes() const { return !const_depth_rows; }
+  bool takes_lanes() const { return !const_depth_rows && !channels.any(); }
 };
 
 // Gives the stages the registers of a draw state; scene: whose textures it names.
@@ -121,6 +123,9 @@ struct Rows {
   std::vector<std::int32_t> plane_of;     // index into planes, one a plane row
   std::vector<GradientRecord> gradients;  // where depth or lod takes them: one per triangle that has an area
   std::vector<TrianglePlane> triangle_planes;  // slope.row = plane: one per triangle that has an area
+  // Where channels are in use: one per triangle that has an area, and one per row whose ends carry values.
+  std::vector<TriangleChannels> triangle_channels;
+  std::vector<RowChannels> row_channels;
   std::size_t size() const { return rows.size() + plane_rows.size(); }
   void clear();
 };
@@ -140,6 +145,8 @@ SpanRecord row_to_span(const Pipeline& pipeline, const Rows& rows, std::size_t i
 const GradientRecord* gradient_of(const Rows& rows, std::int64_t triangle);
 // The plane of a triangle by its index, where slope.row = plane.
 const TrianglePlane& triangle_plane_of(const Rows& rows, std::int64_t triangle);
+// The channels of a triangle by its index, where some are in use.
+TriangleChannels& triangle_channels_of(Rows& rows, std::int64_t triangle);
 // The digital line of row i for start_span; null in the other modes.
 const PlaneGeometry* geometry_of(const Rows& rows, std::size_t i);
 // Step two, second half: appends the span's fragments. Counts fragments, covered, divides_pixel,
@@ -147,6 +154,18 @@ const PlaneGeometry* geometry_of(const Rows& rows, std::size_t i);
 template <class Watch = NoObserve>
 void span_to_fragments(const Pipeline& pipeline, const SpanRecord& span, const PlaneGeometry* geometry,
                        std::vector<FragmentRecord>& out, Counters& counters, Watch watch = {});
+
+// Both halves of step two for the channels in use: of row i with its span and its fragments, which `out` then
+// has one entry per. Counts divides_row. With a trace, appends span_setup.channel and span.channel.
+template <class Watch = NoObserve>
+void channels_of_row(const Pipeline& pipeline, Rows& rows, std::size_t i, const SpanRecord& span,
+                     std::span<const FragmentRecord> fragments, std::vector<FragmentChannels>& out,
+                     Counters& counters, Trace* trace, Watch watch = {});
+// Appends the records of the channels in use to a trace.
+template <class Record>
+void deliver_channels(Trace* trace, const ChannelStage& stage, const PerChannel<Record>& records) {
+  deliver_all(trace, std::span(records).first(stage.in_use.size()));
+}
 
 // lod and texture of a fragment; texture null for none, gradient and distance as for lod. There is lod only
 // where textures have mip chains.
@@ -224,8 +243,8 @@ struct FragmentDrawing {
     if (texel.killed == 1) ++counters.killed;
     return texel.killed == 0;
   }
-  // A fragment that covers its pixel.
-  void draw(const FragmentRecord& fragment) {
+  // A fragment that covers its pixel; channels: where some are in use.
+  void draw(const FragmentRecord& fragment, const FragmentChannels* channels = nullptr) {
     if (!is_drawn(pipeline, fragment)) {
       ++counters.masked;
       return;
@@ -236,7 +255,7 @@ struct FragmentDrawing {
     } else {
       if (!passes(fragment, at) || !lives(fragment)) return;
     }
-    fog(pipeline.fog, fragment, far, texel, fogged, watch);
+    fog(pipeline.fog, fragment, far, texel, fogged, watch, channels);
     finish(fragment, fogged);
     std::uint8_t* const color = frame.color.data() + 4 * at;
     merge(pipeline.merge, z, texel, fogged, {color[0], color[1], color[2], color[3]}, merged, watch);
@@ -252,19 +271,20 @@ struct FragmentDrawing {
 };
 
 // Step three: depth to merge of fragments of one triangle, in the order of the draw state; gradient as
-// gradient_of gives it. With a trace, appends the records of these stages. Counts masked, stencil_failed,
-// depth_passed, killed, written.
+// gradient_of gives it; channels: of each fragment, where some are in use. With a trace, appends the records
+// of these stages. Counts masked, stencil_failed, depth_passed, killed, written.
 template <class Watch = NoObserve>
 void fragments_to_frame(const Pipeline& pipeline, const Scene& scene,
                         std::span<const FragmentRecord> fragments, const Surface& surface,
                         const GradientRecord* gradient, Frame& frame, Counters& counters, Trace* trace,
-                        Watch watch = {});
+                        Watch watch = {}, std::span<const FragmentChannels> channels = {});
 
 // Buffers to reuse from triangle to triangle.
 struct DrawBuffers {
   Rows rows;
   PlaneWalkState walk;
   std::vector<FragmentRecord> fragments;
+  std::vector<FragmentChannels> channels;
 };
 // The three steps for triangles in order, one fragment after another, in any draw state. Throws InputError as
 // check_triangle does.

@@ -67,8 +67,23 @@ std::vector<std::size_t> span_of_fragment(const Trace& trace, std::size_t ordina
   return {};
 }
 
-// The places of the records of one type that feed `fed`.
-std::vector<std::size_t> feeders_of(const Trace& trace, const RecordView& feeders, const Fed& fed) {
+// The starts of the span that a record of a pixel's channel lies on. One of a row is found by its fragments.
+std::vector<std::size_t> starts_of_channel(const Trace& trace, const Fed& fed) {
+  const RecordView starts = view_of(trace, RecordType::span_channel);
+  if (!fed.ordinal || trace.fragment.empty() || trace.span.empty()) return {};
+  const std::size_t channels = trace.fragment_channel.size() / trace.fragment.size();
+  if (channels == 0) return {};
+  std::vector<std::size_t> out;
+  for (const std::size_t span : span_of_fragment(trace, *fed.ordinal / channels)) {
+    for (std::size_t c = 0; c < channels; ++c) {
+      if (channels * span + c < starts.records) out.push_back(channels * span + c);
+    }
+  }
+  return out;
+}
+
+// The places of the records of one type that feed `fed`, of all channels.
+std::vector<std::size_t> feeders_in(const Trace& trace, const RecordView& feeders, const Fed& fed) {
   switch (row_of(feeders.type).per) {
     case Per::scene:
       return with_same(feeders, fed, {});
@@ -84,12 +99,27 @@ std::vector<std::size_t> feeders_of(const Trace& trace, const RecordView& feeder
         const bool known = fed.ordinal && *fed.ordinal < feeders.records;
         return known ? std::vector{*fed.ordinal} : std::vector<std::size_t>{};
       }
-      if (feeders.type == RecordType::span && fed.ordinal) return span_of_fragment(trace, *fed.ordinal);
+      if (feeders.type == RecordType::span && fed.type == RecordType::fragment && fed.ordinal) {
+        return span_of_fragment(trace, *fed.ordinal);
+      }
+      if (feeders.type == RecordType::span_channel) return starts_of_channel(trace, fed);
+      if (feeders.type == RecordType::span) return with_same(feeders, fed, {"triangle", "x", "y"});
       return with_same(feeders, fed, {"triangle", "y"});
     case Per::pixel:
       return with_same(feeders, fed, {"triangle", "x", "y"});
   }
   return {};
+}
+
+// The same, of the channel of `fed` where it is of one.
+std::vector<std::size_t> feeders_of(const Trace& trace, const RecordView& feeders, const Fed& fed) {
+  std::vector<std::size_t> found = feeders_in(trace, feeders, fed);
+  if (row_of(feeders.type).per_channel() && row_of(fed.type).per_channel()) {
+    std::erase_if(found, [&](std::size_t i) {
+      return channel_of(feeders.type, feeders.record(i)) != channel_of(fed.type, fed.record);
+    });
+  }
+  return found;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "config/grid.hpp"
+#include "config/lines.hpp"
 #include "config/modes.hpp"
 #include "config/reciprocal.hpp"
 #include "config/rtl_timing.hpp"
@@ -95,6 +96,11 @@ constexpr std::string_view kTwoBilinear = "texture.mip = linear, texture.filter 
 constexpr std::string_view kPixelUnit =
     "delta_f, or depth.code = linear, or fog.mode = linear, distance, log, or lod.mode = zone_s, zone_d, "
     "gradient";
+constexpr std::string_view kChannel = "channel in use";
+constexpr std::string_view kChannelEnds =
+    "channel in use, all modes but const_depth_rows, slope.row = divide, reciprocal";
+constexpr std::string_view kChannelPlanes = "channel in use, const_depth_rows or slope.row = plane";
+constexpr std::string_view kChannelPlaneRows = "channel in use, const_depth_rows";
 constexpr std::string_view kEnds = "delta_f, hyperbolic";
 constexpr std::string_view kDividedEnds = "delta_f, hyperbolic, slope.row = divide, reciprocal";
 
@@ -116,8 +122,32 @@ RegisterRule rule(std::string_view stage, int times, std::string_view condition,
   return {stage, key_of(id), times, condition, used, word<id>};
 }
 
+// The registers of a channel, of which every triangle and row in the pipeline has its own.
+template <int channel>
+void add_channel(std::vector<RegisterRule>& rules) {
+  static constexpr LineId id = channel_line(channel);
+  constexpr bitspan::Line line = line_of(id, Perspective{});
+  const auto used = [](const Config& c) { return has_channel(c, id); };
+  const auto at_ends = [](const Config& c) { return has_channel(c, id) && row_ends(c); };
+  const auto on_plane = [](const Config& c) { return has_channel(c, id) && !row_ends(c); };
+  const auto in_plane_rows = [](const Config& c) { return has_channel(c, id) && plane_rows(c); };
+  rules.push_back(rule<line.vertex>("setup.channel", 3, kChannel, used));
+  if constexpr (line.is_homogeneous()) {
+    rules.push_back(rule<line.walked()>("setup.channel", 3, kChannel, used));
+  }
+  rules.push_back(rule<line.edge.step>("setup.channel", 3, kChannelEnds, at_ends));
+  rules.push_back(rule<line.gradient>("setup.channel", 2, kChannelPlanes, on_plane));
+  rules.push_back(rule<line.edge.acc>("edge_walk.channel", 2, kChannelEnds, at_ends));
+  if constexpr (line.edge.kept != line.edge.acc) {
+    rules.push_back(rule<line.edge.kept>("edge_walk.channel", 2, kChannelEnds, at_ends));
+  }
+  rules.push_back(rule<line.row.step>("span_setup.channel", 1, kChannel, used));
+  rules.push_back(rule<line.row.step>("span_setup.channel", 1, kChannelPlaneRows, in_plane_rows));
+  rules.push_back(rule<line.row.acc>("span.channel", 1, kChannel, used));
+}
+
 std::vector<RegisterRule> make_rules() {
-  return {
+  std::vector<RegisterRule> rules{
       // s_min' and s_max'
       rule<F::setup_s>("constants", 2, kAlways, always),
       rule<F::setup_b>("constants", 1, kAlways, always),
@@ -228,6 +258,9 @@ std::vector<RegisterRule> make_rules() {
       rule<F::merge_color>("merge", 3, kAlways, always),
       rule<F::merge_color>("merge", 1, "rtl.blend = equation", blends_by_equation),
   };
+  [&]<int... channel>(std::integer_sequence<int, channel...>) { (add_channel<channel>(rules), ...); }
+  (std::make_integer_sequence<int, channel_limit>{});
+  return rules;
 }
 
 // The reciprocal units that stand in the pipeline, by the stage that has them.
@@ -271,6 +304,7 @@ class Products {
       add("setup.gradient", "nx(h), ny(h)", at(F::setup_h) - at(F::setup_h), between_coordinates(), 4);
       add("setup.gradient", "nx(gu), ny(gu)", at(F::plane_g) - at(F::plane_g), between_coordinates(), 8);
     }
+    for (const int channel : ChannelList(c_)) add_channel(line_of(channel_line(channel), c_.perspective));
     pixel();
     return std::move(list_);
   }
@@ -371,6 +405,32 @@ class Products {
     add("span_setup", "h_x X, h_y Y", at(F::plane_h_grad), from_vertex(), 2);
     add("span_setup", "fu_x X, fu_y Y", at(F::plane_g_grad), from_vertex(), 4);
     add("span_setup", "r_x X, r_y Y", at(F::plane_shade_grad), from_vertex(), 8);
+  }
+
+  void add_channel(const bitspan::Line& line) {
+    const Grid w = at(line.walked()), end = at(line.edge.kept);
+    if (line.is_homogeneous()) {
+      add("setup.channel", "w (h + B)", at(line.vertex), depth_sum(c_, F::setup_h), 1);
+    }
+    if (!row_ends(c_)) {
+      const Grid d = between_coordinates();
+      add("setup.channel", "nx(w), ny(w)", w - w, d, 4);
+      if (plane_unit(c_)) {
+        add("setup.channel", "nx(w) m, ny(w) m", (w - w) * d - (w - w) * d,
+            grid_of(c_.edge_reciprocal.output), 2);
+      }
+      add("span_setup.channel", "w_x X, w_y Y", at(line.gradient), from_vertex(), 2);
+      return;
+    }
+    if (edge_unit(c_)) {
+      add("setup.channel", "(w2 - w1) m", w - w, grid_of(c_.edge_reciprocal.output), 1);
+    }
+    add("edge_walk.channel", "w_step t0", at(line.edge.step), rows_down(), 1);
+    if (row_unit(c_)) {
+      add("span_setup.channel", "(w_r - w_l) m", end - end, grid_of(c_.row_reciprocal.output), 1);
+    }
+    add("span_setup.channel", "w_step p", at(line.row.step),
+        Grid{pixel_index_bits(c_) - 1, 1, false} - at(F::edge_x), 1);
   }
 
   void plane_walk() {

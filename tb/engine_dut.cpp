@@ -138,6 +138,7 @@ class DutEngine final : public Engine {
     if (batch_.rows.size() == 0) return;
     spans_.clear();
     fragments_.clear();
+    channels_.clear();
     std::vector<std::size_t> ends;
     for (std::size_t i = 0; i < batch_.rows.size(); ++i) {
       spans_.push_back(model::row_to_span(run_.pipeline, batch_.rows, i, run_.counters));
@@ -145,6 +146,11 @@ class DutEngine final : public Engine {
       model::span_to_fragments(run_.pipeline, spans_.back(), model::geometry_of(batch_.rows, i),
                                row_fragments_, run_.counters);
       fragments_.insert(fragments_.end(), row_fragments_.begin(), row_fragments_.end());
+      if (run_.pipeline.channels.any()) {
+        model::channels_of_row(run_.pipeline, batch_.rows, i, spans_.back(), row_fragments_, row_channels_,
+                               run_.counters, trace);
+        channels_.insert(channels_.end(), row_channels_.begin(), row_channels_.end());
+      }
       ends.push_back(fragments_.size());
     }
     const std::size_t expected = delivers_pixels() ? fragments_.size() : spans_.size();
@@ -162,18 +168,20 @@ class DutEngine final : public Engine {
         deliver(trace, replaced(spans_[i], i, false));
       }
       row_fragments_.clear();
+      row_channels_.clear();
       for (std::size_t p = from; p < ends[i]; ++p) {
         FragmentRecord f = fragments_[p];
         deliver(trace, delivers_pixels() ? replaced(f, p, false) : f);
         if (delivers_pixels()) f = replaced(f, p, true);
         // A wrong position is a difference of the record, not a write outside the frame.
-        if (f.x >= 0 && f.x < run_.frame.width && f.y >= 0 && f.y < run_.frame.height)
-          row_fragments_.push_back(f);
+        if (f.x < 0 || f.x >= run_.frame.width || f.y < 0 || f.y >= run_.frame.height) continue;
+        row_fragments_.push_back(f);
+        if (!channels_.empty()) row_channels_.push_back(channels_[p]);
       }
       from = ends[i];
       model::fragments_to_frame(run_.pipeline, *run_.scene, row_fragments_, batch_.surfaces[i],
                                 model::gradient_of(batch_.rows, spans_[i].triangle), run_.frame,
-                                run_.counters, trace);
+                                run_.counters, trace, model::NoObserve{}, row_channels_);
     }
     // Records that no row asked for; no other engine has them.
     for (std::size_t i = expected; i < delivered; ++i) {
@@ -299,6 +307,7 @@ class DutEngine final : public Engine {
   RowBatch batch_;
   std::vector<SpanRecord> spans_;
   std::vector<FragmentRecord> fragments_, row_fragments_;
+  std::vector<model::FragmentChannels> channels_, row_channels_;  // of these, where channels are in use
 };
 
 }  // namespace

@@ -122,15 +122,17 @@ class RtlEngine final : public Engine {
       const SpanRecord modelled = model::row_to_span(run_.pipeline, batch_.rows, i, run_.counters);
       fragments_.clear();
       model::span_to_fragments(run_.pipeline, modelled, geometry, fragments_, run_.counters);
+      if (run_.pipeline.channels.any()) {
+        model::channels_of_row(run_.pipeline, batch_.rows, i, modelled, fragments_, channels_, run_.counters,
+                               trace);
+      }
       if (i < result.spans.size()) deliver(trace, replaced(modelled, result.spans[i], geometry));
       const std::span pixels = std::span(result.pixels).subspan(pixel, fragments_.size());
       replace(fragments_, modelled, pixels, geometry);
       pixel += fragments_.size();
       deliver_all(trace, fragments_);
       // A wrong position is a difference of the record, not a write outside the frame.
-      std::erase_if(fragments_, [&](const FragmentRecord& f) {
-        return f.x < 0 || f.x >= run_.frame.width || f.y < 0 || f.y >= run_.frame.height;
-      });
+      keep_inside();
       shade(batch_.surfaces[i], trace);
       last = {modelled, geometry};
     }
@@ -138,6 +140,18 @@ class RtlEngine final : public Engine {
     covered_.clear();
     deliver_surplus(result, pixel, last, trace);
     batch_.clear();
+  }
+
+  void keep_inside() {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < fragments_.size(); ++i) {
+      const FragmentRecord& f = fragments_[i];
+      if (f.x < 0 || f.x >= run_.frame.width || f.y < 0 || f.y >= run_.frame.height) continue;
+      fragments_[kept] = f;
+      if (!channels_.empty()) channels_[kept] = channels_[i];
+      ++kept;
+    }
+    fragments_.resize(kept);
   }
 
   // The fragments of a row from depth to the frame: on the RTL's way, or by the model where it has none.
@@ -156,7 +170,7 @@ class RtlEngine final : public Engine {
       return;
     }
     model::fragments_to_frame(run_.pipeline, *run_.scene, fragments_, surface, gradient, run_.frame,
-                              run_.counters, trace);
+                              run_.counters, trace, model::NoObserve{}, channels_);
   }
 
   struct LastSpan {
@@ -245,7 +259,8 @@ class RtlEngine final : public Engine {
   RowBatch batch_;
   std::vector<RtlInputs> inputs_;
   std::vector<FragmentRecord> fragments_;
-  std::vector<RtlPixels::Fragment> covered_;  // on their way to the pixel stages
+  std::vector<model::FragmentChannels> channels_;  // of these, where channels are in use
+  std::vector<RtlPixels::Fragment> covered_;       // on their way to the pixel stages
 };
 
 }  // namespace

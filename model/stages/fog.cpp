@@ -245,7 +245,7 @@ FogFactor fog_factor(const FogStage& stage, const FragmentRecord& fragment, cons
 
 template <class Watch>
 void fog(const FogStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
-         const TextureRecord& texture, FogRecord& out, Watch watch) {
+         const TextureRecord& texture, FogRecord& out, Watch watch, const FragmentChannels* /*channels*/) {
   namespace text = HWY_NAMESPACE;
   const FogFormats& formats = stage;
   const FogFactor found = fog_factor(stage, fragment, distance, watch);
@@ -278,8 +278,8 @@ template FogStage prepare_fog(const Config&, const Constants&, const Scene&, Obs
 template FogFactor fog_factor(const FogStage&, const FragmentRecord&, const DistanceRecord&, NoObserve);
 template FogFactor fog_factor(const FogStage&, const FragmentRecord&, const DistanceRecord&, Observe);
 template void fog(const FogStage&, const FragmentRecord&, const DistanceRecord&, const TextureRecord&,
-                  FogRecord&, NoObserve);
+                  FogRecord&, NoObserve, const FragmentChannels*);
 template void fog(const FogStage&, const FragmentRecord&, const DistanceRecord&, const TextureRecord&,
-                  FogRecord&, Observe);
+                  FogRecord&, Observe, const FragmentChannels*);
 
 }  // namespace bitspan::model

@@ -11,6 +11,7 @@
 #include "engine/records.hpp"
 #include "model/numeric/integers.hpp"
 #include "model/numeric/reciprocal.hpp"
+#include "model/stages/channel.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/distance.hpp"
 #include "model/stages/span.hpp"
@@ -70,10 +71,12 @@ template <class Watch = NoObserve>
 FogFactor fog_factor(const FogStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
                      Watch watch = {});
 
-// A fragment that the texture stage let live; distance: read in modes distance and log.
+// A fragment that the texture stage let live; distance: read in modes distance and log. channels: of the
+// fragment, where some are in use.
 template <class Watch = NoObserve>
 void fog(const FogStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
-         const TextureRecord& texture, FogRecord& out, Watch watch = {});
+         const TextureRecord& texture, FogRecord& out, Watch watch = {},
+         const FragmentChannels* channels = nullptr);
 
 // The step of depth of h (raw, span.h): its top bits.
 std::int64_t fog_step(const FogStage& stage, std::int64_t h);

@@ -23,6 +23,11 @@ class EdgeWalk {
     ++run_.counters.rows;
     run_.counters.divides_edge += static_cast<std::uint64_t>(run_.pipeline.edge_walk.divides_per_row);
     deliver(run_.trace, item.row);
+    if (run_.pipeline.channels.any() && !run_.pipeline.by_plane) {
+      item.channels =
+          model::row_channels(run_.pipeline.channels, run_.channels_of(item.row.triangle), item.row);
+      model::deliver_channels(run_.trace, run_.pipeline.channels, item.channels);
+    }
     return true;
   }
 

@@ -8,7 +8,8 @@ namespace bitspan::timed {
 
 // The values of fog, for both modes.
 inline void fog_values(Run& run, FragmentItem& item) {
-  model::fog(run.pipeline.fog, item.fragment, item.distance, item.texel, item.fog);
+  model::fog(run.pipeline.fog, item.fragment, item.distance, item.texel, item.fog, model::NoObserve{},
+             &item.channels);
   deliver(run.trace, item.fog);
 }
 

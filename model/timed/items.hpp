@@ -27,12 +27,16 @@ struct RowItem {
   PlaneRowRecord plane_row;       // plane_walk
   model::PlaneGeometry geometry;  // plane_walk
   SpanRecord span;
+  // Where channels are in use.
+  model::RowChannels channels;      // of its ends
+  model::ChannelWalk channel_walk;  // along its span
 };
 
 struct FragmentItem {
   model::Surface surface;
   bool holds_pixel = false;  // mode cycle: as in FragmentWork
   FragmentRecord fragment;
+  model::FragmentChannels channels;  // where some are in use
   DepthRecord depth;
   DistanceRecord distance;
   StencilRecord stencil;  // with the stencil test

@@ -2,6 +2,7 @@
 // What the stages of one timed run share: the prepared stage functions, the frame, the counters, the trace.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -61,6 +62,8 @@ struct Run : model::SceneRun {
   WaitingGradients depth_gradients{has_dz(config.depth_code)}, lod_gradients{has_lod_gradients(config)};
   std::deque<model::TrianglePlane>
       planes;  // slope.row = plane: of the triangles between setup and span_setup
+  std::deque<model::TriangleChannels>
+      channels;  // where some are in use: of the triangles between setup and span_setup
   Pool<TriangleItem> triangles;
   Pool<RowItem> rows;
   Pool<FragmentItem> fragments;
@@ -69,6 +72,10 @@ struct Run : model::SceneRun {
   std::vector<std::uint64_t> pixel_free;
   static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
 
+  model::TriangleChannels& channels_of(std::int64_t triangle) {
+    return *std::ranges::lower_bound(channels, triangle, {},
+                                     [](const model::TriangleChannels& c) { return c.setup.triangle; });
+  }
   std::size_t pixel(const FragmentRecord& fragment) const { return pixel_of(frame, fragment); }
   // The fragment's texture, null for none.
   const Texture* image(const FragmentItem& item) const {

@@ -8,6 +8,14 @@
 
 namespace bitspan::timed {
 
+inline void setup_channels(Run& run, const TriangleItem& item, const model::Edges* edges) {
+  if (!run.pipeline.channels.any()) return;
+  run.channels.push_back(model::setup_channels(run.pipeline.channels, *item.triangle, item.setup, edges,
+                                               run.pipeline.by_plane ? &run.planes.back() : nullptr));
+  run.counters.divides_edge += static_cast<std::uint64_t>(run.channels.back().divides);
+  model::deliver_channels(run.trace, run.pipeline.channels, run.channels.back().record);
+}
+
 // The values of setup, for both modes; false where the triangle has no area.
 inline bool setup_values(Run& run, TriangleItem& item) {
   Counters& counters = run.counters;
@@ -24,7 +32,10 @@ inline bool setup_values(Run& run, TriangleItem& item) {
     deliver(run.trace, gradient);
     if (!run.pipeline.const_depth_rows) counters.divides_edge += model::divides_per_gradients;
   }
-  if (run.pipeline.const_depth_rows) return true;
+  if (run.pipeline.const_depth_rows) {
+    setup_channels(run, item, nullptr);
+    return true;
+  }
   item.edges = model::setup_edges(run.pipeline.setup, item.setup);
   counters.divides_edge += static_cast<std::uint64_t>(item.edges.count) *
                            static_cast<std::uint64_t>(run.pipeline.setup.divides_per_edge);
@@ -34,6 +45,7 @@ inline bool setup_values(Run& run, TriangleItem& item) {
     deliver(run.trace, run.planes.back().record);
   }
   deliver_all(run.trace, std::span(item.edges.edge).first(static_cast<std::size_t>(item.edges.count)));
+  setup_channels(run, item, &item.edges);
   return true;
 }
 

@@ -12,6 +12,6 @@ namespace bitspan::timed {
 // pixels.
 void span_setup_values(Run& run, RowItem& item);
 // The next fragment of the row; not where the state is finished.
-void span_values(Run& run, const RowItem& row, model::SpanState& state, FragmentItem& item);
+void span_values(Run& run, RowItem& row, model::SpanState& state, FragmentItem& item);
 
 }  // namespace bitspan::timed
