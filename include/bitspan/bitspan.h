@@ -180,10 +180,11 @@ typedef struct bs_vertex {
   double s;          /* distance along the view axis, s_min to s_max */
   double u, v;       /* texels, v downward; default 0 */
   double r, g, b, a; /* 0 to 1; default 1 */
+  double fog;        /* factor of fog.mode = vertex, 0 to 1; default -1: it follows from s */
 } bs_vertex;
 
 #define BS_VERTEX_INIT \
-  { sizeof(bs_vertex), 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0 }
+  { sizeof(bs_vertex), 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, -1.0 }
 
 /* A field of a stage's records: value = raw * 2^-fraction [unit]. */
 typedef struct bs_field_info {

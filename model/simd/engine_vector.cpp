@@ -38,6 +38,7 @@ bool plainly_good(const Scene& scene, const Triangle& triangle) {
     sum += std::abs(v.x) + std::abs(v.y) + std::abs(v.u) + std::abs(v.v);
     good = good && v.s >= scene.s_min && v.s <= scene.s_max;
     for (const double c : v.c) good = good && c >= 0 && c <= 1;
+    for (const GivenAttribute& given : given_attributes) good = good && v.*given.member == given.not_given;
   }
   return good && std::isfinite(sum);
 }

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ._core import InputError, SceneHandle, texel_formats
 
 #: The columns of a vertex and their defaults: [pixel], [unit of s], [texel], 0 to 1.
-VERTEX = {"x": 0.0, "y": 0.0, "s": 1.0, "u": 0.0, "v": 0.0, "r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0}
+VERTEX = {"x": 0.0, "y": 0.0, "s": 1.0, "u": 0.0, "v": 0.0, "r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0, "fog": -1.0}
 
 
 def _vertices(vertices: Any) -> NDArray[np.float64]:
@@ -22,8 +22,8 @@ def _vertices(vertices: Any) -> NDArray[np.float64]:
     except (TypeError, ValueError) as error:
         raise InputError(f"vertices: {error}; expected numbers") from None
     if given.ndim != 3 or given.shape[1] != 3 or not 3 <= given.shape[2] <= len(VERTEX):
-        raise InputError(f"vertices: the shape is {given.shape}; expected (n, 3, k), k from 3 (x, y, s) to 9 "
-                         "(x, y, s, u, v, r, g, b, a)")
+        raise InputError(f"vertices: the shape is {given.shape}; expected (n, 3, k), k from 3 (x, y, s) to 10 "
+                         "(x, y, s, u, v, r, g, b, a, fog)")
     out = np.empty((given.shape[0], 3, len(VERTEX)))
     out[...] = list(VERTEX.values())
     out[..., : given.shape[2]] = given
@@ -102,7 +102,8 @@ class Scene:
         """Makes a scene of arrays.
 
         vertices    (n, 3, k): per corner x, y [pixel, origin top left, pixel centres at .5], s [distance along the view axis],
-                    u, v [texel], r, g, b, a [0 to 1]; k from 3 to 9, the columns left out are 0, 0, 1, 1, 1, 1
+                    u, v [texel], r, g, b, a [0 to 1], fog [factor of fog.mode = vertex, 0 to 1; -1: it follows from s];
+                    k from 3 to 10, the columns left out are 0, 0, 1, 1, 1, 1, -1
         texture     the index into `textures` per triangle, or one for all; -1: none
         textures    (height, width, 3 or 4) arrays of uint8, or Texels
         s_range     the range of s that the formats are scaled for
@@ -151,7 +152,7 @@ class Scene:
 
     @property
     def vertices(self) -> NDArray[np.float64]:
-        """(n, 3, 9) float64: x, y, s, u, v, r, g, b, a per corner; a view of the scene's memory."""
+        """(n, 3, 10) float64: x, y, s, u, v, r, g, b, a, fog per corner; a view of the scene's memory."""
         return self._handle.vertices
 
     @property

@@ -86,7 +86,7 @@ class SceneHandle {
  public:
   static SceneHandle load(const std::string& name_or_path, std::int32_t width, std::int32_t height,
                           std::optional<std::int32_t> frame);
-  // vertices: (n, 3, 9), which are x, y, s, u, v, r, g, b, a. texture_of: (n).
+  // vertices: (n, 3, 10), which are x, y, s, u, v, r, g, b, a, fog. texture_of: (n).
   static SceneHandle make(
       const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>& vertices,
       const Indices& texture_of, const std::vector<std::variant<Bytes, Formatted>>& textures,

@@ -18,7 +18,7 @@
 namespace bitspan::python {
 namespace {
 
-constexpr std::size_t columns = 9;  // x, y, s, u, v, r, g, b, a
+constexpr std::size_t columns = 10;  // x, y, s, u, v, r, g, b, a, fog
 static_assert(sizeof(bs_vertex) == sizeof(std::size_t) + columns * sizeof(double));
 
 using Rgb = std::array<std::uint8_t, 3>;
@@ -77,7 +77,7 @@ SceneHandle SceneHandle::make(
     const Indices& texture_of, const std::vector<std::variant<Bytes, Formatted>>& textures,
     const bs_scene_desc& desc, std::string name) {
   if (vertices.shape(1) != 3 || vertices.shape(2) != columns || texture_of.shape(0) != vertices.shape(0)) {
-    throw InputError("vertices, texture_of: are not of one length; expected (n, 3, 9) and (n)");
+    throw InputError("vertices, texture_of: are not of one length; expected (n, 3, 10) and (n)");
   }
   SceneHandle out;
   out.desc_ = desc;
@@ -85,8 +85,8 @@ SceneHandle SceneHandle::make(
   out.desc_.name = out.name_->c_str();
   const double* from = vertices.data();
   for (std::size_t i = 0; i < 3 * vertices.shape(0); ++i, from += columns) {
-    out.own_vertices_.push_back(
-        {sizeof(bs_vertex), from[0], from[1], from[2], from[3], from[4], from[5], from[6], from[7], from[8]});
+    out.own_vertices_.push_back({sizeof(bs_vertex), from[0], from[1], from[2], from[3], from[4], from[5],
+                                 from[6], from[7], from[8], from[9]});
   }
   out.own_texture_of_.assign(texture_of.data(), texture_of.data() + texture_of.shape(0));
   for (const auto& given : textures) {

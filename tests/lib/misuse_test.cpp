@@ -211,10 +211,8 @@ TEST(LibMisuse, BadArguments) {
       {"draw too many", [&] { return bs_draw(m, described.vertices.data(), nullptr, SIZE_MAX, 0, 0); },
        BS_BAD_INPUT},
       {"row NULL", [&] { return bs_row(m, BS_STAGE_EDGE_WALK, nullptr, 1, -1); }, BS_BAD_INPUT},
-      {"row of no stage", [&] { return bs_row(m, BS_STAGE_SPAN_CHANNEL + 1, &number, 1, -1); },
-       BS_BAD_INPUT},
-      {"records of no stage", [&] { return bs_records(m, BS_STAGE_SPAN_CHANNEL + 1, &view); },
-       BS_BAD_INPUT},
+      {"row of no stage", [&] { return bs_row(m, BS_STAGE_SPAN_CHANNEL + 1, &number, 1, -1); }, BS_BAD_INPUT},
+      {"records of no stage", [&] { return bs_records(m, BS_STAGE_SPAN_CHANNEL + 1, &view); }, BS_BAD_INPUT},
       {"records to NULL", [&] { return bs_records(m, 7, nullptr); }, BS_BAD_INPUT},
       {"plane 7", [&] { return bs_frame_view(m, 7, &view); }, BS_BAD_INPUT},
       {"plane to NULL", [&] { return bs_frame_view(m, 0, nullptr); }, BS_BAD_INPUT},
@@ -225,10 +223,9 @@ TEST(LibMisuse, BadArguments) {
       {"check no stage", [&] { return bs_check(m, BS_STAGE_SPAN_CHANNEL + 1, &number, 1, nullptr); },
        BS_BAD_INPUT},
       {"unchecked of no stage",
-       [&] { return bs_unchecked(m, BS_STAGE_SPAN_CHANNEL + 1) == 0 ? BS_BAD_INPUT : BS_OK; },
+       [&] { return bs_unchecked(m, BS_STAGE_SPAN_CHANNEL + 1) == 0 ? BS_BAD_INPUT : BS_OK; }, BS_BAD_INPUT},
+      {"override no stage", [&] { return bs_stage_override(m, BS_STAGE_SPAN_CHANNEL + 1, nullptr, nullptr); },
        BS_BAD_INPUT},
-      {"override no stage",
-       [&] { return bs_stage_override(m, BS_STAGE_SPAN_CHANNEL + 1, nullptr, nullptr); }, BS_BAD_INPUT},
       {"override constants", [&] { return bs_stage_override(m, 0, nullptr, nullptr); }, BS_UNSUPPORTED},
   });
   EXPECT_EQ(c, nullptr);
@@ -333,7 +330,7 @@ TEST(LibMisuse, BadVerticesDrawNothing) {
       [&](bs_vertex& v) { v.v = nan; },   [](bs_vertex& v) { v.r = 1.5; },
       [](bs_vertex& v) { v.g = -0.5; },   [&](bs_vertex& v) { v.b = nan; },
       [](bs_vertex& v) { v.a = 2; },      [](bs_vertex& v) { v.size = 8; },
-      [](bs_vertex& v) { v.size = ~0U; }};
+      [](bs_vertex& v) { v.size = ~0U; }, [](bs_vertex& v) { v.fog = 0.5; }};
   for (int i = 0; bs_engine_name(i) != nullptr; ++i) {
     const ModelHandle model = open_model(config.get(), bs_engine_name(i));
     for (const auto& change : changes) {

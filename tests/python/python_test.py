@@ -105,7 +105,7 @@ class Scenes(unittest.TestCase):
         self.assertEqual((bitspan.Scene().width, bitspan.Scene().height), (640, 480))
         scene = bitspan.Scene("demo", 80, 60)
         self.assertEqual((scene.width, scene.height, scene.name), (80, 60, "demo"))
-        self.assertEqual(scene.vertices.shape, (len(scene), 3, 9))
+        self.assertEqual(scene.vertices.shape, (len(scene), 3, 10))
         self.assertTrue(bitspan.Scene(SOURCE / "tests/data/spot.obj", 64, 48).vertices.shape[0] > 1000)
 
     def test_the_arrays_of_a_scene_make_the_same_scene(self):
@@ -148,7 +148,7 @@ class Scenes(unittest.TestCase):
     def test_a_scene_outlives_its_handle(self):
         vertices = bitspan.Scene("demo", 80, 60).vertices
         gc.collect()
-        self.assertEqual(vertices.shape[1:], (3, 9))
+        self.assertEqual(vertices.shape[1:], (3, 10))
         self.assertTrue(np.isfinite(vertices).all())
         self.assertFalse(vertices.flags.writeable)
 
