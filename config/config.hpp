@@ -43,8 +43,8 @@ BITSPAN_ENUM(MipMode, none, nearest, linear);
 // zones of the true distance d; the differences of u and v to the pixels right and below.
 BITSPAN_ENUM(LodMode, none, zone_s, gradient, zone_d, finite);
 // What the fog's factor is formed of: s, linearly; a table by depth and zone; one by d; one by log2 of s,
-// between whose entries it is linear.
-BITSPAN_ENUM(FogMode, none, linear, table, distance, log);
+// between whose entries it is linear; the factors at the vertices, by the channel fog.
+BITSPAN_ENUM(FogMode, none, linear, table, distance, log, vertex);
 // The zones of a pixel's distance r from the picture's middle have equal widths in r^2, or in r.
 BITSPAN_ENUM(FogZone, r2, r);
 // A cache between the pixel stages and a buffer: none; one whose writes go on to the memory at once; one that

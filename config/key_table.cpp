@@ -355,7 +355,7 @@ constexpr KeyRow rows[] = {
      "",
      ideal | values | clocks,
      "F3: 1 - S/DT; F2: a table by depth and distance from the picture's middle; F1: a table by the true "
-     "distance; by log2 of the distance, linear between entries"},
+     "distance; by log2 of the distance, linear between entries; F4: between the factors at the vertices"},
     {"fog.depth_bits",
      MEMBER(fog_depth_bits),
      {1, max_fog_index_bits, false, "", most_fog_depth_bits},

@@ -117,7 +117,7 @@ constexpr Line line_of(LineId id, Perspective perspective) {
 // The line of a channel by its number in the records.
 constexpr LineId channel_line(std::int64_t channel) { return static_cast<LineId>(fixed_lines + channel); }
 // Whether the configuration has the channel, in a scene that asks for it.
-constexpr bool has_channel(const Config& /*config*/, LineId line) {
+constexpr bool has_channel(const Config& config, LineId line) {
   switch (line) {
     case LineId::h:
     case LineId::fu:
@@ -129,7 +129,7 @@ constexpr bool has_channel(const Config& /*config*/, LineId line) {
     case LineId::count:
       return false;
     case LineId::fog:
-      return false;
+      return has_vertex_fog(config.fog);
   }
   unreachable();
 }

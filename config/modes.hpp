@@ -406,6 +406,7 @@ constexpr bool is_in_rtl(FogMode mode) {
       return true;
     case FogMode::distance:
     case FogMode::log:
+    case FogMode::vertex:
       return false;
   }
   unreachable();
@@ -589,7 +590,23 @@ constexpr bool has_fog(FogMode mode) {
     case FogMode::table:
     case FogMode::distance:
     case FogMode::log:
+    case FogMode::vertex:
       return true;
+  }
+  unreachable();
+}
+
+// The fog's factor is the value of the channel fog, interpolated between the vertices.
+constexpr bool has_vertex_fog(FogMode mode) {
+  switch (mode) {
+    case FogMode::vertex:
+      return true;
+    case FogMode::none:
+    case FogMode::linear:
+    case FogMode::table:
+    case FogMode::distance:
+    case FogMode::log:
+      return false;
   }
   unreachable();
 }
@@ -603,6 +620,7 @@ constexpr bool has_fog_table(FogMode mode) {
     case FogMode::linear:
     case FogMode::distance:
     case FogMode::log:
+    case FogMode::vertex:
       return false;
   }
   unreachable();
@@ -617,6 +635,7 @@ constexpr bool takes_distance(FogMode mode) {
     case FogMode::none:
     case FogMode::linear:
     case FogMode::table:
+    case FogMode::vertex:
       return false;
   }
   unreachable();
@@ -629,6 +648,7 @@ constexpr bool takes_true_distance(FogMode mode) {
     case FogMode::linear:
     case FogMode::table:
     case FogMode::log:
+    case FogMode::vertex:
       return false;
   }
   unreachable();
@@ -639,6 +659,7 @@ constexpr std::int64_t fog_entries(const Config& config) {
   switch (config.fog) {
     case FogMode::none:
     case FogMode::linear:
+    case FogMode::vertex:
       return 0;
     case FogMode::table:
       return std::int64_t{1} << config.fog_index_bits();
@@ -659,6 +680,7 @@ constexpr bool is_linear_in_distance(FogMode mode) {
     case FogMode::table:
     case FogMode::distance:
     case FogMode::log:
+    case FogMode::vertex:
       return false;
   }
   unreachable();

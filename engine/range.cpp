@@ -266,6 +266,7 @@ class RangeCheck {
       add(F::distance_d, Interval{s_min_, s_max_ * g.hi}, kNoTriangle);
     }
     if (scene_.fog && is_linear_in_distance(c_.fog)) linear_fog();
+    if (scene_.fog && has_vertex_fog(c_.fog)) vertex_fog();
     if (!scene_.fog || !has_fog(c_.fog)) add(F::fog_factor, 1, kNoTriangle);
   }
 
@@ -281,6 +282,19 @@ class RangeCheck {
     const Real far = 1 - s_max_ / distance;
     add(F::fog_factor, stops ? std::max(far, Real{0}) : far, kNoTriangle);
     add(F::fog_factor, std::max(1 - s_min_ / distance, stops ? Real{0} : far), kNoTriangle);
+  }
+
+  // Between the vertices lies what lies at them.
+  void vertex_fog() {
+    for (std::size_t i = 0; i < scene_.triangles.size(); ++i) {
+      for (const Vertex& v : scene_.triangles[i].v) {
+        const Real factor = v.fog < 0 ? std::exp(-static_cast<Real>(v.s) / scene_.fog->distance) : v.fog;
+        const Real kept = q(F::fog_acc, q(F::fog_vertex, factor));
+        add(F::fog_vertex, factor, static_cast<int>(i));
+        add(F::fog_acc, q(F::fog_vertex, factor), static_cast<int>(i));
+        add(F::fog_factor, kept, static_cast<int>(i));
+      }
+    }
   }
 
   // Notes a register of h and gives its values. By the rounding of B, h may pass hmax a little: a saturating

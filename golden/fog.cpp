@@ -120,6 +120,8 @@ class Fogging {
         out.factor = q_factor_.raw(q_factor_.sum(exact_product(to - from, place - Real(out.index)), from));
         break;
       }
+      case FogMode::vertex:
+        throw InputError("golden does not have fog.mode = vertex");
     }
   }
 

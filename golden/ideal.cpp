@@ -182,6 +182,7 @@ double fog_factor(const Config& config, const Scene& scene, const IdealPoint& p)
     case FogMode::distance:
       return std::exp(-true_distance(scene, p) / distance);
     case FogMode::log:
+    case FogMode::vertex:
       return std::exp(-p.s / distance);
   }
   unreachable();

@@ -801,6 +801,7 @@ class Chooser {
     const Range h = reg(s, FormatId::span_h);
     switch (c_.fog) {
       case FogMode::none:
+      case FogMode::vertex:
         break;
       case FogMode::linear: {
         const Range scale = reg(s, FormatId::fog_scale);

@@ -108,6 +108,15 @@ void on_centres(Scene& scene) {
 
 void fog(Scene& scene) { scene.fog = Fog{{40, 90, 200}, scene.s_max / 2}; }
 
+// Every third triangle gives its factors.
+void vertex_fog(Scene& scene) {
+  fog(scene);
+  for (std::size_t i = 0; i < scene.triangles.size(); i += 3) {
+    for (std::size_t k = 0; k < 3; ++k)
+      scene.triangles[i].v[k].fog = static_cast<double>((i + 2 * k) % 5) / 4;
+  }
+}
+
 // ---- The table
 
 // A setting of the configuration alone.
@@ -600,6 +609,10 @@ void add_fog_and_merge(std::vector<SuiteFeature>& out) {
   for (const FogMode mode : {FogMode::distance, FogMode::log}) {
     out.push_back(in(choice("fog", &Config::fog, mode, RecordType::fog, FogMode::none), fog));
   }
+  out.push_back(in(choice("fog", &Config::fog, FogMode::vertex, RecordType::fog, FogMode::none), vertex_fog));
+  out.push_back(
+      in(choice("fog_channel", &Config::fog, FogMode::vertex, RecordType::fragment_channel, FogMode::log),
+         vertex_fog));
   out.push_back(in({"fog_zone.r", RecordType::fog, SuiteNeeds::effect, config_only([](Config& c) {
                       c.fog = FogMode::table;
                       c.fog_zone = FogZone::r;

@@ -253,7 +253,7 @@ std::vector<RegisterRule> make_rules() {
       rule<F::texture_alpha>("texture", 2, kTwoNearest, two_nearest),
       rule<F::texture_alpha>("texture", 8, kTwoBilinear, two_bilinear),
 
-      rule<F::fog_factor>("fog", 1, "fog.mode = linear, table, distance, log", any_fog),
+      rule<F::fog_factor>("fog", 1, "fog.mode = linear, table, distance, log, vertex", any_fog),
       rule<F::fog_color>("fog", 3, kAlways, always),
       rule<F::merge_color>("merge", 3, kAlways, always),
       rule<F::merge_color>("merge", 1, "rtl.blend = equation", blends_by_equation),

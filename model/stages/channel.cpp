@@ -7,6 +7,7 @@
 #include "model/gradient.hpp"
 #include "model/numeric/from_double.hpp"
 #include "model/numeric/ratio.hpp"
+#include "model/stages/fog.hpp"
 
 namespace bitspan::model {
 namespace {
@@ -50,10 +51,11 @@ std::array<std::size_t, 3> sorted_places(const ChannelStage& stage, const Triang
 }
 
 template <class Watch>
-std::int64_t vertex_value(const ChannelForm& form, const Vertex& v, Watch watch) {
+std::int64_t vertex_value(const ChannelStage& stage, const ChannelForm& form, const Vertex& v, Watch watch) {
   switch (form.line) {
     case LineId::fog:
-      return quantize(exact_of(v.fog), form.vertex, watch);
+      return v.fog < 0 ? fog_at(v.s, stage.fog_distance, form.vertex, watch)
+                       : quantize(exact_of(v.fog), form.vertex, watch);
     case LineId::h:
     case LineId::fu:
     case LineId::fv:
@@ -118,6 +120,7 @@ ChannelStage prepare_channels(const Config& config, const Constants& constants, 
   s.vertex_h = make_register(config, FormatId::setup_h);
   s.x = make_register(config, FormatId::edge_x);
   s.b = b_of(config, constants.record);
+  if (scene.fog) s.fog_distance = scene.fog->distance;
   return s;
 }
 
@@ -135,7 +138,7 @@ TriangleChannels setup_channels(const ChannelStage& stage, const Triangle& trian
     std::array<std::int64_t, 3> f{};
     VertexTriple g;
     for (std::size_t i = 0; i < 3; ++i) {
-      w[i] = vertex_value(form, triangle.v[places[i]], watch);
+      w[i] = vertex_value(stage, form, triangle.v[places[i]], watch);
       g[i] = value_of(w[i], form.vertex);
       if (form.homogeneous) {
         f[i] = quantize(g[i] * (value_of(v[i].h, stage.vertex_h) + stage.b), form.walked, watch);

@@ -37,6 +37,7 @@ struct ChannelStage {
   int subpixel_bits = 0;
   Register coordinate, vertex_h, x;
   Exact b;
+  double fog_distance = 1;  // of the scene
 
   bool any() const { return !in_use.empty(); }
   int size() const { return static_cast<int>(in_use.size()); }

@@ -32,8 +32,8 @@ void set(Real& out, Exact x) {  // 0 <= x.raw < 2^64
 }
 
 // out = exp(-D/DT); D is lost.
-void fade(Real& out, Real& d, const Scene& scene) {
-  mpfr_div_d(d.get(), d.get(), scene.fog->distance, MPFR_RNDN);
+void fade(Real& out, Real& d, double distance) {
+  mpfr_div_d(d.get(), d.get(), distance, MPFR_RNDN);
   mpfr_neg(d.get(), d.get(), MPFR_RNDN);
   mpfr_exp(out.get(), d.get(), MPFR_RNDN);
 }
@@ -61,7 +61,7 @@ void factor_at_depth(Real& out, const Config& config, const Constants& constants
   mpfr_add_ui(r.get(), r.get(), 1, MPFR_RNDN);
   mpfr_sqrt(r.get(), r.get(), MPFR_RNDN);
   mpfr_mul(s.get(), s.get(), r.get(), MPFR_RNDN);
-  fade(out, s, scene);
+  fade(out, s, scene.fog->distance);
 }
 
 // floor(x 2^fraction) where it fits 126 bits; 0 <= x.
@@ -77,12 +77,11 @@ int128 floor_at(Real& x, int fraction) {
   return static_cast<int128>(uint128{words[1]} << 64 | words[0]);
 }
 
-// Q[fog.factor] of what factor(out, precision) gives: exp(-D/DT) at a working precision. Its relative error
+// Q[r] of what factor(out, precision) gives: exp(-D/DT) at a working precision. Its relative error
 // is below 2^(16 - precision) while D/DT < 2^12, a few units of the last place times D/DT; beyond, the entry
 // is far below any register's last place.
 template <class Factor, class Watch>
-std::int64_t rounded_entry(const Config& config, Factor factor, Watch watch) {
-  const Register r = make_register(config, FormatId::fog_factor);
+std::int64_t rounded_entry(const Register& r, Factor factor, Watch watch) {
   // The entry is irrational: kept bits, a guard bit, and something below. More precision until the bits down
   // to the guard are the same at both ends of the error interval.
   const int fraction = std::max(0, r.fraction + 1);
@@ -106,11 +105,11 @@ template <class Watch>
 std::int64_t entry_at(const Config& config, const Constants& constants, const Scene& scene, Exact distance,
                       Watch watch) {
   return rounded_entry(
-      config,
+      make_register(config, FormatId::fog_factor),
       [&](Real& out, mpfr_prec_t precision) {
         Real d(precision);
         set(d, scaled(distance, -constants.exponent));
-        fade(out, d, scene);
+        fade(out, d, scene.fog->distance);
       },
       watch);
 }
@@ -165,7 +164,7 @@ template <class Watch>
 std::int64_t fog_entry(const Config& config, const Constants& constants, const Scene& scene, int hi, int zone,
                        Watch watch) {
   return rounded_entry(
-      config,
+      make_register(config, FormatId::fog_factor),
       [&](Real& out, mpfr_prec_t precision) {
         factor_at_depth(out, config, constants, scene, hi, zone, precision);
       },
@@ -191,7 +190,7 @@ FogStage prepare_fog(const Config& config, const Constants& constants, const Sce
   }
   s.s = make_register(config, FormatId::distance_s);
   s.d = make_register(config, FormatId::distance_d);
-  if (has_fog_table(s.mode) || takes_distance(s.mode)) {
+  if (has_fog_table(s.mode) || takes_distance(s.mode) || has_vertex_fog(s.mode)) {
     if (!(scene.fog->distance > 0 && scene.fog->distance <= 1e300 && scene.focal > 0 &&
           scene.focal <= 1e300)) {
       throw InputError("scene '" + scene.name +
@@ -218,7 +217,7 @@ FogStage prepare_fog(const Config& config, const Constants& constants, const Sce
 
 template <class Watch>
 FogFactor fog_factor(const FogStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
-                     Watch watch) {
+                     Watch watch, const FragmentChannels* channels) {
   namespace text = HWY_NAMESPACE;
   const auto entry = [&](std::int64_t index) {
     return FogFactor{.index = index, .factor = stage.table[static_cast<std::size_t>(index)]};
@@ -239,16 +238,32 @@ FogFactor fog_factor(const FogStage& stage, const FragmentRecord& fragment, cons
       const Blend blend = between_entries(stage, distance.s, watch);
       return {.index = blend.index, .factor = blend.factor};
     }
+    case FogMode::vertex:
+      return {.factor = channel_value(*channels, LineId::fog)};
   }
   unreachable();
 }
 
 template <class Watch>
+std::int64_t fog_at(double s, double distance, const Register& r, Watch watch) {
+  const std::int64_t factor = rounded_entry(
+      r,
+      [&](Real& out, mpfr_prec_t precision) {
+        Real d(precision);
+        mpfr_set_d(d.get(), s, MPFR_RNDN);
+        fade(out, d, distance);
+      },
+      watch);
+  mpfr_free_cache2(MPFR_FREE_LOCAL_CACHE);  // the thread may end after this
+  return factor;
+}
+
+template <class Watch>
 void fog(const FogStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
-         const TextureRecord& texture, FogRecord& out, Watch watch, const FragmentChannels* /*channels*/) {
+         const TextureRecord& texture, FogRecord& out, Watch watch, const FragmentChannels* channels) {
   namespace text = HWY_NAMESPACE;
   const FogFormats& formats = stage;
-  const FogFactor found = fog_factor(stage, fragment, distance, watch);
+  const FogFactor found = fog_factor(stage, fragment, distance, watch, channels);
   out.triangle = fragment.triangle;
   out.x = fragment.x;
   out.y = fragment.y;
@@ -275,11 +290,15 @@ template std::int64_t fog_entry(const Config&, const Constants&, const Scene&, i
 template std::int64_t fog_entry(const Config&, const Constants&, const Scene&, int, int, Observe);
 template FogStage prepare_fog(const Config&, const Constants&, const Scene&, NoObserve);
 template FogStage prepare_fog(const Config&, const Constants&, const Scene&, Observe);
-template FogFactor fog_factor(const FogStage&, const FragmentRecord&, const DistanceRecord&, NoObserve);
-template FogFactor fog_factor(const FogStage&, const FragmentRecord&, const DistanceRecord&, Observe);
+template FogFactor fog_factor(const FogStage&, const FragmentRecord&, const DistanceRecord&, NoObserve,
+                              const FragmentChannels*);
+template FogFactor fog_factor(const FogStage&, const FragmentRecord&, const DistanceRecord&, Observe,
+                              const FragmentChannels*);
 template void fog(const FogStage&, const FragmentRecord&, const DistanceRecord&, const TextureRecord&,
                   FogRecord&, NoObserve, const FragmentChannels*);
 template void fog(const FogStage&, const FragmentRecord&, const DistanceRecord&, const TextureRecord&,
                   FogRecord&, Observe, const FragmentChannels*);
+template std::int64_t fog_at(double, double, const Register&, NoObserve);
+template std::int64_t fog_at(double, double, const Register&, Observe);
 
 }  // namespace bitspan::model

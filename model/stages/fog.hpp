@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// fog: the share of the fragment's own colour, linear (F3) or from a table (F1, F2), and the mix with the
-// fog's colour. docs/numeric-spec.md, "fog".
+// fog: the share of the fragment's own colour, linear (F3), from a table (F1, F2) or by the vertices (F4),
+// and the mix with the fog's colour. docs/numeric-spec.md, "fog".
 #pragma once
 
 #include <array>
@@ -61,7 +61,8 @@ inline constexpr int log_octave_bits = 4;
 template <class Watch = NoObserve>
 FogStage prepare_fog(const Config& config, const Constants& constants, const Scene& scene, Watch watch = {});
 
-// The factor of a fragment, with how it was found; distance: read in modes distance and log.
+// The factor of a fragment, with how it was found; distance: read in modes distance and log. channels: of
+// the fragment, read in mode vertex.
 struct FogFactor {
   std::int64_t index = -1;  // of a table
   std::int64_t recip_m = 0, recip_e = 0;
@@ -69,14 +70,17 @@ struct FogFactor {
 };
 template <class Watch = NoObserve>
 FogFactor fog_factor(const FogStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
-                     Watch watch = {});
+                     Watch watch = {}, const FragmentChannels* channels = nullptr);
 
-// A fragment that the texture stage let live; distance: read in modes distance and log. channels: of the
-// fragment, where some are in use.
+// A fragment that the texture stage let live; distance and channels as above.
 template <class Watch = NoObserve>
 void fog(const FogStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
          const TextureRecord& texture, FogRecord& out, Watch watch = {},
          const FragmentChannels* channels = nullptr);
+
+// Q[r](exp(-s / distance)), correctly rounded: the factor at a vertex where the stream gives none.
+template <class Watch = NoObserve>
+std::int64_t fog_at(double s, double distance, const Register& r, Watch watch = {});
 
 // The step of depth of h (raw, span.h): its top bits.
 std::int64_t fog_step(const FogStage& stage, std::int64_t h);
