@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/channel.hpp"
 
+#include "golden/fog.hpp"
+
 namespace bitspan::golden {
 
 namespace {
 
-bool asks_for(const Scene& /*scene*/, LineId channel) {
+bool asks_for(const Scene& scene, LineId channel) {
   switch (channel) {
     case LineId::fog:
+      return scene.fog.has_value();
     case LineId::h:
     case LineId::fu:
     case LineId::fv:
@@ -31,10 +34,12 @@ std::vector<LineId> channels_in_use(const Config& config, const Scene& scene) {
   return out;
 }
 
-std::int64_t channel_at(LineId channel, const Vertex& /*vertex*/, const Constants& /*constants*/,
-                        const Quantizer<Quad>& /*q*/) {
+std::int64_t channel_at(LineId channel, const Vertex& vertex, const Constants& constants,
+                        const Quantizer<Quad>& q) {
   switch (channel) {
     case LineId::fog:
+      if (vertex.fog >= 0) return q.raw(q(Quad(vertex.fog)));
+      return faded(q, Quad(vertex.s), Quad(constants.fog_distance));
     case LineId::h:
     case LineId::fu:
     case LineId::fv:

@@ -47,6 +47,7 @@ class Fogging {
         unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)),
         quick_color_(config.format(FormatId::fog_color)) {
     no_fog_ = q_factor_.raw(q_factor_(Real(1)));
+    channel_ = std::ranges::find(constants.channels, LineId::fog) - constants.channels.begin();
     if (scene.fog) {
       for (std::size_t i = 0; i < 3; ++i) fog_[i] = Real(scene.fog->color[i]);
     }
@@ -61,8 +62,7 @@ class Fogging {
   void operator()(std::span<const FragmentRecord* const> fragments,
                   std::span<const TextureRecord* const> textures,
                   std::span<const DistanceRecord* const> distances,
-                  std::span<const FragmentChannelRecord* const> /*channels*/,
-                  std::vector<FogRecord>& out) const {
+                  std::span<const FragmentChannelRecord* const> channels, std::vector<FogRecord>& out) const {
     const std::size_t first = out.size();
     out.resize(first + fragments.size());
     for (std::size_t i = 0; i < fragments.size(); ++i) {
@@ -70,7 +70,8 @@ class Fogging {
       record.triangle = fragments[i]->triangle;
       record.x = fragments[i]->x;
       record.y = fragments[i]->y;
-      set_factor(*fragments[i], distances.empty() ? nullptr : distances[i], record);
+      set_factor(*fragments[i], distances.empty() ? nullptr : distances[i],
+                 channels.empty() ? nullptr : channels[i], record);
     }
     for (std::size_t at = 0; at < textures.size(); at += lanes) {
       const std::span part = textures.subspan(at, std::min(lanes, textures.size() - at));
@@ -87,7 +88,8 @@ class Fogging {
     return whole < 0 ? 0 : whole >= depth_steps_ ? depth_steps_ - 1 : to_integer(whole);
   }
 
-  void set_factor(const FragmentRecord& fragment, const DistanceRecord* distance, FogRecord& out) const {
+  void set_factor(const FragmentRecord& fragment, const DistanceRecord* distance,
+                  const FragmentChannelRecord* channels, FogRecord& out) const {
     out.index = -1;
     const Real h = q_h_.value(fragment.h);
     switch (mode_) {
@@ -121,7 +123,8 @@ class Fogging {
         break;
       }
       case FogMode::vertex:
-        throw InputError("golden does not have fog.mode = vertex");
+        out.factor = channels[channel_].w;
+        break;
     }
   }
 
@@ -174,6 +177,7 @@ class Fogging {
   ReciprocalUnit<Real> unit_;
   std::vector<std::int64_t> table_;
   std::int64_t no_fog_ = 0;
+  std::ptrdiff_t channel_ = 0;  // which of those in use is fog's
   LaneFormat quick_color_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage `fog`: moves a fragment's colour toward the fog's. [F1, F2, F3]
+// Stage `fog`: moves a fragment's colour toward the fog's. [F1, F2, F3, F4]
 #pragma once
 
 #include <functional>

@@ -181,8 +181,10 @@ double fog_factor(const Config& config, const Scene& scene, const IdealPoint& p)
     case FogMode::table:
     case FogMode::distance:
       return std::exp(-true_distance(scene, p) / distance);
-    case FogMode::log:
     case FogMode::vertex:
+      if (p.given.fog >= 0) return p.given.fog;
+      return std::exp(-p.s / distance);
+    case FogMode::log:
       return std::exp(-p.s / distance);
   }
   unreachable();
