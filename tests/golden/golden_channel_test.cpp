@@ -165,7 +165,7 @@ TEST(GoldenChannel, FollowsFromTheDistanceWhereItIsNotGiven) {
   }
   // Far beyond the fog's distance nothing is left; far in front of it a little less than 1.
   Config c = vertex_fog(Perspective::delta_f, RowSlope::divide);
-  c.format(F::fog_vertex) = {12, 0, false, Rounding::trn, Overflow::sat, false};
+  c.format(F::fog_vertex) = {13, 1, false, Rounding::trn, Overflow::sat, false};
   Scene scene = worked(-1, -1, -1);
   scene.fog->distance = 0x1p-20;
   EXPECT_EQ(drawn(c, scene).trace.setup_channel.at(0).w0, 0);
