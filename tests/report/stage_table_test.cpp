@@ -32,21 +32,24 @@ std::vector<DrawnRun> runs() {
   options.size_max = 60;
   options.mip_chains = true;
   const Scene scene = random_scene(11, options);
+  Scene foggy = scene;
+  foggy.fog = Fog{{90, 120, 200}, scene.s_max / 2};
   std::vector<DrawnRun> out;
   for (const EngineEntry& entry : engines()) {
     if (!entry.compared) continue;
-    const auto draw = [&](Perspective mode, RowSlope slope, const std::string& name) {
+    const auto draw = [&](Perspective mode, RowSlope slope, const std::string& name,
+                          FogMode fog = FogMode::distance) {
       Config config = shipped_config("depth16");
       config.perspective = mode;
       config.row_slope = slope;
       if (!engine_runs(entry.name, config)) return;
       config.mip = MipMode::linear;
       config.lod = has_linear_edges(mode) ? LodMode::zone_s : LodMode::gradient;
-      config.fog = FogMode::distance;
+      config.fog = fog;
       const auto engine = entry.make(config, {});
       DrawnRun& run = out.emplace_back();
       run.name = std::string(entry.name) + " in " + name;
-      engine->begin(scene);
+      engine->begin(has_vertex_fog(fog) ? foggy : scene);
       engine->draw(scene.triangles, 0, &run.trace);
       run.counters = engine->counters();
     };
@@ -54,6 +57,13 @@ std::vector<DrawnRun> runs() {
       draw(mode, RowSlope::reciprocal, std::string(to_string(mode)));
     }
     draw(Perspective::delta_f, RowSlope::plane, "rows by planes");
+    // Golden has no channels yet.
+    if (entry.name != "golden") {
+      for (const Perspective mode : all_perspectives) {
+        draw(mode, RowSlope::reciprocal, "a channel, " + std::string(to_string(mode)), FogMode::vertex);
+      }
+      draw(Perspective::delta_f, RowSlope::plane, "a channel, rows by planes", FogMode::vertex);
+    }
     options.command_probability = 0.5;
     const Scene changing = random_scene(19, options);
     const auto engine = entry.make(shipped_config("depth16"), {});

@@ -214,7 +214,7 @@ TEST(Forms, DistancesAndDz) {
   std::uint64_t written = 0;
   std::uint64_t seed = 700;
   for (const Config& base : shipped_configs()) {
-    for (const FogMode fog : {FogMode::table, FogMode::distance, FogMode::log}) {
+    for (const FogMode fog : {FogMode::table, FogMode::distance, FogMode::log, FogMode::vertex}) {
       for (const DepthCode code : {DepthCode::inverse, DepthCode::float_dz}) {
         for (const double commands : {0.0, 0.3}) {
           ++seed;

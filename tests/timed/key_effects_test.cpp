@@ -210,6 +210,13 @@ std::vector<Config> bases() {
     EXPECT_FALSE(first_violation(c).has_value()) << first_violation(c)->key << first_violation(c)->text;
     out.push_back(c);
   }
+  // Fog between the vertices: along edges, and on the triangle's plane.
+  for (const std::size_t base : {0, 1}) {
+    Config c = out[base];
+    c.fog = FogMode::vertex;
+    EXPECT_FALSE(first_violation(c).has_value()) << first_violation(c)->key << first_violation(c)->text;
+    out.push_back(c);
+  }
   // Caches that hold part of the buffers, in front of a memory so slow that every miss shows.
   Config c = out.front();
   c.memory.width_bytes = 1;
