@@ -15,11 +15,6 @@ namespace {
 ChannelForm form_of_channel(const Config& config, int number) {
   const bitspan::Line line = line_of(channel_line(number), config.perspective);
   const auto reg = [&](FormatId id) { return make_register(config, id); };
-  const auto offset = [&](const LineWalk& walk) {
-    return walk.offset == nullptr
-               ? Exact{}
-               : offset_value(config.start_offset.*walk.offset, config.format(walk.half_ulp_of.value()));
-  };
   ChannelForm f;
   f.number = number;
   f.line = line.id;
@@ -33,8 +28,8 @@ ChannelForm form_of_channel(const Config& config, int number) {
   f.step = reg(line.row.step);
   f.acc = reg(line.row.acc);
   f.value = reg(line.row.kept);
-  f.edge_offset = offset(line.edge);
-  f.row_offset = offset(line.row);
+  f.edge_offset = offset_value(config, line.edge);
+  f.row_offset = offset_value(config, line.row);
   return f;
 }
 

@@ -65,6 +65,12 @@ Exact offset_value(const StartOffset& offset, const Format& kept) {
   return offset.half_ulp ? Exact{1, kept.fraction() + 1} : exact_of(offset.value);
 }
 
+Exact offset_value(const Config& config, const LineWalk& walk) {
+  if (walk.offset == nullptr) return {};
+  const Format kept = walk.half_ulp_of ? config.format(*walk.half_ulp_of) : config.depth_format();
+  return offset_value(config.start_offset.*walk.offset, kept);
+}
+
 Exact b_of(const Config& config, const ConstantsRecord& constants) {
   return {constants.b, config.format(FormatId::setup_b).fraction()};
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "config/config.hpp"
+#include "config/lines.hpp"
 #include "engine/records.hpp"
 #include "model/numeric/quantize.hpp"
 #include "scene/scene.hpp"
@@ -21,6 +22,8 @@ Constants make_constants(const Config& config, const Scene& scene, Watch watch =
 
 // A start offset in its accumulator's unit; `kept` is the format that half_ulp refers to.
 Exact offset_value(const StartOffset& offset, const Format& kept);
+// That of a line along an edge or a row; 0 where it has none.
+Exact offset_value(const Config& config, const LineWalk& walk);
 
 // B as an exact number.
 Exact b_of(const Config& config, const ConstantsRecord& constants);

@@ -151,10 +151,6 @@ RowEnd make_end(const EdgeWalkStage& stage, const EdgeState& e, Watch watch) {
 EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants, int width, int height) {
   EdgeWalkStage s;
   const auto reg = [&](FormatId id) { return make_register(config, id); };
-  const auto adder = [&](FormatId acc, FormatId step) { return make_adder(reg(acc), reg(step)); };
-  const auto offset = [&](const StartOffset& o, FormatId kept) {
-    return offset_value(o, config.format(kept));
-  };
   s.width = width;
   s.height = height;
   s.owns_every_edge = owns_every_edge(config.fill_rule);
@@ -182,35 +178,32 @@ EdgeWalkStage prepare_edge_walk(const Config& config, const Constants& constants
     }
     case EdgeX::summed:
     case EdgeX::multiplied:
-      s.x_acc = adder(FormatId::edge_x_acc, FormatId::edge_x_step);
+      s.x_acc = make_adder(reg(FormatId::edge_x_acc), reg(FormatId::edge_x_step));
       s.x_fraction = std::max(1, s.x_acc.acc.fraction);
       s.x_up = s.x_fraction - s.x_acc.acc.fraction;
       s.x_start = make_line(s.x_acc.acc, &coordinate, reg(FormatId::edge_x_step), t,
-                            offset(config.start_offset.edge_x, FormatId::edge_x));
+                            offset_value(config.start_offset.edge_x, config.format(FormatId::edge_x)));
       s.x = make_narrowing(x, magnitude_of(s.x_acc.acc));
       x_fits_lanes = s.x_start.fits_lanes && s.x.fits_lanes &&
                      aligned(magnitude_of(s.x_acc.acc), s.x_fraction).bits() <= term_bits;
       break;
   }
-  const Register vertex_h = reg(FormatId::setup_h);
-  const Register vertex_uv = reg(FormatId::setup_uv);
-  const Register vertex_shade = reg(FormatId::setup_shade);
-  s.h_acc = adder(FormatId::edge_h_acc, FormatId::edge_h_step);
-  s.f = adder(FormatId::edge_f, FormatId::edge_f_step);
-  s.shade_acc = adder(FormatId::edge_shade_acc, FormatId::edge_shade_step);
-  s.h_start = make_line(s.h_acc.acc, &vertex_h, reg(FormatId::edge_h_step), t,
-                        offset(config.start_offset.edge_h, FormatId::edge_h));
-  s.f_start = make_line(s.f.acc, s.linear_edges ? &vertex_uv : nullptr, reg(FormatId::edge_f_step), t,
-                        offset(config.start_offset.edge_f, FormatId::edge_f));
-  s.shade_start = make_line(s.shade_acc.acc, &vertex_shade, reg(FormatId::edge_shade_step), t,
-                            offset(config.start_offset.edge_shade, FormatId::edge_shade));
-  s.h = make_narrowing(reg(FormatId::edge_h), magnitude_of(s.h_acc.acc));
-  s.shade = make_narrowing(reg(FormatId::edge_shade), magnitude_of(s.shade_acc.acc));
+  // Of a line: what adds its steps up, where that starts, and what is kept of it.
+  const auto walk = [&](LineId id, bool from_vertex, Adder& acc, Line& start, Narrowing& kept) {
+    const bitspan::Line line = line_of(id, config.perspective);
+    const Register vertex = reg(line.vertex);
+    const Register step = reg(line.edge.step);
+    acc = make_adder(reg(line.edge.acc), step);
+    start = make_line(acc.acc, from_vertex ? &vertex : nullptr, step, t, offset_value(config, line.edge));
+    kept = make_narrowing(reg(line.edge.kept), magnitude_of(acc.acc));
+  };
+  walk(LineId::h, true, s.h_acc, s.h_start, s.h);
+  walk(LineId::fu, s.linear_edges, s.f, s.f_start, s.linear_uv);
+  walk(LineId::r, true, s.shade_acc, s.shade_start, s.shade);
   s.depth = make_depth_sum(s.h.r, b_of(config, constants.record), config.pixel_reciprocal);
   s.reciprocal = ReciprocalUnit(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
-  const Register uv = reg(FormatId::edge_uv);
-  s.uv = make_perspective_point(uv, vertex_uv, s.f.acc, s.reciprocal.output(), s.depth.e);
-  s.linear_uv = make_narrowing(uv, magnitude_of(s.f.acc));
+  s.uv = make_perspective_point(s.linear_uv.r, reg(FormatId::setup_uv), s.f.acc, s.reciprocal.output(),
+                                s.depth.e);
   s.divides_per_row = s.by_plane || s.linear_edges ? 0 : 2;
   s.fits_lanes = x_fits_lanes && lanes_hold(t) && s.h_start.fits_lanes && s.f_start.fits_lanes &&
                  s.shade_start.fits_lanes && s.h.fits_lanes && s.shade.fits_lanes &&

@@ -160,7 +160,7 @@ PlaneWalkStage prepare_plane_walk(const Config& config, const Constants& constan
   s.ideal_line = is_on_ideal_line(config.numerator);
   s.subpixel_bits = config.subpixel_bits;
   s.b = b_of(config, constants.record);
-  s.shade_offset = offset_value(config.start_offset.span_shade, config.format(FormatId::span_shade));
+  s.shade_offset = offset_value(config, line_of(LineId::r, config.perspective).row);
   s.vertex_h = make_register(config, FormatId::setup_h);
   s.vertex_uv = make_register(config, FormatId::setup_uv);
   s.vertex_shade = make_register(config, FormatId::setup_shade);

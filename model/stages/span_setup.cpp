@@ -18,36 +18,41 @@ SpanSetupStage prepare_span_setup(const Config& config, const Constants& constan
   s.form = form_of(config.row_slope);
   s.b = b_of(config, constants.record);
   s.reciprocal = ReciprocalUnit(config.row_reciprocal, RegisterId::row_reciprocal);
-  const Exact h_offset = s.h_offset = offset_value(config.start_offset.span_h, config.depth_format());
-  s.f_offset =
-      offset_value(config.start_offset.span_f, config.format(linear ? FormatId::span_uv : FormatId::span_f));
-  const Exact shade_offset = s.shade_offset =
-      offset_value(config.start_offset.span_shade, config.format(FormatId::span_shade));
-  s.plane_h = reg(FormatId::span_h);
+  const bitspan::Line h = line_of(LineId::h, config.perspective);
+  const bitspan::Line f = line_of(LineId::fu, config.perspective);
+  const bitspan::Line shade = line_of(LineId::r, config.perspective);
+  s.h_offset = offset_value(config, h.row);
+  s.f_offset = offset_value(config, f.row);
+  s.shade_offset = offset_value(config, shade.row);
+  s.plane_h = reg(h.row.acc);
   s.plane_f = reg(FormatId::span_f);
   s.plane_f_step = reg(FormatId::span_f_step);
-  s.f = reg(linear ? FormatId::span_uv_acc : FormatId::span_f);
-  s.uv_step = reg(linear ? FormatId::span_uv_step : FormatId::span_f_step);
+  s.f = reg(f.row.acc);
+  s.uv_step = reg(f.row.step);
 
   s.subpixel_bits = config.subpixel_bits;
-  s.vertex_h = reg(FormatId::setup_h);
-  s.vertex_shade = reg(FormatId::setup_shade);
-  s.g = reg(FormatId::plane_g);
-  s.h_grad = reg(FormatId::plane_h_grad);
-  s.g_grad = reg(FormatId::plane_g_grad);
-  s.shade_grad = reg(FormatId::plane_shade_grad);
+  s.vertex_h = reg(h.vertex);
+  s.vertex_shade = reg(shade.vertex);
+  s.g = reg(f.product.value());
+  s.h_grad = reg(h.gradient);
+  s.g_grad = reg(f.gradient);
+  s.shade_grad = reg(shade.gradient);
 
   const Register x = reg(FormatId::edge_x);
-  const Register h = reg(FormatId::edge_h);
-  const Register uv = reg(FormatId::edge_uv);
-  const Register shade = reg(FormatId::edge_shade);
+  const Register uv = reg(f.edge.kept);
   s.p_fraction = std::max(1, x.fraction);
   s.x_up = s.p_fraction - x.fraction;
   const Grid p = magnitude_of(x) + Grid{20, 1};  // a picture is 2^20 pixels wide at most
   s.length = make_length_form(s.form, s.reciprocal, magnitude_of(x) + magnitude_of(x));
-  s.depth = make_depth_sum(h, s.b, config.pixel_reciprocal);
-  s.h_step = make_slope(reg(FormatId::span_h_step), magnitude_of(h) + magnitude_of(h), s.length);
-  s.h_start = make_line(reg(FormatId::span_h), &h, s.h_step.r, p, h_offset);
+  s.depth = make_depth_sum(reg(h.edge.kept), s.b, config.pixel_reciprocal);
+  // Of a linear line: its slope between the row's ends, and its start.
+  const auto between_ends = [&](const bitspan::Line& line, Slope& step, Line& start) {
+    const Register end = reg(line.edge.kept);
+    step = make_slope(reg(line.row.step), magnitude_of(end) + magnitude_of(end), s.length);
+    start = make_line(reg(line.row.acc), &end, step.r, p, offset_value(config, line.row));
+  };
+  between_ends(h, s.h_step, s.h_start);
+  between_ends(shade, s.shade_step, s.shade_start);
   const bool hyperbolic = has_pixel_quotients(config.perspective);
   const Grid uv_difference = magnitude_of(uv) + magnitude_of(uv);
   s.f_diff = make_product(reg(FormatId::span_f_diff), hyperbolic ? magnitude_of(uv) : uv_difference,
@@ -59,9 +64,6 @@ SpanSetupStage prepare_span_setup(const Config& config, const Constants& constan
                                      : magnitude_of(diff),
                         s.length);
   s.f_start = make_line(s.f, linear ? &uv : hyperbolic ? &diff : nullptr, s.uv_step, p, s.f_offset);
-  s.shade_step =
-      make_slope(reg(FormatId::span_shade_step), magnitude_of(shade) + magnitude_of(shade), s.length);
-  s.shade_start = make_line(reg(FormatId::span_shade_acc), &shade, s.shade_step.r, p, shade_offset);
   // The lanes have rows by their ends alone.
   s.fits_lanes = !has_setup_plane(config) && lanes_hold(p) && s.length.fits_lanes && s.h_step.fits_lanes &&
                  s.h_start.fits_lanes && s.f_step.fits_lanes && s.f_start.fits_lanes &&
