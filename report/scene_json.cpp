@@ -86,7 +86,7 @@ Triangle triangle_of(const Json& json) {
   const auto v = json.at("v").get<std::array<std::array<double, 5>, 3>>();
   const auto c = json.at("c").get<std::array<std::array<double, 4>, 3>>();
   for (std::size_t i = 0; i < 3; ++i) {
-    triangle.v[i] = {v[i][0], v[i][1], v[i][2], v[i][3], v[i][4], c[i]};
+    triangle.v[i] = {{v[i][0], v[i][1], v[i][2]}, {v[i][3], v[i][4], c[i]}};
   }
   for (const GivenAttribute& given : given_attributes) {
     if (!json.contains("given") || !json["given"].contains(given.key)) continue;

@@ -33,7 +33,7 @@ double distance(const ClipVertex& p, const ClipVolume& volume, ClipBit plane) {
 ClipVertex cut(const ClipVertex& inner, const ClipVertex& outer, const ClipVolume& volume, ClipBit plane) {
   const double inside = distance(inner, volume, plane);
   const double t = inside / (inside - distance(outer, volume, plane));
-  ClipVertex p{mix(inner.x, outer.x, t), mix(inner.y, outer.y, t), mix(inner.s, outer.s, t),
+  ClipVertex p{{mix(inner.x, outer.x, t), mix(inner.y, outer.y, t), mix(inner.s, outer.s, t)},
                mix(inner, outer, t)};
   // Onto the plane exactly, so that rounding leaves no vertex beyond it.
   switch (plane) {

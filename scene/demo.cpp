@@ -110,8 +110,10 @@ Color lit(const Vec3& normal, const Color& color) {
 // bottom right, top right, top left.
 void add_quad(std::vector<Face>& faces, const std::array<Vec3, 4>& p, double u0, double v0, double u1,
               double v1, const std::array<Color, 4>& c, int texture) {
-  const std::array<Corner, 4> q{
-      {{p[0], u0, v1, c[0]}, {p[1], u1, v1, c[1]}, {p[2], u1, v0, c[2]}, {p[3], u0, v0, c[3]}}};
+  const std::array<Corner, 4> q{{{{p[0]}, {u0, v1, c[0]}},
+                                 {{p[1]}, {u1, v1, c[1]}},
+                                 {{p[2]}, {u1, v0, c[2]}},
+                                 {{p[3]}, {u0, v0, c[3]}}}};
   faces.push_back({{q[0], q[1], q[2]}, texture, false});
   faces.push_back({{q[0], q[2], q[3]}, texture, false});
 }
@@ -155,7 +157,7 @@ void add_pyramid(std::vector<Face>& faces, const Vec3& foot, double half, double
     const Vec3& a = base[i];
     const Vec3& b = base[(i + 1) % 4];
     const Color c = lit(cross(b - a, apex - a), white);
-    faces.push_back({{{{a, 0, 53, c}, {b, 74, 53, c}, {apex, 37, 0, c}}}, texture, false});
+    faces.push_back({{{{{a}, {0, 53, c}}, {{b}, {74, 53, c}}, {{apex}, {37, 0, c}}}}, texture, false});
   }
 }
 
@@ -167,7 +169,7 @@ void add_surface(std::vector<Face>& faces, int columns, int rows, double u, doub
   const auto corner = [&](int i, int j) {
     const double a = static_cast<double>(i) / columns, b = static_cast<double>(j) / rows;
     const auto [position, normal] = point_and_normal(a, b);
-    return Corner{grid(position), u * a, v * (1 - b), lit(normal, color(a, b))};
+    return Corner{{grid(position)}, {u * a, v * (1 - b), lit(normal, color(a, b))}};
   };
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {

@@ -134,7 +134,7 @@ void append_faces(const aiMesh& part, const Surface& surface, const std::string&
   const double texels_v = has_uv ? mesh.textures[static_cast<std::size_t>(surface.texture)].height : 0;
   const auto corner_at = [&](unsigned index) {
     const aiVector3D& p = part.mVertices[index];
-    Corner corner{{p.x, p.y, p.z}, 0, 0, surface.color};
+    Corner corner{{{p.x, p.y, p.z}}, {0, 0, surface.color}};
     if (has_uv) {
       const aiVector3D& t = part.mTextureCoords[0][index];
       corner.u = t.x * texels_u;

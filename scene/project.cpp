@@ -20,8 +20,9 @@ bool faces_viewer(const Face& face, const Viewpoint& view) {
 }
 
 Vertex to_screen(const ClipVertex& p, const Viewpoint& view) {
-  return {view.width / 2.0 * (1 + p.x / p.s), view.height / 2.0 * (1 + p.y / p.s),
-          std::clamp(p.s, view.s_min, view.s_max), clamped(p)};
+  return {{view.width / 2.0 * (1 + p.x / p.s), view.height / 2.0 * (1 + p.y / p.s),
+           std::clamp(p.s, view.s_min, view.s_max)},
+          clamped(p)};
 }
 
 }  // namespace

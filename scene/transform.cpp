@@ -24,8 +24,8 @@ void look_at(Viewpoint& view, const Vec3& position, const Vec3& target, const Ve
 
 ClipVertex to_normalised(const Corner& corner, const Viewpoint& view) {
   const Vec3 d = corner.position - view.position;
-  return {dot(view.right, d) * (2 * view.focal / view.width),
-          dot(view.down, d) * (2 * view.focal / view.height), dot(view.forward, d),
+  return {{dot(view.right, d) * (2 * view.focal / view.width),
+           dot(view.down, d) * (2 * view.focal / view.height), dot(view.forward, d)},
           static_cast<const Attributes&>(corner)};
 }
 
