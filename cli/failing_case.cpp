@@ -12,6 +12,7 @@
 #include "io/atomic_file.hpp"
 #include "report/error.hpp"
 #include "report/lockstep.hpp"
+#include "report/reads.hpp"
 #include "report/replay.hpp"
 
 namespace bitspan {
@@ -26,6 +27,13 @@ Engines make_engines(const std::vector<std::string>& names, const Config& config
     }
   }
   return out;
+}
+
+void add_reads(LockStepResult& run, const Config& config, const Scene& scene) {
+  for (Comparison& pair : run.pairs) {
+    // In front of the divergence all engines agree; the model is the fastest.
+    if (pair.first) add_reads(*pair.first, config, scene, *make_engine("model", config, {}));
+  }
 }
 
 PairFailure failure_of(const Comparison& pair, const Config& config, const RunLabel& label) {
@@ -72,6 +80,7 @@ CaseResult check_case(const Engines& engines, const Config& config, const Scene&
   }
   out.fragments = engines[0]->counters().fragments;
   out.covered = engines[0]->counters().covered;
+  add_reads(run, config, scene);
   for (const Comparison& pair : run.pairs) {
     const StageCount total = pair.total();
     out.values += total.values;
@@ -143,22 +152,22 @@ Scene shrink(const Engines& engines, const Config& config, Scene scene, const Ru
       scene = std::move(bare);
     }
   }
-  // Textures that no triangle names any more.
+  // Textures that no triangle names any more; a command may name one, too, and then they stay.
+  Scene bare = scene;
   std::vector<int> place(scene.textures.size(), -1);
-  std::vector<Texture> used;
-  for (Triangle& triangle : scene.triangles) {
+  bare.textures.clear();
+  for (Triangle& triangle : bare.triangles) {
     if (triangle.texture < 0) {
       continue;
     }
     int& at = place[static_cast<std::size_t>(triangle.texture)];
     if (at < 0) {
-      at = static_cast<int>(used.size());
-      used.push_back(scene.textures[static_cast<std::size_t>(triangle.texture)]);
+      at = static_cast<int>(bare.textures.size());
+      bare.textures.push_back(scene.textures[static_cast<std::size_t>(triangle.texture)]);
     }
     triangle.texture = at;
   }
-  scene.textures = std::move(used);
-  return scene;
+  return fails(bare) ? bare : scene;
 }
 
 void write_replay(const std::string& path, const Engines& engines, const Config& config, const Scene& scene,

@@ -11,6 +11,7 @@
 #include "cli/model_options.hpp"
 #include "engine/registry.hpp"
 #include "report/describe.hpp"
+#include "report/lockstep.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan {
@@ -31,6 +32,9 @@ struct CaseResult {
   std::uint64_t fragments = 0, covered = 0, values = 0, non_trivial = 0;
   std::vector<std::string> compared;  // engines that were compared in values that are not trivial
 };
+
+// Names what the stage of each divergence read (report/reads.hpp).
+void add_reads(LockStepResult& run, const Config& config, const Scene& scene);
 
 // What is wrong with a pair that does not hold: one line, and the whole story.
 struct PairFailure {

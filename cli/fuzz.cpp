@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <set>
@@ -20,7 +19,6 @@
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/verdict.hpp"
-#include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
 #include "config/store.hpp"
 #include "engine/range.hpp"
@@ -28,18 +26,17 @@
 #include "golden/precision.hpp"
 #include "io/atomic_file.hpp"
 #include "io/data_folder.hpp"
-#include "report/random_config.hpp"
+#include "report/fuzz_cases.hpp"
 #include "report/replay.hpp"
-#include "scene/random.hpp"
+#include "tb/programs.hpp"
 
 namespace bitspan {
 namespace {
 
 struct Options {
-  std::uint64_t seed = 1;
+  FuzzPlan plan;
   std::uint64_t first = 0;
   std::optional<std::uint64_t> count, pixels;
-  std::uint64_t streams_per_config = 16;
   std::string engines = "golden,model,systemc,rtl";
   bool engines_named = false;        // by the user: all of them take part in every case
   std::vector<std::string> configs;  // empty: random ones
@@ -48,40 +45,11 @@ struct Options {
   ModelFlags model;
 };
 
-constexpr std::uint64_t default_count = 32;
-constexpr int draws_per_case = 8;
-
-// A seed for (seed, index, purpose): each case can be made alone.
-std::uint64_t derived_seed(std::uint64_t seed, std::uint64_t index, std::uint64_t purpose) {
-  return Random(Random(Random(seed).bits() ^ index).bits() + purpose).bits();
-}
-
-// A scene of case `index`; `gentleness` grows where the ones before were refused or covered no pixel.
-// mip_chains: textures have sides that are powers of two.
-Scene case_scene(std::uint64_t seed, std::uint64_t index, int gentleness, bool mip_chains) {
-  Random random(derived_seed(seed, index, 2));
-  RandomOptions options;
-  options.width = static_cast<int>(random.integer(1, 400));
-  options.height = static_cast<int>(random.integer(1, 300));
-  options.triangles = static_cast<int>(random.integer(8, 96));
-  options.size_max = random.log_uniform(4, 2000);
-  options.depth_ratio_max = std::max(1.5, 1000 / std::pow(3.0, gentleness));
-  options.uv_limit = std::max(4.0, 1024 / std::pow(2.0, gentleness));
-  // A generator of its own, so that the triangles of a case stay what they are.
-  if (Random(derived_seed(seed, index, 1U << 20)).chance(1.0 / 3)) options.command_probability = 0.125;
-  options.mip_chains = mip_chains;
-  Scene scene = random_scene(derived_seed(seed, index, 3 + static_cast<std::uint64_t>(gentleness)), options);
-  Random formats(derived_seed(seed, index, 100));
-  draw_texel_formats(formats, scene, 0.3);
-  Random given(derived_seed(seed, index, 101));
-  draw_given_attributes(given, scene, 0.3);
-  scene.name = fmt::format("fuzz seed {} case {}", seed, index);
-  return scene;
-}
+bool is_design(const std::string& engine) { return bool{find_engine(engine).design}; }
 
 std::string reproduce(const Options& o, std::uint64_t index) {
   std::string out = fmt::format("{}bitspan fuzz --seed {} --first {} --count 1 --streams-per-config {}{}",
-                                command_environment(), o.seed, index, o.streams_per_config,
+                                command_environment(), o.plan.seed, index, o.plan.streams_per_config,
                                 o.engines_named ? " --engines " + o.engines : "");
   for (const std::string& config : o.configs) {
     out += " --config " + shell_word(config);
@@ -90,14 +58,14 @@ std::string reproduce(const Options& o, std::uint64_t index) {
 }
 
 struct Totals {
-  std::uint64_t cases = 0, refused = 0, empty = 0, configs = 0, failures = 0;
+  std::uint64_t cases = 0, refused = 0, empty = 0, configs = 0, with_designs = 0, failures = 0;
   std::uint64_t fragments = 0, values = 0, non_trivial = 0;  // compared
   std::uint64_t rtl_fragments = 0, cycles_compared = 0, chain_clocks_compared = 0;
   std::set<std::string> compared;  // engines, in values that are not trivial
 };
 
 std::string replay_path(const Options& o, std::uint64_t index) {
-  return fmt::format("{}/fuzz-{}-{}.replay.json", o.out, o.seed, index);
+  return fmt::format("{}/fuzz-{}-{}.replay.json", o.out, o.plan.seed, index);
 }
 
 class Fuzzer {
@@ -106,7 +74,7 @@ class Fuzzer {
       : o_(o),
         names_(engines_to_compare(o.model, o.engines, "fuzz", "fuzz")),
         engine_options_(engine_options(o.model, 1)) {
-    if (o.streams_per_config == 0) {
+    if (o.plan.streams_per_config == 0) {
       throw InputError("--streams-per-config: expected 1 or more");
     }
     if (o.count == 0U) throw InputError("--count: expected 1 or more");
@@ -124,6 +92,10 @@ class Fuzzer {
         }
       }
     }
+    const bool has_design = std::ranges::any_of(names_, is_design);
+    // With --config, or where the user names them, the designs take part in each configuration.
+    const bool in_all = o.engines_named || !fixed_.empty();
+    o_.plan.designs = !has_design ? FuzzDesigns::none : in_all ? FuzzDesigns::all : FuzzDesigns::some;
     check_writable(replay_path(o, o.first));  // before the work, so that no failure is lost
     for (const ShippedConfig& shipped : config_texts()) {
       bases_.push_back(find_config(std::string(shipped.name)));
@@ -131,7 +103,7 @@ class Fuzzer {
   }
 
   int run() {
-    const std::uint64_t count = o_.count.value_or(o_.pixels ? ~std::uint64_t{0} : default_count);
+    const std::uint64_t count = o_.count.value_or(o_.pixels ? ~std::uint64_t{0} : o_.plan.cases);
     const auto start = std::chrono::steady_clock::now();
     Progress progress("fuzz");
     for (std::uint64_t n = 0; n < count; ++n) {
@@ -150,8 +122,11 @@ class Fuzzer {
     }
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const Totals& t = totals_;
-    fmt::print("fuzz: seed {}, cases {}..{}, {} configurations, engines {}\n", o_.seed, o_.first,
-               o_.first + t.cases - 1, t.configs, o_.engines);
+    fmt::print(
+        "fuzz: seed {}, cases {}..{}, {} configurations{}, engines {}\n", o_.plan.seed, o_.first,
+        o_.first + t.cases - 1, t.configs,
+        t.with_designs > 0 && t.with_designs < t.configs ? fmt::format(" ({} with rtl)", t.with_designs) : "",
+        o_.engines);
     fmt::print(
         "{} span pixels ({} through rtl), {} values compared, {} non-trivial, {} streams refused, {} empty, "
         "{:.1f} s\n",
@@ -186,17 +161,25 @@ class Fuzzer {
     }
     group_ = group;
     ++totals_.configs;
+    const bool designs = fuzz_takes_designs(o_.plan, group);
+    totals_.with_designs += designs ? 1 : 0;
     if (!fixed_.empty()) {
       config_ = fixed_[group % fixed_.size()];
     } else {
-      RandomConfigOptions options;
-      options.rtl_only =
-          std::ranges::any_of(names_, [](const std::string& name) { return bool{find_engine(name).design}; });
-      options.check = [](const Config& config) { static_cast<void>(golden::choose_precision(config)); };
-      config_ = random_config(derived_seed(o_.seed, group, 1), bases_, options);
+      config_ = fuzz_config(o_.plan, group, bases_, [](const Config& config) {
+        static_cast<void>(golden::choose_precision(config));
+      });
     }
+    std::vector<std::string> names = names_;
+    if (!designs) std::erase_if(names, is_design);
     engines_.clear();
-    engines_ = make_engines(names_, config_, derived_seed(o_.seed, group, 0), engine_options_);
+    try {
+      engines_ =
+          make_engines(names, config_, stall_seed(group * o_.plan.streams_per_config), engine_options_);
+    } catch (const ToolError& error) {
+      if (o_.engines_named) throw;
+      throw ToolError(fmt::format("{}; --engines golden,model,systemc compares without RTL", error.what()));
+    }
   }
 
   bool takes_part(std::string_view name) const {
@@ -205,10 +188,10 @@ class Fuzzer {
 
   void one_case(std::uint64_t index) {
     ++totals_.cases;
-    take_config(index / o_.streams_per_config);
+    take_config(index / o_.plan.streams_per_config);
     bool taken = false;
-    for (int draw = 0; draw < draws_per_case; ++draw) {
-      const Scene scene = case_scene(o_.seed, index, draw, has_lod(config_));
+    for (int draw = 0; draw < fuzz_draws; ++draw) {
+      const Scene scene = fuzz_scene(o_.plan, index, draw, config_);
       if (!refusal(engines_, config_, scene).empty()) continue;
       taken = true;
       const RunLabel label{scene.name, reproduce(o_, index)};
@@ -221,7 +204,7 @@ class Fuzzer {
   }
 
   std::uint64_t stall_seed(std::uint64_t index) const {
-    return derived_seed(o_.seed, index / o_.streams_per_config, 0);
+    return fuzz_seed(o_.plan.seed, index / o_.plan.streams_per_config, 0);
   }
 
   void count_case(std::uint64_t index, const Scene& scene, CaseResult result, const RunLabel& label) {
@@ -234,7 +217,7 @@ class Fuzzer {
     }
     bool in_cycles = false;
     if (result.failure.empty() && takes_part("rtl") && takes_part("systemc") &&
-        index % o_.streams_per_config == 0) {
+        index % o_.plan.streams_per_config == 0) {
       const ClockCheck clocks = check_clocks(config_, scene, stall_seed(index));
       totals_.cycles_compared += clocks.interpolator_clocks;
       totals_.chain_clocks_compared += clocks.chain_clocks;
@@ -362,14 +345,17 @@ int replay(const ReplayOptions& o) {
 void add_fuzz(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("fuzz", "random streams through random configurations, failures shrunk");
   const auto o = std::make_shared<Options>();
-  sub->add_option("--seed", o->seed, "every case is made from (seed, index) alone")->capture_default_str();
+  sub->add_option("--seed", o->plan.seed, "every case is made from (seed, index) alone")
+      ->capture_default_str();
   sub->add_option("--first", o->first, "index of the first case")->capture_default_str();
-  sub->add_option("--count", o->count, fmt::format("cases (default {}, or until --pixels)", default_count));
+  sub->add_option("--count", o->count, fmt::format("cases (default {}, or until --pixels)", o->plan.cases));
   sub->add_option("--pixels", o->pixels, "stop when so many span pixels were compared");
-  sub->add_option("--streams-per-config", o->streams_per_config, "cases that share a configuration")
+  sub->add_option("--streams-per-config", o->plan.streams_per_config, "cases that share a configuration")
       ->capture_default_str();
   sub->add_option("--engines", o->engines,
-                  "compared with the first; where named, only configurations that all of them run are drawn")
+                  "compared with the first; where named, all of them take part in each configuration, else "
+                  "rtl in one of 4, "
+                  "16 of which share a build")
       ->capture_default_str();
   sub->add_option("--config", o->configs, "these configurations in turn, instead of random ones");
   sub->add_option("-o,--output", o->out, "folder for the replay files")->capture_default_str();

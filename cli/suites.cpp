@@ -61,6 +61,7 @@ class Suites {
     out.run = run_named_suite(name, o_.seed, engines_);
     const SuiteResult& result = out.run.result;
     const Config& config = out.run.suite.config;
+    add_reads(out.run.result.run, config, out.run.suite.scene);
     for (const Comparison& pair : result.run.pairs) {
       took_part_.insert(pair.other);
       if (pair.held() || !out.failure.empty()) continue;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "cli/cycles.hpp"
+#include "cli/failing_case.hpp"
 #include "cli/oracles.hpp"
 #include "cli/progress.hpp"
 #include "config/modes.hpp"
@@ -275,6 +276,7 @@ SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const Ver
     };
   }
   v.run = run_lock_step(out.engines, scene, steps);
+  add_reads(v.run, config, scene);
   for (const Comparison& pair : v.run.pairs) v.own.push_back(own_values(pair, config, scene));
   v.counters = out.engines[0]->counters();
   if (!v.run.pairs.empty() && !v.run.stopped && v.counters.covered != 0) {

@@ -16,6 +16,11 @@ namespace bitspan {
 
 enum class DivergenceKind : std::uint8_t { value, missing, extra, frame, counter };
 
+// Something that a stage read, beside records.
+struct Read {
+  std::string name, value;
+};
+
 // The first place where two engines differ: the earliest triangle, and of it the earliest stage.
 struct Divergence {
   DivergenceKind kind = DivergenceKind::value;
@@ -30,6 +35,7 @@ struct Divergence {
   std::vector<bool>
       has_other;  // per field of other_record: the other engine delivered it; empty: all of them
   std::vector<RecordCopy> upstream;  // the records that fed the reference's record
+  std::vector<Read> read;            // what else the stage read, once add_reads was asked (report/reads.hpp)
 };
 
 struct StageCount {

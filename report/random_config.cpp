@@ -11,6 +11,7 @@
 #include "config/check.hpp"
 #include "config/keys.hpp"
 #include "config/modes.hpp"
+#include "engine/emit_pixel_sv.hpp"
 #include "engine/emit_sv.hpp"
 #include "scene/random.hpp"
 
@@ -22,6 +23,8 @@ constexpr int attempts = 2000;
 constexpr double any_value = 1.0 / 16;
 // The probability that a key that may be left out takes another value than its default.
 constexpr double later_value = 1.0 / 4;
+// The same with RandomConfigOptions::even.
+constexpr double even_value = 3.0 / 4;
 // The probability that a key with a wide range is at its highest: a timed run may take long then.
 constexpr double highest_value = 1.0 / 256;
 
@@ -95,7 +98,8 @@ void follow_depth(FormatId id, Format& f, int wider, int dropped) {
   f.word = std::clamp(f.word + powers * (wider - dropped), std::max(1, f.integer - 62), most);
 }
 
-void change_format(Random& random, FormatId id, Format& f, bool for_scenes) {
+void change_format(Random& random, FormatId id, Format& f, const RandomConfigOptions& options) {
+  const bool for_scenes = options.for_scenes;
   if (id == FormatId::merge_color) {
     f.rounding = any_name<Rounding>(random);
     return;
@@ -116,6 +120,7 @@ void change_format(Random& random, FormatId id, Format& f, bool for_scenes) {
     if (f.word + delta >= 1) f.word = std::min(f.word + delta, f.is_signed ? 64 : 63);
   }
   if (random.chance(0.6)) f.rounding = any_name<Rounding>(random);
+  if (keeps && options.even && random.chance(0.4)) f.overflow = any_overflow(random, f.is_signed);
   if (keeps) return;
   f.overflow_expected = true;
   if (!for_scenes && id != FormatId::setup_b && !keeps_integer(id) && random.chance(0.2)) {
@@ -168,6 +173,35 @@ void change_offset(Random& random, StartOffset& offset, const Format& accumulato
   offset.value = std::ldexp(static_cast<double>(random.integer(-9, 9)), -accumulator.fraction() - 1);
 }
 
+// One of those that the RTL has.
+template <class E>
+void choose_in_rtl(Random& random, E& name) {
+  while (!is_in_rtl(name)) name = any_name<E>(random);
+}
+
+void choose_pixel_rtl(Random& random, Config& c, std::uint64_t turn) {
+  choose_in_rtl(random, c.depth_code);
+  choose_in_rtl(random, c.filter);
+  choose_in_rtl(random, c.wrap);
+  choose_in_rtl(random, c.fog);
+  choose_in_rtl(random, c.lod);
+  c.mip = static_cast<MipMode>(turn % enum_names<MipMode>.size());
+  c.rtl.blend = static_cast<RtlBlend>((turn + 1) % enum_names<RtlBlend>.size());
+  // A level that is the bias, whatever the pixel, shows little.
+  while (has_lod(c) && (!is_in_rtl(c.lod) || (c.lod == LodMode::none && random.chance(0.9))))
+    c.lod = any_name<LodMode>(random);
+}
+
+// A key that may be left out.
+void draw_later(Random& random, Config& c, const Key& key, const RandomConfigOptions& options) {
+  const Place to = place(c, key);
+  draw_value(random, c, key, to);
+  auto* const* format = std::get_if<Format*>(&to);
+  // The output of a unit is a format, too.
+  if (format != nullptr && *format == &c.format(static_cast<FormatId>(key.i)))
+    change_format(random, static_cast<FormatId>(key.i), **format, options);
+}
+
 Config draw(Random& random, std::span<const Config> bases, const RandomConfigOptions& options) {
   const Config& base =
       bases[static_cast<std::size_t>(random.integer(0, static_cast<std::int64_t>(bases.size()) - 1))];
@@ -200,7 +234,7 @@ Config draw(Random& random, std::span<const Config> bases, const RandomConfigOpt
     const auto id = static_cast<FormatId>(i);
     if (default_format(c.formats, id)) continue;
     follow_depth(id, c.format(id), wider, dropped);
-    change_format(random, id, c.format(id), options.for_scenes);
+    change_format(random, id, c.format(id), options);
   }
   for (Reciprocal* unit : {&c.edge_reciprocal, &c.row_reciprocal, &c.pixel_reciprocal}) {
     change_unit(random, *unit);
@@ -213,13 +247,9 @@ Config draw(Random& random, std::span<const Config> bases, const RandomConfigOpt
   for (const Key& key : entries()) {
     if (!is_later(key)) continue;
     if (is_left_out(base, key)) set_default(c, key);
-    if (!random.chance(later_value)) continue;
-    const Place to = place(c, key);
-    draw_value(random, c, key, to);
-    if (auto* const* format = std::get_if<Format*>(&to)) {
-      change_format(random, static_cast<FormatId>(key.i), **format, options.for_scenes);
-    }
+    if (random.chance(options.even ? even_value : later_value)) draw_later(random, c, key, options);
   }
+  if (options.pixel_rtl_turn) choose_pixel_rtl(random, c, *options.pixel_rtl_turn);
   return c;
 }
 
@@ -230,6 +260,7 @@ bool is_legal(const Config& config, const RandomConfigOptions& options) {
       options.check(config);
     }
     if (options.rtl_only) static_cast<void>(emit_sv(config));
+    if (options.pixel_rtl_turn && !has_pixel_rtl(config)) return false;
   } catch (const InputError&) {
     return false;
   }
@@ -253,6 +284,37 @@ Config random_config(std::uint64_t seed, std::span<const Config> bases, const Ra
     }
   }
   throw std::logic_error("random_config: no legal configuration in 2000 draws");
+}
+
+namespace {
+
+// What the RTL is built from, without the first lines, which name the configuration.
+std::string rtl_packages(const Config& config) {
+  std::string out;
+  for (const std::string& package : {emit_sv(config), emit_pixel_sv(config)})
+    out += package.substr(package.find('\n'));
+  return out;
+}
+
+}  // namespace
+
+Config vary_beside_rtl(std::uint64_t seed, const Config& config, const RandomConfigOptions& options) {
+  Random random(seed);
+  const std::string packages = rtl_packages(config);
+  Config out = config;
+  for (const Key& key : entries()) {
+    if ((affected(key) & affects::rtl) != 0 || !random.chance(even_value)) continue;
+    // A few times, since much of what is drawn is another design.
+    for (int i = 0; i < 4; ++i) {
+      Config next = out;
+      draw_later(random, next, key, options);
+      if (!is_legal(next, options) || rtl_packages(next) != packages) continue;
+      out = next;
+      break;
+    }
+  }
+  out.name = "random-" + std::to_string(seed);
+  return out;
 }
 
 }  // namespace bitspan

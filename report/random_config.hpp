@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 
 #include "config/config.hpp"
@@ -17,6 +18,12 @@ struct RandomConfigOptions {
   int least_coordinate_bits = 13;
   // Formats that scenes fit in, mostly. Without it their signs change too: for benches that feed raw values.
   bool for_scenes = true;
+  // Keys that may be left out are drawn as often as the others, and every register takes every overflow: some
+  // 200 draws have each name of each key.
+  bool even = false;
+  // With rtl_only: the RTL has the pixel stages, too. By turns, 0, 1, 2 and so on, they have each texture.mip
+  // and each rtl.blend, so that a few configurations, and as many builds, have all of these.
+  std::optional<std::uint64_t> pixel_rtl_turn{};
   // Further rules, of engines that hold less; throws InputError for what is to be drawn again. May be empty.
   std::function<void(const Config&)> check;
 };
@@ -31,5 +38,9 @@ Config draw_config(std::uint64_t seed, std::span<const Config> bases,
 // "random-SEED". bases: each legal.
 Config random_config(std::uint64_t seed, std::span<const Config> bases,
                      const RandomConfigOptions& options = {});
+
+// Draws keys again that the RTL of a configuration does not hang on: both configurations are built from the
+// same packages. `config` has pixel stages in RTL, and `options` accept it.
+Config vary_beside_rtl(std::uint64_t seed, const Config& config, const RandomConfigOptions& options);
 
 }  // namespace bitspan

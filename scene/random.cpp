@@ -62,12 +62,14 @@ bool Random::chance(double probability) { return unit() < probability; }
 
 namespace {
 
-Texture random_texture(Random& random, int index, int size_max, bool mip_chains) {
+Texture random_texture(Random& random, int index, const RandomOptions& options) {
   Texture texture;
   texture.name = "random" + std::to_string(index) + ".png";
-  texture.width = static_cast<int>(random.integer(1, size_max));
-  texture.height = static_cast<int>(random.integer(1, size_max));
-  if (mip_chains) {
+  texture.width = static_cast<int>(random.integer(1, options.texture_size_max));
+  texture.height = static_cast<int>(random.integer(1, options.texture_size_max));
+  // No draw where there is nothing to decide: a seed of before gives the scene of before.
+  const bool powers = options.power_of_two_probability > 0 && random.chance(options.power_of_two_probability);
+  if (options.mip_chains || powers) {
     texture.width = static_cast<int>(std::bit_floor(static_cast<unsigned>(texture.width)));
     texture.height = static_cast<int>(std::bit_floor(static_cast<unsigned>(texture.height)));
   }
@@ -247,11 +249,17 @@ Scene random_scene(std::uint64_t seed, const RandomOptions& options) {
     scene.fog = Fog{random_color(random), random.uniform(0.1, 1) * scene.s_max};
   }
   const auto textures = random.integer(0, options.textures);
-  for (int i = 0; i < textures; ++i)
-    scene.textures.push_back(random_texture(random, i, options.texture_size_max, options.mip_chains));
+  for (int i = 0; i < textures; ++i) scene.textures.push_back(random_texture(random, i, options));
   scene.triangles.reserve(static_cast<std::size_t>(options.triangles));
   while (scene.triangles.size() < static_cast<std::size_t>(options.triangles)) {
-    const Triangle triangle = random_triangle(random, scene, options);
+    Triangle triangle = random_triangle(random, scene, options);
+    if (options.stacked_probability > 0 && !scene.triangles.empty() &&
+        random.chance(options.stacked_probability)) {
+      for (std::size_t i = 0; i < triangle.v.size(); ++i) {
+        triangle.v[i].x = scene.triangles.back().v[i].x;
+        triangle.v[i].y = scene.triangles.back().v[i].y;
+      }
+    }
     if (orientation(triangle) != 0) scene.triangles.push_back(triangle);
   }
   // Last, so that a scene's triangles do not depend on them.
