@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "config/modes.hpp"
+#include "engine/range.hpp"
 #include "report/random_config.hpp"
 #include "scene/random.hpp"
 
@@ -15,6 +16,21 @@ namespace {
 
 constexpr std::uint64_t groups_per_design = 4;  // with FuzzDesigns::some
 constexpr std::uint64_t configs_per_build = 16;
+std::uint64_t groups_per_build(const FuzzPlan& plan) {
+  return plan.designs == FuzzDesigns::some ? groups_per_design * configs_per_build : configs_per_build;
+}
+
+// Throws InputError where a configuration refuses too many draws of a case.
+void check_takes(const FuzzPlan& plan, std::uint64_t index, const Config& config) {
+  for (int draw = 0;; ++draw) {
+    try {
+      check_scene_range(config, fuzz_scene(plan, index, draw, config));
+      return;
+    } catch (const InputError&) {
+      if (draw == fuzz_draws / 2) throw;
+    }
+  }
+}
 
 }  // namespace
 
@@ -34,21 +50,24 @@ bool fuzz_takes_designs(const FuzzPlan& plan, std::uint64_t group) {
   unreachable();
 }
 
-std::uint64_t fuzz_build(const FuzzPlan& plan, std::uint64_t group) {
-  return group /
-         (plan.designs == FuzzDesigns::some ? groups_per_design * configs_per_build : configs_per_build);
-}
+std::uint64_t fuzz_build(const FuzzPlan& plan, std::uint64_t group) { return group / groups_per_build(plan); }
 
 Config fuzz_config(const FuzzPlan& plan, std::uint64_t group, std::span<const Config> bases,
                    const std::function<void(const Config&)>& check) {
+  const bool with_designs = fuzz_takes_designs(plan, group);
+  const std::uint64_t first = with_designs ? group - group % groups_per_build(plan) : group;
   RandomConfigOptions options;
   options.even = true;
-  options.check = check;
-  if (!fuzz_takes_designs(plan, group)) return random_config(fuzz_seed(plan.seed, group, 1), bases, options);
+  options.check = [&](const Config& config) {
+    if (check) check(config);
+    check_takes(plan, first * plan.streams_per_config, config);
+  };
+  if (!with_designs) return random_config(fuzz_seed(plan.seed, group, 1), bases, options);
   const std::uint64_t build = fuzz_build(plan, group);
   options.rtl_only = true;
   options.pixel_rtl_turn = build;
   const Config built = random_config(fuzz_seed(plan.seed, build, 4), bases, options);
+  options.check = check;
   return vary_beside_rtl(fuzz_seed(plan.seed, group, 1), built, options);
 }
 
@@ -65,10 +84,12 @@ Scene fuzz_scene(const FuzzPlan& plan, std::uint64_t index, int draw, const Conf
   options.depth_ratio_max = std::max(1.5, 1000 / std::pow(3.0, draw));
   options.uv_limit = std::max(4.0, 1024 / std::pow(2.0, draw));
   options.texture_size_max = static_cast<int>(random.log_uniform(1, 64));
-  options.power_of_two_probability = 0.5;
+  options.textures = 4;
+  options.power_of_two_probability = 0.4;
   options.mip_chains = has_lod(config);
-  if (random.chance(0.5)) options.command_probability = random.log_uniform(0.0625, 1);
-  if (fuzz_takes_designs(plan, index / plan.streams_per_config)) {
+  const bool with_designs = fuzz_takes_designs(plan, index / plan.streams_per_config);
+  if (random.chance(with_designs ? 0.8 : 0.5)) options.command_probability = random.log_uniform(0.0625, 1);
+  if (with_designs) {
     // The pixel stages in RTL have neither.
     options.targets = random.chance(0.25);
     options.second_texture = random.chance(0.25);

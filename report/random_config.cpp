@@ -2,11 +2,13 @@
 #include "report/random_config.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "config/check.hpp"
 #include "config/keys.hpp"
@@ -119,7 +121,9 @@ void change_format(Random& random, FormatId id, Format& f, const RandomConfigOpt
     const int delta = between(random, keeps ? 0 : -4, 3);  // fraction bits
     if (f.word + delta >= 1) f.word = std::min(f.word + delta, f.is_signed ? 64 : 63);
   }
-  if (random.chance(0.6)) f.rounding = any_name<Rounding>(random);
+  // A build is dear: each register of one rounds and overflows as it may.
+  const bool dear = options.pixel_rtl_turn.has_value();
+  if (dear || random.chance(0.6)) f.rounding = any_name<Rounding>(random);
   if (keeps && options.even && random.chance(0.4)) f.overflow = any_overflow(random, f.is_signed);
   if (keeps) return;
   f.overflow_expected = true;
@@ -127,14 +131,14 @@ void change_format(Random& random, FormatId id, Format& f, const RandomConfigOpt
     f.is_signed = !f.is_signed;
     f.overflow = any_overflow(random, f.is_signed);
   }
-  if (!keeps_integer(id) && random.chance(for_scenes ? 0.25 : 0.7)) {
-    const int delta = between(random, for_scenes ? -2 : -3, 2);
+  if (!keeps_integer(id) && random.chance(dear ? 0.5 : for_scenes ? 0.25 : 0.7)) {
+    const int delta = between(random, dear ? -5 : for_scenes ? -2 : -3, 2);
     if (f.word + delta >= 1 && f.word + delta <= 63) {
       f.word += delta;
       f.integer += delta;
     }
   }
-  if (random.chance(0.4)) f.overflow = any_overflow(random, f.is_signed);
+  if (dear || random.chance(0.4)) f.overflow = any_overflow(random, f.is_signed);
 }
 
 // The kind, normalisation, steps and so on are drawn; these are the widths that go together.
@@ -179,17 +183,47 @@ void choose_in_rtl(Random& random, E& name) {
   while (!is_in_rtl(name)) name = any_name<E>(random);
 }
 
+// The names of a mode one after another, the last one first.
+template <class E>
+E by_turn(std::uint64_t turn) {
+  constexpr std::size_t names = enum_names<E>.size();
+  return static_cast<E>(names - 1 - turn % names);
+}
+
 void choose_pixel_rtl(Random& random, Config& c, std::uint64_t turn) {
   choose_in_rtl(random, c.depth_code);
   choose_in_rtl(random, c.filter);
   choose_in_rtl(random, c.wrap);
   choose_in_rtl(random, c.fog);
   choose_in_rtl(random, c.lod);
-  c.mip = static_cast<MipMode>(turn % enum_names<MipMode>.size());
-  c.rtl.blend = static_cast<RtlBlend>((turn + 1) % enum_names<RtlBlend>.size());
+  c.perspective = static_cast<Perspective>(turn % enum_names<Perspective>.size());
+  c.mip = by_turn<MipMode>(turn);
+  c.rtl.blend = by_turn<RtlBlend>(turn);
+  // What the span interpolator computes in every mode: one after another they round and overflow in each way,
+  // and are too narrow for some pixels.
+  constexpr std::array dealt{FormatId::span_h_step, FormatId::span_shade_step, FormatId::span_uv};
+  c.rtl.shades = c.rtl.shades || random.chance(0.75);
+  for (std::size_t i = 0; i < dealt.size(); ++i) {
+    Format& f = c.format(dealt[i]);
+    f.rounding = by_turn<Rounding>(turn * dealt.size() + i);
+    if (f.is_signed) f.overflow = by_turn<Overflow>(turn * dealt.size() + i);
+    const int fewer = random.chance(0.75) ? between(random, 4, 10) : 0;
+    if (f.word - fewer < 4) continue;
+    f.word -= fewer;
+    f.integer -= fewer;
+  }
+  if (!has_lod(c)) return;
   // A level that is the bias, whatever the pixel, shows little.
-  while (has_lod(c) && (!is_in_rtl(c.lod) || (c.lod == LodMode::none && random.chance(0.9))))
-    c.lod = any_name<LodMode>(random);
+  if (random.chance(0.1)) {
+    c.lod = LodMode::none;
+    return;
+  }
+  std::vector<LodMode> modes;
+  for (std::size_t i = 0; i < enum_names<LodMode>.size(); ++i) {
+    const auto mode = static_cast<LodMode>(i);
+    if (mode != LodMode::none && is_in_rtl(mode)) modes.push_back(mode);
+  }
+  c.lod = modes[modes.size() - 1 - turn % modes.size()];
 }
 
 // A key that may be left out.

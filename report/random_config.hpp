@@ -21,8 +21,9 @@ struct RandomConfigOptions {
   // Keys that may be left out are drawn as often as the others, and every register takes every overflow: some
   // 200 draws have each name of each key.
   bool even = false;
-  // With rtl_only: the RTL has the pixel stages, too. By turns, 0, 1, 2 and so on, they have each texture.mip
-  // and each rtl.blend, so that a few configurations, and as many builds, have all of these.
+  // With rtl_only: the RTL has the pixel stages, too. By turns, 0, 1, 2 and so on, they have each
+  // perspective, texture.mip and rtl.blend, and registers of span with each rounding and overflow, so that a
+  // few configurations, and as many builds, have all of these.
   std::optional<std::uint64_t> pixel_rtl_turn{};
   // Further rules, of engines that hold less; throws InputError for what is to be drawn again. May be empty.
   std::function<void(const Config&)> check;

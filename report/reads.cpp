@@ -51,8 +51,7 @@ class Texels : golden::Sampling<golden::Quad> {
     for (int k = 0; k < side * side; ++k) {
       const std::int64_t column = wrapped(i + k % side, texture.width);
       const std::int64_t row = wrapped(j + k / side, texture.height);
-      out.push_back({fmt::format("texel ({}, {}) of level {}, {}x{}", column, row, level, texture.width,
-                                 texture.height),
+      out.push_back({fmt::format("texel ({}, {}) of level {}", column, row, level),
                      fmt::format("{}", fmt::join(fetch(texture, column, row), " "))});
     }
   }
@@ -67,13 +66,15 @@ std::int64_t field(const RecordCopy& record, std::string_view name) {
   return record.values[static_cast<std::size_t>(field_index(record.type, name))];
 }
 
-// texture: index into the scene's, or -1. chosen: the record that has the level, null without levels.
+// texture: index into the scene's, or -1. chosen: the record that has the level, null without levels. Of lod,
+// the texture alone.
 void add_texels(const Divergence& d, const Config& config, const Scene& scene, int texture,
                 const RecordCopy* chosen, std::vector<Read>& out) {
   const RecordCopy* fragment = fed_by(d, RecordType::fragment);
   if (texture < 0 || fragment == nullptr) return;
   const Texture& image = scene.textures[static_cast<std::size_t>(texture)];
-  out.push_back({"texture", fmt::format("{} {}", texture, image.name)});
+  out.push_back({"texture", fmt::format("{} {}, {}x{}", texture, image.name, image.width, image.height)});
+  if (d.type == RecordType::lod) return;  // the size tells the last level
   const std::int64_t u = field(*fragment, "u");
   const std::int64_t v = field(*fragment, "v");
   const Texels texels(config);
@@ -152,7 +153,7 @@ void add_reads(Divergence& d, const Config& config, const Scene& scene, Engine& 
                                               ? fmt::format("{}", values[i])
                                               : std::string(r.names[static_cast<std::size_t>(values[i])])});
   }
-  if (d.type == RecordType::texture)
+  if (d.type == RecordType::texture || d.type == RecordType::lod)
     add_texels(d, config, scene, triangle.texture, fed_by(d, RecordType::lod), d.read);
   // Its level is its own.
   if (d.type == RecordType::texture_second)
