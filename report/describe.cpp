@@ -163,7 +163,7 @@ std::string describe(const Divergence& d, const Config& config, const RunLabel& 
                        describe_record(record, config, 4));
   }
   if (!d.read.empty()) out += fmt::format("  read by {}:\n", d.stage);
-  for (const Read& read : d.read) out += fmt::format("    {:<12} {}\n", read.name, read.value);
+  for (const Read& read : d.read) out += fmt::format("    {:<20} {}\n", read.name, read.value);
   out += fmt::format("  reproduce      {}\n", label.command);
   return out;
 }

@@ -156,8 +156,8 @@ TEST(Reads, TheReportNamesThem) {
   const std::string merge =
       describe(at_record(trace, RecordType::merge, 0, config, scene), config, {"s", "c"});
   EXPECT_NE(merge.find("read by merge:\n"), std::string::npos) << merge;
-  EXPECT_NE(merge.find("    blend.src    src_alpha\n"), std::string::npos) << merge;
-  EXPECT_NE(merge.find("    stored color "), std::string::npos) << merge;
+  EXPECT_NE(merge.find("    blend.src            src_alpha\n"), std::string::npos) << merge;
+  EXPECT_NE(merge.find("    stored color         "), std::string::npos) << merge;
   const std::string setup =
       describe(at_record(trace, RecordType::setup, 0, config, scene), config, {"s", "c"});
   EXPECT_NE(setup.find("    vertex x y s u v, r g b a "), std::string::npos) << setup;
