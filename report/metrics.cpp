@@ -138,6 +138,8 @@ constexpr auto statistics = std::to_array<FieldStatistic>({
      [](const ErrorStat& s) { return s.max; }},
     {"mean", "mean", "", "", "mean of the magnitude", Better::low, false, false,
      [](const ErrorStat& s) { return s.mean_magnitude(); }},
+    {"median", "median", "", "", "half of the magnitudes are not above it; the upper edge of 1/8 octave",
+     Better::low, false, false, [](const ErrorStat& s) { return s.quantile(0.5); }},
     {"rms", "RMS", "", "", "root of the mean square", Better::low, true, true,
      [](const ErrorStat& s) { return s.rms(); }},
     {"p999", "99.9 %", "", "", "99.9 % of the magnitudes are not above it; the upper edge of 1/8 octave",
