@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/frozen/cases.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "config/keys.hpp"
 #include "config/modes.hpp"
 #include "engine/range.hpp"
 #include "golden/precision.hpp"
@@ -481,26 +484,100 @@ std::vector<Config> timing_variants() {
 
 namespace {
 
-std::string random_config_path(int number) {
-  std::string digits = std::to_string(number);
-  digits.insert(0, 3 - digits.size(), '0');
-  return BITSPAN_SOURCE_DIR "/tests/frozen/configs/" + digits + ".toml";
+using Json = nlohmann::ordered_json;
+
+constexpr int random_config_count = 200;
+
+std::string number_of(int number) {
+  const std::string digits = std::to_string(number);
+  return std::string(3 - digits.size(), '0') + digits;
 }
+
+// Returns visit(key, config) over all keys; `config` has at a key what it is where a line does not name it.
+Config config_by(const std::function<void(const Key&, Config&)>& visit) {
+  Config config = shipped_config("depth16");
+  for (const Key& entry : entries()) {
+    if (entry.presence() == Presence::later) set_default(config, entry);  // may hang on the keys before
+    for (const Key& key : keys()) {
+      if (key.row == entry.row && key.i == entry.i) visit(key, config);
+    }
+  }
+  return config;
+}
+
+// "/formats/span/h/word" of "formats.span.h.word".
+std::string pointer_of(std::string path) {
+  std::ranges::replace(path, '.', '/');
+  return "/" + path;
+}
+
+KeyValue value_in(const Json& json) {
+  if (json.is_boolean()) return json.get<bool>();
+  if (json.is_number_integer()) return json.get<std::int64_t>();
+  if (json.is_number()) return json.get<double>();
+  return json.get<std::string>();
+}
+
+std::string random_configs_path() { return BITSPAN_SOURCE_DIR "/tests/frozen/random_configs.jsonl"; }
 
 }  // namespace
 
-Config random_config_file(int number) { return load_config(random_config_path(number)); }
+std::string line_of(const Config& config) {
+  Json flat{{"/name", config.name}};
+  config_by([&](const Key& key, Config& named) {
+    if (same_value(config, named, key)) return;
+    std::visit([&](const auto& value) { flat[pointer_of(key.path)] = value; }, value_of(config, key));
+    copy_value(config, named, key);
+  });
+  return flat.unflatten().dump();
+}
 
-void draw_random_configs(int first, int last) {
+Config config_of(const std::string& line) {
+  Json flat = Json::parse(line).flatten();
+  const auto take = [&](const std::string& pointer, const auto& to) {
+    if (const auto found = flat.find(pointer); found != flat.end()) {
+      to(*found);
+      flat.erase(pointer);
+    }
+  };
+  std::string name;
+  take("/name", [&](const Json& json) { name = json; });
+  Config config = config_by([&](const Key& key, Config& named) {
+    take(pointer_of(key.path), [&](const Json& json) {
+      if (const auto wrong = set_value(named, key, value_in(json)))
+        throw std::runtime_error(name + ": " + key.path + ": " + *wrong);
+    });
+  });
+  if (!flat.empty()) throw std::runtime_error(name + ": unknown keys: " + flat.dump());
+  config.name = name;
+  check_config(config, name);
+  return config;
+}
+
+std::vector<Config> random_configs() {
+  std::vector<Config> out;
+  std::ifstream file(random_configs_path());
+  for (std::string line; std::getline(file, line);) out.push_back(config_of(line));
+  if (out.size() != random_config_count) throw std::runtime_error("not all of " + random_configs_path());
+  return out;
+}
+
+void write_random_configs(const std::vector<Config>& configs) {
+  std::ofstream file(random_configs_path(), std::ios::binary);
+  for (const Config& config : configs) file << line_of(config) << "\n";
+  if (!file.flush()) throw std::runtime_error("cannot write " + random_configs_path());
+}
+
+std::vector<Config> drawn_random_configs() {
   const std::vector<Config> bases = shipped_configs();
   RandomConfigOptions options;
   options.check = [](const Config& config) { static_cast<void>(golden::choose_precision(config)); };
-  for (int number = first; number <= last; ++number) {
-    const Config config = random_config(static_cast<std::uint64_t>(number) + 1, bases, options);
-    std::ofstream file(random_config_path(number), std::ios::binary);
-    file << to_toml(config);
-    if (!file.flush()) throw std::runtime_error("cannot write " + random_config_path(number));
+  std::vector<Config> out;
+  for (int number = 0; number < random_config_count; ++number) {
+    out.push_back(random_config(static_cast<std::uint64_t>(number) + 1, bases, options));
+    out.back().name = number_of(number);
   }
+  return out;
 }
 
 Scene spot_scene(int width, int height) {

@@ -28,8 +28,16 @@ std::vector<Config> timing_variants();    // latencies, intervals, FIFOs and mem
 
 // Reads configs/NNN.toml.
 Config random_config_file(int number);
-// Draws the files of these numbers anew, from the shipped configurations by seed NNN + 1.
-void draw_random_configs(int first, int last);
+// One line of JSON: the name, and the keys that differ from depth16; those that came later (Presence::later)
+// from their defaults, so that a new key changes no line.
+std::string line_of(const Config& config);
+Config config_of(const std::string& line);
+// The configurations of random_configs.jsonl.
+std::vector<Config> random_configs();
+// Writes that file.
+void write_random_configs(const std::vector<Config>& configs);
+// Draws its configurations anew, from the shipped configurations by the seeds 1, 2, ...
+std::vector<Config> drawn_random_configs();
 
 // Spot, seen from the side in fog.
 Scene spot_scene(int width, int height);

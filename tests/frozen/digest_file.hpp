@@ -8,26 +8,10 @@
 #include <cstddef>
 #include <map>
 #include <string>
-#include <utility>
-#include <vector>
+
+#include "tests/frozen/digest_lines.hpp"
 
 namespace bitspan::frozen {
-
-// Names and values, in the order in which they are written.
-using Quantities = std::vector<std::pair<std::string, std::string>>;
-
-// What was computed of a case.
-struct Computed {
-  Quantities quantities;
-  std::vector<std::string> disagreements;  // between engines that must be equal: one line for each
-};
-
-// The folder that holds these files.
-std::string digest_folder();
-// Whether the digests are written anew instead of compared: BITSPAN_FREEZE is in the environment.
-bool freezing();
-// Whether the random configurations are drawn anew before that: its value is "configs".
-bool drawing_configs();
 
 class DigestFile {
  public:
@@ -35,12 +19,10 @@ class DigestFile {
   // Compares a case with the file. It is a test failure that names the case and the quantities where they
   // differ, or where engines disagree.
   void check(const std::string& title, const Computed& computed);
-  void check(const std::string& title, const Quantities& quantities) {
-    check(title, Computed{quantities, {}});
-  }
-  // To be called last. Comparing: fails where the file has cases that were not checked. Freezing: writes the
-  // file, unless the test has failed already, and skips the test.
+  // To be called last. Fails where the file has cases that were not checked.
   void finish();
+  // The cases that differ from the file, and how.
+  const std::map<std::string, std::string>& differing() const { return differing_; }
 
  private:
   using Section = std::map<std::string, std::string>;  // from quantity to value
@@ -50,7 +32,7 @@ class DigestFile {
 
   std::string path_;
   std::map<std::string, Section> frozen_;
-  std::string computed_;  // the file as it would be written
+  std::map<std::string, std::string> differing_;
   std::size_t cases_ = 0, quantities_ = 0;
   std::size_t failures_ = 0;
   std::string further_;  // titles of the failures that are not told in full

@@ -156,22 +156,6 @@ void expect_equal_frames(Equality& equality, const char* who, const Frame& got, 
   equality.expect(got.triangle == expected.triangle, who, "plane triangle");
 }
 
-// Leaves out `cycles`, which only the timed model has.
-Quantities counter_quantities(const Counters& c) {
-  return {{"counter triangles", std::to_string(c.triangles)},
-          {"counter degenerate", std::to_string(c.degenerate)},
-          {"counter rows", std::to_string(c.rows)},
-          {"counter fragments", std::to_string(c.fragments)},
-          {"counter covered", std::to_string(c.covered)},
-          {"counter depth_passed", std::to_string(c.depth_passed)},
-          {"counter killed", std::to_string(c.killed)},
-          {"counter written", std::to_string(c.written)},
-          {"counter divides_edge", std::to_string(c.divides_edge)},
-          {"counter divides_row", std::to_string(c.divides_row)},
-          {"counter divides_pixel", std::to_string(c.divides_pixel)},
-          {"counter divides_saved", std::to_string(c.divides_saved)}};
-}
-
 void expect_equal_counters(Equality& equality, const char* who, const Counters& got,
                            const Counters& expected) {
   const Quantities of_got = counter_quantities(got);
@@ -284,6 +268,21 @@ std::string digest_of_handshake(const std::vector<HandshakeClock>& handshake) {
 
 }  // namespace
 
+Quantities counter_quantities(const Counters& c) {
+  return {{"counter triangles", std::to_string(c.triangles)},
+          {"counter degenerate", std::to_string(c.degenerate)},
+          {"counter rows", std::to_string(c.rows)},
+          {"counter fragments", std::to_string(c.fragments)},
+          {"counter covered", std::to_string(c.covered)},
+          {"counter depth_passed", std::to_string(c.depth_passed)},
+          {"counter killed", std::to_string(c.killed)},
+          {"counter written", std::to_string(c.written)},
+          {"counter divides_edge", std::to_string(c.divides_edge)},
+          {"counter divides_row", std::to_string(c.divides_row)},
+          {"counter divides_pixel", std::to_string(c.divides_pixel)},
+          {"counter divides_saved", std::to_string(c.divides_saved)}};
+}
+
 // The package that the RTL is built from, without the lines that are comments: they number the enumerators
 // that there are.
 std::string package_text(const Config& config) {
@@ -296,13 +295,13 @@ std::string package_text(const Config& config) {
   return text;
 }
 
-Quantities config_quantities(const Config& config) {
+Computed config_quantities(const Config& config) {
   Quantities out{{"hash", config_hash(config)}, {"text", digest_of_text(to_toml(config))}};
   if (has_rtl(config)) out.emplace_back("package", digest_of_text(package_text(config)));
-  return out;
+  return {{{"configuration", out}}, {}};
 }
 
-Quantities scene_quantities(const Scene& scene) {
+Computed scene_quantities(const Scene& scene) {
   Fnv128 triangles;
   for (const Triangle& t : scene.triangles) {
     for (const Vertex& v : t.v) {
@@ -325,9 +324,11 @@ Quantities scene_quantities(const Scene& scene) {
     for (const std::uint8_t value : scene.fog->color) frame.byte(value);
     frame.number(scene.fog->distance);
   }
-  return {{"triangles", std::to_string(scene.triangles.size()) + " of " + digits(triangles)},
-          {"textures", digits(textures)},
-          {"frame", digits(frame)}};
+  return {{{"scene",
+            {{"triangles", std::to_string(scene.triangles.size()) + " of " + digits(triangles)},
+             {"textures", digits(textures)},
+             {"frame", digits(frame)}}}},
+          {}};
 }
 
 Computed value_quantities(const Config& config, const Scene& scene) {
@@ -335,9 +336,9 @@ Computed value_quantities(const Config& config, const Scene& scene) {
   Equality equality(out);
   const auto model = make_model(config);
   const auto golden = make_golden(config);
-  out.quantities = records_of(equality, *model, *golden, scene).quantities();
-  append(out.quantities, plane_quantities(model->frame(), "plane"));
-  append(out.quantities, counter_quantities(model->counters()));
+  const Quantities records = records_of(equality, *model, *golden, scene).quantities();
+  Quantities pictures = plane_quantities(model->frame(), "plane");
+  Quantities counters = counter_quantities(model->counters());
   expect_equal_results(equality, "golden", *golden, *model);
 
   const auto bare = make_model(config);
@@ -347,11 +348,12 @@ Computed value_quantities(const Config& config, const Scene& scene) {
   const auto observed = make_observed_model(config);
   draw_whole(*observed, scene);
   expect_equal_results(equality, "model with observers", *observed, *model);
-  out.quantities.emplace_back("statistics", digest_of_statistics(observed->statistics()));
+  counters.emplace_back("statistics", digest_of_statistics(observed->statistics()));
 
   const auto ideal = make_ideal(config);
   draw_whole(*ideal, scene);
-  append(out.quantities, plane_quantities(ideal->frame(), "ideal"));
+  append(pictures, plane_quantities(ideal->frame(), "ideal"));
+  out.groups = {{"records", records}, {"pictures", pictures}, {"counters", counters}};
   return out;
 }
 
@@ -364,7 +366,7 @@ Computed clock_quantities(const Config& config, const Scene& scene, ClockedBy by
       has_cache(config.memory.depth_cache.mode) || has_cache(config.memory.color_cache.mode);
   const auto span = make_systemc(config, {.mode = TimedMode::span, .measure_texture_cache = has_caches});
   draw_whole(*span, scene);
-  out.quantities = report_quantities(span->report());
+  Quantities clocks = report_quantities(span->report());
   expect_equal_results(equality, "systemc in mode span", *span, *model);
   if (by == ClockedBy::both) {
     const auto cycle = make_systemc(
@@ -373,12 +375,13 @@ Computed clock_quantities(const Config& config, const Scene& scene, ClockedBy by
     expect_equal_results(equality, "systemc in mode cycle", *cycle, *model);
     const Quantities of_cycle = report_quantities(cycle->report());
     for (std::size_t i = 0; i < of_cycle.size(); ++i) {
-      if (of_cycle[i] == out.quantities[i]) continue;
+      if (of_cycle[i] == clocks[i]) continue;
       out.disagreements.push_back("systemc: " + of_cycle[i].first + ": mode cycle has " + of_cycle[i].second +
-                                  ", mode span " + out.quantities[i].second);
+                                  ", mode span " + clocks[i].second);
     }
-    out.quantities.emplace_back("handshake", digest_of_handshake(cycle->handshake()));
+    clocks.emplace_back("handshake", digest_of_handshake(cycle->handshake()));
   }
+  out.groups = {{"clocks", clocks}};
   return out;
 }
 

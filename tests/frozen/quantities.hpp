@@ -3,18 +3,22 @@
 #pragma once
 
 #include "config/config.hpp"
+#include "engine/counters.hpp"
 #include "scene/scene.hpp"
-#include "tests/frozen/digest_file.hpp"
+#include "tests/frozen/digest_lines.hpp"
 
 namespace bitspan::frozen {
 
 // The hash, the canonical text, and the RTL's package where there is one.
-Quantities config_quantities(const Config& config);
+Computed config_quantities(const Config& config);
 // The triangles and textures, so that a scene made differently is not taken for a pipeline that changed.
-Quantities scene_quantities(const Scene& scene);
+Computed scene_quantities(const Scene& scene);
 // The records, frame and counters of `model`, what its registers saw, and the frame of `ideal`. `golden`, and
 // `model` without a trace, must be equal to that.
 Computed value_quantities(const Config& config, const Scene& scene);
+
+// The counters that all engines compare.
+Quantities counter_quantities(const Counters& counters);
 
 // What the timed model is run by: the modes of TimedMode.
 enum class ClockedBy { span, both };
