@@ -26,18 +26,14 @@ std::vector<Config> cache_variants();     // caches of depth and colour
 std::vector<Config> format_variants();    // rounding and overflow of every format
 std::vector<Config> timing_variants();    // latencies, intervals, FIFOs and memory: clocks only
 
-// Reads configs/NNN.toml.
-Config random_config_file(int number);
 // One line of JSON: the name, and the keys that differ from depth16; those that came later (Presence::later)
 // from their defaults, so that a new key changes no line.
 std::string line_of(const Config& config);
 Config config_of(const std::string& line);
-// The configurations of random_configs.jsonl.
-std::vector<Config> random_configs();
-// Writes that file.
-void write_random_configs(const std::vector<Config>& configs);
-// Draws its configurations anew, from the shipped configurations by the seeds 1, 2, ...
-std::vector<Config> drawn_random_configs();
+// The lines of random_configs.jsonl, one per configuration.
+std::vector<std::string> random_config_lines();
+// Draws them anew, from the shipped configurations by the seeds 1, 2, ...
+void draw_random_configs();
 
 // Spot, seen from the side in fog.
 Scene spot_scene(int width, int height);

@@ -52,8 +52,6 @@ class DigestLines {
   // or to NAME.differs.txt where a case differs. Comparing: fails where the file has cases that were not
   // checked. Freezing: writes the file, unless the test has failed already, and skips the test.
   void finish();
-  // The cases that differ from the file, and how.
-  const std::map<std::string, std::string>& differing() const { return differing_; }
 
  private:
   using Line = std::map<std::string, std::string>;  // from group to digest
@@ -67,7 +65,6 @@ class DigestLines {
   std::string lines_;           // the file as it would be written
   std::string quantities_;      // of all cases
   std::set<std::string> seen_;  // quantities that were not 0 in some case
-  std::map<std::string, std::string> differing_;
   std::size_t cases_ = 0;
   std::size_t failures_ = 0;
   std::string further_;  // titles of the failures that are not told in full
