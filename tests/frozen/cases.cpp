@@ -151,6 +151,11 @@ std::vector<Config> coverage_variants() {
       }
     }
   }
+  return variants.take();
+}
+
+std::vector<Config> offset_variants() {
+  Variants variants;
   for (const int bits : {0, 1, 8, 12}) {
     variants.add("subpixel_bits " + std::to_string(bits), [&](Config& c) { c.subpixel_bits = bits; });
   }
@@ -230,6 +235,14 @@ std::vector<Config> depth_variants() {
       });
     }
   }
+  for (const int bits : {8, 12}) {
+    variants.add("depth bits " + std::to_string(bits), [&](Config& c) { c.depth_bits = bits; });
+  }
+  return variants.take();
+}
+
+std::vector<Config> depth_rounding_variants() {
+  Variants variants;
   for (const DepthCode code : {DepthCode::inverse, DepthCode::opengl}) {
     for (int i = 0; i < rounding_modes; ++i) {
       const auto rounding = static_cast<Rounding>(i);
@@ -250,9 +263,6 @@ std::vector<Config> depth_variants() {
         c.start_offset.span_h = {false, 9000.0};
       });
     }
-  }
-  for (const int bits : {8, 12}) {
-    variants.add("depth bits " + std::to_string(bits), [&](Config& c) { c.depth_bits = bits; });
   }
   return variants.take();
 }

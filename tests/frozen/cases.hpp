@@ -11,20 +11,22 @@
 namespace bitspan::frozen {
 
 // Variants of depth16, each named after what it changes.
-std::vector<Config> coverage_variants();  // perspective, numerator, fill rule, edge walk, start offsets
-std::vector<Config> slope_variants();     // slope forms
+std::vector<Config> coverage_variants();         // perspective, numerator, fill rule, edge walk
+std::vector<Config> offset_variants();           // start offsets, subpixels
+std::vector<Config> slope_variants();            // slope forms
 std::vector<Config> edge_reciprocal_variants();  // kinds and shapes of the units
 std::vector<Config> row_reciprocal_variants();
 std::vector<Config> pixel_reciprocal_variants();
-std::vector<Config> depth_variants();     // codes, widths, rounding and overflow of the depth buffer
-std::vector<Config> depth_dz_variants();  // float_dz, with depth20 too
-std::vector<Config> shading_variants();   // texture and fog
-std::vector<Config> plane_variants();     // rows from the triangle's plane
-std::vector<Config> mip_variants();       // levels of textures
-std::vector<Config> distance_variants();  // zone_d, finite, fog by distance
-std::vector<Config> cache_variants();     // caches of depth and colour
-std::vector<Config> format_variants();    // rounding and overflow of every format
-std::vector<Config> timing_variants();    // latencies, intervals, FIFOs and memory: clocks only
+std::vector<Config> depth_variants();           // codes and widths of the depth buffer
+std::vector<Config> depth_rounding_variants();  // its rounding and overflow
+std::vector<Config> depth_dz_variants();        // float_dz, with depth20 too
+std::vector<Config> shading_variants();         // texture and fog
+std::vector<Config> plane_variants();           // rows from the triangle's plane
+std::vector<Config> mip_variants();             // levels of textures
+std::vector<Config> distance_variants();        // zone_d, finite, fog by distance
+std::vector<Config> cache_variants();           // caches of depth and colour
+std::vector<Config> format_variants();          // rounding and overflow of every format
+std::vector<Config> timing_variants();          // latencies, intervals, FIFOs and memory: clocks only
 
 // One line of JSON: the name, and the keys that differ from depth16; those that came later (Presence::later)
 // from their defaults, so that a new key changes no line.

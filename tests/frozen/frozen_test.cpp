@@ -111,11 +111,13 @@ TEST(Frozen, ShippedOnExtreme) { check_shipped("shipped_extreme", extreme_scenes
 TEST(Frozen, ShippedOnSpot) { check_shipped("shipped_spot", {spot_scene(640, 480)}); }
 
 TEST(Frozen, Coverage) { check_variants("coverage", coverage_variants()); }
+TEST(Frozen, Offset) { check_variants("offset", offset_variants()); }
 TEST(Frozen, Slope) { check_variants("slope", slope_variants()); }
 TEST(Frozen, EdgeReciprocal) { check_variants("edge_reciprocal", edge_reciprocal_variants()); }
 TEST(Frozen, RowReciprocal) { check_variants("row_reciprocal", row_reciprocal_variants()); }
 TEST(Frozen, PixelReciprocal) { check_variants("pixel_reciprocal", pixel_reciprocal_variants()); }
 TEST(Frozen, Depth) { check_variants("depth", depth_variants()); }
+TEST(Frozen, DepthRounding) { check_variants("depth_rounding", depth_rounding_variants()); }
 // The code float_dz, with early and with late tests.
 TEST(Frozen, DepthDz) {
   RandomOptions options = random_states(0.4);

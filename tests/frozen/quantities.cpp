@@ -26,6 +26,7 @@
 #include "model/engine_model.hpp"
 #include "model/timed/engine_systemc.hpp"
 #include "tests/support/same_bits.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan::frozen {
 namespace {
@@ -266,33 +267,38 @@ std::string digest_of_handshake(const std::vector<HandshakeClock>& handshake) {
   return digits(digest);
 }
 
-}  // namespace
-
-Quantities counter_quantities(const Counters& c) {
-  return {{"counter triangles", std::to_string(c.triangles)},
-          {"counter degenerate", std::to_string(c.degenerate)},
-          {"counter rows", std::to_string(c.rows)},
-          {"counter fragments", std::to_string(c.fragments)},
-          {"counter covered", std::to_string(c.covered)},
-          {"counter depth_passed", std::to_string(c.depth_passed)},
-          {"counter killed", std::to_string(c.killed)},
-          {"counter written", std::to_string(c.written)},
-          {"counter divides_edge", std::to_string(c.divides_edge)},
-          {"counter divides_row", std::to_string(c.divides_row)},
-          {"counter divides_pixel", std::to_string(c.divides_pixel)},
-          {"counter divides_saved", std::to_string(c.divides_saved)}};
+// The lines of the package that the RTL is built from, without those that are comments: they number the
+// enumerators that there are.
+std::vector<std::string> package_lines(const Config& config) {
+  std::istringstream package(emit_sv(config));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(package, line);) {
+    const std::size_t start = line.find_first_not_of(' ');
+    if (start == std::string::npos || line.compare(start, 2, "//") != 0) lines.push_back(line);
+  }
+  return lines;
 }
 
-// The package that the RTL is built from, without the lines that are comments: they number the enumerators
-// that there are.
+// Of depth16 the whole package, and of others what differs from it: a new parameter that is the same in all
+// changes the lines of depth16 alone.
 std::string package_text(const Config& config) {
-  std::istringstream lines(emit_sv(config));
+  static const std::vector<std::string> known = package_lines(shipped_config("depth16"));
   std::string text;
-  for (std::string line; std::getline(lines, line);) {
-    const std::size_t start = line.find_first_not_of(' ');
-    if (start == std::string::npos || line.compare(start, 2, "//") != 0) text += line + "\n";
+  for (const std::string& line : package_lines(config)) {
+    if (config.name == "depth16" || std::ranges::find(known, line) == known.end()) text += line + "\n";
   }
   return text;
+}
+
+}  // namespace
+
+Quantities counter_quantities(const Counters& counters) {
+  Quantities out;
+  for_each_counter([&](const CounterInfo& info, auto member) {
+    if (info.compared)
+      out.emplace_back("counter " + std::string(info.name), std::to_string(counters.*member));
+  });
+  return out;
 }
 
 Computed config_quantities(const Config& config) {
