@@ -46,70 +46,54 @@ struct Product {
 using Products = std::array<std::optional<Product>, row_product_count>;
 Products row_products(const Config& config) {
   using F = FormatId;
-  using P = RowProduct;
   Products products;
-  const auto of = [&](P p) -> std::optional<Product>& { return products[static_cast<std::size_t>(p)]; };
+  const auto of = [&](int place) -> std::optional<Product>& {
+    return products[static_cast<std::size_t>(place)];
+  };
   const auto grid = [&](F id) { return grid_of(config.format(id)); };
-  const Grid from_h = grid_of(offset_h(config));
-  const Grid from_f = grid_of(offset_f(config));
   const Grid m = grid_of(config.row_reciprocal.output);
   const Exponents e = exponents_of(config.row_reciprocal, row_operand(config));
   const Grid none{0, 0, false};
   if (has_plane_rows(config.perspective)) {
-    for (const P p : {P::fu, P::fv}) {
-      of(p) = Product{grid(F::span_f), m, e, none, from_f, config.format(F::span_uv_acc)};
-    }
-    for (const P p : {P::fu_step, P::fv_step, P::fu_step1, P::fv_step1}) {
-      of(p) = Product{grid(F::span_f_step), m, e, none, {}, config.format(F::span_uv_step)};
+    for (const LineId id : {LineId::fu, LineId::fv}) {
+      const Line line = line_of(id, config.perspective);
+      const LineProducts& p = products_of(id);
+      of(p.start) = Product{
+          grid(F::span_f), m, e, none, grid_of(start_offset(config, line)), config.format(line.row.acc)};
+      for (const int step : {p.slope, p.slope1})
+        of(step) = Product{grid(F::span_f_step), m, e, none, {}, config.format(line.row.step)};
     }
     return products;
   }
   const Grid sum = as_signed(depth_sum(config, F::edge_h));
+  const Grid pre = pre_step(config);
   const bool hyperbolic = has_pixel_quotients(config.perspective);
-  if (hyperbolic) {
-    for (const P p : {P::fu_left, P::fv_left, P::fu_diff, P::fv_diff})
-      of(p) = Product{sum, grid(F::edge_uv), {}, none, {}, config.format(F::span_f_diff)};
-  } else if (has_pixel_reciprocal(config.perspective)) {
-    for (const P p : {P::fu_diff, P::fv_diff}) {
-      of(p) = Product{sum, grid(F::edge_uv) - grid(F::edge_uv), {}, none, {}, config.format(F::span_f_diff)};
+  for (const LineId id : RtlLines(config)) {
+    const Line line = line_of(id, config.perspective);
+    const LineProducts& p = products_of(id);
+    const Grid end = grid(line.edge.kept);
+    Grid left = end;
+    if (line.row.difference) {
+      const Format& difference = config.format(*line.row.difference);
+      left = hyperbolic ? grid_of(difference) : none;
+      of(p.diff) = Product{sum, hyperbolic ? end : end - end, {}, none, {}, difference};
+      if (hyperbolic) of(p.left) = of(p.diff);
     }
-  }
-  // A value that is linear along the row: its slope, and its start from the left end.
-  const Grid p = pre_step(config);
-  const auto line = [&](P slope, Grid difference, F step, P start, Grid left, Grid offset, F acc) {
+    // Its slope, and its start from the left end.
     if (shares_reciprocal(form_of(config.row_slope)))
-      of(slope) = Product{difference, m, e, none, {}, config.format(step)};
-    of(start) = Product{grid(step), p, {}, left, offset, config.format(acc)};
-  };
-  const Grid h = grid(F::edge_h);
-  line(P::h_step, h - h, F::span_h_step, P::h, h, from_h, F::span_h);
-  const Grid left = hyperbolic                               ? grid(F::span_f_diff)
-                    : has_linear_texture(config.perspective) ? grid(F::edge_uv)
-                                                             : none;
-  for (const auto& [slope, start] : {std::pair{P::fu_step, P::fu}, {P::fv_step, P::fv}}) {
-    line(slope, slope_numerator(config), texture_step(config), start, left, from_f, texture_acc(config));
-  }
-  if (!config.rtl.shades) return products;
-  const Grid shade = grid(F::edge_shade);
-  const Grid from_shade = grid_of(offset_shade(config));
-  for (const auto& [slope, start] :
-       {std::pair{P::r_step, P::r}, {P::g_step, P::g}, {P::b_step, P::b}, {P::a_step, P::a}}) {
-    line(slope, shade - shade, F::span_shade_step, start, shade, from_shade, F::span_shade_acc);
+      of(p.slope) = Product{slope_numerator(config, id), m, e, none, {}, config.format(line.row.step)};
+    of(p.start) = Product{grid(line.row.step),        pre, {}, left, grid_of(start_offset(config, line)),
+                          config.format(line.row.acc)};
   }
   return products;
 }
 
 }  // namespace
 
-ExactOffset offset_h(const Config& config) { return exact_offset(config.start_offset.span_h, 0); }
-
-ExactOffset offset_f(const Config& config) {
-  const FormatId kept = has_linear_texture(config.perspective) ? FormatId::span_uv : FormatId::span_f;
-  return exact_offset(config.start_offset.span_f, config.format(kept).fraction());
-}
-
-ExactOffset offset_shade(const Config& config) {
-  return exact_offset(config.start_offset.span_shade, config.format(FormatId::span_shade).fraction());
+ExactOffset start_offset(const Config& config, const Line& line) {
+  if (line.row.offset == nullptr) return {};
+  const int kept = line.row.half_ulp_of ? config.format(*line.row.half_ulp_of).fraction() : 0;
+  return exact_offset(config.start_offset.*line.row.offset, kept);
 }
 
 Grid pre_step(const Config& config) {

@@ -16,9 +16,8 @@ struct ExactOffset {
   std::int64_t raw = 0;
   int fraction = 0;
 };
-ExactOffset offset_h(const Config& config);
-ExactOffset offset_f(const Config& config);
-ExactOffset offset_shade(const Config& config);
+// What is added where a line starts along a row.
+ExactOffset start_offset(const Config& config, const Line& line);
 
 // p = x_first + 1/2 - x_l.
 Grid pre_step(const Config& config);

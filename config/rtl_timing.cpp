@@ -55,18 +55,22 @@ Grid row_operand(const Config& config) {
   return positive(x - x);  // x_r - x_l
 }
 
-FormatId texture_acc(const Config& config) {
-  return has_linear_texture(config.perspective) ? FormatId::span_uv_acc : FormatId::span_f;
-}
-FormatId texture_step(const Config& config) {
-  return has_linear_texture(config.perspective) ? FormatId::span_uv_step : FormatId::span_f_step;
+FormatId texture_acc(const Config& config) { return line_of(LineId::fu, config.perspective).row.acc; }
+FormatId texture_step(const Config& config) { return line_of(LineId::fu, config.perspective).row.step; }
+
+Grid slope_numerator(const Config& config, LineId id) {
+  const Line line = line_of(id, config.perspective);
+  const Grid end = grid_of(config.format(line.edge.kept));
+  if (!line.row.difference) return end - end;
+  const Grid f = grid_of(config.format(*line.row.difference));
+  return has_pixel_quotients(config.perspective) ? f - f : f;  // gr - gl, fu_diff
 }
 
-Grid slope_numerator(const Config& config) {
-  const Grid uv = grid_of(config.format(FormatId::edge_uv));
-  const Grid f = grid_of(config.format(FormatId::span_f_diff));
-  if (has_linear_texture(config.perspective)) return uv - uv;  // u_r - u_l
-  return has_pixel_quotients(config.perspective) ? f - f : f;  // gr - gl, fu_diff
+RtlLines::RtlLines(const Config& config) {
+  for (int i = 0; i < fixed_lines; ++i) {
+    const auto line = static_cast<LineId>(i);
+    if (line < LineId::r || config.rtl.shades) lines_[size_++] = line;
+  }
 }
 
 RestoringShape restoring_shape(const Reciprocal& unit, Grid operand) {
@@ -94,24 +98,24 @@ int shared_product_clocks(const RtlShape& shape) {
 }
 
 RowDivideShape row_divide_shape(const Config& config) {
-  const Grid end_h = grid_of(config.format(FormatId::edge_h));
-  const Grid h = end_h - end_h;
-  const Grid f = as_signed(slope_numerator(config));
-  const Grid end_shade = grid_of(config.format(FormatId::edge_shade));
-  const Grid shade = end_shade - end_shade;
   const int l_fraction = config.format(FormatId::edge_x).fraction();
-  // A numerator extended by k zeros gives a quotient on fraction + k - l_fraction.
-  const auto extended = [&](Grid numerator, FormatId step) {
-    return aligned(numerator, config.format(step).fraction() + 1 + l_fraction).bits();
-  };
-  const int bits = std::max({extended(h, FormatId::span_h_step), extended(f, texture_step(config)),
-                             config.rtl.shades ? extended(shade, FormatId::span_shade_step) : 0});
-  const int iterations = ceil_div(bits, bits_per_cycle(config.row_reciprocal));
-  const int made = iterations * bits_per_cycle(config.row_reciprocal);
-  const auto fraction = [&](Grid numerator) {
-    return made - numerator.bits() + numerator.fraction - l_fraction;
-  };
-  return {iterations, fraction(h), fraction(f), fraction(shade)};
+  const RtlLines lines(config);
+  RowDivideShape shape;
+  int bits = 0;
+  for (const LineId line : lines) {
+    // A numerator extended by k zeros gives a quotient on fraction + k - l_fraction.
+    const Grid numerator = as_signed(slope_numerator(config, line));
+    const FormatId step = line_of(line, config.perspective).row.step;
+    bits = std::max(bits, aligned(numerator, config.format(step).fraction() + 1 + l_fraction).bits());
+  }
+  shape.iterations = ceil_div(bits, bits_per_cycle(config.row_reciprocal));
+  for (const LineId line : lines) {
+    const Grid numerator = as_signed(slope_numerator(config, line));
+    shape.fractions[static_cast<std::size_t>(line)] =
+        shape.iterations * bits_per_cycle(config.row_reciprocal) - numerator.bits() + numerator.fraction -
+        l_fraction;
+  }
+  return shape;
 }
 
 RestoringShape pixel_divide_shape(const Config& config) {
@@ -126,19 +130,13 @@ RestoringShape pixel_divide_shape(const Config& config) {
 namespace {
 
 // The products of a row, in the order in which they ask for their slots.
-constexpr std::array plane_products = {RowProduct::fu,      RowProduct::fv,       RowProduct::fu_step,
-                                       RowProduct::fv_step, RowProduct::fu_step1, RowProduct::fv_step1};
-// Each with its slope: h, u, v, and the shades where the RTL has them.
-constexpr std::array slope_products = {RowProduct::h_step, RowProduct::fu_step, RowProduct::fv_step,
-                                       RowProduct::r_step, RowProduct::g_step,  RowProduct::b_step,
-                                       RowProduct::a_step};
-constexpr std::array start_products = {RowProduct::h, RowProduct::fu, RowProduct::fv, RowProduct::r,
-                                       RowProduct::g, RowProduct::b,  RowProduct::a};
-static_assert(slope_products.size() == start_products.size());
+constexpr const LineProducts& of_u = products_of(LineId::fu);
+constexpr const LineProducts& of_v = products_of(LineId::fv);
+constexpr std::array plane_products = {of_u.start, of_v.start,  of_u.slope,
+                                       of_v.slope, of_u.slope1, of_v.slope1};
 // What u and v are multiplied by before the slopes: those of u and those of v take turns.
-std::span<const RowProduct> end_products(const Config& config) {
-  static constexpr std::array products = {RowProduct::fu_left, RowProduct::fv_left, RowProduct::fu_diff,
-                                          RowProduct::fv_diff};
+std::span<const int> end_products(const Config& config) {
+  static constexpr std::array products = {of_u.left, of_v.left, of_u.diff, of_v.diff};
   if (has_linear_texture(config.perspective)) return {};
   return std::span(products).subspan(has_pixel_quotients(config.perspective) ? 0 : 2);
 }
@@ -187,14 +185,13 @@ int place_newton(const Config& config, Multipliers& multipliers, RowSchedule& s)
 }
 
 RowSchedule row_schedule(const Config& config) {
-  using P = RowProduct;
   const Reciprocal& unit = config.row_reciprocal;
   const bool planes = has_plane_rows(config.perspective);
   const bool divides = row_divides(config);
-  const std::span<const P> at_ends = end_products(config);
-  const std::size_t lines = config.rtl.shades ? start_products.size() : 3;
+  const std::span<const int> at_ends = end_products(config);
+  const RtlLines lines(config);
   auto products =
-      static_cast<int>(planes ? plane_products.size() : at_ends.size() + lines + (divides ? 0 : lines));
+      static_cast<int>(planes ? plane_products.size() : at_ends.size() + lines.size() * (divides ? 1 : 2));
   RowSchedule s;
   s.product =
       1 + multiply_round_clocks(shared_product_clocks(config.rtl));  // the operands' register in front
@@ -221,7 +218,7 @@ RowSchedule row_schedule(const Config& config) {
   Multipliers multipliers(std::min(config.rtl.setup_multipliers, products), s.interval,
                           config.rtl.product_digits);
   if (s.newton_products > 0) s.unit = place_newton(config, multipliers, s);  // tick 1 and Q cancel each other
-  const auto place = [&](P product, int first) {
+  const auto place = [&](int product, int first) {
     const RowSchedule::Slot slot = multipliers.take(first);
     s.slots[static_cast<std::size_t>(product)] = slot;
     return slot.tick + s.product;
@@ -229,15 +226,15 @@ RowSchedule row_schedule(const Config& config) {
   // Tick 1 is the first register's: differences and sums.
   if (planes) {
     s.reciprocal = 1 + s.unit + 1;
-    for (const P p : plane_products) s.latency = std::max(s.latency, place(p, s.reciprocal));
+    for (const int p : plane_products) s.latency = std::max(s.latency, place(p, s.reciprocal));
     return s;
   }
   // Ticks from which each is held. Only u and v have products in front of their slopes; where they have two,
   // the difference takes a register.
-  std::array<int, slope_products.size()> held{};
+  std::array<int, fixed_lines> held{};
   held.fill(1);
   for (std::size_t i = 0; i < at_ends.size(); ++i) {
-    int& of_slope = held[1 + i % 2];
+    int& of_slope = held[static_cast<std::size_t>(i % 2 == 0 ? LineId::fu : LineId::fv)];
     of_slope = std::max(of_slope, place(at_ends[i], 1) + (has_pixel_quotients(config.perspective) ? 1 : 0));
   }
   if (divides) {
@@ -245,25 +242,29 @@ RowSchedule row_schedule(const Config& config) {
     held.fill(s.divide + s.unit + 1);  // and Q
   } else {
     s.reciprocal = 1 + s.unit + 1;
-    for (std::size_t i = 0; i < lines; ++i)
-      held[i] = place(slope_products[i], std::max(s.reciprocal, held[i]));
+    for (const LineId line : lines) {
+      int& at = held[static_cast<std::size_t>(line)];
+      at = place(products_of(line).slope, std::max(s.reciprocal, at));
+    }
   }
-  for (std::size_t i = 0; i < lines; ++i) s.latency = std::max(s.latency, place(start_products[i], held[i]));
+  for (const LineId line : lines) {
+    s.latency = std::max(s.latency, place(products_of(line).start, held[static_cast<std::size_t>(line)]));
+  }
   return s;
 }
 
 }  // namespace
 
 RowSchedule row_schedule_by_plane(const Config& config) {
-  const std::size_t lines = config.rtl.shades ? start_products.size() : 3;
-  const int products = 2 * static_cast<int>(lines);
+  const RtlLines lines(config);
+  const int products = 2 * static_cast<int>(lines.size());
   const int multipliers = std::min(config.rtl.setup_multipliers, products);
   RowSchedule s;
   s.product = 1 + multiply_round_clocks(shared_product_clocks(config.rtl));
   s.interval = ceil_div(products, multipliers) * config.rtl.product_digits;
   Multipliers slots(multipliers, s.interval, config.rtl.product_digits);
-  for (std::size_t i = 0; i < lines; ++i) {
-    for (const RowProduct p : {slope_products[i], start_products[i]}) {
+  for (const LineId line : lines) {
+    for (const int p : {products_of(line).slope, products_of(line).start}) {
       RowSchedule::Slot& slot = s.slots[static_cast<std::size_t>(p)];
       slot = slots.take(1);
       s.latency = std::max(s.latency, slot.tick + s.product + 1);  // and the sum of both

@@ -11,6 +11,7 @@
 
 #include "config/config.hpp"
 #include "config/grid.hpp"
+#include "config/lines.hpp"
 
 namespace bitspan {
 
@@ -29,8 +30,8 @@ Grid row_operand(const Config& config);            // L on edge.x; const_depth_r
 // The registers that u and v are made of, by mode.
 FormatId texture_acc(const Config& config);   // span.f, or span.uv_acc where they are linear
 FormatId texture_step(const Config& config);  // span.f_step, or span.uv_step
-// What a row's slope of fu divides by L, in the modes with row ends.
-Grid slope_numerator(const Config& config);
+// What a line's slope along a row divides by L, in the modes with row ends.
+Grid slope_numerator(const Config& config, LineId line);
 
 // A restoring unit makes `iterations` * bits_per_cycle quotient bits, `fraction` of them right of the point:
 // at least one more than its consumer keeps, so that the last bit and a sticky bit decide every rounding.
@@ -50,33 +51,53 @@ int shared_product_clocks(const RtlShape& shape);
 // The row's dividers (`row_slope = divide`): all run side by side and take equally many iterations.
 struct RowDivideShape {
   int iterations = 1;
-  int h_fraction = 0;      // fraction bits of the quotient in front of Q[span.h_step]
-  int f_fraction = 0;      // the same in front of Q[span.f_step] or Q[span.uv_step]
-  int shade_fraction = 0;  // and in front of Q[span.shade_step]
+  std::array<int, fixed_lines> fractions{};  // of a line's quotient, in front of Q of its step
 };
 RowDivideShape row_divide_shape(const Config& config);
 
 // The dividers of a pixel in hyperbolic, fu / (h + B) and fv / (h + B), in front of Q[span.uv].
 RestoringShape pixel_divide_shape(const Config& config);
 
-// The products of a row that the multipliers of span_setup form. Modes and slope forms have some of them. In
-// hyperbolic fu_left is gl, and fu_diff is gr, as in the record.
-// clang-format off
-#define BITSPAN_ROW_PRODUCTS(X)                                                \
-  X(fu_diff, FuDiff) X(fv_diff, FvDiff)                                        \
-  X(h_step, HStep) X(fu_step, FuStep) X(fv_step, FvStep)                       \
-  X(h, H) X(fu, Fu) X(fv, Fv)                                                  \
-  X(fu_step1, FuStep1) X(fv_step1, FvStep1)                                    \
-  X(fu_left, FuLeft) X(fv_left, FvLeft)                                        \
-  X(r_step, RStep) X(g_step, GStep) X(b_step, BStep) X(a_step, AStep)          \
-  X(r, R) X(g, G) X(b, B) X(a, A)
-// clang-format on
-enum class RowProduct : std::uint8_t {
-#define BITSPAN_ENUMERATOR(name, Name) name,
-  BITSPAN_ROW_PRODUCTS(BITSPAN_ENUMERATOR)
-#undef BITSPAN_ENUMERATOR
+// The lines that the RTL has: h, u and v, and with [rtl] shades those; no channels.
+class RtlLines {
+ public:
+  explicit RtlLines(const Config& config);
+  const LineId* begin() const { return lines_.data(); }
+  const LineId* end() const { return lines_.data() + size_; }
+  std::size_t size() const { return size_; }
+
+ private:
+  std::array<LineId, fixed_lines> lines_{};
+  std::size_t size_ = 0;
 };
-inline constexpr std::size_t row_product_count = static_cast<std::size_t>(RowProduct::a) + 1;
+
+// The products of a line that the multipliers of span_setup form, by their places; -1 where the line never
+// has one. Modes and slope forms have some of them. In hyperbolic `left` is gl and `diff` is gr, as in the
+// record.
+struct LineProducts {
+  int diff = -1, slope = -1, start = -1, slope1 = -1, left = -1;
+};
+inline constexpr auto line_products = [] {
+  std::array<LineProducts, fixed_lines> products{};
+  int place = 0;
+  const auto add = [&](LineId first, LineId end, int LineProducts::*product) {
+    for (auto line = static_cast<std::size_t>(first); line < static_cast<std::size_t>(end); ++line)
+      products[line].*product = place++;
+  };
+  using P = LineProducts;
+  add(LineId::fu, LineId::r, &P::diff);
+  add(LineId::h, LineId::r, &P::slope);
+  add(LineId::h, LineId::r, &P::start);
+  add(LineId::fu, LineId::r, &P::slope1);
+  add(LineId::fu, LineId::r, &P::left);
+  add(LineId::r, LineId::fog, &P::slope);
+  add(LineId::r, LineId::fog, &P::start);
+  return products;
+}();
+constexpr const LineProducts& products_of(LineId line) {
+  return line_products[static_cast<std::size_t>(line)];
+}
+inline constexpr std::size_t row_product_count = products_of(LineId::a).start + 1;
 
 // When span_setup does what for a row that it accepts at tick 0. A tick is a clock on which span_setup is not
 // held up. Rows are accepted where the tick is a multiple of `interval`, and the multipliers repeat their
@@ -97,7 +118,7 @@ struct RowSchedule {
   int reciprocal = 0;  // tick from which the row's reciprocal is held; 0 where there is none
   int divide = 0;      // tick at which the row's dividers start; 0 where there are none
   int latency = 1;     // LS: tick at which the span record leaves
-  const Slot& slot(RowProduct p) const { return slots[static_cast<std::size_t>(p)]; }
+  const Slot& slot(int product) const { return slots[static_cast<std::size_t>(product)]; }
 };
 
 struct RtlTiming {

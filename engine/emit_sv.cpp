@@ -4,10 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <cstdlib>
-#include <string_view>
+#include <cstdint>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "config/modes.hpp"
@@ -18,24 +17,93 @@
 namespace bitspan {
 namespace {
 
-// A start offset as raw 2^-Frac in W bits.
-void offset(SvWriter& w, const std::string& name, const ExactOffset& offset) {
-  const auto magnitude = static_cast<std::uint64_t>(std::abs(offset.raw));
-  const std::string width = std::to_string(std::bit_width(magnitude) + 1);
-  w.line("  localparam int " + name + "W = " + width + ";");
-  w.line("  localparam logic signed [" + name + "W-1:0] " + name + "Raw = " + (offset.raw < 0 ? "-" : "") +
-         width + "'sd" + std::to_string(magnitude) + ";");
-  w.integer(name + "Frac", offset.fraction);
+// A list with an entry per line of the RTL, 32 bits each: NAME[32 * i +: 32] is that of line i.
+void list(SvWriter& w, const std::string& name, const std::vector<int>& values) {
+  std::string text;
+  for (const int value : values)
+    text = fmt::format("32'd{}{}{}", static_cast<std::uint32_t>(value), text.empty() ? "" : ", ", text);
+  w.line(fmt::format("  localparam logic [32*Lines-1:0] {} = {{{}}};", name, text));
+}
+
+// The formats of one register of every line; NAMEAt is where it begins where all stand side by side, which
+// take LinesNAMEW bits.
+void formats(SvWriter& w, const std::string& name, const std::vector<Format>& lines) {
+  const auto each = [&](const char* what, const auto& value) {
+    std::vector<int> values;
+    for (const Format& line : lines) values.push_back(static_cast<int>(value(line)));
+    list(w, "Line" + name + what, values);
+  };
+  each("W", [](const Format& f) { return f.word; });
+  each("Frac", [](const Format& f) { return f.fraction(); });
+  each("Signed", [](const Format& f) { return f.is_signed; });
+  each("Rnd", [](const Format& f) { return f.rounding; });
+  each("Ovf", [](const Format& f) { return f.overflow; });
+  int bits = 0;
+  each("At", [&](const Format& f) { return std::exchange(bits, bits + f.word); });
+  w.integer("Lines" + name + "W", bits);
+}
+
+// The lines, behind the multipliers, whose products they take.
+void lines_section(SvWriter& w, const Config& config, const RowSchedule& schedule) {
+  const RtlLines lines(config);
+  const RowMultipliers m = row_multipliers(config, schedule);
+  w.line("");
+  w.line(
+      "  // Lines: h, u, v, and the shades where there are some. A list has 32 bits per line, line 0 "
+      "lowest.");
+  w.integer("Lines", static_cast<std::int64_t>(lines.size()));
+  w.integer("LineFu", static_cast<int>(LineId::fu));
+  const auto registers = [&](const std::string& name, const auto& id_of) {
+    std::vector<Format> all;
+    for (const LineId line : lines) all.push_back(config.format(id_of(line_of(line, config.perspective))));
+    formats(w, name, all);
+  };
+  w.line("  // At a row's ends; the slope along the row; the register that adds it up.");
+  registers("End", [](const Line& line) { return line.edge.kept; });
+  registers("Step", [](const Line& line) { return line.row.step; });
+  registers("Acc", [](const Line& line) { return line.row.acc; });
+  // Slopes have a place even where dividers form them.
+  w.line("  // The places of a line's products; those with h + B are -1 where there is none.");
+  const auto products = [&](const std::string& name, int LineProducts::*product, bool always) {
+    std::vector<int> places;
+    for (const LineId line : lines) {
+      const int place = products_of(line).*product;
+      places.push_back(always || (place >= 0 && schedule.slot(place).tick >= 0) ? place : -1);
+    }
+    list(w, name, places);
+  };
+  products("LineDiff", &LineProducts::diff, false);
+  products("LineLeft", &LineProducts::left, false);
+  products("LineSlope", &LineProducts::slope, true);
+  products("LineStart", &LineProducts::start, true);
+  products("LineSlope1", &LineProducts::slope1, true);
+  w.line("  // Fraction bits of a divider's quotient, for slope form divide.");
+  const RowDivideShape divide = row_divide_shape(config);
+  std::vector<int> fractions;
+  for (const LineId line : lines) fractions.push_back(divide.fractions[static_cast<std::size_t>(line)]);
+  list(w, "LineDivFrac", fractions);
+  // Bit by bit: Yosys 0.23 takes part of a list of shifted numbers for 0.
+  w.line("  // What is added to a start, on the grid of its sum, RowCW bits per line.");
+  std::string offsets;
+  int last_start = 1;
+  for (const LineId id : lines) {
+    const Line line = line_of(id, config.perspective);
+    const ExactOffset offset = start_offset(config, line);
+    const int up = config.format(line.row.acc).fraction() + m.below - offset.fraction;
+    std::string bits;
+    for (int bit = m.c - 1; bit >= 0; --bit)
+      bits += bit >= up && (offset.raw >> std::min(bit - up, 63)) % 2 != 0 ? '1' : '0';
+    offsets = fmt::format("{}'b{}{}{}", m.c, bits, offsets.empty() ? "" : ", ", offsets);
+    last_start = std::max(last_start, schedule.slot(products_of(id).start).tick);
+  }
+  w.line("  localparam logic [RowCW*Lines-1:0] LineOffset = {" + offsets + "};");
+  w.line("  // The tick of the last start.");
+  w.integer("RowLastStartTick", last_start);
 }
 
 // The multipliers' widths, and what each product needs of them: the tick and the multiplier of its slot, and
 // how far to the right its exact value is shifted, an exponent not counted.
 void multipliers(SvWriter& w, const Config& config, const RowSchedule& schedule) {
-  constexpr std::array names{
-#define BITSPAN_NAME(name, Name) #Name,
-      BITSPAN_ROW_PRODUCTS(BITSPAN_NAME)
-#undef BITSPAN_NAME
-  };
   const RowMultipliers m = row_multipliers(config, schedule);
   w.line("");
   w.line("  // Multipliers of span_setup; docs/rtl.md, \"Clocks\".");
@@ -57,8 +125,6 @@ void multipliers(SvWriter& w, const Config& config, const RowSchedule& schedule)
   std::string ticks;
   std::string shifts;
   std::string multiplier;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    w.integer(std::string("Row") + names[i], static_cast<int>(i));
   const auto add = [](std::string& text, int value) {
     text = fmt::format("16'd{}{}{}", value, text.empty() ? "" : ", ", text);
   };
@@ -148,43 +214,38 @@ std::string emit_sv(const Config& config) {
   w.integer("SpanSumFrac", pixel.fraction);
 
   w.line("");
-  w.line("  // Start offsets: Raw 2^-Frac.");
-  offset(w, "OffsetH", offset_h(config));
-  offset(w, "OffsetF", offset_f(config));
-  offset(w, "OffsetShade", offset_shade(config));
-
-  w.line("");
   w.line("  // Reciprocal units. Kind: " + numbered_names<ReciprocalKind>() +
          ". Operands are unsigned, OpW bits.");
   w.reciprocal("RowRecip", config.row_reciprocal, row);
   w.reciprocal("PixelRecip", config.pixel_reciprocal, pixel);
 
-  const RowDivideShape divide = row_divide_shape(config);
   w.line("");
   w.line("  // Row dividers, for slope form divide.");
-  w.integer("RowDivIterations", divide.iterations);
-  w.integer("RowDivHFrac", divide.h_fraction);
-  w.integer("RowDivFFrac", divide.f_fraction);
-  w.integer("RowDivShadeFrac", divide.shade_fraction);
+  w.integer("RowDivIterations", row_divide_shape(config).iterations);
   const RestoringShape pixel_divide = pixel_divide_shape(config);
   w.line("  // A pixel's dividers, in hyperbolic.");
   w.integer("PixelDivIterations", pixel_divide.iterations);
   w.integer("PixelDivFrac", pixel_divide.fraction);
 
   w.line("");
-  w.line("  // The span record, all fields side by side; above them the shades, where there are some: the");
-  w.line("  // starts, then step0, then step1, of four shades each.");
-  w.line(
-      "  localparam int SpanPlainW = 2 * PixelIndexW + RowRecipOutW + ExponentW + PhaseW + PlaneKW + 2 * "
-      "SpanFDiffW +");
-  w.line("      SpanHW + SpanHStepW + 2 * EdgeUvW + 2 * TexAccW + 4 * TexStepW;");
-  w.line("  localparam int SpanShadesW = 4 * SpanShadeAccW + 8 * SpanShadeStepW;");
-  w.line("  localparam int SpanRecordW = SpanPlainW + ((Shades != 0) ? SpanShadesW : 0);");
-  w.line("");
   w.line("  // p = x_first + 1/2 - x_l, signed.");
   w.integer("PreStepW", pre_step(config).bits());
   w.integer("PreStepFrac", pre_step(config).fraction);
   multipliers(w, config, timing.row);
+  lines_section(w, config, timing.row);
+
+  w.line("");
+  w.line(
+      "  // The span record, all fields side by side; above them the lines: their starts, then step0, then "
+      "step1");
+  w.line("  // of all but h, which has one step.");
+  w.line("  localparam int LinesStep1W = LinesStepW - SpanHStepW;");
+  w.line(
+      "  localparam int SpanRecordW = 2 * PixelIndexW + RowRecipOutW + ExponentW + PhaseW + PlaneKW + 2 * "
+      "SpanFDiffW +");
+  w.line("      2 * EdgeUvW + LinesAccW + LinesStepW + LinesStep1W;");
+  w.line("  // The part of shades in it.");
+  w.line("  localparam int SpanShadesW = 4 * SpanShadeAccW + 8 * SpanShadeStepW;");
 
   w.line("");
   w.line("  // Clocks; docs/rtl.md.");

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What row_line takes of a value that is given at both ends of a row: the numerator right - left at the slope's tick,
-// and left + Offset, on the sum's grid, at the start's tick.
+// What row_line takes of a line that is given at both ends of a row: the numerator right - left at the slope's tick, and
+// left + its offset, on the sum's grid, at the start's tick.
 module row_ends #(
-    // The products' places in the package.
-    parameter int Slope     = bitspan_cfg_pkg::RowFu,
-    parameter int Start     = bitspan_cfg_pkg::RowFu,
-    parameter int EndW      = 8,
-    parameter int EndFrac   = 0,
-    parameter int EndSigned = 1,
-    // Fraction bits of the start, and what is added to it, on the sum's grid.
-    parameter int OutFrac   = 0,
-    parameter logic signed [bitspan_cfg_pkg::RowCW-1:0] Offset = '0
+    // The line's place in the package.
+    parameter int Line = 0,
+    parameter int EndW = bitspan_cfg_pkg::LineEndW[32*Line+:32]
 ) (
     input  logic                                         clk_i,
     input  logic                                         en_i,
@@ -22,6 +16,12 @@ module row_ends #(
     output logic signed [    bitspan_cfg_pkg::RowCW-1:0] c_o
 );
   localparam int CW = bitspan_cfg_pkg::RowCW;
+  localparam int EndSigned = bitspan_cfg_pkg::LineEndSigned[32*Line+:32];
+  localparam int AccFrac = bitspan_cfg_pkg::LineAccFrac[32*Line+:32];
+  localparam int EndFrac = bitspan_cfg_pkg::LineEndFrac[32*Line+:32];
+  localparam logic signed [CW-1:0] Offset = bitspan_cfg_pkg::LineOffset[Line*CW+:CW];
+  localparam int Slope = bitspan_cfg_pkg::LineSlope[32*Line+:32];
+  localparam int Start = bitspan_cfg_pkg::LineStart[32*Line+:32];
   localparam int Interval = bitspan_cfg_pkg::RowInterval;
   localparam int SlopeTick = (bitspan_cfg_pkg::RowSlopeDivide != 0) ? bitspan_cfg_pkg::RowDivideTick :
       32'(bitspan_cfg_pkg::RowTicks[16*Slope+:16]);
@@ -54,7 +54,7 @@ module row_ends #(
   assign n_o = n_q[(SlopeTick-1)/Interval*(EndW+1)+:EndW+1];
   assign left = left_q[(StartTick-1)/Interval*EndW+:EndW];
   assign c_o = (CW'($signed({(EndSigned != 0) & left[EndW-1], left})) <<<
-                (OutFrac + bitspan_cfg_pkg::RowSumBelow - EndFrac)) + Offset;
+                (AccFrac + bitspan_cfg_pkg::RowSumBelow - EndFrac)) + Offset;
   logic unused;
   assign unused = ^{n_q, left_q};
 endmodule

@@ -1,27 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// A value that span_setup makes linear along a row: its slope n / L, and its start Q[Out](slope p + c) at the first
+// A line, which span_setup makes linear along a row: its slope n / L, and its start Q[Acc](slope p + c) at the first
 // pixel's centre. Both are held to the tick of the span record.
 //
 // The slope is a product with the row's reciprocal, or comes from a divider; the start is a product. The package has
 // their ticks, at which the inputs named after them are read.
 module row_line #(
-    // The products' places in the package.
-    parameter int Slope      = 0,
-    parameter int Start      = 0,
-    parameter int NW         = 8,
-    // Of a divider's quotient.
-    parameter int DivideFrac = 0,
-    parameter int StepW      = 8,
-    parameter int StepFrac   = 0,
-    parameter int StepSigned = 1,
-    parameter int StepRnd    = 0,
-    parameter int StepOvf    = 0,
-    parameter int OutW       = 8,
-    parameter int OutFrac    = 0,
-    parameter int OutSigned  = 1,
-    parameter int OutRnd     = 0,
-    parameter int OutOvf     = 0,
-    parameter int ShiftW     = 1
+    // The line's place in the package, which has its products and formats.
+    parameter int Line   = 0,
+    parameter int NW     = 8,
+    parameter int ShiftW = 1,
+    parameter int StepW  = bitspan_cfg_pkg::LineStepW[32*Line+:32],
+    parameter int AccW   = bitspan_cfg_pkg::LineAccW[32*Line+:32]
 ) (
     input  logic                                          clk_i,
     input  logic                                          rst_ni,
@@ -46,7 +35,7 @@ module row_line #(
     output logic        [                   2*ShiftW-1:0] shift_o,
     input  logic        [2*(bitspan_cfg_pkg::RowSumW+3)-1:0] sum_i,
     output logic        [                      StepW-1:0] step_o,
-    output logic        [                       OutW-1:0] q_o
+    output logic        [                       AccW-1:0] q_o
 );
   localparam int Interval = bitspan_cfg_pkg::RowInterval;
   localparam int Latency = bitspan_cfg_pkg::SpanSetupClocks;
@@ -55,6 +44,12 @@ module row_line #(
   localparam int BW = bitspan_cfg_pkg::RowBW;
   localparam int CW = bitspan_cfg_pkg::RowCW;
   localparam int SumW = bitspan_cfg_pkg::RowSumW + 3;
+  localparam int Slope = bitspan_cfg_pkg::LineSlope[32*Line+:32];
+  localparam int Start = bitspan_cfg_pkg::LineStart[32*Line+:32];
+  localparam int StepFrac = bitspan_cfg_pkg::LineStepFrac[32*Line+:32];
+  localparam int StepSigned = bitspan_cfg_pkg::LineStepSigned[32*Line+:32];
+  localparam int StepRnd = bitspan_cfg_pkg::LineStepRnd[32*Line+:32];
+  localparam int StepOvf = bitspan_cfg_pkg::LineStepOvf[32*Line+:32];
   localparam bit Divides = bitspan_cfg_pkg::RowSlopeDivide != 0;
   localparam int SlopeDone = Divides ? bitspan_cfg_pkg::RowDivideTick + bitspan_cfg_pkg::RowUnitClocks + 1 :
       32'(bitspan_cfg_pkg::RowTicks[16*Slope+:16]) + ProductTicks;
@@ -65,13 +60,13 @@ module row_line #(
   localparam int Depth = (Latency - SlopeDone) / Interval + 1;
   localparam int StartDepth = (Latency - StartTick - ProductTicks) / Interval + 1;
   logic [Depth*StepW-1:0] step_q;
-  logic [StartDepth*OutW-1:0] q_q;
+  logic [StartDepth*AccW-1:0] q_q;
 
   if (Divides) begin : gen_divide
     row_divide #(
         .NW(NW),
         .DW(bitspan_cfg_pkg::EdgeXW),
-        .QuotientFrac(DivideFrac),
+        .QuotientFrac(bitspan_cfg_pkg::LineDivFrac[32*Line+:32]),
         .OutW(StepW),
         .OutFrac(StepFrac),
         .OutSigned(StepSigned),
@@ -135,11 +130,11 @@ module row_line #(
       .ASigned(StepSigned),
       .BW(bitspan_cfg_pkg::PreStepW),
       .BSigned(1),
-      .OutW(OutW),
-      .OutFrac(OutFrac),
-      .OutSigned(OutSigned),
-      .OutRnd(OutRnd),
-      .OutOvf(OutOvf),
+      .OutW(AccW),
+      .OutFrac(bitspan_cfg_pkg::LineAccFrac[32*Line+:32]),
+      .OutSigned(bitspan_cfg_pkg::LineAccSigned[32*Line+:32]),
+      .OutRnd(bitspan_cfg_pkg::LineAccRnd[32*Line+:32]),
+      .OutOvf(bitspan_cfg_pkg::LineAccOvf[32*Line+:32]),
       .ShiftW(ShiftW)
   ) u_start (
       .clk_i,
@@ -157,7 +152,7 @@ module row_line #(
       .q_o(q_q)
   );
   assign step_o = step_q[(Depth-1)*StepW+:StepW];
-  assign q_o = q_q[(StartDepth-1)*OutW+:OutW];
+  assign q_o = q_q[(StartDepth-1)*AccW+:AccW];
   logic unused_held;
   assign unused_held = ^{step_q, q_q};
 endmodule

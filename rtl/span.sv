@@ -40,7 +40,6 @@ module span (
   localparam int HW = bitspan_cfg_pkg::SpanHW;
   localparam int HStepW = bitspan_cfg_pkg::SpanHStepW;
   localparam int AccW = bitspan_cfg_pkg::TexAccW;
-  localparam int StepW = bitspan_cfg_pkg::TexStepW;
   localparam int UvW = bitspan_cfg_pkg::EdgeUvW;
   localparam int KW = bitspan_cfg_pkg::PlaneKW;
   localparam int PhaseW = bitspan_cfg_pkg::PhaseW;
@@ -69,14 +68,12 @@ module span (
   logic [PhaseW-1:0] res_phase;
   logic [KW-1:0] res_k;
   logic [bitspan_cfg_pkg::SpanFDiffW-1:0] unused_fu_diff, unused_fv_diff;
-  logic [HW-1:0] res_h;
-  logic [HStepW-1:0] res_h_step;
   logic [UvW-1:0] res_u1, res_v1;
-  logic [AccW-1:0] res_fu, res_fv;
-  logic [StepW-1:0] res_fu_step0, res_fu_step1, res_fv_step0, res_fv_step1;
-  assign {res_x, res_count, unused_m, unused_e, res_phase, res_k, unused_fu_diff, unused_fv_diff, res_h, res_h_step,
-          res_u1, res_v1, res_fu, res_fv, res_fu_step0, res_fu_step1, res_fv_step0, res_fv_step1} =
-      res_i[bitspan_cfg_pkg::SpanPlainW-1:0];
+  logic [bitspan_cfg_pkg::LinesAccW-1:0] res_start;
+  logic [bitspan_cfg_pkg::LinesStepW-1:0] res_step0;
+  logic [bitspan_cfg_pkg::LinesStep1W-1:0] res_step1;
+  assign {res_step1, res_step0, res_start, res_v1, res_u1, unused_fv_diff, unused_fu_diff, res_k, res_phase, unused_m,
+          unused_e, res_count, res_x} = res_i;
   logic unused_record;
   assign unused_record = ^{unused_m, unused_e, unused_fu_diff, unused_fv_diff};
 
@@ -146,88 +143,54 @@ module span (
     assign unused = ^{res_phase, res_k};
   end
 
-  // Accumulators.
-  logic [HW-1:0] h_q;
-  span_register #(
-      .AccW(HW),
-      .AccFrac(bitspan_cfg_pkg::SpanHFrac),
-      .AccSigned(bitspan_cfg_pkg::SpanHSigned),
-      .AccRnd(bitspan_cfg_pkg::SpanHRnd),
-      .AccOvf(bitspan_cfg_pkg::SpanHOvf),
-      .StepW(HStepW),
-      .StepFrac(bitspan_cfg_pkg::SpanHStepFrac),
-      .StepSigned(bitspan_cfg_pkg::SpanHStepSigned)
-  ) u_h (
-      .clk_i,
-      .take_i(take),
-      .issue_i(issue),
-      .start_i(res_h),
-      .step0_i(res_h_step),
-      .step1_i(res_h_step),
-      .second_i(1'b0),
-      .q_o(h_q)
-  );
-  // fu and fv.
-  logic [2*AccW-1:0] f_q;
-  for (genvar i = 0; i < 2; i++) begin : gen_f
-    // Icarus 11 takes a genvar alone in a port's connection for a new net.
-    logic [AccW-1:0] start;
-    logic [StepW-1:0] step0, step1;
-    assign start = (i == 0) ? res_fu : res_fv;
-    assign step0 = (i == 0) ? res_fu_step0 : res_fv_step0;
-    assign step1 = (i == 0) ? res_fu_step1 : res_fv_step1;
+  // The lines' registers; h has one step.
+  logic [bitspan_cfg_pkg::LinesAccW-1:0] acc_q;
+  for (genvar i = 0; i < bitspan_cfg_pkg::Lines; i++) begin : gen_register
+    localparam int LineAccW = bitspan_cfg_pkg::LineAccW[32*i+:32];
+    localparam int AccAt = bitspan_cfg_pkg::LineAccAt[32*i+:32];
+    localparam int LineStepW = bitspan_cfg_pkg::LineStepW[32*i+:32];
+    localparam int StepAt = bitspan_cfg_pkg::LineStepAt[32*i+:32];
+    localparam int Step1At = (i == 0) ? 0 : StepAt - HStepW;
+    logic [LineStepW-1:0] step0, step1;
+    assign step0 = res_step0[StepAt+:LineStepW];
+    if (i == 0) begin : gen_one_step
+      assign step1 = step0;
+    end else begin : gen_two_steps
+      assign step1 = res_step1[Step1At+:LineStepW];
+    end
     span_register #(
-        .AccW(AccW),
-        .AccFrac(bitspan_cfg_pkg::TexAccFrac),
-        .AccSigned(bitspan_cfg_pkg::TexAccSigned),
-        .AccRnd(bitspan_cfg_pkg::TexAccRnd),
-        .AccOvf(bitspan_cfg_pkg::TexAccOvf),
-        .StepW(StepW),
-        .StepFrac(bitspan_cfg_pkg::TexStepFrac),
-        .StepSigned(bitspan_cfg_pkg::TexStepSigned)
-    ) u_f (
+        .AccW(LineAccW),
+        .AccFrac(bitspan_cfg_pkg::LineAccFrac[32*i+:32]),
+        .AccSigned(bitspan_cfg_pkg::LineAccSigned[32*i+:32]),
+        .AccRnd(bitspan_cfg_pkg::LineAccRnd[32*i+:32]),
+        .AccOvf(bitspan_cfg_pkg::LineAccOvf[32*i+:32]),
+        .StepW(LineStepW),
+        .StepFrac(bitspan_cfg_pkg::LineStepFrac[32*i+:32]),
+        .StepSigned(bitspan_cfg_pkg::LineStepSigned[32*i+:32])
+    ) u_register (
         .clk_i,
         .take_i(take),
         .issue_i(issue),
-        .start_i(start),
+        .start_i(res_start[AccAt+:LineAccW]),
         .step0_i(step0),
         .step1_i(step1),
         .second_i(step),
-        .q_o(f_q[i*AccW+:AccW])
+        .q_o(acc_q[AccAt+:LineAccW])
     );
   end
+  logic [HW-1:0] h_q;
+  logic [2*AccW-1:0] f_q;
+  assign {f_q, h_q} = acc_q[HW+2*AccW-1:0];
 
   // Shades, and what a pixel has of them.
   logic [4*ShadeW-1:0] shade, shade_out;
   if (Shades) begin : gen_shades
-    localparam int ShadeAccW = bitspan_cfg_pkg::SpanShadeAccW;
-    localparam int ShadeStepW = bitspan_cfg_pkg::SpanShadeStepW;
-    logic [4*ShadeAccW-1:0] res_shade;
-    logic [4*ShadeStepW-1:0] res_step0, res_step1;
-    assign {res_step1, res_step0, res_shade} = res_i[bitspan_cfg_pkg::SpanRecordW-1:bitspan_cfg_pkg::SpanPlainW];
     for (genvar i = 0; i < 4; i++) begin : gen_shade
-      logic [ShadeAccW-1:0] acc_q;
+      localparam int ShadeAccW = bitspan_cfg_pkg::SpanShadeAccW;
+      logic [ShadeAccW-1:0] own;
       logic signed [ShadeAccW:0] exact;
-      span_register #(
-          .AccW(ShadeAccW),
-          .AccFrac(bitspan_cfg_pkg::SpanShadeAccFrac),
-          .AccSigned(bitspan_cfg_pkg::SpanShadeAccSigned),
-          .AccRnd(bitspan_cfg_pkg::SpanShadeAccRnd),
-          .AccOvf(bitspan_cfg_pkg::SpanShadeAccOvf),
-          .StepW(ShadeStepW),
-          .StepFrac(bitspan_cfg_pkg::SpanShadeStepFrac),
-          .StepSigned(bitspan_cfg_pkg::SpanShadeStepSigned)
-      ) u_acc (
-          .clk_i,
-          .take_i(take),
-          .issue_i(issue),
-          .start_i(res_shade[i*ShadeAccW+:ShadeAccW]),
-          .step0_i(res_step0[i*ShadeStepW+:ShadeStepW]),
-          .step1_i(res_step1[i*ShadeStepW+:ShadeStepW]),
-          .second_i(step),
-          .q_o(acc_q)
-      );
-      assign exact = $signed({(bitspan_cfg_pkg::SpanShadeAccSigned != 0) & acc_q[ShadeAccW-1], acc_q});
+      assign own = acc_q[HW+2*AccW+i*ShadeAccW+:ShadeAccW];
+      assign exact = $signed({(bitspan_cfg_pkg::SpanShadeAccSigned != 0) & own[ShadeAccW-1], own});
       quantize #(
           .InW(ShadeAccW + 1),
           .InFrac(bitspan_cfg_pkg::SpanShadeAccFrac),

@@ -150,11 +150,24 @@ module span_interpolator (
   );
 
   assign span_take_o = take;
-  assign {span_x_o, span_count_o, span_recip_m_o, span_recip_e_o, span_phase_o, span_unused_k, span_fu_diff_o,
-          span_fv_diff_o, span_h_o, span_h_step_o, span_u1_o, span_v1_o, span_fu_o, span_fv_o, span_fu_step0_o,
-          span_fu_step1_o, span_fv_step0_o, span_fv_step1_o} = record[bitspan_cfg_pkg::SpanPlainW-1:0];
+  // The lines: h, fu and fv, and above them the shades. h has one step.
+  localparam int AccW = bitspan_cfg_pkg::LinesAccW;
+  localparam int StepW = bitspan_cfg_pkg::LinesStepW;
+  logic [AccW-1:0] start;
+  logic [StepW-1:0] step0;
+  logic [bitspan_cfg_pkg::LinesStep1W-1:0] step1;
+  assign {step1, step0, start, span_v1_o, span_u1_o, span_fv_diff_o, span_fu_diff_o, span_unused_k, span_phase_o,
+          span_recip_m_o, span_recip_e_o, span_count_o, span_x_o} = record;
+  localparam int PlainAccW = bitspan_cfg_pkg::SpanHW + 2 * bitspan_cfg_pkg::TexAccW;
+  localparam int FStepW = 2 * bitspan_cfg_pkg::TexStepW;
+  localparam int PlainStepW = bitspan_cfg_pkg::SpanHStepW + FStepW;
+  assign {span_fv_o, span_fu_o, span_h_o} = start[PlainAccW-1:0];
+  assign {span_fv_step0_o, span_fu_step0_o, span_h_step_o} = step0[PlainStepW-1:0];
+  assign {span_fv_step1_o, span_fu_step1_o} = step1[FStepW-1:0];
   if (bitspan_cfg_pkg::Shades != 0) begin : gen_shades
-    assign {span_shade_step1_o, span_shade_step0_o, span_shade_o} = record[RecordW-1:bitspan_cfg_pkg::SpanPlainW];
+    assign span_shade_o = start[AccW-1:PlainAccW];
+    assign span_shade_step0_o = step0[StepW-1:PlainStepW];
+    assign span_shade_step1_o = step1[bitspan_cfg_pkg::LinesStep1W-1:FStepW];
   end else begin : gen_no_shades
     assign {span_shade_step1_o, span_shade_step0_o, span_shade_o} = '0;
   end

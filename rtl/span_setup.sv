@@ -59,9 +59,7 @@ module span_setup (
   localparam int EW = bitspan_cfg_pkg::ExponentW;
   localparam int AccW = bitspan_cfg_pkg::TexAccW;
   localparam int StepW = bitspan_cfg_pkg::TexStepW;
-  localparam int PlainW = bitspan_cfg_pkg::SpanPlainW;
-  localparam int ShadeAccW = bitspan_cfg_pkg::SpanShadeAccW;
-  localparam int ShadeStepW = bitspan_cfg_pkg::SpanShadeStepW;
+  localparam int HStepW = bitspan_cfg_pkg::SpanHStepW;
   localparam bit Shades = bitspan_cfg_pkg::Shades != 0;
 
   // The tick modulo RowInterval, and which rows are valid: row_valid_q[k] is that of ticks 1 + k RowInterval on.
@@ -248,10 +246,6 @@ module span_setup (
     logic unused;
     assign unused = (^operand) ^ has_recip;
   end
-  // The start offset of fu and fv, on the grid of their sums.
-  localparam int FSumFrac = bitspan_cfg_pkg::TexAccFrac + bitspan_cfg_pkg::RowSumBelow;
-  localparam int OffsetFShift = (bitspan_cfg_pkg::OffsetFRaw == 0) ? 0 : FSumFrac - bitspan_cfg_pkg::OffsetFFrac;
-  localparam logic signed [CW-1:0] OffsetF = CW'(bitspan_cfg_pkg::OffsetFRaw) <<< OffsetFShift;
   logic [RecipW-1:0] res_recip;
   assign res_recip = recip_q[RecipHeld*RecipW-1-:RecipW];
 
@@ -259,23 +253,17 @@ module span_setup (
     localparam int XW = bitspan_cfg_pkg::EdgeXW;
     localparam int HW = bitspan_cfg_pkg::EdgeHW;
     localparam int UvW = bitspan_cfg_pkg::EdgeUvW;
-    localparam int ShadeW = bitspan_cfg_pkg::EdgeShadeW;
     localparam int FDiffW = bitspan_cfg_pkg::SpanFDiffW;
-    localparam int HStepW = bitspan_cfg_pkg::SpanHStepW;
-    localparam int StartHW = bitspan_cfg_pkg::SpanHW;
     localparam int EdgeSumW = bitspan_cfg_pkg::EdgeSumW;
     localparam int EdgeSumFrac = bitspan_cfg_pkg::EdgeSumFrac;
     localparam int PW = bitspan_cfg_pkg::PreStepW;
     localparam int PFrac = bitspan_cfg_pkg::PreStepFrac;
-    localparam int Below = bitspan_cfg_pkg::RowSumBelow;
     localparam bit Affine = bitspan_cfg_pkg::LinearTexture != 0;
     localparam bit Hyperbolic = bitspan_cfg_pkg::PixelQuotients != 0;
     // Slopes come from the multipliers, or all at once from the dividers.
     localparam bit Divides = bitspan_cfg_pkg::RowSlopeDivide != 0;
     localparam int DivideTick = bitspan_cfg_pkg::RowDivideTick;
     localparam int SlopeDone = DivideTick + bitspan_cfg_pkg::RowUnitClocks + 1;
-    localparam int HStepTick = Divides ? DivideTick : 32'(bitspan_cfg_pkg::RowTicks[16*bitspan_cfg_pkg::RowHStep+:16]);
-    localparam int HTick = 32'(bitspan_cfg_pkg::RowTicks[16*bitspan_cfg_pkg::RowH+:16]);
 
     // Tick 0: length, h + B, and the pre-step. Each is exact: one bit more than its terms.
     logic signed [XW:0] x_l, x_r, length;
@@ -296,42 +284,12 @@ module span_setup (
     assign p = $signed({PW'(x_first_i) << PFrac}) + (PW'(1) << (PFrac - 1)) -
                (PW'(x_l) <<< (PFrac - bitspan_cfg_pkg::EdgeXFrac));
 
-    // Lines: h, u, v, and the shades where there are some. Each has a slope and a start, which take their places among
-    // the products here; row_line has them.
-    localparam int Lines = Shades ? 7 : 3;
-    logic [Lines*2*AW-1:0] line_a;
-    logic [Lines*2*BW-1:0] line_b;
-    logic [Lines*2*CW-1:0] line_c;
-    logic [Lines*2*ShiftW-1:0] line_shift;
-    logic [Lines*2*SumW-1:0] line_sum;
-    for (genvar i = 0; i < Lines; i++) begin : gen_line
-      for (genvar s = 0; s < 2; s++) begin : gen_place
-        localparam int Slope = (i == 0) ? bitspan_cfg_pkg::RowHStep :
-            (i < 3) ? bitspan_cfg_pkg::RowFuStep + i - 1 : bitspan_cfg_pkg::RowRStep + i - 3;
-        localparam int Start = (i == 0) ? bitspan_cfg_pkg::RowH :
-            (i < 3) ? bitspan_cfg_pkg::RowFu + i - 1 : bitspan_cfg_pkg::RowR + i - 3;
-        localparam int K = (s == 0) ? Slope : Start;
-        localparam int L = 2 * i + s;
-        assign line_sum[L*SumW+:SumW] = sum[K*SumW+:SumW];
-        if (s == 1 || !Divides) begin : gen_product
-          assign a[K*AW+:AW] = line_a[L*AW+:AW];
-          assign b[K*BW+:BW] = line_b[L*BW+:BW];
-          assign c[K*CW+:CW] = line_c[L*CW+:CW];
-          assign shift[K*ShiftW+:ShiftW] = line_shift[L*ShiftW+:ShiftW];
-        end
-      end
-    end
-    logic unused_lines;
-    assign unused_lines = ^{line_a, line_b, line_c, line_shift};
-
-    // Held as long as somebody reads them; the multipliers take the last line last.
-    localparam int SumRead = Affine ? 1 : 32'(bitspan_cfg_pkg::RowTicks[16*(bitspan_cfg_pkg::RowFuDiff+1)+:16]);
+    // Held as long as somebody reads them.
+    localparam int FvDiff = bitspan_cfg_pkg::LineDiff[32*(bitspan_cfg_pkg::LineFu+1)+:32];
+    localparam int SumRead = Affine ? 1 : 32'(bitspan_cfg_pkg::RowTicks[16*(Affine?0:FvDiff)+:16]);
     localparam int LengthRead = Divides ? DivideTick : 1;
     localparam int PositiveRead = (Divides ? SlopeDone : RecipTick) - 1;
-    localparam int FvTick = 32'(bitspan_cfg_pkg::RowTicks[16*(bitspan_cfg_pkg::RowFu+1)+:16]);
-    localparam int LastTick = Shades ? 32'(bitspan_cfg_pkg::RowTicks[16*(Shades ? bitspan_cfg_pkg::RowA : 0)+:16]) : 0;
-    localparam int UvPRead = (HTick > FvTick) ? HTick : FvTick;
-    localparam int PRead = (UvPRead > LastTick) ? UvPRead : LastTick;
+    localparam int PRead = bitspan_cfg_pkg::RowLastStartTick;
     localparam int ThroughW = 2 * IndexW + ((Affine || Hyperbolic) ? 0 : 2 * UvW);
     logic [((SumRead-1)/Interval+1)*EdgeSumW-1:0] h_sum_q;
     logic [((LengthRead-1)/Interval+1)*XW-1:0] length_q;
@@ -402,99 +360,46 @@ module span_setup (
     assign divide_start = row_valid_q[StartRow] && phase_q == PhaseW'(DivideTick % Interval);
     assign divisor = length_q[StartRow*XW+:XW];
     assign has_length = positive_q[Divides ? (SlopeDone - 2) / Interval : 0];
-    // The row's reciprocal at a slope's tick.
-    localparam int RecipHStep = Divides ? 0 : (HStepTick - RecipTick) / Interval;
 
-    // h.
-    localparam int OffsetHShift =
-        (bitspan_cfg_pkg::OffsetHRaw == 0) ? 0 : bitspan_cfg_pkg::SpanHFrac + Below - bitspan_cfg_pkg::OffsetHFrac;
-    logic signed [HW:0] h_diff;
-    logic signed [CW-1:0] h_base;
-    logic [HStepW-1:0] res_h_step;
-    logic [StartHW-1:0] res_h;
-    row_ends #(
-        .Slope(bitspan_cfg_pkg::RowHStep),
-        .Start(bitspan_cfg_pkg::RowH),
-        .EndW(HW),
-        .EndFrac(bitspan_cfg_pkg::EdgeHFrac),
-        .EndSigned(bitspan_cfg_pkg::EdgeHSigned),
-        .OutFrac(bitspan_cfg_pkg::SpanHFrac),
-        .Offset(CW'(bitspan_cfg_pkg::OffsetHRaw) <<< OffsetHShift)
-    ) u_h_ends (
-        .clk_i,
-        .en_i(en),
-        .phase_i(phase_q),
-        .left_i(h_l_i),
-        .right_i(h_r_i),
-        .n_o(h_diff),
-        .c_o(h_base)
-    );
-    row_line #(
-        .Slope(bitspan_cfg_pkg::RowHStep),
-        .Start(bitspan_cfg_pkg::RowH),
-        .NW(HW + 1),
-        .DivideFrac(bitspan_cfg_pkg::RowDivHFrac),
-        .StepW(bitspan_cfg_pkg::SpanHStepW),
-        .StepFrac(bitspan_cfg_pkg::SpanHStepFrac),
-        .StepSigned(bitspan_cfg_pkg::SpanHStepSigned),
-        .StepRnd(bitspan_cfg_pkg::SpanHStepRnd),
-        .StepOvf(bitspan_cfg_pkg::SpanHStepOvf),
-        .OutW(bitspan_cfg_pkg::SpanHW),
-        .OutFrac(bitspan_cfg_pkg::SpanHFrac),
-        .OutSigned(bitspan_cfg_pkg::SpanHSigned),
-        .OutRnd(bitspan_cfg_pkg::SpanHRnd),
-        .OutOvf(bitspan_cfg_pkg::SpanHOvf),
-        .ShiftW(ShiftW)
-    ) u_h (
-        .clk_i,
-        .rst_ni,
-        .en_i(en),
-        .phase_i(phase_q),
-        .n_i(h_diff),
-        .m_i(recip_q[RecipHStep*RecipW+EW+:MW]),
-        .e_i(recip_q[RecipHStep*RecipW+:EW]),
-        .start_i(divide_start),
-        .d_i(divisor),
-        .has_length_i(has_length),
-        .p_i(p_q[(HTick-1)/Interval*PW+:PW]),
-        .c_i(h_base),
-        .a_o(line_a[0+:2*AW]),
-        .b_o(line_b[0+:2*BW]),
-        .c_o(line_c[0+:2*CW]),
-        .shift_o(line_shift[0+:2*ShiftW]),
-        .sum_i(line_sum[0+:2*SumW]),
-        .step_o(res_h_step),
-        .q_o(res_h)
-    );
-
-    // u and v. The numerator of the slope is u_r - u_l (affine), (u_r - u_l) (h_r + B) (delta_f), or the difference of
-    // the ends' u (h + B) (hyperbolic); to the start comes the left end's.
+    // The lines, each with a slope and a start. The numerator of the slope is the difference of the row's ends; of u and v
+    // where they are not linear, (u_r - u_l) (h_r + B) (delta_f), or the difference of the ends' u (h + B) (hyperbolic). To
+    // the start comes the left end's.
     localparam int FExtW = FDiffW + ((bitspan_cfg_pkg::SpanFDiffSigned != 0) ? 0 : 1);
-    localparam int NumW = Affine ? UvW + 1 : Hyperbolic ? FDiffW + 1 : FExtW;
+    logic [bitspan_cfg_pkg::LinesEndW-1:0] left_ends, right_ends;
     logic [2*FDiffW-1:0] res_f_diff;
     logic [2*UvW-1:0] res_uv1;
-    logic [2*StepW-1:0] res_f_step;
-    logic [2*AccW-1:0] res_f;
-    for (genvar i = 0; i < 2; i++) begin : gen_uv
-      localparam int Step = bitspan_cfg_pkg::RowFuStep + i;
-      localparam int Start = bitspan_cfg_pkg::RowFu + i;
-      localparam int StepTick = Divides ? DivideTick : 32'(bitspan_cfg_pkg::RowTicks[16*Step+:16]);
+    logic [bitspan_cfg_pkg::LinesStepW-1:0] res_step;
+    logic [bitspan_cfg_pkg::LinesAccW-1:0] res_start;
+    assign left_ends = bitspan_cfg_pkg::LinesEndW'({shade_l_i, v_l_i, u_l_i, h_l_i});
+    assign right_ends = bitspan_cfg_pkg::LinesEndW'({shade_r_i, v_r_i, u_r_i, h_r_i});
+    if (Affine) begin : gen_affine
+      assign res_f_diff = '0;
+      assign res_uv1 = '0;
+    end
+    for (genvar i = 0; i < bitspan_cfg_pkg::Lines; i++) begin : gen_line
+      localparam int Slope = bitspan_cfg_pkg::LineSlope[32*i+:32];
+      localparam int Start = bitspan_cfg_pkg::LineStart[32*i+:32];
+      localparam int SlopeTick = Divides ? DivideTick : 32'(bitspan_cfg_pkg::RowTicks[16*Slope+:16]);
       localparam int StartTick = 32'(bitspan_cfg_pkg::RowTicks[16*Start+:16]);
-      localparam int RecipStep = Divides ? 0 : (StepTick - RecipTick) / Interval;
-      logic [UvW-1:0] left, right;
+      localparam int RecipAt = Divides ? 0 : (SlopeTick - RecipTick) / Interval;
+      localparam int EndW = bitspan_cfg_pkg::LineEndW[32*i+:32];
+      localparam int EndAt = bitspan_cfg_pkg::LineEndAt[32*i+:32];
+      localparam int SlopeW = bitspan_cfg_pkg::LineStepW[32*i+:32];
+      localparam int SlopeAt = bitspan_cfg_pkg::LineStepAt[32*i+:32];
+      localparam int StartW = bitspan_cfg_pkg::LineAccW[32*i+:32];
+      localparam int StartAt = bitspan_cfg_pkg::LineAccAt[32*i+:32];
+      // The first product of its ends with h + B; -1 where there is none.
+      localparam int Diff = bitspan_cfg_pkg::LineDiff[32*i+:32];
+      localparam logic signed [CW-1:0] Offset = bitspan_cfg_pkg::LineOffset[i*CW+:CW];
+      localparam int NumW = (Diff < 0) ? EndW + 1 : Hyperbolic ? FDiffW + 1 : FExtW;
+      logic [EndW-1:0] left, right;
       logic signed [NumW-1:0] num;
       logic signed [CW-1:0] base;
-      assign left = (i == 0) ? u_l_i : v_l_i;
-      assign right = (i == 0) ? u_r_i : v_r_i;
-      if (Affine) begin : gen_affine
+      assign left = left_ends[EndAt+:EndW];
+      assign right = right_ends[EndAt+:EndW];
+      if (Diff < 0) begin : gen_ends
         row_ends #(
-            .Slope(Step),
-            .Start(Start),
-            .EndW(UvW),
-            .EndFrac(bitspan_cfg_pkg::EdgeUvFrac),
-            .EndSigned(bitspan_cfg_pkg::EdgeUvSigned),
-            .OutFrac(bitspan_cfg_pkg::TexAccFrac),
-            .Offset(OffsetF)
+            .Line(i)
         ) u_ends (
             .clk_i,
             .en_i(en),
@@ -504,14 +409,12 @@ module span_setup (
             .n_o(num),
             .c_o(base)
         );
-        assign res_f_diff[i*FDiffW+:FDiffW] = '0;
-        assign res_uv1[i*UvW+:UvW] = '0;
       end else begin : gen_product
+        localparam int T = i - bitspan_cfg_pkg::LineFu;
         // (u_r - u_l) (h_r + B), or u_r (h_r + B).
-        localparam int Diff = bitspan_cfg_pkg::RowFuDiff + i;
         localparam int DiffTick = 32'(bitspan_cfg_pkg::RowTicks[16*Diff+:16]);
         localparam int DiffDone = DiffTick + ProductTicks;
-        localparam int FactorW = UvW + 1;
+        localparam int FactorW = EndW + 1;
         logic signed [FactorW-1:0] factor;
         logic [((DiffTick-1)/Interval+1)*FactorW-1:0] factor_q;
         logic [((Latency-DiffDone)/Interval+1)*FDiffW-1:0] f_diff_q;
@@ -554,11 +457,11 @@ module span_setup (
             .sum_i(sum[Diff*SumW+:SumW]),
             .q_o(f_diff_q)
         );
-        assign res_f_diff[i*FDiffW+:FDiffW] = f_diff_q[(Latency-DiffDone)/Interval*FDiffW+:FDiffW];
+        assign res_f_diff[T*FDiffW+:FDiffW] = f_diff_q[(Latency-DiffDone)/Interval*FDiffW+:FDiffW];
         logic unused;
         assign unused = ^{factor_q, f_diff_q};
         if (Hyperbolic) begin : gen_hyperbolic
-          localparam int Left = bitspan_cfg_pkg::RowFuLeft + i;
+          localparam int Left = bitspan_cfg_pkg::LineLeft[32*i+:32];
           localparam int LeftTick = 32'(bitspan_cfg_pkg::RowTicks[16*Left+:16]);
           localparam int LeftDone = LeftTick + ProductTicks;
           localparam int BothDone = (LeftDone > DiffDone) ? LeftDone : DiffDone;
@@ -567,10 +470,10 @@ module span_setup (
           logic signed [FactorW-1:0] left_factor;
           logic [((LeftTick-1)/Interval+1)*(EdgeSumW+FactorW)-1:0] operands_q;
           logic [((StartTick-LeftDone)/Interval+1)*FDiffW-1:0] f_left_q;
-          logic [((StepTick-BothDone-1)/Interval+1)*NumW-1:0] num_q;
+          logic [((SlopeTick-BothDone-1)/Interval+1)*NumW-1:0] num_q;
           logic [FDiffW-1:0] f_left, f_right, f_start;
-          assign factor = $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & right[UvW-1], right});
-          assign left_factor = $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & left[UvW-1], left});
+          assign factor = $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & right[EndW-1], right});
+          assign left_factor = $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & left[EndW-1], left});
           assign h_l = $signed({(bitspan_cfg_pkg::EdgeHSigned != 0) & h_l_i[HW-1], h_l_i});
           assign left_sum = (EdgeSumW'(h_l) <<< (EdgeSumFrac - bitspan_cfg_pkg::EdgeHFrac)) + b_sum;
           row_hold #(
@@ -617,7 +520,7 @@ module span_setup (
           row_hold #(
               .Width(NumW),
               .Written(BothDone + 1),
-              .Last(StepTick)
+              .Last(SlopeTick)
           ) u_num (
               .clk_i,
               .en_i(en),
@@ -626,155 +529,82 @@ module span_setup (
                    {(bitspan_cfg_pkg::SpanFDiffSigned != 0) & f_left[FDiffW-1], f_left}),
               .q_o(num_q)
           );
-          assign num = num_q[(StepTick-BothDone-1)/Interval*NumW+:NumW];
+          assign num = num_q[(SlopeTick-BothDone-1)/Interval*NumW+:NumW];
           assign f_start = f_left_q[(StartTick-LeftDone)/Interval*FDiffW+:FDiffW];
           assign base =
               (CW'($signed({(bitspan_cfg_pkg::SpanFDiffSigned != 0) & f_start[FDiffW-1], f_start})) <<<
-              (FSumFrac - bitspan_cfg_pkg::SpanFDiffFrac)) + OffsetF;
-          assign res_uv1[i*UvW+:UvW] = '0;
+              (bitspan_cfg_pkg::TexAccFrac + bitspan_cfg_pkg::RowSumBelow - bitspan_cfg_pkg::SpanFDiffFrac)) +
+              Offset;
+          assign res_uv1[T*UvW+:UvW] = '0;
           logic unused_held;
           assign unused_held = ^{operands_q, f_left_q, num_q};
         end else begin : gen_delta_f
           logic [FDiffW-1:0] f_diff;
-          assign factor = $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & right[UvW-1], right}) -
-                          $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & left[UvW-1], left});
-          assign f_diff = f_diff_q[(StepTick-DiffDone)/Interval*FDiffW+:FDiffW];
+          assign factor = $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & right[EndW-1], right}) -
+                          $signed({(bitspan_cfg_pkg::EdgeUvSigned != 0) & left[EndW-1], left});
+          assign f_diff = f_diff_q[(SlopeTick-DiffDone)/Interval*FDiffW+:FDiffW];
           assign num = FExtW'($signed({(bitspan_cfg_pkg::SpanFDiffSigned != 0) & f_diff[FDiffW-1], f_diff}));
-          assign base = OffsetF;
-          assign res_uv1[i*UvW+:UvW] = through_q[(Latency-1)/Interval*ThroughW+2*IndexW+i*UvW+:UvW];
+          assign base = Offset;
+          assign res_uv1[T*UvW+:UvW] = through_q[(Latency-1)/Interval*ThroughW+2*IndexW+T*UvW+:UvW];
         end
       end
+      logic [2*AW-1:0] line_a;
+      logic [2*BW-1:0] line_b;
+      logic [2*CW-1:0] line_c;
+      logic [2*ShiftW-1:0] line_shift;
       row_line #(
-          .Slope(Step),
-          .Start(Start),
+          .Line(i),
           .NW(NumW),
-          .DivideFrac(bitspan_cfg_pkg::RowDivFFrac),
-          .StepW(bitspan_cfg_pkg::TexStepW),
-          .StepFrac(bitspan_cfg_pkg::TexStepFrac),
-          .StepSigned(bitspan_cfg_pkg::TexStepSigned),
-          .StepRnd(bitspan_cfg_pkg::TexStepRnd),
-          .StepOvf(bitspan_cfg_pkg::TexStepOvf),
-          .OutW(bitspan_cfg_pkg::TexAccW),
-          .OutFrac(bitspan_cfg_pkg::TexAccFrac),
-          .OutSigned(bitspan_cfg_pkg::TexAccSigned),
-          .OutRnd(bitspan_cfg_pkg::TexAccRnd),
-          .OutOvf(bitspan_cfg_pkg::TexAccOvf),
           .ShiftW(ShiftW)
-      ) u_f (
+      ) u_line (
           .clk_i,
           .rst_ni,
           .en_i(en),
           .phase_i(phase_q),
           .n_i(num),
-          .m_i(recip_q[RecipStep*RecipW+EW+:MW]),
-          .e_i(recip_q[RecipStep*RecipW+:EW]),
+          .m_i(recip_q[RecipAt*RecipW+EW+:MW]),
+          .e_i(recip_q[RecipAt*RecipW+:EW]),
           .start_i(divide_start),
           .d_i(divisor),
           .has_length_i(has_length),
           .p_i(p_q[(StartTick-1)/Interval*PW+:PW]),
           .c_i(base),
-          .a_o(line_a[(1+i)*2*AW+:2*AW]),
-          .b_o(line_b[(1+i)*2*BW+:2*BW]),
-          .c_o(line_c[(1+i)*2*CW+:2*CW]),
-          .shift_o(line_shift[(1+i)*2*ShiftW+:2*ShiftW]),
-          .sum_i(line_sum[(1+i)*2*SumW+:2*SumW]),
-          .step_o(res_f_step[i*StepW+:StepW]),
-          .q_o(res_f[i*AccW+:AccW])
+          .a_o(line_a),
+          .b_o(line_b),
+          .c_o(line_c),
+          .shift_o(line_shift),
+          .sum_i({sum[Start*SumW+:SumW], sum[Slope*SumW+:SumW]}),
+          .step_o(res_step[SlopeAt+:SlopeW]),
+          .q_o(res_start[StartAt+:StartW])
       );
-    end
-
-    if (Shades) begin : gen_shades
-      localparam int OffsetShift = (bitspan_cfg_pkg::OffsetShadeRaw == 0) ? 0 :
-          bitspan_cfg_pkg::SpanShadeAccFrac + Below - bitspan_cfg_pkg::OffsetShadeFrac;
-      logic [4*ShadeStepW-1:0] res_step;
-      logic [4*ShadeAccW-1:0] res_start;
-      for (genvar i = 0; i < 4; i++) begin : gen_shade
-        localparam int Step = bitspan_cfg_pkg::RowRStep + i;
-        localparam int Start = bitspan_cfg_pkg::RowR + i;
-        localparam int StepTick = Divides ? DivideTick : 32'(bitspan_cfg_pkg::RowTicks[16*Step+:16]);
-        localparam int StartTick = 32'(bitspan_cfg_pkg::RowTicks[16*Start+:16]);
-        localparam int RecipStep = Divides ? 0 : (StepTick - RecipTick) / Interval;
-        logic signed [ShadeW:0] diff;
-        logic signed [CW-1:0] base;
-        row_ends #(
-            .Slope(Step),
-            .Start(Start),
-            .EndW(ShadeW),
-            .EndFrac(bitspan_cfg_pkg::EdgeShadeFrac),
-            .EndSigned(bitspan_cfg_pkg::EdgeShadeSigned),
-            .OutFrac(bitspan_cfg_pkg::SpanShadeAccFrac),
-            .Offset(CW'(bitspan_cfg_pkg::OffsetShadeRaw) <<< OffsetShift)
-        ) u_ends (
-            .clk_i,
-            .en_i(en),
-            .phase_i(phase_q),
-            .left_i(shade_l_i[i*ShadeW+:ShadeW]),
-            .right_i(shade_r_i[i*ShadeW+:ShadeW]),
-            .n_o(diff),
-            .c_o(base)
-        );
-        row_line #(
-            .Slope(Step),
-            .Start(Start),
-            .NW(ShadeW + 1),
-            .DivideFrac(bitspan_cfg_pkg::RowDivShadeFrac),
-            .StepW(bitspan_cfg_pkg::SpanShadeStepW),
-            .StepFrac(bitspan_cfg_pkg::SpanShadeStepFrac),
-            .StepSigned(bitspan_cfg_pkg::SpanShadeStepSigned),
-            .StepRnd(bitspan_cfg_pkg::SpanShadeStepRnd),
-            .StepOvf(bitspan_cfg_pkg::SpanShadeStepOvf),
-            .OutW(bitspan_cfg_pkg::SpanShadeAccW),
-            .OutFrac(bitspan_cfg_pkg::SpanShadeAccFrac),
-            .OutSigned(bitspan_cfg_pkg::SpanShadeAccSigned),
-            .OutRnd(bitspan_cfg_pkg::SpanShadeAccRnd),
-            .OutOvf(bitspan_cfg_pkg::SpanShadeAccOvf),
-            .ShiftW(ShiftW)
-        ) u_shade (
-            .clk_i,
-            .rst_ni,
-            .en_i(en),
-            .phase_i(phase_q),
-            .n_i(diff),
-            .m_i(recip_q[RecipStep*RecipW+EW+:MW]),
-            .e_i(recip_q[RecipStep*RecipW+:EW]),
-            .start_i(divide_start),
-            .d_i(divisor),
-            .has_length_i(has_length),
-            .p_i(p_q[(StartTick-1)/Interval*PW+:PW]),
-            .c_i(base),
-            .a_o(line_a[(3+i)*2*AW+:2*AW]),
-            .b_o(line_b[(3+i)*2*BW+:2*BW]),
-            .c_o(line_c[(3+i)*2*CW+:2*CW]),
-            .shift_o(line_shift[(3+i)*2*ShiftW+:2*ShiftW]),
-            .sum_i(line_sum[(3+i)*2*SumW+:2*SumW]),
-            .step_o(res_step[i*ShadeStepW+:ShadeStepW]),
-            .q_o(res_start[i*ShadeAccW+:ShadeAccW])
-        );
+      for (genvar s = Divides ? 1 : 0; s < 2; s++) begin : gen_place
+        localparam int K = (s == 0) ? Slope : Start;
+        assign a[K*AW+:AW] = line_a[s*AW+:AW];
+        assign b[K*BW+:BW] = line_b[s*BW+:BW];
+        assign c[K*CW+:CW] = line_c[s*CW+:CW];
+        assign shift[K*ShiftW+:ShiftW] = line_shift[s*ShiftW+:ShiftW];
       end
-      assign res_o[PlainW+:bitspan_cfg_pkg::SpanShadesW] = {{2{res_step}}, res_start};
-    end else begin : gen_no_shades
+      logic unused;
+      assign unused = ^{line_a, line_b, line_c, line_shift};
+    end
+    if (!Shades) begin : gen_no_shades
       logic unused;
       assign unused = ^{shade_l_i, shade_r_i};
     end
 
     logic [IndexW-1:0] res_x, res_count;
     assign {res_count, res_x} = through_q[(Latency-1)/Interval*ThroughW+:2*IndexW];
-    assign res_o[PlainW-1:0] = {
-      res_x,
-      res_count,
-      res_recip,
-      {bitspan_cfg_pkg::PhaseW{1'b0}},
+    assign res_o = {
+      res_step[bitspan_cfg_pkg::LinesStepW-1:HStepW],
+      res_step,
+      res_start,
+      res_uv1,
+      res_f_diff,
       {bitspan_cfg_pkg::PlaneKW{1'b0}},
-      res_f_diff[0+:FDiffW],
-      res_f_diff[FDiffW+:FDiffW],
-      res_h,
-      res_h_step,
-      res_uv1[0+:UvW],
-      res_uv1[UvW+:UvW],
-      res_f[0+:AccW],
-      res_f[AccW+:AccW],
-      {2{res_f_step[0+:StepW]}},
-      {2{res_f_step[StepW+:StepW]}}
+      {bitspan_cfg_pkg::PhaseW{1'b0}},
+      res_recip,
+      res_count,
+      res_x
     };
 
     logic unused;
@@ -826,7 +656,7 @@ module span_setup (
         .clk_i,
         .en_i(en),
         .phase_i(phase_q),
-        .d_i(ThroughW'({shade_step1_i, shade_step0_i, shade_i, x_first_i, count_i, phase_i, k_i, h_i})),
+        .d_i(ThroughW'({shade_step1_i, shade_step0_i, shade_i, h_i, k_i, phase_i, count_i, x_first_i})),
         .q_o(through_q)
     );
     assign has_recip = 1'b1;
@@ -835,7 +665,8 @@ module span_setup (
     // its row (0) and where it changes (1).
     logic [2*AccW-1:0] res_f;
     for (genvar i = 0; i < 2; i++) begin : gen_uv
-      localparam int Start = bitspan_cfg_pkg::RowFu + i;
+      localparam int Line = bitspan_cfg_pkg::LineFu + i;
+      localparam int Start = bitspan_cfg_pkg::LineStart[32*Line+:32];
       localparam int Tick = 32'(bitspan_cfg_pkg::RowTicks[16*Start+:16]);
       localparam int Done = Tick + ProductTicks;
       logic [((Tick-1)/Interval+1)*FW-1:0] g_q;
@@ -876,7 +707,7 @@ module span_setup (
           .a_i(g_q[(Tick-1)/Interval*FW+:FW]),
           .b_i(m),
           .e_i(e),
-          .c_i(OffsetF),
+          .c_i(bitspan_cfg_pkg::LineOffset[Line*CW+:CW]),
           .a_o(a[Start*AW+:AW]),
           .b_o(b[Start*BW+:BW]),
           .c_o(c[Start*CW+:CW]),
@@ -890,7 +721,8 @@ module span_setup (
     end
     logic [4*StepW-1:0] res_f_step;
     for (genvar i = 0; i < 4; i++) begin : gen_step
-      localparam int Step = (i < 2) ? bitspan_cfg_pkg::RowFuStep + i : bitspan_cfg_pkg::RowFuStep1 + i - 2;
+      localparam int Line = bitspan_cfg_pkg::LineFu + i % 2;
+      localparam int Step = (i < 2) ? bitspan_cfg_pkg::LineSlope[32*Line+:32] : bitspan_cfg_pkg::LineSlope1[32*Line+:32];
       localparam int Tick = 32'(bitspan_cfg_pkg::RowTicks[16*Step+:16]);
       localparam int Done = Tick + ProductTicks;
       logic [((Tick-1)/Interval+1)*GStepW-1:0] g_q;
@@ -944,31 +776,36 @@ module span_setup (
       assign unused = ^{g_q, f_q};
     end
 
+    // The lines: h, fu and fv, and above them the shades.
+    localparam int PlainAccW = HW + 2 * AccW;
+    localparam int PlainStepW = HStepW + 2 * StepW;
     logic [IndexW-1:0] res_x, res_count;
     logic [bitspan_cfg_pkg::PhaseW-1:0] res_phase;
     logic [bitspan_cfg_pkg::PlaneKW-1:0] res_k;
     logic [HW-1:0] res_h;
-    assign {res_x, res_count, res_phase, res_k, res_h} = through_q[(Latency-1)/Interval*ThroughW+:PlainThroughW];
+    logic [bitspan_cfg_pkg::LinesAccW-1:0] res_start;
+    logic [bitspan_cfg_pkg::LinesStepW-1:0] res_step0;
+    logic [bitspan_cfg_pkg::LinesStep1W-1:0] res_step1;
+    assign {res_h, res_k, res_phase, res_count, res_x} = through_q[(Latency-1)/Interval*ThroughW+:PlainThroughW];
+    assign res_start[PlainAccW-1:0] = {res_f, res_h};
+    assign res_step0[PlainStepW-1:0] = {res_f_step[0+:2*StepW], {HStepW{1'b0}}};
+    assign res_step1[2*StepW-1:0] = res_f_step[2*StepW+:2*StepW];
     if (Shades) begin : gen_shades
-      assign res_o[PlainW+:bitspan_cfg_pkg::SpanShadesW] =
+      assign {res_step1[bitspan_cfg_pkg::LinesStep1W-1:2*StepW], res_step0[bitspan_cfg_pkg::LinesStepW-1:PlainStepW],
+              res_start[bitspan_cfg_pkg::LinesAccW-1:PlainAccW]} =
           through_q[(Latency-1)/Interval*ThroughW+PlainThroughW+:bitspan_cfg_pkg::SpanShadesW];
     end
-    assign res_o[PlainW-1:0] = {
-      res_x,
-      res_count,
-      res_recip,
-      res_phase,
-      res_k,
-      {2 * bitspan_cfg_pkg::SpanFDiffW{1'b0}},
-      res_h,
-      {bitspan_cfg_pkg::SpanHStepW{1'b0}},
+    assign res_o = {
+      res_step1,
+      res_step0,
+      res_start,
       {2 * bitspan_cfg_pkg::EdgeUvW{1'b0}},
-      res_f[0+:AccW],
-      res_f[AccW+:AccW],
-      res_f_step[0+:StepW],
-      res_f_step[2*StepW+:StepW],
-      res_f_step[StepW+:StepW],
-      res_f_step[3*StepW+:StepW]
+      {2 * bitspan_cfg_pkg::SpanFDiffW{1'b0}},
+      res_k,
+      res_phase,
+      res_recip,
+      res_count,
+      res_x
     };
 
     logic unused;

@@ -51,7 +51,10 @@ Cut cut_of(int bits, bool is_signed, bool top_alone) {
 class Counter {
  public:
   explicit Counter(const Config& config)
-      : c_(config), timing_(rtl_timing(config)), planes_(has_plane_rows(config.perspective)) {}
+      : c_(config),
+        timing_(rtl_timing(config)),
+        lines_(config),
+        planes_(has_plane_rows(config.perspective)) {}
   AreaShape count() {
     multipliers();
     if (planes_) {
@@ -68,7 +71,6 @@ class Counter {
 
  private:
   using F = FormatId;
-  using P = RowProduct;
   const Format& format(F id) const { return c_.format(id); }
   int word(F id) const { return format(id).word; }
 
@@ -162,17 +164,17 @@ class Counter {
   void hold(int width, int written, int last) {
     add_registers(width, (last - written) / timing_.row.interval + 1);
   }
-  int tick(P product) const { return timing_.row.slot(product).tick; }
-  int done(P product) const { return tick(product) + timing_.row.product; }
+  int tick(int product) const { return timing_.row.slot(product).tick; }
+  int done(int product) const { return tick(product) + timing_.row.product; }
 
   void multipliers() {
     const RowMultipliers m = row_multipliers(c_, timing_.row);
     const int shift = bits_of(m.shift_max);
     for (int i = 0; i < m.count; ++i) {
       // Starts add what is no constant, but those of fu and fv in delta_f.
-      const bool adds = std::ranges::any_of(starts(), [&](P p) {
-        const bool constant = (p == P::fu || p == P::fv) && has_pixel_reciprocal(c_.perspective);
-        return !planes_ && !constant && timing_.row.slot(p).multiplier == i;
+      const bool adds = std::ranges::any_of(lines_, [&](LineId line) {
+        const bool constant = line_of(line).row.difference && has_pixel_reciprocal(c_.perspective);
+        return !planes_ && !constant && timing_.row.slot(products_of(line).start).multiplier == i;
       });
       const auto products = std::ranges::count_if(timing_.row.slots, [&](const RowSchedule::Slot& slot) {
         return slot.tick >= 0 && slot.multiplier == i;
@@ -184,45 +186,21 @@ class Counter {
   }
 
   // rtl/row_result.sv.
-  void result(P product, const Format& to, int last) {
+  void result(int product, const Format& to, int last) {
     hold(to.word, done(product), last);
     quantize(to);
   }
 
-  // What is linear along a row: its products, the numerator of its slope, and its registers.
-  struct Line {
-    P slope, start;
-    int numerator;  // bits
-    const Format& step;
-    const Format& acc;
-  };
-  std::vector<Line> lines() const {
-    const Format& h_step = format(F::span_h_step);
-    const Format& f_step = format(texture_step(c_));
-    const Format& f = format(texture_acc(c_));
-    const int h = difference_of(format(F::edge_h)).bits();
-    const int uv = as_signed(slope_numerator(c_)).bits();
-    std::vector<Line> all = {{P::h_step, P::h, h, h_step, format(F::span_h)},
-                             {P::fu_step, P::fu, uv, f_step, f},
-                             {P::fv_step, P::fv, uv, f_step, f}};
-    if (!c_.rtl.shades) return all;
-    const int shade = difference_of(format(F::edge_shade)).bits();
-    for (const auto& [slope, start] :
-         {std::pair{P::r_step, P::r}, {P::g_step, P::g}, {P::b_step, P::b}, {P::a_step, P::a}}) {
-      all.push_back({slope, start, shade, format(F::span_shade_step), format(F::span_shade_acc)});
-    }
-    return all;
-  }
-  std::vector<P> starts() const {
-    std::vector<P> products;
-    for (const Line& line : lines()) products.push_back(line.start);
-    return products;
-  }
+  // Bits of the numerator of a line's slope.
+  int numerator(LineId line) const { return as_signed(slope_numerator(c_, line)).bits(); }
+  Line line_of(LineId line) const { return bitspan::line_of(line, c_.perspective); }
 
   // The row's ends.
   void row_ends() {
     const RowSchedule& row = timing_.row;
     const Format& f_diff = format(F::span_f_diff);
+    const LineProducts& of_u = products_of(LineId::fu);
+    const LineProducts& of_v = products_of(LineId::fv);
     const int uv_difference = difference_of(format(F::edge_uv)).bits();
     const int sum = as_signed(depth_sum(c_, F::edge_h)).bits();
     const int p = pre_step(c_).bits();
@@ -230,65 +208,64 @@ class Counter {
     const bool divides = !shares_reciprocal(form_of(c_.row_slope));
     const bool hyperbolic = has_pixel_quotients(c_.perspective);
     const bool affine = has_linear_texture(c_.perspective);
-    const std::vector<Line> all = lines();
-    const auto slope_tick = [&](const Line& line) { return divides ? row.divide : tick(line.slope); };
+    const auto slope_tick = [&](LineId line) { return divides ? row.divide : tick(products_of(line).slope); };
     shape_.sums += length + p;
     hold(length, 1, divides ? row.divide : 1);
     int last_start = 1;
     int last_slope = 1;
-    for (const Line& line : all) {
-      last_start = std::max(last_start, tick(line.start));
+    for (const LineId line : lines_) {
+      last_start = std::max(last_start, tick(products_of(line).start));
       last_slope = std::max(last_slope, slope_tick(line));
-      const bool texture = line.start == P::fu || line.start == P::fv;
-      if (texture && !affine) continue;
+      if (line_of(line).row.difference) continue;
       // Differences, and the left end for the start.
-      shape_.sums += line.numerator;
-      hold(line.numerator, 1, slope_tick(line));
-      const F left = line.start == P::h ? F::edge_h : texture ? F::edge_uv : F::edge_shade;
-      hold(word(left), 1, tick(line.start));
+      shape_.sums += numerator(line);
+      hold(numerator(line), 1, slope_tick(line));
+      hold(word(line_of(line).edge.kept), 1, tick(products_of(line).start));
     }
     hold(p, 1, last_start);
     hold(2 * pixel_index_bits(c_), 1, row.latency);
     if (hyperbolic) {
       shape_.sums += 2 * sum;
-      for (const P end : {P::fu_left, P::fv_left}) hold(sum + word(F::edge_uv), 1, tick(end));
-      hold(sum + 2 * word(F::edge_uv), 1, std::max(tick(P::fu_diff), tick(P::fv_diff)));
-      for (std::size_t i = 1; i <= 2; ++i) {
-        const P left = i == 1 ? P::fu_left : P::fv_left;
-        const P right = i == 1 ? P::fu_diff : P::fv_diff;
-        const int both = std::max(done(left), done(right));
-        result(left, f_diff, tick(all[i].start));
-        result(right, f_diff, both);
-        shape_.sums += all[i].numerator;
-        hold(all[i].numerator, both + 1, slope_tick(all[i]));
+      for (const int end : {of_u.left, of_v.left}) hold(sum + word(F::edge_uv), 1, tick(end));
+      hold(sum + 2 * word(F::edge_uv), 1, std::max(tick(of_u.diff), tick(of_v.diff)));
+      for (const LineId line : {LineId::fu, LineId::fv}) {
+        const LineProducts& p = products_of(line);
+        const int both = std::max(done(p.left), done(p.diff));
+        result(p.left, f_diff, tick(p.start));
+        result(p.diff, f_diff, both);
+        shape_.sums += numerator(line);
+        hold(numerator(line), both + 1, slope_tick(line));
       }
     } else if (!affine) {
       shape_.sums += 2 * uv_difference + sum;
-      hold(sum + 2 * uv_difference, 1, std::max(tick(P::fu_diff), tick(P::fv_diff)));
+      hold(sum + 2 * uv_difference, 1, std::max(tick(of_u.diff), tick(of_v.diff)));
       hold(2 * word(F::edge_uv), 1, row.latency);
-      result(P::fu_diff, f_diff, slope_tick(all[1]));
-      result(P::fv_diff, f_diff, slope_tick(all[2]));
+      for (const LineId line : {LineId::fu, LineId::fv})
+        result(products_of(line).diff, f_diff, slope_tick(line));
     }
     if (divides) {
       const RowDivideShape divide = row_divide_shape(c_);
       const int made = row.divide + timing_.row.unit + 1;
       bool first = true;  // the others have the same divisor and the same control
-      for (const Line& line : all) {
+      for (const LineId line : lines_) {
+        const Format& step = format(line_of(line).row.step);
         const int bits = divide.iterations * std::max(1, c_.row_reciprocal.bits_per_cycle);
-        add_registers(line.numerator + (first ? length : 0));
-        shape_.sums += line.numerator + bits;  // magnitude, sign of the quotient
+        add_registers(numerator(line) + (first ? length : 0));
+        shape_.sums += numerator(line) + bits;  // magnitude, sign of the quotient
         restoring(c_.row_reciprocal, length, divide.iterations, false, first);
         first = false;
-        if (line.step.rounding != Rounding::trn) shape_.sums += line.step.word;
-        quantize(line.step);
-        hold(line.step.word, made, row.latency);
+        if (step.rounding != Rounding::trn) shape_.sums += step.word;
+        quantize(step);
+        hold(step.word, made, row.latency);
       }
     } else {
       reciprocal(c_.row_reciprocal, row_operand(c_), &row);
       hold(c_.row_reciprocal.output.word + bits_of(row_operand(c_).bits()), row.reciprocal, last_slope);
-      for (const Line& line : all) result(line.slope, line.step, row.latency);
+      for (const LineId line : lines_)
+        result(products_of(line).slope, format(line_of(line).row.step), row.latency);
     }
-    for (const Line& line : all) result(line.start, line.acc, row.latency);
+    for (const LineId line : lines_)
+      result(products_of(line).start, format(line_of(line).row.acc), row.latency);
   }
 
   // const_depth_rows.
@@ -300,11 +277,14 @@ class Counter {
     hold(2 * pixel_index_bits(c_) + line() + word(F::span_h) + shades(2), 1, row.latency);
     reciprocal(c_.row_reciprocal, sum, &row);
     int last = row.reciprocal;
-    for (const P p : {P::fu, P::fv, P::fu_step, P::fv_step, P::fu_step1, P::fv_step1}) {
-      const bool start = p == P::fu || p == P::fv;
-      hold(word(start ? F::span_f : F::span_f_step), 1, tick(p));
-      result(p, format(start ? F::span_uv_acc : F::span_uv_step), row.latency);
-      last = std::max(last, tick(p));
+    for (const LineId line : {LineId::fu, LineId::fv}) {
+      const LineProducts& of_line = products_of(line);
+      for (const int p : {of_line.start, of_line.slope, of_line.slope1}) {
+        const bool start = p == of_line.start;
+        hold(word(start ? F::span_f : F::span_f_step), 1, tick(p));
+        result(p, format(start ? F::span_uv_acc : F::span_uv_step), row.latency);
+        last = std::max(last, tick(p));
+      }
     }
     hold(c_.row_reciprocal.output.word + bits_of(sum.bits()), row.reciprocal, last);
   }
@@ -563,6 +543,7 @@ class Counter {
 
   const Config& c_;
   RtlTiming timing_;
+  RtlLines lines_;
   bool planes_;
   AreaShape shape_;
 };

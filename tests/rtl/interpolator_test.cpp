@@ -292,21 +292,19 @@ TEST(Interpolator, WrongBitsAreSeenInEveryMode) {
   constexpr PlantedBug shades[] = {
       {ends, "left_q[(StartTick-1)/Interval*EndW+:EndW];",
        "left_q[(StartTick-1)/Interval*EndW+:EndW] ^ EndW'(1);"},
-      {setup, "CW'(bitspan_cfg_pkg::OffsetShadeRaw) <<< OffsetShift", "CW'(OffsetShift)"},
-      {setup, "{{2{res_step}}, res_start}", "{res_step, ~res_step, res_start}"},
-      {span, "acc_q[ShadeAccW-1], acc_q});",
-       "acc_q[ShadeAccW-1], acc_q ^ ShadeAccW'(1 << (ShadeAccW - 2))});"},
+      {ends, "EndFrac)) + Offset;", "EndFrac));"},
+      {setup, "      res_step,\n      res_start,", "      ~res_step,\n      res_start,"},
+      {span, "own[ShadeAccW-1], own});", "own[ShadeAccW-1], own ^ ShadeAccW'(1 << (ShadeAccW - 2))});"},
       {span, "        .Width(4 * ShadeW),\n        .From(0),\n        .To(Clocks)",
        "        .Width(4 * ShadeW),\n        .From(0),\n        .To(Clocks - 1)"},
   };
   constexpr PlantedBug shades_by_division[] = {
-      {setup, "(bitspan_cfg_pkg::RowDivShadeFrac)", "(bitspan_cfg_pkg::RowDivShadeFrac + 1)"},
+      {"rtl/row_line.sv", "(bitspan_cfg_pkg::LineDivFrac[32*Line+:32])",
+       "(bitspan_cfg_pkg::LineDivFrac[32*Line+:32] + ((Line > 2) ? 1 : 0))"},
   };
   constexpr PlantedBug plane_shades[] = {
-      {setup, "{shade_step1_i, shade_step0_i, shade_i, x_first_i",
-       "{shade_step0_i, shade_step1_i, shade_i, x_first_i"},
-      {span, ".step1_i(res_step1[i*ShadeStepW+:ShadeStepW]),",
-       ".step1_i(res_step0[i*ShadeStepW+:ShadeStepW]),"},
+      {setup, "{shade_step1_i, shade_step0_i, shade_i, h_i", "{shade_step0_i, shade_step1_i, shade_i, h_i"},
+      {span, "assign step1 = res_step1[Step1At+:LineStepW];", "assign step1 = step0;"},
   };
   constexpr PlantedBug hyperbolic[] = {
       {setup, "assign left_sum = (EdgeSumW'(h_l)", "assign left_sum = (EdgeSumW'(h_r)"},
