@@ -7,7 +7,10 @@ namespace bitspan {
 
 std::optional<FormatId> register_of(const Field& field, const Config& config, std::int64_t channel) {
   const Line texture = line_of(LineId::fu, config.perspective);
-  const Line own = line_of(channel_line(channel), config.perspective);
+  // A record from outside may name a channel that there is not.
+  const bool known = channel >= 0 && channel < channel_limit;
+  const Line own = line_of(channel_line(known ? channel : 0), config.perspective);
+  const auto of_channel = [known](FormatId id) { return known ? std::optional(id) : std::nullopt; };
   switch (field.kind) {
     case FieldKind::integer:
     case FieldKind::coordinate:
@@ -24,23 +27,23 @@ std::optional<FormatId> register_of(const Field& field, const Config& config, st
     case FieldKind::texture_step:
       return texture.row.step;
     case FieldKind::channel_vertex:
-      return own.vertex;
+      return of_channel(own.vertex);
     case FieldKind::channel_product:
-      return own.product.value_or(own.vertex);
+      return of_channel(own.product.value_or(own.vertex));
     case FieldKind::channel_edge_step:
-      return own.edge.step;
+      return of_channel(own.edge.step);
     case FieldKind::channel_edge_acc:
-      return own.edge.acc;
+      return of_channel(own.edge.acc);
     case FieldKind::channel_edge:
-      return own.edge.kept;
+      return of_channel(own.edge.kept);
     case FieldKind::channel_gradient:
-      return own.gradient;
+      return of_channel(own.gradient);
     case FieldKind::channel_step:
-      return own.row.step;
+      return of_channel(own.row.step);
     case FieldKind::channel_acc:
-      return own.row.acc;
+      return of_channel(own.row.acc);
     case FieldKind::channel_value:
-      return own.row.kept;
+      return of_channel(own.row.kept);
   }
   return std::nullopt;
 }

@@ -332,13 +332,17 @@ std::vector<Config> shading_variants() {
 
 namespace {
 
-// The registers that every file gives; one by default is left as it is, and so keeps out of texts and hashes.
-std::vector<Format*> formats_of_files(Config& c) {
-  std::vector<Format*> out;
+// Changes the registers that every file gives. One with a default keeps it, and so stays out of texts and
+// hashes.
+void change_formats(Config& c, const std::function<void(Format&)>& change) {
   for (std::size_t i = 0; i < c.formats.size(); ++i) {
-    if (!default_format(c.formats, static_cast<FormatId>(i))) out.push_back(&c.formats[i]);
+    const auto by_default = default_format(c.formats, static_cast<FormatId>(i));
+    if (by_default) {
+      c.formats[i] = *by_default;
+    } else {
+      change(c.formats[i]);
+    }
   }
-  return out;
 }
 
 }  // namespace
@@ -428,7 +432,7 @@ std::vector<Config> format_variants() {
       const auto rounding = static_cast<Rounding>(i);
       variants.add(prefix + text(rounding), [&](Config& c) {
         c.perspective = perspective;
-        for (Format* f : formats_of_files(c)) f->rounding = rounding;
+        change_formats(c, [&](Format& f) { f.rounding = rounding; });
       });
     }
     // A bit less than depth16 has, so that some values overflow.
@@ -441,10 +445,10 @@ std::vector<Config> format_variants() {
           c.format(id).word -= 8;
           c.format(id).integer -= 8;
         }
-        for (Format* f : formats_of_files(c)) {
-          f->overflow = overflow == Overflow::wrap_sm && !f->is_signed ? Overflow::wrap : overflow;
-          f->overflow_expected = true;
-        }
+        change_formats(c, [&](Format& f) {
+          f.overflow = overflow == Overflow::wrap_sm && !f.is_signed ? Overflow::wrap : overflow;
+          f.overflow_expected = true;
+        });
       });
     }
   }
