@@ -97,6 +97,10 @@ Scene fuzz_scene(const FuzzPlan& plan, std::uint64_t index, int draw, const Conf
   Scene scene = random_scene(fuzz_seed(plan.seed, index, 3 + static_cast<std::uint64_t>(draw)), options);
   Random formats(fuzz_seed(plan.seed, index, 100));
   draw_texel_formats(formats, scene, 0.5);
+  Random pass(fuzz_seed(plan.seed, index, 102));
+  if (pass.chance(0.125)) draw_pass(pass, scene);
+  Random given(fuzz_seed(plan.seed, index, 101));
+  draw_given_attributes(given, scene, 0.3);
   scene.name = fmt::format("fuzz seed {} case {}", plan.seed, index);
   return scene;
 }

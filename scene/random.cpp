@@ -277,6 +277,43 @@ Scene random_scene(std::uint64_t seed, const RandomOptions& options) {
   return scene;
 }
 
+void draw_pass(Random& random, Scene& scene) {
+  if (scene.textures.empty() || scene.triangles.size() < 2) return;
+  const auto last = static_cast<std::int64_t>(scene.triangles.size()) - 1;
+  const auto begin = static_cast<std::size_t>(random.integer(0, last - 1));
+  const auto end = static_cast<std::size_t>(random.integer(static_cast<std::int64_t>(begin) + 1, last));
+  const auto texture = random.integer(0, static_cast<std::int64_t>(scene.textures.size()) - 1);
+  const Texture& image = scene.textures[static_cast<std::size_t>(texture)];
+  // Above those of random_scene, so that no other command draws on it.
+  const auto own = static_cast<int>(random.integer(3, target_limit - 1));
+  ViewChange view{.width = image.width, .height = image.height};
+  // All distances stay in the range.
+  if (random.chance(0.5)) view.s_min = scene.s_min * random.uniform(0.8, 1);
+  if (random.chance(0.5)) view.s_max = scene.s_max * random.uniform(1, 1.25);
+  if (random.chance(0.5)) view.focal = random.uniform(1, 1000);
+  if (random.chance(0.5)) view.background = random_color(random);
+  if (random.chance(0.5)) {
+    view.fog = random.chance(0.5)
+                   ? std::optional(Fog{random_color(random), random.uniform(0.1, 1) * scene.s_max})
+                   : std::nullopt;
+  }
+  const auto plane = random.chance(0.5) ? CopyPlane::color : CopyPlane::depth;
+  const std::vector<DrawCommand> first{{begin, Target{own}}, {begin, view}};
+  const std::vector<DrawCommand> then{{end, Copy{own, plane, static_cast<int>(texture)}},
+                                      {end, Target{target_at(scene.commands, begin)}}};
+  // What else changes the target in between would draw elsewhere.
+  std::erase_if(scene.commands, [&](const DrawCommand& c) {
+    return c.before > begin && c.before <= end && std::holds_alternative<Target>(c.what);
+  });
+  const auto insert = [&](std::size_t before, const std::vector<DrawCommand>& commands) {
+    const auto at =
+        std::ranges::find_if(scene.commands, [&](const DrawCommand& c) { return c.before > before; });
+    scene.commands.insert(at, commands.begin(), commands.end());
+  };
+  insert(begin, first);
+  insert(end, then);
+}
+
 void draw_given_attributes(Random& random, Scene& scene, double probability) {
   for (Triangle& triangle : scene.triangles) {
     for (const GivenAttribute& given : given_attributes) {

@@ -56,6 +56,11 @@ Scene random_scene(std::uint64_t seed, const RandomOptions& options = {});
 // any bits with a random table, or a procedural texture.
 void draw_texel_formats(Random& random, Scene& scene, double probability);
 
+// Sends some triangles in a row of a scene to a target of their own, of a texture's size and with a view of
+// its own, and makes a plane of it that texture's texels. Nothing where a scene has no texture, or too few
+// triangles.
+void draw_pass(Random& random, Scene& scene);
+
 // Lets triangles of a scene give each of given_attributes with that probability.
 void draw_given_attributes(Random& random, Scene& scene, double probability);
 

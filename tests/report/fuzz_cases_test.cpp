@@ -124,28 +124,10 @@ bool on_the_same_pixels(const Triangle& a, const Triangle& b) {
   return true;
 }
 
-// A number for each kind of command: all below the number of kinds must come.
-template <class Command>
-std::size_t kind_of(const Command& command) {
-  if constexpr (requires { command.what.index(); }) {
-    return command.what.index();
-  } else {
-    return command.clear ? 1 : command.target ? 2 : 0;
-  }
-}
-template <class Command>
-constexpr std::size_t kinds_of_commands() {
-  if constexpr (requires(Command c) { c.what.index(); }) {
-    return std::variant_size_v<decltype(Command::what)>;
-  } else {
-    return 3;
-  }
-}
-
 struct Reached {
   std::uint64_t cases = 0, refused = 0;
   Values keys, registers, scenes;
-  std::set<std::size_t> commands;
+  std::set<std::size_t> commands;  // as indices of DrawCommand::what
   // Where the pixel stages in RTL draw.
   Values rtl_keys, rtl_registers;
   std::set<std::string> rtl_textures;  // as filter, wrap, whether sides are powers of two
@@ -195,7 +177,12 @@ void add_scene(const Config& config, const Scene& scene, bool with_rtl, Reached&
     to.rtl_textures.insert(text(to_string(config.filter)) + " " + text(to_string(config.wrap)) + " " +
                            (powers ? "2^n" : "other"));
   }
-  for (const DrawCommand& command : scene.commands) to.commands.insert(kind_of(command));
+  for (const DrawCommand& command : scene.commands) {
+    to.commands.insert(command.what.index());
+    const auto* const copy = std::get_if<Copy>(&command.what);
+    if (copy != nullptr && copy->plane == CopyPlane::depth)
+      to.scenes["texel format"].insert(text(to_string(TexelFormat::depth)));
+  }
   add_registers(config, scene, with_rtl, to);
 }
 
@@ -302,7 +289,7 @@ TEST(FuzzCases, ADefaultRunReachesEveryCommandAndTexture) {
   const Reached& reached = of_default_run();
   const Values all = all_of_scenes();
   EXPECT_EQ(lines(missing(all, reached.scenes)), "");
-  EXPECT_EQ(reached.commands.size(), kinds_of_commands<DrawCommand>());
+  EXPECT_EQ(reached.commands.size(), std::variant_size_v<decltype(DrawCommand::what)>);
   std::printf("%zu kinds of textures and triangles, %zu commands\n", count(all), reached.commands.size());
 }
 
