@@ -405,6 +405,22 @@ std::vector<Config> plane_variants() {
   return variants.take();
 }
 
+std::vector<Config> channel_variants() {
+  Variants variants;
+  for (const Perspective perspective : {Perspective::delta_f, Perspective::const_depth_rows}) {
+    variants.add("fog vertex, " + text(perspective), [&](Config& c) {
+      c.fog = FogMode::vertex;
+      c.perspective = perspective;
+    });
+  }
+  variants.add("fog vertex, rows from the plane, all slopes by division", [](Config& c) {
+    c.fog = FogMode::vertex;
+    c.row_slope = RowSlope::plane;
+    c.edge_slope = SlopeForm::divide;
+  });
+  return variants.take();
+}
+
 std::vector<Config> cache_variants() {
   Variants variants;
   for (const BufferCacheMode mode : {BufferCacheMode::write_through, BufferCacheMode::write_back}) {

@@ -24,6 +24,7 @@ std::vector<Config> shading_variants();         // texture and fog
 std::vector<Config> plane_variants();           // rows from the triangle's plane
 std::vector<Config> mip_variants();             // levels of textures
 std::vector<Config> distance_variants();        // zone_d, finite, fog by distance
+std::vector<Config> channel_variants();         // fog per vertex
 std::vector<Config> cache_variants();           // caches of depth and colour
 std::vector<Config> format_variants();          // rounding and overflow of every format
 std::vector<Config> timing_variants();          // latencies, intervals, FIFOs and memory: clocks only

@@ -137,6 +137,16 @@ TEST(Frozen, Distance) {
   foggy.fog = Fog{{200, 210, 220}, foggy.s_max / 8};
   check_all("distance", distance_variants(), {foggy, spot_scene(96, 72)});
 }
+// Values beside the fixed lines, given and computed at the vertices.
+TEST(Frozen, Channel) {
+  Scene given = random_scene(74);
+  given.fog = Fog{{200, 210, 220}, given.s_max / 3};
+  Random random(74);
+  draw_given_attributes(random, given, 0.5);
+  check_all("channel", channel_variants(), {given});
+}
+// Two passes, with a view and a copy.
+TEST(Frozen, Passes) { check_all("passes", shipped_configs(), {mirror_scene(96, 72)}); }
 // Changes of draw state.
 TEST(Frozen, State) { check_all("state", shipped_configs(), {random_scene(71, random_states(0.4))}); }
 // Late depth and stencil tests.
