@@ -8,6 +8,7 @@
 
 #include "bench/report.hpp"
 #include "bench/scenes.hpp"
+#include "config/store.hpp"
 #include "golden/engine_golden.hpp"
 #include "model/engine_model.hpp"
 #include "model/pipeline.hpp"
@@ -55,7 +56,7 @@ double draw(Engine& engine, const Scene& scene) {
 }  // namespace
 
 void bench_engines(const Options& options, Report& report) {
-  const Config config = load_config(BITSPAN_CONFIG_DIR "/depth16.toml");
+  const Config config = find_config("depth16");
   const Scene scene = small_picture();
   const auto model = make_model(config);
   draw(*model, scene);

@@ -11,6 +11,7 @@
 #include "bench/report.hpp"
 #include "bench/scenes.hpp"
 #include "config/modes.hpp"
+#include "config/store.hpp"
 #include "model/engine_model.hpp"
 
 namespace bitspan::bench {
@@ -44,7 +45,7 @@ Config with_sampling(Config config, const Sampling& sampling) {
 
 // depth20 with widths that no shipped configuration has: nothing of it can have been compiled in.
 Config never_seen() {
-  Config c = load_config(BITSPAN_CONFIG_DIR "/depth20.toml");
+  Config c = find_config("depth20");
   c.name = "depth20, other widths";
   c.format(FormatId::span_uv).word += 1;  // one bit more below the texel
   c.format(FormatId::texture_frac).word = 7;
@@ -120,7 +121,7 @@ void check_pictures(const std::vector<Ours>& ours, std::vector<Theirs>& theirs, 
 void bench_frames(const std::string& name, const Options& options, Report& report) {
   const Scene scene = frame_scene(name, options.texture);
   const std::string title = is_cloud(name) || name == "demo" ? name : "mesh";
-  const Config depth16 = load_config(BITSPAN_CONFIG_DIR "/depth16.toml");
+  const Config depth16 = find_config("depth16");
   const std::vector<Sampling> samplings = samplings_of(name);
   const bool with_nearest = samplings.front().name == nearest.name;
 

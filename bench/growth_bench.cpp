@@ -12,6 +12,7 @@
 #include "bench/report.hpp"
 #include "bench/scenes.hpp"
 #include "cli/progress.hpp"
+#include "config/store.hpp"
 #include "model/engine_model.hpp"
 #include "report/table.hpp"
 
@@ -74,7 +75,7 @@ Point draw_stream(const Config& config, std::int64_t triangles, double pixels) {
 
 Growth bench_growth(double pixels_limit, double triangles_limit) {
   constexpr double large = 1000, little = 16;  // pixels per triangle
-  const Config config = load_config(BITSPAN_CONFIG_DIR "/depth16.toml");
+  const Config config = find_config("depth16");
   nlohmann::ordered_json json;
   Growth out;
   const auto add = [&](const char* key, const char* title, double first, double limit, double pixels,

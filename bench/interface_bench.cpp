@@ -6,6 +6,7 @@
 
 #include "bench/report.hpp"
 #include "bitspan/bitspan.h"
+#include "config/store.hpp"
 #include "engine/registry.hpp"
 #include "scene/demo.hpp"
 
@@ -52,8 +53,7 @@ void bench_interface(const Options& options, Report& report) {
   std::vector<std::unique_ptr<Engine>> engines;
   for (const bool records : {false, true}) {
     const std::string what = records ? "demo and all records, " : "demo, ";
-    Engine* const engine =
-        engines.emplace_back(make_engine("model", load_config(BITSPAN_CONFIG_DIR "/depth16.toml"))).get();
+    Engine* const engine = engines.emplace_back(make_engine("model", find_config("depth16"))).get();
     const auto trace = std::make_shared<Trace>();
     bs_model* model = nullptr;
     check(bs_open(handles.config, "model", &model));

@@ -11,6 +11,7 @@
 #include "bench/report.hpp"
 #include "bench/span_kernels.hpp"
 #include "cli/progress.hpp"
+#include "config/store.hpp"
 #include "model/simd/shipped.hpp"
 
 namespace bitspan::bench {
@@ -64,7 +65,7 @@ void run_google_benchmark(const Options& options, std::map<std::string, Series*>
 }  // namespace
 
 void bench_kernels(const Options& options, Report& report) {
-  const Config depth16 = load_config(BITSPAN_CONFIG_DIR "/depth16.toml");
+  const Config depth16 = find_config("depth16");
   std::deque<SpanCase> cases;
   std::map<std::string, Series*> series;
   for (const Config& config : {depth16, restoring_of(depth16)}) {

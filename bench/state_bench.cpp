@@ -13,6 +13,7 @@
 
 #include "bench/report.hpp"
 #include "bench/scenes.hpp"
+#include "config/store.hpp"
 #include "model/engine_model.hpp"
 
 namespace bitspan::bench {
@@ -66,7 +67,7 @@ Summary cost_of(const Stream& with, const Stream& without) {
 }  // namespace
 
 void bench_state(const Options& options, Report& report) {
-  const Config config = load_config(BITSPAN_CONFIG_DIR "/depth16.toml");
+  const Config config = find_config("depth16");
   std::vector<Stream> streams;
   streams.push_back({"first state, no change", small_stream(no_change)});
   streams.push_back({"first state, a change per triangle", small_stream(to_first_state)});

@@ -25,7 +25,7 @@
 namespace bitspan {
 namespace {
 
-struct Options {
+struct ConfigArguments {
   std::string config{default_config};
   std::string output;
   bool toml = false;
@@ -35,7 +35,7 @@ struct Options {
   std::string folder;
 };
 
-int show(const Options& options) {
+int show(const ConfigArguments& options) {
   const Config config = find_config(options.config);
   if (options.toml) {
     fmt::print("{}", to_toml(config));
@@ -95,7 +95,7 @@ std::string paths_text(const Config& config) {
          fmt::format("model: form {}, vectors for {}\n", form, model::to_string(model::best_target()));
 }
 
-int check(const Options& options) {
+int check(const ConfigArguments& options) {
   const Config config = find_config(options.config);
   fmt::print("{} ({}): legal\n", config.name, config_hash(config));
   const golden::Precision precision = golden::choose_precision(config);
@@ -125,7 +125,7 @@ int check(const Options& options) {
   return exit_held;
 }
 
-int print_or_write(const Options& options, const std::string& text) {
+int print_or_write(const ConfigArguments& options, const std::string& text) {
   if (options.output.empty()) {
     fmt::print("{}", text);
   } else {
@@ -134,7 +134,7 @@ int print_or_write(const Options& options, const std::string& text) {
   return exit_held;
 }
 
-int emit(const Options& options) {
+int emit(const ConfigArguments& options) {
   const bool both = options.part == "both" || (options.part.empty() && !options.folder.empty());
   const RtlChoice choice{.interpolator = both || options.part != "pixels",
                          .pixels = both || options.part == "pixels",
@@ -150,10 +150,10 @@ int emit(const Options& options) {
   return print_or_write(options, rtl_packages(config, choice));
 }
 
-int schema(const Options& options) { return print_or_write(options, config_schema()); }
+int schema(const ConfigArguments& options) { return print_or_write(options, config_schema()); }
 
 CLI::App* add(CLI::App& parent, const std::string& name, const std::string& text,
-              const std::shared_ptr<Options>& o, Action& action, int (*run)(const Options&)) {
+              const std::shared_ptr<ConfigArguments>& o, Action& action, int (*run)(const ConfigArguments&)) {
   CLI::App* sub = parent.add_subcommand(name, text);
   sub->add_option("config", o->config, "shipped name (" + names_of_shipped() + ") or TOML file")
       ->capture_default_str();
@@ -168,7 +168,7 @@ void add_config(CLI::App& app, Action& action) {
   CLI::App* group = app.add_subcommand("config", "show, check or emit a configuration");
   group->require_subcommand(1);
   group->footer(help_footer("the configuration is legal", "", "bitspan config show depth16"));
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ConfigArguments>();
   add(*group, "show", "the format table and the modes", options, action, show)
       ->add_flag("--toml", options->toml, "the canonical TOML text instead");
   add(*group, "check", "read a configuration strictly; exit 2 names what is wrong", options, action, check);

@@ -25,7 +25,7 @@
 namespace bitspan {
 namespace {
 
-struct Options {
+struct DemoArguments {
   std::string output = "bitspan-demo";
   std::string config{default_config};
   std::string engines = "golden,model,systemc,rtl,ideal";
@@ -147,7 +147,7 @@ std::string html(const SceneVerdict& v, const std::vector<Picture>& pictures) {
   return out + "</ul>\n</body></html>\n";
 }
 
-int demo(const Options& o) {
+int demo(const DemoArguments& o) {
   const Config config = find_config(o.config);
   const LoadedScene loaded = load_scene("demo", o.view);
   VerifyOptions options;
@@ -181,7 +181,7 @@ int demo(const Options& o) {
 void add_demo(CLI::App& app, Action& action) {
   CLI::App* sub =
       app.add_subcommand("demo", "render the embedded scene, check that all engines agree, write a report");
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<DemoArguments>();
   sub->add_option("-o,--output", o->output, "folder of the report")->capture_default_str();
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
   sub->add_option("--engines", o->engines, "compared with the first")->capture_default_str();

@@ -17,7 +17,7 @@
 namespace bitspan {
 namespace {
 
-struct Options {
+struct DutArguments {
   DutRequest request;
   bool replace = false;
   std::string name;
@@ -66,7 +66,7 @@ std::string fields_text(const StoredDut& dut, const DutWrapper& wrapper) {
   return out;
 }
 
-int add(const Options& o) {
+int add(const DutArguments& o) {
   const StoredDut dut = read_dut(o.request);
   const DutWrapper wrapper = wrap_dut(dut.design, config_of(dut));
   lint_dut(dut.design, wrapper);
@@ -76,7 +76,7 @@ int add(const Options& o) {
   return exit_held;
 }
 
-int list(const Options& /*o*/) {
+int list(const DutArguments& /*o*/) {
   std::vector<std::vector<std::string>> rows{{"engine", "module", "input", "output", "configuration", "map"}};
   for (const std::string& name : dut_names()) {
     const std::string engine = std::string(dut_prefix) + name;
@@ -98,7 +98,7 @@ int list(const Options& /*o*/) {
   return exit_held;
 }
 
-int show(const Options& o) {
+int show(const DutArguments& o) {
   if (o.wrapper) {
     fmt::print("{}", stored_wrapper(o.name));
     return exit_held;
@@ -116,14 +116,14 @@ int show(const Options& o) {
   return exit_held;
 }
 
-int remove(const Options& o) {
+int remove(const DutArguments& o) {
   remove_dut(o.name);
   fmt::print("{}{}: removed; its sources stay\n", dut_prefix, o.name);
   return exit_held;
 }
 
 CLI::App* command(CLI::App& group, const std::string& name, const std::string& text,
-                  const std::shared_ptr<Options>& o, Action& action, int (*run)(const Options&)) {
+                  const std::shared_ptr<DutArguments>& o, Action& action, int (*run)(const DutArguments&)) {
   CLI::App* sub = group.add_subcommand(name, text);
   sub->callback([o, &action, run] { action = [o, run] { return run(*o); }; });
   return sub;
@@ -137,7 +137,7 @@ void add_dut(CLI::App& app, Action& action) {
   group->footer(help_footer("it is done", "",
                             "bitspan dut add span_walker.toml\n"
                             "  bitspan verify demo --config affine.toml --engines golden,dut:span_walker"));
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<DutArguments>();
   CLI::App* sub = command(*group, "add", "check a map and its design, and make the engine", o, action, add);
   sub->add_option("map", o->request.map, "TOML file: ports of the design and fields of records")->required();
   sub->add_option("--top", o->request.top, "module (default: the map's)");

@@ -28,7 +28,7 @@
 namespace bitspan {
 namespace {
 
-struct Options {
+struct ExplainArguments {
   std::string scene;
   std::int64_t x = 0, y = 0;
   std::string config{default_config};
@@ -225,7 +225,7 @@ struct OracleWords {
   bool left_out = false;
 };
 // Adds what each oracle sees at the pixel to the rows of the picture.
-OracleWords ask_oracles(const Options& o, std::span<const Oracle* const> oracles, const Config& config,
+OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const> oracles, const Config& config,
                         const Scene& scene, const Frame& frame, const std::string& engine,
                         std::vector<std::vector<std::string>>& rows) {
   OracleWords out;
@@ -250,7 +250,7 @@ OracleWords ask_oracles(const Options& o, std::span<const Oracle* const> oracles
   return out;
 }
 
-int explain(const Options& o) {
+int explain(const ExplainArguments& o) {
   const Config config = find_config(o.config);
   std::vector<const Oracle*> oracles;
   if (!o.oracles.empty()) oracles = parse_oracles(o.oracles);
@@ -375,7 +375,7 @@ int explain(const Options& o) {
 
 void add_explain(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("explain", "one pixel: all stages, all engines side by side");
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ExplainArguments>();
   sub->add_option("scene", o->scene, "stream (.tri), mesh, demo or extreme/NAME")->required();
   sub->add_option("x", o->x, "pixel column, 0 at the left")->required();
   sub->add_option("y", o->y, "pixel row, 0 at the top")->required();

@@ -33,7 +33,7 @@
 namespace bitspan {
 namespace {
 
-struct Options {
+struct FuzzArguments {
   FuzzPlan plan;
   std::uint64_t first = 0;
   std::optional<std::uint64_t> count, pixels;
@@ -47,7 +47,7 @@ struct Options {
 
 bool is_design(const std::string& engine) { return bool{find_engine(engine).design}; }
 
-std::string reproduce(const Options& o, std::uint64_t index) {
+std::string reproduce(const FuzzArguments& o, std::uint64_t index) {
   std::string out = fmt::format("{}bitspan fuzz --seed {} --first {} --count 1 --streams-per-config {}{}",
                                 command_environment(), o.plan.seed, index, o.plan.streams_per_config,
                                 o.engines_named ? " --engines " + o.engines : "");
@@ -64,13 +64,13 @@ struct Totals {
   std::set<std::string> compared;  // engines, in values that are not trivial
 };
 
-std::string replay_path(const Options& o, std::uint64_t index) {
+std::string replay_path(const FuzzArguments& o, std::uint64_t index) {
   return fmt::format("{}/fuzz-{}-{}.replay.json", o.out, o.plan.seed, index);
 }
 
 class Fuzzer {
  public:
-  explicit Fuzzer(const Options& o)
+  explicit Fuzzer(const FuzzArguments& o)
       : o_(o),
         names_(engines_to_compare(o.model, o.engines, "fuzz", "fuzz")),
         engine_options_(engine_options(o.model, 1)) {
@@ -246,7 +246,7 @@ class Fuzzer {
     std::fflush(stdout);
   }
 
-  Options o_;
+  FuzzArguments o_;
   std::vector<std::string> names_;
   EngineOptions engine_options_;
   std::vector<Config> fixed_, bases_;
@@ -344,7 +344,7 @@ int replay(const ReplayOptions& o) {
 
 void add_fuzz(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("fuzz", "random streams through random configurations, failures shrunk");
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<FuzzArguments>();
   sub->add_option("--seed", o->plan.seed, "every case is made from (seed, index) alone")
       ->capture_default_str();
   sub->add_option("--first", o->first, "index of the first case")->capture_default_str();

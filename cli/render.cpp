@@ -33,7 +33,7 @@
 namespace bitspan {
 namespace {
 
-struct Options {
+struct RenderArguments {
   std::string scene;
   std::string output;
   std::string config{default_config};
@@ -95,7 +95,7 @@ Scene with_plain_textures(Scene scene) {
   return scene;
 }
 
-int render(const Options& o) {
+int render(const RenderArguments& o) {
   if (o.output.empty() && o.dump.empty() && o.emit_tri.empty()) {
     throw InputError("render: nothing to write; give -o PICTURE.png, --dump DIR or --emit-tri FILE.tri");
   }
@@ -200,7 +200,7 @@ int render(const Options& o) {
 
 void add_render(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("render", "one picture");
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<RenderArguments>();
   sub->add_option("scene", o->scene, "stream (.tri), mesh, demo or extreme/NAME")->required();
   sub->add_option("-o,--output", o->output, "the picture, a PNG");
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();

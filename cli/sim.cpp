@@ -27,7 +27,7 @@
 namespace bitspan {
 namespace {
 
-struct Options {
+struct SimArguments {
   std::string scene;
   std::string config{default_config};
   std::string mode;  // empty: whichever suits
@@ -42,13 +42,13 @@ struct Options {
 };
 
 // Both modes have the same numbers, so the faster one is taken where nothing needs the other.
-TimedMode chosen_mode(const Options& o) {
+TimedMode chosen_mode(const SimArguments& o) {
   if (o.mode.empty()) return o.vcd.empty() ? TimedMode::span : TimedMode::cycle;
   return o.mode == "cycle" ? TimedMode::cycle : TimedMode::span;
 }
 
 // MIN or MIN:MAX.
-PortTiming parse_ports(const Options& o) {
+PortTiming parse_ports(const SimArguments& o) {
   PortTiming ports{.stall = o.port_stall, .seed = o.seed};
   const std::string& text = o.port_latency;
   const std::size_t colon = std::min(text.find(':'), text.size());
@@ -233,7 +233,7 @@ std::string sim_json(const Scene& scene, const Config& config, const SystemcOpti
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-int sim(const Options& o) {
+int sim(const SimArguments& o) {
   const Config config = find_config(o.config);
   check_writable(o.json);
   check_writable(o.vcd);
@@ -284,7 +284,7 @@ int sim(const Options& o) {
 
 void add_sim(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("sim", "timed run: cycles, utilisation and stall reasons per stage");
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<SimArguments>();
   sub->add_option("scene", o->scene, "stream (.tri), mesh, demo or extreme/NAME")->required();
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
   sub->add_option("--mode", o->mode,

@@ -31,7 +31,7 @@
 namespace bitspan {
 namespace {
 
-struct Options {
+struct StudyArguments {
   std::vector<std::string> inputs;  // the study; scenes of --point
   std::string db, csv, report, point, replay, size;
   int threads = 0;
@@ -75,7 +75,7 @@ Measure make_meter(std::vector<Scene> scenes) {
 }
 
 // Returns the path of the database: beside the output, or here.
-std::string database_of(const Options& o, const StudyPlan& plan) {
+std::string database_of(const StudyArguments& o, const StudyPlan& plan) {
   if (!o.db.empty()) return o.db;
   return (std::filesystem::path(o.csv).parent_path() / (plan.name + ".db")).string();
 }
@@ -147,7 +147,7 @@ std::string points_text(const StudyPlan& plan, Store& store) {
   return out;
 }
 
-void export_csv(const Options& o, const StudyPlan& plan, Store& store) {
+void export_csv(const StudyArguments& o, const StudyPlan& plan, Store& store) {
   if (o.csv.empty()) return;
   AtomicFile file(o.csv);
   write_csv(plan, store, replay_command(store.path()), [&](std::string_view text) { file.write(text); });
@@ -155,7 +155,8 @@ void export_csv(const Options& o, const StudyPlan& plan, Store& store) {
 }
 
 // Prints the command that goes on with a study where this one ended; returns the exit code.
-int cut_short(const Options& o, const std::string& so_far, const Store& store, const Interrupt& interrupt) {
+int cut_short(const StudyArguments& o, const std::string& so_far, const Store& store,
+              const Interrupt& interrupt) {
   fmt::print("{}{}; go on with: bitspan study {} --db {}{}{}\n",
              interrupt.exit_code() != 0 ? "stopped" : "not finished", so_far, shell_word(o.inputs[0]),
              shell_word(store.path()), o.csv.empty() ? "" : " --csv " + shell_word(o.csv),
@@ -165,7 +166,7 @@ int cut_short(const Options& o, const std::string& so_far, const Store& store, c
 
 // Does what comes after the points of a study, unless something stopped it. Returns 0, or 1 where no point
 // holds or something that is recommended does not.
-int end_study(const Options& o, const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
+int end_study(const StudyArguments& o, const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
               const Interrupt& interrupt, bool any_holds) {
   const bool held =
       interrupt.exit_code() == 0 && examine_recommendations(plan, scenes, store, interrupt.token());
@@ -174,7 +175,7 @@ int end_study(const Options& o, const StudyPlan& plan, const std::vector<Scene>&
   return any_holds && held ? exit_held : exit_difference;
 }
 
-int run_and_tell_search(const Options& o, const StudyPlan& plan, PointRunner& runner, Store& store,
+int run_and_tell_search(const StudyArguments& o, const StudyPlan& plan, PointRunner& runner, Store& store,
                         const RunOptions& options, const std::vector<Scene>& scenes,
                         const Interrupt& interrupt) {
   SearchResult result;
@@ -189,8 +190,8 @@ int run_and_tell_search(const Options& o, const StudyPlan& plan, PointRunner& ru
   return end_study(o, plan, scenes, store, interrupt, result.found);
 }
 
-int sweep(const Options& o, const StudyPlan& plan, PointRunner& runner, Store& store, RunOptions options,
-          const std::vector<Scene>& scenes, const Interrupt& interrupt) {
+int sweep(const StudyArguments& o, const StudyPlan& plan, PointRunner& runner, Store& store,
+          RunOptions options, const std::vector<Scene>& scenes, const Interrupt& interrupt) {
   const auto start = std::chrono::steady_clock::now();
   SweepResult result;
   {
@@ -213,7 +214,7 @@ int sweep(const Options& o, const StudyPlan& plan, PointRunner& runner, Store& s
   return end_study(o, plan, scenes, store, interrupt, result.holding != 0);
 }
 
-int run_study(const Options& o) {
+int run_study(const StudyArguments& o) {
   const Interrupt interrupt;
   if (o.inputs.size() != 1)
     throw InputError("study: one STUDY.toml; scenes on the command line go with --point");
@@ -258,7 +259,7 @@ std::string result_text(const PointResult& result) {
   return text_table(fields) + "\n" + text_table(registers) + "\n" + text_table(metrics);
 }
 
-int measure_point(const Options& o) {
+int measure_point(const StudyArguments& o) {
   const Config config = find_config(o.point);
   const Size size = picture_size(o.size);
   const std::vector<Scene> scenes = scenes_of(o.inputs, size.width, size.height, o.allow_empty);
@@ -311,7 +312,7 @@ PointRow find_point(Store& store, const std::string& prefix) {
   return *store.point(hashes[0]);
 }
 
-int replay(const Options& o) {
+int replay(const StudyArguments& o) {
   if (o.db.empty()) throw InputError("--replay: of which database? give --db FILE");
   if (!o.inputs.empty())
     throw InputError("--replay: takes scenes and configuration from the database; leave them out");
@@ -343,7 +344,7 @@ int replay(const Options& o) {
   return different.empty() ? exit_held : exit_difference;
 }
 
-int study(const Options& o) {
+int study(const StudyArguments& o) {
   // A point takes a hundred megabytes and gives them back. They must go back to the heap and not to the
   // system, which would clear each page anew. That would take a third of a point's time.
   ::mallopt(M_MMAP_THRESHOLD, 1 << 30);
@@ -362,7 +363,7 @@ int study(const Options& o) {
 
 void add_study(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("study", "which widths may be cut, and what each bit buys");
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<StudyArguments>();
   sub->add_option("study", o->inputs, "STUDY.toml; with --point: scenes (default: demo and extreme)");
   sub->add_option("--db", o->db, "the database (default: NAME.db beside the CSV file, or in this folder)");
   sub->add_option("--csv", o->csv, "write all points as CSV");

@@ -19,7 +19,7 @@
 namespace bitspan {
 namespace {
 
-struct Options {
+struct VectorsArguments {
   std::string scene;
   std::string stage;
   std::string format;
@@ -32,7 +32,7 @@ RecordType stage_named(const std::string& name) {
   return std::ranges::find(stage_table, std::string_view(name), &StageRow::name)->type;
 }
 
-int vectors(const Options& o) {
+int vectors(const VectorsArguments& o) {
   const Config config = find_config(o.config);
   const VectorFormat format = vector_format(o.format);
   const bool is_file = format == VectorFormat::json;
@@ -80,7 +80,7 @@ int check(const CheckOptions& o) {
 
 void add_vectors(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("vectors", "the records around a stage, for a bench in any language");
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<VectorsArguments>();
   sub->add_option("scene", o->scene, "stream (.tri), mesh, demo or extreme/NAME")->required();
   std::vector<std::string> stages;
   for (const StageRow& row : stage_table) stages.emplace_back(row.name);

@@ -23,7 +23,7 @@
 namespace bitspan {
 namespace {
 
-struct Options {
+struct VerifyArguments {
   std::vector<std::string> scenes;
   std::string config{default_config};
   std::string engines = "golden,model,systemc,rtl,ideal";
@@ -51,7 +51,7 @@ void write_maps(const std::string& folder, const SceneVerdict& verdict) {
   }
 }
 
-int verify(const Options& o) {
+int verify(const VerifyArguments& o) {
   const Config config = find_config(o.config);
   VerifyOptions options;
   options.engines = parse_engines(o.engines);
@@ -122,7 +122,7 @@ void check_flags(const CLI::App& sub, bool suites) {
   if (!suites && sub.count("scene") == 0) throw InputError("scene is required, or --suite GLOB");
 }
 
-int run_suites(const Options& o) {
+int run_suites(const VerifyArguments& o) {
   SuiteFlags flags;
   flags.pattern = o.suite;
   flags.list = o.list;
@@ -140,7 +140,7 @@ int run_suites(const Options& o) {
 
 void add_verify(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("verify", "compare engines over scenes, every record of every stage");
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<VerifyArguments>();
   sub->add_option("scene", o->scenes, "streams (.tri), meshes, demo, extreme or extreme/NAME");
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
   sub->add_option("--engines", o->engines, "compared with the first; ideal adds the error table")

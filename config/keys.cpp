@@ -72,7 +72,7 @@ constexpr std::string_view legal_offset = "a finite number, \"half_ulp\"";
 constexpr std::string_view legal_color = "\"none\", an array of three integers 0..255";
 constexpr std::string_view legal_rgba = "an array of four integers 0..255";
 
-std::string join(std::span<const std::string_view> names) {
+std::string listed(std::span<const std::string_view> names) {
   std::string out;
   for (const auto name : names) out.append(out.empty() ? "" : ", ").append(name);
   return out;
@@ -104,9 +104,9 @@ Fault set(bool* to, const KeyValue& value) {
 
 Fault set(const Choice& to, const KeyValue& value) {
   const auto* name = std::get_if<std::string>(&value);
-  if (name == nullptr) return is_a(value) + "a string, one of " + join(to.names);
+  if (name == nullptr) return is_a(value) + "a string, one of " + listed(to.names);
   const auto found = std::ranges::find(to.names, *name);
-  if (found == to.names.end()) return '"' + *name + "\" is no value of this key; legal: " + join(to.names);
+  if (found == to.names.end()) return '"' + *name + "\" is no value of this key; legal: " + listed(to.names);
   *to.number = static_cast<std::uint8_t>(found - to.names.begin());
   return std::nullopt;
 }
@@ -334,7 +334,7 @@ std::string legal_values(const Key& key) {
   static const Config any;
   const Place at = place(any, key);
   if (std::holds_alternative<bool*>(at)) return "true, false";
-  if (const auto* choice = std::get_if<Choice>(&at)) return join(choice->names);
+  if (const auto* choice = std::get_if<Choice>(&at)) return listed(choice->names);
   if (std::holds_alternative<StartOffset*>(at)) return std::string(legal_offset);
   if (std::holds_alternative<Color*>(at)) return std::string(legal_color);
   if (std::holds_alternative<Rgba*>(at)) return std::string(legal_rgba);

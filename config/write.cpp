@@ -8,7 +8,7 @@
 namespace bitspan {
 namespace {
 
-std::string quoted(std::string_view text) { return std::string("\"").append(text).append("\""); }
+std::string in_quotes(std::string_view text) { return std::string("\"").append(text).append("\""); }
 
 // A value as TOML; a format's fields are given as a table of their own.
 std::string toml_value(const Config& config, const Key& key) {
@@ -26,7 +26,7 @@ std::string toml_value(const Config& config, const Key& key) {
   const auto* text = std::get_if<std::string>(&value);
   const bool list =
       (std::holds_alternative<Color*>(at) || std::holds_alternative<Rgba*>(at)) && text->starts_with('[');
-  return text == nullptr || list ? to_string(value) : quoted(*text);
+  return text == nullptr || list ? to_string(value) : in_quotes(*text);
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ std::string to_toml(const Config& config) {
       out.append(out.empty() ? "[" : "\n[").append(table).append("]\n");
     }
     const bool dotted = key.name().find('.') != std::string_view::npos;
-    out.append(dotted ? quoted(key.name()) : std::string(key.name()));
+    out.append(dotted ? in_quotes(key.name()) : std::string(key.name()));
     out.append(" = ").append(toml_value(config, key)).append("\n");
   }
   return out;

@@ -703,7 +703,7 @@ VectorCheck check_vectors(const std::string& path, const VectorCheckOptions& opt
   out.pair.other = "design";
   const RecordView view = view_of(model.trace, read.stage);
   std::vector<bool> answered(view.fields.size());
-  for (const Place& p : answers.layout.places) answered[static_cast<std::size_t>(p.field)] = true;
+  for (const auto& p : answers.layout.places) answered[static_cast<std::size_t>(p.field)] = true;
   for (std::size_t i = 0; i < answered.size(); ++i) {
     if (!answered[i]) out.unchecked_fields.emplace_back(view.fields[i].name);
   }

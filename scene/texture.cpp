@@ -21,7 +21,7 @@ namespace {
 
 // What libpng's callbacks need. libpng leaves through longjmp, so nothing with a destructor may live in
 // the frame that calls it: all of that is here, owned by the caller.
-struct Decoder {
+struct PngDecoder {
   std::span<const std::uint8_t> data;
   std::size_t position = 0;
   std::string error;
@@ -30,25 +30,25 @@ struct Decoder {
   Texture texture;
   std::vector<png_bytep> rows;
 
-  ~Decoder() { png_destroy_read_struct(&png, &info, nullptr); }
+  ~PngDecoder() { png_destroy_read_struct(&png, &info, nullptr); }
 };
 
 void read_bytes(png_structp png, png_bytep out, std::size_t count) {
-  auto* decoder = static_cast<Decoder*>(png_get_io_ptr(png));
+  auto* decoder = static_cast<PngDecoder*>(png_get_io_ptr(png));
   if (count > decoder->data.size() - decoder->position) png_error(png, "the file ends too early (truncated)");
   std::copy_n(decoder->data.begin() + static_cast<std::ptrdiff_t>(decoder->position), count, out);
   decoder->position += count;
 }
 
 [[noreturn]] void on_error(png_structp png, png_const_charp message) {
-  static_cast<Decoder*>(png_get_error_ptr(png))->error = message;
+  static_cast<PngDecoder*>(png_get_error_ptr(png))->error = message;
   png_longjmp(png, 1);
 }
 
 void on_warning(png_structp, png_const_charp) {}
 
 // Returns false where it failed; decoder.error says why.
-bool decode(Decoder& decoder) {
+bool decode(PngDecoder& decoder) {
   if (setjmp(png_jmpbuf(decoder.png))) return false;
   png_structp png = decoder.png;
   png_infop info = decoder.info;
@@ -86,7 +86,7 @@ bool decode(Decoder& decoder) {
 Texture decode_texture(std::span<const std::uint8_t> file, const std::string& origin) {
   if (is_jpeg(file)) return decode_jpeg(file, origin);
   if (file.size() < 8 || png_sig_cmp(file.data(), 0, 8) != 0) return decode_image(file, origin);
-  Decoder decoder;
+  PngDecoder decoder;
   decoder.data = file;
   decoder.texture.name = origin;
   decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, on_error, on_warning);

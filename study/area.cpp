@@ -247,13 +247,13 @@ AreaCounts read_counts(const fs::path& statistics, Family family) {
   }
 }
 
-struct Cell {
+struct ToolCell {
   std::string_view name;  // the whole name, or the start of it before a *
   AreaCounts counts;
 };
 
-const std::vector<Cell>& cells_of(Family family) {
-  static const std::vector<Cell> ice40 = {
+const std::vector<ToolCell>& cells_of(Family family) {
+  static const std::vector<ToolCell> ice40 = {
       {"SB_LUT4", {1, 0, 0, 0}},
       {"SB_CARRY", {}},
       {"SB_DFF*", {0, 1, 0, 0}},
@@ -261,7 +261,7 @@ const std::vector<Cell>& cells_of(Family family) {
   };
   // A CCU2C is two LUTs with their carries, and a TRELLIS_DPR16X4 is the memory of four LUTs. PFUMX and
   // L6MUX21 join the LUTs of a slice and take none.
-  static const std::vector<Cell> ecp5 = {
+  static const std::vector<ToolCell> ecp5 = {
       {"LUT4", {1, 0, 0, 0}},
       {"CCU2C", {2, 0, 0, 0}},
       {"PFUMX", {}},
@@ -275,7 +275,7 @@ const std::vector<Cell>& cells_of(Family family) {
   return family == Family::ice40 ? ice40 : ecp5;
 }
 
-bool is_cell(const Cell& cell, std::string_view type) {
+bool is_cell(const ToolCell& cell, std::string_view type) {
   if (!cell.name.ends_with('*')) return type == cell.name;
   return type.starts_with(cell.name.substr(0, cell.name.size() - 1));
 }
@@ -314,7 +314,7 @@ AreaCounts parse_yosys_stat(std::string_view text, Family family) {
   AreaCounts counts;
   for (const auto& entry : json["design"]["num_cells_by_type"].items()) {
     const auto& cells = cells_of(family);
-    const auto cell = std::ranges::find_if(cells, [&](const Cell& c) { return is_cell(c, entry.key()); });
+    const auto cell = std::ranges::find_if(cells, [&](const ToolCell& c) { return is_cell(c, entry.key()); });
     if (cell == cells.end() || !entry.value().is_number_integer())
       throw InputError(fmt::format("yosys: {} has no known size in {}", entry.key(), to_string(family)));
     const auto n = entry.value().get<std::int64_t>();

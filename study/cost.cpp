@@ -541,7 +541,7 @@ std::vector<RegisterPlace> register_places(const Config& config) {
     if (r.used(config))
       places.push_back({std::string(r.stage), std::string(r.name), r.word(config), r.times});
   }
-  for (const Unit& u : units(config)) {
+  for (const auto& u : units(config)) {
     for (const auto& [name, bits, times] : parts_of(*u.r).registers) {
       places.push_back({u.stage, u.name + "." + std::string(name), bits, times});
     }
@@ -565,7 +565,7 @@ double product_bits(const Config& config) {
 
 double table_bits(const Config& config) {
   std::int64_t bits = 0;
-  for (const Unit& u : units(config)) bits += parts_of(*u.r).table_bits;
+  for (const auto& u : units(config)) bits += parts_of(*u.r).table_bits;
   bits += fog_entries(config) * config.format(F::fog_factor).word;
   if (true_distance(config)) {
     bits += (std::int64_t{1} << config.fog_zone_bits) * config.format(F::distance_g).word;

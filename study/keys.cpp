@@ -32,7 +32,7 @@ std::optional<FormatKeys> format_of_fraction(std::string_view path) {
                    comma_list(nearest_names(path, all_keys())));
 }
 
-std::int64_t integer_of(const Config& config, const Key& key) {
+std::int64_t integer_at(const Config& config, const Key& key) {
   return std::get<std::int64_t>(value_of(config, key));
 }
 
@@ -101,7 +101,7 @@ KeyValue value_of_key(const Config& config, std::string_view path) {
   if (const Key* key = find_key(path)) return value_of(config, *key);
   const auto format = format_of_fraction(path);
   if (!format) unknown(path);
-  return integer_of(config, *format->word) - integer_of(config, *format->integer);
+  return integer_at(config, *format->word) - integer_at(config, *format->integer);
 }
 
 Config with_keys(const Config& base, const std::vector<KeySetting>& settings) {
@@ -128,7 +128,7 @@ Config with_keys(const Config& base, const std::vector<KeySetting>& settings) {
     if (fraction == nullptr || *fraction < -1000 || *fraction > 1000) {
       throw InputError(s.path + ": is " + to_string(s.value) + "; legal: an integer, -32..64");
     }
-    const std::int64_t word = integer_of(config, *format->integer) + *fraction;
+    const std::int64_t word = integer_at(config, *format->integer) + *fraction;
     if (const auto fault = set_value(config, *format->word, word)) {
       refuse(format->word->path + ": " + *fault);
     }

@@ -19,6 +19,7 @@
 #include "tb/rtl_build.hpp"
 #include "tests/cli/program.hpp"
 #include "tests/rtl/rtl_copy.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -216,7 +217,9 @@ TEST_F(Cli, UnwritableOutputsAreRefused) {
   refused("render none.tri -o no/a.png", "no/a.png");
   refused("render none.tri --dump no/d", "no/d");
   refused("fuzz --engines golden,model --count 1000000 -o no", "no/fuzz-1-0.replay.json");
-  EXPECT_EQ(WEXITSTATUS(std::system("'" BITSPAN_PROGRAM "' config show depth16 >/dev/full 2>/dev/null")), 2);
+  EXPECT_EQ(WEXITSTATUS(std::system(
+                ("'" + build_path("cli/bitspan") + "' config show depth16 >/dev/full 2>/dev/null").c_str())),
+            2);
 }
 
 TEST_F(Cli, ConfigShowsChecksAndEmits) {
@@ -511,7 +514,7 @@ TEST_F(Cli, PositionsComeWithTheDumpOnRequest) {
 }
 
 TEST_F(Cli, DynamicAndProceduralTexturesAreDrawnAndStored) {
-  const std::string sea = std::string("'") + BITSPAN_SOURCE_DIR + "/tests/data/sea.tri'";
+  const std::string sea = "'" + source_path("tests/data/sea.tri") + "'";
   ASSERT_EQ(run("render " + sea + " -o zero.png").code, 0);
   ASSERT_EQ(run("render " + sea + " -o first.png --frame 0").code, 0);
   ASSERT_EQ(run("render " + sea + " -o two.png --frame 2 --emit-tri plain.tri --plain-textures").code, 0);
@@ -562,7 +565,7 @@ TEST_F(Cli, AnyTargetOfAStreamIsShown) {
 
 TEST_F(Cli, FramesAndSamplesThatAreNoneAreRefused) {
   stream("a.tri");
-  const std::string sea = std::string("'") + BITSPAN_SOURCE_DIR + "/tests/data/sea.tri'";
+  const std::string sea = "'" + source_path("tests/data/sea.tri") + "'";
   refused("render " + sea + " -o b.png --frame 3", "frame: 3 is not legal; expected a whole number 0..2");
   refused("render a.tri -o b.png --frame 0", "frame: the header has no dynamic texture");
   refused("render demo -o b.png --frame 0", "demo: --frame is for streams");
@@ -911,7 +914,7 @@ std::string cells(const std::string& line) {
 }
 
 TEST_F(Cli, TheReadmeQuotesWhatTheDemoPrints) {
-  const std::string readme = read_file(BITSPAN_SOURCE_DIR "/README.md");
+  const std::string readme = read_file(source_path("README.md"));
   const Result r = run("demo");
   ASSERT_EQ(r.code, 0) << r.out << r.err;
   std::set<std::string> reported;

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "tests/support/files.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan {
 
@@ -22,7 +23,7 @@ class Program : public ::testing::Test {
 
   // For the shell; the outputs go into files, so that no terminal is near.
   std::string command(const std::string& arguments) const {
-    return "cd '" + folder.path() + "' && exec '" + BITSPAN_PROGRAM + "' " + arguments +
+    return "cd '" + folder.path() + "' && exec '" + build_path("cli/bitspan") + "' " + arguments +
            " >.out 2>.err </dev/null";
   }
   Result run(const std::string& arguments) const {

@@ -10,11 +10,12 @@
 #include "config/keys.hpp"
 #include "tests/config/support.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan {
 namespace {
 
-constexpr const char* page = BITSPAN_SOURCE_DIR "/docs/configuration.md";
+const std::string page = source_path("docs/configuration.md");
 
 using Rows = std::vector<std::string>;
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/support/files.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan {
 namespace {
@@ -24,7 +25,7 @@ constexpr auto folders = std::to_array<std::string_view>(
 const std::vector<std::string>& modes() {
   static const std::vector<std::string> all = [] {
     constexpr std::string_view declaration = "\nBITSPAN_ENUM(";
-    const std::string text = read_file(std::string(BITSPAN_SOURCE_DIR) + "/config/config.hpp");
+    const std::string text = read_file(source_path("config/config.hpp"));
     std::vector<std::string> out{"EdgeX::"};
     for (std::size_t at = text.find(declaration); at != std::string::npos;
          at = text.find(declaration, at + 1)) {
@@ -81,7 +82,7 @@ bool has_default(std::string_view text) {
 TEST(Modes, NoSourceComparesAModeWithAnEnumerator) {
   std::size_t files = 0;
   for (const std::string_view folder : folders) {
-    const std::filesystem::path root = std::filesystem::path(BITSPAN_SOURCE_DIR) / folder;
+    const std::filesystem::path root = std::filesystem::path(source_path()) / folder;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
       const std::string extension = entry.path().extension().string();
       if (extension != ".cpp" && extension != ".hpp") continue;

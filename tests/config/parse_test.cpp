@@ -7,6 +7,7 @@
 #include "config/names.hpp"
 #include "tests/config/support.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan {
 namespace {
@@ -358,7 +359,7 @@ TEST(Parse, WhatIsNoTomlIsRefused) {
 }
 
 TEST(Parse, TruncatedAndDamagedTextNeverPassesSilentlyOrCrashes) {
-  const std::string text = read_file(BITSPAN_SOURCE_DIR "/config/depth16.toml");
+  const std::string text = read_file(source_path("config/depth16.toml"));
   const std::size_t last_key = text.rfind("cache_ways");
   for (std::size_t size = 0; size < last_key; size += 97) {
     EXPECT_NE(parse_error_of(text.substr(0, size)), "") << size;

@@ -9,6 +9,7 @@
 #include "config/shipped_configs.hpp"
 #include "tests/config/support.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan {
 namespace {
@@ -64,8 +65,7 @@ static_assert(shipped::depth16() != shipped::depth20() && shipped::depth20() != 
 TEST(Shipped, EveryKeyHasAComment) {
   for (const std::string& name : shipped_names) {
     int keys = 0;
-    for (const std::string& line :
-         lines_of(read_file(std::string(BITSPAN_SOURCE_DIR) + "/config/" + name + ".toml"))) {
+    for (const std::string& line : lines_of(read_file(source_path("config/") + name + ".toml"))) {
       if (line.empty() || line.starts_with('#') || line.starts_with('[')) continue;
       const auto comment = line.find("  # ");
       const auto tight = line.find(" # ");

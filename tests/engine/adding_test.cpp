@@ -15,6 +15,7 @@
 
 #include "tests/config/support.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan {
 namespace {
@@ -42,7 +43,7 @@ std::vector<Addition> additions() {
   const std::regex commit(R"re(.*commit "([^"]+)".*)re");
   const std::regex row(R"re(\| `([^`]+)` \| .+ \|)re");
   std::vector<Addition> out;
-  for (const std::string& line : lines_of(read_file(BITSPAN_SOURCE_DIR "/docs/adding.md"))) {
+  for (const std::string& line : lines_of(read_file(source_path("docs/adding.md")))) {
     std::smatch m;
     if (std::regex_match(line, m, heading)) out.push_back({m[1], 0, "", "", {}});
     if (out.empty()) continue;
@@ -61,7 +62,7 @@ std::vector<std::string> sources() {
                                       "rtl",     "scene", "study",  "tb"};
   const std::set<std::string> kinds{".cpp", ".h", ".hpp", ".sv", ".md", ".py", ".js"};
   std::vector<std::string> out{"README.md"};
-  const fs::path root(BITSPAN_SOURCE_DIR);
+  const fs::path root(source_path());
   for (const std::string& folder : folders) {
     for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
       const std::string path = fs::relative(entry.path(), root).generic_string();
@@ -85,7 +86,7 @@ TEST(Adding, KeepsItsPromises) {
     const std::set<std::string> distinct(a.files.begin(), a.files.end());
     EXPECT_EQ(distinct.size(), a.files.size()) << a.name << ": a file is listed twice";
     for (const std::string& file : a.files) {
-      EXPECT_TRUE(fs::is_regular_file(fs::path(BITSPAN_SOURCE_DIR) / file)) << a.name << ": " << file;
+      EXPECT_TRUE(fs::is_regular_file(fs::path(source_path()) / file)) << a.name << ": " << file;
     }
   }
   const std::map<std::string, std::size_t> promised{{"A configuration key", 4},
@@ -116,13 +117,13 @@ std::string output_of(const std::string& command) {
   return ::pclose(pipe) == 0 ? out : "";
 }
 
-const std::string git = "git -C '" BITSPAN_SOURCE_DIR "' ";
+const std::string git = "git -C '" + source_path() + "' ";
 
 bool has_whole_history() {
   const std::vector<std::string> lines =
       lines_of(output_of(git + "rev-parse --show-toplevel --is-shallow-repository"));
   std::error_code ignored;
-  return lines.size() == 2 && fs::equivalent(lines[0], BITSPAN_SOURCE_DIR, ignored) && lines[1] == "false";
+  return lines.size() == 2 && fs::equivalent(lines[0], source_path(), ignored) && lines[1] == "false";
 }
 
 // The files that each commit touched, by its subject; of several with one subject the newest.
@@ -184,8 +185,7 @@ TEST(Adding, ExamplesStandInTheListedFilesAndInNoOther) {
     ++examples;
     const std::set<std::string> listed(a.files.begin(), a.files.end());
     for (const std::string& path : all) {
-      const bool found =
-          read_file(std::string(BITSPAN_SOURCE_DIR "/") + path).find(a.example) != std::string::npos;
+      const bool found = read_file(source_path(path)).find(a.example) != std::string::npos;
       EXPECT_TRUE(!found || listed.contains(path)) << a.name << ": " << a.example << " stands in " << path;
     }
   }

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/support/paths.hpp"
+
 namespace bitspan {
 namespace {
 
@@ -75,14 +77,14 @@ TEST(Layers, TheRuleItself) {
 TEST(Layers, NoFolderIncludesAgainstTheOrder) {
   std::size_t includes = 0;
   for (const Folder& folder : folders) {
-    const fs::path root = fs::path(BITSPAN_SOURCE_DIR) / folder.name;
+    const fs::path root = fs::path(source_path()) / folder.name;
     if (!fs::exists(root)) continue;
     for (const auto& entry : fs::recursive_directory_iterator(root)) {
       const std::string extension = entry.path().extension().string();
       if (extension != ".hpp" && extension != ".cpp" && extension != ".h" && extension != ".in") continue;
       std::ifstream text(entry.path());
       for (const std::string& included : included_folders(text)) {
-        if (!fs::exists(fs::path(BITSPAN_SOURCE_DIR) / included)) continue;  // a library's
+        if (!fs::exists(fs::path(source_path()) / included)) continue;  // a library's
         ++includes;
         ASSERT_GE(layer_of(included), 0)
             << entry.path() << " includes " << included << ", which has no layer";
@@ -98,7 +100,7 @@ TEST(Layers, StudyMakesItsEnginesByName) {
   constexpr std::array<std::string_view, 4> engines{"golden/engine_golden.hpp", "golden/ideal.hpp",
                                                     "tb/engine_rtl.hpp", "model/timed/engine_systemc.hpp"};
   for (const std::string_view folder : {"study", "lib"}) {
-    const fs::path root = fs::path(BITSPAN_SOURCE_DIR) / folder;
+    const fs::path root = fs::path(source_path()) / folder;
     if (!fs::exists(root)) continue;
     for (const auto& entry : fs::recursive_directory_iterator(root)) {
       if (!entry.is_regular_file()) continue;

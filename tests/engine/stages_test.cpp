@@ -13,13 +13,14 @@
 #include "engine/records.hpp"
 #include "tests/config/support.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
 
 std::vector<std::string> lines_of_file(const std::string& path) {
-  return lines_of(read_file(std::string(BITSPAN_SOURCE_DIR "/") + path));
+  return lines_of(read_file(source_path(path)));
 }
 
 // The rows of the table between <!-- name --> and <!-- end of name -->.

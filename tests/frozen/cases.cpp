@@ -21,6 +21,7 @@
 #include "scene/demo.hpp"
 #include "scene/mesh.hpp"
 #include "scene/random.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan::frozen {
@@ -516,7 +517,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* random_configs_path = BITSPAN_SOURCE_DIR "/tests/frozen/random_configs.jsonl";
+const std::string& random_configs_path() {
+  static const std::string path = source_path("tests/frozen/random_configs.jsonl");
+  return path;
+}
 
 // Returns visit(key, config) over all keys; `config` has at a key what it is where a line does not name it.
 Config config_by(const std::function<void(const Key&, Config&)>& visit) {
@@ -579,7 +583,7 @@ Config config_of(const std::string& line) {
 
 std::vector<std::string> random_config_lines() {
   std::vector<std::string> out;
-  std::ifstream file(random_configs_path);
+  std::ifstream file(random_configs_path());
   for (std::string line; std::getline(file, line);) out.push_back(line);
   return out;
 }
@@ -589,17 +593,17 @@ void draw_random_configs() {
   const std::vector<Config> bases = shipped_configs();
   RandomConfigOptions options;
   options.check = [](const Config& config) { static_cast<void>(golden::choose_precision(config)); };
-  std::ofstream file(random_configs_path, std::ios::binary);
+  std::ofstream file(random_configs_path(), std::ios::binary);
   for (int number = 0; number < count; ++number) {
     Config config = random_config(static_cast<std::uint64_t>(number) + 1, bases, options);
     config.name = std::to_string(1000 + number).substr(1);
     file << line_of(config) << "\n";
   }
-  if (!file.flush()) throw std::runtime_error(std::string("cannot write ") + random_configs_path);
+  if (!file.flush()) throw std::runtime_error("cannot write " + random_configs_path());
 }
 
 Scene spot_scene(int width, int height) {
-  const std::string folder = BITSPAN_SOURCE_DIR "/tests/data/";
+  const std::string folder = source_path("tests/data/");
   MeshOptions options;
   options.width = width;
   options.height = height;

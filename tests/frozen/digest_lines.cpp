@@ -13,6 +13,7 @@
 
 #include "config/fnv.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan::frozen {
 namespace {
@@ -90,7 +91,7 @@ std::map<std::string, std::map<std::string, std::string>> read_lines(const std::
   return out;
 }
 
-std::string digest_folder() { return BITSPAN_SOURCE_DIR "/tests/frozen/digests"; }
+std::string digest_folder() { return source_path("tests/frozen/digests"); }
 
 bool freezing() { return std::getenv("BITSPAN_FREEZE") != nullptr; }
 

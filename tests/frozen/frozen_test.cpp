@@ -27,6 +27,7 @@
 #include "tests/frozen/cases.hpp"
 #include "tests/frozen/digest_lines.hpp"
 #include "tests/frozen/quantities.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan::frozen {
@@ -195,7 +196,7 @@ TEST(Frozen, SecondTexture) {
 TEST(Frozen, Textures) {
   std::vector<Scene> scenes;
   for (int frame = 0; frame < 3; ++frame) {
-    scenes.push_back(read_tri(BITSPAN_SOURCE_DIR "/tests/data/sea.tri", frame));
+    scenes.push_back(read_tri(source_path("tests/data/sea.tri"), frame));
     scenes.back().name = "sea " + std::to_string(frame);
   }
   check_all("textures", shipped_configs(), scenes);

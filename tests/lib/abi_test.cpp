@@ -9,6 +9,8 @@
 #include <sstream>
 #include <string>
 
+#include "tests/support/paths.hpp"
+
 namespace bitspan {
 namespace {
 
@@ -25,7 +27,9 @@ Output run(const std::string& command) {
   return out;
 }
 
-const std::string source = BITSPAN_SOURCE_DIR;
+const std::string library = bitspan::build_path("lib/libbitspan.so.0");
+// The same with the types that abidiff reads.
+const std::string types = bitspan::build_path("tests/lib/libbitspan.so.0");
 
 std::set<std::string> symbols(const std::string& library) {
   const Output nm = run("nm -D --defined-only --format=posix '" + library + "'");
@@ -38,7 +42,7 @@ std::set<std::string> symbols(const std::string& library) {
 
 TEST(LibAbi, ShowsOnlyItsOwnSymbolsUnderTheirVersion) {
   std::set<std::string> declared{"BITSPAN_0"};
-  std::ifstream header(source + "/include/bitspan/bitspan.h");
+  std::ifstream header(bitspan::source_path("include/bitspan/bitspan.h"));
   for (std::string line; std::getline(header, line);) {
     if (!line.starts_with("BS_API ")) continue;
     const std::size_t open = line.find('(');
@@ -46,25 +50,25 @@ TEST(LibAbi, ShowsOnlyItsOwnSymbolsUnderTheirVersion) {
     declared.insert(line.substr(name, open - name) + "@@BITSPAN_0");
   }
   EXPECT_GT(declared.size(), 30U);
-  EXPECT_EQ(symbols(LIBRARY), declared);
-  EXPECT_EQ(symbols(TYPES), declared);
+  EXPECT_EQ(symbols(library), declared);
+  EXPECT_EQ(symbols(types), declared);
 }
 
 TEST(LibAbi, NeedsNeitherSystemCNorVerilator) {
-  const Output needed = run("objdump -p '" LIBRARY "'");
+  const Output needed = run("objdump -p '" + library + "'");
   ASSERT_EQ(needed.status, 0) << needed.text;
   EXPECT_NE(needed.text.find("SONAME               libbitspan.so.0\n"), std::string::npos) << needed.text;
   EXPECT_NE(needed.text.find("NEEDED               libc.so.6\n"), std::string::npos);
   EXPECT_EQ(needed.text.find("systemc"), std::string::npos);
-  const Output undefined = run("nm -D --undefined-only -C '" LIBRARY "'");
+  const Output undefined = run("nm -D --undefined-only -C '" + library + "'");
   ASSERT_EQ(undefined.status, 0);
   EXPECT_EQ(undefined.text.find("sc_core"), std::string::npos);
   EXPECT_EQ(undefined.text.find("Verilated"), std::string::npos);
 }
 
 TEST(LibAbi, TypesAreTheCommittedOnes) {
-  const Output diff =
-      run("abidiff --harmless --no-show-locs '" + source + "/tests/lib/libbitspan.abi' '" TYPES "'");
+  const Output diff = run("abidiff --harmless --no-show-locs '" +
+                          bitspan::source_path("tests/lib/libbitspan.abi") + "' '" + types + "'");
   EXPECT_EQ(diff.status, 0) << diff.text
                             << "\nAn addition: raise BS_ABI_VERSION and run ./dev abi. Anything else breaks "
                                "programs that are already compiled.";

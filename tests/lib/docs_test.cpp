@@ -10,11 +10,12 @@
 #include "engine/records.hpp"
 #include "lib/stages.hpp"
 #include "tests/lib/support.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan {
 namespace {
 
-const std::string page = std::string(BITSPAN_SOURCE_DIR) + "/docs/c_api.md";
+const std::string page = source_path("docs/c_api.md");
 
 std::string text_of(const std::string& path) {
   std::ifstream in(path);
@@ -48,7 +49,7 @@ TEST(LibDocs, StagesAreTheLibrarys) {
 }
 
 TEST(LibDocs, TheProgramIsTheExample) {
-  std::string program = text_of(BITSPAN_SOURCE_DIR "/examples/c/bench.c");
+  std::string program = text_of(source_path("examples/c/bench.c"));
   ASSERT_TRUE(program.starts_with("// SPDX"));
   program.erase(0, program.find('\n') + 1);
   EXPECT_NE(text_of(page).find("```c\n" + program + "```\n"), std::string::npos);

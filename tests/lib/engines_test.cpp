@@ -13,6 +13,7 @@
 #include "scene/random.hpp"
 #include "scene/tri_stream.hpp"
 #include "tests/lib/support.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/same_bits.hpp"
 #include "tests/support/test_config.hpp"
 
@@ -201,7 +202,7 @@ TEST(LibEngines, TracingOffChangesNoPicture) {
 
 TEST(LibScenes, StreamsAndMeshesAreRead) {
   bs_scene* scene = nullptr;
-  const std::string spot = std::string(BITSPAN_SOURCE_DIR) + "/tests/data/spot.obj";
+  const std::string spot = source_path("tests/data/spot.obj");
   ASSERT_EQ(bs_scene_load(spot.c_str(), 160, 120, &scene), BS_OK) << bs_last_error();
   bs_scene_desc desc = BS_SCENE_DESC_INIT;
   EXPECT_EQ(bs_scene_get(scene, &desc), BS_OK);
@@ -215,7 +216,7 @@ TEST(LibScenes, StreamsAndMeshesAreRead) {
 }
 
 TEST(LibScenes, AFrameOfDynamicTextures) {
-  const std::string sea = std::string(BITSPAN_SOURCE_DIR) + "/tests/data/sea.tri";
+  const std::string sea = source_path("tests/data/sea.tri");
   const ConfigHandle config = config_handle("depth16");
   std::vector<std::vector<std::uint8_t>> pictures;
   for (int frame = 0; frame < 3; ++frame) {

@@ -10,6 +10,7 @@
 
 #include "scene/random.hpp"
 #include "tests/lib/support.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan {
 namespace {
@@ -165,7 +166,7 @@ TEST(LibMisuse, BadArguments) {
   bs_view view{};
   view.size = sizeof view;
   std::int64_t number = 0;
-  const std::string folder = BITSPAN_SOURCE_DIR;
+  const std::string folder = source_path();
   const std::string readme = folder + "/README.md";
   const std::string sea = folder + "/tests/data/sea.tri";
   expect_failures({

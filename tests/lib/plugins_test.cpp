@@ -11,6 +11,7 @@
 #include "tests/lib/support.hpp"
 #include "tests/support/environment.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan {
 namespace {
@@ -84,7 +85,7 @@ std::string refusal(const char* engine) {
 }
 
 TEST(LibPlugins, AForeignBuildIsRefused) {
-  const Environment folder("BITSPAN_PLUGINS", FOREIGN_PLUGINS);
+  const Environment folder("BITSPAN_PLUGINS", build_path("tests/lib/foreign"));
   for (int again = 0; again < 2; ++again) {
     EXPECT_NE(
         refusal("rtl").find("libbitspan-rtl.so: is of build 0123456789abcdef; expected the library's, "),

@@ -14,6 +14,7 @@
 #include "scene/tri_stream.hpp"
 #include "tests/lib/support.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan {
 namespace {
@@ -266,7 +267,7 @@ TEST(LibStructs, FilledByTheCallersSize) {
 
 // The package of SystemVerilog names the stages by the same numbers.
 TEST(DpiPackage, NumbersEveryStage) {
-  const std::string package = read_file(BITSPAN_SOURCE_DIR "/dv/dpi/bitspan_pkg.sv");
+  const std::string package = read_file(source_path("dv/dpi/bitspan_pkg.sv"));
   for (bs_stage stage = 0; bs_stage_name(stage) != nullptr; ++stage) {
     std::string name = "Stage";  // StageSetupEdge of setup.edge
     bool begins = true;

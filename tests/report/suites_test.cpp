@@ -12,6 +12,7 @@
 #include "model/engine_model.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/wrapped_engine.hpp"
 
 namespace bitspan {
@@ -63,14 +64,18 @@ TEST(Suites, NamesAreManyAndEachStandsOnce) {
   EXPECT_TRUE(matching_suites("depth.lequal").empty());
 }
 
-TEST(Suites, AllShowTheirFeatureAndAgree) {
+// In parts, as all of them take half a minute.
+constexpr std::size_t parts_of_suites = 7;  // each meets every way of perspective and every size
+class SuitesInParts : public testing::TestWithParam<std::size_t> {};
 #ifdef __SANITIZE_ADDRESS__
-  constexpr std::size_t step = 7;  // these builds are slow; it meets every way of perspective and every size
+INSTANTIATE_TEST_SUITE_P(Suites, SuitesInParts, testing::Values(0));  // these builds are slow
 #else
-  constexpr std::size_t step = 1;
+INSTANTIATE_TEST_SUITE_P(Suites, SuitesInParts, testing::Range(std::size_t{0}, parts_of_suites));
 #endif
+
+TEST_P(SuitesInParts, ShowTheirFeatureAndAgree) {
   const std::vector<std::string> all = suite_names();
-  for (std::size_t i = 0; i < all.size(); i += step) {
+  for (std::size_t i = GetParam(); i < all.size(); i += parts_of_suites) {
     const std::string& name = all[i];
     const SuiteRun run = run_named_suite(name, 1, model_and_golden());
     EXPECT_TRUE(run.result.agree()) << name;
@@ -155,7 +160,7 @@ std::string texel_formats_in_memory() {
 
 // docs/suites.md: "| `group` | `feature`, ... | stage | ...".
 TEST(Suites, ThePageHasEveryFeatureOnce) {
-  std::string text = read_file(BITSPAN_SOURCE_DIR "/docs/suites.md");
+  std::string text = read_file(source_path("docs/suites.md"));
   text = text.substr(text.find("## The features"));
   // What docs/adding.md counts as files of an addition stays out of the page.
   const std::map<std::string, std::string> in_words{

@@ -10,13 +10,14 @@
 #include "io/data_folder.hpp"
 #include "tests/rtl/rtl_copy.hpp"
 #include "tests/rtl/simulate.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan {
 namespace {
 
 // The bench and the cells, those of a copy of the RTL while there is one.
 std::vector<std::filesystem::path> sources() {
-  std::vector<std::filesystem::path> all{std::string(BITSPAN_SOURCE_DIR) + "/tests/rtl/cells_bench.sv"};
+  std::vector<std::filesystem::path> all{source_path("tests/rtl/cells_bench.sv")};
   for (const char* cell : {"delay_line", "mul_pipe", "lzc", "lzc_norm", "shift_add"}) {
     all.push_back(data_folder() / fmt::format("rtl/{}.sv", cell));
   }

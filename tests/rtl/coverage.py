@@ -24,8 +24,8 @@ MERGED = OUT / "merged.dat"
 STARTED = OUT / "started.dat"
 # What plants bugs, drives illegal inputs or runs other tools says nothing of the RTL as it is.
 RUNS = {
-    "rtl_interpolator_test": "Interpolator.RandomConfigurations:Interpolator.Depth16:Interpolator.ManyConstantsAndALongSpan",
-    "rtl_pixel_pipe_test": "PixelPipe.TheDemo:PixelPipe.RandomDrawStates:PixelPipe.LargePicturesAndTextures:PixelPipe.ResetAmidFragments",
+    "interpolator": "Interpolator.RandomConfigurations:Interpolator.Depth16:Interpolator.ManyConstantsAndALongSpan",
+    "pixel_pipe": "PixelPipe.TheDemo:PixelPipe.RandomDrawStates:PixelPipe.LargePicturesAndTextures:PixelPipe.ResetAmidFragments",
 }
 KINDS = {"v_line": "lines", "v_branch": "lines", "v_toggle": "toggles", "v_user": "handshakes"}
 COLUMNS = ("lines", "toggles", "handshakes")
@@ -191,7 +191,7 @@ def run(configs, seed):
     programs = []
     for name, only in RUNS.items():
         log = (OUT / f"{name}.log").open("wb")
-        programs.append((name, subprocess.Popen([BUILD / name, "--gtest_filter=" + only], env=environment, stdout=log,
+        programs.append((name, subprocess.Popen([BUILD / "rtl_test", "--gtest_filter=" + only], env=environment, stdout=log,
                                                 stderr=subprocess.STDOUT)))
     failed = [name for name, program in programs if program.wait() != 0]
     if failed:

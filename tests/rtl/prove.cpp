@@ -10,6 +10,7 @@
 #include "io/data_folder.hpp"
 #include "tb/programs.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 // Registers are not merged: two that are loaded alike may begin with different values.
 std::string yosys_script(const Proof& proof, const std::string& made) {
   std::string script = "read_verilog -sv -formal -DSYNTHESIS";
-  const std::filesystem::path proofs = std::filesystem::path(BITSPAN_SOURCE_DIR) / "tests/formal";
+  const std::filesystem::path proofs = std::filesystem::path(source_path()) / "tests/formal";
   for (const std::string& cell : proof.cells) {
     const std::filesystem::path helper = proofs / (cell + ".sv");
     const std::filesystem::path source = data_folder() / "rtl" / (cell + ".sv");

@@ -9,6 +9,7 @@
 #include "tests/rtl/reference.hpp"
 #include "tests/rtl/simulate.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan {
 namespace {
@@ -121,19 +122,17 @@ std::string simulate(std::string (*run)(const TemporaryFolder&)) {
 
 TEST(Quantize, Icarus) {
   check(simulate([](const TemporaryFolder& folder) {
-    return run_icarus(
-        {folder.write("bench.sv", bench()), std::string(BITSPAN_SOURCE_DIR) + "/rtl/quantize.sv",
-         std::string(BITSPAN_SOURCE_DIR) + "/rtl/quantize_far.sv"},
-        "bench");
+    return run_icarus({folder.write("bench.sv", bench()), source_path("rtl/quantize.sv"),
+                       source_path("rtl/quantize_far.sv")},
+                      "bench");
   }));
 }
 
 TEST(Quantize, Verilator) {
   check(simulate([](const TemporaryFolder& folder) {
-    return run_verilator(
-        {folder.write("bench.sv", bench()), std::string(BITSPAN_SOURCE_DIR) + "/rtl/quantize.sv",
-         std::string(BITSPAN_SOURCE_DIR) + "/rtl/quantize_far.sv"},
-        "bench");
+    return run_verilator({folder.write("bench.sv", bench()), source_path("rtl/quantize.sv"),
+                          source_path("rtl/quantize_far.sv")},
+                         "bench");
   }));
 }
 

@@ -12,6 +12,7 @@
 #include "tests/rtl/interpolator_case.hpp"
 #include "tests/rtl/simulate.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -107,7 +108,7 @@ TEST(Tools, YosysReadsAndChecks) {
 
 // "58,312" in the last column of the README's row of `narrow`.
 std::string cells_in_readme() {
-  std::istringstream in(read_file(BITSPAN_SOURCE_DIR "/README.md"));
+  std::istringstream in(read_file(source_path("README.md")));
   for (std::string row; std::getline(in, row);) {
     if (!row.starts_with("| `narrow` |")) continue;
     std::string cells;

@@ -14,6 +14,7 @@
 #include "scene/random.hpp"
 #include "scene/tri_stream.hpp"
 #include "tests/support/input_error.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan {
 namespace {
@@ -284,7 +285,7 @@ TEST(DrawState, ThePageHasEveryRegister) {
     rows.push_back("| `" + std::string(r.key) + "` | " + values + " | " + at_first + " | " +
                    std::string(r.meaning) + " |");
   }
-  const std::string path = std::string(BITSPAN_SOURCE_DIR) + "/docs/formats.md";
+  const std::string path = source_path("docs/formats.md");
   std::ifstream in(path);
   std::vector<std::string> page;
   for (std::string line; std::getline(in, line);) page.push_back(line);

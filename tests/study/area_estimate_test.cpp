@@ -11,6 +11,7 @@
 
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -18,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path csv() { return fs::path(BITSPAN_SOURCE_DIR) / "config/studies/area_fit.csv"; }
+fs::path csv() { return fs::path(source_path()) / "config/studies/area_fit.csv"; }
 
 class AreaEstimateOf : public testing::TestWithParam<Family> {};
 INSTANTIATE_TEST_SUITE_P(Families, AreaEstimateOf, testing::Values(Family::ice40, Family::ecp5),

@@ -11,6 +11,7 @@
 #include "config/check.hpp"
 #include "model/engine_model.hpp"
 #include "scene/demo.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -240,7 +241,7 @@ TEST(Cost, TheTableOfRegistersIsTheOneOfTheCode) {
     expected.push_back("| " + std::string(r.stage) + " | `" + std::string(r.name) + "` | " +
                        std::to_string(r.times) + " | " + std::string(r.condition) + " |");
   }
-  std::ifstream page(std::string(BITSPAN_SOURCE_DIR) + "/docs/search.md");
+  std::ifstream page(source_path("docs/search.md"));
   bool inside = false;
   for (std::string line; std::getline(page, line);) {
     if (line == "<!-- registers -->") inside = true;

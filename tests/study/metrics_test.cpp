@@ -9,6 +9,7 @@
 #include "study/point.hpp"
 #include "study/recommend.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -50,7 +51,7 @@ TEST(Metrics, EveryMetricOfAPointIsKnown) {
 }
 
 TEST(Metrics, TheDocumentationShowsThem) {
-  const std::string path = BITSPAN_SOURCE_DIR "/docs/study.md";
+  const std::string path = source_path("docs/study.md");
   EXPECT_NE(read_file(path).find("\n" + metrics_markdown() + "\n"), std::string::npos)
       << "docs/study.md lacks this table:\n"
       << metrics_markdown();

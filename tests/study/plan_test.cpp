@@ -8,6 +8,7 @@
 
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -287,7 +288,7 @@ TEST(Plan, FilesStandBesideTheStudy) {
 
 TEST(Plan, ShippedStudiesAreLegal) {
   int studies = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(BITSPAN_SOURCE_DIR "/config/studies")) {
+  for (const auto& entry : std::filesystem::directory_iterator(source_path("config/studies"))) {
     if (entry.path().extension() != ".toml") continue;
     const StudyPlan plan = load_study(entry.path().string(), find);
     EXPECT_EQ(plan.name, entry.path().stem().string());
@@ -305,7 +306,7 @@ TEST(Plan, ShippedStudiesAreLegal) {
 }
 
 TEST(Plan, TheExampleOfTheDocumentIsLegal) {
-  const std::string page = read_file(BITSPAN_SOURCE_DIR "/docs/study.md");
+  const std::string page = read_file(source_path("docs/study.md"));
   const auto from = page.find("```toml\n");
   ASSERT_NE(from, std::string::npos);
   const TemporaryFolder folder;

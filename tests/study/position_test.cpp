@@ -18,6 +18,7 @@
 #include "scene/mesh.hpp"
 #include "scene/random.hpp"
 #include "study/bounds/bounds.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -222,7 +223,7 @@ TEST(Position, SpotsDepthGivesPointsOnSpot) {
   options.width = 320;
   options.height = 240;
   ProjectReport report;
-  const std::string folder = std::string(BITSPAN_SOURCE_DIR) + "/tests/data/";
+  const std::string folder = source_path("tests/data/");
   const Scene scene = mesh_scene(read_mesh(folder + "spot.obj", folder + "spot.png"), options, report);
   for (const DepthCode code : {DepthCode::inverse, DepthCode::opengl}) {
     Config config = shipped_config("depth16");

@@ -9,13 +9,14 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "tests/support/paths.hpp"
 
 namespace bitspan {
 
 // The configurations config/NAME.toml of the source tree.
 inline const std::array<std::string, 3> shipped_names{"depth16", "depth20", "narrow"};
 inline Config shipped_config(const std::string& name) {
-  return load_config(std::string(BITSPAN_SOURCE_DIR) + "/config/" + name + ".toml");
+  return load_config(source_path("config/") + name + ".toml");
 }
 inline std::vector<Config> shipped_configs() {
   std::vector<Config> out;

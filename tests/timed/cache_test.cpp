@@ -23,6 +23,7 @@
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 #include "tests/timed/square_half.hpp"
 
@@ -343,7 +344,7 @@ using Rows = std::vector<std::string>;
 
 // As in tests/config/docs_test.cpp.
 void expect_table(const std::string& name, const Rows& expected) {
-  const std::string page = std::string(BITSPAN_SOURCE_DIR) + "/docs/timing.md";
+  const std::string page = source_path("docs/timing.md");
   Rows lines;
   std::istringstream text(read_file(page));
   for (std::string line; std::getline(text, line);) lines.push_back(line);

@@ -13,6 +13,7 @@
 #include "model/timed/span_interpolator_timing.hpp"
 #include "scene/demo.hpp"
 #include "scene/mesh.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -47,7 +48,7 @@ struct Variant {
 TEST(RowThroughput, NothingIsLostBesideTheInterval) {
   const Config shipped = shipped_config("depth16");
   ProjectReport report;
-  const std::string spot = BITSPAN_SOURCE_DIR "/tests/data/spot";
+  const std::string spot = source_path("tests/data/spot");
   const std::vector<std::pair<std::string, Scene>> scenes = {
       {"demo", demo_scene(640, 480)},
       {"spot", mesh_scene(read_mesh(spot + ".obj", spot + ".png"), MeshOptions{}, report)}};

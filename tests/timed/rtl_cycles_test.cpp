@@ -13,6 +13,7 @@
 #include "model/timed/span_interpolator_timing.hpp"
 #include "scene/random.hpp"
 #include "tb/rtl_stream.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -65,7 +66,7 @@ class RtlCycles : public testing::TestWithParam<Case> {
  protected:
   static void SetUpTestSuite() {
     // Libraries built here stay in the build folder, unless the environment says where.
-    setenv("BITSPAN_CACHE", BITSPAN_BINARY_DIR "/rtl-cache", 0);
+    setenv("BITSPAN_CACHE", build_path("rtl-cache").c_str(), 0);
   }
 };
 
