@@ -225,9 +225,9 @@ struct OracleWords {
   bool left_out = false;
 };
 // Adds what each oracle sees at the pixel to the rows of the picture.
-OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const> oracles, const Config& config,
-                        const Scene& scene, const Frame& frame, const std::string& engine,
-                        std::vector<std::vector<std::string>>& rows) {
+OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const> oracles,
+                        const Config& config, const Scene& scene, const Frame& frame,
+                        const std::string& engine, std::vector<std::vector<std::string>>& rows) {
   OracleWords out;
   if (oracles.empty()) return out;
   std::string why;

@@ -43,7 +43,7 @@ struct PairFailure {
 PairFailure failure_of(const Comparison& pair, const Config& config, const RunLabel& label);
 
 // What a pass over a scene has to say. Coverage is checked against the exact test where the configuration
-// promises it.
+// promises it and the scene keeps its view.
 CaseResult check_case(const Engines& engines, const Config& config, const Scene& scene,
                       const RunLabel& label);
 

@@ -166,8 +166,10 @@ class Fuzzer {
     if (!fixed_.empty()) {
       config_ = fixed_[group % fixed_.size()];
     } else {
-      config_ = fuzz_config(o_.plan, group, bases_, [](const Config& config) {
+      config_ = fuzz_config(o_.plan, group, bases_, [this](const Config& config) {
         static_cast<void>(golden::choose_precision(config));
+        // A form that the user names does not have every mode.
+        if (!engine_options_.form.empty()) static_cast<void>(make_engine("model", config, engine_options_));
       });
     }
     std::vector<std::string> names = names_;

@@ -264,7 +264,7 @@ Triangle triangle_from(const bs_vertex* vertices, std::size_t i, std::int32_t te
                                std::to_string(static_cast<int>(coordinate_limit)));
       }
     }
-    out.v[corner] = {v.x, v.y, v.s, v.u, v.v, {v.r, v.g, v.b, v.a}, v.fog};
+    out.v[corner] = {{v.x, v.y, v.s}, {v.u, v.v, {v.r, v.g, v.b, v.a}, v.fog}};
   }
   check_texture(scene, texture, function);
   out.texture = texture;

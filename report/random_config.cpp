@@ -221,7 +221,7 @@ void choose_pixel_rtl(Random& random, Config& c, std::uint64_t turn) {
   std::vector<LodMode> modes;
   for (std::size_t i = 0; i < enum_names<LodMode>.size(); ++i) {
     const auto mode = static_cast<LodMode>(i);
-    if (mode != LodMode::none && is_in_rtl(mode)) modes.push_back(mode);
+    if ((has_zones(mode) || has_gradients(mode)) && is_in_rtl(mode)) modes.push_back(mode);
   }
   c.lod = modes[modes.size() - 1 - turn % modes.size()];
 }

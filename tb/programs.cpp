@@ -24,9 +24,10 @@
 extern char** environ;
 
 namespace bitspan {
-namespace {
 
 namespace fs = std::filesystem;
+
+namespace {
 
 std::string with_hint(std::string text, std::string_view hint) {
   return hint.empty() ? text : text.append("; ").append(hint);

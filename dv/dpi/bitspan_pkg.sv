@@ -25,6 +25,10 @@ package bitspan_pkg;
   localparam int StageDistance = 17;
   localparam int StageSetupPlane = 18;
   localparam int StageTextureSecond = 19;
+  localparam int StageSetupChannel = 20;
+  localparam int StageEdgeWalkChannel = 21;
+  localparam int StageSpanSetupChannel = 22;
+  localparam int StageSpanChannel = 23;
   // No stage has more columns.
   localparam int MaxColumns = 64;
   // bitspan_check: the design's record is not the model's.

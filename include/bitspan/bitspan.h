@@ -316,8 +316,9 @@ BS_API bs_status bs_draw(bs_model* model, const bs_vertex* vertices, const int32
  * what is drawn from then on: the line of a triangle stream, such as {"state": {"depth.func": "lequal"}},
  * {"clear": {"depth": true}}, {"target": 1}, {"view": {"width": 256}} or {"copy": {"target": 1,
  * "plane": "color", "texture": 0}}. Each target has its own view, whose size its planes have. Where a view
- * does not fit the configuration, only bs_begin may follow. docs/formats.md, "Draw state", has the registers. After bs_begin each holds what the
- * configuration says, and target 0 is drawn on; bs_frame_view shows the target drawn on. */
+ * does not fit the configuration, only bs_begin may follow. docs/formats.md, "Draw state", has the registers.
+ * After bs_begin each holds what the configuration says, and target 0 is drawn on; bs_frame_view shows the
+ * target drawn on. */
 BS_API bs_status bs_command(bs_model* model, const char* json);
 /* Draws `count` triangles of a scene from `first` on as bs_draw does, with the commands in front of them, and
  * those behind the last one where it is among them. The scene is the one that bs_begin was given. */

@@ -414,7 +414,7 @@ TEST_F(Cli, TheMirrorIsDrawnInTwoPasses) {
   EXPECT_EQ(told.code, 0) << told.out << told.err;
   EXPECT_NE(told.out.find(", target 0"), std::string::npos) << told.out;
   refused("verify mirror --size 96x72 --supersample 2 --engines golden,model", "copy");
-  refused("vectors mirror --stage span", "expected a scene that no command changes");
+  refused("vectors mirror --stage span --format json -o v", "expected a scene that no command changes");
 }
 
 // What an array of NumPy holds behind its header.
@@ -901,6 +901,22 @@ TEST_F(Cli, AReplayThatDrawsNothingSaysNothing) {
   EXPECT_EQ(r.code, 1) << r.out << r.err;
   EXPECT_NE(r.out.find("this says nothing: the scene covers no pixel centre"), std::string::npos) << r.out;
   EXPECT_EQ(r.out.find("no longer fails"), std::string::npos) << r.out;
+}
+
+TEST_F(Cli, CoverageIsNotCheckedAgainstTheFirstViewWhereAViewChangesIt) {
+  Replay small;
+  small.engines = {"golden", "model"};
+  small.config = shipped_config("depth16");
+  small.scene = with_view({.width = 12, .height = 8});
+  Triangle wide;
+  wide.v[0] = {-20, -20, 2, 0, 0, {1, 1, 1, 1}};
+  wide.v[1] = {40, -20, 5, 20, 0, {1, 1, 1, 1}};
+  wide.v[2] = {-20, 40, 9, 0, 20, {1, 1, 1, 1}};
+  small.scene.triangles = {wide};
+  small.scene.commands = {{0, ViewChange{.width = 3, .height = 2}}};
+  folder.write("small.json", replay_json(small));
+  const Result r = run("replay small.json");
+  EXPECT_EQ(r.code, 0) << r.out << r.err;
 }
 
 // Two tables' rows are equal whatever they are drawn with.

@@ -54,15 +54,33 @@ static bs_model* drawn(bs_config* config, const char* engine, bs_scene* scene) {
 
 /* The names belong to the numbers. */
 static void check_names(void) {
-  static const char* const names[] = {"constants",  "setup",          "setup.edge",  "edge_walk",
-                                      "plane_walk", "plane_walk.row", "span_setup",  "span",
-                                      "depth",      "texture",        "fog",         "merge",
-                                      "state",      "stencil",        "merge.alpha", "setup.gradient",
-                                      "lod",        "distance",       "setup.plane", "texture.second"};
+  static const char* const names[] = {"constants",
+                                      "setup",
+                                      "setup.edge",
+                                      "edge_walk",
+                                      "plane_walk",
+                                      "plane_walk.row",
+                                      "span_setup",
+                                      "span",
+                                      "depth",
+                                      "texture",
+                                      "fog",
+                                      "merge",
+                                      "state",
+                                      "stencil",
+                                      "merge.alpha",
+                                      "setup.gradient",
+                                      "lod",
+                                      "distance",
+                                      "setup.plane",
+                                      "texture.second",
+                                      "setup.channel",
+                                      "edge_walk.channel",
+                                      "span_setup.channel",
+                                      "span.channel"};
   const int32_t count = (int32_t)(sizeof names / sizeof *names);
   for (int32_t i = 0; i < count; ++i) expect(strcmp(bs_stage_name(i), names[i]) == 0, names[i]);
-  expect(count == BS_STAGE_SPAN_CHANNEL + 1 && bs_stage_name(count) == NULL,
-         "every stage has its name here");
+  expect(count == BS_STAGE_SPAN_CHANNEL + 1 && bs_stage_name(count) == NULL, "every stage has its name here");
 }
 
 int main(void) {

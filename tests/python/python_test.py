@@ -117,7 +117,7 @@ class Scenes(unittest.TestCase):
 
     def test_columns_that_are_left_out_have_defaults(self):
         scene = bitspan.Scene.from_vertices(np.array(triangle())[..., :3], 64, 64)
-        self.assertEqual(scene.vertices[0, 1].tolist(), [48, 8, 5, 0, 0, 1, 1, 1, 1])
+        self.assertEqual(scene.vertices[0, 1].tolist(), [48, 8, 5, 0, 0, 1, 1, 1, 1, -1])
         self.assertEqual(scene.texture_of.tolist(), [-1])
 
     def test_textures_fog_and_background(self):
@@ -756,7 +756,7 @@ class BadInput(unittest.TestCase):
             (lambda: bitspan.Scene("demo", 10**20, 5), "width"),
             (lambda: make("text"), "vertices"),
             (lambda: make([[1, 2, 3]]), r"\(n, 3, k\)"),
-            (lambda: make(np.zeros((2, 3, 10))), r"\(n, 3, k\)"),
+            (lambda: make(np.zeros((2, 3, 11))), r"\(n, 3, k\)"),
             (lambda: make(nan), "x or y is nan"),
             (lambda: make(triangle(x=1e9)), "x or y"),
             (lambda: make(triangle(), texture=0), "texture: 0"),

@@ -192,7 +192,8 @@ TEST(Project, TheFogsFactorIsLinearInSpace) {
   }
   EXPECT_EQ(cut, 3);
   for (Corner& c : face.corner) c.fog = -1;
-  for (const Vertex& v : projected({face}, {}, report)[0].v) EXPECT_EQ(v.fog, -1) << "not given";
+  const auto without = projected({face}, {}, report);
+  for (const Vertex& v : without[0].v) EXPECT_EQ(v.fog, -1) << "not given";
 }
 
 TEST(Project, CullsBackFacesOnly) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "config/lines.hpp"
 #include "config/modes.hpp"
 #include "model/simd/targets.hpp"
 #include "report/random_config.hpp"
@@ -242,6 +243,7 @@ TEST(Triangles, RandomConfigurations) {
       throw InputError("not walked by rows");
     }
     if (has_dz(c.depth_code)) throw InputError("its gradients are not in lanes");
+    if (ChannelList(c).size() > 0) throw InputError("channels are not in lanes");
   };
   RandomOptions scenes = small_scenes();
   scenes.triangles = 24;
@@ -273,6 +275,7 @@ TEST(Triangles, RandomConfigurationsOfBranchFreeRegisters) {
       throw InputError("not walked by rows");
     }
     if (has_dz(c.depth_code)) throw InputError("its gradients are not in lanes");
+    if (ChannelList(c).size() > 0) throw InputError("channels are not in lanes");
   };
   RandomOptions scenes = small_scenes();
   scenes.triangles = 24;
