@@ -61,7 +61,12 @@ class Schema(unittest.TestCase):
     def test_every_key_of_another_type_or_left_out_is_as_the_program_says(self):
         table = self.shipped[0]
         refused = 0
-        for path, value in leaves(table):
+        keys = list(leaves(table))
+        part = 1
+        if "BITSPAN_GATE" in os.environ:  # a quarter of them, as tests/support/long_run.hpp has it
+            part = 4
+            keys = keys[int(os.environ["BITSPAN_GATE"]) % part::part]
+        for path, value in keys:
             for other in ("no such value", 10**6, True, None):
                 if type(other) is type(value):
                     continue
@@ -77,7 +82,7 @@ class Schema(unittest.TestCase):
                 # Rules between keys are the program's alone.
                 self.assertTrue(valid or not legal, f"{path} = {other}")
                 refused += not valid
-        self.assertGreater(refused, 500)
+        self.assertGreater(refused, 500 // part)
 
     def test_unknown_keys_names_and_ranges_are_refused(self):
         for path, value in ((("raster", "nothing"), 1), (("nothing",), 1), (("depth", "bits"), 33),

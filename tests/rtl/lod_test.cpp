@@ -165,7 +165,7 @@ TEST(Lod, EveryModeInShippedConfigurations) {
   std::size_t fragments = 0;
   for (const std::string& name : shipped_names) {
     for (const MipMode mip : {MipMode::nearest, MipMode::linear}) {
-      for (const LodMode mode : modes_in_rtl) {
+      for (const LodMode mode : in_gate(modes_in_rtl)) {
         const Config c = config_of(name.c_str(), mip, mode);
         const LodRun r = check(c, 11, count_of(1600));
         fragments += r.fragments;
@@ -175,15 +175,16 @@ TEST(Lod, EveryModeInShippedConfigurations) {
       }
     }
   }
-  EXPECT_GE(fragments, 100000U);
+  EXPECT_GE(fragments, is_gate_run() ? 30000U : 100000U);
 }
 
 TEST(Lod, RandomConfigurations) {
+  const int most = is_gate_run() ? 1 : 3;  // of a mode
   std::array<int, modes_in_rtl.size()> modes{};
-  for (std::uint64_t seed = stage_seeds(1)[0]; std::ranges::min(modes) < 3; ++seed) {
+  for (std::uint64_t seed = stage_seeds(1)[0]; std::ranges::min(modes) < most; ++seed) {
     Config c = random_stage_config(seed);
     const auto mode = static_cast<std::size_t>(std::ranges::find(modes_in_rtl, c.lod) - modes_in_rtl.begin());
-    if (!has_lod(c) || mode == modes.size() || modes[mode] == 3) continue;
+    if (!has_lod(c) || mode == modes.size() || modes[mode] == most) continue;
     c.pixel_reciprocal.pipelined = true;
     if (first_violation(c)) continue;
     ++modes[mode];

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <regex>
 #include <sstream>
 
@@ -15,6 +16,7 @@
 #include "tests/rtl/reference.hpp"
 #include "tests/rtl/simulate.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/long_run.hpp"
 #include "tests/support/reciprocal_definition.hpp"
 #include "tests/support/test_config.hpp"
 
@@ -153,9 +155,10 @@ TEST(Reciprocal, EveryKindOverEveryOperand) {
     const std::string name = source.stem().string();
     if (!name.starts_with("span") && !name.starts_with("row_")) sources.push_back(source);
   }
-  for (const auto run :
-       {+[](const std::vector<std::filesystem::path>& s) { return run_icarus(s, "bench"); },
-        +[](const std::vector<std::filesystem::path>& s) { return run_verilator(s, "bench"); }}) {
+  constexpr std::array tools{
+      +[](const std::vector<std::filesystem::path>& s) { return run_icarus(s, "bench"); },
+      +[](const std::vector<std::filesystem::path>& s) { return run_verilator(s, "bench"); }};
+  for (const auto run : in_gate(tools)) {
     std::istringstream in(run(sources));
     std::size_t compared = 0;
     for (std::string line; std::getline(in, line);) {
