@@ -521,6 +521,9 @@ template bool fragment_texture_second(const Pipeline&, const FragmentRecord&, co
 template void channels_of_row(const Pipeline&, Rows&, std::size_t, const SpanRecord&,
                               std::span<const FragmentRecord>, std::vector<FragmentChannels>&, Counters&,
                               Trace*, NoObserve);
+template void channels_of_row(const Pipeline&, Rows&, std::size_t, const SpanRecord&,
+                              std::span<const FragmentRecord>, std::vector<FragmentChannels>&, Counters&,
+                              Trace*, Observe);
 template void fragments_to_frame(const Pipeline&, const Scene&, std::span<const FragmentRecord>,
                                  const Surface&, const GradientRecord*, Frame&, Counters&, Trace*, NoObserve,
                                  std::span<const FragmentChannels>);

@@ -65,13 +65,13 @@ struct Pipeline {
   // `state` differs from the first one in registers at most that it does not look at.
   bool acts_as_first = true;
 
-  // Without levels of textures, distances, gradients and channels.
-  bool is_plain() const { return !has_lod && !has_distance && !has_gradients && !channels.any(); }
+  // Without levels of textures, distances and gradients.
+  bool is_plain() const { return !has_lod && !has_distance && !has_gradients; }
   // Whether the vector form draws its short way: in a state that acts as the first one does, to pixels whose
   // alpha is 255, in a plain pipeline.
   bool draws_in_lanes(const Frame& frame) const { return acts_as_first && frame.full_alpha && is_plain(); }
-  // Whether it draws in this state at all.
-  bool takes_lanes() const { return !const_depth_rows && !channels.any(); }
+  // Whether lanes have the stages up to depth; else they begin with texture.
+  bool spans_in_lanes() const { return !const_depth_rows && !channels.any(); }
 };
 
 // Gives the stages the registers of a draw state; scene: whose textures it names.

@@ -38,7 +38,10 @@ bool plainly_good(const Scene& scene, const Triangle& triangle) {
     sum += std::abs(v.x) + std::abs(v.y) + std::abs(v.u) + std::abs(v.v);
     good = good && v.s >= scene.s_min && v.s <= scene.s_max;
     for (const double c : v.c) good = good && c >= 0 && c <= 1;
-    for (const GivenAttribute& given : given_attributes) good = good && v.*given.member == given.not_given;
+  }
+  for (const GivenAttribute& given : given_attributes) {
+    if (!given.is_given(triangle.v)) continue;
+    for (const Vertex& v : triangle.v) good = good && given.is_legal(v.*given.member);
   }
   return good && std::isfinite(sum);
 }
@@ -96,10 +99,11 @@ struct Worker final : BlockSink<T> {
   Columns<SpanRecord> spans{0};
   SpanWork<T> work;
   Counters counters;
-  // Rows of constant depth.
+  // Where the stages up to depth are scalar.
   Rows rows;
   PlaneWalkState walk;
   std::vector<FragmentRecord> fragments;
+  std::vector<FragmentChannels> channels;
 
   // What the draw under way was given.
   const Pipeline* pipeline = nullptr;
@@ -175,8 +179,8 @@ class Drawing {
       worker->trace = trace;
       worker->statistics = statistics;
     }
-    if (pipeline_.const_depth_rows) {
-      draw_planes(*workers_[0], triangles, first_index, trace, statistics);
+    if (!pipeline_.spans_in_lanes()) {
+      draw_singly(*workers_[0], triangles, first_index, trace, statistics);
     } else {
       if (any_state_ && pipeline_.has_gradients) find_gradients(triangles, first_index, counters);
       find_draws(triangles);
@@ -279,21 +283,20 @@ class Drawing {
     }
   }
 
-  // const_depth_rows: the scalar stages up to the fragments.
-  void draw_planes(Worker<T>& worker, std::span<const Triangle> triangles, std::int64_t index, Trace* trace,
+  // The scalar stages up to depth, one triangle after the other.
+  void draw_singly(Worker<T>& worker, std::span<const Triangle> triangles, std::int64_t index, Trace* trace,
                    Statistics* statistics) {
     for (const Triangle& triangle : triangles) {
       if (statistics != nullptr) {
-        draw_plane(worker, triangle, index, trace, Observe{statistics});
+        draw_one(worker, triangle, index, trace, Observe{statistics});
       } else {
-        draw_plane(worker, triangle, index, trace, NoObserve{});
+        draw_one(worker, triangle, index, trace, NoObserve{});
       }
       ++index;
     }
   }
   template <class Watch>
-  void draw_plane(Worker<T>& worker, const Triangle& triangle, std::int64_t index, Trace* trace,
-                  Watch watch) {
+  void draw_one(Worker<T>& worker, const Triangle& triangle, std::int64_t index, Trace* trace, Watch watch) {
     Counters& counters = worker.counters;
     FragmentBlock<T>& block = worker.work.block;
     block.size = 0;
@@ -311,7 +314,12 @@ class Drawing {
       span_to_fragments(pipeline_, span, geometry_of(worker.rows, i), worker.fragments, counters, watch);
       deliver(trace, span);
       deliver_all(trace, worker.fragments);
-      for (const FragmentRecord& fragment : worker.fragments) {
+      if (pipeline_.channels.any()) {
+        channels_of_row(pipeline_, worker.rows, i, span, worker.fragments, worker.channels, counters, trace,
+                        watch);
+      }
+      for (std::size_t k = 0; k < worker.fragments.size(); ++k) {
+        const FragmentRecord& fragment = worker.fragments[k];
         if (fragment.covered == 0) continue;
         const std::size_t pixel = pixel_of(*worker.frame, fragment);
         const bool passed = depth(pipeline_.depth, fragment, nullptr, worker.frame->depth[pixel], z, watch);
@@ -319,7 +327,8 @@ class Drawing {
         if (!passed) continue;
         ++counters.depth_passed;
         if (block.size == block_size) flush();
-        append(block, fragment, z, pixel, pipeline_.fog);
+        append(block, fragment, z, pixel, pipeline_.fog,
+               has_vertex_fog(pipeline_.fog.mode) ? channel_value(worker.channels[k], LineId::fog) : 0);
       }
     }
     flush();
@@ -377,7 +386,7 @@ class VectorModel {
     const bool watched = trace != nullptr || statistics != nullptr;
     const bool second = run_.pipeline.texture_second.is_on();
     if (!run_.pipeline.draws_in_lanes(run_.frame) &&
-        (watched || !(second ? plan_.holds_second : plan_.holds_any) || !run_.pipeline.takes_lanes())) {
+        (watched || !(second ? plan_.holds_second : plan_.holds_any) || !run_.pipeline.spans_in_lanes())) {
       if (statistics != nullptr) {
         draw_triangles(run_.pipeline, *run_.scene, triangles, first_index, buffers_, run_.frame,
                        run_.counters, trace, Observe{statistics});

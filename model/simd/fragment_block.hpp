@@ -29,6 +29,7 @@ struct FragmentBlock {
   alignas(64) T a[padded];
   alignas(64) std::int32_t fog_step[padded];  // top bits of h (fog table)
   alignas(64) std::int64_t h[padded];         // linear fog only
+  alignas(64) T fog_factor[padded];           // fog of the vertices only
   alignas(64) std::int32_t triangle[padded];  // input index
 };
 

@@ -662,6 +662,7 @@ void fog_factors(const Pipeline& pipeline, const ShadePlan& plan, const Fragment
   if (has_fog_table(fog)) {
     table_factors(pipeline.fog, plan, block, columns);
   }
+  if (has_vertex_fog(fog)) std::copy_n(block.fog_factor, block.size, columns.factor);
   if constexpr (sizeof(T) == 4) {
     if (is_linear_in_distance(fog)) {
       const FormatsOf<ShadeFormats, fixed> formats(plan.formats);

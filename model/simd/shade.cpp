@@ -203,7 +203,6 @@ bool fits_int32(const std::vector<std::int64_t>& values) {
 }  // namespace
 
 ShadeLanes lanes_for_shading(const Config& config, FogMode fog) {
-  if (has_vertex_fog(fog)) return ShadeLanes::scalar;  // lanes have no channels
   return fits(config, fog, 32)   ? ShadeLanes::int32
          : fits(config, fog, 64) ? ShadeLanes::int64
                                  : ShadeLanes::scalar;

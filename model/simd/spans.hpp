@@ -65,7 +65,7 @@ struct SpanKernels {
   // index, first_index the one of draws[0]. Counts fragments, covered, depth_passed, divides_pixel.
   void (*draw)(const Pipeline&, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
                std::int64_t first_index, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&) = nullptr;
-  // The same in any draw state that lanes take (takes_lanes), of formats read at run time. No draw is shared.
+  // The same in any draw state, of formats read at run time. No draw is shared.
   // Counts masked and stencil_failed, too; where the tests are late, they are the sink's.
   void (*draw_any)(const Pipeline&, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
                    std::int64_t first_index, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&) = nullptr;
@@ -81,10 +81,10 @@ struct SpanKernels {
                             SpanWork<T>&, Columns<FragmentRecord>&, Statistics&) = nullptr;
 };
 
-// Appends a fragment that passed; pixel: y width + x. There is room.
+// Appends a fragment that passed; pixel: y width + x; fog_factor: fog of the vertices only. There is room.
 template <class T>
 void append(FragmentBlock<T>& block, const FragmentRecord& fragment, const DepthRecord& depth,
-            std::size_t pixel, const FogStage& fog) {
+            std::size_t pixel, const FogStage& fog, std::int64_t fog_factor = 0) {
   const std::size_t to = block.size++;
   block.pixel[to] = static_cast<std::int32_t>(pixel);
   block.z[to] = static_cast<std::int32_t>(static_cast<std::uint32_t>(depth.z));
@@ -96,6 +96,7 @@ void append(FragmentBlock<T>& block, const FragmentRecord& fragment, const Depth
   block.a[to] = static_cast<T>(fragment.a);
   block.h[to] = fragment.h;
   block.fog_step[to] = static_cast<std::int32_t>(fog_step(fog, fragment.h));
+  block.fog_factor[to] = static_cast<T>(fog_factor);
   block.triangle[to] = static_cast<std::int32_t>(fragment.triangle);
 }
 

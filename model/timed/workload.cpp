@@ -258,7 +258,7 @@ Workload::Workload(Run& run)
       texture_traffic_(run),
       merge_traffic_(run) {
   const bool small = run.frame.depth.size() <= std::numeric_limits<std::int32_t>::max();
-  if (small && !run.pipeline.const_depth_rows && run.pipeline.is_plain() &&
+  if (small && run.pipeline.spans_in_lanes() && run.pipeline.is_plain() &&
       model::spans_refusal(run.config) == nullptr) {
     batch_ = std::make_unique<Batch>(*this);
   }
