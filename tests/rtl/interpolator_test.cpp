@@ -334,11 +334,17 @@ TEST(Interpolator, WrongBitsAreSeenInEveryMode) {
     EXPECT_NO_THROW(check_values(c));
     expect_seen(bugs, [&] { check_values(c); });
   };
-  seen(Perspective::delta_f, RowSlope::reciprocal, shades);
-  seen(Perspective::affine, RowSlope::divide, shades_by_division);
-  seen(Perspective::const_depth_rows, RowSlope::reciprocal, plane_shades);
-  seen(Perspective::hyperbolic, RowSlope::reciprocal, hyperbolic);
-  seen(Perspective::affine, RowSlope::reciprocal, affine);
+  struct Group {
+    Perspective mode;
+    RowSlope form;
+    std::span<const PlantedBug> bugs;
+  };
+  const Group groups[] = {{Perspective::delta_f, RowSlope::reciprocal, shades},
+                          {Perspective::affine, RowSlope::divide, shades_by_division},
+                          {Perspective::const_depth_rows, RowSlope::reciprocal, plane_shades},
+                          {Perspective::hyperbolic, RowSlope::reciprocal, hyperbolic},
+                          {Perspective::affine, RowSlope::reciprocal, affine}};
+  for (const auto& [mode, form, bugs] : in_gate(groups)) seen(mode, form, bugs);
 }
 
 TEST(Interpolator, AssertionsSpeak) {

@@ -21,6 +21,7 @@
 #include "tests/rtl/pipe_case.hpp"
 #include "tests/rtl/rtl_copy.hpp"
 #include "tests/rtl/stage_case.hpp"
+#include "tests/support/long_run.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -443,7 +444,7 @@ TEST(PixelChainTiming, PlantedBugsAreSeen) {
   const PipeWay late_writes{0, {}, {1, 1}, 5, 0, true, 0, 0.9};
   const auto see = [&](const PipeCase& p, const PipeWay& way, std::span<const PlantedBug> planted) {
     EXPECT_NO_THROW(run_and_replay(p, way));
-    for (const PlantedBug& bug : planted) {
+    for (const PlantedBug& bug : in_gate(planted)) {
       SCOPED_TRACE(bug.to);
       copy.replace(bug.file, bug.from, bug.to);
       StageTrace trace;

@@ -29,6 +29,7 @@
 #include "tests/rtl/stage_case.hpp"
 #include "tests/rtl/stage_replay.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/long_run.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -61,7 +62,8 @@ TEST(PixelPipe, TheDemoWithLateTests) {
 }
 
 TEST(PixelPipe, TheDemoWithLevels) {
-  for (const Config& c : level_configs()) {
+  const std::vector<Config> configs = level_configs();
+  for (const Config& c : in_gate(configs)) {
     SCOPED_TRACE(fmt::format("mip {}, lod {}", to_string(c.mip), to_string(c.lod)));
     const PipeCase p = make_pipe_case(c, demo_scene(128, 96));
     ASSERT_EQ(p.records.at("lod_record").size(), p.records.at("texture_record").size());
@@ -111,16 +113,18 @@ TEST(PixelPipe, RandomDrawStates) {
       run_pipe(p, {0, {}, {15, 30}, seed});
     }
   };
-  for (const Config& c : shipped_configs()) check(c, 9);
-  for (Config c : shipped_configs()) {
+  const std::vector<Config> shipped = shipped_configs();
+  for (const Config& c : in_gate(shipped)) check(c, 9);
+  for (Config c : in_gate(shipped)) {
     c.rtl.blend = RtlBlend::equation;
     check(c, 10);
   }
-  for (const Config& c : level_configs()) {
+  const std::vector<Config> with_levels = level_configs();
+  for (const Config& c : in_gate(with_levels)) {
     SCOPED_TRACE(fmt::format("mip {}, lod {}", to_string(c.mip), to_string(c.lod)));
     check(c, 9);
   }
-  for (const std::uint64_t seed : stage_seeds(4)) {
+  for (const std::uint64_t seed : stage_seeds(is_gate_run() ? 1 : 4)) {
     SCOPED_TRACE(stage_seed_text(seed));
     check(random_stage_config(seed), seed);
     if (HasFailure()) return;
