@@ -28,7 +28,7 @@ class Shares(unittest.TestCase):
 
     def test_a_test_is_in_one_part(self):
         for build in ("release", "readers"):
-            parts = [set(TABLE[build].get(part, {})) for part in ("long", "short_form", "alone")]
+            parts = [set(TABLE[build].get(part, {})) for part in ("long", "short_form")]
             self.assertEqual(len(set.union(*parts)), sum(map(len, parts)))
 
 

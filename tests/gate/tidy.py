@@ -5,7 +5,7 @@
   tests/gate/tidy.py DATABASE CHECKS FILE...
 
 A source that was clean is not read again: the hash of all the text that its compiler reads, comments included, names a
-stamp, which lies beside the compiler cache. Prints what clang-tidy says; exit code 1 where it says something.
+stamp in the user's cache. Prints what clang-tidy says; exit code 1 where it says something.
 """
 import concurrent.futures
 import functools
@@ -33,7 +33,7 @@ def stamp_of(commands, settings):
         words = shlex.split(command["command"])
         del words[words.index("-o"):words.index("-o") + 2]
         words = [word for word in words if word != "-c" and not word.endswith("ccache")]
-        done = subprocess.run([*words, "-M", "-MG", "-MT", "x"], cwd=command["directory"], capture_output=True, text=True)
+        done = subprocess.run([*words, "-M", "-MT", "x"], cwd=command["directory"], capture_output=True, text=True)
         if done.returncode != 0:
             return ""
         read = done.stdout.replace("\\\n", " ").split()[1:]
