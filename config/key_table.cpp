@@ -7,6 +7,7 @@
 
 #include "config/check.hpp"
 #include "config/keys.hpp"
+#include "config/lines.hpp"
 #include "config/modes.hpp"
 
 namespace bitspan {
@@ -69,7 +70,13 @@ bool in_rtl_format(std::size_t i) {
       F::setup_b,      F::edge_x,      F::edge_x_acc, F::edge_h,          F::edge_uv,        F::edge_shade,
       F::plane_k,      F::span_h_step, F::span_h,     F::span_f_diff,     F::span_f_step,    F::span_f,
       F::span_uv_step, F::span_uv_acc, F::span_uv,    F::span_shade_step, F::span_shade_acc, F::span_shade};
-  return std::ranges::find(registers, static_cast<F>(i)) != registers.end();
+  if (std::ranges::find(registers, static_cast<F>(i)) != registers.end()) return true;
+  for (int channel = 0; channel < channel_limit; ++channel) {
+    const Line line = line_of(channel_line(channel), Perspective::delta_f);
+    const std::array of_channel{line.edge.kept, line.row.step, line.row.acc, line.row.kept};
+    if (std::ranges::find(of_channel, static_cast<F>(i)) != of_channel.end()) return true;
+  }
+  return false;
 }
 
 std::optional<Format> format_by_default(const Config& c, std::size_t i) {
@@ -353,7 +360,7 @@ constexpr KeyRow rows[] = {
      MEMBER(fog),
      {},
      "",
-     ideal | values | clocks,
+     ideal | values | clocks | rtl,
      "F3: 1 - S/DT; F2: a table by depth and distance from the picture's middle; F1: a table by the true "
      "distance; by log2 of the distance, linear between entries; F4: between the factors at the vertices"},
     {"fog.depth_bits",
@@ -475,8 +482,9 @@ constexpr KeyRow rows[] = {
      {1, 16},
      "",
      clocks | rtl,
-     "products that span_setup forms per clock: a row has eight, eight more with shades, and two per Newton "
-     "step",
+     "products that span_setup forms per clock: a row has eight, eight more with shades, two per channel, "
+     "and "
+     "two per Newton step",
      {.presence = Presence::later}},
     {"rtl.product_digits",
      MEMBER(rtl.product_digits),

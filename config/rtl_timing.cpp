@@ -67,9 +67,10 @@ Grid slope_numerator(const Config& config, LineId id) {
 }
 
 RtlLines::RtlLines(const Config& config) {
-  for (int i = 0; i < fixed_lines; ++i) {
+  for (int i = 0; i < line_count; ++i) {
     const auto line = static_cast<LineId>(i);
-    if (line < LineId::r || config.rtl.shades) lines_[size_++] = line;
+    const bool has_line = i < fixed_lines ? line < LineId::r || config.rtl.shades : has_channel(config, line);
+    if (has_line) lines_[size_++] = line;
   }
 }
 
@@ -231,7 +232,7 @@ RowSchedule row_schedule(const Config& config) {
   }
   // Ticks from which each is held. Only u and v have products in front of their slopes; where they have two,
   // the difference takes a register.
-  std::array<int, fixed_lines> held{};
+  std::array<int, line_count> held{};
   held.fill(1);
   for (std::size_t i = 0; i < at_ends.size(); ++i) {
     int& of_slope = held[static_cast<std::size_t>(i % 2 == 0 ? LineId::fu : LineId::fv)];

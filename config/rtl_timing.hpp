@@ -51,14 +51,14 @@ int shared_product_clocks(const RtlShape& shape);
 // The row's dividers (`row_slope = divide`): all run side by side and take equally many iterations.
 struct RowDivideShape {
   int iterations = 1;
-  std::array<int, fixed_lines> fractions{};  // of a line's quotient, in front of Q of its step
+  std::array<int, line_count> fractions{};  // of a line's quotient, in front of Q of its step
 };
 RowDivideShape row_divide_shape(const Config& config);
 
 // The dividers of a pixel in hyperbolic, fu / (h + B) and fv / (h + B), in front of Q[span.uv].
 RestoringShape pixel_divide_shape(const Config& config);
 
-// The lines that the RTL has: h, u and v, and with [rtl] shades those; no channels.
+// The lines that the RTL has: h, u and v, with [rtl] shades those, and the configuration's channels.
 class RtlLines {
  public:
   explicit RtlLines(const Config& config);
@@ -67,7 +67,7 @@ class RtlLines {
   std::size_t size() const { return size_; }
 
  private:
-  std::array<LineId, fixed_lines> lines_{};
+  std::array<LineId, line_count> lines_{};
   std::size_t size_ = 0;
 };
 
@@ -78,7 +78,7 @@ struct LineProducts {
   int diff = -1, slope = -1, start = -1, slope1 = -1, left = -1;
 };
 inline constexpr auto line_products = [] {
-  std::array<LineProducts, fixed_lines> products{};
+  std::array<LineProducts, line_count> products{};
   int place = 0;
   const auto add = [&](LineId first, LineId end, int LineProducts::*product) {
     for (auto line = static_cast<std::size_t>(first); line < static_cast<std::size_t>(end); ++line)
@@ -92,12 +92,14 @@ inline constexpr auto line_products = [] {
   add(LineId::fu, LineId::r, &P::left);
   add(LineId::r, LineId::fog, &P::slope);
   add(LineId::r, LineId::fog, &P::start);
+  add(LineId::fog, LineId::count, &P::slope);
+  add(LineId::fog, LineId::count, &P::start);
   return products;
 }();
 constexpr const LineProducts& products_of(LineId line) {
   return line_products[static_cast<std::size_t>(line)];
 }
-inline constexpr std::size_t row_product_count = products_of(LineId::a).start + 1;
+inline constexpr std::size_t row_product_count = line_products.back().start + 1;
 
 // When span_setup does what for a row that it accepts at tick 0. A tick is a clock on which span_setup is not
 // held up. Rows are accepted where the tick is a multiple of `interval`, and the multipliers repeat their

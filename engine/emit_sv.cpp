@@ -17,21 +17,28 @@
 namespace bitspan {
 namespace {
 
-// A list with an entry per line of the RTL, 32 bits each: NAME[32 * i +: 32] is that of line i.
-void list(SvWriter& w, const std::string& name, const std::vector<int>& values) {
+// A list with an entry per line of the RTL, 32 bits each: NAME[32 * i +: 32] is that of line i. places: how
+// many entries there are.
+void list(SvWriter& w, const std::string& name, const std::vector<int>& values,
+          const std::string& places = "Lines") {
   std::string text;
   for (const int value : values)
     text = fmt::format("32'd{}{}{}", static_cast<std::uint32_t>(value), text.empty() ? "" : ", ", text);
-  w.line(fmt::format("  localparam logic [32*Lines-1:0] {} = {{{}}};", name, text));
+  w.line(fmt::format("  localparam logic [32*{}-1:0] {} = {{{}}};", places, name, text));
 }
 
 // The formats of one register of every line; NAMEAt is where it begins where all stand side by side, which
-// take LinesNAMEW bits.
-void formats(SvWriter& w, const std::string& name, const std::vector<Format>& lines) {
+// take LinesNAMEW bits. behind: formats that follow those of the lines.
+void formats(SvWriter& w, const std::string& name, std::vector<Format> lines,
+             const std::vector<Format>& behind = {}) {
+  int lines_bits = 0;
+  for (const Format& line : lines) lines_bits += line.word;
+  lines.insert(lines.end(), behind.begin(), behind.end());
+  const std::string places = behind.empty() ? "Lines" : fmt::format("(Lines+{})", behind.size());
   const auto each = [&](const char* what, const auto& value) {
     std::vector<int> values;
     for (const Format& line : lines) values.push_back(static_cast<int>(value(line)));
-    list(w, "Line" + name + what, values);
+    list(w, "Line" + name + what, values, places);
   };
   each("W", [](const Format& f) { return f.word; });
   each("Frac", [](const Format& f) { return f.fraction(); });
@@ -40,7 +47,7 @@ void formats(SvWriter& w, const std::string& name, const std::vector<Format>& li
   each("Ovf", [](const Format& f) { return f.overflow; });
   int bits = 0;
   each("At", [&](const Format& f) { return std::exchange(bits, bits + f.word); });
-  w.integer("Lines" + name + "W", bits);
+  w.integer("Lines" + name + "W", lines_bits);
 }
 
 // The lines, behind the multipliers, whose products they take.
@@ -53,15 +60,23 @@ void lines_section(SvWriter& w, const Config& config, const RowSchedule& schedul
       "lowest.");
   w.integer("Lines", static_cast<std::int64_t>(lines.size()));
   w.integer("LineFu", static_cast<int>(LineId::fu));
-  const auto registers = [&](const std::string& name, const auto& id_of) {
+  const auto registers_of = [&](const auto& ids, const auto& id_of) {
     std::vector<Format> all;
-    for (const LineId line : lines) all.push_back(config.format(id_of(line_of(line, config.perspective))));
-    formats(w, name, all);
+    for (const LineId line : ids) all.push_back(config.format(id_of(line_of(line, config.perspective))));
+    return all;
+  };
+  const auto registers = [&](const std::string& name, const auto& id_of) {
+    formats(w, name, registers_of(lines, id_of));
   };
   w.line("  // At a row's ends; the slope along the row; the register that adds it up.");
   registers("End", [](const Line& line) { return line.edge.kept; });
   registers("Step", [](const Line& line) { return line.row.step; });
-  registers("Acc", [](const Line& line) { return line.row.acc; });
+  std::vector<LineId> channels;
+  for (const int channel : ChannelList(config)) channels.push_back(channel_line(channel));
+  if (!channels.empty())
+    w.line("  // The last lines are channels; behind the registers stands what a pixel has of these.");
+  formats(w, "Acc", registers_of(lines, [](const Line& line) { return line.row.acc; }),
+          registers_of(channels, [](const Line& line) { return line.row.kept; }));
   // Slopes have a place even where dividers form them.
   w.line("  // The places of a line's products; those with h + B are -1 where there is none.");
   const auto products = [&](const std::string& name, int LineProducts::*product, bool always) {

@@ -5,13 +5,16 @@
 //   hyperbolic        issue: h, fu, fv | h + B | u = fu / (h + B), v: magnitude, quotient, Q
 //   const_depth_rows, affine   issue: fu, fv   | u = fu, v = fv
 //
-// Shades are narrowed at the issue and wait beside these.
+// Shades and channels are narrowed at the issue and wait beside these.
 //
 // A record is taken while no span is active, or on the clock that issues the last pixel of one. Behind the issue,
 // everything shifts together on en, which a buffer of two pixels at the output gives from a register. Enabled clocks are
 // ticks, as in span_setup: with an interval above 1 pixels are issued on its multiples, u and v take turns in one
 // multiplier, and what waits is held instead of shifted. Tick t of a pixel is the t-th after that of its issue.
-module span (
+module span #(
+    // Bits of the port of shades, as in span_interpolator.
+    parameter int SidesW = 4 * bitspan_cfg_pkg::SpanShadeW
+) (
     input  logic clk_i,
     input  logic rst_ni,
     // Constant B of the depth code; stable while records are in flight.
@@ -33,8 +36,8 @@ module span (
     output logic [bitspan_cfg_pkg::ExponentW-1:0] recip_e_o,
     output logic [bitspan_cfg_pkg::SpanUvW-1:0] u_o,
     output logic [bitspan_cfg_pkg::SpanUvW-1:0] v_o,
-    // Four side by side, red lowest; 0 without shades.
-    output logic [4*bitspan_cfg_pkg::SpanShadeW-1:0] shade_o
+    // Four side by side, red lowest; 0 without shades. The channels stand above them.
+    output logic [SidesW-1:0] shade_o
 );
   localparam int IndexW = bitspan_cfg_pkg::PixelIndexW;
   localparam int HW = bitspan_cfg_pkg::SpanHW;
@@ -182,8 +185,10 @@ module span (
   logic [2*AccW-1:0] f_q;
   assign {f_q, h_q} = acc_q[HW+2*AccW-1:0];
 
-  // Shades, and what a pixel has of them.
-  logic [4*ShadeW-1:0] shade, shade_out;
+  // What a pixel has of the shades, and above them of the channels.
+  localparam int UnusedW = Shades ? 0 : 4 * ShadeW;
+  localparam int OwnSidesW = SidesW - UnusedW;
+  logic [SidesW-1:0] shade, shade_out;
   if (Shades) begin : gen_shades
     for (genvar i = 0; i < 4; i++) begin : gen_shade
       localparam int ShadeAccW = bitspan_cfg_pkg::SpanShadeAccW;
@@ -205,22 +210,51 @@ module span (
           .q_o(shade[i*ShadeW+:ShadeW])
       );
     end
+  end else begin : gen_no_shades
+    assign shade[4*ShadeW-1:0] = '0;
+    assign shade_out[4*ShadeW-1:0] = '0;
+    logic unused;
+    assign unused = (^shade) ^ (^tick_q);
+  end
+  // The channels are the last lines. Behind the lines' registers the package has the formats of their values.
+  localparam int Channels = bitspan_cfg_pkg::Lines - (Shades ? 7 : 3);
+  for (genvar i = 0; i < Channels; i++) begin : gen_channel
+    localparam int Line = bitspan_cfg_pkg::Lines - Channels + i;
+    localparam int Value = bitspan_cfg_pkg::Lines + i;
+    localparam int LineAccW = bitspan_cfg_pkg::LineAccW[32*Line+:32];
+    localparam int LineAccAt = bitspan_cfg_pkg::LineAccAt[32*Line+:32];
+    localparam int ValueW = bitspan_cfg_pkg::LineAccW[32*Value+:32];
+    localparam int ValueAt = 4 * ShadeW + bitspan_cfg_pkg::LineAccAt[32*Value+:32] - bitspan_cfg_pkg::LinesAccW;
+    logic [LineAccW-1:0] own;
+    logic signed [LineAccW:0] exact;
+    assign own = acc_q[LineAccAt+:LineAccW];
+    assign exact = $signed({(bitspan_cfg_pkg::LineAccSigned[32*Line+:32] != 0) & own[LineAccW-1], own});
+    quantize #(
+        .InW(LineAccW + 1),
+        .InFrac(bitspan_cfg_pkg::LineAccFrac[32*Line+:32]),
+        .OutW(ValueW),
+        .OutFrac(bitspan_cfg_pkg::LineAccFrac[32*Value+:32]),
+        .OutSigned(bitspan_cfg_pkg::LineAccSigned[32*Value+:32]),
+        .Rounding(bitspan_cfg_pkg::LineAccRnd[32*Value+:32]),
+        .Overflow(bitspan_cfg_pkg::LineAccOvf[32*Value+:32])
+    ) u_value (
+        .x_i(exact),
+        .sticky_i(1'b0),
+        .q_o(shade[ValueAt+:ValueW])
+    );
+  end
+  if (OwnSidesW > 0) begin : gen_sides
     span_delay #(
-        .Width(4 * ShadeW),
+        .Width(OwnSidesW),
         .From(0),
         .To(Clocks)
-    ) u_shade (
+    ) u_sides (
         .clk_i,
         .en_i(en),
         .phase_i(tick_q),
-        .d_i(shade),
-        .q_o(shade_out)
+        .d_i(shade[SidesW-1:UnusedW]),
+        .q_o(shade_out[SidesW-1:UnusedW])
     );
-  end else begin : gen_no_shades
-    assign shade = '0;
-    assign shade_out = '0;
-    logic unused;
-    assign unused = (^shade) ^ (^tick_q);
   end
 
   // Valid bits of the pixels behind the issue; the last one goes to the buffer at the output.
@@ -229,9 +263,9 @@ module span (
     if (!rst_ni) valid_q <= '0;
     else if (en) valid_q <= Clocks'({valid_q, active_q && slot});
   end
-  // fv stands above fu, v above u, and shades above all.
+  // fv stands above fu, v above u, and shades and channels above all.
   localparam int PixelW = IndexW + 2 + HW + 2 * AccW + MW + EW + 2 * OutUvW;
-  localparam int OutW = PixelW + (Shades ? 4 * ShadeW : 0);
+  localparam int OutW = PixelW + OwnSidesW;
   logic [PixelW-1:0] pixel;
   logic [OutW-1:0] buffered;
   skid #(
@@ -241,19 +275,13 @@ module span (
       .rst_ni,
       .in_valid_i(valid_q[Clocks-1]),
       .in_ready_o(en),
-      .in_i(OutW'({shade_out, pixel})),
+      .in_i(OutW'({shade_out >> UnusedW, pixel})),
       .out_valid_o,
       .out_ready_i,
       .out_o(buffered)
   );
   assign {x_o, step_o, last_o, h_o, fv_o, fu_o, recip_m_o, recip_e_o, v_o, u_o} = buffered[PixelW-1:0];
-  if (Shades) begin : gen_shade_out
-    assign shade_o = buffered[PixelW+:4*ShadeW];
-  end else begin : gen_no_shade_out
-    assign shade_o = '0;
-    logic unused;
-    assign unused = ^shade_out;
-  end
+  assign shade_o = SidesW'((SidesW + PixelW)'(buffered) >> PixelW) << UnusedW;
 
   // h + B.
   logic [bitspan_cfg_pkg::SpanSumW-2:0] operand_q;

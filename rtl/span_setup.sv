@@ -11,7 +11,12 @@
 //   tick 1   row ends: L = x_r - x_l, differences, h + B; const_depth_rows: h + B. The row unit starts.
 //            products with h + B, then with the row's reciprocal, then with the pre-step p
 //   tick SpanSetupClocks: the span record
-module span_setup (
+module span_setup #(
+    // Bits of the ports of shades, as in span_interpolator.
+    parameter int EndSidesW  = 4 * bitspan_cfg_pkg::EdgeShadeW,
+    parameter int AccSidesW  = 4 * bitspan_cfg_pkg::SpanShadeAccW,
+    parameter int StepSidesW = 4 * bitspan_cfg_pkg::SpanShadeStepW
+) (
     input  logic clk_i,
     input  logic rst_ni,
     // Constant B of the depth code; stable while records are in flight.
@@ -21,7 +26,8 @@ module span_setup (
     // First pixel (major coordinate) and number of pixels, at least 1.
     input  logic [bitspan_cfg_pkg::PixelIndexW-1:0] x_first_i,
     input  logic [bitspan_cfg_pkg::PixelIndexW-1:0] count_i,
-    // The row's ends; ignored in const_depth_rows. Shades are four side by side, red lowest, then green, blue, alpha.
+    // The row's ends; ignored in const_depth_rows. Shades are four side by side, red lowest, then green, blue, alpha;
+    // the channels stand above them.
     input  logic [bitspan_cfg_pkg::EdgeXW-1:0] x_l_i,
     input  logic [bitspan_cfg_pkg::EdgeXW-1:0] x_r_i,
     input  logic [bitspan_cfg_pkg::EdgeHW-1:0] h_l_i,
@@ -30,8 +36,8 @@ module span_setup (
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] u_r_i,
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] v_l_i,
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] v_r_i,
-    input  logic [4*bitspan_cfg_pkg::EdgeShadeW-1:0] shade_l_i,
-    input  logic [4*bitspan_cfg_pkg::EdgeShadeW-1:0] shade_r_i,
+    input  logic [EndSidesW-1:0] shade_l_i,
+    input  logic [EndSidesW-1:0] shade_r_i,
     // const_depth_rows: the plane row; ignored in the other modes.
     input  logic [bitspan_cfg_pkg::PhaseW-1:0] phase_i,
     input  logic [bitspan_cfg_pkg::PlaneKW-1:0] k_i,
@@ -42,9 +48,9 @@ module span_setup (
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gu_step1_i,
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step0_i,
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step1_i,
-    input  logic [4*bitspan_cfg_pkg::SpanShadeAccW-1:0] shade_i,
-    input  logic [4*bitspan_cfg_pkg::SpanShadeStepW-1:0] shade_step0_i,
-    input  logic [4*bitspan_cfg_pkg::SpanShadeStepW-1:0] shade_step1_i,
+    input  logic [AccSidesW-1:0] shade_i,
+    input  logic [StepSidesW-1:0] shade_step0_i,
+    input  logic [StepSidesW-1:0] shade_step1_i,
     // The span record; it is delivered where res_valid_o and res_ready_i are both 1. One that waits stops all.
     output logic res_valid_o,
     input  logic res_ready_i,
@@ -370,8 +376,9 @@ module span_setup (
     logic [2*UvW-1:0] res_uv1;
     logic [bitspan_cfg_pkg::LinesStepW-1:0] res_step;
     logic [bitspan_cfg_pkg::LinesAccW-1:0] res_start;
-    assign left_ends = bitspan_cfg_pkg::LinesEndW'({shade_l_i, v_l_i, u_l_i, h_l_i});
-    assign right_ends = bitspan_cfg_pkg::LinesEndW'({shade_r_i, v_r_i, u_r_i, h_r_i});
+    localparam int UnusedW = Shades ? 0 : 4 * bitspan_cfg_pkg::EdgeShadeW;
+    assign left_ends = bitspan_cfg_pkg::LinesEndW'({shade_l_i >> UnusedW, v_l_i, u_l_i, h_l_i});
+    assign right_ends = bitspan_cfg_pkg::LinesEndW'({shade_r_i >> UnusedW, v_r_i, u_r_i, h_r_i});
     if (Affine) begin : gen_affine
       assign res_f_diff = '0;
       assign res_uv1 = '0;
@@ -633,9 +640,14 @@ module span_setup (
         .b_i,
         .operand_o(h_sum)
     );
-    // What goes through; shades are ready as they come, and stand above the rest.
+    // What goes through; shades and channels are ready as they come, and stand above the rest.
+    localparam int PlainAccW = HW + 2 * AccW;
+    localparam int PlainStepW = HStepW + 2 * StepW;
+    localparam int OwnAccW = bitspan_cfg_pkg::LinesAccW - PlainAccW;
+    localparam int OwnStepW = bitspan_cfg_pkg::LinesStepW - PlainStepW;
     localparam int PlainThroughW = 2 * IndexW + bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + HW;
-    localparam int ThroughW = PlainThroughW + (Shades ? bitspan_cfg_pkg::SpanShadesW : 0);
+    localparam int ThroughW = PlainThroughW + OwnAccW + 2 * OwnStepW;
+    logic [ThroughW-1:0] through;
     logic [((Latency-1)/Interval+1)*ThroughW-1:0] through_q;
     row_hold #(
         .Width(bitspan_cfg_pkg::RowRecipOpW),
@@ -656,7 +668,7 @@ module span_setup (
         .clk_i,
         .en_i(en),
         .phase_i(phase_q),
-        .d_i(ThroughW'({shade_step1_i, shade_step0_i, shade_i, h_i, k_i, phase_i, count_i, x_first_i})),
+        .d_i(through),
         .q_o(through_q)
     );
     assign has_recip = 1'b1;
@@ -776,9 +788,7 @@ module span_setup (
       assign unused = ^{g_q, f_q};
     end
 
-    // The lines: h, fu and fv, and above them the shades.
-    localparam int PlainAccW = HW + 2 * AccW;
-    localparam int PlainStepW = HStepW + 2 * StepW;
+    // The lines: h, fu and fv, and above them those that go through.
     logic [IndexW-1:0] res_x, res_count;
     logic [bitspan_cfg_pkg::PhaseW-1:0] res_phase;
     logic [bitspan_cfg_pkg::PlaneKW-1:0] res_k;
@@ -786,14 +796,21 @@ module span_setup (
     logic [bitspan_cfg_pkg::LinesAccW-1:0] res_start;
     logic [bitspan_cfg_pkg::LinesStepW-1:0] res_step0;
     logic [bitspan_cfg_pkg::LinesStep1W-1:0] res_step1;
+    assign through[PlainThroughW-1:0] = {h_i, k_i, phase_i, count_i, x_first_i};
     assign {res_h, res_k, res_phase, res_count, res_x} = through_q[(Latency-1)/Interval*ThroughW+:PlainThroughW];
     assign res_start[PlainAccW-1:0] = {res_f, res_h};
     assign res_step0[PlainStepW-1:0] = {res_f_step[0+:2*StepW], {HStepW{1'b0}}};
     assign res_step1[2*StepW-1:0] = res_f_step[2*StepW+:2*StepW];
-    if (Shades) begin : gen_shades
+    if (OwnAccW > 0) begin : gen_sides
+      assign through[ThroughW-1:PlainThroughW] =
+          {shade_step1_i[StepSidesW-1-:OwnStepW], shade_step0_i[StepSidesW-1-:OwnStepW], shade_i[AccSidesW-1-:OwnAccW]};
       assign {res_step1[bitspan_cfg_pkg::LinesStep1W-1:2*StepW], res_step0[bitspan_cfg_pkg::LinesStepW-1:PlainStepW],
               res_start[bitspan_cfg_pkg::LinesAccW-1:PlainAccW]} =
-          through_q[(Latency-1)/Interval*ThroughW+PlainThroughW+:bitspan_cfg_pkg::SpanShadesW];
+          through_q[(Latency-1)/Interval*ThroughW+PlainThroughW+:OwnAccW+2*OwnStepW];
+    end
+    if (!Shades) begin : gen_no_shades
+      logic unused;
+      assign unused = ^{shade_i, shade_step0_i, shade_step1_i};
     end
     assign res_o = {
       res_step1,
@@ -817,7 +834,7 @@ module span_setup (
   localparam int OfferW = 2 * IndexW + 2 * bitspan_cfg_pkg::EdgeXW + 2 * bitspan_cfg_pkg::EdgeHW +
       4 * bitspan_cfg_pkg::EdgeUvW + bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + bitspan_cfg_pkg::SpanHW +
       2 * bitspan_cfg_pkg::SpanFW + 4 * bitspan_cfg_pkg::SpanFStepW +
-      (Shades ? 8 * bitspan_cfg_pkg::EdgeShadeW + bitspan_cfg_pkg::SpanShadesW : 0);
+      ((bitspan_cfg_pkg::Lines > 3) ? 2 * EndSidesW + AccSidesW + 2 * StepSidesW : 0);
   logic offered_q;
   logic [OfferW-1:0] offer, offer_q;
   logic [bitspan_cfg_pkg::SetupBW-1:0] b_q;

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <fstream>
+#include <span>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -274,7 +275,7 @@ class Counter {
     const Grid sum = row_operand(c_);
     shape_.sums += sum.bits();
     add_registers(sum.bits());
-    hold(2 * pixel_index_bits(c_) + line() + word(F::span_h) + shades(2), 1, row.latency);
+    hold(2 * pixel_index_bits(c_) + line() + word(F::span_h) + sides(2), 1, row.latency);
     reciprocal(c_.row_reciprocal, sum, &row);
     int last = row.reciprocal;
     for (const LineId line : {LineId::fu, LineId::fv}) {
@@ -291,19 +292,26 @@ class Counter {
   // The digital line: its phase and k.
   int line() const { return std::max(1, format(F::plane_k).fraction()) + word(F::plane_k); }
 
-  // The shades' registers in a record that has so many steps of each.
-  int shades(int steps) const {
-    return c_.rtl.shades ? 4 * (word(F::span_shade_acc) + steps * word(F::span_shade_step)) : 0;
+  // The lines behind u and v: shades and channels.
+  std::span<const LineId> side_lines() const { return std::span(lines_.begin(), lines_.size()).subspan(3); }
+  // Their registers in a record that has so many steps of each.
+  int sides(int steps) const {
+    int bits = 0;
+    for (const LineId line : side_lines()) {
+      bits += word(line_of(line).row.acc) + steps * word(line_of(line).row.step);
+    }
+    return bits;
   }
-  // A pixel as it leaves: x, step, last, h, u, v and the shades.
+  // A pixel as it leaves: x, step, last, h, u, v, the shades and the channels.
   int pixel_bits() const {
-    return pixel_index_bits(c_) + 2 + word(F::span_h) + 2 * word(F::span_uv) +
-           (c_.rtl.shades ? 4 * word(F::span_shade) : 0);
+    int bits = pixel_index_bits(c_) + 2 + word(F::span_h) + 2 * word(F::span_uv);
+    for (const LineId line : side_lines()) bits += word(line_of(line).row.kept);
+    return bits;
   }
 
   // rtl/fifo.sv between span_setup and span: what span reads of a record.
   void record() {
-    const int common = 2 * pixel_index_bits(c_) + word(F::span_h) + shades(planes_ ? 2 : 1);
+    const int common = 2 * pixel_index_bits(c_) + word(F::span_h) + sides(planes_ ? 2 : 1);
     const int base = has_pixel_reciprocal(c_.perspective) ? word(F::edge_uv) : 0;  // u1, v1
     const int ends = word(F::span_h_step) + 2 * (base + word(texture_acc(c_)) + word(texture_step(c_)));
     const int plane = line() + 2 * word(F::span_uv_acc) + 4 * word(F::span_uv_step);
@@ -333,14 +341,14 @@ class Counter {
     for (int i = 0; i < 2; ++i) accumulate(format(texture_step(c_)), format(texture_acc(c_)));
     add_registers(pixel_bits(), 2);
     shape_.selects += pixel_bits();
-    if (c_.rtl.shades) {
-      for (int i = 0; i < 4; ++i) {
-        accumulate(format(F::span_shade_step), format(F::span_shade_acc));
-        if (format(F::span_shade).rounding != Rounding::trn) shape_.sums += word(F::span_shade);
-        quantize(format(F::span_shade));
-      }
-      span_delay(4 * word(F::span_shade), timing_.span);
-      if (planes_) shape_.selects += 4 * word(F::span_shade_step);
+    for (const LineId id : side_lines()) {
+      const Line line = line_of(id);
+      const Format& kept = format(line.row.kept);
+      accumulate(format(line.row.step), format(line.row.acc));
+      if (kept.rounding != Rounding::trn) shape_.sums += kept.word;
+      quantize(kept);
+      span_delay(kept.word, timing_.span);
+      if (planes_) shape_.selects += word(line.row.step);
     }
     if (planes_) {
       shape_.sums += line();

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "config/lines.hpp"
 #include "config/modes.hpp"
 #include "engine/emit_pixel_sv.hpp"
 #include "model/pipeline.hpp"
@@ -106,10 +107,15 @@ class RtlEngine final : public Engine {
     if (batch_.rows.size() == 0) return;
     const std::int64_t b = run_.pipeline.constants.record.b;
     inputs_.clear();
-    for (const RowRecord& row : batch_.rows.rows) inputs_.push_back(rtl_inputs(config_, row, b));
+    const bool has_channels = run_.pipeline.channels.any();
+    for (std::size_t i = 0; i < batch_.rows.rows.size(); ++i) {
+      const model::RowChannels ends = has_channels ? batch_.rows.row_channels[i] : model::RowChannels{};
+      inputs_.push_back(rtl_inputs(config_, batch_.rows.rows[i], b, in_use(ends)));
+    }
     for (std::size_t i = 0; i < batch_.rows.plane_rows.size(); ++i) {
-      inputs_.push_back(
-          rtl_inputs(config_, batch_.rows.plane_rows[i], model::geometry_of(batch_.rows, i)->k, b));
+      const model::SpanChannels starts = has_channels ? starts_of(i) : model::SpanChannels{};
+      inputs_.push_back(rtl_inputs(config_, batch_.rows.plane_rows[i], model::geometry_of(batch_.rows, i)->k,
+                                   b, in_use(starts.record)));
     }
     const RtlStalls stalls{options_.stall_seed + runs_++, options_.in_gap, options_.out_stall};
     const RtlRun result = run_rtl(rtl_, inputs_, stalls, false);
@@ -122,15 +128,31 @@ class RtlEngine final : public Engine {
       const SpanRecord modelled = model::row_to_span(run_.pipeline, batch_.rows, i, run_.counters);
       fragments_.clear();
       model::span_to_fragments(run_.pipeline, modelled, geometry, fragments_, run_.counters);
-      if (run_.pipeline.channels.any()) {
+      channels_.clear();
+      modelled_.span_channel.clear();
+      modelled_.fragment_channel.clear();
+      if (has_channels) {
         model::channels_of_row(run_.pipeline, batch_.rows, i, modelled, fragments_, channels_, run_.counters,
-                               trace);
+                               &modelled_);
       }
-      if (i < result.spans.size()) deliver(trace, replaced(modelled, result.spans[i], geometry));
+      if (i < result.spans.size()) {
+        const SpanRecord span = replaced(modelled, result.spans[i], geometry);
+        deliver(trace, span);
+        for (SpanChannelRecord r : modelled_.span_channel) {
+          take_channel(config_, result.spans[i], r);
+          r.x = span.x;
+          r.y = span.y;
+          deliver(trace, r);
+        }
+      }
       const std::span pixels = std::span(result.pixels).subspan(pixel, fragments_.size());
       replace(fragments_, modelled, pixels, geometry);
+      if (has_channels) replace_channels(pixels);
       pixel += fragments_.size();
       deliver_all(trace, fragments_);
+      for (const model::FragmentChannels& c : channels_) {
+        model::deliver_channels(trace, run_.pipeline.channels, c);
+      }
       // A wrong position is a difference of the record, not a write outside the frame.
       keep_inside();
       shade(batch_.surfaces[i], trace);
@@ -140,6 +162,20 @@ class RtlEngine final : public Engine {
     covered_.clear();
     deliver_surplus(result, pixel, last, trace);
     batch_.clear();
+  }
+
+  // The channels in use.
+  template <class Record>
+  std::span<const Record> in_use(const model::PerChannel<Record>& records) const {
+    return std::span(records).first(run_.pipeline.channels.in_use.size());
+  }
+  // What a row of const_depth_rows brings of them; the counters are those of the row's own turn.
+  model::SpanChannels starts_of(std::size_t row) {
+    Counters apart;
+    const SpanRecord span = model::row_to_span(run_.pipeline, batch_.rows, row, apart);
+    return model::span_channels(run_.pipeline.channels,
+                                model::triangle_channels_of(batch_.rows, span.triangle), span, nullptr,
+                                nullptr, model::geometry_of(batch_.rows, row));
   }
 
   void keep_inside() {
@@ -247,6 +283,18 @@ class RtlEngine final : public Engine {
     }
   }
 
+  // After `replace`.
+  void replace_channels(std::span<const RtlPixel> pixels) {
+    for (std::size_t i = 0; i < fragments_.size(); ++i) {
+      for (std::size_t c = 0; c < run_.pipeline.channels.in_use.size(); ++c) {
+        FragmentChannelRecord& r = channels_[i][c];
+        take_channel(config_, pixels[i], r);
+        r.x = fragments_[i].x;
+        r.y = fragments_[i].y;
+      }
+    }
+  }
+
   Config config_;
   RtlOptions options_;
   Rtl rtl_;
@@ -260,6 +308,7 @@ class RtlEngine final : public Engine {
   std::vector<RtlInputs> inputs_;
   std::vector<FragmentRecord> fragments_;
   std::vector<model::FragmentChannels> channels_;  // of these, where channels are in use
+  Trace modelled_;                                 // the model's records of a row's channels
   std::vector<RtlPixels::Fragment> covered_;       // on their way to the pixel stages
 };
 
@@ -284,6 +333,11 @@ EngineOwn rtl_own(const Config& config, const Scene& scene) {
 #undef BITSPAN_COUNT_PORT
   // Elsewhere step_o is always 0, and a fragment's y is its row's.
   if (!has_plane_rows(config.perspective)) --fields_of_type(RecordType::fragment);
+  if (ChannelList(config).size() > 0) {
+    // x, w and its two steps; of a pixel x and w, and y where it is not its row's.
+    fields_of_type(RecordType::span_channel) = 4;
+    fields_of_type(RecordType::fragment_channel) = has_plane_rows(config.perspective) ? 3 : 2;
+  }
   if (!rtl_draws_pixels(config, scene)) return own;
   for (const RecordType type :
        {RecordType::depth, RecordType::stencil, RecordType::texture, RecordType::fog, RecordType::merge}) {

@@ -12,7 +12,7 @@
 namespace bitspan {
 
 // Inputs: b; the record's first pixel and count; then the row's ends, then those of const_depth_rows. The
-// ports of the second lists hold four shades side by side.
+// ports of the second lists hold four shades side by side, and above them the channels.
 // clang-format off
 #define BITSPAN_RTL_INPUTS(X)                                       \
   X(b) X(x_first) X(count)                                          \
@@ -31,9 +31,9 @@ namespace bitspan {
 #define BITSPAN_RTL_SPAN_SHADES(X) X(shade) X(shade_step0) X(shade_step1)
 // clang-format on
 
-// The bits of a port of four shades, the lowest ones in word 0. The port's width says how many there are.
+// The bits of a port of shades, the lowest ones in word 0. The port's width says how many there are.
 struct RtlShades {
-  std::uint64_t words[4];
+  std::uint64_t words[8];
 };
 
 #define BITSPAN_RTL_MEMBER(name) std::uint64_t name;

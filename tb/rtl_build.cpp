@@ -395,27 +395,30 @@ std::int64_t Rtl::from_port(std::uint64_t bits, const Format& format) {
   return static_cast<std::int64_t>((bits ^ sign) - sign);
 }
 
+void Rtl::put(RtlShades& port, std::size_t at, std::int64_t raw, int width) {
+  const std::uint64_t bits = to_port(raw, width);
+  const std::size_t shift = at % 64;
+  port.words[at / 64] |= bits << shift;
+  if (shift + static_cast<std::size_t>(width) > 64) port.words[at / 64 + 1] |= bits >> (64 - shift);
+}
+
+std::int64_t Rtl::get(const RtlShades& port, std::size_t at, const Format& format) {
+  const std::size_t shift = at % 64;
+  std::uint64_t bits = port.words[at / 64] >> shift;
+  if (shift + static_cast<std::size_t>(format.word) > 64) bits |= port.words[at / 64 + 1] << (64 - shift);
+  return from_port(to_port(static_cast<std::int64_t>(bits), format.word), format);
+}
+
 RtlShades Rtl::to_port(const Shades& raw, int width) {
   RtlShades port{};
-  for (std::size_t i = 0; i < raw.size(); ++i) {
-    const std::uint64_t bits = to_port(raw[i], width);
-    const std::size_t at = i * static_cast<std::size_t>(width);
-    const std::size_t shift = at % 64;
-    port.words[at / 64] |= bits << shift;
-    if (shift + static_cast<std::size_t>(width) > 64) port.words[at / 64 + 1] |= bits >> (64 - shift);
-  }
+  for (std::size_t i = 0; i < raw.size(); ++i) put(port, i * static_cast<std::size_t>(width), raw[i], width);
   return port;
 }
 
 Rtl::Shades Rtl::from_port(const RtlShades& port, const Format& format) {
   Shades raw{};
-  const auto width = static_cast<std::size_t>(format.word);
   for (std::size_t i = 0; i < raw.size(); ++i) {
-    const std::size_t at = i * width;
-    const std::size_t shift = at % 64;
-    std::uint64_t bits = port.words[at / 64] >> shift;
-    if (shift + width > 64) bits |= port.words[at / 64 + 1] << (64 - shift);
-    raw[i] = from_port(to_port(static_cast<std::int64_t>(bits), format.word), format);
+    raw[i] = get(port, i * static_cast<std::size_t>(format.word), format);
   }
   return raw;
 }

@@ -99,6 +99,9 @@ class Rtl {
   // Turn a raw value into the bits of a port, and back.
   static std::uint64_t to_port(std::int64_t raw, int width);
   static std::int64_t from_port(std::uint64_t bits, const Format& format);
+  // The same for a value on a port of shades, from bit `at` on.
+  static void put(RtlShades& port, std::size_t at, std::int64_t raw, int width);
+  static std::int64_t get(const RtlShades& port, std::size_t at, const Format& format);
   // The same for four shades.
   using Shades = std::array<std::int64_t, 4>;
   static RtlShades to_port(const Shades& raw, int width);

@@ -37,6 +37,43 @@ RtlShades shades_port(const Config& config, FormatId id, const Rtl::Shades& raw)
   return config.rtl.shades ? Rtl::to_port(raw, config.format(id).word) : RtlShades{};
 }
 
+// A port of shades has the channels of the configuration above the four shades, in their order.
+struct ChannelPort {
+  FormatId shade;
+  FormatId (*channel)(const Line&);
+};
+constexpr ChannelPort end_port{FormatId::edge_shade, [](const Line& line) { return line.edge.kept; }};
+constexpr ChannelPort acc_port{FormatId::span_shade_acc, [](const Line& line) { return line.row.acc; }};
+constexpr ChannelPort step_port{FormatId::span_shade_step, [](const Line& line) { return line.row.step; }};
+constexpr ChannelPort pixel_port{FormatId::span_shade, [](const Line& line) { return line.row.kept; }};
+static_assert(4 + channel_limit <= sizeof(RtlShades) / sizeof(std::uint64_t));
+
+// Where a channel stands.
+struct ChannelPlace {
+  Format format;
+  std::size_t at = 0;
+};
+ChannelPlace place_of(const Config& config, const ChannelPort& port, std::int64_t channel) {
+  const auto format = [&](std::int64_t number) -> const Format& {
+    return config.format(port.channel(line_of(channel_line(number), config.perspective)));
+  };
+  ChannelPlace place{format(channel), 4 * static_cast<std::size_t>(config.format(port.shade).word)};
+  for (const int other : ChannelList(config)) {
+    if (other < channel) place.at += static_cast<std::size_t>(format(other).word);
+  }
+  return place;
+}
+void put(const Config& config, const ChannelPort& port, std::int64_t channel, std::int64_t raw,
+         RtlShades& shades) {
+  const ChannelPlace place = place_of(config, port, channel);
+  Rtl::put(shades, place.at, raw, place.format.word);
+}
+std::int64_t get(const Config& config, const ChannelPort& port, std::int64_t channel,
+                 const RtlShades& shades) {
+  const ChannelPlace place = place_of(config, port, channel);
+  return Rtl::get(shades, place.at, place.format);
+}
+
 // What happens on one clock, seen from outside.
 struct Driver {
   Rtl& rtl;
@@ -88,7 +125,8 @@ std::uint64_t threshold(double probability) {
 
 }  // namespace
 
-RtlInputs rtl_inputs(const Config& config, const RowRecord& row, std::int64_t b) {
+RtlInputs rtl_inputs(const Config& config, const RowRecord& row, std::int64_t b,
+                     std::span<const RowChannelRecord> ends) {
   RtlInputs in{};
   in.b = port(config, FormatId::setup_b, b);
   in.x_first = index_port(config, row.x_first, "x_first");
@@ -103,10 +141,15 @@ RtlInputs rtl_inputs(const Config& config, const RowRecord& row, std::int64_t b)
   in.v_r = port(config, FormatId::edge_uv, row.r_v);
   in.shade_l = shades_port(config, FormatId::edge_shade, {row.l_r, row.l_g, row.l_b, row.l_a});
   in.shade_r = shades_port(config, FormatId::edge_shade, {row.r_r, row.r_g, row.r_b, row.r_a});
+  for (const RowChannelRecord& end : ends) {
+    put(config, end_port, end.channel, end.l, in.shade_l);
+    put(config, end_port, end.channel, end.r, in.shade_r);
+  }
   return in;
 }
 
-RtlInputs rtl_inputs(const Config& config, const PlaneRowRecord& row, std::int64_t k, std::int64_t b) {
+RtlInputs rtl_inputs(const Config& config, const PlaneRowRecord& row, std::int64_t k, std::int64_t b,
+                     std::span<const SpanChannelRecord> starts) {
   RtlInputs in{};
   in.b = port(config, FormatId::setup_b, b);
   in.x_first = index_port(config, row.major_first, "major_first");
@@ -125,6 +168,11 @@ RtlInputs rtl_inputs(const Config& config, const PlaneRowRecord& row, std::int64
       shades_port(config, FormatId::span_shade_step, {row.r_step0, row.g_step0, row.b_step0, row.a_step0});
   in.shade_step1 =
       shades_port(config, FormatId::span_shade_step, {row.r_step1, row.g_step1, row.b_step1, row.a_step1});
+  for (const SpanChannelRecord& start : starts) {
+    put(config, acc_port, start.channel, start.w, in.shade);
+    put(config, step_port, start.channel, start.w_step0, in.shade_step0);
+    put(config, step_port, start.channel, start.w_step1, in.shade_step1);
+  }
   return in;
 }
 
@@ -173,6 +221,24 @@ FragmentRecord fragment_record(const Config& config, const RtlPixel& p) {
   r.v = value(config, FormatId::span_uv, p.v);
   std::tie(r.r, r.g, r.b, r.a) = std::tuple_cat(Rtl::from_port(p.shade, config.format(FormatId::span_shade)));
   return r;
+}
+
+void take_channel(const Config& config, const RtlSpan& span, SpanChannelRecord& record) {
+  record.w = get(config, acc_port, record.channel, span.shade);
+  record.w_step0 = get(config, step_port, record.channel, span.shade_step0);
+  record.w_step1 = get(config, step_port, record.channel, span.shade_step1);
+}
+void take_channel(const Config& config, const RtlPixel& pixel, FragmentChannelRecord& record) {
+  record.w = get(config, pixel_port, record.channel, pixel.shade);
+}
+
+void put_channel(const Config& config, const SpanChannelRecord& record, RtlSpan& span) {
+  put(config, acc_port, record.channel, record.w, span.shade);
+  put(config, step_port, record.channel, record.w_step0, span.shade_step0);
+  put(config, step_port, record.channel, record.w_step1, span.shade_step1);
+}
+void put_channel(const Config& config, const FragmentChannelRecord& record, RtlPixel& pixel) {
+  put(config, pixel_port, record.channel, record.w, pixel.shade);
 }
 
 RtlRun run_rtl(Rtl& rtl, std::span<const RtlInputs> records, const RtlStalls& stalls, bool keep_handshakes) {

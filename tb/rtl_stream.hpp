@@ -11,15 +11,24 @@
 
 namespace bitspan {
 
-// Returns the port values of a row; b is the constants' record value. Throws std::logic_error where a value
-// does not fit its port, which never happens for a legal record.
-RtlInputs rtl_inputs(const Config& config, const RowRecord& row, std::int64_t b);
-RtlInputs rtl_inputs(const Config& config, const PlaneRowRecord& row, std::int64_t k, std::int64_t b);
+// Returns the port values of a row; b is the constants' record value, and the last argument has the channels
+// in use. Throws std::logic_error where a value does not fit its port, which never happens for a legal
+// record.
+RtlInputs rtl_inputs(const Config& config, const RowRecord& row, std::int64_t b,
+                     std::span<const RowChannelRecord> ends = {});
+RtlInputs rtl_inputs(const Config& config, const PlaneRowRecord& row, std::int64_t k, std::int64_t b,
+                     std::span<const SpanChannelRecord> starts = {});
 
 // Return what the RTL knows of a record, with signs. Every other field is 0 and is filled by its owner:
 // triangle, y, covered, x and y where the major axis is y, and the shades where the RTL has none.
 SpanRecord span_record(const Config& config, const RtlSpan& span);
 FragmentRecord fragment_record(const Config& config, const RtlPixel& pixel);
+// Replace what the RTL knows of a channel's record: its values. The record's channel says which one it is.
+void take_channel(const Config& config, const RtlSpan& span, SpanChannelRecord& record);
+void take_channel(const Config& config, const RtlPixel& pixel, FragmentChannelRecord& record);
+// The other way: the values of a record to the ports.
+void put_channel(const Config& config, const SpanChannelRecord& record, RtlSpan& span);
+void put_channel(const Config& config, const FragmentChannelRecord& record, RtlPixel& pixel);
 
 // Random gaps between the records offered, and stalls of the output. Each clock is drawn on its own, from the
 // seed alone.

@@ -101,6 +101,10 @@ Trace compare(const Config& config, const Scene& scene) {
   return expected;
 }
 
+std::uint64_t own_fields(const Config& config, const Scene& scene, RecordType type) {
+  return rtl_own(config, scene).fields[static_cast<std::size_t>(type)];
+}
+
 TEST(EngineRtl, EqualsTheModel) {
   std::vector<std::pair<std::string, Perspective>> cases;
   for (const std::string& name : shipped_names) {
@@ -120,6 +124,31 @@ TEST(EngineRtl, TakesTheModelsShadesWhereTheRtlHasNone) {
     c.perspective = mode;
     c.rtl.shades = false;
     compare(c, random_scene(3, 60));
+  }
+}
+
+// A fog's factor per vertex, in every second triangle that of its distance.
+TEST(EngineRtl, InterpolatesAChannel) {
+  std::vector<std::pair<Perspective, bool>> cases;
+  for (const Perspective mode : all_perspectives) {
+    for (const bool shades : {true, false}) cases.emplace_back(mode, shades);
+  }
+  for (const auto& [mode, shades] : in_gate(cases)) {
+    SCOPED_TRACE(fmt::format("{}, shades {}", to_string(mode), shades));
+    Config c = shipped_config("depth16");
+    c.perspective = mode;
+    c.fog = FogMode::vertex;
+    c.rtl.shades = shades;
+    Scene scene = random_scene(8, 120);
+    Random random(8);
+    for (std::size_t i = 0; i < scene.triangles.size(); i += 2) {
+      for (Vertex& v : scene.triangles[i].v) v.fog = std::uniform_real_distribution<double>(0, 1)(random);
+    }
+    const Trace trace = compare(c, scene);
+    EXPECT_EQ(trace.fragment_channel.size(), trace.fragment.size());
+    EXPECT_EQ(own_fields(c, scene, RecordType::span_channel), 4U);
+    scene.fog.reset();
+    EXPECT_TRUE(compare(c, scene).fragment_channel.empty());
   }
 }
 
@@ -152,10 +181,6 @@ TEST(EngineRtl, EqualsTheModelWithLevels) {
   plane.perspective = Perspective::const_depth_rows;
   plane.wrap = TextureWrap::clamp;
   compare(plane, random_scene(6, 60, powers_of_two));
-}
-
-std::uint64_t own_fields(const Config& config, const Scene& scene, RecordType type) {
-  return rtl_own(config, scene).fields[static_cast<std::size_t>(type)];
 }
 
 TEST(EngineRtl, CountsItsOwnValues) {

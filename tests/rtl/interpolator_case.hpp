@@ -14,6 +14,9 @@ struct InterpolatorCase {
   std::vector<RtlInputs> inputs;
   std::vector<SpanRecord> spans;
   std::vector<reference::Pixel> pixels;
+  // The channels, side by side per span and per pixel.
+  std::vector<SpanChannelRecord> span_channels;
+  std::vector<FragmentChannelRecord> pixel_channels;
 };
 
 // Spans of 1 to `longest` pixels.

@@ -36,10 +36,23 @@ std::string first_difference(const Config& c, const InterpolatorCase& expected, 
     const std::string d = difference(span_record(c, run.spans[i]), expected.spans[i]);
     if (!d.empty()) return "span " + std::to_string(i) + ": " + d;
   }
+  const std::size_t channels = ChannelList(c).size();
+  for (std::size_t i = 0; i < expected.span_channels.size(); ++i) {
+    SpanChannelRecord got = expected.span_channels[i];
+    take_channel(c, run.spans[i / channels], got);
+    const std::string d = difference(got, expected.span_channels[i]);
+    if (!d.empty()) return "span " + std::to_string(i / channels) + ", channel: " + d;
+  }
   for (std::size_t i = 0; i < run.pixels.size(); ++i) {
     std::string d = difference(fragment_record(c, run.pixels[i]), expected.pixels[i].fragment);
     if (d.empty() && (run.pixels[i].step != 0) != expected.pixels[i].step) d = "step";
     if (!d.empty()) return "pixel " + std::to_string(i) + ": " + d;
+  }
+  for (std::size_t i = 0; i < expected.pixel_channels.size(); ++i) {
+    FragmentChannelRecord got = expected.pixel_channels[i];
+    take_channel(c, run.pixels[i / channels], got);
+    const std::string d = difference(got, expected.pixel_channels[i]);
+    if (!d.empty()) return "pixel " + std::to_string(i / channels) + ", channel: " + d;
   }
   return "";
 }
@@ -49,7 +62,8 @@ std::size_t compare(const Config& c, const InterpolatorCase& expected, const Rtl
   const std::string d = first_difference(c, expected, run);
   EXPECT_EQ(d, "") << to_toml(c);
   if (!d.empty()) return 0;
-  return run.spans.size() * (c.rtl.shades ? 29 : 17) + run.pixels.size() * (c.rtl.shades ? 14 : 10);
+  return run.spans.size() * (c.rtl.shades ? 29 : 17) + run.pixels.size() * (c.rtl.shades ? 14 : 10) +
+         3 * expected.span_channels.size() + expected.pixel_channels.size();
 }
 
 // Clocks of a run without gaps and stalls, from docs/rtl.md alone.
@@ -129,6 +143,20 @@ TEST(Interpolator, Depth16InEveryMode) {
       c.row_slope = RowSlope::divide;
       if (mode != Perspective::const_depth_rows) check_config_on(random, c, 100);
     }
+  }
+}
+
+TEST(Interpolator, ChannelsInEveryMode) {
+  Random random(20);
+  for (const Perspective mode : in_gate(all_perspectives)) {
+    SCOPED_TRACE(to_string(mode));
+    Config c = shipped_config("depth16");
+    c.perspective = mode;
+    c.fog = FogMode::vertex;
+    check_config_on(random, c, 200);
+    c.rtl.shades = false;
+    if (mode != Perspective::const_depth_rows) c.row_slope = RowSlope::divide;
+    check_config_on(random, c, 100);
   }
 }
 
@@ -296,15 +324,20 @@ TEST(Interpolator, WrongBitsAreSeenInEveryMode) {
       {ends, "EndFrac)) + Offset;", "EndFrac));"},
       {setup, "      res_step,\n      res_start,", "      ~res_step,\n      res_start,"},
       {span, "own[ShadeAccW-1], own});", "own[ShadeAccW-1], own ^ ShadeAccW'(1 << (ShadeAccW - 2))});"},
-      {span, "        .Width(4 * ShadeW),\n        .From(0),\n        .To(Clocks)",
-       "        .Width(4 * ShadeW),\n        .From(0),\n        .To(Clocks - 1)"},
+      {span, "        .Width(OwnSidesW),\n        .From(0),\n        .To(Clocks)",
+       "        .Width(OwnSidesW),\n        .From(0),\n        .To(Clocks - 1)"},
+      {span, "own[LineAccW-1], own});", "own[LineAccW-1], own ^ LineAccW'(1 << (LineAccW - 2))});"},
+      {span, "LineAccFrac[32*Value+:32]", "LineAccFrac[32*Value+:32] - 1"},
   };
   constexpr PlantedBug shades_by_division[] = {
       {"rtl/row_line.sv", "(bitspan_cfg_pkg::LineDivFrac[32*Line+:32])",
        "(bitspan_cfg_pkg::LineDivFrac[32*Line+:32] + ((Line > 2) ? 1 : 0))"},
   };
   constexpr PlantedBug plane_shades[] = {
-      {setup, "{shade_step1_i, shade_step0_i, shade_i, h_i", "{shade_step0_i, shade_step1_i, shade_i, h_i"},
+      {setup, "{shade_step1_i[StepSidesW-1-:OwnStepW], shade_step0_i[",
+       "{shade_step0_i[StepSidesW-1-:OwnStepW], shade_step1_i["},
+      {setup, "shade_i[AccSidesW-1-:OwnAccW]};",
+       "shade_i[AccSidesW-1-:OwnAccW] ^ (OwnAccW'(1) << (OwnAccW - 1))};"},
       {span, "assign step1 = res_step1[Step1At+:LineStepW];", "assign step1 = res_step0[StepAt+:LineStepW];"},
   };
   constexpr PlantedBug hyperbolic[] = {
@@ -323,6 +356,7 @@ TEST(Interpolator, WrongBitsAreSeenInEveryMode) {
   };
   const auto seen = [](Perspective mode, RowSlope form, std::span<const PlantedBug> bugs) {
     Config c = shipped_config("narrow");
+    c.fog = FogMode::vertex;
     c.rtl.shades = true;
     c.perspective = mode;
     c.row_slope = form;

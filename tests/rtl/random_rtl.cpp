@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "config/lines.hpp"
 #include "config/rtl_timing.hpp"
 #include "report/random_config.hpp"
 #include "tests/support/test_config.hpp"
@@ -99,6 +100,27 @@ std::vector<PlaneRowRecord> random_plane_rows(Random& random, const Config& c, i
     }
   }
   return rows;
+}
+
+std::vector<RowChannelRecord> random_ends(Random& random, const Config& c) {
+  std::vector<RowChannelRecord> ends;
+  for (const int channel : ChannelList(c)) {
+    const Format& end = c.format(line_of(channel_line(channel), c.perspective).edge.kept);
+    ends.push_back({.channel = channel, .l = random_raw(random, end), .r = random_raw(random, end)});
+  }
+  return ends;
+}
+
+std::vector<SpanChannelRecord> random_starts(Random& random, const Config& c) {
+  std::vector<SpanChannelRecord> starts;
+  for (const int channel : ChannelList(c)) {
+    const LineWalk row = line_of(channel_line(channel), c.perspective).row;
+    starts.push_back({.channel = channel,
+                      .w = random_raw(random, c.format(row.acc)),
+                      .w_step0 = random_raw(random, c.format(row.step)),
+                      .w_step1 = random_raw(random, c.format(row.step))});
+  }
+  return starts;
 }
 
 std::int64_t random_k(Random& random, const Config& c) {

@@ -20,6 +20,9 @@ Config random_rtl_config(Random& random);
 std::int64_t random_raw(Random& random, const Format& format);
 std::vector<RowRecord> random_rows(Random& random, const Config& config, int count, int longest);
 std::vector<PlaneRowRecord> random_plane_rows(Random& random, const Config& config, int count, int longest);
+// Of the channels that the configuration has: at the ends of a row, or where const_depth_rows starts.
+std::vector<RowChannelRecord> random_ends(Random& random, const Config& config);
+std::vector<SpanChannelRecord> random_starts(Random& random, const Config& config);
 // A slope in -1..1 on plane.k, 0, 1 and -1 among them.
 std::int64_t random_k(Random& random, const Config& config);
 

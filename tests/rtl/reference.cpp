@@ -5,6 +5,7 @@
 #include <array>
 #include <tuple>
 
+#include "config/lines.hpp"
 #include "tests/support/reciprocal_definition.hpp"
 
 namespace bitspan::reference {
@@ -225,6 +226,25 @@ SpanRecord span_setup(const Config& c, const PlaneRowRecord& row, std::int64_t b
   return s;
 }
 
+SpanChannelRecord span_setup(const Config& c, const RowRecord& row, const SpanRecord& span,
+                             const RowChannelRecord& ends) {
+  const Line line = line_of(channel_line(ends.channel), c.perspective);
+  const Format& end = c.format(line.edge.kept);
+  const Format& step = c.format(line.row.step);
+  const Format& x = c.format(FormatId::edge_x);
+  const Rational length = value(row.r_x, x) - value(row.l_x, x);
+  SpanChannelRecord r{.x = span.x, .channel = ends.channel};
+  if (length > 0) {
+    const Rational inverse = c.row_slope == RowSlope::reciprocal
+                                 ? scaled({span.recip_m, static_cast<int>(span.recip_e)}, c.row_reciprocal)
+                                 : Rational(1 / length);
+    r.w_step0 = r.w_step1 = quantize((value(ends.r, end) - value(ends.l, end)) * inverse, step);
+  }
+  const Rational p = row.x_first + half() - value(row.l_x, x);
+  r.w = quantize(value(ends.l, end) + value(r.w_step0, step) * p, c.format(line.row.acc));
+  return r;
+}
+
 std::vector<Pixel> span(const Config& c, const SpanRecord& s, std::int64_t k_raw, std::int64_t b) {
   const bool rows = c.perspective == Perspective::const_depth_rows;
   const bool linear = rows || c.perspective == Perspective::affine;
@@ -287,6 +307,22 @@ std::vector<Pixel> span(const Config& c, const SpanRecord& s, std::int64_t k_raw
     fv = quantize(value(fv, acc) + value(pixel.step ? s.fv_step1 : s.fv_step0, step_format), acc);
   }
   return pixels;
+}
+
+std::vector<FragmentChannelRecord> span(const Config& c, const SpanChannelRecord& record,
+                                        std::span<const Pixel> pixels) {
+  const Line line = line_of(channel_line(record.channel), c.perspective);
+  const Format& acc = c.format(line.row.acc);
+  const Format& step = c.format(line.row.step);
+  std::vector<FragmentChannelRecord> values;
+  std::int64_t w = record.w;
+  for (const Pixel& pixel : pixels) {
+    values.push_back({.x = pixel.fragment.x,
+                      .channel = record.channel,
+                      .w = quantize(value(w, acc), c.format(line.row.kept))});
+    w = quantize(value(w, acc) + value(pixel.step ? record.w_step1 : record.w_step0, step), acc);
+  }
+  return values;
 }
 
 }  // namespace bitspan::reference

@@ -5,6 +5,7 @@
 
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/records.hpp"
@@ -30,10 +31,17 @@ MantissaExponent reciprocal(const Rational& d, const Rational& ulp, const Recipr
 SpanRecord span_setup(const Config& config, const RowRecord& row, std::int64_t b);
 SpanRecord span_setup(const Config& config, const PlaneRowRecord& row, std::int64_t b);
 
+// Of a channel: from its values at the row's ends and from the row's span record.
+SpanChannelRecord span_setup(const Config& config, const RowRecord& row, const SpanRecord& span,
+                             const RowChannelRecord& ends);
+
 struct Pixel {
   FragmentRecord fragment;
   bool step = false;
 };
 std::vector<Pixel> span(const Config& config, const SpanRecord& record, std::int64_t k, std::int64_t b);
+// Of a channel, one per pixel of its span.
+std::vector<FragmentChannelRecord> span(const Config& config, const SpanChannelRecord& record,
+                                        std::span<const Pixel> pixels);
 
 }  // namespace bitspan::reference

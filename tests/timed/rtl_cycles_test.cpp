@@ -27,6 +27,7 @@ struct Case {
   ReciprocalKind row = ReciprocalKind::restoring;
   RowSlope row_slope = RowSlope::reciprocal;
   bool shades = true;
+  FogMode fog = FogMode::none;
 };
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
@@ -36,6 +37,7 @@ Config make_config(const Case& c) {
   config.perspective = c.mode;
   config.row_slope = c.row_slope;
   config.rtl.shades = c.shades;
+  config.fog = c.fog;
   config.row_reciprocal.pipelined = c.pipelined;
   config.row_reciprocal.kind = c.row;
   if (c.row != ReciprocalKind::restoring) {
@@ -162,6 +164,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{.name = "rows_divided", .base = "depth16", .row_slope = RowSlope::divide},
                     Case{.name = "constant_depth", .base = "depth16", .mode = Perspective::const_depth_rows},
                     Case{.name = "without_shades", .base = "depth16", .shades = false},
+                    Case{.name = "channel", .base = "depth16", .fog = FogMode::vertex},
                     Case{.name = "hyperbolic", .base = "depth16", .mode = Perspective::hyperbolic},
                     Case{.name = "hyperbolic_divided",
                          .base = "narrow",
