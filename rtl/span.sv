@@ -12,8 +12,12 @@
 // ticks, as in span_setup: with an interval above 1 pixels are issued on its multiples, u and v take turns in one
 // multiplier, and what waits is held instead of shifted. Tick t of a pixel is the t-th after that of its issue.
 module span #(
-    // Bits of the port of shades, as in span_interpolator.
-    parameter int SidesW = 4 * bitspan_cfg_pkg::SpanShadeW
+    // Bits of the port of shades, as in span_interpolator; not handed down, since Yosys maps a renamed module otherwise.
+    parameter int NoShades = (bitspan_cfg_pkg::Shades != 0) ? 0 : 4,
+    // Behind the lines' registers the package has those of the channels' values.
+    parameter int LastValue = 2 * bitspan_cfg_pkg::Lines - 8 + NoShades,
+    parameter int SidesW = 4 * bitspan_cfg_pkg::SpanShadeW + bitspan_cfg_pkg::LineAccAt[32*LastValue+:32] +
+        bitspan_cfg_pkg::LineAccW[32*LastValue+:32] - bitspan_cfg_pkg::LinesAccW
 ) (
     input  logic clk_i,
     input  logic rst_ni,
@@ -214,7 +218,7 @@ module span #(
     assign shade[4*ShadeW-1:0] = '0;
     assign shade_out[4*ShadeW-1:0] = '0;
     logic unused;
-    assign unused = (^shade) ^ (^tick_q);
+    assign unused = (^shade) ^ (^shade_out) ^ (^tick_q);
   end
   // The channels are the last lines. Behind the lines' registers the package has the formats of their values.
   localparam int Channels = bitspan_cfg_pkg::Lines - (Shades ? 7 : 3);
@@ -267,7 +271,8 @@ module span #(
   localparam int PixelW = IndexW + 2 + HW + 2 * AccW + MW + EW + 2 * OutUvW;
   localparam int OutW = PixelW + OwnSidesW;
   logic [PixelW-1:0] pixel;
-  logic [OutW-1:0] buffered;
+  logic [OutW-1:0] made, buffered;
+  assign made[PixelW-1:0] = pixel;
   skid #(
       .Width(OutW)
   ) u_out (
@@ -275,13 +280,19 @@ module span #(
       .rst_ni,
       .in_valid_i(valid_q[Clocks-1]),
       .in_ready_o(en),
-      .in_i(OutW'({shade_out >> UnusedW, pixel})),
+      .in_i(made),
       .out_valid_o,
       .out_ready_i,
       .out_o(buffered)
   );
   assign {x_o, step_o, last_o, h_o, fv_o, fu_o, recip_m_o, recip_e_o, v_o, u_o} = buffered[PixelW-1:0];
-  assign shade_o = SidesW'((SidesW + PixelW)'(buffered) >> PixelW) << UnusedW;
+  if (OwnSidesW > 0) begin : gen_shade_out
+    assign made[OutW-1:PixelW] = shade_out[SidesW-1:UnusedW];
+    assign shade_o[SidesW-1:UnusedW] = buffered[PixelW+:OwnSidesW];
+  end
+  if (!Shades) begin : gen_no_shade_out
+    assign shade_o[4*ShadeW-1:0] = '0;
+  end
 
   // h + B.
   logic [bitspan_cfg_pkg::SpanSumW-2:0] operand_q;

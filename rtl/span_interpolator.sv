@@ -92,11 +92,7 @@ module span_interpolator #(
   logic [RecordW-1:0] setup_record, record;
   logic [bitspan_cfg_pkg::PlaneKW-1:0] span_unused_k;
 
-  span_setup #(
-      .EndSidesW(EndSidesW),
-      .AccSidesW(AccSidesW),
-      .StepSidesW(StepSidesW)
-  ) u_span_setup (
+  span_setup u_span_setup (
       .clk_i,
       .rst_ni,
       .b_i,
@@ -145,9 +141,7 @@ module span_interpolator #(
       .out_o(record)
   );
 
-  span #(
-      .SidesW(SidesW)
-  ) u_span (
+  span u_span (
       .clk_i,
       .rst_ni,
       .b_i,
@@ -184,9 +178,16 @@ module span_interpolator #(
   assign {span_fv_o, span_fu_o, span_h_o} = start[PlainAccW-1:0];
   assign {span_fv_step0_o, span_fu_step0_o, span_h_step_o} = step0[PlainStepW-1:0];
   assign {span_fv_step1_o, span_fu_step1_o} = step1[FStepW-1:0];
-  assign span_shade_o = AccSidesW'((AccSidesW + PlainAccW)'(start) >> PlainAccW) << (NoShades * bitspan_cfg_pkg::SpanShadeAccW);
-  assign span_shade_step0_o = StepSidesW'((StepSidesW + PlainStepW)'(step0) >> PlainStepW) << (NoShades * bitspan_cfg_pkg::SpanShadeStepW);
-  assign span_shade_step1_o = StepSidesW'((StepSidesW + FStepW)'(step1) >> FStepW) << (NoShades * bitspan_cfg_pkg::SpanShadeStepW);
+  if (bitspan_cfg_pkg::Lines > 3) begin : gen_shades
+    assign span_shade_o[AccSidesW-1-:AccW-PlainAccW] = start[AccW-1:PlainAccW];
+    assign span_shade_step0_o[StepSidesW-1-:StepW-PlainStepW] = step0[StepW-1:PlainStepW];
+    assign span_shade_step1_o[StepSidesW-1-:StepW-PlainStepW] = step1[bitspan_cfg_pkg::LinesStep1W-1:FStepW];
+  end
+  if (NoShades != 0) begin : gen_no_shades
+    assign span_shade_o[4*bitspan_cfg_pkg::SpanShadeAccW-1:0] = '0;
+    assign span_shade_step0_o[4*bitspan_cfg_pkg::SpanShadeStepW-1:0] = '0;
+    assign span_shade_step1_o[4*bitspan_cfg_pkg::SpanShadeStepW-1:0] = '0;
+  end
   logic unused;
   assign unused = ^span_unused_k;
 endmodule

@@ -13,9 +13,13 @@
 //   tick SpanSetupClocks: the span record
 module span_setup #(
     // Bits of the ports of shades, as in span_interpolator.
-    parameter int EndSidesW  = 4 * bitspan_cfg_pkg::EdgeShadeW,
-    parameter int AccSidesW  = 4 * bitspan_cfg_pkg::SpanShadeAccW,
-    parameter int StepSidesW = 4 * bitspan_cfg_pkg::SpanShadeStepW
+    parameter int NoShades = (bitspan_cfg_pkg::Shades != 0) ? 0 : 4,
+    parameter int EndSidesW = bitspan_cfg_pkg::LinesEndW - bitspan_cfg_pkg::EdgeHW - 2 * bitspan_cfg_pkg::EdgeUvW +
+        NoShades * bitspan_cfg_pkg::EdgeShadeW,
+    parameter int AccSidesW = bitspan_cfg_pkg::LinesAccW - bitspan_cfg_pkg::SpanHW - 2 * bitspan_cfg_pkg::TexAccW +
+        NoShades * bitspan_cfg_pkg::SpanShadeAccW,
+    parameter int StepSidesW = bitspan_cfg_pkg::LinesStepW - bitspan_cfg_pkg::SpanHStepW - 2 * bitspan_cfg_pkg::TexStepW +
+        NoShades * bitspan_cfg_pkg::SpanShadeStepW
 ) (
     input  logic clk_i,
     input  logic rst_ni,
@@ -376,9 +380,14 @@ module span_setup #(
     logic [2*UvW-1:0] res_uv1;
     logic [bitspan_cfg_pkg::LinesStepW-1:0] res_step;
     logic [bitspan_cfg_pkg::LinesAccW-1:0] res_start;
-    localparam int UnusedW = Shades ? 0 : 4 * bitspan_cfg_pkg::EdgeShadeW;
-    assign left_ends = bitspan_cfg_pkg::LinesEndW'({shade_l_i >> UnusedW, v_l_i, u_l_i, h_l_i});
-    assign right_ends = bitspan_cfg_pkg::LinesEndW'({shade_r_i >> UnusedW, v_r_i, u_r_i, h_r_i});
+    localparam int PlainEndW = HW + 2 * UvW;
+    assign left_ends[PlainEndW-1:0] = {v_l_i, u_l_i, h_l_i};
+    assign right_ends[PlainEndW-1:0] = {v_r_i, u_r_i, h_r_i};
+    if (bitspan_cfg_pkg::Lines > 3) begin : gen_side_ends
+      localparam int SideEndW = bitspan_cfg_pkg::LinesEndW - PlainEndW;
+      assign left_ends[bitspan_cfg_pkg::LinesEndW-1:PlainEndW] = shade_l_i[EndSidesW-1-:SideEndW];
+      assign right_ends[bitspan_cfg_pkg::LinesEndW-1:PlainEndW] = shade_r_i[EndSidesW-1-:SideEndW];
+    end
     if (Affine) begin : gen_affine
       assign res_f_diff = '0;
       assign res_uv1 = '0;
