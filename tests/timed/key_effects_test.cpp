@@ -400,8 +400,17 @@ TEST_P(KeyEffectsOnValues, AreWhatTheTableSays) {
 
 // A key of values moves pixels, and so clocks: those of the other keys must stay.
 TEST(KeyEffects, Clocks) {
+  constexpr const char* wider = "other lines of a row are wider here, and take as long";
   expect_column(affects::clocks, clocks_of,
-                {{"formats.span.shade_acc.word", "no product and no quotient takes longer with it"}},
+                {{"formats.span.shade_acc.word", "no product and no quotient takes longer with it"},
+                 {"formats.fog.factor.word", wider},
+                 {"formats.fog.factor.int", wider},
+                 {"formats.fog.step.signed", wider},
+                 {"formats.fog.step.word", wider},
+                 {"formats.fog.step.int", wider},
+                 {"formats.fog.acc.signed", wider},
+                 {"formats.fog.acc.word", wider},
+                 {"formats.fog.acc.int", wider}},
                 [](const Key& key) {
                   return is_tried(key) &&
                          (affects_it(key, affects::clocks) || !affects_it(key, affects::values));
