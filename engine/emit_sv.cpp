@@ -259,8 +259,19 @@ std::string emit_sv(const Config& config) {
       "  localparam int SpanRecordW = 2 * PixelIndexW + RowRecipOutW + ExponentW + PhaseW + PlaneKW + 2 * "
       "SpanFDiffW +");
   w.line("      2 * EdgeUvW + LinesAccW + LinesStepW + LinesStep1W;");
-  w.line("  // The part of shades in it.");
-  w.line("  localparam int SpanShadesW = 4 * SpanShadeAccW + 8 * SpanShadeStepW;");
+
+  w.line("");
+  w.line(
+      "  // The ports of shades: four, which are there also where Shades is 0, and above them the channels.");
+  w.line("  localparam int NoShades = (Shades != 0) ? 0 : 4;");
+  w.line("  localparam int SidesEndW = LinesEndW - EdgeHW - 2 * EdgeUvW + NoShades * EdgeShadeW;");
+  w.line("  localparam int SidesAccW = LinesAccW - SpanHW - 2 * TexAccW + NoShades * SpanShadeAccW;");
+  w.line("  localparam int SidesStepW = LinesStepW - SpanHStepW - 2 * TexStepW + NoShades * SpanShadeStepW;");
+  w.line("  // A pixel has of the channels what stands behind the registers of all lines.");
+  w.line("  localparam int LastValue = 2 * Lines - 8 + NoShades;");
+  w.line(
+      "  localparam int SidesW = 4 * SpanShadeW + LineAccAt[32*LastValue+:32] + LineAccW[32*LastValue+:32] - "
+      "LinesAccW;");
 
   w.line("");
   w.line("  // Clocks; docs/rtl.md.");

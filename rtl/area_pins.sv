@@ -16,23 +16,12 @@ module area_pins (
   localparam int EndsW = 2 * bitspan_cfg_pkg::EdgeXW + 2 * bitspan_cfg_pkg::EdgeHW + 4 * bitspan_cfg_pkg::EdgeUvW;
   localparam int PlaneW = bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + bitspan_cfg_pkg::SpanHW +
       2 * bitspan_cfg_pkg::SpanFW + 4 * bitspan_cfg_pkg::SpanFStepW;
-  // As in area_top.
-  localparam int NoShades = (bitspan_cfg_pkg::Shades != 0) ? 0 : 4;
-  localparam int EndSidesW = bitspan_cfg_pkg::LinesEndW - bitspan_cfg_pkg::EdgeHW - 2 * bitspan_cfg_pkg::EdgeUvW +
-      NoShades * bitspan_cfg_pkg::EdgeShadeW;
-  localparam int AccSidesW = bitspan_cfg_pkg::LinesAccW - bitspan_cfg_pkg::SpanHW - 2 * bitspan_cfg_pkg::TexAccW +
-      NoShades * bitspan_cfg_pkg::SpanShadeAccW;
-  localparam int StepSidesW = bitspan_cfg_pkg::LinesStepW - bitspan_cfg_pkg::SpanHStepW - 2 * bitspan_cfg_pkg::TexStepW +
-      NoShades * bitspan_cfg_pkg::SpanShadeStepW;
-  localparam int LastValue = 2 * bitspan_cfg_pkg::Lines - 8 + NoShades;
-  localparam int SidesW = 4 * bitspan_cfg_pkg::SpanShadeW + bitspan_cfg_pkg::LineAccAt[32*LastValue+:32] +
-      bitspan_cfg_pkg::LineAccW[32*LastValue+:32] - bitspan_cfg_pkg::LinesAccW;
   localparam int RowW = (bitspan_cfg_pkg::ConstDepthRows != 0) ?
-      PlaneW + ((bitspan_cfg_pkg::Lines > 3) ? AccSidesW + 2 * StepSidesW : 0) :
-      EndsW + ((bitspan_cfg_pkg::Lines > 3) ? 2 * EndSidesW : 0);
+      PlaneW + ((bitspan_cfg_pkg::Lines > 3) ? bitspan_cfg_pkg::SidesAccW + 2 * bitspan_cfg_pkg::SidesStepW : 0) :
+      EndsW + ((bitspan_cfg_pkg::Lines > 3) ? 2 * bitspan_cfg_pkg::SidesEndW : 0);
   localparam int InW = bitspan_cfg_pkg::SetupBW + 2 * IndexW + RowW;
   localparam int PixelW = IndexW + 2 + bitspan_cfg_pkg::SpanHW + 2 * bitspan_cfg_pkg::SpanUvW +
-      ((bitspan_cfg_pkg::Lines > 3) ? SidesW : 0);
+      ((bitspan_cfg_pkg::Lines > 3) ? bitspan_cfg_pkg::SidesW : 0);
   localparam int OutW = 1 + PixelW;
 
   logic [InW-1:0] in_q;

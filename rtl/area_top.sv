@@ -5,27 +5,16 @@
 // package has some.
 module area_top #(
     parameter int EndsW = 2 * bitspan_cfg_pkg::EdgeXW + 2 * bitspan_cfg_pkg::EdgeHW + 4 * bitspan_cfg_pkg::EdgeUvW,
-    // The ports of shades, as in span_interpolator; connected where there is a shade or a channel.
-    parameter int NoShades = (bitspan_cfg_pkg::Shades != 0) ? 0 : 4,
-    parameter int EndSidesW = bitspan_cfg_pkg::LinesEndW - bitspan_cfg_pkg::EdgeHW - 2 * bitspan_cfg_pkg::EdgeUvW +
-        NoShades * bitspan_cfg_pkg::EdgeShadeW,
-    parameter int AccSidesW = bitspan_cfg_pkg::LinesAccW - bitspan_cfg_pkg::SpanHW - 2 * bitspan_cfg_pkg::TexAccW +
-        NoShades * bitspan_cfg_pkg::SpanShadeAccW,
-    parameter int StepSidesW = bitspan_cfg_pkg::LinesStepW - bitspan_cfg_pkg::SpanHStepW - 2 * bitspan_cfg_pkg::TexStepW +
-        NoShades * bitspan_cfg_pkg::SpanShadeStepW,
-    parameter int LastValue = 2 * bitspan_cfg_pkg::Lines - 8 + NoShades,
-    parameter int SidesW = 4 * bitspan_cfg_pkg::SpanShadeW + bitspan_cfg_pkg::LineAccAt[32*LastValue+:32] +
-        bitspan_cfg_pkg::LineAccW[32*LastValue+:32] - bitspan_cfg_pkg::LinesAccW,
-    parameter int EndShadesW = 2 * EndSidesW,
+    parameter int EndShadesW = 2 * bitspan_cfg_pkg::SidesEndW,
     parameter int PlaneW = bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + bitspan_cfg_pkg::SpanHW +
         2 * bitspan_cfg_pkg::SpanFW + 4 * bitspan_cfg_pkg::SpanFStepW,
-    parameter int PlaneShadesW = AccSidesW + 2 * StepSidesW,
+    parameter int PlaneShadesW = bitspan_cfg_pkg::SidesAccW + 2 * bitspan_cfg_pkg::SidesStepW,
     parameter int RowW = (bitspan_cfg_pkg::ConstDepthRows != 0) ?
         PlaneW + ((bitspan_cfg_pkg::Lines > 3) ? PlaneShadesW : 0) :
         EndsW + ((bitspan_cfg_pkg::Lines > 3) ? EndShadesW : 0),
     // x, step, last, h, u, v, and the shades.
     parameter int PixelW = bitspan_cfg_pkg::PixelIndexW + 2 + bitspan_cfg_pkg::SpanHW + 2 * bitspan_cfg_pkg::SpanUvW +
-        ((bitspan_cfg_pkg::Lines > 3) ? SidesW : 0)
+        ((bitspan_cfg_pkg::Lines > 3) ? bitspan_cfg_pkg::SidesW : 0)
 ) (
     input  logic clk_i,
     input  logic rst_ni,
@@ -53,9 +42,9 @@ module area_top #(
   logic [bitspan_cfg_pkg::SpanHW-1:0] h;
   logic [bitspan_cfg_pkg::SpanFW-1:0] gu, gv;
   logic [bitspan_cfg_pkg::SpanFStepW-1:0] gu_step0, gu_step1, gv_step0, gv_step1;
-  logic [EndSidesW-1:0] shade_l, shade_r;
-  logic [AccSidesW-1:0] shade;
-  logic [StepSidesW-1:0] shade_step0, shade_step1;
+  logic [bitspan_cfg_pkg::SidesEndW-1:0] shade_l, shade_r;
+  logic [bitspan_cfg_pkg::SidesAccW-1:0] shade;
+  logic [bitspan_cfg_pkg::SidesStepW-1:0] shade_step0, shade_step1;
   assign {shade_l, shade_r, x_l, x_r, h_l, h_r, u_l, u_r, v_l, v_r} = ends;
   assign {shade, shade_step0, shade_step1, phase, k, h, gu, gv, gu_step0, gu_step1, gv_step0, gv_step1} = plane;
 
@@ -63,7 +52,7 @@ module area_top #(
   logic step, last;
   logic [bitspan_cfg_pkg::SpanHW-1:0] pixel_h;
   logic [bitspan_cfg_pkg::SpanUvW-1:0] u, v;
-  logic [SidesW-1:0] pixel_shade;
+  logic [bitspan_cfg_pkg::SidesW-1:0] pixel_shade;
   assign pixel_o = PixelW'({pixel_shade, x, step, last, pixel_h, u, v});
 
   span_interpolator u_span_interpolator (

@@ -11,14 +11,7 @@
 // everything shifts together on en, which a buffer of two pixels at the output gives from a register. Enabled clocks are
 // ticks, as in span_setup: with an interval above 1 pixels are issued on its multiples, u and v take turns in one
 // multiplier, and what waits is held instead of shifted. Tick t of a pixel is the t-th after that of its issue.
-module span #(
-    // Bits of the port of shades, as in span_interpolator; not handed down, since Yosys maps a renamed module otherwise.
-    parameter int NoShades = (bitspan_cfg_pkg::Shades != 0) ? 0 : 4,
-    // Behind the lines' registers the package has those of the channels' values.
-    parameter int LastValue = 2 * bitspan_cfg_pkg::Lines - 8 + NoShades,
-    parameter int SidesW = 4 * bitspan_cfg_pkg::SpanShadeW + bitspan_cfg_pkg::LineAccAt[32*LastValue+:32] +
-        bitspan_cfg_pkg::LineAccW[32*LastValue+:32] - bitspan_cfg_pkg::LinesAccW
-) (
+module span (
     input  logic clk_i,
     input  logic rst_ni,
     // Constant B of the depth code; stable while records are in flight.
@@ -41,7 +34,7 @@ module span #(
     output logic [bitspan_cfg_pkg::SpanUvW-1:0] u_o,
     output logic [bitspan_cfg_pkg::SpanUvW-1:0] v_o,
     // Four side by side, red lowest; 0 without shades. The channels stand above them.
-    output logic [SidesW-1:0] shade_o
+    output logic [bitspan_cfg_pkg::SidesW-1:0] shade_o
 );
   localparam int IndexW = bitspan_cfg_pkg::PixelIndexW;
   localparam int HW = bitspan_cfg_pkg::SpanHW;
@@ -191,8 +184,8 @@ module span #(
 
   // What a pixel has of the shades, and above them of the channels.
   localparam int UnusedW = Shades ? 0 : 4 * ShadeW;
-  localparam int OwnSidesW = SidesW - UnusedW;
-  logic [SidesW-1:0] shade, shade_out;
+  localparam int OwnSidesW = bitspan_cfg_pkg::SidesW - UnusedW;
+  logic [bitspan_cfg_pkg::SidesW-1:0] shade, shade_out;
   if (Shades) begin : gen_shades
     for (genvar i = 0; i < 4; i++) begin : gen_shade
       localparam int ShadeAccW = bitspan_cfg_pkg::SpanShadeAccW;
@@ -256,8 +249,8 @@ module span #(
         .clk_i,
         .en_i(en),
         .phase_i(tick_q),
-        .d_i(shade[SidesW-1:UnusedW]),
-        .q_o(shade_out[SidesW-1:UnusedW])
+        .d_i(shade[bitspan_cfg_pkg::SidesW-1:UnusedW]),
+        .q_o(shade_out[bitspan_cfg_pkg::SidesW-1:UnusedW])
     );
   end
 
@@ -287,8 +280,8 @@ module span #(
   );
   assign {x_o, step_o, last_o, h_o, fv_o, fu_o, recip_m_o, recip_e_o, v_o, u_o} = buffered[PixelW-1:0];
   if (OwnSidesW > 0) begin : gen_shade_out
-    assign made[OutW-1:PixelW] = shade_out[SidesW-1:UnusedW];
-    assign shade_o[SidesW-1:UnusedW] = buffered[PixelW+:OwnSidesW];
+    assign made[OutW-1:PixelW] = shade_out[bitspan_cfg_pkg::SidesW-1:UnusedW];
+    assign shade_o[bitspan_cfg_pkg::SidesW-1:UnusedW] = buffered[PixelW+:OwnSidesW];
   end
   if (!Shades) begin : gen_no_shade_out
     assign shade_o[4*ShadeW-1:0] = '0;

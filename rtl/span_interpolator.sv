@@ -1,21 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // span_setup, a FIFO of span records, and span: takes rows and delivers pixels. docs/rtl.md has the ports and the
 // clocks.
-module span_interpolator #(
-    // The ports of shades have the channels of docs/numeric-spec.md above the four shades: at an end, where a line starts,
-    // its step, and at a pixel.
-    parameter int NoShades = (bitspan_cfg_pkg::Shades != 0) ? 0 : 4,
-    parameter int EndSidesW = bitspan_cfg_pkg::LinesEndW - bitspan_cfg_pkg::EdgeHW - 2 * bitspan_cfg_pkg::EdgeUvW +
-        NoShades * bitspan_cfg_pkg::EdgeShadeW,
-    parameter int AccSidesW = bitspan_cfg_pkg::LinesAccW - bitspan_cfg_pkg::SpanHW - 2 * bitspan_cfg_pkg::TexAccW +
-        NoShades * bitspan_cfg_pkg::SpanShadeAccW,
-    parameter int StepSidesW = bitspan_cfg_pkg::LinesStepW - bitspan_cfg_pkg::SpanHStepW - 2 * bitspan_cfg_pkg::TexStepW +
-        NoShades * bitspan_cfg_pkg::SpanShadeStepW,
-    // Behind the lines' registers the package has those of the channels' values.
-    parameter int LastValue = 2 * bitspan_cfg_pkg::Lines - 8 + NoShades,
-    parameter int SidesW = 4 * bitspan_cfg_pkg::SpanShadeW + bitspan_cfg_pkg::LineAccAt[32*LastValue+:32] +
-        bitspan_cfg_pkg::LineAccW[32*LastValue+:32] - bitspan_cfg_pkg::LinesAccW
-) (
+module span_interpolator (
     input  logic clk_i,
     input  logic rst_ni,
     // Constant B of the depth code; stable while records are in flight.
@@ -35,8 +21,8 @@ module span_interpolator #(
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] u_r_i,
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] v_l_i,
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] v_r_i,
-    input  logic [EndSidesW-1:0] shade_l_i,
-    input  logic [EndSidesW-1:0] shade_r_i,
+    input  logic [bitspan_cfg_pkg::SidesEndW-1:0] shade_l_i,
+    input  logic [bitspan_cfg_pkg::SidesEndW-1:0] shade_r_i,
     // const_depth_rows: the plane row; ignored in the other modes.
     input  logic [bitspan_cfg_pkg::PhaseW-1:0] phase_i,
     input  logic [bitspan_cfg_pkg::PlaneKW-1:0] k_i,
@@ -47,9 +33,9 @@ module span_interpolator #(
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gu_step1_i,
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step0_i,
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step1_i,
-    input  logic [AccSidesW-1:0] shade_i,
-    input  logic [StepSidesW-1:0] shade_step0_i,
-    input  logic [StepSidesW-1:0] shade_step1_i,
+    input  logic [bitspan_cfg_pkg::SidesAccW-1:0] shade_i,
+    input  logic [bitspan_cfg_pkg::SidesStepW-1:0] shade_step0_i,
+    input  logic [bitspan_cfg_pkg::SidesStepW-1:0] shade_step1_i,
     // One transfer per pixel. x is the major coordinate; step says that the digital line steps after this pixel.
     output logic out_valid_o,
     input  logic out_ready_i,
@@ -63,7 +49,7 @@ module span_interpolator #(
     output logic [bitspan_cfg_pkg::ExponentW-1:0] recip_e_o,
     output logic [bitspan_cfg_pkg::SpanUvW-1:0] u_o,
     output logic [bitspan_cfg_pkg::SpanUvW-1:0] v_o,
-    output logic [SidesW-1:0] shade_o,
+    output logic [bitspan_cfg_pkg::SidesW-1:0] shade_o,
     // Tap: the span record, as span takes it.
     output logic span_take_o,
     output logic [bitspan_cfg_pkg::PixelIndexW-1:0] span_x_o,
@@ -83,9 +69,9 @@ module span_interpolator #(
     output logic [bitspan_cfg_pkg::TexStepW-1:0] span_fu_step1_o,
     output logic [bitspan_cfg_pkg::TexStepW-1:0] span_fv_step0_o,
     output logic [bitspan_cfg_pkg::TexStepW-1:0] span_fv_step1_o,
-    output logic [AccSidesW-1:0] span_shade_o,
-    output logic [StepSidesW-1:0] span_shade_step0_o,
-    output logic [StepSidesW-1:0] span_shade_step1_o
+    output logic [bitspan_cfg_pkg::SidesAccW-1:0] span_shade_o,
+    output logic [bitspan_cfg_pkg::SidesStepW-1:0] span_shade_step0_o,
+    output logic [bitspan_cfg_pkg::SidesStepW-1:0] span_shade_step1_o
 );
   localparam int RecordW = bitspan_cfg_pkg::SpanRecordW;
   logic setup_valid, setup_ready, res_valid, take;
@@ -179,11 +165,12 @@ module span_interpolator #(
   assign {span_fv_step0_o, span_fu_step0_o, span_h_step_o} = step0[PlainStepW-1:0];
   assign {span_fv_step1_o, span_fu_step1_o} = step1[FStepW-1:0];
   if (bitspan_cfg_pkg::Lines > 3) begin : gen_shades
-    assign span_shade_o[AccSidesW-1-:AccW-PlainAccW] = start[AccW-1:PlainAccW];
-    assign span_shade_step0_o[StepSidesW-1-:StepW-PlainStepW] = step0[StepW-1:PlainStepW];
-    assign span_shade_step1_o[StepSidesW-1-:StepW-PlainStepW] = step1[bitspan_cfg_pkg::LinesStep1W-1:FStepW];
+    assign span_shade_o[bitspan_cfg_pkg::SidesAccW-1-:AccW-PlainAccW] = start[AccW-1:PlainAccW];
+    assign span_shade_step0_o[bitspan_cfg_pkg::SidesStepW-1-:StepW-PlainStepW] = step0[StepW-1:PlainStepW];
+    assign span_shade_step1_o[bitspan_cfg_pkg::SidesStepW-1-:StepW-PlainStepW] =
+        step1[bitspan_cfg_pkg::LinesStep1W-1:FStepW];
   end
-  if (NoShades != 0) begin : gen_no_shades
+  if (bitspan_cfg_pkg::Shades == 0) begin : gen_no_shades
     assign span_shade_o[4*bitspan_cfg_pkg::SpanShadeAccW-1:0] = '0;
     assign span_shade_step0_o[4*bitspan_cfg_pkg::SpanShadeStepW-1:0] = '0;
     assign span_shade_step1_o[4*bitspan_cfg_pkg::SpanShadeStepW-1:0] = '0;

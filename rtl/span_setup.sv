@@ -11,16 +11,7 @@
 //   tick 1   row ends: L = x_r - x_l, differences, h + B; const_depth_rows: h + B. The row unit starts.
 //            products with h + B, then with the row's reciprocal, then with the pre-step p
 //   tick SpanSetupClocks: the span record
-module span_setup #(
-    // Bits of the ports of shades, as in span_interpolator.
-    parameter int NoShades = (bitspan_cfg_pkg::Shades != 0) ? 0 : 4,
-    parameter int EndSidesW = bitspan_cfg_pkg::LinesEndW - bitspan_cfg_pkg::EdgeHW - 2 * bitspan_cfg_pkg::EdgeUvW +
-        NoShades * bitspan_cfg_pkg::EdgeShadeW,
-    parameter int AccSidesW = bitspan_cfg_pkg::LinesAccW - bitspan_cfg_pkg::SpanHW - 2 * bitspan_cfg_pkg::TexAccW +
-        NoShades * bitspan_cfg_pkg::SpanShadeAccW,
-    parameter int StepSidesW = bitspan_cfg_pkg::LinesStepW - bitspan_cfg_pkg::SpanHStepW - 2 * bitspan_cfg_pkg::TexStepW +
-        NoShades * bitspan_cfg_pkg::SpanShadeStepW
-) (
+module span_setup (
     input  logic clk_i,
     input  logic rst_ni,
     // Constant B of the depth code; stable while records are in flight.
@@ -40,8 +31,8 @@ module span_setup #(
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] u_r_i,
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] v_l_i,
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] v_r_i,
-    input  logic [EndSidesW-1:0] shade_l_i,
-    input  logic [EndSidesW-1:0] shade_r_i,
+    input  logic [bitspan_cfg_pkg::SidesEndW-1:0] shade_l_i,
+    input  logic [bitspan_cfg_pkg::SidesEndW-1:0] shade_r_i,
     // const_depth_rows: the plane row; ignored in the other modes.
     input  logic [bitspan_cfg_pkg::PhaseW-1:0] phase_i,
     input  logic [bitspan_cfg_pkg::PlaneKW-1:0] k_i,
@@ -52,9 +43,9 @@ module span_setup #(
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gu_step1_i,
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step0_i,
     input  logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step1_i,
-    input  logic [AccSidesW-1:0] shade_i,
-    input  logic [StepSidesW-1:0] shade_step0_i,
-    input  logic [StepSidesW-1:0] shade_step1_i,
+    input  logic [bitspan_cfg_pkg::SidesAccW-1:0] shade_i,
+    input  logic [bitspan_cfg_pkg::SidesStepW-1:0] shade_step0_i,
+    input  logic [bitspan_cfg_pkg::SidesStepW-1:0] shade_step1_i,
     // The span record; it is delivered where res_valid_o and res_ready_i are both 1. One that waits stops all.
     output logic res_valid_o,
     input  logic res_ready_i,
@@ -385,8 +376,8 @@ module span_setup #(
     assign right_ends[PlainEndW-1:0] = {v_r_i, u_r_i, h_r_i};
     if (bitspan_cfg_pkg::Lines > 3) begin : gen_side_ends
       localparam int SideEndW = bitspan_cfg_pkg::LinesEndW - PlainEndW;
-      assign left_ends[bitspan_cfg_pkg::LinesEndW-1:PlainEndW] = shade_l_i[EndSidesW-1-:SideEndW];
-      assign right_ends[bitspan_cfg_pkg::LinesEndW-1:PlainEndW] = shade_r_i[EndSidesW-1-:SideEndW];
+      assign left_ends[bitspan_cfg_pkg::LinesEndW-1:PlainEndW] = shade_l_i[bitspan_cfg_pkg::SidesEndW-1-:SideEndW];
+      assign right_ends[bitspan_cfg_pkg::LinesEndW-1:PlainEndW] = shade_r_i[bitspan_cfg_pkg::SidesEndW-1-:SideEndW];
     end
     if (Affine) begin : gen_affine
       assign res_f_diff = '0;
@@ -811,8 +802,11 @@ module span_setup #(
     assign res_step0[PlainStepW-1:0] = {res_f_step[0+:2*StepW], {HStepW{1'b0}}};
     assign res_step1[2*StepW-1:0] = res_f_step[2*StepW+:2*StepW];
     if (OwnAccW > 0) begin : gen_sides
-      assign through[ThroughW-1:PlainThroughW] =
-          {shade_step1_i[StepSidesW-1-:OwnStepW], shade_step0_i[StepSidesW-1-:OwnStepW], shade_i[AccSidesW-1-:OwnAccW]};
+      assign through[ThroughW-1:PlainThroughW] = {
+        shade_step1_i[bitspan_cfg_pkg::SidesStepW-1-:OwnStepW],
+        shade_step0_i[bitspan_cfg_pkg::SidesStepW-1-:OwnStepW],
+        shade_i[bitspan_cfg_pkg::SidesAccW-1-:OwnAccW]
+      };
       assign {res_step1[bitspan_cfg_pkg::LinesStep1W-1:2*StepW], res_step0[bitspan_cfg_pkg::LinesStepW-1:PlainStepW],
               res_start[bitspan_cfg_pkg::LinesAccW-1:PlainAccW]} =
           through_q[(Latency-1)/Interval*ThroughW+PlainThroughW+:OwnAccW+2*OwnStepW];
@@ -843,7 +837,8 @@ module span_setup #(
   localparam int OfferW = 2 * IndexW + 2 * bitspan_cfg_pkg::EdgeXW + 2 * bitspan_cfg_pkg::EdgeHW +
       4 * bitspan_cfg_pkg::EdgeUvW + bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + bitspan_cfg_pkg::SpanHW +
       2 * bitspan_cfg_pkg::SpanFW + 4 * bitspan_cfg_pkg::SpanFStepW +
-      ((bitspan_cfg_pkg::Lines > 3) ? 2 * EndSidesW + AccSidesW + 2 * StepSidesW : 0);
+      ((bitspan_cfg_pkg::Lines > 3) ?
+       2 * bitspan_cfg_pkg::SidesEndW + bitspan_cfg_pkg::SidesAccW + 2 * bitspan_cfg_pkg::SidesStepW : 0);
   logic offered_q;
   logic [OfferW-1:0] offer, offer_q;
   logic [bitspan_cfg_pkg::SetupBW-1:0] b_q;

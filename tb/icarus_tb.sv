@@ -12,17 +12,6 @@ module icarus_tb;
   localparam int ClocksUntilEmpty = bitspan_cfg_pkg::SpanSetupClocks + 1 +
       bitspan_cfg_pkg::PixelInterval + bitspan_cfg_pkg::SpanClocks;
 
-  // The ports of shades, as in span_interpolator.
-  localparam int NoShades = (bitspan_cfg_pkg::Shades != 0) ? 0 : 4;
-  localparam int EndSidesW = bitspan_cfg_pkg::LinesEndW - bitspan_cfg_pkg::EdgeHW - 2 * bitspan_cfg_pkg::EdgeUvW +
-      NoShades * bitspan_cfg_pkg::EdgeShadeW;
-  localparam int AccSidesW = bitspan_cfg_pkg::LinesAccW - bitspan_cfg_pkg::SpanHW - 2 * bitspan_cfg_pkg::TexAccW +
-      NoShades * bitspan_cfg_pkg::SpanShadeAccW;
-  localparam int StepSidesW = bitspan_cfg_pkg::LinesStepW - bitspan_cfg_pkg::SpanHStepW - 2 * bitspan_cfg_pkg::TexStepW +
-      NoShades * bitspan_cfg_pkg::SpanShadeStepW;
-  localparam int LastValue = 2 * bitspan_cfg_pkg::Lines - 8 + NoShades;
-  localparam int SidesW = 4 * bitspan_cfg_pkg::SpanShadeW + bitspan_cfg_pkg::LineAccAt[32*LastValue+:32] +
-      bitspan_cfg_pkg::LineAccW[32*LastValue+:32] - bitspan_cfg_pkg::LinesAccW;
 
   logic clk, rst_n;
   logic in_valid, in_ready, out_valid, out_ready, span_take;
@@ -48,11 +37,11 @@ module icarus_tb;
   logic [bitspan_cfg_pkg::SpanFStepW-1:0] gu_step1;
   logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step0;
   logic [bitspan_cfg_pkg::SpanFStepW-1:0] gv_step1;
-  logic [EndSidesW-1:0] shade_l;
-  logic [EndSidesW-1:0] shade_r;
-  logic [AccSidesW-1:0] shade;
-  logic [StepSidesW-1:0] shade_step0;
-  logic [StepSidesW-1:0] shade_step1;
+  logic [bitspan_cfg_pkg::SidesEndW-1:0] shade_l;
+  logic [bitspan_cfg_pkg::SidesEndW-1:0] shade_r;
+  logic [bitspan_cfg_pkg::SidesAccW-1:0] shade;
+  logic [bitspan_cfg_pkg::SidesStepW-1:0] shade_step0;
+  logic [bitspan_cfg_pkg::SidesStepW-1:0] shade_step1;
   // Outputs, and what the files expect.
   logic [bitspan_cfg_pkg::PixelIndexW-1:0] pixel_x;
   logic [bitspan_cfg_pkg::PixelIndexW-1:0] want_pixel_x;
@@ -74,8 +63,8 @@ module icarus_tb;
   logic [bitspan_cfg_pkg::SpanUvW-1:0] want_pixel_u;
   logic [bitspan_cfg_pkg::SpanUvW-1:0] pixel_v;
   logic [bitspan_cfg_pkg::SpanUvW-1:0] want_pixel_v;
-  logic [SidesW-1:0] pixel_shade;
-  logic [SidesW-1:0] want_pixel_shade;
+  logic [bitspan_cfg_pkg::SidesW-1:0] pixel_shade;
+  logic [bitspan_cfg_pkg::SidesW-1:0] want_pixel_shade;
   logic [bitspan_cfg_pkg::PixelIndexW-1:0] span_x;
   logic [bitspan_cfg_pkg::PixelIndexW-1:0] want_span_x;
   logic [bitspan_cfg_pkg::PixelIndexW-1:0] span_count;
@@ -110,12 +99,12 @@ module icarus_tb;
   logic [bitspan_cfg_pkg::TexStepW-1:0] want_span_fv_step0;
   logic [bitspan_cfg_pkg::TexStepW-1:0] span_fv_step1;
   logic [bitspan_cfg_pkg::TexStepW-1:0] want_span_fv_step1;
-  logic [AccSidesW-1:0] span_shade;
-  logic [AccSidesW-1:0] want_span_shade;
-  logic [StepSidesW-1:0] span_shade_step0;
-  logic [StepSidesW-1:0] want_span_shade_step0;
-  logic [StepSidesW-1:0] span_shade_step1;
-  logic [StepSidesW-1:0] want_span_shade_step1;
+  logic [bitspan_cfg_pkg::SidesAccW-1:0] span_shade;
+  logic [bitspan_cfg_pkg::SidesAccW-1:0] want_span_shade;
+  logic [bitspan_cfg_pkg::SidesStepW-1:0] span_shade_step0;
+  logic [bitspan_cfg_pkg::SidesStepW-1:0] want_span_shade_step0;
+  logic [bitspan_cfg_pkg::SidesStepW-1:0] span_shade_step1;
+  logic [bitspan_cfg_pkg::SidesStepW-1:0] want_span_shade_step1;
 
   span_interpolator u_dut (
       .clk_i(clk),

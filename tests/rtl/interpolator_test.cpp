@@ -334,10 +334,10 @@ TEST(Interpolator, WrongBitsAreSeenInEveryMode) {
        "(bitspan_cfg_pkg::LineDivFrac[32*Line+:32] + ((Line > 2) ? 1 : 0))"},
   };
   constexpr PlantedBug plane_shades[] = {
-      {setup, "{shade_step1_i[StepSidesW-1-:OwnStepW], shade_step0_i[",
-       "{shade_step0_i[StepSidesW-1-:OwnStepW], shade_step1_i["},
-      {setup, "shade_i[AccSidesW-1-:OwnAccW]};",
-       "shade_i[AccSidesW-1-:OwnAccW] ^ (OwnAccW'(1) << (OwnAccW - 1))};"},
+      {setup, "shade_step1_i[bitspan_cfg_pkg::SidesStepW-1-:OwnStepW]",
+       "shade_step0_i[bitspan_cfg_pkg::SidesStepW-1:bitspan_cfg_pkg::SidesStepW-OwnStepW]"},
+      {setup, "shade_i[bitspan_cfg_pkg::SidesAccW-1-:OwnAccW]",
+       "shade_i[bitspan_cfg_pkg::SidesAccW-1-:OwnAccW] ^ (OwnAccW'(1) << (OwnAccW - 1))"},
       {span, "assign step1 = res_step1[Step1At+:LineStepW];", "assign step1 = res_step0[StepAt+:LineStepW];"},
   };
   constexpr PlantedBug hyperbolic[] = {
