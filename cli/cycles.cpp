@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "config/lines.hpp"
+#include "config/modes.hpp"
 #include "model/timed/engine_systemc.hpp"
 #include "tb/engine_rtl.hpp"
 #include "tb/rtl_pixels.hpp"
@@ -196,6 +198,12 @@ class ChainBeside {
     }
     const Triangle& triangle = scene_.triangles[static_cast<std::size_t>(pixel_.record.triangle)];
     pixel_.texture = std::max(triangle.texture, -1);
+    // No value of a channel takes part in clocks: the rows have none here, and the factor is the model's.
+    if (has_vertex_fog(pipeline_.fog.mode)) {
+      std::size_t at = next_channel_;
+      while (channel_line(trace_.fragment_channel[at].channel) != LineId::fog) ++at;
+      pixel_.factor = trace_.fragment_channel[at].w;
+    }
     pixel_.back = state_.stencil_test && model::is_back_face(pipeline_.setup, triangle);
     pixel_stands_ = true;
   }
@@ -222,12 +230,17 @@ class ChainBeside {
       forget(trace_.row, next_row_);
     }
     trace_.setup.clear();
+    trace_.setup_channel.clear();
+    trace_.row_channel.clear();
     trace_.span.clear();
+    trace_.span_channel.clear();
   }
   void take_pixel() {
     pixel_stands_ = false;
     ++next_pixel_;
     forget(trace_.fragment, next_pixel_);
+    next_channel_ += pipeline_.channels.in_use.size();
+    forget(trace_.fragment_channel, next_channel_);
     forget(trace_.gradient, next_gradient_);
     trace_.depth.clear();
     trace_.stencil.clear();
@@ -250,7 +263,8 @@ class ChainBeside {
   Counters counters_;
   Trace trace_;
   DrawState state_;
-  std::size_t next_row_ = 0, next_plane_ = 0, next_pixel_ = 0, next_gradient_ = 0, next_command_ = 0;
+  std::size_t next_row_ = 0, next_plane_ = 0, next_pixel_ = 0, next_channel_ = 0, next_gradient_ = 0,
+              next_command_ = 0;
   bool row_stands_ = false, pixel_stands_ = false;
   RtlDrive rows_{};
   RtlPixels::Fragment pixel_;

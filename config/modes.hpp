@@ -403,10 +403,10 @@ constexpr bool is_in_rtl(FogMode mode) {
     case FogMode::none:
     case FogMode::linear:
     case FogMode::table:
+    case FogMode::vertex:
       return true;
     case FogMode::distance:
     case FogMode::log:
-    case FogMode::vertex:
       return false;
   }
   unreachable();

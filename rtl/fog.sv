@@ -5,8 +5,8 @@
 //   x, y     --> squares --> r^2 --> zone -----+--> table --+
 //   h        --> h + B --> R_pixel --> 1 - scale m 2^-e ----+--> factor --> blend --> skid --> out
 //
-// The stage shifts as one on the ready of the skid at its end, which is a register. The linear part is there where the
-// package says so (FogHasLinear).
+// The stage shifts as one on the ready of the skid at its end, which is a register. The linear part is there where
+// FogHasLinear of the package is 1. Where it is 2, the factor that comes with the fragment stands in place of it.
 //
 // The zone is the number of thresholds k (W^2 + H^2) / 2^zone_bits, rounded up, that r^2 reaches: a search through the
 // tree of thresholds, one level per clock.
@@ -29,6 +29,7 @@ module fog #(
     input  logic [bitspan_pixel_pkg::TextureColorW-1:0] in_r_i,
     input  logic [bitspan_pixel_pkg::TextureColorW-1:0] in_g_i,
     input  logic [bitspan_pixel_pkg::TextureColorW-1:0] in_b_i,
+    input  logic [bitspan_pixel_pkg::FogFactorW-1:0] in_factor_i,  // read where FogHasLinear is 2
     input  logic [RestW-1:0] in_rest_i,
     // The draw state, taken with the fragment: the mode (FogModeNone and so on), the fog's colour (red in the lowest
     // byte), the picture's size, and the constants B and fog_scale.
@@ -70,7 +71,7 @@ module fog #(
   localparam int RecipAt = 1 + bitspan_pixel_pkg::PixelUnitClocks;
   localparam int ProductClocks = bitspan_pixel_pkg::FogScaleProductClocks;
   localparam int LinearAt = RecipAt + ProductClocks + 4;
-  localparam int EntryAt = (bitspan_pixel_pkg::FogHasLinear != 0 && LinearAt > ZoneAt + 1) ? LinearAt : ZoneAt + 1;
+  localparam int EntryAt = (bitspan_pixel_pkg::FogHasLinear == 1 && LinearAt > ZoneAt + 1) ? LinearAt : ZoneAt + 1;
   localparam int FactorAt = EntryAt + 1;
   localparam int BlendProductClocks = bitspan_pixel_pkg::FogBlendProductClocks;
   localparam int Clocks = FactorAt + 3 + BlendProductClocks;
@@ -182,11 +183,11 @@ module fog #(
     if (en) entry_q <= entries[index_entry];
   end
 
-  // ---------------------------------------------------------------- linear
+  // ---------------------------------------------------------------- linear, or given
 
   logic [FactorW-1:0] linear;
   logic [MW+EW-1:0] recip_out;
-  if (bitspan_pixel_pkg::FogHasLinear != 0) begin : gen_linear
+  if (bitspan_pixel_pkg::FogHasLinear == 1) begin : gen_linear
     logic [MW-1:0] m;
     logic signed [EW-1:0] e;
     pixel_reciprocal u_reciprocal (
@@ -262,11 +263,27 @@ module fog #(
         .d_i({m, e}),
         .q_o(recip_out)
     );
+    logic unused;
+    assign unused = ^in_factor_i;
+  end else if (bitspan_pixel_pkg::FogHasLinear == 2) begin : gen_given
+    ring_line #(
+        .Width(FactorW),
+        .Depth(EntryAt)
+    ) u_factor_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(in_factor_i),
+        .q_o(linear)
+    );
+    assign recip_out = '0;
+    logic unused;
+    assign unused = ^{in_constant_b_i, in_scale_i};
   end else begin : gen_no_linear
     assign linear = '0;
     assign recip_out = '0;
     logic unused;
-    assign unused = ^{in_constant_b_i, in_scale_i};
+    assign unused = ^{in_constant_b_i, in_scale_i, in_factor_i};
   end
 
   // ---------------------------------------------------------------- factor and blend

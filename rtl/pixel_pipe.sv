@@ -105,6 +105,7 @@ module pixel_pipe (
     input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_g_i,
     input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_b_i,
     input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_a_i,
+    input  logic [bitspan_pixel_pkg::FogFactorW-1:0] in_factor_i,  // of the fog; read where FogHasLinear is 2
     input  logic in_back_i,  // of a back face
     // The depth memory. With DepthIsLate a word holds the stencil value, too; mask tells what is written of it: bit 0 the
     // code, bit 1 the stencil value.
@@ -370,9 +371,20 @@ module pixel_pipe (
   // ---------------------------------------------------------------- the order of the stages
 
   // What stands at a fragment's slot in front of depth, and of texture, and what comes out of them.
+  // Its tag is the slot, and below it the fog's factor where the fragment brings one.
+  localparam int FactorW = bitspan_pixel_pkg::FogFactorW;
+  localparam int TagW = SlotW + ((bitspan_pixel_pkg::FogHasLinear == 2) ? FactorW : 0);
   localparam int ShadesW = 2 * UvW + 4 * ShadeW;
-  localparam int DepthRestW = SlotW + ((Late != 0) ? 1 + 3 * ColorW + AlphaW : ShadesW);
-  localparam int TextureRestW = SlotW + 2 * CoordW + HW + ((Late != 0) ? 1 : ZW + 1);
+  localparam int DepthRestW = TagW + ((Late != 0) ? 1 + 3 * ColorW + AlphaW : ShadesW);
+  localparam int TextureRestW = TagW + 2 * CoordW + HW + ((Late != 0) ? 1 : ZW + 1);
+  logic [TagW-1:0] in_tag, textured_tag, judged_tag;
+  if (bitspan_pixel_pkg::FogHasLinear == 2) begin : gen_factor
+    assign in_tag = {slot_q, in_factor_i};
+  end else begin : gen_no_factor
+    assign in_tag = slot_q;
+    logic unused;
+    assign unused = ^in_factor_i;
+  end
   logic depth_valid, depth_ready, depth_keep;
   logic [2:0] depth_func;
   logic [CoordW-1:0] depth_x, depth_y;
@@ -394,11 +406,13 @@ module pixel_pipe (
   logic [SlotW-1:0] textured_slot;
   logic [CoordW-1:0] textured_x, textured_y;
   logic [HW-1:0] textured_h;
-  assign {textured_slot, textured_x, textured_y, textured_h} = textured_rest[TextureRestW-1-:SlotW+2*CoordW+HW];
+  assign {textured_tag, textured_x, textured_y, textured_h} = textured_rest[TextureRestW-1-:TagW+2*CoordW+HW];
+  assign textured_slot = textured_tag[TagW-1-:SlotW];
 
   // What comes out of the second of the two, where everything is known that may stop a fragment: lives goes on to fog.
   logic judged_valid, judged_ready, judged_mark, lives, fog_ready;
   logic [SlotW-1:0] judged_slot;
+  assign judged_slot = judged_tag[TagW-1-:SlotW];
   logic [CoordW-1:0] judged_x, judged_y;
   logic [HW-1:0] judged_h;
   logic [ZW-1:0] judged_z;
@@ -419,7 +433,7 @@ module pixel_pipe (
     assign {texture_u, texture_v, texture_r, texture_g, texture_b, texture_a} = {
       in_u_i, in_v_i, in_r_i, in_g_i, in_b_i, in_a_i
     };
-    assign texture_rest = {slot_q, in_x_i, in_y_i, in_h_i, in_back_i};
+    assign texture_rest = {in_tag, in_x_i, in_y_i, in_h_i, in_back_i};
 
     assign depth_valid = textured_valid && !killed;
     assign textured_ready = depth_ready || killed;
@@ -429,7 +443,7 @@ module pixel_pipe (
     assign depth_func = func_state[textured_slot];
     assign depth_keep = test_state[textured_slot];
     assign depth_rest = {
-      textured_slot, textured_rest[0], texture_record_r_o, texture_record_g_o, texture_record_b_o, texture_record_a_o
+      textured_tag, textured_rest[0], texture_record_r_o, texture_record_g_o, texture_record_b_o, texture_record_a_o
     };
 
     // Without a test a fragment passes, and the plane stays as it is.
@@ -438,7 +452,7 @@ module pixel_pipe (
     logic [11:0] front_side, back_side, side;
     assign test = test_state[tested_slot];
     assign {ref_value, mask, write, back_side, front_side} = stencil_state[tested_slot];
-    assign back = tested_rest[DepthRestW-SlotW-1];
+    assign back = tested_rest[DepthRestW-TagW-1];
     assign side = back ? back_side : front_side;
     stencil #(
         .RestW(1 + 8 + 2 * CoordW + HW + ZW + 1 + DepthRestW)
@@ -464,7 +478,7 @@ module pixel_pipe (
         .out_value_o(judged_stencil),
         .out_go_o(lives),
         .out_rest_o({
-          judged_test, stencil_record_stored_o, judged_x, judged_y, judged_h, judged_z, judged_mark, judged_slot,
+          judged_test, stencil_record_stored_o, judged_x, judged_y, judged_h, judged_z, judged_mark, judged_tag,
           stencil_record_back_o, judged_r, judged_g, judged_b, judged_a
         })
     );
@@ -484,17 +498,19 @@ module pixel_pipe (
     assign depth_h = in_h_i;
     assign depth_func = func_q;
     assign depth_keep = 1'b0;
-    assign depth_rest = {slot_q, in_u_i, in_v_i, in_r_i, in_g_i, in_b_i, in_a_i};
+    assign depth_rest = {in_tag, in_u_i, in_v_i, in_r_i, in_g_i, in_b_i, in_a_i};
 
     assign texture_valid = tested_valid;
     assign tested_ready = texture_ready;
-    assign {texture_slot, texture_u, texture_v, texture_r, texture_g, texture_b, texture_a} = tested_rest;
-    assign texture_rest = {tested_slot, tested_x, tested_y, tested_h, tested_z, tested_mark};
+    logic [TagW-1:0] tested_tag;
+    assign {tested_tag, texture_u, texture_v, texture_r, texture_g, texture_b, texture_a} = tested_rest;
+    assign texture_slot = tested_slot;
+    assign texture_rest = {tested_tag, tested_x, tested_y, tested_h, tested_z, tested_mark};
 
     assign judged_valid = textured_valid;
     assign textured_ready = judged_ready;
     assign lives = !killed;
-    assign {judged_slot, judged_x, judged_y, judged_h, judged_z, judged_mark} = textured_rest;
+    assign {judged_tag, judged_x, judged_y, judged_h, judged_z, judged_mark} = textured_rest;
     assign judged_r = texture_record_r_o;
     assign judged_g = texture_record_g_o;
     assign judged_b = texture_record_b_o;
@@ -507,7 +523,7 @@ module pixel_pipe (
     assign left[3] = 1'b0;
     logic unused;
     assign unused = ^{in_back_i, tested_pass, tested_stencil, func_state[slot_q], test_state[slot_q], stencil_state[slot_q],
-                      textured_x, textured_y, textured_h};
+                      textured_tag, textured_x, textured_y, textured_h};
   end
   assign left_slot[3] = judged_slot;
 
@@ -605,7 +621,8 @@ module pixel_pipe (
   assign {levelled_rest, levelled_u, levelled_v, levelled_r, levelled_g, levelled_b, levelled_a} = levelled_all;
   logic [SlotW-1:0] levelled_slot;
   logic [CoordW-1:0] levelled_x, levelled_y;
-  assign {levelled_slot, levelled_x, levelled_y} = levelled_rest[TextureRestW-1-:SlotW+2*CoordW];
+  assign levelled_slot = levelled_rest[TextureRestW-1-:SlotW];
+  assign {levelled_x, levelled_y} = levelled_rest[TextureRestW-TagW-1-:2*CoordW];
   logic [LevelW-1:0] level;
   logic [ShareW-1:0] share;
   if (HasLevels != 0) begin : gen_lod
@@ -633,7 +650,7 @@ module pixel_pipe (
         .load_data_i(load_k_data_i),
         .in_valid_i(texture_valid),
         .in_ready_o(texture_ready),
-        .in_h_i(texture_rest[TextureRestW-SlotW-2*CoordW-1-:HW]),
+        .in_h_i(texture_rest[TextureRestW-TagW-2*CoordW-1-:HW]),
         .in_u_i(texture_u),
         .in_v_i(texture_v),
         .in_h_x_i(h_x),
@@ -821,6 +838,7 @@ module pixel_pipe (
       .in_r_i(judged_r),
       .in_g_i(judged_g),
       .in_b_i(judged_b),
+      .in_factor_i(FactorW'(judged_tag)),
       .in_rest_i({judged_slot, judged_x, judged_y, judged_z, judged_a}),
       .in_mode_i(fog_mode),
       .in_color_i(fog_color),

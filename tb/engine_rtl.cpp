@@ -195,10 +195,13 @@ class RtlEngine final : public Engine {
     const GradientRecord* gradient =
         fragments_.empty() ? nullptr : model::gradient_of(batch_.rows, fragments_.front().triangle);
     if (pixels_ != nullptr) {
-      for (const FragmentRecord& f : fragments_) {
+      for (std::size_t i = 0; i < fragments_.size(); ++i) {
+        const FragmentRecord& f = fragments_[i];
         if (f.covered == 0) continue;
         if (model::is_drawn(run_.pipeline, f)) {
-          covered_.push_back({f, std::max(surface.texture, -1), surface.back, gradient});
+          const std::int64_t factor =
+              has_vertex_fog(run_.pipeline.fog.mode) ? model::channel_value(channels_[i], LineId::fog) : 0;
+          covered_.push_back({f, std::max(surface.texture, -1), surface.back, gradient, factor});
         } else {
           ++run_.counters.masked;
         }

@@ -66,6 +66,7 @@ std::uint64_t packed(const std::array<std::uint8_t, 3>& color) {
 }  // namespace
 
 StageDesign pixel_pipe_design(const Config& config, DepthWhen when) {
+  const std::vector<std::string> of_fragment{"x", "y", "h", "u", "v", "r", "g", "b", "a", "factor", "back"};
   StageDesign d{.name = config.name,
                 .top = "pixel_pipe",
                 .package = emit_pixel_sv(config, when),
@@ -116,7 +117,7 @@ StageDesign pixel_pipe_design(const Config& config, DepthWhen when) {
                                "gu_y",
                                "gv_x",
                                "gv_y"}},
-                             {ChannelKind::in, "in", {"x", "y", "h", "u", "v", "r", "g", "b", "a", "back"}},
+                             {ChannelKind::in, "in", of_fragment},
                              {ChannelKind::out, "z_request", {"x", "y"}},
                              {ChannelKind::in, "z_answer", {"z", "stencil"}},
                              {ChannelKind::out, "z_write", {"x", "y", "z", "stencil", "mask"}},
@@ -224,6 +225,10 @@ void add_side(StageValues& values, const RtlStencilSide& side) {
 
 }  // namespace
 
+std::uint64_t fog_number(FogMode mode) {
+  return static_cast<std::uint64_t>(has_vertex_fog(mode) ? FogMode::linear : mode);
+}
+
 StageValues draw_values(const Config& config, const RtlDraw& s) {
   const std::int64_t zmax = (std::int64_t{1} << config.depth_bits) - 1;
   const PassingDistances passes = passing_distances(s.func);
@@ -245,7 +250,7 @@ StageValues draw_values(const Config& config, const RtlDraw& s) {
                      s.place.base,
                      bit(s.transparent.has_value()),
                      s.transparent ? packed(*s.transparent) : 0,
-                     static_cast<std::uint64_t>(s.fog),
+                     fog_number(s.fog),
                      packed(s.fog_color),
                      bit(s.blend),
                      bit(s.write_color),
@@ -273,15 +278,21 @@ StageValues draw_values(const Config& config, const RtlDraw& s) {
   return values;
 }
 
-StageValues fragment_values(const Config& config, const FragmentRecord& f, bool back) {
+StageValues fragment_values(const Config& config, const FragmentRecord& f, bool back, std::int64_t factor) {
   const auto port = [&config](std::int64_t raw, FormatId id) {
     return Rtl::to_port(raw, config.format(id).word);
   };
-  return {static_cast<std::uint64_t>(f.x), static_cast<std::uint64_t>(f.y),
-          port(f.h, FormatId::span_h),     port(f.u, FormatId::span_uv),
-          port(f.v, FormatId::span_uv),    port(f.r, FormatId::span_shade),
-          port(f.g, FormatId::span_shade), port(f.b, FormatId::span_shade),
-          port(f.a, FormatId::span_shade), std::uint64_t{back}};
+  return {static_cast<std::uint64_t>(f.x),
+          static_cast<std::uint64_t>(f.y),
+          port(f.h, FormatId::span_h),
+          port(f.u, FormatId::span_uv),
+          port(f.v, FormatId::span_uv),
+          port(f.r, FormatId::span_shade),
+          port(f.g, FormatId::span_shade),
+          port(f.b, FormatId::span_shade),
+          port(f.a, FormatId::span_shade),
+          port(factor, FormatId::fog_factor),
+          std::uint64_t{back}};
 }
 
 StageValues frame_values(const Config& config, const ConstantsRecord& k, const Scene& scene,
@@ -733,7 +744,7 @@ struct RtlPixels::Pipe {
     inputs[in.valid] = drive.in_valid ? 1 : 0;
     if (offered != nullptr) {
       put_draw(*offered);
-      put(in, fragment_values(config, offered->record, offered->back));
+      put(in, fragment_values(config, offered->record, offered->back, offered->factor));
     }
     const auto all = answers();
     for (std::size_t p = 0; p < all.size(); ++p) {
@@ -790,7 +801,7 @@ struct RtlPixels::Pipe {
       if (draws_first) {
         put_draw(sent[next]);
       } else if (sends && shown != next) {
-        put(in, fragment_values(config, sent[next].record, sent[next].back));
+        put(in, fragment_values(config, sent[next].record, sent[next].back, sent[next].factor));
         shown = next;
       }
       bool moved = clock();

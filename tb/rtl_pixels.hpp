@@ -81,9 +81,12 @@ struct RtlDraw {
   RtlStencil stencil{};       // read where the tests are late
   GradientRecord gradient{};  // of the triangle, where lod takes it
 };
-// On the channels `draw` and `in`.
+// The number of a mode of fog at the port. A design has linear fog or that of the vertices, by one number.
+std::uint64_t fog_number(FogMode mode);
+// On the channels `draw` and `in`; factor: of the fog, where it comes with a fragment.
 StageValues draw_values(const Config& config, const RtlDraw& state);
-StageValues fragment_values(const Config& config, const FragmentRecord& fragment, bool back = false);
+StageValues fragment_values(const Config& config, const FragmentRecord& fragment, bool back = false,
+                            std::int64_t factor = 0);
 
 // What the constants of the design hold, in its order, while nothing is loaded.
 StageValues frame_values(const Config& config, const ConstantsRecord& constants, const Scene& scene,
@@ -121,6 +124,7 @@ class RtlPixels {
     int texture = -1;                          // index into Scene::textures, -1 for none
     bool back = false;                         // of a back face
     const GradientRecord* gradient = nullptr;  // of its triangle, where lod takes it
+    std::int64_t factor = 0;                   // of the fog, where it comes with the fragment
   };
   // Sends the fragments, in order, until all have left, and runs on until the stages must be empty. Appends
   // the records of the stages to the trace, where there is one, also those that no fragment asked for.

@@ -144,12 +144,26 @@ TEST(EngineRtl, InterpolatesAChannel) {
     for (std::size_t i = 0; i < scene.triangles.size(); i += 2) {
       for (Vertex& v : scene.triangles[i].v) v.fog = std::uniform_real_distribution<double>(0, 1)(random);
     }
+    EXPECT_TRUE(rtl_draws_pixels(c, scene));
     const Trace trace = compare(c, scene);
     EXPECT_EQ(trace.fragment_channel.size(), trace.fragment.size());
+    EXPECT_GT(trace.fog.size(), 1000U);
     EXPECT_EQ(own_fields(c, scene, RecordType::span_channel), 4U);
+    EXPECT_EQ(own_fields(c, scene, RecordType::fog), fields<FogRecord>.size() - 1);
     scene.fog.reset();
     EXPECT_TRUE(compare(c, scene).fragment_channel.empty());
   }
+}
+
+// The factor beside levels of textures, first with early tests, then with late ones.
+TEST(EngineRtl, TakesAFactorThroughEveryOrderOfStages) {
+  Config c = level_configs()[2];
+  c.fog = FogMode::vertex;
+  Scene scene = random_scene(5, 120, powers_of_two);
+  const auto late = static_cast<std::int64_t>(DepthWhen::late);
+  scene.commands.push_back({60, StateChange{false, {{*find_state_register("depth.when"), late}}}});
+  ASSERT_TRUE(rtl_draws_pixels(c, scene));
+  compare(c, scene);
 }
 
 // What the shipped configurations do not have; tests/rtl/pixel_pipe_test.cpp uses the same packages.

@@ -14,6 +14,7 @@
 #include "config/rtl_timing.hpp"
 #include "engine/emit_pixel_sv.hpp"
 #include "engine/sv_writer.hpp"
+#include "tb/rtl_pixels.hpp"
 #include "tests/rtl/random_rtl.hpp"
 #include "tests/rtl/rtl_copy.hpp"
 #include "tests/rtl/stage_bench.hpp"
@@ -24,8 +25,8 @@
 namespace bitspan {
 namespace {
 
-const std::vector<std::string> inputs = {"x",    "y",     "h",     "r",      "g",          "b",    "rest",
-                                         "mode", "color", "width", "height", "constant_b", "scale"};
+const std::vector<std::string> inputs = {"x",    "y",     "h",     "r",      "g",          "b",     "rest",
+                                         "mode", "color", "width", "height", "constant_b", "scale", "factor"};
 const std::vector<std::string> outputs = {"index", "recip_m", "recip_e", "factor", "r", "g", "b", "rest"};
 
 StageDesign design_of(const Config& c) {
@@ -93,12 +94,15 @@ void load(StageBench& bench, const FogCase& t) {
   bench.set_constant("load", 0);
 }
 
+// Beside none and table.
+bool has_other_mode(const Config& c) { return is_linear_in_distance(c.fog) || has_vertex_fog(c.fog); }
+
 Exchange random_fragment(Random& random, FogCase& t, std::uint64_t number) {
   const Config& c = t.config;
   if (chance(random, 0.2)) t.draw_constants(random);
-  t.stage.mode = is_linear_in_distance(c.fog) && chance(random, 0.5) ? FogMode::linear
-                 : chance(random, 0.8)                               ? FogMode::table
-                                                                     : FogMode::none;
+  t.stage.mode = has_other_mode(c) && chance(random, 0.5) ? c.fog
+                 : chance(random, 0.8)                    ? FogMode::table
+                                                          : FogMode::none;
   for (auto& channel : t.stage.fog_color) channel = static_cast<std::uint8_t>(random());
   const Format& h = c.format(FormatId::span_h);
   const Format& color = c.format(FormatId::texture_color);
@@ -110,8 +114,11 @@ Exchange random_fragment(Random& random, FogCase& t, std::uint64_t number) {
   f.h = random_raw(random, h);
   TextureRecord texel;
   for (std::int64_t* v : {&texel.r, &texel.g, &texel.b}) *v = random_raw(random, color);
+  // In the other modes it stands at the port, and is not to be read.
+  model::FragmentChannels channels{};
+  channels[0].w = random_raw(random, factor);
   FogRecord r;
-  model::fog(t.stage, f, {}, texel, r);
+  model::fog(t.stage, f, {}, texel, r, model::NoObserve{}, &channels);
   Exchange g;
   const auto unsigned_of = [](std::int64_t v) { return static_cast<std::uint64_t>(v); };
   g.in = {unsigned_of(f.x),
@@ -121,13 +128,14 @@ Exchange random_fragment(Random& random, FogCase& t, std::uint64_t number) {
           port(texel.g, color),
           port(texel.b, color),
           number,
-          unsigned_of(static_cast<int>(t.stage.mode)),
+          fog_number(t.stage.mode),
           t.stage.fog_color[0] | std::uint64_t{t.stage.fog_color[1]} << 8 |
               std::uint64_t{t.stage.fog_color[2]} << 16,
           unsigned_of(t.stage.zones.width),
           unsigned_of(t.stage.zones.height),
           port(t.constants.record.b, c.format(FormatId::setup_b)),
-          port(t.constants.record.fog_scale, c.format(FormatId::fog_scale))};
+          port(t.constants.record.fog_scale, c.format(FormatId::fog_scale)),
+          port(channels[0].w, factor)};
   g.out = {Rtl::to_port(r.index, c.fog_index_bits() + 1),
            port(r.recip_m, c.pixel_reciprocal.output),
            Rtl::to_port(r.recip_e, exponent_bits),
@@ -181,14 +189,14 @@ void check(const Config& config, std::uint64_t seed, int count, std::size_t leas
     const FogRun r = run_fog(t, random, count, stalls);
     EXPECT_GT(r.modes[static_cast<std::size_t>(FogMode::none)], 0U);
     EXPECT_GT(r.modes[static_cast<std::size_t>(FogMode::table)], 0U);
-    EXPECT_EQ(r.modes[static_cast<std::size_t>(FogMode::linear)] > 0, is_linear_in_distance(config.fog));
+    EXPECT_EQ(r.modes[fog_number(FogMode::linear)] > 0, has_other_mode(config));
     EXPECT_GE(r.indices, least_indices);
   }
 }
 
 TEST(Fog, Shipped) {
   for (Config config : shipped_configs()) {
-    for (const FogMode mode : {FogMode::table, FogMode::linear}) {
+    for (const FogMode mode : {FogMode::table, FogMode::linear, FogMode::vertex}) {
       config.fog = mode;
       check(config, 11, 4000, 20);
     }
@@ -204,7 +212,7 @@ TEST(Fog, Random) {
 
 TEST(Fog, Clocks) {
   for (Config config : shipped_configs()) {
-    for (const FogMode mode : {FogMode::table, FogMode::linear}) {
+    for (const FogMode mode : {FogMode::table, FogMode::linear, FogMode::vertex}) {
       config.fog = mode;
       Random random(5);
       FogCase t(config, random);
@@ -232,6 +240,20 @@ TEST(Fog, RefusesLinearFogWhereItIsNotBuilt) {
   g.in[7] = static_cast<std::uint64_t>(FogMode::linear);
   bench.send("in", g.in);
   EXPECT_THROW(bench.clock(), std::logic_error);
+}
+
+TEST(Fog, PlantedBugsOfAGivenFactorAreSeen) {
+  constexpr PlantedBug bugs[] = {
+      {"rtl/fog.sv", ".Depth(EntryAt)\n    ) u_factor_line", ".Depth(EntryAt + 1)\n    ) u_factor_line"},
+      {"rtl/fog.sv", ".Depth(EntryAt)\n    ) u_factor_line", ".Depth(EntryAt - 1)\n    ) u_factor_line"},
+      {"rtl/fog.sv", ".d_i(in_factor_i),", ".d_i(in_factor_i ^ FactorW'(1)),"},
+  };
+  Config config = shipped_config("depth16");
+  config.fog = FogMode::vertex;
+  Random random(5);
+  FogCase t(config, random);
+  run_fog(t, random, 1000, {0.2, 0.4});
+  expect_seen(bugs, [&] { run_fog(t, random, 1000, {0.2, 0.4}); });
 }
 
 TEST(Fog, PlantedBugsAreSeen) {

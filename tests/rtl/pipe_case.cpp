@@ -101,7 +101,8 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
   std::map<std::int64_t, GradientRecord> gradients;  // by triangle, where lod takes them
   for (const GradientRecord& g : trace.gradient) gradients[g.triangle] = g;
   std::int64_t before = -1;
-  for (const FragmentRecord& f : trace.fragment) {
+  for (std::size_t i = 0; i < trace.fragment.size(); ++i) {
+    const FragmentRecord& f = trace.fragment[i];
     if (f.covered == 0) continue;
     if (f.triangle != before) {
       const Triangle& triangle = scene.triangles[static_cast<std::size_t>(f.triangle)];
@@ -124,7 +125,8 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
       if (p.batches.empty() || p.batches.back().draw != draw) p.batches.push_back({draw, {}});
       before = f.triangle;
     }
-    p.batches.back().fragments.push_back(fragment_values(c, f, back));
+    const std::int64_t factor = has_vertex_fog(p.fog.mode) ? trace.fragment_channel[i].w : 0;
+    p.batches.back().fragments.push_back(fragment_values(c, f, back, factor));
   }
   const auto add = [&](const char* tap, const auto& records) {
     for (const auto& r : records) p.records[tap].push_back(record_ports(c, r));
@@ -214,9 +216,8 @@ std::pair<RtlDraw, int> random_state(Random& random, const PipeCase& p) {
   s.filter = chance(50) ? TextureFilter::nearest : TextureFilter::bilinear;
   s.wrap = chance(50) ? TextureWrap::cyclic : TextureWrap::clamp;
   if (chance(50)) s.transparent = std::array<std::uint8_t, 3>{255, 0, 255};
-  s.fog = chance(30)                                          ? FogMode::none
-          : is_linear_in_distance(p.config.fog) && chance(50) ? FogMode::linear
-                                                              : FogMode::table;
+  const bool has_other = is_linear_in_distance(p.config.fog) || has_vertex_fog(p.config.fog);
+  s.fog = chance(30) ? FogMode::none : has_other && chance(50) ? p.config.fog : FogMode::table;
   for (auto& channel : s.fog_color) channel = static_cast<std::uint8_t>(random());
   s.write_z = chance(80);
   s.blend = chance(70);
@@ -325,7 +326,9 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
         *v = random_raw(random, c.format(FormatId::span_shade));
       if (random() % 4 == 0) f.a = half_of(c.format(FormatId::span_shade)).value_or(f.a);
       const bool back = random() % 2 == 0;
-      p.batches.back().fragments.push_back(fragment_values(c, f, back));
+      model::FragmentChannels channels{};
+      if (has_vertex_fog(c.fog)) channels[0].w = random_raw(random, c.format(FormatId::fog_factor));
+      p.batches.back().fragments.push_back(fragment_values(c, f, back, channels[0].w));
       const std::size_t at = pixel_of(p.frame, f);
       DepthRecord d;
       TextureRecord t;
@@ -357,7 +360,7 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
         return pass;
       };
       if (is_late(when) ? !lives() || !passes() : !passes() || !lives()) continue;
-      model::fog(p.fog, f, {}, t, mist);
+      model::fog(p.fog, f, {}, t, mist, model::NoObserve{}, &channels);
       p.records["fog_record"].push_back(record_ports(c, mist));
       if (!by_equation && !s.blend) t.a = one;
       std::uint8_t* color = p.frame.color.data() + 4 * at;

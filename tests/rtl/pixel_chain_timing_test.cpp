@@ -322,6 +322,8 @@ TEST(PixelChainTiming, EqualsTheRtlWhereFragmentsFollowOneAnother) {
   configs.push_back(shipped_config("depth16"));
   configs.back().rtl.blend = RtlBlend::equation;
   configs.push_back(level_configs()[2]);
+  configs.push_back(shipped_config("depth16"));
+  configs.back().fog = FogMode::vertex;
   for (const Config& c : configs) {
     for (const DepthWhen when : {DepthWhen::early, DepthWhen::late}) {
       const PipeCase p = make_pipe_case(c, demo_scene(96, 72), when);

@@ -73,6 +73,28 @@ TEST(PixelPipe, TheDemoWithLevels) {
   }
 }
 
+// A factor of the fog with every fragment, beside what lod takes of it.
+Config factor_config() {
+  Config c = level_configs()[2];
+  c.fog = FogMode::vertex;
+  return c;
+}
+
+TEST(PixelPipe, FactorsThatComeWithFragments) {
+  const Config c = factor_config();
+  const Scene scene = demo_scene(96, 72);
+  for (const DepthWhen when : {DepthWhen::early, DepthWhen::late}) {
+    SCOPED_TRACE(to_string(when));
+    const PipeCase demo = make_pipe_case(c, scene, when);
+    EXPECT_EQ(demo.fog.mode, FogMode::vertex);
+    EXPECT_GT(run_pipe(demo, {0, {0.1, 0.2}, {1, 12}, 3}).compared, 100000U);
+    Random random(9);
+    const PipeCase any = random_pipe_case(random, c, 400, {}, when);
+    run_pipe(any, {0, {}, {1, 1}, 9});
+    run_pipe(any, {0.2, {0.2, 0.3}, {1, 25}, 9});
+  }
+}
+
 // Every mode of a stage, over depth16.
 TEST(PixelPipe, Modes) {
   const Scene scene = demo_scene(96, 72);
@@ -257,7 +279,12 @@ const ToolCase tool_cases[] = {
        c.fog = FogMode::linear;
        return c;
      }},
-    {"Levels", [] { return level_configs()[1]; }},
+    {"Levels",
+     [] {
+       Config c = level_configs()[1];
+       c.fog = FogMode::vertex;
+       return c;
+     }},
     {"Random", [] { return random_stage_config(100 + stage_seeds(1)[0]); }},
     {"Late", [] { return shipped_config("narrow"); }, DepthWhen::late},
 };
@@ -344,6 +371,31 @@ TEST(PixelPipe, PlantedBugsAreSeenWithLateTests) {
     run_pipe(p, {0.1, {0.2, 0.3}, {1, 25}, 5});
     run_pipe(p, {0, {0, 0.8}, {1, 3}, 5});
   });
+}
+
+TEST(PixelPipe, PlantedBugsOfFactorsAreSeen) {
+  constexpr PlantedBug early[] = {
+      {"rtl/pixel_pipe.sv", ".in_factor_i(FactorW'(judged_tag))", ".in_factor_i(FactorW'(in_tag))"},
+      {"rtl/pixel_pipe.sv", ".in_factor_i(FactorW'(judged_tag))",
+       ".in_factor_i(judged_tag[TagW-1-:FactorW])"},
+      {"rtl/pixel_pipe.sv", "in_tag = {slot_q, in_factor_i};", "in_tag = {slot_q, in_factor_i >> 1};"},
+      {"rtl/pixel_pipe.sv", "texture_rest[TextureRestW-TagW-2*CoordW-1-:HW]",
+       "texture_rest[TextureRestW-SlotW-2*CoordW-1-:HW]"},
+  };
+  constexpr PlantedBug late[] = {
+      {"rtl/pixel_pipe.sv", "      textured_tag, textured_rest[0],", "      in_tag, textured_rest[0],"},
+      {"rtl/pixel_pipe.sv", "assign back = tested_rest[DepthRestW-TagW-1];",
+       "assign back = tested_rest[DepthRestW-SlotW-1];"},
+  };
+  const auto seen = [](std::span<const PlantedBug> bugs, DepthWhen when) {
+    Random random(5);
+    const PipeCase p = random_pipe_case(random, factor_config(), 400, {}, when);
+    const auto run = [&] { run_pipe(p, {0.1, {0.2, 0.3}, {1, 25}, 5}); };
+    run();
+    expect_seen(bugs, run);
+  };
+  seen(early, DepthWhen::early);
+  seen(late, DepthWhen::late);
 }
 
 TEST(PixelPipe, PlantedBugsOfEquationsAreSeen) {
