@@ -102,6 +102,8 @@ TEST(Ports, BothModesAreEqualAndTheValuesAreTheBuss) {
       configs.back().lod_first = 300;
     }
   }
+  configs.push_back(shipped_config("depth16"));
+  configs.back().fog = FogMode::vertex;
   std::uint64_t seed = 1;
   std::uint64_t uncovered = 0;
   std::uint64_t next_levels = 0;
