@@ -169,7 +169,8 @@ class ChainBeside {
   void offer_row() {
     const std::int64_t b = pipeline_.constants.record.b;
     if (!pipeline_.const_depth_rows) {
-      rows_.in = rtl_inputs(config_, trace_.row[next_row_], b);
+      const std::span ends = std::span(trace_.row_channel).subspan(next_end_, channels());
+      rows_.in = rtl_inputs(config_, trace_.row[next_row_], b, ends);
     } else {
       const PlaneRowRecord& record = trace_.plane_row[next_row_];
       while (trace_.plane[next_plane_].triangle != record.triangle) ++next_plane_;
@@ -198,11 +199,13 @@ class ChainBeside {
     }
     const Triangle& triangle = scene_.triangles[static_cast<std::size_t>(pixel_.record.triangle)];
     pixel_.texture = std::max(triangle.texture, -1);
-    // No value of a channel takes part in clocks: the rows have none here, and the factor is the model's.
     if (has_vertex_fog(pipeline_.fog.mode)) {
       std::size_t at = next_channel_;
       while (channel_line(trace_.fragment_channel[at].channel) != LineId::fog) ++at;
-      pixel_.factor = trace_.fragment_channel[at].w;
+      FragmentChannelRecord factor = trace_.fragment_channel[at];
+      // A row of constant depth is offered before the record with a channel's start is there.
+      if (!pipeline_.const_depth_rows) take_channel(config_, rtl, factor);
+      pixel_.factor = factor.w;
     }
     pixel_.back = state_.stencil_test && model::is_back_face(pipeline_.setup, triangle);
     pixel_stands_ = true;
@@ -212,6 +215,8 @@ class ChainBeside {
     while (trace_.gradient[next_gradient_].triangle != triangle) ++next_gradient_;
     return trace_.gradient[next_gradient_];
   }
+  // Records of channels per row, and per pixel.
+  std::size_t channels() const { return pipeline_.channels.in_use.size(); }
   // What has been read of the trace is forgotten, so that one draw call may have any number of triangles.
   static constexpr std::size_t kept_records = 1 << 14;
   template <class R>
@@ -228,10 +233,11 @@ class ChainBeside {
       forget(trace_.plane, next_plane_);
     } else {
       forget(trace_.row, next_row_);
+      next_end_ += channels();
+      forget(trace_.row_channel, next_end_);
     }
     trace_.setup.clear();
     trace_.setup_channel.clear();
-    trace_.row_channel.clear();
     trace_.span.clear();
     trace_.span_channel.clear();
   }
@@ -239,7 +245,7 @@ class ChainBeside {
     pixel_stands_ = false;
     ++next_pixel_;
     forget(trace_.fragment, next_pixel_);
-    next_channel_ += pipeline_.channels.in_use.size();
+    next_channel_ += channels();
     forget(trace_.fragment_channel, next_channel_);
     forget(trace_.gradient, next_gradient_);
     trace_.depth.clear();
@@ -263,8 +269,8 @@ class ChainBeside {
   Counters counters_;
   Trace trace_;
   DrawState state_;
-  std::size_t next_row_ = 0, next_plane_ = 0, next_pixel_ = 0, next_channel_ = 0, next_gradient_ = 0,
-              next_command_ = 0;
+  std::size_t next_row_ = 0, next_plane_ = 0, next_pixel_ = 0, next_gradient_ = 0, next_command_ = 0;
+  std::size_t next_end_ = 0, next_channel_ = 0;  // of channels
   bool row_stands_ = false, pixel_stands_ = false;
   RtlDrive rows_{};
   RtlPixels::Fragment pixel_;
