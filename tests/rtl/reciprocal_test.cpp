@@ -148,7 +148,11 @@ std::string bench(const std::vector<Config>& configs) {
 }
 
 TEST(Reciprocal, EveryKindOverEveryOperand) {
-  const std::vector<Config> configs = unit_configs();
+  std::vector<Config> configs;
+  std::size_t number = 0;
+  for (const Config& c : unit_configs()) {
+    if (in_gate(number++, 3)) configs.push_back(c);
+  }
   const TemporaryFolder folder;
   std::vector<std::filesystem::path> sources = {folder.write("bench.sv", bench(configs))};
   for (const auto& source : rtl_sources()) {

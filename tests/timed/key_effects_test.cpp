@@ -345,7 +345,7 @@ void expect_column(unsigned what, const Measure& measure, const std::vector<Unse
 }
 bool every_key(const Key& /*key*/) { return true; }
 std::size_t index_of(const Key& key) { return static_cast<std::size_t>(&key - keys().data()); }
-constexpr std::size_t parts_of_values = 4;  // as all of them take minutes
+constexpr std::size_t parts_of_values = 8;  // as all of them take minutes
 // The gate tries an eighth of the keys.
 bool is_tried(const Key& key) { return in_gate(index_of(key) / parts_of_values, 8); }
 
