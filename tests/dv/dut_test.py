@@ -237,7 +237,7 @@ class Dut(unittest.TestCase):
         """bitspan's own span_setup by edge_walk, with bitspan_cfg_pkg in front and no configuration of its own."""
         # A tap has no handshake: here pixels go nowhere.
         (self.folder / "taps.sv").write_text((SOURCE / "rtl/span_interpolator.sv").read_text().replace(
-            "module span_interpolator #(", "module taps #(").replace("input  logic out_ready_i,", "").replace(
+            "module span_interpolator (", "module taps (").replace("input  logic out_ready_i,", "").replace(
             "      .out_ready_i,", "      .out_ready_i(1'b1),"))
         (self.folder / "sources.f").write_text("taps.sv\n" +
             "".join(f"{SOURCE}/rtl/{name}\n" for name in (SOURCE / "rtl/span_interpolator.f").read_text().split()))
