@@ -143,9 +143,9 @@ void fog_section(SvWriter& w, const Config& config, const PixelTiming& timing) {
   w.integer("FogModeNone", static_cast<int>(FogMode::none));
   w.integer("FogModeLinear", static_cast<int>(FogMode::linear));
   w.integer("FogModeTable", static_cast<int>(FogMode::table));
-  const bool is_given = has_vertex_fog(config.fog);
-  if (is_given) w.line("  // 2: in place of it stands the factor that comes with a fragment.");
-  w.integer("FogHasLinear", is_linear_in_distance(config.fog) ? 1 : is_given ? 2 : 0);
+  w.integer("FogHasLinear", is_linear_in_distance(config.fog) ? 1 : 0);
+  w.line("  // The factor comes with a fragment, under the mode's number of linear fog.");
+  w.integer("FogIsGiven", has_vertex_fog(config.fog) ? 1 : 0);
   w.integer("FogDepthBits", config.fog_depth_bits);
   w.integer("FogZoneBits", config.fog_zone_bits);
   w.integer("FogIndexW", config.fog_index_bits());

@@ -5,8 +5,8 @@
 //   x, y     --> squares --> r^2 --> zone -----+--> table --+
 //   h        --> h + B --> R_pixel --> 1 - scale m 2^-e ----+--> factor --> blend --> skid --> out
 //
-// The stage shifts as one on the ready of the skid at its end, which is a register. The linear part is there where
-// FogHasLinear of the package is 1. Where it is 2, the factor that comes with the fragment stands in place of it.
+// The stage shifts as one on the ready of the skid at its end, which is a register. The linear part is there where the
+// package says so (FogHasLinear). With FogIsGiven the factor that comes with the fragment stands in place of it.
 //
 // The zone is the number of thresholds k (W^2 + H^2) / 2^zone_bits, rounded up, that r^2 reaches: a search through the
 // tree of thresholds, one level per clock.
@@ -29,7 +29,7 @@ module fog #(
     input  logic [bitspan_pixel_pkg::TextureColorW-1:0] in_r_i,
     input  logic [bitspan_pixel_pkg::TextureColorW-1:0] in_g_i,
     input  logic [bitspan_pixel_pkg::TextureColorW-1:0] in_b_i,
-    input  logic [bitspan_pixel_pkg::FogFactorW-1:0] in_factor_i,  // read where FogHasLinear is 2
+    input  logic [bitspan_pixel_pkg::FogFactorW-1:0] in_factor_i,  // read with FogIsGiven
     input  logic [RestW-1:0] in_rest_i,
     // The draw state, taken with the fragment: the mode (FogModeNone and so on), the fog's colour (red in the lowest
     // byte), the picture's size, and the constants B and fog_scale.
@@ -71,7 +71,7 @@ module fog #(
   localparam int RecipAt = 1 + bitspan_pixel_pkg::PixelUnitClocks;
   localparam int ProductClocks = bitspan_pixel_pkg::FogScaleProductClocks;
   localparam int LinearAt = RecipAt + ProductClocks + 4;
-  localparam int EntryAt = (bitspan_pixel_pkg::FogHasLinear == 1 && LinearAt > ZoneAt + 1) ? LinearAt : ZoneAt + 1;
+  localparam int EntryAt = (bitspan_pixel_pkg::FogHasLinear != 0 && LinearAt > ZoneAt + 1) ? LinearAt : ZoneAt + 1;
   localparam int FactorAt = EntryAt + 1;
   localparam int BlendProductClocks = bitspan_pixel_pkg::FogBlendProductClocks;
   localparam int Clocks = FactorAt + 3 + BlendProductClocks;
@@ -187,7 +187,7 @@ module fog #(
 
   logic [FactorW-1:0] linear;
   logic [MW+EW-1:0] recip_out;
-  if (bitspan_pixel_pkg::FogHasLinear == 1) begin : gen_linear
+  if (bitspan_pixel_pkg::FogHasLinear != 0) begin : gen_linear
     logic [MW-1:0] m;
     logic signed [EW-1:0] e;
     pixel_reciprocal u_reciprocal (
@@ -265,7 +265,7 @@ module fog #(
     );
     logic unused;
     assign unused = ^in_factor_i;
-  end else if (bitspan_pixel_pkg::FogHasLinear == 2) begin : gen_given
+  end else if (bitspan_pixel_pkg::FogIsGiven != 0) begin : gen_given
     ring_line #(
         .Width(FactorW),
         .Depth(EntryAt)
@@ -409,7 +409,7 @@ module fog #(
   end
   always @(posedge clk_i) begin
     if (in_valid_i && en) begin
-      assert (in_mode_i != ModeLinear || bitspan_pixel_pkg::FogHasLinear != 0)
+      assert (in_mode_i != ModeLinear || bitspan_pixel_pkg::FogHasLinear != 0 || bitspan_pixel_pkg::FogIsGiven != 0)
       else $fatal(1, "fog: linear fog in a stage without it");
       assert (in_mode_i != ModeTable || (in_x_i < in_width_i && in_y_i < in_height_i))
       else $fatal(1, "fog: pixel %0d, %0d lies outside the picture", in_x_i, in_y_i);

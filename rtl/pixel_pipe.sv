@@ -105,7 +105,7 @@ module pixel_pipe (
     input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_g_i,
     input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_b_i,
     input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_a_i,
-    input  logic [bitspan_pixel_pkg::FogFactorW-1:0] in_factor_i,  // of the fog; read where FogHasLinear is 2
+    input  logic [bitspan_pixel_pkg::FogFactorW-1:0] in_factor_i,  // of the fog; read with FogIsGiven
     input  logic in_back_i,  // of a back face
     // The depth memory. With DepthIsLate a word holds the stencil value, too; mask tells what is written of it: bit 0 the
     // code, bit 1 the stencil value.
@@ -373,12 +373,12 @@ module pixel_pipe (
   // What stands at a fragment's slot in front of depth, and of texture, and what comes out of them.
   // Its tag is the slot, and below it the fog's factor where the fragment brings one.
   localparam int FactorW = bitspan_pixel_pkg::FogFactorW;
-  localparam int TagW = SlotW + ((bitspan_pixel_pkg::FogHasLinear == 2) ? FactorW : 0);
+  localparam int TagW = SlotW + ((bitspan_pixel_pkg::FogIsGiven != 0) ? FactorW : 0);
   localparam int ShadesW = 2 * UvW + 4 * ShadeW;
   localparam int DepthRestW = TagW + ((Late != 0) ? 1 + 3 * ColorW + AlphaW : ShadesW);
   localparam int TextureRestW = TagW + 2 * CoordW + HW + ((Late != 0) ? 1 : ZW + 1);
   logic [TagW-1:0] in_tag, textured_tag, judged_tag;
-  if (bitspan_pixel_pkg::FogHasLinear == 2) begin : gen_factor
+  if (bitspan_pixel_pkg::FogIsGiven != 0) begin : gen_factor
     assign in_tag = {slot_q, in_factor_i};
   end else begin : gen_no_factor
     assign in_tag = slot_q;
