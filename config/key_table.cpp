@@ -483,8 +483,7 @@ constexpr KeyRow rows[] = {
      "",
      clocks | rtl,
      "products that span_setup forms per clock: a row has eight, eight more with shades, two per channel, "
-     "and "
-     "two per Newton step",
+     "and two per Newton step",
      {.presence = Presence::later}},
     {"rtl.product_digits",
      MEMBER(rtl.product_digits),

@@ -1109,7 +1109,6 @@ TEST_F(Cli, SimRefusesPortsThatAreNone) {
   refused(sim + "--memory ports --port-stall 1", "a probability from 0 to 0.99");
 }
 
-// A bug that costs the RTL clocks and changes none of its values.
 // In triangles of a pixel, fragments of one pixel follow one another.
 constexpr const char* clocks_of_the_chain =
     "verify demo triangles/1 --size 96x72 --engines model,systemc,rtl";
@@ -1132,6 +1131,7 @@ TEST_F(Cli, ClocksOfTheChainAreCompared) {
   EXPECT_NE(sim.find("cycles: " + chain[0].at("systemc").dump() + "\n"), std::string::npos) << sim;
 }
 
+// A bug that costs the RTL clocks and changes none of its values.
 TEST_F(Cli, ClocksOfTheChainThatDifferAreADifference) {
   const RtlCopy copy;
   copy.replace("rtl/scoreboard.sv", "assign know = hold || !known_valid_q;", "assign know = hold;");

@@ -94,9 +94,6 @@ void load(StageBench& bench, const FogCase& t) {
   bench.set_constant("load", 0);
 }
 
-// Beside none and table.
-bool has_other_mode(const Config& c) { return is_linear_in_distance(c.fog) || has_vertex_fog(c.fog); }
-
 Exchange random_fragment(Random& random, FogCase& t, std::uint64_t number) {
   const Config& c = t.config;
   if (chance(random, 0.2)) t.draw_constants(random);

@@ -216,8 +216,7 @@ std::pair<RtlDraw, int> random_state(Random& random, const PipeCase& p) {
   s.filter = chance(50) ? TextureFilter::nearest : TextureFilter::bilinear;
   s.wrap = chance(50) ? TextureWrap::cyclic : TextureWrap::clamp;
   if (chance(50)) s.transparent = std::array<std::uint8_t, 3>{255, 0, 255};
-  const bool has_other = is_linear_in_distance(p.config.fog) || has_vertex_fog(p.config.fog);
-  s.fog = chance(30) ? FogMode::none : has_other && chance(50) ? p.config.fog : FogMode::table;
+  s.fog = chance(30) ? FogMode::none : has_other_mode(p.config) && chance(50) ? p.config.fog : FogMode::table;
   for (auto& channel : s.fog_color) channel = static_cast<std::uint8_t>(random());
   s.write_z = chance(80);
   s.blend = chance(70);

@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "config/modes.hpp"
 #include "engine/records.hpp"
 
 namespace bitspan {
@@ -15,6 +16,11 @@ using Random = std::mt19937_64;
 
 // Legal, with RTL, around config/depth16.toml; formats of any sign.
 Config random_rtl_config(Random& random);
+
+// Whether a design of the configuration has a mode of fog beside none and table.
+inline bool has_other_mode(const Config& config) {
+  return is_linear_in_distance(config.fog) || has_vertex_fog(config.fog);
+}
 
 // Raw values anywhere in the formats, ends of the ranges included; not what a scene would give.
 std::int64_t random_raw(Random& random, const Format& format);

@@ -44,7 +44,7 @@ struct Outcome {
 Outcome draw_all(Engine& engine, const Scene& scene) {
   Outcome out;
   engine.begin(scene);
-  engine.draw(scene.triangles, 0, &out.trace);
+  draw_scene(engine, scene, 0, scene.triangles.size(), &out.trace);
   out.frame = engine.frame();
   out.counters = engine.counters();
   return out;
@@ -300,28 +300,16 @@ TEST(EngineSystemc, TestsTheStencilOfEitherSide) {
   const Config config = shipped_config("depth16");
   Scene scene =
       random_scene(31, {.width = 96, .height = 64, .triangles = 40, .size_min = 20, .size_max = 60});
-  StateChange change;
-  for (const auto& [key, value] :
-       std::vector<std::pair<std::string, std::int64_t>>{{"depth.when", 1},
-                                                         {"stencil.test", 1},
-                                                         {"stencil.pass", 3},  // increment
-                                                         {"stencil.two_sided", 1},
-                                                         {"stencil.back.zfail", 3},
-                                                         {"stencil.back.pass", 2}}) {  // replace
-    change.settings.push_back({*find_state_register(key), value});
-  }
+  const StateChange change = state_change({{"depth.when", 1},
+                                           {"stencil.test", 1},
+                                           {"stencil.pass", 3},  // increment
+                                           {"stencil.two_sided", 1},
+                                           {"stencil.back.zfail", 3},
+                                           {"stencil.back.pass", 2}});  // replace
   scene.commands.insert(scene.commands.begin(), {0, change});
-  const auto draw = [&](Engine& engine) {
-    Outcome out;
-    engine.begin(scene);
-    draw_scene(engine, scene, 0, scene.triangles.size(), &out.trace);
-    out.frame = engine.frame();
-    out.counters = engine.counters();
-    return out;
-  };
   for (const TimedMode mode : {TimedMode::cycle, TimedMode::span}) {
-    const Outcome model = draw(*make_model(config));
-    EXPECT_GT(expect_equal(draw(*make_systemc(config, {.mode = mode})), model), 1000U);
+    const Outcome model = draw_all(*make_model(config), scene);
+    EXPECT_GT(expect_equal(draw_all(*make_systemc(config, {.mode = mode}), scene), model), 1000U);
     EXPECT_GT(std::ranges::count(model.trace.stencil, 0, &StencilRecord::back), 100);
     EXPECT_GT(std::ranges::count(model.trace.stencil, 1, &StencilRecord::back), 100);
   }
