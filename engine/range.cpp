@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -22,12 +24,30 @@ constexpr int kMostCoordinateBits = 24;
 constexpr int kMostFormatBits = 64;
 constexpr Real kFar = 0x1p+90L;  // stands for any value beyond every format
 
-Real ulp(const Format& f) { return std::ldexp(1.0L, -f.fraction()); }
+// 2^n. A scene asks for some hundred per triangle, so they are at hand.
+Real power(int n) {
+  constexpr int most = 192;
+  static const auto powers = [] {
+    std::array<Real, 2 * most + 1> out{};
+    for (int e = -most; e <= most; ++e) out[static_cast<std::size_t>(e + most)] = std::ldexp(1.0L, e);
+    return out;
+  }();
+  return n < -most || n > most ? std::ldexp(1.0L, n) : powers[static_cast<std::size_t>(n + most)];
+}
+
+// The same as std::floor, which calls a library for this type.
+Real floor_of(Real x) {
+  if (!(x > -0x1p62L && x < 0x1p62L)) return std::floor(x);
+  const auto toward_zero = static_cast<Real>(static_cast<std::int64_t>(x));
+  return toward_zero > x ? toward_zero - 1 : toward_zero;
+}
+
+Real ulp(const Format& f) { return power(-f.fraction()); }
 
 // In whole ulps, as a real number.
 Real rounded(Real x, const Format& f) {
-  x = std::ldexp(std::clamp(x, -kFar, kFar), f.fraction());
-  const Real down = std::floor(x);
+  x = std::clamp(x, -kFar, kFar) * power(f.fraction());
+  const Real down = floor_of(x);
   const Real rest = x - down;
   bool up = false;
   switch (f.rounding) {
@@ -57,10 +77,10 @@ Real rounded(Real x, const Format& f) {
 
 Real lowest(const Format& f) {
   if (!f.is_signed) return 0;
-  const Real half = std::ldexp(1.0L, f.word - 1);
+  const Real half = power(f.word - 1);
   return f.overflow == Overflow::sat_sym ? 1 - half : -half;
 }
-Real highest(const Format& f) { return std::ldexp(1.0L, f.is_signed ? f.word - 1 : f.word) - 1; }
+Real highest(const Format& f) { return power(f.is_signed ? f.word - 1 : f.word) - 1; }
 
 bool holds(const Format& f, Real lo, Real hi) {
   return rounded(lo, f) >= lowest(f) && rounded(hi, f) <= highest(f);
@@ -70,7 +90,7 @@ bool holds(const Format& f, Real lo, Real hi) {
 Real quantised(Real x, const Format& f) {
   const Real raw = rounded(x, f);
   if (raw >= lowest(f) && raw <= highest(f)) return raw * ulp(f);
-  const Real modulus = std::ldexp(1.0L, f.word);
+  const Real modulus = power(f.word);
   switch (f.overflow) {
     case Overflow::sat:
     case Overflow::sat_sym:
@@ -133,15 +153,80 @@ struct Interval {
 };
 
 Interval operator+(Interval a, Real x) { return {a.lo + x, a.hi + x}; }
+Interval operator+(Interval a, Interval b) { return {a.lo + b.lo, a.hi + b.hi}; }
+
+// What the vertices of all triangles have at most.
+struct Extremes {
+  Interval x, y, s, c;
+  std::array<Interval, 2> t;           // u, v
+  std::array<Real, 2> t_over_s{};      // |t| / s
+  std::array<Real, 2> width{};         // of t in one triangle
+  std::array<Real, 2> width_over_s{};  // over the least s in it
+  bool is_finite = true;
+
+  explicit Extremes(std::span<const Triangle> triangles) {
+    // Doubles, for speed. Whoever uses products and quotients adds more than their rounding.
+    Span x_of, y_of, s_of, c_of;
+    std::array<Span, 2> t_of;
+    std::array<double, 2> t_over_s_of{}, width_of{}, width_over_s_of{};
+    double zero = 0;  // NaN where anything is not finite
+    for (const Triangle& triangle : triangles) {
+      const std::array<double, 3> s3{triangle.v[0].s, triangle.v[1].s, triangle.v[2].s};
+      const double over = 1 / std::min({s3[0], s3[1], s3[2]});
+      const std::array<double Vertex::*, 2> members{&Vertex::u, &Vertex::v};
+      for (std::size_t i = 0; i < 2; ++i) {
+        Span own;
+        for (const Vertex& v : triangle.v) {
+          own.add(v.*members[i]);
+          t_over_s_of[i] = std::max(t_over_s_of[i], std::fabs(v.*members[i]) / v.s);
+        }
+        t_of[i].add(own.lo);
+        t_of[i].add(own.hi);
+        width_of[i] = std::max(width_of[i], own.hi - own.lo);
+        width_over_s_of[i] = std::max(width_over_s_of[i], (own.hi - own.lo) * over);
+      }
+      for (const Vertex& v : triangle.v) {
+        x_of.add(v.x);
+        y_of.add(v.y);
+        s_of.add(v.s);
+        for (const double c1 : v.c) c_of.add(c1);
+        zero += 0 * (v.x + v.y + v.s + v.u + v.v) + 0 * (v.c[0] + v.c[1] + v.c[2] + v.c[3]);
+      }
+    }
+    is_finite = zero == 0;
+    x = x_of.interval();
+    y = y_of.interval();
+    s = s_of.interval();
+    c = c_of.interval();
+    for (std::size_t i = 0; i < 2; ++i) {
+      t[i] = t_of[i].interval();
+      t_over_s[i] = t_over_s_of[i];
+      width[i] = width_of[i];
+      width_over_s[i] = width_over_s_of[i];
+    }
+  }
+
+ private:
+  struct Span {
+    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+    void add(double value) {
+      lo = std::min(lo, value);
+      hi = std::max(hi, value);
+    }
+    Interval interval() const { return {lo, hi}; }
+  };
+};
 
 class RangeCheck {
  public:
   RangeCheck(const Config& config, const Scene& scene) : c_(config), scene_(scene) {}
 
-  void run() {
+  void run(RangeBy by) {
     constants();
     fixed_ranges();
-    for (std::size_t i = 0; i < scene_.triangles.size(); ++i) triangle(static_cast<int>(i));
+    if (by == RangeBy::triangles || !surely_held()) {
+      for (std::size_t i = 0; i < scene_.triangles.size(); ++i) triangle(static_cast<int>(i));
+    }
     for (int i = 0; i < format_count; ++i) report(static_cast<F>(i));
   }
 
@@ -417,6 +502,115 @@ class RangeCheck {
     }
   }
 
+  // Returns whether every register holds what intervals around all triangles give, a tenth of the work of
+  // looking at each. Where it is false, `triangle` decides. Every formula of `triangle` stands here, too.
+  bool surely_held() const {
+    if (scene_.triangles.empty()) return true;
+    const Extremes of(scene_.triangles);
+    if (!of.is_finite) return false;
+    bool held = true;
+    // The register's values. One that saturates on purpose keeps their order; others in doubt are left to
+    // `triangle`.
+    const auto keep = [&](F id, Interval x) {
+      const Format& f = format(id);
+      const bool stops = f.overflow == Overflow::sat || f.overflow == Overflow::sat_sym;
+      held = held && (holds(f, x.lo, x.hi) || (f.overflow_expected && stops));
+      return q(id, x);
+    };
+    const auto around = [](Real most) { return Interval{-most, most}; };
+
+    const Format coordinates = c_.coordinate_format();
+    held = held && holds(coordinates, of.x.lo, of.x.hi) && holds(coordinates, of.y.lo, of.y.hi);
+    const Interval x = of.x + Interval{-ulp(coordinates), ulp(coordinates)};
+    const Interval s = keep(F::setup_s, {std::ldexp(of.s.lo, -exponent_), std::ldexp(of.s.hi, -exponent_)});
+    // h + B = B s_max / s in the vertex, up to an ulp of h and what the rounding of s makes of it.
+    const Real scale = b_ * s_max_, s_ratio = 1 + ulp(format(F::setup_s)) / s_min_;
+    const Real h_error = ulp(format(F::setup_h));
+    const Real most_q = scale / std::max(s.lo, s_min_) + h_error;
+    const Interval setup_h = keep_depth(F::setup_h, {0, most_q}, held);
+    Real span_error = h_error;  // of h, where it comes by edges
+    if (!has_plane_rows(c_.perspective) && !has_setup_plane(c_)) {
+      const Real shift = offset(c_.start_offset.edge_h, format(F::edge_h));
+      keep_depth(F::edge_h, keep_depth(F::edge_h_acc, setup_h + shift, held), held);
+      span_error += std::fabs(shift) + ulp(format(F::edge_h_acc)) + ulp(format(F::edge_h));
+    }
+    const bool planes = has_plane_rows(c_.perspective), affine = has_linear_edges(c_.perspective);
+    const Real unit = std::ldexp(1.0L, -exponent_);  // of s
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Interval t = keep(F::setup_uv, of.t[i]);
+      const Real most = std::max(std::fabs(t.lo), std::fabs(t.hi));
+      // Bounds of a product of q and a coordinate, or a difference of two, each with the errors given.
+      const auto times_q = [&](Real over_s, Real value, Real error, Real q_error) {
+        return (over_s * scale * s_ratio / unit + value * q_error + error * (most_q + q_error)) *
+               (1 + 0x1p-40L);
+      };
+      const Real t_error = ulp(format(F::setup_uv)), kept_error = t_error + ulp(format(F::edge_uv));
+      const Real width = of.width[i] + 2 * t_error, kept_width = of.width[i] + 2 * kept_error;
+      const Interval product = around(times_q(of.t_over_s[i], most, t_error, h_error));
+      const Interval difference =
+          affine ? around(width) : around(times_q(of.width_over_s[i], of.width[i], 2 * t_error, h_error));
+      if (planes || has_setup_gradients(c_)) keep(F::plane_g, product);
+      if (has_setup_plane(c_)) {
+        const bool is_relative = has_pixel_reciprocal(c_.perspective);
+        if (is_relative) keep(F::edge_uv, t);
+        const Interval relative =
+            affine ? around(kept_width)
+                   : around(times_q(of.width_over_s[i], of.width[i], 2 * kept_error, h_error));
+        const Interval f = keep(F::plane_g, is_relative ? relative : affine ? t : product);
+        if (affine) {
+          keep_linear(f, keep);
+        } else {
+          keep(F::span_f, f + offset(c_.start_offset.span_f, format(F::span_f)));
+          keep(F::span_uv, t);
+        }
+        continue;
+      }
+      if (planes) {
+        keep(F::span_f, keep(F::plane_g, product));
+        keep_linear(t, keep);
+        continue;
+      }
+      const Interval walked = (affine ? t : Interval{0, 0}) + keep(F::edge_f_diff, difference) +
+                              offset(c_.start_offset.edge_f, format(F::edge_f));
+      const Interval f = keep(F::edge_f, walked);
+      const Interval kept = keep(F::edge_uv, affine ? f : t);
+      if (affine) {
+        keep_linear(kept, keep);
+        continue;
+      }
+      keep(F::span_uv, kept);
+      const Interval span =
+          around(has_pixel_quotients(c_.perspective)
+                     ? times_q(of.t_over_s[i], most, kept_error, span_error)
+                     : times_q(of.width_over_s[i], of.width[i], 2 * kept_error, span_error));
+      keep(F::span_f, keep(F::span_f_diff, span) + offset(c_.start_offset.span_f, format(F::span_f)));
+    }
+    if (!planes && has_x_step(c_)) {
+      keep(F::edge_x, keep(F::edge_x_acc, x + offset(c_.start_offset.edge_x, format(F::edge_x))));
+    } else if (!planes) {
+      keep(F::edge_x, x);
+    }
+    Interval shade = keep(F::setup_shade, of.c);
+    if (!planes && !has_setup_plane(c_)) {
+      shade = keep(F::edge_shade_acc, shade + offset(c_.start_offset.edge_shade, format(F::edge_shade)));
+      shade = keep(F::edge_shade, shade);
+    }
+    shade = shade + offset(c_.start_offset.span_shade, format(F::span_shade));
+    keep(F::span_shade, keep(F::span_shade_acc, shade));
+    return held;
+  }
+
+  // What fixed_ranges looks at; here only whether the order of values stays.
+  Interval keep_depth(F id, Interval h, bool& held) const {
+    const Format& f = format(id);
+    held = held && (f.overflow == Overflow::sat || f.overflow == Overflow::sat_sym || holds(f, h.lo, h.hi));
+    return q(id, h);
+  }
+  template <class Keep>
+  void keep_linear(Interval uv, const Keep& keep) const {
+    keep(F::span_uv, keep(F::span_uv_acc, uv + offset(c_.start_offset.span_f, format(F::span_uv))));
+  }
+
   template <class Get>
   static Interval hull(const std::array<Point, 3>& p, Get get) {
     const auto [lo, hi] = std::minmax({get(p[0]), get(p[1]), get(p[2])});
@@ -535,9 +729,9 @@ class RangeCheck {
 
 }  // namespace
 
-void check_scene_range(const Config& config, const Scene& scene) {
+void check_scene_range(const Config& config, const Scene& scene, RangeBy by) {
   if (!changes_scene(scene.commands)) {
-    RangeCheck(config, scene).run();
+    RangeCheck(config, scene).run(by);
     return;
   }
   // Each view with the triangles that are drawn with it.
@@ -550,7 +744,7 @@ void check_scene_range(const Config& config, const Scene& scene) {
     static_cast<View&>(part) = views.now();
     part.triangles.assign(scene.triangles.begin() + static_cast<std::ptrdiff_t>(first),
                           scene.triangles.begin() + static_cast<std::ptrdiff_t>(end));
-    if (end > first) RangeCheck(config, part).run();
+    if (end > first) RangeCheck(config, part).run(by);
     first = end;
   };
   for (const DrawCommand& command : scene.commands) {

@@ -2,10 +2,18 @@
 // Are the formats wide enough for a scene? Asked once before a run.
 #pragma once
 
+#include <cstdint>
+
 #include "config/config.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan {
+
+// How the triangles are looked at; the verdict and its text are the same.
+enum class RangeBy : std::uint8_t {
+  bounds,    // intervals around all of them first, which mostly decide; a million take about 0.1 s
+  triangles  // one after the other
+};
 
 // Throws InputError naming the field, the range it has, the range it needs, the integer bits that hold it,
 // and the key that allows the overflow. Checks the fields that the configured modes use, over the values of
@@ -13,6 +21,6 @@ namespace bitspan {
 // edge may be one 2^-subpixel_bits high), and what rounding of slopes, or the half pixel between a row of
 // constant depth and a pixel centre, carries an accumulator past those values. Expects a configuration that
 // check_config accepts and finite vertices with s in [s_min, s_max].
-void check_scene_range(const Config& config, const Scene& scene);
+void check_scene_range(const Config& config, const Scene& scene, RangeBy by = RangeBy::bounds);
 
 }  // namespace bitspan

@@ -5,12 +5,16 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <random>
 #include <set>
 
 #include "config/check.hpp"
 #include "config/keys.hpp"
 #include "config/rtl_timing.hpp"
+#include "engine/range.hpp"
 #include "golden/precision.hpp"
+#include "scene/random.hpp"
+#include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -134,6 +138,37 @@ TEST(RandomConfig, RtlOnlyMeansThatTheRtlHasIt) {
     ASSERT_TRUE(has_rtl(c));
     ASSERT_NO_THROW(static_cast<void>(rtl_timing(c)));
   }
+}
+
+// The bounds around all triangles may be in doubt where the triangles hold, never the other way round. One
+// register at a time is made so narrow that it holds the scene just so, or just not.
+TEST(RandomConfig, BoundsOfASceneJudgeAsItsTrianglesDo) {
+  const std::vector<Config> bases = shipped_configs();
+  std::mt19937_64 random(7);
+  constexpr int configs = 60;
+  int held = 0, refused = 0;
+  for (int i = 0; i < configs; ++i) {
+    Config config = random_config(random(), bases, options());
+    RandomOptions few;
+    few.triangles = 1 + static_cast<int>(random() % 6);
+    const Scene scene = random_scene(random(), few);
+    for (Format& f : config.formats) f.overflow_expected = random() % 4 == 0;
+    for (Format& format : config.formats) {
+      const Format before = format;
+      while (format.word > 1 && format.integer > 1 - format.fraction()) {
+        const std::string by_triangles =
+            error_of([&] { check_scene_range(config, scene, RangeBy::triangles); });
+        EXPECT_EQ(error_of([&] { check_scene_range(config, scene); }), by_triangles);
+        ++(by_triangles.empty() ? held : refused);
+        if (!by_triangles.empty()) break;
+        --format.word;
+        --format.integer;
+      }
+      format = before;
+    }
+  }
+  EXPECT_GT(held, 20 * configs);
+  EXPECT_GT(refused, 4 * configs);
 }
 
 }  // namespace
