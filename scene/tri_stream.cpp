@@ -21,6 +21,7 @@
 #include "io/png.hpp"
 #include "scene/exact.hpp"
 #include "scene/procedural.hpp"
+#include "scene/quick_triangle.hpp"
 #include "scene/texels.hpp"
 #include "scene/texture.hpp"
 
@@ -28,6 +29,7 @@ namespace bitspan {
 namespace {
 
 constexpr std::size_t line_limit_bytes = std::size_t{1} << 20;
+constexpr int depth_limit = 64;  // arrays and objects in each other; a stream needs 6
 
 struct DuplicateKey : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -358,6 +360,9 @@ Texture read_entry(const Json& entry, int version, const Place& place, const std
 // none.
 struct HeaderTexture {
   int first = 0, frames = 0;
+
+  // The scene's texture while a dynamic one shows image `frame`.
+  int shown(int frame) const { return first + (frames == 0 ? 0 : frame); }
 };
 
 HeaderTexture append_texture(const Json& entry, int version, const Place& place,
@@ -536,9 +541,24 @@ Triangle read_triangle(const Json& line, const Scene& scene, const View& view,
   if (const auto tex = line.find("tex"); tex != line.end()) {
     if (scene.textures.empty()) place.fail("tex: the header names no textures; expected no \"tex\"");
     const int index = integer(*tex, 0, static_cast<int>(textures.size()) - 1, place, "tex");
-    const HeaderTexture& texture = textures[static_cast<std::size_t>(index)];
-    triangle.texture = texture.first + (texture.frames == 0 ? 0 : frame);
+    triangle.texture = textures[static_cast<std::size_t>(index)].shown(frame);
   }
+  return triangle;
+}
+
+// Checks what read_triangle does, in its order. `texture` is known to be there.
+Triangle finished(const TriangleLine& line, const View& view, std::span<const HeaderTexture> textures,
+                  int frame, int color_max, const Place& place) {
+  Triangle triangle = line.triangle;
+  for (std::size_t i = 0; i < 3; ++i) check_vertex(triangle.v[i], i, view, place);
+  check_shape(triangle, place);
+  if (line.colors) {
+    std::array<double, 12> components = *line.colors;
+    normalize(components, color_max, place, [] { return "c"; });
+    for (std::size_t i = 0; i < 12; ++i) triangle.v[i / 4].c[i % 4] = components[i];
+  }
+  check_given(triangle, place);
+  if (line.texture) triangle.texture = textures[static_cast<std::size_t>(*line.texture)].shown(frame);
   return triangle;
 }
 
@@ -713,7 +733,30 @@ class LineReader {
   std::size_t begin_ = 0, end_ = 0;
 };
 
+// Messages show values by a recursion over their depth.
+void check_depth(std::string_view line, const Place& place) {
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      in_string = c != '"';
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > depth_limit) {
+        place.fail(fmt::format("arrays and objects are nested more than {} deep; expected at most that many",
+                               depth_limit));
+      }
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+}
+
 Json parse_line(const std::string& line, const Place& place) {
+  check_depth(line, place);
   try {
     return Json::parse(line);
   } catch (const Json::parse_error& error) {
@@ -955,6 +998,8 @@ struct TriReader::State {
   Place place;
   std::optional<LineReader> lines;
   std::string line;
+  QuickTriangles quick;
+  TriangleLine quick_line;
   Scene scene;
   std::vector<HeaderTexture> textures;  // of the header
   int frame = 0;                        // that its dynamic textures show
@@ -964,6 +1009,14 @@ struct TriReader::State {
   std::size_t triangles = 0;
   Views views;                             // of the targets
   DrawState draw_state = first_state({});  // as far as its legality does not depend on a configuration
+
+  bool read_quickly(Triangle& triangle) {
+    if (!quick.read(line, version, quick_line)) return false;
+    const auto& texture = quick_line.texture;
+    if (texture && (*texture < 0 || *texture >= static_cast<std::int64_t>(textures.size()))) return false;
+    triangle = finished(quick_line, views.now(), textures, frame, color_max, place);
+    return true;
+  }
 
   // The image with that number must be there in all dynamic textures.
   void show_frame(const Json& value) {
@@ -986,8 +1039,7 @@ struct TriReader::State {
           fmt::format("state.texture1: texture {} does not exist, the header has {}; expected -1 to {}",
                       setting.value, textures.size(), static_cast<int>(textures.size()) - 1));
     }
-    const HeaderTexture& texture = textures[static_cast<std::size_t>(setting.value)];
-    setting.value = texture.first + (texture.frames == 0 ? 0 : frame);
+    setting.value = textures[static_cast<std::size_t>(setting.value)].shown(frame);
   }
 
   // The header's number of the texture becomes the scene's.
@@ -1085,6 +1137,10 @@ bool TriReader::next(Triangle& triangle) {
   State& s = *state_;
   while (s.lines->next(s.line, s.place)) {
     if (blank(s.line)) continue;
+    if (s.read_quickly(triangle)) {
+      ++s.triangles;
+      return true;
+    }
     const Json json = parse_line(s.line, s.place);
     if (is_command(json)) {
       s.add_command(json);

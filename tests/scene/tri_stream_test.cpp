@@ -5,7 +5,9 @@
 
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+#include <random>
 #include <sstream>
 
 #include "io/png.hpp"
@@ -259,12 +261,75 @@ TEST(TriStream, RefusesFilesThatAreNoStream) {
   EXPECT_NE(parse_error(triangle).find("x.tri:1: bitspan: no header"), std::string::npos);
   EXPECT_NE(parse_error(std::string(2000000, 'x')).find("x.tri:1: the line is too long"), std::string::npos);
   EXPECT_NE(parse_error(std::string(300, '\0')).find("x.tri:1: not JSON"), std::string::npos);
-  EXPECT_NE(parse_error(header + std::string(900000, '[')).find("x.tri:2: the line ends inside"),
+  EXPECT_NE(parse_error(header + std::string(64, '[')).find("x.tri:2: the line ends inside"),
             std::string::npos);
   const TemporaryFolder folder;
   EXPECT_NE(input_error([&] { read_tri(folder.path("none.tri")); }).find("cannot read: No such file"),
             std::string::npos);
   EXPECT_NE(input_error([&] { read_tri(folder.path()); }).find("is a folder"), std::string::npos);
+}
+
+// A whole value of that depth crashed where a message showed it.
+TEST(TriStream, RefusesDeepJson) {
+  for (const std::string open : {"[", "{\"v\":"}) {
+    const std::string close = open == "[" ? "]" : "}";
+    const auto nested = [&](int depth) {
+      std::string text;
+      for (int i = 0; i < depth; ++i) text += open;
+      text += "1";
+      for (int i = 0; i < depth; ++i) text += close;
+      return text;
+    };
+    EXPECT_EQ(parse_error(header + nested(64)).find("deep"), std::string::npos);
+    for (const int depth : {65, 100000}) {
+      EXPECT_NE(
+          parse_error(header + nested(depth)).find("x.tri:2: arrays and objects are nested more than 64"),
+          std::string::npos);
+      EXPECT_NE(parse_error(nested(depth)).find("x.tri:1: arrays and objects are nested more than 64"),
+                std::string::npos);
+    }
+  }
+  const std::string brackets(70, '[');
+  EXPECT_NE(parse_error(header + "{\"" + brackets + "\\\"" + brackets + "\":1}").find("unknown key"),
+            std::string::npos);
+}
+
+TEST(TriStream, AByteOrderMarkIsPassedOver) {
+  const Scene scene = parse_tri("\xEF\xBB\xBF" + std::string(header) + triangle, "x.tri");
+  EXPECT_EQ(scene.triangles.size(), 1U);
+}
+
+// However a number is spelled, it is the double that strtod gives.
+TEST(TriStream, NumbersAreTheNearestDoubles) {
+  std::mt19937_64 random(23);
+  const auto digits = [&](int most) {
+    std::string text;
+    for (int n = 1 + static_cast<int>(random() % static_cast<unsigned>(most)); n > 0; --n) {
+      text += static_cast<char>('0' + random() % 10);
+    }
+    return text;
+  };
+  int integers = 0, exponents = 0;
+  for (int i = 0; i < 3000; ++i) {
+    std::string text = random() % 2 == 0 ? "-" : "";
+    text += random() % 4 == 0 ? "0" : std::to_string(1 + random() % 9) + digits(random() % 8 == 0 ? 40 : 4);
+    const bool has_fraction = random() % 3 != 0;
+    if (has_fraction) text += "." + digits(random() % 4 == 0 ? 60 : 20);
+    if (random() % 2 == 0) {
+      text += std::string(random() % 2 == 0 ? "e-" : "E-") + digits(2);
+      ++exponents;
+    } else if (!has_fraction) {
+      ++integers;
+    }
+    const double expected = std::strtod(text.c_str(), nullptr);
+    const Scene scene = parse_tri(header + replaced(triangle, "4, 5]", "4, " + text + "]"), "x.tri");
+    const double read = scene.triangles.at(0).v[0].v;
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(read == 0 ? 0.0 : read),
+              std::bit_cast<std::uint64_t>(expected == 0 ? 0.0 : expected))
+        << text;
+  }
+  EXPECT_GT(integers, 300);
+  EXPECT_GT(exponents, 1000);
 }
 
 TEST(TriStream, TexturesAreRelativeToTheFile) {
