@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "io/png.hpp"
-#include "scene/ply_check.hpp"
 #include "scene/tri_stream.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
@@ -266,22 +265,6 @@ TEST(Mesh, RefusesEveryTruncatedPly) {
   for (std::size_t length = 0; length + 1 < whole.size(); ++length) {
     input_error([&] { read_mesh(folder.write("t.ply", std::string_view(whole).substr(0, length))); });
     ASSERT_FALSE(HasFailure()) << "cut to " << length << " bytes";
-  }
-}
-
-TEST(Mesh, BinaryPlyIsWalkedInBothByteOrders) {
-  for (const bool big : {false, true}) {
-    std::string file = std::string("ply\r\nformat binary_") + (big ? "big" : "little") +
-                       "_endian 1.0\r\nelement vertex 2\r\nproperty double x\r\nproperty uchar r\r\n"
-                       "element face 1\r\nproperty list ushort int vertex_indices\r\nend_header\r\n";
-    file += std::string(2 * 9, 'x') + (big ? std::string("\0\3", 2) : std::string("\3\0", 2)) +
-            std::string(3 * 4, 'i');
-    std::istringstream whole(file);
-    EXPECT_NO_THROW(check_ply(whole, "t.ply"));
-    for (std::size_t length = 0; length < file.size(); ++length) {
-      std::istringstream part(file.substr(0, length));
-      EXPECT_THROW(check_ply(part, "t.ply"), InputError) << length;
-    }
   }
 }
 
