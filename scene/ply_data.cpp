@@ -51,6 +51,9 @@ PlyData::PlyData(std::string_view bytes, const std::string& path, const PlyHeade
       line_(header.lines + 1),
       value_line_(line_) {}
 
+// The last value of ascii data needs no blank.
+std::uint64_t PlyData::bytes_left() const { return bytes_.size() - at_ + (is_ascii() ? 1 : 0); }
+
 PlyPlace PlyData::place() const { return {is_ascii() ? value_line_ : at_}; }
 
 InputError PlyData::error(const PlyElement& element, std::uint64_t instance, PlyPlace place,
@@ -136,7 +139,7 @@ void PlyData::skip(PlyType type, std::uint64_t count) {
 std::uint64_t PlyData::read_length(PlyType count, PlyType value) {
   const PlyPlace before = place();
   const std::int64_t length = read_integer(count);
-  const std::uint64_t left = (bytes_.size() - at_ + 1) / least_bytes(is_ascii(), value);
+  const std::uint64_t left = bytes_left() / least_bytes(is_ascii(), value);
   if (length < 0 || static_cast<std::uint64_t>(length) > left) {
     throw error(*element_, instance_, is_ascii() ? place() : before,
                 "a list of " + std::to_string(length) + " values; expected at most the " +
@@ -150,8 +153,7 @@ void PlyData::expect(const PlyElement& element) const {
   for (const PlyProperty& property : element.properties) {
     bytes += least_bytes(is_ascii(), property.count ? *property.count : property.type);
   }
-  // The last value of ascii data needs no blank.
-  if (bytes != 0 && element.count > (bytes_.size() - at_ + 1) / bytes) {
+  if (bytes != 0 && element.count > bytes_left() / bytes) {
     throw InputError(path_ + ":" + std::to_string(element.line) + ": element " + in_quotes(element.name) +
                      " has " + std::to_string(element.count) +
                      " instances, and the file ends before (truncated?); expected as many in the file");
@@ -166,8 +168,8 @@ void PlyData::expect_end() {
   }
   // Two bytes: the end of a line that some programs write behind binary data.
   if (at_ == bytes_.size() && (is_ascii() || at_ - before <= 2)) return;
-  const std::string where = is_ascii() ? path_ + ":" + std::to_string(line_)
-                                       : path_ + ": offset " + std::to_string(before);
+  const std::string where =
+      is_ascii() ? path_ + ":" + std::to_string(line_) : path_ + ": offset " + std::to_string(before);
   throw InputError(where + ": data behind the last element; expected the end of the file");
 }
 

@@ -49,6 +49,7 @@ class PlyData {
 
  private:
   bool is_ascii() const { return encoding_ == PlyEncoding::ascii; }
+  std::uint64_t bytes_left() const;
   std::string_view take_value();
   std::uint64_t take_bits(std::size_t size);
   InputError end() const;

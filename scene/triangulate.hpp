@@ -12,7 +12,7 @@
 namespace bitspan {
 
 // A reader refuses a face with more corners: the time grows with their square in the worst case, to seconds.
-inline constexpr std::size_t polygon_corners_max = 65536;
+inline constexpr std::size_t polygon_corners_max = 32768;
 
 // Cuts a polygon of n >= 3 finite corners into n - 2 triangles, whose corners are appended as indices into
 // `polygon`; each runs the way that the polygon runs. The polygon is seen along the axis from which its
