@@ -76,6 +76,17 @@ TEST(Obj, Lines) {
   EXPECT_TRUE(names(refusal(std::string("\xFF\xFEv\0", 4)), "a.obj: is UTF-16"));
 }
 
+// A reader that lost the first line would draw another triangle.
+TEST(Obj, ByteOrderMarkInFrontOfTheFirstVertex) {
+  const std::string text = "v 5 5 5\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 2 3 4\n";
+  for (const char* mark : {"", "\xEF\xBB\xBF"}) {
+    const MeshFile file = parse(mark + text);
+    ASSERT_EQ(file.triangles.size(), 1U);
+    EXPECT_EQ(file.triangles[0].corner[0].position, (Vec3{-1, -1, 0}));
+    EXPECT_EQ(file.triangles[0].corner[2].position, (Vec3{1, 1, 0}));
+  }
+}
+
 TEST(Obj, ColoursOnSomeVertices) {
   const MeshFile file = parse("v 0 0 0\nv 1 0 0 0.5 0.25 1\nv 0 1 0\nv 1 1 0 0 0 0\nf 1 2 3\nf 2 4 3\n");
   EXPECT_EQ(file.triangles[0].corner[0].color, (Color{1, 1, 1, 1}));
