@@ -214,6 +214,10 @@ bool faces_are_whole(const aiScene& scene) {
 
 MeshAnswer read(const char* path) {
   Assimp::Importer importer;
+  // These have readers of their own, which do not invent what a file leaves out.
+  for (const char* extension : {"obj", "ply", "gltf", "glb"}) {
+    while (Assimp::BaseImporter* known = importer.GetImporter(extension)) importer.UnregisterLoader(known);
+  }
   const auto refusal = [&] {
     std::string reason = importer.GetErrorString();
     if (reason.ends_with('.')) reason.pop_back();

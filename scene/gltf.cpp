@@ -102,7 +102,7 @@ struct Primitive {
 
 class GltfReader {
  public:
-  explicit GltfReader(const std::string& path) : file_(path) {}
+  GltfReader(gltf::Bytes bytes, const std::string& path) : file_(std::move(bytes), path) {}
 
   MeshFile read() {
     check_extensions();
@@ -464,6 +464,10 @@ void GltfReader::note_what_is_missing() {
 
 }  // namespace
 
-MeshFile read_gltf(const std::string& path) { return GltfReader(path).read(); }
+MeshFile read_gltf(const std::string& path) { return GltfReader(gltf::read_bytes(path), path).read(); }
+
+MeshFile parse_gltf(std::string_view bytes, const std::string& path) {
+  return GltfReader({bytes.begin(), bytes.end()}, path).read();
+}
 
 }  // namespace bitspan

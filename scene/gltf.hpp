@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "scene/mesh_file.hpp"
 
@@ -13,5 +14,8 @@ namespace bitspan {
 // "FILE: PLACE: what; expected what" where the file is damaged, breaks a rule that the picture depends on, or
 // requires an extension that is not honoured.
 MeshFile read_gltf(const std::string& path);
+
+// The same of a file's contents; `path` is what messages call it, and buffers and images stand beside it.
+MeshFile parse_gltf(std::string_view bytes, const std::string& path);
 
 }  // namespace bitspan

@@ -89,22 +89,6 @@ bool is_unsigned(Component component) {
   return component == Component::uint8 || component == Component::uint16 || component == Component::uint32;
 }
 
-// Reads at most `limit` bytes.
-Bytes read_bytes(const std::string& path, std::uint64_t limit) {
-  std::error_code code;
-  if (std::filesystem::exists(path, code) && !std::filesystem::is_regular_file(path, code)) {
-    throw InputError(path + ": cannot read: is no file; expected a file of bytes");
-  }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw InputError(path + ": cannot read: " + std::strerror(errno) + "; expected a file of bytes");
-  const std::uint64_t size = std::min<std::uint64_t>(std::filesystem::file_size(path, code), limit);
-  if (code) throw InputError(path + ": cannot read: " + code.message() + "; expected a file of bytes");
-  Bytes bytes(size);
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  bytes.resize(static_cast<std::size_t>(file.gcount()));
-  return bytes;
-}
-
 struct Chunks {
   std::span<const std::uint8_t> json, binary;
   bool has_binary = false;
@@ -151,6 +135,21 @@ Chunks chunks_of_glb(const std::string& path, std::span<const std::uint8_t> file
 }
 
 }  // namespace
+
+Bytes read_bytes(const std::string& path, std::uint64_t limit) {
+  std::error_code code;
+  if (std::filesystem::exists(path, code) && !std::filesystem::is_regular_file(path, code)) {
+    throw InputError(path + ": cannot read: is no file; expected a file of bytes");
+  }
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw InputError(path + ": cannot read: " + std::strerror(errno) + "; expected a file of bytes");
+  const std::uint64_t size = std::min<std::uint64_t>(std::filesystem::file_size(path, code), limit);
+  if (code) throw InputError(path + ": cannot read: " + code.message() + "; expected a file of bytes");
+  Bytes bytes(size);
+  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  return bytes;
+}
 
 std::string quoted(std::string_view text) {
   constexpr std::size_t longest = 80;
@@ -261,8 +260,7 @@ std::uint32_t Accessor::code(std::uint64_t index) const {
   return bytes == nullptr ? 0 : code_of(component, bytes);
 }
 
-Document::Document(std::string path) : path_(std::move(path)) {
-  file_ = read_bytes(path_, whole_limit);
+Document::Document(Bytes file, std::string path) : path_(std::move(path)), file_(std::move(file)) {
   std::span<const std::uint8_t> json = file_;
   if (file_.size() >= 4 && std::memcmp(file_.data(), "glTF", 4) == 0) {
     const Chunks chunks = chunks_of_glb(path_, file_);

@@ -17,6 +17,9 @@ namespace bitspan::gltf {
 
 using Bytes = std::vector<std::uint8_t>;
 
+// Reads a file, or its first bytes. Throws InputError where there is none.
+Bytes read_bytes(const std::string& path, std::uint64_t limit = std::uint64_t{1} << 48);
+
 // Text of the file for a message: printable, and not long.
 std::string quoted(std::string_view text);
 
@@ -97,8 +100,9 @@ struct Accessor {
 
 class Document {
  public:
-  // Reads the JSON, of a GLB that in its first chunk. Throws InputError where it is no glTF 2.
-  explicit Document(std::string path);
+  // Reads the JSON of a file's contents, of a GLB that in its first chunk. Throws InputError where it is no
+  // glTF 2.
+  Document(Bytes file, std::string path);
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
 

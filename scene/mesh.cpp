@@ -18,6 +18,8 @@
 #include "scene/assimp.hpp"
 #include "scene/gltf.hpp"
 #include "scene/mesh_file.hpp"
+#include "scene/obj.hpp"
+#include "scene/ply.hpp"
 #include "scene/texture.hpp"
 
 namespace bitspan {
@@ -65,6 +67,8 @@ MeshFile read_mesh_file(const std::string& path) {
   if (start.extension == ".gltf" || (first != std::string::npos && start.bytes[first] == '{')) {
     return read_gltf(path);
   }
+  if (start.begins_with("ply")) return read_ply(path);
+  if (start.extension == ".obj") return read_obj(path);
   return read_by_assimp(path);
 }
 

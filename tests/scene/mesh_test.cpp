@@ -210,6 +210,27 @@ TEST(Mesh, DefaultCameraFramesTheModel) {
   }
 }
 
+TEST(Mesh, DefaultCameraKeepsTheRatioOfDistances) {
+  const TemporaryFolder folder;
+  const Mesh quad = read_mesh(folder.write("q.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n"));
+  Camera camera;
+  camera.yaw_degrees = camera.pitch_degrees = 0;
+  Viewpoint view = make_view(quad, camera, 64, 64);
+  EXPECT_GE(view.s_max / view.s_min, 1.299999);
+  camera.s_min = 2;
+  view = make_view(quad, camera, 64, 64);
+  EXPECT_EQ(view.s_min, 2);
+  EXPECT_GE(view.s_max / view.s_min, 1.299999);
+  camera.s_min = view.s_max / 1.05;  // still before the quad
+  view = make_view(quad, camera, 64, 64);
+  EXPECT_GE(view.s_max / view.s_min, 1.299999);
+  camera.s_min = std::nullopt;
+  camera.distance = 3;
+  camera.yaw_degrees = 89;  // the near edge is close to the viewer
+  view = make_view(quad, camera, 64, 64);
+  EXPECT_GT(view.s_max / view.s_min, 1.5);
+}
+
 TEST(Mesh, NearPlaneCutsAndCounts) {
   const TemporaryFolder folder;
   MeshOptions options;
