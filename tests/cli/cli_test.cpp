@@ -19,6 +19,7 @@
 #include "tb/rtl_build.hpp"
 #include "tests/cli/program.hpp"
 #include "tests/rtl/rtl_copy.hpp"
+#include "tests/support/environment.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
