@@ -406,8 +406,9 @@ class PlyReader {
           MeshCorner& corner = triangle.corner[k];
           corner = corner_of(vertices_[static_cast<std::size_t>(indices_[face.first + part[k]])]);
           if (face.coordinates) {
-            corner.u = coordinates_[*face.coordinates + 2 * part[k]];
-            corner.v = coordinates_[*face.coordinates + 2 * part[k] + 1];
+            const std::size_t at = *face.coordinates + std::size_t{2} * part[k];
+            corner.u = coordinates_[at];
+            corner.v = coordinates_[at + 1];
           }
           if (has_face_color_ && !has_color_) corner.color = face.color;
         }

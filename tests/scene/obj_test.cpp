@@ -148,6 +148,8 @@ TEST(Obj, NumbersAreTheNearestDoublesOrRefused) {
   EXPECT_EQ(x("0.000" + std::string(400, '0') + "1e400"), 1e-4);
   EXPECT_TRUE(std::signbit(x("-1e-99999999999999999999")));
   EXPECT_EQ(x("1" + std::string(1000, '0') + "e-1000"), 1);
+  EXPECT_EQ(x("0." + std::string(400, '0') + "1e10"), 0);
+  EXPECT_TRUE(names(refusal("v 1" + std::string(400, '0') + "e-10 0 0\n"), "a.obj:1: "));
   for (const char* word : {"1.#IND", "-1.#INF", "1.#QNAN",   "1,5",      "nan",   "inf",
                            "-inf",   "NaN",     "-nan(ind)", "infinity", "1e400", "-1e99999999999999999999",
                            "0x10",   "1e",      "e5",        "--1",      "+-1",   "-",
