@@ -245,6 +245,7 @@ class PlyReader {
   void read_faces(const PlyElement& element) {
     const std::vector<Use> uses = uses_of(element, face_names);
     if (!has(uses, {Use::indices})) {
+      if (element.count == 0) return;  // of a cloud of points
       throw header_error(element, "element face has no list vertex_indices; expected it");
     }
     face_element_ = &element;
