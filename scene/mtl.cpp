@@ -140,7 +140,7 @@ class MtlReader {
       read_option(*known, behind, place);
       rest = trimmed(behind);
     }
-    if (rest.empty()) throw error("map_Kd has no image; expected the name of a file");
+    if (rest.empty()) return note("map_Kd has no image, and is left out");
     std::string name(rest);
     std::replace(name.begin(), name.end(), '\\', '/');
     material().image = image(name);

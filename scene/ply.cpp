@@ -245,6 +245,7 @@ class PlyReader {
   void read_faces(const PlyElement& element) {
     const std::vector<Use> uses = uses_of(element, face_names);
     if (!has(uses, {Use::indices})) {
+      if (element.count == 0) return;  // of a cloud of points
       throw header_error(element, "element face has no list vertex_indices; expected it");
     }
     face_element_ = &element;
@@ -406,8 +407,9 @@ class PlyReader {
           MeshCorner& corner = triangle.corner[k];
           corner = corner_of(vertices_[static_cast<std::size_t>(indices_[face.first + part[k]])]);
           if (face.coordinates) {
-            corner.u = coordinates_[*face.coordinates + 2 * part[k]];
-            corner.v = coordinates_[*face.coordinates + 2 * part[k] + 1];
+            const std::size_t at = *face.coordinates + std::size_t{2} * part[k];
+            corner.u = coordinates_[at];
+            corner.v = coordinates_[at + 1];
           }
           if (has_face_color_ && !has_color_) corner.color = face.color;
         }

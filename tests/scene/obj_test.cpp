@@ -148,6 +148,8 @@ TEST(Obj, NumbersAreTheNearestDoublesOrRefused) {
   EXPECT_EQ(x("0.000" + std::string(400, '0') + "1e400"), 1e-4);
   EXPECT_TRUE(std::signbit(x("-1e-99999999999999999999")));
   EXPECT_EQ(x("1" + std::string(1000, '0') + "e-1000"), 1);
+  EXPECT_EQ(x("0." + std::string(400, '0') + "1e10"), 0);
+  EXPECT_TRUE(names(refusal("v 1" + std::string(400, '0') + "e-10 0 0\n"), "a.obj:1: "));
   for (const char* word : {"1.#IND", "-1.#INF", "1.#QNAN",   "1,5",      "nan",   "inf",
                            "-inf",   "NaN",     "-nan(ind)", "infinity", "1e400", "-1e99999999999999999999",
                            "0x10",   "1e",      "e5",        "--1",      "+-1",   "-",
@@ -232,7 +234,7 @@ TEST_F(ObjMaterials, ColoursAndOpacity) {
   EXPECT_EQ(refused("newmtl a\nKd 1 0,5 0\n"),
             "m.mtl:2: \"0,5\" is no number that a double holds; expected one");
   for (const char* line : {"Kd", "Kd 1 1", "Kd 1.#IND 0 0", "Kd nan 0 0", "d", "d x", "Tr 1,0", "d -halo",
-                           "map_Kd", "map_Kd -o x a.png"}) {
+                           "map_Kd -o x a.png"}) {
     refused(std::string("newmtl a\n") + line + "\n");
   }
   const MeshFile file = read("newmtl a\n");
@@ -295,6 +297,8 @@ TEST_F(ObjMaterials, ImagesAndTheirOptions) {
     EXPECT_TRUE(names(file.images.at(0).path, "/t.png")) << file.images.at(0).path;
   }
   EXPECT_TRUE(has_note(read("newmtl a\nmap_d t.png\n"), "m.mtl:2: map_d is left out"));
+  EXPECT_TRUE(has_note(read("newmtl a\nmap_Kd \n"), "m.mtl:2: map_Kd has no image, and is left out"));
+  EXPECT_EQ(image("newmtl a\nmap_Kd\n"), "");
   EXPECT_EQ(read("newmtl a\nmap_Kd t.png\nnewmtl b\nmap_Kd t.png\nnewmtl c\nmap_Kd u.png\n").images.size(),
             2U);
   EXPECT_TRUE(read("newmtl a\nmap_Kd t.png\nmap_Bump b.png\nmap_Ks k.png\n").notes.empty());

@@ -107,6 +107,8 @@ TEST(Ply, BadHeaders) {
                     "element vertex has not all of x, y and z"));
   EXPECT_TRUE(names(refusal(header("element face 1\nproperty int a\n") + "0\n"),
                     "element face has no list vertex_indices"));
+  EXPECT_NO_THROW(parse(header("element vertex 1\n" + xyz + "element face 0\n") + "0 0 0\n"))
+      << "a cloud of points";
   EXPECT_TRUE(names(refusal(header("element face 1\nproperty list uchar float vertex_indices\n") + "0\n"),
                     "has type float; expected integers"));
 }

@@ -55,6 +55,19 @@ std::size_t check(const std::vector<Grid>& points, const Parts& parts, bool is_s
   return with_area;
 }
 
+// No corner lies inside a side of a triangle, where a crack would open beside the triangles of that corner.
+void check_sides(const std::vector<Grid>& points, const Parts& parts) {
+  for (const auto& part : parts) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Grid &a = points[part[k]], &b = points[part[(k + 1) % 3]];
+      for (const Grid& p : points) {
+        const std::int64_t along = (p[0] - a[0]) * (b[0] - p[0]) + (p[1] - a[1]) * (b[1] - p[1]);
+        EXPECT_FALSE(twice_area(a, b, p) == 0 && along > 0) << p[0] << ' ' << p[1];
+      }
+    }
+  }
+}
+
 // Directions around the origin, counterclockwise, without two of the same angle, at least one per octant.
 std::vector<Grid> directions(std::mt19937_64& random) {
   std::vector<Grid> out;
@@ -166,14 +179,17 @@ TEST(Triangulate, RandomSimplePolygons) {
     }
     const Parts parts = cut(polygon);
     check(points, parts, true);
+    check_sides(points, parts);
     concave +=
         std::ranges::any_of(Parts(parts), [&](const auto& t) { return t[0] != 0 && t[1] != 0 && t[2] != 0; })
             ? 1
             : 0;
-    for (const int power : {-1000, -600, 600, 1010}) {
-      std::vector<Vec3> scaled;
-      for (const Vec3& p : polygon) scaled.push_back(p * std::ldexp(1.0, power));
-      EXPECT_EQ(cut(scaled), parts) << power;
+    if (round % 8 == 0) {  // the exact numbers take long there
+      for (const int power : {-1000, -600, 600, 1010}) {
+        std::vector<Vec3> scaled;
+        for (const Vec3& p : polygon) scaled.push_back(p * std::ldexp(1.0, power));
+        EXPECT_EQ(cut(scaled), parts) << power;
+      }
     }
     ASSERT_FALSE(HasFailure()) << "polygon " << round;
   }
