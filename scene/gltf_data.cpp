@@ -270,6 +270,7 @@ Document::Document(Bytes file, std::string path) : path_(std::move(path)), file_
   }
   constexpr std::array<std::uint8_t, 3> mark{0xef, 0xbb, 0xbf};
   if (json.size() >= 3 && std::equal(mark.begin(), mark.end(), json.begin())) json = json.subspan(3);
+  if (json.empty()) throw InputError(path_ + ": the JSON is broken: it is empty; expected glTF 2");
   if (parser_.allocate(json.size(), depth_limit) != simdjson::SUCCESS) throw std::bad_alloc();
   const simdjson::error_code error = parser_.parse(json.data(), json.size()).get(root_);
   if (error == simdjson::DEPTH_ERROR) {

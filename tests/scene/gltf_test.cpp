@@ -553,6 +553,7 @@ TEST_F(GltfTest, RefusesBrokenContainers) {
     EXPECT_TRUE(names(message, ": ") && names(message, part)) << message;
   };
   broken("", "the JSON is broken");
+  broken("\xef\xbb\xbf", "the JSON is broken");
   broken("{", "the JSON is broken");
   broken("[1]", "is no object");
   broken(R"({"asset":{"version":"2.0"},"extras":1e999})", "the JSON is broken");
