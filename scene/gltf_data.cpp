@@ -246,7 +246,7 @@ std::array<double, 4> Accessor::element(std::uint64_t index) const {
   const std::uint8_t* bytes = at(index);
   if (bytes == nullptr) return out;
   for (unsigned i = 0; i < components; ++i) {
-    out[i] = value_of(component, normalized, bytes + i * bytes_of(component));
+    out[i] = value_of(component, normalized, bytes + std::size_t{i} * bytes_of(component));
     if (!std::isfinite(out[i])) {
       throw InputError(name + ": element " + std::to_string(index) +
                        " is not finite; expected finite numbers");
