@@ -137,6 +137,9 @@ LoadedScene load_mesh(const std::string& name, const SceneOptions& o) {
   for (const std::string& what : bad_textures) {
     fmt::print(stderr, "bitspan: warning: {}; its faces are white (--strict refuses this)\n", what);
   }
+  for (const std::string& note : mesh.notes) {
+    fmt::print(stderr, "bitspan: warning: {}: {}\n", name, note);
+  }
   Scene scene = mesh_scene(std::move(mesh), options, faces);
   check_scene(scene, name);
   return {std::move(scene), faces};
@@ -191,8 +194,9 @@ void add_allow_empty(CLI::App& command, SceneOptions& o) {
 }
 
 std::string faces_text(const ProjectReport& faces) {
-  return fmt::format("faces: {} read, {} culled, {} outside, {} drawn", faces.faces, faces.culled,
-                     faces.outside, faces.drawn);
+  return fmt::format("faces: {} read, {} culled, {} outside, {} drawn{}", faces.faces, faces.culled,
+                     faces.outside, faces.drawn,
+                     faces.two_sided == 0 ? "" : fmt::format("; {} have two sides", faces.two_sided));
 }
 
 std::string faces_line(const LoadedScene& loaded) {

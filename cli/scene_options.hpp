@@ -37,7 +37,8 @@ struct LoadedScene {
 
   bool draws_no_face() const { return faces && faces->drawn == 0; }
 };
-// "faces: 12 read, 6 culled, 0 outside, 6 drawn", without the end of the line.
+// "faces: 12 read, 6 culled, 0 outside, 6 drawn", without the end of the line; and how many are never culled,
+// where there are such.
 std::string faces_text(const ProjectReport& faces);
 // The same with the end of the line, for what a command prints; empty for a scene that is no mesh.
 std::string faces_line(const LoadedScene& loaded);

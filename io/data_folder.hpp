@@ -18,4 +18,8 @@ std::filesystem::path own_file();
 // tree share/bitspan links to the sources. Throws InputError where there is none.
 std::filesystem::path data_folder();
 
+// Returns the program that reads meshes by Assimp: the one that $BITSPAN_ASSIMP names, else
+// libexec/bitspan/bitspan-assimp, found as share/bitspan is. Throws InputError where there is none.
+std::filesystem::path assimp_program();
+
 }  // namespace bitspan

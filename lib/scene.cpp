@@ -32,6 +32,7 @@ struct SceneState {
   std::vector<bs_texture> textures;
   std::vector<bs_vertex> vertices;
   std::vector<std::int32_t> texture_of;
+  std::string notes;  // a line each
 };
 
 // Never destroyed: functions may be called while the program ends.
@@ -40,12 +41,14 @@ Handles<bs_scene, SceneState>& scenes() {
   return *all;
 }
 
-Scene mesh(const std::string& path, const Size& size) {
+Scene mesh(const std::string& path, const Size& size, std::string& notes) {
   MeshOptions options;
   options.width = size.width;
   options.height = size.height;
   ProjectReport faces;
-  Scene scene = mesh_scene(read_mesh(path), options, faces);
+  Mesh mesh = read_mesh(path);
+  for (const std::string& note : mesh.notes) notes += note + "\n";
+  Scene scene = mesh_scene(std::move(mesh), options, faces);
   check_scene(scene, path);
   if (faces.drawn == 0) {
     throw InputError(path + ": none of " + std::to_string(faces.faces) +
@@ -55,7 +58,7 @@ Scene mesh(const std::string& path, const Size& size) {
 }
 
 Scene load(const std::string& name, std::int32_t width, std::int32_t height, std::optional<int> frame,
-           const std::string& function) {
+           const std::string& function, std::string& notes) {
   const bool sized = width != 0 || height != 0;
   const Size size = sized ? Size{width, height} : Size{};
   if (!is_legal(size)) {
@@ -68,7 +71,7 @@ Scene load(const std::string& name, std::int32_t width, std::int32_t height, std
                            " has no dynamic textures; expected a stream (.tri) with some, or bs_scene_load");
   }
   if (name == "demo") return demo_scene(size.width, size.height);
-  if (!name.ends_with(".tri")) return mesh(name, size);
+  if (!name.ends_with(".tri")) return mesh(name, size, notes);
   Scene scene = read_tri(name, frame);
   if (sized && (scene.width != width || scene.height != height)) {
     fail(BS_BAD_INPUT, function + ": width, height: " + name + " is a stream of " +
@@ -295,7 +298,10 @@ bs_status load_as(const std::string& function, const char* name_or_path, std::in
   return call([&] {
     need(name_or_path, (function + ": name_or_path").c_str());
     need(out, (function + ": out").c_str());
-    *out = scenes().add(described(load(name_or_path, width, height, frame, function)));
+    std::string notes;
+    const auto state = described(load(name_or_path, width, height, frame, function, notes));
+    state->notes = std::move(notes);
+    *out = scenes().add(state);
   });
 }
 }  // namespace
@@ -327,6 +333,10 @@ bs_status bs_scene_triangles(bs_scene* scene, const bs_vertex** vertices, const 
     *textures = state->texture_of.data();
     *count = state->texture_of.size();
   });
+}
+
+const char* bs_scene_notes(bs_scene* scene) {
+  return call_or<const char*>(nullptr, [&] { return scenes().find(scene, "bs_scene_notes")->notes.c_str(); });
 }
 
 void bs_scene_free(bs_scene* scene) { scenes().remove(scene); }

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/mesh.hpp"
 
-#include <assimp/config.h>
-#include <assimp/material.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
-
 #include <algorithm>
-#include <assimp/Importer.hpp>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -16,230 +11,226 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <span>
 #include <string_view>
 #include <utility>
 
 #include "config/config.hpp"
-#include "scene/ply_check.hpp"
+#include "scene/assimp.hpp"
+#include "scene/gltf.hpp"
+#include "scene/mesh_file.hpp"
+#include "scene/obj.hpp"
+#include "scene/ply.hpp"
 #include "scene/texture.hpp"
 
 namespace bitspan {
 namespace {
 
 constexpr double default_fov_degrees = 40;
-constexpr double depth_ratio_max = 1000;  // s_max / s_min that a default camera goes up to
+// s_max / s_min of a default camera: the shipped configurations hold the scene's B from 1.25 on.
+constexpr double depth_ratio_min = 1.3, depth_ratio_max = 1000;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  std::replace(text.begin(), text.end(), '\r', ' ');
-  return text;
-}
+// The bytes that tell formats apart, and the name's extension in small letters.
+struct FileStart {
+  std::string bytes;
+  std::string extension;
 
-// A material, as far as the pipeline knows materials.
-struct Surface {
-  int texture = -1;
-  std::array<double, 4> color{1, 1, 1, 1};
-  bool two_sided = false;
+  bool begins_with(std::string_view text) const { return bytes.starts_with(text); }
 };
 
-// Textures of one import: each file or embedded picture once.
-class TextureSet {
- public:
-  TextureSet(const aiScene& scene, std::string path, std::vector<Texture>& textures,
-             std::vector<std::string>* bad)
-      : scene_(scene), path_(std::move(path)), textures_(textures), bad_(bad) {}
-
-  // Returns -1 for a bad texture, where bad ones are gathered.
-  int find_or_load(const std::string& name) {
-    const auto [entry, is_new] = known_.try_emplace(name, static_cast<int>(textures_.size()));
-    if (!is_new) return entry->second;
-    try {
-      textures_.push_back(load(name));
-    } catch (const InputError& error) {
-      if (bad_ == nullptr) throw;
-      bad_->emplace_back(error.what());
-      entry->second = -1;
-    }
-    return entry->second;
-  }
-
- private:
-  Texture load(std::string name) const {
-    if (const aiTexture* embedded = scene_.GetEmbeddedTexture(name.c_str())) {
-      const std::string origin = path_ + ": embedded texture " + name;
-      if (embedded->mHeight == 0) {
-        const auto* bytes = reinterpret_cast<const std::uint8_t*>(embedded->pcData);
-        return decode_texture({bytes, embedded->mWidth}, origin);
-      }
-      return from_texels(*embedded, origin);
-    }
-    std::replace(name.begin(), name.end(), '\\', '/');
-    return read_texture((std::filesystem::path(path_).parent_path() / name).string());
-  }
-
-  static Texture from_texels(const aiTexture& embedded, const std::string& origin) {
-    if (embedded.mWidth > texture_size_limit || embedded.mHeight > texture_size_limit) {
-      throw InputError(origin + ": too large; expected at most " + std::to_string(texture_size_limit) +
-                       " texels");
-    }
-    Texture texture{origin, static_cast<int>(embedded.mWidth), static_cast<int>(embedded.mHeight), {}};
-    const std::size_t count = std::size_t{embedded.mWidth} * embedded.mHeight;
-    for (const aiTexel& t : std::span(embedded.pcData, count)) {
-      texture.rgba.insert(texture.rgba.end(), {t.r, t.g, t.b, t.a});
-    }
-    return texture;
-  }
-
-  const aiScene& scene_;
-  std::string path_;
-  std::vector<Texture>& textures_;
-  std::vector<std::string>* bad_;
-  std::map<std::string, int> known_;
-};
-
-Surface read_surface(const aiMaterial& material, TextureSet& textures) {
-  Surface surface;
-  aiString name;
-  material.Get(AI_MATKEY_NAME, name);
-  aiColor4D color(1, 1, 1, 1);
-  // Assimp invents a grey material for files without one.
-  if (std::strcmp(name.C_Str(), AI_DEFAULT_MATERIAL_NAME) != 0 &&
-      material.Get(AI_MATKEY_COLOR_DIFFUSE, color) == AI_SUCCESS) {
-    float opacity = 1;
-    material.Get(AI_MATKEY_OPACITY, opacity);
-    surface.color = {color.r, color.g, color.b, std::min(color.a, opacity)};
-  }
-  int two_sided = 0;
-  if (material.Get(AI_MATKEY_TWOSIDED, two_sided) == AI_SUCCESS) surface.two_sided = two_sided != 0;
-  for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
-    aiString file;
-    if (material.GetTexture(type, 0, &file) != AI_SUCCESS || file.length == 0) continue;
-    surface.texture = textures.find_or_load(file.C_Str());
-    break;
-  }
-  return surface;
-}
-
-bool finite(const Corner& corner) {
-  return std::isfinite(corner.position.x) && std::isfinite(corner.position.y) &&
-         std::isfinite(corner.position.z) && is_finite(corner);
-}
-
-void append_faces(const aiMesh& part, const Surface& surface, const std::string& path, Mesh& mesh) {
-  const bool has_uv = surface.texture >= 0 && part.HasTextureCoords(0);
-  const double texels_u = has_uv ? mesh.textures[static_cast<std::size_t>(surface.texture)].width : 0;
-  const double texels_v = has_uv ? mesh.textures[static_cast<std::size_t>(surface.texture)].height : 0;
-  const auto corner_at = [&](unsigned index) {
-    const aiVector3D& p = part.mVertices[index];
-    Corner corner{{{p.x, p.y, p.z}}, {0, 0, surface.color}};
-    if (has_uv) {
-      const aiVector3D& t = part.mTextureCoords[0][index];
-      corner.u = t.x * texels_u;
-      corner.v = (1.0 - t.y) * texels_v;
-    }
-    if (part.HasVertexColors(0)) {
-      const aiColor4D& c = part.mColors[0][index];
-      const std::array<double, 4> color{c.r, c.g, c.b, c.a};
-      for (std::size_t i = 0; i < 4; ++i) corner.c[i] *= color[i];
-    }
-    if (!finite(corner)) {
-      throw InputError(path + ": vertex " + std::to_string(index) + " of mesh \"" +
-                       one_line(part.mName.C_Str()) +
-                       "\" is not finite; expected finite positions, texture coordinates and colours");
-    }
-    return Corner{{corner.position}, clamped(corner)};
-  };
-  for (const aiFace& face : std::span(part.mFaces, part.mNumFaces)) {
-    if (face.mNumIndices != 3) continue;
-    mesh.faces.push_back(
-        {{corner_at(face.mIndices[0]), corner_at(face.mIndices[1]), corner_at(face.mIndices[2])},
-         surface.texture,
-         surface.two_sided});
-  }
-}
-
-// What Assimp's later steps take for granted, and abort on where it does not hold.
-void check_faces(const aiScene& scene, const std::string& path) {
-  for (const aiMesh* part : std::span(scene.mMeshes, scene.mNumMeshes)) {
-    for (const aiFace& face : std::span(part->mFaces, part->mNumFaces)) {
-      const auto indices = std::span(face.mIndices, face.mNumIndices);
-      if (indices.empty() ||
-          std::any_of(indices.begin(), indices.end(), [&](unsigned i) { return i >= part->mNumVertices; })) {
-        throw InputError(
-            path +
-            ": a face has no vertices or names one that is not there (truncated?); expected indices below " +
-            std::to_string(part->mNumVertices));
-      }
-    }
-  }
-}
-
-void check_readable(const std::string& path) {
+FileStart start_of(const std::string& path) {
   std::error_code code;
   if (std::filesystem::is_directory(path, code)) {
     throw InputError(path + ": cannot read: is a folder; expected a mesh file");
   }
+  if (std::filesystem::exists(path, code) && !std::filesystem::is_regular_file(path, code)) {
+    throw InputError(path + ": cannot read: is no file; expected a mesh file");
+  }
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path + ": cannot read: " + std::strerror(errno) + "; expected a mesh file");
-  std::array<char, 3> start{};
-  file.read(start.data(), start.size());
-  const auto is_letter = [](char a, char b) { return (a | 0x20) == b; };
-  if (std::equal(start.begin(), start.end(), "ply", is_letter)) {
-    file.seekg(0);
-    check_ply(file, path);
+  FileStart start;
+  start.bytes.resize(256);
+  file.read(start.bytes.data(), static_cast<std::streamsize>(start.bytes.size()));
+  start.bytes.resize(static_cast<std::size_t>(file.gcount()));
+  if (start.begins_with("\xef\xbb\xbf")) start.bytes.erase(0, 3);  // a byte order mark
+  start.extension = std::filesystem::path(path).extension().string();
+  for (char& c : start.extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return start;
+}
+
+// The contents say what a file is; an OBJ has none that do.
+MeshFile read_mesh_file(const std::string& path) {
+  const FileStart start = start_of(path);
+  if (start.begins_with("glTF")) return read_gltf(path);
+  const std::size_t first = start.bytes.find_first_not_of(" \t\r\n");
+  if (start.extension == ".gltf" || (first != std::string::npos && start.bytes[first] == '{')) {
+    return read_gltf(path);
   }
+  if (start.begins_with("ply")) return read_ply(path);
+  if (start.extension == ".obj") return read_obj(path);
+  return read_by_assimp(path);
+}
+
+// The smallest code of a texel's alpha that is not cut: t / 255 * alpha >= cutoff; 256 where all are.
+int first_kept_code(double cutoff, double alpha) {
+  for (int code = 0; code < 256; ++code) {
+    if (code / 255.0 * alpha >= cutoff) return code;
+  }
+  return 256;
+}
+
+// The textures of a mesh: each image as often as its alpha is used in another way.
+class TextureSet {
+ public:
+  TextureSet(const std::vector<MeshImage>& images, std::vector<Texture>& textures,
+             std::vector<std::string>* bad)
+      : images_(images), read_(images.size()), textures_(textures), bad_(bad) {}
+
+  static constexpr int as_it_is = -1;
+  // Returns the texture of an image whose alpha codes become 255 from `first_kept` on, and 0 below; -1 for a
+  // bad one, where bad ones are gathered.
+  int find_or_make(int image, int first_kept) {
+    Read& read = read_[static_cast<std::size_t>(image)];
+    if (!read.tried) load(static_cast<std::size_t>(image), read);
+    if (!read.texture) return -1;
+    if (first_kept <= read.least_alpha && read.least_alpha == 255) first_kept = as_it_is;
+    const auto [entry, is_new] = known_.try_emplace({image, first_kept}, static_cast<int>(textures_.size()));
+    if (is_new) make(*read.texture, first_kept);
+    return entry->second;
+  }
+
+ private:
+  // Of the copies of one mesh's images. Cutoffs and factors may ask for hundreds of a large one.
+  static constexpr std::uint64_t bytes_limit = std::uint64_t{1} << 32;
+
+  struct Read {
+    bool tried = false;
+    std::optional<Texture> texture;
+    int least_alpha = 255;
+  };
+
+  void load(std::size_t index, Read& read) {
+    read.tried = true;
+    const MeshImage& image = images_[index];
+    try {
+      read.texture = image.path.empty() ? decode_texture(image.bytes, image.name) : read_texture(image.path);
+    } catch (const InputError& error) {
+      if (bad_ == nullptr) throw;
+      bad_->emplace_back(error.what());
+      return;
+    }
+    const std::vector<std::uint8_t>& rgba = read.texture->rgba;
+    for (std::size_t i = 3; i < rgba.size(); i += 4)
+      read.least_alpha = std::min<int>(read.least_alpha, rgba[i]);
+  }
+
+  void make(const Texture& source, int first_kept) {
+    bytes_ += source.rgba.size();
+    if (bytes_ > bytes_limit) {
+      throw InputError(source.name + ": the mesh uses too many images; expected at most 4 GiB of texels");
+    }
+    Texture& made = textures_.emplace_back(source);
+    if (first_kept == as_it_is) return;
+    for (std::size_t i = 3; i < made.rgba.size(); i += 4) made.rgba[i] = made.rgba[i] >= first_kept ? 255 : 0;
+  }
+
+  const std::vector<MeshImage>& images_;
+  std::vector<Read> read_;
+  std::vector<Texture>& textures_;
+  std::vector<std::string>* bad_;
+  std::map<std::pair<int, int>, int> known_;
+  std::uint64_t bytes_ = 0;
+};
+
+// Carries out the alpha mode: the alpha of the corners in place, that of the texels in the texture returned.
+// The product of texel, material and vertex is what a mask cuts; it is exact where the corners have one
+// alpha. Else texels and corners are cut each for themselves, and `inexact` counts the face.
+int apply_alpha(const MeshMaterial& material, int image, TextureSet& textures, std::array<Corner, 3>& corners,
+                std::uint64_t& inexact) {
+  switch (material.alpha) {
+    case AlphaMode::blend:
+      return image < 0 ? -1 : textures.find_or_make(image, TextureSet::as_it_is);
+    case AlphaMode::opaque:
+      for (Corner& corner : corners) corner.c[3] = 1;
+      return image < 0 ? -1 : textures.find_or_make(image, 0);
+    case AlphaMode::mask:
+      break;
+  }
+  const double alpha = corners[0].c[3];
+  const bool one_alpha = corners[1].c[3] == alpha && corners[2].c[3] == alpha;
+  if (!one_alpha) ++inexact;
+  if (image >= 0 && one_alpha) {
+    for (Corner& corner : corners) corner.c[3] = 1;
+    return textures.find_or_make(image, first_kept_code(material.alpha_cutoff, alpha));
+  }
+  for (Corner& corner : corners) corner.c[3] = corner.c[3] >= material.alpha_cutoff ? 1 : 0;
+  return image < 0 ? -1 : textures.find_or_make(image, first_kept_code(material.alpha_cutoff, 1));
+}
+
+Corner corner_of(const MeshCorner& from, const std::array<double, 4>& color, const std::string& path,
+                 std::size_t face) {
+  Corner corner{{from.position}, {from.u, from.v, from.color}};
+  for (std::size_t i = 0; i < 4; ++i) corner.c[i] *= color[i];
+  const Vec3& p = corner.position;
+  if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z) || !is_finite(corner)) {
+    throw InputError(path + ": a corner of face " + std::to_string(face) +
+                     " is not finite; expected finite positions, texture coordinates and colours");
+  }
+  return {{corner.position}, clamped(corner)};
 }
 
 }  // namespace
 
 Mesh read_mesh(const std::string& path, const std::optional<std::string>& texture,
                std::vector<std::string>* bad_textures) {
-  check_readable(path);
+  MeshFile file = read_mesh_file(path);
   Mesh mesh;
   mesh.name = std::filesystem::path(path).stem().string();
+  mesh.notes = std::move(file.notes);
+  if (file.triangles.empty()) {
+    std::string notes;
+    for (const std::string& note : mesh.notes) notes += note + "; ";
+    throw InputError(path + ": the mesh has no triangles; " + notes + "expected at least one face");
+  }
   if (texture) mesh.textures.push_back(read_texture(*texture));
-
-  Assimp::Importer importer;
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* scene = nullptr;
-  std::string reason;
-  try {
-    scene = importer.ReadFile(path, aiProcess_ValidateDataStructure);
-    if (scene) {
-      check_faces(*scene, path);
-      scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_SortByPType |
-                                           aiProcess_PreTransformVertices);
-    }
-    reason = importer.GetErrorString();
-    if (reason.ends_with('.')) reason.pop_back();
-  } catch (const InputError&) {
-    throw;
-  } catch (const std::exception& error) {
-    reason = error.what();
-  }
-  if (!scene || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0) {
-    throw InputError(path +
-                     ": cannot read the mesh: " + (reason.empty() ? "it is incomplete" : one_line(reason)) +
-                     "; expected OBJ, PLY, glTF or another format that Assimp reads");
-  }
-
-  TextureSet textures(*scene, path, mesh.textures, bad_textures);
-  std::vector<Surface> surfaces;
+  TextureSet textures(file.images, mesh.textures, bad_textures);
+  mesh.faces.reserve(file.triangles.size());
   bool has_uv = false;
-  for (const aiMaterial* material : std::span(scene->mMaterials, scene->mNumMaterials)) {
-    surfaces.push_back(texture ? Surface{0, {1, 1, 1, 1}, false} : read_surface(*material, textures));
+  std::uint64_t inexact = 0;
+  static const MeshMaterial white;
+  for (const MeshTriangle& triangle : file.triangles) {
+    const MeshMaterial& own =
+        triangle.material < 0 ? white : file.materials[static_cast<std::size_t>(triangle.material)];
+    const MeshMaterial& material = texture ? white : own;
+    Face face;
+    face.two_sided = own.two_sided;
+    for (std::size_t i = 0; i < 3; ++i) {
+      face.corner[i] = corner_of(triangle.corner[i], material.color, path, mesh.faces.size());
+    }
+    const int image = triangle.has_uv ? material.image : -1;
+    face.texture =
+        texture ? (triangle.has_uv ? 0 : -1) : apply_alpha(material, image, textures, face.corner, inexact);
+    for (Corner& corner : face.corner) {
+      if (face.texture < 0) {
+        corner.u = corner.v = 0;
+        continue;
+      }
+      const Texture& drawn = mesh.textures[static_cast<std::size_t>(face.texture)];
+      corner.u *= drawn.width;
+      corner.v = (1 - corner.v) * drawn.height;
+    }
+    has_uv = has_uv || triangle.has_uv;
+    mesh.faces.push_back(face);
   }
-  for (const aiMesh* part : std::span(scene->mMeshes, scene->mNumMeshes)) {
-    append_faces(*part, surfaces.at(part->mMaterialIndex), path, mesh);
-    has_uv = has_uv || part->HasTextureCoords(0);
-  }
-  if (mesh.faces.empty()) throw InputError(path + ": the mesh has no triangles; expected at least one face");
   if (texture && !has_uv) {
     throw InputError(path + ": the mesh has no texture coordinates; expected them for the texture " +
                      *texture);
+  }
+  if (inexact > 0) {
+    mesh.notes.push_back(
+        std::to_string(inexact) +
+        " faces with alphaMode MASK have corners of different alpha; each corner is cut alone");
   }
   return mesh;
 }
@@ -301,7 +292,11 @@ Viewpoint make_view(const Mesh& mesh, const Camera& camera, int width, int heigh
     throw InputError("camera: the model lies behind the viewer; expected it in front, or s_min and s_max");
   }
   view.s_max = camera.s_max.value_or(1.01 * farthest);
-  view.s_min = camera.s_min.value_or(std::max(0.99 * nearest, view.s_max / depth_ratio_max));
+  if (!camera.s_max && camera.s_min && *camera.s_min < view.s_max) {
+    view.s_max = std::max(view.s_max, *camera.s_min * depth_ratio_min);
+  }
+  view.s_min = camera.s_min.value_or(
+      std::max(std::min(0.99 * nearest, view.s_max / depth_ratio_min), view.s_max / depth_ratio_max));
   if (!(view.s_min > 0 && view.s_min < view.s_max) || !std::isfinite(view.s_max)) {
     throw InputError("camera: s_min " + std::to_string(view.s_min) + ", s_max " + std::to_string(view.s_max) +
                      " are not legal; expected 0 < s_min < s_max");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes: everything Assimp reads (OBJ, PLY, glTF, ...), with a camera.
+// Meshes: OBJ, PLY, glTF and, through a program of its own, what Assimp reads; with a camera.
 #pragma once
 
 #include <array>
@@ -18,6 +18,7 @@ struct Mesh {
   std::string name;
   std::vector<Face> faces;
   std::vector<Texture> textures;
+  std::vector<std::string> notes;  // what of the file is not shown, one line each, without the file's name
 };
 
 // Where the viewer is. The defaults put the whole model into the picture.
@@ -33,7 +34,7 @@ struct Camera {
   std::optional<double>
       fov_degrees;              // of the picture's height, 1..170; 40 where neither this nor focal is given
   std::optional<double> focal;  // pixels
-  std::optional<double> s_min, s_max;  // just around the model, s_min at least s_max / 1000
+  std::optional<double> s_min, s_max;  // just around the model, s_max / s_min 1.3..1000
 };
 
 struct MeshOptions {
@@ -46,12 +47,13 @@ struct MeshOptions {
   std::optional<Fog> fog;
 };
 
-// Reads a mesh. Nodes are flattened, polygons are triangulated, points and lines are left out. The colour is
-// the vertex colour times the material's diffuse colour and opacity; a material that the file does not define
-// counts as white. Texture files are relative to the mesh; embedded images work too. u, v become texels of
-// the face's texture, with v turned to run downward. Throws InputError with one line where the file is
-// unreadable or has no triangles, a number is not finite, or a texture is bad. With `bad_textures`, a bad
-// texture that the mesh names appends its line there instead, and its faces have no texture.
+// Reads a mesh, known by its contents, an OBJ by its name. Nodes are flattened, polygons are triangulated,
+// points and lines are left out. The colour is the vertex colour times the material's; a material that the
+// file does not define counts as white. An alpha mode is carried out in the texels and the corners. Texture
+// files are relative to the mesh; embedded images work too. u, v become texels of the face's texture, with v
+// turned to run downward. Throws InputError with one line where the file is unreadable or has no triangles, a
+// number is not finite, or a texture is bad. With `bad_textures`, a bad texture that the mesh names appends
+// its line there instead, and its faces have no texture.
 Mesh read_mesh(const std::string& path, const std::optional<std::string>& texture = std::nullopt,
                std::vector<std::string>* bad_textures = nullptr);
 

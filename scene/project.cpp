@@ -38,6 +38,7 @@ void project(std::span<const Face> faces, const Viewpoint& view, const ProjectOp
   std::vector<Vertex> screen;
   for (const Face& face : faces) {
     ++report.faces;
+    if (face.two_sided) ++report.two_sided;
     if (options.cull && !face.two_sided && !faces_viewer(face, view)) {
       ++report.culled;
       continue;

@@ -25,6 +25,7 @@ struct ProjectReport {
   std::uint64_t outside = 0;    // wholly beyond one plane of the volume
   std::uint64_t clipped = 0;    // cut by at least one plane
   std::uint64_t dropped = 0;    // triangles left out because they have no area on the screen
+  std::uint64_t two_sided = 0;  // given that are never culled
   std::uint64_t drawn = 0;      // faces of which at least one triangle was made
   std::uint64_t triangles = 0;  // made
 };

@@ -276,6 +276,9 @@ BS_API bs_status bs_scene_get(bs_scene* scene, bs_scene_desc* out);
 /* Its triangles for bs_draw: 3 vertices and a texture each, as long as the scene is not freed. */
 BS_API bs_status bs_scene_triangles(bs_scene* scene, const bs_vertex** vertices, const int32_t** textures,
                                     size_t* count);
+/* What of a mesh file the scene does not show, such as points and lines: a line each, empty where nothing is
+ * left out. The text holds until the scene is freed. NULL for a bad handle. */
+BS_API const char* bs_scene_notes(bs_scene* scene);
 BS_API void bs_scene_free(bs_scene* scene);
 
 /* ---- models ---- */

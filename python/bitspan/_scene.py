@@ -151,6 +151,11 @@ class Scene:
         return self._handle.s_range
 
     @property
+    def notes(self) -> list[str]:
+        """What of a mesh file the scene does not show, such as points and lines."""
+        return self._handle.notes.splitlines()
+
+    @property
     def vertices(self) -> NDArray[np.float64]:
         """(n, 3, 10) float64: x, y, s, u, v, r, g, b, a, fog per corner; a view of the scene's memory."""
         return self._handle.vertices

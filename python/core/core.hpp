@@ -95,6 +95,8 @@ class SceneHandle {
   const bs_vertex* vertices() const { return vertices_; }
   const std::int32_t* texture_of() const { return texture_of_; }
   std::size_t count() const { return count_; }
+  // What of a mesh file is not shown, a line each.
+  std::string notes() const { return scene_.get() == nullptr ? "" : bs_scene_notes(scene_.get()); }
   // Draws triangles at..at + n, with the commands of a scene that the library read.
   bs_status draw(bs_model* model, std::size_t at, std::size_t n, std::uint64_t frame,
                  std::uint64_t draw) const;

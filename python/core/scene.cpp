@@ -154,6 +154,7 @@ void bind_scene(nb::module_& m) {
       .def_prop_ro("width", [](const SceneHandle& s) { return s.desc().width; })
       .def_prop_ro("height", [](const SceneHandle& s) { return s.desc().height; })
       .def_prop_ro("s_range", [](const SceneHandle& s) { return std::pair(s.desc().s_min, s.desc().s_max); })
+      .def_prop_ro("notes", &SceneHandle::notes)
       .def_prop_ro("texture_count", [](const SceneHandle& s) { return s.desc().texture_count; })
       .def_prop_ro("vertices", &vertices_of,
                    nb::sig("def vertices(self) -> numpy.typing.NDArray[numpy.float64]"))

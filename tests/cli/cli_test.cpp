@@ -19,6 +19,7 @@
 #include "tb/rtl_build.hpp"
 #include "tests/cli/program.hpp"
 #include "tests/rtl/rtl_copy.hpp"
+#include "tests/support/environment.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
@@ -70,6 +71,38 @@ TEST_F(Cli, TexturesThatAMeshMissesAreWarningsUnlessStrict) {
   EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << r.err;
   refused("render q.obj --no-cull --size 32x24 --strict -o b.png", "none.jpg: cannot read the texture");
   refused("render demo --strict -o b.png", "--strict is for meshes");
+}
+
+TEST_F(Cli, AFlatMeshThatFacesTheViewerIsDrawn) {
+  folder.write("q.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
+  for (const char* config : {"depth16", "depth20", "narrow"}) {
+    const Result r =
+        run(std::string("render q.obj --yaw 0 --pitch 0 --size 32x24 -o a.png --config ") + config);
+    EXPECT_EQ(r.code, 0) << config << ": " << r.err;
+    EXPECT_NE(r.out.find("faces: 2 read, 0 culled, 0 outside, 2 drawn\n"), std::string::npos) << r.out;
+  }
+}
+
+TEST_F(Cli, WhatAMeshLeavesOutIsAWarning) {
+  folder.write("q.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\np 1\n");
+  const Result r = run("render q.obj --yaw 0 --size 32x24 -o a.png");
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_TRUE(r.err.starts_with("bitspan: warning: q.obj: ")) << r.err;
+  EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << r.err;
+  folder.write(
+      "q.ply",
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n0 1 0\n1 0 0\n3 0 1 2\n");
+  const Result ply = run("render q.ply --yaw 0 --size 32x24 -o a.png");
+  EXPECT_NE(ply.out.find("0 culled, 0 outside, 1 drawn; 1 have two sides\n"), std::string::npos)
+      << ply.out << ply.err;
+}
+
+TEST_F(Cli, AFaultOfAssimpIsOneLine) {
+  folder.write("t.stl", "solid\nfacet");
+  refused("render t.stl -o a.png", "t.stl: cannot read the mesh: ");
+  const Environment none("BITSPAN_ASSIMP", "/bin/false");
+  refused("render t.stl -o a.png", "t.stl: cannot read the mesh: bitspan-assimp ended with code 1");
 }
 
 TEST_F(Cli, VectorsAreWrittenAndChecked) {

@@ -99,6 +99,15 @@ for engine in (b"systemc", b"rtl"):
         run("/usr/bin/python3", "-c", program, self.prefix / "lib/libbitspan.so.0", env=self.env)
         self.assertGreater(len(list((self.folder / "home/.cache/bitspan").glob("rtl-*.so"))), 0)
 
+    def test_meshes_of_other_formats(self):
+        (self.work / "t.stl").write_text("solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+                                         "vertex 0 1 0\nendloop\nendfacet\nendsolid t\n")
+        self.assertIn("1 drawn", self.bitspan("render", "t.stl", "--yaw", "0", "-o", "t.png"))
+        program = self.prefix / "libexec/bitspan/bitspan-assimp"
+        program.unlink()
+        self.assertIn("BITSPAN_ASSIMP", self.bitspan("render", "t.stl", "-o", "t.png", code=2))
+        self.bitspan("render", "t.stl", "--yaw", "0", "-o", "t.png", env={"BITSPAN_ASSIMP": str(BUILD / "libexec/bitspan/bitspan-assimp")})
+
     def test_config(self):
         self.assertIn("span.h", self.bitspan("config", "show", "narrow"))
         schema = (self.prefix / "share/bitspan/schema/configuration.schema.json").read_text()

@@ -2,6 +2,7 @@
 // What the C interface delivers against the engines behind it: every record, plane, counter and format.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <span>
 
 #include "engine/registry.hpp"
@@ -13,6 +14,7 @@
 #include "scene/random.hpp"
 #include "scene/tri_stream.hpp"
 #include "tests/lib/support.hpp"
+#include "tests/support/files.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/same_bits.hpp"
 #include "tests/support/test_config.hpp"
@@ -213,6 +215,40 @@ TEST(LibScenes, StreamsAndMeshesAreRead) {
   EXPECT_EQ(bs_scene_triangles(scene, &vertices, &textures, &count), BS_OK);
   EXPECT_GT(count, 1000U);
   bs_scene_free(scene);
+}
+
+TEST(LibScenes, WhatAMeshLeavesOutIsTold) {
+  const TemporaryFolder folder;
+  const std::string corners = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\nf 3 2 1\n";
+  for (const bool has_point : {false, true}) {
+    bs_scene* scene = nullptr;
+    const std::string path = folder.write("a.obj", corners + (has_point ? "p 1\n" : ""));
+    ASSERT_EQ(bs_scene_load(path.c_str(), 160, 120, &scene), BS_OK) << bs_last_error();
+    const std::string notes = bs_scene_notes(scene);
+    EXPECT_EQ(notes.empty(), !has_point) << notes;
+    EXPECT_EQ(std::count(notes.begin(), notes.end(), '\n'), has_point ? 1 : 0) << notes;
+    bs_scene_free(scene);
+  }
+}
+
+// Each of these once ended the caller.
+TEST(LibScenes, BadMeshesLeaveTheCallerAlive) {
+  const TemporaryFolder folder;
+  std::string nodes;
+  for (int i = 0; i < 200000; ++i) nodes += "<node>";
+  const std::string vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::vector<std::string> paths{
+      folder.write("two.ply", "ply\nformat ascii 1.0\n" + vertices + vertices +
+                                  "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                                  "0 0 0\n1 0 0\n0 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
+      folder.write("deep.gltf", R"({"asset":{"version":"2.0"},"extras":)" + std::string(300000, '[')),
+      folder.write("deep.dae",
+                   "<COLLADA version=\"1.4.1\"><library_visual_scenes><visual_scene id=\"s\">" + nodes)};
+  for (const std::string& path : paths) {
+    bs_scene* scene = nullptr;
+    EXPECT_EQ(bs_scene_load(path.c_str(), 160, 120, &scene), BS_BAD_INPUT) << path;
+    EXPECT_EQ(std::string(bs_last_error()).find('\n'), std::string::npos) << bs_last_error();
+  }
 }
 
 TEST(LibScenes, AFrameOfDynamicTextures) {

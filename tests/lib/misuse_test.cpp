@@ -124,6 +124,8 @@ TEST(LibMisuse, BadHandles) {
         {"bs_scene_get", [&] { return bs_scene_get(no_scene, &desc); }, BS_BAD_HANDLE},
         {"bs_scene_triangles", [&] { return bs_scene_triangles(no_scene, &v, &t, &n); }, BS_BAD_HANDLE},
         {"bs_scene_get", [&] { return bs_scene_get(nullptr, &desc); }, BS_BAD_HANDLE},
+        {"bs_scene_notes", [&] { return bs_scene_notes(no_scene) == nullptr ? BS_BAD_HANDLE : BS_OK; },
+         BS_BAD_HANDLE},
     });
   }
 }

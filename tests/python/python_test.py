@@ -107,6 +107,11 @@ class Scenes(unittest.TestCase):
         self.assertEqual((scene.width, scene.height, scene.name), (80, 60, "demo"))
         self.assertEqual(scene.vertices.shape, (len(scene), 3, 10))
         self.assertTrue(bitspan.Scene(SOURCE / "tests/data/spot.obj", 64, 48).vertices.shape[0] > 1000)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "a.obj"
+            path.write_text("v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\nf 3 2 1\np 1\n")
+            self.assertEqual(len(bitspan.Scene(path).notes), 1)
+        self.assertEqual(bitspan.Scene("demo").notes, [])
 
     def test_the_arrays_of_a_scene_make_the_same_scene(self):
         demo = bitspan.Scene("demo", 80, 60)
