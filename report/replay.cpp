@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "io/json_depth.hpp"
 #include "report/scene_json.hpp"
 #include "scene/tri_stream.hpp"
 
@@ -36,6 +37,7 @@ Replay parse_replay(const std::string& text, const std::string& origin) {
   Replay replay;
   std::string toml;
   try {
+    check_json_depth(text);
     const Json json = Json::parse(text);
     if (json.at("bitspan_replay").get<int>() != 1) {
       throw InputError("bitspan_replay: expected 1");

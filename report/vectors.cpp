@@ -19,6 +19,7 @@
 #include "engine/registry.hpp"
 #include "io/atomic_file.hpp"
 #include "io/atomic_folder.hpp"
+#include "io/json_depth.hpp"
 #include "io/npy.hpp"
 #include "report/lockstep.hpp"
 #include "report/scene_json.hpp"
@@ -462,7 +463,8 @@ ReadTable read_table(const Json& json, VectorFormat format, const fs::path& fold
   if (name.has_parent_path())
     throw InputError("file: '" + name.string() + "' is not in the folder of the vectors");
   out.origin = is_output && !options.answers.empty() ? options.answers : (folder / name).string();
-  if (!is_output && !fs::exists(out.origin)) {
+  std::error_code ignored;
+  if (!is_output && !fs::exists(out.origin, ignored)) {
     out.is_there = false;
   } else if (format == VectorFormat::hex) {
     read_hex_records(out.origin, type, out.answers);
@@ -482,7 +484,9 @@ ReadVectors read_vectors(const std::string& path, const VectorCheckOptions& opti
   VectorFormat format = VectorFormat::json;
   std::string hash;
   try {
-    json = Json::parse(text_of(origin));
+    const std::string text = text_of(origin);
+    check_json_depth(text);
+    json = Json::parse(text);
     if (json.at("bitspan_vectors").get<int>() != 1) throw InputError("bitspan_vectors: expected 1");
     format = vector_format(json.at("format").get<std::string>());
     if (format == VectorFormat::json && !options.answers.empty()) {
