@@ -10,18 +10,13 @@
 #include <limits>
 #include <system_error>
 
+#include "config/one_line.hpp"
+
 namespace bitspan {
 namespace {
 
 constexpr std::size_t file_limit = std::size_t{1} << 20;
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-
-// What a file holds may stand in a message, which is one line whatever it is.
-std::string one_line(std::string text) {
-  std::ranges::replace_if(
-      text, [](unsigned char c) { return c < 0x20; }, ' ');
-  return text;
-}
 
 // toml++ reads the parts of a key and the values in a value by recursion, and frees them so, too: 200,000
 // parts end the stack.

@@ -15,6 +15,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "config/one_line.hpp"
 #include "engine/range.hpp"
 #include "engine/registry.hpp"
 #include "io/atomic_file.hpp"
@@ -501,9 +502,8 @@ ReadVectors read_vectors(const std::string& path, const VectorCheckOptions& opti
   } catch (const Json::exception& error) {
     throw InputError(fmt::format("{}: no vectors: {}", origin, fault_of(error)));
   } catch (const InputError& error) {
-    throw InputError(std::string(error.what()).starts_with(origin)
-                         ? error.what()
-                         : fmt::format("{}: {}", origin, error.what()));
+    const std::string what = one_line(error.what());
+    throw InputError(what.starts_with(origin) ? what : fmt::format("{}: {}", origin, what));
   }
   const std::string name = out.config.name;
   out.config = parse_config(toml, origin + ": configuration");
@@ -511,7 +511,7 @@ ReadVectors read_vectors(const std::string& path, const VectorCheckOptions& opti
   if (config_hash(out.config) != hash) {
     throw InputError(
         fmt::format("{}: configuration: the hash is {}, and that of the text is {}; expected the same",
-                    origin, hash, config_hash(out.config)));
+                    origin, one_line(hash), config_hash(out.config)));
   }
   check_scene(out.scene, origin);
   bool has_output = false;
@@ -531,7 +531,7 @@ ReadVectors read_vectors(const std::string& path, const VectorCheckOptions& opti
   } catch (const Json::exception& error) {
     throw InputError(fmt::format("{}: no vectors: {}", origin, fault_of(error)));
   } catch (const InputError& error) {
-    const std::string what = error.what();
+    const std::string what = one_line(error.what());
     const bool names_a_file = what.starts_with(fs::path(origin).parent_path().string() + "/") ||
                               (!options.answers.empty() && what.starts_with(options.answers));
     throw InputError(names_a_file ? what : fmt::format("{}: {}", origin, what));

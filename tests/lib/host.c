@@ -62,6 +62,8 @@ static const struct row rows[] = {
     {SCENE, "numbers.tri", TRI_HEAD "}\n{\"v\": [[", "9", 100000, ""},
     {SCENE, "tex.tri", TRI_HEAD "}\n" TRI_VERTICES TRI_COLORS ", \"tex\": 5}\n", "", 0, ""},
     {SCENE, "no_texture.tri", TRI_HEAD ", \"textures\": [\"no.png\"]}\n", "", 0, ""},
+    {SCENE, "deep.tri", "", "[", 300000, "\n"},
+    {SCENE, "deep_background.tri", "{\"bitspan\": 1, \"background\": ", "[", 300000, "\n"},
     {PART, "bad.png", "\x89PNG\r\n\x1a\n", "IHDR", 1000, ""},
     {SCENE, "png.tri", TRI_HEAD ", \"textures\": [\"bad.png\"]}\n", "", 0, ""},
     {PART, "bad.bmp", "BM", "\x01\x02\x03\x04", 1000, ""},
