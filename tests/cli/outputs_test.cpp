@@ -104,7 +104,8 @@ TEST_F(Outputs, ALimitOfSizeIsARefusalThatLeavesNothing) {
   ASSERT_EQ(::fcntl(BrokenPipe::number, F_GETFD), 0);
   for (const char* arguments :
        {"render demo -o a.png", "render demo --dump d", "render demo --emit-tri d.tri -o a.png",
-        "vectors demo --stage span --format hex -o v", "vectors demo --stage span --format json -o v", "vectors demo --stage span --format npy -o v"}) {
+        "vectors demo --stage span --format hex -o v", "vectors demo --stage span --format json -o v",
+        "vectors demo --stage span --format npy -o v"}) {
     const std::string line = "cd '" + folder.path() + "' && ulimit -f 8 && { '" + build_path("cli/bitspan") +
                              "' " + arguments + " 2>&1 >/dev/null; echo $?; } | cat";
     FILE* out = ::popen(line.c_str(), "r");
@@ -162,6 +163,24 @@ TEST_F(Outputs, ANameOf255BytesCanBeWritten) {
   const std::string longer(256, 'x');
   refused("render a.tri -o " + longer, "cannot write: File name too long");
   refused("render a.tri --dump " + longer, "cannot write: File name too long");
+}
+
+// The pictures of a stream and the files beside a database have longer names than these.
+TEST_F(Outputs, ALongNameLeavesRoomForThoseThatFollowIt) {
+  for (const std::string& stem : {std::string(251, 's'), std::string(250, 's') + "t",
+                                  std::string(125, 's') + "\xC3\xA4\xC3\xA4" + std::string(122, 's')}) {
+    ASSERT_EQ(stem.size(), 251U);
+    ASSERT_EQ(run("render demo --size 64x48 -o a.png --emit-tri " + stem + ".tri").code, 0) << stem;
+    ASSERT_EQ(run("render " + stem + ".tri -o b.png").code, 0) << stem;
+    EXPECT_EQ(folder.read("a.png"), folder.read("b.png"));
+  }
+  int pictures = 0;
+  for (const std::string& name : names()) pictures += name.ends_with(".0.png") ? 1 : 0;
+  EXPECT_EQ(pictures, 3) << "each stream has its own";
+  refused("study --point depth16 extreme/slivers --db " + std::string(248, 'd'),
+          "expected at most 247 bytes for a database");
+  EXPECT_FALSE(std::filesystem::exists(folder.path(std::string(248, 'd'))));
+  EXPECT_EQ(run("study --point depth16 extreme/slivers --db " + std::string(247, 'd')).code, 0);
 }
 
 TEST_F(Outputs, TwoDumpsAtOnceBothEndWell) {
