@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <system_error>
 
 #include "bench/mesa_process.hpp"
 #include "bench/report.hpp"
@@ -127,6 +128,9 @@ int main(int argc, char** argv) {
     return run(argc, argv);
   } catch (const bitspan::InputError& e) {
     bitspan::say(fmt::format("bitspan_bench: {}\n", e.what()));
+    return exit_input;
+  } catch (const std::system_error& e) {
+    bitspan::say(fmt::format("bitspan_bench: {}\n", e.what()));  // a full or closed standard output
     return exit_input;
   } catch (const std::exception& e) {
     bitspan::say(fmt::format("bitspan_bench: {}\n", e.what()));
