@@ -21,6 +21,7 @@
 #include <utility>
 
 #include "config/config.hpp"
+#include "config/one_line.hpp"
 #include "scene/ply_check.hpp"
 #include "scene/texture.hpp"
 
@@ -31,12 +32,6 @@ constexpr double default_fov_degrees = 40;
 constexpr double depth_ratio_max = 1000;  // s_max / s_min that a default camera goes up to
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
-
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  std::replace(text.begin(), text.end(), '\r', ' ');
-  return text;
-}
 
 // A material, as far as the pipeline knows materials.
 struct Surface {

@@ -18,6 +18,7 @@
 
 #include "config/config.hpp"
 #include "config/fnv.hpp"
+#include "config/one_line.hpp"
 #include "io/atomic_file.hpp"
 #include "io/png.hpp"
 #include "scene/exact.hpp"
@@ -61,7 +62,7 @@ struct Place {
   long line = 0;
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(fmt::format("{}:{}: {}", file, line, what));
+    throw InputError(one_line(fmt::format("{}:{}: {}", file, line, what)));
   }
 };
 
