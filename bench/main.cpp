@@ -7,12 +7,15 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <system_error>
 
 #include "bench/mesa_process.hpp"
 #include "bench/report.hpp"
 #include "bench/scenes.hpp"
 #include "config/config.hpp"
 #include "io/atomic_file.hpp"
+#include "io/leftovers.hpp"
+#include "io/message.hpp"
 
 namespace bitspan::bench {
 namespace {
@@ -70,8 +73,7 @@ int run_all(const Arguments& a, const std::vector<std::string>& sections) {
     write_file(a.json, to_json(report.since(0), report.goals, report.notes));
   }
   if (!report.sound) {
-    fmt::print(stderr,
-               "bitspan_bench: pictures or records that must agree do not; the ratios mean nothing\n");
+    bitspan::say("bitspan_bench: pictures or records that must agree do not; the ratios mean nothing\n");
     return exit_wrong_picture;
   }
   return exit_sound;
@@ -117,16 +119,21 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace bitspan::bench;
+  bitspan::open_standard_streams();
+  bitspan::remove_leftovers_on_signals();
   if (argc > 1 && std::strcmp(argv[1], mesa_child_flag) == 0) {
     return mesa_child(argc, argv);
   }
   try {
     return run(argc, argv);
   } catch (const bitspan::InputError& e) {
-    fmt::print(stderr, "bitspan_bench: {}\n", e.what());
+    bitspan::say(fmt::format("bitspan_bench: {}\n", e.what()));
+    return exit_input;
+  } catch (const std::system_error& e) {
+    bitspan::say(fmt::format("bitspan_bench: {}\n", e.what()));  // a full or closed standard output
     return exit_input;
   } catch (const std::exception& e) {
-    fmt::print(stderr, "bitspan_bench: {}\n", e.what());
+    bitspan::say(fmt::format("bitspan_bench: {}\n", e.what()));
     return exit_wrong_picture;
   }
 }

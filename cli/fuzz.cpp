@@ -96,6 +96,7 @@ class Fuzzer {
     // With --config, or where the user names them, the designs take part in each configuration.
     const bool in_all = o.engines_named || !fixed_.empty();
     o_.plan.designs = !has_design ? FuzzDesigns::none : in_all ? FuzzDesigns::all : FuzzDesigns::some;
+    make_writable_folder(o.out);
     check_writable(replay_path(o, o.first));  // before the work, so that no failure is lost
     for (const ShippedConfig& shipped : config_texts()) {
       bases_.push_back(find_config(std::string(shipped.name)));

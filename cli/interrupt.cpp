@@ -6,6 +6,8 @@
 #include <csignal>
 #include <ctime>
 
+#include "io/leftovers.hpp"
+
 namespace bitspan {
 namespace {
 
@@ -27,7 +29,10 @@ Interrupt::Interrupt() {
       const timespec wait{0, 100'000'000};
       const int got = sigtimedwait(&set, nullptr, &wait);
       if (got <= 0) continue;
-      if (signal_ != 0) _exit(128 + got);
+      if (signal_ != 0) {
+        remove_leftovers();
+        _exit(128 + got);
+      }
       signal_ = got;
       source_.request_stop();
     }

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -15,6 +16,8 @@
 #include "cli/scene_options.hpp"
 #include "config/config.hpp"
 #include "engine/registry.hpp"
+#include "io/leftovers.hpp"
+#include "io/message.hpp"
 #include "tb/programs.hpp"
 
 namespace bitspan {
@@ -23,8 +26,12 @@ namespace {
 // One line on stderr, whatever the message holds; returns the code.
 int refuse(std::string message, int code = exit_bad_input) {
   std::replace(message.begin(), message.end(), '\n', ' ');
-  fmt::print(stderr, "bitspan: {}\n", message);
+  say("bitspan: " + message + "\n");
   return code;
+}
+
+std::string stdout_fault(const std::error_code& error) {
+  return "standard output: cannot write: " + error.message() + "; expected an output that can be written";
 }
 
 int run(int argc, char** argv) {
@@ -72,7 +79,7 @@ int guarded(int argc, char** argv) {
     const int code = run(argc, argv);
     // A report that did not arrive is no success.
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-      return refuse("cannot write to standard output");
+      return refuse(stdout_fault({errno, std::generic_category()}));
     }
     return code;
   } catch (const InputError& error) {
@@ -86,7 +93,7 @@ int guarded(int argc, char** argv) {
   } catch (const std::bad_alloc&) {
     return refuse("out of memory", exit_broken);
   } catch (const std::system_error& error) {
-    return refuse(error.what());  // a full or closed standard output
+    return refuse(std::ferror(stdout) != 0 ? stdout_fault(error.code()) : error.what());
   } catch (const std::exception& error) {
     return refuse(fmt::format("internal error: {}", error.what()), exit_broken);
   }
@@ -95,4 +102,8 @@ int guarded(int argc, char** argv) {
 }  // namespace
 }  // namespace bitspan
 
-int main(int argc, char** argv) { return bitspan::guarded(argc, argv); }
+int main(int argc, char** argv) {
+  bitspan::open_standard_streams();
+  bitspan::remove_leftovers_on_signals();
+  return bitspan::guarded(argc, argv);
+}

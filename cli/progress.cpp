@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cstdio>
+#include "io/message.hpp"
 
 namespace bitspan {
 namespace {
@@ -27,7 +27,7 @@ Progress::Progress(std::string label)
 
 Progress::~Progress() {
   if (shown_) {
-    std::fputs("\r\x1b[K", stderr);
+    say("\r\x1b[K");
   }
 }
 
@@ -44,8 +44,7 @@ void Progress::update(std::size_t done, std::size_t total) {
     left = ", " + duration_text(seconds / static_cast<double>(done) * static_cast<double>(total - done)) +
            " left";
   }
-  fmt::print(stderr, "\r\x1b[K{}: {} of {}{}", label_, done, total, left);
-  std::fflush(stderr);
+  say(fmt::format("\r\x1b[K{}: {} of {}{}", label_, done, total, left));
 }
 
 }  // namespace bitspan

@@ -73,7 +73,8 @@ std::string statistics_text(const Config& config, const model::Statistics& stati
 void check_dump(const std::string& folder) {
   if (folder.empty()) return;
   const std::filesystem::path path(folder);
-  const bool exists = std::filesystem::is_directory(path);
+  std::error_code no;
+  const bool exists = std::filesystem::is_directory(path, no);
   check_writable((exists ? path / "run.json" : path.has_filename() ? path : path.parent_path()).string());
 }
 

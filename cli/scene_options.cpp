@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "config/config.hpp"
+#include "io/message.hpp"
 #include "scene/demo.hpp"
 #include "scene/mesh.hpp"
 #include "scene/supersample.hpp"
@@ -135,7 +136,7 @@ LoadedScene load_mesh(const std::string& name, const SceneOptions& o) {
   std::vector<std::string> bad_textures;
   Mesh mesh = read_mesh(name, options.texture, o.strict ? nullptr : &bad_textures);
   for (const std::string& what : bad_textures) {
-    fmt::print(stderr, "bitspan: warning: {}; its faces are white (--strict refuses this)\n", what);
+    say("bitspan: warning: " + what + "; its faces are white (--strict refuses this)\n");
   }
   for (const std::string& note : mesh.notes) {
     fmt::print(stderr, "bitspan: warning: {}: {}\n", name, note);

@@ -22,6 +22,7 @@
 #include "cli/study_results.hpp"
 #include "config/store.hpp"
 #include "io/atomic_file.hpp"
+#include "io/json_depth.hpp"
 #include "report/table.hpp"
 #include "study/metrics.hpp"
 #include "study/point.hpp"
@@ -283,6 +284,7 @@ int measure_point(const StudyArguments& o) {
 std::vector<Scene> stored_scenes(const PointRow& point, const std::string& db) {
   std::vector<Scene> out;
   try {
+    check_json_depth(point.scenes);
     for (const auto& one : nlohmann::json::parse(point.scenes)) {
       const std::string name = one.at("name");
       std::vector<Scene> loaded = scenes_of({name}, one.at("width"), one.at("height"), true);

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "io/data_folder.hpp"
+#include "io/message.hpp"
 #include "study/recommend.hpp"
 #include "tb/programs.hpp"
 
@@ -23,7 +24,7 @@ std::string settings_text(const std::vector<KeySetting>& settings) {
 
 // Shows a status line on standard error, which the next one replaces.
 void tell(const std::string& what) {
-  if (::isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\r\033[K{}", what.empty() ? "" : what + " ...");
+  if (::isatty(STDERR_FILENO) != 0) say("\r\033[K" + (what.empty() ? "" : what + " ..."));
 }
 
 }  // namespace

@@ -149,6 +149,7 @@ int verify_suites(const SuiteFlags& o) {
   Suites suites(o);
   check_writable(o.junit);
   check_writable(o.json);
+  make_writable_folder(o.out);
   check_writable(replay_path(o, names[0]));  // before the work, so that no failure is lost
   const std::size_t width = std::ranges::max(names, {}, &std::string::size).size();
   const auto start = std::chrono::steady_clock::now();

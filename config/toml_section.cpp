@@ -10,16 +10,74 @@
 #include <limits>
 #include <system_error>
 
+#include "config/one_line.hpp"
+
 namespace bitspan {
 namespace {
 
 constexpr std::size_t file_limit = std::size_t{1} << 20;
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
-// What a file holds may stand in a message, which is one line whatever it is.
-std::string one_line(std::string text) {
-  std::ranges::replace_if(
-      text, [](unsigned char c) { return c < 0x20; }, ' ');
-  return text;
+// toml++ reads the parts of a key and the values in a value by recursion, and frees them so, too: 200,000
+// parts end the stack.
+constexpr int key_parts_limit = 17;
+constexpr int nesting_limit = 64;
+
+// Returns the place after the string that begins at `i`. One that does not end is the parser's to refuse.
+std::size_t end_of_string(std::string_view text, std::size_t i, int& line) {
+  const char quote = text[i];
+  const bool has_escapes = quote == '"';
+  const std::string_view three = quote == '"' ? R"(""")" : "'''";
+  const bool is_block = text.substr(i, 3) == three;
+  for (i += is_block ? 3 : 1; i < text.size(); ++i) {
+    if (text[i] == '\n') {
+      if (!is_block) return i;
+      ++line;
+    } else if (text[i] == '\\' && has_escapes) {
+      // An escaped end of line still counts as a line, and ends a string that has one.
+      if (i + 1 < text.size() && text[i + 1] != '\n') ++i;
+    } else if (text[i] == quote && !is_block) {
+      return i + 1;
+    } else if (text.substr(i, 3) == three) {
+      // Up to two quotes may stand before the three that end it.
+      for (i += 3; i < text.size() && text[i] == quote;) ++i;
+      return i;
+    }
+  }
+  return i;
+}
+
+void check_depth(std::string_view text, const std::string& origin) {
+  int line = 1, dots = 0, depth = 0;
+  const auto fail = [&](const std::string& what) {
+    throw InputError(origin + ":" + std::to_string(line) + ": " + what);
+  };
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    if (c == '"' || c == '\'') {
+      i = end_of_string(text, i, line);
+      continue;
+    }
+    if (c == '#') {
+      i = std::min(text.find('\n', i), text.size());
+      continue;
+    }
+    ++i;
+    if (c == '\n') ++line;
+    if (c == '.') {
+      if (++dots >= key_parts_limit) {
+        fail("a key has too many parts; expected at most " + std::to_string(key_parts_limit));
+      }
+    } else if (c == '[' || c == '{') {
+      if (++depth > nesting_limit) {
+        fail("values are nested too deep; expected at most " + std::to_string(nesting_limit) +
+             " in each other");
+      }
+    } else if ((c == ']' || c == '}') && depth > 0) {
+      --depth;
+    }
+    if (std::string_view("\n=,[]{}").find(c) != std::string_view::npos) dots = 0;
+  }
 }
 
 }  // namespace
@@ -42,7 +100,9 @@ std::string read_toml_file(const std::string& path, const std::string& what) {
 }
 
 toml::table parse_toml(std::string_view text, const std::string& origin, const std::string& empty) {
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) throw InputError(origin + ":1: " + empty);
+  check_depth(text, origin);
   try {
     return toml::parse(text, origin);
   } catch (const toml::parse_error& error) {

@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -30,6 +29,7 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
   }
   struct stat info {};
   const bool exists = ::stat(target_.c_str(), &info) == 0;
+  if (!exists && errno != ENOENT) fail(errno);  // such as a name too long
   if (exists && S_ISDIR(info.st_mode)) fail(EISDIR);
   if (exists && !S_ISREG(info.st_mode)) {
     descriptor_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
@@ -38,12 +38,12 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
   }
   // Renaming would replace a file that the user protected from writing.
   if (exists && ::access(target_.c_str(), W_OK) != 0) fail(errno);
-  static std::atomic<unsigned> serial{0};
   while (descriptor_ < 0) {
-    std::string name = target_ + ".part-" + std::to_string(::getpid()) + "-" + std::to_string(serial++);
+    const std::string name = temporary_path(fs::path(target_).parent_path()).string();
+    leftover_.emplace(name, Leftover::Kind::file);
     descriptor_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ >= 0) {
-      temporary_ = std::move(name);
+      temporary_ = name;
     } else if (errno != EEXIST) {
       fail(errno);
     }

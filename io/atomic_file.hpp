@@ -3,9 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+
+#include "io/leftovers.hpp"
 
 namespace bitspan {
 
@@ -32,6 +35,7 @@ class AtomicFile {
   std::string path_;       // as the caller named it
   std::string target_;     // links resolved
   std::string temporary_;  // empty: the target is written directly
+  std::optional<Leftover> leftover_;
   std::string buffer_;
   int descriptor_ = -1;
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/atomic_folder.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,8 +13,29 @@
 #include "config/config.hpp"
 
 namespace bitspan {
+namespace {
 
 namespace fs = std::filesystem;
+
+// Held by one program at a time. A file system that has no locks goes without.
+class FolderLock {
+ public:
+  explicit FolderLock(const fs::path& folder)
+      : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    while (descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) {
+    }
+  }
+  ~FolderLock() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
+}  // namespace
 
 AtomicFolder::AtomicFolder(const std::string& directory)
     : directory_(directory), target_(fs::absolute(directory).lexically_normal()) {
@@ -22,13 +45,14 @@ AtomicFolder::AtomicFolder(const std::string& directory)
   if (fs::exists(status) && !fs::is_directory(status)) {
     throw InputError(directory + ": cannot write: it is not a folder");
   }
-  std::string name = target_.filename().string();
-  name = (target_.parent_path() / std::string(".").append(name).append(".XXXXXX")).string();
-  if (mkdtemp(name.data()) == nullptr) {
-    throw InputError(target_.string() + ": cannot write: " + std::strerror(errno));
+  if (status.type() == fs::file_type::none) fail(error);  // such as a name too long
+  temporary_ = temporary_path(target_.parent_path());
+  folder_leftover_.emplace(temporary_.string(), Leftover::Kind::folder);
+  if (::mkdir(temporary_.c_str(), 0755) != 0) {
+    const int error_number = errno;
+    temporary_.clear();  // never another's
+    fail({error_number, std::generic_category()});
   }
-  chmod(name.c_str(), 0755);
-  temporary_ = name;
 }
 
 AtomicFolder::~AtomicFolder() {
@@ -37,19 +61,29 @@ AtomicFolder::~AtomicFolder() {
   fs::remove_all(temporary_, ignored);
 }
 
+void AtomicFolder::fail(const std::error_code& error) const {
+  throw InputError(directory_ + ": cannot write: " + error.message());
+}
+
 std::string AtomicFolder::path(std::string_view name) {
   names_.emplace_back(name);
-  return (temporary_ / name).string();
+  std::string path = (temporary_ / name).string();
+  file_leftovers_.emplace_back(path, Leftover::Kind::file);
+  return path;
 }
 
 void AtomicFolder::commit(std::string_view last) {
   std::error_code error;
   if (!fs::exists(target_)) {
     fs::rename(temporary_, target_, error);
-    if (error) throw InputError(directory_ + ": cannot write: " + error.message());
-    temporary_.clear();
-    return;
+    if (!error) {
+      temporary_.clear();
+      return;
+    }
+    if (!fs::is_directory(target_)) fail(error);  // else another program was the first
   }
+  // Of two programs, the later one's files replace all of the other's.
+  const FolderLock lock(target_);
   const auto move = [&](std::string_view name) {
     fs::rename(temporary_ / name, target_ / name, error);
     if (error) throw InputError(directory_ + ": cannot write " + std::string(name) + ": " + error.message());

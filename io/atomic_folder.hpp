@@ -3,9 +3,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
+
+#include "io/leftovers.hpp"
 
 namespace bitspan {
 
@@ -21,13 +25,18 @@ class AtomicFolder {
   // Where to write the file `name`.
   std::string path(std::string_view name);
   // Puts every file named before into the folder. Files of an existing folder that have other names stay.
-  // There `last` goes first and comes last, so that a folder that has it is one whole set of files.
+  // There `last` goes first and comes last, so that a folder that has it is one whole set of files, also
+  // where several programs write into it.
   void commit(std::string_view last);
 
  private:
+  [[noreturn]] void fail(const std::error_code& error) const;
+
   std::string directory_;  // as the caller named it
   std::filesystem::path target_, temporary_;
   std::vector<std::string> names_;
+  std::optional<Leftover> folder_leftover_;
+  std::vector<Leftover> file_leftovers_;
 };
 
 }  // namespace bitspan

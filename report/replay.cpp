@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "config/one_line.hpp"
+#include "io/json_depth.hpp"
 #include "report/scene_json.hpp"
 #include "scene/tri_stream.hpp"
 
@@ -36,6 +38,7 @@ Replay parse_replay(const std::string& text, const std::string& origin) {
   Replay replay;
   std::string toml;
   try {
+    check_json_depth(text);
     const Json json = Json::parse(text);
     if (json.at("bitspan_replay").get<int>() != 1) {
       throw InputError("bitspan_replay: expected 1");
@@ -51,7 +54,7 @@ Replay parse_replay(const std::string& text, const std::string& origin) {
   } catch (const Json::exception& error) {
     throw InputError(fmt::format("{}: no replay file: {}", origin, fault_of(error)));
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", origin, error.what()));
+    throw InputError(fmt::format("{}: {}", origin, one_line(error.what())));
   }
   const std::string name = replay.config.name;
   replay.config = parse_config(toml, origin + ": config");

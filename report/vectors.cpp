@@ -15,10 +15,12 @@
 #include <string_view>
 #include <system_error>
 
+#include "config/one_line.hpp"
 #include "engine/range.hpp"
 #include "engine/registry.hpp"
 #include "io/atomic_file.hpp"
 #include "io/atomic_folder.hpp"
+#include "io/json_depth.hpp"
 #include "io/npy.hpp"
 #include "report/lockstep.hpp"
 #include "report/scene_json.hpp"
@@ -462,7 +464,8 @@ ReadTable read_table(const Json& json, VectorFormat format, const fs::path& fold
   if (name.has_parent_path())
     throw InputError("file: '" + name.string() + "' is not in the folder of the vectors");
   out.origin = is_output && !options.answers.empty() ? options.answers : (folder / name).string();
-  if (!is_output && !fs::exists(out.origin)) {
+  std::error_code ignored;
+  if (!is_output && !fs::exists(out.origin, ignored)) {
     out.is_there = false;
   } else if (format == VectorFormat::hex) {
     read_hex_records(out.origin, type, out.answers);
@@ -482,7 +485,9 @@ ReadVectors read_vectors(const std::string& path, const VectorCheckOptions& opti
   VectorFormat format = VectorFormat::json;
   std::string hash;
   try {
-    json = Json::parse(text_of(origin));
+    const std::string text = text_of(origin);
+    check_json_depth(text);
+    json = Json::parse(text);
     if (json.at("bitspan_vectors").get<int>() != 1) throw InputError("bitspan_vectors: expected 1");
     format = vector_format(json.at("format").get<std::string>());
     if (format == VectorFormat::json && !options.answers.empty()) {
@@ -497,9 +502,8 @@ ReadVectors read_vectors(const std::string& path, const VectorCheckOptions& opti
   } catch (const Json::exception& error) {
     throw InputError(fmt::format("{}: no vectors: {}", origin, fault_of(error)));
   } catch (const InputError& error) {
-    throw InputError(std::string(error.what()).starts_with(origin)
-                         ? error.what()
-                         : fmt::format("{}: {}", origin, error.what()));
+    const std::string what = one_line(error.what());
+    throw InputError(what.starts_with(origin) ? what : fmt::format("{}: {}", origin, what));
   }
   const std::string name = out.config.name;
   out.config = parse_config(toml, origin + ": configuration");
@@ -507,7 +511,7 @@ ReadVectors read_vectors(const std::string& path, const VectorCheckOptions& opti
   if (config_hash(out.config) != hash) {
     throw InputError(
         fmt::format("{}: configuration: the hash is {}, and that of the text is {}; expected the same",
-                    origin, hash, config_hash(out.config)));
+                    origin, one_line(hash), config_hash(out.config)));
   }
   check_scene(out.scene, origin);
   bool has_output = false;
@@ -527,7 +531,7 @@ ReadVectors read_vectors(const std::string& path, const VectorCheckOptions& opti
   } catch (const Json::exception& error) {
     throw InputError(fmt::format("{}: no vectors: {}", origin, fault_of(error)));
   } catch (const InputError& error) {
-    const std::string what = error.what();
+    const std::string what = one_line(error.what());
     const bool names_a_file = what.starts_with(fs::path(origin).parent_path().string() + "/") ||
                               (!options.answers.empty() && what.starts_with(options.answers));
     throw InputError(names_a_file ? what : fmt::format("{}: {}", origin, what));

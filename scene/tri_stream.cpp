@@ -17,6 +17,8 @@
 #include <utility>
 
 #include "config/config.hpp"
+#include "config/fnv.hpp"
+#include "config/one_line.hpp"
 #include "io/atomic_file.hpp"
 #include "io/png.hpp"
 #include "scene/exact.hpp"
@@ -62,7 +64,7 @@ struct Place {
   long line = 0;
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(fmt::format("{}:{}: {}", file, line, what));
+    throw InputError(one_line(fmt::format("{}:{}: {}", file, line, what)));
   }
 };
 
@@ -1238,10 +1240,30 @@ void write_tri(std::ostream& out, const Scene& scene) {
   });
 }
 
+namespace {
+
+// The pictures of a stream have names longer than its own. Where a file system would not take them, a hash
+// stands for the stem's end.
+std::string picture_stem(std::string stem) {
+  constexpr std::size_t name_limit = 255, suffix_bytes = 16;  // ".12345.png" and some
+  if (stem.size() + suffix_bytes <= name_limit) return stem;
+  Fnv128 hash;
+  hash.text(stem);
+  const std::string end = "-" + hash.hex();
+  std::size_t size = name_limit - suffix_bytes - end.size();
+  const auto is_inside = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
+  while (size > 0 && is_inside(stem[size])) --size;  // of a character in UTF-8
+  stem.resize(size);
+  return stem + end;
+}
+
+}  // namespace
+
 void write_tri_file(const std::string& path, const Scene& scene) {
   check_scene(scene, scene.name);
   namespace fs = std::filesystem;
   const fs::path target(path);
+  const std::string stem = picture_stem(target.stem().string());
   AtomicFile stream(path);
   std::vector<std::string> names;
   std::vector<std::unique_ptr<AtomicFile>> pictures;
@@ -1251,7 +1273,7 @@ void write_tri_file(const std::string& path, const Scene& scene) {
       names.emplace_back();  // of no file
       continue;
     }
-    names.push_back(fmt::format("{}.{}.{}", target.stem().string(), names.size(), formatted ? "bin" : "png"));
+    names.push_back(fmt::format("{}.{}.{}", stem, names.size(), formatted ? "bin" : "png"));
     pictures.push_back(std::make_unique<AtomicFile>((target.parent_path() / names.back()).string()));
     pictures.back()->write(formatted ? texture.raw
                                      : encode_png(texture.width, texture.height, 4, texture.rgba));

@@ -15,6 +15,7 @@
 #include "config/fnv.hpp"
 #include "engine/emit_sv.hpp"
 #include "io/data_folder.hpp"
+#include "io/json_depth.hpp"
 #include "tb/programs.hpp"
 #include "tb/rtl_build.hpp"
 
@@ -212,7 +213,9 @@ bool says_too_small(std::string_view words) {
 }
 
 double read_fmax(const fs::path& report) {
-  const Json json = Json::parse(read_text(report), nullptr, false);
+  const std::string text = read_text(report);
+  check_json_depth(text);
+  const Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded() || !json.contains("fmax") || json["fmax"].size() != 1)
     throw ToolFailure("nextpnr reports no clock");
   return json["fmax"].begin()->at("achieved").get<double>();
@@ -306,9 +309,10 @@ std::string_view to_string(AreaStatus status) {
 AreaCounts parse_yosys_stat(std::string_view text, Family family) {
   const std::size_t begin = text.find('{');
   const std::size_t end = text.rfind('}');
-  const Json json = begin == std::string_view::npos || end == std::string_view::npos || end < begin
-                        ? Json()
-                        : Json::parse(text.substr(begin, end - begin + 1), nullptr, false);
+  const bool is_there = begin != std::string_view::npos && end != std::string_view::npos && begin < end;
+  const std::string_view object = is_there ? text.substr(begin, end - begin + 1) : "null";
+  check_json_depth(object);
+  const Json json = Json::parse(object, nullptr, false);
   if (!json.is_object() || !json.contains("design") || !json["design"].contains("num_cells_by_type"))
     throw InputError("yosys: its statistics cannot be read");
   AreaCounts counts;

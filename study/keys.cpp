@@ -7,6 +7,7 @@
 #include <set>
 
 #include "config/check.hpp"
+#include "config/one_line.hpp"
 
 namespace bitspan {
 namespace {
@@ -48,12 +49,6 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     }
   }
   return row[b.size()];
-}
-
-std::string one_line(std::string text) {
-  std::ranges::replace_if(
-      text, [](unsigned char c) { return c < 0x20; }, ' ');
-  return text;
 }
 
 std::string settings_text(const std::vector<KeySetting>& settings) {

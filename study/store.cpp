@@ -171,6 +171,12 @@ Store::Store(const std::string& path, std::string_view version, Mode mode, std::
   if (std::filesystem::is_directory(path, error)) {
     throw InputError(path + ": is a directory; expected a database");
   }
+  // SQLite's files beside it have longer names.
+  constexpr std::size_t name_limit = 255 - std::string_view("-journal").size();
+  if (std::filesystem::path(path).filename().string().size() > name_limit) {
+    throw InputError(
+        fmt::format("{}: the name is too long; expected at most {} bytes for a database", path, name_limit));
+  }
   if (mode == Mode::existing && !std::filesystem::exists(path, error)) {
     throw InputError(path + ": no such database");
   }

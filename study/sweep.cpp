@@ -16,6 +16,7 @@
 #include <type_traits>
 
 #include "config/fnv.hpp"
+#include "io/json_depth.hpp"
 #include "scene/tri_stream.hpp"
 #include "study/metrics.hpp"
 
@@ -82,6 +83,7 @@ std::string settings_json(const std::vector<KeySetting>& settings) {
 std::vector<KeySetting> parse_settings(std::string_view settings_json) {
   std::vector<KeySetting> out;
   try {
+    check_json_depth(settings_json);
     const auto json = nlohmann::ordered_json::parse(settings_json);
     for (const auto& [path, value] : json.items()) {
       if (value.is_boolean()) {
@@ -167,6 +169,7 @@ std::string scenes_json(const std::vector<Scene>& scenes, std::optional<double> 
 
 std::optional<double> s_ratio_of(std::string_view scenes_json) {
   try {
+    check_json_depth(scenes_json);
     const auto scenes = nlohmann::json::parse(scenes_json);
     if (scenes.at(0).contains("s_ratio")) return scenes[0]["s_ratio"].get<double>();
   } catch (const nlohmann::json::exception& error) {

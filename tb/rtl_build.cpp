@@ -21,6 +21,7 @@
 #include "config/rtl_timing.hpp"
 #include "engine/emit_sv.hpp"
 #include "io/data_folder.hpp"
+#include "io/message.hpp"
 #include "tb/programs.hpp"
 #include "tb/rtl_coverage.hpp"
 
@@ -168,12 +169,11 @@ class Progress {
     if (::isatty(STDERR_FILENO) == 0) return;
     const std::lock_guard lock(mutex_);
     if (builds_++ > 0) return;
-    fmt::print(stderr, "building the RTL of {} ...", name.empty() ? "this configuration" : name);
-    std::fflush(stderr);
+    say("building the RTL of " + (name.empty() ? "this configuration" : name) + " ...");
   }
   ~Progress() {
     const std::lock_guard lock(mutex_);
-    if (builds_ > 0 && --builds_ == 0) std::fputs("\r\033[K", stderr);
+    if (builds_ > 0 && --builds_ == 0) say("\r\033[K");
   }
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;

@@ -399,5 +399,53 @@ TEST(Load, NamesTheFileAndTheFault) {
   EXPECT_EQ(load_config(path).name, "test");
 }
 
+// A stack that ends kills the program; deep text never reaches the parser.
+TEST(Parse, DepthIsLimitedBeforeTheParser) {
+  const auto refused = [](const std::string& text, const std::string& part) {
+    expect_refusal([&] { parse_config(text, "file.toml"); }, part);
+  };
+  const auto dotted = [](std::size_t parts, const std::string& one) {
+    std::string key = one;
+    for (std::size_t i = 1; i < parts; ++i) key.append(" . ").append(one);
+    return key;
+  };
+  const std::string parts = "a key has too many parts; expected at most 17";
+  const std::string nested = "values are nested too deep; expected at most 64 in each other";
+  for (const char* one : {"a", "\"a.b\"", "'a'", "\"\\\"\""}) {
+    refused("\n" + dotted(18, one) + " = 1\n", at(2) + parts);
+    refused("[" + dotted(18, one) + "]\n", at(1) + parts);
+    refused("x = {y = 1, " + dotted(200'000, one) + " = 1}\n", at(1) + parts);
+    refused(dotted(17, one) + " = 1\n", "unknown table");
+  }
+  refused("x = \"\"\"\n" + dotted(30, "a") + "\n\"\"\"\n[" + dotted(18, "a") + "]\n", at(4) + parts);
+  refused("x = [\n" + std::string(64, '[') + std::string(64, ']') + "]\n", at(2) + nested);
+  std::string tables = "x = ";
+  for (int i = 0; i < 65; ++i) tables += "{a = ";
+  refused(tables, at(1) + nested);
+  refused("x = " + std::string(64, '[') + std::string(64, ']') + "\n", "unknown key");
+
+  // What looks deep and is not.
+  const std::string toml = to_toml(shipped_config("depth16"));
+  const std::string dots(100, '.'), brackets(100, '[');
+  for (const std::string& comment : {"# " + dots + brackets + "\n", "# \"\n#" + brackets + "\n"}) {
+    EXPECT_EQ(config_hash(parse_config(comment + toml, "file.toml")), config_hash(shipped_config("depth16")));
+  }
+  for (const std::string& text : {"\"" + dots + brackets + "\"", "'" + dots + brackets + "'",
+                                  "\"\"\"" + dots + "\n\\\"\"\"" + brackets + "\"\"\"\"\"",
+                                  "'\'\'" + dots + "\\\n''" + brackets + "\'\'\'"}) {
+    refused("x = " + text + "\n", "unknown key");
+  }
+  for (std::size_t i = 0; i < 300; ++i) tables = "a" + std::to_string(i) + ".b = 1.5\n";
+  refused(tables, "unknown table");
+}
+
+TEST(Parse, AByteOrderMarkIsNoPartOfTheText) {
+  const std::string mark = "\xEF\xBB\xBF";
+  const std::string toml = to_toml(shipped_config("narrow"));
+  EXPECT_EQ(config_hash(parse_config(mark + toml, "file.toml")), config_hash(shipped_config("narrow")));
+  expect_refusal([&] { parse_config(mark, "file.toml"); }, at(1) + "the configuration is empty");
+  expect_refusal([&] { parse_config(mark + "\nx = 1\n", "file.toml"); }, at(2) + "x: unknown key");
+}
+
 }  // namespace
 }  // namespace bitspan

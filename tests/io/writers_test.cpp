@@ -2,17 +2,25 @@
 // The writers of pictures, arrays and whole-or-nothing files.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <barrier>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <limits>
 #include <numeric>
 #include <set>
+#include <thread>
 
 #include "io/atomic_file.hpp"
+#include "io/atomic_folder.hpp"
+#include "io/json_depth.hpp"
+#include "io/leftovers.hpp"
 #include "io/npy.hpp"
 #include "io/png.hpp"
 #include "scene/texture.hpp"
@@ -99,6 +107,129 @@ TEST(AtomicFile, FullDiskShows) {
   EXPECT_NE(input_error([&] { write_file("/dev/full", "x"); }).find("/dev/full: cannot write: No space left"),
             std::string::npos);
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/full")) << "a device is written to, not replaced";
+}
+
+TEST(AtomicFile, TakesEveryNameThatTheSystemTakes) {
+  const TemporaryFolder folder;
+  for (std::size_t size = 240; size <= 255; ++size) {
+    write_file(folder.path(std::string(size, 'n')), "x");
+    EXPECT_EQ(folder.read(std::string(size, 'n')), "x");
+  }
+  EXPECT_EQ(folder.files(), 16);
+}
+
+TEST(AtomicFolder, TakesEveryNameThatTheSystemTakes) {
+  const TemporaryFolder folder;
+  for (std::size_t size = 240; size <= 255; ++size) {
+    AtomicFolder made(folder.path(std::string(size, 'n')));
+    write_file(made.path("a"), "x");
+    made.commit("a");
+    EXPECT_EQ(folder.read(std::string(size, 'n') + "/a"), "x");
+  }
+  EXPECT_EQ(folder.files(), 16);
+  expect_refusal([&] { AtomicFolder(folder.path(std::string(256, 'n'))); }, "File name too long");
+  EXPECT_EQ(folder.files(), 16);
+}
+
+// Each writer's files are of one set, and the last one's stay.
+TEST(AtomicFolder, TakesTwoWritersAtOnce) {
+  const TemporaryFolder folder;
+  for (int round = 0; round < 50; ++round) {
+    const std::string path = folder.path("d" + std::to_string(round % 5));
+    if (round % 2 == 0) std::filesystem::remove_all(path);
+    std::barrier start(2);
+    const auto write = [&](const std::string& text) {
+      AtomicFolder made(path);
+      for (const char* name : {"a", "b", "c", "last"}) write_file(made.path(name), text);
+      start.arrive_and_wait();
+      made.commit("last");
+    };
+    std::jthread one(write, "one");
+    write("two");
+    one.join();
+    for (const char* name : {"a", "b", "c"})
+      ASSERT_EQ(read_file(path + "/" + name), read_file(path + "/last"));
+  }
+  EXPECT_EQ(folder.files(), 5);
+}
+
+// A program that ends in the middle of its writing, by every signal that can end it there.
+TEST(Leftovers, ASignalRemovesThem) {
+  for (const int number : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGPIPE, SIGXCPU}) {
+    const TemporaryFolder folder;
+    write_file(folder.path("old"), "old");
+    write_file(folder.path("whole"), "x");
+    EXPECT_EXIT(
+        {
+          remove_leftovers_on_signals();
+          AtomicFile file(folder.path("new"));
+          AtomicFile over(folder.path("old"));
+          AtomicFolder dump(folder.path("dump"));
+          write_file(dump.path("a.npy"), "x");
+          AtomicFile inside(dump.path("b.npy"));
+          for (AtomicFile* half : {&file, &over, &inside}) half->write(std::string(1 << 20, 'h'));
+          if (folder.files() != 5) ::_exit(1);
+          ::raise(number);
+          ::_exit(2);
+        },
+        ::testing::KilledBySignal(number), "");
+    EXPECT_EQ(folder.files(), 2) << number;
+    EXPECT_EQ(folder.read("old"), "old");
+  }
+}
+
+TEST(Leftovers, AnIgnoredSignalStaysSoAndALimitOfSizeIsAnError) {
+  const TemporaryFolder folder;
+  EXPECT_EXIT(
+      {
+        ::signal(SIGHUP, SIG_IGN);
+        remove_leftovers_on_signals();
+        ::raise(SIGHUP);
+        ::raise(SIGXFSZ);
+        rlimit limit{};
+        limit.rlim_cur = limit.rlim_max = 1 << 16;
+        ::setrlimit(RLIMIT_FSIZE, &limit);
+        const std::string error =
+            input_error([&] { write_file(folder.path("a"), std::string(1 << 20, 'x')); });
+        ::_exit(names(error, "cannot write: File too large") ? 7 : 1);
+      },
+      ::testing::ExitedWithCode(7), "");
+  EXPECT_EQ(folder.files(), 0);
+}
+
+// What a forked child does with its signals is no end of the parent's files.
+TEST(Leftovers, AChildRemovesNothing) {
+  const TemporaryFolder folder;
+  EXPECT_EXIT(
+      {
+        remove_leftovers_on_signals();
+        AtomicFile file(folder.path("a"));
+        file.write("x");
+        const pid_t child = ::fork();
+        if (child == 0) {
+          ::raise(SIGTERM);
+          ::_exit(0);
+        }
+        ::waitpid(child, nullptr, 0);
+        file.commit();
+        ::_exit(folder.read("a") == "x" ? 7 : 1);
+      },
+      ::testing::ExitedWithCode(7), "");
+}
+
+TEST(JsonDepth, TheLimitIsOfNestingAlone) {
+  const auto nested = [](std::size_t depth) {
+    return std::string(depth, '[') + "\"\\\"[[[\"" + std::string(depth, ']');
+  };
+  check_json_depth(nested(64));
+  check_json_depth("\xEF\xBB\xBF[" + nested(63) + "," + nested(63) + "]");
+  expect_refusal([&] { check_json_depth("{\n" + nested(64)); },
+                 "line 2: arrays and objects are nested too deep");
+  expect_refusal([&] { check_json_depth(std::string(1'000'000, '{')); }, "expected at most 64");
+  std::string flat = "[";
+  for (int i = 0; i < 1000; ++i) flat += "{\"a\": [1]},";
+  check_json_depth(flat + "0]");
+  check_json_depth("]]]]\"");
 }
 
 TEST(Png, ReadsBackInEveryLayout) {
