@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <png.h>
+#include <sys/resource.h>
 #include <zlib.h>
 
 #include <functional>
@@ -158,6 +159,38 @@ TEST(Texture, RefusesSizesBeyondTheLimitAndHollowOnes) {
   const auto check = static_cast<std::uint32_t>(crc32(0, hollow.data() + 12, 17));
   for (std::size_t i = 0; i < 4; ++i) hollow[29 + i] = static_cast<std::uint8_t>(check >> (24 - 8 * i));
   EXPECT_NE(input_error([&] { decode_texture(hollow, "t.png"); }).find("far too short"), std::string::npos);
+}
+
+// Texts and profiles swell to a thousand times their size; none of them is part of the picture.
+TEST(Texture, TakesNoMemoryForTextsAndProfiles) {
+  Bytes packed(100000);
+  uLongf size = packed.size();
+  const Bytes text(4 << 20, 'a');
+  ASSERT_EQ(compress(packed.data(), &size, text.data(), text.size()), Z_OK);
+  packed.resize(size);
+  Bytes chunk{'z', 'T', 'X', 't', 'k', 0, 0};
+  chunk.insert(chunk.end(), packed.begin(), packed.end());
+  const auto big_endian = [](std::size_t v) {
+    return Bytes{static_cast<std::uint8_t>(v >> 24), static_cast<std::uint8_t>(v >> 16),
+                 static_cast<std::uint8_t>(v >> 8), static_cast<std::uint8_t>(v)};
+  };
+  const Bytes png = make_png(1, 8, PNG_COLOR_TYPE_RGBA, {{1, 2, 3, 4}});
+  Bytes file(png.begin(), png.begin() + 33);  // the signature and the header
+  for (int k = 0; k < 100; ++k) {
+    for (const Bytes& part : {big_endian(chunk.size() - 4), chunk,
+                              big_endian(crc32(0, chunk.data(), static_cast<uInt>(chunk.size())))}) {
+      file.insert(file.end(), part.begin(), part.end());
+    }
+  }
+  file.insert(file.end(), png.begin() + 33, png.end());
+  const auto peak = [] {  // KiB
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  };
+  const long before = peak();
+  EXPECT_EQ(decode_texture(file, "t").rgba, (Bytes{1, 2, 3, 4}));
+  EXPECT_LT(peak() - before, 100 << 10);
 }
 
 }  // namespace
