@@ -36,7 +36,7 @@ struct Foreign {
   std::size_t at;
   std::string_view signature;
 };
-constexpr std::array<Foreign, 19> foreign{{{"KTX 2", 0, "\xabKTX 20\xbb"sv},
+constexpr std::array<Foreign, 18> foreign{{{"KTX 2", 0, "\xabKTX 20\xbb"sv},
                                            {"KTX", 0, "\xabKTX"sv},
                                            {"DDS", 0, "DDS "sv},
                                            {"WebP", 8, "WEBP"sv},
@@ -52,9 +52,8 @@ constexpr std::array<Foreign, 19> foreign{{{"KTX 2", 0, "\xabKTX 20\xbb"sv},
                                            {"Photoshop", 0, "8BPS"sv},
                                            {"OpenEXR", 0, "v/1\x01"sv},
                                            {"Radiance HDR", 0, "#?"sv},
-                                           {"Basis", 0, "sB"sv},
                                            {"PAM", 0, "P7\n"sv},
-                                           {"Git LFS pointer", 0, "version https://git-lfs"sv}}};
+                                           {"a pointer of Git LFS", 0, "version https://git-lfs"sv}}};
 
 bool is_foreign(ByteSpan head, const Foreign& format) {
   const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
@@ -72,7 +71,7 @@ const Reader* reader_of(ByteSpan head) {
   if (head.empty()) what += ": it is empty";
   const auto* found =
       std::ranges::find_if(foreign, [&](const Foreign& format) { return is_foreign(head, format); });
-  if (found != foreign.end()) what += ": it is a " + std::string(found->name);
+  if (found != foreign.end()) what += ": its format is " + std::string(found->name);
   const std::string limit = std::to_string(texture_size_limit);
   throw InputError(origin + ": " + what + "; expected a whole " + std::string(image_formats) +
                    " file of at most " + limit + " x " + limit + " texels");

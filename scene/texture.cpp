@@ -33,8 +33,12 @@ Texture read_texture(const std::string& path) {
   while (file.read(chunk.data(), static_cast<std::streamsize>(chunk.size())), file.gcount() > 0) {
     bytes.insert(bytes.end(), chunk.begin(), chunk.begin() + file.gcount());
     // A device or a large file of another format is not read whole.
-    if (chunk.size() == image_head_bytes) check_image_format(bytes, path);
-    chunk.resize(std::size_t{1} << 20);
+    if (chunk.size() == image_head_bytes) {
+      check_image_format(bytes, path);
+      const std::uintmax_t size = std::filesystem::file_size(path, code);
+      if (!code) bytes.reserve(size);
+      chunk.resize(std::size_t{1} << 20);
+    }
   }
   if (file.bad()) throw InputError(path + ": cannot read the texture; expected a " + expected);
   return decode_texture(bytes, path);

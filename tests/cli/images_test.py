@@ -96,32 +96,46 @@ def of_masks(rows, masks):
     return [[tuple(channel(c, mask, 255 if k == 3 else 0) for k, mask in enumerate(masks)) for c in row] for row in rows]
 
 
+def run_rows(width, height, count):
+    """Rows of runs, of codes one by one, of pairs that alternate, and of index 0; the second row is 0 alone."""
+    rows = []
+    for y in range(height):
+        row = [0] * width if y == 1 else []
+        while len(row) < width:
+            some = [dice.randrange(1, count) for _ in range(dice.randrange(3, 9))]
+            row += dice.choice([some, some[:1] * len(some), some[:2] * 4, [0] * len(some)])
+        rows.append(row[:width])
+    return rows
+
+
 def rle(rows, bits):
-    """Run lengths of all kinds, bottom row first: runs, codes one by one, deltas over index 0."""
-    out = bytearray()
-    pair = (lambda a, b: a << 4 | b) if bits == 4 else None
+    """Run lengths of all kinds, bottom row first; deltas over what is 0."""
+    out, up = bytearray(), 0
     for row in rows[::-1]:
+        if not any(row):
+            up += 1
+            continue
+        if up:
+            out += bytes([0, 2, 0, up])
+            up = 0
         x = 0
         while x < len(row):
             same = len(list(itertools.takewhile(lambda c: c == row[x], row[x:])))
-            if row[x] == 0 and same > 3:
+            pairs = len(list(itertools.takewhile(lambda k: row[k] == row[x + (k - x) % 2], range(x, len(row)))))
+            literal = min(dice.randrange(3, 9), len(row) - x)
+            if row[x] == 0 and same > 2:
                 out += bytes([0, 2, same, 0])
-                x += same
-            elif same > 2 or len(row) - x < 3:
-                out += bytes([same, pair(row[x], row[x]) if pair else row[x]])
-                x += same
-            elif bits == 4 and len(row) - x >= 5 and dice.random() < 0.5 and row[x:x + 4] == [row[x], row[x + 1]] * 2:
-                out += bytes([4, pair(row[x], row[x + 1])])
-                x += 4
+            elif bits == 4 and pairs > 3:
+                same = pairs
+                out += bytes([same, row[x] << 4 | row[x + 1]])
+            elif same > 2 or literal < 3:
+                out += bytes([same, row[x] * 17 if bits == 4 else row[x]])
             else:
-                some = row[x:x + dice.randrange(3, 9)]
-                if len(some) < 3:
-                    continue
-                out += bytes([0, len(some)])
-                out += padded(row_bytes(some, 4, 1) if bits == 4 else bytes(some), 2)
-                x += len(some)
+                same = literal
+                out += bytes([0, same]) + padded(row_bytes(row[x:x + same], bits, 1), 2)
+            x += same
         out += b"\0\0"
-    return bytes(out[:-2] + b"\0\1")
+    return bytes(out + b"\0\1")
 
 
 def bmps():
@@ -139,7 +153,7 @@ def bmps():
         yield Case(f"short-{count}", bmp(rows, 8, colors), of_palette(rows, colors))
         beyond = codes(21, 3, 256)
         yield Case(f"beyond-{count}", bmp(beyond, 8, colors), of_palette(beyond, colors), by=())
-        yield Case(f"core-{count}", bmp(rows, 8, colors, header=12), of_palette(rows, colors), by=())
+        yield Case(f"core-{count}", bmp(rows, 8, colors, header=12), of_palette(rows, colors), by=("pillow",))
     for width, height in (1, 3), (2, 2), (5, 4), (16, 1):
         colors = [[dice.randrange(1 << 24) for _ in range(width)] for _ in range(height)]
         masks = 0xff0000, 0xff00, 0xff, 0
@@ -173,9 +187,9 @@ def bmps():
         yield Case(f"32-{width}-v3", bmp(wide, 32, header=56, compression=3, masks=struct.pack("<4I", *masks)), of_masks(wide, masks), by=())
         masks = 0xf00, 0xf0, 0xf, 0xf000
         yield Case(f"16-{width}-v3", bmp(half, 16, header=56, compression=3, masks=struct.pack("<4I", *masks)), of_masks(half, masks), by=())
-    for bits, (width, height) in itertools.product((4, 8), ((9, 5), (32, 4), (33, 7))):
+    for bits, (width, height) in itertools.product((4, 8), ((9, 5), (32, 4), (33, 7), (300, 9))):
         colors = palette(1 << bits)
-        rows = [[0 if run == 0 else (run + x // 5 * (x % 3)) % (1 << bits) for x in range(width)] for run in range(height)]
+        rows = run_rows(width, height, 1 << bits)
         # Pillow counts codes one by one wrongly where they are odd, and takes a delta for 128 bytes.
         yield Case(f"rle{bits}-{width}", bmp(rows, bits, colors, compression=3 - bits // 4, data=rle(rows, bits)), of_palette(rows, colors),
                    by=("magick",))
@@ -247,20 +261,20 @@ def color_of(data, bits, alpha):
 
 def tgas():
     for direction, runs, (width, height) in itertools.product((0, 0x10, 0x20, 0x30), (False, True), ((1, 1), (2, 1), (7, 3), (150, 2))):
-        name = f"{direction:x}-{runs}-{width}"
-        both = ("pillow", "magick")
+        name, both = f"{direction:x}-{runs}-{width}", ("pillow", "magick")
         for bits, alpha in (15, 0), (16, 0), (16, 1), (24, 0), (32, 0), (32, 8):
             # Few colours, so that there are runs.
             some = [dice.randbytes((bits + 7) // 8) for _ in range(3)]
             rows = [[dice.choice(some) for _ in range(width)] for _ in range(height)]
-            # Pillow knows no 15 bits, and both take the fourth byte for alpha whatever the attribute bits say.
-            by = {15: (), 16: both if alpha == 0 else (), 24: both, 32: both if alpha else ()}[bits]
+            # Pillow knows no 15 bits and no alpha of 16; both take the fourth byte for alpha whatever the attribute bits say.
+            by = {15: ("magick",), 16: both if alpha == 0 else ("magick",), 24: both, 32: both if alpha else ()}[bits]
             yield Case(f"{bits}-{alpha}-{name}", tga(rows, 2, bits, direction | alpha, runs=runs), [[color_of(c, bits, alpha) for c in row] for row in rows],
                        by=by, near=0 if bits > 16 else 1)
             colors = [dice.randbytes((bits + 7) // 8) for _ in range(20)]
             for first in 0, 9:
                 rows = [[bytes([first + dice.randrange(20)]) for _ in range(width)] for _ in range(height)]
-                by = both if first == 0 and bits == 24 else ("pillow",) if bits == 24 else ()
+                # Neither takes alpha of 16 bits from a palette; Pillow takes none of 32.
+                by = {15: ("magick",), 16: () if alpha else both, 24: both, 32: ("magick",) if alpha else ()}[bits]
                 yield Case(f"palette-{first}-{bits}-{alpha}-{name}",
                            tga(rows, 1, 8, direction | alpha, colors, first, bits, runs), [[color_of(colors[c[0] - first], bits, alpha) for c in row] for row in rows],
                            by=by, near=0 if bits > 16 else 1)
@@ -339,8 +353,8 @@ def gifs():
             placed = [[outside] * (width + 7) for _ in range(height + 5)]
             for y, row in enumerate(inside):
                 placed[y + 3][2:2 + width] = row
-            # Pillow takes index 0 for the background, ImageMagick has none.
-            by = ("pillow",) if background == 0 else ()
+            # Pillow takes index 0 for the background, and ImageMagick always a clear one.
+            by = ("pillow", "magick") if transparent == 1 else ("pillow",) if background == 0 else ()
             yield Case(f"{name}-placed-{transparent}-{background}",
                        gif(rows, bits, (width + 7, height + 5), 2, 3, colors, transparent=transparent, interlaced=interlaced, background=background), placed, by=by)
     colors, rows = palette(4), codes(5, 4, 4)
@@ -438,7 +452,7 @@ class Images(unittest.TestCase):
         """Raw texels, with no size: None where it does not read the file."""
         arguments = []
         for k, file in enumerate(files):
-            arguments += ["(", f"{form}:{file.name}[0]", "-auto-orient", "-depth", "8", "-write", f"rgba:{k}.magick", "+delete", ")"]
+            arguments += ["(", f"{form}:{file.name}[0]", "-coalesce", "-auto-orient", "-depth", "8", "-write", f"rgba:{k}.magick", "+delete", ")"]
         subprocess.run([MAGICK, "xc:red", *arguments, "null:"], cwd=self.folder, capture_output=True, text=True)
         return [path.read_bytes() if (path := self.folder / f"{k}.magick").exists() else None for k in range(len(files))]
 
@@ -476,6 +490,56 @@ class Images(unittest.TestCase):
               f"{alone} as the description says alone", flush=True)
         self.assertGreater(by["pillow"], 5)
         self.assertGreater(by["magick"], 5)
+
+
+class Use(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="bitspan-images-")))
+        (self.folder / "quad.obj").write_text("mtllib quad.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+                                              "usemtl m\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n")
+
+    def render(self, *arguments):
+        return subprocess.run([PROGRAM, "render", "quad.obj", "--no-cull", "--size", "64x48", "--yaw", "20", "--config", "depth20", *arguments],
+                              cwd=self.folder, capture_output=True, text=True)
+
+    def test_a_texture_by_flag_or_of_a_material_is_drawn_alike_in_every_format(self):
+        image = picture("P", 16, 16).convert("RGB")
+        pictures = set()
+        for form in "PNG", "BMP", "TGA", "PPM", "GIF":
+            image.quantize(256, kmeans=0, method=Image.Quantize.FASTOCTREE).save(self.folder / f"t.{form}", form) if form == "GIF" else \
+                image.save(self.folder / f"t.{form}", form)
+            (self.folder / "quad.mtl").write_text("newmtl m\nKd 1 1 1\n")
+            run = self.render("--texture", f"t.{form}", "-o", f"{form}.flag.png")
+            self.assertEqual((run.returncode, run.stderr), (0, ""))
+            (self.folder / "quad.mtl").write_text(f"newmtl m\nKd 1 1 1\nmap_Kd t.{form}\n")
+            run = self.render("-o", f"{form}.map.png")
+            self.assertEqual((run.returncode, run.stderr), (0, ""))
+            for kind in "flag", "map":
+                pictures.add((self.folder / f"{form}.{kind}.png").read_bytes())
+        self.assertEqual(len(pictures), 1)
+
+    def test_what_is_not_read_is_named(self):
+        (self.folder / "quad.mtl").write_text("newmtl m\nKd 1 1 1\nmap_Kd t.img\n")
+        for name, head in {"KTX": b"\xabKTX 11\xbb\r\n\x1a\n", "KTX 2": b"\xabKTX 20\xbb\r\n\x1a\n", "DDS": b"DDS |\0\0\0",
+                           "WebP": b"RIFF\x20\0\0\0WEBPVP8L", "TIFF": b"II*\0\x08\0\0\0", "AVIF": b"\0\0\0\x20ftypavif",
+                           "PAM": b"P7\nWIDTH 1\n"}.items():
+            (self.folder / "t.img").write_bytes(head + bytes(1000))
+            line = f"t.img: not an image that can be read: its format is {name}; expected a whole PNG, JPEG, BMP, TGA, GIF or PNM file"
+            run = self.render("--texture", "t.img", "-o", "a.png")
+            self.assertEqual((run.returncode, run.stderr.count("\n")), (2, 1), run.stderr)
+            self.assertIn(line, run.stderr)
+            run = self.render("-o", "a.png")
+            self.assertEqual((run.returncode, run.stderr.count("\n")), (0, 1), run.stderr)
+            self.assertIn(line, run.stderr)
+            run = self.render("--strict", "-o", "a.png")
+            self.assertEqual((run.returncode, run.stderr.count("\n")), (2, 1), run.stderr)
+            self.assertIn(line, run.stderr)
+
+    def test_a_file_without_an_end_is_not_read_whole(self):
+        (self.folder / "quad.mtl").write_text("newmtl m\n")
+        run = self.render("--texture", "/dev/zero", "-o", "a.png")
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("/dev/zero: not an image that can be read", run.stderr)
 
 
 for form in FORMATS:

@@ -384,8 +384,8 @@ TEST(ImageFile, NamesTheFormatsThatAreNotRead) {
                                    {"v/1\1\2"sv, "OpenEXR;"sv},
                                    {"P7\nWIDTH 1\n"sv, "PAM;"sv}}) {
     const std::string error = refusal(bytes_of(head));
-    EXPECT_TRUE(
-        names(error, "t: not an image that can be read: it is a " + std::string(name) + " expected a whole"))
+    EXPECT_TRUE(names(
+        error, "t: not an image that can be read: its format is " + std::string(name) + " expected a whole"))
         << error;
   }
   EXPECT_TRUE(names(refusal({}), "t: not an image that can be read: it is empty; expected"));
