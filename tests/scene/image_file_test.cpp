@@ -120,6 +120,11 @@ TEST(ImageFile, ReadsRunLengthsOfBmps) {
   EXPECT_EQ(texels(file), greys({3, 3, 3, 3, 1, 2, 3, 0, 1, 2, 1, 0}));
   file.height = -3;
   EXPECT_TRUE(names(refusal(file), "from the top down"));
+  // Codes one by one are filled to a whole number of words: five of 4 bits take four bytes.
+  file.width = 5;
+  file.height = 2;
+  file.data = {0, 5, 0x12, 0x31, 0x20, 0x77, 0, 0, 5, 0x33, 0, 1};
+  EXPECT_EQ(texels(file), greys({3, 3, 3, 3, 3, 1, 2, 3, 1, 2}));
 }
 
 TEST(ImageFile, ReadsBmpsOfAnyMasks) {
