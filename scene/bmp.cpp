@@ -78,6 +78,7 @@ BmpHeader read_bmp_header(ImageBytes& file) {
     // In or behind the header.
     const bool has_alpha = h.size >= 56 || h.compression == alpha_bit_fields;
     for (std::size_t k = 0; k < (has_alpha ? 4 : 3); ++k) h.masks[k] = file.u32();
+    if ((h.masks[0] | h.masks[1] | h.masks[2]) == 0) file.corrupt("its masks are 0");
   } else if (h.bits == 16) {
     h.masks = {0x7c00, 0x3e0, 0x1f, 0};
   } else {

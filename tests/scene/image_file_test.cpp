@@ -151,6 +151,8 @@ TEST(ImageFile, ReadsBmpsOfAnyMasks) {
                                 .masks = u32(0x1f0000) + u32(0x3e0) + u32(0x1f),
                                 .data = {1, 2, 3, 4}}),
                     "a channel's mask is wider than a texel"));
+  EXPECT_TRUE(names(refusal(Bmp{.bits = 32, .compression = 3, .masks = Bytes(12), .data = {1, 2, 3, 4}}),
+                    "its masks are 0"));
 }
 
 TEST(ImageFile, RefusesOtherBmpsByName) {

@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 #include <zlib.h>
 
+#include <array>
 #include <functional>
 
 #include "io/png.hpp"
@@ -159,6 +160,17 @@ TEST(Texture, RefusesSizesBeyondTheLimitAndHollowOnes) {
   const auto check = static_cast<std::uint32_t>(crc32(0, hollow.data() + 12, 17));
   for (std::size_t i = 0; i < 4; ++i) hollow[29 + i] = static_cast<std::uint8_t>(check >> (24 - 8 * i));
   EXPECT_NE(input_error([&] { decode_texture(hollow, "t.png"); }).find("far too short"), std::string::npos);
+}
+
+TEST(Texture, AnIndexThatThePaletteDoesNotHaveIsBlack) {
+  const Bytes png =
+      make_png(4, 8, PNG_COLOR_TYPE_PALETTE, {{0, 1, 2, 255}}, false, [](png_structp p, png_infop info) {
+        const std::array<png_color, 2> palette{{{10, 20, 30}, {40, 50, 60}}};
+        png_set_PLTE(p, info, palette.data(), 2);
+        png_set_check_for_invalid_index(p, 0);
+      });
+  EXPECT_EQ(decode_texture(png, "t").rgba,
+            (Bytes{10, 20, 30, 255, 40, 50, 60, 255, 0, 0, 0, 255, 0, 0, 0, 255}));
 }
 
 // Texts and profiles swell to a thousand times their size; none of them is part of the picture.
