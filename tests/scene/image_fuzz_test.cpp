@@ -2,6 +2,7 @@
 // Damaged image files: each is read or refused with one line, soon, and twice alike. Long: 10^5 of each
 // format.
 #include <gtest/gtest.h>
+#include <png.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -38,9 +39,17 @@ struct Seeds {
 };
 
 Seeds pngs() {
+  const std::array<png_color, 4> palette{{{10, 20, 30}, {40, 50, 60}, {1, 2, 3}, {4, 5, 6}}};
+  const png_byte clear = 0;
+  const auto colors = [&](png_structp png, png_infop info) {
+    png_set_PLTE(png, info, palette.data(), 4);
+    png_set_tRNS(png, info, &clear, 1, nullptr);
+  };
   return {"PNG",
-          {encode_png(9, 7, 4, noise(9 * 7 * 4, 256)), encode_png(16, 16, 3, noise(16 * 16 * 3, 3)),
-           encode_png(40, 3, 1, noise(120, 9))}};
+          {encode_png(9, 7, 4, noise(252, 256)), encode_png(40, 3, 1, noise(120, 9)),
+           make_png(5, 16, PNG_COLOR_TYPE_RGB, {noise(30, 256), noise(30, 9), noise(30, 2)}, true),
+           make_png(9, 2, PNG_COLOR_TYPE_PALETTE, {noise(3, 256), noise(3, 256)}, false, colors),
+           make_png(19, 1, PNG_COLOR_TYPE_GRAY, {noise(3, 256), noise(3, 256), noise(3, 256)}, true)}};
 }
 
 Seeds jpegs() {

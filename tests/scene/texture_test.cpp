@@ -7,43 +7,14 @@
 #include <zlib.h>
 
 #include <array>
-#include <functional>
 
 #include "io/png.hpp"
+#include "tests/scene/image_samples.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
 
 namespace bitspan {
 namespace {
-
-using Bytes = std::vector<std::uint8_t>;
-
-// A PNG of any type; `rows` are packed as the format says.
-Bytes make_png(unsigned width, int depth, int type, const std::vector<Bytes>& rows, bool interlaced = false,
-               const std::function<void(png_structp, png_infop)>& extra = {}) {
-  Bytes bytes;
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
-  png_infop info = png_create_info_struct(png);
-  png_set_write_fn(
-      png, &bytes,
-      [](png_structp p, png_bytep data, png_size_t count) {
-        auto* out = static_cast<Bytes*>(png_get_io_ptr(p));
-        out->insert(out->end(), data, data + count);
-      },
-      [](png_structp) {});
-  png_set_IHDR(png, info, width, static_cast<png_uint_32>(rows.size()), depth, type,
-               interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
-  if (extra) extra(png, info);
-  png_write_info(png, info);
-  const int passes = png_set_interlace_handling(png);
-  for (int pass = 0; pass < passes; ++pass) {
-    for (const Bytes& row : rows) png_write_row(png, row.data());
-  }
-  png_write_end(png, nullptr);
-  png_destroy_write_struct(&png, &info);
-  return bytes;
-}
 
 TEST(Texture, EveryColourTypeBecomesRgba8) {
   EXPECT_EQ(decode_texture(make_png(3, 1, PNG_COLOR_TYPE_GRAY, {{0xa0}}), "t").rgba,
