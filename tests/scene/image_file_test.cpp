@@ -184,6 +184,8 @@ TEST(ImageFile, ReadsTgasInEveryDirection) {
   EXPECT_EQ(texels(file(0x10)), greys({4, 3, 2, 1}));
   EXPECT_EQ(texels(file(0x20)), greys({1, 2, 3, 4}));
   EXPECT_EQ(texels(file(0x30)), greys({2, 1, 4, 3}));
+  EXPECT_EQ(texels(Tga{.descriptor = 0x30, .data = {0, 0, 255, 255, 0, 0}}),
+            (Bytes{0, 0, 255, 255, 255, 0, 0, 255}));
   EXPECT_TRUE(names(refusal(file(0x40)), "a TGA with interleaved rows is not read"));
 }
 
