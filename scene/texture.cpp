@@ -12,6 +12,12 @@
 #include "scene/image_file.hpp"
 
 namespace bitspan {
+namespace {
+
+// A picture of the largest size takes less in every format: as text of 16-bit colours 4.8 GB.
+constexpr std::uintmax_t largest_file = std::uintmax_t{5} << 30;
+
+}  // namespace
 
 Texture decode_texture(std::span<const std::uint8_t> file, const std::string& origin) {
   return decode_image(file, origin);
@@ -36,6 +42,10 @@ Texture read_texture(const std::string& path) {
     if (chunk.size() == image_head_bytes) {
       check_image_format(bytes, path);
       const std::uintmax_t size = std::filesystem::file_size(path, code);
+      if (!code && size > largest_file) {
+        throw InputError(path + ": cannot read the texture: it has " + std::to_string(size) +
+                         " bytes; expected at most " + std::to_string(largest_file));
+      }
       if (!code) bytes.reserve(size);
       chunk.resize(std::size_t{1} << 20);
     }

@@ -7,6 +7,7 @@
 #include <zlib.h>
 
 #include <array>
+#include <filesystem>
 
 #include "io/png.hpp"
 #include "tests/scene/image_samples.hpp"
@@ -88,6 +89,16 @@ TEST(Texture, RefusesMissingAndForeignFiles) {
   folder.write("j.png", "\xff\xd8\xff\xe0 JFIF");
   EXPECT_NE(input_error([&] { read_texture(folder.path("j.png")); }).find("j.png: corrupt JPEG: "),
             std::string::npos);
+}
+
+// What follows the head takes no place on the disk, and would take all memory.
+TEST(Texture, RefusesHugeFiles) {
+  const TemporaryFolder folder;
+  const Bytes png = encode_png(1, 1, 1, Bytes{3});
+  folder.write("huge.png", std::string(png.begin(), png.end()));
+  std::filesystem::resize_file(folder.path("huge.png"), std::uintmax_t{5} << 30 | 1);
+  expect_refusal([&] { read_texture(folder.path("huge.png")); },
+                 "it has 5368709121 bytes; expected at most 5368709120");
 }
 
 TEST(Texture, RefusesEveryTruncationSilently) {
