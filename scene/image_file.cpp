@@ -2,120 +2,91 @@
 #include "scene/image_file.hpp"
 
 #include <algorithm>
-#include <cctype>
-#include <cstdlib>
-#include <memory>
+#include <array>
 
 #include "config/config.hpp"
+#include "scene/bmp.hpp"
+#include "scene/gif.hpp"
+#include "scene/jpeg.hpp"
+#include "scene/png.hpp"
+#include "scene/pnm.hpp"
 #include "scene/texture.hpp"
-
-// Only what meshes come with, and what damaged files do no harm in. Memory starts as zeros, so that a decoder
-// that misses a damaged file gives no foreign bytes; one code path, so that a picture decodes alike on every
-// processor.
-#define STBI_ONLY_BMP
-#define STBI_ONLY_TGA
-#define STBI_ONLY_GIF
-#define STBI_ONLY_PNM
-#define STBI_NO_STDIO
-#define STBI_NO_SIMD
-#define STBI_MALLOC(size) std::calloc(1, size)
-#define STBI_REALLOC std::realloc
-#define STBI_FREE std::free
-#define STB_IMAGE_STATIC
-#define STB_IMAGE_IMPLEMENTATION
-#include <stb/stb_image.h>
+#include "scene/tga.hpp"
 
 namespace bitspan {
 namespace {
 
-// What stb_image reads from. Behind the end it reads zeros; `cut` says that it did.
-struct Source {
-  std::span<const std::uint8_t> data;
-  std::size_t position = 0;
-  bool cut = false;
+using namespace std::string_view_literals;
 
-  std::size_t left() const { return data.size() - position; }
+struct Reader {
+  bool (*is)(ByteSpan);
+  Texture (*decode)(ByteSpan, const std::string&);
 };
+// A TGA has no signature, so it is asked for last.
+constexpr std::array<Reader, 6> readers{{{is_png, decode_png},
+                                         {is_jpeg, decode_jpeg},
+                                         {is_bmp, decode_bmp},
+                                         {is_gif, decode_gif},
+                                         {is_pnm, decode_pnm},
+                                         {is_tga, decode_tga}}};
 
-constexpr int refill_bytes = 128;  // what stb_image asks for ahead
+// Formats that textures of meshes come in, and that are not read.
+struct Foreign {
+  std::string_view name;
+  std::size_t at;
+  std::string_view signature;
+};
+constexpr std::array<Foreign, 18> foreign{{{"KTX 2", 0, "\xabKTX 20\xbb"sv},
+                                           {"KTX", 0, "\xabKTX"sv},
+                                           {"DDS", 0, "DDS "sv},
+                                           {"WebP", 8, "WEBP"sv},
+                                           {"AVIF", 4, "ftypavif"sv},
+                                           {"HEIF", 4, "ftyphei"sv},
+                                           {"HEIF", 4, "ftypmif1"sv},
+                                           {"JPEG 2000", 4, "jP  \r\n"sv},
+                                           {"JPEG 2000", 0, "\xff\x4f\xff\x51"sv},
+                                           {"JPEG XL", 0, "\xff\x0a"sv},
+                                           {"JPEG XL", 4, "JXL \r\n"sv},
+                                           {"TIFF", 0, "II*\0"sv},
+                                           {"TIFF", 0, "MM\0*"sv},
+                                           {"Photoshop", 0, "8BPS"sv},
+                                           {"OpenEXR", 0, "v/1\x01"sv},
+                                           {"Radiance HDR", 0, "#?"sv},
+                                           {"PAM", 0, "P7\n"sv},
+                                           {"a pointer of Git LFS", 0, "version https://git-lfs"sv}}};
 
-int read_bytes(void* user, char* out, int size) {
-  auto& source = *static_cast<Source*>(user);
-  const auto wanted = static_cast<std::size_t>(size);
-  const std::size_t count = std::min(wanted, source.left());
-  source.cut = source.cut || count == 0 || (count < wanted && size != refill_bytes);
-  std::copy_n(source.data.begin() + static_cast<std::ptrdiff_t>(source.position), count, out);
-  source.position += count;
-  return static_cast<int>(count);
+bool is_foreign(ByteSpan head, const Foreign& format) {
+  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  return text.size() >= format.at && text.substr(format.at).starts_with(format.signature);
 }
 
-void skip_bytes(void* user, int count) {
-  auto& source = *static_cast<Source*>(user);
-  if (count < 0) {  // back into what is buffered
-    source.position -= std::min(source.position, static_cast<std::size_t>(-static_cast<long>(count)));
-    return;
-  }
-  const auto wanted = static_cast<std::size_t>(count);
-  source.cut = source.cut || wanted > source.left();
-  source.position += std::min(wanted, source.left());
+// Null where the format is none that is read.
+const Reader* reader_of(ByteSpan head) {
+  const auto* found = std::ranges::find_if(readers, [&](const Reader& reader) { return reader.is(head); });
+  return found == readers.end() ? nullptr : found;
 }
 
-int at_end(void* user) { return static_cast<const Source*>(user)->left() == 0 ? 1 : 0; }
-
-constexpr stbi_io_callbacks callbacks{read_bytes, skip_bytes, at_end};
-
-// The largest number in the header of a binary PNM, 0 where there is none. stb_image does not scale by it.
-int pnm_maximum(std::span<const std::uint8_t> file) {
-  if (file.size() < 3 || file[0] != 'P' || (file[1] != '5' && file[1] != '6')) return 255;
-  std::size_t at = 2;
-  int number = 0;
-  for (int field = 0; field < 3; ++field) {
-    while (at < file.size() && (std::isspace(file[at]) != 0 || file[at] == '#')) {
-      if (file[at++] != '#') continue;
-      while (at < file.size() && file[at] != '\n' && file[at] != '\r') ++at;
-    }
-    number = 0;
-    for (; at < file.size() && std::isdigit(file[at]) != 0; ++at) {
-      number = std::min(number * 10 + (file[at] - '0'), 1 << 20);
-    }
-  }
-  return number;
+[[noreturn]] void refuse_format(ByteSpan head, const std::string& origin) {
+  std::string what = "not an image that can be read";
+  if (head.empty()) what += ": it is empty";
+  const auto* found =
+      std::ranges::find_if(foreign, [&](const Foreign& format) { return is_foreign(head, format); });
+  if (found != foreign.end()) what += ": its format is " + std::string(found->name);
+  const std::string limit = std::to_string(texture_size_limit);
+  throw InputError(origin + ": " + what + "; expected a whole " + std::string(image_formats) +
+                   " file of at most " + limit + " x " + limit + " texels");
 }
 
 }  // namespace
 
-Texture decode_image(std::span<const std::uint8_t> file, const std::string& origin) {
-  const std::string limit = std::to_string(texture_size_limit) + " x " + std::to_string(texture_size_limit);
-  const auto refuse = [&](const std::string& what) {
-    throw InputError(origin + ": " + what + "; expected a whole " + std::string(image_formats) +
-                     " file of at most " + limit + " texels");
-  };
-  int width = 0, height = 0, channels = 0;
-  Source source{file};
-  if (stbi_info_from_callbacks(&callbacks, &source, &width, &height, &channels) == 0) {
-    refuse("not an image that can be read");
-  }
-  if (width < 1 || height < 1 || width > texture_size_limit || height > texture_size_limit) {
-    refuse("corrupt image: it has " + std::to_string(width) + " x " + std::to_string(height) + " texels");
-  }
-  // A GIF's codes stand for at most 4,096 texels each, and no format has more texels per byte: a header that
-  // promises more is refused before the memory is taken.
-  const std::size_t texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  if (texels / 4096 > file.size())
-    refuse("corrupt image: the file is far too short for its size (truncated)");
-  if (pnm_maximum(file) != 255) refuse("a PNM whose largest number is not 255 cannot be read");
-  source = {file};
-  const std::unique_ptr<stbi_uc, decltype(&std::free)> pixels(
-      stbi_load_from_callbacks(&callbacks, &source, &width, &height, &channels, 4), &std::free);
-  if (!pixels) refuse(std::string("corrupt image: ") + stbi_failure_reason());
-  if (source.cut) refuse("corrupt image: the file ends too early (truncated)");
-  Texture out;
-  out.name = origin;
-  out.width = width;
-  out.height = height;
-  const std::size_t size = 4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  out.rgba.assign(pixels.get(), pixels.get() + size);
-  return out;
+void check_image_format(ByteSpan head, const std::string& origin) {
+  if (reader_of(head) == nullptr) refuse_format(head, origin);
+}
+
+Texture decode_image(ByteSpan file, const std::string& origin) {
+  const Reader* reader = reader_of(file);
+  if (reader == nullptr) refuse_format(file, origin);
+  return reader->decode(file, origin);
 }
 
 }  // namespace bitspan

@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Images of the usual formats but PNG and JPEG, through stb_image.
+// Which reader an image file goes to: its contents decide, never its name.
 #pragma once
 
-#include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 
-#include "scene/scene.hpp"
+#include "scene/image_bytes.hpp"
 
 namespace bitspan {
 
 inline constexpr std::string_view image_formats = "PNG, JPEG, BMP, TGA, GIF or PNM";
+inline constexpr std::size_t image_head_bytes = 64;  // what the choice needs of a file
 
-// Reads BMP, TGA, the first frame of a GIF, or a binary PNM of 8 bits, known by their contents, into
-// 8-bit RGBA as read_texture does. Throws InputError with one line where the file is truncated, corrupt, of
-// another format, or larger than the limit.
-Texture decode_image(std::span<const std::uint8_t> file, const std::string& origin);
+// Throws InputError with one line, which names the format where it is a known one, if `head`, the file's
+// first bytes, are of none that is read.
+void check_image_format(ByteSpan head, const std::string& origin);
+
+// Reads any of the formats as read_texture does. Throws InputError with one line where the file is truncated,
+// corrupt, of another format, or larger than the limit.
+Texture decode_image(ByteSpan file, const std::string& origin);
 
 }  // namespace bitspan

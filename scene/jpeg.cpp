@@ -19,6 +19,7 @@ namespace {
 // libjpeg leaves through longjmp: everything with a destructor is here, owned by the caller of decode().
 struct Decoder {
   jpeg_error_mgr errors{};
+  jpeg_progress_mgr progress{};
   std::jmp_buf leave{};
   jpeg_decompress_struct jpeg{};
   std::string error;
@@ -46,6 +47,13 @@ void on_message(j_common_ptr jpeg, int level) {
   if (level < 0) on_error(jpeg);
 }
 
+// A scan may be a few bytes for the whole picture. Encoders write some tens of them at most.
+constexpr int most_scans = 500;
+
+void on_progress(j_common_ptr jpeg) {
+  if (decoder_of(jpeg).jpeg.input_scan_number > most_scans) fail(decoder_of(jpeg), "it has too many scans");
+}
+
 // Colours of print; Adobe stores them inverted.
 void from_cmyk(const std::uint8_t* c, bool inverted, std::uint8_t* rgba) {
   const auto ink = [&](std::size_t k) { return inverted ? c[k] : 255 - c[k]; };
@@ -53,10 +61,11 @@ void from_cmyk(const std::uint8_t* c, bool inverted, std::uint8_t* rgba) {
 }
 
 // Returns false where it failed; decoder.error says why.
-bool decode(Decoder& decoder, std::span<const std::uint8_t> file) {
+bool decode(Decoder& decoder, ByteSpan file) {
   if (setjmp(decoder.leave)) return false;
   jpeg_decompress_struct& jpeg = decoder.jpeg;
   jpeg_create_decompress(&jpeg);
+  jpeg.progress = &decoder.progress;
   jpeg_mem_src(&jpeg, file.data(), file.size());
   jpeg_read_header(&jpeg, TRUE);
   if (jpeg.image_width > texture_size_limit || jpeg.image_height > texture_size_limit) {
@@ -89,16 +98,17 @@ bool decode(Decoder& decoder, std::span<const std::uint8_t> file) {
 
 }  // namespace
 
-bool is_jpeg(std::span<const std::uint8_t> file) {
+bool is_jpeg(ByteSpan file) {
   return file.size() >= 3 && file[0] == 0xff && file[1] == 0xd8 && file[2] == 0xff;
 }
 
-Texture decode_jpeg(std::span<const std::uint8_t> file, const std::string& origin) {
+Texture decode_jpeg(ByteSpan file, const std::string& origin) {
   Decoder decoder;
   decoder.texture.name = origin;
   decoder.jpeg.err = jpeg_std_error(&decoder.errors);
   decoder.errors.error_exit = on_error;
   decoder.errors.emit_message = on_message;
+  decoder.progress.progress_monitor = on_progress;
   decoder.jpeg.client_data = &decoder;
   if (!decode(decoder, file)) {
     throw InputError(origin + ": corrupt JPEG: " + decoder.error +

@@ -3,45 +3,19 @@
 
 #include <gtest/gtest.h>
 #include <png.h>
+#include <sys/resource.h>
 #include <zlib.h>
 
-#include <functional>
+#include <array>
+#include <filesystem>
 
 #include "io/png.hpp"
+#include "tests/scene/image_samples.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
 
 namespace bitspan {
 namespace {
-
-using Bytes = std::vector<std::uint8_t>;
-
-// A PNG of any type; `rows` are packed as the format says.
-Bytes make_png(unsigned width, int depth, int type, const std::vector<Bytes>& rows, bool interlaced = false,
-               const std::function<void(png_structp, png_infop)>& extra = {}) {
-  Bytes bytes;
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
-  png_infop info = png_create_info_struct(png);
-  png_set_write_fn(
-      png, &bytes,
-      [](png_structp p, png_bytep data, png_size_t count) {
-        auto* out = static_cast<Bytes*>(png_get_io_ptr(p));
-        out->insert(out->end(), data, data + count);
-      },
-      [](png_structp) {});
-  png_set_IHDR(png, info, width, static_cast<png_uint_32>(rows.size()), depth, type,
-               interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
-  if (extra) extra(png, info);
-  png_write_info(png, info);
-  const int passes = png_set_interlace_handling(png);
-  for (int pass = 0; pass < passes; ++pass) {
-    for (const Bytes& row : rows) png_write_row(png, row.data());
-  }
-  png_write_end(png, nullptr);
-  png_destroy_write_struct(&png, &info);
-  return bytes;
-}
 
 TEST(Texture, EveryColourTypeBecomesRgba8) {
   EXPECT_EQ(decode_texture(make_png(3, 1, PNG_COLOR_TYPE_GRAY, {{0xa0}}), "t").rgba,
@@ -117,6 +91,16 @@ TEST(Texture, RefusesMissingAndForeignFiles) {
             std::string::npos);
 }
 
+// What follows the head takes no place on the disk, and would take all memory.
+TEST(Texture, RefusesHugeFiles) {
+  const TemporaryFolder folder;
+  const Bytes png = encode_png(1, 1, 1, Bytes{3});
+  folder.write("huge.png", std::string(png.begin(), png.end()));
+  std::filesystem::resize_file(folder.path("huge.png"), std::uintmax_t{5} << 30 | 1);
+  expect_refusal([&] { read_texture(folder.path("huge.png")); },
+                 "it has 5368709121 bytes; expected at most 5368709120");
+}
+
 TEST(Texture, RefusesEveryTruncationSilently) {
   Bytes pixels;
   for (int i = 0; i < 20 * 20 * 4; ++i) pixels.push_back(static_cast<std::uint8_t>(i * i));
@@ -158,6 +142,49 @@ TEST(Texture, RefusesSizesBeyondTheLimitAndHollowOnes) {
   const auto check = static_cast<std::uint32_t>(crc32(0, hollow.data() + 12, 17));
   for (std::size_t i = 0; i < 4; ++i) hollow[29 + i] = static_cast<std::uint8_t>(check >> (24 - 8 * i));
   EXPECT_NE(input_error([&] { decode_texture(hollow, "t.png"); }).find("far too short"), std::string::npos);
+}
+
+TEST(Texture, AnIndexThatThePaletteDoesNotHaveIsBlack) {
+  const Bytes png =
+      make_png(4, 8, PNG_COLOR_TYPE_PALETTE, {{0, 1, 2, 255}}, false, [](png_structp p, png_infop info) {
+        const std::array<png_color, 2> palette{{{10, 20, 30}, {40, 50, 60}}};
+        png_set_PLTE(p, info, palette.data(), 2);
+        png_set_check_for_invalid_index(p, 0);
+      });
+  EXPECT_EQ(decode_texture(png, "t").rgba,
+            (Bytes{10, 20, 30, 255, 40, 50, 60, 255, 0, 0, 0, 255, 0, 0, 0, 255}));
+}
+
+// Texts and profiles swell to a thousand times their size; none of them is part of the picture.
+TEST(Texture, TakesNoMemoryForTextsAndProfiles) {
+  Bytes packed(100000);
+  uLongf size = packed.size();
+  const Bytes text(4 << 20, 'a');
+  ASSERT_EQ(compress(packed.data(), &size, text.data(), text.size()), Z_OK);
+  packed.resize(size);
+  Bytes chunk{'z', 'T', 'X', 't', 'k', 0, 0};
+  chunk.insert(chunk.end(), packed.begin(), packed.end());
+  const auto big_endian = [](std::size_t v) {
+    return Bytes{static_cast<std::uint8_t>(v >> 24), static_cast<std::uint8_t>(v >> 16),
+                 static_cast<std::uint8_t>(v >> 8), static_cast<std::uint8_t>(v)};
+  };
+  const Bytes png = make_png(1, 8, PNG_COLOR_TYPE_RGBA, {{1, 2, 3, 4}});
+  Bytes file(png.begin(), png.begin() + 33);  // the signature and the header
+  for (int k = 0; k < 100; ++k) {
+    for (const Bytes& part : {big_endian(chunk.size() - 4), chunk,
+                              big_endian(crc32(0, chunk.data(), static_cast<uInt>(chunk.size())))}) {
+      file.insert(file.end(), part.begin(), part.end());
+    }
+  }
+  file.insert(file.end(), png.begin() + 33, png.end());
+  const auto peak = [] {  // KiB
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  };
+  const long before = peak();
+  EXPECT_EQ(decode_texture(file, "t").rgba, (Bytes{1, 2, 3, 4}));
+  EXPECT_LT(peak() - before, 100 << 10);
 }
 
 }  // namespace

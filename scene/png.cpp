@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/png.hpp"
+
+#include <png.h>
+
+#include <algorithm>
+#include <csetjmp>
+#include <new>
+#include <utility>
+#include <vector>
+
+#include "config/config.hpp"
+#include "scene/texture.hpp"
+
+namespace bitspan {
+namespace {
+
+// What libpng's callbacks need. libpng leaves through longjmp, so nothing with a destructor may live in
+// the frame that calls it: all of that is here, owned by the caller.
+struct PngDecoder {
+  ByteSpan data;
+  std::size_t position = 0;
+  std::string error;
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  Texture texture;
+  std::vector<png_bytep> rows;
+
+  ~PngDecoder() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+void read_bytes(png_structp png, png_bytep out, std::size_t count) {
+  auto* decoder = static_cast<PngDecoder*>(png_get_io_ptr(png));
+  if (count > decoder->data.size() - decoder->position) png_error(png, "the file ends too early (truncated)");
+  std::copy_n(decoder->data.begin() + static_cast<std::ptrdiff_t>(decoder->position), count, out);
+  decoder->position += count;
+}
+
+[[noreturn]] void on_error(png_structp png, png_const_charp message) {
+  static_cast<PngDecoder*>(png_get_error_ptr(png))->error = message;
+  png_longjmp(png, 1);
+}
+
+void on_warning(png_structp, png_const_charp) {}
+
+// Returns false where it failed; decoder.error says why.
+bool decode(PngDecoder& decoder) {
+  if (setjmp(png_jmpbuf(decoder.png))) return false;
+  png_structp png = decoder.png;
+  png_infop info = decoder.info;
+  png_set_read_fn(png, &decoder, read_bytes);
+  png_set_user_limits(png, texture_size_limit, texture_size_limit);
+  // Only what makes the picture. Texts and profiles may swell to thousands of times their size.
+  png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
+  png_read_info(png, info);
+  // Deflate shrinks to 1/1032 at best: a header that promises more is refused before the memory is taken.
+  if (png_get_rowbytes(png, info) / 1032 * png_get_image_height(png, info) > decoder.data.size()) {
+    png_error(png, "the file is far too short for its size (truncated)");
+  }
+
+  png_set_expand(png);
+  png_set_scale_16(png);
+  png_set_gray_to_rgb(png);
+  png_set_add_alpha(png, 255, PNG_FILLER_AFTER);
+  png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+
+  decoder.texture.width = static_cast<int>(png_get_image_width(png, info));
+  decoder.texture.height = static_cast<int>(png_get_image_height(png, info));
+  const std::size_t pitch = png_get_rowbytes(png, info);
+  if (pitch != static_cast<std::size_t>(decoder.texture.width) * 4) png_error(png, "unexpected pixel layout");
+  decoder.texture.rgba.resize(pitch * static_cast<std::size_t>(decoder.texture.height));
+  decoder.rows.resize(static_cast<std::size_t>(decoder.texture.height));
+  for (std::size_t y = 0; y < decoder.rows.size(); ++y) {
+    decoder.rows[y] = decoder.texture.rgba.data() + y * pitch;
+  }
+  png_read_image(png, decoder.rows.data());
+  png_read_end(png, nullptr);
+  return true;
+}
+
+}  // namespace
+
+bool is_png(ByteSpan file) { return file.size() >= 8 && png_sig_cmp(file.data(), 0, 8) == 0; }
+
+Texture decode_png(ByteSpan file, const std::string& origin) {
+  PngDecoder decoder;
+  decoder.data = file;
+  decoder.texture.name = origin;
+  decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, on_error, on_warning);
+  if (decoder.png) decoder.info = png_create_info_struct(decoder.png);
+  if (!decoder.info) throw std::bad_alloc();
+  if (!decode(decoder)) {
+    throw InputError(origin + ": corrupt PNG: " + decoder.error + "; expected a whole PNG file of at most " +
+                     std::to_string(texture_size_limit) + " x " + std::to_string(texture_size_limit) +
+                     " texels");
+  }
+  return std::move(decoder.texture);
+}
+
+}  // namespace bitspan
