@@ -29,10 +29,12 @@ Real power(int n) {
   constexpr int most = 192;
   static const auto powers = [] {
     std::array<Real, 2 * most + 1> out{};
-    for (int e = -most; e <= most; ++e) out[static_cast<std::size_t>(e + most)] = std::ldexp(1.0L, e);
+    int e = -most;
+    for (Real& p : out) p = std::ldexp(1.0L, e++);
     return out;
   }();
-  return n < -most || n > most ? std::ldexp(1.0L, n) : powers[static_cast<std::size_t>(n + most)];
+  const int at = n + most;
+  return at < 0 || at > 2 * most ? std::ldexp(1.0L, n) : powers[static_cast<std::size_t>(at)];
 }
 
 // The same as std::floor, which calls a library for this type.

@@ -105,7 +105,7 @@ MeshCorner take_corner(MeshReader& in) {
   return corner;
 }
 
-constexpr std::uint64_t triangle_bytes = std::uint64_t{3 * 9} * sizeof(double) + 5;
+constexpr std::uint64_t triangle_bytes = std::uint64_t{27} * sizeof(double) + 5;
 
 }  // namespace
 
