@@ -282,6 +282,32 @@ TEST(Targets, ADifferenceInOneThatIsNotShownIsSeen) {
   EXPECT_FALSE(run_lock_step(engines, scene, {}).pairs.at(0).held());
 }
 
+// Scissor, stipple and masks do not hold a clear back, and the target narrows it: 100 of 6 bits is 101, 3 of
+// 5 is 0, and there is no alpha.
+TEST(States, AClearFillsWholePlanes) {
+  const Config config = shipped_config("depth16");
+  const Scene scene = parse_tri(
+      R"({"bitspan":2,"width":4,"height":4,"s_min":1,"s_max":10,"focal":4,"color_max":255,"background":[9,9,9]})"
+      "\n"
+      R"({"state":{"target.format":"rgb565","color.write":false,"depth.write":false,"scissor.right":2,)"
+      R"("stipple":0,"depth.when":"late","stencil.test":true,"stencil.write":0}})"
+      "\n"
+      R"({"clear":{"color":[255,100,3],"alpha":7,"depth":true,"stencil":77}})"
+      "\n",
+      "x.tri");
+  for (const auto& engine : engines_of(config)) {
+    engine->begin(scene);
+    draw_scene(*engine, scene, 0, 0, nullptr);
+    const Frame& frame = engine->frame();
+    for (std::size_t i = 0; i < 16; ++i) {
+      const std::vector<int> color(frame.color.begin() + static_cast<std::ptrdiff_t>(4 * i),
+                                   frame.color.begin() + static_cast<std::ptrdiff_t>(4 * i + 4));
+      EXPECT_EQ(color, (std::vector<int>{255, 101, 0, 255})) << engine->name() << " pixel " << i;
+      EXPECT_EQ(frame.stencil.at(i), 77) << engine->name() << " pixel " << i;
+    }
+  }
+}
+
 // A state register that does nothing in a scene leaves every record as it is; bias and scissor by hand.
 TEST(States, IdealFollowsTheState) {
   const Config config = shipped_config("depth16");
