@@ -7,6 +7,7 @@
 #include <chrono>
 #include <filesystem>
 #include <functional>
+#include <sstream>
 
 #include "config/config.hpp"
 #include "config/store.hpp"
@@ -173,6 +174,21 @@ TEST(MutatedFiles, Replays) {
   replay.config = shipped_config("narrow");
   replay.scene = small_scene();
   read_mutated({replay_json(replay)}, [](const std::string& text) { parse_replay(text, "a.json"); });
+}
+
+TEST(MutatedFiles, Streams) {
+  std::vector<std::string> texts;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    std::ostringstream text;
+    write_tri(text, random_scene(seed, {.width = 16,
+                                        .height = 12,
+                                        .triangles = 4,
+                                        .size_max = 16,
+                                        .textures = 0,
+                                        .command_probability = 0.5}));
+    texts.push_back(text.str());
+  }
+  read_mutated(texts, [](const std::string& text) { check_scene(parse_tri(text, "a.tri"), "a.tri"); });
 }
 
 TEST(MutatedFiles, Commands) {
