@@ -139,7 +139,7 @@ LoadedScene load_mesh(const std::string& name, const SceneOptions& o) {
     say("bitspan: warning: " + what + "; its faces are white (--strict refuses this)\n");
   }
   for (const std::string& note : mesh.notes) {
-    fmt::print(stderr, "bitspan: warning: {}: {}\n", name, note);
+    say("bitspan: warning: " + name + ": " + note + "\n");
   }
   Scene scene = mesh_scene(std::move(mesh), options, faces);
   check_scene(scene, name);

@@ -64,10 +64,12 @@ TEST_F(Outputs, EachCodeIsKept) {
   const BrokenPipe pipe;
   stream("a.tri");
   stream("none.tri", "");
+  folder.write("note.obj", "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\nf 3 2 1\np 1\n");
   const Environment cache("BITSPAN_CACHE", folder.path("cache"));
   const Environment no_tools("PATH", "/nonexistent");
   for (const char* lost : {"2>/dev/full", "2>&-", "2>&9"}) {
     EXPECT_EQ(code("render a.tri -o a.png", std::string(">out ") + lost), 0) << lost;
+    EXPECT_EQ(code("render note.obj -o a.png", std::string(">out ") + lost), 0) << lost;
     EXPECT_EQ(code("verify none.tri --engines golden,model", std::string(">out ") + lost), 1) << lost;
     EXPECT_EQ(code("render missing.tri -o a.png", std::string(">out ") + lost), 2) << lost;
     EXPECT_EQ(code("render a.tri --engine rtl -o a.png", std::string(">out ") + lost), 3) << lost;
