@@ -84,6 +84,8 @@ Real lowest(const Format& f) {
 }
 Real highest(const Format& f) { return power(f.is_signed ? f.word - 1 : f.word) - 1; }
 
+bool saturates(const Format& f) { return f.overflow == Overflow::sat || f.overflow == Overflow::sat_sym; }
+
 bool holds(const Format& f, Real lo, Real hi) {
   return rounded(lo, f) >= lowest(f) && rounded(hi, f) <= highest(f);
 }
@@ -157,66 +159,55 @@ struct Interval {
 Interval operator+(Interval a, Real x) { return {a.lo + x, a.hi + x}; }
 Interval operator+(Interval a, Interval b) { return {a.lo + b.lo, a.hi + b.hi}; }
 
+// Of doubles, for speed. Whoever uses products and quotients adds more than their rounding.
+struct Bounds {
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+
+  void add(double value) {
+    lo = std::min(lo, value);
+    hi = std::max(hi, value);
+  }
+  operator Interval() const { return {lo, hi}; }  // NOLINT: the same, in the numbers of the checks
+};
+
 // What the vertices of all triangles have at most.
 struct Extremes {
-  Interval x, y, s, c;
-  std::array<Interval, 2> t;           // u, v
-  std::array<Real, 2> t_over_s{};      // |t| / s
-  std::array<Real, 2> width{};         // of t in one triangle
-  std::array<Real, 2> width_over_s{};  // over the least s in it
+  Bounds x, y, s, c;
+  std::array<Bounds, 2> t;               // u, v
+  std::array<double, 2> t_over_s{};      // |t| / s
+  std::array<double, 2> width{};         // of t in one triangle
+  std::array<double, 2> width_over_s{};  // over the least s in it
   bool is_finite = true;
 
   explicit Extremes(std::span<const Triangle> triangles) {
-    // Doubles, for speed. Whoever uses products and quotients adds more than their rounding.
-    Span x_of, y_of, s_of, c_of;
-    std::array<Span, 2> t_of;
-    std::array<double, 2> t_over_s_of{}, width_of{}, width_over_s_of{};
     double zero = 0;  // NaN where anything is not finite
     for (const Triangle& triangle : triangles) {
-      const std::array<double, 3> s3{triangle.v[0].s, triangle.v[1].s, triangle.v[2].s};
-      const double over = 1 / std::min({s3[0], s3[1], s3[2]});
-      const std::array<double Vertex::*, 2> members{&Vertex::u, &Vertex::v};
-      for (std::size_t i = 0; i < 2; ++i) {
-        Span own;
-        for (const Vertex& v : triangle.v) {
-          own.add(v.*members[i]);
-          t_over_s_of[i] = std::max(t_over_s_of[i], std::fabs(v.*members[i]) / v.s);
-        }
-        t_of[i].add(own.lo);
-        t_of[i].add(own.hi);
-        width_of[i] = std::max(width_of[i], own.hi - own.lo);
-        width_over_s_of[i] = std::max(width_over_s_of[i], (own.hi - own.lo) * over);
-      }
+      Bounds own_s;
+      std::array<Bounds, 2> own_t;
       for (const Vertex& v : triangle.v) {
-        x_of.add(v.x);
-        y_of.add(v.y);
-        s_of.add(v.s);
-        for (const double c1 : v.c) c_of.add(c1);
+        x.add(v.x);
+        y.add(v.y);
+        own_s.add(v.s);
+        for (const double shade : v.c) c.add(shade);
+        for (std::size_t i = 0; i < 2; ++i) {
+          const double value = i == 0 ? v.u : v.v;
+          own_t[i].add(value);
+          t_over_s[i] = std::max(t_over_s[i], std::fabs(value) / v.s);
+        }
         zero += 0 * (v.x + v.y + v.s + v.u + v.v) + 0 * (v.c[0] + v.c[1] + v.c[2] + v.c[3]);
+      }
+      s.add(own_s.lo);
+      s.add(own_s.hi);
+      for (std::size_t i = 0; i < 2; ++i) {
+        t[i].add(own_t[i].lo);
+        t[i].add(own_t[i].hi);
+        const double own_width = own_t[i].hi - own_t[i].lo;
+        width[i] = std::max(width[i], own_width);
+        width_over_s[i] = std::max(width_over_s[i], own_width / own_s.lo);
       }
     }
     is_finite = zero == 0;
-    x = x_of.interval();
-    y = y_of.interval();
-    s = s_of.interval();
-    c = c_of.interval();
-    for (std::size_t i = 0; i < 2; ++i) {
-      t[i] = t_of[i].interval();
-      t_over_s[i] = t_over_s_of[i];
-      width[i] = width_of[i];
-      width_over_s[i] = width_over_s_of[i];
-    }
   }
-
- private:
-  struct Span {
-    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
-    void add(double value) {
-      lo = std::min(lo, value);
-      hi = std::max(hi, value);
-    }
-    Interval interval() const { return {lo, hi}; }
-  };
 };
 
 class RangeCheck {
@@ -388,7 +379,7 @@ class RangeCheck {
   // format is meant to stop it there.
   Interval add_depth(F id, Interval h, Real shift) {
     const Format& f = format(id);
-    const bool stops = f.overflow == Overflow::sat || f.overflow == Overflow::sat_sym;
+    const bool stops = saturates(f);
     const Real hmax = std::ldexp(1.0L, c_.depth_bits) - 1;
     add(id, stops ? Interval{h.lo, std::min(h.hi, hmax + shift)} : h, kNoTriangle);
     return q(id, h);
@@ -504,8 +495,9 @@ class RangeCheck {
     }
   }
 
-  // Returns whether every register holds what intervals around all triangles give, a tenth of the work of
-  // looking at each. Where it is false, `triangle` decides. Every formula of `triangle` stands here, too.
+  // Returns whether every register holds what intervals around all triangles give, which is far less work
+  // than looking at each. Where it is false, `triangle` decides. Every formula of `triangle` stands here,
+  // too.
   bool surely_held() const {
     if (scene_.triangles.empty()) return true;
     const Extremes of(scene_.triangles);
@@ -515,15 +507,14 @@ class RangeCheck {
     // `triangle`.
     const auto keep = [&](F id, Interval x) {
       const Format& f = format(id);
-      const bool stops = f.overflow == Overflow::sat || f.overflow == Overflow::sat_sym;
-      held = held && (holds(f, x.lo, x.hi) || (f.overflow_expected && stops));
+      held = held && (holds(f, x.lo, x.hi) || (f.overflow_expected && saturates(f)));
       return q(id, x);
     };
     const auto around = [](Real most) { return Interval{-most, most}; };
 
     const Format coordinates = c_.coordinate_format();
     held = held && holds(coordinates, of.x.lo, of.x.hi) && holds(coordinates, of.y.lo, of.y.hi);
-    const Interval x = of.x + Interval{-ulp(coordinates), ulp(coordinates)};
+    const Interval x = Interval(of.x) + Interval{-ulp(coordinates), ulp(coordinates)};
     const Interval s = keep(F::setup_s, {std::ldexp(of.s.lo, -exponent_), std::ldexp(of.s.hi, -exponent_)});
     // h + B = B s_max / s in the vertex, up to an ulp of h and what the rounding of s makes of it.
     const Real scale = b_ * s_max_, s_ratio = 1 + ulp(format(F::setup_s)) / s_min_;
@@ -537,7 +528,7 @@ class RangeCheck {
       span_error += std::fabs(shift) + ulp(format(F::edge_h_acc)) + ulp(format(F::edge_h));
     }
     const bool planes = has_plane_rows(c_.perspective), affine = has_linear_edges(c_.perspective);
-    const Real unit = std::ldexp(1.0L, -exponent_);  // of s
+    const Real unit = power(-exponent_);  // of s
     for (std::size_t i = 0; i < 2; ++i) {
       const Interval t = keep(F::setup_uv, of.t[i]);
       const Real most = std::max(std::fabs(t.lo), std::fabs(t.hi));
@@ -605,7 +596,7 @@ class RangeCheck {
   // What fixed_ranges looks at; here only whether the order of values stays.
   Interval keep_depth(F id, Interval h, bool& held) const {
     const Format& f = format(id);
-    held = held && (f.overflow == Overflow::sat || f.overflow == Overflow::sat_sym || holds(f, h.lo, h.hi));
+    held = held && (saturates(f) || holds(f, h.lo, h.hi));
     return q(id, h);
   }
   template <class Keep>

@@ -11,7 +11,7 @@ namespace bitspan {
 
 // How the triangles are looked at; the verdict and its text are the same.
 enum class RangeBy : std::uint8_t {
-  bounds,    // intervals around all of them first, which mostly decide; a million take about 0.1 s
+  bounds,    // intervals around all of them first, which mostly decide
   triangles  // one after the other
 };
 
