@@ -20,6 +20,7 @@
 #include "config/fnv.hpp"
 #include "config/one_line.hpp"
 #include "io/atomic_file.hpp"
+#include "io/json_depth.hpp"
 #include "io/png.hpp"
 #include "scene/exact.hpp"
 #include "scene/procedural.hpp"
@@ -31,7 +32,6 @@ namespace bitspan {
 namespace {
 
 constexpr std::size_t line_limit_bytes = std::size_t{1} << 20;
-constexpr int depth_limit = 64;  // arrays and objects in each other; a stream needs 6
 
 struct DuplicateKey : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -486,6 +486,11 @@ void check_shape(const Triangle& triangle, const Place& place) {
   }
 }
 
+void set_colors(Triangle& triangle, std::array<double, 12> components, int color_max, const Place& place) {
+  normalize(components, color_max, place, [] { return "c"; });
+  for (std::size_t i = 0; i < 12; ++i) triangle.v[i / 4].c[i % 4] = components[i];
+}
+
 Triangle read_triangle(const Json& line, const Scene& scene, const View& view,
                        std::span<const HeaderTexture> textures, int frame, int color_max, int version,
                        const Place& place) {
@@ -526,8 +531,7 @@ Triangle read_triangle(const Json& line, const Scene& scene, const View& view,
         components[4 * i + j] = number((*c)[i][j], place, [&] { return fmt::format("c[{}][{}]", i, j); });
       }
     }
-    normalize(components, color_max, place, [] { return "c"; });
-    for (std::size_t i = 0; i < 12; ++i) triangle.v[i / 4].c[i % 4] = components[i];
+    set_colors(triangle, components, color_max, place);
   }
   for (const GivenAttribute& given : given_attributes) {
     const auto values = line.find(given.key);
@@ -554,11 +558,7 @@ Triangle finished(const TriangleLine& line, const View& view, std::span<const He
   Triangle triangle = line.triangle;
   for (std::size_t i = 0; i < 3; ++i) check_vertex(triangle.v[i], i, view, place);
   check_shape(triangle, place);
-  if (line.colors) {
-    std::array<double, 12> components = *line.colors;
-    normalize(components, color_max, place, [] { return "c"; });
-    for (std::size_t i = 0; i < 12; ++i) triangle.v[i / 4].c[i % 4] = components[i];
-  }
+  if (line.colors) set_colors(triangle, *line.colors, color_max, place);
   check_given(triangle, place);
   if (line.texture) triangle.texture = textures[static_cast<std::size_t>(*line.texture)].shown(frame);
   return triangle;
@@ -735,30 +735,12 @@ class LineReader {
   std::size_t begin_ = 0, end_ = 0;
 };
 
-// Messages show values by a recursion over their depth.
-void check_depth(std::string_view line, const Place& place) {
-  int depth = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      in_string = c != '"';
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '[' || c == '{') {
-      if (++depth > depth_limit) {
-        place.fail(fmt::format("arrays and objects are nested more than {} deep; expected at most that many",
-                               depth_limit));
-      }
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-}
-
 Json parse_line(const std::string& line, const Place& place) {
-  check_depth(line, place);
+  // Messages show values by a recursion over their depth.
+  if (line_nested_too_deep(line)) {
+    place.fail(fmt::format("arrays and objects are nested more than {} deep; expected at most that many",
+                           json_depth_limit));
+  }
   try {
     return Json::parse(line);
   } catch (const Json::parse_error& error) {
