@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FNV-1a of 128 bits: a name for a content, the same on every machine. Not for contents made to collide.
+// FNV-1a: a name for a content, the same on every machine. Not for contents made to collide.
 #pragma once
 
 #include <bit>
@@ -10,6 +10,14 @@
 
 namespace bitspan {
 
+// Of 64 bits; `bytes` is any range of bytes.
+std::uint64_t fnv64(const auto& bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (const auto byte : bytes) hash = (hash ^ static_cast<std::uint8_t>(byte)) * 0x100000001b3U;
+  return hash;
+}
+
+// Of 128 bits.
 class Fnv128 {
  public:
   void byte(std::uint8_t value) {

@@ -10,13 +10,13 @@
 #include <limits>
 #include <system_error>
 
+#include "config/byte_order_mark.hpp"
 #include "config/one_line.hpp"
 
 namespace bitspan {
 namespace {
 
 constexpr std::size_t file_limit = std::size_t{1} << 20;
-constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 
 // toml++ reads the parts of a key and the values in a value by recursion, and frees them so, too: 200,000
 // parts end the stack.
@@ -100,7 +100,7 @@ std::string read_toml_file(const std::string& path, const std::string& what) {
 }
 
 toml::table parse_toml(std::string_view text, const std::string& origin, const std::string& empty) {
-  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  text = without_mark(text);
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) throw InputError(origin + ":1: " + empty);
   check_depth(text, origin);
   try {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 
+#include "config/fnv.hpp"
 #include "config/keys.hpp"
 
 namespace bitspan {
@@ -48,14 +49,9 @@ std::string to_toml(const Config& config) {
 }
 
 std::string config_hash(const Config& config) {
-  // FNV-1a, 64 bits: the same on every machine.
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (const char ch : to_toml(used_part(config))) {
-    hash ^= static_cast<unsigned char>(ch);
-    hash *= 0x100000001b3U;
-  }
   std::array<char, 17> text{};
-  std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(hash));
+  std::snprintf(text.data(), text.size(), "%016llx",
+                static_cast<unsigned long long>(fnv64(to_toml(used_part(config)))));
   return text.data();
 }
 

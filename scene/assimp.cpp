@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "config/one_line.hpp"
 #include "io/data_folder.hpp"
 #include "scene/mesh_binary.hpp"
 
@@ -153,10 +154,7 @@ MeshFile read_by_assimp(const std::string& path, double seconds) {
   } catch (const std::runtime_error& error) {
     reason = error.what();
   }
-  for (char& c : reason) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  throw InputError(path + ": cannot read the mesh: " + reason +
+  throw InputError(path + ": cannot read the mesh: " + one_line(reason) +
                    "; expected OBJ, PLY, glTF or another format that Assimp reads");
 }
 

@@ -10,6 +10,7 @@
 #include "config/config.hpp"
 #include "scene/affine.hpp"
 #include "scene/gltf_data.hpp"
+#include "scene/mesh_text.hpp"
 #include "scene/uri.hpp"
 
 namespace bitspan {
@@ -144,7 +145,7 @@ void GltfReader::check_extensions() {
       std::string known;
       for (const std::string_view e : honoured_extensions)
         known += (known.empty() ? "" : ", ") + std::string(e);
-      name.refuse("the file requires the extension " + gltf::quoted(name.text()) + "; expected at most " +
+      name.refuse("the file requires the extension " + in_quotes(name.text()) + "; expected at most " +
                   known);
     }
   }
@@ -152,7 +153,7 @@ void GltfReader::check_extensions() {
     std::string left_out;
     for (const Value& name : used->items()) {
       if (is_in(honoured_extensions, name.text()) || is_in(extensions_of_light, name.text())) continue;
-      left_out += (left_out.empty() ? "" : ", ") + gltf::quoted(name.text());
+      left_out += (left_out.empty() ? "" : ", ") + in_quotes(name.text());
     }
     if (!left_out.empty()) out_.notes.push_back("extensions that are not known are left out: " + left_out);
   }
@@ -202,7 +203,7 @@ void GltfReader::read_materials() {
       } else if (mode->text() == "BLEND") {
         material.alpha = AlphaMode::blend;
       } else if (mode->text() != "OPAQUE") {
-        mode->refuse("is " + gltf::quoted(mode->text()) + "; expected OPAQUE, MASK or BLEND");
+        mode->refuse("is " + in_quotes(mode->text()) + "; expected OPAQUE, MASK or BLEND");
       }
     }
     material.alpha_cutoff = json.number("alphaCutoff", 0.5);

@@ -9,14 +9,15 @@
 #include <filesystem>
 #include <fstream>
 
+#include "config/byte_order_mark.hpp"
 #include "config/config.hpp"
+#include "io/json_depth.hpp"
+#include "scene/mesh_text.hpp"
 #include "scene/uri.hpp"
 
 namespace bitspan::gltf {
 namespace {
 
-// Values nested deeper are refused before anything walks over them.
-constexpr std::size_t depth_limit = 64;
 constexpr std::uint64_t whole_limit = std::uint64_t{1} << 48;
 constexpr std::uint64_t buffer_bytes_limit = std::uint64_t{1} << 32;
 
@@ -151,14 +152,6 @@ Bytes read_bytes(const std::string& path, std::uint64_t limit) {
   return bytes;
 }
 
-std::string quoted(std::string_view text) {
-  constexpr std::size_t longest = 80;
-  std::string out(text.substr(0, longest));
-  std::replace_if(
-      out.begin(), out.end(), [](char c) { return c >= 0 && c < ' '; }, '?');
-  return '"' + out + '"';
-}
-
 void Value::refuse(const std::string& what) const { throw InputError(*path_ + ": " + place_ + ": " + what); }
 
 void Value::refuse_length(std::size_t length, std::size_t expected) const {
@@ -268,14 +261,13 @@ Document::Document(Bytes file, std::string path) : path_(std::move(path)), file_
     binary_ = chunks.binary;
     has_binary_ = chunks.has_binary;
   }
-  constexpr std::array<std::uint8_t, 3> mark{0xef, 0xbb, 0xbf};
-  if (json.size() >= 3 && std::equal(mark.begin(), mark.end(), json.begin())) json = json.subspan(3);
-  if (json.empty()) throw InputError(path_ + ": the JSON is broken: it is empty; expected glTF 2");
-  if (parser_.allocate(json.size(), depth_limit) != simdjson::SUCCESS) throw std::bad_alloc();
-  const simdjson::error_code error = parser_.parse(json.data(), json.size()).get(root_);
+  const std::string_view text = without_mark({reinterpret_cast<const char*>(json.data()), json.size()});
+  if (text.empty()) throw InputError(path_ + ": the JSON is broken: it is empty; expected glTF 2");
+  if (parser_.allocate(text.size(), json_depth_limit) != simdjson::SUCCESS) throw std::bad_alloc();
+  const simdjson::error_code error = parser_.parse(text.data(), text.size()).get(root_);
   if (error == simdjson::DEPTH_ERROR) {
     throw InputError(path_ + ": the JSON is nested too deep; expected at most " +
-                     std::to_string(depth_limit) + " levels");
+                     std::to_string(json_depth_limit) + " levels");
   }
   if (error == simdjson::MEMALLOC) throw std::bad_alloc();
   if (error != simdjson::SUCCESS) {
@@ -284,10 +276,10 @@ Document::Document(Bytes file, std::string path) : path_(std::move(path)), file_
   const Value asset = root().need("asset");
   const std::string_view version = asset.need("version").text();
   if (!version.starts_with("2.")) {
-    asset.refuse("is glTF " + quoted(version) + "; expected 2.0");
+    asset.refuse("is glTF " + in_quotes(version) + "; expected 2.0");
   }
   if (const std::optional<Value> least = asset.find("minVersion"); least && least->text() != "2.0") {
-    least->refuse("asks for glTF " + quoted(least->text()) + "; expected 2.0");
+    least->refuse("asks for glTF " + in_quotes(least->text()) + "; expected 2.0");
   }
 }
 
@@ -400,7 +392,7 @@ Accessor Document::accessor(std::size_t index) {
   constexpr std::array<std::string_view, 4> types{"SCALAR", "VEC2", "VEC3", "VEC4"};
   const auto found = std::find(types.begin(), types.end(), type);
   if (found == types.end()) {
-    json.refuse("is of type " + quoted(type) + "; expected SCALAR, VEC2, VEC3 or VEC4");
+    json.refuse("is of type " + in_quotes(type) + "; expected SCALAR, VEC2, VEC3 or VEC4");
   }
   accessor.components = static_cast<unsigned>(found - types.begin()) + 1;
   const std::uint64_t element_bytes = std::uint64_t{accessor.components} * bytes_of(accessor.component);

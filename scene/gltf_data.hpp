@@ -20,9 +20,6 @@ using Bytes = std::vector<std::uint8_t>;
 // Reads a file, or its first bytes. Throws InputError where there is none.
 Bytes read_bytes(const std::string& path, std::uint64_t limit = std::uint64_t{1} << 48);
 
-// Text of the file for a message: printable, and not long.
-std::string quoted(std::string_view text);
-
 // A value of the JSON, and where it stands, for messages. Each function throws InputError where the value is
 // not what the function is named after.
 class Value {

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "config/config.hpp"
 #include "scene/texture.hpp"
 
 namespace bitspan {
@@ -110,11 +109,7 @@ Texture decode_jpeg(ByteSpan file, const std::string& origin) {
   decoder.errors.emit_message = on_message;
   decoder.progress.progress_monitor = on_progress;
   decoder.jpeg.client_data = &decoder;
-  if (!decode(decoder, file)) {
-    throw InputError(origin + ": corrupt JPEG: " + decoder.error +
-                     "; expected a whole JPEG file of at most " + std::to_string(texture_size_limit) + " x " +
-                     std::to_string(texture_size_limit) + " texels");
-  }
+  if (!decode(decoder, file)) ImageBytes{file, "JPEG", origin}.corrupt(decoder.error);
   return std::move(decoder.texture);
 }
 

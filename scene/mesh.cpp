@@ -14,6 +14,7 @@
 #include <string_view>
 #include <utility>
 
+#include "config/byte_order_mark.hpp"
 #include "config/config.hpp"
 #include "scene/assimp.hpp"
 #include "scene/gltf.hpp"
@@ -53,7 +54,7 @@ FileStart start_of(const std::string& path) {
   start.bytes.resize(256);
   file.read(start.bytes.data(), static_cast<std::streamsize>(start.bytes.size()));
   start.bytes.resize(static_cast<std::size_t>(file.gcount()));
-  if (start.begins_with("\xef\xbb\xbf")) start.bytes.erase(0, 3);  // a byte order mark
+  start.bytes = std::string(without_mark(start.bytes));
   start.extension = std::filesystem::path(path).extension().string();
   for (char& c : start.extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return start;

@@ -8,16 +8,12 @@
 #include <string_view>
 #include <type_traits>
 
+#include "config/fnv.hpp"
+
 namespace bitspan {
 namespace {
 
 constexpr std::string_view magic = "bitmesh1";
-
-std::uint64_t fnv1a(std::span<const std::uint8_t> bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const std::uint8_t byte : bytes) hash = (hash ^ byte) * 0x100000001b3;
-  return hash;
-}
 
 [[noreturn]] void refuse_bytes(const char* what) { throw std::runtime_error(what); }
 
@@ -140,7 +136,7 @@ std::vector<std::uint8_t> encode_mesh(const MeshAnswer& answer) {
   }
   std::vector<std::uint8_t>& bytes = out.bytes();
   const std::uint64_t size = bytes.size() - mesh_header_bytes;
-  const std::uint64_t hash = fnv1a(std::span(bytes).subspan(mesh_header_bytes));
+  const std::uint64_t hash = fnv64(std::span(bytes).subspan(mesh_header_bytes));
   std::copy(magic.begin(), magic.end(), bytes.begin());
   std::memcpy(&bytes[8], &size, sizeof size);
   std::memcpy(&bytes[16], &hash, sizeof hash);
@@ -159,7 +155,7 @@ std::uint64_t mesh_payload_bytes(std::span<const std::uint8_t> header) {
 
 MeshAnswer decode_mesh(std::span<const std::uint8_t> header, std::span<const std::uint8_t> payload) {
   if (mesh_payload_bytes(header) != payload.size()) refuse_bytes("it ends too early");
-  if (MeshReader(header.subspan(16)).take<std::uint64_t>() != fnv1a(payload))
+  if (MeshReader(header.subspan(16)).take<std::uint64_t>() != fnv64(payload))
     refuse_bytes("its checksum is another one");
   MeshAnswer answer;
   MeshFile& mesh = answer.mesh;

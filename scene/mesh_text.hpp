@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the readers of OBJ and PLY share: a whole file, words, numbers.
+// What the readers of meshes share: a whole file, words, numbers.
 #pragma once
 
 #include <optional>
@@ -10,9 +10,6 @@ namespace bitspan {
 
 // Returns the file's bytes. Throws InputError where it cannot be read; `expected` ends the message.
 std::string read_whole(const std::string& path, std::string_view expected);
-
-// Returns the text behind a UTF-8 byte order mark, if there is one.
-std::string_view without_mark(std::string_view text);
 
 inline bool is_blank(char letter) { return letter == ' ' || (letter >= '\t' && letter <= '\r'); }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "config/byte_order_mark.hpp"
 #include "config/config.hpp"
 #include "scene/lines.hpp"
 #include "scene/mesh_text.hpp"

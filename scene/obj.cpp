@@ -9,6 +9,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "config/byte_order_mark.hpp"
 #include "config/config.hpp"
 #include "scene/lines.hpp"
 #include "scene/mesh_text.hpp"

@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 
+#include "config/byte_order_mark.hpp"
 #include "config/config.hpp"
 #include "scene/mesh_text.hpp"
 

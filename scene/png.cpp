@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "config/config.hpp"
 #include "scene/texture.hpp"
 
 namespace bitspan {
@@ -90,11 +89,7 @@ Texture decode_png(ByteSpan file, const std::string& origin) {
   decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, on_error, on_warning);
   if (decoder.png) decoder.info = png_create_info_struct(decoder.png);
   if (!decoder.info) throw std::bad_alloc();
-  if (!decode(decoder)) {
-    throw InputError(origin + ": corrupt PNG: " + decoder.error + "; expected a whole PNG file of at most " +
-                     std::to_string(texture_size_limit) + " x " + std::to_string(texture_size_limit) +
-                     " texels");
-  }
+  if (!decode(decoder)) ImageBytes{file, "PNG", origin}.corrupt(decoder.error);
   return std::move(decoder.texture);
 }
 
