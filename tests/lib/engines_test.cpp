@@ -231,26 +231,6 @@ TEST(LibScenes, WhatAMeshLeavesOutIsTold) {
   }
 }
 
-// Each of these once ended the caller.
-TEST(LibScenes, BadMeshesLeaveTheCallerAlive) {
-  const TemporaryFolder folder;
-  std::string nodes;
-  for (int i = 0; i < 200000; ++i) nodes += "<node>";
-  const std::string vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
-  const std::vector<std::string> paths{
-      folder.write("two.ply", "ply\nformat ascii 1.0\n" + vertices + vertices +
-                                  "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
-                                  "0 0 0\n1 0 0\n0 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
-      folder.write("deep.gltf", R"({"asset":{"version":"2.0"},"extras":)" + std::string(300000, '[')),
-      folder.write("deep.dae",
-                   "<COLLADA version=\"1.4.1\"><library_visual_scenes><visual_scene id=\"s\">" + nodes)};
-  for (const std::string& path : paths) {
-    bs_scene* scene = nullptr;
-    EXPECT_EQ(bs_scene_load(path.c_str(), 160, 120, &scene), BS_BAD_INPUT) << path;
-    EXPECT_EQ(std::string(bs_last_error()).find('\n'), std::string::npos) << bs_last_error();
-  }
-}
-
 TEST(LibScenes, AFrameOfDynamicTextures) {
   const std::string sea = source_path("tests/data/sea.tri");
   const ConfigHandle config = config_handle("depth16");

@@ -29,6 +29,7 @@ struct row {
   "ply\nformat ascii 1.0\nelement vertex " vertices          \
   "\nproperty float x\nproperty float y\nproperty float z\n" \
   "element face " faces "\nproperty list uchar int vertex_indices\nend_header\n"
+#define VERTICES_3 "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
 #define CORNERS "-1 -1 0\n1 -1 0\n0 1 0\n"
 
 static const struct row rows[] = {
@@ -89,10 +90,15 @@ static const struct row rows[] = {
     {SCENE, "index.ply", PLY_HEAD("3", "1") CORNERS "3 0 1 9\n", "", 0, ""},
     {SCENE, "negative.ply", PLY_HEAD("-3", "1") CORNERS "3 0 1 2\n", "", 0, ""},
     {SCENE, "count.ply", PLY_HEAD("4000000000", "1") CORNERS, "", 0, ""},
+    {SCENE, "two.ply",
+     "ply\nformat ascii 1.0\n" VERTICES_3 VERTICES_3
+     "element face 1\nproperty list uchar int vertex_indices\nend_header\n" CORNERS CORNERS "3 0 1 2\n",
+     "", 0, ""},
     {SCENE, "list.ply", PLY_HEAD("3", "1") CORNERS "250", " 0", 3, "\n"},
     {SCENE, "header.ply", "ply\nformat ascii 1.0\n", "comment x\n", 10000, ""},
     {SCENE, "empty.gltf", "", "", 0, ""},
     {SCENE, "short.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"meshes\": [", "{", 3, ""},
+    {SCENE, "deep.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"extras\": ", "[", 300000, ""},
     {SCENE, "no_buffer.gltf",
      "{\"asset\": {\"version\": \"2.0\"}, \"buffers\": [{\"uri\": \"no.bin\", \"byteLength\": 36}], "
      "\"bufferViews\": "
@@ -107,6 +113,8 @@ static const struct row rows[] = {
     {SCENE, "empty.stl", "", "", 0, ""},
     {SCENE, "short.stl", "solid x\nfacet normal 0 0 1\nouter loop\n", "vertex 0 0\n", 3, ""},
     {SCENE, "binary.stl", "", "\xff", 84, ""},
+    {SCENE, "deep.dae", "<COLLADA version=\"1.4.1\"><library_visual_scenes><visual_scene id=\"s\">", "<node>",
+     200000, ""},
     {SCENE, "no.such.extension", "text", "", 0, ""},
 };
 

@@ -8,6 +8,7 @@
 
 #include "io/png.hpp"
 #include "scene/tri_stream.hpp"
+#include "tests/scene/gltf_builder.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
 
@@ -20,16 +21,7 @@ using Bytes = std::vector<std::uint8_t>;
 const Bytes checker{255, 0, 0,   255, 0, 0,   0,   255, 0,   0,   255, 0,
                     0,   0, 255, 0,   0, 255, 255, 255, 255, 255, 255, 255};
 
-std::string base64(const Bytes& bytes) {
-  const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t k) { return k < bytes.size() ? unsigned{bytes[k]} : 0U; };
-    const unsigned group = byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2);
-    for (unsigned k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : digits[group >> (18 - 6 * k) & 63];
-  }
-  return text;
-}
+using testing_gltf::base64;
 
 const char* const quad_obj =
     "mtllib q.mtl\n"

@@ -12,6 +12,7 @@
 
 #include "scene/mesh_text.hpp"
 #include "scene/random.hpp"
+#include "tests/scene/mesh_notes.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
 #include "tests/support/paths.hpp"
@@ -24,9 +25,6 @@ const char* const triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 MeshFile parse(std::string_view text) { return parse_obj(text, "a.obj"); }
 std::string refusal(const std::string& text) {
   return input_error([&] { parse(text); });
-}
-bool has_note(const MeshFile& file, std::string_view part) {
-  return std::ranges::any_of(file.notes, [&](const std::string& note) { return names(note, part); });
 }
 using Color = std::array<double, 4>;
 

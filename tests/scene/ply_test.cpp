@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "scene/random.hpp"
+#include "tests/scene/mesh_notes.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
 
@@ -18,9 +19,6 @@ namespace {
 MeshFile parse(std::string_view bytes) { return parse_ply(bytes, "a.ply"); }
 std::string refusal(const std::string& bytes) {
   return input_error([&] { parse(bytes); });
-}
-bool has_note(const MeshFile& file, std::string_view part) {
-  return std::ranges::any_of(file.notes, [&](const std::string& note) { return names(note, part); });
 }
 using Color = std::array<double, 4>;
 
