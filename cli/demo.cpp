@@ -149,7 +149,7 @@ std::string html(const SceneVerdict& v, const std::vector<Picture>& pictures) {
 
 int demo(const DemoArguments& o) {
   const Config config = find_config(o.config);
-  const LoadedScene loaded = load_scene("demo", o.view);
+  SceneSource source(load_scene("demo", o.view));
   VerifyOptions options;
   options.engines = parse_engines(o.engines);
   if (std::ranges::find(options.engines, truth_name()) == options.engines.end()) {
@@ -160,10 +160,10 @@ int demo(const DemoArguments& o) {
   options.allow_empty = o.view.allow_empty;
   make_writable_folder(o.output);  // a place that cannot be written is told before the work
   const RunLabel label{
-      loaded.scene.name,
+      source.scene().name,
       fmt::format("{}bitspan verify demo --config {}{}{}", command_environment(), shell_word(o.config),
                   o.engines_named ? " --engines " + o.engines : "", flags_text(o.view))};
-  const SceneRun run = verify_scene(config, loaded, options, label);
+  const SceneRun run = verify_scene(config, source, options, label);
   fmt::print("{}", verdict_text(run.verdict));
   const std::vector<Picture> pictures = pictures_of(run.engines[0]->frame(), run.ideal->frame());
   const std::filesystem::path folder(o.output);

@@ -67,8 +67,8 @@ CaseResult check_case(const Engines& engines, const Config& config, const Scene&
   LockStepOptions steps;
   // The exact test knows one view.
   if (!changes_scene(scene.commands)) {
-    steps.observe = [&](std::span<const Triangle> triangles, std::int64_t first, const Trace& trace) {
-      meter.add(triangles, first, trace);
+    steps.observe = [&](const Batch& batch, const Trace& trace) {
+      meter.add(batch.triangles(), batch.first_index, trace);
     };
   }
   LockStepResult run;

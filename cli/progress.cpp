@@ -44,7 +44,8 @@ void Progress::update(std::size_t done, std::size_t total) {
     left = ", " + duration_text(seconds / static_cast<double>(done) * static_cast<double>(total - done)) +
            " left";
   }
-  say(fmt::format("\r\x1b[K{}: {} of {}{}", label_, done, total, left));
+  const std::string all = total == 0 ? "" : fmt::format(" of {}", total);
+  say(fmt::format("\r\x1b[K{}: {}{}{}", label_, done, all, left));
 }
 
 }  // namespace bitspan

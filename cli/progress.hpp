@@ -14,6 +14,7 @@ class Progress {
   ~Progress();  // clears the line
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
+  // total: 0 where it is not known.
   void update(std::size_t done, std::size_t total);
 
  private:

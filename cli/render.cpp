@@ -17,7 +17,6 @@
 #include "cli/resolved.hpp"
 #include "cli/scene_options.hpp"
 #include "config/store.hpp"
-#include "engine/range.hpp"
 #include "engine/registry.hpp"
 #include "io/atomic_file.hpp"
 #include "io/png.hpp"
@@ -132,29 +131,36 @@ int render(const RenderArguments& o) {
   check_writable(o.output);
   check_writable(o.emit_tri);
   check_dump(o.dump);
-  const LoadedScene loaded = load_scene(o.scene, o.view);
-  const Scene& scene = loaded.scene;
+  // What is emitted is wanted whole.
+  SceneSource source =
+      o.emit_tri.empty() ? open_scene(o.scene, o.view) : SceneSource(load_scene(o.scene, o.view));
+  const Scene& scene = source.scene();
   if (!o.output.empty() || !o.dump.empty()) {
-    check_scene_range(config, scene);
     const auto observed = o.statistics ? make_observed_model(config) : nullptr;
     const auto unobserved = o.statistics ? nullptr : make_engine(names[0], config, how);
     Engine* engine = o.statistics ? observed.get() : unobserved.get();
-    const auto start = std::chrono::steady_clock::now();
+    std::chrono::duration<double> drawing{};
     {
       Progress progress(scene.name);
+      const auto next = pieces_in_range(source, config);
+      const Scene* piece = next();
       engine->begin(scene);
       // Vectors sort what they are given into bands: the more, the better.
-      const std::size_t step = form == ModelForm::scalar ? 1024 : 16384;
-      std::size_t done = 0;
-      // A scene without triangles may have commands.
-      do {
-        const std::size_t n = std::min(step, scene.triangles.size() - done);
-        draw_scene(*engine, scene, done, n, nullptr);
-        done += n;
-        progress.update(done, scene.triangles.size());
-      } while (done < scene.triangles.size());
+      const std::size_t step = form == ModelForm::scalar ? 1024 : piece_triangles;
+      for (; piece != nullptr; piece = next()) {
+        const auto start = std::chrono::steady_clock::now();
+        std::size_t done = 0;
+        // A scene without triangles may have commands.
+        do {
+          const std::size_t n = std::min(step, piece->triangles.size() - done);
+          const std::int64_t index = source.first_index() + static_cast<std::int64_t>(done);
+          draw_scene(*engine, *piece, done, n, index, nullptr);
+          done += n;
+          progress.update(static_cast<std::size_t>(source.first_index()) + done, scene.triangles.size());
+        } while (done < piece->triangles.size());
+        drawing += std::chrono::steady_clock::now() - start;
+      }
     }
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const Frame& frame = engine->frame();
     const int k = o.view.supersample;
     const std::vector<std::uint8_t> resolved =
@@ -163,12 +169,11 @@ int render(const RenderArguments& o) {
       write_png(o.output, frame.width / k, frame.height / k, 4, k > 1 ? resolved : frame.color);
     }
     if (!o.dump.empty()) {
-      DumpInfo info{BITSPAN_VERSION, scene.name, names[0], seconds, {}};
+      DumpInfo info{BITSPAN_VERSION, scene.name, names[0], drawing.count(), {}};
       info.supersample = k;
       info.resolved = resolved;
       if (o.position) {
-        const View shown = view_at(scene, scene.triangles.size());
-        info.positions = positions_of(config, with_view(shown), frame);
+        info.positions = positions_of(config, with_view(source.view()), frame);
       }
       if (is_model) {
         const bool vectors = form != ModelForm::scalar;
@@ -186,7 +191,7 @@ int render(const RenderArguments& o) {
     fmt::print("{}: {}x{}{}, {} triangles, {} fragments, {} written, {} ({}), {}\n", scene.name, frame.width,
                frame.height, averaged, c.triangles, c.fragments, c.written, config.name, config_hash(config),
                names[0]);
-    fmt::print("{}", faces_line(loaded));
+    fmt::print("{}", faces_line(source.loaded()));
     if (o.statistics) {
       fmt::print("{}", statistics_text(config, observed->statistics()));
     }

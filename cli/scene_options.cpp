@@ -7,8 +7,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
-#include "config/config.hpp"
+#include "engine/range.hpp"
 #include "io/message.hpp"
 #include "scene/demo.hpp"
 #include "scene/mesh.hpp"
@@ -81,15 +82,12 @@ void refuse_stream_options(const std::string& name, const SceneOptions& o) {
     throw InputError(name + ": --show-target is for streams (.tri) with several targets; leave it out");
 }
 
-// Ends the scene on that target, which must be one that it draws on.
-void show_target(const std::string& name, int target, Scene& scene) {
-  const std::vector<int> drawn_on = targets_of(scene.commands);
-  if (!std::ranges::binary_search(drawn_on, target)) {
-    throw InputError(
-        fmt::format("{}: --show-target {}: the stream does not draw on it; expected {}", name, target,
-                    drawn_on.size() == 1 ? "0" : fmt::format("one of {}", fmt::join(drawn_on, ", "))));
-  }
-  scene.commands.push_back({.before = scene.triangles.size(), .what = Target{target}});
+// Throws InputError where the stream does not draw on the target of --show-target.
+void refuse_target(const std::string& name, int target, const std::set<int>& drawn_on) {
+  if (drawn_on.contains(target)) return;
+  throw InputError(
+      fmt::format("{}: --show-target {}: the stream does not draw on it; expected {}", name, target,
+                  drawn_on.size() == 1 ? "0" : fmt::format("one of {}", fmt::join(drawn_on, ", "))));
 }
 
 void refuse_size(const std::string& name, const Scene& scene, const SceneOptions& o) {
@@ -229,7 +227,7 @@ namespace {
 
 std::vector<LoadedScene> scenes_of_pixels(const std::string& name, const SceneOptions& options) {
   std::vector<LoadedScene> out;
-  if (!is_stream(name)) refuse_stream_options(name, options);
+  refuse_stream_options(name, options);
   if (name == "demo") {
     refuse_camera(name, options);
     const Size size = picture_size(options.size);
@@ -278,22 +276,120 @@ std::vector<LoadedScene> scenes_of_pixels(const std::string& name, const SceneOp
     }
     return out;
   }
-  if (is_stream(name)) {
-    refuse_camera(name, options);
-    out.push_back({read_tri(name, options.frame), std::nullopt});
-    if (options.target) show_target(name, *options.target, out.back().scene);
-    refuse_size(name, out.back().scene, options);
-  } else {
-    out.push_back(load_mesh(name, options));
-  }
+  out.push_back(load_mesh(name, options));
   out.back().scene.name = name;
   return out;
 }
 
+Scene whole_stream(const std::string& name, const SceneOptions& options) {
+  SceneSource source(name, options);
+  Scene scene = source.scene();
+  while (const Scene* piece = source.next()) {
+    for (DrawCommand command : piece->commands) {
+      command.before += scene.triangles.size();
+      scene.commands.push_back(std::move(command));
+    }
+    scene.triangles.insert(scene.triangles.end(), piece->triangles.begin(), piece->triangles.end());
+  }
+  return scene;
+}
+
 }  // namespace
 
+SceneSource::SceneSource(LoadedScene whole) : loaded_(std::move(whole)), views_(loaded_.scene) {}
+
+SceneSource::SceneSource(const std::string& stream, const SceneOptions& options) : options_(options) {
+  refuse_camera(stream, options);
+  stream_ = std::make_unique<StreamPieces>(std::make_unique<TriReader>(stream, options.frame));
+  Scene scene = stream_->scene();
+  scene.name = stream;
+  refuse_size(stream, scene, options);
+  loaded_.scene =
+      options.supersample > 1 ? supersampled(std::move(scene), options.supersample) : std::move(scene);
+  views_ = Views(loaded_.scene);
+}
+
+const Scene* SceneSource::next() {
+  if (has_ended_) return nullptr;
+  first_ = behind_;
+  if (stream_ != nullptr) {
+    piece_ = stream_->next();
+    if (!piece_) return end();
+    piece_->name = loaded_.scene.name;
+    if (options_.supersample > 1) piece_ = supersampled(std::move(*piece_), options_.supersample, first_);
+  } else {
+    has_ended_ = true;
+  }
+  const Scene& piece = piece_ ? *piece_ : loaded_.scene;
+  for (const DrawCommand& command : piece.commands) {
+    views_.execute(command);
+    targets_.insert(views_.target());
+  }
+  behind_ += static_cast<std::int64_t>(piece.triangles.size());
+  return &piece;
+}
+
+// Behind a stream: its last piece may be of the target that is to be shown.
+const Scene* SceneSource::end() {
+  has_ended_ = true;
+  if (!options_.target) return nullptr;
+  refuse_target(loaded_.scene.name, *options_.target, targets_);
+  piece_ = with_view(loaded_.scene);
+  piece_->commands.push_back({.before = 0, .what = Target{*options_.target}});
+  views_.execute(piece_->commands.back());
+  return &*piece_;
+}
+
+std::optional<Scene> SceneSource::read_again() const {
+  if (stream_ == nullptr || scene().name == "-") return std::nullopt;
+  return whole_stream(scene().name, options_);
+}
+
+void SceneSource::check_again(const Config& config) const {
+  if (stream_ == nullptr || scene().name == "-") return;
+  SceneSource again(scene().name, options_);
+  PiecewiseRange range(config, again.scene(), RangeBy::triangles);
+  while (const Scene* piece = again.next()) range.add(*piece);
+  range.finish();
+}
+
+SceneSource open_scene(const std::string& name, const SceneOptions& options) {
+  if (is_stream(name)) return {name, options};
+  return SceneSource(load_scene(name, options));
+}
+
+std::vector<SceneSource> open_scenes(const std::string& name, const SceneOptions& options, bool whole) {
+  std::vector<SceneSource> out;
+  if (is_stream(name) && name != "-" && !whole) {
+    out.emplace_back(name, options);
+  } else {
+    for (LoadedScene& loaded : load_scenes(name, options)) out.emplace_back(std::move(loaded));
+  }
+  return out;
+}
+
+std::function<const Scene*()> pieces_in_range(SceneSource& source, const Config& config) {
+  const auto range = std::make_shared<PiecewiseRange>(config, source.scene(), RangeBy::bounds);
+  return [&source, &config, range]() -> const Scene* {
+    const Scene* const piece = source.next();
+    if (piece == nullptr) return nullptr;
+    try {
+      if (!range->add(*piece)) range->finish();
+    } catch (const InputError&) {
+      source.check_again(config);
+      throw;
+    }
+    return piece;
+  };
+}
+
 std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions& options) {
-  std::vector<LoadedScene> out = scenes_of_pixels(name, options);
+  std::vector<LoadedScene> out;
+  if (is_stream(name)) {
+    out.push_back({whole_stream(name, options), std::nullopt});
+    return out;
+  }
+  out = scenes_of_pixels(name, options);
   for (LoadedScene& loaded : out) {
     if (options.supersample > 1) loaded.scene = supersampled(std::move(loaded.scene), options.supersample);
   }

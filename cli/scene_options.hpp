@@ -2,12 +2,18 @@
 // The options that say what is drawn: a scene and, for a mesh, its camera.
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "config/config.hpp"
 #include "scene/picture_size.hpp"
+#include "scene/pieces.hpp"
 #include "scene/project.hpp"
 #include "scene/scene.hpp"
 
@@ -69,6 +75,51 @@ Size picture_size(const std::string& text);
 std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions& options);
 // The same where one picture is wanted. Throws NothingDrawn too, as refuse_without_faces.
 LoadedScene load_scene(const std::string& name, const SceneOptions& options);
+
+// A scene as a command draws it, piece by piece, so that its memory does not grow with a stream. A scene that
+// is no stream is a single piece.
+class SceneSource {
+ public:
+  explicit SceneSource(LoadedScene whole);
+  // Of a stream; as load_scene of it.
+  SceneSource(const std::string& stream, const SceneOptions& options);
+
+  // Of a stream it has no triangles and no commands.
+  const LoadedScene& loaded() const { return loaded_; }
+  const Scene& scene() const { return loaded_.scene; }
+  // The next triangles with their commands, whose `before` counts from the first of them; null at the end. A
+  // piece lives until the next one is asked for; there is one at least. Throws InputError.
+  const Scene* next();
+  // The index of its first triangle.
+  std::int64_t first_index() const { return first_; }
+  // Behind the pieces so far.
+  const View& view() const { return views_.now(); }
+  // All of a stream that comes in pieces, from its file; none of another scene.
+  std::optional<Scene> read_again() const;
+  // Throws InputError where the formats are not wide enough for that scene, looked at piece by piece.
+  void check_again(const Config& config) const;
+
+ private:
+  const Scene* end();
+
+  SceneOptions options_;
+  LoadedScene loaded_;
+  std::unique_ptr<StreamPieces> stream_;  // null: the scene is whole
+  std::optional<Scene> piece_;
+  Views views_;
+  std::set<int> targets_{0};  // drawn on
+  std::int64_t first_ = 0, behind_ = 0;
+  bool has_ended_ = false;
+};
+
+// As load_scene; a stream is read while it is drawn.
+SceneSource open_scene(const std::string& name, const SceneOptions& options);
+// As load_scenes; a stream that can be read again is read while it is drawn, unless it is wanted whole.
+std::vector<SceneSource> open_scenes(const std::string& name, const SceneOptions& options, bool whole);
+// Gives the pieces of a source, each once its range has been looked at (engine/range.hpp). Throws InputError
+// where the formats are not wide enough; the range of the text is the whole scene's where it can be read
+// again. Source and configuration outlive what is returned.
+std::function<const Scene*()> pieces_in_range(SceneSource& source, const Config& config);
 
 // The flags as they would be typed, each with a space in front; for commands that reproduce.
 std::string flags_text(const SceneOptions& options);

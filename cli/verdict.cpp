@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "cli/cycles.hpp"
 #include "cli/failing_case.hpp"
 #include "cli/oracles.hpp"
 #include "cli/progress.hpp"
 #include "config/modes.hpp"
-#include "engine/range.hpp"
 #include "engine/stages.hpp"
 #include "report/metrics.hpp"
 #include "report/table.hpp"
@@ -222,8 +222,15 @@ std::string_view SceneVerdict::outcome() const {
   return not_reached.empty() ? "all held" : "all held but what no pixel reaches, as allowed";
 }
 
-SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const VerifyOptions& options,
+bool needs_whole_scene(const VerifyOptions& options) {
+  return !options.oracles.empty() || std::ranges::any_of(options.engines, [](const std::string& name) {
+    return name == "rtl" || !find_engine(name).compared;
+  });
+}
+
+SceneRun verify_scene(const Config& config, SceneSource& source, const VerifyOptions& options,
                       const RunLabel& label) {
+  const LoadedScene& loaded = source.loaded();
   const Scene& scene = loaded.scene;
   SceneRun out;
   SceneVerdict& v = out.verdict;
@@ -236,7 +243,10 @@ SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const Ver
     judge_emptiness(v, options);
     return out;
   }
-  check_scene_range(config, scene);
+  // The first piece's range is looked at before an engine is built.
+  const auto in_range = pieces_in_range(source, config);
+  const Scene* first = in_range();
+  const auto next = [&] { return first != nullptr ? std::exchange(first, nullptr) : in_range(); };
   bool systemc = false;
   bool rtl = false;
   for (const std::string& name : options.engines) {
@@ -265,18 +275,21 @@ SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const Ver
   ErrorMeter meter(config, scene);
   Progress progress(scene.name);
   LockStepOptions steps;
-  steps.progress = [&](std::size_t done, std::size_t total) { progress.update(done, total); };
+  steps.progress = [&](std::size_t done) { progress.update(done, scene.triangles.size()); };
   // The closed form of errors knows one view.
   const bool has_errors = out.ideal != nullptr && !changes_scene(scene.commands);
   if (out.ideal) {
     out.ideal->begin(scene);
-    steps.observe = [&](std::span<const Triangle> triangles, std::int64_t first, const Trace& trace) {
-      if (has_errors) meter.add(triangles, first, trace);
-      draw_scene(*out.ideal, scene, static_cast<std::size_t>(first), triangles.size(), nullptr);
+    steps.observe = [&](const Batch& batch, const Trace& trace) {
+      if (has_errors) meter.add(batch.triangles(), batch.first_index, trace);
+      draw_batch(*out.ideal, batch, nullptr);
     };
   }
-  v.run = run_lock_step(out.engines, scene, steps);
-  add_reads(v.run, config, scene);
+  v.run = run_lock_step(out.engines, scene, next, steps);
+  if (std::ranges::any_of(v.run.pairs, [](const Comparison& pair) { return pair.first.has_value(); })) {
+    const std::optional<Scene> whole = source.read_again();
+    add_reads(v.run, config, whole ? *whole : scene);
+  }
   for (const Comparison& pair : v.run.pairs) v.own.push_back(own_values(pair, config, scene));
   v.counters = out.engines[0]->counters();
   if (!v.run.pairs.empty() && !v.run.stopped && v.counters.covered != 0) {

@@ -86,6 +86,9 @@ struct VerifyOptions {
   EngineOptions engine;
 };
 
+// Errors are of pixels and the triangles behind them, and clocks and oracles of all triangles at once.
+bool needs_whole_scene(const VerifyOptions& options);
+
 struct SceneRun {
   SceneVerdict verdict;
   std::vector<std::unique_ptr<Engine>> engines;  // those compared, their pictures still in them
@@ -100,7 +103,8 @@ bool coverage_is_exact(const Config& config);
 // too where the verdict would be empty: neither a pair of engines nor an oracle of the truth, an engine or an
 // oracle named that does not run the configuration, a pair without non-trivial values, a scene that covers no
 // pixel, a stage that no pixel reaches. Throws InputError for bad input.
-SceneRun verify_scene(const Config& config, const LoadedScene& loaded, const VerifyOptions& options,
+// A source in pieces does where needs_whole_scene is false.
+SceneRun verify_scene(const Config& config, SceneSource& source, const VerifyOptions& options,
                       const RunLabel& label);
 
 // Rows for report/table: records, values, own, non-trivial, differences of each stage and pair.

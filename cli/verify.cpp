@@ -73,8 +73,8 @@ int verify(const VerifyArguments& o) {
   std::vector<SceneVerdict> verdicts;
   bool held = true;
   for (const std::string& name : o.scenes) {
-    for (const LoadedScene& loaded : load_scenes(name, o.view)) {
-      const std::string& scene = loaded.scene.name;
+    for (SceneSource& source : open_scenes(name, o.view, needs_whole_scene(options))) {
+      const std::string& scene = source.scene().name;
       const RunLabel label{
           scene, fmt::format("{}bitspan verify {} --config {}{}{} --seed {}{}{}{}{}", command_environment(),
                              shell_word(scene), shell_word(o.config),
@@ -82,7 +82,7 @@ int verify(const VerifyArguments& o) {
                              o.oracles.empty() ? "" : " --oracles " + o.oracles, o.seed,
                              o.allow_missing ? " --allow-missing" : "", o.no_cycles ? " --no-cycles" : "",
                              flags_text(o.model), flags_text(o.view))};
-      SceneRun run = verify_scene(config, loaded, options, label);
+      SceneRun run = verify_scene(config, source, options, label);
       fmt::print("{}{}", verdicts.empty() ? "" : "\n", verdict_text(run.verdict));
       std::fflush(stdout);
       held = held && run.verdict.held();

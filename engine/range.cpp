@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -19,7 +20,7 @@ namespace {
 using F = FormatId;
 using Real = long double;  // 64 significant bits or more: every product below is exact or far off a limit
 
-constexpr int kNoTriangle = -1;
+constexpr std::int64_t kNoTriangle = -1;
 constexpr int kMostCoordinateBits = 24;
 constexpr int kMostFormatBits = 64;
 constexpr Real kFar = 0x1p+90L;  // stands for any value beyond every format
@@ -130,11 +131,11 @@ Format with_integer(Format f, int integer) {
 struct Range {
   Real lo = std::numeric_limits<Real>::infinity();
   Real hi = -std::numeric_limits<Real>::infinity();
-  int lo_triangle = kNoTriangle;
-  int hi_triangle = kNoTriangle;
+  std::int64_t lo_triangle = kNoTriangle;
+  std::int64_t hi_triangle = kNoTriangle;
 
   bool empty() const { return lo > hi; }
-  void add(Real x, int triangle) {
+  void add(Real x, std::int64_t triangle) {
     if (x < lo) {
       lo = x;
       lo_triangle = triangle;
@@ -212,14 +213,30 @@ struct Extremes {
 
 class RangeCheck {
  public:
-  RangeCheck(const Config& config, const Scene& scene) : c_(config), scene_(scene) {}
-
-  void run(RangeBy by) {
+  RangeCheck(const Config& config, const View& view, std::string name)
+      : c_(config), view_(view), name_(std::move(name)) {
     constants();
     fixed_ranges();
-    if (by == RangeBy::triangles || !surely_held()) {
-      for (std::size_t i = 0; i < scene_.triangles.size(); ++i) triangle(static_cast<int>(i));
+  }
+
+  const View& view() const { return view_; }
+
+  // The first triangle has index `first`.
+  void look(std::span<const Triangle> triangles, std::int64_t first, RangeBy by) {
+    if (view_.fog && has_vertex_fog(c_.fog)) vertex_fog(triangles, first);
+    if (by == RangeBy::bounds && surely_held(triangles)) return;
+    for (const Triangle& t : triangles) triangle(t, first++);
+  }
+
+  // Whether every format holds what was seen.
+  bool held() const {
+    for (int i = 0; i < format_count; ++i) {
+      if (!is_held(static_cast<F>(i))) return false;
     }
+    return true;
+  }
+
+  void report() const {
     for (int i = 0; i < format_count; ++i) report(static_cast<F>(i));
   }
 
@@ -233,19 +250,18 @@ class RangeCheck {
     return o.half_ulp ? ulp(kept) / 2 : static_cast<Real>(o.value);
   }
 
-  void add(F id, Real x, int triangle) { ranges_[static_cast<std::size_t>(id)].add(x, triangle); }
-  void add(F id, Interval x, int triangle) {
+  void add(F id, Real x, std::int64_t triangle) { ranges_[static_cast<std::size_t>(id)].add(x, triangle); }
+  void add(F id, Interval x, std::int64_t triangle) {
     add(id, x.lo, triangle);
     add(id, x.hi, triangle);
   }
 
   [[noreturn]] void fail(const std::string& key, const std::string& text) const {
-    throw InputError("scene " + (scene_.name.empty() ? std::string("(unnamed)") : scene_.name) +
-                     ", configuration " + (c_.name.empty() ? std::string("(unnamed)") : c_.name) + ": " +
-                     key + ": " + text);
+    throw InputError("scene " + (name_.empty() ? std::string("(unnamed)") : name_) + ", configuration " +
+                     (c_.name.empty() ? std::string("(unnamed)") : c_.name) + ": " + key + ": " + text);
   }
 
-  static std::string of_triangle(int triangle) {
+  static std::string of_triangle(std::int64_t triangle) {
     return triangle == kNoTriangle ? "" : " (triangle " + std::to_string(triangle) + ")";
   }
 
@@ -255,11 +271,17 @@ class RangeCheck {
            number(highest(f) * ulp(f));
   }
 
-  // Refuses the field where it does not hold the range that was noted for it.
-  void report(F id) const {
+  bool is_held(F id) const {
     const Range& r = ranges_[static_cast<std::size_t>(id)];
     const Format& f = format(id);
-    if (r.empty() || f.overflow_expected || holds(f, r.lo, r.hi)) return;
+    return r.empty() || f.overflow_expected || holds(f, r.lo, r.hi);
+  }
+
+  // Refuses the field where it does not hold the range that was noted for it.
+  void report(F id) const {
+    if (is_held(id)) return;
+    const Range& r = ranges_[static_cast<std::size_t>(id)];
+    const Format& f = format(id);
     Format wide = f;
     wide.is_signed = f.is_signed || rounded(r.lo, f) < 0;
     int integer = 1 - f.fraction();
@@ -293,16 +315,16 @@ class RangeCheck {
   }
 
   void constants() {
-    if (!(std::isfinite(scene_.s_min) && std::isfinite(scene_.s_max) && scene_.s_min > 0 &&
-          scene_.s_min < scene_.s_max)) {
-      fail("s_min, s_max", "are " + number(scene_.s_min) + ", " + number(scene_.s_max) +
-                               "; legal: finite, 0 < s_min < s_max");
+    if (!(std::isfinite(view_.s_min) && std::isfinite(view_.s_max) && view_.s_min > 0 &&
+          view_.s_min < view_.s_max)) {
+      fail("s_min, s_max",
+           "are " + number(view_.s_min) + ", " + number(view_.s_max) + "; legal: finite, 0 < s_min < s_max");
     }
     int e = 0;
-    if (std::frexp(scene_.s_max, &e) == 0.5) --e;  // the smallest e with s_max <= 2^e
+    if (std::frexp(view_.s_max, &e) == 0.5) --e;  // the smallest e with s_max <= 2^e
     exponent_ = e;
-    const Real s_min = std::ldexp(static_cast<Real>(scene_.s_min), -e);
-    const Real s_max = std::ldexp(static_cast<Real>(scene_.s_max), -e);
+    const Real s_min = std::ldexp(static_cast<Real>(view_.s_min), -e);
+    const Real s_max = std::ldexp(static_cast<Real>(view_.s_max), -e);
     add(F::setup_s, s_min, kNoTriangle);
     add(F::setup_s, s_max, kNoTriangle);
     report(F::setup_s);
@@ -337,22 +359,21 @@ class RangeCheck {
     }
     if (has_true_distance(c_)) {
       // From the middle to the corners.
-      const Real x = static_cast<Real>(scene_.width) / 2, y = static_cast<Real>(scene_.height) / 2;
-      const Real focal = static_cast<Real>(scene_.focal);
+      const Real x = static_cast<Real>(view_.width) / 2, y = static_cast<Real>(view_.height) / 2;
+      const Real focal = static_cast<Real>(view_.focal);
       const Interval g{1, std::sqrt(1 + (x * x + y * y) / (focal * focal))};
       add(F::distance_g, g, kNoTriangle);
       add(F::distance_d, Interval{s_min_, s_max_ * g.hi}, kNoTriangle);
     }
-    if (scene_.fog && is_linear_in_distance(c_.fog)) linear_fog();
-    if (scene_.fog && has_vertex_fog(c_.fog)) vertex_fog();
-    if (!scene_.fog || !has_fog(c_.fog)) add(F::fog_factor, 1, kNoTriangle);
+    if (view_.fog && is_linear_in_distance(c_.fog)) linear_fog();
+    if (!view_.fog || !has_fog(c_.fog)) add(F::fog_factor, 1, kNoTriangle);
   }
 
   void linear_fog() {
-    if (!(std::isfinite(scene_.fog->distance) && scene_.fog->distance > 0)) {
-      fail("fog distance", "is " + number(scene_.fog->distance) + "; legal: finite, above 0");
+    if (!(std::isfinite(view_.fog->distance) && view_.fog->distance > 0)) {
+      fail("fog distance", "is " + number(view_.fog->distance) + "; legal: finite, above 0");
     }
-    const Real distance = std::ldexp(static_cast<Real>(scene_.fog->distance), -exponent_);
+    const Real distance = std::ldexp(static_cast<Real>(view_.fog->distance), -exponent_);
     add(F::fog_scale, b_ * s_max_ / distance, kNoTriangle);
     // Below 0 the factor is meant to stop at 0, which an unsigned saturating format does.
     const Format& f = format(F::fog_factor);
@@ -363,15 +384,16 @@ class RangeCheck {
   }
 
   // Between the vertices lies what lies at them.
-  void vertex_fog() {
-    for (std::size_t i = 0; i < scene_.triangles.size(); ++i) {
-      for (const Vertex& v : scene_.triangles[i].v) {
-        const Real factor = v.fog < 0 ? std::exp(-static_cast<Real>(v.s) / scene_.fog->distance) : v.fog;
+  void vertex_fog(std::span<const Triangle> triangles, std::int64_t index) {
+    for (const Triangle& triangle : triangles) {
+      for (const Vertex& v : triangle.v) {
+        const Real factor = v.fog < 0 ? std::exp(-static_cast<Real>(v.s) / view_.fog->distance) : v.fog;
         const Real kept = q(F::fog_acc, q(F::fog_vertex, factor));
-        add(F::fog_vertex, factor, static_cast<int>(i));
-        add(F::fog_acc, q(F::fog_vertex, factor), static_cast<int>(i));
-        add(F::fog_factor, kept, static_cast<int>(i));
+        add(F::fog_vertex, factor, index);
+        add(F::fog_acc, q(F::fog_vertex, factor), index);
+        add(F::fog_factor, kept, index);
       }
+      ++index;
     }
   }
 
@@ -413,7 +435,7 @@ class RangeCheck {
     std::array<Real, 4> c;
   };
 
-  Point vertex(const Vertex& v, int triangle) {
+  Point vertex(const Vertex& v, std::int64_t triangle) {
     const auto finite = [&](double value, const char* name) {
       if (!std::isfinite(value))
         fail(name, "is not finite" + of_triangle(triangle) + "; legal: a finite number");
@@ -429,7 +451,7 @@ class RangeCheck {
     return p;
   }
 
-  Real coordinate(Real x, const char* name, int triangle) const {
+  Real coordinate(Real x, const char* name, std::int64_t triangle) const {
     const Format f = c_.coordinate_format();
     if (!holds(f, x, x)) {
       int bits = f.integer;
@@ -443,11 +465,9 @@ class RangeCheck {
     return rounded(x, f) * ulp(f);
   }
 
-  void triangle(int index) {
+  void triangle(const Triangle& corners, std::int64_t index) {
     std::array<Point, 3> p{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      p[i] = vertex(scene_.triangles[static_cast<std::size_t>(index)].v[i], index);
-    }
+    for (std::size_t i = 0; i < 3; ++i) p[i] = vertex(corners.v[i], index);
     std::ranges::stable_sort(
         p, [](const Point& a, const Point& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
     const Real area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
@@ -474,7 +494,7 @@ class RangeCheck {
       edge(p[1], p[2], index);
     }
     const auto [left, right] = std::minmax({p[0].x, p[1].x, p[2].x});
-    const bool seen = left < scene_.width && right > 0 && p[0].y < scene_.height && p[2].y > 0;
+    const bool seen = left < view_.width && right > 0 && p[0].y < view_.height && p[2].y > 0;
     if (!seen) return;
     for (std::size_t i = 0; i < 2; ++i) {
       if (has_setup_plane(c_)) {
@@ -498,9 +518,9 @@ class RangeCheck {
   // Returns whether every register holds what intervals around all triangles give, which is far less work
   // than looking at each. Where it is false, `triangle` decides. Every formula of `triangle` stands here,
   // too.
-  bool surely_held() const {
-    if (scene_.triangles.empty()) return true;
-    const Extremes of(scene_.triangles);
+  bool surely_held(std::span<const Triangle> triangles) const {
+    if (triangles.empty()) return true;
+    const Extremes of(triangles);
     if (!of.is_finite) return false;
     bool held = true;
     // The register's values. One that saturates on purpose keeps their order; others in doubt are left to
@@ -610,12 +630,12 @@ class RangeCheck {
     return {lo, hi};
   }
 
-  void edge(const Point& a, const Point& b, int index) {
+  void edge(const Point& a, const Point& b, std::int64_t index) {
     if (!(b.y > a.y)) return;
     const bool affine = has_linear_edges(c_.perspective);
     // Only the rows of the picture are walked.
     const Real from = std::max(a.y, Real{0.5L});
-    const Real to = std::min(b.y, static_cast<Real>(scene_.height) - 0.5L);
+    const Real to = std::min(b.y, static_cast<Real>(view_.height) - 0.5L);
     const bool walked = from <= to;
     if (has_setup_plane(c_)) {
       if (walked) edge_x(a, b, from, to, index);
@@ -643,7 +663,7 @@ class RangeCheck {
     edge_x(a, b, from, to, index);
   }
 
-  void edge_x(const Point& a, const Point& b, Real from, Real to, int index) {
+  void edge_x(const Point& a, const Point& b, Real from, Real to, std::int64_t index) {
     for (const Real y : {from, to}) {
       Real x = a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y);
       if (has_x_step(c_)) {
@@ -656,7 +676,7 @@ class RangeCheck {
   }
 
   // i: 0 for u, 1 for v.
-  void span_texture(const std::array<Point, 3>& p, std::size_t i, int index) {
+  void span_texture(const std::array<Point, 3>& p, std::size_t i, std::int64_t index) {
     std::array<Real, 3> t{};
     std::array<Real, 3> depth{};  // q = h + B at the vertices, as an edge delivers it
     for (std::size_t n = 0; n < 3; ++n) {
@@ -683,7 +703,7 @@ class RangeCheck {
   }
 
   // slope.row = plane: the numerator is linear on the screen, so it is extreme at a vertex.
-  void triangle_texture(const std::array<Point, 3>& p, std::size_t i, int index) {
+  void triangle_texture(const std::array<Point, 3>& p, std::size_t i, std::int64_t index) {
     Real from = 0;
     if (has_pixel_reciprocal(c_.perspective)) {
       add(F::edge_uv, p[0].uv[i], index);
@@ -700,19 +720,20 @@ class RangeCheck {
     add(F::span_uv, hull(p, [i](const Point& v) { return v.uv[i]; }), index);
   }
 
-  void plane_texture(const std::array<Point, 3>& p, std::size_t i, int index) {
+  void plane_texture(const std::array<Point, 3>& p, std::size_t i, std::int64_t index) {
     add(F::span_f, hull(p, [&](const Point& v) { return q(F::plane_g, v.uv[i] * (v.h + b_)); }), index);
     linear_texture(hull(p, [i](const Point& v) { return v.uv[i]; }), index);
   }
 
-  void linear_texture(Interval uv, int index) {
+  void linear_texture(Interval uv, std::int64_t index) {
     const Interval acc = uv + offset(c_.start_offset.span_f, format(F::span_uv));
     add(F::span_uv_acc, acc, index);
     add(F::span_uv, q(F::span_uv_acc, acc), index);
   }
 
   const Config& c_;
-  const Scene& scene_;
+  const View view_;
+  const std::string name_;
   std::array<Range, format_count> ranges_{};
   int exponent_ = 0;
   Real s_min_ = 0;
@@ -722,30 +743,58 @@ class RangeCheck {
 
 }  // namespace
 
-void check_scene_range(const Config& config, const Scene& scene, RangeBy by) {
-  if (!changes_scene(scene.commands)) {
-    RangeCheck(config, scene).run(by);
-    return;
+struct PiecewiseRange::State {
+  const Config& config;
+  std::string name;
+  RangeBy by;
+  Views views;
+  std::optional<RangeCheck> check;  // of the triangles of one view
+  std::int64_t triangles = 0;       // seen
+
+  // Those are looked at that are drawn with the view in force.
+  void look(std::span<const Triangle> part) {
+    if (!part.empty() && check && check->view() != views.now()) {
+      check->report();
+      check.reset();
+    }
+    if (!part.empty()) {
+      if (!check) check.emplace(config, views.now(), name);
+      check->look(part, triangles, by);
+    }
+    triangles += static_cast<std::int64_t>(part.size());
   }
-  // Each view with the triangles that are drawn with it.
-  Scene part;
-  part.name = scene.name;
-  part.textures = scene.textures;
-  Views views(scene);
+};
+
+PiecewiseRange::PiecewiseRange(const Config& config, const Scene& scene, RangeBy by)
+    : state_(std::make_unique<State>(State{config, scene.name, by, Views(scene), {}})) {}
+
+PiecewiseRange::~PiecewiseRange() = default;
+
+bool PiecewiseRange::add(const Scene& piece) {
   std::size_t first = 0;
-  const auto check = [&](std::size_t end) {
-    static_cast<View&>(part) = views.now();
-    part.triangles.assign(scene.triangles.begin() + static_cast<std::ptrdiff_t>(first),
-                          scene.triangles.begin() + static_cast<std::ptrdiff_t>(end));
-    if (end > first) RangeCheck(config, part).run(by);
+  const auto look = [&](std::size_t end) {
+    state_->look(std::span(piece.triangles).subspan(first, end - first));
     first = end;
   };
-  for (const DrawCommand& command : scene.commands) {
+  for (const DrawCommand& command : piece.commands) {
     if (!may_change_view(command)) continue;
-    check(command.before);
-    views.execute(command);
+    look(command.before);
+    state_->views.execute(command);
   }
-  check(scene.triangles.size());
+  look(piece.triangles.size());
+  // A scene without triangles still has constants.
+  if (!state_->check) state_->check.emplace(state_->config, state_->views.now(), state_->name);
+  return state_->check->held();
+}
+
+void PiecewiseRange::finish() const {
+  if (state_->check) state_->check->report();
+}
+
+void check_scene_range(const Config& config, const Scene& scene, RangeBy by) {
+  PiecewiseRange range(config, scene, by);
+  range.add(scene);
+  range.finish();
 }
 
 }  // namespace bitspan

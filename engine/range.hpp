@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "config/config.hpp"
 #include "scene/scene.hpp"
@@ -22,5 +23,24 @@ enum class RangeBy : std::uint8_t {
 // constant depth and a pixel centre, carries an accumulator past those values. Expects a configuration that
 // check_config accepts and finite vertices with s in [s_min, s_max].
 void check_scene_range(const Config& config, const Scene& scene, RangeBy by = RangeBy::bounds);
+
+// The same of a scene that comes in pieces. By bounds, the range in the text is that of the pieces in doubt.
+class PiecewiseRange {
+ public:
+  // Needs the scene's view and name alone. The configuration must outlive the check.
+  PiecewiseRange(const Config& config, const Scene& scene, RangeBy by);
+  ~PiecewiseRange();
+  PiecewiseRange(const PiecewiseRange&) = delete;
+  PiecewiseRange& operator=(const PiecewiseRange&) = delete;
+  // Looks at the piece behind those before it: its triangles, and its commands. Returns whether the formats
+  // are wide enough so far. May throw where they are not.
+  bool add(const Scene& piece);
+  // Throws where they are not, for any piece.
+  void finish() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace bitspan

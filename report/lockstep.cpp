@@ -5,7 +5,9 @@
 #include <chrono>
 #include <exception>
 #include <new>
+#include <set>
 #include <string>
+#include <utility>
 
 namespace bitspan {
 namespace {
@@ -28,10 +30,9 @@ double box_pixels(const Triangle& triangle, const Scene& scene) {
 }
 
 // The text of what the engine threw; empty where it did not.
-std::string draw_guarded(Engine& engine, const Scene& scene, std::size_t first, std::size_t count,
-                         Trace& trace) {
+std::string draw_guarded(Engine& engine, const Batch& batch, Trace& trace) {
   try {
-    draw_scene(engine, scene, first, count, &trace);
+    draw_batch(engine, batch, &trace);
   } catch (const InputError&) {
     throw;
   } catch (const std::bad_alloc&) {
@@ -59,8 +60,16 @@ std::size_t next_batch(const Scene& scene, std::size_t from, const LockStepOptio
 
 LockStepResult run_lock_step(std::span<const std::unique_ptr<Engine>> engines, const Scene& scene,
                              const LockStepOptions& options) {
+  const Scene* whole = &scene;
+  return run_lock_step(
+      engines, scene, [&] { return std::exchange(whole, nullptr); }, options);
+}
+
+LockStepResult run_lock_step(std::span<const std::unique_ptr<Engine>> engines, const Scene& scene,
+                             const NextPiece& next, const LockStepOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   LockStepResult result;
+  const Scene* piece = next();  // first, as it may refuse what an engine would
   for (const auto& engine : engines) {
     engine->begin(scene);
   }
@@ -74,21 +83,17 @@ LockStepResult run_lock_step(std::span<const std::unique_ptr<Engine>> engines, c
   Trace reference;
   Trace other;
   std::size_t done = 0;
-  // A scene without a triangle still gives its constants.
-  do {
-    const std::size_t n = next_batch(scene, done, options);
+  std::set<int> targets{0};  // drawn on
+  int shown = 0;
+  const auto run_batch = [&](const Batch& batch) {
     double pixels = 0;
-    for (std::size_t i = done; i < done + n; ++i) {
-      pixels += box_pixels(scene.triangles[i], scene);
-    }
+    for (const Triangle& triangle : batch.triangles()) pixels += box_pixels(triangle, scene);
     // The largest kinds of record would otherwise be moved each time they grow; a page that is not written
     // costs nothing.
     reference.reserve_pixels(static_cast<std::size_t>(pixels));
     other.reserve_pixels(static_cast<std::size_t>(pixels));
-    const std::span<const Triangle> batch{scene.triangles.data() + done, n};
-    const auto first = static_cast<std::int64_t>(done);
     reference.clear();
-    draw_scene(*engines[0], scene, done, n, &reference);
+    draw_batch(*engines[0], batch, &reference);
     for (int t = 0; t < record_types; ++t) {
       result.records += view_of(reference, static_cast<RecordType>(t)).records;
     }
@@ -96,25 +101,37 @@ LockStepResult run_lock_step(std::span<const std::unique_ptr<Engine>> engines, c
     for (std::size_t e = 1; e < engines.size(); ++e) {
       Comparison& pair = result.pairs[e - 1];
       other.clear();
-      pair.fault = draw_guarded(*engines[e], scene, done, n, other);
+      pair.fault = draw_guarded(*engines[e], batch, other);
       if (pair.fault.empty()) {
         compare_traces(reference, other, counts, pair);
       }
       result.stopped = result.stopped || !pair.held();
     }
     if (options.observe) {
-      options.observe(batch, first, reference);
+      options.observe(batch, reference);
     }
-    done += n;
+    done += batch.count;
     if (options.progress) {
-      options.progress(done, scene.triangles.size());
+      options.progress(done);
     }
-  } while (done < scene.triangles.size() && !result.stopped);
-  std::vector<int> targets = targets_of(scene.commands);
-  const int shown = target_at(scene.commands, scene.triangles.size());
-  std::erase(targets, shown);
-  targets.push_back(shown);  // last, so that it is what the engines show
-  for (const int k : targets) {
+  };
+  while (piece != nullptr) {
+    for (const DrawCommand& command : piece->commands) {
+      if (const auto* target = std::get_if<Target>(&command.what)) targets.insert(shown = target->k);
+    }
+    std::size_t at = 0;
+    // A scene without a triangle still gives its constants.
+    do {
+      const std::size_t n = next_batch(*piece, at, options);
+      run_batch({*piece, at, n, static_cast<std::int64_t>(done)});
+      at += n;
+    } while (at < piece->triangles.size() && !result.stopped);
+    piece = result.stopped ? nullptr : next();
+  }
+  targets.erase(shown);
+  std::vector<int> order(targets.begin(), targets.end());
+  order.push_back(shown);  // last, so that it is what the engines show
+  for (const int k : order) {
     for (const auto& engine : engines)
       engine->execute({.what = Target{k}}, static_cast<std::int64_t>(done), nullptr);
     for (std::size_t e = 1; e < engines.size(); ++e) {
@@ -123,8 +140,6 @@ LockStepResult run_lock_step(std::span<const std::unique_ptr<Engine>> engines, c
   }
   for (std::size_t e = 1; e < engines.size(); ++e) {
     compare_counters(engines[0]->counters(), engines[e]->counters(), result.pairs[e - 1]);
-    result.stopped =
-        result.stopped || (result.pairs[e - 1].first.has_value() && done < scene.triangles.size());
   }
   result.triangles_done = done;
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -12,7 +12,7 @@
 
 namespace bitspan {
 
-Scene supersampled(Scene scene, int k) {
+Scene supersampled(Scene scene, int k, std::int64_t first_index) {
   const Size size{scene.width * k, scene.height * k};
   if (!is_legal(size)) {
     throw InputError(
@@ -30,7 +30,7 @@ Scene supersampled(Scene scene, int k) {
       if (std::fabs(v.x) <= coordinate_limit && std::fabs(v.y) <= coordinate_limit) continue;
       throw InputError(
           fmt::format("{}: triangle {}: a position times {} is beyond {} pixels; expected fewer samples",
-                      scene.name, &triangle - scene.triangles.data(), k, coordinate_limit));
+                      scene.name, first_index + (&triangle - scene.triangles.data()), k, coordinate_limit));
     }
   }
   for (DrawCommand& command : scene.commands) {

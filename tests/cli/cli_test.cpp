@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The built program from outside: exit codes, messages, files.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -559,6 +560,62 @@ TEST_F(Cli, DynamicAndProceduralTexturesAreDrawnAndStored) {
 }
 
 // Two triangles, each on a target of its own.
+// More triangles than a piece has, which is read while the one before it is drawn.
+TEST_F(Cli, ALongStreamIsDrawnWhileItIsRead) {
+  constexpr int count = 40000;
+  std::string text =
+      R"({"bitspan": 2, "width": 64, "height": 48, "s_min": 1, "s_max": 100, "focal": 60, "background": [1, 2, 3]})"
+      "\n";
+  const auto triangle = [](int i, double u) {
+    const double x = (i * 7) % 60, y = (i * 13) % 44;
+    return fmt::format(R"({{"v": [[{0}, {1}, {2}, {3}, 0], [{4}, {1}, 50, 8, 0], [{0}, {5}, 9, 0, 8]]}})"
+                       "\n",
+                       x, y, 2 + i % 90, u, x + 3, y + 3);
+  };
+  for (int i = 0; i < count; ++i) {
+    if (i % 4096 == 0)
+      text += fmt::format(R"({{"state": {{"scissor.left": {}}}}})"
+                          "\n",
+                          i / 4096);
+    if (i % 16384 == 16383) text += fmt::format("{{\"target\": {}}}\n", i / 16384 % 2);
+    text += triangle(i, 4);
+  }
+  text += "{\"clear\": {\"depth\": true}}\n";
+  folder.write("long.tri", text);
+  const Result in_pieces = run("render long.tri -o a.png --dump a");
+  ASSERT_EQ(in_pieces.code, 0) << in_pieces.err;
+  EXPECT_NE(in_pieces.out.find(fmt::format("{} triangles", count)), std::string::npos);
+  // What is emitted is read whole.
+  ASSERT_EQ(run("render long.tri -o b.png --dump b --emit-tri same.tri").code, 0);
+  for (const char* engine : {"golden", "systemc"}) {
+    ASSERT_EQ(run(fmt::format("render long.tri --engine {} -o {}.png", engine, engine)).code, 0);
+    EXPECT_EQ(folder.read(std::string(engine) + ".png"), folder.read("a.png"));
+  }
+  ASSERT_EQ(run("render same.tri -o c.png").code, 0);
+  for (const char* file : {"b.png", "c.png"}) EXPECT_EQ(folder.read(file), folder.read("a.png"));
+  for (const char* plane : {"color", "depth", "u", "v", "triangle"}) {
+    const std::string name = fmt::format("/{}.npy", plane);
+    EXPECT_EQ(folder.read("a" + name), folder.read("b" + name));
+  }
+  ASSERT_EQ(run("render long.tri -o t.png --show-target 1 --supersample 2").code, 0);
+  ASSERT_EQ(run("render long.tri -o t2.png --show-target 1 --supersample 2 --emit-tri t.tri").code, 0);
+  EXPECT_EQ(folder.read("t.png"), folder.read("t2.png"));
+  refused("render long.tri -o d.png --show-target 2", "expected one of 0, 1");
+  for (const char* engines : {"golden,model", "model,ideal --allow-missing"}) {
+    const Result held = run(fmt::format("verify long.tri --engines {}", engines));
+    EXPECT_EQ(held.code, 0) << held.out << held.err;
+    EXPECT_NE(held.out.find(fmt::format("drawn: {0} of {0} triangles", count)), std::string::npos);
+  }
+  // What the last piece has wrong is told as if it had been first, and leaves no picture.
+  folder.write("wide.tri", text + triangle(7, -300000) + triangle(8, 400000));
+  refused("render wide.tri -o d.png",
+          "the scene needs -300000 (triangle 40000) to 400000 (triangle 40001) texel;");
+  refused("verify wide.tri --engines golden,model", "-300000 (triangle 40000) to 400000 (triangle 40001)");
+  folder.write("bad.tri", text + "{}\n");
+  refused("render bad.tri -o d.png", "bad.tri:40015: v: key is missing");
+  EXPECT_FALSE(std::filesystem::exists(folder.path("d.png")));
+}
+
 TEST_F(Cli, AnyTargetOfAStreamIsShown) {
   const std::string header =
       R"({"bitspan": 2, "width": 32, "height": 24, "s_min": 2, "s_max": 50, "focal": 20, "background": [9, 9, 9]})";

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "model/engine_model.hpp"
@@ -97,6 +98,76 @@ TEST(LockStep, AnEngineThatBreaksOffIsAtFault) {
   EXPECT_FALSE(result.pairs[0].held());
   EXPECT_EQ(result.pairs[0].fault, "assertion failed");
   EXPECT_TRUE(result.stopped);
+}
+
+// Cuts a scene into pieces of that many triangles.
+class Cut {
+ public:
+  Cut(const Scene& scene, std::size_t size) : scene_(scene), size_(size) {}
+  const Scene* operator()() {
+    if (first_ > 0 && first_ >= scene_.triangles.size()) return nullptr;
+    const std::size_t end = std::min(first_ + size_, scene_.triangles.size());
+    piece_ = with_view(scene_);
+    piece_.triangles.assign(scene_.triangles.begin() + static_cast<std::ptrdiff_t>(first_),
+                            scene_.triangles.begin() + static_cast<std::ptrdiff_t>(end));
+    for (DrawCommand command : scene_.commands) {
+      if (command.before < first_ || (command.before >= end && end < scene_.triangles.size())) continue;
+      command.before -= first_;
+      piece_.commands.push_back(std::move(command));
+    }
+    first_ = end;
+    return &piece_;
+  }
+
+ private:
+  const Scene& scene_;
+  Scene piece_;
+  std::size_t size_, first_ = 0;
+};
+
+TEST(LockStep, PiecesAreTheWhole) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    RandomOptions random;
+    random.triangles = 40;
+    random.size_max = 60;
+    random.command_probability = 0.4;
+    const Scene s = random_scene(seed, random);
+    const Config c = config();
+    const auto run = [&](const NextPiece& next, std::vector<Trace>& seen, Frame& frame) {
+      std::vector<std::unique_ptr<Engine>> engines;
+      for (int i = 0; i < 2; ++i) engines.push_back(make_model(c));
+      Scene begun = s;
+      begun.triangles.clear();
+      begun.commands.clear();
+      LockStepOptions options;
+      options.batch_triangles = 1;
+      options.observe = [&](const Batch& batch, const Trace& trace) {
+        EXPECT_EQ(batch.first_index, static_cast<std::int64_t>(seen.size()));
+        seen.push_back(trace);
+      };
+      const LockStepResult result = run_lock_step(engines, begun, next, options);
+      EXPECT_TRUE(result.pairs[0].held());
+      EXPECT_EQ(result.triangles_done, s.triangles.size());
+      frame = engines[0]->frame();
+      return result;
+    };
+    std::vector<Trace> whole, pieces;
+    Frame whole_frame, pieces_frame;
+    const LockStepResult a = run(Cut(s, s.triangles.size()), whole, whole_frame);
+    const LockStepResult b = run(Cut(s, 7), pieces, pieces_frame);
+    EXPECT_EQ(a.records, b.records);
+    EXPECT_EQ(a.pairs[0].total().values, b.pairs[0].total().values);
+    EXPECT_EQ(whole_frame.color, pieces_frame.color) << "seed " << seed;
+    ASSERT_EQ(whole.size(), pieces.size());
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      for (int t = 0; t < record_types; ++t) {
+        const RecordView x = view_of(whole[i], static_cast<RecordType>(t));
+        const RecordView y = view_of(pieces[i], static_cast<RecordType>(t));
+        ASSERT_EQ(x.records, y.records);
+        EXPECT_TRUE(std::equal(x.values, x.values + x.records * x.fields.size(), y.values));
+      }
+    }
+  }
 }
 
 TEST(LockStep, BatchesCoverTheSceneInOrder) {

@@ -171,5 +171,59 @@ TEST(RandomConfig, BoundsOfASceneJudgeAsItsTrianglesDo) {
   EXPECT_GT(refused, 4 * configs);
 }
 
+// A piece in doubt is looked at closely; the verdict is that of the whole, and by triangles so is the text.
+TEST(RandomConfig, PiecesOfASceneJudgeAsTheWhole) {
+  const std::vector<Config> bases = shipped_configs();
+  std::mt19937_64 random(11);
+  constexpr int scenes = 150;
+  int refused = 0;
+  for (int i = 0; i < scenes; ++i) {
+    Config config = random_config(random(), bases, options());
+    RandomOptions some;
+    some.triangles = 12;
+    some.command_probability = i % 3 == 0 ? 0.3 : 0;
+    Scene scene = random_scene(random(), some);
+    if (i % 3 == 1) {
+      ViewChange change;
+      change.s_max = 2 * scene.s_max;
+      scene.commands.push_back({5, change});
+    }
+    for (Format& f : config.formats) f.overflow_expected = false;
+    constexpr std::array narrowed{FormatId::setup_s, FormatId::setup_uv, FormatId::edge_f,
+                                  FormatId::edge_x,  FormatId::span_f,   FormatId::setup_shade,
+                                  FormatId::edge_h,  FormatId::plane_g,  FormatId::setup_b};
+    Format& format = config.format(narrowed[random() % narrowed.size()]);
+    const auto in_pieces = [&](RangeBy by) {
+      PiecewiseRange range(config, scene, by);
+      bool held = true;
+      for (std::size_t first = 0; first < scene.triangles.size(); first += 4) {
+        Scene piece = with_view(scene);
+        piece.triangles.assign(scene.triangles.begin() + static_cast<std::ptrdiff_t>(first),
+                               scene.triangles.begin() + static_cast<std::ptrdiff_t>(first + 4));
+        for (DrawCommand command : scene.commands) {
+          const bool is_last = first + 4 == scene.triangles.size();
+          if (command.before < first || (command.before >= first + 4 && !is_last)) continue;
+          command.before -= first;
+          piece.commands.push_back(std::move(command));
+        }
+        held = range.add(piece) && held;
+      }
+      range.finish();
+      EXPECT_TRUE(held) << "a doubt that nothing confirms";
+    };
+    std::string whole;
+    while (whole.empty() && format.word > 1 && format.integer > 1 - format.fraction()) {
+      whole = error_of([&] { check_scene_range(config, scene); });
+      EXPECT_EQ(error_of([&] { in_pieces(RangeBy::triangles); }), whole);
+      EXPECT_EQ(error_of([&] { in_pieces(RangeBy::bounds); }).empty(), whole.empty());
+      --format.word;
+      --format.integer;
+    }
+    refused += whole.empty() ? 0 : 1;
+  }
+  EXPECT_GT(refused, scenes / 8);
+  EXPECT_LT(refused, scenes);
+}
+
 }  // namespace
 }  // namespace bitspan
