@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/project.hpp"
 
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 
 #include "scene/clip.hpp"
@@ -25,10 +28,8 @@ Vertex to_screen(const ClipVertex& p, const Viewpoint& view) {
           clamped(p)};
 }
 
-}  // namespace
-
-void project(std::span<const Face> faces, const Viewpoint& view, const ProjectOptions& options,
-             std::vector<Triangle>& triangles, ProjectReport& report) {
+void project_one_by_one(std::span<const Face> faces, const Viewpoint& view, const ProjectOptions& options,
+                        std::vector<Triangle>& triangles, ProjectReport& report) {
   ClipVolume volume{1, 1, view.s_min, view.s_max};
   if (!options.clip_sides) {
     volume.limit_x = std::max(1.0, 2 * guard_band_pixels / view.width);
@@ -77,6 +78,50 @@ void project(std::span<const Face> faces, const Viewpoint& view, const ProjectOp
       ++report.triangles;
     }
     if (report.triangles > before) ++report.drawn;
+  }
+}
+
+}  // namespace
+
+ProjectReport& ProjectReport::operator+=(const ProjectReport& more) {
+  faces += more.faces;
+  culled += more.culled;
+  outside += more.outside;
+  clipped += more.clipped;
+  dropped += more.dropped;
+  two_sided += more.two_sided;
+  drawn += more.drawn;
+  triangles += more.triangles;
+  return *this;
+}
+
+void project(std::span<const Face> faces, const Viewpoint& view, const ProjectOptions& options,
+             std::vector<Triangle>& triangles, ProjectReport& report) {
+  constexpr std::size_t chunk_faces = 8192;
+  if (faces.size() <= chunk_faces) {
+    project_one_by_one(faces, view, options, triangles, report);
+    return;
+  }
+  struct Chunk {
+    std::vector<Triangle> triangles;
+    ProjectReport report;
+  };
+  // As many at a time as threads, so that what is copied is still in the caches.
+  std::vector<Chunk> chunks(static_cast<std::size_t>(tbb::info::default_concurrency()));
+  while (!faces.empty()) {
+    const std::size_t n = std::min(chunks.size(), (faces.size() + chunk_faces - 1) / chunk_faces);
+    tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
+      const auto rest = faces.subspan(i * chunk_faces);
+      chunks[i].triangles.clear();
+      chunks[i].report = {};
+      project_one_by_one(rest.first(std::min(chunk_faces, rest.size())), view, options, chunks[i].triangles,
+                         chunks[i].report);
+    });
+    for (const Chunk& chunk : std::span(chunks).first(n)) {
+      triangles.insert(triangles.end(), chunk.triangles.begin(), chunk.triangles.end());
+      report += chunk.report;
+    }
+    faces = faces.subspan(std::min(faces.size(), n * chunk_faces));
   }
 }
 

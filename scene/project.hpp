@@ -28,10 +28,13 @@ struct ProjectReport {
   std::uint64_t two_sided = 0;  // given that are never culled
   std::uint64_t drawn = 0;      // faces of which at least one triangle was made
   std::uint64_t triangles = 0;  // made
+
+  ProjectReport& operator+=(const ProjectReport& more);
+  bool operator==(const ProjectReport&) const = default;
 };
 
 // Appends the triangles to `triangles` in the order of the faces; a clipped face becomes a fan. Every s lies
-// in [s_min, s_max]. Adds the counts to `report`.
+// in [s_min, s_max]. Adds the counts to `report`. Many faces go in chunks to all threads.
 void project(std::span<const Face> faces, const Viewpoint& view, const ProjectOptions& options,
              std::vector<Triangle>& triangles, ProjectReport& report);
 

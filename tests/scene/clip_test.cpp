@@ -296,5 +296,38 @@ TEST(Transform, AxesAreOrthonormal) {
   EXPECT_LT(v.down.y, 0);
 }
 
+// More faces than a chunk has, against few at a time.
+TEST(Project, ManyFacesAreProjectedAsFewAre) {
+  std::vector<Face> faces;
+  Random random(5);
+  for (int i = 0; i < 50000; ++i) {
+    const auto any = [&] {
+      return corner(random.uniform(-30, 30), random.uniform(-20, 20), random.uniform(-40, 5));
+    };
+    faces.push_back({{any(), any(), any()}, i % 7, i % 5 == 0});
+  }
+  const ProjectOptions options{.cull = true, .clip_sides = false};
+  ProjectReport many, few;
+  const std::vector<Triangle> at_once = projected(faces, options, many);
+  std::vector<Triangle> in_parts;
+  constexpr std::size_t part = 1000;
+  for (std::size_t at = 0; at < faces.size(); at += part) {
+    project(std::span(faces).subspan(at, part), view(), options, in_parts, few);
+  }
+  EXPECT_EQ(many, few);
+  EXPECT_GT(many.culled, 10000U);
+  EXPECT_GT(many.outside, 100U);
+  EXPECT_GT(many.clipped, 1000U);
+  const auto values = [](const std::vector<Triangle>& triangles) {
+    std::vector<double> out;
+    for (const Triangle& t : triangles) {
+      for (const Vertex& v : t.v) out.insert(out.end(), {v.x, v.y, v.s, v.u, v.v, v.c[0]});
+      out.push_back(t.texture);
+    }
+    return out;
+  };
+  EXPECT_EQ(values(at_once), values(in_parts));
+}
+
 }  // namespace
 }  // namespace bitspan
