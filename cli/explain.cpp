@@ -376,7 +376,7 @@ int explain(const ExplainArguments& o) {
 void add_explain(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("explain", "one pixel: all stages, all engines side by side");
   const auto o = std::make_shared<ExplainArguments>();
-  sub->add_option("scene", o->scene, "stream (.tri), mesh, demo or extreme/NAME")->required();
+  sub->add_option("scene", o->scene, "stream (.tri, .trib), mesh, demo or extreme/NAME")->required();
   sub->add_option("x", o->x, "pixel column, 0 at the left")->required();
   sub->add_option("y", o->y, "pixel row, 0 at the top")->required();
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();

@@ -40,7 +40,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", std::string("bitspan ") + BITSPAN_VERSION);
   app.require_subcommand(1);
   app.footer(
-      "SCENE is a triangle stream (.tri), a mesh (OBJ, PLY, glTF ...), `demo` or `extreme`.\n"
+      "SCENE is a triangle stream (.tri, .trib), a mesh (OBJ, PLY, glTF ...), `demo` or `extreme`.\n"
       "Each command has --help.\n" +
       help_footer("all held", "a difference, a failed bound, or nothing compared or drawn",
                   "bitspan verify demo --config depth16"));

@@ -207,7 +207,7 @@ int render(const RenderArguments& o) {
 void add_render(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("render", "one picture");
   const auto o = std::make_shared<RenderArguments>();
-  sub->add_option("scene", o->scene, "stream (.tri), mesh, demo or extreme/NAME")->required();
+  sub->add_option("scene", o->scene, "stream (.tri, .trib), mesh, demo or extreme/NAME")->required();
   sub->add_option("-o,--output", o->output, "the picture, a PNG");
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
   sub->add_option("--engine", o->engine, "golden, model, systemc, rtl, ideal or dut:NAME")
@@ -218,7 +218,8 @@ void add_render(CLI::App& app, Action& action) {
   sub->add_flag(
       "--position", o->position,
       "with --dump: s.npy and position.npy too, each pixel's distance and point back from its depth");
-  sub->add_option("--emit-tri", o->emit_tri, "write the triangles as a stream, textures beside it");
+  sub->add_option("--emit-tri", o->emit_tri,
+                  "write the triangles as a stream, binary where it ends in .trib; textures beside it");
   sub->add_flag("--plain-textures", o->plain_textures,
                 "with --emit-tri: every texture as a PNG, those of a texel format or computed ones decoded");
   add_model_options(*sub, o->model, "0");

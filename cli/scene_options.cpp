@@ -23,8 +23,6 @@ namespace {
 constexpr std::string_view extreme_prefix = "extreme/";
 constexpr std::string_view triangles_prefix = "triangles/";
 
-bool is_stream(const std::string& name) { return name == "-" || name.ends_with(".tri"); }
-
 // `count` finite numbers between commas.
 std::vector<double> parse_numbers(const std::string& text, const std::string& option, std::size_t count,
                                   const std::string& expected) {
@@ -77,9 +75,11 @@ void refuse_camera(const std::string& name, const SceneOptions& o) {
 }
 
 void refuse_stream_options(const std::string& name, const SceneOptions& o) {
-  if (o.frame) throw InputError(name + ": --frame is for streams (.tri) with dynamic textures; leave it out");
+  if (o.frame)
+    throw InputError(name + ": --frame is for streams (.tri, .trib) with dynamic textures; leave it out");
   if (o.target)
-    throw InputError(name + ": --show-target is for streams (.tri) with several targets; leave it out");
+    throw InputError(name +
+                     ": --show-target is for streams (.tri, .trib) with several targets; leave it out");
 }
 
 // Throws InputError where the stream does not draw on the target of --show-target.

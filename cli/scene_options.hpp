@@ -68,7 +68,7 @@ void add_supersample(CLI::App& command, SceneOptions& options);
 Size picture_size(const std::string& text);
 
 // The scenes that a name stands for: `demo`; `extreme`, which is several, or one of them as `extreme/NAME`;
-// `triangles/SIZE`, of that many pixels; a triangle stream (.tri, or - for standard input); or else a mesh. A
+// `triangles/SIZE`, of that many pixels; a triangle stream (is_stream); or else a mesh. A
 // stream's coordinates are pixels, so its size is its own: another --size is refused, and so are camera
 // flags. A mesh may come without a triangle where no face is drawn. With --supersample each scene is as much
 // larger. Throws InputError.

@@ -285,7 +285,7 @@ int sim(const SimArguments& o) {
 void add_sim(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("sim", "timed run: cycles, utilisation and stall reasons per stage");
   const auto o = std::make_shared<SimArguments>();
-  sub->add_option("scene", o->scene, "stream (.tri), mesh, demo or extreme/NAME")->required();
+  sub->add_option("scene", o->scene, "stream (.tri, .trib), mesh, demo or extreme/NAME")->required();
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
   sub->add_option("--mode", o->mode,
                   "cycle (clock by clock) or span (from movement to movement, faster): the same numbers; "

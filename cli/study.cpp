@@ -24,6 +24,7 @@
 #include "io/atomic_file.hpp"
 #include "io/json_depth.hpp"
 #include "report/table.hpp"
+#include "scene/tri_stream.hpp"
 #include "study/metrics.hpp"
 #include "study/point.hpp"
 #include "study/recommend.hpp"
@@ -48,7 +49,7 @@ std::string number_text(double value) { return std::isnan(value) ? "-" : fmt::fo
 
 // Whether a size may be asked for. Streams and the extreme scenes have their own.
 bool takes_size(const std::string& name) {
-  return !name.ends_with(".tri") && name != "extreme" && !name.starts_with("extreme/");
+  return !is_stream(name) && name != "extreme" && !name.starts_with("extreme/");
 }
 
 // Loads the scenes. Without names they are the embedded set.

@@ -81,7 +81,7 @@ int check(const CheckOptions& o) {
 void add_vectors(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("vectors", "the records around a stage, for a bench in any language");
   const auto o = std::make_shared<VectorsArguments>();
-  sub->add_option("scene", o->scene, "stream (.tri), mesh, demo or extreme/NAME")->required();
+  sub->add_option("scene", o->scene, "stream (.tri, .trib), mesh, demo or extreme/NAME")->required();
   std::vector<std::string> stages;
   for (const StageRow& row : stage_table) stages.emplace_back(row.name);
   sub->add_option("--stage", o->stage, "whose records the design makes")

@@ -141,7 +141,7 @@ int run_suites(const VerifyArguments& o) {
 void add_verify(CLI::App& app, Action& action) {
   CLI::App* sub = app.add_subcommand("verify", "compare engines over scenes, every record of every stage");
   const auto o = std::make_shared<VerifyArguments>();
-  sub->add_option("scene", o->scenes, "streams (.tri), meshes, demo, extreme or extreme/NAME");
+  sub->add_option("scene", o->scenes, "streams (.tri, .trib), meshes, demo, extreme or extreme/NAME");
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
   sub->add_option("--engines", o->engines, "compared with the first; ideal adds the error table")
       ->capture_default_str();

@@ -66,12 +66,14 @@ Scene load(const std::string& name, std::int32_t width, std::int32_t height, std
                            " is out of range; expected 1.." + std::to_string(picture_size_limit) +
                            " each way and at most " + std::to_string(picture_area_limit) + " pixels");
   }
-  if (frame && !name.ends_with(".tri")) {
-    fail(BS_BAD_INPUT, function + ": name_or_path: " + name +
-                           " has no dynamic textures; expected a stream (.tri) with some, or bs_scene_load");
+  const bool stream = name != "-" && is_stream(name);
+  if (frame && !stream) {
+    fail(BS_BAD_INPUT,
+         function + ": name_or_path: " + name +
+             " has no dynamic textures; expected a stream (.tri, .trib) with some, or bs_scene_load");
   }
   if (name == "demo") return demo_scene(size.width, size.height);
-  if (!name.ends_with(".tri")) return mesh(name, size, notes);
+  if (!stream) return mesh(name, size, notes);
   Scene scene = read_tri(name, frame);
   if (sized && (scene.width != width || scene.height != height)) {
     fail(BS_BAD_INPUT, function + ": width, height: " + name + " is a stream of " +

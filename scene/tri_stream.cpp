@@ -18,15 +18,16 @@
 
 #include "config/config.hpp"
 #include "config/fnv.hpp"
-#include "config/one_line.hpp"
 #include "io/atomic_file.hpp"
 #include "io/json_depth.hpp"
 #include "io/png.hpp"
 #include "scene/exact.hpp"
+#include "scene/place.hpp"
 #include "scene/procedural.hpp"
 #include "scene/quick_triangle.hpp"
 #include "scene/texels.hpp"
 #include "scene/texture.hpp"
+#include "scene/trib.hpp"
 
 namespace bitspan {
 namespace {
@@ -57,16 +58,6 @@ std::string shortest(double value) {
   const auto end = std::to_chars(text, text + sizeof text, value).ptr;
   return {text, end};
 }
-
-// Where a message points: file and line; the key comes with the message.
-struct Place {
-  std::string file;
-  long line = 0;
-
-  [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(one_line(fmt::format("{}:{}: {}", file, line, what)));
-  }
-};
 
 // A JSON value as a message shows it: short, on one line.
 std::string shown(const Json& value) {
@@ -467,6 +458,9 @@ void check_vertex(const Vertex& vertex, std::size_t i, const View& view, const P
     place.fail(fmt::format("v[{}][2]: s = {} is out of range; expected s_min..s_max, {}..{}", i,
                            shortest(vertex.s), shortest(view.s_min), shortest(view.s_max)));
   }
+  if (!std::isfinite(vertex.u) || !std::isfinite(vertex.v)) {
+    place.fail(fmt::format("v[{}]: u, v are not finite; expected finite numbers", i));
+  }
 }
 
 void check_given(const Triangle& triangle, const Place& place) {
@@ -491,9 +485,15 @@ void set_colors(Triangle& triangle, std::array<double, 12> components, int color
   for (std::size_t i = 0; i < 12; ++i) triangle.v[i / 4].c[i % 4] = components[i];
 }
 
-Triangle read_triangle(const Json& line, const Scene& scene, const View& view,
-                       std::span<const HeaderTexture> textures, int frame, int color_max, int version,
-                       const Place& place) {
+// The scene's number of a texture that a triangle names by the header's.
+int texture_shown(const Json& value, std::span<const HeaderTexture> textures, int frame, const Place& place) {
+  if (textures.empty()) place.fail("tex: the header names no textures; expected no \"tex\"");
+  const int index = integer(value, 0, static_cast<int>(textures.size()) - 1, place, "tex");
+  return textures[static_cast<std::size_t>(index)].shown(frame);
+}
+
+Triangle read_triangle(const Json& line, const View& view, std::span<const HeaderTexture> textures, int frame,
+                       int color_max, int version, const Place& place) {
   if (!line.is_object())
     place.fail(shown(line) + " is not an object; expected {\"v\": [...], \"c\": [...], \"tex\": 0}");
   std::vector<std::string_view> keys{"v", "c", "tex"};
@@ -545,9 +545,7 @@ Triangle read_triangle(const Json& line, const Scene& scene, const View& view,
   }
   check_given(triangle, place);
   if (const auto tex = line.find("tex"); tex != line.end()) {
-    if (scene.textures.empty()) place.fail("tex: the header names no textures; expected no \"tex\"");
-    const int index = integer(*tex, 0, static_cast<int>(textures.size()) - 1, place, "tex");
-    triangle.texture = textures[static_cast<std::size_t>(index)].shown(frame);
+    triangle.texture = texture_shown(*tex, textures, frame, place);
   }
   return triangle;
 }
@@ -704,10 +702,10 @@ class LineReader {
  public:
   explicit LineReader(std::istream& in) : in_(in), buffer_(std::size_t{1} << 16) {}
 
-  // Returns false at the end. `place.line` is the line's number, from 1.
+  // Returns false at the end. `place` is the line's.
   bool next(std::string& line, Place& place) {
     line.clear();
-    ++place.line;
+    ++place.at;
     while (true) {
       if (begin_ == end_) {
         in_.read(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
@@ -853,7 +851,7 @@ std::string header_text(const Scene& scene, std::span<const std::string> names) 
     }
     out += entries.dump();
   }
-  out += "}\n";
+  out += '}';
   return out;
 }
 
@@ -887,27 +885,50 @@ void append_triangle(std::string& out, const Triangle& triangle) {
   out += "}\n";
 }
 
-// Writes through `sink(std::string_view)` in pieces of about 64 KiB.
+// Writes the lines through `sink(std::string_view)` in pieces of about 64 KiB.
 template <class Sink>
-void write_stream(const Scene& scene, std::span<const std::string> names, const Sink& sink) {
-  std::string piece = header_text(scene, names);
+class LineWriter {
+ public:
+  LineWriter(const Sink& sink, std::string_view header) : sink_(sink) { command(header); }
+  void triangle(const Triangle& triangle) {
+    append_triangle(piece_, triangle);
+    if (piece_.size() <= (std::size_t{1} << 16)) return;
+    sink_(piece_);
+    piece_.clear();
+  }
+  void command(std::string_view line) {
+    piece_ += line;
+    piece_ += '\n';
+  }
+  void end() { sink_(piece_); }
+
+ private:
+  const Sink& sink_;
+  std::string piece_;
+};
+
+// All behind the header.
+template <class Writer>
+void write_stream(const Scene& scene, Writer writer) {
   auto command = scene.commands.begin();
-  const auto append_commands = [&](std::size_t before) {
+  const auto write_commands = [&](std::size_t before) {
     for (; command != scene.commands.end() && command->before == before; ++command) {
-      piece += command_text(*command) + "\n";
+      writer.command(command_text(*command));
     }
   };
   std::size_t index = 0;
   for (const Triangle& triangle : scene.triangles) {
-    append_commands(index++);
-    append_triangle(piece, triangle);
-    if (piece.size() > (std::size_t{1} << 16)) {
-      sink(piece);
-      piece.clear();
-    }
+    write_commands(index++);
+    writer.triangle(triangle);
   }
-  append_commands(index);
-  sink(piece);
+  write_commands(index);
+  writer.end();
+}
+
+std::vector<std::string> texture_names(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const Texture& texture : scene.textures) names.push_back(texture.name);
+  return names;
 }
 
 }  // namespace
@@ -980,7 +1001,8 @@ DrawCommand parse_command(std::string_view json, const std::string& origin) {
 struct TriReader::State {
   std::ifstream file;
   Place place;
-  std::optional<LineReader> lines;
+  std::optional<LineReader> lines;    // of a text
+  std::optional<TribReader> records;  // of a binary stream
   std::string line;
   QuickTriangles quick;
   TriangleLine quick_line;
@@ -1000,6 +1022,33 @@ struct TriReader::State {
     if (texture && (*texture < 0 || *texture >= static_cast<std::int64_t>(textures.size()))) return false;
     triangle = finished(quick_line, views.now(), textures, frame, color_max, place);
     return true;
+  }
+
+  bool next_record(Triangle& triangle) {
+    while (true) {
+      const TribRecord record = records->next(quick_line, line);
+      place.at = records->offset();
+      if (record == TribRecord::end) return false;
+      if (record == TribRecord::triangle) {
+        if (version < 2 && gives_more(quick_line.triangle)) {
+          place.fail(
+              "bitspan: a triangle of version 1 gives only colours; expected a header {\"bitspan\": 2, ...}");
+        }
+        auto& texture = quick_line.texture;
+        if (*texture == -1) texture.reset();
+        if (texture && (*texture < 0 || *texture >= static_cast<std::int64_t>(textures.size()))) {
+          texture_shown(Json(*texture), textures, frame, place);
+        }
+        triangle = finished(quick_line, views.now(), textures, frame, color_max, place);
+        ++triangles;
+        return true;
+      }
+      const Json json = parse_line(line, place);
+      if (!is_command(json)) {
+        place.fail(shown(json) + " is no command; expected state, clear, target, view, copy or frame");
+      }
+      add_command(json);
+    }
   }
 
   // The image with that number must be there in all dynamic textures.
@@ -1077,20 +1126,31 @@ struct TriReader::State {
   void open(std::istream& in, const std::string& origin, std::optional<int> first_frame) {
     namespace fs = std::filesystem;
     place.file = origin;
-    lines.emplace(in);
-    while (lines->next(line, place)) {
-      if (blank(line)) continue;
-      scene = read_header(parse_line(line, place), place, fs::path(origin).parent_path(), color_max, version,
-                          textures);
-      views = Views(scene);
-      if (first_frame) show_frame(*first_frame);
-      scene.name = fs::path(origin).stem().string();
-      return;
+    if (is_binary_stream(in, origin)) {
+      records.emplace(in, origin);
+      place.at = records->offset();
+      place.is_byte = true;
+      line = records->header();
+    } else {
+      lines.emplace(in);
+      bool found = false;
+      while (!found && lines->next(line, place)) found = !blank(line);
+      if (!found) {
+        place.at = 1;
+        place.fail("the file is empty; expected a header {\"bitspan\": 1, ...}");
+      }
     }
-    place.line = 1;
-    place.fail("the file is empty; expected a header {\"bitspan\": 1, ...}");
+    scene = read_header(parse_line(line, place), place, fs::path(origin).parent_path(), color_max, version,
+                        textures);
+    views = Views(scene);
+    if (first_frame) show_frame(*first_frame);
+    scene.name = fs::path(origin).stem().string();
   }
 };
+
+bool is_stream(const std::string& name) {
+  return name == "-" || name.ends_with(".tri") || name.ends_with(".trib") || is_binary_stream_file(name);
+}
 
 TriReader::TriReader(const std::string& path, std::optional<int> frame) : state_(std::make_unique<State>()) {
   if (path == "-") {
@@ -1099,11 +1159,12 @@ TriReader::TriReader(const std::string& path, std::optional<int> frame) : state_
   }
   std::error_code code;
   if (std::filesystem::is_directory(path, code)) {
-    throw InputError(path + ": cannot read: is a folder; expected a triangle stream (.tri)");
+    throw InputError(path + ": cannot read: is a folder; expected a triangle stream (.tri, .trib)");
   }
   state_->file.open(path, std::ios::binary);
   if (!state_->file) {
-    throw InputError(path + ": cannot read: " + std::strerror(errno) + "; expected a triangle stream (.tri)");
+    throw InputError(path + ": cannot read: " + std::strerror(errno) +
+                     "; expected a triangle stream (.tri, .trib)");
   }
   state_->open(state_->file, path, frame);
 }
@@ -1119,6 +1180,7 @@ const Scene& TriReader::scene() const { return state_->scene; }
 
 bool TriReader::next(Triangle& triangle) {
   State& s = *state_;
+  if (s.records) return s.next_record(triangle);
   while (s.lines->next(s.line, s.place)) {
     if (blank(s.line)) continue;
     if (s.read_quickly(triangle)) {
@@ -1130,8 +1192,7 @@ bool TriReader::next(Triangle& triangle) {
       s.add_command(json);
       continue;
     }
-    triangle =
-        read_triangle(json, s.scene, s.views.now(), s.textures, s.frame, s.color_max, s.version, s.place);
+    triangle = read_triangle(json, s.views.now(), s.textures, s.frame, s.color_max, s.version, s.place);
     ++s.triangles;
     return true;
   }
@@ -1192,14 +1253,11 @@ void check_scene(const Scene& scene, const std::string& origin) {
   }
   auto command = scene.commands.begin();
   for (const Triangle& triangle : scene.triangles) {
-    const auto index = static_cast<std::size_t>(place.line++ - 1);
+    const auto index = static_cast<std::size_t>(place.at++ - 1);
     for (; command != scene.commands.end() && command->before <= index; ++command) views.execute(*command);
     for (std::size_t i = 0; i < 3; ++i) {
       const Vertex& v = triangle.v[i];
       check_vertex(v, i, views.now(), place);
-      if (!std::isfinite(v.u) || !std::isfinite(v.v)) {
-        place.fail(fmt::format("v[{}]: u, v are not finite; expected finite numbers", i));
-      }
       for (const double c : v.c) {
         if (!(c >= 0 && c <= 1))
           place.fail(fmt::format("c[{}]: component {} is out of range; expected 0..1", i, shortest(c)));
@@ -1215,11 +1273,17 @@ void check_scene(const Scene& scene, const std::string& origin) {
 }
 
 void write_tri(std::ostream& out, const Scene& scene) {
-  std::vector<std::string> names;
-  for (const Texture& texture : scene.textures) names.push_back(texture.name);
-  write_stream(scene, names, [&](std::string_view piece) {
+  const auto sink = [&](std::string_view piece) {
     out.write(piece.data(), static_cast<std::streamsize>(piece.size()));
-  });
+  };
+  write_stream(scene, LineWriter(sink, header_text(scene, texture_names(scene))));
+}
+
+void write_trib(std::ostream& out, const Scene& scene) {
+  const auto sink = [&](std::string_view piece) {
+    out.write(piece.data(), static_cast<std::streamsize>(piece.size()));
+  };
+  write_stream(scene, TribWriter(sink, header_text(scene, texture_names(scene))));
 }
 
 namespace {
@@ -1260,7 +1324,12 @@ void write_tri_file(const std::string& path, const Scene& scene) {
     pictures.back()->write(formatted ? texture.raw
                                      : encode_png(texture.width, texture.height, 4, texture.rgba));
   }
-  write_stream(scene, names, [&](std::string_view piece) { stream.write(piece); });
+  const auto sink = [&](std::string_view piece) { stream.write(piece); };
+  if (path.ends_with(".trib")) {
+    write_stream(scene, TribWriter(sink, header_text(scene, names)));
+  } else {
+    write_stream(scene, LineWriter(sink, header_text(scene, names)));
+  }
   for (const auto& picture : pictures) picture->commit();
   stream.commit();
 }

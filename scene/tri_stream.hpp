@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The triangle stream `.tri` (JSON Lines), the format that test benches feed. docs/formats.md describes it.
+// The triangle stream that test benches feed, `.tri` (JSON Lines) or binary, `.trib`. docs/formats.md
+// describes both.
 #pragma once
 
 #include <iosfwd>
@@ -16,8 +17,12 @@ namespace bitspan {
 
 inline constexpr double coordinate_limit = 32767;  // |x|, |y| of a vertex, pixels
 
-// Reads a stream line by line. Its memory is bounded by the longest line (1 MiB at most) and the textures.
-// Every failure is an InputError "file:line: key: what; expected ...".
+// Whether a stream is meant: by the name "-", .tri or .trib, or since the file is a binary stream.
+bool is_stream(const std::string& name);
+
+// Reads a stream line by line, or record by record: the contents say whether it is a binary one. Its memory
+// is bounded by the longest line (1 MiB at most) or block, and the textures. Every failure is an InputError
+// "file:line: key: what; expected ...", of a binary stream "file: byte N: ...".
 class TriReader {
  public:
   // Reads the header and the textures it names, relative to the file's folder. "-" reads standard input.
@@ -58,8 +63,11 @@ void check_scene(const Scene& scene, const std::string& origin);
 // Writes the stream. Each number is the shortest that reads back as the same double. Textures go by their
 // names.
 void write_tri(std::ostream& out, const Scene& scene);
-// Writes `path` and, beside it, each texture as STEM.N.png, or its texels as STEM.N.bin; the files appear
-// complete or not at all. Throws InputError where they cannot be written.
+// The same as a binary stream.
+void write_trib(std::ostream& out, const Scene& scene);
+// Writes `path`, a binary stream where it ends in .trib, and, beside it, each texture as STEM.N.png, or its
+// texels as STEM.N.bin; the files appear complete or not at all. Throws InputError where they cannot be
+// written.
 void write_tri_file(const std::string& path, const Scene& scene);
 
 }  // namespace bitspan

@@ -255,7 +255,7 @@ std::string file_beside(const std::string& path, const std::string& name) {
 
 void read_scenes(const Section& study, const std::string& path, StudyPlan& plan) {
   const std::string legal =
-      "an array of scenes: demo, floor, extreme, extreme/NAME, triangles/SIZE, streams (.tri), "
+      "an array of scenes: demo, floor, extreme, extreme/NAME, triangles/SIZE, streams (.tri, .trib), "
       "meshes";
   for (const std::string& name : study.texts("scenes", legal)) {
     if (name == "-")

@@ -2,9 +2,11 @@
 // Files of every kind that a command reads beside scenes, changed at random: each is read, or refused in one
 // line. Under the sanitizers nothing else may happen either.
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <array>
 #include <chrono>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <sstream>
@@ -107,16 +109,42 @@ std::string mutated(std::string text, Random& random) {
   return text;
 }
 
+// The bytes of each block of a binary stream, but for the last one, which is empty.
+std::vector<std::string> blocks_of(const std::string& stream) {
+  std::vector<std::string> out;
+  for (std::size_t at = 8; at + 8 < stream.size(); at += 8 + out.back().size()) {
+    std::uint32_t size = 0;
+    std::memcpy(&size, &stream[at], sizeof size);
+    out.push_back(stream.substr(at + 8, size));
+  }
+  return out;
+}
+
+std::string with_blocks(std::vector<std::string> blocks) {
+  blocks.emplace_back();
+  std::string out = "\x89TRIB1\r\n";
+  std::array<std::uint32_t, 2> head{};  // size, checksum
+  for (const std::string& block : blocks) {
+    head[0] = static_cast<std::uint32_t>(block.size());
+    head[1] = static_cast<std::uint32_t>(
+        crc32_z(head[1], reinterpret_cast<const unsigned char*>(block.data()), block.size()));
+    out.append(reinterpret_cast<const char*>(head.data()), sizeof head);
+    out += block;
+  }
+  return out;
+}
+
 using Reader = std::function<void(const std::string& text)>;
+using Change = std::function<std::string(const std::string& text, Random& random)>;
 
 // Each change of each text. Both ends must be seen: texts that are read, and texts that are refused.
-void read_mutated(const std::vector<std::string>& texts, const Reader& read) {
+void read_mutated(const std::vector<std::string>& texts, const Reader& read, const Change& change = mutated) {
   const std::size_t count = is_long_run() ? 100'000 : 500;
   std::size_t was_read = 0, refused = 0;
   double longest = 0;
   for (std::size_t i = 0; i < count; ++i) {
     Random random(i);
-    const std::string text = mutated(texts[i % texts.size()], random);
+    const std::string text = change(texts[i % texts.size()], random);
     SCOPED_TRACE(i);
     const auto start = std::chrono::steady_clock::now();
     std::string error;
@@ -189,6 +217,32 @@ TEST(MutatedFiles, Streams) {
     texts.push_back(text.str());
   }
   read_mutated(texts, [](const std::string& text) { check_scene(parse_tri(text, "a.tri"), "a.tri"); });
+}
+
+// What a block of a binary stream holds is changed, and its checksum made anew, so that the change is read.
+TEST(MutatedFiles, BinaryStreams) {
+  std::vector<std::string> texts;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Scene scene = random_scene(seed, {.width = 16,
+                                      .height = 12,
+                                      .triangles = 4,
+                                      .size_max = 16,
+                                      .textures = 0,
+                                      .command_probability = 0.5});
+    for (Vertex& v : scene.triangles[0].v) v.fog = 0.5;
+    std::ostringstream text;
+    write_trib(text, scene);
+    texts.push_back(text.str());
+  }
+  read_mutated(
+      texts, [](const std::string& text) { check_scene(parse_tri(text, "a.trib"), "a.trib"); },
+      [](const std::string& text, Random& random) {
+        if (random.chance(0.1)) return mutated(text, random);
+        std::vector<std::string> blocks = blocks_of(text);
+        std::string& block = blocks[below(random, blocks.size())];
+        block = mutated(block, random);
+        return with_blocks(blocks);
+      });
 }
 
 TEST(MutatedFiles, Commands) {

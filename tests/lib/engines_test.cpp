@@ -254,6 +254,37 @@ TEST(LibScenes, AFrameOfDynamicTextures) {
   EXPECT_NE(pictures[0], pictures[2]);
 }
 
+TEST(LibScenes, ABinaryStreamByItsContents) {
+  const TemporaryFolder folder;
+  const Scene scene = small_random(5);
+  write_tri_file(folder.path("a.trib"), scene);
+  write_tri_file(folder.path("b.tri"), read_tri(folder.path("a.trib")));
+  std::filesystem::copy_file(folder.path("a.trib"), folder.path("c.bin"));
+  const ConfigHandle config = config_handle("depth16");
+  std::vector<std::vector<std::uint8_t>> pictures;
+  for (const char* const name : {"a.trib", "b.tri", "c.bin"}) {
+    bs_scene* loaded = nullptr;
+    ASSERT_EQ(bs_scene_load(folder.path(name).c_str(), 0, 0, &loaded), BS_OK) << bs_last_error();
+    const std::unique_ptr<bs_scene, CloseHandle> handle(loaded);
+    bs_scene_desc desc = BS_SCENE_DESC_INIT;
+    ASSERT_EQ(bs_scene_get(handle.get(), &desc), BS_OK);
+    const ModelHandle model = open_model(config.get(), "model");
+    ASSERT_EQ(bs_begin(model.get(), &desc), BS_OK) << bs_last_error();
+    ASSERT_EQ(bs_draw_scene(model.get(), handle.get(), 0, scene.triangles.size(), 0, 0), BS_OK);
+    pictures.push_back(plane<std::uint8_t>(model.get(), BS_PLANE_COLOR));
+  }
+  EXPECT_EQ(pictures[0], pictures[1]);
+  EXPECT_EQ(pictures[0], pictures[2]);
+  const std::string bytes = folder.read("a.trib");
+  const std::string cut = folder.write("cut.trib", bytes.substr(0, bytes.size() / 2));
+  bs_scene* none = nullptr;
+  EXPECT_EQ(bs_scene_load(cut.c_str(), 0, 0, &none), BS_BAD_INPUT);
+  EXPECT_NE(
+      std::string(bs_last_error()).find(": byte " + std::to_string(bytes.size() / 2) + ": the file ends"),
+      std::string::npos)
+      << bs_last_error();
+}
+
 TEST(LibConfig, SetChangesWhatTheFileWouldSay) {
   const ConfigHandle config = config_handle("depth16");
   ASSERT_EQ(bs_config_set(config.get(), "formats.span.uv.word", "23"), BS_OK) << bs_last_error();

@@ -188,6 +188,16 @@ class Records(unittest.TestCase):
         with self.assertRaisesRegex(bitspan.InputError, "no dynamic textures"):
             bitspan.Scene("demo", frame=0)
 
+    def test_a_binary_stream_by_its_contents(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "a.bin"
+            subprocess.run([sys.executable, SOURCE / "examples/trib/write_trib.py", path], check=True)
+            scene = bitspan.Scene(path)
+            self.assertEqual((scene.width, scene.vertices.shape[0]), (640, 16))
+            path.write_bytes(path.read_bytes()[:1000])
+            with self.assertRaisesRegex(bitspan.InputError, "byte 1000: the file ends"):
+                bitspan.Scene(path)
+
     def test_the_picture_is_that_of_the_program(self):
         from matplotlib import image
 
