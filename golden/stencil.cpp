@@ -33,6 +33,11 @@ int made_by(StencilOp op, int s, int ref) {
   return s;
 }
 
+// What a register of the back faces stands for.
+unsigned of_face(bool own, std::int32_t back, std::int32_t front) {
+  return static_cast<unsigned>(own && back != -1 ? back : front);
+}
+
 }  // namespace
 
 bool runs_clockwise(const Config& config, const Triangle& triangle) {
@@ -44,9 +49,10 @@ bool runs_clockwise(const Config& config, const Triangle& triangle) {
 
 StencilRecord stencil(const DrawState& state, bool back, const DepthRecord& depth, std::uint8_t stored) {
   const bool own = back && state.stencil_two_sided;
-  const Byte mask(static_cast<unsigned>(state.stencil_mask));
-  const Byte write(static_cast<unsigned>(state.stencil_write));
-  const auto reference = (Byte(static_cast<unsigned>(state.stencil_ref)) & mask).to_ulong();
+  const unsigned ref = of_face(own, state.stencil_back_ref, state.stencil_ref);
+  const Byte mask(of_face(own, state.stencil_back_mask, state.stencil_mask));
+  const Byte write(of_face(own, state.stencil_back_write, state.stencil_write));
+  const auto reference = (Byte(ref) & mask).to_ulong();
   const auto value = (Byte(stored) & mask).to_ulong();
   StencilRecord out;
   out.triangle = depth.triangle;
@@ -59,7 +65,7 @@ StencilRecord stencil(const DrawState& state, bool back, const DepthRecord& dept
   if (depth.pass == 0) op = own ? state.stencil_back_zfail : state.stencil_zfail;
   if (out.pass == 0) op = own ? state.stencil_back_fail : state.stencil_fail;
   out.op = static_cast<std::int64_t>(op);
-  const Byte made(static_cast<unsigned>(made_by(op, stored, state.stencil_ref)));
+  const Byte made(static_cast<unsigned>(made_by(op, stored, static_cast<int>(ref))));
   Byte next(stored);
   for (std::size_t bit = 0; bit < next.size(); ++bit) {
     if (write[bit]) next[bit] = made[bit];

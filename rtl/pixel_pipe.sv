@@ -62,19 +62,22 @@ module pixel_pipe (
     input  logic draw_write_color_i,
     input  logic [2:0] draw_alpha_func_i,
     input  logic [7:0] draw_alpha_ref_i,
-    // The stencil test: whether there is one, what both sides of a triangle have, its front, its back.
+    // The stencil test: whether there is one, what the front of a triangle has, what its back has.
     input  logic draw_stencil_test_i,
-    input  logic [7:0] draw_stencil_ref_i,
-    input  logic [7:0] draw_stencil_mask_i,
-    input  logic [7:0] draw_stencil_write_i,
     input  logic [2:0] draw_stencil_func_i,
     input  logic [2:0] draw_stencil_fail_i,
     input  logic [2:0] draw_stencil_zfail_i,
     input  logic [2:0] draw_stencil_pass_i,
+    input  logic [7:0] draw_stencil_ref_i,
+    input  logic [7:0] draw_stencil_mask_i,
+    input  logic [7:0] draw_stencil_write_i,
     input  logic [2:0] draw_stencil_back_func_i,
     input  logic [2:0] draw_stencil_back_fail_i,
     input  logic [2:0] draw_stencil_back_zfail_i,
     input  logic [2:0] draw_stencil_back_pass_i,
+    input  logic [7:0] draw_stencil_back_ref_i,
+    input  logic [7:0] draw_stencil_back_mask_i,
+    input  logic [7:0] draw_stencil_back_write_i,
     // With MergeByEquation instead of `blend`: factors and operations by their numbers, the constant colour with red in its
     // lowest byte, the logic operation, 0 for none.
     input  logic [3:0] draw_src_i,
@@ -292,7 +295,8 @@ module pixel_pipe (
   localparam int TextureStateW = 4 + 2 * IndexW + PitchW + AddressW + 24;
   localparam int FogStateW = 2 + 24;
   localparam int BiasW = bitspan_pixel_pkg::DepthBiasW;
-  localparam int StencilStateW = 3 * 8 + 2 * 4 * 3;
+  localparam int SideW = 4 * 3 + 3 * 8;
+  localparam int StencilStateW = 2 * SideW;
   logic fate_state[Slots];
   logic [2:0] func_state[Slots];
   logic [10:0] alpha_state[Slots];
@@ -309,9 +313,10 @@ module pixel_pipe (
       alpha_state[next_slot] <= {draw_alpha_func_i, draw_alpha_ref_i};
       test_state[next_slot] <= draw_stencil_test_i;
       stencil_state[next_slot] <= {
-        draw_stencil_ref_i, draw_stencil_mask_i, draw_stencil_write_i, draw_stencil_back_func_i, draw_stencil_back_fail_i,
-        draw_stencil_back_zfail_i, draw_stencil_back_pass_i, draw_stencil_func_i, draw_stencil_fail_i,
-        draw_stencil_zfail_i, draw_stencil_pass_i
+        draw_stencil_back_func_i, draw_stencil_back_fail_i, draw_stencil_back_zfail_i, draw_stencil_back_pass_i,
+        draw_stencil_back_ref_i, draw_stencil_back_mask_i, draw_stencil_back_write_i, draw_stencil_func_i,
+        draw_stencil_fail_i, draw_stencil_zfail_i, draw_stencil_pass_i, draw_stencil_ref_i, draw_stencil_mask_i,
+        draw_stencil_write_i
       };
       fate_state[next_slot] <= draw_write_z_i;
       bias_state[next_slot] <= draw_bias_i;
@@ -448,12 +453,13 @@ module pixel_pipe (
 
     // Without a test a fragment passes, and the plane stays as it is.
     logic test, back, judged_test;
+    logic [2:0] func, fail, zfail, pass;
     logic [7:0] ref_value, mask, write;
-    logic [11:0] front_side, back_side, side;
+    logic [SideW-1:0] front_side, back_side;
     assign test = test_state[tested_slot];
-    assign {ref_value, mask, write, back_side, front_side} = stencil_state[tested_slot];
+    assign {back_side, front_side} = stencil_state[tested_slot];
     assign back = tested_rest[DepthRestW-TagW-1];
-    assign side = back ? back_side : front_side;
+    assign {func, fail, zfail, pass, ref_value, mask, write} = back ? back_side : front_side;
     stencil #(
         .RestW(1 + 8 + 2 * CoordW + HW + ZW + 1 + DepthRestW)
     ) u_stencil (
@@ -464,10 +470,10 @@ module pixel_pipe (
         .in_stored_i(tested_stencil),
         .in_z_pass_i(tested_pass),
         .in_rest_i({test, tested_stencil, tested_x, tested_y, tested_h, tested_z, tested_mark, tested_rest}),
-        .in_func_i(test ? side[11:9] : 3'b111),
-        .in_fail_i(side[8:6]),
-        .in_zfail_i(side[5:3]),
-        .in_pass_i(side[2:0]),
+        .in_func_i(test ? func : 3'b111),
+        .in_fail_i(fail),
+        .in_zfail_i(zfail),
+        .in_pass_i(pass),
         .in_ref_i(ref_value),
         .in_mask_i(mask),
         .in_write_i(write & {8{test}}),

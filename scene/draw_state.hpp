@@ -113,11 +113,14 @@ inline constexpr int texture1_limit = 65535;
   X(A, StencilOp,    stencil_fail,    "stencil.fail",    0, 0, StencilOp::keep, "where the stencil test fails")            \
   X(A, StencilOp,    stencil_zfail,   "stencil.zfail",   0, 0, StencilOp::keep, "where it passes and the depth test fails") \
   X(A, StencilOp,    stencil_pass,    "stencil.pass",    0, 0, StencilOp::keep, "where both pass")                         \
-  X(A, bool,         stencil_two_sided, "stencil.two_sided", 0, 0, false, "whether back faces have the next four of their own") \
+  X(A, bool,         stencil_two_sided, "stencil.two_sided", 0, 0, false, "whether back faces have the next seven of their own") \
   X(A, CompareFunc,  stencil_back_func, "stencil.back.func", 0, 0, CompareFunc::always, "the comparison of back faces")    \
   X(A, StencilOp,    stencil_back_fail, "stencil.back.fail", 0, 0, StencilOp::keep, "as stencil.fail, of back faces")      \
   X(A, StencilOp,    stencil_back_zfail, "stencil.back.zfail", 0, 0, StencilOp::keep, "as stencil.zfail, of back faces")   \
   X(A, StencilOp,    stencil_back_pass, "stencil.back.pass", 0, 0, StencilOp::keep, "as stencil.pass, of back faces")      \
+  X(A, std::int32_t, stencil_back_ref, "stencil.back.ref", -1, 255, -1, "as stencil.ref, of back faces; -1: they take stencil.ref") \
+  X(A, std::int32_t, stencil_back_mask, "stencil.back.mask", -1, 255, -1, "as stencil.mask, of back faces; -1: they take stencil.mask") \
+  X(A, std::int32_t, stencil_back_write, "stencil.back.write", -1, 255, -1, "as stencil.write, of back faces; -1: they take stencil.write") \
   X(A, bool,         color_write,     "color.write",     0, 0, true,  "whether a fragment's colour is stored")             \
   X(A, BlendFactor,  blend_src,       "blend.src",       0, 0, BlendFactor::src_alpha, "factor of the fragment's colour")  \
   X(A, BlendFactor,  blend_dst,       "blend.dst",       0, 0, BlendFactor::one_minus_src_alpha, "factor of the stored colour") \

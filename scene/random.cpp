@@ -155,6 +155,11 @@ namespace {
 
 // "stencil" of "stencil.back.fail".
 std::string_view unit_of_register(std::string_view key) { return key.substr(0, key.find('.')); }
+// Registers that came later than the scenes of seeds that are kept. A generator of their own draws them, so
+// that a seed of before gives the scene of before, and them besides.
+bool is_later(std::string_view key) {
+  return key == "stencil.back.ref" || key == "stencil.back.mask" || key == "stencil.back.write";
+}
 std::vector<std::string_view> units_of_registers(const RandomOptions& options) {
   std::vector<std::string_view> out;
   for (const StateRegister& r : state_registers()) {
@@ -185,7 +190,7 @@ std::int64_t random_value(Random& random, const StateRegister& r, const Scene& s
   return random.integer(r.low, r.high);
 }
 
-DrawCommand random_command(Random& random, const Scene& scene, DrawState& state,
+DrawCommand random_command(Random& random, Random& later, const Scene& scene, DrawState& state,
                            const RandomOptions& options) {
   if (random.chance(0.1)) {
     Clear clear;
@@ -217,10 +222,15 @@ DrawCommand random_command(Random& random, const Scene& scene, DrawState& state,
     }
     for (std::size_t index = 0; index < state_registers().size(); ++index) {
       const StateRegister& r = state_registers()[index];
-      if (unit_of_register(r.key) != unit || r.key == "stencil.test" || !random.chance(0.4)) continue;
+      if (unit_of_register(r.key) != unit || r.key == "stencil.test" || is_later(r.key)) continue;
+      if (!random.chance(0.4)) continue;
       if (!options.late_tests && r.key == "depth.when") continue;
       set(index, random_value(random, r, scene));
     }
+  }
+  for (std::size_t index = 0; options.later_registers && index < state_registers().size(); ++index) {
+    const StateRegister& r = state_registers()[index];
+    if (is_later(r.key) && later.chance(0.2)) set(index, random_value(later, r, scene));
   }
   try {
     state = changed_state(state, change, {});
@@ -265,13 +275,14 @@ Scene random_scene(std::uint64_t seed, const RandomOptions& options) {
   // Last, so that a scene's triangles do not depend on them.
   DrawState state = first_state({});
   Random targets(~seed);  // its own, so that nothing else of a scene depends on its targets
+  Random later(~seed ^ 0x5851f42d4c957f2d);
   const double target_probability = options.several_targets ? options.command_probability / 4 : 0;
   for (std::size_t i = 0; options.command_probability > 0 && i < scene.triangles.size(); ++i) {
     if (targets.chance(target_probability)) {
       scene.commands.push_back({.before = i, .what = Target{static_cast<int>(targets.integer(0, 2))}});
     }
     if (!random.chance(options.command_probability)) continue;
-    scene.commands.push_back(random_command(random, scene, state, options));
+    scene.commands.push_back(random_command(random, later, scene, state, options));
     scene.commands.back().before = i;
   }
   return scene;

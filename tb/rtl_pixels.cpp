@@ -91,17 +91,20 @@ StageDesign pixel_pipe_design(const Config& config, DepthWhen when) {
                                "alpha_func",
                                "alpha_ref",
                                "stencil_test",
-                               "stencil_ref",
-                               "stencil_mask",
-                               "stencil_write",
                                "stencil_func",
                                "stencil_fail",
                                "stencil_zfail",
                                "stencil_pass",
+                               "stencil_ref",
+                               "stencil_mask",
+                               "stencil_write",
                                "stencil_back_func",
                                "stencil_back_fail",
                                "stencil_back_zfail",
                                "stencil_back_pass",
+                               "stencil_back_ref",
+                               "stencil_back_mask",
+                               "stencil_back_write",
                                "src",
                                "dst",
                                "op",
@@ -199,12 +202,19 @@ std::optional<std::uint32_t> texel_at(const Scene& scene, std::span<const model:
 }
 
 RtlStencil rtl_stencil(const DrawState& s) {
-  RtlStencil out{s.stencil_test, s.stencil_ref, s.stencil_mask, s.stencil_write, {}, {}};
-  out.front = {s.stencil_func, s.stencil_fail, s.stencil_zfail, s.stencil_pass};
+  RtlStencil out;
+  out.test = s.stencil_test;
+  out.front = {s.stencil_func, s.stencil_fail, s.stencil_zfail, s.stencil_pass,
+               s.stencil_ref,  s.stencil_mask, s.stencil_write};
   out.back = out.front;
-  if (s.stencil_two_sided) {
-    out.back = {s.stencil_back_func, s.stencil_back_fail, s.stencil_back_zfail, s.stencil_back_pass};
-  }
+  if (!s.stencil_two_sided) return out;
+  out.back.func = s.stencil_back_func;
+  out.back.fail = s.stencil_back_fail;
+  out.back.zfail = s.stencil_back_zfail;
+  out.back.pass = s.stencil_back_pass;
+  if (s.stencil_back_ref >= 0) out.back.ref = s.stencil_back_ref;
+  if (s.stencil_back_mask >= 0) out.back.mask = s.stencil_back_mask;
+  if (s.stencil_back_write >= 0) out.back.write = s.stencil_back_write;
   return out;
 }
 
@@ -221,6 +231,8 @@ void add_side(StageValues& values, const RtlStencilSide& side) {
   values.push_back(compare_bits(side.func));
   for (const StencilOp op : {side.fail, side.zfail, side.pass})
     values.push_back(static_cast<std::uint64_t>(op));
+  for (const std::int32_t byte : {side.ref, side.mask, side.write})
+    values.push_back(static_cast<std::uint64_t>(byte));
 }
 
 }  // namespace
@@ -256,10 +268,7 @@ StageValues draw_values(const Config& config, const RtlDraw& s) {
                      bit(s.write_color),
                      compare_bits(s.alpha_func),
                      static_cast<std::uint64_t>(s.alpha_ref),
-                     bit(s.stencil.test),
-                     static_cast<std::uint64_t>(s.stencil.ref),
-                     static_cast<std::uint64_t>(s.stencil.mask),
-                     static_cast<std::uint64_t>(s.stencil.write)};
+                     bit(s.stencil.test)};
   add_side(values, s.stencil.front);
   add_side(values, s.stencil.back);
   values.insert(values.end(),

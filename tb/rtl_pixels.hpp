@@ -55,10 +55,10 @@ std::optional<std::uint32_t> texel_at(const Scene& scene, std::span<const model:
 struct RtlStencilSide {
   CompareFunc func = CompareFunc::always;
   StencilOp fail = StencilOp::keep, zfail = StencilOp::keep, pass = StencilOp::keep;
+  std::int32_t ref = 0, mask = 255, write = 255;
 };
 struct RtlStencil {
   bool test = false;
-  std::int32_t ref = 0, mask = 255, write = 255;
   RtlStencilSide front, back;
 };
 RtlStencil rtl_stencil(const DrawState& state);

@@ -39,13 +39,18 @@ std::int64_t applied(StencilOp op, std::int64_t stored, std::int64_t ref) {
 StencilStage prepare_stencil(const DrawState& state) {
   StencilStage s;
   s.test = state.stencil_test;
-  s.ref = state.stencil_ref;
-  s.mask = state.stencil_mask;
-  s.write = state.stencil_write;
-  s.side[0] = {state.stencil_func, state.stencil_fail, state.stencil_zfail, state.stencil_pass};
-  s.side[1] = state.stencil_two_sided ? StencilSide{state.stencil_back_func, state.stencil_back_fail,
-                                                    state.stencil_back_zfail, state.stencil_back_pass}
-                                      : s.side[0];
+  StencilSide& front = s.side[0];
+  front = {state.stencil_func, state.stencil_fail, state.stencil_zfail, state.stencil_pass,
+           state.stencil_ref,  state.stencil_mask, state.stencil_write};
+  const auto own = [](std::int64_t value, std::int64_t of_front) { return value < 0 ? of_front : value; };
+  s.side[1] = state.stencil_two_sided ? StencilSide{state.stencil_back_func,
+                                                    state.stencil_back_fail,
+                                                    state.stencil_back_zfail,
+                                                    state.stencil_back_pass,
+                                                    own(state.stencil_back_ref, front.ref),
+                                                    own(state.stencil_back_mask, front.mask),
+                                                    own(state.stencil_back_write, front.write)}
+                                      : front;
   return s;
 }
 
@@ -62,7 +67,7 @@ bool is_back_face(const SetupStage& stage, const Triangle& triangle) {
 bool stencil(const StencilStage& stage, bool back, const DepthRecord& depth, std::uint8_t stored,
              StencilRecord& out) {
   const StencilSide& side = stage.side[back ? 1 : 0];
-  const bool pass = compares<std::int64_t>(side.func, stage.ref & stage.mask, stored & stage.mask);
+  const bool pass = compares<std::int64_t>(side.func, side.ref & side.mask, stored & side.mask);
   const StencilOp op = !pass ? side.fail : depth.pass == 0 ? side.zfail : side.pass;
   out.triangle = depth.triangle;
   out.x = depth.x;
@@ -71,7 +76,7 @@ bool stencil(const StencilStage& stage, bool back, const DepthRecord& depth, std
   out.stored = stored;
   out.pass = pass ? 1 : 0;
   out.op = static_cast<std::int64_t>(op);
-  out.value = (stored & ~stage.write) | (applied(op, stored, stage.ref) & stage.write);
+  out.value = (stored & ~side.write) | (applied(op, stored, side.ref) & side.write);
   return pass && depth.pass == 1;
 }
 

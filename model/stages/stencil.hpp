@@ -15,10 +15,10 @@ namespace bitspan::model {
 struct StencilSide {
   CompareFunc func = CompareFunc::always;
   StencilOp fail = StencilOp::keep, zfail = StencilOp::keep, pass = StencilOp::keep;
+  std::int64_t ref = 0, mask = 255, write = 255;
 };
 struct StencilStage {
   bool test = false;
-  std::int64_t ref = 0, mask = 255, write = 255;
   std::array<StencilSide, 2> side;  // front, back
 };
 StencilStage prepare_stencil(const DrawState& state);

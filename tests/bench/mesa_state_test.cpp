@@ -113,12 +113,15 @@ void apply(const DrawState& s) {
   set_stipple(s.stipple);
   glAlphaFunc(gl(gl_compare, s.alpha_func), share(s.alpha_ref));
   enable(GL_STENCIL_TEST, s.stencil_test);
-  glStencilMask(static_cast<GLuint>(s.stencil_write));
-  const auto mask = static_cast<GLuint>(s.stencil_mask);
   const bool two = s.stencil_two_sided;
-  glStencilFuncSeparate(GL_FRONT, gl(gl_compare, s.stencil_func), s.stencil_ref, mask);
-  glStencilFuncSeparate(GL_BACK, gl(gl_compare, two ? s.stencil_back_func : s.stencil_func), s.stencil_ref,
-                        mask);
+  const auto of_back = [&](int back, int front) { return two && back >= 0 ? back : front; };
+  glStencilMaskSeparate(GL_FRONT, static_cast<GLuint>(s.stencil_write));
+  glStencilMaskSeparate(GL_BACK, static_cast<GLuint>(of_back(s.stencil_back_write, s.stencil_write)));
+  glStencilFuncSeparate(GL_FRONT, gl(gl_compare, s.stencil_func), s.stencil_ref,
+                        static_cast<GLuint>(s.stencil_mask));
+  glStencilFuncSeparate(GL_BACK, gl(gl_compare, two ? s.stencil_back_func : s.stencil_func),
+                        of_back(s.stencil_back_ref, s.stencil_ref),
+                        static_cast<GLuint>(of_back(s.stencil_back_mask, s.stencil_mask)));
   glStencilOpSeparate(GL_FRONT, gl(gl_stencil_op, s.stencil_fail), gl(gl_stencil_op, s.stencil_zfail),
                       gl(gl_stencil_op, s.stencil_pass));
   glStencilOpSeparate(GL_BACK, gl(gl_stencil_op, two ? s.stencil_back_fail : s.stencil_fail),
@@ -385,6 +388,12 @@ void draw_stencil(Random& random, DrawState& s) {
                         &s.stencil_back_zfail, &s.stencil_back_pass}) {
     draw_enum(random, *op);
   }
+  // Of a generator of their own, so that the other registers are those of before.
+  Random own(static_cast<std::uint64_t>((s.stencil_ref * 256 + s.stencil_mask) * 256 + s.stencil_write));
+  for (std::int32_t* of_back : {&s.stencil_back_ref, &s.stencil_back_mask, &s.stencil_back_write}) {
+    if (own.chance(0.5))
+      *of_back = own.chance(0.5) ? draw_code(own) : static_cast<std::int32_t>(own.integer(0, 3));
+  }
 }
 void draw_blend(Random& random, DrawState& s) {
   for (BlendFactor* f : {&s.blend_src, &s.blend_dst, &s.blend_alpha_src, &s.blend_alpha_dst})
@@ -597,6 +606,9 @@ TEST(MesaState, Stencil) {
     expect_all(tally, {"stencil.test", "stencil.func", "stencil.fail", "stencil.zfail", "stencil.pass",
                        "stencil.two_sided", "stencil.back.func", "stencil.back.fail", "stencil.back.zfail",
                        "stencil.back.pass"});
+    for (const char* key : {"stencil.back.ref", "stencil.back.mask", "stencil.back.write"}) {
+      EXPECT_GT(tally.seen.at(*find_state_register(key)).size(), 10U) << key;
+    }
     EXPECT_GT(tally.stencil_written, tally.pixels / 3);
   }
 }

@@ -90,6 +90,7 @@ RandomOptions random_states(double command_probability) {
   options.late_tests = false;
   options.second_texture = false;
   options.targets = false;
+  options.later_registers = false;
   options.several_targets = false;
   return options;
 }

@@ -83,16 +83,34 @@ void for_each_record(const Visit& visit) {
 #undef BITSPAN_VISIT
 }
 
+// Registers that came between those that the digests count by their places.
+bool came_between(std::string_view key) {
+  return key == "stencil.back.ref" || key == "stencil.back.mask" || key == "stencil.back.write";
+}
+
 // A change of state holds registers that are younger than the digests: those from target.format on enter one
-// where they do not hold their first value, with their place.
+// where they do not hold their first value, with their place. So do those that came between, behind all
+// others.
 std::vector<std::int64_t> digested_values(const StateRecord& record) {
   const std::span<const std::int64_t> all = raw_values(record);
   const std::vector<std::int64_t> first = state_values(first_state({}));
-  const std::size_t young = 1 + *find_state_register("target.format");  // behind the triangle
-  std::vector<std::int64_t> out(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(young));
-  for (std::size_t i = young; i < all.size(); ++i) {
-    if (all[i] != first[i - 1]) out.insert(out.end(), {static_cast<std::int64_t>(i), all[i]});
+  std::vector<std::int64_t> out{all[0]};  // the triangle
+  std::vector<std::int64_t> between;
+  std::int64_t place = 0;
+  bool is_young = false;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    const std::string_view key = state_registers()[i - 1].key;
+    const bool is_first = all[i] == first[i - 1];
+    if (came_between(key)) {
+      if (!is_first) between.insert(between.end(), {static_cast<std::int64_t>(all.size() + i), all[i]});
+      continue;
+    }
+    ++place;
+    is_young = is_young || key == "target.format";
+    if (!is_young) out.push_back(all[i]);
+    if (is_young && !is_first) out.insert(out.end(), {place, all[i]});
   }
+  out.insert(out.end(), between.begin(), between.end());
   return out;
 }
 template <class Record>

@@ -291,6 +291,10 @@ void add_tests(Random& random, StateChange& change, bool& is_late) {
     if (random() % 3 == 0) change.settings.push_back(setting(key, random() % 2 == 0 ? below(4) : below(256)));
   }
   if (random() % 2 == 0) change.settings.push_back(setting("stencil.two_sided", below(2)));
+  for (const char* key : {"stencil.back.ref", "stencil.back.mask", "stencil.back.write"}) {
+    if (random() % 3 == 0)
+      change.settings.push_back(setting(key, random() % 2 == 0 ? below(4) - 1 : below(256)));
+  }
 }
 
 // A new blend, which rtl.blend = equation has.

@@ -77,7 +77,8 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
          setting("stencil.pass", StencilOp::increment), setting("stencil.two_sided", 1),
          setting("stencil.back.func", CompareFunc::not_equal),
          setting("stencil.back.zfail", StencilOp::increment_wrap),
-         setting("stencil.back.pass", StencilOp::decrement_wrap)}};
+         setting("stencil.back.pass", StencilOp::decrement_wrap), setting("stencil.back.ref", 3),
+         setting("stencil.back.write", 0x7f)}};
     p.scene.commands.insert(p.scene.commands.begin(), DrawCommand{0, change});
   }
   if (!stops_at_edge(c.wrap)) continue_textures(p.scene);
@@ -182,13 +183,14 @@ RtlStencil random_stencil(Random& random) {
     const auto op = [&] { return static_cast<StencilOp>(random() % enum_names<StencilOp>.size()); };
     const auto func = random() % 2 == 0 ? CompareFunc::always
                                         : static_cast<CompareFunc>(random() % enum_names<CompareFunc>.size());
-    return RtlStencilSide{func, op(), op(), op()};
+    RtlStencilSide made{func, op(), op(), op()};
+    made.ref = byte();
+    if (random() % 2 == 0) made.mask = byte();
+    if (random() % 2 == 0) made.write = byte();
+    return made;
   };
   RtlStencil s;
   s.test = random() % 10 < 7;  // the others stand at the ports, and are not to be read
-  s.ref = byte();
-  if (random() % 2 == 0) s.mask = byte();
-  if (random() % 2 == 0) s.write = byte();
   s.front = side();
   s.back = random() % 2 == 0 ? s.front : side();
   return s;
@@ -197,11 +199,10 @@ RtlStencil random_stencil(Random& random) {
 model::StencilStage modelled(const RtlStencil& s) {
   model::StencilStage stage;
   stage.test = s.test;
-  stage.ref = s.ref;
-  stage.mask = s.mask;
-  stage.write = s.write;
-  stage.side[0] = {s.front.func, s.front.fail, s.front.zfail, s.front.pass};
-  stage.side[1] = {s.back.func, s.back.fail, s.back.zfail, s.back.pass};
+  const auto side = [](const RtlStencilSide& of) {
+    return model::StencilSide{of.func, of.fail, of.zfail, of.pass, of.ref, of.mask, of.write};
+  };
+  stage.side = {side(s.front), side(s.back)};
   return stage;
 }
 

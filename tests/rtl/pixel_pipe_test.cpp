@@ -349,8 +349,11 @@ TEST(PixelPipe, PlantedBugsAreSeenWithLateTests) {
   constexpr PlantedBug bugs[] = {
       {"rtl/pixel_pipe.sv", "assign depth_valid = textured_valid && !killed;",
        "assign depth_valid = textured_valid;"},
-      {"rtl/pixel_pipe.sv", "assign side = back ? back_side : front_side;", "assign side = front_side;"},
-      {"rtl/pixel_pipe.sv", ".in_func_i(test ? side[11:9] : 3'b111),", ".in_func_i(side[11:9]),"},
+      {"rtl/pixel_pipe.sv",
+       "assign {func, fail, zfail, pass, ref_value, mask, write} = back ? back_side : front_side;",
+       "assign {func, fail, zfail, pass, ref_value, mask, write} = {back ? back_side[SideW-1-:12] : "
+       "front_side[SideW-1-:12], front_side[23:0]};"},
+      {"rtl/pixel_pipe.sv", ".in_func_i(test ? func : 3'b111),", ".in_func_i(func),"},
       {"rtl/pixel_pipe.sv", ".in_write_i(write & {8{test}}),", ".in_write_i(write),"},
       {"rtl/pixel_pipe.sv", "assign fate_write[1] = judged_stencil != stencil_record_stored_o;",
        "assign fate_write[1] = lives;"},

@@ -65,13 +65,13 @@ StencilRun run_stencil(Random& random, std::size_t count, const StageStalls& sta
   const auto make = [&](std::uint64_t number) -> Exchange {
     model::StencilStage stage;
     stage.test = true;
-    stage.ref = random_byte(random);
-    stage.mask = random() % 2 == 0 ? 255 : random_byte(random);
-    stage.write = random() % 2 == 0 ? 255 : random_byte(random);
+    const int ref = random_byte(random);
+    const int mask = random() % 2 == 0 ? 255 : random_byte(random);
+    const int write = random() % 2 == 0 ? 255 : random_byte(random);
     const auto op = [&] { return static_cast<StencilOp>(random() % enum_names<StencilOp>.size()); };
     const auto func = static_cast<CompareFunc>(random() % enum_names<CompareFunc>.size());
-    stage.side[0] = {func, op(), op(), op()};
-    const int stored = random() % 4 == 0 ? static_cast<int>(stage.ref) : random_byte(random);
+    stage.side[0] = {func, op(), op(), op(), ref, mask, write};
+    const int stored = random() % 4 == 0 ? ref : random_byte(random);
     const DepthRecord z{.pass = static_cast<std::int64_t>(random() % 2)};
     StencilRecord s;
     const bool go = model::stencil(stage, false, z, static_cast<std::uint8_t>(stored), s);
@@ -79,7 +79,7 @@ StencilRun run_stencil(Random& random, std::size_t count, const StageStalls& sta
     const auto bits = [](auto v) { return static_cast<std::uint64_t>(v); };
     const model::StencilSide& side = stage.side[0];
     return {{bits(stored), bits(z.pass), port_of(func), bits(side.fail), bits(side.zfail), bits(side.pass),
-             bits(stage.ref), bits(stage.mask), bits(stage.write), number},
+             bits(ref), bits(mask), bits(write), number},
             {bits(s.pass), bits(s.op), bits(s.value), bits(go), number}};
   };
   static_cast<UnitRun&>(r) = run_unit(bench, unit, count, make);

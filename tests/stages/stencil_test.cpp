@@ -113,6 +113,43 @@ TEST(Stencil, ByHand) {
   EXPECT_EQ(golden::stencil(state, true, depth, 0x1f).value, 0x0f);
 }
 
+// Each of the three alone, over the front's values and in a one-sided state, where none of them counts.
+TEST(Stencil, BackFacesTakeTheirOwnReferenceAndMasks) {
+  DrawState state = first_state({});
+  state.stencil_test = state.stencil_two_sided = true;
+  state.stencil_ref = 0x35;
+  state.stencil_mask = 0x0f;
+  state.stencil_write = 0xf0;
+  state.stencil_func = state.stencil_back_func = CompareFunc::equal;
+  state.stencil_pass = state.stencil_back_pass = StencilOp::replace;
+  state.stencil_fail = state.stencil_back_fail = StencilOp::invert;
+  const DepthRecord depth{.pass = 1};
+  const auto expect = [&](bool back, std::uint8_t stored, int pass, int value) {
+    StencilRecord out;
+    model::stencil(model::prepare_stencil(state), back, depth, stored, out);
+    EXPECT_EQ(out, golden::stencil(state, back, depth, stored));
+    EXPECT_EQ(out.pass, pass) << int{stored};
+    EXPECT_EQ(out.value, value) << int{stored};
+  };
+  // 5 = 5: the upper half of 0x35 is written.
+  expect(false, 0x85, 1, 0x35);
+  expect(true, 0x85, 1, 0x35);
+  state.stencil_back_ref = 0x46;  // 6 is not 5: the upper half of 0x7a
+  expect(true, 0x85, 0, 0x75);
+  expect(true, 0x86, 1, 0x46);
+  expect(false, 0x85, 1, 0x35);
+  state.stencil_back_mask = 0xff;
+  expect(true, 0x86, 0, 0x76);
+  expect(true, 0x46, 1, 0x46);
+  state.stencil_back_write = 0x01;
+  expect(true, 0x86, 0, 0x87);  // the lowest bit of 0x79
+  state.stencil_back_mask = 0;
+  state.stencil_back_ref = 0;
+  expect(true, 0xff, 1, 0xfe);
+  state.stencil_two_sided = false;
+  expect(true, 0x85, 1, 0x35);
+}
+
 TEST(Stencil, FacingFollowsTheOrderOfInput) {
   const Config config = shipped_config("depth16");
   Triangle t;
