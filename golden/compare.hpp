@@ -19,4 +19,7 @@ bool holds(CompareFunc func, T v, T reference) {
   return below || same || above;
 }
 
+// Whether a fragment whose alpha is 0 is killed.
+inline bool kills_zero(const DrawState& state) { return state.alpha_zero == AlphaZero::kill; }
+
 }  // namespace bitspan::golden

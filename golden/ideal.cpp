@@ -402,7 +402,7 @@ IdealFragment shade(const Config& config, const DrawState& state, const Scene& s
   out.alpha = out.texel[3] * point.shade[3];
   for (std::size_t c = 0; c < 3; ++c) out.color[c] = out.texel[c] * point.shade[c];
   if (has_second_texture(state)) combine(config, state, scene, levels, out);
-  out.killed = out.killed || out.alpha == 0;
+  out.killed = out.killed || (golden::kills_zero(state) && out.alpha == 0);
   out.fog_factor = fog_factor(config, scene, point);
   for (std::size_t c = 0; c < 3; ++c) {
     const double fog = scene.fog ? scene.fog->color[c] : 0;

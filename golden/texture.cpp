@@ -120,7 +120,7 @@ class Texturing : Sampling<Real> {
     out.g = q_color_.raw(q_color_(texel[1] * shade[1]));
     out.b = q_color_.raw(q_color_(texel[2] * shade[2]));
     out.a = q_alpha_.raw(alpha);
-    out.killed = killed || (alpha == 0 && !has_second_texture(state)) ? 1 : 0;
+    out.killed = killed || (kills_zero(state) && alpha == 0 && !has_second_texture(state)) ? 1 : 0;
   }
 
   // All of them over columns, or false; what it has written by then, one() writes again.
@@ -157,9 +157,9 @@ class Texturing : Sampling<Real> {
         for (std::size_t i = 0; i < n; ++i) out[i].*texels[c] = static_cast<std::int64_t>(v[c].at[i]);
         for (std::size_t i = 0; i < n; ++i) out[i].*results[c] = static_cast<std::int64_t>(result.at[i]);
       }
-      const bool last = !has_second_texture(state);
+      const bool kills = kills_zero(state) && !has_second_texture(state);
       for (std::size_t i = 0; i < n; ++i) {
-        out[i].killed = dead[i] != 0 || (last && out[i].a == 0) ? 1 : 0;
+        out[i].killed = dead[i] != 0 || (kills && out[i].a == 0) ? 1 : 0;
       }
       return true;
     }

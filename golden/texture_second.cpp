@@ -92,7 +92,7 @@ class SecondTexturing : Sampling<Real> {
     out.g = color[1];
     out.b = color[2];
     out.a = q_alpha_.raw(alpha);
-    out.killed = alpha == 0 || !passes_alpha_test(state, alpha_format_, out.a) ? 1 : 0;
+    out.killed = (kills_zero(state) && alpha == 0) || !passes_alpha_test(state, alpha_format_, out.a) ? 1 : 0;
   }
   Real narrowed(const CombinedColor<Real>& sum) const {
     if (!sum.saturates) return q_color_.sum(sum.a * sum.by_a, sum.b * sum.by_b);

@@ -119,6 +119,7 @@ void set_state(Pipeline& pipeline, const Scene& scene, const DrawState& state) {
   pipeline.depth.func = state.depth_func;
   pipeline.depth.bias = state.depth_bias;
   pipeline.texture.alpha_test = alpha_test_of(state.alpha_func, state.alpha_ref, pipeline.texture.alpha);
+  pipeline.texture.kills_zero = state.alpha_zero == AlphaZero::kill;
   pipeline.texture.chroma = chroma_of(state);
   pipeline.texture.is_last = !has_second_texture(state);
   set_texture_second(pipeline.texture_second, state, texture_of(scene, state.texture1));

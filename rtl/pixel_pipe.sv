@@ -62,6 +62,7 @@ module pixel_pipe (
     input  logic draw_write_color_i,
     input  logic [2:0] draw_alpha_func_i,
     input  logic [7:0] draw_alpha_ref_i,
+    input  logic draw_alpha_zero_i,
     // The stencil test: whether there is one, what the front of a triangle has, what its back has.
     input  logic draw_stencil_test_i,
     input  logic [2:0] draw_stencil_func_i,
@@ -299,7 +300,7 @@ module pixel_pipe (
   localparam int StencilStateW = 2 * SideW;
   logic fate_state[Slots];
   logic [2:0] func_state[Slots];
-  logic [10:0] alpha_state[Slots];
+  logic [11:0] alpha_state[Slots];
   logic test_state[Slots];
   logic [StencilStateW-1:0] stencil_state[Slots];
   logic [BiasW-1:0] bias_state[Slots];
@@ -310,7 +311,7 @@ module pixel_pipe (
     if (draw_taken) begin
       func_q <= draw_func_i;
       func_state[next_slot] <= draw_func_i;
-      alpha_state[next_slot] <= {draw_alpha_func_i, draw_alpha_ref_i};
+      alpha_state[next_slot] <= {draw_alpha_func_i, draw_alpha_ref_i, draw_alpha_zero_i};
       test_state[next_slot] <= draw_stencil_test_i;
       stencil_state[next_slot] <= {
         draw_stencil_back_func_i, draw_stencil_back_fail_i, draw_stencil_back_zfail_i, draw_stencil_back_pass_i,
@@ -713,8 +714,9 @@ module pixel_pipe (
   // The alpha test looks its part up where a fragment leaves the stage.
   logic [2:0] alpha_func;
   logic [7:0] alpha_ref;
+  logic alpha_keeps_zero;
   logic [TextureRestW-1:0] alpha_rest;
-  assign {alpha_func, alpha_ref} = alpha_state[alpha_rest[TextureRestW-1-:SlotW]];
+  assign {alpha_func, alpha_ref, alpha_keeps_zero} = alpha_state[alpha_rest[TextureRestW-1-:SlotW]];
   logic unused_alpha_rest;
   assign unused_alpha_rest = ^alpha_rest[TextureRestW-SlotW-1:0];
   texture #(
@@ -744,6 +746,7 @@ module pixel_pipe (
       .in_reserved_i(reserved),
       .alpha_func_i(alpha_func),
       .alpha_ref_i(alpha_ref),
+      .alpha_keeps_zero_i(alpha_keeps_zero),
       .alpha_rest_o(alpha_rest),
       .request0_valid_o(texel0_request_valid_o),
       .request0_ready_i(texel0_request_ready_i),

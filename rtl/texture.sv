@@ -55,6 +55,8 @@ module texture #(
     // is less than the reference, bit 1 where it is equal, bit 2 where it is greater.
     input  logic [2:0] alpha_func_i,
     input  logic [7:0] alpha_ref_i,
+    // Whether alpha 0 leaves it alive; on the same clock.
+    input  logic alpha_keeps_zero_i,
     output logic [RestW-1:0] alpha_rest_o,
     output logic request0_valid_o,
     input  logic request0_ready_i,
@@ -824,6 +826,7 @@ module texture #(
   localparam int Digits = 8 * Copies;
   logic [2:0] alpha_func_1, alpha_func_2, alpha_func_3;
   logic [7:0] alpha_ref_1;
+  logic keeps_zero_1, keeps_zero_2, keeps_zero_3;
   logic ref_is_zero_2, ref_is_last_2, ref_is_last_3;
   logic signed [CompareAlphaW-1:0] alpha_least_q[2];
   always_ff @(posedge clk_i) begin
@@ -832,6 +835,9 @@ module texture #(
       alpha_func_2 <= alpha_func_1;
       alpha_func_3 <= alpha_func_2;
       alpha_ref_1 <= alpha_ref_i;
+      keeps_zero_1 <= alpha_keeps_zero_i;
+      keeps_zero_2 <= keeps_zero_1;
+      keeps_zero_3 <= keeps_zero_2;
       ref_is_zero_2 <= alpha_ref_1 == '0;
       ref_is_last_2 <= &alpha_ref_1;
       ref_is_last_3 <= ref_is_last_2;
@@ -898,7 +904,7 @@ module texture #(
       .in_valid_i(shade_valid_q[ShadeClocks-1]),
       .in_ready_o(shade_en),
       .in_i({beside_out, texels_out, color_q[0], color_q[1], color_q[2], alpha_q,
-             hole_out || alpha_q == '0 || !alpha_passes, rest_out}),
+             hole_out || (alpha_q == '0 && !keeps_zero_3) || !alpha_passes, rest_out}),
       .out_valid_o,
       .out_ready_i,
       .out_o({out_i_o, out_j_o, out_ex_o, out_ey_o, out_texel_a_o, out_texel_b_o, out_texel_g_o, out_texel_r_o,

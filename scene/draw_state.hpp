@@ -55,6 +55,9 @@ inline constexpr auto enum_names<LogicOp> = std::to_array<std::string_view>(
     {"none", "clear", "and", "and_reverse", "copy", "and_inverted", "noop", "xor", "or", "nor", "equiv",
      "invert", "or_reverse", "copy_inverted", "or_inverted", "nand", "set"});
 
+// What alpha 0 does to a fragment.
+BITSPAN_ENUM(AlphaZero, kill, keep);
+
 // What the picture can hold: its channels from the high bit down, and their bits.
 BITSPAN_ENUM(TargetFormat, rgba8888, rgb565, argb1555, argb4444, rgb332);
 // How a channel with fewer than 8 bits takes a code. `sst1_4` and `sst1_2` are the tables of the 3dfx SST-1.
@@ -105,6 +108,7 @@ inline constexpr int texture1_limit = 65535;
   X(A, std::int64_t, stipple,         "stipple",         0, 0xffffffff, 0xffffffff, "bit 8 (y mod 4) + (x mod 8) is 1 where a pixel is drawn") \
   X(A, CompareFunc,  alpha_func,      "alpha.func",      0, 0, CompareFunc::always, "the alpha test: a fragment's alpha against alpha.ref") \
   X(A, std::int32_t, alpha_ref,       "alpha.ref",       0, 255, 0, "alpha code that the alpha test compares with")        \
+  X(A, AlphaZero,    alpha_zero,      "alpha.zero",      0, 0, AlphaZero::kill, "whether alpha 0 kills a fragment")     \
   X(A, bool,         stencil_test,    "stencil.test",    0, 0, false, "whether fragments are tested against the stencil plane") \
   X(A, std::int32_t, stencil_ref,     "stencil.ref",     0, 255, 0, "stencil value that the test compares with the plane's") \
   X(A, std::int32_t, stencil_mask,    "stencil.mask",    0, 255, 255, "bits of both values that are compared")             \

@@ -158,7 +158,8 @@ std::string_view unit_of_register(std::string_view key) { return key.substr(0, k
 // Registers that came later than the scenes of seeds that are kept. A generator of their own draws them, so
 // that a seed of before gives the scene of before, and them besides.
 bool is_later(std::string_view key) {
-  return key == "stencil.back.ref" || key == "stencil.back.mask" || key == "stencil.back.write";
+  return key == "alpha.zero" || key == "stencil.back.ref" || key == "stencil.back.mask" ||
+         key == "stencil.back.write";
 }
 std::vector<std::string_view> units_of_registers(const RandomOptions& options) {
   std::vector<std::string_view> out;

@@ -90,6 +90,7 @@ StageDesign pixel_pipe_design(const Config& config, DepthWhen when) {
                                "write_color",
                                "alpha_func",
                                "alpha_ref",
+                               "alpha_zero",
                                "stencil_test",
                                "stencil_func",
                                "stencil_fail",
@@ -268,6 +269,7 @@ StageValues draw_values(const Config& config, const RtlDraw& s) {
                      bit(s.write_color),
                      compare_bits(s.alpha_func),
                      static_cast<std::uint64_t>(s.alpha_ref),
+                     bit(s.alpha_zero == AlphaZero::keep),
                      bit(s.stencil.test)};
   add_side(values, s.stencil.front);
   add_side(values, s.stencil.back);
@@ -519,6 +521,7 @@ struct RtlPixels::Pipe {
                   .equation = model::blend_of(s),
                   .alpha_func = s.alpha_func,
                   .alpha_ref = s.alpha_ref,
+                  .alpha_zero = s.alpha_zero,
                   .stencil = rtl_stencil(s)};
     untextured_draw = draw_values(config, state);
     textured_draws.clear();

@@ -78,6 +78,7 @@ struct RtlDraw {
   model::Blend equation{};  // with rtl.blend = equation, in place of `blend`
   CompareFunc alpha_func = CompareFunc::always;
   std::int32_t alpha_ref = 0;
+  AlphaZero alpha_zero = AlphaZero::kill;
   RtlStencil stencil{};       // read where the tests are late
   GradientRecord gradient{};  // of the triangle, where lod takes it
 };

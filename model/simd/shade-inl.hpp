@@ -481,7 +481,8 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, c
         const Textured<V> other = found<Int>(unit.fetch, units.images[1], second, second_coarser,
                                              units.shares[1] + at, u, v, watch);
         combine<Int>(unit, other.texel, ShareOfColor<Int>{plan, unit.fetch}, texel.color, watch);
-        texel.killed = killed_first | (texel.color[3] == V(0));
+        texel.killed = killed_first;
+        if (unit.fetch.kills_zero) texel.killed = texel.killed | (texel.color[3] == V(0));
       }
       texel.killed = texel.killed | !passes_alpha_test(stage.alpha, stage.alpha_test, texel.color[3]);
     } else {

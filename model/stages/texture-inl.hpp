@@ -285,7 +285,7 @@ HWY_INLINE void colour(const TextureStage& stage, const std::array<ValueOf<Int>,
     out.color[c] =
         quantize(Int(out.texel[c]) * Int(shade[c]), from.fraction + stage.shade.fraction, to, watch);
   }
-  out.killed = out.killed | (out.color[3] == V(0));
+  if (stage.kills_zero) out.killed = out.killed | (out.color[3] == V(0));
 }
 
 template <class Int, class Image, class Watch>

@@ -47,7 +47,8 @@ struct TextureStage {
   Register uv, shade;       // formats of the fragment
   Register frac, mix, color, alpha;
   AlphaTest alpha_test;
-  bool is_last = true;  // no second unit behind it, so that alpha 0 and the alpha test kill here
+  bool kills_zero = true;  // alpha.zero
+  bool is_last = true;     // no second unit behind it, so that alpha 0 and the alpha test kill here
   bool mixes_levels = false;
   Register share;  // of the coarser level
   bool operator==(const TextureStage&) const = default;

@@ -21,6 +21,7 @@ TextureSecondStage prepare_texture_second(const Config& config) {
 
 void set_texture_second(TextureSecondStage& stage, const DrawState& state, const Texture* image) {
   stage.image = image;
+  stage.fetch.kills_zero = state.alpha_zero == AlphaZero::kill;
   stage.fetch.alpha_test = alpha_test_of(state.alpha_func, state.alpha_ref, stage.fetch.alpha);
   stage.op = state.texture1_op;
   stage.scale = state.texture1_scale;
@@ -47,7 +48,7 @@ bool texture_second(const TextureSecondStage& stage, const MipChain* chain, cons
   std::array<std::int64_t, 4> color{first.r, first.g, first.b, first.a};
   HWY_NAMESPACE::combine<int128>(stage, found.texel, share, color, watch);
   const auto& [r, g, b, a] = color;
-  const bool killed = a == 0 || !passes_alpha_test(f, a);
+  const bool killed = (f.kills_zero && a == 0) || !passes_alpha_test(f, a);
   out = {fragment.triangle,
          fragment.x,
          fragment.y,

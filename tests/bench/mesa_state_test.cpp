@@ -5,7 +5,7 @@
 // have their centres inside the same triangles of the scene, of which there is at least one. So no rule of
 // the edges counts, and every other pixel does. All vertices lie on the grid of 1/16 pixel, and depths are
 // constant per triangle and equal, or so far apart that no rounding changes their order. bitspan draws no
-// fragment of alpha 0, which OpenGL does; so there is none.
+// fragment of alpha 0, which OpenGL does; so there is none but with alpha.zero = keep.
 //
 // BITSPAN_SEED is another seed. BITSPAN_SHOW prints pixels that differ.
 #define GL_GLEXT_PROTOTYPES
@@ -305,7 +305,7 @@ double random_code(Random& random, std::int64_t low) {
   return static_cast<double>(random.integer(low, 255)) / 255;
 }
 
-// is_flat: one colour, of exact codes. Alpha is never 0: bitspan draws no such fragment.
+// is_flat: one colour, of exact codes. Alpha is never 0: at first bitspan draws no such fragment.
 void color(Random& random, Triangle& t, bool is_flat) {
   constexpr std::int64_t least_alpha = 4;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -435,6 +435,7 @@ struct Kind {
   std::function<void(Random&, DrawState&)> registers;
   // Only one triangle of a pixel has these registers, over others whose colours are exact codes.
   bool is_single = false;
+  bool has_zero_alpha = false;  // every other triangle has alpha 0, and alpha.zero is keep
 };
 
 Case make_case(const Kind& kind, Random& random, std::uint64_t number, const Config& config) {
@@ -450,10 +451,14 @@ Case make_case(const Kind& kind, Random& random, std::uint64_t number, const Con
   first.depth_func = kind.is_single ? DepthFunc::always : DepthFunc::less;
   first.blend_src = first.blend_alpha_src = BlendFactor::one;
   first.blend_dst = first.blend_alpha_dst = BlendFactor::zero;
+  if (kind.has_zero_alpha) first.alpha_zero = AlphaZero::keep;
   scene.commands.push_back({0, change_to(first)});
   const int triangles = kind.is_single ? below + 1 : above;
   for (int i = 0; i < triangles; ++i) {
     scene.triangles.push_back(random_triangle(random, kind.is_flat || (kind.is_single && i < below)));
+  }
+  for (std::size_t i = 0; kind.has_zero_alpha && i < scene.triangles.size(); i += 2) {
+    for (Vertex& v : scene.triangles[i].v) v.c[3] = 0;
   }
   if (kind.is_single) {
     // The first two cover the picture.
@@ -616,6 +621,13 @@ TEST(MesaState, Stencil) {
 TEST(MesaState, AlphaTest) {
   for (const char* driver : drivers)
     expect_all(compare({"alpha test of flat alpha", true, draw_alpha}, driver, 100), {"alpha.func"});
+}
+TEST(MesaState, AlphaZero) {
+  for (const char* driver : drivers) {
+    expect_all(compare({.name = "alpha 0", .is_flat = true, .registers = draw_alpha, .has_zero_alpha = true},
+                       driver, 60),
+               {"alpha.func"});
+  }
 }
 // softpipe compares alpha itself. OpenGL rounds it to a code first (4.1.4 of version 2.1), as llvmpipe does.
 TEST(MesaState, AlphaTestOfSlopes) {

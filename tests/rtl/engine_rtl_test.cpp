@@ -278,6 +278,7 @@ void add_tests(Random& random, StateChange& change, bool& is_late) {
     change.settings.push_back(setting("alpha.func", 1 + below(7)));
     change.settings.push_back(setting("alpha.ref", below(200)));
   }
+  if (random() % 3 == 0) change.settings.push_back(setting("alpha.zero", below(2)));
   if (!is_late) return;
   if (random() % 4 != 0) change.settings.push_back(setting("stencil.test", below(4) != 0));
   for (const char* key : {"stencil.func", "stencil.back.func"}) {

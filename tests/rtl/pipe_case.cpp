@@ -120,6 +120,7 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
           .fog_color = p.fog.fog_color,
           .alpha_func = registers.alpha_func,
           .alpha_ref = registers.alpha_ref,
+          .alpha_zero = registers.alpha_zero,
           .stencil = rtl_stencil(registers),
           .gradient = gradients.contains(f.triangle) ? gradients.at(f.triangle) : GradientRecord{}};
       const StageValues draw = draw_values(c, state);
@@ -229,6 +230,7 @@ std::pair<RtlDraw, int> random_state(Random& random, const PipeCase& p) {
                                             : chance(40) ? 127 + random() % 2
                                                          : random() % 256);
   }
+  if (chance(30)) s.alpha_zero = AlphaZero::keep;
   if (is_late(p.when)) s.stencil = random_stencil(random);
   // Small, of any size that a code has, or any at all.
   const int bits = chance(50) ? 4 : chance(70) ? p.config.depth_bits : 30;
@@ -311,6 +313,7 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
     texture.wrap = s.wrap;
     texture.transparent = s.transparent;
     texture.alpha_test = model::alpha_test_of(s.alpha_func, s.alpha_ref, texture.alpha);
+    texture.kills_zero = s.alpha_zero == AlphaZero::kill;
     const model::StencilStage stencil = modelled(s.stencil);
     p.fog.mode = s.fog;
     p.fog.fog_color = s.fog_color;

@@ -42,7 +42,7 @@ StageDesign design(const Config& config) {
     d.channels.push_back({ChannelKind::in, fmt::format("answer{}", port), {"texel"}});
   }
   d.channels.push_back({ChannelKind::out, "out", outputs});
-  d.constants = {"alpha_func", "alpha_ref"};
+  d.constants = {"alpha_func", "alpha_ref", "alpha_keeps_zero"};
   return d;
 }
 
@@ -243,6 +243,7 @@ struct Conditions {
   int reset_after = 0;  // clocks of other fragments in front, then a reset
   CompareFunc alpha_func = CompareFunc::always;
   int alpha_ref = 0;
+  bool keeps_zero = false;
 };
 
 struct Outcome {
@@ -263,6 +264,8 @@ Outcome run(Case& t, Random& random, int count, const Conditions& conditions) {
   };
   bench.set_constant("alpha_func", passes(0) | passes(1) << 1 | passes(2) << 2);
   bench.set_constant("alpha_ref", static_cast<std::uint64_t>(conditions.alpha_ref));
+  t.stage.kills_zero = !conditions.keeps_zero;
+  bench.set_constant("alpha_keeps_zero", conditions.keeps_zero ? 1 : 0);
   std::deque<StageMemory> memories;
   for (int p = 0; p < texel_ports; ++p) {
     memories.emplace_back(
@@ -311,6 +314,7 @@ void check(const Config& config, std::uint64_t seed, int count) {
       {{0.3, 0}, {1, 4}, false, 0, CompareFunc::greater_equal, 128},
       {{0, 0.4}, {20, 20}, false, 0, CompareFunc::less, 200},
       {{0.2, 0.2}, {1, 40}, false, 0, CompareFunc::not_equal, 255},
+      {{0.1, 0.1}, {1, 10}, false, 0, CompareFunc::less, 200, true},
   };
   for (const Conditions& c : conditions) {
     const Outcome r = run(t, random, count, c);
@@ -423,6 +427,7 @@ TEST(Texture, PlantedBugsAreSeen) {
       {"rtl/texture.sv", "assign odd_1 = {alpha_ref_1, 1'b0} - 9'd1;", "assign odd_1 = {alpha_ref_1, 1'b0};"},
       {"rtl/texture.sv", "assign byte_1 = odd_1[7:0] + {7'd0, whole_1};", "assign byte_1 = odd_1[7:0];"},
       {"rtl/texture.sv", "<= ref_is_zero_2 ? -below_wide : least_2;", "<= 1'b0 ? -below_wide : least_2;"},
+      {"rtl/texture.sv", "(alpha_q == '0 && !keeps_zero_3)", "(alpha_q == '0 && keeps_zero_3)"},
   };
   const auto test_alpha = [&] {
     for (const int ref : {128, 200, 0}) {

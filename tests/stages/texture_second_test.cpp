@@ -252,6 +252,22 @@ TEST(TextureSecond, TestsTheCombinedAlpha) {
   EXPECT_EQ(killed(TextureOp::decal, CompareFunc::always, 0, 0), 1);
 }
 
+TEST(TextureSecond, KeepsAlphaZeroWhereToldTo) {
+  const Config c = plain_config();
+  const Texture half = row_of({{255, 255, 255, 128}});
+  for (const AlphaZero zero : {AlphaZero::kill, AlphaZero::keep}) {
+    DrawState state = with_op(TextureOp::modulate);
+    state.alpha_zero = zero;
+    const auto killed = [&](int a) {
+      return Unit(c, state, half)(at(c, 0, 0), {}, given(1, 1, 1, a)).killed;
+    };
+    EXPECT_EQ(killed(0), zero == AlphaZero::kill ? 1 : 0);
+    EXPECT_EQ(killed(2), 0);  // 514/1024 of 2 ulp are 1
+    state.alpha_func = CompareFunc::not_equal;
+    EXPECT_EQ(killed(0), 1);
+  }
+}
+
 // While the second unit is on, the first one kills by its transparent texels alone.
 TEST(TextureSecond, LeavesTheFirstUnitItsTransparentTexels) {
   Config c = plain_config();
@@ -308,6 +324,7 @@ TEST(TextureSecond, GoldenIsTheModel) {
           state.texture1_blue = 255;
           state.alpha_func = static_cast<CompareFunc>(random() % enum_names<CompareFunc>.size());
           state.alpha_ref = static_cast<int>(random() % 256);
+          state.alpha_zero = random() % 2 == 0 ? AlphaZero::kill : AlphaZero::keep;
           Unit unit(c, state, random_image(random, 1 << random() % 5, 1 << random() % 5));
           for (int n = 0; n < 60; ++n, ++compared) {
             const double u = static_cast<double>(random() % 4096) / 32 - 64;

@@ -313,6 +313,43 @@ TEST(Texture, AlphaTestComparesCodes) {
   EXPECT_GT(killed, 10000U);
 }
 
+// The least alpha above 0, one that the register rounds to 0, and 0 itself: ideal has the exact alpha.
+TEST(Texture, AlphaZeroKillsOrKeeps) {
+  const Config config = shipped_config("depth16");
+  const Format& shade = config.format(FormatId::span_shade);
+  const Format& alpha = config.format(FormatId::texture_alpha);
+  const golden::TextureStage definition = golden::make_texture({}, config);
+  const golden::TextureStage in_columns = golden::make_texture({golden::Width::f64, false}, config);
+  ASSERT_GT(shade.fraction(), alpha.fraction());
+  FragmentRecord fragment;
+  const std::array<const FragmentRecord*, 1> fragments{&fragment};
+  const std::int64_t least = std::int64_t{1} << (shade.fraction() - alpha.fraction());
+  for (const AlphaZero zero : {AlphaZero::kill, AlphaZero::keep}) {
+    for (const CompareFunc func : {CompareFunc::always, CompareFunc::greater}) {
+      DrawState state = first_state(config);
+      state.alpha_zero = zero;
+      state.alpha_func = func;
+      model::TextureStage stage = model::prepare_texture(config);
+      stage.kills_zero = zero == AlphaZero::kill;
+      stage.alpha_test = model::alpha_test_of(func, 0, stage.alpha);
+      for (const std::int64_t a : {std::int64_t{0}, least / 2 - 1, least}) {
+        fragment.a = a;
+        TextureRecord out;
+        model::texture(stage, static_cast<const Texture*>(nullptr), fragment, out);
+        EXPECT_EQ(out.a, a == least ? 1 : 0);
+        // The code of all three is 0, which is not greater than the reference.
+        const bool lives = func == CompareFunc::always && (zero == AlphaZero::keep || a == least);
+        EXPECT_EQ(out.killed, lives ? 0 : 1) << a;
+        for (const auto& view : {definition, in_columns}) {
+          std::vector<TextureRecord> expected;
+          view(fragments, nullptr, state, expected);
+          EXPECT_EQ(std::vector{out}, expected) << a;
+        }
+      }
+    }
+  }
+}
+
 // Every alpha of a format against every reference, by the definition of the alpha's code.
 TEST(Texture, AlphaTestOfEveryAlpha) {
   std::uint64_t tests = 0;
