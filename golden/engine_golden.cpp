@@ -112,7 +112,9 @@ class GoldenEngine final : public Engine, public RowEngine {
     if (trace != nullptr) begin_batch(trace).state.push_back(state_record(state_, next_index));
   }
   void run(const Clear& clear, std::int64_t /*next_index*/, Trace* /*trace*/) {
-    clear_planes(frame_, held(state_, clear), static_cast<std::uint32_t>(clear_depth(config_)));
+    const auto farthest = static_cast<std::uint32_t>(clear_depth(config_));
+    if (clear.masked) return clear_masked(frame_, state_, held(state_, clear), farthest);
+    clear_planes(frame_, held(state_, clear), farthest);
   }
   void run(const Target& target, std::int64_t /*next_index*/, Trace* /*trace*/) {
     const std::uint64_t before = scene_.version();

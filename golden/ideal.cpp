@@ -463,14 +463,24 @@ class IdealEngine final : public Engine {
     if (!levels_.empty()) levels_[index] = golden::mip_levels(scene_->textures[index]);
   }
   void run(const Clear& clear) {
-    clear_planes(planes_.frame, clear, 0);
-    for (std::size_t i = 0; i < planes_.color.size(); ++i) {
-      for (std::size_t c = 0; clear.color && c < 3; ++c) planes_.color[i][c] = (*clear.color)[c];
-      if (clear.alpha) planes_.alpha[i] = has_alpha() ? *clear.alpha : 255;
-      if (clear.depth) planes_.h[i] = 0;
-      if (clear.depth) planes_.z[i] = configured_code(config_, *scene_, 0, scene_->s_max);
+    if (clear.masked) {
+      golden::clear_masked(planes_.frame, state_, clear, 0);
+    } else {
+      clear_planes(planes_.frame, clear, 0);
     }
-    if (clear.depth) std::ranges::fill(planes_.dz, 0);
+    const bool color = !clear.masked || state_.color_write;
+    const bool depth = clear.depth && (!clear.masked || state_.depth_write);
+    for (std::size_t i = 0; i < planes_.color.size(); ++i) {
+      const auto width = static_cast<std::size_t>(planes_.frame.width);
+      const auto x = static_cast<std::int64_t>(i % width), y = static_cast<std::int64_t>(i / width);
+      if (clear.masked && golden::is_outside_scissor(state_, x, y)) continue;
+      for (std::size_t c = 0; color && clear.color && c < 3; ++c) planes_.color[i][c] = (*clear.color)[c];
+      if (color && clear.alpha) planes_.alpha[i] = has_alpha() ? *clear.alpha : 255;
+      if (!depth) continue;
+      planes_.h[i] = 0;
+      planes_.z[i] = configured_code(config_, *scene_, 0, scene_->s_max);
+      if (!planes_.dz.empty()) planes_.dz[i] = 0;
+    }
     planes_.stale = true;
   }
 

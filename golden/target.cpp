@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cmath>
+#include <limits>
 
 #include "config/modes.hpp"
+#include "golden/mask.hpp"
 #include "golden/texel.hpp"
 
 namespace bitspan::golden {
@@ -78,6 +81,36 @@ Clear held(const DrawState& state, Clear clear) {
   }
   if (clear.alpha) clear.alpha = byte(alpha, *clear.alpha);
   return clear;
+}
+
+void clear_masked(Frame& frame, const DrawState& state, const Clear& clear, std::uint32_t farthest) {
+  if (clear.stencil) need_stencil(frame);
+  const std::bitset<8> kept = ~std::bitset<8>(static_cast<unsigned>(state.stencil_write));
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < frame.depth.size(); ++i) {
+    const auto width = static_cast<std::size_t>(frame.width);
+    if (is_outside_scissor(state, static_cast<std::int64_t>(i % width), static_cast<std::int64_t>(i / width)))
+      continue;
+    for (std::size_t c = 0; c < 4; ++c) {
+      if (!state.color_write) continue;  // for channel c
+      std::uint8_t& code = frame.color[4 * i + c];
+      if (c == alpha) {
+        code = clear.alpha.value_or(code);
+      } else if (clear.color) {
+        code = (*clear.color)[c];
+      }
+    }
+    if (clear.color && state.color_write && !frame.u.empty()) {
+      frame.u[i] = frame.v[i] = none;
+      frame.triangle[i] = -1;
+    }
+    if (clear.depth && state.depth_write) frame.depth[i] = farthest;
+    if (clear.stencil) {
+      const std::bitset<8> now =
+          (std::bitset<8>(*clear.stencil) & ~kept) | (std::bitset<8>(frame.stencil[i]) & kept);
+      frame.stencil[i] = static_cast<std::uint8_t>(now.to_ulong());
+    }
+  }
 }
 
 }  // namespace bitspan::golden

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "engine/frame.hpp"
 #include "scene/draw_state.hpp"
 
 namespace bitspan::golden {
@@ -14,5 +15,8 @@ std::int64_t held(const DrawState& state, std::size_t channel, std::int64_t code
                   std::int64_t y);
 // The clear with the codes that the target holds.
 Clear held(const DrawState& state, Clear clear);
+
+// A masked clear of a frame, with the codes that the target holds. farthest: the depth buffer's clear code.
+void clear_masked(Frame& frame, const DrawState& state, const Clear& clear, std::uint32_t farthest);
 
 }  // namespace bitspan::golden

@@ -2,7 +2,9 @@
 #include "model/pipeline.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <string>
 
@@ -153,8 +155,53 @@ void update_pipeline(Pipeline& pipeline, const Config& config, const DrawnScene&
   set_state(pipeline, *scene, pipeline.state);
 }
 
+namespace {
+
+// What a masked clear stores of its codes, which the target holds: row by row of the scissor's rectangle.
+void clear_rectangle(const DrawState& s, Frame& frame, const Clear& clear, std::uint32_t farthest) {
+  std::array<bool, 4> writes{};  // per channel
+  writes.fill(s.color_write);
+  const auto write = static_cast<std::uint8_t>(s.stencil_write);
+  if (clear.stencil) need_stencil(frame);
+  const int right = std::min(s.scissor_right, frame.width);
+  const int bottom = std::min(s.scissor_bottom, frame.height);
+  for (int y = s.scissor_top; y < bottom; ++y) {
+    for (int x = s.scissor_left; x < right; ++x) {
+      const std::size_t at =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(x);
+      std::uint8_t* const rgba = frame.color.data() + 4 * at;
+      bool shows = true;
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (!clear.color || !writes[c]) continue;
+        rgba[c] = (*clear.color)[c];
+        shows = false;
+      }
+      if (!shows && !frame.u.empty()) {
+        constexpr double none = std::numeric_limits<double>::quiet_NaN();
+        frame.u[at] = frame.v[at] = none;
+        frame.triangle[at] = -1;
+      }
+      if (clear.alpha && writes[3]) rgba[3] = *clear.alpha;
+      if (clear.depth && s.depth_write) frame.depth[at] = farthest;
+      if (clear.stencil) {
+        std::uint8_t& value = frame.stencil[at];
+        value = static_cast<std::uint8_t>(value ^ ((value ^ *clear.stencil) & write));
+      }
+    }
+  }
+  if (clear.alpha && *clear.alpha != 255) frame.full_alpha = false;
+}
+
+}  // namespace
+
 void clear_planes(const Pipeline& pipeline, Frame& frame, const Clear& clear) {
-  bitspan::clear_planes(frame, held(pipeline.merge, clear), static_cast<std::uint32_t>(pipeline.depth.clear));
+  const Clear codes = held(pipeline.merge, clear);
+  const auto farthest = static_cast<std::uint32_t>(pipeline.depth.clear);
+  if (clear.masked) {
+    clear_rectangle(pipeline.state, frame, codes, farthest);
+  } else {
+    bitspan::clear_planes(frame, codes, farthest);
+  }
   note_alpha(pipeline, frame);
 }
 

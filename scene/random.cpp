@@ -200,6 +200,7 @@ DrawCommand random_command(Random& random, Random& later, const Scene& scene, Dr
     clear.depth = random.chance(0.5);
     if (random.chance(0.3)) clear.stencil = static_cast<std::uint8_t>(random.integer(0, 255));
     if (clear == Clear{}) clear.depth = true;
+    clear.masked = options.later_registers && later.chance(0.5);
     return {.what = clear};
   }
   StateChange change;

@@ -45,8 +45,8 @@ struct RandomOptions {
   bool late_tests = true;                // depth.when may be `late`, and stencil.test on
   bool targets = true;                   // registers of the target and of the chroma range may change
   bool second_texture = true;            // registers of the second texture unit may change
-  bool later_registers = true;           // those that scenes of before do not have may change
-  bool several_targets = true;           // with commands: triangles may go to other targets than 0
+  bool later_registers = true;  // those that scenes of before do not have may change, and clears be masked
+  bool several_targets = true;  // with commands: triangles may go to other targets than 0
 };
 
 // Returns a scene that a stream can hold: no triangle has zero area, and s is within its range. The same seed

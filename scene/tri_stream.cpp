@@ -668,14 +668,16 @@ DrawCommand read_command(const Json& line, int color_max, const Place& place) {
           "clear: " + shown(*found) +
           " is not an object; expected {\"color\": [r,g,b], \"alpha\": a, \"depth\": true, \"stencil\": n}");
     }
-    check_keys(*found, {"color", "alpha", "depth", "stencil"}, place, "clear.");
-    if (found->empty()) place.fail("clear: no plane; expected color, alpha, depth or stencil");
+    check_keys(*found, {"color", "alpha", "depth", "stencil", "masked"}, place, "clear.");
+    if (found->size() == found->count("masked"))
+      place.fail("clear: no plane; expected color, alpha, depth or stencil");
     Clear clear;
     for (const auto& [key, value] : found->items()) {
       if (key == "color") clear.color = color_codes(value, color_max, place, "clear.color");
       if (key == "alpha")
         clear.alpha = static_cast<std::uint8_t>(integer(value, 0, 255, place, "clear.alpha"));
       if (key == "depth") clear.depth = truth(value, place, "clear.depth");
+      if (key == "masked") clear.masked = truth(value, place, "clear.masked");
       if (key == "stencil") {
         clear.stencil = static_cast<std::uint8_t>(integer(value, 0, 255, place, "clear.stencil"));
       }
@@ -963,6 +965,7 @@ Json line_of(const Clear& clear) {
   if (clear.alpha) planes["alpha"] = *clear.alpha;
   if (clear.depth) planes["depth"] = true;
   if (clear.stencil) planes["stencil"] = *clear.stencil;
+  if (clear.masked) planes["masked"] = true;
   return {{"clear", planes}};
 }
 

@@ -102,10 +102,13 @@ class Model:
         self._command({"state": dict(registers or {}), "reset": bool(reset)})
 
     def clear(self, *, color: Sequence[int] | None = None, alpha: int | None = None, depth: bool = False,
-              stencil: int | None = None) -> None:
-        """Clears planes of the picture: color to (red, green, blue), 0 to 255, depth to the farthest code."""
+              stencil: int | None = None, masked: bool = False) -> None:
+        """Clears planes of the picture: color to (red, green, blue), 0 to 255, depth to the farthest code.
+
+        With masked it clears only inside the scissor, and what color.write, depth.write and stencil.write let through.
+        """
         planes = {"color": None if color is None else [c / 255 for c in color], "alpha": alpha, "depth": depth or None,
-                  "stencil": stencil}
+                  "stencil": stencil, "masked": masked or None}
         self._command({"clear": {name: value for name, value in planes.items() if value is not None}})
 
     def target(self, k: int) -> None:

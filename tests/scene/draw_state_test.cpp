@@ -88,6 +88,7 @@ TEST(DrawState, CommandsStandBetweenTriangles) {
   EXPECT_EQ(clear.color, (std::array<std::uint8_t, 3>{255, 128, 0}));
   EXPECT_TRUE(clear.depth);
   EXPECT_EQ(clear.stencil, 7);
+  EXPECT_FALSE(clear.masked);
   EXPECT_TRUE(std::get<StateChange>(scene.commands[2].what).reset);
   EXPECT_EQ(scene.commands[3].before, 2U);
 }
@@ -107,6 +108,9 @@ TEST(DrawState, WhatIsRefused) {
   EXPECT_NE(refused(R"({"state": 3})").find("state: 3 is not an object"), std::string::npos);
   EXPECT_NE(refused(R"({"state": {}, "v": []})").find("unknown key"), std::string::npos);
   EXPECT_NE(refused(R"({"clear": {}})").find("clear: no plane"), std::string::npos);
+  EXPECT_NE(refused(R"({"clear": {"masked": true}})").find("clear: no plane"), std::string::npos);
+  EXPECT_NE(refused(R"({"clear": {"depth": true, "masked": 1}})").find("clear.masked: 1 is not legal"),
+            std::string::npos);
   EXPECT_NE(refused(R"({"clear": {"depth": 1}})").find("clear.depth: 1 is not legal"), std::string::npos);
   EXPECT_NE(refused(R"({"clear": {"stencil": 256}})").find("clear.stencil"), std::string::npos);
   std::string first = header;
