@@ -78,6 +78,9 @@ inline void write_winner(Frame& frame, std::size_t pixel, std::int64_t u, std::i
 // Which planes a fragment is written to.
 struct WriteMask {
   bool color = true, depth = true;
+  std::int32_t channels = 15;  // of the colour: bit 0 red to bit 3 alpha
+
+  bool has_channel(int c) const { return (channels >> c & 1) != 0; }
 };
 
 // What merge delivered for a fragment. uv_ulp: the value of 1 in the fragment's u and v.
@@ -86,9 +89,9 @@ inline void write_fragment(Frame& frame, const FragmentRecord& fragment, const M
   const std::size_t pixel = pixel_of(frame, fragment);
   std::uint8_t* const color = frame.color.data() + 4 * pixel;
   if (mask.color) {
-    color[0] = static_cast<std::uint8_t>(merged.r);
-    color[1] = static_cast<std::uint8_t>(merged.g);
-    color[2] = static_cast<std::uint8_t>(merged.b);
+    if (mask.has_channel(0)) color[0] = static_cast<std::uint8_t>(merged.r);
+    if (mask.has_channel(1)) color[1] = static_cast<std::uint8_t>(merged.g);
+    if (mask.has_channel(2)) color[2] = static_cast<std::uint8_t>(merged.b);
   }
   if (mask.depth) frame.depth[pixel] = static_cast<std::uint32_t>(merged.z);
   if (mask.color && !frame.u.empty())

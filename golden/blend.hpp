@@ -45,6 +45,8 @@ struct BlendShares {
       case BlendFactor::src_alpha_saturate:
         if (is_alpha) return 1;
         return a < 1 - dst_alpha ? a : 1 - dst_alpha;
+      case BlendFactor::half:
+        return Real(0.5);
     }
     unreachable();
   }

@@ -357,11 +357,11 @@ class GoldenEngine final : public Engine, public RowEngine {
     const std::size_t first_alpha = out.merge_alpha.size();
     merge_(std::span<const FogRecord>(out.fog).subspan(first_fog), textures_, depths_, state_, frame_.color,
            frame_.width, out.merge, out.merge_alpha);
-    const WriteMask mask{state_.color_write, state_.depth_write};
+    const WriteMask mask{state_.color_write, state_.depth_write, state_.color_mask};
     for (std::size_t i = 0; i < alive_.size(); ++i) {
       write_fragment(frame_, *alive_[i], out.merge[first_merge + i], uv_ulp_, mask);
     }
-    if (mask.color) {
+    if (mask.color && mask.has_channel(3)) {
       for (const MergeAlphaRecord& merged : std::span(out.merge_alpha).subspan(first_alpha)) {
         frame_.color[4 * static_cast<std::size_t>(merged.y * frame_.width + merged.x) + 3] =
             static_cast<std::uint8_t>(merged.a);

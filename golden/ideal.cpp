@@ -469,13 +469,16 @@ class IdealEngine final : public Engine {
       clear_planes(planes_.frame, clear, 0);
     }
     const bool color = !clear.masked || state_.color_write;
+    const auto stores = [&](std::size_t c) { return color && (!clear.masked || has_channel(c)); };
     const bool depth = clear.depth && (!clear.masked || state_.depth_write);
     for (std::size_t i = 0; i < planes_.color.size(); ++i) {
       const auto width = static_cast<std::size_t>(planes_.frame.width);
       const auto x = static_cast<std::int64_t>(i % width), y = static_cast<std::int64_t>(i / width);
       if (clear.masked && golden::is_outside_scissor(state_, x, y)) continue;
-      for (std::size_t c = 0; color && clear.color && c < 3; ++c) planes_.color[i][c] = (*clear.color)[c];
-      if (color && clear.alpha) planes_.alpha[i] = has_alpha() ? *clear.alpha : 255;
+      for (std::size_t c = 0; clear.color && c < 3; ++c) {
+        if (stores(c)) planes_.color[i][c] = (*clear.color)[c];
+      }
+      if (stores(3) && clear.alpha) planes_.alpha[i] = has_alpha() ? *clear.alpha : 255;
       if (!depth) continue;
       planes_.h[i] = 0;
       planes_.z[i] = configured_code(config_, *scene_, 0, scene_->s_max);
@@ -568,7 +571,13 @@ class IdealEngine final : public Engine {
       if (!planes_.dz.empty()) planes_.dz[i] = triangle_dz_;
     }
     if (!state_.color_write) return;
+    const std::array<double, 3> color = planes_.color[i];
+    const double alpha = planes_.alpha[i];
     blend(fragment, i);
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (!has_channel(c)) planes_.color[i][c] = color[c];
+    }
+    if (!has_channel(3)) planes_.alpha[i] = alpha;
     planes_.frame.u[i] = point.u;
     planes_.frame.v[i] = point.v;
     planes_.frame.triangle[i] = static_cast<std::int32_t>(index);
@@ -601,6 +610,8 @@ class IdealEngine final : public Engine {
     if (pass) ++counters_.depth_passed;
     return pass;
   }
+  // By color.mask.
+  bool has_channel(std::size_t c) const { return (state_.color_mask >> c & 1) != 0; }
   bool has_alpha() const { return target_bits(state_.target_format)[3] > 0; }
   void blend(const IdealFragment& fragment, std::size_t i) {
     const double a = std::min(fragment.alpha, 1.0);

@@ -40,9 +40,11 @@ double share_of_step(Dither dither, std::int64_t x, std::int64_t y) {
 
 // The target's own code, of `bits` bits. All numbers are multiples of 1/64 below 2^13, so that doubles hold
 // them.
-double narrowed(Dither dither, int bits, double code, std::int64_t x, std::int64_t y) {
+double narrowed(Dither dither, TargetRound round, int bits, double code, std::int64_t x, std::int64_t y) {
   const double d = share_of_step(dither, x, y);
   const double most = std::exp2(bits) - 1;
+  // Never a tie: 255 is odd.
+  if (dither == Dither::none && round == TargetRound::nearest) return std::round(code * most / 255);
   switch (dither) {
     case Dither::none:
     case Dither::matrix4:
@@ -66,7 +68,7 @@ std::int64_t held(const DrawState& state, std::size_t channel, std::int64_t code
   if (bits == 0) return 255;
   if (bits == 8) return code;
   const Dither dither = channel == alpha ? Dither::none : state.target_dither;
-  const double own = narrowed(dither, bits, static_cast<double>(code), x, y);
+  const double own = narrowed(dither, state.target_round, bits, static_cast<double>(code), x, y);
   return static_cast<std::int64_t>(expanded(static_cast<std::uint64_t>(own), std::exp2(bits)));
 }
 
@@ -92,7 +94,7 @@ void clear_masked(Frame& frame, const DrawState& state, const Clear& clear, std:
     if (is_outside_scissor(state, static_cast<std::int64_t>(i % width), static_cast<std::int64_t>(i / width)))
       continue;
     for (std::size_t c = 0; c < 4; ++c) {
-      if (!state.color_write) continue;  // for channel c
+      if (!state.color_write || !std::bitset<4>(static_cast<unsigned>(state.color_mask))[c]) continue;
       std::uint8_t& code = frame.color[4 * i + c];
       if (c == alpha) {
         code = clear.alpha.value_or(code);

@@ -93,7 +93,10 @@ bool act_alike(DrawState s, const DrawState& other) {
     s.blend_blue = other.blend_blue;
     s.blend_alpha = other.blend_alpha;
   }
-  if (!is_narrow(s.target_format)) s.target_dither = other.target_dither;
+  if (!is_narrow(s.target_format)) {
+    s.target_dither = other.target_dither;
+    s.target_round = other.target_round;
+  }
   if (s.chroma_test == ChromaTest::none) {
     s.chroma_low_red = other.chroma_low_red;
     s.chroma_low_green = other.chroma_low_green;
@@ -159,8 +162,7 @@ namespace {
 
 // What a masked clear stores of its codes, which the target holds: row by row of the scissor's rectangle.
 void clear_rectangle(const DrawState& s, Frame& frame, const Clear& clear, std::uint32_t farthest) {
-  std::array<bool, 4> writes{};  // per channel
-  writes.fill(s.color_write);
+  const WriteMask mask = write_mask(s);
   const auto write = static_cast<std::uint8_t>(s.stencil_write);
   if (clear.stencil) need_stencil(frame);
   const int right = std::min(s.scissor_right, frame.width);
@@ -170,18 +172,15 @@ void clear_rectangle(const DrawState& s, Frame& frame, const Clear& clear, std::
       const std::size_t at =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(x);
       std::uint8_t* const rgba = frame.color.data() + 4 * at;
-      bool shows = true;
-      for (std::size_t c = 0; c < 3; ++c) {
-        if (!clear.color || !writes[c]) continue;
-        rgba[c] = (*clear.color)[c];
-        shows = false;
+      for (int c = 0; clear.color && mask.color && c < 3; ++c) {
+        if (mask.has_channel(c)) rgba[c] = (*clear.color)[static_cast<std::size_t>(c)];
       }
-      if (!shows && !frame.u.empty()) {
+      if (clear.color && mask.color && !frame.u.empty()) {
         constexpr double none = std::numeric_limits<double>::quiet_NaN();
         frame.u[at] = frame.v[at] = none;
         frame.triangle[at] = -1;
       }
-      if (clear.alpha && writes[3]) rgba[3] = *clear.alpha;
+      if (clear.alpha && mask.color && mask.has_channel(3)) rgba[3] = *clear.alpha;
       if (clear.depth && s.depth_write) frame.depth[at] = farthest;
       if (clear.stencil) {
         std::uint8_t& value = frame.stencil[at];

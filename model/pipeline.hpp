@@ -182,7 +182,9 @@ bool fragment_texture_second(const Pipeline& pipeline, const FragmentRecord& fra
                              const TextureRecord& first, TextureSecondRecord& out, Watch watch = {});
 
 // Which planes fragments are written to.
-inline WriteMask write_mask(const DrawState& state) { return {state.color_write, state.depth_write}; }
+inline WriteMask write_mask(const DrawState& state) {
+  return {state.color_write, state.depth_write, state.color_mask};
+}
 
 // From depth to the frame, in the order of the draw state: the fragments of one triangle, one after another.
 // finish(in, out) is called with each record when it is made, and the one that it was made from; it may
@@ -263,7 +265,7 @@ struct FragmentDrawing {
     if (pipeline.merge.changes_alpha) {
       MergeAlphaRecord alpha = merged_alpha(pipeline.merge, texel, color[3]);
       finish(merged, alpha);
-      if (mask.color) color[3] = static_cast<std::uint8_t>(alpha.a);
+      if (mask.color && mask.has_channel(3)) color[3] = static_cast<std::uint8_t>(alpha.a);
     }
     ++counters.written;
     write_fragment(frame, fragment, merged, uv_ulp, mask);

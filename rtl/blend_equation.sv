@@ -96,7 +96,7 @@ module blend_equation #(
 
   // ---------------------------------------------------------------- clock 2: factors
 
-  // By the number of a factor without its lowest bit, which takes it from 1.
+  // By the number of a factor without its lowest bit, which takes it from 1; but the last number is a half.
   function automatic logic signed [FactorW-1:0] of_code(input logic [7:0] code);
     of_code = (FactorW'({1'b0, code}) + FactorW'({1'b0, code[7]})) <<< (FactorFrac - 8);
   endfunction
@@ -113,6 +113,11 @@ module blend_equation #(
   assign bases[5*FactorW+:FactorW] = of_code(constant_1);
   assign bases[6*FactorW+:FactorW] = of_code(constant_alpha_1);
   assign bases[7*FactorW+:FactorW] = (IsAlpha != 0) ? One : (share < room) ? share : room;
+  // Of a pair of factors, which the lowest bit of the number tells apart.
+  function automatic logic signed [FactorW-1:0] of_number(input logic [3:0] number, input logic signed [FactorW-1:0] base);
+    if (32'(number) == bitspan_pixel_pkg::BlendFactorHalf) of_number = One >>> 1;
+    else of_number = number[0] ? One - base : base;
+  endfunction
   logic signed [FactorW-1:0] base_src, base_dst, factor_src_2, factor_dst_2;
   assign base_src = bases[factor_src_1[3:1]*FactorW+:FactorW];
   assign base_dst = bases[factor_dst_1[3:1]*FactorW+:FactorW];
@@ -120,8 +125,8 @@ module blend_equation #(
   logic signed [DstW-1:0] dst_2;
   always_ff @(posedge clk_i) begin
     if (en_i) begin
-      factor_src_2 <= factor_src_1[0] ? One - base_src : base_src;
-      factor_dst_2 <= factor_dst_1[0] ? One - base_dst : base_dst;
+      factor_src_2 <= of_number(factor_src_1, base_src);
+      factor_dst_2 <= of_number(factor_dst_1, base_dst);
       src_2 <= src_1;
       dst_2 <= $signed({1'b0, dst_1});
     end

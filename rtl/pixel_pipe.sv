@@ -60,6 +60,7 @@ module pixel_pipe (
     input  logic [23:0] draw_fog_color_i,
     input  logic draw_blend_i,
     input  logic draw_write_color_i,
+    input  logic [3:0] draw_color_mask_i,
     input  logic [2:0] draw_alpha_func_i,
     input  logic [7:0] draw_alpha_ref_i,
     input  logic draw_alpha_zero_i,
@@ -198,6 +199,8 @@ module pixel_pipe (
     output logic [bitspan_pixel_pkg::MergeColorW-1:0] color_write_b_o,
     output logic [bitspan_pixel_pkg::MergeColorW-1:0] color_write_a_o,
     output logic color_write_has_a_o,
+    // Which of r, g, b, a the memory takes: red at bit 0.
+    output logic [3:0] color_write_mask_o,
     // Taps: the records of docs/numeric-spec.md, as a fragment leaves a stage.
     output logic depth_record_valid_o,
     output logic [bitspan_pixel_pkg::CoordW-1:0] depth_record_x_o,
@@ -307,6 +310,7 @@ module pixel_pipe (
   logic [TextureStateW-1:0] texture_state[Slots];
   logic [FogStateW-1:0] fog_state[Slots];
   logic write_color_state[Slots];
+  logic [3:0] color_mask_state[Slots];
   always_ff @(posedge clk_i) begin
     if (draw_taken) begin
       func_q <= draw_func_i;
@@ -327,6 +331,7 @@ module pixel_pipe (
       };
       fog_state[next_slot] <= {draw_fog_i, draw_fog_color_i};
       write_color_state[next_slot] <= draw_write_color_i;
+      color_mask_state[next_slot] <= draw_color_mask_i;
     end
   end
 
@@ -973,6 +978,7 @@ module pixel_pipe (
       .record_rest_o({left_slot[2], merge_record_z_o})
   );
   assign left[2] = merge_record_valid_o;
+  assign color_write_mask_o = color_mask_state[left_slot[2]];
   assign merge_record_x_o = color_write_x_o;
   assign merge_record_y_o = color_write_y_o;
   assign merge_record_r_o = color_write_r_o;

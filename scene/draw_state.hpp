@@ -25,7 +25,7 @@ BITSPAN_ENUM(DepthWhen, early, late);
 BITSPAN_ENUM(StencilOp, keep, zero, replace, increment, decrement, invert, increment_wrap, decrement_wrap);
 BITSPAN_ENUM(BlendFactor, zero, one, src_color, one_minus_src_color, dst_color, one_minus_dst_color,
              src_alpha, one_minus_src_alpha, dst_alpha, one_minus_dst_alpha, constant_color,
-             one_minus_constant_color, constant_alpha, one_minus_constant_alpha, src_alpha_saturate);
+             one_minus_constant_color, constant_alpha, one_minus_constant_alpha, src_alpha_saturate, half);
 BITSPAN_ENUM(BlendOp, add, subtract, reverse_subtract, min, max);
 // `none` leaves the colour to the blend. The others are in the order of their truth tables: bit 0 of the
 // number less one is the result where both bits are 1, bit 1 where only the fragment's is, bit 2 where only
@@ -62,6 +62,8 @@ BITSPAN_ENUM(AlphaZero, kill, keep);
 BITSPAN_ENUM(TargetFormat, rgba8888, rgb565, argb1555, argb4444, rgb332);
 // How a channel with fewer than 8 bits takes a code. `sst1_4` and `sst1_2` are the tables of the 3dfx SST-1.
 BITSPAN_ENUM(Dither, none, matrix4, matrix2, sst1_4, sst1_2);
+// How a code becomes one of fewer bits where no dither does it.
+BITSPAN_ENUM(TargetRound, down, nearest);
 // Texels whose three colours lie in a range, or outside of it, are transparent.
 BITSPAN_ENUM(ChromaTest, none, inside, outside);
 // How the second texture unit combines its texel with the colour and alpha of the first one.
@@ -126,6 +128,7 @@ inline constexpr int texture1_limit = 65535;
   X(A, std::int32_t, stencil_back_mask, "stencil.back.mask", -1, 255, -1, "as stencil.mask, of back faces; -1: they take stencil.mask") \
   X(A, std::int32_t, stencil_back_write, "stencil.back.write", -1, 255, -1, "as stencil.write, of back faces; -1: they take stencil.write") \
   X(A, bool,         color_write,     "color.write",     0, 0, true,  "whether a fragment's colour is stored")             \
+  X(A, std::int32_t, color_mask,      "color.mask",      0, 15, 15, "which channels are stored: 1 red, 2 green, 4 blue, 8 alpha") \
   X(A, BlendFactor,  blend_src,       "blend.src",       0, 0, BlendFactor::src_alpha, "factor of the fragment's colour")  \
   X(A, BlendFactor,  blend_dst,       "blend.dst",       0, 0, BlendFactor::one_minus_src_alpha, "factor of the stored colour") \
   X(A, BlendOp,      blend_op,        "blend.op",        0, 0, BlendOp::add, "what is made of the two products")           \
@@ -139,6 +142,7 @@ inline constexpr int texture1_limit = 65535;
   X(A, LogicOp,      logic_op,        "logic.op",        0, 0, LogicOp::none, "in place of the blend: bit by bit, on the codes") \
   X(A, TargetFormat, target_format,   "target.format",   0, 0, TargetFormat::rgba8888, "what the picture holds of a colour and its alpha") \
   X(A, Dither,       target_dither,   "target.dither",   0, 0, Dither::none, "how colours are narrowed to a format with fewer bits") \
+  X(A, TargetRound,  target_round,    "target.round",    0, 0, TargetRound::down, "how codes are narrowed without dither")        \
   X(A, ChromaTest,   chroma_test,     "chroma.test",     0, 0, ChromaTest::none, "whether texels inside or outside of the range are transparent") \
   X(A, std::int32_t, chroma_low_red,  "chroma.low.red",  0, 255, 0, "smallest red of the range")                           \
   X(A, std::int32_t, chroma_low_green, "chroma.low.green", 0, 255, 0, "smallest green of the range")                       \

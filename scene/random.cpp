@@ -158,9 +158,11 @@ std::string_view unit_of_register(std::string_view key) { return key.substr(0, k
 // Registers that came later than the scenes of seeds that are kept. A generator of their own draws them, so
 // that a seed of before gives the scene of before, and them besides.
 bool is_later(std::string_view key) {
-  return key == "alpha.zero" || key == "stencil.back.ref" || key == "stencil.back.mask" ||
-         key == "stencil.back.write";
+  return key == "alpha.zero" || key == "color.mask" || key == "target.round" || key == "stencil.back.ref" ||
+         key == "stencil.back.mask" || key == "stencil.back.write";
 }
+// A factor of the blend; the factor `half` came later, too.
+bool is_factor(const StateRegister& r) { return !r.names.empty() && r.names.back() == "half"; }
 std::vector<std::string_view> units_of_registers(const RandomOptions& options) {
   std::vector<std::string_view> out;
   for (const StateRegister& r : state_registers()) {
@@ -188,6 +190,7 @@ std::int64_t random_value(Random& random, const StateRegister& r, const Scene& s
   if (r.key.starts_with("chroma.high.")) return random.integer(96, 255);
   // All bits but a few: a picture without any pixel tells nothing.
   if (r.key == "stipple") return random.integer(r.low, r.high) | random.integer(r.low, r.high);
+  if (is_factor(r)) return random.integer(r.low, r.high - 1);
   return random.integer(r.low, r.high);
 }
 
@@ -233,6 +236,7 @@ DrawCommand random_command(Random& random, Random& later, const Scene& scene, Dr
   for (std::size_t index = 0; options.later_registers && index < state_registers().size(); ++index) {
     const StateRegister& r = state_registers()[index];
     if (is_later(r.key) && later.chance(0.2)) set(index, random_value(later, r, scene));
+    if (is_factor(r) && later.chance(0.1)) set(index, r.high);
   }
   try {
     state = changed_state(state, change, {});

@@ -74,6 +74,7 @@ struct RtlDraw {
   FogMode fog = FogMode::none;
   std::array<std::uint8_t, 3> fog_color{};
   bool write_z = true, blend = true, write_color = true;
+  std::int32_t color_mask = 15;
   std::int64_t bias = 0;    // any: what is beyond the port's range does no more than its ends
   model::Blend equation{};  // with rtl.blend = equation, in place of `blend`
   CompareFunc alpha_func = CompareFunc::always;

@@ -845,7 +845,13 @@ void shade_any(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw&
         codes[3] = static_cast<std::uint8_t>(columns.alpha[i]);
         codes = held(pipeline.merge, codes, pixel % frame.width, pixel / frame.width);
       }
-      std::memcpy(color, codes.data(), codes.size());
+      if (mask.channels == 15) {
+        std::memcpy(color, codes.data(), codes.size());
+        continue;
+      }
+      for (int c = 0; c < 4; ++c) {
+        if (mask.has_channel(c)) color[c] = codes[static_cast<std::size_t>(c)];
+      }
     }
     if (!frame.u.empty()) store_winners(columns, block, pipeline.texture.uv, frame);
   }

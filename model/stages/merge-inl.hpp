@@ -95,6 +95,8 @@ HWY_INLINE Scaled<Int> factor_of(BlendFactor factor, const Operands<Int>& o) {
       if (o.is_alpha) return {Int(1), 0};
       return smaller(o.a, one_minus(share_of_code<Int>(o.dst_alpha)));
     }
+    case BlendFactor::half:
+      return {Int(1), 1};
   }
   unreachable();
 }

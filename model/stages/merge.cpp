@@ -36,7 +36,7 @@ int matrix4(int x, int y) {
 int matrix2(int x, int y) { return matrix4(x & 1, y & 1); }
 
 // A code 0..255 as one of `bits` bits.
-int narrowed(Dither dither, int bits, int code, int x, int y) {
+int narrowed(Dither dither, TargetRound round, int bits, int code, int x, int y) {
   const auto by_matrix = [&](int d) { return std::min(((code << bits) + (d << 4)) >> 8, (1 << bits) - 1); };
   // 255 parts in place of 256, by which the code of white is all ones without saturation.
   const auto by_table = [&](int d) {
@@ -44,6 +44,7 @@ int narrowed(Dither dither, int bits, int code, int x, int y) {
   };
   switch (dither) {
     case Dither::none:
+      if (round == TargetRound::nearest) return (2 * code * ((1 << bits) - 1) + 255) / 510;
       return code >> (code_bits - bits);
     case Dither::matrix4:
       return by_matrix(matrix4(x, y));
@@ -63,8 +64,9 @@ std::int64_t held(const Blend& blend, std::size_t channel, std::int64_t code, st
   const int bits = target_bits(blend.target)[channel];
   if (bits == 0) return 255;
   const Dither dither = channel == alpha_channel ? Dither::none : blend.dither;
-  return repeated(
-      narrowed(dither, bits, static_cast<int>(code), static_cast<int>(x & 3), static_cast<int>(y & 3)), bits);
+  return repeated(narrowed(dither, blend.round, bits, static_cast<int>(code), static_cast<int>(x & 3),
+                           static_cast<int>(y & 3)),
+                  bits);
 }
 
 }  // namespace
@@ -75,7 +77,8 @@ Blend blend_of(const DrawState& s) {
           {s.blend_red, s.blend_green, s.blend_blue, s.blend_alpha},
           s.logic_op,
           s.target_format,
-          s.target_dither};
+          s.target_dither,
+          s.target_round};
 }
 
 void set_blend(MergeStage& stage, const Blend& blend) {

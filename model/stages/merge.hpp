@@ -25,6 +25,7 @@ struct Blend {
   LogicOp logic = LogicOp::none;
   TargetFormat target = TargetFormat::rgba8888;
   Dither dither = Dither::none;
+  TargetRound round = TargetRound::down;
   bool operator==(const Blend&) const = default;
 };
 Blend blend_of(const DrawState& state);

@@ -127,8 +127,10 @@ void apply(const DrawState& s) {
   glStencilOpSeparate(GL_BACK, gl(gl_stencil_op, two ? s.stencil_back_fail : s.stencil_fail),
                       gl(gl_stencil_op, two ? s.stencil_back_zfail : s.stencil_zfail),
                       gl(gl_stencil_op, two ? s.stencil_back_pass : s.stencil_pass));
-  const GLboolean color = s.color_write ? GL_TRUE : GL_FALSE;
-  glColorMask(color, color, color, color);
+  const auto writes = [&](int channel) {
+    return static_cast<GLboolean>(s.color_write && (s.color_mask >> channel & 1) != 0 ? GL_TRUE : GL_FALSE);
+  };
+  glColorMask(writes(0), writes(1), writes(2), writes(3));
   glBlendFuncSeparate(gl(gl_factor, s.blend_src), gl(gl_factor, s.blend_dst),
                       gl(gl_factor, s.blend_alpha_src), gl(gl_factor, s.blend_alpha_dst));
   glBlendEquationSeparate(gl(gl_equation, s.blend_op), gl(gl_equation, s.blend_alpha_op));
@@ -396,8 +398,9 @@ void draw_stencil(Random& random, DrawState& s) {
   }
 }
 void draw_blend(Random& random, DrawState& s) {
+  // OpenGL has no half.
   for (BlendFactor* f : {&s.blend_src, &s.blend_dst, &s.blend_alpha_src, &s.blend_alpha_dst})
-    draw_enum(random, *f);
+    *f = static_cast<BlendFactor>(random.integer(0, gl_factor.size() - 1));
   for (BlendOp* op : {&s.blend_op, &s.blend_alpha_op}) draw_enum(random, *op);
   for (std::int32_t* code : {&s.blend_red, &s.blend_green, &s.blend_blue, &s.blend_alpha})
     *code = draw_code(random);
@@ -412,6 +415,7 @@ void draw_masks(Random& random, DrawState& s) {
   if (random.chance(0.6)) draw_scissor(random, s);
   if (random.chance(0.6)) s.stipple = static_cast<std::int64_t>(random.bits() & 0xffffffffU);
   s.color_write = random.chance(0.7);
+  if (random.chance(0.5)) s.color_mask = static_cast<std::int32_t>(random.integer(0, 15));
 }
 void draw_alpha(Random& random, DrawState& s) {
   draw_enum(random, s.alpha_func);

@@ -85,8 +85,8 @@ void for_each_record(const Visit& visit) {
 
 // Registers that came between those that the digests count by their places.
 bool came_between(std::string_view key) {
-  return key == "alpha.zero" || key == "stencil.back.ref" || key == "stencil.back.mask" ||
-         key == "stencil.back.write";
+  return key == "alpha.zero" || key == "color.mask" || key == "target.round" || key == "stencil.back.ref" ||
+         key == "stencil.back.mask" || key == "stencil.back.write";
 }
 
 // A change of state holds registers that are younger than the digests: those from target.format on enter one

@@ -368,6 +368,45 @@ TEST(States, AMaskedClearObeysScissorAndMasks) {
 }
 
 // A state register that does nothing in a scene leaves every record as it is; bias and scissor by hand.
+// Red over blue, and a masked clear of white, channel by channel.
+TEST(States, AColorMaskKeepsChannels) {
+  const Config config = shipped_config("depth16");
+  constexpr std::string_view head =
+      R"({"bitspan":2,"width":4,"height":4,"s_min":1,"s_max":10,"focal":4,"color_max":255,"background":[10,20,30]})"
+      "\n";
+  constexpr std::array<int, 4> before{10, 20, 30, 255}, drawn{200, 100, 50, 64}, cleared{255, 254, 253, 7};
+  for (int mask = 0; mask < 16; ++mask) {
+    const std::string state = fmt::format(
+        R"({{"state":{{"depth.when":"late","blend.src":"one","blend.dst":"zero","blend.alpha.src":"one",)"
+        R"("blend.alpha.dst":"zero","color.mask":{}}}}})"
+        "\n",
+        mask);
+    constexpr std::string_view triangle =
+        R"({"v":[[0,0,2,0,0],[12,0,2,0,0],[0,12,2,0,0]],"c":[[200,100,50,64],[200,100,50,64],[200,100,50,64]]})"
+        "\n";
+    const std::string text = std::string(head) + state + std::string(triangle);
+    const Scene draws = parse_tri(text, "x.tri");
+    const Scene clears =
+        parse_tri(text + R"({"clear":{"color":[255,254,253],"alpha":7,"masked":true}})" + "\n", "x.tri");
+    for (const auto& engine : engines_of(config)) {
+      for (const bool clear : {false, true}) {
+        const Scene& scene = clear ? clears : draws;
+        engine->begin(scene);
+        draw_scene(*engine, scene, 0, 1, nullptr);
+        const Frame& frame = engine->frame();
+        for (std::size_t c = 0; c < 4; ++c) {
+          const bool stored = (mask >> c & 1) != 0;
+          EXPECT_EQ(frame.color[4 * 5 + c], !stored ? before[c]
+                                            : clear ? cleared[c]
+                                                    : drawn[c])
+              << engine->name() << " mask " << mask << " channel " << c << (clear ? " cleared" : "");
+        }
+        EXPECT_EQ(frame.triangle[5], clear ? -1 : 0) << engine->name() << " mask " << mask;
+      }
+    }
+  }
+}
+
 TEST(States, IdealFollowsTheState) {
   const Config config = shipped_config("depth16");
   const auto ideal = make_ideal(config);

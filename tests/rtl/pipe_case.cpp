@@ -150,7 +150,12 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
 }
 
 StageValues merged_color(const StageValues& held, const StageValues& written) {
-  return {written[0], written[1], written[2], written[4] != 0 ? written[3] : held[3]};
+  StageValues out = held;
+  const std::uint64_t mask = written.size() > 5 ? written[5] : 15;
+  for (std::size_t c = 0; c < (written[4] != 0 ? 4 : 3); ++c) {
+    if ((mask >> c & 1) != 0) out[c] = written[c];
+  }
+  return out;
 }
 
 model::Blend random_blend(Random& random) {
@@ -223,6 +228,7 @@ std::pair<RtlDraw, int> random_state(Random& random, const PipeCase& p) {
   s.write_z = chance(80);
   s.blend = chance(70);
   s.write_color = chance(90);
+  if (chance(30)) s.color_mask = static_cast<std::int32_t>(random() % 16);
   if (chance(40)) {
     s.alpha_func = static_cast<CompareFunc>(random() % enum_names<CompareFunc>.size());
     // The ends, what half an alpha is rounded to, or any.
@@ -374,10 +380,10 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
       p.reads += model::reads_stored_color(merge, t.a) ? 1 : 0;
       if (s.write_z) p.frame.depth[at] = static_cast<std::uint32_t>(d.z);
       if (!s.write_color) continue;
-      color[0] = static_cast<std::uint8_t>(m.r);
-      color[1] = static_cast<std::uint8_t>(m.g);
-      color[2] = static_cast<std::uint8_t>(m.b);
-      if (merge.changes_alpha) color[3] = static_cast<std::uint8_t>(alpha.a);
+      const std::array made{m.r, m.g, m.b, alpha.a};
+      for (std::size_t c = 0; c < (merge.changes_alpha ? 4 : 3); ++c) {
+        if ((s.color_mask >> c & 1) != 0) color[c] = static_cast<std::uint8_t>(made[c]);
+      }
     }
   }
   return p;

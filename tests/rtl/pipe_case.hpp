@@ -40,7 +40,8 @@ struct PipeCase {
   std::uint64_t reads = 0;  // of colours
 };
 
-// What a colour memory holds behind a write of r, g, b, a and has_a: alpha is kept where has_a is 0.
+// What a colour memory holds behind a write of r, g, b, a, has_a and, of pixel_pipe, mask: alpha is kept
+// where has_a is 0, and what mask does not name.
 StageValues merged_color(const StageValues& held, const StageValues& written);
 
 // Any equations, factors, operations and logic operations; often some of the first state's.

@@ -152,6 +152,9 @@ TEST(Merge, BlendsByHand) {
   check(constant_color, zero, BlendOp::add, 50);      // c(128) = 129/256: 50.39
   check(zero, src_color, BlendOp::add, 78);           // 200 * 100/256 = 78.1
   check(src_alpha_saturate, zero, BlendOp::add, 25);  // a < 1 - 1/4
+  check(half, half, BlendOp::add, 150);               // with a factor of 127 or 129 of 256: 148.8, 151.2
+  check(half, zero, BlendOp::add, 50);
+  check(zero, half, BlendOp::add, 100);
 }
 
 // Every pair of factors and every operation on both channels, over a lattice of operands.

@@ -8,6 +8,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstdlib>
 #include <string_view>
 #include <vector>
 
@@ -141,6 +142,15 @@ Codes widths_of(TargetFormat format) {
   }
   return {};
 }
+// The code of n bits whose share of the largest one is the nearest to code / 255.
+int nearest_code_of(int bits, int code) {
+  const int most = (1 << bits) - 1;
+  int out = 0;
+  for (int k = 1; k <= most; ++k) {
+    if (std::abs(255 * k - code * most) < std::abs(255 * out - code * most)) out = k;
+  }
+  return out;
+}
 int held(TargetFormat format, Dither dither, std::size_t channel, int code, int x, int y) {
   const int bits = widths_of(format)[channel];
   if (bits == 0) return 255;
@@ -191,6 +201,46 @@ TEST(Target, ByHand) {
   Merging one_bit(state);
   EXPECT_EQ(one_bit({0, 0, 0, 0}, one_bit.opaque() / 2, {}, 0, 0)[3], 255);  // 255/2 + 1/2: 128
   EXPECT_EQ(one_bit({0, 0, 0, 0}, one_bit.opaque() / 2 - 8, {}, 0, 0)[3], 0);
+}
+
+// All codes, colours and alpha, of fragments and of clears; what is held stays.
+TEST(Target, RoundsToTheNearestCode) {
+  int raised = 0, lowered = 0;
+  for (const TargetFormat format : all_of<TargetFormat>()) {
+    DrawState state = first_state({});
+    state.target_format = format;
+    state.target_round = TargetRound::nearest;
+    Merging merging(state);
+    DrawState dithered = state;
+    dithered.target_dither = Dither::matrix4;
+    Merging dithering(dithered);
+    model::MergeStage stage = model::prepare_merge(shipped_config("depth16"));
+    model::set_blend(stage, model::blend_of(state));
+    for (int code = 0; code < 256; ++code) {
+      const Codes got = merging({code, code, code, 0}, merging.opaque(), {0, 0, 0, code}, 3, 2);
+      const Codes by_matrix = dithering({code, code, code, 0}, merging.opaque(), {0, 0, 0, code}, 3, 2);
+      const auto byte = static_cast<std::uint8_t>(code);
+      Clear clear;
+      clear.color = {byte, byte, byte};
+      clear.alpha = byte;
+      const Clear stored = golden::held(state, clear);
+      ASSERT_EQ(stored, model::held(stage, clear));
+      for (std::size_t c = 0; c < 4; ++c) {
+        const int bits = widths_of(format)[c];
+        const int want = bits == 0 ? 255 : expanded(bits, nearest_code_of(bits, code));
+        ASSERT_EQ(c < 3 ? (*stored.color)[c] : *stored.alpha, want) << to_string(format) << " " << code;
+        if (c == 3 && format == TargetFormat::rgba8888) continue;  // it has no record
+        ASSERT_EQ(got[c], want) << to_string(format) << " channel " << c << " code " << code;
+        // A dither has its own way; alpha has none.
+        ASSERT_EQ(by_matrix[c], c == 3 ? want : held(format, Dither::matrix4, c, code, 3, 2));
+        if (want > code) ++raised;
+        if (want < code) ++lowered;
+        ASSERT_EQ(bits == 0 ? 255 : expanded(bits, nearest_code_of(bits, want)), want);
+      }
+    }
+  }
+  EXPECT_GT(raised, 500);
+  EXPECT_GT(lowered, 500);
 }
 
 // 256 codes at 16 places in each format with each dither: all colours, and alpha.
@@ -280,7 +330,7 @@ TEST(Target, LogicWorksOnTheExpandedCodes) {
 // c(n), in 1/256.
 int share(int code) { return code + (code >= 128 ? 1 : 0); }
 
-// 225 pairs of factors, 65,536 pairs of codes; without $BITSPAN_LONG some of them. Three pairs per fragment.
+// 256 pairs of factors, 65,536 pairs of codes; without $BITSPAN_LONG some of them. Three pairs per fragment.
 TEST(Target, EveryPairOfFactors) {
   const bool whole = is_long_run();
   const int step = whole ? 1 : 9;
@@ -309,11 +359,12 @@ TEST(Target, EveryPairOfFactors) {
           for (std::size_t c = 0; c < 3; ++c, ++compared) {
             const std::array<int, 3> constant{200, 90, 17};
             const auto factor = [&](BlendFactor f) {
-              // The names stand in pairs of X and 1 - X behind `zero` and `one`; the last stands alone.
+              // The names stand in pairs of X and 1 - X behind `zero` and `one`; the last two stand alone.
               const int n = static_cast<int>(f);
               if (n == 0) return 0;
               if (n == 1) return one;
               if (n == 14) return std::min(a, one - unit * share(dst_alpha));
+              if (n == 15) return one / 2;
               const std::array<int, 6> of{
                   unit * share(src),       unit * share(below[c]),    a,
                   unit * share(dst_alpha), unit * share(constant[c]), unit * share(140)};
@@ -332,7 +383,7 @@ TEST(Target, EveryPairOfFactors) {
   }
   const std::uint64_t sources = whole ? 256 : 29;
   const std::uint64_t fragments = whole ? 86 : 10;
-  EXPECT_EQ(compared, 225 * sources * fragments * 3);
+  EXPECT_EQ(compared, 256 * sources * fragments * 3);
   EXPECT_GT(inside, compared / 3);
 }
 
