@@ -335,9 +335,9 @@ double level_of_detail(const Config& config, const Scene& scene, const IdealTria
 bool sample_levels(const Config& config, const DrawState* state, const std::vector<Texture>& levels,
                    double level, double u, double v, Texel& out) {
   const auto sample = [&](double whole, Texel& to) {
-    const int l = static_cast<int>(whole);
-    return Sampler(config, state, levels[static_cast<std::size_t>(l)])
-        .sample(std::ldexp(u, -l), std::ldexp(v, -l), to);
+    const Texture& image = levels[static_cast<std::size_t>(whole)];
+    return Sampler(config, state, image)
+        .sample(u * image.width / levels[0].width, v * image.height / levels[0].height, to);
   };
   if (!mixes_levels(config.mip)) return sample(std::floor(level + 0.5), out);
   const double whole = std::floor(level);

@@ -165,9 +165,12 @@ class Sampling {
   // The same in a level of a chain.
   Place look_up_level(const DrawState& state, std::span<const Texture> levels, std::int64_t level,
                       const FragmentRecord& fragment) const {
-    const Real size = pow2<Real>(static_cast<int>(-level));
-    return look_up(state, levels[static_cast<std::size_t>(level)], q_uv_.value(fragment.u) * size,
-                   q_uv_.value(fragment.v) * size);
+    const Texture& whole = levels.front();
+    const Texture& image = levels[static_cast<std::size_t>(level)];
+    // Quotients of powers of two; 1 without a chain.
+    const Real across = Real(image.width) / Real(whole.width);
+    const Real down = Real(image.height) / Real(whole.height);
+    return look_up(state, image, q_uv_.value(fragment.u) * across, q_uv_.value(fragment.v) * down);
   }
   // Mixes the texel of a level with that of the next one; f: raw, lod.frac.
   void mix_levels(const DrawState& state, std::span<const Texture> levels, std::int64_t level, std::int64_t f,

@@ -2,6 +2,9 @@
 // The mip chains of a scene's textures; docs/numeric-spec.md, "Levels".
 #pragma once
 
+#include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <vector>
 
 #include "config/config.hpp"
@@ -13,6 +16,18 @@ namespace bitspan::model {
 // The levels of a texture, the texture itself first.
 using MipChain = std::vector<Texture>;
 MipChain make_mip_chain(const Texture& texture);
+
+// How often the sides of a texture are halved down to a level of its chain.
+struct Halvings {
+  int across = 0, down = 0;
+};
+inline Halvings halvings(int width, int height, std::int64_t level) {
+  const auto of = [level](int side) {
+    const std::int64_t most = std::bit_width(static_cast<unsigned>(side)) - 1;
+    return static_cast<int>(std::min(level, most));
+  };
+  return {of(width), of(height)};
+}
 
 class MipChains {
  public:

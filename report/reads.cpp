@@ -41,12 +41,14 @@ class Texels : golden::Sampling<golden::Quad> {
  public:
   explicit Texels(const Config& config) : Sampling(config) {}
 
-  void add(const Texture& texture, std::int64_t level, std::int64_t u, std::int64_t v,
+  // texture: that level of `whole`.
+  void add(const Texture& whole, const Texture& texture, std::int64_t level, std::int64_t u, std::int64_t v,
            std::vector<Read>& out) const {
-    const golden::Quad size = golden::pow2<golden::Quad>(static_cast<int>(-level));
+    const golden::Quad across = golden::Quad(texture.width) / golden::Quad(whole.width);
+    const golden::Quad down = golden::Quad(texture.height) / golden::Quad(whole.height);
     const golden::Quad half = weighs_texels(filter_) ? 0.5 : 0;
-    const std::int64_t i = golden::to_integer(golden::floor_of(q_uv_.value(u) * size - half));
-    const std::int64_t j = golden::to_integer(golden::floor_of(q_uv_.value(v) * size - half));
+    const std::int64_t i = golden::to_integer(golden::floor_of(q_uv_.value(u) * across - half));
+    const std::int64_t j = golden::to_integer(golden::floor_of(q_uv_.value(v) * down - half));
     const int side = weighs_texels(filter_) ? 2 : 1;
     for (int k = 0; k < side * side; ++k) {
       const std::int64_t column = wrapped(i + k % side, texture.width);
@@ -79,15 +81,15 @@ void add_texels(const Divergence& d, const Config& config, const Scene& scene, i
   const std::int64_t v = field(*fragment, "v");
   const Texels texels(config);
   if (!has_lod(config) || chosen == nullptr) {
-    texels.add(image, 0, u, v, out);
+    texels.add(image, image, 0, u, v, out);
     return;
   }
   const std::vector<Texture> levels = golden::mip_levels(image);
   const auto last = static_cast<std::int64_t>(levels.size()) - 1;
   const std::int64_t level = std::clamp<std::int64_t>(field(*chosen, "level"), 0, last);
-  texels.add(levels[static_cast<std::size_t>(level)], level, u, v, out);
+  texels.add(image, levels[static_cast<std::size_t>(level)], level, u, v, out);
   if (field(*chosen, "f") == 0 || level == last) return;
-  texels.add(levels[static_cast<std::size_t>(level + 1)], level + 1, u, v, out);
+  texels.add(image, levels[static_cast<std::size_t>(level + 1)], level + 1, u, v, out);
 }
 
 // The planes that a stage reads or writes at the pixel, as they stood in front of the triangle.

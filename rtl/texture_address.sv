@@ -2,8 +2,8 @@
 // Where the texels of a fragment lie in one level of its texture; docs/numeric-spec.md, "texture" and "Levels".
 // TextureAddressClocks enabled clocks.
 //
-//   u, v --> u 2^-l --> u - 1/2 --> whole, E --> wrapped --> rows by the pitch --> plus the base
-//           (2 clocks)                                      (2 clocks)
+//   u, v --> u W_l/W --> u - 1/2 --> whole, E --> wrapped --> rows by the pitch --> plus the base
+//            (2 clocks)                                      (2 clocks)
 //
 // Texel (i, j) has the address base + j 2^pitch + i. Where textures have levels (TextureHasLevels), their sides are powers of
 // two, and level l of 2^w columns and 2^h rows begins 2^(w+h) texels behind the base: its rows have 2^w texels, and row j is
@@ -52,7 +52,7 @@ module texture_address (
   localparam int LevelClocks = (HasLevels != 0) ? 2 : 0;
   localparam int Clocks = LevelClocks + 6;
 
-  // u 2^-l on a grid that has the half, as a signed number that can lose it.
+  // u W_l / W on a grid that has the half, as a signed number that can lose it.
   localparam int Deep = (HasLevels != 0) ? (1 << LevelW) - 1 : 0;
   localparam int UvGrid = (UvFrac > 1) ? UvFrac : 1;
   localparam int Grid = UvGrid + Deep;
@@ -73,15 +73,10 @@ module texture_address (
   assign own[0] = OwnW'($signed({(UvSigned != 0) & u_i[UvW-1], u_i})) <<< (UvGrid - UvFrac);
   assign own[1] = OwnW'($signed({(UvSigned != 0) & v_i[UvW-1], v_i})) <<< (UvGrid - UvFrac);
   if (HasLevels != 0) begin : gen_level
-    // By the level's high bits, then by its low ones; u goes to the left by what the level leaves of Deep.
-    localparam int HighW = LevelW - 2;
-    logic [1:0] level_a;
+    // By the high bits of how often the side is halved, then by the low ones; u goes to the left by what that leaves of Deep.
     logic [PitchW-1:0] pitch_a, pitch_b;
-    logic [HighW-1:0] high;
-    assign high = level_i[LevelW-1:2];
     always_ff @(posedge clk_i) begin
       if (en_i) begin
-        level_a <= level_i[1:0];
         pitch_a <= (pitch_i > PitchW'(level_i)) ? pitch_i - PitchW'(level_i) : '0;
         pitch_b <= pitch_a;
       end
@@ -90,12 +85,27 @@ module texture_address (
       logic signed [LowW-1:0] low_a, low_b;
       logic [IndexW-1:0] own_last, last_a, last_b;
       assign own_last = (axis == 0) ? last_i_i : last_j_i;
+      // Of the lowest bits as many are 1 as the side is halved: min(l, log2 of the side). Bit b of that number is the parity of
+      // those bits whose place, counted from 1, is a multiple of 2^b.
+      logic [Deep-1:0] halvings;
+      logic [LevelW-1:0] halved;
+      logic [1:0] halved_a;
+      assign halvings = Deep'(own_last) & ~({Deep{1'b1}} << level_i);
+      always_comb begin
+        halved = '0;
+        for (int b = 0; b < LevelW; b++) begin
+          for (int k = 0; k < Deep; k++) begin
+            if ((k + 1) % (1 << b) == 0) halved[b] = halved[b] ^ halvings[k];
+          end
+        end
+      end
       always_ff @(posedge clk_i) begin
         if (en_i) begin
-          low_a <= LowW'(own[axis]) <<< {~high, 2'b00};
-          low_b <= low_a <<< ~level_a;
-          last_a <= own_last >> {high, 2'b00};
-          last_b <= last_a >> level_a;
+          halved_a <= halved[1:0];
+          low_a <= LowW'(own[axis]) <<< {~halved[LevelW-1:2], 2'b00};
+          low_b <= low_a <<< ~halved_a;
+          last_a <= own_last >> {halved[LevelW-1:2], 2'b00};
+          last_b <= last_a >> halved_a;
         end
       end
       assign low[axis] = low_b;

@@ -286,8 +286,9 @@ struct ShadeColumns {
 // The images that a texture unit looks the fragments of a block up in.
 struct BlockImages {
   const ShadeTexture* image = nullptr;  // null: none
-  int level = 0;
+  Halvings halved{};
   const ShadeTexture* coarser = nullptr;  // the next level, where it has a share
+  Halvings coarser_halved{};
 };
 // What the two units take of a block.
 template <class T>
@@ -304,7 +305,10 @@ inline BlockImages images_of(const ShadePlan& plan, int texture, int level, bool
   const auto at = [&](int l) {
     return l == 0 ? image_of(plan, texture) : &levels[static_cast<std::size_t>(l - 1)];
   };
-  return {at(level), level, mixes && level < std::ssize(levels) ? at(level + 1) : nullptr};
+  const ShadeTexture& whole = *at(0);
+  const auto halved = [&](int l) { return halvings(whole.width, whole.height, l); };
+  if (!mixes || level == std::ssize(levels)) return {at(level), halved(level)};
+  return {at(level), halved(level), at(level + 1), halved(level + 1)};
 }
 
 // Whether pixels i .. i + lanes - 1 of a column follow one another.
@@ -416,10 +420,12 @@ HWY_INLINE Textured<ValueOf<Int>> found(const TextureStage& stage, const BlockIm
                                         const Image& image, const Image& coarser,
                                         const ElementOf<Int>* shares, ValueOf<Int> u, ValueOf<Int> v,
                                         Watch watch) {
-  const int fraction = stage.uv.fraction + images.level;
-  Textured<ValueOf<Int>> out = sampled<Int>(stage, image, u, v, fraction, watch);
+  const auto fraction = [&stage](Halvings halved) {
+    return UvFraction{stage.uv.fraction + halved.across, stage.uv.fraction + halved.down};
+  };
+  Textured<ValueOf<Int>> out = sampled<Int>(stage, image, u, v, fraction(images.halved), watch);
   if (images.coarser != nullptr) {
-    mix_level<Int>(stage, sampled<Int>(stage, coarser, u, v, fraction + 1, watch),
+    mix_level<Int>(stage, sampled<Int>(stage, coarser, u, v, fraction(images.coarser_halved), watch),
                    load_as<ValueOf<Int>>(shares), out, watch);
   }
   return out;

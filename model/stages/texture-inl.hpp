@@ -192,10 +192,15 @@ HWY_INLINE Truth<V> passes_alpha_test(const Register& alpha, const AlphaTest& te
   unreachable();
 }
 
-// Where a fragment looks and what it finds there, its colour apart; fraction: of u and v.
+// The fraction bits of u and v.
+struct UvFraction {
+  int u, v;
+};
+
+// Where a fragment looks and what it finds there, its colour apart.
 template <class Int, class Image, class Watch>
 HWY_INLINE Textured<ValueOf<Int>> sampled(const TextureStage& stage, const Image& image, ValueOf<Int> u,
-                                          ValueOf<Int> v, int fraction, Watch watch) {
+                                          ValueOf<Int> v, UvFraction fraction, Watch watch) {
   using V = ValueOf<Int>;
   Textured<V> out;
   out.i = out.j = out.ex = out.ey = V(0);
@@ -209,11 +214,10 @@ HWY_INLINE Textured<ValueOf<Int>> sampled(const TextureStage& stage, const Image
     const TextureFilter filter = image.filter(stage);
     V nearest_word(0);
     if (!weighs_texels(filter) || reserved) {
-      const auto floor = [fraction](V x) HWY_ATTR {
-        return as_value<Int>(fraction >= 0 ? Int(x) >> fraction : Int(x) << -fraction);
-      };
-      out.i = floor(u);
-      out.j = floor(v);
+      const auto floor = [](V x, int f)
+                             HWY_ATTR { return as_value<Int>(f >= 0 ? Int(x) >> f : Int(x) << -f); };
+      out.i = floor(u, fraction.u);
+      out.j = floor(v, fraction.v);
       nearest_word = image.nearest(out.i, out.j);
       if (reserved) {
         out.killed = is_reserved(stage, nearest_word);
@@ -228,15 +232,14 @@ HWY_INLINE Textured<ValueOf<Int>> sampled(const TextureStage& stage, const Image
         break;
       case TextureFilter::bilinear: {
         // u - 1/2 on a grid that has the half.
-        const int grid = fraction > 1 ? fraction : 1;
-        const Int half = Int(1) << (grid - 1);
-        const Int u_low = (Int(u) << (grid - fraction)) - half;
-        const Int v_low = (Int(v) << (grid - fraction)) - half;
-        const Int below = (Int(1) << grid) - Int(1);
-        out.ex = quantize(u_low & below, grid, stage.frac, watch);
-        out.ey = quantize(v_low & below, grid, stage.frac, watch);
-        out.i = as_value<Int>(u_low >> grid);
-        out.j = as_value<Int>(v_low >> grid);
+        const auto split = [&](V x, int f, V& whole, V& e) HWY_ATTR {
+          const int grid = f > 1 ? f : 1;
+          const Int low = (Int(x) << (grid - f)) - (Int(1) << (grid - 1));
+          e = quantize(low & ((Int(1) << grid) - Int(1)), grid, stage.frac, watch);
+          whole = as_value<Int>(low >> grid);
+        };
+        split(u, fraction.u, out.i, out.ex);
+        split(v, fraction.v, out.j, out.ey);
         Quad<V> quad = image.quad(out.i, out.j);
         if (reserved) {
           for (V* word : {&quad.v1, &quad.v4, &quad.v2, &quad.v3}) {
@@ -292,7 +295,8 @@ template <class Int, class Image, class Watch>
 HWY_INLINE Textured<ValueOf<Int>> textured(const TextureStage& stage, const Image& image, ValueOf<Int> u,
                                            ValueOf<Int> v, const std::array<ValueOf<Int>, 4>& shade,
                                            Watch watch) {
-  Textured<ValueOf<Int>> out = sampled<Int>(stage, image, u, v, stage.uv.fraction, watch);
+  Textured<ValueOf<Int>> out =
+      sampled<Int>(stage, image, u, v, {stage.uv.fraction, stage.uv.fraction}, watch);
   colour<Int>(stage, shade, out, watch);
   return out;
 }

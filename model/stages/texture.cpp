@@ -45,7 +45,7 @@ template <class Int, class Watch>
 text::Textured<std::int64_t> found(const TextureStage& stage, const Texture* texture,
                                    const FragmentRecord& fragment, Watch watch) {
   return text::sampled<Int>(stage, text::TextureImage{texture, stage.wrap, text::word_of(stage.border)},
-                            fragment.u, fragment.v, stage.uv.fraction, watch);
+                            fragment.u, fragment.v, {stage.uv.fraction, stage.uv.fraction}, watch);
 }
 
 template <class Int, class Watch>
@@ -54,8 +54,11 @@ text::Textured<std::int64_t> found_in_levels(const TextureStage& stage, const Mi
                                              Watch watch) {
   const auto at_level = [&](std::int64_t level) {
     const Texture* image = chain == nullptr ? nullptr : &(*chain)[static_cast<std::size_t>(level)];
+    const Halvings halved =
+        chain == nullptr ? Halvings{} : halvings(chain->front().width, chain->front().height, level);
     return text::sampled<Int>(stage, text::TextureImage{image, stage.wrap, text::word_of(stage.border)},
-                              fragment.u, fragment.v, stage.uv.fraction + static_cast<int>(level), watch);
+                              fragment.u, fragment.v,
+                              {stage.uv.fraction + halved.across, stage.uv.fraction + halved.down}, watch);
   };
   auto all = at_level(lod.level);
   // Where f is 0 the mix is the level's own value.

@@ -80,7 +80,7 @@ constexpr TextureStage prepare_texture(const Config& config) {
     const Grid level = signed_grid(config.format(FormatId::lod_frac));
     const Grid rest_of_level = integer_grid(1) - level;
     const Format& uv = config.format(FormatId::span_uv);
-    // u - 1/2 on the grid of u 2^-l.
+    // u - 1/2 on the grid of the deepest level.
     levels_fit = fits_int64(mix * rest_of_level + mix * level) &&
                  fits_int64(alpha * rest_of_level + alpha * level) &&
                  std::max(uv.word, uv.fraction() + max_mip_level) + 2 <= 63;

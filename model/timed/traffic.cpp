@@ -60,24 +60,27 @@ void TextureTraffic::place_textures(const Run& run) {
   images_.clear();
   first_of_.clear();
   const auto line = static_cast<std::uint64_t>(run.config.memory.cache_line_bytes);
-  const auto axis = [&](int size) {
+  const auto axis = [&](int size, int halved) {
     return Axis{.size = size,
                 .power_of_two = std::has_single_bit(static_cast<unsigned>(size)),
+                .halved = halved,
                 .wrap = run.config.wrap};
   };
   std::uint64_t next = 0;
-  const auto place = [&](const Texture& texture, int level) {
-    images_.push_back({axis(texture.width), axis(texture.height), next, texture.format, level});
+  const auto place = [&](const Texture& texture, model::Halvings halved) {
+    images_.push_back(
+        {axis(texture.width, halved.across), axis(texture.height, halved.down), next, texture.format});
     next += (byte_count(texture) + line - 1) / line * line;
   };
   const auto& chains = run.pipeline.mip_chains.all();
   for (std::size_t i = 0; i < run.scene->textures.size(); ++i) {
     first_of_.push_back(images_.size());
     if (chains.empty()) {
-      place(run.scene->textures[i], 0);
+      place(run.scene->textures[i], {});
     } else {
       for (std::size_t level = 0; level < chains[i].size(); ++level)
-        place(chains[i][level], static_cast<int>(level));
+        place(chains[i][level],
+              model::halvings(chains[i][0].width, chains[i][0].height, static_cast<std::int64_t>(level)));
     }
   }
 }
@@ -90,8 +93,8 @@ int TextureTraffic::misses(int texture, std::int64_t u, std::int64_t v, const Lo
 }
 
 int TextureTraffic::misses(const Image& image, std::int64_t u, std::int64_t v) {
-  const std::int64_t i = texel(u, image.level);
-  const std::int64_t j = texel(v, image.level);
+  const std::int64_t i = texel(u, image.across.halved);
+  const std::int64_t j = texel(v, image.down.halved);
   const std::int64_t i0 = image.across.wrapped(i);
   const std::int64_t j0 = image.down.wrapped(j);
   int count = misses_texel(image, i0, j0) ? 1 : 0;

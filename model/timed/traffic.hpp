@@ -91,6 +91,7 @@ class TextureTraffic {
   struct Axis {
     std::int64_t size = 1;
     bool power_of_two = true;
+    int halved = 0;  // from level 0 on
     TextureWrap wrap = TextureWrap::cyclic;
     // -1: outside, where no texel is read.
     std::int64_t wrapped(std::int64_t i) const {
@@ -118,7 +119,6 @@ class TextureTraffic {
     Axis across, down;
     std::uint64_t base = 0;  // byte address
     TexelFormat format = TexelFormat::rgba8888;
-    int level = 0;
   };
   void place_textures(const Run& run);
   static Asks asks_of(int misses) { return static_cast<Asks>((1U << misses) - 1); }
@@ -131,10 +131,10 @@ class TextureTraffic {
     }
     return !cache_.access(image.base + static_cast<std::uint64_t>(j * image.across.size + i) * color_bytes);
   }
-  // Of x = raw 2^-(fraction + level): floor(x - 1/2) where the filter weighs texels, else floor(x).
-  std::int64_t texel(std::int64_t raw, int level) const {
-    if (shift_ >= 0 && level == 0) return (raw - half_) >> shift_;
-    return static_cast<std::int64_t>(model::floor_of(model::Exact{raw, fraction_ + level} -
+  // Of x = raw 2^-(fraction + halved): floor(x - 1/2) where the filter weighs texels, else floor(x).
+  std::int64_t texel(std::int64_t raw, int halved) const {
+    if (shift_ >= 0 && halved == 0) return (raw - half_) >> shift_;
+    return static_cast<std::int64_t>(model::floor_of(model::Exact{raw, fraction_ + halved} -
                                                      model::Exact{weighs_texels(filter_) ? 1 : 0, 1}));
   }
 

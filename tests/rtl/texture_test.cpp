@@ -440,9 +440,12 @@ TEST(Texture, PlantedBugsAreSeen) {
 
 TEST(Texture, PlantedBugsOfLevelsAreSeen) {
   constexpr PlantedBug bugs[] = {
-      {"rtl/texture_address.sv", "<<< {~high, 2'b00};", "<<< {2'b11, 2'b00};"},
-      {"rtl/texture_address.sv", "low_a <<< ~level_a;", "low_a <<< level_a;"},
-      {"rtl/texture_address.sv", "last_b <= last_a >> level_a;", "last_b <= last_a >> (level_a & 2'b01);"},
+      {"rtl/texture_address.sv", "<<< {~halved[LevelW-1:2], 2'b00};", "<<< {2'b11, 2'b00};"},
+      {"rtl/texture_address.sv", "low_a <<< ~halved_a;", "low_a <<< halved_a;"},
+      {"rtl/texture_address.sv", "last_b <= last_a >> halved_a;", "last_b <= last_a >> (halved_a & 2'b01);"},
+      {"rtl/texture_address.sv", "Deep'(own_last) & ~", "Deep'({IndexW{1'b1}}) & ~"},
+      {"rtl/texture_address.sv", "Deep'(own_last) & ~", "Deep'((axis == 0) ? last_j_i : last_i_i) & ~"},
+      {"rtl/texture_address.sv", "(k + 1) % (1 << b)", "k % (1 << b)"},
       {"rtl/texture_address.sv", "pitch_i - PitchW'(level_i) : '0;", "pitch_i - PitchW'(level_i) : pitch_i;"},
       {"rtl/texture_address.sv", "rows_3 | {1'b0, second_3[IndexW+:IndexW]}",
        "{1'b0, second_3[IndexW+:IndexW] + IndexW'(0)}"},

@@ -197,7 +197,9 @@ TEST(Forms, Levels) {
           c.mip = mip;
           c.filter = filter;
           c.lod_bias = static_cast<int>(seed % 33) - 16;
+          c.wrap = static_cast<TextureWrap>(seed / 2 % 4);
           RandomOptions options = scenes_of_states();
+          options.texture_size_max = 16;
           if (seed % 2 == 0) options.command_probability = 0;
           written += compare_forms(c, random_scene(seed, options),
                                    base.name + ", levels, seed " + std::to_string(seed));

@@ -11,6 +11,7 @@
 #include "golden/engine_golden.hpp"
 #include "golden/lod.hpp"
 #include "golden/mip_chain.hpp"
+#include "golden/texture.hpp"
 #include "model/engine_model.hpp"
 #include "model/mip_chain.hpp"
 #include "model/pipeline.hpp"
@@ -232,7 +233,95 @@ TEST(Lod, WhatIsNotThereIsRefusedByName) {
   }
 }
 
-// Level l of a texture, at u 2^-l, is the texture of that level itself; and the mix of two is T11's.
+// Bilinear in level 1 and further, of textures with a side that is held at one texel.
+TEST(Texture, ASideHeldAtOneTexelIsNotHalved) {
+  struct Case {
+    int width, height, level;
+    double u, v;
+    double ex, ey;
+    // cyclic, clamp, mirror, border
+    std::array<std::pair<int, int>, 4> at;
+  };
+  const Case cases[] = {
+      // u 1/4, v 1/1: 3/8 and 3/4 behind the half.
+      {4, 1, 2, 3.5, 1.25, 0.375, 0.75, {{{0, 0}, {0, 0}, {0, 0}, {0, 0}}}},
+      // u 2/4, v 1/1: 2 and 9/4.
+      {4, 1, 1, 5, 2.75, 0, 0.25, {{{0, 0}, {1, 0}, {1, 0}, {2, 1}}}},
+      // u 1/1, v 1/8: -5/4 and 1.
+      {1, 8, 3, -0.75, 12, 0.75, 0, {{{0, 0}, {0, 0}, {0, 0}, {-1, 1}}}},
+      // u 1/1, v 2/8: 0 and 5/4.
+      {1, 8, 2, 0.5, 7, 0, 0.25, {{{0, 1}, {0, 1}, {0, 1}, {0, 1}}}},
+  };
+  Config c = with_levels(plain_config(), MipMode::nearest, LodMode::none);
+  c.filter = TextureFilter::bilinear;
+  c.border = {200, 200, 200, 255};
+  FragmentRecord f;
+  f.r = f.g = f.b = f.a = encoded(1, c.format(FormatId::span_shade));
+  const FragmentRecord* const one = &f;
+  for (const Case& k : cases) {
+    SCOPED_TRACE(testing::Message() << k.width << "x" << k.height << ", level " << k.level);
+    const Texture grey{"grey", k.width, k.height,
+                       std::vector<std::uint8_t>(static_cast<std::size_t>(4 * k.width * k.height), 40)};
+    f.u = encoded(k.u, c.format(FormatId::span_uv));
+    f.v = encoded(k.v, c.format(FormatId::span_uv));
+    LodRecord lod;
+    lod.level = k.level;
+    const std::vector<Texture> levels = golden::mip_levels(grey);
+    for (std::size_t w = 0; w < 4; ++w) {
+      c.wrap =
+          std::array{TextureWrap::cyclic, TextureWrap::clamp, TextureWrap::mirror, TextureWrap::border}[w];
+      TextureRecord r;
+      model::texture(model::prepare_texture(c), &levels, f, lod, r);
+      EXPECT_EQ(std::pair(r.i, r.j), (std::pair<std::int64_t, std::int64_t>(k.at[w]))) << w;
+      EXPECT_EQ(decoded(r.ex, c.format(FormatId::texture_frac)), k.ex) << w;
+      EXPECT_EQ(decoded(r.ey, c.format(FormatId::texture_frac)), k.ey) << w;
+      // Of the first case the border's share is 3/8 in the upper row, and all of the lower one.
+      if (&k == &cases[0]) {
+        EXPECT_EQ(decoded(r.texel_r, c.format(FormatId::texture_mix)), w == 3 ? 175 : 40);
+      }
+      std::vector<TextureRecord> same;
+      golden::make_mip_texture({golden::Width::quad, true}, c)({&one, 1}, {&lod, 1}, &levels, DrawState{},
+                                                               same);
+      EXPECT_EQ(same, std::vector{r}) << w;
+    }
+  }
+}
+
+// Level 0 is grey; level 1 has the reserved colour, with alpha 51 / 255, beside a texel of 40.
+TEST(Texture, ATransparentTexelOfTheCoarserLevelIsWeighed) {
+  Config c = with_levels(plain_config(), MipMode::linear, LodMode::none);
+  c.transparent = {{255, 0, 255}};
+  Texture grey{"grey", 4, 1, std::vector<std::uint8_t>(16, 100)};
+  Texture coarser{"coarser", 2, 1, {255, 0, 255, 51, 40, 40, 40, 255}};
+  const std::vector<Texture> levels{grey, coarser, {"last", 1, 1, {0, 0, 0, 0}}};
+  FragmentRecord f;
+  f.r = f.g = f.b = f.a = encoded(1, c.format(FormatId::span_shade));
+  f.v = encoded(0.5, c.format(FormatId::span_uv));
+  const FragmentRecord* const one = &f;
+  LodRecord lod;
+  lod.f = encoded(0.5, c.format(FormatId::lod_frac));
+  // u in level 0, and red of V: half of 100, and half of what level 1 has at u / 2.
+  for (const auto& [filter, u, red] : {
+           std::tuple(TextureFilter::nearest, 1.5, 177.5),     // the reserved texel
+           std::tuple(TextureFilter::nearest, 2.5, 70.0),      // its neighbour
+           std::tuple(TextureFilter::bilinear, 1.5, 150.625),  // 255 3/4 + 40 1/4: it is nearest
+           std::tuple(TextureFilter::bilinear, 2.5, 70.0),     // 40 stands for it
+       }) {
+    SCOPED_TRACE(u);
+    c.filter = filter;
+    f.u = encoded(u, c.format(FormatId::span_uv));
+    TextureRecord r;
+    EXPECT_TRUE(model::texture(model::prepare_texture(c), &levels, f, lod, r));
+    EXPECT_EQ(decoded(r.texel_r, c.format(FormatId::texture_mix)), red);
+    std::vector<TextureRecord> same;
+    golden::make_mip_texture({golden::Width::quad, true}, c)({&one, 1}, {&lod, 1}, &levels, DrawState{},
+                                                             same);
+    EXPECT_EQ(same, std::vector{r});
+  }
+}
+
+// Level l of a texture, at u and v of that level, is the texture of that level itself; and the mix of two is
+// T11's.
 TEST(Texture, ALevelIsATextureOfItsOwn) {
   Config c = plain_config();
   c.format(FormatId::span_uv) = {40, 20, true, Rounding::rnd, Overflow::sat, false};
@@ -254,7 +343,7 @@ TEST(Texture, ALevelIsATextureOfItsOwn) {
       const auto of_level = [&](std::int64_t level) {
         FragmentRecord at = f;
         at.u = f.u >> level;
-        at.v = f.v >> level;
+        at.v = f.v >> std::min<std::int64_t>(level, 4);  // of 16 rows
         TextureRecord r;
         model::texture(stage, &chain[static_cast<std::size_t>(level)], at, r);
         return r;
@@ -278,6 +367,7 @@ TEST(Texture, ALevelIsATextureOfItsOwn) {
 TEST(Lod, GoldenAndModelAreEqual) {
   std::size_t records = 0;
   std::size_t mixed = 0;
+  std::size_t held = 0;  // a side at one texel
   std::uint64_t seed = 0;
   for (const Config& base : shipped_configs()) {
     for (const Perspective perspective : all_perspectives) {
@@ -289,7 +379,7 @@ TEST(Lod, GoldenAndModelAreEqual) {
           if (first_violation(c)) continue;
           Random random(++seed);
           c.filter = random.chance(0.5) ? TextureFilter::nearest : TextureFilter::bilinear;
-          c.wrap = random.chance(0.5) ? TextureWrap::cyclic : TextureWrap::clamp;
+          c.wrap = static_cast<TextureWrap>(random.integer(0, 3));
           if (random.chance(0.5)) c.transparent = {{255, 0, 255}};
           c.lod_bias = static_cast<int>(random.integer(-16, 40));
           c.lod_first = static_cast<int>(random.log_uniform(20, 40000));
@@ -298,6 +388,7 @@ TEST(Lod, GoldenAndModelAreEqual) {
                                                   .triangles = 24,
                                                   .size_max = 60,
                                                   .uv_limit = 400,
+                                                  .texture_size_max = 16,
                                                   .mip_chains = true});
           Trace want, got;
           const auto golden = make_golden(c, true);
@@ -314,13 +405,20 @@ TEST(Lod, GoldenAndModelAreEqual) {
           ASSERT_EQ(got.lod.size(), got.texture.size());
           ASSERT_EQ(!got.gradient.empty(), has_lod_gradients(c));
           records += got.lod.size();
-          for (const LodRecord& r : got.lod) mixed += r.f != 0 ? 1 : 0;
+          for (const LodRecord& r : got.lod) {
+            mixed += r.f != 0 ? 1 : 0;
+            const int texture = scene.triangles[static_cast<std::size_t>(r.triangle)].texture;
+            if (texture < 0) continue;
+            const Texture& t = scene.textures[static_cast<std::size_t>(texture)];
+            held += std::min(t.width, t.height) >> r.level == 0 ? 1 : 0;
+          }
         }
       }
     }
   }
   EXPECT_GT(records, 20000U);
   EXPECT_GT(mixed, 2000U);
+  EXPECT_GT(held, 2000U);
 }
 
 // The environment asks for the longer form.
