@@ -50,9 +50,8 @@ int vectors(const VectorsArguments& o) {
   }
   write_vectors(made, format, output, BITSPAN_VERSION);
   std::string inputs;
-  for (const RecordType type : inputs_of(made)) {
-    inputs += fmt::format("{}{} of {}", inputs.empty() ? "" : ", ", view_of(made.trace, type).records,
-                          stage_of(type));
+  for (const RecordView& view : inputs_of(made)) {
+    inputs += fmt::format("{}{} of {}", inputs.empty() ? "" : ", ", view.records, view.stage);
   }
   fmt::print("{}: {} records of {}{}{}; {} ({})\n", output, records, o.stage,
              inputs.empty() ? "" : " made from ", inputs, config.name, config_hash(config));

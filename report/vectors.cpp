@@ -50,10 +50,23 @@ struct Layout {
   std::vector<Place> places;
 };
 
+// What merge reads of the picture; no stage makes it.
+constexpr std::string_view stored_table = "merge.stored";
+constexpr auto stored_fields = std::to_array<Field>({{"triangle", FieldKind::integer, FormatId::count},
+                                                     {"x", FieldKind::integer, FormatId::count},
+                                                     {"y", FieldKind::integer, FormatId::count},
+                                                     {"r", FieldKind::format, FormatId::merge_color},
+                                                     {"g", FieldKind::format, FormatId::merge_color},
+                                                     {"b", FieldKind::format, FormatId::merge_color},
+                                                     {"a", FieldKind::integer, FormatId::count}});
+
+bool reads_picture(RecordType stage) {
+  return stage == RecordType::merge || stage == RecordType::merge_alpha;
+}
+
 // All fields of a record; the first one is leftmost in a word.
-Layout layout_of(RecordType type, const Config& config) {
+Layout layout_of(std::span<const Field> all, const Config& config) {
   Layout out;
-  const auto all = fields_of(type);
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::optional<Format> format = format_of(all[i], config);
     Place place{static_cast<int>(i), integer_bits, 0, true, static_cast<int>(i), 0};
@@ -124,26 +137,26 @@ std::string macro_of(std::string_view role, std::string_view stage, std::string_
 
 struct Table {
   std::string_view role;  // "input" or "output"
-  RecordType type;
+  RecordView view;
 };
 std::vector<Table> tables_of(const Vectors& vectors) {
   std::vector<Table> out;
-  for (const RecordType type : inputs_of(vectors)) out.push_back({"input", type});
-  out.push_back({"output", vectors.stage});
+  for (const RecordView& view : inputs_of(vectors)) out.push_back({"input", view});
+  out.push_back({"output", view_of(vectors.trace, vectors.stage)});
   return out;
 }
 
 std::string file_of(const Table& table, VectorFormat format) {
-  return fmt::format("{}.{}.{}", table.role, stage_of(table.type),
+  return fmt::format("{}.{}.{}", table.role, table.view.stage,
                      vector_formats[static_cast<std::size_t>(format)]);
 }
 
 Json table_json(const Table& table, const Vectors& vectors, VectorFormat format) {
-  const RecordView view = view_of(vectors.trace, table.type);
-  const Layout layout = layout_of(table.type, vectors.config);
+  const RecordView& view = table.view;
+  const Layout layout = layout_of(view.fields, vectors.config);
   Json json;
   json["role"] = table.role;
-  json["stage"] = stage_of(table.type);
+  json["stage"] = view.stage;
   json["count"] = view.records;
   if (format != VectorFormat::json) json["file"] = file_of(table, format);
   if (format == VectorFormat::hex) json["bits"] = layout.bits;
@@ -187,7 +200,7 @@ std::string vectors_json(const Vectors& vectors, VectorFormat format, const std:
     out.append(between).append(dumped(table_json(table, vectors, format)));
     between = ",\n";
     if (format != VectorFormat::json) continue;
-    const RecordView view = view_of(vectors.trace, table.type);
+    const RecordView& view = table.view;
     out.back() = ',';  // of the table's brace
     out += "\"records\": [\n";
     for (std::size_t i = 0; i < view.records; ++i) {
@@ -204,10 +217,10 @@ std::string verilog_header(const Vectors& vectors) {
       fmt::format("// {}, configuration {} ({}): the words of the .hex files, by bitspan vectors.\n",
                   stage_of(vectors.stage), vectors.config.name, config_hash(vectors.config));
   for (const Table& table : tables_of(vectors)) {
-    const RecordView view = view_of(vectors.trace, table.type);
-    const Layout layout = layout_of(table.type, vectors.config);
+    const RecordView& view = table.view;
+    const Layout layout = layout_of(view.fields, vectors.config);
     const auto define = [&](std::string_view name, const std::string& value) {
-      out += fmt::format("`define {} {}\n", macro_of(table.role, stage_of(table.type), name), value);
+      out += fmt::format("`define {} {}\n", macro_of(table.role, view.stage, name), value);
     };
     define("RECORDS", fmt::format("{}", view.records));
     define("BITS", fmt::format("{}", layout.bits));
@@ -254,17 +267,18 @@ int integer_of(const Json& json, const char* key, int low, int high) {
 }
 
 // The fields of a table as the file has them. They must be the record's under the configuration.
-Layout parse_layout(const Json& table, RecordType type, const Config& config, VectorFormat format) {
+Layout parse_layout(const Json& table, std::span<const Field> fields, std::string_view stage,
+                    const Config& config, VectorFormat format) {
   constexpr int limit = 1 << 16;
-  const Layout whole = layout_of(type, config);
+  const Layout whole = layout_of(fields, config);
   Layout out;
   if (format == VectorFormat::hex) out.bits = integer_of(table, "bits", 1, limit);
   std::vector<bool> seen(whole.places.size());
   for (const Json& json : table.at("fields")) {
     const auto name = json.at("name").get<std::string>();
-    const int at = field_index(type, name);
-    if (at < 0) throw InputError(fmt::format("fields: {} has no field '{}'", stage_of(type), name));
-    const auto index = static_cast<std::size_t>(at);
+    const auto at = std::ranges::find(fields, name, &Field::name);
+    if (at == fields.end()) throw InputError(fmt::format("fields: {} has no field '{}'", stage, name));
+    const auto index = static_cast<std::size_t>(at - fields.begin());
     if (seen[index]) throw InputError(fmt::format("fields: '{}' is there twice", name));
     seen[index] = true;
     Place place = whole.places[index];
@@ -375,7 +389,7 @@ void parse_word(std::string_view digits, Word& value, Word& unknown, const std::
   }
 }
 
-void read_hex_records(const std::string& path, const RecordType type, Answers& into) {
+void read_hex_records(const std::string& path, std::span<const Field> fields, Answers& into) {
   const std::string text = text_of(path);
   const auto digits = static_cast<std::size_t>(digits_of(into.layout.bits));
   std::istringstream lines(text);
@@ -410,7 +424,7 @@ void read_hex_records(const std::string& path, const RecordType type, Answers& i
         if (unknown.get(p.lsb, p.word) != 0) {
           if (into.unknown++ == 0) {
             into.first_unknown = fmt::format("record {}, field {}", into.records,
-                                             fields_of(type)[static_cast<std::size_t>(p.field)].name);
+                                             fields[static_cast<std::size_t>(p.field)].name);
           }
           unknown_values.push_back(into.values.size());
         }
@@ -422,6 +436,11 @@ void read_hex_records(const std::string& path, const RecordType type, Answers& i
     }
   }
   for (const std::size_t value : unknown_values) into.mark_missing(value);
+}
+
+RecordView view_of_stored(const Vectors& vectors) {
+  return {RecordType::count, stored_table, stored_fields, vectors.stored.data(),
+          vectors.stored.size() / stored_fields.size()};
 }
 
 struct ReadTable {
@@ -451,10 +470,12 @@ ReadTable read_table(const Json& json, VectorFormat format, const fs::path& fold
   ReadTable out;
   json.at("role").get_to(out.role);
   json.at("stage").get_to(out.stage);
-  const RecordType type = type_named(out.stage);
   const bool is_output = out.role == "output";
-  out.answers.layout = parse_layout(json, type, config, format);
-  if (is_output) keep_fields(out.answers.layout, type, options.fields);
+  const std::span<const Field> fields = !is_output && out.stage == stored_table
+                                            ? std::span<const Field>(stored_fields)
+                                            : fields_of(type_named(out.stage));
+  out.answers.layout = parse_layout(json, fields, out.stage, config, format);
+  if (is_output) keep_fields(out.answers.layout, type_named(out.stage), options.fields);
   if (format == VectorFormat::json) {
     out.origin = origin;
     read_json_records(json.at("records"), out.answers);
@@ -468,7 +489,7 @@ ReadTable read_table(const Json& json, VectorFormat format, const fs::path& fold
   if (!is_output && !fs::exists(out.origin, ignored)) {
     out.is_there = false;
   } else if (format == VectorFormat::hex) {
-    read_hex_records(out.origin, type, out.answers);
+    read_hex_records(out.origin, fields, out.answers);
   } else {
     read_npy_records(out.origin, out.answers);
   }
@@ -542,10 +563,10 @@ ReadVectors read_vectors(const std::string& path, const VectorCheckOptions& opti
 // ---- comparing ----
 
 // The records of a table that a file must have unchanged.
-void check_input(const ReadTable& table, const Trace& trace) {
+void check_input(const ReadTable& table, const Vectors& model) {
   if (!table.is_there) return;
-  const RecordType type = type_named(table.stage);
-  const RecordView view = view_of(trace, type);
+  const RecordView view =
+      table.stage == stored_table ? view_of_stored(model) : view_of(model.trace, type_named(table.stage));
   const Answers& a = table.answers;
   const auto refuse = [&](const std::string& what) {
     throw InputError(fmt::format("{}: input of {}: {}; expected the records that bitspan vectors wrote",
@@ -634,17 +655,52 @@ VectorFormat vector_format(std::string_view name) {
   return static_cast<VectorFormat>(at - vector_formats.begin());
 }
 
-std::vector<RecordType> inputs_of(const Vectors& vectors) {
-  std::vector<RecordType> out;
+std::vector<RecordView> inputs_of(const Vectors& vectors) {
+  std::vector<RecordView> out;
   const auto add = [&](RecordType type) {
-    if (type != vectors.stage && view_of(vectors.trace, type).records > 0) out.push_back(type);
+    const RecordView view = view_of(vectors.trace, type);
+    if (type != vectors.stage && view.records > 0) out.push_back(view);
   };
   add(RecordType::constants);
+  add(RecordType::state);
+  // The new alpha is made of what the new colour is made of.
+  if (vectors.stage == RecordType::merge_alpha) {
+    for (const RecordType type : row_of(RecordType::merge).made_from) add(type);
+  }
   for (const RecordType type : row_of(vectors.stage).made_from) {
     if (type != RecordType::constants) add(type);
   }
+  if (!vectors.stored.empty()) out.push_back(view_of_stored(vectors));
   return out;
 }
+
+namespace {
+
+// Draws one triangle and the commands around it, and keeps what merge finds in the picture. `picture`: as it
+// was left behind the triangle in front; empty at first.
+void draw_with_stored(Engine& engine, std::size_t triangle, std::vector<std::uint8_t>& picture,
+                      Vectors& out) {
+  const auto commands = commands_of(out.scene, triangle, 1);
+  const auto index = static_cast<std::int64_t>(triangle);
+  const auto behind = std::ranges::upper_bound(commands, triangle, {}, &DrawCommand::before);
+  for (auto c = commands.begin(); c != behind; ++c) engine.execute(*c, index, &out.trace);
+  if (picture.empty() || behind != commands.begin()) picture = engine.frame().color;
+  const std::size_t first = out.trace.merge.size();
+  engine.draw(std::span(out.scene.triangles).subspan(triangle, 1), index, &out.trace);
+  const Frame& frame = engine.frame();
+  // A triangle has each pixel once.
+  for (const MergeRecord& merged : std::span(out.trace.merge).subspan(first)) {
+    const auto pixel = 4 * static_cast<std::size_t>(merged.y * frame.width + merged.x);
+    out.stored.insert(out.stored.end(), {merged.triangle, merged.x, merged.y});
+    for (std::size_t c = pixel; c < pixel + 4; ++c) {
+      out.stored.push_back(picture[c]);
+      picture[c] = frame.color[c];
+    }
+  }
+  for (auto c = behind; c != commands.end(); ++c) engine.execute(*c, index + 1, &out.trace);
+}
+
+}  // namespace
 
 Vectors make_vectors(const Config& config, const Scene& scene, RecordType stage,
                      const DrawProgress& progress) {
@@ -653,13 +709,18 @@ Vectors make_vectors(const Config& config, const Scene& scene, RecordType stage,
                      ": vectors have the constants of one view; expected a scene that no command changes");
   }
   check_scene_range(config, scene);
-  Vectors out{config, scene, stage, {}};
+  Vectors out{config, scene, stage, {}, {}};
   const auto engine = make_engine("model", config);
   engine->begin(scene);
   const LockStepOptions steps;
+  std::vector<std::uint8_t> picture;
   for (std::size_t done = 0; done < scene.triangles.size();) {
-    const std::size_t n = next_batch(scene, done, steps);
-    draw_scene(*engine, scene, done, n, &out.trace);
+    const std::size_t n = reads_picture(stage) ? 1 : next_batch(scene, done, steps);
+    if (reads_picture(stage)) {
+      draw_with_stored(*engine, done, picture, out);
+    } else {
+      draw_scene(*engine, scene, done, n, &out.trace);
+    }
     done += n;
     if (progress) progress(done, scene.triangles.size());
   }
@@ -675,14 +736,14 @@ void write_vectors(const Vectors& vectors, VectorFormat format, const std::strin
   }
   AtomicFolder folder(path);
   for (const Table& table : tables_of(vectors)) {
-    const RecordView view = view_of(vectors.trace, table.type);
+    const RecordView& view = table.view;
     const std::string file = folder.path(file_of(table, format));
     if (format == VectorFormat::npy) {
       write_npy(file, {view.records, view.fields.size()},
                 std::span(view.values, view.records * view.fields.size()));
       continue;
     }
-    const Layout layout = layout_of(table.type, vectors.config);
+    const Layout layout = layout_of(view.fields, vectors.config);
     AtomicFile out(file);
     for (std::size_t i = 0; i < view.records; ++i) out.write(hex_line(view.record(i), layout));
     out.commit();
@@ -697,7 +758,7 @@ VectorCheck check_vectors(const std::string& path, const VectorCheckOptions& opt
   ReadVectors read = read_vectors(path, options);
   const Answers& answers = read.output.answers;
   const Vectors model = make_vectors(read.config, read.scene, read.stage, progress);
-  for (const ReadTable& table : read.inputs) check_input(table, model.trace);
+  for (const ReadTable& table : read.inputs) check_input(table, model);
 
   VectorCheck out;
   out.config = read.config;

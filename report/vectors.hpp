@@ -27,11 +27,14 @@ struct Vectors {
   Scene scene;
   RecordType stage = RecordType::count;
   Trace trace;  // of the engine model: the whole scene, every stage
+  // Of merge and merge.alpha, per record of merge: triangle, x, y, and the red, green, blue and alpha that
+  // the picture holds there in front of it.
+  std::vector<std::int64_t> stored{};
 };
 
-// The records in front of the stage that a bench needs: the constants, and those that it is made from, where
-// the configuration has any.
-std::vector<RecordType> inputs_of(const Vectors& vectors);
+// The records in front of the stage that a bench needs, where there are any: the constants, the changes of
+// state, those that it is made from, and "merge.stored".
+std::vector<RecordView> inputs_of(const Vectors& vectors);
 
 // Called with the triangles done and in all; may be empty.
 using DrawProgress = std::function<void(std::size_t, std::size_t)>;

@@ -4,11 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <random>
 
 #include "config/modes.hpp"
 #include "io/npy.hpp"
+#include "model/stages/merge.hpp"
 #include "report/random_config.hpp"
 #include "scene/random.hpp"
 #include "tests/support/files.hpp"
@@ -58,8 +61,7 @@ std::vector<Vectors> all_stages(const Config& config, const Scene& scene) {
   const Vectors drawn = make_vectors(config, scene, RecordType::fragment);
   for (const StageRow& row : stage_table) {
     if (view_of(drawn.trace, row.type).records == 0) continue;
-    out.push_back(drawn);
-    out.back().stage = row.type;
+    out.push_back(make_vectors(config, scene, row.type));
   }
   return out;
 }
@@ -149,12 +151,12 @@ TEST(Vectors, EveryPlantedBitOfTheInputsIsRefused) {
   for (const Vectors& v : all_stages(config, scene)) {
     const TemporaryFolder folder;
     write_vectors(v, VectorFormat::hex, folder.path("v"), "0");
-    for (const RecordType type : inputs_of(v)) {
-      const std::string name = "v/input." + std::string(stage_of(type)) + ".hex";
+    for (const RecordView& input : inputs_of(v)) {
+      const std::string name = "v/input." + std::string(input.stage) + ".hex";
       const std::string good = folder.read(name);
       for (int i = 0; i < 20; ++i) {
         std::string bad = good;
-        flip(bad, random() % view_of(v.trace, type).records, static_cast<int>(random() % 100));
+        flip(bad, random() % input.records, static_cast<int>(random() % 100));
         folder.write(name, bad);
         expect_refusal([&] { check_vectors(folder.path("v")); }, name);
       }
@@ -408,6 +410,112 @@ TEST(Vectors, WhatIsWrongIsNamed) {
   upper.insert(1, "_");
   folder.write("v/output.merge.hex", "// 0x00000000\n@0\n" + upper);
   EXPECT_TRUE(check_vectors(folder.path("v")).held());
+}
+
+// ---- a bench of merge that knows the fields of the vectors alone ----
+
+struct BenchTable {
+  std::vector<std::string> names;
+  std::vector<std::vector<std::int64_t>> rows;
+  std::int64_t at(std::size_t row, const std::string& name) const {
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) throw std::logic_error("no field " + name);
+    return rows[row][static_cast<std::size_t>(found - names.begin())];
+  }
+  // The row of that triangle and pixel, or none.
+  std::optional<std::size_t> find(const BenchTable& of, std::size_t row) const {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (std::equal(rows[i].begin(), rows[i].begin() + 3, of.rows[row].begin())) return i;
+    }
+    return std::nullopt;
+  }
+};
+std::map<std::string, BenchTable> bench_tables(const std::string& text) {
+  std::map<std::string, BenchTable> out;
+  const nlohmann::json all = nlohmann::json::parse(text);
+  for (const auto& json : all.at("tables")) {
+    BenchTable& table = out[json.at("stage").get<std::string>()];
+    for (const auto& field : json.at("fields")) table.names.push_back(field.at("name"));
+    json.at("records").get_to(table.rows);
+  }
+  return out;
+}
+// The registers as the last record of state in front of a triangle has them.
+DrawState bench_state(const BenchTable& states, const Config& config, std::int64_t triangle) {
+  DrawState state = first_state(config);
+  for (const auto& row : states.rows) {
+    if (row[0] > triangle) break;
+    StateChange change;
+    for (std::size_t i = 0; i < state_registers().size(); ++i) change.settings.push_back({i, row[i + 1]});
+    state = changed_state(state, change, config);
+  }
+  return state;
+}
+
+TEST(Vectors, MergeFollowsFromTheFieldsAlone) {
+  std::size_t colors = 0, alphas = 0, needed = 0, alphas_needed = 0;
+  for (std::uint64_t seed = 40; seed < 52; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Config config = shipped_configs()[seed % 3];
+    const Scene scene = random_scene(seed, {.width = 24,
+                                            .height = 18,
+                                            .triangles = 30,
+                                            .size_max = 24,
+                                            .translucent_probability = 0.7,
+                                            .command_probability = 0.5});
+    for (const RecordType stage : {RecordType::merge, RecordType::merge_alpha}) {
+      const Vectors v = make_vectors(config, scene, stage);
+      if (view_of(v.trace, stage).records == 0) continue;
+      const TemporaryFolder folder;
+      write_vectors(v, VectorFormat::json, folder.path("v.json"), "0");
+      EXPECT_TRUE(check_vectors(folder.path("v.json")).held());
+      auto tables = bench_tables(folder.read("v.json"));
+      const BenchTable& stored = tables["merge.stored"];
+      const BenchTable& merged = tables["merge"];
+      ASSERT_EQ(stored.rows.size(), merged.rows.size());
+      const BenchTable& out = tables[std::string(stage_of(stage))];
+      for (std::size_t i = 0; i < out.rows.size(); ++i) {
+        const std::size_t from = stored.find(out, i).value();
+        const auto second = tables["texture.second"].find(out, i);
+        const BenchTable& texel = tables[second ? "texture.second" : "texture"];
+        TextureRecord t{out.at(i, "triangle"), out.at(i, "x"), out.at(i, "y")};
+        t.a = texel.at(second ? *second : texel.find(out, i).value(), "a");
+        model::MergeStage bench = model::prepare_merge(config);
+        model::set_blend(bench, model::blend_of(bench_state(tables["state"], config, t.triangle)));
+        const auto code = [&](const char* name) { return static_cast<std::uint8_t>(stored.at(from, name)); };
+        if (stage == RecordType::merge_alpha) {
+          EXPECT_EQ(model::merged_alpha(bench, t, code("a")).a, out.at(i, "a"));
+          alphas_needed +=
+              model::merged_alpha(bench, t, static_cast<std::uint8_t>(~code("a"))).a != out.at(i, "a") ? 1
+                                                                                                       : 0;
+          ++alphas;
+          continue;
+        }
+        ASSERT_EQ(from, i);
+        DepthRecord z{t.triangle, t.x, t.y};
+        z.z = tables["depth"].at(tables["depth"].find(out, i).value(), "z");
+        const BenchTable& fogs = tables["fog"];
+        const std::size_t fog = fogs.find(out, i).value();
+        FogRecord f{t.triangle, t.x, t.y};
+        f.r = fogs.at(fog, "r");
+        f.g = fogs.at(fog, "g");
+        f.b = fogs.at(fog, "b");
+        const auto differs = [&](const std::array<std::uint8_t, 4>& found) {
+          MergeRecord r;
+          model::merge(bench, z, t, f, found, r);
+          return r.r != out.at(i, "r") || r.g != out.at(i, "g") || r.b != out.at(i, "b") ||
+                 r.z != out.at(i, "z");
+        };
+        EXPECT_FALSE(differs({code("r"), code("g"), code("b"), code("a")})) << "record " << i;
+        needed += differs({static_cast<std::uint8_t>(~code("r")), code("g"), code("b"), code("a")}) ? 1 : 0;
+        ++colors;
+      }
+    }
+  }
+  EXPECT_GT(colors, 500U);
+  EXPECT_GT(needed, 300U);
+  EXPECT_GT(alphas, 250U);
+  EXPECT_GT(alphas_needed, 100U);
 }
 
 }  // namespace
