@@ -89,6 +89,7 @@ void AtomicFolder::commit(std::string_view last) {
     if (error) throw InputError(directory_ + ": cannot write " + std::string(name) + ": " + error.message());
   };
   fs::remove(target_ / last, error);
+  for (const std::string& name : left_out_) fs::remove(target_ / name, error);
   for (const std::string& name : names_) {
     if (name != last) move(name);
   }

@@ -24,6 +24,8 @@ class AtomicFolder {
 
   // Where to write the file `name`.
   std::string path(std::string_view name);
+  // commit() removes the file `name` that an earlier run left, also where this one makes none.
+  void leave_out(std::string_view name) { left_out_.emplace_back(name); }
   // Puts every file named before into the folder. Files of an existing folder that have other names stay.
   // There `last` goes first and comes last, so that a folder that has it is one whole set of files, also
   // where several programs write into it.
@@ -34,7 +36,7 @@ class AtomicFolder {
 
   std::string directory_;  // as the caller named it
   std::filesystem::path target_, temporary_;
-  std::vector<std::string> names_;
+  std::vector<std::string> names_, left_out_;
   std::optional<Leftover> folder_leftover_;
   std::vector<Leftover> file_leftovers_;
 };

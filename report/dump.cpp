@@ -43,6 +43,8 @@ void write_dump(const std::string& directory, const Frame& frame, const Counters
   write_npy(folder.path("u.npy"), {h, w}, frame.u);
   write_npy(folder.path("v.npy"), {h, w}, frame.v);
   write_npy(folder.path("triangle.npy"), {h, w}, frame.triangle);
+  for (const char* optional : {"stencil.npy", "resolved.npy", "s.npy", "position.npy"})
+    folder.leave_out(optional);
   if (!frame.stencil.empty()) write_npy(folder.path("stencil.npy"), {h, w}, frame.stencil);
   if (info.supersample > 1) {
     const auto k = static_cast<std::size_t>(info.supersample);

@@ -2,13 +2,17 @@
 // Tables, JUnit and dumps.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/property_tree/xml_parser.hpp>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "engine/registry.hpp"
 #include "report/dump.hpp"
 #include "report/junit.hpp"
 #include "report/table.hpp"
+#include "scene/random.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/test_config.hpp"
 
@@ -86,6 +90,51 @@ TEST(Dump, HasTheShapesAndTypesOfTheDesign) {
   has("depth.npy", "'<u4'", "(2, 7)");
   EXPECT_EQ(folder.read("dump/mine.txt"), "keep");
   EXPECT_EQ(folder.files(), 1) << "the temporary folder is gone";
+}
+
+// Alpha is the fourth channel of color.npy; both planes need no draw to be read back.
+TEST(Dump, HasTheStoredAlphaAndTheStencil) {
+  Scene scene = random_scene(5, {.width = 20, .height = 10, .triangles = 60, .size_min = 8, .size_max = 40});
+  const auto set = [](const char* key, auto value) {
+    return StateSetting{*find_state_register(key), static_cast<std::int64_t>(value)};
+  };
+  Clear clear;
+  clear.alpha = 7;
+  clear.stencil = 9;
+  scene.commands = {{0, clear},
+                    {0, StateChange{false,
+                                    {set("blend.alpha.src", BlendFactor::zero),
+                                     set("blend.alpha.dst", BlendFactor::constant_alpha),
+                                     set("blend.alpha", 64), set("depth.when", DepthWhen::late),
+                                     set("stencil.test", 1), set("stencil.pass", StencilOp::increment)}}}};
+  for (const char* name : {"golden", "model"}) {
+    SCOPED_TRACE(name);
+    const auto engine = make_engine(name, config());
+    engine->begin(scene);
+    Trace trace;
+    draw_scene(*engine, scene, 0, scene.triangles.size(), &trace);
+    // What the records write, over what the clear left.
+    std::vector<std::uint8_t> alpha(200, 7), stencil(200, 9);
+    for (const MergeAlphaRecord& r : trace.merge_alpha)
+      alpha[static_cast<std::size_t>(20 * r.y + r.x)] = static_cast<std::uint8_t>(r.a);
+    for (const StencilRecord& r : trace.stencil)
+      stencil[static_cast<std::size_t>(20 * r.y + r.x)] = static_cast<std::uint8_t>(r.value);
+    EXPECT_GT(std::ranges::count(stencil, 11), 0);
+    EXPECT_GT(std::ranges::count_if(alpha, [](int a) { return a != 7; }), 50);
+    const TemporaryFolder folder;
+    write_dump(folder.path("d"), engine->frame(), engine->counters(), config(), {});
+    const std::string colors = folder.read("d/color.npy");
+    const std::string stencils = folder.read("d/stencil.npy");
+    EXPECT_NE(stencils.find("'|u1'"), std::string::npos);
+    EXPECT_NE(stencils.find("(10, 20)"), std::string::npos);
+    for (std::size_t i = 0; i < 200; ++i) {
+      EXPECT_EQ(static_cast<std::uint8_t>(colors[colors.size() - 800 + 4 * i + 3]), alpha[i]) << i;
+      EXPECT_EQ(static_cast<std::uint8_t>(stencils[stencils.size() - 200 + i]), stencil[i]) << i;
+    }
+    // A run without a stencil leaves none of another run.
+    write_dump(folder.path("d"), frame(2, 2), {}, config(), {});
+    EXPECT_FALSE(std::filesystem::exists(folder.path("d/stencil.npy")));
+  }
 }
 
 TEST(Dump, RefusesAFileInItsPlaceAndAMissingParent) {
