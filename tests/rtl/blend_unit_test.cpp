@@ -147,7 +147,9 @@ TEST(BlendUnit, PlantedBugsAreSeen) {
       {"rtl/blend_equation.sv", "sum_q <= stored - own;", "sum_q <= stored + own;"},
       {"rtl/blend_equation.sv", "{8{truth[1]}} & replaced_q", "{8{truth[2]}} & replaced_q"},
       {"rtl/blend_equation.sv", "(whole > 255) ? '1", "1'b0 ? '1"},
-      {"rtl/blend_equation.sv", "factor_dst_1[0] ? One - base_dst", "factor_src_1[0] ? One - base_dst"},
+      {"rtl/blend_equation.sv", "of_number(factor_dst_1, base_dst)",
+       "of_number({factor_dst_1[3:1], factor_src_1[0]}, base_dst)"},
+      {"rtl/blend_equation.sv", "One >>> 1", "One >>> 2"},
       {"rtl/blend_equation.sv", "(ScaledW + 1)'(1) <<< AGrid", "(ScaledW + 1)'(0) <<< AGrid"},
       {"rtl/blend_unit.sv", "(c == 3) ? in_alpha_op_i : in_op_i", "(c != 3) ? in_alpha_op_i : in_op_i"},
   };

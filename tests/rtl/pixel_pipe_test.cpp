@@ -418,6 +418,7 @@ TEST(PixelPipe, PlantedBugsOfEquationsAreSeen) {
       {"rtl/blend_needs.sv", "logic_i == '0 && 32'(alpha_src_i)",
        "(logic_i == '0 || mixes) && 32'(alpha_src_i)"},
       {"rtl/pixel_pipe.sv", "equation_state[joined_rest[ZW+:SlotW]];", "equation_state[fogged_slot];"},
+      {"rtl/pixel_pipe.sv", "color_mask_state[left_slot[2]];", "color_mask_state[fogged_slot];"},
       {"rtl/pixel_pipe.sv", "= merge_record_valid_o && color_write_has_a_o;",
        "= merge_record_valid_o && (color_write_has_a_o || !color_write_has_a_o);"},
   };
