@@ -531,6 +531,10 @@ void add_states(std::vector<SuiteFeature>& out) {
       {{"scissor.left", 5}, {"scissor.top", 3}, {"scissor.right", 27}, {"scissor.bottom", 20}});
   add("stipple.holes", RecordType::depth, {{"stipple", 0xa5c30f69}});
   add("color_write.off", RecordType::merge, {{"color.write", 0}, {"depth.func", number(DepthFunc::always)}});
+  const Register always{"depth.func", number(DepthFunc::always)};
+  out.push_back(in({"color_mask.green_alpha", RecordType::merge, SuiteNeeds::effect,
+                    in_state({{"color.mask", 10}, always}), in_state({always})},
+                   texture));
   for (const CompareFunc func : all_of<CompareFunc>()) {
     // The largest code is the one that fragments have exactly.
     const int ref = func == CompareFunc::equal || func == CompareFunc::not_equal ? 255 : 128;
@@ -582,9 +586,13 @@ void add_states(std::vector<SuiteFeature>& out) {
   for (const TargetFormat format : all_of<TargetFormat>()) {
     if (!is_narrow(format)) continue;
     add(fmt::format("target.{}", to_string(format)), RecordType::merge, {{"target.format", number(format)}});
+    const Register target{"target.format", number(format)};
+    out.push_back(
+        in({fmt::format("target_round.{}", to_string(format)), RecordType::merge, SuiteNeeds::effect,
+            in_state({target, {"target.round", number(TargetRound::nearest)}}), in_state({target})},
+           texture));
     for (const Dither dither : all_of<Dither>()) {
       if (dither == Dither::none) continue;
-      const Register target{"target.format", number(format)};
       out.push_back(
           in({fmt::format("dither_{}.{}", to_string(format), to_string(dither)), RecordType::merge,
               SuiteNeeds::effect, in_state({target, {"target.dither", number(dither)}}), in_state({target})},

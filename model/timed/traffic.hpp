@@ -162,10 +162,8 @@ class MergeTraffic {
   // a: texture's, raw.
   Needs needs(const model::Pipeline& pipeline, std::int64_t a) const {
     const DrawState& state = pipeline.state;
-    // A channel of a narrow target is a part of a word.
-    const bool keeps_bits = pipeline.merge.is_narrow && state.color_mask != 15;
-    return {state.color_write && (keeps_bits || model::reads_stored_color(pipeline.merge, a)),
-            state.color_write, state.depth_write};
+    return {state.color_write && model::reads_stored_color(pipeline.merge, a), state.color_write,
+            state.depth_write};
   }
   Asks ask(Needs needs, std::size_t pixel) {
     const std::uint64_t address = pixel * color_bytes;

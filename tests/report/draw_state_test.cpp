@@ -367,8 +367,7 @@ TEST(States, AMaskedClearObeysScissorAndMasks) {
   }
 }
 
-// A state register that does nothing in a scene leaves every record as it is; bias and scissor by hand.
-// Red over blue, and a masked clear of white, channel by channel.
+// A fragment over the background, and a masked clear behind it, channel by channel.
 TEST(States, AColorMaskKeepsChannels) {
   const Config config = shipped_config("depth16");
   constexpr std::string_view head =
@@ -407,6 +406,7 @@ TEST(States, AColorMaskKeepsChannels) {
   }
 }
 
+// A state register that does nothing in a scene leaves every record as it is; bias and scissor by hand.
 TEST(States, IdealFollowsTheState) {
   const Config config = shipped_config("depth16");
   const auto ideal = make_ideal(config);

@@ -154,6 +154,8 @@ TEST(Merge, BlendsByHand) {
   check(src_alpha_saturate, zero, BlendOp::add, 25);  // a < 1 - 1/4
   check(half, half, BlendOp::add, 150);               // with a factor of 127 or 129 of 256: 148.8, 151.2
   check(half, zero, BlendOp::add, 50);
+  check(half, half, BlendOp::subtract, 0);
+  check(half, half, BlendOp::reverse_subtract, 50);
   check(zero, half, BlendOp::add, 100);
 }
 
