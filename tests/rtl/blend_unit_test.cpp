@@ -107,8 +107,8 @@ TEST(BlendUnit, EveryEquation) {
       Random random(11);
       const BlendRun r = run_blend(c, random, count_of(20000), stalls);
       EXPECT_EQ(r.fragments, count_of(20000));
-      EXPECT_EQ(r.color.size(), std::size_t{15} * 15 * 5);
-      EXPECT_EQ(r.alpha.size(), std::size_t{15} * 15 * 5);
+      EXPECT_EQ(r.color.size(), std::size_t{16} * 16 * 5);
+      EXPECT_EQ(r.alpha.size(), std::size_t{16} * 16 * 5);
       EXPECT_EQ(r.logic.size(), 17U);
     }
   }

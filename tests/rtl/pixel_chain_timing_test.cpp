@@ -205,7 +205,9 @@ std::string text_of(const PixelChainPorts& p) {
                      p.write_valid, p.records);
 }
 
-// Replays a recorded run through the timing; throws std::logic_error at the first clock that differs.
+// Replays a recorded run through the timing; throws std::logic_error at the first clock that differs. A trace
+// does not have what fragments come to that are in flight at a reset, so the clocks in front of it are left
+// out.
 Compared replay(const Config& config, DepthWhen when, const StageTrace& trace, const PixelTiming& timing) {
   const TracePorts ports(config, when, trace);
   Compared out;
@@ -216,7 +218,9 @@ Compared replay(const Config& config, DepthWhen when, const StageTrace& trace, c
     const std::vector<PixelFragment> fragments = fragments_of(config, when, ports, from, to);
     PixelChainTiming chain(timing, when);
     std::size_t next = 0;
-    for (std::size_t t = from; t < to; ++t) {
+    constexpr std::size_t in_flight = 64;
+    const std::size_t known = to == ends.back() ? to : std::max(from, to - std::min(to, in_flight));
+    for (std::size_t t = from; t < known; ++t) {
       const PixelChainDrive d = ports.drive(t);
       const PixelChainPorts expected = ports.ports(t);
       const bool in_ready = chain.in_ready();
@@ -456,12 +460,12 @@ TEST(PixelChainTiming, PlantedBugsAreSeen) {
     }
   };
   Random random(5);
-  see(random_pipe_case(random, shipped_config("depth16"), 400), slow, bugs);
-  see(random_pipe_case(random, shipped_config("depth16"), 400, {}, DepthWhen::late), late_writes, late_bugs);
+  see(random_pipe_case(random, shipped_config("depth16"), 1500), slow, bugs);
+  see(random_pipe_case(random, shipped_config("depth16"), 1500, {}, DepthWhen::late), late_writes, late_bugs);
   Config by_equation = shipped_config("depth16");
   by_equation.rtl.blend = RtlBlend::equation;
-  see(random_pipe_case(random, by_equation, 400), slow, bugs_of_equations);
-  see(random_pipe_case(random, level_configs()[2], 400), slow, of_levels);
+  see(random_pipe_case(random, by_equation, 1500), slow, bugs_of_equations);
+  see(random_pipe_case(random, level_configs()[2], 1500), slow, of_levels);
 }
 
 }  // namespace
