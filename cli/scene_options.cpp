@@ -313,14 +313,13 @@ const Scene* SceneSource::next() {
   if (has_ended_) return nullptr;
   first_ = behind_;
   if (stream_ != nullptr) {
-    piece_ = stream_->next();
-    if (!piece_) return end();
-    piece_->name = loaded_.scene.name;
-    if (options_.supersample > 1) piece_ = supersampled(std::move(*piece_), options_.supersample, first_);
+    if (!stream_->next(piece_)) return end();
+    piece_.name = loaded_.scene.name;
+    if (options_.supersample > 1) piece_ = supersampled(std::move(piece_), options_.supersample, first_);
   } else {
     has_ended_ = true;
   }
-  const Scene& piece = piece_ ? *piece_ : loaded_.scene;
+  const Scene& piece = stream_ != nullptr ? piece_ : loaded_.scene;
   for (const DrawCommand& command : piece.commands) {
     views_.execute(command);
     targets_.insert(views_.target());
@@ -335,9 +334,9 @@ const Scene* SceneSource::end() {
   if (!options_.target) return nullptr;
   refuse_target(loaded_.scene.name, *options_.target, targets_);
   piece_ = with_view(loaded_.scene);
-  piece_->commands.push_back({.before = 0, .what = Target{*options_.target}});
-  views_.execute(piece_->commands.back());
-  return &*piece_;
+  piece_.commands.push_back({.before = 0, .what = Target{*options_.target}});
+  views_.execute(piece_.commands.back());
+  return &piece_;
 }
 
 std::optional<Scene> SceneSource::read_again() const {

@@ -105,7 +105,7 @@ class SceneSource {
   SceneOptions options_;
   LoadedScene loaded_;
   std::unique_ptr<StreamPieces> stream_;  // null: the scene is whole
-  std::optional<Scene> piece_;
+  Scene piece_;                           // of a stream
   Views views_;
   std::set<int> targets_{0};  // drawn on
   std::int64_t first_ = 0, behind_ = 0;

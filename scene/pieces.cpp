@@ -12,30 +12,30 @@ StreamPieces::~StreamPieces() {
   if (ahead_.valid()) ahead_.wait();
 }
 
-std::optional<Scene> StreamPieces::next() {
-  if (reader_ == nullptr) return std::nullopt;
-  std::optional<Scene> piece = ahead_.valid() ? ahead_.get() : read();
-  if (piece) {
-    ahead_ = std::async(std::launch::async, [this] { return read(); });
-  } else {
+bool StreamPieces::next(Scene& piece) {
+  if (reader_ == nullptr) return false;
+  if (!(ahead_.valid() ? ahead_.get() : read())) {
     reader_.reset();
+    return false;
   }
-  return piece;
+  std::swap(piece, read_);
+  ahead_ = std::async(std::launch::async, [this] { return read(); });
+  return true;
 }
 
-std::optional<Scene> StreamPieces::read() {
-  Scene piece = with_view(scene_);
-  piece.name = scene_.name;
-  piece.triangles.resize(most_);
+bool StreamPieces::read() {
+  static_cast<View&>(read_) = scene_;
+  read_.name = scene_.name;
+  read_.triangles.resize(most_);
   std::size_t n = 0;
-  while (n < most_ && reader_->next(piece.triangles[n])) ++n;
-  piece.triangles.resize(n);
-  piece.commands = reader_->take_commands();
-  for (DrawCommand& command : piece.commands) command.before -= triangles_;
+  while (n < most_ && reader_->next(read_.triangles[n])) ++n;
+  read_.triangles.resize(n);
+  read_.commands = reader_->take_commands();
+  for (DrawCommand& command : read_.commands) command.before -= triangles_;
   triangles_ += n;
-  const bool is_over = n == 0 && piece.commands.empty() && !is_first_;
+  const bool is_over = n == 0 && read_.commands.empty() && !is_first_;
   is_first_ = false;
-  return is_over ? std::nullopt : std::optional(std::move(piece));
+  return !is_over;
 }
 
 }  // namespace bitspan

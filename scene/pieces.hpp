@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <future>
 #include <memory>
-#include <optional>
 
 #include "scene/scene.hpp"
 #include "scene/tri_stream.hpp"
@@ -25,21 +24,22 @@ class StreamPieces {
 
   // The scene without triangles and commands.
   const Scene& scene() const { return scene_; }
-  // Returns the next triangles, as many as a piece has, with their commands, whose `before` counts from the
-  // piece's first triangle. A piece has the stream's name and first view, and no textures. None is left
-  // behind the last one; the first call always returns one. Meanwhile a thread reads the piece after it.
-  // Throws InputError as the reader.
-  std::optional<Scene> next();
+  // Gives the next triangles, as many as a piece has, with their commands, whose `before` counts from the
+  // piece's first triangle. A piece has the stream's name and first view, and no textures. Returns
+  // false behind the last one; the first call always gives one. Meanwhile a thread reads the piece after it,
+  // into the memory that `piece` had. Throws InputError as the reader.
+  bool next(Scene& piece);
 
  private:
-  std::optional<Scene> read();
+  bool read();
 
   std::unique_ptr<TriReader> reader_;
   Scene scene_;
   const std::size_t most_;     // of a piece
   std::size_t triangles_ = 0;  // read
   bool is_first_ = true;
-  std::future<std::optional<Scene>> ahead_;
+  Scene read_;  // the piece that is being read
+  std::future<bool> ahead_;
 };
 
 }  // namespace bitspan

@@ -22,16 +22,17 @@ std::string text_of(const Scene& scene) {
 Scene joined(std::istream& in, std::size_t size, std::vector<std::size_t>& sizes) {
   StreamPieces pieces(std::make_unique<TriReader>(in, "test"), size);
   Scene out = pieces.scene();
-  while (std::optional<Scene> piece = pieces.next()) {
-    sizes.push_back(piece->triangles.size());
-    for (DrawCommand& command : piece->commands) {
-      EXPECT_LE(command.before, piece->triangles.size());
+  Scene piece;
+  while (pieces.next(piece)) {
+    sizes.push_back(piece.triangles.size());
+    for (DrawCommand command : piece.commands) {
+      EXPECT_LE(command.before, piece.triangles.size());
       command.before += out.triangles.size();
       out.commands.push_back(std::move(command));
     }
-    out.triangles.insert(out.triangles.end(), piece->triangles.begin(), piece->triangles.end());
+    out.triangles.insert(out.triangles.end(), piece.triangles.begin(), piece.triangles.end());
   }
-  EXPECT_FALSE(pieces.next());
+  EXPECT_FALSE(pieces.next(piece));
   return out;
 }
 
@@ -72,9 +73,12 @@ TEST(Pieces, AFaultIsThrownWhereItsPieceIsAskedFor) {
   options.textures = 0;
   std::istringstream in(text_of(random_scene(3, options)) + "{}\n");
   StreamPieces pieces(std::make_unique<TriReader>(in, "test"), 10);
-  EXPECT_EQ(pieces.next()->triangles.size(), 10U);
-  EXPECT_EQ(pieces.next()->triangles.size(), 10U);
-  EXPECT_EQ(error_of([&] { pieces.next(); }).substr(0, 11), "test:22: v:");
+  Scene piece;
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_TRUE(pieces.next(piece));
+    EXPECT_EQ(piece.triangles.size(), 10U);
+  }
+  EXPECT_EQ(error_of([&] { pieces.next(piece); }).substr(0, 11), "test:22: v:");
 }
 
 TEST(Pieces, MayBeLeftBeforeTheEnd) {
@@ -83,7 +87,8 @@ TEST(Pieces, MayBeLeftBeforeTheEnd) {
   options.textures = 0;
   std::istringstream in(text_of(random_scene(4, options)));
   StreamPieces pieces(std::make_unique<TriReader>(in, "test"), 3);
-  EXPECT_TRUE(pieces.next());
+  Scene piece;
+  EXPECT_TRUE(pieces.next(piece));
 }
 
 }  // namespace
