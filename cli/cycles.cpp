@@ -151,6 +151,7 @@ class ChainBeside {
   }
   void run(const StateChange& change) {
     state_ = changed_state(state_, change, config_);
+    pipeline_.state = state_;  // a masked clear obeys it
     if (state_.stencil_test) need_stencil(frame_);
     // The chain that the state asks for; nothing is inside the other one, which rests.
     RtlPixels* const chain = chains_[is_late(state_.depth_when) ? 1 : 0];

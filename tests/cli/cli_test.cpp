@@ -1222,6 +1222,25 @@ TEST_F(Cli, ClocksOfTheChainAreCompared) {
   EXPECT_NE(sim.find("cycles: " + chain[0].at("systemc").dump() + "\n"), std::string::npos) << sim;
 }
 
+// The chain of the RTL carries out the commands itself.
+TEST_F(Cli, TheChainObeysAMaskedClear) {
+  const std::string triangle = "{\"v\": [[1, 1, 4, 0, 0], [30, 2, 4, 0, 0], [2, 20, 9, 0, 0]]}\n";
+  folder.write(
+      "masked.tri",
+      R"({"bitspan": 2, "width": 32, "height": 24, "s_min": 2, "s_max": 50, "focal": 20, )"
+      R"("background": [9, 9, 9]})"
+      "\n" +
+          triangle +
+          R"({"state": {"scissor.left": 4, "scissor.bottom": 9, "color.mask": 5, "depth.write": false}})"
+          "\n"
+          R"({"clear": {"color": [255, 1, 2], "alpha": 3, "depth": true, "masked": true}})"
+          "\n" +
+          triangle);
+  const Result r = run("verify masked.tri --engines systemc,rtl");
+  EXPECT_EQ(r.code, 0) << r.out << r.err;
+  EXPECT_NE(r.out.find("clock for clock"), std::string::npos) << r.out;
+}
+
 // A bug that costs the RTL clocks and changes none of its values.
 TEST_F(Cli, ClocksOfTheChainThatDifferAreADifference) {
   const RtlCopy copy;
