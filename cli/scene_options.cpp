@@ -284,13 +284,7 @@ std::vector<LoadedScene> scenes_of_pixels(const std::string& name, const SceneOp
 Scene whole_stream(const std::string& name, const SceneOptions& options) {
   SceneSource source(name, options);
   Scene scene = source.scene();
-  while (const Scene* piece = source.next()) {
-    for (DrawCommand command : piece->commands) {
-      command.before += scene.triangles.size();
-      scene.commands.push_back(std::move(command));
-    }
-    scene.triangles.insert(scene.triangles.end(), piece->triangles.begin(), piece->triangles.end());
-  }
+  while (const Scene* piece = source.next()) append_piece(scene, *piece);
   return scene;
 }
 
@@ -340,12 +334,12 @@ const Scene* SceneSource::end() {
 }
 
 std::optional<Scene> SceneSource::read_again() const {
-  if (stream_ == nullptr || scene().name == "-") return std::nullopt;
+  if (!can_reread()) return std::nullopt;
   return whole_stream(scene().name, options_);
 }
 
 void SceneSource::check_again(const Config& config) const {
-  if (stream_ == nullptr || scene().name == "-") return;
+  if (!can_reread()) return;
   SceneSource again(scene().name, options_);
   PiecewiseRange range(config, again.scene(), RangeBy::triangles);
   while (const Scene* piece = again.next()) range.add(*piece);

@@ -101,6 +101,8 @@ class SceneSource {
 
  private:
   const Scene* end();
+  // Whether it is a stream in a file.
+  bool can_reread() const { return stream_ != nullptr && scene().name != "-"; }
 
   SceneOptions options_;
   LoadedScene loaded_;

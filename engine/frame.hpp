@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -75,12 +76,19 @@ inline void write_winner(Frame& frame, std::size_t pixel, std::int64_t u, std::i
   frame.triangle[pixel] = static_cast<std::int32_t>(triangle);
 }
 
+// The same of a pixel that shows no triangle.
+inline void clear_winner(Frame& frame, std::size_t pixel) {
+  frame.u[pixel] = frame.v[pixel] = std::numeric_limits<double>::quiet_NaN();
+  frame.triangle[pixel] = -1;
+}
+
 // Which planes a fragment is written to.
 struct WriteMask {
   bool color = true, depth = true;
   std::int32_t channels = 15;  // of the colour: bit 0 red to bit 3 alpha
 
-  bool has_channel(int c) const { return (channels >> c & 1) != 0; }
+  // Whether channel c of the colour is written.
+  bool stores(int c) const { return color && (channels >> c & 1) != 0; }
 };
 
 // What merge delivered for a fragment. uv_ulp: the value of 1 in the fragment's u and v.
@@ -88,11 +96,9 @@ inline void write_fragment(Frame& frame, const FragmentRecord& fragment, const M
                            double uv_ulp, WriteMask mask = {}) {
   const std::size_t pixel = pixel_of(frame, fragment);
   std::uint8_t* const color = frame.color.data() + 4 * pixel;
-  if (mask.color) {
-    if (mask.has_channel(0)) color[0] = static_cast<std::uint8_t>(merged.r);
-    if (mask.has_channel(1)) color[1] = static_cast<std::uint8_t>(merged.g);
-    if (mask.has_channel(2)) color[2] = static_cast<std::uint8_t>(merged.b);
-  }
+  if (mask.stores(0)) color[0] = static_cast<std::uint8_t>(merged.r);
+  if (mask.stores(1)) color[1] = static_cast<std::uint8_t>(merged.g);
+  if (mask.stores(2)) color[2] = static_cast<std::uint8_t>(merged.b);
   if (mask.depth) frame.depth[pixel] = static_cast<std::uint32_t>(merged.z);
   if (mask.color && !frame.u.empty())
     write_winner(frame, pixel, fragment.u, fragment.v, fragment.triangle, uv_ulp);

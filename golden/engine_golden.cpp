@@ -361,7 +361,7 @@ class GoldenEngine final : public Engine, public RowEngine {
     for (std::size_t i = 0; i < alive_.size(); ++i) {
       write_fragment(frame_, *alive_[i], out.merge[first_merge + i], uv_ulp_, mask);
     }
-    if (mask.color && mask.has_channel(3)) {
+    if (mask.stores(3)) {
       for (const MergeAlphaRecord& merged : std::span(out.merge_alpha).subspan(first_alpha)) {
         frame_.color[4 * static_cast<std::size_t>(merged.y * frame_.width + merged.x) + 3] =
             static_cast<std::uint8_t>(merged.a);

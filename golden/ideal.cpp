@@ -468,8 +468,9 @@ class IdealEngine final : public Engine {
     } else {
       clear_planes(planes_.frame, clear, 0);
     }
-    const bool color = !clear.masked || state_.color_write;
-    const auto stores = [&](std::size_t c) { return color && (!clear.masked || has_channel(c)); };
+    const auto stores = [&](std::size_t c) {
+      return !clear.masked || (state_.color_write && has_channel(c));
+    };
     const bool depth = clear.depth && (!clear.masked || state_.depth_write);
     for (std::size_t i = 0; i < planes_.color.size(); ++i) {
       const auto width = static_cast<std::size_t>(planes_.frame.width);

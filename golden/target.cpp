@@ -5,7 +5,6 @@
 #include <array>
 #include <bitset>
 #include <cmath>
-#include <limits>
 
 #include "config/modes.hpp"
 #include "golden/mask.hpp"
@@ -88,7 +87,6 @@ Clear held(const DrawState& state, Clear clear) {
 void clear_masked(Frame& frame, const DrawState& state, const Clear& clear, std::uint32_t farthest) {
   if (clear.stencil) need_stencil(frame);
   const std::bitset<8> kept = ~std::bitset<8>(static_cast<unsigned>(state.stencil_write));
-  constexpr double none = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < frame.depth.size(); ++i) {
     const auto width = static_cast<std::size_t>(frame.width);
     if (is_outside_scissor(state, static_cast<std::int64_t>(i % width), static_cast<std::int64_t>(i / width)))
@@ -102,10 +100,7 @@ void clear_masked(Frame& frame, const DrawState& state, const Clear& clear, std:
         code = (*clear.color)[c];
       }
     }
-    if (clear.color && state.color_write && !frame.u.empty()) {
-      frame.u[i] = frame.v[i] = none;
-      frame.triangle[i] = -1;
-    }
+    if (clear.color && state.color_write && !frame.u.empty()) clear_winner(frame, i);
     if (clear.depth && state.depth_write) frame.depth[i] = farthest;
     if (clear.stencil) {
       const std::bitset<8> now =

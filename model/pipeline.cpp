@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <sstream>
 #include <string>
 
@@ -172,15 +171,11 @@ void clear_rectangle(const DrawState& s, Frame& frame, const Clear& clear, std::
       const std::size_t at =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(x);
       std::uint8_t* const rgba = frame.color.data() + 4 * at;
-      for (int c = 0; clear.color && mask.color && c < 3; ++c) {
-        if (mask.has_channel(c)) rgba[c] = (*clear.color)[static_cast<std::size_t>(c)];
+      for (int c = 0; clear.color && c < 3; ++c) {
+        if (mask.stores(c)) rgba[c] = (*clear.color)[static_cast<std::size_t>(c)];
       }
-      if (clear.color && mask.color && !frame.u.empty()) {
-        constexpr double none = std::numeric_limits<double>::quiet_NaN();
-        frame.u[at] = frame.v[at] = none;
-        frame.triangle[at] = -1;
-      }
-      if (clear.alpha && mask.color && mask.has_channel(3)) rgba[3] = *clear.alpha;
+      if (clear.color && mask.color && !frame.u.empty()) clear_winner(frame, at);
+      if (clear.alpha && mask.stores(3)) rgba[3] = *clear.alpha;
       if (clear.depth && s.depth_write) frame.depth[at] = farthest;
       if (clear.stencil) {
         std::uint8_t& value = frame.stencil[at];

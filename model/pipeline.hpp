@@ -265,7 +265,7 @@ struct FragmentDrawing {
     if (pipeline.merge.changes_alpha) {
       MergeAlphaRecord alpha = merged_alpha(pipeline.merge, texel, color[3]);
       finish(merged, alpha);
-      if (mask.color && mask.has_channel(3)) color[3] = static_cast<std::uint8_t>(alpha.a);
+      if (mask.stores(3)) color[3] = static_cast<std::uint8_t>(alpha.a);
     }
     ++counters.written;
     write_fragment(frame, fragment, merged, uv_ulp, mask);

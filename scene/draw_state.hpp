@@ -217,7 +217,7 @@ struct Clear {
   std::optional<std::uint8_t> alpha;
   bool depth = false;  // to the farthest code
   std::optional<std::uint8_t> stencil;
-  bool masked = false;  // only what scissor, color.write, depth.write and stencil.write let through
+  bool masked = false;  // only what the scissor and the write masks let through
   bool operator==(const Clear&) const = default;
 };
 

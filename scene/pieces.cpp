@@ -5,6 +5,14 @@
 
 namespace bitspan {
 
+void append_piece(Scene& scene, const Scene& piece) {
+  for (DrawCommand command : piece.commands) {
+    command.before += scene.triangles.size();
+    scene.commands.push_back(std::move(command));
+  }
+  scene.triangles.insert(scene.triangles.end(), piece.triangles.begin(), piece.triangles.end());
+}
+
 StreamPieces::StreamPieces(std::unique_ptr<TriReader> reader, std::size_t triangles)
     : reader_(std::move(reader)), scene_(reader_->scene()), most_(triangles) {}
 

@@ -14,6 +14,9 @@ namespace bitspan {
 // Triangles of a piece: a vector engine sorts them into bands, so that many are better than few.
 inline constexpr std::size_t piece_triangles = 16384;
 
+// Puts a piece, whose commands count from its first triangle, behind what the scene has.
+void append_piece(Scene& scene, const Scene& piece);
+
 class StreamPieces {
  public:
   explicit StreamPieces(std::unique_ptr<TriReader> reader, std::size_t triangles = piece_triangles);

@@ -151,16 +151,15 @@ std::array<std::uint8_t, 3> random_color(Random& random) {
 
 }  // namespace
 
+bool is_later_register(std::string_view key) {
+  return key == "alpha.zero" || key == "color.mask" || key == "target.round" || key == "stencil.back.ref" ||
+         key == "stencil.back.mask" || key == "stencil.back.write";
+}
+
 namespace {
 
 // "stencil" of "stencil.back.fail".
 std::string_view unit_of_register(std::string_view key) { return key.substr(0, key.find('.')); }
-// Registers that came later than the scenes of seeds that are kept. A generator of their own draws them, so
-// that a seed of before gives the scene of before, and them besides.
-bool is_later(std::string_view key) {
-  return key == "alpha.zero" || key == "color.mask" || key == "target.round" || key == "stencil.back.ref" ||
-         key == "stencil.back.mask" || key == "stencil.back.write";
-}
 // A factor of the blend; the factor `half` came later, too.
 bool is_factor(const StateRegister& r) { return !r.names.empty() && r.names.back() == "half"; }
 std::vector<std::string_view> units_of_registers(const RandomOptions& options) {
@@ -227,7 +226,7 @@ DrawCommand random_command(Random& random, Random& later, const Scene& scene, Dr
     }
     for (std::size_t index = 0; index < state_registers().size(); ++index) {
       const StateRegister& r = state_registers()[index];
-      if (unit_of_register(r.key) != unit || r.key == "stencil.test" || is_later(r.key)) continue;
+      if (unit_of_register(r.key) != unit || r.key == "stencil.test" || is_later_register(r.key)) continue;
       if (!random.chance(0.4)) continue;
       if (!options.late_tests && r.key == "depth.when") continue;
       set(index, random_value(random, r, scene));
@@ -235,7 +234,7 @@ DrawCommand random_command(Random& random, Random& later, const Scene& scene, Dr
   }
   for (std::size_t index = 0; options.later_registers && index < state_registers().size(); ++index) {
     const StateRegister& r = state_registers()[index];
-    if (is_later(r.key) && later.chance(0.2)) set(index, random_value(later, r, scene));
+    if (is_later_register(r.key) && later.chance(0.2)) set(index, random_value(later, r, scene));
     if (is_factor(r) && later.chance(0.1)) set(index, r.high);
   }
   try {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "scene/scene.hpp"
 
@@ -52,6 +53,10 @@ struct RandomOptions {
 // Returns a scene that a stream can hold: no triangle has zero area, and s is within its range. The same seed
 // and options give the same scene.
 Scene random_scene(std::uint64_t seed, const RandomOptions& options = {});
+
+// Whether a register came later than the scenes of seeds, and the digests, that are kept. A generator of its
+// own draws it, so that a seed of before gives the scene of before, and it besides.
+bool is_later_register(std::string_view key);
 
 // Gives the textures of a scene texel formats, each of its own with that probability: the image converted,
 // any bits with a random table, or a procedural texture.

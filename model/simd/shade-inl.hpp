@@ -856,7 +856,7 @@ void shade_any(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw&
         continue;
       }
       for (int c = 0; c < 4; ++c) {
-        if (mask.has_channel(c)) color[c] = codes[static_cast<std::size_t>(c)];
+        if (mask.stores(c)) color[c] = codes[static_cast<std::size_t>(c)];
       }
     }
     if (!frame.u.empty()) store_winners(columns, block, pipeline.texture.uv, frame);

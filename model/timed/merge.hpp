@@ -18,7 +18,7 @@ inline void merge_values(Run& run, FragmentItem& item) {
   if (run.pipeline.merge.changes_alpha) {
     const MergeAlphaRecord alpha = model::merged_alpha(run.pipeline.merge, item.texel, color[3]);
     deliver(run.trace, alpha);
-    if (mask.color && mask.has_channel(3)) color[3] = static_cast<std::uint8_t>(alpha.a);
+    if (mask.stores(3)) color[3] = static_cast<std::uint8_t>(alpha.a);
   }
   write_fragment(run.frame, item.fragment, merged, run.uv_ulp, mask);
   ++run.counters.written;

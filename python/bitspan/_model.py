@@ -105,7 +105,7 @@ class Model:
               stencil: int | None = None, masked: bool = False) -> None:
         """Clears planes of the picture: color to (red, green, blue), 0 to 255, depth to the farthest code.
 
-        With masked it clears only inside the scissor, and what color.write, depth.write and stencil.write let through.
+        With masked it clears only inside the scissor, and what the write masks of colour, depth and stencil let through.
         """
         planes = {"color": None if color is None else [c / 255 for c in color], "alpha": alpha, "depth": depth or None,
                   "stencil": stencil, "masked": masked or None}

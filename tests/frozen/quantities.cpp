@@ -25,6 +25,7 @@
 #include "golden/ideal.hpp"
 #include "model/engine_model.hpp"
 #include "model/timed/engine_systemc.hpp"
+#include "scene/random.hpp"
 #include "tests/support/same_bits.hpp"
 #include "tests/support/test_config.hpp"
 
@@ -83,12 +84,6 @@ void for_each_record(const Visit& visit) {
 #undef BITSPAN_VISIT
 }
 
-// Registers that came between those that the digests count by their places.
-bool came_between(std::string_view key) {
-  return key == "alpha.zero" || key == "color.mask" || key == "target.round" || key == "stencil.back.ref" ||
-         key == "stencil.back.mask" || key == "stencil.back.write";
-}
-
 // A change of state holds registers that are younger than the digests: those from target.format on enter one
 // where they do not hold their first value, with their place. So do those that came between, behind all
 // others.
@@ -102,7 +97,7 @@ std::vector<std::int64_t> digested_values(const StateRecord& record) {
   for (std::size_t i = 1; i < all.size(); ++i) {
     const std::string_view key = state_registers()[i - 1].key;
     const bool is_first = all[i] == first[i - 1];
-    if (came_between(key)) {
+    if (is_later_register(key)) {
       if (!is_first) between.insert(between.end(), {static_cast<std::int64_t>(all.size() + i), all[i]});
       continue;
     }

@@ -9,6 +9,7 @@
 
 #include "model/engine_model.hpp"
 #include "scene/random.hpp"
+#include "tests/support/cut.hpp"
 #include "tests/support/test_config.hpp"
 #include "tests/support/wrapped_engine.hpp"
 
@@ -99,31 +100,6 @@ TEST(LockStep, AnEngineThatBreaksOffIsAtFault) {
   EXPECT_EQ(result.pairs[0].fault, "assertion failed");
   EXPECT_TRUE(result.stopped);
 }
-
-// Cuts a scene into pieces of that many triangles.
-class Cut {
- public:
-  Cut(const Scene& scene, std::size_t size) : scene_(scene), size_(size) {}
-  const Scene* operator()() {
-    if (first_ > 0 && first_ >= scene_.triangles.size()) return nullptr;
-    const std::size_t end = std::min(first_ + size_, scene_.triangles.size());
-    piece_ = with_view(scene_);
-    piece_.triangles.assign(scene_.triangles.begin() + static_cast<std::ptrdiff_t>(first_),
-                            scene_.triangles.begin() + static_cast<std::ptrdiff_t>(end));
-    for (DrawCommand command : scene_.commands) {
-      if (command.before < first_ || (command.before >= end && end < scene_.triangles.size())) continue;
-      command.before -= first_;
-      piece_.commands.push_back(std::move(command));
-    }
-    first_ = end;
-    return &piece_;
-  }
-
- private:
-  const Scene& scene_;
-  Scene piece_;
-  std::size_t size_, first_ = 0;
-};
 
 TEST(LockStep, PiecesAreTheWhole) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {

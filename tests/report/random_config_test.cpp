@@ -14,6 +14,7 @@
 #include "engine/range.hpp"
 #include "golden/precision.hpp"
 #include "scene/random.hpp"
+#include "tests/support/cut.hpp"
 #include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
@@ -196,18 +197,8 @@ TEST(RandomConfig, PiecesOfASceneJudgeAsTheWhole) {
     const auto in_pieces = [&](RangeBy by) {
       PiecewiseRange range(config, scene, by);
       bool held = true;
-      for (std::size_t first = 0; first < scene.triangles.size(); first += 4) {
-        Scene piece = with_view(scene);
-        piece.triangles.assign(scene.triangles.begin() + static_cast<std::ptrdiff_t>(first),
-                               scene.triangles.begin() + static_cast<std::ptrdiff_t>(first + 4));
-        for (DrawCommand command : scene.commands) {
-          const bool is_last = first + 4 == scene.triangles.size();
-          if (command.before < first || (command.before >= first + 4 && !is_last)) continue;
-          command.before -= first;
-          piece.commands.push_back(std::move(command));
-        }
-        held = range.add(piece) && held;
-      }
+      Cut pieces(scene, 4);
+      while (const Scene* piece = pieces()) held = range.add(*piece) && held;
       range.finish();
       EXPECT_TRUE(held) << "a doubt that nothing confirms";
     };

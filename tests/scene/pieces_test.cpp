@@ -18,6 +18,14 @@ std::string text_of(const Scene& scene) {
   return out.str();
 }
 
+Scene scene_of(std::uint64_t seed, int triangles, double command_probability = 0) {
+  RandomOptions options;
+  options.triangles = triangles;
+  options.textures = 0;
+  options.command_probability = command_probability;
+  return random_scene(seed, options);
+}
+
 // The pieces put together again; `sizes` gets their numbers of triangles.
 Scene joined(std::istream& in, std::size_t size, std::vector<std::size_t>& sizes) {
   StreamPieces pieces(std::make_unique<TriReader>(in, "test"), size);
@@ -25,12 +33,8 @@ Scene joined(std::istream& in, std::size_t size, std::vector<std::size_t>& sizes
   Scene piece;
   while (pieces.next(piece)) {
     sizes.push_back(piece.triangles.size());
-    for (DrawCommand command : piece.commands) {
-      EXPECT_LE(command.before, piece.triangles.size());
-      command.before += out.triangles.size();
-      out.commands.push_back(std::move(command));
-    }
-    out.triangles.insert(out.triangles.end(), piece.triangles.begin(), piece.triangles.end());
+    for (const DrawCommand& command : piece.commands) EXPECT_LE(command.before, piece.triangles.size());
+    append_piece(out, piece);
   }
   EXPECT_FALSE(pieces.next(piece));
   return out;
@@ -38,11 +42,7 @@ Scene joined(std::istream& in, std::size_t size, std::vector<std::size_t>& sizes
 
 TEST(Pieces, TogetherTheyAreTheStream) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    RandomOptions options;
-    options.triangles = 24;
-    options.textures = 0;
-    options.command_probability = 0.5;
-    Scene scene = random_scene(seed, options);
+    Scene scene = scene_of(seed, 24, 0.5);
     // Behind the last triangle, too.
     if (seed % 2 == 0) scene.commands.push_back({scene.triangles.size(), Target{2}});
     const std::string text = text_of(scene);
@@ -68,10 +68,7 @@ TEST(Pieces, AnEmptyStreamIsOneEmptyPiece) {
 }
 
 TEST(Pieces, AFaultIsThrownWhereItsPieceIsAskedFor) {
-  RandomOptions options;
-  options.triangles = 20;
-  options.textures = 0;
-  std::istringstream in(text_of(random_scene(3, options)) + "{}\n");
+  std::istringstream in(text_of(scene_of(3, 20)) + "{}\n");
   StreamPieces pieces(std::make_unique<TriReader>(in, "test"), 10);
   Scene piece;
   for (int i = 0; i < 2; ++i) {
@@ -82,10 +79,7 @@ TEST(Pieces, AFaultIsThrownWhereItsPieceIsAskedFor) {
 }
 
 TEST(Pieces, MayBeLeftBeforeTheEnd) {
-  RandomOptions options;
-  options.triangles = 20;
-  options.textures = 0;
-  std::istringstream in(text_of(random_scene(4, options)));
+  std::istringstream in(text_of(scene_of(4, 20)));
   StreamPieces pieces(std::make_unique<TriReader>(in, "test"), 3);
   Scene piece;
   EXPECT_TRUE(pieces.next(piece));
