@@ -144,11 +144,11 @@ int render(const RenderArguments& o) {
       Progress progress(scene.name);
       const auto next = pieces_in_range(source, config);
       const Scene* piece = next();
+      auto start = std::chrono::steady_clock::now();
       engine->begin(scene);
       // Vectors sort what they are given into bands: the more, the better.
       const std::size_t step = form == ModelForm::scalar ? 1024 : piece_triangles;
-      for (; piece != nullptr; piece = next()) {
-        const auto start = std::chrono::steady_clock::now();
+      while (piece != nullptr) {
         std::size_t done = 0;
         // A scene without triangles may have commands.
         do {
@@ -159,6 +159,8 @@ int render(const RenderArguments& o) {
           progress.update(static_cast<std::size_t>(source.first_index()) + done, scene.triangles.size());
         } while (done < piece->triangles.size());
         drawing += std::chrono::steady_clock::now() - start;
+        piece = next();
+        start = std::chrono::steady_clock::now();
       }
     }
     const Frame& frame = engine->frame();

@@ -16,7 +16,7 @@ struct DumpInfo {
   std::string version;
   std::string scene;
   std::string engine;
-  double wall_seconds = 0;
+  double wall_seconds = 0;  // of the engine, without what reads the scene
   // How the engine model computed; none of the other engines.
   struct Model {
     std::string form;    // scalar, vector or specialised
