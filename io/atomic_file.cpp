@@ -40,7 +40,7 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
   if (exists && ::access(target_.c_str(), W_OK) != 0) fail(errno);
   while (descriptor_ < 0) {
     const std::string name = temporary_path(fs::path(target_).parent_path()).string();
-    leftover_.emplace(name, Leftover::Kind::file);
+    leftover_.emplace(name);
     descriptor_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ >= 0) {
       temporary_ = name;

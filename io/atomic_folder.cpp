@@ -47,7 +47,7 @@ AtomicFolder::AtomicFolder(const std::string& directory)
   }
   if (status.type() == fs::file_type::none) fail(error);  // such as a name too long
   temporary_ = temporary_path(target_.parent_path());
-  folder_leftover_.emplace(temporary_.string(), Leftover::Kind::folder);
+  leftover_.emplace(temporary_.string());
   if (::mkdir(temporary_.c_str(), 0755) != 0) {
     const int error_number = errno;
     temporary_.clear();  // never another's
@@ -67,9 +67,7 @@ void AtomicFolder::fail(const std::error_code& error) const {
 
 std::string AtomicFolder::path(std::string_view name) {
   names_.emplace_back(name);
-  std::string path = (temporary_ / name).string();
-  file_leftovers_.emplace_back(path, Leftover::Kind::file);
-  return path;
+  return (temporary_ / name).string();
 }
 
 void AtomicFolder::commit(std::string_view last) {

@@ -37,8 +37,7 @@ class AtomicFolder {
   std::string directory_;  // as the caller named it
   std::filesystem::path target_, temporary_;
   std::vector<std::string> names_, left_out_;
-  std::optional<Leftover> folder_leftover_;
-  std::vector<Leftover> file_leftovers_;
+  std::optional<Leftover> leftover_;
 };
 
 }  // namespace bitspan

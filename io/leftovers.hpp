@@ -9,17 +9,15 @@ namespace bitspan {
 
 struct LeftoverSlot;
 
-// While one exists, a signal that ends the program removes what lies under this path first (see
-// remove_leftovers_on_signals). A folder goes when it is empty: each file in it has a Leftover of its own. A
-// path too long for the system is not kept, for nothing can lie there.
+// While one exists, a signal that ends the program removes the file at this path first, or the folder with
+// all that it holds (see remove_leftovers_on_signals). A path too long for the system is not kept, for
+// nothing can lie there.
 class Leftover {
  public:
-  enum class Kind { file, folder };
-
-  Leftover(const std::string& path, Kind kind);
+  explicit Leftover(const std::string& path);
   ~Leftover();
-  Leftover(Leftover&& other) noexcept;
-  Leftover& operator=(Leftover&&) = delete;
+  Leftover(const Leftover&) = delete;
+  Leftover& operator=(const Leftover&) = delete;
 
  private:
   LeftoverSlot* slot_;
@@ -29,7 +27,7 @@ class Leftover {
 // allows leaves none for a suffix.
 std::filesystem::path temporary_path(const std::filesystem::path& folder);
 
-// Removes all files, then all folders. Async-signal-safe. After it no Leftover can be made: the program ends.
+// Async-signal-safe. After it no Leftover can be made: the program ends.
 void remove_leftovers();
 
 // For a program, not for a library: SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGPIPE and SIGXCPU remove the

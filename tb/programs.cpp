@@ -90,6 +90,7 @@ ScratchFolder::ScratchFolder(const fs::path& parent, std::string_view name, std:
   std::random_device random;
   path_ = parent / fmt::format("{}-{}-{:08x}{:08x}", name, ::getpid(), random(), random());
   std::error_code error;
+  leftover_.emplace(fs::absolute(path_, error).string());
   fs::create_directories(path_, error);
   if (error) {
     throw InputError(
@@ -98,7 +99,7 @@ ScratchFolder::ScratchFolder(const fs::path& parent, std::string_view name, std:
 }
 ScratchFolder::~ScratchFolder() {
   std::error_code ignored;
-  if (!kept_) fs::remove_all(path_, ignored);
+  if (leftover_) fs::remove_all(path_, ignored);
 }
 
 ScratchFolder temporary_scratch_folder(std::string_view name) {

@@ -5,10 +5,13 @@
 #include <atomic>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "io/leftovers.hpp"
 
 namespace bitspan {
 
@@ -25,7 +28,8 @@ std::string environment(const char* name);
 std::string read_text(const std::filesystem::path& path, std::string_view hint = {});
 void write_text(const std::filesystem::path& path, std::string_view text, std::string_view hint = {});
 
-// A folder for intermediate files below `parent`, removed by the destructor unless it is kept for its logs.
+// A folder for intermediate files below `parent`, removed by the destructor, and by a signal that ends the
+// program (io/leftovers), unless it is kept for its logs.
 // `name` begins its name. Throws InputError where it cannot be made; `hint` ends the message.
 class ScratchFolder {
  public:
@@ -35,11 +39,11 @@ class ScratchFolder {
   ScratchFolder& operator=(const ScratchFolder&) = delete;
   std::filesystem::path operator/(std::string_view name) const { return path_ / name; }
   const std::filesystem::path& path() const { return path_; }
-  void keep() { kept_ = true; }
+  void keep() { leftover_.reset(); }
 
  private:
   std::filesystem::path path_;
-  bool kept_ = false;
+  std::optional<Leftover> leftover_;
 };
 inline constexpr std::string_view temporary_hint = "TMPDIR names the folder for it";
 // Makes one in the folder for temporary files.

@@ -159,6 +159,8 @@ TEST(Leftovers, ASignalRemovesThem) {
     const TemporaryFolder folder;
     write_file(folder.path("old"), "old");
     write_file(folder.path("whole"), "x");
+    std::filesystem::create_directory(folder.path("kept"));
+    write_file(folder.path("kept/file"), "x");
     EXPECT_EXIT(
         {
           remove_leftovers_on_signals();
@@ -167,14 +169,20 @@ TEST(Leftovers, ASignalRemovesThem) {
           AtomicFolder dump(folder.path("dump"));
           write_file(dump.path("a.npy"), "x");
           AtomicFile inside(dump.path("b.npy"));
+          const Leftover deep(folder.path("deep"));
+          std::filesystem::create_directories(folder.path("deep/empty"));
+          std::filesystem::create_directories(folder.path("deep/1/2/3"));
+          for (int i = 0; i < 300; ++i) write_file(folder.path("deep/1/2/" + std::to_string(i) + ".o"), "x");
+          std::filesystem::create_directory_symlink(folder.path("kept"), folder.path("deep/link"));
           for (AtomicFile* half : {&file, &over, &inside}) half->write(std::string(1 << 20, 'h'));
-          if (folder.files() != 5) ::_exit(1);
+          if (folder.files() != 7) ::_exit(1);
           ::raise(number);
           ::_exit(2);
         },
         ::testing::KilledBySignal(number), "");
-    EXPECT_EQ(folder.files(), 2) << number;
+    EXPECT_EQ(folder.files(), 3) << number;
     EXPECT_EQ(folder.read("old"), "old");
+    EXPECT_EQ(folder.read("kept/file"), "x") << "a link is removed, not what it names";
   }
 }
 

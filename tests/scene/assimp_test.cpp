@@ -3,12 +3,17 @@
 #include "scene/assimp.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <random>
+#include <sstream>
 
 #include "io/data_folder.hpp"
 #include "scene/mesh.hpp"
@@ -135,6 +140,38 @@ TEST(Assimp, FaultsOfTheProgramAreOneLine) {
     const Environment data("BITSPAN_ASSIMP", path);
     EXPECT_TRUE(names(refusal(), "does not run: Permission denied"));
   }
+}
+
+// A file that nobody writes holds the program while its limits are read.
+TEST(Assimp, TheProgramLimitsItself) {
+  const TemporaryFolder folder;
+  const std::string program = assimp_program().string(), fifo = folder.path("f.stl");
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    ::execl(program.c_str(), program.c_str(), fifo.c_str(), nullptr);
+    ::_exit(99);
+  }
+  std::map<std::string, std::string> expected{{"Max cpu time", "60 61"}, {"Max core file size", "0 0"}};
+#ifndef __SANITIZE_ADDRESS__
+  expected["Max address space"] = "8589934592 8589934592";
+#endif
+  std::map<std::string, std::string> said;
+  const auto last = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (said != expected && std::chrono::steady_clock::now() < last) {
+    std::istringstream lines(read_file("/proc/" + std::to_string(child) + "/limits"));
+    for (std::string line; std::getline(lines, line);) {
+      const std::string name = line.substr(0, line.find("  "));
+      std::istringstream columns(line.substr(name.size()));
+      std::string soft, hard;
+      columns >> soft >> hard;
+      if (expected.contains(name)) said[name] = soft + " " + hard;
+    }
+  }
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  EXPECT_EQ(said, expected);
 }
 
 TEST(Assimp, AHostMayIgnoreItsChildren) {
