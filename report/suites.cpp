@@ -85,6 +85,13 @@ void texture(Scene& scene) {
   }
 }
 
+// The same, where each seventh texel has alpha 0.
+void clear_texels(Scene& scene) {
+  texture(scene);
+  std::vector<std::uint8_t>& rgba = scene.textures.back().rgba;
+  for (std::size_t i = 3; i < rgba.size(); i += 28) rgba[i] = 0;
+}
+
 void opaque(Scene& scene) {
   for (Texture& t : scene.textures) {
     for (std::size_t i = 3; i < t.rgba.size(); i += 4) t.rgba[i] = 255;
@@ -546,6 +553,11 @@ void add_states(std::vector<SuiteFeature>& out) {
                       with(func), with(other)},
                      texture));
   }
+  // What an additive effect needs: the colours of alpha 0 are added.
+  const Register added{"blend.src", number(BlendFactor::one)};
+  out.push_back(in({"alpha_zero.keep", RecordType::texture, SuiteNeeds::effect,
+                    in_state({added, {"alpha.zero", number(AlphaZero::keep)}}), in_state({added})},
+                   clear_texels));
   // The test needs late tests; each case changes the plane, so that values come up on either side.
   const std::vector<Register> counting{{"depth.when", number(DepthWhen::late)},
                                        {"stencil.test", 1},
@@ -563,6 +575,20 @@ void add_states(std::vector<SuiteFeature>& out) {
                                       {"stencil.zfail", number(StencilOp::invert)}};
   add_values(out, "stencil_op", "stencil.pass", RecordType::stencil, StencilOp::keep, StencilOp::increment,
              passing);
+  std::vector<Register> sides = counting;
+  sides.insert(sides.end(), {{"stencil.two_sided", 1},
+                             {"stencil.back.func", number(CompareFunc::less_equal)},
+                             {"stencil.back.fail", number(StencilOp::invert)},
+                             {"stencil.back.zfail", number(StencilOp::increment_wrap)},
+                             {"stencil.back.pass", number(StencilOp::increment_wrap)}});
+  for (const Register& changed :
+       {Register{"stencil.back.ref", 2}, {"stencil.back.mask", 1}, {"stencil.back.write", 0x55}}) {
+    std::vector<Register> with = sides;
+    with.push_back(changed);
+    out.push_back(in({fmt::format("stencil_back.{}", changed.first.substr(changed.first.rfind('.') + 1)),
+                      RecordType::stencil, SuiteNeeds::effect, in_state(with), in_state(sides)},
+                     texture));
+  }
   const std::vector<Register> constant{
       {"blend.red", 100}, {"blend.green", 150}, {"blend.blue", 200}, {"blend.alpha", 90}};
   const std::size_t first_blend = out.size();
