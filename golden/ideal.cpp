@@ -16,6 +16,7 @@
 #include "golden/quantize.hpp"
 #include "golden/stencil.hpp"
 #include "golden/surface.hpp"
+#include "golden/target.hpp"
 #include "golden/texel.hpp"
 #include "golden/texture_second.hpp"
 
