@@ -29,8 +29,8 @@ std::string read_text(const std::filesystem::path& path, std::string_view hint =
 void write_text(const std::filesystem::path& path, std::string_view text, std::string_view hint = {});
 
 // A folder for intermediate files below `parent`, removed by the destructor, and by a signal that ends the
-// program (io/leftovers), unless it is kept for its logs.
-// `name` begins its name. Throws InputError where it cannot be made; `hint` ends the message.
+// program (io/leftovers), unless it is kept for its logs. `name` begins its name. Throws InputError where it
+// cannot be made; `hint` ends the message.
 class ScratchFolder {
  public:
   ScratchFolder(const std::filesystem::path& parent, std::string_view name, std::string_view hint);

@@ -4,10 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
-#include <functional>
-#include <thread>
 
 #include "tests/cli/program.hpp"
 #include "tests/support/environment.hpp"
@@ -123,48 +120,18 @@ TEST_F(Outputs, ALimitOfSizeIsARefusalThatLeavesNothing) {
   }
 }
 
-// Starts bitspan in the folder, waits until `seen()`, ends it by the signal, and waits for that.
-void end_by_signal(const TemporaryFolder& folder, const std::vector<std::string>& arguments, int number,
-                   const std::function<bool()>& seen) {
-  const pid_t child = ::fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    const int log = ::open("/dev/null", O_WRONLY);
-    ::dup2(log, STDOUT_FILENO);
-    ::dup2(log, STDERR_FILENO);
-    std::string program = build_path("cli/bitspan");
-    std::vector<std::string> words = arguments;
-    std::vector<char*> pointers = {program.data()};
-    for (std::string& word : words) pointers.push_back(word.data());
-    pointers.push_back(nullptr);
-    if (::chdir(folder.path().c_str()) != 0) ::_exit(99);
-    ::execv(program.c_str(), pointers.data());
-    ::_exit(99);
-  }
-  const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  bool now = seen();
-  for (; !now && std::chrono::steady_clock::now() < limit; now = seen()) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  EXPECT_TRUE(now);
-  ASSERT_EQ(::kill(child, number), 0);
-  int status = 0;
-  ASSERT_EQ(::waitpid(child, &status, 0), child);
-  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == number) << number << " " << status;
-}
-
 // A log that is written while the scene runs. The file that tries whether the place can be written comes
 // first, and is empty.
 TEST_F(Outputs, ASignalLeavesNothing) {
   for (const int number : {SIGHUP, SIGINT, SIGTERM, SIGQUIT}) {
-    end_by_signal(folder, {"sim", "demo", "--access-log", "log"}, number, [&] {
-      for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+    const Result r = signalled("sim demo --access-log log", number, [this] {
+      return std::ranges::any_of(std::filesystem::directory_iterator(folder.path()), [](const auto& entry) {
         std::error_code gone;
-        const std::uintmax_t bytes = entry.file_size(gone);
-        if (!gone && bytes > 0) return entry.path().filename().string().starts_with(".bitspan-");
-      }
-      return false;
+        return entry.path().filename().string().starts_with(".bitspan-") && entry.file_size(gone) > 0 &&
+               !gone;
+      });
     });
+    EXPECT_EQ(r.signal, number) << r.code;
     EXPECT_EQ(names(), std::vector<std::string>{}) << number;
   }
 }
@@ -174,10 +141,11 @@ TEST_F(Outputs, ASignalLeavesNothing) {
 TEST_F(Outputs, ASignalDuringABuildLeavesNothing) {
   const TemporaryFolder cache;
   const Environment variable("BITSPAN_CACHE", cache.path());
-  end_by_signal(folder, {"render", "demo", "--engine", "rtl", "-o", "a.png"}, SIGTERM, [&] {
+  const Result r = signalled("render demo --engine rtl -o a.png", SIGTERM, [&] {
     return std::ranges::any_of(std::filesystem::recursive_directory_iterator(cache.path()),
                                [](const auto& entry) { return entry.path().extension() == ".log"; });
   });
+  EXPECT_EQ(r.signal, SIGTERM) << r.code;
   EXPECT_EQ(cache.files(), 0);
   EXPECT_EQ(names(), std::vector<std::string>{});
 }

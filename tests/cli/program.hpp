@@ -4,10 +4,15 @@
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
+#include <functional>
 #include <string>
+#include <thread>
 
 #include "tests/support/files.hpp"
 #include "tests/support/paths.hpp"
@@ -17,8 +22,9 @@ namespace bitspan {
 class Program : public ::testing::Test {
  protected:
   struct Result {
-    int code = -1;
+    int code = -1;  // or 128 + the signal
     std::string out, err;
+    int signal = 0;  // that ended it
   };
 
   // For the shell; the outputs go into files, so that no terminal is near.
@@ -27,12 +33,28 @@ class Program : public ::testing::Test {
            " >.out 2>.err </dev/null";
   }
   Result run(const std::string& arguments) const {
-    const int status = std::system(command(arguments).c_str());
-    Result result{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), folder.read(".out"),
-                  folder.read(".err")};
-    std::filesystem::remove(folder.path(".out"));
-    std::filesystem::remove(folder.path(".err"));
-    return result;
+    return result_of(std::system(command(arguments).c_str()));
+  }
+  // Sends the signal as soon as `seen()`.
+  Result signalled(const std::string& arguments, int number, const std::function<bool()>& seen) const {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      ::signal(number, SIG_DFL);  // whatever started the test
+      ::execl("/bin/sh", "sh", "-c", command(arguments).c_str(), nullptr);
+      ::_exit(127);
+    }
+    EXPECT_GT(child, 0);
+    if (child < 0) return {};
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    bool now = seen();
+    for (; !now && std::chrono::steady_clock::now() < limit; now = seen()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    EXPECT_TRUE(now) << arguments;
+    EXPECT_EQ(::kill(child, number), 0);
+    int status = 0;
+    EXPECT_EQ(::waitpid(child, &status, 0), child);
+    return result_of(status);
   }
   // Bad input: exit 2, and one line on stderr that holds `part`.
   Result refused(const std::string& arguments, const std::string& part) const {
@@ -56,6 +78,15 @@ class Program : public ::testing::Test {
   }
 
   TemporaryFolder folder;
+
+ private:
+  Result result_of(int status) const {
+    Result result{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), folder.read(".out"),
+                  folder.read(".err"), WIFSIGNALED(status) ? WTERMSIG(status) : 0};
+    std::filesystem::remove(folder.path(".out"));
+    std::filesystem::remove(folder.path(".err"));
+    return result;
+  }
 };
 
 }  // namespace bitspan

@@ -2,23 +2,17 @@
 // `bitspan study` from outside: exit codes, messages, what a run leaves behind.
 #include <gtest/gtest.h>
 #include <sqlite3.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
-#include <thread>
 
 #include "tests/cli/program.hpp"
 
 namespace bitspan {
 namespace {
-
-using namespace std::chrono_literals;
 
 class Study : public Program {
  protected:
@@ -34,21 +28,8 @@ class Study : public Program {
   }
   // Ctrl-C as soon as three points are in s.db.
   Result interrupted(const std::string& arguments) const {
-    const pid_t child = fork();
-    if (child < 0) return {};
-    if (child == 0) {
-      signal(SIGINT, SIG_DFL);  // whatever started the test
-      const std::string text = command(arguments);
-      execl("/bin/sh", "sh", "-c", text.c_str(), nullptr);
-      _exit(127);
-    }
-    for (int i = 0; i < 600 && number("s.db", "SELECT count(*) FROM points") < 3; ++i)
-      std::this_thread::sleep_for(50ms);
-    kill(child, SIGINT);
-    int status = 0;
-    waitpid(child, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), folder.read(".out"),
-            folder.read(".err")};
+    return signalled("study " + arguments, SIGINT,
+                     [this] { return number("s.db", "SELECT count(*) FROM points") >= 3; });
   }
   bool exists(const std::string& name) const { return std::filesystem::exists(folder.path(name)); }
 
