@@ -382,7 +382,7 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
 }
 
 void ErrorMeter::add_pictures(const Frame& engine, const Frame& ideal) {
-  const PicturePair pair{engine, ideal, *scene_, config_.filter};
+  const PicturePair pair(engine, ideal, *scene_, config_.filter);
   std::vector<PictureTally> tallies;
   for (const PictureMetric& metric : picture_metrics()) tallies.push_back(metric.tally(pair));
   add_tallies(tallies, report_.picture);

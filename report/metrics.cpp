@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -22,15 +23,18 @@ bool drawn(const PicturePair& p, std::size_t i) {
 
 bool wrong_order(const PicturePair& p, std::size_t i) { return p.engine.triangle[i] != p.ideal.triangle[i]; }
 
-// Whether the same textured triangle won, with the nearest filter.
-bool textured(const PicturePair& p, std::size_t i) {
-  return !weighs_texels(p.filter) && p.engine.triangle[i] >= 0 && !wrong_order(p, i) &&
+// Whether the same textured triangle won.
+bool same_texture(const PicturePair& p, std::size_t i) {
+  return p.engine.triangle[i] >= 0 && !wrong_order(p, i) &&
          p.scene.triangles[static_cast<std::size_t>(p.engine.triangle[i])].texture >= 0;
 }
 
-bool wrong_texel(const PicturePair& p, std::size_t i) {
-  return std::floor(p.engine.u[i]) != std::floor(p.ideal.u[i]) ||
-         std::floor(p.engine.v[i]) != std::floor(p.ideal.v[i]);
+// Returns the finest part of a texel, 2^-subtexel_bits wide, that holds the coordinate.
+std::int64_t subtexel(double coordinate) {
+  constexpr double limit = 1e15;  // for what no format holds
+  const double scaled = std::clamp(std::ldexp(coordinate, subtexel_bits), -limit, limit);
+  const auto towards_zero = static_cast<std::int64_t>(scaled);
+  return towards_zero - static_cast<std::int64_t>(scaled < static_cast<double>(towards_zero));
 }
 
 // engine - ideal of a channel (0 to 2: R, G, B) of a pixel, codes.
@@ -72,10 +76,14 @@ PictureTally tally_wrong_order(const PicturePair& p) {
   return {pixels_where(p, wrong_order), pixels_where(p, drawn)};
 }
 
+template <int bits>
+PictureTally tally_wrong_subtexel(const PicturePair& p) {
+  return {static_cast<double>(p.wrong_subtexel[bits]), static_cast<double>(p.same_texture)};
+}
+
+// A filter that weighs texels shows several of them.
 PictureTally tally_wrong_texel(const PicturePair& p) {
-  return {pixels_where(
-              p, [](const PicturePair& q, std::size_t i) { return textured(q, i) && wrong_texel(q, i); }),
-          pixels_where(p, textured)};
+  return weighs_texels(p.filter) ? PictureTally{} : tally_wrong_subtexel<0>(p);
 }
 
 PictureTally tally_changed(const PicturePair& p) {
@@ -120,6 +128,38 @@ constexpr auto pictures = std::to_array<PictureMetric>({
      Better::low, OverScenes::sum, tally_wrong_texel, counted, nullptr},
     {"picture.wrong_texel_rate", "of the pixels", "their share of those pixels", Better::low, OverScenes::sum,
      tally_wrong_texel, share, nullptr},
+    {"picture.wrong_subtexel_rate_1", "of the pixels",
+     "pixels whose u or v lies in another 1/2 of a texel, as a share of those on which the same textured "
+     "triangle won",
+     Better::low, OverScenes::sum, tally_wrong_subtexel<1>, share, nullptr},
+    {"picture.wrong_subtexel_rate_2", "of the pixels",
+     "pixels whose u or v lies in another 1/4 of a texel, as a share of those on which the same textured "
+     "triangle won",
+     Better::low, OverScenes::sum, tally_wrong_subtexel<2>, share, nullptr},
+    {"picture.wrong_subtexel_rate_3", "of the pixels",
+     "pixels whose u or v lies in another 1/8 of a texel, as a share of those on which the same textured "
+     "triangle won",
+     Better::low, OverScenes::sum, tally_wrong_subtexel<3>, share, nullptr},
+    {"picture.wrong_subtexel_rate_4", "of the pixels",
+     "pixels whose u or v lies in another 1/16 of a texel, as a share of those on which the same textured "
+     "triangle won",
+     Better::low, OverScenes::sum, tally_wrong_subtexel<4>, share, nullptr},
+    {"picture.wrong_subtexel_rate_5", "of the pixels",
+     "pixels whose u or v lies in another 1/32 of a texel, as a share of those on which the same textured "
+     "triangle won",
+     Better::low, OverScenes::sum, tally_wrong_subtexel<5>, share, nullptr},
+    {"picture.wrong_subtexel_rate_6", "of the pixels",
+     "pixels whose u or v lies in another 1/64 of a texel, as a share of those on which the same textured "
+     "triangle won",
+     Better::low, OverScenes::sum, tally_wrong_subtexel<6>, share, nullptr},
+    {"picture.wrong_subtexel_rate_7", "of the pixels",
+     "pixels whose u or v lies in another 1/128 of a texel, as a share of those on which the same textured "
+     "triangle won",
+     Better::low, OverScenes::sum, tally_wrong_subtexel<7>, share, nullptr},
+    {"picture.wrong_subtexel_rate_8", "of the pixels",
+     "pixels whose u or v lies in another 1/256 of a texel, as a share of those on which the same textured "
+     "triangle won",
+     Better::low, OverScenes::sum, tally_wrong_subtexel<8>, share, nullptr},
     {"picture.changed_rate", "of the pixels", "pixels whose colour differs, as a share of all pixels",
      Better::low, OverScenes::sum, tally_changed, share, nullptr},
     {"picture.coverage_differences", "pixels",
@@ -150,6 +190,21 @@ constexpr auto statistics = std::to_array<FieldStatistic>({
 });
 
 }  // namespace
+
+PicturePair::PicturePair(const Frame& of_engine, const Frame& of_ideal, const Scene& of, TextureFilter with)
+    : engine(of_engine), ideal(of_ideal), scene(of), filter(with) {
+  for (std::size_t i = 0; i < pixels(); ++i) {
+    if (!bitspan::same_texture(*this, i)) continue;
+    ++same_texture;
+    const auto differing = static_cast<std::uint64_t>((subtexel(engine.u[i]) ^ subtexel(ideal.u[i])) |
+                                                      (subtexel(engine.v[i]) ^ subtexel(ideal.v[i])));
+    // With k bits, the lowest subtexel_bits - k of the part's number are left out.
+    const auto width = static_cast<int>(std::bit_width(differing));
+    for (int k = std::max(0, subtexel_bits - width + 1); k <= subtexel_bits; ++k) {
+      ++wrong_subtexel[static_cast<std::size_t>(k)];
+    }
+  }
+}
 
 std::size_t PicturePair::pixels() const { return std::min(engine.depth.size(), ideal.depth.size()); }
 

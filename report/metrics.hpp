@@ -4,6 +4,7 @@
 // docs/study.md follow from these two tables.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -19,13 +20,21 @@ namespace bitspan {
 
 enum class Better : std::uint8_t { low, high };
 
+// Texels are divided into 2 to 2^subtexel_bits parts each way.
+inline constexpr int subtexel_bits = 8;
+
 // The finished pictures of an engine and of `ideal`, of equal size.
 struct PicturePair {
+  PicturePair(const Frame& of_engine, const Frame& of_ideal, const Scene& of, TextureFilter with);
+  std::size_t pixels() const;
   const Frame& engine;
   const Frame& ideal;
   const Scene& scene;
   TextureFilter filter;
-  std::size_t pixels() const;
+  // Of the pixels on which the same textured triangle won, [k] counts those whose u or v lies in another part
+  // of 1/2^k texel.
+  std::array<std::size_t, subtexel_bits + 1> wrong_subtexel{};
+  std::size_t same_texture = 0;  // those pixels
 };
 
 enum class OverScenes : std::uint8_t { sum, largest };  // how `counted` of several scenes become one

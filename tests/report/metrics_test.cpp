@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+#include <random>
 #include <set>
+#include <string>
 
 #include "tests/support/test_config.hpp"
 
@@ -43,6 +46,15 @@ TEST(PictureMetrics, EachIsWhatItsNameSays) {
       {"picture.wrong_order_rate", 1.0 / 3},
       {"picture.wrong_texel", 1},
       {"picture.wrong_texel_rate", 0.5},
+      // u is 1 against 1.5, and 2 against 1.5.
+      {"picture.wrong_subtexel_rate_1", 1},
+      {"picture.wrong_subtexel_rate_2", 1},
+      {"picture.wrong_subtexel_rate_3", 1},
+      {"picture.wrong_subtexel_rate_4", 1},
+      {"picture.wrong_subtexel_rate_5", 1},
+      {"picture.wrong_subtexel_rate_6", 1},
+      {"picture.wrong_subtexel_rate_7", 1},
+      {"picture.wrong_subtexel_rate_8", 1},
       {"picture.changed_rate", 0.75},
       {"picture.coverage_differences", 7},
   };
@@ -53,6 +65,50 @@ TEST(PictureMetrics, EachIsWhatItsNameSays) {
   }
   EXPECT_EQ(value_in("picture.wrong_texel", TextureFilter::bilinear), -1)
       << "no value without nearest texels";
+}
+
+// Each rate against a count by floor, on coordinates of both signs, beside and on the parts' edges.
+TEST(PictureMetrics, SubtexelsAreThoseThatFloorGives) {
+  constexpr int pixels = 20'000;
+  Scene scene;
+  scene.triangles.resize(2);
+  scene.triangles[0].texture = 0;
+  Frame engine{pixels, 1, {}, {}, {}, {}, {}};
+  Frame ideal = engine;
+  std::mt19937_64 random(7);
+  const auto coordinate = [&] { return std::ldexp(static_cast<double>(random() % 4096) - 2048, -9); };
+  for (int i = 0; i < pixels; ++i) {
+    for (Frame* frame : {&engine, &ideal}) frame->triangle.push_back(random() % 10 == 0 ? 1 : 0);
+    ideal.u.push_back(coordinate());
+    ideal.v.push_back(coordinate());
+    engine.u.push_back(ideal.u.back() + std::ldexp(coordinate(), -static_cast<int>(random() % 12)));
+    engine.v.push_back(ideal.v.back() + std::ldexp(coordinate(), -static_cast<int>(random() % 12)));
+    engine.depth.push_back(0);
+    ideal.depth.push_back(0);
+    engine.color.insert(engine.color.end(), 4, 0);
+    ideal.color.insert(ideal.color.end(), 4, 0);
+  }
+  std::set<double> seen;
+  for (int k = 1; k <= subtexel_bits; ++k) {
+    double wrong = 0;
+    double all = 0;
+    for (std::size_t i = 0; i < pixels; ++i) {
+      if (engine.triangle[i] != 0 || ideal.triangle[i] != 0) continue;
+      const auto part = [&](double x) { return std::floor(std::ldexp(x, k)); };
+      ++all;
+      if (part(engine.u[i]) != part(ideal.u[i]) || part(engine.v[i]) != part(ideal.v[i])) ++wrong;
+    }
+    const std::string name = "picture.wrong_subtexel_rate_" + std::to_string(k);
+    const auto metric = std::ranges::find(picture_metrics(), name, &PictureMetric::name);
+    ASSERT_NE(metric, picture_metrics().end()) << name;
+    for (const TextureFilter filter : {TextureFilter::nearest, TextureFilter::bilinear}) {
+      const PictureTally tally = metric->tally({engine, ideal, scene, filter});
+      EXPECT_EQ(tally.counted, wrong) << name;
+      EXPECT_EQ(tally.base, all) << name;
+    }
+    seen.insert(wrong);
+  }
+  EXPECT_EQ(seen.size(), subtexel_bits) << "each bit more is wrong more often";
 }
 
 TEST(PictureMetrics, ScenesAddUp) {
