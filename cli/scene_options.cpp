@@ -11,6 +11,7 @@
 
 #include "engine/range.hpp"
 #include "io/message.hpp"
+#include "scene/camera_views.hpp"
 #include "scene/demo.hpp"
 #include "scene/mesh.hpp"
 #include "scene/supersample.hpp"
@@ -102,12 +103,13 @@ void refuse_size(const std::string& name, const Scene& scene, const SceneOptions
   }
 }
 
-LoadedScene load_mesh(const std::string& name, const SceneOptions& o) {
+LoadedScene load_mesh(const std::string& name, const SceneOptions& o, int number) {
   MeshOptions options;
   const Size size = picture_size(o.size);
   options.width = size.width;
   options.height = size.height;
   Camera& camera = options.camera;
+  if (number != 0) set_camera(camera, number);
   camera.yaw_degrees = o.yaw.value_or(camera.yaw_degrees);
   camera.pitch_degrees = o.pitch.value_or(camera.pitch_degrees);
   camera.distance = o.distance;
@@ -225,7 +227,9 @@ Size picture_size(const std::string& text) {
 
 namespace {
 
-std::vector<LoadedScene> scenes_of_pixels(const std::string& name, const SceneOptions& options) {
+// Scenes that a size belongs to. Of a mesh it is what the camera of that number sees, 0 for its own; the
+// others leave the camera to load_scenes.
+std::vector<LoadedScene> scenes_of_pixels(const std::string& name, const SceneOptions& options, int camera) {
   std::vector<LoadedScene> out;
   refuse_stream_options(name, options);
   if (name == "demo") {
@@ -276,8 +280,8 @@ std::vector<LoadedScene> scenes_of_pixels(const std::string& name, const SceneOp
     }
     return out;
   }
-  out.push_back(load_mesh(name, options));
-  out.back().scene.name = name;
+  out.push_back(load_mesh(name, options, camera));
+  out.back().scene.name = camera == 0 ? name : view_name(name, camera);
   return out;
 }
 
@@ -347,13 +351,14 @@ void SceneSource::check_again(const Config& config) const {
 }
 
 SceneSource open_scene(const std::string& name, const SceneOptions& options) {
+  if (split_view(name).camera != 0) return SceneSource(load_scene(name, options));
   if (is_stream(name)) return {name, options};
   return SceneSource(load_scene(name, options));
 }
 
 std::vector<SceneSource> open_scenes(const std::string& name, const SceneOptions& options, bool whole) {
   std::vector<SceneSource> out;
-  if (is_stream(name) && name != "-" && !whole) {
+  if (split_view(name).camera == 0 && is_stream(name) && name != "-" && !whole) {
     out.emplace_back(name, options);
   } else {
     for (LoadedScene& loaded : load_scenes(name, options)) out.emplace_back(std::move(loaded));
@@ -377,12 +382,18 @@ std::function<const Scene*()> pieces_in_range(SceneSource& source, const Config&
 }
 
 std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions& options) {
+  const auto [seen, camera] = split_view(name);
   std::vector<LoadedScene> out;
-  if (is_stream(name)) {
-    out.push_back({whole_stream(name, options), std::nullopt});
-    return out;
+  if (is_stream(seen)) {
+    out.push_back({whole_stream(seen, options), std::nullopt});
+  } else {
+    out = scenes_of_pixels(seen, options, camera);
   }
-  out = scenes_of_pixels(name, options);
+  for (LoadedScene& loaded : out) {
+    // A mesh has its camera already.
+    if (camera != 0 && !loaded.faces) loaded.scene = seen_from(loaded.scene, camera);
+  }
+  if (is_stream(seen)) return out;  // supersampled as it was read
   for (LoadedScene& loaded : out) {
     if (options.supersample > 1) loaded.scene = supersampled(std::move(loaded.scene), options.supersample);
   }

@@ -70,8 +70,9 @@ Size picture_size(const std::string& text);
 // The scenes that a name stands for: `demo`; `extreme`, which is several, or one of them as `extreme/NAME`;
 // `triangles/SIZE`, of that many pixels; a triangle stream (is_stream); or else a mesh. A
 // stream's coordinates are pixels, so its size is its own: another --size is refused, and so are camera
-// flags. A mesh may come without a triangle where no face is drawn. With --supersample each scene is as much
-// larger. Throws InputError.
+// flags. With @N behind the name it is what camera N sees of it (scene/camera_views.hpp). A mesh may come
+// without a triangle where no face is drawn. With --supersample each scene is as much larger. Throws
+// InputError.
 std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions& options);
 // The same where one picture is wanted. Throws NothingDrawn too, as refuse_without_faces.
 LoadedScene load_scene(const std::string& name, const SceneOptions& options);

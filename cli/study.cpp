@@ -24,6 +24,7 @@
 #include "io/atomic_file.hpp"
 #include "io/json_depth.hpp"
 #include "report/table.hpp"
+#include "scene/camera_views.hpp"
 #include "scene/tri_stream.hpp"
 #include "study/metrics.hpp"
 #include "study/point.hpp"
@@ -58,7 +59,7 @@ std::vector<Scene> scenes_of(std::vector<std::string> names, int width, int heig
   std::vector<Scene> out;
   for (const std::string& name : names) {
     SceneOptions options;
-    if (takes_size(name)) options.size = fmt::format("{}x{}", width, height);
+    if (takes_size(split_view(name).scene)) options.size = fmt::format("{}x{}", width, height);
     options.allow_empty = allow_empty;
     for (LoadedScene& loaded : load_scenes(name, options)) {
       refuse_without_faces(loaded, options);
@@ -136,7 +137,7 @@ std::string points_text(const StudyPlan& plan, Store& store) {
     std::vector<std::string> line{fmt::format("{}", integer_of(row[0]))};
     const auto settings = parse_settings(text_of(row[4]));
     for (const Axis& axis : plan.axes) line.push_back(axis_value(axis, settings));
-    const auto measured = store.metrics(text_of(row[2]));
+    const Metrics measured = store.metrics(text_of(row[2])).all;
     for (const std::string& metric : metrics) {
       const auto found = measured.find(metric);
       line.push_back(found == measured.end() ? "-" : number_text(found->second));
@@ -170,8 +171,11 @@ int cut_short(const StudyArguments& o, const std::string& so_far, const Store& s
 // holds or something that is recommended does not.
 int end_study(const StudyArguments& o, const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
               const Interrupt& interrupt, bool any_holds) {
+  const auto load = [&](const std::string& name) {
+    return scenes_of({name}, plan.width, plan.height, o.allow_empty);
+  };
   const bool held =
-      interrupt.exit_code() == 0 && examine_recommendations(plan, scenes, store, interrupt.token());
+      interrupt.exit_code() == 0 && examine_recommendations(plan, scenes, load, store, interrupt.token());
   if (interrupt.exit_code() != 0) return cut_short(o, "", store, interrupt);
   if (!o.report.empty()) write_study_report(store.path(), plan.name, o.report);
   return any_holds && held ? exit_held : exit_difference;
@@ -225,7 +229,7 @@ int run_study(const StudyArguments& o) {
   if (!o.report.empty()) make_writable_folder(o.report);
   const std::vector<Scene> scenes = scenes_of(plan.scenes, plan.width, plan.height, o.allow_empty);
   Store store(database_of(o, plan), BITSPAN_VERSION);
-  PointRunner runner(plan.base, scenes, make_meter, store, BITSPAN_VERSION);
+  PointRunner runner(plan.base, scenes, make_meter, store, BITSPAN_VERSION, asked_of(plan));
   RunOptions options;
   options.threads = o.threads;
   options.stop = interrupt.token();
@@ -334,9 +338,9 @@ int replay(const StudyArguments& o) {
   try {
     const PointResult result = make_meter(scenes)(config);
     fmt::print("{}\n", result_text(result));
-    different = point.ok
-                    ? differences(store.result_rows(point.hash), rows_of(result))
-                    : std::vector<std::string>{"refused when stored: " + point.message + "; measured now"};
+    different =
+        point.ok ? differences(store.result_rows(point.hash), rows_of(result, store.known(point.hash)->asked))
+                 : std::vector<std::string>{"refused when stored: " + point.message + "; measured now"};
   } catch (const InputError& error) {
     fmt::print("refused: {}\n", error.what());
     if (point.ok) different.push_back("measured when stored; refused now");

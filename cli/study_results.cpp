@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 
 #include "io/data_folder.hpp"
 #include "io/message.hpp"
@@ -43,8 +45,8 @@ std::string search_text(const StudyPlan& plan, const SearchResult& result) {
   return out + "certificate:\n" + to_text(result.certificate);
 }
 
-bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
-                             const std::stop_token& stop) {
+bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& scenes, const LoadScenes& load,
+                             Store& store, const std::stop_token& stop) {
   const auto recommended = recommendations(plan, store);
   if (recommended.empty()) {
     fmt::print("nothing to recommend: {}{}\n",
@@ -60,7 +62,12 @@ bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& sc
   bool held = true;
   for (const Recommendation& point : recommended) {
     if (stop.stop_requested()) break;
-    const Examination found = examine(plan, point, scenes, store, tell, stop);
+    Examination found = examine(plan, point, scenes, store, tell, stop);
+    if (!plan.validation.empty() && !plan.constraints.empty() && !stop.stop_requested()) {
+      Validation unseen = validate(plan, point, load, store, tell, stop);
+      found.held = found.held && unseen.held == unseen.views;
+      std::ranges::move(unseen.lines, std::back_inserter(found.lines));
+    }
     tell("");
     fmt::print("recommended {}: {}\n", point.hash, point.reason);
     for (const std::string& line : found.lines) fmt::print("  {}\n", line);

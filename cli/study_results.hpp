@@ -17,10 +17,14 @@ namespace bitspan {
 // Returns the search's point and its certificate as text, or what fails at the widest point.
 std::string search_text(const StudyPlan& plan, const SearchResult& result);
 
-// Examines what the study recommends and prints what it finds. Returns true where all views agree and no
-// error is above its bound. Returns true, too, where nothing is recommended, and prints that.
-bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
-                             const std::stop_token& stop);
+// Makes the scenes of a name, as load_scenes.
+using LoadScenes = std::function<std::vector<Scene>(const std::string&)>;
+
+// Examines what the study recommends and prints what it finds. Returns true where all views agree, no error
+// is above its bound and the constraints hold on the scenes that validate. Returns true, too, where nothing
+// is recommended, and prints that.
+bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& scenes, const LoadScenes& load,
+                             Store& store, const std::stop_token& stop);
 
 // Writes the HTML report with its plots into a folder, with python/bitspan_report. Throws ToolError with what
 // that program said where it fails.

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "scene/attributes.hpp"
 
@@ -21,6 +22,7 @@ inline double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y +
 inline Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+inline double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 inline double length(const Vec3& a) { return std::hypot(a.x, a.y, a.z); }
 
 struct WorldPoint {

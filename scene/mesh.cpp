@@ -30,8 +30,6 @@ constexpr double default_fov_degrees = 40;
 // s_max / s_min of a default camera: the shipped configurations hold the scene's B from 1.25 on.
 constexpr double depth_ratio_min = 1.3, depth_ratio_max = 1000;
 
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
-
 // The bytes that tell formats apart, and the name's extension in small letters.
 struct FileStart {
   std::string bytes;
@@ -271,7 +269,7 @@ Viewpoint make_view(const Mesh& mesh, const Camera& camera, int width, int heigh
         "camera: yaw or pitch is not legal; expected a finite yaw and a pitch of -89..89 degrees");
   }
   const double half_angle = std::atan(std::min(width, height) / 2.0 / view.focal);
-  const double distance = camera.distance.value_or(1.02 * radius / std::sin(half_angle));
+  const double distance = camera.distance.value_or(camera.closeness * 1.02 * radius / std::sin(half_angle));
   if (!(distance > 0) || !std::isfinite(distance)) {
     throw InputError("camera: distance " + std::to_string(distance) +
                      " is not legal; expected a number above 0");

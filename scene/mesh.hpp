@@ -28,6 +28,7 @@ struct Camera {
   double yaw_degrees = 150;
   double pitch_degrees = 20;       // -89..89
   std::optional<double> distance;  // from the target
+  double closeness = 1;            // of the distance, where none is given
   std::optional<Vec3> position;    // takes the place of yaw, pitch and distance
   std::optional<Vec3> target;      // the centre of the model's bounding box
   Vec3 up{0, 1, 0};

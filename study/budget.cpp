@@ -17,8 +17,6 @@ namespace bitspan {
 namespace {
 
 using model::RegisterId;
-using Metrics = std::map<std::string, double, std::less<>>;
-
 constexpr int extra_most = 16;
 
 RegisterId id_of_name(const std::string& name) {

@@ -22,6 +22,7 @@ struct MetricRow {
 constexpr auto other_metrics = std::to_array<MetricRow>({
     {"registers.wraps", "values", "values that wrapped, over all registers"},
     {"registers.saturations", "values", "values that saturated, over all registers"},
+    {"registers.overflows", "values", "values that wrapped or saturated, over all registers"},
     {"register.REGISTER.used_bits", "bits", "integer bits that the values need, the sign included",
      Better::low, MetricRole::detail},
     {"register.REGISTER.headroom", "bits", "integer bits of the format beyond those", Better::high,

@@ -5,6 +5,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +14,21 @@
 #include "report/metrics.hpp"
 
 namespace bitspan {
+
+// Values by name. A metric that does not apply (no fog, no texture) is absent.
+using Metrics = std::map<std::string, double, std::less<>>;
+
+struct SceneMetrics {
+  std::string scene;  // its name
+  Metrics metrics;    // of this scene alone, without what the configuration gives
+  bool operator==(const SceneMetrics&) const = default;
+};
+
+// What was measured at a point.
+struct PointMetrics {
+  Metrics all;  // over all scenes together, and what the configuration alone gives
+  std::vector<SceneMetrics> scenes;
+};
 
 enum class MetricRole : std::uint8_t {
   result,  // the vertical axis of the report's plots

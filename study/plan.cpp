@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "study/plan.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <set>
@@ -10,6 +13,7 @@
 #include <system_error>
 
 #include "config/toml_section.hpp"
+#include "scene/camera_views.hpp"
 #include "scene/picture_size.hpp"
 #include "study/area.hpp"
 #include "study/metrics.hpp"
@@ -19,11 +23,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int views_limit = 10'000;          // of each scene
 constexpr std::size_t axis_limit = 100'000;  // values of one axis
 // A value is tried in at most so many points, and is then taken for legal.
 constexpr std::size_t tries_limit = 5000;
 
 constexpr auto arrangements = std::to_array<std::string_view>({"grid", "one_at_a_time", "list"});
+constexpr auto overs = std::to_array<std::string_view>({"worst", "pooled"});
 constexpr auto algorithms = std::to_array<std::string_view>({"min+1", "max-1", "greedy", "annealing"});
 
 void check_metric(const Section& s, std::string_view key, const std::string& name) {
@@ -253,22 +259,54 @@ std::string file_beside(const std::string& path, const std::string& name) {
   return (ignored ? file : whole).lexically_normal().string();
 }
 
-void read_scenes(const Section& study, const std::string& path, StudyPlan& plan) {
+std::vector<std::string> read_scenes(const Section& study, std::string_view key, const std::string& path) {
   const std::string legal =
       "an array of scenes: demo, floor, extreme, extreme/NAME, triangles/SIZE, streams (.tri, .trib), "
-      "meshes";
-  for (const std::string& name : study.texts("scenes", legal)) {
-    if (name == "-")
-      study.fail("scenes", "standard input is read once, and a study goes on later; legal: files");
-    const bool embedded = name == "demo" || name == "floor" || name == "extreme" ||
-                          name.starts_with("extreme/") || name.starts_with("triangles/");
-    std::string scene = embedded ? name : file_beside(path, name);
+      "meshes, each with @CAMERA or without";
+  std::vector<std::string> out;
+  for (const std::string& name : study.texts(key, legal)) {
+    if (name == "-") study.fail(key, "standard input is read once, and a study goes on later; legal: files");
+    const std::string scene = split_view(name).scene;
+    const bool embedded = scene == "demo" || scene == "floor" || scene == "extreme" ||
+                          scene.starts_with("extreme/") || scene.starts_with("triangles/");
+    out.push_back(embedded ? name : file_beside(path, name));
     std::error_code ignored;
-    if (!embedded && !fs::exists(scene, ignored)) {
-      study.fail("scenes", scene + ": no such file; legal: " + legal);
+    if (!embedded && !fs::exists(split_view(out.back()).scene, ignored)) {
+      study.fail(key, out.back() + ": no such file; legal: " + legal);
     }
-    plan.scenes.push_back(std::move(scene));
   }
+  return out;
+}
+
+// Appends what cameras `from` to `to` - 1 see of the scenes; camera 0 is the scene's own.
+void append_views(const std::vector<std::string>& scenes, int from, int to, std::vector<std::string>& out) {
+  for (const std::string& scene : scenes) {
+    for (int camera = from; camera < to; ++camera) {
+      out.push_back(camera == 0 ? scene : view_name(scene, camera));
+    }
+  }
+}
+
+// The views that the points are chosen by are those of the first cameras; the next ones validate.
+void read_views(const Section& study, const std::string& path, StudyPlan& plan) {
+  std::vector<std::string> scenes;
+  if (study.has("scenes")) scenes = read_scenes(study, "scenes", path);
+  const int views = study.has("views") ? static_cast<int>(study.integer("views", 1, views_limit)) : 1;
+  const int unseen =
+      study.has("validate_views") ? static_cast<int>(study.integer("validate_views", 1, views_limit)) : 0;
+  if ((views > 1 || unseen > 0) && scenes.empty()) scenes = {"demo", "extreme"};
+  for (const std::string& scene : scenes) {
+    if (split_view(scene).camera == 0 || (views == 1 && unseen == 0)) continue;
+    study.fail(views > 1 ? "views" : "validate_views",
+               "is given, and " + scene + " has its camera; legal: scenes without @CAMERA");
+  }
+  append_views(scenes, 0, views, plan.scenes);
+  if (study.has("validate")) plan.validation = read_scenes(study, "validate", path);
+  for (const std::string& scene : plan.validation) {
+    if (std::ranges::find(plan.scenes, scene) == plan.scenes.end()) continue;
+    study.fail("validate", scene + " is among the scenes that points are chosen by; legal: others");
+  }
+  append_views(scenes, views, views + unseen, plan.validation);
 }
 
 void read_study(const Section& study, const std::string& path, const ConfigFinder& find, StudyPlan& plan) {
@@ -285,7 +323,7 @@ void read_study(const Section& study, const std::string& path, const ConfigFinde
   } catch (const InputError& error) {
     study.fail("base", error.what());
   }
-  if (study.has("scenes")) read_scenes(study, path, plan);
+  read_views(study, path, plan);
   if (study.has("size")) read_size(study, plan);
   if (study.has("arrangement")) {
     plan.arrangement = static_cast<Arrangement>(study.one_of("arrangement", arrangements));
@@ -306,6 +344,7 @@ Constraint read_constraint(const Section& s) {
   if (!c.at_most && !c.at_least) {
     s.fail(s.line(), s.path_of("at_most"), "missing; legal: at_most, at_least or both");
   }
+  if (s.has("over")) c.over = static_cast<Over>(s.one_of("over", overs));
   if (c.at_most && c.at_least && *c.at_most < *c.at_least) {
     s.fail("at_most", "is below at_least: nothing holds it; legal: at_most >= at_least");
   }
@@ -371,15 +410,15 @@ StudyPlan parse_study(std::string_view text, const std::string& path, const Conf
   StudyPlan plan;
   plan.text = text;
   if (!root.has("study")) root.fail(1, "study", "missing; legal: a table with name and base");
-  const Section study =
-      root.section("study", {"name", "base", "scenes", "size", "arrangement", "metrics", "cost"});
+  const Section study = root.section("study", {"name", "base", "scenes", "views", "validate",
+                                               "validate_views", "size", "arrangement", "metrics", "cost"});
   read_study(study, path, find, plan);
 
   const auto vary = root.sections("vary", {"keys", "values", "from", "to", "step"});
   if (vary.empty()) root.fail(1, "vary", "missing: nothing varies; legal: one [[vary]] or more");
   for (const Section& s : vary) plan.axes.push_back(read_axis(s, plan.base));
   check_disjoint(vary, plan.axes);
-  for (const Section& s : root.sections("constraint", {"metric", "at_most", "at_least"})) {
+  for (const Section& s : root.sections("constraint", {"metric", "at_most", "at_least", "over"})) {
     plan.constraints.push_back(read_constraint(s));
   }
   if (root.has("search")) {
@@ -444,7 +483,7 @@ std::vector<std::vector<KeySetting>> points_of(const StudyPlan& plan) {
 
 bool varies_scenes(const Axis& axis) { return std::ranges::find(axis.keys, s_ratio_key) != axis.keys.end(); }
 
-void check_metrics(const StudyPlan& plan, const std::map<std::string, double, std::less<>>& metrics) {
+void check_metrics(const StudyPlan& plan, const Metrics& metrics) {
   std::vector<std::string> named = plan.metrics;
   for (const Constraint& c : plan.constraints) named.push_back(c.metric);
   if (!plan.search) named.push_back(plan.cost);
@@ -457,12 +496,49 @@ void check_metrics(const StudyPlan& plan, const std::map<std::string, double, st
   }
 }
 
-bool all_hold(const std::vector<Constraint>& constraints,
-              const std::map<std::string, double, std::less<>>& metrics) {
+double Constraint::margin(double value) const {
+  double margin = std::numeric_limits<double>::infinity();
+  if (std::isnan(value)) return -margin;
+  if (at_most) margin = std::min(margin, *at_most - value);
+  if (at_least) margin = std::min(margin, value - *at_least);
+  return margin;
+}
+
+std::optional<Decisive> decisive(const Constraint& constraint, const Metrics& all,
+                                 std::span<const SceneMetrics> scenes) {
+  std::optional<Decisive> worst;
+  for (const SceneMetrics& scene : scenes) {
+    const auto found = scene.metrics.find(constraint.metric);
+    if (constraint.over == Over::pooled || found == scene.metrics.end()) continue;
+    if (worst && constraint.margin(found->second) >= constraint.margin(worst->value)) continue;
+    worst = {found->second, scene.scene};
+  }
+  if (worst) return worst;
+  const auto found = all.find(constraint.metric);
+  return found == all.end() ? std::nullopt : std::optional(Decisive{found->second, ""});
+}
+
+bool all_hold(const std::vector<Constraint>& constraints, const PointMetrics& metrics) {
   return std::ranges::all_of(constraints, [&](const Constraint& c) {
-    const auto found = metrics.find(c.metric);
-    return found != metrics.end() && c.holds(found->second);
+    const auto at = decisive(c, metrics.all, metrics.scenes);
+    return at && c.holds(at->value);
   });
+}
+
+std::string limits_text(const Constraint& c) {
+  const std::string least = c.at_least ? fmt::format("at least {}", *c.at_least) : "";
+  const std::string most = c.at_most ? fmt::format("at most {}", *c.at_most) : "";
+  return least + (c.at_least && c.at_most ? ", " : "") + most;
+}
+
+std::string margin_text(const Constraint& c, double value) {
+  const double margin = c.margin(value);
+  if (!std::isfinite(margin)) return std::isnan(value) ? "not a number" : "infinitely far";
+  // That of the limit which is nearer.
+  const double limit = c.at_most && *c.at_most - value == margin ? *c.at_most : c.at_least.value_or(0);
+  const std::string size = limit == 0 ? fmt::format("{:.4g}", std::fabs(margin))
+                                      : fmt::format("{:.2g} %", 100 * std::fabs(margin / limit));
+  return margin < 0 ? size + " beyond" : "margin " + size;
 }
 
 }  // namespace bitspan

@@ -8,12 +8,14 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "config/config.hpp"
 #include "study/keys.hpp"
+#include "study/metrics.hpp"
 
 namespace bitspan {
 
@@ -23,13 +25,31 @@ struct Axis {
   std::vector<std::vector<KeyValue>> values;  // values[i][k]: of keys[k]
 };
 
+// What of several scenes a constraint judges.
+enum class Over : std::uint8_t {
+  worst,   // the scene that is nearest to the limit, or farthest beyond it
+  pooled,  // all scenes together
+};
+
 struct Constraint {
   std::string metric;
   std::optional<double> at_most, at_least;
+  Over over = Over::worst;
   bool holds(double value) const {  // false for a NaN
     return (!at_most || value <= *at_most) && (!at_least || value >= *at_least);
   }
+  // Returns how far the value is from the nearer limit, below 0 beyond it. A NaN is infinitely far beyond.
+  double margin(double value) const;
 };
+
+// The value that a constraint judges at a point.
+struct Decisive {
+  double value = 0;
+  std::string scene;  // that has the value; empty: all together, or the configuration alone gives it
+};
+// There is none where no scene gives the metric.
+std::optional<Decisive> decisive(const Constraint& constraint, const Metrics& all,
+                                 std::span<const SceneMetrics> scenes);
 
 enum class Arrangement { grid, one_at_a_time, list };
 enum class SearchAlgorithm { min_plus_1, max_minus_1, greedy, annealing };
@@ -55,7 +75,8 @@ struct StudyPlan {
   Config base;
   std::vector<std::string> scenes;  // as the command line names them, files by their whole path; empty: the
                                     // embedded set
-  int width = 640, height = 480;    // of the scenes that have no size of their own
+  std::vector<std::string> validation;  // scenes, in the same form, that no point is chosen by
+  int width = 640, height = 480;        // of the scenes that have no size of their own
   Arrangement arrangement = Arrangement::grid;
   std::vector<Axis> axes;            // of a search: the widths that may change
   std::vector<std::string> metrics;  // of tables and plots; empty: all
@@ -89,9 +110,13 @@ StudyPlan parse_study(std::string_view text, const std::string& path, const Conf
 std::vector<std::vector<KeySetting>> points_of(const StudyPlan& plan);
 
 // Throws InputError, which names the nearest metrics that exist, where a metric of the plan is not there.
-void check_metrics(const StudyPlan& plan, const std::map<std::string, double, std::less<>>& metrics);
+void check_metrics(const StudyPlan& plan, const Metrics& metrics);
 // Whether all constraints hold. The constraint of a metric that is not there does not.
-bool all_hold(const std::vector<Constraint>& constraints,
-              const std::map<std::string, double, std::less<>>& metrics);
+bool all_hold(const std::vector<Constraint>& constraints, const PointMetrics& metrics);
+
+// Returns what a constraint asks for ("at most 0.25"), and by how much a value is within or beyond it, as a
+// share of the limit where that is not 0: "margin 6.2 %", "0.0625 beyond".
+std::string limits_text(const Constraint& constraint);
+std::string margin_text(const Constraint& constraint, double value);
 
 }  // namespace bitspan

@@ -121,7 +121,19 @@ void finish(RegisterUse& use, const model::FieldStatistics& s) {
   use.headroom = use.format.integer - use.used_bits;
 }
 
-using Metrics = std::map<std::string, double, std::less<>>;
+// Returns the registers of a configuration, with what they held by the statistics.
+std::vector<RegisterUse> register_uses(const Config& config,
+                                       const std::vector<model::FieldStatistics>& seen) {
+  std::vector<RegisterUse> out(model::register_count);
+  for (int i = 0; i < model::register_count; ++i) {
+    const auto id = static_cast<model::RegisterId>(i);
+    RegisterUse& use = out[static_cast<std::size_t>(i)];
+    use.name = model::name_of(id);
+    use.format = model::format_of(id, config);
+    finish(use, seen[static_cast<std::size_t>(i)]);
+  }
+  return out;
+}
 
 void add_field(const ErrorRow& row, Metrics& out) {
   for (const FieldStatistic& s : field_statistics()) {
@@ -132,10 +144,30 @@ void add_field(const ErrorRow& row, Metrics& out) {
   }
 }
 
-void add_pictures(const ErrorReport& report, Metrics& out) {
+Metrics metrics_of(const ErrorReport& report, const std::vector<RegisterUse>& registers) {
+  Metrics out;
+  for (const ErrorRow& row : report.rows) {
+    if (row.stat.count != 0) add_field(row, out);
+  }
   for (const PictureMetric& metric : picture_metrics()) {
     if (const auto value = value_of(metric, report)) out[std::string(metric.name)] = *value;
   }
+  double wraps = 0;
+  double saturations = 0;
+  for (const RegisterUse& use : registers) {
+    if (use.count == 0) continue;
+    wraps += static_cast<double>(use.wraps);
+    saturations += static_cast<double>(use.saturations);
+    const std::string name = "register." + use.name;
+    out[name + ".used_bits"] = use.used_bits;
+    out[name + ".headroom"] = use.headroom;
+    out[name + ".wraps"] = static_cast<double>(use.wraps);
+    out[name + ".saturations"] = static_cast<double>(use.saturations);
+  }
+  out["registers.wraps"] = wraps;
+  out["registers.saturations"] = saturations;
+  out["registers.overflows"] = wraps + saturations;
+  return out;
 }
 
 }  // namespace
@@ -208,14 +240,8 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
   const auto truths = known.get();
 
   PointResult out;
-  std::vector<RegisterUse> registers(model::register_count);
   std::vector<model::FieldStatistics> seen(model::register_count);
-  for (int i = 0; i < model::register_count; ++i) {
-    const auto id = static_cast<model::RegisterId>(i);
-    RegisterUse& use = registers[static_cast<std::size_t>(i)];
-    use.name = model::name_of(id);
-    use.format = model::format_of(id, config);
-  }
+  std::vector<RegisterUse> octaves = register_uses(config, seen);
   ErrorReport errors;
   const auto engine = make_observed_model(config);
   Trace trace;
@@ -229,7 +255,7 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
       trace.clear();
       draw_scene(*engine, scene, at, truth.batches[b].size(), &trace);
       meter.add(truth.batches[b], static_cast<std::int64_t>(at), trace);
-      if (histograms) note_octaves(trace, config, registers);
+      if (histograms) note_octaves(trace, config, octaves);
     }
     meter.add_pictures(engine->frame(), truth.frame);
     if (s == 0) {
@@ -237,9 +263,12 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
     } else {
       errors.add(meter.report());
     }
-    for (int i = 0; i < model::register_count; ++i) {
-      merge(seen[static_cast<std::size_t>(i)], engine->statistics().of(static_cast<model::RegisterId>(i)));
+    std::vector<model::FieldStatistics> here(model::register_count);
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      here[i] = engine->statistics().of(static_cast<model::RegisterId>(i));
+      merge(seen[i], here[i]);
     }
+    out.scenes.push_back({scene.name, metrics_of(meter.report(), register_uses(config, here))});
   }
   if (picture_value(errors, "picture.drawn").value_or(0) == 0) {
     throw InputError(config.name +
@@ -248,26 +277,15 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
   for (const ErrorRow& row : errors.rows) {
     if (row.stat.count == 0) continue;
     out.fields.push_back({row.stage, row.quantity, row.unit, row.ulp, row.stat.count, row.stat.max});
-    add_field(row, out.metrics);
   }
-  add_pictures(errors, out.metrics);
-  double wraps = 0;
-  double saturations = 0;
+  std::vector<RegisterUse> registers = register_uses(config, seen);
+  out.metrics = metrics_of(errors, registers);
   for (std::size_t i = 0; i < registers.size(); ++i) {
-    RegisterUse& use = registers[i];
-    finish(use, seen[i]);
-    if (use.count == 0) continue;
-    wraps += static_cast<double>(use.wraps);
-    saturations += static_cast<double>(use.saturations);
-    const std::string name = "register." + use.name;
-    out.metrics[name + ".used_bits"] = use.used_bits;
-    out.metrics[name + ".headroom"] = use.headroom;
-    out.metrics[name + ".wraps"] = static_cast<double>(use.wraps);
-    out.metrics[name + ".saturations"] = static_cast<double>(use.saturations);
-    out.registers.push_back(std::move(use));
+    if (registers[i].count == 0) continue;
+    registers[i].zeros = octaves[i].zeros;
+    registers[i].octave = octaves[i].octave;
+    out.registers.push_back(std::move(registers[i]));
   }
-  out.metrics["registers.wraps"] = wraps;
-  out.metrics["registers.saturations"] = saturations;
   add_costs(config, out.metrics);
   return out;
 }

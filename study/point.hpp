@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "config/config.hpp"
 #include "engine/engine.hpp"
 #include "scene/scene.hpp"
+#include "study/metrics.hpp"
 
 namespace bitspan {
 
@@ -41,9 +41,8 @@ struct RegisterUse {
 struct PointResult {
   std::vector<FieldError> fields;
   std::vector<RegisterUse> registers;
-  // The names are those of known_metrics() (study/metrics.hpp). A metric that does not apply (no fog, no
-  // texture) is absent.
-  std::map<std::string, double, std::less<>> metrics;
+  Metrics metrics;  // as PointMetrics::all
+  std::vector<SceneMetrics> scenes;
 };
 
 class PointMeter {

@@ -2,10 +2,14 @@
 #include "study/recommend.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -21,8 +25,6 @@
 
 namespace bitspan {
 namespace {
-
-using Metrics = std::map<std::string, double, std::less<>>;
 
 constexpr std::string_view area_prefix = "area.";
 
@@ -243,6 +245,16 @@ void write_pictures(const std::string& hash, const std::vector<PointPicture>& pi
   });
 }
 
+// Measures a point again, of which only some metrics were kept.
+void keep_whole(const PointRow& row, const Asked& before, const Config& config, const PointMeter& meter,
+                Store& store) {
+  PointResult result = meter.measure(config);
+  add_estimates(config, result.metrics);
+  PointRow whole = row;
+  whole.base_hash.clear();  // so that the configuration is kept as it stands
+  store.put_point(whole, &result, both(before, {}));
+}
+
 }  // namespace
 
 void add_estimates(const Config& config, Metrics& metrics) {
@@ -277,8 +289,11 @@ SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store
       out[i].refused = states[i].state == PointState::refused;
       out[i].reason = states[i].message;
       if (states[i].state != PointState::ok) continue;
-      out[i].metrics = store.metrics(points[i].hash);
-      if (synthesised && all_hold(plan.constraints, out[i].metrics)) {
+      PointMetrics measured = store.metrics(points[i].hash);
+      const bool holds = synthesised && all_hold(plan.constraints, measured);
+      out[i].metrics = std::move(measured.all);
+      out[i].scenes = std::move(measured.scenes);
+      if (holds) {
         try {
           add_area(plan.search->cost, *points[i].config, store, options.stop, out[i].metrics);
         } catch (const AreaCancelled&) {
@@ -288,7 +303,8 @@ SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store
     }
     return out;
   };
-  const Point base = runner.prepare({});
+  Point base = runner.prepare({});
+  base.whole = true;
   runner.run({base}, batch);  // the report compares with the base
   SearchResult result = search(*plan.search, plan.axes, plan.constraints, evaluate, options.stop, progress);
   write_search(plan, result, base.hash, hashes, store);
@@ -360,9 +376,9 @@ std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store)
   std::vector<Group> groups;
   std::map<std::string, std::size_t> group_of;
   for (const Row& row : store.rows(
-           "SELECT s.hash, p.config_hash, s.holds, c.value, e.value FROM study_points s JOIN points p ON "
-           "p.hash = s.hash LEFT JOIN metrics c ON c.hash = s.hash AND c.name = ? LEFT JOIN metrics e ON "
-           "e.hash = s.hash AND e.name = ? WHERE s.study = ? ORDER BY s.i",
+           "SELECT s.hash, p.config_hash, s.holds, (SELECT value FROM metrics WHERE hash = s.hash AND name = "
+           "?), (SELECT value FROM metrics WHERE hash = s.hash AND name = ?) FROM study_points s JOIN "
+           "point_rows p ON p.hash = s.hash WHERE s.study = ? ORDER BY s.i",
            {cost, error, plan.name})) {
     const auto [at, fresh] = group_of.try_emplace(text_of(row[1]), groups.size());
     if (fresh) groups.push_back({text_of(row[0]), number_of(row[3]), number_of(row[4]), true});
@@ -395,6 +411,109 @@ std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store)
   return out;
 }
 
+std::vector<std::string> margin_lines(const StudyPlan& plan, const PointMetrics& measured) {
+  std::vector<std::string> out;
+  for (const Constraint& c : plan.constraints) {
+    const auto at = decisive(c, measured.all, measured.scenes);
+    if (!at) {
+      out.push_back(fmt::format("{} has no value here, {}", c.metric, limits_text(c)));
+      continue;
+    }
+    std::string line =
+        fmt::format("{} is {:.6g}{}, {}: {}", c.metric, at->value,
+                    at->scene.empty() ? "" : " on " + at->scene, limits_text(c), margin_text(c, at->value));
+    std::size_t have = 0;
+    std::size_t held = 0;
+    for (const SceneMetrics& scene : measured.scenes) {
+      const auto found = scene.metrics.find(c.metric);
+      if (found == scene.metrics.end()) continue;
+      ++have;
+      held += c.holds(found->second) ? 1 : 0;
+    }
+    if (have > 0)
+      line += fmt::format("; {} of {} scenes hold{}", held, have,
+                          c.over == Over::pooled ? " (judged over all together)" : "");
+    out.push_back(std::move(line));
+  }
+  return out;
+}
+
+Validation validate(const StudyPlan& plan, const Recommendation& point,
+                    const std::function<std::vector<Scene>(const std::string&)>& load, Store& store,
+                    const std::function<void(const std::string&)>& told, const std::stop_token& stop) {
+  const auto row = store.point(point.hash);
+  if (!row || !row->ok) throw InputError("no measured point " + point.hash);
+  const Config config = parse_config(row->config, "point " + point.hash);
+  struct View {
+    std::string scene;
+    std::optional<PointMetrics> measured;  // none: refused
+    std::string refusal;
+  };
+  std::vector<View> views;
+  const auto measure = [&](Scene scene) {
+    if (const auto ratio = s_ratio_of(row->scenes)) scene = with_s_ratio(std::move(scene), *ratio);
+    View view{scene.name, {}, {}};
+    try {
+      PointResult result = PointMeter({std::move(scene)}).measure(config, false);
+      add_estimates(config, result.metrics);
+      view.measured = {std::move(result.metrics), std::move(result.scenes)};
+    } catch (const InputError& error) {
+      view.refusal = error.what();
+    }
+    return view;
+  };
+  // As many at once as there are cores, because each takes a hundred megabytes.
+  const auto cores = static_cast<std::size_t>(tbb::info::default_concurrency());
+  const std::size_t count = plan.validation.size();
+  for (std::size_t i = 0; i < count && !stop.stop_requested(); i += cores) {
+    told(fmt::format("validating on scene {} of {}", i + 1, count));
+    std::vector<Scene> scenes;
+    for (std::size_t k = i; k < std::min(count, i + cores); ++k) {
+      std::ranges::move(load(plan.validation[k]), std::back_inserter(scenes));
+    }
+    const std::size_t first = views.size();
+    views.resize(first + scenes.size());
+    tbb::parallel_for(std::size_t{0}, scenes.size(),
+                      [&](std::size_t k) { views[first + k] = measure(std::move(scenes[k])); });
+  }
+
+  Validation out;
+  out.views = views.size();
+  const auto holds = [&](const View& view) {
+    return view.measured && all_hold(plan.constraints, *view.measured);
+  };
+  out.held = static_cast<std::size_t>(std::ranges::count_if(views, holds));
+  out.lines.push_back(fmt::format(
+      "validated on {} views that no point was chosen by: all constraints hold on {}", out.views, out.held));
+  store.transaction([&] {
+    store.run("DELETE FROM validation WHERE study = ? AND hash = ?", {plan.name, point.hash});
+    for (std::size_t i = 0; i < plan.constraints.size(); ++i) {
+      const Constraint& c = plan.constraints[i];
+      std::vector<std::pair<double, const View*>> by_margin;
+      for (const View& view : views) {
+        const auto at = view.measured ? decisive(c, view.measured->all, view.measured->scenes) : std::nullopt;
+        const double value = at ? at->value : std::numeric_limits<double>::quiet_NaN();
+        store.run("INSERT INTO validation VALUES(?, ?, ?, ?, ?, ?)",
+                  {plan.name, point.hash, view.scene, static_cast<std::int64_t>(i), value,
+                   std::int64_t{c.holds(value) ? 1 : 0}});
+        by_margin.emplace_back(value, &view);
+      }
+      std::ranges::stable_sort(by_margin, {}, [&](const auto& v) { return c.margin(v.first); });
+      const auto held = std::ranges::count_if(by_margin, [&](const auto& v) { return c.holds(v.first); });
+      std::vector<std::string> tail;
+      for (std::size_t k = 0; k < std::min<std::size_t>(3, by_margin.size()); ++k) {
+        tail.push_back(fmt::format("{:.4g} on {}", by_margin[k].first, by_margin[k].second->scene));
+      }
+      out.lines.push_back(fmt::format("{} {}: {} of {} hold; the worst: {}", c.metric, limits_text(c), held,
+                                      by_margin.size(), fmt::join(tail, ", ")));
+    }
+  });
+  for (const View& view : views) {
+    if (!view.refusal.empty()) out.lines.push_back(fmt::format("{}: refused: {}", view.scene, view.refusal));
+  }
+  return out;
+}
+
 Examination examine(const StudyPlan& plan, const Recommendation& point, std::vector<Scene> scenes,
                     Store& store, const std::function<void(const std::string&)>& told,
                     const std::stop_token& stop) {
@@ -406,6 +525,7 @@ Examination examine(const StudyPlan& plan, const Recommendation& point, std::vec
     for (Scene& scene : scenes) scene = with_s_ratio(std::move(scene), *ratio);
   }
 
+  out.lines = margin_lines(plan, store.metrics(point.hash));
   told("checking golden = model = RTL");
   const PointCheck check = check_point(config, scenes);
   out.held = check.held;
@@ -417,10 +537,14 @@ Examination examine(const StudyPlan& plan, const Recommendation& point, std::vec
   });
 
   const PointMeter meter(scenes);
+  if (const auto known = store.known(point.hash); known && !known->asked.everything) {
+    told("all that the report shows");
+    keep_whole(*row, known->asked, config, meter, store);
+  }
   std::optional<Budget> budget;
   if (plan.budget && !stop.stop_requested()) {
     told("error budget");
-    budget = error_budget(meter, config, budget_metrics(plan, store.metrics(point.hash)));
+    budget = error_budget(meter, config, budget_metrics(plan, store.metrics(point.hash).all));
     write_budget(point.hash, *budget, store);
     write_causes(point.hash, *budget, store);
   }

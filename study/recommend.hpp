@@ -43,6 +43,22 @@ std::string cost_metric(const StudyPlan& plan);
 // has fewer than three points.
 std::optional<std::size_t> knee(const std::vector<std::pair<double, double>>& points);
 
+// Returns, for each constraint, the value that decides, the scene that has it, the margin, and on how many
+// scenes it holds.
+std::vector<std::string> margin_lines(const StudyPlan& plan, const PointMetrics& measured);
+
+struct Validation {
+  std::size_t views = 0, held = 0;  // held: those on which all constraints hold
+  std::vector<std::string> lines;
+};
+// Measures a recommended point on scenes that no point was chosen by, each alone, and judges every constraint
+// on each. `load` makes the scenes of a name. Writes each value into the database. Throws InputError as
+// `load` and PointMeter do, but for a refused scene, which counts as one that does not hold. `told` gets what
+// is under way.
+Validation validate(const StudyPlan& plan, const Recommendation& point,
+                    const std::function<std::vector<Scene>(const std::string&)>& load, Store& store,
+                    const std::function<void(const std::string&)>& told, const std::stop_token& stop);
+
 struct Examination {
   bool held = true;
   std::vector<std::string> lines;  // what was found, for the command line

@@ -10,9 +10,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <span>
 
+#include "io/json_depth.hpp"
+#include "study/keys.hpp"
 #include "study/metrics.hpp"
 
 namespace bitspan {
@@ -21,10 +25,26 @@ namespace {
 // A table that is read by its key alone is WITHOUT ROWID. The others keep the order of their writing.
 constexpr auto tables = std::to_array<const char*>({
     "CREATE TABLE IF NOT EXISTS meta(key TEXT PRIMARY KEY, value TEXT)",
-    "CREATE TABLE IF NOT EXISTS points(hash TEXT PRIMARY KEY, config_hash TEXT, config TEXT, scenes TEXT, "
-    "status TEXT, message TEXT, seconds REAL)",
-    "CREATE TABLE IF NOT EXISTS metrics(hash TEXT, name TEXT, value REAL, PRIMARY KEY(hash, name)) WITHOUT "
-    "ROWID",
+    "CREATE TABLE IF NOT EXISTS configurations(config_hash TEXT PRIMARY KEY, config TEXT) WITHOUT ROWID",
+    "CREATE TABLE IF NOT EXISTS scene_sets(id INTEGER PRIMARY KEY, scenes TEXT UNIQUE)",
+    "CREATE TABLE IF NOT EXISTS asks(id INTEGER PRIMARY KEY, everything INTEGER, metrics TEXT, "
+    "UNIQUE(everything, metrics))",
+    "CREATE TABLE IF NOT EXISTS point_rows(id INTEGER PRIMARY KEY, hash TEXT UNIQUE, config_hash TEXT, "
+    "base_hash TEXT, settings TEXT, scenes INTEGER, asked INTEGER, status TEXT, message TEXT, seconds REAL)",
+    "CREATE TABLE IF NOT EXISTS metric_names(id INTEGER PRIMARY KEY, name TEXT UNIQUE)",
+    // Scene -1 stands for all together.
+    "CREATE TABLE IF NOT EXISTS metric_values(point INTEGER, scene INTEGER, name INTEGER, value REAL, "
+    "PRIMARY KEY(point, scene, name)) WITHOUT ROWID",
+    "CREATE VIEW IF NOT EXISTS points AS SELECT p.hash AS hash, p.config_hash AS config_hash, "
+    "c.config AS config, s.scenes AS scenes, p.status AS status, p.message AS message, p.seconds AS seconds "
+    "FROM point_rows p LEFT JOIN scene_sets s ON s.id = p.scenes LEFT JOIN configurations c ON "
+    "c.config_hash = p.config_hash",
+    "CREATE VIEW IF NOT EXISTS metrics AS SELECT p.hash AS hash, n.name AS name, v.value AS value FROM "
+    "point_rows p JOIN metric_values v ON v.point = p.id AND v.scene = -1 JOIN metric_names n ON n.id = "
+    "v.name",
+    "CREATE VIEW IF NOT EXISTS scene_metrics AS SELECT p.hash AS hash, v.scene AS scene, n.name AS name, "
+    "v.value AS value FROM point_rows p JOIN metric_values v ON v.point = p.id AND v.scene >= 0 JOIN "
+    "metric_names n ON n.id = v.name",
     "CREATE TABLE IF NOT EXISTS known_metrics(name TEXT PRIMARY KEY, i INTEGER, field TEXT, label TEXT, unit "
     "TEXT, "
     "better TEXT, role TEXT, squares_add INTEGER, meaning TEXT)",
@@ -40,7 +60,7 @@ constexpr auto tables = std::to_array<const char*>({
     "CREATE TABLE IF NOT EXISTS axes(study TEXT, axis INTEGER, i INTEGER, key TEXT, base TEXT, "
     "PRIMARY KEY(study, axis, i))",
     "CREATE TABLE IF NOT EXISTS constraints(study TEXT, i INTEGER, metric TEXT, at_most NUMERIC, at_least "
-    "NUMERIC, PRIMARY KEY(study, i))",
+    "NUMERIC, over TEXT, PRIMARY KEY(study, i))",
     "CREATE TABLE IF NOT EXISTS study_metrics(study TEXT, i INTEGER, name TEXT, PRIMARY KEY(study, i))",
     "CREATE TABLE IF NOT EXISTS study_points(study TEXT, i INTEGER, hash TEXT, settings TEXT, holds INTEGER, "
     "PRIMARY KEY(study, i))",
@@ -49,6 +69,8 @@ constexpr auto tables = std::to_array<const char*>({
     "CREATE TABLE IF NOT EXISTS certificate(study TEXT, key TEXT, from_value TEXT, to_value TEXT, hash TEXT, "
     "failed TEXT, settings TEXT)",
     "CREATE TABLE IF NOT EXISTS recommended(study TEXT, hash TEXT, reason TEXT, verified TEXT)",
+    "CREATE TABLE IF NOT EXISTS validation(study TEXT, hash TEXT, scene TEXT, i INTEGER, value REAL, holds "
+    "INTEGER)",
     "CREATE TABLE IF NOT EXISTS budget(hash TEXT, quantisation TEXT, metric TEXT, base REAL, without REAL, "
     "alone REAL)",
     "CREATE TABLE IF NOT EXISTS bounds(hash TEXT, place TEXT, unit TEXT, bound REAL, observed REAL)",
@@ -105,9 +127,32 @@ std::string text_of(const Cell& cell) {
   return text == nullptr ? std::string() : *text;
 }
 
-ResultRows rows_of(const PointResult& result) {
+bool Asked::covers(const Asked& other) const {
+  return (everything || !other.everything) && std::ranges::includes(metrics, other.metrics);
+}
+
+Asked both(const Asked& a, const Asked& b) {
+  Asked out{a.everything || b.everything, {}};
+  std::ranges::set_union(a.metrics, b.metrics, std::back_inserter(out.metrics));
+  return out;
+}
+
+ResultRows rows_of(const PointResult& result, const Asked& asked) {
+  const auto named = [&](const std::string& name) { return std::ranges::binary_search(asked.metrics, name); };
+  const auto costs = [](const std::string& name) {
+    const Metric* const metric = find_metric(name);
+    return metric != nullptr && metric->role == MetricRole::cost;
+  };
   ResultRows out;
-  for (const auto& [name, value] : result.metrics) out.metrics.push_back({name, stored(value)});
+  for (const auto& [name, value] : result.metrics) {
+    if (asked.everything || named(name) || costs(name)) out.metrics.push_back({name, stored(value)});
+  }
+  for (std::size_t scene = 0; scene < result.scenes.size(); ++scene) {
+    for (const auto& [name, value] : result.scenes[scene].metrics) {
+      if (named(name)) out.scenes.push_back({static_cast<std::int64_t>(scene), name, stored(value)});
+    }
+  }
+  if (!asked.everything) return out;
   for (const FieldError& f : result.fields) {
     out.fields.push_back({f.stage, f.quantity, f.unit, stored(f.ulp), stored(f.count)});
   }
@@ -233,6 +278,7 @@ void Store::write_known_metrics() {
   run("DELETE FROM known_metrics");
   std::int64_t i = 0;
   for (const Metric& m : known_metrics()) {
+    run("INSERT OR IGNORE INTO metric_names(name) VALUES(?)", {m.name});
     run("INSERT INTO known_metrics VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)",
         {m.name, i++, m.field, m.label, m.unit, std::string(to_string(m.better)),
          std::string(to_string(m.role)), stored(m.squares_add ? 1 : 0), m.meaning});
@@ -342,13 +388,37 @@ void Store::transaction(const std::function<void()>& body) {
 }
 
 std::optional<PointRow> Store::point(std::string_view hash) {
-  const auto found =
-      rows("SELECT config_hash, config, scenes, status, message, seconds FROM points WHERE hash = ?",
-           {std::string(hash)});
+  const auto found = rows(
+      "SELECT config_hash, (SELECT config FROM configurations c WHERE c.config_hash = p.config_hash), "
+      "(SELECT scenes FROM scene_sets WHERE id = p.scenes), status, message, seconds, base_hash, settings, "
+      "(SELECT config FROM configurations c WHERE c.config_hash = p.base_hash) FROM point_rows p WHERE hash "
+      "= ?",
+      {std::string(hash)});
   if (found.empty()) return std::nullopt;
   const Row& r = found[0];
-  return PointRow{std::string(hash),     text_of(r[0]), text_of(r[1]),  text_of(r[2]),
-                  text_of(r[3]) == "ok", text_of(r[4]), number_of(r[5])};
+  PointRow out{std::string(hash), text_of(r[0]),   text_of(r[1]), text_of(r[2]), text_of(r[3]) == "ok",
+               text_of(r[4]),     number_of(r[5]), text_of(r[6]), text_of(r[7])};
+  if (out.config.empty() && !out.config_hash.empty()) {
+    const Config base = parse_config(text_of(r[8]), path_ + ": base of " + out.hash);
+    out.config = to_toml(with_keys(base, parse_settings(out.settings)));
+  }
+  return out;
+}
+
+std::optional<Store::Known> Store::known(std::string_view hash) {
+  const auto found = rows(
+      "SELECT status, message, everything, metrics FROM point_rows JOIN asks ON asks.id = asked "
+      "WHERE hash = ?",
+      {std::string(hash)});
+  if (found.empty()) return std::nullopt;
+  const Row& r = found[0];
+  Known out{text_of(r[0]) == "ok", text_of(r[1]), {integer_of(r[2]) != 0, {}}};
+  try {
+    out.asked.metrics = nlohmann::json::parse(text_of(r[3])).get<std::vector<std::string>>();
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(fmt::format("{}: what was asked of {} is unreadable: {}", path_, hash, error.what()));
+  }
+  return out;
 }
 
 std::vector<std::string> Store::points_like(std::string_view prefix) {
@@ -360,16 +430,38 @@ std::vector<std::string> Store::points_like(std::string_view prefix) {
   return out;
 }
 
-void Store::put_point(const PointRow& p, const PointResult* result) {
-  const ResultRows all = result == nullptr ? ResultRows{} : rows_of(*result);
+void Store::keep_configuration(const std::string& config_hash, const std::string& toml) {
+  run("INSERT OR IGNORE INTO configurations VALUES(?, ?)", {config_hash, toml});
+}
+
+void Store::put_point(const PointRow& p, const PointResult* result, const Asked& asked) {
+  const ResultRows all = result == nullptr ? ResultRows{} : rows_of(*result, asked);
+  const std::string names = nlohmann::json(asked.metrics).dump();
+  const Cell everything = stored(asked.everything ? 1 : 0);
   transaction([&] {
-    for (const char* sql : {"DELETE FROM metrics WHERE hash = ?", "DELETE FROM fields WHERE hash = ?",
-                            "DELETE FROM registers WHERE hash = ?"}) {
+    for (const char* sql :
+         {"DELETE FROM metric_values WHERE point = (SELECT id FROM point_rows WHERE hash = ?)",
+          "DELETE FROM fields WHERE hash = ?", "DELETE FROM registers WHERE hash = ?",
+          "DELETE FROM point_rows WHERE hash = ?"}) {
       run(sql, {p.hash});
     }
-    run("INSERT OR REPLACE INTO points VALUES(?, ?, ?, ?, ?, ?, ?)",
-        {p.hash, p.config_hash, p.config, p.scenes, std::string(p.ok ? "ok" : "refused"), p.message,
-         p.seconds});
+    if (p.base_hash.empty() && !p.config.empty()) keep_configuration(p.config_hash, p.config);
+    run("INSERT OR IGNORE INTO scene_sets(scenes) VALUES(?)", {p.scenes});
+    run("INSERT OR IGNORE INTO asks(everything, metrics) VALUES(?, ?)", {everything, names});
+    run("INSERT INTO point_rows(hash, config_hash, base_hash, settings, scenes, asked, status, message, "
+        "seconds) VALUES(?, ?, ?, ?, (SELECT id FROM scene_sets WHERE scenes = ?), (SELECT id FROM asks "
+        "WHERE "
+        "everything = ? AND metrics = ?), ?, ?, ?)",
+        {p.hash, p.config_hash, p.base_hash, p.settings, p.scenes, everything, names,
+         std::string(p.ok ? "ok" : "refused"), p.message, p.seconds});
+    const auto id = rows("SELECT id FROM point_rows WHERE hash = ?", {p.hash}).at(0).at(0);
+    const auto insert_value = [&](const Cell& scene, const Cell& name, const Cell& value) {
+      run("INSERT OR IGNORE INTO metric_names(name) VALUES(?)", {name});
+      run("INSERT INTO metric_values VALUES(?, ?, (SELECT id FROM metric_names WHERE name = ?), ?)",
+          {id, scene, name, value});
+    };
+    for (const Row& row : all.metrics) insert_value(std::int64_t{-1}, row[0], row[1]);
+    for (const Row& row : all.scenes) insert_value(row[0], row[1], row[2]);
     const auto insert = [&](const char* sql, const std::vector<Row>& table) {
       for (const Row& row : table) {
         Row values{p.hash};
@@ -377,7 +469,6 @@ void Store::put_point(const PointRow& p, const PointResult* result) {
         run(sql, values);
       }
     };
-    insert("INSERT INTO metrics VALUES(?, ?, ?)", all.metrics);
     insert("INSERT INTO fields VALUES(?, ?, ?, ?, ?, ?)", all.fields);
     insert("INSERT INTO registers VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)", all.registers);
   });
@@ -391,15 +482,38 @@ ResultRows Store::result_rows(std::string_view hash) {
       rows(
           "SELECT name, format, word, int, signed, count, min, max, used_bits, headroom, wraps, saturations, "
           "zeros, octaves FROM registers WHERE hash = ? ORDER BY rowid",
-          key)};
+          key),
+      rows("SELECT scene, name, value FROM scene_metrics WHERE hash = ? ORDER BY scene, name", key)};
 }
 
-std::map<std::string, double, std::less<>> Store::metrics(std::string_view hash) {
-  std::map<std::string, double, std::less<>> out;
-  for (const Row& row : rows("SELECT name, value FROM metrics WHERE hash = ?", {std::string(hash)})) {
-    out[text_of(row[0])] = number_of(row[1]);
+PointMetrics Store::metrics(std::string_view hash) {
+  PointMetrics out;
+  const Row key{std::string(hash)};
+  for (const Row& row : rows("SELECT name, value FROM metrics WHERE hash = ?", key)) {
+    out.all[text_of(row[0])] = number_of(row[1]);
+  }
+  const auto values = rows("SELECT scene, name, value FROM scene_metrics WHERE hash = ?", key);
+  if (values.empty()) return out;
+  for (const std::string& name : scene_names_of(hash)) out.scenes.push_back({name, {}});
+  for (const Row& row : values) {
+    const auto scene = static_cast<std::size_t>(integer_of(row[0]));
+    if (scene < out.scenes.size()) out.scenes[scene].metrics[text_of(row[1])] = number_of(row[2]);
   }
   return out;
+}
+
+const std::vector<std::string>& Store::scene_names_of(std::string_view hash) {
+  const std::string text =
+      text_of(rows("SELECT scenes FROM points WHERE hash = ?", {std::string(hash)}).at(0).at(0));
+  const auto [at, fresh] = scene_names_.try_emplace(text);
+  if (!fresh) return at->second;
+  try {
+    check_json_depth(text);
+    for (const auto& scene : nlohmann::json::parse(text)) at->second.push_back(scene.at("name"));
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(fmt::format("{}: {}: its scenes are unreadable: {}", path_, hash, error.what()));
+  }
+  return at->second;
 }
 
 }  // namespace bitspan

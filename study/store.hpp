@@ -40,19 +40,36 @@ struct PointRow {
   bool ok = false;     // false: refused
   std::string message;
   double seconds = 0;
+  // The configuration may be kept as what it sets on a base: the base's config_hash, which keep_configuration
+  // was given, and JSON (settings_json). Without a base it is kept whole.
+  std::string base_hash = {}, settings = {};
 };
+
+// What is kept of a measured point.
+struct Asked {
+  // All metrics over all scenes, the fields' counts and what the registers held; without it, the metrics
+  // below and those of MetricRole::cost.
+  bool everything = true;
+  std::vector<std::string> metrics = {};  // sorted; these are kept of each scene, too
+  // Whether all that `other` asks for is asked for here.
+  bool covers(const Asked& other) const;
+  bool operator==(const Asked&) const = default;
+};
+// Returns what asks for both.
+Asked both(const Asked& a, const Asked& b);
 
 // A result as the rows of its three tables, without the hash that they begin with.
 struct ResultRows {
   std::vector<Row> metrics, fields, registers;
+  std::vector<Row> scenes;  // index of the scene, name, value
   bool operator==(const ResultRows&) const = default;
 };
-ResultRows rows_of(const PointResult& result);
+ResultRows rows_of(const PointResult& result, const Asked& asked = {});
 
 class Store {
  public:
   enum class Mode { create, existing };
-  static constexpr int schema = 3;
+  static constexpr int schema = 4;
 
   // Opens the file, or makes it (create). Throws InputError where the file is absent (existing), is no
   // database of studies, is damaged, is of another schema, or cannot be written. All functions throw it where
@@ -71,16 +88,25 @@ class Store {
   void transaction(const std::function<void()>& body);
 
   std::optional<PointRow> point(std::string_view hash);
+  // The same without the configuration, for a look at many points; and what is kept of it.
+  struct Known {
+    bool ok = false;
+    std::string message;
+    Asked asked;
+  };
+  std::optional<Known> known(std::string_view hash);
   // Returns the hashes that begin with the prefix.
   std::vector<std::string> points_like(std::string_view prefix);
   // Replaces what was there by this hash. `result` is null for a refused point.
-  void put_point(const PointRow& point, const PointResult* result);
+  void put_point(const PointRow& point, const PointResult* result, const Asked& asked = {});
+  void keep_configuration(const std::string& config_hash, const std::string& toml);
   ResultRows result_rows(std::string_view hash);
-  std::map<std::string, double, std::less<>> metrics(std::string_view hash);
+  PointMetrics metrics(std::string_view hash);
 
   const std::string& path() const { return path_; }
 
  private:
+  const std::vector<std::string>& scene_names_of(std::string_view hash);
   sqlite3_stmt* bound(std::string_view sql, const Row& values);
   void check_file(std::string_view version, Mode mode);
   void write_known_metrics();
@@ -96,7 +122,8 @@ class Store {
   std::chrono::milliseconds wait_;
   std::unique_ptr<sqlite3, Close> db_;
   std::unordered_map<std::string, std::unique_ptr<sqlite3_stmt, Finalize>> statements_;
-  int depth_ = 0;  // of nested transactions
+  std::map<std::string, std::vector<std::string>> scene_names_;  // by the text of a scene set
+  int depth_ = 0;                                                // of nested transactions
 };
 
 }  // namespace bitspan

@@ -72,36 +72,6 @@ std::string value_json(const KeyValue& value) {
 
 }  // namespace
 
-std::string settings_json(const std::vector<KeySetting>& settings) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  for (const KeySetting& s : settings) {
-    std::visit([&](const auto& value) { json[s.path] = value; }, s.value);
-  }
-  return json.dump();
-}
-
-std::vector<KeySetting> parse_settings(std::string_view settings_json) {
-  std::vector<KeySetting> out;
-  try {
-    check_json_depth(settings_json);
-    const auto json = nlohmann::ordered_json::parse(settings_json);
-    for (const auto& [path, value] : json.items()) {
-      if (value.is_boolean()) {
-        out.push_back({path, value.get<bool>()});
-      } else if (value.is_number_integer()) {
-        out.push_back({path, value.get<std::int64_t>()});
-      } else if (value.is_number()) {
-        out.push_back({path, value.get<double>()});
-      } else {
-        out.push_back({path, value.get<std::string>()});
-      }
-    }
-  } catch (const nlohmann::json::exception& error) {
-    throw InputError(std::string("a point's settings are unreadable: ") + error.what());
-  }
-  return out;
-}
-
 std::string scene_hash(const Scene& scene) {
   Fnv128 h;
   h.number(scene.width);
@@ -183,11 +153,14 @@ std::string point_hash(const Config& config, const std::vector<Scene>& scenes, s
 }
 
 PointRunner::PointRunner(Config base, std::vector<Scene> scenes, MakeMeter make_meter, Store& store,
-                         std::string version)
+                         std::string version, Asked asked)
     : base_(std::move(base)),
       make_meter_(std::move(make_meter)),
       store_(store),
-      version_(std::move(version)) {
+      version_(std::move(version)),
+      asked_(std::move(asked)),
+      base_hash_(config_hash(base_)) {
+  store_.keep_configuration(base_hash_, to_toml(base_));
   if (scenes.empty()) throw InputError("a study without scenes: name at least one");
   Stretched& own = stretched_[std::nullopt];
   own.digest = digest_of(scenes, version_);
@@ -229,6 +202,7 @@ Point PointRunner::prepare(const std::vector<KeySetting>& settings) {
     }
   }
   const std::string& digest = stretched(out.s_ratio).digest;
+  out.settings = of_config;
   try {
     out.config = with_keys(base_, of_config);
     out.hash = hash_of(digest, "configuration", config_hash(*out.config));
@@ -246,18 +220,25 @@ std::vector<Evaluated> PointRunner::run(const std::vector<Point>& points, const 
     out[i] = std::move(result);
     if (finished) finished(i, out[i]);
   };
-  // `waiting` has, by hash, the indices that wait for the point. `todo` has the first of each, in their
-  // order, with the points of equally stretched scenes together.
-  std::map<std::string, std::vector<std::size_t>, std::less<>> waiting;
+  // `waiting` has, by hash, the indices that wait for the point, and what they ask for. `todo` has the first
+  // of each, in their order, with the points of equally stretched scenes together.
+  struct Waiting {
+    std::vector<std::size_t> points;
+    Asked asked;
+  };
+  std::map<std::string, Waiting, std::less<>> waiting;
   std::vector<std::size_t> todo;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Point& p = points[i];
+    const Asked asked{asked_.everything || p.whole, asked_.metrics};
     if (const auto found = waiting.find(p.hash); found != waiting.end()) {
-      found->second.push_back(i);
-    } else if (const auto row = store_.point(p.hash)) {
+      found->second.points.push_back(i);
+      found->second.asked = both(found->second.asked, asked);
+    } else if (const auto row = store_.known(p.hash); row && (!row->ok || row->asked.covers(asked))) {
       finish(i, {row->ok ? PointState::ok : PointState::refused, true, row->message});
     } else {
-      waiting[p.hash].push_back(i);
+      // What was kept for another study stays.
+      waiting[p.hash] = {{i}, row ? both(row->asked, asked) : asked};
       todo.push_back(i);
     }
   }
@@ -268,8 +249,9 @@ std::vector<Evaluated> PointRunner::run(const std::vector<Point>& points, const 
   std::size_t done = 0;
   const auto keep = [&](std::size_t i, const PointRow& row, const PointResult* result) {
     const std::lock_guard lock(mutex);
-    store_.put_point(row, result);
-    for (const std::size_t same : waiting.at(row.hash)) {
+    const Waiting& all = waiting.at(row.hash);
+    store_.put_point(row, result, all.asked);
+    for (const std::size_t same : all.points) {
       finish(same, {row.ok ? PointState::ok : PointState::refused, same != i, row.message});
     }
     ++done;
@@ -284,7 +266,8 @@ std::vector<Evaluated> PointRunner::run(const std::vector<Point>& points, const 
       return;
     }
     row.config_hash = config_hash(*p.config);
-    row.config = to_toml(*p.config);
+    row.base_hash = base_hash_;
+    row.settings = settings_json(p.settings);
     const auto start = std::chrono::steady_clock::now();
     try {
       const PointResult result = meter(*p.config);
@@ -329,6 +312,16 @@ std::vector<Evaluated> PointRunner::run(const std::vector<Point>& points, const 
   return out;
 }
 
+Asked asked_of(const StudyPlan& plan) {
+  Asked out{plan.metrics.empty(), plan.metrics};
+  for (const Constraint& c : plan.constraints) out.metrics.push_back(c.metric);
+  out.metrics.push_back(plan.search ? plan.search->cost : plan.cost);
+  std::ranges::sort(out.metrics);
+  const auto rest = std::ranges::unique(out.metrics);
+  out.metrics.erase(rest.begin(), rest.end());
+  return out;
+}
+
 void put_study(const StudyPlan& plan, const std::string& base_hash, Store& store) {
   const auto index = [](std::size_t i) { return static_cast<std::int64_t>(i); };
   const auto limit = [](const std::optional<double>& value) { return value ? Cell(*value) : Cell(); };
@@ -348,8 +341,9 @@ void put_study(const StudyPlan& plan, const std::string& base_hash, Store& store
     }
     for (std::size_t i = 0; i < plan.constraints.size(); ++i) {
       const Constraint& c = plan.constraints[i];
-      store.run("INSERT INTO constraints VALUES(?, ?, ?, ?, ?)",
-                {plan.name, index(i), c.metric, limit(c.at_most), limit(c.at_least)});
+      store.run("INSERT INTO constraints VALUES(?, ?, ?, ?, ?, ?)",
+                {plan.name, index(i), c.metric, limit(c.at_most), limit(c.at_least),
+                 std::string(c.over == Over::worst ? "worst" : "pooled")});
     }
     for (std::size_t i = 0; i < plan.metrics.size(); ++i) {
       store.run("INSERT INTO study_metrics VALUES(?, ?, ?)", {plan.name, index(i), plan.metrics[i]});
@@ -364,6 +358,7 @@ SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, 
   for (const auto& s : settings) points.push_back(runner.prepare(s));
   const std::size_t count = points.size();
   points.push_back(runner.prepare({}));
+  points.back().whole = true;
 
   store.transaction([&] {
     store.run("DELETE FROM study_points WHERE study = ?", {plan.name});
@@ -382,7 +377,7 @@ SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, 
     bool holds = false;
     if (e.state == PointState::ok && i < count) {
       const auto metrics = store.metrics(points[i].hash);
-      if (!checked) check_metrics(plan, metrics);
+      if (!checked) check_metrics(plan, metrics.all);
       checked = true;
       holds = all_hold(plan.constraints, metrics);
     }
@@ -446,7 +441,7 @@ void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
     }
     cells.insert(cells.end(), {text_of(row[3]), std::to_string(integer_of(row[1]))});
     const std::string hash = text_of(row[2]);
-    const auto measured = store.metrics(hash);
+    const Metrics measured = store.metrics(hash).all;
     for (const std::string& metric : metrics) {
       const auto found = measured.find(metric);
       cells.push_back(found == measured.end() ? std::string() : csv_number(found->second));
@@ -463,7 +458,8 @@ std::vector<std::string> differences(const ResultRows& stored, const ResultRows&
                            const char* what, std::initializer_list<const char*> columns) {
     const auto name_of = [&](const Row& row) {
       std::string name = what;
-      for (std::size_t k = 0; k < keys; ++k) name += fmt::format("{}{}", k == 0 ? " " : ".", text_of(row[k]));
+      for (std::size_t k = 0; k < keys; ++k)
+        name += fmt::format("{}{}", k == 0 ? " " : ".", cell_text(row[k]));
       return name;
     };
     std::map<std::string, std::pair<const Row*, const Row*>> pairs;
@@ -485,6 +481,7 @@ std::vector<std::string> differences(const ResultRows& stored, const ResultRows&
     }
   };
   compare(stored.metrics, measured.metrics, 1, "metric", {""});
+  compare(stored.scenes, measured.scenes, 2, "scene", {""});
   compare(stored.fields, measured.fields, 2, "field", {"unit", "ulp", "count"});
   compare(stored.registers, measured.registers, 1, "register",
           {"format", "word", "int", "signed", "count", "min", "max", "used_bits", "headroom", "wraps",

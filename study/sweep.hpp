@@ -20,7 +20,7 @@
 namespace bitspan {
 
 // This is part of every point's hash. Raise it whenever a metric changes its meaning or its value.
-inline constexpr int measurement_version = 1;
+inline constexpr int measurement_version = 2;
 
 // Returns 32 hexadecimal digits (FNV-1a of 128 bits) over everything of a scene that determines a picture.
 // The names of the scene and of its textures are left out.
@@ -39,11 +39,6 @@ std::string scenes_json(const std::vector<Scene>& scenes, std::optional<double> 
 // the text is unreadable.
 std::optional<double> s_ratio_of(std::string_view scenes_json);
 
-// settings_json returns {"formats.span.h.word": 34, ...} in the order of the settings, and parse_settings
-// reads it back. parse_settings throws InputError where the text is unreadable.
-std::string settings_json(const std::vector<KeySetting>& settings);
-std::vector<KeySetting> parse_settings(std::string_view settings_json);
-
 // Returns 32 hexadecimal digits over all that determines what is measured.
 std::string point_hash(const Config& config, const std::vector<Scene>& scenes, std::string_view version);
 
@@ -57,6 +52,8 @@ struct Point {
   std::optional<Config> config;  // none: the settings make no legal one
   std::string refusal;           // why there is no configuration
   std::optional<double> s_ratio;
+  std::vector<KeySetting> settings;  // of the configuration, on the base
+  bool whole = false;                // everything is kept of it, as the report shows it
 };
 
 enum class PointState {
@@ -80,10 +77,10 @@ struct RunOptions {
 
 class PointRunner {
  public:
-  // `version` is bitspan's. A meter is made where the first point needs it, and is kept for the scenes of the
-  // latest points only.
-  PointRunner(Config base, std::vector<Scene> scenes, MakeMeter make_meter, Store& store,
-              std::string version);
+  // `version` is bitspan's. `asked` says what is kept of each point. A meter is made where the first point
+  // needs it, and is kept for the scenes of the latest points only.
+  PointRunner(Config base, std::vector<Scene> scenes, MakeMeter make_meter, Store& store, std::string version,
+              Asked asked = {});
 
   Point prepare(const std::vector<KeySetting>& settings);
   // Measures the points that the database does not have, and no point twice. `finished` gets each index once,
@@ -99,6 +96,8 @@ class PointRunner {
   MakeMeter make_meter_;
   Store& store_;
   std::string version_;
+  Asked asked_;
+  std::string base_hash_;
   struct Stretched {
     std::vector<Scene> scenes;
     std::string digest;  // point_hash, but for the configuration
@@ -109,6 +108,10 @@ class PointRunner {
   std::optional<double> meter_ratio_;
   Measure meter_;
 };
+
+// Returns what is kept of a plan's points: the metrics that it names, those of its constraints and its
+// cost; everything where it names no metric.
+Asked asked_of(const StudyPlan& plan);
 
 // Writes what the database says of the study itself: its plan with axes, constraints and metrics.
 // `base_hash` is the hash of the base's point.

@@ -20,15 +20,15 @@ Judged judge(const Evaluation& e, const std::string& cost_metric,
   }
   std::vector<std::string> failures;
   for (const Constraint& c : constraints) {
-    const auto found = e.metrics.find(c.metric);
-    const double value = found == e.metrics.end() ? nan : found->second;
+    const auto found = decisive(c, e.metrics, e.scenes);
+    const double value = found ? found->value : nan;
     j.values.push_back(value);
-    if (found == e.metrics.end()) {
+    if (!found) {
       failures.push_back(fmt::format("{} has no value here, {}", c.metric, limits_text(c)));
-    } else if (std::isnan(value) || !c.holds(value)) {
-      failures.push_back(fmt::format("{} is {}, {}", c.metric,
+    } else if (!c.holds(value)) {
+      failures.push_back(fmt::format("{} is {}{}, {}", c.metric,
                                      std::isnan(value) ? "not a number" : fmt::format("{}", value),
-                                     limits_text(c)));
+                                     found->scene.empty() ? "" : " on " + found->scene, limits_text(c)));
     }
   }
   const auto cost = e.metrics.find(cost_metric);

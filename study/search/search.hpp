@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <functional>
-#include <map>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -23,9 +22,10 @@ std::vector<KeySetting> settings_of(const std::vector<Axis>& axes, const SearchP
 
 // What the caller found at a point.
 struct Evaluation {
-  bool refused = false;     // no configuration, or too narrow for a scene
-  std::string reason = {};  // of the refusal
-  std::map<std::string, double, std::less<>> metrics = {};
+  bool refused = false;                   // no configuration, or too narrow for a scene
+  std::string reason = {};                // of the refusal
+  Metrics metrics = {};                   // over all scenes together
+  std::vector<SceneMetrics> scenes = {};  // what constraints judge by default, where there are any
   bool missing = false;  // the caller was stopped before this point, which counts as never asked for
 };
 // Evaluates a batch at once, and returns the results in its order. The caller runs it on all cores. The

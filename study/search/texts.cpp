@@ -17,11 +17,4 @@ std::string value_text(const Axis& axis, std::size_t i) {
   return joined(parts, ", ");
 }
 
-std::string limits_text(const Constraint& c) {
-  std::vector<std::string> parts;
-  if (c.at_least) parts.push_back(fmt::format("at least {}", *c.at_least));
-  if (c.at_most) parts.push_back(fmt::format("at most {}", *c.at_most));
-  return joined(parts, ", ");
-}
-
 }  // namespace bitspan::searching

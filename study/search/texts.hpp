@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the keys, values and limits of a search as text.
+// Writes the keys and values of a search as text.
 #pragma once
 
 #include <string>
@@ -13,6 +13,5 @@ namespace bitspan::searching {
 std::string joined(const std::vector<std::string>& parts, std::string_view separator);
 std::string key_text(const Axis& axis);
 std::string value_text(const Axis& axis, std::size_t i);
-std::string limits_text(const Constraint& c);
 
 }  // namespace bitspan::searching

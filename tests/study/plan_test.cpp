@@ -328,24 +328,75 @@ TEST(Plan, MetricsAreHeldAgainstAPoint) {
   plan.metrics = {"span.u.max"};
   plan.constraints = {{"span.u.max", 0.5, std::nullopt}};
   check_metrics(plan, metrics);
-  EXPECT_TRUE(all_hold(plan.constraints, metrics));
+  EXPECT_TRUE(all_hold(plan.constraints, {metrics, {}}));
   plan.constraints[0].at_most = 0.49;
-  EXPECT_FALSE(all_hold(plan.constraints, metrics));
+  EXPECT_FALSE(all_hold(plan.constraints, {metrics, {}}));
   plan.constraints = {{"span.v.max", 0.5, std::nullopt}};
-  EXPECT_FALSE(all_hold(plan.constraints, metrics)) << "a NaN holds nothing";
+  EXPECT_FALSE(all_hold(plan.constraints, {metrics, {}})) << "a NaN holds nothing";
   plan.constraints = {{"span.w.max", 0.5, std::nullopt}};
-  EXPECT_FALSE(all_hold(plan.constraints, metrics));
+  EXPECT_FALSE(all_hold(plan.constraints, {metrics, {}}));
   EXPECT_NE(input_error([&] {
               check_metrics(plan, metrics);
             }).find("s: span.w.max: the scenes give no such metric; nearest: span.u.max, span.v.max"),
             std::string::npos);
-  EXPECT_TRUE(all_hold({}, metrics));
+  EXPECT_TRUE(all_hold({}, {metrics, {}}));
   plan.constraints.clear();
   plan.cost = "area.ecp5.luts";  // of a search only
   EXPECT_NE(input_error([&] {
               check_metrics(plan, metrics);
             }).find("s: area.ecp5.luts: the scenes give no such metric"),
             std::string::npos);
+}
+
+// A point that holds over all scenes together may fail on one.
+TEST(StudyPlan, AConstraintJudgesTheWorstScene) {
+  const PointMetrics measured{
+      {{"span.u.p999", 0.2}, {"span.u.sqnr_db", 50}, {"fog.factor.max", 0.3}, {"cost.register_bits", 9}},
+      {{"near", {{"span.u.p999", 0.1}, {"span.u.sqnr_db", 60}}},
+       {"far", {{"span.u.p999", 0.3}, {"span.u.sqnr_db", 40}, {"fog.factor.max", 0.25}}}}};
+  const auto at = [&](const Constraint& c) { return decisive(c, measured.all, measured.scenes); };
+  Constraint c{"span.u.p999", 0.25, std::nullopt};
+  EXPECT_EQ(at(c)->value, 0.3);
+  EXPECT_EQ(at(c)->scene, "far");
+  EXPECT_FALSE(all_hold({c}, measured));
+  EXPECT_EQ(margin_text(c, 0.3), "20 % beyond");
+  c.over = Over::pooled;
+  EXPECT_EQ(at(c)->value, 0.2);
+  EXPECT_EQ(at(c)->scene, "");
+  EXPECT_TRUE(all_hold({c}, measured));
+  EXPECT_EQ(margin_text(c, 0.2), "margin 20 %");
+  EXPECT_EQ(at({"span.u.sqnr_db", std::nullopt, 45})->scene, "far") << "the lowest, where high is better";
+  EXPECT_EQ(at({"span.u.p999", 0.5, 0.05})->scene, "near") << "between two limits, the nearer one decides";
+  EXPECT_EQ(at({"fog.factor.max", 1, std::nullopt})->value, 0.25) << "of the scenes that have it";
+  EXPECT_EQ(at({"cost.register_bits", 10, std::nullopt})->value, 9) << "no scene has a share in it";
+  EXPECT_FALSE(at({"span.w.max", 1, std::nullopt}));
+  EXPECT_EQ(margin_text({"registers.overflows", 0, std::nullopt}, 12), "12 beyond");
+  EXPECT_EQ(margin_text({"span.u.sqnr_db", std::nullopt, 40}, 50), "margin 25 %");
+  EXPECT_EQ(limits_text({"span.u.p999", 0.5, 0.25}), "at least 0.25, at most 0.5");
+}
+
+// The scenes that validate are those that no point is chosen by.
+TEST(StudyPlan, ViewsAreCamerasOfTheScenes) {
+  const auto plan_of = [](const std::string& lines) {
+    return parse_study("[study]\nname = \"s\"\nbase = \"depth16\"\n" + lines +
+                           "\n[[vary]]\nkeys = [\"formats.span.uv.word\"]\nvalues = [25]\n",
+                       "s.toml", find);
+  };
+  using Names = std::vector<std::string>;
+  const StudyPlan views =
+      plan_of("scenes = [\"demo\"]\nviews = 3\nvalidate_views = 2\nvalidate = [\"floor\"]");
+  EXPECT_EQ(views.scenes, (Names{"demo", "demo@1", "demo@2"}));
+  EXPECT_EQ(views.validation, (Names{"floor", "demo@3", "demo@4"}));
+  EXPECT_EQ(plan_of("validate_views = 1").scenes, (Names{"demo", "extreme"}));
+  EXPECT_TRUE(plan_of("").validation.empty());
+  EXPECT_EQ(plan_of("scenes = [\"demo@7\"]").scenes, Names{"demo@7"});
+  const auto refuse = [&](const std::string& lines, std::string_view part) {
+    expect_refusal([&] { plan_of(lines); }, part);
+  };
+  refuse("scenes = [\"demo@7\"]\nviews = 2", "study.views: is given, and demo@7 has its camera");
+  refuse("scenes = [\"demo\"]\nvalidate = [\"demo\"]", "study.validate: demo is among the scenes");
+  refuse("views = 0", "study.views");
+  refuse("validate = [\"none.obj@3\"]", "none.obj@3: no such file");
 }
 
 }  // namespace

@@ -60,6 +60,25 @@ TEST(Point, AgreesWithTheErrorMeter) {
   }
 }
 
+// The metrics of each scene are those of a meter that has it alone.
+TEST(Point, EachSceneHasItsMetrics) {
+  const std::vector<Scene> scenes{demo_scene(96, 72), floor_scene(96, 72)};
+  const Config config = shipped_config("depth16");
+  const PointResult both = PointMeter(scenes).measure(config);
+  ASSERT_EQ(both.scenes.size(), 2U);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const PointResult alone = PointMeter({scenes[i]}).measure(config);
+    EXPECT_EQ(both.scenes[i].scene, scenes[i].name);
+    EXPECT_FALSE(both.scenes[i].metrics.contains("cost.register_bits"));
+    for (const auto& [name, value] : both.scenes[i].metrics) {
+      EXPECT_EQ(value, alone.metrics.at(name)) << name;
+    }
+    EXPECT_GT(both.scenes[i].metrics.size(), 100U);
+  }
+  EXPECT_EQ(both.metrics.at("span.u.max"),
+            std::max(both.scenes[0].metrics.at("span.u.max"), both.scenes[1].metrics.at("span.u.max")));
+}
+
 TEST(Point, RegistersSayWhatTheyHeld) {
   const PointResult point = PointMeter({demo_scene(160, 120)}).measure(shipped_config("depth16"));
   for (const RegisterUse& r : point.registers) {

@@ -377,5 +377,69 @@ bounds = true
   EXPECT_THROW(examine(plan, {"0123", ""}, scenes, store, [](const std::string&) {}, {}), InputError);
 }
 
+// A limit between what two views need: one of them fails, openly, with its name and value.
+TEST(Recommend, ViewsThatChoseNoPointValidate) {
+  TemporaryFolder folder;
+  Store store(folder.path("study.db"), "test");
+  const Config config = shipped_config("narrow");
+  const auto error = [&](const Scene& scene) {
+    return PointMeter({scene}).measure(config).metrics.at("span.u.p999");
+  };
+  const auto named = [](Scene scene, const std::string& name) {
+    scene.name = name;
+    return scene;
+  };
+  const Scene easy = named(demo_scene(48, 36), "easy");
+  const Scene hard = named(demo_scene(96, 72), "hard");
+  const auto [low, high] = std::minmax(error(easy), error(hard));
+  ASSERT_LT(low, high);
+  const double limit = (low + high) / 2;
+  StudyPlan plan = plan_of(fmt::format(R"(
+[study]
+name = "validated"
+base = "narrow"
+[[vary]]
+keys = ["formats.span.uv.word"]
+values = [22]
+[[constraint]]
+metric = "span.u.p999"
+at_most = {}
+)",
+                                       limit));
+  plan.validation = {"easy", "hard", "none"};
+  const auto load = [&](const std::string& name) {
+    return name == "none" ? std::vector<Scene>{} : name == "easy" ? std::vector{easy} : std::vector{hard};
+  };
+  PointRunner runner(
+      plan.base, {easy},
+      [](std::vector<Scene> s) -> Measure {
+        return [meter = std::make_shared<PointMeter>(std::move(s))](const Config& c) {
+          return meter->measure(c);
+        };
+      },
+      store, "test", asked_of(plan));
+  run_sweep(plan, runner, store, {});
+  const std::string hash = text_of(store.rows("SELECT hash FROM study_points")[0][0]);
+  const Validation v = validate(plan, {hash, ""}, load, store, [](const std::string&) {}, {});
+  EXPECT_EQ(v.views, 2U);
+  EXPECT_EQ(v.held, 1U);
+  ASSERT_EQ(v.lines.size(), 2U);
+  EXPECT_EQ(v.lines[0], "validated on 2 views that no point was chosen by: all constraints hold on 1");
+  const std::string worst = error(hard) > error(easy) ? "hard" : "easy";
+  EXPECT_NE(v.lines[1].find(fmt::format("1 of 2 hold; the worst: {:.4g} on {}, ", high, worst)),
+            std::string::npos)
+      << v.lines[1];
+  const auto rows = store.rows("SELECT scene, value, holds FROM validation ORDER BY value");
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[1], (Row{worst, high, std::int64_t{0}}));
+  // What it held by is told of the scenes that chose it, too.
+  const auto lines = margin_lines(plan, store.metrics(hash));
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_NE(lines[0].find(fmt::format("span.u.p999 is {:.6g} on easy, at most ", error(easy))),
+            std::string::npos)
+      << lines[0];
+  EXPECT_NE(lines[0].find(" of 1 scenes hold"), std::string::npos) << lines[0];
+}
+
 }  // namespace
 }  // namespace bitspan

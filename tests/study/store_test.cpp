@@ -75,7 +75,7 @@ TEST(Store, KeepsAPointWithEveryBit) {
   Store store(folder.path("a.db"), "1.2.4", Store::Mode::existing);
   EXPECT_EQ(store.result_rows("h1"), rows_of(result));
   EXPECT_NE(store.result_rows("h1"), rows_of(some_result(std::nextafter(0.1, 1.0))));
-  const auto metrics = store.metrics("h1");
+  const Metrics metrics = store.metrics("h1").all;
   ASSERT_EQ(metrics.size(), result.metrics.size());
   EXPECT_EQ(metrics.at("span.u.max"), 0.1);
   EXPECT_EQ(metrics.at("depth.z.sqnr_db"), inf);
@@ -165,9 +165,9 @@ TEST(Store, FilesThatAreNoStudiesAreRefusedUntouched) {
   EXPECT_EQ(folder.read("other.db"), before);
   {
     Store store(folder.path("later.db"), "9.9");
-    store.run("UPDATE meta SET value = '4' WHERE key = 'schema'");
+    store.run("UPDATE meta SET value = '999' WHERE key = 'schema'");
   }
-  EXPECT_TRUE(names(refused(folder.path("later.db")), "has schema 4, made by another version"));
+  EXPECT_TRUE(names(refused(folder.path("later.db")), "has schema 999, made by another version"));
   EXPECT_TRUE(names(refused(folder.path()), "is a directory"));
   EXPECT_TRUE(names(refused(folder.path("no/such/a.db")), "cannot be opened as a database: No such file"));
   EXPECT_TRUE(names(refused(folder.path("none.db"), Store::Mode::existing), "none.db: no such database"));
@@ -250,7 +250,7 @@ TEST(Store, AKilledWriterLosesNoFinishedPoint) {
     Store store(folder.path("a.db"), "1");
     for (int i = 0; i < 20; ++i) put(store, nth(i));
     store.run("BEGIN IMMEDIATE");  // in the middle of the next one
-    store.run("INSERT INTO points VALUES('half', '', '', '', 'ok', '', 0)");
+    store.run("INSERT INTO point_rows(hash, status) VALUES('half', 'ok')");
     static_cast<void>(!::write(pipe[1], "x", 1));
     pause();
     _exit(0);

@@ -57,6 +57,7 @@ struct Fake {
         r.metrics["cost.register_bits"] = f.word;
         r.metrics["span.v.max"] = nan;
         r.fields.push_back({"span", "u", "texel", 0.5, 3, 0.1});
+        r.scenes = {{"small", {{"span.u.max", r.metrics["span.u.max"]}, {"span.v.max", nan}}}};
         return r;
       };
     };
@@ -78,11 +79,11 @@ struct Bench {
   std::unique_ptr<Store> store = std::make_unique<Store>(folder.path("a.db"), "1");
   RunOptions options;
 
-  PointRunner runner(const std::string& version = "1") {
-    return {shipped_config("depth16"), {small_scene()}, fake.maker(), *store, version};
+  PointRunner runner(const std::string& version = "1", const Asked& asked = {}) {
+    return {shipped_config("depth16"), {small_scene()}, fake.maker(), *store, version, asked};
   }
   SweepResult sweep(const StudyPlan& plan) {
-    PointRunner r = runner();
+    PointRunner r = runner("1", asked_of(plan));
     return run_sweep(plan, r, *store, options);
   }
   std::int64_t count(const std::string& sql) {
@@ -124,7 +125,7 @@ TEST(Sweep, MeasuresEachPointOnceAndKeepsIt) {
   EXPECT_EQ(point->config, to_toml(config));
   EXPECT_EQ(point->config_hash, config_hash(config));
   EXPECT_EQ(point->scenes, scenes_json({small_scene()}, std::nullopt));
-  EXPECT_EQ(b.store->metrics(point->hash).at("span.u.max"), std::ldexp(100.0, -8));
+  EXPECT_EQ(b.store->metrics(point->hash).all.at("span.u.max"), std::ldexp(100.0, -8));
 
   // The same again: nothing is measured. Other constraints need nothing new either.
   const SweepResult again = b.sweep(plan);
@@ -139,6 +140,42 @@ TEST(Sweep, MeasuresEachPointOnceAndKeepsIt) {
   EXPECT_EQ(b.sweep(plan_of("[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 33\nto = 34\n")).measured,
             1U);
   EXPECT_EQ(b.count("study_points"), 2);
+}
+
+// A point keeps the metrics that are asked for, the costs, and its configuration as what it changes on the
+// base.
+TEST(Sweep, OnlyWhatIsAskedForIsKept) {
+  Bench b;
+  const std::string named = "metrics = [\"span.u.max\"]\n";
+  EXPECT_EQ(b.sweep(plan_of(words, named)).measured, 4U);
+  const std::string hash = text_of(b.store->rows("SELECT hash FROM study_points WHERE i = 1")[0][0]);
+  const std::string base = text_of(b.store->rows("SELECT base_hash FROM studies")[0][0]);
+  const auto has = [&](const std::string& of, const std::string& metric) {
+    return b.store->metrics(of).all.contains(metric);
+  };
+  EXPECT_TRUE(has(hash, "span.u.max"));
+  EXPECT_TRUE(has(hash, "cost.register_bits"));
+  EXPECT_FALSE(has(hash, "span.v.max"));
+  EXPECT_TRUE(has(base, "span.v.max")) << "the report compares with the base";
+  EXPECT_EQ(b.count("fields WHERE hash = '" + hash + "'"), 0);
+  EXPECT_EQ(b.count("fields WHERE hash = '" + base + "'"), 1);
+  EXPECT_EQ(b.count("scene_metrics WHERE hash = '" + hash + "' AND scene = 0 AND name = 'span.u.max'"), 1);
+  EXPECT_EQ(b.count("configurations"), 1) << "that of the base";
+  const auto point = b.store->point(hash);
+  ASSERT_TRUE(point);
+  Config config = shipped_config("depth16");
+  config.format(FormatId::span_h).word = 24;
+  EXPECT_EQ(point->config, to_toml(config));
+  EXPECT_EQ(point->scenes, scenes_json({small_scene()}, std::nullopt));
+
+  // Who asks for more has the points measured again, and what was kept stays.
+  const int calls = b.fake.calls;
+  EXPECT_EQ(b.sweep(plan_of(words, "metrics = [\"span.v.max\"]\n")).measured, 3U) << "all but the refused";
+  EXPECT_GT(b.fake.calls, calls);
+  EXPECT_TRUE(has(hash, "span.u.max"));
+  EXPECT_TRUE(has(hash, "span.v.max"));
+  EXPECT_EQ(b.sweep(plan_of(words, named)).measured, 0U);
+  EXPECT_EQ(b.sweep(plan_of(words + below, named)).measured, 0U);
 }
 
 TEST(Sweep, TheHashCoversWhatDeterminesAPoint) {
@@ -305,7 +342,7 @@ TEST(Sweep, AFullDiskEndsTheRunAndLosesNothing) {
   Bench b;
   const StudyPlan plan = plan_of("[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 20\nto = 49\n");
   const auto pages = integer_of(b.store->rows("PRAGMA page_count")[0][0]);
-  b.store->run("PRAGMA max_page_count = " + std::to_string(pages + 25));
+  b.store->run("PRAGMA max_page_count = " + std::to_string(pages + 5));
   EXPECT_TRUE(names(input_error([&] { b.sweep(plan); }), "a.db: the disk is full"));
   const auto kept = b.count("points");
   EXPECT_GT(kept, 1);
