@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads one study out of a study database (SQLite, schema 3)."""
+"""Reads one study out of a study database (SQLite, schema 4)."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from .study import (
     Study,
 )
 
-SCHEMA = "3"
+SCHEMA = "4"
 
 # Selects the points that a study refers to anywhere; :s is its name.
 _POINTS = """(SELECT hash FROM study_points WHERE study = :s UNION SELECT hash FROM search_steps WHERE study = :s
@@ -163,9 +163,9 @@ def _read_points(reader: _Reader, base_hash: str) -> list[Point]:
     points: dict[str, Point] = {}
     for h, config_hash, config, scenes, status, message, seconds in reader.rows(
         "SELECT hash, config_hash, config, scenes, status, message, seconds FROM points "
-        f"WHERE hash IN {_POINTS} ORDER BY rowid"
+        f"WHERE hash IN {_POINTS} ORDER BY hash"
     ):
-        points[h] = Point(h, config_hash, config, scenes or "", status != "ok", message or "", number(seconds))
+        points[h] = Point(h, config_hash, config or "", scenes or "", status != "ok", message or "", number(seconds))
     for i, h, settings, holds in reader.rows(
         "SELECT i, hash, settings, holds FROM study_points WHERE study = :s ORDER BY i"
     ):

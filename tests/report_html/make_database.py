@@ -78,7 +78,9 @@ CREATE TABLE registers(hash TEXT, name TEXT, format TEXT, word INTEGER, int INTE
   octaves TEXT);
 CREATE TABLE studies(name TEXT PRIMARY KEY, plan TEXT, kind TEXT, base_hash TEXT, cost TEXT);
 CREATE TABLE axes(study TEXT, axis INTEGER, i INTEGER, key TEXT, base TEXT, PRIMARY KEY(study, axis, i));
-CREATE TABLE constraints(study TEXT, i INTEGER, metric TEXT, at_most NUMERIC, at_least NUMERIC, PRIMARY KEY(study, i));
+CREATE TABLE constraints(study TEXT, i INTEGER, metric TEXT, at_most NUMERIC, at_least NUMERIC, over TEXT, PRIMARY KEY(study, i));
+CREATE TABLE scene_metrics(hash TEXT, scene INTEGER, name TEXT, value REAL);
+CREATE TABLE validation(study TEXT, hash TEXT, scene TEXT, i INTEGER, value REAL, holds INTEGER);
 CREATE TABLE study_metrics(study TEXT, i INTEGER, name TEXT, PRIMARY KEY(study, i));
 CREATE TABLE study_points(study TEXT, i INTEGER, hash TEXT, settings TEXT, holds INTEGER, PRIMARY KEY(study, i));
 CREATE TABLE search_steps(study TEXT, i INTEGER, hash TEXT, cost REAL, holds INTEGER, best INTEGER);
@@ -445,7 +447,7 @@ def write_database(path: str | pathlib.Path) -> None:
     connection = sqlite3.connect(path)
     connection.executescript(TABLES)
     writer = Writer(connection, "spans")
-    writer.insert("meta", ("schema", "3"), ("version", "0.1.0"))
+    writer.insert("meta", ("schema", "4"), ("version", "0.1.0"))
     writer.insert("known_metrics", *KNOWN_METRICS)
     base = writer.point({})
     for values in itertools.product(*WIDTHS.values()):
@@ -464,7 +466,7 @@ def write_database(path: str | pathlib.Path) -> None:
         ("spans", 2, 0, "reciprocal.pixel.output.word", "19"),
     )
     writer.insert(
-        "constraints", ("spans", 0, "span.u.p999", 0.25, None), ("spans", 1, "picture.wrong_order", 0, None)
+        "constraints", ("spans", 0, "span.u.p999", 0.25, None, "worst"), ("spans", 1, "picture.wrong_order", 0, None, "worst")
     )
     writer.insert(
         "recommended",
