@@ -60,8 +60,8 @@ Scene seen_from(const Scene& scene, int camera) {
     throw InputError(scene.name + ": another camera's view is of a scene without commands; leave @" +
                      std::to_string(camera) + " out");
   }
-  Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL};
-  Vec3 high = low * -1;
+  double nearest = HUGE_VAL;
+  double farthest = 0;
   std::vector<Face> faces;
   for (const Triangle& triangle : scene.triangles) {
     Face face;
@@ -72,10 +72,9 @@ Scene seen_from(const Scene& scene, int camera) {
       Corner& corner = face.corner[i];
       static_cast<Attributes&>(corner) = v;
       const double per_pixel = v.s / scene.focal;
-      const Vec3 p{(v.x - scene.width / 2.0) * per_pixel, (v.y - scene.height / 2.0) * per_pixel, v.s};
-      corner.position = p;
-      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+      corner.position = {(v.x - scene.width / 2.0) * per_pixel, (v.y - scene.height / 2.0) * per_pixel, v.s};
+      nearest = std::min(nearest, v.s);
+      farthest = std::max(farthest, v.s);
     }
     faces.push_back(face);
   }
@@ -86,8 +85,9 @@ Scene seen_from(const Scene& scene, int camera) {
   view.focal = scene.focal;
   const auto [side, height, nearness] = place_of(camera);
   const double yaw = radians(between(-20, 20, side));
-  const double pitch = radians(between(-10, 10, height));
-  const Vec3 middle{0, 0, faces.empty() ? 1 : (low.z + high.z) / 2};
+  const double pitch = radians(between(0, 12, height));
+  // The geometric mean, because what is near fills more of the picture.
+  const Vec3 middle{0, 0, faces.empty() ? 1 : std::sqrt(nearest * farthest)};
   const double distance = middle.z * between(0.85, 1.1, nearness);
   const Vec3 back{std::sin(yaw) * std::cos(pitch), -std::sin(pitch), -std::cos(yaw) * std::cos(pitch)};
   look_at(view, middle + back * distance, middle, {0, -1, 0});

@@ -28,7 +28,7 @@ std::string view_name(std::string_view scene, int camera);
 void set_camera(Camera& camera, int number);
 
 // Returns what another camera sees of a scene that has its own. It stands on a sphere around the middle of
-// the scene's vertices, up to 20 degrees to the side and 10 up or down, at 0.85 to 1.1 of the distance. What
+// the scene's vertices, up to 20 degrees to the side and 12 upward, at 0.85 to 1.1 of the distance. What
 // the first camera did not see is not there. Throws InputError for a scene with commands.
 Scene seen_from(const Scene& scene, int camera);
 
