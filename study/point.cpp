@@ -269,6 +269,7 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
   out.metrics["registers.wraps"] = wraps;
   out.metrics["registers.saturations"] = saturations;
   add_costs(config, out.metrics);
+  add_memory(config, scenes_, out.metrics);
   return out;
 }
 
