@@ -92,6 +92,7 @@ std::vector<std::string> shown_metrics(const StudyPlan& plan) {
   for (const Constraint& c : plan.constraints) {
     if (std::ranges::find(out, c.metric) == out.end()) out.push_back(c.metric);
   }
+  if (find_metric(plan.cost) == nullptr) out.push_back(plan.cost);  // an expression
   if (out.empty()) {
     out = {"span.u.p999", "span.v.p999", "picture.wrong_order_rate", "picture.psnr_db", "cost.register_bits"};
   }

@@ -24,7 +24,7 @@ struct Axis {
 };
 
 struct Constraint {
-  std::string metric;
+  std::string metric;  // or an expression (study/expression.hpp)
   std::optional<double> at_most, at_least;
   bool holds(double value) const {  // false for a NaN
     return (!at_most || value <= *at_most) && (!at_least || value >= *at_least);
@@ -38,7 +38,9 @@ inline constexpr const char* default_cost = "cost.register_bits";
 
 struct SearchPlan {
   SearchAlgorithm algorithm = SearchAlgorithm::greedy;
-  std::string cost = default_cost;  // a metric, to be as low as possible
+  std::string cost = default_cost;  // a metric or an expression, to be as low as possible
+  std::string tie = default_cost;   // the same, of points of equal cost
+  double tie_within = 0;            // the share of the least cost by which costs may differ and be a tie
   int evaluations = 1000;           // at most
   double seconds = 600;             // at most
   std::uint64_t seed = 1;
@@ -59,7 +61,8 @@ struct StudyPlan {
   Arrangement arrangement = Arrangement::grid;
   std::vector<Axis> axes;            // of a search: the widths that may change
   std::vector<std::string> metrics;  // of tables and plots; empty: all
-  std::string cost = default_cost;   // of a sweep: what is recommended has little of this metric
+  std::string cost =
+      default_cost;  // of a sweep: what is recommended has little of this, a metric or an expression
   std::vector<Constraint> constraints;
   std::optional<SearchPlan> search;
   std::optional<AreaPlan> area;

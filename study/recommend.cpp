@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "config/rtl_timing.hpp"
@@ -16,6 +18,7 @@
 #include "study/budget.hpp"
 #include "study/check_point.hpp"
 #include "study/cost.hpp"
+#include "study/expression.hpp"
 #include "study/metrics.hpp"
 #include "study/pictures.hpp"
 
@@ -25,6 +28,7 @@ namespace {
 using Metrics = std::map<std::string, double, std::less<>>;
 
 constexpr std::string_view area_prefix = "area.";
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 Row row_of(const std::string& hash, const std::string& key, Family family, bool placed, const AreaResult& a) {
   return {hash,
@@ -99,19 +103,31 @@ std::string area_text(const AreaResult& a) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-// Adds the number that a metric such as "area.ice40.luts" names.
-void add_area(const std::string& metric, const Config& config, Store& store, const std::stop_token& stop,
-              Metrics& metrics) {
-  const std::size_t dot = metric.find('.', area_prefix.size());
-  const Family family =
-      family_named(std::string_view(metric).substr(area_prefix.size(), dot - area_prefix.size()));
-  const AreaResult a = known_area(config, family, false, store, stop);
+bool is_area(std::string_view metric) { return metric.starts_with(area_prefix); }
+
+// Returns the families of the metrics, "area.ice40.", and whether the clock rate is among those of each.
+std::map<std::string, bool> families_of(std::span<const std::string> area_metrics) {
+  std::map<std::string, bool> out;
+  for (const std::string& metric : area_metrics) {
+    const std::size_t end = metric.find('.', area_prefix.size()) + 1;
+    bool& placed = out[metric.substr(0, end)];
+    placed = placed || metric.substr(end) == "fmax_mhz";
+  }
+  return out;
+}
+
+// Adds the area of a family, whose metrics begin with `prefix`. They stay as they are where it failed.
+void add_area(const std::string& prefix, bool place, const Config& config, Store& store,
+              const std::stop_token& stop, Metrics& metrics) {
+  const Family family = family_named(
+      std::string_view(prefix).substr(area_prefix.size(), prefix.size() - area_prefix.size() - 1));
+  const AreaResult a = known_area(config, family, place, store, stop);
   if (a.status == AreaStatus::failed) return;
-  const std::string prefix = metric.substr(0, dot + 1);
   metrics[prefix + "luts"] = static_cast<double>(a.counts.luts);
   metrics[prefix + "ffs"] = static_cast<double>(a.counts.ffs);
   metrics[prefix + "multipliers"] = static_cast<double>(a.counts.multipliers);
   metrics[prefix + "memory_bits"] = static_cast<double>(a.counts.memory_bits);
+  metrics[prefix + "fmax_mhz"] = a.fmax_mhz;
 }
 
 // `hashes` has the hashes of the points evaluated, by the text of their settings.
@@ -259,7 +275,16 @@ void add_estimates(const Config& config, Metrics& metrics) {
 
 SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options,
                         const std::function<void(const SearchProgress&)>& progress) {
-  const bool synthesised = plan.search->cost.starts_with(area_prefix);
+  std::vector<std::string> area_metrics = judged_metrics(plan);
+  std::erase_if(area_metrics, [](const std::string& metric) { return !is_area(metric); });
+  const std::map<std::string, bool> areas = families_of(area_metrics);
+  std::vector<Expression> expressions = expressions_of(plan);
+  // Those that need no synthesis, which is only worth its time where they hold.
+  std::vector<Constraint> quick;
+  std::ranges::copy_if(plan.constraints, std::back_inserter(quick), [](const Constraint& c) {
+    return std::ranges::none_of(Expression(c.metric).metrics(), is_area);
+  });
+  bool checked = false;
   RunOptions batch = options;
   batch.progress = {};
   std::map<std::string, std::string> hashes;
@@ -277,19 +302,33 @@ SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store
       out[i].refused = states[i].state == PointState::refused;
       out[i].reason = states[i].message;
       if (states[i].state != PointState::ok) continue;
-      out[i].metrics = store.metrics(points[i].hash);
-      if (synthesised && all_hold(plan.constraints, out[i].metrics)) {
+      Metrics& metrics = out[i].metrics;
+      metrics = store.metrics(points[i].hash);
+      // An area that is not measured here has no value, and still is a metric.
+      for (const std::string& metric : area_metrics) metrics[metric] = no_value;
+      if (!checked) check_metrics(plan, metrics);
+      checked = true;
+      add_expressions(expressions, metrics);
+      if (all_hold(quick, metrics)) {
         try {
-          add_area(plan.search->cost, *points[i].config, store, options.stop, out[i].metrics);
+          for (const auto& [prefix, place] : areas) {
+            add_area(prefix, place, *points[i].config, store, options.stop, metrics);
+          }
         } catch (const AreaCancelled&) {
           out[i].missing = true;
+          continue;
         }
       }
+      keep_expressions(points[i].hash, expressions, metrics, store);
     }
     return out;
   };
   const Point base = runner.prepare({});
-  runner.run({base}, batch);  // the report compares with the base
+  // The report compares with the base.
+  if (runner.run({base}, batch)[0].state == PointState::ok) {
+    Metrics metrics = store.metrics(base.hash);
+    keep_expressions(base.hash, expressions, metrics, store);
+  }
   SearchResult result = search(*plan.search, plan.axes, plan.constraints, evaluate, options.stop, progress);
   write_search(plan, result, base.hash, hashes, store);
   return result;
@@ -361,7 +400,8 @@ std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store)
   std::map<std::string, std::size_t> group_of;
   for (const Row& row : store.rows(
            "SELECT s.hash, p.config_hash, s.holds, c.value, e.value FROM study_points s JOIN points p ON "
-           "p.hash = s.hash LEFT JOIN metrics c ON c.hash = s.hash AND c.name = ? LEFT JOIN metrics e ON "
+           "p.hash = s.hash LEFT JOIN point_values c ON c.hash = s.hash AND c.name = ? LEFT JOIN metrics e "
+           "ON "
            "e.hash = s.hash AND e.name = ? WHERE s.study = ? ORDER BY s.i",
            {cost, error, plan.name})) {
     const auto [at, fresh] = group_of.try_emplace(text_of(row[1]), groups.size());

@@ -21,8 +21,9 @@ namespace bitspan {
 void add_estimates(const Config& config, std::map<std::string, double, std::less<>>& metrics);
 
 // Runs the plan's search over points that `runner` measures and keeps, and writes its steps and certificate.
-// A cost may be named "area.FAMILY.luts" (ffs, multipliers, memory_bits). Every point on which the
-// constraints hold is then synthesised, one after the other, and the result is kept too.
+// Cost and constraints may have "area.FAMILY.luts" (ffs, multipliers, memory_bits, fmax_mhz). Every point on
+// which the constraints without areas hold is then synthesised, one after the other, and placed where a clock
+// rate is asked for. The result is kept too.
 SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options,
                         const std::function<void(const SearchProgress&)>& progress);
 

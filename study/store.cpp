@@ -25,6 +25,10 @@ constexpr auto tables = std::to_array<const char*>({
     "status TEXT, message TEXT, seconds REAL)",
     "CREATE TABLE IF NOT EXISTS metrics(hash TEXT, name TEXT, value REAL, PRIMARY KEY(hash, name)) WITHOUT "
     "ROWID",
+    "CREATE TABLE IF NOT EXISTS expressions(hash TEXT, text TEXT, value REAL, PRIMARY KEY(hash, text)) "
+    "WITHOUT ROWID",
+    "CREATE VIEW IF NOT EXISTS point_values AS SELECT hash, name, value FROM metrics UNION ALL SELECT hash, "
+    "text, value FROM expressions",
     "CREATE TABLE IF NOT EXISTS known_metrics(name TEXT PRIMARY KEY, i INTEGER, field TEXT, label TEXT, unit "
     "TEXT, "
     "better TEXT, role TEXT, squares_add INTEGER, meaning TEXT)",
@@ -396,10 +400,14 @@ ResultRows Store::result_rows(std::string_view hash) {
 
 std::map<std::string, double, std::less<>> Store::metrics(std::string_view hash) {
   std::map<std::string, double, std::less<>> out;
-  for (const Row& row : rows("SELECT name, value FROM metrics WHERE hash = ?", {std::string(hash)})) {
+  for (const Row& row : rows("SELECT name, value FROM point_values WHERE hash = ?", {std::string(hash)})) {
     out[text_of(row[0])] = number_of(row[1]);
   }
   return out;
+}
+
+void Store::put_expression(std::string_view hash, std::string_view text, double value) {
+  run("INSERT OR REPLACE INTO expressions VALUES(?, ?, ?)", {std::string(hash), std::string(text), value});
 }
 
 }  // namespace bitspan

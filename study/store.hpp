@@ -76,7 +76,10 @@ class Store {
   // Replaces what was there by this hash. `result` is null for a refused point.
   void put_point(const PointRow& point, const PointResult* result);
   ResultRows result_rows(std::string_view hash);
+  // The values of the expressions that were put are among them.
   std::map<std::string, double, std::less<>> metrics(std::string_view hash);
+  // Keeps the value of an expression of a plan at a point.
+  void put_expression(std::string_view hash, std::string_view text, double value);
 
   const std::string& path() const { return path_; }
 

@@ -333,11 +333,11 @@ TEST(Plan, MetricsAreHeldAgainstAPoint) {
   EXPECT_FALSE(all_hold(plan.constraints, metrics));
   plan.constraints = {{"span.v.max", 0.5, std::nullopt}};
   EXPECT_FALSE(all_hold(plan.constraints, metrics)) << "a NaN holds nothing";
-  plan.constraints = {{"span.w.max", 0.5, std::nullopt}};
+  plan.constraints = {{"span.h.max", 0.5, std::nullopt}};
   EXPECT_FALSE(all_hold(plan.constraints, metrics));
   EXPECT_NE(input_error([&] {
               check_metrics(plan, metrics);
-            }).find("s: span.w.max: the scenes give no such metric; nearest: span.u.max, span.v.max"),
+            }).find("s: span.h.max: the scenes give no such metric; nearest: span.u.max, span.v.max"),
             std::string::npos);
   EXPECT_TRUE(all_hold({}, metrics));
   plan.constraints.clear();
