@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -181,6 +182,10 @@ int end_study(const StudyArguments& o, const StudyPlan& plan, const std::vector<
 int run_and_tell_search(const StudyArguments& o, const StudyPlan& plan, PointRunner& runner, Store& store,
                         const RunOptions& options, const std::vector<Scene>& scenes,
                         const Interrupt& interrupt) {
+  for (const std::string& keys : idle_axes(plan, scenes)) {
+    fmt::print("{} does not move {}\n", keys, plan.search->cost);
+  }
+  std::fflush(stdout);  // before the search, which takes its time
   SearchResult result;
   {
     Progress progress(plan.name);

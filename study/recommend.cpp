@@ -273,6 +273,42 @@ void add_estimates(const Config& config, Metrics& metrics) {
   }
 }
 
+std::vector<std::string> idle_axes(const StudyPlan& plan, const std::vector<Scene>& scenes) {
+  std::vector<std::string> out;
+  Expression cost(plan.search->cost);
+  // Returns none where the settings are illegal, and where the cost is known only after a measurement.
+  const auto cost_of = [&](const std::vector<KeySetting>& settings) -> std::optional<double> {
+    try {
+      const Config config = with_keys(plan.base, settings);
+      Metrics metrics;
+      add_costs(config, metrics);
+      add_memory(config, scenes, metrics);
+      add_estimates(config, metrics);
+      return cost.value(metrics);
+    } catch (const InputError&) {
+      return std::nullopt;
+    }
+  };
+  SearchPoint top;
+  for (const Axis& axis : plan.axes) top.push_back(axis.values.size() - 1);
+  for (std::size_t a = 0; a < plan.axes.size(); ++a) {
+    bool known = false, moves = false;
+    const auto compare = [&](const std::vector<KeySetting>& narrow, const std::vector<KeySetting>& wide) {
+      const auto least = cost_of(narrow), most = cost_of(wide);
+      if (!least || !most) return;
+      known = true;
+      moves = moves || *least != *most;
+    };
+    SearchPoint narrow = top;
+    narrow[a] = 0;
+    compare(settings_of(plan.axes, narrow), settings_of(plan.axes, top));
+    const std::vector<Axis> alone{plan.axes[a]};
+    compare(settings_of(alone, {0}), settings_of(alone, {top[a]}));
+    if (known && !moves) out.push_back(comma_list(plan.axes[a].keys));
+  }
+  return out;
+}
+
 SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options,
                         const std::function<void(const SearchProgress&)>& progress) {
   std::vector<std::string> area_metrics = judged_metrics(plan);

@@ -20,6 +20,11 @@ namespace bitspan {
 // Adds the metrics that come from the configuration alone, estimate.* and timing.*, where the mode has RTL.
 void add_estimates(const Config& config, std::map<std::string, double, std::less<>>& metrics);
 
+// Returns the keys of each axis of a search that does not move the cost: it is the same at the axis' smallest
+// and largest value, with the others as in the base, and with the others at their widest. An axis is left out
+// where the cost is known only after a measurement.
+std::vector<std::string> idle_axes(const StudyPlan& plan, const std::vector<Scene>& scenes);
+
 // Runs the plan's search over points that `runner` measures and keeps, and writes its steps and certificate.
 // Cost and constraints may have "area.FAMILY.luts" (ffs, multipliers, memory_bits, fmax_mhz). Every point on
 // which the constraints without areas hold is then synthesised, one after the other, and placed where a clock
