@@ -93,8 +93,8 @@ Expression::Expression(std::string text) : text_(std::move(text)), parser_(std::
     for (auto& [name, value] : parser_->values) parser.DefineVar(name, &value);
     parser.Eval();
   } catch (const mu::ParserError& error) {
-    // muParser has no position at the end of the text, and where a function refuses its arguments.
-    refuse(error.GetPos() < 0 ? text_.size() : static_cast<std::size_t>(error.GetPos()),
+    // Behind the end of the text, and where a function refuses its arguments, muParser's position is none.
+    refuse(std::min(static_cast<std::size_t>(error.GetPos()), text_.size()),
            "an expression cannot go on, or end, like this");
   }
   if (parser.GetNumResults() > 1) refuse(0, "has several values");
