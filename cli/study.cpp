@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -93,6 +94,7 @@ std::vector<std::string> shown_metrics(const StudyPlan& plan) {
   for (const Constraint& c : plan.constraints) {
     if (std::ranges::find(out, c.metric) == out.end()) out.push_back(c.metric);
   }
+  if (find_metric(plan.cost) == nullptr) out.push_back(plan.cost);  // an expression
   if (out.empty()) {
     out = {"span.u.p999", "span.v.p999", "picture.wrong_order_rate", "picture.psnr_db", "cost.register_bits"};
   }
@@ -184,6 +186,10 @@ int end_study(const StudyArguments& o, const StudyPlan& plan, const std::vector<
 int run_and_tell_search(const StudyArguments& o, const StudyPlan& plan, PointRunner& runner, Store& store,
                         const RunOptions& options, const std::vector<Scene>& scenes,
                         const Interrupt& interrupt) {
+  for (const std::string& keys : idle_axes(plan, scenes)) {
+    fmt::print("{} does not move {}\n", keys, plan.search->cost);
+  }
+  std::fflush(stdout);  // before the search, which takes its time
   SearchResult result;
   {
     Progress progress(plan.name);

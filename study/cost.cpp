@@ -2,7 +2,9 @@
 #include "study/cost.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
+#include <variant>
 
 #include "config/grid.hpp"
 #include "config/lines.hpp"
@@ -528,6 +530,31 @@ class Products {
   std::vector<Multiplier> list_;
 };
 
+// Returns the draw states that triangles of the scene are drawn with, or the last state where there is none.
+std::vector<DrawState> states_drawn_with(const Config& config, const Scene& scene) {
+  std::vector<DrawState> out;
+  DrawState state = first_state(config);
+  std::size_t since = 0;  // the first triangle of the state
+  for (const DrawCommand& command : scene.commands) {
+    const auto* change = std::get_if<StateChange>(&command.what);
+    if (change == nullptr) continue;
+    if (command.before > since) out.push_back(state);
+    since = command.before;
+    state = changed_state(state, *change, config);
+  }
+  if (scene.triangles.size() > since || out.empty()) out.push_back(state);
+  return out;
+}
+
+constexpr int kByte = 8;
+
+std::int64_t data_bits(int line_bytes, int sets, int ways) {
+  return std::int64_t{kByte} * line_bytes * sets * ways;
+}
+std::int64_t data_bits(const BufferCache& cache) {
+  return has_cache(cache.mode) ? data_bits(cache.line_bytes, cache.sets, cache.ways) : 0;
+}
+
 }  // namespace
 
 const std::vector<RegisterRule>& register_rules() {
@@ -577,6 +604,33 @@ void add_costs(const Config& config, std::map<std::string, double, std::less<>>&
   metrics["cost.register_bits"] = register_bits(config);
   metrics["cost.product_bits"] = product_bits(config);
   metrics["cost.table_bits"] = table_bits(config);
+}
+
+void add_memory(const Config& config, std::span<const Scene> scenes,
+                std::map<std::string, double, std::less<>>& metrics) {
+  std::int64_t depth = 0, stencil = 0, color = 0;
+  int units = 1;
+  for (const Scene& scene : scenes) {
+    int color_word = 0, stencil_word = 0;
+    for (const DrawState& state : states_drawn_with(config, scene)) {
+      const auto channels = target_bits(state.target_format);
+      color_word = std::max(color_word, std::accumulate(channels.begin(), channels.end(), 0));
+      if (state.stencil_test) stencil_word = kByte;
+      if (has_second_texture(state)) units = 2;
+    }
+    const std::int64_t pixels = std::int64_t{scene.width} * scene.height;
+    depth = std::max(depth, pixels * config.depth_bits);
+    stencil = std::max(stencil, pixels * stencil_word);
+    color = std::max(color, pixels * color_word);
+  }
+  const MemoryTiming& m = config.memory;
+  const std::int64_t caches = data_bits(m.cache_line_bytes, m.cache_sets, m.cache_ways) +
+                              data_bits(m.depth_cache) + data_bits(m.color_cache);
+  metrics["memory.depth_bits"] = static_cast<double>(depth);
+  metrics["memory.stencil_bits"] = static_cast<double>(stencil);
+  metrics["memory.color_bits"] = static_cast<double>(color);
+  metrics["memory.cache_bits"] = static_cast<double>(caches);
+  metrics["memory.texels_per_pixel"] = (bilinear(config) ? 4 : 1) * (two_levels(config) ? 2 : 1) * units;
 }
 
 void add_timing(const Config& config, std::map<std::string, double, std::less<>>& metrics) {

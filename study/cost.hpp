@@ -9,11 +9,13 @@
 
 #include <functional>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "config/config.hpp"
+#include "scene/scene.hpp"
 
 namespace bitspan {
 
@@ -57,6 +59,10 @@ double product_bits(const Config& config);
 double table_bits(const Config& config);
 // Adds the three by metric name: "cost.register_bits", "cost.product_bits", "cost.table_bits".
 void add_costs(const Config& config, std::map<std::string, double, std::less<>>& metrics);
+// Adds what the scenes take in memory under a configuration, "memory.*": the buffers of one picture of the
+// scene that takes most, the texels that a textured pixel reads at most, and the caches.
+void add_memory(const Config& config, std::span<const Scene> scenes,
+                std::map<std::string, double, std::less<>>& metrics);
 // Adds the clocks of the RTL, "timing.*", where the mode has RTL.
 void add_timing(const Config& config, std::map<std::string, double, std::less<>>& metrics);
 

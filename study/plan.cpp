@@ -16,6 +16,7 @@
 #include "scene/camera_views.hpp"
 #include "scene/picture_size.hpp"
 #include "study/area.hpp"
+#include "study/expression.hpp"
 #include "study/metrics.hpp"
 
 namespace bitspan {
@@ -32,18 +33,19 @@ constexpr auto arrangements = std::to_array<std::string_view>({"grid", "one_at_a
 constexpr auto overs = std::to_array<std::string_view>({"worst", "pooled"});
 constexpr auto algorithms = std::to_array<std::string_view>({"min+1", "max-1", "greedy", "annealing"});
 
-void check_metric(const Section& s, std::string_view key, const std::string& name) {
-  if (find_metric(name) != nullptr) return;
-  std::vector<std::string> known;
-  for (const Metric& metric : known_metrics()) known.push_back(metric.name);
-  s.fail(key, '"' + name + "\" is no metric; legal: those of docs/study.md, nearest: " +
-                  comma_list(nearest_names(name, known)));
+// Returns the text of a metric or an expression.
+std::string read_expression(const Section& s, std::string_view key, const std::string& legal) {
+  std::string text = s.text(key, legal);
+  try {
+    static_cast<void>(Expression(text));
+  } catch (const InputError& error) {
+    s.fail(key, error.what());
+  }
+  return text;
 }
 
 std::string read_cost(const Section& s) {
-  std::string cost = s.text("cost", "a metric that is to be low");
-  check_metric(s, "cost", cost);
-  return cost;
+  return read_expression(s, "cost", "a metric or an expression that is to be low");
 }
 
 KeyValue key_value(const Section& s, const toml::node& node, const std::string& legal) {
@@ -330,15 +332,16 @@ void read_study(const Section& study, const std::string& path, const ConfigFinde
   }
   if (study.has("metrics")) {
     plan.metrics = study.texts("metrics", "an array of metrics");
-    for (const std::string& metric : plan.metrics) check_metric(study, "metrics", metric);
+    for (const std::string& metric : plan.metrics) {
+      if (find_metric(metric) == nullptr) study.fail("metrics", no_metric(metric));
+    }
   }
   if (study.has("cost")) plan.cost = read_cost(study);
 }
 
 Constraint read_constraint(const Section& s) {
   Constraint c;
-  c.metric = s.text("metric", "a metric, such as \"span.u.p999\"");
-  check_metric(s, "metric", c.metric);
+  c.metric = read_expression(s, "metric", "a metric, such as \"span.u.p999\", or an expression");
   if (s.has("at_most")) c.at_most = s.real("at_most");
   if (s.has("at_least")) c.at_least = s.real("at_least");
   if (!c.at_most && !c.at_least) {
@@ -357,6 +360,11 @@ SearchPlan read_search(const Section& s, const std::vector<Section>& all, const 
     search.algorithm = static_cast<SearchAlgorithm>(s.one_of("algorithm", algorithms));
   }
   if (s.has("cost")) search.cost = read_cost(s);
+  if (s.has("tie")) search.tie = read_expression(s, "tie", "a metric or an expression that decides ties");
+  if (s.has("tie_within")) {
+    search.tie_within = s.real("tie_within");
+    if (search.tie_within < 0) s.fail("tie_within", "is below 0; legal: a number, at least 0");
+  }
   if (s.has("evaluations")) {
     search.evaluations = static_cast<int>(s.integer("evaluations", 1, 100'000'000));
   }
@@ -422,8 +430,9 @@ StudyPlan parse_study(std::string_view text, const std::string& path, const Conf
     plan.constraints.push_back(read_constraint(s));
   }
   if (root.has("search")) {
-    plan.search = read_search(root.section("search", {"algorithm", "cost", "evaluations", "seconds", "seed"}),
-                              vary, plan);
+    plan.search = read_search(
+        root.section("search", {"algorithm", "cost", "tie", "tie_within", "evaluations", "seconds", "seed"}),
+        vary, plan);
     if (study.has("arrangement")) {
       study.fail("arrangement", "is given, and a search goes its own way; legal: leave it out");
     }
@@ -484,9 +493,9 @@ std::vector<std::vector<KeySetting>> points_of(const StudyPlan& plan) {
 bool varies_scenes(const Axis& axis) { return std::ranges::find(axis.keys, s_ratio_key) != axis.keys.end(); }
 
 void check_metrics(const StudyPlan& plan, const Metrics& metrics) {
-  std::vector<std::string> named = plan.metrics;
-  for (const Constraint& c : plan.constraints) named.push_back(c.metric);
-  if (!plan.search) named.push_back(plan.cost);
+  std::vector<std::string> named = judged_metrics(plan);
+  // The tables of a search may show areas, which no measurement of a point has.
+  if (!plan.search) named.insert(named.begin(), plan.metrics.begin(), plan.metrics.end());
   for (const std::string& name : named) {
     if (metrics.contains(name)) continue;
     std::vector<std::string> known;

@@ -32,7 +32,7 @@ enum class Over : std::uint8_t {
 };
 
 struct Constraint {
-  std::string metric;
+  std::string metric;  // or an expression (study/expression.hpp)
   std::optional<double> at_most, at_least;
   Over over = Over::worst;
   bool holds(double value) const {  // false for a NaN
@@ -58,7 +58,9 @@ inline constexpr const char* default_cost = "cost.register_bits";
 
 struct SearchPlan {
   SearchAlgorithm algorithm = SearchAlgorithm::greedy;
-  std::string cost = default_cost;  // a metric, to be as low as possible
+  std::string cost = default_cost;  // a metric or an expression, to be as low as possible
+  std::string tie = default_cost;   // the same, of points of equal cost
+  double tie_within = 0;            // the share of the least cost by which costs may differ and be a tie
   int evaluations = 1000;           // at most
   double seconds = 600;             // at most
   std::uint64_t seed = 1;
@@ -80,7 +82,8 @@ struct StudyPlan {
   Arrangement arrangement = Arrangement::grid;
   std::vector<Axis> axes;            // of a search: the widths that may change
   std::vector<std::string> metrics;  // of tables and plots; empty: all
-  std::string cost = default_cost;   // of a sweep: what is recommended has little of this metric
+  std::string cost =
+      default_cost;  // of a sweep: what is recommended has little of this, a metric or an expression
   std::vector<Constraint> constraints;
   std::optional<SearchPlan> search;
   std::optional<AreaPlan> area;

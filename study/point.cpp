@@ -287,6 +287,7 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
     out.registers.push_back(std::move(registers[i]));
   }
   add_costs(config, out.metrics);
+  add_memory(config, scenes_, out.metrics);
   return out;
 }
 

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "config/rtl_timing.hpp"
@@ -20,6 +21,7 @@
 #include "study/budget.hpp"
 #include "study/check_point.hpp"
 #include "study/cost.hpp"
+#include "study/expression.hpp"
 #include "study/metrics.hpp"
 #include "study/pictures.hpp"
 
@@ -27,6 +29,7 @@ namespace bitspan {
 namespace {
 
 constexpr std::string_view area_prefix = "area.";
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 Row row_of(const std::string& hash, const std::string& key, Family family, bool placed, const AreaResult& a) {
   return {hash,
@@ -101,19 +104,40 @@ std::string area_text(const AreaResult& a) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-// Adds the number that a metric such as "area.ice40.luts" names.
-void add_area(const std::string& metric, const Config& config, Store& store, const std::stop_token& stop,
-              Metrics& metrics) {
-  const std::size_t dot = metric.find('.', area_prefix.size());
-  const Family family =
-      family_named(std::string_view(metric).substr(area_prefix.size(), dot - area_prefix.size()));
-  const AreaResult a = known_area(config, family, false, store, stop);
+bool is_area(std::string_view metric) { return metric.starts_with(area_prefix); }
+
+bool needs_area(const Constraint& c) { return std::ranges::any_of(Expression(c.metric).metrics(), is_area); }
+
+// Returns the constraints that need no synthesis.
+std::vector<Constraint> without_areas(const std::vector<Constraint>& constraints) {
+  std::vector<Constraint> out;
+  std::ranges::remove_copy_if(constraints, std::back_inserter(out), needs_area);
+  return out;
+}
+
+// Returns the families of the metrics, "area.ice40.", and whether the clock rate is among those of each.
+std::map<std::string, bool> families_of(std::span<const std::string> area_metrics) {
+  std::map<std::string, bool> out;
+  for (const std::string& metric : area_metrics) {
+    const std::size_t end = metric.find('.', area_prefix.size()) + 1;
+    bool& placed = out[metric.substr(0, end)];
+    placed = placed || metric.substr(end) == "fmax_mhz";
+  }
+  return out;
+}
+
+// Adds the area of a family, whose metrics begin with `prefix`. They stay as they are where it failed.
+void add_area(const std::string& prefix, bool place, const Config& config, Store& store,
+              const std::stop_token& stop, Metrics& metrics) {
+  const Family family = family_named(
+      std::string_view(prefix).substr(area_prefix.size(), prefix.size() - area_prefix.size() - 1));
+  const AreaResult a = known_area(config, family, place, store, stop);
   if (a.status == AreaStatus::failed) return;
-  const std::string prefix = metric.substr(0, dot + 1);
   metrics[prefix + "luts"] = static_cast<double>(a.counts.luts);
   metrics[prefix + "ffs"] = static_cast<double>(a.counts.ffs);
   metrics[prefix + "multipliers"] = static_cast<double>(a.counts.multipliers);
   metrics[prefix + "memory_bits"] = static_cast<double>(a.counts.memory_bits);
+  metrics[prefix + "fmax_mhz"] = a.fmax_mhz;
 }
 
 // `hashes` has the hashes of the points evaluated, by the text of their settings.
@@ -269,9 +293,51 @@ void add_estimates(const Config& config, Metrics& metrics) {
   }
 }
 
+std::vector<std::string> idle_axes(const StudyPlan& plan, const std::vector<Scene>& scenes) {
+  std::vector<std::string> out;
+  Expression cost(plan.search->cost);
+  // Returns none where the settings are illegal, and where the cost is known only after a measurement.
+  const auto cost_of = [&](const std::vector<KeySetting>& settings) -> std::optional<double> {
+    try {
+      const Config config = with_keys(plan.base, settings);
+      Metrics metrics;
+      add_costs(config, metrics);
+      add_memory(config, scenes, metrics);
+      add_estimates(config, metrics);
+      return cost.value(metrics);
+    } catch (const InputError&) {
+      return std::nullopt;
+    }
+  };
+  SearchPoint top;
+  for (const Axis& axis : plan.axes) top.push_back(axis.values.size() - 1);
+  for (std::size_t a = 0; a < plan.axes.size(); ++a) {
+    bool known = false, moves = false;
+    const auto compare = [&](const std::vector<KeySetting>& narrow, const std::vector<KeySetting>& wide) {
+      const auto least = cost_of(narrow), most = cost_of(wide);
+      if (!least || !most) return;
+      known = true;
+      moves = moves || *least != *most;
+    };
+    SearchPoint narrow = top;
+    narrow[a] = 0;
+    compare(settings_of(plan.axes, narrow), settings_of(plan.axes, top));
+    const std::vector<Axis> alone{plan.axes[a]};
+    compare(settings_of(alone, {0}), settings_of(alone, {top[a]}));
+    if (known && !moves) out.push_back(comma_list(plan.axes[a].keys));
+  }
+  return out;
+}
+
 SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options,
                         const std::function<void(const SearchProgress&)>& progress) {
-  const bool synthesised = plan.search->cost.starts_with(area_prefix);
+  std::vector<std::string> area_metrics = judged_metrics(plan);
+  std::erase_if(area_metrics, [](const std::string& metric) { return !is_area(metric); });
+  const std::map<std::string, bool> areas = families_of(area_metrics);
+  std::vector<Expression> expressions = expressions_of(plan);
+  // Those that need no synthesis, which is only worth its time where they hold.
+  const std::vector<Constraint> quick = without_areas(plan.constraints);
+  bool checked = false;
   RunOptions batch = options;
   batch.progress = {};
   std::map<std::string, std::string> hashes;
@@ -290,22 +356,35 @@ SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store
       out[i].reason = states[i].message;
       if (states[i].state != PointState::ok) continue;
       PointMetrics measured = store.metrics(points[i].hash);
-      const bool holds = synthesised && all_hold(plan.constraints, measured);
-      out[i].metrics = std::move(measured.all);
-      out[i].scenes = std::move(measured.scenes);
-      if (holds) {
+      Metrics& metrics = measured.all;
+      // An area that is not measured here has no value, and still is a metric.
+      for (const std::string& metric : area_metrics) metrics[metric] = no_value;
+      if (!checked) check_metrics(plan, metrics);
+      checked = true;
+      add_expressions(expressions, measured);
+      if (all_hold(quick, measured)) {
         try {
-          add_area(plan.search->cost, *points[i].config, store, options.stop, out[i].metrics);
+          for (const auto& [prefix, place] : areas) {
+            add_area(prefix, place, *points[i].config, store, options.stop, metrics);
+          }
         } catch (const AreaCancelled&) {
           out[i].missing = true;
+          continue;
         }
       }
+      keep_expressions(points[i].hash, expressions, measured, store);
+      out[i].metrics = std::move(measured.all);
+      out[i].scenes = std::move(measured.scenes);
     }
     return out;
   };
   Point base = runner.prepare({});
   base.whole = true;
-  runner.run({base}, batch);  // the report compares with the base
+  // The report compares with the base.
+  if (runner.run({base}, batch)[0].state == PointState::ok) {
+    PointMetrics measured = store.metrics(base.hash);
+    keep_expressions(base.hash, expressions, measured, store);
+  }
   SearchResult result = search(*plan.search, plan.axes, plan.constraints, evaluate, options.stop, progress);
   write_search(plan, result, base.hash, hashes, store);
   return result;
@@ -376,8 +455,8 @@ std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store)
   std::vector<Group> groups;
   std::map<std::string, std::size_t> group_of;
   for (const Row& row : store.rows(
-           "SELECT s.hash, p.config_hash, s.holds, (SELECT value FROM metrics WHERE hash = s.hash AND name = "
-           "?), (SELECT value FROM metrics WHERE hash = s.hash AND name = ?) FROM study_points s JOIN "
+           "SELECT s.hash, p.config_hash, s.holds, (SELECT value FROM point_values WHERE hash = s.hash AND "
+           "name = ?), (SELECT value FROM metrics WHERE hash = s.hash AND name = ?) FROM study_points s JOIN "
            "point_rows p ON p.hash = s.hash WHERE s.study = ? ORDER BY s.i",
            {cost, error, plan.name})) {
     const auto [at, fresh] = group_of.try_emplace(text_of(row[1]), groups.size());
@@ -411,9 +490,11 @@ std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store)
   return out;
 }
 
-std::vector<std::string> margin_lines(const StudyPlan& plan, const PointMetrics& measured) {
+std::vector<std::string> margin_lines(const StudyPlan& plan, PointMetrics measured) {
+  std::vector<Expression> expressions = expressions_of(plan);
+  add_expressions(expressions, measured);
   std::vector<std::string> out;
-  for (const Constraint& c : plan.constraints) {
+  for (const Constraint& c : without_areas(plan.constraints)) {
     const auto at = decisive(c, measured.all, measured.scenes);
     if (!at) {
       out.push_back(fmt::format("{} has no value here, {}", c.metric, limits_text(c)));
@@ -477,11 +558,14 @@ Validation validate(const StudyPlan& plan, const Recommendation& point,
                       [&](std::size_t k) { views[first + k] = measure(std::move(scenes[k])); });
   }
 
+  std::vector<Expression> expressions = expressions_of(plan);
+  for (View& view : views) {
+    if (view.measured) add_expressions(expressions, *view.measured);
+  }
+  const std::vector<Constraint> constraints = without_areas(plan.constraints);
   Validation out;
   out.views = views.size();
-  const auto holds = [&](const View& view) {
-    return view.measured && all_hold(plan.constraints, *view.measured);
-  };
+  const auto holds = [&](const View& view) { return view.measured && all_hold(constraints, *view.measured); };
   out.held = static_cast<std::size_t>(std::ranges::count_if(views, holds));
   out.lines.push_back(fmt::format(
       "validated on {} views that no point was chosen by: all constraints hold on {}", out.views, out.held));
@@ -489,6 +573,7 @@ Validation validate(const StudyPlan& plan, const Recommendation& point,
     store.run("DELETE FROM validation WHERE study = ? AND hash = ?", {plan.name, point.hash});
     for (std::size_t i = 0; i < plan.constraints.size(); ++i) {
       const Constraint& c = plan.constraints[i];
+      if (needs_area(c)) continue;
       std::vector<std::pair<double, const View*>> by_margin;
       for (const View& view : views) {
         const auto at = view.measured ? decisive(c, view.measured->all, view.measured->scenes) : std::nullopt;

@@ -20,9 +20,15 @@ namespace bitspan {
 // Adds the metrics that come from the configuration alone, estimate.* and timing.*, where the mode has RTL.
 void add_estimates(const Config& config, std::map<std::string, double, std::less<>>& metrics);
 
+// Returns the keys of each axis of a search that does not move the cost: it is the same at the axis' smallest
+// and largest value, with the others as in the base, and with the others at their widest. An axis is left out
+// where the cost is known only after a measurement.
+std::vector<std::string> idle_axes(const StudyPlan& plan, const std::vector<Scene>& scenes);
+
 // Runs the plan's search over points that `runner` measures and keeps, and writes its steps and certificate.
-// A cost may be named "area.FAMILY.luts" (ffs, multipliers, memory_bits). Every point on which the
-// constraints hold is then synthesised, one after the other, and the result is kept too.
+// Cost and constraints may have "area.FAMILY.luts" (ffs, multipliers, memory_bits, fmax_mhz). Every point on
+// which the constraints without areas hold is then synthesised, one after the other, and placed where a clock
+// rate is asked for. The result is kept too.
 SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options,
                         const std::function<void(const SearchProgress&)>& progress);
 
@@ -44,8 +50,8 @@ std::string cost_metric(const StudyPlan& plan);
 std::optional<std::size_t> knee(const std::vector<std::pair<double, double>>& points);
 
 // Returns, for each constraint, the value that decides, the scene that has it, the margin, and on how many
-// scenes it holds.
-std::vector<std::string> margin_lines(const StudyPlan& plan, const PointMetrics& measured);
+// scenes it holds. Constraints on areas are left out, here and in validate().
+std::vector<std::string> margin_lines(const StudyPlan& plan, PointMetrics measured);
 
 struct Validation {
   std::size_t views = 0, held = 0;  // held: those on which all constraints hold

@@ -45,6 +45,10 @@ constexpr auto tables = std::to_array<const char*>({
     "CREATE VIEW IF NOT EXISTS scene_metrics AS SELECT p.hash AS hash, v.scene AS scene, n.name AS name, "
     "v.value AS value FROM point_rows p JOIN metric_values v ON v.point = p.id AND v.scene >= 0 JOIN "
     "metric_names n ON n.id = v.name",
+    "CREATE TABLE IF NOT EXISTS expressions(hash TEXT, text TEXT, value REAL, PRIMARY KEY(hash, text)) "
+    "WITHOUT ROWID",
+    "CREATE VIEW IF NOT EXISTS point_values AS SELECT hash, name, value FROM metrics UNION ALL SELECT hash, "
+    "text, value FROM expressions",
     "CREATE TABLE IF NOT EXISTS known_metrics(name TEXT PRIMARY KEY, i INTEGER, field TEXT, label TEXT, unit "
     "TEXT, "
     "better TEXT, role TEXT, squares_add INTEGER, meaning TEXT)",
@@ -489,7 +493,7 @@ ResultRows Store::result_rows(std::string_view hash) {
 PointMetrics Store::metrics(std::string_view hash) {
   PointMetrics out;
   const Row key{std::string(hash)};
-  for (const Row& row : rows("SELECT name, value FROM metrics WHERE hash = ?", key)) {
+  for (const Row& row : rows("SELECT name, value FROM point_values WHERE hash = ?", key)) {
     out.all[text_of(row[0])] = number_of(row[1]);
   }
   const auto values = rows("SELECT scene, name, value FROM scene_metrics WHERE hash = ?", key);
@@ -514,6 +518,10 @@ const std::vector<std::string>& Store::scene_names_of(std::string_view hash) {
     throw InputError(fmt::format("{}: {}: its scenes are unreadable: {}", path_, hash, error.what()));
   }
   return at->second;
+}
+
+void Store::put_expression(std::string_view hash, std::string_view text, double value) {
+  run("INSERT OR REPLACE INTO expressions VALUES(?, ?, ?)", {std::string(hash), std::string(text), value});
 }
 
 }  // namespace bitspan

@@ -101,7 +101,10 @@ class Store {
   void put_point(const PointRow& point, const PointResult* result, const Asked& asked = {});
   void keep_configuration(const std::string& config_hash, const std::string& toml);
   ResultRows result_rows(std::string_view hash);
+  // The values of the expressions that were put are among those over all scenes.
   PointMetrics metrics(std::string_view hash);
+  // Keeps the value of an expression of a plan at a point.
+  void put_expression(std::string_view hash, std::string_view text, double value);
 
   const std::string& path() const { return path_; }
 

@@ -18,6 +18,7 @@
 #include "config/fnv.hpp"
 #include "io/json_depth.hpp"
 #include "scene/tri_stream.hpp"
+#include "study/expression.hpp"
 #include "study/metrics.hpp"
 
 namespace bitspan {
@@ -314,8 +315,7 @@ std::vector<Evaluated> PointRunner::run(const std::vector<Point>& points, const 
 
 Asked asked_of(const StudyPlan& plan) {
   Asked out{plan.metrics.empty(), plan.metrics};
-  for (const Constraint& c : plan.constraints) out.metrics.push_back(c.metric);
-  out.metrics.push_back(plan.search ? plan.search->cost : plan.cost);
+  std::ranges::copy(judged_metrics(plan), std::back_inserter(out.metrics));
   std::ranges::sort(out.metrics);
   const auto rest = std::ranges::unique(out.metrics);
   out.metrics.erase(rest.begin(), rest.end());
@@ -351,6 +351,16 @@ void put_study(const StudyPlan& plan, const std::string& base_hash, Store& store
   });
 }
 
+void keep_expressions(const std::string& hash, std::vector<Expression>& expressions, PointMetrics& metrics,
+                      Store& store) {
+  add_expressions(expressions, metrics);
+  for (const Expression& e : expressions) {
+    if (const auto found = metrics.all.find(e.text()); found != metrics.all.end()) {
+      store.put_expression(hash, e.text(), found->second);
+    }
+  }
+}
+
 SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options) {
   const auto settings = points_of(plan);
   std::vector<Point> points;
@@ -373,12 +383,14 @@ SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, 
   out.points = count;
   bool checked = false;  // the metrics' names, on the first point; a later point may lack some
   std::string refusal;
+  std::vector<Expression> expressions = expressions_of(plan);
   const auto finished = [&](std::size_t i, const Evaluated& e) {
     bool holds = false;
-    if (e.state == PointState::ok && i < count) {
-      const auto metrics = store.metrics(points[i].hash);
-      if (!checked) check_metrics(plan, metrics.all);
-      checked = true;
+    if (e.state == PointState::ok) {
+      PointMetrics metrics = store.metrics(points[i].hash);
+      if (!checked && i < count) check_metrics(plan, metrics.all);
+      checked = checked || i < count;
+      keep_expressions(points[i].hash, expressions, metrics, store);
       holds = all_hold(plan.constraints, metrics);
     }
     if (!e.known) ++out.measured;
@@ -415,6 +427,7 @@ void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
       metrics.push_back(text_of(row[0]));
     }
   }
+  for (const Expression& expression : expressions_of(plan)) metrics.push_back(expression.text());
   const auto line = [&](const std::vector<std::string>& cells) {
     std::string text;
     for (const std::string& cell : cells) text.append(text.empty() ? "" : ",").append(csv_cell(cell));

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "scene/scene.hpp"
+#include "study/expression.hpp"
 #include "study/plan.hpp"
 #include "study/store.hpp"
 
@@ -116,6 +117,10 @@ Asked asked_of(const StudyPlan& plan);
 // Writes what the database says of the study itself: its plan with axes, constraints and metrics.
 // `base_hash` is the hash of the base's point.
 void put_study(const StudyPlan& plan, const std::string& base_hash, Store& store);
+
+// Adds the values of a point's expressions to its metrics, and keeps them in the database.
+void keep_expressions(const std::string& hash, std::vector<Expression>& expressions, PointMetrics& metrics,
+                      Store& store);
 
 struct SweepResult {
   std::size_t points = 0;

@@ -155,6 +155,7 @@ def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
         ],
     )
     _add_area_metrics(study)
+    _add_expressions(study, reader)
     study.registers = _read_registers(reader, analysis.noted_points(study))
     return study
 
@@ -331,6 +332,24 @@ def _read_areas(reader: _Reader) -> dict[str, list[Area]]:
             )
         )
     return dict(areas)
+
+
+def _add_expressions(study: Study, reader: _Reader) -> None:
+    """Adds the expressions of the plan as metrics by their text; the cost is one of the costs, the others are results.
+
+    A database of before there were expressions has no table of them.
+    """
+    if not list(reader.rows("SELECT 1 FROM sqlite_master WHERE name = 'expressions'")):
+        return
+    at_least = {c.metric for c in study.constraints if c.at_most is None}
+    texts = dict.fromkeys([study.cost_metric, *(c.metric for c in study.constraints)])
+    indices = {point.hash: i for i, point in enumerate(study.points)}
+    for h, text, value in reader.rows(f"SELECT hash, text, value FROM expressions WHERE hash IN {_POINTS}"):
+        if h not in indices or text not in texts:
+            continue
+        role = "cost" if text == study.cost_metric else "result"
+        study.known.setdefault(text, Metric(text, "", "", "", text in at_least, role, False, "expression of the plan"))
+        study.metrics.setdefault(text, [math.nan] * len(study.points))[indices[h]] = number(value)
 
 
 def _add_area_metrics(study: Study) -> None:

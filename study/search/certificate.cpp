@@ -48,6 +48,9 @@ void Searcher::judge_reduction(const SearchPoint& p, Reduction& r) const {
   if (!j.holds) {
     r.outcome = ReductionOutcome::fails;
     r.text = j.failure;
+  } else if (j.cost <= at(p).cost && j.tie > at(p).tie) {
+    r.outcome = ReductionOutcome::costs_more;
+    r.text = fmt::format("holds, but {} rises from {} to {}", plan_.tie, at(p).tie, j.tie);
   } else if (j.cost <= at(p).cost) {
     r.outcome = ReductionOutcome::passes;
     r.text = fmt::format("holds; {} is {} against {}", plan_.cost, j.cost, at(p).cost);

@@ -64,6 +64,9 @@ void check_plan(const SearchPlan& plan) {
   if (!(plan.seconds > 0)) {
     throw InputError(fmt::format("search.seconds is {}; expected more than 0", plan.seconds));
   }
+  if (!(plan.tie_within >= 0)) {
+    throw InputError(fmt::format("search.tie_within is {}; expected 0 or more", plan.tie_within));
+  }
 }
 
 }  // namespace bitspan::searching

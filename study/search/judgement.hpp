@@ -19,6 +19,7 @@ struct Judged {
   bool refused = false;
   bool holds = false;
   double cost = nan;
+  double tie = infinity;       // decides between equal costs; infinite where the metric has no value
   std::vector<double> values;  // of the constraints' metrics, NaN where there is none; empty where refused
   std::string failure;         // the constraints that do not hold, or the refusal; empty where it holds
 };

@@ -42,7 +42,7 @@ struct SearchStep {  // an evaluated point, in the order of evaluation
 enum class ReductionOutcome {
   fails,          // refused, or a constraint does not hold
   at_smallest,    // the axis has no smaller value
-  costs_more,     // holds, at a higher cost than the point
+  costs_more,     // holds, at a higher cost or tie than the point
   passes,         // holds and costs no more, so the point is not minimal; a finished search has none
   not_evaluated,  // a limit came first
 };
@@ -94,8 +94,10 @@ struct SearchProgress {
 // monotone in the widths.
 //
 // A finished search ends on a point whose every single-step reduction fails, or costs more. No point that it
-// evaluated is better: a better point has the lower cost, then fewer steps above the smallest, then the
-// earlier axes narrower. The same plan and evaluations give the same result, whatever the number of cores.
+// evaluated is better: a better point has the lower cost, then the lower tie, then fewer steps above the
+// smallest, then the earlier axes narrower. With plan.tie_within the lowest tie among the points that cost at
+// most that share more wins instead. The same plan and evaluations give the same result, whatever the number
+// of cores.
 //
 // The search never passes plan.evaluations. It does not begin a batch that, judged by the slowest so far,
 // would end after plan.seconds. On either limit, and on a stop request, the best point so far is the answer.

@@ -53,11 +53,17 @@ SearchResult Searcher::run() {
           break;
       }
       best_ = p;
+      // For the certificate; one of these points may be the next least.
+      for (std::size_t before = 0; plan_.tie_within > 0 && before != steps_.size();) {
+        before = steps_.size();
+        evaluate(reductions_of(least_of_near_ties()));
+      }
       result.stopped_by = cut_short_;
     }
   } catch (const Halt& halt) {
     result.stopped_by = halt.reason;
   }
+  if (best_ && plan_.tie_within > 0) settle_on(least_of_near_ties());
   result.found = best_.has_value();
   if (result.found) {
     result.point = *best_;
@@ -76,8 +82,26 @@ SearchResult Searcher::run() {
 bool Searcher::better(const SearchPoint& a, const SearchPoint& b) const {
   const double cost_a = at(a).cost, cost_b = at(b).cost;
   if (cost_a != cost_b) return cost_a < cost_b;
+  if (at(a).tie != at(b).tie) return at(a).tie < at(b).tie;
   const std::size_t height_a = height_of(a), height_b = height_of(b);
   return height_a != height_b ? height_a < height_b : a < b;
+}
+
+SearchPoint Searcher::least_of_near_ties() const {
+  const double most = at(*best_).cost + plan_.tie_within * std::abs(at(*best_).cost);
+  const SearchPoint* out = &*best_;
+  for (const auto& [p, judged] : memo_) {
+    if (!judged.holds || judged.cost > most) continue;
+    if (judged.tie < at(*out).tie || (judged.tie == at(*out).tie && better(p, *out))) out = &p;
+  }
+  return *out;
+}
+
+void Searcher::settle_on(const SearchPoint& p) {
+  best_ = p;
+  const auto step = std::ranges::find(steps_, p, &SearchStep::point);
+  step->best = true;
+  for (auto later = step + 1; later != steps_.end(); ++later) later->best = false;
 }
 
 std::vector<SearchPoint> Searcher::reductions_of(const SearchPoint& p) const {
@@ -151,7 +175,9 @@ void Searcher::record(const SearchPoint& p, const Evaluation& e) {
     require_metrics(e, plan_.cost, constraints_);
     metrics_exist_ = true;
   }
-  const Judged& j = memo_.emplace(p, judge(e, plan_.cost, constraints_)).first->second;
+  Judged& j = memo_.emplace(p, judge(e, plan_.cost, constraints_)).first->second;
+  const auto tie = e.metrics.find(plan_.tie);
+  if (tie != e.metrics.end() && !std::isnan(tie->second)) j.tie = tie->second;
   const bool best = j.holds && (!best_ || better(p, *best_));
   if (best) best_ = p;
   steps_.push_back({p, j.cost, j.holds, best});
@@ -182,7 +208,7 @@ SearchPoint Searcher::descend(SearchPoint p, Pick pick, Costs costs, std::size_t
     evaluate(points);
     const SearchPoint* chosen = nullptr;
     for (const auto& [axis, q] : steps) {
-      if (!at(q).holds || (costs == Costs::falling && at(q).cost > at(p).cost)) {
+      if (!at(q).holds || (costs == Costs::falling && better(p, q))) {
         open[axis] = false;
       } else if (chosen == nullptr || prefer(p, q, *chosen, pick)) {
         chosen = &q;

@@ -49,8 +49,8 @@ class Searcher {
 
   bool known(const SearchPoint& p) const { return memo_.contains(p); }
   const Judged& at(const SearchPoint& p) const { return memo_.at(p); }
-  // Whether a is better than b; both hold. The lower cost decides, then the fewer steps above the smallest
-  // values, then the order of the axes. So exactly one evaluated point is the best.
+  // Whether a is better than b; both hold. The lower cost decides, then the lower tie, then the fewer steps
+  // above the smallest values, then the order of the axes. So exactly one evaluated point is the best.
   bool better(const SearchPoint& a, const SearchPoint& b) const;
   // Returns the points with one axis one value down. An axis at its smallest has none.
   std::vector<SearchPoint> reductions_of(const SearchPoint& p) const;
@@ -72,6 +72,11 @@ class Searcher {
   // others lower still. finish() asks once more.
   SearchPoint descend(SearchPoint p, Pick pick, Costs costs, std::size_t stride,
                       std::size_t frozen = no_axis);
+  // Returns the point of lowest tie among the evaluated ones that hold and cost at most plan_.tie_within more
+  // than the best.
+  SearchPoint least_of_near_ties() const;
+  // Makes a point the best one, whatever others cost.
+  void settle_on(const SearchPoint& p);
   // Goes from a point that holds to one whose single steps down all fail or cost more. No evaluated point is
   // better than the result.
   SearchPoint finish(SearchPoint p, Pick pick);

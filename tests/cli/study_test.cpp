@@ -114,6 +114,35 @@ std::string search_study(const std::string& limits) {
   return out + "[[constraint]]\nmetric = \"span.u.p999\"\nat_most = 4\n[search]\n" + limits;
 }
 
+TEST_F(Study, AxesThatDoNotMoveTheCostAreNamedBeforeTheSearch) {
+  const std::string cost = "estimate.ecp5.luts + 100 * estimate.ecp5.multipliers";
+  std::string text = search_study("evaluations = 8\ncost = \"" + cost + "\"\n");
+  text.replace(text.find("[[constraint]]"), 0, "[[vary]]\nkeys = [\"depth.bits\"]\nfrom = 15\nto = 16\n");
+  folder.write("s.toml", text);
+  const Result idle = run("s.toml --csv s.csv");
+  EXPECT_EQ(idle.code, 0) << idle.err;
+  EXPECT_TRUE(idle.out.starts_with("depth.bits does not move " + cost + "\n")) << idle.out;
+  EXPECT_EQ(idle.out.find("does not move", 20), std::string::npos) << idle.out;
+  EXPECT_NE(folder.read("s.csv").find("," + cost + ",seconds,"), std::string::npos);
+  text.replace(text.find(cost), cost.size(), "memory.depth_bits");
+  folder.write("t.toml", text);
+  const Result moves = run("t.toml --db t.db");
+  EXPECT_NE(moves.out.find("formats.span.h.fraction does not move memory.depth_bits\n"), std::string::npos);
+  EXPECT_EQ(moves.out.find("depth.bits does not move"), std::string::npos) << moves.out;
+  // The point that is measured again has no value of the plan's, and equals what is stored.
+  EXPECT_EQ(run("--db s.db --replay " + hash("s.db")).code, 0);
+}
+
+TEST_F(Study, AnExpressionHeadsItsColumn) {
+  folder.write("s.toml", study("[32, 34]", "[[constraint]]\nmetric = \"2 * span.u.max\"\nat_most = 100\n"));
+  const Result result = run("s.toml");
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.out.find("2 * span.u.max"), std::string::npos) << result.out;
+  folder.write("s.toml", study("[32]", "[[constraint]]\nmetric = \"2 * span.u.mox\"\nat_most = 100\n"));
+  refused("s.toml",
+          "constraint[1].metric: \"2 * span.u.mox\": character 5: \"span.u.mox\" is no metric; legal: ");
+}
+
 TEST_F(Study, ASearchExportsItsEvaluations) {
   folder.write("s.toml", search_study("algorithm = \"greedy\"\nevaluations = 30\n"));
   const Result first = run("s.toml --csv out.csv");

@@ -242,6 +242,23 @@ class Curves(unittest.TestCase):
             connection.commit()
         return load_study(str(path), "spans")
 
+    def test_expressions_of_the_plan_are_metrics(self):
+        cost, limited = "2 * cost.register_bits", "1 / span.u.max"
+        study = self.changed(
+            "CREATE TABLE expressions(hash TEXT, text TEXT, value REAL, PRIMARY KEY(hash, text))",
+            f"UPDATE studies SET cost = '{cost}'",
+            f"INSERT INTO constraints VALUES('spans', 9, '{limited}', NULL, 4)",
+            f"INSERT INTO expressions SELECT hash, '{cost}', 2 * value FROM metrics WHERE name = 'cost.register_bits'",
+            f"INSERT INTO expressions SELECT hash, '{limited}', 5 FROM metrics WHERE name = 'cost.register_bits'",
+            "INSERT INTO expressions SELECT hash, 'of another study', 5 FROM metrics WHERE name = 'cost.register_bits'",
+        )
+        self.assertEqual(analysis.cost_metrics(study)[0], cost)
+        np.testing.assert_array_equal(study.metrics[cost], 2 * np.array(study.metrics["cost.register_bits"]))
+        self.assertIn(limited, analysis.error_metrics(study))
+        self.assertTrue(study.metric(limited).high)
+        self.assertNotIn("of another study", study.metrics)
+        self.assertIn(cost, analysis.told_metrics(study))
+
     def test_a_point_of_the_certificate_alone_has_its_settings(self):
         row = "hash = (SELECT hash FROM certificate WHERE key = 'formats.span.h.word')"
         study = self.changed(

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 #include <set>
 #include <span>
 
@@ -222,6 +223,94 @@ TEST(Cost, ABitCostsWhatItsPlacesSay) {
   }
 }
 
+// Modes beside those of all_modes: together they use every key.
+std::vector<Config> further_modes() {
+  std::vector<Config> list;
+  const auto add = [&list](const Config& c) {
+    if (!first_violation(c)) list.push_back(c);
+  };
+  const Config base = shipped_config("depth16");
+  for (const auto fog : {FogMode::distance, FogMode::log, FogMode::vertex}) {
+    Config c = base;
+    c.fog = fog;
+    add(c);
+    c.row_slope = RowSlope::plane;
+    add(c);
+  }
+  for (const auto mip : {MipMode::nearest, MipMode::linear}) {
+    for (const auto lod : {LodMode::zone_s, LodMode::zone_d, LodMode::gradient, LodMode::finite}) {
+      Config c = base;
+      c.mip = mip;
+      c.lod = lod;
+      add(c);
+    }
+  }
+  for (const auto kind : {ReciprocalKind::lut_linear, ReciprocalKind::lut_quadratic}) {
+    Config c = base;
+    c.edge_walk = EdgeWalk::dda;
+    c.edge_slope = SlopeForm::reciprocal;
+    for (Reciprocal* r : {&c.edge_reciprocal, &c.row_reciprocal, &c.pixel_reciprocal}) {
+      r->kind = kind;
+      r->operand_bits = 20;
+      r->index_bits = 8;
+      r->table_bits = 22;
+      r->internal_bits = 24;
+    }
+    add(c);
+    for (Reciprocal* r : {&c.edge_reciprocal, &c.row_reciprocal, &c.pixel_reciprocal}) {
+      r->kind = ReciprocalKind::lut_newton;
+      r->steps = 1;
+    }
+    add(c);
+  }
+  Config subspans = base;
+  subspans.subspan_bits = 4;
+  add(subspans);
+  Config cached = base;
+  cached.memory.depth_cache.mode = cached.memory.color_cache.mode = BufferCacheMode::write_back;
+  add(cached);
+  return list;
+}
+
+// Keys of widths whose value rightly costs nothing.
+const std::map<std::string, std::string, std::less<>> free_keys{
+    {"formats.merge.color.word", "a stored colour has 8 bits: no other word is legal"},
+};
+
+// Whether the key is a width, or the size of a cache.
+bool is_width(const Key& key) {
+  const std::string_view name = key.name();
+  const bool of_cache = name.ends_with("_line_bytes") || name.ends_with("_sets") || name.ends_with("_ways");
+  return name == "word" || name == "bits" || name.ends_with("_bits") || of_cache;
+}
+
+TEST(Cost, EveryWidthMovesACost) {
+  std::vector<Config> modes = all_modes(shipped_config("depth16"));
+  std::ranges::copy(further_modes(), std::back_inserter(modes));
+  const std::vector<Scene> scenes{demo_scene(64, 48)};
+  const auto costs_of = [&scenes](const Config& c) {
+    std::map<std::string, double, std::less<>> out;
+    add_costs(c, out);
+    add_memory(c, scenes, out);
+    return out;
+  };
+  std::size_t widths = 0;
+  for (const Key& key : keys()) {
+    if (!is_width(key)) continue;
+    ++widths;
+    const bool moves = std::ranges::any_of(modes, [&](const Config& c) {
+      if (!is_used(c, key)) return false;
+      const auto value = std::get<std::int64_t>(value_of(c, key));
+      return std::ranges::any_of(std::array{value - 1, value + 1, 2 * value}, [&](std::int64_t moved) {
+        Config other = c;
+        return !set_value(other, key, moved) && !first_violation(other) && costs_of(other) != costs_of(c);
+      });
+    });
+    EXPECT_EQ(moves, !free_keys.contains(key.path)) << key.path;
+  }
+  EXPECT_GT(widths, 60U);
+}
+
 TEST(Cost, ProductsHaveOperands) {
   for (const std::string& name : shipped_names) {
     for (const Config& c : all_modes(shipped_config(name))) {
@@ -249,6 +338,43 @@ TEST(Cost, TheTableOfRegistersIsTheOneOfTheCode) {
     if (inside && line.starts_with("| ") && line.find('`') != std::string::npos) found.push_back(line);
   }
   EXPECT_EQ(found, expected);
+}
+
+TEST(Cost, MemoryByHand) {
+  const Config c = shipped_config("depth16");
+  Scene small = demo_scene(64, 48), large = demo_scene(100, 60);
+  const auto memory_of = [](const Config& config, const std::vector<Scene>& scenes) {
+    std::map<std::string, double, std::less<>> out;
+    add_memory(config, scenes, out);
+    return out;
+  };
+  auto expected = std::map<std::string, double, std::less<>>{{"memory.depth_bits", 100 * 60 * 16},
+                                                             {"memory.stencil_bits", 0},
+                                                             {"memory.color_bits", 100 * 60 * 32},
+                                                             {"memory.cache_bits", 64 * 64 * 2 * 8},
+                                                             {"memory.texels_per_pixel", 1}};
+  EXPECT_EQ(memory_of(c, {small, large}), expected);
+
+  // The small scene has a stencil plane, and the large one a narrow target from its first triangle on.
+  small.commands = {
+      {1, StateChange{false,
+                      {{*find_state_register("depth.when"), 1}, {*find_state_register("stencil.test"), 1}}}}};
+  large.commands = {{0, StateChange{false, {{*find_state_register("target.format"), 1}}}}};
+  Config wide = c;
+  wide.depth_bits = 20;
+  wide.filter = TextureFilter::bilinear;
+  wide.mip = MipMode::linear;
+  wide.memory.depth_cache = {BufferCacheMode::write_back, 32, 16, 4, SetHash::none};
+  expected = {{"memory.depth_bits", 100 * 60 * 20},
+              {"memory.stencil_bits", 64 * 48 * 8},
+              {"memory.color_bits", 64 * 48 * 32},
+              {"memory.cache_bits", 64 * 64 * 2 * 8 + 32 * 16 * 4 * 8},
+              {"memory.texels_per_pixel", 8}};
+  EXPECT_EQ(memory_of(wide, {small, large}), expected);
+  // Every triangle with 16 bits of colour; the last of them with two texture units.
+  large.commands.push_back({2, StateChange{false, {{*find_state_register("texture1"), 0}}}});
+  EXPECT_EQ(memory_of(c, {large}).at("memory.color_bits"), 100 * 60 * 16);
+  EXPECT_EQ(memory_of(c, {large}).at("memory.texels_per_pixel"), 2);
 }
 
 }  // namespace

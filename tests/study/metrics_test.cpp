@@ -37,6 +37,10 @@ TEST(Metrics, EveryMetricOfAPointIsKnown) {
   add_estimates(config, point.metrics);
   EXPECT_GT(point.metrics.size(), 100U);
   for (const auto& [name, value] : point.metrics) EXPECT_NE(find_metric(name), nullptr) << name;
+  for (const Metric& metric : known_metrics()) {
+    if (metric.name.starts_with("area.") || metric.role != MetricRole::cost) continue;
+    EXPECT_TRUE(point.metrics.contains(metric.name)) << metric.name;
+  }
   for (const FieldError& f : point.fields) {
     const std::string field = f.stage + "." + f.quantity;
     for (const StatisticColumn& c : statistic_columns()) {

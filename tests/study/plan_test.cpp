@@ -80,10 +80,13 @@ TEST(Plan, ReadsEveryKey) {
   const StudyPlan search =
       parse(head + vary +
             "[[constraint]]\nmetric = \"registers.wraps\"\nat_most = 0\n[search]\nalgorithm = \"max-1\"\n"
-            "cost = \"cost.product_bits\"\nevaluations = 7\nseconds = 1.5\nseed = 9\n");
+            "cost = \"cost.product_bits\"\ntie = \"2 * cost.table_bits\"\ntie_within = 0.02\nevaluations = "
+            "7\nseconds = 1.5\nseed = 9\n");
   ASSERT_TRUE(search.search);
   EXPECT_EQ(search.search->algorithm, SearchAlgorithm::max_minus_1);
   EXPECT_EQ(search.search->cost, "cost.product_bits");
+  EXPECT_EQ(search.search->tie, "2 * cost.table_bits");
+  EXPECT_EQ(search.search->tie_within, 0.02);
   EXPECT_EQ(search.search->evaluations, 7);
   EXPECT_EQ(search.search->seconds, 1.5);
   EXPECT_EQ(search.search->seed, 9U);
@@ -254,6 +257,12 @@ TEST(Plan, BadSearchAreaAndReportAreRefused) {
   refused(head + vary + "[search]\n", "constraint: missing: nothing would keep the search");
   refused(good + "[search]\nalgorithm = \"magic\"\n", "legal: min+1, max-1, greedy, annealing");
   refused(good + "[search]\ncost = \"bits\"\n", "search.cost: \"bits\" is no metric");
+  refused(good + "[search]\ncost = \"2 * cost.bits\"\n",
+          "search.cost: \"2 * cost.bits\": character 5: \"cost.bits\" is no metric");
+  refused(good + "[search]\ntie = \"cost.table_bits +\"\n",
+          "search.tie: \"cost.table_bits +\": character 18: an expression");
+  refused(good + "[search]\ntie_within = -0.1\n",
+          "search.tie_within: is below 0; legal: a number, at least 0");
   refused(good + "[search]\nevaluations = 0\n", "search.evaluations: is 0");
   refused(good + "[search]\nseconds = 0\n", "search.seconds: is not above 0");
   refused(good + "[search]\nseed = -1\n", "search.seed: is -1");
@@ -333,11 +342,11 @@ TEST(Plan, MetricsAreHeldAgainstAPoint) {
   EXPECT_FALSE(all_hold(plan.constraints, {metrics, {}}));
   plan.constraints = {{"span.v.max", 0.5, std::nullopt}};
   EXPECT_FALSE(all_hold(plan.constraints, {metrics, {}})) << "a NaN holds nothing";
-  plan.constraints = {{"span.w.max", 0.5, std::nullopt}};
+  plan.constraints = {{"span.h.max", 0.5, std::nullopt}};
   EXPECT_FALSE(all_hold(plan.constraints, {metrics, {}}));
   EXPECT_NE(input_error([&] {
               check_metrics(plan, metrics);
-            }).find("s: span.w.max: the scenes give no such metric; nearest: span.u.max, span.v.max"),
+            }).find("s: span.h.max: the scenes give no such metric; nearest: span.u.max, span.v.max"),
             std::string::npos);
   EXPECT_TRUE(all_hold({}, {metrics, {}}));
   plan.constraints.clear();

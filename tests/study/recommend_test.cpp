@@ -11,12 +11,15 @@
 
 #include "scene/demo.hpp"
 #include "study/area.hpp"
+#include "study/cost.hpp"
 #include "tests/study/area_support.hpp"
 #include "tests/support/environment.hpp"
 #include "tests/support/files.hpp"
 
 namespace bitspan {
 namespace {
+
+using Metrics = std::map<std::string, double, std::less<>>;
 
 // "tiny" has room for five fraction bits of u and v, and takes more LUTs with each.
 StudyPlan plan_of(const std::string& text) {
@@ -231,6 +234,185 @@ TEST(Recommend, ASearchTakesKnownAreasAndStaysWhereTheyAreSmallest) {
   ASSERT_EQ(result.certificate.reductions.size(), 1U);
   EXPECT_EQ(result.certificate.reductions[0].outcome, ReductionOutcome::costs_more);
   EXPECT_EQ(result.certificate.reductions[0].to_value, "8");
+}
+
+// A bit of span.h costs what a bit of depth buffer of a quarter of the pixels does.
+TEST(Recommend, ASearchLowersAnExpression) {
+  std::string text = search_text + "cost = \"min(1e9, 2 * cost.register_bits) + memory.depth_bits / 100\"\n";
+  text.replace(text.find("metric = "), 22, "metric = \"2 * span.u.p999\"");
+  Bench b(text);
+  PointRunner runner(
+      b.plan.base, {demo_scene(64, 48)},
+      [](const std::vector<Scene>& scenes) -> Measure {
+        return [measure = fake_meter()(scenes), scenes](const Config& c) {
+          PointResult r = measure(c);
+          add_memory(c, scenes, r.metrics);
+          return r;
+        };
+      },
+      b.store, "test");
+  const SearchResult result = run_search(b.plan, runner, b.store, {}, {});
+  ASSERT_TRUE(result.found);
+  // One bit more than where twice the error counts once.
+  EXPECT_EQ(result.cost, 2 * 23 + 64 * 48 * 16 / 100.0);
+  EXPECT_EQ(result.certificate.reductions[0].text, "2 * span.u.p999 is 0.015625, at most 0.01");
+  const auto recommended = recommendations(b.plan, b.store);
+  ASSERT_EQ(recommended.size(), 1U);
+  EXPECT_EQ(recommended[0].reason, "found by the search: " + b.plan.search->cost + " = 537.52");
+  const std::string csv = csv_of(b.plan, b.store);
+  EXPECT_NE(
+      csv.find(",2 * span.u.p999,\"min(1e9, 2 * cost.register_bits) + memory.depth_bits / 100\",seconds,"),
+      std::string::npos)
+      << csv.substr(0, 300);
+  EXPECT_NE(csv.find(",0.0078125,537.52,"), std::string::npos) << csv;
+}
+
+TEST(Recommend, ASweepIsJudgedByExpressions) {
+  std::string text = search_text.substr(0, search_text.find("[search]"));
+  text.replace(text.find("metric = "), 22, "metric = \"1 / span.u.p999\"");
+  text.replace(text.find("at_most = 0.01"), 14, "at_least = 100");
+  text.replace(text.find("[[vary]]"), 0, "cost = \"1000 - cost.register_bits\"\n");
+  Bench b(text);
+  const SweepResult result = run_sweep(b.plan, b.runner, b.store, {});
+  EXPECT_EQ(result.holding, 5U);
+  const auto recommended = recommendations(b.plan, b.store);
+  ASSERT_FALSE(recommended.empty());
+  EXPECT_NE(recommended[0].reason.find("1000 - cost.register_bits = 974"), std::string::npos)
+      << recommended[0].reason;
+  // The base has its values, too, and what is measured again is compared with what was measured alone.
+  const std::string base = b.runner.prepare({}).hash;
+  EXPECT_EQ(b.store.metrics(base).all.at("1000 - cost.register_bits"),
+            1000 - b.store.metrics(base).all.at("cost.register_bits"));
+  for (const Row& row : b.store.result_rows(base).metrics) EXPECT_NE(text_of(row[0]), "1 / span.u.p999");
+  // A study with another expression finds the same points known.
+  text.replace(text.find("1000 -"), 6, "2000 -");
+  b.plan = plan_of(text);
+  EXPECT_EQ(run_sweep(b.plan, b.runner, b.store, {}).measured, 0U);
+  EXPECT_NE(recommendations(b.plan, b.store)[0].reason.find("2000 - cost.register_bits = 1974"),
+            std::string::npos);
+}
+
+TEST(Recommend, AnExpressionNamesTheMetricThatTheScenesLack) {
+  for (const bool search : {true, false}) {
+    std::string text = search ? search_text : search_text.substr(0, search_text.find("[search]"));
+    text.replace(text.find("metric = "), 22, "metric = \"1 - span.v.p999\"");
+    Bench b(text);
+    try {
+      search ? (void)run_search(b.plan, b.runner, b.store, {}, {})
+             : (void)run_sweep(b.plan, b.runner, b.store, {});
+      ADD_FAILURE();
+    } catch (const InputError& error) {
+      EXPECT_EQ(
+          std::string(error.what()),
+          "widths: span.v.p999: the scenes give no such metric; nearest: span.u.p999, cost.register_bits");
+    }
+  }
+}
+
+// Synthesis is a constraint: of the points that hold otherwise, those with up to 1500 LUTs.
+TEST(Recommend, AreasAndEstimatesMayBeConstraints) {
+  std::string text = area_search_text;
+  text.replace(text.find("[search]"), 0,
+               "[[constraint]]\nmetric = \"area.ecp5.luts + area.ecp5.ffs\"\nat_most = 1500\n");
+  text.replace(text.find("area.ecp5.luts\"\n", text.find("[search]")), 14, "cost.register_bits");
+  Bench b(text, FormatId::span_uv, 7);
+  const auto at = [&](std::int64_t word) { return with_keys(b.plan.base, {{"formats.span.uv.word", word}}); };
+  plant_area(b.store, at(8), "ecp5", 2000);
+  plant_area(b.store, at(10), "ecp5", 1499);
+  const Environment path("PATH", "/nonexistent");  // no Yosys
+  const SearchResult result = run_search(b.plan, b.runner, b.store, {}, {});
+  ASSERT_TRUE(result.found);
+  EXPECT_EQ(result.cost, 10);
+  EXPECT_EQ(result.certificate.reductions[0].text, "area.ecp5.luts + area.ecp5.ffs is 2001, at most 1500");
+}
+
+// No real area: the clock rate of a placed row that is planted.
+TEST(Recommend, AClockRateMayBeAConstraint) {
+  std::string text = area_search_text;
+  text.replace(text.find("[search]"), 0, "[[constraint]]\nmetric = \"area.ecp5.fmax_mhz\"\nat_least = 100\n");
+  Bench b(text, FormatId::span_uv, 7);
+  for (const std::int64_t word : {8, 10}) {
+    const Config c = with_keys(b.plan.base, {{"formats.span.uv.word", word}});
+    plant_area(b.store, c, "ecp5", 1000);  // not placed, which says nothing of the clock
+    b.store.run(
+        "INSERT INTO areas(config_hash, area_key, family, placed, status, message, tools, luts, ffs, "
+        "multipliers, memory_bits, fmax_mhz) VALUES(?, ?, 'ecp5', 1, 'ok', '', '', ?, 1, 1, 1, ?)",
+        {config_hash(c), area_key(c), 1000 + word, word == 8 ? 99.0 : 101.0});
+  }
+  const Environment path("PATH", "/nonexistent");  // no Yosys
+  const SearchResult result = run_search(b.plan, b.runner, b.store, {}, {});
+  ASSERT_TRUE(result.found);
+  EXPECT_EQ(result.cost, 1010);
+  EXPECT_EQ(result.certificate.reductions[0].text, "area.ecp5.fmax_mhz is 99, at least 100");
+}
+
+// Where the widest point does not hold otherwise, it has no area, which is no misspelt metric.
+TEST(Recommend, AWidestPointThatDoesNotHoldIsNotSynthesised) {
+  std::string text = area_search_text;
+  text.replace(text.find("at_most = 0.3"), 13, "at_most = 1e-9");
+  Bench b(text, FormatId::span_uv, 7);
+  const Environment path("PATH", "/nonexistent");  // no Yosys
+  const SearchResult result = run_search(b.plan, b.runner, b.store, {}, {});
+  EXPECT_FALSE(result.found);
+  ASSERT_FALSE(result.failing.empty());
+  EXPECT_NE(result.failing[0].find("span.u.p999 is "), std::string::npos) << result.failing[0];
+}
+
+// An estimate at most what the middle width has.
+TEST(Recommend, EstimatesAndClocksMayBeConstraints) {
+  const auto limited = [](const std::string& metric, double limit) {
+    std::string text = search_text;
+    text.replace(text.find("[search]"), 0,
+                 fmt::format("[[constraint]]\nmetric = \"{}\"\nat_most = {}\n", metric, limit));
+    return text;
+  };
+  const auto found = [&](const std::string& metric, double limit) {
+    Bench b(limited(metric, limit));
+    PointRunner runner(
+        b.plan.base, {demo_scene(64, 48)},
+        [](const std::vector<Scene>& scenes) -> Measure {
+          return [measure = fake_meter()(scenes)](const Config& c) {
+            PointResult r = measure(c);
+            add_estimates(c, r.metrics);
+            return r;
+          };
+        },
+        b.store, "test");
+    return run_search(b.plan, runner, b.store, {}, {}).found;
+  };
+  Metrics widest;
+  add_estimates(with_keys(shipped_config("depth16"), {{"formats.span.h.word", std::int64_t{26}}}), widest);
+  for (const char* metric : {"estimate.ecp5.multipliers", "estimate.ecp5.luts", "timing.pixel_unit"}) {
+    EXPECT_TRUE(found(metric, widest.at(metric))) << metric;
+    EXPECT_FALSE(found(metric, widest.at(metric) - 1)) << metric;
+  }
+}
+
+TEST(Recommend, AxesThatDoNotMoveTheCostAreNamed) {
+  const std::string axes = R"([[vary]]
+keys = ["depth.bits"]
+values = [12, 16]
+[[vary]]
+keys = ["formats.texture.mix.word", "formats.texture.color.word"]
+values = [10, 12]
+[[vary]]
+keys = ["reciprocal.edge.bits_per_cycle"]
+values = [1]
+)";
+  std::string text = search_text;
+  text.replace(text.find("[[constraint]]"), 0, axes);
+  const auto idle = [&](const std::string& cost) {
+    const StudyPlan plan = plan_of(text + "cost = \"" + cost + "\"\n");
+    return idle_axes(plan, {demo_scene(64, 48)});
+  };
+  const std::string mix = "formats.texture.mix.word, formats.texture.color.word",
+                    fixed = "reciprocal.edge.bits_per_cycle";
+  EXPECT_EQ(idle("estimate.ecp5.luts"), (std::vector<std::string>{"depth.bits", mix, fixed}));
+  EXPECT_EQ(idle("estimate.ecp5.luts + memory.depth_bits / 1000"), (std::vector<std::string>{mix, fixed}));
+  EXPECT_EQ(idle("cost.register_bits"), std::vector{fixed});
+  EXPECT_EQ(idle("cost.table_bits"),
+            (std::vector<std::string>{"formats.span.h.word", "depth.bits", mix, fixed}));
+  EXPECT_TRUE(idle("span.u.max").empty()) << "known only after a measurement";
 }
 
 TEST(Recommend, ASweepRecommendsTheCheapestThatHoldsAndTheKnee) {

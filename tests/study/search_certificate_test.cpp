@@ -116,6 +116,84 @@ TEST(Search, EqualCostGoesToTheNarrower) {
   }
 }
 
+// Two widths whose sum must be 10. Every sum of 10 costs the same but for `tilt`, and the second width is
+// three times as dear by the tie.
+Problem tied_problem(double tilt) {
+  return {axes_of(2, 2, 8), {at_most("error", 0)}, [tilt](const Bits& bits) {
+            Evaluation e = metrics(bits[0] + bits[1] >= 10 ? 0 : 1, bits[0] + bits[1] + tilt * bits[0]);
+            e.metrics["tie"] = bits[0] + 3 * bits[1];
+            return e;
+          }};
+}
+
+TEST(Search, EqualCostGoesToTheLowerTie) {
+  Problem problem = tied_problem(0);
+  SearchPlan plan;
+  plan.evaluations = 100000;
+  EXPECT_EQ(problem.bits_at(problem.run(plan).point), (Bits{2, 8})) << "without a tie";
+  plan.tie = "tie";
+  const SearchResult r = problem.run(plan);
+  EXPECT_EQ(problem.bits_at(r.point), (Bits{8, 2}));
+  EXPECT_TRUE(r.certificate.minimal()) << to_text(r.certificate);
+}
+
+TEST(Search, ANearTieGoesToTheLowerTie) {
+  Problem problem = tied_problem(0.1);
+  SearchPlan plan;
+  plan.evaluations = 100000;
+  plan.tie = "tie";
+  for (const SearchAlgorithm algorithm : kAlgorithms) {
+    plan.algorithm = algorithm;
+    if (algorithm == SearchAlgorithm::annealing) plan.evaluations = 500;
+    plan.tie_within = 0;
+    const SearchResult cheapest = problem.run(plan);
+    // 10.2 at (2, 8), and 10.8 at (8, 2).
+    if (algorithm == SearchAlgorithm::greedy) {
+      EXPECT_EQ(problem.bits_at(cheapest.point), (Bits{2, 8}));
+    }
+    plan.tie_within = 0.05;
+    const SearchResult r = problem.run(plan);
+    ASSERT_TRUE(r.found);
+    EXPECT_TRUE(r.certificate.complete()) << to_text(r.certificate);
+    EXPECT_TRUE(r.certificate.minimal()) << to_text(r.certificate);
+    double least_cost = kInfinity;
+    for (const SearchStep& step : r.steps) {
+      if (step.holds) least_cost = std::min(least_cost, step.cost);
+    }
+    const auto tie_of = [&](const SearchPoint& p) {
+      return problem.model(problem.bits_at(p)).metrics.at("tie");
+    };
+    EXPECT_LE(r.cost, 1.05 * least_cost);
+    const SearchStep* last_best = nullptr;
+    for (const SearchStep& step : r.steps) {
+      if (step.best) last_best = &step;
+      if (step.holds && step.cost <= 1.05 * least_cost) {
+        EXPECT_GE(tie_of(step.point), tie_of(r.point));
+      }
+    }
+    ASSERT_NE(last_best, nullptr);
+    EXPECT_EQ(last_best->point, r.point) << "what is recommended";
+  }
+}
+
+// A tie that rises with each bit that goes: the search ends, and keeps the bits.
+TEST(Search, ATieMayRise) {
+  Problem problem{axes_of(2, 2, 8), {at_most("error", 0)}, [](const Bits& bits) {
+                    Evaluation e = metrics(0, 5);
+                    e.metrics["tie"] = 100 - bits[0] - bits[1];
+                    return e;
+                  }};
+  for (const SearchAlgorithm algorithm : kAlgorithms) {
+    SearchPlan plan;
+    plan.algorithm = algorithm;
+    plan.tie = "tie";
+    const SearchResult r = problem.run(plan);
+    EXPECT_EQ(problem.bits_at(r.point), (Bits{8, 8})) << name_of(algorithm);
+    EXPECT_TRUE(r.certificate.minimal());
+    EXPECT_EQ(r.certificate.reductions[0].text, "holds, but tie rises from 84 to 85");
+  }
+}
+
 TEST(Search, NothingFoundSaysWhatFailsAtTheWidest) {
   for (const SearchAlgorithm a : kAlgorithms) {
     SCOPED_TRACE(name_of(a));
