@@ -57,7 +57,8 @@ KeyValue key_value(const Section& s, const toml::node& node, const std::string& 
          "has " + std::string(type_name(node)) + "; legal: " + legal);
 }
 
-std::vector<std::vector<KeyValue>> listed_values(const Section& s, std::size_t keys) {
+std::vector<std::vector<KeyValue>> listed_values(const Section& s, std::size_t keys,
+                                                 Arrangement arrangement) {
   const std::string legal = keys == 1 ? "an array of values"
                                       : "an array of values, which all " + std::to_string(keys) +
                                             " keys take; or of arrays with " + std::to_string(keys) +
@@ -79,9 +80,11 @@ std::vector<std::vector<KeyValue>> listed_values(const Section& s, std::size_t k
     } else {
       values.assign(keys, key_value(s, node, legal));
     }
-    if (std::ranges::find(out, values) != out.end()) {
+    // Where each point takes the i-th value of every axis, equal values make different points.
+    if (arrangement != Arrangement::list && std::ranges::find(out, values) != out.end()) {
       s.fail(line_of(node.source()), s.path_of("values"),
-             "item " + std::to_string(out.size() + 1) + " is there twice; legal: once");
+             "item " + std::to_string(out.size() + 1) +
+                 " is there twice; legal: once, or arrangement = \"list\"");
     }
     out.push_back(std::move(values));
   }
@@ -105,7 +108,7 @@ std::vector<std::vector<KeyValue>> counted_values(const Section& s, std::size_t 
   return out;
 }
 
-Axis read_axis(const Section& s, const Config& base) {
+Axis read_axis(const Section& s, const Config& base, Arrangement arrangement) {
   Axis axis;
   axis.keys =
       s.texts("keys", "an array of keys of the configuration, or [\"" + std::string(s_ratio_key) + "\"]");
@@ -123,7 +126,8 @@ Axis read_axis(const Section& s, const Config& base) {
            std::string(counted ? "is given together with from, to, step" : "missing") +
                "; legal: values = [...], or from and to, and step");
   }
-  axis.values = counted ? counted_values(s, axis.keys.size()) : listed_values(s, axis.keys.size());
+  axis.values =
+      counted ? counted_values(s, axis.keys.size()) : listed_values(s, axis.keys.size(), arrangement);
   return axis;
 }
 
@@ -424,7 +428,7 @@ StudyPlan parse_study(std::string_view text, const std::string& path, const Conf
 
   const auto vary = root.sections("vary", {"keys", "values", "from", "to", "step"});
   if (vary.empty()) root.fail(1, "vary", "missing: nothing varies; legal: one [[vary]] or more");
-  for (const Section& s : vary) plan.axes.push_back(read_axis(s, plan.base));
+  for (const Section& s : vary) plan.axes.push_back(read_axis(s, plan.base, plan.arrangement));
   check_disjoint(vary, plan.axes);
   for (const Section& s : root.sections("constraint", {"metric", "at_most", "at_least", "over"})) {
     plan.constraints.push_back(read_constraint(s));

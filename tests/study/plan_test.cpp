@@ -114,6 +114,21 @@ TEST(Plan, PointsOfEachArrangement) {
             (Points{{}, {w30}, {w32}, {rnd}, {trn}}));
 }
 
+TEST(Plan, AListTakesEqualValuesAndOtherArrangementsRefuseThem) {
+  const std::string axes =
+      "[[vary]]\nkeys = [\"formats.span.h.word\"]\nvalues = [30, 30, 32]\n"
+      "[[vary]]\nkeys = [\"depth.bits\"]\nvalues = [16, 24, 16]\n";
+  const auto point = [](int word, int bits) {
+    return std::vector<KeySetting>{{"formats.span.h.word", integer(word)}, {"depth.bits", integer(bits)}};
+  };
+  EXPECT_EQ(points_of(parse(head + "arrangement = \"list\"\n" + axes)),
+            (std::vector<std::vector<KeySetting>>{point(30, 16), point(30, 24), point(32, 16)}));
+  for (const std::string arrangement :
+       {"", "arrangement = \"grid\"\n", "arrangement = \"one_at_a_time\"\n"}) {
+    refused(head + arrangement + axes, "item 2 is there twice; legal: once, or arrangement = \"list\"");
+  }
+}
+
 TEST(Plan, TextThatIsNoStudyIsRefused) {
   refused("", "s.toml:1: the study is empty");
   refused("  \n\n", "is empty");
