@@ -86,7 +86,7 @@ def _uri_of(path: pathlib.Path) -> str:
 
 
 def _check_schema(path: str, connection: sqlite3.Connection) -> str:
-    tables = {row[0] for row in connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
+    tables = {row[0] for row in connection.execute("SELECT name FROM sqlite_master WHERE type IN ('table', 'view')")}
     if not {"meta", "studies", "points"} <= tables:
         raise ReportError(f"{path}: not a study database: it has no tables meta, studies, points")
     meta = dict(connection.execute("SELECT key, value FROM meta"))
