@@ -16,9 +16,21 @@
 namespace bitspan {
 namespace {
 
-std::string settings_text(const std::vector<KeySetting>& settings) {
+// Returns one line per key, and one per named axis, which has its keys beside it.
+std::string point_text(const std::vector<Axis>& axes, const SearchPoint& point) {
   std::string out;
-  for (const KeySetting& s : settings) out += fmt::format("  {} = {}\n", s.path, to_string(s.value));
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    std::vector<std::string> keys;
+    for (const KeySetting& s : settings_of({axes[a]}, {point[a]})) {
+      keys.push_back(fmt::format("{} = {}", s.path, to_string(s.value)));
+    }
+    if (axes[a].name.empty()) {
+      out += fmt::format("  {}\n", fmt::join(keys, "\n  "));
+    } else {
+      out += fmt::format("  {} = {} ({})\n", axes[a].name, axis_text(axes[a], axes[a].values[point[a]]),
+                         comma_list(keys));
+    }
+  }
   return out;
 }
 
@@ -37,9 +49,9 @@ std::string search_text(const StudyPlan& plan, const SearchResult& result) {
     for (const std::string& line : result.failing) out += "  " + line + "\n";
     return out;
   }
-  out = fmt::format("{}: {} = {:.6g} after {} evaluations ({}):\n{}", plan.name, plan.search->cost,
-                    result.cost, result.evaluations, to_string(result.stopped_by),
-                    settings_text(settings_of(plan.axes, result.point)));
+  out =
+      fmt::format("{}: {} = {:.6g} after {} evaluations ({}):\n{}", plan.name, plan.search->cost, result.cost,
+                  result.evaluations, to_string(result.stopped_by), point_text(plan.axes, result.point));
   return out + "certificate:\n" + to_text(result.certificate);
 }
 

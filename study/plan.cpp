@@ -80,11 +80,12 @@ std::vector<std::vector<KeyValue>> listed_values(const Section& s, std::size_t k
   return out;
 }
 
+constexpr std::int64_t counted_limit = 1'000'000'000;  // of from, to and what offsets are added to
+
 std::vector<std::vector<KeyValue>> counted_values(const Section& s, std::size_t keys) {
-  constexpr std::int64_t most = 1'000'000'000;
-  const std::int64_t from = s.integer("from", -most, most);
-  const std::int64_t to = s.integer("to", -most, most);
-  const std::int64_t step = s.has("step") ? s.integer("step", 1, most) : 1;
+  const std::int64_t from = s.integer("from", -counted_limit, counted_limit);
+  const std::int64_t to = s.integer("to", -counted_limit, counted_limit);
+  const std::int64_t step = s.has("step") ? s.integer("step", 1, counted_limit) : 1;
   if (from > to) {
     s.fail("to", "is " + std::to_string(to) + ", and from is " + std::to_string(from) +
                      ": no value at all; legal: to >= from");
@@ -95,6 +96,60 @@ std::vector<std::vector<KeyValue>> counted_values(const Section& s, std::size_t 
   std::vector<std::vector<KeyValue>> out;
   for (std::int64_t v = from; v <= to; v += step) out.emplace_back(keys, KeyValue(v));
   return out;
+}
+
+// The columns of the CSV file that are neither keys nor metrics.
+constexpr auto csv_columns = std::to_array<std::string_view>(
+    {"i", "status", "holds", "seconds", "config_hash", "hash", "message", "replay"});
+
+std::string read_axis_name(const Section& s) {
+  const std::string legal = "a word of letters, digits, -, _ and .";
+  std::string name = s.text("name", legal);
+  if (name.size() > 100 || !std::ranges::all_of(name, [](unsigned char c) {
+        return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
+      })) {
+    s.fail("name", "is \"" + name + "\"; legal: " + legal);
+  }
+  const std::vector<std::string> known = all_keys();
+  const char* taken = name == s_ratio_key || std::ranges::binary_search(known, name) ? "a key"
+                      : find_metric(name) != nullptr                                 ? "a metric"
+                      : std::ranges::find(csv_columns, name) != csv_columns.end() ? "a column of the CSV file"
+                                                                                  : nullptr;
+  if (taken != nullptr) s.fail("name", "is \"" + name + "\", which is " + taken + "; legal: another word");
+  return name;
+}
+
+// Adds what each key is above the value of its axis.
+void read_offsets(const Section& s, Axis& axis) {
+  const std::string legal = "an array of " + std::to_string(axis.keys.size()) + " integers, one per key";
+  const toml::array& array = s.array("offsets", legal);
+  for (const toml::node& node : array) {
+    const auto* offset = node.as_integer();
+    if (offset == nullptr) {
+      s.fail(line_of(node.source()), s.path_of("offsets"),
+             "has " + std::string(type_name(node)) + "; legal: " + legal);
+    }
+    if (offset->get() < -counted_limit || offset->get() > counted_limit) {
+      s.fail(line_of(node.source()), s.path_of("offsets"),
+             "has " + std::to_string(offset->get()) + "; legal: up to " + std::to_string(counted_limit));
+    }
+    axis.offsets.push_back(offset->get());
+  }
+  if (axis.offsets.size() != axis.keys.size()) {
+    s.fail("offsets", "is an array of " + std::to_string(axis.offsets.size()) + "; legal: " + legal);
+  }
+  const bool linked = s.has("values") && s.array("values", "").front().is_array();
+  for (auto& values : axis.values) {
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const auto* value = std::get_if<std::int64_t>(&values[k]);
+      if (linked || value == nullptr || *value < -counted_limit || *value > counted_limit) {
+        s.fail("values",
+               "are not all integers, and offsets are added to them; legal with offsets: an array of "
+               "integers, or from and to");
+      }
+      values[k] = *value + axis.offsets[k];
+    }
+  }
 }
 
 Axis read_axis(const Section& s, const Config& base) {
@@ -116,11 +171,19 @@ Axis read_axis(const Section& s, const Config& base) {
                "; legal: values = [...], or from and to, and step");
   }
   axis.values = counted ? counted_values(s, axis.keys.size()) : listed_values(s, axis.keys.size());
+  if (s.has("offsets")) read_offsets(s, axis);
+  if (s.has("name")) axis.name = read_axis_name(s);
   return axis;
 }
 
-// Throws where a key is in two axes, or a format's word is varied beside its fraction.
+// Throws where a key is in two axes, or a format's word is varied beside its fraction, or a name is given
+// twice.
 void check_disjoint(const std::vector<Section>& all, const std::vector<Axis>& axes) {
+  std::set<std::string, std::less<>> names;
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    if (axes[a].name.empty() || names.insert(axes[a].name).second) continue;
+    all[a].fail("name", '"' + axes[a].name + "\" names another axis too; legal: one axis per name");
+  }
   std::set<std::string, std::less<>> seen;
   for (std::size_t a = 0; a < axes.size(); ++a) {
     for (const std::string& key : axes[a].keys) {
@@ -375,7 +438,7 @@ StudyPlan parse_study(std::string_view text, const std::string& path, const Conf
       root.section("study", {"name", "base", "scenes", "size", "arrangement", "metrics", "cost"});
   read_study(study, path, find, plan);
 
-  const auto vary = root.sections("vary", {"keys", "values", "from", "to", "step"});
+  const auto vary = root.sections("vary", {"name", "keys", "values", "from", "to", "step", "offsets"});
   if (vary.empty()) root.fail(1, "vary", "missing: nothing varies; legal: one [[vary]] or more");
   for (const Section& s : vary) plan.axes.push_back(read_axis(s, plan.base));
   check_disjoint(vary, plan.axes);
@@ -440,6 +503,30 @@ std::vector<std::vector<KeySetting>> points_of(const StudyPlan& plan) {
       break;
   }
   return out;
+}
+
+std::string axis_title(const Axis& axis) { return axis.name.empty() ? comma_list(axis.keys) : axis.name; }
+
+std::string axis_text(const Axis& axis, const std::vector<KeyValue>& values) {
+  std::vector<std::string> parts;
+  std::vector<KeyValue> own;  // what the keys follow from
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    parts.push_back(to_string(values[k]));
+    own.push_back(axis.offsets.empty() ? values[k]
+                                       : KeyValue(std::get<std::int64_t>(values[k]) - axis.offsets[k]));
+  }
+  const bool one = std::ranges::all_of(own, [&](const KeyValue& v) { return v == own.front(); });
+  return !axis.name.empty() && one ? to_string(own.front()) : comma_list(parts);
+}
+
+std::string axis_text(const Axis& axis, const std::vector<KeySetting>& point) {
+  std::vector<KeyValue> values;
+  for (const std::string& key : axis.keys) {
+    const auto set = std::ranges::find(point, key, &KeySetting::path);
+    if (set == point.end()) return "";
+    values.push_back(set->value);
+  }
+  return axis_text(axis, values);
 }
 
 bool varies_scenes(const Axis& axis) { return std::ranges::find(axis.keys, s_ratio_key) != axis.keys.end(); }

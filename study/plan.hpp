@@ -21,7 +21,18 @@ namespace bitspan {
 struct Axis {
   std::vector<std::string> keys;
   std::vector<std::vector<KeyValue>> values;  // values[i][k]: of keys[k]
+  std::string name = {};                      // shown in place of the keys; may be empty
+  // Each key's value is the axis's own value plus the key's offset. Empty where values are given per key.
+  std::vector<std::int64_t> offsets = {};
 };
+
+// Returns what an axis is called: its name, or its keys, joined by ", ".
+std::string axis_title(const Axis& axis);
+// Returns the values that an axis gives to its keys as text: per key, joined by ", ". A named axis whose keys
+// follow from one value shows that value.
+std::string axis_text(const Axis& axis, const std::vector<KeyValue>& values);
+// Returns that text for the settings of a point, and "" where they do not set all keys of the axis.
+std::string axis_text(const Axis& axis, const std::vector<KeySetting>& point);
 
 struct Constraint {
   std::string metric;

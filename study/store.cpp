@@ -38,7 +38,7 @@ constexpr auto tables = std::to_array<const char*>({
     "CREATE TABLE IF NOT EXISTS studies(name TEXT PRIMARY KEY, plan TEXT, kind TEXT, base_hash TEXT, "
     "cost TEXT)",
     "CREATE TABLE IF NOT EXISTS axes(study TEXT, axis INTEGER, i INTEGER, key TEXT, base TEXT, "
-    "PRIMARY KEY(study, axis, i))",
+    "name TEXT, \"offset\" INTEGER, PRIMARY KEY(study, axis, i))",
     "CREATE TABLE IF NOT EXISTS constraints(study TEXT, i INTEGER, metric TEXT, at_most NUMERIC, at_least "
     "NUMERIC, PRIMARY KEY(study, i))",
     "CREATE TABLE IF NOT EXISTS study_metrics(study TEXT, i INTEGER, name TEXT, PRIMARY KEY(study, i))",

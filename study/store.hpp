@@ -52,7 +52,7 @@ ResultRows rows_of(const PointResult& result);
 class Store {
  public:
   enum class Mode { create, existing };
-  static constexpr int schema = 3;
+  static constexpr int schema = 4;
 
   // Opens the file, or makes it (create). Throws InputError where the file is absent (existing), is no
   // database of studies, is damaged, is of another schema, or cannot be written. All functions throw it where

@@ -29,9 +29,10 @@ from .study import (
     Register,
     SearchStep,
     Study,
+    Varied,
 )
 
-SCHEMA = "3"
+SCHEMA = "4"
 
 # Selects the points that a study refers to anywhere; :s is its name.
 _POINTS = """(SELECT hash FROM study_points WHERE study = :s UNION SELECT hash FROM search_steps WHERE study = :s
@@ -183,12 +184,15 @@ def _read_points(reader: _Reader, base_hash: str) -> list[Point]:
     return sorted(points.values(), key=lambda point: math.inf if point.number is None else point.number)
 
 
-def _read_axes(reader: _Reader) -> tuple[list[list[str]], dict[str, Any]]:
-    """Returns the keys that vary, those set together in one list, and what the base has for each, None for none."""
-    axes: dict[int, list[str]] = defaultdict(list)
+def _read_axes(reader: _Reader) -> tuple[list[Varied], dict[str, Any]]:
+    """Returns the keys that vary, those set together in one, and what the base has for each, None for none."""
+    axes: dict[int, Varied] = {}
     base: dict[str, Any] = {}
-    for axis, key, value in reader.rows("SELECT axis, key, base FROM axes WHERE study = :s ORDER BY axis, i"):
-        axes[axis].append(key)
+    query = 'SELECT axis, key, base, name, "offset" FROM axes WHERE study = :s ORDER BY axis, i'
+    for axis, key, value, name, offset in reader.rows(query):
+        varied = axes.setdefault(axis, Varied(name or "", [], []))
+        varied.keys.append(key)
+        varied.offsets.append(offset or 0)
         base[key] = None if value is None else json.loads(value)
     return list(axes.values()), base
 

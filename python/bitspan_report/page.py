@@ -120,7 +120,7 @@ def studied(study: Study) -> str:
     held = sum(p.holds is True for p in study.points)
     seconds = sum(p.seconds for p in study.points if not math.isnan(p.seconds))
     base = study.points[study.base] if study.base is not None else None
-    axes = [", ".join(keys) for keys in study.axes]
+    axes = [varied.title for varied in study.axes]
     facts: list[tuple[str, str]] = [
         ("kind", escape(study.kind)),
         (

@@ -19,7 +19,7 @@ Certificate Searcher::certificate_of(const SearchPoint& p) const {
   for (std::size_t i = 0; i < p.size(); ++i) {
     Reduction r;
     r.axis = i;
-    r.key = key_text(axes_[i]);
+    r.key = axis_title(axes_[i]);
     r.from_value = value_text(axes_[i], p[i]);
     r.point = p;
     if (p[i] == 0) {

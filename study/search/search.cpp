@@ -77,8 +77,8 @@ Certificate certify(const std::string& cost_metric, const std::vector<Axis>& axe
   }
   for (std::size_t i = 0; i < axes.size(); ++i) {
     if (point[i] < axes[i].values.size()) continue;
-    throw InputError(fmt::format("certificate: {}: value {} of {}", searching::key_text(axes[i]),
-                                 point[i] + 1, axes[i].values.size()));
+    throw InputError(fmt::format("certificate: {}: value {} of {}", axis_title(axes[i]), point[i] + 1,
+                                 axes[i].values.size()));
   }
   SearchPlan plan;
   plan.cost = cost_metric;

@@ -49,8 +49,8 @@ enum class ReductionOutcome {
 
 struct Reduction {  // one axis, one value down, all others as they are
   std::size_t axis = 0;
-  std::string key;         // linked keys are joined by ", "
-  std::string from_value;  // linked values likewise
+  std::string key;         // axis_title
+  std::string from_value;  // axis_text
   std::string to_value;    // "" at the smallest
   SearchPoint point;       // the reduced point; the point itself at the smallest
   ReductionOutcome outcome = ReductionOutcome::not_evaluated;

@@ -114,6 +114,43 @@ std::string search_study(const std::string& limits) {
   return out + "[[constraint]]\nmetric = \"span.u.p999\"\nat_most = 4\n[search]\n" + limits;
 }
 
+TEST_F(Study, TablesShowWhatTellsLinkedKeysApart) {
+  const auto varied = [this](const std::string& vary) {
+    folder.write("s.toml",
+                 "[study]\nname = \"s\"\nbase = \"depth16\"\nscenes = [\"a.tri\"]\n"
+                 "metrics = [\"span.u.max\"]\n[[vary]]\nkeys = [\"depth.round\", \"depth.bits\", "
+                 "\"formats.span.h.word\", \"formats.edge.h.word\", \"reciprocal.pixel.kind\"]\n" +
+                     vary);
+    return run("s.toml --db t.db").out;
+  };
+  const std::string values =
+      "values = [[\"SC_TRN\", 16, 34, 30, \"restoring\"], [\"SC_TRN\", 16, 33, 31, \"restoring\"]]\n";
+  const std::string unnamed = varied(values);
+  EXPECT_TRUE(unnamed.starts_with("i  formats.span.h.word +4")) << unnamed;
+  EXPECT_NE(unnamed.find("\n1                      33 "), std::string::npos) << unnamed;
+  // No key tells these three apart.
+  const std::string changing = varied(
+      "values = [[\"SC_TRN\", 16, 34, 30, \"restoring\"], [\"SC_TRN\", 16, 34, 31, \"restoring\"], "
+      "[\"SC_TRN\", 16, 33, 31, \"restoring\"]]\n");
+  EXPECT_TRUE(changing.starts_with("i  formats.span.h.word, word +3")) << changing;
+  EXPECT_NE(changing.find("34, 31 "), std::string::npos) << changing;
+  const std::string named = varied("name = \"set\"\n" + values);
+  EXPECT_TRUE(named.starts_with("i  set  ")) << named;
+  EXPECT_NE(named.find("SC_TRN, 16, 33, 31, restoring"), std::string::npos) << named;
+}
+
+TEST_F(Study, ASearchSaysTheNameOfAnAxisAndItsKeys) {
+  folder.write("s.toml",
+               "[study]\nname = \"s\"\nbase = \"depth16\"\nscenes = [\"a.tri\"]\n[[vary]]\nname = \"depth\"\n"
+               "keys = [\"depth.bits\", \"formats.span.h.word\"]\nfrom = 14\nto = 16\noffsets = [0, 18]\n"
+               "[[constraint]]\nmetric = \"cost.register_bits\"\nat_least = 1\n[search]\n");
+  const std::string out = run("s.toml").out;
+  EXPECT_NE(out.find("\n  depth = 14 (depth.bits = 14, formats.span.h.word = 32)\ncertificate:\n"),
+            std::string::npos)
+      << out;
+  EXPECT_NE(out.find("\n  depth 14: at its smallest\n"), std::string::npos) << out;
+}
+
 TEST_F(Study, ASearchExportsItsEvaluations) {
   folder.write("s.toml", search_study("algorithm = \"greedy\"\nevaluations = 30\n"));
   const Result first = run("s.toml --csv out.csv");

@@ -77,7 +77,7 @@ CREATE TABLE registers(hash TEXT, name TEXT, format TEXT, word INTEGER, int INTE
   min REAL, max REAL, used_bits INTEGER, headroom INTEGER, wraps INTEGER, saturations INTEGER, zeros INTEGER,
   octaves TEXT);
 CREATE TABLE studies(name TEXT PRIMARY KEY, plan TEXT, kind TEXT, base_hash TEXT, cost TEXT);
-CREATE TABLE axes(study TEXT, axis INTEGER, i INTEGER, key TEXT, base TEXT, PRIMARY KEY(study, axis, i));
+CREATE TABLE axes(study TEXT, axis INTEGER, i INTEGER, key TEXT, base TEXT, name TEXT, "offset" INTEGER, PRIMARY KEY(study, axis, i));
 CREATE TABLE constraints(study TEXT, i INTEGER, metric TEXT, at_most NUMERIC, at_least NUMERIC, PRIMARY KEY(study, i));
 CREATE TABLE study_metrics(study TEXT, i INTEGER, name TEXT, PRIMARY KEY(study, i));
 CREATE TABLE study_points(study TEXT, i INTEGER, hash TEXT, settings TEXT, holds INTEGER, PRIMARY KEY(study, i));
@@ -445,7 +445,7 @@ def write_database(path: str | pathlib.Path) -> None:
     connection = sqlite3.connect(path)
     connection.executescript(TABLES)
     writer = Writer(connection, "spans")
-    writer.insert("meta", ("schema", "3"), ("version", "0.1.0"))
+    writer.insert("meta", ("schema", "4"), ("version", "0.1.0"))
     writer.insert("known_metrics", *KNOWN_METRICS)
     base = writer.point({})
     for values in itertools.product(*WIDTHS.values()):
@@ -458,10 +458,10 @@ def write_database(path: str | pathlib.Path) -> None:
     )
     writer.insert(
         "axes",
-        ("spans", 0, 0, "formats.span.h.word", "34"),
-        ("spans", 1, 0, "formats.span.uv.word", "25"),
-        ("spans", 1, 1, "formats.edge.uv.word", "25"),
-        ("spans", 2, 0, "reciprocal.pixel.output.word", "19"),
+        ("spans", 0, 0, "formats.span.h.word", "34", "", None),
+        ("spans", 1, 0, "formats.span.uv.word", "25", "", None),
+        ("spans", 1, 1, "formats.edge.uv.word", "25", "", None),
+        ("spans", 2, 0, "reciprocal.pixel.output.word", "19", "", None),
     )
     writer.insert(
         "constraints", ("spans", 0, "span.u.p999", 0.25, None), ("spans", 1, "picture.wrong_order", 0, None)
