@@ -10,6 +10,7 @@
 
 #include "io/data_folder.hpp"
 #include "io/message.hpp"
+#include "report/table.hpp"
 #include "study/recommend.hpp"
 #include "tb/programs.hpp"
 
@@ -39,20 +40,37 @@ void tell(const std::string& what) {
   if (::isatty(STDERR_FILENO) != 0) say("\r\033[K" + (what.empty() ? "" : what + " ..."));
 }
 
+// Returns a table that compares the combinations of categories, and "" where there are none.
+std::string combinations_text(const StudyPlan& plan, const SearchResult& result) {
+  if (result.combinations.empty()) return "";
+  std::vector<std::vector<std::string>> rows{
+      {"combination", plan.search->cost, "evaluations", "stopped by", "certificate", "what fails"}};
+  for (const Combination& c : result.combinations) {
+    rows.push_back({c.text, c.found ? fmt::format("{:.6g}", c.cost) : "-", fmt::format("{}", c.evaluations),
+                    std::string(to_string(c.stopped_by)),
+                    !c.found                   ? "-"
+                    : c.certificate.minimal()  ? "minimal"
+                    : c.certificate.complete() ? "not minimal"
+                                               : "incomplete",
+                    c.failing});
+  }
+  return "combinations:\n" + text_table(rows);
+}
+
 }  // namespace
 
 std::string search_text(const StudyPlan& plan, const SearchResult& result) {
   std::string out;
   if (!result.found) {
-    out = fmt::format("{}: nothing found in {} evaluations; the widest point fails:\n", plan.name,
-                      result.evaluations);
+    out = fmt::format("{}: nothing found in {} evaluations; the widest point{} fails:\n", plan.name,
+                      result.evaluations, result.combinations.empty() ? "" : " of every combination");
     for (const std::string& line : result.failing) out += "  " + line + "\n";
     return out;
   }
   out =
       fmt::format("{}: {} = {:.6g} after {} evaluations ({}):\n{}", plan.name, plan.search->cost, result.cost,
                   result.evaluations, to_string(result.stopped_by), point_text(plan.axes, result.point));
-  return out + "certificate:\n" + to_text(result.certificate);
+  return out + "certificate:\n" + to_text(result.certificate) + combinations_text(plan, result);
 }
 
 bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,

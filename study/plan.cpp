@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <set>
 #include <span>
 #include <system_error>
+#include <utility>
 
 #include "config/toml_section.hpp"
 #include "scene/picture_size.hpp"
@@ -263,15 +265,39 @@ void check_values(const std::vector<Section>& all, const StudyPlan& plan) {
   }
 }
 
-// A search finds out where its widths end, but each needs one that is legal on the base.
+// Returns what the points of a grid of these axes set.
+std::vector<std::vector<KeySetting>> grid_of(const std::vector<Axis>& axes) {
+  StudyPlan grid;
+  grid.axes = axes;
+  return points_of(grid);
+}
+
+// A search finds out where its widths end, but each needs one that is legal on the base, with categories of
+// the study or without. So does each axis of categories, where the widths may also be the widest.
 void check_search_values(const std::vector<Section>& all, const StudyPlan& plan) {
   for (std::size_t a = 0; a < plan.axes.size(); ++a) {
+    std::vector<Axis> categories, widest;
+    for (std::size_t b = 0; b < plan.axes.size(); ++b) {
+      if (b == a) continue;
+      const Axis& axis = plan.axes[b];
+      if (is_category(axis)) categories.push_back(axis);
+      widest.push_back(axis);
+      if (!is_category(axis)) widest.back().values = {axis.values.back()};
+    }
+    std::vector<std::vector<KeySetting>> others{{}};
+    if (!categories.empty()) std::ranges::move(grid_of(categories), std::back_inserter(others));
+    if (is_category(plan.axes[a])) std::ranges::move(grid_of(widest), std::back_inserter(others));
     std::optional<std::string> first;
     bool legal = false;
+    std::size_t tries = 0;
     for (std::size_t i = 0; i < plan.axes[a].values.size() && !legal; ++i) {
-      const auto wrong = violation(plan.base, settings_at(plan.axes[a], i));
-      legal = !wrong;
-      if (wrong && !first) first = wrong;
+      for (std::size_t k = 0; k < others.size() && !legal; ++k) {
+        auto settings = settings_at(plan.axes[a], i);
+        std::ranges::copy(others[k], std::back_inserter(settings));
+        const auto wrong = violation(plan.base, std::move(settings));
+        legal = !wrong || (k > 0 && ++tries == tries_limit);
+        if (wrong && !first) first = wrong;
+      }
     }
     if (!legal) all[a].fail(all[a].has("values") ? "values" : "from", "no value is legal: " + *first);
   }
@@ -375,6 +401,28 @@ Constraint read_constraint(const Section& s) {
   return c;
 }
 
+// Throws where the categories leave no widths to search, or make too many combinations.
+void check_combinations(const Section& s, const StudyPlan& plan, const SearchPlan& search) {
+  std::size_t combinations = 1;
+  for (const Axis& axis : plan.axes) {
+    if (is_category(axis)) combinations *= axis.values.size();
+    if (combinations <= combinations_limit) continue;
+    s.fail(s.line(), "vary",
+           "the categories make more than " + std::to_string(combinations_limit) +
+               " combinations; legal: fewer");
+  }
+  if (std::ranges::all_of(plan.axes, is_category)) {
+    s.fail(s.line(), "vary",
+           "has categories only; legal in a search: an axis of integers or more; without "
+           "[search] each point is measured");
+  }
+  if (std::cmp_less(search.evaluations, combinations)) {
+    s.fail(s.line("evaluations"), s.path_of("evaluations"),
+           "is " + std::to_string(search.evaluations) + " for " + std::to_string(combinations) +
+               " combinations of categories; legal: at least one each");
+  }
+}
+
 SearchPlan read_search(const Section& s, const std::vector<Section>& all, const StudyPlan& plan) {
   SearchPlan search;
   if (s.has("algorithm")) {
@@ -401,14 +449,18 @@ SearchPlan read_search(const Section& s, const std::vector<Section>& all, const 
       all[a].fail("keys",
                   std::string(s_ratio_key) + " is no width; legal in a search: keys of the configuration");
     }
+    const auto kind_of = [&axis](const KeyValue& v) {
+      return is_category(axis) ? std::holds_alternative<std::string>(v) || std::holds_alternative<bool>(v)
+                               : std::holds_alternative<std::int64_t>(v);
+    };
     for (const auto& values : axis.values) {
-      if (std::ranges::all_of(values,
-                              [](const KeyValue& v) { return std::holds_alternative<std::int64_t>(v); })) {
-        continue;
-      }
-      all[a].fail("values", "are no integers; legal in a search: integers");
+      if (std::ranges::all_of(values, kind_of)) continue;
+      all[a].fail("values",
+                  "are neither all integers nor all strings and booleans; legal in a search: integers, or "
+                  "strings and booleans as categories");
     }
   }
+  check_combinations(s, plan, search);
   return search;
 }
 
@@ -503,6 +555,12 @@ std::vector<std::vector<KeySetting>> points_of(const StudyPlan& plan) {
       break;
   }
   return out;
+}
+
+bool is_category(const Axis& axis) {
+  if (axis.values.empty() || axis.values[0].empty()) return false;
+  const KeyValue& first = axis.values[0][0];
+  return std::holds_alternative<std::string>(first) || std::holds_alternative<bool>(first);
 }
 
 std::string axis_title(const Axis& axis) { return axis.name.empty() ? comma_list(axis.keys) : axis.name; }

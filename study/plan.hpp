@@ -26,6 +26,8 @@ struct Axis {
   std::vector<std::int64_t> offsets = {};
 };
 
+// Whether the axis has strings and booleans, which a search does not order.
+bool is_category(const Axis& axis);
 // Returns what an axis is called: its name, or its keys, joined by ", ".
 std::string axis_title(const Axis& axis);
 // Returns the values that an axis gives to its keys as text: per key, joined by ", ". A named axis whose keys
@@ -68,7 +70,7 @@ struct StudyPlan {
                                     // embedded set
   int width = 640, height = 480;    // of the scenes that have no size of their own
   Arrangement arrangement = Arrangement::grid;
-  std::vector<Axis> axes;            // of a search: the widths that may change
+  std::vector<Axis> axes;            // of a search: the widths that may change, and categories
   std::vector<std::string> metrics;  // of tables and plots; empty: all
   std::string cost = default_cost;   // of a sweep: what is recommended has little of this metric
   std::vector<Constraint> constraints;
@@ -84,7 +86,8 @@ inline constexpr std::string_view s_ratio_key = "scene.s_ratio";
 inline constexpr double s_ratio_limit = 1e6;
 bool varies_scenes(const Axis& axis);  // whether the axis sets that key
 
-inline constexpr std::size_t points_limit = 1'000'000;  // of a plan
+inline constexpr std::size_t points_limit = 1'000'000;    // of a plan
+inline constexpr std::size_t combinations_limit = 1'000;  // of categories in a search
 
 // Returns a shipped configuration by its name. Throws InputError where there is none.
 using ConfigFinder = std::function<Config(const std::string&)>;

@@ -22,7 +22,8 @@ void add_estimates(const Config& config, std::map<std::string, double, std::less
 
 // Runs the plan's search over points that `runner` measures and keeps, and writes its steps and certificate.
 // A cost may be named "area.FAMILY.luts" (ffs, multipliers, memory_bits). Every point on which the
-// constraints hold is then synthesised, one after the other, and the result is kept too.
+// constraints hold is then synthesised, one after the other, and the result is kept too. Throws InputError
+// where there are categories, and every combination's widest point is refused.
 SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options,
                         const std::function<void(const SearchProgress&)>& progress);
 

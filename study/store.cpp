@@ -47,7 +47,9 @@ constexpr auto tables = std::to_array<const char*>({
     "CREATE TABLE IF NOT EXISTS search_steps(study TEXT, i INTEGER, hash TEXT, cost REAL, holds INTEGER, "
     "best INTEGER)",
     "CREATE TABLE IF NOT EXISTS certificate(study TEXT, key TEXT, from_value TEXT, to_value TEXT, hash TEXT, "
-    "failed TEXT, settings TEXT)",
+    "failed TEXT, settings TEXT, combination TEXT)",
+    "CREATE TABLE IF NOT EXISTS combinations(study TEXT, i INTEGER, combination TEXT, hash TEXT, cost REAL, "
+    "evaluations INTEGER, stopped_by TEXT, minimal INTEGER, failing TEXT, PRIMARY KEY(study, i))",
     "CREATE TABLE IF NOT EXISTS recommended(study TEXT, hash TEXT, reason TEXT, verified TEXT)",
     "CREATE TABLE IF NOT EXISTS budget(hash TEXT, quantisation TEXT, metric TEXT, base REAL, without REAL, "
     "alone REAL)",

@@ -21,6 +21,7 @@ from .study import (
     BudgetRow,
     Cause,
     CertificateRow,
+    Combination,
     Constraint,
     FieldError,
     Metric,
@@ -145,7 +146,15 @@ def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
         certificate=[
             CertificateRow(*(str(v or "") for v in row))
             for row in reader.rows(
-                "SELECT key, from_value, to_value, hash, failed FROM certificate WHERE study = :s ORDER BY rowid"
+                "SELECT key, from_value, to_value, hash, failed, combination FROM certificate "
+                "WHERE study = :s ORDER BY rowid"
+            )
+        ],
+        combinations=[
+            Combination(name, h, number(cost), evaluations, stopped_by, bool(minimal), failing)
+            for name, h, cost, evaluations, stopped_by, minimal, failing in reader.rows(
+                "SELECT combination, hash, cost, evaluations, stopped_by, minimal, failing FROM combinations "
+                "WHERE study = :s ORDER BY i"
             )
         ],
         recommended=[

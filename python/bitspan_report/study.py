@@ -162,6 +162,20 @@ class CertificateRow:
     to_value: str
     hash: str
     failed: str
+    combination: str  # of categories; empty without
+
+
+@dataclass
+class Combination:
+    """What a search found for one combination of categories."""
+
+    name: str
+    hash: str  # empty where nothing was found
+    cost: float
+    evaluations: int
+    stopped_by: str
+    minimal: bool
+    failing: str
 
 
 @dataclass
@@ -209,6 +223,7 @@ class Study:
     areas: dict[str, list[Area]]  # by configuration hash
     steps: list[SearchStep]
     certificate: list[CertificateRow]
+    combinations: list[Combination]
     recommended: list[Recommendation]
 
     def metric(self, name: str) -> Metric:

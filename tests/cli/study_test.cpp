@@ -151,6 +151,31 @@ TEST_F(Study, ASearchSaysTheNameOfAnAxisAndItsKeys) {
   EXPECT_NE(out.find("\n  depth 14: at its smallest\n"), std::string::npos) << out;
 }
 
+TEST_F(Study, ASearchComparesItsCategories) {
+  folder.write(
+      "s.toml",
+      "[study]\nname = \"s\"\nbase = \"depth16\"\nscenes = [\"a.tri\"]\n[[vary]]\n"
+      "keys = [\"reciprocal.pixel.kind\"]\nvalues = [\"lut_linear\", \"restoring\", \"magic\"]\n[[vary]]\n"
+      "keys = [\"formats.span.h.word\"]\nfrom = 32\nto = 34\n[[constraint]]\n"
+      "metric = \"cost.register_bits\"\nat_least = 1\n[search]\n");
+  const Result r = run("s.toml --csv out.csv");
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_NE(r.out.find("combinations:\ncombination                         cost.register_bits  evaluations  "
+                       "stopped by  certificate  what fails\n"),
+            std::string::npos)
+      << r.out;
+  EXPECT_NE(r.out.find("\nreciprocal.pixel.kind = restoring "), std::string::npos) << r.out;
+  const auto magic = r.out.find("\nreciprocal.pixel.kind = magic ");
+  ASSERT_NE(magic, std::string::npos) << r.out;
+  EXPECT_NE(r.out.find("refused: reciprocal.pixel.kind: \"magic\" is no value", magic), std::string::npos)
+      << r.out;
+  EXPECT_EQ(number("s.db", "SELECT count(*) FROM combinations WHERE minimal = 1 AND cost > 0"), 2);
+  EXPECT_EQ(
+      number("s.db", "SELECT count(*) FROM certificate WHERE combination LIKE 'reciprocal.pixel.kind = %'"),
+      2);
+  EXPECT_NE(folder.read("out.csv").find(",restoring,34,ok,1,"), std::string::npos);
+}
+
 TEST_F(Study, ASearchExportsItsEvaluations) {
   folder.write("s.toml", search_study("algorithm = \"greedy\"\nevaluations = 30\n"));
   const Result first = run("s.toml --csv out.csv");

@@ -10,7 +10,7 @@ import unittest
 from pathlib import Path
 
 import numpy as np
-from bitspan_report import analysis, data, figures
+from bitspan_report import analysis, data, figures, page
 from bitspan_report.database import load_study
 from bitspan_report.study import Bound, BudgetRow, Metric, Point, Register, SearchStep, Varied
 from make_database import BASE, write_database
@@ -261,6 +261,22 @@ class Curves(unittest.TestCase):
         )
         (alone,) = [point for point in study.points if point.number is None]
         self.assertEqual(alone.settings, {"x": 7})
+
+    def test_combinations_stand_beside_their_certificates(self):
+        self.assertNotIn("Combinations", page.search(self.study))
+        found = self.study.recommended[0].hash
+        study = self.changed(
+            "UPDATE certificate SET combination = 'kind = a'",
+            f"INSERT INTO combinations VALUES('spans', 1, 'kind = b', '', NULL, 1, 'done', 0, 'refused: <narrow>'),"
+            f"('spans', 0, 'kind = a', '{found}', 91, 12, 'evaluations', 1, '')",
+        )
+        self.assertEqual([c.name for c in study.combinations], ["kind = a", "kind = b"])
+        self.assertEqual(study.combinations[0].hash, found)
+        self.assertTrue(math.isnan(study.combinations[1].cost))
+        text = page.search(study)
+        self.assertIn("<td class=\"long\">kind = a</td><td class=\"n\">91</td><td class=\"n\">12</td>", text)
+        self.assertIn("refused: &lt;narrow&gt;", text)
+        self.assertEqual(text.count("kind = a"), 1 + len(study.certificate))
 
     def test_the_base_has_the_values_that_the_database_gives(self):
         self.assertEqual(self.study.base_settings, {**BASE, "formats.edge.uv.word": BASE["formats.span.uv.word"]})

@@ -82,7 +82,8 @@ CREATE TABLE constraints(study TEXT, i INTEGER, metric TEXT, at_most NUMERIC, at
 CREATE TABLE study_metrics(study TEXT, i INTEGER, name TEXT, PRIMARY KEY(study, i));
 CREATE TABLE study_points(study TEXT, i INTEGER, hash TEXT, settings TEXT, holds INTEGER, PRIMARY KEY(study, i));
 CREATE TABLE search_steps(study TEXT, i INTEGER, hash TEXT, cost REAL, holds INTEGER, best INTEGER);
-CREATE TABLE certificate(study TEXT, key TEXT, from_value TEXT, to_value TEXT, hash TEXT, failed TEXT, settings TEXT);
+CREATE TABLE certificate(study TEXT, key TEXT, from_value TEXT, to_value TEXT, hash TEXT, failed TEXT, settings TEXT, combination TEXT);
+CREATE TABLE combinations(study TEXT, i INTEGER, combination TEXT, hash TEXT, cost REAL, evaluations INTEGER, stopped_by TEXT, minimal INTEGER, failing TEXT, PRIMARY KEY(study, i));
 CREATE TABLE recommended(study TEXT, hash TEXT, reason TEXT, verified TEXT);
 CREATE TABLE budget(hash TEXT, quantisation TEXT, metric TEXT, base REAL, without REAL, alone REAL);
 CREATE TABLE bounds(hash TEXT, place TEXT, unit TEXT, bound REAL, observed REAL);
@@ -434,6 +435,7 @@ def search(writer: Writer, base: str) -> tuple[str, dict[str, int]]:
                 h,
                 failed,
                 json.dumps(settings),
+                "",
             ),
         )
     return found, settings_with(*(a[i] for a, i in zip(axes, at)))

@@ -309,8 +309,34 @@ TEST(Plan, BadSearchAreaAndReportAreRefused) {
   refused(head + "cost = \"bits\"\n" + vary, "study.cost: \"bits\" is no metric");
   refused(head + "arrangement = \"grid\"\n" + vary + constraint + "[search]\n",
           "study.arrangement: is given");
-  refused(head + "[[vary]]\nkeys = [\"depth.code\"]\nvalues = [\"linear\"]\n" + constraint + "[search]\n",
-          "legal in a search: integers");
+  const auto axis = [](const std::string& keys, const std::string& values) {
+    return "[[vary]]\nkeys = [" + keys + "]\nvalues = " + values + "\n";
+  };
+  const std::string search = constraint + "[search]\n";
+  refused(head + vary + axis("\"depth.bits\"", "[1.5]") + search, "vary[2].values: are neither all integers");
+  refused(head + vary + axis("\"depth.bits\"", "[16, \"17\"]") + search, "legal in a search: integers, or");
+  refused(head + vary + axis("\"depth.round\"", "[\"SC_RND\", 16]") + search, "neither all integers");
+  refused(head + vary + axis("\"depth.round\", \"depth.bits\"", "[[\"SC_RND\", 16]]") + search,
+          "neither all integers");
+  refused(head + axis("\"depth.code\"", "[\"linear\", \"inverse\"]") + search,
+          "vary: has categories only; legal in a search: an axis of integers or more");
+  // Kinds that are none are refused where no combination has another.
+  refused(head + vary + axis("\"depth.round\"", "[\"a\", \"b\"]") + search,
+          "vary[2].values: no value is legal: depth.round: \"a\" is no value");
+  const std::string kinds = axis("\"depth.round\"", "[\"SC_TRN\", \"magic\"]");
+  EXPECT_EQ(parse(head + vary + kinds + search).axes[1].values.size(), 2U);
+  refused(head + vary + kinds + search + "evaluations = 1\n",
+          "s.toml:14: search.evaluations: is 1 for 2 combinations of categories; legal: at least one each");
+  // Too many operand bits for the base's kind, and legal with a category; a kind that needs the widest width.
+  const std::string wide = axis("\"reciprocal.pixel.index_bits\"", "[9, 11]");
+  const std::string units = axis("\"reciprocal.pixel.kind\"", "[\"restoring\", \"lut_linear\"]");
+  EXPECT_EQ(parse(head + wide + units + search).axes.size(), 2U);
+  std::string many;
+  for (const char* key : {"depth.round", "depth.code", "formats.span.h.round"}) {
+    many += axis(std::string("\"") + key + "\"",
+                 "[\"a\",\"b\",\"c\",\"d\",\"e\",\"f\",\"g\",\"h\",\"i\",\"j\",\"k\"]");
+  }
+  refused(head + vary + many + search, "vary: the categories make more than 1000 combinations; legal: fewer");
   refused(head + "[[vary]]\nkeys = [\"scene.s_ratio\"]\nvalues = [10]\n" + constraint + "[search]\n",
           "is no width");
   refused(head + vary + "[area]\n", "area.families: missing");
