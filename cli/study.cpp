@@ -12,6 +12,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -101,34 +102,40 @@ std::vector<std::string> shown_metrics(const StudyPlan& plan) {
   return out;
 }
 
-// A table shows linked keys side by side, without the part that the first one has in common with them. More
-// than this many are shown by the first alone.
+// A table shows so many linked keys side by side. Of more it shows one that tells all values apart, or those
+// that change.
 constexpr std::size_t shown_keys = 4;
 
-std::string axis_name(const Axis& axis) {
-  std::string out = axis.keys[0];
-  if (axis.keys.size() > shown_keys) return fmt::format("{} +{}", out, axis.keys.size() - 1);
-  for (std::size_t k = 1; k < axis.keys.size(); ++k) {
-    out += ", " + axis.keys[k].substr(axis.keys[k].rfind('.') + 1);
+// Returns the axis with the keys that a table shows.
+Axis shown_axis(const Axis& axis) {
+  if (!axis.name.empty() || axis.keys.size() <= shown_keys) return axis;
+  Axis telling, changing;
+  for (std::size_t k = 0; k < axis.keys.size(); ++k) {
+    std::set<KeyValue> values;
+    for (const auto& row : axis.values) values.insert(row[k]);
+    if (values.size() > 1) changing.keys.push_back(axis.keys[k]);
+    if (values.size() == axis.values.size() && telling.keys.empty()) telling.keys = {axis.keys[k]};
   }
-  return out;
+  return telling.keys.empty() ? changing : telling;
 }
 
-std::string axis_value(const Axis& axis, const std::vector<KeySetting>& point) {
-  const std::size_t shown = axis.keys.size() > shown_keys ? 1 : axis.keys.size();
-  std::string out;
-  for (std::size_t k = 0; k < shown; ++k) {
-    const auto set = std::ranges::find(point, axis.keys[k], &KeySetting::path);
-    if (set == point.end()) return "";
-    out += (k == 0 ? "" : ", ") + to_string(set->value);
+// Returns the head of the axis's column: its name, or the keys without the part that the first one has in
+// common with them.
+std::string axis_head(const Axis& axis) {
+  if (!axis.name.empty()) return axis.name;
+  const Axis shown = shown_axis(axis);
+  std::string out = shown.keys[0];
+  for (std::size_t k = 1; k < shown.keys.size(); ++k) {
+    out += ", " + shown.keys[k].substr(shown.keys[k].rfind('.') + 1);
   }
-  return out;
+  if (shown.keys.size() == axis.keys.size()) return out;
+  return fmt::format("{} +{}", out, axis.keys.size() - shown.keys.size());
 }
 
 std::string points_text(const StudyPlan& plan, Store& store) {
   const auto metrics = shown_metrics(plan);
   Table rows{{"i"}};
-  for (const Axis& axis : plan.axes) rows[0].push_back(axis_name(axis));
+  for (const Axis& axis : plan.axes) rows[0].push_back(axis_head(axis));
   std::ranges::copy(metrics, std::back_inserter(rows[0]));
   rows[0].emplace_back("holds");
   std::size_t count = 0;
@@ -138,7 +145,7 @@ std::string points_text(const StudyPlan& plan, Store& store) {
     if (++count > table_rows) continue;
     std::vector<std::string> line{fmt::format("{}", integer_of(row[0]))};
     const auto settings = parse_settings(text_of(row[4]));
-    for (const Axis& axis : plan.axes) line.push_back(axis_value(axis, settings));
+    for (const Axis& axis : plan.axes) line.push_back(axis_text(shown_axis(axis), settings));
     const Metrics measured = store.metrics(text_of(row[2])).all;
     for (const std::string& metric : metrics) {
       const auto found = measured.find(metric);

@@ -12,15 +12,28 @@
 
 #include "io/data_folder.hpp"
 #include "io/message.hpp"
+#include "report/table.hpp"
 #include "study/recommend.hpp"
 #include "tb/programs.hpp"
 
 namespace bitspan {
 namespace {
 
-std::string settings_text(const std::vector<KeySetting>& settings) {
+// Returns one line per key, and one per named axis, which has its keys beside it.
+std::string point_text(const std::vector<Axis>& axes, const SearchPoint& point) {
   std::string out;
-  for (const KeySetting& s : settings) out += fmt::format("  {} = {}\n", s.path, to_string(s.value));
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    std::vector<std::string> keys;
+    for (const KeySetting& s : settings_of({axes[a]}, {point[a]})) {
+      keys.push_back(fmt::format("{} = {}", s.path, to_string(s.value)));
+    }
+    if (axes[a].name.empty()) {
+      out += fmt::format("  {}\n", fmt::join(keys, "\n  "));
+    } else {
+      out += fmt::format("  {} = {} ({})\n", axes[a].name, axis_text(axes[a], axes[a].values[point[a]]),
+                         comma_list(keys));
+    }
+  }
   return out;
 }
 
@@ -29,20 +42,37 @@ void tell(const std::string& what) {
   if (::isatty(STDERR_FILENO) != 0) say("\r\033[K" + (what.empty() ? "" : what + " ..."));
 }
 
+// Returns a table that compares the combinations of categories, and "" where there are none.
+std::string combinations_text(const StudyPlan& plan, const SearchResult& result) {
+  if (result.combinations.empty()) return "";
+  std::vector<std::vector<std::string>> rows{
+      {"combination", plan.search->cost, "evaluations", "stopped by", "certificate", "what fails"}};
+  for (const Combination& c : result.combinations) {
+    rows.push_back({c.text, c.found ? fmt::format("{:.6g}", c.cost) : "-", fmt::format("{}", c.evaluations),
+                    std::string(to_string(c.stopped_by)),
+                    !c.found                   ? "-"
+                    : c.certificate.minimal()  ? "minimal"
+                    : c.certificate.complete() ? "not minimal"
+                                               : "incomplete",
+                    c.failing});
+  }
+  return "combinations:\n" + text_table(rows);
+}
+
 }  // namespace
 
 std::string search_text(const StudyPlan& plan, const SearchResult& result) {
   std::string out;
   if (!result.found) {
-    out = fmt::format("{}: nothing found in {} evaluations; the widest point fails:\n", plan.name,
-                      result.evaluations);
+    out = fmt::format("{}: nothing found in {} evaluations; the widest point{} fails:\n", plan.name,
+                      result.evaluations, result.combinations.empty() ? "" : " of every combination");
     for (const std::string& line : result.failing) out += "  " + line + "\n";
     return out;
   }
-  out = fmt::format("{}: {} = {:.6g} after {} evaluations ({}):\n{}", plan.name, plan.search->cost,
-                    result.cost, result.evaluations, to_string(result.stopped_by),
-                    settings_text(settings_of(plan.axes, result.point)));
-  return out + "certificate:\n" + to_text(result.certificate);
+  out =
+      fmt::format("{}: {} = {:.6g} after {} evaluations ({}):\n{}", plan.name, plan.search->cost, result.cost,
+                  result.evaluations, to_string(result.stopped_by), point_text(plan.axes, result.point));
+  return out + "certificate:\n" + to_text(result.certificate) + combinations_text(plan, result);
 }
 
 bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& scenes, const LoadScenes& load,

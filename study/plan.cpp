@@ -7,10 +7,12 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <set>
 #include <span>
 #include <system_error>
+#include <utility>
 
 #include "config/toml_section.hpp"
 #include "scene/camera_views.hpp"
@@ -91,11 +93,12 @@ std::vector<std::vector<KeyValue>> listed_values(const Section& s, std::size_t k
   return out;
 }
 
+constexpr std::int64_t counted_limit = 1'000'000'000;  // of from, to and what offsets are added to
+
 std::vector<std::vector<KeyValue>> counted_values(const Section& s, std::size_t keys) {
-  constexpr std::int64_t most = 1'000'000'000;
-  const std::int64_t from = s.integer("from", -most, most);
-  const std::int64_t to = s.integer("to", -most, most);
-  const std::int64_t step = s.has("step") ? s.integer("step", 1, most) : 1;
+  const std::int64_t from = s.integer("from", -counted_limit, counted_limit);
+  const std::int64_t to = s.integer("to", -counted_limit, counted_limit);
+  const std::int64_t step = s.has("step") ? s.integer("step", 1, counted_limit) : 1;
   if (from > to) {
     s.fail("to", "is " + std::to_string(to) + ", and from is " + std::to_string(from) +
                      ": no value at all; legal: to >= from");
@@ -106,6 +109,60 @@ std::vector<std::vector<KeyValue>> counted_values(const Section& s, std::size_t 
   std::vector<std::vector<KeyValue>> out;
   for (std::int64_t v = from; v <= to; v += step) out.emplace_back(keys, KeyValue(v));
   return out;
+}
+
+// The columns of the CSV file that are neither keys nor metrics.
+constexpr auto csv_columns = std::to_array<std::string_view>(
+    {"i", "status", "holds", "seconds", "config_hash", "hash", "message", "replay"});
+
+std::string read_axis_name(const Section& s) {
+  const std::string legal = "a word of letters, digits, -, _ and .";
+  std::string name = s.text("name", legal);
+  if (name.size() > 100 || !std::ranges::all_of(name, [](unsigned char c) {
+        return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
+      })) {
+    s.fail("name", "is \"" + name + "\"; legal: " + legal);
+  }
+  const std::vector<std::string> known = all_keys();
+  const char* taken = name == s_ratio_key || std::ranges::binary_search(known, name) ? "a key"
+                      : find_metric(name) != nullptr                                 ? "a metric"
+                      : std::ranges::find(csv_columns, name) != csv_columns.end() ? "a column of the CSV file"
+                                                                                  : nullptr;
+  if (taken != nullptr) s.fail("name", "is \"" + name + "\", which is " + taken + "; legal: another word");
+  return name;
+}
+
+// Adds what each key is above the value of its axis.
+void read_offsets(const Section& s, Axis& axis) {
+  const std::string legal = "an array of " + std::to_string(axis.keys.size()) + " integers, one per key";
+  const toml::array& array = s.array("offsets", legal);
+  for (const toml::node& node : array) {
+    const auto* offset = node.as_integer();
+    if (offset == nullptr) {
+      s.fail(line_of(node.source()), s.path_of("offsets"),
+             "has " + std::string(type_name(node)) + "; legal: " + legal);
+    }
+    if (offset->get() < -counted_limit || offset->get() > counted_limit) {
+      s.fail(line_of(node.source()), s.path_of("offsets"),
+             "has " + std::to_string(offset->get()) + "; legal: up to " + std::to_string(counted_limit));
+    }
+    axis.offsets.push_back(offset->get());
+  }
+  if (axis.offsets.size() != axis.keys.size()) {
+    s.fail("offsets", "is an array of " + std::to_string(axis.offsets.size()) + "; legal: " + legal);
+  }
+  const bool linked = s.has("values") && s.array("values", "").front().is_array();
+  for (auto& values : axis.values) {
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const auto* value = std::get_if<std::int64_t>(&values[k]);
+      if (linked || value == nullptr || *value < -counted_limit || *value > counted_limit) {
+        s.fail("values",
+               "are not all integers, and offsets are added to them; legal with offsets: an array of "
+               "integers, or from and to");
+      }
+      values[k] = *value + axis.offsets[k];
+    }
+  }
 }
 
 Axis read_axis(const Section& s, const Config& base, Arrangement arrangement) {
@@ -128,11 +185,19 @@ Axis read_axis(const Section& s, const Config& base, Arrangement arrangement) {
   }
   axis.values =
       counted ? counted_values(s, axis.keys.size()) : listed_values(s, axis.keys.size(), arrangement);
+  if (s.has("offsets")) read_offsets(s, axis);
+  if (s.has("name")) axis.name = read_axis_name(s);
   return axis;
 }
 
-// Throws where a key is in two axes, or a format's word is varied beside its fraction.
+// Throws where a key is in two axes, or a format's word is varied beside its fraction, or a name is given
+// twice.
 void check_disjoint(const std::vector<Section>& all, const std::vector<Axis>& axes) {
+  std::set<std::string, std::less<>> names;
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    if (axes[a].name.empty() || names.insert(axes[a].name).second) continue;
+    all[a].fail("name", '"' + axes[a].name + "\" names another axis too; legal: one axis per name");
+  }
   std::set<std::string, std::less<>> seen;
   for (std::size_t a = 0; a < axes.size(); ++a) {
     for (const std::string& key : axes[a].keys) {
@@ -212,15 +277,39 @@ void check_values(const std::vector<Section>& all, const StudyPlan& plan) {
   }
 }
 
-// A search finds out where its widths end, but each needs one that is legal on the base.
+// Returns what the points of a grid of these axes set.
+std::vector<std::vector<KeySetting>> grid_of(const std::vector<Axis>& axes) {
+  StudyPlan grid;
+  grid.axes = axes;
+  return points_of(grid);
+}
+
+// A search finds out where its widths end, but each needs one that is legal on the base, with categories of
+// the study or without. So does each axis of categories, where the widths may also be the widest.
 void check_search_values(const std::vector<Section>& all, const StudyPlan& plan) {
   for (std::size_t a = 0; a < plan.axes.size(); ++a) {
+    std::vector<Axis> categories, widest;
+    for (std::size_t b = 0; b < plan.axes.size(); ++b) {
+      if (b == a) continue;
+      const Axis& axis = plan.axes[b];
+      if (is_category(axis)) categories.push_back(axis);
+      widest.push_back(axis);
+      if (!is_category(axis)) widest.back().values = {axis.values.back()};
+    }
+    std::vector<std::vector<KeySetting>> others{{}};
+    if (!categories.empty()) std::ranges::move(grid_of(categories), std::back_inserter(others));
+    if (is_category(plan.axes[a])) std::ranges::move(grid_of(widest), std::back_inserter(others));
     std::optional<std::string> first;
     bool legal = false;
+    std::size_t tries = 0;
     for (std::size_t i = 0; i < plan.axes[a].values.size() && !legal; ++i) {
-      const auto wrong = violation(plan.base, settings_at(plan.axes[a], i));
-      legal = !wrong;
-      if (wrong && !first) first = wrong;
+      for (std::size_t k = 0; k < others.size() && !legal; ++k) {
+        auto settings = settings_at(plan.axes[a], i);
+        std::ranges::copy(others[k], std::back_inserter(settings));
+        const auto wrong = violation(plan.base, std::move(settings));
+        legal = !wrong || (k > 0 && ++tries == tries_limit);
+        if (wrong && !first) first = wrong;
+      }
     }
     if (!legal) all[a].fail(all[a].has("values") ? "values" : "from", "no value is legal: " + *first);
   }
@@ -358,6 +447,28 @@ Constraint read_constraint(const Section& s) {
   return c;
 }
 
+// Throws where the categories leave no widths to search, or make too many combinations.
+void check_combinations(const Section& s, const StudyPlan& plan, const SearchPlan& search) {
+  std::size_t combinations = 1;
+  for (const Axis& axis : plan.axes) {
+    if (is_category(axis)) combinations *= axis.values.size();
+    if (combinations <= combinations_limit) continue;
+    s.fail(s.line(), "vary",
+           "the categories make more than " + std::to_string(combinations_limit) +
+               " combinations; legal: fewer");
+  }
+  if (std::ranges::all_of(plan.axes, is_category)) {
+    s.fail(s.line(), "vary",
+           "has categories only; legal in a search: an axis of integers or more; without "
+           "[search] each point is measured");
+  }
+  if (std::cmp_less(search.evaluations, combinations)) {
+    s.fail(s.line("evaluations"), s.path_of("evaluations"),
+           "is " + std::to_string(search.evaluations) + " for " + std::to_string(combinations) +
+               " combinations of categories; legal: at least one each");
+  }
+}
+
 SearchPlan read_search(const Section& s, const std::vector<Section>& all, const StudyPlan& plan) {
   SearchPlan search;
   if (s.has("algorithm")) {
@@ -389,14 +500,18 @@ SearchPlan read_search(const Section& s, const std::vector<Section>& all, const 
       all[a].fail("keys",
                   std::string(s_ratio_key) + " is no width; legal in a search: keys of the configuration");
     }
+    const auto kind_of = [&axis](const KeyValue& v) {
+      return is_category(axis) ? std::holds_alternative<std::string>(v) || std::holds_alternative<bool>(v)
+                               : std::holds_alternative<std::int64_t>(v);
+    };
     for (const auto& values : axis.values) {
-      if (std::ranges::all_of(values,
-                              [](const KeyValue& v) { return std::holds_alternative<std::int64_t>(v); })) {
-        continue;
-      }
-      all[a].fail("values", "are no integers; legal in a search: integers");
+      if (std::ranges::all_of(values, kind_of)) continue;
+      all[a].fail("values",
+                  "are neither all integers nor all strings and booleans; legal in a search: integers, or "
+                  "strings and booleans as categories");
     }
   }
+  check_combinations(s, plan, search);
   return search;
 }
 
@@ -426,7 +541,7 @@ StudyPlan parse_study(std::string_view text, const std::string& path, const Conf
                                                "validate_views", "size", "arrangement", "metrics", "cost"});
   read_study(study, path, find, plan);
 
-  const auto vary = root.sections("vary", {"keys", "values", "from", "to", "step"});
+  const auto vary = root.sections("vary", {"name", "keys", "values", "from", "to", "step", "offsets"});
   if (vary.empty()) root.fail(1, "vary", "missing: nothing varies; legal: one [[vary]] or more");
   for (const Section& s : vary) plan.axes.push_back(read_axis(s, plan.base, plan.arrangement));
   check_disjoint(vary, plan.axes);
@@ -492,6 +607,36 @@ std::vector<std::vector<KeySetting>> points_of(const StudyPlan& plan) {
       break;
   }
   return out;
+}
+
+bool is_category(const Axis& axis) {
+  if (axis.values.empty() || axis.values[0].empty()) return false;
+  const KeyValue& first = axis.values[0][0];
+  return std::holds_alternative<std::string>(first) || std::holds_alternative<bool>(first);
+}
+
+std::string axis_title(const Axis& axis) { return axis.name.empty() ? comma_list(axis.keys) : axis.name; }
+
+std::string axis_text(const Axis& axis, const std::vector<KeyValue>& values) {
+  std::vector<std::string> parts;
+  std::vector<KeyValue> own;  // what the keys follow from
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    parts.push_back(to_string(values[k]));
+    own.push_back(axis.offsets.empty() ? values[k]
+                                       : KeyValue(std::get<std::int64_t>(values[k]) - axis.offsets[k]));
+  }
+  const bool one = std::ranges::all_of(own, [&](const KeyValue& v) { return v == own.front(); });
+  return !axis.name.empty() && one ? to_string(own.front()) : comma_list(parts);
+}
+
+std::string axis_text(const Axis& axis, const std::vector<KeySetting>& point) {
+  std::vector<KeyValue> values;
+  for (const std::string& key : axis.keys) {
+    const auto set = std::ranges::find(point, key, &KeySetting::path);
+    if (set == point.end()) return "";
+    values.push_back(set->value);
+  }
+  return axis_text(axis, values);
 }
 
 bool varies_scenes(const Axis& axis) { return std::ranges::find(axis.keys, s_ratio_key) != axis.keys.end(); }

@@ -23,7 +23,20 @@ namespace bitspan {
 struct Axis {
   std::vector<std::string> keys;
   std::vector<std::vector<KeyValue>> values;  // values[i][k]: of keys[k]
+  std::string name = {};                      // shown in place of the keys; may be empty
+  // Each key's value is the axis's own value plus the key's offset. Empty where values are given per key.
+  std::vector<std::int64_t> offsets = {};
 };
+
+// Whether the axis has strings and booleans, which a search does not order.
+bool is_category(const Axis& axis);
+// Returns what an axis is called: its name, or its keys, joined by ", ".
+std::string axis_title(const Axis& axis);
+// Returns the values that an axis gives to its keys as text: per key, joined by ", ". A named axis whose keys
+// follow from one value shows that value.
+std::string axis_text(const Axis& axis, const std::vector<KeyValue>& values);
+// Returns that text for the settings of a point, and "" where they do not set all keys of the axis.
+std::string axis_text(const Axis& axis, const std::vector<KeySetting>& point);
 
 // What of several scenes a constraint judges.
 enum class Over : std::uint8_t {
@@ -80,7 +93,7 @@ struct StudyPlan {
   std::vector<std::string> validation;  // scenes, in the same form, that no point is chosen by
   int width = 640, height = 480;        // of the scenes that have no size of their own
   Arrangement arrangement = Arrangement::grid;
-  std::vector<Axis> axes;            // of a search: the widths that may change
+  std::vector<Axis> axes;            // of a search: the widths that may change, and categories
   std::vector<std::string> metrics;  // of tables and plots; empty: all
   std::string cost =
       default_cost;  // of a sweep: what is recommended has little of this, a metric or an expression
@@ -97,7 +110,8 @@ inline constexpr std::string_view s_ratio_key = "scene.s_ratio";
 inline constexpr double s_ratio_limit = 1e6;
 bool varies_scenes(const Axis& axis);  // whether the axis sets that key
 
-inline constexpr std::size_t points_limit = 1'000'000;  // of a plan
+inline constexpr std::size_t points_limit = 1'000'000;    // of a plan
+inline constexpr std::size_t combinations_limit = 1'000;  // of categories in a search
 
 // Returns a shipped configuration by its name. Throws InputError where there is none.
 using ConfigFinder = std::function<Config(const std::string&)>;

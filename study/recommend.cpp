@@ -141,11 +141,22 @@ void add_area(const std::string& prefix, bool place, const Config& config, Store
 }
 
 // `hashes` has the hashes of the points evaluated, by the text of their settings.
+void write_certificate(const StudyPlan& plan, const Certificate& certificate, const std::string& combination,
+                       const std::map<std::string, std::string>& hashes, Store& store) {
+  for (const Reduction& r : certificate.reductions) {
+    const std::string settings = settings_json(settings_of(plan.axes, r.point));
+    const auto hash = hashes.find(settings);
+    store.run("INSERT INTO certificate VALUES(?, ?, ?, ?, ?, ?, ?, ?)",
+              {plan.name, r.key, r.from_value, r.to_value, hash == hashes.end() ? "" : hash->second,
+               fmt::format("{}: {}", to_string(r.outcome), r.text), settings, combination});
+  }
+}
+
 void write_search(const StudyPlan& plan, const SearchResult& result, const std::string& base_hash,
                   const std::map<std::string, std::string>& hashes, Store& store) {
   store.transaction([&] {
     put_study(plan, base_hash, store);
-    for (const char* table : {"study_points", "search_steps", "certificate"}) {
+    for (const char* table : {"study_points", "search_steps", "certificate", "combinations"}) {
       store.run(fmt::format("DELETE FROM {} WHERE study = ?", table), {plan.name});
     }
     std::int64_t i = 0;
@@ -157,12 +168,15 @@ void write_search(const StudyPlan& plan, const SearchResult& result, const std::
       store.run("INSERT INTO search_steps VALUES(?, ?, ?, ?, ?, ?)",
                 {plan.name, i++, hash, step.cost, holds, std::int64_t{step.best ? 1 : 0}});
     }
-    for (const Reduction& r : result.certificate.reductions) {
-      const std::string settings = settings_json(settings_of(plan.axes, r.point));
-      const auto hash = hashes.find(settings);
-      store.run("INSERT INTO certificate VALUES(?, ?, ?, ?, ?, ?, ?)",
-                {plan.name, r.key, r.from_value, r.to_value, hash == hashes.end() ? "" : hash->second,
-                 fmt::format("{}: {}", to_string(r.outcome), r.text), settings});
+    if (result.combinations.empty()) write_certificate(plan, result.certificate, "", hashes, store);
+    i = 0;
+    for (const Combination& c : result.combinations) {
+      const std::string hash = c.found ? hashes.at(settings_json(settings_of(plan.axes, c.point))) : "";
+      store.run("INSERT INTO combinations VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                {plan.name, i++, c.text, hash, c.found ? Cell(c.cost) : Cell(),
+                 static_cast<std::int64_t>(c.evaluations), std::string(to_string(c.stopped_by)),
+                 std::int64_t{c.certificate.minimal() ? 1 : 0}, c.failing});
+      write_certificate(plan, c.certificate, c.text, hashes, store);
     }
   });
 }
@@ -386,6 +400,11 @@ SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store
     keep_expressions(base.hash, expressions, measured, store);
   }
   SearchResult result = search(*plan.search, plan.axes, plan.constraints, evaluate, options.stop, progress);
+  if (result.refused && !result.combinations.empty()) {
+    throw InputError(
+        fmt::format("{}: not one of {} combinations of categories can be measured; the first: {}", plan.name,
+                    result.combinations.size(), result.failing.front()));
+  }
   write_search(plan, result, base.hash, hashes, store);
   return result;
 }

@@ -28,7 +28,8 @@ std::vector<std::string> idle_axes(const StudyPlan& plan, const std::vector<Scen
 // Runs the plan's search over points that `runner` measures and keeps, and writes its steps and certificate.
 // Cost and constraints may have "area.FAMILY.luts" (ffs, multipliers, memory_bits, fmax_mhz). Every point on
 // which the constraints without areas hold is then synthesised, one after the other, and placed where a clock
-// rate is asked for. The result is kept too.
+// rate is asked for. The result is kept too. Throws InputError where there are
+// categories, and every combination's widest point is refused.
 SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options,
                         const std::function<void(const SearchProgress&)>& progress);
 

@@ -62,7 +62,7 @@ constexpr auto tables = std::to_array<const char*>({
     "CREATE TABLE IF NOT EXISTS studies(name TEXT PRIMARY KEY, plan TEXT, kind TEXT, base_hash TEXT, "
     "cost TEXT)",
     "CREATE TABLE IF NOT EXISTS axes(study TEXT, axis INTEGER, i INTEGER, key TEXT, base TEXT, "
-    "PRIMARY KEY(study, axis, i))",
+    "name TEXT, \"offset\" INTEGER, PRIMARY KEY(study, axis, i))",
     "CREATE TABLE IF NOT EXISTS constraints(study TEXT, i INTEGER, metric TEXT, at_most NUMERIC, at_least "
     "NUMERIC, over TEXT, PRIMARY KEY(study, i))",
     "CREATE TABLE IF NOT EXISTS study_metrics(study TEXT, i INTEGER, name TEXT, PRIMARY KEY(study, i))",
@@ -71,7 +71,9 @@ constexpr auto tables = std::to_array<const char*>({
     "CREATE TABLE IF NOT EXISTS search_steps(study TEXT, i INTEGER, hash TEXT, cost REAL, holds INTEGER, "
     "best INTEGER)",
     "CREATE TABLE IF NOT EXISTS certificate(study TEXT, key TEXT, from_value TEXT, to_value TEXT, hash TEXT, "
-    "failed TEXT, settings TEXT)",
+    "failed TEXT, settings TEXT, combination TEXT)",
+    "CREATE TABLE IF NOT EXISTS combinations(study TEXT, i INTEGER, combination TEXT, hash TEXT, cost REAL, "
+    "evaluations INTEGER, stopped_by TEXT, minimal INTEGER, failing TEXT, PRIMARY KEY(study, i))",
     "CREATE TABLE IF NOT EXISTS recommended(study TEXT, hash TEXT, reason TEXT, verified TEXT)",
     "CREATE TABLE IF NOT EXISTS validation(study TEXT, hash TEXT, scene TEXT, i INTEGER, value REAL, holds "
     "INTEGER)",

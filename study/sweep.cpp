@@ -336,7 +336,10 @@ void put_study(const StudyPlan& plan, const std::string& base_hash, Store& store
       const std::vector<std::string>& keys = plan.axes[a].keys;
       for (std::size_t k = 0; k < keys.size(); ++k) {
         const Cell base = keys[k] == s_ratio_key ? Cell() : value_json(value_of_key(plan.base, keys[k]));
-        store.run("INSERT INTO axes VALUES(?, ?, ?, ?, ?)", {plan.name, index(a), index(k), keys[k], base});
+        const auto& offsets = plan.axes[a].offsets;
+        store.run("INSERT INTO axes VALUES(?, ?, ?, ?, ?, ?, ?)",
+                  {plan.name, index(a), index(k), keys[k], base, plan.axes[a].name,
+                   offsets.empty() ? Cell() : Cell(offsets[k])});
       }
     }
     for (std::size_t i = 0; i < plan.constraints.size(); ++i) {
@@ -436,6 +439,7 @@ void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
   std::vector<std::string> cells{"i"};
   std::map<std::string, std::string, std::less<>> base;  // values of the keys that vary
   for (const Axis& axis : plan.axes) {
+    if (!axis.name.empty()) cells.push_back(axis.name);
     for (const std::string& key : axis.keys) {
       cells.push_back(key);
       base[key] = key == s_ratio_key ? "" : to_string(value_of_key(plan.base, key));
@@ -447,9 +451,11 @@ void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
   line(cells);
   for (const Row& row : rows) {
     auto values = base;
-    for (const KeySetting& s : parse_settings(text_of(row[7]))) values[s.path] = to_string(s.value);
+    const auto settings = parse_settings(text_of(row[7]));
+    for (const KeySetting& s : settings) values[s.path] = to_string(s.value);
     cells = {std::to_string(integer_of(row[0]))};
     for (const Axis& axis : plan.axes) {
+      if (!axis.name.empty()) cells.push_back(axis_text(axis, settings));
       for (const std::string& key : axis.keys) cells.push_back(values[key]);
     }
     cells.insert(cells.end(), {text_of(row[3]), std::to_string(integer_of(row[1]))});

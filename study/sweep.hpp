@@ -140,7 +140,7 @@ SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, 
 // Writes the points of the study that are in the database, of a sweep or a search, as CSV (RFC 4180). The
 // first line is the header; one line per point follows. The columns are i, the keys that vary, status, holds,
 // the metrics of the plan (or all), seconds, config_hash, hash, message, and the command that measures the
-// point again: `replay`, a blank, its hash.
+// point again: `replay`, a blank, its hash. A named axis has a column of its own before its keys.
 void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
                const std::function<void(std::string_view)>& write);
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .study import BudgetRow, Metric, Study
+from .study import BudgetRow, Metric, Study, Varied
 
 Floats = NDArray[np.float64]
 
@@ -79,7 +79,7 @@ class Axis:
     sets of values apart, or all of them as text."""
 
     keys: list[str]
-    shown: str  # the key whose values these are; several keys, joined, where the values are text
+    shown: str  # the axis's name, or the key whose values these are; several keys, joined, where the values are text
     values: list[Any]  # (points,); None: unknown there
     numeric: bool
     slice: list[int]  # the points that differ from the base in these keys alone
@@ -106,7 +106,8 @@ def read_axes(study: Study) -> list[Axis]:
     """Returns the axes along which the measured points of a study differ."""
     base = study.base_settings
     axes = []
-    for keys in study.axes:
+    for varied in study.axes:
+        keys = varied.keys
         sets = [tuple(point.settings.get(key, base[key]) for key in keys) for point in study.points]
         known = [not point.refused and None not in values for point, values in zip(study.points, sets)]
         distinct = {values for values, ok in zip(sets, known) if ok}
@@ -118,6 +119,11 @@ def read_axes(study: Study) -> list[Axis]:
             for i, point in enumerate(study.points)
             if known[i] and all(point.settings.get(key, base[key]) == base[key] for key in others)
         ]
+        own = _own_values(varied, sets, known, tuple(base[key] for key in keys))
+        if varied.name and own is not None:
+            numeric = all(_is_number(value) for value in own if value is not None)
+            axes.append(Axis(keys, varied.name, own, numeric, alone))
+            continue
         telling = [k for k in range(len(keys)) if len({values[k] for values in distinct}) == len(distinct)]
         if telling:
             column = [values[telling[0]] if ok else None for values, ok in zip(sets, known)]
@@ -126,7 +132,25 @@ def read_axes(study: Study) -> list[Axis]:
         else:
             texts = [" ".join(map(str, values)) if ok else None for values, ok in zip(sets, known)]
             axes.append(Axis(keys, _together(keys), texts, False, alone))
+        axes[-1].shown = varied.name or axes[-1].shown
     return axes
+
+
+def _own_values(
+    varied: Varied, sets: Sequence[tuple[Any, ...]], known: Sequence[bool], base: tuple[Any, ...]
+) -> list[Any] | None:
+    """Returns the one value per point that the keys follow from, None where it is unknown. The base's keys need not
+    follow from one value. Where those of other points do not, there is no such column."""
+    column: list[Any] = []
+    for values, ok in zip(sets, known):
+        own = [v - offset if offset else v for v, offset in zip(values, varied.offsets)] if ok else [None]
+        if all(v == own[0] for v in own):
+            column.append(own[0])
+        elif values == base:
+            column.append(None)
+        else:
+            return None
+    return column
 
 
 def _together(keys: list[str]) -> str:
@@ -154,7 +178,7 @@ def curve(axis: Axis, metric: Metric, column: Floats) -> Curve:
     The curve goes through the base where at least three values were tried with all else as in the base. Otherwise it
     has the best point of each value, whatever else that point has.
     """
-    one_at_a_time = len({axis.values[i] for i in axis.slice}) >= 3
+    one_at_a_time = len({axis.values[i] for i in axis.slice} - {None}) >= 3
     candidates = axis.slice if one_at_a_time else range(len(axis.values))
     best: dict[Any, int] = {}
     keys = to_minimise(metric, column)

@@ -21,6 +21,7 @@ from .study import (
     BudgetRow,
     Cause,
     CertificateRow,
+    Combination,
     Constraint,
     FieldError,
     Metric,
@@ -29,6 +30,7 @@ from .study import (
     Register,
     SearchStep,
     Study,
+    Varied,
 )
 
 SCHEMA = "4"
@@ -144,7 +146,15 @@ def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
         certificate=[
             CertificateRow(*(str(v or "") for v in row))
             for row in reader.rows(
-                "SELECT key, from_value, to_value, hash, failed FROM certificate WHERE study = :s ORDER BY rowid"
+                "SELECT key, from_value, to_value, hash, failed, combination FROM certificate "
+                "WHERE study = :s ORDER BY rowid"
+            )
+        ],
+        combinations=[
+            Combination(name, h, number(cost), evaluations, stopped_by, bool(minimal), failing)
+            for name, h, cost, evaluations, stopped_by, minimal, failing in reader.rows(
+                "SELECT combination, hash, cost, evaluations, stopped_by, minimal, failing FROM combinations "
+                "WHERE study = :s ORDER BY i"
             )
         ],
         recommended=[
@@ -184,12 +194,15 @@ def _read_points(reader: _Reader, base_hash: str) -> list[Point]:
     return sorted(points.values(), key=lambda point: math.inf if point.number is None else point.number)
 
 
-def _read_axes(reader: _Reader) -> tuple[list[list[str]], dict[str, Any]]:
-    """Returns the keys that vary, those set together in one list, and what the base has for each, None for none."""
-    axes: dict[int, list[str]] = defaultdict(list)
+def _read_axes(reader: _Reader) -> tuple[list[Varied], dict[str, Any]]:
+    """Returns the keys that vary, those set together in one, and what the base has for each, None for none."""
+    axes: dict[int, Varied] = {}
     base: dict[str, Any] = {}
-    for axis, key, value in reader.rows("SELECT axis, key, base FROM axes WHERE study = :s ORDER BY axis, i"):
-        axes[axis].append(key)
+    query = 'SELECT axis, key, base, name, "offset" FROM axes WHERE study = :s ORDER BY axis, i'
+    for axis, key, value, name, offset in reader.rows(query):
+        varied = axes.setdefault(axis, Varied(name or "", [], []))
+        varied.keys.append(key)
+        varied.offsets.append(offset or 0)
         base[key] = None if value is None else json.loads(value)
     return list(axes.values()), base
 

@@ -120,7 +120,7 @@ def studied(study: Study) -> str:
     held = sum(p.holds is True for p in study.points)
     seconds = sum(p.seconds for p in study.points if not math.isnan(p.seconds))
     base = study.points[study.base] if study.base is not None else None
-    axes = [", ".join(keys) for keys in study.axes]
+    axes = [varied.title for varied in study.axes]
     facts: list[tuple[str, str]] = [
         ("kind", escape(study.kind)),
         (
@@ -371,14 +371,43 @@ def search(study: Study) -> str:
             '<div id="search-plot" class="chart"></div>'
             f'<p class="note">{len(study.steps)} evaluations; click one to see its configuration.</p>'
         )
+    if study.combinations:
+        parts.append("<h3>Combinations</h3>")
+        parts.append(note("The widths were searched for each combination of categories; the cheapest is the answer."))
+        parts.append(
+            table(
+                ["combination", study.cost_metric, "evaluations", "stopped by", "minimal", "what fails", "point"],
+                [
+                    (
+                        c.name,
+                        c.cost,
+                        c.evaluations,
+                        c.stopped_by,
+                        ("yes" if c.minimal else "no") if c.hash else "–",
+                        c.failing,
+                        point_link(study, c.hash),
+                    )
+                    for c in study.combinations
+                ],
+                scroll=len(study.combinations) > 14,
+            )
+        )
     parts.append("<h3>Certificate</h3>")
     if study.certificate:
+        of_each = ["combination"] if study.combinations else []
         parts.append(note("Each way to lower the found point by one step, and why it is not taken."))
         parts.append(
             table(
-                ["key", "from", "to", "outcome", "point"],
+                [*of_each, "key", "from", "to", "outcome", "point"],
                 [
-                    (c.key, c.from_value, c.to_value, _said_once(c.failed), point_link(study, c.hash))
+                    (
+                        *([c.combination] if of_each else []),
+                        c.key,
+                        c.from_value,
+                        c.to_value,
+                        _said_once(c.failed),
+                        point_link(study, c.hash),
+                    )
                     for c in study.certificate
                 ],
                 scroll=len(study.certificate) > 14,

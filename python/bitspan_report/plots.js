@@ -194,7 +194,7 @@ function drawCurve(element, metric, axis, samples, knee) {
   const decades = Math.min(...numbers) > 0 && Math.max(...numbers) >= 100 * Math.min(...numbers);
   const spread = decades ? { type: "log", exponentformat: "e", minexponent: 4, dtick: 1 } : whole;
   drawPlot(element, traces, layoutOf(element.closest(".wide") ? 340 : 260, { showlegend: false, yaxis: scale.layout,
-    xaxis: axisLayout(axis.keys.includes(axis.shown) ? axis.shown : "", axis.numeric ? spread : { type: "category" }),
+    xaxis: axisLayout(axis.numeric ? axis.shown : "", axis.numeric ? spread : { type: "category" }),
     shapes: [...limitShapes(metric, scale.log), ...scale.shapes], annotations: scale.annotations }));
 }
 

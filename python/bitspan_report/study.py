@@ -133,6 +133,20 @@ class Area:
 
 
 @dataclass
+class Varied:
+    """Keys that were set together. A key's value is the value that they follow from plus its offset."""
+
+    name: str  # "" where the plan gives none
+    keys: list[str]
+    offsets: list[int]
+
+    @property
+    def title(self) -> str:
+        keys = ", ".join(self.keys)
+        return f"{self.name} ({keys})" if self.name else keys
+
+
+@dataclass
 class SearchStep:
     number: int
     hash: str
@@ -148,6 +162,20 @@ class CertificateRow:
     to_value: str
     hash: str
     failed: str
+    combination: str  # of categories; empty without
+
+
+@dataclass
+class Combination:
+    """What a search found for one combination of categories."""
+
+    name: str
+    hash: str  # empty where nothing was found
+    cost: float
+    evaluations: int
+    stopped_by: str
+    minimal: bool
+    failing: str
 
 
 @dataclass
@@ -181,7 +209,7 @@ class Study:
     base: int | None  # index into points
     metrics: dict[str, list[float]]
     known: dict[str, Metric]  # every metric that a study can have, in the order of tables
-    axes: list[list[str]]  # keys that were set together
+    axes: list[Varied]
     base_settings: dict[str, Any]  # the base's value of each of those keys; None where it has none or was not measured
     constraints: list[Constraint]
     chosen_metrics: list[str]  # of the plan; empty: all
@@ -195,6 +223,7 @@ class Study:
     areas: dict[str, list[Area]]  # by configuration hash
     steps: list[SearchStep]
     certificate: list[CertificateRow]
+    combinations: list[Combination]
     recommended: list[Recommendation]
 
     def metric(self, name: str) -> Metric:

@@ -17,9 +17,10 @@ Certificate Searcher::certificate_of(const SearchPoint& p) const {
   Certificate c;
   c.point_holds = known(p) && at(p).holds;
   for (std::size_t i = 0; i < p.size(); ++i) {
+    if (is_category(axes_[i])) continue;  // it has no order, and no step down
     Reduction r;
     r.axis = i;
-    r.key = key_text(axes_[i]);
+    r.key = axis_title(axes_[i]);
     r.from_value = value_text(axes_[i], p[i]);
     r.point = p;
     if (p[i] == 0) {

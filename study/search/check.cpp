@@ -15,7 +15,7 @@ void check_axes(const std::vector<Axis>& axes) {
   if (axes.empty()) throw InputError("search: nothing varies; expected at least one [[vary]]");
   std::set<std::string> seen;
   for (const Axis& axis : axes) {
-    const std::string name = key_text(axis);
+    const std::string name = axis_title(axis);
     if (axis.keys.empty()) throw InputError("search: a [[vary]] without keys");
     if (axis.values.empty()) throw InputError("search: " + name + ": no values");
     for (const std::string& key : axis.keys) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "study/search/check.hpp"
+#include "study/search/combinations.hpp"
 #include "study/search/searcher.hpp"
 #include "study/search/texts.hpp"
 
@@ -64,7 +65,14 @@ SearchResult search(const SearchPlan& plan, const std::vector<Axis>& axes,
   searching::check_plan(plan);
   searching::check_axes(axes);
   searching::check_constraints(constraints);
-  return searching::Searcher(plan, axes, constraints, evaluate, std::move(stop), progress).run();
+  if (std::ranges::none_of(axes, is_category)) {
+    return searching::Searcher(plan, axes, constraints, evaluate, std::move(stop), progress).run();
+  }
+  const searching::InnerSearch inner = [&](const SearchPlan& share, const std::vector<Axis>& widths,
+                                           const std::function<void(const SearchProgress&)>& tell) {
+    return searching::Searcher(share, widths, constraints, evaluate, stop, tell).run();
+  };
+  return searching::search_combinations(plan, axes, inner, progress);
 }
 
 Certificate certify(const std::string& cost_metric, const std::vector<Axis>& axes,
@@ -77,15 +85,20 @@ Certificate certify(const std::string& cost_metric, const std::vector<Axis>& axe
   }
   for (std::size_t i = 0; i < axes.size(); ++i) {
     if (point[i] < axes[i].values.size()) continue;
-    throw InputError(fmt::format("certificate: {}: value {} of {}", searching::key_text(axes[i]),
-                                 point[i] + 1, axes[i].values.size()));
+    throw InputError(fmt::format("certificate: {}: value {} of {}", axis_title(axes[i]), point[i] + 1,
+                                 axes[i].values.size()));
   }
   SearchPlan plan;
   plan.cost = cost_metric;
   plan.evaluations = std::numeric_limits<int>::max();
   plan.seconds = searching::infinity;
   const std::function<void(const SearchProgress&)> silent;
-  return searching::Searcher(plan, axes, constraints, evaluate, {}, silent).certificate_for(point);
+  const std::vector<Axis> widths = searching::narrowed(axes, point);
+  SearchPoint inner = point;
+  for (std::size_t a = 0; a < axes.size(); ++a) inner[a] = is_category(axes[a]) ? 0 : point[a];
+  Certificate c = searching::Searcher(plan, widths, constraints, evaluate, {}, silent).certificate_for(inner);
+  searching::widen(axes, c, point);
+  return c;
 }
 
 std::string to_text(const Certificate& certificate) {

@@ -49,8 +49,8 @@ enum class ReductionOutcome {
 
 struct Reduction {  // one axis, one value down, all others as they are
   std::size_t axis = 0;
-  std::string key;         // linked keys are joined by ", "
-  std::string from_value;  // linked values likewise
+  std::string key;         // axis_title
+  std::string from_value;  // axis_text
   std::string to_value;    // "" at the smallest
   SearchPoint point;       // the reduced point; the point itself at the smallest
   ReductionOutcome outcome = ReductionOutcome::not_evaluated;
@@ -66,12 +66,26 @@ struct Certificate {
   bool minimal() const;
 };
 
-enum class StoppedBy { done, evaluations, seconds, interrupt };
+enum class StoppedBy { done, evaluations, seconds, interrupt };  // a later one says more of a whole search
 std::string_view to_string(StoppedBy reason);
 std::string_view to_string(ReductionOutcome outcome);
 
+// What was found for one combination of the categories.
+struct Combination {
+  std::string text;  // "reciprocal.pixel.kind = exact", one part per axis of categories
+  bool found = false;
+  bool refused = false;  // the widest point was
+  SearchPoint point;     // empty where not found
+  double cost = 0;       // of the point
+  std::size_t evaluations = 0;
+  Certificate certificate;  // of the point, within the combination
+  StoppedBy stopped_by = StoppedBy::done;
+  std::string failing;  // what fails at the widest point, where nothing was found
+};
+
 struct SearchResult {
   bool found = false;
+  bool refused = false;           // the widest point was; of several combinations, all were
   SearchPoint point;              // the best so far where a limit stopped the search; empty where not found
   double cost = 0;                // of the point
   std::size_t evaluations = 0;    // points asked for
@@ -79,6 +93,7 @@ struct SearchResult {
   std::vector<std::string> failing;  // what fails at the widest point, where nothing was found
   Certificate certificate;           // of the point; empty where not found
   StoppedBy stopped_by = StoppedBy::done;
+  std::vector<Combination> combinations;  // in the order of a grid; empty where no axis has categories
 };
 
 struct SearchProgress {
@@ -98,6 +113,10 @@ struct SearchProgress {
 // smallest, then the earlier axes narrower. With plan.tie_within the lowest tie among the points that cost at
 // most that share more wins instead. The same plan and evaluations give the same result, whatever the number
 // of cores.
+//
+// An axis of categories has no order. Each combination of categories is searched for itself, by the same
+// algorithm from the same seed. The answer is the cheapest of them. Each gets an equal part of the limits
+// that are left.
 //
 // The search never passes plan.evaluations. It does not begin a batch that, judged by the slowest so far,
 // would end after plan.seconds. On either limit, and on a stop request, the best point so far is the answer.

@@ -36,6 +36,7 @@ SearchResult Searcher::run() {
   try {
     enter("widest");
     evaluate({top_});
+    result.refused = at(top_).refused;
     if (at(top_).holds) {
       SearchPoint p = top_;
       switch (plan_.algorithm) {

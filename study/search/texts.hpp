@@ -11,7 +11,6 @@
 namespace bitspan::searching {
 
 std::string joined(const std::vector<std::string>& parts, std::string_view separator);
-std::string key_text(const Axis& axis);
 std::string value_text(const Axis& axis, std::size_t i);
 
 }  // namespace bitspan::searching

@@ -143,6 +143,68 @@ TEST_F(Study, AnExpressionHeadsItsColumn) {
           "constraint[1].metric: \"2 * span.u.mox\": character 5: \"span.u.mox\" is no metric; legal: ");
 }
 
+TEST_F(Study, TablesShowWhatTellsLinkedKeysApart) {
+  const auto varied = [this](const std::string& vary) {
+    folder.write("s.toml",
+                 "[study]\nname = \"s\"\nbase = \"depth16\"\nscenes = [\"a.tri\"]\n"
+                 "metrics = [\"span.u.max\"]\n[[vary]]\nkeys = [\"depth.round\", \"depth.bits\", "
+                 "\"formats.span.h.word\", \"formats.edge.h.word\", \"reciprocal.pixel.kind\"]\n" +
+                     vary);
+    return run("s.toml --db t.db").out;
+  };
+  const std::string values =
+      "values = [[\"SC_TRN\", 16, 34, 30, \"restoring\"], [\"SC_TRN\", 16, 33, 31, \"restoring\"]]\n";
+  const std::string unnamed = varied(values);
+  EXPECT_TRUE(unnamed.starts_with("i  formats.span.h.word +4")) << unnamed;
+  EXPECT_NE(unnamed.find("\n1                      33 "), std::string::npos) << unnamed;
+  // No key tells these three apart.
+  const std::string changing = varied(
+      "values = [[\"SC_TRN\", 16, 34, 30, \"restoring\"], [\"SC_TRN\", 16, 34, 31, \"restoring\"], "
+      "[\"SC_TRN\", 16, 33, 31, \"restoring\"]]\n");
+  EXPECT_TRUE(changing.starts_with("i  formats.span.h.word, word +3")) << changing;
+  EXPECT_NE(changing.find("34, 31 "), std::string::npos) << changing;
+  const std::string named = varied("name = \"set\"\n" + values);
+  EXPECT_TRUE(named.starts_with("i  set  ")) << named;
+  EXPECT_NE(named.find("SC_TRN, 16, 33, 31, restoring"), std::string::npos) << named;
+}
+
+TEST_F(Study, ASearchSaysTheNameOfAnAxisAndItsKeys) {
+  folder.write("s.toml",
+               "[study]\nname = \"s\"\nbase = \"depth16\"\nscenes = [\"a.tri\"]\n[[vary]]\nname = \"depth\"\n"
+               "keys = [\"depth.bits\", \"formats.span.h.word\"]\nfrom = 14\nto = 16\noffsets = [0, 18]\n"
+               "[[constraint]]\nmetric = \"cost.register_bits\"\nat_least = 1\n[search]\n");
+  const std::string out = run("s.toml").out;
+  EXPECT_NE(out.find("\n  depth = 14 (depth.bits = 14, formats.span.h.word = 32)\ncertificate:\n"),
+            std::string::npos)
+      << out;
+  EXPECT_NE(out.find("\n  depth 14: at its smallest\n"), std::string::npos) << out;
+}
+
+TEST_F(Study, ASearchComparesItsCategories) {
+  folder.write(
+      "s.toml",
+      "[study]\nname = \"s\"\nbase = \"depth16\"\nscenes = [\"a.tri\"]\n[[vary]]\n"
+      "keys = [\"reciprocal.pixel.kind\"]\nvalues = [\"lut_linear\", \"restoring\", \"magic\"]\n[[vary]]\n"
+      "keys = [\"formats.span.h.word\"]\nfrom = 32\nto = 34\n[[constraint]]\n"
+      "metric = \"cost.register_bits\"\nat_least = 1\n[search]\n");
+  const Result r = run("s.toml --csv out.csv");
+  EXPECT_EQ(r.code, 0) << r.err;
+  EXPECT_NE(r.out.find("combinations:\ncombination                         cost.register_bits  evaluations  "
+                       "stopped by  certificate  what fails\n"),
+            std::string::npos)
+      << r.out;
+  EXPECT_NE(r.out.find("\nreciprocal.pixel.kind = restoring "), std::string::npos) << r.out;
+  const auto magic = r.out.find("\nreciprocal.pixel.kind = magic ");
+  ASSERT_NE(magic, std::string::npos) << r.out;
+  EXPECT_NE(r.out.find("refused: reciprocal.pixel.kind: \"magic\" is no value", magic), std::string::npos)
+      << r.out;
+  EXPECT_EQ(number("s.db", "SELECT count(*) FROM combinations WHERE minimal = 1 AND cost > 0"), 2);
+  EXPECT_EQ(
+      number("s.db", "SELECT count(*) FROM certificate WHERE combination LIKE 'reciprocal.pixel.kind = %'"),
+      2);
+  EXPECT_NE(folder.read("out.csv").find(",restoring,34,ok,1,"), std::string::npos);
+}
+
 TEST_F(Study, ASearchExportsItsEvaluations) {
   folder.write("s.toml", search_study("algorithm = \"greedy\"\nevaluations = 30\n"));
   const Result first = run("s.toml --csv out.csv");

@@ -10,9 +10,9 @@ import unittest
 from pathlib import Path
 
 import numpy as np
-from bitspan_report import analysis, data, figures
+from bitspan_report import analysis, data, figures, page
 from bitspan_report.database import load_study
-from bitspan_report.study import Bound, BudgetRow, Metric, Point, Register, SearchStep
+from bitspan_report.study import Bound, BudgetRow, Metric, Point, Register, SearchStep, Varied
 from make_database import BASE, write_database
 
 ERROR = Metric("span.u.max", "span.u", "maximum", "texel", False, "result", False, "")
@@ -212,11 +212,15 @@ class Curves(unittest.TestCase):
         self.assertFalse(any(self.study.points[i].refused for axis in axes for i in axis.slice))
 
     def test_linked_keys_show_what_tells_their_values_apart(self):
-        def axes_of(*settings):
+        def axes_of(*settings, name="", offsets=(0, 0), base=(None, None)):
             points = [
                 Point(str(i), "", "", "", False, "", 0, i, dict(zip("ab", values))) for i, values in enumerate(settings)
             ]
-            return analysis.read_axes(dataclasses.replace(self.study, points=points, base=None, axes=[["a", "b"]], base_settings={"a": None, "b": None}))
+            study = dataclasses.replace(
+                self.study, points=points, base=None, axes=[Varied(name, ["a", "b"], list(offsets))],
+                base_settings=dict(zip("ab", base)),
+            )
+            return analysis.read_axes(study)
 
         (axis,) = axes_of((1, 5), (2, 5), (3, 6))
         self.assertEqual((axis.shown, axis.values, axis.numeric, axis.label), ("a", [1, 2, 3], True, "a with b"))
@@ -225,6 +229,14 @@ class Curves(unittest.TestCase):
         (axis,) = axes_of(("lut", 5), ("lut", 6), ("newton", 6))
         self.assertEqual((axis.shown, axis.values, axis.numeric), ("a, b", ["lut 5", "lut 6", "newton 6"], False))
         self.assertEqual(axes_of((1, 5), (1, 5)), [])
+        # A name stands for its keys. Its values are what the keys follow from, but for a base that follows from none.
+        points = ((12, 14), (13, 15), (14, 16), (20, 20))
+        (axis,) = axes_of(*points, name="depth", offsets=(2, 4), base=(20, 20))
+        self.assertEqual((axis.shown, axis.values, axis.numeric, axis.label), ("depth", [10, 11, 12, None], True, "depth"))
+        (axis,) = axes_of(("lut", 5), ("lut", 6), name="unit")
+        self.assertEqual((axis.shown, axis.values, axis.numeric, axis.label), ("unit", [5, 6], True, "unit"))
+        (axis,) = axes_of(("lut", 5), ("lut", 6), ("newton", 6), name="unit")
+        self.assertEqual((axis.shown, axis.values), ("unit", ["lut 5", "lut 6", "newton 6"]))
 
     def test_keys_that_share_a_prefix_say_it_once(self):
         together = analysis._together
@@ -266,6 +278,22 @@ class Curves(unittest.TestCase):
         )
         (alone,) = [point for point in study.points if point.number is None]
         self.assertEqual(alone.settings, {"x": 7})
+
+    def test_combinations_stand_beside_their_certificates(self):
+        self.assertNotIn("Combinations", page.search(self.study))
+        found = self.study.recommended[0].hash
+        study = self.changed(
+            "UPDATE certificate SET combination = 'kind = a'",
+            f"INSERT INTO combinations VALUES('spans', 1, 'kind = b', '', NULL, 1, 'done', 0, 'refused: <narrow>'),"
+            f"('spans', 0, 'kind = a', '{found}', 91, 12, 'evaluations', 1, '')",
+        )
+        self.assertEqual([c.name for c in study.combinations], ["kind = a", "kind = b"])
+        self.assertEqual(study.combinations[0].hash, found)
+        self.assertTrue(math.isnan(study.combinations[1].cost))
+        text = page.search(study)
+        self.assertIn("<td class=\"long\">kind = a</td><td class=\"n\">91</td><td class=\"n\">12</td>", text)
+        self.assertIn("refused: &lt;narrow&gt;", text)
+        self.assertEqual(text.count("kind = a"), 1 + len(study.certificate))
 
     def test_the_base_has_the_values_that_the_database_gives(self):
         self.assertEqual(self.study.base_settings, {**BASE, "formats.edge.uv.word": BASE["formats.span.uv.word"]})

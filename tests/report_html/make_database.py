@@ -77,14 +77,15 @@ CREATE TABLE registers(hash TEXT, name TEXT, format TEXT, word INTEGER, int INTE
   min REAL, max REAL, used_bits INTEGER, headroom INTEGER, wraps INTEGER, saturations INTEGER, zeros INTEGER,
   octaves TEXT);
 CREATE TABLE studies(name TEXT PRIMARY KEY, plan TEXT, kind TEXT, base_hash TEXT, cost TEXT);
-CREATE TABLE axes(study TEXT, axis INTEGER, i INTEGER, key TEXT, base TEXT, PRIMARY KEY(study, axis, i));
+CREATE TABLE axes(study TEXT, axis INTEGER, i INTEGER, key TEXT, base TEXT, name TEXT, "offset" INTEGER, PRIMARY KEY(study, axis, i));
 CREATE TABLE constraints(study TEXT, i INTEGER, metric TEXT, at_most NUMERIC, at_least NUMERIC, over TEXT, PRIMARY KEY(study, i));
 CREATE TABLE scene_metrics(hash TEXT, scene INTEGER, name TEXT, value REAL);
 CREATE TABLE validation(study TEXT, hash TEXT, scene TEXT, i INTEGER, value REAL, holds INTEGER);
 CREATE TABLE study_metrics(study TEXT, i INTEGER, name TEXT, PRIMARY KEY(study, i));
 CREATE TABLE study_points(study TEXT, i INTEGER, hash TEXT, settings TEXT, holds INTEGER, PRIMARY KEY(study, i));
 CREATE TABLE search_steps(study TEXT, i INTEGER, hash TEXT, cost REAL, holds INTEGER, best INTEGER);
-CREATE TABLE certificate(study TEXT, key TEXT, from_value TEXT, to_value TEXT, hash TEXT, failed TEXT, settings TEXT);
+CREATE TABLE certificate(study TEXT, key TEXT, from_value TEXT, to_value TEXT, hash TEXT, failed TEXT, settings TEXT, combination TEXT);
+CREATE TABLE combinations(study TEXT, i INTEGER, combination TEXT, hash TEXT, cost REAL, evaluations INTEGER, stopped_by TEXT, minimal INTEGER, failing TEXT, PRIMARY KEY(study, i));
 CREATE TABLE recommended(study TEXT, hash TEXT, reason TEXT, verified TEXT);
 CREATE TABLE budget(hash TEXT, quantisation TEXT, metric TEXT, base REAL, without REAL, alone REAL);
 CREATE TABLE bounds(hash TEXT, place TEXT, unit TEXT, bound REAL, observed REAL);
@@ -436,6 +437,7 @@ def search(writer: Writer, base: str) -> tuple[str, dict[str, int]]:
                 h,
                 failed,
                 json.dumps(settings),
+                "",
             ),
         )
     return found, settings_with(*(a[i] for a, i in zip(axes, at)))
@@ -460,10 +462,10 @@ def write_database(path: str | pathlib.Path) -> None:
     )
     writer.insert(
         "axes",
-        ("spans", 0, 0, "formats.span.h.word", "34"),
-        ("spans", 1, 0, "formats.span.uv.word", "25"),
-        ("spans", 1, 1, "formats.edge.uv.word", "25"),
-        ("spans", 2, 0, "reciprocal.pixel.output.word", "19"),
+        ("spans", 0, 0, "formats.span.h.word", "34", "", None),
+        ("spans", 1, 0, "formats.span.uv.word", "25", "", None),
+        ("spans", 1, 1, "formats.edge.uv.word", "25", "", None),
+        ("spans", 2, 0, "reciprocal.pixel.output.word", "19", "", None),
     )
     writer.insert(
         "constraints", ("spans", 0, "span.u.p999", 0.25, None, "worst"), ("spans", 1, "picture.wrong_order", 0, None, "worst")

@@ -183,7 +183,7 @@ class BadInput(InFolder):
 
     def test_another_schema(self):
         path = self.changed("schema.db", "UPDATE meta SET value = '2' WHERE key = 'schema'")
-        self.expect(run(path, self.root / "o"), "schema 2; expected 3")
+        self.expect(run(path, self.root / "o"), "schema 2; expected 4")
         path = self.changed("table.db", "DROP TABLE budget")
         self.expect(run(path, self.root / "o", "--study", "spans"), "no such table: budget")
 

@@ -92,6 +92,31 @@ TEST(Plan, ReadsEveryKey) {
   EXPECT_EQ(search.search->seed, 9U);
 }
 
+TEST(Plan, ANamedAxisIsShownByItsNameAndItsOwnValue) {
+  const std::string keys = "keys = [\"depth.bits\", \"formats.span.h.word\"]\n";
+  const auto axis = [&](const std::string& rest) { return parse(head + "[[vary]]\n" + keys + rest).axes[0]; };
+  const Axis counted = axis("name = \"depth\"\nfrom = 12\nto = 14\noffsets = [2, 20]\n");
+  EXPECT_EQ(counted.values,
+            (std::vector<std::vector<KeyValue>>{
+                {integer(14), integer(32)}, {integer(15), integer(33)}, {integer(16), integer(34)}}));
+  EXPECT_EQ(axis_title(counted), "depth");
+  EXPECT_EQ(axis_text(counted, counted.values[1]), "13");
+  // Values that no value of the axis gives, such as the base's.
+  EXPECT_EQ(axis_text(counted, {integer(16), integer(30)}), "16, 30");
+  const std::vector<KeySetting> point{
+      {"span.x", integer(1)}, {"formats.span.h.word", integer(32)}, {"depth.bits", integer(14)}};
+  EXPECT_EQ(axis_text(counted, point), "12");
+  EXPECT_EQ(axis_text(counted, std::vector<KeySetting>{point[2]}), "");
+  const Axis listed = axis("values = [12, 15]\noffsets = [0, 18]\n");
+  EXPECT_EQ(listed.values,
+            (std::vector<std::vector<KeyValue>>{{integer(12), integer(30)}, {integer(15), integer(33)}}));
+  EXPECT_EQ(axis_title(listed), "depth.bits, formats.span.h.word");
+  EXPECT_EQ(axis_text(listed, listed.values[0]), "12, 30");
+  const Axis table = axis("name = \"pair-1_a.b\"\nvalues = [[12, 30], [15, 33]]\n");
+  EXPECT_EQ(axis_title(table), "pair-1_a.b");
+  EXPECT_EQ(axis_text(table, table.values[0]), "12, 30");
+}
+
 TEST(Plan, DefaultsAreTheEmbeddedSetAndAGrid) {
   const StudyPlan plan = parse(head + vary);
   EXPECT_TRUE(plan.scenes.empty());
@@ -207,6 +232,28 @@ TEST(Plan, BadAxesAreRefused) {
           "vary[2].keys: formats.span.h.fraction varies, and so does its word");
   refused(head + "arrangement = \"list\"\n" + vary + "[[vary]]\nkeys = [\"depth.bits\"]\nvalues = [16]\n",
           "vary[2].values: has 1 values, and vary[1] has 2");
+  const std::string two = "[\"depth.bits\", \"formats.span.h.word\"]";
+  const std::string counted = "from = 12\nto = 14\n";
+  refused(axis(two, counted + "offsets = [18]"),
+          "s.toml:8: vary[1].offsets: is an array of 1; legal: an array of 2 integers, one per key");
+  refused(axis(two, counted + "offsets = []"), "vary[1].offsets: is empty");
+  refused(axis(two, counted + "offsets = 18"), "vary[1].offsets: is an integer");
+  refused(axis(two, counted + "offsets = [0, 1.5]"), "vary[1].offsets: has a float; legal: an array of 2");
+  refused(axis(two, counted + "offsets = [0, 9223372036854775807]"), "legal: up to 1000000000");
+  for (const char* values : {"[[12, 16], [13, 17]]", "[12, 13.5]", "[\"a\"]", "[true]", "[99999999999]"}) {
+    refused(axis(two, "values = " + std::string(values) + "\noffsets = [0, 18]"),
+            "s.toml:6: vary[1].values: are not all integers, and offsets are added to them");
+  }
+  refused(axis(two, counted + "name = \"\""), "vary[1].name: is empty");
+  refused(axis(two, counted + "name = \"a b\""),
+          "s.toml:8: vary[1].name: is \"a b\"; legal: a word of letters, digits, -, _ and .");
+  refused(axis(two, counted + "name = \"fog.mode\""), "is \"fog.mode\", which is a key; legal: another word");
+  refused(axis(two, counted + "name = \"formats.span.h.fraction\""), "which is a key");
+  refused(axis(two, counted + "name = \"scene.s_ratio\""), "which is a key");
+  refused(axis(two, counted + "name = \"span.u.max\""), "which is a metric");
+  refused(axis("[\"depth.bits\"]", "values = [16]\nname = \"n\"") +
+              "[[vary]]\nname = \"n\"\nkeys = [\"depth.code\"]\nvalues = [\"linear\"]\n",
+          "s.toml:9: vary[2].name: \"n\" names another axis too");
   std::string huge = head;
   for (const char* key : {"span.h", "span.f", "edge.h", "edge.f", "edge.x"}) {
     huge += std::string("[[vary]]\nkeys = [\"formats.") + key + ".word\"]\nfrom = 1\nto = 64\n";
@@ -286,8 +333,34 @@ TEST(Plan, BadSearchAreaAndReportAreRefused) {
   refused(head + "cost = \"bits\"\n" + vary, "study.cost: \"bits\" is no metric");
   refused(head + "arrangement = \"grid\"\n" + vary + constraint + "[search]\n",
           "study.arrangement: is given");
-  refused(head + "[[vary]]\nkeys = [\"depth.code\"]\nvalues = [\"linear\"]\n" + constraint + "[search]\n",
-          "legal in a search: integers");
+  const auto axis = [](const std::string& keys, const std::string& values) {
+    return "[[vary]]\nkeys = [" + keys + "]\nvalues = " + values + "\n";
+  };
+  const std::string search = constraint + "[search]\n";
+  refused(head + vary + axis("\"depth.bits\"", "[1.5]") + search, "vary[2].values: are neither all integers");
+  refused(head + vary + axis("\"depth.bits\"", "[16, \"17\"]") + search, "legal in a search: integers, or");
+  refused(head + vary + axis("\"depth.round\"", "[\"SC_RND\", 16]") + search, "neither all integers");
+  refused(head + vary + axis("\"depth.round\", \"depth.bits\"", "[[\"SC_RND\", 16]]") + search,
+          "neither all integers");
+  refused(head + axis("\"depth.code\"", "[\"linear\", \"inverse\"]") + search,
+          "vary: has categories only; legal in a search: an axis of integers or more");
+  // Kinds that are none are refused where no combination has another.
+  refused(head + vary + axis("\"depth.round\"", "[\"a\", \"b\"]") + search,
+          "vary[2].values: no value is legal: depth.round: \"a\" is no value");
+  const std::string kinds = axis("\"depth.round\"", "[\"SC_TRN\", \"magic\"]");
+  EXPECT_EQ(parse(head + vary + kinds + search).axes[1].values.size(), 2U);
+  refused(head + vary + kinds + search + "evaluations = 1\n",
+          "s.toml:14: search.evaluations: is 1 for 2 combinations of categories; legal: at least one each");
+  // Too many operand bits for the base's kind, and legal with a category; a kind that needs the widest width.
+  const std::string wide = axis("\"reciprocal.pixel.index_bits\"", "[9, 11]");
+  const std::string units = axis("\"reciprocal.pixel.kind\"", "[\"restoring\", \"lut_linear\"]");
+  EXPECT_EQ(parse(head + wide + units + search).axes.size(), 2U);
+  std::string many;
+  for (const char* key : {"depth.round", "depth.code", "formats.span.h.round"}) {
+    many += axis(std::string("\"") + key + "\"",
+                 "[\"a\",\"b\",\"c\",\"d\",\"e\",\"f\",\"g\",\"h\",\"i\",\"j\",\"k\"]");
+  }
+  refused(head + vary + many + search, "vary: the categories make more than 1000 combinations; legal: fewer");
   refused(head + "[[vary]]\nkeys = [\"scene.s_ratio\"]\nvalues = [10]\n" + constraint + "[search]\n",
           "is no width");
   refused(head + vary + "[area]\n", "area.families: missing");

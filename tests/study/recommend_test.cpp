@@ -15,6 +15,7 @@
 #include "tests/study/area_support.hpp"
 #include "tests/support/environment.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/input_error.hpp"
 
 namespace bitspan {
 namespace {
@@ -170,6 +171,73 @@ TEST(Recommend, ASearchCutShortExportsWhatIsThere) {
   EXPECT_EQ(text_of(certificate[0][0]), "23");
   EXPECT_EQ(text_of(certificate[0][1]), "");
   EXPECT_TRUE(text_of(certificate[0][2]).starts_with("not evaluated")) << text_of(certificate[0][2]);
+}
+
+// Each rounding has its own cost; the last one is none.
+const std::string category_text =
+    "[[vary]]\nname = \"rounding\"\nkeys = [\"depth.round\"]\nvalues = [\"SC_RND\", \"SC_TRN\", "
+    "\"SC_MAGIC\"]\n";
+
+MakeMeter rounding_meter() {
+  return [](const std::vector<Scene>& scenes) -> Measure {
+    return [measure = fake_meter()(scenes)](const Config& config) {
+      PointResult r = measure(config);
+      if (value_of_key(config, "depth.round") == KeyValue("SC_TRN")) r.metrics["cost.register_bits"] -= 10;
+      return r;
+    };
+  };
+}
+
+TEST(Recommend, ASearchOfCategoriesKeepsEachCertificate) {
+  std::string text = search_text;
+  text.insert(text.find("[[vary]]"), category_text);
+  Bench b(text);
+  PointRunner runner(b.plan.base, {demo_scene(64, 48)}, rounding_meter(), b.store, "test");
+  const SearchResult result = run_search(b.plan, runner, b.store, {}, {});
+  ASSERT_TRUE(result.found);
+  EXPECT_EQ(result.cost, 12);
+  EXPECT_EQ(result.point, (SearchPoint{1, 4}));
+  const auto rows = b.store.rows(
+      "SELECT combination, hash, cost, evaluations, stopped_by, minimal, failing FROM combinations WHERE "
+      "study = "
+      "'widths' ORDER BY i");
+  ASSERT_EQ(rows.size(), 3U);
+  const auto hash = [&](const char* rounding, std::int64_t word) {
+    return b.runner.prepare({{"depth.round", std::string(rounding)}, {"formats.span.h.word", word}}).hash;
+  };
+  const auto count = [&](std::size_t i) {
+    return static_cast<std::int64_t>(result.combinations[i].evaluations);
+  };
+  EXPECT_EQ(rows[0],
+            (Row{"rounding = SC_RND", hash("SC_RND", 22), 22.0, count(0), "done", std::int64_t{1}, ""}));
+  EXPECT_EQ(rows[1],
+            (Row{"rounding = SC_TRN", hash("SC_TRN", 22), 12.0, count(1), "done", std::int64_t{1}, ""}));
+  EXPECT_EQ(text_of(rows[2][1]), "");
+  EXPECT_EQ(rows[2][2], Cell());
+  EXPECT_EQ(rows[2][3], Cell(std::int64_t{1}));
+  EXPECT_NE(text_of(rows[2][6]).find("refused: depth.round: \"SC_MAGIC\" is no value"), std::string::npos)
+      << text_of(rows[2][6]);
+  const auto certificate =
+      b.store.rows("SELECT combination, key, from_value, to_value, hash FROM certificate ORDER BY rowid");
+  const Row first{"rounding = SC_RND", "formats.span.h.word", "22", "21", hash("SC_RND", 21)};
+  const Row second{"rounding = SC_TRN", "formats.span.h.word", "22", "21", hash("SC_TRN", 21)};
+  EXPECT_EQ(certificate, (std::vector<Row>{first, second}));
+  const auto recommended = recommendations(b.plan, b.store);
+  ASSERT_EQ(recommended.size(), 1U);
+  EXPECT_EQ(recommended[0].hash, hash("SC_TRN", 22));
+  const std::string csv = csv_of(b.plan, b.store);
+  EXPECT_TRUE(csv.starts_with("i,rounding,depth.round,formats.span.h.word,status,")) << csv;
+  EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), 1 + result.evaluations);
+}
+
+TEST(Recommend, ASearchWithoutALegalCombinationIsAnError) {
+  std::string text = search_text;
+  text.insert(text.find("[[vary]]"), category_text);
+  Bench b(text, FormatId::span_h, 60);
+  EXPECT_EQ(
+      input_error([&] { run_search(b.plan, b.runner, b.store, {}, {}); }),
+      "widths: not one of 3 combinations of categories can be measured; the first: rounding = SC_RND: the "
+      "widest point does not hold: refused: fake: too narrow");
 }
 
 TEST(Recommend, WhatHoldsNowhereIsNotRecommended) {

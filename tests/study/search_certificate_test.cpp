@@ -40,6 +40,29 @@ TEST(Search, TheCertificateNamesWhatFails) {
   }
 }
 
+TEST(Search, ANamedAxisStandsForItsKeys) {
+  Problem p = small();
+  p.axes[0].name = "depth";
+  p.axes[0].keys = {"width0", "width1"};
+  p.axes[0].offsets = {1, 5};
+  for (auto& values : p.axes[0].values) values = {values[0], std::get<std::int64_t>(values[0]) + 4};
+  p.axes[1].keys = {"width2"};
+  const SearchResult r = search({.cost = "cost"}, p.axes, p.constraints,
+                                [&](const std::vector<std::vector<KeySetting>>& points) {
+                                  std::vector<Evaluation> results;
+                                  for (const auto& s : points) {
+                                    const Bits bits = Problem::bits_of(s);
+                                    EXPECT_EQ(bits[1], bits[0] + 4);
+                                    results.push_back(p.model({bits[0], bits[2]}));
+                                  }
+                                  return results;
+                                });
+  EXPECT_EQ(to_text(r.certificate),
+            "the point holds, and none of its single steps down does\n"
+            "  depth 2 -> 1: error is 0.5, at most 0.375\n"
+            "  width2 2 -> 1: error is 0.625, at most 0.375\n");
+}
+
 TEST(Search, EveryConstraintThatFailsIsNamed) {
   Problem p = small();
   p.constraints.push_back({"sqnr", std::nullopt, 20.0});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "study/store.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 #include <sys/wait.h>
@@ -165,9 +166,10 @@ TEST(Store, FilesThatAreNoStudiesAreRefusedUntouched) {
   EXPECT_EQ(folder.read("other.db"), before);
   {
     Store store(folder.path("later.db"), "9.9");
-    store.run("UPDATE meta SET value = '999' WHERE key = 'schema'");
+    store.run("UPDATE meta SET value = ? WHERE key = 'schema'", {std::to_string(Store::schema + 1)});
   }
-  EXPECT_TRUE(names(refused(folder.path("later.db")), "has schema 999, made by another version"));
+  EXPECT_TRUE(names(refused(folder.path("later.db")),
+                    fmt::format("has schema {}, made by another version", Store::schema + 1)));
   EXPECT_TRUE(names(refused(folder.path()), "is a directory"));
   EXPECT_TRUE(names(refused(folder.path("no/such/a.db")), "cannot be opened as a database: No such file"));
   EXPECT_TRUE(names(refused(folder.path("none.db"), Store::Mode::existing), "none.db: no such database"));

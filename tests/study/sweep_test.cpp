@@ -413,6 +413,30 @@ TEST(Sweep, StretchingKeepsThePictureAndTheOrder) {
   }
 }
 
+TEST(Sweep, ANamedAxisHasAColumnOfItsOwn) {
+  Bench b;
+  const StudyPlan plan = plan_of(
+      "[[vary]]\nname = \"width\"\nkeys = [\"formats.span.h.word\", \"depth.bits\"]\n"
+      "values = [30, 34]\noffsets = [0, -18]\n");
+  b.sweep(plan);
+  std::string text;
+  write_csv(plan, *b.store, "x", [&](std::string_view s) { text += s; });
+  EXPECT_TRUE(text.starts_with("i,width,formats.span.h.word,depth.bits,status,holds,")) << text;
+  EXPECT_NE(text.find("\r\n0,30,30,12,ok,"), std::string::npos) << text;
+  EXPECT_NE(text.find("\r\n1,34,34,16,ok,"), std::string::npos) << text;
+  EXPECT_EQ(b.count("axes WHERE name = 'width' AND key = 'depth.bits' AND \"offset\" = -18"), 1);
+  // No other column can be called so.
+  std::string header = text.substr(0, text.find("\r\n"));
+  for (std::size_t at = 0; at < header.size();) {
+    const std::size_t end = std::min(header.find(',', at), header.size());
+    const std::string column = header.substr(at, end - at);
+    at = end + 1;
+    if (column == "width") continue;
+    const std::string named = "[[vary]]\nname = \"" + column + "\"\nkeys = [\"depth.bits\"]\nvalues = [16]\n";
+    EXPECT_NE(input_error([&] { plan_of(named); }).find("vary[1].name: is \"" + column), std::string::npos);
+  }
+}
+
 TEST(Sweep, CsvHasARowAPoint) {
   Bench b;
   const StudyPlan plan = plan_of(
