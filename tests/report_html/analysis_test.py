@@ -259,7 +259,7 @@ class Curves(unittest.TestCase):
         study = self.changed(
             "CREATE TABLE expressions(hash TEXT, text TEXT, value REAL, PRIMARY KEY(hash, text))",
             f"UPDATE studies SET cost = '{cost}'",
-            f"INSERT INTO constraints VALUES('spans', 9, '{limited}', NULL, 4)",
+            f"INSERT INTO constraints VALUES('spans', 9, '{limited}', NULL, 4, 'worst')",
             f"INSERT INTO expressions SELECT hash, '{cost}', 2 * value FROM metrics WHERE name = 'cost.register_bits'",
             f"INSERT INTO expressions SELECT hash, '{limited}', 5 FROM metrics WHERE name = 'cost.register_bits'",
             "INSERT INTO expressions SELECT hash, 'of another study', 5 FROM metrics WHERE name = 'cost.register_bits'",
