@@ -95,9 +95,12 @@ TEST_F(Study, MeasuresOnceExportsAndReplays) {
   // A stored number that is not what is measured.
   sqlite3* handle = nullptr;
   ASSERT_EQ(sqlite3_open(folder.path("s.db").c_str(), &handle), SQLITE_OK);
-  EXPECT_EQ(sqlite3_exec(handle, "UPDATE metrics SET value = value + 1 WHERE name = 'span.u.max'", nullptr,
-                         nullptr, nullptr),
-            SQLITE_OK);
+  EXPECT_EQ(
+      sqlite3_exec(handle,
+                   "UPDATE metric_values SET value = value + 1 WHERE scene = -1 AND name = (SELECT id FROM "
+                   "metric_names WHERE name = 'span.u.max')",
+                   nullptr, nullptr, nullptr),
+      SQLITE_OK);
   sqlite3_close(handle);
   const Result differs = run("--db s.db --replay " + point);
   EXPECT_EQ(differs.code, 1) << differs.err;

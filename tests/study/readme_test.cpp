@@ -69,7 +69,7 @@ TEST(Readme, TheWidthsOfTheSearchKeepTheQuarterTexel) {
   const auto quarter = [](double x) { return std::floor(4 * x); };
   const Scene own = demo_scene(320, 240);
   double worst = 0;
-  for (int camera = 0; camera < 12; ++camera) {
+  for (int camera = 0; camera < 24; ++camera) {
     const Scene scene = camera == 0 ? own : seen_from(own, camera);
     const auto [engine, ideal] = drawn_by_both(config, scene);
     double all = 0;
@@ -82,9 +82,9 @@ TEST(Readme, TheWidthsOfTheSearchKeepTheQuarterTexel) {
       wrong +=
           quarter(engine.u[i]) != quarter(ideal.u[i]) || quarter(engine.v[i]) != quarter(ideal.v[i]) ? 1 : 0;
     }
-    EXPECT_GT(all, 10'000) << camera;
+    EXPECT_GT(all, 5'000) << camera;
     EXPECT_LE(wrong / all, limit) << camera;
-    if (camera < 4) worst = std::max(worst, wrong / all);
+    if (camera < 12) worst = std::max(worst, wrong / all);
   }
   EXPECT_EQ(quoted("picture.wrong_subtexel_rate_2 is (\\S+) on")[0], fmt::format("{:.6g}", worst));
 }
