@@ -694,8 +694,10 @@ std::string margin_text(const Constraint& c, double value) {
   if (!std::isfinite(margin)) return std::isnan(value) ? "not a number" : "infinitely far";
   // That of the limit which is nearer.
   const double limit = c.at_most && *c.at_most - value == margin ? *c.at_most : c.at_least.value_or(0);
-  const std::string size = limit == 0 ? fmt::format("{:.4g}", std::fabs(margin))
-                                      : fmt::format("{:.2g} %", 100 * std::fabs(margin / limit));
+  const double percent = limit == 0 ? 0 : 100 * std::fabs(margin / limit);
+  const std::string size = limit == 0       ? fmt::format("{:.4g}", std::fabs(margin))
+                           : percent < 9.95 ? fmt::format("{:.2g} %", percent)
+                                            : fmt::format("{:.0f} %", percent);
   return margin < 0 ? size + " beyond" : "margin " + size;
 }
 

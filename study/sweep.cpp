@@ -317,8 +317,7 @@ Asked asked_of(const StudyPlan& plan) {
   Asked out{plan.metrics.empty(), plan.metrics};
   std::ranges::copy(judged_metrics(plan), std::back_inserter(out.metrics));
   std::ranges::sort(out.metrics);
-  const auto rest = std::ranges::unique(out.metrics);
-  out.metrics.erase(rest.begin(), rest.end());
+  out.metrics.erase(std::unique(out.metrics.begin(), out.metrics.end()), out.metrics.end());
   return out;
 }
 

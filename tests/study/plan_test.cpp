@@ -469,6 +469,8 @@ TEST(StudyPlan, AConstraintJudgesTheWorstScene) {
   EXPECT_FALSE(at({"span.w.max", 1, std::nullopt}));
   EXPECT_EQ(margin_text({"registers.overflows", 0, std::nullopt}, 12), "12 beyond");
   EXPECT_EQ(margin_text({"span.u.sqnr_db", std::nullopt, 40}, 50), "margin 25 %");
+  EXPECT_EQ(margin_text({"span.u.p999", 0.5, std::nullopt}, 0.0007), "margin 100 %");
+  EXPECT_EQ(margin_text({"span.u.p999", 0.5, std::nullopt}, 0.4963), "margin 0.74 %");
   EXPECT_EQ(limits_text({"span.u.p999", 0.5, 0.25}), "at least 0.25, at most 0.5");
 }
 
