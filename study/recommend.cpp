@@ -538,6 +538,18 @@ std::vector<std::string> margin_lines(const StudyPlan& plan, PointMetrics measur
   return out;
 }
 
+namespace {
+
+// Keeps lines about a recommended point for the report.
+void keep_findings(const StudyPlan& plan, const std::string& hash, const std::vector<std::string>& lines,
+                   Store& store) {
+  for (const std::string& line : lines) {
+    store.run("INSERT INTO findings VALUES(?, ?, ?)", {plan.name, hash, line});
+  }
+}
+
+}  // namespace
+
 Validation validate(const StudyPlan& plan, const Recommendation& point,
                     const std::function<std::vector<Scene>(const std::string&)>& load, Store& store,
                     const std::function<void(const std::string&)>& told, const std::stop_token& stop) {
@@ -615,6 +627,7 @@ Validation validate(const StudyPlan& plan, const Recommendation& point,
   for (const View& view : views) {
     if (!view.refusal.empty()) out.lines.push_back(fmt::format("{}: refused: {}", view.scene, view.refusal));
   }
+  store.transaction([&] { keep_findings(plan, point.hash, out.lines, store); });
   return out;
 }
 
@@ -629,13 +642,16 @@ Examination examine(const StudyPlan& plan, const Recommendation& point, std::vec
     for (Scene& scene : scenes) scene = with_s_ratio(std::move(scene), *ratio);
   }
 
-  out.lines = margin_lines(plan, store.metrics(point.hash));
+  const std::vector<std::string> margins = margin_lines(plan, store.metrics(point.hash));
+  out.lines = margins;
   told("checking golden = model = RTL");
   const PointCheck check = check_point(config, scenes);
   out.held = check.held;
   out.lines.push_back(check.text);
   store.transaction([&] {
     store.run("DELETE FROM recommended WHERE study = ? AND hash = ?", {plan.name, point.hash});
+    store.run("DELETE FROM findings WHERE study = ? AND hash = ?", {plan.name, point.hash});
+    keep_findings(plan, point.hash, margins, store);
     store.run("INSERT INTO recommended VALUES(?, ?, ?, ?)",
               {plan.name, point.hash, point.reason, (check.held ? "equal: " : "DIFFERS: ") + check.text});
   });

@@ -75,6 +75,7 @@ constexpr auto tables = std::to_array<const char*>({
     "CREATE TABLE IF NOT EXISTS combinations(study TEXT, i INTEGER, combination TEXT, hash TEXT, cost REAL, "
     "evaluations INTEGER, stopped_by TEXT, minimal INTEGER, failing TEXT, PRIMARY KEY(study, i))",
     "CREATE TABLE IF NOT EXISTS recommended(study TEXT, hash TEXT, reason TEXT, verified TEXT)",
+    "CREATE TABLE IF NOT EXISTS findings(study TEXT, hash TEXT, line TEXT)",
     "CREATE TABLE IF NOT EXISTS validation(study TEXT, hash TEXT, scene TEXT, i INTEGER, value REAL, holds "
     "INTEGER)",
     "CREATE TABLE IF NOT EXISTS budget(hash TEXT, quantisation TEXT, metric TEXT, base REAL, without REAL, "

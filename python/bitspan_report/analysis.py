@@ -237,6 +237,12 @@ def column_to_minimise(study: Study, metric: str) -> Floats:
     return to_minimise(study.metric(metric), column_of(study, metric))
 
 
+def front_of(study: Study, costs: Floats, errors: Floats) -> list[int]:
+    """Returns the front of the points that fail no constraint."""
+    fails = np.array([p.holds is False for p in study.points], dtype=bool)
+    return pareto_front(np.where(fails, math.nan, costs), errors)
+
+
 def noted_points(study: Study, most: int = 40) -> list[str]:
     """Returns the hashes of the points that a reader looks at.
 
@@ -245,7 +251,7 @@ def noted_points(study: Study, most: int = 40) -> list[str]:
     hashes = [found.hash for found in study.recommended]
     hashes += [study.points[study.base].hash] if study.base is not None else []
     for x, y in zip(cost_metrics(study)[:1], error_metrics(study)[:1]):
-        front = pareto_front(column_to_minimise(study, x), column_to_minimise(study, y))
+        front = front_of(study, column_to_minimise(study, x), column_to_minimise(study, y))
         hashes += [study.points[i].hash for i in front]
     return list(dict.fromkeys(hashes))[:most]
 

@@ -83,7 +83,7 @@ def page_data(study: Study) -> dict[str, Any]:
         "limits": [{"metric": c.metric, "atMost": c.at_most, "atLeast": c.at_least} for c in study.constraints],
         "x": x_names,
         "y": y_names,
-        "fronts": {x: {y: analysis.pareto_front(lows[x], lows[y]) for y in y_names} for x in x_names},
+        "fronts": {x: {y: analysis.front_of(study, lows[x], lows[y]) for y in y_names} for x in x_names},
         "axes": [{"label": a.label, "shown": a.shown, "keys": a.keys, "numeric": a.numeric} for a in axes],
         "curves": {y: [_curve(analysis.curve(a, study.metric(y), columns[y])) for a in axes] for y in y_names},
         "registers": {h: [_register(r) for r in study.registers[h]] for h in shown_hashes(study, study.registers)},

@@ -111,6 +111,9 @@ def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
     plan, kind, base_hash, cost = next(reader.rows("SELECT plan, kind, base_hash, cost FROM studies WHERE name = :s"))
     points = _read_points(reader, base_hash)
     axes, base_settings = _read_axes(reader)
+    findings: dict[str, list[str]] = defaultdict(list)
+    for h, line in reader.rows("SELECT hash, line FROM findings WHERE study = :s ORDER BY rowid"):
+        findings[h].append(line)
     indices = {point.hash: i for i, point in enumerate(points)}
     study = Study(
         database=pathlib.Path(path).name,
@@ -121,6 +124,7 @@ def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
         points=points,
         base=indices.get(base_hash),
         metrics=_read_metrics(reader, indices),
+        scenes=_read_scenes(reader),
         known=_read_known_metrics(reader),
         axes=axes,
         base_settings=base_settings if base_hash in indices else dict.fromkeys(base_settings),
@@ -158,7 +162,7 @@ def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
             )
         ],
         recommended=[
-            Recommendation(h, reason or "", verified or "")
+            Recommendation(h, reason or "", verified or "", findings.get(h, []))
             for h, reason, verified in reader.rows(
                 "SELECT hash, reason, verified FROM recommended WHERE study = :s ORDER BY rowid"
             )
@@ -213,6 +217,22 @@ def _read_metrics(reader: _Reader, indices: dict[str, int]) -> dict[str, list[fl
         if h in indices:
             columns[name][indices[h]] = number(value)
     return dict(sorted(columns.items()))
+
+
+def _read_scenes(reader: _Reader) -> dict[str, dict[str, dict[str, float]]]:
+    """Returns, for recommended points and the base, the metrics of each scene by its name, in the scenes' order."""
+    wanted = "(SELECT hash FROM recommended WHERE study = :s UNION SELECT base_hash FROM studies WHERE name = :s)"
+    found: dict[str, dict[str, dict[str, float]]] = {}
+    for h, scenes in reader.rows(f"SELECT hash, scenes FROM points WHERE hash IN {wanted}"):
+        names = [scene["name"] for scene in json.loads(scenes or "[]")]
+        rows: dict[str, dict[str, float]] = {name: {} for name in names}
+        for scene, name, value in reader.rows(
+            "SELECT scene, name, value FROM scene_metrics WHERE hash = :h ORDER BY scene", h=h
+        ):
+            if scene < len(names):
+                rows[names[scene]][name] = number(value)
+        found[h] = rows
+    return found
 
 
 def _read_known_metrics(reader: _Reader) -> dict[str, Metric]:

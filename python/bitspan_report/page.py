@@ -185,7 +185,10 @@ def recommended(study: Study) -> str:
         tables = [table(["metric", "value", "unit", "of the base"], values)]
         if settings:
             tables.insert(0, table(["setting", "value", "of the base"], settings))
+        if found.findings:
+            parts.append("<ul>" + "".join(f"<li>{escape(line)}</li>" for line in found.findings) + "</ul>")
         parts.append('<div class="beside">' + "".join(f"<div>{t}</div>" for t in tables) + "</div>")
+        parts.append(_scenes_table(study, found.hash))
         parts.append(
             f'<p style="margin-top:10px"><button data-copy="toml" data-index="{index}">Copy TOML</button> '
             f'<button data-copy="replay" data-index="{index}">Copy replay command</button></p>'
@@ -193,6 +196,17 @@ def recommended(study: Study) -> str:
         )
         cards.append(f'<div class="card">{"".join(parts)}</div>')
     return section("recommended", "Recommended configurations", "".join(cards))
+
+
+def _scenes_table(study: Study, point: str) -> str:
+    """Returns the metrics that the plan names and those of its constraints, one row per scene; none for one scene."""
+    scenes = study.scenes.get(point, {})
+    names = dict.fromkeys([*(c.metric for c in study.constraints), *study.chosen_metrics])
+    shown = [n for n in names if any(n in metrics for metrics in scenes.values())]
+    if len(scenes) < 2 or not shown:
+        return ""
+    rows = [(scene, *(metrics.get(n, math.nan) for n in shown)) for scene, metrics in scenes.items()]
+    return f"<details><summary>Each scene alone</summary>{table(['scene', *shown], rows)}</details>"
 
 
 def _or_dash(value: Any) -> Any:

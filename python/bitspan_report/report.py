@@ -62,7 +62,7 @@ def _drawn(study: Study, tables: dict[str, Any]) -> list[str]:
 
 def _pareto(study: Study, x: str, y: str) -> dict[str, bytes]:
     cost, error = analysis.column_of(study, x), analysis.column_of(study, y)
-    front = analysis.pareto_front(analysis.column_to_minimise(study, x), analysis.column_to_minimise(study, y))
+    front = analysis.front_of(study, analysis.column_to_minimise(study, x), analysis.column_to_minimise(study, y))
     recommended = [i for r in study.recommended if (i := study.index_of(r.hash)) is not None]
     figure = figures.pareto(
         analysis.axis_title(study.metric(x)),

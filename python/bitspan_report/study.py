@@ -183,6 +183,7 @@ class Recommendation:
     hash: str
     reason: str
     verified: str
+    findings: list[str] = field(default_factory=list)  # lines on its margins and its validation
 
 
 @dataclass
@@ -208,6 +209,7 @@ class Study:
     points: list[Point]
     base: int | None  # index into points
     metrics: dict[str, list[float]]
+    scenes: dict[str, dict[str, dict[str, float]]]  # by hash, scene and metric: recommended points and the base
     known: dict[str, Metric]  # every metric that a study can have, in the order of tables
     axes: list[Varied]
     base_settings: dict[str, Any]  # the base's value of each of those keys; None where it has none or was not measured

@@ -49,6 +49,18 @@ class ParetoFront(unittest.TestCase):
             self.assertEqual(sorted(front), [i for i in range(40) if not dominated(costs, errors, i)])
             self.assertTrue(all(costs[a] < costs[b] and errors[a] > errors[b] for a, b in zip(front, front[1:])))
 
+    def test_a_point_that_fails_is_not_on_the_front_of_a_study(self):
+        class Point:
+            def __init__(self, holds):
+                self.holds = holds
+
+        class Study:
+            points = [Point(True), Point(False), Point(None), Point(True)]
+
+        costs, errors = np.array([3.0, 1.0, 2.0, 4.0]), np.array([1.0, 0.5, 2.0, 0.9])
+        self.assertEqual(analysis.front_of(Study, costs, errors), [2, 0, 3])
+        self.assertEqual(analysis.pareto_front(costs, errors), [1])
+
     def test_points_without_a_value_are_never_on_it(self):
         costs = np.array([1.0, 2.0, math.nan, 0.0])
         errors = np.array([math.nan, 3.0, 0.0, math.inf])

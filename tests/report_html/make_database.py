@@ -80,6 +80,7 @@ CREATE TABLE studies(name TEXT PRIMARY KEY, plan TEXT, kind TEXT, base_hash TEXT
 CREATE TABLE axes(study TEXT, axis INTEGER, i INTEGER, key TEXT, base TEXT, name TEXT, "offset" INTEGER, PRIMARY KEY(study, axis, i));
 CREATE TABLE constraints(study TEXT, i INTEGER, metric TEXT, at_most NUMERIC, at_least NUMERIC, over TEXT, PRIMARY KEY(study, i));
 CREATE TABLE scene_metrics(hash TEXT, scene INTEGER, name TEXT, value REAL);
+CREATE TABLE findings(study TEXT, hash TEXT, line TEXT);
 CREATE TABLE validation(study TEXT, hash TEXT, scene TEXT, i INTEGER, value REAL, holds INTEGER);
 CREATE TABLE study_metrics(study TEXT, i INTEGER, name TEXT, PRIMARY KEY(study, i));
 CREATE TABLE study_points(study TEXT, i INTEGER, hash TEXT, settings TEXT, holds INTEGER, PRIMARY KEY(study, i));
@@ -479,6 +480,13 @@ def write_database(path: str | pathlib.Path) -> None:
             "equal: model = golden: 4,218,312 values equal; model = rtl: 1,204,112 values equal",
         ),
     )
+    writer.insert(
+        "findings",
+        ("spans", found, f"span.u.p999 is 0.2 on extreme, at most 0.25: margin 20 %; 2 of 2 scenes hold {HOSTILE}"),
+        ("spans", found, "validated on 8 views that no point was chosen by: all constraints hold on 7"),
+    )
+    for scene, value in ((0, 0.125), (1, 0.2)):
+        writer.insert("scene_metrics", (found, scene, "span.u.p999", value))
     add_report(writer, base, BASE)
     add_report(writer, found, settings)
     for h in (base, found):

@@ -679,6 +679,9 @@ at_most = {}
   EXPECT_NE(v.lines[1].find(fmt::format("1 of 2 hold; the worst: {:.4g} on {}, ", high, worst)),
             std::string::npos)
       << v.lines[1];
+  const auto findings = store.rows("SELECT line FROM findings ORDER BY rowid");
+  ASSERT_EQ(findings.size(), v.lines.size());
+  EXPECT_EQ(text_of(findings[0][0]), v.lines[0]);
   const auto rows = store.rows("SELECT scene, value, holds FROM validation ORDER BY value");
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[1], (Row{worst, high, std::int64_t{0}}));
