@@ -27,11 +27,6 @@ KeyValue value_of_key(const Config& config, std::string_view path);
 // Returns all paths, sorted.
 std::vector<std::string> all_keys();
 
-// settings_json returns {"formats.span.h.word": 34, ...} in the order of the settings, and parse_settings
-// reads it back. parse_settings throws InputError where the text is unreadable.
-std::string settings_json(const std::vector<KeySetting>& settings);
-std::vector<KeySetting> parse_settings(std::string_view settings_json);
-
 // Returns up to three of `known` that are spelt most like `name`, or whose table it is.
 std::vector<std::string> nearest_names(std::string_view name, std::span<const std::string> known);
 // Returns "a, b, c".

@@ -16,8 +16,8 @@
 #include <span>
 
 #include "io/json_depth.hpp"
-#include "study/keys.hpp"
 #include "study/metrics.hpp"
+#include "study/settings.hpp"
 
 namespace bitspan {
 namespace {

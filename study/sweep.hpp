@@ -16,6 +16,7 @@
 #include "scene/scene.hpp"
 #include "study/expression.hpp"
 #include "study/plan.hpp"
+#include "study/settings.hpp"
 #include "study/store.hpp"
 
 namespace bitspan {
