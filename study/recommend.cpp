@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -114,15 +115,38 @@ void add_area(const std::string& metric, const Config& config, Store& store, con
   metrics[prefix + "memory_bits"] = static_cast<double>(a.counts.memory_bits);
 }
 
+// Returns how the search's cost comes from a configuration alone; none where it has to be measured.
+CostOf known_cost(const SearchPlan& plan, PointRunner& runner) {
+  constexpr auto prefixes = std::to_array<std::string_view>({"cost.", "estimate.", "timing."});
+  if (std::ranges::none_of(prefixes, [&](auto prefix) { return plan.cost.starts_with(prefix); })) return {};
+  return [&plan, &runner](const std::vector<KeySetting>& settings) {
+    const Point point = runner.prepare(settings);
+    Metrics metrics;
+    if (point.config) {
+      add_costs(*point.config, metrics);
+      add_estimates(*point.config, metrics);
+    }
+    const auto found = metrics.find(plan.cost);
+    return found == metrics.end() ? std::numeric_limits<double>::quiet_NaN() : found->second;
+  };
+}
+
 // `hashes` has the hashes of the points evaluated, by the text of their settings.
 void write_certificate(const StudyPlan& plan, const Certificate& certificate, const std::string& combination,
                        const std::map<std::string, std::string>& hashes, Store& store) {
-  for (const Reduction& r : certificate.reductions) {
-    const std::string settings = settings_json(settings_of(plan.axes, r.point));
+  const auto write = [&](const std::string& key, const std::string& from, const std::string& to,
+                         const SearchPoint& point, ReductionOutcome outcome, const std::string& text) {
+    const std::string settings = settings_json(settings_of(plan.axes, point));
     const auto hash = hashes.find(settings);
     store.run("INSERT INTO certificate VALUES(?, ?, ?, ?, ?, ?, ?, ?)",
-              {plan.name, r.key, r.from_value, r.to_value, hash == hashes.end() ? "" : hash->second,
-               fmt::format("{}: {}", to_string(r.outcome), r.text), settings, combination});
+              {plan.name, key, from, to, hash == hashes.end() ? "" : hash->second,
+               fmt::format("{}: {}", to_string(outcome), text), settings, combination});
+  };
+  for (const Reduction& r : certificate.reductions) {
+    write(r.key, r.from_value, r.to_value, r.point, r.outcome, r.text);
+  }
+  for (const PairedStep& p : certificate.pairs) {
+    write(p.key, p.from_values, p.to_values, p.point, p.outcome, p.text);
   }
 }
 
@@ -304,7 +328,8 @@ SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store
   };
   const Point base = runner.prepare({});
   runner.run({base}, batch);  // the report compares with the base
-  SearchResult result = search(*plan.search, plan.axes, plan.constraints, evaluate, options.stop, progress);
+  SearchResult result = search(*plan.search, plan.axes, plan.constraints, evaluate, options.stop, progress,
+                               known_cost(*plan.search, runner));
   if (result.refused && !result.combinations.empty()) {
     throw InputError(
         fmt::format("{}: not one of {} combinations of categories can be measured; the first: {}", plan.name,
