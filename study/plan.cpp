@@ -490,6 +490,7 @@ SearchPlan read_search(const Section& s, const std::vector<Section>& all, const 
   if (s.has("seed")) {
     search.seed = static_cast<std::uint64_t>(s.integer("seed", 0, std::numeric_limits<std::int64_t>::max()));
   }
+  if (s.has("pairs")) search.pairs = s.boolean("pairs");
   if (plan.constraints.empty()) {
     s.fail(s.line(), "constraint",
            "missing: nothing would keep the search from cutting everything; legal: one or more");
@@ -549,9 +550,9 @@ StudyPlan parse_study(std::string_view text, const std::string& path, const Conf
     plan.constraints.push_back(read_constraint(s));
   }
   if (root.has("search")) {
-    plan.search = read_search(
-        root.section("search", {"algorithm", "cost", "tie", "tie_within", "evaluations", "seconds", "seed"}),
-        vary, plan);
+    plan.search = read_search(root.section("search", {"algorithm", "cost", "tie", "tie_within", "evaluations",
+                                                      "seconds", "seed", "pairs"}),
+                              vary, plan);
     if (study.has("arrangement")) {
       study.fail("arrangement", "is given, and a search goes its own way; legal: leave it out");
     }

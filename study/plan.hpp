@@ -77,6 +77,7 @@ struct SearchPlan {
   int evaluations = 1000;           // at most
   double seconds = 600;             // at most
   std::uint64_t seed = 1;
+  bool pairs = true;  // whether the certificate tries paired steps
 };
 
 struct AreaPlan {

@@ -7,10 +7,12 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <span>
 #include <utility>
 
@@ -140,15 +142,41 @@ void add_area(const std::string& prefix, bool place, const Config& config, Store
   metrics[prefix + "fmax_mhz"] = a.fmax_mhz;
 }
 
+// Returns how the search's cost comes from a configuration alone; none where it has to be measured.
+CostOf known_cost(const SearchPlan& plan, PointRunner& runner) {
+  const auto is_known = [](const std::string& metric) {
+    constexpr auto prefixes = std::to_array<std::string_view>({"cost.", "estimate.", "timing."});
+    return std::ranges::any_of(prefixes, [&](auto prefix) { return metric.starts_with(prefix); });
+  };
+  const auto cost = std::make_shared<Expression>(plan.cost);
+  if (!std::ranges::all_of(cost->metrics(), is_known)) return {};
+  return [cost, &runner](const std::vector<KeySetting>& settings) {
+    const Point point = runner.prepare(settings);
+    Metrics metrics;
+    if (point.config) {
+      add_costs(*point.config, metrics);
+      add_estimates(*point.config, metrics);
+    }
+    return cost->value(metrics).value_or(no_value);
+  };
+}
+
 // `hashes` has the hashes of the points evaluated, by the text of their settings.
 void write_certificate(const StudyPlan& plan, const Certificate& certificate, const std::string& combination,
                        const std::map<std::string, std::string>& hashes, Store& store) {
-  for (const Reduction& r : certificate.reductions) {
-    const std::string settings = settings_json(settings_of(plan.axes, r.point));
+  const auto write = [&](const std::string& key, const std::string& from, const std::string& to,
+                         const SearchPoint& point, ReductionOutcome outcome, const std::string& text) {
+    const std::string settings = settings_json(settings_of(plan.axes, point));
     const auto hash = hashes.find(settings);
     store.run("INSERT INTO certificate VALUES(?, ?, ?, ?, ?, ?, ?, ?)",
-              {plan.name, r.key, r.from_value, r.to_value, hash == hashes.end() ? "" : hash->second,
-               fmt::format("{}: {}", to_string(r.outcome), r.text), settings, combination});
+              {plan.name, key, from, to, hash == hashes.end() ? "" : hash->second,
+               fmt::format("{}: {}", to_string(outcome), text), settings, combination});
+  };
+  for (const Reduction& r : certificate.reductions) {
+    write(r.key, r.from_value, r.to_value, r.point, r.outcome, r.text);
+  }
+  for (const PairedStep& p : certificate.pairs) {
+    write(p.key, p.from_values, p.to_values, p.point, p.outcome, p.text);
   }
 }
 
@@ -399,7 +427,8 @@ SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store
     PointMetrics measured = store.metrics(base.hash);
     keep_expressions(base.hash, expressions, measured, store);
   }
-  SearchResult result = search(*plan.search, plan.axes, plan.constraints, evaluate, options.stop, progress);
+  SearchResult result = search(*plan.search, plan.axes, plan.constraints, evaluate, options.stop, progress,
+                               known_cost(*plan.search, runner));
   if (result.refused && !result.combinations.empty()) {
     throw InputError(
         fmt::format("{}: not one of {} combinations of categories can be measured; the first: {}", plan.name,

@@ -137,8 +137,10 @@ function showPoint(index) {
   else parts.push(make("p", { className: "note", textContent: "as the base" }));
   if (!point.refused) parts.push(...metricsPart(index));
   if (point.areas.length) parts.push(...areaPart(point.areas));
-  parts.push(make("h3", { textContent: "Runs it again" }), make("pre", { className: "replay", textContent: replayOf(index) }),
-    make("h3", { textContent: "TOML" }), make("pre", { className: "toml", textContent: configOf(index) }));
+  parts.push(make("h3", { textContent: "Runs it again" }), make("pre", { className: "replay", textContent: replayOf(index) }));
+  // The database has it whole for the base and recommended points alone.
+  const config = configOf(index);
+  if (config) parts.push(make("h3", { textContent: "TOML" }), make("pre", { className: "toml", textContent: config }));
   panel.replaceChildren(...parts);
   panel.dataset.hash = point.hash;
   markPoint();

@@ -409,7 +409,12 @@ def search(study: Study) -> str:
     parts.append("<h3>Certificate</h3>")
     if study.certificate:
         of_each = ["combination"] if study.combinations else []
-        parts.append(note("Each way to lower the found point by one step, and why it is not taken."))
+        parts.append(
+            note(
+                "Each way to lower the found point by one step down, or by a pair of one step up and two down, and why "
+                "it is not taken."
+            )
+        )
         parts.append(
             table(
                 [*of_each, "key", "from", "to", "outcome", "point"],

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "study/search/searcher.hpp"
 #include "study/search/texts.hpp"
 
@@ -10,6 +13,11 @@ Certificate Searcher::certificate_for(const SearchPoint& p) {
   enter("certificate");
   evaluate({p});
   evaluate(reductions_of(p));
+  if (plan_.pairs && at(p).holds) {
+    std::vector<SearchPoint> points;
+    for (const PairedStep& pair : pairs_of(p)) points.push_back(pair.point);
+    evaluate(points);
+  }
   return certificate_of(p);
 }
 
@@ -37,7 +45,55 @@ Certificate Searcher::certificate_of(const SearchPoint& p) const {
     }
     c.reductions.push_back(std::move(r));
   }
+  if (!plan_.pairs || !c.point_holds) return c;
+  for (PairedStep& pair : pairs_of(p)) {
+    judge_pair(p, pair);
+    c.pairs.push_back(std::move(pair));
+  }
   return c;
+}
+
+std::vector<PairedStep> Searcher::pairs_of(const SearchPoint& p) const {
+  std::vector<std::pair<double, PairedStep>> found;
+  const double cost = at(p).cost;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    for (std::size_t j = 0; j < p.size(); ++j) {
+      if (i == j || p[i] == top_[i] || p[j] < 2) continue;
+      PairedStep pair;
+      pair.up = i;
+      pair.down = j;
+      pair.point = moved(moved(p, i, 1), j, -2);
+      // Without cost_of any pair may be cheaper, until it is evaluated.
+      double expected = -infinity;
+      if (known(pair.point) && !at(pair.point).refused) {
+        expected = at(pair.point).cost;
+      } else if (cost_of_) {
+        expected = cost_of_(settings_of(axes_, pair.point));
+      }
+      if (expected < cost) found.emplace_back(expected, std::move(pair));
+    }
+  }
+  if (cost_of_) std::ranges::stable_sort(found, {}, &std::pair<double, PairedStep>::first);
+  std::vector<PairedStep> pairs;
+  for (auto& [expected, pair] : found) pairs.push_back(std::move(pair));
+  return pairs;
+}
+
+void Searcher::judge_pair(const SearchPoint& p, PairedStep& pair) const {
+  const Axis &up = axes_[pair.up], &down = axes_[pair.down];
+  pair.key = fmt::format("{} up, {} down", axis_title(up), axis_title(down));
+  const auto values_at = [&](const SearchPoint& q) {
+    return fmt::format("{}, {}", value_text(up, q[pair.up]), value_text(down, q[pair.down]));
+  };
+  pair.from_values = values_at(p);
+  pair.to_values = values_at(pair.point);
+  if (!known(pair.point)) {
+    pair.text = "not evaluated";
+    return;
+  }
+  const Judged& j = at(pair.point);
+  pair.outcome = j.holds ? ReductionOutcome::passes : ReductionOutcome::fails;
+  pair.text = j.holds ? fmt::format("holds; {} is {} against {}", plan_.cost, j.cost, at(p).cost) : j.failure;
 }
 
 void Searcher::judge_reduction(const SearchPoint& p, Reduction& r) const {

@@ -55,6 +55,7 @@ SearchPoint widened(const std::vector<Axis>& axes, SearchPoint inner, const Sear
 
 void widen(const std::vector<Axis>& axes, Certificate& certificate, const SearchPoint& point) {
   for (Reduction& r : certificate.reductions) r.point = widened(axes, std::move(r.point), point);
+  for (PairedStep& pair : certificate.pairs) pair.point = widened(axes, std::move(pair.point), point);
 }
 
 SearchResult search_combinations(const SearchPlan& plan, const std::vector<Axis>& axes,

@@ -32,6 +32,9 @@ struct Evaluation {
 // search asks for no point twice. What this function throws passes through search().
 using Evaluate = std::function<std::vector<Evaluation>(const std::vector<std::vector<KeySetting>>&)>;
 
+// Returns the cost at a point that need not be evaluated, and NaN where the point has none.
+using CostOf = std::function<double(const std::vector<KeySetting>&)>;
+
 struct SearchStep {  // an evaluated point, in the order of evaluation
   SearchPoint point;
   double cost = 0;  // NaN where refused
@@ -57,12 +60,27 @@ struct Reduction {  // one axis, one value down, all others as they are
   std::string text;  // what failed ("span.u.max is 0.31, at most 0.25"), the refusal, or a note
 };
 
+// One axis one value up and another two values down. Only such pairs count whose cost is lower than the
+// point's, or is not known.
+struct PairedStep {
+  std::size_t up = 0, down = 0;  // the axes
+  std::string key;               // "A up, B down"
+  std::string from_values;       // of A and B
+  std::string to_values;
+  SearchPoint point;
+  ReductionOutcome outcome = ReductionOutcome::not_evaluated;  // fails, passes or not_evaluated
+  std::string text;
+};
+
 struct Certificate {
   bool point_holds = false;
   std::vector<Reduction> reductions;  // one per axis, in their order
-  std::vector<std::string> missing;   // what a limit left out, one line each; empty where complete
+  std::vector<PairedStep> pairs;  // the cheapest first where costs are known; empty where none are asked for
+  std::vector<std::string> missing;  // what a limit left out of the reductions, one line each
   bool complete() const { return missing.empty(); }
-  // True where all is evaluated, the point holds, and none of its reductions holds at the same cost or less.
+  std::size_t pairs_missing() const;  // those that a limit left out
+  // True where every reduction is evaluated, the point holds, none of its reductions holds at the same cost
+  // or less, and no paired step that was evaluated holds.
   bool minimal() const;
 };
 
@@ -108,11 +126,12 @@ struct SearchProgress {
 // has a value within its limits, and the cost is finite. A NaN is within no limits. Constraints need not be
 // monotone in the widths.
 //
-// A finished search ends on a point whose every single-step reduction fails, or costs more. No point that it
-// evaluated is better: a better point has the lower cost, then the lower tie, then fewer steps above the
-// smallest, then the earlier axes narrower. With plan.tie_within the lowest tie among the points that cost at
-// most that share more wins instead. The same plan and evaluations give the same result, whatever the number
-// of cores.
+// A finished search ends on a point whose every single-step reduction fails, or costs more. With plan.pairs
+// no paired step holds at a lower cost either; without `cost_of` every pair is evaluated for that. No point
+// that it evaluated is better: a better point has the lower cost, then the lower tie, then fewer steps above
+// the smallest, then the earlier axes narrower. With plan.tie_within the lowest tie among the points that
+// cost at most that share more wins instead. The same plan and evaluations give the same result, whatever the
+// number of cores.
 //
 // An axis of categories has no order. Each combination of categories is searched for itself, by the same
 // algorithm from the same seed. The answer is the cheapest of them. Each gets an equal part of the limits
@@ -126,13 +145,14 @@ struct SearchProgress {
 SearchResult search(const SearchPlan& plan, const std::vector<Axis>& axes,
                     const std::vector<Constraint>& constraints, const Evaluate& evaluate,
                     std::stop_token stop = {},
-                    const std::function<void(const SearchProgress&)>& progress = {});
+                    const std::function<void(const SearchProgress&)>& progress = {},
+                    const CostOf& cost_of = {});
 
 // Returns the certificate of any point, evaluated anew. It checks a result, or a point from elsewhere. Throws
 // InputError as search() does, and for a point that is not on the axes.
 Certificate certify(const std::string& cost_metric, const std::vector<Axis>& axes,
                     const std::vector<Constraint>& constraints, const SearchPoint& point,
-                    const Evaluate& evaluate);
+                    const Evaluate& evaluate, const CostOf& cost_of = {});
 
 // Returns the certificate as lines of text, for the command line and the report.
 std::string to_text(const Certificate& certificate);

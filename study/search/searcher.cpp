@@ -19,12 +19,14 @@ std::size_t height_of(const SearchPoint& p) { return std::accumulate(p.begin(), 
 }  // namespace
 
 Searcher::Searcher(const SearchPlan& plan, const std::vector<Axis>& axes,
-                   const std::vector<Constraint>& constraints, const Evaluate& evaluate, std::stop_token stop,
+                   const std::vector<Constraint>& constraints, const Evaluate& evaluate,
+                   const CostOf& cost_of, std::stop_token stop,
                    const std::function<void(const SearchProgress&)>& progress)
     : plan_(plan),
       axes_(axes),
       constraints_(constraints),
       evaluate_(evaluate),
+      cost_of_(cost_of),
       stop_(std::move(stop)),
       progress_(progress),
       cores_(std::max<std::size_t>(1, std::thread::hardware_concurrency())) {
@@ -52,6 +54,11 @@ SearchResult Searcher::run() {
         case SearchAlgorithm::annealing:
           p = finish(annealing(), Pick::ratio);
           break;
+      }
+      if (plan_.pairs) {
+        const bool by_error =
+            plan_.algorithm == SearchAlgorithm::min_plus_1 || plan_.algorithm == SearchAlgorithm::max_minus_1;
+        p = finish_pairs(std::move(p), by_error ? Pick::error : Pick::ratio);
       }
       best_ = p;
       // For the certificate; one of these points may be the next least.
@@ -227,6 +234,28 @@ SearchPoint Searcher::finish(SearchPoint p, Pick pick) {
     evaluate(reductions_of(p));
     if (!better(*best_, p)) return p;
     p = *best_;
+  }
+}
+
+SearchPoint Searcher::finish_pairs(SearchPoint p, Pick pick) {
+  for (;;) {
+    enter("pairs");
+    evaluate_pairs(p);
+    if (!better(*best_, p)) return p;
+    p = finish(*best_, pick);
+  }
+}
+
+void Searcher::evaluate_pairs(const SearchPoint& p) {
+  const std::vector<PairedStep> pairs = pairs_of(p);
+  constexpr std::size_t batch = 16;  // the same on any machine, so the result is too
+  for (std::size_t first = 0; first < pairs.size(); first += batch) {
+    std::vector<SearchPoint> points;
+    for (std::size_t k = first; k < std::min(first + batch, pairs.size()); ++k) {
+      points.push_back(pairs[k].point);
+    }
+    evaluate(points);
+    if (better(*best_, p)) return;
   }
 }
 

@@ -39,7 +39,7 @@ enum class Costs { any, falling };
 class Searcher {
  public:
   Searcher(const SearchPlan& plan, const std::vector<Axis>& axes, const std::vector<Constraint>& constraints,
-           const Evaluate& evaluate, std::stop_token stop,
+           const Evaluate& evaluate, const CostOf& cost_of, std::stop_token stop,
            const std::function<void(const SearchProgress&)>& progress);
   SearchResult run();
   Certificate certificate_for(const SearchPoint& p);
@@ -80,6 +80,11 @@ class Searcher {
   // Goes from a point that holds to one whose single steps down all fail or cost more. No evaluated point is
   // better than the result.
   SearchPoint finish(SearchPoint p, Pick pick);
+  // Tries the paired steps of a finished point, the cheapest first, and goes on from one that is better,
+  // until none is.
+  SearchPoint finish_pairs(SearchPoint p, Pick pick);
+  // Evaluates the paired steps of p, and stops after a batch with one that is better.
+  void evaluate_pairs(const SearchPoint& p);
 
   // ---- min+1 bit
 
@@ -132,12 +137,16 @@ class Searcher {
   // ---- The certificate, from what is known
 
   Certificate certificate_of(const SearchPoint& p) const;
+  // Returns the paired steps of p that may lower its cost, with their points and axes.
+  std::vector<PairedStep> pairs_of(const SearchPoint& p) const;
+  void judge_pair(const SearchPoint& p, PairedStep& pair) const;
   void judge_reduction(const SearchPoint& p, Reduction& r) const;
 
   const SearchPlan& plan_;
   const std::vector<Axis>& axes_;
   const std::vector<Constraint>& constraints_;
   const Evaluate& evaluate_;
+  const CostOf& cost_of_;
   std::stop_token stop_;
   const std::function<void(const SearchProgress&)>& progress_;
   std::size_t cores_;

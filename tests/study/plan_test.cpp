@@ -90,6 +90,10 @@ TEST(Plan, ReadsEveryKey) {
   EXPECT_EQ(search.search->evaluations, 7);
   EXPECT_EQ(search.search->seconds, 1.5);
   EXPECT_EQ(search.search->seed, 9U);
+  EXPECT_TRUE(search.search->pairs);
+  EXPECT_FALSE(parse(head + vary +
+                     "[[constraint]]\nmetric = \"registers.wraps\"\nat_most = 0\n[search]\npairs = false\n")
+                   .search->pairs);
 }
 
 TEST(Plan, ANamedAxisIsShownByItsNameAndItsOwnValue) {
@@ -328,6 +332,7 @@ TEST(Plan, BadSearchAreaAndReportAreRefused) {
   refused(good + "[search]\nevaluations = 0\n", "search.evaluations: is 0");
   refused(good + "[search]\nseconds = 0\n", "search.seconds: is not above 0");
   refused(good + "[search]\nseed = -1\n", "search.seed: is -1");
+  refused(good + "[search]\npairs = 1\n", "s.toml:11: search.pairs: is an integer");
   refused(head + "cost = \"cost.table_bits\"\n" + vary + constraint + "[search]\n",
           "study.cost: is given beside a search; legal: search.cost");
   refused(head + "cost = \"bits\"\n" + vary, "study.cost: \"bits\" is no metric");

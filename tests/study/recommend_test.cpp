@@ -230,6 +230,46 @@ TEST(Recommend, ASearchOfCategoriesKeepsEachCertificate) {
   EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), 1 + result.evaluations);
 }
 
+// The true cost of the registers; the error is that of both widths together.
+MakeMeter true_cost_meter() {
+  return [](const std::vector<Scene>&) -> Measure {
+    return [](const Config& config) {
+      PointResult r;
+      add_costs(config, r.metrics);
+      for (const FormatId id : {FormatId::span_h, FormatId::span_uv}) {
+        r.metrics["span.u.p999"] += std::ldexp(0.5, -config.format(id).fraction());
+      }
+      return r;
+    };
+  };
+}
+
+TEST(Recommend, PairedStepsAreMeasuredWhereTheirKnownCostIsLower) {
+  std::string text = search_text;
+  text.insert(text.find("[[vary]]"), "[[vary]]\nkeys = [\"formats.span.uv.fraction\"]\nfrom = 1\nto = 9\n");
+  Bench b(text);
+  PointRunner runner(b.plan.base, {demo_scene(64, 48)}, true_cost_meter(), b.store, "test");
+  StudyPlan singles = b.plan;
+  singles.search->pairs = false;
+  const SearchResult plain = run_search(singles, runner, b.store, {}, {});
+  const SearchResult result = run_search(b.plan, runner, b.store, {}, {});
+  ASSERT_TRUE(plain.found);
+  EXPECT_EQ(result.point, plain.point);
+  // u and v have two registers each, h has one: one bit of h more and two of u and v less is the pair that
+  // saves.
+  ASSERT_EQ(result.certificate.pairs.size(), 1U);
+  EXPECT_EQ(result.certificate.pairs[0].key, "formats.span.h.word up, formats.span.uv.fraction down");
+  EXPECT_EQ(result.certificate.pairs[0].outcome, ReductionOutcome::fails);
+  ASSERT_EQ(result.steps.size(), plain.steps.size() + 1);
+  EXPECT_LT(result.steps.back().cost, plain.cost);
+  const auto rows = b.store.rows(
+      "SELECT from_value, to_value, hash FROM certificate WHERE key = 'formats.span.h.word up, "
+      "formats.span.uv.fraction down' AND failed LIKE 'fails: span.u.p999 is %'");
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(text_of(rows[0][2]),
+            runner.prepare(settings_of(b.plan.axes, result.certificate.pairs[0].point)).hash);
+}
+
 TEST(Recommend, ASearchWithoutALegalCombinationIsAnError) {
   std::string text = search_text;
   text.insert(text.find("[[vary]]"), category_text);

@@ -133,6 +133,15 @@ struct Problem {
       --q[i];
       if (holds(q) && cost(q) <= cost(p)) return false;
     }
+    for (std::size_t i = 0; i < p.size(); ++i) {  // one value up, and two down elsewhere
+      for (std::size_t j = 0; j < p.size(); ++j) {
+        if (i == j || p[i] + 1 == axes[i].values.size() || p[j] < 2) continue;
+        SearchPoint q = p;
+        ++q[i];
+        q[j] -= 2;
+        if (holds(q) && cost(q) < cost(p)) return false;
+      }
+    }
     return true;
   }
 
