@@ -32,7 +32,7 @@ bool same_texture(const PicturePair& p, std::size_t i) {
 // Returns the finest part of a texel, 2^-subtexel_bits wide, that holds the coordinate.
 std::int64_t subtexel(double coordinate) {
   constexpr double limit = 1e15;  // for what no format holds
-  const double scaled = std::clamp(std::ldexp(coordinate, subtexel_bits), -limit, limit);
+  const double scaled = std::clamp(coordinate * (1 << subtexel_bits), -limit, limit);
   const auto towards_zero = static_cast<std::int64_t>(scaled);
   return towards_zero - static_cast<std::int64_t>(scaled < static_cast<double>(towards_zero));
 }
@@ -104,6 +104,15 @@ double psnr(const PictureTally& t) {
                         : 10 * std::log10(255.0 * 255.0 * t.base / t.counted);
 }
 
+// One row for so many bits, which divide a texel into `parts`. The table keeps views of literals.
+#define BITSPAN_SUBTEXEL_RATE(bits, parts)                                          \
+  {                                                                                 \
+    "picture.wrong_subtexel_rate_" #bits, "of the pixels",                          \
+        "pixels whose u or v lies in another 1/" #parts                             \
+        " of a texel, as a share of those on which the same textured triangle won", \
+        Better::low, OverScenes::sum, tally_wrong_subtexel<bits>, share, nullptr    \
+  }
+
 constexpr auto pictures = std::to_array<PictureMetric>({
     {"picture.psnr_db", "dB",
      "peak signal to noise over R, G, B of all pixels; infinite where the pictures are equal", Better::high,
@@ -128,38 +137,14 @@ constexpr auto pictures = std::to_array<PictureMetric>({
      Better::low, OverScenes::sum, tally_wrong_texel, counted, nullptr},
     {"picture.wrong_texel_rate", "of the pixels", "their share of those pixels", Better::low, OverScenes::sum,
      tally_wrong_texel, share, nullptr},
-    {"picture.wrong_subtexel_rate_1", "of the pixels",
-     "pixels whose u or v lies in another 1/2 of a texel, as a share of those on which the same textured "
-     "triangle won",
-     Better::low, OverScenes::sum, tally_wrong_subtexel<1>, share, nullptr},
-    {"picture.wrong_subtexel_rate_2", "of the pixels",
-     "pixels whose u or v lies in another 1/4 of a texel, as a share of those on which the same textured "
-     "triangle won",
-     Better::low, OverScenes::sum, tally_wrong_subtexel<2>, share, nullptr},
-    {"picture.wrong_subtexel_rate_3", "of the pixels",
-     "pixels whose u or v lies in another 1/8 of a texel, as a share of those on which the same textured "
-     "triangle won",
-     Better::low, OverScenes::sum, tally_wrong_subtexel<3>, share, nullptr},
-    {"picture.wrong_subtexel_rate_4", "of the pixels",
-     "pixels whose u or v lies in another 1/16 of a texel, as a share of those on which the same textured "
-     "triangle won",
-     Better::low, OverScenes::sum, tally_wrong_subtexel<4>, share, nullptr},
-    {"picture.wrong_subtexel_rate_5", "of the pixels",
-     "pixels whose u or v lies in another 1/32 of a texel, as a share of those on which the same textured "
-     "triangle won",
-     Better::low, OverScenes::sum, tally_wrong_subtexel<5>, share, nullptr},
-    {"picture.wrong_subtexel_rate_6", "of the pixels",
-     "pixels whose u or v lies in another 1/64 of a texel, as a share of those on which the same textured "
-     "triangle won",
-     Better::low, OverScenes::sum, tally_wrong_subtexel<6>, share, nullptr},
-    {"picture.wrong_subtexel_rate_7", "of the pixels",
-     "pixels whose u or v lies in another 1/128 of a texel, as a share of those on which the same textured "
-     "triangle won",
-     Better::low, OverScenes::sum, tally_wrong_subtexel<7>, share, nullptr},
-    {"picture.wrong_subtexel_rate_8", "of the pixels",
-     "pixels whose u or v lies in another 1/256 of a texel, as a share of those on which the same textured "
-     "triangle won",
-     Better::low, OverScenes::sum, tally_wrong_subtexel<8>, share, nullptr},
+    BITSPAN_SUBTEXEL_RATE(1, 2),
+    BITSPAN_SUBTEXEL_RATE(2, 4),
+    BITSPAN_SUBTEXEL_RATE(3, 8),
+    BITSPAN_SUBTEXEL_RATE(4, 16),
+    BITSPAN_SUBTEXEL_RATE(5, 32),
+    BITSPAN_SUBTEXEL_RATE(6, 64),
+    BITSPAN_SUBTEXEL_RATE(7, 128),
+    BITSPAN_SUBTEXEL_RATE(8, 256),
     {"picture.changed_rate", "of the pixels", "pixels whose colour differs, as a share of all pixels",
      Better::low, OverScenes::sum, tally_changed, share, nullptr},
     {"picture.coverage_differences", "pixels",
@@ -170,6 +155,8 @@ constexpr auto pictures = std::to_array<PictureMetric>({
      },
      nullptr},
 });
+
+#undef BITSPAN_SUBTEXEL_RATE
 
 constexpr auto statistics = std::to_array<FieldStatistic>({
     {"bias", "bias", "", "", "mean of engine - ideal, with its sign", Better::low, false, true,
