@@ -31,6 +31,7 @@ from .study import (
     SearchStep,
     Study,
     Varied,
+    listed_scenes,
 )
 
 SCHEMA = "4"
@@ -224,7 +225,7 @@ def _read_scenes(reader: _Reader) -> dict[str, dict[str, dict[str, float]]]:
     wanted = "(SELECT hash FROM recommended WHERE study = :s UNION SELECT base_hash FROM studies WHERE name = :s)"
     found: dict[str, dict[str, dict[str, float]]] = {}
     for h, scenes in reader.rows(f"SELECT hash, scenes FROM points WHERE hash IN {wanted}"):
-        names = [scene["name"] for scene in json.loads(scenes or "[]")]
+        names = [str(scene.get("name", "")) for scene in listed_scenes(scenes or "") or [] if isinstance(scene, dict)]
         rows: dict[str, dict[str, float]] = {name: {} for name in names}
         for scene, name, value in reader.rows(
             "SELECT scene, name, value FROM scene_metrics WHERE hash = :h ORDER BY scene", h=h
@@ -368,12 +369,7 @@ def _read_areas(reader: _Reader) -> dict[str, list[Area]]:
 
 
 def _add_expressions(study: Study, reader: _Reader) -> None:
-    """Adds the expressions of the plan as metrics by their text; the cost is one of the costs, the others are results.
-
-    A database of before there were expressions has no table of them.
-    """
-    if not list(reader.rows("SELECT 1 FROM sqlite_master WHERE name = 'expressions'")):
-        return
+    """Adds the expressions of the plan as metrics by their text; the cost is one of the costs, the others are results."""
     at_least = {c.metric for c in study.constraints if c.at_most is None}
     texts = dict.fromkeys([study.cost_metric, *(c.metric for c in study.constraints)])
     indices = {point.hash: i for i, point in enumerate(study.points)}

@@ -13,7 +13,7 @@ from html import escape
 from typing import Any
 
 from . import analysis, data
-from .study import Area, Study
+from .study import Area, Study, listed_scenes
 
 _HERE = pathlib.Path(__file__).resolve().parent
 
@@ -101,13 +101,8 @@ def variants(study: Study, hashes: Sequence[str], contents: dict[str, str]) -> s
 def _scene_names(study: Study) -> str:
     """Returns the names of the scenes with the start of their content hashes."""
     stored = next((p.scenes for p in study.points if p.scenes), "")
-    try:
-        scenes = json.loads(stored)
-    except ValueError:
-        return stored
-    if isinstance(scenes, dict):
-        scenes = [{"name": name, "hash": value} for name, value in scenes.items()]
-    if not isinstance(scenes, list):
+    scenes = listed_scenes(stored)
+    if scenes is None:
         return stored
     return ", ".join(
         f"{s['name']} ({str(s.get('hash', ''))[:8]})" if isinstance(s, dict) and "name" in s else str(s) for s in scenes

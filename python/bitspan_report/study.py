@@ -3,11 +3,23 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import dataclass, field
 from typing import Any
 
 FIRST_OCTAVE = -64  # octaves[i] of a register counts 2^(i + FIRST_OCTAVE) <= |x| < 2^(i + 1 + FIRST_OCTAVE)
+
+
+def listed_scenes(stored: str) -> list[Any] | None:
+    """Returns the scenes of a point's row, dictionaries with name and hash where a study wrote them; None for no list."""
+    try:
+        scenes = json.loads(stored)
+    except ValueError:
+        return None
+    if isinstance(scenes, dict):
+        scenes = [{"name": name, "hash": value} for name, value in scenes.items()]
+    return scenes if isinstance(scenes, list) else None
 
 
 @dataclass

@@ -269,7 +269,6 @@ class Curves(unittest.TestCase):
     def test_expressions_of_the_plan_are_metrics(self):
         cost, limited = "2 * cost.register_bits", "1 / span.u.max"
         study = self.changed(
-            "CREATE TABLE expressions(hash TEXT, text TEXT, value REAL, PRIMARY KEY(hash, text))",
             f"UPDATE studies SET cost = '{cost}'",
             f"INSERT INTO constraints VALUES('spans', 9, '{limited}', NULL, 4, 'worst')",
             f"INSERT INTO expressions SELECT hash, '{cost}', 2 * value FROM metrics WHERE name = 'cost.register_bits'",

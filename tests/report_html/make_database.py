@@ -80,6 +80,7 @@ CREATE TABLE studies(name TEXT PRIMARY KEY, plan TEXT, kind TEXT, base_hash TEXT
 CREATE TABLE axes(study TEXT, axis INTEGER, i INTEGER, key TEXT, base TEXT, name TEXT, "offset" INTEGER, PRIMARY KEY(study, axis, i));
 CREATE TABLE constraints(study TEXT, i INTEGER, metric TEXT, at_most NUMERIC, at_least NUMERIC, over TEXT, PRIMARY KEY(study, i));
 CREATE TABLE scene_metrics(hash TEXT, scene INTEGER, name TEXT, value REAL);
+CREATE TABLE expressions(hash TEXT, text TEXT, value REAL, PRIMARY KEY(hash, text));
 CREATE TABLE findings(study TEXT, hash TEXT, line TEXT);
 CREATE TABLE validation(study TEXT, hash TEXT, scene TEXT, i INTEGER, value REAL, holds INTEGER);
 CREATE TABLE study_metrics(study TEXT, i INTEGER, name TEXT, PRIMARY KEY(study, i));
