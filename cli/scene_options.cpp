@@ -350,15 +350,21 @@ void SceneSource::check_again(const Config& config) const {
   range.finish();
 }
 
+namespace {
+
+// Whether it is a stream as its own camera sees it, which can be drawn while it is read.
+bool comes_in_pieces(const std::string& name) { return split_view(name).camera == 0 && is_stream(name); }
+
+}  // namespace
+
 SceneSource open_scene(const std::string& name, const SceneOptions& options) {
-  if (split_view(name).camera != 0) return SceneSource(load_scene(name, options));
-  if (is_stream(name)) return {name, options};
+  if (comes_in_pieces(name)) return {name, options};
   return SceneSource(load_scene(name, options));
 }
 
 std::vector<SceneSource> open_scenes(const std::string& name, const SceneOptions& options, bool whole) {
   std::vector<SceneSource> out;
-  if (split_view(name).camera == 0 && is_stream(name) && name != "-" && !whole) {
+  if (comes_in_pieces(name) && name != "-" && !whole) {
     out.emplace_back(name, options);
   } else {
     for (LoadedScene& loaded : load_scenes(name, options)) out.emplace_back(std::move(loaded));
@@ -384,18 +390,18 @@ std::function<const Scene*()> pieces_in_range(SceneSource& source, const Config&
 std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions& options) {
   const auto [seen, camera] = split_view(name);
   std::vector<LoadedScene> out;
-  if (is_stream(seen)) {
+  const bool streamed = is_stream(seen);
+  if (streamed) {
     out.push_back({whole_stream(seen, options), std::nullopt});
   } else {
     out = scenes_of_pixels(seen, options, camera);
   }
   for (LoadedScene& loaded : out) {
-    // A mesh has its camera already.
+    // A mesh has its camera already, and a stream is supersampled as it is read.
     if (camera != 0 && !loaded.faces) loaded.scene = seen_from(loaded.scene, camera);
-  }
-  if (is_stream(seen)) return out;  // supersampled as it was read
-  for (LoadedScene& loaded : out) {
-    if (options.supersample > 1) loaded.scene = supersampled(std::move(loaded.scene), options.supersample);
+    if (options.supersample > 1 && !streamed) {
+      loaded.scene = supersampled(std::move(loaded.scene), options.supersample);
+    }
   }
   return out;
 }
