@@ -73,9 +73,7 @@ std::vector<Scene> scenes_of(std::vector<std::string> names, int width, int heig
 
 Measure make_meter(std::vector<Scene> scenes) {
   return [meter = std::make_shared<PointMeter>(std::move(scenes))](const Config& config) {
-    PointResult result = meter->measure(config);
-    add_estimates(config, result.metrics);
-    return result;
+    return measure_with_estimates(*meter, config);
   };
 }
 

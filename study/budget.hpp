@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -25,7 +24,7 @@ struct BudgetRow {
   Quantisation quantisation;
   // The metrics with this quantisation exact and the others as configured, and with only this one as
   // configured.
-  std::map<std::string, double, std::less<>> without, alone;
+  Metrics without, alone;
 };
 
 // `cause` says for each pixel of a scene whose quantisation alone leaves the largest error of u and v. It is
@@ -38,10 +37,10 @@ struct DominantMap {
 
 struct Budget {
   std::vector<std::string> metrics;
-  std::map<std::string, double, std::less<>> base, exact;  // as configured; every quantisation exact
-  std::vector<BudgetRow> rows;                             // those with extra bits, in the pipeline's order
-  std::vector<std::string> kept;                           // registers that no rule lets have more bits
-  std::vector<DominantMap> maps;                           // one per scene
+  Metrics base, exact;            // as configured; every quantisation exact
+  std::vector<BudgetRow> rows;    // those with extra bits, in the pipeline's order
+  std::vector<std::string> kept;  // registers that no rule lets have more bits
+  std::vector<DominantMap> maps;  // one per scene
 };
 
 // Measures the budget. It leaves out the snap of the vertices, which is the input, and what the picture

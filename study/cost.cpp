@@ -600,14 +600,13 @@ double table_bits(const Config& config) {
   return static_cast<double>(bits);
 }
 
-void add_costs(const Config& config, std::map<std::string, double, std::less<>>& metrics) {
+void add_costs(const Config& config, Metrics& metrics) {
   metrics["cost.register_bits"] = register_bits(config);
   metrics["cost.product_bits"] = product_bits(config);
   metrics["cost.table_bits"] = table_bits(config);
 }
 
-void add_memory(const Config& config, std::span<const Scene> scenes,
-                std::map<std::string, double, std::less<>>& metrics) {
+void add_memory(const Config& config, std::span<const Scene> scenes, Metrics& metrics) {
   std::int64_t depth = 0, stencil = 0, color = 0;
   int units = 1;
   for (const Scene& scene : scenes) {
@@ -633,7 +632,7 @@ void add_memory(const Config& config, std::span<const Scene> scenes,
   metrics["memory.texels_per_pixel"] = (bilinear(config) ? 4 : 1) * (two_levels(config) ? 2 : 1) * units;
 }
 
-void add_timing(const Config& config, std::map<std::string, double, std::less<>>& metrics) {
+void add_timing(const Config& config, Metrics& metrics) {
   if (!has_rtl(config)) return;
   const RtlTiming timing = rtl_timing(config);
   metrics["timing.pixel_unit"] = timing.pixel_unit;

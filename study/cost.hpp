@@ -7,8 +7,6 @@
 // shades and the three colours. docs/search.md has both tables in full and says what is left out.
 #pragma once
 
-#include <functional>
-#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,6 +14,7 @@
 
 #include "config/config.hpp"
 #include "scene/scene.hpp"
+#include "study/metrics.hpp"
 
 namespace bitspan {
 
@@ -58,12 +57,11 @@ double product_bits(const Config& config);
 // own.
 double table_bits(const Config& config);
 // Adds the three by metric name: "cost.register_bits", "cost.product_bits", "cost.table_bits".
-void add_costs(const Config& config, std::map<std::string, double, std::less<>>& metrics);
+void add_costs(const Config& config, Metrics& metrics);
 // Adds what the scenes take in memory under a configuration, "memory.*": the buffers of one picture of the
 // scene that takes most, the texels that a textured pixel reads at most, and the caches.
-void add_memory(const Config& config, std::span<const Scene> scenes,
-                std::map<std::string, double, std::less<>>& metrics);
+void add_memory(const Config& config, std::span<const Scene> scenes, Metrics& metrics);
 // Adds the clocks of the RTL, "timing.*", where the mode has RTL.
-void add_timing(const Config& config, std::map<std::string, double, std::less<>>& metrics);
+void add_timing(const Config& config, Metrics& metrics);
 
 }  // namespace bitspan

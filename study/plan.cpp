@@ -111,18 +111,19 @@ std::vector<std::vector<KeyValue>> counted_values(const Section& s, std::size_t 
   return out;
 }
 
-// The columns of the CSV file that are neither keys nor metrics.
-constexpr auto csv_columns = std::to_array<std::string_view>(
-    {"i", "status", "holds", "seconds", "config_hash", "hash", "message", "replay"});
-
-std::string read_axis_name(const Section& s) {
-  const std::string legal = "a word of letters, digits, -, _ and .";
+// Reads a name of at most 100 letters, digits and `marks`.
+std::string read_name(const Section& s, std::string_view marks, const std::string& legal) {
   std::string name = s.text("name", legal);
-  if (name.size() > 100 || !std::ranges::all_of(name, [](unsigned char c) {
-        return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
+  if (name.size() > 100 || !std::ranges::all_of(name, [&](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) != 0 || marks.find(c) != std::string_view::npos;
       })) {
     s.fail("name", "is \"" + name + "\"; legal: " + legal);
   }
+  return name;
+}
+
+std::string read_axis_name(const Section& s) {
+  std::string name = read_name(s, "-_.", "a word of letters, digits, -, _ and .");
   const std::vector<std::string> known = all_keys();
   const char* taken = name == s_ratio_key || std::ranges::binary_search(known, name) ? "a key"
                       : find_metric(name) != nullptr                                 ? "a metric"
@@ -405,12 +406,7 @@ void read_views(const Section& study, const std::string& path, StudyPlan& plan) 
 }
 
 void read_study(const Section& study, const std::string& path, const ConfigFinder& find, StudyPlan& plan) {
-  plan.name = study.text("name", "a word of letters, digits, - and _");
-  if (plan.name.size() > 100 || !std::ranges::all_of(plan.name, [](unsigned char c) {
-        return std::isalnum(c) != 0 || c == '-' || c == '_';
-      })) {
-    study.fail("name", "is \"" + plan.name + "\"; legal: a word of letters, digits, - and _");
-  }
+  plan.name = read_name(study, "-_", "a word of letters, digits, - and _");
   const std::string base =
       study.text("base", "the name of a shipped configuration, or a file beside the study");
   try {

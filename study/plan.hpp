@@ -3,6 +3,7 @@
 // has one row per key.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -110,6 +111,10 @@ struct StudyPlan {
 inline constexpr std::string_view s_ratio_key = "scene.s_ratio";
 inline constexpr double s_ratio_limit = 1e6;
 bool varies_scenes(const Axis& axis);  // whether the axis sets that key
+
+// The columns of the CSV file that are neither keys nor metrics (write_csv).
+inline constexpr auto csv_columns = std::to_array<std::string_view>(
+    {"i", "status", "holds", "seconds", "config_hash", "hash", "message", "replay"});
 
 inline constexpr std::size_t points_limit = 1'000'000;    // of a plan
 inline constexpr std::size_t combinations_limit = 1'000;  // of categories in a search

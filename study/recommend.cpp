@@ -142,6 +142,14 @@ void add_area(const std::string& prefix, bool place, const Config& config, Store
   metrics[prefix + "fmax_mhz"] = a.fmax_mhz;
 }
 
+// Returns the metrics that come from the configuration alone.
+Metrics unmeasured(const Config& config) {
+  Metrics metrics;
+  add_costs(config, metrics);
+  add_estimates(config, metrics);
+  return metrics;
+}
+
 // Returns how the search's cost comes from a configuration alone; none where it has to be measured.
 CostOf known_cost(const SearchPlan& plan, PointRunner& runner) {
   const auto is_known = [](const std::string& metric) {
@@ -152,12 +160,7 @@ CostOf known_cost(const SearchPlan& plan, PointRunner& runner) {
   if (!std::ranges::all_of(cost->metrics(), is_known)) return {};
   return [cost, &runner](const std::vector<KeySetting>& settings) {
     const Point point = runner.prepare(settings);
-    Metrics metrics;
-    if (point.config) {
-      add_costs(*point.config, metrics);
-      add_estimates(*point.config, metrics);
-    }
-    return cost->value(metrics).value_or(no_value);
+    return cost->value(point.config ? unmeasured(*point.config) : Metrics{}).value_or(no_value);
   };
 }
 
@@ -314,8 +317,7 @@ void write_pictures(const std::string& hash, const std::vector<PointPicture>& pi
 // Measures a point again, of which only some metrics were kept.
 void keep_whole(const PointRow& row, const Asked& before, const Config& config, const PointMeter& meter,
                 Store& store) {
-  PointResult result = meter.measure(config);
-  add_estimates(config, result.metrics);
+  const PointResult result = measure_with_estimates(meter, config);
   PointRow whole = row;
   whole.base_hash.clear();  // so that the configuration is kept as it stands
   store.put_point(whole, &result, both(before, {}));
@@ -335,6 +337,12 @@ void add_estimates(const Config& config, Metrics& metrics) {
   }
 }
 
+PointResult measure_with_estimates(const PointMeter& meter, const Config& config, bool histograms) {
+  PointResult result = meter.measure(config, histograms);
+  add_estimates(config, result.metrics);
+  return result;
+}
+
 std::vector<std::string> idle_axes(const StudyPlan& plan, const std::vector<Scene>& scenes) {
   std::vector<std::string> out;
   Expression cost(plan.search->cost);
@@ -342,10 +350,8 @@ std::vector<std::string> idle_axes(const StudyPlan& plan, const std::vector<Scen
   const auto cost_of = [&](const std::vector<KeySetting>& settings) -> std::optional<double> {
     try {
       const Config config = with_keys(plan.base, settings);
-      Metrics metrics;
-      add_costs(config, metrics);
+      Metrics metrics = unmeasured(config);
       add_memory(config, scenes, metrics);
-      add_estimates(config, metrics);
       return cost.value(metrics);
     } catch (const InputError&) {
       return std::nullopt;
@@ -569,6 +575,20 @@ std::vector<std::string> margin_lines(const StudyPlan& plan, PointMetrics measur
 
 namespace {
 
+struct MeasuredPoint {
+  PointRow row;
+  Config config;
+  std::optional<double> s_ratio;  // by which its scenes were stretched
+};
+// Throws InputError where the database has no such point, or it was refused.
+MeasuredPoint measured_point(const std::string& hash, Store& store) {
+  auto row = store.point(hash);
+  if (!row || !row->ok) throw InputError("no measured point " + hash);
+  Config config = parse_config(row->config, "point " + hash);
+  const auto s_ratio = s_ratio_of(row->scenes);
+  return {std::move(*row), std::move(config), s_ratio};
+}
+
 // Keeps lines about a recommended point for the report.
 void keep_findings(const StudyPlan& plan, const std::string& hash, const std::vector<std::string>& lines,
                    Store& store) {
@@ -582,9 +602,8 @@ void keep_findings(const StudyPlan& plan, const std::string& hash, const std::ve
 Validation validate(const StudyPlan& plan, const Recommendation& point,
                     const std::function<std::vector<Scene>(const std::string&)>& load, Store& store,
                     const std::function<void(const std::string&)>& told, const std::stop_token& stop) {
-  const auto row = store.point(point.hash);
-  if (!row || !row->ok) throw InputError("no measured point " + point.hash);
-  const Config config = parse_config(row->config, "point " + point.hash);
+  const MeasuredPoint of = measured_point(point.hash, store);
+  const Config& config = of.config;
   struct View {
     std::string scene;
     std::optional<PointMetrics> measured;  // none: refused
@@ -592,11 +611,10 @@ Validation validate(const StudyPlan& plan, const Recommendation& point,
   };
   std::vector<View> views;
   const auto measure = [&](Scene scene) {
-    if (const auto ratio = s_ratio_of(row->scenes)) scene = with_s_ratio(std::move(scene), *ratio);
+    if (of.s_ratio) scene = with_s_ratio(std::move(scene), *of.s_ratio);
     View view{scene.name, {}, {}};
     try {
-      PointResult result = PointMeter({std::move(scene)}).measure(config, false);
-      add_estimates(config, result.metrics);
+      PointResult result = measure_with_estimates(PointMeter({std::move(scene)}), config, false);
       view.measured = {std::move(result.metrics), std::move(result.scenes)};
     } catch (const InputError& error) {
       view.refusal = error.what();
@@ -664,11 +682,10 @@ Examination examine(const StudyPlan& plan, const Recommendation& point, std::vec
                     Store& store, const std::function<void(const std::string&)>& told,
                     const std::stop_token& stop) {
   Examination out;
-  const auto row = store.point(point.hash);
-  if (!row || !row->ok) throw InputError("no measured point " + point.hash);
-  const Config config = parse_config(row->config, "point " + point.hash);
-  if (const auto ratio = s_ratio_of(row->scenes)) {
-    for (Scene& scene : scenes) scene = with_s_ratio(std::move(scene), *ratio);
+  const MeasuredPoint of = measured_point(point.hash, store);
+  const Config& config = of.config;
+  if (of.s_ratio) {
+    for (Scene& scene : scenes) scene = with_s_ratio(std::move(scene), *of.s_ratio);
   }
 
   const std::vector<std::string> margins = margin_lines(plan, store.metrics(point.hash));
@@ -688,7 +705,7 @@ Examination examine(const StudyPlan& plan, const Recommendation& point, std::vec
   const PointMeter meter(scenes);
   if (const auto known = store.known(point.hash); known && !known->asked.everything) {
     told("all that the report shows");
-    keep_whole(*row, known->asked, config, meter, store);
+    keep_whole(of.row, known->asked, config, meter, store);
   }
   std::optional<Budget> budget;
   if (plan.budget && !stop.stop_requested()) {

@@ -13,6 +13,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
 #include <type_traits>
 
 #include "config/fnv.hpp"
@@ -435,7 +436,9 @@ void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
     for (const std::string& cell : cells) text.append(text.empty() ? "" : ",").append(csv_cell(cell));
     write(text.append("\r\n"));
   };
-  std::vector<std::string> cells{"i"};
+  // The first stands in front of the keys, two more in front of the metrics, the others behind them.
+  constexpr std::span columns(csv_columns);
+  std::vector<std::string> cells{std::string(columns[0])};
   std::map<std::string, std::string, std::less<>> base;  // values of the keys that vary
   for (const Axis& axis : plan.axes) {
     if (!axis.name.empty()) cells.push_back(axis.name);
@@ -444,9 +447,9 @@ void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
       base[key] = key == s_ratio_key ? "" : to_string(value_of_key(plan.base, key));
     }
   }
-  cells.insert(cells.end(), {"status", "holds"});
+  cells.insert(cells.end(), columns.begin() + 1, columns.begin() + 3);
   cells.insert(cells.end(), metrics.begin(), metrics.end());
-  cells.insert(cells.end(), {"seconds", "config_hash", "hash", "message", "replay"});
+  cells.insert(cells.end(), columns.begin() + 3, columns.end());
   line(cells);
   for (const Row& row : rows) {
     auto values = base;
