@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <optional>
 
 #include "config/modes.hpp"
 #include "model/numeric/log2.hpp"
@@ -30,6 +32,8 @@ void set(Real& out, Exact x) {  // 0 <= x.raw < 2^64
   mpfr_set_ui(out.get(), static_cast<unsigned long>(x.raw), MPFR_RNDN);
   mpfr_mul_2si(out.get(), out.get(), -x.fraction, MPFR_RNDN);
 }
+
+double number_of(Exact x) { return std::ldexp(static_cast<double>(x.raw), -x.fraction); }
 
 // out = exp(-D/DT); D is lost.
 void fade(Real& out, Real& d, double distance) {
@@ -64,6 +68,17 @@ void factor_at_depth(Real& out, const Config& config, const Constants& constants
   fade(out, s, scene.fog->distance);
 }
 
+// D/DT of the same, with a relative error below 2^-48: some twenty roundings.
+double fade_at_depth(const Config& config, const Constants& constants, const Scene& scene, int hi, int zone) {
+  const double b = number_of(b_of(config, constants.record));
+  const double h = std::ldexp(hi + 0.5, config.depth_bits - config.fog_depth_bits);
+  const double width = scene.width;
+  const double height = scene.height;
+  const double r = number_of(middle_of(screen_zones(config, scene), zone)) *
+                   (width * width + height * height) / scene.focal / scene.focal;
+  return b * scene.s_max / (h + b) * std::sqrt(1 + r) / scene.fog->distance;
+}
+
 // floor(x 2^fraction) where it fits 126 bits; 0 <= x.
 int128 floor_at(Real& x, int fraction) {
   mpz_t z;
@@ -77,14 +92,27 @@ int128 floor_at(Real& x, int fraction) {
   return static_cast<int128>(uint128{words[1]} << 64 | words[0]);
 }
 
+// floor(exp(-fade) 2^fraction), and none where double precision cannot tell it. fade has a relative error
+// below 2^-48, so that of exp is below 2^-40 while fade < 2^7.
+std::optional<int128> quick_floor(double fade, int fraction) {
+  const double x = std::ldexp(std::exp(-fade), fraction);
+  if (!(fade >= 0 && fade < 128 && x < 0x1p52)) return std::nullopt;
+  const double low = std::floor(x * (1 - 0x1p-40));
+  if (low != std::floor(x * (1 + 0x1p-40))) return std::nullopt;
+  return static_cast<std::int64_t>(low);
+}
+
 // Q[r] of what factor(out, precision) gives: exp(-D/DT) at a working precision. Its relative error
 // is below 2^(16 - precision) while D/DT < 2^12, a few units of the last place times D/DT; beyond, the entry
-// is far below any register's last place.
+// is far below any register's last place. `fade` is D/DT with a relative error below 2^-48.
 template <class Factor, class Watch>
-std::int64_t rounded_entry(const Register& r, Factor factor, Watch watch) {
+std::int64_t rounded_entry(const Register& r, double fade, Factor factor, Watch watch) {
   // The entry is irrational: kept bits, a guard bit, and something below. More precision until the bits down
   // to the guard are the same at both ends of the error interval.
   const int fraction = std::max(0, r.fraction + 1);
+  if (const auto floor = quick_floor(fade, fraction)) {
+    return quantize(*floor << 1 | 1, fraction + 1, r, watch);
+  }
   for (mpfr_prec_t precision = 128;; precision *= 2) {
     Real x(precision);
     factor(x, precision);
@@ -106,6 +134,7 @@ std::int64_t entry_at(const Config& config, const Constants& constants, const Sc
                       Watch watch) {
   return rounded_entry(
       make_register(config, FormatId::fog_factor),
+      number_of(scaled(distance, -constants.exponent)) / scene.fog->distance,
       [&](Real& out, mpfr_prec_t precision) {
         Real d(precision);
         set(d, scaled(distance, -constants.exponent));
@@ -164,7 +193,7 @@ template <class Watch>
 std::int64_t fog_entry(const Config& config, const Constants& constants, const Scene& scene, int hi, int zone,
                        Watch watch) {
   return rounded_entry(
-      make_register(config, FormatId::fog_factor),
+      make_register(config, FormatId::fog_factor), fade_at_depth(config, constants, scene, hi, zone),
       [&](Real& out, mpfr_prec_t precision) {
         factor_at_depth(out, config, constants, scene, hi, zone, precision);
       },
@@ -247,7 +276,7 @@ FogFactor fog_factor(const FogStage& stage, const FragmentRecord& fragment, cons
 template <class Watch>
 std::int64_t fog_at(double s, double distance, const Register& r, Watch watch) {
   const std::int64_t factor = rounded_entry(
-      r,
+      r, s / distance,
       [&](Real& out, mpfr_prec_t precision) {
         Real d(precision);
         mpfr_set_d(d.get(), s, MPFR_RNDN);
