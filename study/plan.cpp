@@ -20,6 +20,7 @@
 #include "study/area.hpp"
 #include "study/expression.hpp"
 #include "study/metrics.hpp"
+#include "study/points_file.hpp"
 
 namespace bitspan {
 namespace {
@@ -66,6 +67,7 @@ std::vector<std::vector<KeyValue>> listed_values(const Section& s, std::size_t k
                                             " keys take; or of arrays with " + std::to_string(keys) +
                                             " values each";
   std::vector<std::vector<KeyValue>> out;
+  std::set<std::vector<KeyValue>> seen;
   const toml::array& array = s.array("values", legal);
   const bool linked = keys > 1 && array.front().is_array();
   for (const toml::node& node : array) {
@@ -83,7 +85,7 @@ std::vector<std::vector<KeyValue>> listed_values(const Section& s, std::size_t k
       values.assign(keys, key_value(s, node, legal));
     }
     // Where each point takes the i-th value of every axis, equal values make different points.
-    if (arrangement != Arrangement::list && std::ranges::find(out, values) != out.end()) {
+    if (arrangement != Arrangement::list && !seen.insert(values).second) {
       s.fail(line_of(node.source()), s.path_of("values"),
              "item " + std::to_string(out.size() + 1) +
                  " is there twice; legal: once, or arrangement = \"list\"");
@@ -244,36 +246,43 @@ std::optional<std::string> violation(const Config& base, std::vector<KeySetting>
   return std::nullopt;
 }
 
-bool contains(const std::vector<KeySetting>& point, const std::vector<KeySetting>& settings) {
-  return std::ranges::all_of(settings,
-                             [&](const KeySetting& s) { return std::ranges::find(point, s) != point.end(); });
-}
-
-// Returns why no point with these settings is legal, and none where one is. What is wrong with the settings
-// alone on the base, if anything, says most.
-std::optional<std::string> violation_in_all(const Config& base,
-                                            const std::vector<std::vector<KeySetting>>& points,
-                                            const std::vector<KeySetting>& settings) {
-  std::optional<std::string> first;
-  std::size_t tries = 0;
-  for (const auto& point : points) {
-    if (!contains(point, settings)) continue;
-    const auto wrong = violation(base, point);
-    if (!wrong || ++tries == tries_limit) return std::nullopt;
-    if (!first) first = wrong;
-  }
-  auto alone = violation(base, settings);
-  return alone ? alone : first;
-}
-
-// Each value must be legal in some point.
+// Each value must be legal in some point. What is wrong with a value alone on the base, if anything, says
+// most.
 void check_values(const std::vector<Section>& all, const StudyPlan& plan) {
-  const auto points = points_of(plan);
+  struct Seen {
+    bool legal = false;
+    std::size_t tries = 0;
+    std::optional<std::string> first;
+  };
+  std::vector<std::map<std::vector<KeyValue>, Seen>> seen(plan.axes.size());
+  std::map<std::string, std::size_t, std::less<>> axis_of;  // by the first key of the axis
+  for (std::size_t a = 0; a < plan.axes.size(); ++a) {
+    for (const auto& values : plan.axes[a].values) seen[a].try_emplace(values);
+    axis_of[plan.axes[a].keys[0]] = a;
+  }
+  for (const auto& point : points_of(plan)) {
+    std::vector<Seen*> open;
+    for (auto at = point.begin(); at != point.end();) {
+      const std::size_t a = axis_of.at(at->path);
+      std::vector<KeyValue> values;
+      for (std::size_t k = 0; k < plan.axes[a].keys.size(); ++k) values.push_back((at++)->value);
+      Seen& one = seen[a].at(values);
+      if (!one.legal) open.push_back(&one);
+    }
+    if (open.empty()) continue;
+    const auto wrong = violation(plan.base, point);
+    for (Seen* one : open) {
+      one->legal = !wrong || ++one->tries == tries_limit;
+      if (wrong && !one->first) one->first = wrong;
+    }
+  }
   for (std::size_t a = 0; a < plan.axes.size(); ++a) {
     for (std::size_t i = 0; i < plan.axes[a].values.size(); ++i) {
-      if (const auto wrong = violation_in_all(plan.base, points, settings_at(plan.axes[a], i))) {
-        all[a].fail(all[a].has("values") ? "values" : "from", "no point can have this: " + *wrong);
-      }
+      const Seen& one = seen[a].at(plan.axes[a].values[i]);
+      if (one.legal) continue;
+      const auto alone = violation(plan.base, settings_at(plan.axes[a], i));
+      all[a].fail(all[a].has("values") ? "values" : "from",
+                  "no point can have this: " + (alone ? *alone : *one.first));
     }
   }
 }
@@ -512,6 +521,21 @@ SearchPlan read_search(const Section& s, const std::vector<Section>& all, const 
   return search;
 }
 
+// The points come from a file in place of axes.
+void read_listed_points(const Section& root, const Section& study, const std::string& path, StudyPlan& plan) {
+  const std::string file = study.text("points", "a CSV file beside the study");
+  for (const char* other : {"vary", "search"}) {
+    if (root.has(other)) {
+      study.fail("points", fmt::format("is given beside [{}]; legal: one of them", other));
+    }
+  }
+  if (study.has("arrangement")) {
+    study.fail("arrangement", "is given, and study.points lists each point; legal: leave it out");
+  }
+  plan.arrangement = Arrangement::list;
+  plan.axes = read_points(file_beside(path, file), plan.base);
+}
+
 AreaPlan read_area(const Section& s) {
   AreaPlan area;
   const std::string legal = "an array of " + join(family_names);
@@ -534,12 +558,16 @@ StudyPlan parse_study(std::string_view text, const std::string& path, const Conf
   StudyPlan plan;
   plan.text = text;
   if (!root.has("study")) root.fail(1, "study", "missing; legal: a table with name and base");
-  const Section study = root.section("study", {"name", "base", "scenes", "views", "validate",
-                                               "validate_views", "size", "arrangement", "metrics", "cost"});
+  const Section study =
+      root.section("study", {"name", "base", "scenes", "views", "validate", "validate_views", "size",
+                             "arrangement", "points", "metrics", "cost"});
   read_study(study, path, find, plan);
 
+  if (study.has("points")) read_listed_points(root, study, path, plan);
   const auto vary = root.sections("vary", {"name", "keys", "values", "from", "to", "step", "offsets"});
-  if (vary.empty()) root.fail(1, "vary", "missing: nothing varies; legal: one [[vary]] or more");
+  if (vary.empty() && plan.axes.empty()) {
+    root.fail(1, "vary", "missing: nothing varies; legal: one [[vary]] or more, or study.points");
+  }
   for (const Section& s : vary) plan.axes.push_back(read_axis(s, plan.base, plan.arrangement));
   check_disjoint(vary, plan.axes);
   for (const Section& s : root.sections("constraint", {"metric", "at_most", "at_least", "over"})) {
@@ -554,7 +582,7 @@ StudyPlan parse_study(std::string_view text, const std::string& path, const Conf
     }
     if (study.has("cost")) study.fail("cost", "is given beside a search; legal: search.cost");
     check_search_values(vary, plan);
-  } else {
+  } else if (!vary.empty()) {
     check_points(study, vary, plan);
     check_values(vary, plan);
   }

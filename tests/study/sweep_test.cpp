@@ -15,87 +15,15 @@
 #include <thread>
 
 #include "scene/demo.hpp"
-#include "tests/support/files.hpp"
+#include "tests/study/sweep_support.hpp"
 #include "tests/support/input_error.hpp"
-#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-Scene small_scene() {
-  Scene scene;
-  scene.name = "small";
-  scene.width = 8;
-  scene.height = 8;
-  scene.s_min = 2;
-  scene.s_max = 200;
-  scene.fog = Fog{{1, 2, 3}, 20};
-  scene.triangles.push_back({{{{0, 0, 2, 0, 0}, {8, 0, 20, 5, 0}, {0, 8, 200, 0, 5}}}, -1});
-  return scene;
-}
-
-// A meter that costs nothing: the error is the last place of span.h, and a span.h of fewer than 20 bits is
-// refused.
-struct Fake {
-  std::atomic<int> calls{0};
-  std::atomic<int> meters{0};
-  std::mutex mutex;
-  std::vector<double> ratios;               // of the scenes that meters were made for
-  std::function<void(const Config&)> hook;  // called first
-
-  MakeMeter maker() {
-    return [this](std::vector<Scene> scenes) -> Measure {
-      ++meters;
-      ratios.push_back(scenes.at(0).s_max / scenes.at(0).s_min);
-      return [this, ratio = ratios.back()](const Config& config) {
-        ++calls;
-        if (hook) hook(config);
-        const Format& f = config.format(FormatId::span_h);
-        if (f.word < 20) throw InputError("fake: formats.span.h.word: too narrow");
-        PointResult r;
-        r.metrics["span.u.max"] = std::ldexp(ratio, -f.fraction());
-        r.metrics["cost.register_bits"] = f.word;
-        r.metrics["span.v.max"] = nan;
-        r.fields.push_back({"span", "u", "texel", 0.5, 3, 0.1});
-        r.scenes = {{"small", {{"span.u.max", r.metrics["span.u.max"]}, {"span.v.max", nan}}}};
-        return r;
-      };
-    };
-  }
-};
-
-Config find(const std::string& name) { return shipped_config(name); }
-
-StudyPlan plan_of(const std::string& rest, const std::string& study = "") {
-  return parse_study("[study]\nname = \"s\"\nbase = \"depth16\"\n" + study + rest, "s.toml", find);
-}
-
-const std::string words = "[[vary]]\nkeys = [\"formats.span.h.word\"]\nvalues = [18, 24, 30, 34]\n";
-const std::string below = "[[constraint]]\nmetric = \"span.u.max\"\nat_most = 0.01\n";
-
-struct Bench {
-  TemporaryFolder folder;
-  Fake fake;
-  std::unique_ptr<Store> store = std::make_unique<Store>(folder.path("a.db"), "1");
-  RunOptions options;
-
-  PointRunner runner(const std::string& version = "1", const Asked& asked = {}) {
-    return {shipped_config("depth16"), {small_scene()}, fake.maker(), *store, version, asked};
-  }
-  SweepResult sweep(const StudyPlan& plan) {
-    PointRunner r = runner("1", asked_of(plan));
-    return run_sweep(plan, r, *store, options);
-  }
-  std::int64_t count(const std::string& sql) {
-    return integer_of(store->rows("SELECT count(*) FROM " + sql)[0][0]);
-  }
-};
-
 TEST(Sweep, MeasuresEachPointOnceAndKeepsIt) {
   Bench b;
-  const StudyPlan plan = plan_of(words + below);
+  const StudyPlan plan = sweep_plan(words + below);
   const SweepResult first = b.sweep(plan);
   EXPECT_EQ(first.points, 4U);
   EXPECT_EQ(first.measured, 4U);  // the base is one of them
@@ -136,10 +64,11 @@ TEST(Sweep, MeasuresEachPointOnceAndKeepsIt) {
   EXPECT_EQ(again.known, 4U);
   EXPECT_EQ(again.measured, 0U);
   EXPECT_EQ(again.holding, 2U);
-  EXPECT_EQ(b.sweep(plan_of(words + "[[constraint]]\nmetric = \"span.u.max\"\nat_most = 10\n")).holding, 3U);
+  EXPECT_EQ(b.sweep(sweep_plan(words + "[[constraint]]\nmetric = \"span.u.max\"\nat_most = 10\n")).holding,
+            3U);
   EXPECT_EQ(b.fake.calls, 4);
   // One value more: one point more.
-  EXPECT_EQ(b.sweep(plan_of("[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 33\nto = 34\n")).measured,
+  EXPECT_EQ(b.sweep(sweep_plan("[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 33\nto = 34\n")).measured,
             1U);
   EXPECT_EQ(b.count("study_points"), 2);
 }
@@ -149,7 +78,7 @@ TEST(Sweep, MeasuresEachPointOnceAndKeepsIt) {
 TEST(Sweep, OnlyWhatIsAskedForIsKept) {
   Bench b;
   const std::string named = "metrics = [\"span.u.max\"]\n";
-  EXPECT_EQ(b.sweep(plan_of(words, named)).measured, 4U);
+  EXPECT_EQ(b.sweep(sweep_plan(words, named)).measured, 4U);
   const std::string hash = text_of(b.store->rows("SELECT hash FROM study_points WHERE i = 1")[0][0]);
   const std::string base = text_of(b.store->rows("SELECT base_hash FROM studies")[0][0]);
   const auto has = [&](const std::string& of, const std::string& metric) {
@@ -172,12 +101,12 @@ TEST(Sweep, OnlyWhatIsAskedForIsKept) {
 
   // Who asks for more has the points measured again, and what was kept stays.
   const int calls = b.fake.calls;
-  EXPECT_EQ(b.sweep(plan_of(words, "metrics = [\"span.v.max\"]\n")).measured, 3U) << "all but the refused";
+  EXPECT_EQ(b.sweep(sweep_plan(words, "metrics = [\"span.v.max\"]\n")).measured, 3U) << "all but the refused";
   EXPECT_GT(b.fake.calls, calls);
   EXPECT_TRUE(has(hash, "span.u.max"));
   EXPECT_TRUE(has(hash, "span.v.max"));
-  EXPECT_EQ(b.sweep(plan_of(words, named)).measured, 0U);
-  EXPECT_EQ(b.sweep(plan_of(words + below, named)).measured, 0U);
+  EXPECT_EQ(b.sweep(sweep_plan(words, named)).measured, 0U);
+  EXPECT_EQ(b.sweep(sweep_plan(words + below, named)).measured, 0U);
 }
 
 TEST(Sweep, TheHashCoversWhatDeterminesAPoint) {
@@ -223,8 +152,8 @@ TEST(Sweep, PointsAlikeAreMeasuredOnce) {
   Bench b;
   // Steps are of no account without a Newton unit: both points are one.
   const SweepResult r =
-      b.sweep(plan_of("[[vary]]\nkeys = [\"reciprocal.pixel.kind\"]\nvalues = [\"restoring\"]\n"
-                      "[[vary]]\nkeys = [\"reciprocal.pixel.steps\"]\nvalues = [1, 2]\n"));
+      b.sweep(sweep_plan("[[vary]]\nkeys = [\"reciprocal.pixel.kind\"]\nvalues = [\"restoring\"]\n"
+                         "[[vary]]\nkeys = [\"reciprocal.pixel.steps\"]\nvalues = [1, 2]\n"));
   EXPECT_EQ(r.points, 2U);
   EXPECT_EQ(b.fake.calls, 2);  // and the base
   EXPECT_EQ(b.count("study_points"), 2);
@@ -235,8 +164,8 @@ TEST(Sweep, PointsAlikeAreMeasuredOnce) {
 TEST(Sweep, IllegalCombinationsAreRefusedPoints) {
   Bench b;
   const SweepResult r =
-      b.sweep(plan_of("[[vary]]\nkeys = [\"reciprocal.pixel.operand_bits\"]\nvalues = [10, 22]\n"
-                      "[[vary]]\nkeys = [\"reciprocal.pixel.index_bits\"]\nvalues = [8, 11]\n"));
+      b.sweep(sweep_plan("[[vary]]\nkeys = [\"reciprocal.pixel.operand_bits\"]\nvalues = [10, 22]\n"
+                         "[[vary]]\nkeys = [\"reciprocal.pixel.index_bits\"]\nvalues = [8, 11]\n"));
   EXPECT_EQ(r.points, 4U);
   EXPECT_EQ(r.refused, 1U);
   EXPECT_EQ(r.holding, 3U);
@@ -245,8 +174,8 @@ TEST(Sweep, IllegalCombinationsAreRefusedPoints) {
   EXPECT_EQ(text_of(rows[0][0]), "");
   EXPECT_TRUE(names(text_of(rows[0][1]), "index_bits: is 11 with operand_bits = 10"));
   const int calls = b.fake.calls;
-  EXPECT_EQ(b.sweep(plan_of("[[vary]]\nkeys = [\"reciprocal.pixel.operand_bits\"]\nvalues = [10, 22]\n"
-                            "[[vary]]\nkeys = [\"reciprocal.pixel.index_bits\"]\nvalues = [8, 11]\n"))
+  EXPECT_EQ(b.sweep(sweep_plan("[[vary]]\nkeys = [\"reciprocal.pixel.operand_bits\"]\nvalues = [10, 22]\n"
+                               "[[vary]]\nkeys = [\"reciprocal.pixel.index_bits\"]\nvalues = [8, 11]\n"))
                 .measured,
             0U);
   EXPECT_EQ(b.fake.calls, calls);
@@ -255,8 +184,9 @@ TEST(Sweep, IllegalCombinationsAreRefusedPoints) {
 TEST(Sweep, AStudyOfRefusedPointsIsAnError) {
   Bench b;
   EXPECT_TRUE(
-      names(input_error(
-                [&] { b.sweep(plan_of("[[vary]]\nkeys = [\"formats.span.h.word\"]\nvalues = [18, 19]\n")); }),
+      names(input_error([&] {
+              b.sweep(sweep_plan("[[vary]]\nkeys = [\"formats.span.h.word\"]\nvalues = [18, 19]\n"));
+            }),
             "s: not one of 2 points can be measured; the first: fake: formats.span.h.word: too narrow"));
   EXPECT_EQ(b.count("points WHERE status = 'refused'"), 2);
 }
@@ -264,17 +194,18 @@ TEST(Sweep, AStudyOfRefusedPointsIsAnError) {
 TEST(Sweep, MetricsThatNoPointHasAreAnError) {
   Bench b;
   const std::string wrong = "[[constraint]]\nmetric = \"fog.factor.max\"\nat_most = 1\n";
-  EXPECT_TRUE(names(input_error([&] { b.sweep(plan_of(words + wrong)); }),
+  EXPECT_TRUE(names(input_error([&] { b.sweep(sweep_plan(words + wrong)); }),
                     "fog.factor.max: the scenes give no such metric; nearest: span.u.max"));
   EXPECT_GE(b.count("points WHERE status = 'ok'"), 1);  // what was measured stays
-  EXPECT_THROW(b.sweep(plan_of(words, "metrics = [\"fog.factor.max\"]\n")), InputError);
+  EXPECT_THROW(b.sweep(sweep_plan(words, "metrics = [\"fog.factor.max\"]\n")), InputError);
   // A NaN is there, and holds nothing.
-  EXPECT_EQ(b.sweep(plan_of(words + "[[constraint]]\nmetric = \"span.v.max\"\nat_most = 1\n")).holding, 0U);
+  EXPECT_EQ(b.sweep(sweep_plan(words + "[[constraint]]\nmetric = \"span.v.max\"\nat_most = 1\n")).holding,
+            0U);
 }
 
 TEST(Sweep, AStopFinishesWhatRunsAndARestartDoesTheRest) {
   Bench b;
-  const StudyPlan plan = plan_of("[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 20\nto = 49\n");
+  const StudyPlan plan = sweep_plan("[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 20\nto = 49\n");
   std::stop_source stop;
   b.options.stop = stop.get_token();
   b.options.threads = 2;
@@ -300,9 +231,9 @@ TEST(Sweep, AStopFinishesWhatRunsAndARestartDoesTheRest) {
 TEST(Sweep, ALimitLeavesTheRest) {
   Bench b;
   b.options.limit = 2;
-  EXPECT_EQ(b.sweep(plan_of(words)).missing, 2U);
+  EXPECT_EQ(b.sweep(sweep_plan(words)).missing, 2U);
   EXPECT_EQ(b.fake.calls, 2);
-  EXPECT_EQ(b.sweep(plan_of(words)).missing, 0U);
+  EXPECT_EQ(b.sweep(sweep_plan(words)).missing, 0U);
   EXPECT_EQ(b.fake.calls, 4);
 }
 
@@ -322,7 +253,7 @@ TEST(Sweep, RunsOnSeveralThreadsAndTellsProgress) {
   };
   std::vector<std::pair<std::size_t, std::size_t>> progress;
   b.options.progress = [&](std::size_t done, std::size_t total) { progress.emplace_back(done, total); };
-  b.sweep(plan_of("[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 30\nto = 39\n"));
+  b.sweep(sweep_plan("[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 30\nto = 39\n"));
   EXPECT_EQ(threads.size(), wanted);
   ASSERT_EQ(progress.size(), 10U);
   for (std::size_t i = 0; i < 10; ++i)
@@ -335,7 +266,7 @@ TEST(Sweep, WhatIsNoRefusalEndsTheRunAndKeepsWhatIsDone) {
   b.fake.hook = [&](const Config&) {
     if (b.fake.calls == 6) throw std::runtime_error("bug");
   };
-  const StudyPlan plan = plan_of("[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 20\nto = 49\n");
+  const StudyPlan plan = sweep_plan("[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 20\nto = 49\n");
   EXPECT_THROW(b.sweep(plan), std::runtime_error);
   const auto kept = b.count("points");
   EXPECT_GE(kept, 1);
@@ -346,7 +277,7 @@ TEST(Sweep, WhatIsNoRefusalEndsTheRunAndKeepsWhatIsDone) {
 
 TEST(Sweep, AFullDiskEndsTheRunAndLosesNothing) {
   Bench b;
-  const StudyPlan plan = plan_of(
+  const StudyPlan plan = sweep_plan(
       "[[vary]]\nkeys = [\"formats.span.h.word\"]\nfrom = 20\nto = 49\n"
       "[[vary]]\nkeys = [\"formats.span.uv.word\"]\nfrom = 21\nto = 30\n");
   const auto pages = integer_of(b.store->rows("PRAGMA page_count")[0][0]);
@@ -364,8 +295,8 @@ TEST(Sweep, AFullDiskEndsTheRunAndLosesNothing) {
 TEST(Sweep, StretchesScenesAndMakesOneMeterForEach) {
   Bench b;
   const SweepResult r =
-      b.sweep(plan_of("[[vary]]\nkeys = [\"formats.span.h.word\"]\nvalues = [30, 34]\n"
-                      "[[vary]]\nkeys = [\"scene.s_ratio\"]\nvalues = [10, 1000.5]\n"));
+      b.sweep(sweep_plan("[[vary]]\nkeys = [\"formats.span.h.word\"]\nvalues = [30, 34]\n"
+                         "[[vary]]\nkeys = [\"scene.s_ratio\"]\nvalues = [10, 1000.5]\n"));
   EXPECT_EQ(r.points, 4U);
   EXPECT_EQ(b.fake.calls, 5);  // the base keeps its 100
   ASSERT_EQ(b.fake.ratios.size(), 3U);
@@ -423,7 +354,7 @@ TEST(Sweep, StretchingKeepsThePictureAndTheOrder) {
 
 TEST(Sweep, ANamedAxisHasAColumnOfItsOwn) {
   Bench b;
-  const StudyPlan plan = plan_of(
+  const StudyPlan plan = sweep_plan(
       "[[vary]]\nname = \"width\"\nkeys = [\"formats.span.h.word\", \"depth.bits\"]\n"
       "values = [30, 34]\noffsets = [0, -18]\n");
   b.sweep(plan);
@@ -441,13 +372,14 @@ TEST(Sweep, ANamedAxisHasAColumnOfItsOwn) {
     at = end + 1;
     if (column == "width") continue;
     const std::string named = "[[vary]]\nname = \"" + column + "\"\nkeys = [\"depth.bits\"]\nvalues = [16]\n";
-    EXPECT_NE(input_error([&] { plan_of(named); }).find("vary[1].name: is \"" + column), std::string::npos);
+    EXPECT_NE(input_error([&] { sweep_plan(named); }).find("vary[1].name: is \"" + column),
+              std::string::npos);
   }
 }
 
 TEST(Sweep, CsvHasARowAPoint) {
   Bench b;
-  const StudyPlan plan = plan_of(
+  const StudyPlan plan = sweep_plan(
       "[[vary]]\nkeys = [\"formats.span.h.word\"]\nvalues = [18, 30]\n"
       "[[vary]]\nkeys = [\"depth.code\"]\nvalues = [\"linear\"]\n" +
           below,
@@ -485,7 +417,7 @@ TEST(Sweep, CsvHasARowAPoint) {
 
 TEST(Sweep, DifferencesNameWhatDiffers) {
   PointResult result;
-  result.metrics = {{"a.b.max", 0.25}, {"c.d.max", nan}};
+  result.metrics = {{"a.b.max", 0.25}, {"c.d.max", no_number}};
   result.fields.push_back({"span", "u", "texel", 0.5, 3, 0.1});
   result.registers.push_back({});
   result.registers[0].name = "span.h";
