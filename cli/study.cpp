@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -28,6 +29,7 @@
 #include "report/table.hpp"
 #include "scene/camera_views.hpp"
 #include "scene/tri_stream.hpp"
+#include "study/merge.hpp"
 #include "study/metrics.hpp"
 #include "study/point.hpp"
 #include "study/recommend.hpp"
@@ -38,7 +40,7 @@ namespace {
 
 struct StudyArguments {
   std::vector<std::string> inputs;  // the study; scenes of --point
-  std::string db, csv, report, point, replay, size;
+  std::string db, csv, report, point, replay, size, shard;
   int threads = 0;
   std::optional<std::size_t> points;
   bool allow_empty = false;
@@ -77,10 +79,28 @@ Measure make_meter(std::vector<Scene> scenes) {
   };
 }
 
-// Returns the path of the database: beside the output, or here.
-std::string database_of(const StudyArguments& o, const StudyPlan& plan) {
+// Reads "I/N", the I-th of N parts, counted from 1.
+Shard shard_of(const std::string& text) {
+  constexpr std::size_t most = 100'000;
+  Shard out;
+  if (text.empty()) return out;
+  const char* const end = text.data() + text.size();
+  const auto index = std::from_chars(text.data(), end, out.index);
+  const bool slash = index.ec == std::errc() && index.ptr != end && *index.ptr == '/';
+  const auto count = slash ? std::from_chars(index.ptr + 1, end, out.count) : index;
+  if (!slash || count.ec != std::errc() || count.ptr != end || out.index < 1 || out.index > out.count ||
+      out.count > most) {
+    throw InputError(fmt::format("--shard: \"{}\"; expected I/N, the I-th of N parts, such as 1/4", text));
+  }
+  --out.index;
+  return out;
+}
+
+// Returns the path of the database: beside the output, or here. Shards that share a folder have one each.
+std::string database_of(const StudyArguments& o, const StudyPlan& plan, const Shard& shard) {
   if (!o.db.empty()) return o.db;
-  return (std::filesystem::path(o.csv).parent_path() / (plan.name + ".db")).string();
+  const std::string part = shard.whole() ? "" : fmt::format(".{}-of-{}", shard.index + 1, shard.count);
+  return (std::filesystem::path(o.csv).parent_path() / (plan.name + part + ".db")).string();
 }
 
 std::string replay_command(const std::string& db) {
@@ -167,9 +187,10 @@ void export_csv(const StudyArguments& o, const StudyPlan& plan, Store& store) {
 // Prints the command that goes on with a study where this one ended; returns the exit code.
 int cut_short(const StudyArguments& o, const std::string& so_far, const Store& store,
               const Interrupt& interrupt) {
-  fmt::print("{}{}; go on with: bitspan study {} --db {}{}{}\n",
+  fmt::print("{}{}; go on with: bitspan study {} --db {}{}{}{}\n",
              interrupt.exit_code() != 0 ? "stopped" : "not finished", so_far, shell_word(o.inputs[0]),
-             shell_word(store.path()), o.csv.empty() ? "" : " --csv " + shell_word(o.csv),
+             shell_word(store.path()), o.shard.empty() ? "" : " --shard " + o.shard,
+             o.csv.empty() ? "" : " --csv " + shell_word(o.csv),
              o.report.empty() ? "" : " --report " + shell_word(o.report));
   return interrupt.exit_code();
 }
@@ -228,6 +249,11 @@ int sweep(const StudyArguments& o, const StudyPlan& plan, PointRunner& runner, S
                                            result.points, store.path());
     return cut_short(o, so_far, store, interrupt);
   }
+  if (!options.shard.whole()) {
+    fmt::print("shard {} is finished; with all others: bitspan study merge --db {} {}\n", o.shard,
+               shell_word(plan.name + ".db"), shell_word(store.path()));
+    return exit_held;
+  }
   return end_study(o, plan, scenes, store, interrupt, result.holding != 0);
 }
 
@@ -235,14 +261,22 @@ int run_study(const StudyArguments& o) {
   const Interrupt interrupt;
   if (o.inputs.size() != 1)
     throw InputError("study: one STUDY.toml; scenes on the command line go with --point");
+  const Shard shard = shard_of(o.shard);
   const StudyPlan plan = load_study(o.inputs[0], find_config);
+  if (!o.shard.empty() && (plan.search || !o.report.empty())) {
+    throw InputError(fmt::format(
+        "--shard: {}; expected {}",
+        plan.search ? "a search goes from point to point and has no parts" : "a report is of all parts",
+        plan.search ? "several programs on one --db" : "--report after bitspan study merge"));
+  }
   check_writable(o.csv);
   if (!o.report.empty()) make_writable_folder(o.report);
   const std::vector<Scene> scenes = scenes_of(plan.scenes, plan.width, plan.height, o.allow_empty);
-  Store store(database_of(o, plan), BITSPAN_VERSION);
+  Store store(database_of(o, plan, shard), BITSPAN_VERSION);
   PointRunner runner(plan.base, scenes, make_meter, store, BITSPAN_VERSION, asked_of(plan));
   RunOptions options;
   options.threads = o.threads;
+  options.shard = shard;
   options.stop = interrupt.token();
   if (o.points) options.limit = *o.points;
   return plan.search ? run_and_tell_search(o, plan, runner, store, options, scenes, interrupt)
@@ -373,8 +407,42 @@ int study(const StudyArguments& o) {
   }
   if (!o.point.empty() && !o.replay.empty()) throw InputError("--point and --replay: one of them");
   if (!o.size.empty() && o.point.empty()) throw InputError("--size: goes with --point; a study has its own");
+  if (!o.shard.empty() && (!o.point.empty() || !o.replay.empty())) {
+    throw InputError("--shard: goes with a STUDY.toml");
+  }
   if (!o.replay.empty()) return replay(o);
   return o.point.empty() ? run_study(o) : measure_point(o);
+}
+
+struct MergeArguments {
+  std::string db;
+  std::vector<std::string> from;
+};
+
+int merge(const MergeArguments& o) {
+  // What cannot be merged leaves no new database.
+  for (const std::string& from : o.from) Store(from, BITSPAN_VERSION, Store::Mode::existing);
+  Store store(o.db, BITSPAN_VERSION);
+  for (const std::string& from : o.from) {
+    const Merged merged = merge_database(store, from, BITSPAN_VERSION);
+    fmt::print("{}: {} points, {} of them new\n", from, merged.points, merged.fresh);
+    std::fflush(stdout);
+  }
+  return exit_held;
+}
+
+void add_merge(CLI::App& study, Action& action) {
+  CLI::App* sub = study.add_subcommand("merge", "bring the points of several databases into one");
+  const auto o = std::make_shared<MergeArguments>();
+  sub->add_option("from", o->from, "databases, which stay as they are")->required();
+  sub->add_option("--db", o->db, "the database that gets their points and studies")->required();
+  sub->footer("A study that is run again on the merged database measures nothing that one of them had.\n" +
+              help_footer("all are merged", "",
+                          "bitspan study grid.toml --shard 1/2\n"
+                          "  bitspan study grid.toml --shard 2/2\n"
+                          "  bitspan study merge --db grid.db grid.1-of-2.db grid.2-of-2.db\n"
+                          "  bitspan study grid.toml --db grid.db --report out/grid"));
+  sub->callback([o, &action] { action = [o] { return merge(*o); }; });
 }
 
 }  // namespace
@@ -390,6 +458,8 @@ void add_study(CLI::App& app, Action& action) {
       ->capture_default_str();
   sub->add_option("--points", o->points,
                   "measure at most this many points anew; the same command goes on later");
+  sub->add_option("--shard", o->shard,
+                  "I/N: the I-th of N equal parts of the points, into a database of its own");
   sub->add_option("--point", o->point, "measure one configuration, given by a shipped name or a TOML file");
   sub->add_option("--size", o->size, "with --point: WxH of demo and meshes (default 640x480)");
   sub->add_option("--replay", o->replay, "measure a point of the database again and compare bit for bit");
@@ -401,9 +471,13 @@ void add_study(CLI::App& app, Action& action) {
                   "no point does, a recommended point fails, or --replay differs",
                   "bitspan study config/studies/dividers.toml --csv dividers.csv\n"
                   "  bitspan study config/studies/uv_bits.toml --report out/uv_bits\n"
+                  "  bitspan study config/studies/depth.toml --shard 1/4\n"
                   "  bitspan study --point depth16 demo\n"
                   "  bitspan study --db dividers.db --replay 1f0c"));
-  sub->callback([o, &action] { action = [o] { return study(*o); }; });
+  sub->callback([o, &action, sub] {
+    if (sub->get_subcommands().empty()) action = [o] { return study(*o); };
+  });
+  add_merge(*sub, action);
 }
 
 }  // namespace bitspan

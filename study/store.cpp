@@ -419,13 +419,28 @@ std::optional<Store::Known> Store::known(std::string_view hash) {
       {std::string(hash)});
   if (found.empty()) return std::nullopt;
   const Row& r = found[0];
-  Known out{text_of(r[0]) == "ok", text_of(r[1]), {integer_of(r[2]) != 0, {}}};
+  return Known{text_of(r[0]) == "ok", text_of(r[1]), asked_of(r[2], r[3])};
+}
+
+Asked Store::asked_of(const Cell& everything, const Cell& metrics) {
+  const std::string text = text_of(metrics);
+  const auto [at, fresh] = asked_metrics_.try_emplace(text);
   try {
-    out.asked.metrics = nlohmann::json::parse(text_of(r[3])).get<std::vector<std::string>>();
+    if (fresh) at->second = nlohmann::json::parse(text).get<std::vector<std::string>>();
   } catch (const nlohmann::json::exception& error) {
-    throw InputError(fmt::format("{}: what was asked of {} is unreadable: {}", path_, hash, error.what()));
+    asked_metrics_.erase(at);
+    throw InputError(fmt::format("{}: what was asked of a point is unreadable: {}", path_, error.what()));
   }
-  return out;
+  return {integer_of(everything) != 0, at->second};
+}
+
+void Store::put_asked(std::string_view hash, const Asked& asked) {
+  const Cell everything = stored(asked.everything ? 1 : 0);
+  const std::string names = nlohmann::json(asked.metrics).dump();
+  run("INSERT OR IGNORE INTO asks(everything, metrics) VALUES(?, ?)", {everything, names});
+  run("UPDATE point_rows SET asked = (SELECT id FROM asks WHERE everything = ? AND metrics = ?) WHERE hash = "
+      "?",
+      {everything, names, std::string(hash)});
 }
 
 std::vector<std::string> Store::points_like(std::string_view prefix) {
@@ -443,8 +458,6 @@ void Store::keep_configuration(const std::string& config_hash, const std::string
 
 void Store::put_point(const PointRow& p, const PointResult* result, const Asked& asked) {
   const ResultRows all = result == nullptr ? ResultRows{} : rows_of(*result, asked);
-  const std::string names = nlohmann::json(asked.metrics).dump();
-  const Cell everything = stored(asked.everything ? 1 : 0);
   transaction([&] {
     for (const char* sql :
          {"DELETE FROM metric_values WHERE point = (SELECT id FROM point_rows WHERE hash = ?)",
@@ -454,13 +467,11 @@ void Store::put_point(const PointRow& p, const PointResult* result, const Asked&
     }
     if (p.base_hash.empty() && !p.config.empty()) keep_configuration(p.config_hash, p.config);
     run("INSERT OR IGNORE INTO scene_sets(scenes) VALUES(?)", {p.scenes});
-    run("INSERT OR IGNORE INTO asks(everything, metrics) VALUES(?, ?)", {everything, names});
-    run("INSERT INTO point_rows(hash, config_hash, base_hash, settings, scenes, asked, status, message, "
-        "seconds) VALUES(?, ?, ?, ?, (SELECT id FROM scene_sets WHERE scenes = ?), (SELECT id FROM asks "
-        "WHERE "
-        "everything = ? AND metrics = ?), ?, ?, ?)",
-        {p.hash, p.config_hash, p.base_hash, p.settings, p.scenes, everything, names,
-         std::string(p.ok ? "ok" : "refused"), p.message, p.seconds});
+    run("INSERT INTO point_rows(hash, config_hash, base_hash, settings, scenes, status, message, seconds) "
+        "VALUES(?, ?, ?, ?, (SELECT id FROM scene_sets WHERE scenes = ?), ?, ?, ?)",
+        {p.hash, p.config_hash, p.base_hash, p.settings, p.scenes, std::string(p.ok ? "ok" : "refused"),
+         p.message, p.seconds});
+    put_asked(p.hash, asked);
     const auto id = rows("SELECT id FROM point_rows WHERE hash = ?", {p.hash}).at(0).at(0);
     const auto insert_value = [&](const Cell& scene, const Cell& name, const Cell& value) {
       run("INSERT OR IGNORE INTO metric_names(name) VALUES(?)", {name});

@@ -93,8 +93,13 @@ class Store {
     bool ok = false;
     std::string message;
     Asked asked;
+    // Whether nothing that is asked for is missing; there is nothing to keep of a refused point.
+    bool has(const Asked& other) const { return !ok || asked.covers(other); }
   };
   std::optional<Known> known(std::string_view hash);
+  // Returns what was asked as its two columns say it, and writes it of a point that is there.
+  Asked asked_of(const Cell& everything, const Cell& metrics);
+  void put_asked(std::string_view hash, const Asked& asked);
   // Returns the hashes that begin with the prefix.
   std::vector<std::string> points_like(std::string_view prefix);
   // Replaces what was there by this hash. `result` is null for a refused point.
@@ -125,8 +130,9 @@ class Store {
   std::chrono::milliseconds wait_;
   std::unique_ptr<sqlite3, Close> db_;
   std::unordered_map<std::string, std::unique_ptr<sqlite3_stmt, Finalize>> statements_;
-  std::map<std::string, std::vector<std::string>> scene_names_;  // by the text of a scene set
-  int depth_ = 0;                                                // of nested transactions
+  std::map<std::string, std::vector<std::string>> scene_names_;    // by the text of a scene set
+  std::map<std::string, std::vector<std::string>> asked_metrics_;  // by their text
+  int depth_ = 0;                                                  // of nested transactions
 };
 
 }  // namespace bitspan

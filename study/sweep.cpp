@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
+#include <thread>
 #include <type_traits>
 
 #include "config/fnv.hpp"
@@ -159,6 +160,7 @@ PointRunner::PointRunner(Config base, std::vector<Scene> scenes, MakeMeter make_
     : base_(std::move(base)),
       make_meter_(std::move(make_meter)),
       store_(store),
+      claims_(store.path()),
       version_(std::move(version)),
       asked_(std::move(asked)),
       base_hash_(config_hash(base_)) {
@@ -192,26 +194,34 @@ const Measure& PointRunner::meter_of(std::optional<double> s_ratio) {
 }
 
 Point PointRunner::prepare(const std::vector<KeySetting>& settings) {
-  Point out;
-  std::vector<KeySetting> of_config;
-  for (const KeySetting& s : settings) {
-    if (s.path != s_ratio_key) {
-      of_config.push_back(s);
-    } else if (const auto* integer = std::get_if<std::int64_t>(&s.value)) {
-      out.s_ratio = static_cast<double>(*integer);
-    } else {
-      out.s_ratio = std::get<double>(s.value);
+  return std::move(prepare_all({settings})[0]);
+}
+
+std::vector<Point> PointRunner::prepare_all(const std::vector<std::vector<KeySetting>>& settings) {
+  std::vector<Point> out(settings.size());
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    for (const KeySetting& s : settings[i]) {
+      if (s.path != s_ratio_key) {
+        out[i].settings.push_back(s);
+      } else if (const auto* integer = std::get_if<std::int64_t>(&s.value)) {
+        out[i].s_ratio = static_cast<double>(*integer);
+      } else {
+        out[i].s_ratio = std::get<double>(s.value);
+      }
     }
+    static_cast<void>(stretched(out[i].s_ratio));
   }
-  const std::string& digest = stretched(out.s_ratio).digest;
-  out.settings = of_config;
-  try {
-    out.config = with_keys(base_, of_config);
-    out.hash = hash_of(digest, "configuration", config_hash(*out.config));
-  } catch (const InputError& error) {
-    out.refusal = error.what();
-    out.hash = hash_of(digest, "settings of " + config_hash(base_), settings_json(of_config));
-  }
+  tbb::parallel_for(std::size_t{0}, out.size(), [&](std::size_t i) {
+    Point& point = out[i];
+    const std::string& digest = stretched_.at(point.s_ratio).digest;
+    try {
+      point.config = with_keys(base_, point.settings);
+      point.hash = hash_of(digest, "configuration", config_hash(*point.config));
+    } catch (const InputError& error) {
+      point.refusal = error.what();
+      point.hash = hash_of(digest, "settings of " + base_hash_, settings_json(point.settings));
+    }
+  });
   return out;
 }
 
@@ -230,36 +240,64 @@ std::vector<Evaluated> PointRunner::run(const std::vector<Point>& points, const 
   };
   std::map<std::string, Waiting, std::less<>> waiting;
   std::vector<std::size_t> todo;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Point& p = points[i];
-    const Asked asked{asked_.everything || p.whole, asked_.metrics};
-    if (const auto found = waiting.find(p.hash); found != waiting.end()) {
-      found->second.points.push_back(i);
-      found->second.asked = both(found->second.asked, asked);
-    } else if (const auto row = store_.known(p.hash); row && (!row->ok || row->asked.covers(asked))) {
-      finish(i, {row->ok ? PointState::ok : PointState::refused, true, row->message});
-    } else {
-      // What was kept for another study stays.
-      waiting[p.hash] = {{i}, row ? both(row->asked, asked) : asked};
-      todo.push_back(i);
+  const auto answer = [&](const std::vector<std::size_t>& same, const Store::Known& row) {
+    for (const std::size_t i : same) {
+      finish(i, {row.ok ? PointState::ok : PointState::refused, true, row.message});
     }
+  };
+  // A transaction each for so many: one alone takes as long as the look, and other programs wait for it.
+  constexpr std::size_t looks = 200;
+  for (std::size_t from = 0; from < points.size(); from += looks) {
+    store_.transaction([&] {
+      for (std::size_t i = from; i < std::min(from + looks, points.size()); ++i) {
+        const Point& p = points[i];
+        const Asked asked{asked_.everything || p.whole, asked_.metrics};
+        if (const auto found = waiting.find(p.hash); found != waiting.end()) {
+          found->second.points.push_back(i);
+          found->second.asked = both(found->second.asked, asked);
+        } else if (const auto row = store_.known(p.hash); row && row->has(asked)) {
+          answer({i}, *row);
+        } else {
+          waiting[p.hash] = {{i}, asked};
+          todo.push_back(i);
+        }
+      }
+    });
   }
   std::ranges::stable_sort(todo, {}, [&](std::size_t i) { return points[i].s_ratio; });
   todo.resize(std::min(todo.size(), options.limit));
 
   std::mutex mutex;  // guards the database, `finished` and progress
   std::size_t done = 0;
+  const auto tell = [&] {
+    ++done;
+    if (options.progress) options.progress(done, todo.size());
+  };
+  // Whether another program has measured a point since the look above.
+  const auto known_meanwhile = [&](std::size_t i) {
+    const std::lock_guard lock(mutex);
+    Waiting& all = waiting.at(points[i].hash);
+    const auto row = store_.known(points[i].hash);
+    if (!row) return false;
+    if (!row->has(all.asked)) {
+      all.asked = both(row->asked, all.asked);  // what was kept for another study stays
+      return false;
+    }
+    store_.transaction([&] { answer(all.points, *row); });
+    tell();
+    return true;
+  };
   const auto keep = [&](std::size_t i, const PointRow& row, const PointResult* result) {
     const std::lock_guard lock(mutex);
     const Waiting& all = waiting.at(row.hash);
     store_.put_point(row, result, all.asked);
-    for (const std::size_t same : all.points) {
-      finish(same, {row.ok ? PointState::ok : PointState::refused, same != i, row.message});
-    }
-    ++done;
-    if (options.progress) options.progress(done, todo.size());
+    store_.transaction([&] {
+      for (const std::size_t same : all.points) {
+        finish(same, {row.ok ? PointState::ok : PointState::refused, same != i, row.message});
+      }
+    });
+    tell();
   };
-  std::atomic<bool> failed{false};
   const auto measure = [&](std::size_t i, const Measure& meter, const std::string& json) {
     const Point& p = points[i];
     PointRow row{p.hash, "", "", json, false, p.refusal, 0};
@@ -286,22 +324,36 @@ std::vector<Evaluated> PointRunner::run(const std::vector<Point>& points, const 
 
   const int threads = options.threads > 0 ? options.threads : tbb::info::default_concurrency();
   tbb::task_arena arena(threads);
-  for (auto first = todo.begin(); first != todo.end() && !options.stop.stop_requested();) {
-    const auto s_ratio = points[*first].s_ratio;
-    const auto last =
-        std::find_if(first, todo.end(), [&](std::size_t i) { return points[i].s_ratio != s_ratio; });
-    const std::string& json = stretched(s_ratio).json;
-    const Measure& meter = meter_of(s_ratio);
+  std::atomic<bool> failed{false};
+  // Measures `now`, and returns what other programs are measuring.
+  const auto measure_all = [&](std::span<const std::size_t> now, const Measure& meter,
+                               const std::string& json) {
+    std::vector<std::size_t> claimed;
     // Each worker takes the next point in order, so that a run that is stopped leaves the rest.
-    std::atomic<std::ptrdiff_t> next{0};
+    std::atomic<std::size_t> next{0};
+    const auto take_next = [&](std::size_t i) {
+      const std::string& hash = points[i].hash;
+      if (!claims_.take(hash)) {
+        const std::lock_guard lock(mutex);
+        claimed.push_back(i);
+        return;
+      }
+      try {
+        if (!known_meanwhile(i)) measure(i, meter, json);
+      } catch (...) {
+        claims_.give_back(hash);
+        throw;
+      }
+      claims_.give_back(hash);
+    };
     arena.execute([&] {
       tbb::parallel_for(0, threads, [&](int) {
         while (!failed && !options.stop.stop_requested()) {
-          const std::ptrdiff_t at = next++;
-          if (at >= last - first) break;
+          const std::size_t at = next++;
+          if (at >= now.size()) break;
           try {
             // A point that waits for tasks of its own must not start another point meanwhile.
-            tbb::this_task_arena::isolate([&] { measure(first[at], meter, json); });
+            tbb::this_task_arena::isolate([&] { take_next(now[at]); });
           } catch (...) {
             failed = true;
             throw;
@@ -309,6 +361,20 @@ std::vector<Evaluated> PointRunner::run(const std::vector<Point>& points, const 
         }
       });
     });
+    std::ranges::sort(claimed);
+    return claimed;
+  };
+  for (auto first = todo.begin(); first != todo.end() && !options.stop.stop_requested();) {
+    const auto s_ratio = points[*first].s_ratio;
+    const auto last =
+        std::find_if(first, todo.end(), [&](std::size_t i) { return points[i].s_ratio != s_ratio; });
+    const std::string& json = stretched(s_ratio).json;
+    const Measure& meter = meter_of(s_ratio);
+    auto left = measure_all(std::span(first, last), meter, json);
+    while (!left.empty() && !options.stop.stop_requested()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      left = measure_all(left, meter, json);
+    }
     first = last;
   }
   return out;
@@ -365,49 +431,61 @@ void keep_expressions(const std::string& hash, std::vector<Expression>& expressi
 }
 
 SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options) {
-  const auto settings = points_of(plan);
-  std::vector<Point> points;
-  points.reserve(settings.size() + 1);
-  for (const auto& s : settings) points.push_back(runner.prepare(s));
-  const std::size_t count = points.size();
-  points.push_back(runner.prepare({}));
+  auto settings = points_of(plan);
+  const std::size_t count = settings.size();
+  settings.emplace_back();  // the base
+  std::vector<Point> points = runner.prepare_all(settings);
   points.back().whole = true;
 
   store.transaction([&] {
-    store.run("DELETE FROM study_points WHERE study = ?", {plan.name});
     put_study(plan, points[count].hash, store);
+    // A row that stands keeps what is known of it, for other programs that are at the same study.
+    store.run("DELETE FROM study_points WHERE study = ? AND i >= ?",
+              {plan.name, static_cast<std::int64_t>(count)});
     for (std::size_t i = 0; i < count; ++i) {
-      store.run("INSERT INTO study_points VALUES(?, ?, ?, ?, NULL)",
-                {plan.name, static_cast<std::int64_t>(i), points[i].hash, settings_json(settings[i])});
+      store.run(
+          "INSERT INTO study_points VALUES(?, ?, ?, ?, NULL) ON CONFLICT(study, i) DO UPDATE SET "
+          "hash = excluded.hash, settings = excluded.settings, holds = CASE hash WHEN excluded.hash "
+          "THEN holds END",
+          {plan.name, static_cast<std::int64_t>(i), points[i].hash, settings_json(settings[i])});
     }
   });
 
+  std::vector<std::size_t> numbers;  // of the shard's points
+  std::vector<Point> own;
+  for (std::size_t i = 0; i <= count; ++i) {
+    if ((i == count ? 0 : i % options.shard.count) != options.shard.index) continue;
+    numbers.push_back(i);
+    own.push_back(std::move(points[i]));
+  }
+
   SweepResult out;
-  out.points = count;
+  out.points = numbers.size() - (options.shard.index == 0 ? 1 : 0);
   bool checked = false;  // the metrics' names, on the first point; a later point may lack some
   std::string refusal;
   std::vector<Expression> expressions = expressions_of(plan);
-  const auto finished = [&](std::size_t i, const Evaluated& e) {
+  const auto finished = [&](std::size_t k, const Evaluated& e) {
+    const bool is_base = numbers[k] == count;
     bool holds = false;
     if (e.state == PointState::ok) {
-      PointMetrics metrics = store.metrics(points[i].hash);
-      if (!checked && i < count) check_metrics(plan, metrics.all);
-      checked = checked || i < count;
-      keep_expressions(points[i].hash, expressions, metrics, store);
+      PointMetrics metrics = store.metrics(own[k].hash);
+      if (!checked && !is_base) check_metrics(plan, metrics.all);
+      checked = checked || !is_base;
+      keep_expressions(own[k].hash, expressions, metrics, store);
       holds = all_hold(plan.constraints, metrics);
     }
     if (!e.known) ++out.measured;
-    if (i == count) return;  // the base
+    if (is_base) return;
     if (e.known) ++out.known;
     if (e.state == PointState::refused && refusal.empty()) refusal = e.message;
     out.refused += e.state == PointState::refused ? 1 : 0;
     out.holding += holds ? 1 : 0;
     store.run("UPDATE study_points SET holds = ? WHERE study = ? AND i = ?",
-              {static_cast<std::int64_t>(holds ? 1 : 0), plan.name, static_cast<std::int64_t>(i)});
+              {static_cast<std::int64_t>(holds ? 1 : 0), plan.name, static_cast<std::int64_t>(numbers[k])});
   };
-  const auto evaluated = runner.run(points, options, finished);
+  const auto evaluated = runner.run(own, options, finished);
   out.missing = static_cast<std::size_t>(
-      std::count_if(evaluated.begin(), evaluated.begin() + static_cast<std::ptrdiff_t>(count),
+      std::count_if(evaluated.begin(), evaluated.begin() + static_cast<std::ptrdiff_t>(out.points),
                     [](const Evaluated& e) { return e.state == PointState::missing; }));
   if (out.refused == count) {
     throw InputError(

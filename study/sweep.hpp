@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "scene/scene.hpp"
+#include "study/claims.hpp"
 #include "study/expression.hpp"
 #include "study/plan.hpp"
 #include "study/settings.hpp"
@@ -66,13 +67,20 @@ enum class PointState {
 
 struct Evaluated {
   PointState state = PointState::missing;
-  bool known = false;   // the point was in the database
+  bool known = false;   // the point was in the database, or another program put it there meanwhile
   std::string message;  // of a refusal
+};
+
+// Every count-th point of a study, from the index-th on; the others are for other programs.
+struct Shard {
+  std::size_t index = 0, count = 1;
+  bool whole() const { return count == 1; }
 };
 
 struct RunOptions {
   int threads = 0;                                                         // 0: all cores
   std::size_t limit = std::numeric_limits<std::size_t>::max();             // of points measured anew
+  Shard shard = {};                                                        // of a sweep
   std::stop_token stop = {};                                               // what runs is finished
   std::function<void(std::size_t done, std::size_t total)> progress = {};  // of the points measured anew
 };
@@ -85,9 +93,11 @@ class PointRunner {
               Asked asked = {});
 
   Point prepare(const std::vector<KeySetting>& settings);
-  // Measures the points that the database does not have, and no point twice. `finished` gets each index once,
-  // the known points first, and never two at a time. What `finished` or the database throws ends the run; the
-  // points committed until then stay.
+  // The same for many, on all cores.
+  std::vector<Point> prepare_all(const std::vector<std::vector<KeySetting>>& settings);
+  // Measures the points that the database does not have, and no point twice; what another program is
+  // measuring is waited for. `finished` gets each index once, the known points first, and never two at a
+  // time. What `finished` or the database throws ends the run; the points committed until then stay.
   std::vector<Evaluated> run(const std::vector<Point>& points, const RunOptions& options,
                              const std::function<void(std::size_t, const Evaluated&)>& finished = {});
 
@@ -97,6 +107,7 @@ class PointRunner {
   Config base_;
   MakeMeter make_meter_;
   Store& store_;
+  Claims claims_;
   std::string version_;
   Asked asked_;
   std::string base_hash_;
@@ -123,6 +134,7 @@ void put_study(const StudyPlan& plan, const std::string& base_hash, Store& store
 void keep_expressions(const std::string& hash, std::vector<Expression>& expressions, PointMetrics& metrics,
                       Store& store);
 
+// Of the points of the shard.
 struct SweepResult {
   std::size_t points = 0;
   std::size_t known = 0;     // those that were in the database before
@@ -133,9 +145,9 @@ struct SweepResult {
   bool finished() const { return missing == 0; }
 };
 
-// Measures all points of the plan, and its base, and no point twice. The study's rows in the database are
-// written anew. Throws InputError where every point is refused, and where the points lack a metric that the
-// plan names.
+// Measures all points of the plan, and its base, and no point twice. The base belongs to the first shard. The
+// study's rows in the database are written anew, those of other shards, too. Throws InputError where every
+// point of a whole study is refused, and where the points lack a metric that the plan names.
 SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, const RunOptions& options);
 
 // Writes the points of the study that are in the database, of a sweep or a search, as CSV (RFC 4180). The

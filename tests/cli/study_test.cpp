@@ -354,6 +354,49 @@ TEST_F(Study, InterruptStopsAndTheSameCommandGoesOn) {
   EXPECT_EQ(number("s.db", "SELECT count(*) FROM points"), kept + 5);
 }
 
+TEST_F(Study, ShardsMakeOneStudy) {
+  const auto shard = [&](const char* part, const char* says) {
+    const Result r = run(std::string("s.toml --shard ") + part);
+    EXPECT_EQ(r.code, 0) << r.err;
+    EXPECT_NE(r.out.find(says), std::string::npos) << r.out;
+  };
+  shard("1/2", "s: 2 points: 0 of them known");
+  shard("2/2", "shard 2/2 is finished; with all others: bitspan study merge --db s.db s.2-of-2.db");
+  const Result merged = run("merge --db s.db s.1-of-2.db s.2-of-2.db");
+  EXPECT_EQ(merged.code, 0) << merged.err;
+  EXPECT_EQ(merged.out, "s.1-of-2.db: 2 points, 2 of them new\ns.2-of-2.db: 1 points, 1 of them new\n");
+  const Result whole = run("s.toml --db s.db");
+  EXPECT_EQ(whole.code, 0) << whole.err;
+  EXPECT_NE(whole.out.find("s: 3 points: 3 of them known"), std::string::npos) << whole.out;
+  EXPECT_FALSE(exists("s.db-claims"));
+
+  for (const char* part : {"0/2", "3/2", "1", "1/", "/2", "1/2x", "a/b", "1/100001", "-1/2", "1/0"}) {
+    refused(std::string("s.toml --shard ") + part, "--shard: \"" + std::string(part) + "\"; expected I/N");
+  }
+  refused("s.toml --shard 1/2 --report out", "--shard: a report is of all parts");
+  refused("--shard 1/2 --point depth16", "--shard: goes with a STUDY.toml");
+  folder.write("search.toml", search_study("evaluations = 8\n"));
+  refused("search.toml --shard 1/2", "--shard: a search goes from point to point");
+  refused("merge --db new.db s.db none.db", "none.db: no such database");
+  EXPECT_FALSE(exists("new.db"));
+  refused("merge s.db", "--db is required");
+}
+
+TEST_F(Study, PointsComeFromAFile) {
+  folder.write("p.csv", "formats.span.h.word,depth.bits\n30,\n34,15\n");
+  folder.write("s.toml",
+               "[study]\nname = \"s\"\nbase = \"depth16\"\nscenes = [\"a.tri\"]\npoints = \"p.csv\"\n"
+               "metrics = [\"span.u.max\"]\n");
+  const Result first = run("s.toml --csv s.csv");
+  EXPECT_EQ(first.code, 0) << first.err;
+  EXPECT_NE(first.out.find("s: 2 points"), std::string::npos) << first.out;
+  // The CSV file of a study is a list of its points.
+  folder.write("p.csv", folder.read("s.csv"));
+  const Result again = run("s.toml --csv t.csv");
+  EXPECT_NE(again.out.find("s: 2 points: 2 of them known"), std::string::npos) << again.out << again.err;
+  EXPECT_EQ(folder.read("t.csv"), folder.read("s.csv"));
+}
+
 TEST_F(Study, AnInterruptedSearchExportsWhatIsThere) {
   folder.write("s.toml", search_study("algorithm = \"annealing\"\nevaluations = 100000\n"));
   const Result stopped = interrupted("s.toml --threads 1 --csv out.csv");
