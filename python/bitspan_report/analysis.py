@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -37,13 +37,8 @@ def pareto_front(costs: Floats, errors: Floats) -> list[int]:
     """
     usable = np.flatnonzero(np.isfinite(costs) & np.isfinite(errors))
     order = usable[np.lexsort((usable, errors[usable], costs[usable]))]
-    front: list[int] = []
-    lowest = math.inf
-    for i in order:
-        if errors[i] < lowest:
-            front.append(int(i))
-            lowest = float(errors[i])
-    return front
+    lowest = np.minimum.accumulate(np.concatenate([[math.inf], errors[order]]))[:-1]
+    return [int(i) for i in order[errors[order] < lowest]]
 
 
 def to_minimise(metric: Metric, values: Floats) -> Floats:
@@ -83,6 +78,13 @@ class Axis:
     values: list[Any]  # (points,); None: unknown there
     numeric: bool
     slice: list[int]  # the points that differ from the base in these keys alone
+    distinct: list[Any] = field(init=False)  # its values, in the order in which the points have them
+    codes: NDArray[np.int64] = field(init=False)  # (points,) indices into distinct; -1: unknown there
+
+    def __post_init__(self) -> None:
+        numbers = {value: i for i, value in enumerate(dict.fromkeys(v for v in self.values if v is not None))}
+        self.distinct = list(numbers)
+        self.codes = np.array([-1 if v is None else numbers[v] for v in self.values], dtype=np.int64)
 
     @property
     def label(self) -> str:
@@ -106,21 +108,19 @@ def read_axes(study: Study) -> list[Axis]:
     """Returns the axes along which the measured points of a study differ."""
     base = study.base_settings
     axes = []
+    columns = {key: [point.settings.get(key, value) for point in study.points] for key, value in base.items()}
+    changed = {key: np.array([v != base[key] for v in column], dtype=np.int64) for key, column in columns.items()}
     for varied in study.axes:
         keys = varied.keys
-        sets = [tuple(point.settings.get(key, base[key]) for key in keys) for point in study.points]
+        sets = list(zip(*(columns[key] for key in keys)))
         known = [not point.refused and None not in values for point, values in zip(study.points, sets)]
         distinct = {values for values, ok in zip(sets, known) if ok}
         if len(distinct) < 2:
             continue
-        others = [key for key in base if key not in keys]
-        alone = [
-            i
-            for i, point in enumerate(study.points)
-            if known[i] and all(point.settings.get(key, base[key]) == base[key] for key in others)
-        ]
-        own = _own_values(varied, sets, known, tuple(base[key] for key in keys))
-        if varied.name and own is not None:
+        others = sum((changed[key] for key in base if key not in keys), np.zeros(len(known), dtype=np.int64))
+        alone = [int(i) for i in np.flatnonzero(np.array(known) & (others == 0))]
+        own = _own_values(varied, sets, known, tuple(base[key] for key in keys)) if varied.name else None
+        if own is not None:
             numeric = all(_is_number(value) for value in own if value is not None)
             axes.append(Axis(keys, varied.name, own, numeric, alone))
             continue
@@ -179,15 +179,11 @@ def curve(axis: Axis, metric: Metric, column: Floats) -> Curve:
     has the best point of each value, whatever else that point has.
     """
     one_at_a_time = len({axis.values[i] for i in axis.slice} - {None}) >= 3
-    candidates = axis.slice if one_at_a_time else range(len(axis.values))
-    best: dict[Any, int] = {}
-    keys = to_minimise(metric, column)
-    for i in candidates:
-        value = axis.values[i]
-        if value is None or math.isnan(column[i]):
-            continue
-        if value not in best or keys[i] < keys[best[value]]:
-            best[value] = i
+    candidates = np.array(axis.slice, dtype=np.int64) if one_at_a_time else np.arange(len(axis.values))
+    candidates = candidates[(axis.codes[candidates] >= 0) & ~np.isnan(column[candidates])]
+    candidates = candidates[np.argsort(to_minimise(metric, column)[candidates], kind="stable")]
+    codes, first = np.unique(axis.codes[candidates], return_index=True)
+    best = {axis.distinct[code]: int(candidates[i]) for code, i in zip(codes, first)}
     ordered = sorted(best) if axis.numeric else list(best)
     samples = [(value, float(column[best[value]]), best[value]) for value in ordered]
     at = None
@@ -200,9 +196,9 @@ def curve(axis: Axis, metric: Metric, column: Floats) -> Curve:
     return Curve(samples, at, one_at_a_time)
 
 
-def _varies(column: Sequence[float]) -> bool:
-    finite = [v for v in column if not math.isnan(v)]
-    return len(finite) > 0 and (len(column) < 2 or min(finite) != max(finite))
+def _varies(column: Floats) -> bool:
+    finite = column[~np.isnan(column)]
+    return finite.size > 0 and (column.size < 2 or bool(finite.min() != finite.max()))
 
 
 def _is_cost(study: Study, name: str) -> bool:
@@ -227,14 +223,9 @@ def error_metrics(study: Study) -> list[str]:
     return list(dict.fromkeys([*named, *rest]))[:MOST_METRICS] or list(study.metrics)[:1]
 
 
-def column_of(study: Study, metric: str) -> Floats:
-    """Returns (points,) values of a metric."""
-    return np.array(study.metrics[metric], dtype=np.float64)
-
-
 def column_to_minimise(study: Study, metric: str) -> Floats:
     """Returns (points,) values of a metric, negated where more is better."""
-    return to_minimise(study.metric(metric), column_of(study, metric))
+    return to_minimise(study.metric(metric), study.metrics[metric])
 
 
 def front_of(study: Study, costs: Floats, errors: Floats) -> list[int]:

@@ -3,8 +3,13 @@
 
 from __future__ import annotations
 
+import base64
 import math
+from collections.abc import Iterable, Sequence
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from . import analysis, figures
 from .study import Area, BudgetRow, Register, Study
@@ -19,12 +24,71 @@ def json_number(value: float) -> float | str | None:
     return int(value) if value.is_integer() and abs(value) < 1e12 else float(f"{value:.5g}")
 
 
-def json_column(values: list[float]) -> Any:
-    """Returns a column of the metrics' table, and a single number where all points agree."""
-    column = [json_number(v) for v in values]
-    if column and isinstance(column[0], (int, float)) and all(v == column[0] for v in column):
-        return column[0]
-    return column
+METRICS_ROOM = 12_000_000  # bytes of the page for the columns of metrics; those beyond are named there
+
+_SCRIPT_ARRAYS = {
+    "|u1": "Uint8Array",
+    "|i1": "Int8Array",
+    "<u2": "Uint16Array",
+    "<i4": "Int32Array",
+    "<f4": "Float32Array",
+    "<f8": "Float64Array",
+}
+
+
+def packed(values: NDArray[Any]) -> dict[str, str]:
+    """Returns an array as the script unpacks it: the name of its typed array, and the bytes in base 64."""
+    little = values.astype(values.dtype.newbyteorder("<"), copy=False)
+    return {"array": _SCRIPT_ARRAYS[little.dtype.str], "bytes": base64.b64encode(little.tobytes()).decode()}
+
+
+def _packed_indices(indices: NDArray[Any], count: int) -> dict[str, str]:
+    kind = np.uint8 if count <= 1 << 8 else np.uint16 if count <= 1 << 16 else np.int32
+    return packed(indices.astype(kind))
+
+
+def packed_column(values: NDArray[np.float64]) -> dict[str, Any]:
+    """Returns a column of the metrics' table: one number, its different values with an index per point, or floats.
+
+    The script gets all 53 bits of a number but in the last case, where a column has too many different values for a
+    table of them to be shorter. It has 24 bits of them.
+    """
+    table, indices = np.unique(values, return_inverse=True)
+    if table.size == 1:
+        return {"table": packed(table)}
+    if table.size <= 1 << 16 and 8 * table.size + (1 if table.size <= 1 << 8 else 2) * values.size <= 4 * values.size:
+        return {"table": packed(table), "at": _packed_indices(indices, table.size)}
+    return {"table": packed(values.astype(np.float32)), "at": None}
+
+
+def packed_texts(values: Iterable[Any]) -> dict[str, Any]:
+    """Returns a column of texts, numbers or None as its different values and an index per point."""
+    table: dict[Any, int] = {}  # by type too: 1, 1.0 and True are one key of a dictionary
+    indices = [table.setdefault((type(v), v), len(table)) for v in values]
+    return {"table": [value for _, value in table], "at": _packed_indices(np.array(indices), len(table))}
+
+
+def packed_hashes(hashes: Sequence[str]) -> dict[str, Any]:
+    """Returns the hashes' bytes one after the other, and the hashes as they are where one is not hexadecimal."""
+    digits = len(hashes[0]) if hashes else 0
+    if digits % 2 or any(len(h) != digits or h.strip("0123456789abcdef") for h in hashes):
+        return {"texts": list(hashes)}
+    return {"digits": digits, **packed(np.frombuffer(bytes.fromhex("".join(hashes)), dtype=np.uint8))}
+
+
+def told_columns(study: Study, room: int = METRICS_ROOM) -> tuple[dict[str, Any], list[str]]:
+    """Returns the columns of the metrics that the page tells, the drawn ones first, and the names that found no room."""
+    drawn = dict.fromkeys([*analysis.cost_metrics(study)[:1], *analysis.error_metrics(study), *analysis.cost_metrics(study)])
+    columns: dict[str, Any] = {}
+    left_out = []
+    for name in dict.fromkeys([*(n for n in drawn), *analysis.told_metrics(study)]):
+        column = packed_column(study.metrics[name])
+        room -= sum(len(part["bytes"]) for part in column.values() if part)
+        if room < 0:
+            left_out.append(name)
+        else:
+            columns[name] = column
+    return {n: columns[n] for n in study.metrics if n in columns}, left_out
 
 
 def config_delta(base: list[str], config: str) -> Any:
@@ -51,41 +115,40 @@ def point_name(study: Study, point_hash: str) -> str:
     return f"{' and '.join(roles) or 'point'} {point_hash[:12]}"
 
 
-def page_data(study: Study) -> dict[str, Any]:
-    """Returns everything that the script draws. It refers to points by their index."""
-    x_names, y_names = analysis.cost_metrics(study), analysis.error_metrics(study)
-    columns = {n: analysis.column_of(study, n) for n in dict.fromkeys([*x_names, *y_names])}
-    lows = {n: analysis.column_to_minimise(study, n) for n in columns}
-    axes = analysis.read_axes(study)
+def page_data(study: Study, axes: Sequence[analysis.Axis]) -> dict[str, Any]:
+    """Returns everything that the script draws. It refers to points by their index, and has them column by column."""
+    columns, left_out = told_columns(study)
+    x_names = [n for n in analysis.cost_metrics(study) if n in columns]
+    y_names = [n for n in analysis.error_metrics(study) if n in columns]
+    keys = dict.fromkeys(key for p in study.points for key in p.settings)
     base_lines = study.points[study.base if study.base is not None else 0].config.split("\n") if study.points else []
     return {
         "database": study.database,
         "study": study.name,
-        "points": [
-            {
-                "hash": p.hash,
-                "number": p.number,
-                "refused": p.refused,
-                "message": p.message,
-                "settings": p.settings,
-                "holds": p.holds,
-                "seconds": json_number(p.seconds),
-                "config": config_delta(base_lines, p.config),
-                "areas": [_area(a) for a in study.areas.get(p.config_hash, [])],
-            }
-            for p in study.points
-        ],
+        "count": len(study.points),
+        "hashes": packed_hashes([p.hash for p in study.points]),
+        "numbers": packed(np.array([-1 if p.number is None else p.number for p in study.points], dtype=np.int32)),
+        "holds": packed(np.array([-1 if p.holds is None else p.holds for p in study.points], dtype=np.int8)),
+        "refusals": packed_texts(p.message if p.refused else None for p in study.points),
+        "settings": {key: packed_texts(p.settings.get(key) for p in study.points) for key in keys},
+        "configs": {i: config_delta(base_lines, p.config) for i, p in enumerate(study.points) if p.config},
+        "areas": {
+            i: [_area(a) for a in study.areas[p.config_hash]]
+            for i, p in enumerate(study.points)
+            if p.config_hash in study.areas
+        },
         "baseConfig": base_lines,
         "base": study.base,
         "recommended": [i for r in study.recommended if (i := study.index_of(r.hash)) is not None],
-        "metrics": {n: json_column(study.metrics[n]) for n in analysis.told_metrics(study)},
-        "units": {n: study.unit_of(n) for n in study.metrics},
+        "metrics": columns,
+        "leftOut": left_out,
+        "high": [n for n in columns if study.metric(n).high],
+        "units": {n: study.unit_of(n) for n in columns},
         "limits": [{"metric": c.metric, "atMost": c.at_most, "atLeast": c.at_least} for c in study.constraints],
         "x": x_names,
         "y": y_names,
-        "fronts": {x: {y: analysis.front_of(study, lows[x], lows[y]) for y in y_names} for x in x_names},
         "axes": [{"label": a.label, "shown": a.shown, "keys": a.keys, "numeric": a.numeric} for a in axes],
-        "curves": {y: [_curve(analysis.curve(a, study.metric(y), columns[y])) for a in axes] for y in y_names},
+        "curves": {y: [_curve(analysis.curve(a, study.metric(y), study.metrics[y])) for a in axes] for y in y_names},
         "registers": {h: [_register(r) for r in study.registers[h]] for h in shown_hashes(study, study.registers)},
         "budget": {h: _budget(study, rows) for h, rows in study.budget.items()},
         "bounds": {

@@ -14,6 +14,9 @@ from collections.abc import Iterator
 from contextlib import closing
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from . import ReportError, analysis
 from .study import (
     Area,
@@ -212,12 +215,16 @@ def _read_axes(reader: _Reader) -> tuple[list[Varied], dict[str, Any]]:
     return list(axes.values()), base
 
 
-def _read_metrics(reader: _Reader, indices: dict[str, int]) -> dict[str, list[float]]:
-    columns: dict[str, list[float]] = defaultdict(lambda: [math.nan] * len(indices))
+def _read_metrics(reader: _Reader, indices: dict[str, int]) -> dict[str, NDArray[np.float64]]:
+    columns: dict[str, NDArray[np.float64]] = defaultdict(lambda: _no_values(len(indices)))
     for h, name, value in reader.rows(f"SELECT hash, name, value FROM metrics WHERE hash IN {_POINTS}"):
         if h in indices:
             columns[name][indices[h]] = number(value)
     return dict(sorted(columns.items()))
+
+
+def _no_values(count: int) -> NDArray[np.float64]:
+    return np.full(count, math.nan)
 
 
 def _read_scenes(reader: _Reader) -> dict[str, dict[str, dict[str, float]]]:
@@ -378,7 +385,7 @@ def _add_expressions(study: Study, reader: _Reader) -> None:
             continue
         role = "cost" if text == study.cost_metric else "result"
         study.known.setdefault(text, Metric(text, "", "", "", text in at_least, role, False, "expression of the plan"))
-        study.metrics.setdefault(text, [math.nan] * len(study.points))[indices[h]] = number(value)
+        study.metrics.setdefault(text, _no_values(len(study.points)))[indices[h]] = number(value)
 
 
 def _add_area_metrics(study: Study) -> None:
@@ -388,4 +395,4 @@ def _add_area_metrics(study: Study) -> None:
             for column, value in area.values.items():
                 if area.status == "ok" and not math.isnan(value):
                     name = f"area.{area.family}.{column}"
-                    study.metrics.setdefault(name, [math.nan] * len(study.points))[i] = value
+                    study.metrics.setdefault(name, _no_values(len(study.points)))[i] = value

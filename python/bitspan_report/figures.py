@@ -31,6 +31,7 @@ BLUE, ORANGE, GREEN, RED, SKY, PINK, YELLOW = (
     "#f0e442",
 )
 GREY = "#8a8a8a"
+MOST_DRAWN_AS_VECTORS = 3000  # more points of an SVG are one picture in it: vectors would take 0.1 kB per point
 STACK_COLOURS = (BLUE, ORANGE, GREEN, PINK, SKY, RED, YELLOW)
 
 matplotlib.rcParams.update(
@@ -144,10 +145,21 @@ def pareto(
     _draw_limits(axes, y_metric, constraints, True)
     drawable = np.isfinite(x) & np.isfinite(y)
     fails = drawable & np.array([h is False for h in holds], dtype=bool)
-    axes.scatter(x[drawable & ~fails], y[drawable & ~fails], s=14, color=SKY, label="point", zorder=2)
+    many = int(drawable.sum()) > MOST_DRAWN_AS_VECTORS
+    axes.scatter(
+        x[drawable & ~fails], y[drawable & ~fails], s=14, color=SKY, label="point", zorder=2, rasterized=many
+    )
     if fails.any():
         axes.scatter(
-            x[fails], y[fails], s=16, color=GREY, marker="x", linewidths=0.9, label="fails a constraint", zorder=2
+            x[fails],
+            y[fails],
+            s=16,
+            color=GREY,
+            marker="x",
+            linewidths=0.9,
+            label="fails a constraint",
+            zorder=2,
+            rasterized=many,
         )
     order = list(front)
     if order:

@@ -24,14 +24,79 @@ function toNumber(value) {
   return value === null ? NaN : value;
 }
 
+const ARRAYS = { Uint8Array, Int8Array, Uint16Array, Int32Array, Float32Array, Float64Array };
+
+// Returns the array that packed() of data.py wrote. It is unpacked once.
+function unpacked(stored) {
+  if (!stored.values) {
+    const text = atob(stored.bytes), bytes = new Uint8Array(text.length);
+    for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+    stored.values = new ARRAYS[stored.array](bytes.buffer);
+    stored.bytes = null;
+  }
+  return stored.values;
+}
+
+// Returns a metric's value of every point.
 function columnOf(metric) {
   const column = data.metrics[metric];
-  return Array.isArray(column) ? column.map(toNumber) : data.points.map(() => column);
+  if (!column.floats) {
+    const table = unpacked(column.table), at = column.at && unpacked(column.at);
+    column.floats = column.at === null ? table : Float64Array.from({ length: data.count }, (_, i) => table[at ? at[i] : 0]);
+  }
+  return column.floats;
 }
 
 function metricAt(metric, index) {
-  const column = data.metrics[metric];
-  return toNumber(Array.isArray(column) ? column[index] : column);
+  const { table, at } = data.metrics[metric];
+  return unpacked(table)[at === null ? index : at ? unpacked(at)[index] : 0];
+}
+
+const packedTextAt = (column, index) => column.table[unpacked(column.at)[index]];
+
+function hashOf(index) {
+  const { digits, texts } = data.hashes;
+  if (texts) return texts[index];
+  const bytes = unpacked(data.hashes).subarray(index * digits / 2, (index + 1) * digits / 2);
+  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
+}
+
+// Returns whether all constraints hold; null where nothing says.
+function holdsAt(index) {
+  const holds = unpacked(data.holds)[index];
+  return holds < 0 ? null : holds === 1;
+}
+
+// Returns why a point was refused; null where it was not.
+const refusalOf = (index) => packedTextAt(data.refusals, index);
+
+// Returns [key, value] of every key that the point sets.
+function settingsOf(index) {
+  return Object.entries(data.settings).map(([key, column]) => [key, packedTextAt(column, index)]).filter((s) => s[1] !== null);
+}
+
+// Returns the indices of the points that fail no constraint and that no other such point beats or equals in both
+// metrics, by rising cost. The rule is that of pareto_front in analysis.py.
+const fronts = new Map();
+function frontOf(x, y) {
+  const name = JSON.stringify([x, y]);
+  if (fronts.has(name)) return fronts.get(name);
+  const costs = columnOf(x), errors = columnOf(y), holds = unpacked(data.holds);
+  const signs = [x, y].map((metric) => (data.high.includes(metric) ? -1 : 1));
+  const best = new Map();  // the best point of each cost
+  for (let i = 0; i < data.count; ++i) {
+    if (holds[i] === 0 || !Number.isFinite(costs[i]) || !Number.isFinite(errors[i])) continue;
+    const other = best.get(costs[i]);
+    if (other === undefined || signs[1] * errors[i] < signs[1] * errors[other]) best.set(costs[i], i);
+  }
+  let lowest = Infinity;
+  const front = [...best.values()].sort((a, b) => signs[0] * (costs[a] - costs[b])).filter((i) => {
+    const below = signs[1] * errors[i] < lowest;
+    if (below) lowest = signs[1] * errors[i];
+    return below;
+  });
+  fronts.set(name, front);
+  return front;
 }
 
 function textOf(value) {
@@ -43,19 +108,14 @@ function textOf(value) {
 
 const titleOf = (metric) => (data.units[metric] ? `${metric} [${data.units[metric]}]` : metric);
 
-function settingsText(point, separator = ", ") {
-  const entries = Object.entries(point.settings).map(([key, value]) => `${key} = ${value}`);
-  return entries.join(separator);
-}
-
 function configOf(index) {
-  const delta = data.points[index].config;
-  if (typeof delta === "string") return delta;
+  const delta = data.configs[index];
+  if (delta === undefined || typeof delta === "string") return delta || "";
   return data.baseConfig.map((line, i) => (i in delta ? delta[i] : line)).join("\n");
 }
 
 const quoted = (text) => (/^[\w./-]+$/.test(text) ? text : `'${text.replace(/'/g, "'\\''")}'`);
-const replayOf = (index) => `bitspan study --db ${quoted(data.database)} --replay ${data.points[index].hash}`;
+const replayOf = (index) => `bitspan study --db ${quoted(data.database)} --replay ${hashOf(index)}`;
 
 // The clipboard needs a permission that a page opened as a file may lack.
 async function copy(text, button) {
@@ -116,33 +176,34 @@ function areaPart(areas) {
 function showPoint(index) {
   const panel = byId("detail");
   if (!panel) return;
-  const point = data.points[index];
+  const hash = hashOf(index), number = unpacked(data.numbers)[index], refusal = refusalOf(index), holds = holdsAt(index);
+  const config = configOf(index);
   shown.point = index;
   const names = [data.recommended.includes(index) && "recommended", index === data.base && "base",
-    point.number !== null && `point ${point.number}`].filter(Boolean);
-  const parts = [make("h3", {}, `${names.join(", ") || "point"} `, make("code", { textContent: point.hash.slice(0, 12) })),
-    copyButton("Copy TOML", "toml", index), " ", copyButton("Copy replay command", "replay", index)];
-  if (point.refused) parts.push(make("p", { className: "bad", textContent: `refused: ${point.message}` }));
-  if (point.holds !== null && !point.refused) {
-    parts.push(make("p", { className: point.holds ? "ok" : "bad",
-      textContent: point.holds ? "holds all constraints" : "fails a constraint" }));
+    number >= 0 && `point ${number}`].filter(Boolean);
+  const parts = [make("h3", {}, `${names.join(", ") || "point"} `, make("code", { textContent: hash.slice(0, 12) })),
+    ...(config ? [copyButton("Copy TOML", "toml", index), " "] : []), copyButton("Copy replay command", "replay", index)];
+  if (refusal !== null) parts.push(make("p", { className: "bad", textContent: `refused: ${refusal}` }));
+  if (holds !== null && refusal === null) {
+    parts.push(make("p", { className: holds ? "ok" : "bad",
+      textContent: holds ? "holds all constraints" : "fails a constraint" }));
   }
-  const same = point.refused ? [index] : pointsAtPlace(index);
+  const same = refusal !== null ? [index] : pointsAtPlace(index);
   if (same.length > 1) {
     parts.push(make("p", { className: "note",
       textContent: `${same.indexOf(index) + 1} of ${same.length} points at this place of the plot; click it again for the next.` }));
   }
-  const settings = Object.entries(point.settings);
+  const settings = settingsOf(index);
   if (settings.length) parts.push(tableOf(["setting", "value"], settings.map(([key, value]) => [key, String(value)])));
   else parts.push(make("p", { className: "note", textContent: "as the base" }));
-  if (!point.refused) parts.push(...metricsPart(index));
-  if (point.areas.length) parts.push(...areaPart(point.areas));
+  if (refusal === null) parts.push(...metricsPart(index));
+  if (data.areas[index]) parts.push(...areaPart(data.areas[index]));
   parts.push(make("h3", { textContent: "Runs it again" }), make("pre", { className: "replay", textContent: replayOf(index) }));
-  // The database has it whole for the base and recommended points alone.
-  const config = configOf(index);
   if (config) parts.push(make("h3", { textContent: "TOML" }), make("pre", { className: "toml", textContent: config }));
+  else parts.push(make("p", { className: "note", textContent:
+    "The database keeps the TOML of the base and of recommended points only: this is the base's with the settings above." }));
   panel.replaceChildren(...parts);
-  panel.dataset.hash = point.hash;
+  panel.dataset.hash = hash;
   markPoint();
 }
 
@@ -153,7 +214,7 @@ function fillMenu(menu, names, chosen) {
 
 // Shows the next (1) or previous (-1) point of the front, seen from the shown one.
 function stepAlongFront(direction) {
-  const front = data.fronts[shown.x][shown.y];
+  const front = frontOf(shown.x, shown.y);
   if (!front.length) return;
   const at = front.indexOf(shown.point);
   const next = at < 0 ? (direction > 0 ? 0 : front.length - 1) : Math.min(Math.max(at + direction, 0), front.length - 1);
@@ -170,8 +231,19 @@ function startParetoMenus() {
       if (shown.point !== null) showPoint(shown.point);
     });
   }
+  tellLeftOut();
   byId("pareto-previous").addEventListener("click", () => stepAlongFront(-1));
   byId("pareto-next").addEventListener("click", () => stepAlongFront(1));
+}
+
+// Names the metrics that the page has no room for, and where they are.
+function tellLeftOut() {
+  if (!data.leftOut.length) return;
+  const query = `sqlite3 ${quoted(data.database)} "SELECT name, value FROM point_values WHERE hash = 'HASH'"`;
+  byId("pareto-plot").after(make("details", { id: "left-out" },
+    make("summary", { textContent: `${data.leftOut.length} metrics are not in this page, which has no room for them` }),
+    make("p", { className: "note" }, "All metrics of a point: ", make("code", { textContent: query })),
+    make("p", { textContent: data.leftOut.join(", ") })));
 }
 
 function startWidthsMenu() {
@@ -209,11 +281,15 @@ function startClicks() {
 
 function drawAll() {
   drawPareto();
+  markPoint();
+  setTimeout(drawBelow);  // so that the first plot is seen before the others are drawn
+}
+
+function drawBelow() {
   drawWidths();
   drawSearch();
   for (const plot of document.querySelectorAll("[data-plot]")) delete plot.dataset.drawn;
   drawVariants();
-  markPoint();
 }
 
 window.addEventListener("DOMContentLoaded", () => {

@@ -15,6 +15,8 @@ from typing import Any
 from . import analysis, data
 from .study import Area, Study, listed_scenes
 
+REFUSED_ROWS = 1000  # of the table; the plot and its panel know all
+
 _HERE = pathlib.Path(__file__).resolve().parent
 
 PICTURE_TITLES = {
@@ -530,7 +532,14 @@ def refused(study: Study) -> str:
     ]
     if not rows:
         return empty_section("refused", "Refused points", "None: every point was measured.")
-    return section("refused", "Refused points", table(["point", "settings", "reason"], rows, scroll=len(rows) > 12))
+    more = len(rows) - REFUSED_ROWS
+    query = "SELECT hash, message FROM points WHERE status = 'refused'"
+    return section(
+        "refused",
+        "Refused points",
+        table(["point", "settings", "reason"], rows[:REFUSED_ROWS], scroll=len(rows) > 12)
+        + (note(f'{more} more are not listed here: sqlite3 {study.database} "{query}"') if more > 0 else ""),
+    )
 
 
 def embedded_json(value: Any) -> str:
@@ -565,7 +574,7 @@ def page(study: Study, plotly: str) -> str:
     axes = analysis.read_axes(study)
     content = "".join(curves(study, axes) if part is None else part(study) for part in _SECTIONS)
     navigation = "".join(f'<a href="#{i}">{escape(text)}</a>' for i, text in _NAVIGATION)
-    script = "\n".join((_HERE / name).read_text("utf-8") for name in ("page.js", "plots.js", "viewer.js"))
+    script = "\n".join((_HERE / name).read_text("utf-8") for name in ("page.js", "plots.js", "cloud.js", "viewer.js"))
     plotly, script = plotly.replace("\r", ""), f"\n{script}"
     policy = (
         f"default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; "
@@ -588,7 +597,7 @@ def page(study: Study, plotly: str) -> str:
 <main>{content}</main>
 <footer>Drawn with plotly.js (MIT licence), which this file holds; it loads nothing. The same plots stand beside it as
 SVG and PNG.</footer>
-<script type="application/json" id="data">{embedded_json(data.page_data(study))}</script>
+<script type="application/json" id="data">{embedded_json(data.page_data(study, axes))}</script>
 <script>{plotly}</script>
 <script>{script}</script>
 </body>

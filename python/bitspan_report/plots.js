@@ -6,7 +6,9 @@ const PALETTE = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00
 const PLOT_OPTIONS = { responsive: true, displaylogo: false, displayModeBar: "hover",
   modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d", "hoverClosestCartesian", "hoverCompareCartesian"] };
 
-let places = {};  // places of the points, for the metrics that are shown
+const MOST_DRAWN_ALONE = 3000;  // more points of the Pareto plot are a cloud behind it
+
+let places = null;  // of all points in the Pareto plot, with the scales of its axes
 
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
@@ -25,14 +27,20 @@ function layoutOf(height, more = {}) {
     legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0, font: { size: 12 } }, ...more };
 }
 
+// Returns the least and the greatest value. A call of Math.min with 100,000 arguments would fail.
+function extent(values) {
+  let low = Infinity, high = -Infinity;
+  for (const v of values) { low = Math.min(low, v); high = Math.max(high, v); }
+  return [low, high];
+}
+
 // Returns where zeros go on a logarithmic axis: half a decade below the smallest positive value. Returns null where a
 // linear axis is better. The rule is that of log_floor in analysis.py.
 function logFloor(values) {
   const finite = values.filter(Number.isFinite);
   const positive = finite.filter((v) => v > 0);
   if (!positive.length || finite.some((v) => v < 0)) return null;
-  let low = Infinity, high = 0;
-  for (const v of positive) { low = Math.min(low, v); high = Math.max(high, v); }
+  const [low, high] = extent(positive);
   if (high / low < 4 || (high / low < 8 && positive.length === finite.length)) return null;
   return low / Math.sqrt(10);
 }
@@ -56,7 +64,7 @@ function scaleFor(values, title, letter) {
 // Returns ticks at decades, or sparser ones over a long range. Below two decades they stand at 1, 2, 5 of each.
 function decadesApart(values) {
   const positive = values.filter((v) => v > 0 && Number.isFinite(v));
-  const decades = Math.log10(Math.max(...positive) / Math.min(...positive));
+  const [low, high] = extent(positive), decades = Math.log10(high / low);
   return decades < 2 ? "D2" : Math.max(1, Math.round(decades / 7));
 }
 
@@ -78,12 +86,11 @@ function drawPlot(element, traces, layout, choose = (index) => index) {
 }
 
 function hoverOf(index, x, y) {
-  const point = data.points[index];
-  const settings = Object.entries(point.settings).slice(0, 12).map(([k, v]) => `${escaped(k)} = ${escaped(v)}`);
+  const all = settingsOf(index), settings = all.slice(0, 12).map(([k, v]) => `${escaped(k)} = ${escaped(v)}`);
   const lines = [`<b>${escaped(y)}</b> ${textOf(metricAt(y, index))} ${escaped(data.units[y] || "")}`,
     `<b>${escaped(x)}</b> ${textOf(metricAt(x, index))} ${escaped(data.units[x] || "")}`, ...settings];
-  if (Object.keys(point.settings).length > 12) lines.push("…");
-  if (point.holds === false) lines.push("fails a constraint");
+  if (all.length > 12) lines.push("…");
+  if (holdsAt(index) === false) lines.push("fails a constraint");
   const others = pointsAtPlace(index).length - 1;
   if (others > 0) lines.push(`and ${others} more at this place`);
   return lines.join("<br>");
@@ -93,49 +100,62 @@ function drawPareto() {
   const element = byId("pareto-plot");
   if (!element) return;
   const { x, y } = shown;
-  const costs = columnOf(x), errors = columnOf(y), front = data.fronts[x][y];
+  const costs = columnOf(x), errors = columnOf(y), front = frontOf(x, y);
   const xScale = scaleFor(costs, titleOf(x), "x"), yScale = scaleFor(errors, titleOf(y), "y");
-  const drawable = data.points.map((_, i) => i).filter((i) => Number.isFinite(costs[i]) && Number.isFinite(errors[i]));
+  places = { x: costs.map(xScale.place), y: errors.map(yScale.place) };
+  const drawable = [];
+  for (let i = 0; i < data.count; ++i) if (Number.isFinite(costs[i]) && Number.isFinite(errors[i])) drawable.push(i);
   const special = new Set([...data.recommended, data.base]);
   const trace = (name, indices, marker, more = {}) => ({ name, type: "scatter", mode: "markers", marker,
-    x: indices.map((i) => xScale.place(costs[i])), y: indices.map((i) => yScale.place(errors[i])), customdata: indices,
+    x: indices.map((i) => places.x[i]), y: indices.map((i) => places.y[i]), customdata: indices,
     text: indices.map((i) => hoverOf(i, x, y)), hovertemplate: "%{text}<extra></extra>", ...more });
   const onFront = new Set(front);
   const plain = drawable.filter((i) => !special.has(i) && !onFront.has(i));
+  const failing = plain.filter((i) => holdsAt(i) === false), others = plain.filter((i) => holdsAt(i) !== false);
+  const many = plain.length > MOST_DRAWN_ALONE;
+  const cloudTrace = (name, indices, marker) => (many && indices.length ? entryTrace(name, marker)
+    : trace(name, indices, marker));
   const traces = [
-    trace("fails a constraint", plain.filter((i) => data.points[i].holds === false),
+    cloudTrace("fails a constraint", failing,
       { symbol: "x-thin-open", size: 6, color: colour("fail"), line: { color: colour("fail"), width: 1.2 } }),
-    trace("point", plain.filter((i) => data.points[i].holds !== false), { size: 6, color: colour("point"), opacity: 0.8 }),
+    cloudTrace("point", others, { size: 6, color: colour("point"), opacity: 0.8 }),
     trace("Pareto front", front, { size: 7, color: colour("accent") },
       { mode: "lines+markers", line: { shape: "hv", width: 2, color: colour("accent") } }),
     trace("base", drawable.filter((i) => i === data.base),
       { symbol: "diamond-open", size: 13, color: colour("text"), line: { width: 2 } }),
     trace("recommended", drawable.filter((i) => data.recommended.includes(i)),
       { symbol: "star", size: 16, color: colour("warm"), line: { width: 1, color: colour("text") } }),
+    ...(many ? [cornersTrace(plain)] : []),
   ].filter((t) => t.x.length);
   const layout = layoutOf(540, { xaxis: xScale.layout, yaxis: yScale.layout,
     shapes: [...limitShapes(y, yScale.log), ...xScale.shapes, ...yScale.shapes],
     annotations: [...xScale.annotations, ...yScale.annotations] });
   drawPlot(element, [...traces, markTrace()], layout, nextOfPlace);
+  setCloud(element, !many ? null : { ...places, hover: (i) => hoverOf(i, x, y), choose: nextOfPlace, groups: [
+    { name: "fails a constraint", indices: failing, colour: colour("fail"), cross: true },
+    { name: "point", indices: others, colour: colour("point"), cross: false }] });
   markPoint();
+}
+
+// Returns what is drawn of points that are in a cloud: their entry in the legend.
+function entryTrace(name, marker) {
+  return { name, type: "scatter", mode: "markers", x: [null], y: [null], hoverinfo: "skip", marker };
+}
+
+// Returns an invisible trace with the corners of the box around the points, so that the axes show them all.
+function cornersTrace(indices) {
+  return { type: "scatter", mode: "markers", x: extent(indices.map((i) => places.x[i])), y: extent(indices.map((i) => places.y[i])),
+    hoverinfo: "skip", showlegend: false, marker: { size: 6, opacity: 0 } };
 }
 
 // Returns the points that the Pareto plot draws at the same place as this one: the noted ones, then those of the front.
 function pointsAtPlace(index) {
-  const { x, y } = shown;
-  if (places.x !== x || places.y !== y) {
-    const costs = columnOf(x), errors = columnOf(y), front = new Set(data.fronts[x][y]);
-    const rank = (i) => [data.recommended.includes(i), i === data.base, front.has(i), true].indexOf(true);
-    const groups = new Map();
-    places = { x, y, of: data.points.map((_, i) => {
-      const key = `${costs[i]} ${errors[i]}`;
-      if (!groups.has(key)) groups.set(key, []);
-      groups.get(key).push(i);
-      return groups.get(key);
-    }) };
-    for (const group of groups.values()) group.sort((a, b) => rank(a) - rank(b) || a - b);
-  }
-  return places.of[index];
+  const { x, y } = shown, costs = columnOf(x), errors = columnOf(y), same = [];
+  const is = (a, b) => a === b || (Number.isNaN(a) && Number.isNaN(b));
+  for (let i = 0; i < data.count; ++i) if (is(costs[i], costs[index]) && is(errors[i], errors[index])) same.push(i);
+  const front = frontOf(x, y);
+  const rank = (i) => [data.recommended.includes(i), i === data.base, front.includes(i), true].indexOf(true);
+  return same.sort((a, b) => rank(a) - rank(b) || a - b);
 }
 
 // A click shows the first point of the place, and a further click shows the next.
@@ -153,11 +173,8 @@ function markTrace() {
 function markPoint() {
   const element = byId("pareto-plot");
   if (!element || !element.data || shown.point === null) return;
-  const costs = columnOf(shown.x), errors = columnOf(shown.y), i = shown.point;
-  const visible = Number.isFinite(costs[i]) && Number.isFinite(errors[i]);
-  const xScale = scaleFor(costs, "", "x"), yScale = scaleFor(errors, "", "y");
-  Plotly.restyle(element, { x: [visible ? [xScale.place(costs[i])] : []], y: [visible ? [yScale.place(errors[i])] : []] },
-    [element.data.length - 1]);
+  const x = places.x[shown.point], y = places.y[shown.point], visible = Number.isFinite(x) && Number.isFinite(y);
+  Plotly.restyle(element, { x: [visible ? [x] : []], y: [visible ? [y] : []] }, [element.data.length - 1]);
 }
 
 function drawWidths() {

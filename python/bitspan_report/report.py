@@ -61,7 +61,7 @@ def _drawn(study: Study, tables: dict[str, Any]) -> list[str]:
 
 
 def _pareto(study: Study, x: str, y: str) -> dict[str, bytes]:
-    cost, error = analysis.column_of(study, x), analysis.column_of(study, y)
+    cost, error = study.metrics[x], study.metrics[y]
     front = analysis.front_of(study, analysis.column_to_minimise(study, x), analysis.column_to_minimise(study, y))
     recommended = [i for r in study.recommended if (i := study.index_of(r.hash)) is not None]
     figure = figures.pareto(
@@ -80,7 +80,7 @@ def _pareto(study: Study, x: str, y: str) -> dict[str, bytes]:
 
 
 def _curves(study: Study, metric: str) -> dict[str, bytes]:
-    column = analysis.column_of(study, metric)
+    column = study.metrics[metric]
     drawn = [(axis, analysis.curve(axis, study.metric(metric), column)) for axis in analysis.read_axes(study)]
     drawn = [(axis, found) for axis, found in drawn if np.isfinite([s[1] for s in found.samples]).any()]
     if not drawn:

@@ -8,6 +8,9 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 FIRST_OCTAVE = -64  # octaves[i] of a register counts 2^(i + FIRST_OCTAVE) <= |x| < 2^(i + 1 + FIRST_OCTAVE)
 
 
@@ -220,7 +223,7 @@ class Study:
     plan: str
     points: list[Point]
     base: int | None  # index into points
-    metrics: dict[str, list[float]]
+    metrics: dict[str, NDArray[np.float64]]
     scenes: dict[str, dict[str, dict[str, float]]]  # by hash, scene and metric: recommended points and the base
     known: dict[str, Metric]  # every metric that a study can have, in the order of tables
     axes: list[Varied]

@@ -315,7 +315,7 @@ class Curves(unittest.TestCase):
 
     def test_the_best_of_all_is_the_lower_edge(self):
         axis = analysis.read_axes(self.study)[0]
-        column = analysis.column_of(self.study, "span.u.p999")
+        column = self.study.metrics["span.u.p999"]
         curve = analysis.curve(axis, self.study.metric("span.u.p999"), column)
         self.assertFalse(curve.one_at_a_time)
         self.assertEqual([value for value, _, _ in curve.samples], [26, 28, 30, 32, 34, 36])
@@ -343,6 +343,14 @@ class Curves(unittest.TestCase):
         self.assertEqual(
             [data.json_number(v) for v in (math.nan, math.inf, -math.inf, 1 / 3)], [None, "inf", "-inf", 0.33333]
         )
+
+    def test_metrics_without_room_in_the_page_are_named(self):
+        columns, left_out = data.told_columns(self.study)
+        self.assertEqual((set(columns), left_out), (set(analysis.told_metrics(self.study)), []))
+        columns, left_out = data.told_columns(self.study, room=2500)
+        self.assertIn("cost.register_bits", columns)  # what the page opens with comes first
+        self.assertGreater(len(left_out), 3)
+        self.assertEqual({*columns, *left_out}, set(analysis.told_metrics(self.study)))
 
     def test_a_configuration_comes_back_from_its_difference(self):
         base, other = self.study.points[self.study.base].config, self.study.points[50].config

@@ -546,5 +546,24 @@ def write_database(path: str | pathlib.Path) -> None:
     connection.close()
 
 
+def add_many(path: str | pathlib.Path, count: int) -> None:
+    """Adds that many points to the study "spans": what a large grid leaves in a database, without their TOML."""
+    rng = random.Random(3)
+    connection = sqlite3.connect(path)
+    (first,) = connection.execute("SELECT count(*) FROM study_points WHERE study = 'spans'").fetchone()
+    writer = Writer(connection, "spans")
+    for i in range(first, first + count):
+        settings = {**BASE, **settings_with(26 + i % 11, 18 + i // 11 % 10, 12 + i // 110 % 10)}
+        metrics = metrics_of(settings)
+        for name in ("span.u.p999", "span.u.rms", "span.u.max", "span.h.max"):
+            metrics[name] *= 1 + rng.random()
+        h = digest("many", i)
+        writer.insert("points", (h, digest(h), None, "[]", "ok", "", 0.01))
+        writer.insert("metrics", *((h, name, stored(value)) for name, value in metrics.items()))
+        writer.insert("study_points", ("spans", i, h, json.dumps(settings), int(writer.holds(h))))
+    connection.commit()
+    connection.close()
+
+
 if __name__ == "__main__":
     write_database(sys.argv[1])

@@ -8,9 +8,10 @@ import time
 import unittest
 from pathlib import Path
 
+from bitspan_report import analysis
 from bitspan_report.database import load_study
 from bitspan_report.report import write_report
-from make_database import write_database
+from make_database import add_many, write_database
 
 try:
     from selenium import webdriver
@@ -56,6 +57,7 @@ class Browsing(unittest.TestCase):
     """A study's report in a browser, which must not complain of anything, nor ask anybody for anything."""
 
     STUDY = "spans"
+    MANY = 0  # points beside those of the small study
 
     @classmethod
     def setUpClass(cls):
@@ -63,6 +65,8 @@ class Browsing(unittest.TestCase):
         cls.addClassCleanup(folder.cleanup)
         root = Path(folder.name)
         write_database(root / "t.db")
+        if cls.MANY:
+            add_many(root / "t.db", cls.MANY)
         cls.study = load_study(str(root / "t.db"), cls.STUDY)
         write_report(cls.study, str(root / "out"))
         cls.address = (root / "out" / "report.html").as_uri()
@@ -105,10 +109,10 @@ class EmptyPage(Browsing):
 
     def test_opens_and_says_what_is_missing(self):
         self.assertIn("No point was measured", self.shown_text("#pareto"))
-        self.assertEqual(self.script("return data.points.length"), 0)
+        self.assertEqual(self.script("return data.count"), 0)
 
 
-class Page(Browsing):
+class Clicking(Browsing):
     def setUp(self):
         super().setUp()
         self.wait(lambda: self.script("return document.querySelectorAll('.main-svg').length") > 5)
@@ -122,17 +126,96 @@ class Page(Browsing):
             3, 0
         ).pause(0.2).click().perform()
 
+    def shows(self, index):
+        return self.find("#detail").get_attribute("data-hash") == self.study.points[index].hash
+
     def click_point(self, plot, index, shows=None):
         place = self.script(PLACE_OF_POINT, plot, index)
         self.assertIsNotNone(place, f"point {index} is not drawn")
         self.click_in(self.find(f"#{plot}"), *place)
-        self.wait(
-            lambda: (
-                self.find("#detail").get_attribute("data-hash")
-                == self.study.points[index if shows is None else shows].hash
+        self.wait(lambda: self.shows(index if shows is None else shows))
+
+    def front(self):
+        return self.script("return frontOf(shown.x, shown.y)")
+
+
+class ManyPoints(Clicking):
+    """More points than plotly.js draws in a moment: they stand on a canvas behind the plot."""
+
+    MANY = 4000
+    # Where the cloud has a point: (x, y) from the plot's top left corner, in pixels.
+    PLACE = """const plot = document.getElementById('pareto-plot'), x = plot._fullLayout.xaxis, y = plot._fullLayout.yaxis;
+      return [x._offset + x.d2p(places.x[arguments[0]]), y._offset + y.d2p(places.y[arguments[0]])];"""
+    DRAWN = """const c = document.querySelector('canvas.cloud'), p = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
+      let drawn = 0; for (let i = 3; i < p.length; i += 4) drawn += p[i] > 0; return drawn;"""
+
+    def lonely_point(self):
+        """A point of the cloud with no other within 15 pixels."""
+        return self.script("""const plot = document.getElementById('pareto-plot'), x = plot._fullLayout.xaxis, y = plot._fullLayout.yaxis;
+          const at = [...places.x].map((v, i) => [x.d2p(v), y.d2p(places.y[i])]);
+          const apart = (i) => at.every((p, k) => k === i || !(Math.hypot(p[0] - at[i][0], p[1] - at[i][1]) < 15));
+          return at.findIndex((p, i) => Number.isFinite(p[0]) && Number.isFinite(p[1]) && i > 200 && apart(i)
+            && !frontOf(shown.x, shown.y).includes(i));""")
+
+    def test_all_points_are_there_and_the_axes_show_them(self):
+        self.assertEqual(self.script("return data.count"), len(self.study.points))
+        self.assertGreater(self.script(self.DRAWN), 5000)
+        names = self.script("return document.getElementById('pareto-plot').data.map(t => t.name)")
+        self.assertTrue({"point", "fails a constraint"} <= set(names))
+        for axis, name in (("x", "cost.register_bits"), ("y", "span.u.p999")):
+            low, high = self.script(
+                f"const a = document.getElementById('pareto-plot')._fullLayout.{axis}axis; "
+                "return a.range.map(v => a.type === 'log' ? 10 ** v : v)"
             )
+            column = self.study.metrics[name]
+            column = column[column == column]
+            self.assertLess(low, column.min())
+            self.assertGreater(high, column.max())
+
+    def test_a_click_and_the_pointer_find_a_point_of_the_cloud(self):
+        index = self.lonely_point()
+        self.assertGreater(index, 0)
+        self.click_in(self.find("#pareto-plot"), *self.script(self.PLACE, index))
+        self.wait(lambda: self.shows(index))
+        point = self.study.points[index]
+        tip = self.find("#pareto-plot .tip")
+        ActionChains(self.browser).move_by_offset(1, 0).perform()
+        self.assertTrue(tip.is_displayed())
+        for key, value in point.settings.items():
+            self.assertIn(f"{key}{value}", self.shown_text("#detail"))
+            self.assertIn(f"{key} = {value}", tip.text)
+        self.assertIn(f"--replay {point.hash}", self.shown_text("#detail .replay"))
+        self.assertIn("keeps the TOML of the base and of recommended points only", self.shown_text("#detail"))
+
+    def test_the_legend_hides_points_of_the_cloud(self):
+        found = "return clouds.get(document.getElementById('pareto-plot')).at.filter(i => i >= 0).length"
+        before = self.script(found)
+        self.script("""const plot = document.getElementById('pareto-plot');
+          return Plotly.restyle(plot, {visible: 'legendonly'}, [plot.data.findIndex(t => t.name === 'point')]);""")
+        self.wait(lambda: 0 < self.script(found) < before)
+
+    def test_the_front_is_that_of_the_files(self):
+        for x in ("cost.register_bits", "cost.product_bits"):
+            for y in ("span.u.p999", "span.h.max", "picture.wrong_order", "span.u.sqnr_db"):
+                lows = [analysis.column_to_minimise(self.study, name) for name in (x, y)]
+                self.assertEqual(
+                    self.script("return frontOf(arguments[0], arguments[1])", x, y), analysis.front_of(self.study, *lows), y
+                )
+
+    def test_columns_arrive_as_they_were(self):
+        for name in ("span.u.p999", "cost.register_bits", "picture.psnr_db", "registers.wraps"):
+            told = self.script("return Array.from(columnOf(arguments[0]), String)", name)
+            for text, value in zip(told, self.study.metrics[name], strict=True):
+                if value == value:
+                    self.assertAlmostEqual(float(text.replace("Infinity", "inf")), value, delta=1e-7 * abs(value))
+                else:
+                    self.assertEqual(text, "NaN")
+        self.assertEqual(
+            self.script("return Array.from({length: data.count}, (_, i) => hashOf(i))"), [p.hash for p in self.study.points]
         )
 
+
+class Page(Clicking):
     def check_detail(self, index):
         point = self.study.points[index]
         panel = self.find("#detail")
@@ -142,9 +225,6 @@ class Page(Browsing):
         text = panel.get_property("textContent")
         for key, value in point.settings.items():
             self.assertIn(f"{key}{value}", text)
-
-    def front(self):
-        return self.script("return data.fronts[shown.x][shown.y]")
 
     def test_opens_on_what_is_recommended(self):
         self.check_detail(self.study.index_of(self.study.recommended[0].hash))
