@@ -40,7 +40,7 @@ namespace {
 
 struct StudyArguments {
   std::vector<std::string> inputs;  // the study; scenes of --point
-  std::string db, csv, report, point, replay, size, shard;
+  std::string db, csv, report, against, point, replay, size, shard;
   int threads = 0;
   std::optional<std::size_t> points;
   bool allow_empty = false;
@@ -187,11 +187,12 @@ void export_csv(const StudyArguments& o, const StudyPlan& plan, Store& store) {
 // Prints the command that goes on with a study where this one ended; returns the exit code.
 int cut_short(const StudyArguments& o, const std::string& so_far, const Store& store,
               const Interrupt& interrupt) {
-  fmt::print("{}{}; go on with: bitspan study {} --db {}{}{}{}\n",
+  fmt::print("{}{}; go on with: bitspan study {} --db {}{}{}{}{}\n",
              interrupt.exit_code() != 0 ? "stopped" : "not finished", so_far, shell_word(o.inputs[0]),
              shell_word(store.path()), o.shard.empty() ? "" : " --shard " + o.shard,
              o.csv.empty() ? "" : " --csv " + shell_word(o.csv),
-             o.report.empty() ? "" : " --report " + shell_word(o.report));
+             o.report.empty() ? "" : " --report " + shell_word(o.report),
+             o.against.empty() ? "" : " --against " + shell_word(o.against));
   return interrupt.exit_code();
 }
 
@@ -205,7 +206,7 @@ int end_study(const StudyArguments& o, const StudyPlan& plan, const std::vector<
   const bool held =
       interrupt.exit_code() == 0 && examine_recommendations(plan, scenes, load, store, interrupt.token());
   if (interrupt.exit_code() != 0) return cut_short(o, "", store, interrupt);
-  if (!o.report.empty()) write_study_report(store.path(), plan.name, o.report);
+  if (!o.report.empty()) write_study_report(store.path(), plan.name, o.report, o.against);
   return any_holds && held ? exit_held : exit_difference;
 }
 
@@ -410,6 +411,11 @@ int study(const StudyArguments& o) {
   if (!o.shard.empty() && (!o.point.empty() || !o.replay.empty())) {
     throw InputError("--shard: goes with a STUDY.toml");
   }
+  if (!o.against.empty() && o.report.empty()) throw InputError("--against: goes with --report");
+  // Said before the study runs, which may take hours.
+  if (!o.against.empty() && !std::filesystem::is_regular_file(o.against)) {
+    throw InputError(fmt::format("--against {}: no such file", o.against));
+  }
   if (!o.replay.empty()) return replay(o);
   return o.point.empty() ? run_study(o) : measure_point(o);
 }
@@ -454,6 +460,9 @@ void add_study(CLI::App& app, Action& action) {
   sub->add_option("--db", o->db, "the database (default: NAME.db beside the CSV file, or in this folder)");
   sub->add_option("--csv", o->csv, "write all points as CSV");
   sub->add_option("--report", o->report, "write an HTML report and its plots into this folder");
+  sub->add_option(
+      "--against", o->against,
+      "with --report: compare with the study of the same name, or the only one, of this database");
   sub->add_option("--threads", o->threads, "points measured at once (0: one per core)")
       ->capture_default_str();
   sub->add_option("--points", o->points,

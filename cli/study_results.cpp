@@ -106,16 +106,18 @@ bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& sc
   return held;
 }
 
-void write_study_report(const std::string& database, const std::string& study, const std::string& folder) {
+void write_study_report(const std::string& database, const std::string& study, const std::string& folder,
+                        const std::string& against) {
   namespace fs = std::filesystem;
   const std::string python = (data_folder() / "python").string();
   ::setenv("PYTHONPATH", python.c_str(), 1);
   const ScratchFolder scratch = temporary_scratch_folder("bitspan-report");
   const fs::path log = scratch / "log";
   // This is Debian's own interpreter. The first on PATH may not see Debian's packages.
-  const int code =
-      run_program({"/usr/bin/python3", "-B", "-m", "bitspan_report", database, folder, "--study", study}, log,
-                  "--report");
+  std::vector<std::string> words{"/usr/bin/python3", "-B",   "-m",      "bitspan_report",
+                                 database,           folder, "--study", study};
+  if (!against.empty()) words.insert(words.end(), {"--against", against});
+  const int code = run_program(words, log, "--report");
   std::string text = read_text(log);
   while (!text.empty() && text.back() == '\n') text.pop_back();
   if (code != 0) throw ToolError("--report: " + (text.empty() ? "no word" : text));

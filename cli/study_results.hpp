@@ -27,7 +27,8 @@ bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& sc
                              Store& store, const std::stop_token& stop);
 
 // Writes the HTML report with its plots into a folder, with python/bitspan_report. Throws ToolError with what
-// that program said where it fails.
-void write_study_report(const std::string& database, const std::string& study, const std::string& folder);
+// that program said where it fails. `against` is the database of a study to compare with; "" for none.
+void write_study_report(const std::string& database, const std::string& study, const std::string& folder,
+                        const std::string& against);
 
 }  // namespace bitspan

@@ -62,7 +62,15 @@ def number(value: Any) -> float:
     return math.nan if value is None else float(value)
 
 
-def load_study(path: str, name: str | None) -> Study:
+def load_other(path: str, name: str | None, same: str) -> Study:
+    """Returns the study to compare with: of that name, or without one the one called `same`, or the only one there is.
+
+    Throws ReportError.
+    """
+    return load_study(path, name, option="--against-study", preferred=same)
+
+
+def load_study(path: str, name: str | None, option: str = "--study", preferred: str | None = None) -> Study:
     """Returns the study of that name, or without a name the only one there is. Throws ReportError."""
     if not pathlib.Path(path).is_file():
         raise ReportError(f"{path}: no such file")
@@ -73,7 +81,7 @@ def load_study(path: str, name: str | None) -> Study:
             connection.execute("PRAGMA temp_store = MEMORY")  # reading needs no room on any disk
             connection.execute("BEGIN")
             version = _check_schema(path, connection)
-            study = _select_study(path, connection, name)
+            study = _select_study(path, connection, name, option, preferred)
             return _read(path, version, _Reader(connection, study), study)
     except sqlite3.Error as error:
         raise ReportError(f"{path}: cannot be read as a study database: {error}") from None
@@ -101,13 +109,17 @@ def _check_schema(path: str, connection: sqlite3.Connection) -> str:
     return str(meta.get("version", ""))
 
 
-def _select_study(path: str, connection: sqlite3.Connection, name: str | None) -> str:
+def _select_study(
+    path: str, connection: sqlite3.Connection, name: str | None, option: str, preferred: str | None
+) -> str:
     names = [row[0] for row in connection.execute("SELECT name FROM studies ORDER BY name")]
     listed = ", ".join(names) or "none"
     if name is not None and name not in names:
         raise ReportError(f'{path}: no study "{name}"; it has: {listed}')
+    if name is None and preferred in names:
+        return str(preferred)
     if name is None and len(names) != 1:
-        raise ReportError(f"{path}: {len(names)} studies; name one with --study, of: {listed}")
+        raise ReportError(f"{path}: {len(names)} studies; name one with {option}, of: {listed}")
     return name if name is not None else names[0]
 
 

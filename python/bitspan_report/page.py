@@ -569,11 +569,12 @@ _NAVIGATION = (
 )
 
 
-def page(study: Study, plotly: str) -> str:
-    """Returns the whole report. `plotly` is the library's source. The policy in the head lets no other script run."""
+def page(study: Study, plotly: str, compared: str = "") -> str:
+    """Returns the whole report. `plotly` is the library's source, `compared` the section on another study, if any. The policy in the head lets no other script run."""
     axes = analysis.read_axes(study)
     content = "".join(curves(study, axes) if part is None else part(study) for part in _SECTIONS)
-    navigation = "".join(f'<a href="#{i}">{escape(text)}</a>' for i, text in _NAVIGATION)
+    links = [*_NAVIGATION, *([("compared", "Compared")] if compared else [])]
+    navigation = "".join(f'<a href="#{i}">{escape(text)}</a>' for i, text in links)
     script = "\n".join((_HERE / name).read_text("utf-8") for name in ("page.js", "plots.js", "cloud.js", "viewer.js"))
     plotly, script = plotly.replace("\r", ""), f"\n{script}"
     policy = (
@@ -594,7 +595,7 @@ def page(study: Study, plotly: str) -> str:
 <body>
 <header><h1>{escape(study.name)}<small>bit-width study, {len(study.points)} points</small></h1></header>
 <nav>{navigation}</nav>
-<main>{content}</main>
+<main>{content}{compared}</main>
 <footer>Drawn with plotly.js (MIT licence), which this file holds; it loads nothing. The same plots stand beside it as
 SVG and PNG.</footer>
 <script type="application/json" id="data">{embedded_json(data.page_data(study, axes))}</script>

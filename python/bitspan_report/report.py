@@ -11,14 +11,15 @@ from matplotlib.figure import Figure
 from plotly.offline import get_plotlyjs
 
 from . import analysis, data, figures, files
+from .compare import comparison
 from .page import page
 from .study import Study
 
 
-def write_report(study: Study, folder: str) -> None:
-    """Writes the report of a study into the folder, report.html last. Throws ReportError."""
+def write_report(study: Study, folder: str, against: Study | None = None) -> None:
+    """Writes the report of a study into the folder, report.html last, compared with another study. Throws ReportError."""
     content = {**plots(study), **pictures(study)}
-    content["report.html"] = page(study, get_plotlyjs()).encode("utf-8")
+    content["report.html"] = page(study, get_plotlyjs(), comparison(study, against) if against else "").encode("utf-8")
     files.write_all(folder, content)
 
 

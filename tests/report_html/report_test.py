@@ -142,6 +142,23 @@ class Files(InFolder):
             self.assertIn(line, text)
         self.assertEqual([path.name for path in out.iterdir()], ["report.html"])
 
+    def test_compared_with_another_study(self):
+        other = self.changed(
+            "other.db",
+            "UPDATE constraints SET at_most = 0.3 WHERE i = 0",
+            "UPDATE study_points SET holds = 1 - holds WHERE i = 3",
+            "UPDATE metrics SET value = value * 2 WHERE name = 'span.u.p999'",
+        )
+        out = self.root / "compared"
+        self.assertEqual(run(self.database, out, "--study", "spans", "--against", other), (0, ""))
+        text = (out / "report.html").read_text("utf-8")
+        text = text[text.index('id="compared"') :]
+        self.assertIn("span.u.p999 at most 0.3<", text)
+        self.assertIn("1 went from holding to failing, 0 from failing to holding", text)
+        self.assertRegex(text, r"span\.u\.p999</td>(<td[^>]*>[^<]*</td>){4}<td class=\"n\">-50</td>")
+        code, message = run(self.database, out, "--study", "spans", "--against", other, "--against-study", "x")
+        self.assertEqual((code, message), (2, f'bitspan_report: {other}: no study "x"; it has: empty, spans\n'))
+
     def test_each_bound_tells_how_much_of_it_was_reached(self):
         text = page(load_study(str(self.database), "spans"), "")
         row = '<tr><td class="long">span.h</td><td class="long">depth code</td>'
