@@ -29,6 +29,7 @@
 #include "report/table.hpp"
 #include "scene/camera_views.hpp"
 #include "scene/tri_stream.hpp"
+#include "study/area_estimate.hpp"
 #include "study/merge.hpp"
 #include "study/metrics.hpp"
 #include "study/point.hpp"
@@ -51,6 +52,12 @@ constexpr std::size_t table_rows = 40;
 using Table = std::vector<std::vector<std::string>>;
 
 std::string number_text(double value) { return std::isnan(value) ? "-" : fmt::format("{:.6g}", value); }
+
+// Returns the value of a metric, an estimate with its ±.
+std::string value_text(const std::string& metric, double value, const Metrics& metrics) {
+  const auto error = metrics.find(metric + "_error");
+  return error == metrics.end() ? number_text(value) : estimate_text(value, error->second);
+}
 
 // Whether a size may be asked for. Streams and the extreme scenes have their own.
 bool takes_size(const std::string& name) {
@@ -167,7 +174,7 @@ std::string points_text(const StudyPlan& plan, Store& store) {
     const Metrics measured = store.metrics(text_of(row[2])).all;
     for (const std::string& metric : metrics) {
       const auto found = measured.find(metric);
-      line.push_back(found == measured.end() ? "-" : number_text(found->second));
+      line.push_back(found == measured.end() ? "-" : value_text(metric, found->second, measured));
     }
     line.emplace_back(text_of(row[3]) != "ok" ? "refused" : integer_of(row[1]) != 0 ? "yes" : "no");
     rows.push_back(std::move(line));
@@ -226,6 +233,8 @@ int run_and_tell_search(const StudyArguments& o, const StudyPlan& plan, PointRun
   }
   export_csv(o, plan, store);
   fmt::print("{}", search_text(plan, result));
+  std::fflush(stdout);  // before the synthesis
+  fmt::print("{}", measure_text(plan, result, runner, store, interrupt.token()));
   return end_study(o, plan, scenes, store, interrupt, result.found);
 }
 
@@ -306,7 +315,8 @@ std::string result_text(const PointResult& result) {
   for (const auto& [name, value] : result.metrics) {
     const Metric* const metric = find_metric(name);
     if (metric == nullptr || !metric->field.empty() || metric->role == MetricRole::detail) continue;
-    metrics.push_back({name, number_text(value), metric->unit});
+    if (name.ends_with("_error")) continue;  // stands beside its value
+    metrics.push_back({name, value_text(name, value, result.metrics), metric->unit});
   }
   return text_table(fields) + "\n" + text_table(registers) + "\n" + text_table(metrics);
 }

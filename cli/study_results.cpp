@@ -13,6 +13,7 @@
 #include "io/data_folder.hpp"
 #include "io/message.hpp"
 #include "report/table.hpp"
+#include "study/measured_cost.hpp"
 #include "study/recommend.hpp"
 #include "tb/programs.hpp"
 
@@ -48,7 +49,7 @@ std::string combinations_text(const StudyPlan& plan, const SearchResult& result)
   std::vector<std::vector<std::string>> rows{
       {"combination", plan.search->cost, "evaluations", "stopped by", "certificate", "what fails"}};
   for (const Combination& c : result.combinations) {
-    rows.push_back({c.text, c.found ? fmt::format("{:.6g}", c.cost) : "-", fmt::format("{}", c.evaluations),
+    rows.push_back({c.text, c.found ? cost_text(c.cost, c.cost_error) : "-", fmt::format("{}", c.evaluations),
                     std::string(to_string(c.stopped_by)),
                     !c.found                   ? "-"
                     : c.certificate.minimal()  ? "minimal"
@@ -69,10 +70,40 @@ std::string search_text(const StudyPlan& plan, const SearchResult& result) {
     for (const std::string& line : result.failing) out += "  " + line + "\n";
     return out;
   }
-  out =
-      fmt::format("{}: {} = {:.6g} after {} evaluations ({}):\n{}", plan.name, plan.search->cost, result.cost,
-                  result.evaluations, to_string(result.stopped_by), point_text(plan.axes, result.point));
-  return out + "certificate:\n" + to_text(result.certificate) + combinations_text(plan, result);
+  out = fmt::format("{}: {} = {} after {} evaluations ({}):\n{}", plan.name, plan.search->cost,
+                    cost_text(result.cost, result.cost_error), result.evaluations,
+                    to_string(result.stopped_by), point_text(plan.axes, result.point));
+  out += ends_with_synthesis(plan) ? "certificate of the least estimate:\n" : "certificate:\n";
+  return out + to_text(result.certificate) + combinations_text(plan, result);
+}
+
+std::string measure_text(const StudyPlan& plan, const SearchResult& result, PointRunner& runner, Store& store,
+                         const std::stop_token& stop) {
+  const MeasuredCosts costs = measure_best(plan, result, runner, store, tell, stop);
+  tell("");
+  if (costs.points.empty()) return "";
+  std::vector<std::vector<std::string>> rows{{"point", "estimated", "measured", "difference", ""}};
+  for (const MeasuredCost& c : costs.points) {
+    const bool failed = std::isnan(c.measured);
+    rows.push_back({c.hash.substr(0, 8), cost_text(c.estimated, c.error),
+                    failed ? "failed" : fmt::format("{:.6g}", c.measured),
+                    failed ? "-" : fmt::format("{:+.1f} %", 100 * (c.measured / c.estimated - 1)),
+                    failed                    ? c.message
+                    : c.point == result.point ? "the least estimate"
+                                              : ""});
+  }
+  std::string out = fmt::format("measured {}:\n{}", plan.search->cost, text_table(rows));
+  if (costs.left_out > 0) {
+    out += fmt::format("{} more within the error were not synthesised (search.measure = {})\n",
+                       costs.left_out, plan.search->measure);
+  }
+  const MeasuredCost& best = costs.points[0];
+  if (best.point != result.point && !std::isnan(best.measured)) {
+    out += fmt::format(
+        "the least measured is another point than the least estimate, and has no certificate:\n{}",
+        point_text(plan.axes, best.point));
+  }
+  return out;
 }
 
 bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& scenes, const LoadScenes& load,

@@ -11,11 +11,17 @@
 #include "study/plan.hpp"
 #include "study/search/search.hpp"
 #include "study/store.hpp"
+#include "study/sweep.hpp"
 
 namespace bitspan {
 
 // Returns the search's point and its certificate as text, or what fails at the widest point.
 std::string search_text(const StudyPlan& plan, const SearchResult& result);
+
+// Synthesises the best points of a search for an estimated cost (measure_best), and returns a table of what
+// was estimated and measured; "" where the search does not end so.
+std::string measure_text(const StudyPlan& plan, const SearchResult& result, PointRunner& runner, Store& store,
+                         const std::stop_token& stop);
 
 // Makes the scenes of a name, as load_scenes.
 using LoadScenes = std::function<std::vector<Scene>(const std::string&)>;

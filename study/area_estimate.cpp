@@ -698,7 +698,58 @@ AreaEstimate estimate_area(const AreaShape& shape, Family family, const AreaFit&
 }
 
 AreaEstimate estimate_area(const Config& config, Family family) {
-  return estimate_area(area_shape(config), family, area_fit(family));
+  AreaEstimate estimate = estimate_area(area_shape(config), family, area_fit(family));
+  estimate.luts_error = error_shares(family).luts * estimate.luts;
+  estimate.ffs_error = error_shares(family).ffs * estimate.ffs;
+  return estimate;
+}
+
+const AreaErrorShares& error_shares(Family family) {
+  // The test that compares area_fit with its runs compares these too.
+  static const AreaErrorShares ice40 = {0.04984, 0.00547};
+  static const AreaErrorShares ecp5 = {0.06317, 0.00905};
+  return family == Family::ice40 ? ice40 : ecp5;
+}
+
+namespace {
+
+// Estimates each sample by a fit to all others.
+std::vector<AreaEstimate> left_out_estimates(const std::vector<Sample>& samples, Family family) {
+  std::vector<AreaEstimate> out;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    std::vector<Sample> others = samples;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    out.push_back(estimate_area(samples[i].shape, family, fit_samples(others, family)));
+  }
+  return out;
+}
+
+// Returns the least of the shares that at least held_share of them do not exceed.
+double share_that_holds(std::vector<double> shares) {
+  std::ranges::sort(shares);
+  return shares.at(static_cast<std::size_t>(std::ceil(held_share * double(shares.size()))) - 1);
+}
+
+}  // namespace
+
+AreaErrorShares left_out_shares(std::span<const AreaRun> runs, Family family) {
+  const std::vector<Sample> samples = samples_of(runs, family);
+  const std::vector<AreaEstimate> left_out = left_out_estimates(samples, family);
+  std::vector<double> luts;
+  std::vector<double> ffs;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    luts.push_back(std::abs(double(samples[i].counts.luts) / left_out[i].luts - 1));
+    ffs.push_back(std::abs(double(samples[i].counts.ffs) / left_out[i].ffs - 1));
+  }
+  return {share_that_holds(std::move(luts)), share_that_holds(std::move(ffs))};
+}
+
+std::string estimate_text(double value, double error) {
+  if (!(error > 0)) return fmt::format("{:.0f}", value);
+  const double digit = std::floor(std::log10(error)) - 1;  // the second one's power of ten
+  const double unit = std::pow(10.0, digit);
+  return fmt::format("{:.{}f} ± {:.{}f}", value, std::max(0, static_cast<int>(-digit)),
+                     std::round(error / unit) * unit, std::max(0, static_cast<int>(-digit)));
 }
 
 AreaFit fit_area(std::span<const AreaRun> runs, Family family) {
@@ -708,16 +759,15 @@ AreaFit fit_area(std::span<const AreaRun> runs, Family family) {
 AreaFitErrors area_fit_errors(std::span<const AreaRun> runs, Family family) {
   const std::vector<Sample> samples = samples_of(runs, family);
   const AreaFit whole = fit_samples(samples, family);
+  const std::vector<AreaEstimate> left_out = left_out_estimates(samples, family);
   ErrorSum luts;
   ErrorSum luts_left_out;
   ErrorSum ffs;
   ErrorSum ffs_left_out;
   ErrorSum multipliers;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    std::vector<Sample> others = samples;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     const AreaEstimate in = estimate_area(samples[i].shape, family, whole);
-    const AreaEstimate out = estimate_area(samples[i].shape, family, fit_samples(others, family));
+    const AreaEstimate& out = left_out[i];
     const AreaCounts& measured = samples[i].counts;
     luts.add(in.luts, static_cast<double>(measured.luts));
     luts_left_out.add(out.luts, static_cast<double>(measured.luts));

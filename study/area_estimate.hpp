@@ -21,6 +21,9 @@ struct AreaEstimate {
   double luts = 0;
   double ffs = 0;
   double multipliers = 0;  // counted, not fitted
+  // The ±: at least 68 % of the fitted runs, each left out of its fit, lay within it.
+  double luts_error = 0;
+  double ffs_error = 0;
 };
 // Throws InputError where the configuration has no RTL.
 AreaEstimate estimate_area(const Config& config, Family family);
@@ -66,6 +69,7 @@ struct AreaFit {
 // gives for the runs.
 const AreaFit& area_fit(Family family);
 AreaFit fit_area(std::span<const AreaRun> runs, Family family);
+// The errors of what this returns stay 0.
 AreaEstimate estimate_area(const AreaShape& shape, Family family, const AreaFit& fit);
 
 // Errors are relative to the measured values, in percent. "left_out" compares each run with the fit to the
@@ -77,5 +81,17 @@ struct AreaFitErrors {
   AreaFitError luts, luts_left_out, ffs, ffs_left_out, multipliers;
 };
 AreaFitErrors area_fit_errors(std::span<const AreaRun> runs, Family family);
+
+// The ± as shares of the estimates. left_out_shares returns the least that hold for at least 68 % of the
+// runs, each against the fit to the others. error_shares has those of config/studies/area_fit.csv.
+inline constexpr double held_share = 0.68;
+struct AreaErrorShares {
+  double luts = 0, ffs = 0;
+};
+const AreaErrorShares& error_shares(Family family);
+AreaErrorShares left_out_shares(std::span<const AreaRun> runs, Family family);
+
+// Returns "4512 ± 160": the error to two digits, and the value to as many places, at least whole.
+std::string estimate_text(double value, double error);
 
 }  // namespace bitspan

@@ -496,6 +496,7 @@ SearchPlan read_search(const Section& s, const std::vector<Section>& all, const 
     search.seed = static_cast<std::uint64_t>(s.integer("seed", 0, std::numeric_limits<std::int64_t>::max()));
   }
   if (s.has("pairs")) search.pairs = s.boolean("pairs");
+  if (s.has("measure")) search.measure = static_cast<int>(s.integer("measure", 0, 1000));
   if (plan.constraints.empty()) {
     s.fail(s.line(), "constraint",
            "missing: nothing would keep the search from cutting everything; legal: one or more");
@@ -575,7 +576,7 @@ StudyPlan parse_study(std::string_view text, const std::string& path, const Conf
   }
   if (root.has("search")) {
     plan.search = read_search(root.section("search", {"algorithm", "cost", "tie", "tie_within", "evaluations",
-                                                      "seconds", "seed", "pairs"}),
+                                                      "seconds", "seed", "pairs", "measure"}),
                               vary, plan);
     if (study.has("arrangement")) {
       study.fail("arrangement", "is given, and a search goes its own way; legal: leave it out");

@@ -79,6 +79,7 @@ struct SearchPlan {
   double seconds = 600;             // at most
   std::uint64_t seed = 1;
   bool pairs = true;  // whether the certificate tries paired steps
+  int measure = 10;   // points synthesised at the end, at most, where the cost is estimated
 };
 
 struct AreaPlan {

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -24,6 +23,8 @@
 #include "study/check_point.hpp"
 #include "study/cost.hpp"
 #include "study/expression.hpp"
+#include "study/known_area.hpp"
+#include "study/measured_cost.hpp"
 #include "study/metrics.hpp"
 #include "study/pictures.hpp"
 
@@ -32,65 +33,6 @@ namespace {
 
 constexpr std::string_view area_prefix = "area.";
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
-
-Row row_of(const std::string& hash, const std::string& key, Family family, bool placed, const AreaResult& a) {
-  return {hash,
-          key,
-          std::string(to_string(family)),
-          std::int64_t{placed ? 1 : 0},
-          std::string(to_string(a.status)),
-          a.message,
-          a.tools,
-          a.counts.luts,
-          a.counts.ffs,
-          a.counts.multipliers,
-          a.counts.memory_bits,
-          a.fmax_mhz,
-          a.seconds};
-}
-
-// Returns the area, which is measured once for all configurations that have the same RTL.
-AreaResult known_area(const Config& config, Family family, bool place, Store& store,
-                      const std::stop_token& stop) {
-  const std::string hash = config_hash(config);
-  const std::string key = area_key(config);
-  const std::string name(to_string(family));
-  const auto found = store.rows(
-      "SELECT status, message, tools, luts, ffs, multipliers, memory_bits, fmax_mhz, seconds FROM areas "
-      "WHERE "
-      "area_key = ? AND family = ? AND placed >= ? AND status <> 'failed' ORDER BY placed LIMIT 1",
-      {key, name, std::int64_t{place ? 1 : 0}});
-  AreaResult out;
-  if (!found.empty()) {
-    const Row& r = found[0];
-    for (const AreaStatus s : {AreaStatus::ok, AreaStatus::does_not_fit}) {
-      if (text_of(r[0]) == to_string(s)) out.status = s;
-    }
-    out.message = text_of(r[1]);
-    out.tools = text_of(r[2]);
-    out.counts = {integer_of(r[3]), integer_of(r[4]), integer_of(r[5]), integer_of(r[6])};
-    out.fmax_mhz = number_of(r[7]);
-    out.seconds = number_of(r[8]);
-  } else {
-    std::atomic<bool> cancelled = stop.stop_requested();
-    const std::stop_callback cancel(stop, [&] { cancelled = true; });
-    AreaLimits limits;
-    limits.cancelled = &cancelled;
-    try {
-      out = measure_area(config, family, place, limits);
-    } catch (const MissingPlacer& missing) {
-      // The counts stand. A failure is not taken for known, so the next run tries for the clock again.
-      out = known_area(config, family, false, store, stop);
-      if (out.status != AreaStatus::failed) out.message = missing.what();
-      out.status = AreaStatus::failed;
-    }
-  }
-  store.run(
-      "INSERT OR REPLACE INTO areas(config_hash, area_key, family, placed, status, message, tools, luts, "
-      "ffs, multipliers, memory_bits, fmax_mhz, seconds) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-      row_of(hash, key, family, place, out));
-  return out;
-}
 
 std::string area_text(const AreaResult& a) {
   std::vector<std::string> parts;
@@ -187,7 +129,8 @@ void write_search(const StudyPlan& plan, const SearchResult& result, const std::
                   const std::map<std::string, std::string>& hashes, Store& store) {
   store.transaction([&] {
     put_study(plan, base_hash, store);
-    for (const char* table : {"study_points", "search_steps", "certificate", "combinations"}) {
+    for (const char* table :
+         {"study_points", "search_steps", "certificate", "combinations", "measured_costs"}) {
       store.run(fmt::format("DELETE FROM {} WHERE study = ?", table), {plan.name});
     }
     std::int64_t i = 0;
@@ -332,7 +275,9 @@ void add_estimates(const Config& config, Metrics& metrics) {
     const AreaEstimate e = estimate_area(config, family);
     const std::string prefix = fmt::format("estimate.{}.", to_string(family));
     metrics[prefix + "luts"] = e.luts;
+    metrics[prefix + "luts_error"] = e.luts_error;
     metrics[prefix + "ffs"] = e.ffs;
+    metrics[prefix + "ffs_error"] = e.ffs_error;
     metrics[prefix + "multipliers"] = e.multipliers;
   }
 }
@@ -440,6 +385,15 @@ SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store
         fmt::format("{}: not one of {} combinations of categories can be measured; the first: {}", plan.name,
                     result.combinations.size(), result.failing.front()));
   }
+  Expression cost(plan.search->cost);
+  const auto error_at = [&](const SearchPoint& point) {
+    const std::string& hash = hashes.at(settings_json(settings_of(plan.axes, point)));
+    return cost_error(cost, store.metrics(hash).all);
+  };
+  if (result.found) result.cost_error = error_at(result.point);
+  for (Combination& c : result.combinations) {
+    if (c.found) c.cost_error = error_at(c.point);
+  }
   write_search(plan, result, base.hash, hashes, store);
   return result;
 }
@@ -487,13 +441,30 @@ std::optional<std::size_t> knee(const std::vector<std::pair<double, double>>& po
 std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store) {
   std::vector<Recommendation> out;
   const std::string cost = cost_metric(plan);
+  Expression cost_expression(cost);
+  const auto cost_at = [&](const std::string& hash, double value) {
+    return cost_text(value, cost_error(cost_expression, store.metrics(hash).all));
+  };
   if (plan.search) {
+    const auto measured = store.rows(
+        "SELECT hash, estimated, error, measured FROM measured_costs WHERE study = ? AND measured IS NOT "
+        "NULL "
+        "ORDER BY i",
+        {plan.name});
+    if (!measured.empty()) {
+      const Row& best = measured[0];
+      out.push_back(
+          {text_of(best[0]),
+           fmt::format("the least of {} synthesised: {} = {:.6g} measured, {} estimated", measured.size(),
+                       cost, number_of(best[3]), cost_text(number_of(best[1]), number_of(best[2])))});
+      return out;
+    }
     const auto best =
         store.rows("SELECT hash, cost FROM search_steps WHERE study = ? AND best = 1 ORDER BY i DESC LIMIT 1",
                    {plan.name});
     if (!best.empty()) {
-      out.push_back({text_of(best[0][0]),
-                     fmt::format("found by the search: {} = {:.6g}", cost, number_of(best[0][1]))});
+      out.push_back({text_of(best[0][0]), fmt::format("found by the search: {} = {}", cost,
+                                                      cost_at(text_of(best[0][0]), number_of(best[0][1])))});
     }
     return out;
   }
@@ -532,14 +503,14 @@ std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store)
   if (hashes.empty()) return out;
   if (!plan.constraints.empty()) {
     const auto cheapest = std::min_element(places.begin(), places.end());
-    out.push_back(
-        {hashes[static_cast<std::size_t>(cheapest - places.begin())],
-         fmt::format("the cheapest that holds all constraints{}: {} = {:.6g}",
-                     ranges ? fmt::format(" at every {}", s_ratio_key) : "", cost, cheapest->first)});
+    const std::string& hash = hashes[static_cast<std::size_t>(cheapest - places.begin())];
+    out.push_back({hash, fmt::format("the cheapest that holds all constraints{}: {} = {}",
+                                     ranges ? fmt::format(" at every {}", s_ratio_key) : "", cost,
+                                     cost_at(hash, cheapest->first))});
   }
   if (const auto at = knee(places); at && (out.empty() || hashes[*at] != out[0].hash)) {
-    out.push_back({hashes[*at], fmt::format("knee of {} against {}: {:.4g} at {:.6g}", error, cost,
-                                            places[*at].second, places[*at].first)});
+    out.push_back({hashes[*at], fmt::format("knee of {} against {}: {:.4g} at {}", error, cost,
+                                            places[*at].second, cost_at(hashes[*at], places[*at].first))});
   }
   return out;
 }

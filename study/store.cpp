@@ -74,6 +74,8 @@ constexpr auto tables = std::to_array<const char*>({
     "failed TEXT, settings TEXT, combination TEXT)",
     "CREATE TABLE IF NOT EXISTS combinations(study TEXT, i INTEGER, combination TEXT, hash TEXT, cost REAL, "
     "evaluations INTEGER, stopped_by TEXT, minimal INTEGER, failing TEXT, PRIMARY KEY(study, i))",
+    "CREATE TABLE IF NOT EXISTS measured_costs(study TEXT, i INTEGER, hash TEXT, estimated REAL, error REAL, "
+    "measured REAL, message TEXT, PRIMARY KEY(study, i))",
     "CREATE TABLE IF NOT EXISTS recommended(study TEXT, hash TEXT, reason TEXT, verified TEXT)",
     "CREATE TABLE IF NOT EXISTS findings(study TEXT, hash TEXT, line TEXT)",
     "CREATE TABLE IF NOT EXISTS validation(study TEXT, hash TEXT, scene TEXT, i INTEGER, value REAL, holds "

@@ -98,7 +98,8 @@ struct Combination {
   std::size_t evaluations = 0;
   Certificate certificate;  // of the point, within the combination
   StoppedBy stopped_by = StoppedBy::done;
-  std::string failing;  // what fails at the widest point, where nothing was found
+  std::string failing;    // what fails at the widest point, where nothing was found
+  double cost_error = 0;  // the cost's ±, which run_search finds
 };
 
 struct SearchResult {
@@ -106,6 +107,7 @@ struct SearchResult {
   bool refused = false;           // the widest point was; of several combinations, all were
   SearchPoint point;              // the best so far where a limit stopped the search; empty where not found
   double cost = 0;                // of the point
+  double cost_error = 0;          // its ±, which run_search finds
   std::size_t evaluations = 0;    // points asked for
   std::vector<SearchStep> steps;  // one per evaluation
   std::vector<std::string> failing;  // what fails at the widest point, where nothing was found

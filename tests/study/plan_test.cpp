@@ -94,6 +94,12 @@ TEST(Plan, ReadsEveryKey) {
   EXPECT_FALSE(parse(head + vary +
                      "[[constraint]]\nmetric = \"registers.wraps\"\nat_most = 0\n[search]\npairs = false\n")
                    .search->pairs);
+  EXPECT_EQ(search.search->measure, 10);
+  EXPECT_EQ(
+      parse(head + vary +
+            "[[constraint]]\nmetric = \"registers.wraps\"\nat_most = 0\n[search]\nmeasure = 0\n")
+          .search->measure,
+      0);
 }
 
 TEST(Plan, ANamedAxisIsShownByItsNameAndItsOwnValue) {
@@ -332,6 +338,7 @@ TEST(Plan, BadSearchAreaAndReportAreRefused) {
   refused(good + "[search]\nevaluations = 0\n", "search.evaluations: is 0");
   refused(good + "[search]\nseconds = 0\n", "search.seconds: is not above 0");
   refused(good + "[search]\nseed = -1\n", "search.seed: is -1");
+  refused(good + "[search]\nmeasure = -1\n", "search.measure: is -1");
   refused(good + "[search]\npairs = 1\n", "s.toml:11: search.pairs: is an integer");
   refused(head + "cost = \"cost.table_bits\"\n" + vary + constraint + "[search]\n",
           "study.cost: is given beside a search; legal: search.cost");
