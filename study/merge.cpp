@@ -8,14 +8,23 @@
 namespace bitspan {
 namespace {
 
-// Tables whose rows belong to a point by its hash, or to a configuration. The rows of a hash that is there
-// already stay as they are.
-constexpr const char* keyed[] = {"expressions", "areas", "pictures", "configurations"};
-constexpr const char* lists[] = {"fields", "registers", "budget", "bounds", "causes"};
-// Tables whose rows belong to a study, beside `studies`.
-constexpr const char* of_a_study[] = {"axes",         "constraints", "study_metrics", "study_points",
-                                      "search_steps", "certificate", "combinations",  "recommended",
-                                      "findings",     "validation"};
+// Returns the tables of which each row belongs to a study.
+std::vector<Row> tables_of_a_study(Store& into) {
+  return into.rows(
+      "SELECT m.name FROM main.sqlite_master m JOIN pragma_table_info(m.name) c ON c.name = 'study' WHERE "
+      "m.type = "
+      "'table'");
+}
+
+// Returns the tables of which each row belongs to a point or a configuration by its hash, and whether they
+// have a key: rows of one key are the same.
+std::vector<Row> tables_of_a_hash(Store& into) {
+  return into.rows(
+      "SELECT m.name, max(c.pk) > 0 FROM main.sqlite_master m JOIN pragma_table_info(m.name) c WHERE m.type "
+      "= 'table' "
+      "AND m.name <> 'point_rows' GROUP BY m.name HAVING sum(c.name IN ('hash', 'config_hash')) > 0 AND "
+      "sum(c.name = 'study') = 0");
+}
 
 // Throws where a query, which gives hash, what, and its values here and there, finds a difference.
 void refuse_difference(Store& into, const std::string& from, const char* query) {
@@ -82,14 +91,14 @@ void copy_points(Store& into) {
       "main.point_rows mp USING (hash) JOIN other.metric_values v ON v.point = op.id JOIN other.metric_names "
       "o ON o.id "
       "= v.name JOIN main.metric_names mn ON mn.name = o.name");
-  for (const char* table : keyed) {
-    into.run(fmt::format("INSERT OR IGNORE INTO main.{0} SELECT * FROM other.{0}", table));
-  }
-  for (const char* table : lists) {
-    into.run(fmt::format(
-        "INSERT INTO main.{0} SELECT * FROM other.{0} WHERE hash NOT IN (SELECT hash FROM main.{0}) "
-        "ORDER BY rowid",
-        table));
+  for (const Row& row : tables_of_a_hash(into)) {
+    const std::string table = text_of(row[0]);
+    into.run(
+        integer_of(row[1]) != 0
+            ? fmt::format("INSERT OR IGNORE INTO main.{0} SELECT * FROM other.{0}", table)
+            : fmt::format("INSERT INTO main.{0} SELECT * FROM other.{0} WHERE hash NOT IN (SELECT hash FROM "
+                          "main.{0}) ORDER BY rowid",
+                          table));
   }
 }
 
@@ -99,8 +108,9 @@ void copy_studies(Store& into, const std::string& from) {
     const auto own = into.rows("SELECT plan FROM main.studies WHERE name = ?", name);
     if (own.empty()) {
       into.run("INSERT INTO main.studies SELECT * FROM other.studies WHERE name = ?", name);
-      for (const char* table : of_a_study) {
-        into.run(fmt::format("INSERT INTO main.{0} SELECT * FROM other.{0} WHERE study = ?", table), name);
+      for (const Row& row : tables_of_a_study(into)) {
+        into.run(fmt::format("INSERT INTO main.{0} SELECT * FROM other.{0} WHERE study = ?", text_of(row[0])),
+                 name);
       }
       continue;
     }

@@ -76,6 +76,31 @@ TEST(Merge, AShardWithoutPointsIsFinished) {
   EXPECT_EQ(b.fake.calls, 0);
 }
 
+// Every table that there is, so that a new one is not forgotten.
+TEST(Merge, NoTableIsLeftOut) {
+  Bench a, b;
+  b.sweep(sweep_plan(words + below));
+  const std::string hash = text_of(b.store->rows("SELECT hash FROM study_points")[0][0]);
+  const auto tables = b.store->rows("SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY name");
+  for (const Row& table : tables) {  // a row in each that has none
+    const std::string name = text_of(table[0]);
+    if (b.count(name) > 0) continue;
+    std::string values;
+    for (const Row& column : b.store->rows("SELECT name FROM pragma_table_info(?)", {name})) {
+      const std::string of = text_of(column[0]);
+      values +=
+          std::string(values.empty() ? "" : ", ") + (of == "study"                         ? "'s'"
+                                                     : of == "hash" || of == "config_hash" ? "'" + hash + "'"
+                                                                                           : "1");
+    }
+    b.store->run("INSERT INTO " + name + " VALUES(" + values + ")");
+  }
+  merge_database(*a.store, b.store->path(), "1");
+  for (const Row& table : tables) {
+    EXPECT_EQ(a.count(text_of(table[0])), b.count(text_of(table[0]))) << text_of(table[0]);
+  }
+}
+
 // What each kept of a point is there after the merge, and what was asked of both counts as asked.
 TEST(Merge, WhatTwoKeptOfAPointIsKept) {
   Bench a, b;
