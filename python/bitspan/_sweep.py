@@ -9,8 +9,9 @@ import difflib
 import functools
 import io
 import itertools
+import math
 import os
-from typing import TYPE_CHECKING, Any, Iterable, Mapping, NamedTuple, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +20,15 @@ from . import _core, _html
 from ._config import Config, config_of
 from ._core import InputError
 from ._progress import Progress
+from ._run import Run
 from ._scene import Scene, scene_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     AnyScene = Scene | str | os.PathLike[str]
+    Own = Callable[[Run], float]
+    AnyMetric = str | Own | Sequence[str | Own] | Mapping[str, Own]
 
 
 class Metric(NamedTuple):
@@ -55,18 +59,117 @@ def _metric(name: str) -> Metric:
                          + (f", such as {', '.join(near)}" if near else "")) from None
 
 
-def _meter(scenes: Any, width: int, height: int) -> _core.Meter:
-    several = scenes if isinstance(scenes, (list, tuple)) else [scenes]
-    return _core.Meter([scene_of(scene, width, height)._handle for scene in several])
+def _shown(metric: AnyMetric) -> tuple[list[str], dict[str, Own]]:
+    """Returns the names of the metrics, and which of them are the user's functions."""
+    if isinstance(metric, Mapping):
+        given: list[tuple[Any, Any]] = list(metric.items())
+    else:
+        several = [metric] if isinstance(metric, str) or callable(metric) else list(metric)
+        given = [(getattr(m, "__name__", repr(m)), m) if callable(m) else (m, None) for m in several]
+    own: dict[str, Own] = {}
+    for name, function in given:
+        if function is None:
+            _metric(name)
+            continue
+        if not callable(function):
+            raise InputError(f"metric {name!r}: {function!r} is no function; expected a function of a bitspan.Run")
+        if not isinstance(name, str) or not name.isidentifier():
+            raise InputError(f"metric {name!r}: is no name of a column; expected a function with a name, or {{name: function}}")
+        if name in own:
+            raise InputError(f"metric {name!r}: two functions have this name; expected {{name: function}} with different names")
+        own[name] = function
+    return [name for name, _ in given], own
+
+
+class _Measured(NamedTuple):
+    """What was measured at a point; it is empty where the point was refused."""
+
+    all: dict[str, float] = {}  # of all scenes together
+    scenes: tuple[tuple[str, dict[str, float]], ...] = ()  # of each scene, with its name
+
+
+def _value_of(name: str, function: Own, run: Run) -> float:
+    value = function(run)
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"metric {name!r}: returned {value!r} for scene {run.scene.name}; expected a number") from None
+
+
+class _Meter:
+    """Measures configurations over scenes, also by functions of the user's."""
+
+    def __init__(self, scenes: Any, width: int, height: int, own: Mapping[str, Own]):
+        several = scenes if isinstance(scenes, (list, tuple)) else [scenes]
+        self._scenes = [scene_of(scene, width, height) for scene in several]
+        self._core = _core.Meter([scene._handle for scene in self._scenes])
+        self._own = own
+
+    def measure(self, config: Config) -> _Measured:
+        together, scenes = self._core.measure(config._handle)
+        return _Measured(together, tuple(scenes))
+
+    def with_own(self, config: Config, measured: _Measured) -> _Measured:
+        """Adds the values of the user's functions. Of several scenes together it is the largest one."""
+        if not self._own:
+            return measured
+        # A scene of which nothing is drawn has no metrics, but it has a run.
+        scenes = list(measured.scenes)
+        for scene in self._scenes:
+            run = Run(scene, config, "model", True)
+            values = {name: _value_of(name, function, run) for name, function in self._own.items()}
+            scenes.append((scene.name, {name: value for name, value in values.items() if not math.isnan(value)}))
+        together = dict(measured.all)
+        for name in self._own:
+            values_of = [values[name] for _, values in scenes if name in values]
+            if values_of:
+                together[name] = max(values_of)
+        return _Measured(together, tuple(scenes))
 
 
 def measure(config: Config | str | os.PathLike[str] = "depth16", scenes: AnyScene | Sequence[AnyScene] = "demo", width: int = 0,
-            height: int = 0) -> dict[str, float]:
+            height: int = 0, *, metric: AnyMetric = ()) -> dict[str, float]:
     """Returns the metrics of a configuration over scenes, as `bitspan study --point` measures them.
 
-    A metric that does not apply is absent. metrics() tells units and meanings.
+    A metric that does not apply is absent. metrics() tells units and meanings. `metric` has functions of your own, as for sweep();
+    their values are added.
     """
-    return _meter(scenes, width, height).measure(config_of(config)._handle)
+    meter = _Meter(scenes, width, height, _shown(metric)[1])
+    full = config_of(config)
+    return meter.with_own(full, meter.measure(full)).all
+
+
+class _Constraint(NamedTuple):
+    metric: str
+    at_most: float | None
+    at_least: float | None
+    over: str
+
+    def margin(self, value: float) -> float:
+        """Returns how far a value is from the nearer limit, below 0 beyond it, as Constraint::margin of study/plan.hpp."""
+        if math.isnan(value):
+            return -math.inf
+        return min(math.inf if self.at_most is None else self.at_most - value,
+                   math.inf if self.at_least is None else value - self.at_least)
+
+    @property
+    def limits(self) -> str:
+        return ", ".join(f"{word} {limit:g}" for word, limit in (("at least", self.at_least), ("at most", self.at_most))
+                         if limit is not None)
+
+
+def _constraint(metric: str, limits: Any, over: str) -> _Constraint:
+    if not isinstance(limits, Mapping) or not set(limits) <= {"at_most", "at_least", "over"}:
+        raise InputError(f"choose: {metric}: {limits!r}; expected limits such as {{'at_most': 0.05}}, of at_most, at_least and over")
+    made = _Constraint(metric, limits.get("at_most"), limits.get("at_least"), limits.get("over", over))
+    if made.at_most is None and made.at_least is None:
+        raise InputError(f"choose: {metric}: no limit; expected at_most or at_least")
+    for word, limit in (("at_most", made.at_most), ("at_least", made.at_least)):
+        if limit is not None and (not isinstance(limit, (int, float, np.number)) or math.isnan(limit)):
+            raise InputError(f"choose: {metric}: {word} is {limit!r}; expected a number")
+    if made.over not in ("worst", "pooled"):
+        raise InputError(f"choose: {metric}: over is {made.over!r}; expected 'worst' or 'pooled'")
+    return made
 
 
 class Table:
@@ -77,12 +180,13 @@ class Table:
     """
 
     def __init__(self, keys: Sequence[str], metrics: Sequence[str], settings: Sequence[tuple[Any, ...]],
-                 results: Sequence[dict[str, float]], reasons: Sequence[str]):
+                 results: Sequence[_Measured], reasons: Sequence[str], own: Iterable[str] = ()):
         self.keys = tuple(keys)
         self.metrics = tuple(metrics)  #: those shown; table[...] has every other one too
         self.reasons = tuple(reasons)  #: why a point was refused, "" where it was measured
         self._settings = list(settings)
         self._results = list(results)
+        self._own = frozenset(own)  # the metrics that are functions of the user's
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -95,32 +199,77 @@ class Table:
         if column in self.keys:
             i = self.keys.index(column)
             return np.array([point[i] for point in self._settings])
-        _metric(column)
-        return np.array([result.get(column, np.nan) for result in self._results])
+        self._known(column)
+        return np.array([result.all.get(column, np.nan) for result in self._results])
+
+    def _known(self, metric: str) -> None:
+        if metric not in self._own:
+            _metric(metric)
 
     def rows(self) -> Iterable[tuple[Any, ...]]:
         """Returns (*values of keys, *shown metrics) per point."""
         shown = [self[m] for m in self.metrics]
         return [(*point, *(float(column[i]) for column in shown)) for i, point in enumerate(self._settings)]
 
-    def choose(self, *, at_most: float | None = None, at_least: float | None = None, metric: str | None = None,
-               cost: str = "cost.register_bits") -> dict[str, Any]:
-        """Returns the settings of the cheapest point whose metric is within the limits, for Config.with_."""
-        name = self.metrics[0] if metric is None else metric
-        if at_most is None and at_least is None:
-            raise InputError("choose: no limit; expected at_most or at_least")
-        with np.errstate(invalid="ignore"):
-            values = self[name]
-            holds = ~np.isnan(values)
-            if at_most is not None:
-                holds &= values <= at_most
-            if at_least is not None:
-                holds &= values >= at_least
-        if not holds.any():
-            raise InputError(f"choose: no point has {name} within {at_least} to {at_most}; the values are {np.nanmin(values):g} to "
-                             f"{np.nanmax(values):g}" if not np.isnan(values).all() else f"choose: no point has {name}")
-        best = int(np.argmin(np.where(holds, self[cost], np.inf)))
-        return dict(zip(self.keys, self._settings[best]))
+    def _decisive(self, constraint: _Constraint, point: int) -> tuple[float, str]:
+        """Returns the value that a constraint judges, and the scene that has it: `decisive` of study/plan.hpp."""
+        measured = self._results[point]
+        values = [(of[constraint.metric], scene) for scene, of in measured.scenes if constraint.metric in of]
+        if values and constraint.over == "worst":
+            return min(values, key=lambda value: constraint.margin(value[0]))
+        return measured.all.get(constraint.metric, math.nan), ""
+
+    def choose(self, constraints: Mapping[str, Mapping[str, Any]] | None = None, *, at_most: float | None = None,
+               at_least: float | None = None, metric: str | None = None, cost: str = "cost.register_bits",
+               over: str = "worst") -> dict[str, Any]:
+        """Returns the settings of the cheapest point on which every constraint holds, for Config.with_.
+
+        constraints  metric to limits, such as {"span.u.p999": {"at_most": 0.05}, "picture.psnr_db": {"at_least": 40}}
+        at_most, at_least, metric   in place of `constraints`: limits of one metric, which is the first shown one
+        cost         a metric, to be as low as possible; the first one of equal points is returned
+        over         "worst": every scene must hold; "pooled": all scenes together must. "over" among the limits of one
+                     constraint says so for that one. What the configuration alone gives is no matter of scenes.
+        """
+        if constraints is None:
+            if at_most is None and at_least is None:
+                raise InputError("choose: no limit; expected constraints, at_most or at_least")
+            constraints = {self.metrics[0] if metric is None else metric: {"at_most": at_most, "at_least": at_least}}
+        elif at_most is not None or at_least is not None or metric is not None:
+            raise InputError("choose: constraints beside at_most, at_least or metric; expected one of the two forms")
+        if not constraints:
+            raise InputError("choose: no constraint; expected one such as {'span.u.p999': {'at_most': 0.05}}")
+        judged = [_constraint(name, limits, over) for name, limits in constraints.items()]
+        for constraint in judged:
+            self._known(constraint.metric)
+            if constraint.metric in self._own and constraint.over == "pooled":
+                raise InputError(f"choose: {constraint.metric}: a function of one run has no value of all scenes together; "
+                                 "expected over = 'worst'")
+        at = [[self._decisive(constraint, i) for i in range(len(self))] for constraint in judged]
+        margins = np.array([[c.margin(value) for value, _ in values] for c, values in zip(judged, at)])
+        costs = np.asarray(self[cost], np.float64)
+        holds = (margins >= 0).all(axis=0) & ~np.isnan(costs)
+        if holds.any():
+            return dict(zip(self.keys, self._settings[int(np.argmin(np.where(holds, costs, np.inf)))]))
+
+        def found(which: int, point: int) -> str:
+            value, scene = at[which][point]
+            return f"{value:g}" + (f" (scene {scene})" if scene else "")
+
+        never = [which for which in range(len(judged)) if not (margins[which] >= 0).any()]
+        told = []
+        for which in never:
+            c, nearest = judged[which], int(np.argmax(margins[which]))
+            told.append(f"no point has {c.metric}" if np.isneginf(margins[which]).all() else
+                        f"no point has {c.metric} {c.limits}: the nearest value is {found(which, nearest)}")
+        if not told and (margins >= 0).all(axis=0).any():
+            told.append(f"no point that holds has {cost}")
+        elif not told:
+            nearest = int(np.argmax((margins >= 0).sum(axis=0)))
+            fails = [f"{c.metric} is {found(which, nearest)}, not {c.limits}" for which, c in enumerate(judged)
+                     if not margins[which, nearest] >= 0]
+            settings = ", ".join(f"{key} = {value}" for key, value in zip(self.keys, self._settings[nearest]))
+            told.append(f"no point holds all constraints, each holds somewhere; at {settings}, {'; '.join(fails)}")
+        raise InputError("choose: " + "; ".join(told))
 
     def to_csv(self, path: str | os.PathLike[str] | None = None) -> str:
         """Writes a line per point, and returns the text."""
@@ -139,7 +288,7 @@ class Table:
         from matplotlib import pyplot
 
         name = self.metrics[0] if metric is None else metric
-        about = _metric(name)
+        unit = "" if name in self._own else _metric(name).unit
         values = self[name]
         if ax is None:
             ax = pyplot.subplots()[1]
@@ -148,12 +297,12 @@ class Table:
             label = ", ".join(f"{key} = {value}" for key, value in zip(self.keys[1:], rest))
             ax.plot([self._settings[i][0] for i in at], values[at], marker="o", label=label or None)
         finite = values[np.isfinite(values)]
-        if len(finite) and finite.min() > 0 and about.unit != "dB":
+        if len(finite) and finite.min() > 0 and unit != "dB":
             ax.set_yscale("log", base=2)
         if len(self.keys) > 1:
             ax.legend()
         ax.set_xlabel(self.keys[0])
-        ax.set_ylabel(f"{name} [{about.unit}]")
+        ax.set_ylabel(f"{name} [{unit}]" if unit else name)
         ax.grid(True, alpha=0.3)
         return ax
 
@@ -177,15 +326,18 @@ def _points(keys: Mapping[str, Iterable[Any]]) -> tuple[list[str], list[tuple[An
     return names, list(itertools.product(*axes))
 
 
-def sweep(config: Config | str | os.PathLike[str], keys: Mapping[str, Iterable[Any]], metric: str | Sequence[str] = "span.u.p999",
+def sweep(config: Config | str | os.PathLike[str], keys: Mapping[str, Iterable[Any]], metric: AnyMetric = "span.u.p999",
           scenes: AnyScene | Sequence[AnyScene] = "demo", *, width: int = 0, height: int = 0, threads: int | None = None,
           progress: bool | None = None) -> Table:
     """Measures every combination of values of some keys, against `ideal`.
 
     config    what the points start from
     keys      key to values, such as {"formats.span.uv.word": range(18, 26)}; the last key changes fastest
-    metric    a metric, or several, that the table shows; metrics() has all
-    scenes    a scene or several, over which a metric is taken together; width and height [pixel] for those given by name
+    metric    a metric, or several, that the table shows; metrics() has all. One may be a function of your own, or all of them
+              are {name: function}: it gets a Run of the engine `model` with its records, whose Run.ideal is the truth, and returns
+              a number, NaN where the scene has none. Its name is the column's. Over several scenes the column has the largest.
+    scenes    a scene or several, over which a metric is taken together; width and height [pixel] for those given by name.
+              Table.choose judges each scene
     threads   points measured at once; None: one per core
     progress  whether to tell how far it is; None: in a notebook and on a terminal
 
@@ -193,27 +345,28 @@ def sweep(config: Config | str | os.PathLike[str], keys: Mapping[str, Iterable[A
     Table.reasons tells why. Where all points are refused, InputError is raised. Ctrl-C ends the sweep after the points that
     are being measured.
     """
-    shown = [metric] if isinstance(metric, str) else list(metric)
-    for name in shown:
-        _metric(name)
+    shown, own = _shown(metric)
     if not shown:
         raise InputError("sweep: no metric; expected one of bitspan.metrics()")
     if threads is not None and (not isinstance(threads, int) or threads < 1):
         raise InputError(f"threads: {threads!r}; expected an integer from 1")
     base = config_of(config)
     names, points = _points(keys)
-    meter = _meter(scenes, width, height)
+    meter = _Meter(scenes, width, height, own)
 
-    def one(point: tuple[Any, ...]) -> tuple[dict[str, float], str]:
+    def one(point: tuple[Any, ...]) -> tuple[_Measured, str]:
         try:
-            return meter.measure(base.with_(dict(zip(names, point)))._handle), ""
+            config = base.with_(dict(zip(names, point)))
+            measured = meter.measure(config)
         except InputError as error:
-            return {}, str(error)
+            return _Measured(), str(error)
+        return meter.with_own(config, measured), ""  # what a function raises ends the sweep
 
     with Progress(len(points), progress) as told, concurrent.futures.ThreadPoolExecutor(threads or os.cpu_count()) as pool:
         waiting = [pool.submit(one, point) for point in points]
         try:
-            for _ in concurrent.futures.as_completed(waiting):
+            for done in concurrent.futures.as_completed(waiting):
+                done.result()
                 told.step()
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
@@ -221,4 +374,4 @@ def sweep(config: Config | str | os.PathLike[str], keys: Mapping[str, Iterable[A
     results = [future.result() for future in waiting]
     if all(reason for _, reason in results):
         raise InputError(f"sweep: every point was refused; the first one: {results[0][1]}")
-    return Table(names, shown, points, [values for values, _ in results], [reason for _, reason in results])
+    return Table(names, shown, points, [values for values, _ in results], [reason for _, reason in results], own)

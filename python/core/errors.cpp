@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Errors against `ideal`: of each record, and the metrics of a configuration as `bitspan study` has them.
 #include <nanobind/stl/map.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -90,12 +91,17 @@ nb::object errors(const ConfigHandle& handle, const SceneHandle& scene_handle, c
 class Meter {
  public:
   explicit Meter(const std::vector<const SceneHandle*>& scenes) : meter_(scenes_of(scenes)) {}
-  std::map<std::string, double, std::less<>> measure(const ConfigHandle& config) const {
+  // Of all scenes together, with what the configuration alone gives; and of each scene that has metrics, with
+  // its name.
+  using Measured = std::pair<Metrics, std::vector<std::pair<std::string, Metrics>>>;
+  Measured measure(const ConfigHandle& config) const {
     const Config full = config.full();
     const nb::gil_scoped_release unlocked;
-    auto metrics = meter_.measure(full, false).metrics;
-    add_timing(full, metrics);
-    return metrics;
+    PointResult result = meter_.measure(full, false);
+    add_timing(full, result.metrics);
+    Measured out{std::move(result.metrics), {}};
+    for (SceneMetrics& scene : result.scenes) out.second.emplace_back(scene.scene, std::move(scene.metrics));
+    return out;
   }
 
  private:

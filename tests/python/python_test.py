@@ -561,6 +561,77 @@ class Sweeps(unittest.TestCase):
         largest = max(bitspan.measure("depth16", scene)["span.u.max"] for scene in scenes)
         self.assertEqual(both["span.u.max"], largest)
 
+    def test_several_constraints(self):
+        table = bitspan.sweep("depth16", {"formats.span.uv.word": range(20, 25), "depth.bits": (14, 16)},
+                              metric=("span.u.p999", "span.u.max"), width=64, height=48)
+        u, largest, cost = table["span.u.p999"], table["span.u.max"], table["cost.register_bits"]
+        limits = {"span.u.p999": {"at_most": float(u[2])}, "span.u.max": {"at_most": float(np.sort(np.unique(largest))[1])}}
+        legal = [i for i in range(len(table)) if all(table[name][i] <= limit["at_most"] for name, limit in limits.items())]
+        self.assertTrue(0 < len(legal) < (u <= u[2]).sum())  # the second constraint decides
+        best = min(legal, key=lambda i: cost[i])
+        self.assertEqual(table.choose(limits), dict(zip(table.keys, (table[key][best] for key in table.keys))))
+        with self.assertRaisesRegex(bitspan.InputError, f"no point has span.u.max at most 1e-09: the nearest value is {largest.min():g}"):
+            table.choose({"span.u.p999": {"at_most": 1}, "span.u.max": {"at_most": 1e-9}})
+        with self.assertRaisesRegex(bitspan.InputError, r"each holds somewhere; at .*word = \d+.*is .*, not at (most|least)"):
+            table.choose({"span.u.p999": {"at_most": float(u.min())}, "span.u.max": {"at_least": float(largest.max())}})
+        for wrong, text in (({}, "no constraint"), ({"span.u.max": 1}, "expected limits"), ({"span.u.max": {}}, "no limit"),
+                            ({"span.u.max": {"at_most": "1"}}, "expected a number"), ({"span.q": {"at_most": 1}}, "is no metric"),
+                            ({"span.u.max": {"at_most": 1, "over": "best"}}, "expected 'worst' or 'pooled'")):
+            with self.assertRaisesRegex(bitspan.InputError, text):
+                table.choose(wrong)
+        with self.assertRaisesRegex(bitspan.InputError, "one of the two forms"):
+            table.choose(limits, at_most=1)
+
+    def test_constraints_judge_the_worst_scene(self):
+        scenes = [bitspan.Scene("demo", 64, 48), bitspan.Scene("demo", 160, 120)]
+        table = bitspan.sweep("depth16", {"formats.span.uv.word": range(20, 25)}, "span.u.rms", scenes)
+        each = [bitspan.sweep("depth16", {"formats.span.uv.word": range(20, 25)}, "span.u.rms", scene)["span.u.rms"]
+                for scene in scenes]
+        worst, pooled = np.maximum(*each), table["span.u.rms"]
+        limit = float(pooled[2])
+        self.assertLess(limit, worst[2])  # so the two rules differ
+        wanted = int(table["formats.span.uv.word"][worst <= limit].min())
+        self.assertEqual(table.choose(at_most=limit)["formats.span.uv.word"], wanted)
+        self.assertEqual(table.choose(at_most=limit, over="pooled")["formats.span.uv.word"], 22)
+        self.assertEqual(table.choose({"span.u.rms": {"at_most": limit, "over": "pooled"}})["formats.span.uv.word"], 22)
+        self.assertGreater(wanted, 22)
+
+    def test_metrics_of_the_users(self):
+        def wrong_texels(run):
+            shown = ~np.isnan(run.u) & (run.triangle == run.ideal.triangle)
+            return float(np.mean(np.floor(run.u[shown]) != np.floor(run.ideal.u[shown])))
+
+        def largest_error(run):
+            return np.nanmax(np.abs(run.error("span.u")))
+
+        scenes = [bitspan.Scene("demo", 64, 48), bitspan.Scene("demo", 96, 72)]
+        words = {"formats.span.uv.word": (20, 22, 24)}
+        table = bitspan.sweep("depth16", words, ["span.u.max", wrong_texels, largest_error], scenes, threads=2)
+        self.assertEqual(table.columns[1:], ("span.u.max", "wrong_texels", "largest_error"))
+        self.assertEqual(table["largest_error"].tolist(), table["span.u.max"].tolist())  # the study's own number
+        for word, value in zip(words["formats.span.uv.word"], table["wrong_texels"]):
+            config = bitspan.Config().with_({"formats.span.uv.word": word})
+            self.assertEqual(value, max(wrong_texels(bitspan.render(scene, config)) for scene in scenes))
+            self.assertEqual(bitspan.measure(config, scenes, metric={"mine": wrong_texels})["mine"], value)
+        self.assertGreater(table["wrong_texels"][0], table["wrong_texels"][2])
+        limit = float(table["wrong_texels"][1])
+        self.assertEqual(table.choose({"wrong_texels": {"at_most": limit}}), {"formats.span.uv.word": 22})
+        self.assertIn("span.u.max,wrong_texels,largest_error", table.to_csv())
+        os.environ["MPLBACKEND"] = "agg"
+        self.assertEqual(table.plot("wrong_texels").get_ylabel(), "wrong_texels")
+        with self.assertRaisesRegex(bitspan.InputError, "no value of all scenes together"):
+            table.choose({"wrong_texels": {"at_most": limit, "over": "pooled"}})
+
+        def broken(run):
+            raise RuntimeError("of the user")
+
+        with self.assertRaisesRegex(RuntimeError, "of the user"):
+            bitspan.sweep("depth16", words, broken, scenes[0])
+        for metric, text in ((lambda run: 0.0, "expected a function with a name"), ({"a": 1}, "is no function"),
+                             ({"a": lambda run: "x"}, "returned 'x' for scene demo"), ([broken, broken], "two functions")):
+            with self.assertRaisesRegex(bitspan.InputError, text):
+                bitspan.sweep("depth16", words, metric, scenes[0])
+
     def test_list_of_metrics(self):
         known = {metric.name: metric for metric in bitspan.metrics()}
         self.assertEqual(known["span.u.p999"].unit, "texel")
