@@ -95,11 +95,10 @@ TEST(Plan, ReadsEveryKey) {
                      "[[constraint]]\nmetric = \"registers.wraps\"\nat_most = 0\n[search]\npairs = false\n")
                    .search->pairs);
   EXPECT_EQ(search.search->measure, 10);
-  EXPECT_EQ(
-      parse(head + vary +
-            "[[constraint]]\nmetric = \"registers.wraps\"\nat_most = 0\n[search]\nmeasure = 0\n")
-          .search->measure,
-      0);
+  EXPECT_EQ(parse(head + vary +
+                  "[[constraint]]\nmetric = \"registers.wraps\"\nat_most = 0\n[search]\nmeasure = 0\n")
+                .search->measure,
+            0);
 }
 
 TEST(Plan, ANamedAxisIsShownByItsNameAndItsOwnValue) {

@@ -56,7 +56,7 @@ TEST(UserBench, DrawsFromWithinAThreadOfItsOwnSimulation) {
 
 // The leak checker takes the stack of a process of SystemC for the thread's own, and faults on what is no
 // longer there.
-extern "C" const char* __asan_default_options();  // NOLINT(bugprone-reserved-identifier)
+extern "C" const char* __asan_default_options();
 const char* __asan_default_options() { return "detect_leaks=0"; }
 
 // Its own main: SystemC's library has one too, and is linked in front of GoogleTest's here.
