@@ -8,22 +8,23 @@
 namespace bitspan {
 namespace {
 
-// Returns the tables of which each row belongs to a study.
+// The other database may be of an earlier bitspan, which lacks a table; so its schema is asked.
+
+// Returns its tables of which each row belongs to a study.
 std::vector<Row> tables_of_a_study(Store& into) {
   return into.rows(
-      "SELECT m.name FROM main.sqlite_master m JOIN pragma_table_info(m.name) c ON c.name = 'study' WHERE "
-      "m.type = "
-      "'table'");
+      "SELECT o.name FROM other.sqlite_master o JOIN pragma_table_info(o.name, 'other') c ON c.name = "
+      "'study' "
+      "WHERE o.type = 'table'");
 }
 
-// Returns the tables of which each row belongs to a point or a configuration by its hash, and whether they
+// Returns its tables of which each row belongs to a point or a configuration by its hash, and whether they
 // have a key: rows of one key are the same.
 std::vector<Row> tables_of_a_hash(Store& into) {
   return into.rows(
-      "SELECT m.name, max(c.pk) > 0 FROM main.sqlite_master m JOIN pragma_table_info(m.name) c WHERE m.type "
-      "= 'table' "
-      "AND m.name <> 'point_rows' GROUP BY m.name HAVING sum(c.name IN ('hash', 'config_hash')) > 0 AND "
-      "sum(c.name = 'study') = 0");
+      "SELECT o.name, max(c.pk) > 0 FROM other.sqlite_master o JOIN pragma_table_info(o.name, 'other') c "
+      "WHERE o.type = 'table' AND o.name <> 'point_rows' GROUP BY o.name "
+      "HAVING sum(c.name IN ('hash', 'config_hash')) > 0 AND sum(c.name = 'study') = 0");
 }
 
 // Throws where a query, which gives hash, what, and its values here and there, finds a difference.

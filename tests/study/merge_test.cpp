@@ -102,6 +102,17 @@ TEST(Merge, NoTableIsLeftOut) {
 }
 
 // What each kept of a point is there after the merge, and what was asked of both counts as asked.
+TEST(Merge, ADatabaseOfAnEarlierBitspanMayLackATable) {
+  const StudyPlan plan = sweep_plan(words);
+  Bench earlier;
+  const SweepResult whole = earlier.sweep(plan);
+  earlier.store->run("DROP TABLE measured_costs");
+  earlier.store->run("DROP TABLE pictures");
+  Bench all;
+  EXPECT_EQ(merge_database(*all.store, earlier.store->path(), "1").fresh, whole.points);
+  EXPECT_EQ(content(*all.store), content(*earlier.store));
+}
+
 TEST(Merge, WhatTwoKeptOfAPointIsKept) {
   Bench a, b;
   a.sweep(sweep_plan(words, named));
