@@ -55,7 +55,7 @@ std::string number_text(double value) { return std::isnan(value) ? "-" : fmt::fo
 
 // Returns the value of a metric, an estimate with its ±.
 std::string value_text(const std::string& metric, double value, const Metrics& metrics) {
-  const auto error = metrics.find(metric + "_error");
+  const auto error = metrics.find(plus_minus_of(metric));
   return error == metrics.end() ? number_text(value) : estimate_text(value, error->second);
 }
 
@@ -82,7 +82,7 @@ std::vector<Scene> scenes_of(std::vector<std::string> names, int width, int heig
 
 Measure make_meter(std::vector<Scene> scenes) {
   return [meter = std::make_shared<PointMeter>(std::move(scenes))](const Config& config) {
-    return measure_with_estimates(*meter, config);
+    return meter->measure(config);
   };
 }
 
@@ -315,7 +315,7 @@ std::string result_text(const PointResult& result) {
   for (const auto& [name, value] : result.metrics) {
     const Metric* const metric = find_metric(name);
     if (metric == nullptr || !metric->field.empty() || metric->role == MetricRole::detail) continue;
-    if (name.ends_with("_error")) continue;  // stands beside its value
+    if (is_plus_minus(name)) continue;  // stands beside its value
     metrics.push_back({name, value_text(name, value, result.metrics), metric->unit});
   }
   return text_table(fields) + "\n" + text_table(registers) + "\n" + text_table(metrics);

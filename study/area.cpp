@@ -285,15 +285,6 @@ bool is_cell(const ToolCell& cell, std::string_view type) {
 
 }  // namespace
 
-std::string_view to_string(Family family) { return family_names[static_cast<std::size_t>(family)]; }
-
-Family family_named(std::string_view name) {
-  const auto found = std::ranges::find(family_names, name);
-  if (found == family_names.end())
-    throw InputError(fmt::format("'{}' is no family; legal: {}", name, fmt::join(family_names, ", ")));
-  return families[static_cast<std::size_t>(found - family_names.begin())];
-}
-
 std::string_view to_string(AreaStatus status) {
   switch (status) {
     case AreaStatus::ok:

@@ -3,17 +3,15 @@
 //
 // The estimate counts the structure as rtl/ builds it: registers, operands of multipliers, adders, choices,
 // divider steps. LUTs and flip-flops are linear in these counts. The coefficients are fitted to the runs in
-// config/studies/area_fit.csv. docs/area.md has the errors.
+// config/studies/area_fit.csv (study/area_runs.hpp). docs/area.md has the errors.
 #pragma once
 
-#include <filesystem>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "config/config.hpp"
-#include "study/area.hpp"
-#include "study/keys.hpp"
+#include "study/family.hpp"
+#include "study/metrics.hpp"
 
 namespace bitspan {
 
@@ -43,53 +41,33 @@ struct AreaShape {
 };
 AreaShape area_shape(const Config& config);
 
-// A measured run: a shipped configuration with keys set, and its netlist.
-struct AreaRun {
-  std::string base;  // stem of a file of config/
-  std::vector<KeySetting> settings;
-  Family family = Family::ice40;
-  AreaCounts counts;
-  std::string tools;
-};
-Config config_of(const AreaRun& run);
-// Reads config/studies/area_fit.csv, which has one line per run. Throws InputError, which names the line.
-std::vector<AreaRun> load_area_runs(const std::filesystem::path& csv);
-void write_area_runs(const std::filesystem::path& csv, std::span<const AreaRun> runs);
-// Measures each run again, one after the other. Throws InputError where one is not `ok`.
-void measure_area_runs(std::span<AreaRun> runs, const AreaLimits& limits);
+// Returns the bits of which LUTs are made in a family: of products (what joins their parts included), sums,
+// selects with memory, and steps in ice40; of joins, sums, selects with memory_luts, steps and chained in
+// ecp5.
+std::vector<double> lut_terms(const AreaShape& shape, Family family);
+// Returns the bits that flip-flops hold: an iCE40 has no memory of LUTs.
+double flip_flop_bits(const AreaShape& shape, Family family);
 
 struct AreaFit {
-  // LUTs per bit: of products (what joins their parts included), sums, selects with memory, and steps in
-  // ice40; of joins, sums, selects with memory_luts, steps and chained in ecp5.
-  std::vector<double> luts;
-  double ffs = 0;  // flip-flops per bit of registers
+  std::vector<double> luts;  // per bit of each of lut_terms
+  double ffs = 0;            // per bit of flip_flop_bits
   bool operator==(const AreaFit&) const = default;
 };
-// area_fit has the coefficients of estimate_area. fit_area finds those that least squares of relative errors
-// gives for the runs.
+// Returns the coefficients of estimate_area, which fit_area found.
 const AreaFit& area_fit(Family family);
-AreaFit fit_area(std::span<const AreaRun> runs, Family family);
 // The errors of what this returns stay 0.
 AreaEstimate estimate_area(const AreaShape& shape, Family family, const AreaFit& fit);
 
-// Errors are relative to the measured values, in percent. "left_out" compares each run with the fit to the
-// others.
-struct AreaFitError {
-  double max = 0, rms = 0;
-};
-struct AreaFitErrors {
-  AreaFitError luts, luts_left_out, ffs, ffs_left_out, multipliers;
-};
-AreaFitErrors area_fit_errors(std::span<const AreaRun> runs, Family family);
-
-// The ± as shares of the estimates. left_out_shares returns the least that hold for at least 68 % of the
-// runs, each against the fit to the others. error_shares has those of config/studies/area_fit.csv.
-inline constexpr double held_share = 0.68;
+// The ± as shares of the estimates, which left_out_shares found.
 struct AreaErrorShares {
   double luts = 0, ffs = 0;
 };
 const AreaErrorShares& error_shares(Family family);
-AreaErrorShares left_out_shares(std::span<const AreaRun> runs, Family family);
+
+// Returns "estimate.ice40.", which the names of a family's estimates begin with.
+std::string estimate_prefix(Family family);
+// Adds the estimates with their ±, estimate.*, where the mode has RTL.
+void add_estimates(const Config& config, Metrics& metrics);
 
 // Returns "4512 ± 160": the error to two digits, and the value to as many places, at least whole.
 std::string estimate_text(double value, double error);

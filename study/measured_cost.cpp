@@ -16,7 +16,6 @@
 namespace bitspan {
 namespace {
 
-constexpr std::string_view estimate_prefix = "estimate.";
 constexpr std::size_t always_measured = 3;
 constexpr double no_cost = std::numeric_limits<double>::quiet_NaN();
 
@@ -24,7 +23,7 @@ constexpr double no_cost = std::numeric_limits<double>::quiet_NaN();
 std::set<Family> estimated_families(const Expression& cost) {
   std::set<Family> out;
   for (const Family family : families) {
-    const std::string prefix = fmt::format("{}{}.", estimate_prefix, to_string(family));
+    const std::string prefix = estimate_prefix(family);
     if (std::ranges::any_of(cost.metrics(), [&](const auto& metric) { return metric.starts_with(prefix); }))
       out.insert(family);
   }
@@ -33,7 +32,7 @@ std::set<Family> estimated_families(const Expression& cost) {
 
 // Puts what was counted in place of the estimates.
 void replace_estimates(Family family, const AreaCounts& counts, Metrics& metrics) {
-  const std::string prefix = fmt::format("{}{}.", estimate_prefix, to_string(family));
+  const std::string prefix = estimate_prefix(family);
   metrics[prefix + "luts"] = static_cast<double>(counts.luts);
   metrics[prefix + "ffs"] = static_cast<double>(counts.ffs);
   metrics[prefix + "multipliers"] = static_cast<double>(counts.multipliers);
@@ -68,8 +67,8 @@ double cost_error(Expression& cost, const Metrics& metrics) {
   if (!value) return 0;
   double squares = 0;
   for (const std::string& metric : cost.metrics()) {
-    const auto error = metrics.find(metric + "_error");
-    if (!metric.starts_with(estimate_prefix) || error == metrics.end()) continue;
+    const auto error = metrics.find(plus_minus_of(metric));
+    if (error == metrics.end()) continue;
     Metrics larger = metrics;
     larger[metric] += error->second;
     const double change = cost.value(larger).value_or(*value) - *value;

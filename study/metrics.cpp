@@ -7,7 +7,7 @@
 #include <map>
 
 #include "model/numeric/register.hpp"
-#include "study/area.hpp"
+#include "study/family.hpp"
 
 namespace bitspan {
 namespace {
@@ -144,6 +144,13 @@ const Metric* find_metric(std::string_view name) {
   const auto found = by_name.find(name);
   return found == by_name.end() ? nullptr : found->second;
 }
+
+namespace {
+constexpr std::string_view error_ending = "_error";
+}  // namespace
+
+std::string plus_minus_of(std::string_view metric) { return fmt::format("{}{}", metric, error_ending); }
+bool is_plus_minus(std::string_view metric) { return metric.ends_with(error_ending); }
 
 std::vector<StatisticColumn> statistic_columns() {
   std::vector<StatisticColumn> out;

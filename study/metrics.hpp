@@ -52,6 +52,9 @@ struct Metric {
 // name.
 const std::vector<Metric>& known_metrics();
 const Metric* find_metric(std::string_view name);
+// Return the name of the metric that is the ± of an estimate, and whether a name is such a one's.
+std::string plus_minus_of(std::string_view metric);
+bool is_plus_minus(std::string_view metric);
 // A column of a table of field errors: its label, and the end of the metric's name ("p999").
 // statistic_columns returns them in their order.
 struct StatisticColumn {

@@ -21,6 +21,7 @@
 #include "report/error.hpp"
 #include "report/metrics.hpp"
 #include "report/truth.hpp"
+#include "study/area_estimate.hpp"
 #include "study/cost.hpp"
 #include "study/engines.hpp"
 
@@ -288,6 +289,8 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
   }
   add_costs(config, out.metrics);
   add_memory(config, scenes_, out.metrics);
+  add_timing(config, out.metrics);
+  add_estimates(config, out.metrics);
   return out;
 }
 

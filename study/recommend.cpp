@@ -88,6 +88,7 @@ void add_area(const std::string& prefix, bool place, const Config& config, Store
 Metrics unmeasured(const Config& config) {
   Metrics metrics;
   add_costs(config, metrics);
+  add_timing(config, metrics);
   add_estimates(config, metrics);
   return metrics;
 }
@@ -260,33 +261,13 @@ void write_pictures(const std::string& hash, const std::vector<PointPicture>& pi
 // Measures a point again, of which only some metrics were kept.
 void keep_whole(const PointRow& row, const Asked& before, const Config& config, const PointMeter& meter,
                 Store& store) {
-  const PointResult result = measure_with_estimates(meter, config);
+  const PointResult result = meter.measure(config);
   PointRow whole = row;
   whole.base_hash.clear();  // so that the configuration is kept as it stands
   store.put_point(whole, &result, both(before, {}));
 }
 
 }  // namespace
-
-void add_estimates(const Config& config, Metrics& metrics) {
-  if (!has_rtl(config)) return;
-  add_timing(config, metrics);
-  for (const Family family : families) {
-    const AreaEstimate e = estimate_area(config, family);
-    const std::string prefix = fmt::format("estimate.{}.", to_string(family));
-    metrics[prefix + "luts"] = e.luts;
-    metrics[prefix + "luts_error"] = e.luts_error;
-    metrics[prefix + "ffs"] = e.ffs;
-    metrics[prefix + "ffs_error"] = e.ffs_error;
-    metrics[prefix + "multipliers"] = e.multipliers;
-  }
-}
-
-PointResult measure_with_estimates(const PointMeter& meter, const Config& config, bool histograms) {
-  PointResult result = meter.measure(config, histograms);
-  add_estimates(config, result.metrics);
-  return result;
-}
 
 std::vector<std::string> idle_axes(const StudyPlan& plan, const std::vector<Scene>& scenes) {
   std::vector<std::string> out;
@@ -585,7 +566,7 @@ Validation validate(const StudyPlan& plan, const Recommendation& point,
     if (of.s_ratio) scene = with_s_ratio(std::move(scene), *of.s_ratio);
     View view{scene.name, {}, {}};
     try {
-      PointResult result = measure_with_estimates(PointMeter({std::move(scene)}), config, false);
+      PointResult result = PointMeter({std::move(scene)}).measure(config, false);
       view.measured = {std::move(result.metrics), std::move(result.scenes)};
     } catch (const InputError& error) {
       view.refusal = error.what();

@@ -17,11 +17,6 @@
 
 namespace bitspan {
 
-// Adds the metrics that come from the configuration alone, estimate.* and timing.*, where the mode has RTL.
-void add_estimates(const Config& config, Metrics& metrics);
-// Measures a point, with those.
-PointResult measure_with_estimates(const PointMeter& meter, const Config& config, bool histograms = true);
-
 // Returns the keys of each axis of a search that does not move the cost: it is the same at the axis' smallest
 // and largest value, with the others as in the base, and with the others at their widest. An axis is left out
 // where the cost is known only after a measurement.

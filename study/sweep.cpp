@@ -384,8 +384,8 @@ Asked asked_of(const StudyPlan& plan) {
   Asked out{plan.metrics.empty(), plan.metrics};
   std::ranges::copy(judged_metrics(plan), std::back_inserter(out.metrics));
   for (std::size_t i = out.metrics.size(); i-- > 0;) {  // an estimate is shown with its ±
-    if (const std::string error = out.metrics[i] + "_error"; find_metric(error) != nullptr)
-      out.metrics.push_back(error);
+    if (std::string error = plus_minus_of(out.metrics[i]); find_metric(error) != nullptr)
+      out.metrics.push_back(std::move(error));
   }
   std::ranges::sort(out.metrics);
   out.metrics.erase(std::unique(out.metrics.begin(), out.metrics.end()), out.metrics.end());

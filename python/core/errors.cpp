@@ -98,7 +98,6 @@ class Meter {
     const Config full = config.full();
     const nb::gil_scoped_release unlocked;
     PointResult result = meter_.measure(full, false);
-    add_timing(full, result.metrics);
     Measured out;
     out.first = std::move(result.metrics);
     for (SceneMetrics& scene : result.scenes) out.second.emplace_back(scene.scene, std::move(scene.metrics));

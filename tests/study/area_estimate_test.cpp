@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "config/rtl_timing.hpp"
+#include "study/area_runs.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/input_error.hpp"
 #include "tests/support/paths.hpp"

@@ -7,7 +7,7 @@
 
 #include "scene/demo.hpp"
 #include "study/point.hpp"
-#include "study/recommend.hpp"
+#include "study/point.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
@@ -33,8 +33,7 @@ TEST(Metrics, NamesAreUniqueAndFound) {
 
 TEST(Metrics, EveryMetricOfAPointIsKnown) {
   const Config config = shipped_config("depth16");
-  PointResult point = PointMeter({demo_scene(64, 48)}).measure(config);
-  add_estimates(config, point.metrics);
+  const PointResult point = PointMeter({demo_scene(64, 48)}).measure(config);
   EXPECT_GT(point.metrics.size(), 100U);
   for (const auto& [name, value] : point.metrics) EXPECT_NE(find_metric(name), nullptr) << name;
   for (const Metric& metric : known_metrics()) {

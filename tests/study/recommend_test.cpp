@@ -11,6 +11,7 @@
 
 #include "scene/demo.hpp"
 #include "study/area.hpp"
+#include "study/area_estimate.hpp"
 #include "study/cost.hpp"
 #include "tests/study/area_support.hpp"
 #include "tests/support/environment.hpp"
@@ -481,6 +482,7 @@ TEST(Recommend, EstimatesAndClocksMayBeConstraints) {
         [](const std::vector<Scene>& scenes) -> Measure {
           return [measure = fake_meter()(scenes)](const Config& c) {
             PointResult r = measure(c);
+            add_timing(c, r.metrics);
             add_estimates(c, r.metrics);
             return r;
           };
@@ -489,7 +491,10 @@ TEST(Recommend, EstimatesAndClocksMayBeConstraints) {
     return run_search(b.plan, runner, b.store, {}, {}).found;
   };
   Metrics widest;
-  add_estimates(with_keys(shipped_config("depth16"), {{"formats.span.h.word", std::int64_t{26}}}), widest);
+  const Config widest_config =
+      with_keys(shipped_config("depth16"), {{"formats.span.h.word", std::int64_t{26}}});
+  add_timing(widest_config, widest);
+  add_estimates(widest_config, widest);
   for (const char* metric : {"estimate.ecp5.multipliers", "estimate.ecp5.luts", "timing.pixel_unit"}) {
     EXPECT_TRUE(found(metric, widest.at(metric))) << metric;
     EXPECT_FALSE(found(metric, widest.at(metric) - 1)) << metric;
