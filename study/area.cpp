@@ -17,7 +17,7 @@
 #include "io/data_folder.hpp"
 #include "io/json_depth.hpp"
 #include "tb/programs.hpp"
-#include "tb/rtl_build.hpp"
+#include "tb/rtl_sources.hpp"
 
 namespace bitspan {
 namespace {

@@ -183,17 +183,6 @@ class Progress {
   static inline int builds_ = 0;  // those that the line stands for
 };
 
-// Below rtl/, in the order of reading.
-std::vector<fs::path> listed_sources(const std::string& list_name) {
-  const fs::path folder = data_folder() / "rtl";
-  std::istringstream list(read_text(folder / list_name, data_folder_hint));
-  std::vector<fs::path> sources;
-  for (std::string name; std::getline(list, name);) {
-    if (!name.empty()) sources.push_back(folder / name);
-  }
-  return sources;
-}
-
 }  // namespace
 
 const std::vector<std::string>& verilator_safe_flags() {
@@ -202,35 +191,12 @@ const std::vector<std::string>& verilator_safe_flags() {
   return flags;
 }
 
-std::vector<fs::path> rtl_sources() { return listed_sources("span_interpolator.f"); }
-std::vector<fs::path> pixel_sources() { return listed_sources("pixel_pipe.f"); }
-
-std::string rtl_sources_hash() {
-  Fnv128 hash;
-  for (const std::vector<fs::path>& sources : {rtl_sources(), pixel_sources()}) {
-    for (const fs::path& source : sources) {
-      hash.text(source.filename().string());
-      hash.text(read_text(source, data_folder_hint));
-    }
-  }
-  return hash.hex();
-}
-
 fs::path rtl_cache_folder() {
   if (const std::string cache = environment("BITSPAN_CACHE"); !cache.empty()) return fs::absolute(cache);
   if (const std::string cache = environment("XDG_CACHE_HOME"); !cache.empty())
     return fs::path(cache) / "bitspan";
   if (const std::string home = environment("HOME"); !home.empty()) return fs::path(home) / ".cache/bitspan";
   return fs::temp_directory_path() / fmt::format("bitspan-{}", ::getuid());
-}
-
-std::string without_comments(const std::string& package) {
-  std::istringstream in(package);
-  std::string kept;
-  for (std::string line; std::getline(in, line);) {
-    if (!line.starts_with("//")) kept += line + '\n';
-  }
-  return kept;
 }
 
 fs::path build_library(const RtlDesign& design) {

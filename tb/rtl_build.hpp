@@ -16,23 +16,14 @@
 
 #include "config/config.hpp"
 #include "tb/rtl_abi.hpp"
+#include "tb/rtl_sources.hpp"
 
 namespace bitspan {
 
-// rtl/span_interpolator.f: the sources below the package, in the order of reading.
-std::vector<std::filesystem::path> rtl_sources();
-// rtl/pixel_pipe.f: those of the pixel stages.
-std::vector<std::filesystem::path> pixel_sources();
-// 32 hexadecimal digits over the names and texts of rtl_sources() and pixel_sources(): which RTL is under
-// test. Throws InputError where a source cannot be read.
-std::string rtl_sources_hash();
 std::filesystem::path rtl_cache_folder();
 
 // Flags that every use of Verilator here must have; tests/rtl/verilator_xor_test says why.
 const std::vector<std::string>& verilator_safe_flags();
-
-// Returns a package (engine/emit_sv) without its comment, which names the configuration.
-std::string without_comments(const std::string& package);
 
 // What a library is made of.
 struct RtlDesign {
