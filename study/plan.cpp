@@ -34,7 +34,6 @@ constexpr std::size_t tries_limit = 5000;
 
 constexpr auto arrangements = std::to_array<std::string_view>({"grid", "one_at_a_time", "list"});
 constexpr auto overs = std::to_array<std::string_view>({"worst", "pooled"});
-constexpr auto algorithms = std::to_array<std::string_view>({"min+1", "max-1", "greedy", "annealing"});
 
 // Returns the text of a metric or an expression.
 std::string read_expression(const Section& s, std::string_view key, const std::string& legal) {
@@ -477,7 +476,7 @@ void check_combinations(const Section& s, const StudyPlan& plan, const SearchPla
 SearchPlan read_search(const Section& s, const std::vector<Section>& all, const StudyPlan& plan) {
   SearchPlan search;
   if (s.has("algorithm")) {
-    search.algorithm = static_cast<SearchAlgorithm>(s.one_of("algorithm", algorithms));
+    search.algorithm = static_cast<SearchAlgorithm>(s.one_of("algorithm", search_algorithms));
   }
   if (s.has("cost")) search.cost = read_cost(s);
   if (s.has("tie")) search.tie = read_expression(s, "tie", "a metric or an expression that decides ties");
@@ -635,38 +634,6 @@ std::vector<std::vector<KeySetting>> points_of(const StudyPlan& plan) {
   return out;
 }
 
-bool is_category(const Axis& axis) {
-  if (axis.values.empty() || axis.values[0].empty()) return false;
-  const KeyValue& first = axis.values[0][0];
-  return std::holds_alternative<std::string>(first) || std::holds_alternative<bool>(first);
-}
-
-std::string axis_title(const Axis& axis) { return axis.name.empty() ? comma_list(axis.keys) : axis.name; }
-
-std::string axis_text(const Axis& axis, const std::vector<KeyValue>& values) {
-  std::vector<std::string> parts;
-  std::vector<KeyValue> own;  // what the keys follow from
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    parts.push_back(to_string(values[k]));
-    own.push_back(axis.offsets.empty() ? values[k]
-                                       : KeyValue(std::get<std::int64_t>(values[k]) - axis.offsets[k]));
-  }
-  const bool one = std::ranges::all_of(own, [&](const KeyValue& v) { return v == own.front(); });
-  return !axis.name.empty() && one ? to_string(own.front()) : comma_list(parts);
-}
-
-std::string axis_text(const Axis& axis, const std::vector<KeySetting>& point) {
-  std::vector<KeyValue> values;
-  for (const std::string& key : axis.keys) {
-    const auto set = std::ranges::find(point, key, &KeySetting::path);
-    if (set == point.end()) return "";
-    values.push_back(set->value);
-  }
-  return axis_text(axis, values);
-}
-
-bool varies_scenes(const Axis& axis) { return std::ranges::find(axis.keys, s_ratio_key) != axis.keys.end(); }
-
 void check_metrics(const StudyPlan& plan, const Metrics& metrics) {
   std::vector<std::string> named = judged_metrics(plan);
   // The tables of a search may show areas, which no measurement of a point has.
@@ -678,53 +645,6 @@ void check_metrics(const StudyPlan& plan, const Metrics& metrics) {
     throw InputError(plan.name + ": " + name +
                      ": the scenes give no such metric; nearest: " + comma_list(nearest_names(name, known)));
   }
-}
-
-double Constraint::margin(double value) const {
-  double margin = std::numeric_limits<double>::infinity();
-  if (std::isnan(value)) return -margin;
-  if (at_most) margin = std::min(margin, *at_most - value);
-  if (at_least) margin = std::min(margin, value - *at_least);
-  return margin;
-}
-
-std::optional<Decisive> decisive(const Constraint& constraint, const Metrics& all,
-                                 std::span<const SceneMetrics> scenes) {
-  std::optional<Decisive> worst;
-  for (const SceneMetrics& scene : scenes) {
-    const auto found = scene.metrics.find(constraint.metric);
-    if (constraint.over == Over::pooled || found == scene.metrics.end()) continue;
-    if (worst && constraint.margin(found->second) >= constraint.margin(worst->value)) continue;
-    worst = {found->second, scene.scene};
-  }
-  if (worst) return worst;
-  const auto found = all.find(constraint.metric);
-  return found == all.end() ? std::nullopt : std::optional(Decisive{found->second, ""});
-}
-
-bool all_hold(const std::vector<Constraint>& constraints, const PointMetrics& metrics) {
-  return std::ranges::all_of(constraints, [&](const Constraint& c) {
-    const auto at = decisive(c, metrics.all, metrics.scenes);
-    return at && c.holds(at->value);
-  });
-}
-
-std::string limits_text(const Constraint& c) {
-  const std::string least = c.at_least ? fmt::format("at least {}", *c.at_least) : "";
-  const std::string most = c.at_most ? fmt::format("at most {}", *c.at_most) : "";
-  return least + (c.at_least && c.at_most ? ", " : "") + most;
-}
-
-std::string margin_text(const Constraint& c, double value) {
-  const double margin = c.margin(value);
-  if (!std::isfinite(margin)) return std::isnan(value) ? "not a number" : "infinitely far";
-  // That of the limit which is nearer.
-  const double limit = c.at_most && *c.at_most - value == margin ? *c.at_most : c.at_least.value_or(0);
-  const double percent = limit == 0 ? 0 : 100 * std::fabs(margin / limit);
-  const std::string size = limit == 0       ? fmt::format("{:.4g}", std::fabs(margin))
-                           : percent < 9.95 ? fmt::format("{:.2g} %", percent)
-                                            : fmt::format("{:.0f} %", percent);
-  return margin < 0 ? size + " beyond" : "margin " + size;
 }
 
 }  // namespace bitspan

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "study/plan.hpp"
+#include "study/search/search.hpp"
 
 namespace bitspan::searching {
 

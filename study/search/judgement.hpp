@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "study/plan.hpp"
 #include "study/search/search.hpp"
 
 namespace bitspan::searching {

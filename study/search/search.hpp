@@ -4,16 +4,37 @@
 // what each algorithm does.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "study/plan.hpp"
+#include "study/axis.hpp"
+#include "study/constraint.hpp"
 
 namespace bitspan {
+
+enum class SearchAlgorithm { min_plus_1, max_minus_1, greedy, annealing };
+inline constexpr auto search_algorithms =
+    std::to_array<std::string_view>({"min+1", "max-1", "greedy", "annealing"});  // in their order
+
+inline constexpr const char* default_cost = "cost.register_bits";
+
+struct SearchPlan {
+  SearchAlgorithm algorithm = SearchAlgorithm::greedy;
+  std::string cost = default_cost;  // a metric or an expression, to be as low as possible
+  std::string tie = default_cost;   // the same, of points of equal cost
+  double tie_within = 0;            // the share of the least cost by which costs may differ and be a tie
+  int evaluations = 1000;           // at most
+  double seconds = 600;             // at most
+  std::uint64_t seed = 1;
+  bool pairs = true;  // whether the certificate tries paired steps
+  int measure = 10;   // points synthesised at the end, at most, where the cost is estimated
+};
 
 // One value per axis, as an index into Axis::values. 0 has the fewest bits.
 using SearchPoint = std::vector<std::size_t>;

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "study/plan.hpp"
+#include "study/search/search.hpp"
 
 namespace bitspan::searching {
 
