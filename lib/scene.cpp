@@ -15,6 +15,7 @@
 #include "lib/structs.hpp"
 #include "model/pipeline.hpp"
 #include "model/stages/texel.hpp"
+#include "scene/camera_views.hpp"
 #include "scene/demo.hpp"
 #include "scene/mesh.hpp"
 #include "scene/picture_size.hpp"
@@ -41,8 +42,9 @@ Handles<bs_scene, SceneState>& scenes() {
   return *all;
 }
 
-Scene mesh(const std::string& path, const Size& size, std::string& notes) {
+Scene mesh(const std::string& path, int camera, const Size& size, std::string& notes) {
   MeshOptions options;
+  if (camera != 0) set_camera(options.camera, camera);
   options.width = size.width;
   options.height = size.height;
   ProjectReport faces;
@@ -54,6 +56,7 @@ Scene mesh(const std::string& path, const Size& size, std::string& notes) {
     throw InputError(path + ": none of " + std::to_string(faces.faces) +
                      " faces is drawn; expected one that the camera sees from its front");
   }
+  if (camera != 0) scene.name = view_name(scene.name, camera);
   return scene;
 }
 
@@ -66,21 +69,21 @@ Scene load(const std::string& name, std::int32_t width, std::int32_t height, std
                            " is out of range; expected 1.." + std::to_string(picture_size_limit) +
                            " each way and at most " + std::to_string(picture_area_limit) + " pixels");
   }
-  const bool stream = name != "-" && is_stream(name);
+  const auto [seen, camera] = split_view(name);
+  const bool stream = seen != "-" && is_stream(seen);
   if (frame && !stream) {
     fail(BS_BAD_INPUT,
          function + ": name_or_path: " + name +
              " has no dynamic textures; expected a stream (.tri, .trib) with some, or bs_scene_load");
   }
-  if (name == "demo") return demo_scene(size.width, size.height);
-  if (!stream) return mesh(name, size, notes);
-  Scene scene = read_tri(name, frame);
+  if (!stream && seen != "demo") return mesh(seen, camera, size, notes);
+  Scene scene = stream ? read_tri(seen, frame) : demo_scene(size.width, size.height);
   if (sized && (scene.width != width || scene.height != height)) {
     fail(BS_BAD_INPUT, function + ": width, height: " + name + " is a stream of " +
                            std::to_string(scene.width) + "x" + std::to_string(scene.height) +
                            " pixels; expected these, or 0");
   }
-  return scene;
+  return camera == 0 ? scene : seen_from(scene, camera);
 }
 
 static_assert(BS_TEXEL_DEPTH + 1 == enum_names<TexelFormat>.size() &&
