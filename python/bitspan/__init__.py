@@ -15,12 +15,14 @@ import pathlib
 from . import _core
 from ._compare import Comparison, compare
 from ._config import Config, Field
-from ._core import InputError, StateError
+from ._core import InputError, StateError, ToolError
+from ._costs import Area, area, costs
 from ._divergence import Divergence
 from ._model import Model
 from ._report import report
 from ._run import Run, render
 from ._scene import Scene, Texels
+from ._search import ALGORITHMS, Certificate, Combination, Found, Step, View, search
 from ._sweep import Metric, Table, measure, metrics, sweep
 
 __version__: str = _core.version
@@ -32,9 +34,10 @@ ENGINES: tuple[str, ...] = _core.engines
 #: The names of Run.counters.
 COUNTERS: tuple[str, ...] = _core.counters
 
-for _error in (InputError, StateError):
+for _error in (InputError, StateError, ToolError):
     _error.__module__ = "bitspan"
 InputError.__doc__ = """Something given is not legal. The text has the form "file:line: key: what; expected ..."."""
+ToolError.__doc__ = "A program that is needed, such as Yosys, is missing or broke."
 StateError.__doc__ = "A call in the wrong order, on a closed model, or on one whose memory is in use."
 
 
@@ -43,5 +46,6 @@ def data_folder() -> pathlib.Path:
     return pathlib.Path(_core.data_folder())
 
 
-__all__ = ["COUNTERS", "ENGINES", "STAGES", "Comparison", "Config", "Divergence", "Field", "InputError", "Metric", "Model", "Run",
-           "Scene", "StateError", "Table", "Texels", "compare", "data_folder", "measure", "metrics", "render", "report", "sweep"]
+__all__ = ["ALGORITHMS", "Area", "COUNTERS", "Certificate", "Combination", "Comparison", "Config", "Divergence", "ENGINES", "Field",
+           "Found", "InputError", "Metric", "Model", "Run", "STAGES", "Scene", "StateError", "Step", "Table", "Texels", "ToolError",
+           "View", "area", "compare", "costs", "data_folder", "measure", "metrics", "render", "report", "search", "sweep"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far a sweep is: in a notebook, or on a terminal."""
+"""How far a sweep or a search is: in a notebook, or on a terminal."""
 
 from __future__ import annotations
 
@@ -17,20 +17,19 @@ def _notebook() -> bool:
 class Progress:
     """Shows "12 of 100 points". `shown` None: in a notebook and on a terminal only."""
 
-    def __init__(self, total: int, shown: bool | None, interval: float = 0.2):
-        self._total = total
+    def __init__(self, shown: bool | None, interval: float = 0.2):
         self._notebook = _notebook()
         self._shown = self._notebook or sys.stderr.isatty() if shown is None else shown
         self._interval = interval
-        self._done = 0
+        self._last = ""
         self._next = time.monotonic() + interval
         self._display: Any = None
 
-    def step(self) -> None:
-        self._done += 1
+    def tell(self, text: str) -> None:
+        self._last = text
         if self._shown and time.monotonic() >= self._next:
             self._next = time.monotonic() + self._interval
-            self._show(f"{self._done} of {self._total} points")
+            self._show(text)
 
     def _show(self, text: str) -> None:
         if not self._notebook:
@@ -48,4 +47,4 @@ class Progress:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if self._shown:
-            self._show(f"{self._done} of {self._total} points" if self._notebook else "")
+            self._show(self._last if self._notebook else "")

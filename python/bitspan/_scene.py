@@ -81,9 +81,9 @@ def _integer(what: str, value: Any) -> int:
 class Scene:
     """Triangles on the screen in the order of drawing, their textures, and the size of the picture.
 
-    `source` is "demo", a stream (.tri, .trib) or a mesh (OBJ, PLY, glTF ...), which a camera around it shows. `width` and
-    `height` are of the picture [pixel]; 0: the stream's own, or 640 x 480. `frame` is the image that a stream's
-    dynamic textures show at first, from 0. A scene never changes.
+    `source` is "demo", a stream (.tri, .trib) or a mesh (OBJ, PLY, glTF ...), which a camera around it shows. With "@3"
+    behind the name it is what camera 3 sees. `width` and `height` are of the picture [pixel]; 0: the stream's own, or
+    640 x 480. `frame` is the image that a stream's dynamic textures show at first, from 0. A scene never changes.
     """
 
     __slots__ = ("_handle", "__weakref__")

@@ -103,7 +103,11 @@ class _Meter:
         several = scenes if isinstance(scenes, (list, tuple)) else [scenes]
         self._scenes = [scene_of(scene, width, height) for scene in several]
         self._core = _core.Meter([scene._handle for scene in self._scenes])
-        self._own = own
+        self.own = own
+
+    @property
+    def names(self) -> list[str]:
+        return [scene.name for scene in self._scenes]
 
     def measure(self, config: Config) -> _Measured:
         together, scenes = self._core.measure(config._handle)
@@ -111,16 +115,16 @@ class _Meter:
 
     def with_own(self, config: Config, measured: _Measured) -> _Measured:
         """Adds the values of the user's functions. Of several scenes together it is the largest one."""
-        if not self._own:
+        if not self.own:
             return measured
         # A scene of which nothing is drawn has no metrics, but it has a run.
         scenes = list(measured.scenes)
         for scene in self._scenes:
             run = Run(scene, config, "model", True)
-            values = {name: _value_of(name, function, run) for name, function in self._own.items()}
+            values = {name: _value_of(name, function, run) for name, function in self.own.items()}
             scenes.append((scene.name, {name: value for name, value in values.items() if not math.isnan(value)}))
         together = dict(measured.all)
-        for name in self._own:
+        for name in self.own:
             values_of = [values[name] for _, values in scenes if name in values]
             if values_of:
                 together[name] = max(values_of)
@@ -139,14 +143,16 @@ def measure(config: Config | str | os.PathLike[str] = "depth16", scenes: AnyScen
     return meter.with_own(full, meter.measure(full)).all
 
 
-class _Constraint(NamedTuple):
+class Judge(NamedTuple):
+    """A constraint, which judges the values that were measured at a point."""
+
     metric: str
     at_most: float | None
     at_least: float | None
     over: str
 
     def margin(self, value: float) -> float:
-        """Returns how far a value is from the nearer limit, below 0 beyond it, as Constraint::margin of study/plan.hpp."""
+        """Returns how far a value is from the nearer limit, below 0 beyond it, as Constraint::margin of study/constraint.hpp."""
         if math.isnan(value):
             return -math.inf
         return min(math.inf if self.at_most is None else self.at_most - value,
@@ -157,19 +163,30 @@ class _Constraint(NamedTuple):
         return ", ".join(f"{word} {limit:g}" for word, limit in (("at least", self.at_least), ("at most", self.at_most))
                          if limit is not None)
 
+    def decisive(self, measured: _Measured) -> tuple[float, str]:
+        """Returns the value that is judged, and the scene that has it: `decisive` of study/constraint.hpp."""
+        values = [(of[self.metric], scene) for scene, of in measured.scenes if self.metric in of]
+        if values and self.over == "worst":
+            return min(values, key=lambda value: self.margin(value[0]))
+        return measured.all.get(self.metric, math.nan), ""
 
-def _constraint(metric: str, limits: Any, over: str) -> _Constraint:
-    if not isinstance(limits, Mapping) or not set(limits) <= {"at_most", "at_least", "over"}:
-        raise InputError(f"choose: {metric}: {limits!r}; expected limits such as {{'at_most': 0.05}}, of at_most, at_least and over")
-    made = _Constraint(metric, limits.get("at_most"), limits.get("at_least"), limits.get("over", over))
-    if made.at_most is None and made.at_least is None:
-        raise InputError(f"choose: {metric}: no limit; expected at_most or at_least")
-    for word, limit in (("at_most", made.at_most), ("at_least", made.at_least)):
-        if limit is not None and (not isinstance(limit, (int, float, np.number)) or math.isnan(limit)):
-            raise InputError(f"choose: {metric}: {word} is {limit!r}; expected a number")
-    if made.over not in ("worst", "pooled"):
-        raise InputError(f"choose: {metric}: over is {made.over!r}; expected 'worst' or 'pooled'")
-    return made
+    @staticmethod
+    def of(whose: str, metric: str, limits: Any, over: str, own: Iterable[str]) -> Judge:
+        """Returns the constraint of a metric; `whose` begins the errors, `own` are the user's functions."""
+        if not isinstance(limits, Mapping) or not set(limits) <= {"at_most", "at_least", "over"}:
+            raise InputError(f"{whose}: {metric}: {limits!r}; expected limits such as {{'at_most': 0.05}}, of at_most, at_least and over")
+        made = Judge(metric, limits.get("at_most"), limits.get("at_least"), limits.get("over", over))
+        if made.at_most is None and made.at_least is None:
+            raise InputError(f"{whose}: {metric}: no limit; expected at_most or at_least")
+        for word, limit in (("at_most", made.at_most), ("at_least", made.at_least)):
+            if limit is not None and (not isinstance(limit, (int, float, np.number)) or math.isnan(limit)):
+                raise InputError(f"{whose}: {metric}: {word} is {limit!r}; expected a number")
+        if made.over not in ("worst", "pooled"):
+            raise InputError(f"{whose}: {metric}: over is {made.over!r}; expected 'worst' or 'pooled'")
+        if metric in own and made.over == "pooled":
+            raise InputError(f"{whose}: {metric}: a function of one run has no value of all scenes together; "
+                             "expected over = 'worst'")
+        return made
 
 
 class Table:
@@ -211,14 +228,6 @@ class Table:
         shown = [self[m] for m in self.metrics]
         return [(*point, *(float(column[i]) for column in shown)) for i, point in enumerate(self._settings)]
 
-    def _decisive(self, constraint: _Constraint, point: int) -> tuple[float, str]:
-        """Returns the value that a constraint judges, and the scene that has it: `decisive` of study/plan.hpp."""
-        measured = self._results[point]
-        values = [(of[constraint.metric], scene) for scene, of in measured.scenes if constraint.metric in of]
-        if values and constraint.over == "worst":
-            return min(values, key=lambda value: constraint.margin(value[0]))
-        return measured.all.get(constraint.metric, math.nan), ""
-
     def choose(self, constraints: Mapping[str, Mapping[str, Any]] | None = None, *, at_most: float | None = None,
                at_least: float | None = None, metric: str | None = None, cost: str = "cost.register_bits",
                over: str = "worst") -> dict[str, Any]:
@@ -238,13 +247,10 @@ class Table:
             raise InputError("choose: constraints beside at_most, at_least or metric; expected one of the two forms")
         if not constraints:
             raise InputError("choose: no constraint; expected one such as {'span.u.p999': {'at_most': 0.05}}")
-        judged = [_constraint(name, limits, over) for name, limits in constraints.items()]
+        judged = [Judge.of("choose", name, limits, over, self._own) for name, limits in constraints.items()]
         for constraint in judged:
             self._known(constraint.metric)
-            if constraint.metric in self._own and constraint.over == "pooled":
-                raise InputError(f"choose: {constraint.metric}: a function of one run has no value of all scenes together; "
-                                 "expected over = 'worst'")
-        at = [[self._decisive(constraint, i) for i in range(len(self))] for constraint in judged]
+        at = [[constraint.decisive(measured) for measured in self._results] for constraint in judged]
         margins = np.array([[c.margin(value) for value, _ in values] for c, values in zip(judged, at)])
         costs = np.asarray(self[cost], np.float64)
         holds = (margins >= 0).all(axis=0) & ~np.isnan(costs)
@@ -315,6 +321,13 @@ class Table:
         return _html.table(self.columns, self.rows())
 
 
+def _threads(threads: int | None) -> int:
+    """Returns how many points are measured at once."""
+    if threads is not None and (not isinstance(threads, int) or threads < 1):
+        raise InputError(f"threads: {threads!r}; expected an integer from 1")
+    return threads or os.cpu_count() or 1
+
+
 def _points(keys: Mapping[str, Iterable[Any]]) -> tuple[list[str], list[tuple[Any, ...]]]:
     names = [str(key) for key in keys]
     try:
@@ -348,8 +361,7 @@ def sweep(config: Config | str | os.PathLike[str], keys: Mapping[str, Iterable[A
     shown, own = _shown(metric)
     if not shown:
         raise InputError("sweep: no metric; expected one of bitspan.metrics()")
-    if threads is not None and (not isinstance(threads, int) or threads < 1):
-        raise InputError(f"threads: {threads!r}; expected an integer from 1")
+    workers = _threads(threads)
     base = config_of(config)
     names, points = _points(keys)
     meter = _Meter(scenes, width, height, own)
@@ -362,12 +374,12 @@ def sweep(config: Config | str | os.PathLike[str], keys: Mapping[str, Iterable[A
             return _Measured(), str(error)
         return meter.with_own(config, measured), ""  # what a function raises ends the sweep
 
-    with Progress(len(points), progress) as told, concurrent.futures.ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+    with Progress(progress) as told, concurrent.futures.ThreadPoolExecutor(workers) as pool:
         waiting = [pool.submit(one, point) for point in points]
         try:
-            for done in concurrent.futures.as_completed(waiting):
+            for i, done in enumerate(concurrent.futures.as_completed(waiting)):
                 done.result()
-                told.step()
+                told.tell(f"{i + 1} of {len(points)} points")
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise

@@ -6,6 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "python/core/core.hpp"
+#include "study/keys.hpp"
 
 namespace bitspan::python {
 
@@ -22,11 +23,10 @@ ConfigHandle ConfigHandle::parse(const std::string& toml) {
 }
 
 ConfigHandle ConfigHandle::with(const std::vector<std::pair<std::string, std::string>>& settings) const {
+  std::vector<KeySetting> keys;
+  for (const auto& [path, value] : settings) keys.push_back({path, value_in(value)});
   ConfigHandle out;
-  *out.config_.out() = capi::add(full());
-  for (const auto& [path, value] : settings) check(bs_config_set(out.get(), path.c_str(), value.c_str()));
-  const Config changed = out.full();
-  check_config(changed, changed.name);
+  *out.config_.out() = capi::add(with_keys(full(), keys));
   return out;
 }
 

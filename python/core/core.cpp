@@ -7,6 +7,7 @@
 #include <new>
 
 #include "io/data_folder.hpp"
+#include "tb/programs.hpp"
 
 namespace bitspan::python {
 
@@ -35,6 +36,7 @@ NB_MODULE(_core, m) {
   m.doc() = "bitspan in C++; use the package bitspan.";
   const nb::exception<bitspan::InputError> input_error(m, "InputError", PyExc_ValueError);
   const nb::exception<StateError> state_error(m, "StateError", PyExc_RuntimeError);
+  const nb::exception<bitspan::ToolError> tool_error(m, "ToolError", PyExc_RuntimeError);
   m.attr("version") = bs_version();
   nb::list stages;
   for (bs_stage s = 0; bs_stage_name(s) != nullptr; ++s) stages.append(bs_stage_name(s));
@@ -52,4 +54,6 @@ NB_MODULE(_core, m) {
   bind_scene(m);
   bind_model(m);
   bind_errors(m);
+  bind_costs(m);
+  bind_search(m);
 }

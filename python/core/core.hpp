@@ -123,5 +123,7 @@ void bind_config(nb::module_& m);
 void bind_scene(nb::module_& m);
 void bind_model(nb::module_& m);
 void bind_errors(nb::module_& m);
+void bind_costs(nb::module_& m);
+void bind_search(nb::module_& m);
 
 }  // namespace bitspan::python

@@ -2,6 +2,7 @@
 """The Python package: from a build tree, and as a wheel in an environment of its own."""
 
 import gc
+import json
 import os
 import pathlib
 import pickle
@@ -112,6 +113,21 @@ class Scenes(unittest.TestCase):
             path.write_text("v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\nf 3 2 1\np 1\n")
             self.assertEqual(len(bitspan.Scene(path).notes), 1)
         self.assertEqual(bitspan.Scene("demo").notes, [])
+
+    def test_numbered_cameras_are_those_of_the_program(self):
+        from matplotlib import image
+
+        spot = SOURCE / "tests/data/spot.obj"
+        for name in ("demo@3", f"{spot}@3"):
+            with tempfile.TemporaryDirectory() as folder:
+                run(PROGRAM, "render", name, "--size", "80x60", "-o", f"{folder}/seen.png")
+                picture = np.round(image.imread(f"{folder}/seen.png") * 255).astype(np.uint8)
+            scene = bitspan.Scene(name, 80, 60)
+            self.assertTrue(scene.name.endswith("@3"), scene.name)
+            self.assertTrue(np.array_equal(bitspan.render(scene).color[..., :3], picture[..., :3]), name)
+        self.assertFalse(np.array_equal(bitspan.render("demo@3", width=80, height=60).color, small("model").color))
+        with self.assertRaisesRegex(bitspan.InputError, "demo@x"):
+            bitspan.Scene("demo@x")
 
     def test_the_arrays_of_a_scene_make_the_same_scene(self):
         demo = bitspan.Scene("demo", 80, 60)
@@ -511,8 +527,6 @@ class Sweeps(unittest.TestCase):
         checked = 0
         for i, word in enumerate(table["formats.span.uv.word"]):
             for metric, value in wanted[word].items():
-                if metric.startswith(("estimate.", "area.")):  # of the report alone
-                    continue
                 self.assertEqual(table[metric][i], value, metric)
                 checked += 1
         self.assertGreater(checked, 3 * 150)
@@ -632,6 +646,12 @@ class Sweeps(unittest.TestCase):
             with self.assertRaisesRegex(bitspan.InputError, text):
                 bitspan.sweep("depth16", words, metric, scenes[0])
 
+    def test_what_the_formats_cost(self):
+        known, measured = bitspan.costs("narrow"), bitspan.measure("narrow", "demo", 64, 48)
+        self.assertEqual({name: measured[name] for name in known}, known)
+        self.assertTrue(0 < known["estimate.ice40.luts_error"] < known["estimate.ice40.luts"])
+        self.assertEqual({name.split(".")[0] for name in known}, {"cost", "timing", "estimate"})
+
     def test_list_of_metrics(self):
         known = {metric.name: metric for metric in bitspan.metrics()}
         self.assertEqual(known["span.u.p999"].unit, "texel")
@@ -644,6 +664,154 @@ class Sweeps(unittest.TestCase):
         out = run(sys.executable, "-c", "import bitspan._progress as p; p.time.monotonic = iter(range(99)).__next__\n" + program)
         self.assertIn("2 of 4 points", out)
         self.assertNotIn("points", run(sys.executable, "-c", program.replace("True", "None")))
+
+
+STUDY = """[study]
+name = "s"
+base = "depth16"
+scenes = ["demo", "demo@2"]
+size = "96x72"
+[[vary]]
+keys = ["formats.span.uv.word"]
+from = 18
+to = 25
+[[vary]]
+keys = ["formats.span.f.fraction", "formats.span.f_step.fraction"]
+from = -4
+to = 8
+[[vary]]
+keys = ["reciprocal.pixel.kind"]
+values = ["lut_newton", "restoring"]
+[[constraint]]
+metric = "span.u.p999"
+at_most = 0.2
+[search]
+algorithm = "greedy"
+cost = "estimate.ecp5.luts"
+"""
+KEYS = {"formats.span.uv.word": range(18, 26), ("formats.span.f.fraction", "formats.span.f_step.fraction"): range(-4, 9),
+        "reciprocal.pixel.kind": ("lut_newton", "restoring")}
+
+
+class Searches(unittest.TestCase):
+    def test_it_is_the_search_of_the_study(self):
+        with tempfile.TemporaryDirectory() as name:
+            (pathlib.Path(name) / "study.toml").write_text(STUDY)
+            run(PROGRAM, "study", "study.toml", "--db", "study.db", cwd=name)
+            with sqlite3.connect(f"{name}/study.db") as db:
+                steps = [(json.loads(settings), cost, holds) for settings, cost, holds in db.execute(
+                    "SELECT p.settings, s.cost, s.holds FROM search_steps s JOIN study_points p USING (study, i) ORDER BY i")]
+                certificates = db.execute("SELECT key, from_value, to_value, failed FROM certificate").fetchall()
+        scenes = [bitspan.Scene(scene, 96, 72) for scene in ("demo", "demo@2")]
+        found = bitspan.search("depth16", KEYS, {"span.u.p999": {"at_most": 0.2}}, scenes, cost="estimate.ecp5.luts")
+        table = found.table
+        self.assertEqual([dict(zip(table.keys, point)) for point in table._settings], [s for s, _, _ in steps])
+        self.assertEqual(table["estimate.ecp5.luts"].tolist(), [cost for _, cost, _ in steps])
+        self.assertEqual(found.cost, min(cost for _, cost, holds in steps if holds))
+        parts = [step for c in found.combinations for step in (*c.certificate.steps, *c.certificate.pairs)]
+        self.assertEqual([(s.key, s.from_value, s.to_value, f"{s.outcome}: {s.text}") for s in parts], certificates)
+        self.assertTrue(found.certificate.minimal and found.stopped_by == "done")
+        self.assertEqual(str(found.certificate), found.certificate.text)
+        self.assertEqual(found.settings, found.combinations[0].settings)
+        worst, scene = found.decisive["span.u.p999"]
+        each = {s.name: bitspan.measure(found.config, s)["span.u.p999"] for s in scenes}
+        self.assertEqual((worst, scene), max((value, name) for name, value in each.items()))
+        self.assertEqual(found.metrics, bitspan.measure(found.config, scenes))
+        self.assertIn("span.u.p999, at most 0.2", found._repr_html_())
+        self.assertIn("reciprocal.pixel.kind = lut_newton", repr(found))
+
+    def test_unseen_views(self):
+        found = bitspan.search("depth16", {"formats.span.uv.word": range(18, 26), "reciprocal.pixel.output.word": range(14, 24),
+                                            ("formats.span.f.fraction", "formats.span.f_step.fraction"): range(-4, 9)},
+                               {"span.u.p999": {"at_most": 0.1}}, "demo", width=96, height=72)
+        unseen = [bitspan.Scene(f"demo@{camera}", 96, 72) for camera in range(1, 6)]
+        views = found.validate(unseen)
+        values = [bitspan.measure(found.config, scene)["span.u.p999"] for scene in unseen]
+        self.assertEqual([view.values["span.u.p999"] for view in views], values)
+        self.assertEqual([view.holds for view in views], [value <= 0.1 for value in values])
+        self.assertTrue(0 < sum(view.holds for view in views) < 5)
+        self.assertEqual([view.scene for view in views], [f"demo@{camera}" for camera in range(1, 6)])
+
+    def test_functions_as_constraints_and_costs(self):
+        def wrong_texels(run):
+            shown = ~np.isnan(run.u) & (run.triangle == run.ideal.triangle)
+            return float(np.mean(np.floor(run.u[shown]) != np.floor(run.ideal.u[shown])))
+
+        keys = {"formats.span.uv.word": range(18, 26), "formats.edge.uv.word": range(24, 30)}
+        calls = []
+
+        def price(metrics):
+            calls.append(1)
+            return metrics["cost.register_bits"] + 100 * metrics["estimate.ecp5.multipliers"]
+
+        by_hand = bitspan.sweep("depth16", keys, [wrong_texels], "demo", width=64, height=48)
+        prices = by_hand["cost.register_bits"] + 100 * by_hand["estimate.ecp5.multipliers"]
+        legal = by_hand["wrong_texels"] <= 0.05
+        found = bitspan.search("depth16", keys, {"wrong_texels": {"at_most": 0.05}}, "demo", width=64, height=48, cost=price,
+                               metric=wrong_texels, threads=1)
+        self.assertEqual(found.cost, prices[legal].min())
+        self.assertLess(len(found.table), len(by_hand))
+        self.assertEqual(found.table["price"].tolist(), [price(result.all) for result in found.table._results])
+        # A cost that only a measurement has is asked for there alone.
+        unknown = bitspan.search("depth16", keys, {"wrong_texels": {"at_most": 0.05}}, "demo", width=64, height=48,
+                                 metric=wrong_texels, cost=lambda m: m["cost.register_bits"] + m["memory.depth_bits"])
+        self.assertEqual(unknown.settings, bitspan.search("depth16", keys, {"wrong_texels": {"at_most": 0.05}}, "demo", width=64,
+                                                          height=48, metric=wrong_texels).settings)
+
+        def broken(run):
+            raise RuntimeError("of the user")
+
+        with self.assertRaisesRegex(RuntimeError, "of the user"):
+            bitspan.search("depth16", keys, {"broken": {"at_most": 1}}, metric=broken, width=64, height=48)
+
+    def test_limits(self):
+        found = bitspan.search("depth16", KEYS, {"span.u.p999": {"at_most": 0.2}}, width=64, height=48, evaluations=9)
+        self.assertEqual((found.stopped_by, len(found.table)), ("evaluations", 9))
+        self.assertFalse(found.certificate.minimal)
+
+    def test_every_bad_argument_is_refused(self):
+        word, limit = {"formats.span.uv.word": [20]}, {"span.u.p999": {"at_most": 1}}
+        for arguments, options, text in (
+                (({}, limit), {}, "nothing varies"), ((word, {}), {}, "no constraint"), ((word, 3), {}, "no constraint"),
+                (({"formats.span.uv.word": [20, 1.5]}, limit), {}, "1.5 is no value"),
+                (({"formats.span.uv.word": 20}, limit), {}, "not iterable; expected values"),
+                (({"formats.span.uv.word": [2**70]}, limit), {}, "is no value"),
+                (({"formats.span.uv.wrd": [20]}, limit), {}, "no such key.*nearest: formats.span.uv.word"),
+                ((word, {"span.u.p999": {"at_most": 1e-9}}), {}, "no point holds.*span.u.p999 is"),
+                ((word, {"span.u.p99": {"at_most": 1}}), {}, "is no metric"), ((word, {"span.u.p999": {}}), {}, "search: .*no limit"),
+                ((word, limit), {"cost": "cost.bits"}, "is no metric"), ((word, limit), {"tie": "x"}, "is no metric"),
+                ((word, limit), {"algorithm": "best"}, "expected min.1, max-1, greedy, annealing"),
+                ((word, limit), {"evaluations": 2**40}, "evaluations"), ((word, limit), {"seconds": -1}, "seconds"),
+                ((word, limit), {"seconds": 0}, "seconds"), ((word, limit), {"seed": 1.5}, "seed"),
+                ((word, limit), {"tie_within": float("nan")}, "tie_within"), ((word, limit), {"threads": 0}, "threads")):
+            with self.assertRaisesRegex(bitspan.InputError, text):
+                bitspan.search("depth16", *arguments, width=32, height=24, **options)
+
+
+class Areas(unittest.TestCase):
+    def test_counts_are_those_of_the_program(self):
+        tiny = bitspan.Config("narrow").with_({
+            "perspective.mode": "const_depth_rows", "rtl.shades": False, "rtl.product_digits": 1, "rtl.pixel_clocks": 1,
+            "raster.coordinate_bits": 8, "formats.plane.k.word": 6, "reciprocal.row.output.word": 4,
+            **{f"formats.{name}.word": word for name, word in (("setup.b", 6), ("span.h", 6), ("span.f", 8), ("span.f_step", 8),
+                                                               ("span.uv_step", 8), ("span.uv_acc", 8), ("span.uv", 7))},
+            **{f"formats.{name}.int": word for name, word in (("setup.b", 6), ("span.h", 6), ("span.f", 8), ("span.f_step", 8),
+                                                              ("span.uv_step", 7), ("span.uv_acc", 7), ("span.uv", 7))}})
+        area = bitspan.area(tiny)
+        self.assertEqual((area.status, area.message), ("ok", ""))
+        self.assertTrue(area.luts > 100 and area.ffs > 100 and np.isnan(area.fmax_mhz))
+        self.assertRegex(area.tools, "Yosys")
+        self.assertLess(abs(area.ffs / bitspan.costs(tiny)["estimate.ecp5.ffs"] - 1), 0.2)
+
+    def test_what_cannot_be_synthesised(self):
+        for arguments, text in ((("depth16", "xc7"), "is no family"), (("depth16", "ecp5"), "above 0"),):
+            with self.assertRaisesRegex(bitspan.InputError, text):
+                bitspan.area(*arguments, seconds=0 if text == "above 0" else 10)
+        late = bitspan.area("depth16", seconds=0.2)
+        self.assertEqual(late.status, "failed")
+        self.assertIn("time limit", late.message)
+        with unittest.mock.patch.dict(os.environ, {"PATH": ""}), self.assertRaisesRegex(bitspan.ToolError, "yosys"):
+            bitspan.area("narrow")
 
 
 class Rows(unittest.TestCase):
@@ -833,7 +1001,7 @@ class BadInput(unittest.TestCase):
         bad = [
             (lambda: bitspan.Config(7), "is no configuration"),
             (lambda: bitspan.Config("nowhere"), "shipped names"),
-            (lambda: config.with_({"nothing": 1}), "nothing: is no key"),
+            (lambda: config.with_({"nothing": 1}), "nothing: no such key.*nearest: "),
             (lambda: config.with_({"formats.span.uv.word": 2.5}), "2.5 is no value"),
             (lambda: config.with_({"formats.span.uv.word": 0}), "formats.span.uv.word"),
             (lambda: config.with_({"depth.code": "cubic"}), "depth.code"),
@@ -976,6 +1144,14 @@ class Interrupts(unittest.TestCase):
         model.draw(little)
         self.assertTrue(np.array_equal(model.table("span"), small("golden").table("span")))
         self.assertLess(self.interrupt(lambda: bitspan.render(scene, engine="golden", trace=False)), 10)
+
+    def test_a_long_search(self):
+        went_on = self.interrupt(lambda: bitspan.search("depth16", {f"formats.span.{f}.word": range(18, 40) for f in ("uv", "h", "f")},
+                                                        {"span.u.p999": {"at_most": 1}}, threads=2))
+        self.assertLess(went_on, 10)
+
+    def test_synthesis(self):
+        self.assertLess(self.interrupt(lambda: bitspan.area("depth16")), 10)
 
     def test_a_long_sweep(self):
         went_on = self.interrupt(lambda: bitspan.sweep("depth16", {"formats.span.uv.word": list(range(18, 26)) * 100}, threads=2))
