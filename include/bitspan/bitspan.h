@@ -266,8 +266,8 @@ BS_API bs_status bs_field(bs_config* config, bs_stage stage, int i, bs_field_inf
 /* ---- scenes that the library reads ---- */
 
 /* Reads a scene: "demo", a triangle stream (.tri, .trib) or a mesh (OBJ, PLY, glTF ...), which a camera
- * around it shows. With "@3" behind the name it is what camera 3 sees. width and height are of the picture; 0: the
- * stream's own, or 640x480. */
+ * around it shows. With "@3" behind the name it is what camera 3 sees. width and height are of the picture;
+ * 0: the stream's own, or 640x480. */
 BS_API bs_status bs_scene_load(const char* name_or_path, int32_t width, int32_t height, bs_scene** out);
 /* The same, where the dynamic textures of a stream show image `frame`, from 0, instead of their first one. */
 BS_API bs_status bs_scene_load_frame(const char* name_or_path, int32_t width, int32_t height, int32_t frame,

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "study/search/judgement.hpp"
 #include "study/search/texts.hpp"
@@ -37,6 +39,28 @@ std::string text_of(const std::vector<Axis>& axes, const SearchPoint& point) {
   return joined(parts, ", ");
 }
 
+// Returns the one of lowest tie among those that cost at most so much, the cheapest and earliest of equals.
+const Combination& best_of(const std::vector<Combination>& all, double most) {
+  const Combination* best = nullptr;
+  for (const Combination& c : all) {
+    if (!c.found || c.cost > most) continue;
+    if (best == nullptr || std::pair(c.tie, c.cost) < std::pair(best->tie, best->cost)) best = &c;
+  }
+  return *best;
+}
+
+// Makes a combination's point the answer, and the last of the steps that were the best so far.
+void answer(const Combination& best, SearchResult& all) {
+  all.point = best.point;
+  all.cost = best.cost;
+  all.tie = best.tie;
+  all.certificate = best.certificate;
+  all.failing.clear();
+  const auto step = std::ranges::find(all.steps, best.point, &SearchStep::point);
+  step->best = true;
+  for (auto later = step + 1; later != all.steps.end(); ++later) later->best = false;
+}
+
 }  // namespace
 
 std::vector<Axis> narrowed(std::vector<Axis> axes, const SearchPoint& point) {
@@ -66,12 +90,13 @@ SearchResult search_combinations(const SearchPlan& plan, const std::vector<Axis>
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
   SearchResult all;
+  double least = infinity;  // of the costs
   std::function<void(const SearchProgress&)> tell;
   if (progress) {
     tell = [&](SearchProgress p) {
       p.evaluations += all.evaluations;
       p.seconds = elapsed();
-      p.cost = !p.found || (all.found && all.cost <= p.cost) ? all.cost : p.cost;
+      p.cost = p.found ? std::min(least, p.cost) : least;
       p.found = p.found || all.found;
       progress(p);
     };
@@ -92,28 +117,31 @@ SearchResult search_combinations(const SearchPlan& plan, const std::vector<Axis>
       found.failing.emplace_back("stopped before the widest point was evaluated");
     }
     widen(axes, found.certificate, chosen);
-    Combination combination{text_of(axes, chosen), found.found,      found.refused,
-                            found.point,           found.cost,       found.evaluations,
-                            found.certificate,     found.stopped_by, joined(found.failing, "; ")};
+    Combination combination{text_of(axes, chosen),
+                            found.found,
+                            found.refused,
+                            found.point,
+                            found.cost,
+                            found.tie,
+                            found.evaluations,
+                            found.certificate,
+                            found.stopped_by,
+                            joined(found.failing, "; ")};
     combination.point = widened(axes, std::move(combination.point), chosen);
     for (SearchStep& step : found.steps) {
       step.point = widened(axes, std::move(step.point), chosen);
-      step.best = step.best && (!all.found || step.cost < all.cost);
+      step.best = step.best && (!all.found || step.cost < least);
     }
     std::ranges::move(found.steps, std::back_inserter(all.steps));
-    if (found.found && (!all.found || found.cost < all.cost)) {
-      all.found = true;
-      all.point = combination.point;
-      all.cost = found.cost;
-      all.certificate = combination.certificate;
-    }
+    all.found = all.found || found.found;
+    if (found.found) least = std::min(least, found.cost);
     if (!found.found) all.failing.push_back(combination.text + ": " + combination.failing);
     all.evaluations += found.evaluations;
     all.stopped_by = std::max(all.stopped_by, found.stopped_by);
     all.combinations.push_back(std::move(combination));
   }
   all.refused = std::ranges::all_of(all.combinations, &Combination::refused);
-  if (all.found) all.failing.clear();
+  if (all.found) answer(best_of(all.combinations, least + plan.tie_within * std::abs(least)), all);
   return all;
 }
 

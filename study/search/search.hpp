@@ -116,6 +116,7 @@ struct Combination {
   bool refused = false;  // the widest point was
   SearchPoint point;     // empty where not found
   double cost = 0;       // of the point
+  double tie = 0;        // of the point; infinite where the metric has no value
   std::size_t evaluations = 0;
   Certificate certificate;  // of the point, within the combination
   StoppedBy stopped_by = StoppedBy::done;
@@ -128,6 +129,7 @@ struct SearchResult {
   bool refused = false;           // the widest point was; of several combinations, all were
   SearchPoint point;              // the best so far where a limit stopped the search; empty where not found
   double cost = 0;                // of the point
+  double tie = 0;                 // as of a combination
   double cost_error = 0;          // its ±, which run_search finds
   std::size_t evaluations = 0;    // points asked for
   std::vector<SearchStep> steps;  // one per evaluation
@@ -157,8 +159,8 @@ struct SearchProgress {
 // number of cores.
 //
 // An axis of categories has no order. Each combination of categories is searched for itself, by the same
-// algorithm from the same seed. The answer is the cheapest of them. Each gets an equal part of the limits
-// that are left.
+// algorithm from the same seed. The best of them, as above, is the answer. Each gets an equal part of the
+// limits that are left.
 //
 // The search never passes plan.evaluations. It does not begin a batch that, judged by the slowest so far,
 // would end after plan.seconds. On either limit, and on a stop request, the best point so far is the answer.

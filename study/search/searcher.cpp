@@ -76,6 +76,7 @@ SearchResult Searcher::run() {
   if (result.found) {
     result.point = *best_;
     result.cost = at(*best_).cost;
+    result.tie = at(*best_).tie;
     result.certificate = certificate_of(*best_);
   } else if (known(top_)) {
     result.failing.push_back("the widest point does not hold: " + at(top_).failure);

@@ -7,7 +7,6 @@
 
 #include "scene/demo.hpp"
 #include "study/point.hpp"
-#include "study/point.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"

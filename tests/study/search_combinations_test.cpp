@@ -10,6 +10,7 @@
 #include <stop_token>
 #include <string>
 #include <thread>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -154,6 +155,33 @@ TEST(Combinations, EqualCostGoesToTheEarlier) {
   EXPECT_EQ(r.cost, r.combinations[1].cost);
   EXPECT_EQ(r.point[0], 0U);
   EXPECT_EQ(r.point[2], 1U);
+}
+
+// Of "other" and "exact", which cost the same, "other" has the lower tie; "dear" costs 4 % more and has none.
+TEST(Combinations, TiesDecideBetweenThem) {
+  Mixed m;
+  m.axes[0] = kinds({"exact", "other", "dear"});
+  const Evaluate tied = [&](const Points& points) {
+    std::vector<Evaluation> out = m.evaluate()(points);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto kind = std::get<std::string>(points[i][0].value);
+      out[i].metrics["second"] = kind == "exact" ? 2 : kind == "other" ? 1 : 0;
+      if (kind == "dear") out[i].metrics["cost"] *= 1.04;
+    }
+    return out;
+  };
+  SearchPlan plan = plan_of();
+  plan.tie = "second";
+  for (const auto& [within, kind] : {std::pair(0.0, 1U), std::pair(0.05, 2U)}) {
+    plan.tie_within = within;
+    const SearchResult r = search(plan, m.axes, m.constraints, tied);
+    EXPECT_EQ(r.point[0], kind);
+    EXPECT_EQ(r.tie, 2.0 - kind);
+    EXPECT_EQ(to_text(r.certificate), to_text(r.combinations[2 * kind + 1].certificate));
+    const auto best =
+        std::find_if(r.steps.rbegin(), r.steps.rend(), [](const SearchStep& s) { return s.best; });
+    EXPECT_EQ(best->point, r.point);
+  }
 }
 
 TEST(Combinations, EachGetsItsShareAndWhatTheOthersLeave) {
