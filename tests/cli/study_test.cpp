@@ -382,6 +382,19 @@ TEST_F(Study, ShardsMakeOneStudy) {
   refused("merge s.db", "--db is required");
 }
 
+TEST_F(Study, AReportComparesWithAnotherStudy) {
+  EXPECT_EQ(run("s.toml --db before.db").code, 0);
+  folder.write("s.toml", study("[30, 32, 34]", "[[constraint]]\nmetric = \"span.u.max\"\nat_most = 1\n"));
+  const Result r = run("s.toml --report out --against before.db");
+  EXPECT_EQ(r.code, 0) << r.out << r.err;
+  const std::string page = folder.read("out/report.html");
+  EXPECT_NE(page.find("Compared with"), std::string::npos);
+  EXPECT_NE(page.find("before.db"), std::string::npos);
+  refused("s.toml --against before.db", "--against: goes with --report");
+  refused("s.toml --report new --against none.db", "--against none.db: no such file");
+  EXPECT_FALSE(exists("new"));
+}
+
 TEST_F(Study, PointsComeFromAFile) {
   folder.write("p.csv", "formats.span.h.word,depth.bits\n30,\n34,15\n");
   folder.write("s.toml",
