@@ -4,13 +4,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <future>
-#include <limits>
-#include <list>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <span>
 #include <utility>
 
 #include "config/modes.hpp"
@@ -20,33 +15,13 @@
 #include "report/compare.hpp"
 #include "report/error.hpp"
 #include "report/metrics.hpp"
-#include "report/truth.hpp"
 #include "study/area_estimate.hpp"
 #include "study/cost.hpp"
 #include "study/engines.hpp"
+#include "study/truths.hpp"
 
 namespace bitspan {
 namespace {
-
-// So many triangles are drawn and compared at once, so that their records stay in the cache.
-constexpr std::size_t batch = 64;
-
-// The truth of one scene under one truth_config.
-struct SceneTruth {
-  std::vector<Truth> batches;
-  Frame frame;
-};
-
-SceneTruth make_truth(const Config& config, const Scene& scene) {
-  SceneTruth out;
-  const auto levels = std::make_shared<golden::SceneLevels>(golden::scene_levels(config, scene));
-  const std::span<const Triangle> all = scene.triangles;
-  for (std::size_t at = 0; at < all.size(); at += batch) {
-    out.batches.emplace_back(config, scene, all.subspan(at, std::min(batch, all.size() - at)), levels);
-  }
-  out.frame = drawn("ideal", config, scene);
-  return out;
-}
 
 // Returns the register that a field's values come from, and none for integers.
 std::optional<model::RegisterId> observed_register(const Field& field, const Config& config) {
@@ -173,20 +148,8 @@ Metrics metrics_of(const ErrorReport& report, const std::vector<RegisterUse>& re
 
 }  // namespace
 
-// Keeps the truths of the configurations measured last.
-struct PointMeter::Truths {
-  using Known = std::shared_future<std::shared_ptr<const std::vector<SceneTruth>>>;
-  static constexpr std::size_t kept = 4;  // each takes tens of megabytes
-  std::mutex mutex;
-  std::list<std::pair<Config, Known>> known;
-
-  auto find(const Config& key) {
-    return std::find_if(known.begin(), known.end(), [&](const auto& k) { return k.first == key; });
-  }
-};
-
-PointMeter::PointMeter(std::vector<Scene> scenes)
-    : scenes_(std::move(scenes)), truths_(std::make_unique<Truths>()) {
+PointMeter::PointMeter(std::vector<Scene> scenes, std::size_t truth_bytes)
+    : scenes_(std::move(scenes)), truths_(std::make_unique<Truths>(scenes_, truth_bytes)) {
   if (scenes_.empty()) throw InputError("a study without scenes: name at least one");
   for (const Scene& scene : scenes_) {
     if (!changes_scene(scene.commands)) continue;
@@ -196,49 +159,14 @@ PointMeter::PointMeter(std::vector<Scene> scenes)
 PointMeter::~PointMeter() = default;
 
 std::shared_ptr<const Frame> PointMeter::ideal(const Config& config, std::size_t scene) const {
-  Truths::Known known;
-  {
-    const std::lock_guard lock(truths_->mutex);
-    const auto found = truths_->find(truth_config(config));
-    if (found != truths_->known.end()) known = found->second;
-  }
-  if (!known.valid()) return std::make_shared<const Frame>(drawn("ideal", config, scenes_.at(scene)));
-  const auto truths = known.get();
-  return {truths, &truths->at(scene).frame};  // the pointer keeps all truths alive
+  const auto truth = truths_->kept(config, scene);
+  if (!truth) return std::make_shared<const Frame>(drawn("ideal", config, scenes_.at(scene)));
+  return {truth, &truth->frame};  // the pointer keeps the whole truth alive
 }
 
 PointResult PointMeter::measure(const Config& config, bool histograms) const {
   check_config(config, config.name);
   for (const Scene& scene : scenes_) check_scene_range(config, scene);
-
-  // The first thread that asks computes the truths; the others wait for it.
-  const Config key = truth_config(config);
-  Truths::Known known;
-  std::promise<std::shared_ptr<const std::vector<SceneTruth>>> promise;
-  bool mine = false;
-  {
-    const std::lock_guard lock(truths_->mutex);
-    auto& list = truths_->known;
-    const auto found = truths_->find(key);
-    mine = found == list.end();
-    if (mine) {
-      list.emplace_front(key, promise.get_future().share());
-      if (list.size() > Truths::kept) list.pop_back();
-    } else {
-      list.splice(list.begin(), list, found);
-    }
-    known = list.front().second;
-  }
-  if (mine) {
-    try {
-      auto made = std::make_shared<std::vector<SceneTruth>>();
-      for (const Scene& scene : scenes_) made->push_back(make_truth(config, scene));
-      promise.set_value(std::move(made));
-    } catch (...) {
-      promise.set_exception(std::current_exception());
-    }
-  }
-  const auto truths = known.get();
 
   PointResult out;
   std::vector<model::FieldStatistics> seen(model::register_count);
@@ -248,11 +176,12 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
   Trace trace;
   for (std::size_t s = 0; s < scenes_.size(); ++s) {
     const Scene& scene = scenes_[s];
-    const SceneTruth& truth = (*truths)[s];
+    const auto kept = truths_->of(config, s);
+    const SceneTruth& truth = *kept;
     ErrorMeter meter(config, scene);
     engine->begin(scene);
     for (std::size_t b = 0; b < truth.batches.size(); ++b) {
-      const std::size_t at = b * batch;
+      const std::size_t at = b * SceneTruth::batch;
       trace.clear();
       draw_scene(*engine, scene, at, truth.batches[b].size(), &trace);
       meter.add(truth.batches[b], static_cast<std::int64_t>(at), trace);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -12,6 +13,7 @@
 #include "engine/engine.hpp"
 #include "scene/scene.hpp"
 #include "study/metrics.hpp"
+#include "study/truths.hpp"
 
 namespace bitspan {
 
@@ -47,8 +49,9 @@ struct PointResult {
 
 class PointMeter {
  public:
-  // Keeps the scenes; what depends on them alone is computed once. Throws InputError where there is none.
-  explicit PointMeter(std::vector<Scene> scenes);
+  // Keeps the scenes; what depends on them alone is computed once, where it fits in so many bytes. Throws
+  // InputError where there is no scene.
+  explicit PointMeter(std::vector<Scene> scenes, std::size_t truth_bytes = half_of_memory());
   ~PointMeter();
   // May be called from several threads. Throws InputError where the configuration is illegal, is too narrow
   // for a scene (check_scene_range), or draws nothing of any scene. Without histograms RegisterUse::zeros and
@@ -60,7 +63,6 @@ class PointMeter {
   const std::vector<Scene>& scenes() const { return scenes_; }
 
  private:
-  struct Truths;
   std::vector<Scene> scenes_;
   std::unique_ptr<Truths> truths_;
 };

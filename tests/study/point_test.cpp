@@ -14,6 +14,7 @@
 #include "report/error.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
+#include "study/truths.hpp"
 #include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
@@ -130,6 +131,35 @@ TEST(Point, TheIdealPictureIsDrawnOnce) {
   EXPECT_TRUE(same(*meter->ideal(other, 1), other, 1));
   meter.reset();
   EXPECT_TRUE(same(*kept, config, 1));
+}
+
+// What does not fit is computed again, and changes nothing.
+TEST(Point, TruthsStayWithinTheirMemory) {
+  const std::vector<Scene> scenes{demo_scene(64, 48), demo_scene(160, 120), demo_scene(48, 64)};
+  const Config first = shipped_config("depth16"), second = shipped_config("narrow");
+  const Metrics expected = PointMeter(scenes).measure(first).metrics;
+  Truths all(scenes, half_of_memory());
+  std::vector<std::size_t> sizes;
+  for (std::size_t i = 0; i < scenes.size(); ++i) sizes.push_back(all.of(first, i)->bytes());
+  EXPECT_EQ(all.bytes(), sizes[0] + sizes[1] + sizes[2]);
+  EXPECT_GT(sizes[0], 64U * 48U * sizeof(IdealFragment));
+  all.of(second, 0);
+  EXPECT_NE(all.kept(first, 0), nullptr);
+  const std::size_t both = all.bytes();
+
+  for (const std::size_t limit : {std::size_t{0}, sizes[0], sizes[0] + sizes[2], both}) {
+    SCOPED_TRACE(limit);
+    Truths some(scenes, limit);
+    for (const Config& config : {first, second, first}) {
+      for (std::size_t i = 0; i < scenes.size(); ++i) {
+        EXPECT_EQ(some.of(config, i)->frame.color, all.of(config, i)->frame.color);
+        EXPECT_LE(some.bytes(), limit);
+      }
+    }
+    EXPECT_EQ(some.kept(first, 0) != nullptr, limit >= sizes[0]);
+    EXPECT_EQ(some.kept(first, 1) != nullptr, limit >= both);
+    EXPECT_EQ(PointMeter(scenes, limit).measure(first).metrics, expected);
+  }
 }
 
 TEST(Point, IsTheSameFromEveryThread) {
