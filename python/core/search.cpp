@@ -55,7 +55,7 @@ nb::dict dict_of(const std::vector<KeySetting>& settings) {
   return out;
 }
 
-Evaluation evaluation_of(Found found) {
+Evaluation evaluation_of(Found&& found) {
   auto& [reason, all, scenes] = found;
   Evaluation out;
   out.refused = !reason.empty();
