@@ -89,18 +89,18 @@ def spot(foot: list, height: float, turn: float, color: list) -> tuple:
 def yard(random: numpy.random.Generator) -> list:
     grey, wood, paint = [0.8, 0.75, 0.7], [0.6, 0.45, 0.3], [[0.85, 0.2, 0.15], [0.95, 0.85, 0.2], [0.2, 0.4, 0.8]]
     parts = [floor(), rectangle([7, 0, 9], [0, 0, 32], [0, 3.2, 0], grey, (32, 4))]
-    for i in range(24):  # decals 4 mm in front of the wall, and above the floor
-        y, z = random.uniform([0.3, 9.5], [2.2, 39.5])
-        parts.append(rectangle([7 - 0.004, y, z], [0, 0, 0.8], [0, 0.8, 0], paint[i % 3]))
-        x, z = random.uniform([-4, 4], [5, 40])
-        parts.append(rectangle([x, 0.004, z], [1.2, 0, 0], [0, 0, 1.2], paint[i % 3]))
+    for i in range(24):  # decals 4 mm in front of the wall, and above the floor; none touches another
+        y, z = random.uniform([0.3, 0], [2.2, 0.4])
+        parts.append(rectangle([7 - 0.004, y, 9.4 + 1.25 * i + z], [0, 0, 0.8], [0, 0.8, 0], paint[i % 3]))
+        x, z = random.uniform([-4, 0], [4, 0.2])
+        parts.append(rectangle([x, 0.004, 5 + 1.45 * i + z], [1.2, 0, 0], [0, 0, 1.2], paint[i % 3]))
     for z in numpy.arange(6, 61, 0.5):  # the fence
         parts += post([-5.5, 0, z], 0.12, random.uniform(1, 1.2), wood)
     parts += [rectangle([-5.36, y, 6], [0, 0, 55], [0, 0.1, 0], wood, (55, 1)) for y in (0.3, 0.8)]
     poles = numpy.stack([numpy.full(12, -9), numpy.zeros(12), numpy.arange(12, 372, 30)], axis=-1)
     for pole in poles:
         parts += post(pole, 0.25, 8.5, wood)
-        parts.append(rectangle(pole + [-1.4, 8, 0], [3, 0, 0], [0, 0.15, 0], wood))
+        parts.append(rectangle(pole + [-1.4, 8, -0.02], [3, 0, 0], [0, 0.15, 0], wood))
     for arm in (-1.3, 0.1, 1.5):
         parts += [wire(a + [arm, 8.1, 0], b + [arm, 8.1, 0]) for a, b in zip(poles, poles[1:])]
     for foot, height, color in (([-1.9, 0, 6.5], 1.5, [1, 0.9, 0.8]), ([2.1, 0, 9.5], 1.9, [0.9, 0.7, 0.6]),
