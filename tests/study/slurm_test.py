@@ -22,7 +22,7 @@ import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parent.parent.parent
 PROGRAM = os.environ["BITSPAN_PROGRAM"]
-SECONDS = 60  # that each daemon, and then the array, may take
+SECONDS = 300  # that each daemon, the array and each command may take
 PR_SET_CHILD_SUBREAPER = 36
 
 PLAN = """
