@@ -413,6 +413,15 @@ TEST(Plan, ShippedStudiesAreLegal) {
   EXPECT_GE(studies, 3);
 }
 
+TEST(Plan, TheStudyOfTheYardIsLegal) {
+  const TemporaryFolder folder;
+  folder.write("yard.tri", "");
+  const std::string path = folder.write("yard.toml", read_file(source_path("examples/views/yard.toml")));
+  const StudyPlan plan = load_study(path, find);
+  EXPECT_EQ(plan.scenes.size(), 12U);
+  EXPECT_EQ(plan.validation.size(), 100U);
+}
+
 TEST(Plan, TheExampleOfTheDocumentIsLegal) {
   const std::string page = read_file(source_path("docs/study.md"));
   const auto from = page.find("```toml\n");

@@ -22,6 +22,7 @@ import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parent.parent.parent
 PROGRAM = os.environ["BITSPAN_PROGRAM"]
+PATH = f"{os.environ['PATH']}:/usr/sbin"
 SECONDS = 300  # that each daemon, the array and each command may take
 PR_SET_CHILD_SUBREAPER = 36
 
@@ -125,7 +126,7 @@ class Slurm(unittest.TestCase):
         (self.folder / "bin/bitspan").symlink_to(PROGRAM)
         (self.folder / "work/grid.toml").write_text(PLAN)
         self.environment = {**os.environ, "SLURM_CONF": str(self.folder / "slurm.conf"),
-                            "PATH": f"{self.folder}/bin:/usr/sbin:{os.environ['PATH']}"}
+                            "PATH": f"{self.folder}/bin:{PATH}"}
 
     def run_here(self, *command):
         run = subprocess.run(command, cwd=self.folder / "work", env=self.environment, capture_output=True, text=True, timeout=SECONDS)
@@ -179,7 +180,7 @@ class Slurm(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if not all(map(shutil.which, ("munged", "slurmctld", "slurmd"))):
+    if not all(shutil.which(daemon, path=PATH) for daemon in ("munged", "slurmctld", "slurmd")):
         print("skipped: Slurm or MUNGE is missing")
         sys.exit(77)
     ctypes.CDLL(None, use_errno=True).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
