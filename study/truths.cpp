@@ -9,7 +9,7 @@
 #include <span>
 #include <utility>
 
-#include "golden/ideal.hpp"
+#include "golden/mip_chain.hpp"
 #include "study/engines.hpp"
 
 namespace bitspan {
