@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .study import BudgetRow, Metric, Study, Varied
+from . import expression
+from .study import BudgetRow, Constraint, Metric, Study, Varied
 
 Floats = NDArray[np.float64]
 
@@ -213,14 +214,59 @@ def cost_metrics(study: Study) -> list[str]:
 
 
 def error_metrics(study: Study) -> list[str]:
-    """Returns the errors of a menu: those of the plan and its constraints, or all that differ between points."""
-    named = [*study.chosen_metrics, *(c.metric for c in study.constraints)]
+    """Returns the errors of a menu: those of the plan and its constraints, or all that differ between points.
+
+    What constraints judge comes first, since a point's verdict is seen there alone.
+    """
+    worst = sorted(study.worst_scenes, key=lambda n: not _varies(study.metrics[n]))
+    named = [*worst, *study.chosen_metrics, *(c.metric for c in study.constraints)]
     named = [n for n in dict.fromkeys(named) if n in study.metrics and not _is_cost(study, n)]
     if study.chosen_metrics and named:
         return named
     rest = [n for n, column in study.metrics.items() if study.metric(n).role == "result" and _varies(column)]
     rest.sort(key=lambda n: (n != "span.u.p999", not n.startswith("span."), not n.endswith(".p999"), n))
     return list(dict.fromkeys([*named, *rest]))[:MOST_METRICS] or list(study.metrics)[:1]
+
+
+@dataclass
+class SceneColumn:
+    """A metric of each scene alone, at each point."""
+
+    values: Floats  # (scenes, points)
+    there: NDArray[np.bool_]  # (scenes, points); false: the scene does not have the metric
+
+
+def scene_column(text: str, scenes: dict[str, SceneColumn], pooled: dict[str, Floats]) -> SceneColumn | None:
+    """Returns what each scene gives a metric or an expression; None where none gives anything.
+
+    An expression takes from all scenes together what a scene has no share in, such as a cost.
+    """
+    if text in scenes:
+        return scenes[text]
+    names = expression.metrics_of(text)
+    if not any(n in scenes for n in names) or not all(n in scenes or n in pooled for n in names):
+        return None
+    used, share, known = {}, np.array(False), np.array(True)
+    for name in names:
+        all_together = pooled.get(name, np.array(math.nan))
+        own = scenes.get(name, SceneColumn(all_together, np.array(False)))
+        used[name] = np.where(own.there, own.values, all_together)
+        share, known = share | own.there, known & (own.there | ~np.isnan(all_together))
+    return SceneColumn(expression.value_of(text, used), share & known)
+
+
+def decisive(constraint: Constraint, scenes: SceneColumn, pooled: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    """Returns what a constraint judges at each point, and the scene that has it, -1 for all scenes together.
+
+    It is the scene that is nearest to the limit or farthest beyond it, and the first of equal ones.
+    """
+    values, scene = pooled.copy(), np.full(pooled.shape, -1)
+    least = np.full(pooled.shape, math.inf)
+    for i, (own, there) in enumerate(zip(scenes.values, scenes.there)):
+        margins = constraint.margins(own)
+        worse = there & ((scene < 0) | (margins < least))
+        values[worse], least[worse], scene[worse] = own[worse], margins[worse], i
+    return values, scene
 
 
 def column_to_minimise(study: Study, metric: str) -> Floats:

@@ -8,7 +8,7 @@ import math
 from typing import Any
 
 from . import analysis
-from .page import escape, note, point_link, section, table
+from .page import escape, note, or_dash, point_link, section, table
 from .study import Point, Study
 
 MOST_POINTS = 200  # of a table of points that changed
@@ -55,7 +55,7 @@ def _moved(study: Study, index: int, other: Study, old: int) -> str:
     """Returns the settings of two points that differ, and their costs and errors with the differences."""
     now, before = _all_settings(study, index), _all_settings(other, old)
     settings = [
-        (key, _text(before.get(key)), _text(now.get(key)))
+        (key, or_dash(before.get(key)), or_dash(now.get(key)))
         for key in dict.fromkeys([*before, *now])
         if before.get(key) != now.get(key)
     ]
@@ -71,10 +71,6 @@ def _moved(study: Study, index: int, other: Study, old: int) -> str:
     if missing:
         parts.append(note("Not measured before: " + ", ".join(missing)))
     return '<div class="beside">' + "".join(f"<div>{part}</div>" for part in parts) + "</div>"
-
-
-def _text(value: Any) -> str:
-    return "–" if value is None else str(value)
 
 
 def _difference(now: float, before: float) -> float:

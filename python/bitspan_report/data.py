@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import base64
+import json
 import math
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -77,13 +78,18 @@ def packed_hashes(hashes: Sequence[str]) -> dict[str, Any]:
 
 
 def told_columns(study: Study, room: int = METRICS_ROOM) -> tuple[dict[str, Any], list[str]]:
-    """Returns the columns of the metrics that the page tells, the drawn ones first, and the names that found no room."""
+    """Returns the columns of the metrics that the page tells, the drawn ones first, and the names that found no room.
+
+    What a constraint judges on its worst scene has that scene's name per point beside it.
+    """
     drawn = dict.fromkeys([*analysis.cost_metrics(study)[:1], *analysis.error_metrics(study), *analysis.cost_metrics(study)])
     columns: dict[str, Any] = {}
     left_out = []
-    for name in dict.fromkeys([*(n for n in drawn), *analysis.told_metrics(study)]):
+    for name in dict.fromkeys([*drawn, *analysis.told_metrics(study)]):
         column = packed_column(study.metrics[name])
-        room -= sum(len(part["bytes"]) for part in column.values() if part)
+        if name in study.worst_scenes:
+            column["scene"] = packed_texts(study.worst_scenes[name])
+        room -= len(json.dumps(column))
         if room < 0:
             left_out.append(name)
         else:
@@ -144,7 +150,9 @@ def page_data(study: Study, axes: Sequence[analysis.Axis]) -> dict[str, Any]:
         "leftOut": left_out,
         "high": [n for n in columns if study.metric(n).high],
         "units": {n: study.unit_of(n) for n in columns},
-        "limits": [{"metric": c.metric, "atMost": c.at_most, "atLeast": c.at_least} for c in study.constraints],
+        "limits": [
+            {"text": str(c), "metric": c.judged, "atMost": c.at_most, "atLeast": c.at_least} for c in study.constraints
+        ],
         "x": x_names,
         "y": y_names,
         "axes": [{"label": a.label, "shown": a.shown, "keys": a.keys, "numeric": a.numeric} for a in axes],

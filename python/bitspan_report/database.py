@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 import os
@@ -17,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import ReportError, analysis
+from . import ReportError, analysis, expression
 from .study import (
     Area,
     Bound,
@@ -141,12 +142,15 @@ def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
         base=indices.get(base_hash),
         metrics=_read_metrics(reader, indices),
         scenes=_read_scenes(reader),
+        worst_scenes={},
         known=_read_known_metrics(reader),
         axes=axes,
         base_settings=base_settings if base_hash in indices else dict.fromkeys(base_settings),
         constraints=[
             Constraint(*row)
-            for row in reader.rows("SELECT metric, at_most, at_least FROM constraints WHERE study = :s ORDER BY i")
+            for row in reader.rows(
+                "SELECT metric, at_most, at_least, over = 'pooled' FROM constraints WHERE study = :s ORDER BY i"
+            )
         ],
         chosen_metrics=[row[0] for row in reader.rows("SELECT name FROM study_metrics WHERE study = :s ORDER BY i")],
         cost_metric=cost,
@@ -186,6 +190,8 @@ def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
     )
     _add_area_metrics(study)
     _add_expressions(study, reader)
+    _add_worst_scenes(study, reader)
+    study.metrics = dict(sorted(study.metrics.items()))
     study.registers = _read_registers(reader, analysis.noted_points(study))
     return study
 
@@ -232,7 +238,7 @@ def _read_metrics(reader: _Reader, indices: dict[str, int]) -> dict[str, NDArray
     for h, name, value in reader.rows(f"SELECT hash, name, value FROM metrics WHERE hash IN {_POINTS}"):
         if h in indices:
             columns[name][indices[h]] = number(value)
-    return dict(sorted(columns.items()))
+    return columns
 
 
 def _no_values(count: int) -> NDArray[np.float64]:
@@ -244,7 +250,7 @@ def _read_scenes(reader: _Reader) -> dict[str, dict[str, dict[str, float]]]:
     wanted = "(SELECT hash FROM recommended WHERE study = :s UNION SELECT base_hash FROM studies WHERE name = :s)"
     found: dict[str, dict[str, dict[str, float]]] = {}
     for h, scenes in reader.rows(f"SELECT hash, scenes FROM points WHERE hash IN {wanted}"):
-        names = [str(scene.get("name", "")) for scene in listed_scenes(scenes or "") or [] if isinstance(scene, dict)]
+        names = _scene_names(scenes or "")
         rows: dict[str, dict[str, float]] = {name: {} for name in names}
         for scene, name, value in reader.rows(
             "SELECT scene, name, value FROM scene_metrics WHERE hash = :h ORDER BY scene", h=h
@@ -253,6 +259,10 @@ def _read_scenes(reader: _Reader) -> dict[str, dict[str, dict[str, float]]]:
                 rows[names[scene]][name] = number(value)
         found[h] = rows
     return found
+
+
+def _scene_names(scenes: str) -> list[str]:
+    return [str(scene.get("name", "")) for scene in listed_scenes(scenes) or [] if isinstance(scene, dict)]
 
 
 def _read_known_metrics(reader: _Reader) -> dict[str, Metric]:
@@ -398,6 +408,49 @@ def _add_expressions(study: Study, reader: _Reader) -> None:
         role = "cost" if text == study.cost_metric else "result"
         study.known.setdefault(text, Metric(text, "", "", "", text in at_least, role, False, "expression of the plan"))
         study.metrics.setdefault(text, _no_values(len(study.points)))[indices[h]] = number(value)
+
+
+def _add_worst_scenes(study: Study, reader: _Reader) -> None:
+    """Adds a metric for each constraint that judges the worst of several scenes, with what it judges at each point."""
+    names = {text: _scene_names(text) for text in {point.scenes for point in study.points}}
+    count = max(map(len, names.values()), default=0)
+    judging = [c for c in study.constraints if not c.pooled]
+    if count < 2:
+        return
+    scenes = _read_scene_columns(study, reader, {n for c in judging for n in expression.metrics_of(c.metric)}, count)
+    for constraint in judging:
+        of_scenes = analysis.scene_column(constraint.metric, scenes, study.metrics)
+        if of_scenes is None or constraint.metric not in study.metrics:
+            continue
+        name = f"{constraint.metric}, worst scene"
+        constraint.judged = name if name not in study.metrics else f"{name}, {constraint.limits}"
+        known = study.metric(constraint.metric)
+        study.known[constraint.judged] = dataclasses.replace(
+            known, name=constraint.judged, field="", label="", role="result"
+        )
+        values, deciding = analysis.decisive(constraint, of_scenes, study.metrics[constraint.metric])
+        study.metrics[constraint.judged] = values
+        study.worst_scenes[constraint.judged] = [
+            names[point.scenes][i] if i >= 0 else "" for point, i in zip(study.points, deciding)
+        ]
+
+
+def _read_scene_columns(
+    study: Study, reader: _Reader, metrics: set[str], count: int
+) -> dict[str, analysis.SceneColumn]:
+    shape = (count, len(study.points))
+    columns: dict[str, analysis.SceneColumn] = {}
+    for metric in sorted(metrics):
+        query = f"SELECT hash, scene, value FROM scene_metrics WHERE name = :n AND hash IN {_POINTS}"
+        for h, scene, value in reader.rows(query, n=metric):
+            index = study.index_of(h)
+            if index is None or not 0 <= scene < count:
+                continue
+            if metric not in columns:
+                columns[metric] = analysis.SceneColumn(np.full(shape, math.nan), np.zeros(shape, dtype=bool))
+            columns[metric].values[scene, index] = number(value)
+            columns[metric].there[scene, index] = True
+    return columns
 
 
 def _add_area_metrics(study: Study) -> None:

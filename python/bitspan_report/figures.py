@@ -119,7 +119,7 @@ def _legend_above(axes: Axes, ncol: int = 5, **more: Any) -> None:
 def _draw_limits(axes: Axes, metric: str, constraints: Sequence[Constraint], vertical: bool) -> None:
     for constraint in constraints:
         for limit in (constraint.at_most, constraint.at_least):
-            if constraint.metric != metric or limit is None:
+            if constraint.judged != metric or limit is None:
                 continue
             scale = axes.get_yscale() if vertical else axes.get_xscale()
             if scale == "log" and limit <= 0:

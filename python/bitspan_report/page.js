@@ -54,6 +54,12 @@ function metricAt(metric, index) {
 
 const packedTextAt = (column, index) => column.table[unpacked(column.at)[index]];
 
+// Returns the scene that decides at a point what a constraint judges; "" where it is no scene alone.
+function sceneAt(metric, index) {
+  const { scene } = data.metrics[metric];
+  return scene ? packedTextAt(scene, index) : "";
+}
+
 function hashOf(index) {
   const { digits, texts } = data.hashes;
   if (texts) return texts[index];
@@ -164,6 +170,13 @@ function metricsPart(index) {
   return [make("h3", { textContent: `Metrics (${names.length})` }), filter, make("div", { style: "height:6px" }), box];
 }
 
+// Returns what each constraint judges at a point, and on which scene.
+function judgedPart(index) {
+  const rows = data.limits.filter(({ metric }) => metric in data.metrics).map(({ text, metric }) =>
+    [text, metricAt(metric, index), sceneAt(metric, index) || "–"]);
+  return rows.length ? [tableOf(["constraint", "judged", "on scene"], rows)] : [];
+}
+
 function areaPart(areas) {
   const describe = (a) => (a.status === "ok"
     ? Object.entries(a.values).map(([name, value]) => `${textOf(value)} ${name.replace("_", " ")}`).join(", ")
@@ -188,6 +201,7 @@ function showPoint(index) {
     parts.push(make("p", { className: holds ? "ok" : "bad",
       textContent: holds ? "holds all constraints" : "fails a constraint" }));
   }
+  if (refusal === null) parts.push(...judgedPart(index));
   const same = refusal !== null ? [index] : pointsAtPlace(index);
   if (same.length > 1) {
     parts.push(make("p", { className: "note",

@@ -17,6 +17,11 @@ from .study import Area, Study, listed_scenes
 
 REFUSED_ROWS = 1000  # of the table; the plot and its panel know all
 
+WORST_SCENE = (
+    "“worst scene” is what a constraint judges: the scene that is nearest to the limit, or farthest beyond it. The same "
+    "metric without these words is that of all scenes together."
+)
+
 _HERE = pathlib.Path(__file__).resolve().parent
 
 PICTURE_TITLES = {
@@ -165,7 +170,7 @@ def recommended(study: Study) -> str:
             continue
         names = [
             *analysis.cost_metrics(study),
-            *(c.metric for c in study.constraints),
+            *(c.judged for c in study.constraints),
             *analysis.error_metrics(study)[:6],
         ]
         values = [
@@ -178,7 +183,7 @@ def recommended(study: Study) -> str:
             for n in dict.fromkeys(names)
             if n in study.metrics
         ]
-        settings = [(key, value, _or_dash(base_values.get(key))) for key, value in study.points[index].settings.items()]
+        settings = [(key, value, or_dash(base_values.get(key))) for key, value in study.points[index].settings.items()]
         tables = [table(["metric", "value", "unit", "of the base"], values)]
         if settings:
             tables.insert(0, table(["setting", "value", "of the base"], settings))
@@ -206,7 +211,7 @@ def _scenes_table(study: Study, point: str) -> str:
     return f"<details><summary>Each scene alone</summary>{table(['scene', *shown], rows)}</details>"
 
 
-def _or_dash(value: Any) -> Any:
+def or_dash(value: Any) -> Any:
     return "–" if value is None else value
 
 
@@ -251,7 +256,7 @@ def pareto(study: Study) -> str:
             '<button id="pareto-next" title="next point of the front">front ▶</button></div>'
             '<div class="pareto"><div><div id="pareto-plot" class="chart"></div>'
             '<p class="note">The line is the Pareto front: no point has less of both. A dashed line is a constraint. '
-            "Click a point to see its configuration.</p></div>"
+            f"{WORST_SCENE + ' ' if study.worst_scenes else ''}Click a point to see its configuration.</p></div>"
             '<div id="detail" class="detail" aria-live="polite"><p class="note">Click a point of the plot: its settings, '
             "its metrics, its TOML and the command that runs it again appear here.</p></div></div>"
         ),

@@ -87,7 +87,8 @@ function drawPlot(element, traces, layout, choose = (index) => index) {
 
 function hoverOf(index, x, y) {
   const all = settingsOf(index), settings = all.slice(0, 12).map(([k, v]) => `${escaped(k)} = ${escaped(v)}`);
-  const lines = [`<b>${escaped(y)}</b> ${textOf(metricAt(y, index))} ${escaped(data.units[y] || "")}`,
+  const scene = sceneAt(y, index);
+  const lines = [`<b>${escaped(y)}</b> ${textOf(metricAt(y, index))} ${escaped(data.units[y] || "")}${scene && ` on ${escaped(scene)}`}`,
     `<b>${escaped(x)}</b> ${textOf(metricAt(x, index))} ${escaped(data.units[x] || "")}`, ...settings];
   if (all.length > 12) lines.push("…");
   if (holdsAt(index) === false) lines.push("fails a constraint");

@@ -203,13 +203,29 @@ class Recommendation:
 
 @dataclass
 class Constraint:
-    metric: str
+    metric: str  # or an expression
     at_most: float | None
     at_least: float | None
+    pooled: bool  # all scenes together are judged; else the worst scene is
+    judged: str = field(init=False)  # the metric whose column has what is judged at each point
+
+    def __post_init__(self) -> None:
+        self.judged = self.metric
+
+    @property
+    def limits(self) -> str:
+        limits = [("at least", self.at_least), ("at most", self.at_most)]
+        return " and ".join(f"{word} {limit:g}" for word, limit in limits if limit is not None)
 
     def __str__(self) -> str:
-        limits = [("at least", self.at_least), ("at most", self.at_most)]
-        return f"{self.metric} " + " and ".join(f"{word} {limit:g}" for word, limit in limits if limit is not None)
+        return f"{self.metric} {self.limits}" + (", over all scenes together" if self.pooled else "")
+
+    def margins(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Returns how far values are from the nearer limit, below 0 beyond it. A NaN is infinitely far beyond."""
+        most = math.inf if self.at_most is None else self.at_most
+        least = -math.inf if self.at_least is None else self.at_least
+        with np.errstate(invalid="ignore"):  # inf - inf: there is no such limit
+            return np.where(np.isnan(values), -math.inf, np.fmin(most - values, values - least))
 
 
 @dataclass
@@ -225,6 +241,7 @@ class Study:
     base: int | None  # index into points
     metrics: dict[str, NDArray[np.float64]]
     scenes: dict[str, dict[str, dict[str, float]]]  # by hash, scene and metric: recommended points and the base
+    worst_scenes: dict[str, list[str]]  # by the judged metric of a constraint: the scene that decides at each point
     known: dict[str, Metric]  # every metric that a study can have, in the order of tables
     axes: list[Varied]
     base_settings: dict[str, Any]  # the base's value of each of those keys; None where it has none or was not measured

@@ -10,9 +10,9 @@ import unittest
 from pathlib import Path
 
 import numpy as np
-from bitspan_report import analysis, data, figures, page
+from bitspan_report import analysis, data, expression, figures, page
 from bitspan_report.database import load_study
-from bitspan_report.study import Bound, BudgetRow, Metric, Point, Register, SearchStep, Varied
+from bitspan_report.study import Bound, BudgetRow, Constraint, Metric, Point, Register, SearchStep, Varied
 from make_database import BASE, write_database
 
 ERROR = Metric("span.u.max", "span.u", "maximum", "texel", False, "result", False, "")
@@ -191,6 +191,51 @@ class BoundsAndSearch(unittest.TestCase):
         self.assertEqual(figures.best_so_far(steps[:1]), [])
 
 
+class Expressions(unittest.TestCase):
+    METRICS = {"a.b": np.array([1.0, 2.0, math.nan]), "m0": np.array([4.0, 0.0, 8.0]), "x.in_2": np.array([3.0, 3.0, 3.0])}
+
+    def test_values_are_those_of_docs_study(self):
+        for text, expected in (
+            ("a.b", (1, 2, math.nan)),
+            ("a.b + 2 * m0 - 1", (8, 1, math.nan)),
+            ("(a.b + 2) * -m0 / .5", (-24, 0, math.nan)),
+            ("x.in_2/m0 - 2e0", (-1.25, math.nan, -1.625)),
+            ("min(m0, a.b, x.in_2)", (1, 0, math.nan)),
+            ("max(a.b, m0)+max(x.in_2)", (7, 5, math.nan)),
+            ("8 / m0 / 2 - 1 - 1", (-1, math.nan, -1.5)),
+        ):
+            np.testing.assert_array_equal(expression.value_of(text, self.METRICS), expected, text)
+        self.assertEqual(expression.metrics_of("min(m0, a.b) / 1e3 + m0"), ["m0", "a.b"])
+
+    def test_nothing_else_is_evaluated(self):
+        for text in ("a.b ** m0", "a.b if m0 else 1", "abs(a.b)", "a.b[0]", "min(*m0)", "'a'", "a.b, m0", "", "(" * 9999 + "m0"):
+            with self.assertRaises((ValueError, KeyError), msg=text):
+                expression.value_of(text, {**self.METRICS, "abs": self.METRICS["m0"]})
+
+
+class WorstScene(unittest.TestCase):
+    def judged(self, constraint, values, there=None):
+        values = np.array(values, dtype=float)[:, None]
+        there = np.ones_like(values, dtype=bool) if there is None else np.array(there)[:, None]
+        found, scene = analysis.decisive(constraint, analysis.SceneColumn(values, there), np.array([7.0]))
+        return float(found[0]), int(scene[0])
+
+    def test_is_the_nearest_to_the_limit_or_farthest_beyond_it(self):
+        most, least, both = (Constraint("m", *limits, False) for limits in ((5, None), (None, 2), (5, 2)))
+        self.assertEqual(self.judged(most, [1, 3, 2]), (3, 1))
+        self.assertEqual(self.judged(least, [9, 3, 4]), (3, 1))
+        self.assertEqual(self.judged(both, [4, 2.5, 3]), (2.5, 1))
+        self.assertEqual(self.judged(both, [7, 1, 3]), (7, 0))
+        self.assertEqual(self.judged(most, [3, 3]), (3, 0))
+        self.assertEqual(self.judged(least, [math.inf, math.inf]), (math.inf, 0))
+        self.assertEqual(self.judged(least, [0, math.inf], [False, True]), (math.inf, 1))
+        self.assertEqual(self.judged(most, [0, -math.inf, 4], [False, True, False]), (-math.inf, 1))
+        self.assertEqual(self.judged(most, [9, 9], [False, False]), (7, -1))
+        found, scene = self.judged(most, [9, math.nan, math.nan])
+        self.assertTrue(math.isnan(found))
+        self.assertEqual(scene, 1)
+
+
 class Curves(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -265,6 +310,67 @@ class Curves(unittest.TestCase):
                 connection.execute(statement)
             connection.commit()
         return load_study(str(path), "spans")
+
+    def test_a_point_holds_where_its_worst_scenes_do(self):
+        def within(column):
+            return [all(c.margins(column(c))[i] >= 0 for c in self.study.constraints) for i in judged]
+
+        judged = [i for i, point in enumerate(self.study.points) if point.holds is not None]
+        holds = [self.study.points[i].holds for i in judged]
+        self.assertEqual(within(lambda c: self.study.metrics[c.judged]), holds)
+        self.assertNotEqual(within(lambda c: self.study.metrics[c.metric]), holds)
+        self.assertEqual(
+            analysis.error_metrics(self.study)[:2], ["span.u.p999, worst scene", "picture.wrong_order, worst scene"]
+        )
+        self.assertEqual(self.study.unit_of("span.u.p999, worst scene"), "texel")
+
+    def test_the_worst_scene_is_that_of_the_database(self):
+        scenes = self.study.worst_scenes["span.u.p999, worst scene"]
+        with contextlib.closing(sqlite3.connect(self.database)) as connection:
+            for i, point in enumerate(self.study.points):
+                rows = connection.execute(
+                    "SELECT value, scene FROM scene_metrics WHERE hash = ? AND name = 'span.u.p999'", (point.hash,)
+                ).fetchall()
+                if not rows:
+                    self.assertTrue(point.refused)
+                    continue
+                value, scene = max(rows)
+                self.assertEqual(self.study.metrics["span.u.p999, worst scene"][i], value)
+                self.assertEqual(scenes[i], ("demo", "extreme")[scene])
+        self.assertEqual(set(scenes), {"", "demo", "extreme"})
+
+    def test_pooled_constraints_and_single_scenes_have_no_worst(self):
+        for statement in (
+            "UPDATE constraints SET over = 'pooled'",
+            """UPDATE points SET scenes = '[{"name": "demo"}]'""",
+            "DELETE FROM scene_metrics",
+        ):
+            study = self.changed(statement)
+            self.assertEqual(study.worst_scenes, {})
+            self.assertEqual([c.judged for c in study.constraints], [c.metric for c in study.constraints])
+            self.assertEqual(analysis.error_metrics(study)[0], "span.u.p999")
+        self.assertEqual(
+            str(self.changed("UPDATE constraints SET over = 'pooled'").constraints[0]),
+            "span.u.p999 at most 0.25, over all scenes together",
+        )
+
+    def test_an_expression_and_a_second_limit_have_their_own_worst(self):
+        text = "span.u.p999 * cost.register_bits"
+        study = self.changed(
+            f"INSERT INTO expressions SELECT hash, '{text}', 1 FROM metrics WHERE name = 'span.u.p999'",
+            f"INSERT INTO constraints VALUES('spans', 2, '{text}', 500, NULL, 'worst')",
+            "INSERT INTO constraints VALUES('spans', 3, 'span.u.p999', NULL, 0.001, 'worst')",
+            "INSERT INTO constraints VALUES('spans', 4, 'cost.register_bits', 5000, NULL, 'worst')",
+        )
+        expected = study.metrics["span.u.p999, worst scene"] * study.metrics["cost.register_bits"]
+        np.testing.assert_array_equal(study.metrics[f"{text}, worst scene"], expected)
+        self.assertEqual(study.worst_scenes[f"{text}, worst scene"], study.worst_scenes["span.u.p999, worst scene"])
+        second = study.constraints[3].judged
+        self.assertEqual(second, "span.u.p999, worst scene, at least 0.001")
+        np.testing.assert_allclose(
+            study.metrics[second] * 1.25 / 0.8, study.metrics["span.u.p999, worst scene"], rtol=1e-12
+        )
+        self.assertEqual(study.constraints[4].judged, "cost.register_bits")  # no scene has a share in it
 
     def test_expressions_of_the_plan_are_metrics(self):
         cost, limited = "2 * cost.register_bits", "1 / span.u.max"

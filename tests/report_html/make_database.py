@@ -79,7 +79,7 @@ CREATE TABLE registers(hash TEXT, name TEXT, format TEXT, word INTEGER, int INTE
 CREATE TABLE studies(name TEXT PRIMARY KEY, plan TEXT, kind TEXT, base_hash TEXT, cost TEXT);
 CREATE TABLE axes(study TEXT, axis INTEGER, i INTEGER, key TEXT, base TEXT, name TEXT, "offset" INTEGER, PRIMARY KEY(study, axis, i));
 CREATE TABLE constraints(study TEXT, i INTEGER, metric TEXT, at_most NUMERIC, at_least NUMERIC, over TEXT, PRIMARY KEY(study, i));
-CREATE TABLE scene_metrics(hash TEXT, scene INTEGER, name TEXT, value REAL);
+CREATE TABLE scene_metrics(hash TEXT, scene INTEGER, name TEXT, value REAL, PRIMARY KEY(hash, scene, name));
 CREATE TABLE expressions(hash TEXT, text TEXT, value REAL, PRIMARY KEY(hash, text));
 CREATE TABLE findings(study TEXT, hash TEXT, line TEXT);
 CREATE TABLE validation(study TEXT, hash TEXT, scene TEXT, i INTEGER, value REAL, holds INTEGER);
@@ -142,6 +142,9 @@ KNOWN_METRICS = [
 
 def digest(*parts: object) -> str:
     return hashlib.sha256("|".join(map(str, parts)).encode()).hexdigest()
+
+
+SCENES = json.dumps([{"name": name, "hash": digest(name)} for name in ("demo", "extreme")])
 
 
 def stored(value: float) -> float | str | None:
@@ -327,8 +330,10 @@ class Writer:
         return h
 
     def holds(self, h: str) -> bool:
-        metrics = dict(self.connection.execute("SELECT name, value FROM metrics WHERE hash = ?", (h,)))
-        return bool(metrics) and metrics["span.u.p999"] <= 0.25 and metrics["picture.wrong_order"] == 0
+        worst = dict(
+            self.connection.execute("SELECT name, max(value) FROM scene_metrics WHERE hash = ? GROUP BY name", (h,))
+        )
+        return bool(worst) and worst["span.u.p999"] <= 0.25 and worst["picture.wrong_order"] == 0
 
     def cost(self, h: str) -> float | None:
         row = self.connection.execute(
@@ -337,21 +342,31 @@ class Writer:
         return row[0] if row else None
 
     def _measure(self, h: str, merged: dict[str, int], config: str) -> None:
-        scenes = json.dumps([{"name": "demo", "hash": digest("demo")}, {"name": "extreme", "hash": digest("extreme")}])
         narrow = merged["formats.span.uv.word"] < 18
         message = (
             f"formats.span.uv: u reaches 40000 texels on scene demo; 17 bits hold 32768 {HOSTILE}" if narrow else ""
         )
         self.insert(
-            "points", (h, digest(config), "" if narrow else config, scenes, "refused" if narrow else "ok", message, 0.4)
+            "points", (h, digest(config), "" if narrow else config, SCENES, "refused" if narrow else "ok", message, 0.4)
         )
         if narrow:
             return
         metrics = metrics_of(merged)
         self.insert("metrics", *((h, name, stored(value)) for name, value in metrics.items()))
+        self.insert("scene_metrics", *scene_metrics_of(h, merged, metrics))
         for quantity, unit in (("u", "texel"), ("h", "depth code")):
             self.insert("fields", (h, "span", quantity, unit, 2.0**-8, 329826))
         self.insert("registers", *((h, *row) for row in registers_of(merged)))
+
+
+def scene_metrics_of(h: str, settings: dict[str, int], metrics: dict[str, float]) -> list[tuple]:
+    """Rows of the constrained metrics: the worse scene has a larger error than both together."""
+    factors = (0.8, 1.25) if settings["reciprocal.pixel.output.word"] > 14 else (1.25, 0.8)
+    return [
+        *((h, scene, "span.u.p999", factor * metrics["span.u.p999"]) for scene, factor in enumerate(factors)),
+        (h, 0, "picture.wrong_order", 0),
+        (h, 1, "picture.wrong_order", metrics["picture.wrong_order"]),
+    ]
 
 
 def settings_with(h: int, uv: int, output: int) -> dict[str, int]:
@@ -423,10 +438,11 @@ def search(writer: Writer, base: str) -> tuple[str, dict[str, int]]:
         lower = [i - (k == axis) for k, i in enumerate(at)]
         settings = settings_with(*(a[i] for a, i in zip(axes, lower)))
         h = writer.point(settings, listed=False)
-        values = dict(writer.connection.execute("SELECT name, value FROM metrics WHERE hash = ?", (h,)))
+        query = "SELECT max(value) FROM scene_metrics WHERE hash = ? AND name = 'span.u.p999'"
+        (worst,) = writer.connection.execute(query, (h,)).fetchone()
         failed = (
-            f"fails: span.u.p999 is {values['span.u.p999']:.3g}, at most 0.25"
-            if values and values["span.u.p999"] > 0.25
+            f"fails: span.u.p999 is {worst:.3g}, at most 0.25"
+            if worst is not None and worst > 0.25
             else "fails: picture.wrong_order is 2, at most 0"
         )
         writer.insert(
@@ -483,11 +499,9 @@ def write_database(path: str | pathlib.Path) -> None:
     )
     writer.insert(
         "findings",
-        ("spans", found, f"span.u.p999 is 0.2 on extreme, at most 0.25: margin 20 %; 2 of 2 scenes hold {HOSTILE}"),
+        ("spans", found, f"span.u.p999 is 0.2408 on demo, at most 0.25: margin 3.7 %; 2 of 2 scenes hold {HOSTILE}"),
         ("spans", found, "validated on 8 views that no point was chosen by: all constraints hold on 7"),
     )
-    for scene, value in ((0, 0.125), (1, 0.2)):
-        writer.insert("scene_metrics", (found, scene, "span.u.p999", value))
     add_report(writer, base, BASE)
     add_report(writer, found, settings)
     for h in (base, found):
@@ -558,8 +572,9 @@ def add_many(path: str | pathlib.Path, count: int) -> None:
         for name in ("span.u.p999", "span.u.rms", "span.u.max", "span.h.max"):
             metrics[name] *= 1 + rng.random()
         h = digest("many", i)
-        writer.insert("points", (h, digest(h), None, "[]", "ok", "", 0.01))
+        writer.insert("points", (h, digest(h), None, SCENES, "ok", "", 0.01))
         writer.insert("metrics", *((h, name, stored(value)) for name, value in metrics.items()))
+        writer.insert("scene_metrics", *scene_metrics_of(h, settings, metrics))
         writer.insert("study_points", ("spans", i, h, json.dumps(settings), int(writer.holds(h))))
     connection.commit()
     connection.close()

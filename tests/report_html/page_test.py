@@ -162,7 +162,7 @@ class ManyPoints(Clicking):
         self.assertGreater(self.script(self.DRAWN), 5000)
         names = self.script("return document.getElementById('pareto-plot').data.map(t => t.name)")
         self.assertTrue({"point", "fails a constraint"} <= set(names))
-        for axis, name in (("x", "cost.register_bits"), ("y", "span.u.p999")):
+        for axis, name in (("x", "cost.register_bits"), ("y", "span.u.p999, worst scene")):
             low, high = self.script(
                 f"const a = document.getElementById('pareto-plot')._fullLayout.{axis}axis; "
                 "return a.range.map(v => a.type === 'log' ? 10 ** v : v)"
@@ -184,6 +184,7 @@ class ManyPoints(Clicking):
         for key, value in point.settings.items():
             self.assertIn(f"{key}{value}", self.shown_text("#detail"))
             self.assertIn(f"{key} = {value}", tip.text)
+        self.assertIn(f" on {self.study.worst_scenes['span.u.p999, worst scene'][index]}\n", tip.text)
         self.assertIn(f"--replay {point.hash}", self.shown_text("#detail .replay"))
         self.assertIn("keeps the TOML of the base and of recommended points only", self.shown_text("#detail"))
 
@@ -203,7 +204,7 @@ class ManyPoints(Clicking):
                 )
 
     def test_columns_arrive_as_they_were(self):
-        for name in ("span.u.p999", "cost.register_bits", "picture.psnr_db", "registers.wraps"):
+        for name in ("span.u.p999", "span.u.p999, worst scene", "cost.register_bits", "picture.psnr_db", "registers.wraps"):
             told = self.script("return Array.from(columnOf(arguments[0]), String)", name)
             for text, value in zip(told, self.study.metrics[name], strict=True):
                 if value == value:
@@ -240,6 +241,26 @@ class Page(Clicking):
             )
             self.assertIn("span.u.p999", rows)
         self.assertNotIn("fails a constraint", self.shown_text("#detail"))
+
+    def test_opens_on_what_the_constraint_judges(self):
+        limits = """return document.getElementById('pareto-plot').layout.shapes.filter(s => s.line.dash === 'dash').map(s => s.y0)"""
+        name = "span.u.p999, worst scene"
+        self.assertEqual(self.find("#pareto-y").get_attribute("value"), name)
+        self.assertEqual(self.script(limits), [0.25])
+        self.assertIn("what a constraint judges", self.shown_text("#pareto"))
+        index = next(
+            i for i, p in enumerate(self.study.points)
+            if p.holds is False and self.study.metrics["span.u.p999"][i] < 0.25 < self.study.metrics[name][i]
+        )  # fmt: skip
+        scene, value = self.study.worst_scenes[name][index], self.study.metrics[name][index]
+        self.assertIn(
+            f"<b>{name}</b> {value:.4g} texel on {scene}<br>", self.script("return hoverOf(arguments[0], shown.x, shown.y)", index)
+        )
+        self.script("showPoint(arguments[0])", index)
+        rows = self.script("return [...document.querySelector('#detail table').rows].map(r => [...r.cells].map(c => c.textContent))")
+        self.assertEqual(rows[:2], [["constraint", "judged", "on scene"], ["span.u.p999 at most 0.25", f"{value:.4g}", scene]])
+        Select(self.find("#pareto-y")).select_by_value("span.u.p999")
+        self.assertEqual(self.script(limits), [])
 
     def test_other_metrics_move_the_points_and_the_front(self):
         before = self.front()
@@ -285,7 +306,10 @@ class Page(Clicking):
         names = self.script(
             "return [...document.querySelectorAll('#detail .scroll tbody tr')].map(r => r.cells[0].textContent)"
         )
-        self.assertEqual(names, ["picture.psnr_db", "picture.wrong_order", "picture.wrong_texel_rate"])
+        self.assertEqual(
+            names,
+            ["picture.psnr_db", "picture.wrong_order", "picture.wrong_order, worst scene", "picture.wrong_texel_rate"],
+        )
 
     def test_bounds_tell_how_much_of_them_was_reached(self):
         texts = self.script(
