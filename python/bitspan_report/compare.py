@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import json
 import math
+from html import escape
 from typing import Any
 
 from . import analysis
-from .page import escape, note, or_dash, point_link, section, table
+from .markup import note, or_dash, point_link, section, table
 from .study import Point, Study
 
 MOST_POINTS = 200  # of a table of points that changed

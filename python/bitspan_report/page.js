@@ -174,7 +174,7 @@ function metricsPart(index) {
 function judgedPart(index) {
   const rows = data.limits.filter(({ metric }) => metric in data.metrics).map(({ text, metric }) =>
     [text, metricAt(metric, index), sceneAt(metric, index) || "–"]);
-  return rows.length ? [tableOf(["constraint", "judged", "on scene"], rows)] : [];
+  return rows.length ? [tableOf(["constraint", "judged", "scene"], rows)] : [];
 }
 
 function areaPart(areas) {

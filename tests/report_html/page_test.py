@@ -258,7 +258,7 @@ class Page(Clicking):
         )
         self.script("showPoint(arguments[0])", index)
         rows = self.script("return [...document.querySelector('#detail table').rows].map(r => [...r.cells].map(c => c.textContent))")
-        self.assertEqual(rows[:2], [["constraint", "judged", "on scene"], ["span.u.p999 at most 0.25", f"{value:.4g}", scene]])
+        self.assertEqual(rows[:2], [["constraint", "judged", "scene"], ["span.u.p999 at most 0.25", f"{value:.4g}", scene]])
         Select(self.find("#pareto-y")).select_by_value("span.u.p999")
         self.assertEqual(self.script(limits), [])
 
