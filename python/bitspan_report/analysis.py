@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import expression
-from .study import BudgetRow, Constraint, Metric, Study, Varied
+from .study import BudgetRow, Constraint, Metric, Study, Varied, View
 
 Floats = NDArray[np.float64]
 
@@ -267,6 +267,24 @@ def decisive(constraint: Constraint, scenes: SceneColumn, pooled: Floats) -> tup
         worse = there & ((scene < 0) | (margins < least))
         values[worse], least[worse], scene[worse] = own[worse], margins[worse], i
     return values, scene
+
+
+def finite_views(views: Sequence[View]) -> list[View]:
+    """Returns the views that have a finite value, by rising value."""
+    return sorted((view for view in views if math.isfinite(view.value)), key=lambda view: view.value)
+
+
+def held_text(views: Sequence[View]) -> str:
+    """Returns on how many of the views the constraint holds, and how many have no finite value to be drawn."""
+    held, unknown = sum(view.holds for view in views), len(views) - len(finite_views(views))
+    return f"{held} of {len(views)} hold" + (f"; {unknown} without a finite value" if unknown else "")
+
+
+def unseen_panels(study: Study, point_hash: str) -> list[tuple[str, Constraint, list[View]]]:
+    """Returns the title, the constraint and the views of each constraint that was validated at a recommended point."""
+    found = study.validation[point_hash]
+    constraints = [(study.constraints[i], views) for i, views in found.items() if i < len(study.constraints)]
+    return [(axis_title(study.metric(c.metric)), c, views) for c, views in constraints]
 
 
 def column_to_minimise(study: Study, metric: str) -> Floats:

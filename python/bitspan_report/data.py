@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import analysis, figures
-from .study import Area, BudgetRow, Register, Study
+from .study import Area, BudgetRow, Constraint, Register, Study, View
 
 
 def json_number(value: float) -> float | str | None:
@@ -150,9 +150,7 @@ def page_data(study: Study, axes: Sequence[analysis.Axis]) -> dict[str, Any]:
         "leftOut": left_out,
         "high": [n for n in columns if study.metric(n).high],
         "units": {n: study.unit_of(n) for n in columns},
-        "limits": [
-            {"text": str(c), "metric": c.judged, "atMost": c.at_most, "atLeast": c.at_least} for c in study.constraints
-        ],
+        "limits": [{"text": str(c), "metric": c.judged, "limits": c.limits} for c in study.constraints],
         "x": x_names,
         "y": y_names,
         "axes": [{"label": a.label, "shown": a.shown, "keys": a.keys, "numeric": a.numeric} for a in axes],
@@ -172,6 +170,7 @@ def page_data(study: Study, axes: Sequence[analysis.Axis]) -> dict[str, Any]:
             ]
             for h, rows in study.bounds.items()
         },
+        "unseen": {h: [_unseen(*panel) for panel in analysis.unseen_panels(study, h)] for h in study.validation},
         "steps": [[s.number, json_number(s.cost), s.holds, study.index_of(s.hash)] for s in study.steps],
         "best": figures.best_so_far(study.steps),
         "costTitle": analysis.axis_title(study.metric(study.cost_metric)),
@@ -212,6 +211,11 @@ def _register(r: Register) -> dict[str, Any]:
         "saturations": r.saturations,
         "bars": [[e, count, round(height, 3)] for e, count, height in figures.octave_bars(r)],
     }
+
+
+def _unseen(title: str, constraint: Constraint, views: list[View]) -> dict[str, Any]:
+    drawn = [[v.scene, json_number(v.value), v.holds] for v in analysis.finite_views(views)]
+    return {"title": title, "limits": constraint.limits, "count": len(views), "views": drawn}
 
 
 def _budget(study: Study, rows: list[BudgetRow]) -> dict[str, Any]:

@@ -35,6 +35,7 @@ from .study import (
     SearchStep,
     Study,
     Varied,
+    View,
     listed_scenes,
 )
 
@@ -187,6 +188,7 @@ def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
                 "SELECT hash, reason, verified FROM recommended WHERE study = :s ORDER BY rowid"
             )
         ],
+        validation=_read_validation(reader),
     )
     _add_area_metrics(study)
     _add_expressions(study, reader)
@@ -339,6 +341,14 @@ def _register(
     )
 
 
+def _read_validation(reader: _Reader) -> dict[str, dict[int, list[View]]]:
+    validation: dict[str, dict[int, list[View]]] = {}
+    query = "SELECT hash, i, scene, value, holds FROM validation WHERE study = :s ORDER BY hash, i, rowid"
+    for h, i, scene, value, holds in reader.rows(query):
+        validation.setdefault(h, {}).setdefault(i, []).append(View(scene, number(value), bool(holds)))
+    return validation
+
+
 def _read_budget(reader: _Reader) -> dict[str, list[BudgetRow]]:
     budget: dict[str, list[BudgetRow]] = defaultdict(list)
     for h, quantisation, metric, base, without, alone in reader.rows(
@@ -423,7 +433,7 @@ def _add_worst_scenes(study: Study, reader: _Reader) -> None:
         if of_scenes is None or constraint.metric not in study.metrics:
             continue
         name = f"{constraint.metric}, worst scene"
-        constraint.judged = name if name not in study.metrics else f"{name}, {constraint.limits}"
+        constraint.judged = name if name not in study.metrics else f"{name}, {constraint.limits_text}"
         known = study.metric(constraint.metric)
         study.known[constraint.judged] = dataclasses.replace(
             known, name=constraint.judged, field="", label="", role="result"

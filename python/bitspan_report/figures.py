@@ -18,7 +18,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from . import analysis
 from .analysis import Axis, Curve, Floats, Stack
-from .study import FIRST_OCTAVE, Bound, Constraint, Register, SearchStep
+from .study import FIRST_OCTAVE, Bound, Constraint, Register, SearchStep, View
 
 # Okabe and Ito's colours can be told apart with any common colour vision.
 BLUE, ORANGE, GREEN, RED, SKY, PINK, YELLOW = (
@@ -116,14 +116,10 @@ def _legend_above(axes: Axes, ncol: int = 5, **more: Any) -> None:
     )
 
 
-def _draw_limits(axes: Axes, metric: str, constraints: Sequence[Constraint], vertical: bool) -> None:
-    for constraint in constraints:
-        for limit in (constraint.at_most, constraint.at_least):
-            if constraint.judged != metric or limit is None:
-                continue
-            scale = axes.get_yscale() if vertical else axes.get_xscale()
-            if scale == "log" and limit <= 0:
-                continue
+def _draw_limits(axes: Axes, constraints: Sequence[Constraint], vertical: bool) -> None:
+    scale = axes.get_yscale() if vertical else axes.get_xscale()
+    for limit in (limit for constraint in constraints for limit in constraint.limits):
+        if scale != "log" or limit > 0:
             (axes.axhline if vertical else axes.axvline)(limit, color=RED, linewidth=1, linestyle="--", zorder=1)
 
 
@@ -136,13 +132,12 @@ def pareto(
     front: Sequence[int],
     base: int | None,
     recommended: Sequence[int],
-    y_metric: str,
-    constraints: Sequence[Constraint],
+    limits: Sequence[Constraint],
 ) -> Figure:
-    """Draws error against cost. costs, errors and holds are (points,); front, base and recommended index them."""
+    """Draws error against cost, with the limits of the error. costs, errors and holds are (points,); front, base and recommended index them."""
     figure, (axes,) = _figure(7.2, 4.6)
     x, y = _scale(axes, costs, False), _scale(axes, errors, True)
-    _draw_limits(axes, y_metric, constraints, True)
+    _draw_limits(axes, limits, True)
     drawable = np.isfinite(x) & np.isfinite(y)
     fails = drawable & np.array([h is False for h in holds], dtype=bool)
     many = int(drawable.sum()) > MOST_DRAWN_AS_VECTORS
@@ -198,9 +193,9 @@ def pareto(
 
 
 def curves(
-    axes_and_curves: Sequence[tuple[Axis, Curve]], metric: str, y_title: str, constraints: Sequence[Constraint]
+    axes_and_curves: Sequence[tuple[Axis, Curve]], y_title: str, limits: Sequence[Constraint]
 ) -> Figure:
-    """Draws a metric over the values of each varied key, with one panel per key and knees ringed."""
+    """Draws a metric and its limits over the values of each varied key, with one panel per key and knees ringed."""
     columns = min(3, len(axes_and_curves))
     rows = math.ceil(len(axes_and_curves) / columns)
     figure, panels = _figure(3.6 * columns, 2.7 * rows, rows, columns)
@@ -208,7 +203,7 @@ def curves(
         values = np.array([s[1] for s in drawn.samples])
         positions = [s[0] for s in drawn.samples] if axis.numeric else list(range(len(values)))
         y = _scale(panel, values, True)
-        _draw_limits(panel, metric, constraints, True)
+        _draw_limits(panel, limits, True)
         panel.plot(
             positions, y, color=BLUE, marker="o", markersize=4, linewidth=1.3, linestyle="-" if axis.numeric else ""
         )
@@ -248,6 +243,34 @@ def curves(
     for panel in panels[len(axes_and_curves) :]:
         panel.set_visible(False)
     figure.supylabel(y_title, fontsize=9)
+    return figure
+
+
+def unseen(panels: Sequence[tuple[str, Constraint, Sequence[View]]]) -> Figure:
+    """Draws the share of the views that no point was chosen by with at most a value: (title of the axis, constraint, its
+    views), one panel each."""
+    columns = min(2, len(panels))
+    rows = math.ceil(len(panels) / columns)
+    figure, drawn = _figure(3.8 * columns, 2.8 * rows, rows, columns)
+    for axes, (title, constraint, views) in zip(drawn, panels):
+        ordered = analysis.finite_views(views)
+        limits = [limit for limit in constraint.limits if math.isfinite(limit)]
+        placed = _scale(axes, np.array([*(view.value for view in ordered), *limits]), False)
+        x, y = placed[: len(ordered)], 100 * np.arange(1, len(ordered) + 1) / len(views)
+        _draw_limits(axes, [constraint], False)
+        if len(ordered):
+            axes.step([x[0], *x], [0, *y], where="post", color=BLUE, linewidth=1.3)
+        for holds, marker, colour, label in ((True, "o", BLUE, "holds"), (False, "x", RED, "fails")):
+            at = np.array([view.holds is holds for view in ordered], dtype=bool)
+            axes.plot(x[at], y[at], marker, color=colour, markersize=4, label=label, zorder=3)
+        axes.set_ylim(0, 105)
+        axes.set_title(
+            f"{constraint.limits_text}: {analysis.held_text(views)}", fontsize=8, color="#404040", loc="left"
+        )
+        axes.set_xlabel(textwrap.fill(title, 52), fontsize=8)
+    for axes in drawn[len(panels) :]:
+        axes.set_visible(False)
+    figure.supylabel("views with at most this value [%]", fontsize=9)
     return figure
 
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from html import escape
 from typing import Any
 
-from . import analysis, data
+from . import analysis, answer, data
 from .markup import Html, empty_section, note, or_dash, point_link, section, table, variants
 from .study import Area, Study, listed_scenes
 
@@ -483,10 +483,25 @@ def _script_hash(script: str) -> str:
     return "'sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() + "'"
 
 
-_SECTIONS = (studied, recommended, pareto, None, errors, registers, budget, bounds, search, areas, pictures, refused)
+_SECTIONS = (
+    studied,
+    recommended,
+    answer.unseen,
+    pareto,
+    None,
+    errors,
+    registers,
+    budget,
+    bounds,
+    search,
+    areas,
+    pictures,
+    refused,
+)
 _NAVIGATION = (
     ("studied", "Study"),
     ("recommended", "Recommended"),
+    ("unseen", "Unseen views"),
     ("pareto", "Error against cost"),
     ("widths", "Widths"),
     ("errors", "Errors"),

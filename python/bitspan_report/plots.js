@@ -68,10 +68,14 @@ function decadesApart(values) {
   return decades < 2 ? "D2" : Math.max(1, Math.round(decades / 7));
 }
 
-function limitShapes(metric, log) {
-  const limits = data.limits.filter((l) => l.metric === metric).flatMap((l) => [l.atMost, l.atLeast]);
-  return limits.filter((l) => l !== null && (!log || l > 0)).map((l) => ({ type: "line", xref: "paper",
-    x0: 0, x1: 1, yref: "y", y0: l, y1: l, line: { color: colour("alarm"), width: 1.3, dash: "dash" } }));
+const limitsOf = (metric) => data.limits.filter((l) => l.metric === metric).flatMap((l) => l.limits);
+
+// Returns a dashed line across the plot for each limit of what an axis shows.
+function limitShapes(limits, scale, letter) {
+  const across = (l) => (letter === "y" ? { xref: "paper", x0: 0, x1: 1, yref: "y", y0: l, y1: l }
+    : { yref: "paper", y0: 0, y1: 1, xref: "x", x0: l, x1: l });
+  return limits.filter((l) => !scale.log || l > 0).map((l) => ({ type: "line", ...across(l),
+    line: { color: colour("alarm"), width: 1.3, dash: "dash" } }));
 }
 
 // Draws a plot in which a click on a point that names its index (customdata) shows that point, or what `choose` makes of it.
@@ -129,7 +133,7 @@ function drawPareto() {
     ...(many ? [cornersTrace(plain)] : []),
   ].filter((t) => t.x.length);
   const layout = layoutOf(540, { xaxis: xScale.layout, yaxis: yScale.layout,
-    shapes: [...limitShapes(y, yScale.log), ...xScale.shapes, ...yScale.shapes],
+    shapes: [...limitShapes(limitsOf(y), yScale, "y"), ...xScale.shapes, ...yScale.shapes],
     annotations: [...xScale.annotations, ...yScale.annotations] });
   drawPlot(element, [...traces, markTrace()], layout, nextOfPlace);
   setCloud(element, !many ? null : { ...places, hover: (i) => hoverOf(i, x, y), choose: nextOfPlace, groups: [
@@ -213,7 +217,7 @@ function drawCurve(element, metric, axis, samples, knee) {
   const spread = decades ? { type: "log", exponentformat: "e", minexponent: 4, dtick: 1 } : whole;
   drawPlot(element, traces, layoutOf(element.closest(".wide") ? 340 : 260, { showlegend: false, yaxis: scale.layout,
     xaxis: axisLayout(axis.numeric ? axis.shown : "", axis.numeric ? spread : { type: "category" }),
-    shapes: [...limitShapes(metric, scale.log), ...scale.shapes], annotations: scale.annotations }));
+    shapes: [...limitShapes(limitsOf(metric), scale, "y"), ...scale.shapes], annotations: scale.annotations }));
 }
 
 function drawSearch() {
@@ -234,12 +238,32 @@ function drawSearch() {
 
 // Draws the plots of the blocks that are visible and not drawn yet.
 function drawVariants() {
-  const drawers = { registers: drawRegisters, budget: drawBudget, bounds: drawBounds };
+  const drawers = { unseen: drawUnseen, registers: drawRegisters, budget: drawBudget, bounds: drawBounds };
   for (const element of document.querySelectorAll("[data-plot]")) {
     if (element.closest("[hidden]") || element.dataset.drawn) continue;
     element.dataset.drawn = "yes";
     drawers[element.dataset.plot](element, data[element.dataset.plot][element.dataset.hash]);
   }
+}
+
+// Draws the share of views with at most a value. An element shows one constraint.
+function drawUnseen(element, panels) {
+  const { title, limits, count, views } = panels[element.dataset.part];
+  const values = views.map((v) => v[1]), scale = scaleFor([...values, ...limits], title, "x");
+  const x = values.map(scale.place), y = views.map((_, i) => 100 * (i + 1) / count);
+  const marks = (name, holds, marker) => {
+    const at = views.flatMap((v, i) => (v[2] === holds ? [i] : []));
+    return { name, type: "scatter", mode: "markers", marker, x: at.map((i) => x[i]), y: at.map((i) => y[i]),
+      text: at.map((i) => `<b>${escaped(views[i][0])}</b> ${textOf(values[i])}: ${name}`), hovertemplate: "%{text}<extra></extra>" };
+  };
+  drawPlot(element, [
+    { type: "scatter", mode: "lines", line: { shape: "hv", width: 2, color: colour("accent") }, x: x.length ? [x[0], ...x] : [],
+      y: [0, ...y], hoverinfo: "skip", showlegend: false },
+    marks("holds", true, { size: 7, color: colour("accent") }),
+    marks("fails", false, { symbol: "x-thin-open", size: 8, color: colour("alarm"), line: { color: colour("alarm"), width: 2 } }),
+  ].filter((t) => t.x.length), layoutOf(280, { xaxis: scale.layout, annotations: scale.annotations,
+    yaxis: axisLayout("views with at most this [%]", { range: [0, 105] }),
+    shapes: [...limitShapes(limits, scale, "x"), ...scale.shapes] }));
 }
 
 function drawRegisters(element, registers) {

@@ -49,6 +49,8 @@ def plots(study: Study) -> dict[str, bytes]:
             content |= _both(_file_name("budget", h[:12]), figures.budget(stacks))
     for h in _drawn(study, study.bounds):
         content |= _both(_file_name("bounds", h[:12]), figures.bounds(study.bounds[h]))
+    for h in _drawn(study, study.validation):
+        content |= _both(_file_name("unseen", h[:12]), figures.unseen(analysis.unseen_panels(study, h)))
     return content
 
 
@@ -74,8 +76,7 @@ def _pareto(study: Study, x: str, y: str) -> dict[str, bytes]:
         front,
         study.base,
         recommended,
-        y,
-        study.constraints,
+        [c for c in study.constraints if c.judged == y],
     )
     return _both("pareto", figure)
 
@@ -87,7 +88,7 @@ def _curves(study: Study, metric: str) -> dict[str, bytes]:
     if not drawn:
         return {}
     title = analysis.axis_title(study.metric(metric))
-    return _both("widths", figures.curves(drawn, metric, title, study.constraints))
+    return _both("widths", figures.curves(drawn, title, [c for c in study.constraints if c.judged == metric]))
 
 
 def pictures(study: Study) -> dict[str, bytes]:

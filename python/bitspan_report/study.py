@@ -202,6 +202,15 @@ class Recommendation:
 
 
 @dataclass
+class View:
+    """What a constraint judges on a view that no point was chosen by. NaN: the view was refused, or has no value."""
+
+    scene: str
+    value: float
+    holds: bool
+
+
+@dataclass
 class Constraint:
     metric: str  # or an expression
     at_most: float | None
@@ -213,12 +222,16 @@ class Constraint:
         self.judged = self.metric
 
     @property
-    def limits(self) -> str:
+    def limits(self) -> list[float]:
+        return [limit for limit in (self.at_least, self.at_most) if limit is not None]
+
+    @property
+    def limits_text(self) -> str:
         limits = [("at least", self.at_least), ("at most", self.at_most)]
         return " and ".join(f"{word} {limit:g}" for word, limit in limits if limit is not None)
 
     def __str__(self) -> str:
-        return f"{self.metric} {self.limits}" + (", over all scenes together" if self.pooled else "")
+        return f"{self.metric} {self.limits_text}" + (", over all scenes together" if self.pooled else "")
 
     def margins(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Returns how far values are from the nearer limit, below 0 beyond it. A NaN is infinitely far beyond."""
@@ -259,6 +272,7 @@ class Study:
     certificate: list[CertificateRow]
     combinations: list[Combination]
     recommended: list[Recommendation]
+    validation: dict[str, dict[int, list[View]]]  # by hash and index of the constraint; the views' order is the same
 
     def metric(self, name: str) -> Metric:
         """Returns what is known of a metric. A name that the database does not explain has only the name."""

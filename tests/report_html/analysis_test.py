@@ -10,7 +10,7 @@ import unittest
 from pathlib import Path
 
 import numpy as np
-from bitspan_report import analysis, data, expression, figures, page
+from bitspan_report import analysis, answer, data, expression, figures, page
 from bitspan_report.database import load_study
 from bitspan_report.study import Bound, BudgetRow, Constraint, Metric, Point, Register, SearchStep, Varied
 from make_database import BASE, write_database
@@ -371,6 +371,31 @@ class Curves(unittest.TestCase):
             study.metrics[second] * 1.25 / 0.8, study.metrics["span.u.p999, worst scene"], rtol=1e-12
         )
         self.assertEqual(study.constraints[4].judged, "cost.register_bits")  # no scene has a share in it
+
+    def test_unseen_views_are_counted_and_drawn(self):
+        h = self.study.recommended[0].hash
+        (title, constraint, views), (_, _, orders) = analysis.unseen_panels(self.study, h)
+        self.assertEqual((title, constraint), ("span.u.p999 [texel]", self.study.constraints[0]))
+        self.assertEqual([view.scene for view in views], [f"demo@{i}" for i in range(2, 10)])
+        self.assertEqual([sum(view.holds for view in of) for of in (views, orders)], [7, 8])
+        text = answer.unseen(self.study)
+        self.assertIn('<p class="bad">All constraints hold on 7 of 8 views.</p>', text)
+        self.assertIn("at most 0.25: 7 of 8 hold<", text)
+        self.assertIn("at most 0: 8 of 8 hold<", text)
+
+        study = self.changed("UPDATE validation SET value = NULL, holds = 0 WHERE scene = 'demo@2'")
+        panels = analysis.unseen_panels(study, h)
+        self.assertIn('<p class="bad">All constraints hold on 6 of 8 views.</p>', answer.unseen(study))
+        axes = figures.unseen(panels).axes[0]
+        self.assertEqual(axes.get_title("left"), "at most 0.25: 6 of 8 hold; 1 without a finite value")
+        curve, limit = axes.lines[1], axes.lines[0]
+        np.testing.assert_allclose(curve.get_ydata(), [0, 12.5, 25, 37.5, 50, 62.5, 75, 87.5])
+        np.testing.assert_allclose(curve.get_xdata(), [0.0125 * 2 ** (i / 2) for i in (3, 3, 4, 5, 6, 7, 8, 9)])
+        self.assertEqual(list(limit.get_xdata()), [0.25, 0.25])
+
+        study = self.changed("UPDATE validation SET value = 0.1, holds = 1 WHERE i = 0")
+        self.assertIn('<p class="ok">All constraints hold on 8 of 8 views.</p>', answer.unseen(study))
+        self.assertIn("No view was kept from the choice", answer.unseen(self.changed("DELETE FROM validation")))
 
     def test_expressions_of_the_plan_are_metrics(self):
         cost, limited = "2 * cost.register_bits", "1 / span.u.max"

@@ -311,6 +311,16 @@ class Page(Clicking):
             ["picture.psnr_db", "picture.wrong_order", "picture.wrong_order, worst scene", "picture.wrong_texel_rate"],
         )
 
+    def test_unseen_views_stand_beside_the_limit(self):
+        curve, holds, fails = self.script("return document.querySelector('[data-plot=unseen]').data.map(t => [t.x, t.y, t.text])")
+        values = [0.0125 * 2 ** (view / 2) for view in range(2, 10)]
+        for x, value in zip(curve[0], [values[0], *values], strict=True):
+            self.assertAlmostEqual(x, value, delta=1e-4 * value)
+        self.assertEqual(curve[1], [100 * i / 8 for i in range(9)])
+        self.assertEqual((len(holds[0]), fails[1:]), (7, [[100], ["<b>demo@9</b> 0.2828: fails"]]))
+        shapes = self.script("return document.querySelector('[data-plot=unseen]').layout.shapes.map(s => [s.x0, s.line.dash])")
+        self.assertEqual(shapes, [[0.25, "dash"]])
+
     def test_bounds_tell_how_much_of_them_was_reached(self):
         texts = self.script(
             "return document.querySelector('.variant:not([hidden]) > [data-plot=bounds]').data[1].text"

@@ -88,6 +88,7 @@ class Files(InFolder):
             self.assertEqual(
                 len([name for name in names if re.fullmatch(rf"{stem}-[0-9a-f]{{12}}\.(svg|png)", name)]), 4
             )
+        self.assertEqual(len([name for name in names if re.fullmatch(r"unseen-[0-9a-f]{12}\.(svg|png)", name)]), 2)
         self.assertEqual(len([name for name in names if name.startswith("picture-")]), 2 * 2 * 6)
 
     def test_plots_are_whole(self):
@@ -131,6 +132,7 @@ class Files(InFolder):
         for line in (
             "No point was measured",
             "This study recommends none",
+            "No view was kept from the choice",
             "No register was observed",
             "has no error budget",
             "has no proved bounds",
