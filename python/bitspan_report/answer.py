@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the sections on how far a study's answer holds: on views that it never saw."""
+"""Makes the sections on how far a study's answer holds: on views that it never saw, and by what synthesis counts."""
 
 from __future__ import annotations
 
+import math
 from html import escape
+from typing import Any
 
 from . import analysis, data
-from .markup import empty_section, note, section, table, variants
-from .study import Study
+from .markup import Html, empty_section, note, point_link, section, table, variants
+from .study import MeasuredCost, Study
 
 
 def unseen(study: Study) -> str:
@@ -48,3 +50,56 @@ def unseen(study: Study) -> str:
         )
         + variants(study, hashes, blocks),
     )
+
+
+def measured(study: Study) -> str:
+    """Returns the estimated costs of the best points of a search beside what synthesis counted."""
+    costs = study.measured_costs
+    if not costs:
+        return empty_section(
+            "measured",
+            "Estimated and measured costs",
+            "Nothing was synthesised at the end of a search; a search for an estimated cost does so where [area] names its "
+            "families.",
+        )
+    by_estimate = sorted(range(len(costs)), key=lambda i: costs[i].estimated)
+    recommended = {found.hash for found in study.recommended}
+    rows = [
+        (
+            i + 1,
+            by_estimate.index(i) + 1,
+            Html(point_link(study, c.hash).markup + (" recommended" if c.hash in recommended else "")),
+            estimate_text(c.estimated, c.error),
+            c.measured,
+            "–" if math.isnan(c.measured) else f"{100 * (c.measured / c.estimated - 1):+.1f} %",
+            _verdict(c),
+        )
+        for i, c in enumerate(costs)
+    ]
+    counted = [c for c in costs if not math.isnan(c.measured)]
+    head = ["rank", "rank by estimate", "point", "estimated", "measured", "difference", ""]
+    return section(
+        "measured",
+        "Estimated and measured costs",
+        f"<p>{escape(study.cost_metric)}: measured within the ± at {sum(c.inside for c in counted)} of {len(counted)} points.</p>"
+        + table(head, rows, scroll=len(rows) > 14)
+        + note(
+            "The search ended with synthesis of its best points, which are ranked by what was measured. A difference is in "
+            "percent of the estimate. The certificate is that of the least estimate."
+        ),
+    )
+
+
+def _verdict(cost: MeasuredCost) -> Any:
+    if math.isnan(cost.measured):
+        return Html(f'<span class="bad">failed</span>: {escape(cost.message)}')
+    return "within the ±" if cost.inside else Html('<span class="bad">outside the ±</span>')
+
+
+def estimate_text(value: float, error: float) -> str:
+    """Returns a cost with its ±, in the words of `bitspan study`: "4512 ± 160"."""
+    if error <= 0:
+        return f"{value:.6g}"
+    place = math.floor(math.log10(error)) - 1  # of the second digit of the ±
+    digits = max(0, -place)
+    return f"{value:.{digits}f} ± {round(error / 10.0**place) * 10.0**place:.{digits}f}"

@@ -28,6 +28,7 @@ from .study import (
     Combination,
     Constraint,
     FieldError,
+    MeasuredCost,
     Metric,
     Point,
     Recommendation,
@@ -180,6 +181,12 @@ def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
             for name, h, cost, evaluations, stopped_by, minimal, failing in reader.rows(
                 "SELECT combination, hash, cost, evaluations, stopped_by, minimal, failing FROM combinations "
                 "WHERE study = :s ORDER BY i"
+            )
+        ],
+        measured_costs=[
+            MeasuredCost(h, number(estimated), number(error), number(measured), message or "")
+            for h, estimated, error, measured, message in reader.rows(
+                "SELECT hash, estimated, error, measured, message FROM measured_costs WHERE study = :s ORDER BY i"
             )
         ],
         recommended=[

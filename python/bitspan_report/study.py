@@ -202,6 +202,21 @@ class Recommendation:
 
 
 @dataclass
+class MeasuredCost:
+    """The cost of a point by estimates, with its ±, and by what synthesis counted."""
+
+    hash: str
+    estimated: float
+    error: float
+    measured: float  # NaN where synthesis failed
+    message: str  # of that failure
+
+    @property
+    def inside(self) -> bool:
+        return abs(self.measured - self.estimated) <= self.error
+
+
+@dataclass
 class View:
     """What a constraint judges on a view that no point was chosen by. NaN: the view was refused, or has no value."""
 
@@ -271,6 +286,7 @@ class Study:
     steps: list[SearchStep]
     certificate: list[CertificateRow]
     combinations: list[Combination]
+    measured_costs: list[MeasuredCost]  # of the best points of a search, the least measured first
     recommended: list[Recommendation]
     validation: dict[str, dict[int, list[View]]]  # by hash and index of the constraint; the views' order is the same
 

@@ -4,6 +4,7 @@
 import contextlib
 import dataclasses
 import math
+import re
 import sqlite3
 import tempfile
 import unittest
@@ -371,6 +372,30 @@ class Curves(unittest.TestCase):
             study.metrics[second] * 1.25 / 0.8, study.metrics["span.u.p999, worst scene"], rtol=1e-12
         )
         self.assertEqual(study.constraints[4].judged, "cost.register_bits")  # no scene has a share in it
+
+    def test_measured_costs_stand_beside_their_estimates(self):
+        self.assertIn("Nothing was synthesised at the end of a search", answer.measured(self.study))
+        found, base = self.study.recommended[0].hash, self.study.points[self.study.base].hash
+        study = self.changed(
+            f"INSERT INTO measured_costs VALUES('spans', 1, '{base}', 4512.4, 160.3, 4352.1, '')",
+            f"INSERT INTO measured_costs VALUES('spans', 0, '{found}', 4600, 61.2, 4300, '')",
+            "INSERT INTO measured_costs VALUES('spans', 2, 'x', 5000.26, 1.234, NULL, '<no> tool')",
+            f"INSERT INTO measured_costs VALUES('another', 0, '{found}', 1, 1, 1, '')",
+        )
+        text = answer.measured(study)
+        self.assertIn("cost.register_bits: measured within the ± at 1 of 2 points.", text)
+        rows = [re.sub(r"<[^>]*>", "|", row).split("|") for row in re.findall(r"<tr>.*?</tr>", text, re.DOTALL)[1:]]
+        rows = [[cell.strip() for cell in row if cell.strip()] for row in rows]
+        self.assertEqual(
+            rows,
+            [
+                ["1", "2", found[:12], "recommended", "4600 ± 61", "4300", "-6.5 %", "outside the ±"],
+                ["2", "1", base[:12], "4512 ± 160", "4352", "-3.6 %", "within the ±"],
+                ["3", "3", "x", "5000.3 ± 1.2", "–", "–", "failed", ": &lt;no&gt; tool"],
+            ],
+        )
+        self.assertEqual(answer.estimate_text(4512.25, 0), "4512.25")
+        self.assertEqual(answer.estimate_text(6485.59, 995.6), "6486 ± 1000")
 
     def test_unseen_views_are_counted_and_drawn(self):
         h = self.study.recommended[0].hash

@@ -88,6 +88,8 @@ CREATE TABLE study_points(study TEXT, i INTEGER, hash TEXT, settings TEXT, holds
 CREATE TABLE search_steps(study TEXT, i INTEGER, hash TEXT, cost REAL, holds INTEGER, best INTEGER);
 CREATE TABLE certificate(study TEXT, key TEXT, from_value TEXT, to_value TEXT, hash TEXT, failed TEXT, settings TEXT, combination TEXT);
 CREATE TABLE combinations(study TEXT, i INTEGER, combination TEXT, hash TEXT, cost REAL, evaluations INTEGER, stopped_by TEXT, minimal INTEGER, failing TEXT, PRIMARY KEY(study, i));
+CREATE TABLE measured_costs(study TEXT, i INTEGER, hash TEXT, estimated REAL, error REAL, measured REAL, message TEXT,
+  PRIMARY KEY(study, i));
 CREATE TABLE recommended(study TEXT, hash TEXT, reason TEXT, verified TEXT);
 CREATE TABLE budget(hash TEXT, quantisation TEXT, metric TEXT, base REAL, without REAL, alone REAL);
 CREATE TABLE bounds(hash TEXT, place TEXT, unit TEXT, bound REAL, observed REAL);

@@ -137,6 +137,7 @@ class Files(InFolder):
             "has no error budget",
             "has no proved bounds",
             "did not search",
+            "Nothing was synthesised at the end of a search",
             "Nothing was synthesised",
             "No picture was kept",
             "every point was measured",
