@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import expression
-from .study import BudgetRow, Constraint, Metric, Study, Varied, View
+from .study import BudgetRow, Constraint, Metric, Register, Study, Varied, View
 
 Floats = NDArray[np.float64]
 
@@ -166,6 +166,15 @@ def _together(keys: list[str]) -> str:
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def varied_registers(study: Study) -> list[Register]:
+    """Returns what the base's registers held whose formats the study varies, in the order of its keys."""
+    base = study.points[study.base].hash if study.base is not None else ""
+    known = {register.name: register for register in study.registers.get(base, [])}
+    keys = (key.removeprefix("formats.").rpartition(".") for varied in study.axes for key in varied.keys)
+    names = dict.fromkeys(name for name, _, part in keys if part in ("word", "int", "fraction"))
+    return [known[name] for name in names if name in known]
 
 
 def spans_decades(values: Sequence[float]) -> bool:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the sections on how far a study's answer holds: on views that it never saw, and by what synthesis counts."""
+"""Makes the sections that hold a study's answer against something else: views that it never saw, words that follow from
+ranges alone, what synthesis counts."""
 
 from __future__ import annotations
 
@@ -49,6 +50,50 @@ def unseen(study: Study) -> str:
             "most a value; the dashed line is the limit. This is a count, and promises nothing about other views."
         )
         + variants(study, hashes, blocks),
+    )
+
+
+def ranges(study: Study) -> str:
+    """Returns, for each register that the study varies, the word that the range of its values asks for, beside the
+    recommended word."""
+    base = analysis.varied_registers(study)
+    if not base or not study.recommended:
+        return empty_section(
+            "ranges",
+            "Words from ranges alone",
+            "This needs a register whose format the study varies, its values at the base, and a recommended point.",
+        )
+
+    def formats_of(point_hash: str) -> list[tuple[str, float]]:
+        formats = {r.name: (r.short_format, r.word) for r in study.registers.get(point_hash, [])}
+        return [formats.get(register.name, ("–", math.nan)) for register in base]
+
+    columns: dict[str, list[tuple[str, float]]] = {
+        "of the base": [(register.short_format, register.word) for register in base],
+        "from the range": [register.from_range for register in base],
+        **{data.point_name(study, found.hash): formats_of(found.hash) for found in study.recommended},
+    }
+    rows: list[list[Any]] = [
+        [
+            register.name,
+            register.used_bits if register.count else math.nan,
+            *(cell for column in columns.values() for cell in column[i]),
+        ]
+        for i, register in enumerate(base)
+    ]
+    totals = [("", sum(bits for _, bits in column)) for column in columns.values()]
+    rows.append(["all of these", math.nan, *(cell for total in totals for cell in total)])
+    return section(
+        "ranges",
+        "Words from ranges alone",
+        note(
+            "What a designer would try first: the integer bits that the values of the base used on the study's scenes, and "
+            "the fraction bits of the base. Such words keep its precision; another scene may need more, and nobody measured "
+            "them together. A range cuts integer bits; a key `word` cuts fraction bits. The ranges are observed: the database "
+            "has no proved range of a register, since its bounds are those of errors."
+        )
+        + table(["register", "integer bits used", *(head for name in columns for head in (name, "bits"))], rows)
+        + note("The last line counts each register once; cost.register_bits counts it as often as the pipeline has it."),
     )
 
 

@@ -314,7 +314,7 @@ def histograms(registers: Sequence[Register]) -> Figure:
             )
     axes.set_yticks(
         [len(registers) - 0.55 - row for row in range(len(registers))],
-        [f"{r.name}  {r.format.partition(' ')[0]}" for r in registers],
+        [f"{r.name}  {r.short_format}" for r in registers],
         fontsize=7,
     )
     axes.set_ylim(0, len(registers))

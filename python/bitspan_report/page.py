@@ -483,26 +483,11 @@ def _script_hash(script: str) -> str:
     return "'sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode() + "'"
 
 
-_SECTIONS = (
-    studied,
-    recommended,
-    answer.unseen,
-    pareto,
-    None,
-    errors,
-    registers,
-    budget,
-    bounds,
-    search,
-    answer.measured,
-    areas,
-    pictures,
-    refused,
-)
 _NAVIGATION = (
     ("studied", "Study"),
     ("recommended", "Recommended"),
     ("unseen", "Unseen views"),
+    ("ranges", "Words from ranges"),
     ("pareto", "Error against cost"),
     ("widths", "Widths"),
     ("errors", "Errors"),
@@ -520,7 +505,23 @@ _NAVIGATION = (
 def page(study: Study, plotly: str, compared: str = "") -> str:
     """Returns the whole report. `plotly` is the library's source, `compared` the section on another study, if any. The policy in the head lets no other script run."""
     axes = analysis.read_axes(study)
-    content = "".join(curves(study, axes) if part is None else part(study) for part in _SECTIONS)
+    sections = (
+        studied(study),
+        recommended(study),
+        answer.unseen(study),
+        answer.ranges(study),
+        pareto(study),
+        curves(study, axes),
+        errors(study),
+        registers(study),
+        budget(study),
+        bounds(study),
+        search(study),
+        answer.measured(study),
+        areas(study),
+        pictures(study),
+        refused(study),
+    )
     links = [*_NAVIGATION, *([("compared", "Compared")] if compared else [])]
     navigation = "".join(f'<a href="#{i}">{escape(text)}</a>' for i, text in links)
     script = "\n".join((_HERE / name).read_text("utf-8") for name in ("page.js", "plots.js", "cloud.js", "viewer.js"))
@@ -543,7 +544,7 @@ def page(study: Study, plotly: str, compared: str = "") -> str:
 <body>
 <header><h1>{escape(study.name)}<small>bit-width study, {len(study.points)} points</small></h1></header>
 <nav>{navigation}</nav>
-<main>{content}{compared}</main>
+<main>{''.join(sections)}{compared}</main>
 <footer>Drawn with plotly.js (MIT licence), which this file holds; it loads nothing. The same plots stand beside it as
 SVG and PNG.</footer>
 <script type="application/json" id="data">{embedded_json(data.page_data(study, axes))}</script>

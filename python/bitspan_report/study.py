@@ -65,6 +65,19 @@ class Register:
         """Returns log2 of the smallest step, and of the magnitude that only a signed format's least value reaches."""
         return self.integer - self.word, self.integer - int(self.signed)
 
+    @property
+    def from_range(self) -> tuple[str, int]:
+        """Returns the format that has the fraction bits, and no more integer bits than the observed values need, with its
+        word. It has one bit at least. Where nothing was observed it is the format itself."""
+        fraction = self.word - self.integer
+        integer = max(self.used_bits, 1 - fraction) if self.count else self.integer
+        return f"{'s' if self.signed else 'u'}{integer}.{fraction}", integer + fraction
+
+    @property
+    def short_format(self) -> str:
+        """Returns the format without rounding and overflow: "s17.8"."""
+        return self.format.partition(" ")[0]
+
 
 @dataclass
 class FieldError:

@@ -129,6 +129,17 @@ class Registers(unittest.TestCase):
         self.assertEqual(self.register(25, 17, True, {}).range_log2, (-8, 16))  # 2^-8 .. 2^16
         self.assertEqual(self.register(8, 0, False, {}).range_log2, (-8, 0))  # 2^-8 .. 1
 
+    def test_the_format_of_a_range_keeps_the_fraction_bits(self):
+        def from_range(word, integer, signed, used, count=1):
+            return Register("r", "", word, integer, signed, count, 0, 0, used, 0, 0, 0, 0, [0] * 128).from_range
+
+        self.assertEqual(from_range(42, 34, True, 20), ("s20.8", 28))
+        self.assertEqual(from_range(19, 1, False, 0), ("u0.18", 18))
+        self.assertEqual(from_range(19, 1, False, -3), ("u-3.18", 15))
+        self.assertEqual(from_range(16, 8, True, 11), ("s11.8", 19))  # the values overflowed
+        self.assertEqual(from_range(8, 4, False, -4), ("u-3.4", 1))  # zeros alone
+        self.assertEqual(from_range(8, 4, False, 0, count=0), ("u4.4", 8))
+
     def test_bars_stand_at_their_octaves(self):
         bars = list(figures.octave_bars(self.register(16, 16, False, {-64: 1, 3: 9, 63: 99})))
         self.assertEqual([(e, c) for e, c, _ in bars], [(-64, 1), (3, 9), (63, 99)])
@@ -396,6 +407,28 @@ class Curves(unittest.TestCase):
         )
         self.assertEqual(answer.estimate_text(4512.25, 0), "4512.25")
         self.assertEqual(answer.estimate_text(6485.59, 995.6), "6486 ± 1000")
+
+    def test_words_from_ranges_stand_beside_the_found_ones(self):
+        base, found = self.study.points[self.study.base].hash, self.study.recommended[0].hash
+        register = "UPDATE registers SET format = 's{}.{} SC_RND SC_SAT', word = {}, int = {}, signed = 1, used_bits = {}"
+        study = self.changed(
+            register.format(16, 18, 34, 16, 13) + f" WHERE name = 'span.h' AND hash = '{base}'",
+            register.format(17, 8, 25, 17, 12) + f" WHERE name = 'span.uv' AND hash = '{base}'",
+            register.format(16, 10, 26, 16, 0) + f" WHERE name = 'span.h' AND hash = '{found}'",
+            register.format(17, 6, 23, 17, 0) + f" WHERE name = 'span.uv' AND hash = '{found}'",
+            f"DELETE FROM registers WHERE name LIKE 'reciprocal%' AND hash = '{base}'",
+        )
+        rows = [re.findall(r"<td[^>]*>(.*?)</td>", row) for row in re.findall(r"<tr>.*?</tr>", answer.ranges(study))[1:]]
+        self.assertEqual(
+            rows,
+            [
+                ["span.h", "13", "s16.18", "34", "s13.18", "31", "s16.10", "26"],
+                ["span.uv", "12", "s17.8", "25", "s12.8", "20", "s17.6", "23"],
+                ["all of these", "–", "", "59", "", "51", "", "49"],
+            ],
+        )
+        self.assertIn("This needs a register", answer.ranges(self.changed("DELETE FROM recommended")))
+        self.assertIn("This needs a register", answer.ranges(self.changed("DELETE FROM registers")))
 
     def test_unseen_views_are_counted_and_drawn(self):
         h = self.study.recommended[0].hash

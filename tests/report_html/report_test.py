@@ -133,6 +133,7 @@ class Files(InFolder):
             "No point was measured",
             "This study recommends none",
             "No view was kept from the choice",
+            "This needs a register whose format the study varies",
             "No register was observed",
             "has no error budget",
             "has no proved bounds",
