@@ -164,6 +164,35 @@ def _together(keys: list[str]) -> str:
     return (f"{prefix}: " if prefix else "") + ", ".join(".".join(p[shared:]) for p in parts)
 
 
+def idle_axes(study: Study, axes: list[Axis]) -> list[tuple[Axis, int]]:
+    """Returns the axes that did not move the cost, each with the number of sets of points that show it: the points of a
+    set have a cost, and differ in this axis alone."""
+    costs = study.metrics.get(study.cost_metric)
+    if costs is None or not axes:
+        return []
+    codes = np.array([axis.codes for axis in axes])
+    usable = np.isfinite(costs) & (codes >= 0).all(axis=0)
+    if not usable.any():
+        return []
+    codes, costs = codes[:, usable], costs[usable]
+    idle = []
+    for i, axis in enumerate(axes):
+        others = codes.copy()
+        others[i] = 0
+        _, sets = np.unique(others, axis=1, return_inverse=True)
+        moves = _spread(codes[i], sets) > 0
+        if moves.any() and not _spread(costs, sets)[moves].any():
+            idle.append((axis, int(moves.sum())))
+    return idle
+
+
+def _spread(values: NDArray[Any], sets: NDArray[np.int64]) -> NDArray[Any]:
+    """Returns the greatest less the least value of each set; sets are numbered without gaps."""
+    order = np.argsort(sets, kind="stable")
+    starts = np.flatnonzero(np.diff(sets[order], prepend=-1))
+    return np.maximum.reduceat(values[order], starts) - np.minimum.reduceat(values[order], starts)
+
+
 def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 

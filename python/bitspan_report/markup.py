@@ -13,7 +13,7 @@ from .study import Study
 
 
 def text_of(value: Any) -> str:
-    """Returns a value for people, not yet escaped: four significant digits, and names of what is no number."""
+    """Returns a value for people, not yet escaped: at least four significant digits, and names of what is no number."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
@@ -21,7 +21,8 @@ def text_of(value: Any) -> str:
             return "–"
         if math.isinf(value):
             return "∞" if value > 0 else "−∞"
-        return str(int(value)) if value.is_integer() and abs(value) < 1e7 else f"{value:.4g}"
+        whole = abs(value) < 1e7 and (value.is_integer() or abs(value) >= 1e4)
+        return str(round(value)) if whole else f"{value:.4g}"
     return str(value)
 
 

@@ -46,13 +46,16 @@ def _scene_names(study: Study) -> str:
     )
 
 
-def studied(study: Study) -> str:
+def studied(study: Study, axes: list[analysis.Axis]) -> str:
     """Returns what was varied, on what, and how many points came of it."""
     refused = sum(p.refused for p in study.points)
     held = sum(p.holds is True for p in study.points)
     seconds = sum(p.seconds for p in study.points if not math.isnan(p.seconds))
     base = study.points[study.base] if study.base is not None else None
-    axes = [varied.title for varied in study.axes]
+    idle = [
+        f"{axis.label} does not move {study.cost_metric}: {count} sets of points differ in it alone, and each has one cost"
+        for axis, count in analysis.idle_axes(study, axes)
+    ]
     facts: list[tuple[str, str]] = [
         ("kind", escape(study.kind)),
         (
@@ -62,7 +65,8 @@ def studied(study: Study) -> str:
             else "not measured",
         ),
         ("scenes", escape(_scene_names(study)) or "–"),
-        ("varied", "<br>".join(escape(a) for a in axes) or "nothing"),
+        ("varied", "<br>".join(escape(varied.title) for varied in study.axes) or "nothing"),
+        *([("idle axes", "<br>".join(map(escape, idle)))] if idle else []),
         ("constraints", "<br>".join(escape(str(c)) for c in study.constraints) or "none"),
         (
             "points",
@@ -506,7 +510,7 @@ def page(study: Study, plotly: str, compared: str = "") -> str:
     """Returns the whole report. `plotly` is the library's source, `compared` the section on another study, if any. The policy in the head lets no other script run."""
     axes = analysis.read_axes(study)
     sections = (
-        studied(study),
+        studied(study, axes),
         recommended(study),
         answer.unseen(study),
         answer.ranges(study),

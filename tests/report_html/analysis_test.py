@@ -408,6 +408,34 @@ class Curves(unittest.TestCase):
         self.assertEqual(answer.estimate_text(4512.25, 0), "4512.25")
         self.assertEqual(answer.estimate_text(6485.59, 995.6), "6486 ± 1000")
 
+    def test_axes_that_do_not_move_the_cost_are_named(self):
+        def idle_of(study):
+            return [(axis.label, count) for axis, count in analysis.idle_axes(study, analysis.read_axes(study))]
+
+        self.assertEqual(idle_of(self.study), [])
+        other = "UPDATE studies SET cost = 'cost.product_bits' WHERE name = 'spans'"  # it counts the output alone
+        study = self.changed(other)
+        h, uv = "formats.span.h.word", "formats.span.uv.word with formats.edge.uv.word"
+        self.assertEqual(idle_of(study), [(h, 5 * 5), (uv, 6 * 5)])
+        text = page.studied(study, analysis.read_axes(study))
+        self.assertIn(f"{h} does not move cost.product_bits: 25 sets of points differ in it alone", text)
+        one = self.study.points[self.study.index_of(self.study.recommended[0].hash)].hash
+        value = "UPDATE metrics SET value = value + 1 WHERE name = 'cost.product_bits' AND hash = "
+        self.assertEqual(idle_of(self.changed(other, f"{value}'{one}'")), [])
+
+        def of_points(costs, *settings):
+            points = [Point(str(i), "", "", "", False, "", 0, i, dict(zip("ab", s))) for i, s in enumerate(settings)]
+            return idle_of(
+                dataclasses.replace(
+                    self.study, points=points, base=None, metrics={"cost.register_bits": np.array(costs)},
+                    axes=[Varied("", [key], [0]) for key in "ab"], base_settings={"a": None, "b": None},
+                )
+            )  # fmt: skip
+
+        self.assertEqual(of_points([5.0, 5.0, 6.0], (1, 1), (2, 1), (2, 2)), [("a", 1)])
+        self.assertEqual(of_points([5.0, 5.0], (1, 1), (2, 2)), [])  # no two differ in one alone
+        self.assertEqual(of_points([5.0, math.nan, 6.0], (1, 1), (2, 1), (1, 2)), [])
+
     def test_words_from_ranges_stand_beside_the_found_ones(self):
         base, found = self.study.points[self.study.base].hash, self.study.recommended[0].hash
         register = "UPDATE registers SET format = 's{}.{} SC_RND SC_SAT', word = {}, int = {}, signed = 1, used_bits = {}"
