@@ -320,9 +320,8 @@ def held_text(views: Sequence[View]) -> str:
 
 def unseen_panels(study: Study, point_hash: str) -> list[tuple[str, Constraint, list[View]]]:
     """Returns the title, the constraint and the views of each constraint that was validated at a recommended point."""
-    found = study.validation[point_hash]
-    constraints = [(study.constraints[i], views) for i, views in found.items() if i < len(study.constraints)]
-    return [(axis_title(study.metric(c.metric)), c, views) for c, views in constraints]
+    judged = [(study.constraints[i], views) for i, views in study.validation[point_hash].items()]
+    return [(axis_title(study.metric(c.metric)), c, views) for c, views in judged]
 
 
 def column_to_minimise(study: Study, metric: str) -> Floats:

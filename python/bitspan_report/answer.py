@@ -88,9 +88,9 @@ def ranges(study: Study) -> str:
         "Words from ranges alone",
         note(
             "What a designer would try first: the integer bits that the values of the base used on the study's scenes, and "
-            "the fraction bits of the base. Such words keep its precision; another scene may need more, and nobody measured "
-            "them together. A range cuts integer bits; a key `word` cuts fraction bits. The ranges are observed: the database "
-            "has no proved range of a register, since its bounds are those of errors."
+            "the fraction bits of the base. Such words keep its precision, and another scene may need more. This "
+            "configuration was not measured. A range cuts integer bits; a key that ends in .word cuts fraction bits. The "
+            "ranges are observed: the database has no proved range of a register, since its bounds are those of errors."
         )
         + table(["register", "integer bits used", *(head for name in columns for head in (name, "bits"))], rows)
         + note("The last line counts each register once; cost.register_bits counts it as often as the pipeline has it."),

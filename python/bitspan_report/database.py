@@ -350,7 +350,10 @@ def _register(
 
 def _read_validation(reader: _Reader) -> dict[str, dict[int, list[View]]]:
     validation: dict[str, dict[int, list[View]]] = {}
-    query = "SELECT hash, i, scene, value, holds FROM validation WHERE study = :s ORDER BY hash, i, rowid"
+    query = (
+        "SELECT hash, i, scene, value, holds FROM validation WHERE study = :s "
+        "AND i IN (SELECT i FROM constraints WHERE study = :s) ORDER BY hash, i, rowid"
+    )
     for h, i, scene, value, holds in reader.rows(query):
         validation.setdefault(h, {}).setdefault(i, []).append(View(scene, number(value), bool(holds)))
     return validation
@@ -429,12 +432,12 @@ def _add_expressions(study: Study, reader: _Reader) -> None:
 
 def _add_worst_scenes(study: Study, reader: _Reader) -> None:
     """Adds a metric for each constraint that judges the worst of several scenes, with what it judges at each point."""
-    names = {text: _scene_names(text) for text in {point.scenes for point in study.points}}
-    count = max(map(len, names.values()), default=0)
+    known_names = {text: _scene_names(text) for text in {point.scenes for point in study.points}}
+    names = [known_names[point.scenes] for point in study.points]
     judging = [c for c in study.constraints if not c.pooled]
-    if count < 2:
+    if max(map(len, names), default=0) < 2:
         return
-    scenes = _read_scene_columns(study, reader, {n for c in judging for n in expression.metrics_of(c.metric)}, count)
+    scenes = _read_scene_columns(study, reader, {n for c in judging for n in expression.metrics_of(c.metric)}, names)
     for constraint in judging:
         of_scenes = analysis.scene_column(constraint.metric, scenes, study.metrics)
         if of_scenes is None or constraint.metric not in study.metrics:
@@ -447,21 +450,20 @@ def _add_worst_scenes(study: Study, reader: _Reader) -> None:
         )
         values, deciding = analysis.decisive(constraint, of_scenes, study.metrics[constraint.metric])
         study.metrics[constraint.judged] = values
-        study.worst_scenes[constraint.judged] = [
-            names[point.scenes][i] if i >= 0 else "" for point, i in zip(study.points, deciding)
-        ]
+        study.worst_scenes[constraint.judged] = [own[i] if i >= 0 else "" for own, i in zip(names, deciding)]
 
 
 def _read_scene_columns(
-    study: Study, reader: _Reader, metrics: set[str], count: int
+    study: Study, reader: _Reader, metrics: set[str], names: list[list[str]]
 ) -> dict[str, analysis.SceneColumn]:
-    shape = (count, len(study.points))
+    """Returns the metrics of each scene alone; names has those of each point's scenes."""
+    shape = (max(map(len, names)), len(names))
     columns: dict[str, analysis.SceneColumn] = {}
     for metric in sorted(metrics):
         query = f"SELECT hash, scene, value FROM scene_metrics WHERE name = :n AND hash IN {_POINTS}"
         for h, scene, value in reader.rows(query, n=metric):
             index = study.index_of(h)
-            if index is None or not 0 <= scene < count:
+            if index is None or scene >= len(names[index]):
                 continue
             if metric not in columns:
                 columns[metric] = analysis.SceneColumn(np.full(shape, math.nan), np.zeros(shape, dtype=bool))
