@@ -59,6 +59,11 @@ class _Reader:
         """Returns the rows of a query in which :s is the study's name."""
         return iter(self._connection.execute(query, {"s": self._study, **values}))
 
+    def rows_if_there(self, table: str, query: str) -> Iterator[tuple[Any, ...]]:
+        """Returns the same of a table that databases of an earlier bitspan lack."""
+        there = self._connection.execute("SELECT 1 FROM sqlite_master WHERE name = ?", (table,)).fetchone()
+        return self.rows(query) if there else iter(())
+
 
 def number(value: Any) -> float:
     """Returns a stored number. NULL is NaN, and infinities are text."""
@@ -185,8 +190,9 @@ def _read(path: str, version: str, reader: _Reader, name: str) -> Study:
         ],
         measured_costs=[
             MeasuredCost(h, number(estimated), number(error), number(measured), message or "")
-            for h, estimated, error, measured, message in reader.rows(
-                "SELECT hash, estimated, error, measured, message FROM measured_costs WHERE study = :s ORDER BY i"
+            for h, estimated, error, measured, message in reader.rows_if_there(
+                "measured_costs",
+                "SELECT hash, estimated, error, measured, message FROM measured_costs WHERE study = :s ORDER BY i",
             )
         ],
         recommended=[

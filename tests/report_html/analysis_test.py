@@ -405,6 +405,8 @@ class Curves(unittest.TestCase):
                 ["3", "3", "x", "5000.3 ± 1.2", "–", "–", "failed", ": &lt;no&gt; tool"],
             ],
         )
+        without = self.changed("DROP TABLE measured_costs")  # a database of an earlier bitspan
+        self.assertIn("Nothing was synthesised at the end of a search", answer.measured(without))
         self.assertEqual(answer.estimate_text(4512.25, 0), "4512.25")
         self.assertEqual(answer.estimate_text(6485.59, 995.6), "6486 ± 1000")
 
