@@ -527,7 +527,7 @@ def page(study: Study, plotly: str, compared: str = "") -> str:
         refused(study),
     )
     links = [*_NAVIGATION, *([("compared", "Compared")] if compared else [])]
-    navigation = "".join(f'<a href="#{i}">{escape(text)}</a>' for i, text in links)
+    navigation = " ".join(f'<a href="#{i}">{escape(text)}</a>' for i, text in links)
     script = "\n".join((_HERE / name).read_text("utf-8") for name in ("page.js", "plots.js", "cloud.js", "viewer.js"))
     plotly, script = plotly.replace("\r", ""), f"\n{script}"
     policy = (
