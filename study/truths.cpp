@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "study/truths.hpp"
 
+#include <sys/sysinfo.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -39,8 +40,8 @@ std::size_t SceneTruth::bytes() const {
 }
 
 std::size_t half_of_memory() {
-  const long pages = ::sysconf(_SC_PHYS_PAGES), page = ::sysconf(_SC_PAGE_SIZE);
-  return pages > 0 && page > 0 ? static_cast<std::size_t>(pages) * static_cast<std::size_t>(page) / 2 : 0;
+  const long pages = ::get_phys_pages();
+  return pages > 0 ? static_cast<std::size_t>(pages) * static_cast<std::size_t>(::getpagesize()) / 2 : 0;
 }
 
 std::list<Truths::Entry>::iterator Truths::find(const Config& key) {
