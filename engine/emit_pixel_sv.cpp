@@ -198,7 +198,8 @@ bool keeps_alpha(const DrawState& s) {
 }  // namespace
 
 bool pixel_rtl_takes(const Config& config, const DrawState& s) {
-  return s.target_format == TargetFormat::rgba8888 && s.chroma_test == ChromaTest::none &&
+  return is_in_rtl(s.texture_filter) && is_in_rtl(s.texture_wrap_u) && is_in_rtl(s.texture_wrap_v) &&
+         s.target_format == TargetFormat::rgba8888 && s.chroma_test == ChromaTest::none &&
          !has_second_texture(s) &&
          (has_blend_equation(config.rtl.blend) ||
           (keeps_alpha(s) && (mixes_by_alpha(s) || replaces_color(s))));

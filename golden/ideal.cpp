@@ -76,13 +76,13 @@ using Texel = std::array<double, 4>;  // colour codes, and alpha 0..1
 class Sampler {
  public:
   // state: for its chroma range; null for the second texture unit, which has no transparent texels.
-  Sampler(const Config& config, const DrawState* state, const Texture& texture)
-      : config_(config), state_(state), texture_(texture) {}
+  Sampler(const Config& config, const TexelLookup& by, const DrawState* state, const Texture& texture)
+      : config_(config), by_(by), state_(state), texture_(texture) {}
 
   // Gives false where the transparent code kills the fragment.
   bool sample(double u, double v, Texel& out) const {
     const Codes nearest = at(std::floor(u), std::floor(v));
-    switch (config_.filter) {
+    switch (by_.filter) {
       case TextureFilter::nearest:
         out = texel(nearest);
         break;
@@ -114,8 +114,8 @@ class Sampler {
   using Codes = std::array<std::uint8_t, 4>;
 
   // A place below 0 or at `size` is outside.
-  double wrapped(double i, int size) const {
-    switch (config_.wrap) {
+  static double wrapped(double i, int size, TextureWrap wrap) {
+    switch (wrap) {
       case TextureWrap::clamp:
         return std::clamp(i, 0.0, size - 1.0);
       case TextureWrap::border:
@@ -132,8 +132,8 @@ class Sampler {
     unreachable();
   }
   Codes at(double i, double j) const {
-    const double column = wrapped(i, texture_.width);
-    const double row = wrapped(j, texture_.height);
+    const double column = wrapped(i, texture_.width, by_.wrap_u);
+    const double row = wrapped(j, texture_.height, by_.wrap_v);
     if (column < 0 || row < 0 || column >= texture_.width || row >= texture_.height) return config_.border;
     return golden::fetch_texel(texture_, static_cast<std::int64_t>(column), static_cast<std::int64_t>(row));
   }
@@ -160,6 +160,7 @@ class Sampler {
   }
 
   const Config& config_;
+  TexelLookup by_;
   const DrawState* state_;
   const Texture& texture_;
 };
@@ -333,11 +334,11 @@ double level_of_detail(const Config& config, const Scene& scene, const IdealTria
 }
 
 // From the levels of a chain; gives false where the transparent code kills the fragment.
-bool sample_levels(const Config& config, const DrawState* state, const std::vector<Texture>& levels,
-                   double level, double u, double v, Texel& out) {
+bool sample_levels(const Config& config, const TexelLookup& by, const DrawState* state,
+                   const std::vector<Texture>& levels, double level, double u, double v, Texel& out) {
   const auto sample = [&](double whole, Texel& to) {
     const Texture& image = levels[static_cast<std::size_t>(whole)];
-    return Sampler(config, state, image)
+    return Sampler(config, by, state, image)
         .sample(u * image.width / levels[0].width, v * image.height / levels[0].height, to);
   };
   if (!mixes_levels(config.mip)) return sample(std::floor(level + 0.5), out);
@@ -353,22 +354,23 @@ bool sample_levels(const Config& config, const DrawState* state, const std::vect
 
 // From texture `index` of the scene, or from its chain, in which lambda is held; levels: null where they are
 // not at hand. Gives false where the transparent code kills the fragment.
-bool sample_texture(const Config& config, const DrawState* state, const Scene& scene, std::size_t index,
-                    const golden::SceneLevels* levels, double lambda, const IdealPoint& point, Texel& out) {
+bool sample_texture(const Config& config, const TexelLookup& by, const DrawState* state, const Scene& scene,
+                    std::size_t index, const golden::SceneLevels* levels, double lambda,
+                    const IdealPoint& point, Texel& out) {
   const Texture& texture = scene.textures.at(index);
-  if (!has_lod(config)) return Sampler(config, state, texture).sample(point.u, point.v, out);
+  if (!has_lod(config)) return Sampler(config, by, state, texture).sample(point.u, point.v, out);
   const std::vector<Texture> own = levels == nullptr ? golden::mip_levels(texture) : std::vector<Texture>();
   const std::vector<Texture>& chain = levels == nullptr ? own : levels->at(index);
   const double last = static_cast<double>(chain.size()) - 1;
-  return sample_levels(config, state, chain, std::clamp(lambda, 0.0, last), point.u, point.v, out);
+  return sample_levels(config, by, state, chain, std::clamp(lambda, 0.0, last), point.u, point.v, out);
 }
 
 // The second texture unit.
 void combine(const Config& config, const DrawState& state, const Scene& scene,
              const golden::SceneLevels* levels, IdealFragment& out) {
   Texel texel{};
-  sample_texture(config, nullptr, scene, static_cast<std::size_t>(state.texture1), levels, out.lambda,
-                 out.point, texel);
+  sample_texture(config, second_lookup(state), nullptr, scene, static_cast<std::size_t>(state.texture1),
+                 levels, out.lambda, out.point, texel);
   const std::array<int, 3> constants{state.texture1_red, state.texture1_green, state.texture1_blue};
   for (std::size_t c = 0; c < 3; ++c) {
     const auto sum = golden::combined_color<double>(state.texture1_op, out.color[c], texel[c], texel[c] / 255,
@@ -396,7 +398,8 @@ IdealFragment shade(const Config& config, const DrawState& state, const Scene& s
     const auto side = static_cast<unsigned>(std::max(texture.width, texture.height));
     if (has_lod(config))
       out.lambda = level_of_detail(config, scene, t, point, static_cast<int>(std::bit_width(side)));
-    out.killed = !sample_texture(config, &state, scene, index, levels, out.lambda, point, out.texel);
+    out.killed = !sample_texture(config, first_lookup(state), &state, scene, index, levels, out.lambda, point,
+                                 out.texel);
   } else if (has_lod(config) && has_second_texture(state)) {
     out.lambda = level_of_detail(config, scene, t, point, 1);
   }

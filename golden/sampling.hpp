@@ -32,9 +32,7 @@ class Sampling {
   using Texel = std::array<std::uint8_t, channels>;
 
   explicit Sampling(const Config& config)
-      : filter_(config.filter),
-        wrap_(config.wrap),
-        border_(config.border),
+      : border_(config.border),
         transparent_(config.transparent),
         q_uv_(config.format(FormatId::span_uv)),
         q_frac_(config.format(FormatId::texture_frac)),
@@ -63,9 +61,9 @@ class Sampling {
     out.ey = q_frac_.raw(place.ey);
   }
 
-  std::int64_t wrapped(std::int64_t i, std::int64_t size) const {
+  static std::int64_t wrapped(std::int64_t i, std::int64_t size, TextureWrap wrap) {
     if (i >= 0 && i < size) return i;
-    switch (wrap_) {
+    switch (wrap) {
       case TextureWrap::clamp:
         return std::clamp<std::int64_t>(i, 0, size - 1);
       case TextureWrap::cyclic: {
@@ -100,13 +98,16 @@ class Sampling {
            texel[2] == (*transparent_)[2];
   }
 
-  Place look_up(const DrawState& state, const Texture& texture, Real u, Real v) const {
+  // state: for its chroma range.
+  Place look_up(const DrawState& state, const TexelLookup& by, const Texture& texture, Real u, Real v) const {
     Place out;
-    const std::int64_t nearest_i = wrapped(to_integer(floor_of(u)), texture.width);
-    const std::int64_t nearest_j = wrapped(to_integer(floor_of(v)), texture.height);
+    const auto column = [&](std::int64_t i) { return wrapped(i, texture.width, by.wrap_u); };
+    const auto row = [&](std::int64_t j) { return wrapped(j, texture.height, by.wrap_v); };
+    const std::int64_t nearest_i = column(to_integer(floor_of(u)));
+    const std::int64_t nearest_j = row(to_integer(floor_of(v)));
     const Texel nearest = fetch(texture, nearest_i, nearest_j);
     out.killed = reserved(state, nearest);
-    switch (filter_) {
+    switch (by.filter) {
       case TextureFilter::nearest:
         out.i = nearest_i;
         out.j = nearest_j;
@@ -119,12 +120,12 @@ class Sampling {
         out.ey = q_frac_(v - Real(0.5) - top);
         const std::int64_t i = to_integer(left);
         const std::int64_t j = to_integer(top);
-        out.i = wrapped(i, texture.width);
-        out.j = wrapped(j, texture.height);
-        const std::int64_t right = wrapped(i + 1, texture.width);
-        const std::int64_t below = wrapped(j + 1, texture.height);
-        const auto texel = [&](std::int64_t column, std::int64_t row) {
-          const Texel own = fetch(texture, column, row);
+        out.i = column(i);
+        out.j = row(j);
+        const std::int64_t right = column(i + 1);
+        const std::int64_t below = row(j + 1);
+        const auto texel = [&](std::int64_t at_i, std::int64_t at_j) {
+          const Texel own = fetch(texture, at_i, at_j);
           return reserved(state, own) ? nearest : own;
         };
         out.texel = {texel(out.i, out.j), texel(out.i, below), texel(right, below), texel(right, out.j)};
@@ -134,8 +135,8 @@ class Sampling {
     return out;
   }
 
-  Shades<Real> sample(const Place& place) const {
-    switch (filter_) {
+  Shades<Real> sample(TextureFilter filter, const Place& place) const {
+    switch (filter) {
       case TextureFilter::nearest: {
         const Texel& t = place.texel[0];
         return {q_mix_(Real(t[0])), q_mix_(Real(t[1])), q_mix_(Real(t[2])), alpha_[t[3]]};
@@ -163,20 +164,21 @@ class Sampling {
   }
 
   // The same in a level of a chain.
-  Place look_up_level(const DrawState& state, std::span<const Texture> levels, std::int64_t level,
-                      const FragmentRecord& fragment) const {
+  Place look_up_level(const DrawState& state, const TexelLookup& by, std::span<const Texture> levels,
+                      std::int64_t level, const FragmentRecord& fragment) const {
     const Texture& whole = levels.front();
     const Texture& image = levels[static_cast<std::size_t>(level)];
     // Quotients of powers of two; 1 without a chain.
     const Real across = Real(image.width) / Real(whole.width);
     const Real down = Real(image.height) / Real(whole.height);
-    return look_up(state, image, q_uv_.value(fragment.u) * across, q_uv_.value(fragment.v) * down);
+    return look_up(state, by, image, q_uv_.value(fragment.u) * across, q_uv_.value(fragment.v) * down);
   }
   // Mixes the texel of a level with that of the next one; f: raw, lod.frac.
-  void mix_levels(const DrawState& state, std::span<const Texture> levels, std::int64_t level, std::int64_t f,
-                  const FragmentRecord& fragment, Shades<Real>& texel) const {
+  void mix_levels(const DrawState& state, const TexelLookup& by, std::span<const Texture> levels,
+                  std::int64_t level, std::int64_t f, const FragmentRecord& fragment,
+                  Shades<Real>& texel) const {
     const std::int64_t coarser = std::min(level + 1, static_cast<std::int64_t>(levels.size()) - 1);
-    const Shades<Real> other = sample(look_up_level(state, levels, coarser, fragment));
+    const Shades<Real> other = sample(by.filter, look_up_level(state, by, levels, coarser, fragment));
     const Real share = q_level_.value(f);
     for (std::size_t c = 0; c < channels; ++c) {
       const Quantizer<Real>& q = c == channels - 1 ? q_alpha_ : q_mix_;
@@ -184,8 +186,6 @@ class Sampling {
     }
   }
 
-  TextureFilter filter_;
-  TextureWrap wrap_;
   Texel border_;
   std::optional<std::array<std::uint8_t, 3>> transparent_;
   Quantizer<Real> q_uv_, q_frac_, q_mix_, q_alpha_, q_level_;

@@ -18,7 +18,6 @@ template <class Real>
 class Texturing : Sampling<Real> {
   using Place = typename Sampling<Real>::Place;
   using Sampling<Real>::alpha_;
-  using Sampling<Real>::filter_;
   using Sampling<Real>::look_up;
   using Sampling<Real>::q_alpha_;
   using Sampling<Real>::q_frac_;
@@ -88,23 +87,25 @@ class Texturing : Sampling<Real> {
 
   void one(const DrawState& state, const FragmentRecord& fragment, const Texture* texture,
            TextureRecord& out) const {
+    const TexelLookup by = first_lookup(state);
     Shades<Real> texel = no_texture_;
     bool killed = false;
     if (texture != nullptr) {
-      const Place place = look_up(state, *texture, q_uv_.value(fragment.u), q_uv_.value(fragment.v));
+      const Place place = look_up(state, by, *texture, q_uv_.value(fragment.u), q_uv_.value(fragment.v));
       tell(place, out);
       killed = place.killed;
-      texel = sample(place);
+      texel = sample(by.filter, place);
     }
     finish(state, fragment, texel, killed, out);
   }
 
   void one_of_levels(const DrawState& state, const FragmentRecord& fragment,
                      const std::vector<Texture>& levels, const LodRecord& lod, TextureRecord& out) const {
-    const Place place = this->look_up_level(state, levels, lod.level, fragment);
+    const TexelLookup by = first_lookup(state);
+    const Place place = this->look_up_level(state, by, levels, lod.level, fragment);
     tell(place, out);
-    Shades<Real> texel = sample(place);
-    if (mixes_levels_) this->mix_levels(state, levels, lod.level, lod.f, fragment, texel);
+    Shades<Real> texel = sample(by.filter, place);
+    if (mixes_levels_) this->mix_levels(state, by, levels, lod.level, lod.f, fragment, texel);
     finish(state, fragment, texel, place.killed, out);
   }
 
@@ -171,7 +172,7 @@ class Texturing : Sampling<Real> {
                     const Texture& texture, std::span<TextureRecord> out,
                     std::array<std::uint8_t, lanes>& dead,
                     std::array<Column, channels>& v) const requires std::same_as<Real, double> {
-    switch (filter_) {
+    switch (state.texture_filter) {
       case TextureFilter::nearest:
         return quick_nearest(state, fragments, texture, out, dead, v);
       case TextureFilter::bilinear:
@@ -184,10 +185,12 @@ class Texturing : Sampling<Real> {
                      std::array<std::uint8_t, lanes>& dead,
                      std::array<Column, channels>& v) const requires std::same_as<Real, double> {
     const std::size_t n = fragments.size();
+    const TexelLookup by = first_lookup(state);
     const double alpha_scale = 1 / q_alpha_.ulp();
     const double mix_scale = 1 / q_mix_.ulp();
     for (std::size_t i = 0; i < n; ++i) {
-      const Place place = look_up(state, texture, q_uv_.value(fragments[i]->u), q_uv_.value(fragments[i]->v));
+      const Place place =
+          look_up(state, by, texture, q_uv_.value(fragments[i]->u), q_uv_.value(fragments[i]->v));
       out[i].i = place.i;
       out[i].j = place.j;
       dead[i] = place.killed ? 1 : 0;
@@ -204,13 +207,15 @@ class Texturing : Sampling<Real> {
                       std::array<std::uint8_t, lanes>& dead,
                       std::array<Column, channels>& v) const requires std::same_as<Real, double> {
     const std::size_t n = fragments.size();
+    const TexelLookup by = first_lookup(state);
     const double alpha_scale = 1 / q_alpha_.ulp();
     const double mix_scale = 1 / q_mix_.ulp();
     // The texels in units of 1; V5 and V6 come out in ulps.
     std::array<std::array<Column, channels>, 4> texel;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     Column ex, ey;                                      // NOLINT(cppcoreguidelines-pro-type-member-init)
     for (std::size_t i = 0; i < n; ++i) {
-      const Place place = look_up(state, texture, q_uv_.value(fragments[i]->u), q_uv_.value(fragments[i]->v));
+      const Place place =
+          look_up(state, by, texture, q_uv_.value(fragments[i]->u), q_uv_.value(fragments[i]->v));
       out[i].i = place.i;
       out[i].j = place.j;
       out[i].ex = q_frac_.raw(place.ex);

@@ -41,6 +41,7 @@ class SecondTexturing : Sampling<Real> {
                   std::span<const Texture> levels, const DrawState& state,
                   std::vector<TextureSecondRecord>& out) const {
     const DrawState plain;  // without a chroma range
+    const TexelLookup by = second_lookup(state);
     for (std::size_t i = 0; i < fragments.size(); ++i) {
       const FragmentRecord& fragment = *fragments[i];
       TextureSecondRecord& record = out.emplace_back();
@@ -48,10 +49,10 @@ class SecondTexturing : Sampling<Real> {
       record.x = fragment.x;
       record.y = fragment.y;
       if (!lods.empty()) choose_level(*lods[i], static_cast<int>(levels.size()), record);
-      const Place place = this->look_up_level(plain, levels, record.level, fragment);
+      const Place place = this->look_up_level(plain, by, levels, record.level, fragment);
       tell(place, record);
-      Shades<Real> texel = sample(place);
-      if (mixes_levels(mip_)) this->mix_levels(plain, levels, record.level, record.f, fragment, texel);
+      Shades<Real> texel = sample(by.filter, place);
+      if (mixes_levels(mip_)) this->mix_levels(plain, by, levels, record.level, record.f, fragment, texel);
       combine(state, *firsts[i], texel, record);
     }
   }

@@ -110,6 +110,9 @@ bool act_alike(DrawState s, const DrawState& other) {
     s.texture1_red = other.texture1_red;
     s.texture1_green = other.texture1_green;
     s.texture1_blue = other.texture1_blue;
+    s.texture1_filter = other.texture1_filter;
+    s.texture1_wrap_u = other.texture1_wrap_u;
+    s.texture1_wrap_v = other.texture1_wrap_v;
   }
   return s == other;
 }
@@ -124,6 +127,7 @@ void set_state(Pipeline& pipeline, const Scene& scene, const DrawState& state) {
   pipeline.depth.bias = state.depth_bias;
   pipeline.texture.alpha_test = alpha_test_of(state.alpha_func, state.alpha_ref, pipeline.texture.alpha);
   pipeline.texture.kills_zero = state.alpha_zero == AlphaZero::kill;
+  pipeline.texture.lookup = first_lookup(state);
   pipeline.texture.chroma = chroma_of(state);
   pipeline.texture.is_last = !has_second_texture(state);
   set_texture_second(pipeline.texture_second, state, texture_of(scene, state.texture1));

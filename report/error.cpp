@@ -382,7 +382,12 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
 }
 
 void ErrorMeter::add_pictures(const Frame& engine, const Frame& ideal) {
-  const PicturePair pair(engine, ideal, *scene_, config_.filter);
+  std::vector<DrawState> states = states_of(config_, scene_->commands);
+  states.push_back(first_state(config_));
+  const auto weighs = [](const DrawState& s) { return weighs_texels(s.texture_filter); };
+  const PicturePair pair(
+      engine, ideal, *scene_,
+      std::ranges::any_of(states, weighs) ? TextureFilter::bilinear : TextureFilter::nearest);
   std::vector<PictureTally> tallies;
   for (const PictureMetric& metric : picture_metrics()) tallies.push_back(metric.tally(pair));
   add_tallies(tallies, report_.picture);

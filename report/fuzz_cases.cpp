@@ -93,7 +93,9 @@ Scene fuzz_scene(const FuzzPlan& plan, std::uint64_t index, int draw, const Conf
     // The pixel stages in RTL have neither.
     options.targets = random.chance(0.25);
     options.second_texture = random.chance(0.25);
+    options.every_wrap = index % 4 == 0;
   }
+  options.weighed_texels = takes_filter(config, TextureFilter::bilinear);
   Scene scene = random_scene(fuzz_seed(plan.seed, index, 3 + static_cast<std::uint64_t>(draw)), options);
   Random formats(fuzz_seed(plan.seed, index, 100));
   draw_texel_formats(formats, scene, 0.5);

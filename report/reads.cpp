@@ -24,39 +24,51 @@ struct UnitOfStage {
   std::string_view unit;
   RecordType stage;
 };
-constexpr std::array units{
-    UnitOfStage{"scissor", RecordType::depth},        UnitOfStage{"stipple", RecordType::depth},
-    UnitOfStage{"depth", RecordType::depth},          UnitOfStage{"stencil", RecordType::stencil},
-    UnitOfStage{"chroma", RecordType::texture},       UnitOfStage{"alpha", RecordType::texture},
-    UnitOfStage{"texture1", RecordType::texture},     UnitOfStage{"chroma", RecordType::texture_second},
-    UnitOfStage{"alpha", RecordType::texture_second}, UnitOfStage{"texture1", RecordType::texture_second},
-    UnitOfStage{"color", RecordType::merge},          UnitOfStage{"depth", RecordType::merge},
-    UnitOfStage{"blend", RecordType::merge},          UnitOfStage{"logic", RecordType::merge},
-    UnitOfStage{"target", RecordType::merge},         UnitOfStage{"color", RecordType::merge_alpha},
-    UnitOfStage{"blend", RecordType::merge_alpha},    UnitOfStage{"logic", RecordType::merge_alpha},
-    UnitOfStage{"target", RecordType::merge_alpha}};
+constexpr std::array units{UnitOfStage{"scissor", RecordType::depth},
+                           UnitOfStage{"stipple", RecordType::depth},
+                           UnitOfStage{"depth", RecordType::depth},
+                           UnitOfStage{"stencil", RecordType::stencil},
+                           UnitOfStage{"chroma", RecordType::texture},
+                           UnitOfStage{"alpha", RecordType::texture},
+                           UnitOfStage{"texture", RecordType::texture},
+                           UnitOfStage{"texture1", RecordType::texture},
+                           UnitOfStage{"chroma", RecordType::texture_second},
+                           UnitOfStage{"alpha", RecordType::texture_second},
+                           UnitOfStage{"texture1", RecordType::texture_second},
+                           UnitOfStage{"color", RecordType::merge},
+                           UnitOfStage{"depth", RecordType::merge},
+                           UnitOfStage{"blend", RecordType::merge},
+                           UnitOfStage{"logic", RecordType::merge},
+                           UnitOfStage{"target", RecordType::merge},
+                           UnitOfStage{"color", RecordType::merge_alpha},
+                           UnitOfStage{"blend", RecordType::merge_alpha},
+                           UnitOfStage{"logic", RecordType::merge_alpha},
+                           UnitOfStage{"target", RecordType::merge_alpha}};
 
 // The texels of a fragment.
 class Texels : golden::Sampling<golden::Quad> {
  public:
-  explicit Texels(const Config& config) : Sampling(config) {}
+  Texels(const Config& config, const TexelLookup& by) : Sampling(config), by_(by) {}
 
   // texture: that level of `whole`.
   void add(const Texture& whole, const Texture& texture, std::int64_t level, std::int64_t u, std::int64_t v,
            std::vector<Read>& out) const {
     const golden::Quad across = golden::Quad(texture.width) / golden::Quad(whole.width);
     const golden::Quad down = golden::Quad(texture.height) / golden::Quad(whole.height);
-    const golden::Quad half = weighs_texels(filter_) ? 0.5 : 0;
+    const golden::Quad half = weighs_texels(by_.filter) ? 0.5 : 0;
     const std::int64_t i = golden::to_integer(golden::floor_of(q_uv_.value(u) * across - half));
     const std::int64_t j = golden::to_integer(golden::floor_of(q_uv_.value(v) * down - half));
-    const int side = weighs_texels(filter_) ? 2 : 1;
+    const int side = weighs_texels(by_.filter) ? 2 : 1;
     for (int k = 0; k < side * side; ++k) {
-      const std::int64_t column = wrapped(i + k % side, texture.width);
-      const std::int64_t row = wrapped(j + k / side, texture.height);
+      const std::int64_t column = wrapped(i + k % side, texture.width, by_.wrap_u);
+      const std::int64_t row = wrapped(j + k / side, texture.height, by_.wrap_v);
       out.push_back({fmt::format("texel ({}, {}) of level {}", column, row, level),
                      fmt::format("{}", fmt::join(fetch(texture, column, row), " "))});
     }
   }
+
+ private:
+  TexelLookup by_;
 };
 
 const RecordCopy* fed_by(const Divergence& d, RecordType type) {
@@ -71,7 +83,7 @@ std::int64_t field(const RecordCopy& record, std::string_view name) {
 // texture: index into the scene's, or -1. chosen: the record that has the level, null without levels. Of lod,
 // the texture alone.
 void add_texels(const Divergence& d, const Config& config, const Scene& scene, int texture,
-                const RecordCopy* chosen, std::vector<Read>& out) {
+                const TexelLookup& by, const RecordCopy* chosen, std::vector<Read>& out) {
   const RecordCopy* fragment = fed_by(d, RecordType::fragment);
   if (texture < 0 || fragment == nullptr) return;
   const Texture& image = scene.textures[static_cast<std::size_t>(texture)];
@@ -79,7 +91,7 @@ void add_texels(const Divergence& d, const Config& config, const Scene& scene, i
   if (d.type == RecordType::lod) return;  // the size tells the last level
   const std::int64_t u = field(*fragment, "u");
   const std::int64_t v = field(*fragment, "v");
-  const Texels texels(config);
+  const Texels texels(config, by);
   if (!has_lod(config) || chosen == nullptr) {
     texels.add(image, image, 0, u, v, out);
     return;
@@ -156,11 +168,11 @@ void add_reads(Divergence& d, const Config& config, const Scene& scene, Engine& 
                                               : std::string(r.names[static_cast<std::size_t>(values[i])])});
   }
   if (d.type == RecordType::texture || d.type == RecordType::lod)
-    add_texels(d, config, scene, triangle.texture, fed_by(d, RecordType::lod), d.read);
+    add_texels(d, config, scene, triangle.texture, first_lookup(state), fed_by(d, RecordType::lod), d.read);
   // Its level is its own.
   if (d.type == RecordType::texture_second)
-    add_texels(d, config, scene, state.texture1, d.reference_record ? &*d.reference_record : &*d.other_record,
-               d.read);
+    add_texels(d, config, scene, state.texture1, second_lookup(state),
+               d.reference_record ? &*d.reference_record : &*d.other_record, d.read);
   if (d.type == RecordType::fog && scene.fog)
     d.read.push_back({"fog color", fmt::format("{}", fmt::join(scene.fog->color, " "))});
   if (reads_pixel(d.type)) {

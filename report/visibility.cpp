@@ -37,7 +37,15 @@ bool is_opaque(const Texture& texture, const Config& config) {
 // Of each texture: whether no texel of it, of its levels, or of its border kills a fragment.
 std::vector<bool> opaque_textures(const Config& config, const Scene& scene) {
   bool border_kills = false;
-  if (has_border_color(config.wrap)) {
+  std::vector<DrawState> states = states_of(config, scene.commands);
+  states.push_back(first_state(config));
+  const auto has_border = [](const TexelLookup& by) {
+    return has_border_color(by.wrap_u) || has_border_color(by.wrap_v);
+  };
+  if (std::ranges::any_of(states, [&](const DrawState& state) {
+        return has_border(first_lookup(state)) ||
+               (has_second_texture(state) && has_border(second_lookup(state)));
+      })) {
     border_kills = config.border[3] != 255 ||
                    (config.transparent && std::equal(config.transparent->begin(), config.transparent->end(),
                                                      config.border.begin()));

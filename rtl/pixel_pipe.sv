@@ -49,7 +49,7 @@ module pixel_pipe (
     input  logic [bitspan_pixel_pkg::DepthBiasW-1:0] draw_bias_i,
     input  logic draw_textured_i,
     input  logic draw_bilinear_i,
-    input  logic draw_clamp_i,
+    input  logic [1:0] draw_clamp_i,
     input  logic [bitspan_pixel_pkg::TexelIndexW-1:0] draw_last_i_i,
     input  logic [bitspan_pixel_pkg::TexelIndexW-1:0] draw_last_j_i,
     input  logic [bitspan_pixel_pkg::TexelPitchW-1:0] draw_pitch_i,
@@ -296,7 +296,7 @@ module pixel_pipe (
   assign in_taken = in_valid_i && in_ready_o;
 
   // Each stage's part, by slot.
-  localparam int TextureStateW = 4 + 2 * IndexW + PitchW + AddressW + 24;
+  localparam int TextureStateW = 5 + 2 * IndexW + PitchW + AddressW + 24;
   localparam int FogStateW = 2 + 24;
   localparam int BiasW = bitspan_pixel_pkg::DepthBiasW;
   localparam int SideW = 4 * 3 + 3 * 8;
@@ -709,7 +709,8 @@ module pixel_pipe (
 
   // ---------------------------------------------------------------- texture
 
-  logic use_texture, use_bilinear, use_clamp, use_transparent;
+  logic use_texture, use_bilinear, use_transparent;
+  logic [1:0] use_clamp;
   logic [IndexW-1:0] last_i, last_j;
   logic [PitchW-1:0] pitch;
   logic [AddressW-1:0] base;

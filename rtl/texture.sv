@@ -40,11 +40,11 @@ module texture #(
     input  logic [bitspan_pixel_pkg::LodLevelW-1:0] in_level_i,
     input  logic [bitspan_pixel_pkg::LodFracW-1:0] in_f_i,
     input  logic [RestW-1:0] in_rest_i,
-    // The draw state, taken with the fragment: a texture or none, bilinear or nearest, clamp or cyclic, the last column
-    // and row of texels, the pitch, the address of texel (0, 0), and the reserved colour, if there is one.
+    // The draw state, taken with the fragment: a texture or none, bilinear or nearest, clamp or cyclic along u (bit 0) and
+    // v, the last column and row of texels, the pitch, the address of texel (0, 0), and the reserved colour, if there is one.
     input  logic in_textured_i,
     input  logic in_bilinear_i,
-    input  logic in_clamp_i,
+    input  logic [1:0] in_clamp_i,
     input  logic [bitspan_pixel_pkg::TexelIndexW-1:0] in_last_i_i,
     input  logic [bitspan_pixel_pkg::TexelIndexW-1:0] in_last_j_i,
     input  logic [bitspan_pixel_pkg::TexelPitchW-1:0] in_pitch_i,
@@ -923,7 +923,8 @@ module texture #(
   end
   always @(posedge clk_i) begin
     if (in_taken && in_textured_i) begin
-      assert (in_clamp_i || ((in_last_i_i & (in_last_i_i + 1'b1)) == '0 && (in_last_j_i & (in_last_j_i + 1'b1)) == '0))
+      assert ((in_clamp_i[0] || (in_last_i_i & (in_last_i_i + 1'b1)) == '0) &&
+              (in_clamp_i[1] || (in_last_j_i & (in_last_j_i + 1'b1)) == '0))
       else $fatal(1, "texture: a cyclic texture of %0d x %0d texels", in_last_i_i + 1, in_last_j_i + 1);
       assert ((AddressW'(in_last_i_i) >> in_pitch_i) == '0 && (in_base_i & ((AddressW'(1) << in_pitch_i) - 1'b1)) == '0)
       else $fatal(1, "texture: base %0d or pitch %0d do not suit rows of %0d texels", in_base_i, in_pitch_i,

@@ -16,11 +16,11 @@ module texture_address (
     input  logic [bitspan_pixel_pkg::SpanUvW-1:0] u_i,
     input  logic [bitspan_pixel_pkg::SpanUvW-1:0] v_i,
     input  logic [bitspan_pixel_pkg::LodLevelW-1:0] level_i,
-    // The draw state: a texture or none, bilinear or nearest, clamp or cyclic; of level 0 the last column and row, and the
-    // pitch; the base.
+    // The draw state: a texture or none, bilinear or nearest, clamp or cyclic along u (bit 0) and v; of level 0 the last
+    // column and row, and the pitch; the base.
     input  logic textured_i,
     input  logic bilinear_i,
-    input  logic clamp_i,
+    input  logic [1:0] clamp_i,
     input  logic [bitspan_pixel_pkg::TexelIndexW-1:0] last_i_i,
     input  logic [bitspan_pixel_pkg::TexelIndexW-1:0] last_j_i,
     input  logic [bitspan_pixel_pkg::TexelPitchW-1:0] pitch_i,
@@ -65,7 +65,8 @@ module texture_address (
   // ---------------------------------------------------------------- the level
 
   // Behind the clocks of the level, or at the input. Axis 0 is u, 1 is v.
-  logic textured, bilinear, clamp;
+  logic textured, bilinear;
+  logic [1:0] clamp;
   logic signed [LowW-1:0] low[2];
   logic [IndexW-1:0] last[2];
   logic [PitchW-1:0] pitch;
@@ -112,7 +113,7 @@ module texture_address (
       assign last[axis] = last_b;
     end
     delay_line #(
-        .Width(3),
+        .Width(4),
         .Depth(LevelClocks)
     ) u_draw_line (
         .clk_i,
@@ -134,7 +135,8 @@ module texture_address (
 
   // ---------------------------------------------------------------- indices
 
-  logic textured_1, quad_1, clamp_1;
+  logic textured_1, quad_1;
+  logic [1:0] clamp_1;
   always_ff @(posedge clk_i) begin
     if (en_i) begin
       textured_1 <= textured;
@@ -191,10 +193,10 @@ module texture_address (
       if (en_i) begin
         first_2 <= whole[IndexW-1:0];
         second_2 <= whole[IndexW-1:0] + IndexW'(1);
-        zero_2 <= !textured_1 || (clamp_1 && whole < 0);
-        first_past_2 <= clamp_1 && whole > $signed(CompareW'({1'b0, last_1}));
-        second_past_2 <= clamp_1 && whole >= $signed(CompareW'({1'b0, last_1}));
-        cyclic_2 <= !clamp_1;
+        zero_2 <= !textured_1 || (clamp_1[axis] && whole < 0);
+        first_past_2 <= clamp_1[axis] && whole > $signed(CompareW'({1'b0, last_1}));
+        second_past_2 <= clamp_1[axis] && whole >= $signed(CompareW'({1'b0, last_1}));
+        cyclic_2 <= !clamp_1[axis];
         last_2[axis*IndexW+:IndexW] <= last_1;
         upper_2 <= quad_1 && low_1[Grid-1];
         frac_2 <= quad_1 ? frac : '0;

@@ -2,10 +2,12 @@
 #include "scene/draw_state.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <string>
 #include <type_traits>
 
+#include "config/check.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan {
@@ -40,7 +42,23 @@ void set_register(DrawState& state, std::size_t index, std::int64_t value) {
 #undef BITSPAN_SET_REGISTER
 }
 
+// What a configuration violates with another filter. One that is not legal itself (Config{}) takes any.
+std::optional<Violation> violation_by(TextureFilter filter, Config config) {
+  if (filter == config.filter || first_violation(config)) return std::nullopt;
+  config.filter = filter;
+  return first_violation(config);
+}
+
+void check_filter(const char* key, TextureFilter filter, const Config& config) {
+  const auto violation = violation_by(filter, config);
+  if (!violation) return;
+  throw InputError(std::string(key) + ": is " + std::string(to_string(filter)) + ", for which " +
+                   violation->key + " " + violation->text);
+}
+
 }  // namespace
+
+bool takes_filter(const Config& config, TextureFilter filter) { return !violation_by(filter, config); }
 
 DrawState first_state(const Config& c) {
   DrawState state;
@@ -81,6 +99,8 @@ DrawState changed_state(DrawState state, const StateChange& change, const Config
         "depth.when: \"early\" is not legal with stencil.test, because a fragment that the texture kills "
         "would change the stencil plane; expected \"late\"");
   }
+  check_filter("texture.filter", state.texture_filter, config);
+  check_filter("texture1.filter", state.texture1_filter, config);
   return state;
 }
 

@@ -150,12 +150,18 @@ inline constexpr int texture1_limit = 65535;
   X(A, std::int32_t, chroma_high_red, "chroma.high.red", 0, 255, 255, "largest red of the range")                          \
   X(A, std::int32_t, chroma_high_green, "chroma.high.green", 0, 255, 255, "largest green of the range")                    \
   X(A, std::int32_t, chroma_high_blue, "chroma.high.blue", 0, 255, 255, "largest blue of the range")                       \
+  X(A, TextureFilter, texture_filter, "texture.filter",  0, 0, c.filter, "how a triangle's texels are weighed")              \
+  X(A, TextureWrap,  texture_wrap_u,  "texture.wrap.u",  0, 0, c.wrap, "how the columns of its texture go on outside of it") \
+  X(A, TextureWrap,  texture_wrap_v,  "texture.wrap.v",  0, 0, c.wrap, "how its rows do")                                  \
   X(A, std::int32_t, texture1,        "texture1",        -1, texture1_limit, -1, "index of the scene's texture that the second texture unit fetches; -1: the unit is off") \
   X(A, TextureOp,    texture1_op,     "texture1.op",     0, 0, TextureOp::modulate, "how that unit combines its texel with the first one's colour") \
   X(A, std::int32_t, texture1_scale,  "texture1.scale",  0, 2, 0, "modulate_scaled multiplies by 2 to this power")         \
   X(A, std::int32_t, texture1_red,    "texture1.red",    0, 255, 0, "red of the constant colour of blend")                 \
   X(A, std::int32_t, texture1_green,  "texture1.green",  0, 255, 0, "green of the constant colour of blend")               \
-  X(A, std::int32_t, texture1_blue,   "texture1.blue",   0, 255, 0, "blue of the constant colour of blend")
+  X(A, std::int32_t, texture1_blue,   "texture1.blue",   0, 255, 0, "blue of the constant colour of blend")               \
+  X(A, TextureFilter, texture1_filter, "texture1.filter", 0, 0, c.filter, "as texture.filter, of the second texture unit")  \
+  X(A, TextureWrap,  texture1_wrap_u, "texture1.wrap.u", 0, 0, c.wrap, "as texture.wrap.u, of the second texture unit")    \
+  X(A, TextureWrap,  texture1_wrap_v, "texture1.wrap.v", 0, 0, c.wrap, "as texture.wrap.v, of the second texture unit")
 
 // clang-format on
 
@@ -172,6 +178,20 @@ constexpr bool is_late(DepthWhen when) { return when == DepthWhen::late; }
 
 // Whether the second texture unit is on.
 constexpr bool has_second_texture(const DrawState& state) { return state.texture1 >= 0; }
+
+// How a texture unit finds texels.
+struct TexelLookup {
+  TextureFilter filter = TextureFilter::nearest;
+  TextureWrap wrap_u = TextureWrap::cyclic, wrap_v = TextureWrap::cyclic;
+  bool operator==(const TexelLookup&) const = default;
+};
+constexpr TexelLookup lookup_of(const Config& config) { return {config.filter, config.wrap, config.wrap}; }
+constexpr TexelLookup first_lookup(const DrawState& s) {
+  return {s.texture_filter, s.texture_wrap_u, s.texture_wrap_v};
+}
+constexpr TexelLookup second_lookup(const DrawState& s) {
+  return {s.texture1_filter, s.texture1_wrap_u, s.texture1_wrap_v};
+}
 
 // What the registers hold at the start of a scene.
 DrawState first_state(const Config& config);
@@ -204,7 +224,9 @@ struct StateChange {
   std::vector<StateSetting> settings;
   bool operator==(const StateChange&) const = default;
 };
-// Throws InputError, whose text begins with the key, where the new state is not legal: see refuse_state.
+// Whether the formats of a legal configuration are narrow enough for a filter that is not its own.
+bool takes_filter(const Config& config, TextureFilter filter);
+// Throws InputError, whose text begins with the key, where the new state is not legal.
 DrawState changed_state(DrawState state, const StateChange& change, const Config& config);
 // The same; throws, too, where the new state names a texture that a scene with so many textures does not
 // have.

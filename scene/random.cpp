@@ -152,8 +152,11 @@ std::array<std::uint8_t, 3> random_color(Random& random) {
 }  // namespace
 
 bool is_later_register(std::string_view key) {
-  return key == "alpha.zero" || key == "color.mask" || key == "target.round" || key == "stencil.back.ref" ||
-         key == "stencil.back.mask" || key == "stencil.back.write";
+  constexpr auto later = std::to_array<std::string_view>(
+      {"alpha.zero", "color.mask", "target.round", "stencil.back.ref", "stencil.back.mask",
+       "stencil.back.write", "texture.filter", "texture.wrap.u", "texture.wrap.v", "texture1.filter",
+       "texture1.wrap.u", "texture1.wrap.v"});
+  return std::ranges::find(later, key) != later.end();
 }
 
 namespace {
@@ -168,13 +171,18 @@ std::vector<std::string_view> units_of_registers(const RandomOptions& options) {
     const bool of_target = r.key.starts_with("target.") || r.key.starts_with("chroma.");
     if (of_target && !options.targets) continue;
     if (r.key.starts_with("texture1") && !options.second_texture) continue;
+    if (is_later_register(r.key)) continue;
     if (out.empty() || out.back() != unit_of_register(r.key)) out.push_back(unit_of_register(r.key));
   }
   return out;
 }
 
 // Values that do something: most of a scissor's legal ones are outside of the picture.
-std::int64_t random_value(Random& random, const StateRegister& r, const Scene& scene) {
+std::int64_t random_value(Random& random, const StateRegister& r, const Scene& scene,
+                          const RandomOptions& options) {
+  if (r.key.ends_with(".filter")) return random.integer(r.low, options.weighed_texels ? r.high : r.low);
+  if (r.key.find(".wrap.") != std::string_view::npos)
+    return random.integer(r.low, options.every_wrap ? r.high : r.low + 1);
   if (r.key == "scissor.left" || r.key == "scissor.top") {
     return random.integer(0, (r.key == "scissor.left" ? scene.width : scene.height) / 2);
   }
@@ -222,19 +230,20 @@ DrawCommand random_command(Random& random, Random& later, const Scene& scene, Dr
     // Nor do the others of the second texture unit while it is off.
     if (unit == "texture1" && random.chance(0.9)) {
       const std::size_t index = *find_state_register("texture1");
-      set(index, random_value(random, state_registers()[index], scene));
+      set(index, random_value(random, state_registers()[index], scene, options));
     }
     for (std::size_t index = 0; index < state_registers().size(); ++index) {
       const StateRegister& r = state_registers()[index];
       if (unit_of_register(r.key) != unit || r.key == "stencil.test" || is_later_register(r.key)) continue;
       if (!random.chance(0.4)) continue;
       if (!options.late_tests && r.key == "depth.when") continue;
-      set(index, random_value(random, r, scene));
+      set(index, random_value(random, r, scene, options));
     }
   }
   for (std::size_t index = 0; options.later_registers && index < state_registers().size(); ++index) {
     const StateRegister& r = state_registers()[index];
-    if (is_later_register(r.key) && later.chance(0.2)) set(index, random_value(later, r, scene));
+    if (r.key.starts_with("texture1") && !options.second_texture) continue;
+    if (is_later_register(r.key) && later.chance(0.2)) set(index, random_value(later, r, scene, options));
     if (is_factor(r) && later.chance(0.1)) set(index, r.high);
   }
   try {

@@ -47,6 +47,8 @@ struct RandomOptions {
   bool targets = true;                   // registers of the target and of the chroma range may change
   bool second_texture = true;            // registers of the second texture unit may change
   bool later_registers = true;  // those that scenes of before do not have may change, and clears be masked
+  bool weighed_texels = true;   // filters of the draw state may weigh texels
+  bool every_wrap = true;       // its wrap modes may be any; else those of the RTL
   bool several_targets = true;  // with commands: triangles may go to other targets than 0
 };
 

@@ -348,10 +348,15 @@ EngineOwn rtl_own(const Config& config, const Scene& scene) {
   }
   if (has_lod(config)) fields_of_type(RecordType::lod) = fields_of(RecordType::lod).size() - 1;
   // i and j, although the RTL finds those of the other textures.
-  const bool finds_all = std::ranges::all_of(
-      scene.textures, [&](const Texture& texture) { return addresses_texels(config, texture); });
+  std::vector<DrawState> states = states_of(config, scene.commands);
+  states.push_back(first_state(config));
+  const bool finds_all = std::ranges::all_of(states, [&](const DrawState& state) {
+    return std::ranges::all_of(scene.textures, [&](const Texture& texture) {
+      return addresses_texels(first_lookup(state), texture);
+    });
+  });
   if (!finds_all) fields_of_type(RecordType::texture) -= 2;
-  const bool has_stencil = std::ranges::any_of(states_of(config, scene.commands), &DrawState::stencil_test);
+  const bool has_stencil = std::ranges::any_of(states, &DrawState::stencil_test);
   // depth, u, v and three channels of colour, not the triangle; stencil; alpha where merge writes it
   own.picture = has_stencil ? 7 : 6;
   if (has_blend_equation(config.rtl.blend)) {

@@ -180,9 +180,11 @@ bool holds_textures(const Config& config, const Scene& scene) {
   });
 }
 
-bool addresses_texels(const Config& config, const Texture& texture) {
-  const auto repeats = [](int size) { return std::has_single_bit(static_cast<unsigned>(size)); };
-  return stops_at_edge(config.wrap) || (repeats(texture.width) && repeats(texture.height));
+bool addresses_texels(const TexelLookup& by, const Texture& texture) {
+  const auto addresses = [](TextureWrap wrap, int size) {
+    return stops_at_edge(wrap) || std::has_single_bit(static_cast<unsigned>(size));
+  };
+  return addresses(by.wrap_u, texture.width) && addresses(by.wrap_v, texture.height);
 }
 
 std::uint32_t texel_word(const Texture& texture, std::int64_t i, std::int64_t j) {
@@ -257,8 +259,8 @@ StageValues draw_values(const Config& config, const RtlDraw& s) {
                      bit(s.write_z),
                      Rtl::to_port(std::clamp(s.bias, -zmax, zmax), config.depth_bits + 1),
                      bit(s.textured),
-                     bit(weighs_texels(s.filter)),
-                     bit(stops_at_edge(s.wrap)),
+                     bit(weighs_texels(s.lookup.filter)),
+                     bit(stops_at_edge(s.lookup.wrap_u)) | bit(stops_at_edge(s.lookup.wrap_v)) << 1,
                      s.place.last_i,
                      s.place.last_j,
                      s.place.pitch,
@@ -503,17 +505,18 @@ struct RtlPixels::Pipe {
     clocks = 0;
 
     places = place_textures(config, s);
-    modelled.clear();
-    for (const Texture& t : s.textures) modelled.push_back(!addresses_texels(config, t));
     set(p.state);
   }
 
   void set(const DrawState& s) {
     writes_color = s.color_write;
     tests_stencil = s.stencil_test;
+    texture_stage = pipeline->texture;
+    texture_stage.lookup = first_lookup(s);
+    modelled.clear();
+    for (const Texture& t : scene->textures) modelled.push_back(!addresses_texels(texture_stage.lookup, t));
     RtlDraw state{.func = s.depth_func,
-                  .filter = pipeline->texture.filter,
-                  .wrap = pipeline->texture.wrap,
+                  .lookup = texture_stage.lookup,
                   .transparent = pipeline->texture.transparent,
                   .fog = pipeline->fog.mode,
                   .fog_color = pipeline->fog.fog_color,
@@ -725,14 +728,21 @@ struct RtlPixels::Pipe {
   bool is_modelled(const Fragment& f) const {
     return f.texture >= 0 && modelled[static_cast<std::size_t>(f.texture)];
   }
-  // The texels of a fragment on its way to texture, by the model's indices in a texture that repeats.
+  // The texels of a fragment on its way to texture, by the model's indices.
   void find_texels(const Fragment& f) {
     const Texture& image = scene->textures[static_cast<std::size_t>(f.texture)];
+    const TexelLookup& by = texture_stage.lookup;
     TextureRecord r;
-    model::texture(pipeline->texture, &image, f.record, r);
+    model::texture(texture_stage, &image, f.record, r);
     const auto [i, j] = std::pair(r.i, r.j);
-    const std::int64_t next_i = (i + 1) % image.width;
-    const std::int64_t next_j = (j + 1) % image.height;
+    const auto next = [&](std::int64_t at, std::int64_t raw, int size, TextureWrap wrap) {
+      if (!stops_at_edge(wrap)) return (at + 1) % size;
+      const int fraction = texture_stage.uv.fraction;
+      const auto left = model::floor_of(model::Exact{raw, fraction} - model::Exact{1, 1});
+      return static_cast<std::int64_t>(std::clamp<model::int128>(left + 1, 0, size - 1));
+    };
+    const std::int64_t next_i = next(i, f.record.u, image.width, by.wrap_u);
+    const std::int64_t next_j = next(j, f.record.v, image.height, by.wrap_v);
     modelled_texels.push_back({i,
                                j,
                                {texel_word(image, i, j), texel_word(image, next_i, j),
@@ -862,7 +872,8 @@ struct RtlPixels::Pipe {
   Format merged_color;
 
   // Set by begin().
-  const model::Pipeline* pipeline = nullptr;
+  const model::Pipeline* pipeline = nullptr;  // of the scene; the draw state in force may be another one
+  model::TextureStage texture_stage;          // of that state
   const Scene* scene = nullptr;
   Frame* frame = nullptr;
   double uv_ulp = 1;

@@ -43,7 +43,7 @@ std::vector<TexelPlace> place_textures(const Config& config, const Scene& scene,
 // Whether the RTL's indices and addresses are wide enough for all textures.
 bool holds_textures(const Config& config, const Scene& scene);
 // Whether the RTL finds a texture's texels by itself: it repeats only textures whose sizes are powers of two.
-bool addresses_texels(const Config& config, const Texture& texture);
+bool addresses_texels(const TexelLookup& by, const Texture& texture);
 // A texel's word, red in the lowest byte.
 std::uint32_t texel_word(const Texture& texture, std::int64_t i, std::int64_t j);
 // None where the address holds no texel. chains: of the scene's textures, read where their places have
@@ -67,8 +67,7 @@ RtlStencil rtl_stencil(const DrawState& state);
 struct RtlDraw {
   DepthFunc func = DepthFunc::less;
   bool textured = false;
-  TextureFilter filter = TextureFilter::nearest;
-  TextureWrap wrap = TextureWrap::cyclic;
+  TexelLookup lookup{};
   TexelPlace place{};
   Color transparent{};
   FogMode fog = FogMode::none;

@@ -396,6 +396,7 @@ class VectorModel {
       }
       return;
     }
+    select_textures(plan_, run_.pipeline, *run_.scene);
     if (second) prepare_second_texture(plan_);
     const auto draw_chunk = [&](std::size_t at, std::size_t n) {
       std::visit(

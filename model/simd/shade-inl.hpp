@@ -143,23 +143,25 @@ struct PlanImage {
   using T = typename V::Element;
   const ShadeTexture* image;  // null: none
   const T* alphas;
-  TextureWrap wrap;
+  TextureWrap wrap_u, wrap_v;
   const std::uint32_t* words;
-  std::int32_t width, height, border, stride;
+  std::int32_t width, height, border_u, border_v, stride;
   bool reserved, all_opaque;
 
-  PlanImage(const ShadePlan& plan, const ShadeFormats& formats, const ShadeTexture* texture)
-      : image(texture), wrap(formats.texture.wrap) {
+  PlanImage(const ShadePlan& plan, const ShadeTexture* texture) : image(texture) {
     if constexpr (sizeof(T) == 4) {
       alphas = plan.alpha32.data();
     } else {
       alphas = plan.alpha64.data();
     }
     if (image == nullptr) return;
+    wrap_u = image->by.wrap_u;
+    wrap_v = image->by.wrap_v;
     words = image->words.data();
     width = image->width;
     height = image->height;
-    border = image->border;
+    border_u = image->border_u;
+    border_v = image->border_v;
     stride = image->stride;
     reserved = image->has_reserved;
     all_opaque = image->opaque;
@@ -170,7 +172,7 @@ struct PlanImage {
   }
   HWY_INLINE TextureFilter filter(const TextureStage& stage) const {
     if constexpr (kind == ImageKind::any) {
-      return stage.filter;
+      return stage.lookup.filter;
     } else {
       return kind == ImageKind::bilinear ? TextureFilter::bilinear : TextureFilter::nearest;
     }
@@ -180,64 +182,57 @@ struct PlanImage {
   HWY_INLINE V cyclic(V i, std::int32_t size) const {
     return (size & (size - 1)) == 0 ? i & V(size - 1) : modulo(i, size);
   }
-  HWY_INLINE V index(V i, V j) const { return (j + V(border)) * V(stride) + i + V(border); }
+  HWY_INLINE V index(V i, V j) const { return (j + V(border_v)) * V(stride) + i + V(border_u); }
   // Where the copy is the one that is turned round.
   HWY_INLINE V turned_back(V i, std::int32_t size) const {
     return select(i < V(size), i, V(2 * size - 1) - i);
   }
-  HWY_INLINE V nearest(V& i, V& j) const {
+  HWY_INLINE V wrapped(V i, std::int32_t size, TextureWrap wrap) const {
     switch (wrap) {
       case TextureWrap::cyclic:
-        i = cyclic(i, width);
-        j = cyclic(j, height);
-        break;
+        return cyclic(i, size);
       case TextureWrap::mirror:
-        i = turned_back(cyclic(i, 2 * width), width);
-        j = turned_back(cyclic(j, 2 * height), height);
-        break;
+        return turned_back(cyclic(i, 2 * size), size);
       case TextureWrap::border:
-        i = min(max(i, V(-1)), V(width));
-        j = min(max(j, V(-1)), V(height));
-        break;
+        return min(max(i, V(-1)), V(size));
       case TextureWrap::clamp:
-        i = min(max(i, V(0)), V(width - 1));
-        j = min(max(j, V(0)), V(height - 1));
-        break;
+        return min(max(i, V(0)), V(size - 1));
     }
+    unreachable();
+  }
+  HWY_INLINE V nearest(V& i, V& j) const {
+    i = wrapped(i, width, wrap_u);
+    j = wrapped(j, height, wrap_v);
     return word_at(words, index(i, j));
   }
-  HWY_INLINE Quad<V> quad(V& i, V& j) const {
-    V at;
+  // Where the pair of i stands; i becomes the texel's own.
+  HWY_INLINE V pair(V& i, std::int32_t size, TextureWrap wrap) const {
+    V at = i;
     switch (wrap) {
       case TextureWrap::cyclic:
-        i = cyclic(i, width);
-        j = cyclic(j, height);
-        at = index(i, j);
+        at = i = cyclic(i, size);
         break;
       case TextureWrap::clamp:
-        i = min(max(i, V(-1)), V(width - 1));
-        j = min(max(j, V(-1)), V(height - 1));
-        at = index(i, j);
-        i = max(i, V(0));
-        j = max(j, V(0));
+        at = min(max(i, V(-1)), V(size - 1));
+        i = max(at, V(0));
         break;
       case TextureWrap::mirror:
         // The copy that is turned round stands behind the other one.
-        i = cyclic(i, 2 * width);
-        j = cyclic(j, 2 * height);
-        at = index(i, j);
-        i = turned_back(i, width);
-        j = turned_back(j, height);
+        at = cyclic(i, 2 * size);
+        i = turned_back(at, size);
         break;
       case TextureWrap::border:
-        // A pair that starts at -2 or at the width is outside as a whole.
-        i = min(max(i, V(-2)), V(width));
-        j = min(max(j, V(-2)), V(height));
-        at = index(i, j);
-        i = max(i, V(-1));
-        j = max(j, V(-1));
+        // A pair that starts at -2 or at the size is outside as a whole.
+        at = min(max(i, V(-2)), V(size));
+        i = max(at, V(-1));
         break;
     }
+    return at;
+  }
+  HWY_INLINE Quad<V> quad(V& i, V& j) const {
+    const V column = pair(i, width, wrap_u);
+    const V row = pair(j, height, wrap_v);
+    const V at = index(column, row);
     const V below = at + V(stride);
     if constexpr (sizeof(T) == 4) {
       return {word_at(words, at), word_at(words, at + V(1)), word_at(words, below),
@@ -263,10 +258,10 @@ struct PlanImage {
 template <class Int, ImageKind kind>
 HWY_INLINE auto image_for(const ShadePlan& plan, const ShadeFormats& formats, const ShadeTexture* texture) {
   if constexpr (std::is_same_v<Int, int128>) {
-    return TextureImage{texture == nullptr ? nullptr : texture->source, formats.texture.wrap,
-                        word_of(formats.texture.border)};
+    return TextureImage{texture == nullptr ? nullptr : texture->source,
+                        texture == nullptr ? TexelLookup{} : texture->by, word_of(formats.texture.border)};
   } else {
-    return PlanImage<Int, kind>(plan, formats, texture);
+    return PlanImage<Int, kind>(plan, texture);
   }
 }
 
@@ -296,14 +291,14 @@ struct BlockUnits {
   std::array<BlockImages, 2> images;
   std::array<const T*, 2> shares{};  // of the coarser levels; read where there is one
 };
-inline const ShadeTexture* image_of(const ShadePlan& plan, int texture) {
-  return texture < 0 ? nullptr : &plan.textures[static_cast<std::size_t>(texture)];
+inline const ShadeTexture* image_of(const ShadeTextures& textures, int texture) {
+  return texture < 0 ? nullptr : &textures.whole[static_cast<std::size_t>(texture)];
 }
-inline BlockImages images_of(const ShadePlan& plan, int texture, int level, bool mixes) {
+inline BlockImages images_of(const ShadeTextures& textures, int texture, int level, bool mixes) {
   if (texture < 0) return {};
-  const std::vector<ShadeTexture>& levels = plan.levels[static_cast<std::size_t>(texture)];
+  const std::vector<ShadeTexture>& levels = textures.levels[static_cast<std::size_t>(texture)];
   const auto at = [&](int l) {
-    return l == 0 ? image_of(plan, texture) : &levels[static_cast<std::size_t>(l - 1)];
+    return l == 0 ? image_of(textures, texture) : &levels[static_cast<std::size_t>(l - 1)];
   };
   const ShadeTexture& whole = *at(0);
   const auto halved = [&](int l) { return halvings(whole.width, whole.height, l); };
@@ -616,7 +611,7 @@ void store_winners(const ShadeColumns<T>& columns, const FragmentBlock<T>& block
 template <class T, const ShadeFormats* fixed, class Watch>
 void colours(const Pipeline& pipeline, const ShadePlan& plan, int texture, const FragmentBlock<T>& block,
              const Frame& frame, ShadeColumns<T>& columns, Counters& counters, Trace* trace, Watch watch) {
-  const BlockUnits<T> units{{BlockImages{image_of(plan, texture)}, BlockImages{}}};
+  const BlockUnits<T> units{{BlockImages{image_of(plan.textures_of(0), texture)}, BlockImages{}}};
   const FormatsOf<ShadeFormats, fixed> local(plan.formats);
   const ShadeFormats& formats = *local;
   const FogMode fog = pipeline.fog.mode;
@@ -648,7 +643,7 @@ void colours(const Pipeline& pipeline, const ShadePlan& plan, int texture, const
         run_kind.template operator()<ImageKind::none>();
         return;
       }
-      switch (formats.texture.filter) {
+      switch (formats.texture.lookup.filter) {
         case TextureFilter::nearest:
           run_kind.template operator()<ImageKind::nearest>();
           break;
@@ -780,7 +775,9 @@ void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const Sh
                        Counters& counters) {
   AnyColumns<T> any;
   const auto levels_of = [&](int texture) {
-    return texture < 0 ? 1 : static_cast<int>(plan.levels[static_cast<std::size_t>(texture)].size()) + 1;
+    return texture < 0
+               ? 1
+               : static_cast<int>(pipeline.mip_chains.all()[static_cast<std::size_t>(texture)].size());
   };
   find_levels(pipeline, block, {levels_of(textures[0]), levels_of(textures[1])}, gradients, frame.width,
               any.levels);
@@ -793,8 +790,8 @@ void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const Sh
   }
   const bool mixes = formats.texture.mixes_levels;
   const auto images = [&](const std::array<std::int32_t, 2>& levels) {
-    return std::array{images_of(plan, textures[0], levels[0], mixes),
-                      images_of(plan, textures[1], levels[1], mixes)};
+    return std::array{images_of(plan.textures_of(0), textures[0], levels[0], mixes),
+                      images_of(plan.textures_of(1), textures[1], levels[1], mixes)};
   };
   if (least == most) {
     colours_any<T>(pipeline, plan, formats, {images(least), {any.levels[0].share, any.levels[1].share}},
@@ -824,8 +821,8 @@ void shade_any(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw&
   if (pipeline.has_lod && (textures[0] >= 0 || textures[1] >= 0)) {
     colours_of_levels(pipeline, plan, formats, textures, block, gradients, frame, columns, counters);
   } else {
-    const BlockUnits<T> units{
-        {BlockImages{image_of(plan, textures[0])}, BlockImages{image_of(plan, textures[1])}}};
+    const BlockUnits<T> units{{BlockImages{image_of(plan.textures_of(0), textures[0])},
+                               BlockImages{image_of(plan.textures_of(1), textures[1])}}};
     colours_any(pipeline, plan, formats, units, block, frame, columns, counters);
   }
   if (is_late(pipeline.state.depth_when)) {

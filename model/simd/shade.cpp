@@ -39,6 +39,19 @@ bool narrows_in(int bits, Grid value, const Format& to) {
 }
 bool held_in(int bits, const Format& f) { return signed_grid(f).bits() <= bits; }
 
+// What a filter that weighs texels computes besides.
+bool fits_weighed(const Config& c, int bits) {
+  using F = FormatId;
+  const auto of = [&](F id) { return signed_grid(c.format(id)); };
+  const auto narrows = [&](Grid value, F id) { return narrows_in(bits, value, c.format(id)); };
+  const Grid below = of(F::span_uv) - Grid{0, 1, true};
+  const Grid share = integer_grid(1) - of(F::texture_frac);
+  const auto mixes = [&](Grid v, F id) { return narrows(v * share + v * share, id); };
+  return below.bits() <= bits - 1 && narrows(Grid{0, below.fraction, true}, F::texture_frac) &&
+         mixes(integer_grid(8), F::texture_mix) && mixes(of(F::texture_mix), F::texture_mix) &&
+         mixes(of(F::texture_alpha), F::texture_alpha);
+}
+
 bool fits(const Config& c, FogMode fog, int bits) {
   using F = FormatId;
   const auto of = [&](F id) { return signed_grid(c.format(id)); };
@@ -54,14 +67,7 @@ bool fits(const Config& c, FogMode fog, int bits) {
   bool fit = narrows(code, F::texture_mix) && narrows(integer_grid(1), F::texture_alpha) &&
              narrows(of(F::texture_mix) * of(F::span_shade), F::texture_color) &&
              narrows(of(F::texture_alpha) * of(F::span_shade), F::texture_alpha);
-  if (weighs_texels(c.filter)) {
-    const Grid below = uv - Grid{0, 1, true};
-    const Grid share = integer_grid(1) - of(F::texture_frac);
-    const auto mixes = [&](Grid v, F id) { return narrows(v * share + v * share, id); };
-    fit = fit && below.bits() <= bits - 1 && narrows(Grid{0, below.fraction, true}, F::texture_frac) &&
-          mixes(code, F::texture_mix) && mixes(of(F::texture_mix), F::texture_mix) &&
-          mixes(of(F::texture_alpha), F::texture_alpha);
-  }
+  if (weighs_texels(c.filter)) fit = fit && fits_weighed(c, bits);
   const auto mixes_code = [&](F color, F share, F to) {
     return narrows((of(color) - code) * of(share) + code * of(share), to);
   };
@@ -87,7 +93,7 @@ bool fits_any(const Config& c, int bits) {
   const Grid share{2, std::max(of(F::texture_alpha).fraction, 8), true};
   const Grid color = aligned(of(F::fog_color), 0);
   const Grid code = integer_grid(8);
-  bool fit = narrows(color * share + code * share, F::merge_color) &&
+  bool fit = fits_weighed(c, bits) && narrows(color * share + code * share, F::merge_color) &&
              narrows(code * share + code * share, F::merge_color) && color.bits() <= bits - 2 &&
              (integer_grid(10) * aligned(of(F::texture_alpha), 0)).bits() <= bits - 2;
   if (has_lod(c)) {
@@ -129,31 +135,44 @@ bool fits_second(const Config& c, int bits) {
 
 // ---------------------------------------------------------------- textures and zones
 
-ShadeTexture prepare_image(const TextureStage& stage, const Texture& source) {
+// The columns or rows that an axis of a texture takes.
+struct ImageAxis {
+  std::int32_t before = 0, all = 0;
+};
+ImageAxis image_axis(std::int32_t size, TextureWrap wrap, bool pairs) {
+  const bool colored = has_border_color(wrap);
+  // At an edge where the texture ends, i = -1 is a pair of its own: (0, 0), or border and 0. In front of the
+  // latter there is a pair of two borders.
+  const std::int32_t before = colored ? (pairs ? 2 : 1) : pairs && stops_at_edge(wrap) ? 1 : 0;
+  const std::int32_t after = (pairs ? 1 : 0) + (colored ? 1 : 0);
+  // A copy that is turned round follows, where pairs go over its edges.
+  const std::int32_t copies = pairs && mirrors(wrap) ? 2 : 1;
+  return {before, copies * size + before + after};
+}
+
+// stage: for its border and its reserved colour.
+ShadeTexture prepare_image(const TextureStage& stage, const TexelLookup& by, const Texture& source) {
   ShadeTexture t;
+  t.by = by;
   t.source = &source;
   t.width = source.width;
   t.height = source.height;
-  const bool pairs = weighs_texels(stage.filter);
-  const bool colored = has_border_color(stage.wrap);
-  // At an edge where the texture ends, i = -1 is a pair of its own: (0, 0), or border and 0. In front of the
-  // latter there is a pair of two borders.
-  t.border = colored ? (pairs ? 2 : 1) : pairs && stops_at_edge(stage.wrap) ? 1 : 0;
-  const std::int32_t after = (pairs ? 1 : 0) + (colored ? 1 : 0);
-  // A copy that is turned round follows, where pairs go over its edges.
-  const std::int32_t copies = pairs && mirrors(stage.wrap) ? 2 : 1;
-  t.stride = copies * t.width + t.border + after;
-  const std::int32_t rows = copies * t.height + t.border + after;
-  t.words.assign(static_cast<std::size_t>(t.stride) * static_cast<std::size_t>(rows) + 2, 0);
-  const auto inside = [&](std::int32_t i, std::int32_t size) {
-    return static_cast<std::int32_t>(HWY_STATIC_DISPATCH(wrapped)(i, size, stage.wrap));
+  const bool pairs = weighs_texels(by.filter);
+  const ImageAxis across = image_axis(t.width, by.wrap_u, pairs);
+  const ImageAxis down = image_axis(t.height, by.wrap_v, pairs);
+  t.border_u = across.before;
+  t.border_v = down.before;
+  t.stride = across.all;
+  t.words.assign(static_cast<std::size_t>(t.stride) * static_cast<std::size_t>(down.all) + 2, 0);
+  const auto inside = [](std::int32_t i, std::int32_t size, TextureWrap wrap) {
+    return static_cast<std::int32_t>(HWY_STATIC_DISPATCH(wrapped)(i, size, wrap));
   };
   t.opaque = t.never_killed = true;
-  for (std::int32_t y = 0; y < rows; ++y) {
-    const std::int32_t j = inside(y - t.border, t.height);
+  for (std::int32_t y = 0; y < down.all; ++y) {
+    const std::int32_t j = inside(y - t.border_v, t.height, by.wrap_v);
     std::uint32_t* out = t.words.data() + std::size_t(y) * std::size_t(t.stride);
     for (std::int32_t x = 0; x < t.stride; ++x) {
-      const std::int32_t i = inside(x - t.border, t.width);
+      const std::int32_t i = inside(x - t.border_u, t.width, by.wrap_u);
       const bool outside = i < 0 || j < 0 || i >= t.width || j >= t.height;
       const TexelCodes p = outside ? stage.border : texel_of(source, i, j);
       out[x] = p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
@@ -242,25 +261,42 @@ bool holds_second_texture(const Config& config, ShadeLanes lanes) {
 namespace {
 
 // A texture of the scene, and its levels.
-void prepare_texture(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene, std::size_t index) {
-  ShadeTexture& image = plan.textures[index];
-  image = prepare_image(plan.formats.texture, scene.textures[index]);
+void prepare_texture(const ShadePlan& plan, const Pipeline& pipeline, const Scene& scene, std::size_t index,
+                     ShadeTextures& to) {
+  ShadeTexture& image = to.whole[index];
+  image = prepare_image(plan.formats.texture, to.by, scene.textures[index]);
   image.never_killed =
       !image.has_reserved && std::none_of(image.words.begin(), image.words.end() - 2,
                                           [&](std::uint32_t word) { return plan.alpha64[word >> 24] == 0; });
-  if (plan.levels.empty()) return;
+  if (to.levels.empty()) return;
   const MipChain& chain = pipeline.mip_chains.all()[index];
-  plan.levels[index].clear();
+  to.levels[index].clear();
   for (std::size_t k = 1; k < chain.size(); ++k) {
-    plan.levels[index].push_back(prepare_image(plan.formats.texture, chain[k]));
+    to.levels[index].push_back(prepare_image(plan.formats.texture, to.by, chain[k]));
   }
 }
 
+// Returns the index of the textures that are looked up so, which are made where there are none.
+std::size_t textures_by(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene,
+                        const TexelLookup& by) {
+  const auto known = std::ranges::find(plan.textures, by, &ShadeTextures::by);
+  if (known == plan.textures.end()) {
+    ShadeTextures next{by, std::vector<ShadeTexture>(scene.textures.size()),
+                       std::vector<std::vector<ShadeTexture>>(pipeline.mip_chains.all().size())};
+    for (std::size_t i = 0; i < next.whole.size(); ++i) prepare_texture(plan, pipeline, scene, i, next);
+    plan.textures.push_back(std::move(next));
+    return plan.textures.size() - 1;
+  }
+  return static_cast<std::size_t>(known - plan.textures.begin());
+}
+
 // What depends on the view.
-void prepare_view(ShadePlan& plan, const Pipeline& pipeline, const Config& config) {
+void prepare_view(ShadePlan& plan, const Pipeline& pipeline, const Config& config, const Scene& scene) {
   const FogMode fog = pipeline.fog.mode;
-  const bool small = std::ranges::all_of(
-      plan.textures, [](const ShadeTexture& t) { return t.words.size() < std::size_t{1} << 28; });
+  // Even with a copy that is turned round both ways.
+  const bool small = std::ranges::all_of(scene.textures, [](const Texture& t) {
+    return 4 * (std::int64_t{t.width} + 2) * (std::int64_t{t.height} + 2) < std::int64_t{1} << 28;
+  });
   plan.held_in = small ? lanes_for_shading(config, fog) : ShadeLanes::scalar;
   plan.holds_any = holds_any_shading(config, plan.held_in);
   plan.holds_second = plan.holds_any && holds_second_texture(config, plan.held_in);
@@ -286,10 +322,8 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
   if (fits_int32(plan.alpha64)) {
     plan.alpha32.assign(plan.alpha64.begin(), plan.alpha64.end());
   }
-  plan.textures.resize(scene.textures.size());
-  plan.levels.resize(pipeline.mip_chains.all().size());
-  for (std::size_t i = 0; i < plan.textures.size(); ++i) prepare_texture(plan, pipeline, scene, i);
-  prepare_view(plan, pipeline, config);
+  select_textures(plan, pipeline, scene);
+  prepare_view(plan, pipeline, config, scene);
   ShadePlan::ShadeChain& chain = plan.chain;
   chain.edges = !has_plane_rows(config.perspective) && !has_setup_plane(config);
   chain.edge_offset = offset_value(config.start_offset.edge_shade, config.format(FormatId::edge_shade));
@@ -304,11 +338,20 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
 
 void update_shade(ShadePlan& plan, const Pipeline& pipeline, const Config& config, const DrawnScene& scene,
                   std::uint64_t since) {
-  for (std::size_t i = 0; i < plan.textures.size(); ++i) {
-    plan.textures[i].source = &scene->textures[i];
-    if (scene.texture_version(i) > since) prepare_texture(plan, pipeline, *scene, i);
+  for (ShadeTextures& textures : plan.textures) {
+    for (std::size_t i = 0; i < textures.whole.size(); ++i) {
+      textures.whole[i].source = &scene->textures[i];
+      if (scene.texture_version(i) > since) prepare_texture(plan, pipeline, *scene, i, textures);
+    }
   }
-  if (scene.view_version() > since) prepare_view(plan, pipeline, config);
+  if (scene.view_version() > since) prepare_view(plan, pipeline, config, *scene);
+}
+
+void select_textures(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene) {
+  plan.of_unit[0] = textures_by(plan, pipeline, scene, pipeline.texture.lookup);
+  if (pipeline.texture_second.is_on()) {
+    plan.of_unit[1] = textures_by(plan, pipeline, scene, pipeline.texture_second.fetch.lookup);
+  }
 }
 
 void prepare_second_texture(ShadePlan& plan) {
@@ -337,7 +380,7 @@ bool may_show_through(const ShadePlan& plan, int texture, std::int64_t a0, std::
   if (a0 != a1 || a1 != a2) return true;
   const TextureStage& stage = plan.formats.texture;
   if (texture >= 0) {
-    const ShadeTexture& image = plan.textures[static_cast<std::size_t>(texture)];
+    const ShadeTexture& image = plan.textures_of(0).whole[static_cast<std::size_t>(texture)];
     if (!image.opaque || !image.never_killed) return true;
   }
   // Mixes of equal alphas are that alpha.

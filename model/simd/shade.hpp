@@ -3,6 +3,8 @@
 // depth test. The arithmetic is the stages' own text (model/stages/*-inl.hpp).
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -39,14 +41,22 @@ bool holds_second_texture(const Config& config, ShadeLanes lanes);
 // A texture as the kernels read it: words, red in the lowest byte, with a border that repeats what the
 // wrapping gives there, so that the four texels of the bilinear filter are two pairs side by side.
 struct ShadeTexture {
+  TexelLookup by;  // that it is made for
   std::int32_t width = 0, height = 0;
-  std::int32_t border = 0;           // columns before column 0 and rows before row 0
-  std::int32_t stride = 0;           // words per row
-  bool has_reserved = false;         // some texel has the reserved colour
-  bool opaque = false;               // every texel's alpha is 255
+  std::int32_t border_u = 0, border_v = 0;  // columns before column 0, rows before row 0
+  std::int32_t stride = 0;                  // words per row
+  bool has_reserved = false;                // some texel has the reserved colour
+  bool opaque = false;                      // every texel's alpha is 255
   bool never_killed = false;         // no texel has the reserved colour or an alpha of 0 on texture.alpha
   const Texture* source = nullptr;   // of the scene
   std::vector<std::uint32_t> words;  // padded by two words
+};
+
+// The textures of a scene for one way of looking texels up.
+struct ShadeTextures {
+  TexelLookup by;
+  std::vector<ShadeTexture> whole;                // by the scene's numbers
+  std::vector<std::vector<ShadeTexture>> levels;  // of each, from level 1 on; empty without mip chains
 };
 
 // Prepared once per scene, which must outlive it.
@@ -56,9 +66,9 @@ struct ShadePlan {
   bool holds_second = false;  // and what the second texture unit does
   bool branch_free = false;   // every register rounds by adding a constant, and saturates
   ShadeFormats formats;
-  std::vector<ShadeTexture> textures;  // by the scene's numbers
-  std::vector<std::vector<ShadeTexture>>
-      levels;                         // of each texture, from level 1 on; empty without mip chains
+  std::vector<ShadeTextures> textures;   // in every way that a draw state asked for
+  std::array<std::size_t, 2> of_unit{};  // those that each texture unit takes
+  const ShadeTextures& textures_of(std::size_t unit) const { return textures[of_unit[unit]]; }
   std::vector<std::int32_t> alpha32;  // Q[texture.alpha](a / 255); empty where int32 does not hold it
   std::vector<std::int64_t> alpha64;
   // Q[texture.alpha](v / 255) of every raw v of texture.mix from its smallest on: prepare_second_texture().
@@ -88,7 +98,9 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
 // Brings the plan to what the scene has become since that version of it; the pipeline is there already.
 void update_shade(ShadePlan& plan, const Pipeline& pipeline, const Config& config, const DrawnScene& scene,
                   std::uint64_t since);
-// To be called before a block is shaded in a state with a second texture, where plan.holds_second.
+// To be called before a block is shaded in another draw state, which the pipeline has.
+void select_textures(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene);
+// The same of a state with a second texture, where plan.holds_second.
 void prepare_second_texture(ShadePlan& plan);
 
 // The value of a colour or alpha channel on every fragment of a triangle whose vertices all have it as

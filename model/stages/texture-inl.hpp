@@ -120,24 +120,24 @@ inline std::int64_t word_of(const std::array<std::uint8_t, 4>& c) {
 // A texture, or none, for one integer.
 struct TextureImage {
   const Texture* texture;
-  TextureWrap wrap;
+  TexelLookup by;
   std::int64_t border;  // the word of what is outside, where the mode has such texels
 
   bool present() const { return texture != nullptr; }
-  static TextureFilter filter(const TextureStage& stage) { return stage.filter; }
+  static TextureFilter filter(const TextureStage& stage) { return stage.lookup.filter; }
   static bool may_be_reserved() { return true; }
   std::int64_t word(std::int64_t i, std::int64_t j) const {
     if (i < 0 || j < 0 || i >= texture->width || j >= texture->height) return border;
     return word_of(texel_of(*texture, i, j));
   }
   std::int64_t nearest(std::int64_t& i, std::int64_t& j) const {
-    i = wrapped(i, texture->width, wrap);
-    j = wrapped(j, texture->height, wrap);
+    i = wrapped(i, texture->width, by.wrap_u);
+    j = wrapped(j, texture->height, by.wrap_v);
     return word(i, j);
   }
   Quad<std::int64_t> quad(std::int64_t& i, std::int64_t& j) const {
-    const std::int64_t i1 = wrapped(i + 1, texture->width, wrap);
-    const std::int64_t j1 = wrapped(j + 1, texture->height, wrap);
+    const std::int64_t i1 = wrapped(i + 1, texture->width, by.wrap_u);
+    const std::int64_t j1 = wrapped(j + 1, texture->height, by.wrap_v);
     const std::int64_t first = nearest(i, j);
     return {first, word(i1, j), word(i, j1), word(i1, j1)};
   }

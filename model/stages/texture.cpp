@@ -44,7 +44,7 @@ bool finish(const TextureStage& stage, const FragmentRecord& fragment, text::Tex
 template <class Int, class Watch>
 text::Textured<std::int64_t> found(const TextureStage& stage, const Texture* texture,
                                    const FragmentRecord& fragment, Watch watch) {
-  return text::sampled<Int>(stage, text::TextureImage{texture, stage.wrap, text::word_of(stage.border)},
+  return text::sampled<Int>(stage, text::TextureImage{texture, stage.lookup, text::word_of(stage.border)},
                             fragment.u, fragment.v, {stage.uv.fraction, stage.uv.fraction}, watch);
 }
 
@@ -56,7 +56,7 @@ text::Textured<std::int64_t> found_in_levels(const TextureStage& stage, const Mi
     const Texture* image = chain == nullptr ? nullptr : &(*chain)[static_cast<std::size_t>(level)];
     const Halvings halved =
         chain == nullptr ? Halvings{} : halvings(chain->front().width, chain->front().height, level);
-    return text::sampled<Int>(stage, text::TextureImage{image, stage.wrap, text::word_of(stage.border)},
+    return text::sampled<Int>(stage, text::TextureImage{image, stage.lookup, text::word_of(stage.border)},
                               fragment.u, fragment.v,
                               {stage.uv.fraction + halved.across, stage.uv.fraction + halved.down}, watch);
   };

@@ -38,8 +38,7 @@ struct AlphaTest {
 AlphaTest alpha_test_of(CompareFunc func, std::int64_t ref, const Register& alpha);
 
 struct TextureStage {
-  TextureFilter filter = TextureFilter::nearest;
-  TextureWrap wrap = TextureWrap::cyclic;
+  TexelLookup lookup;  // of the draw state
   Rgba border{};
   std::optional<std::array<std::uint8_t, 3>> transparent;
   ChromaRange chroma;       // of the draw state
@@ -55,8 +54,7 @@ struct TextureStage {
 };
 constexpr TextureStage prepare_texture(const Config& config) {
   TextureStage s;
-  s.filter = config.filter;
-  s.wrap = config.wrap;
+  s.lookup = lookup_of(config);
   s.border = config.border;
   s.transparent = config.transparent;
   s.uv = make_register(config, FormatId::span_uv);

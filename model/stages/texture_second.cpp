@@ -23,6 +23,7 @@ void set_texture_second(TextureSecondStage& stage, const DrawState& state, const
   stage.image = image;
   stage.fetch.kills_zero = state.alpha_zero == AlphaZero::kill;
   stage.fetch.alpha_test = alpha_test_of(state.alpha_func, state.alpha_ref, stage.fetch.alpha);
+  stage.fetch.lookup = second_lookup(state);
   stage.op = state.texture1_op;
   stage.scale = state.texture1_scale;
   stage.constant = {state.texture1_red, state.texture1_green, state.texture1_blue};

@@ -24,6 +24,11 @@ PixelChainTiming rested_chain(const Config& config, DepthWhen when) {
   return chain;
 }
 
+// The ports that a fragment with a texture asks, in its level.
+PortSet texels(const Run& run) {
+  return weighs_texels(run.pipeline.texture.lookup.filter) ? PortSet{15} : PortSet{1};
+}
+
 }  // namespace
 
 PixelChain::PixelChain(Run& run, Fifo<RowItem*>& in, const SystemcOptions& options,
@@ -33,8 +38,7 @@ PixelChain::PixelChain(Run& run, Fifo<RowItem*>& in, const SystemcOptions& optio
       timing_(rested_chain(run.config, when_)),
       memory_(options.ports, read_ports_of(pixel_timing(run.config))),
       watch_(options.watch_chain),
-      draws_each_triangle_(has_lod_gradients(run.config)),
-      texels_(weighs_texels(run.config.filter) ? 15 : 1) {
+      draws_each_triangle_(has_lod_gradients(run.config)) {
   for (std::size_t i = 0; i < meters_.size(); ++i) {
     meters_[i].report.name = stage_names[static_cast<std::size_t>(Stage::depth) + i];
   }
@@ -87,7 +91,7 @@ PixelFragment PixelChain::values(FragmentItem& item) {
   PixelFragment f;
   f.x = static_cast<std::uint32_t>(item.fragment.x);
   f.y = static_cast<std::uint32_t>(item.fragment.y);
-  f.texels = item.surface.texture < 0 ? PortSet{0} : texels_;
+  f.texels = item.surface.texture < 0 ? PortSet{0} : texels(run_);
   f.writes_z = run_.pipeline.state.depth_write;
   f.writes_color = run_.pipeline.state.color_write;
   if (run_.tests_late()) {

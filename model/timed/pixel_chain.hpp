@@ -61,7 +61,6 @@ class PixelChain : public TimedStage {
   };
   Drawn drawn_;
   bool draws_each_triangle_;
-  PortSet texels_;  // of a fragment with a texture, in its level
   std::array<StageMeter, 4> meters_;
   std::vector<StageMeter*> interpolator_meters_;
 };

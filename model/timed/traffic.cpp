@@ -31,15 +31,14 @@ DepthTraffic::DepthTraffic(const Run& run)
 }
 
 TextureTraffic::TextureTraffic(const Run& run)
-    : filter_(run.config.filter),
-      fraction_(run.config.format(FormatId::span_uv).fraction()),
+    : fraction_(run.config.format(FormatId::span_uv).fraction()),
       cache_({run.config.memory.cache_line_bytes, run.config.memory.cache_sets, run.config.memory.cache_ways,
               run.config.memory.cache_hash}) {
   if (run.measures_texture_cache) cache_.measure("texture", run.watch_caches);
   // A word that leaves room for half a texel less.
   if (fraction_ >= 1 && fraction_ <= 62 && run.config.format(FormatId::span_uv).word <= 62) {
     shift_ = fraction_;
-    half_ = weighs_texels(filter_) ? std::int64_t{1} << (fraction_ - 1) : 0;
+    half_ = std::int64_t{1} << (fraction_ - 1);
   }
   const auto line = static_cast<std::uint64_t>(run.config.memory.cache_line_bytes);
   accesses_.fill({line, true});
@@ -61,10 +60,8 @@ void TextureTraffic::place_textures(const Run& run) {
   first_of_.clear();
   const auto line = static_cast<std::uint64_t>(run.config.memory.cache_line_bytes);
   const auto axis = [&](int size, int halved) {
-    return Axis{.size = size,
-                .power_of_two = std::has_single_bit(static_cast<unsigned>(size)),
-                .halved = halved,
-                .wrap = run.config.wrap};
+    return Axis{
+        .size = size, .power_of_two = std::has_single_bit(static_cast<unsigned>(size)), .halved = halved};
   };
   std::uint64_t next = 0;
   const auto place = [&](const Texture& texture, model::Halvings halved) {
@@ -85,25 +82,27 @@ void TextureTraffic::place_textures(const Run& run) {
   }
 }
 
-int TextureTraffic::misses(int texture, std::int64_t u, std::int64_t v, const LodRecord& lod) {
+int TextureTraffic::misses(const TexelLookup& by, int texture, std::int64_t u, std::int64_t v,
+                           const LodRecord& lod) {
   if (texture < 0) return 0;
   const auto at = first_of_[static_cast<std::size_t>(texture)] + static_cast<std::size_t>(lod.level);
-  const int own = misses(images_[at], u, v);
-  return lod.f == 0 ? own : own + misses(images_[at + 1], u, v);
+  const int own = misses(by, images_[at], u, v);
+  return lod.f == 0 ? own : own + misses(by, images_[at + 1], u, v);
 }
 
-int TextureTraffic::misses(const Image& image, std::int64_t u, std::int64_t v) {
-  const std::int64_t i = texel(u, image.across.halved);
-  const std::int64_t j = texel(v, image.down.halved);
-  const std::int64_t i0 = image.across.wrapped(i);
-  const std::int64_t j0 = image.down.wrapped(j);
+int TextureTraffic::misses(const TexelLookup& by, const Image& image, std::int64_t u, std::int64_t v) {
+  const bool weighs = weighs_texels(by.filter);
+  const std::int64_t i = texel(u, image.across.halved, weighs);
+  const std::int64_t j = texel(v, image.down.halved, weighs);
+  const std::int64_t i0 = image.across.wrapped(i, by.wrap_u);
+  const std::int64_t j0 = image.down.wrapped(j, by.wrap_v);
   int count = misses_texel(image, i0, j0) ? 1 : 0;
-  switch (filter_) {
+  switch (by.filter) {
     case TextureFilter::nearest:
       break;
     case TextureFilter::bilinear: {
-      const std::int64_t i1 = image.across.wrapped(i + 1);
-      const std::int64_t j1 = image.down.wrapped(j + 1);
+      const std::int64_t i1 = image.across.wrapped(i + 1, by.wrap_u);
+      const std::int64_t j1 = image.down.wrapped(j + 1, by.wrap_v);
       count += misses_texel(image, i1, j0) ? 1 : 0;
       count += misses_texel(image, i0, j1) ? 1 : 0;
       count += misses_texel(image, i1, j1) ? 1 : 0;

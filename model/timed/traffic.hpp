@@ -75,14 +75,14 @@ class TextureTraffic {
   const std::array<Access, 16>& accesses() const { return accesses_; }
   // Of a fragment that comes to texture, by the first unit alone; texture: -1 for none, u and v raw. Without
   // mip chains `lod` is not read.
-  Asks ask(int texture, std::int64_t u, std::int64_t v, const LodRecord& lod) {
-    return asks_of(misses(texture, u, v, lod));
+  Asks ask(const TexelLookup& by, int texture, std::int64_t u, std::int64_t v, const LodRecord& lod) {
+    return asks_of(misses(by, texture, u, v, lod));
   }
   // The same by both units, the first one's texels before the second one's.
   Asks ask(const DrawState& state, const FragmentItem& item) {
     const FragmentRecord& f = item.fragment;
-    const int first = misses(item.surface.texture, f.u, f.v, item.lod);
-    return asks_of(first + misses(state.texture1, f.u, f.v, item.second_lod));
+    const int first = misses(first_lookup(state), item.surface.texture, f.u, f.v, item.lod);
+    return asks_of(first + misses(second_lookup(state), state.texture1, f.u, f.v, item.second_lod));
   }
   const Cache& cache() const { return cache_; }
 
@@ -92,9 +92,8 @@ class TextureTraffic {
     std::int64_t size = 1;
     bool power_of_two = true;
     int halved = 0;  // from level 0 on
-    TextureWrap wrap = TextureWrap::cyclic;
     // -1: outside, where no texel is read.
-    std::int64_t wrapped(std::int64_t i) const {
+    std::int64_t wrapped(std::int64_t i, TextureWrap wrap) const {
       switch (wrap) {
         case TextureWrap::clamp:
           return std::clamp<std::int64_t>(i, 0, size - 1);
@@ -122,8 +121,8 @@ class TextureTraffic {
   };
   void place_textures(const Run& run);
   static Asks asks_of(int misses) { return static_cast<Asks>((1U << misses) - 1); }
-  int misses(int texture, std::int64_t u, std::int64_t v, const LodRecord& lod);
-  int misses(const Image& image, std::int64_t u, std::int64_t v);
+  int misses(const TexelLookup& by, int texture, std::int64_t u, std::int64_t v, const LodRecord& lod);
+  int misses(const TexelLookup& by, const Image& image, std::int64_t u, std::int64_t v);
   bool misses_texel(const Image& image, std::int64_t i, std::int64_t j) {
     if (i < 0 || j < 0 || is_procedural(image.format)) return false;
     if (image.format != TexelFormat::rgba8888) {
@@ -132,13 +131,12 @@ class TextureTraffic {
     return !cache_.access(image.base + static_cast<std::uint64_t>(j * image.across.size + i) * color_bytes);
   }
   // Of x = raw 2^-(fraction + halved): floor(x - 1/2) where the filter weighs texels, else floor(x).
-  std::int64_t texel(std::int64_t raw, int halved) const {
-    if (shift_ >= 0 && halved == 0) return (raw - half_) >> shift_;
-    return static_cast<std::int64_t>(model::floor_of(model::Exact{raw, fraction_ + halved} -
-                                                     model::Exact{weighs_texels(filter_) ? 1 : 0, 1}));
+  std::int64_t texel(std::int64_t raw, int halved, bool weighs) const {
+    if (shift_ >= 0 && halved == 0) return (raw - (weighs ? half_ : 0)) >> shift_;
+    return static_cast<std::int64_t>(
+        model::floor_of(model::Exact{raw, fraction_ + halved} - model::Exact{weighs ? 1 : 0, 1}));
   }
 
-  TextureFilter filter_;
   int fraction_;
   int shift_ = -1;  // fraction_, where 64 bits are enough
   std::int64_t half_ = 0;

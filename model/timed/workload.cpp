@@ -54,6 +54,7 @@ class Workload::Batch final : model::BlockSink<std::int64_t> {
   }
 
   void start(std::span<const Triangle> triangles, std::int64_t first_index) {
+    model::select_textures(plan_, run_.pipeline, *run_.scene);
     to_draw_ = triangles;
     first_index_ = first_index;
     draws_.clear();
@@ -218,7 +219,8 @@ class Workload::Batch final : model::BlockSink<std::int64_t> {
         lives = model::texture(run_.pipeline.texture, image, fragment, texel);
         needs = workload_.merge_traffic_.needs(run_.pipeline, texel.a);
       }
-      const Asks asks = workload_.texture_traffic_.ask(texture, block.u[k], block.v[k], {});
+      const Asks asks =
+          workload_.texture_traffic_.ask(run_.pipeline.texture.lookup, texture, block.u[k], block.v[k], {});
       workload_.add_texture(pixel, asks, lives);
       if (lives) workload_.add_merge(pixel, needs);
     }

@@ -112,8 +112,7 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
       const RtlDraw state{
           .func = c.depth_func,
           .textured = texture >= 0,
-          .filter = c.filter,
-          .wrap = c.wrap,
+          .lookup = first_lookup(registers),
           .place = texture < 0 ? TexelPlace{} : p.places[static_cast<std::size_t>(texture)],
           .transparent = c.transparent,
           .fog = p.fog.mode,
@@ -220,8 +219,10 @@ std::pair<RtlDraw, int> random_state(Random& random, const PipeCase& p) {
   const int texture = static_cast<int>(random() % (p.scene.textures.size() + 1)) - 1;
   s.textured = texture >= 0;
   if (s.textured) s.place = p.places[static_cast<std::size_t>(texture)];
-  s.filter = chance(50) ? TextureFilter::nearest : TextureFilter::bilinear;
-  s.wrap = chance(50) ? TextureWrap::cyclic : TextureWrap::clamp;
+  s.lookup.filter = chance(50) ? TextureFilter::nearest : TextureFilter::bilinear;
+  for (TextureWrap* wrap : {&s.lookup.wrap_u, &s.lookup.wrap_v}) {
+    *wrap = chance(50) ? TextureWrap::cyclic : TextureWrap::clamp;
+  }
   if (chance(50)) s.transparent = std::array<std::uint8_t, 3>{255, 0, 255};
   s.fog = chance(30) ? FogMode::none : has_other_mode(p.config) && chance(50) ? p.config.fog : FogMode::table;
   for (auto& channel : s.fog_color) channel = static_cast<std::uint8_t>(random());
@@ -315,8 +316,7 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
     p.batches.push_back({draw_values(c, s), {}});
     depth.func = s.func;
     depth.bias = s.bias;
-    texture.filter = s.filter;
-    texture.wrap = s.wrap;
+    texture.lookup = s.lookup;
     texture.transparent = s.transparent;
     texture.alpha_test = model::alpha_test_of(s.alpha_func, s.alpha_ref, texture.alpha);
     texture.kills_zero = s.alpha_zero == AlphaZero::kill;

@@ -175,9 +175,13 @@ Given random_fragment(Random& random, Case& t, std::uint64_t number, bool plain)
   const Format& shade = c.format(FormatId::span_shade);
   const Placed& placed = t.textures[plain ? 5 : random() % t.textures.size()];
   const bool textured = plain || chance(random, 0.9);
-  t.stage.filter = !plain && chance(random, 0.6) ? TextureFilter::bilinear : TextureFilter::nearest;
-  t.stage.wrap =
-      plain || (is_cyclic(placed.texture) && chance(random, 0.5)) ? TextureWrap::cyclic : TextureWrap::clamp;
+  const auto wrap = [&] {
+    return plain || (is_cyclic(placed.texture) && chance(random, 0.5)) ? TextureWrap::cyclic
+                                                                       : TextureWrap::clamp;
+  };
+  t.stage.lookup.filter = !plain && chance(random, 0.6) ? TextureFilter::bilinear : TextureFilter::nearest;
+  t.stage.lookup.wrap_u = wrap();
+  t.stage.lookup.wrap_v = wrap();
   t.stage.transparent = chance(random, 0.7) ? Color(t.reserved) : std::nullopt;
   FragmentRecord f;
   f.u = random_coordinate(random, uv, placed.texture.width);
@@ -209,8 +213,9 @@ Given random_fragment(Random& random, Case& t, std::uint64_t number, bool plain)
           port(f.a, shade),
           number,
           bit(textured),
-          bit(t.stage.filter == TextureFilter::bilinear),
-          bit(t.stage.wrap == TextureWrap::clamp),
+          bit(t.stage.lookup.filter == TextureFilter::bilinear),
+          bit(t.stage.lookup.wrap_u == TextureWrap::clamp) | bit(t.stage.lookup.wrap_v == TextureWrap::clamp)
+                                                                 << 1,
           static_cast<std::uint64_t>(placed.texture.width - 1),
           static_cast<std::uint64_t>(placed.texture.height - 1),
           placed.pitch,
@@ -401,7 +406,8 @@ TEST(Texture, RefusesCyclicSizesThatAreNoPowersOfTwo) {
 
 TEST(Texture, PlantedBugsAreSeen) {
   constexpr PlantedBug bugs[] = {
-      {"rtl/texture_address.sv", "clamp_1 && whole >= ", "clamp_1 && whole > 1 + "},
+      {"rtl/texture_address.sv", "clamp_1[axis] && whole >= ", "clamp_1[axis] && whole > 1 + "},
+      {"rtl/texture_address.sv", "cyclic_2 <= !clamp_1[axis];", "cyclic_2 <= !clamp_1[0];"},
       {"rtl/texture_address.sv", "quad_1 && low_1[Grid-1]", "quad_1 && !low_1[Grid-1]"},
       {"rtl/texture.sv", "asked_q | (request_valid & request_ready)",
        "request_valid & request_ready & ~wanted"},

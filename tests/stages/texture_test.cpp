@@ -108,6 +108,54 @@ TEST(Texture, MirrorTurnsEverySecondCopyRound) {
   EXPECT_EQ(smooth(4.75, 0.5, &image).i, 3);
 }
 
+// Filter and wrap modes are the draw state's, those of columns and rows apart.
+TEST(Texture, LooksUpAsTheDrawStateSays) {
+  const Texture image = small_image();
+  Config c = plain_config();
+  c.border = {200, 40, 60, 51};
+  Lookup lookup(c);
+  lookup.stage.lookup = {TextureFilter::nearest, TextureWrap::mirror, TextureWrap::clamp};
+  EXPECT_EQ(lookup(4.5, 0.5, &image).i, 3);
+  EXPECT_EQ(lookup(5.5, 5.5, &image).i, 2);
+  EXPECT_EQ(lookup(5.5, 5.5, &image).j, 1);
+  EXPECT_EQ(lookup(0.5, -5.5, &image).j, 0);
+  // Beside the texture is the border, below it is its first row.
+  lookup.stage.lookup = {TextureFilter::bilinear, TextureWrap::border, TextureWrap::cyclic};
+  EXPECT_EQ(lookup.red(lookup(4.5, 2.5, &image)), 200);
+  EXPECT_EQ(lookup.red(lookup(3.75, 2.5, &image)), 30 * 0.75 + 200 * 0.25);
+  EXPECT_EQ(lookup.red(lookup(3.5, 2.0, &image)), 30.5);  // rows 1 and 0
+
+  const auto golden = golden::make_texture({}, c);
+  DrawState state = first_state(c);
+  std::size_t different = 0;
+  for (const TextureFilter filter : {TextureFilter::nearest, TextureFilter::bilinear}) {
+    for (std::size_t modes = 0; modes < 16; ++modes) {
+      state.texture_filter = filter;
+      state.texture_wrap_u = static_cast<TextureWrap>(modes % 4);
+      state.texture_wrap_v = static_cast<TextureWrap>(modes / 4);
+      lookup.stage.lookup = first_lookup(state);
+      for (int place = 0; place < 24 * 16; ++place) {
+        const double u = -5.75 + 0.625 * (place % 24);
+        const double v = -3.75 + 0.625 * (place / 24);
+        FragmentRecord f;
+        f.triangle = 1;
+        f.x = 2;
+        f.y = 3;
+        f.u = encoded(u, c.format(FormatId::span_uv));
+        f.v = encoded(v, c.format(FormatId::span_uv));
+        f.r = f.g = f.b = f.a = encoded(1, c.format(FormatId::span_shade));
+        const std::array<const FragmentRecord*, 1> fragments{&f};
+        std::vector<TextureRecord> out;
+        golden(fragments, &image, state, out);
+        const TextureRecord got = lookup(u, v, &image);
+        ASSERT_EQ(out.at(0), got) << to_string(filter) << " " << modes << " at " << u << ", " << v;
+        different += got.i != got.j ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(different, 5000U);
+}
+
 TEST(Texture, BorderIsARingOfTexels) {
   const Texture image = small_image();
   Config c = plain_config();
@@ -228,7 +276,7 @@ TEST(Texture, ChromaRange) {
 
   std::uint64_t killed = 0;
   for (const TextureFilter filter : {TextureFilter::nearest, TextureFilter::bilinear}) {
-    c.filter = filter;
+    c.filter = state.texture_filter = filter;
     const auto golden = golden::make_texture({}, c);
     for (const ChromaTest test : {ChromaTest::none, ChromaTest::inside, ChromaTest::outside}) {
       state.chroma_test = test;
