@@ -87,9 +87,9 @@ void for_each_record(const Visit& visit) {
 // A change of state holds registers that are younger than the digests: those from target.format on enter one
 // where they do not hold their first value, with their place. So do those that came between, behind all
 // others.
-std::vector<std::int64_t> digested_values(const StateRecord& record) {
+std::vector<std::int64_t> digested_values(const StateRecord& record, const Config& config) {
   const std::span<const std::int64_t> all = raw_values(record);
-  const std::vector<std::int64_t> first = state_values(first_state({}));
+  const std::vector<std::int64_t> first = state_values(first_state(config));
   std::vector<std::int64_t> out{all[0]};  // the triangle
   std::vector<std::int64_t> between;
   std::int64_t place = 0;
@@ -110,18 +110,18 @@ std::vector<std::int64_t> digested_values(const StateRecord& record) {
   return out;
 }
 template <class Record>
-std::span<const std::int64_t> digested_values(const Record& record) {
+std::span<const std::int64_t> digested_values(const Record& record, const Config& /*config*/) {
   return raw_values(record);
 }
 
 // Counts the records of each type, and digests their values.
 class RecordDigests {
  public:
-  void add(const Trace& trace) {
+  void add(const Trace& trace, const Config& config) {
     for_each_record([&](const char* stage, auto member) {
       Entry& entry = entries_[stage];
       for (const auto& record : trace.*member) {
-        for (const std::int64_t value : digested_values(record))
+        for (const std::int64_t value : digested_values(record, config))
           entry.digest.number(static_cast<std::uint64_t>(value));
       }
       entry.count += (trace.*member).size();
@@ -215,7 +215,8 @@ void draw_whole(Engine& engine, const Scene& scene) {
 }
 
 // Draws with `model` and `golden` side by side.
-RecordDigests records_of(Equality& equality, Engine& model, Engine& golden, const Scene& scene) {
+RecordDigests records_of(Equality& equality, Engine& model, Engine& golden, const Config& config,
+                         const Scene& scene) {
   RecordDigests out;
   model.begin(scene);
   golden.begin(scene);
@@ -229,7 +230,7 @@ RecordDigests records_of(Equality& equality, Engine& model, Engine& golden, cons
     draw_scene(model, scene, i, part, &of_model);
     draw_scene(golden, scene, i, part, &of_golden);
     expect_equal_traces(equality, "golden", of_golden, of_model);
-    out.add(of_model);
+    out.add(of_model, config);
   }
   return out;
 }
@@ -356,7 +357,7 @@ Computed value_quantities(const Config& config, const Scene& scene) {
   Equality equality(out);
   const auto model = make_model(config);
   const auto golden = make_golden(config);
-  const Quantities records = records_of(equality, *model, *golden, scene).quantities();
+  const Quantities records = records_of(equality, *model, *golden, config, scene).quantities();
   Quantities pictures = plane_quantities(model->frame(), "plane");
   Quantities counters = counter_quantities(model->counters());
   expect_equal_results(equality, "golden", *golden, *model);

@@ -504,8 +504,8 @@ TEST(Shade, WhatMayShowThrough) {
   EXPECT_TRUE(may_show_through(plan, 1, one, one, one));
   EXPECT_TRUE(may_show_through(plan, 0, one, one, one - 1));
   EXPECT_TRUE(may_show_through(plan, 0, one / 2, one / 2, one / 2));
-  EXPECT_TRUE(plan.textures[0].never_killed);
-  EXPECT_FALSE(plan.textures[1].never_killed);
+  EXPECT_TRUE(plan.textures_of(0).whole[0].never_killed);
+  EXPECT_FALSE(plan.textures_of(0).whole[1].never_killed);
 }
 
 }  // namespace

@@ -280,7 +280,7 @@ TEST(Texture, ASideHeldAtOneTexelIsNotHalved) {
         EXPECT_EQ(decoded(r.texel_r, c.format(FormatId::texture_mix)), w == 3 ? 175 : 40);
       }
       std::vector<TextureRecord> same;
-      golden::make_mip_texture({golden::Width::quad, true}, c)({&one, 1}, {&lod, 1}, &levels, DrawState{},
+      golden::make_mip_texture({golden::Width::quad, true}, c)({&one, 1}, {&lod, 1}, &levels, first_state(c),
                                                                same);
       EXPECT_EQ(same, std::vector{r}) << w;
     }
@@ -314,7 +314,7 @@ TEST(Texture, ATransparentTexelOfTheCoarserLevelIsWeighed) {
     EXPECT_TRUE(model::texture(model::prepare_texture(c), &levels, f, lod, r));
     EXPECT_EQ(decoded(r.texel_r, c.format(FormatId::texture_mix)), red);
     std::vector<TextureRecord> same;
-    golden::make_mip_texture({golden::Width::quad, true}, c)({&one, 1}, {&lod, 1}, &levels, DrawState{},
+    golden::make_mip_texture({golden::Width::quad, true}, c)({&one, 1}, {&lod, 1}, &levels, first_state(c),
                                                              same);
     EXPECT_EQ(same, std::vector{r});
   }

@@ -176,19 +176,20 @@ TEST(TextureSecond, EndsOfTheRange) {
   }
 }
 
-// The unit wraps the same u and v in its own size, filters by the same filter, and has no transparent texels.
+// The unit wraps the same u and v in its own size, has a filter and wrap modes of its own, and no transparent
+// texels.
 TEST(TextureSecond, FetchesItsOwnTexture) {
   Config c = plain_config();
   const Texture image = row_of({{10, 0, 0, 255}, {20, 0, 0, 255}, {40, 0, 0, 255}});
-  const DrawState state = with_op(TextureOp::replace);
+  DrawState state = with_op(TextureOp::replace);
   const TextureRecord first = given(1, 2, 3, 1024);
   const auto red = [&](double u) { return Unit(c, state, image)(at(c, u, 7), {}, first).r; };
   EXPECT_EQ(red(0.5), 160);
   EXPECT_EQ(red(4.5), 320);
   EXPECT_EQ(red(-0.5), 640);
-  c.wrap = TextureWrap::clamp;
+  state.texture1_wrap_u = TextureWrap::clamp;
   EXPECT_EQ(red(4.5), 640);
-  c.filter = TextureFilter::bilinear;
+  state.texture1_filter = TextureFilter::bilinear;
   EXPECT_EQ(red(1.0), 240);
   EXPECT_EQ(red(1.75), 16 * 25);
   c.transparent = {20, 0, 0};
@@ -308,10 +309,8 @@ TEST(TextureSecond, GoldenIsTheModel) {
     for (const TextureFilter filter : {TextureFilter::nearest, TextureFilter::bilinear}) {
       for (const MipMode mip : {MipMode::none, MipMode::nearest, MipMode::linear}) {
         Config c = base;
-        c.filter = filter;
         c.mip = mip;
         c.lod = LodMode::zone_s;
-        c.wrap = static_cast<TextureWrap>(random() % enum_names<TextureWrap>.size());
         c.border = {9, 200, 77, 100};
         const auto raw = [&](FormatId id) {
           const Format& f = c.format(id);
@@ -320,6 +319,9 @@ TEST(TextureSecond, GoldenIsTheModel) {
         };
         for (const TextureOp op : all_ops) {
           DrawState state = with_op(op, static_cast<int>(random() % 3));
+          state.texture1_filter = filter;
+          for (TextureWrap* wrap : {&state.texture1_wrap_u, &state.texture1_wrap_v})
+            *wrap = static_cast<TextureWrap>(random() % enum_names<TextureWrap>.size());
           state.texture1_red = static_cast<int>(random() % 256);
           state.texture1_blue = 255;
           state.alpha_func = static_cast<CompareFunc>(random() % enum_names<CompareFunc>.size());
