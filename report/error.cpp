@@ -94,15 +94,35 @@ std::optional<double> surface_value(std::string_view name, const IdealPoint& p) 
   return channel == std::string_view::npos ? std::nullopt : std::optional(p.shade[channel]);
 }
 
-// Whether the second texture unit, which the closed form does not have, is on in some draw state.
-bool combines_textures(const Scene& scene) {
-  const std::size_t index = *find_state_register("texture1");
+// Whether a command of the scene sets a register to a value that `differs` holds for.
+template <class Differs>
+bool sets(const Scene& scene, std::string_view key, Differs differs) {
+  const std::size_t index = *find_state_register(key);
   return std::ranges::any_of(scene.commands, [&](const DrawCommand& command) {
     const auto* change = std::get_if<StateChange>(&command.what);
     return change != nullptr && std::ranges::any_of(change->settings, [&](const StateSetting& setting) {
-             return setting.index == index && setting.value >= 0;
+             return setting.index == index && differs(setting.value);
            });
   });
+}
+
+// The closed form has the first texture unit alone, which looks texels up as the configuration says. Return
+// whether a draw state does otherwise.
+bool combines_textures(const Scene& scene) {
+  return sets(scene, "texture1", [](std::int64_t value) { return value >= 0; });
+}
+bool looks_up_otherwise(const Config& config, const Scene& scene) {
+  const auto other = [](auto name) {
+    return [name](std::int64_t value) { return value != static_cast<std::int64_t>(name); };
+  };
+  return sets(scene, "texture.filter", other(config.filter)) ||
+         sets(scene, "texture.wrap.u", other(config.wrap)) ||
+         sets(scene, "texture.wrap.v", other(config.wrap));
+}
+bool looks_up_otherwise(const Config& config, const StateRecord& r) {
+  const auto differs = [](std::int64_t value, auto name) { return value != static_cast<std::int64_t>(name); };
+  return differs(r.texture_filter, config.filter) || differs(r.texture_wrap_u, config.wrap) ||
+         differs(r.texture_wrap_v, config.wrap);
 }
 
 }  // namespace
@@ -153,6 +173,8 @@ std::optional<double> ideal_value(RecordType type, std::string_view field,
   }
   const auto channel = std::string_view("rgb").find(field);
   const bool is_channel = field.size() == 1 && channel != std::string_view::npos;
+  const bool is_color = type == RecordType::texture || (type == RecordType::fog && field != "factor");
+  if (is_color && looks_up_otherwise(config, scene)) return std::nullopt;
   if (type == RecordType::texture && !f.killed) {
     const auto texel =
         field.starts_with("texel_") ? std::string_view("rgba").find(field.substr(6)) : std::string_view::npos;
@@ -353,6 +375,7 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
     for (; state < trace.state.size() && trace.state[state].triangle <= index; ++state) {
       depth_bias_ = trace.state[state].depth_bias;
       combines_ = trace.state[state].texture1 >= 0;
+      looks_up_otherwise_ = looks_up_otherwise(config_, trace.state[state]);
     }
     for (; depth < trace.depth.size() && trace.depth[depth].triangle == index; ++depth) {
       const DepthRecord& r = trace.depth[depth];
@@ -361,7 +384,7 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
     for (; texture < trace.texture.size() && trace.texture[texture].triangle == index; ++texture) {
       const TextureRecord& r = trace.texture[texture];
       const IdealFragment f = truth.at(n, r.x, r.y);
-      if (r.killed != 0 || f.killed) {
+      if (r.killed != 0 || f.killed || looks_up_otherwise_) {
         continue;
       }
       const std::array<std::int64_t, 3> rgb{r.r, r.g, r.b};
@@ -375,8 +398,8 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
       }
       note(row_fog_factor, r.factor, f.fog_factor);
       const std::array<std::int64_t, 3> rgb{r.r, r.g, r.b};
-      // The closed form has the first texture unit alone.
-      for (std::size_t i = 0; !combines_ && i < 3; ++i) note(row_fog_color, rgb[i], f.fogged[i]);
+      const bool differs = combines_ || looks_up_otherwise_;
+      for (std::size_t i = 0; !differs && i < 3; ++i) note(row_fog_color, rgb[i], f.fogged[i]);
     }
   }
 }

@@ -99,6 +99,7 @@ class ErrorMeter {
   std::shared_ptr<const golden::SceneLevels> levels_;  // of the truths that it makes itself
   std::int64_t depth_bias_ = 0;                        // of the draw state in force
   bool combines_ = false;                              // the same: it has a second texture unit
+  bool looks_up_otherwise_ = false;  // the same: its filter or wrap mode is not the configuration's
   ErrorReport report_;
   std::vector<std::uint8_t> hits_;  // per pixel of one triangle's box
 };

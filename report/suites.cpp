@@ -470,22 +470,6 @@ SuiteSetting on_targets(int n) {
     }
   };
 }
-// A register whose values have names: each of them against another one, with further registers.
-template <class E>
-void add_values(std::vector<SuiteFeature>& out, const char* group, std::string_view key, RecordType stage,
-                E first, E second, const std::vector<Register>& further) {
-  for (const E value : all_of<E>()) {
-    const auto with = [&](E v) {
-      std::vector<Register> all = further;
-      all.emplace_back(key, number(v));
-      return in_state(std::move(all));
-    };
-    out.push_back(in({fmt::format("{}.{}", group, to_string(value)), stage, SuiteNeeds::effect, with(value),
-                      with(value == first ? second : first)},
-                     texture));
-  }
-}
-
 // The scene's only texture and another one, of another size.
 void two_textures(Scene& scene) {
   one_texture(scene);
@@ -499,6 +483,39 @@ void two_textures(Scene& scene) {
                                      static_cast<std::uint8_t>(i % 4 == 0 ? 130 : 255)});
   }
   scene.textures.push_back(std::move(own));
+}
+
+// A register whose values have names: each of them against another one, with further registers.
+template <class E>
+void add_values(std::vector<SuiteFeature>& out, const char* group, std::string_view key, RecordType stage,
+                E first, E second, const std::vector<Register>& further, void (*textures)(Scene&) = texture) {
+  for (const E value : all_of<E>()) {
+    const auto with = [&](E v) {
+      std::vector<Register> all = further;
+      all.emplace_back(key, number(v));
+      return in_state(std::move(all));
+    };
+    out.push_back(in({fmt::format("{}.{}", group, to_string(value)), stage, SuiteNeeds::effect, with(value),
+                      with(value == first ? second : first)},
+                     textures));
+  }
+}
+
+// How texels are found, as the draw state says.
+void add_lookups(std::vector<SuiteFeature>& out) {
+  const std::vector<Register> on{{"texture1", 1}, {"texture1.op", number(TextureOp::replace)}};
+  const auto add = [&](const char* group, std::string_view key, auto first, auto second, bool of_second) {
+    add_values(out, group, key, of_second ? RecordType::texture_second : RecordType::texture, first, second,
+               of_second ? on : std::vector<Register>{}, of_second ? two_textures : texture);
+  };
+  constexpr auto nearest = TextureFilter::nearest, bilinear = TextureFilter::bilinear;
+  constexpr auto cyclic = TextureWrap::cyclic, mirror = TextureWrap::mirror;
+  add("filter", "texture.filter", nearest, bilinear, false);
+  add("wrap_u", "texture.wrap.u", cyclic, mirror, false);
+  add("wrap_v", "texture.wrap.v", cyclic, mirror, false);
+  add("texture1_filter", "texture1.filter", nearest, bilinear, true);
+  add("texture1_wrap_u", "texture1.wrap.u", cyclic, mirror, true);
+  add("texture1_wrap_v", "texture1.wrap.v", cyclic, mirror, true);
 }
 
 void add_second_texture(std::vector<SuiteFeature>& out) {
@@ -682,6 +699,7 @@ std::vector<SuiteFeature> make_features() {
   add_procedural(out);
   add_states(out);
   add_second_texture(out);
+  add_lookups(out);
   add_fog_and_merge(out);
   return out;
 }

@@ -153,7 +153,8 @@ TEST(StageTable, EachRecordIsMadeFromOnesThatThereAre) {
           if (view_of(run.trace, type).records == 0) continue;  // another mode's
           const auto n = std::ranges::count(upstream, type, &RecordCopy::type);
           // A late depth test comes behind the texture, and not for what that kills.
-          const bool late = run.has_states && row.type == RecordType::texture && type == RecordType::depth;
+          const bool of_texture = row.type == RecordType::texture || row.type == RecordType::texture_second;
+          const bool late = run.has_states && of_texture && type == RecordType::depth;
           // The second texture unit is on for some of the triangles.
           const bool off = run.has_states && type == RecordType::texture_second;
           EXPECT_TRUE(n == 1 || (n == 2 && type == RecordType::edge) || (n == 0 && (late || off)))
