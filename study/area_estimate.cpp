@@ -43,6 +43,12 @@ Cut cut_of(int bits, bool is_signed, bool top_alone) {
   return {std::max(1, ceil_div(in_limbs, limb)), spares ? in_limbs : bits, spares ? above + sign : 0};
 }
 
+struct Product {
+  bool b_top_alone = false;
+  int low = 0, high = 0;  // bits at the ends of the product that nobody reads
+  int elsewhere = 0;      // bits of the factors that another register holds, too: Yosys merges them
+};
+
 // Mirrors rtl/: registers exactly where no tool drops them, and of the logic what LUTs are mostly made of.
 class Counter {
  public:
@@ -83,26 +89,30 @@ class Counter {
   }
 
   // rtl/mul_pipe.sv.
-  void multiply(int a, bool a_signed, int b, bool b_signed, bool b_top_alone = false) {
+  void multiply(int a, bool a_signed, int b, bool b_signed, const Product& product = {}) {
     const int clocks = c_.rtl.product_clocks;
+    const int read = a + b - product.low - product.high;
     shape_.products += double(a) * b;
     if (clocks == 1) {
       // Yosys cuts into pieces of 18 bits; a last piece of a single bit becomes LUTs.
       const auto pieces = [](int bits) { return bits / (limb + 1) + (bits % (limb + 1) > 1 ? 1 : 0); };
       shape_.blocks += double(pieces(a)) * pieces(b);
       shape_.joins += double(pieces(a) * pieces(b) - 1) * std::max(a, b);
-      add_registers(a + b);
+      add_registers(read);
       return;
     }
     const Cut of_a = cut_of(a, a_signed, false);
-    const Cut of_b = cut_of(b, b_signed, b_top_alone);
+    const Cut of_b = cut_of(b, b_signed, product.b_top_alone);
     const bool spare = of_a.spare + of_b.spare > 0;
+    // Bits that are not read are in no register, but for those whose carry is read.
+    const int dropped = std::min(product.low, limb) + product.high;
     shape_.blocks += double(of_a.limbs) * of_b.limbs;
-    add_registers(of_a.low * of_b.limbs + of_b.low * of_a.limbs);
-    // What is above the limbs: the other factor, once per bit.
+    add_registers(of_a.low * of_b.limbs + of_b.low * of_a.limbs - dropped);
+    // What is above the limbs: the other factor, once per bit; from the third bit on in a second register.
     shape_.joins += of_a.spare * b + of_b.spare * of_a.low;
     if (of_a.spare > 0) add_registers(b + of_a.spare);
     if (of_b.spare > 0) add_registers(of_a.low + of_b.spare);
+    if (of_b.spare > 2) add_registers(of_a.low + of_b.spare - 2);
     if (clocks == 2) {
       // Two diagonals of partial products meet in each bit.
       const int diagonals = 2 * std::min(of_a.limbs, of_b.limbs) - (of_a.limbs == of_b.limbs ? 1 : 0);
@@ -111,9 +121,15 @@ class Counter {
       if (of_a.limbs > 1) shape_.joins += double(of_b.limbs) * of_a.low;
       if (of_a.spare > 0 && of_b.spare > 0) join(2, std::max(a, b));
       join(of_b.limbs + (spare ? 1 : 0), std::max(a, b));
+      // Rows: a single one is the product.
+      const bool single = of_b.limbs == 1 && !spare;
+      add_registers(of_a.low * of_b.limbs + of_b.low + (spare ? std::max(a, b) + 3 : 0) -
+                    (single ? product.low + product.high : dropped));
+      // Yosys keeps the zeros below a row that is a sum of three.
+      if (of_a.limbs > 2) add_registers(limb, of_b.limbs * (of_b.limbs - 1) / 2);
     }
-    if (clocks >= 3) add_registers(of_a.low * of_b.limbs + of_b.low + (spare ? std::max(a, b) + 3 : 0));
-    add_registers(a + b, std::max(1, clocks - 2));
+    if (clocks > 3) add_registers(a + b - product.elsewhere);
+    add_registers(read, std::max(1, clocks - 3));
   }
 
   // rtl/mul_digits.sv.
@@ -138,8 +154,9 @@ class Counter {
     } else {
       const int clocks = c_.rtl.product_clocks;
       add_registers(a + b + c * (3 + clocks) + shift * (1 + clocks));
-      multiply(a, true, b, true);
+      multiply(a, true, b, true, {.low = std::max(0, shift_base)});
     }
+    add_registers(products);
     shift_add(a + b, shift_base, shift_max, kept);
     shape_.selects += double(products) * (a + b + shift);
   }
@@ -153,7 +170,9 @@ class Counter {
     // Whether what is shifted out, and what stays above, is more than signs.
     shape_.selects += aligned;
     shape_.sums += kept;
-    add_registers(coarse + 2 * kept);
+    // Half an ulp is added with the rest, so that the lowest bit of the sum is not read. Beside these: what is left to
+    // shift, two signs and what tells a far value.
+    add_registers(coarse + 2 * kept - 1 + std::min(shift, 3) + 6);
   }
 
   // rtl/row_hold.sv: a value that is written at one tick and last read at another.
@@ -167,17 +186,31 @@ class Counter {
     const RowMultipliers m = row_multipliers(c_, timing_.row);
     const int shift = bits_of(m.shift_max);
     for (int i = 0; i < m.count; ++i) {
-      // Starts add what is no constant, but those of fu and fv in delta_f.
-      const bool adds = std::ranges::any_of(lines_, [&](LineId line) {
-        const bool constant = line_of(line).row.difference && has_pixel_reciprocal(c_.perspective);
-        return !planes_ && !constant && timing_.row.slot(products_of(line).start).multiplier == i;
-      });
+      // Bits of what is added, where it is no constant: of starts, but for those of fu and fv in delta_f.
+      int top = 0;
+      int low = m.c;
+      bool is_signed = false;
+      for (const LineId id : lines_) {
+        const Line line = line_of(id);
+        const bool constant = line.row.difference && has_pixel_reciprocal(c_.perspective);
+        if (planes_ || constant || timing_.row.slot(products_of(id).start).multiplier != i) continue;
+        const Format& left = format(line.row.difference ? *line.row.difference : line.edge.kept);
+        const int behind = format(line.row.acc).fraction() + m.below;
+        top = std::max(top, grid_of(left).integer + behind + 1);
+        low = std::min(low, std::max(0, behind - left.fraction()));
+        is_signed = is_signed || left.is_signed;
+      }
+      const int added = std::max(0, std::min(m.c, top + (is_signed ? 1 : 0)) - low);
       const auto products = std::ranges::count_if(timing_.row.slots, [&](const RowSchedule::Slot& slot) {
         return slot.tick >= 0 && slot.multiplier == i;
       });
-      turns(static_cast<int>(products), m.a, m.b, adds ? m.c : 0, shift, m.shift_base, m.shift_max, m.sum);
+      turns(static_cast<int>(products), m.a, m.b, added, shift, m.shift_base, m.shift_max, m.sum);
     }
+    // All have the reciprocal as a factor, and its exponent as the shift: one register serves them all.
+    const int clocks = c_.rtl.product_clocks;
+    if (planes_) add_registers(-(m.b * (clocks > 3 ? 2 : 1) + shift * (1 + clocks)), m.count - 1);
     shape_.selects += double(timing_.row.newton_products) * (m.a + m.b);
+    add_registers(timing_.row.newton_products);
     add_registers(bits_of(timing_.row.interval - 1) + (timing_.row.latency - 1) / timing_.row.interval + 1);
   }
 
@@ -207,6 +240,7 @@ class Counter {
     const auto slope_tick = [&](LineId line) { return divides ? row.divide : tick(products_of(line).slope); };
     shape_.sums += length + p;
     hold(length, 1, divides ? row.divide : 1);
+    hold(1, 1, divides ? row.divide + row.unit : row.reciprocal - 1);  // whether there is a length
     int last_start = 1;
     int last_slope = 1;
     for (const LineId line : lines_) {
@@ -248,7 +282,7 @@ class Counter {
         const int bits = divide.iterations * std::max(1, c_.row_reciprocal.bits_per_cycle);
         add_registers(numerator(line) + (first ? length : 0));
         shape_.sums += numerator(line) + bits;  // magnitude, sign of the quotient
-        restoring(c_.row_reciprocal, length, divide.iterations, false, first);
+        restoring(c_.row_reciprocal, length, divide.iterations, numerator(line), first);
         first = false;
         if (step.rounding != Rounding::trn) shape_.sums += step.word;
         quantize(step);
@@ -314,8 +348,7 @@ class Counter {
     if (c_.rtl.fifo == 1) {
       add_registers(bits);
     } else {
-      shape_.memory += double(bits) * c_.rtl.fifo;
-      shape_.memory_luts += double(bits) * ceil_div(c_.rtl.fifo, 16);
+      shape_.memories.push_back({c_.rtl.fifo, bits, Memory::Kind::unclocked});
     }
     // The same fields are in the registers of the span that is walked.
     add_registers(bits + timing_.span);
@@ -374,7 +407,7 @@ class Counter {
     for (int i = 0; i < 2; ++i) {
       const Format& to = format(F::span_uv);
       shape_.sums += f + bits;  // magnitude, sign of the quotient
-      restoring(unit, operand.bits(), divide.iterations, false, i == 0);
+      restoring(unit, operand.bits(), divide.iterations, f, i == 0);
       add_registers(1, divide.iterations);
       if (to.rounding != Rounding::trn) shape_.sums += to.word;
       quantize(to);
@@ -419,7 +452,9 @@ class Counter {
     // rtl/multiply_round.sv, twice; both have the same shift.
     add_registers(bits_of(shift_max), clocks);
     for (int i = 0; i < 2; ++i) {
-      multiply(f.word, f.is_signed, m.word, m.is_signed, top_alone);
+      // Both have the same mantissa.
+      multiply(f.word, f.is_signed, m.word, m.is_signed,
+               {.b_top_alone = top_alone, .elsewhere = i == 0 ? 0 : m.word});
       shift_add(f.word + m.word, shift_base, shift_max, kept);
       add_registers(uv.word + 1, clocks + 2);
       quantize(to);
@@ -429,20 +464,17 @@ class Counter {
   // rtl/span_delay.sv.
   void span_delay(int width, int ticks) { add_registers(width, ceil_div(ticks, timing_.pixel_interval)); }
 
-  // rtl/restoring_core.sv. A numerator that is a constant leaves no register of its own.
-  void restoring(const Reciprocal& unit, int divisor, int iterations, bool constant_numerator,
-                 bool own_divisor) {
+  // rtl/restoring_core.sv, for a numerator of so many bits in front of zeros; 0: it is a constant, and leaves no register
+  // of its own.
+  void restoring(const Reciprocal& unit, int divisor, int iterations, int numerator, bool own_divisor) {
     const int per_cycle = std::max(1, unit.bits_per_cycle);
     const int bits = iterations * per_cycle;
     if (unit.pipelined) {
       shape_.steps += double(bits) * divisor;
       // A step behind another of the same clock chooses among what both may leave; where the numerator is a
       // constant, half of that is known.
-      shape_.chained += double(divisor) * (per_cycle - 1) * iterations * (constant_numerator ? 1 : 2);
-      for (int i = 1; i <= iterations; ++i) {
-        const int made = i * per_cycle;
-        add_registers(constant_numerator ? divisor + made : std::min(divisor, made) + bits);
-      }
+      shape_.chained += double(divisor) * (per_cycle - 1) * iterations * (numerator == 0 ? 1 : 2);
+      for (int i = 1; i <= iterations; ++i) add_registers(divisor + std::max(numerator, i * per_cycle));
       if (own_divisor) add_registers(divisor, iterations - 1);
       return;
     }
@@ -462,7 +494,9 @@ class Counter {
     if (lut || unit.normalize) {
       shape_.sums += op;  // leading zeros
       shape_.selects += double(shift) * (lut ? std::min(op, (op + unit.operand_bits) / 2) : op);
-      add_registers(op + shift, normalise - 1);
+      if (normalise > 1) add_registers(op + shift);
+      // What the first shift leaves for the second one, of at most 7.
+      if (normalise > 2) add_registers((lut ? std::min(op, unit.operand_bits + 8) : op) + shift);
       add_registers(shift, lut || unit.pipelined ? 1 + core : 1 + std::max(1, unit.bits_per_cycle));
       add_registers(lut ? std::min(op - 1, unit.operand_bits) : op);
     } else {
@@ -475,12 +509,16 @@ class Counter {
         table(unit);
       }
     } else {
-      restoring(unit, op, restoring_shape(unit, operand).iterations, true, true);
+      restoring(unit, op, restoring_shape(unit, operand).iterations, 0, true);
     }
     if (lut && !unit.normalize) shape_.selects += double(shift) * (unit.internal_bits + op);
     if (unit.output.rounding != Rounding::trn) shape_.sums += unit.output.word;
     quantize(unit.output);
     add_registers(unit.output.word + (unit.normalize ? shift : 0));
+  }
+
+  void table_of(int words, int width, int reads = 1) {
+    shape_.memories.push_back({words, width, Memory::Kind::table, reads});
   }
 
   // What stands between the table and y. Each product comes product_clocks behind its factors.
@@ -494,6 +532,7 @@ class Counter {
       case ReciprocalKind::restoring:
         return;
       case ReciprocalKind::lut_linear:
+        table_of((1 << unit.index_bits) + 1, entry, 2);
         add_registers(2 * entry + t, 2);
         add_registers(entry, clocks);
         add_registers(y);
@@ -504,6 +543,7 @@ class Counter {
         const int c1 = std::max(1, entry - unit.index_bits);
         const int c2 = std::max(1, entry - 2 * unit.index_bits);
         const int g = std::max(1, y - unit.index_bits);
+        table_of(1 << unit.index_bits, entry + c1 + c2);
         add_registers(entry + c1 + c2 + t, 2);
         add_registers(c1 + entry + t, clocks);
         add_registers(entry + t + g + y);
@@ -514,30 +554,40 @@ class Counter {
         return;
       }
       case ReciprocalKind::lut_newton:
-        add_registers(entry + nq, 2);
+        table_of(1 << unit.index_bits, newton_entry(unit));
+        add_registers(newton_entry(unit) + nq, 2);
         for (int s = 0; s < unit.steps; ++s) {
+          // nq y is floored to the internal bits, and so is y (2 - a), which is at most 1.
           const int in = s == 0 ? entry : y;
-          multiply(nq + 1, false, in, false);
-          multiply(unit.internal_bits + 2, false, in, false);
+          const bool last = s + 1 == unit.steps;
+          multiply(nq + 1, false, in, false,
+                   {.low = std::max(0, nq + in - 1 - unit.internal_bits),
+                    .elsewhere = in + (last ? 0 : nq + 1)});
+          multiply(unit.internal_bits + 2, false, in, false, {.low = in - 1, .high = 2});
           shape_.sums += unit.internal_bits + 2;
           add_registers(unit.internal_bits + 2);
-          add_registers(in, clocks + 1);
-          if (s + 1 < unit.steps) add_registers(nq, 2 * clocks + 1);
+          add_registers(s == 0 ? newton_entry(unit) : y, clocks + 1);
+          if (!last) add_registers(nq, 2 * clocks + 1);
         }
         return;
     }
+  }
+  // Bits of an entry of a Newton table that are no constants: all lie from 1/2 to below 1.
+  static int newton_entry(const Reciprocal& unit) {
+    return unit.table_bits > unit.index_bits ? unit.table_bits - 1 : unit.table_bits + 1;
   }
   // A Newton unit whose products are formed by span_setup's multipliers.
   void shared_newton(const Reciprocal& unit, const RowSchedule& row) {
     const int made = 1 + c_.rtl.product_clocks;  // from the factors to the product
     const int nq = std::max(unit.operand_bits, unit.index_bits);
     const auto read = [&](int k) { return row.newton[static_cast<std::size_t>(k)].tick; };
-    add_registers(unit.table_bits + 1 + nq, 2);
+    table_of(1 << unit.index_bits, newton_entry(unit));
+    add_registers(newton_entry(unit) + nq, 2);
     for (int s = 0; s < unit.steps; ++s) {
       const int factor = unit.internal_bits + 2;
       shape_.sums += factor;
       add_registers(factor, read(2 * s + 1) - read(2 * s) - made);
-      add_registers((s == 0 ? unit.table_bits : unit.internal_bits) + 1, read(2 * s + 1) - read(2 * s));
+      add_registers(s == 0 ? newton_entry(unit) : unit.internal_bits + 1, read(2 * s + 1) - read(2 * s));
       if (s + 1 == unit.steps) break;
       add_registers(nq, read(2 * s + 2) - read(2 * s));
       add_registers(unit.internal_bits + 1, read(2 * s + 2) - read(2 * s + 1) - made);
@@ -555,14 +605,57 @@ class Counter {
 
 AreaShape area_shape(const Config& config) { return Counter(config).count(); }
 
+namespace {
+
+// Bits of a word that a block has for so many words, of its narrower and of its widest shape; 0 where it has fewer words.
+int block_width(int words, Family family) {
+  const bool ice40 = family == Family::ice40;
+  int width = ice40 ? 16 : 36;
+  for (int has = ice40 ? 256 : 512; has < words; has *= 2) width /= 2;
+  return width;
+}
+
+bool is_table(const Memory& m) { return m.kind == Memory::Kind::table; }
+
+// LUTs of ECP5, in which memory of 16 words by 4 bits has one port to read.
+int memory_luts(const Memory& m) { return 4 * ceil_div(m.words, 16) * ceil_div(m.width, 4) * m.reads; }
+
+}  // namespace
+
+// As memory_libmap of Yosys chooses: a bit of logic costs 1, and 1/16 in a table, a block 64 in iCE40 and 128 in ECP5.
+int memory_blocks(const Memory& m, Family family) {
+  if (m.kind == Memory::Kind::unclocked) return 0;
+  const bool ice40 = family == Family::ice40;
+  // A block of ECP5 reads a table at two ports, of half the width.
+  const int reads = is_table(m) && !ice40 ? ceil_div(m.reads, 2) : m.reads;
+  const int width = std::max(1, block_width(m.words, family) / (is_table(m) && m.reads > 1 && !ice40 ? 2 : 1));
+  const int blocks = reads * ceil_div(m.width, width);
+  const double bits = double(m.words) * m.width;
+  const double otherwise = is_table(m) ? bits / 16 : ice40 ? bits : std::min(bits, double(memory_luts(m)));
+  return blocks * (ice40 ? 64 : 128) < otherwise ? blocks : 0;
+}
+
 // iCE40's division steps cost the same behind one another; ECP5's wide multiplexers do not.
 std::vector<double> lut_terms(const AreaShape& s, Family family) {
-  if (family == Family::ice40) return {s.products, s.sums, s.selects + s.memory, s.steps};
-  return {s.joins, s.sums, s.selects + s.memory_luts, s.steps, s.chained};
+  double memory = 0;
+  for (const Memory& m : s.memories) {
+    if (is_table(m) || memory_blocks(m, family) > 0) continue;
+    memory += family == Family::ice40 ? double(m.words) * m.width : memory_luts(m);
+  }
+  if (family == Family::ice40) return {s.products, s.sums, s.selects + memory, s.steps};
+  return {s.joins, s.sums, s.selects + memory, s.steps, s.chained};
 }
 
 double flip_flop_bits(const AreaShape& s, Family family) {
-  return s.registers + (family == Family::ice40 ? s.memory : 0);
+  double bits = s.registers;
+  for (const Memory& m : s.memories) {
+    if (memory_blocks(m, family) > 0) {
+      bits -= double(m.width) * m.reads;  // a block has the register behind it
+    } else if (!is_table(m) && family == Family::ice40) {
+      bits += double(m.words) * m.width;
+    }
+  }
+  return bits;
 }
 
 const AreaFit& area_fit(Family family) {

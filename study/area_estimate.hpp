@@ -6,6 +6,7 @@
 // config/studies/area_fit.csv (study/area_runs.hpp). docs/area.md has the errors.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,20 @@ struct AreaEstimate {
 // Throws InputError where the configuration has no RTL.
 AreaEstimate estimate_area(const Config& config, Family family);
 
+// A memory or a table, as it may become blocks, memories of LUTs or flip-flops.
+struct Memory {
+  enum class Kind : std::uint8_t {
+    table,      // constants, read into registers
+    clocked,    // read into registers
+    unclocked,  // read in the same clock, which no block does
+  };
+  int words = 0, width = 0;
+  Kind kind = Kind::clocked;
+  int reads = 1;  // ports
+};
+// Returns the blocks that it takes, 0 where it is in LUTs or flip-flops.
+int memory_blocks(const Memory& memory, Family family);
+
 // The counts that the estimate is linear in, taken from the configuration. All but `blocks` are bits.
 struct AreaShape {
   double registers = 0;    // flip-flops
@@ -36,16 +51,15 @@ struct AreaShape {
   double selects = 0;      // two-way choices: shifters, operands of span_setup's multipliers, saturation
   double steps = 0;        // restoring division: a bit subtracted and chosen
   double chained = 0;      // steps behind another one of the same clock; doubled where the numerator varies
-  double memory = 0;       // a FIFO of more than one span record; flip-flops in iCE40
-  double memory_luts = 0;  // the same as ECP5's LUTs hold it, 16 records each
+  std::vector<Memory> memories;
 };
 AreaShape area_shape(const Config& config);
 
 // Returns the bits of which LUTs are made in a family: of products (what joins their parts included), sums,
-// selects with memory, and steps in ice40; of joins, sums, selects with memory_luts, steps and chained in
-// ecp5.
+// selects with memory, and steps in ice40; of joins, sums, selects with memories of LUTs, steps and chained
+// in ecp5.
 std::vector<double> lut_terms(const AreaShape& shape, Family family);
-// Returns the bits that flip-flops hold: an iCE40 has no memory of LUTs.
+// Returns the bits that flip-flops hold: an iCE40 has no memory of LUTs, and a block has a register behind it.
 double flip_flop_bits(const AreaShape& shape, Family family);
 
 struct AreaFit {
