@@ -43,14 +43,14 @@ int memory_blocks(const Memory& memory, Family family);
 
 // The counts that the estimate is linear in, taken from the configuration. All but `blocks` are bits.
 struct AreaShape {
-  double registers = 0;    // flip-flops
-  double products = 0;     // products of the operands' widths, over all multipliers
-  double blocks = 0;       // 18x18 multipliers that these products are cut into
-  double joins = 0;        // adders that join the blocks' results
-  double sums = 0;         // other adders: differences, roundings, accumulators
-  double selects = 0;      // two-way choices: shifters, operands of span_setup's multipliers, saturation
-  double steps = 0;        // restoring division: a bit subtracted and chosen
-  double chained = 0;      // steps behind another one of the same clock; doubled where the numerator varies
+  double registers = 0;  // flip-flops
+  double products = 0;   // products of the operands' widths, over all multipliers
+  double blocks = 0;     // 18x18 multipliers that these products are cut into
+  double joins = 0;      // adders that join the blocks' results
+  double sums = 0;       // other adders: differences, roundings, accumulators
+  double selects = 0;    // two-way choices: shifters, operands of span_setup's multipliers, saturation
+  double steps = 0;      // restoring division: a bit subtracted and chosen
+  double chained = 0;    // steps behind another one of the same clock; doubled where the numerator varies
   std::vector<Memory> memories;
 };
 AreaShape area_shape(const Config& config);
@@ -59,7 +59,8 @@ AreaShape area_shape(const Config& config);
 // selects with memory, and steps in ice40; of joins, sums, selects with memories of LUTs, steps and chained
 // in ecp5.
 std::vector<double> lut_terms(const AreaShape& shape, Family family);
-// Returns the bits that flip-flops hold: an iCE40 has no memory of LUTs, and a block has a register behind it.
+// Returns the bits that flip-flops hold: an iCE40 has no memory of LUTs, and a block has a register behind
+// it.
 double flip_flop_bits(const AreaShape& shape, Family family);
 
 struct AreaFit {

@@ -140,10 +140,10 @@ TEST_P(AreaEstimateOf, ErrsAsDocumented) {
   EXPECT_NEAR(errors.luts.max, ice40 ? 6.6 : 12.0, 0.05);
   EXPECT_NEAR(errors.luts_left_out.rms, ice40 ? 4.1 : 6.0, 0.05);
   EXPECT_NEAR(errors.luts_left_out.max, ice40 ? 7.8 : 13.1, 0.05);
-  EXPECT_NEAR(errors.ffs.rms, ice40 ? 0.9 : 1.0, 0.05);
-  EXPECT_NEAR(errors.ffs.max, ice40 ? 2.7 : 3.1, 0.05);
-  EXPECT_NEAR(errors.ffs_left_out.rms, ice40 ? 0.9 : 1.0, 0.05);
-  EXPECT_NEAR(errors.ffs_left_out.max, ice40 ? 2.8 : 3.2, 0.05);
+  EXPECT_NEAR(errors.ffs.rms, ice40 ? 0.6 : 0.4, 0.05);
+  EXPECT_NEAR(errors.ffs.max, ice40 ? 1.7 : 1.5, 0.05);
+  EXPECT_NEAR(errors.ffs_left_out.rms, ice40 ? 0.6 : 0.4, 0.05);
+  EXPECT_NEAR(errors.ffs_left_out.max, ice40 ? 1.8 : 1.5, 0.05);
   EXPECT_EQ(errors.multipliers.max, 0);
 }
 
