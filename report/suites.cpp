@@ -509,13 +509,13 @@ void add_lookups(std::vector<SuiteFeature>& out) {
                of_second ? on : std::vector<Register>{}, of_second ? two_textures : texture);
   };
   constexpr auto nearest = TextureFilter::nearest, bilinear = TextureFilter::bilinear;
-  constexpr auto cyclic = TextureWrap::cyclic, mirror = TextureWrap::mirror;
+  constexpr auto cyclic = TextureWrap::cyclic, clamp = TextureWrap::clamp;
   add("filter", "texture.filter", nearest, bilinear, false);
-  add("wrap_u", "texture.wrap.u", cyclic, mirror, false);
-  add("wrap_v", "texture.wrap.v", cyclic, mirror, false);
+  add("wrap_u", "texture.wrap.u", cyclic, clamp, false);
+  add("wrap_v", "texture.wrap.v", cyclic, clamp, false);
   add("texture1_filter", "texture1.filter", nearest, bilinear, true);
-  add("texture1_wrap_u", "texture1.wrap.u", cyclic, mirror, true);
-  add("texture1_wrap_v", "texture1.wrap.v", cyclic, mirror, true);
+  add("texture1_wrap_u", "texture1.wrap.u", cyclic, clamp, true);
+  add("texture1_wrap_v", "texture1.wrap.v", cyclic, clamp, true);
 }
 
 void add_second_texture(std::vector<SuiteFeature>& out) {
