@@ -405,8 +405,7 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
 }
 
 void ErrorMeter::add_pictures(const Frame& engine, const Frame& ideal) {
-  std::vector<DrawState> states = states_of(config_, scene_->commands);
-  states.push_back(first_state(config_));
+  const std::vector<DrawState> states = all_states_of(config_, scene_->commands);
   const auto weighs = [](const DrawState& s) { return weighs_texels(s.texture_filter); };
   const PicturePair pair(
       engine, ideal, *scene_,

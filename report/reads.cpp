@@ -124,8 +124,7 @@ bool reads_pixel(RecordType type) {
 // The state in force for a triangle.
 DrawState state_at(const Config& config, const Scene& scene, std::size_t triangle) {
   const auto end = std::ranges::upper_bound(scene.commands, triangle, {}, &DrawCommand::before);
-  const std::vector<DrawState> states = states_of(config, {scene.commands.begin(), end});
-  return states.empty() ? first_state(config) : states.back();
+  return all_states_of(config, {scene.commands.begin(), end}).back();
 }
 
 // The pixels as triangle `count` finds them.

@@ -37,8 +37,7 @@ bool is_opaque(const Texture& texture, const Config& config) {
 // Of each texture: whether no texel of it, of its levels, or of its border kills a fragment.
 std::vector<bool> opaque_textures(const Config& config, const Scene& scene) {
   bool border_kills = false;
-  std::vector<DrawState> states = states_of(config, scene.commands);
-  states.push_back(first_state(config));
+  const std::vector<DrawState> states = all_states_of(config, scene.commands);
   const auto has_border = [](const TexelLookup& by) {
     return has_border_color(by.wrap_u) || has_border_color(by.wrap_v);
   };
@@ -170,8 +169,7 @@ std::string visibility_refusal(const Config& config, const Scene& scene) {
     }
   }
   const std::vector<bool> opaque = opaque_textures(config, scene);
-  if (std::string why = refusal_of(first_state(config), opaque); !why.empty()) return why;
-  for (const DrawState& state : states_of(config, scene.commands)) {
+  for (const DrawState& state : all_states_of(config, scene.commands)) {
     if (std::string why = refusal_of(state, opaque); !why.empty()) return why;
   }
   return "";

@@ -116,11 +116,16 @@ DrawState changed_state(const DrawState& state, const StateChange& change, const
 }
 
 std::vector<DrawState> states_of(const Config& config, std::span<const DrawCommand> commands) {
-  std::vector<DrawState> out;
-  DrawState state = first_state(config);
+  std::vector<DrawState> out = all_states_of(config, commands);
+  out.erase(out.begin());
+  return out;
+}
+
+std::vector<DrawState> all_states_of(const Config& config, std::span<const DrawCommand> commands) {
+  std::vector<DrawState> out{first_state(config)};
   for (const DrawCommand& command : commands) {
     if (const auto* change = std::get_if<StateChange>(&command.what)) {
-      out.push_back(state = changed_state(state, *change, config));
+      out.push_back(changed_state(out.back(), *change, config));
     }
   }
   return out;

@@ -273,6 +273,8 @@ struct DrawCommand {
 };
 // The states that the changes among the commands make, one after another; the first state is not among them.
 std::vector<DrawState> states_of(const Config& config, std::span<const DrawCommand> commands);
+// The first state, and after it states_of(). The last one is in force behind the commands.
+std::vector<DrawState> all_states_of(const Config& config, std::span<const DrawCommand> commands);
 // The targets that a scene with these commands draws on or shows, ascending, 0 among them.
 std::vector<int> targets_of(std::span<const DrawCommand> commands);
 // The views of a scene's targets while its commands are gone through: a target that is drawn on for the first

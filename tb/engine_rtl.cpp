@@ -348,8 +348,7 @@ EngineOwn rtl_own(const Config& config, const Scene& scene) {
   }
   if (has_lod(config)) fields_of_type(RecordType::lod) = fields_of(RecordType::lod).size() - 1;
   // i and j, although the RTL finds those of the other textures.
-  std::vector<DrawState> states = states_of(config, scene.commands);
-  states.push_back(first_state(config));
+  const std::vector<DrawState> states = all_states_of(config, scene.commands);
   const bool finds_all = std::ranges::all_of(states, [&](const DrawState& state) {
     return std::ranges::all_of(scene.textures, [&](const Texture& texture) {
       return addresses_texels(first_lookup(state), texture);

@@ -147,8 +147,7 @@ void add_registers(const Config& config, const Scene& scene, bool with_rtl, Reac
     while (end < scene.commands.size() && scene.commands[end].before <= i) ++end;
     if (end == begun && i > 0) continue;
     begun = end;
-    const std::vector<DrawState> states = states_of(config, std::span(scene.commands).first(end));
-    const DrawState state = states.empty() ? first_state(config) : states.back();
+    const DrawState state = all_states_of(config, std::span(scene.commands).first(end)).back();
     const std::vector<std::int64_t> values = state_values(state);
     for (std::size_t r = 0; r < values.size(); ++r) {
       const StateRegister& reg = state_registers()[r];

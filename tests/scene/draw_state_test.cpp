@@ -91,6 +91,14 @@ TEST(DrawState, CommandsStandBetweenTriangles) {
   EXPECT_FALSE(clear.masked);
   EXPECT_TRUE(std::get<StateChange>(scene.commands[2].what).reset);
   EXPECT_EQ(scene.commands[3].before, 2U);
+  const Config config;
+  const std::vector<DrawState> after = states_of(config, scene.commands);
+  ASSERT_EQ(after.size(), 2U);
+  EXPECT_EQ(after[0].depth_bias, -3);
+  EXPECT_EQ(after[1], first_state(config));
+  EXPECT_EQ(all_states_of(config, scene.commands),
+            (std::vector<DrawState>{first_state(config), after[0], after[1]}));
+  EXPECT_EQ(all_states_of(config, {}), std::vector<DrawState>{first_state(config)});
 }
 
 TEST(DrawState, WhatIsRefused) {
