@@ -97,6 +97,7 @@ std::optional<double> surface_value(std::string_view name, const IdealPoint& p) 
 // Whether a command of the scene sets a register to a value that `differs` holds for.
 template <class Differs>
 bool sets(const Scene& scene, std::string_view key, Differs differs) {
+  if (scene.commands.empty()) return false;  // ideal_value() asks for each record
   const std::size_t index = *find_state_register(key);
   return std::ranges::any_of(scene.commands, [&](const DrawCommand& command) {
     const auto* change = std::get_if<StateChange>(&command.what);
