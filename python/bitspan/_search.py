@@ -214,12 +214,8 @@ def search(config: Config | str | os.PathLike[str], keys: Mapping[Any, Iterable[
     reasons: list[str] = []
 
     def one(settings: dict[str, Any]) -> tuple[_Measured, str]:
-        try:
-            full = base.with_(settings)
-            measured = meter.measure(full)
-        except InputError as error:
-            return _Measured(), str(error)
-        return counted.add(meter.with_own(full, measured)), ""  # what a function raises ends the search
+        measured, reason = meter.point(base, settings)
+        return (measured if reason else counted.add(measured)), reason
 
     def evaluate(batch: list[dict[str, Any]]) -> list[tuple[str, dict[str, float], list[tuple[str, dict[str, float]]]]]:
         waiting = [pool.submit(one, settings) for settings in batch]

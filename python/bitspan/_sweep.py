@@ -130,6 +130,18 @@ class _Meter:
                 together[name] = max(values_of)
         return _Measured(together, tuple(scenes))
 
+    def point(self, base: Config, settings: Mapping[str, Any]) -> tuple[_Measured, str]:
+        """Measures a point of a sweep or a search. The string tells why it was refused, and is "" where it was not.
+
+        What a function of the user's raises is not caught: it ends the sweep or the search.
+        """
+        try:
+            config = base.with_(settings)
+            measured = self.measure(config)
+        except InputError as error:
+            return _Measured(), str(error)
+        return self.with_own(config, measured), ""
+
 
 def measure(config: Config | str | os.PathLike[str] = "depth16", scenes: AnyScene | Sequence[AnyScene] = "demo", width: int = 0,
             height: int = 0, *, metric: AnyMetric = ()) -> dict[str, float]:
@@ -366,16 +378,8 @@ def sweep(config: Config | str | os.PathLike[str], keys: Mapping[str, Iterable[A
     names, points = _points(keys)
     meter = _Meter(scenes, width, height, own)
 
-    def one(point: tuple[Any, ...]) -> tuple[_Measured, str]:
-        try:
-            config = base.with_(dict(zip(names, point)))
-            measured = meter.measure(config)
-        except InputError as error:
-            return _Measured(), str(error)
-        return meter.with_own(config, measured), ""  # what a function raises ends the sweep
-
     with Progress(progress) as told, concurrent.futures.ThreadPoolExecutor(workers) as pool:
-        waiting = [pool.submit(one, point) for point in points]
+        waiting = [pool.submit(meter.point, base, dict(zip(names, point))) for point in points]
         try:
             for i, done in enumerate(concurrent.futures.as_completed(waiting)):
                 done.result()
