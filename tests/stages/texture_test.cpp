@@ -33,7 +33,7 @@ Texture small_image() {
 
 struct Lookup {
   explicit Lookup(const Config& c = plain_config()) : config(c), stage(model::prepare_texture(c)) {}
-  TextureRecord operator()(double u, double v, const Texture* image) const {
+  FragmentRecord fragment(double u, double v) const {
     FragmentRecord f;
     f.triangle = 1;
     f.x = 2;
@@ -44,8 +44,11 @@ struct Lookup {
     f.g = encoded(shade[1], config.format(FormatId::span_shade));
     f.b = encoded(shade[2], config.format(FormatId::span_shade));
     f.a = encoded(shade[3], config.format(FormatId::span_shade));
+    return f;
+  }
+  TextureRecord operator()(double u, double v, const Texture* image) const {
     TextureRecord out;
-    const bool lives = model::texture(stage, image, f, out);
+    const bool lives = model::texture(stage, image, fragment(u, v), out);
     EXPECT_EQ(out.killed, lives ? 0 : 1);
     return out;
   }
@@ -137,13 +140,7 @@ TEST(Texture, LooksUpAsTheDrawStateSays) {
       for (int place = 0; place < 24 * 16; ++place) {
         const double u = -5.75 + 0.625 * (place % 24);
         const double v = -3.75 + 0.625 * (place / 24);
-        FragmentRecord f;
-        f.triangle = 1;
-        f.x = 2;
-        f.y = 3;
-        f.u = encoded(u, c.format(FormatId::span_uv));
-        f.v = encoded(v, c.format(FormatId::span_uv));
-        f.r = f.g = f.b = f.a = encoded(1, c.format(FormatId::span_shade));
+        const FragmentRecord f = lookup.fragment(u, v);
         const std::array<const FragmentRecord*, 1> fragments{&f};
         std::vector<TextureRecord> out;
         golden(fragments, &image, state, out);
@@ -286,17 +283,13 @@ TEST(Texture, ChromaRange) {
           state.chroma_high_red = high;
           const Lookup model = lookup();
           for (int place = 0; place < 32; ++place) {
-            FragmentRecord f;
-            f.triangle = 1;
-            f.x = 2;
-            f.y = 3;
-            f.u = encoded(0.25 + 0.5 * (place % 8), c.format(FormatId::span_uv));
-            f.v = encoded(0.25 + 0.5 * (place / 8), c.format(FormatId::span_uv));
-            f.r = f.g = f.b = f.a = encoded(1, c.format(FormatId::span_shade));
+            const double u = 0.25 + 0.5 * (place % 8);
+            const double v = 0.25 + 0.5 * (place / 8);
+            const FragmentRecord f = model.fragment(u, v);
             const std::array<const FragmentRecord*, 1> fragments{&f};
             std::vector<TextureRecord> out;
             golden(fragments, &image, state, out);
-            const TextureRecord got = model(0.25 + 0.5 * (place % 8), 0.25 + 0.5 * (place / 8), &image);
+            const TextureRecord got = model(u, v, &image);
             ASSERT_EQ(out.at(0), got) << to_string(test) << " " << low << ".." << high << " at " << place;
             killed += static_cast<std::uint64_t>(got.killed);
           }
