@@ -104,23 +104,42 @@ module blend_equation #(
   logic signed [FactorW-1:0] share, room;
   assign share = FactorW'(a_1) <<< (FactorFrac - AGrid);
   assign room = One - of_code(dst_alpha_1);
-  logic [8*FactorW-1:0] bases;
-  assign bases[0+:FactorW] = '0;
-  assign bases[FactorW+:FactorW] = (IsAlpha != 0) ? share : of_code(code_1);
-  assign bases[2*FactorW+:FactorW] = of_code(dst_1);
-  assign bases[3*FactorW+:FactorW] = share;
-  assign bases[4*FactorW+:FactorW] = of_code(dst_alpha_1);
-  assign bases[5*FactorW+:FactorW] = of_code(constant_1);
-  assign bases[6*FactorW+:FactorW] = of_code(constant_alpha_1);
-  assign bases[7*FactorW+:FactorW] = (IsAlpha != 0) ? One : (share < room) ? share : room;
+  // What factors are made of. No index of a vector chooses one: its product with the width would take a multiplier. And
+  // Icarus 11 takes no function in the block that chooses.
+  logic signed [FactorW-1:0] own_base, dst_base, dst_alpha_base, constant_base, constant_alpha_base, least_base;
+  assign own_base = (IsAlpha != 0) ? share : of_code(code_1);
+  assign dst_base = of_code(dst_1);
+  assign dst_alpha_base = of_code(dst_alpha_1);
+  assign constant_base = of_code(constant_1);
+  assign constant_alpha_base = of_code(constant_alpha_1);
+  assign least_base = (IsAlpha != 0) ? One : (share < room) ? share : room;
+  // Of the fragment's factor, and of the stored one's.
+  logic [2*FactorW-1:0] bases;
+  for (genvar i = 0; i < 2; i++) begin : gen_base
+    logic [2:0] kind;
+    logic signed [FactorW-1:0] base;
+    assign kind = (i == 0) ? factor_src_1[3:1] : factor_dst_1[3:1];
+    always_comb begin
+      case (kind)
+        3'd0: base = '0;
+        3'd1: base = own_base;
+        3'd2: base = dst_base;
+        3'd3: base = share;
+        3'd4: base = dst_alpha_base;
+        3'd5: base = constant_base;
+        3'd6: base = constant_alpha_base;
+        default: base = least_base;
+      endcase
+    end
+    assign bases[i*FactorW+:FactorW] = base;
+  end
   // Of a pair of factors, which the lowest bit of the number tells apart.
   function automatic logic signed [FactorW-1:0] of_number(input logic [3:0] number, input logic signed [FactorW-1:0] base);
     if (32'(number) == bitspan_pixel_pkg::BlendFactorHalf) of_number = One >>> 1;
     else of_number = number[0] ? One - base : base;
   endfunction
   logic signed [FactorW-1:0] base_src, base_dst, factor_src_2, factor_dst_2;
-  assign base_src = bases[factor_src_1[3:1]*FactorW+:FactorW];
-  assign base_dst = bases[factor_dst_1[3:1]*FactorW+:FactorW];
+  assign {base_dst, base_src} = bases;
   logic signed [SrcW-1:0] src_2;
   logic signed [DstW-1:0] dst_2;
   always_ff @(posedge clk_i) begin
