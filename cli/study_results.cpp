@@ -86,7 +86,7 @@ std::string measure_text(const StudyPlan& plan, const SearchResult& result, Poin
   for (const MeasuredCost& c : costs.points) {
     const bool failed = std::isnan(c.measured);
     rows.push_back({c.hash.substr(0, 8), cost_text(c.estimated, c.error),
-                    failed ? "failed" : fmt::format("{:.6g}", c.measured),
+                    failed ? "-" : fmt::format("{:.6g}", c.measured),
                     failed ? "-" : fmt::format("{:+.1f} %", 100 * (c.measured / c.estimated - 1)),
                     failed                    ? c.message
                     : c.point == result.point ? "the least estimate"

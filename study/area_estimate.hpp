@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "study/area_shape.hpp"
 #include "study/family.hpp"
 #include "study/metrics.hpp"
 
@@ -25,40 +26,17 @@ struct AreaEstimate {
   double ffs_error = 0;
 };
 // Throws InputError where the configuration has no RTL.
-AreaEstimate estimate_area(const Config& config, Family family);
+AreaEstimate estimate_area(const Config& config, Family family, AreaPart part = AreaPart::spans);
 
-// A memory or a table, as it may become blocks, memories of LUTs or flip-flops.
-struct Memory {
-  enum class Kind : std::uint8_t {
-    table,      // constants, read into registers
-    clocked,    // read into registers
-    unclocked,  // read in the same clock, which no block does
-  };
-  int words = 0, width = 0;
-  Kind kind = Kind::clocked;
-  int reads = 1;  // ports
-};
-// Returns the blocks that it takes, 0 where it is in LUTs or flip-flops.
-int memory_blocks(const Memory& memory, Family family);
+// The part whose runs a part's coefficients are fitted to, with its own: both orders of the pixel stages are
+// fitted as one.
+constexpr AreaPart fitted_as(AreaPart part) { return part == AreaPart::spans ? part : AreaPart::pixels; }
 
-// The counts that the estimate is linear in, taken from the configuration. All but `blocks` are bits.
-struct AreaShape {
-  double registers = 0;  // flip-flops
-  double products = 0;   // products of the operands' widths, over all multipliers
-  double blocks = 0;     // 18x18 multipliers that these products are cut into
-  double joins = 0;      // adders that join the blocks' results
-  double sums = 0;       // other adders: differences, roundings, accumulators
-  double selects = 0;    // two-way choices: shifters, operands of span_setup's multipliers, saturation
-  double steps = 0;      // restoring division: a bit subtracted and chosen
-  double chained = 0;    // steps behind another one of the same clock; doubled where the numerator varies
-  std::vector<Memory> memories;
-};
-AreaShape area_shape(const Config& config);
-
-// Returns the bits of which LUTs are made in a family: of products (what joins their parts included), sums,
-// selects with memory, and steps in ice40; of joins, sums, selects with memories of LUTs, steps and chained
-// in ecp5.
-std::vector<double> lut_terms(const AreaShape& shape, Family family);
+// Returns the bits of which LUTs are made. Spans, ice40: products (what joins their parts included), sums,
+// selects with memory, steps; ecp5: joins, sums, selects with memories of LUTs, steps, chained. Pixels,
+// ice40: products, sums, memory; ecp5: sums, selects, memories of LUTs. There the sums include joins and
+// steps.
+std::vector<double> lut_terms(const AreaShape& shape, Family family, AreaPart part);
 // Returns the bits that flip-flops hold: an iCE40 has no memory of LUTs, and a block has a register behind
 // it.
 double flip_flop_bits(const AreaShape& shape, Family family);
@@ -69,19 +47,17 @@ struct AreaFit {
   bool operator==(const AreaFit&) const = default;
 };
 // Returns the coefficients of estimate_area, which fit_area found.
-const AreaFit& area_fit(Family family);
+const AreaFit& area_fit(Family family, AreaPart part = AreaPart::spans);
 // The errors of what this returns stay 0.
-AreaEstimate estimate_area(const AreaShape& shape, Family family, const AreaFit& fit);
+AreaEstimate estimate_area(const AreaShape& shape, Family family, AreaPart part, const AreaFit& fit);
 
 // The ± as shares of the estimates, which left_out_shares found.
 struct AreaErrorShares {
   double luts = 0, ffs = 0;
 };
-const AreaErrorShares& error_shares(Family family);
+const AreaErrorShares& error_shares(Family family, AreaPart part = AreaPart::spans);
 
-// Returns "estimate.ice40.", which the names of a family's estimates begin with.
-std::string estimate_prefix(Family family);
-// Adds the estimates with their ±, estimate.*, where the mode has RTL.
+// Adds the estimates with their ±, estimate.*, of each part that is in RTL.
 void add_estimates(const Config& config, Metrics& metrics);
 
 // Returns "4512 ± 160": the error to two digits, and the value to as many places, at least whole.

@@ -51,23 +51,24 @@ struct Sample {
   AreaCounts counts;
 };
 
-std::vector<Sample> samples_of(std::span<const AreaRun> runs, Family family) {
+std::vector<Sample> samples_of(std::span<const AreaRun> runs, Family family, AreaPart part) {
   std::vector<Sample> samples;
   for (const AreaRun& run : runs) {
-    if (run.family == family) samples.push_back({area_shape(config_of(run)), run.counts});
+    if (run.family == family && fitted_as(run.part) == fitted_as(part))
+      samples.push_back({area_shape(config_of(run), {run.family, run.part}), run.counts});
   }
   return samples;
 }
 
 // The relative error counts, so a large run weighs no more than a small one.
-AreaFit fit_samples(std::span<const Sample> samples, Family family) {
-  const std::size_t n = lut_terms({}, family).size();
+AreaFit fit_samples(std::span<const Sample> samples, Family family, AreaPart part) {
+  const std::size_t n = lut_terms({}, family, part).size();
   Matrix a(n, std::vector<double>(n));
   std::vector<double> b(n);
   double ff_square = 0;
   double ff_sum = 0;
   for (const Sample& s : samples) {
-    const std::vector<double> terms = lut_terms(s.shape, family);
+    const std::vector<double> terms = lut_terms(s.shape, family, part);
     const auto luts = static_cast<double>(s.counts.luts);
     for (std::size_t i = 0; i < n; ++i) {
       b[i] += terms[i] / luts;
@@ -97,7 +98,7 @@ class ErrorSum {
   int count_ = 0;
 };
 
-constexpr std::string_view csv_header = "base,settings,family,luts,ffs,multipliers,memory_bits,tools";
+constexpr std::string_view csv_header = "base,settings,family,part,luts,ffs,multipliers,memory_bits,tools";
 
 std::int64_t count_in(const std::string& text) {
   std::int64_t value = -1;
@@ -111,7 +112,7 @@ AreaRun run_in(const std::string& line) {
   std::vector<std::string> cells;
   std::istringstream in(line);
   for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
-  if (cells.size() != 8) throw InputError(fmt::format("expected the 8 columns {}", csv_header));
+  if (cells.size() != 9) throw InputError(fmt::format("expected the 9 columns {}", csv_header));
   AreaRun run;
   run.base = cells[0];
   std::istringstream settings(cells[1]);
@@ -121,18 +122,20 @@ AreaRun run_in(const std::string& line) {
     run.settings.push_back({setting.substr(0, equal), value_in(std::string_view(setting).substr(equal + 1))});
   }
   run.family = family_named(cells[2]);
-  run.counts = {count_in(cells[3]), count_in(cells[4]), count_in(cells[5]), count_in(cells[6])};
-  run.tools = cells[7];
+  run.part = area_part_named(cells[3]);
+  run.counts = {count_in(cells[4]), count_in(cells[5]), count_in(cells[6]), count_in(cells[7])};
+  run.tools = cells[8];
   return run;
 }
 
 // Estimates each sample by a fit to all others.
-std::vector<AreaEstimate> left_out_estimates(const std::vector<Sample>& samples, Family family) {
+std::vector<AreaEstimate> left_out_estimates(const std::vector<Sample>& samples, Family family,
+                                             AreaPart part) {
   std::vector<AreaEstimate> out;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     std::vector<Sample> others = samples;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    out.push_back(estimate_area(samples[i].shape, family, fit_samples(others, family)));
+    out.push_back(estimate_area(samples[i].shape, family, part, fit_samples(others, family, part)));
   }
   return out;
 }
@@ -145,9 +148,9 @@ double share_that_holds(std::vector<double> shares) {
 
 }  // namespace
 
-AreaErrorShares left_out_shares(std::span<const AreaRun> runs, Family family) {
-  const std::vector<Sample> samples = samples_of(runs, family);
-  const std::vector<AreaEstimate> left_out = left_out_estimates(samples, family);
+AreaErrorShares left_out_shares(std::span<const AreaRun> runs, Family family, AreaPart part) {
+  const std::vector<Sample> samples = samples_of(runs, family, part);
+  const std::vector<AreaEstimate> left_out = left_out_estimates(samples, family, part);
   std::vector<double> luts;
   std::vector<double> ffs;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -157,21 +160,21 @@ AreaErrorShares left_out_shares(std::span<const AreaRun> runs, Family family) {
   return {share_that_holds(std::move(luts)), share_that_holds(std::move(ffs))};
 }
 
-AreaFit fit_area(std::span<const AreaRun> runs, Family family) {
-  return fit_samples(samples_of(runs, family), family);
+AreaFit fit_area(std::span<const AreaRun> runs, Family family, AreaPart part) {
+  return fit_samples(samples_of(runs, family, part), family, part);
 }
 
-AreaFitErrors area_fit_errors(std::span<const AreaRun> runs, Family family) {
-  const std::vector<Sample> samples = samples_of(runs, family);
-  const AreaFit whole = fit_samples(samples, family);
-  const std::vector<AreaEstimate> left_out = left_out_estimates(samples, family);
+AreaFitErrors area_fit_errors(std::span<const AreaRun> runs, Family family, AreaPart part) {
+  const std::vector<Sample> samples = samples_of(runs, family, part);
+  const AreaFit whole = fit_samples(samples, family, part);
+  const std::vector<AreaEstimate> left_out = left_out_estimates(samples, family, part);
   ErrorSum luts;
   ErrorSum luts_left_out;
   ErrorSum ffs;
   ErrorSum ffs_left_out;
   ErrorSum multipliers;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const AreaEstimate in = estimate_area(samples[i].shape, family, whole);
+    const AreaEstimate in = estimate_area(samples[i].shape, family, part, whole);
     const AreaEstimate& out = left_out[i];
     const AreaCounts& measured = samples[i].counts;
     luts.add(in.luts, static_cast<double>(measured.luts));
@@ -211,9 +214,9 @@ void write_area_runs(const std::filesystem::path& csv, std::span<const AreaRun> 
     std::string settings;
     for (const KeySetting& setting : run.settings)
       settings += fmt::format("{}{}={}", settings.empty() ? "" : " ", setting.path, to_string(setting.value));
-    out << fmt::format("{},{},{},{},{},{},{},{}\n", run.base, settings, to_string(run.family),
-                       run.counts.luts, run.counts.ffs, run.counts.multipliers, run.counts.memory_bits,
-                       run.tools);
+    out << fmt::format("{},{},{},{},{},{},{},{},{}\n", run.base, settings, to_string(run.family),
+                       to_string(run.part), run.counts.luts, run.counts.ffs, run.counts.multipliers,
+                       run.counts.memory_bits, run.tools);
   }
   out.close();
   if (!out) throw InputError(fmt::format("{}: cannot be written", csv.string()));
@@ -221,9 +224,10 @@ void write_area_runs(const std::filesystem::path& csv, std::span<const AreaRun> 
 
 void measure_area_runs(std::span<AreaRun> runs, const AreaLimits& limits) {
   tbb::parallel_for_each(runs.begin(), runs.end(), [&limits](AreaRun& run) {
-    const AreaResult result = measure_area(config_of(run), run.family, false, limits);
+    const AreaResult result = measure_area(config_of(run), {run.family, run.part}, false, limits);
     if (result.status != AreaStatus::ok)
-      throw InputError(fmt::format("{} in {}: {}", run.base, to_string(run.family), result.message));
+      throw InputError(fmt::format("{} of {} in {}: {}", to_string(run.part), run.base, to_string(run.family),
+                                   result.message));
     run.counts = result.counts;
     run.tools = result.tools;
   });

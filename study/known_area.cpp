@@ -1,17 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "study/known_area.hpp"
 
+#include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace bitspan {
 namespace {
 
-Row row_of(const std::string& hash, const std::string& key, Family family, bool placed, const AreaResult& a) {
+// Parts have tables of their own, with the same columns.
+std::string_view area_table(AreaPart part) {
+  constexpr auto tables = std::to_array<std::string_view>({"areas", "pixel_areas", "late_pixel_areas"});
+  return tables[static_cast<std::size_t>(part)];
+}
+
+Row row_of(const std::string& hash, const std::string& key, AreaTarget target, bool placed,
+           const AreaResult& a) {
   return {hash,
           key,
-          std::string(to_string(family)),
+          std::string(to_string(target.family)),
           std::int64_t{placed ? 1 : 0},
           std::string(to_string(a.status)),
           a.message,
@@ -26,15 +36,15 @@ Row row_of(const std::string& hash, const std::string& key, Family family, bool 
 
 }  // namespace
 
-AreaResult known_area(const Config& config, Family family, bool place, Store& store,
+AreaResult known_area(const Config& config, AreaTarget target, bool place, Store& store,
                       const std::stop_token& stop) {
   const std::string hash = config_hash(config);
-  const std::string key = area_key(config);
-  const std::string name(to_string(family));
+  const std::string key = area_key(config, target.part);
+  const std::string name(to_string(target.family));
+  const std::string table(area_table(target.part));
   const auto found = store.rows(
-      "SELECT status, message, tools, luts, ffs, multipliers, memory_bits, fmax_mhz, seconds FROM areas "
-      "WHERE "
-      "area_key = ? AND family = ? AND placed >= ? AND status <> 'failed' ORDER BY placed LIMIT 1",
+      "SELECT status, message, tools, luts, ffs, multipliers, memory_bits, fmax_mhz, seconds FROM " + table +
+          " WHERE area_key = ? AND family = ? AND placed >= ? AND status <> 'failed' ORDER BY placed LIMIT 1",
       {key, name, std::int64_t{place ? 1 : 0}});
   AreaResult out;
   if (!found.empty()) {
@@ -53,18 +63,18 @@ AreaResult known_area(const Config& config, Family family, bool place, Store& st
     AreaLimits limits;
     limits.cancelled = &cancelled;
     try {
-      out = measure_area(config, family, place, limits);
+      out = measure_area(config, target, place, limits);
     } catch (const MissingPlacer& missing) {
       // The counts stand. A failure is not taken for known, so the next run tries for the clock again.
-      out = known_area(config, family, false, store, stop);
+      out = known_area(config, target, false, store, stop);
       if (out.status != AreaStatus::failed) out.message = missing.what();
       out.status = AreaStatus::failed;
     }
   }
-  store.run(
-      "INSERT OR REPLACE INTO areas(config_hash, area_key, family, placed, status, message, tools, luts, "
-      "ffs, multipliers, memory_bits, fmax_mhz, seconds) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-      row_of(hash, key, family, place, out));
+  store.run("INSERT OR REPLACE INTO " + table +
+                "(config_hash, area_key, family, placed, status, message, tools, luts, ffs, multipliers, "
+                "memory_bits, fmax_mhz, seconds) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+            row_of(hash, key, target, place, out));
   return out;
 }
 

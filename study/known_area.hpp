@@ -11,7 +11,7 @@ namespace bitspan {
 
 // Returns the area, which is measured once for all configurations that have the same RTL. Throws as
 // measure_area does, but for a missing nextpnr, which is `failed`.
-AreaResult known_area(const Config& config, Family family, bool place, Store& store,
+AreaResult known_area(const Config& config, AreaTarget target, bool place, Store& store,
                       const std::stop_token& stop);
 
 }  // namespace bitspan

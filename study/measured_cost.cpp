@@ -19,20 +19,38 @@ namespace {
 constexpr std::size_t always_measured = 3;
 constexpr double no_cost = std::numeric_limits<double>::quiet_NaN();
 
-// Returns the families whose estimates the cost has.
-std::set<Family> estimated_families(const Expression& cost) {
-  std::set<Family> out;
-  for (const Family family : families) {
-    const std::string prefix = estimate_prefix(family);
-    if (std::ranges::any_of(cost.metrics(), [&](const auto& metric) { return metric.starts_with(prefix); }))
-      out.insert(family);
+void add_targets(const std::string& expression, std::set<AreaTarget>& out) {
+  const Expression of(expression);
+  for (const std::string& metric : of.metrics()) {
+    if (const auto target = target_of("estimate", metric)) out.insert(*target);
   }
+}
+
+// Returns what the estimates in the cost and in the constraints are of.
+std::set<AreaTarget> estimated_targets(const StudyPlan& plan) {
+  std::set<AreaTarget> out;
+  add_targets(plan.search->cost, out);
+  for (const Constraint& c : plan.constraints) add_targets(c.metric, out);
   return out;
 }
 
+// Returns the first constraint on estimates that does not hold with the counts in place of them; empty: all
+// do.
+std::string broken(const StudyPlan& plan, const Metrics& metrics) {
+  for (const Constraint& c : plan.constraints) {
+    std::set<AreaTarget> targets;
+    add_targets(c.metric, targets);
+    if (targets.empty()) continue;
+    const auto value = Expression(c.metric).value(metrics);
+    if (value && !c.holds(*value))
+      return fmt::format("{} is {:.6g} by its counts; {}", c.metric, *value, limits_text(c));
+  }
+  return {};
+}
+
 // Puts what was counted in place of the estimates.
-void replace_estimates(Family family, const AreaCounts& counts, Metrics& metrics) {
-  const std::string prefix = estimate_prefix(family);
+void replace_estimates(AreaTarget target, const AreaCounts& counts, Metrics& metrics) {
+  const std::string prefix = metric_prefix("estimate", target);
   metrics[prefix + "luts"] = static_cast<double>(counts.luts);
   metrics[prefix + "ffs"] = static_cast<double>(counts.ffs);
   metrics[prefix + "multipliers"] = static_cast<double>(counts.multipliers);
@@ -83,9 +101,9 @@ std::string cost_text(double cost, double error) {
 
 bool ends_with_synthesis(const StudyPlan& plan) {
   if (!plan.search || !plan.area || plan.search->measure == 0) return false;
-  const std::set<Family> estimated = estimated_families(Expression(plan.search->cost));
-  return !estimated.empty() && std::ranges::all_of(estimated, [&](Family family) {
-    return std::ranges::find(plan.area->families, to_string(family)) != plan.area->families.end();
+  const std::set<AreaTarget> estimated = estimated_targets(plan);
+  return !estimated.empty() && std::ranges::all_of(estimated, [&](AreaTarget target) {
+    return std::ranges::find(plan.area->families, target.family) != plan.area->families.end();
   });
 }
 
@@ -96,13 +114,15 @@ MeasuredCosts measure_best(const StudyPlan& plan, const SearchResult& result, Po
   if (!result.found || !ends_with_synthesis(plan)) return out;
   const auto limit = static_cast<std::size_t>(plan.search->measure);
   Expression cost(plan.search->cost);
-  const std::set<Family> estimated = estimated_families(cost);
-  std::set<std::string> netlists;
+  const std::set<AreaTarget> estimated = estimated_targets(plan);
+  std::set<std::vector<std::string>> netlists;
   bool stopped = false;
   for (const SearchStep& step : candidates(result)) {
     if (netlists.size() >= always_measured && step.cost > result.cost + result.cost_error) break;
     const Point point = runner.prepare(settings_of(plan.axes, step.point));
-    if (!netlists.insert(area_key(*point.config)).second) continue;
+    std::vector<std::string> keys;
+    for (const AreaTarget target : estimated) keys.push_back(area_key(*point.config, target.part));
+    if (!netlists.insert(std::move(keys)).second) continue;
     stopped = stopped || stop.stop_requested();
     if (stopped || netlists.size() > limit) {
       if (step.cost <= result.cost + result.cost_error) ++out.left_out;
@@ -112,16 +132,17 @@ MeasuredCosts measure_best(const StudyPlan& plan, const SearchResult& result, Po
     Metrics metrics = store.metrics(point.hash).all;
     MeasuredCost measured{step.point, point.hash, step.cost, cost_error(cost, metrics), no_cost, ""};
     try {
-      for (const Family family : estimated) {
-        const AreaResult area = known_area(*point.config, family, false, store, stop);
+      for (const AreaTarget target : estimated) {
+        const AreaResult area = known_area(*point.config, target, false, store, stop);
         if (area.status == AreaStatus::failed) measured.message = area.message;
-        replace_estimates(family, area.counts, metrics);
+        replace_estimates(target, area.counts, metrics);
       }
     } catch (const AreaCancelled&) {
       stopped = true;
       ++out.left_out;
       continue;
     }
+    if (measured.message.empty()) measured.message = broken(plan, metrics);
     if (measured.message.empty()) measured.measured = cost.value(metrics).value_or(measured.measured);
     out.points.push_back(std::move(measured));
   }

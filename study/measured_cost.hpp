@@ -28,16 +28,17 @@ struct MeasuredCost {
   SearchPoint point;
   std::string hash;
   double estimated = 0, error = 0;
-  double measured = std::numeric_limits<double>::quiet_NaN();  // NaN where synthesis failed
-  std::string message;                                         // of that failure
+  // NaN where synthesis failed, or where the counts break a constraint on estimates.
+  double measured = std::numeric_limits<double>::quiet_NaN();
+  std::string message;  // of that
 };
 struct MeasuredCosts {
   std::vector<MeasuredCost> points;  // the least measured first
   std::size_t left_out = 0;          // points within the error that were not synthesised
 };
 
-// Whether such a search ends with synthesis: its cost has an estimate, [area] has the family of each estimate
-// in it, and search.measure is not 0.
+// Whether such a search ends with synthesis: its cost or a constraint has an estimate, [area] has the family
+// of each, and search.measure is not 0.
 bool ends_with_synthesis(const StudyPlan& plan);
 
 // Synthesises the points of a search that hold: its answer, the two next in cost, and all whose cost is

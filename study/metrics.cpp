@@ -51,6 +51,14 @@ constexpr auto other_metrics = std::to_array<MetricRow>({
     {"area.FAMILY.multipliers", "multipliers", "synthesised", Better::low, MetricRole::cost},
     {"area.FAMILY.memory_bits", "bits", "synthesised", Better::low, MetricRole::cost},
     {"area.FAMILY.fmax_mhz", "MHz", "clock rate after placing and routing", Better::high, MetricRole::cost},
+    {"area.FAMILY.PART_luts", "LUTs",
+     "synthesised, of the pixel stages: PART is pixel, or late_pixel with the depth test behind texture",
+     Better::low, MetricRole::cost},
+    {"area.FAMILY.PART_ffs", "flip-flops", "synthesised, of the pixel stages", Better::low, MetricRole::cost},
+    {"area.FAMILY.PART_multipliers", "multipliers", "synthesised, of the pixel stages", Better::low,
+     MetricRole::cost},
+    {"area.FAMILY.PART_memory_bits", "bits", "synthesised, of the pixel stages", Better::low,
+     MetricRole::cost},
     {"estimate.FAMILY.luts", "LUTs", "by the fitted estimate, where the mode has RTL", Better::low,
      MetricRole::cost},
     {"estimate.FAMILY.luts_error", "LUTs",
@@ -61,12 +69,25 @@ constexpr auto other_metrics = std::to_array<MetricRow>({
     {"estimate.FAMILY.ffs_error", "flip-flops", "the ± of `estimate.FAMILY.ffs`", Better::low,
      MetricRole::cost},
     {"estimate.FAMILY.multipliers", "multipliers", "by the fitted estimate", Better::low, MetricRole::cost},
+    {"estimate.FAMILY.PART_luts", "LUTs",
+     "by the fitted estimate, of the pixel stages, where the RTL has all of the configuration's", Better::low,
+     MetricRole::cost},
+    {"estimate.FAMILY.PART_luts_error", "LUTs", "the ± of `estimate.FAMILY.PART_luts`", Better::low,
+     MetricRole::cost},
+    {"estimate.FAMILY.PART_ffs", "flip-flops", "by the fitted estimate, of the pixel stages", Better::low,
+     MetricRole::cost},
+    {"estimate.FAMILY.PART_ffs_error", "flip-flops", "the ± of `estimate.FAMILY.PART_ffs`", Better::low,
+     MetricRole::cost},
+    {"estimate.FAMILY.PART_multipliers", "multipliers", "by the fitted estimate, of the pixel stages",
+     Better::low, MetricRole::cost},
 });
 
 std::vector<std::string> values_of(std::string_view placeholder) {
   std::vector<std::string> out;
   if (placeholder == "FAMILY") {
     out.assign(family_names.begin(), family_names.end());
+  } else if (placeholder == "PART") {
+    out = {"pixel", "late_pixel"};
   } else {
     for (int i = 0; i < model::register_count; ++i)
       out.emplace_back(name_of(static_cast<model::RegisterId>(i)));
@@ -99,17 +120,20 @@ std::vector<Metric> all_metrics() {
         {std::move(name), "", "", std::string(row.unit), std::string(row.meaning), row.better, row.role});
   };
   for (const MetricRow& row : other_metrics) {
-    const std::string name(row.name);
-    bool expanded = false;
-    for (const std::string_view placeholder : {"FAMILY", "REGISTER"}) {
-      const auto at = name.find(placeholder);
+    std::vector<std::string> names = {std::string(row.name)};
+    for (const std::string_view placeholder : {"FAMILY", "PART", "REGISTER"}) {
+      const auto at = names.front().find(placeholder);
       if (at == std::string::npos) continue;
-      expanded = true;
+      std::vector<std::string> expanded;
       for (const std::string& value : values_of(placeholder)) {
-        add(row, std::string(name).replace(at, placeholder.size(), value));
+        for (const std::string& name : names) {
+          expanded.push_back(name);
+          expanded.back().replace(expanded.back().find(placeholder), placeholder.size(), value);
+        }
       }
+      names = std::move(expanded);
     }
-    if (!expanded) add(row, name);
+    for (std::string& name : names) add(row, std::move(name));
   }
   return out;
 }

@@ -538,11 +538,17 @@ void read_listed_points(const Section& root, const Section& study, const std::st
 
 AreaPlan read_area(const Section& s) {
   AreaPlan area;
-  const std::string legal = "an array of " + join(family_names);
-  area.families = s.texts("families", legal);
-  for (const std::string& family : area.families) {
-    if (std::ranges::find(family_names, family) == family_names.end()) {
-      s.fail("families", '"' + family + "\" is no family; legal: " + join(family_names));
+  for (const std::string& name : s.texts("families", "an array of " + join(family_names))) {
+    if (std::ranges::find(family_names, name) == family_names.end())
+      s.fail("families", '"' + name + "\" is no family; legal: " + join(family_names));
+    area.families.push_back(family_named(name));
+  }
+  if (s.has("parts")) {
+    area.parts.clear();
+    for (const std::string& name : s.texts("parts", "an array of " + join(area_part_names))) {
+      if (std::ranges::find(area_part_names, name) == area_part_names.end())
+        s.fail("parts", '"' + name + "\" is no part of the RTL; legal: " + join(area_part_names));
+      area.parts.push_back(area_part_named(name));
     }
   }
   if (s.has("place")) area.place = s.boolean("place");
@@ -586,7 +592,7 @@ StudyPlan parse_study(std::string_view text, const std::string& path, const Conf
     check_points(study, vary, plan);
     check_values(vary, plan);
   }
-  if (root.has("area")) plan.area = read_area(root.section("area", {"families", "place"}));
+  if (root.has("area")) plan.area = read_area(root.section("area", {"families", "parts", "place"}));
   if (root.has("report")) {
     const Section report = root.section("report", {"budget", "bounds"});
     plan.budget = report.has("budget") && report.boolean("budget");

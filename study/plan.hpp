@@ -17,6 +17,7 @@
 #include "config/config.hpp"
 #include "study/axis.hpp"
 #include "study/constraint.hpp"
+#include "study/family.hpp"
 #include "study/search/search.hpp"
 
 namespace bitspan {
@@ -24,8 +25,9 @@ namespace bitspan {
 enum class Arrangement { grid, one_at_a_time, list };
 
 struct AreaPlan {
-  std::vector<std::string> families;  // "ice40", "ecp5"
-  bool place = false;                 // place and route for Fmax
+  std::vector<Family> families;
+  std::vector<AreaPart> parts = {AreaPart::spans};  // those that a configuration has in RTL
+  bool place = false;                               // place and route the spans for Fmax
 };
 
 struct StudyPlan {

@@ -59,29 +59,30 @@ std::vector<Constraint> without_areas(const std::vector<Constraint>& constraints
   return out;
 }
 
-// Returns the families of the metrics, "area.ice40.", and whether the clock rate is among those of each.
-std::map<std::string, bool> families_of(std::span<const std::string> area_metrics) {
-  std::map<std::string, bool> out;
+// Returns what the metrics are of, and whether the clock rate is among those of each.
+std::map<AreaTarget, bool> targets_of(std::span<const std::string> area_metrics) {
+  std::map<AreaTarget, bool> out;
   for (const std::string& metric : area_metrics) {
-    const std::size_t end = metric.find('.', area_prefix.size()) + 1;
-    bool& placed = out[metric.substr(0, end)];
-    placed = placed || metric.substr(end) == "fmax_mhz";
+    if (const auto target = target_of("area", metric)) {
+      bool& placed = out[*target];
+      placed = placed || metric == metric_prefix("area", *target) + "fmax_mhz";
+    }
   }
   return out;
 }
 
-// Adds the area of a family, whose metrics begin with `prefix`. They stay as they are where it failed.
-void add_area(const std::string& prefix, bool place, const Config& config, Store& store,
-              const std::stop_token& stop, Metrics& metrics) {
-  const Family family = family_named(
-      std::string_view(prefix).substr(area_prefix.size(), prefix.size() - area_prefix.size() - 1));
-  const AreaResult a = known_area(config, family, place, store, stop);
+// Adds an area's metrics. They stay as they are where it failed, and where the part is not in RTL.
+void add_area(AreaTarget target, bool place, const Config& config, Store& store, const std::stop_token& stop,
+              Metrics& metrics) {
+  if (target.part != AreaPart::spans && !has_part(config, target.part)) return;
+  const AreaResult a = known_area(config, target, place, store, stop);
   if (a.status == AreaStatus::failed) return;
+  const std::string prefix = metric_prefix("area", target);
   metrics[prefix + "luts"] = static_cast<double>(a.counts.luts);
   metrics[prefix + "ffs"] = static_cast<double>(a.counts.ffs);
   metrics[prefix + "multipliers"] = static_cast<double>(a.counts.multipliers);
   metrics[prefix + "memory_bits"] = static_cast<double>(a.counts.memory_bits);
-  metrics[prefix + "fmax_mhz"] = a.fmax_mhz;
+  if (target.part == AreaPart::spans) metrics[prefix + "fmax_mhz"] = a.fmax_mhz;
 }
 
 // Returns the metrics that come from the configuration alone.
@@ -307,7 +308,7 @@ SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store
                         const std::function<void(const SearchProgress&)>& progress) {
   std::vector<std::string> area_metrics = judged_metrics(plan);
   std::erase_if(area_metrics, [](const std::string& metric) { return !is_area(metric); });
-  const std::map<std::string, bool> areas = families_of(area_metrics);
+  const std::map<AreaTarget, bool> areas = targets_of(area_metrics);
   std::vector<Expression> expressions = expressions_of(plan);
   // Those that need no synthesis, which is only worth its time where they hold.
   const std::vector<Constraint> quick = without_areas(plan.constraints);
@@ -338,8 +339,8 @@ SearchResult run_search(const StudyPlan& plan, PointRunner& runner, Store& store
       add_expressions(expressions, measured);
       if (all_hold(quick, measured)) {
         try {
-          for (const auto& [prefix, place] : areas) {
-            add_area(prefix, place, *points[i].config, store, options.stop, metrics);
+          for (const auto& [target, place] : areas) {
+            add_area(target, place, *points[i].config, store, options.stop, metrics);
           }
         } catch (const AreaCancelled&) {
           out[i].missing = true;
@@ -443,10 +444,16 @@ std::vector<Recommendation> recommendations(const StudyPlan& plan, Store& store)
     const auto best =
         store.rows("SELECT hash, cost FROM search_steps WHERE study = ? AND best = 1 ORDER BY i DESC LIMIT 1",
                    {plan.name});
-    if (!best.empty()) {
-      out.push_back({text_of(best[0][0]), fmt::format("found by the search: {} = {}", cost,
-                                                      cost_at(text_of(best[0][0]), number_of(best[0][1])))});
+    if (best.empty()) return out;
+    const std::string hash = text_of(best[0][0]);
+    std::string reason =
+        fmt::format("found by the search: {} = {}", cost, cost_at(hash, number_of(best[0][1])));
+    // Why no synthesised point is in its place.
+    for (const Row& row :
+         store.rows("SELECT message FROM measured_costs WHERE study = ? AND hash = ?", {plan.name, hash})) {
+      reason += fmt::format("; {}", text_of(row[0]));
     }
+    out.push_back({hash, std::move(reason)});
     return out;
   }
   const std::string error = error_metric(plan);
@@ -670,12 +677,18 @@ Examination examine(const StudyPlan& plan, const Recommendation& point, std::vec
     told("bounds");
     examine_bounds(config, point.hash, scenes, store, out);
   }
-  if (plan.area && has_rtl(config)) {
-    for (const std::string& family : plan.area->families) {
-      if (stop.stop_requested()) break;
-      told(fmt::format("area{} in {}", plan.area->place ? " and clock" : "", family));
-      const AreaResult a = known_area(config, family_named(family), plan.area->place, store, stop);
-      out.lines.push_back(fmt::format("area {}: {}", family, area_text(a)));
+  if (plan.area) {
+    for (const AreaPart part : plan.area->parts) {
+      if (!has_part(config, part)) continue;
+      const bool place = plan.area->place && part == AreaPart::spans;
+      for (const Family family : plan.area->families) {
+        if (stop.stop_requested()) break;
+        std::string name(to_string(family));
+        if (part != AreaPart::spans) name += fmt::format(", {}", to_string(part));
+        told(fmt::format("area{} in {}", place ? " and clock" : "", name));
+        const AreaResult a = known_area(config, {family, part}, place, store, stop);
+        out.lines.push_back(fmt::format("area {}: {}", name, area_text(a)));
+      }
     }
   }
   told("pictures");

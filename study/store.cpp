@@ -16,11 +16,19 @@
 #include <span>
 
 #include "io/json_depth.hpp"
+#include "study/family.hpp"
 #include "study/metrics.hpp"
 #include "study/settings.hpp"
 
 namespace bitspan {
 namespace {
+
+// The areas of one part of the RTL.
+#define BITSPAN_AREA_TABLE(name)                                                                           \
+  "CREATE TABLE IF NOT EXISTS " name                                                                       \
+  "(config_hash TEXT, area_key TEXT, family TEXT, placed INTEGER, status TEXT, message TEXT, tools TEXT, " \
+  "luts INTEGER, ffs INTEGER, multipliers INTEGER, memory_bits INTEGER, fmax_mhz REAL, seconds REAL, "     \
+  "PRIMARY KEY(config_hash, family, placed))"
 
 // A table that is read by its key alone is WITHOUT ROWID. The others keep the order of their writing.
 constexpr auto tables = std::to_array<const char*>({
@@ -83,16 +91,16 @@ constexpr auto tables = std::to_array<const char*>({
     "CREATE TABLE IF NOT EXISTS budget(hash TEXT, quantisation TEXT, metric TEXT, base REAL, without REAL, "
     "alone REAL)",
     "CREATE TABLE IF NOT EXISTS bounds(hash TEXT, place TEXT, unit TEXT, bound REAL, observed REAL)",
-    "CREATE TABLE IF NOT EXISTS areas(config_hash TEXT, area_key TEXT, family TEXT, placed INTEGER, status "
-    "TEXT, message "
-    "TEXT, "
-    "tools TEXT, luts INTEGER, ffs INTEGER, multipliers INTEGER, memory_bits INTEGER, fmax_mhz REAL, "
-    "seconds REAL, PRIMARY KEY(config_hash, family, placed))",
+    BITSPAN_AREA_TABLE("areas"),
+    BITSPAN_AREA_TABLE("pixel_areas"),
+    BITSPAN_AREA_TABLE("late_pixel_areas"),
     "CREATE TABLE IF NOT EXISTS pictures(hash TEXT, scene TEXT, name TEXT, png BLOB, "
     "PRIMARY KEY(hash, scene, name))",
     "CREATE TABLE IF NOT EXISTS causes(hash TEXT, scene TEXT, i INTEGER, name TEXT, color TEXT, pixels "
     "INTEGER)",
 });
+
+#undef BITSPAN_AREA_TABLE
 
 // Returns the cell of a double. SQLite would change a NaN and the infinities on their way, so they are
 // written otherwise. A zero loses its sign, but stays equal.
@@ -150,7 +158,8 @@ ResultRows rows_of(const PointResult& result, const Asked& asked) {
   const auto named = [&](const std::string& name) { return std::ranges::binary_search(asked.metrics, name); };
   const auto costs = [](const std::string& name) {
     const Metric* const metric = find_metric(name);
-    return metric != nullptr && metric->role == MetricRole::cost;
+    const bool of_pixels = target_of("estimate", name).value_or(AreaTarget{}).part != AreaPart::spans;
+    return metric != nullptr && metric->role == MetricRole::cost && !of_pixels;
   };
   ResultRows out;
   for (const auto& [name, value] : result.metrics) {

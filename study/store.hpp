@@ -48,7 +48,8 @@ struct PointRow {
 // What is kept of a measured point.
 struct Asked {
   // All metrics over all scenes, the fields' counts and what the registers held; without it, the metrics
-  // below and those of MetricRole::cost.
+  // below and those of MetricRole::cost, but for the estimates of the pixel stages, which are as many as the
+  // others.
   bool everything = true;
   std::vector<std::string> metrics = {};  // sorted; these are kept of each scene, too
   // Whether all that `other` asks for is asked for here.

@@ -32,16 +32,18 @@ def costs(config: Config | str | os.PathLike[str] = "depth16") -> dict[str, floa
     return _core.costs(config_of(config)._handle)
 
 
-def area(config: Config | str | os.PathLike[str] = "depth16", family: str = "ecp5", *, place: bool = False,
-         seconds: float = 1800) -> Area:
+def area(config: Config | str | os.PathLike[str] = "depth16", family: str = "ecp5", *,
+         part: str = "spans", place: bool = False, seconds: float = 1800) -> Area:
     """Synthesises the RTL of a configuration with Yosys, which takes up to a minute, and counts the cells.
 
     family   "ice40" or "ecp5"
-    place    places and routes with nextpnr as well, for the clock rate
+    part     "spans" (the span interpolator), "pixels" (the pixel stages), "late_pixels" (the same with the depth test
+             behind texture, and a stencil test)
+    place    places and routes the spans with nextpnr as well, for the clock rate
     seconds  for all tools together; past it the status is "failed"
 
     Raises InputError where the configuration has no RTL, and ToolError where a tool is missing. Ctrl-C ends the tools.
     """
     if isinstance(seconds, bool) or not isinstance(seconds, (int, float, np.number)) or not seconds > 0:
         raise InputError(f"area: seconds is {seconds!r}; expected a number above 0")
-    return Area(*_core.area(config_of(config)._handle, str(family), bool(place), float(seconds)))
+    return Area(*_core.area(config_of(config)._handle, str(family), str(part), bool(place), float(seconds)))

@@ -179,7 +179,7 @@ def page_data(study: Study, axes: Sequence[analysis.Axis]) -> dict[str, Any]:
 
 def _area(area: Area) -> dict[str, Any]:
     return {
-        "family": area.family,
+        "name": area.name,
         "placed": area.placed,
         "status": area.status,
         "message": area.message,

@@ -408,18 +408,20 @@ def _read_causes(reader: _Reader) -> dict[str, dict[str, list[Cause]]]:
 _AREA_COLUMNS = ("luts", "ffs", "multipliers", "memory_bits", "fmax_mhz")
 
 
+_AREA_TABLES = {"areas": "", "pixel_areas": "pixel_", "late_pixel_areas": "late_pixel_"}  # and how metrics name the part
+
+
 def _read_areas(reader: _Reader) -> dict[str, list[Area]]:
     areas: dict[str, list[Area]] = defaultdict(list)
-    for config_hash, family, placed, status, message, tools, *values in reader.rows(
-        "SELECT config_hash, family, placed, status, message, tools, luts, ffs, multipliers, memory_bits, fmax_mhz "
-        f"FROM areas WHERE config_hash IN (SELECT config_hash FROM points WHERE hash IN {_POINTS}) "
-        "ORDER BY family, placed"
-    ):
-        areas[config_hash].append(
-            Area(
-                family, bool(placed), status, message or "", dict(zip(_AREA_COLUMNS, map(number, values))), tools or ""
-            )
-        )
+    for name, part in _AREA_TABLES.items():
+        for config_hash, family, placed, status, message, tools, *values in reader.rows_if_there(
+            name,
+            "SELECT config_hash, family, placed, status, message, tools, luts, ffs, multipliers, memory_bits, fmax_mhz "
+            f"FROM {name} WHERE config_hash IN (SELECT config_hash FROM points WHERE hash IN {_POINTS}) "
+            "ORDER BY family, placed",
+        ):
+            counts = dict(zip(_AREA_COLUMNS, map(number, values)))
+            areas[config_hash].append(Area(family, part, bool(placed), status, message or "", counts, tools or ""))
     return dict(areas)
 
 
@@ -484,5 +486,5 @@ def _add_area_metrics(study: Study) -> None:
         for area in study.areas.get(point.config_hash, []):
             for column, value in area.values.items():
                 if area.status == "ok" and not math.isnan(value):
-                    name = f"area.{area.family}.{column}"
+                    name = f"area.{area.family}.{area.part}{column}"
                     study.metrics.setdefault(name, _no_values(len(study.points)))[i] = value

@@ -181,7 +181,7 @@ function areaPart(areas) {
   const describe = (a) => (a.status === "ok"
     ? Object.entries(a.values).map(([name, value]) => `${textOf(value)} ${name.replace("_", " ")}`).join(", ")
     : `${a.status.replace(/_/g, " ")}${a.message ? ": " + a.message : ""}`);
-  const rows = areas.map((a) => [`${a.family}, ${a.placed ? "placed" : "synthesised"}`, describe(a)]);
+  const rows = areas.map((a) => [`${a.name}, ${a.placed ? "placed" : "synthesised"}`, describe(a)]);
   return [make("h3", { textContent: "Area" }), tableOf(["family", "result"], rows)];
 }
 

@@ -428,7 +428,7 @@ def areas(study: Study) -> str:
     rows = [
         (
             point_link(study, p.hash),
-            a.family,
+            a.name,
             "placed" if a.placed else "synthesised",
             _area_status(a),
             *(a.values.get(c, math.nan) for c in ("luts", "ffs", "multipliers", "memory_bits", "fmax_mhz")),

@@ -153,11 +153,17 @@ class Cause:
 @dataclass
 class Area:
     family: str
+    part: str  # of the RTL, as it stands in metrics: "" for the spans, pixel_, late_pixel_
     placed: bool
     status: str  # ok | does_not_fit | failed
     message: str
     values: dict[str, float]  # luts, ffs, multipliers, memory_bits, fmax_mhz
     tools: str
+
+    @property
+    def name(self) -> str:
+        """The family, with the part where it is not the spans."""
+        return self.family + (f", {self.part.rstrip('_').replace('_', ' ')} stages" if self.part else "")
 
 
 @dataclass

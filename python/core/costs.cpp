@@ -25,15 +25,16 @@ Metrics costs(const ConfigHandle& handle) {
 }
 
 // The tools run beside a thread that looks for Ctrl-C.
-nb::tuple area(const ConfigHandle& handle, const std::string& family_name, bool place, double seconds) {
+nb::tuple area(const ConfigHandle& handle, const std::string& family, const std::string& part, bool place,
+               double seconds) {
   const Config config = handle.full();
-  const Family family = family_named(family_name);
+  const AreaTarget target{family_named(family), area_part_named(part)};
   std::atomic<bool> cancelled = false;
   AreaResult result;
   {
     const nb::gil_scoped_release unlocked;
     auto done = std::async(std::launch::async, [&] {
-      return measure_area(config, family, place, {.seconds = seconds, .cancelled = &cancelled});
+      return measure_area(config, target, place, {.seconds = seconds, .cancelled = &cancelled});
     });
     while (done.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) {
       const nb::gil_scoped_acquire locked;
@@ -53,7 +54,8 @@ nb::tuple area(const ConfigHandle& handle, const std::string& family_name, bool 
 
 void bind_costs(nb::module_& m) {
   m.def("costs", &costs, nb::arg("config"), "The metrics that the configuration alone gives.");
-  m.def("area", &area, nb::arg("config"), nb::arg("family"), nb::arg("place"), nb::arg("seconds"),
+  m.def("area", &area, nb::arg("config"), nb::arg("family"), nb::arg("part"), nb::arg("place"),
+        nb::arg("seconds"),
         "(status, LUTs, flip-flops, multipliers, memory bits, MHz, message, seconds, tools).");
 }
 

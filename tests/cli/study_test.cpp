@@ -318,8 +318,8 @@ TEST_F(Study, FullDiskLosesNothing) {
   std::string words = "[20";
   for (int w = 21; w < 50; ++w) words += ", " + std::to_string(w);
   folder.write("s.toml", study(words + "]"));
-  // No file may pass 400 KiB: what a full disk is to a database.
-  const std::string limited = "trap '' XFSZ; ulimit -f 400; " + command("s.toml");
+  // No file may pass 480 KiB: what a full disk is to a database.
+  const std::string limited = "trap '' XFSZ; ulimit -f 480; " + command("s.toml");
   const int status = std::system(("bash -c \"" + limited + "\"").c_str());
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 2) << folder.read(".out");

@@ -649,7 +649,8 @@ class Sweeps(unittest.TestCase):
     def test_what_the_formats_cost(self):
         known, measured = bitspan.costs("narrow"), bitspan.measure("narrow", "demo", 64, 48)
         self.assertEqual({name: measured[name] for name in known}, known)
-        self.assertTrue(0 < known["estimate.ice40.luts_error"] < known["estimate.ice40.luts"])
+        for part in ("", "pixel_", "late_pixel_"):
+            self.assertTrue(0 < known[f"estimate.ice40.{part}luts_error"] < known[f"estimate.ice40.{part}luts"])
         self.assertEqual({name.split(".")[0] for name in known}, {"cost", "timing", "estimate"})
 
     def test_list_of_metrics(self):
@@ -807,6 +808,10 @@ class Areas(unittest.TestCase):
         for arguments, text in ((("depth16", "xc7"), "is no family"), (("depth16", "ecp5"), "above 0"),):
             with self.assertRaisesRegex(bitspan.InputError, text):
                 bitspan.area(*arguments, seconds=0 if text == "above 0" else 10)
+        for options, text in (({"part": "rows"}, "is no part of the RTL; legal: spans, pixels, late_pixels"),
+                              ({"part": "pixels", "place": True}, "only the spans are placed, not pixels")):
+            with self.assertRaisesRegex(bitspan.InputError, text):
+                bitspan.area("depth16", "ecp5", **options)
         late = bitspan.area("depth16", seconds=0.2)
         self.assertEqual(late.status, "failed")
         self.assertIn("time limit", late.message)

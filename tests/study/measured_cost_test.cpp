@@ -10,6 +10,7 @@
 #include <limits>
 #include <stop_token>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -72,11 +73,12 @@ struct EstimateBench {
   std::int64_t word_of(const MeasuredCost& c) const {
     return std::get<std::int64_t>(plan.axes[0].values[c.point[0]][0]);
   }
-  void plant(std::int64_t word, std::int64_t luts) {
-    store.run(
-        "INSERT INTO areas(config_hash, area_key, family, placed, status, message, tools, luts, ffs, "
-        "multipliers, memory_bits) VALUES(?, ?, 'ecp5', 0, 'ok', '', '', ?, 1, 2, 1)",
-        {config_hash(at(word)), area_key(at(word)), luts});
+  void plant(std::int64_t word, std::int64_t luts, AreaPart part = AreaPart::spans) {
+    const std::string table = part == AreaPart::spans ? "areas" : "pixel_areas";
+    store.run("INSERT INTO " + table +
+                  "(config_hash, area_key, family, placed, status, message, tools, luts, ffs, multipliers, "
+                  "memory_bits) VALUES(?, ?, 'ecp5', 0, 'ok', '', '', ?, 1, 2, 1)",
+              {config_hash(at(word)), area_key(at(word), part), luts});
   }
   SearchResult found() { return run_search(plan, runner, store, {}, {}); }
   MeasuredCosts measure(const SearchResult& result, std::stop_token stop = {}) {
@@ -96,7 +98,7 @@ TEST(MeasuredCost, RanksByWhatWasMeasured) {
   EXPECT_EQ(b.plan.axes[0].values[result.point[0]][0], KeyValue(std::int64_t{8}));
   const AreaEstimate best = estimate_area(b.at(8), Family::ecp5);
   EXPECT_DOUBLE_EQ(result.cost, best.luts);
-  EXPECT_DOUBLE_EQ(result.cost_error, best.luts_error);
+  EXPECT_NEAR(result.cost_error, best.luts_error, 1e-9);
 
   const MeasuredCosts costs = b.measure(result);
   // Those that a search has seen, and that lie within the error of the best estimate.
@@ -110,7 +112,7 @@ TEST(MeasuredCost, RanksByWhatWasMeasured) {
   EXPECT_EQ(b.word_of(costs.points[0]), 9);
   EXPECT_EQ(costs.points[0].measured, 100);
   EXPECT_DOUBLE_EQ(costs.points[0].estimated, estimate_area(b.at(9), Family::ecp5).luts);
-  EXPECT_DOUBLE_EQ(costs.points[0].error, estimate_area(b.at(9), Family::ecp5).luts_error);
+  EXPECT_NEAR(costs.points[0].error, estimate_area(b.at(9), Family::ecp5).luts_error, 1e-9);
   for (std::size_t i = 1; i < costs.points.size(); ++i)
     EXPECT_GT(costs.points[i].measured, costs.points[i - 1].measured);
 
@@ -197,7 +199,55 @@ TEST(MeasuredCost, AnExpressionTakesTheCounts) {
   ASSERT_EQ(costs.points.size(), 1U);
   const double p999 = std::ldexp(0.5, -b.at(8).format(FormatId::span_uv).fraction());
   EXPECT_DOUBLE_EQ(costs.points[0].measured, 300 + 100 * 2 + 10 * p999);
-  EXPECT_DOUBLE_EQ(costs.points[0].error, estimate_area(b.at(8), Family::ecp5).luts_error);
+  EXPECT_NEAR(costs.points[0].error, estimate_area(b.at(8), Family::ecp5).luts_error, 1e-9);
+}
+
+// The pixel stages are a netlist of their own, and the two sums are taken together.
+TEST(MeasuredCost, CountsThePartsOfTheCost) {
+  std::string text = estimate_search_text;
+  text.replace(text.find("\"estimate.ecp5.luts\""), 20,
+               "\"estimate.ecp5.luts + estimate.ecp5.pixel_luts\"\nmeasure = 3");
+  EstimateBench b(text);
+  for (const auto& [word, luts, pixel_luts] : {std::tuple{8, 300, 900}, {9, 310, 800}, {10, 320, 880}}) {
+    b.plant(word, luts);
+    b.plant(word, pixel_luts, AreaPart::pixels);
+  }
+  const Environment path("PATH", "/nonexistent");
+  const SearchResult result = b.found();
+  const MeasuredCosts costs = b.measure(result);
+  ASSERT_EQ(costs.points.size(), 3U);
+  EXPECT_EQ(b.word_of(costs.points[0]), 9);
+  EXPECT_EQ(costs.points[0].measured, 310 + 800);
+  EXPECT_EQ(costs.points[1].measured, 300 + 900);
+}
+
+// A constraint on an estimate holds by the counts, or the point is not recommended.
+TEST(MeasuredCost, ACountThatBreaksAConstraintIsNotRecommended) {
+  const auto limited = [](double luts, const std::string& cost) {
+    std::string text = estimate_search_text;
+    text.replace(text.find("[area]"), 6,
+                 fmt::format("[[constraint]]\nmetric = \"estimate.ecp5.luts\"\nat_most = {}\n[area]", luts));
+    return text.replace(text.find("cost = \"estimate.ecp5.luts\""), 27, fmt::format("cost = \"{}\"", cost));
+  };
+  EstimateBench b(limited(10000, "estimate.ecp5.luts") + "measure = 3\n");
+  for (const auto& [word, luts] : {std::pair{8, 10001}, {9, 10000}, {10, 9999}}) b.plant(word, luts);
+  const Environment path("PATH", "/nonexistent");
+  const MeasuredCosts costs = b.measure(b.found());
+  ASSERT_EQ(costs.points.size(), 3U);
+  EXPECT_EQ(b.word_of(costs.points[0]), 10);
+  EXPECT_EQ(b.word_of(costs.points[2]), 8);
+  EXPECT_TRUE(std::isnan(costs.points[2].measured));
+  EXPECT_EQ(costs.points[2].message, "estimate.ecp5.luts is 10001 by its counts; at most 10000");
+  EXPECT_EQ(recommendations(b.plan, b.store).at(0).hash, costs.points[0].hash);
+
+  // Where the cost is no estimate, the answer of the search is counted all the same, and the message says
+  // what its limit is not.
+  EstimateBench alone(limited(10000, "cost.register_bits") + "measure = 1\n");
+  alone.plant(8, 12000);
+  EXPECT_EQ(alone.measure(alone.found()).points.size(), 1U);
+  EXPECT_EQ(recommendations(alone.plan, alone.store).at(0).reason,
+            "found by the search: cost.register_bits = 8; estimate.ecp5.luts is 12000 by its counts; at most "
+            "10000");
 }
 
 // Yosys itself, on a netlist of some hundred LUTs.
@@ -207,7 +257,7 @@ TEST(MeasuredCost, IsThatOfTheTools) {
   const MeasuredCosts costs = b.measure(result);
   ASSERT_EQ(costs.points.size(), 1U);
   EXPECT_EQ(costs.points[0].measured,
-            static_cast<double>(measure_area(b.at(8), Family::ecp5, false).counts.luts));
+            static_cast<double>(measure_area(b.at(8), {Family::ecp5}, false).counts.luts));
 }
 
 TEST(MeasuredCost, TheErrorOfAnExpressionIsTheRootOfTheSummedSquares) {

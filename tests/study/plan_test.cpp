@@ -45,7 +45,7 @@ TEST(Plan, ReadsEveryKey) {
       "[[vary]]\nkeys = [\"scene.s_ratio\"]\nvalues = [10, 2.5]\n"
       "[[constraint]]\nmetric = \"span.u.p999_ulp\"\nat_most = 1\n"
       "[[constraint]]\nmetric = \"picture.psnr_db\"\nat_least = 30.5\nat_most = 99\n"
-      "[area]\nfamilies = [\"ice40\", \"ecp5\"]\nplace = true\n"
+      "[area]\nfamilies = [\"ice40\", \"ecp5\"]\nparts = [\"spans\", \"pixels\"]\nplace = true\n"
       "[report]\nbudget = true\nbounds = true\n";
   const StudyPlan plan = parse(toml);
   EXPECT_EQ(plan.name, "all-1");
@@ -71,7 +71,8 @@ TEST(Plan, ReadsEveryKey) {
   EXPECT_FALSE(plan.constraints[0].at_least);
   EXPECT_EQ(plan.constraints[1].at_least, 30.5);
   ASSERT_TRUE(plan.area);
-  EXPECT_EQ(plan.area->families, (std::vector<std::string>{"ice40", "ecp5"}));
+  EXPECT_EQ(plan.area->families, (std::vector<Family>{Family::ice40, Family::ecp5}));
+  EXPECT_EQ(plan.area->parts, (std::vector<AreaPart>{AreaPart::spans, AreaPart::pixels}));
   EXPECT_TRUE(plan.area->place);
   EXPECT_TRUE(plan.budget);
   EXPECT_TRUE(plan.bounds);
@@ -377,6 +378,8 @@ TEST(Plan, BadSearchAreaAndReportAreRefused) {
   refused(head + vary + "[area]\n", "area.families: missing");
   refused(head + vary + "[area]\nfamilies = [\"xc7\"]\n", "\"xc7\" is no family; legal: ice40, ecp5");
   refused(head + vary + "[area]\nfamilies = [\"ice40\"]\nplace = 1\n", "area.place: is an integer");
+  refused(head + vary + "[area]\nfamilies = [\"ice40\"]\nparts = [\"all\"]\n",
+          "\"all\" is no part of the RTL; legal: spans, pixels, late_pixels");
   refused(head + vary + "[report]\nbudget = \"yes\"\n", "report.budget: is a string");
 }
 

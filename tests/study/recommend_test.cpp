@@ -317,7 +317,7 @@ TEST(Recommend, ASearchIsForTheSynthesisedArea) {
   const SearchResult result = run_search(b.plan, b.runner, b.store, {}, {});
   ASSERT_TRUE(result.found);
   EXPECT_EQ(b.plan.axes[0].values[result.point[0]][0], KeyValue(std::int64_t{8}));
-  const AreaResult area = measure_area(b.at(8), Family::ecp5, false);
+  const AreaResult area = measure_area(b.at(8), {Family::ecp5}, false);
   EXPECT_EQ(area.status, AreaStatus::ok) << area.message;
   EXPECT_EQ(result.cost, static_cast<double>(area.counts.luts));
   // The points that hold have a row, and in this family alone.
@@ -605,6 +605,13 @@ TEST(Recommend, EstimatesAreMetrics) {
   std::map<std::string, double, std::less<>> none;
   Config config = shipped_config("depth16");
   config.pixel_reciprocal.pipelined = false;
+  add_estimates(config, none);
+  // The pixel stages need no such unit, as long as nothing in them is linear in the distance.
+  EXPECT_FALSE(none.contains("estimate.ecp5.luts"));
+  EXPECT_GT(none.at("estimate.ecp5.pixel_luts"), 1000);
+  EXPECT_GT(none.at("estimate.ecp5.late_pixel_luts"), 1000);
+  config.depth_code = DepthCode::linear;
+  none.clear();
   add_estimates(config, none);
   EXPECT_TRUE(none.empty());
 }

@@ -62,6 +62,22 @@ std::string refused(const std::string& path, Store::Mode mode = Store::Mode::cre
   return input_error([&] { Store(path, "1.2.3", mode, 50ms); });
 }
 
+// Costs are kept unasked, but not the estimates of the pixel stages.
+TEST(Store, EstimatesOfPixelStagesAreKeptWhereTheyAreAskedFor) {
+  PointResult result;
+  result.metrics = {{"cost.register_bits", 1}, {"estimate.ecp5.luts", 2}, {"estimate.ecp5.pixel_luts", 3}};
+  const auto kept = [&](const std::vector<std::string>& asked) {
+    std::vector<std::string> out;
+    for (const Row& row : rows_of(result, {.everything = false, .metrics = asked}).metrics)
+      out.push_back(text_of(row[0]));
+    return out;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(kept({}), (Names{"cost.register_bits", "estimate.ecp5.luts"}));
+  EXPECT_EQ(kept({"estimate.ecp5.pixel_luts"}),
+            (Names{"cost.register_bits", "estimate.ecp5.luts", "estimate.ecp5.pixel_luts"}));
+}
+
 TEST(Store, KeepsAPointWithEveryBit) {
   const TemporaryFolder folder;
   const PointResult result = some_result(0.1);
