@@ -30,10 +30,13 @@ AreaPart area_part_named(std::string_view name) {
   return named(name, area_parts, area_part_names, "part of the RTL");
 }
 
-std::string metric_prefix(std::string_view kind, AreaTarget target) {
+std::string_view prefix_of(AreaPart part) {
   constexpr auto prefixes = std::to_array<std::string_view>({"", "pixel_", "late_pixel_"});
-  return fmt::format("{}.{}.{}", kind, to_string(target.family),
-                     prefixes[static_cast<std::size_t>(target.part)]);
+  return prefixes[static_cast<std::size_t>(part)];
+}
+
+std::string metric_prefix(std::string_view kind, AreaTarget target) {
+  return fmt::format("{}.{}.{}", kind, to_string(target.family), prefix_of(target.part));
 }
 
 std::optional<AreaTarget> target_of(std::string_view kind, std::string_view metric) {

@@ -31,6 +31,8 @@ inline constexpr auto area_part_names =
     std::to_array<std::string_view>({"spans", "pixels", "late_pixels"});  // in their order
 std::string_view to_string(AreaPart part);
 AreaPart area_part_named(std::string_view name);  // throws InputError, which names those that exist
+// Returns "", "pixel_" or "late_pixel_", which the names of a part's metrics and tables have in front.
+std::string_view prefix_of(AreaPart part);
 
 // A part in a family.
 struct AreaTarget {

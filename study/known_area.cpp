@@ -1,21 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "study/known_area.hpp"
 
-#include <array>
+#include <fmt/format.h>
+
 #include <atomic>
-#include <cstddef>
 #include <cstdint>
 #include <string>
-#include <string_view>
 
 namespace bitspan {
 namespace {
-
-// Parts have tables of their own, with the same columns.
-std::string_view area_table(AreaPart part) {
-  constexpr auto tables = std::to_array<std::string_view>({"areas", "pixel_areas", "late_pixel_areas"});
-  return tables[static_cast<std::size_t>(part)];
-}
 
 Row row_of(const std::string& hash, const std::string& key, AreaTarget target, bool placed,
            const AreaResult& a) {
@@ -41,7 +34,7 @@ AreaResult known_area(const Config& config, AreaTarget target, bool place, Store
   const std::string hash = config_hash(config);
   const std::string key = area_key(config, target.part);
   const std::string name(to_string(target.family));
-  const std::string table(area_table(target.part));
+  const std::string table = fmt::format("{}areas", prefix_of(target.part));  // parts have tables of their own
   const auto found = store.rows(
       "SELECT status, message, tools, luts, ffs, multipliers, memory_bits, fmax_mhz, seconds FROM " + table +
           " WHERE area_key = ? AND family = ? AND placed >= ? AND status <> 'failed' ORDER BY placed LIMIT 1",

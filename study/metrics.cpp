@@ -86,8 +86,8 @@ std::vector<std::string> values_of(std::string_view placeholder) {
   std::vector<std::string> out;
   if (placeholder == "FAMILY") {
     out.assign(family_names.begin(), family_names.end());
-  } else if (placeholder == "PART") {
-    out = {"pixel", "late_pixel"};
+  } else if (placeholder == "PART_") {
+    for (const AreaPart part : {AreaPart::pixels, AreaPart::late_pixels}) out.emplace_back(prefix_of(part));
   } else {
     for (int i = 0; i < model::register_count; ++i)
       out.emplace_back(name_of(static_cast<model::RegisterId>(i)));
@@ -121,7 +121,7 @@ std::vector<Metric> all_metrics() {
   };
   for (const MetricRow& row : other_metrics) {
     std::vector<std::string> names = {std::string(row.name)};
-    for (const std::string_view placeholder : {"FAMILY", "PART", "REGISTER"}) {
+    for (const std::string_view placeholder : {"FAMILY", "PART_", "REGISTER"}) {
       const auto at = names.front().find(placeholder);
       if (at == std::string::npos) continue;
       std::vector<std::string> expanded;

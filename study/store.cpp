@@ -13,6 +13,7 @@
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <span>
 
 #include "io/json_depth.hpp"
@@ -154,16 +155,30 @@ Asked both(const Asked& a, const Asked& b) {
   return out;
 }
 
+namespace {
+
+// The metrics of which every point keeps its value.
+const std::set<std::string_view>& kept_unasked() {
+  static const auto names = [] {
+    std::set<std::string_view> out;
+    for (const Metric& metric : known_metrics()) {
+      const bool of_pixels =
+          target_of("estimate", metric.name).value_or(AreaTarget{}).part != AreaPart::spans;
+      if (metric.role == MetricRole::cost && !of_pixels) out.insert(metric.name);
+    }
+    return out;
+  }();
+  return names;
+}
+
+}  // namespace
+
 ResultRows rows_of(const PointResult& result, const Asked& asked) {
   const auto named = [&](const std::string& name) { return std::ranges::binary_search(asked.metrics, name); };
-  const auto costs = [](const std::string& name) {
-    const Metric* const metric = find_metric(name);
-    const bool of_pixels = target_of("estimate", name).value_or(AreaTarget{}).part != AreaPart::spans;
-    return metric != nullptr && metric->role == MetricRole::cost && !of_pixels;
-  };
   ResultRows out;
   for (const auto& [name, value] : result.metrics) {
-    if (asked.everything || named(name) || costs(name)) out.metrics.push_back({name, stored(value)});
+    if (asked.everything || named(name) || kept_unasked().contains(name))
+      out.metrics.push_back({name, stored(value)});
   }
   for (std::size_t scene = 0; scene < result.scenes.size(); ++scene) {
     for (const auto& [name, value] : result.scenes[scene].metrics) {

@@ -408,16 +408,17 @@ def _read_causes(reader: _Reader) -> dict[str, dict[str, list[Cause]]]:
 _AREA_COLUMNS = ("luts", "ffs", "multipliers", "memory_bits", "fmax_mhz")
 
 
-_AREA_TABLES = {"areas": "", "pixel_areas": "pixel_", "late_pixel_areas": "late_pixel_"}  # and how metrics name the part
+_AREA_PARTS = ("", "pixel_", "late_pixel_")  # as the names of their tables and metrics have them in front
 
 
 def _read_areas(reader: _Reader) -> dict[str, list[Area]]:
     areas: dict[str, list[Area]] = defaultdict(list)
-    for name, part in _AREA_TABLES.items():
+    for part in _AREA_PARTS:
+        table = f"{part}areas"
         for config_hash, family, placed, status, message, tools, *values in reader.rows_if_there(
-            name,
+            table,
             "SELECT config_hash, family, placed, status, message, tools, luts, ffs, multipliers, memory_bits, fmax_mhz "
-            f"FROM {name} WHERE config_hash IN (SELECT config_hash FROM points WHERE hash IN {_POINTS}) "
+            f"FROM {table} WHERE config_hash IN (SELECT config_hash FROM points WHERE hash IN {_POINTS}) "
             "ORDER BY family, placed",
         ):
             counts = dict(zip(_AREA_COLUMNS, map(number, values)))
