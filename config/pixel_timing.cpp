@@ -10,9 +10,6 @@
 namespace bitspan {
 namespace {
 
-// With the sign that an unsigned factor does not have.
-int signed_bits(const Format& f) { return signed_grid(f).bits(); }
-
 DepthTiming depth_timing(const Config& config, int pixel_unit) {
   DepthTiming t;
   t.product = product_clocks(signed_bits(config.format(FormatId::depth_c1)),
@@ -145,6 +142,8 @@ MergeTiming merge_timing(const Config& config) {
 }
 
 }  // namespace
+
+int signed_bits(const Format& f) { return signed_grid(f).bits(); }
 
 int product_clocks(int a_bits, int b_bits) { return a_bits <= 18 && b_bits <= 18 ? 1 : 3; }
 

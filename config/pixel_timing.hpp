@@ -9,6 +9,8 @@
 
 namespace bitspan {
 
+// Bits of a factor of a format, with the sign that an unsigned one does not have.
+int signed_bits(const Format& f);
 // Clocks of rtl/mul_pipe.sv for factors of these widths, signs included: 1 where one multiplier of 18 x 18
 // bits makes the product, else 3.
 int product_clocks(int a_bits, int b_bits);

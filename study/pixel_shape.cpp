@@ -9,9 +9,6 @@
 namespace bitspan {
 namespace {
 
-// Bits of a signed word that holds the format; an unsigned format's sign is a constant, and no register.
-int signed_bits(const Format& f) { return signed_grid(f).bits(); }
-
 // Bits at the end of a value on so many fraction bits that the rounding does not read: rtl/quantize_far.sv.
 int unread_bits(int fraction, const Format& to) {
   const int dropped = std::max(0, fraction - to.fraction());
@@ -81,9 +78,6 @@ class PixelCounter : private ShapeCells {
 
   // ---------------------------------------------------------------- cells
 
-  void memory(int words, int width, Memory::Kind kind, int reads = 1) {
-    shape_.memories.push_back({words, width, kind, reads});
-  }
   // rtl/skid.sv.
   void skid(int width) {
     add_registers(2 * width + 2);
@@ -116,10 +110,6 @@ class PixelCounter : private ShapeCells {
   }
   // A constant of the frame, or a field, against another: an LUT takes two bits of each.
   void compare(int width, int times = 1) { shape_.selects += double(width) * times; }
-  void round(const Format& to) {
-    if (to.rounding != Rounding::trn) shape_.sums += to.word;
-    quantize(to);
-  }
 
   // rtl/scoreboard.sv.
   void scoreboard(int width, int ways) {
@@ -234,7 +224,7 @@ class PixelCounter : private ShapeCells {
     shape_.selects += z;
     // Joined and compared; the stored code itself goes no further.
     add_registers(waits + z + stored);
-    add_registers(waits + z + stored - z);
+    add_registers(waits + stored);
     add_registers(4);
     shape_.sums += 2 * z;
     skid(coordinates_ + h_behind_depth() + z + 1 + depth_rest() + (late_ ? 9 : 0));
@@ -316,8 +306,7 @@ class PixelCounter : private ShapeCells {
     add_registers(max_mip_level + level + level + 1);
     compare(into.bits() / 2, max_mip_level);
     memory(1 << level, k.word, Memory::Kind::clocked);
-    add_registers(k.word);
-    add_registers(max_mip_level + 1 + into.bits() + k.word);
+    add_registers(max_mip_level + 1 + into.bits() + 2 * k.word);
     shape_.sums += into.bits();
     multiply(
         into.bits(), true, signed_bits(k), true,

@@ -30,6 +30,15 @@ void ShapeCells::quantize(const Format& to) {
   if (to.overflow != Overflow::wrap) shape_.selects += to.word;
 }
 
+void ShapeCells::round(const Format& to) {
+  if (to.rounding != Rounding::trn) shape_.sums += to.word;
+  quantize(to);
+}
+
+void ShapeCells::memory(int words, int width, Memory::Kind kind, int reads) {
+  shape_.memories.push_back({words, width, kind, reads});
+}
+
 void ShapeCells::join(int terms, int width) {
   if (terms > 1) shape_.joins += double(width) * (1 + 2 * (terms - 2));
 }
@@ -136,13 +145,8 @@ void ShapeCells::reciprocal(const Reciprocal& unit, Grid operand, const RowSched
     restoring(unit, op, restoring_shape(unit, operand).iterations, 0, true);
   }
   if (lut && !unit.normalize) shape_.selects += double(shift) * (unit.internal_bits + op);
-  if (unit.output.rounding != Rounding::trn) shape_.sums += unit.output.word;
-  quantize(unit.output);
+  round(unit.output);
   add_registers(unit.output.word + (unit.normalize ? shift : 0));
-}
-
-void ShapeCells::table_of(int words, int width, int reads) {
-  shape_.memories.push_back({words, width, Memory::Kind::table, reads});
 }
 
 void ShapeCells::table(const Reciprocal& unit) {
@@ -155,7 +159,7 @@ void ShapeCells::table(const Reciprocal& unit) {
     case ReciprocalKind::restoring:
       return;
     case ReciprocalKind::lut_linear:
-      table_of((1 << unit.index_bits) + 1, entry, 2);
+      memory((1 << unit.index_bits) + 1, entry, Memory::Kind::table, 2);
       add_registers(2 * entry + t, 2);
       add_registers(entry, clocks);
       add_registers(y);
@@ -166,7 +170,7 @@ void ShapeCells::table(const Reciprocal& unit) {
       const int c1 = std::max(1, entry - unit.index_bits);
       const int c2 = std::max(1, entry - 2 * unit.index_bits);
       const int g = std::max(1, y - unit.index_bits);
-      table_of(1 << unit.index_bits, entry + c1 + c2);
+      memory(1 << unit.index_bits, entry + c1 + c2, Memory::Kind::table);
       add_registers(entry + c1 + c2 + t, 2);
       add_registers(c1 + entry + t, clocks);
       add_registers(entry + t + g + y);
@@ -177,7 +181,7 @@ void ShapeCells::table(const Reciprocal& unit) {
       return;
     }
     case ReciprocalKind::lut_newton:
-      table_of(1 << unit.index_bits, newton_entry(unit));
+      memory(1 << unit.index_bits, newton_entry(unit), Memory::Kind::table);
       add_registers(newton_entry(unit) + nq, 2);
       for (int s = 0; s < unit.steps; ++s) {
         // nq y is floored to the internal bits, and so is y (2 - a), which is at most 1.
@@ -204,7 +208,7 @@ void ShapeCells::shared_newton(const Reciprocal& unit, const RowSchedule& row) {
   const int made = 1 + c_.rtl.product_clocks;  // from the factors to the product
   const int nq = std::max(unit.operand_bits, unit.index_bits);
   const auto read = [&](int k) { return row.newton[static_cast<std::size_t>(k)].tick; };
-  table_of(1 << unit.index_bits, newton_entry(unit));
+  memory(1 << unit.index_bits, newton_entry(unit), Memory::Kind::table);
   add_registers(newton_entry(unit) + nq, 2);
   for (int s = 0; s < unit.steps; ++s) {
     const int factor = unit.internal_bits + 2;

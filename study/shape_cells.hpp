@@ -34,6 +34,9 @@ class ShapeCells {
   void add_registers(int bits, int times = 1) { shape_.registers += double(bits) * times; }
   // rtl/quantize_far.sv; half an ulp of SC_RND is added elsewhere.
   void quantize(const Format& to);
+  // The same with the adder of what rounds.
+  void round(const Format& to);
+  void memory(int words, int width, Memory::Kind kind, int reads = 1);
   // Yosys brings more than two terms to two by full adders, two LUTs each, and then adds these.
   void join(int terms, int width);
   // rtl/mul_pipe.sv.
@@ -50,7 +53,6 @@ class ShapeCells {
   AreaShape shape_;
 
  private:
-  void table_of(int words, int width, int reads = 1);
   // What stands between the table and y. Each product comes product_clocks behind its factors.
   void table(const Reciprocal& unit);
   // Bits of an entry of a Newton table that are no constants: all lie from 1/2 to below 1.

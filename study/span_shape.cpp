@@ -177,8 +177,7 @@ class SpanCounter : private ShapeCells {
         shape_.sums += numerator(line) + bits;  // magnitude, sign of the quotient
         restoring(c_.row_reciprocal, length, divide.iterations, numerator(line), first);
         first = false;
-        if (step.rounding != Rounding::trn) shape_.sums += step.word;
-        quantize(step);
+        round(step);
         hold(step.word, made, row.latency);
       }
     } else {
@@ -241,7 +240,7 @@ class SpanCounter : private ShapeCells {
     if (c_.rtl.fifo == 1) {
       add_registers(bits);
     } else {
-      shape_.memories.push_back({c_.rtl.fifo, bits, Memory::Kind::unclocked});
+      memory(c_.rtl.fifo, bits, Memory::Kind::unclocked);
     }
     // The same fields are in the registers of the span that is walked.
     add_registers(bits + timing_.span);
@@ -266,8 +265,7 @@ class SpanCounter : private ShapeCells {
       const Line line = line_of(id);
       const Format& kept = format(line.row.kept);
       accumulate(format(line.row.step), format(line.row.acc));
-      if (kept.rounding != Rounding::trn) shape_.sums += kept.word;
-      quantize(kept);
+      round(kept);
       span_delay(kept.word, timing_.span);
       if (planes_) shape_.selects += word(line.row.step);
     }
@@ -280,8 +278,7 @@ class SpanCounter : private ShapeCells {
     if (!has_linear_texture(c_.perspective)) return;
     add_registers(index + 2 + word(F::span_h) + 2 * word(F::span_uv));
     for (int i = 0; i < 2; ++i) {
-      if (format(F::span_uv).rounding != Rounding::trn) shape_.sums += word(F::span_uv);
-      quantize(format(F::span_uv));
+      round(format(F::span_uv));
     }
   }
 
@@ -302,8 +299,7 @@ class SpanCounter : private ShapeCells {
       shape_.sums += f + bits;  // magnitude, sign of the quotient
       restoring(unit, operand.bits(), divide.iterations, f, i == 0);
       add_registers(1, divide.iterations);
-      if (to.rounding != Rounding::trn) shape_.sums += to.word;
-      quantize(to);
+      round(to);
       add_registers(to.word);
     }
   }
