@@ -536,21 +536,24 @@ void read_listed_points(const Section& root, const Section& study, const std::st
   plan.axes = read_points(file_beside(path, file), plan.base);
 }
 
+// Reads an array of names, and returns what each names.
+template <class Names, class Named>
+auto read_named(const Section& s, const char* key, const Names& names, std::string_view what,
+                const Named& named) {
+  std::vector<decltype(named(std::string_view()))> out;
+  for (const std::string& name : s.texts(key, "an array of " + join(names))) {
+    if (std::ranges::find(names, name) == names.end())
+      s.fail(key, fmt::format("\"{}\" is no {}; legal: {}", name, what, join(names)));
+    out.push_back(named(name));
+  }
+  return out;
+}
+
 AreaPlan read_area(const Section& s) {
   AreaPlan area;
-  for (const std::string& name : s.texts("families", "an array of " + join(family_names))) {
-    if (std::ranges::find(family_names, name) == family_names.end())
-      s.fail("families", '"' + name + "\" is no family; legal: " + join(family_names));
-    area.families.push_back(family_named(name));
-  }
-  if (s.has("parts")) {
-    area.parts.clear();
-    for (const std::string& name : s.texts("parts", "an array of " + join(area_part_names))) {
-      if (std::ranges::find(area_part_names, name) == area_part_names.end())
-        s.fail("parts", '"' + name + "\" is no part of the RTL; legal: " + join(area_part_names));
-      area.parts.push_back(area_part_named(name));
-    }
-  }
+  area.families = read_named(s, "families", family_names, "family", family_named);
+  if (s.has("parts"))
+    area.parts = read_named(s, "parts", area_part_names, "part of the RTL", area_part_named);
   if (s.has("place")) area.place = s.boolean("place");
   return area;
 }
