@@ -36,14 +36,15 @@ struct Part {
   std::string_view package;  // the file of its package
   std::string text;          // of that package
   std::vector<fs::path> sources;
+  bool has_taps = false;  // ports *_record_*, which only comparisons with the model read
 };
 
 Part part_of(const Config& config, AreaPart part) {
   if (part != AreaPart::spans) {
     const DepthWhen when = part == AreaPart::pixels ? DepthWhen::early : DepthWhen::late;
-    return {"pixel_pipe", "bitspan_pixel_pkg.sv", emit_pixel_sv(config, when), pixel_sources()};
+    return {"pixel_pipe", "bitspan_pixel_pkg.sv", emit_pixel_sv(config, when), pixel_sources(), true};
   }
-  Part spans = {"area_top", "bitspan_cfg_pkg.sv", emit_sv(config), rtl_sources()};
+  Part spans = {"area_top", "bitspan_cfg_pkg.sv", emit_sv(config), rtl_sources(), false};
   for (const std::string_view module : {spans.top, pins_module})
     spans.sources.push_back(data_folder() / fmt::format("rtl/{}.sv", module));
   return spans;
@@ -182,12 +183,11 @@ std::string read_rtl(const Part& part) {
   return line + '\n';
 }
 
-// Synthesises up to the naming of cells. That naming takes half of iCE40's time and changes nothing. The taps
-// of the pixel stages, which only comparisons with the model read, stay open; and an iCE40 has no memory of
-// LUTs, which rtl/ring_line.sv asks for.
+// Synthesises up to the naming of cells. That naming takes half of iCE40's time and changes nothing. Taps
+// stay open; and an iCE40 has no memory of LUTs, which rtl/ring_line.sv asks for.
 std::string synthesis_script(Family family, const Part& part, const std::string& read) {
   std::string script = read;
-  if (part.top != "area_top") {
+  if (part.has_taps) {
     script += fmt::format("hierarchy -top {0}\ndelete -port {0}/w:*_record_*\n", part.top);
     if (family == Family::ice40) script += "setattr -unset ram_style */m:*\n";
   }
