@@ -74,7 +74,6 @@ DrawnKeys keys_of(AreaPart part) {
         stages, [&](const auto& stage) { return key.starts_with("formats." + stage + "."); });
     if (drawn && key.ends_with(".word")) out.words.push_back(key);
   }
-  std::vector<std::string> units = {"pixel"};
   if (part == AreaPart::spans) {
     out.words.emplace_back("reciprocal.row.output.word");
   } else {
@@ -205,7 +204,9 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(AreaEstimateOf, HasTheCoefficientsOfItsRuns) {
   const std::vector<AreaRun> runs = load_area_runs(csv());
-  EXPECT_GE(std::ranges::count_if(runs, [&](const AreaRun& run) { return is_fitted(run); }), 10);
+  const bool fewest = family() == Family::ice40 && part() == AreaPart::pixels;
+  EXPECT_GE(std::ranges::count_if(runs, [&](const AreaRun& run) { return is_fitted(run); }),
+            fewest ? 10 : 12);
   const AreaFit fit = fit_area(runs, family(), part());
   const AreaFit& used = area_fit(family(), part());
   ASSERT_EQ(used.luts.size(), fit.luts.size());
