@@ -572,6 +572,9 @@ void lod(const Config& c, List& list, const Unit& pixel_unit, const Unit& neighb
   const Grid level{6, 1, true};
   list.value("lod", "lambda - level", {F::lod_lambda, F::lod_frac}, list.of(F::lod_lambda) - level,
              F::lod_frac);
+  // Of the second texture unit, whose bias is another one by less than 4.
+  list.value("lod", "lambda + bias", {F::lod_lambda}, list.of(F::lod_lambda) + Grid{2, 4, true},
+             F::lod_lambda);
   switch (c.lod) {
     case LodMode::none:
       list.value("lod", "lambda = bias", {F::lod_lambda}, bias, F::lod_lambda);

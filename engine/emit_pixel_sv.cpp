@@ -195,12 +195,17 @@ bool keeps_alpha(const DrawState& s) {
   return s.logic_op == LogicOp::none && s.blend_alpha_op == BlendOp::add &&
          s.blend_alpha_src == BlendFactor::zero && s.blend_alpha_dst == BlendFactor::one;
 }
+// Levels are chosen by constants of the RTL, and looked up by one filter.
+bool takes_levels(const Config& config, const DrawState& s) {
+  return !has_lod(config) || (s.texture_lod_bias == config.lod_bias && first_levels(s) == LevelRange{} &&
+                              first_magnified(s) == first_lookup(s));
+}
 }  // namespace
 
 bool pixel_rtl_takes(const Config& config, const DrawState& s) {
-  return is_in_rtl(s.texture_filter) && is_in_rtl(s.texture_wrap_u) && is_in_rtl(s.texture_wrap_v) &&
-         s.target_format == TargetFormat::rgba8888 && s.chroma_test == ChromaTest::none &&
-         !has_second_texture(s) &&
+  return takes_levels(config, s) && is_in_rtl(s.texture_filter) && is_in_rtl(s.texture_wrap_u) &&
+         is_in_rtl(s.texture_wrap_v) && s.target_format == TargetFormat::rgba8888 &&
+         s.chroma_test == ChromaTest::none && !has_second_texture(s) &&
          (has_blend_equation(config.rtl.blend) ||
           (keeps_alpha(s) && (mixes_by_alpha(s) || replaces_color(s))));
 }

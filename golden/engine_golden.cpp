@@ -417,7 +417,8 @@ class GoldenEngine final : public Engine, public RowEngine {
       const std::vector<Texture>* levels =
           texture == nullptr ? nullptr
                              : &levels_[static_cast<std::size_t>(texture - scene_->textures.data())];
-      lod_(alive_, gradient_, distances, levels == nullptr ? 1 : static_cast<int>(levels->size()), out.lod);
+      lod_(alive_, gradient_, distances, levels == nullptr ? 1 : static_cast<int>(levels->size()), state_,
+           out.lod);
       mip_texture_(alive_, std::span<const LodRecord>(out.lod).subspan(first_lod), levels, state_,
                    out.texture);
     } else {

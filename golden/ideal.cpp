@@ -313,9 +313,9 @@ double level_of_zone(const Config& config, const Scene& scene, double s, int lev
 }
 
 // Before it is held in the chain.
-double level_of_detail(const Config& config, const Scene& scene, const IdealTriangle& t,
-                       const IdealPoint& point, int levels) {
-  double level = config.lod_bias / 16.0;
+double level_of_detail(const Config& config, const DrawState& state, const Scene& scene,
+                       const IdealTriangle& t, const IdealPoint& point, int levels) {
+  double level = state.texture_lod_bias / 16.0;
   switch (config.lod) {
     case LodMode::none:
       break;
@@ -352,25 +352,36 @@ bool sample_levels(const Config& config, const TexelLookup& by, const DrawState*
   return lives;
 }
 
+// How a texture unit looks texels up.
+struct Unit {
+  TexelLookup by, magnified;
+  LevelRange range;
+};
+Unit first_unit(const DrawState& s) { return {first_lookup(s), first_magnified(s), first_levels(s)}; }
+Unit second_unit(const DrawState& s) { return {second_lookup(s), second_magnified(s), second_levels(s)}; }
+
 // From texture `index` of the scene, or from its chain, in which lambda is held; levels: null where they are
 // not at hand. Gives false where the transparent code kills the fragment.
-bool sample_texture(const Config& config, const TexelLookup& by, const DrawState* state, const Scene& scene,
+bool sample_texture(const Config& config, const Unit& unit, const DrawState* state, const Scene& scene,
                     std::size_t index, const golden::SceneLevels* levels, double lambda,
                     const IdealPoint& point, Texel& out) {
   const Texture& texture = scene.textures.at(index);
-  if (!has_lod(config)) return Sampler(config, by, state, texture).sample(point.u, point.v, out);
+  if (!has_lod(config)) return Sampler(config, unit.by, state, texture).sample(point.u, point.v, out);
   const std::vector<Texture> own = levels == nullptr ? golden::mip_levels(texture) : std::vector<Texture>();
   const std::vector<Texture>& chain = levels == nullptr ? own : levels->at(index);
   const double last = static_cast<double>(chain.size()) - 1;
-  return sample_levels(config, by, state, chain, std::clamp(lambda, 0.0, last), point.u, point.v, out);
+  const double held = golden::within(unit.range, lambda);
+  return sample_levels(config, held > 0 ? unit.by : unit.magnified, state, chain, std::min(held, last),
+                       point.u, point.v, out);
 }
 
 // The second texture unit.
 void combine(const Config& config, const DrawState& state, const Scene& scene,
              const golden::SceneLevels* levels, IdealFragment& out) {
   Texel texel{};
-  sample_texture(config, second_lookup(state), nullptr, scene, static_cast<std::size_t>(state.texture1),
-                 levels, out.lambda, out.point, texel);
+  const double lambda = out.lambda + (state.texture1_lod_bias - state.texture_lod_bias) / 16.0;
+  sample_texture(config, second_unit(state), nullptr, scene, static_cast<std::size_t>(state.texture1), levels,
+                 lambda, out.point, texel);
   const std::array<int, 3> constants{state.texture1_red, state.texture1_green, state.texture1_blue};
   for (std::size_t c = 0; c < 3; ++c) {
     const auto sum = golden::combined_color<double>(state.texture1_op, out.color[c], texel[c], texel[c] / 255,
@@ -397,11 +408,11 @@ IdealFragment shade(const Config& config, const DrawState& state, const Scene& s
     const Texture& texture = scene.textures.at(index);
     const auto side = static_cast<unsigned>(std::max(texture.width, texture.height));
     if (has_lod(config))
-      out.lambda = level_of_detail(config, scene, t, point, static_cast<int>(std::bit_width(side)));
-    out.killed = !sample_texture(config, first_lookup(state), &state, scene, index, levels, out.lambda, point,
+      out.lambda = level_of_detail(config, state, scene, t, point, static_cast<int>(std::bit_width(side)));
+    out.killed = !sample_texture(config, first_unit(state), &state, scene, index, levels, out.lambda, point,
                                  out.texel);
   } else if (has_lod(config) && has_second_texture(state)) {
-    out.lambda = level_of_detail(config, scene, t, point, 1);
+    out.lambda = level_of_detail(config, state, scene, t, point, 1);
   }
   out.alpha = out.texel[3] * point.shade[3];
   for (std::size_t c = 0; c < 3; ++c) out.color[c] = out.texel[c] * point.shade[c];

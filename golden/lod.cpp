@@ -72,7 +72,6 @@ class Leveling {
         q_lambda_(config.format(FormatId::lod_lambda)),
         q_frac_(config.format(FormatId::lod_frac)),
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
-        bias_(Real(config.lod_bias) * pow2<Real>(-4)),
         unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)),
         neighbour_unit_(config.pixel_reciprocal, std::max(depth_sum_fraction(config, FormatId::span_h),
                                                           config.format(FormatId::plane_h_grad).fraction())) {
@@ -89,7 +88,9 @@ class Leveling {
   }
 
   void operator()(std::span<const FragmentRecord* const> fragments, const GradientRecord& gradient,
-                  std::span<const DistanceRecord> distances, int levels, std::vector<LodRecord>& out) const {
+                  std::span<const DistanceRecord> distances, int levels, const DrawState& state,
+                  std::vector<LodRecord>& out) const {
+    const Real bias = Real(state.texture_lod_bias) * pow2<Real>(-4);
     for (std::size_t i = 0; i < fragments.size(); ++i) {
       const FragmentRecord* fragment = fragments[i];
       LodRecord& record = out.emplace_back();
@@ -97,9 +98,9 @@ class Leveling {
       record.x = fragment->x;
       record.y = fragment->y;
       const Real x = level(*fragment, gradient, distances.empty() ? nullptr : &distances[i], levels, record);
-      const Real lambda = q_lambda_.sum(x, bias_);
+      const Real lambda = q_lambda_.sum(x, bias);
       record.lambda = q_lambda_.raw(lambda);
-      const Real held = std::clamp(lambda, Real(0), Real(levels - 1));
+      const Real held = std::min(within(first_levels(state), lambda), Real(levels - 1));
       if (mixes_levels(mip_)) {
         const Real whole = floor_of(held);
         record.level = to_integer(whole);
@@ -176,7 +177,7 @@ class Leveling {
   MipMode mip_;
   LodMode mode_;
   Quantizer<Real> q_h_, q_uv_, q_h_grad_, q_g_grad_, q_s_, q_d_, q_slope_, q_lambda_, q_frac_;
-  Real b_, bias_;
+  Real b_;
   ReciprocalUnit<Real> unit_, neighbour_unit_;
   Real a_ = 0;
   std::array<Real, max_mip_level + 1> start_{}, k_{};

@@ -770,6 +770,7 @@ class Chooser {
       reg(s, FormatId::lod_frac);
       const Range lambda = reg(s, FormatId::lod_lambda);
       s.exact("lambda - level", {std::min(lambda.lo, -1), std::max(lambda.hi, 5) + 1});
+      s.q_sum("lambda + bias", {term(lambda), term({-4, 2})}, f(FormatId::lod_lambda));
     }
     s.q_quotient("V / 255", mix, code, f(FormatId::texture_alpha).fraction());
     s.exact("alpha alpha", product(alpha, alpha));

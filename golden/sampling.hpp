@@ -12,6 +12,7 @@
 #include "config/modes.hpp"
 #include "engine/records.hpp"
 #include "golden/compare.hpp"
+#include "golden/lod.hpp"
 #include "golden/texel.hpp"
 #include "golden/values.hpp"
 #include "scene/scene.hpp"
@@ -38,7 +39,8 @@ class Sampling {
         q_frac_(config.format(FormatId::texture_frac)),
         q_mix_(config.format(FormatId::texture_mix)),
         q_alpha_(config.format(FormatId::texture_alpha)),
-        q_level_(config.format(FormatId::lod_frac)) {
+        q_level_(config.format(FormatId::lod_frac)),
+        q_lambda_(config.format(FormatId::lod_lambda)) {
     for (std::size_t code = 0; code < alpha_.size(); ++code) {
       alpha_[code] = q_alpha_.quotient(Real(static_cast<int>(code)), Real(255));
     }
@@ -163,6 +165,12 @@ class Sampling {
     return out;
   }
 
+  // How a unit looks texels up at a level of detail, raw.
+  TexelLookup lookup_at(std::int64_t lambda, const LevelRange& range, const TexelLookup& minified,
+                        const TexelLookup& magnified) const {
+    return within(range, q_lambda_.value(lambda)) > 0 ? minified : magnified;
+  }
+
   // The same in a level of a chain.
   Place look_up_level(const DrawState& state, const TexelLookup& by, std::span<const Texture> levels,
                       std::int64_t level, const FragmentRecord& fragment) const {
@@ -188,7 +196,7 @@ class Sampling {
 
   Texel border_;
   std::optional<std::array<std::uint8_t, 3>> transparent_;
-  Quantizer<Real> q_uv_, q_frac_, q_mix_, q_alpha_, q_level_;
+  Quantizer<Real> q_uv_, q_frac_, q_mix_, q_alpha_, q_level_, q_lambda_;
   std::array<Real, 256> alpha_{};
 };
 

@@ -101,7 +101,8 @@ class Texturing : Sampling<Real> {
 
   void one_of_levels(const DrawState& state, const FragmentRecord& fragment,
                      const std::vector<Texture>& levels, const LodRecord& lod, TextureRecord& out) const {
-    const TexelLookup by = first_lookup(state);
+    const TexelLookup by =
+        this->lookup_at(lod.lambda, first_levels(state), first_lookup(state), first_magnified(state));
     const Place place = this->look_up_level(state, by, levels, lod.level, fragment);
     tell(place, out);
     Shades<Real> texel = sample(by.filter, place);

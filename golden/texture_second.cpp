@@ -23,6 +23,7 @@ template <class Real>
 class SecondTexturing : Sampling<Real> {
   using Place = typename Sampling<Real>::Place;
   using Sampling<Real>::q_alpha_;
+  using Sampling<Real>::q_lambda_;
   using Sampling<Real>::q_level_;
   using Sampling<Real>::q_mix_;
   using Sampling<Real>::sample;
@@ -32,7 +33,6 @@ class SecondTexturing : Sampling<Real> {
   explicit SecondTexturing(const Config& config)
       : Sampling<Real>(without_transparency(config)),
         mip_(config.mip),
-        q_lambda_(config.format(FormatId::lod_lambda)),
         q_color_(config.format(FormatId::texture_color)),
         alpha_format_(config.format(FormatId::texture_alpha)) {}
 
@@ -41,14 +41,18 @@ class SecondTexturing : Sampling<Real> {
                   std::span<const Texture> levels, const DrawState& state,
                   std::vector<TextureSecondRecord>& out) const {
     const DrawState plain;  // without a chroma range
-    const TexelLookup by = second_lookup(state);
     for (std::size_t i = 0; i < fragments.size(); ++i) {
       const FragmentRecord& fragment = *fragments[i];
       TextureSecondRecord& record = out.emplace_back();
       record.triangle = fragment.triangle;
       record.x = fragment.x;
       record.y = fragment.y;
-      if (!lods.empty()) choose_level(*lods[i], static_cast<int>(levels.size()), record);
+      TexelLookup by = second_lookup(state);
+      if (!lods.empty()) {
+        const Real lambda = own_lambda(state, *lods[i]);
+        choose_level(state, lambda, static_cast<int>(levels.size()), record);
+        by = this->lookup_at(q_lambda_.raw(lambda), second_levels(state), by, second_magnified(state));
+      }
       const Place place = this->look_up_level(plain, by, levels, record.level, fragment);
       tell(place, record);
       Shades<Real> texel = sample(by.filter, place);
@@ -58,8 +62,13 @@ class SecondTexturing : Sampling<Real> {
   }
 
  private:
-  void choose_level(const LodRecord& lod, int levels, TextureSecondRecord& out) const {
-    const Real held = std::clamp(q_lambda_.value(lod.lambda), Real(0), Real(levels - 1));
+  // lod's with this unit's bias in place of the first one's.
+  Real own_lambda(const DrawState& state, const LodRecord& lod) const {
+    const int more = state.texture1_lod_bias - state.texture_lod_bias;
+    return q_lambda_.sum(q_lambda_.value(lod.lambda), Real(more) * pow2<Real>(-4));
+  }
+  void choose_level(const DrawState& state, Real lambda, int levels, TextureSecondRecord& out) const {
+    const Real held = std::min(within(second_levels(state), lambda), Real(levels - 1));
     if (mixes_levels(mip_)) {
       const Real whole = floor_of(held);
       out.level = to_integer(whole);
@@ -101,7 +110,7 @@ class SecondTexturing : Sampling<Real> {
   }
 
   MipMode mip_;
-  Quantizer<Real> q_lambda_, q_color_;
+  Quantizer<Real> q_color_;
   Format alpha_format_;
 };
 

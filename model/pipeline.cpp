@@ -83,7 +83,7 @@ bool is_constant(BlendFactor factor) {
 }
 
 // Whether two states draw alike because what they differ in is not looked at.
-bool act_alike(DrawState s, const DrawState& other) {
+bool act_alike(DrawState s, const DrawState& other, bool has_lod) {
   if (s.alpha_func == CompareFunc::always) s.alpha_ref = other.alpha_ref;
   if (!is_constant(s.blend_src) && !is_constant(s.blend_dst) && !is_constant(s.blend_alpha_src) &&
       !is_constant(s.blend_alpha_dst)) {
@@ -104,6 +104,18 @@ bool act_alike(DrawState s, const DrawState& other) {
     s.chroma_high_green = other.chroma_high_green;
     s.chroma_high_blue = other.chroma_high_blue;
   }
+  if (!has_lod) {
+    s.texture_lod_bias = other.texture_lod_bias;
+    s.texture_level_least = other.texture_level_least;
+    s.texture_level_greatest = other.texture_level_greatest;
+    s.texture_magnify = other.texture_magnify;
+  }
+  if (!has_second_texture(s) || !has_lod) {
+    s.texture1_lod_bias = other.texture1_lod_bias;
+    s.texture1_level_least = other.texture1_level_least;
+    s.texture1_level_greatest = other.texture1_level_greatest;
+    s.texture1_magnify = other.texture1_magnify;
+  }
   if (!has_second_texture(s)) {
     s.texture1_op = other.texture1_op;
     s.texture1_scale = other.texture1_scale;
@@ -121,13 +133,16 @@ bool act_alike(DrawState s, const DrawState& other) {
 
 void set_state(Pipeline& pipeline, const Scene& scene, const DrawState& state) {
   pipeline.state = state;
-  pipeline.acts_as_first = act_alike(state, pipeline.first);
+  pipeline.acts_as_first = act_alike(state, pipeline.first, pipeline.has_lod);
   pipeline.masks_pixels = masks_pixels(state);
   pipeline.depth.func = state.depth_func;
   pipeline.depth.bias = state.depth_bias;
   pipeline.texture.alpha_test = alpha_test_of(state.alpha_func, state.alpha_ref, pipeline.texture.alpha);
   pipeline.texture.kills_zero = state.alpha_zero == AlphaZero::kill;
+  set_lod(pipeline.lod, state);
   pipeline.texture.lookup = first_lookup(state);
+  pipeline.texture.magnified = pipeline.has_lod ? first_magnified(state) : pipeline.texture.lookup;
+  pipeline.texture.range = first_levels(state);
   pipeline.texture.chroma = chroma_of(state);
   pipeline.texture.is_last = !has_second_texture(state);
   set_texture_second(pipeline.texture_second, state, texture_of(scene, state.texture1));

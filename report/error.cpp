@@ -112,18 +112,28 @@ bool sets(const Scene& scene, std::string_view key, Differs differs) {
 bool combines_textures(const Scene& scene) {
   return sets(scene, "texture1", [](std::int64_t value) { return value >= 0; });
 }
+bool adds_other_bias(const Config& config, const Scene& scene) {
+  return sets(scene, "texture.lod.bias", [&](std::int64_t value) { return value != config.lod_bias; });
+}
 bool looks_up_otherwise(const Config& config, const Scene& scene) {
   const auto other = [](auto name) {
     return [name](std::int64_t value) { return value != static_cast<std::int64_t>(name); };
   };
   return sets(scene, "texture.filter", other(config.filter)) ||
          sets(scene, "texture.wrap.u", other(config.wrap)) ||
-         sets(scene, "texture.wrap.v", other(config.wrap));
+         sets(scene, "texture.wrap.v", other(config.wrap)) ||
+         (has_lod(config) &&
+          (sets(scene, "texture.magnify", other(MagnifyFilter::same)) ||
+           sets(scene, "texture.level.least", other(0)) ||
+           sets(scene, "texture.level.greatest", other(max_mip_level)) || adds_other_bias(config, scene)));
 }
 bool looks_up_otherwise(const Config& config, const StateRecord& r) {
   const auto differs = [](std::int64_t value, auto name) { return value != static_cast<std::int64_t>(name); };
   return differs(r.texture_filter, config.filter) || differs(r.texture_wrap_u, config.wrap) ||
-         differs(r.texture_wrap_v, config.wrap);
+         differs(r.texture_wrap_v, config.wrap) ||
+         (has_lod(config) &&
+          (differs(r.texture_magnify, MagnifyFilter::same) || differs(r.texture_level_least, 0) ||
+           differs(r.texture_level_greatest, max_mip_level) || differs(r.texture_lod_bias, config.lod_bias)));
 }
 
 }  // namespace
@@ -170,7 +180,8 @@ std::optional<double> ideal_value(RecordType type, std::string_view field,
     return ideal_stored_code(config, f, 0);
   }
   if (type == RecordType::lod) {
-    return field == "lambda" && t->texture >= 0 ? std::optional(f.lambda) : std::nullopt;
+    return field == "lambda" && t->texture >= 0 && !adds_other_bias(config, scene) ? std::optional(f.lambda)
+                                                                                   : std::nullopt;
   }
   const auto channel = std::string_view("rgb").find(field);
   const bool is_channel = field.size() == 1 && channel != std::string_view::npos;
@@ -407,7 +418,9 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
 
 void ErrorMeter::add_pictures(const Frame& engine, const Frame& ideal) {
   const std::vector<DrawState> states = all_states_of(config_, scene_->commands);
-  const auto weighs = [](const DrawState& s) { return weighs_texels(s.texture_filter); };
+  const auto weighs = [&](const DrawState& s) {
+    return weighs_texels(s.texture_filter) || (has_lod(config_) && weighs_texels(first_magnified(s).filter));
+  };
   const PicturePair pair(
       engine, ideal, *scene_,
       std::ranges::any_of(states, weighs) ? TextureFilter::bilinear : TextureFilter::nearest);

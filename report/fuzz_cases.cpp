@@ -94,6 +94,7 @@ Scene fuzz_scene(const FuzzPlan& plan, std::uint64_t index, int draw, const Conf
     options.targets = random.chance(0.25);
     options.second_texture = random.chance(0.25);
     options.every_wrap = index % 4 == 0;
+    options.level_registers = index % 4 == 1;
   }
   options.weighed_texels = takes_filter(config, TextureFilter::bilinear);
   Scene scene = random_scene(fuzz_seed(plan.seed, index, 3 + static_cast<std::uint64_t>(draw)), options);

@@ -101,6 +101,8 @@ DrawState changed_state(DrawState state, const StateChange& change, const Config
   }
   check_filter("texture.filter", state.texture_filter, config);
   check_filter("texture1.filter", state.texture1_filter, config);
+  check_filter("texture.magnify", first_magnified(state).filter, config);
+  check_filter("texture1.magnify", second_magnified(state).filter, config);
   return state;
 }
 

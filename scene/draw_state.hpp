@@ -66,6 +66,8 @@ BITSPAN_ENUM(Dither, none, matrix4, matrix2, sst1_4, sst1_2);
 BITSPAN_ENUM(TargetRound, down, nearest);
 // Texels whose three colours lie in a range, or outside of it, are transparent.
 BITSPAN_ENUM(ChromaTest, none, inside, outside);
+// What weighs texels where a level of detail is at most 0: what else does, or a filter of its own.
+BITSPAN_ENUM(MagnifyFilter, same, nearest, bilinear);
 // How the second texture unit combines its texel with the colour and alpha of the first one.
 BITSPAN_ENUM(TextureOp, replace, modulate, decal, blend, add, modulate_scaled);
 
@@ -153,6 +155,10 @@ inline constexpr int texture1_limit = 65535;
   X(A, TextureFilter, texture_filter, "texture.filter",  0, 0, c.filter, "how a triangle's texels are weighed")              \
   X(A, TextureWrap,  texture_wrap_u,  "texture.wrap.u",  0, 0, c.wrap, "how the columns of its texture go on outside of it") \
   X(A, TextureWrap,  texture_wrap_v,  "texture.wrap.v",  0, 0, c.wrap, "how its rows do")                                  \
+  X(A, std::int32_t, texture_lod_bias, "texture.lod.bias", -31, 32, c.lod_bias, "added to the level, in sixteenths") \
+  X(A, std::int32_t, texture_level_least, "texture.level.least", 0, max_mip_level, 0, "least level of detail") \
+  X(A, std::int32_t, texture_level_greatest, "texture.level.greatest", 0, max_mip_level, max_mip_level, "greatest level of detail, where the least one is not above it") \
+  X(A, MagnifyFilter, texture_magnify, "texture.magnify", 0, 0, MagnifyFilter::same, "how texels are weighed where the level of detail is at most 0") \
   X(A, std::int32_t, texture1,        "texture1",        -1, texture1_limit, -1, "index of the scene's texture that the second texture unit fetches; -1: the unit is off") \
   X(A, TextureOp,    texture1_op,     "texture1.op",     0, 0, TextureOp::modulate, "how that unit combines its texel with the first one's colour") \
   X(A, std::int32_t, texture1_scale,  "texture1.scale",  0, 2, 0, "modulate_scaled multiplies by 2 to this power")         \
@@ -161,7 +167,11 @@ inline constexpr int texture1_limit = 65535;
   X(A, std::int32_t, texture1_blue,   "texture1.blue",   0, 255, 0, "blue of the constant colour of blend")               \
   X(A, TextureFilter, texture1_filter, "texture1.filter", 0, 0, c.filter, "as texture.filter, of the second texture unit")  \
   X(A, TextureWrap,  texture1_wrap_u, "texture1.wrap.u", 0, 0, c.wrap, "as texture.wrap.u, of the second texture unit")    \
-  X(A, TextureWrap,  texture1_wrap_v, "texture1.wrap.v", 0, 0, c.wrap, "as texture.wrap.v, of the second texture unit")
+  X(A, TextureWrap,  texture1_wrap_v, "texture1.wrap.v", 0, 0, c.wrap, "as texture.wrap.v, of the second texture unit") \
+  X(A, std::int32_t, texture1_lod_bias, "texture1.lod.bias", -31, 32, c.lod_bias, "as texture.lod.bias, of the second texture unit") \
+  X(A, std::int32_t, texture1_level_least, "texture1.level.least", 0, max_mip_level, 0, "as texture.level.least, of the second texture unit") \
+  X(A, std::int32_t, texture1_level_greatest, "texture1.level.greatest", 0, max_mip_level, max_mip_level, "as texture.level.greatest, of the second texture unit") \
+  X(A, MagnifyFilter, texture1_magnify, "texture1.magnify", 0, 0, MagnifyFilter::same, "as texture.magnify, of the second texture unit")
 
 // clang-format on
 
@@ -191,6 +201,39 @@ constexpr TexelLookup first_lookup(const DrawState& s) {
 }
 constexpr TexelLookup second_lookup(const DrawState& s) {
   return {s.texture1_filter, s.texture1_wrap_u, s.texture1_wrap_v};
+}
+
+// The same where the level of detail is at most 0.
+constexpr TexelLookup magnified(TexelLookup lookup, MagnifyFilter magnify) {
+  switch (magnify) {
+    case MagnifyFilter::same:
+      break;
+    case MagnifyFilter::nearest:
+      lookup.filter = TextureFilter::nearest;
+      break;
+    case MagnifyFilter::bilinear:
+      lookup.filter = TextureFilter::bilinear;
+      break;
+  }
+  return lookup;
+}
+constexpr TexelLookup first_magnified(const DrawState& s) {
+  return magnified(first_lookup(s), s.texture_magnify);
+}
+constexpr TexelLookup second_magnified(const DrawState& s) {
+  return magnified(second_lookup(s), s.texture1_magnify);
+}
+
+// Which levels a texture unit may take of a chain; `least` counts where it is above `greatest`.
+struct LevelRange {
+  int least = 0, greatest = max_mip_level;
+  bool operator==(const LevelRange&) const = default;
+};
+constexpr LevelRange first_levels(const DrawState& s) {
+  return {s.texture_level_least, s.texture_level_greatest};
+}
+constexpr LevelRange second_levels(const DrawState& s) {
+  return {s.texture1_level_least, s.texture1_level_greatest};
 }
 
 // What the registers hold at the start of a scene.

@@ -149,6 +149,12 @@ std::array<std::uint8_t, 3> random_color(Random& random) {
           static_cast<std::uint8_t>(draw >> 16)};
 }
 
+// Registers of levels of detail: later still, and drawn by a generator of their own.
+bool is_level_register(std::string_view key) {
+  return key.ends_with(".lod.bias") || key.find(".level.") != std::string_view::npos ||
+         key.ends_with(".magnify");
+}
+
 }  // namespace
 
 bool is_later_register(std::string_view key) {
@@ -156,7 +162,7 @@ bool is_later_register(std::string_view key) {
       {"alpha.zero", "color.mask", "target.round", "stencil.back.ref", "stencil.back.mask",
        "stencil.back.write", "texture.filter", "texture.wrap.u", "texture.wrap.v", "texture1.filter",
        "texture1.wrap.u", "texture1.wrap.v"});
-  return std::ranges::find(later, key) != later.end();
+  return std::ranges::find(later, key) != later.end() || is_level_register(key);
 }
 
 namespace {
@@ -183,6 +189,12 @@ std::int64_t random_value(Random& random, const StateRegister& r, const Scene& s
   if (r.key.ends_with(".filter")) return random.integer(r.low, options.weighed_texels ? r.high : r.low);
   if (r.key.find(".wrap.") != std::string_view::npos)
     return random.integer(r.low, options.every_wrap ? r.high : r.low + 1);
+  if (r.key.ends_with(".magnify")) return random.integer(r.low, options.weighed_texels ? r.high : r.high - 1);
+  // A chain of few levels has levels on either side of both ends, and rarely the least one is above the
+  // other.
+  if (r.key.ends_with(".level.least")) return random.integer(0, 2);
+  if (r.key.ends_with(".level.greatest"))
+    return random.chance(0.2) ? random.integer(r.low, r.high) : random.integer(0, 5);
   if (r.key == "scissor.left" || r.key == "scissor.top") {
     return random.integer(0, (r.key == "scissor.left" ? scene.width : scene.height) / 2);
   }
@@ -201,8 +213,8 @@ std::int64_t random_value(Random& random, const StateRegister& r, const Scene& s
   return random.integer(r.low, r.high);
 }
 
-DrawCommand random_command(Random& random, Random& later, const Scene& scene, DrawState& state,
-                           const RandomOptions& options) {
+DrawCommand random_command(Random& random, Random& later, Random& levels, const Scene& scene,
+                           DrawState& state, const RandomOptions& options) {
   if (random.chance(0.1)) {
     Clear clear;
     if (random.chance(0.3)) clear.color = random_color(random);
@@ -243,6 +255,10 @@ DrawCommand random_command(Random& random, Random& later, const Scene& scene, Dr
   for (std::size_t index = 0; options.later_registers && index < state_registers().size(); ++index) {
     const StateRegister& r = state_registers()[index];
     if (r.key.starts_with("texture1") && !options.second_texture) continue;
+    if (is_level_register(r.key)) {
+      if (options.level_registers && levels.chance(0.2)) set(index, random_value(levels, r, scene, options));
+      continue;
+    }
     if (is_later_register(r.key) && later.chance(0.2)) set(index, random_value(later, r, scene, options));
     if (is_factor(r) && later.chance(0.1)) set(index, r.high);
   }
@@ -290,13 +306,14 @@ Scene random_scene(std::uint64_t seed, const RandomOptions& options) {
   DrawState state = first_state({});
   Random targets(~seed);  // its own, so that nothing else of a scene depends on its targets
   Random later(~seed ^ 0x5851f42d4c957f2d);
+  Random levels(~seed ^ 0x2545f4914f6cdd1d);
   const double target_probability = options.several_targets ? options.command_probability / 4 : 0;
   for (std::size_t i = 0; options.command_probability > 0 && i < scene.triangles.size(); ++i) {
     if (targets.chance(target_probability)) {
       scene.commands.push_back({.before = i, .what = Target{static_cast<int>(targets.integer(0, 2))}});
     }
     if (!random.chance(options.command_probability)) continue;
-    scene.commands.push_back(random_command(random, later, scene, state, options));
+    scene.commands.push_back(random_command(random, later, levels, scene, state, options));
     scene.commands.back().before = i;
   }
   return scene;

@@ -49,6 +49,7 @@ struct RandomOptions {
   bool later_registers = true;  // those that scenes of before do not have may change, and clears be masked
   bool weighed_texels = true;   // filters of the draw state may weigh texels
   bool every_wrap = true;       // its wrap modes may be any; else those of the RTL
+  bool level_registers = true;  // those that choose a level may change
   bool several_targets = true;  // with commands: triangles may go to other targets than 0
 };
 

@@ -3,6 +3,7 @@
 // leave them room; else by the scalar stage, a fragment at a time.
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "config/modes.hpp"
 #include "model/numeric/reciprocal-inl.hpp"
@@ -21,10 +22,13 @@
 HWY_BEFORE_NAMESPACE();
 namespace bitspan::model::HWY_NAMESPACE {
 
+// Level 0 where it is magnified by a filter of its own.
+inline constexpr std::int32_t magnified_level = -1;
+
 template <class T>
 struct LevelColumns {
-  HWY_ALIGN std::int32_t level[FragmentBlock<T>::padded];
-  HWY_ALIGN T share[FragmentBlock<T>::padded];  // f, raw, lod.frac
+  HWY_ALIGN std::int32_t level[FragmentBlock<T>::padded];  // or magnified_level
+  HWY_ALIGN T share[FragmentBlock<T>::padded];             // f, raw, lod.frac
 };
 
 HWY_INLINE Lanes load_wide(const std::int64_t* p) { return Lanes::load(p); }
@@ -97,10 +101,18 @@ struct GradientLod {
     const Lanes bias(static_cast<std::int64_t>(stage.bias.raw << (grid - stage.bias.fraction)));
     return quantize(logarithm + bias, grid, stage.lambda, NoObserve{});
   }
-  // Level and f in a chain whose last level this is: hold_level of lod.hpp.
-  HWY_INLINE std::array<Lanes, 2> level(Lanes lambda, std::int64_t last) const {
+  // Of the second texture unit, from the first one's.
+  HWY_INLINE Lanes second_lambda(const TextureSecondStage& second, Lanes lambda) const {
+    if (second.more_bias.raw == 0) return lambda;
     const int point = stage.lambda.fraction;
-    const Lanes held = min(max(lambda, Lanes(0)), Lanes(last << point));
+    const int grid = std::max(point, second.more_bias.fraction);
+    const Lanes more(static_cast<std::int64_t>(second.more_bias.raw << (grid - second.more_bias.fraction)));
+    return quantize((lambda << (grid - point)) + more, grid, stage.lambda, NoObserve{});
+  }
+  // Level and f between these levels: hold_level of lod.hpp.
+  HWY_INLINE std::array<Lanes, 2> level(Lanes lambda, LevelEnds ends) const {
+    const int point = stage.lambda.fraction;
+    const Lanes held = min(max(lambda, Lanes(ends.least << point)), Lanes(ends.greatest << point));
     if (mixes_levels(stage.mip)) {
       const Lanes level = held >> point;
       return {level, quantize(held - (level << point), point, stage.frac, NoObserve{})};
@@ -138,6 +150,13 @@ HWY_NOINLINE void find_levels(const Pipeline& pipeline, const FragmentBlock<T>& 
     std::fill_n(out[1].level, block.size, 0);
     std::fill_n(out[1].share, block.size, T{0});
   }
+  const std::array<const TextureStage*, 2> stages{&pipeline.texture, &pipeline.texture_second.fetch};
+  std::array<bool, 2> magnified{};  // by a filter of its own
+  std::array<LevelEnds, 2> ends{};
+  for (std::size_t unit = 0; unit < units; ++unit) {
+    magnified[unit] = stages[unit]->magnified != stages[unit]->lookup;
+    ends[unit] = level_ends(stages[unit]->range, levels[unit]);
+  }
   const bool in_lanes = fits_lanes(pipeline.lod);
   Lanes sizes(0);
   for (std::size_t k = 0; in_lanes && k < block.size; k += Lanes::count) {
@@ -160,10 +179,16 @@ HWY_NOINLINE void find_levels(const Pipeline& pipeline, const FragmentBlock<T>& 
         in_lanes ? lod.bits_of(*gradient, coordinate_bits) : GradientLod::Bits{128, 128};
     const auto run = [&]<class Int>() HWY_ATTR {
       for (std::size_t k = first; k < end; k += Lanes::count) {
-        const Lanes lambda = lod.lambda<Int>(*gradient, Lanes::load(block.h + k), load_wide(block.u + k),
-                                             load_wide(block.v + k));
+        Lanes lambda = lod.lambda<Int>(*gradient, Lanes::load(block.h + k), load_wide(block.u + k),
+                                       load_wide(block.v + k));
         for (std::size_t unit = 0; unit < units; ++unit) {
-          const auto [level, share] = lod.level(lambda, levels[unit] - 1);
+          if (unit == 1) lambda = lod.second_lambda(pipeline.texture_second, lambda);
+          auto [level, share] = lod.level(lambda, ends[unit]);
+          if (magnified[unit] && stages[unit]->range.least == 0) {
+            const Lanes most(stages[unit]->range.greatest == 0 ? std::numeric_limits<std::int64_t>::max()
+                                                               : 0);
+            level = select(lambda <= most, Lanes(magnified_level), level);
+          }
           store_as(out[unit].level + k, level);
           store_as(out[unit].share + k, share);
         }
@@ -182,7 +207,8 @@ HWY_NOINLINE void find_levels(const Pipeline& pipeline, const FragmentBlock<T>& 
         model::lod(pipeline.lod, f, gradient, far, levels[0], record);
         for (std::size_t unit = 0; unit < units; ++unit) {
           if (unit == 1) record = second_level(pipeline.texture_second, record, levels[1]);
-          out[unit].level[k] = static_cast<std::int32_t>(record.level);
+          const bool magnify = magnified[unit] && magnifies(stages[unit]->range, record.lambda);
+          out[unit].level[k] = magnify ? magnified_level : static_cast<std::int32_t>(record.level);
           out[unit].share[k] = static_cast<T>(record.f);
         }
       }

@@ -170,9 +170,9 @@ struct PlanImage {
   HWY_INLINE bool present() const {
     return kind == ImageKind::any ? image != nullptr : kind != ImageKind::none;
   }
-  HWY_INLINE TextureFilter filter(const TextureStage& stage) const {
+  HWY_INLINE TextureFilter filter() const {
     if constexpr (kind == ImageKind::any) {
-      return stage.lookup.filter;
+      return image->by.filter;
     } else {
       return kind == ImageKind::bilinear ? TextureFilter::bilinear : TextureFilter::nearest;
     }
@@ -294,8 +294,11 @@ struct BlockUnits {
 inline const ShadeTexture* image_of(const ShadeTextures& textures, int texture) {
   return texture < 0 ? nullptr : &textures.whole[static_cast<std::size_t>(texture)];
 }
-inline BlockImages images_of(const ShadeTextures& textures, int texture, int level, bool mixes) {
+// level: or magnified_level.
+inline BlockImages images_of(const ShadePlan& plan, std::size_t unit, int texture, int level, bool mixes) {
   if (texture < 0) return {};
+  if (level == magnified_level) return {image_of(plan.magnified_of(unit), texture)};
+  const ShadeTextures& textures = plan.textures_of(unit);
   const std::vector<ShadeTexture>& levels = textures.levels[static_cast<std::size_t>(texture)];
   const auto at = [&](int l) {
     return l == 0 ? image_of(textures, texture) : &levels[static_cast<std::size_t>(l - 1)];
@@ -790,8 +793,8 @@ void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const Sh
   }
   const bool mixes = formats.texture.mixes_levels;
   const auto images = [&](const std::array<std::int32_t, 2>& levels) {
-    return std::array{images_of(plan.textures_of(0), textures[0], levels[0], mixes),
-                      images_of(plan.textures_of(1), textures[1], levels[1], mixes)};
+    return std::array{images_of(plan, 0, textures[0], levels[0], mixes),
+                      images_of(plan, 1, textures[1], levels[1], mixes)};
   };
   if (least == most) {
     colours_any<T>(pipeline, plan, formats, {images(least), {any.levels[0].share, any.levels[1].share}},

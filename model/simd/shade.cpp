@@ -348,10 +348,12 @@ void update_shade(ShadePlan& plan, const Pipeline& pipeline, const Config& confi
 }
 
 void select_textures(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene) {
-  plan.of_unit[0] = textures_by(plan, pipeline, scene, pipeline.texture.lookup);
-  if (pipeline.texture_second.is_on()) {
-    plan.of_unit[1] = textures_by(plan, pipeline, scene, pipeline.texture_second.fetch.lookup);
-  }
+  const auto select = [&](std::size_t unit, const TextureStage& stage) {
+    plan.of_unit[unit] = textures_by(plan, pipeline, scene, stage.lookup);
+    plan.magnified_of_unit[unit] = textures_by(plan, pipeline, scene, stage.magnified);
+  };
+  select(0, pipeline.texture);
+  if (pipeline.texture_second.is_on()) select(1, pipeline.texture_second.fetch);
 }
 
 void prepare_second_texture(ShadePlan& plan) {

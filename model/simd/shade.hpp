@@ -66,9 +66,11 @@ struct ShadePlan {
   bool holds_second = false;  // and what the second texture unit does
   bool branch_free = false;   // every register rounds by adding a constant, and saturates
   ShadeFormats formats;
-  std::vector<ShadeTextures> textures;   // in every way that a draw state asked for
-  std::array<std::size_t, 2> of_unit{};  // those that each texture unit takes
+  std::vector<ShadeTextures> textures;  // in every way that a draw state asked for
+  // Those that each texture unit takes, and those where the level of detail is at most 0.
+  std::array<std::size_t, 2> of_unit{}, magnified_of_unit{};
   const ShadeTextures& textures_of(std::size_t unit) const { return textures[of_unit[unit]]; }
+  const ShadeTextures& magnified_of(std::size_t unit) const { return textures[magnified_of_unit[unit]]; }
   std::vector<std::int32_t> alpha32;  // Q[texture.alpha](a / 255); empty where int32 does not hold it
   std::vector<std::int64_t> alpha64;
   // Q[texture.alpha](v / 255) of every raw v of texture.mix from its smallest on: prepare_second_texture().

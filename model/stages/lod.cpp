@@ -51,7 +51,7 @@ LodStage prepare_lod(const Config& config, const Constants& constants, Watch wat
   s.mip = config.mip;
   s.mode = config.lod;
   s.b = b_of(config, constants.record);
-  s.bias = {config.lod_bias, 4};
+  set_lod(s, first_state(config));
   s.reciprocal = ReciprocalUnit(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
   s.h = make_register(config, FormatId::span_h);
   s.uv = make_register(config, FormatId::span_uv);
@@ -70,6 +70,11 @@ LodStage prepare_lod(const Config& config, const Constants& constants, Watch wat
     s.zones[i] = {start, value_of(quantize_ratio(Exact{1, 0}, start, k, watch), k)};
   }
   return s;
+}
+
+void set_lod(LodStage& stage, const DrawState& state) {
+  stage.bias = {state.texture_lod_bias, 4};
+  stage.range = first_levels(state);
 }
 
 template <class Watch>
@@ -111,15 +116,18 @@ void lod(const LodStage& stage, const FragmentRecord& fragment, const GradientRe
     }
   }
   out.lambda = quantize(level + stage.bias, stage.lambda, watch);
-  hold_level(value_of(out.lambda, stage.lambda), levels, mixes_levels(stage.mip), stage.frac, out, watch);
+  hold_level(value_of(out.lambda, stage.lambda), stage.range, levels, mixes_levels(stage.mip), stage.frac,
+             out, watch);
 }
 
 template <class Watch>
-void hold_level(Exact lambda, int levels, bool mixes, const Register& frac, LodRecord& out, Watch watch) {
-  const Exact last{levels - 1, 0};
+void hold_level(Exact lambda, const LevelRange& range, int levels, bool mixes, const Register& frac,
+                LodRecord& out, Watch watch) {
+  const LevelEnds ends = level_ends(range, levels);
+  const Exact least{ends.least, 0}, greatest{ends.greatest, 0};
   Exact held = lambda;
-  if (held.raw < 0) held = {0, 0};
-  if (sign_of(held - last) > 0) held = last;
+  if (sign_of(held - least) < 0) held = least;
+  if (sign_of(held - greatest) > 0) held = greatest;
   if (mixes) {
     out.level = static_cast<std::int64_t>(floor_of(held));
     out.f = quantize(held - Exact{out.level, 0}, frac, watch);
@@ -130,8 +138,8 @@ void hold_level(Exact lambda, int levels, bool mixes, const Register& frac, LodR
 
 template LodStage prepare_lod(const Config&, const Constants&, NoObserve);
 template LodStage prepare_lod(const Config&, const Constants&, Observe);
-template void hold_level(Exact, int, bool, const Register&, LodRecord&, NoObserve);
-template void hold_level(Exact, int, bool, const Register&, LodRecord&, Observe);
+template void hold_level(Exact, const LevelRange&, int, bool, const Register&, LodRecord&, NoObserve);
+template void hold_level(Exact, const LevelRange&, int, bool, const Register&, LodRecord&, Observe);
 template void lod(const LodStage&, const FragmentRecord&, const GradientRecord*, const DistanceRecord&, int,
                   LodRecord&, NoObserve);
 template void lod(const LodStage&, const FragmentRecord&, const GradientRecord*, const DistanceRecord&, int,

@@ -4,7 +4,7 @@
 // Int: std::int64_t, int128, Lanes32 or Lanes, what products are formed in; every intermediate fits it.
 // Image: how texels are fetched; texels are words, red in the lowest byte, alpha in the fourth:
 //   present()                 false: no texture
-//   filter(stage)             the stage's filter
+//   filter()                  how texels are weighed
 //   may_be_reserved()         false: no texel has the reserved colour
 //   nearest(i, j)             wraps both (they come out wrapped) and gives the texel
 //   quad(i, j)                the texels (i, j), (i+1, j), (i, j+1), (i+1, j+1), each wrapped; i, j come out
@@ -124,7 +124,7 @@ struct TextureImage {
   std::int64_t border;  // the word of what is outside, where the mode has such texels
 
   bool present() const { return texture != nullptr; }
-  static TextureFilter filter(const TextureStage& stage) { return stage.lookup.filter; }
+  TextureFilter filter() const { return by.filter; }
   static bool may_be_reserved() { return true; }
   std::int64_t word(std::int64_t i, std::int64_t j) const {
     if (i < 0 || j < 0 || i >= texture->width || j >= texture->height) return border;
@@ -211,7 +211,7 @@ HWY_INLINE Textured<ValueOf<Int>> sampled(const TextureStage& stage, const Image
   } else {
     const bool reserved =
         (stage.transparent && image.may_be_reserved()) || stage.chroma.test != ChromaTest::none;
-    const TextureFilter filter = image.filter(stage);
+    const TextureFilter filter = image.filter();
     V nearest_word(0);
     if (!weighs_texels(filter) || reserved) {
       const auto floor = [](V x, int f)

@@ -52,12 +52,13 @@ template <class Int, class Watch>
 text::Textured<std::int64_t> found_in_levels(const TextureStage& stage, const MipChain* chain,
                                              const FragmentRecord& fragment, const LodRecord& lod,
                                              Watch watch) {
+  const TexelLookup& by = lookup_at(stage, lod);
   const auto at_level = [&](std::int64_t level) {
     const Texture* image = chain == nullptr ? nullptr : &(*chain)[static_cast<std::size_t>(level)];
     const Halvings halved =
         chain == nullptr ? Halvings{} : halvings(chain->front().width, chain->front().height, level);
-    return text::sampled<Int>(stage, text::TextureImage{image, stage.lookup, text::word_of(stage.border)},
-                              fragment.u, fragment.v,
+    return text::sampled<Int>(stage, text::TextureImage{image, by, text::word_of(stage.border)}, fragment.u,
+                              fragment.v,
                               {stage.uv.fraction + halved.across, stage.uv.fraction + halved.down}, watch);
   };
   auto all = at_level(lod.level);

@@ -14,6 +14,7 @@
 #include "model/mip_chain.hpp"
 #include "model/numeric/integers.hpp"
 #include "model/numeric/quantize.hpp"
+#include "model/stages/lod.hpp"
 #include "scene/draw_state.hpp"
 #include "scene/scene.hpp"
 
@@ -38,7 +39,9 @@ struct AlphaTest {
 AlphaTest alpha_test_of(CompareFunc func, std::int64_t ref, const Register& alpha);
 
 struct TextureStage {
-  TexelLookup lookup;  // of the draw state
+  TexelLookup lookup;     // of the draw state
+  TexelLookup magnified;  // the same where `range` holds the level of detail to at most 0
+  LevelRange range;       // of the draw state
   Rgba border{};
   std::optional<std::array<std::uint8_t, 3>> transparent;
   ChromaRange chroma;       // of the draw state
@@ -54,7 +57,7 @@ struct TextureStage {
 };
 constexpr TextureStage prepare_texture(const Config& config) {
   TextureStage s;
-  s.lookup = lookup_of(config);
+  s.lookup = s.magnified = lookup_of(config);
   s.border = config.border;
   s.transparent = config.transparent;
   s.uv = make_register(config, FormatId::span_uv);
@@ -88,13 +91,18 @@ constexpr TextureStage prepare_texture(const Config& config) {
   return s;
 }
 
+// How a fragment with that level of detail looks texels up; without mip chains both ways are one.
+constexpr const TexelLookup& lookup_at(const TextureStage& stage, const LodRecord& lod) {
+  return magnifies(stage.range, lod.lambda) ? stage.magnified : stage.lookup;
+}
+
 // Where a unit looks, and what it finds there.
 struct Sampled {
   std::int64_t i = 0, j = 0, ex = 0, ey = 0;  // as in the record
   std::array<std::int64_t, 4> texel{};        // on texture.mix, alpha on texture.alpha
 };
 // Looks up a fragment's u and v. chain: the levels of which `level` has chosen; null without mip chains,
-// where `level` is not read.
+// where `level` is not read. The level of detail in it is the unit's own.
 template <class Watch = NoObserve>
 Sampled sample(const TextureStage& stage, const Texture& image, const MipChain* chain,
                const FragmentRecord& fragment, const LodRecord& level, Watch watch = {});

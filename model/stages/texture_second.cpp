@@ -24,17 +24,26 @@ void set_texture_second(TextureSecondStage& stage, const DrawState& state, const
   stage.fetch.kills_zero = state.alpha_zero == AlphaZero::kill;
   stage.fetch.alpha_test = alpha_test_of(state.alpha_func, state.alpha_ref, stage.fetch.alpha);
   stage.fetch.lookup = second_lookup(state);
+  stage.fetch.magnified = stage.has_lod ? second_magnified(state) : stage.fetch.lookup;
+  stage.fetch.range = second_levels(state);
+  stage.more_bias = {state.texture1_lod_bias - state.texture_lod_bias, 4};
   stage.op = state.texture1_op;
   stage.scale = state.texture1_scale;
   stage.constant = {state.texture1_red, state.texture1_green, state.texture1_blue};
+}
+
+std::int64_t second_lambda(const TextureSecondStage& stage, std::int64_t lambda) {
+  if (stage.more_bias.raw == 0) return lambda;
+  return quantize(value_of(lambda, stage.lambda) + stage.more_bias, stage.lambda, NoObserve{});
 }
 
 LodRecord second_level(const TextureSecondStage& stage, const LodRecord& lod, int levels) {
   LodRecord out = lod;
   out.level = out.f = 0;
   if (!stage.has_lod) return out;
-  hold_level(value_of(lod.lambda, stage.lambda), levels, stage.mixes_levels, stage.fetch.share, out,
-             NoObserve{});
+  out.lambda = second_lambda(stage, lod.lambda);
+  hold_level(value_of(out.lambda, stage.lambda), stage.fetch.range, levels, stage.mixes_levels,
+             stage.fetch.share, out, NoObserve{});
   return out;
 }
 

@@ -15,6 +15,7 @@ struct TextureSecondStage {
   const Texture* image = nullptr;  // null: the unit is off
   TextureStage fetch;              // as the first unit's; it has no transparent texels
   bool has_lod = false, mixes_levels = false;
+  Exact more_bias;  // than the first unit's
   Register lambda;
   TextureOp op = TextureOp::modulate;
   int scale = 0;
@@ -26,8 +27,10 @@ TextureSecondStage prepare_texture_second(const Config& config);
 // image: texture1's, null where the unit is off.
 void set_texture_second(TextureSecondStage& stage, const DrawState& state, const Texture* image);
 
-// lod's record with the level and the fraction of a chain of so many levels; without mip chains it is not
-// read.
+// lod's record with this unit's level of detail, and its level and fraction in a chain of so many levels;
+// without mip chains it is not read.
+// This unit's level of detail from the first one's, both raw.
+std::int64_t second_lambda(const TextureSecondStage& stage, std::int64_t lambda);
 LodRecord second_level(const TextureSecondStage& stage, const LodRecord& lod, int levels);
 
 // A fragment that the first unit did not kill, while the unit is on; chain: of the unit's texture, null

@@ -24,9 +24,10 @@ PixelChainTiming rested_chain(const Config& config, DepthWhen when) {
   return chain;
 }
 
-// The ports that a fragment with a texture asks, in its level.
-PortSet texels(const Run& run) {
-  return weighs_texels(run.pipeline.texture.lookup.filter) ? PortSet{15} : PortSet{1};
+// The ports that a fragment asks, in its level.
+PortSet texels(const Run& run, const FragmentItem& item) {
+  if (item.surface.texture < 0) return 0;
+  return weighs_texels(model::lookup_at(run.pipeline.texture, item.lod).filter) ? PortSet{15} : PortSet{1};
 }
 
 }  // namespace
@@ -91,17 +92,17 @@ PixelFragment PixelChain::values(FragmentItem& item) {
   PixelFragment f;
   f.x = static_cast<std::uint32_t>(item.fragment.x);
   f.y = static_cast<std::uint32_t>(item.fragment.y);
-  f.texels = item.surface.texture < 0 ? PortSet{0} : texels(run_);
+  f.texels = texels(run_, item);
   f.writes_z = run_.pipeline.state.depth_write;
   f.writes_color = run_.pipeline.state.color_write;
   if (run_.tests_late()) {
     f.lives = texture_values(run_, item);
-    ask_next_level(item, f);
+    ask_texels(item, f);
     if (f.lives) test(item, f);
     if (!f.goes_on) return f;
   } else {
     test(item, f);
-    if (f.goes_on) ask_next_level(item, f);
+    if (f.goes_on) ask_texels(item, f);
     f.lives = f.goes_on && texture_values(run_, item);
     if (!f.lives) return f;
   }
@@ -112,7 +113,8 @@ PixelFragment PixelChain::values(FragmentItem& item) {
 }
 
 // The next level is mixed in where f is not 0.
-void PixelChain::ask_next_level(const FragmentItem& item, PixelFragment& f) const {
+void PixelChain::ask_texels(const FragmentItem& item, PixelFragment& f) const {
+  f.texels = texels(run_, item);
   if (run_.pipeline.has_lod && item.lod.f != 0) {
     f.texels = static_cast<PortSet>(f.texels | f.texels << level_texel_ports);
   }

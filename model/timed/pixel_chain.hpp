@@ -44,7 +44,7 @@ class PixelChain : public TimedStage {
   // Of depth and stencil.
   void test(FragmentItem& item, PixelFragment& f);
   // Behind lod.
-  void ask_next_level(const FragmentItem& item, PixelFragment& f) const;
+  void ask_texels(const FragmentItem& item, PixelFragment& f) const;
   void count(const PixelChainDrive& drive, const PixelChainClock& c);
 
   Run& run_;

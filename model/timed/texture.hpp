@@ -53,7 +53,7 @@ class TextureStage : public PipeStage<FragmentItem> {
   bool enters(FragmentItem& item) override {
     if (run_.tests_late() && !drawn_values(run_, item)) return false;
     const bool lives = texture_values(run_, item);
-    ask(traffic_.accesses(), traffic_.ask(run_.pipeline.state, item));
+    ask(traffic_.accesses(), traffic_.ask(run_.pipeline, item));
     return lives;
   }
   void leaves(FragmentItem& item, bool kept, std::uint64_t now) override {

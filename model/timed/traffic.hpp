@@ -79,10 +79,14 @@ class TextureTraffic {
     return asks_of(misses(by, texture, u, v, lod));
   }
   // The same by both units, the first one's texels before the second one's.
-  Asks ask(const DrawState& state, const FragmentItem& item) {
+  Asks ask(const model::Pipeline& pipeline, const FragmentItem& item) {
     const FragmentRecord& f = item.fragment;
-    const int first = misses(first_lookup(state), item.surface.texture, f.u, f.v, item.lod);
-    return asks_of(first + misses(second_lookup(state), state.texture1, f.u, f.v, item.second_lod));
+    const auto by = [](const model::TextureStage& stage, const LodRecord& lod) {
+      return model::lookup_at(stage, lod);
+    };
+    const int first = misses(by(pipeline.texture, item.lod), item.surface.texture, f.u, f.v, item.lod);
+    return asks_of(first + misses(by(pipeline.texture_second.fetch, item.second_lod), pipeline.state.texture1,
+                                  f.u, f.v, item.second_lod));
   }
   const Cache& cache() const { return cache_; }
 

@@ -376,7 +376,7 @@ bool Workload::make_texture(FragmentItem& item, bool drawn) {
     return false;
   }
   const bool lives = texture_values(run_, item);
-  add_texture(pixel, texture_traffic_.ask(run_.pipeline.state, item), lives);
+  add_texture(pixel, texture_traffic_.ask(run_.pipeline, item), lives);
   return lives;
 }
 

@@ -254,6 +254,63 @@ TEST(Ideal, EachTextureHasItsOwnLevels) {
   }
 }
 
+// Columns of 10, 20, 40, 80 and, in the levels above, 15, 60 and 38. At u = 1 one texel is 20, four weigh 15.
+TEST(Ideal, RegistersChooseLevelsAndFilters) {
+  Config c = plain_config();
+  c.mip = MipMode::linear;
+  c.lod_bias = 8;  // level 1/2
+  Scene scene = test_scene();
+  scene.textures = {{"row", 4, 1, {}}};
+  scene.textures[0].rgba = {10, 0, 0, 255, 20, 0, 0, 255, 40, 0, 0, 255, 80, 0, 0, 255};
+  Triangle in = corners(-50, -50, 300, -50, -50, 300);
+  in.texture = 0;
+  for (Vertex& v : in.v) {
+    v.s = in.v[0].s;
+    v.u = 1;
+    v.v = 0.5;
+    v.c = {1, 1, 1, 1};
+  }
+  scene.triangles = {in};
+  scene.fog.reset();
+  const auto ideal = make_ideal(c);
+  const auto red = [&](std::vector<std::pair<std::string, std::int64_t>> registers) {
+    StateChange change;
+    for (const auto& [key, value] : registers) change.settings.push_back({*find_state_register(key), value});
+    scene.commands = {{0, change}};
+    ideal->begin(scene);
+    draw_scene(*ideal, scene, 0, 1, nullptr);
+    return int{ideal->frame().color[0]};
+  };
+  EXPECT_EQ(red({}), 18);                          // of 20 and 15: 17.5
+  EXPECT_EQ(red({{"texture.lod.bias", 4}}), 19);   // 18.75
+  EXPECT_EQ(red({{"texture.lod.bias", 20}}), 21);  // 15 and 38: 20.75
+  EXPECT_EQ(red({{"texture.lod.bias", -9}}), 20);
+  EXPECT_EQ(red({{"texture.level.least", 1}}), 15);
+  EXPECT_EQ(red({{"texture.level.least", 9}}), 38);  // the last one
+  EXPECT_EQ(red({{"texture.level.greatest", 0}}), 20);
+  EXPECT_EQ(red({{"texture.level.least", 2}, {"texture.level.greatest", 1}}), 38);
+  EXPECT_EQ(red({{"texture.lod.bias", 32}, {"texture.level.greatest", 1}}), 15);
+  EXPECT_EQ(red({{"texture.magnify", 2}}), 18);
+  EXPECT_EQ(red({{"texture.magnify", 2}, {"texture.lod.bias", 0}}), 15);
+  EXPECT_EQ(red({{"texture.magnify", 2}, {"texture.lod.bias", 1}}), 20);  // 19.69
+  EXPECT_EQ(red({{"texture.magnify", 2}, {"texture.level.greatest", 0}}), 15);
+  EXPECT_EQ(red({{"texture.magnify", 2}, {"texture.lod.bias", -9}, {"texture.level.least", 1}}), 15);
+  EXPECT_EQ(red({{"texture.magnify", 1}, {"texture.filter", 1}, {"texture.lod.bias", 0}}), 20);
+  // The second unit puts its texel in place of the first one's.
+  const std::vector<std::pair<std::string, std::int64_t>> second{{"texture1", 0}, {"texture1.op", 0}};
+  const auto red1 = [&](std::vector<std::pair<std::string, std::int64_t>> registers) {
+    registers.insert(registers.end(), second.begin(), second.end());
+    return red(std::move(registers));
+  };
+  EXPECT_EQ(red1({}), 18);
+  EXPECT_EQ(red1({{"texture.lod.bias", -20}, {"texture.level.least", 2}, {"texture.magnify", 2}}), 18);
+  EXPECT_EQ(red1({{"texture1.lod.bias", 4}}), 19);
+  EXPECT_EQ(red1({{"texture1.lod.bias", 20}, {"texture.lod.bias", 31}}), 21);
+  EXPECT_EQ(red1({{"texture1.level.least", 1}}), 15);
+  EXPECT_EQ(red1({{"texture1.lod.bias", 32}, {"texture1.level.greatest", 1}}), 15);
+  EXPECT_EQ(red1({{"texture1.magnify", 2}, {"texture1.lod.bias", 0}, {"texture.lod.bias", 9}}), 15);
+}
+
 // The engine writes what ideal_at says, wherever one triangle alone is drawn; golden is near it.
 TEST(Ideal, EngineDrawsIt) {
   Config c = shipped_config("depth16");

@@ -59,6 +59,37 @@ TEST(DrawState, FirstValuesAreLegalAndTheConfigurations) {
   }
 }
 
+// The ends of the bias are the configuration's key's; a filter that magnifies is checked as any filter.
+TEST(DrawState, RegistersOfLevels) {
+  Config config;
+  config.lod_bias = 7;
+  const DrawState first = first_state(config);
+  EXPECT_EQ(first.texture_lod_bias, 7);
+  EXPECT_EQ(first.texture1_lod_bias, 7);
+  EXPECT_EQ(first_levels(first), (LevelRange{0, 15}));
+  EXPECT_EQ(second_levels(first), (LevelRange{0, 15}));
+  EXPECT_EQ(first_magnified(first), first_lookup(first));
+  EXPECT_EQ(second_magnified(first), second_lookup(first));
+  const Scene scene = parsed(R"(
+{"state": {"texture.lod.bias": -31, "texture1.lod.bias": 32, "texture.level.least": 3}}
+{"state": {"texture1.level.greatest": 2, "texture1.magnify": "bilinear"}})" +
+                             triangle);
+  const DrawState s = states_of(config, scene.commands).at(1);
+  EXPECT_EQ(s.texture_lod_bias, -31);
+  EXPECT_EQ(s.texture1_lod_bias, 32);
+  EXPECT_EQ(first_levels(s), (LevelRange{3, 15}));
+  EXPECT_EQ(second_levels(s), (LevelRange{0, 2}));
+  EXPECT_EQ(first_magnified(s), first_lookup(s));
+  EXPECT_EQ(second_magnified(s).filter, TextureFilter::bilinear);
+  EXPECT_EQ(second_lookup(s).filter, TextureFilter::nearest);
+  EXPECT_EQ(refused(R"({"state": {"texture.lod.bias": 33}})"),
+            "s.tri:2: state.texture.lod.bias: 33 is not legal; expected a whole number -31..32");
+  EXPECT_EQ(refused(R"({"state": {"texture1.level.least": 16}})"),
+            "s.tri:2: state.texture1.level.least: 16 is not legal; expected a whole number 0..15");
+  EXPECT_EQ(refused(R"({"state": {"texture.magnify": "linear"}})"),
+            "s.tri:2: state.texture.magnify: \"linear\" is not legal; expected same, nearest, bilinear");
+}
+
 TEST(DrawState, StencilNeedsLateTests) {
   const Scene scene = parsed(R"(
 {"state": {"stencil.test": true, "depth.when": "late"}})" +
@@ -282,6 +313,7 @@ TEST(DrawState, ThePageHasEveryRegister) {
   other.depth_func = DepthFunc::never;
   other.filter = TextureFilter::bilinear;
   other.wrap = TextureWrap::border;
+  other.lod_bias = 1;
   const std::vector<std::int64_t> configured = state_values(first_state(other));
   std::vector<std::string> rows{"| register | values | at first | what |", "|---|---|---|---|"};
   for (std::size_t i = 0; i < first.size(); ++i) {

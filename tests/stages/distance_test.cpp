@@ -259,7 +259,7 @@ TEST(Distance, LodTakesDByZones) {
   const FragmentRecord* one = &f;
   golden::make_lod({golden::Width::quad, true}, worked.config,
                    golden::make_constants(worked.config, worked.scene))({&one, 1}, {}, {&distance, 1}, 8,
-                                                                        same);
+                                                                        first_state(worked.config), same);
   EXPECT_EQ(same, std::vector{out});
 }
 
@@ -281,7 +281,7 @@ TEST(Distance, FiniteIsTheDifferenceToTheNextPixel) {
     std::vector<LodRecord> same;
     const FragmentRecord* one = &fragment;
     golden::make_lod({golden::Width::quad, true}, c, golden::make_constants(c, scene))({&one, 1}, g, {}, 8,
-                                                                                       same);
+                                                                                       first_state(c), same);
     EXPECT_EQ(same, std::vector{out});
     return out;
   };

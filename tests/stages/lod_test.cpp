@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 
 #include "config/check.hpp"
 #include "config/modes.hpp"
@@ -38,12 +39,15 @@ struct Leveled {
   LodRecord operator()(const FragmentRecord& f, int levels, const GradientRecord& gradient = {},
                        const DistanceRecord& distance = {}) const {
     const model::Constants constants = model::make_constants(config, worked_scene());
+    const DrawState s = state.value_or(first_state(config));
+    model::LodStage stage = model::prepare_lod(config, constants);
+    model::set_lod(stage, s);
     LodRecord out;
-    model::lod(model::prepare_lod(config, constants), f, &gradient, distance, levels, out);
+    model::lod(stage, f, &gradient, distance, levels, out);
     std::vector<LodRecord> same;
     const FragmentRecord* one = &f;
     golden::make_lod({golden::Width::quad, true}, config, golden::make_constants(config, worked_scene()))(
-        {&one, 1}, gradient, {&distance, 1}, levels, same);
+        {&one, 1}, gradient, {&distance, 1}, levels, s, same);
     EXPECT_EQ(same, std::vector{out});
     return out;
   }
@@ -62,6 +66,7 @@ struct Leveled {
   double lambda(const LodRecord& r) const { return decoded(r.lambda, config.format(FormatId::lod_lambda)); }
   double f(const LodRecord& r) const { return decoded(r.f, config.format(FormatId::lod_frac)); }
   Config config;
+  std::optional<DrawState> state;  // else the first one
 };
 
 // S_i = 1/4, 1/2, 1 of 2^E; h = 0, 21845 and 65535 lie at s = 1, 3/4 and 1/2.
@@ -107,6 +112,45 @@ TEST(Lod, TheNearestLevelIsFoundByHalves) {
     const Leveled nearest(MipMode::nearest, LodMode::none, bias);
     EXPECT_EQ(nearest.at_depth(0, 4).level, level) << bias;
     EXPECT_EQ(nearest.at_depth(0, 4).f, 0) << bias;
+  }
+}
+
+// lambda is 37/16, whatever the ends are; a least level above the greatest one counts alone.
+TEST(Lod, TheRegistersSayWhichLevelsThereAre) {
+  struct Case {
+    int least, greatest, levels;
+    std::int64_t level, f, nearest;
+  };
+  for (const Case& k :
+       {Case{0, 15, 8, 2, 80, 2}, Case{2, 15, 8, 2, 80, 2}, Case{3, 15, 8, 3, 0, 3}, Case{0, 2, 8, 2, 0, 2},
+        Case{0, 1, 8, 1, 0, 1}, Case{0, 0, 8, 0, 0, 0}, Case{0, 3, 8, 2, 80, 2}, Case{5, 1, 8, 5, 0, 5},
+        Case{1, 1, 8, 1, 0, 1}, Case{3, 15, 2, 1, 0, 1}, Case{0, 2, 2, 1, 0, 1}, Case{15, 0, 1, 0, 0, 0},
+        Case{15, 15, 16, 15, 0, 15}, Case{4, 2, 4, 3, 0, 3}}) {
+    SCOPED_TRACE(testing::Message() << k.least << ".." << k.greatest << " of " << k.levels);
+    for (const MipMode mip : {MipMode::nearest, MipMode::linear}) {
+      Leveled level(mip, LodMode::none, 5);
+      level.state = first_state(level.config);
+      EXPECT_EQ(level.state->texture_lod_bias, 5);
+      level.state->texture_lod_bias = 37;
+      level.state->texture1_lod_bias = -9;  // of the other unit
+      level.state->texture1_level_least = 7;
+      level.state->texture_level_least = k.least;
+      level.state->texture_level_greatest = k.greatest;
+      const LodRecord r = level.at_depth(100, k.levels);
+      EXPECT_EQ(level.lambda(r), 2.3125);
+      EXPECT_EQ(r.level, mip == MipMode::linear ? k.level : k.nearest);
+      EXPECT_EQ(r.f, mip == MipMode::linear ? k.f : 0);
+    }
+  }
+}
+
+// At s = 3/4 the zone says 1.5.
+TEST(Lod, TheRegistersBiasTakesTheConfigurationsPlace) {
+  Leveled level(MipMode::linear, LodMode::zone_s, 8);
+  for (const int bias : {-31, -24, -8, 0, 8, 32}) {
+    level.state = first_state(level.config);
+    level.state->texture_lod_bias = bias;
+    EXPECT_EQ(level.lambda(level.at_depth(21845, 8)), 1.5 + bias / 16.0);
   }
 }
 
@@ -419,6 +463,125 @@ TEST(Lod, GoldenAndModelAreEqual) {
   EXPECT_GT(records, 20000U);
   EXPECT_GT(mixed, 2000U);
   EXPECT_GT(held, 2000U);
+}
+
+// Four columns in level 0, at u = 5/4: by one texel 20, by four 17.5 of 10 and 20. Level 1 has 15 and 60: 15,
+// and 20.625.
+TEST(Texture, MagnifiesWhereTheLevelOfDetailIsAtMostZero) {
+  Config c = with_levels(plain_config(), MipMode::nearest, LodMode::none);
+  const Texture row{"row", 4, 1, {10, 0, 0, 255, 20, 0, 0, 255, 40, 0, 0, 255, 80, 0, 0, 255}};
+  const std::vector<Texture> levels = golden::mip_levels(row);
+  ASSERT_EQ(levels[1].rgba[4], 60);
+  FragmentRecord f;
+  f.r = f.g = f.b = f.a = encoded(1, c.format(FormatId::span_shade));
+  f.u = encoded(1.25, c.format(FormatId::span_uv));
+  f.v = encoded(0.5, c.format(FormatId::span_uv));
+  const FragmentRecord* const one = &f;
+  struct Case {
+    TextureFilter filter;
+    MagnifyFilter magnify;
+    int least, greatest;
+    std::int64_t lambda, level;  // lambda raw
+    double red;
+  };
+  constexpr auto nearest = TextureFilter::nearest, bilinear = TextureFilter::bilinear;
+  using M = MagnifyFilter;
+  for (const Case& k :
+       {Case{nearest, M::same, 0, 15, 0, 0, 20}, Case{nearest, M::same, 0, 15, 1, 0, 20},
+        Case{nearest, M::bilinear, 0, 15, -1, 0, 17.5}, Case{nearest, M::bilinear, 0, 15, 0, 0, 17.5},
+        Case{nearest, M::bilinear, 0, 15, 1, 0, 20}, Case{nearest, M::nearest, 0, 15, -9, 0, 20},
+        Case{bilinear, M::nearest, 0, 15, -1, 0, 20}, Case{bilinear, M::nearest, 0, 15, 0, 0, 20},
+        Case{bilinear, M::nearest, 0, 15, 1, 0, 17.5}, Case{bilinear, M::same, 0, 15, -1, 0, 17.5},
+        // Held to 0 from above it is magnified; held to 1 from below, or to a single level, it is not.
+        Case{nearest, M::bilinear, 0, 0, 900, 0, 17.5}, Case{nearest, M::bilinear, 1, 15, -900, 1, 15},
+        Case{bilinear, M::nearest, 1, 15, -900, 1, 20.625}, Case{bilinear, M::nearest, 2, 0, -900, 2, 38},
+        Case{nearest, M::bilinear, 0, 1, 900, 1, 15}}) {
+    SCOPED_TRACE(testing::Message() << to_string(k.filter) << ", " << to_string(k.magnify) << ", " << k.least
+                                    << ".." << k.greatest << ", lambda " << k.lambda);
+    DrawState state = first_state(c);
+    state.texture_filter = k.filter;
+    state.texture_magnify = k.magnify;
+    state.texture_level_least = k.least;
+    state.texture_level_greatest = k.greatest;
+    state.texture1_magnify = k.filter == nearest ? M::nearest : M::bilinear;  // of the other unit
+    LodRecord lod;
+    lod.lambda = k.lambda;
+    lod.level = k.level;
+    Scene scene = worked_scene();
+    model::Pipeline pipeline = model::make_pipeline(c, scene);
+    model::set_state(pipeline, scene, state);
+    TextureRecord r;
+    model::texture(pipeline.texture, &levels, f, lod, r);
+    EXPECT_EQ(decoded(r.texel_r, c.format(FormatId::texture_mix)), k.red);
+    std::vector<TextureRecord> same;
+    golden::make_mip_texture({golden::Width::quad, true}, c)({&one, 1}, {&lod, 1}, &levels, state, same);
+    EXPECT_EQ(same, std::vector{r});
+  }
+}
+
+// Streams whose states have any bias, ends and filters, of both units.
+TEST(Lod, GoldenAndModelAreEqualInAnyState) {
+  std::size_t biased = 0, bounded = 0, magnified = 0, second = 0, seconds_own = 0;
+  for (std::uint64_t seed = 1; seed <= (is_long_run() ? 2000U : 80U); ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const std::vector<Config> bases = shipped_configs();
+    Random random(seed);
+    constexpr std::array modes{LodMode::none, LodMode::zone_s, LodMode::gradient, LodMode::zone_d,
+                               LodMode::finite};
+    Config c =
+        with_levels(bases[seed % bases.size()], random.chance(0.5) ? MipMode::nearest : MipMode::linear,
+                    modes[static_cast<std::size_t>(random.integer(0, 4))]);
+    c.lod_bias = static_cast<int>(random.integer(-16, 16));
+    c.lod_first = static_cast<int>(random.log_uniform(20, 40000));
+    if (first_violation(c)) continue;
+    const Scene scene = random_scene(seed, {.width = 48,
+                                            .height = 40,
+                                            .triangles = 40,
+                                            .size_max = 60,
+                                            .uv_limit = 100,
+                                            .texture_size_max = 32,
+                                            .mip_chains = true,
+                                            .command_probability = 0.5});
+    Trace want, got;
+    const auto golden = make_golden(c, true);
+    const auto model = make_model(c, {.form = ModelForm::scalar});
+    const auto lanes = make_model(c, {});
+    for (const auto& [engine, trace] :
+         {std::pair(golden.get(), &want), {model.get(), &got}, {lanes.get(), nullptr}}) {
+      engine->begin(scene);
+      draw_scene(*engine, scene, 0, scene.triangles.size(), trace);
+    }
+    ASSERT_EQ(want.state, got.state);
+    ASSERT_EQ(want.lod, got.lod);
+    ASSERT_EQ(want.texture, got.texture);
+    ASSERT_EQ(want.texture_second, got.texture_second);
+    ASSERT_EQ(want.merge, got.merge);
+    ASSERT_EQ(golden->counters(), model->counters());
+    ASSERT_EQ(golden->counters(), lanes->counters());
+    ASSERT_EQ(golden->frame().color, lanes->frame().color);
+    ASSERT_EQ(golden->frame().depth, lanes->frame().depth);
+    const std::vector<DrawState> states = all_states_of(c, scene.commands);
+    const auto state_of = [&](std::int64_t triangle) {
+      const auto after = std::ranges::upper_bound(got.state, triangle, {}, &StateRecord::triangle);
+      return states[static_cast<std::size_t>(after - got.state.begin())];
+    };
+    for (const LodRecord& r : got.lod) {
+      const DrawState s = state_of(r.triangle);
+      biased += s.texture_lod_bias != c.lod_bias ? 1 : 0;
+      bounded += r.level == s.texture_level_least || r.level == s.texture_level_greatest ? 1 : 0;
+      magnified += r.lambda <= 0 && first_magnified(s) != first_lookup(s) ? 1 : 0;
+    }
+    for (const TextureSecondRecord& r : got.texture_second) {
+      const DrawState s = state_of(r.triangle);
+      ++second;
+      seconds_own += s.texture1_lod_bias != s.texture_lod_bias ? 1 : 0;
+    }
+  }
+  EXPECT_GT(biased, 2000U);
+  EXPECT_GT(bounded, 2000U);
+  EXPECT_GT(magnified, 500U);
+  EXPECT_GT(second, 2000U);
+  EXPECT_GT(seconds_own, 1000U);
 }
 
 // The environment asks for the longer form.

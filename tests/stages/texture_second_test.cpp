@@ -232,6 +232,64 @@ TEST(TextureSecond, ChoosesALevelOfItsOwnChain) {
   EXPECT_EQ(r.r, 12 * levels[1].rgba[8] + 4 * levels[2].rgba[4]);
 }
 
+// Its bias takes the place of the first unit's, which lambda has in it; its ends and filters are its own.
+TEST(TextureSecond, ChoosesALevelByItsOwnRegisters) {
+  Config c = plain_config();
+  c.mip = MipMode::nearest;
+  c.lod = LodMode::zone_s;
+  Texture image = row_of({{10, 0, 0, 255}, {20, 0, 0, 255}, {40, 0, 0, 255}, {80, 0, 0, 255}});
+  DrawState state = with_op(TextureOp::replace);
+  const auto of = [&](double lambda) {
+    LodRecord lod{};
+    lod.lambda = encoded(lambda, c.format(FormatId::lod_lambda));
+    return Unit(c, state, image)(at(c, 1, 0.5), lod, given(1, 2, 3, 1024));
+  };
+  state.texture_lod_bias = 4;
+  state.texture1_lod_bias = 4;
+  EXPECT_EQ(of(0.25).level, 0);
+  state.texture1_lod_bias = 8;  // 1/4 more
+  EXPECT_EQ(of(0.25).level, 1);
+  EXPECT_EQ(of(0.2).level, 0);
+  state.texture_lod_bias = -31;  // 39/16 more
+  EXPECT_EQ(of(-1).level, 1);
+  EXPECT_EQ(of(0).level, 2);
+  state.texture1_lod_bias = -31;
+  state.texture_lod_bias = 32;  // 63/16 less
+  EXPECT_EQ(of(5.0).level, 1);
+  EXPECT_EQ(of(4.375).level, 0);
+  // lod.lambda saturates: 31.99 and 63/16 more.
+  state.texture1_lod_bias = 32;
+  state.texture_lod_bias = -31;
+  EXPECT_EQ(of(31.99).level, 2);
+
+  state.texture1_lod_bias = state.texture_lod_bias = 0;
+  state.texture_level_least = 2;  // of the other unit
+  state.texture_level_greatest = 0;
+  EXPECT_EQ(of(1.25).level, 1);
+  state.texture1_level_least = 1;
+  EXPECT_EQ(of(-3).level, 1);
+  EXPECT_EQ(of(9).level, 2);
+  state.texture1_level_greatest = 1;
+  EXPECT_EQ(of(9).level, 1);
+  state.texture1_level_least = 2;
+  EXPECT_EQ(of(0).level, 2);
+  state.texture1_level_least = 0;
+
+  // By one texel 20, by four 15; level 1 has 15.
+  state.texture_magnify = MagnifyFilter::nearest;
+  state.texture1_filter = TextureFilter::nearest;
+  EXPECT_EQ(of(0).r, 16 * 20);
+  state.texture1_magnify = MagnifyFilter::bilinear;
+  EXPECT_EQ(of(0).r, 16 * 15);
+  EXPECT_EQ(of(-4).r, 16 * 15);
+  EXPECT_EQ(of(0.125).r, 16 * 20);
+  state.texture1_lod_bias = -2;  // its own level of detail decides: 1/8 less
+  EXPECT_EQ(of(0.125).r, 16 * 15);
+  EXPECT_EQ(of(0.25).r, 16 * 20);
+  state.texture1_level_greatest = 0;
+  EXPECT_EQ(of(3).r, 16 * 15);
+}
+
 TEST(TextureSecond, TestsTheCombinedAlpha) {
   const Config c = plain_config();
   const Texture half = row_of({{255, 255, 255, 128}});
@@ -322,6 +380,11 @@ TEST(TextureSecond, GoldenIsTheModel) {
           state.texture1_filter = filter;
           for (TextureWrap* wrap : {&state.texture1_wrap_u, &state.texture1_wrap_v})
             *wrap = static_cast<TextureWrap>(random() % enum_names<TextureWrap>.size());
+          state.texture_lod_bias = static_cast<int>(random() % 64) - 31;
+          state.texture1_lod_bias = static_cast<int>(random() % 64) - 31;
+          state.texture1_level_least = static_cast<int>(random() % 3);
+          state.texture1_level_greatest = static_cast<int>(random() % 6);
+          state.texture1_magnify = static_cast<MagnifyFilter>(random() % enum_names<MagnifyFilter>.size());
           state.texture1_red = static_cast<int>(random() % 256);
           state.texture1_blue = 255;
           state.alpha_func = static_cast<CompareFunc>(random() % enum_names<CompareFunc>.size());

@@ -207,6 +207,53 @@ TimedReport report_of(const Config& config, const Scene& scene, TimedMode mode) 
 
 const std::vector<std::pair<std::string, std::int64_t>> late_tests{{"depth.when", 1}};
 
+// A fragment reads the texels of the filter and of the levels that it takes, by either unit: what fetches the
+// same texels takes the same clocks.
+TEST(EngineSystemc, ReadsTheTexelsOfTheLevelAndFilterTaken) {
+  Config config = shipped_config("depth16");
+  config.filter = TextureFilter::nearest;
+  config.mip = MipMode::linear;
+  config.lod = LodMode::none;
+  const Scene plain = random_scene(3, {.width = 64,
+                                       .height = 48,
+                                       .triangles = 30,
+                                       .size_min = 8,
+                                       .size_max = 60,
+                                       .uv_limit = 40,
+                                       .textures = 2,
+                                       .mip_chains = true});
+  ASSERT_FALSE(plain.textures.empty());
+  using Registers = std::vector<std::pair<std::string, std::int64_t>>;
+  for (const TimedMode mode : {TimedMode::cycle, TimedMode::span}) {
+    for (const bool of_second : {false, true}) {
+      SCOPED_TRACE(of_second);
+      const std::string unit = of_second ? "texture1." : "texture.";
+      const auto report = [&](const Registers& registers) {
+        StateChange change;
+        const auto set = [&](const std::string& key, std::int64_t value) {
+          change.settings.push_back({*find_state_register(key), value});
+        };
+        if (of_second) set("texture1", 0);
+        for (const auto& [key, value] : registers) set(unit + key, value);
+        Scene scene = plain;
+        scene.commands = {{0, change}};
+        const TimedReport r = report_of(config, scene, mode);
+        return std::pair(r.cache_hits + r.cache_misses, r.cycles);
+      };
+      const auto nearest = report({}), bilinear = report({{"filter", 1}});
+      EXPECT_LT(nearest.first, bilinear.first);
+      EXPECT_EQ(report({{"magnify", 2}}), bilinear);
+      EXPECT_EQ(report({{"filter", 1}, {"magnify", 1}}), nearest);
+      EXPECT_EQ(report({{"magnify", 2}, {"level.least", 1}}), report({{"level.least", 1}}));
+      const auto both = report({{"lod.bias", 8}});
+      EXPECT_LT(nearest.first, both.first);
+      EXPECT_EQ(report({{"lod.bias", 8}, {"magnify", 2}}), both);
+      EXPECT_EQ(report({{"lod.bias", 8}, {"level.greatest", 0}}), nearest);
+      EXPECT_EQ(report({{"lod.bias", 8}, {"level.greatest", 0}, {"magnify", 2}}), bilinear);
+    }
+  }
+}
+
 TEST(EngineSystemc, LateTestsByHand) {
   Config config = shipped_config("depth16");
   set_timing(config, 1, 1, 4, {.latency = 1, .width_bytes = 1024});
