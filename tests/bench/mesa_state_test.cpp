@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -31,7 +32,9 @@
 #include <utility>
 #include <vector>
 
+#include "config/modes.hpp"
 #include "engine/registry.hpp"
+#include "model/mip_chain.hpp"
 #include "scene/random.hpp"
 #include "tests/support/long_run.hpp"
 #include "tests/support/test_config.hpp"
@@ -153,6 +156,82 @@ void flip(std::vector<T>& rows, std::size_t row) {
   }
 }
 
+GLint minification(TextureFilter filter, MipMode mip) {
+  const bool weighs = weighs_texels(filter);
+  switch (mip) {
+    case MipMode::none:
+      return weighs ? GL_LINEAR : GL_NEAREST;
+    case MipMode::nearest:
+      return weighs ? GL_LINEAR_MIPMAP_NEAREST : GL_NEAREST_MIPMAP_NEAREST;
+    case MipMode::linear:
+      return weighs ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST_MIPMAP_LINEAR;
+  }
+  unreachable();
+}
+
+// A scene's textures, with bitspan's own levels; each unit has its own copies, as OpenGL keeps a texture's
+// registers with the texture. All wrap modes are cyclic, and the second unit replaces.
+class Textures {
+ public:
+  Textures(const Config& config, const Scene& scene) : config_(config), scene_(scene) {
+    for (std::vector<GLuint>& names : names_) {
+      names.resize(scene.textures.size());
+      glGenTextures(static_cast<GLsizei>(names.size()), names.data());
+      for (std::size_t i = 0; i < names.size(); ++i) {
+        glBindTexture(GL_TEXTURE_2D, names[i]);
+        const model::MipChain chain = model::make_mip_chain(scene.textures[i]);
+        for (std::size_t level = 0; level < chain.size(); ++level) {
+          glTexImage2D(GL_TEXTURE_2D, static_cast<GLint>(level), GL_RGBA8, chain[level].width,
+                       chain[level].height, 0, GL_RGBA, GL_UNSIGNED_BYTE, chain[level].rgba.data());
+        }
+      }
+    }
+  }
+  ~Textures() {
+    for (const std::vector<GLuint>& names : names_)
+      glDeleteTextures(static_cast<GLsizei>(names.size()), names.data());
+  }
+  Textures(const Textures&) = delete;
+  Textures& operator=(const Textures&) = delete;
+
+  // For the triangles that follow.
+  void bind(int texture, const DrawState& s) {
+    of_unit_ = {texture, s.texture1};
+    set(0, first_lookup(s), first_magnified(s), first_levels(s), s.texture_lod_bias);
+    set(1, second_lookup(s), second_magnified(s), second_levels(s), s.texture1_lod_bias);
+    glActiveTexture(GL_TEXTURE0);
+  }
+  void look_up(const Vertex& v) const {
+    for (std::size_t unit = 0; unit < 2; ++unit) {
+      if (of_unit_.at(unit) < 0) continue;
+      const Texture& t = scene_.textures[static_cast<std::size_t>(of_unit_.at(unit))];
+      glMultiTexCoord2d(static_cast<GLenum>(GL_TEXTURE0 + unit), v.u / t.width, v.v / t.height);
+    }
+  }
+
+ private:
+  void set(std::size_t unit, const TexelLookup& by, const TexelLookup& magnified, const LevelRange& range,
+           int bias) const {
+    glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
+    const int texture = of_unit_.at(unit);
+    enable(GL_TEXTURE_2D, texture >= 0);
+    if (texture < 0) return;
+    glTexEnvi(GL_TEXTURE_ENV, GL_TEXTURE_ENV_MODE, unit == 0 ? GL_MODULATE : GL_REPLACE);
+    glBindTexture(GL_TEXTURE_2D, names_.at(unit)[static_cast<std::size_t>(texture)]);
+    const auto parameter = [](GLenum what, float value) { glTexParameterf(GL_TEXTURE_2D, what, value); };
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, minification(by.filter, config_.mip));
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, minification(magnified.filter, MipMode::none));
+    parameter(GL_TEXTURE_LOD_BIAS, static_cast<float>(bias) / 16);
+    parameter(GL_TEXTURE_MIN_LOD, static_cast<float>(range.least));
+    parameter(GL_TEXTURE_MAX_LOD, static_cast<float>(range.greatest));
+  }
+
+  const Config& config_;
+  const Scene& scene_;
+  std::array<std::vector<GLuint>, 2> names_;
+  std::array<int, 2> of_unit_{-1, -1};
+};
+
 // Draws with Mesa in this process, which can have one driver.
 class Mesa {
  public:
@@ -182,14 +261,17 @@ class Mesa {
     glClearStencil(0);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     auto command = scene.commands.begin();
+    Textures textures(config, scene);
     for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
       for (; command != scene.commands.end() && command->before <= i; ++command) {
         state = changed_state(state, std::get<StateChange>(command->what), config);
         apply(state);
       }
+      textures.bind(scene.triangles[i].texture, state);
       glBegin(GL_TRIANGLES);
       for (const Vertex& v : scene.triangles[i].v) {
         glColor4d(v.c[0], v.c[1], v.c[2], v.c[3]);
+        textures.look_up(v);
         glVertex3d(v.x, side - v.y, -v.s / scene.s_max);
       }
       glEnd();
@@ -439,6 +521,7 @@ struct Kind {
   std::function<void(Random&, DrawState&)> registers;
   // Only one triangle of a pixel has these registers, over others whose colours are exact codes.
   bool is_single = false;
+  bool has_levels = false;      // of textures, for which make_levels() draws all registers
   bool has_zero_alpha = false;  // every other triangle has alpha 0, and alpha.zero is keep
 };
 
@@ -494,6 +577,70 @@ Case make_case(const Kind& kind, Random& random, std::uint64_t number, const Con
   return out;
 }
 
+// ---- levels of textures ----
+
+// Two triangles that cover the picture, parallel to it. A step of a pixel is a step of a power of two texels,
+// so that the level of detail is that whole number and the bias. Centres lie well inside of texels. OpenGL
+// leaves open what a least level above the greatest one does.
+Case make_levels(Random& random, const Config& config) {
+  Case out;
+  Scene& scene = out.scene;
+  scene.width = scene.height = side;
+  scene.s_min = 1;
+  scene.s_max = 20;
+  for (const auto& [width, height] : {std::pair{32, 32}, {16, 64}}) {
+    Texture t{"random", width, height, {}};
+    for (int i = 0; i < width * height; ++i) {
+      for (int c = 0; c < 3; ++c) t.rgba.push_back(static_cast<std::uint8_t>(random.integer(64, 191)));
+      t.rgba.push_back(255);
+    }
+    scene.textures.push_back(t);
+  }
+  const auto log2_step = static_cast<int>(random.integer(-2, 3));
+  const double step = std::ldexp(1.0, log2_step);
+  for (int half = 0; half < 2; ++half) {
+    Triangle t;
+    for (std::size_t i = 0; i < 3; ++i) {
+      Vertex& v = t.v.at(i);
+      v.x = i == 1 || (i == 2 && half == 0) ? side : 0;
+      v.y = i == 2 || (i == 1 && half == 1) ? side : 0;
+      v.s = 2;
+      v.u = step * v.x + 0.28125;
+      v.v = step * v.y + 0.28125;
+      v.c = {1, 1, 1, 1};
+    }
+    t.texture = 0;
+    scene.triangles.push_back(t);
+  }
+  DrawState state = first_state(config);
+  state.depth_func = DepthFunc::always;
+  scene.commands = {{0, change_to(state)}};
+  if (random.chance(0.5)) {
+    state.texture1 = 1;
+    state.texture1_op = TextureOp::replace;
+    scene.commands = {{0, change_to(state)}};
+  }
+  out.without = scene;
+  const auto draw = [&](TextureFilter& filter, MagnifyFilter& magnify, std::int32_t& bias,
+                        std::int32_t& least, std::int32_t& greatest) {
+    draw_enum(random, filter);
+    draw_enum(random, magnify);
+    // Neither between two nearest levels nor where a texture begins to be magnified.
+    do {
+      bias = static_cast<std::int32_t>(random.integer(-31, 32));
+    } while ((bias + 16 * log2_step) % 8 == 0);
+    if (random.chance(0.5)) greatest = static_cast<std::int32_t>(random.integer(0, 4));
+    if (random.chance(0.4)) least = static_cast<std::int32_t>(random.integer(0, std::min(greatest, 3)));
+  };
+  draw(state.texture_filter, state.texture_magnify, state.texture_lod_bias, state.texture_level_least,
+       state.texture_level_greatest);
+  draw(state.texture1_filter, state.texture1_magnify, state.texture1_lod_bias, state.texture1_level_least,
+       state.texture1_level_greatest);
+  scene.commands = {{0, change_to(state)}};
+  out.states.push_back(state);
+  return out;
+}
+
 // ---- the comparison ----
 
 // What was compared, over all pictures of a kind.
@@ -532,12 +679,11 @@ void add(Tally& tally, const std::vector<DrawState>& states) {
   }
 }
 
-Tally compare(const Kind& kind, const std::string& driver, std::uint64_t cases) {
+Tally compare(const Kind& kind, const std::string& driver, std::uint64_t cases, const Config& config) {
   if (is_long_run()) cases *= 20;
-  const Config config = shipped_config("depth20");
   const auto make = [&](std::uint64_t number) {
     Random random(seed() * 1'000'003 + number);
-    return make_case(kind, random, number, config);
+    return kind.has_levels ? make_levels(random, config) : make_case(kind, random, number, config);
   };
   MesaChild mesa(driver, config, cases, [&](std::uint64_t number) { return make(number).scene; });
   const std::unique_ptr<Engine> engine = make_engine("model", config);
@@ -585,6 +731,10 @@ Tally compare(const Kind& kind, const std::string& driver, std::uint64_t cases) 
   EXPECT_GE(tally.pixels, (kind.is_single ? 200 : 600) * cases);
   EXPECT_GE(percent(tally.changed), 30);
   return tally;
+}
+
+Tally compare(const Kind& kind, const std::string& driver, std::uint64_t cases) {
+  return compare(kind, driver, cases, shipped_config("depth20"));
 }
 
 // Each value of these registers was drawn.
@@ -655,6 +805,22 @@ TEST(MesaState, LogicOperation) {
 TEST(MesaState, Masks) {
   for (const char* driver : drivers)
     expect_all(compare({"scissor, stipple and colour mask", false, draw_masks}, driver, 60), {"color.write"});
+}
+
+TEST(MesaState, LevelsOfTextures) {
+  for (const MipMode mip : {MipMode::nearest, MipMode::linear}) {
+    Config config = shipped_config("depth20");
+    config.mip = mip;
+    config.lod = LodMode::gradient;
+    for (const char* driver : drivers) {
+      const Kind kind{.name = mip == MipMode::nearest ? "nearest level" : "two levels",
+                      .is_flat = true,
+                      .registers = {},
+                      .has_levels = true};
+      expect_all(compare(kind, driver, 100, config),
+                 {"texture.filter", "texture.magnify", "texture1.filter", "texture1.magnify"});
+    }
+  }
 }
 
 TEST(MesaState, AllTogether) {
