@@ -518,6 +518,71 @@ void add_lookups(std::vector<SuiteFeature>& out) {
   add("texture1_wrap_v", "texture1.wrap.v", cyclic, clamp, true);
 }
 
+// The scene's only texture and another one, whose chain is longer.
+void two_chains(Scene& scene) {
+  two_textures(scene);
+  Texture& own = scene.textures.back();
+  const std::vector<std::uint8_t> given = std::move(own.rgba);
+  own.width = 8;
+  own.height = 32;
+  own.rgba.clear();
+  for (std::size_t i = 0; i < 4U * 8 * 32; ++i) own.rgba.push_back(given[i % given.size()]);
+}
+
+// Which level a unit takes and how it is magnified, as the draw state says.
+void add_level_choices(std::vector<SuiteFeature>& out) {
+  const auto add = [&](std::string name, bool of_second, const Register& changed,
+                       const std::vector<Register>& further) {
+    std::vector<Register> without = further;
+    if (of_second)
+      without.insert(without.end(), {{"texture1", 1}, {"texture1.op", number(TextureOp::replace)}});
+    std::vector<Register> with = without;
+    with.push_back(changed);
+    const bool is_found = changed.first.ends_with(".magnify");
+    SuiteFeature feature{std::move(name),
+                         of_second  ? RecordType::texture_second
+                         : is_found ? RecordType::texture
+                                    : RecordType::lod,
+                         SuiteNeeds::effect, in_state(std::move(with)), in_state(std::move(without))};
+    for (SuiteSetting* setting : {&feature.with, &feature.without}) {
+      *setting = [set = *setting](Config& c, Scene& s) {
+        c.mip = MipMode::linear;
+        c.lod = LodMode::zone_s;
+        c.lod_first = 32768;  // what is nearer than half of s_max has a level of detail of just the bias
+        set(c, s);
+      };
+    }
+    out.push_back(in(std::move(feature), of_second ? two_chains : one_texture));
+  };
+  for (const bool of_second : {false, true}) {
+    const std::string unit = of_second ? "texture1_" : "";
+    const auto key = [&](std::string_view first, std::string_view second) {
+      return of_second ? second : first;
+    };
+    const std::string_view bias = key("texture.lod.bias", "texture1.lod.bias");
+    const std::string_view least = key("texture.level.least", "texture1.level.least");
+    const std::string_view greatest = key("texture.level.greatest", "texture1.level.greatest");
+    const std::string_view filter = key("texture.filter", "texture1.filter");
+    const std::string_view magnify = key("texture.magnify", "texture1.magnify");
+    const std::vector<Register> of_first{{"texture.lod.bias", 5}};  // which the second unit does not have
+    for (const auto& [name, value] : {std::pair{"minus", -13}, {"plus", 21}})
+      add(fmt::format("{}lod_bias.{}", unit, name), of_second, {bias, value},
+          of_second ? of_first : std::vector<Register>{});
+    for (const int level : {1, 3})
+      add(fmt::format("{}level_least.{}", unit, level), of_second, {least, level}, {});
+    for (const int level : {0, 1})
+      add(fmt::format("{}level_greatest.{}", unit, level), of_second, {greatest, level}, {{bias, 25}});
+    add(unit + "level_least.above", of_second, {least, 2}, {{greatest, 1}});
+    for (const MagnifyFilter value : {MagnifyFilter::nearest, MagnifyFilter::bilinear}) {
+      const TextureFilter other =
+          value == MagnifyFilter::nearest ? TextureFilter::bilinear : TextureFilter::nearest;
+      // One of them where the level of detail is 0, the other below.
+      add(fmt::format("{}magnify.{}", unit, to_string(value)), of_second, {magnify, number(value)},
+          {{filter, number(other)}, {bias, value == MagnifyFilter::nearest ? -12 : 0}});
+    }
+  }
+}
+
 void add_second_texture(std::vector<SuiteFeature>& out) {
   const auto with = [](TextureOp op, int scale) {
     return in_state({{"texture1", 1},
@@ -700,6 +765,7 @@ std::vector<SuiteFeature> make_features() {
   add_states(out);
   add_second_texture(out);
   add_lookups(out);
+  add_level_choices(out);
   add_fog_and_merge(out);
   return out;
 }
