@@ -192,7 +192,8 @@ std::int64_t random_value(Random& random, const StateRegister& r, const Scene& s
   if (r.key.ends_with(".magnify")) return random.integer(r.low, options.weighed_texels ? r.high : r.high - 1);
   // A chain of few levels has levels on either side of both ends, and rarely the least one is above the
   // other.
-  if (r.key.ends_with(".level.least")) return random.integer(0, 2);
+  if (r.key.ends_with(".level.least"))
+    return random.chance(0.2) ? random.integer(r.low, r.high) : random.integer(0, 2);
   if (r.key.ends_with(".level.greatest"))
     return random.chance(0.2) ? random.integer(r.low, r.high) : random.integer(0, 5);
   if (r.key == "scissor.left" || r.key == "scissor.top") {
