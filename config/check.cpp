@@ -263,6 +263,11 @@ Result first_violation(const Config& c) {
         "is plane, and const_depth_rows has no row slopes; legal: divide, reciprocal, or another "
         "perspective.mode"};
   }
+  if (has_project(c.project) && !has_projected_code(c.depth_code)) {
+    return Violation{"project.unit",
+                     "is " + std::string(to_string(c.project)) +
+                         ", and forms depth codes of h alone; legal: none, or depth.code = inverse, opengl"};
+  }
   if (c.depth_overflow == Overflow::wrap_sm) {
     return Violation{
         "depth.overflow",

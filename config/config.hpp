@@ -47,6 +47,8 @@ BITSPAN_ENUM(LodMode, none, zone_s, gradient, zone_d, finite);
 BITSPAN_ENUM(FogMode, none, linear, table, distance, log, vertex);
 // The zones of a pixel's distance r from the picture's middle have equal widths in r^2, or in r.
 BITSPAN_ENUM(FogZone, r2, r);
+// The unit that divides the channels project_*: none; one that takes R_pixel of W.
+BITSPAN_ENUM(ProjectUnit, none, reciprocal);
 // A cache between the pixel stages and a buffer: none; one whose writes go on to the memory at once; one that
 // keeps them until the line is replaced.
 BITSPAN_ENUM(BufferCacheMode, none, write_through, write_back);
@@ -201,6 +203,9 @@ struct Config {
   LodMode lod = LodMode::none;
   int lod_bias = 0;      // added to the level, in sixteenths of one
   int lod_first = 4096;  // distance of level 0, in 2^-16 of a normalised s; each further level doubles it
+
+  // [project]
+  ProjectUnit project = ProjectUnit::none;
 
   // [fog]
   FogMode fog = FogMode::table;

@@ -641,6 +641,26 @@ void texture(const Config& c, List& list) {
              F::texture_alpha);
 }
 
+void project(const Config& c, List& list, const Unit& unit) {
+  list.unit(unit);
+  list.product("project", "s = X m 2^-e", {F::project_value, F::span_uv}, nullptr, list.of(F::project_value),
+               unit, F::span_uv);
+  list.product("project", "ratio = (h + B) m 2^-e",
+               {F::span_h, F::setup_b, F::project_value, F::project_ratio}, nullptr,
+               list.of(F::span_h) + list.of(F::setup_b), unit, F::project_ratio);
+  list.value("project", "A = B s_max'", {F::setup_b, F::setup_s, F::distance_a},
+             list.of(F::setup_b) * list.of(F::setup_s), F::distance_a);
+  const Grid h = list.of(F::project_h);
+  list.value("project", "h = A ratio - B", {F::distance_a, F::project_ratio, F::setup_b, F::project_h},
+             list.of(F::distance_a) * list.of(F::project_ratio) - list.of(F::setup_b), F::project_h);
+  if (is_complement_of_h(c.depth_code)) {
+    list.value("project", "z = zmax - h", {F::project_h}, Grid{c.depth_bits, 0, true} - h, c.depth_format(),
+               "depth");
+  } else {
+    list.value("project", "z = h", {F::project_h}, h, c.depth_format(), "depth");
+  }
+}
+
 void texture_second(List& list) {
   const Grid code{8, 0, true};
   const Grid mix = list.of(F::texture_mix);
@@ -732,6 +752,9 @@ std::vector<ExactIntermediate> exact_intermediates(const Config& c) {
   if (has_distance(c)) distance(c, list, pixel_unit);
   if (has_lod(c)) lod(c, list, pixel_unit, neighbour_unit);
   texture(c, list);
+  if (has_project(c.project)) {
+    project(c, list, {"reciprocal.pixel", c.pixel_reciprocal, positive(list.of(F::project_value))});
+  }
   texture_second(list);
   fog(c, list, pixel_unit);
   merge(list);

@@ -356,6 +356,14 @@ constexpr KeyRow rows[] = {
      "it",
      {.presence = Presence::later, .used = reads_zones, .unused = Unused::initial}},
 
+    {"project.unit",
+     MEMBER(project),
+     {},
+     ", reciprocal with depth.code = inverse or opengl",
+     values | rtl,
+     "T14, SH2: no projection; X and Y of the projector, divided by W with R_pixel(W)",
+     {.presence = Presence::later}},
+
     {"fog.mode",
      MEMBER(fog),
      {},

@@ -17,7 +17,7 @@
 
 namespace bitspan {
 
-enum class LineId : std::uint8_t { h, fu, fv, r, g, b, a, fog, count };
+enum class LineId : std::uint8_t { h, fu, fv, r, g, b, a, fog, project_x, project_y, project_w, count };
 inline constexpr int line_count = static_cast<int>(LineId::count);
 // The lines that every triangle has, and those beside them.
 inline constexpr int fixed_lines = static_cast<int>(LineId::fog);
@@ -86,6 +86,17 @@ constexpr Line line_of(LineId id, Perspective perspective) {
                 .gradient = gradient,
                 .row = {step, acc, consumer}};
   };
+  // One that is homogeneous. Its products are walked in the accumulators' format.
+  const auto homogeneous = [&](Line line, LineId divisor) {
+    line.divisor = divisor;
+    line.product = line.edge.acc;
+    return line;
+  };
+  const auto project = [&](std::string_view name, LineId divisor) {
+    return homogeneous(
+        channel(name, F::project_vertex, F::project_step, F::project_acc, F::project_grad, F::project_value),
+        divisor);
+  };
   switch (id) {
     case LineId::h:
       return {.id = id,
@@ -108,6 +119,12 @@ constexpr Line line_of(LineId id, Perspective perspective) {
       return shade("a");
     case LineId::fog:
       return channel("fog", F::fog_vertex, F::fog_step, F::fog_acc, F::fog_grad, F::fog_factor);
+    case LineId::project_x:
+      return project("project_x", LineId::project_w);
+    case LineId::project_y:
+      return project("project_y", LineId::project_w);
+    case LineId::project_w:
+      return project("project_w", LineId::h);
     case LineId::count:
       break;
   }
@@ -130,6 +147,10 @@ constexpr bool has_channel(const Config& config, LineId line) {
       return false;
     case LineId::fog:
       return has_vertex_fog(config.fog);
+    case LineId::project_x:
+    case LineId::project_y:
+    case LineId::project_w:
+      return has_project(config.project);
   }
   unreachable();
 }

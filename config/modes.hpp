@@ -713,6 +713,33 @@ constexpr bool has_pixel_zones(const Config& config) {
   return has_fog_table(config.fog) || has_true_distance(config);
 }
 
+// ---------------------------------------------------------------- projection
+
+// The stage project divides X and Y by W.
+constexpr bool has_project(ProjectUnit unit) {
+  switch (unit) {
+    case ProjectUnit::reciprocal:
+      return true;
+    case ProjectUnit::none:
+      return false;
+  }
+  unreachable();
+}
+
+// The stage project forms the depth code of a fragment that is seen from elsewhere.
+constexpr bool has_projected_code(DepthCode code) {
+  switch (code) {
+    case DepthCode::inverse:
+    case DepthCode::opengl:
+      return true;
+    case DepthCode::linear:
+    case DepthCode::w_float:
+    case DepthCode::float_dz:
+      return false;
+  }
+  unreachable();
+}
+
 // ---------------------------------------------------------------- memory
 
 // There is a cache in front of the buffer.

@@ -224,6 +224,7 @@ class RangeCheck {
   // The first triangle has index `first`.
   void look(std::span<const Triangle> triangles, std::int64_t first, RangeBy by) {
     if (view_.fog && has_vertex_fog(c_.fog)) vertex_fog(triangles, first);
+    if (view_.projector && has_project(c_.project)) vertex_projection(triangles, first);
     if (by == RangeBy::bounds && surely_held(triangles)) return;
     for (const Triangle& t : triangles) triangle(t, first++);
   }
@@ -314,44 +315,58 @@ class RangeCheck {
     return "no fraction of up to 64 bits is enough";
   }
 
-  void constants() {
-    if (!(std::isfinite(view_.s_min) && std::isfinite(view_.s_max) && view_.s_min > 0 &&
-          view_.s_min < view_.s_max)) {
-      fail("s_min, s_max",
-           "are " + number(view_.s_min) + ", " + number(view_.s_max) + "; legal: finite, 0 < s_min < s_max");
+  // A range of distances as an eye's registers hold it.
+  struct Eye {
+    int exponent = 0;  // E
+    Real s_min = 0, s_max = 0, b = 0;
+  };
+  // whose: in front of the names s_min and s_max.
+  Eye eye(double least, double most, const std::string& whose) {
+    const std::string names = whose + "s_min, " + whose + "s_max";
+    if (!(std::isfinite(least) && std::isfinite(most) && least > 0 && least < most)) {
+      fail(names, "are " + number(least) + ", " + number(most) + "; legal: finite, 0 < s_min < s_max");
     }
     int e = 0;
-    if (std::frexp(view_.s_max, &e) == 0.5) --e;  // the smallest e with s_max <= 2^e
-    exponent_ = e;
-    const Real s_min = std::ldexp(static_cast<Real>(view_.s_min), -e);
-    const Real s_max = std::ldexp(static_cast<Real>(view_.s_max), -e);
+    if (std::frexp(most, &e) == 0.5) --e;  // the smallest e with s_max <= 2^e
+    const Real s_min = std::ldexp(static_cast<Real>(least), -e);
+    const Real s_max = std::ldexp(static_cast<Real>(most), -e);
     add(F::setup_s, s_min, kNoTriangle);
     add(F::setup_s, s_max, kNoTriangle);
     report(F::setup_s);
-    s_min_ = q(F::setup_s, s_min);
-    s_max_ = q(F::setup_s, s_max);
-    if (!(s_min_ > 0 && s_min_ < s_max_)) {
-      fail("formats.setup.s", "too coarse: s_min and s_max, " + number(s_min) + " and " + number(s_max) +
-                                  " of " + "2^" + std::to_string(e) + ", become " + number(s_min_) + " and " +
-                                  number(s_max_) + "; legal: 0 < s_min' < s_max'; " +
+    Eye out{.exponent = e, .s_min = q(F::setup_s, s_min), .s_max = q(F::setup_s, s_max)};
+    if (!(out.s_min > 0 && out.s_min < out.s_max)) {
+      fail("formats.setup.s", "too coarse: " + whose + "s_min and " + whose + "s_max, " + number(s_min) +
+                                  " and " + number(s_max) + " of " + "2^" + std::to_string(e) + ", become " +
+                                  number(out.s_min) + " and " + number(out.s_max) +
+                                  "; legal: 0 < s_min' < s_max'; " +
                                   fraction_needed(format(F::setup_s), [&](const Format& f) {
                                     const Real low = quantised(s_min, f);
                                     return low > 0 && low < quantised(s_max, f);
                                   }));
     }
     const Real hmax = std::ldexp(1.0L, c_.depth_bits) - 1;
-    const Real b = hmax * s_min_ / (s_max_ - s_min_);
+    const Real b = hmax * out.s_min / (out.s_max - out.s_min);
     add(F::setup_b, b, kNoTriangle);
     report(F::setup_b);
-    b_ = q(F::setup_b, b);
-    if (!(b_ > 0)) {
+    out.b = q(F::setup_b, b);
+    if (!(out.b > 0)) {
       fail("formats.setup.b",
-           "too coarse: B, " + number(b) + ", becomes " + number(b_) + "; legal: B > 0; " +
+           "too coarse: B, " + number(b) + ", becomes " + number(out.b) + "; legal: B > 0; " +
                fraction_needed(format(F::setup_b), [&](const Format& f) { return quantised(b, f) > 0; }));
     }
+    return out;
+  }
+
+  void constants() {
+    const Eye own = eye(view_.s_min, view_.s_max, "");
+    exponent_ = own.exponent;
+    s_min_ = own.s_min;
+    s_max_ = own.s_max;
+    b_ = own.b;
+    const Real hmax = std::ldexp(1.0L, c_.depth_bits) - 1;
     if (is_linear_in_distance(c_.depth_code)) {
       add(F::depth_c1, hmax * b_ * s_max_ / (s_max_ - s_min_), kNoTriangle);
-      add(F::depth_c0, b, kNoTriangle);
+      add(F::depth_c0, hmax * s_min_ / (s_max_ - s_min_), kNoTriangle);
     }
     if (has_s(c_)) {
       add(F::distance_a, b_ * s_max_, kNoTriangle);
@@ -364,6 +379,14 @@ class RangeCheck {
       const Interval g{1, std::sqrt(1 + (x * x + y * y) / (focal * focal))};
       add(F::distance_g, g, kNoTriangle);
       add(F::distance_d, Interval{s_min_, s_max_ * g.hi}, kNoTriangle);
+    }
+    if (view_.projector && has_project(c_.project)) {
+      const Eye of = eye(view_.projector->s_min, view_.projector->s_max, "projector.");
+      projector_exponent_ = of.exponent;
+      // A fragment nearer than s_min, or behind the projector, is meant to leave these ranges.
+      add(F::distance_a, of.b * of.s_max, kNoTriangle);
+      add(F::project_ratio, Interval{1 / of.s_max, 1 / of.s_min}, kNoTriangle);
+      add_depth(F::project_h, {0, of.b * (of.s_max - of.s_min) / of.s_min}, 0);
     }
     if (view_.fog && is_linear_in_distance(c_.fog)) linear_fog();
     if (!view_.fog || !has_fog(c_.fog)) add(F::fog_factor, 1, kNoTriangle);
@@ -392,6 +415,26 @@ class RangeCheck {
         add(F::fog_vertex, factor, index);
         add(F::fog_acc, q(F::fog_vertex, factor), index);
         add(F::fog_factor, kept, index);
+      }
+      ++index;
+    }
+  }
+
+  // The products are linear on the screen, so that what lies at the vertices bounds them.
+  void vertex_projection(std::span<const Triangle> triangles, std::int64_t index) {
+    for (const Triangle& triangle : triangles) {
+      std::array<Point, 3> p{};
+      for (std::size_t i = 0; i < 3; ++i) p[i] = vertex(triangle.v[i], index);
+      const bool recorded = area_of(p) != 0;
+      for (std::size_t i = 0; recorded && i < 3; ++i) {
+        const Vertex& v = triangle.v[i];
+        for (const double at : {v.project_x, v.project_y, v.project_w}) {
+          const Real w = std::ldexp(static_cast<Real>(at), -projector_exponent_);
+          const Real product = q(F::project_vertex, w) * (p[i].h + b_);
+          add(F::project_vertex, w, index);
+          add(F::project_acc, product, index);
+          add(F::project_value, q(F::project_acc, product), index);
+        }
       }
       ++index;
     }
@@ -435,6 +478,10 @@ class RangeCheck {
     std::array<Real, 4> c;
   };
 
+  static Real area_of(const std::array<Point, 3>& p) {
+    return (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
+  }
+
   Point vertex(const Vertex& v, std::int64_t triangle) {
     const auto finite = [&](double value, const char* name) {
       if (!std::isfinite(value))
@@ -470,8 +517,7 @@ class RangeCheck {
     for (std::size_t i = 0; i < 3; ++i) p[i] = vertex(corners.v[i], index);
     std::ranges::stable_sort(
         p, [](const Point& a, const Point& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
-    const Real area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
-    if (area == 0) return;  // delivers no record
+    if (area_of(p) == 0) return;  // delivers no record
     for (Point& v : p) {
       for (Real& t : v.uv) {
         add(F::setup_uv, t, index);
@@ -736,6 +782,7 @@ class RangeCheck {
   const std::string name_;
   std::array<Range, format_count> ranges_{};
   int exponent_ = 0;
+  int projector_exponent_ = 0;  // of a view with a projector
   Real s_min_ = 0;
   Real s_max_ = 0;
   Real b_ = 0;

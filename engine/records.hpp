@@ -206,6 +206,12 @@ std::optional<Format> format_of(const Field& field, const Config& config, std::i
   F(r, texture_color) F(g, texture_color) F(b, texture_color) F(a, texture_alpha)                          \
   I(killed) /* transparent code or alpha 0 */
 
+// project: one per fragment that the second texture unit takes; only while its coordinates are projected.
+#define BITSPAN_PROJECT_RECORD(F, I, K)                                                                    \
+  I(triangle) I(x) I(y) K(recip_m, pixel_mantissa) I(recip_e) /* of W */                                   \
+  F(s, span_uv) F(t, span_uv) F(ratio, project_ratio) F(h, project_h) K(z, depth_code)                     \
+  I(inside) /* 1: in front of the projector, and within its texture */
+
 // texture.second: one per fragment that the first unit does not kill; only while texture1 is on.
 #define BITSPAN_TEXTURE_SECOND_RECORD(F, I, K)                                                             \
   I(triangle) I(x) I(y) I(level) F(f, lod_frac) /* of the unit's own chain */                              \

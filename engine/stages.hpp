@@ -54,8 +54,9 @@ inline constexpr std::optional<Stage> no_clock;
   ROW(X, StencilRecord,   BITSPAN_STENCIL_RECORD,   "stencil",        stencil,   Stage::depth,      pixel,    fragment, depth) \
   ROW(X, DistanceRecord,  BITSPAN_DISTANCE_RECORD,  "distance",       distance,  Stage::depth,      pixel,    fragment, depth) \
   ROW(X, LodRecord,       BITSPAN_LOD_RECORD,       "lod",            lod,       Stage::depth,      pixel,    gradient, fragment, depth, distance) \
+  ROW(X, ProjectRecord,   BITSPAN_PROJECT_RECORD,   "project",        project,   Stage::depth,      pixel,    fragment, fragment_channel) \
   ROW(X, TextureRecord,   BITSPAN_TEXTURE_RECORD,   "texture",        texture,   Stage::texture,    pixel,    fragment, depth, lod) \
-  ROW(X, TextureSecondRecord, BITSPAN_TEXTURE_SECOND_RECORD, "texture.second", texture_second, Stage::texture, pixel, fragment, depth, lod, texture) \
+  ROW(X, TextureSecondRecord, BITSPAN_TEXTURE_SECOND_RECORD, "texture.second", texture_second, Stage::texture, pixel, fragment, depth, lod, project, texture) \
   ROW(X, FogRecord,       BITSPAN_FOG_RECORD,       "fog",            fog,       Stage::fog,        pixel,    fragment, fragment_channel, distance, texture, texture_second) \
   ROW(X, MergeRecord,     BITSPAN_MERGE_RECORD,     "merge",          merge,     Stage::merge,      pixel,    depth, texture, texture_second, fog) \
   ROW(X, MergeAlphaRecord, BITSPAN_MERGE_ALPHA_RECORD, "merge.alpha", merge_alpha, Stage::merge,    pixel,    merge)
@@ -116,7 +117,8 @@ constexpr const StageRow& row_of(RecordType type) { return stage_table[static_ca
 constexpr bool is_switched(RecordType type) {
   return type == RecordType::state || type == RecordType::gradient || type == RecordType::setup_plane ||
          type == RecordType::stencil || type == RecordType::distance || type == RecordType::lod ||
-         type == RecordType::texture_second || type == RecordType::merge_alpha || row_of(type).per_channel();
+         type == RecordType::project || type == RecordType::texture_second ||
+         type == RecordType::merge_alpha || row_of(type).per_channel();
 }
 
 }  // namespace bitspan

@@ -11,6 +11,10 @@ bool asks_for(const Scene& scene, LineId channel) {
   switch (channel) {
     case LineId::fog:
       return scene.fog.has_value();
+    case LineId::project_x:
+    case LineId::project_y:
+    case LineId::project_w:
+      return scene.projector.has_value();
     case LineId::h:
     case LineId::fu:
     case LineId::fv:
@@ -36,10 +40,20 @@ std::vector<LineId> channels_in_use(const Config& config, const Scene& scene) {
 
 std::int64_t channel_at(LineId channel, const Vertex& vertex, const Constants& constants,
                         const Quantizer<Quad>& q) {
+  // Any double by any power of two of doubles is exact in Quad.
+  const auto projected = [&](double w) {
+    return q.raw(q(Quad(w) * scalbnq(1, -constants.projector.value().s_exponent)));
+  };
   switch (channel) {
     case LineId::fog:
       if (vertex.fog >= 0) return q.raw(q(Quad(vertex.fog)));
       return faded(q, Quad(vertex.s), Quad(constants.fog_distance));
+    case LineId::project_x:
+      return projected(vertex.project_x);
+    case LineId::project_y:
+      return projected(vertex.project_y);
+    case LineId::project_w:
+      return projected(vertex.project_w);
     case LineId::h:
     case LineId::fu:
     case LineId::fv:

@@ -2,6 +2,7 @@
 // Stage `constants`: computed once per scene.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "config/config.hpp"
@@ -11,14 +12,23 @@
 
 namespace bitspan::golden {
 
-struct Constants {
-  ConstantsRecord record;
-  int s_exponent = 0;            // E: s is normalised by 2^-E
-  std::vector<LineId> channels;  // those in use
-  double fog_distance = 1;       // DT, where the scene has fog
+// What the range of a projector's distances gives, as the view's range does.
+struct ProjectorConstants {
+  int s_exponent = 0;      // E_p
+  std::int64_t s_max = 0;  // s_max', raw on setup.s
+  std::int64_t b = 0;      // B_p, raw on setup.b
 };
 
-// Throws InputError where the scene's range of s, or its fog distance, does not fit the formats.
+struct Constants {
+  ConstantsRecord record;
+  int s_exponent = 0;                           // E: s is normalised by 2^-E
+  std::vector<LineId> channels;                 // those in use
+  double fog_distance = 1;                      // DT, where the scene has fog
+  std::optional<ProjectorConstants> projector;  // where the scene has one, and the configuration its unit
+};
+
+// Throws InputError where the scene's range of s, its projector's, or its fog distance does not fit the
+// formats.
 Constants make_constants(const Config& config, const Scene& scene);
 
 }  // namespace bitspan::golden

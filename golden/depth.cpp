@@ -13,6 +13,20 @@ namespace bitspan::golden {
 
 namespace {
 
+// Whether the code z belongs to a nearer point than `other`.
+bool nearer(DepthCode code, std::int64_t z, std::int64_t other) {
+  switch (code) {
+    case DepthCode::inverse:
+      return z > other;
+    case DepthCode::linear:
+    case DepthCode::opengl:
+    case DepthCode::w_float:
+    case DepthCode::float_dz:
+      return z < other;
+  }
+  unreachable();
+}
+
 template <class Real>
 class Depth {
  public:
@@ -56,7 +70,7 @@ class Depth {
         for (DepthRecord& record : records) code(record);
       }
       if (state.depth_bias != 0) {
-        for (DepthRecord& record : records) record.z = biased(record.z, state.depth_bias);
+        for (DepthRecord& record : records) record.z = biased_code(record.z, state.depth_bias, bits_);
       }
       if (has_dz(code_)) {
         const int dz = log2_of_dz(gradient);
@@ -67,53 +81,12 @@ class Depth {
         continue;
       }
       for (DepthRecord& record : records) {
-        record.pass = passes(state.depth_func, record.z, record.stored) ? 1 : 0;
+        record.pass = passes_depth(code_, state.depth_func, record.z, record.stored) ? 1 : 0;
       }
     }
   }
 
  private:
-  // Whether the code z belongs to a nearer point than `other`.
-  bool nearer(std::int64_t z, std::int64_t other) const {
-    switch (code_) {
-      case DepthCode::inverse:
-        return z > other;
-      case DepthCode::linear:
-      case DepthCode::opengl:
-      case DepthCode::w_float:
-      case DepthCode::float_dz:
-        return z < other;
-    }
-    unreachable();
-  }
-  std::int64_t biased(std::int64_t z, std::int64_t bias) const {
-    const auto largest = static_cast<std::int64_t>(base_of(z_max_));
-    const std::int64_t moved = z + bias;
-    return moved < 0 ? 0 : moved > largest ? largest : moved;
-  }
-  // The depth comparison.
-  bool passes(DepthFunc func, std::int64_t z, std::int64_t stored) const {
-    switch (func) {
-      case DepthFunc::never:
-        return false;
-      case DepthFunc::less:
-        return nearer(z, stored);
-      case DepthFunc::equal:
-        return z == stored;
-      case DepthFunc::lequal:
-        return z == stored || nearer(z, stored);
-      case DepthFunc::greater:
-        return nearer(stored, z);
-      case DepthFunc::notequal:
-        return z != stored;
-      case DepthFunc::gequal:
-        return z == stored || nearer(stored, z);
-      case DepthFunc::always:
-        return true;
-    }
-    unreachable();
-  }
-
   // The depth comparison of two words of float_dz, each taken apart.
   bool passes_within(DepthFunc func, std::int64_t word, std::int64_t stored) const {
     const auto [z, dz] = unpacked(word, bits_);
@@ -229,6 +202,32 @@ class Depth {
 };
 
 }  // namespace
+
+std::int64_t biased_code(std::int64_t z, std::int64_t bias, int depth_bits) {
+  return std::clamp<std::int64_t>(z + bias, 0, (std::int64_t{1} << depth_bits) - 1);
+}
+
+bool passes_depth(DepthCode code, DepthFunc func, std::int64_t z, std::int64_t stored) {
+  switch (func) {
+    case DepthFunc::never:
+      return false;
+    case DepthFunc::less:
+      return nearer(code, z, stored);
+    case DepthFunc::equal:
+      return z == stored;
+    case DepthFunc::lequal:
+      return z == stored || nearer(code, z, stored);
+    case DepthFunc::greater:
+      return nearer(code, stored, z);
+    case DepthFunc::notequal:
+      return z != stored;
+    case DepthFunc::gequal:
+      return z == stored || nearer(code, stored, z);
+    case DepthFunc::always:
+      return true;
+  }
+  unreachable();
+}
 
 DepthStage make_depth(Arithmetic arithmetic, const Config& config, const Constants& constants) {
   // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): see with_real.hpp

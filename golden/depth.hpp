@@ -19,6 +19,11 @@ using DepthStage =
                        std::span<const std::uint32_t> stored, int width, std::vector<DepthRecord>& out)>;
 DepthStage make_depth(Arithmetic arithmetic, const Config& config, const Constants& constants);
 
+// z + bias, held within the codes.
+std::int64_t biased_code(std::int64_t z, std::int64_t bias, int depth_bits);
+// The depth comparison of two codes, other than the words of float_dz.
+bool passes_depth(DepthCode code, DepthFunc func, std::int64_t z, std::int64_t stored);
+
 // Returns the code that the depth buffer holds before the first fragment.
 std::int64_t clear_depth(const Config& config);
 

@@ -17,6 +17,7 @@
 #include "golden/mip_chain.hpp"
 #include "golden/plane_walk.hpp"
 #include "golden/precision.hpp"
+#include "golden/project.hpp"
 #include "golden/setup.hpp"
 #include "golden/setup_plane.hpp"
 #include "golden/span.hpp"
@@ -166,6 +167,9 @@ class GoldenEngine final : public Engine, public RowEngine {
     }
     if (has_lod(config_)) {
       lod_ = make_lod(with(precision_.lod), config_, constants_);
+    }
+    if (has_project(config_.project)) {
+      project_ = make_project(with(precision_.project), config_, constants_);
     }
     depth_ = make_depth(with(precision_.depth), config_, constants_);
     fog_ = make_fog(with(precision_.fog), config_, constants_, scene);
@@ -348,8 +352,7 @@ class GoldenEngine final : public Engine, public RowEngine {
 
     alive_channels_.clear();
     for (std::size_t i = 0; i < alive_.size() && !constants_.channels.empty(); ++i) {
-      const auto at = static_cast<std::size_t>(alive_[i] - fragments.data());
-      alive_channels_.push_back(&out.fragment_channel[first_channel_ + at * constants_.channels.size()]);
+      alive_channels_.push_back(channels_of(*alive_[i], out));
     }
     const std::size_t first_fog = out.fog.size();
     fog_(alive_, textures_, distances_, alive_channels_, out.fog);
@@ -371,6 +374,12 @@ class GoldenEngine final : public Engine, public RowEngine {
     if (&out == &unkept_) out.clear_pixels();
     first_ = out.fragment.size();
     first_channel_ = out.fragment_channel.size();
+  }
+
+  // The first of the channels in use of a fragment in out.
+  const FragmentChannelRecord* channels_of(const FragmentRecord& fragment, const Trace& out) const {
+    const auto at = static_cast<std::size_t>(&fragment - &out.fragment[first_]);
+    return &out.fragment_channel[first_channel_ + at * constants_.channels.size()];
   }
 
   // Leaves in alive_, depths_ and textures_ what passes the tests. `all`: the fragments of which `covered`
@@ -452,17 +461,22 @@ class GoldenEngine final : public Engine, public RowEngine {
     std::vector<const FragmentRecord*> fragments;
     std::vector<const TextureRecord*> before;
     std::vector<const LodRecord*> levels;
+    std::vector<const FragmentChannelRecord*> channels;
     for (std::size_t i = 0; i < firsts.size(); ++i) {
       if (firsts[i].killed == 1) continue;
       fragments.push_back(alive_[i]);
       before.push_back(&firsts[i]);
       if (!lods.empty()) levels.push_back(&lods[i]);
+      if (!constants_.channels.empty()) channels.push_back(channels_of(*alive_[i], out));
     }
     std::size_t next = out.texture_second.size();
     const auto index = static_cast<std::size_t>(state_.texture1);
     const std::span<const Texture> images =
         has_lod(config_) ? std::span<const Texture>(levels_[index]) : std::span(&scene_->textures[index], 1);
-    texture_second_(fragments, before, levels, images, state_, out.texture_second);
+    const std::size_t first_project = out.project.size();
+    if (is_projected(state_)) project_(fragments, channels, images.front(), out.project);
+    texture_second_(fragments, before, levels, std::span(out.project).subspan(first_project), images, state_,
+                    out.texture_second);
     combined_.assign(firsts.begin(), firsts.end());
     for (TextureRecord& record : combined_) {
       if (record.killed == 1) continue;
@@ -497,6 +511,7 @@ class GoldenEngine final : public Engine, public RowEngine {
   LodStage lod_;
   TextureStage texture_;
   MipTextureStage mip_texture_;
+  ProjectStage project_;
   TextureSecondStage texture_second_;
   FogStage fog_;
   MergeStage merge_;

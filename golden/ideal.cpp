@@ -37,12 +37,16 @@ IdealPoint blend(const Config& config, const Scene& scene, const IdealTriangle& 
   long double u = 0;
   long double v = 0;
   std::array<long double, 4> c{};
+  std::array<long double, 3> project{};
   for (std::size_t i = 0; i < 3; ++i) {
     const Corner& corner = t.v[i];
     const long double share = weight[i] / corner.s;
     q += share;
     u += share * corner.u;
     v += share * corner.v;
+    project[0] += share * corner.given.project_x;
+    project[1] += share * corner.given.project_y;
+    project[2] += share * corner.given.project_w;
     for (std::size_t j = 0; j < 4; ++j) c[j] += weight[i] * corner.c[j];
   }
   IdealPoint out;
@@ -55,6 +59,7 @@ IdealPoint blend(const Config& config, const Scene& scene, const IdealTriangle& 
   out.s = static_cast<double>(1 / q);
   out.u = static_cast<double>(u / q);
   out.v = static_cast<double>(v / q);
+  for (std::size_t j = 0; j < 3; ++j) out.project[j] = static_cast<double>(project[j] / q);
   for (std::size_t j = 0; j < 4; ++j) out.shade[j] = static_cast<double>(c[j]);
   return out;
 }
@@ -73,11 +78,27 @@ IdealPoint point_at_centre(const Config& config, const Scene& scene, const Ideal
 
 using Texel = std::array<double, 4>;  // colour codes, and alpha 0..1
 
+// The depth comparison. h falls with distance, whatever the depth code is.
+bool passes(DepthFunc func, double h, double stored_h) {
+  const PassingDistances passing = passing_distances(func);
+  if (h == stored_h) return passing.equal;
+  return h > stored_h ? passing.nearer : passing.farther;
+}
+
+// A fragment's code in front of a shadow map, whose texels become white or the constant colour.
+struct ShadowTest {
+  DepthFunc func{};
+  double z = 0;  // with its bias
+  std::array<std::uint8_t, 4> constant{};
+};
+
 class Sampler {
  public:
-  // state: for its chroma range; null for the second texture unit, which has no transparent texels.
-  Sampler(const Config& config, const TexelLookup& by, const DrawState* state, const Texture& texture)
-      : config_(config), by_(by), state_(state), texture_(texture) {}
+  // state: for its chroma range; null for the second texture unit, which has no transparent texels. shadow:
+  // null where texels are not compared.
+  Sampler(const Config& config, const TexelLookup& by, const DrawState* state, const Texture& texture,
+          const ShadowTest* shadow = nullptr)
+      : config_(config), by_(by), state_(state), texture_(texture), shadow_(shadow) {}
 
   // Gives false where the transparent code kills the fragment.
   bool sample(double u, double v, Texel& out) const {
@@ -135,7 +156,13 @@ class Sampler {
     const double column = wrapped(i, texture_.width, by_.wrap_u);
     const double row = wrapped(j, texture_.height, by_.wrap_v);
     if (column < 0 || row < 0 || column >= texture_.width || row >= texture_.height) return config_.border;
-    return golden::fetch_texel(texture_, static_cast<std::int64_t>(column), static_cast<std::int64_t>(row));
+    const auto at_i = static_cast<std::int64_t>(column), at_j = static_cast<std::int64_t>(row);
+    if (shadow_ == nullptr) return golden::fetch_texel(texture_, at_i, at_j);
+    const double word = static_cast<double>(golden::depth_word(texture_, at_i, at_j));
+    const double stored = std::floor(std::ldexp(word, config_.depth_bits - 32));
+    const double sign = nearer_is_larger(config_.depth_code) ? 1 : -1;
+    return passes(shadow_->func, sign * shadow_->z, sign * stored) ? Codes{255, 255, 255, 255}
+                                                                   : shadow_->constant;
   }
   static Texel texel(const Codes& c) { return {double(c[0]), double(c[1]), double(c[2]), c[3] / 255.0}; }
   bool reserved(const Codes& c) const {
@@ -163,6 +190,7 @@ class Sampler {
   TexelLookup by_;
   const DrawState* state_;
   const Texture& texture_;
+  const ShadowTest* shadow_;
 };
 
 // The distance from the viewer.
@@ -275,13 +303,6 @@ double rounded_word(const Config& config, double z, int dz) {
   return std::ldexp(code, dz_bits) + dz;
 }
 
-// The depth comparison. h falls with distance, whatever the depth code is.
-bool passes(DepthFunc func, double h, double stored_h) {
-  const PassingDistances passing = passing_distances(func);
-  if (h == stored_h) return passing.equal;
-  return h > stored_h ? passing.nearer : passing.farther;
-}
-
 // The largest derivative of u and v along x and y, texels per pixel; or the largest difference to the pixels
 // right and below.
 double largest_derivative(const IdealTriangle& t, const IdealPoint& point, bool to_neighbours) {
@@ -375,13 +396,39 @@ bool sample_texture(const Config& config, const Unit& unit, const DrawState* sta
                        point.u, point.v, out);
 }
 
+// The second texture unit, at its place in the projector's texture.
+Texel projected_texel(const Config& config, const DrawState& state, const Scene& scene,
+                      const IdealPoint& point) {
+  const Texture& texture = scene.textures.at(static_cast<std::size_t>(state.texture1));
+  const auto code = [](std::int32_t k) { return static_cast<std::uint8_t>(k); };
+  ShadowTest shadow{
+      .func = state.texture1_func,
+      .constant = {code(state.texture1_red), code(state.texture1_green), code(state.texture1_blue), 255}};
+  const auto place = ideal_projection(config, scene, point);
+  if (!place || place->s < 0 || place->t < 0 || place->s >= texture.width || place->t >= texture.height) {
+    if (state.texture1_outside == ProjectOutside::lit) return {255, 255, 255, 1};
+    return {double(shadow.constant[0]), double(shadow.constant[1]), double(shadow.constant[2]), 1};
+  }
+  const auto z_max = static_cast<double>(h_max(config));
+  shadow.z = std::clamp(place->z + state.texture1_bias, 0.0, z_max);
+  const bool compares = state.texture1_compare && texture.format == TexelFormat::depth;
+  Texel out{};
+  Sampler(config, second_lookup(state), nullptr, texture, compares ? &shadow : nullptr)
+      .sample(place->s, place->t, out);
+  return out;
+}
+
 // The second texture unit.
 void combine(const Config& config, const DrawState& state, const Scene& scene,
              const golden::SceneLevels* levels, IdealFragment& out) {
   Texel texel{};
-  const double lambda = out.lambda + (state.texture1_lod_bias - state.texture_lod_bias) / 16.0;
-  sample_texture(config, second_unit(state), nullptr, scene, static_cast<std::size_t>(state.texture1), levels,
-                 lambda, out.point, texel);
+  if (is_projected(state)) {
+    texel = projected_texel(config, state, scene, out.point);
+  } else {
+    const double lambda = out.lambda + (state.texture1_lod_bias - state.texture_lod_bias) / 16.0;
+    sample_texture(config, second_unit(state), nullptr, scene, static_cast<std::size_t>(state.texture1),
+                   levels, lambda, out.point, texel);
+  }
   const std::array<int, 3> constants{state.texture1_red, state.texture1_green, state.texture1_blue};
   for (std::size_t c = 0; c < 3; ++c) {
     const auto sum = golden::combined_color<double>(state.texture1_op, out.color[c], texel[c], texel[c] / 255,
@@ -682,6 +729,16 @@ class IdealEngine final : public Engine {
 };
 
 }  // namespace
+
+std::optional<IdealProjection> ideal_projection(const Config& config, const Scene& scene,
+                                                const IdealPoint& point) {
+  const auto [x, y, w] = point.project;
+  if (!scene.projector || !(w > 0)) return std::nullopt;
+  const auto h = static_cast<double>(
+      golden::depth_code(config, scene.projector->s_min, scene.projector->s_max, 1.0L / w));
+  const auto z_max = static_cast<double>(h_max(config));
+  return IdealProjection{x / w, y / w, w, h, is_complement_of_h(config.depth_code) ? z_max - h : h};
+}
 
 IdealPoint ideal_point(const Config& config, const Scene& scene, const IdealTriangle& triangle, double x,
                        double y) {

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "config/config.hpp"
@@ -22,13 +23,25 @@ namespace bitspan {
 
 // The surface's values at a point of the picture.
 struct IdealPoint {
-  double x = 0, y = 0;            // pixels
-  double h = 0;                   // depth code D1, of hmax = 2^depth.bits - 1
-  double s = 0;                   // distance, in the scene's unit
-  double u = 0, v = 0;            // texels
-  std::array<double, 4> shade{};  // red, green, blue, alpha, 0..1
-  Attributes given;               // of given_attributes, linear on the screen
+  double x = 0, y = 0;              // pixels
+  double h = 0;                     // depth code D1, of hmax = 2^depth.bits - 1
+  double s = 0;                     // distance, in the scene's unit
+  double u = 0, v = 0;              // texels
+  std::array<double, 4> shade{};    // red, green, blue, alpha, 0..1
+  Attributes given;                 // of given_attributes, linear on the screen
+  std::array<double, 3> project{};  // X, Y and W of given_attributes, linear in space
 };
+
+// Where a point lies in the texture of the scene's projector, and its depth code from there.
+struct IdealProjection {
+  double s = 0, t = 0;  // texels
+  double w = 0;         // the distance along the projector's axis, in the scene's unit
+  double h = 0;         // depth code D1
+  double z = 0;         // the configured depth code, in front of the bias
+};
+// None behind the projector, and in a scene without one.
+std::optional<IdealProjection> ideal_projection(const Config& config, const Scene& scene,
+                                                const IdealPoint& point);
 
 // Returns the values anywhere on the triangle's plane in front of the eye.
 IdealPoint ideal_point(const Config& config, const Scene& scene, const IdealTriangle& triangle, double x,

@@ -19,6 +19,10 @@ constexpr std::int64_t channel_of(LineId id) { return static_cast<std::int64_t>(
 // is divided by is its consumer's.
 constexpr bool is_divided(const Line& line) { return line.is_homogeneous() && !is_channel(line.id); }
 
+// What a line is walked from: a vertex of a fixed line, whose numerators its stages form anew; what
+// setup.channel has of a channel.
+constexpr FormatId walked_from(const Line& line) { return is_channel(line.id) ? line.walked() : line.vertex; }
+
 // The lines of a triangle, in their order; channels: those in use.
 inline std::vector<Line> lines_of(const Config& config, const std::vector<LineId>& channels = {}) {
   std::vector<Line> out;

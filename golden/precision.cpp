@@ -240,6 +240,7 @@ class Chooser {
     if (has_distance(c_)) out_.distance = distance();
     if (has_lod(c_)) out_.lod = lod();
     out_.texture = texture();
+    if (has_project(c_.project)) out_.project = project();
     out_.texture_second = texture_second();
     out_.fog = fog();
     out_.merge = merge();
@@ -258,7 +259,7 @@ class Chooser {
   }
   // The line as it stands in an expression; w: fu or u.
   static std::string name(const Line& line, const std::string& w) {
-    return line.product ? w : std::string(line.name);
+    return line.product && !is_channel(line.id) ? w : std::string(line.name);
   }
   Range reg(StageNeeds& s, FormatId id) const { return s.reg(name(id), f(id)); }
   Range depth_sum(StageNeeds& s, Range h) const { return s.exact("h + B", sum(h, b_)); }
@@ -347,6 +348,7 @@ class Chooser {
     for (const Line& line : lines()) {
       const Range vertex = reg(s, line.vertex);
       if (!is_channel(line.id) || !line.is_homogeneous()) continue;
+      reg(s, *line.product);
       s.q_product("w (h + B)", term(vertex, depth_sum(s, range_of(f(FormatId::setup_h)))), f(*line.product));
     }
     const Range n = product(b_, normal_s);
@@ -370,7 +372,7 @@ class Chooser {
     }
     if (by_plane()) return s.choose();
     for (const Line& line : lines()) {
-      const Range vertex = reg(s, line.vertex);
+      const Range vertex = reg(s, walked_from(line));
       const std::string w = name(line, "u");
       const std::string rise = w + "2 - " + w + "1";
       const Range difference = s.exact(rise, sum(vertex, vertex));
@@ -454,13 +456,13 @@ class Chooser {
     }
     if (by_plane()) return s.choose();
     for (const Line& line : lines()) {
-      const Range vertex = reg(s, line.vertex);
+      const Range vertex = reg(s, walked_from(line));
       const Range step = reg(s, line.edge.step);
       const Range acc = reg(s, line.edge.acc);
       reg(s, line.edge.kept);
       const std::string w = name(line, "fu");
       const std::string from = is_divided(line) ? "" : w + "1 + ";
-      pre_step(s, from + w + "_step t + offset", line.vertex, t, line.edge);
+      pre_step(s, from + w + "_step t + offset", walked_from(line), t, line.edge);
       s.q_sum(w + " + " + w + "_step", {term(acc), term(step)}, f(line.edge.acc));
       if (!is_divided(line)) continue;
       const InverseRange inverse =
@@ -483,7 +485,7 @@ class Chooser {
     const Range above = {s.exact("k (m - m0) + 1/2", sum(product(k, {0, c_.coordinate_bits}), {-1, -1})).lo,
                          0};
     for (const Line& line : lines()) {
-      Range values = reg(s, line.vertex);
+      Range values = reg(s, walked_from(line));
       if (is_divided(line)) {
         s.q_product("u (h + B)", term(values, depth_sum(s, h)), f(*line.product));
         values = reg(s, *line.product);
@@ -756,6 +758,27 @@ class Chooser {
     texel(s);
     s.exact("V * shade", product(range_of(f(FormatId::texture_mix)), shade));
     s.exact("alpha * shade", product(range_of(f(FormatId::texture_alpha)), shade));
+    return s.choose();
+  }
+
+  Width project() {
+    StageNeeds s("project", out_.rows);
+    const Range w = reg(s, FormatId::project_value);
+    const InverseRange inverse = s.inverse("R_pixel of W", c_.pixel_reciprocal, w);
+    reg(s, FormatId::span_uv);
+    s.q_product("X m 2^-e", inverse.times(w), f(FormatId::span_uv));
+    const Range ratio = reg(s, FormatId::project_ratio);
+    s.q_product("(h + B) m 2^-e", inverse.times(depth_sum(s, reg(s, FormatId::span_h))),
+                f(FormatId::project_ratio));
+    const Range a = reg(s, FormatId::distance_a);
+    s.q_product("B_p s_max'", term(b_, at_most(reg(s, FormatId::setup_s), 0)), f(FormatId::distance_a));
+    const Range h = reg(s, FormatId::project_h);
+    s.q_far("A_p ratio - B_p", term(a, ratio), {term(b_)}, f(FormatId::project_h),
+            FarBound(f(FormatId::project_h), {f(FormatId::setup_b)}));
+    s.reg("depth.z", c_.depth_format());
+    if (is_complement_of_h(c_.depth_code)) {
+      s.q_sum("zmax - h_p", {term({0, c_.depth_bits}), term(h)}, c_.depth_format());
+    }
     return s.choose();
   }
 

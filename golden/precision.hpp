@@ -42,6 +42,7 @@ struct Precision {
   Width distance = Width::quad;  // where lod or fog takes it
   Width lod = Width::quad;       // where textures have mip chains
   Width texture = Width::quad;
+  Width project = Width::quad;  // where the second unit takes a projector's coordinates
   Width texture_second = Width::quad;
   Width fog = Width::quad;
   Width merge = Width::quad;

@@ -84,9 +84,12 @@ class Sampling {
     }
     unreachable();
   }
-  // i and j are wrapped.
+  // i and j are wrapped in both of these.
+  static bool in_border(const Texture& texture, std::int64_t i, std::int64_t j) {
+    return i < 0 || j < 0 || i == texture.width || j == texture.height;
+  }
   Texel fetch(const Texture& texture, std::int64_t i, std::int64_t j) const {
-    if (i < 0 || j < 0 || i == texture.width || j == texture.height) return border_;
+    if (in_border(texture, i, j)) return border_;
     return fetch_texel(texture, i, j);
   }
   // The reserved colour, or one that the chroma test takes for it.
@@ -102,12 +105,19 @@ class Sampling {
 
   // state: for its chroma range.
   Place look_up(const DrawState& state, const TexelLookup& by, const Texture& texture, Real u, Real v) const {
+    return look_up(state, by, texture, u, v,
+                   [&](std::int64_t i, std::int64_t j) { return fetch(texture, i, j); });
+  }
+  // fetched: gives the texel of a wrapped column and row.
+  template <class Fetched>
+  Place look_up(const DrawState& state, const TexelLookup& by, const Texture& texture, Real u, Real v,
+                const Fetched& fetched) const {
     Place out;
     const auto column = [&](std::int64_t i) { return wrapped(i, texture.width, by.wrap_u); };
     const auto row = [&](std::int64_t j) { return wrapped(j, texture.height, by.wrap_v); };
     const std::int64_t nearest_i = column(to_integer(floor_of(u)));
     const std::int64_t nearest_j = row(to_integer(floor_of(v)));
-    const Texel nearest = fetch(texture, nearest_i, nearest_j);
+    const Texel nearest = fetched(nearest_i, nearest_j);
     out.killed = reserved(state, nearest);
     switch (by.filter) {
       case TextureFilter::nearest:
@@ -127,7 +137,7 @@ class Sampling {
         const std::int64_t right = column(i + 1);
         const std::int64_t below = row(j + 1);
         const auto texel = [&](std::int64_t at_i, std::int64_t at_j) {
-          const Texel own = fetch(texture, at_i, at_j);
+          const Texel own = fetched(at_i, at_j);
           return reserved(state, own) ? nearest : own;
         };
         out.texel = {texel(out.i, out.j), texel(out.i, below), texel(right, below), texel(right, out.j)};

@@ -180,10 +180,11 @@ std::strong_ordering operator<=>(const InverseDistance& a, const InverseDistance
 
 long double h_max(const Config& config) { return std::ldexp(1.0L, config.depth_bits) - 1; }
 
-long double depth_code(const Config& config, const Scene& scene, long double q) {
-  const long double s_min = scene.s_min;
-  const long double s_max = scene.s_max;
+long double depth_code(const Config& config, long double s_min, long double s_max, long double q) {
   return h_max(config) * s_min * (s_max * q - 1) / (s_max - s_min);
+}
+long double depth_code(const Config& config, const Scene& scene, long double q) {
+  return depth_code(config, scene.s_min, scene.s_max, q);
 }
 
 }  // namespace golden

@@ -99,7 +99,8 @@ InverseDistance inverse_distance(const IdealTriangle& t, const Areas& inside);
 std::strong_ordering operator<=>(const InverseDistance& a, const InverseDistance& b);
 inline bool operator==(const InverseDistance& a, const InverseDistance& b) { return std::is_eq(a <=> b); }
 
-// h of 1/S = q. [D1]
+// h of 1/S = q, in a range of distances; the scene's. [D1]
+long double depth_code(const Config& config, long double s_min, long double s_max, long double q);
 long double depth_code(const Config& config, const Scene& scene, long double q);
 long double h_max(const Config& config);
 

@@ -221,6 +221,11 @@ class Pattern {
 
 }  // namespace
 
+std::uint64_t depth_word(const Texture& t, std::int64_t i, std::int64_t j) {
+  const auto bytes = static_cast<std::size_t>(texel_layout(t.format).block_bytes);
+  return Fields(std::span(t.raw).subspan(block_at(t.format, t.width, i, j), bytes)).take(1ULL << 32);
+}
+
 TexelCodes fetch_texel(const Texture& t, std::int64_t i, std::int64_t j) {
   if (t.format == TexelFormat::rgba8888) {
     const std::uint8_t* at = &t.rgba[static_cast<std::size_t>(4 * (j * t.width + i))];

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "config/modes.hpp"
+#include "golden/depth.hpp"
 #include "golden/sampling.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
@@ -22,10 +24,14 @@ Config without_transparency(Config config) {
 template <class Real>
 class SecondTexturing : Sampling<Real> {
   using Place = typename Sampling<Real>::Place;
+  using Texel = typename Sampling<Real>::Texel;
+  using Sampling<Real>::in_border;
+  using Sampling<Real>::look_up;
   using Sampling<Real>::q_alpha_;
   using Sampling<Real>::q_lambda_;
   using Sampling<Real>::q_level_;
   using Sampling<Real>::q_mix_;
+  using Sampling<Real>::q_uv_;
   using Sampling<Real>::sample;
   using Sampling<Real>::tell;
 
@@ -33,13 +39,15 @@ class SecondTexturing : Sampling<Real> {
   explicit SecondTexturing(const Config& config)
       : Sampling<Real>(without_transparency(config)),
         mip_(config.mip),
+        depth_code_(config.depth_code),
+        depth_bits_(config.depth_bits),
         q_color_(config.format(FormatId::texture_color)),
         alpha_format_(config.format(FormatId::texture_alpha)) {}
 
   void operator()(std::span<const FragmentRecord* const> fragments,
                   std::span<const TextureRecord* const> firsts, std::span<const LodRecord* const> lods,
-                  std::span<const Texture> levels, const DrawState& state,
-                  std::vector<TextureSecondRecord>& out) const {
+                  std::span<const ProjectRecord> projects, std::span<const Texture> levels,
+                  const DrawState& state, std::vector<TextureSecondRecord>& out) const {
     const DrawState plain;  // without a chroma range
     for (std::size_t i = 0; i < fragments.size(); ++i) {
       const FragmentRecord& fragment = *fragments[i];
@@ -47,6 +55,10 @@ class SecondTexturing : Sampling<Real> {
       record.triangle = fragment.triangle;
       record.x = fragment.x;
       record.y = fragment.y;
+      if (is_projected(state)) {
+        combine(state, *firsts[i], projected(state, projects[i], levels.front(), record), record);
+        continue;
+      }
       TexelLookup by = second_lookup(state);
       if (!lods.empty()) {
         const Real lambda = own_lambda(state, *lods[i]);
@@ -62,6 +74,44 @@ class SecondTexturing : Sampling<Real> {
   }
 
  private:
+  // V of a fragment in the projector's texture.
+  Shades<Real> projected(const DrawState& state, const ProjectRecord& at, const Texture& texture,
+                         TextureSecondRecord& out) const {
+    const Texel constant{static_cast<std::uint8_t>(state.texture1_red),
+                         static_cast<std::uint8_t>(state.texture1_green),
+                         static_cast<std::uint8_t>(state.texture1_blue), 255};
+    constexpr Texel white{255, 255, 255, 255};
+    const TexelLookup by = second_lookup(state);
+    if (at.inside == 0) {
+      Place none;
+      none.texel[0] = is_lit_outside(state.texture1_outside) ? white : constant;
+      return sample(TextureFilter::nearest, none);
+    }
+    const bool compares = state.texture1_compare && texture.format == TexelFormat::depth;
+    const std::int64_t z = biased_code(at.z, state.texture1_bias, depth_bits_);
+    const auto texel = [&](std::int64_t i, std::int64_t j) {
+      if (!compares || in_border(texture, i, j)) return this->fetch(texture, i, j);
+      return passes_depth(depth_code_, state.texture1_func, z, stored_code(texture, i, j)) ? white : constant;
+    };
+    const Place place = look_up(DrawState{}, by, texture, q_uv_.value(at.s), q_uv_.value(at.t), texel);
+    tell(place, out);
+    return sample(by.filter, place);
+  }
+  static bool is_lit_outside(ProjectOutside outside) {
+    switch (outside) {
+      case ProjectOutside::lit:
+        return true;
+      case ProjectOutside::dark:
+        return false;
+    }
+    unreachable();
+  }
+  // The code that the word of a texel stands for.
+  std::int64_t stored_code(const Texture& texture, std::int64_t i, std::int64_t j) const {
+    const double per_code = std::exp2(32 - depth_bits_);
+    return static_cast<std::int64_t>(std::floor(static_cast<double>(depth_word(texture, i, j)) / per_code));
+  }
+
   // lod's with this unit's bias in place of the first one's.
   Real own_lambda(const DrawState& state, const LodRecord& lod) const {
     const int more = state.texture1_lod_bias - state.texture_lod_bias;
@@ -110,6 +160,8 @@ class SecondTexturing : Sampling<Real> {
   }
 
   MipMode mip_;
+  DepthCode depth_code_;
+  int depth_bits_;
   Quantizer<Real> q_color_;
   Format alpha_format_;
 };

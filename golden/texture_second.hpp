@@ -13,11 +13,12 @@
 namespace bitspan::golden {
 
 // Takes fragments that the first unit did not kill, that unit's records, those of lod where there are mip
-// chains, the levels of texture1 (one without chains), and the draw state; appends a record for each.
-using TextureSecondStage =
-    std::function<void(std::span<const FragmentRecord* const>, std::span<const TextureRecord* const>,
-                       std::span<const LodRecord* const>, std::span<const Texture> levels, const DrawState&,
-                       std::vector<TextureSecondRecord>& out)>;
+// chains, those of project where it is projected, the levels of texture1 (one without chains), and the draw
+// state; appends a record for each.
+using TextureSecondStage = std::function<void(
+    std::span<const FragmentRecord* const>, std::span<const TextureRecord* const>,
+    std::span<const LodRecord* const>, std::span<const ProjectRecord>, std::span<const Texture> levels,
+    const DrawState&, std::vector<TextureSecondRecord>& out)>;
 TextureSecondStage make_texture_second(Arithmetic arithmetic, const Config& config);
 
 // What a combiner makes of a colour code and of the texel's; share: the texel's as 0..1; alpha: the texel's;

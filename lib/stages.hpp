@@ -40,6 +40,7 @@ inline constexpr std::array stage_types = [] {
   types[BS_STAGE_EDGE_WALK_CHANNEL] = row_channel;
   types[BS_STAGE_SPAN_SETUP_CHANNEL] = span_channel;
   types[BS_STAGE_SPAN_CHANNEL] = fragment_channel;
+  types[BS_STAGE_PROJECT] = project;
   return types;
 }();
 static_assert(std::ranges::all_of(stage_table,

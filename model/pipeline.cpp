@@ -52,6 +52,7 @@ void prepare_view(Pipeline& p, const Config& config, const Scene& scene, Watch w
   p.depth = prepare_depth(config, p.constants);
   if (p.has_distance) p.distance = prepare_distance(config, p.constants, scene, watch);
   if (p.has_lod) p.lod = prepare_lod(config, p.constants, watch);
+  p.project = prepare_project(config, p.constants, scene);
   p.fog = prepare_fog(config, p.constants, scene, watch);
 }
 
@@ -125,6 +126,11 @@ bool act_alike(DrawState s, const DrawState& other, bool has_lod) {
     s.texture1_filter = other.texture1_filter;
     s.texture1_wrap_u = other.texture1_wrap_u;
     s.texture1_wrap_v = other.texture1_wrap_v;
+    s.texture1_coordinates = other.texture1_coordinates;
+    s.texture1_outside = other.texture1_outside;
+    s.texture1_compare = other.texture1_compare;
+    s.texture1_func = other.texture1_func;
+    s.texture1_bias = other.texture1_bias;
   }
   return s == other;
 }
@@ -146,6 +152,7 @@ void set_state(Pipeline& pipeline, const Scene& scene, const DrawState& state) {
   pipeline.texture.chroma = chroma_of(state);
   pipeline.texture.is_last = !has_second_texture(state);
   set_texture_second(pipeline.texture_second, state, texture_of(scene, state.texture1));
+  set_project(pipeline.project, state, texture_of(scene, state.texture1));
   pipeline.stencil = prepare_stencil(state);
   set_blend(pipeline.merge, blend_of(state));
 }
@@ -448,10 +455,11 @@ bool fragment_texture(const Pipeline& pipeline, const FragmentRecord& fragment, 
 
 template <class Watch>
 bool fragment_texture_second(const Pipeline& pipeline, const FragmentRecord& fragment, const LodRecord& lod,
-                             const TextureRecord& first, TextureSecondRecord& out, Watch watch) {
+                             const TextureRecord& first, const ProjectRecord* projected,
+                             TextureSecondRecord& out, Watch watch) {
   const TextureSecondStage& stage = pipeline.texture_second;
   return texture_second(stage, pipeline.has_lod ? pipeline.mip_chains.of(stage.image) : nullptr, fragment,
-                        lod, first, out, watch);
+                        lod, first, projected, out, watch);
 }
 
 template <class Watch>
@@ -578,7 +586,8 @@ template void fragment_lod(const Pipeline&, const FragmentRecord&, const Texture
 template bool fragment_texture(const Pipeline&, const FragmentRecord&, const Texture*, const LodRecord&,
                                TextureRecord&, NoObserve);
 template bool fragment_texture_second(const Pipeline&, const FragmentRecord&, const LodRecord&,
-                                      const TextureRecord&, TextureSecondRecord&, NoObserve);
+                                      const TextureRecord&, const ProjectRecord*, TextureSecondRecord&,
+                                      NoObserve);
 template void channels_of_row(const Pipeline&, Rows&, std::size_t, const SpanRecord&,
                               std::span<const FragmentRecord>, std::vector<FragmentChannels>&, Counters&,
                               Trace*, NoObserve);

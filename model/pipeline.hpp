@@ -27,6 +27,7 @@
 #include "model/stages/lod.hpp"
 #include "model/stages/merge.hpp"
 #include "model/stages/plane_walk.hpp"
+#include "model/stages/project.hpp"
 #include "model/stages/setup.hpp"
 #include "model/stages/setup_plane.hpp"
 #include "model/stages/span.hpp"
@@ -55,6 +56,7 @@ struct Pipeline {
   LodStage lod;
   MipChains mip_chains;
   TextureStage texture;
+  ProjectStage project;
   TextureSecondStage texture_second;
   FogStage fog;
   MergeStage merge;
@@ -176,10 +178,12 @@ void fragment_lod(const Pipeline& pipeline, const FragmentRecord& fragment, cons
 template <class Watch = NoObserve>
 bool fragment_texture(const Pipeline& pipeline, const FragmentRecord& fragment, const Texture* texture,
                       const LodRecord& lod, TextureRecord& out, Watch watch = {});
-// texture.second of a fragment that the first unit does not kill, while the second one is on.
+// texture.second of a fragment that the first unit does not kill, while the second one is on; projected: of
+// project, where that is on, else null.
 template <class Watch = NoObserve>
 bool fragment_texture_second(const Pipeline& pipeline, const FragmentRecord& fragment, const LodRecord& lod,
-                             const TextureRecord& first, TextureSecondRecord& out, Watch watch = {});
+                             const TextureRecord& first, const ProjectRecord* projected,
+                             TextureSecondRecord& out, Watch watch = {});
 
 // Which planes fragments are written to.
 inline WriteMask write_mask(const DrawState& state) {
@@ -208,6 +212,7 @@ struct FragmentDrawing {
   DistanceRecord far{};
   LodRecord level{};
   TextureRecord texel{};  // behind both units
+  ProjectRecord projected{};
   TextureSecondRecord second{};
   FogRecord fogged{};
   MergeRecord merged{};
@@ -226,7 +231,7 @@ struct FragmentDrawing {
     if (passed) ++counters.depth_passed;
     return passed;
   }
-  bool lives(const FragmentRecord& fragment) {
+  bool lives(const FragmentRecord& fragment, const FragmentChannels* channels) {
     if (pipeline.has_distance) {
       distance(pipeline.distance, fragment, far, watch);
       finish(fragment, far);
@@ -238,7 +243,12 @@ struct FragmentDrawing {
     fragment_texture(pipeline, fragment, image, level, texel, watch);
     finish(fragment, texel);
     if (pipeline.texture_second.is_on() && texel.killed == 0) {
-      fragment_texture_second(pipeline, fragment, level, texel, second, watch);
+      if (pipeline.project.is_on) {
+        project(pipeline.project, fragment, channels, projected, watch);
+        finish(fragment, projected);
+      }
+      fragment_texture_second(pipeline, fragment, level, texel, pipeline.project.is_on ? &projected : nullptr,
+                              second, watch);
       finish(fragment, second);
       texel = combined(texel, second);
     }
@@ -253,9 +263,9 @@ struct FragmentDrawing {
     }
     const std::size_t at = pixel_of(frame, fragment);
     if (tests_late) {
-      if (!lives(fragment) || !passes(fragment, at)) return;
+      if (!lives(fragment, channels) || !passes(fragment, at)) return;
     } else {
-      if (!passes(fragment, at) || !lives(fragment)) return;
+      if (!passes(fragment, at) || !lives(fragment, channels)) return;
     }
     fog(pipeline.fog, fragment, far, texel, fogged, watch, channels);
     finish(fragment, fogged);

@@ -94,6 +94,21 @@ std::optional<double> surface_value(std::string_view name, const IdealPoint& p) 
   return channel == std::string_view::npos ? std::nullopt : std::optional(p.shade[channel]);
 }
 
+// Returns the quantity of that field of the record `project`; none behind the projector.
+std::optional<double> projected_value(std::string_view name, const Config& config, const Scene& scene,
+                                      const IdealPoint& point) {
+  const auto at = ideal_projection(config, scene, point);
+  if (!at) return std::nullopt;
+  if (name == "s") return at->s;
+  if (name == "t") return at->t;
+  if (name == "h") return at->h;
+  if (name == "z") return at->z;
+  if (name != "ratio") return std::nullopt;
+  int exponent = 0;  // s_max <= 2^exponent
+  if (std::frexp(scene.projector->s_max, &exponent) == 0.5) --exponent;
+  return std::ldexp(1 / at->w, exponent);
+}
+
 // Whether a command of the scene sets a register to a value that `differs` holds for.
 template <class Differs>
 bool sets(const Scene& scene, std::string_view key, Differs differs) {
@@ -176,6 +191,7 @@ std::optional<double> ideal_value(RecordType type, std::string_view field,
   if (type == RecordType::fragment) {
     return surface_value(field, f.point);
   }
+  if (type == RecordType::project) return projected_value(field, config, scene, f.point);
   if (field == "z") {
     return ideal_stored_code(config, f, 0);
   }

@@ -29,6 +29,7 @@ constexpr std::array units{UnitOfStage{"scissor", RecordType::depth},
                            UnitOfStage{"depth", RecordType::depth},
                            UnitOfStage{"stencil", RecordType::stencil},
                            UnitOfStage{"texture", RecordType::lod},
+                           UnitOfStage{"texture1", RecordType::project},
                            UnitOfStage{"chroma", RecordType::texture},
                            UnitOfStage{"alpha", RecordType::texture},
                            UnitOfStage{"texture", RecordType::texture},
@@ -64,8 +65,11 @@ class Texels : golden::Sampling<golden::Quad> {
     for (int k = 0; k < side * side; ++k) {
       const std::int64_t column = wrapped(i + k % side, texture.width, by_.wrap_u);
       const std::int64_t row = wrapped(j + k / side, texture.height, by_.wrap_v);
-      out.push_back({fmt::format("texel ({}, {}) of level {}", column, row, level),
-                     fmt::format("{}", fmt::join(fetch(texture, column, row), " "))});
+      std::string codes = fmt::format("{}", fmt::join(fetch(texture, column, row), " "));
+      // What a shadow map compares.
+      if (texture.format == TexelFormat::depth && !in_border(texture, column, row))
+        codes += fmt::format(", word {:#010x}", golden::depth_word(texture, column, row));
+      out.push_back({fmt::format("texel ({}, {}) of level {}", column, row, level), std::move(codes)});
     }
   }
 
@@ -82,18 +86,24 @@ std::int64_t field(const RecordCopy& record, std::string_view name) {
   return record.values[static_cast<std::size_t>(field_index(record.type, name))];
 }
 
-// texture: index into the scene's, or -1. chosen: the record that has the level, null without levels. Of lod,
-// the texture alone.
+// texture: index into the scene's, or -1. chosen: the record that has the level, null without levels. Of lod
+// and project, the texture alone.
 void add_texels(const Divergence& d, const Config& config, const Scene& scene, int texture,
                 const TexelLookup& by, const RecordCopy* chosen, std::vector<Read>& out) {
   const RecordCopy* fragment = fed_by(d, RecordType::fragment);
   if (texture < 0 || fragment == nullptr) return;
   const Texture& image = scene.textures[static_cast<std::size_t>(texture)];
   out.push_back({"texture", fmt::format("{} {}, {}x{}", texture, image.name, image.width, image.height)});
-  if (d.type == RecordType::lod) return;  // the size tells the last level
+  // The size tells the last level, and what is inside.
+  if (d.type == RecordType::lod || d.type == RecordType::project) return;
+  const Texels texels(config, by);
+  if (const RecordCopy* projected = fed_by(d, RecordType::project); projected != nullptr) {
+    if (field(*projected, "inside") == 0) return;
+    texels.add(image, image, 0, field(*projected, "s"), field(*projected, "t"), out);
+    return;
+  }
   const std::int64_t u = field(*fragment, "u");
   const std::int64_t v = field(*fragment, "v");
-  const Texels texels(config, by);
   if (!has_lod(config) || chosen == nullptr) {
     texels.add(image, image, 0, u, v, out);
     return;
@@ -170,6 +180,8 @@ void add_reads(Divergence& d, const Config& config, const Scene& scene, Engine& 
   }
   if (d.type == RecordType::texture || d.type == RecordType::lod)
     add_texels(d, config, scene, triangle.texture, first_lookup(state), fed_by(d, RecordType::lod), d.read);
+  if (d.type == RecordType::project)
+    add_texels(d, config, scene, state.texture1, second_lookup(state), nullptr, d.read);
   // Its level is its own.
   if (d.type == RecordType::texture_second)
     add_texels(d, config, scene, state.texture1, second_lookup(state),

@@ -105,6 +105,7 @@ Json scene_json(const Scene& s) {
   if (s.fog) {
     scene["fog"] = {{"color", s.fog->color}, {"distance", s.fog->distance}};
   }
+  if (s.projector) scene["projector"] = {{"s_min", s.projector->s_min}, {"s_max", s.projector->s_max}};
   scene["textures"] = Json::array();
   for (const Texture& t : s.textures) {
     Json texture{{"name", t.name}, {"width", t.width}, {"height", t.height}};
@@ -142,6 +143,11 @@ Scene scene_of(const Json& json) {
     json.at("fog").at("color").get_to(fog.color);
     json.at("fog").at("distance").get_to(fog.distance);
     scene.fog = fog;
+  }
+  if (json.contains("projector")) {
+    Projector& projector = scene.projector.emplace();
+    json.at("projector").at("s_min").get_to(projector.s_min);
+    json.at("projector").at("s_max").get_to(projector.s_max);
   }
   for (const Json& texture : json.at("textures")) {
     scene.textures.push_back(texture_of(texture));

@@ -99,6 +99,13 @@ DrawState changed_state(DrawState state, const StateChange& change, const Config
         "depth.when: \"early\" is not legal with stencil.test, because a fragment that the texture kills "
         "would change the stencil plane; expected \"late\"");
   }
+  // A configuration that is not legal itself (Config{}) takes any.
+  if (takes_projection(state.texture1_coordinates) && !has_project(config.project) &&
+      !first_violation(config)) {
+    throw InputError(
+        "texture1.coordinates: is project, and the configuration has project.unit = none; expected uv, or "
+        "project.unit = reciprocal");
+  }
   check_filter("texture.filter", state.texture_filter, config);
   check_filter("texture1.filter", state.texture1_filter, config);
   check_filter("texture.magnify", first_magnified(state).filter, config);

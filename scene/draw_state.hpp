@@ -66,6 +66,10 @@ BITSPAN_ENUM(Dither, none, matrix4, matrix2, sst1_4, sst1_2);
 BITSPAN_ENUM(TargetRound, down, nearest);
 // Texels whose three colours lie in a range, or outside of it, are transparent.
 BITSPAN_ENUM(ChromaTest, none, inside, outside);
+// What the second texture unit takes as u and v: those of the triangle; s and t of the record `project`.
+BITSPAN_ENUM(TextureCoordinates, uv, project);
+// What a fragment outside of a projected texture takes: white, or the constant colour.
+BITSPAN_ENUM(ProjectOutside, lit, dark);
 // What weighs texels where a level of detail is at most 0: what else does, or a filter of its own.
 BITSPAN_ENUM(MagnifyFilter, same, nearest, bilinear);
 // How the second texture unit combines its texel with the colour and alpha of the first one.
@@ -167,7 +171,12 @@ inline constexpr int texture1_limit = 65535;
   X(A, std::int32_t, texture1_blue,   "texture1.blue",   0, 255, 0, "blue of the constant colour of blend")               \
   X(A, TextureFilter, texture1_filter, "texture1.filter", 0, 0, c.filter, "as texture.filter, of the second texture unit")  \
   X(A, TextureWrap,  texture1_wrap_u, "texture1.wrap.u", 0, 0, c.wrap, "as texture.wrap.u, of the second texture unit")    \
-  X(A, TextureWrap,  texture1_wrap_v, "texture1.wrap.v", 0, 0, c.wrap, "as texture.wrap.v, of the second texture unit") \
+  X(A, TextureWrap,  texture1_wrap_v, "texture1.wrap.v", 0, 0, c.wrap, "as texture.wrap.v, of the second texture unit")    \
+  X(A, TextureCoordinates, texture1_coordinates, "texture1.coordinates", 0, 0, TextureCoordinates::uv, "what the unit takes as u and v: the triangle's, or the projector's") \
+  X(A, ProjectOutside, texture1_outside, "texture1.outside", 0, 0, ProjectOutside::lit, "project: white outside of the texture, or the constant colour") \
+  X(A, bool,         texture1_compare, "texture1.compare", 0, 0, false, "project, format depth: a texel is white where texture1.func holds, else the constant colour") \
+  X(A, DepthFunc,    texture1_func,   "texture1.func",   0, 0, DepthFunc::lequal, "comparison of the fragment's code with the texel's, by distance from the projector") \
+  X(A, std::int32_t, texture1_bias,   "texture1.bias",   -(1 << 30), 1 << 30, 0, "codes added to the fragment's code in front of texture1.func, which then saturates") \
   X(A, std::int32_t, texture1_lod_bias, "texture1.lod.bias", -31, 32, c.lod_bias, "as texture.lod.bias, of the second texture unit") \
   X(A, std::int32_t, texture1_level_least, "texture1.level.least", 0, max_mip_level, 0, "as texture.level.least, of the second texture unit") \
   X(A, std::int32_t, texture1_level_greatest, "texture1.level.greatest", 0, max_mip_level, max_mip_level, "as texture.level.greatest, of the second texture unit") \
@@ -188,6 +197,12 @@ constexpr bool is_late(DepthWhen when) { return when == DepthWhen::late; }
 
 // Whether the second texture unit is on.
 constexpr bool has_second_texture(const DrawState& state) { return state.texture1 >= 0; }
+
+// Whether that unit takes the projector's coordinates.
+constexpr bool takes_projection(TextureCoordinates by) { return by == TextureCoordinates::project; }
+constexpr bool is_projected(const DrawState& state) {
+  return has_second_texture(state) && takes_projection(state.texture1_coordinates);
+}
 
 // How a texture unit finds texels.
 struct TexelLookup {

@@ -25,6 +25,12 @@ inline Vec3 cross(const Vec3& a, const Vec3& b) {
 inline double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 inline double length(const Vec3& a) { return std::hypot(a.x, a.y, a.z); }
 
+// All points p with dot(normal, p - point) = 0.
+struct Plane {
+  Vec3 point, normal;
+};
+inline double height(const Plane& plane, const Vec3& p) { return dot(plane.normal, p - plane.point); }
+
 struct WorldPoint {
   Vec3 position;
 };

@@ -8,11 +8,22 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "scene/scene.hpp"
 
 namespace bitspan {
+
+// A register of the draw state, by its key, takes a value.
+inline StateSetting state_setting(std::string_view key, std::int64_t value) {
+  return {*find_state_register(key), value};
+}
+template <class E>
+requires std::is_enum_v<E> StateSetting state_setting(std::string_view key, E value) {
+  return state_setting(key, static_cast<std::int64_t>(value));
+}
 
 // A pass is appended again until it adds 0 to a counter of the engine. Throws InputError where it still adds
 // something at `limit` times in all.

@@ -125,4 +125,24 @@ void project(std::span<const Face> faces, const Viewpoint& view, const ProjectOp
   }
 }
 
+Vec3 position_of(const Vertex& v, const View& view) {
+  const double per_pixel = v.s / view.focal;
+  return {(v.x - view.width / 2.0) * per_pixel, (v.y - view.height / 2.0) * per_pixel, v.s};
+}
+
+std::vector<Face> faces_of(const Scene& scene) {
+  std::vector<Face> faces;
+  faces.reserve(scene.triangles.size());
+  for (const Triangle& triangle : scene.triangles) {
+    Face& face = faces.emplace_back();
+    face.texture = triangle.texture;
+    face.two_sided = true;
+    for (std::size_t i = 0; i < 3; ++i) {
+      static_cast<Attributes&>(face.corner[i]) = triangle.v[i];
+      face.corner[i].position = position_of(triangle.v[i], scene);
+    }
+  }
+  return faces;
+}
+
 }  // namespace bitspan

@@ -38,4 +38,10 @@ struct ProjectReport {
 void project(std::span<const Face> faces, const Viewpoint& view, const ProjectOptions& options,
              std::vector<Triangle>& triangles, ProjectReport& report);
 
+// The triangles of a scene as faces in the viewer's space: x to the right, y downward, z along the view axis.
+// They have two sides, because what is in a scene was to be seen.
+std::vector<Face> faces_of(const Scene& scene);
+// A corner of such a face from a vertex on the screen.
+Vec3 position_of(const Vertex& vertex, const View& view);
+
 }  // namespace bitspan

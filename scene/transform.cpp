@@ -22,10 +22,14 @@ void look_at(Viewpoint& view, const Vec3& position, const Vec3& target, const Ve
   view.down = cross(view.forward, view.right);
 }
 
+Vec3 in_view(const Vec3& point, const Viewpoint& view) {
+  const Vec3 d = point - view.position;
+  return {dot(view.right, d), dot(view.down, d), dot(view.forward, d)};
+}
+
 ClipVertex to_normalised(const Corner& corner, const Viewpoint& view) {
-  const Vec3 d = corner.position - view.position;
-  return {{dot(view.right, d) * (2 * view.focal / view.width),
-           dot(view.down, d) * (2 * view.focal / view.height), dot(view.forward, d)},
+  const Vec3 p = in_view(corner.position, view);
+  return {{p.x * (2 * view.focal / view.width), p.y * (2 * view.focal / view.height), p.z},
           static_cast<const Attributes&>(corner)};
 }
 

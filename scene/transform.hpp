@@ -19,6 +19,9 @@ struct Viewpoint {
 // InputError where the two coincide or `up` lies along the line of sight.
 void look_at(Viewpoint& view, const Vec3& position, const Vec3& target, const Vec3& up);
 
+// A point of the world in the viewer's space: x to the right, y downward, z along the view axis.
+Vec3 in_view(const Vec3& point, const Viewpoint& view);
+
 // In the normalised volume the visible part of space is -s <= x <= s, -s <= y <= s, s_min <= s <= s_max,
 // whatever the picture's shape; y points down.
 struct ClipPoint {

@@ -400,16 +400,35 @@ Fog read_fog(const Json& value, int color_max, const Place& place, const std::st
   return fog;
 }
 
+Projector read_projector(const Json& value, const Place& place, const std::string& inside) {
+  const std::string key = inside + "projector";
+  if (!value.is_object()) {
+    place.fail(key + ": " + shown(value) + " is not an object; expected {\"s_min\": a, \"s_max\": b}");
+  }
+  check_keys(value, {"s_min", "s_max"}, place, key + ".");
+  const auto distance = [&](const char* end) {
+    const std::string name = key + "." + end;
+    if (!value.contains(end)) place.fail(name + ": key is missing; expected a distance above 0");
+    return positive(value[end], place, name.c_str());
+  };
+  const Projector projector{distance("s_min"), distance("s_max")};
+  if (!(projector.s_min < projector.s_max)) {
+    place.fail(fmt::format("{}.s_min: {} is not below s_max = {}; expected 0 < s_min < s_max", key,
+                           shortest(projector.s_min), shortest(projector.s_max)));
+  }
+  return projector;
+}
+
 Scene read_header(const Json& line, const Place& place, const std::filesystem::path& folder, int& color_max,
                   int& version, std::vector<HeaderTexture>& textures) {
   if (!line.is_object() || !line.contains("bitspan")) {
     place.fail("bitspan: no header; expected a first line {\"bitspan\": 1, \"width\": ..., ...}");
   }
   version = integer(line["bitspan"], 1, 2, place, "bitspan");
-  check_keys(
-      line,
-      {"bitspan", "width", "height", "s_min", "s_max", "focal", "background", "color_max", "fog", "textures"},
-      place, "");
+  check_keys(line,
+             {"bitspan", "width", "height", "s_min", "s_max", "focal", "background", "color_max", "fog",
+              "projector", "textures"},
+             place, "");
   Scene scene;
   scene.width = integer(required(line, "width", place, "pixels"), 1, picture_size_limit, place, "width");
   scene.height = integer(required(line, "height", place, "pixels"), 1, picture_size_limit, place, "height");
@@ -432,6 +451,10 @@ Scene read_header(const Json& line, const Place& place, const std::filesystem::p
       color_codes(required(line, "background", place, "[red, green, blue]"), color_max, place, "background");
   if (const auto found = line.find("fog"); found != line.end()) {
     scene.fog = read_fog(*found, color_max, place, "");
+  }
+  if (const auto found = line.find("projector"); found != line.end()) {
+    if (version < 2) place.fail("projector: is not legal in version 1; expected \"bitspan\": 2");
+    scene.projector = read_projector(*found, place, "");
   }
   if (const auto found = line.find("textures"); found != line.end()) {
     if (!found->is_array())
@@ -603,11 +626,12 @@ bool truth(const Json& value, const Place& place, const char* key) {
 }
 
 ViewChange read_view(const Json& value, int color_max, const Place& place) {
-  constexpr std::string_view expected = "width, height, s_min, s_max, focal, background or fog";
+  constexpr std::string_view expected = "width, height, s_min, s_max, focal, background, fog or projector";
   if (!value.is_object()) {
     place.fail(fmt::format("view: {} is not an object; expected {{\"width\": 256, ...}}", shown(value)));
   }
-  check_keys(value, {"width", "height", "s_min", "s_max", "focal", "background", "fog"}, place, "view.");
+  check_keys(value, {"width", "height", "s_min", "s_max", "focal", "background", "fog", "projector"}, place,
+             "view.");
   if (value.empty()) place.fail(fmt::format("view: no key; expected {}", expected));
   ViewChange change;
   for (const auto& [key, part] : value.items()) {
@@ -622,6 +646,10 @@ ViewChange read_view(const Json& value, int color_max, const Place& place) {
     if (key == "fog") {
       change.fog.emplace();
       if (!part.is_null()) *change.fog = read_fog(part, color_max, place, "view.");
+    }
+    if (key == "projector") {
+      change.projector.emplace();
+      if (!part.is_null()) *change.projector = read_projector(part, place, "view.");
     }
   }
   return change;
@@ -826,7 +854,8 @@ Json texture_entry(const Texture& texture, const std::string& name) {
 }
 
 std::string header_text(const Scene& scene, std::span<const std::string> names) {
-  const bool second = !scene.commands.empty() || std::ranges::any_of(scene.textures, is_formatted) ||
+  const bool second = !scene.commands.empty() || scene.projector ||
+                      std::ranges::any_of(scene.textures, is_formatted) ||
                       std::ranges::any_of(scene.triangles, gives_more);
   const int version = second ? 2 : 1;
   std::string out = fmt::format("{{\"bitspan\":{},\"width\":{},\"height\":{},\"s_min\":", version,
@@ -843,6 +872,13 @@ std::string header_text(const Scene& scene, std::span<const std::string> names) 
     append_array(out, fractions(scene.fog->color));
     out += ",\"distance\":";
     append_number(out, scene.fog->distance);
+    out += '}';
+  }
+  if (scene.projector) {
+    out += ",\"projector\":{\"s_min\":";
+    append_number(out, scene.projector->s_min);
+    out += ",\"s_max\":";
+    append_number(out, scene.projector->s_max);
     out += '}';
   }
   if (!names.empty()) {
@@ -955,6 +991,12 @@ Json line_of(const ViewChange& change) {
     Json& fog = view["fog"];
     if (*change.fog)
       fog = {{"color", fractions((*change.fog)->color)}, {"distance", (*change.fog)->distance}};
+  }
+  if (change.projector) {
+    Json& projector = view["projector"];
+    if (*change.projector) {
+      projector = {{"s_min", (*change.projector)->s_min}, {"s_max", (*change.projector)->s_max}};
+    }
   }
   return {{"view", view}};
 }
@@ -1245,6 +1287,11 @@ void check_scene(const Scene& scene, const std::string& origin) {
   if (scene.fog && !positive_finite(scene.fog->distance)) {
     place.fail("fog.distance: is not legal; expected a number above 0");
   }
+  if (scene.projector &&
+      !(positive_finite(scene.projector->s_min) && positive_finite(scene.projector->s_max) &&
+        scene.projector->s_min < scene.projector->s_max)) {
+    place.fail("projector.s_min: is not legal; expected 0 < s_min < s_max");
+  }
   std::size_t least = 0;
   for (const DrawCommand& command : scene.commands) {
     if (command.before < least || command.before > scene.triangles.size()) {
@@ -1286,7 +1333,7 @@ void write_trib(std::ostream& out, const Scene& scene) {
   const auto sink = [&](std::string_view piece) {
     out.write(piece.data(), static_cast<std::streamsize>(piece.size()));
   };
-  write_stream(scene, TribWriter(sink, header_text(scene, texture_names(scene))));
+  write_stream(scene, TribWriter(sink, header_text(scene, texture_names(scene)), scene.triangles));
 }
 
 namespace {
@@ -1329,7 +1376,7 @@ void write_tri_file(const std::string& path, const Scene& scene) {
   }
   const auto sink = [&](std::string_view piece) { stream.write(piece); };
   if (path.ends_with(".trib")) {
-    write_stream(scene, TribWriter(sink, header_text(scene, names)));
+    write_stream(scene, TribWriter(sink, header_text(scene, names), scene.triangles));
   } else {
     write_stream(scene, LineWriter(sink, header_text(scene, names)));
   }

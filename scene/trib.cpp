@@ -36,6 +36,7 @@ constexpr unsigned has_colors = 1;
 constexpr unsigned attribute_bit(std::size_t i) { return 2U << i; }
 constexpr unsigned channel_sets = attribute_bit(given_attributes.size() - 1) * 2;
 static_assert(channel_sets <= 256);
+constexpr unsigned first_sets = attribute_bit(1);  // of colours and fog, which every reader knows
 
 // Tag, texture; three vertices x, y, s, u, v; three colours; and three numbers per attribute.
 constexpr std::size_t triangle_size(unsigned channels) {
@@ -91,6 +92,18 @@ void read_triangle(const char* from, unsigned channels, TriangleLine& out) {
     if ((channels & attribute_bit(i)) == 0) continue;
     for (Vertex& v : out.triangle.v) take(v.*given_attributes[i].member);
   }
+}
+
+unsigned channels_of(const Triangle& triangle) {
+  constexpr std::array<double, 4> white{1, 1, 1, 1};
+  unsigned channels = 0;
+  for (const Vertex& v : triangle.v) {
+    if (v.c != white) channels |= has_colors;
+  }
+  for (std::size_t i = 0; i < given_attributes.size(); ++i) {
+    if (given_attributes[i].is_given(triangle.v)) channels |= attribute_bit(i);
+  }
+  return channels;
 }
 
 }  // namespace
@@ -254,8 +267,13 @@ TribRecord TribReader::next(TriangleLine& triangle, std::string& command) {
   return TribRecord::end;
 }
 
-TribWriter::TribWriter(std::function<void(std::string_view)> sink, std::string_view header)
+TribWriter::TribWriter(std::function<void(std::string_view)> sink, std::string_view header,
+                       std::span<const Triangle> triangles)
     : sink_(std::move(sink)) {
+  // A reader refuses kinds that it does not know, so those of a later attribute are listed where they occur.
+  std::array<bool, channel_sets> occurs{};
+  std::fill_n(occurs.begin(), first_sets, true);
+  for (const Triangle& triangle : triangles) occurs[channels_of(triangle)] = true;
   std::string kinds;
   std::uint32_t count = 0;
   const auto list = [&](std::uint32_t tag) {
@@ -263,7 +281,9 @@ TribWriter::TribWriter(std::function<void(std::string_view)> sink, std::string_v
     append(kinds, static_cast<std::uint32_t>(known_size(tag)));
     ++count;
   };
-  for (unsigned channels = 0; channels < channel_sets; ++channels) list(make_tag('T', channels));
+  for (unsigned channels = 0; channels < channel_sets; ++channels) {
+    if (occurs[channels]) list(make_tag('T', channels));
+  }
   list(command_tag);
   list(part_tag);
   append(block_, count);
@@ -294,14 +314,7 @@ void TribWriter::add(std::string_view record) {
 }
 
 void TribWriter::triangle(const Triangle& triangle) {
-  constexpr std::array<double, 4> white{1, 1, 1, 1};
-  unsigned channels = 0;
-  for (const Vertex& v : triangle.v) {
-    if (v.c != white) channels |= has_colors;
-  }
-  for (std::size_t i = 0; i < given_attributes.size(); ++i) {
-    if (given_attributes[i].is_given(triangle.v)) channels |= attribute_bit(i);
-  }
+  const unsigned channels = channels_of(triangle);
   std::array<char, triangle_size(channel_sets - 1)> record;
   char* to = record.data();
   const auto put = [&to](const auto& value) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <istream>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -64,8 +65,9 @@ class TribReader {
 // Writes a stream through `sink`, block by block.
 class TribWriter {
  public:
-  // `header` is the text of the stream's header.
-  TribWriter(std::function<void(std::string_view)> sink, std::string_view header);
+  // `header` is the text of the stream's header, and `triangles` are those that will be written.
+  TribWriter(std::function<void(std::string_view)> sink, std::string_view header,
+             std::span<const Triangle> triangles);
   void triangle(const Triangle& triangle);
   // The command's line of a `.tri`, without the newline.
   void command(std::string_view line);

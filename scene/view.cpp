@@ -18,15 +18,19 @@ View changed_view(View view, const ViewChange& change) {
   view.focal = change.focal.value_or(view.focal);
   view.background = change.background.value_or(view.background);
   view.fog = change.fog.value_or(view.fog);
+  view.projector = change.projector.value_or(view.projector);
   if (!is_legal({view.width, view.height})) {
     throw InputError(fmt::format("width: {} x {} is not legal; expected 1..{} pixels each way and {} in all",
                                  view.width, view.height, picture_size_limit, picture_area_limit));
   }
   const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
-  if (!positive(view.s_min) || !positive(view.s_max) || view.s_min >= view.s_max) {
-    throw InputError(fmt::format("s_min: {} to s_max = {} is not legal; expected 0 < s_min < s_max",
-                                 view.s_min, view.s_max));
-  }
+  const auto check_range = [&](const char* key, double s_min, double s_max) {
+    if (positive(s_min) && positive(s_max) && s_min < s_max) return;
+    throw InputError(
+        fmt::format("{}: {} to s_max = {} is not legal; expected 0 < s_min < s_max", key, s_min, s_max));
+  };
+  check_range("s_min", view.s_min, view.s_max);
+  if (view.projector) check_range("projector.s_min", view.projector->s_min, view.projector->s_max);
   if (!positive(view.focal)) throw InputError("focal: is not legal; expected a number above 0");
   if (view.fog && !positive(view.fog->distance)) {
     throw InputError("fog.distance: is not legal; expected a number above 0");

@@ -15,6 +15,13 @@ struct Fog {
   bool operator==(const Fog&) const = default;
 };
 
+// What a texture is projected from [T14], or a shadow is cast from [SH2]: the range of its depth codes.
+struct Projector {
+  double s_min = 1;
+  double s_max = 1000;
+  bool operator==(const Projector&) const = default;
+};
+
 struct View {
   int width = 640;
   int height = 480;
@@ -23,6 +30,7 @@ struct View {
   double focal = 500;  // F, in pixels
   std::array<std::uint8_t, 3> background{};
   std::optional<Fog> fog{};
+  std::optional<Projector> projector{};
   bool operator==(const View&) const = default;
 };
 
@@ -32,6 +40,7 @@ struct ViewChange {
   std::optional<double> s_min{}, s_max{}, focal{};
   std::optional<std::array<std::uint8_t, 3>> background{};
   std::optional<std::optional<Fog>> fog{};  // the inner one is none for a view without fog
+  std::optional<std::optional<Projector>> projector{};
   bool operator==(const ViewChange&) const = default;
 };
 // Throws InputError, whose text begins with the key, where the new view is not legal.

@@ -79,6 +79,7 @@ bool divided_ends(const Config& c) { return row_ends(c) && perspective_ends(c); 
 bool delta_f_ends(const Config& c) { return row_ends(c) && delta_f(c); }
 bool hyperbolic_ends(const Config& c) { return row_ends(c) && hyperbolic(c); }
 bool row_gradients(const Config& c) { return has_setup_gradients(c) && horizontal(c); }
+bool projects(const Config& c) { return has_project(c.project); }
 bool packed_depth(const Config& c) { return has_dz(c.depth_code); }
 
 constexpr std::string_view kAlways = "always";
@@ -103,6 +104,7 @@ constexpr std::string_view kChannelEnds =
     "channel in use, all modes but const_depth_rows, slope.row = divide, reciprocal";
 constexpr std::string_view kChannelPlanes = "channel in use, const_depth_rows or slope.row = plane";
 constexpr std::string_view kChannelPlaneRows = "channel in use, const_depth_rows";
+constexpr std::string_view kProject = "project.unit = reciprocal";
 constexpr std::string_view kEnds = "delta_f, hyperbolic";
 constexpr std::string_view kDividedEnds = "delta_f, hyperbolic, slope.row = divide, reciprocal";
 
@@ -157,6 +159,9 @@ std::vector<RegisterRule> make_rules() {
       rule<F::depth_c0>("constants", 1, "depth.code = linear", linear_depth),
       rule<F::distance_a>("constants", 1, kS, [](const Config& c) { return has_s(c); }),
       rule<F::lod_k>("constants", max_mip_level, kZones, zones),
+      // B_p and A_p
+      rule<F::setup_b>("constants", 1, kProject, projects),
+      rule<F::distance_a>("constants", 1, kProject, projects),
       rule<F::fog_scale>("constants", 1, "fog.mode = linear", linear_fog),
 
       // Three vertices wait for one another. s is not needed after h is formed.
@@ -255,6 +260,14 @@ std::vector<RegisterRule> make_rules() {
       rule<F::texture_alpha>("texture", 2, kTwoNearest, two_nearest),
       rule<F::texture_alpha>("texture", 8, kTwoBilinear, two_bilinear),
 
+      // The second texture unit takes s and t of a fragment.
+      rule<F::project_value>("project", 3, kProject, projects),
+      {"project", "reciprocal.pixel.output", 1, kProject, projects, pixel_output},
+      rule<F::span_uv>("project", 2, kProject, projects),
+      rule<F::project_ratio>("project", 1, kProject, projects),
+      rule<F::project_h>("project", 1, kProject, projects),
+      {"project", "depth.z", 1, kProject, projects, depth_word},
+
       rule<F::fog_factor>("fog", 1, "fog.mode = linear, table, distance, log, vertex", any_fog),
       rule<F::fog_color>("fog", 3, kAlways, always),
       rule<F::merge_color>("merge", 3, kAlways, always),
@@ -281,6 +294,7 @@ std::vector<Unit> units(const Config& c) {
   for (int axis = 0; neighbours(c) && axis < 2; ++axis) {
     list.push_back({"lod", "reciprocal.pixel", &c.pixel_reciprocal});
   }
+  if (projects(c)) list.push_back({"project", "reciprocal.pixel", &c.pixel_reciprocal});
   return list;
 }
 
@@ -510,6 +524,12 @@ class Products {
     }
     add("texture", "V shade", mix, shade, 3);
     add("texture", "V_a shade a", alpha, shade, 1);
+    if (projects(c_)) {
+      inside({"project", "reciprocal.pixel", &c_.pixel_reciprocal});
+      add("project", "X m, Y m", at(F::project_value), m, 2);
+      add("project", "(h + B) m", depth_sum(c_, F::span_h), m, 1);
+      add("project", "A_p ratio", at(F::distance_a), at(F::project_ratio), 1);
+    }
     if (linear_fog(c_)) add("fog", "fog_scale m", at(F::fog_scale), m, 1);
     if (fog_by_log(c_)) {
       const Grid place{1, c_.format(F::distance_s).word - 1, false};

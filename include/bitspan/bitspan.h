@@ -80,7 +80,8 @@ enum {
   BS_STAGE_SETUP_CHANNEL = 20,      /* per triangle that has an area and channel in use */
   BS_STAGE_EDGE_WALK_CHANNEL = 21,  /* per row and channel; not with slope.row = plane */
   BS_STAGE_SPAN_SETUP_CHANNEL = 22, /* per row and channel */
-  BS_STAGE_SPAN_CHANNEL = 23        /* per pixel of a row and channel */
+  BS_STAGE_SPAN_CHANNEL = 23,       /* per pixel of a row and channel */
+  BS_STAGE_PROJECT = 24             /* per pixel that the second texture unit takes; project.unit, and the state */
 };
 
 /* The planes of a picture: `height` rows of `width` elements, from the top. */

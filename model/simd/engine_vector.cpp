@@ -386,7 +386,8 @@ class VectorModel {
     const bool watched = trace != nullptr || statistics != nullptr;
     const bool second = run_.pipeline.texture_second.is_on();
     if (!run_.pipeline.draws_in_lanes(run_.frame) &&
-        (watched || !(second ? plan_.holds_second : plan_.holds_any) || !run_.pipeline.spans_in_lanes())) {
+        (watched || run_.pipeline.project.is_on || !(second ? plan_.holds_second : plan_.holds_any) ||
+         !run_.pipeline.spans_in_lanes())) {
       if (statistics != nullptr) {
         draw_triangles(run_.pipeline, *run_.scene, triangles, first_index, buffers_, run_.frame,
                        run_.counters, trace, Observe{statistics});

@@ -33,6 +33,10 @@ ChannelForm form_of_channel(const Config& config, int number) {
   return f;
 }
 
+bool asks_for(const Scene& scene, LineId channel) {
+  return channel == LineId::fog ? scene.fog.has_value() : scene.projector.has_value();
+}
+
 // The places in the input of the sorted vertices.
 std::array<std::size_t, 3> sorted_places(const ChannelStage& stage, const Triangle& triangle) {
   std::array<std::array<std::int64_t, 2>, 3> at{};
@@ -51,6 +55,12 @@ std::int64_t vertex_value(const ChannelStage& stage, const ChannelForm& form, co
     case LineId::fog:
       return v.fog < 0 ? fog_at(v.s, stage.fog_distance, form.vertex, watch)
                        : quantize(exact_of(v.fog), form.vertex, watch);
+    case LineId::project_x:
+      return quantize(scaled(exact_of(v.project_x), stage.projector_exponent), form.vertex, watch);
+    case LineId::project_y:
+      return quantize(scaled(exact_of(v.project_y), stage.projector_exponent), form.vertex, watch);
+    case LineId::project_w:
+      return quantize(scaled(exact_of(v.project_w), stage.projector_exponent), form.vertex, watch);
     case LineId::h:
     case LineId::fu:
     case LineId::fv:
@@ -100,9 +110,7 @@ std::int64_t acc_on(const ChannelStage& stage, const ChannelForm& form, Triangle
 ChannelStage prepare_channels(const Config& config, const Constants& constants, const Scene& scene) {
   ChannelStage s;
   for (const int channel : ChannelList(config)) {
-    // There is no fog in a scene without.
-    if (channel_line(channel) == LineId::fog && !scene.fog) continue;
-    s.in_use.push_back(form_of_channel(config, channel));
+    if (asks_for(scene, channel_line(channel))) s.in_use.push_back(form_of_channel(config, channel));
   }
   s.const_depth_rows = has_plane_rows(config.perspective);
   s.by_plane = has_setup_plane(config);
@@ -116,6 +124,9 @@ ChannelStage prepare_channels(const Config& config, const Constants& constants, 
   s.x = make_register(config, FormatId::edge_x);
   s.b = b_of(config, constants.record);
   if (scene.fog) s.fog_distance = scene.fog->distance;
+  if (scene.projector && has_project(config.project)) {
+    s.projector_exponent = projector_constants(config, scene).exponent;
+  }
   return s;
 }
 

@@ -37,7 +37,8 @@ struct ChannelStage {
   int subpixel_bits = 0;
   Register coordinate, vertex_h, x;
   Exact b;
-  double fog_distance = 1;  // of the scene
+  double fog_distance = 1;     // of the scene
+  int projector_exponent = 0;  // X, Y and W are divided by 2^this
 
   bool any() const { return !in_use.empty(); }
   int size() const { return static_cast<int>(in_use.size()); }

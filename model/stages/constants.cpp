@@ -61,6 +61,12 @@ Constants make_constants(const Config& config, const Scene& scene, Watch watch) 
   return c;
 }
 
+Constants projector_constants(const Config& config, const Scene& scene) {
+  Scene view = with_view({.s_min = scene.projector->s_min, .s_max = scene.projector->s_max});
+  view.name = scene.name + "', its projector '";
+  return make_constants(config, view);
+}
+
 Exact offset_value(const StartOffset& offset, const Format& kept) {
   return offset.half_ulp ? Exact{1, kept.fraction() + 1} : exact_of(offset.value);
 }

@@ -20,6 +20,9 @@ struct Constants {
 template <class Watch = NoObserve>
 Constants make_constants(const Config& config, const Scene& scene, Watch watch = {});
 
+// Those of the scene's projector, as a view of its range has them. Throws InputError as make_constants does.
+Constants projector_constants(const Config& config, const Scene& scene);
+
 // A start offset in its accumulator's unit; `kept` is the format that half_ulp refers to.
 Exact offset_value(const StartOffset& offset, const Format& kept);
 // That of a line along an edge or a row; 0 where it has none.

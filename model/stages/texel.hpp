@@ -39,4 +39,10 @@ inline TexelCodes texel_of(const Texture& texture, std::int64_t i, std::int64_t 
                 texture.table);
 }
 
+// The word of texel (i, j) of a texture of the format depth, which has it.
+inline std::int64_t depth_word(const Texture& texture, std::int64_t i, std::int64_t j) {
+  const std::uint8_t* p = texture.raw.data() + block_at(TexelFormat::depth, texture.width, i, j);
+  return p[0] | p[1] << 8 | p[2] << 16 | std::int64_t{p[3]} << 24;
+}
+
 }  // namespace bitspan::model

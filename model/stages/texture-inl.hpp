@@ -14,6 +14,7 @@
 
 #include "config/modes.hpp"
 #include "model/numeric/ratio-inl.hpp"
+#include "model/stages/depth-inl.hpp"
 #include "model/stages/texel.hpp"
 #include "model/stages/texture.hpp"
 
@@ -122,13 +123,16 @@ struct TextureImage {
   const Texture* texture;
   TexelLookup by;
   std::int64_t border;  // the word of what is outside, where the mode has such texels
+  TexelTest test{};
 
   bool present() const { return texture != nullptr; }
   TextureFilter filter() const { return by.filter; }
   static bool may_be_reserved() { return true; }
   std::int64_t word(std::int64_t i, std::int64_t j) const {
     if (i < 0 || j < 0 || i >= texture->width || j >= texture->height) return border;
-    return word_of(texel_of(*texture, i, j));
+    if (test.depth == nullptr) return word_of(texel_of(*texture, i, j));
+    const std::int64_t stored = depth_word(*texture, i, j) >> (32 - test.depth->z.word);
+    return depth_passes(*test.depth, test.func, test.z, stored) ? 0xffffffff : test.failed;
   }
   std::int64_t nearest(std::int64_t& i, std::int64_t& j) const {
     i = wrapped(i, texture->width, by.wrap_u);

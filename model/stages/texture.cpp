@@ -43,8 +43,9 @@ bool finish(const TextureStage& stage, const FragmentRecord& fragment, text::Tex
 
 template <class Int, class Watch>
 text::Textured<std::int64_t> found(const TextureStage& stage, const Texture* texture,
-                                   const FragmentRecord& fragment, Watch watch) {
-  return text::sampled<Int>(stage, text::TextureImage{texture, stage.lookup, text::word_of(stage.border)},
+                                   const FragmentRecord& fragment, Watch watch, const TexelTest& test = {}) {
+  return text::sampled<Int>(stage,
+                            text::TextureImage{texture, stage.lookup, text::word_of(stage.border), test},
                             fragment.u, fragment.v, {stage.uv.fraction, stage.uv.fraction}, watch);
 }
 
@@ -112,19 +113,19 @@ bool texture(const TextureStage& stage, const MipChain* chain, const FragmentRec
 
 template <class Watch>
 Sampled sample(const TextureStage& stage, const Texture& image, const MipChain* chain,
-               const FragmentRecord& fragment, const LodRecord& level, Watch watch) {
+               const FragmentRecord& fragment, const LodRecord& level, Watch watch, const TexelTest& test) {
   return with_integers(stage, [&]<class Int>() {
     const text::Textured<std::int64_t> all = chain == nullptr
-                                                 ? found<Int>(stage, &image, fragment, watch)
+                                                 ? found<Int>(stage, &image, fragment, watch, test)
                                                  : found_in_levels<Int>(stage, chain, fragment, level, watch);
     return Sampled{all.i, all.j, all.ex, all.ey, all.texel};
   });
 }
 
 template Sampled sample(const TextureStage&, const Texture&, const MipChain*, const FragmentRecord&,
-                        const LodRecord&, NoObserve);
+                        const LodRecord&, NoObserve, const TexelTest&);
 template Sampled sample(const TextureStage&, const Texture&, const MipChain*, const FragmentRecord&,
-                        const LodRecord&, Observe);
+                        const LodRecord&, Observe, const TexelTest&);
 template bool texture(const TextureStage&, const MipChain*, const FragmentRecord&, const LodRecord&,
                       TextureRecord&, NoObserve);
 template bool texture(const TextureStage&, const MipChain*, const FragmentRecord&, const LodRecord&,

@@ -14,6 +14,7 @@
 #include "model/mip_chain.hpp"
 #include "model/numeric/integers.hpp"
 #include "model/numeric/quantize.hpp"
+#include "model/stages/depth.hpp"
 #include "model/stages/lod.hpp"
 #include "scene/draw_state.hpp"
 #include "scene/scene.hpp"
@@ -91,6 +92,13 @@ constexpr TextureStage prepare_texture(const Config& config) {
   return s;
 }
 
+// A comparison that takes the place of a texel, of textures of the format depth: white where it holds.
+struct TexelTest {
+  const DepthFormats* depth = nullptr;  // null: texels are taken as they are
+  DepthFunc func = DepthFunc::lequal;
+  std::int64_t z = 0;       // the fragment's code
+  std::int64_t failed = 0;  // the texel's word where it does not hold
+};
 // How a fragment with that level of detail looks texels up; without mip chains both ways are one.
 constexpr const TexelLookup& lookup_at(const TextureStage& stage, const LodRecord& lod) {
   return magnifies(stage.range, lod.lambda) ? stage.magnified : stage.lookup;
@@ -105,7 +113,8 @@ struct Sampled {
 // where `level` is not read. The level of detail in it is the unit's own.
 template <class Watch = NoObserve>
 Sampled sample(const TextureStage& stage, const Texture& image, const MipChain* chain,
-               const FragmentRecord& fragment, const LodRecord& level, Watch watch = {});
+               const FragmentRecord& fragment, const LodRecord& level, Watch watch = {},
+               const TexelTest& test = {});
 // a: raw, texture.alpha.
 bool passes_alpha_test(const TextureStage& stage, std::int64_t a);
 

@@ -16,6 +16,7 @@ TextureSecondStage prepare_texture_second(const Config& config) {
   s.has_lod = has_lod(config);
   s.mixes_levels = mixes_levels(config.mip);
   s.lambda = make_register(config, FormatId::lod_lambda);
+  s.depth = depth_formats(config);
   return s;
 }
 
@@ -24,6 +25,11 @@ void set_texture_second(TextureSecondStage& stage, const DrawState& state, const
   stage.fetch.kills_zero = state.alpha_zero == AlphaZero::kill;
   stage.fetch.alpha_test = alpha_test_of(state.alpha_func, state.alpha_ref, stage.fetch.alpha);
   stage.fetch.lookup = second_lookup(state);
+  stage.compares = is_projected(state) && state.texture1_compare && image != nullptr &&
+                   image->format == TexelFormat::depth;
+  stage.func = state.texture1_func;
+  stage.bias = state.texture1_bias;
+  stage.dark_outside = state.texture1_outside == ProjectOutside::dark;
   stage.fetch.magnified = stage.has_lod ? second_magnified(state) : stage.fetch.lookup;
   stage.fetch.range = second_levels(state);
   stage.more_bias = {state.texture1_lod_bias - state.texture_lod_bias, 4};
@@ -47,11 +53,55 @@ LodRecord second_level(const TextureSecondStage& stage, const LodRecord& lod, in
   return out;
 }
 
+namespace {
+
+// What a fragment finds that lies outside of a projected texture.
+template <class Watch>
+Sampled found_outside(const TextureSecondStage& stage, Watch watch) {
+  Sampled out;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::int64_t code = stage.dark_outside ? stage.constant[c] : 255;
+    out.texel[c] = quantize(code, 0, stage.fetch.mix, watch);
+  }
+  out.texel[3] = quantize(std::int64_t{1}, 0, stage.fetch.alpha, watch);
+  return out;
+}
+
+// The same within it.
+template <class Watch>
+Sampled found_within(const TextureSecondStage& stage, const FragmentRecord& fragment,
+                     const ProjectRecord& projected, Watch watch) {
+  FragmentRecord at = fragment;
+  at.u = projected.s;
+  at.v = projected.t;
+  TexelTest test;
+  if (stage.compares) {
+    const auto& [r, g, b] = stage.constant;
+    test = {.depth = &stage.depth,
+            .func = stage.func,
+            .z = std::clamp<std::int64_t>(projected.z + stage.bias, 0, stage.depth.zmax),
+            .failed = r | g << 8 | b << 16 | std::int64_t{255} << 24};
+  }
+  // Level 0 of a chain is the texture itself.
+  return sample(stage.fetch, *stage.image, nullptr, at, {}, watch, test);
+}
+
+}  // namespace
+
 template <class Watch>
 bool texture_second(const TextureSecondStage& stage, const MipChain* chain, const FragmentRecord& fragment,
-                    const LodRecord& lod, const TextureRecord& first, TextureSecondRecord& out, Watch watch) {
-  const LodRecord level = second_level(stage, lod, chain == nullptr ? 1 : static_cast<int>(chain->size()));
-  const Sampled found = sample(stage.fetch, *stage.image, chain, fragment, level, watch);
+                    const LodRecord& lod, const TextureRecord& first, const ProjectRecord* projected,
+                    TextureSecondRecord& out, Watch watch) {
+  LodRecord level;
+  Sampled found;
+  if (projected == nullptr) {
+    level = second_level(stage, lod, chain == nullptr ? 1 : static_cast<int>(chain->size()));
+    found = sample(stage.fetch, *stage.image, chain, fragment, level, watch);
+  } else if (projected->inside == 0) {
+    found = found_outside(stage, watch);
+  } else {
+    found = found_within(stage, fragment, *projected, watch);
+  }
   const auto& [v_r, v_g, v_b, v_a] = found.texel;
   const TextureStage& f = stage.fetch;
   const auto share = [&](std::int64_t v) { return quantize_ratio(v, 255, -f.mix.fraction, f.alpha, watch); };
@@ -91,8 +141,10 @@ TextureRecord combined(const TextureRecord& first, const TextureSecondRecord& se
 }
 
 template bool texture_second(const TextureSecondStage&, const MipChain*, const FragmentRecord&,
-                             const LodRecord&, const TextureRecord&, TextureSecondRecord&, NoObserve);
+                             const LodRecord&, const TextureRecord&, const ProjectRecord*,
+                             TextureSecondRecord&, NoObserve);
 template bool texture_second(const TextureSecondStage&, const MipChain*, const FragmentRecord&,
-                             const LodRecord&, const TextureRecord&, TextureSecondRecord&, Observe);
+                             const LodRecord&, const TextureRecord&, const ProjectRecord*,
+                             TextureSecondRecord&, Observe);
 
 }  // namespace bitspan::model

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 
+#include "model/stages/depth.hpp"
 #include "model/stages/lod.hpp"
 #include "model/stages/texture.hpp"
 
@@ -17,6 +18,11 @@ struct TextureSecondStage {
   bool has_lod = false, mixes_levels = false;
   Exact more_bias;  // than the first unit's
   Register lambda;
+  DepthFormats depth;  // of what is compared
+  bool compares = false;
+  DepthFunc func = DepthFunc::lequal;
+  std::int64_t bias = 0;
+  bool dark_outside = false;
   TextureOp op = TextureOp::modulate;
   int scale = 0;
   std::array<std::int64_t, 3> constant{};  // codes
@@ -34,11 +40,11 @@ std::int64_t second_lambda(const TextureSecondStage& stage, std::int64_t lambda)
 LodRecord second_level(const TextureSecondStage& stage, const LodRecord& lod, int levels);
 
 // A fragment that the first unit did not kill, while the unit is on; chain: of the unit's texture, null
-// without mip chains. True where it lives.
+// without mip chains; projected: where its coordinates are a projector's, else null. True where it lives.
 template <class Watch = NoObserve>
 bool texture_second(const TextureSecondStage& stage, const MipChain* chain, const FragmentRecord& fragment,
-                    const LodRecord& lod, const TextureRecord& first, TextureSecondRecord& out,
-                    Watch watch = {});
+                    const LodRecord& lod, const TextureRecord& first, const ProjectRecord* projected,
+                    TextureSecondRecord& out, Watch watch = {});
 
 // The first unit's record with the colour, alpha and fate behind the second one: what fog and merge take.
 TextureRecord combined(const TextureRecord& first, const TextureSecondRecord& second);

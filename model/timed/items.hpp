@@ -41,8 +41,9 @@ struct FragmentItem {
   DistanceRecord distance;
   StencilRecord stencil;  // with the stencil test
   LodRecord lod;
-  LodRecord second_lod;  // of the second texture unit, while it is on
-  TextureRecord texel;   // behind both texture units
+  LodRecord second_lod;     // of the second texture unit, while it is on
+  ProjectRecord projected;  // while its coordinates are a projector's
+  TextureRecord texel;      // behind both texture units
   FogRecord fog;
 };
 

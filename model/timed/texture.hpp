@@ -15,11 +15,18 @@ inline bool second_values(Run& run, FragmentItem& item, bool lives) {
   if (!stage.is_on()) return lives;
   const int levels =
       run.pipeline.has_lod ? static_cast<int>(run.pipeline.mip_chains.of(stage.image)->size()) : 1;
-  item.second_lod = model::second_level(stage, item.lod, levels);
+  const model::ProjectStage& project = run.pipeline.project;
+  if (project.is_on) {
+    model::project(project, item.fragment, &item.channels, item.projected);
+    item.second_lod = {};
+  } else {
+    item.second_lod = model::second_level(stage, item.lod, levels);
+  }
   if (!lives) return false;
+  if (project.is_on) deliver(run.trace, item.projected);
   TextureSecondRecord second;
-  const bool goes_on =
-      model::fragment_texture_second(run.pipeline, item.fragment, item.lod, item.texel, second);
+  const bool goes_on = model::fragment_texture_second(run.pipeline, item.fragment, item.lod, item.texel,
+                                                      project.is_on ? &item.projected : nullptr, second);
   deliver(run.trace, second);
   item.texel = model::combined(item.texel, second);
   return goes_on;

@@ -85,8 +85,15 @@ class TextureTraffic {
       return model::lookup_at(stage, lod);
     };
     const int first = misses(by(pipeline.texture, item.lod), item.surface.texture, f.u, f.v, item.lod);
-    return asks_of(first + misses(by(pipeline.texture_second.fetch, item.second_lod), pipeline.state.texture1,
-                                  f.u, f.v, item.second_lod));
+    const model::TextureStage& second = pipeline.texture_second.fetch;
+    if (!pipeline.project.is_on) {
+      return asks_of(first +
+                     misses(by(second, item.second_lod), pipeline.state.texture1, f.u, f.v, item.second_lod));
+    }
+    const ProjectRecord& p = item.projected;
+    return asks_of(first + (p.inside == 0
+                                ? 0
+                                : misses(second.lookup, pipeline.state.texture1, p.s, p.t, item.second_lod)));
   }
   const Cache& cache() const { return cache_; }
 

@@ -24,20 +24,23 @@
 namespace bitspan::python {
 namespace {
 
-// Whether the study counts the error of a record: one of a pixel that is covered, lives, and has fog.
+// Whether the study counts the error of a record: one of a pixel that is covered, lives, has fog, and lies in
+// the projector's texture.
 class Counted {
  public:
   Counted(RecordType type, const Config& config, const Scene& scene)
       : covered_(type == RecordType::fragment ? field_index(type, "covered") : -1),
         killed_(type == RecordType::texture ? field_index(type, "killed") : -1),
+        inside_(type == RecordType::project ? field_index(type, "inside") : -1),
         fogged_(type != RecordType::fog || (scene.fog.has_value() && has_fog(config.fog))) {}
   bool operator()(std::span<const std::int64_t> record) const {
     return fogged_ && (covered_ < 0 || record[static_cast<std::size_t>(covered_)] != 0) &&
-           (killed_ < 0 || record[static_cast<std::size_t>(killed_)] == 0);
+           (killed_ < 0 || record[static_cast<std::size_t>(killed_)] == 0) &&
+           (inside_ < 0 || record[static_cast<std::size_t>(inside_)] != 0);
   }
 
  private:
-  int covered_, killed_;
+  int covered_, killed_, inside_;
   bool fogged_;
 };
 

@@ -326,6 +326,52 @@ TEST(Range, LinearFogStopsAtZeroOnlyWhereItSaturates) {
   EXPECT_NE(refusal(c, scene).find("fog distance: is 0"), std::string::npos);
 }
 
+TEST(Range, AProjectorAsksForItsVerticesTheirProductsAndItsRange) {
+  Config c = shipped_config("depth16");
+  c.project = ProjectUnit::reciprocal;
+  std::mt19937_64 random(9);
+  Scene scene = random_scene(random, {20, 100, 500, 100});
+  scene.projector = Projector{3, 900};
+  double most = 0;
+  for (Triangle& t : scene.triangles) {
+    for (Vertex& v : t.v) {
+      v.project_w = std::uniform_real_distribution(-100.0, 900.0)(random);
+      v.project_x = 37 * v.project_w;
+      v.project_y = -5 * v.project_w;
+      most = std::max(most, std::fabs(v.project_x));
+    }
+  }
+  EXPECT_EQ(refusal(c, scene), "");
+  for (const F id : {F::project_vertex, F::project_acc, F::project_value, F::project_ratio, F::project_h}) {
+    Config narrow = c;
+    Format& f = narrow.format(id);
+    const int fraction = f.fraction();
+    f.integer = 2 - fraction;
+    f.word = 2;
+    const std::string error = refusal(narrow, scene);
+    EXPECT_TRUE(names(error, id)) << key_of(id) << ": " << error;
+    const int integer = number_after(error, "int = ");
+    f.integer = integer;
+    f.word = integer + fraction;
+    EXPECT_EQ(refusal(narrow, scene), "") << key_of(id);
+    --f.integer;
+    --f.word;
+    EXPECT_TRUE(names(refusal(narrow, scene), id)) << key_of(id);
+    if (id == F::project_vertex) {
+      EXPECT_GE(std::ldexp(1.0, integer - 1), most / 1024);  // s_max <= 2^10
+      EXPECT_LT(std::ldexp(1.0, integer - 2), most / 1024);
+    }
+    narrow.project = ProjectUnit::none;
+    EXPECT_EQ(refusal(narrow, scene), "");
+    narrow.project = ProjectUnit::reciprocal;
+    Scene plain = scene;
+    plain.projector.reset();
+    EXPECT_EQ(refusal(narrow, plain), "");
+  }
+  scene.projector = Projector{1e-9, 900};
+  EXPECT_NE(refusal(c, scene).find("projector.s_min"), std::string::npos) << refusal(c, scene);
+}
+
 TEST(Range, DegenerateAndInvisibleTrianglesAskForNothingTheyDoNotUse) {
   Config c = shipped_config("depth16");
   Scene scene;

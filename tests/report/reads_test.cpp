@@ -2,6 +2,7 @@
 // What the report of a divergence says that its stage read: draw state, the pixel as it stood, texels.
 #include "report/reads.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -146,6 +147,45 @@ TEST(Reads, TextureNamesItsTexels) {
   EXPECT_GT(levels, 5);
   EXPECT_GT(quads, 5);
   EXPECT_GT(nearest, 5);
+}
+
+// The second unit's texels are those of the projector's coordinates, a shadow map's with what it compares.
+TEST(Reads, AProjectedTextureNamesItsTexels) {
+  Config config = plain_config();
+  config.project = ProjectUnit::reciprocal;
+  Scene scene;
+  scene.width = scene.height = 16;
+  scene.s_min = 1;
+  scene.s_max = 2;
+  scene.projector = Projector{1, 2};
+  Triangle t;
+  t.v[0] = {{0, 0, 1}, {.c = {1, 1, 1, 1}, .project_w = 1}};
+  t.v[1] = {{16, 0, 1}, {.c = {1, 1, 1, 1}, .project_x = 4, .project_w = 1}};
+  t.v[2] = {{0, 16, 1}, {.c = {1, 1, 1, 1}, .project_y = 4, .project_w = 1}};
+  scene.triangles = {t};
+  Texture map{.name = "map", .width = 2, .height = 4, .rgba = {}, .format = TexelFormat::depth};
+  for (int i = 0; i < 8; ++i) map.raw.insert(map.raw.end(), {static_cast<std::uint8_t>(i), 2, 3, 4});
+  scene.textures = {map};
+  const StateChange change{
+      false, {{*find_state_register("texture1"), 0}, {*find_state_register("texture1.coordinates"), 1}}};
+  scene.commands.push_back({0, change});
+  const Trace trace = trace_of(*make_golden(config), scene);
+  ASSERT_EQ(trace.project.size(), trace.texture_second.size());
+  int inside = 0;
+  for (std::size_t i = 0; i < trace.project.size(); ++i) {
+    const Divergence project = at_record(trace, RecordType::project, i, config, scene);
+    EXPECT_EQ(value_read(project, "texture"), "0 map, 2x4");
+    EXPECT_EQ(value_read(project, "texture1.coordinates"), "project");
+    const Divergence second = at_record(trace, RecordType::texture_second, i, config, scene);
+    const TextureSecondRecord& r = trace.texture_second[i];
+    const auto texel = static_cast<int>(2 * r.j + r.i);
+    const std::string name = fmt::format("texel ({}, {}) of level 0", r.i, r.j);
+    EXPECT_EQ(value_read(second, name),
+              trace.project[i].inside != 0 ? fmt::format("4 4 4 255, word 0x040302{:02x}", texel) : "");
+    inside += static_cast<int>(trace.project[i].inside);
+  }
+  EXPECT_GT(inside, 20);
+  EXPECT_LT(static_cast<std::size_t>(inside), trace.project.size());
 }
 
 TEST(Reads, TheReportNamesThem) {

@@ -28,6 +28,11 @@ Replay sample() {
   }
   Random given(3);
   draw_given_attributes(given, r.scene, 0.5);
+  r.scene.projector = Projector{0.1, 1 / 3.0};
+  for (double Attributes::*const member :
+       {&Attributes::project_x, &Attributes::project_y, &Attributes::project_w}) {
+    for (Vertex& v : r.scene.triangles[1].v) v.*member = given.uniform(-9, 9);
+  }
   return r;
 }
 
@@ -47,8 +52,10 @@ TEST(Replay, ComesBackBitForBit) {
       const Vertex& y = b.scene.triangles[i].v[v];
       EXPECT_TRUE(x.x == y.x && x.y == y.y && x.s == y.s && x.u == y.u && x.v == y.v && x.c == y.c &&
                   x.fog == y.fog);
+      EXPECT_TRUE(x.project_x == y.project_x && x.project_y == y.project_y && x.project_w == y.project_w);
     }
   }
+  EXPECT_EQ(b.scene.projector, a.scene.projector);
   ASSERT_EQ(b.scene.textures.size(), a.scene.textures.size());
   EXPECT_EQ(b.scene.textures[0].rgba, a.scene.textures[0].rgba);
 }

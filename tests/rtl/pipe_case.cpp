@@ -316,7 +316,7 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
     p.batches.push_back({draw_values(c, s), {}});
     depth.func = s.func;
     depth.bias = s.bias;
-    texture.lookup = s.lookup;
+    texture.lookup = texture.magnified = s.lookup;
     texture.transparent = s.transparent;
     texture.alpha_test = model::alpha_test_of(s.alpha_func, s.alpha_ref, texture.alpha);
     texture.kills_zero = s.alpha_zero == AlphaZero::kill;

@@ -182,6 +182,7 @@ Given random_fragment(Random& random, Case& t, std::uint64_t number, bool plain)
   t.stage.lookup.filter = !plain && chance(random, 0.6) ? TextureFilter::bilinear : TextureFilter::nearest;
   t.stage.lookup.wrap_u = wrap();
   t.stage.lookup.wrap_v = wrap();
+  t.stage.magnified = t.stage.lookup;
   t.stage.transparent = chance(random, 0.7) ? Color(t.reserved) : std::nullopt;
   FragmentRecord f;
   f.u = random_coordinate(random, uv, placed.texture.width);
@@ -310,7 +311,8 @@ Outcome run(Case& t, Random& random, int count, const Conditions& conditions) {
   return r;
 }
 
-void check(const Config& config, std::uint64_t seed, int count) {
+// may_kill_all: the alphas of a random configuration may round to 0.
+void check(const Config& config, std::uint64_t seed, int count, bool may_kill_all = false) {
   SCOPED_TRACE(fmt::format("{}, seed {}", config.name, seed));
   Random random(seed);
   Case t(config, random);
@@ -325,7 +327,7 @@ void check(const Config& config, std::uint64_t seed, int count) {
     const Outcome r = run(t, random, count, c);
     EXPECT_GT(r.killed, static_cast<std::size_t>(count) / 50);
     // An alpha test may kill all of them.
-    const int living = c.alpha_func == CompareFunc::always ? count / 50 : 0;
+    const int living = c.alpha_func == CompareFunc::always && !may_kill_all ? count / 50 : 0;
     EXPECT_LE(r.killed, static_cast<std::size_t>(count - living));
     EXPECT_GE(r.most_in_flight, c.latency.least >= 20 ? 8U : 1U);
   }
@@ -354,7 +356,7 @@ TEST(Texture, Levels) {
 TEST(Texture, Random) {
   for (const std::uint64_t seed : stage_seeds(6)) {
     SCOPED_TRACE(stage_seed_text(seed));
-    check(random_stage_config(seed), seed, 1500);
+    check(random_stage_config(seed), seed, 1500, true);
   }
 }
 

@@ -5,16 +5,19 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <set>
 #include <sstream>
 #include <string>
 
+#include "config/check.hpp"
 #include "scene/random.hpp"
 #include "scene/tri_stream.hpp"
 #include "tests/support/input_error.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
@@ -183,7 +186,8 @@ TEST(DrawState, ViewsOfAStream) {
   EXPECT_EQ(error_of([&] { check_scene(scene, "s"); }), "");
 
   EXPECT_EQ(refused(R"({"view": {}})"),
-            "s.tri:2: view: no key; expected width, height, s_min, s_max, focal, background or fog");
+            "s.tri:2: view: no key; expected width, height, s_min, s_max, focal, background, fog or "
+            "projector");
   EXPECT_EQ(refused(R"({"view": {"width": 0}})"),
             "s.tri:2: view.width: 0 is not legal; expected a whole number 1..32768");
   EXPECT_EQ(refused(R"({"view": {"s_max": 1}})"),
@@ -193,6 +197,71 @@ TEST(DrawState, ViewsOfAStream) {
   EXPECT_NE(refused(R"({"view": {"zoom": 1}})").find("unknown key"), std::string::npos);
   EXPECT_NE(refused(R"({"view": {"fog": {"color": [0, 0, 0]}}})").find("view.fog.distance: key is missing"),
             std::string::npos);
+}
+
+TEST(DrawState, ViewsHaveProjectors) {
+  const Scene scene = parsed(triangle +
+                             R"(
+{"view": {"projector": {"s_min": 0.5, "s_max": 8}}})" +
+                             triangle + R"(
+{"target": 1})" + triangle + R"(
+{"view": {"projector": null}})" +
+                             triangle + "\n{\"target\": 0}" + triangle);
+  EXPECT_EQ(view_at(scene, 0).projector, std::nullopt);
+  EXPECT_EQ(view_at(scene, 1).projector, (Projector{0.5, 8}));
+  EXPECT_EQ(view_at(scene, 2).projector, (Projector{0.5, 8}));  // as the view in force had it
+  EXPECT_EQ(view_at(scene, 3).projector, std::nullopt);
+  EXPECT_EQ(view_at(scene, 4).projector, (Projector{0.5, 8}));
+  EXPECT_NE(view_at(scene, 0), view_at(scene, 1));
+  std::ostringstream out;
+  write_tri(out, scene);
+  EXPECT_NE(out.str().find(R"({"view":{"projector":{"s_min":0.5,"s_max":8.0}}})"), std::string::npos)
+      << out.str();
+  EXPECT_NE(out.str().find(R"({"view":{"projector":null}})"), std::string::npos);
+  EXPECT_TRUE(parse_tri(out.str(), "back.tri").commands == scene.commands);
+
+  EXPECT_EQ(refused(R"({"view": {"projector": 1}})"),
+            "s.tri:2: view.projector: 1 is not an object; expected {\"s_min\": a, \"s_max\": b}");
+  EXPECT_EQ(refused(R"({"view": {"projector": {"s_min": 1}}})"),
+            "s.tri:2: view.projector.s_max: key is missing; expected a distance above 0");
+  EXPECT_EQ(refused(R"({"view": {"projector": {"s_min": 3, "s_max": 2}}})"),
+            "s.tri:2: view.projector.s_min: 3 is not below s_max = 2; expected 0 < s_min < s_max");
+  EXPECT_NE(refused(R"({"view": {"projector": {"s_min": 1, "s_max": 2, "x": 0}}})").find("unknown key"),
+            std::string::npos);
+  const auto changed = [](double s_min, double s_max) {
+    return error_of([&] { changed_view({}, {.projector = Projector{s_min, s_max}}); });
+  };
+  EXPECT_EQ(changed(1, 2), "");
+  for (const auto& [s_min, s_max] : {std::pair{0.0, 1.0}, {1.0, 1.0}, {1.0, HUGE_VAL}, {std::nan(""), 1.0}}) {
+    EXPECT_EQ(changed(s_min, s_max).find("projector.s_min: "), 0U) << changed(s_min, s_max);
+  }
+}
+
+// A configuration says whether it can divide.
+TEST(DrawState, ProjectedCoordinatesNeedTheUnit) {
+  const StateChange change{false, {{*find_state_register("texture1.coordinates"), 1}}};
+  Config config = shipped_config("depth16");
+  ASSERT_FALSE(first_violation(config));
+  ASSERT_EQ(config.project, ProjectUnit::none);
+  const auto refused_by = [&](const Config& c) {
+    return error_of([&] { changed_state(first_state(c), change, c, 0); });
+  };
+  EXPECT_EQ(
+      refused_by(config),
+      "texture1.coordinates: is project, and the configuration has project.unit = none; expected uv, or "
+      "project.unit = reciprocal");
+  Scene scene;
+  scene.commands = {{0, change}};
+  EXPECT_NE(error_of([&] { check_commands(config, scene); }), "");
+  config.project = ProjectUnit::reciprocal;
+  ASSERT_FALSE(first_violation(config));
+  EXPECT_EQ(refused_by(config), "");
+  EXPECT_EQ(error_of([&] { check_commands(config, scene); }), "");
+  // A stream is read without a configuration.
+  const Scene read = parsed(
+      "\n"
+      R"({"state": {"texture1.coordinates": "project", "texture1.outside": "dark", "texture1.compare": true, "texture1.func": "less", "texture1.bias": -5}})");
+  EXPECT_EQ(read.commands.size(), 1U);
 }
 
 TEST(DrawState, CopiesOfAStream) {

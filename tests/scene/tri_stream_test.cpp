@@ -50,6 +50,7 @@ void expect_same(const Scene& a, const Scene& b) {
     EXPECT_EQ(a.fog->color, b.fog->color);
     EXPECT_TRUE(same_bits(a.fog->distance, b.fog->distance));
   }
+  EXPECT_EQ(a.projector, b.projector);
   ASSERT_EQ(a.textures.size(), b.textures.size());
   for (std::size_t i = 0; i < a.textures.size(); ++i) {
     EXPECT_EQ(a.textures[i].width, b.textures[i].width);
@@ -69,7 +70,9 @@ void expect_same(const Scene& a, const Scene& b) {
                   same_bits(p.v, q.v))
           << "triangle " << i << " vertex " << k;
       for (std::size_t c = 0; c < 4; ++c) ASSERT_TRUE(same_bits(p.c[c], q.c[c])) << "triangle " << i;
-      ASSERT_TRUE(same_bits(p.fog, q.fog)) << "triangle " << i;
+      for (const GivenAttribute& given : given_attributes) {
+        ASSERT_TRUE(same_bits(p.*given.member, q.*given.member)) << given.key << " of triangle " << i;
+      }
     }
   }
 }
@@ -146,6 +149,84 @@ TEST(TriStream, TrianglesGiveTheFogsFactor) {
     bad.triangles[0].v[2].fog = value;
     EXPECT_NE(input_error([&] { check_scene(bad, "x"); }).find("x:2: fog[2]: "), std::string::npos);
   }
+}
+
+TEST(TriStream, TrianglesGiveTheProjection) {
+  const std::string second = replaced(header, "\"bitspan\": 1", "\"bitspan\": 2");
+  const std::string thrown = replaced(second, "}", R"(, "projector": {"s_min": 0.1, "s_max": 7}})");
+  const auto line = [](const std::string& more) { return replaced(triangle, "}", ", " + more + "}"); };
+  const std::string given =
+      line(R"("project_x": [-1e30, 0, 2.5], "project_y": [1, 0.1, -0.0], "project_w": [3, -4, 1e-300])");
+  const Scene scene = parse_tri(thrown + given + triangle + line("\"project_w\": [0, 0, 1]"), "x.tri");
+  EXPECT_EQ(scene.projector, (Projector{0.1, 7}));
+  EXPECT_EQ(scene.triangles[0].v[0].project_x, -1e30);
+  EXPECT_EQ(scene.triangles[0].v[1].project_y, 0.1);
+  EXPECT_TRUE(same_bits(scene.triangles[0].v[2].project_y, -0.0));
+  EXPECT_EQ(scene.triangles[0].v[1].project_w, -4);
+  for (const Vertex& v : scene.triangles[1].v) {
+    EXPECT_TRUE(v.project_x == 0 && v.project_y == 0 && v.project_w == 0);
+  }
+  EXPECT_EQ(scene.triangles[2].v[2].project_w, 1);
+  std::ostringstream out;
+  write_tri(out, scene);
+  EXPECT_NE(out.str().find(R"("bitspan":2)"), std::string::npos);
+  EXPECT_NE(out.str().find(R"("projector":{"s_min":0.1,"s_max":7})"), std::string::npos);
+  expect_same(scene, parse_tri(out.str(), "x.tri"));
+  // A projector alone, and what is projected alone, ask for version 2.
+  for (const std::string& text : {thrown + triangle, second + given}) {
+    std::ostringstream one;
+    write_tri(one, parse_tri(text, "x.tri"));
+    EXPECT_EQ(one.str().find(R"({"bitspan":2)"), 0U);
+    expect_same(parse_tri(text, "x.tri"), parse_tri(one.str(), "x.tri"));
+  }
+  EXPECT_NE(parse_error(header + line("\"project_x\": [0, 0, 1]")).find("unknown key; expected v, c, tex"),
+            std::string::npos);
+  EXPECT_NE(parse_error(second + line("\"project_x\": [0, 1]")).find("x.tri:2: project_x: "),
+            std::string::npos);
+  EXPECT_NE(parse_error(second + line("\"project_w\": [0, null, 1]")).find("x.tri:2: project_w[1]: "),
+            std::string::npos);
+  EXPECT_NE(parse_error(second + line("\"project_z\": [0, 0, 1]")).find("unknown key"), std::string::npos);
+  Scene bad = scene;
+  for (double Attributes::*const member :
+       {&Attributes::project_x, &Attributes::project_y, &Attributes::project_w}) {
+    for (const double value : {HUGE_VAL, -HUGE_VAL, std::numeric_limits<double>::quiet_NaN()}) {
+      bad.triangles[0].v[2].*member = value;
+      const std::string message = input_error([&] { check_scene(bad, "x"); });
+      EXPECT_EQ(message.find("x:2: project_"), 0U) << message;
+      EXPECT_NE(message.find("[2]: "), std::string::npos) << message;
+    }
+    bad.triangles[0].v[2].*member = 0;
+  }
+  EXPECT_EQ(error_of([&] { check_scene(bad, "x"); }), "");
+  for (const Projector& range : {Projector{0, 1}, {1, 1}, {2, 1}, {1, HUGE_VAL}, {std::nan(""), 1}}) {
+    bad.projector = range;
+    EXPECT_NE(input_error([&] { check_scene(bad, "x"); }).find("projector.s_min: is not legal; expected"),
+              std::string::npos);
+  }
+}
+
+TEST(TriStream, RefusesBadProjectors) {
+  const auto refused = [](const std::string& projector) {
+    return parse_error(replaced(replaced(header, "\"bitspan\": 1", "\"bitspan\": 2"), "}",
+                                ", \"projector\": " + projector + "}"));
+  };
+  const std::pair<const char*, const char*> cases[] = {
+      {"3", "projector: 3 is not an object; expected {\"s_min\": a, \"s_max\": b}"},
+      {"null", "projector: null is not an object"},
+      {R"({"s_min": 1})", "projector.s_max: key is missing; expected a distance above 0"},
+      {R"({"s_max": 1})", "projector.s_min: key is missing"},
+      {"{}", "projector.s_min: key is missing"},
+      {R"({"s_min": 0, "s_max": 1})", "projector.s_min: 0 is not positive"},
+      {R"({"s_min": 1, "s_max": "2"})", "projector.s_max: \"2\" is not a number"},
+      {R"({"s_min": 2, "s_max": 2})",
+       "projector.s_min: 2 is not below s_max = 2; expected 0 < s_min < s_max"},
+      {R"({"s_min": 1, "s_max": 2, "focal": 1})", "projector.\"focal\": unknown key"},
+  };
+  for (const auto& [projector, message] : cases) {
+    EXPECT_EQ(refused(projector).find("dir/x.tri:1: " + std::string(message)), 0U) << refused(projector);
+  }
+  EXPECT_EQ(parse_error(replaced(header, "}", R"(, "projector": {"s_min": 1, "s_max": 2}})")),
+            "dir/x.tri:1: projector: is not legal in version 1; expected \"bitspan\": 2");
 }
 
 struct Refusal {
@@ -643,6 +724,10 @@ TEST(TriStream, RoundTripsExtremeNumbers) {
   t.v[2] = {1e-310, 3, 1.7976931348623157e308, -0.0, 4.9406564584124654e-324, {1, 1, 1, 1}};
   scene.triangles.push_back(t);
   scene.fog = Fog{{1, 2, 254}, 0.1};
+  scene.projector = Projector{4.9406564584124654e-324, 1.7976931348623157e308};
+  scene.triangles[0].v[1].project_x = 1.7976931348623157e308;
+  scene.triangles[0].v[2].project_y = 1 / 3.0;
+  scene.triangles[0].v[0].project_w = -4.9406564584124654e-324;
   std::ostringstream out;
   write_tri(out, scene);
   expect_same(scene, parse_tri(out.str(), "x.tri"));

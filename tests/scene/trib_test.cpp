@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <limits>
 #include <random>
+#include <set>
 #include <sstream>
 
 #include "scene/random.hpp"
@@ -118,6 +119,72 @@ TEST(Trib, WritesWhatTheDocumentSays) {
   EXPECT_EQ(binary_of(scene), stream(plain + tag('T', 3) + bytes_of(0xffffffffU) + corners + colors +
                                          bytes_of({1, 0.5, 0}) + command(R"({"target":1})"),
                                      text.substr(0, text.find('\n'))));
+}
+
+// Bits 2 to 4 of the channels are project_x, project_y and project_w. Their kinds are listed where they
+// occur.
+TEST(Trib, TrianglesGiveTheProjection) {
+  const std::string texture = bytes_of(0xffffffffU);
+  const std::string w_alone = tag('T', 16) + texture + corners + bytes_of({-1, 0, 1e300});
+  const std::string all = tag('T', 31) + texture + corners + colors + bytes_of({1, 0.5, 0}) +
+                          bytes_of({1, 2, 3}) + bytes_of({4, 5, 6}) + bytes_of({7, 8, 9});
+  const std::string kinds = bytes_of(8U) + plain_kind + color_kind + fog_kind + full_kind +
+                            kind(tag('T', 16), 152) + kind(tag('T', 31), 320) + command_kind + part_kind;
+  std::string second = header;
+  second.insert(second.size() - 1, R"(,"projector":{"s_min":1,"s_max":8})");
+  const Scene scene = parse_tri(sealed({kinds + second, plain + w_alone + all}), "x.trib");
+  EXPECT_EQ(scene.projector, (Projector{1, 8}));
+  const auto numbers = [&](std::size_t triangle, double Attributes::*member) {
+    const auto& v = scene.triangles[triangle].v;
+    return std::array{v[0].*member, v[1].*member, v[2].*member};
+  };
+  EXPECT_EQ(numbers(0, &Attributes::project_w), (std::array{0.0, 0.0, 0.0}));
+  EXPECT_EQ(numbers(1, &Attributes::project_w), (std::array{-1.0, 0.0, 1e300}));
+  EXPECT_EQ(numbers(1, &Attributes::project_x), (std::array{0.0, 0.0, 0.0}));
+  EXPECT_EQ(numbers(2, &Attributes::fog), (std::array{1.0, 0.5, 0.0}));
+  EXPECT_EQ(numbers(2, &Attributes::project_x), (std::array{1.0, 2.0, 3.0}));
+  EXPECT_EQ(numbers(2, &Attributes::project_y), (std::array{4.0, 5.0, 6.0}));
+  EXPECT_EQ(numbers(2, &Attributes::project_w), (std::array{7.0, 8.0, 9.0}));
+  const std::string text = text_of(scene);
+  EXPECT_EQ(binary_of(scene), sealed({kinds + text.substr(0, text.find('\n')), plain + w_alone + all}));
+  EXPECT_EQ(text_of(parse_tri(text, "x.tri")), text);
+  const auto refused = [&](const std::string& list, const std::string& record) {
+    return parse_error(sealed({list + header, plain + record}));
+  };
+  EXPECT_TRUE(names(refused(all_kinds, w_alone), "a record of the tag 54 10 00 00; expected one of those"));
+  EXPECT_TRUE(names(refused(kinds, tag('T', 16) + texture + corners + bytes_of({0, HUGE_VAL, 0})),
+                    "project_w[1]: inf is "));
+}
+
+// Whatever attributes the triangles of a stream give.
+TEST(Trib, EverySetOfAttributes) {
+  Random random(1);
+  Scene scene = parse_tri(stream(plain), "x.trib");
+  scene.triangles.resize(2000, scene.triangles[0]);
+  for (Triangle& t : scene.triangles) {
+    for (const GivenAttribute& given : given_attributes) {
+      if (!random.chance(0.5)) continue;
+      for (Vertex& v : t.v) v.*given.member = random.uniform(0, 1);
+    }
+  }
+  std::set<unsigned> sets;
+  for (const Triangle& t : scene.triangles) {
+    unsigned set = 0;
+    for (const GivenAttribute& given : given_attributes) set = 2 * set + (given.is_given(t.v) ? 1 : 0);
+    sets.insert(set);
+  }
+  EXPECT_GT(sets.size(), 12U);
+  const Scene back = parse_tri(binary_of(scene), "x.trib");
+  ASSERT_EQ(back.triangles.size(), scene.triangles.size());
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (const GivenAttribute& given : given_attributes) {
+        ASSERT_EQ(back.triangles[i].v[k].*given.member, scene.triangles[i].v[k].*given.member)
+            << given.key << " " << i;
+      }
+    }
+  }
+  EXPECT_EQ(text_of(back), text_of(scene));
 }
 
 TEST(Trib, GivesTheSameTextBack) {
@@ -327,7 +394,7 @@ TEST(Trib, WhatIsNotLegalIsRefusedAtItsRecord) {
   refused(
       with_kinds(bytes_of(2U) + plain_kind + kind(tag('Q'), 16)), 28,
       "records of the tag 51 00 00 00 are not known; expected 43 00 00 00, 43 2b 00 00, or 54 00 00 00 to 54 "
-      "03 00 00");
+      "1f 00 00");
   refused(with_kinds(bytes_of(3U) + plain_kind + command_kind + plain_kind), 36,
           "records of the tag 54 00 00 00 are listed twice; expected once");
   refused(with_kinds(bytes_of(1U) + command_kind), 8 + 8 + 12 + header.size() + 8,

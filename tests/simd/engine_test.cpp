@@ -240,7 +240,7 @@ TEST(Forms, DistancesAndDz) {
 TEST(Forms, LevelsOfRandomConfigurations) {
   const std::vector<Config> bases = shipped_configs();
   std::uint64_t written = 0;
-  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 450; ++seed) {
     Config c = random_config(seed, bases);
     c.mip = seed % 3 == 0 ? MipMode::nearest : MipMode::linear;
     c.lod = LodMode::gradient;

@@ -65,7 +65,7 @@ class Unit {
                                  const TextureRecord& first) {
     TextureSecondRecord out;
     const bool lives =
-        model::texture_second(stage_, chain_.empty() ? nullptr : &chain_, fragment, lod, first, out);
+        model::texture_second(stage_, chain_.empty() ? nullptr : &chain_, fragment, lod, first, nullptr, out);
     EXPECT_EQ(out.killed, lives ? 0 : 1);
     const std::array<const FragmentRecord*, 1> fragments{&fragment};
     const std::array<const TextureRecord*, 1> firsts{&first};
@@ -74,7 +74,7 @@ class Unit {
     const std::span<const Texture> levels =
         has_lod(config_) ? std::span<const Texture>(levels_) : std::span<const Texture>(&image_, 1);
     records_.clear();
-    golden_(fragments, firsts, lods, levels, state_, records_);
+    golden_(fragments, firsts, lods, {}, levels, state_, records_);
     EXPECT_EQ(records_.at(0), out);
     return out;
   }

@@ -263,6 +263,11 @@ std::vector<Config> further_modes() {
     }
     add(c);
   }
+  Config projects = base;
+  projects.project = ProjectUnit::reciprocal;
+  add(projects);
+  projects.row_slope = RowSlope::plane;
+  add(projects);
   Config subspans = base;
   subspans.subspan_bits = 4;
   add(subspans);
@@ -282,6 +287,21 @@ bool is_width(const Key& key) {
   const std::string_view name = key.name();
   const bool of_cache = name.ends_with("_line_bytes") || name.ends_with("_sets") || name.ends_with("_ways");
   return name == "word" || name == "bits" || name.ends_with("_bits") || of_cache;
+}
+
+TEST(Cost, AProjectorByHand) {
+  const Config without = shipped_config("depth16");
+  Config c = without;
+  c.project = ProjectUnit::reciprocal;
+  const std::vector<RegisterPlace> places = register_places(c);
+  const int newton = 23 + 13 + 26 + 25;
+  EXPECT_EQ(bits_of(places, "constants"), 2 * 36 + 38 + 38 + 44);
+  EXPECT_EQ(bits_of(places, "setup.channel"), 3 * (3 * 36 + 3 * 48 + 3 * 52));
+  EXPECT_EQ(bits_of(places, "project"), 3 * 48 + 19 + 2 * 25 + 38 + 40 + 16 + newton);
+  const int unit = 23 * 13 + 13 * 26;
+  EXPECT_EQ(bits_of(multipliers(c), "setup.channel"), 3 * 36 * 39);
+  EXPECT_EQ(bits_of(multipliers(c), "project"), unit + 2 * 48 * 19 + 39 * 19 + 44 * 38);
+  EXPECT_EQ(table_bits(c) - table_bits(without), 512 * 13);
 }
 
 TEST(Cost, EveryWidthMovesACost) {
