@@ -15,6 +15,7 @@
 #include "scene/demo.hpp"
 #include "scene/mesh.hpp"
 #include "scene/supersample.hpp"
+#include "scene/texture.hpp"
 #include "scene/tri_stream.hpp"
 #include "tb/programs.hpp"
 
@@ -103,6 +104,66 @@ void refuse_size(const std::string& name, const Scene& scene, const SceneOptions
   }
 }
 
+// What --shadow and its companions say; none where there is no shadow.
+std::optional<ShadowOptions> shadow_of(const SceneOptions& o) {
+  if (o.shadow.empty()) {
+    for (const auto& [given, flag] : {std::pair{o.shadow_map.has_value(), "--shadow-map"},
+                                      {o.shadow_bias.has_value(), "--shadow-bias"},
+                                      {o.shadow_dark.has_value(), "--shadow-dark"},
+                                      {!o.shadow_plane.empty(), "--shadow-plane"}}) {
+      if (given)
+        throw InputError(fmt::format("{}: is for a shadow; expected --shadow x,y,z beside it", flag));
+    }
+    return std::nullopt;
+  }
+  ShadowOptions out;
+  const bool has_target = std::ranges::count(o.shadow, ',') > 2;
+  const auto n = parse_numbers(o.shadow, "--shadow", has_target ? 7 : 3,
+                               has_target ? "a light and what it sees x,y,z,X,Y,Z,degrees" : "a light x,y,z");
+  out.light = {n[0], n[1], n[2]};
+  if (has_target) {
+    out.at = Vec3{n[3], n[4], n[5]};
+    out.degrees = n[6];
+  }
+  if (!o.shadow_plane.empty()) {
+    const auto p = parse_numbers(o.shadow_plane, "--shadow-plane", 6, "a point and a normal x,y,z,nx,ny,nz");
+    out.plane = Plane{{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
+    if (o.shadow_map || o.shadow_bias || has_target) {
+      throw InputError(
+          "--shadow-plane: needs no map; expected --shadow x,y,z and --shadow-dark alone beside it");
+    }
+  }
+  out.size = o.shadow_map.value_or(out.size);
+  out.bias = o.shadow_bias.value_or(out.bias);
+  out.dark = o.shadow_dark.value_or(out.dark);
+  check_shadow(out, {.light = "--shadow",
+                     .at = "--shadow",
+                     .degrees = "--shadow",
+                     .size = "--shadow-map",
+                     .bias = "--shadow-bias",
+                     .dark = "--shadow-dark",
+                     .plane = "--shadow-plane"});
+  return out;
+}
+
+// What --slide and --slide-from say; up: in the image.
+std::optional<SlideOptions> slide_of(const SceneOptions& o, const Vec3& up) {
+  if (o.slide.empty() != o.slide_from.empty()) {
+    throw InputError("--slide, --slide-from: go together; expected an image and x,y,z,X,Y,Z,degrees");
+  }
+  if (o.slide.empty()) return std::nullopt;
+  if (!o.shadow.empty()) {
+    throw InputError("--slide: has the unit that --shadow needs; expected one of them");
+  }
+  const auto n = parse_numbers(o.slide_from, "--slide-from", 7,
+                               "a projector, what it points at, and an angle x,y,z,X,Y,Z,degrees");
+  return SlideOptions{.image = read_texture(o.slide),
+                      .projector = {n[0], n[1], n[2]},
+                      .at = {n[3], n[4], n[5]},
+                      .up = up,
+                      .degrees = n[6]};
+}
+
 LoadedScene load_mesh(const std::string& name, const SceneOptions& o, int number) {
   MeshOptions options;
   const Size size = picture_size(o.size);
@@ -132,6 +193,8 @@ LoadedScene load_mesh(const std::string& name, const SceneOptions& o, int number
         Fog{{color_code(f[0], "--fog"), color_code(f[1], "--fog"), color_code(f[2], "--fog")}, f[3]};
   }
   options.project.cull = !o.no_cull;
+  options.shadow = shadow_of(o);
+  options.slide = slide_of(o, {0, 1, 0});
   ProjectReport faces;
   std::vector<std::string> bad_textures;
   Mesh mesh = read_mesh(name, options.texture, o.strict ? nullptr : &bad_textures);
@@ -164,6 +227,34 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
   command.add_option("--far", o.far, "mesh: s_max (default: just behind the model)")->group(group);
   command.add_option("--texture", o.texture, "mesh: an image for every face")->group(group);
   command.add_option("--fog", o.fog, "mesh: r,g,b,distance of a fog")->group(group);
+  command
+      .add_option(
+          "--shadow", o.shadow,
+          "x,y,z of a light that casts shadows; or x,y,z,X,Y,Z,degrees: the point that it looks at and "
+          "the angle that it sees. Of a mesh and of demo in their world, else as the viewer sees: x to "
+          "the right, y down, z forward. Needs project.unit = \"reciprocal\"")
+      ->group(group);
+  command.add_option("--shadow-map", o.shadow_map, "texels of its map each way (default 1024)")->group(group);
+  command
+      .add_option("--shadow-bias", o.shadow_bias,
+                  "texels that a lit surface may rise towards the light per texel of the map (default 2)")
+      ->group(group);
+  command
+      .add_option(
+          "--shadow-plane", o.shadow_plane,
+          "x,y,z,nx,ny,nz: a point and the normal, towards the light, of a plane that the shadow falls on "
+          "alone; by the stencil, without a map")
+      ->group(group);
+  command.add_option("--shadow-dark", o.shadow_dark, "what is left of a colour in the shadow (default 0.35)")
+      ->group(group);
+  command.add_option("--slide", o.slide, "an image that is thrown on the scene, as by --slide-from")
+      ->group(group);
+  command
+      .add_option(
+          "--slide-from", o.slide_from,
+          "x,y,z,X,Y,Z,degrees: the slide projector, the point in the middle of the image and the angle "
+          "of its height. Of a mesh in its world, else as the viewer sees, as --shadow")
+      ->group(group);
   command.add_flag("--no-cull", o.no_cull, "mesh: draw faces seen from behind too")->group(group);
   command.add_flag("--strict", o.strict, "mesh: refuse it where a texture that it names is missing or bad")
       ->group(group);
@@ -235,7 +326,9 @@ std::vector<LoadedScene> scenes_of_pixels(const std::string& name, const SceneOp
   if (name == "demo") {
     refuse_camera(name, options);
     const Size size = picture_size(options.size);
-    out.push_back({demo_scene(size.width, size.height), std::nullopt});
+    // What another camera sees is not of the demo's world any more.
+    const auto shadow = camera == 0 ? shadow_of(options) : std::nullopt;
+    out.push_back({demo_scene(size.width, size.height, shadow), std::nullopt});
     return out;
   }
   if (name == "floor" || name == "mirror") {
@@ -358,13 +451,16 @@ bool comes_in_pieces(const std::string& name) { return split_view(name).camera =
 }  // namespace
 
 SceneSource open_scene(const std::string& name, const SceneOptions& options) {
-  if (comes_in_pieces(name)) return {name, options};
+  shadow_of(options);  // refuses what is not legal before a stream is read
+  if (comes_in_pieces(name) && options.shadow.empty() && options.slide.empty()) return {name, options};
   return SceneSource(load_scene(name, options));
 }
 
 std::vector<SceneSource> open_scenes(const std::string& name, const SceneOptions& options, bool whole) {
+  shadow_of(options);  // refuses what is not legal before a stream is read
   std::vector<SceneSource> out;
-  if (comes_in_pieces(name) && name != "-" && !whole) {
+  const bool needs_all = whole || !options.shadow.empty() || !options.slide.empty();
+  if (comes_in_pieces(name) && name != "-" && !needs_all) {
     out.emplace_back(name, options);
   } else {
     for (LoadedScene& loaded : load_scenes(name, options)) out.emplace_back(std::move(loaded));
@@ -399,6 +495,16 @@ std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions
   for (LoadedScene& loaded : out) {
     // A mesh has its camera already, and a stream is supersampled as it is read.
     if (camera != 0 && !loaded.faces) loaded.scene = seen_from(loaded.scene, camera);
+    // A mesh and the demo have theirs already.
+    if (const auto shadow = shadow_of(options); shadow && !loaded.faces && (seen != "demo" || camera != 0)) {
+      const std::vector<Face> casters = faces_of(loaded.scene);
+      loaded.scene = shadowed(std::move(loaded.scene), casters, *shadow);
+    }
+    if (!loaded.faces) {
+      if (const auto slide = slide_of(options, {0, -1, 0})) {
+        loaded.scene = with_slide(std::move(loaded.scene), *slide);
+      }
+    }
     if (options.supersample > 1 && !streamed) {
       loaded.scene = supersampled(std::move(loaded.scene), options.supersample);
     }
@@ -461,6 +567,13 @@ std::string flags_text(const SceneOptions& o) {
   number("--far", o.far);
   text("--texture", o.texture);
   text("--fog", o.fog);
+  text("--shadow", o.shadow);
+  text("--shadow-plane", o.shadow_plane);
+  out += o.shadow_map ? fmt::format(" --shadow-map {}", *o.shadow_map) : "";
+  number("--shadow-bias", o.shadow_bias);
+  number("--shadow-dark", o.shadow_dark);
+  text("--slide", o.slide);
+  text("--slide-from", o.slide_from);
   out += o.no_cull ? " --no-cull" : "";
   out += o.strict ? " --strict" : "";
   out += o.frame ? fmt::format(" --frame {}", *o.frame) : "";

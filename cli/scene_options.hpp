@@ -28,7 +28,12 @@ struct SceneOptions {
   std::string camera;  // "x,y,z", empty: an orbit by yaw and pitch
   std::optional<double> yaw, pitch, distance, fov, near, far;
   std::string texture;
-  std::string fog;  // "r,g,b,distance"
+  std::string fog;           // "r,g,b,distance"
+  std::string shadow;        // "x,y,z" or "x,y,z,X,Y,Z,degrees"
+  std::string shadow_plane;  // "x,y,z,nx,ny,nz"
+  std::optional<int> shadow_map;
+  std::optional<double> shadow_bias, shadow_dark;
+  std::string slide, slide_from;  // an image; "x,y,z,X,Y,Z,degrees"
   bool no_cull = false;
   bool strict = false;        // a texture that a mesh names must be there
   bool allow_empty = false;   // a scene that draws nothing is no failure

@@ -60,23 +60,14 @@ Scene seen_from(const Scene& scene, int camera) {
     throw InputError(scene.name + ": another camera's view is of a scene without commands; leave @" +
                      std::to_string(camera) + " out");
   }
+  const std::vector<Face> faces = faces_of(scene);
   double nearest = HUGE_VAL;
   double farthest = 0;
-  std::vector<Face> faces;
-  for (const Triangle& triangle : scene.triangles) {
-    Face face;
-    face.texture = triangle.texture;
-    face.two_sided = true;  // what is in the scene was to be seen
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vertex& v = triangle.v[i];
-      Corner& corner = face.corner[i];
-      static_cast<Attributes&>(corner) = v;
-      const double per_pixel = v.s / scene.focal;
-      corner.position = {(v.x - scene.width / 2.0) * per_pixel, (v.y - scene.height / 2.0) * per_pixel, v.s};
-      nearest = std::min(nearest, v.s);
-      farthest = std::max(farthest, v.s);
+  for (const Face& face : faces) {
+    for (const Corner& corner : face.corner) {
+      nearest = std::min(nearest, corner.position.z);
+      farthest = std::max(farthest, corner.position.z);
     }
-    faces.push_back(face);
   }
 
   Viewpoint view;

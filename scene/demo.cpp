@@ -302,15 +302,19 @@ Scene floor_scene(int width, int height) {
   return scene;
 }
 
-Scene demo_scene(int width, int height) {
+Scene demo_scene(int width, int height, const std::optional<ShadowOptions>& shadow) {
   Scene scene = empty_scene("demo", width, height);
   scene.fog = Fog{{176, 196, 214}, 240};
   scene.textures = demo_textures();
   const Viewpoint view = view_of(scene, {0, 4, -24});
   ProjectReport report;
-  project(demo_solids(), view, {.cull = true, .clip_sides = true}, scene.triangles, report);
-  project(demo_sheets(), view, {.cull = false, .clip_sides = true}, scene.triangles, report);
-  return scene;
+  std::vector<Face> faces = demo_solids();
+  const std::vector<Face> sheets = demo_sheets();
+  project(faces, view, {.cull = true, .clip_sides = true}, scene.triangles, report);
+  project(sheets, view, {.cull = false, .clip_sides = true}, scene.triangles, report);
+  if (!shadow) return scene;
+  faces.insert(faces.end(), sheets.begin(), sheets.end());
+  return shadowed(std::move(scene), faces, *shadow, view);
 }
 
 Scene mirror_scene(int width, int height) {

@@ -2,9 +2,11 @@
 // Scenes that need no file.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "scene/scene.hpp"
+#include "scene/shadow.hpp"
 
 namespace bitspan {
 
@@ -12,8 +14,9 @@ namespace bitspan {
 // box and a pyramid crossing one another, a sphere and a Gouraud coloured torus crossing one another, a
 // grille with the transparent code (255, 0, 255), columns fading into the fog, and a pane of stained glass,
 // drawn last. The scene is the same in every call. width and height: 1 to 16384, and the width at most 2.4
-// times the height.
-Scene demo_scene(int width, int height);
+// times the height. shadow: in the coordinates of its world, where y points up and the viewer is at (0, 7,
+// 0).
+Scene demo_scene(int width, int height, const std::optional<ShadowOptions>& shadow = {});
 
 // Returns the demo with a mirror behind its solids, in two passes: what the mirror shows is drawn on target 1
 // and copied to a texture, which the picture on target 0 has. Sizes as for the demo.

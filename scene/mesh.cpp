@@ -316,6 +316,8 @@ Scene mesh_scene(Mesh mesh, const MeshOptions& options, ProjectReport& report) {
   scene.fog = options.fog;
   project(mesh.faces, view, options.project, scene.triangles, report);
   scene.textures = std::move(mesh.textures);
+  if (options.shadow) scene = shadowed(std::move(scene), mesh.faces, *options.shadow, view);
+  if (options.slide) scene = with_slide(std::move(scene), *options.slide, view);
   return scene;
 }
 

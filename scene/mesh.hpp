@@ -11,6 +11,7 @@
 #include "scene/geometry.hpp"
 #include "scene/project.hpp"
 #include "scene/scene.hpp"
+#include "scene/shadow.hpp"
 
 namespace bitspan {
 
@@ -46,6 +47,9 @@ struct MeshOptions {
   ProjectOptions project;
   std::array<std::uint8_t, 3> background{};
   std::optional<Fog> fog;
+  // In the coordinates of the mesh; one of them at most.
+  std::optional<ShadowOptions> shadow;
+  std::optional<SlideOptions> slide;
 };
 
 // Reads a mesh, known by its contents, an OBJ by its name. Nodes are flattened, polygons are triangulated,

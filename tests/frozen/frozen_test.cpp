@@ -149,6 +149,13 @@ TEST(Frozen, Channel) {
 }
 // Two passes, with a view and a copy.
 TEST(Frozen, Passes) { check_all("passes", shipped_configs(), {mirror_scene(96, 72)}); }
+
+TEST(Frozen, Project) {
+  std::vector<Config> configs = shipped_configs();
+  for (Config& c : configs) c.project = ProjectUnit::reciprocal;
+  const ShadowOptions lamp{.light = {-12, 16, -2}, .at = Vec3{0, 2, -26}, .degrees = 60, .size = 128};
+  check_all("project", configs, {demo_scene(96, 72, lamp)});
+}
 // Changes of draw state.
 TEST(Frozen, State) { check_all("state", shipped_configs(), {random_scene(71, random_states(0.4))}); }
 // Late depth and stencil tests.

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/shadow.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "config/config.hpp"
+#include "scene/plan.hpp"
+#include "scene/planar_shadow.hpp"
+#include "scene/project.hpp"
+
+namespace bitspan {
+namespace {
+
+constexpr double widest_degrees = 70;   // from the projector's axis
+constexpr double least_degrees = 0.01;  // of an angle that is given
+constexpr int light_target = 1;
+
+Projector range_of(const Viewpoint& view) { return {view.s_min, view.s_max}; }
+
+void refuse_commands(const Scene& scene, const char* what) {
+  if (scene.commands.empty() && !scene.projector) return;
+  throw InputError(
+      fmt::format("{}: {} is for a scene without commands and projector; leave it out", scene.name, what));
+}
+
+// As look_at, with another direction upward where `up` lies nearly along the axis.
+void look_from(Viewpoint& view, const Vec3& from, const Vec3& at, const Vec3& up) {
+  const Vec3 line = at - from;
+  const bool is_along = length(cross(line, up)) < 1e-3 * length(line) * length(up);
+  look_at(view, from, at, !is_along ? up : std::abs(up.z) < 0.5 * length(up) ? Vec3{0, 0, 1} : Vec3{1, 0, 0});
+}
+
+// Draws the triangles with the second unit's texture projected on them.
+StateChange projected_texture(int texture) {
+  return {.settings = {state_setting("texture1", texture),
+                       state_setting("texture1.coordinates", TextureCoordinates::project),
+                       state_setting("texture1.op", TextureOp::modulate)}};
+}
+
+}  // namespace
+
+void check_shadow(const ShadowOptions& o, const ShadowNames& names) {
+  const auto refuse = [](const std::string& name, double is, const std::string& expected) {
+    throw InputError(fmt::format("{}: {} is not legal; expected {}", name, is, expected));
+  };
+  const auto check_point = [&](const std::string& name, const Vec3& point) {
+    for (const double x : {point.x, point.y, point.z}) {
+      if (!std::isfinite(x)) refuse(name, x, "finite numbers");
+    }
+  };
+  check_point(names.light, o.light);
+  if (o.at) check_point(names.at, *o.at);
+  if (o.plane) {
+    check_point(names.plane, o.plane->point);
+    check_point(names.plane, o.plane->normal);
+    if (o.plane->normal == Vec3{}) refuse(names.plane, 0, "a normal that is not 0,0,0");
+  }
+  if (!(o.degrees == 0 || (o.degrees >= least_degrees && o.degrees < 160))) {
+    refuse(names.degrees, o.degrees, fmt::format("0, or {} to below 160", least_degrees));
+  }
+  if (o.size < 1 || o.size > shadow_map_limit) {
+    refuse(names.size, o.size, fmt::format("1..{} texels", shadow_map_limit));
+  }
+  if (!(o.bias >= 0 && o.bias <= 64)) refuse(names.bias, o.bias, "0..64 texels");
+  if (!(o.dark >= 0 && o.dark <= 1)) refuse(names.dark, o.dark, "0..1");
+}
+
+Viewpoint view_of(std::span<const Face> casters, const ShadowOptions& options) {
+  Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL};
+  Vec3 high = low * -1;
+  for (const Face& face : casters) {
+    for (const Corner& corner : face.corner) {
+      const Vec3& p = corner.position;
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+  }
+  const Vec3& from = options.light;
+  const bool is_empty = casters.empty();
+  const Vec3 at = options.at ? *options.at : is_empty ? from + Vec3{0, 0, 1} : (low + high) * 0.5;
+  Viewpoint view;
+  view.width = view.height = options.size;
+  const Vec3 line = at - from;
+  if (!(length(line) > 0) || !std::isfinite(length(line))) {
+    throw InputError("shadow: the light stands at what it looks at, or too far away; expected another point");
+  }
+  look_from(view, from, at, {0, -1, 0});
+  double tangent = std::tan(radians(options.degrees / 2));
+  if (options.degrees == 0) {
+    const double widest = std::tan(radians(widest_degrees));
+    for (const Face& face : casters) {
+      for (const Corner& corner : face.corner) {
+        const Vec3 d = corner.position - from;
+        const double s = dot(view.forward, d);
+        const double across = std::max(std::abs(dot(view.right, d)), std::abs(dot(view.down, d)));
+        tangent = std::max(tangent, s > 0 ? std::min(across / s, widest) : widest);
+      }
+    }
+    // A texel around what is seen, so that no shadow ends at the map's border.
+    tangent = std::max(tangent, 1e-6) * (1 + 2.0 / options.size);
+  }
+  view.focal = options.size / 2.0 / tangent;
+  view.s_min = length(line) * 1e-3;
+  view.s_max = view.s_min + 2 * ((is_empty ? 0 : length(high - low)) + length(line));
+  std::vector<Triangle> seen;
+  ProjectReport report;
+  project(casters, view, {.cull = false}, seen, report);
+  if (seen.empty()) return view;
+  view.s_max = 0;
+  double nearest = HUGE_VAL;
+  for (const Triangle& triangle : seen) {
+    for (const Vertex& v : triangle.v) {
+      nearest = std::min(nearest, v.s);
+      view.s_max = std::max(view.s_max, 1.01 * v.s);
+    }
+  }
+  view.s_min = 0.99 * nearest;
+  return view;
+}
+
+void give_projection(std::span<Triangle> triangles, const View& view, const Viewpoint& projector,
+                     double nearer) {
+  for (Triangle& triangle : triangles) {
+    for (Vertex& v : triangle.v) {
+      const Vec3 d = (position_of(v, view) - projector.position) * (1 - nearer);
+      v.project_w = dot(projector.forward, d);
+      v.project_x = projector.focal * dot(projector.right, d) + projector.width / 2.0 * v.project_w;
+      v.project_y = projector.focal * dot(projector.down, d) + projector.height / 2.0 * v.project_w;
+    }
+  }
+}
+
+Scene shadowed(Scene scene, std::span<const Face> casters, const ShadowOptions& options) {
+  check_shadow(options);
+  refuse_commands(scene, "a shadow");
+  if (scene.triangles.empty()) return scene;
+  if (options.plane) {
+    // Corners that the perspective has rounded.
+    constexpr double thickness = 1e-6;
+    const double close = thickness * scene.s_max * length(options.plane->normal);
+    const PlanarLight light{options.light};
+    return with_planar_shadows(std::move(scene), casters, {&light, 1}, *options.plane, options.dark, close);
+  }
+  const Viewpoint light = view_of(casters, options);
+  Pass map{.name = "shadow map",
+           .target = light_target,
+           .view = ViewChange{.width = options.size,
+                              .height = options.size,
+                              .s_min = light.s_min,
+                              .s_max = light.s_max,
+                              .focal = light.focal,
+                              .fog = std::optional<Fog>{},
+                              .projector = std::optional<Projector>{}},
+           .states = {{.settings = {state_setting("color.write", 0)}}}};
+  ProjectReport report;
+  project(casters, light, {.cull = false, .clip_sides = true}, map.triangles, report);
+  if (map.triangles.empty()) return scene;  // the light sees nothing, so that everything is lit
+
+  const auto texture = static_cast<int>(scene.textures.size());
+  const auto texels = static_cast<std::size_t>(options.size) * static_cast<std::size_t>(options.size);
+  scene.textures.push_back({"shadow.png", options.size, options.size, std::vector<std::uint8_t>(4 * texels)});
+  scene.projector = range_of(light);
+  Pass picture{.name = "picture",
+               .target = 0,
+               .copies = {{.target = light_target, .plane = CopyPlane::depth, .texture = texture}},
+               .states = {projected_texture(texture)},
+               .triangles = std::move(scene.triangles)};
+  const auto dark = std::lround(255 * options.dark);
+  for (const StateSetting& more : {state_setting("texture1.compare", 1), state_setting("texture1.red", dark),
+                                   state_setting("texture1.green", dark),
+                                   state_setting("texture1.blue", dark), state_setting("color.write", 1)}) {
+    picture.states.front().settings.push_back(more);
+  }
+  // A texel that rises by `bias` texels has its middle by half of that beside its edge.
+  give_projection(picture.triangles, scene, light, 0.5 * options.bias / light.focal);
+  scene.triangles.clear();
+  const std::array passes{std::move(map), std::move(picture)};
+  flatten(passes, scene);
+  return scene;
+}
+
+Scene shadowed(Scene scene, std::span<const Face> casters, const ShadowOptions& options,
+               const Viewpoint& view) {
+  ShadowOptions seen = options;
+  seen.light = in_view(options.light, view);
+  if (options.at) seen.at = in_view(*options.at, view);
+  if (options.plane) {
+    seen.plane->point = in_view(options.plane->point, view);
+    seen.plane->normal = in_view(view.position + options.plane->normal, view);
+  }
+  std::vector<Face> faces(casters.begin(), casters.end());
+  for (Face& face : faces) {
+    for (Corner& corner : face.corner) corner.position = in_view(corner.position, view);
+  }
+  return shadowed(std::move(scene), faces, seen);
+}
+
+Scene with_slide(Scene scene, const SlideOptions& slide) {
+  refuse_commands(scene, "a slide");
+  if (!(slide.degrees >= least_degrees && slide.degrees < 160)) {
+    throw InputError(fmt::format("slide: {} degrees are not legal; expected {} to below 160", slide.degrees,
+                                 least_degrees));
+  }
+  if (scene.triangles.empty()) return scene;
+  Viewpoint projector;
+  look_from(projector, slide.projector, slide.at, slide.up);
+  projector.width = slide.image.width;
+  projector.height = slide.image.height;
+  projector.focal = slide.image.height / 2.0 / std::tan(radians(slide.degrees / 2));
+  const auto texture = static_cast<int>(scene.textures.size());
+  scene.textures.push_back(slide.image);
+  give_projection(scene.triangles, scene, projector);
+  // W is scaled by the range's end alone, and no depth code is looked at.
+  double farthest = 0;
+  for (const Triangle& triangle : scene.triangles) {
+    for (const Vertex& v : triangle.v) farthest = std::max(farthest, v.project_w);
+  }
+  scene.projector = Projector{0.5 * (farthest > 0 ? farthest : 1), farthest > 0 ? farthest : 1};
+  StateChange state = projected_texture(texture);
+  state.settings.push_back(state_setting("texture1.outside", ProjectOutside::dark));
+  scene.commands.push_back({.before = 0, .what = state});
+  return scene;
+}
+
+Scene with_slide(Scene scene, const SlideOptions& slide, const Viewpoint& view) {
+  SlideOptions seen = slide;
+  seen.projector = in_view(slide.projector, view);
+  seen.at = in_view(slide.at, view);
+  seen.up = in_view(view.position + slide.up, view);
+  return with_slide(std::move(scene), seen);
+}
+
+}  // namespace bitspan
