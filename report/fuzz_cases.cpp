@@ -102,6 +102,9 @@ Scene fuzz_scene(const FuzzPlan& plan, std::uint64_t index, int draw, const Conf
   draw_texel_formats(formats, scene, 0.5);
   Random pass(fuzz_seed(plan.seed, index, 102));
   if (pass.chance(0.125)) draw_pass(pass, scene);
+  // Before triangles give anything, so that what they give stays as it was.
+  Random projection(fuzz_seed(plan.seed, index, 103));
+  if (has_project(config.project) && !with_designs) draw_projection(projection, scene);
   Random given(fuzz_seed(plan.seed, index, 101));
   draw_given_attributes(given, scene, 0.3);
   scene.name = fmt::format("fuzz seed {} case {}", plan.seed, index);

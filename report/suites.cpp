@@ -18,6 +18,7 @@
 #include "scene/exact.hpp"
 #include "scene/procedural.hpp"
 #include "scene/random.hpp"
+#include "scene/shadow.hpp"
 #include "scene/texels.hpp"
 
 namespace bitspan {
@@ -526,7 +527,7 @@ void two_chains(Scene& scene) {
   own.width = 8;
   own.height = 32;
   own.rgba.clear();
-  for (std::size_t i = 0; i < 4U * 8 * 32; ++i) own.rgba.push_back(given[i % given.size()]);
+  for (std::size_t i = 0; i < std::size_t{4} * 8 * 32; ++i) own.rgba.push_back(given[i % given.size()]);
 }
 
 // Which level a unit takes and how it is magnified, as the draw state says.
@@ -606,6 +607,84 @@ void add_second_texture(std::vector<SuiteFeature>& out) {
   out.push_back(in({"texture1_on.modulate", RecordType::fog, SuiteNeeds::effect, with(TextureOp::modulate, 0),
                     in_state({})},
                    two_textures));
+}
+
+// Three textures, the last one of depth codes; and a projector that stands beside the viewer and in front of
+// him, so that some of the scene lies behind it, and some beside its texture.
+void three_projected(Scene& scene) {
+  two_textures(scene);
+  Viewpoint view;
+  view.width = 16;
+  view.height = 12;
+  view.focal = 12;
+  const double middle = std::sqrt(scene.s_min * scene.s_max);
+  view.position = {0.1 * middle, 0.05 * middle, 0.25 * middle};
+  Texture map{"map.raw", view.width, view.height, {}, TexelFormat::depth};
+  for (std::uint32_t i = 0; i < 16 * 12; ++i) {
+    const std::uint32_t word = i * 0x9e3779b1U;
+    for (int at = 0; at < 32; at += 8) map.raw.push_back(static_cast<std::uint8_t>(word >> at));
+  }
+  scene.textures.push_back(std::move(map));
+  scene.projector = Projector{0.5 * middle, scene.s_max};
+  give_projection(scene.triangles, scene, view);
+}
+
+void add_projection(std::vector<SuiteFeature>& out) {
+  using enum RecordType;
+  const auto add = [&](std::string name, RecordType stage, const std::vector<Register>& with,
+                       const std::vector<Register>& without) {
+    const auto set = [](const std::vector<Register>& further) {
+      std::vector<Register> all{{"texture1", 2},
+                                {"texture1.coordinates", 1},
+                                {"texture1.red", 90},
+                                {"texture1.green", 60},
+                                {"texture1.blue", 70}};
+      for (const Register& r : further) {
+        std::erase_if(all, [&](const Register& other) { return other.first == r.first; });
+        all.push_back(r);
+      }
+      return [state = in_state(all)](Config& c, Scene& s) {
+        c.project = ProjectUnit::reciprocal;
+        state(c, s);
+      };
+    };
+    out.push_back(in({std::move(name), stage, SuiteNeeds::effect, set(with), set(without)}, three_projected));
+  };
+  const Register compares{"texture1.compare", 1}, bilinear{"texture1.filter", 1};
+  add("project.slide", texture_second, {{"texture1", 1}}, {{"texture1", 1}, {"texture1.coordinates", 0}});
+  add("project.smooth_slide", texture_second, {{"texture1", 1}, bilinear}, {{"texture1", 1}});
+  add("project_place.map", project, {{"texture1", 2}}, {{"texture1", 0}});
+  add("project.dark", texture_second, {{"texture1.outside", 1}}, {});
+  add("project.dark_slide", texture_second, {{"texture1", 1}, {"texture1.outside", 1}}, {{"texture1", 1}});
+  add("project.border", texture_second,
+      {{"texture1", 1}, bilinear, {"texture1.wrap.u", number(TextureWrap::border)}},
+      {{"texture1", 1}, bilinear, {"texture1.wrap.u", number(TextureWrap::clamp)}});
+  add("project.compare", texture_second, {compares}, {});
+  add("project.smooth_compare", texture_second, {compares, bilinear}, {compares});
+  add("project.late", texture_second, {compares, {"depth.when", number(DepthWhen::late)}},
+      {{"depth.when", number(DepthWhen::late)}});
+  for (const std::int64_t bias : {-20000, 9000}) {
+    add(fmt::format("project_bias.{}", bias), texture_second, {compares, {"texture1.bias", bias}},
+        {compares});
+  }
+  // Against the one that passes what it does not, at the farther side of the list.
+  const auto funcs = static_cast<std::int64_t>(enum_names<DepthFunc>.size());
+  for (const DepthFunc func : all_of<DepthFunc>()) {
+    add(fmt::format("project_func.{}", to_string(func)), texture_second,
+        {compares, {"texture1.func", number(func)}},
+        {compares, {"texture1.func", (number(func) + funcs / 2) % funcs}});
+  }
+  for (SuiteFeature feature : std::vector(out)) {
+    if (feature.name != "project.compare") continue;
+    feature.name = "project.opengl_compare";
+    for (SuiteSetting* setting : {&feature.with, &feature.without}) {
+      *setting = [set = *setting](Config& c, Scene& s) {
+        c.depth_code = DepthCode::opengl;
+        set(c, s);
+      };
+    }
+    out.push_back(std::move(feature));
+  }
 }
 
 void add_states(std::vector<SuiteFeature>& out) {
@@ -764,6 +843,7 @@ std::vector<SuiteFeature> make_features() {
   add_procedural(out);
   add_states(out);
   add_second_texture(out);
+  add_projection(out);
   add_lookups(out);
   add_level_choices(out);
   add_fog_and_merge(out);

@@ -8,6 +8,7 @@
 
 #include "scene/exact.hpp"
 #include "scene/procedural.hpp"
+#include "scene/shadow.hpp"
 #include "scene/texels.hpp"
 
 namespace bitspan {
@@ -155,6 +156,12 @@ bool is_level_register(std::string_view key) {
          key.ends_with(".magnify");
 }
 
+bool is_projection_register(std::string_view key) {
+  constexpr auto registers = std::to_array<std::string_view>(
+      {"texture1.coordinates", "texture1.outside", "texture1.compare", "texture1.func", "texture1.bias"});
+  return std::ranges::find(registers, key) != registers.end();
+}
+
 }  // namespace
 
 bool is_later_register(std::string_view key) {
@@ -162,7 +169,8 @@ bool is_later_register(std::string_view key) {
       {"alpha.zero", "color.mask", "target.round", "stencil.back.ref", "stencil.back.mask",
        "stencil.back.write", "texture.filter", "texture.wrap.u", "texture.wrap.v", "texture1.filter",
        "texture1.wrap.u", "texture1.wrap.v"});
-  return std::ranges::find(later, key) != later.end() || is_level_register(key);
+  return is_projection_register(key) || is_level_register(key) ||
+         std::ranges::find(later, key) != later.end();
 }
 
 namespace {
@@ -256,6 +264,7 @@ DrawCommand random_command(Random& random, Random& later, Random& levels, const 
   for (std::size_t index = 0; options.later_registers && index < state_registers().size(); ++index) {
     const StateRegister& r = state_registers()[index];
     if (r.key.starts_with("texture1") && !options.second_texture) continue;
+    if (is_projection_register(r.key)) continue;  // of draw_projection
     if (is_level_register(r.key)) {
       if (options.level_registers && levels.chance(0.2)) set(index, random_value(levels, r, scene, options));
       continue;
@@ -360,12 +369,44 @@ void draw_pass(Random& random, Scene& scene) {
 void draw_given_attributes(Random& random, Scene& scene, double probability) {
   for (Triangle& triangle : scene.triangles) {
     for (const GivenAttribute& given : given_attributes) {
+      if (given.key.starts_with("project_")) continue;  // of draw_projection
       if (!random.chance(probability)) continue;
       for (Vertex& v : triangle.v) {
         const double value = random.uniform(-0.25, 1.25);  // so that the ends of 0..1 come often
         v.*given.member = given.range == AttributeRange::unit ? std::clamp(value, 0.0, 1.0) : value;
       }
     }
+  }
+}
+
+void draw_projection(Random& random, Scene& scene) {
+  if (scene.textures.empty()) return;
+  const auto texture = random.integer(0, static_cast<std::int64_t>(scene.textures.size()) - 1);
+  const Texture& image = scene.textures[static_cast<std::size_t>(texture)];
+  const double middle = std::sqrt(scene.s_min * scene.s_max);
+  Viewpoint view;
+  view.width = image.width;
+  view.height = image.height;
+  view.focal = image.width * random.log_uniform(0.25, 4);
+  view.position = Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)} * middle;
+  look_at(view, view.position, {random.uniform(-1, 1), random.uniform(-1, 1), 2 * middle}, {0, -1, 0});
+  give_projection(scene.triangles, scene, view);
+  scene.projector.emplace();
+  scene.projector->s_min = middle * random.log_uniform(0.01, 1);
+  scene.projector->s_max = scene.projector->s_min * random.log_uniform(1.5, 1000);
+  const auto set = [](std::string_view key, std::int64_t value) {
+    return StateSetting{*find_state_register(key), value};
+  };
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    if (i > 0 && !random.chance(0.125)) continue;
+    const StateChange change{
+        .settings = {
+            set("texture1", texture), set("texture1.coordinates", random.chance(0.875) ? 1 : 0),
+            set("texture1.outside", random.integer(0, 1)), set("texture1.compare", random.integer(0, 1)),
+            set("texture1.func", random.integer(0, 7)), set("texture1.bias", random.integer(-4096, 4096)),
+            set("texture1.red", random.integer(0, 255))}};
+    const auto at = std::ranges::find_if(scene.commands, [&](const DrawCommand& c) { return c.before > i; });
+    scene.commands.insert(at, {.before = i, .what = change});
   }
 }
 

@@ -70,7 +70,11 @@ void draw_texel_formats(Random& random, Scene& scene, double probability);
 // triangles.
 void draw_pass(Random& random, Scene& scene);
 
-// Lets triangles of a scene give each of given_attributes with that probability.
+// Throws a texture of the scene on it from somewhere, as a slide or a shadow map, with registers that change.
+// Nothing where it has no texture.
+void draw_projection(Random& random, Scene& scene);
+
+// Lets triangles of a scene give each of given_attributes but those of the projector with that probability.
 void draw_given_attributes(Random& random, Scene& scene, double probability);
 
 }  // namespace bitspan

@@ -64,6 +64,21 @@ std::vector<DrawnRun> runs() {
       }
       draw(Perspective::delta_f, RowSlope::plane, "a channel, rows by planes", FogMode::vertex);
     }
+    {
+      Config config = shipped_config("depth16");
+      config.project = ProjectUnit::reciprocal;
+      Scene projected = scene;
+      Random random(12);
+      draw_projection(random, projected);
+      const auto engine = entry.make(config, {});
+      DrawnRun& run = out.emplace_back();
+      run.name = std::string(entry.name) + " with a projector";
+      run.has_states = true;
+      engine->begin(projected);
+      draw_scene(*engine, projected, 0, projected.triangles.size(), &run.trace);
+      EXPECT_FALSE(run.trace.project.empty()) << run.name;
+      run.counters = engine->counters();
+    }
     options.command_probability = 0.5;
     const Scene changing = random_scene(19, options);
     const auto engine = entry.make(shipped_config("depth16"), {});
@@ -155,9 +170,12 @@ TEST(StageTable, EachRecordIsMadeFromOnesThatThereAre) {
           // A late depth test comes behind the texture, and not for what that kills.
           const bool of_texture = row.type == RecordType::texture || row.type == RecordType::texture_second;
           const bool late = run.has_states && of_texture && type == RecordType::depth;
-          // The second texture unit is on for some of the triangles.
-          const bool off = run.has_states && type == RecordType::texture_second;
-          EXPECT_TRUE(n == 1 || (n == 2 && type == RecordType::edge) || (n == 0 && (late || off)))
+          // The second texture unit is on for some of the triangles, and projected for some of these.
+          const bool off =
+              run.has_states && (type == RecordType::texture_second || type == RecordType::project);
+          // One per channel in use.
+          const bool channels = row_of(type).per_channel() && n > 0;
+          EXPECT_TRUE(n == 1 || (n == 2 && type == RecordType::edge) || (n == 0 && (late || off)) || channels)
               << run.name << ": record " << i << " of " << row.name << " is made from " << n << " of "
               << row_of(type).name;
           if (n > 0) fed.insert(row.type);
