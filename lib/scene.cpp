@@ -20,6 +20,8 @@
 #include "scene/mesh.hpp"
 #include "scene/picture_size.hpp"
 #include "scene/procedural.hpp"
+#include "scene/project.hpp"
+#include "scene/shadow.hpp"
 #include "scene/texture.hpp"
 #include "scene/tri_stream.hpp"
 
@@ -42,8 +44,17 @@ Handles<bs_scene, SceneState>& scenes() {
   return *all;
 }
 
-Scene mesh(const std::string& path, int camera, const Size& size, std::string& notes) {
+// What of a scene the caller may choose.
+struct LoadOptions {
+  std::int32_t width = 0, height = 0;
+  std::optional<int> frame{};
+  std::optional<ShadowOptions> shadow{};
+};
+
+Scene mesh(const std::string& path, int camera, const Size& size, const std::optional<ShadowOptions>& shadow,
+           std::string& notes) {
   MeshOptions options;
+  options.shadow = shadow;
   if (camera != 0) set_camera(options.camera, camera);
   options.width = size.width;
   options.height = size.height;
@@ -60,8 +71,9 @@ Scene mesh(const std::string& path, int camera, const Size& size, std::string& n
   return scene;
 }
 
-Scene load(const std::string& name, std::int32_t width, std::int32_t height, std::optional<int> frame,
-           const std::string& function, std::string& notes) {
+Scene load(const std::string& name, const LoadOptions& options, const std::string& function,
+           std::string& notes) {
+  const auto& [width, height, frame, shadow] = options;
   const bool sized = width != 0 || height != 0;
   const Size size = sized ? Size{width, height} : Size{};
   if (!is_legal(size)) {
@@ -76,14 +88,52 @@ Scene load(const std::string& name, std::int32_t width, std::int32_t height, std
          function + ": name_or_path: " + name +
              " has no dynamic textures; expected a stream (.tri, .trib) with some, or bs_scene_load");
   }
-  if (!stream && seen != "demo") return mesh(seen, camera, size, notes);
-  Scene scene = stream ? read_tri(seen, frame) : demo_scene(size.width, size.height);
+  if (!stream && seen != "demo") return mesh(seen, camera, size, shadow, notes);
+  // What another camera sees is not of the demo's world any more.
+  const bool in_world = !stream && camera == 0;
+  Scene scene =
+      stream ? read_tri(seen, frame) : demo_scene(size.width, size.height, in_world ? shadow : std::nullopt);
   if (sized && (scene.width != width || scene.height != height)) {
     fail(BS_BAD_INPUT, function + ": width, height: " + name + " is a stream of " +
                            std::to_string(scene.width) + "x" + std::to_string(scene.height) +
                            " pixels; expected these, or 0");
   }
-  return camera == 0 ? scene : seen_from(scene, camera);
+  if (camera != 0) scene = seen_from(scene, camera);
+  if (!shadow || in_world) return scene;
+  const std::vector<Face> casters = faces_of(scene);
+  return shadowed(std::move(scene), casters, *shadow);
+}
+
+ShadowOptions shadow_from(const bs_shadow* from, const std::string& what) {
+  const auto s =
+      read_struct(from, bs_shadow BS_SHADOW_INIT, BITSPAN_THROUGH(bs_shadow, light), [&] { return what; });
+  if (s.has_at < 0 || s.has_at > 1) {
+    fail(BS_BAD_INPUT, what + ".has_at: " + std::to_string(s.has_at) + "; expected 0 or 1");
+  }
+  ShadowOptions out;
+  out.light = {s.light[0], s.light[1], s.light[2]};
+  if (s.has_at == 1) out.at = Vec3{s.at[0], s.at[1], s.at[2]};
+  out.degrees = s.degrees;
+  out.size = s.map_size;
+  out.bias = s.bias;
+  out.dark = s.dark;
+  check_shadow(out, {what + ".light", what + ".at", what + ".degrees", what + ".map_size", what + ".bias",
+                     what + ".dark"});
+  return out;
+}
+
+LoadOptions options_from(const bs_scene_options* from, const std::string& function) {
+  if (from == nullptr) return {};
+  const std::string what = function + ": options";
+  const auto o = read_struct(from, bs_scene_options BS_SCENE_OPTIONS_INIT,
+                             BITSPAN_THROUGH(bs_scene_options, height), [&] { return std::string(what); });
+  if (o.reserved != 0) {
+    fail(BS_BAD_INPUT, what + ".reserved: " + std::to_string(o.reserved) + "; expected 0");
+  }
+  LoadOptions out{.width = o.width, .height = o.height};
+  if (o.frame != -1) out.frame = o.frame;
+  if (o.shadow != nullptr) out.shadow = shadow_from(o.shadow, what + ".shadow");
+  return out;
 }
 
 static_assert(BS_TEXEL_DEPTH + 1 == enum_names<TexelFormat>.size() &&
@@ -121,8 +171,8 @@ std::shared_ptr<SceneState> described(Scene scene) {
   }
   for (const Triangle& triangle : state->scene.triangles) {
     for (const Vertex& v : triangle.v) {
-      state->vertices.push_back(
-          {sizeof(bs_vertex), v.x, v.y, v.s, v.u, v.v, v.c[0], v.c[1], v.c[2], v.c[3], v.fog});
+      state->vertices.push_back({sizeof(bs_vertex), v.x, v.y, v.s, v.u, v.v, v.c[0], v.c[1], v.c[2], v.c[3],
+                                 v.fog, v.project_x, v.project_y, v.project_w});
     }
     state->texture_of.push_back(triangle.texture);
   }
@@ -142,6 +192,11 @@ bs_scene_desc describe(const SceneState& state) {
     out.has_fog = 1;
     std::copy(scene.fog->color.begin(), scene.fog->color.end(), out.fog_color);
     out.fog_distance = scene.fog->distance;
+  }
+  if (scene.projector) {
+    out.has_projector = 1;
+    out.projector_s_min = scene.projector->s_min;
+    out.projector_s_max = scene.projector->s_max;
   }
   out.textures = state.textures.data();
   out.texture_count = state.textures.size();
@@ -229,6 +284,10 @@ Scene scene_from(const bs_scene_desc* from) {
     fail(BS_BAD_INPUT, what + ".has_fog, .reserved: " + std::to_string(d.has_fog) + ", " +
                            std::to_string(d.reserved) + "; expected 0 or 1, and 0");
   }
+  if (d.has_projector < 0 || d.has_projector > 1 || d.reserved_2 != 0) {
+    fail(BS_BAD_INPUT, what + ".has_projector, .reserved_2: " + std::to_string(d.has_projector) + ", " +
+                           std::to_string(d.reserved_2) + "; expected 0 or 1, and 0");
+  }
   Scene scene;
   scene.name = d.name == nullptr ? "scene" : d.name;
   scene.width = d.width;
@@ -242,6 +301,7 @@ Scene scene_from(const bs_scene_desc* from) {
     std::copy(std::begin(d.fog_color), std::end(d.fog_color), scene.fog->color.begin());
     scene.fog->distance = d.fog_distance;
   }
+  if (d.has_projector == 1) scene.projector = {d.projector_s_min, d.projector_s_max};
   check_scene(scene, what);
   if (d.texture_count != 0) need(d.textures, (what + ".textures").c_str());
   if (d.texture_count > texture_count_limit) {
@@ -272,7 +332,8 @@ Triangle triangle_from(const bs_vertex* vertices, std::size_t i, std::int32_t te
                                std::to_string(static_cast<int>(coordinate_limit)));
       }
     }
-    out.v[corner] = {{v.x, v.y, v.s}, {v.u, v.v, {v.r, v.g, v.b, v.a}, v.fog}};
+    out.v[corner] = {{v.x, v.y, v.s},
+                     {v.u, v.v, {v.r, v.g, v.b, v.a}, v.fog, v.project_x, v.project_y, v.project_w}};
   }
   check_texture(scene, texture, function);
   out.texture = texture;
@@ -298,13 +359,15 @@ using namespace bitspan;
 using namespace bitspan::capi;
 
 namespace {
-bs_status load_as(const std::string& function, const char* name_or_path, std::int32_t width,
-                  std::int32_t height, std::optional<int> frame, bs_scene** out) {
+// options() gives the options, and may throw.
+template <class Options>
+bs_status load_as(const std::string& function, const char* name_or_path, const Options& options,
+                  bs_scene** out) {
   return call([&] {
     need(name_or_path, (function + ": name_or_path").c_str());
     need(out, (function + ": out").c_str());
     std::string notes;
-    const auto state = described(load(name_or_path, width, height, frame, function, notes));
+    const auto state = described(load(name_or_path, options(), function, notes));
     state->notes = std::move(notes);
     *out = scenes().add(state);
   });
@@ -312,12 +375,28 @@ bs_status load_as(const std::string& function, const char* name_or_path, std::in
 }  // namespace
 
 bs_status bs_scene_load(const char* name_or_path, int32_t width, int32_t height, bs_scene** out) {
-  return load_as("bs_scene_load", name_or_path, width, height, std::nullopt, out);
+  return load_as(
+      "bs_scene_load", name_or_path,
+      [&] {
+        return LoadOptions{width, height};
+      },
+      out);
 }
 
 bs_status bs_scene_load_frame(const char* name_or_path, int32_t width, int32_t height, int32_t frame,
                               bs_scene** out) {
-  return load_as("bs_scene_load_frame", name_or_path, width, height, frame, out);
+  return load_as(
+      "bs_scene_load_frame", name_or_path,
+      [&] {
+        return LoadOptions{width, height, frame};
+      },
+      out);
+}
+
+bs_status bs_scene_load_with(const char* name_or_path, const bs_scene_options* options, bs_scene** out) {
+  const char* const function = "bs_scene_load_with";
+  return load_as(
+      function, name_or_path, [&] { return options_from(options, function); }, out);
 }
 
 bs_status bs_scene_get(bs_scene* scene, bs_scene_desc* out) {

@@ -29,6 +29,7 @@ package bitspan_pkg;
   localparam int StageEdgeWalkChannel = 21;
   localparam int StageSpanSetupChannel = 22;
   localparam int StageSpanChannel = 23;
+  localparam int StageProject = 24;
   // No stage has more columns.
   localparam int MaxColumns = 64;
   // bitspan_check: the design's record is not the model's.

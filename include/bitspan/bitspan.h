@@ -39,7 +39,7 @@ extern "C" {
 #endif
 
 /* Grows with every addition to this file; bs_abi_version() tells the library's. */
-#define BS_ABI_VERSION 4
+#define BS_ABI_VERSION 5
 
 typedef int32_t bs_status;
 enum {
@@ -81,7 +81,7 @@ enum {
   BS_STAGE_EDGE_WALK_CHANNEL = 21,  /* per row and channel; not with slope.row = plane */
   BS_STAGE_SPAN_SETUP_CHANNEL = 22, /* per row and channel */
   BS_STAGE_SPAN_CHANNEL = 23,       /* per pixel of a row and channel */
-  BS_STAGE_PROJECT = 24             /* per pixel that the second texture unit takes; project.unit, and the state */
+  BS_STAGE_PROJECT = 24             /* per pixel of texture.second while texture1.coordinates = project */
 };
 
 /* The planes of a picture: `height` rows of `width` elements, from the top. */
@@ -167,12 +167,18 @@ typedef struct bs_scene_desc {
   uint8_t reserved;    /* 0 */
   double fog_distance; /* in the unit of s; default 1 */
   const bs_texture* textures;
-  size_t texture_count; /* default 0 */
-  const char* name;     /* for messages; NULL: none, the default */
+  size_t texture_count;                    /* default 0 */
+  const char* name;                        /* for messages; NULL: none, the default */
+  int32_t has_projector;                   /* 0 or 1; default 0 */
+  int32_t reserved_2;                      /* 0 */
+  double projector_s_min, projector_s_max; /* range of the distances from it; default 1 to 1000 */
 } bs_scene_desc;
 
-#define BS_SCENE_DESC_INIT \
-  { sizeof(bs_scene_desc), 640, 480, 1.0, 1000.0, 500.0, {0, 0, 0}, 0, {0, 0, 0}, 0, 1.0, NULL, 0, NULL }
+#define BS_SCENE_DESC_INIT                                                                                  \
+  {                                                                                                         \
+    sizeof(bs_scene_desc), 640, 480, 1.0, 1000.0, 500.0, {0, 0, 0}, 0, {0, 0, 0}, 0, 1.0, NULL, 0, NULL, 0, \
+        0, 1.0, 1000.0                                                                                      \
+  }
 
 /* A corner of a triangle. BS_VERTEX_INIT has the defaults. */
 typedef struct bs_vertex {
@@ -182,10 +188,43 @@ typedef struct bs_vertex {
   double u, v;       /* texels, v downward; default 0 */
   double r, g, b, a; /* 0 to 1; default 1 */
   double fog;        /* factor of fog.mode = vertex, 0 to 1; default -1: it follows from s */
+  /* In a scene with a projector: W is the distance along its axis, in the unit of s, and X / W and Y / W are
+   * column and row of its texture, in texels. Default 0: outside of the texture. */
+  double project_x, project_y, project_w;
 } bs_vertex;
 
 #define BS_VERTEX_INIT \
-  { sizeof(bs_vertex), 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, -1.0 }
+  { sizeof(bs_vertex), 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, -1.0, 0.0, 0.0, 0.0 }
+
+/* A light that casts shadows on a scene that the library reads. Its points are in the world of a mesh and of
+ * the demo, and else as the viewer sees: x to the right, y downward, z along the view axis. BS_SHADOW_INIT
+ * has the defaults. */
+typedef struct bs_shadow {
+  size_t size;
+  double light[3];  /* where it stands */
+  double at[3];     /* what it looks at, where has_at is 1 */
+  int32_t has_at;   /* 0 or 1; 0, the default: the middle of the scene */
+  int32_t map_size; /* texels of its depth buffer each way, 1 to 8192; default 1024 */
+  double
+      degrees; /* that it sees, below 160; 0, the default: the whole scene, as far as it is not beside it */
+  double bias; /* how many texels a lit surface may rise towards the light per texel, 0 to 64; default 2 */
+  double dark; /* what is left of a colour in the shadow, 0 to 1; default 0.35 */
+} bs_shadow;
+
+#define BS_SHADOW_INIT \
+  { sizeof(bs_shadow), {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0, 1024, 0.0, 2.0, 0.35 }
+
+/* How bs_scene_load_with reads a scene. BS_SCENE_OPTIONS_INIT has the defaults. */
+typedef struct bs_scene_options {
+  size_t size;
+  int32_t width, height;   /* of the picture; 0, the default: the stream's own, or 640x480 */
+  int32_t frame;           /* image of a stream's dynamic textures, from 0; -1, the default: their first */
+  int32_t reserved;        /* 0 */
+  const bs_shadow* shadow; /* NULL, the default: no shadows */
+} bs_scene_options;
+
+#define BS_SCENE_OPTIONS_INIT \
+  { sizeof(bs_scene_options), 0, 0, -1, 0, NULL }
 
 /* A field of a stage's records: value = raw * 2^-fraction [unit]. */
 typedef struct bs_field_info {
@@ -273,6 +312,10 @@ BS_API bs_status bs_scene_load(const char* name_or_path, int32_t width, int32_t 
 /* The same, where the dynamic textures of a stream show image `frame`, from 0, instead of their first one. */
 BS_API bs_status bs_scene_load_frame(const char* name_or_path, int32_t width, int32_t height, int32_t frame,
                                      bs_scene** out);
+/* The same with options, which may be NULL. A scene with shadows has two passes, with commands between its
+ * triangles: bs_draw_scene draws it. It needs project.unit = "reciprocal". docs/shadow.md. */
+BS_API bs_status bs_scene_load_with(const char* name_or_path, const bs_scene_options* options,
+                                    bs_scene** out);
 /* Describes the scene for bs_begin. What it points to holds until the scene is freed. */
 BS_API bs_status bs_scene_get(bs_scene* scene, bs_scene_desc* out);
 /* Its triangles for bs_draw: 3 vertices and a texture each, as long as the scene is not freed. */

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from ._core import InputError, SceneHandle, texel_formats
 
 #: The columns of a vertex and their defaults: [pixel], [unit of s], [texel], 0 to 1.
-VERTEX = {"x": 0.0, "y": 0.0, "s": 1.0, "u": 0.0, "v": 0.0, "r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0, "fog": -1.0}
+VERTEX = {"x": 0.0, "y": 0.0, "s": 1.0, "u": 0.0, "v": 0.0, "r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0, "fog": -1.0,
+          "project_x": 0.0, "project_y": 0.0, "project_w": 0.0}
 
 
 def _vertices(vertices: Any) -> NDArray[np.float64]:
@@ -22,8 +23,8 @@ def _vertices(vertices: Any) -> NDArray[np.float64]:
     except (TypeError, ValueError) as error:
         raise InputError(f"vertices: {error}; expected numbers") from None
     if given.ndim != 3 or given.shape[1] != 3 or not 3 <= given.shape[2] <= len(VERTEX):
-        raise InputError(f"vertices: the shape is {given.shape}; expected (n, 3, k), k from 3 (x, y, s) to 10 "
-                         "(x, y, s, u, v, r, g, b, a, fog)")
+        raise InputError(f"vertices: the shape is {given.shape}; expected (n, 3, k), k from 3 (x, y, s) to "
+                         f"{len(VERTEX)} ({', '.join(VERTEX)})")
     out = np.empty((given.shape[0], 3, len(VERTEX)))
     out[...] = list(VERTEX.values())
     out[..., : given.shape[2]] = given
@@ -78,38 +79,61 @@ def _integer(what: str, value: Any) -> int:
     return int(value)
 
 
+def _shadow(light: Any, size: Any, bias: Any, dark: Any) -> tuple[Any, ...]:
+    """The light as the library takes it."""
+    try:
+        numbers = [float(n) for n in light]
+        kept = (float(bias), float(dark))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"shadow, shadow_bias, shadow_dark: {error}; expected numbers") from None
+    if len(numbers) not in (3, 7):
+        raise InputError(f"shadow: {light!r}; expected a light (x, y, z), or (x, y, z, X, Y, Z, degrees)")
+    at, degrees = (None, 0.0) if len(numbers) == 3 else (numbers[3:6], numbers[6])
+    return (numbers[:3], at, degrees, _integer("shadow_map", size), *kept)
+
+
 class Scene:
     """Triangles on the screen in the order of drawing, their textures, and the size of the picture.
 
     `source` is "demo", a stream (.tri, .trib) or a mesh (OBJ, PLY, glTF ...), which a camera around it shows. With "@3"
     behind the name it is what camera 3 sees. `width` and `height` are of the picture [pixel]; 0: the stream's own, or
     640 x 480. `frame` is the image that a stream's dynamic textures show at first, from 0. A scene never changes.
+
+    `shadow` is a light (x, y, z) that casts shadows, or (x, y, z, X, Y, Z, degrees): the point that it looks at and the angle
+    that it sees. Of a mesh and of "demo" it stands in their world, else as the viewer sees: x to the right, y downward, z
+    along the view axis. `shadow_map` is the size of its depth buffer [texel]; a lit surface may rise towards the light by
+    `shadow_bias` texels per texel; `shadow_dark` is what is left of a colour in the shadow, 0 to 1. It needs a configuration
+    with project.unit = "reciprocal".
     """
 
     __slots__ = ("_handle", "__weakref__")
 
-    def __init__(self, source: str | os.PathLike[str] = "demo", width: int = 0, height: int = 0, frame: int | None = None):
+    def __init__(self, source: str | os.PathLike[str] = "demo", width: int = 0, height: int = 0, frame: int | None = None, *,
+                 shadow: Sequence[float] | None = None, shadow_map: int = 1024, shadow_bias: float = 2.0, shadow_dark: float = 0.35):
         if not isinstance(source, (str, os.PathLike)):
             raise InputError(f"bitspan.Scene: {source!r} is no scene; expected a name or a path, or Scene.from_vertices")
         self._handle = SceneHandle.load(os.fspath(source), _integer("width", width), _integer("height", height),
-                                        None if frame is None else _integer("frame", frame))
+                                        None if frame is None else _integer("frame", frame),
+                                        None if shadow is None else _shadow(shadow, shadow_map, shadow_bias, shadow_dark))
 
     @classmethod
     def from_vertices(cls, vertices: Any, width: int = 640, height: int = 480, *, texture: Any = -1, textures: Sequence[Any] = (),
                       s_range: tuple[float, float] = (1.0, 1000.0), focal: float = 500.0,
                       background: Sequence[int] = (0, 0, 0), fog: tuple[Sequence[int], float] | None = None,
-                      name: str = "scene") -> Scene:
+                      projector: tuple[float, float] | None = None, name: str = "scene") -> Scene:
         """Makes a scene of arrays.
 
         vertices    (n, 3, k): per corner x, y [pixel, origin top left, pixel centres at .5], s [distance along the view axis],
                     u, v [texel], r, g, b, a [0 to 1], fog [factor of fog.mode = vertex, 0 to 1; -1: it follows from s];
-                    k from 3 to 10, the columns left out are 0, 0, 1, 1, 1, 1, -1
+                    project_x, project_y, project_w [W is the distance along the projector's axis, X / W and Y / W are column
+                    and row of its texture]; k from 3 to 13, the columns left out are 0, 0, 1, 1, 1, 1, -1, 0, 0, 0
         texture     the index into `textures` per triangle, or one for all; -1: none
         textures    (height, width, 3 or 4) arrays of uint8, or Texels
         s_range     the range of s that the formats are scaled for
         focal       the focal length [pixel]
         background  red, green, blue, 0 to 255
         fog         (colour, distance [unit of s]); None: no fog
+        projector   (s_min, s_max), the range of the distances from it [unit of s]; None: no projector
         """
         corners = _vertices(vertices)
         try:
@@ -122,14 +146,16 @@ class Scene:
             low, high = map(float, s_range)
             haze = None if fog is None else (_codes("fog", fog[0]), float(fog[1]))
             length = float(focal)
+            thrown = None if projector is None else (float(projector[0]), float(projector[1]))
         except (TypeError, ValueError, IndexError) as error:
             if isinstance(error, InputError):
                 raise
-            raise InputError(f"s_range, focal, fog: {error}; expected (low, high), a number, (colour, distance)") from None
+            raise InputError(f"s_range, focal, fog, projector: {error}; expected (low, high), a number, (colour, distance), "
+                             "(s_min, s_max)") from None
         out = object.__new__(cls)
         out._handle = SceneHandle.make(corners, texture_of.astype(np.int32), [_texture(i, t) for i, t in enumerate(textures)],
                                        _integer("width", width), _integer("height", height), (low, high), length,
-                                       _codes("background", background), haze, str(name))
+                                       _codes("background", background), haze, thrown, str(name))
         return out
 
     @property
@@ -157,7 +183,7 @@ class Scene:
 
     @property
     def vertices(self) -> NDArray[np.float64]:
-        """(n, 3, 10) float64: x, y, s, u, v, r, g, b, a, fog per corner; a view of the scene's memory."""
+        """(n, 3, 13) float64: x, y, s, u, v, r, g, b, a, fog, project_x, project_y, project_w per corner; a view of the scene's memory."""
         return self._handle.vertices
 
     @property

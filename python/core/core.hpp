@@ -8,6 +8,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -81,12 +82,17 @@ using Indices = nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::d
 using Table = nb::ndarray<const std::int64_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Row = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
+// Of a light: where it stands, what it looks at, degrees, size of the map, bias, dark; as in bs_shadow.
+using Shadow = std::tuple<std::array<double, 3>, std::optional<std::array<double, 3>>, double, std::int32_t,
+                          double, double>;
+
 // A scene that the library has read, or one made of arrays.
 class SceneHandle {
  public:
   static SceneHandle load(const std::string& name_or_path, std::int32_t width, std::int32_t height,
-                          std::optional<std::int32_t> frame);
-  // vertices: (n, 3, 10), which are x, y, s, u, v, r, g, b, a, fog. texture_of: (n).
+                          std::optional<std::int32_t> frame, const std::optional<Shadow>& shadow);
+  // vertices: (n, 3, 13), which are x, y, s, u, v, r, g, b, a, fog, project_x, project_y, project_w.
+  // texture_of: (n).
   static SceneHandle make(
       const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>& vertices,
       const Indices& texture_of, const std::vector<std::variant<Bytes, Formatted>>& textures,

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 #include "lib/status.hpp"
 #include "python/core/core.hpp"
@@ -18,7 +19,7 @@
 namespace bitspan::python {
 namespace {
 
-constexpr std::size_t columns = 10;  // x, y, s, u, v, r, g, b, a, fog
+constexpr std::size_t columns = 13;  // x, y, s, u, v, r, g, b, a, fog, project_x, project_y, project_w
 static_assert(sizeof(bs_vertex) == sizeof(std::size_t) + columns * sizeof(double));
 
 using Rgb = std::array<std::uint8_t, 3>;
@@ -27,7 +28,7 @@ SceneHandle make(const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::
                  const Indices& texture_of, const std::vector<std::variant<Bytes, Formatted>>& textures,
                  std::int32_t width, std::int32_t height, const std::pair<double, double>& s_range,
                  double focal, const Rgb& background, const std::optional<std::pair<Rgb, double>>& fog,
-                 std::string name) {
+                 const std::optional<std::pair<double, double>>& projector, std::string name) {
   bs_scene_desc desc = BS_SCENE_DESC_INIT;
   desc.width = width;
   desc.height = height;
@@ -39,6 +40,11 @@ SceneHandle make(const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::
     desc.has_fog = 1;
     std::ranges::copy(fog->first, desc.fog_color);
     desc.fog_distance = fog->second;
+  }
+  if (projector) {
+    desc.has_projector = 1;
+    desc.projector_s_min = projector->first;
+    desc.projector_s_max = projector->second;
   }
   return SceneHandle::make(vertices, texture_of, textures, desc, std::move(name));
 }
@@ -63,10 +69,30 @@ nb::object texture_of(nb::handle self) {
 }  // namespace
 
 SceneHandle SceneHandle::load(const std::string& name_or_path, std::int32_t width, std::int32_t height,
-                              std::optional<std::int32_t> frame) {
+                              std::optional<std::int32_t> frame, const std::optional<Shadow>& shadow) {
+  bs_scene_options options = BS_SCENE_OPTIONS_INIT;
+  options.width = width;
+  options.height = height;
+  if (frame) {
+    if (*frame < 0) throw InputError("frame: " + std::to_string(*frame) + "; expected an image from 0");
+    options.frame = *frame;
+  }
+  bs_shadow cast = BS_SHADOW_INIT;
+  if (shadow) {
+    const auto& [light, at, degrees, map_size, bias, dark] = *shadow;
+    std::ranges::copy(light, cast.light);
+    if (at) {
+      cast.has_at = 1;
+      std::ranges::copy(*at, cast.at);
+    }
+    cast.degrees = degrees;
+    cast.map_size = map_size;
+    cast.bias = bias;
+    cast.dark = dark;
+    options.shadow = &cast;
+  }
   SceneHandle out;
-  check(frame ? bs_scene_load_frame(name_or_path.c_str(), width, height, *frame, out.scene_.out())
-              : bs_scene_load(name_or_path.c_str(), width, height, out.scene_.out()));
+  check(bs_scene_load_with(name_or_path.c_str(), &options, out.scene_.out()));
   check(bs_scene_get(out.scene_.get(), &out.desc_));
   check(bs_scene_triangles(out.scene_.get(), &out.vertices_, &out.texture_of_, &out.count_));
   return out;
@@ -77,7 +103,7 @@ SceneHandle SceneHandle::make(
     const Indices& texture_of, const std::vector<std::variant<Bytes, Formatted>>& textures,
     const bs_scene_desc& desc, std::string name) {
   if (vertices.shape(1) != 3 || vertices.shape(2) != columns || texture_of.shape(0) != vertices.shape(0)) {
-    throw InputError("vertices, texture_of: are not of one length; expected (n, 3, 10) and (n)");
+    throw InputError("vertices, texture_of: are not of one length; expected (n, 3, 13) and (n)");
   }
   SceneHandle out;
   out.desc_ = desc;
@@ -86,7 +112,7 @@ SceneHandle SceneHandle::make(
   const double* from = vertices.data();
   for (std::size_t i = 0; i < 3 * vertices.shape(0); ++i, from += columns) {
     out.own_vertices_.push_back({sizeof(bs_vertex), from[0], from[1], from[2], from[3], from[4], from[5],
-                                 from[6], from[7], from[8], from[9]});
+                                 from[6], from[7], from[8], from[9], from[10], from[11], from[12]});
   }
   out.own_texture_of_.assign(texture_of.data(), texture_of.data() + texture_of.shape(0));
   for (const auto& given : textures) {
@@ -146,10 +172,10 @@ void bind_scene(nb::module_& m) {
   m.attr("texel_formats") = nb::tuple(formats);
   nb::class_<SceneHandle>(m, "SceneHandle")
       .def_static("load", &SceneHandle::load, nb::arg("name_or_path"), nb::arg("width"), nb::arg("height"),
-                  nb::arg("frame").none(), nb::call_guard<nb::gil_scoped_release>())
+                  nb::arg("frame").none(), nb::arg("shadow").none(), nb::call_guard<nb::gil_scoped_release>())
       .def_static("make", &make, nb::arg("vertices"), nb::arg("texture_of"), nb::arg("textures"),
                   nb::arg("width"), nb::arg("height"), nb::arg("s_range"), nb::arg("focal"),
-                  nb::arg("background"), nb::arg("fog").none(), nb::arg("name"))
+                  nb::arg("background"), nb::arg("fog").none(), nb::arg("projector").none(), nb::arg("name"))
       .def_prop_ro("name", [](const SceneHandle& s) { return std::string(s.desc().name); })
       .def_prop_ro("width", [](const SceneHandle& s) { return s.desc().width; })
       .def_prop_ro("height", [](const SceneHandle& s) { return s.desc().height; })

@@ -254,6 +254,119 @@ TEST(LibScenes, AFrameOfDynamicTextures) {
   EXPECT_NE(pictures[0], pictures[2]);
 }
 
+// The demo with shadows, from the library's own plan and from bs_scene_load_with.
+TEST(LibScenes, ShadowsOfAScene) {
+  const ConfigHandle config = config_handle("depth16");
+  ASSERT_EQ(bs_config_set(config.get(), "project.unit", "reciprocal"), BS_OK) << bs_last_error();
+  bs_shadow shadow = BS_SHADOW_INIT;
+  shadow.light[0] = 30;
+  shadow.light[1] = 60;
+  shadow.map_size = 64;
+  bs_scene_options options = BS_SCENE_OPTIONS_INIT;
+  options.width = 96;
+  options.height = 72;
+  const auto loaded = [&](const char* name) {
+    bs_scene* out = nullptr;
+    EXPECT_EQ(bs_scene_load_with(name, &options, &out), BS_OK) << bs_last_error();
+    return std::unique_ptr<bs_scene, CloseHandle>(out);
+  };
+  const auto drawn = [&](bs_model* model, bs_scene* scene) {
+    bs_scene_desc desc = BS_SCENE_DESC_INIT;
+    EXPECT_EQ(bs_scene_get(scene, &desc), BS_OK);
+    EXPECT_EQ(desc.has_projector, options.shadow == nullptr ? 0 : 1);
+    const bs_vertex* vertices = nullptr;
+    const std::int32_t* textures = nullptr;
+    std::size_t count = 0;
+    EXPECT_EQ(bs_scene_triangles(scene, &vertices, &textures, &count), BS_OK);
+    EXPECT_EQ(vertices[3 * count - 1].project_w != 0, options.shadow != nullptr);
+    EXPECT_EQ(bs_begin(model, &desc), BS_OK) << bs_last_error();
+    EXPECT_EQ(bs_draw_scene(model, scene, 0, count, 0, 0), BS_OK) << bs_last_error();
+    return plane<std::uint8_t>(model, BS_PLANE_COLOR);
+  };
+  const ModelHandle model = open_model(config.get(), "model"), golden = open_model(config.get(), "golden");
+  const auto plain = drawn(model.get(), loaded("demo").get());
+  EXPECT_TRUE(records(model.get(), BS_STAGE_PROJECT).empty());
+  options.shadow = &shadow;
+  const auto lit = loaded("demo");
+  const auto picture = drawn(model.get(), lit.get());
+  EXPECT_NE(picture, plain);
+  EXPECT_EQ(drawn(golden.get(), lit.get()), picture);
+  const auto projected = records(model.get(), BS_STAGE_PROJECT);
+  EXPECT_GT(projected.size(), 1000U);
+  EXPECT_EQ(records(golden.get(), BS_STAGE_PROJECT), projected);
+  EXPECT_EQ(std::string(bs_stage_name(BS_STAGE_PROJECT)), "project");
+
+  Config full = shipped_config("depth16");
+  full.project = ProjectUnit::reciprocal;
+  const Scene same = demo_scene(96, 72, ShadowOptions{.light = {30, 60, 0}, .size = 64});
+  const auto engine = make_model(full);
+  engine->begin(same);
+  draw_scene(*engine, same, 0, same.triangles.size(), nullptr);
+  expect_same_frame(engine->frame(), model.get());
+
+  // A shorter struct of an older caller has the other defaults.
+  shadow.size = offsetof(bs_shadow, at);
+  shadow.map_size = -1;  // not read
+  EXPECT_EQ(drawn(model.get(), loaded("demo").get()).size(), picture.size());
+  options.size = offsetof(bs_scene_options, frame);
+  EXPECT_EQ(bs_scene_load_with("demo", &options, nullptr), BS_BAD_INPUT);
+  options.shadow = nullptr;
+  EXPECT_EQ(drawn(model.get(), loaded("demo").get()), plain);
+  options.size = sizeof options;
+  // NULL for all defaults, and other scenes.
+  bs_scene* all = nullptr;
+  ASSERT_EQ(bs_scene_load_with("demo", nullptr, &all), BS_OK) << bs_last_error();
+  bs_scene_desc desc = BS_SCENE_DESC_INIT;
+  EXPECT_EQ(bs_scene_get(all, &desc), BS_OK);
+  EXPECT_EQ(desc.width, 640);
+  bs_scene_free(all);
+  shadow = BS_SHADOW_INIT;
+  shadow.map_size = 64;
+  shadow.light[1] = -20;
+  options.shadow = &shadow;
+  EXPECT_EQ(drawn(model.get(), loaded("demo@2").get()), drawn(golden.get(), loaded("demo@2").get()));
+  const std::string spot = source_path("tests/data/spot.obj");
+  shadow.light[1] = 5;
+  EXPECT_EQ(drawn(model.get(), loaded(spot.c_str()).get()), drawn(golden.get(), loaded(spot.c_str()).get()));
+}
+
+// What a caller describes is what a scene of the library has.
+TEST(LibScenes, ProjectorsAreDescribed) {
+  const ConfigHandle config = config_handle("depth16");
+  ASSERT_EQ(bs_config_set(config.get(), "project.unit", "reciprocal"), BS_OK);
+  Scene scene;
+  for (std::uint64_t seed = 5; scene.textures.empty(); ++seed) scene = small_random(seed);
+  scene.commands.clear();
+  scene.projector = Projector{2, 40};
+  Random random(1);
+  for (Triangle& t : scene.triangles) {
+    for (Vertex& v : t.v) {
+      v.project_w = random.uniform(1, 60);
+      v.project_x = v.project_w * random.uniform(-2, 9);
+      v.project_y = v.project_w * random.uniform(-2, 9);
+    }
+  }
+  Config full = shipped_config("depth16");
+  full.project = ProjectUnit::reciprocal;
+  const auto engine = make_model(full);
+  engine->begin(scene);
+  draw_scene(*engine, scene, 0, scene.triangles.size(), nullptr);
+  const Described described(scene);
+  const ModelHandle model = open_model(config.get(), "model");
+  draw(model.get(), described);
+  expect_same_frame(engine->frame(), model.get());
+  // Records of the channels are there because of the projector.
+  EXPECT_FALSE(records(model.get(), BS_STAGE_SETUP_CHANNEL).empty());
+  ASSERT_EQ(bs_begin(model.get(), &described.desc), BS_OK);
+  ASSERT_EQ(bs_command(model.get(), R"({"state": {"texture1": 0, "texture1.coordinates": "project"}})"),
+            BS_OK)
+      << bs_last_error();
+  ASSERT_EQ(bs_draw(model.get(), described.vertices.data(), described.texture_of.data(),
+                    described.texture_of.size(), 0, 0),
+            BS_OK);
+  EXPECT_FALSE(records(model.get(), BS_STAGE_PROJECT).empty());
+}
+
 TEST(LibScenes, ABinaryStreamByItsContents) {
   const TemporaryFolder folder;
   const Scene scene = small_random(5);

@@ -10,6 +10,7 @@
 
 #include "scene/random.hpp"
 #include "tests/lib/support.hpp"
+#include "tests/support/input_error.hpp"
 #include "tests/support/paths.hpp"
 
 namespace bitspan {
@@ -187,7 +188,7 @@ TEST(LibMisuse, BadArguments) {
       {"set no key", [&] { return bs_config_set(config.get(), "depth.bit", "1"); }, BS_BAD_INPUT},
       {"set no value", [&] { return bs_config_set(config.get(), "depth.bits", "many"); }, BS_BAD_INPUT},
       {"set no name", [&] { return bs_config_set(config.get(), "depth.code", "nearest"); }, BS_BAD_INPUT},
-      {"field of no stage", [&] { return bs_field(config.get(), BS_STAGE_SPAN_CHANNEL + 1, 0, &info); },
+      {"field of no stage", [&] { return bs_field(config.get(), BS_STAGE_PROJECT + 1, 0, &info); },
        BS_BAD_INPUT},
       {"field of stage -1", [&] { return bs_field(config.get(), -1, 0, &info); }, BS_BAD_INPUT},
       {"field -1", [&] { return bs_field(config.get(), 7, -1, &info); }, BS_BAD_INPUT},
@@ -214,8 +215,8 @@ TEST(LibMisuse, BadArguments) {
       {"draw too many", [&] { return bs_draw(m, described.vertices.data(), nullptr, SIZE_MAX, 0, 0); },
        BS_BAD_INPUT},
       {"row NULL", [&] { return bs_row(m, BS_STAGE_EDGE_WALK, nullptr, 1, -1); }, BS_BAD_INPUT},
-      {"row of no stage", [&] { return bs_row(m, BS_STAGE_SPAN_CHANNEL + 1, &number, 1, -1); }, BS_BAD_INPUT},
-      {"records of no stage", [&] { return bs_records(m, BS_STAGE_SPAN_CHANNEL + 1, &view); }, BS_BAD_INPUT},
+      {"row of no stage", [&] { return bs_row(m, BS_STAGE_PROJECT + 1, &number, 1, -1); }, BS_BAD_INPUT},
+      {"records of no stage", [&] { return bs_records(m, BS_STAGE_PROJECT + 1, &view); }, BS_BAD_INPUT},
       {"records to NULL", [&] { return bs_records(m, 7, nullptr); }, BS_BAD_INPUT},
       {"plane 7", [&] { return bs_frame_view(m, 7, &view); }, BS_BAD_INPUT},
       {"plane to NULL", [&] { return bs_frame_view(m, 0, nullptr); }, BS_BAD_INPUT},
@@ -223,11 +224,11 @@ TEST(LibMisuse, BadArguments) {
       {"no counter", [&] { return bs_counter(m, "bugs", &number); }, BS_BAD_INPUT},
       {"counter to NULL", [&] { return bs_counter(m, "rows", nullptr); }, BS_BAD_INPUT},
       {"check NULL", [&] { return bs_check(m, 7, nullptr, 1, nullptr); }, BS_BAD_INPUT},
-      {"check no stage", [&] { return bs_check(m, BS_STAGE_SPAN_CHANNEL + 1, &number, 1, nullptr); },
+      {"check no stage", [&] { return bs_check(m, BS_STAGE_PROJECT + 1, &number, 1, nullptr); },
        BS_BAD_INPUT},
       {"unchecked of no stage",
-       [&] { return bs_unchecked(m, BS_STAGE_SPAN_CHANNEL + 1) == 0 ? BS_BAD_INPUT : BS_OK; }, BS_BAD_INPUT},
-      {"override no stage", [&] { return bs_stage_override(m, BS_STAGE_SPAN_CHANNEL + 1, nullptr, nullptr); },
+       [&] { return bs_unchecked(m, BS_STAGE_PROJECT + 1) == 0 ? BS_BAD_INPUT : BS_OK; }, BS_BAD_INPUT},
+      {"override no stage", [&] { return bs_stage_override(m, BS_STAGE_PROJECT + 1, nullptr, nullptr); },
        BS_BAD_INPUT},
       {"override constants", [&] { return bs_stage_override(m, 0, nullptr, nullptr); }, BS_UNSUPPORTED},
   });
@@ -322,18 +323,96 @@ TEST(LibMisuse, BadScenes) {
   });
 }
 
+TEST(LibMisuse, BadProjectors) {
+  const Scene scene = small_scene();
+  const ConfigHandle config = config_handle("depth16");
+  const ModelHandle model = open_model(config.get(), "model");
+  Described described(scene);
+  bs_scene_desc& desc = described.desc;
+  const auto begun = [&](double s_min, double s_max) {
+    desc.projector_s_min = s_min;
+    desc.projector_s_max = s_max;
+    return bs_begin(model.get(), &desc);
+  };
+  EXPECT_EQ(begun(-1, 0), BS_OK);  // has_projector is 0
+  desc.has_projector = 1;
+  EXPECT_EQ(begun(1, 9), BS_OK) << bs_last_error();
+  for (const auto& [s_min, s_max] : {std::pair{0.0, 1.0}, {2.0, 2.0}, {1.0, HUGE_VAL}, {std::nan(""), 1.0}}) {
+    EXPECT_EQ(begun(s_min, s_max), BS_BAD_INPUT);
+    EXPECT_TRUE(names(bs_last_error(), "projector.s_min: is not legal; expected 0 < s_min < s_max"))
+        << bs_last_error();
+  }
+  for (const std::int32_t has : {-1, 2}) {
+    desc.has_projector = has;
+    EXPECT_EQ(begun(1, 9), BS_BAD_INPUT);
+    EXPECT_TRUE(names(bs_last_error(), ".has_projector, .reserved_2: ")) << bs_last_error();
+  }
+  desc.has_projector = 1;
+  desc.reserved_2 = 1;
+  EXPECT_EQ(begun(1, 9), BS_BAD_INPUT);
+}
+
+TEST(LibMisuse, BadOptionsOfAScene) {
+  bs_scene* scene = nullptr;
+  const auto refused = [&](const std::string& line,
+                           const std::function<void(bs_scene_options&, bs_shadow&)>& change,
+                           const char* name = "demo") {
+    bs_shadow shadow = BS_SHADOW_INIT;
+    shadow.light[1] = 60;
+    bs_scene_options options = BS_SCENE_OPTIONS_INIT;
+    options.width = 64;
+    options.height = 48;
+    options.shadow = &shadow;
+    change(options, shadow);
+    EXPECT_EQ(bs_scene_load_with(name, &options, &scene), BS_BAD_INPUT) << line;
+    EXPECT_TRUE(names(bs_last_error(), line)) << bs_last_error();
+  };
+  const std::string shadow = "bs_scene_load_with: options.shadow";
+  refused(shadow + ".light: nan is not legal", [](auto&, auto& s) { s.light[2] = std::nan(""); });
+  refused(shadow + ".at: inf is not legal", [](auto&, auto& s) { s.has_at = 1, s.at[0] = HUGE_VAL; });
+  refused(shadow + ".has_at: 2; expected 0 or 1", [](auto&, auto& s) { s.has_at = 2; });
+  refused(shadow + ".map_size: 0 is not legal; expected 1..8192", [](auto&, auto& s) { s.map_size = 0; });
+  refused(shadow + ".degrees: 160 is not legal", [](auto&, auto& s) { s.degrees = 160; });
+  refused(shadow + ".bias: -1 is not legal; expected 0..64", [](auto&, auto& s) { s.bias = -1; });
+  refused(shadow + ".dark: 2 is not legal; expected 0..1", [](auto&, auto& s) { s.dark = 2; });
+  refused(shadow + ".size: 8 is not legal", [](auto&, auto& s) { s.size = 8; });
+  refused("bs_scene_load_with: options.size: 8 is not legal", [](auto& o, auto&) { o.size = 8; });
+  refused("options.reserved: 1; expected 0", [](auto& o, auto&) { o.reserved = 1; });
+  refused("bs_scene_load_with: width, height: -1x48", [](auto& o, auto&) { o.width = -1; });
+  refused("has no dynamic textures", [](auto& o, auto&) { o.frame = 0; });
+  refused(
+      "no/such.tri", [](auto&, auto&) {}, "no/such.tri");
+  const std::string sea = source_path("tests/data/sea.tri");
+  for (const int frame : {-2, 3}) {
+    refused(
+        "frame", [&](auto& o, auto&) { o = BS_SCENE_OPTIONS_INIT, o.frame = frame; }, sea.c_str());
+  }
+  bs_scene_options options = BS_SCENE_OPTIONS_INIT;
+  EXPECT_EQ(bs_scene_load_with("demo", &options, nullptr), BS_BAD_INPUT);
+  EXPECT_EQ(bs_scene_load_with(nullptr, &options, &scene), BS_BAD_INPUT);
+}
+
 TEST(LibMisuse, BadVerticesDrawNothing) {
   const Scene scene = small_scene();
   const ConfigHandle config = config_handle("depth16");
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<std::function<void(bs_vertex&)>> changes{
-      [&](bs_vertex& v) { v.x = nan; },   [](bs_vertex& v) { v.y = 32768; },
-      [](bs_vertex& v) { v.x = -1e300; }, [](bs_vertex& v) { v.s = 0; },
-      [&](bs_vertex& v) { v.s = nan; },   [](bs_vertex& v) { v.u = HUGE_VAL; },
-      [&](bs_vertex& v) { v.v = nan; },   [](bs_vertex& v) { v.r = 1.5; },
-      [](bs_vertex& v) { v.g = -0.5; },   [&](bs_vertex& v) { v.b = nan; },
-      [](bs_vertex& v) { v.a = 2; },      [](bs_vertex& v) { v.size = 8; },
-      [](bs_vertex& v) { v.size = ~0U; }, [](bs_vertex& v) { v.fog = 0.5; }};
+  const std::vector<std::function<void(bs_vertex&)>> changes{[&](bs_vertex& v) { v.x = nan; },
+                                                             [](bs_vertex& v) { v.y = 32768; },
+                                                             [](bs_vertex& v) { v.x = -1e300; },
+                                                             [](bs_vertex& v) { v.s = 0; },
+                                                             [&](bs_vertex& v) { v.s = nan; },
+                                                             [](bs_vertex& v) { v.u = HUGE_VAL; },
+                                                             [&](bs_vertex& v) { v.v = nan; },
+                                                             [](bs_vertex& v) { v.r = 1.5; },
+                                                             [](bs_vertex& v) { v.g = -0.5; },
+                                                             [&](bs_vertex& v) { v.b = nan; },
+                                                             [](bs_vertex& v) { v.a = 2; },
+                                                             [](bs_vertex& v) { v.size = 8; },
+                                                             [](bs_vertex& v) { v.size = ~0U; },
+                                                             [](bs_vertex& v) { v.fog = 0.5; },
+                                                             [&](bs_vertex& v) { v.project_x = nan; },
+                                                             [](bs_vertex& v) { v.project_y = HUGE_VAL; },
+                                                             [](bs_vertex& v) { v.project_w = -HUGE_VAL; }};
   for (int i = 0; bs_engine_name(i) != nullptr; ++i) {
     const ModelHandle model = open_model(config.get(), bs_engine_name(i));
     for (const auto& change : changes) {

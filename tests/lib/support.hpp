@@ -54,8 +54,8 @@ struct Described {
     }
     for (const Triangle& t : s.triangles) {
       for (const Vertex& v : t.v) {
-        vertices.push_back(
-            {sizeof(bs_vertex), v.x, v.y, v.s, v.u, v.v, v.c[0], v.c[1], v.c[2], v.c[3], v.fog});
+        vertices.push_back({sizeof(bs_vertex), v.x, v.y, v.s, v.u, v.v, v.c[0], v.c[1], v.c[2], v.c[3], v.fog,
+                            v.project_x, v.project_y, v.project_w});
       }
       texture_of.push_back(t.texture);
     }
@@ -69,6 +69,11 @@ struct Described {
       desc.has_fog = 1;
       for (std::size_t i = 0; i < 3; ++i) desc.fog_color[i] = s.fog->color[i];
       desc.fog_distance = s.fog->distance;
+    }
+    if (s.projector) {
+      desc.has_projector = 1;
+      desc.projector_s_min = s.projector->s_min;
+      desc.projector_s_max = s.projector->s_max;
     }
     desc.textures = textures.data();
     desc.texture_count = textures.size();

@@ -106,7 +106,7 @@ class Scenes(unittest.TestCase):
         self.assertEqual((bitspan.Scene().width, bitspan.Scene().height), (640, 480))
         scene = bitspan.Scene("demo", 80, 60)
         self.assertEqual((scene.width, scene.height, scene.name), (80, 60, "demo"))
-        self.assertEqual(scene.vertices.shape, (len(scene), 3, 10))
+        self.assertEqual(scene.vertices.shape, (len(scene), 3, 13))
         self.assertTrue(bitspan.Scene(SOURCE / "tests/data/spot.obj", 64, 48).vertices.shape[0] > 1000)
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "a.obj"
@@ -138,7 +138,7 @@ class Scenes(unittest.TestCase):
 
     def test_columns_that_are_left_out_have_defaults(self):
         scene = bitspan.Scene.from_vertices(np.array(triangle())[..., :3], 64, 64)
-        self.assertEqual(scene.vertices[0, 1].tolist(), [48, 8, 5, 0, 0, 1, 1, 1, 1, -1])
+        self.assertEqual(scene.vertices[0, 1].tolist(), [48, 8, 5, 0, 0, 1, 1, 1, 1, -1, 0, 0, 0])
         self.assertEqual(scene.texture_of.tolist(), [-1])
 
     def test_textures_fog_and_background(self):
@@ -150,6 +150,53 @@ class Scenes(unittest.TestCase):
         self.assertEqual(picture[12, 12].tolist(), [0, 200, 0, 255])
         fogged = bitspan.render(bitspan.Scene.from_vertices(triangle(), 64, 64, texture=0, textures=[texels], fog=((255, 0, 0), 4.0)))
         self.assertGreater(int(fogged.color[12, 12, 0]), 20)
+
+    def test_shadows(self):
+        config = bitspan.Config("depth16").with_({"project.unit": "reciprocal"})
+        spot = SOURCE / "tests/data/spot.obj"
+        lamp = (-12, 16, -2, 0, 2, -26, 60)
+        for source, light in (("demo", lamp), ("demo@2", (0, -20, 0)), (spot, (3, 4, -3))):
+            plain, lit = bitspan.Scene(source, 80, 60), bitspan.Scene(source, 80, 60, shadow=light, shadow_map=64)
+            self.assertGreater(len(lit), len(plain))
+            self.assertTrue((lit.vertices[-1, :, 12] != 0).all())
+            first, second = bitspan.render(lit, config), bitspan.render(lit, config, engine="golden")
+            self.assertTrue(np.array_equal(first.color, second.color))
+            self.assertTrue(np.array_equal(first.table("project"), second.table("project")))
+            self.assertGreater(len(first.table("project")), 100)
+            self.assertFalse(np.array_equal(first.color, bitspan.render(plain, config).color), source)
+        dark = bitspan.render(bitspan.Scene("demo", 80, 60, shadow=lamp, shadow_map=64, shadow_dark=0), config)
+        lit = bitspan.render(bitspan.Scene("demo", 80, 60, shadow=lamp, shadow_map=64, shadow_dark=1), config)
+        self.assertLess(dark.color[..., :3].sum(), lit.color[..., :3].sum())
+        with self.assertRaisesRegex(bitspan.InputError, "project.unit"):
+            bitspan.render(bitspan.Scene("demo", 80, 60, shadow=(30, 60, 0)))
+        for bad in ({"shadow": (1, 2)}, {"shadow": 3}, {"shadow": "abc"}, {"shadow": (1, 2, float("nan"))}, {"shadow_map": 0}, {"shadow_map": 1.5},
+                    {"shadow_bias": -1}, {"shadow_bias": "x"}, {"shadow_dark": 2}, {"shadow": (0, 9, 0, 0, 0, 9, 160)}, {"frame": -1}, {"frame": 0}):
+            with self.assertRaises(bitspan.InputError, msg=str(bad)):
+                bitspan.Scene("demo", 80, 60, **({"shadow": (30, 60, 0)} | bad))
+
+    def test_projectors(self):
+        config = bitspan.Config("depth16").with_({"project.unit": "reciprocal"})
+        corners = np.zeros((1, 3, 13))
+        corners[..., :5] = [[(8, 8, 5, 0, 0), (48, 8, 5, 0, 0), (8, 48, 5, 0, 0)]]
+        corners[..., 5:9], corners[..., 9] = 1, -1
+        corners[..., 10:12], corners[..., 12] = 4, 2  # texel (2, 2)
+        texels = np.zeros((4, 4, 3), np.uint8)
+        texels[2, 2] = (10, 200, 30)
+        scene = bitspan.Scene.from_vertices(corners, 64, 64, textures=[texels], projector=(1.0, 8.0))
+        self.assertTrue(np.array_equal(scene.vertices, corners))
+        with bitspan.Model(config) as model:
+            model.begin(scene)
+            model.state({"texture1": 0, "texture1.coordinates": "project", "texture1.op": "replace"})
+            model.draw(scene)
+            self.assertEqual(np.array(model.plane("color"))[12, 12, :3].tolist(), [10, 200, 30])
+            model.view(projector=None)
+            model.state({"depth.func": "always"})
+            model.draw(scene)
+            self.assertEqual(np.array(model.records("project"))["inside"][-1], 0)
+            model.view(projector=(2, 9))
+        for bad in ((1.0,), (2.0, 1.0), 3, ("a", "b")):
+            with self.assertRaises(bitspan.InputError):
+                bitspan.Scene.from_vertices(corners, 64, 64, projector=bad)
 
     def test_textures_of_texel_formats(self):
         raw = np.full((8, 4), 31 << 11, "<u2")  # red of rgb565
@@ -169,7 +216,7 @@ class Scenes(unittest.TestCase):
     def test_a_scene_outlives_its_handle(self):
         vertices = bitspan.Scene("demo", 80, 60).vertices
         gc.collect()
-        self.assertEqual(vertices.shape[1:], (3, 10))
+        self.assertEqual(vertices.shape[1:], (3, 13))
         self.assertTrue(np.isfinite(vertices).all())
         self.assertFalse(vertices.flags.writeable)
 
@@ -1019,7 +1066,7 @@ class BadInput(unittest.TestCase):
             (lambda: bitspan.Scene("demo", 10**20, 5), "width"),
             (lambda: make("text"), "vertices"),
             (lambda: make([[1, 2, 3]]), r"\(n, 3, k\)"),
-            (lambda: make(np.zeros((2, 3, 11))), r"\(n, 3, k\)"),
+            (lambda: make(np.zeros((2, 3, 14))), r"\(n, 3, k\)"),
             (lambda: make(nan), "x or y is nan"),
             (lambda: make(triangle(x=1e9)), "x or y"),
             (lambda: make(triangle(), texture=0), "texture: 0"),
