@@ -16,6 +16,7 @@
 #include "config/store.hpp"
 #include "engine/range.hpp"
 #include "scene/exact.hpp"
+#include "scene/plan.hpp"
 #include "scene/procedural.hpp"
 #include "scene/random.hpp"
 #include "scene/shadow.hpp"
@@ -455,7 +456,7 @@ SuiteFeature on_alpha(SuiteFeature feature) {
 SuiteSetting in_state(std::vector<Register> registers) {
   return [registers = std::move(registers)](Config&, Scene& scene) {
     StateChange change;
-    for (const auto& [key, value] : registers) change.settings.push_back({*find_state_register(key), value});
+    for (const auto& [key, value] : registers) change.settings.push_back(state_setting(key, value));
     scene.commands.insert(scene.commands.begin(), {0, std::move(change)});
   };
 }
@@ -674,17 +675,15 @@ void add_projection(std::vector<SuiteFeature>& out) {
         {compares, {"texture1.func", number(func)}},
         {compares, {"texture1.func", (number(func) + funcs / 2) % funcs}});
   }
-  for (SuiteFeature feature : std::vector(out)) {
-    if (feature.name != "project.compare") continue;
-    feature.name = "project.opengl_compare";
-    for (SuiteSetting* setting : {&feature.with, &feature.without}) {
-      *setting = [set = *setting](Config& c, Scene& s) {
-        c.depth_code = DepthCode::opengl;
-        set(c, s);
-      };
-    }
-    out.push_back(std::move(feature));
+  SuiteFeature opengl = *std::ranges::find(out, "project.compare", &SuiteFeature::name);
+  opengl.name = "project.opengl_compare";
+  for (SuiteSetting* setting : {&opengl.with, &opengl.without}) {
+    *setting = [set = *setting](Config& c, Scene& s) {
+      c.depth_code = DepthCode::opengl;
+      set(c, s);
+    };
   }
+  out.push_back(std::move(opengl));
 }
 
 void add_states(std::vector<SuiteFeature>& out) {

@@ -70,10 +70,7 @@ Scene seen_from(const Scene& scene, int camera) {
     }
   }
 
-  Viewpoint view;
-  view.width = scene.width;
-  view.height = scene.height;
-  view.focal = scene.focal;
+  Viewpoint view = viewer_of(scene);
   const auto [side, height, nearness] = place_of(camera);
   const double yaw = radians(between(-20, 20, side));
   const double pitch = radians(between(0, 12, height));
@@ -82,8 +79,6 @@ Scene seen_from(const Scene& scene, int camera) {
   const double distance = middle.z * between(0.85, 1.1, nearness);
   const Vec3 back{std::sin(yaw) * std::cos(pitch), -std::sin(pitch), -std::cos(yaw) * std::cos(pitch)};
   look_at(view, middle + back * distance, middle, {0, -1, 0});
-  view.s_min = scene.s_min;
-  view.s_max = scene.s_max;
   for (const Face& face : faces) {
     for (const Corner& corner : face.corner) {
       view.s_max = std::max(view.s_max, 1.01 * dot(view.forward, corner.position - view.position));

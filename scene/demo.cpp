@@ -250,12 +250,7 @@ Scene empty_scene(const char* name, int width, int height) {
 }
 
 Viewpoint view_of(const Scene& scene, const Vec3& target) {
-  Viewpoint view;
-  view.width = scene.width;
-  view.height = scene.height;
-  view.focal = scene.focal;
-  view.s_min = scene.s_min;
-  view.s_max = scene.s_max;
+  Viewpoint view = viewer_of(scene);
   look_at(view, {0, 7, 0}, target, {0, 1, 0});
   return view;
 }

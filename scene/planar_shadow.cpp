@@ -85,12 +85,7 @@ Scene with_planar_shadows(Scene scene, std::span<const Face> casters, std::span<
     throw InputError("planar shadow: the plane's normal is 0, or `dark` is not 0..1");
   }
   if (scene.triangles.empty()) return scene;
-  Viewpoint viewer;
-  viewer.width = scene.width;
-  viewer.height = scene.height;
-  viewer.focal = scene.focal;
-  viewer.s_min = scene.s_min;
-  viewer.s_max = scene.s_max;
+  const Viewpoint viewer = viewer_of(scene);
   // Bit 0 of the stencil: the plane's surface is seen here. Bit 1 + i: light i has darkened the pixel.
   constexpr std::int64_t surface = 1;
   std::vector<Pass> passes;

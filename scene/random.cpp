@@ -7,6 +7,7 @@
 #include <string>
 
 #include "scene/exact.hpp"
+#include "scene/plan.hpp"
 #include "scene/procedural.hpp"
 #include "scene/shadow.hpp"
 #include "scene/texels.hpp"
@@ -394,17 +395,15 @@ void draw_projection(Random& random, Scene& scene) {
   scene.projector.emplace();
   scene.projector->s_min = middle * random.log_uniform(0.01, 1);
   scene.projector->s_max = scene.projector->s_min * random.log_uniform(1.5, 1000);
-  const auto set = [](std::string_view key, std::int64_t value) {
-    return StateSetting{*find_state_register(key), value};
-  };
   for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
     if (i > 0 && !random.chance(0.125)) continue;
-    const StateChange change{
-        .settings = {
-            set("texture1", texture), set("texture1.coordinates", random.chance(0.875) ? 1 : 0),
-            set("texture1.outside", random.integer(0, 1)), set("texture1.compare", random.integer(0, 1)),
-            set("texture1.func", random.integer(0, 7)), set("texture1.bias", random.integer(-4096, 4096)),
-            set("texture1.red", random.integer(0, 255))}};
+    const StateChange change{.settings = {state_setting("texture1", texture),
+                                          state_setting("texture1.coordinates", random.chance(0.875) ? 1 : 0),
+                                          state_setting("texture1.outside", random.integer(0, 1)),
+                                          state_setting("texture1.compare", random.integer(0, 1)),
+                                          state_setting("texture1.func", random.integer(0, 7)),
+                                          state_setting("texture1.bias", random.integer(-4096, 4096)),
+                                          state_setting("texture1.red", random.integer(0, 255))}};
     const auto at = std::ranges::find_if(scene.commands, [&](const DrawCommand& c) { return c.before > i; });
     scene.commands.insert(at, {.before = i, .what = change});
   }

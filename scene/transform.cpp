@@ -5,6 +5,16 @@
 
 namespace bitspan {
 
+Viewpoint viewer_of(const View& view) {
+  Viewpoint out;
+  out.width = view.width;
+  out.height = view.height;
+  out.focal = view.focal;
+  out.s_min = view.s_min;
+  out.s_max = view.s_max;
+  return out;
+}
+
 void look_at(Viewpoint& view, const Vec3& position, const Vec3& target, const Vec3& up) {
   const Vec3 line = target - position;
   const double distance = length(line);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "scene/geometry.hpp"
+#include "scene/view.hpp"
 
 namespace bitspan {
 
@@ -14,6 +15,9 @@ struct Viewpoint {
   double focal = 500;             // pixels
   double s_min = 1, s_max = 1000;
 };
+
+// The viewer of such a picture, in its own space.
+Viewpoint viewer_of(const View& view);
 
 // Sets the axes so that the viewer looks from `position` at `target`, `up` pointing up in the picture. Throws
 // InputError where the two coincide or `up` lies along the line of sight.

@@ -33,10 +33,10 @@ TextureSecondStage prepare_texture_second(const Config& config);
 // image: texture1's, null where the unit is off.
 void set_texture_second(TextureSecondStage& stage, const DrawState& state, const Texture* image);
 
-// lod's record with this unit's level of detail, and its level and fraction in a chain of so many levels;
-// without mip chains it is not read.
 // This unit's level of detail from the first one's, both raw.
 std::int64_t second_lambda(const TextureSecondStage& stage, std::int64_t lambda);
+// lod's record with this unit's level of detail, and its level and fraction in a chain of so many levels;
+// without mip chains it is not read.
 LodRecord second_level(const TextureSecondStage& stage, const LodRecord& lod, int levels);
 
 // A fragment that the first unit did not kill, while the unit is on; chain: of the unit's texture, null

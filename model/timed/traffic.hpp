@@ -81,14 +81,12 @@ class TextureTraffic {
   // The same by both units, the first one's texels before the second one's.
   Asks ask(const model::Pipeline& pipeline, const FragmentItem& item) {
     const FragmentRecord& f = item.fragment;
-    const auto by = [](const model::TextureStage& stage, const LodRecord& lod) {
-      return model::lookup_at(stage, lod);
-    };
-    const int first = misses(by(pipeline.texture, item.lod), item.surface.texture, f.u, f.v, item.lod);
+    const int first =
+        misses(model::lookup_at(pipeline.texture, item.lod), item.surface.texture, f.u, f.v, item.lod);
     const model::TextureStage& second = pipeline.texture_second.fetch;
     if (!pipeline.project.is_on) {
-      return asks_of(first +
-                     misses(by(second, item.second_lod), pipeline.state.texture1, f.u, f.v, item.second_lod));
+      return asks_of(first + misses(model::lookup_at(second, item.second_lod), pipeline.state.texture1, f.u,
+                                    f.v, item.second_lod));
     }
     const ProjectRecord& p = item.projected;
     return asks_of(first + (p.inside == 0

@@ -146,14 +146,8 @@ TEST(PlanarShadow, EqualsTheShadowMapOnThePlane) {
   scene.focal = 150;
   scene.s_min = 2;
   scene.s_max = 60;
-  Viewpoint viewer;
-  viewer.width = width;
-  viewer.height = height;
-  viewer.focal = scene.focal;
-  viewer.s_min = scene.s_min;
-  viewer.s_max = scene.s_max;
   ProjectReport report;
-  project(faces, viewer, {.cull = false, .clip_sides = false}, scene.triangles, report);
+  project(faces, viewer_of(scene), {.cull = false, .clip_sides = false}, scene.triangles, report);
   // The light grazes the far end of the floor.
   const ShadowOptions lamp{.light = {-6, -8, 8}, .size = 2048, .bias = 8};
   ShadowOptions flat = lamp;

@@ -58,14 +58,8 @@ Scene seen(const std::vector<Face>& faces) {
   scene.s_min = 1;
   scene.s_max = 100;
   scene.focal = 300;
-  Viewpoint view;
-  view.width = scene.width;
-  view.height = scene.height;
-  view.focal = scene.focal;
-  view.s_min = scene.s_min;
-  view.s_max = scene.s_max;
   ProjectReport report;
-  project(faces, view, {.cull = false, .clip_sides = false}, scene.triangles, report);
+  project(faces, viewer_of(scene), {.cull = false, .clip_sides = false}, scene.triangles, report);
   return scene;
 }
 
