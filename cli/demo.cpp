@@ -149,7 +149,7 @@ std::string html(const SceneVerdict& v, const std::vector<Picture>& pictures) {
 
 int demo(const DemoArguments& o) {
   const Config config = find_config(o.config);
-  SceneSource source(load_scene("demo", o.view));
+  SceneSource source(load_scene("demo", seen_with(config, o.view)));
   VerifyOptions options;
   options.engines = parse_engines(o.engines);
   if (std::ranges::find(options.engines, truth_name()) == options.engines.end()) {

@@ -254,7 +254,7 @@ int explain(const ExplainArguments& o) {
   const Config config = find_config(o.config);
   std::vector<const Oracle*> oracles;
   if (!o.oracles.empty()) oracles = parse_oracles(o.oracles);
-  const LoadedScene loaded = load_scene(o.scene, o.view);
+  const LoadedScene loaded = load_scene(o.scene, seen_with(config, o.view));
   const Scene& scene = loaded.scene;
   const View shown = view_at(scene, scene.triangles.size());
   if (o.x < 0 || o.y < 0 || o.x >= shown.width || o.y >= shown.height) {

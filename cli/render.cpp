@@ -100,6 +100,7 @@ int render(const RenderArguments& o) {
     throw InputError("render: nothing to write; give -o PICTURE.png, --dump DIR or --emit-tri FILE.tri");
   }
   const Config config = find_config(o.config);
+  const SceneOptions view = seen_with(config, o.view);
   const auto names = parse_engines(o.engine);
   if (names.size() != 1) {
     throw InputError("--engine: one engine draws one picture");
@@ -133,7 +134,7 @@ int render(const RenderArguments& o) {
   check_dump(o.dump);
   // What is emitted is wanted whole.
   SceneSource source =
-      o.emit_tri.empty() ? open_scene(o.scene, o.view) : SceneSource(load_scene(o.scene, o.view));
+      o.emit_tri.empty() ? open_scene(o.scene, view) : SceneSource(load_scene(o.scene, view));
   const Scene& scene = source.scene();
   if (!o.output.empty() || !o.dump.empty()) {
     const auto observed = o.statistics ? make_observed_model(config) : nullptr;

@@ -104,13 +104,24 @@ void refuse_size(const std::string& name, const Scene& scene, const SceneOptions
   }
 }
 
+}  // namespace
+
+SceneOptions seen_with(const Config& config, SceneOptions options) {
+  options.depth_bits = config.depth_bits;
+  options.depth_code = config.depth_code;
+  return options;
+}
+
+namespace {
+
 // What --shadow and its companions say; none where there is no shadow.
 std::optional<ShadowOptions> shadow_of(const SceneOptions& o) {
   if (o.shadow.empty()) {
     for (const auto& [given, flag] : {std::pair{o.shadow_map.has_value(), "--shadow-map"},
-                                      {o.shadow_bias.has_value(), "--shadow-bias"},
+                                      {!o.shadow_bias.empty(), "--shadow-bias"},
                                       {o.shadow_dark.has_value(), "--shadow-dark"},
-                                      {!o.shadow_plane.empty(), "--shadow-plane"}}) {
+                                      {!o.shadow_plane.empty(), "--shadow-plane"},
+                                      {o.shadow_volumes, "--shadow-volumes"}}) {
       if (given)
         throw InputError(fmt::format("{}: is for a shadow; expected --shadow x,y,z beside it", flag));
     }
@@ -128,13 +139,19 @@ std::optional<ShadowOptions> shadow_of(const SceneOptions& o) {
   if (!o.shadow_plane.empty()) {
     const auto p = parse_numbers(o.shadow_plane, "--shadow-plane", 6, "a point and a normal x,y,z,nx,ny,nz");
     out.plane = Plane{{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
-    if (o.shadow_map || o.shadow_bias || has_target) {
-      throw InputError(
-          "--shadow-plane: needs no map; expected --shadow x,y,z and --shadow-dark alone beside it");
-    }
+  }
+  out.volumes = o.shadow_volumes;
+  if ((out.plane || out.volumes) && (o.shadow_map || !o.shadow_bias.empty() || has_target)) {
+    throw InputError(
+        fmt::format("{}: needs no map; expected --shadow x,y,z and --shadow-dark alone beside it",
+                    out.plane ? "--shadow-plane" : "--shadow-volumes"));
   }
   out.size = o.shadow_map.value_or(out.size);
-  out.bias = o.shadow_bias.value_or(out.bias);
+  if (!o.shadow_bias.empty() && o.shadow_bias != "auto") {
+    out.bias = parse_numbers(o.shadow_bias, "--shadow-bias", 1, "a number of texels or auto").front();
+  }
+  out.depth_bits = o.depth_bits;
+  out.depth_code = o.depth_code;
   out.dark = o.shadow_dark.value_or(out.dark);
   check_shadow(out, {.light = "--shadow",
                      .at = "--shadow",
@@ -142,7 +159,8 @@ std::optional<ShadowOptions> shadow_of(const SceneOptions& o) {
                      .size = "--shadow-map",
                      .bias = "--shadow-bias",
                      .dark = "--shadow-dark",
-                     .plane = "--shadow-plane"});
+                     .plane = "--shadow-plane",
+                     .volumes = "--shadow-volumes"});
   return out;
 }
 
@@ -237,13 +255,19 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
   command.add_option("--shadow-map", o.shadow_map, "texels of its map each way (default 1024)")->group(group);
   command
       .add_option("--shadow-bias", o.shadow_bias,
-                  "texels that a lit surface may rise towards the light per texel of the map (default 2)")
+                  "texels that a lit surface may rise towards the light per texel of the map; auto, the "
+                  "default: each "
+                  "triangle as its slope asks for")
       ->group(group);
   command
       .add_option(
           "--shadow-plane", o.shadow_plane,
           "x,y,z,nx,ny,nz: a point and the normal, towards the light, of a plane that the shadow falls on "
           "alone; by the stencil, without a map")
+      ->group(group);
+  command
+      .add_flag("--shadow-volumes", o.shadow_volumes,
+                "the shadow falls on everything, by bodies that the stencil counts; without a map")
       ->group(group);
   command.add_option("--shadow-dark", o.shadow_dark, "what is left of a colour in the shadow (default 0.35)")
       ->group(group);
@@ -569,8 +593,9 @@ std::string flags_text(const SceneOptions& o) {
   text("--fog", o.fog);
   text("--shadow", o.shadow);
   text("--shadow-plane", o.shadow_plane);
+  out += o.shadow_volumes ? " --shadow-volumes" : "";
   out += o.shadow_map ? fmt::format(" --shadow-map {}", *o.shadow_map) : "";
-  number("--shadow-bias", o.shadow_bias);
+  text("--shadow-bias", o.shadow_bias);
   number("--shadow-dark", o.shadow_dark);
   text("--slide", o.slide);
   text("--slide-from", o.slide_from);

@@ -31,8 +31,13 @@ struct SceneOptions {
   std::string fog;           // "r,g,b,distance"
   std::string shadow;        // "x,y,z" or "x,y,z,X,Y,Z,degrees"
   std::string shadow_plane;  // "x,y,z,nx,ny,nz"
+  bool shadow_volumes = false;
   std::optional<int> shadow_map;
-  std::optional<double> shadow_bias, shadow_dark;
+  std::string shadow_bias;  // a number or "auto"
+  std::optional<double> shadow_dark;
+  // By what shadows are compared.
+  int depth_bits = 16;
+  DepthCode depth_code = DepthCode::inverse;
   std::string slide, slide_from;  // an image; "x,y,z,X,Y,Z,degrees"
   bool no_cull = false;
   bool strict = false;        // a texture that a mesh names must be there
@@ -41,6 +46,9 @@ struct SceneOptions {
   std::optional<int> frame;   // which image dynamic textures of a stream show at first
   std::optional<int> target;  // of a stream, that is shown
 };
+
+// The options of a scene that is drawn with that configuration.
+SceneOptions seen_with(const Config& config, SceneOptions options);
 
 struct LoadedScene {
   Scene scene;

@@ -238,7 +238,7 @@ int sim(const SimArguments& o) {
   check_writable(o.json);
   check_writable(o.vcd);
   check_writable(o.access_log);
-  const LoadedScene loaded = load_scene(o.scene, o.view);
+  const LoadedScene loaded = load_scene(o.scene, seen_with(config, o.view));
   const Scene& scene = loaded.scene;
   check_scene_range(config, scene);
   Progress progress(scene.name);

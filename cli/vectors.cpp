@@ -39,7 +39,7 @@ int vectors(const VectorsArguments& o) {
   const std::string output =
       !o.output.empty() ? o.output : o.stage + (is_file ? ".vectors.json" : ".vectors");
   if (is_file) check_writable(output);
-  const LoadedScene loaded = load_scene(o.scene, o.view);
+  const LoadedScene loaded = load_scene(o.scene, seen_with(config, o.view));
   Progress progress(loaded.scene.name);
   const Vectors made = make_vectors(config, loaded.scene, stage_named(o.stage),
                                     [&](std::size_t done, std::size_t all) { progress.update(done, all); });

@@ -73,7 +73,7 @@ int verify(const VerifyArguments& o) {
   std::vector<SceneVerdict> verdicts;
   bool held = true;
   for (const std::string& name : o.scenes) {
-    for (SceneSource& source : open_scenes(name, o.view, needs_whole_scene(options))) {
+    for (SceneSource& source : open_scenes(name, seen_with(config, o.view), needs_whole_scene(options))) {
       const std::string& scene = source.scene().name;
       const RunLabel label{
           scene, fmt::format("{}bitspan verify {} --config {}{}{} --seed {}{}{}{}{}", command_environment(),

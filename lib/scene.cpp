@@ -115,7 +115,7 @@ ShadowOptions shadow_from(const bs_shadow* from, const std::string& what) {
   if (s.has_at == 1) out.at = Vec3{s.at[0], s.at[1], s.at[2]};
   out.degrees = s.degrees;
   out.size = s.map_size;
-  out.bias = s.bias;
+  if (s.bias != -1) out.bias = s.bias;
   out.dark = s.dark;
   check_shadow(out, {what + ".light", what + ".at", what + ".degrees", what + ".map_size", what + ".bias",
                      what + ".dark"});

@@ -7,17 +7,23 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "config/config.hpp"
+#include "config/modes.hpp"
 #include "scene/plan.hpp"
 #include "scene/planar_shadow.hpp"
 #include "scene/project.hpp"
+#include "scene/shadow_volume.hpp"
 
 namespace bitspan {
 namespace {
 
 constexpr double widest_degrees = 70;   // from the projector's axis
 constexpr double least_degrees = 0.01;  // of an angle that is given
+constexpr double least_ratio = 1.5;     // of the distances that a light sees
+constexpr double far_apart = 1.25;      // distances of a triangle that are given no common share
+constexpr double most_codes = 1 << 30;  // that texture1.bias holds
 constexpr int light_target = 1;
 
 Projector range_of(const Viewpoint& view) { return {view.s_min, view.s_max}; }
@@ -59,6 +65,8 @@ void check_shadow(const ShadowOptions& o, const ShadowNames& names) {
     check_point(names.plane, o.plane->point);
     check_point(names.plane, o.plane->normal);
     if (o.plane->normal == Vec3{}) refuse(names.plane, 0, "a normal that is not 0,0,0");
+    if (o.volumes)
+      throw InputError(fmt::format("{}, {}: exclude each other; expected one", names.plane, names.volumes));
   }
   if (!(o.degrees == 0 || (o.degrees >= least_degrees && o.degrees < 160))) {
     refuse(names.degrees, o.degrees, fmt::format("0, or {} to below 160", least_degrees));
@@ -66,7 +74,7 @@ void check_shadow(const ShadowOptions& o, const ShadowNames& names) {
   if (o.size < 1 || o.size > shadow_map_limit) {
     refuse(names.size, o.size, fmt::format("1..{} texels", shadow_map_limit));
   }
-  if (!(o.bias >= 0 && o.bias <= 64)) refuse(names.bias, o.bias, "0..64 texels");
+  if (o.bias && !(*o.bias >= 0 && *o.bias <= 64)) refuse(names.bias, *o.bias, "0..64 texels");
   if (!(o.dark >= 0 && o.dark <= 1)) refuse(names.dark, o.dark, "0..1");
 }
 
@@ -119,8 +127,49 @@ Viewpoint view_of(std::span<const Face> casters, const ShadowOptions& options) {
       view.s_max = std::max(view.s_max, 1.01 * v.s);
     }
   }
-  view.s_min = 0.99 * nearest;
+  // Ratios near 1 give a B that registers do not hold.
+  view.s_min = std::min(0.99 * nearest, view.s_max / least_ratio);
   return view;
+}
+
+// Over the light's picture 1 / W is linear on a triangle's plane, and so is its code. A lookup takes a texel
+// whose middle is at most `reach` texels off each way, so the plane there is nearer by at most
+// reach (|d/dx| + |d/dy|) of 1 / W. On a convex body no other face is in front of a lit plane. So a point
+// that comes nearer by that, and by what codes are rounded, is lit.
+ShadowBias bias_of(const Triangle& triangle, const View& view, const Viewpoint& light, int depth_bits) {
+  constexpr double reach = 1.125;  // bilinear: 1; map's corners and the lookup's place are rounded
+  // Two are rounded, the map's and the fragment's. As many again are for the registers in front of them.
+  constexpr double codes = 4;
+  // R_project and project.ratio err by a share of 1 / W, each by no more than a code is of the largest; and
+  // project.vertex by so much of W.
+  const double share = 2 * std::exp2(-depth_bits);
+  constexpr double vertex = 0x1p-22;
+  std::array<Vec3, 3> p;
+  double farthest = light.s_min;
+  double nearest = light.s_max;
+  for (std::size_t i = 0; i < 3; ++i) {
+    p[i] = in_view(position_of(triangle.v[i], view), light);
+    farthest = std::max(farthest, std::min(p[i].z, light.s_max));
+    nearest = std::min(nearest, std::max(p[i].z, light.s_min));
+  }
+  const Vec3 normal = cross(p[1] - p[0], p[2] - p[0]);
+  const double from_light = -dot(normal, p[0]);
+  const double from_eye = dot(normal, in_view({}, light) - p[0]);
+  // Edge on, or without area, it comes as near as the range has it.
+  const double slope = from_light == 0
+                           ? HUGE_VAL
+                           : (std::abs(normal.x) + std::abs(normal.y)) / (std::abs(from_light) * light.focal);
+  const double code = (1 / light.s_min - 1 / light.s_max) / (std::exp2(depth_bits) - 1);
+  // Nothing of the map is nearer than s_min.
+  const double inverse = std::min(
+      reach * slope + codes * code + (share + vertex * light.s_max / nearest) / nearest, 1 / light.s_min);
+  const bool is_seen = (from_light > 0) == (from_eye > 0);
+  if (farthest > far_apart * nearest) {
+    const auto whole = static_cast<std::int64_t>(std::ceil(std::min(inverse / code, most_codes)));
+    return {.codes = is_seen ? whole : -whole};
+  }
+  const double nearer = inverse * farthest;
+  return {.nearer = is_seen ? nearer / (1 + nearer) : -nearer};
 }
 
 void give_projection(std::span<Triangle> triangles, const View& view, const Viewpoint& projector,
@@ -146,6 +195,7 @@ Scene shadowed(Scene scene, std::span<const Face> casters, const ShadowOptions& 
     const PlanarLight light{options.light};
     return with_planar_shadows(std::move(scene), casters, {&light, 1}, *options.plane, options.dark, close);
   }
+  if (options.volumes) return with_shadow_volumes(std::move(scene), casters, options.light, options.dark);
   const Viewpoint light = view_of(casters, options);
   Pass map{.name = "shadow map",
            .target = light_target,
@@ -176,10 +226,27 @@ Scene shadowed(Scene scene, std::span<const Face> casters, const ShadowOptions& 
                                    state_setting("texture1.blue", dark), state_setting("color.write", 1)}) {
     picture.states.front().settings.push_back(more);
   }
-  // A texel that rises by `bias` texels has its middle by half of that beside its edge.
-  give_projection(picture.triangles, scene, light, 0.5 * options.bias / light.focal);
+  std::vector<Pass> passes{std::move(map), std::move(picture)};
+  const std::vector<Triangle> seen = std::exchange(passes.back().triangles, {});
+  std::int64_t codes = 0;
+  for (const Triangle& triangle : seen) {
+    // A texel that rises by `bias` texels has its middle by half of that beside its edge.
+    const ShadowBias bias = options.bias ? ShadowBias{.nearer = 0.5 * *options.bias / light.focal}
+                                         : bias_of(triangle, scene, light, options.depth_bits);
+    if (bias.codes != codes) {
+      codes = bias.codes;
+      const StateChange change{.settings = {state_setting(
+                                   "texture1.bias", nearer_is_larger(options.depth_code) ? codes : -codes)}};
+      if (passes.back().triangles.empty()) {
+        passes.back().states.push_back(change);
+      } else {
+        passes.push_back({.name = "picture", .states = {change}});
+      }
+    }
+    passes.back().triangles.push_back(triangle);
+    give_projection({&passes.back().triangles.back(), 1}, scene, light, bias.nearer);
+  }
   scene.triangles.clear();
-  const std::array passes{std::move(map), std::move(picture)};
   flatten(passes, scene);
   return scene;
 }

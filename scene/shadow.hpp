@@ -3,11 +3,13 @@
 // docs/shadow.md.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "config/config.hpp"
 #include "scene/geometry.hpp"
 #include "scene/scene.hpp"
 #include "scene/transform.hpp"
@@ -21,15 +23,21 @@ struct ShadowOptions {
   std::optional<Vec3> at{};  // what it looks at; the middle of the casters
   double degrees = 0;        // that it sees, below 160; 0: all casters, as far as they are not beside it
   int size = 1024;           // of its map, texels each way
-  double bias = 2;           // how many texels of the map a lit surface may rise towards the light per texel
+  // How many texels of the map a lit surface may rise towards the light per texel. None: each triangle as
+  // much as its slope asks for, as the light sees it.
+  std::optional<double> bias{};
+  // Of the map's codes, where there is no bias.
+  int depth_bits = 16;
+  DepthCode depth_code = DepthCode::inverse;
   // What the shadow falls on alone; then there is no map, and `at` to `bias` are not read. [SH3]
   std::optional<Plane> plane{};
-  double dark = 0.35;  // what is left of a colour in the shadow, 0 to 1
+  bool volumes = false;  // by shadow volumes; then there is no map, and `at` to `bias` are not read
+  double dark = 0.35;    // what is left of a colour in the shadow, 0 to 1
 };
 // What a message calls the options.
 struct ShadowNames {
   std::string light = "shadow.light", at = "shadow.at", degrees = "shadow.degrees", size = "shadow.size",
-              bias = "shadow.bias", dark = "shadow.dark", plane = "shadow.plane";
+              bias = "shadow.bias", dark = "shadow.dark", plane = "shadow.plane", volumes = "shadow.volumes";
 };
 // Throws InputError, whose text begins with the option's name, where one is not legal.
 void check_shadow(const ShadowOptions& options, const ShadowNames& names = {});
@@ -37,13 +45,22 @@ void check_shadow(const ShadowOptions& options, const ShadowNames& names = {});
 // What the light sees: a square picture around `at`, and the distances of the casters in it. Throws
 // InputError where it stands at what it looks at.
 Viewpoint view_of(std::span<const Face> casters, const ShadowOptions& options);
+// How a triangle does not shade itself: it comes nearer to the light by a share of its distance, or by
+// codes. Either is negative where the light is on the side that is not seen, so that it is dark.
+struct ShadowBias {
+  double nearer = 0;
+  std::int64_t codes = 0;
+};
+// For a triangle of the viewer's space, as its slope asks for. Codes where its distances are far apart, since
+// the farthest decides on the share.
+ShadowBias bias_of(const Triangle& triangle, const View& view, const Viewpoint& light, int depth_bits);
 // Gives X, Y and W of the projector to the vertices; nearer: the projector sees them nearer by this share.
 void give_projection(std::span<Triangle> triangles, const View& view, const Viewpoint& projector,
                      double nearer = 0);
 
 // The scene, drawn in the light of a lamp: a pass that draws the depth codes that the light sees of the
-// casters, and one that draws the triangles with the map as texture1; or, onto a plane, the passes of
-// scene/planar_shadow.hpp. Light and casters are in the viewer's
+// casters, and one that draws the triangles with the map as texture1; or the passes of
+// scene/planar_shadow.hpp or scene/shadow_volume.hpp. Light and casters are in the viewer's
 // space. Where the light sees no caster, the scene stays as it is. Throws InputError for a scene with
 // commands or a projector of its own.
 Scene shadowed(Scene scene, std::span<const Face> casters, const ShadowOptions& options);

@@ -92,11 +92,12 @@ def main() -> int:
                             "-o", str(out / f"shadow-{name}.png")], check=True, stdout=subprocess.DEVNULL)
 
         draw("demo", "demo", "--shadow=-12,16,-2,0,2,-26,60")
+        draw("volumes", "demo", "--shadow=-12,16,-2", "--shadow-volumes")
         draw("spot", str(cow(scratch)), "--yaw", "150", "--pitch", "24", "--distance", "4.2",
-             "--shadow=4,5,-2,0,-0.2,0,40", "--shadow-bias", "6")
+             "--shadow=4,5,-2,0,-0.2,0,40")
         ground = str(terrain(scratch))
         camera = ["--yaw", "20", "--pitch", "38", "--distance", "190", "--no-cull"]
-        draw("terrain", ground, *camera, "--shadow=-230,190,-60", "--shadow-map", "2048", "--shadow-bias", "6")
+        draw("terrain", ground, *camera, "--shadow=-230,190,-60", "--shadow-map", "2048")
         draw("slide", ground, *camera, "--slide", str(slide(scratch)), "--slide-from=0,160,60,0,6,0,50")
     return 0
 

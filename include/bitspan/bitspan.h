@@ -207,12 +207,13 @@ typedef struct bs_shadow {
   int32_t map_size; /* texels of its depth buffer each way, 1 to 8192; default 1024 */
   double
       degrees; /* that it sees, below 160; 0, the default: the whole scene, as far as it is not beside it */
-  double bias; /* how many texels a lit surface may rise towards the light per texel, 0 to 64; default 2 */
+  double bias; /* how many texels a lit surface may rise towards the light per texel, 0 to 64; -1, the
+                  default: each triangle as its slope asks for, with map codes of 16 bits */
   double dark; /* what is left of a colour in the shadow, 0 to 1; default 0.35 */
 } bs_shadow;
 
 #define BS_SHADOW_INIT \
-  { sizeof(bs_shadow), {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0, 1024, 0.0, 2.0, 0.35 }
+  { sizeof(bs_shadow), {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0, 1024, 0.0, -1.0, 0.35 }
 
 /* How bs_scene_load_with reads a scene. BS_SCENE_OPTIONS_INIT has the defaults. */
 typedef struct bs_scene_options {

@@ -83,7 +83,7 @@ def _shadow(light: Any, size: Any, bias: Any, dark: Any) -> tuple[Any, ...]:
     """The light as the library takes it."""
     try:
         numbers = [float(n) for n in light]
-        kept = (float(bias), float(dark))
+        kept = (-1.0 if bias is None else float(bias), float(dark))
     except (TypeError, ValueError) as error:
         raise InputError(f"shadow, shadow_bias, shadow_dark: {error}; expected numbers") from None
     if len(numbers) not in (3, 7):
@@ -102,14 +102,14 @@ class Scene:
     `shadow` is a light (x, y, z) that casts shadows, or (x, y, z, X, Y, Z, degrees): the point that it looks at and the angle
     that it sees. Of a mesh and of "demo" it stands in their world, else as the viewer sees: x to the right, y downward, z
     along the view axis. `shadow_map` is the size of its depth buffer [texel]; a lit surface may rise towards the light by
-    `shadow_bias` texels per texel; `shadow_dark` is what is left of a colour in the shadow, 0 to 1. It needs a configuration
-    with project.unit = "reciprocal".
+    `shadow_bias` texels per texel, and by None as its slope asks for, with codes of 16 bits; `shadow_dark` is what is left of
+    a colour in the shadow, 0 to 1. It needs a configuration with project.unit = "reciprocal".
     """
 
     __slots__ = ("_handle", "__weakref__")
 
     def __init__(self, source: str | os.PathLike[str] = "demo", width: int = 0, height: int = 0, frame: int | None = None, *,
-                 shadow: Sequence[float] | None = None, shadow_map: int = 1024, shadow_bias: float = 2.0, shadow_dark: float = 0.35):
+                 shadow: Sequence[float] | None = None, shadow_map: int = 1024, shadow_bias: float | None = None, shadow_dark: float = 0.35):
         if not isinstance(source, (str, os.PathLike)):
             raise InputError(f"bitspan.Scene: {source!r} is no scene; expected a name or a path, or Scene.from_vertices")
         self._handle = SceneHandle.load(os.fspath(source), _integer("width", width), _integer("height", height),

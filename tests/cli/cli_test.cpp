@@ -490,6 +490,13 @@ TEST_F(Cli, AnySceneHasShadows) {
     ASSERT_EQ(run("render demo --size 96x72 -o b.png " + more + lamp).code, 0);
     EXPECT_NE(folder.read("a.png"), folder.read("b.png")) << more;
   }
+  ASSERT_EQ(run("render demo --size 96x72 -o b.png --shadow-bias auto" + lamp).code, 0);
+  EXPECT_EQ(folder.read("a.png"), folder.read("b.png"));
+  // Volumes need no key of the configuration.
+  const Result counted =
+      run("verify demo --size 96x72 --engines golden,model --shadow-volumes --shadow=-12,16,-2");
+  EXPECT_EQ(counted.code, 0) << counted.out << counted.err;
+  EXPECT_NE(counted.out.find("stencil"), std::string::npos) << counted.out;
 }
 
 TEST_F(Cli, BadShadowsAreRefused) {
@@ -506,6 +513,12 @@ TEST_F(Cli, BadShadowsAreRefused) {
   refused(demo + "--shadow 0,9,0 --shadow-map 9000", "--shadow-map: 9000 is not legal");
   refused(demo + "--shadow 0,9,0 --shadow-map x", "--shadow-map");
   refused(demo + "--shadow 0,9,0 --shadow-bias -1", "--shadow-bias: -1 is not legal; expected 0..64 texels");
+  refused(demo + "--shadow 0,9,0 --shadow-bias much",
+          "--shadow-bias: 'much' is not a number of texels or auto");
+  refused(demo + "--shadow 0,9,0 --shadow-bias auto --shadow-volumes", "--shadow-volumes: needs no map");
+  refused(demo + "--shadow-volumes", "--shadow-volumes: is for a shadow");
+  refused(demo + "--shadow 0,9,0 --shadow-volumes --shadow-plane 0,0,0,0,1,0",
+          "--shadow-plane, --shadow-volumes: exclude each other");
   refused(demo + "--shadow 0,9,0 --shadow-dark 2", "--shadow-dark: 2 is not legal; expected 0..1");
   // Companions without a light, whatever scene it is.
   const std::vector<std::string> scenes{"demo", "floor", "a.tri", "extreme/slivers",

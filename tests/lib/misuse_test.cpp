@@ -373,7 +373,7 @@ TEST(LibMisuse, BadOptionsOfAScene) {
   refused(shadow + ".has_at: 2; expected 0 or 1", [](auto&, auto& s) { s.has_at = 2; });
   refused(shadow + ".map_size: 0 is not legal; expected 1..8192", [](auto&, auto& s) { s.map_size = 0; });
   refused(shadow + ".degrees: 160 is not legal", [](auto&, auto& s) { s.degrees = 160; });
-  refused(shadow + ".bias: -1 is not legal; expected 0..64", [](auto&, auto& s) { s.bias = -1; });
+  refused(shadow + ".bias: -2 is not legal; expected 0..64", [](auto&, auto& s) { s.bias = -2; });
   refused(shadow + ".dark: 2 is not legal; expected 0..1", [](auto&, auto& s) { s.dark = 2; });
   refused(shadow + ".size: 8 is not legal", [](auto&, auto& s) { s.size = 8; });
   refused("bs_scene_load_with: options.size: 8 is not legal", [](auto& o, auto&) { o.size = 8; });

@@ -170,7 +170,7 @@ class Scenes(unittest.TestCase):
         with self.assertRaisesRegex(bitspan.InputError, "project.unit"):
             bitspan.render(bitspan.Scene("demo", 80, 60, shadow=(30, 60, 0)))
         for bad in ({"shadow": (1, 2)}, {"shadow": 3}, {"shadow": "abc"}, {"shadow": (1, 2, float("nan"))}, {"shadow_map": 0}, {"shadow_map": 1.5},
-                    {"shadow_bias": -1}, {"shadow_bias": "x"}, {"shadow_dark": 2}, {"shadow": (0, 9, 0, 0, 0, 9, 160)}, {"frame": -1}, {"frame": 0}):
+                    {"shadow_bias": -2}, {"shadow_bias": "x"}, {"shadow_dark": 2}, {"shadow": (0, 9, 0, 0, 0, 9, 160)}, {"frame": -1}, {"frame": 0}):
             with self.assertRaises(bitspan.InputError, msg=str(bad)):
                 bitspan.Scene("demo", 80, 60, **({"shadow": (30, 60, 0)} | bad))
 

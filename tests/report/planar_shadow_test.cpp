@@ -7,10 +7,9 @@
 #include <array>
 #include <cmath>
 
-#include "engine/registry.hpp"
 #include "scene/demo.hpp"
-#include "scene/project.hpp"
 #include "scene/shadow.hpp"
+#include "tests/report/shadow_scenes.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -99,55 +98,13 @@ TEST(PlanarShadow, RefusesWhatItCannotDraw) {
   EXPECT_THROW(with_planar_shadows(scene, {}, {&one, 1}, plane, 0.5, 0.1), InputError);
 }
 
-Frame drawn(const Config& config, const Scene& scene, const char* name) {
-  const auto engine = make_engine(name, config);
-  engine->begin(scene);
-  draw_scene(*engine, scene, 0, scene.triangles.size(), nullptr);
-  return engine->frame();
-}
-
-// A floor, and above it a box that stands on nothing, in the viewer's space: y points down.
-std::vector<Face> box_above_floor() {
-  std::vector<Face> faces;
-  const auto quad = [&](const std::array<Vec3, 4>& p, const std::array<double, 4>& color) {
-    for (const std::size_t k : {std::size_t{1}, std::size_t{2}}) {
-      Face& face = faces.emplace_back();
-      face.two_sided = true;
-      face.corner[0].position = p[0];
-      face.corner[1].position = p[k];
-      face.corner[2].position = p[k + 1];
-      for (Corner& corner : face.corner) corner.c = color;
-    }
-  };
-  quad({Vec3{-12, 4, 5}, Vec3{12, 4, 5}, Vec3{12, 4, 30}, Vec3{-12, 4, 30}}, {0.9, 0.8, 0.7, 1});
-  const auto at = [](int x, int y, int z) { return Vec3{-1 + 2.0 * x, 0.5 + 1.5 * y, 12 + 2.0 * z}; };
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int side = 0; side < 2; ++side) {
-      const auto corner = [&](int a, int b) {
-        return axis == 0 ? at(side, a, b) : axis == 1 ? at(a, side, b) : at(a, b, side);
-      };
-      quad({corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)}, {0.3, 0.5, 0.9, 1});
-    }
-  }
-  return faces;
-}
-
 // On the floor, and away from the shadow's edge, the flattened casters darken the pixels that the shadow map
 // does. Each is darkened once, although two sides of the box lie over it.
 TEST(PlanarShadow, EqualsTheShadowMapOnThePlane) {
   Config config = shipped_config("depth20");
   config.project = ProjectUnit::reciprocal;
   const std::vector<Face> faces = box_above_floor();
-  constexpr int width = 160, height = 120;
-  constexpr std::int32_t floor_triangles = 2;
-  Scene scene;
-  scene.width = width;
-  scene.height = height;
-  scene.focal = 150;
-  scene.s_min = 2;
-  scene.s_max = 60;
-  ProjectReport report;
-  project(faces, viewer_of(scene), {.cull = false, .clip_sides = false}, scene.triangles, report);
+  const Scene scene = seen_scene(faces);
   // The light grazes the far end of the floor.
   const ShadowOptions lamp{.light = {-6, -8, 8}, .size = 2048, .bias = 8};
   ShadowOptions flat = lamp;
@@ -164,17 +121,11 @@ TEST(PlanarShadow, EqualsTheShadowMapOnThePlane) {
     return frame.color[4 * at + 1] + 2 < plain.color[4 * at + 1];
   };
   std::size_t darkened = 0, wrong = 0, lit = 0;
-  for (int y = 1; y < height - 1; ++y) {
-    for (int x = 1; x < width - 1; ++x) {
-      const auto at = static_cast<std::size_t>(y * width + x);
-      bool is_inner = true;
-      for (int dy = -1; dy <= 1; ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) {
-          const auto near = static_cast<std::size_t>((y + dy) * width + x + dx);
-          is_inner = is_inner && is_floor(near) && is_dark(planar, near) == is_dark(planar, at);
-        }
-      }
-      if (!is_inner) continue;
+  for (int y = 0; y < scene.height; ++y) {
+    for (int x = 0; x < scene.width; ++x) {
+      const auto at = static_cast<std::size_t>(y * scene.width + x);
+      if (!is_floor(at) || !is_inner(scene, x, y, is_floor)) continue;
+      if (!is_inner(scene, x, y, [&](std::size_t near) { return is_dark(planar, near); })) continue;
       ++(is_dark(planar, at) ? darkened : lit);
       wrong += is_dark(planar, at) != is_dark(mapped, at) ? 1U : 0U;
       // What is left is `dark` of the colour, once.

@@ -207,7 +207,7 @@ TEST(Shadow, ThePlan) {
   scene.textures.push_back({"own", 1, 1, {1, 2, 3, 255}});
   scene.fog = Fog{{1, 2, 3}, 50};
   const std::size_t count = scene.triangles.size();
-  const ShadowOptions options{.light = {0, -40, 20}, .size = 128, .dark = 0.5};
+  const ShadowOptions options{.light = {0, -40, 20}, .size = 128, .bias = 2, .dark = 0.5};
   const Scene out = shadowed(scene, faces, options);
   expect_legal(out);
   const Viewpoint light = view_of(faces, options);
@@ -267,7 +267,28 @@ TEST(Shadow, ThePlan) {
       const Vertex& v = out.triangles[faces.size() + i].v[k];
       EXPECT_EQ(std::tuple(v.x, v.y, v.s, v.u), std::tuple(was.x, was.y, was.s, was.u));
       const double s = dot(light.forward, position_of(was, scene) - light.position);
-      EXPECT_NEAR(v.project_w, s * (1 - 0.5 * options.bias / light.focal), 1e-9 * s);
+      EXPECT_NEAR(v.project_w, s * (1 - 0.5 * *options.bias / light.focal), 1e-9 * s);
+    }
+  }
+  // Without a bias, by the share of each triangle.
+  ShadowOptions own = options;
+  own.bias.reset();
+  const Scene by_slope = shadowed(scene, faces, own);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double share = bias_of(scene.triangles[i], scene, light, 16).nearer;
+    const double s = dot(light.forward, position_of(scene.triangles[i].v[1], scene) - light.position);
+    EXPECT_NEAR(by_slope.triangles[faces.size() + i].v[1].project_w, s * (1 - share), 1e-9 * s);
+  }
+  // A triangle without area has one, too; and one in whose plane the light stands.
+  for (const auto& [x, y] : {std::pair{0.0, 0.0}, {10.0, 5.0}, {0.0, 40.0}}) {
+    Triangle thin = scene.triangles[0];
+    thin.v[1] = thin.v[2] = thin.v[0];
+    thin.v[1].x += x;
+    thin.v[2].s += y;
+    for (const int bits : {8, 16, 32}) {
+      const ShadowBias bias = bias_of(thin, scene, light, bits);
+      EXPECT_LT(std::abs(bias.nearer), 1e3);
+      EXPECT_LE(std::abs(bias.codes), 1 << 30);
     }
   }
   // A stream keeps it all.
@@ -385,7 +406,7 @@ TEST(Shadow, BadOptionsAreOneLine) {
   refused("shadow.size: 8193 is not legal; expected 1..8192 texels", [](auto& o) { o.size = 8193; });
   refused("shadow.bias: -1 is not legal; expected 0..64 texels", [](auto& o) { o.bias = -1; });
   refused("shadow.bias: 65 is not legal; expected 0..64 texels", [](auto& o) { o.bias = 65; });
-  refused("shadow.bias: nan is not legal; expected 0..64 texels", [](auto& o) { o.bias = nan; });
+  refused("shadow.bias: nan is not legal; expected 0..64 texels", [&](auto& o) { o.bias = nan; });
   refused("shadow.dark: 1.5 is not legal; expected 0..1", [](auto& o) { o.dark = 1.5; });
   refused("shadow.dark: nan is not legal; expected 0..1", [](auto& o) { o.dark = nan; });
   // The names are the caller's.
