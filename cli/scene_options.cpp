@@ -256,8 +256,7 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
   command
       .add_option("--shadow-bias", o.shadow_bias,
                   "texels that a lit surface may rise towards the light per texel of the map; auto, the "
-                  "default: each "
-                  "triangle as its slope asks for")
+                  "default: each triangle as its slope asks for")
       ->group(group);
   command
       .add_option(

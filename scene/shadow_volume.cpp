@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/shadow_volume.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -35,9 +36,9 @@ std::vector<Homogeneous> kept(const std::vector<Homogeneous>& polygon, const F& 
     const double fb = f(b);
     if (sign * fa >= 0) out.push_back(a);
     if ((fa > 0 && fb < 0) || (fa < 0 && fb > 0)) {
-      const auto& [high, low] = fa > 0 ? std::tie(a, b) : std::tie(b, a);
-      const double t = f(high) / (f(high) - f(low));
-      out.push_back(high * (1 - t) + low * t);
+      // From the end where f is larger.
+      const double t = std::max(fa, fb) / (std::max(fa, fb) - std::min(fa, fb));
+      out.push_back(fa > 0 ? a * (1 - t) + b * t : b * (1 - t) + a * t);
     }
   }
   return out;

@@ -5,23 +5,13 @@
 #include <cmath>
 #include <cstdio>
 
-#include "engine/registry.hpp"
 #include "scene/demo.hpp"
-#include "scene/project.hpp"
 #include "scene/shadow.hpp"
+#include "tests/report/shadow_scenes.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
 namespace {
-
-// The point of a triangle's plane that is seen through the centre of a pixel, in the viewer's space.
-Vec3 seen_at(const Triangle& triangle, const View& view, std::int64_t x, std::int64_t y) {
-  const Vec3 a = position_of(triangle.v[0], view);
-  const Vec3 normal = cross(position_of(triangle.v[1], view) - a, position_of(triangle.v[2], view) - a);
-  const Vec3 ray{(static_cast<double>(x) + 0.5 - view.width / 2.0) / view.focal,
-                 (static_cast<double>(y) + 0.5 - view.height / 2.0) / view.focal, 1};
-  return ray * (dot(normal, a) / dot(normal, ray));
-}
 
 // Vertices are off by half a step of the subpixel grid, so that it is fine here; a texel is about a pixel
 // wide.
@@ -43,11 +33,13 @@ TEST(Slide, LiesWhereTheMatrixRouteLaysIt) {
   engine->begin(scene);
   Trace trace;
   draw_scene(*engine, scene, 0, scene.triangles.size(), &trace);
+  const std::vector<Face> faces = faces_of(scene);
   double worst = 0;
   std::size_t inside = 0, wrong_inside = 0;
   for (const ProjectRecord& r : trace.project) {
-    const Vec3 p =
-        in_view(seen_at(scene.triangles[static_cast<std::size_t>(r.triangle)], scene, r.x, r.y), projector);
+    const Vec3 p = in_view(point_at(scene, faces[static_cast<std::size_t>(r.triangle)],
+                                    static_cast<double>(r.x) + 0.5, static_cast<double>(r.y) + 0.5),
+                           projector);
     const double s = 64 + focal * p.x / p.z;
     const double t = 48 + focal * p.y / p.z;
     // Far outside, and where the projector only grazes a surface, a subpixel is many texels.
