@@ -136,8 +136,9 @@ int print_or_write(const ConfigArguments& options, const std::string& text) {
 
 int emit(const ConfigArguments& options) {
   const bool both = options.part == "both" || (options.part.empty() && !options.folder.empty());
-  const RtlChoice choice{.interpolator = both || options.part != "pixels",
+  const RtlChoice choice{.interpolator = both || options.part.empty() || options.part == "interpolator",
                          .pixels = both || options.part == "pixels",
+                         .project = options.part == "project",
                          .when = options.when,
                          .prefix = options.prefix};
   const Config config = find_config(options.config);
@@ -175,9 +176,11 @@ void add_config(CLI::App& app, Action& action) {
   CLI::App* sv =
       add(*group, "emit-sv", "the SystemVerilog package bitspan_cfg_pkg for the RTL, or all of the RTL",
           options, action, emit);
-  sv->add_option("--part", options->part,
-                 "span interpolator, pixel stages or both (default: interpolator; with --rtl both)")
-      ->check(CLI::IsMember({"interpolator", "pixels", "both"}));
+  sv->add_option(
+        "--part", options->part,
+        "span interpolator, pixel stages or both (default: interpolator; with --rtl both); or the unit of "
+        "project.unit")
+      ->check(CLI::IsMember({"interpolator", "pixels", "both", "project"}));
   sv->add_option_function<std::string>(
         "--depth-when",
         [options](const std::string& when) {

@@ -141,6 +141,12 @@ MergeTiming merge_timing(const Config& config) {
   return t;
 }
 
+void check_pipelined(const Config& config) {
+  if (config.pixel_reciprocal.pipelined) return;
+  throw InputError(config.name +
+                   ": reciprocal.pixel.pipelined is false; the RTL makes one pixel per clock and needs true");
+}
+
 }  // namespace
 
 int signed_bits(const Format& f) { return signed_grid(f).bits(); }
@@ -153,11 +159,7 @@ bool pixel_stages_have_reciprocal(const Config& config) {
 }
 
 PixelTiming pixel_timing(const Config& config) {
-  if (pixel_stages_have_reciprocal(config) && !config.pixel_reciprocal.pipelined) {
-    throw InputError(
-        config.name +
-        ": reciprocal.pixel.pipelined is false; the RTL makes one pixel per clock and needs true");
-  }
+  if (pixel_stages_have_reciprocal(config)) check_pipelined(config);
   PixelTiming t;
   // The memory's latency, and the clocks to and from it.
   t.in_flight =
@@ -171,6 +173,29 @@ PixelTiming pixel_timing(const Config& config) {
   t.texture = texture_timing(config);
   t.fog = fog_timing(config, t.pixel_unit);
   t.merge = merge_timing(config);
+  return t;
+}
+
+Grid project_operand(const Config& config) {
+  return positive(signed_grid(config.format(FormatId::project_value)));
+}
+
+ProjectTiming project_timing(const Config& config) {
+  check_pipelined(config);
+  const int mantissa = signed_bits(config.pixel_reciprocal.output);
+  const auto bits = [&](FormatId id) { return signed_bits(config.format(id)); };
+  ProjectTiming t;
+  t.unit = reciprocal_latency(config.pixel_reciprocal, project_operand(config), config.rtl);
+  t.place_product = product_clocks(bits(FormatId::project_value), mantissa);
+  t.ratio_product = product_clocks(as_signed(pixel_operand(config)).bits(), mantissa);
+  t.code_product = product_clocks(bits(FormatId::distance_a), bits(FormatId::project_ratio));
+  // The operand and R_project; s and t, and whether they lie inside; or ratio, h_p and its code.
+  const int inverse = 1 + t.unit;
+  const int place = inverse + multiply_round_clocks(t.place_product) + 1;
+  const int code = inverse + multiply_round_clocks(t.ratio_product) + multiply_round_clocks(t.code_product) +
+                   (is_complement_of_h(config.depth_code) ? 2 : 1);
+  t.clocks = std::max(place, code);
+  t.total = t.clocks + 1;
   return t;
 }
 

@@ -61,6 +61,15 @@ struct LodTiming {
   int clocks = 0;            // from acceptance to the skid at the output
   int total = 0;             // acceptance to out_valid_o
 };
+// rtl/project.sv.
+struct ProjectTiming {
+  int unit = 0;           // latency of R_project
+  int place_product = 1;  // of X and m
+  int ratio_product = 1;  // of h + B and m
+  int code_product = 1;   // of A_p and ratio
+  int clocks = 0;         // from acceptance to the skid at the output
+  int total = 0;          // acceptance to out_valid_o
+};
 struct PixelTiming {
   int in_flight = 0;     // fragments that a stage holds while a memory answers
   int place_bits = 10;   // a scoreboard has 2^place_bits places: many times the fragments in flight
@@ -83,5 +92,10 @@ bool pixel_stages_have_reciprocal(const Config& config);
 
 // Throws InputError where a stage takes an R_pixel that is not pipelined.
 PixelTiming pixel_timing(const Config& config);
+
+// W, as a positive number.
+Grid project_operand(const Config& config);
+// Throws InputError where R_pixel, whose keys R_project has, is not pipelined.
+ProjectTiming project_timing(const Config& config);
 
 }  // namespace bitspan

@@ -14,7 +14,7 @@ RtlModuleDesign module_of(const StageDesign& design) {
   RtlModuleDesign m{.name = design.name,
                     .top = design.top,
                     .package = design.package,
-                    .sources = pixel_sources(),
+                    .sources = design.sources,
                     .inputs = {},
                     .outputs = {}};
   for (const StageChannel& c : design.channels) {

@@ -8,11 +8,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "tb/rtl_module.hpp"
+#include "tb/rtl_sources.hpp"
 
 namespace bitspan {
 
@@ -34,6 +36,7 @@ struct StageDesign {
   std::vector<StageChannel> channels;
   std::vector<std::string> constants;  // ports that stay as they are
   std::vector<std::string> levels;     // ports NAME_o besides those of the channels
+  std::vector<std::filesystem::path> sources = pixel_sources();
 };
 
 // The design's ports in order, by names: what RtlModule drives and samples.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/emit_pixel_sv.hpp"
+#include "engine/emit_project_sv.hpp"
 #include "engine/emit_sv.hpp"
 #include "engine/sv_names.hpp"
 #include "tb/programs.hpp"
@@ -22,18 +23,21 @@ std::vector<std::string> package_texts(const Config& config, const RtlChoice& ch
   std::vector<std::string> texts;
   if (choice.interpolator) texts.push_back(emit_sv(config));
   if (choice.pixels) texts.push_back(emit_pixel_sv(config, choice.when));
+  if (choice.project) texts.push_back(emit_project_sv(config));
   return texts;
 }
 
 // What the lists name, each source once; modules are read in any order.
 std::vector<fs::path> sources_of(const RtlChoice& choice) {
   std::vector<fs::path> sources;
-  if (choice.interpolator) sources = rtl_sources();
-  if (choice.pixels) {
-    for (const fs::path& source : pixel_sources()) {
+  const auto add = [&](const std::vector<fs::path>& more) {
+    for (const fs::path& source : more) {
       if (std::ranges::find(sources, source) == sources.end()) sources.push_back(source);
     }
-  }
+  };
+  if (choice.interpolator) add(rtl_sources());
+  if (choice.pixels) add(pixel_sources());
+  if (choice.project) add(project_sources());
   return sources;
 }
 

@@ -12,6 +12,8 @@ namespace bitspan {
 std::vector<std::filesystem::path> rtl_sources();
 // rtl/pixel_pipe.f: those of the pixel stages.
 std::vector<std::filesystem::path> pixel_sources();
+// rtl/project.f: those of project.
+std::vector<std::filesystem::path> project_sources();
 // 32 hexadecimal digits over the names and texts of rtl_sources() and pixel_sources(): which RTL is under
 // test. Throws InputError where a source cannot be read.
 std::string rtl_sources_hash();

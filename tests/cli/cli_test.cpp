@@ -299,6 +299,7 @@ TEST_F(Cli, EmitSvPrefixesAndWritesTheRtl) {
     refused("config emit-sv --rtl c --prefix " + prefix, "--prefix: ");
   }
   refused("config emit-sv --part all", "all");
+  refused("config emit-sv --part project", "project.unit is none; the RTL of project needs reciprocal");
   refused("config emit-sv --part pixels --depth-when never", "never");
   refused("config emit-sv --rtl c -o d", "excludes");
   refused("config emit-sv --rtl ''", "--rtl");
@@ -476,6 +477,10 @@ TEST_F(Cli, AnySceneHasShadows) {
       EXPECT_NE(folder.read("a.png"), folder.read("plain.png")) << scene;
     }
   }
+  // The unit in RTL.
+  const Result unit = run("config emit-sv c.toml --part project --rtl unit");
+  EXPECT_EQ(unit.code, 0) << unit.err;
+  EXPECT_NE(folder.read("unit/bitspan.f").find("project.sv"), std::string::npos);
   // A stream, with the light where its viewer sees it.
   ASSERT_EQ(run("render floor --size 96x72 -o f.png --emit-tri f.tri").code, 0);
   const Result drawn = run("render f.tri -o c.png" + light + "0,-20,5");

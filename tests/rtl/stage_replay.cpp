@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "engine/sv_names.hpp"
 #include "tb/programs.hpp"
 #include "tb/rtl_build.hpp"
 #include "tests/rtl/simulate.hpp"
@@ -101,19 +102,21 @@ std::size_t replay_under_icarus(const StageDesign& design, const StageTrace& tra
 
 void expect_tools_agree(const StageDesign& design, StageTrace& trace) {
   const TemporaryFolder folder;
-  const std::string package = folder.write("bitspan_pixel_pkg.sv", design.package);
+  // Verilator wants a file named after its package.
+  const std::string package =
+      folder.write(*declared_names(design.package).packages.begin() + ".sv", design.package);
   const auto log = folder.path("log");
   std::vector<std::string> lint = {"verilator", "--lint-only",  "-Wall",    "--assert", "--max-num-width",
                                    "1048576",   "--top-module", design.top, package};
   std::string script = "read_verilog -sv -DSYNTHESIS " + package;
-  for (const auto& source : pixel_sources()) {
+  for (const auto& source : design.sources) {
     lint.push_back(source.string());
     script += fmt::format(" {}", source.string());
   }
   EXPECT_EQ(run_program(lint, log, "this test"), 0) << design.name;
   EXPECT_EQ(read_file(log), "") << design.name;
 
-  const std::size_t compared = replay_under_icarus(design, trace, pixel_sources(), true);
+  const std::size_t compared = replay_under_icarus(design, trace, design.sources, true);
   EXPECT_GT(compared, trace.outputs.size());
   const std::string netlist = folder.path("netlist.v");
   script += fmt::format(

@@ -1,0 +1,16 @@
+quantize_far.sv
+quantize.sv
+delay_line.sv
+ring_line.sv
+skid.sv
+mul_pipe.sv
+shift_add.sv
+multiply_round.sv
+lzc.sv
+lzc_norm.sv
+restoring_step.sv
+restoring_core.sv
+reciprocal.sv
+shift_stage.sv
+project_place.sv
+project.sv
