@@ -29,7 +29,7 @@ constexpr Sampling trilinear{"trilinear", TextureFilter::bilinear, MipMode::line
 
 std::vector<Sampling> samplings_of(const std::string& scene) {
   if (scene.ends_with("-mip")) return {trilinear};
-  if (scene.ends_with("-blend")) return {bilinear};
+  if (scene.ends_with("-blend") || scene.ends_with("-shadow")) return {bilinear};
   if (scene.starts_with("small")) return {nearest};
   return {nearest, bilinear};
 }
@@ -121,7 +121,8 @@ void check_pictures(const std::vector<Ours>& ours, std::vector<Theirs>& theirs, 
 void bench_frames(const std::string& name, const Options& options, Report& report) {
   const Scene scene = frame_scene(name, options.texture);
   const std::string title = is_cloud(name) || name == "demo" ? name : "mesh";
-  const Config depth16 = find_config("depth16");
+  Config depth16 = find_config("depth16");
+  if (scene.projector) depth16.project = ProjectUnit::reciprocal;
   const std::vector<Sampling> samplings = samplings_of(name);
   const bool with_nearest = samplings.front().name == nearest.name;
 
@@ -169,7 +170,7 @@ void bench_frames(const std::string& name, const Options& options, Report& repor
                        const double start = now_seconds();
                        o.engine->begin(scene);
                        o.begin_seconds = now_seconds() - start;
-                       o.engine->draw(scene.triangles, 0, nullptr);
+                       draw_scene(*o.engine, scene, 0, scene.triangles.size(), nullptr);
                        return now_seconds() - start;
                      }});
     if (work == 0) {
@@ -207,7 +208,10 @@ void bench_frames(const std::string& name, const Options& options, Report& repor
     const std::string wanted = fmt::format("{}, {}: {}", title, filter, who);
     return &*std::ranges::find(report.series, wanted, &Series::name);
   };
-  const double target = !is_cloud(name) || !with_nearest ? 0 : name.starts_with("small") ? 3.0 : 2.0;
+  const double target = scene.projector                    ? 0.5
+                        : !is_cloud(name) || !with_nearest ? 0
+                        : name.starts_with("small")        ? 3.0
+                                                           : 2.0;
   for (const Sampling& sampling : samplings) {
     const std::string_view filter = sampling.name;
     const std::string work_name = fmt::format("frame {}, {}", title, filter);

@@ -86,7 +86,7 @@ int run(int argc, char** argv) {
   app.add_option("--rounds", a.rounds, "samples of each (default 11, quick 3)")->check(CLI::Range(1, 1000));
   app.add_option("--only", a.options.only,
                  "sections: kernels, big, medium, small, big-back, medium-back, small-back, big-mip, "
-                 "big-blend, state, "
+                 "big-blend, big-shadow, state, "
                  "demo or mesh, engines, interface")
       ->delimiter(',');
   app.add_option("--mesh", a.options.mesh, "draw this mesh in place of the embedded demo");
@@ -102,8 +102,9 @@ int run(int argc, char** argv) {
   }
   a.options.rounds = a.rounds > 0 ? a.rounds : a.quick ? 3 : 11;
   a.options.kernel_time = a.quick ? 0.02 : 0.1;
-  std::vector<std::string> sections{"kernels",     "big",        "medium",  "small",     "big-back",
-                                    "medium-back", "small-back", "big-mip", "big-blend", "state"};
+  std::vector<std::string> sections{"kernels",   "big",         "medium",     "small",
+                                    "big-back",  "medium-back", "small-back", "big-mip",
+                                    "big-blend", "big-shadow",  "state"};
   sections.push_back(a.options.mesh.empty() ? "demo" : "mesh");
   sections.insert(sections.end(), {"engines", "interface"});
   for (const std::string& name : a.options.only) {

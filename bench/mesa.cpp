@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "bench/scenes.hpp"
 #include "model/mip_chain.hpp"
 #include "model/stages/texel.hpp"
 
@@ -20,9 +21,10 @@ namespace {
 struct GlVertex {
   std::array<float, 3> position;  // in the eye's space: w of the clip space becomes s
   std::array<std::uint8_t, 4> color;
-  std::array<float, 2> texel;  // 0..1 across the texture
+  std::array<float, 2> texel;    // 0..1 across the texture
+  std::array<float, 4> in_lamp;  // homogeneous: the place in the shadow map, and the depth there
 };
-static_assert(sizeof(GlVertex) == 24);
+static_assert(sizeof(GlVertex) == 40);
 
 // Consecutive triangles with one texture.
 struct Batch {
@@ -31,7 +33,75 @@ struct Batch {
   GLsizei count = 0;
 };
 
-GlVertex convert(const Vertex& v, const Scene& scene, const Texture* texture) {
+// What the scene's pass over the shadow map has.
+struct LampPass {
+  View view;                  // the lamp's
+  std::size_t triangles = 0;  // the first ones of the scene
+};
+LampPass lamp_pass_of(const Scene& scene) {
+  LampPass pass{scene, 0};
+  bool in_lamp = false;
+  for (const DrawCommand& command : scene.commands) {
+    if (const auto* view = std::get_if<ViewChange>(&command.what); view != nullptr && !in_lamp) {
+      pass.view = changed_view(scene, *view);
+      in_lamp = true;
+    } else if (in_lamp && std::holds_alternative<Copy>(command.what)) {
+      pass.triangles = command.before;
+      return pass;
+    }
+  }
+  throw InputError(scene.name + ": no shadow map is drawn");
+}
+
+// 0 at the lamp's least distance, 1 at its greatest, times w.
+double depth_in_lamp(const Projector& lamp, double w) {
+  return (w / lamp.s_min - 1) / (1 / lamp.s_min - 1 / lamp.s_max);
+}
+
+// The picture in the light of the lamp: what is farther than the map has it is dark.
+constexpr const char* vertex_shader =
+    "#version 120\n"
+    "void main() {\n"
+    "  gl_Position = ftransform();\n"
+    "  gl_FrontColor = gl_Color;\n"
+    "  gl_TexCoord[0] = gl_MultiTexCoord0;\n"
+    "  gl_TexCoord[1] = gl_MultiTexCoord1;\n"
+    "}\n";
+constexpr const char* fragment_shader =
+    "#version 120\n"
+    "uniform sampler2D image;\n"
+    "uniform sampler2DShadow map;\n"
+    "uniform float dark;\n"
+    "void main() {\n"
+    "  vec4 color = texture2D(image, gl_TexCoord[0].st) * gl_Color;\n"
+    "  vec4 p = gl_TexCoord[1];\n"
+    "  vec2 at = p.st / p.q;\n"
+    "  bool inside = p.q > 0.0 && all(greaterThanEqual(at, vec2(0.0))) && all(lessThan(at, vec2(1.0)));\n"
+    "  float lit = inside ? shadow2DProj(map, p).r : 1.0;\n"
+    "  gl_FragColor = vec4(color.rgb * mix(dark, 1.0, lit), color.a);\n"
+    "}\n";
+
+GLuint shadow_program() {
+  const GLuint program = glCreateProgram();
+  for (const auto& [kind, text] :
+       {std::pair{GL_VERTEX_SHADER, vertex_shader}, {GL_FRAGMENT_SHADER, fragment_shader}}) {
+    const GLuint shader = glCreateShader(static_cast<GLenum>(kind));
+    glShaderSource(shader, 1, &text, nullptr);
+    glCompileShader(shader);
+    glAttachShader(program, shader);
+  }
+  glLinkProgram(program);
+  GLint linked = GL_FALSE;
+  glGetProgramiv(program, GL_LINK_STATUS, &linked);
+  if (linked == GL_FALSE) throw InputError("Mesa: the shadow's program does not link");
+  glUseProgram(program);
+  glUniform1i(glGetUniformLocation(program, "image"), 0);
+  glUniform1i(glGetUniformLocation(program, "map"), 1);
+  glUniform1f(glGetUniformLocation(program, "dark"), static_cast<float>(shadow_dark));
+  return program;
+}
+
+GlVertex convert(const Vertex& v, const View& scene, const Texture* texture) {
   GlVertex out{};
   out.position = {static_cast<float>((2 * v.x / scene.width - 1) * v.s),
                   static_cast<float>((1 - 2 * v.y / scene.height) * v.s), static_cast<float>(-v.s)};
@@ -48,7 +118,7 @@ GlVertex convert(const Vertex& v, const Scene& scene, const Texture* texture) {
 const void* offset(std::size_t bytes) { return std::bit_cast<const void*>(bytes); }
 
 // x and y are divided by s as they are; z: 1 at s_min becomes -1, s_max 1.
-void set_projection(const Scene& scene) {
+void set_projection(const View& scene) {
   const double range = scene.s_max - scene.s_min;
   std::array<GLdouble, 16> m{};  // by columns
   m[0] = 1;
@@ -118,6 +188,11 @@ struct Mesa::State {
   std::vector<GLuint> textures;
   std::vector<Batch> batches;
   GLuint buffer = 0;
+  // With a shadow map only.
+  std::size_t lamp_batches = 0;  // the first ones, drawn on the map
+  LampPass lamp;
+  View view;
+  GLuint map = 0, map_frame = 0, program = 0;
 
   ~State() {
     if (context != nullptr) {
@@ -161,16 +236,25 @@ Mesa::Mesa(const Scene& scene, TextureFilter filter, int depth_bits, MipMode mip
   }
   glTexEnvi(GL_TEXTURE_ENV, GL_TEXTURE_ENV_MODE, GL_MODULATE);
 
+  s.view = scene;
+  if (scene.projector) s.lamp = lamp_pass_of(scene);
   std::vector<GlVertex> vertices;
   vertices.reserve(3 * scene.triangles.size());
-  for (const Triangle& t : scene.triangles) {
-    if (s.batches.empty() || s.batches.back().texture != t.texture) {
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    const Triangle& t = scene.triangles[i];
+    if (scene.projector && i == s.lamp.triangles) s.lamp_batches = s.batches.size();
+    if (s.batches.size() == s.lamp_batches || s.batches.back().texture != t.texture) {
       s.batches.push_back({t.texture, static_cast<GLint>(vertices.size()), 0});
     }
     s.batches.back().count += 3;
     const Texture* texture = t.texture < 0 ? nullptr : &scene.textures[static_cast<std::size_t>(t.texture)];
     for (const Vertex& v : t.v) {
-      vertices.push_back(convert(v, scene, texture));
+      vertices.push_back(convert(v, i < s.lamp.triangles ? s.lamp.view : s.view, texture));
+      if (!scene.projector) continue;
+      vertices.back().in_lamp = {static_cast<float>(v.project_x / s.lamp.view.width),
+                                 static_cast<float>(v.project_w - v.project_y / s.lamp.view.height),
+                                 static_cast<float>(depth_in_lamp(*scene.projector, v.project_w)),
+                                 static_cast<float>(v.project_w)};
     }
   }
   glGenBuffers(1, &s.buffer);
@@ -183,6 +267,33 @@ Mesa::Mesa(const Scene& scene, TextureFilter filter, int depth_bits, MipMode mip
   glEnableClientState(GL_VERTEX_ARRAY);
   glEnableClientState(GL_COLOR_ARRAY);
   glEnableClientState(GL_TEXTURE_COORD_ARRAY);
+
+  if (scene.projector) {
+    glActiveTexture(GL_TEXTURE1);
+    glClientActiveTexture(GL_TEXTURE1);
+    glTexCoordPointer(4, GL_FLOAT, sizeof(GlVertex), offset(offsetof(GlVertex, in_lamp)));
+    glEnableClientState(GL_TEXTURE_COORD_ARRAY);
+    glGenTextures(1, &s.map);
+    glBindTexture(GL_TEXTURE_2D, s.map);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, mode);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, mode);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_R_TO_TEXTURE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    glTexImage2D(GL_TEXTURE_2D, 0, depth_bits == 16 ? GL_DEPTH_COMPONENT16 : GL_DEPTH_COMPONENT24,
+                 s.lamp.view.width, s.lamp.view.height, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
+    glActiveTexture(GL_TEXTURE0);
+    glGenFramebuffers(1, &s.map_frame);
+    glBindFramebuffer(GL_FRAMEBUFFER, s.map_frame);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, s.map, 0);
+    glDrawBuffer(GL_NONE);
+    glReadBuffer(GL_NONE);
+    if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+      throw InputError("Mesa: no frame of a depth texture alone");
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    s.program = shadow_program();
+  }
 
   glDisable(GL_CULL_FACE);
   glDisable(GL_DITHER);
@@ -210,13 +321,30 @@ Mesa::Mesa(const Scene& scene, TextureFilter filter, int depth_bits, MipMode mip
 Mesa::~Mesa() = default;
 
 void Mesa::draw() {
+  const State& s = *state_;
+  if (s.program != 0) {
+    glBindFramebuffer(GL_FRAMEBUFFER, s.map_frame);
+    glUseProgram(0);
+    glViewport(0, 0, s.lamp.view.width, s.lamp.view.height);
+    set_projection(s.lamp.view);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    glDisable(GL_TEXTURE_2D);
+    for (std::size_t i = 0; i < s.lamp_batches; ++i) {
+      glDrawArrays(GL_TRIANGLES, s.batches[i].first, s.batches[i].count);
+    }
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glViewport(0, 0, s.view.width, s.view.height);
+    set_projection(s.view);
+    glUseProgram(s.program);
+  }
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  for (const Batch& batch : state_->batches) {
+  for (std::size_t i = s.lamp_batches; i < s.batches.size(); ++i) {
+    const Batch& batch = s.batches[i];
     if (batch.texture < 0) {
       glDisable(GL_TEXTURE_2D);
     } else {
       glEnable(GL_TEXTURE_2D);
-      glBindTexture(GL_TEXTURE_2D, state_->textures[static_cast<std::size_t>(batch.texture)]);
+      glBindTexture(GL_TEXTURE_2D, s.textures[static_cast<std::size_t>(batch.texture)]);
     }
     glDrawArrays(GL_TRIANGLES, batch.first, batch.count);
   }

@@ -13,6 +13,8 @@
 
 #include "scene/demo.hpp"
 #include "scene/mesh.hpp"
+#include "scene/project.hpp"
+#include "scene/shadow.hpp"
 
 namespace bitspan::bench {
 namespace {
@@ -20,7 +22,8 @@ namespace {
 constexpr int frame_width = 1024;
 constexpr int frame_height = 768;
 constexpr int texture_size = 256;
-constexpr std::string_view back_suffix = "-back", mip_suffix = "-mip", blend_suffix = "-blend";
+constexpr std::string_view back_suffix = "-back", mip_suffix = "-mip", blend_suffix = "-blend",
+                           shadow_suffix = "-shadow";
 constexpr double mip_texels = 4;    // per pixel
 constexpr double far_viewer = 1e6;  // focal length, pixels
 constexpr std::array<Cloud, 3> all_clouds{Cloud{"big", 200, 40000}, Cloud{"medium", 20000, 400},
@@ -53,6 +56,16 @@ Texture make_texture(double height, int noise) {
 
 // A code from 64 to 191, so that every triangle of the scene shows the ones behind it.
 double translucent_alpha(std::size_t index) { return static_cast<double>(64 + index * 37 % 128) / 255; }
+
+// In the light of a lamp beside the viewer, who stands near enough to have a depth of the picture's size.
+// Without fog, whose distances differ there.
+Scene in_lamp_light(Scene scene) {
+  scene.focal = scene.width;
+  scene.fog.reset();
+  ShadowOptions lamp{.light = {-6, -9, -2}, .bias = 2, .dark = shadow_dark};
+  const std::vector<Face> casters = faces_of(scene);
+  return shadowed(std::move(scene), casters, lamp);
+}
 
 Scene mesh_frame(const std::string& path, const std::string& texture) {
   const std::optional<std::string> skin = texture.empty() ? std::nullopt : std::optional(texture);
@@ -134,8 +147,9 @@ Triangle CloudStream::next() {
 Scene frame_scene(const std::string& name, const std::string& texture) {
   const bool mip = name.ends_with(mip_suffix);
   const bool blend = name.ends_with(blend_suffix);
+  const bool shadow = name.ends_with(shadow_suffix);
   const bool back = name.ends_with(back_suffix) || blend;
-  const std::string cloud_name = back || mip ? name.substr(0, name.rfind('-')) : name;
+  const std::string cloud_name = back || mip || shadow ? name.substr(0, name.rfind('-')) : name;
   for (const Cloud& cloud : all_clouds) {
     if (cloud_name == cloud.name) {
       Scene scene = empty_scene(name, frame_width, frame_height);
@@ -154,7 +168,7 @@ Scene frame_scene(const std::string& name, const std::string& texture) {
         const auto distance = [](const Triangle& t) { return t.v[0].s + t.v[1].s + t.v[2].s; };
         std::ranges::stable_sort(scene.triangles, std::greater{}, distance);
       }
-      return scene;
+      return shadow ? in_lamp_light(std::move(scene)) : scene;
     }
   }
   if (name == "demo") {

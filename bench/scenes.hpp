@@ -41,11 +41,15 @@ class CloudStream {
   double width_, height_, s_min_, s_max_, pixels_;
 };
 
+// What is left of a colour in a shadow.
+inline constexpr double shadow_dark = 0.35;
+
 // Returns a scene by name. `big`, `medium` and `small` have random depths, so that most fragments fail the
 // depth test. `big-back` and so on have the same triangles from the farthest to the nearest, and nearly every
 // fragment passes. `big-mip` and so on have four texels per pixel on each axis, so that levels of the texture
-// count. `big-blend` and so on are translucent; they come from the farthest to the nearest. `demo` is the
-// embedded scene. Any other name is a mesh file, in `texture` where one is named. Throws InputError.
+// count. `big-blend` and so on are translucent; they come from the farthest to the nearest. `big-shadow` and
+// so on are drawn in the light of a lamp, through a shadow map of 1024x1024 texels. `demo` is the embedded
+// scene. Any other name is a mesh file, in `texture` where one is named. Throws InputError.
 Scene frame_scene(const std::string& name, const std::string& texture = {});
 
 }  // namespace bitspan::bench

@@ -393,17 +393,23 @@ TriangleChannels& triangle_channels_of(Rows& rows, std::int64_t triangle) {
 }
 
 template <class Watch>
+SpanChannels row_to_channels(const Pipeline& pipeline, Rows& rows, std::size_t i, const SpanRecord& span,
+                             Counters& counters, Trace* trace, Watch watch) {
+  const bool has_ends = !rows.row_channels.empty();
+  const SpanChannels start = span_channels(
+      pipeline.channels, triangle_channels_of(rows, span.triangle), span, has_ends ? &rows.rows[i] : nullptr,
+      has_ends ? &rows.row_channels[i] : nullptr, geometry_of(rows, i), watch);
+  counters.divides_row += static_cast<std::uint64_t>(start.divides);
+  deliver_channels(trace, pipeline.channels, start.record);
+  return start;
+}
+
+template <class Watch>
 void channels_of_row(const Pipeline& pipeline, Rows& rows, std::size_t i, const SpanRecord& span,
                      std::span<const FragmentRecord> fragments, std::vector<FragmentChannels>& out,
                      Counters& counters, Trace* trace, Watch watch) {
-  const PlaneGeometry* geometry = geometry_of(rows, i);
-  const bool has_ends = !rows.row_channels.empty();
-  const SpanChannels start = span_channels(pipeline.channels, triangle_channels_of(rows, span.triangle), span,
-                                           has_ends ? &rows.rows[i] : nullptr,
-                                           has_ends ? &rows.row_channels[i] : nullptr, geometry, watch);
-  counters.divides_row += static_cast<std::uint64_t>(start.divides);
-  deliver_channels(trace, pipeline.channels, start.record);
-  ChannelWalk walk{.geometry = geometry, .span = start.record};
+  const SpanChannels start = row_to_channels(pipeline, rows, i, span, counters, trace, watch);
+  ChannelWalk walk{.geometry = geometry_of(rows, i), .span = start.record};
   out.clear();
   for (const FragmentRecord& fragment : fragments) {
     out.push_back(fragment_channels(pipeline.channels, walk, fragment, watch));
@@ -588,6 +594,10 @@ template bool fragment_texture(const Pipeline&, const FragmentRecord&, const Tex
 template bool fragment_texture_second(const Pipeline&, const FragmentRecord&, const LodRecord&,
                                       const TextureRecord&, const ProjectRecord*, TextureSecondRecord&,
                                       NoObserve);
+template SpanChannels row_to_channels(const Pipeline&, Rows&, std::size_t, const SpanRecord&, Counters&,
+                                      Trace*, NoObserve);
+template SpanChannels row_to_channels(const Pipeline&, Rows&, std::size_t, const SpanRecord&, Counters&,
+                                      Trace*, Observe);
 template void channels_of_row(const Pipeline&, Rows&, std::size_t, const SpanRecord&,
                               std::span<const FragmentRecord>, std::vector<FragmentChannels>&, Counters&,
                               Trace*, NoObserve);

@@ -157,8 +157,13 @@ template <class Watch = NoObserve>
 void span_to_fragments(const Pipeline& pipeline, const SpanRecord& span, const PlaneGeometry* geometry,
                        std::vector<FragmentRecord>& out, Counters& counters, Watch watch = {});
 
-// Both halves of step two for the channels in use: of row i with its span and its fragments, which `out` then
-// has one entry per. Counts divides_row. With a trace, appends span_setup.channel and span.channel.
+// Step two, first half, for the channels in use: of row i and its span. Counts divides_row. With a trace,
+// appends span_setup.channel.
+template <class Watch = NoObserve>
+SpanChannels row_to_channels(const Pipeline& pipeline, Rows& rows, std::size_t i, const SpanRecord& span,
+                             Counters& counters, Trace* trace, Watch watch = {});
+// Both halves, with the span's fragments, which `out` then has one entry per. With a trace, appends
+// span.channel, too.
 template <class Watch = NoObserve>
 void channels_of_row(const Pipeline& pipeline, Rows& rows, std::size_t i, const SpanRecord& span,
                      std::span<const FragmentRecord> fragments, std::vector<FragmentChannels>& out,

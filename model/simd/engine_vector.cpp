@@ -92,6 +92,14 @@ class Bands {
   std::vector<std::vector<std::uint32_t>> triangles_;
 };
 
+// How triangles are drawn.
+enum class Way : std::uint8_t {
+  plain,   // in lanes, in the state and the planes of the scene's start
+  any,     // in lanes, in any state that they have, and with channels
+  singly,  // as `plain`, and scalar up to depth
+  scalar,  // by the scalar stages
+};
+
 // What one thread draws with.
 template <class T>
 struct Worker final : BlockSink<T> {
@@ -166,11 +174,11 @@ class Drawing {
   }
 
   // Triangles that check_triangle accepts, in order; their number is not larger than a chunk.
-  void draw(std::span<const Triangle> triangles, std::int64_t first_index, Frame& frame, Counters& counters,
-            Trace* trace, Statistics* statistics) {
-    any_state_ = !pipeline_.draws_in_lanes(frame);
+  void draw(Way way, std::span<const Triangle> triangles, std::int64_t first_index, Frame& frame,
+            Counters& counters, Trace* trace, Statistics* statistics) {
+    way_ = way;
     for (auto& worker : workers_) {
-      worker->gradients = any_state_ ? &gradients_ : nullptr;
+      worker->gradients = way == Way::any ? &gradients_ : nullptr;
       worker->counters = {};
       worker->pipeline = &pipeline_;
       worker->plan = &plan_;
@@ -179,10 +187,10 @@ class Drawing {
       worker->trace = trace;
       worker->statistics = statistics;
     }
-    if (!pipeline_.spans_in_lanes()) {
+    if (way == Way::singly) {
       draw_singly(*workers_[0], triangles, first_index, trace, statistics);
     } else {
-      if (any_state_ && pipeline_.has_gradients) find_gradients(triangles, first_index, counters);
+      if (way == Way::any && pipeline_.has_gradients) find_gradients(triangles, first_index, counters);
       find_draws(triangles);
       // Records and statistics come in the order of the triangles.
       const bool watched = trace != nullptr || statistics != nullptr;
@@ -217,6 +225,7 @@ class Drawing {
     Trace* const trace = worker.trace;
     while (!rest.which.empty()) {
       worker.spans.size = 0;
+      worker.triangles.channels.clear();
       std::size_t done = 0;
       if (worker.statistics != nullptr) {
         done = triangles_.to_spans_observed(pipeline_, rest, worker.triangles, worker.spans, worker.counters,
@@ -228,10 +237,12 @@ class Drawing {
       if (trace != nullptr || worker.statistics != nullptr) {
         spans_.draw_traced(pipeline_, worker.spans, draws_, rest.first_index, worker.work, *worker.frame,
                            worker.counters, worker, trace, worker.statistics);
+      } else if (way_ == Way::any) {
+        spans_.draw_any(pipeline_, worker.spans, worker.triangles.channels, draws_, rest.first_index,
+                        worker.work, *worker.frame, worker.counters, worker);
       } else {
-        const auto draw = any_state_ ? spans_.draw_any : spans_.draw;
-        draw(pipeline_, worker.spans, draws_, rest.first_index, worker.work, *worker.frame, worker.counters,
-             worker);
+        spans_.draw(pipeline_, worker.spans, draws_, rest.first_index, worker.work, *worker.frame,
+                    worker.counters, worker);
       }
     }
   }
@@ -251,7 +262,7 @@ class Drawing {
 
   void find_draws(std::span<const Triangle> triangles) {
     draws_.resize(triangles.size());
-    if (any_state_) {
+    if (way_ == Way::any) {
       for (std::size_t i = 0; i < triangles.size(); ++i) {
         const Surface surface = surface_of(pipeline_, triangles[i]);
         draws_[i] = {surface.texture < 0 ? -1 : surface.texture, false, surface.back};
@@ -340,7 +351,7 @@ class Drawing {
   SpanKernels<T> spans_;
   ShadeKernels<T> shade_;
   std::vector<std::unique_ptr<Worker<T>>> workers_;
-  bool any_state_ = false;       // draw_any and shade_any draw
+  Way way_ = Way::plain;         // of the draw under way
   std::vector<SpanDraw> draws_;  // of the chunk
   TriangleGradients gradients_;  // of the chunk, where depth or lod takes them
   Bands bands_;
@@ -383,11 +394,8 @@ class VectorModel {
             Statistics* statistics) {
     run_.need_begun("draw");
     run_.deliver_constants(trace);
-    const bool watched = trace != nullptr || statistics != nullptr;
-    const bool second = run_.pipeline.texture_second.is_on();
-    if (!run_.pipeline.draws_in_lanes(run_.frame) &&
-        (watched || run_.pipeline.project.is_on || !(second ? plan_.holds_second : plan_.holds_any) ||
-         !run_.pipeline.spans_in_lanes())) {
+    const Way way = find_way(trace != nullptr || statistics != nullptr);
+    if (way == Way::scalar) {
       if (statistics != nullptr) {
         draw_triangles(run_.pipeline, *run_.scene, triangles, first_index, buffers_, run_.frame,
                        run_.counters, trace, Observe{statistics});
@@ -398,12 +406,12 @@ class VectorModel {
       return;
     }
     select_textures(plan_, run_.pipeline, *run_.scene);
-    if (second) prepare_second_texture(plan_);
+    if (run_.pipeline.texture_second.is_on()) prepare_second_texture(plan_);
     const auto draw_chunk = [&](std::size_t at, std::size_t n) {
       std::visit(
           [&](auto& drawing) {
-            drawing->draw(triangles.subspan(at, n), first_index + static_cast<std::int64_t>(at), run_.frame,
-                          run_.counters, trace, statistics);
+            drawing->draw(way, triangles.subspan(at, n), first_index + static_cast<std::int64_t>(at),
+                          run_.frame, run_.counters, trace, statistics);
           },
           drawing_);
     };
@@ -447,6 +455,14 @@ class VectorModel {
   const Counters& counters() const { return run_.counters; }
 
  private:
+  // watched: with a trace or observers.
+  Way find_way(bool watched) const {
+    const Pipeline& p = run_.pipeline;
+    const bool plain = p.draws_in_lanes(run_.frame);
+    if (plain && p.spans_in_lanes()) return Way::plain;
+    if (!watched && !p.const_depth_rows && holds_state(plan_, p)) return Way::any;
+    return plain ? Way::singly : Way::scalar;
+  }
   // In the lanes that hold the plan.
   void prepare_drawing() {
     const bool small = plan_.held_in == ShadeLanes::int32 && plan_.branch_free &&

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "config/lines.hpp"
 #include "model/simd/columns.hpp"
 
 namespace bitspan::model {
@@ -31,6 +32,8 @@ struct FragmentBlock {
   alignas(64) std::int64_t h[padded];         // linear fog only
   alignas(64) T fog_factor[padded];           // fog of the vertices only
   alignas(64) std::int32_t triangle[padded];  // input index
+  // Channels by their place among those in use; only where the plan takes them.
+  alignas(64) std::int64_t channel[channel_limit][padded];
 };
 
 // What the fragments of a block have in common.

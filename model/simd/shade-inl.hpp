@@ -11,6 +11,7 @@
 #include "model/simd/shade.hpp"
 #include "model/stages/fog-inl.hpp"
 #include "model/stages/merge-inl.hpp"
+#include "model/stages/project-inl.hpp"
 #include "model/stages/texture-inl.hpp"
 #include "model/stages/texture_second-inl.hpp"
 
@@ -135,6 +136,16 @@ HWY_INLINE Lanes word_at(const std::uint32_t* words, Lanes index) {
   return pair_at(words, index) & Lanes(0xffffffffLL);
 }
 
+// A depth code of 32 bits for signed comparisons: in lanes that have no bit above it.
+template <class V>
+HWY_INLINE V flipped(V code) {
+  if constexpr (sizeof(ElementOf<V>) == 4) {
+    return code ^ V(INT32_MIN);
+  } else {
+    return code;
+  }
+}
+
 enum class ImageKind : std::uint8_t { none, nearest, bilinear, any };
 
 // A texture of the plan, or none, for the text of texture-inl.hpp; kind other than `any` says what it is.
@@ -147,6 +158,10 @@ struct PlanImage {
   const std::uint32_t* words;
   std::int32_t width, height, border_u, border_v, stride;
   bool reserved, all_opaque;
+  // A comparison in the place of texels, as TexelTest; only where the kind is `any`.
+  const DepthFormats* depth = nullptr;
+  DepthFunc func = DepthFunc::lequal;
+  V z{0}, failed{0};
 
   PlanImage(const ShadePlan& plan, const ShadeTexture* texture) : image(texture) {
     if constexpr (sizeof(T) == 4) {
@@ -200,10 +215,21 @@ struct PlanImage {
     }
     unreachable();
   }
+  // What a word stands for. z has the top bit of 32 turned over in lanes of 32 bits.
+  HWY_INLINE V taken(V word) const {
+    if constexpr (kind == ImageKind::any) {
+      if (depth != nullptr) {
+        const int bits = depth->z.word;
+        const V stored = bits > 31 ? flipped<V>(word) : (word >> (32 - bits)) & V((T{1} << bits) - 1);
+        return select(depth_passes(*depth, func, z, stored), V(static_cast<T>(0xffffffffLL)), failed);
+      }
+    }
+    return word;
+  }
   HWY_INLINE V nearest(V& i, V& j) const {
     i = wrapped(i, width, wrap_u);
     j = wrapped(j, height, wrap_v);
-    return word_at(words, index(i, j));
+    return taken(word_at(words, index(i, j)));
   }
   // Where the pair of i stands; i becomes the texel's own.
   HWY_INLINE V pair(V& i, std::int32_t size, TextureWrap wrap) const {
@@ -235,13 +261,13 @@ struct PlanImage {
     const V at = index(column, row);
     const V below = at + V(stride);
     if constexpr (sizeof(T) == 4) {
-      return {word_at(words, at), word_at(words, at + V(1)), word_at(words, below),
-              word_at(words, below + V(1))};
+      return {taken(word_at(words, at)), taken(word_at(words, at + V(1))), taken(word_at(words, below)),
+              taken(word_at(words, below + V(1)))};
     } else {
       const V upper = pair_at(words, at);
       const V lower = pair_at(words, below);
       const V low(0xffffffffLL);
-      return {upper & low, (upper >> 32) & low, lower & low, (lower >> 32) & low};
+      return {taken(upper & low), taken((upper >> 32) & low), taken(lower & low), taken((lower >> 32) & low)};
     }
   }
   template <class Watch>
@@ -285,11 +311,20 @@ struct BlockImages {
   const ShadeTexture* coarser = nullptr;  // the next level, where it has a share
   Halvings coarser_halved{};
 };
+// What the stage project makes of a block.
+template <class T>
+struct ProjectColumns {
+  HWY_ALIGN T s[FragmentBlock<T>::padded];
+  HWY_ALIGN T t[FragmentBlock<T>::padded];
+  HWY_ALIGN T z[FragmentBlock<T>::padded];       // with the bias, as PlanImage takes it
+  HWY_ALIGN T inside[FragmentBlock<T>::padded];  // 0 or 1
+};
 // What the two units take of a block.
 template <class T>
 struct BlockUnits {
   std::array<BlockImages, 2> images;
-  std::array<const T*, 2> shares{};  // of the coarser levels; read where there is one
+  std::array<const T*, 2> shares{};              // of the coarser levels; read where there is one
+  const ProjectColumns<T>* projected = nullptr;  // where the second unit takes a projector's coordinates
 };
 inline const ShadeTexture* image_of(const ShadeTextures& textures, int texture) {
   return texture < 0 ? nullptr : &textures.whole[static_cast<std::size_t>(texture)];
@@ -429,6 +464,38 @@ HWY_INLINE Textured<ValueOf<Int>> found(const TextureStage& stage, const BlockIm
   return out;
 }
 
+// What takes the place of texels from here on. z: as ProjectColumns has it.
+HWY_INLINE void compare(const TextureSecondStage& unit, std::int64_t z, TextureImage& image) {
+  image.test = comparison(unit, 0);
+  image.test.z = z;
+}
+template <class V, ImageKind kind>
+HWY_INLINE void compare(const TextureSecondStage& unit, V z, PlanImage<V, kind>& image) {
+  image.depth = unit.compares ? &unit.depth : nullptr;
+  image.func = unit.func;
+  image.z = z;
+  image.failed = V(static_cast<ElementOf<V>>(comparison(unit, 0).failed));
+}
+// What the second unit finds where its coordinates are a projector's.
+template <class Int, class Image, class Watch>
+HWY_INLINE Textured<ValueOf<Int>> found_projected(const TextureSecondStage& unit, Image image,
+                                                  const ProjectColumns<ElementOf<Int>>& at, std::size_t k,
+                                                  Watch watch) {
+  using V = ValueOf<Int>;
+  const TextureStage& stage = unit.fetch;
+  compare(unit, load_as<V>(at.z + k), image);
+  Textured<V> out = sampled<Int>(stage, image, load_as<V>(at.s + k), load_as<V>(at.t + k),
+                                 {stage.uv.fraction, stage.uv.fraction}, watch);
+  const Truth<V> inside = load_as<V>(at.inside + k) != V(0);
+  const std::array<std::int64_t, 3> codes = codes_outside(unit);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const V code(static_cast<ElementOf<Int>>(codes[c]));
+    out.texel[c] = select(inside, out.texel[c], quantize(code, 0, stage.mix, watch));
+  }
+  out.texel[3] = select(inside, out.texel[3], quantize(V(1), 0, stage.alpha, watch));
+  return out;
+}
+
 // Q[texture.alpha](v / 255) of a colour on texture.mix.
 template <class Int>
 struct ShareOfColor {
@@ -482,8 +549,10 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, c
       colour<Int>(stage, shade, texel, watch);
       if (!stage.is_last) {
         const TextureSecondStage& unit = pipeline.texture_second;
-        const Textured<V> other = found<Int>(unit.fetch, units.images[1], second, second_coarser,
-                                             units.shares[1] + at, u, v, watch);
+        const Textured<V> other = units.projected != nullptr
+                                      ? found_projected<Int>(unit, second, *units.projected, at, watch)
+                                      : found<Int>(unit.fetch, units.images[1], second, second_coarser,
+                                                   units.shares[1] + at, u, v, watch);
         combine<Int>(unit, other.texel, ShareOfColor<Int>{plan, unit.fetch}, texel.color, watch);
         texel.killed = killed_first;
         if (unit.fetch.kills_zero) texel.killed = texel.killed | (texel.color[3] == V(0));
@@ -708,12 +777,82 @@ void shade_observed(const Pipeline& pipeline, const ShadePlan& plan, const Block
 
 // ---------------------------------------------------------------- any draw state, and levels
 
+// The coordinates and the depth code that the second unit takes.
+template <class T>
+void project_block(const Pipeline& pipeline, const FragmentBlock<T>& block, ProjectColumns<T>& out) {
+  const ProjectStage& stage = pipeline.project;
+  if (!stage.has_projector) {
+    for (T* column : {out.s, out.t, out.z, out.inside}) std::fill_n(column, block.size, T{0});
+    return;
+  }
+  const auto channel = [&](LineId line) {
+    const auto at = std::ranges::find(pipeline.channels.in_use, line, &ChannelForm::line);
+    return block.channel[at - pipeline.channels.in_use.begin()];
+  };
+  const std::int64_t* const x = channel(LineId::project_x);
+  const std::int64_t* const y = channel(LineId::project_y);
+  const std::int64_t* const w = channel(LineId::project_w);
+  const bool compares = pipeline.texture_second.compares;
+  Lanes places(0);
+  Lanes sums(0);
+  for (std::size_t k = 0; k < block.size; k += Lanes::count) {
+    const Lanes a = Lanes::load(x + k);
+    const Lanes b = Lanes::load(y + k);
+    const Lanes q = depth_sum<Lanes>(stage, Lanes::load(block.h + k));
+    // Lanes past the end hold anything.
+    const Lanes::Mask inside = first_lanes<std::int64_t>(block.size - k);
+    places = places | select(inside, (a ^ (a >> 63)) | (b ^ (b >> 63)), Lanes(0));
+    sums = sums | select(inside, q ^ (q >> 63), Lanes(0));
+  }
+  const auto fits = [](Lanes magnitudes, int growth) HWY_ATTR {
+    std::uint64_t all = 0;
+    for (std::size_t i = 0; i < Lanes::count; ++i) all |= static_cast<std::uint64_t>(lane(magnitudes, i));
+    return bit_length(all) + growth <= 61;
+  };
+  // The largest ratio whose product with A_p has 60 bits on the grid of h; B_p is no larger.
+  const int128 limit = int128{1} << 60;
+  const int128 b_p = on_grid(stage.projector_b, stage.h_grid());
+  const int128 most_ratio =
+      b_p > limit || b_p < -limit ? -1 : limit / std::max<int128>(1, stage.a.raw << stage.product_up());
+  const Lanes most(static_cast<std::int64_t>(most_ratio));
+  const Lanes bias(pipeline.texture_second.bias);
+  const Lanes zmax(pipeline.texture_second.depth.zmax);
+  const bool flips = sizeof(T) == 4 && stage.z.word > 31;
+  constexpr NoObserve watch;
+  const auto run = [&]<class Int>() HWY_ATTR {
+    for (std::size_t k = 0; k < block.size; k += Lanes::count) {
+      const Lanes of_w = Lanes::load(w + k);
+      const InverseOfW<Lanes> by = inverse_of_w<Lanes>(stage, of_w, watch);
+      const Lanes s = place_of<Int>(stage, Lanes::load(x + k), by, watch);
+      const Lanes t = place_of<Int>(stage, Lanes::load(y + k), by, watch);
+      store_as(out.s + k, s);
+      store_as(out.t + k, t);
+      store_as(out.inside + k, one_where((of_w > Lanes(0)) & lies_within<Lanes>(stage, s, stage.width) &
+                                         lies_within<Lanes>(stage, t, stage.height)));
+      if (!compares) continue;
+      const Lanes ratio = ratio_of<Int>(stage, depth_sum<Lanes>(stage, Lanes::load(block.h + k)), by, watch);
+      const bool is_small = stage.z_bits <= 61 && !any((ratio > most) | (ratio < -most));
+      const Lanes code = is_small
+                             ? code_of<Lanes>(stage, far_h_of<Lanes>(stage, ratio, watch), watch)
+                             : code_of<WideLanes>(stage, far_h_of<WideLanes>(stage, ratio, watch), watch);
+      const Lanes z = min(max(code + bias, Lanes(0)), zmax);
+      store_as(out.z + k, flips ? z ^ Lanes(INT32_MIN) : z);
+    }
+  };
+  if (fits(places, stage.place_growth) && fits(sums, stage.ratio_growth)) {
+    run.template operator()<Lanes>();
+  } else {
+    run.template operator()<WideLanes>();
+  }
+}
+
 // What passes between the steps of a block, per texture unit where there are two.
 template <class T>
 struct AnyColumns {
   std::array<LevelColumns<T>, 2> levels;
   // The fragments that look up the same levels.
   FragmentBlock<T> part;
+  ProjectColumns<T> part_projected;
   HWY_ALIGN T shares[2][FragmentBlock<T>::padded];
   HWY_ALIGN std::int32_t places[FragmentBlock<T>::padded];  // in the block
   ShadeColumns<T> of_part;
@@ -745,8 +884,8 @@ void colours_any(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFor
 
 // The fragments among a block's that look up these levels. Returns whether there are some.
 template <class T>
-bool take_levels(const FragmentBlock<T>& from, const std::array<std::int32_t, 2>& levels,
-                 AnyColumns<T>& any) {
+bool take_levels(const FragmentBlock<T>& from, const ProjectColumns<T>* projected,
+                 const std::array<std::int32_t, 2>& levels, AnyColumns<T>& any) {
   FragmentBlock<T>& to = any.part;
   std::size_t n = 0;
   for (std::size_t i = 0; i < from.size; ++i) {
@@ -765,8 +904,15 @@ bool take_levels(const FragmentBlock<T>& from, const std::array<std::int32_t, 2>
   take(from.b, to.b);
   take(from.a, to.a);
   take(from.fog_step, to.fog_step);
+  take(from.fog_factor, to.fog_factor);
   take(from.h, to.h);
   for (std::size_t unit = 0; unit < 2; ++unit) take(any.levels[unit].share, any.shares[unit]);
+  if (projected != nullptr) {
+    take(projected->s, any.part_projected.s);
+    take(projected->t, any.part_projected.t);
+    take(projected->z, any.part_projected.z);
+    take(projected->inside, any.part_projected.inside);
+  }
   return n != 0;
 }
 
@@ -774,8 +920,8 @@ bool take_levels(const FragmentBlock<T>& from, const std::array<std::int32_t, 2>
 template <class T>
 void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFormats& formats,
                        const std::array<int, 2>& textures, const FragmentBlock<T>& block,
-                       const TriangleGradients& gradients, const Frame& frame, ShadeColumns<T>& columns,
-                       Counters& counters) {
+                       const ProjectColumns<T>* projected, const TriangleGradients& gradients,
+                       const Frame& frame, ShadeColumns<T>& columns, Counters& counters) {
   AnyColumns<T> any;
   const auto levels_of = [&](int texture) {
     return texture < 0
@@ -784,6 +930,8 @@ void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const Sh
   };
   find_levels(pipeline, block, {levels_of(textures[0]), levels_of(textures[1])}, gradients, frame.width,
               any.levels);
+  // A projector's coordinates have the texture itself.
+  if (projected != nullptr) std::fill_n(any.levels[1].level, block.size, 0);
   std::array<std::int32_t, 2> least{}, most{};
   for (std::size_t unit = 0; unit < 2; ++unit) {
     const std::int32_t* of = any.levels[unit].level;
@@ -797,15 +945,19 @@ void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const Sh
                       images_of(plan, 1, textures[1], levels[1], mixes)};
   };
   if (least == most) {
-    colours_any<T>(pipeline, plan, formats, {images(least), {any.levels[0].share, any.levels[1].share}},
-                   block, frame, columns, counters);
+    colours_any<T>(pipeline, plan, formats,
+                   {images(least), {any.levels[0].share, any.levels[1].share}, projected}, block, frame,
+                   columns, counters);
     return;
   }
   for (std::array<std::int32_t, 2> levels = least; levels[0] <= most[0]; ++levels[0]) {
     for (levels[1] = least[1]; levels[1] <= most[1]; ++levels[1]) {
-      if (!take_levels(block, levels, any)) continue;
-      colours_any<T>(pipeline, plan, formats, {images(levels), {any.shares[0], any.shares[1]}}, any.part,
-                     frame, any.of_part, counters);
+      if (!take_levels(block, projected, levels, any)) continue;
+      colours_any<T>(pipeline, plan, formats,
+                     {images(levels),
+                      {any.shares[0], any.shares[1]},
+                      projected == nullptr ? nullptr : &any.part_projected},
+                     any.part, frame, any.of_part, counters);
       for (std::size_t k = 0; k < any.part.size; ++k) {
         columns.word[any.places[k]] = any.of_part.word[k];
         columns.alpha[any.places[k]] = any.of_part.alpha[k];
@@ -814,19 +966,61 @@ void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const Sh
   }
 }
 
+// Texture, fog and merge, with projection and levels where the state has them.
+template <class T>
+void shade_units(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFormats& formats,
+                 const std::array<int, 2>& textures, const FragmentBlock<T>& block,
+                 const TriangleGradients& gradients, const Frame& frame, ShadeColumns<T>& columns,
+                 Counters& counters) {
+  ProjectColumns<T> at;
+  const bool is_projected = pipeline.project.is_on && pipeline.texture_second.is_on();
+  if (is_projected) project_block(pipeline, block, at);
+  const ProjectColumns<T>* projected = is_projected ? &at : nullptr;
+  if (pipeline.has_lod && (textures[0] >= 0 || textures[1] >= 0)) {
+    colours_of_levels(pipeline, plan, formats, textures, block, projected, gradients, frame, columns,
+                      counters);
+  } else {
+    const BlockUnits<T> units{{BlockImages{image_of(plan.textures_of(0), textures[0])},
+                               BlockImages{image_of(plan.textures_of(1), textures[1])}},
+                              {},
+                              projected};
+    colours_any(pipeline, plan, formats, units, block, frame, columns, counters);
+  }
+}
+
+// Whether no fragment of a block can be killed, as far as that is seen at once: all have one alpha, and
+// opaque texels.
+template <class T>
+bool kills_none(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw& draw,
+                const FragmentBlock<T>& block) {
+  const TextureStage& stage = pipeline.texture;
+  if (!stage.is_last || stage.alpha_test.func != CompareFunc::always || pipeline.has_lod ||
+      stage.chroma.test != ChromaTest::none) {
+    return false;
+  }
+  if (draw.texture >= 0) {
+    const ShadeTexture& image = *image_of(plan.textures_of(0), draw.texture);
+    if (!image.opaque || !image.never_killed) return false;
+  }
+  const T a = block.a[0];
+  const bool is_one_alpha = std::all_of(block.a, block.a + block.size, [a](T b) { return a == b; });
+  return is_one_alpha && (!stage.kills_zero || alpha_of(plan, std::int64_t{a}) != 0);
+}
+
 template <class T>
 void shade_any(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw& draw,
                const FragmentBlock<T>& block, const TriangleGradients& gradients, Frame& frame,
                Counters& counters) {
   ShadeColumns<T> columns;
+  const WriteMask mask = write_mask(pipeline.state);
   const ShadeFormats formats{pipeline.texture, plan.formats.fog, pipeline.merge};
   const std::array<int, 2> textures{draw.texture, pipeline.state.texture1};
-  if (pipeline.has_lod && (textures[0] >= 0 || textures[1] >= 0)) {
-    colours_of_levels(pipeline, plan, formats, textures, block, gradients, frame, columns, counters);
+  if (!mask.color && kills_none(pipeline, plan, draw, block)) {
+    // As of a shadow map: depth alone is written.
+    std::fill_n(columns.word, block.size, 0);
+    counters.written += block.size;
   } else {
-    const BlockUnits<T> units{{BlockImages{image_of(plan.textures_of(0), textures[0])},
-                               BlockImages{image_of(plan.textures_of(1), textures[1])}}};
-    colours_any(pipeline, plan, formats, units, block, frame, columns, counters);
+    shade_units(pipeline, plan, formats, textures, block, gradients, frame, columns, counters);
   }
   if (is_late(pipeline.state.depth_when)) {
     const PixelTests tests{pipeline, draw.back, frame, counters};
@@ -839,7 +1033,6 @@ void shade_any(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw&
       --counters.written;
     }
   }
-  const WriteMask mask = write_mask(pipeline.state);
   if (mask.color) {
     for (std::size_t i = 0; i < block.size; ++i) {
       if (columns.word[i] < 0) continue;

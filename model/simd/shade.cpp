@@ -150,8 +150,9 @@ ImageAxis image_axis(std::int32_t size, TextureWrap wrap, bool pairs) {
   return {before, copies * size + before + after};
 }
 
-// stage: for its border and its reserved colour.
-ShadeTexture prepare_image(const TextureStage& stage, const TexelLookup& by, const Texture& source) {
+// stage: for its border and its reserved colour. compared: depth words of a texture that has some.
+ShadeTexture prepare_image(const TextureStage& stage, const TexelLookup& by, const Texture& source,
+                           bool compared) {
   ShadeTexture t;
   t.by = by;
   t.source = &source;
@@ -168,11 +169,16 @@ ShadeTexture prepare_image(const TextureStage& stage, const TexelLookup& by, con
     return static_cast<std::int32_t>(HWY_STATIC_DISPATCH(wrapped)(i, size, wrap));
   };
   t.opaque = t.never_killed = true;
+  const bool holds_depth = compared && source.format == TexelFormat::depth;
   for (std::int32_t y = 0; y < down.all; ++y) {
     const std::int32_t j = inside(y - t.border_v, t.height, by.wrap_v);
     std::uint32_t* out = t.words.data() + std::size_t(y) * std::size_t(t.stride);
     for (std::int32_t x = 0; x < t.stride; ++x) {
       const std::int32_t i = inside(x - t.border_u, t.width, by.wrap_u);
+      if (holds_depth) {
+        out[x] = static_cast<std::uint32_t>(depth_word(source, i, j));
+        continue;
+      }
       const bool outside = i < 0 || j < 0 || i >= t.width || j >= t.height;
       const TexelCodes p = outside ? stage.border : texel_of(source, i, j);
       out[x] = p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
@@ -264,7 +270,7 @@ namespace {
 void prepare_texture(const ShadePlan& plan, const Pipeline& pipeline, const Scene& scene, std::size_t index,
                      ShadeTextures& to) {
   ShadeTexture& image = to.whole[index];
-  image = prepare_image(plan.formats.texture, to.by, scene.textures[index]);
+  image = prepare_image(plan.formats.texture, to.by, scene.textures[index], to.compared);
   image.never_killed =
       !image.has_reserved && std::none_of(image.words.begin(), image.words.end() - 2,
                                           [&](std::uint32_t word) { return plan.alpha64[word >> 24] == 0; });
@@ -272,16 +278,17 @@ void prepare_texture(const ShadePlan& plan, const Pipeline& pipeline, const Scen
   const MipChain& chain = pipeline.mip_chains.all()[index];
   to.levels[index].clear();
   for (std::size_t k = 1; k < chain.size(); ++k) {
-    to.levels[index].push_back(prepare_image(plan.formats.texture, to.by, chain[k]));
+    to.levels[index].push_back(prepare_image(plan.formats.texture, to.by, chain[k], to.compared));
   }
 }
 
 // Returns the index of the textures that are looked up so, which are made where there are none.
-std::size_t textures_by(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene,
-                        const TexelLookup& by) {
-  const auto known = std::ranges::find(plan.textures, by, &ShadeTextures::by);
+std::size_t textures_by(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene, const TexelLookup& by,
+                        bool compared) {
+  const auto known = std::ranges::find_if(
+      plan.textures, [&](const ShadeTextures& t) { return t.by == by && t.compared == compared; });
   if (known == plan.textures.end()) {
-    ShadeTextures next{by, std::vector<ShadeTexture>(scene.textures.size()),
+    ShadeTextures next{by, compared, std::vector<ShadeTexture>(scene.textures.size()),
                        std::vector<std::vector<ShadeTexture>>(pipeline.mip_chains.all().size())};
     for (std::size_t i = 0; i < next.whole.size(); ++i) prepare_texture(plan, pipeline, scene, i, next);
     plan.textures.push_back(std::move(next));
@@ -310,6 +317,16 @@ void prepare_view(ShadePlan& plan, const Pipeline& pipeline, const Config& confi
 }
 
 }  // namespace
+
+bool holds_state(const ShadePlan& plan, const Pipeline& pipeline) {
+  if (pipeline.channels.any() && !pipeline.channels.fits_int64()) return false;
+  if (!pipeline.texture_second.is_on()) return plan.holds_any;
+  if (!plan.holds_second || !pipeline.project.is_on) return plan.holds_second;
+  // A border's texels are colours, which a comparison takes as they are.
+  const TexelLookup& by = pipeline.texture_second.fetch.lookup;
+  return pipeline.project.fits_lanes() &&
+         !(pipeline.texture_second.compares && (has_border_color(by.wrap_u) || has_border_color(by.wrap_v)));
+}
 
 ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Scene& scene) {
   ShadePlan plan;
@@ -348,12 +365,13 @@ void update_shade(ShadePlan& plan, const Pipeline& pipeline, const Config& confi
 }
 
 void select_textures(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene) {
-  const auto select = [&](std::size_t unit, const TextureStage& stage) {
-    plan.of_unit[unit] = textures_by(plan, pipeline, scene, stage.lookup);
-    plan.magnified_of_unit[unit] = textures_by(plan, pipeline, scene, stage.magnified);
+  const auto select = [&](std::size_t unit, const TextureStage& stage, bool compared) {
+    plan.of_unit[unit] = textures_by(plan, pipeline, scene, stage.lookup, compared);
+    plan.magnified_of_unit[unit] = textures_by(plan, pipeline, scene, stage.magnified, compared);
   };
-  select(0, pipeline.texture);
-  if (pipeline.texture_second.is_on()) select(1, pipeline.texture_second.fetch);
+  select(0, pipeline.texture, false);
+  const TextureSecondStage& second = pipeline.texture_second;
+  if (second.is_on()) select(1, second.fetch, second.compares);
 }
 
 void prepare_second_texture(ShadePlan& plan) {
@@ -378,18 +396,20 @@ std::int64_t constant_shade(const ShadePlan& plan, std::int64_t vertex) {
   return quantize(start(x, chain.span_offset, chain.span_acc), chain.span, NoObserve{});
 }
 
+std::int64_t alpha_of(const ShadePlan& plan, std::int64_t shade) {
+  const TextureStage& stage = plan.formats.texture;
+  // Mixes of equal alphas are that alpha.
+  const Exact one = value_of(plan.alpha64[255], stage.alpha);
+  return quantize(one * value_of(shade, stage.shade), stage.alpha, NoObserve{});
+}
+
 bool may_show_through(const ShadePlan& plan, int texture, std::int64_t a0, std::int64_t a1, std::int64_t a2) {
   if (a0 != a1 || a1 != a2) return true;
-  const TextureStage& stage = plan.formats.texture;
   if (texture >= 0) {
     const ShadeTexture& image = plan.textures_of(0).whole[static_cast<std::size_t>(texture)];
     if (!image.opaque || !image.never_killed) return true;
   }
-  // Mixes of equal alphas are that alpha.
-  const Exact one = value_of(plan.alpha64[255], stage.alpha);
-  const std::int64_t a =
-      quantize(one * value_of(constant_shade(plan, a0), stage.shade), stage.alpha, NoObserve{});
-  return a < HWY_STATIC_DISPATCH(opaque_alpha)(plan.formats.merge);
+  return alpha_of(plan, constant_shade(plan, a0)) < HWY_STATIC_DISPATCH(opaque_alpha)(plan.formats.merge);
 }
 
 template <>

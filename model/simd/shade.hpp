@@ -52,9 +52,11 @@ struct ShadeTexture {
   std::vector<std::uint32_t> words;  // padded by two words
 };
 
-// The textures of a scene for one way of looking texels up.
+// The textures of a scene for one way of looking texels up. compared: depth words for those of the format
+// depth, in the place of colours.
 struct ShadeTextures {
   TexelLookup by;
+  bool compared = false;
   std::vector<ShadeTexture> whole;                // by the scene's numbers
   std::vector<std::vector<ShadeTexture>> levels;  // of each, from level 1 on; empty without mip chains
 };
@@ -94,6 +96,8 @@ struct ShadePlan {
     Register vertex, edge_acc, edge, span_acc, span;
   } chain;
 };
+// Whether the pipeline's draw state is in lanes, as far as the plan says it.
+bool holds_state(const ShadePlan& plan, const Pipeline& pipeline);
 // Whether every register of the three stages rounds by adding a constant, and saturates.
 bool branch_free_shade(const ShadeFormats& formats);
 ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Scene& scene);
@@ -108,6 +112,10 @@ void prepare_second_texture(ShadePlan& plan);
 // The value of a colour or alpha channel on every fragment of a triangle whose vertices all have it as
 // `vertex` (raw, setup.shade): raw, span.shade.
 std::int64_t constant_shade(const ShadePlan& plan, std::int64_t vertex);
+
+// The alpha of a fragment whose texels are opaque, where its own is `shade`: raw, texture.alpha and
+// span.shade.
+std::int64_t alpha_of(const ShadePlan& plan, std::int64_t shade);
 
 // False only where every fragment of a triangle is opaque and none can be killed. a0, a1, a2: the vertices'
 // alphas, raw, setup.shade; texture: -1 for none.

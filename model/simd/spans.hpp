@@ -55,6 +55,7 @@ struct SpanWork {
   alignas(64) std::int64_t v1[FragmentBlock<T>::padded];
   Ramps ramps;
   std::array<std::vector<std::int64_t>, 7> values;  // registers of a span that are no ramp, one per pixel
+  PerChannel<std::vector<std::int64_t>> channel_values;  // the same of channels
   Columns<FragmentRecord> fragments{0};
   Columns<DepthRecord> depths{0};
 };
@@ -65,9 +66,10 @@ struct SpanKernels {
   // index, first_index the one of draws[0]. Counts fragments, covered, depth_passed, divides_pixel.
   void (*draw)(const Pipeline&, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
                std::int64_t first_index, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&) = nullptr;
-  // The same in any draw state, of formats read at run time. No draw is shared.
-  // Counts masked and stencil_failed, too; where the tests are late, they are the sink's.
-  void (*draw_any)(const Pipeline&, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
+  // The same in any draw state, of formats read at run time, and with channels: those in use, span by span.
+  // No draw is shared. Counts masked and stencil_failed, too; where the tests are late, they are the sink's.
+  void (*draw_any)(const Pipeline&, const Columns<SpanRecord>& spans,
+                   std::span<const SpanChannelRecord> channels, std::span<const SpanDraw> draws,
                    std::int64_t first_index, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&) = nullptr;
   // The first one for every fragment, passed or not, with its records, or with observers at every register.
   void (*draw_traced)(const Pipeline&, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,

@@ -118,8 +118,9 @@ void append(Columns<SpanRecord>& spans, const SpanRecord& span) {
 
 // The scalar stages, where lanes have no room.
 template <class Watch>
-std::size_t one_by_one(const Pipeline& pipeline, const TriangleRows& from, Columns<SpanRecord>& spans,
-                       Counters& counters, Trace* trace, Watch watch) {
+std::size_t one_by_one(const Pipeline& pipeline, const TriangleRows& from, TriangleBatch& batch,
+                       Columns<SpanRecord>& spans, Counters& counters, Trace* trace, Watch watch) {
+  const auto in_use = static_cast<std::ptrdiff_t>(pipeline.channels.in_use.size());
   Rows rows;
   PlaneWalkState walk;
   Counters elsewhere;
@@ -137,6 +138,9 @@ std::size_t one_by_one(const Pipeline& pipeline, const TriangleRows& from, Colum
       const SpanRecord span = row_to_span(pipeline, rows, i, counters, watch);
       append(spans, span);
       if (trace != nullptr) trace->span.push_back(span);
+      if (in_use == 0) continue;
+      const SpanChannels channels = row_to_channels(pipeline, rows, i, span, counters, nullptr, watch);
+      batch.channels.insert(batch.channels.end(), channels.record.begin(), channels.record.begin() + in_use);
     }
   }
   return at;
@@ -144,7 +148,9 @@ std::size_t one_by_one(const Pipeline& pipeline, const TriangleRows& from, Colum
 
 std::size_t to_spans(const Pipeline& pipeline, const TriangleRows& from, TriangleBatch& batch,
                      Columns<SpanRecord>& spans, Counters& counters, Trace* trace) {
-  if (!triangles_in_lanes(pipeline)) return one_by_one(pipeline, from, spans, counters, trace, NoObserve{});
+  if (!triangles_in_lanes(pipeline)) {
+    return one_by_one(pipeline, from, batch, spans, counters, trace, NoObserve{});
+  }
   return all_branch_free(pipeline)
              ? in_lanes(pipeline, from, batch, spans, counters, trace, Unwatched<BranchFree>{})
              : in_lanes(pipeline, from, batch, spans, counters, trace, Unwatched<NoObserve>{});
@@ -154,7 +160,7 @@ std::size_t to_spans_observed(const Pipeline& pipeline, const TriangleRows& from
                               Columns<SpanRecord>& spans, Counters& counters, Trace* trace,
                               Statistics& statistics) {
   if (!triangles_in_lanes(pipeline)) {
-    return one_by_one(pipeline, from, spans, counters, trace, Observe{&statistics});
+    return one_by_one(pipeline, from, batch, spans, counters, trace, Observe{&statistics});
   }
   LaneStatistics lane_statistics;
   const std::size_t done =

@@ -30,6 +30,9 @@ ChannelForm form_of_channel(const Config& config, int number) {
   f.value = reg(line.row.kept);
   f.edge_offset = offset_value(config, line.edge);
   f.row_offset = offset_value(config, line.row);
+  f.along_row = make_adder(f.acc, f.step);
+  f.fits_int64 = f.along_row.fits_int64 &&
+                 fits_int64(aligned(signed_grid(config.format(line.row.acc)), f.value.fraction + 1));
   return f;
 }
 

@@ -3,6 +3,7 @@
 // the record of that stage that it belongs to. docs/numeric-spec.md, "Channels" (F4).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "config/config.hpp"
 #include "config/lines.hpp"
 #include "engine/records.hpp"
+#include "model/numeric/adder.hpp"
 #include "model/numeric/quantize.hpp"
 #include "model/numeric/reciprocal.hpp"
 #include "model/stages/constants.hpp"
@@ -27,6 +29,8 @@ struct ChannelForm {
   bool homogeneous = false;
   Register vertex, walked, edge_step, edge_acc, edge, gradient, step, acc, value;
   Exact edge_offset, row_offset;
+  Adder along_row;          // acc and step
+  bool fits_int64 = false;  // what a fragment takes does, also on the grid of value
 };
 
 struct ChannelStage {
@@ -41,6 +45,7 @@ struct ChannelStage {
   int projector_exponent = 0;  // X, Y and W are divided by 2^this
 
   bool any() const { return !in_use.empty(); }
+  bool fits_int64() const { return std::ranges::all_of(in_use, &ChannelForm::fits_int64); }
   int size() const { return static_cast<int>(in_use.size()); }
 };
 ChannelStage prepare_channels(const Config& config, const Constants& constants, const Scene& scene);

@@ -38,6 +38,15 @@ void set_texture_second(TextureSecondStage& stage, const DrawState& state, const
   stage.constant = {state.texture1_red, state.texture1_green, state.texture1_blue};
 }
 
+TexelTest comparison(const TextureSecondStage& stage, std::int64_t z) {
+  if (!stage.compares) return {};
+  const auto& [r, g, b] = stage.constant;
+  return {.depth = &stage.depth,
+          .func = stage.func,
+          .z = std::clamp<std::int64_t>(z + stage.bias, 0, stage.depth.zmax),
+          .failed = r | g << 8 | b << 16 | std::int64_t{255} << 24};
+}
+
 std::int64_t second_lambda(const TextureSecondStage& stage, std::int64_t lambda) {
   if (stage.more_bias.raw == 0) return lambda;
   return quantize(value_of(lambda, stage.lambda) + stage.more_bias, stage.lambda, NoObserve{});
@@ -59,10 +68,8 @@ namespace {
 template <class Watch>
 Sampled found_outside(const TextureSecondStage& stage, Watch watch) {
   Sampled out;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const std::int64_t code = stage.dark_outside ? stage.constant[c] : 255;
-    out.texel[c] = quantize(code, 0, stage.fetch.mix, watch);
-  }
+  const std::array<std::int64_t, 3> codes = codes_outside(stage);
+  for (std::size_t c = 0; c < 3; ++c) out.texel[c] = quantize(codes[c], 0, stage.fetch.mix, watch);
   out.texel[3] = quantize(std::int64_t{1}, 0, stage.fetch.alpha, watch);
   return out;
 }
@@ -74,16 +81,8 @@ Sampled found_within(const TextureSecondStage& stage, const FragmentRecord& frag
   FragmentRecord at = fragment;
   at.u = projected.s;
   at.v = projected.t;
-  TexelTest test;
-  if (stage.compares) {
-    const auto& [r, g, b] = stage.constant;
-    test = {.depth = &stage.depth,
-            .func = stage.func,
-            .z = std::clamp<std::int64_t>(projected.z + stage.bias, 0, stage.depth.zmax),
-            .failed = r | g << 8 | b << 16 | std::int64_t{255} << 24};
-  }
   // Level 0 of a chain is the texture itself.
-  return sample(stage.fetch, *stage.image, nullptr, at, {}, watch, test);
+  return sample(stage.fetch, *stage.image, nullptr, at, {}, watch, comparison(stage, projected.z));
 }
 
 }  // namespace

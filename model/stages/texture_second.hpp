@@ -33,6 +33,15 @@ TextureSecondStage prepare_texture_second(const Config& config);
 // image: texture1's, null where the unit is off.
 void set_texture_second(TextureSecondStage& stage, const DrawState& state, const Texture* image);
 
+// The comparison with a projector's depth code, in the place of texels where the unit compares; its code is z
+// with the bias.
+TexelTest comparison(const TextureSecondStage& stage, std::int64_t z);
+
+// What a fragment finds that lies outside of a projected texture.
+constexpr std::array<std::int64_t, 3> codes_outside(const TextureSecondStage& stage) {
+  return stage.dark_outside ? stage.constant : std::array<std::int64_t, 3>{255, 255, 255};
+}
+
 // This unit's level of detail from the first one's, both raw.
 std::int64_t second_lambda(const TextureSecondStage& stage, std::int64_t lambda);
 // lod's record with this unit's level of detail, and its level and fraction in a chain of so many levels;

@@ -62,7 +62,7 @@ struct ProjectCase {
     b = std::max<std::int64_t>(1, drawn(FormatId::setup_b));
     a = drawn(FormatId::distance_a);
     far_b = drawn(FormatId::setup_b);
-    stage.b = exact(b, FormatId::setup_b);
+    stage.q.b = model::on_grid(exact(b, FormatId::setup_b), stage.q.fraction);
     stage.a = exact(a, FormatId::distance_a);
     stage.projector_b = exact(far_b, FormatId::setup_b);
     stage.has_projector = has_projector;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "config/check.hpp"
 #include "config/modes.hpp"
 #include "model/engine_model.hpp"
 #include "model/simd/engine_vector.hpp"
@@ -297,6 +298,45 @@ TEST(Forms, TheSecondTexture) {
     }
   }
   EXPECT_GT(written, 100000U);
+}
+
+// What the draw states of a projected texture and channels make of a scene: slides and shadow maps, of
+// colours and of depth codes, through every rounding, level and filter; vertex fog as a channel beside them.
+TEST(Forms, Projections) {
+  const std::vector<Config> bases = shipped_configs();
+  std::uint64_t written = 0;
+  int in_lanes = 0;
+  for (std::uint64_t seed = 1; seed <= 120; ++seed) {
+    Random random(seed);
+    Config c = seed % 2 == 0 ? random_config(seed, bases) : bases[seed / 2 % bases.size()];
+    c.project = ProjectUnit::reciprocal;
+    c.filter = random.chance(0.5) ? TextureFilter::bilinear : TextureFilter::nearest;
+    if (random.chance(0.3)) c.fog = FogMode::vertex;
+    if (seed % 3 == 0) {
+      c.lod = LodMode::gradient;
+      c.mip = random.chance(0.5) ? MipMode::linear : MipMode::nearest;
+    }
+    if (first_violation(c) || vector_refusal(c) != nullptr) continue;
+    RandomOptions options = scenes_of_states();
+    options.second_texture = true;
+    options.command_probability = random.chance(0.5) ? 0.2 : 0;
+    Scene scene = random_scene(seed, options);
+    if (random.chance(0.3)) draw_pass(random, scene);
+    draw_projection(random, scene);
+    for (Texture& texture : scene.textures) {
+      if (seed % 4 == 0) break;
+      texture.format = TexelFormat::depth;
+      texture.rgba.clear();
+      texture.raw.resize(raw_size(texture.format, texture.width, texture.height));
+      for (std::uint8_t& byte : texture.raw) byte = static_cast<std::uint8_t>(random.integer(0, 255));
+    }
+    written += compare_forms(c, scene, "projections of seed " + std::to_string(seed));
+    if (HasFailure()) return;
+    const Pipeline pipeline = make_pipeline(c, scene);
+    in_lanes += holds_state(prepare_shade(pipeline, c, scene), pipeline) ? 1 : 0;
+  }
+  EXPECT_GT(written, 100000U);
+  EXPECT_GT(in_lanes, 50);
 }
 
 // A second scene with other textures has levels of its own.

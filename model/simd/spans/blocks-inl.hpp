@@ -123,6 +123,18 @@ class Filler {
     }
     block_.size += n;
   }
+  // The channels of the same fragments, in front of put.
+  HWY_INLINE void put_channels(const PerChannel<Sequence>& s, const std::int32_t* index, std::size_t n) {
+    for (std::size_t c = 0; c < pipeline_.channels.in_use.size(); ++c) {
+      const ChannelForm& form = pipeline_.channels.in_use[c];
+      for (std::size_t k = 0; k < n; k += Lanes::count) {
+        const Lanes place = widened(hn::LoadU(Half(), index + k));
+        const Lanes value = quantize(at(s[c], place), form.acc.fraction, form.value, NoObserve{});
+        value.store(block_.channel[c] + block_.size + k);
+        if (form.line == LineId::fog) store_as(block_.fog_factor + block_.size + k, value);
+      }
+    }
+  }
   FragmentBlock<T>& block() { return block_; }
   bool shared() const { return draw_.shared; }
 

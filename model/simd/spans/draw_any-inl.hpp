@@ -61,7 +61,8 @@ inline std::size_t keep_passing(const DepthStage& stage, const std::uint32_t* st
 }
 
 template <class T>
-void draw_any(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
+void draw_any(const Pipeline& pipeline, const Columns<SpanRecord>& spans,
+              std::span<const SpanChannelRecord> channels, std::span<const SpanDraw> draws,
               std::int64_t first_index, SpanWork<T>& work, Frame& frame, Counters& counters,
               BlockSink<T>& sink) {
   using Watch = std::conditional_t<sizeof(T) == 4, BranchFree, NoObserve>;
@@ -70,7 +71,9 @@ void draw_any(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::s
   PixelTests tests{pipeline, false, frame, counters};
   const bool late = is_late(pipeline.state.depth_when);
   std::uint64_t fragments = 0;
+  const std::size_t in_use = pipeline.channels.in_use.size();
   Sequences s;
+  PerChannel<Sequence> of_channels;
   HWY_ALIGN std::int32_t places[block_size + column_slack];
   HWY_ALIGN std::int32_t codes[block_size + column_slack];
   for (std::size_t i = 0; i < spans.size; ++i) {
@@ -85,6 +88,8 @@ void draw_any(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::s
     // Gives another triangle's block away: from here on a pixel may repeat.
     filler.join(draw, triangle);
     registers_of(pipeline.span, spans, i, work, s);
+    channels_of(pipeline.channels, channels.subspan(i * in_use, in_use), count, work.channel_values,
+                of_channels);
     for (std::size_t from = 0; from < count; from += block_size) {
       const std::size_t to = std::min(count, from + block_size);
       depth_words<Watch>(pipeline.depth, s[0], draw.log2_dz, from, to, codes);
@@ -109,6 +114,7 @@ void draw_any(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::s
       Lanes32(0).store(places + n);  // vectors look past the end
       filler.need(n);
       std::memcpy(filler.block().z + filler.block().size, codes, n * sizeof(std::int32_t));
+      filler.put_channels(of_channels, places, n);
       filler.put(s, spans[&SpanRecord::u1][i], spans[&SpanRecord::v1][i], first_pixel, places, n);
     }
   }

@@ -31,6 +31,8 @@ const Adder& adder_of(const SpanFormats& f, std::size_t i) {
   return i == 0 ? f.h : i < 3 ? f.f : f.shade_acc;
 }
 
+constexpr int most_ramp_bits = 20;  // of a span's length
+
 // Every span's increments, and whether all of its registers are ramps.
 template <const SpanFormats* fixed>
 void find_ramps(const SpanFormats& given, const Columns<SpanRecord>& spans, Ramps& out) {
@@ -41,13 +43,12 @@ void find_ramps(const SpanFormats& given, const Columns<SpanRecord>& spans, Ramp
     out.linear.resize(padded);
     for (auto& column : out.increment) column.resize(padded);
   }
-  constexpr int steps_bits = 20;  // of a span's length
   for (std::size_t i = 0; i < spans.size; i += Lanes::count) {
     const Lanes last = Lanes::load(spans[&SpanRecord::count] + i) - Lanes(1);
-    Lanes::Mask linear = last < Lanes(std::int64_t{1} << steps_bits);
+    Lanes::Mask linear = last < Lanes(std::int64_t{1} << most_ramp_bits);
     for (std::size_t k = 0; k < registers; ++k) {
       const RampLanes ramp = make_ramp(adder_of(f, k), Lanes::load(spans[starts[k]] + i),
-                                       Lanes::load(spans[steps[k]] + i), last, steps_bits);
+                                       Lanes::load(spans[steps[k]] + i), last, most_ramp_bits);
       linear = linear & ramp.linear;
       ramp.increment.store(out.increment[k].data() + i);
     }
@@ -69,25 +70,27 @@ HWY_INLINE Lanes at(const Sequence& s, Lanes index) {
 using Sequences = std::array<Sequence, registers>;
 HWY_INLINE bool is_ramp(const Sequence& s) { return s.values == nullptr; }
 
-// One by one, as the scalar stage does it.
+// One by one, as the scalar stage does it; the values lie in `values`, past the end too, where vectors look.
+template <class Watch>
+Sequence walked(const Adder& adder, bool fits_int64, std::int64_t start, std::int64_t step, std::size_t count,
+                std::vector<std::int64_t>& values, Watch watch) {
+  if (values.size() < count + column_slack) values.resize(count + column_slack);
+  std::int64_t value = start;
+  for (std::size_t n = 0; n + 1 < count; ++n) {
+    values[n] = value;
+    value = fits_int64 ? accumulated<std::int64_t>(value, step, adder, watch)
+                       : accumulated<int128>(value, step, adder, watch);
+  }
+  std::fill_n(values.begin() + static_cast<std::ptrdiff_t>(count) - 1, column_slack + 1, value);
+  return {0, 0, values.data()};
+}
 template <class T, class Watch>
 HWY_NOINLINE void walk_registers(const SpanStage& stage, const Columns<SpanRecord>& spans, std::size_t i,
                                  SpanWork<T>& work, Sequences& out, Watch watch) {
   const auto count = static_cast<std::size_t>(spans[&SpanRecord::count][i]);
   for (std::size_t k = 0; k < registers; ++k) {
-    std::vector<std::int64_t>& values = work.values[k];
-    if (values.size() < count + column_slack) values.resize(count + column_slack);
-    const Adder& adder = adder_of(stage.formats, k);
-    const std::int64_t step = spans[steps[k]][i];
-    std::int64_t value = spans[starts[k]][i];
-    for (std::size_t n = 0; n + 1 < count; ++n) {
-      values[n] = value;
-      value = stage.fits_int64 ? accumulated<std::int64_t>(value, step, adder, watch)
-                               : accumulated<int128>(value, step, adder, watch);
-    }
-    // Past the end too, where vectors look.
-    std::fill_n(values.begin() + static_cast<std::ptrdiff_t>(count) - 1, column_slack + 1, value);
-    out[k] = {0, 0, values.data()};
+    out[k] = walked(adder_of(stage.formats, k), stage.fits_int64, spans[starts[k]][i], spans[steps[k]][i],
+                    count, work.values[k], watch);
   }
 }
 
@@ -100,6 +103,21 @@ HWY_INLINE void registers_of(const SpanStage& stage, const Columns<SpanRecord>& 
   }
   for (std::size_t k = 0; k < registers; ++k)
     out[k] = {spans[starts[k]][i], work.ramps.increment[k][i], nullptr};
+}
+
+// The channels of a span of so many fragments, whose forms fit int64.
+HWY_INLINE void channels_of(const ChannelStage& stage, std::span<const SpanChannelRecord> span,
+                            std::size_t count, PerChannel<std::vector<std::int64_t>>& values,
+                            PerChannel<Sequence>& out) {
+  for (std::size_t c = 0; c < span.size(); ++c) {
+    const Adder& adder = stage.in_use[c].along_row;
+    const auto last = static_cast<std::int64_t>(count) - 1;
+    const RampLanes ramp =
+        make_ramp(adder, Lanes(span[c].w), Lanes(span[c].w_step0), Lanes(last), most_ramp_bits);
+    out[c] = last < std::int64_t{1} << most_ramp_bits && all(ramp.linear)
+                 ? Sequence{span[c].w, lane(ramp.increment, 0), nullptr}
+                 : walked(adder, true, span[c].w, span[c].w_step0, count, values[c], NoObserve{});
+  }
 }
 
 }  // namespace
