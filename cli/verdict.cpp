@@ -15,7 +15,9 @@
 #include "config/modes.hpp"
 #include "engine/stages.hpp"
 #include "report/metrics.hpp"
+#include "report/shadow_plan.hpp"
 #include "report/table.hpp"
+#include "study/bounds/bounds.hpp"
 
 namespace bitspan {
 
@@ -149,17 +151,35 @@ void judge_emptiness(SceneVerdict& v, const VerifyOptions& options) {
   }
 }
 
+VisibilityReport shadows_of(const ShadowPlan& plan, std::span<const Visible> picture,
+                            const VisibilityReport& seen, std::string_view engine,
+                            const VerifyOptions& options, const Config& config) {
+  const std::unique_ptr<Engine> masked = make_engine(std::string(engine), config, options.engine);
+  masked->begin(plan.mask);
+  draw_scene(*masked, plan.mask, 0, plan.mask.triangles.size(), nullptr);
+  return compare_shadows(config, plan, stored_depth_bounds(config, map_scene(plan)), picture, seen,
+                         masked->frame());
+}
+
 void compare_oracles(const VerifyOptions& options, const Scene& scene, const Engine& engine,
                      SceneVerdict& v) {
   if (options.oracles.empty()) return;
   std::string why;
-  const std::optional<Visibility> visibility = visibility_of(v.config, scene, why);
+  const std::optional<ShadowPlan> plan = shadow_plan_of(v.config, scene);
+  const Scene& shown = plan ? plan->picture : scene;
+  const Frame frame = plan ? frame_of_picture(*plan, engine.frame()) : engine.frame();
+  const std::optional<Visibility> visibility = visibility_of(v.config, shown, why);
   for (const Oracle* oracle : options.oracles) {
-    if (visibility) why = own_refusal(*oracle, v.config, scene);
+    if (visibility) why = own_refusal(*oracle, v.config, shown);
     if (why.empty()) {
-      v.oracles.push_back(
-          visibility->compare(*oracle, visibility->picture(*oracle), engine.frame(), engine.name()));
-      if (v.oracles.back().compared() != 0 || v.counters.covered == 0) continue;
+      const std::vector<Visible> picture = visibility->picture(*oracle);
+      v.oracles.push_back(visibility->compare(*oracle, picture, frame, engine.name()));
+      if (v.oracles.back().compared() != 0 || v.counters.covered == 0) {
+        if (plan && oracle->has_shadows) {
+          v.oracles.push_back(shadows_of(*plan, picture, v.oracles.back(), engine.name(), options, v.config));
+        }
+        continue;
+      }
       why = "at each pixel a triangle may be seen whose fragments may be killed";
       v.oracles.pop_back();
     }
@@ -616,6 +636,7 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
                                   {"truth", oracle.is_truth},
                                   {"equal", oracle.equal},
                                   {"ties", oracle.ties},
+                                  {"edges", oracle.edges},
                                   {"unexplained", oracle.unexplained},
                                   {"left_out", oracle.left_out},
                                   {"background", oracle.background},

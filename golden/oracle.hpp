@@ -40,6 +40,8 @@ struct Oracle {
   std::string_view meaning;  // a line of help
   // False: its wrong pixels are counted, and no such pixel is a failure.
   bool is_truth = true;
+  // Its pictures of scenes with a shadow map are compared with rays from the light as well.
+  bool has_shadows = false;
   // Why it does not draw a scene, beside what no oracle draws; empty where it does. Null: it draws all.
   std::string (*refuses)(const Config& config, const Scene& scene) = nullptr;
   // Returns height * width pixels, rows from the top. Of faces that are exactly as far, the one of the least

@@ -111,6 +111,8 @@ std::string pixel_text(const PixelFinding& found) {
       return "equal";
     case PixelVerdict::tie:
       return "a tie that the bounds predict";
+    case PixelVerdict::edge:
+      return "at a shadow's edge";
     case PixelVerdict::unexplained:
       return "unexplained: " + found.why;
     case PixelVerdict::left_out:
@@ -123,8 +125,33 @@ std::string visibility_text(const VisibilityReport& r) {
   std::string out = fmt::format("{} against {}: {} pixels equal, {} ties that the bounds predict, {} {}",
                                 r.oracle, r.engine, r.equal, r.ties, r.unexplained,
                                 r.is_truth ? "unexplained" : "wrong, as this algorithm may be");
-  if (r.left_out != 0) out += fmt::format("; {} left out, whose fragments may be killed", r.left_out);
+  if (r.edges != 0) out += fmt::format("; {} at a shadow's edge", r.edges);
+  if (r.left_out != 0) out += fmt::format("; {} left out, {}", r.left_out, r.left_out_as);
   return out;
+}
+
+void VisibilityReport::add(PixelFinding found) {
+  pixels.push_back(found.verdict);
+  switch (found.verdict) {
+    case PixelVerdict::background:
+      ++background;
+      break;
+    case PixelVerdict::equal:
+      ++equal;
+      break;
+    case PixelVerdict::tie:
+      ++ties;
+      break;
+    case PixelVerdict::edge:
+      ++edges;
+      break;
+    case PixelVerdict::unexplained:
+      if (++unexplained == 1) first = std::move(found.why);
+      break;
+    case PixelVerdict::left_out:
+      ++left_out;
+      break;
+  }
 }
 
 void write_visibility_map(const std::string& path, const VisibilityReport& report) {
@@ -135,6 +162,7 @@ void write_visibility_map(const std::string& path, const VisibilityReport& repor
         values.push_back(0);
         break;
       case PixelVerdict::tie:
+      case PixelVerdict::edge:
         values.push_back(1);
         break;
       case PixelVerdict::unexplained:
@@ -175,18 +203,26 @@ std::string visibility_refusal(const Config& config, const Scene& scene) {
   return "";
 }
 
+std::vector<bool> vanishing_triangles(const Config& config, const Scene& scene,
+                                      std::span<const Triangle> triangles) {
+  const std::vector<bool> opaque = opaque_textures(config, scene);
+  std::vector<bool> out;
+  for (const Triangle& triangle : triangles) {
+    bool vanishes = triangle.texture >= 0 && !opaque[static_cast<std::size_t>(triangle.texture)];
+    for (const Vertex& v : triangle.v) vanishes = vanishes || v.c[3] != 1;
+    out.push_back(vanishes);
+  }
+  return out;
+}
+
 Visibility::Visibility(const Config& config, const Scene& scene, std::vector<double> bounds)
     : config_(config), scene_(&scene), bounds_(std::move(bounds)) {
   if (bounds_.size() != scene.triangles.size())
     throw std::invalid_argument("Visibility: a bound per triangle");
-  const std::vector<bool> opaque = opaque_textures(config, scene);
+  const std::vector<bool> vanishes = vanishing_triangles(config, scene, scene.triangles);
   for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
-    const Triangle& triangle = scene.triangles[i];
-    const auto shape = ideal_triangle(config, triangle);
-    if (!shape) continue;
-    bool vanishes = triangle.texture >= 0 && !opaque[static_cast<std::size_t>(triangle.texture)];
-    for (const Vertex& v : triangle.v) vanishes = vanishes || v.c[3] != 1;
-    (vanishes ? vanishing_ : faces_).push_back({static_cast<std::int32_t>(i), *shape});
+    const auto shape = ideal_triangle(config, scene.triangles[i]);
+    if (shape) (vanishes[i] ? vanishing_ : faces_).push_back({static_cast<std::int32_t>(i), *shape});
   }
 }
 
@@ -289,31 +325,9 @@ VisibilityReport Visibility::compare(const Oracle& oracle, std::span<const Visib
   }
   const std::vector<bool> doubt = doubtful(picture);
   for (std::size_t i = 0; i < picture.size(); ++i) {
-    if (doubt[i]) {
-      ++out.left_out;
-      out.pixels.push_back(PixelVerdict::left_out);
-      continue;
-    }
     const auto x = static_cast<std::int64_t>(i) % frame.width;
     const auto y = static_cast<std::int64_t>(i) / frame.width;
-    PixelFinding found = judge(oracle, picture[i], frame, engine, x, y);
-    out.pixels.push_back(found.verdict);
-    switch (found.verdict) {
-      case PixelVerdict::background:
-        ++out.background;
-        break;
-      case PixelVerdict::equal:
-        ++out.equal;
-        break;
-      case PixelVerdict::tie:
-        ++out.ties;
-        break;
-      case PixelVerdict::unexplained:
-        if (++out.unexplained == 1) out.first = std::move(found.why);
-        break;
-      case PixelVerdict::left_out:
-        break;
-    }
+    out.add(doubt[i] ? PixelFinding{PixelVerdict::left_out} : judge(oracle, picture[i], frame, engine, x, y));
   }
   return out;
 }

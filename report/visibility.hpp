@@ -26,25 +26,30 @@ enum class PixelVerdict : std::uint8_t {
   background,   // neither shows a triangle
   equal,        // both show the same one, at a depth within its bound
   tie,          // they show two whose order the bounds leave open
+  edge,         // of shadows: within reach of one's edge, or as near to what shades it as registers tell
   unexplained,  // anything else
   left_out      // a triangle may be seen there whose fragments may be killed
+};
+
+// What a pixel is found to be, and why it is unexplained.
+struct PixelFinding {
+  PixelVerdict verdict = PixelVerdict::background;
+  std::string why{};
 };
 
 struct VisibilityReport {
   std::string oracle, engine;
   bool is_truth = true;
   int width = 0, height = 0;
-  std::uint64_t background = 0, equal = 0, ties = 0, unexplained = 0, left_out = 0;
+  std::uint64_t background = 0, equal = 0, ties = 0, edges = 0, unexplained = 0, left_out = 0;
+  std::string_view left_out_as = "whose fragments may be killed";
   std::string first;  // the first unexplained pixel, in one line; empty without one
   std::vector<PixelVerdict> pixels;
 
-  std::uint64_t compared() const { return equal + ties + unexplained; }
+  std::uint64_t compared() const { return equal + ties + edges + unexplained; }
+  // The next pixel's.
+  void add(PixelFinding found);
   bool held() const { return !is_truth || unexplained == 0; }
-};
-// What a pixel is found to be, and why it is unexplained.
-struct PixelFinding {
-  PixelVerdict verdict = PixelVerdict::background;
-  std::string why{};
 };
 std::string pixel_text(const PixelFinding& found);
 // "half_planes against golden: 812 pixels equal, 3 ties that the bounds predict, 0 unexplained".
@@ -56,6 +61,10 @@ void write_visibility_map(const std::string& path, const VisibilityReport& repor
 // at each pixel is a matter of the nearest depth alone, but for fragments that are killed. Throws InputError
 // where the scene's commands are not legal.
 std::string visibility_refusal(const Config& config, const Scene& scene);
+
+// Of some triangles with the scene's textures: whether fragments of each may be killed.
+std::vector<bool> vanishing_triangles(const Config& config, const Scene& scene,
+                                      std::span<const Triangle> triangles);
 
 // A scene, as oracles and engines are compared over it.
 class Visibility {

@@ -306,7 +306,10 @@ std::vector<Visible> by_rays(const OracleInput& input) {
 }
 
 const RegisterOracle ray{
-    {.name = "ray", .meaning = "the first triangle that a ray from the eye meets", .visible = by_rays}};
+    {.name = "ray",
+     .meaning = "the first triangle that a ray from the eye meets; shadows by rays from the light",
+     .has_shadows = true,
+     .visible = by_rays}};
 
 }  // namespace
 

@@ -477,6 +477,13 @@ TEST_F(Cli, AnySceneHasShadows) {
       EXPECT_NE(folder.read("a.png"), folder.read("plain.png")) << scene;
     }
   }
+  // Rays judge it, and find what a bias of 0 does.
+  const std::string judge = "verify demo --size 96x72 --engines model --oracles ray" + light;
+  const Result judged = run(judge + "-12,16,-2,0,2,-26,60 --json j.json");
+  EXPECT_EQ(judged.code, 0) << judged.out << judged.err;
+  EXPECT_NE(judged.out.find("oracle ray_shadows against model: "), std::string::npos) << judged.out;
+  EXPECT_NE(folder.read("j.json").find("\"edges\""), std::string::npos);
+  EXPECT_EQ(run(judge + "-12,16,-2,0,2,-26,60 --shadow-bias 0").code, 1);
   // The unit in RTL.
   const Result unit = run("config emit-sv c.toml --part project --rtl unit");
   EXPECT_EQ(unit.code, 0) << unit.err;
