@@ -231,21 +231,33 @@ OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const
   OracleWords out;
   if (oracles.empty()) return out;
   std::string why;
-  const std::optional<Visibility> visibility = visibility_of(config, scene, why);
+  const std::optional<ShadowPlan> plan = shadow_plan_of(config, scene);
+  const Scene& shown = plan ? plan->picture : scene;
+  const Frame of_shown = plan ? frame_of_picture(*plan, frame) : frame;
+  const std::optional<Visibility> visibility = visibility_of(config, shown, why);
+  const auto at = static_cast<std::size_t>(o.y * shown.width + o.x);
+  const auto tell = [&](const Oracle& oracle, std::string_view what, const PixelFinding& found) {
+    out.lines.push_back(
+        fmt::format("oracle {}{} against {}: {}", oracle.name, what, engine, pixel_text(found)));
+    if (oracle.is_truth && found.verdict == PixelVerdict::unexplained) out.held = false;
+  };
   for (const Oracle* oracle : oracles) {
-    if (visibility) why = own_refusal(*oracle, config, scene);
+    if (visibility) why = own_refusal(*oracle, config, shown);
     if (!why.empty()) {
       out.lines.push_back(fmt::format("oracle {} left out: {}", oracle->name, why));
       out.left_out = true;
       continue;
     }
     const std::vector<Visible> picture = visibility->picture(*oracle);
-    const Visible& seen = picture[static_cast<std::size_t>(o.y * scene.width + o.x)];
-    rows.push_back({std::string(oracle->name), fmt::format("{}", seen.triangle),
+    const Visible& seen = picture[at];
+    const std::int64_t triangle =
+        seen.triangle < 0 || !plan ? seen.triangle : seen.triangle + static_cast<std::int64_t>(plan->first);
+    rows.push_back({std::string(oracle->name), fmt::format("{}", triangle),
                     fmt::format("h {:.10g}", visibility->depth_of(seen)), "-", "-", "-", "-", "-"});
-    const PixelFinding found = visibility->at(*oracle, picture, frame, engine, o.x, o.y);
-    out.lines.push_back(fmt::format("oracle {} against {}: {}", oracle->name, engine, pixel_text(found)));
-    if (oracle->is_truth && found.verdict == PixelVerdict::unexplained) out.held = false;
+    tell(*oracle, "", visibility->at(*oracle, picture, of_shown, engine, o.x, o.y));
+    if (!plan || !oracle->has_shadows) continue;
+    const VisibilityReport report = visibility->compare(*oracle, picture, of_shown, engine);
+    tell(*oracle, "_shadows", shadows_of(config, *plan, picture, report, {})[at]);
   }
   return out;
 }

@@ -20,4 +20,14 @@ std::string own_refusal(const Oracle& oracle, const Config& config, const Scene&
   return oracle.refuses == nullptr ? "" : oracle.refuses(config, scene);
 }
 
+std::vector<PixelFinding> shadows_of(const Config& config, const ShadowPlan& plan,
+                                     std::span<const Visible> picture, const VisibilityReport& seen,
+                                     const EngineOptions& options) {
+  const auto engine = make_engine(seen.engine, config, options);
+  engine->begin(plan.mask);
+  draw_scene(*engine, plan.mask, 0, plan.mask.triangles.size(), nullptr);
+  return shadow_findings(config, plan, stored_depth_bounds(config, map_scene(plan)), picture, seen,
+                         engine->frame());
+}
+
 }  // namespace bitspan

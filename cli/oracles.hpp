@@ -3,8 +3,12 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
+#include "engine/registry.hpp"
+#include "report/shadow_plan.hpp"
 #include "report/visibility.hpp"
 
 namespace bitspan {
@@ -15,5 +19,11 @@ std::optional<Visibility> visibility_of(const Config& config, const Scene& scene
 
 // Why this oracle does not draw a scene that visibility_of takes; empty where it does.
 std::string own_refusal(const Oracle& oracle, const Config& config, const Scene& scene);
+
+// What rays from the light find of the shadows of an engine, which is made anew for it. picture, seen: as
+// shadow_findings has them.
+std::vector<PixelFinding> shadows_of(const Config& config, const ShadowPlan& plan,
+                                     std::span<const Visible> picture, const VisibilityReport& seen,
+                                     const EngineOptions& options);
 
 }  // namespace bitspan

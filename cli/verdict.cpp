@@ -15,9 +15,7 @@
 #include "config/modes.hpp"
 #include "engine/stages.hpp"
 #include "report/metrics.hpp"
-#include "report/shadow_plan.hpp"
 #include "report/table.hpp"
-#include "study/bounds/bounds.hpp"
 
 namespace bitspan {
 
@@ -151,16 +149,6 @@ void judge_emptiness(SceneVerdict& v, const VerifyOptions& options) {
   }
 }
 
-VisibilityReport shadows_of(const ShadowPlan& plan, std::span<const Visible> picture,
-                            const VisibilityReport& seen, std::string_view engine,
-                            const VerifyOptions& options, const Config& config) {
-  const std::unique_ptr<Engine> masked = make_engine(std::string(engine), config, options.engine);
-  masked->begin(plan.mask);
-  draw_scene(*masked, plan.mask, 0, plan.mask.triangles.size(), nullptr);
-  return compare_shadows(config, plan, stored_depth_bounds(config, map_scene(plan)), picture, seen,
-                         masked->frame());
-}
-
 void compare_oracles(const VerifyOptions& options, const Scene& scene, const Engine& engine,
                      SceneVerdict& v) {
   if (options.oracles.empty()) return;
@@ -176,7 +164,9 @@ void compare_oracles(const VerifyOptions& options, const Scene& scene, const Eng
       v.oracles.push_back(visibility->compare(*oracle, picture, frame, engine.name()));
       if (v.oracles.back().compared() != 0 || v.counters.covered == 0) {
         if (plan && oracle->has_shadows) {
-          v.oracles.push_back(shadows_of(*plan, picture, v.oracles.back(), engine.name(), options, v.config));
+          const VisibilityReport seen = v.oracles.back();
+          v.oracles.push_back(
+              shadow_report(seen, shadows_of(v.config, *plan, picture, seen, options.engine)));
         }
         continue;
       }

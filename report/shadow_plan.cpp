@@ -26,6 +26,7 @@ bool takes_map(const DrawState& state, int map) {
 }
 
 constexpr double reckoned_codes = 4;
+constexpr PassingDistances nearer_or_equal{.nearer = true, .equal = true};
 
 // What registers in front of both codes may lose, as scene/shadow.cpp reckons for its bias: of q.
 double margin_at(const Config& config, const View& light, double code, double q) {
@@ -80,7 +81,8 @@ std::optional<ShadowPlan> shadow_plan_of(const Config& config, const Scene& scen
       // Behind the copy, in the view of the scene's start.
       if (!copied || !(views.now() == static_cast<const View&>(scene))) return std::nullopt;
       const bool is_judged = takes_map(state, plan.map);
-      if (is_judged && (state.texture1_func != DepthFunc::lequal || !state.color_write)) return std::nullopt;
+      if (is_judged && (passing_distances(state.texture1_func) != nearer_or_equal || !state.color_write))
+        return std::nullopt;
       if (has_second_texture(state) && !is_judged) return std::nullopt;
       plan.state_of.push_back(plan.states.size() - 1);
     } else {
@@ -136,15 +138,9 @@ Scene map_scene(const ShadowPlan& plan) {
   return scene;
 }
 
-VisibilityReport compare_shadows(const Config& config, const ShadowPlan& plan, std::span<const double> bounds,
-                                 std::span<const Visible> picture, const VisibilityReport& seen,
-                                 const Frame& mask) {
-  VisibilityReport out;
-  out.oracle = seen.oracle + "_shadows";
-  out.engine = seen.engine;
-  out.left_out_as = "beside the map, or near what may be killed";
-  out.width = seen.width;
-  out.height = seen.height;
+std::vector<PixelFinding> shadow_findings(const Config& config, const ShadowPlan& plan,
+                                          std::span<const double> bounds, std::span<const Visible> picture,
+                                          const VisibilityReport& seen, const Frame& mask) {
   const double code = (1 / plan.light.s_min - 1 / plan.light.s_max) / (std::exp2(config.depth_bits) - 1);
   std::vector<golden::Caster> casters;
   const std::vector<bool> vanishes = vanishing_triangles(config, plan.picture, plan.casters);
@@ -192,11 +188,23 @@ VisibilityReport compare_shadows(const Config& config, const ShadowPlan& plan, s
     return {PixelVerdict::unexplained,
             fmt::format(
                 "{}: the light {} triangle {} at texel ({:.2f}, {:.2f}), W {:.6g}; {} has {} of 255 there",
-                place_text(static_cast<std::int64_t>(at), out.width),
-                lit == golden::Lit::lit ? "sees" : "does not see", here.triangle, point.x, point.y, w,
-                out.engine, share)};
+                place_text(static_cast<std::int64_t>(at), seen.width),
+                lit == golden::Lit::lit ? "sees" : "does not see", plan.first + index, point.x, point.y, w,
+                seen.engine, share)};
   };
-  for (std::size_t at = 0; at < picture.size(); ++at) out.add(judge(at));
+  std::vector<PixelFinding> out;
+  for (std::size_t at = 0; at < picture.size(); ++at) out.push_back(judge(at));
+  return out;
+}
+
+VisibilityReport shadow_report(const VisibilityReport& seen, std::span<const PixelFinding> findings) {
+  VisibilityReport out;
+  out.oracle = seen.oracle + "_shadows";
+  out.engine = seen.engine;
+  out.left_out_as = "beside the map, or near what may be killed";
+  out.width = seen.width;
+  out.height = seen.height;
+  for (const PixelFinding& found : findings) out.add(found);
   return out;
 }
 

@@ -42,12 +42,14 @@ Frame frame_of_picture(const ShadowPlan& plan, Frame frame);
 // The map's pass alone.
 Scene map_scene(const ShadowPlan& plan);
 
-// Compares an engine's shadows with rays from the light. bounds: for each caster, by how many codes its
-// stored depth may be off (stored_depth_bounds of map_scene). picture: of an oracle of plan.picture; seen:
-// its report on the same engine; mask: the engine's frame of plan.mask. Pixels are judged where the report
-// has them equal, their triangle takes the map, and they lie within it.
-VisibilityReport compare_shadows(const Config& config, const ShadowPlan& plan, std::span<const double> bounds,
-                                 std::span<const Visible> picture, const VisibilityReport& seen,
-                                 const Frame& mask);
+// What rays from the light find of an engine's shadows, per pixel. bounds: for each caster, by how many codes
+// its stored depth may be off (stored_depth_bounds of map_scene). picture: of an oracle of plan.picture;
+// seen: its report on the same engine; mask: the engine's frame of plan.mask. Pixels are judged where the
+// report has them equal, their triangle takes the map, and they lie within it.
+std::vector<PixelFinding> shadow_findings(const Config& config, const ShadowPlan& plan,
+                                          std::span<const double> bounds, std::span<const Visible> picture,
+                                          const VisibilityReport& seen, const Frame& mask);
+// The same as a report, beside the one of what is seen.
+VisibilityReport shadow_report(const VisibilityReport& seen, std::span<const PixelFinding> findings);
 
 }  // namespace bitspan

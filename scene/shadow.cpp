@@ -41,10 +41,13 @@ void look_from(Viewpoint& view, const Vec3& from, const Vec3& at, const Vec3& up
   look_at(view, from, at, !is_along ? up : std::abs(up.z) < 0.5 * length(up) ? Vec3{0, 0, 1} : Vec3{1, 0, 0});
 }
 
-// Draws the triangles with the second unit's texture projected on them.
+// Draws the triangles with the second unit's texture projected on them. At its border a filter takes no texel
+// of the other side.
 StateChange projected_texture(int texture) {
   return {.settings = {state_setting("texture1", texture),
                        state_setting("texture1.coordinates", TextureCoordinates::project),
+                       state_setting("texture1.wrap.u", TextureWrap::clamp),
+                       state_setting("texture1.wrap.v", TextureWrap::clamp),
                        state_setting("texture1.op", TextureOp::modulate)}};
 }
 

@@ -108,8 +108,8 @@ VisibilityReport judged(const Config& config, const Scene& scene,
   EXPECT_EQ(seen.unexplained, 0U) << seen.first;
   Scene mask = plan->mask;
   if (fault) fault(mask);
-  return compare_shadows(config, *plan, stored_depth_bounds(config, map_scene(*plan)), picture, seen,
-                         test::drawn_by("model", config, mask));
+  return shadow_report(seen, shadow_findings(config, *plan, stored_depth_bounds(config, map_scene(*plan)),
+                                             picture, seen, test::drawn_by("model", config, mask)));
 }
 
 Scene lit_box(const Config& config, std::optional<double> bias = {}) {
@@ -147,6 +147,18 @@ TEST(RayShadows, HoldInAStreamOfTheDemo) {
   EXPECT_GT(report.equal, 8000U);
   EXPECT_GT(report.left_out, 0U);  // behind the grille
   std::printf("%s\n", visibility_text(report).c_str());
+}
+
+// The floor goes on beyond the map, whose filter must not take texels of its other side.
+TEST(RayShadows, HoldAtTheBorderOfTheMap) {
+  const Config config = with_projector(shipped_config("depth20"));
+  ASSERT_EQ(config.filter, TextureFilter::bilinear);
+  const Scene scene = demo_scene(
+      160, 120,
+      ShadowOptions{
+          .light = {-12, 16, -2}, .at = Vec3{0, 2, -26}, .degrees = 60, .size = 512, .depth_bits = 20});
+  const VisibilityReport report = judged(config, scene);
+  EXPECT_EQ(report.unexplained, 0U) << report.first;
 }
 
 // What an engine would draw that has these faults.
