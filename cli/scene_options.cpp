@@ -414,7 +414,10 @@ SceneSource::SceneSource(LoadedScene whole) : loaded_(std::move(whole)), views_(
 
 SceneSource::SceneSource(const std::string& stream, const SceneOptions& options) : options_(options) {
   refuse_camera(stream, options);
-  stream_ = std::make_unique<StreamPieces>(std::make_unique<TriReader>(stream, options.frame));
+  ShadowOptions codes;
+  codes.depth_bits = options.depth_bits;
+  codes.depth_code = options.depth_code;
+  stream_ = std::make_unique<StreamPieces>(std::make_unique<TriReader>(stream, options.frame, &codes));
   Scene scene = stream_->scene();
   scene.name = stream;
   refuse_size(stream, scene, options);

@@ -24,7 +24,9 @@
 #include "scene/exact.hpp"
 #include "scene/place.hpp"
 #include "scene/procedural.hpp"
+#include "scene/project.hpp"
 #include "scene/quick_triangle.hpp"
+#include "scene/shadow.hpp"
 #include "scene/texels.hpp"
 #include "scene/texture.hpp"
 #include "scene/trib.hpp"
@@ -419,15 +421,67 @@ Projector read_projector(const Json& value, const Place& place, const std::strin
   return projector;
 }
 
+// codes: what the shadow has besides.
+ShadowOptions read_shadow(const Json& value, const Place& place, const ShadowOptions& codes) {
+  ShadowOptions shadow = codes;
+  if (!value.is_object()) {
+    place.fail("shadow: " + shown(value) + " is not an object; expected {\"light\": [x,y,z]}");
+  }
+  check_keys(value, {"light", "at", "degrees", "map", "bias", "dark", "plane", "volumes"}, place, "shadow.");
+  const auto numbers = [&](std::string_view name, std::size_t count, const char* expected) {
+    const auto key = [&] { return "shadow." + std::string(name); };
+    const Json& list = array(value[std::string(name)], count, place, key, expected);
+    std::vector<double> out;
+    for (const Json& part : list) out.push_back(number(part, place, key));
+    return out;
+  };
+  const auto one = [&](std::string_view name) {
+    return number(value[std::string(name)], place, [&] { return "shadow." + std::string(name); });
+  };
+  if (!value.contains("light")) place.fail("shadow.light: key is missing; expected [x, y, z]");
+  const std::vector<double> light = numbers("light", 3, "[x, y, z]");
+  shadow.light = {light[0], light[1], light[2]};
+  if (value.contains("plane")) {
+    const std::vector<double> p = numbers("plane", 6, "a point and a normal [x, y, z, nx, ny, nz]");
+    shadow.plane = Plane{{p[0], p[1], p[2]}, {p[3], p[4], p[5]}};
+  }
+  if (value.contains("volumes")) {
+    if (!value["volumes"].is_boolean()) {
+      place.fail("shadow.volumes: " + shown(value["volumes"]) + " is not legal; expected true or false");
+    }
+    shadow.volumes = value["volumes"].get<bool>();
+  }
+  for (const char* of_map : {"at", "degrees", "map", "bias"}) {
+    if (value.contains(of_map) && (shadow.plane || shadow.volumes)) {
+      place.fail(fmt::format("shadow.{}: is of a map; expected none with plane or volumes", of_map));
+    }
+  }
+  if (value.contains("at")) {
+    const std::vector<double> at = numbers("at", 3, "[x, y, z]");
+    shadow.at = Vec3{at[0], at[1], at[2]};
+  }
+  if (value.contains("degrees")) shadow.degrees = one("degrees");
+  if (value.contains("map")) shadow.size = integer(value["map"], 1, shadow_map_limit, place, "shadow.map");
+  if (value.contains("bias") && value["bias"] != Json("auto")) shadow.bias = one("bias");
+  if (value.contains("dark")) shadow.dark = one("dark");
+  try {
+    check_shadow(shadow, {.size = "shadow.map"});
+  } catch (const InputError& error) {
+    place.fail(error.what());
+  }
+  return shadow;
+}
+
 Scene read_header(const Json& line, const Place& place, const std::filesystem::path& folder, int& color_max,
-                  int& version, std::vector<HeaderTexture>& textures) {
+                  int& version, std::vector<HeaderTexture>& textures, const ShadowOptions& codes,
+                  std::optional<ShadowOptions>& shadow) {
   if (!line.is_object() || !line.contains("bitspan")) {
     place.fail("bitspan: no header; expected a first line {\"bitspan\": 1, \"width\": ..., ...}");
   }
   version = integer(line["bitspan"], 1, 2, place, "bitspan");
   check_keys(line,
              {"bitspan", "width", "height", "s_min", "s_max", "focal", "background", "color_max", "fog",
-              "projector", "textures"},
+              "projector", "shadow", "textures"},
              place, "");
   Scene scene;
   scene.width = integer(required(line, "width", place, "pixels"), 1, picture_size_limit, place, "width");
@@ -455,6 +509,10 @@ Scene read_header(const Json& line, const Place& place, const std::filesystem::p
   if (const auto found = line.find("projector"); found != line.end()) {
     if (version < 2) place.fail("projector: is not legal in version 1; expected \"bitspan\": 2");
     scene.projector = read_projector(*found, place, "");
+  }
+  if (const auto found = line.find("shadow"); found != line.end()) {
+    if (version < 2) place.fail("shadow: is not legal in version 1; expected \"bitspan\": 2");
+    shadow = read_shadow(*found, place, codes);
   }
   if (const auto found = line.find("textures"); found != line.end()) {
     if (!found->is_array())
@@ -1060,6 +1118,9 @@ struct TriReader::State {
   std::size_t triangles = 0;
   Views views;                             // of the targets
   DrawState draw_state = first_state({});  // as far as its legality does not depend on a configuration
+  // Where the header has a shadow: the passes, and how many triangles and commands of them are given.
+  std::optional<Scene> passes;
+  std::size_t given = 0, given_commands = 0;
 
   bool read_quickly(Triangle& triangle) {
     if (!quick.read(line, version, quick_line)) return false;
@@ -1168,7 +1229,55 @@ struct TriReader::State {
     commands.push_back(std::move(command));
   }
 
-  void open(std::istream& in, const std::string& origin, std::optional<int> first_frame) {
+  bool next_given(Triangle& triangle) {
+    if (given == passes->triangles.size()) return false;
+    triangle = passes->triangles[given++];
+    return true;
+  }
+
+  bool next_line(Triangle& triangle) {
+    while (lines->next(line, place)) {
+      if (blank(line)) continue;
+      if (read_quickly(triangle)) {
+        ++triangles;
+        return true;
+      }
+      const Json json = parse_line(line, place);
+      if (is_command(json)) {
+        add_command(json);
+        continue;
+      }
+      triangle = read_triangle(json, views.now(), textures, frame, color_max, version, place);
+      ++triangles;
+      return true;
+    }
+    return false;
+  }
+  bool next(Triangle& triangle) {
+    if (passes) return next_given(triangle);
+    return records ? next_record(triangle) : next_line(triangle);
+  }
+
+  // The whole stream, drawn in that light.
+  void light(const ShadowOptions& shadow, const Place& header) {
+    Scene all = scene;
+    Triangle triangle;
+    while (next(triangle)) all.triangles.push_back(triangle);
+    all.commands = std::exchange(commands, {});
+    const std::vector<Face> casters = faces_of(all);
+    try {
+      passes = shadowed(std::move(all), casters, shadow);
+    } catch (const InputError& error) {
+      const std::string what = error.what();
+      header.fail(what.starts_with("shadow") ? what : "shadow: " + what);
+    }
+    scene = *passes;
+    scene.triangles.clear();
+    scene.commands.clear();
+  }
+
+  void open(std::istream& in, const std::string& origin, std::optional<int> first_frame,
+            const ShadowOptions* codes) {
     namespace fs = std::filesystem;
     place.file = origin;
     if (is_binary_stream(in, origin)) {
@@ -1185,11 +1294,14 @@ struct TriReader::State {
         place.fail("the file is empty; expected a header {\"bitspan\": 1, ...}");
       }
     }
+    std::optional<ShadowOptions> shadow;
+    const Place header = place;
     scene = read_header(parse_line(line, place), place, fs::path(origin).parent_path(), color_max, version,
-                        textures);
+                        textures, codes == nullptr ? ShadowOptions{} : *codes, shadow);
     views = Views(scene);
     if (first_frame) show_frame(*first_frame);
     scene.name = fs::path(origin).stem().string();
+    if (shadow) light(*shadow, header);
   }
 };
 
@@ -1197,9 +1309,10 @@ bool is_stream(const std::string& name) {
   return name == "-" || name.ends_with(".tri") || name.ends_with(".trib") || is_binary_stream_file(name);
 }
 
-TriReader::TriReader(const std::string& path, std::optional<int> frame) : state_(std::make_unique<State>()) {
+TriReader::TriReader(const std::string& path, std::optional<int> frame, const ShadowOptions* codes)
+    : state_(std::make_unique<State>()) {
   if (path == "-") {
-    state_->open(std::cin, "stdin", frame);
+    state_->open(std::cin, "stdin", frame, codes);
     return;
   }
   std::error_code code;
@@ -1211,40 +1324,33 @@ TriReader::TriReader(const std::string& path, std::optional<int> frame) : state_
     throw InputError(path + ": cannot read: " + std::strerror(errno) +
                      "; expected a triangle stream (.tri, .trib)");
   }
-  state_->open(state_->file, path, frame);
+  state_->open(state_->file, path, frame, codes);
 }
 
-TriReader::TriReader(std::istream& in, const std::string& origin, std::optional<int> frame)
+TriReader::TriReader(std::istream& in, const std::string& origin, std::optional<int> frame,
+                     const ShadowOptions* codes)
     : state_(std::make_unique<State>()) {
-  state_->open(in, origin, frame);
+  state_->open(in, origin, frame, codes);
 }
 
 TriReader::~TriReader() = default;
 
 const Scene& TriReader::scene() const { return state_->scene; }
 
-bool TriReader::next(Triangle& triangle) {
-  State& s = *state_;
-  if (s.records) return s.next_record(triangle);
-  while (s.lines->next(s.line, s.place)) {
-    if (blank(s.line)) continue;
-    if (s.read_quickly(triangle)) {
-      ++s.triangles;
-      return true;
-    }
-    const Json json = parse_line(s.line, s.place);
-    if (is_command(json)) {
-      s.add_command(json);
-      continue;
-    }
-    triangle = read_triangle(json, s.views.now(), s.textures, s.frame, s.color_max, s.version, s.place);
-    ++s.triangles;
-    return true;
-  }
-  return false;
-}
+bool TriReader::next(Triangle& triangle) { return state_->next(triangle); }
 
-std::vector<DrawCommand> TriReader::take_commands() { return std::exchange(state_->commands, {}); }
+std::vector<DrawCommand> TriReader::take_commands() {
+  State& s = *state_;
+  if (!s.passes) return std::exchange(s.commands, {});
+  // Those in front of what is given; at the end the others, too.
+  std::vector<DrawCommand> out;
+  const std::vector<DrawCommand>& all = s.passes->commands;
+  const bool is_end = s.given == s.passes->triangles.size();
+  while (s.given_commands < all.size() && (is_end || all[s.given_commands].before < s.given)) {
+    out.push_back(all[s.given_commands++]);
+  }
+  return out;
+}
 
 namespace {
 

@@ -15,6 +15,8 @@
 
 namespace bitspan {
 
+struct ShadowOptions;
+
 inline constexpr double coordinate_limit = 32767;  // |x|, |y| of a vertex, pixels
 
 // Whether a stream is meant: by the name "-", .tri or .trib, or since the file is a binary stream.
@@ -28,9 +30,14 @@ class TriReader {
   // Reads the header and the textures it names, relative to the file's folder. "-" reads standard input.
   // frame: which image dynamic textures [T8] show at first; without it the first one, and a stream with it
   // must have such a texture.
-  explicit TriReader(const std::string& path, std::optional<int> frame = std::nullopt);
+  // A header's "shadow" draws the scene in the light of a lamp: then all triangles are read at once, and what
+  // is given are the passes. codes: by whose depth_bits and depth_code shadows are
+  // compared; null: by those of a ShadowOptions.
+  explicit TriReader(const std::string& path, std::optional<int> frame = std::nullopt,
+                     const ShadowOptions* codes = nullptr);
   // Reads from `in`, which must outlive the reader; `origin` stands for the file's name.
-  TriReader(std::istream& in, const std::string& origin, std::optional<int> frame = std::nullopt);
+  TriReader(std::istream& in, const std::string& origin, std::optional<int> frame = std::nullopt,
+            const ShadowOptions* codes = nullptr);
   ~TriReader();
   TriReader(const TriReader&) = delete;
   TriReader& operator=(const TriReader&) = delete;

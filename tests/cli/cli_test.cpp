@@ -477,6 +477,18 @@ TEST_F(Cli, AnySceneHasShadows) {
       EXPECT_NE(folder.read("a.png"), folder.read("plain.png")) << scene;
     }
   }
+  // By the header of a stream, where its viewer sees the light.
+  ASSERT_EQ(run("render " + spot + " --size 96x72 -o plain.png --emit-tri plain.tri").code, 0);
+  const std::string rest = " --config c.toml --shadow-map 64 --shadow=1,-3,-2";
+  ASSERT_EQ(run("render plain.tri -o by_flag.png" + rest).code, 0);
+  std::string stream = folder.read("plain.tri");
+  stream.replace(stream.find("\"bitspan\":1"), 11,
+                 "\"bitspan\":2,\"shadow\":{\"light\":[1,-3,-2],\"map\":64}");
+  folder.write("header.tri", stream);
+  ASSERT_EQ(run("render header.tri -o by_header.png --config c.toml").code, 0);
+  EXPECT_EQ(folder.read("by_flag.png"), folder.read("by_header.png"));
+  EXPECT_EQ(run("verify header.tri --config c.toml --engines golden,model").code, 0);
+  EXPECT_EQ(run("render header.tri -o c.png --config c.toml --shadow=1,2,3").code, 2);
   // Rays judge it, and find what a bias of 0 does.
   const std::string judge = "verify demo --size 96x72 --engines model --oracles ray" + light;
   const Result judged = run(judge + "-12,16,-2,0,2,-26,60 --json j.json");
@@ -484,6 +496,10 @@ TEST_F(Cli, AnySceneHasShadows) {
   EXPECT_NE(judged.out.find("oracle ray_shadows against model: "), std::string::npos) << judged.out;
   EXPECT_NE(folder.read("j.json").find("\"edges\""), std::string::npos);
   EXPECT_EQ(run(judge + "-12,16,-2,0,2,-26,60 --shadow-bias 0").code, 1);
+  const Result pixel =
+      run("explain demo 40 60 --size 96x72 --engines model --oracles ray" + light + "-12,16,-2,0,2,-26,60");
+  EXPECT_EQ(pixel.code, 0) << pixel.out << pixel.err;
+  EXPECT_NE(pixel.out.find("oracle ray_shadows against model: equal"), std::string::npos) << pixel.out;
   // The unit in RTL.
   const Result unit = run("config emit-sv c.toml --part project --rtl unit");
   EXPECT_EQ(unit.code, 0) << unit.err;

@@ -9,7 +9,9 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <numbers>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <tuple>
@@ -20,6 +22,7 @@
 #include "config/check.hpp"
 #include "scene/demo.hpp"
 #include "scene/mesh.hpp"
+#include "scene/pieces.hpp"
 #include "scene/project.hpp"
 #include "scene/random.hpp"
 #include "scene/tri_stream.hpp"
@@ -438,6 +441,91 @@ TEST(Shadow, ScenesWithCommandsAreRefused) {
   scene.projector = Projector{1, 2};
   EXPECT_EQ(input_error([&] { shadowed(scene, faces, options); }), line);
   expect_refusal([&] { with_slide(scene, slide); }, "faces: a slide is for");
+}
+
+std::string text_of(const Scene& scene) {
+  std::ostringstream out;
+  write_tri(out, scene);
+  return out.str();
+}
+// A stream whose header has that shadow besides.
+std::string with_header_shadow(const Scene& scene, const std::string& shadow) {
+  std::string text = text_of(scene);
+  text.replace(text.find("\"bitspan\":1"), 11, "\"bitspan\":2");
+  return text.insert(text.find("}\n"), ",\"shadow\":" + shadow);
+}
+
+TEST(Shadow, InTheHeaderOfAStream) {
+  Random random(99);
+  const Scene scene = seen(random_faces(random, 40));
+  ASSERT_GT(scene.triangles.size(), 10U);
+  const Vec3 light{-3, -9, 2};
+  const std::pair<std::string, ShadowOptions> cases[] = {
+      {R"({"light": [-3, -9, 2]})", {.light = light}},
+      {R"({"light": [-3, -9, 2], "bias": "auto", "dark": 0.5})", {.light = light, .dark = 0.5}},
+      {R"({"light": [-3, -9, 2], "at": [0, 1, 30], "degrees": 50, "map": 64, "bias": 2.5})",
+       {.light = light, .at = Vec3{0, 1, 30}, .degrees = 50, .size = 64, .bias = 2.5}},
+      {R"({"light": [-3, -9, 2], "plane": [0, 5, 0, 0, 1, 0]})",
+       {.light = light, .plane = Plane{{0, 5, 0}, {0, 1, 0}}}},
+      {R"({"light": [-3, -9, 2], "volumes": true})", {.light = light, .volumes = true}}};
+  for (const auto& [json, options] : cases) {
+    const std::string stream = with_header_shadow(scene, json);
+    const std::string expected = text_of(shadowed(scene, faces_of(scene), options));
+    EXPECT_EQ(text_of(parse_tri(stream, "x.tri")), expected) << json;
+    // In pieces, and with the codes that a configuration has.
+    std::istringstream in(stream);
+    StreamPieces pieces(std::make_unique<TriReader>(in, "x.tri"), 7);
+    Scene whole = pieces.scene();
+    for (Scene piece; pieces.next(piece);) append_piece(whole, piece);
+    EXPECT_EQ(text_of(whole), expected) << json;
+    ShadowOptions finer = options;
+    finer.depth_bits = 24;
+    finer.depth_code = DepthCode::opengl;
+    std::istringstream again(stream);
+    TriReader reader(again, "x.tri", std::nullopt, &finer);
+    Scene read = reader.scene();
+    for (Triangle t; reader.next(t);) read.triangles.push_back(t);
+    read.commands = reader.take_commands();
+    EXPECT_EQ(text_of(read), text_of(shadowed(scene, faces_of(scene), finer))) << json;
+  }
+}
+
+TEST(Shadow, BadHeadersAreOneLine) {
+  Random random(5);
+  const Scene scene = seen(random_faces(random, 3));
+  const auto refused = [&](const std::string& json) {
+    return input_error([&] { parse_tri(with_header_shadow(scene, json), "x.tri"); });
+  };
+  const std::pair<const char*, const char*> cases[] = {
+      {"3", "shadow: 3 is not an object; expected {\"light\": [x,y,z]}"},
+      {"{}", "shadow.light: key is missing; expected [x, y, z]"},
+      {R"({"light": [1, 2]})", "shadow.light: has 2 elements; expected [x, y, z]"},
+      {R"({"light": [1, 2, "3"]})", "shadow.light: \"3\" is not a number"},
+      {R"({"light": [1, 2, 3], "colour": 1})", "shadow.\"colour\": unknown key; expected light, at"},
+      {R"({"light": [1, 2, 3], "map": 0})", "shadow.map: 0 is not legal; expected a whole number 1..8192"},
+      {R"({"light": [1, 2, 3], "degrees": 170})", "shadow.degrees: 170 is not legal"},
+      {R"({"light": [1, 2, 3], "bias": "none"})", "shadow.bias: \"none\" is not a number"},
+      {R"({"light": [1, 2, 3], "bias": 65})", "shadow.bias: 65 is not legal; expected 0..64 texels"},
+      {R"({"light": [1, 2, 3], "dark": 2})", "shadow.dark: 2 is not legal"},
+      {R"({"light": [1, 2, 3], "volumes": 1})", "shadow.volumes: 1 is not legal; expected true or false"},
+      {R"({"light": [1, 2, 3], "volumes": true, "map": 9})", "shadow.map: is of a map"},
+      {R"({"light": [1, 2, 3], "plane": [0, 0, 0, 0, 0, 0]})", "shadow.plane: 0 is not legal"},
+      {R"({"light": [1, 2, 3], "at": [1, 2, 3]})", "shadow: the light stands at what it looks at"},
+  };
+  for (const auto& [json, message] : cases) {
+    EXPECT_EQ(refused(json).find("x.tri:1: " + std::string(message)), 0U) << refused(json);
+  }
+  std::string old = with_header_shadow(scene, R"({"light": [1, 2, 3]})");
+  old.replace(old.find("\"bitspan\":2"), 11, "\"bitspan\":1");
+  EXPECT_EQ(input_error([&] { parse_tri(old, "x.tri"); }),
+            "x.tri:1: shadow: is not legal in version 1; expected \"bitspan\": 2");
+  const std::string commands =
+      with_header_shadow(scene, R"({"light": [1, 2, 3]})") + "{\"clear\": {\"depth\": true}}\n";
+  EXPECT_EQ(input_error([&] {
+              parse_tri(commands, "x.tri");
+            }).find("x.tri:1: shadow: x: a shadow is for a scene without"),
+            0U)
+      << input_error([&] { parse_tri(commands, "x.tri"); });
 }
 
 TEST(Shadow, ASlide) {
