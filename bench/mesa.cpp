@@ -14,6 +14,7 @@
 #include "bench/scenes.hpp"
 #include "model/mip_chain.hpp"
 #include "model/stages/texel.hpp"
+#include "report/shadow_plan.hpp"
 
 namespace bitspan::bench {
 namespace {
@@ -33,23 +34,11 @@ struct Batch {
   GLsizei count = 0;
 };
 
-// What the scene's pass over the shadow map has.
-struct LampPass {
-  View view;                  // the lamp's
-  std::size_t triangles = 0;  // the first ones of the scene
-};
-LampPass lamp_pass_of(const Scene& scene) {
-  LampPass pass{scene, 0};
-  bool in_lamp = false;
-  for (const DrawCommand& command : scene.commands) {
-    if (const auto* view = std::get_if<ViewChange>(&command.what); view != nullptr && !in_lamp) {
-      pass.view = changed_view(scene, *view);
-      in_lamp = true;
-    } else if (in_lamp && std::holds_alternative<Copy>(command.what)) {
-      pass.triangles = command.before;
-      return pass;
-    }
-  }
+// The scene's pass over a shadow map, and the picture behind it.
+ShadowPlan plan_of(const Scene& scene) {
+  Config config;
+  config.project = ProjectUnit::reciprocal;
+  if (auto plan = shadow_plan_of(config, scene)) return *std::move(plan);
   throw InputError(scene.name + ": no shadow map is drawn");
 }
 
@@ -190,8 +179,7 @@ struct Mesa::State {
   GLuint buffer = 0;
   // With a shadow map only.
   std::size_t lamp_batches = 0;  // the first ones, drawn on the map
-  LampPass lamp;
-  View view;
+  View lamp, view;
   GLuint map = 0, map_frame = 0, program = 0;
 
   ~State() {
@@ -237,22 +225,27 @@ Mesa::Mesa(const Scene& scene, TextureFilter filter, int depth_bits, MipMode mip
   glTexEnvi(GL_TEXTURE_ENV, GL_TEXTURE_ENV_MODE, GL_MODULATE);
 
   s.view = scene;
-  if (scene.projector) s.lamp = lamp_pass_of(scene);
+  std::size_t lamp_triangles = 0;  // the first ones
+  if (scene.projector) {
+    const ShadowPlan plan = plan_of(scene);
+    s.lamp = plan.light;
+    lamp_triangles = plan.first;
+  }
   std::vector<GlVertex> vertices;
   vertices.reserve(3 * scene.triangles.size());
   for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
     const Triangle& t = scene.triangles[i];
-    if (scene.projector && i == s.lamp.triangles) s.lamp_batches = s.batches.size();
+    if (scene.projector && i == lamp_triangles) s.lamp_batches = s.batches.size();
     if (s.batches.size() == s.lamp_batches || s.batches.back().texture != t.texture) {
       s.batches.push_back({t.texture, static_cast<GLint>(vertices.size()), 0});
     }
     s.batches.back().count += 3;
     const Texture* texture = t.texture < 0 ? nullptr : &scene.textures[static_cast<std::size_t>(t.texture)];
     for (const Vertex& v : t.v) {
-      vertices.push_back(convert(v, i < s.lamp.triangles ? s.lamp.view : s.view, texture));
+      vertices.push_back(convert(v, i < lamp_triangles ? s.lamp : s.view, texture));
       if (!scene.projector) continue;
-      vertices.back().in_lamp = {static_cast<float>(v.project_x / s.lamp.view.width),
-                                 static_cast<float>(v.project_w - v.project_y / s.lamp.view.height),
+      vertices.back().in_lamp = {static_cast<float>(v.project_x / s.lamp.width),
+                                 static_cast<float>(v.project_w - v.project_y / s.lamp.height),
                                  static_cast<float>(depth_in_lamp(*scene.projector, v.project_w)),
                                  static_cast<float>(v.project_w)};
     }
@@ -282,7 +275,7 @@ Mesa::Mesa(const Scene& scene, TextureFilter filter, int depth_bits, MipMode mip
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_R_TO_TEXTURE);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
     glTexImage2D(GL_TEXTURE_2D, 0, depth_bits == 16 ? GL_DEPTH_COMPONENT16 : GL_DEPTH_COMPONENT24,
-                 s.lamp.view.width, s.lamp.view.height, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
+                 s.lamp.width, s.lamp.height, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
     glActiveTexture(GL_TEXTURE0);
     glGenFramebuffers(1, &s.map_frame);
     glBindFramebuffer(GL_FRAMEBUFFER, s.map_frame);
@@ -325,8 +318,8 @@ void Mesa::draw() {
   if (s.program != 0) {
     glBindFramebuffer(GL_FRAMEBUFFER, s.map_frame);
     glUseProgram(0);
-    glViewport(0, 0, s.lamp.view.width, s.lamp.view.height);
-    set_projection(s.lamp.view);
+    glViewport(0, 0, s.lamp.width, s.lamp.height);
+    set_projection(s.lamp);
     glClear(GL_DEPTH_BUFFER_BIT);
     glDisable(GL_TEXTURE_2D);
     for (std::size_t i = 0; i < s.lamp_batches; ++i) {

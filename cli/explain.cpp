@@ -233,7 +233,9 @@ OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const
   std::string why;
   const std::optional<ShadowPlan> plan = shadow_plan_of(config, scene);
   const Scene& shown = plan ? plan->picture : scene;
-  const Frame of_shown = plan ? frame_of_picture(*plan, frame) : frame;
+  std::optional<Frame> of_picture;
+  if (plan) of_picture = frame_of_picture(*plan, frame);
+  const Frame& of_shown = of_picture ? *of_picture : frame;
   const std::optional<Visibility> visibility = visibility_of(config, shown, why);
   const auto at = static_cast<std::size_t>(o.y * shown.width + o.x);
   const auto tell = [&](const Oracle& oracle, std::string_view what, const PixelFinding& found) {

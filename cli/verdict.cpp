@@ -155,7 +155,9 @@ void compare_oracles(const VerifyOptions& options, const Scene& scene, const Eng
   std::string why;
   const std::optional<ShadowPlan> plan = shadow_plan_of(v.config, scene);
   const Scene& shown = plan ? plan->picture : scene;
-  const Frame frame = plan ? frame_of_picture(*plan, engine.frame()) : engine.frame();
+  std::optional<Frame> of_picture;
+  if (plan) of_picture = frame_of_picture(*plan, engine.frame());
+  const Frame& frame = of_picture ? *of_picture : engine.frame();
   const std::optional<Visibility> visibility = visibility_of(v.config, shown, why);
   for (const Oracle* oracle : options.oracles) {
     if (visibility) why = own_refusal(*oracle, v.config, shown);

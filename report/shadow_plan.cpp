@@ -12,6 +12,7 @@
 #include "config/modes.hpp"
 #include "golden/shadow_rays.hpp"
 #include "scene/plan.hpp"
+#include "scene/shadow.hpp"
 
 namespace bitspan {
 namespace {
@@ -25,13 +26,7 @@ bool takes_map(const DrawState& state, int map) {
   return is_projected(state) && state.texture1 == map && state.texture1_compare;
 }
 
-constexpr double reckoned_codes = 4;
 constexpr PassingDistances nearer_or_equal{.nearer = true, .equal = true};
-
-// What registers in front of both codes may lose, as scene/shadow.cpp reckons for its bias: of q.
-double margin_at(const Config& config, const View& light, double code, double q) {
-  return reckoned_codes * code + q * (2 * std::exp2(-config.depth_bits) + 0x1p-22 * light.s_max * q);
-}
 
 std::string place_text(std::int64_t at, int width) {
   return fmt::format("pixel ({}, {})", at % width, at / width);
@@ -81,9 +76,9 @@ std::optional<ShadowPlan> shadow_plan_of(const Config& config, const Scene& scen
       // Behind the copy, in the view of the scene's start.
       if (!copied || !(views.now() == static_cast<const View&>(scene))) return std::nullopt;
       const bool is_judged = takes_map(state, plan.map);
-      if (is_judged && (passing_distances(state.texture1_func) != nearer_or_equal || !state.color_write))
-        return std::nullopt;
-      if (has_second_texture(state) && !is_judged) return std::nullopt;
+      // The picture below has colours written in every state.
+      if (!state.color_write || (has_second_texture(state) && !is_judged)) return std::nullopt;
+      if (is_judged && passing_distances(state.texture1_func) != nearer_or_equal) return std::nullopt;
       plan.state_of.push_back(plan.states.size() - 1);
     } else {
       if (copied || (light_target && *light_target != views.target())) return std::nullopt;
@@ -141,13 +136,14 @@ Scene map_scene(const ShadowPlan& plan) {
 std::vector<PixelFinding> shadow_findings(const Config& config, const ShadowPlan& plan,
                                           std::span<const double> bounds, std::span<const Visible> picture,
                                           const VisibilityReport& seen, const Frame& mask) {
-  const double code = (1 / plan.light.s_min - 1 / plan.light.s_max) / (std::exp2(config.depth_bits) - 1);
+  const Projector range{plan.light.s_min, plan.light.s_max};
+  const double code = code_step(range, config.depth_bits);
   std::vector<golden::Caster> casters;
   const std::vector<bool> vanishes = vanishing_triangles(config, plan.picture, plan.casters);
   for (std::size_t i = 0; i < plan.casters.size(); ++i) {
     casters.push_back(golden::caster_of(plan.casters[i]));
     casters.back().vanishes = vanishes[i];
-    casters.back().excess = std::max(0.0, bounds[i] - reckoned_codes) * code;
+    casters.back().excess = std::max(0.0, bounds[i] - codes_lost) * code;
   }
   const golden::ShadowRays rays(casters);
   const auto judge = [&](std::size_t at) -> PixelFinding {
@@ -180,7 +176,7 @@ std::vector<PixelFinding> shadow_findings(const Config& config, const ShadowPlan
     }
     const double nearer = nearer_is_larger(config.depth_code) ? 1 : -1;
     point.shift = nearer * static_cast<double>(state.texture1_bias) * code;
-    const golden::Lit lit = rays.at(point, reach, margin_at(config, plan.light, code, 1 / w));
+    const golden::Lit lit = rays.at(point, reach, lost_by_registers(range, config.depth_bits, w));
     if (lit == golden::Lit::unknown) return {PixelVerdict::left_out};
     if (lit == golden::Lit::open) return {PixelVerdict::edge};
     const int share = mask.color[4 * at];

@@ -135,18 +135,22 @@ Viewpoint view_of(std::span<const Face> casters, const ShadowOptions& options) {
   return view;
 }
 
+double code_step(const Projector& range, int depth_bits) {
+  return (1 / range.s_min - 1 / range.s_max) / (std::exp2(depth_bits) - 1);
+}
+
+double lost_by_registers(const Projector& range, int depth_bits, double w) {
+  const double share = 2 * std::exp2(-depth_bits);
+  constexpr double vertex = 0x1p-22;
+  return codes_lost * code_step(range, depth_bits) + (share + vertex * range.s_max / w) / w;
+}
+
 // Over the light's picture 1 / W is linear on a triangle's plane, and so is its code. A lookup takes a texel
 // whose middle is at most `reach` texels off each way, so the plane there is nearer by at most
 // reach (|d/dx| + |d/dy|) of 1 / W. On a convex body no other face is in front of a lit plane. So a point
 // that comes nearer by that, and by what codes are rounded, is lit.
 ShadowBias bias_of(const Triangle& triangle, const View& view, const Viewpoint& light, int depth_bits) {
   constexpr double reach = 1.125;  // bilinear: 1; map's corners and the lookup's place are rounded
-  // Two are rounded, the map's and the fragment's. As many again are for the registers in front of them.
-  constexpr double codes = 4;
-  // R_project and project.ratio err by a share of 1 / W, each by no more than a code is of the largest; and
-  // project.vertex by so much of W.
-  const double share = 2 * std::exp2(-depth_bits);
-  constexpr double vertex = 0x1p-22;
   std::array<Vec3, 3> p;
   double farthest = light.s_min;
   double nearest = light.s_max;
@@ -162,13 +166,14 @@ ShadowBias bias_of(const Triangle& triangle, const View& view, const Viewpoint& 
   const double slope = from_light == 0
                            ? HUGE_VAL
                            : (std::abs(normal.x) + std::abs(normal.y)) / (std::abs(from_light) * light.focal);
-  const double code = (1 / light.s_min - 1 / light.s_max) / (std::exp2(depth_bits) - 1);
   // Nothing of the map is nearer than s_min.
-  const double inverse = std::min(
-      reach * slope + codes * code + (share + vertex * light.s_max / nearest) / nearest, 1 / light.s_min);
+  const Projector range = range_of(light);
+  const double inverse =
+      std::min(reach * slope + lost_by_registers(range, depth_bits, nearest), 1 / light.s_min);
   const bool is_seen = (from_light > 0) == (from_eye > 0);
   if (farthest > far_apart * nearest) {
-    const auto whole = static_cast<std::int64_t>(std::ceil(std::min(inverse / code, most_codes)));
+    const auto whole =
+        static_cast<std::int64_t>(std::ceil(std::min(inverse / code_step(range, depth_bits), most_codes)));
     return {.codes = is_seen ? whole : -whole};
   }
   const double nearer = inverse * farthest;

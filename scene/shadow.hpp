@@ -42,6 +42,16 @@ struct ShadowNames {
 // Throws InputError, whose text begins with the option's name, where one is not legal.
 void check_shadow(const ShadowOptions& options, const ShadowNames& names = {});
 
+// Codes that the registers of a shadow lose: the map's and the fragment's are rounded, and as many again are
+// for the registers in front of them.
+inline constexpr double codes_lost = 4;
+// A depth code of a range, as 1 / W.
+double code_step(const Projector& range, int depth_bits);
+// All that they may lose of 1 / W at that W, reckoned: besides the codes, R_project and project.ratio err by
+// a share of 1 / W, each by no more than a code is of the largest; and project.vertex by 2^-22 of the range's
+// W.
+double lost_by_registers(const Projector& range, int depth_bits, double w);
+
 // What the light sees: a square picture around `at`, and the distances of the casters in it. Throws
 // InputError where it stands at what it looks at.
 Viewpoint view_of(std::span<const Face> casters, const ShadowOptions& options);

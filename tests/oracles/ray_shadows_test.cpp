@@ -213,6 +213,9 @@ TEST(RayShadows, OtherPlansAreNone) {
   EXPECT_FALSE(with({last - 1, StateChange{.settings = {state_setting("texture1.func", DepthFunc::less)}}}));
   EXPECT_FALSE(with({last - 1, Clear{}}));
   EXPECT_FALSE(with({last, Target{1}}));
+  EXPECT_FALSE(with({last - 1, StateChange{.settings = {state_setting("color.write", 0)}}}));
+  EXPECT_FALSE(with(
+      {last - 1, StateChange{.settings = {state_setting("texture1", -1), state_setting("color.write", 0)}}}));
   EXPECT_FALSE(with({last - 1, ViewChange{.focal = 9.0}}));
   EXPECT_FALSE(with({1, StateChange{.settings = {state_setting("depth.bias", 3)}}}));
 }
