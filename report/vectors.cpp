@@ -14,7 +14,9 @@
 #include <sstream>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
+#include "config/lines.hpp"
 #include "config/one_line.hpp"
 #include "engine/range.hpp"
 #include "engine/registry.hpp"
@@ -64,11 +66,33 @@ bool reads_picture(RecordType stage) {
   return stage == RecordType::merge || stage == RecordType::merge_alpha;
 }
 
+// Of a field of a channel: on the grid of the first channel that the configuration has, and as wide as the
+// widest of them.
+std::optional<Format> widest_format(const Field& field, const Config& config) {
+  std::optional<Format> out = format_of(field, config);
+  bool is_first = true;
+  for (const int channel : ChannelList(config)) {
+    const std::optional<Format> own = format_of(field, config, channel);
+    if (!own) continue;
+    if (std::exchange(is_first, false)) {
+      out = own;
+      continue;
+    }
+    const bool is_signed = out->is_signed || own->is_signed;
+    const auto needed = [&](const Format& f) { return f.word + (is_signed && !f.is_signed ? 1 : 0); };
+    const int word = std::max(needed(*out), needed(*own));
+    out->integer += word - out->word;
+    out->word = word;
+    out->is_signed = is_signed;
+  }
+  return out;
+}
+
 // All fields of a record; the first one is leftmost in a word.
 Layout layout_of(std::span<const Field> all, const Config& config) {
   Layout out;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const std::optional<Format> format = format_of(all[i], config);
+    const std::optional<Format> format = widest_format(all[i], config);
     Place place{static_cast<int>(i), integer_bits, 0, true, static_cast<int>(i), 0};
     if (format) {
       place.word = std::max(1, format->word);
